@@ -1,0 +1,53 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pbrt/core/ids.h"
+#include "pbrt/math/transform.h"
+#include "pbrt/shapes/shape.h"
+#include "pbrt/textures/texture.h"
+
+namespace pbrt {
+
+/// What the accelerator reports: which primitive, where on it, and in which instance.
+struct AccelHit {
+    ShapeId shape{};
+    uint32_t primitive = 0;
+    PrimitiveHit hit{};
+    int32_t instance = -1;  ///< -1: placed directly in the scene
+};
+
+/// All ray queries, through Embree. Shapes are traced where they lie (rendering space) or, grouped into objects, through
+/// instances. A surface with an alpha texture is hit with probability alpha, by a hash of the ray that is the same for
+/// every thread and query order.
+class Accel {
+  public:
+    Accel();
+    ~Accel();
+    Accel(const Accel &) = delete;
+    Accel &operator=(const Accel &) = delete;
+
+    /// Before Commit. `alpha` may be null. Shapes and textures must outlive the Accel.
+    void AddShape(ShapeId id, const Shape &shape, const FloatTexture *alpha);
+    /// Shapes of an object definition; returns its index.
+    int AddObject(const std::vector<ShapeId> &ids, const std::vector<const Shape *> &shapes,
+                  const std::vector<const FloatTexture *> &alphas);
+    /// Returns the instance index reported in AccelHit.
+    int AddInstance(int object, const Transform &renderFromObject);
+    void Commit();
+
+    Bounds3 Bounds() const;
+    std::optional<AccelHit> Intersect(const Ray &ray) const;
+    /// True if anything lies strictly inside (0, ray.tMax).
+    bool Occluded(const Ray &ray) const;
+    const Transform &InstanceTransform(int instance) const;
+    size_t Bytes() const;  ///< as counted by Embree's memory monitor
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,37 @@
+#pragma once
+#include <cstdint>
+
+#include "pbrt/spectra/spectrum.h"
+
+namespace pbrt {
+
+enum class TransportMode { Radiance, Importance };
+
+enum class ReflTransFlags : uint8_t { None = 0, Reflection = 1, Transmission = 2, All = 3 };
+constexpr bool Has(ReflTransFlags f, ReflTransFlags bit) { return (static_cast<int>(f) & static_cast<int>(bit)) != 0; }
+
+/// What a lobe does, and of a sample what it was.
+enum class BxdfFlags : uint8_t {
+    None = 0, Reflection = 1, Transmission = 2, Diffuse = 4, Glossy = 8, Specular = 16
+};
+constexpr BxdfFlags operator|(BxdfFlags a, BxdfFlags b) {
+    return static_cast<BxdfFlags>(static_cast<int>(a) | static_cast<int>(b));
+}
+constexpr bool Has(BxdfFlags f, BxdfFlags bit) { return (static_cast<int>(f) & static_cast<int>(bit)) != 0; }
+constexpr bool IsReflective(BxdfFlags f) { return Has(f, BxdfFlags::Reflection); }
+constexpr bool IsTransmissive(BxdfFlags f) { return Has(f, BxdfFlags::Transmission); }
+constexpr bool IsSpecular(BxdfFlags f) { return Has(f, BxdfFlags::Specular); }
+constexpr bool IsNonSpecular(BxdfFlags f) { return Has(f, BxdfFlags::Diffuse | BxdfFlags::Glossy); }
+
+/// A direction drawn from a BSDF. `pdf` by solid angle (for specular samples the discrete probability, f/|cos| carrying
+/// the delta's weight). wi in the caller's space.
+struct BsdfSample {
+    SampledSpectrum f;
+    Vector3 wi{};
+    Float pdf = 0;
+    BxdfFlags flags = BxdfFlags::None;
+    Float eta = 1;  ///< relative index of refraction along wi, 1 unless transmitted
+    bool pdfIsProportional = false;  ///< stochastic f and pdf: for MIS ask Pdf()
+};
+
+}  // namespace pbrt

@@ -1,0 +1,52 @@
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "pbrt/core/params.h"
+#include "pbrt/math/ray.h"
+#include "pbrt/math/transform.h"
+#include "pbrt/spectra/spectrum.h"
+
+namespace pbrt {
+
+/// Random numbers of one camera sample.
+struct CameraSample {
+    Point2 pFilm{};       ///< raster position in pixels
+    Point2 pLens{};       ///< unit square
+    Float time = 0;       ///< [0, 1)
+    Float filterWeight = 1;
+};
+
+struct CameraRay {
+    Ray ray;              ///< rendering space, unit direction
+    RayDifferential differential;
+    SampledSpectrum weight{1};
+};
+
+class Camera {
+  public:
+    virtual ~Camera() = default;
+    /// Ray through the film position, with the differentials of one pixel step.
+    virtual std::optional<CameraRay> GenerateRay(const CameraSample &sample, const SampledWavelengths &lambda) const = 0;
+    /// Footprint of one pixel (at 1 sample per pixel) at a point the camera does not see directly: dp/dx, dp/dy from the
+    /// smallest differentials over the film. `p`, `n` in rendering space.
+    virtual void ApproximateFootprint(const Point3 &p, const Normal3 &n, Float time, int samplesPerPixel, Vector3 *dpdx,
+                                      Vector3 *dpdy) const = 0;
+    virtual Transform CameraFromRender() const = 0;
+    /// Camera space to NDC [0,1]^3 for image metadata; nullopt for cameras without a projection.
+    virtual std::optional<Transform> NdcFromCamera() const { return {}; }
+    Float ShutterOpen() const { return shutterOpen_; }
+    Float ShutterClose() const { return shutterClose_; }
+
+  protected:
+    Float shutterOpen_ = 0, shutterClose_ = 1;
+};
+
+/// `resolution`: full film resolution.
+std::unique_ptr<Camera> MakeCamera(const std::string &type, const ParamSet &params, const Transform &renderFromCamera,
+                                   Point2i resolution, DiagnosticSink &sink);
+
+const std::vector<std::string> &SupportedCameras();
+const std::vector<std::string> &UnsupportedCameras();
+
+}  // namespace pbrt

@@ -1,0 +1,31 @@
+#pragma once
+#include <cstdint>
+
+namespace pbrt {
+
+/// What one thread did. Each thread adds to its own copy; SumCounters adds them up when no work is running.
+struct RenderCounters {
+    uint64_t closestHitRays = 0;
+    uint64_t shadowRays = 0;
+    uint64_t shadowRaysBlocked = 0;
+    uint64_t pathVertices = 0;
+    uint64_t cameraPaths = 0;
+    uint64_t zeroLightSamples = 0;  ///< light sampling returned nothing to trace
+
+    void operator+=(const RenderCounters &o) {
+        closestHitRays += o.closestHitRays;
+        shadowRays += o.shadowRays;
+        shadowRaysBlocked += o.shadowRaysBlocked;
+        pathVertices += o.pathVertices;
+        cameraPaths += o.cameraPaths;
+        zeroLightSamples += o.zeroLightSamples;
+    }
+};
+
+/// The calling thread's counters.
+RenderCounters &ThreadCounters();
+/// Sum over all threads since the last reset. Only while no parallel work runs.
+RenderCounters SumCounters();
+void ResetCounters();
+
+}  // namespace pbrt

@@ -1,0 +1,108 @@
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "pbrt/core/params.h"
+
+namespace pbrt {
+
+/// Inclusive range of a numeric parameter.
+template <class T>
+struct Range {
+    T low, high;
+};
+
+/// A parameter struct lists each of its parameters exactly once:
+///
+///   struct OctreeParams {
+///       int leaves = 4096;
+///       template <class V> void Describe(V &&v) { v("leaves", leaves, Range{1, 1 << 20}, "what it does"); }
+///   };
+///
+/// The visitors below read it from a scene or from key=value text, print it, and document it. Supported member types:
+/// int, Float, bool.
+struct ParamDoc {
+    std::string name, type, defaultValue, range, help;
+};
+
+namespace detail {
+template <class T>
+constexpr const char *TypeWord() {
+    if constexpr (std::is_same_v<T, int>) return "integer";
+    else if constexpr (std::is_same_v<T, bool>) return "bool";
+    else return "float";
+}
+template <class T>
+std::string ValueText(T v) {
+    if constexpr (std::is_same_v<T, bool>) return v ? "true" : "false";
+    else return fmt::format("{}", v);
+}
+}  // namespace detail
+
+/// One row per parameter, with the defaults of a fresh P.
+template <class P>
+std::vector<ParamDoc> DocumentParams() {
+    std::vector<ParamDoc> docs;
+    P p;
+    auto row = [&](const char *name, auto &value, std::string range, const char *help) {
+        using T = std::remove_reference_t<decltype(value)>;
+        docs.push_back({name, detail::TypeWord<T>(), detail::ValueText(value), std::move(range), help});
+    };
+    struct Visitor {
+        decltype(row) &emit;
+        void operator()(const char *name, int &v, Range<int> r, const char *help) const {
+            emit(name, v, fmt::format("{} to {}", r.low, r.high), help);
+        }
+        void operator()(const char *name, Float &v, Range<Float> r, const char *help) const {
+            emit(name, v, fmt::format("{} to {}", r.low, r.high), help);
+        }
+        void operator()(const char *name, bool &v, const char *help) const { emit(name, v, "", help); }
+    };
+    p.Describe(Visitor{row});
+    return docs;
+}
+
+/// "name value" pairs as they are in force, for metadata and statistics.
+template <class P>
+nlohmann::ordered_json EffectiveParams(P p) {
+    nlohmann::ordered_json json = nlohmann::ordered_json::object();
+    struct Visitor {
+        nlohmann::ordered_json &json;
+        void operator()(const char *name, int &v, Range<int>, const char *) const { json[name] = v; }
+        void operator()(const char *name, Float &v, Range<Float>, const char *) const { json[name] = v; }
+        void operator()(const char *name, bool &v, const char *) const { json[name] = v; }
+    };
+    p.Describe(Visitor{json});
+    return json;
+}
+
+/// Reads `prefix`.name parameters from a scene's ParamSet; out-of-range values are located errors.
+template <class P>
+void ReadParams(P &p, const ParamSet &set, const std::string &prefix) {
+    struct Visitor {
+        const ParamSet &set;
+        const std::string &prefix;
+        template <class T>
+        void Check(const std::string &key, T v, Range<T> r) const {
+            if (!(v >= r.low && v <= r.high))
+                throw UserError(fmt::format("\"{}\" is {}; it must be from {} to {}.", key, v, r.low, r.high), set.LocOf(key));
+        }
+        void operator()(const char *name, int &v, Range<int> r, const char *) const {
+            std::string key = prefix + "." + name;
+            v = set.GetInt(key, v);
+            Check(key, v, r);
+        }
+        void operator()(const char *name, Float &v, Range<Float> r, const char *) const {
+            std::string key = prefix + "." + name;
+            v = set.GetFloat(key, v);
+            Check(key, v, r);
+        }
+        void operator()(const char *name, bool &v, const char *) const { v = set.GetBool(prefix + "." + name, v); }
+    };
+    p.Describe(Visitor{set, prefix});
+}
+
+}  // namespace pbrt

@@ -1,0 +1,92 @@
+#pragma once
+#include <fmt/format.h>
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pbrt {
+
+/// The text of one scene file, kept while its descriptions live so that errors can quote the line.
+struct SourceFile {
+    std::string name;  ///< as the user would type it
+    std::string text;  ///< decompressed content
+};
+
+/// A place in a scene file. Lines count from 1, columns from 0 (as stock pbrt-v4 prints them).
+struct FileLoc {
+    std::shared_ptr<const SourceFile> file;
+    int line = 0;
+    int column = 0;
+    explicit operator bool() const { return file != nullptr && line > 0; }
+};
+
+enum class Severity { Warning, Error };
+
+struct Diagnostic {
+    Severity severity = Severity::Error;
+    FileLoc loc;
+    std::string message;
+};
+
+/// "Error: FILE:LINE:COLUMN: message", then the quoted line and a caret under the column. Very long lines are
+/// cut around the column. No trailing newline.
+std::string Format(const Diagnostic &d, bool color = false);
+
+/// The user's mistake. Thrown anywhere below cmd/, caught once in cmd/ (or in build/, which collects many).
+class UserError : public std::runtime_error {
+  public:
+    explicit UserError(std::string message, FileLoc loc = {});
+    explicit UserError(std::vector<Diagnostic> diagnostics);
+    const std::vector<Diagnostic> &Diagnostics() const { return diagnostics_; }
+
+  private:
+    std::vector<Diagnostic> diagnostics_;
+};
+
+/// Collects everything wrong with a scene so that the user sees all of it at once.
+class DiagnosticSink {
+  public:
+    void Error(const FileLoc &loc, std::string message);
+    /// Printed by whoever owns the sink (cmd/ unless --quiet); never fatal.
+    void Warning(const FileLoc &loc, std::string message);
+    /// Takes over what an exception carries.
+    void Add(const UserError &e);
+
+    bool HasErrors() const { return errorCount_ > 0; }
+    size_t ErrorCount() const { return errorCount_; }
+    const std::vector<Diagnostic> &All() const { return diagnostics_; }
+    /// Throws one UserError with every error collected so far, if there is any. Warnings stay in the sink.
+    void ThrowIfErrors() const;
+
+  private:
+    std::vector<Diagnostic> diagnostics_;
+    size_t errorCount_ = 0;
+};
+
+/// "did you mean 'x'?" helper: the valid choices as text, nearest one first named when it is near.
+std::string ListChoices(std::string_view given, const std::vector<std::string> &choices);
+
+[[noreturn]] void CheckFailed(const char *expression, const char *file, int line, const std::string &values);
+
+}  // namespace pbrt
+
+/// Our own mistake: always on, prints the expression and place, then aborts. Not for user input.
+#define PBRT_CHECK(condition)                                                        \
+    do {                                                                             \
+        if (!(condition)) [[unlikely]]                                               \
+            ::pbrt::CheckFailed(#condition, __FILE__, __LINE__, std::string());      \
+    } while (false)
+/// As PBRT_CHECK with a formatted explanation of the values involved.
+#define PBRT_CHECK_MSG(condition, ...)                                                     \
+    do {                                                                                   \
+        if (!(condition)) [[unlikely]]                                                     \
+            ::pbrt::CheckFailed(#condition, __FILE__, __LINE__, fmt::format(__VA_ARGS__)); \
+    } while (false)
+#ifdef NDEBUG
+#define PBRT_DCHECK(condition) ((void)0)
+#else
+#define PBRT_DCHECK(condition) PBRT_CHECK(condition)
+#endif

@@ -1,0 +1,17 @@
+#pragma once
+#include <string>
+
+namespace pbrt {
+
+/// Messages about the run itself (not about a place in a scene file), to standard error.
+enum class LogLevel { Quiet, Error, Warning, Info };
+
+void SetLogLevel(LogLevel level);
+LogLevel CurrentLogLevel();
+
+void LogError(const std::string &message);
+/// Equal messages are printed once.
+void LogWarning(const std::string &message);
+void LogInfo(const std::string &message);
+
+}  // namespace pbrt

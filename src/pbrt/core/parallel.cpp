@@ -1,0 +1,72 @@
+#include "pbrt/core/parallel.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <memory>
+
+namespace pbrt {
+
+struct ThreadLimit::Impl {
+    tbb::global_control control;
+    tbb::task_arena arena;
+};
+
+namespace {
+tbb::task_arena *currentArena = nullptr;  // set only by ThreadLimit, before and after all parallel work
+
+template <class F>
+void InArena(F &&f) {
+    if (currentArena)
+        currentArena->execute(f);
+    else
+        f();
+}
+}  // namespace
+
+ThreadLimit::ThreadLimit(int n) {
+    int threads = n > 0 ? n : tbb::info::default_concurrency();
+    impl_ = new Impl{tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads)),
+                     tbb::task_arena(threads)};
+    currentArena = &impl_->arena;
+}
+
+ThreadLimit::~ThreadLimit() {
+    currentArena = nullptr;
+    delete impl_;
+}
+
+int ThreadCount() {
+    return currentArena ? currentArena->max_concurrency() : tbb::this_task_arena::max_concurrency();
+}
+
+int ThreadIndex() { return std::max(0, tbb::this_task_arena::current_thread_index()); }
+
+void ParallelFor(int64_t count, int64_t grain, const std::function<void(int64_t, int64_t)> &body) {
+    InArena([&] {
+        tbb::parallel_for(tbb::blocked_range<int64_t>(0, count, static_cast<size_t>(grain)),
+                          [&](const tbb::blocked_range<int64_t> &r) { body(r.begin(), r.end()); });
+    });
+}
+
+void ParallelForEach(int64_t count, const std::function<void(int64_t)> &body) {
+    InArena([&] {
+        tbb::parallel_for(
+            tbb::blocked_range<int64_t>(0, count, 1),
+            [&](const tbb::blocked_range<int64_t> &r) {
+                for (int64_t i = r.begin(); i < r.end(); ++i) body(i);
+            },
+            tbb::simple_partitioner());
+    });
+}
+
+void ParallelInvoke(const std::function<void()> &a, const std::function<void()> &b) {
+    InArena([&] { tbb::parallel_invoke(a, b); });
+}
+
+}  // namespace pbrt

@@ -1,0 +1,95 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pbrt/core/error.h"
+#include "pbrt/core/float.h"
+
+namespace pbrt {
+
+/// The type words a parameter declaration may start with (pbrt-v4-format §1).
+enum class ParamType {
+    Integer, Float, Point2, Vector2, Point3, Vector3, Normal, Bool, String, Rgb, Blackbody, Spectrum, Texture
+};
+
+/// "integer", "float", ...
+const char *Name(ParamType type);
+
+/// One parsed parameter. Exactly one of the value lists is filled: integers for Integer; bools for Bool; strings
+/// for String, Texture and named/file Spectrum; floats for everything else. Point/vector/rgb values are flattened.
+struct Param {
+    ParamType type = ParamType::Float;
+    std::string name;
+    FileLoc loc;  ///< of the declaration string
+    std::vector<Float> floats;
+    std::vector<int> ints;
+    std::vector<std::string> strings;
+    std::vector<uint8_t> bools;
+    std::string colorSpace = "srgb";  ///< in force where the parameter was read; used by Rgb only
+    bool fromAttribute = false;       ///< an Attribute default: never reported as unused
+    mutable bool used = false;
+};
+
+/// The parameters of one directive. Getters follow stock pbrt-v4: exact name AND type, the last of equal ones wins,
+/// a wrong number of values is an error, and whatever was never asked for is an error at the end (ReportUnused).
+/// Every getter remembers what was asked, so that errors can list the valid choices.
+class ParamSet {
+  public:
+    ParamSet() = default;
+    /// `what` names the entity in messages, e.g. `Shape "sphere"`.
+    ParamSet(std::string what, FileLoc loc) : what_(std::move(what)), loc_(std::move(loc)) {}
+
+    /// The entity's own parameters.
+    void Add(Param p) { params_.push_back(std::move(p)); }
+    /// Defaults from Attribute directives: searched only when the entity itself does not give the parameter;
+    /// the last added wins.
+    void AddDefault(Param p) {
+        p.fromAttribute = true;
+        defaults_.push_back(std::move(p));
+    }
+
+    const std::string &What() const { return what_; }
+    const FileLoc &Loc() const { return loc_; }
+    const std::vector<Param> &Own() const { return params_; }
+
+    /// The parameter of that name and type, marked used; nullptr if absent. The caller reads the raw lists.
+    const Param *Find(std::string_view name, ParamType type) const;
+    /// True if a parameter of that name exists with any type; does not mark it.
+    bool Has(std::string_view name) const;
+
+    int GetInt(std::string_view name, int defaultValue) const;
+    Float GetFloat(std::string_view name, Float defaultValue) const;
+    bool GetBool(std::string_view name, bool defaultValue) const;
+    std::string GetString(std::string_view name, std::string_view defaultValue) const;
+    /// A string out of a closed set; anything else is an error that lists the choices.
+    std::string GetChoice(std::string_view name, std::string_view defaultValue,
+                          const std::vector<std::string> &choices) const;
+
+    /// Array values, empty if absent. For point/vector/normal/rgb types a flat list whose length was checked to be a
+    /// multiple of the item size (2 or 3).
+    std::span<const Float> GetFloats(std::string_view name, ParamType type = ParamType::Float) const;
+    std::span<const int> GetInts(std::string_view name) const;
+    std::span<const std::string> GetStrings(std::string_view name) const;
+
+    /// Where to point at when complaining about `name`: its declaration if given, else the directive.
+    FileLoc LocOf(std::string_view name) const;
+
+    /// One error for every own parameter that nobody asked for, each listing what could have been given.
+    void ReportUnused(DiagnosticSink &sink) const;
+    /// Marks all as used; for entities that are not built.
+    void MarkAllUsed() const;
+
+  private:
+    const Param *FindAndNote(std::string_view name, ParamType type) const;
+    std::string what_;
+    FileLoc loc_;
+    std::vector<Param> params_;
+    std::vector<Param> defaults_;
+    mutable std::map<std::string, std::vector<ParamType>, std::less<>> asked_;
+};
+
+}  // namespace pbrt

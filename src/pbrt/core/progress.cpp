@@ -1,0 +1,101 @@
+#include "pbrt/core/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace pbrt {
+
+namespace {
+
+std::string Duration(double seconds) {
+    if (!(seconds >= 0) || !std::isfinite(seconds)) return "--:--";
+    auto s = static_cast<int64_t>(seconds + 0.5);
+    if (s >= 3600) return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+    return fmt::format("{:02}:{:02}", s / 60, s % 60);
+}
+
+class BarSink final : public ProgressSink {
+  public:
+    void Show(const std::string &phase, double fraction, double elapsed, double remaining) override {
+        constexpr int kCells = 30;
+        int full = static_cast<int>(kCells * std::clamp(fraction, 0.0, 1.0));
+        std::fprintf(stderr, "\r\033[K%-10s [%s%s] %3d%%  %s elapsed, %s left", phase.c_str(),
+                     std::string(static_cast<size_t>(full), '#').c_str(),
+                     std::string(static_cast<size_t>(kCells - full), '.').c_str(), static_cast<int>(100 * fraction),
+                     Duration(elapsed).c_str(), Duration(remaining).c_str());
+        std::fflush(stderr);
+    }
+    void PhaseDone(const std::string &phase, double elapsed) override {
+        std::fprintf(stderr, "\r\033[K%-10s done in %.2f s\n", phase.c_str(), elapsed);
+    }
+};
+
+class LineSink final : public ProgressSink {
+  public:
+    void Show(const std::string &phase, double fraction, double elapsed, double remaining) override {
+        if (phase == last_ && elapsed < lastShown_ + 5) return;
+        if (elapsed < 2) return;
+        last_ = phase;
+        lastShown_ = elapsed;
+        std::fprintf(stderr, "%s: %d%%, %s elapsed, %s left\n", phase.c_str(), static_cast<int>(100 * fraction),
+                     Duration(elapsed).c_str(), Duration(remaining).c_str());
+    }
+    void PhaseDone(const std::string &phase, double elapsed) override {
+        last_.clear();
+        std::fprintf(stderr, "%s: done in %.2f s\n", phase.c_str(), elapsed);
+    }
+
+  private:
+    std::string last_;
+    double lastShown_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<ProgressSink> MakeTerminalProgress(bool quiet) {
+    if (quiet) return nullptr;
+    if (isatty(STDERR_FILENO)) return std::make_unique<BarSink>();
+    return std::make_unique<LineSink>();
+}
+
+void Progress::BeginPhase(std::string name, int64_t total) {
+    phase_ = std::move(name);
+    total_ = total;
+    done_ = 0;
+    begin_ = Clock::now();
+    nextShowMs_ = 100;
+}
+
+void Progress::Advance(int64_t amount) {
+    int64_t done = done_.fetch_add(amount, std::memory_order_relaxed) + amount;
+    if (!sink_ || total_ <= 0) return;
+    double elapsed = Elapsed();
+    auto ms = static_cast<int64_t>(elapsed * 1000);
+    int64_t next = nextShowMs_.load(std::memory_order_relaxed);
+    if (ms < next || !nextShowMs_.compare_exchange_strong(next, ms + 200)) return;
+    double fraction = static_cast<double>(done) / static_cast<double>(total_);
+    std::lock_guard lock(showMutex_);
+    sink_->Show(phase_, std::min(1.0, fraction), elapsed, fraction > 0 ? elapsed * (1 - fraction) / fraction : -1);
+}
+
+void Progress::SetFraction(double fraction, double remainingSeconds) {
+    if (!sink_) return;
+    double elapsed = Elapsed();
+    auto ms = static_cast<int64_t>(elapsed * 1000);
+    int64_t next = nextShowMs_.load(std::memory_order_relaxed);
+    if (ms < next || !nextShowMs_.compare_exchange_strong(next, ms + 200)) return;
+    std::lock_guard lock(showMutex_);
+    sink_->Show(phase_, std::min(1.0, fraction), elapsed, remainingSeconds);
+}
+
+double Progress::EndPhase() {
+    double elapsed = Elapsed();
+    if (sink_) sink_->PhaseDone(phase_, elapsed);
+    return elapsed;
+}
+
+}  // namespace pbrt

@@ -1,0 +1,34 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pbrt/core/params.h"
+#include "pbrt/math/bounds.h"
+
+namespace pbrt {
+
+/// A sample position drawn around a pixel centre, and its weight f/pdf relative to the filter's integral sign.
+struct FilterSample {
+    Point2 offset{};
+    Float weight = 1;
+};
+
+/// Reconstruction filter. Importance-sampled: every camera sample lands in one pixel (pbrt-v4-format §5.3).
+class Filter {
+  public:
+    virtual ~Filter() = default;
+    Vector2 Radius() const { return radius_; }
+    virtual Float Evaluate(const Point2 &p) const = 0;
+    virtual Float Integral() const = 0;
+    virtual FilterSample Sample(const Point2 &u) const = 0;
+
+  protected:
+    explicit Filter(const Vector2 &radius) : radius_(radius) {}
+    Vector2 radius_;
+};
+
+std::unique_ptr<Filter> MakeFilter(const std::string &type, const ParamSet &params);
+const std::vector<std::string> &SupportedFilters();
+
+}  // namespace pbrt

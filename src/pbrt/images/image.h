@@ -1,0 +1,98 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "pbrt/math/bounds.h"
+#include "pbrt/spectra/color_space.h"
+
+namespace pbrt {
+
+enum class PixelFormat { U8, Half, Float };
+
+/// How stored 8/16-bit values map to linear ones (pbrt-v4-format §8, §14).
+struct ColorEncoding {
+    enum class Kind { Linear, SRGB, Gamma } kind = Kind::SRGB;
+    Float gamma = 1;
+    /// "linear", "sRGB", "gamma X"; nullopt if none of these.
+    static std::optional<ColorEncoding> Parse(const std::string &name);
+    Float ToLinear(Float encoded) const;
+    Float FromLinear(Float linear) const;
+};
+
+enum class WrapMode { Repeat, Black, Clamp, OctahedralSphere };
+std::optional<WrapMode> ParseWrapMode(const std::string &name);
+/// Maps pixel coordinates into the image; false: outside and black.
+bool RemapPixel(Point2i &p, Point2i resolution, WrapMode wrap);
+
+/// Interleaved pixels, row 0 at the top, decoded to linear values when read out. 8-bit data keep their encoding and are
+/// decoded through a table.
+class Image {
+  public:
+    Image() = default;
+    Image(PixelFormat format, Point2i resolution, std::vector<std::string> channels, ColorEncoding encoding = {});
+
+    explicit operator bool() const { return resolution_.x > 0; }
+    PixelFormat Format() const { return format_; }
+    Point2i Resolution() const { return resolution_; }
+    int ChannelCount() const { return static_cast<int>(channels_.size()); }
+    const std::vector<std::string> &Channels() const { return channels_; }
+    const ColorEncoding &Encoding() const { return encoding_; }
+    /// Index of a channel by name, -1 if absent.
+    int FindChannel(const std::string &name) const;
+
+    Float Get(Point2i p, int channel) const;  ///< p inside the image
+    Float Get(Point2i p, int channel, WrapMode wrap) const;
+    void Set(Point2i p, int channel, Float linear);
+    /// Bilinear at st in [0,1]^2, pixel centres at half-integers.
+    Float Bilinear(Point2 st, int channel, WrapMode wrap) const;
+    /// The named channels as a new float image; throws UserError if one is missing.
+    Image Select(const std::vector<std::string> &channels) const;
+    Image ConvertTo(PixelFormat format) const;
+    Image Crop(const Bounds2i &bounds) const;
+    size_t Bytes() const;
+    const void *Data() const;
+    void *Data();
+
+  private:
+    size_t Index(Point2i p, int channel) const {
+        return (static_cast<size_t>(p.y) * static_cast<size_t>(resolution_.x) + static_cast<size_t>(p.x)) * channels_.size() +
+               static_cast<size_t>(channel);
+    }
+    PixelFormat format_ = PixelFormat::Float;
+    Point2i resolution_{0, 0};
+    std::vector<std::string> channels_;
+    ColorEncoding encoding_;
+    std::vector<uint8_t> u8_;
+    std::vector<uint16_t> half_;
+    std::vector<float> float_;
+};
+
+/// What is known about an image beside its pixels.
+struct ImageMetadata {
+    std::optional<Bounds2i> pixelBounds;       ///< data window inside the full resolution
+    std::optional<Point2i> fullResolution;     ///< display window
+    const ColorSpace *colorSpace = nullptr;    ///< from chromaticities; null: not stated (sRGB)
+    using Value = std::variant<int, float, std::string, glm::mat4>;
+    std::map<std::string, Value> attributes;   ///< EXR header attributes by name; matrices in the layout of format §14
+};
+
+struct ImageFile {
+    Image image;
+    ImageMetadata metadata;
+};
+
+/// EXR, PNG, PFM, HDR, QOI?, TGA, JPG, ...: see format §14. `encoding` for 8/16-bit files; nullopt: what the format
+/// says (sRGB for png; other 8-bit formats are always sRGB). Channel names R,G,B[,A] or Y, or the EXR's own.
+/// Throws UserError (no location) if missing or unreadable.
+ImageFile ReadImage(const std::string &path, std::optional<ColorEncoding> encoding = {});
+
+/// By extension: .exr (half unless the image is float), .png (8 bit, sRGB, clamped), .pfm. Written to a temporary name
+/// and renamed. Images of more than 4 channels go to EXR only. Throws UserError.
+void WriteImage(const std::string &path, const Image &image, const ImageMetadata &metadata = {});
+
+}  // namespace pbrt

@@ -1,0 +1,71 @@
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "pbrt/lights/light_bounds.h"
+#include "pbrt/math/ray.h"
+#include "pbrt/shapes/shape.h"
+#include "pbrt/spectra/spectrum.h"
+
+namespace pbrt {
+
+/// How a light can be found: delta lights only by SampleLi, infinite ones by rays that leave the scene.
+enum class LightKind { DeltaPosition, DeltaDirection, Area, Infinite };
+constexpr bool IsDelta(LightKind k) { return k == LightKind::DeltaPosition || k == LightKind::DeltaDirection; }
+
+/// The point light is collected at. Normals are zero in a medium.
+using LightSampleContext = ShapeSampleContext;
+
+/// Light arriving from one drawn direction.
+struct LightLiSample {
+    SampledSpectrum L;   ///< radiance (or intensity over distance squared, irradiance for delta lights)
+    Vector3 wi{};        ///< unit, towards the light
+    Float pdf = 0;       ///< solid angle; 1 for delta lights
+    Point3 pLight{};     ///< end of the shadow segment
+    Vector3 pLightError{};
+    Normal3 nLight{};    ///< zero where the light has no surface
+};
+
+/// A light. Immutable once the scene is built. Spectral values at a path's wavelengths.
+class Light {
+  public:
+    explicit Light(LightKind kind) : kind_(kind) {}
+    virtual ~Light() = default;
+    LightKind Kind() const { return kind_; }
+
+    /// Emitted power (W-like, photometric scaling as in pbrt), at these wavelengths. Infinite lights: over the disk of
+    /// the scene's bounding sphere; needs Preprocess.
+    virtual SampledSpectrum Phi(const SampledWavelengths &lambda) const = 0;
+
+    /// `allowIncompletePdfs`: infinite image lights may skip directions of little light (then MIS must know).
+    virtual std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
+                                                  const SampledWavelengths &lambda, bool allowIncompletePdfs) const = 0;
+
+    /// Solid-angle density of SampleLi for direction wi. Area lights: the ray from `from` along wi hits this light's
+    /// primitive at pHit with normal nHit; infinite lights ignore these. 0 for delta lights.
+    virtual Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
+                        bool allowIncompletePdfs) const = 0;
+
+    /// Area lights: radiance leaving p in direction w (unit). 0 for others.
+    virtual SampledSpectrum L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,
+                              const SampledWavelengths &lambda) const {
+        (void)p; (void)n; (void)uv; (void)w; (void)lambda;
+        return SampledSpectrum(0);
+    }
+    /// Infinite lights: radiance arriving along a ray that leaves the scene in direction d. 0 for others.
+    virtual SampledSpectrum Le(const Vector3 &d, const SampledWavelengths &lambda) const {
+        (void)d; (void)lambda;
+        return SampledSpectrum(0);
+    }
+
+    /// What a spatial light sampler needs; empty for infinite lights and lights without power.
+    virtual std::optional<LightBounds> Bounds() const { return {}; }
+
+    /// Bounding sphere of the whole scene, once, before use.
+    virtual void Preprocess(const Point3 &sceneCenter, Float sceneRadius) { (void)sceneCenter; (void)sceneRadius; }
+
+  private:
+    LightKind kind_;
+};
+
+}  // namespace pbrt

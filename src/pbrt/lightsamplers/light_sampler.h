@@ -1,0 +1,57 @@
+#pragma once
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "pbrt/core/ids.h"
+#include "pbrt/core/progress.h"
+#include "pbrt/math/bounds.h"
+#include "pbrt/math/vec.h"
+
+namespace pbrt {
+
+class Scene;
+class Camera;
+class Filter;
+
+/// All that is known at the vertex; grows without changing signatures.
+struct LightQuery {
+    Point3 p{};
+    Vector3 wo{};
+    Normal3 n{}, ns{};       ///< geometric and shading normal; zero inside a medium
+    bool transmits = false;  ///< the BSDF can also send light through the surface
+    MediumId medium{};
+    Float time = 0;
+    int depth = 0;
+};
+
+struct SampledLight {
+    LightId light{};
+    Float pmf = 0;  ///< discrete probability
+};
+
+/// What a sampler may use before the first wave.
+struct PrepareContext {
+    const Scene &scene;
+    const Camera &camera;
+    const Filter &filter;
+    Bounds2i pixelBounds;      ///< pixels that will be rendered
+    int seed = 0;
+    int samplesPerPixel = 1;   ///< that will be rendered (an estimate under --time)
+    int maxDepth = 5;          ///< of the integrator
+    Progress &progress;
+};
+
+/// Chooses the light that gets the shadow ray. Contract (house.md §4, tests/contract): const after Prepare; Sample's pmf
+/// equals PMF exactly; the pmf sums to 1 (or less, when Sample may return nothing); positive wherever a light
+/// contributes; one random number.
+class LightSampler {
+  public:
+    virtual ~LightSampler() = default;
+    virtual void Prepare(PrepareContext &) {}
+    virtual std::optional<SampledLight> Sample(const LightQuery &query, Float u) const = 0;
+    virtual Float PMF(const LightQuery &query, LightId light) const = 0;
+    /// Sizes, seconds, counts: for --stats and image metadata.
+    virtual void Report(nlohmann::ordered_json &) const {}
+};
+
+}  // namespace pbrt

@@ -1,0 +1,39 @@
+#pragma once
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "pbrt/core/describe.h"
+#include "pbrt/lightsamplers/light_sampler.h"
+#include "pbrt/lights/light_table.h"
+
+namespace pbrt {
+
+/// The samplers that can be named in a scene or on the command line. An object, not a global; filled by explicit calls.
+class LightSamplerRegistry {
+  public:
+    /// Makes a sampler that selects among the given candidates (single lights or groups).
+    using Factory = std::function<std::unique_ptr<LightSampler>(const LightTable &, const ParamSet &)>;
+    struct Entry {
+        std::string name, summary;
+        std::vector<ParamDoc> params;   ///< names without the sampler's prefix
+        Factory make;
+        /// Set for samplers that select among candidates and can therefore run on mesh groups too.
+        std::function<std::unique_ptr<LightSampler>(std::span<const LightCandidate>)> makeOverCandidates;
+    };
+
+    void Add(Entry entry);  ///< a name used twice is our error
+    std::vector<std::string> Names() const;
+    const Entry &Find(const std::string &name, const FileLoc &loc = {}) const;  ///< unknown: UserError with the names
+    /// Text of --list-lightsamplers and of docs/lightsamplers.md.
+    std::string Listing() const;
+
+  private:
+    std::map<std::string, Entry> entries_;
+};
+
+/// uniform, power, bvh, exhaustive.
+void RegisterStockLightSamplers(LightSamplerRegistry &registry);
+
+}  // namespace pbrt

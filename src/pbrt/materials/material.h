@@ -1,0 +1,30 @@
+#pragma once
+#include <memory>
+
+#include "pbrt/bxdfs/bsdf.h"
+#include "pbrt/shapes/surface_point.h"
+#include "pbrt/spectra/spectrum.h"
+
+namespace pbrt {
+
+/// Turns textures at a surface point into a BSDF.
+class Material {
+  public:
+    virtual ~Material() = default;
+
+    /// The BSDF at a point whose shading frame is final. May terminate secondary wavelengths (dispersion).
+    virtual Bsdf GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda) const = 0;
+
+    /// Applies normal map (and later displacement) to the shading frame.
+    virtual void PerturbShading(SurfacePoint &) const {}
+
+    /// For mix: the material in force at this point (chosen by a hash of p, wo and the two); itself for all others.
+    /// nullptr means "interface": nothing scatters.
+    virtual const Material *Resolve(const SurfacePoint &) const { return this; }
+
+    /// True for interface.
+    virtual bool IsInterface() const { return false; }
+};
+using MaterialPtr = std::shared_ptr<const Material>;
+
+}  // namespace pbrt

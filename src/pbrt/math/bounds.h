@@ -1,0 +1,103 @@
+#pragma once
+#include "pbrt/math/vec.h"
+
+namespace pbrt {
+
+/// Axis-aligned box; empty (low > high) by default.
+struct Bounds3 {
+    Point3 low{Infinity, Infinity, Infinity};
+    Point3 high{-Infinity, -Infinity, -Infinity};
+
+    Bounds3() = default;
+    explicit Bounds3(const Point3 &p) : low(p), high(p) {}
+    Bounds3(const Point3 &a, const Point3 &b) : low(Min(a, b)), high(Max(a, b)) {}
+
+    bool IsEmpty() const { return !(low.x <= high.x && low.y <= high.y && low.z <= high.z); }
+    Vector3 Diagonal() const { return high - low; }
+    Point3 Center() const { return low * Float(0.5) + high * Float(0.5); }
+    Float SurfaceArea() const {
+        Vector3 d = Diagonal();
+        return 2 * (d.x * d.y + d.y * d.z + d.z * d.x);
+    }
+    int LongestAxis() const {
+        Vector3 d = Diagonal();
+        return d.x > d.y && d.x > d.z ? 0 : d.y > d.z ? 1 : 2;
+    }
+    bool Contains(const Point3 &p) const {
+        return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
+    }
+    /// Position relative to the corners: low -> 0, high -> 1.
+    Vector3 Offset(const Point3 &p) const {
+        Vector3 o = p - low;
+        for (int i = 0; i < 3; ++i)
+            if (high[i] > low[i]) o[i] /= high[i] - low[i];
+        return o;
+    }
+    Point3 Corner(int i) const { return {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z}; }
+    /// Centre and radius of the sphere through the corners; radius 0 if empty.
+    void BoundingSphere(Point3 *center, Float *radius) const {
+        *center = Center();
+        *radius = IsEmpty() ? 0 : Distance(*center, high);
+    }
+};
+
+inline Bounds3 Union(const Bounds3 &a, const Bounds3 &b) {
+    Bounds3 r;
+    r.low = Min(a.low, b.low);
+    r.high = Max(a.high, b.high);
+    return r;
+}
+inline Bounds3 Union(const Bounds3 &a, const Point3 &p) {
+    Bounds3 r;
+    r.low = Min(a.low, p);
+    r.high = Max(a.high, p);
+    return r;
+}
+
+/// Half-open pixel rectangle [low, high).
+struct Bounds2i {
+    Point2i low{0, 0}, high{0, 0};
+    int Width() const { return high.x - low.x; }
+    int Height() const { return high.y - low.y; }
+    bool IsEmpty() const { return Width() <= 0 || Height() <= 0; }
+    int64_t Area() const { return IsEmpty() ? 0 : int64_t(Width()) * Height(); }
+    bool Contains(const Point2i &p) const { return p.x >= low.x && p.y >= low.y && p.x < high.x && p.y < high.y; }
+};
+inline Bounds2i Intersect(const Bounds2i &a, const Bounds2i &b) {
+    return {glm::max(a.low, b.low), glm::min(a.high, b.high)};
+}
+
+/// Real rectangle.
+struct Bounds2 {
+    Point2 low{0, 0}, high{0, 0};
+    Float Area() const { return (high.x - low.x) * (high.y - low.y); }
+    Point2 Lerp(const Point2 &t) const { return low + (high - low) * t; }
+};
+
+/// All directions within an angle of an axis; empty if cosTheta is above 1.
+struct DirectionCone {
+    Vector3 w{0, 0, 1};
+    Float cosTheta = Infinity;
+    static DirectionCone EntireSphere() { return {Vector3(0, 0, 1), -1}; }
+    bool IsEmpty() const { return cosTheta == Infinity; }
+};
+
+/// Smallest-effort cone that holds both.
+inline DirectionCone Union(const DirectionCone &a, const DirectionCone &b) {
+    if (a.IsEmpty()) return b;
+    if (b.IsEmpty()) return a;
+    Float ta = SafeACos(a.cosTheta), tb = SafeACos(b.cosTheta), between = AngleBetween(a.w, b.w);
+    if (std::min(between + tb, Pi) <= ta) return a;
+    if (std::min(between + ta, Pi) <= tb) return b;
+    Float half = (ta + between + tb) / 2;
+    if (half >= Pi) return DirectionCone::EntireSphere();
+    Vector3 axis = Cross(a.w, b.w);
+    if (!(LengthSquared(axis) > 0)) return DirectionCone::EntireSphere();
+    // Turn a's axis towards b's by the part of the joint cone that a does not cover.
+    axis = Normalize(axis);
+    Float turn = half - ta;
+    Vector3 w = a.w * std::cos(turn) + Cross(axis, a.w) * std::sin(turn);
+    return {Normalize(w), std::cos(half)};
+}
+
+}  // namespace pbrt

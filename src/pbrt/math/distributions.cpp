@@ -1,0 +1,129 @@
+#include "pbrt/math/distributions.h"
+
+#include "pbrt/core/error.h"
+
+namespace pbrt {
+
+PiecewiseConstant1D::PiecewiseConstant1D(std::span<const Float> f, Float low, Float high)
+    : f_(f.begin(), f.end()), cdf_(f.size() + 1), low_(low), high_(high) {
+    PBRT_CHECK(!f.empty() && high > low);
+    for (Float &v : f_) v = std::abs(v);
+    double width = (double(high) - low) / double(f.size()), sum = 0;
+    std::vector<double> running(f.size() + 1, 0);
+    for (size_t i = 0; i < f_.size(); ++i) running[i + 1] = sum += f_[i] * width;
+    integral_ = static_cast<Float>(sum);
+    for (size_t i = 1; i < cdf_.size(); ++i)
+        cdf_[i] = static_cast<Float>(sum > 0 ? running[i] / sum : double(i) / double(f_.size()));
+    cdf_.back() = 1;
+}
+
+PiecewiseConstant1D::Sampled PiecewiseConstant1D::Sample(Float u) const {
+    // Last piece whose lower end is <= u; pieces of zero width can never be chosen.
+    auto it = std::upper_bound(cdf_.begin() + 1, cdf_.end() - 1, u);
+    auto i = static_cast<size_t>(it - cdf_.begin() - 1);
+    Float width = cdf_[i + 1] - cdf_[i];
+    Float t = width > 0 ? std::min((u - cdf_[i]) / width, OneMinusEpsilon) : 0;
+    auto n = static_cast<Float>(f_.size());
+    Float x = Lerp((static_cast<Float>(i) + t) / n, low_, high_);
+    Float pdf = integral_ > 0 ? f_[i] / integral_ : 1 / (high_ - low_);
+    return {x, pdf, static_cast<int>(i)};
+}
+
+Float PiecewiseConstant1D::Pdf(Float x) const {
+    if (x < low_ || x > high_) return 0;
+    if (!(integral_ > 0)) return 1 / (high_ - low_);
+    auto n = static_cast<Float>(f_.size());
+    auto i = std::min(static_cast<size_t>((x - low_) / (high_ - low_) * n), f_.size() - 1);
+    return f_[i] / integral_;
+}
+
+PiecewiseConstant2D::PiecewiseConstant2D(std::span<const Float> f, int nx, int ny, const Bounds2 &domain)
+    : domain_(domain) {
+    PBRT_CHECK(f.size() == static_cast<size_t>(nx) * static_cast<size_t>(ny));
+    rows_.reserve(static_cast<size_t>(ny));
+    std::vector<Float> integrals;
+    for (int y = 0; y < ny; ++y) {
+        rows_.emplace_back(f.subspan(static_cast<size_t>(y) * static_cast<size_t>(nx), static_cast<size_t>(nx)),
+                           domain.low.x, domain.high.x);
+        integrals.push_back(rows_.back().Integral());
+    }
+    marginal_ = PiecewiseConstant1D(integrals, domain.low.y, domain.high.y);
+}
+
+Point2 PiecewiseConstant2D::Sample(const Point2 &u, Float *pdf) const {
+    PiecewiseConstant1D::Sampled y = marginal_.Sample(u.y);
+    PiecewiseConstant1D::Sampled x = rows_[static_cast<size_t>(y.index)].Sample(u.x);
+    *pdf = x.pdf * y.pdf;
+    return {x.x, y.x};
+}
+
+Float PiecewiseConstant2D::Pdf(const Point2 &p) const {
+    Float t = (p.y - domain_.low.y) / (domain_.high.y - domain_.low.y);
+    if (t < 0 || t > 1) return 0;
+    auto row = std::min(static_cast<size_t>(t * static_cast<Float>(rows_.size())), rows_.size() - 1);
+    return marginal_.Pdf(p.y) * rows_[row].Pdf(p.x);
+}
+
+AliasTable::AliasTable(std::span<const Float> weights) : bins_(weights.size()) {
+    double sum = 0;
+    for (Float w : weights) sum += w;
+    size_t n = weights.size();
+    std::vector<double> scaled(n);
+    std::vector<int> under, over;
+    for (size_t i = 0; i < n; ++i) {
+        double p = sum > 0 ? weights[i] / sum : 1.0 / double(n);
+        bins_[i].p = static_cast<Float>(p);
+        scaled[i] = p * double(n);
+        (scaled[i] < 1 ? under : over).push_back(static_cast<int>(i));
+    }
+    while (!under.empty() && !over.empty()) {
+        auto u = static_cast<size_t>(under.back()), o = static_cast<size_t>(over.back());
+        under.pop_back();
+        bins_[u].q = static_cast<Float>(scaled[u]);
+        bins_[u].alias = static_cast<int>(o);
+        scaled[o] -= 1 - scaled[u];
+        if (scaled[o] < 1) {
+            over.pop_back();
+            under.push_back(static_cast<int>(o));
+        }
+    }
+    // What rounding leaves over owns its whole column, unless it has no weight at all.
+    for (const std::vector<int> *rest : {&under, &over})
+        for (int i : *rest) bins_[static_cast<size_t>(i)].q = 1;
+}
+
+AliasTable::Sampled AliasTable::Sample(Float u) const {
+    auto n = static_cast<Float>(bins_.size());
+    auto column = std::min(static_cast<size_t>(u * n), bins_.size() - 1);
+    Float up = std::min(u * n - static_cast<Float>(column), OneMinusEpsilon);
+    const Bin &bin = bins_[column];
+    if (up < bin.q) return {static_cast<int>(column), bin.p, std::min(up / bin.q, OneMinusEpsilon)};
+    return {bin.alias, bins_[static_cast<size_t>(bin.alias)].p, std::min((up - bin.q) / (1 - bin.q), OneMinusEpsilon)};
+}
+
+int SampleDiscrete(std::span<const Float> weights, Float u, Float *pmf, Float *uRemapped) {
+    Float sum = 0;
+    for (Float w : weights) sum += w;
+    if (!(sum > 0)) {
+        *pmf = 0;
+        return -1;
+    }
+    Float target = u * sum;
+    if (target >= sum) target = std::nextafter(sum, Float(0));
+    Float before = 0;
+    int chosen = -1;
+    for (size_t i = 0; i < weights.size(); ++i) {
+        if (weights[i] > 0) {
+            chosen = static_cast<int>(i);
+            if (before + weights[i] > target) break;
+        }
+        before += weights[i];
+    }
+    Float w = weights[static_cast<size_t>(chosen)];
+    if (before + w <= target) before = sum - w;  // rounding: the last positive weight takes the rest
+    *pmf = w / sum;
+    if (uRemapped) *uRemapped = std::clamp((target - before) / w, Float(0), OneMinusEpsilon);
+    return chosen;
+}
+
+}  // namespace pbrt

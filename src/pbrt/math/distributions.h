@@ -1,0 +1,78 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pbrt/math/bounds.h"
+
+namespace pbrt {
+
+/// Density on [low, high) that is constant on n equal pieces, proportional to |f|. If all values are 0 it is uniform.
+class PiecewiseConstant1D {
+  public:
+    PiecewiseConstant1D() = default;
+    explicit PiecewiseConstant1D(std::span<const Float> f, Float low = 0, Float high = 1);
+
+    struct Sampled {
+        Float x;     ///< in [low, high)
+        Float pdf;   ///< with respect to x
+        int index;   ///< piece
+    };
+    Sampled Sample(Float u) const;
+    Float Pdf(Float x) const;  ///< 0 outside
+    Float Integral() const { return integral_; }  ///< of |f| over [low, high)
+    int Size() const { return static_cast<int>(f_.size()); }
+    Float Value(int i) const { return f_[static_cast<size_t>(i)]; }
+    size_t Bytes() const { return (f_.capacity() + cdf_.capacity()) * sizeof(Float); }
+
+  private:
+    std::vector<Float> f_, cdf_;
+    Float low_ = 0, high_ = 1, integral_ = 0;
+};
+
+/// Density on a rectangle that is constant on nx * ny cells (row-major, x fastest), proportional to |f|.
+class PiecewiseConstant2D {
+  public:
+    PiecewiseConstant2D() = default;
+    PiecewiseConstant2D(std::span<const Float> f, int nx, int ny, const Bounds2 &domain = {{0, 0}, {1, 1}});
+
+    Point2 Sample(const Point2 &u, Float *pdf) const;
+    Float Pdf(const Point2 &p) const;
+    Float Integral() const { return marginal_.Integral(); }
+
+  private:
+    Bounds2 domain_;
+    std::vector<PiecewiseConstant1D> rows_;
+    PiecewiseConstant1D marginal_;
+};
+
+/// Discrete distribution with O(1) sampling (Walker/Vose). Weights >= 0; all zero makes it uniform.
+class AliasTable {
+  public:
+    AliasTable() = default;
+    explicit AliasTable(std::span<const Float> weights);
+
+    struct Sampled {
+        int index;
+        Float pmf;
+        Float uRemapped;  ///< u stretched over the chosen entry, uniform again
+    };
+    Sampled Sample(Float u) const;
+    Float PMF(int i) const { return bins_[static_cast<size_t>(i)].p; }
+    int Size() const { return static_cast<int>(bins_.size()); }
+    size_t Bytes() const { return bins_.capacity() * sizeof(Bin); }
+
+  private:
+    struct Bin {
+        Float q = 0;  ///< share of the column that is its own
+        Float p = 0;  ///< probability of the entry
+        int alias = -1;
+    };
+    std::vector<Bin> bins_;
+};
+
+/// Index drawn from unnormalised weights with one pass and one number; -1 if all are 0. `pmf` gets weight / sum,
+/// `uRemapped` (may be null) a fresh uniform number.
+int SampleDiscrete(std::span<const Float> weights, Float u, Float *pmf, Float *uRemapped = nullptr);
+
+}  // namespace pbrt

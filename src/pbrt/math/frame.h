@@ -1,0 +1,45 @@
+#pragma once
+#include "pbrt/math/vec.h"
+
+namespace pbrt {
+
+/// Orthonormal basis; local coordinates have z along the normal.
+struct Frame {
+    Vector3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+
+    static Frame FromZ(const Vector3 &z) {
+        Frame f;
+        f.z = z;
+        CoordinateSystem(z, &f.x, &f.y);
+        return f;
+    }
+    /// z is kept exactly; x is made orthogonal to it. Both unit or x of any length.
+    static Frame FromXZ(const Vector3 &x, const Vector3 &z) {
+        Vector3 xo = x - z * Dot(x, z);
+        if (!(LengthSquared(xo) > 1e-20f * LengthSquared(x))) return FromZ(z);
+        xo = Normalize(xo);
+        return {xo, Cross(z, xo), z};
+    }
+    Vector3 ToLocal(const Vector3 &v) const { return {Dot(v, x), Dot(v, y), Dot(v, z)}; }
+    Vector3 FromLocal(const Vector3 &v) const { return x * v.x + y * v.y + z * v.z; }
+};
+
+// Trigonometry of a unit direction in a local frame (z up).
+inline Float CosTheta(const Vector3 &w) { return w.z; }
+inline Float Cos2Theta(const Vector3 &w) { return w.z * w.z; }
+inline Float AbsCosTheta(const Vector3 &w) { return std::abs(w.z); }
+inline Float Sin2Theta(const Vector3 &w) { return std::max(Float(0), 1 - Cos2Theta(w)); }
+inline Float SinTheta(const Vector3 &w) { return std::sqrt(Sin2Theta(w)); }
+inline Float Tan2Theta(const Vector3 &w) { return Sin2Theta(w) / Cos2Theta(w); }
+inline Float TanTheta(const Vector3 &w) { return SinTheta(w) / CosTheta(w); }
+inline Float CosPhi(const Vector3 &w) {
+    Float s = SinTheta(w);
+    return s == 0 ? 1 : std::clamp(w.x / s, Float(-1), Float(1));
+}
+inline Float SinPhi(const Vector3 &w) {
+    Float s = SinTheta(w);
+    return s == 0 ? 0 : std::clamp(w.y / s, Float(-1), Float(1));
+}
+inline bool SameHemisphere(const Vector3 &a, const Vector3 &b) { return a.z * b.z > 0; }
+
+}  // namespace pbrt

@@ -1,0 +1,60 @@
+#pragma once
+#include <array>
+#include <optional>
+
+#include "pbrt/math/ray.h"
+
+namespace pbrt {
+
+/// A 4x4 matrix and its inverse. Matrices are GLM's: column-major, column vectors, which is also how scene files list
+/// them (elements 12-14 are the translation).
+class Transform {
+  public:
+    Transform() = default;
+    explicit Transform(const glm::mat4 &m) : m_(m), inverse_(glm::inverse(m)) {}
+    Transform(const glm::mat4 &m, const glm::mat4 &inverse) : m_(m), inverse_(inverse) {}
+
+    /// From 16 numbers in file order.
+    static Transform FromFile(const std::array<Float, 16> &v);
+    static Transform Translate(const Vector3 &t);
+    static Transform Scale(const Vector3 &s);
+    /// Degrees, right-hand rule about `axis` (any length).
+    static Transform Rotate(Float degrees, const Vector3 &axis);
+    /// World-to-camera of pbrt's left-handed LookAt; nullopt if up is parallel to the view direction or eye = look.
+    static std::optional<Transform> LookAt(const Point3 &eye, const Point3 &look, const Vector3 &up);
+    /// Perspective projection of pbrt: x, y divided by z and by tan(fov/2); z from [near, far] to [0, 1].
+    static Transform Perspective(Float fovDegrees, Float near, Float far);
+    static Transform Orthographic(Float near, Float far);
+
+    const glm::mat4 &Matrix() const { return m_; }
+    const glm::mat4 &InverseMatrix() const { return inverse_; }
+    Transform Inverse() const { return {inverse_, m_}; }
+    Transform operator*(const Transform &o) const { return {m_ * o.m_, o.inverse_ * inverse_}; }
+    bool operator==(const Transform &o) const { return m_ == o.m_; }
+    bool IsIdentity() const { return m_ == glm::mat4(1); }
+    /// True if the upper 3x3 part mirrors.
+    bool SwapsHandedness() const { return glm::determinant(glm::mat3(m_)) < 0; }
+    bool IsSingular() const { return !(std::abs(glm::determinant(glm::mat3(m_))) > 0); }
+
+    /// Points; the homogeneous divide happens only for projective matrices.
+    Point3 Point(const Point3 &p) const { return Apply(m_, p); }
+    Vector3 Vector(const Vector3 &v) const { return glm::mat3(m_) * v; }
+    /// By the inverse transpose; not normalised.
+    Normal3 Normal(const Normal3 &n) const { return n * glm::mat3(inverse_); }
+    Point3 InversePoint(const Point3 &p) const { return Apply(inverse_, p); }
+    Vector3 InverseVector(const Vector3 &v) const { return glm::mat3(inverse_) * v; }
+    Normal3 InverseNormal(const Normal3 &n) const { return n * glm::mat3(m_); }
+    /// Bound of the rounding error of Point(p) when p itself has error bounds `pError`.
+    Vector3 PointError(const Point3 &p, const Vector3 &pError = Vector3(0)) const;
+
+  private:
+    static Point3 Apply(const glm::mat4 &m, const Point3 &p) {
+        glm::vec4 q = m * glm::vec4(p, 1);
+        if (q.w == 1) return Point3(q);
+        return Point3(q) / q.w;
+    }
+    glm::mat4 m_{1};
+    glm::mat4 inverse_{1};
+};
+
+}  // namespace pbrt

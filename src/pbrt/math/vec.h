@@ -1,0 +1,91 @@
+#pragma once
+#define GLM_FORCE_XYZW_ONLY
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <limits>
+#include <numbers>
+
+#include "pbrt/core/float.h"
+
+namespace pbrt {
+
+// GLM under our names. Points, vectors and normals share a type; names of variables and functions tell them apart.
+using Point2 = glm::vec2;
+using Vector2 = glm::vec2;
+using Point3 = glm::vec3;
+using Vector3 = glm::vec3;
+using Normal3 = glm::vec3;
+using Point2i = glm::ivec2;
+using Vector2i = glm::ivec2;
+
+inline constexpr Float Pi = std::numbers::pi_v<Float>;
+inline constexpr Float InvPi = std::numbers::inv_pi_v<Float>;
+inline constexpr Float Inv2Pi = InvPi / 2;
+inline constexpr Float Inv4Pi = InvPi / 4;
+inline constexpr Float Infinity = std::numeric_limits<Float>::infinity();
+/// Largest value below 1: random numbers live in [0, OneMinusEpsilon].
+inline constexpr Float OneMinusEpsilon = 0x1.fffffep-1f;
+inline constexpr Float MachineEpsilon = std::numeric_limits<Float>::epsilon() / 2;
+
+/// Bound on the relative rounding error of n chained operations.
+constexpr Float Gamma(int n) {
+    Float e = static_cast<Float>(n) * MachineEpsilon;
+    return e / (1 - e);
+}
+
+constexpr Float Radians(Float degrees) { return degrees * (Pi / 180); }
+constexpr Float Degrees(Float radians) { return radians * (180 / Pi); }
+
+template <class T>
+constexpr T Sqr(T v) { return v * v; }
+inline Float SafeSqrt(Float v) { return std::sqrt(std::max(Float(0), v)); }
+inline Float SafeASin(Float v) { return std::asin(std::clamp(v, Float(-1), Float(1))); }
+inline Float SafeACos(Float v) { return std::acos(std::clamp(v, Float(-1), Float(1))); }
+template <class T>
+constexpr T Lerp(Float t, const T &a, const T &b) { return a * (1 - t) + b * t; }
+
+/// a*b - c*d without catastrophic cancellation (Kahan).
+inline Float DifferenceOfProducts(Float a, Float b, Float c, Float d) {
+    Float cd = c * d;
+    return std::fma(a, b, -cd) + std::fma(-c, d, cd);
+}
+
+inline Float Dot(const Vector3 &a, const Vector3 &b) { return glm::dot(a, b); }
+inline Float AbsDot(const Vector3 &a, const Vector3 &b) { return std::abs(glm::dot(a, b)); }
+inline Vector3 Cross(const Vector3 &a, const Vector3 &b) {
+    return {DifferenceOfProducts(a.y, b.z, a.z, b.y), DifferenceOfProducts(a.z, b.x, a.x, b.z),
+            DifferenceOfProducts(a.x, b.y, a.y, b.x)};
+}
+inline Float LengthSquared(const Vector3 &v) { return glm::dot(v, v); }
+inline Float Length(const Vector3 &v) { return std::sqrt(LengthSquared(v)); }
+inline Vector3 Normalize(const Vector3 &v) { return v / Length(v); }
+inline Float DistanceSquared(const Point3 &a, const Point3 &b) { return LengthSquared(a - b); }
+inline Float Distance(const Point3 &a, const Point3 &b) { return Length(a - b); }
+inline Vector3 FaceForward(const Vector3 &n, const Vector3 &v) { return Dot(n, v) < 0 ? -n : n; }
+inline Vector3 Abs(const Vector3 &v) { return glm::abs(v); }
+inline Float MaxComponent(const Vector3 &v) { return std::max({v.x, v.y, v.z}); }
+inline Point3 Min(const Point3 &a, const Point3 &b) { return glm::min(a, b); }
+inline Point3 Max(const Point3 &a, const Point3 &b) { return glm::max(a, b); }
+
+/// Angle in radians between unit vectors, accurate when they are nearly (anti)parallel.
+inline Float AngleBetween(const Vector3 &a, const Vector3 &b) {
+    if (Dot(a, b) < 0) return Pi - 2 * SafeASin(Length(a + b) / 2);
+    return 2 * SafeASin(Length(b - a) / 2);
+}
+
+/// Two unit vectors that complete the unit vector v to a right-handed orthonormal basis (Duff et al. 2017).
+inline void CoordinateSystem(const Vector3 &v, Vector3 *s, Vector3 *t) {
+    Float sign = std::copysign(Float(1), v.z);
+    Float a = -1 / (sign + v.z);
+    Float b = v.x * v.y * a;
+    *s = {1 + sign * Sqr(v.x) * a, sign * b, -sign * v.x};
+    *t = {b, sign + Sqr(v.y) * a, -v.y};
+}
+
+/// Unit vector at polar angle theta from +z and azimuth phi from +x.
+inline Vector3 SphericalDirection(Float sinTheta, Float cosTheta, Float phi) {
+    return {sinTheta * std::cos(phi), sinTheta * std::sin(phi), cosTheta};
+}
+
+}  // namespace pbrt

@@ -1,0 +1,111 @@
+#pragma once
+#include "pbrt/math/vec.h"
+
+namespace pbrt {
+
+// Maps from the unit square and their densities, side by side. Directions have z up.
+
+/// Unit disk, area-preserving and low in distortion (Shirley and Chiu 1997). Density 1/Pi by area.
+inline Point2 SampleUniformDiskConcentric(const Point2 &u) {
+    Point2 o = u * Float(2) - Point2(1, 1);
+    if (o.x == 0 && o.y == 0) return {0, 0};
+    Float r, theta;
+    if (std::abs(o.x) > std::abs(o.y)) {
+        r = o.x;
+        theta = Pi / 4 * (o.y / o.x);
+    } else {
+        r = o.y;
+        theta = Pi / 2 - Pi / 4 * (o.x / o.y);
+    }
+    return r * Point2(std::cos(theta), std::sin(theta));
+}
+
+/// Unit disk by polar coordinates. Density 1/Pi by area.
+inline Point2 SampleUniformDiskPolar(const Point2 &u) {
+    Float r = std::sqrt(u.x), theta = 2 * Pi * u.y;
+    return {r * std::cos(theta), r * std::sin(theta)};
+}
+
+inline Vector3 SampleUniformHemisphere(const Point2 &u) {
+    Float z = u.x;
+    return SphericalDirection(SafeSqrt(1 - z * z), z, 2 * Pi * u.y);
+}
+constexpr Float UniformHemispherePdf() { return Inv2Pi; }  ///< solid angle
+
+inline Vector3 SampleUniformSphere(const Point2 &u) {
+    Float z = 1 - 2 * u.x;
+    return SphericalDirection(SafeSqrt(1 - z * z), z, 2 * Pi * u.y);
+}
+constexpr Float UniformSpherePdf() { return Inv4Pi; }  ///< solid angle
+
+inline Vector3 SampleCosineHemisphere(const Point2 &u) {
+    Point2 d = SampleUniformDiskConcentric(u);
+    return {d.x, d.y, SafeSqrt(1 - d.x * d.x - d.y * d.y)};
+}
+constexpr Float CosineHemispherePdf(Float cosTheta) { return cosTheta * InvPi; }  ///< solid angle
+
+/// Directions within the cone cos(theta) >= cosThetaMax about +z.
+inline Vector3 SampleUniformCone(const Point2 &u, Float cosThetaMax) {
+    Float c = (1 - u.x) + u.x * cosThetaMax;
+    return SphericalDirection(SafeSqrt(1 - c * c), c, 2 * Pi * u.y);
+}
+inline Float UniformConePdf(Float cosThetaMax) { return 1 / (2 * Pi * (1 - cosThetaMax)); }  ///< solid angle
+
+/// Barycentric coordinates, uniform by area (Heitz 2019, low distortion).
+inline Vector3 SampleUniformTriangle(const Point2 &u) {
+    Float b0, b1;
+    if (u.x < u.y) {
+        b0 = u.x / 2;
+        b1 = u.y - b0;
+    } else {
+        b1 = u.y / 2;
+        b0 = u.x - b1;
+    }
+    return {b0, b1, 1 - b0 - b1};
+}
+
+/// x in [0, 1] with density proportional to Lerp(x, a, b); a, b >= 0, not both 0.
+inline Float SampleLinear(Float u, Float a, Float b) {
+    if (u == 0 && a == 0) return 0;
+    Float x = u * (a + b) / (a + std::sqrt(Lerp(u, a * a, b * b)));
+    return std::min(x, OneMinusEpsilon);
+}
+inline Float LinearPdf(Float x, Float a, Float b) {
+    if (x < 0 || x > 1) return 0;
+    return 2 * Lerp(x, a, b) / (a + b);
+}
+inline Float InvertLinearSample(Float x, Float a, Float b) { return x * (a * (2 - x) + b * x) / (a + b); }
+
+/// Point of the unit square with density proportional to the bilinear interpolation of the corner values
+/// w = {w00, w10, w01, w11} (x first).
+inline Point2 SampleBilinear(const Point2 &u, const Float w[4]) {
+    Float y = SampleLinear(u.y, w[0] + w[1], w[2] + w[3]);
+    Float x = SampleLinear(u.x, Lerp(y, w[0], w[2]), Lerp(y, w[1], w[3]));
+    return {x, y};
+}
+inline Float BilinearPdf(const Point2 &p, const Float w[4]) {
+    if (p.x < 0 || p.x > 1 || p.y < 0 || p.y > 1) return 0;
+    Float sum = w[0] + w[1] + w[2] + w[3];
+    if (sum == 0) return 1;
+    return 4 * Lerp(p.y, Lerp(p.x, w[0], w[1]), Lerp(p.x, w[2], w[3])) / sum;
+}
+inline Point2 InvertBilinearSample(const Point2 &p, const Float w[4]) {
+    return {InvertLinearSample(p.x, Lerp(p.y, w[0], w[2]), Lerp(p.y, w[1], w[3])),
+            InvertLinearSample(p.y, w[0] + w[1], w[2] + w[3])};
+}
+
+/// MIS weights for one sample from each of two densities (Veach).
+inline Float BalanceHeuristic(Float f, Float g) { return f / (f + g); }
+inline Float PowerHeuristic(Float f, Float g) {
+    if (std::isinf(f * f)) return 1;
+    return f * f / (f * f + g * g);
+}
+
+/// The unit square onto the sphere, area-preserving (Clarberg 2008): pbrt's layout of environment images. z up.
+Vector3 EqualAreaSquareToSphere(const Point2 &p);
+/// Its inverse; w must be unit.
+Point2 EqualAreaSphereToSquare(const Vector3 &w);
+/// Maps positions outside the square to the ones that show the same direction (octahedral wrap-around).
+Point2 WrapEqualAreaSquare(Point2 p);
+
+}  // namespace pbrt

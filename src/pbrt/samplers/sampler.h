@@ -1,0 +1,31 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pbrt/core/params.h"
+#include "pbrt/math/vec.h"
+
+namespace pbrt {
+
+/// Random numbers for pixel samples: a function of (seed, pixel, sample index, dimension) only. Not thread-safe: each
+/// thread works on its own Clone(). All values lie in [0, 1).
+class Sampler {
+  public:
+    virtual ~Sampler() = default;
+    virtual int SamplesPerPixel() const = 0;
+    virtual void StartPixelSample(Point2i pixel, int sampleIndex, int dimension = 0) = 0;
+    virtual Float Get1D() = 0;
+    virtual Point2 Get2D() = 0;
+    virtual Point2 GetPixel2D() = 0;  ///< position inside the pixel
+    virtual std::unique_ptr<Sampler> Clone() const = 0;
+};
+
+/// `sppOverride` > 0 replaces pixelsamples (--spp); `defaultSeed` is --seed / Option seed. `resolution`: full film.
+std::unique_ptr<Sampler> MakeSampler(const std::string &type, const ParamSet &params, Point2i resolution, int sppOverride,
+                                     int defaultSeed, DiagnosticSink &sink);
+
+const std::vector<std::string> &SupportedSamplers();
+const std::vector<std::string> &UnsupportedSamplers();
+
+}  // namespace pbrt

@@ -1,0 +1,53 @@
+#pragma once
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pbrt/accel/accel.h"
+#include "pbrt/cameras/camera.h"
+#include "pbrt/lights/light_table.h"
+#include "pbrt/materials/material.h"
+
+namespace pbrt {
+
+/// What the scene knows about a shape beyond its geometry.
+struct ShapeRecord {
+    std::unique_ptr<Shape> shape;
+    FloatTexturePtr alpha;       ///< null: opaque
+    MaterialId material{};
+    LightId firstLight{};        ///< light of primitive 0; the others follow
+    MediumId insideMedium{}, outsideMedium{};
+};
+
+/// Everything build/ hands over.
+struct SceneParts {
+    std::vector<ShapeRecord> shapes;
+    std::vector<MaterialPtr> materials;
+    std::unique_ptr<Accel> accel;
+    std::unique_ptr<LightTable> lights;
+};
+
+/// The immutable scene: ray queries, lights, materials by id. No setters.
+class Scene {
+  public:
+    explicit Scene(SceneParts parts);
+
+    /// Nearest surface along the ray, complete but for the filter footprint.
+    std::optional<SurfacePoint> Intersect(const Ray &ray) const;
+    /// True if something lies between the points. Both ends are moved off their surfaces first.
+    bool Occluded(const LightSampleContext &from, const LightLiSample &to) const;
+    bool Occluded(const Ray &ray) const;
+
+    const LightTable &Lights() const { return *parts_.lights; }
+    const Material &MaterialOf(MaterialId id) const { return *parts_.materials[id.value]; }
+    const Shape &ShapeOf(ShapeId id) const { return *parts_.shapes[id.value].shape; }
+    size_t ShapeCount() const { return parts_.shapes.size(); }
+    const Bounds3 &Bounds() const { return bounds_; }
+    const Accel &Acceleration() const { return *parts_.accel; }
+
+  private:
+    SceneParts parts_;
+    Bounds3 bounds_;
+};
+
+}  // namespace pbrt

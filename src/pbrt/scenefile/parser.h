@@ -1,0 +1,17 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "pbrt/scenefile/scene_description.h"
+
+namespace pbrt {
+
+/// Parses files one after the other as one scene ("-" = standard input). Syntax errors stop the parse of the file; all
+/// structural errors found are collected in `sink`. Warnings go there too. The caller decides with sink.ThrowIfErrors().
+SceneDescription ParseSceneFiles(const std::vector<std::string> &paths, DiagnosticSink &sink);
+
+/// Parses text as if it were a file called `name` in directory `directory` (tests).
+SceneDescription ParseSceneText(const std::string &text, DiagnosticSink &sink, const std::string &name = "<text>",
+                                const std::string &directory = "");
+
+}  // namespace pbrt

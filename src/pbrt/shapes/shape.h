@@ -1,0 +1,69 @@
+#pragma once
+#include <optional>
+
+#include "pbrt/math/bounds.h"
+#include "pbrt/math/transform.h"
+#include "pbrt/shapes/surface_point.h"
+
+namespace pbrt {
+
+/// A point drawn on a shape. `pdf` in the measure the sampling function names.
+struct ShapeSample {
+    Point3 p{};
+    Vector3 pError{};
+    Normal3 n{};  ///< oriented like SurfacePoint::n
+    Point2 uv{};
+    Float pdf = 0;
+};
+
+/// Where the sampled point is seen from. n and ns are zero in a medium or if unknown; ns then has no influence.
+struct ShapeSampleContext {
+    Point3 p{};
+    Vector3 pError{};
+    Normal3 n{}, ns{};
+    Float time = 0;
+    Point3 OffsetOrigin(const Vector3 &w) const { return OffsetRayOrigin(p, pError, n, w); }
+};
+
+/// A hit in a primitive's own parameters: barycentric (b1, b2) for triangles, (u, v) for patches, (u, v) of §6 for
+/// quadrics.
+struct PrimitiveHit {
+    Float t = 0;
+    Float u = 0, v = 0;
+};
+
+/// How the accelerator should trace a shape.
+enum class ShapeKind { TriangleMesh, BilinearMesh, Sphere, Disk, Cylinder };
+
+/// A quadric (one primitive) or a mesh (many), in rendering space. Immutable.
+class Shape {
+  public:
+    virtual ~Shape() = default;
+    virtual ShapeKind Kind() const = 0;
+    virtual uint32_t PrimitiveCount() const = 0;
+    virtual Bounds3 PrimitiveBounds(uint32_t primitive) const = 0;
+    virtual Float Area(uint32_t primitive) const = 0;
+    /// Cone that holds all (oriented) normals of the primitive.
+    virtual DirectionCone NormalBounds(uint32_t primitive) const = 0;
+
+    /// Ray against one primitive, nearest t in (tMin, tMax). Used for kinds that Embree does not trace natively and
+    /// by tests as the slow twin. Direction need not be unit.
+    virtual std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
+                                                  Float tMax) const = 0;
+
+    /// Everything but ids, wo, time, t and footprints.
+    virtual SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const = 0;
+    /// uv only (alpha tests).
+    virtual Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const = 0;
+
+    /// Uniform by area where that is simple, else with its true density. pdf by area.
+    virtual std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const = 0;
+    /// As seen from a point. pdf by solid angle. Empty if nothing can be drawn.
+    virtual std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from, const Point2 &u) const = 0;
+    /// Density (solid angle) with which Sample(from) finds the direction wi; the ray from `from` along wi is known to
+    /// hit this primitive at pHit with normal nHit.
+    virtual Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
+                                const Normal3 &nHit) const = 0;
+};
+
+}  // namespace pbrt

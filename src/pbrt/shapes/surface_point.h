@@ -1,0 +1,39 @@
+#pragma once
+#include "pbrt/core/ids.h"
+#include "pbrt/math/ray.h"
+
+namespace pbrt {
+
+/// A point on a surface as the integrators see it. Ids only: what they mean is known above.
+struct SurfacePoint {
+    Point3 p{};
+    Vector3 pError{};   ///< componentwise bound on |true p - p|
+    Vector3 wo{};       ///< unit, back along the ray
+    Normal3 n{};        ///< geometric, unit, oriented by the shape (ReverseOrientation, handedness, vertex normals)
+    Point2 uv{};
+    Vector3 dpdu{}, dpdv{};
+    Normal3 dndu{}, dndv{};
+    struct Shading {
+        Normal3 n{};    ///< unit, same side as the geometric n unless vertex normals decided the side
+        Vector3 dpdu{}, dpdv{};
+        Normal3 dndu{}, dndv{};
+    } shading;
+    Float time = 0;
+    Float t = 0;        ///< ray parameter
+
+    ShapeId shape{};
+    uint32_t primitive = 0;
+    MaterialId material{};
+    LightId light{};    ///< area light on this primitive, NoLight if none
+    MediumId insideMedium{}, outsideMedium{};
+
+    // Filter footprint: derivatives by one pixel step in x and y, 0 if unknown.
+    Vector3 dpdx{}, dpdy{};
+    Float dudx = 0, dvdx = 0, dudy = 0, dvdy = 0;
+
+    /// Start of a ray that leaves towards w, off the surface by the error bound.
+    Point3 OffsetOrigin(const Vector3 &w) const { return OffsetRayOrigin(p, pError, n, w); }
+    Ray SpawnRay(const Vector3 &d) const { return {OffsetOrigin(d), d, Infinity, time, {}}; }
+};
+
+}  // namespace pbrt

@@ -1,0 +1,46 @@
+#pragma once
+#include <vector>
+
+#include "pbrt/shapes/shape.h"
+
+namespace pbrt {
+
+/// Vertex data of a triangle or patch mesh, in object space as read; transformed by the mesh's constructor.
+struct MeshData {
+    std::vector<uint32_t> indices;  ///< 3 (or 4: (0,0),(1,0),(0,1),(1,1)) per primitive
+    std::vector<Point3> p;
+    std::vector<Normal3> n;   ///< per vertex or empty
+    std::vector<Vector3> s;   ///< per vertex or empty
+    std::vector<Point2> uv;   ///< per vertex or empty
+    std::vector<int> faceIndices;  ///< per primitive or empty
+};
+
+/// Triangles in rendering space. Embree reads the vertex and index buffers directly.
+class TriangleMesh final : public Shape {
+  public:
+    TriangleMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation);
+
+    ShapeKind Kind() const override { return ShapeKind::TriangleMesh; }
+    uint32_t PrimitiveCount() const override { return static_cast<uint32_t>(mesh_.indices.size() / 3); }
+    Bounds3 PrimitiveBounds(uint32_t primitive) const override;
+    Float Area(uint32_t primitive) const override;
+    DirectionCone NormalBounds(uint32_t primitive) const override;
+    std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
+                                          Float tMax) const override;
+    SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
+    Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const override;
+    std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const override;
+    std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from, const Point2 &u) const override;
+    Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
+                        const Normal3 &nHit) const override;
+
+    const MeshData &Data() const { return mesh_; }
+    Float SolidAngle(uint32_t primitive, const Point3 &p) const;
+
+  private:
+    MeshData mesh_;
+    bool flipNormal_;  ///< orientation flag XOR handedness
+    bool reverseOrientation_;
+};
+
+}  // namespace pbrt

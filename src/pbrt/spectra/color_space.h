@@ -1,0 +1,114 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "pbrt/spectra/spectrum.h"
+
+namespace pbrt {
+
+using Rgb = glm::vec3;
+using Xyz = glm::vec3;
+
+/// Coefficients of the sigmoid of a quadratic in wavelength that stands for an RGB reflectance (Jakob and Hanika 2019):
+/// s(c0 l^2 + c1 l + c2), s(x) = 1/2 + x / (2 sqrt(1 + x^2)).
+struct SigmoidPolynomial {
+    Float c0 = 0, c1 = 0, c2 = 0;
+    Float operator()(Float lambda) const {
+        Float x = (c0 * lambda + c1) * lambda + c2;
+        if (std::isinf(x)) return x > 0 ? 1 : 0;
+        return Float(0.5) + x / (2 * std::sqrt(1 + x * x));
+    }
+    SampledSpectrum Sample(const SampledWavelengths &lambda) const {
+        SampledSpectrum s;
+        for (int i = 0; i < SpectrumSamples; ++i) s[i] = (*this)(lambda[i]);
+        return s;
+    }
+    Float MaxValue() const;
+};
+
+/// An RGB space: primaries, white, illuminant, matrices, and the table that turns RGB into sigmoid polynomials.
+class ColorSpace {
+  public:
+    /// By name, case-insensitive: srgb, dci-p3, rec2020, aces2065-1. nullptr if unknown. Lives for ever.
+    static const ColorSpace *Find(const std::string &name);
+    static const ColorSpace &SRGB();
+    static std::vector<std::string> Names();
+    /// The known space with these chromaticities (relative tolerance 1e-3), else nullptr. Order r, g, b, white.
+    static const ColorSpace *FromChromaticities(const Point2 &r, const Point2 &g, const Point2 &b, const Point2 &w);
+
+    const std::string &Name() const { return name_; }
+    const Spectrum &Illuminant() const { return *illuminant_; }
+    SpectrumPtr IlluminantPtr() const { return illuminant_; }
+    const glm::mat3 &XyzFromRgb() const { return xyzFromRgb_; }
+    const glm::mat3 &RgbFromXyz() const { return rgbFromXyz_; }
+    Rgb ToRgb(const Xyz &xyz) const { return rgbFromXyz_ * xyz; }
+    Xyz ToXyz(const Rgb &rgb) const { return xyzFromRgb_ * rgb; }
+    Rgb Luminance() const { return {xyzFromRgb_[0].y, xyzFromRgb_[1].y, xyzFromRgb_[2].y}; }
+    Point2 R() const { return r_; }
+    Point2 G() const { return g_; }
+    Point2 B() const { return b_; }
+    Point2 White() const { return w_; }
+
+    /// Uplift of an RGB in [0, 1]^3.
+    SigmoidPolynomial ToPolynomial(const Rgb &rgb) const;
+
+    /// Use Find(). Table data are embedded at build time.
+    ColorSpace(std::string name, Point2 r, Point2 g, Point2 b, SpectrumPtr illuminant, const float *table);
+
+  private:
+    std::string name_;
+    Point2 r_, g_, b_, w_;
+    SpectrumPtr illuminant_;
+    glm::mat3 xyzFromRgb_, rgbFromXyz_;
+    const float *table_;
+};
+
+/// From `from`'s RGB to `to`'s through XYZ (no adaptation).
+glm::mat3 ConvertRgbMatrix(const ColorSpace &from, const ColorSpace &to);
+
+/// An RGB uplifted for its use (pbrt-v4-format §4). All sample without allocation and are cheap to make on the stack.
+class RgbAlbedoSpectrum final : public Spectrum {
+  public:
+    RgbAlbedoSpectrum(const ColorSpace &cs, const Rgb &rgb) : poly_(cs.ToPolynomial(rgb)) {}
+    Float operator()(Float lambda) const override { return poly_(lambda); }
+    SampledSpectrum Sample(const SampledWavelengths &lambda) const override { return poly_.Sample(lambda); }
+    Float MaxValue() const override { return poly_.MaxValue(); }
+
+  private:
+    SigmoidPolynomial poly_;
+};
+
+class RgbUnboundedSpectrum final : public Spectrum {
+  public:
+    RgbUnboundedSpectrum(const ColorSpace &cs, const Rgb &rgb);
+    Float operator()(Float lambda) const override { return scale_ * poly_(lambda); }
+    SampledSpectrum Sample(const SampledWavelengths &lambda) const override { return scale_ * poly_.Sample(lambda); }
+    Float MaxValue() const override { return scale_ * poly_.MaxValue(); }
+
+  private:
+    Float scale_;
+    SigmoidPolynomial poly_;
+};
+
+class RgbIlluminantSpectrum final : public Spectrum {
+  public:
+    RgbIlluminantSpectrum(const ColorSpace &cs, const Rgb &rgb);
+    Float operator()(Float lambda) const override { return scale_ * poly_(lambda) * (*illuminant_)(lambda); }
+    SampledSpectrum Sample(const SampledWavelengths &lambda) const override {
+        return scale_ * poly_.Sample(lambda) * illuminant_->Sample(lambda);
+    }
+    Float MaxValue() const override { return scale_ * poly_.MaxValue() * illuminant_->MaxValue(); }
+    const Spectrum &Illuminant() const { return *illuminant_; }
+
+  private:
+    Float scale_;
+    SigmoidPolynomial poly_;
+    const Spectrum *illuminant_;  ///< of the colour space, lives for ever
+};
+
+/// Von Kries adaptation in Bradford cone space: XYZ under white `from` to XYZ under white `to` (chromaticities).
+glm::mat3 WhiteBalanceMatrix(const Point2 &from, const Point2 &to);
+/// CIE D illuminant of a correlated colour temperature, scaled to Y = 1.
+DenseSpectrum DaylightSpectrum(Float kelvin);
+
+}  // namespace pbrt

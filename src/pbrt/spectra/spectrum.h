@@ -1,0 +1,198 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pbrt/math/vec.h"
+
+namespace pbrt {
+
+inline constexpr Float LambdaMin = 360;  ///< nm
+inline constexpr Float LambdaMax = 830;  ///< nm
+/// Wavelengths carried by one path.
+inline constexpr int SpectrumSamples = 4;
+
+/// Values at the wavelengths of one path.
+class SampledSpectrum {
+  public:
+    SampledSpectrum() : v_{} {}
+    explicit SampledSpectrum(Float c) { v_.fill(c); }
+    Float operator[](int i) const { return v_[static_cast<size_t>(i)]; }
+    Float &operator[](int i) { return v_[static_cast<size_t>(i)]; }
+
+    SampledSpectrum &operator+=(const SampledSpectrum &o) { return Zip(o, [](Float a, Float b) { return a + b; }); }
+    SampledSpectrum &operator-=(const SampledSpectrum &o) { return Zip(o, [](Float a, Float b) { return a - b; }); }
+    SampledSpectrum &operator*=(const SampledSpectrum &o) { return Zip(o, [](Float a, Float b) { return a * b; }); }
+    SampledSpectrum &operator/=(const SampledSpectrum &o) { return Zip(o, [](Float a, Float b) { return a / b; }); }
+    SampledSpectrum &operator*=(Float s) {
+        for (Float &v : v_) v *= s;
+        return *this;
+    }
+    SampledSpectrum &operator/=(Float s) { return *this *= 1 / s; }
+    friend SampledSpectrum operator+(SampledSpectrum a, const SampledSpectrum &b) { return a += b; }
+    friend SampledSpectrum operator-(SampledSpectrum a, const SampledSpectrum &b) { return a -= b; }
+    friend SampledSpectrum operator*(SampledSpectrum a, const SampledSpectrum &b) { return a *= b; }
+    friend SampledSpectrum operator/(SampledSpectrum a, const SampledSpectrum &b) { return a /= b; }
+    friend SampledSpectrum operator*(SampledSpectrum a, Float s) { return a *= s; }
+    friend SampledSpectrum operator*(Float s, SampledSpectrum a) { return a *= s; }
+    friend SampledSpectrum operator/(SampledSpectrum a, Float s) { return a /= s; }
+    SampledSpectrum operator-() const { return *this * Float(-1); }
+
+    explicit operator bool() const {  ///< any value not 0
+        for (Float v : v_)
+            if (v != 0) return true;
+        return false;
+    }
+    Float Average() const { return (v_[0] + v_[1] + v_[2] + v_[3]) / SpectrumSamples; }
+    Float MaxComponent() const { return std::max(std::max(v_[0], v_[1]), std::max(v_[2], v_[3])); }
+    Float MinComponent() const { return std::min(std::min(v_[0], v_[1]), std::min(v_[2], v_[3])); }
+    bool HasNaN() const {
+        for (Float v : v_)
+            if (std::isnan(v)) return true;
+        return false;
+    }
+    /// Applies f to every value.
+    template <class F>
+    SampledSpectrum Map(F f) const {
+        SampledSpectrum r;
+        for (int i = 0; i < SpectrumSamples; ++i) r[i] = f((*this)[i]);
+        return r;
+    }
+
+  private:
+    template <class F>
+    SampledSpectrum &Zip(const SampledSpectrum &o, F f) {
+        for (size_t i = 0; i < SpectrumSamples; ++i) v_[i] = f(v_[i], o.v_[i]);
+        return *this;
+    }
+    std::array<Float, SpectrumSamples> v_;
+};
+
+/// a/b where b != 0, else 0.
+inline SampledSpectrum SafeDivide(const SampledSpectrum &a, const SampledSpectrum &b) {
+    SampledSpectrum r;
+    for (int i = 0; i < SpectrumSamples; ++i) r[i] = b[i] != 0 ? a[i] / b[i] : 0;
+    return r;
+}
+inline SampledSpectrum Clamp(const SampledSpectrum &s, Float low, Float high) {
+    return s.Map([=](Float v) { return std::clamp(v, low, high); });
+}
+inline SampledSpectrum ClampZero(const SampledSpectrum &s) {
+    return s.Map([](Float v) { return std::max(Float(0), v); });
+}
+inline SampledSpectrum Sqrt(const SampledSpectrum &s) {
+    return s.Map([](Float v) { return std::sqrt(v); });
+}
+inline SampledSpectrum SafeSqrt(const SampledSpectrum &s) {
+    return s.Map([](Float v) { return std::sqrt(std::max(Float(0), v)); });
+}
+
+/// The wavelengths of one path (nm) and their densities (1/nm).
+class SampledWavelengths {
+  public:
+    /// Stratified over the visible range, more where the eye is sensitive; density proportional to
+    /// 1/cosh^2(0.0072 (lambda - 538)), as stock pbrt-v4.
+    static SampledWavelengths SampleVisible(Float u);
+    static SampledWavelengths SampleUniform(Float u);
+
+    Float operator[](int i) const { return lambda_[static_cast<size_t>(i)]; }
+    Float PdfAt(int i) const { return pdf_[static_cast<size_t>(i)]; }
+    SampledSpectrum Pdf() const {
+        SampledSpectrum s;
+        for (int i = 0; i < SpectrumSamples; ++i) s[i] = PdfAt(i);
+        return s;
+    }
+    /// Keeps only the first wavelength (dispersion); its density is divided by the number of wavelengths.
+    void TerminateSecondary();
+    bool SecondaryTerminated() const;
+
+  private:
+    std::array<Float, SpectrumSamples> lambda_{}, pdf_{};
+};
+
+/// A function of wavelength. Immutable, shared between threads. Sample() is the hot call.
+class Spectrum {
+  public:
+    virtual ~Spectrum() = default;
+    virtual Float operator()(Float lambda) const = 0;  ///< at lambda nm
+    virtual SampledSpectrum Sample(const SampledWavelengths &lambda) const;
+    virtual Float MaxValue() const = 0;
+    /// True if the value is the same at all wavelengths (no dispersion for an index of refraction).
+    virtual bool IsConstant() const { return false; }
+};
+using SpectrumPtr = std::shared_ptr<const Spectrum>;
+
+class ConstantSpectrum final : public Spectrum {
+  public:
+    explicit ConstantSpectrum(Float c) : c_(c) {}
+    Float operator()(Float) const override { return c_; }
+    SampledSpectrum Sample(const SampledWavelengths &) const override { return SampledSpectrum(c_); }
+    Float MaxValue() const override { return c_; }
+    bool IsConstant() const override { return true; }
+
+  private:
+    Float c_;
+};
+
+/// One value per nm from 360 to 830, looked up at the nearest nm.
+class DenseSpectrum final : public Spectrum {
+  public:
+    explicit DenseSpectrum(const Spectrum &s);
+    /// 471 values.
+    explicit DenseSpectrum(std::span<const Float> values);
+    Float operator()(Float lambda) const override;
+    SampledSpectrum Sample(const SampledWavelengths &lambda) const override;
+    Float MaxValue() const override;
+
+  private:
+    std::vector<Float> values_;
+};
+
+/// Straight lines between (lambda, value) pairs, lambda strictly increasing; 0 outside.
+class PiecewiseLinearSpectrum final : public Spectrum {
+  public:
+    PiecewiseLinearSpectrum(std::vector<Float> lambdas, std::vector<Float> values);
+    Float operator()(Float lambda) const override;
+    Float MaxValue() const override;
+
+  private:
+    std::vector<Float> lambdas_, values_;
+};
+
+/// Planck emission at T kelvin divided by its maximum (Wien), so the peak is 1.
+class BlackbodySpectrum final : public Spectrum {
+  public:
+    explicit BlackbodySpectrum(Float kelvin);
+    Float operator()(Float lambda) const override;
+    Float MaxValue() const override { return 1; }
+
+  private:
+    Float kelvin_, normalization_;
+};
+
+/// Planck's law: spectral radiance at lambda nm and T kelvin, W / (m^2 sr m).
+Float Blackbody(Float lambda, Float kelvin);
+
+/// CIE 1931 2-degree matching functions.
+const DenseSpectrum &CieX();
+const DenseSpectrum &CieY();
+const DenseSpectrum &CieZ();
+/// Integral of y-bar over 360-830 nm (the usual 106.857).
+inline constexpr Float CieYIntegral = 106.856895f;
+
+/// Sum over whole nanometres of a*b, 360-830 nm.
+Float InnerProduct(const Spectrum &a, const Spectrum &b);
+/// XYZ of an emission spectrum, divided by CieYIntegral.
+Vector3 SpectrumToXyz(const Spectrum &s);
+/// Integral of y-bar times s: what light spectra are divided by (pbrt-v4-format §9). For RGB illuminant spectra only
+/// the illuminant's part counts.
+Float SpectrumToPhotometric(const Spectrum &s);
+
+/// A spectrum of §16 by name ("glass-BK7", "metal-Ag-eta", "stdillum-D65", "illum-acesD60", ...); nullptr if unknown.
+/// Illuminants are scaled to Y = 1 (SpectrumToXyz().y == 1).
+SpectrumPtr NamedSpectrum(const std::string &name);
+std::vector<std::string> NamedSpectrumNames();
+
+}  // namespace pbrt

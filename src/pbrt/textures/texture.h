@@ -1,0 +1,42 @@
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "pbrt/shapes/surface_point.h"
+#include "pbrt/spectra/spectrum.h"
+
+namespace pbrt {
+
+/// What a texture may look at. Filter footprint as derivatives by one pixel step; 0 means point sampling.
+struct TextureContext {
+    Point3 p{};
+    Vector3 dpdx{}, dpdy{};
+    Normal3 n{};
+    Point2 uv{};
+    Float dudx = 0, dudy = 0, dvdx = 0, dvdy = 0;
+
+    TextureContext() = default;
+    explicit TextureContext(const SurfacePoint &s)
+        : p(s.p), dpdx(s.dpdx), dpdy(s.dpdy), n(s.n), uv(s.uv), dudx(s.dudx), dudy(s.dudy), dvdx(s.dvdx), dvdy(s.dvdy) {}
+};
+
+class FloatTexture {
+  public:
+    virtual ~FloatTexture() = default;
+    virtual Float Evaluate(const TextureContext &ctx) const = 0;
+    /// The value if it is the same everywhere.
+    virtual std::optional<Float> Constant() const { return {}; }
+};
+using FloatTexturePtr = std::shared_ptr<const FloatTexture>;
+
+/// Made for one use (albedo, unbounded or illuminant), which decides how RGB is uplifted.
+class SpectrumTexture {
+  public:
+    virtual ~SpectrumTexture() = default;
+    virtual SampledSpectrum Evaluate(const TextureContext &ctx, const SampledWavelengths &lambda) const = 0;
+    /// The spectrum if it is the same everywhere.
+    virtual const Spectrum *Constant() const { return nullptr; }
+};
+using SpectrumTexturePtr = std::shared_ptr<const SpectrumTexture>;
+
+}  // namespace pbrt

@@ -1,0 +1,44 @@
+#pragma once
+#include <map>
+#include <string>
+
+#include "pbrt/core/files.h"
+#include "pbrt/core/params.h"
+#include "pbrt/math/transform.h"
+#include "pbrt/spectra/spectrum_params.h"
+#include "pbrt/textures/texture.h"
+
+namespace pbrt {
+
+/// Named textures of a scene, made when first asked for (spectrum textures once per use), and the reader of
+/// texture-valued parameters. Definitions are kept; a texture may only use textures defined before it.
+class TextureLibrary {
+  public:
+    TextureLibrary(const FileResolver &files, DiagnosticSink &sink);
+    ~TextureLibrary();
+
+    /// A Texture directive. Throws UserError on an unknown class; errors in parameters come from CheckAll or first use.
+    void Define(const std::string &name, bool isSpectrum, const std::string &textureClass, ParamSet params,
+                const Transform &renderFromTexture);
+    /// Makes every texture that nothing used, so that their mistakes are reported too, then reports unused parameters.
+    void CheckAll();
+
+    /// `ft` / `st` parameters (pbrt-v4-format §4). The OrNull forms return nullptr if the parameter is absent.
+    FloatTexturePtr GetFloat(const ParamSet &params, const std::string &name, Float defaultValue);
+    FloatTexturePtr GetFloatOrNull(const ParamSet &params, const std::string &name);
+    SpectrumTexturePtr GetSpectrum(const ParamSet &params, const std::string &name, SpectrumPtr defaultValue, SpectrumUse use);
+    SpectrumTexturePtr GetSpectrumOrNull(const ParamSet &params, const std::string &name, SpectrumUse use);
+
+    /// Names of image files that were not found (already reported to the sink).
+    size_t MissingImages() const { return missingImages_; }
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+    size_t missingImages_ = 0;
+};
+
+const std::vector<std::string> &SupportedTextures();
+const std::vector<std::string> &UnsupportedTextures();
+
+}  // namespace pbrt

@@ -40,6 +40,11 @@ std::string ValueText(T v) {
     if constexpr (std::is_same_v<T, bool>) return v ? "true" : "false";
     else return fmt::format("{}", v);
 }
+template <class T>
+void CheckRange(const ParamSet &set, const std::string &key, T v, Range<T> r) {
+    if (!(v >= r.low && v <= r.high))
+        throw UserError(fmt::format("\"{}\" is {}; it must be from {} to {}.", key, v, r.low, r.high), set.LocOf(key));
+}
 }  // namespace detail
 
 /// One row per parameter, with the defaults of a fresh P.
@@ -85,20 +90,15 @@ void ReadParams(P &p, const ParamSet &set, const std::string &prefix) {
     struct Visitor {
         const ParamSet &set;
         const std::string &prefix;
-        template <class T>
-        void Check(const std::string &key, T v, Range<T> r) const {
-            if (!(v >= r.low && v <= r.high))
-                throw UserError(fmt::format("\"{}\" is {}; it must be from {} to {}.", key, v, r.low, r.high), set.LocOf(key));
-        }
         void operator()(const char *name, int &v, Range<int> r, const char *) const {
             std::string key = prefix + "." + name;
             v = set.GetInt(key, v);
-            Check(key, v, r);
+            detail::CheckRange(set, key, v, r);
         }
         void operator()(const char *name, Float &v, Range<Float> r, const char *) const {
             std::string key = prefix + "." + name;
             v = set.GetFloat(key, v);
-            Check(key, v, r);
+            detail::CheckRange(set, key, v, r);
         }
         void operator()(const char *name, bool &v, const char *) const { v = set.GetBool(prefix + "." + name, v); }
     };

@@ -8,9 +8,9 @@ PiecewiseConstant1D::PiecewiseConstant1D(std::span<const Float> f, Float low, Fl
     : f_(f.begin(), f.end()), cdf_(f.size() + 1), low_(low), high_(high) {
     PBRT_CHECK(!f.empty() && high > low);
     for (Float &v : f_) v = std::abs(v);
-    double width = (double(high) - low) / double(f.size()), sum = 0;
+    double width = (double(high) - double(low)) / double(f.size()), sum = 0;
     std::vector<double> running(f.size() + 1, 0);
-    for (size_t i = 0; i < f_.size(); ++i) running[i + 1] = sum += f_[i] * width;
+    for (size_t i = 0; i < f_.size(); ++i) running[i + 1] = sum += double(f_[i]) * width;
     integral_ = static_cast<Float>(sum);
     for (size_t i = 1; i < cdf_.size(); ++i)
         cdf_[i] = static_cast<Float>(sum > 0 ? running[i] / sum : double(i) / double(f_.size()));
@@ -66,12 +66,12 @@ Float PiecewiseConstant2D::Pdf(const Point2 &p) const {
 
 AliasTable::AliasTable(std::span<const Float> weights) : bins_(weights.size()) {
     double sum = 0;
-    for (Float w : weights) sum += w;
+    for (Float w : weights) sum += double(w);
     size_t n = weights.size();
     std::vector<double> scaled(n);
     std::vector<int> under, over;
     for (size_t i = 0; i < n; ++i) {
-        double p = sum > 0 ? weights[i] / sum : 1.0 / double(n);
+        double p = sum > 0 ? double(weights[i]) / sum : 1.0 / double(n);
         bins_[i].p = static_cast<Float>(p);
         scaled[i] = p * double(n);
         (scaled[i] < 1 ? under : over).push_back(static_cast<int>(i));

@@ -1,0 +1,29 @@
+#pragma once
+#include <optional>
+
+#include "pbrt/bxdfs/bxdf.h"
+#include "pbrt/bxdfs/microfacet.h"
+
+namespace pbrt {
+
+/// Metal of complex index eta + i k (relative to the outside), smooth or rough (Torrance and Sparrow 1967).
+class ConductorBxdf {
+  public:
+    ConductorBxdf(const TrowbridgeReitz &facets, const SampledSpectrum &eta, const SampledSpectrum &k)
+        : facets_(facets), eta_(eta), k_(k) {}
+
+    BxdfFlags Flags() const {
+        return BxdfFlags::Reflection | (facets_.EffectivelySmooth() ? BxdfFlags::Specular : BxdfFlags::Glossy);
+    }
+    SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
+                                     ReflTransFlags which) const;
+    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const;
+    void Regularize() { facets_.Regularize(); }
+
+  private:
+    TrowbridgeReitz facets_;
+    SampledSpectrum eta_, k_;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,54 @@
+#pragma once
+#include <optional>
+
+#include "pbrt/bxdfs/bxdf.h"
+#include "pbrt/bxdfs/microfacet.h"
+
+namespace pbrt {
+
+/// Boundary between two dielectrics, smooth or rough (Walter et al. 2007). `eta`: index below (z < 0) over index above.
+/// Reflection and transmission are drawn by Fresnel's shares, among those asked for.
+class DielectricBxdf {
+  public:
+    DielectricBxdf(Float eta, const TrowbridgeReitz &facets) : eta_(eta), facets_(facets) {}
+
+    BxdfFlags Flags() const {
+        BxdfFlags sides = eta_ == 1 ? BxdfFlags::Transmission : BxdfFlags::Reflection | BxdfFlags::Transmission;
+        return sides | (IsSmooth() ? BxdfFlags::Specular : BxdfFlags::Glossy);
+    }
+    SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
+                                     ReflTransFlags which) const;
+    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const;
+    void Regularize() { facets_.Regularize(); }
+
+    /// True if F is 0 everywhere: a mirror-like boundary, or none at all (eta = 1).
+    bool IsSmooth() const { return eta_ == 1 || facets_.EffectivelySmooth(); }
+
+  private:
+    std::optional<BsdfSample> SampleSmooth(const Vector3 &wo, Float uc, TransportMode mode, ReflTransFlags which) const;
+    /// Half vector (upper hemisphere) that sends wo to wi and the relative index across (1 for reflection). False if no
+    /// microfacet does.
+    bool FacetBetween(const Vector3 &wo, const Vector3 &wi, bool reflect, Vector3 *wm, Float *etaRelative) const;
+
+    Float eta_;
+    TrowbridgeReitz facets_;
+};
+
+/// A pane so thin that refraction cancels: all bounces inside are summed, light leaves straight or mirrored.
+class ThinDielectricBxdf {
+  public:
+    explicit ThinDielectricBxdf(Float eta) : eta_(eta) {}
+
+    BxdfFlags Flags() const { return BxdfFlags::Reflection | BxdfFlags::Transmission | BxdfFlags::Specular; }
+    SampledSpectrum F(const Vector3 &, const Vector3 &, TransportMode) const { return SampledSpectrum(0); }
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
+                                     ReflTransFlags which) const;
+    Float Pdf(const Vector3 &, const Vector3 &, TransportMode, ReflTransFlags) const { return 0; }
+    void Regularize() {}
+
+  private:
+    Float eta_;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,85 @@
+#pragma once
+#include <optional>
+
+#include "pbrt/bxdfs/bxdf.h"
+#include "pbrt/math/frame.h"
+#include "pbrt/math/warps.h"
+
+namespace pbrt {
+
+// All lobes: local coordinates, z along the shading normal, directions away from the surface, densities by solid angle.
+
+/// Lambert's law, on the side wo is on.
+class DiffuseBxdf {
+  public:
+    explicit DiffuseBxdf(const SampledSpectrum &reflectance) : reflectance_(reflectance) {}
+
+    BxdfFlags Flags() const {
+        return reflectance_ ? BxdfFlags::Diffuse | BxdfFlags::Reflection : BxdfFlags::None;
+    }
+    SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
+        return SameHemisphere(wo, wi) ? reflectance_ * InvPi : SampledSpectrum(0);
+    }
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float, const Point2 &u, TransportMode,
+                                     ReflTransFlags which) const {
+        if (!Has(which, ReflTransFlags::Reflection)) return {};
+        Vector3 wi = SampleCosineHemisphere(u);
+        Float pdf = CosineHemispherePdf(wi.z);
+        if (wo.z < 0) wi.z = -wi.z;
+        return BsdfSample{reflectance_ * InvPi, wi, pdf, BxdfFlags::Diffuse | BxdfFlags::Reflection};
+    }
+    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const {
+        if (!Has(which, ReflTransFlags::Reflection) || !SameHemisphere(wo, wi)) return 0;
+        return CosineHemispherePdf(AbsCosTheta(wi));
+    }
+    void Regularize() {}
+
+  private:
+    SampledSpectrum reflectance_;
+};
+
+/// Lambert's law on both sides. The side is drawn in proportion to the larger of each spectrum's values.
+class DiffuseTransmissionBxdf {
+  public:
+    DiffuseTransmissionBxdf(const SampledSpectrum &reflectance, const SampledSpectrum &transmittance)
+        : reflectance_(reflectance), transmittance_(transmittance) {}
+
+    BxdfFlags Flags() const {
+        return (reflectance_ ? BxdfFlags::Diffuse | BxdfFlags::Reflection : BxdfFlags::None) |
+               (transmittance_ ? BxdfFlags::Diffuse | BxdfFlags::Transmission : BxdfFlags::None);
+    }
+    SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
+        return (SameHemisphere(wo, wi) ? reflectance_ : transmittance_) * InvPi;
+    }
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode,
+                                     ReflTransFlags which) const {
+        Float pr = ReflectionWeight(which), pt = TransmissionWeight(which);
+        if (pr + pt == 0) return {};
+        Float share = pr / (pr + pt);
+        Vector3 wi = SampleCosineHemisphere(u);
+        Float pdf = CosineHemispherePdf(wi.z);
+        bool reflect = uc < share;
+        if ((wo.z < 0) == reflect) wi.z = -wi.z;
+        if (reflect) return BsdfSample{reflectance_ * InvPi, wi, pdf * share, BxdfFlags::Diffuse | BxdfFlags::Reflection};
+        return BsdfSample{transmittance_ * InvPi, wi, pdf * (pt / (pr + pt)),
+                          BxdfFlags::Diffuse | BxdfFlags::Transmission};
+    }
+    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const {
+        Float pr = ReflectionWeight(which), pt = TransmissionWeight(which);
+        if (pr + pt == 0) return 0;
+        return (SameHemisphere(wo, wi) ? pr : pt) / (pr + pt) * CosineHemispherePdf(AbsCosTheta(wi));
+    }
+    void Regularize() {}
+
+  private:
+    Float ReflectionWeight(ReflTransFlags which) const {
+        return Has(which, ReflTransFlags::Reflection) ? reflectance_.MaxComponent() : 0;
+    }
+    Float TransmissionWeight(ReflTransFlags which) const {
+        return Has(which, ReflTransFlags::Transmission) ? transmittance_.MaxComponent() : 0;
+    }
+
+    SampledSpectrum reflectance_, transmittance_;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,62 @@
+#pragma once
+#include "pbrt/spectra/spectrum.h"
+
+namespace pbrt {
+
+/// Unpolarised reflectance of a smooth dielectric boundary. `eta` is the index below (z < 0) over the index above; a
+/// negative cosThetaI means light arrives from below. 1 under total internal reflection.
+inline Float FresnelDielectric(Float cosThetaI, Float eta) {
+    cosThetaI = std::clamp(cosThetaI, Float(-1), Float(1));
+    if (cosThetaI < 0) {
+        eta = 1 / eta;
+        cosThetaI = -cosThetaI;
+    }
+    Float sin2T = (1 - cosThetaI * cosThetaI) / (eta * eta);
+    if (sin2T >= 1) return 1;
+    Float cosThetaT = std::sqrt(1 - sin2T);
+    Float parallel = (eta * cosThetaI - cosThetaT) / (eta * cosThetaI + cosThetaT);
+    Float perpendicular = (cosThetaI - eta * cosThetaT) / (cosThetaI + eta * cosThetaT);
+    return (parallel * parallel + perpendicular * perpendicular) / 2;
+}
+
+/// Unpolarised reflectance of a boundary to a medium of complex relative index eta + i k (Born and Wolf, Principles of
+/// Optics, 14.2). Written with sums of squares only, so that it cannot leave [0, 1] by cancellation.
+inline Float FresnelConductor(Float cosThetaI, Float eta, Float k) {
+    Float c = std::clamp(cosThetaI, Float(0), Float(1));
+    Float s2 = 1 - c * c;
+    Float re = eta * eta - k * k - s2, im = 2 * eta * k;
+    Float modulus = std::sqrt(re * re + im * im);
+    Float a = std::sqrt(std::max(Float(0), (modulus + re) / 2));  // a + i b = sqrt(index^2 - sin^2)
+    Float b2 = std::max(Float(0), (modulus - re) / 2);
+    Float perpendicular = (Sqr(a - c) + b2) / (Sqr(a + c) + b2);
+    Float ratio = (Sqr(a * c - s2) + b2 * c * c) / (Sqr(a * c + s2) + b2 * c * c);
+    return perpendicular * (1 + ratio) / 2;
+}
+
+inline SampledSpectrum FresnelConductor(Float cosThetaI, const SampledSpectrum &eta, const SampledSpectrum &k) {
+    SampledSpectrum r;
+    for (int i = 0; i < SpectrumSamples; ++i) r[i] = FresnelConductor(cosThetaI, eta[i], k[i]);
+    return r;
+}
+
+/// Mirror image of w about n; both point away from the surface.
+inline Vector3 Reflect(const Vector3 &w, const Vector3 &n) { return n * (2 * Dot(w, n)) - w; }
+
+/// Direction of the refracted ray for `w` at a boundary with normal n and relative index `eta` (as in
+/// FresnelDielectric, n in the place of z). False under total internal reflection. `etaRelative` (may be null) gets the
+/// index on the far side over the index on w's side.
+inline bool Refract(const Vector3 &w, Normal3 n, Float eta, Float *etaRelative, Vector3 *wt) {
+    Float cosI = Dot(n, w);
+    if (cosI < 0) {
+        eta = 1 / eta;
+        cosI = -cosI;
+        n = -n;
+    }
+    Float sin2T = std::max(Float(0), 1 - cosI * cosI) / (eta * eta);
+    if (sin2T >= 1) return false;
+    *wt = n * (cosI / eta - std::sqrt(1 - sin2T)) - w / eta;
+    if (etaRelative) *etaRelative = eta;
+    return true;
+}
+
+}  // namespace pbrt

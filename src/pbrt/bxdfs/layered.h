@@ -1,0 +1,52 @@
+#pragma once
+#include <optional>
+
+#include "pbrt/bxdfs/conductor.h"
+#include "pbrt/bxdfs/dielectric.h"
+#include "pbrt/bxdfs/diffuse.h"
+
+namespace pbrt {
+
+/// An opaque base under a dielectric coat, with a homogeneous medium between them: optical thickness `thickness` along
+/// the normal, single-scattering albedo `albedo`, Henyey-Greenstein asymmetry `g`. Two-sided: seen from behind it is the
+/// same stack upside down.
+///
+/// F and Pdf are estimates by random walks between the boundaries (position-free Monte Carlo, Guo et al. 2018), with
+/// random numbers derived from the directions: same arguments, same answer. At most `maxDepth` events a walk,
+/// `nSamples` walks an answer. Sample() is one walk; its f and pdf are proportional to the true ones.
+template <class Base>
+class CoatedBxdf {
+  public:
+    CoatedBxdf(const DielectricBxdf &top, const Base &bottom, Float thickness, const SampledSpectrum &albedo, Float g,
+               int maxDepth, int nSamples)
+        : top_(top), bottom_(bottom), albedo_(albedo), g_(g), thickness_(std::max(thickness, kMinThickness)),
+          maxDepth_(maxDepth), nSamples_(std::max(1, nSamples)), scatters_(static_cast<bool>(albedo)) {}
+
+    BxdfFlags Flags() const;
+    SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
+                                     ReflTransFlags which) const;
+    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const;
+    void Regularize() {
+        top_.Regularize();
+        bottom_.Regularize();
+    }
+
+  private:
+    static constexpr Float kMinThickness = std::numeric_limits<Float>::min();
+
+    DielectricBxdf top_;
+    Base bottom_;
+    SampledSpectrum albedo_;
+    Float g_, thickness_;
+    int maxDepth_, nSamples_;
+    bool scatters_;
+};
+
+extern template class CoatedBxdf<DiffuseBxdf>;
+extern template class CoatedBxdf<ConductorBxdf>;
+
+using CoatedDiffuseBxdf = CoatedBxdf<DiffuseBxdf>;
+using CoatedConductorBxdf = CoatedBxdf<ConductorBxdf>;
+
+}  // namespace pbrt

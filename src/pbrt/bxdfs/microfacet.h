@@ -1,0 +1,72 @@
+#pragma once
+#include "pbrt/math/frame.h"
+
+namespace pbrt {
+
+/// Trowbridge-Reitz (GGX) distribution of microfacet normals, anisotropic, with Smith's height-correlated shadowing
+/// (Heitz 2014). Local coordinates; directions may lie on either side of the surface.
+class TrowbridgeReitz {
+  public:
+    TrowbridgeReitz() = default;
+    TrowbridgeReitz(Float alphaX, Float alphaY) : alphaX_(alphaX), alphaY_(alphaY) {
+        if (!EffectivelySmooth()) {
+            alphaX_ = std::max(alphaX_, kMinAlpha);
+            alphaY_ = std::max(alphaY_, kMinAlpha);
+        }
+    }
+
+    /// The "roughness" of scene files, remapped to alpha.
+    static Float RoughnessToAlpha(Float roughness) { return std::sqrt(roughness); }
+    /// So smooth that it is treated as a mirror.
+    bool EffectivelySmooth() const { return std::max(alphaX_, alphaY_) < Float(1e-3); }
+    Float AlphaX() const { return alphaX_; }
+    Float AlphaY() const { return alphaY_; }
+
+    /// Differential area of microfacets with normal wm: D(wm) |cos| integrates to 1 over the hemisphere.
+    Float D(const Vector3 &wm) const {
+        Float s = Sqr(wm.x / alphaX_) + Sqr(wm.y / alphaY_) + Sqr(wm.z);
+        return 1 / (Pi * alphaX_ * alphaY_ * s * s);
+    }
+    /// Share of the microfacets turned towards w that w sees.
+    Float G1(const Vector3 &w) const { return 2 / (1 + SlopeRoot(w)); }
+    /// Share seen from both.
+    Float G(const Vector3 &wo, const Vector3 &wi) const { return 2 / (SlopeRoot(wo) + SlopeRoot(wi)); }
+
+    /// Normals as seen from w: density by solid angle of wm, which is in the upper hemisphere.
+    Float VisiblePdf(const Vector3 &w, const Vector3 &wm) const {
+        return G1(w) / AbsCosTheta(w) * D(wm) * AbsDot(w, wm);
+    }
+    /// Draws from VisiblePdf (Heitz 2018): stretched to the unit hemisphere, the visible part is a disk plus half an
+    /// ellipse of the projection along w.
+    Vector3 SampleVisible(const Vector3 &w, const Point2 &u) const {
+        Vector3 view = Normalize({alphaX_ * w.x, alphaY_ * w.y, w.z});
+        if (view.z < 0) view = -view;
+        Float length2 = Sqr(view.x) + Sqr(view.y);
+        Vector3 t1 = length2 > Float(1e-12) ? Vector3(-view.y, view.x, 0) / std::sqrt(length2) : Vector3(1, 0, 0);
+        Vector3 t2 = Cross(view, t1);
+
+        Float r = std::sqrt(u.x), phi = 2 * Pi * u.y;
+        Float p1 = r * std::cos(phi), p2 = r * std::sin(phi);
+        p2 = Lerp((1 + view.z) / 2, SafeSqrt(1 - p1 * p1), p2);
+        Float p3 = SafeSqrt(1 - p1 * p1 - p2 * p2);
+        Vector3 n = t1 * p1 + t2 * p2 + view * p3;
+        return Normalize({alphaX_ * n.x, alphaY_ * n.y, std::max(Float(1e-6), n.z)});
+    }
+
+    /// Raises small alphas (pbrt-v4-format §5.5).
+    void Regularize() {
+        for (Float *alpha : {&alphaX_, &alphaY_})
+            if (*alpha < Float(0.3)) *alpha = std::clamp(2 * *alpha, Float(0.1), Float(0.3));
+    }
+
+  private:
+    /// 1 + 2 Lambda of Smith.
+    Float SlopeRoot(const Vector3 &w) const {
+        return std::sqrt(1 + (Sqr(alphaX_ * w.x) + Sqr(alphaY_ * w.y)) / Sqr(w.z));
+    }
+
+    static constexpr Float kMinAlpha = Float(1e-4);
+    Float alphaX_ = 0, alphaY_ = 0;
+};
+
+}  // namespace pbrt

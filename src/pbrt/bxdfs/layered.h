@@ -7,6 +7,8 @@
 
 namespace pbrt {
 
+class Rng;
+
 /// An opaque base under a dielectric coat, with a homogeneous medium between them: optical thickness `thickness` along
 /// the normal, single-scattering albedo `albedo`, Henyey-Greenstein asymmetry `g`. Two-sided: seen from behind it is the
 /// same stack upside down.
@@ -33,6 +35,9 @@ class CoatedBxdf {
     }
 
   private:
+    SampledSpectrum EstimateInside(const Vector3 &wo, const Vector3 &wi, TransportMode mode, Rng &rng) const;
+    Float EstimateDensity(const Vector3 &wo, const Vector3 &wi, TransportMode mode, Rng &rng) const;
+
     static constexpr Float kMinThickness = std::numeric_limits<Float>::min();
 
     DielectricBxdf top_;

@@ -1,0 +1,71 @@
+#include "pbrt/bxdfs/bsdf.h"
+
+#include <type_traits>
+
+namespace pbrt {
+
+namespace {
+
+bool Offers(BxdfFlags flags, ReflTransFlags which) {
+    return (IsReflective(flags) && Has(which, ReflTransFlags::Reflection)) ||
+           (IsTransmissive(flags) && Has(which, ReflTransFlags::Transmission));
+}
+
+/// Calls f with the lobe in force; a default-constructed result without one. (A chain of comparisons: unlike
+/// std::visit it can neither throw nor jump through a table.)
+template <size_t I = 1, class Variant, class Function>
+auto Dispatch(Variant &lobes, Function f) {
+    using Result = decltype(f(*std::get_if<1>(&lobes)));
+    if constexpr (I < std::variant_size_v<std::remove_const_t<Variant>>) {
+        if (auto *lobe = std::get_if<I>(&lobes)) return f(*lobe);
+        return Dispatch<I + 1>(lobes, f);
+    } else {
+        return Result();
+    }
+}
+
+}  // namespace
+
+BxdfFlags Bsdf::Flags() const {
+    return Dispatch(lobe_, [](const auto &lobe) { return lobe.Flags(); });
+}
+
+SampledSpectrum Bsdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
+    Vector3 o = frame_.ToLocal(wo);
+    if (o.z == 0) return SampledSpectrum(0);
+    Vector3 i = frame_.ToLocal(wi);
+    return Dispatch(lobe_, [&](const auto &lobe) { return lobe.F(o, i, mode); });
+}
+
+std::optional<BsdfSample> Bsdf::Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
+                                       ReflTransFlags which) const {
+    Vector3 o = frame_.ToLocal(wo);
+    if (o.z == 0) return {};
+    auto sample = Dispatch(lobe_, [&](const auto &lobe) -> std::optional<BsdfSample> {
+        if (!Offers(lobe.Flags(), which)) return {};
+        return lobe.Sample(o, uc, u, mode, which);
+    });
+    if (!sample) return sample;
+    if (!(sample->pdf > 0) || sample->wi.z == 0 || !sample->f) return {};
+    sample->wi = frame_.FromLocal(sample->wi);
+    return sample;
+}
+
+Float Bsdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const {
+    Vector3 o = frame_.ToLocal(wo);
+    if (o.z == 0) return 0;
+    Vector3 i = frame_.ToLocal(wi);
+    return Dispatch(lobe_, [&](const auto &lobe) -> Float {
+        if (!Offers(lobe.Flags(), which)) return 0;
+        return lobe.Pdf(o, i, mode, which);
+    });
+}
+
+void Bsdf::Regularize() {
+    Dispatch(lobe_, [](auto &lobe) {
+        lobe.Regularize();
+        return true;
+    });
+}
+
+}  // namespace pbrt

@@ -1,0 +1,131 @@
+#include "pbrt/bxdfs/dielectric.h"
+
+namespace pbrt {
+
+namespace {
+
+/// Probability to reflect when `reflectance` is the share of reflected light, among the sides asked for. Negative if
+/// nothing is left to choose from.
+Float ReflectionProbability(Float reflectance, Float transmittance, ReflTransFlags which) {
+    if (!Has(which, ReflTransFlags::Reflection)) return transmittance > 0 ? 0 : -1;
+    if (!Has(which, ReflTransFlags::Transmission)) return reflectance > 0 ? 1 : -1;
+    return reflectance / (reflectance + transmittance);
+}
+
+/// Solid angle of microfacet normals per solid angle of the refracted direction wi (Walter et al. 2007, eq. 17).
+Float RefractionJacobian(Float cosO, Float cosI, Float etaRelative) {
+    return std::abs(cosI) / Sqr(cosI + cosO / etaRelative);
+}
+
+/// Radiance is compressed with the solid angle when it crosses a boundary; importance is not.
+Float TransportScale(TransportMode mode, Float etaRelative) {
+    return mode == TransportMode::Radiance ? 1 / Sqr(etaRelative) : 1;
+}
+
+}  // namespace
+
+bool DielectricBxdf::FacetBetween(const Vector3 &wo, const Vector3 &wi, bool reflect, Vector3 *wm,
+                                  Float *etaRelative) const {
+    if (wo.z == 0 || wi.z == 0) return false;
+    *etaRelative = reflect ? 1 : (wo.z > 0 ? eta_ : 1 / eta_);
+    Vector3 h = wi * *etaRelative + wo;
+    Float length2 = LengthSquared(h);
+    if (length2 == 0) return false;
+    h /= std::copysign(std::sqrt(length2), h.z);
+    *wm = h;
+    // Each direction must see the facet from the side it is on.
+    return Dot(h, wi) * wi.z >= 0 && Dot(h, wo) * wo.z >= 0;
+}
+
+SampledSpectrum DielectricBxdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
+    if (IsSmooth()) return SampledSpectrum(0);
+    bool reflect = SameHemisphere(wo, wi);
+    Vector3 wm;
+    Float etaRelative;
+    if (!FacetBetween(wo, wi, reflect, &wm, &etaRelative)) return SampledSpectrum(0);
+    Float cosO = Dot(wo, wm), cosI = Dot(wi, wm);
+    Float fresnel = FresnelDielectric(cosO, eta_);
+    Float facets = facets_.D(wm) * facets_.G(wo, wi) / std::abs(wo.z * wi.z);
+    if (reflect) return SampledSpectrum(facets * fresnel / 4);
+    Float refraction = std::abs(cosO) * RefractionJacobian(cosO, cosI, etaRelative);
+    return SampledSpectrum(facets * (1 - fresnel) * refraction * TransportScale(mode, etaRelative));
+}
+
+Float DielectricBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const {
+    if (IsSmooth()) return 0;
+    bool reflect = SameHemisphere(wo, wi);
+    Vector3 wm;
+    Float etaRelative;
+    if (!FacetBetween(wo, wi, reflect, &wm, &etaRelative)) return 0;
+    Float cosO = Dot(wo, wm), cosI = Dot(wi, wm);
+    Float fresnel = FresnelDielectric(cosO, eta_);
+    Float pReflect = ReflectionProbability(fresnel, 1 - fresnel, which);
+    if (pReflect < 0) return 0;
+    Float pdfNormal = facets_.G1(wo) * facets_.D(wm) / AbsCosTheta(wo);  // without |wo . wm|
+    if (reflect) return pdfNormal / 4 * pReflect;
+    return pdfNormal * std::abs(cosO) * RefractionJacobian(cosO, cosI, etaRelative) * (1 - pReflect);
+}
+
+std::optional<BsdfSample> DielectricBxdf::SampleSmooth(const Vector3 &wo, Float uc, TransportMode mode,
+                                                       ReflTransFlags which) const {
+    Float fresnel = FresnelDielectric(CosTheta(wo), eta_);
+    Float pReflect = ReflectionProbability(fresnel, 1 - fresnel, which);
+    if (pReflect < 0) return {};
+    if (uc < pReflect) {
+        return BsdfSample{SampledSpectrum(fresnel / AbsCosTheta(wo)), Vector3(-wo.x, -wo.y, wo.z), pReflect,
+                          BxdfFlags::Reflection | BxdfFlags::Specular};
+    }
+    Vector3 wi;
+    Float etaRelative;
+    if (!Refract(wo, Normal3(0, 0, 1), eta_, &etaRelative, &wi)) return {};
+    Float transmitted = (1 - fresnel) * TransportScale(mode, etaRelative);
+    return BsdfSample{SampledSpectrum(transmitted / AbsCosTheta(wi)), wi, 1 - pReflect,
+                      BxdfFlags::Transmission | BxdfFlags::Specular, etaRelative};
+}
+
+std::optional<BsdfSample> DielectricBxdf::Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
+                                                 ReflTransFlags which) const {
+    if (wo.z == 0) return {};
+    if (IsSmooth()) return SampleSmooth(wo, uc, mode, which);
+    Vector3 wm = facets_.SampleVisible(wo, u);
+    Float cosO = Dot(wo, wm);
+    Float fresnel = FresnelDielectric(cosO, eta_);
+    Float pReflect = ReflectionProbability(fresnel, 1 - fresnel, which);
+    if (pReflect < 0) return {};
+    Float d = facets_.D(wm);
+    Float pdfNormal = facets_.G1(wo) * d / AbsCosTheta(wo);  // without |wo . wm|
+    if (uc < pReflect) {
+        Vector3 wi = Reflect(wo, wm);
+        if (!SameHemisphere(wo, wi)) return {};
+        Float f = d * facets_.G(wo, wi) * fresnel / (4 * wo.z * wi.z);
+        return BsdfSample{SampledSpectrum(f), wi, pdfNormal / 4 * pReflect, BxdfFlags::Reflection | BxdfFlags::Glossy};
+    }
+    Vector3 wi;
+    Float etaRelative;
+    if (!Refract(wo, wm, eta_, &etaRelative, &wi) || wo.z * wi.z >= 0) return {};
+    Float refraction = std::abs(cosO) * RefractionJacobian(cosO, Dot(wi, wm), etaRelative);
+    Float f = d * facets_.G(wo, wi) * (1 - fresnel) * refraction / std::abs(wo.z * wi.z);
+    return BsdfSample{SampledSpectrum(f * TransportScale(mode, etaRelative)), wi,
+                      pdfNormal * refraction * (1 - pReflect), BxdfFlags::Transmission | BxdfFlags::Glossy,
+                      etaRelative};
+}
+
+std::optional<BsdfSample> ThinDielectricBxdf::Sample(const Vector3 &wo, Float uc, const Point2 &, TransportMode,
+                                                     ReflTransFlags which) const {
+    Float cosine = AbsCosTheta(wo);
+    if (cosine == 0) return {};
+    Float r = FresnelDielectric(cosine, eta_), t = 1 - r;
+    if (r < 1) {  // r + t r t + t r^3 t + ...
+        r += t * t * r / (1 - r * r);
+        t = 1 - r;
+    }
+    Float pReflect = ReflectionProbability(r, t, which);
+    if (pReflect < 0) return {};
+    if (uc < pReflect) {
+        return BsdfSample{SampledSpectrum(r / cosine), Vector3(-wo.x, -wo.y, wo.z), pReflect,
+                          BxdfFlags::Reflection | BxdfFlags::Specular};
+    }
+    return BsdfSample{SampledSpectrum(t / cosine), -wo, 1 - pReflect, BxdfFlags::Transmission | BxdfFlags::Specular};
+}
+
+}  // namespace pbrt

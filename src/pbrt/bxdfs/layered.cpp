@@ -1,0 +1,257 @@
+#include "pbrt/bxdfs/layered.h"
+
+#include "pbrt/bxdfs/henyey_greenstein.h"
+#include "pbrt/math/rng.h"
+
+namespace pbrt {
+
+namespace {
+
+// Inside, directions are those of travel: w.z < 0 goes down to the base at z = 0, w.z > 0 up to the coat at
+// z = thickness. The lobes want directions away from the boundary, hence the signs where they are called.
+
+/// Separate random streams, so that an estimate of f and the density that weights it are independent.
+enum class Stream : uint64_t { Evaluate = 1, Density = 2, Draw = 3 };
+
+constexpr int kRouletteDepth = 3;
+constexpr Float kRouletteThreshold = Float(0.25);
+/// Share of the density that is not spread over the sphere.
+constexpr Float kDensityTrust = Float(0.9);
+
+TransportMode Reverse(TransportMode mode) {
+    return mode == TransportMode::Radiance ? TransportMode::Importance : TransportMode::Radiance;
+}
+
+bool Usable(const std::optional<BsdfSample> &s) { return s && s->pdf > 0 && s->wi.z != 0 && s->f; }
+
+/// Probability to cross a slab of the medium, or of a part of it, along w.
+Float Transmittance(Float dz, const Vector3 &w) { return std::exp(-std::abs(dz / w.z)); }
+
+/// Height of the next collision on the way from z along w (the medium's extinction is 1).
+Float SampleCollision(Float z, const Vector3 &w, Float u) { return z - w.z * std::log(1 - u); }
+
+template <class Lobe>
+std::optional<BsdfSample> Draw(const Lobe &lobe, const Vector3 &wo, Rng &rng, TransportMode mode,
+                               ReflTransFlags which = ReflTransFlags::All) {
+    Float uc = rng.Uniform();
+    Point2 u = rng.Uniform2();
+    return lobe.Sample(wo, uc, u, mode, which);
+}
+
+}  // namespace
+
+template <class Base>
+BxdfFlags CoatedBxdf<Base>::Flags() const {
+    BxdfFlags top = top_.Flags(), bottom = bottom_.Flags(), flags = BxdfFlags::Reflection;
+    if (IsSpecular(top)) flags = flags | BxdfFlags::Specular;
+    if (scatters_ || Has(bottom, BxdfFlags::Diffuse)) return flags | BxdfFlags::Diffuse;
+    if (Has(top | bottom, BxdfFlags::Glossy)) return flags | BxdfFlags::Glossy;
+    return flags;
+}
+
+template <class Base>
+SampledSpectrum CoatedBxdf<Base>::F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
+    if (!SameHemisphere(wo, wi)) return SampledSpectrum(0);  // the base is opaque
+    Float side = wo.z < 0 ? Float(-1) : Float(1);
+    Vector3 o = wo * side, i = wi * side;
+    Rng rng(Hash(static_cast<uint64_t>(Stream::Evaluate), o, i));
+    SampledSpectrum inside(0);
+    for (int s = 0; s < nSamples_; ++s) inside += EstimateInside(o, i, mode, rng);
+    return top_.F(o, i, mode) + inside / static_cast<Float>(nSamples_);
+}
+
+/// One walk that enters along wo; at every event it is connected to wi through the coat. Where the connection is no
+/// delta, the direction drawn for the walk is tried on the coat too, and the two are combined by MIS.
+template <class Base>
+SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector3 &wi, TransportMode mode,
+                                                 Rng &rng) const {
+    auto in = Draw(top_, wo, rng, mode, ReflTransFlags::Transmission);
+    auto out = Draw(top_, wi, rng, Reverse(mode), ReflTransFlags::Transmission);
+    SampledSpectrum f(0);
+    if (!Usable(in) || !Usable(out)) return f;
+
+    const bool smoothTop = top_.IsSmooth(), smoothBase = IsSpecular(bottom_.Flags());
+    const HenyeyGreenstein phase(g_);
+    const Vector3 exit = -out->wi;
+    const SampledSpectrum exitWeight = out->f / out->pdf;
+    const Float exitTransmittance = Transmittance(thickness_, exit);
+    // Leaves through the coat along w, which was drawn with density `pdf`.
+    auto leave = [&](const SampledSpectrum &beta, const Vector3 &w, Float dz, Float pdf, bool alternative) {
+        SampledSpectrum fTop = top_.F(-w, wi, mode);
+        if (!fTop) return;
+        Float weight = 1;
+        if (alternative) {
+            Float pdfOut = top_.Pdf(wi, -w, Reverse(mode), ReflTransFlags::Transmission);
+            weight = PowerHeuristic(pdf, pdfOut);
+        }
+        f += beta * fTop * (weight * Transmittance(dz, w));
+    };
+
+    SampledSpectrum beta = in->f * (AbsCosTheta(in->wi) / in->pdf);
+    Vector3 w = in->wi;
+    Float z = thickness_;
+    for (int depth = 0; depth < maxDepth_; ++depth) {
+        if (depth > kRouletteDepth && beta.MaxComponent() < kRouletteThreshold) {
+            Float survive = beta.MaxComponent();
+            if (rng.Uniform() >= survive) break;
+            beta /= survive;
+        }
+        if (scatters_) {
+            Float zCollision = SampleCollision(z, w, rng.Uniform());
+            if (zCollision == z) continue;
+            if (zCollision > 0 && zCollision < thickness_) {
+                z = zCollision;
+                Float p = phase.Pdf(w, exit);
+                Float weight = smoothTop ? 1 : PowerHeuristic(out->pdf, p);
+                f += beta * albedo_ * exitWeight * (p * weight * Transmittance(thickness_ - z, exit));
+
+                Vector3 scattered = phase.Sample(w, rng.Uniform2());
+                if (scattered.z == 0) break;
+                beta *= albedo_;
+                if (scattered.z > 0 && !smoothTop)
+                    leave(beta, scattered, thickness_ - z, phase.Pdf(w, scattered), true);
+                w = scattered;
+                continue;
+            }
+            z = std::clamp(zCollision, Float(0), thickness_);
+        } else {
+            z = z == 0 ? thickness_ : 0;
+            beta *= Transmittance(thickness_, w);
+        }
+
+        if (z > 0) {
+            auto bounce = Draw(top_, -w, rng, mode, ReflTransFlags::Reflection);
+            if (!Usable(bounce)) break;
+            beta *= bounce->f * (AbsCosTheta(bounce->wi) / bounce->pdf);
+            w = bounce->wi;
+            continue;
+        }
+        if (!smoothBase) {
+            Float weight = exitTransmittance * AbsCosTheta(exit);
+            if (!smoothTop)
+                weight *= PowerHeuristic(out->pdf, bottom_.Pdf(-w, exit, mode, ReflTransFlags::All));
+            f += beta * bottom_.F(-w, exit, mode) * exitWeight * weight;
+        }
+        auto bounce = Draw(bottom_, -w, rng, mode, ReflTransFlags::Reflection);
+        if (!Usable(bounce)) break;
+        beta *= bounce->f * (AbsCosTheta(bounce->wi) / bounce->pdf);
+        w = bounce->wi;
+        if (!smoothTop) leave(beta, w, thickness_, bounce->pdf, !smoothBase);
+    }
+    return f;
+}
+
+template <class Base>
+std::optional<BsdfSample> CoatedBxdf<Base>::Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
+                                                   ReflTransFlags which) const {
+    if (!Has(which, ReflTransFlags::Reflection)) return {};
+    Float side = wo.z < 0 ? Float(-1) : Float(1);
+    Vector3 o = wo * side;
+    auto entry = top_.Sample(o, uc, u, mode, ReflTransFlags::All);
+    if (!Usable(entry)) return {};
+    if (IsReflective(entry->flags)) {
+        entry->wi *= side;
+        entry->pdfIsProportional = true;
+        return entry;
+    }
+
+    Rng rng(Hash(static_cast<uint64_t>(Stream::Draw), o, uc, u));
+    const HenyeyGreenstein phase(g_);
+    SampledSpectrum f = entry->f * AbsCosTheta(entry->wi);
+    Float pdf = entry->pdf;
+    bool specular = IsSpecular(entry->flags);
+    Vector3 w = entry->wi;
+    Float z = thickness_;
+    for (int depth = 0; depth < maxDepth_; ++depth) {
+        Float beta = f.MaxComponent() / pdf;
+        if (depth > kRouletteDepth && beta < kRouletteThreshold) {
+            if (rng.Uniform() >= beta) return {};
+            pdf *= beta;
+        }
+        if (scatters_) {
+            Float zCollision = SampleCollision(z, w, rng.Uniform());
+            if (zCollision == z) return {};
+            if (zCollision > 0 && zCollision < thickness_) {
+                f *= albedo_;  // the phase function is sampled exactly
+                specular = false;
+                z = zCollision;
+                w = phase.Sample(w, rng.Uniform2());
+                if (w.z == 0) return {};
+                continue;
+            }
+            z = std::clamp(zCollision, Float(0), thickness_);
+        } else {
+            z = z == 0 ? thickness_ : 0;
+            f *= Transmittance(thickness_, w);
+        }
+        auto bounce = z > 0 ? Draw(top_, -w, rng, mode) : Draw(bottom_, -w, rng, mode);
+        if (!Usable(bounce)) return {};
+        f *= bounce->f;
+        pdf *= bounce->pdf;
+        specular = specular && IsSpecular(bounce->flags);
+        w = bounce->wi;
+        if (IsTransmissive(bounce->flags)) {
+            BxdfFlags flags = BxdfFlags::Reflection | (specular ? BxdfFlags::Specular : BxdfFlags::Glossy);
+            return BsdfSample{f, w * side, pdf, flags, 1, true};
+        }
+        f *= AbsCosTheta(w);
+    }
+    return {};
+}
+
+template <class Base>
+Float CoatedBxdf<Base>::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const {
+    if (!Has(which, ReflTransFlags::Reflection)) return 0;
+    Float pdf = 0;
+    if (SameHemisphere(wo, wi)) {
+        Float side = wo.z < 0 ? Float(-1) : Float(1);
+        Vector3 o = wo * side, i = wi * side;
+        Rng rng(Hash(static_cast<uint64_t>(Stream::Density), o, i));
+        for (int s = 0; s < nSamples_; ++s) pdf += EstimateDensity(o, i, mode, rng);
+        pdf /= static_cast<Float>(nSamples_);
+    }
+    return Lerp(kDensityTrust, UniformSpherePdf(), pdf);
+}
+
+/// Density of Sample() from one random choice inside: mirrored by the coat, or base once and out, exactly; longer walks
+/// as if they left by Lambert's law, with the probability that there is one. (Only MIS weights depend on it.)
+template <class Base>
+Float CoatedBxdf<Base>::EstimateDensity(const Vector3 &wo, const Vector3 &wi, TransportMode mode, Rng &rng) const {
+    const bool smoothTop = top_.IsSmooth();
+    Float mirrored = top_.Pdf(wo, wi, mode, ReflTransFlags::All);
+    auto in = Draw(top_, wo, rng, mode, ReflTransFlags::Transmission);
+    auto out = Draw(top_, wi, rng, Reverse(mode), ReflTransFlags::Transmission);
+    if (!Usable(in)) return mirrored;
+    Float enters = smoothTop ? 1 - top_.Reflectance(wo)
+                             : top_.Pdf(wo, in->wi, mode, ReflTransFlags::All) / in->pdf;
+    Vector3 down = -in->wi;
+    auto bounce = Draw(bottom_, down, rng, mode);
+    if (!Usable(bounce)) return mirrored;
+    Vector3 up = bounce->wi;
+
+    Float direct = 0;
+    if (Usable(out)) {
+        Vector3 exit = -out->wi;
+        Float base = bottom_.Pdf(down, exit, mode, ReflTransFlags::All);
+        if (smoothTop) {
+            Float compression = AbsCosTheta(wi) / (Sqr(out->eta) * AbsCosTheta(exit));  // solid angle in per out
+            direct = base * (1 - top_.Reflectance(wi)) * compression;
+        } else {
+            direct = top_.Pdf(-up, wi, mode, ReflTransFlags::All);
+            if (!IsSpecular(bounce->flags)) {
+                Float reverse = top_.Pdf(wi, -up, Reverse(mode), ReflTransFlags::Transmission);
+                direct *= PowerHeuristic(bounce->pdf, reverse);
+                direct += base * top_.Pdf(-exit, wi, mode, ReflTransFlags::All) / out->pdf *
+                          PowerHeuristic(out->pdf, base);
+            }
+        }
+    }
+    Float unscattered = scatters_ ? Transmittance(thickness_, in->wi) * Transmittance(thickness_, up) : 1;
+    Float longer = 1 - unscattered * (1 - top_.Reflectance(-up));
+    return mirrored + enters * (unscattered * direct + longer * CosineHemispherePdf(AbsCosTheta(wi)));
+}
+
+template class CoatedBxdf<DiffuseBxdf>;
+template class CoatedBxdf<ConductorBxdf>;
+
+}  // namespace pbrt

@@ -14,8 +14,8 @@ using Xyz = glm::vec3;
 struct SigmoidPolynomial {
     Float c0 = 0, c1 = 0, c2 = 0;
     Float operator()(Float lambda) const {
-        Float x = (c0 * lambda + c1) * lambda + c2;
-        if (std::isinf(x)) return x > 0 ? 1 : 0;
+        // The clamp changes no value and keeps infinite coefficients (black, white) from making NaN.
+        Float x = std::clamp((c0 * lambda + c1) * lambda + c2, Float(-1e18), Float(1e18));
         return Float(0.5) + x / (2 * std::sqrt(1 + x * x));
     }
     SampledSpectrum Sample(const SampledWavelengths &lambda) const {

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -144,10 +145,11 @@ class DenseSpectrum final : public Spectrum {
     explicit DenseSpectrum(std::span<const Float> values);
     Float operator()(Float lambda) const override;
     SampledSpectrum Sample(const SampledWavelengths &lambda) const override;
-    Float MaxValue() const override;
+    Float MaxValue() const override { return max_; }
 
   private:
     std::vector<Float> values_;
+    Float max_ = 0;
 };
 
 /// Straight lines between (lambda, value) pairs, lambda strictly increasing; 0 outside.
@@ -159,6 +161,7 @@ class PiecewiseLinearSpectrum final : public Spectrum {
 
   private:
     std::vector<Float> lambdas_, values_;
+    std::vector<uint32_t> startOfNm_;  ///< per nm of 360-830: the last sample not beyond it, where the search begins
 };
 
 /// Planck emission at T kelvin divided by its maximum (Wien), so the peak is 1.

@@ -1,0 +1,28 @@
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "pbrt/core/float.h"
+
+namespace pbrt {
+
+// The tables of data/*.csv, embedded into the binary and parsed at first use.
+
+struct TabulatedSpectrum {
+    std::string name;
+    std::vector<Float> lambdas, values;  ///< nm increasing
+};
+/// In the order of the file.
+const std::vector<TabulatedSpectrum> &EmbeddedNamedSpectra();
+
+struct ThreeColumnTable {
+    std::vector<Float> lambdas;  ///< nm
+    std::array<std::vector<Float>, 3> columns;
+};
+/// x-bar, y-bar, z-bar at 360, 361, ..., 830 nm.
+const ThreeColumnTable &EmbeddedCie1931();
+/// S0, S1, S2 of CIE daylight.
+const ThreeColumnTable &EmbeddedDaylight();
+
+}  // namespace pbrt

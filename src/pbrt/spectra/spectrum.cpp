@@ -1,0 +1,140 @@
+#include "pbrt/spectra/spectrum.h"
+
+#include <algorithm>
+
+#include "pbrt/core/error.h"
+
+namespace pbrt {
+
+namespace {
+
+constexpr int kFirstNm = 360, kLastNm = 830;
+constexpr size_t kNmCount = kLastNm - kFirstNm + 1;
+
+// Fit of 1/cosh^2 to the sensitivity of the eye, cut to the visible range: density kPeak / cosh^2((lambda - kMid) / kWidth).
+constexpr Float kPeak = 0.0039398042f, kMid = 538, kWidth = 138.888889f;
+constexpr Float kTanhAtMin = 0.85691062f, kTanhSpan = 1.82750197f;
+
+}  // namespace
+
+SampledWavelengths SampledWavelengths::SampleVisible(Float u) {
+    SampledWavelengths s;
+    for (size_t i = 0; i < SpectrumSamples; ++i) {
+        Float ui = u + static_cast<Float>(i) / SpectrumSamples;
+        if (ui > 1) ui -= 1;
+        Float t = kTanhAtMin - kTanhSpan * ui;
+        // The constants reach 830.04 nm; a density of 0 there would only make trouble.
+        s.lambda_[i] = std::clamp(kMid - kWidth * std::atanh(t), LambdaMin, LambdaMax);
+        s.pdf_[i] = kPeak * (1 - t * t);  // 1/cosh^2(atanh t) = 1 - t^2
+    }
+    return s;
+}
+
+SampledWavelengths SampledWavelengths::SampleUniform(Float u) {
+    constexpr Float kRange = LambdaMax - LambdaMin;
+    SampledWavelengths s;
+    for (size_t i = 0; i < SpectrumSamples; ++i) {
+        Float ui = u + static_cast<Float>(i) / SpectrumSamples;
+        if (ui > 1) ui -= 1;
+        s.lambda_[i] = LambdaMin + ui * kRange;
+        s.pdf_[i] = 1 / kRange;
+    }
+    return s;
+}
+
+void SampledWavelengths::TerminateSecondary() {
+    if (SecondaryTerminated()) return;
+    for (size_t i = 1; i < SpectrumSamples; ++i) pdf_[i] = 0;
+    pdf_[0] /= SpectrumSamples;
+}
+
+bool SampledWavelengths::SecondaryTerminated() const {
+    return std::all_of(pdf_.begin() + 1, pdf_.end(), [](Float p) { return p == 0; });
+}
+
+SampledSpectrum Spectrum::Sample(const SampledWavelengths &lambda) const {
+    SampledSpectrum s;
+    for (int i = 0; i < SpectrumSamples; ++i) s[i] = (*this)(lambda[i]);
+    return s;
+}
+
+DenseSpectrum::DenseSpectrum(const Spectrum &s) : values_(kNmCount) {
+    for (size_t i = 0; i < kNmCount; ++i) values_[i] = s(static_cast<Float>(kFirstNm + static_cast<int>(i)));
+    max_ = *std::max_element(values_.begin(), values_.end());
+}
+
+DenseSpectrum::DenseSpectrum(std::span<const Float> values) : values_(values.begin(), values.end()) {
+    PBRT_CHECK_MSG(values.size() == kNmCount, "{} values, {} wanted", values.size(), kNmCount);
+    max_ = *std::max_element(values_.begin(), values_.end());
+}
+
+namespace {
+/// Values are at whole nanometres, so the nearest one is a rounding away; 0 outside 360-830 nm.
+inline Float Nearest(const Float *values, Float lambda) {
+    auto i = static_cast<unsigned>(static_cast<int>(lambda + Float(0.5)) - kFirstNm);
+    return i < kNmCount ? values[i] : 0;
+}
+}  // namespace
+
+Float DenseSpectrum::operator()(Float lambda) const { return Nearest(values_.data(), lambda); }
+
+SampledSpectrum DenseSpectrum::Sample(const SampledWavelengths &lambda) const {
+    const Float *values = values_.data();
+    SampledSpectrum s;
+    for (int i = 0; i < SpectrumSamples; ++i) s[i] = Nearest(values, lambda[i]);
+    return s;
+}
+
+PiecewiseLinearSpectrum::PiecewiseLinearSpectrum(std::vector<Float> lambdas, std::vector<Float> values)
+    : lambdas_(std::move(lambdas)), values_(std::move(values)), startOfNm_(kNmCount) {
+    PBRT_CHECK(!lambdas_.empty() && lambdas_.size() == values_.size());
+    for (size_t i = 1; i < lambdas_.size(); ++i)
+        PBRT_CHECK_MSG(lambdas_[i - 1] < lambdas_[i], "{} nm is followed by {} nm", lambdas_[i - 1], lambdas_[i]);
+    uint32_t start = 0;
+    for (size_t nm = 0; nm < kNmCount; ++nm) {
+        auto lambda = static_cast<Float>(kFirstNm + static_cast<int>(nm));
+        while (start + 1 < lambdas_.size() && lambdas_[start + 1] <= lambda) ++start;
+        startOfNm_[nm] = start;
+    }
+}
+
+Float PiecewiseLinearSpectrum::operator()(Float lambda) const {
+    if (!(lambda >= lambdas_.front() && lambda <= lambdas_.back())) return 0;
+    auto nm = static_cast<unsigned>(static_cast<int>(lambda) - kFirstNm);
+    size_t i = nm < kNmCount
+                   ? startOfNm_[nm]
+                   : static_cast<size_t>(std::upper_bound(lambdas_.begin(), lambdas_.end(), lambda) - lambdas_.begin()) - 1;
+    while (i + 1 < lambdas_.size() && lambdas_[i + 1] <= lambda) ++i;
+    if (i + 1 == lambdas_.size()) return values_.back();
+    Float t = (lambda - lambdas_[i]) / (lambdas_[i + 1] - lambdas_[i]);
+    return Lerp(t, values_[i], values_[i + 1]);
+}
+
+Float PiecewiseLinearSpectrum::MaxValue() const { return *std::max_element(values_.begin(), values_.end()); }
+
+Float Blackbody(Float lambda, Float kelvin) {
+    if (!(kelvin > 0)) return 0;
+    constexpr double c = 299792458, h = 6.62606957e-34, kB = 1.3806488e-23;
+    constexpr auto kFirst = static_cast<Float>(2 * h * c * c), kSecond = static_cast<Float>(h * c / kB);
+    Float l = lambda * 1e-9f, l2 = l * l;
+    return kFirst / (l2 * l2 * l * std::expm1(kSecond / (l * kelvin)));
+}
+
+BlackbodySpectrum::BlackbodySpectrum(Float kelvin) : kelvin_(kelvin) {
+    constexpr Float kWien = 2.8977721e-3f;  // m K
+    Float peak = Blackbody(kWien / kelvin * 1e9f, kelvin);
+    normalization_ = peak > 0 ? 1 / peak : 0;
+}
+
+Float BlackbodySpectrum::operator()(Float lambda) const { return Blackbody(lambda, kelvin_) * normalization_; }
+
+Float InnerProduct(const Spectrum &a, const Spectrum &b) {
+    double sum = 0;
+    for (int nm = kFirstNm; nm <= kLastNm; ++nm) {
+        auto lambda = static_cast<Float>(nm);
+        sum += double(a(lambda)) * double(b(lambda));
+    }
+    return static_cast<Float>(sum);
+}
+
+}  // namespace pbrt

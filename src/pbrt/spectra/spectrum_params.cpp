@@ -1,0 +1,161 @@
+#include "pbrt/spectra/spectrum_params.h"
+
+#include <cctype>
+#include <cstdlib>
+
+#include "pbrt/core/log.h"
+
+namespace pbrt {
+
+namespace {
+
+/// A parameter of this name in any of the types. The entity's own beats Attribute defaults; two of its own with
+/// different types contradict each other.
+const Param *FindOfTypes(const ParamSet &params, std::string_view name, std::initializer_list<ParamType> types) {
+    const Param *chosen = nullptr;
+    for (ParamType type : types) {
+        const Param *p = params.Find(name, type);
+        if (!p) continue;
+        if (chosen && !chosen->fromAttribute && !p->fromAttribute)
+            throw UserError(fmt::format("{}: \"{}\" is given both as \"{}\" and as \"{}\".", params.What(), name,
+                                        Name(chosen->type), Name(p->type)),
+                            p->loc);
+        bool replaces = !chosen || (chosen->fromAttribute && !p->fromAttribute);
+        if (chosen && chosen->fromAttribute && p->fromAttribute) {
+            FileLoc last = params.LocOf(name);
+            replaces = p->loc.file == last.file && p->loc.line == last.line && p->loc.column == last.column;
+        }
+        if (replaces) chosen = p;
+    }
+    return chosen;
+}
+
+void RequireCount(const Param &p, size_t found, size_t wanted) {
+    if (found != wanted)
+        throw UserError(fmt::format("\"{} {}\" takes {} value{}, found {}.", Name(p.type), p.name, wanted,
+                                    wanted == 1 ? "" : "s", found),
+                        p.loc);
+}
+
+SpectrumPtr FromRgb(const Param &p, SpectrumUse use) {
+    RequireCount(p, p.floats.size(), 3);
+    Rgb rgb(p.floats[0], p.floats[1], p.floats[2]);
+    auto complain = [&](const char *what) {
+        throw UserError(fmt::format("\"rgb {}\" [ {} {} {} ]: {}.", p.name, rgb.x, rgb.y, rgb.z, what), p.loc);
+    };
+    if (rgb.x < 0 || rgb.y < 0 || rgb.z < 0) complain("a component is negative");
+    const ColorSpace *space = ColorSpace::Find(p.colorSpace);
+    PBRT_CHECK_MSG(space, "colour space \"{}\"", p.colorSpace);
+    switch (use) {
+    case SpectrumUse::Albedo:
+        if (rgb.x > 1 || rgb.y > 1 || rgb.z > 1)
+            complain("a component is above 1, but reflectances and other albedos must lie in [0, 1]");
+        return std::make_shared<RgbAlbedoSpectrum>(*space, rgb);
+    case SpectrumUse::Unbounded: return std::make_shared<RgbUnboundedSpectrum>(*space, rgb);
+    case SpectrumUse::Illuminant: break;
+    }
+    return std::make_shared<RgbIlluminantSpectrum>(*space, rgb);
+}
+
+SpectrumPtr FromBlackbody(const Param &p) {
+    RequireCount(p, p.floats.size(), 1);
+    if (!(p.floats[0] > 0))
+        throw UserError(fmt::format("\"blackbody {}\": {} K; the temperature must be above 0.", p.name, p.floats[0]), p.loc);
+    return std::make_shared<BlackbodySpectrum>(p.floats[0]);
+}
+
+/// `where` begins the messages: the parameter or the file.
+SpectrumPtr FromSamples(std::span<const Float> samples, const std::string &where, const FileLoc &loc) {
+    if (samples.empty()) throw UserError(fmt::format("{}: no samples; wavelength and value pairs are wanted.", where), loc);
+    if (samples.size() % 2 != 0)
+        throw UserError(fmt::format("{}: odd number of values ({}); wavelength and value pairs are wanted.", where,
+                                    samples.size()),
+                        loc);
+    std::vector<Float> lambdas, values;
+    for (size_t i = 0; i < samples.size(); i += 2) {
+        if (!lambdas.empty() && !(samples[i] > lambdas.back()))
+            throw UserError(fmt::format("{}: wavelengths must increase, but {} nm follows {} nm (pair {}).", where,
+                                        samples[i], lambdas.back(), i / 2 + 1),
+                            loc);
+        lambdas.push_back(samples[i]);
+        values.push_back(samples[i + 1]);
+    }
+    if (lambdas.size() == 1) {
+        Diagnostic d{Severity::Warning, loc,
+                     fmt::format("{}: a single wavelength and value pair; the spectrum is 0 everywhere else.", where)};
+        LogWarning(loc ? fmt::format("{}:{}:{}: {}", loc.file->name, loc.line, loc.column, d.message) : d.message);
+    }
+    return std::make_shared<PiecewiseLinearSpectrum>(std::move(lambdas), std::move(values));
+}
+
+/// Numbers separated by white space; '#' to the end of the line is a comment (pbrt-v4-format §15).
+SpectrumPtr FromFile(const std::string &path, const FileLoc &loc) {
+    std::string text;
+    try {
+        text = ReadFileContents(path);
+    } catch (const UserError &e) {
+        throw UserError(e.Diagnostics().front().message, loc);
+    }
+    std::vector<Float> samples;
+    int line = 1;
+    const char *at = text.c_str(), *end = at + text.size();
+    while (at < end) {
+        if (*at == '\n') ++line;
+        if (std::isspace(static_cast<unsigned char>(*at))) {
+            ++at;
+        } else if (*at == '#') {
+            while (at < end && *at != '\n') ++at;
+        } else {
+            char *after = nullptr;
+            Float value = std::strtof(at, &after);
+            bool separated = after > at && (after >= end || std::isspace(static_cast<unsigned char>(*after)) || *after == '#');
+            if (!separated || !std::isfinite(value))
+                throw UserError(fmt::format("{}:{}: a spectrum file holds numbers only.", path, line), loc);
+            samples.push_back(value);
+            at = after;
+        }
+    }
+    return FromSamples(samples, path, loc);
+}
+
+SpectrumPtr FromSpectrum(const Param &p, const FileResolver &files) {
+    if (p.strings.empty()) return FromSamples(p.floats, fmt::format("\"spectrum {}\"", p.name), p.loc);
+    RequireCount(p, p.strings.size(), 1);
+    const std::string &name = p.strings[0];
+    if (SpectrumPtr named = NamedSpectrum(name)) return named;
+    std::string path = files.Resolve(name);
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored))
+        throw UserError(fmt::format("\"spectrum {}\": \"{}\" is neither a file nor a built-in spectrum; {}.", p.name, name,
+                                    ListChoices(name, NamedSpectrumNames())),
+                        p.loc);
+    return FromFile(path, p.loc);
+}
+
+SpectrumPtr FromParam(const Param &p, SpectrumUse use, const FileResolver &files) {
+    switch (p.type) {
+    case ParamType::Rgb: return FromRgb(p, use);
+    case ParamType::Blackbody: return FromBlackbody(p);
+    case ParamType::Float:
+        RequireCount(p, p.floats.size(), 1);
+        return std::make_shared<ConstantSpectrum>(p.floats[0]);
+    default: return FromSpectrum(p, files);
+    }
+}
+
+}  // namespace
+
+SpectrumPtr GetSpectrum(const ParamSet &params, std::string_view name, SpectrumPtr defaultValue, SpectrumUse use,
+                        const FileResolver &files) {
+    const Param *p = FindOfTypes(params, name, {ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum});
+    return p ? FromParam(*p, use, files) : defaultValue;
+}
+
+SpectrumPtr GetSpectrumOrFloat(const ParamSet &params, std::string_view name, SpectrumPtr defaultValue, SpectrumUse use,
+                               const FileResolver &files) {
+    const Param *p = FindOfTypes(params, name,
+                                 {ParamType::Float, ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum});
+    return p ? FromParam(*p, use, files) : defaultValue;
+}
+
+}  // namespace pbrt

@@ -1,0 +1,29 @@
+#pragma once
+#include "pbrt/spectra/rgb_primaries.h"
+#include "pbrt/spectra/tools/sigmoid_integrals.h"
+
+namespace pbrt {
+
+/// Fits reflectances s(lambda) = sigmoid(quadratic) to RGB values of one colour space under its illuminant: least
+/// squares in CIELAB (Jakob and Hanika 2019, section 4), by damped Gauss-Newton steps with an analytic Jacobian.
+class SigmoidFit {
+  public:
+    explicit SigmoidFit(const RgbPrimaries &space);
+
+    /// `c`: start and result, for wavelength mapped to [0, 1]. Returns the CIELAB distance that is left. Coefficients
+    /// stay within +-200 by scaling all three, so colours that no reflectance has end at a steep step.
+    double Fit(const double rgb[3], double c[3]) const;
+
+    /// The same polynomial for wavelength in nm.
+    static void ToNanometres(const double c[3], float out[3]);
+
+  private:
+    void Lab(const double xyz[3], double lab[3], double derivative[3]) const;
+    double Residual(const double c[3], const double target[3], double r[3], double jacobian[3][3]) const;
+
+    ReflectanceWeights weights_;
+    double white_[3];
+    glm::dmat3 xyzFromRgb_;
+};
+
+}  // namespace pbrt

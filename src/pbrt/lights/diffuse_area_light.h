@@ -1,0 +1,58 @@
+#pragma once
+#include "pbrt/images/image.h"
+#include "pbrt/lights/light.h"
+#include "pbrt/textures/texture.h"
+
+namespace pbrt {
+
+/// What one AreaLightSource directive says; shared by the lights of all primitives it applies to. Either a spectrum or
+/// an image over (u, v), v upwards.
+struct AreaEmission {
+    std::shared_ptr<const DenseSpectrum> spectrum;  ///< null if there is an image
+    Image image;                                    ///< R, G, B
+    const ColorSpace *colorSpace = nullptr;         ///< of the image
+    bool twoSided = false;
+    Float scale = 1;                    ///< includes the photometric normalisation, not `power`
+    Float power = -1;                   ///< wanted from each primitive, if positive
+    Float peak = 0;                     ///< largest spectrum value; mean of all image values
+    Float luminance = 1;                ///< mean luminance of the image; 1 for a spectrum
+    SampledSpectrum averageForPower;    ///< mean radiance at PowerWavelengths(), before scale
+
+    /// Fills peak, luminance and averageForPower from the rest.
+    void Summarise();
+    /// Mean radiance over (u, v), before scale.
+    SampledSpectrum Average(const SampledWavelengths &lambda) const;
+    SampledSpectrum Radiance(const Point2 &uv, const SampledWavelengths &lambda) const;
+};
+
+/// Light from one primitive of a shape, the same in all directions of the side(s) it leaves.
+class DiffuseAreaLight final : public Light {
+  public:
+    /// A constant alpha of 0 makes a light that rays cannot hit: DeltaPosition to the outside, so that light sampling
+    /// alone accounts for it.
+    DiffuseAreaLight(std::shared_ptr<const AreaEmission> emission, const Shape &shape, uint32_t primitive,
+                     const FloatTexture *alpha);
+
+    SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
+    std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs) const override;
+    Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
+                bool allowIncompletePdfs) const override;
+    SampledSpectrum L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,
+                      const SampledWavelengths &lambda) const override;
+    std::optional<LightBounds> Bounds() const override;
+
+  private:
+    /// True where the alpha texture cuts the light away (by a hash of the point, as stock pbrt-v4).
+    bool Masked(const Point3 &p, const Normal3 &n, const Point2 &uv) const;
+    bool EmitsTowards(const Normal3 &n, const Vector3 &w) const { return emission_->twoSided || !(Dot(n, w) < 0); }
+
+    std::shared_ptr<const AreaEmission> emission_;
+    const Shape *shape_;
+    const FloatTexture *alpha_;
+    uint32_t primitive_;
+    Float area_;
+    Float scale_;
+};
+
+}  // namespace pbrt

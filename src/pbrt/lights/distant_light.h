@@ -1,0 +1,27 @@
+#pragma once
+#include "pbrt/lights/light.h"
+
+namespace pbrt {
+
+/// Parallel light from infinitely far away.
+class DistantLight final : public Light {
+  public:
+    /// `wi`: unit, from the scene towards the light. `irradiance` times scale falls on a surface that faces it.
+    DistantLight(const Vector3 &wi, std::shared_ptr<const DenseSpectrum> irradiance, Float scale);
+
+    SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
+    std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs) const override;
+    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool) const override {
+        return 0;
+    }
+    void Preprocess(const Point3 &sceneCenter, Float sceneRadius) override;
+
+  private:
+    Vector3 wi_;
+    std::shared_ptr<const DenseSpectrum> irradiance_;
+    Float scale_;
+    Float sceneRadius_ = 0;
+};
+
+}  // namespace pbrt

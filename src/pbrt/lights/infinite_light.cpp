@@ -1,0 +1,111 @@
+#include "pbrt/lights/infinite_light.h"
+
+#include "pbrt/lights/light_image.h"
+#include "pbrt/math/warps.h"
+
+namespace pbrt {
+
+UniformInfiniteLight::UniformInfiniteLight(std::shared_ptr<const DenseSpectrum> radiance, Float scale)
+    : Light(LightKind::Infinite), radiance_(std::move(radiance)), scale_(scale) {}
+
+void UniformInfiniteLight::Preprocess(const Point3 &, Float sceneRadius) { sceneRadius_ = sceneRadius; }
+
+SampledSpectrum UniformInfiniteLight::Phi(const SampledWavelengths &lambda) const {
+    return scale_ * 4 * Pi * Pi * Sqr(sceneRadius_) * radiance_->Sample(lambda);
+}
+
+SampledSpectrum UniformInfiniteLight::Le(const Vector3 &, const SampledWavelengths &lambda) const {
+    return scale_ * radiance_->Sample(lambda);
+}
+
+std::optional<LightLiSample> UniformInfiniteLight::SampleLi(const LightSampleContext &from, const Point2 &u,
+                                                            const SampledWavelengths &lambda,
+                                                            bool allowIncompletePdfs) const {
+    if (allowIncompletePdfs) return {};
+    LightLiSample s;
+    s.L = scale_ * radiance_->Sample(lambda);
+    if (!s.L) return {};
+    s.wi = SampleUniformSphere(u);
+    s.pdf = UniformSpherePdf();
+    s.pLight = from.p + s.wi * (2 * sceneRadius_);
+    return s;
+}
+
+Float UniformInfiniteLight::PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &,
+                                  bool allowIncompletePdfs) const {
+    return allowIncompletePdfs ? 0 : UniformSpherePdf();
+}
+
+ImageInfiniteLight::ImageInfiniteLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace,
+                                       Float scale)
+    : Light(LightKind::Infinite),
+      renderFromLight_(renderFromLight),
+      image_(std::move(image)),
+      colorSpace_(&colorSpace),
+      scale_(scale) {
+    Point2i n = image_.Resolution();
+    PBRT_CHECK(n.x == n.y && n.x > 0 && image_.ChannelCount() == 3);
+    std::vector<Float> weights;
+    weights.reserve(static_cast<size_t>(n.x) * static_cast<size_t>(n.y));
+    double sum = 0;
+    for (int y = 0; y < n.y; ++y)
+        for (int x = 0; x < n.x; ++x) {
+            Rgb rgb = LightPixel(image_, {x, y});
+            weights.push_back((rgb.x + rgb.y + rgb.z) / 3);
+            sum += static_cast<double>(weights.back());
+        }
+    distribution_ = PiecewiseConstant2D(weights, n.x, n.y);
+
+    auto average = static_cast<Float>(sum / static_cast<double>(weights.size()));
+    bool anyLeft = false;
+    for (Float &w : weights) {
+        w = std::max(w - average, Float(0));
+        anyLeft |= w > 0;
+    }
+    if (!anyLeft) std::fill(weights.begin(), weights.end(), Float(1));
+    compensated_ = PiecewiseConstant2D(weights, n.x, n.y);
+}
+
+void ImageInfiniteLight::Preprocess(const Point3 &, Float sceneRadius) { sceneRadius_ = sceneRadius; }
+
+Point2 ImageInfiniteLight::SquareFromDirection(const Vector3 &d) const {
+    return EqualAreaSphereToSquare(Normalize(renderFromLight_.InverseVector(d)));
+}
+
+SampledSpectrum ImageInfiniteLight::Radiance(const Point2 &st, const SampledWavelengths &lambda) const {
+    Point2i n = image_.Resolution();
+    Point2i pixel(std::clamp(static_cast<int>(st.x * static_cast<Float>(n.x)), 0, n.x - 1),
+                  std::clamp(static_cast<int>(st.y * static_cast<Float>(n.y)), 0, n.y - 1));
+    return scale_ * RgbIlluminantSpectrum(*colorSpace_, LightPixel(image_, pixel)).Sample(lambda);
+}
+
+SampledSpectrum ImageInfiniteLight::Phi(const SampledWavelengths &lambda) const {
+    // Radiance averaged over the sphere, times 4 pi sr, times the disk the scene shows.
+    return scale_ * 4 * Pi * Pi * Sqr(sceneRadius_) * AverageIlluminant(image_, *colorSpace_, lambda);
+}
+
+SampledSpectrum ImageInfiniteLight::Le(const Vector3 &d, const SampledWavelengths &lambda) const {
+    return Radiance(SquareFromDirection(d), lambda);
+}
+
+std::optional<LightLiSample> ImageInfiniteLight::SampleLi(const LightSampleContext &from, const Point2 &u,
+                                                          const SampledWavelengths &lambda,
+                                                          bool allowIncompletePdfs) const {
+    Float pdfSquare = 0;
+    Point2 st = (allowIncompletePdfs ? compensated_ : distribution_).Sample(u, &pdfSquare);
+    if (!(pdfSquare > 0)) return {};
+    LightLiSample s;
+    s.L = Radiance(st, lambda);
+    if (!s.L) return {};
+    s.wi = Normalize(renderFromLight_.Vector(EqualAreaSquareToSphere(st)));
+    s.pdf = pdfSquare * Inv4Pi;
+    s.pLight = from.p + s.wi * (2 * sceneRadius_);
+    return s;
+}
+
+Float ImageInfiniteLight::PdfLi(const LightSampleContext &, const Vector3 &wi, const Point3 &, const Normal3 &,
+                                bool allowIncompletePdfs) const {
+    return (allowIncompletePdfs ? compensated_ : distribution_).Pdf(SquareFromDirection(wi)) * Inv4Pi;
+}
+
+}  // namespace pbrt

@@ -1,0 +1,56 @@
+#pragma once
+#include "pbrt/images/image.h"
+#include "pbrt/lights/light.h"
+#include "pbrt/math/distributions.h"
+#include "pbrt/math/transform.h"
+
+namespace pbrt {
+
+/// The same radiance from everywhere.
+class UniformInfiniteLight final : public Light {
+  public:
+    UniformInfiniteLight(std::shared_ptr<const DenseSpectrum> radiance, Float scale);
+
+    SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
+    /// Draws nothing if pdfs may be incomplete: scattering finds this light better (as stock pbrt-v4).
+    std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs) const override;
+    Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
+                bool allowIncompletePdfs) const override;
+    SampledSpectrum Le(const Vector3 &d, const SampledWavelengths &lambda) const override;
+    void Preprocess(const Point3 &sceneCenter, Float sceneRadius) override;
+
+  private:
+    std::shared_ptr<const DenseSpectrum> radiance_;
+    Float scale_;
+    Float sceneRadius_ = 0;
+};
+
+/// Radiance from an RGB image in the equal-area octahedral layout, constant over each pixel.
+class ImageInfiniteLight final : public Light {
+  public:
+    /// `image`: square, channels R, G, B in this order, finite.
+    ImageInfiniteLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace, Float scale);
+
+    SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
+    /// By the mean of R, G, B of the pixels; by what exceeds their average if pdfs may be incomplete (Karlik et al. 2019).
+    std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs) const override;
+    Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
+                bool allowIncompletePdfs) const override;
+    SampledSpectrum Le(const Vector3 &d, const SampledWavelengths &lambda) const override;
+    void Preprocess(const Point3 &sceneCenter, Float sceneRadius) override;
+
+  private:
+    SampledSpectrum Radiance(const Point2 &st, const SampledWavelengths &lambda) const;
+    Point2 SquareFromDirection(const Vector3 &d) const;
+
+    Transform renderFromLight_;
+    Image image_;
+    const ColorSpace *colorSpace_;
+    Float scale_;
+    PiecewiseConstant2D distribution_, compensated_;
+    Float sceneRadius_ = 0;
+};
+
+}  // namespace pbrt

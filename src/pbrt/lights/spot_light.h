@@ -1,0 +1,38 @@
+#pragma once
+#include "pbrt/lights/light.h"
+#include "pbrt/math/transform.h"
+
+namespace pbrt {
+
+/// Full intensity inside a cone, smooth falloff to zero at its border. The cone is a cone in light space: a stretching
+/// transform deforms it, as in stock pbrt-v4.
+class SpotLight final : public Light {
+  public:
+    /// `from` and `axis` (unit) in light space; angles in degrees from the axis, falloffStart <= coneAngle.
+    SpotLight(const Transform &renderFromLight, const Point3 &from, const Vector3 &axis,
+              std::shared_ptr<const DenseSpectrum> intensity, Float scale, Float coneAngle, Float falloffStart);
+
+    SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
+    std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs) const override;
+    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool) const override {
+        return 0;
+    }
+    std::optional<LightBounds> Bounds() const override;
+
+    /// Power of a light of unit intensity on the axis.
+    static Float PowerPerIntensity(Float coneAngle, Float falloffStart);
+    /// Share of the axis intensity that leaves along w (render space, any length).
+    Float Falloff(const Vector3 &w) const;
+
+  private:
+    Transform renderFromLight_;
+    Point3 position_;
+    Vector3 axis_;
+    std::shared_ptr<const DenseSpectrum> intensity_;
+    Float scale_;
+    Float coneAngle_, falloffStart_;
+    Float cosEnd_, cosStart_;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,81 @@
+#include "pbrt/lightsamplers/bvh_light_sampler.h"
+
+namespace pbrt {
+
+namespace {
+
+struct Importances {
+    Float child[2];
+};
+
+// Sample and PMF must compute the very same bits: one function, compiled once.
+[[gnu::noinline]] Importances ChildImportances(const LightBvhPair &pair, const LightQuery &query) {
+    return {{pair.child[0].Sphere().Importance(query.p, query.ns), pair.child[1].Sphere().Importance(query.p, query.ns)}};
+}
+
+}  // namespace
+
+BVHLightSampler::BVHLightSampler(std::span<const LightCandidate> candidates)
+    : tree_(candidates), isInfinite_(candidates.size()) {
+    std::vector<LightId> infinite;
+    for (size_t i = 0; i < candidates.size(); ++i) {
+        isInfinite_[i] = candidates[i].infinite;
+        if (candidates[i].infinite) infinite.emplace_back(i);
+    }
+    infinite_ = InfiniteShare(std::move(infinite), !tree_.IsEmpty());
+}
+
+std::optional<SampledLight> BVHLightSampler::Sample(const LightQuery &query, Float u) const {
+    auto rest = static_cast<double>(u);
+    LightId light;
+    if (!infinite_.ChooseBounded(rest, light)) {
+        if (!light) return {};
+        return SampledLight{light, infinite_.Pmf()};
+    }
+    const LightBvhNode *node = &tree_.Root();
+    if (node->IsLeaf() && !(node->Sphere().Importance(query.p, query.ns) > 0)) return {};
+    Float pmf = infinite_.Pmf();
+    while (!node->IsLeaf()) {
+        const LightBvhPair &pair = tree_.Pair(node->Link());
+        Importances w = ChildImportances(pair, query);
+        Float sum = w.child[0] + w.child[1];
+        if (!(sum > 0)) return {};
+        double target = rest * static_cast<double>(sum);
+        auto first = static_cast<double>(w.child[0]);
+        int i = target < first ? 0 : 1;
+        // `sum` is rounded: it may exceed the first weight although the second is 0, and what is left may exceed 1.
+        if (!(w.child[i] > 0)) i = 1 - i;
+        rest = std::clamp((i == 0 ? target : target - first) / static_cast<double>(w.child[i]), 0.0, 1.0);
+        pmf *= w.child[i] / sum;
+        node = &pair.child[i];
+    }
+    return SampledLight{LightId(node->Link()), pmf};
+}
+
+Float BVHLightSampler::PMF(const LightQuery &query, LightId light) const {
+    if (light.value >= isInfinite_.size()) return 0;
+    if (isInfinite_[light.value]) return infinite_.Pmf();
+    uint64_t trail = tree_.Trail(light);
+    if (trail == LightBvh::NotInTree) return 0;
+    const LightBvhNode *node = &tree_.Root();
+    if (node->IsLeaf() && !(node->Sphere().Importance(query.p, query.ns) > 0)) return 0;
+    Float pmf = infinite_.Pmf();
+    for (; !node->IsLeaf(); trail >>= 1) {
+        const LightBvhPair &pair = tree_.Pair(node->Link());
+        Importances w = ChildImportances(pair, query);
+        auto i = static_cast<size_t>(trail & 1);
+        if (!(w.child[i] > 0)) return 0;
+        Float sum = w.child[0] + w.child[1];
+        pmf *= w.child[i] / sum;
+        node = &pair.child[i];
+    }
+    return pmf;
+}
+
+void BVHLightSampler::Report(nlohmann::ordered_json &json) const {
+    json["nodes"] = tree_.IsEmpty() ? 0 : 2 * tree_.PairCount() + 1;
+    json["depth"] = tree_.Depth();
+    json["bytes"] = tree_.Bytes() + infinite_.Bytes();
+}
+
+}  // namespace pbrt

@@ -1,0 +1,44 @@
+#pragma once
+#include <vector>
+
+#include "pbrt/lights/light_table.h"
+#include "pbrt/lightsamplers/light_sampler.h"
+
+namespace pbrt {
+
+/// The first decision of the samplers that go by bounds, as stock pbrt-v4 takes it: every infinite light, and all bounded
+/// lights together, have equal shares.
+class InfiniteShare {
+  public:
+    InfiniteShare() = default;
+    InfiniteShare(std::vector<LightId> infinite, bool anyBounded)
+        : infinite_(std::move(infinite)), anyBounded_(anyBounded) {
+        size_t shares = infinite_.size() + (anyBounded ? 1 : 0);
+        share_ = shares > 0 ? 1 / static_cast<Float>(shares) : 0;
+        boundedFrom_ = static_cast<double>(infinite_.size()) / static_cast<double>(std::max<size_t>(shares, 1));
+    }
+    /// Probability of each infinite light, and of the bounded ones together.
+    Float Pmf() const { return share_; }
+    /// True if the choice fell on the bounded lights: `u` becomes a fresh number. False: `light` is set (NoLight if there
+    /// are no lights at all).
+    bool ChooseBounded(double &u, LightId &light) const {
+        if (anyBounded_ && u >= boundedFrom_) {
+            u = (u - boundedFrom_) / (1 - boundedFrom_);
+            return true;
+        }
+        if (!infinite_.empty()) {
+            double scaled = u / boundedFrom_ * static_cast<double>(infinite_.size());
+            light = infinite_[std::min(static_cast<size_t>(scaled), infinite_.size() - 1)];
+        }
+        return false;
+    }
+    size_t Bytes() const { return infinite_.capacity() * sizeof(LightId); }
+
+  private:
+    std::vector<LightId> infinite_;
+    bool anyBounded_ = false;
+    Float share_ = 0;
+    double boundedFrom_ = 0;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,69 @@
+#include "pbrt/lightsamplers/registry.h"
+
+#include <stdexcept>
+
+#include "pbrt/lightsamplers/bvh_light_sampler.h"
+#include "pbrt/lightsamplers/exhaustive_light_sampler.h"
+#include "pbrt/lightsamplers/simple_light_samplers.h"
+
+namespace pbrt {
+
+void LightSamplerRegistry::Add(Entry entry) {
+    if (entry.name.empty() || !entry.make) throw std::logic_error("light sampler without a name or a factory");
+    std::string name = entry.name;
+    if (!entries_.emplace(name, std::move(entry)).second)
+        throw std::logic_error(fmt::format("light sampler \"{}\" is registered twice", name));
+}
+
+std::vector<std::string> LightSamplerRegistry::Names() const {
+    std::vector<std::string> names;
+    for (const auto &[name, entry] : entries_) names.push_back(name);
+    return names;
+}
+
+const LightSamplerRegistry::Entry &LightSamplerRegistry::Find(const std::string &name, const FileLoc &loc) const {
+    auto it = entries_.find(name);
+    if (it == entries_.end())
+        throw UserError(fmt::format("\"{}\" is not a light sampler; {}.", name, ListChoices(name, Names())), loc);
+    return it->second;
+}
+
+std::string LightSamplerRegistry::Listing() const {
+    std::string out;
+    for (const auto &[name, entry] : entries_) {
+        out += fmt::format("{}{}\n    {}\n", out.empty() ? "" : "\n", name, entry.summary);
+        if (entry.params.empty()) out += "    No parameters.\n";
+        for (const ParamDoc &p : entry.params)
+            out += fmt::format("    {} {}.{} = {}{}\n        {}\n", p.type, name, p.name, p.defaultValue,
+                               p.range.empty() ? "" : fmt::format(" ({})", p.range), p.help);
+    }
+    return out;
+}
+
+namespace {
+
+template <class Sampler>
+void AddStock(LightSamplerRegistry &registry, const char *name, const char *summary) {
+    LightSamplerRegistry::Entry entry;
+    entry.name = name;
+    entry.summary = summary;
+    entry.make = [](const LightTable &lights, const ParamSet &) {
+        return std::make_unique<Sampler>(lights.Candidates());
+    };
+    entry.makeOverCandidates = [](std::span<const LightCandidate> candidates) {
+        return std::make_unique<Sampler>(candidates);
+    };
+    registry.Add(std::move(entry));
+}
+
+}  // namespace
+
+void RegisterStockLightSamplers(LightSamplerRegistry &registry) {
+    AddStock<UniformLightSampler>(registry, "uniform", "Every light is equally likely.");
+    AddStock<PowerLightSampler>(registry, "power", "By emitted power.");
+    AddStock<BVHLightSampler>(registry, "bvh", "Down a tree of light bounds by distance, power and orientation; pbrt's default.");
+    AddStock<ExhaustiveLightSampler>(registry, "exhaustive",
+                                     "By distance, power and orientation of every single light; slow, for comparison.");
+}
+
+}  // namespace pbrt

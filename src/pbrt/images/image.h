@@ -22,11 +22,16 @@ struct ColorEncoding {
     static std::optional<ColorEncoding> Parse(const std::string &name);
     Float ToLinear(Float encoded) const;
     Float FromLinear(Float linear) const;
+    bool operator==(const ColorEncoding &) const = default;
 };
+
+/// Linear values of the 256 byte values. Lives for ever; takes a lock, so ask once per image.
+const float *ByteDecodeTable(const ColorEncoding &encoding);
 
 enum class WrapMode { Repeat, Black, Clamp, OctahedralSphere };
 std::optional<WrapMode> ParseWrapMode(const std::string &name);
-/// Maps pixel coordinates into the image; false: outside and black.
+/// Maps pixel coordinates into the image; false: outside and black. OctahedralSphere folds across the edges of the
+/// equal-area octahedral square; -x maps to x there, as in stock pbrt-v4.
 bool RemapPixel(Point2i &p, Point2i resolution, WrapMode wrap);
 
 /// Interleaved pixels, row 0 at the top, decoded to linear values when read out. 8-bit data keep their encoding and are
@@ -42,17 +47,22 @@ class Image {
     int ChannelCount() const { return static_cast<int>(channels_.size()); }
     const std::vector<std::string> &Channels() const { return channels_; }
     const ColorEncoding &Encoding() const { return encoding_; }
+    size_t ValueCount() const { return Index({0, resolution_.y}, 0); }
     /// Index of a channel by name, -1 if absent.
     int FindChannel(const std::string &name) const;
 
     Float Get(Point2i p, int channel) const;  ///< p inside the image
     Float Get(Point2i p, int channel, WrapMode wrap) const;
+    /// Bytes are clamped to [0, 1], halves to the largest finite half (WriteImage reports those).
     void Set(Point2i p, int channel, Float linear);
     /// Bilinear at st in [0,1]^2, pixel centres at half-integers.
     Float Bilinear(Point2 st, int channel, WrapMode wrap) const;
     /// The named channels as a new float image; throws UserError if one is missing.
     Image Select(const std::vector<std::string> &channels) const;
+    /// As Select, but the stored format and encoding stay.
+    Image Extract(const std::vector<std::string> &channels) const;
     Image ConvertTo(PixelFormat format) const;
+    /// `bounds` must lie inside the image.
     Image Crop(const Bounds2i &bounds) const;
     size_t Bytes() const;
     const void *Data() const;
@@ -60,13 +70,14 @@ class Image {
 
   private:
     size_t Index(Point2i p, int channel) const {
-        return (static_cast<size_t>(p.y) * static_cast<size_t>(resolution_.x) + static_cast<size_t>(p.x)) * channels_.size() +
-               static_cast<size_t>(channel);
+        size_t pixel = static_cast<size_t>(p.y) * static_cast<size_t>(resolution_.x) + static_cast<size_t>(p.x);
+        return pixel * channels_.size() + static_cast<size_t>(channel);
     }
     PixelFormat format_ = PixelFormat::Float;
     Point2i resolution_{0, 0};
     std::vector<std::string> channels_;
     ColorEncoding encoding_;
+    const float *decode_ = nullptr;  ///< of 8-bit images
     std::vector<uint8_t> u8_;
     std::vector<uint16_t> half_;
     std::vector<float> float_;
@@ -78,7 +89,8 @@ struct ImageMetadata {
     std::optional<Point2i> fullResolution;     ///< display window
     const ColorSpace *colorSpace = nullptr;    ///< from chromaticities; null: not stated (sRGB)
     using Value = std::variant<int, float, std::string, glm::mat4>;
-    std::map<std::string, Value> attributes;   ///< EXR header attributes by name; matrices in the layout of format §14
+    /// EXR header attributes by name. Matrices are ordinary ones (column vectors); files get the layout of format §14.
+    std::map<std::string, Value> attributes;
 };
 
 struct ImageFile {
@@ -86,13 +98,14 @@ struct ImageFile {
     ImageMetadata metadata;
 };
 
-/// EXR, PNG, PFM, HDR, QOI?, TGA, JPG, ...: see format §14. `encoding` for 8/16-bit files; nullopt: what the format
+/// EXR, PNG, PFM, HDR, TGA, JPG, ... (not QOI), see format §14. `encoding` for 8/16-bit PNG; nullopt: what the format
 /// says (sRGB for png; other 8-bit formats are always sRGB). Channel names R,G,B[,A] or Y, or the EXR's own.
 /// Throws UserError (no location) if missing or unreadable.
 ImageFile ReadImage(const std::string &path, std::optional<ColorEncoding> encoding = {});
 
 /// By extension: .exr (half unless the image is float), .png (8 bit, sRGB, clamped), .pfm. Written to a temporary name
-/// and renamed. Images of more than 4 channels go to EXR only. Throws UserError.
+/// and renamed. Images of more than 4 channels keep only R, G, B outside EXR, with a warning; a colour space other than
+/// sRGB is converted to sRGB there. Throws UserError.
 void WriteImage(const std::string &path, const Image &image, const ImageMetadata &metadata = {});
 
 }  // namespace pbrt

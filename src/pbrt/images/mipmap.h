@@ -6,14 +6,25 @@
 namespace pbrt {
 
 enum class TextureFilter { Point, Bilinear, Trilinear, Ewa };
+/// "point", "bilinear", "trilinear", "ewa" or "EWA".
 std::optional<TextureFilter> ParseTextureFilter(const std::string &name);
+
+/// Levels of an image pyramid, finest first, each half as large as the one before, down to one pixel, all in the
+/// format of `image`. Resolutions that are no powers of two are first resampled to the next larger ones.
+std::vector<Image> BuildPyramid(Image image, WrapMode wrap);
 
 /// Image pyramid with stock pbrt-v4's four filters. Shared between textures that use the same file.
 class MipMap {
   public:
+    /// Images of several channels need R, G, B, else UserError (which does not know the file's name); A is kept unless
+    /// it is 1 everywhere; other channels are dropped. `colorSpace` may be null.
     MipMap(Image image, const ColorSpace *colorSpace, TextureFilter filter, WrapMode wrap, Float maxAnisotropy);
+    MipMap(const MipMap &) = delete;
+    MipMap &operator=(const MipMap &) = delete;
 
     /// Filtered look-ups. st in texture space (0..1 over the image, t downwards as stored); dst0, dst1: footprint axes.
+    /// Float: one channel as it is; of colour images the mean of R, G, B or, if there is one, the alpha channel. As in
+    /// stock pbrt-v4, point and EWA look-ups and very wide footprints read the first channel instead.
     Float LookupFloat(Point2 st, Vector2 dst0, Vector2 dst1) const;
     Rgb LookupRgb(Point2 st, Vector2 dst0, Vector2 dst1) const;
 
@@ -21,14 +32,29 @@ class MipMap {
     const Image &Level(int i) const { return pyramid_[static_cast<size_t>(i)]; }
     /// The image's own space (from EXR chromaticities), sRGB if not stated.
     const ColorSpace &Space() const { return *colorSpace_; }
+    bool HasAlpha() const { return pyramid_[0].ChannelCount() == 4; }
     size_t Bytes() const;
+
+    /// One level as the look-ups see it. Width and height are powers of two.
+    struct LevelView {
+        const void *texels;
+        int width, height;
+    };
+    /// What the look-ups need, apart from the images.
+    struct View {
+        std::vector<LevelView> levels;
+        PixelFormat format = PixelFormat::Float;
+        size_t channels = 1;
+        const float *decode = nullptr;  ///< of bytes
+        TextureFilter filter = TextureFilter::Bilinear;
+        WrapMode wrap = WrapMode::Repeat;
+        Float maxAnisotropy = 8;
+    };
 
   private:
     std::vector<Image> pyramid_;
     const ColorSpace *colorSpace_;
-    TextureFilter filter_;
-    WrapMode wrap_;
-    Float maxAnisotropy_;
+    View view_;
 };
 
 }  // namespace pbrt

@@ -1,0 +1,62 @@
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <mutex>
+
+#include "pbrt/images/image.h"
+
+namespace pbrt {
+
+std::optional<ColorEncoding> ColorEncoding::Parse(const std::string &name) {
+    if (name == "linear") return ColorEncoding{Kind::Linear, 1};
+    if (name == "sRGB") return ColorEncoding{Kind::SRGB, 1};
+    const std::string prefix = "gamma ";
+    if (!name.starts_with(prefix)) return {};
+    size_t begin = name.find_first_not_of(' ', prefix.size());
+    if (begin == std::string::npos) return {};
+    Float gamma = 0;
+    const char *end = name.data() + name.size();
+    auto [stop, error] = std::from_chars(name.data() + begin, end, gamma);
+    if (error != std::errc() || stop != end || !(gamma > 0) || !std::isfinite(gamma)) return {};
+    return ColorEncoding{Kind::Gamma, gamma};
+}
+
+Float ColorEncoding::ToLinear(Float encoded) const {
+    switch (kind) {
+        case Kind::Linear: return encoded;
+        case Kind::SRGB:
+            return encoded <= Float(0.04045) ? encoded / Float(12.92)
+                                             : std::pow((encoded + Float(0.055)) / Float(1.055), Float(2.4));
+        case Kind::Gamma: return std::pow(std::max(encoded, Float(0)), gamma);
+    }
+    return 0;
+}
+
+Float ColorEncoding::FromLinear(Float linear) const {
+    switch (kind) {
+        case Kind::Linear: return linear;
+        case Kind::SRGB:
+            return linear <= Float(0.0031308) ? linear * Float(12.92)
+                                              : Float(1.055) * std::pow(linear, 1 / Float(2.4)) - Float(0.055);
+        case Kind::Gamma: return std::pow(std::max(linear, Float(0)), 1 / gamma);
+    }
+    return 0;
+}
+
+const float *ByteDecodeTable(const ColorEncoding &encoding) {
+    using Key = std::pair<int, Float>;
+    static std::mutex mutex;
+    static std::map<Key, std::unique_ptr<std::array<float, 256>>> tables;
+    bool hasGamma = encoding.kind == ColorEncoding::Kind::Gamma;
+    std::lock_guard lock(mutex);
+    auto &table = tables[Key(static_cast<int>(encoding.kind), hasGamma ? encoding.gamma : 1)];
+    if (!table) {
+        table = std::make_unique<std::array<float, 256>>();
+        for (int i = 0; i < 256; ++i) (*table)[static_cast<size_t>(i)] = encoding.ToLinear(static_cast<Float>(i) / 255);
+    }
+    return table->data();
+}
+
+}  // namespace pbrt

@@ -1,0 +1,184 @@
+#include <Imath/half.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfChromaticitiesAttribute.h>
+#include <OpenEXR/ImfFloatAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfIntAttribute.h>
+#include <OpenEXR/ImfMatrixAttribute.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfStringAttribute.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "pbrt/core/error.h"
+#include "pbrt/core/log.h"
+#include "pbrt/images/image_formats.h"
+
+namespace pbrt::formats {
+
+namespace {
+
+constexpr Float LargestHalf = 65504;
+
+// What every EXR has, or what the pixels or other fields of ImageMetadata say already.
+const std::set<std::string> StructuralAttributes = {
+    "channels",         "compression", "dataWindow", "displayWindow",    "lineOrder", "pixelAspectRatio",
+    "screenWindowCenter", "screenWindowWidth", "chromaticities", "whiteLuminance", "tiles", "type",
+    "name",             "view",        "version",    "chunkCount",       "preview",   "multiView"};
+
+// R, G, B, A first within a layer, then the rest by name; the unnamed layer first.
+std::vector<std::string> OrderedNames(const Imf::ChannelList &channels) {
+    auto key = [](const std::string &name) {
+        size_t dot = name.rfind('.');
+        std::string layer = dot == std::string::npos ? "" : name.substr(0, dot);
+        std::string last = dot == std::string::npos ? name : name.substr(dot + 1);
+        size_t rank = last.size() == 1 ? std::string("RGBA").find(last) : std::string::npos;
+        return std::tuple(layer, rank, last);
+    };
+    std::vector<std::string> names;
+    for (auto it = channels.begin(); it != channels.end(); ++it) names.emplace_back(it.name());
+    std::sort(names.begin(), names.end(), [&](const auto &a, const auto &b) { return key(a) < key(b); });
+    return names;
+}
+
+Point2 ToPoint(const Imath::V2f &v) { return {v.x, v.y}; }
+Imath::V2f ToImath(const Point2 &p) { return {p.x, p.y}; }
+
+const ColorSpace *FindSpace(const Imf::Header &header, const std::string &path) {
+    if (!Imf::hasChromaticities(header)) return nullptr;
+    const Imf::Chromaticities &c = Imf::chromaticities(header);
+    const ColorSpace *space =
+        ColorSpace::FromChromaticities(ToPoint(c.red), ToPoint(c.green), ToPoint(c.blue), ToPoint(c.white));
+    if (!space)
+        LogWarning(fmt::format("{}: the chromaticities r ({}, {}) g ({}, {}) b ({}, {}) white ({}, {}) are those of no "
+                               "known colour space; sRGB is assumed.",
+                               path, c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y));
+    return space;
+}
+
+void ReadAttributes(const Imf::Header &header, ImageMetadata &metadata) {
+    for (auto it = header.begin(); it != header.end(); ++it) {
+        if (StructuralAttributes.contains(it.name())) continue;
+        const Imf::Attribute &a = it.attribute();
+        if (auto *i = dynamic_cast<const Imf::IntAttribute *>(&a)) {
+            metadata.attributes[it.name()] = i->value();
+        } else if (auto *f = dynamic_cast<const Imf::FloatAttribute *>(&a)) {
+            metadata.attributes[it.name()] = f->value();
+        } else if (auto *s = dynamic_cast<const Imf::StringAttribute *>(&a)) {
+            metadata.attributes[it.name()] = s->value();
+        } else if (auto *m = dynamic_cast<const Imf::M44fAttribute *>(&a)) {
+            glm::mat4 matrix;
+            for (int row = 0; row < 4; ++row)
+                for (int column = 0; column < 4; ++column) matrix[column][row] = m->value()[row][column];
+            metadata.attributes[it.name()] = matrix;
+        }
+    }
+}
+
+struct AttributeWriter {
+    Imf::Header &header;
+    const std::string &name;
+    void operator()(int v) const { header.insert(name, Imf::IntAttribute(v)); }
+    void operator()(float v) const { header.insert(name, Imf::FloatAttribute(v)); }
+    void operator()(const std::string &v) const { header.insert(name, Imf::StringAttribute(v)); }
+    void operator()(const glm::mat4 &v) const {
+        Imath::M44f m;
+        for (int row = 0; row < 4; ++row)
+            for (int column = 0; column < 4; ++column) m[row][column] = v[column][row];
+        header.insert(name, Imf::M44fAttribute(m));
+    }
+};
+
+// Binds every channel of the interleaved pixels of `window`.
+Imf::FrameBuffer Bind(const std::vector<std::string> &names, Imf::PixelType type, char *pixels, const Imath::Box2i &window) {
+    size_t valueBytes = type == Imf::HALF ? 2 : 4;
+    size_t xStride = names.size() * valueBytes;
+    size_t yStride = xStride * (static_cast<size_t>(window.max.x - window.min.x) + 1);
+    Imf::FrameBuffer buffer;
+    for (size_t c = 0; c < names.size(); ++c)
+        buffer.insert(names[c], Imf::Slice::Make(type, pixels + c * valueBytes, window, xStride, yStride));
+    return buffer;
+}
+
+size_t CountAtHalfLimit(const Image &image) {
+    size_t count = 0;
+    for (int y = 0; y < image.Resolution().y; ++y)
+        for (int x = 0; x < image.Resolution().x; ++x)
+            for (int c = 0; c < image.ChannelCount(); ++c) count += std::abs(image.Get({x, y}, c)) >= LargestHalf;
+    return count;
+}
+
+}  // namespace
+
+ImageFile ReadExr(const std::string &path) {
+    Imf::InputFile file(path.c_str());
+    const Imf::Header &header = file.header();
+    const Imath::Box2i data = header.dataWindow(), display = header.displayWindow();
+    bool allHalf = true;
+    for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+        const Imf::Channel &channel = it.channel();
+        if (channel.xSampling != 1 || channel.ySampling != 1)
+            throw UserError(fmt::format("{}: channel \"{}\" is subsampled, which is not supported.", path, it.name()));
+        if (channel.type == Imf::UINT)
+            throw UserError(fmt::format("{}: channel \"{}\" holds integers; only half and float are supported.", path,
+                                        it.name()));
+        allHalf = allHalf && channel.type == Imf::HALF;
+    }
+    ImageFile result;
+    ImageMetadata &metadata = result.metadata;
+    metadata.pixelBounds = Bounds2i{{data.min.x - display.min.x, data.min.y - display.min.y},
+                                    {data.max.x - display.min.x + 1, data.max.y - display.min.y + 1}};
+    metadata.fullResolution = Point2i(display.max.x - display.min.x + 1, display.max.y - display.min.y + 1);
+    metadata.colorSpace = FindSpace(header, path);
+    ReadAttributes(header, metadata);
+
+    std::vector<std::string> names = OrderedNames(header.channels());
+    if (names.empty()) throw UserError(fmt::format("{}: the image has no channels.", path));
+    // Mixed files become float, which holds both exactly.
+    result.image = Image(allHalf ? PixelFormat::Half : PixelFormat::Float,
+                         {metadata.pixelBounds->Width(), metadata.pixelBounds->Height()}, names);
+    file.setFrameBuffer(
+        Bind(names, allHalf ? Imf::HALF : Imf::FLOAT, static_cast<char *>(result.image.Data()), data));
+    file.readPixels(data.min.y, data.max.y);
+    return result;
+}
+
+void WriteExr(const std::string &path, const std::string &shownPath, const Image &image, const ImageMetadata &metadata) {
+    Bounds2i bounds = metadata.pixelBounds.value_or(Bounds2i{{0, 0}, image.Resolution()});
+    PBRT_CHECK_MSG(bounds.Width() == image.Resolution().x && bounds.Height() == image.Resolution().y,
+                   "data window {} x {}, image {} x {}", bounds.Width(), bounds.Height(), image.Resolution().x,
+                   image.Resolution().y);
+    Point2i full = metadata.fullResolution.value_or(bounds.high);
+    Imath::Box2i display({0, 0}, {full.x - 1, full.y - 1});
+    Imath::Box2i data({bounds.low.x, bounds.low.y}, {bounds.high.x - 1, bounds.high.y - 1});
+    Imf::Header header(display, data);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    if (metadata.colorSpace && metadata.colorSpace != &ColorSpace::SRGB()) {
+        const ColorSpace &s = *metadata.colorSpace;
+        Imf::addChromaticities(header, {ToImath(s.R()), ToImath(s.G()), ToImath(s.B()), ToImath(s.White())});
+    }
+    for (const auto &[name, value] : metadata.attributes) {
+        PBRT_CHECK_MSG(!StructuralAttributes.contains(name), "attribute {}", name);
+        std::visit(AttributeWriter{header, name}, value);
+    }
+
+    const bool asFloat = image.Format() == PixelFormat::Float;
+    const Image pixels = asFloat ? image : image.ConvertTo(PixelFormat::Half);
+    if (size_t clamped = asFloat ? 0 : CountAtHalfLimit(pixels))
+        LogWarning(fmt::format("{}: {} values are at or beyond {}, the largest in half precision.", shownPath, clamped,
+                               LargestHalf));
+    Imf::PixelType type = asFloat ? Imf::FLOAT : Imf::HALF;
+    for (const std::string &name : image.Channels()) header.channels().insert(name, Imf::Channel(type));
+    Imf::OutputFile file(path.c_str(), header);
+    // OpenEXR only reads through the frame buffer of an output file.
+    file.setFrameBuffer(Bind(image.Channels(), type, static_cast<char *>(const_cast<void *>(pixels.Data())), data));
+    file.writePixels(data.max.y - data.min.y + 1);
+}
+
+}  // namespace pbrt::formats

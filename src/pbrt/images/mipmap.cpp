@@ -1,0 +1,262 @@
+#include "pbrt/images/mipmap.h"
+
+#include <Imath/half.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "pbrt/core/error.h"
+
+namespace pbrt {
+
+namespace {
+
+template <int N>
+struct Texel {
+    std::array<Float, N> v{};
+    void AddScaled(Float weight, const Texel &t) {
+        for (size_t i = 0; i < N; ++i) v[i] += weight * t.v[i];
+    }
+};
+
+template <int N>
+Texel<N> Mix(Float t, const Texel<N> &a, const Texel<N> &b) {
+    Texel<N> r;
+    for (size_t i = 0; i < N; ++i) r.v[i] = Lerp(t, a.v[i], b.v[i]);
+    return r;
+}
+
+// exp(-2 r^2) shifted to reach 0 at r^2 = 1 (Greene and Heckbert 1986), tabulated over r^2.
+constexpr int GaussianEntries = 128;
+const std::array<Float, GaussianEntries> GaussianTable = [] {
+    std::array<Float, GaussianEntries> table{};
+    for (int i = 0; i < GaussianEntries; ++i) {
+        Float r2 = static_cast<Float>(i) / (GaussianEntries - 1);
+        table[static_cast<size_t>(i)] = std::exp(-2 * r2) - std::exp(Float(-2));
+    }
+    return table;
+}();
+
+// Stock pbrt-v4 picks the level whose texel spacing is twice the largest footprint component. At 1 it is the last one.
+constexpr Float NarrowestWidth = Float(1e-8);
+Float Width(Vector2 dst0, Vector2 dst1) {
+    return 2 * std::max({std::abs(dst0.x), std::abs(dst0.y), std::abs(dst1.x), std::abs(dst1.y)});
+}
+
+// Of a normal positive number, from its exponent.
+int FloorLog2(Float v) { return static_cast<int>(std::bit_cast<uint32_t>(v) >> 23) - 127; }
+
+int ToPixel(Float v) { return static_cast<int>(std::clamp(v, Float(-1e9), Float(1e9))); }
+
+// Look-ups of N successive channels from `first` on, in one storage format.
+template <PixelFormat Format, int N>
+class Reader {
+  public:
+    Reader(const MipMap::View &view, size_t first) : view_(view), first_(first) {}
+
+    Texel<N> Filter(Point2 st, Vector2 dst0, Vector2 dst1) const {
+        if (view_.filter == TextureFilter::Ewa) return Ewa(st, dst0, dst1);
+        const int last = static_cast<int>(view_.levels.size()) - 1;
+        const Float width = Width(dst0, dst1);
+        if (width >= 1) return At(last, {0, 0});
+        if (view_.filter != TextureFilter::Trilinear) {
+            const int level = std::max(0, last + FloorLog2(std::max(width, NarrowestWidth)));
+            return view_.filter == TextureFilter::Bilinear ? Bilinear(level, st) : Nearest(level, st);
+        }
+        const Float level = static_cast<Float>(last) + std::log2(std::max(width, NarrowestWidth));
+        // Between levels 0 and 1 nothing is interpolated, as in stock pbrt-v4.
+        if (!(level >= 1)) return Bilinear(0, st);
+        const int whole = std::min(static_cast<int>(level), last - 1);
+        return Mix(level - static_cast<Float>(whole), Bilinear(whole, st), Bilinear(whole + 1, st));
+    }
+
+  private:
+    Texel<N> Load(const MipMap::LevelView &level, int x, int y) const {
+        const size_t i = (static_cast<size_t>(y) * static_cast<size_t>(level.width) + static_cast<size_t>(x)) *
+                             view_.channels + first_;
+        Texel<N> t;
+        if constexpr (Format == PixelFormat::U8) {
+            const auto *data = static_cast<const uint8_t *>(level.texels) + i;
+            for (size_t c = 0; c < N; ++c) t.v[c] = view_.decode[data[c]];
+        } else if constexpr (Format == PixelFormat::Half) {
+            const auto *data = static_cast<const uint16_t *>(level.texels) + i;
+            for (size_t c = 0; c < N; ++c) t.v[c] = imath_half_to_float(data[c]);
+        } else {
+            const auto *data = static_cast<const float *>(level.texels) + i;
+            for (size_t c = 0; c < N; ++c) t.v[c] = data[c];
+        }
+        return t;
+    }
+
+    Texel<N> At(const MipMap::LevelView &level, Point2i p) const {
+        // Sizes are powers of two, so that repeating is masking.
+        if (view_.wrap == WrapMode::Repeat) return Load(level, p.x & (level.width - 1), p.y & (level.height - 1));
+        if (!RemapPixel(p, {level.width, level.height}, view_.wrap)) return {};
+        return Load(level, p.x, p.y);
+    }
+    Texel<N> At(int level, Point2i p) const { return At(view_.levels[static_cast<size_t>(level)], p); }
+
+    Texel<N> Nearest(int i, Point2 st) const {
+        const MipMap::LevelView &level = view_.levels[static_cast<size_t>(i)];
+        return At(level, {ToPixel(std::round(st.x * static_cast<Float>(level.width) - Float(0.5))),
+                          ToPixel(std::round(st.y * static_cast<Float>(level.height) - Float(0.5)))});
+    }
+
+    Texel<N> Bilinear(int i, Point2 st) const {
+        const MipMap::LevelView &level = view_.levels[static_cast<size_t>(i)];
+        const Float x = st.x * static_cast<Float>(level.width) - Float(0.5);
+        const Float y = st.y * static_cast<Float>(level.height) - Float(0.5);
+        const Float fx = std::floor(x), fy = std::floor(y);
+        const Float dx = x - fx, dy = y - fy;
+        const Point2i p(ToPixel(fx), ToPixel(fy));
+        Texel<N> sum;
+        if (p.x >= 0 && p.y >= 0 && p.x + 1 < level.width && p.y + 1 < level.height) {
+            sum.AddScaled((1 - dx) * (1 - dy), Load(level, p.x, p.y));
+            sum.AddScaled(dx * (1 - dy), Load(level, p.x + 1, p.y));
+            sum.AddScaled((1 - dx) * dy, Load(level, p.x, p.y + 1));
+            sum.AddScaled(dx * dy, Load(level, p.x + 1, p.y + 1));
+        } else {
+            sum.AddScaled((1 - dx) * (1 - dy), At(level, p));
+            sum.AddScaled(dx * (1 - dy), At(level, p + Point2i(1, 0)));
+            sum.AddScaled((1 - dx) * dy, At(level, p + Point2i(0, 1)));
+            sum.AddScaled(dx * dy, At(level, p + Point2i(1, 1)));
+        }
+        return sum;
+    }
+
+    // Elliptically weighted average (Greene and Heckbert 1986; Heckbert 1989, section 3.5.9), between two levels.
+    Texel<N> Ewa(Point2 st, Vector2 dst0, Vector2 dst1) const {
+        Vector2 major = dst0, minor = dst1;
+        Float longer = glm::length(major), shorter = glm::length(minor);
+        if (longer < shorter) {
+            std::swap(major, minor);
+            std::swap(longer, shorter);
+        }
+        if (!(shorter > 0)) return Bilinear(0, st);
+        const int last = static_cast<int>(view_.levels.size()) - 1;
+        if (!std::isfinite(longer)) return At(last, {0, 0});
+        // A thinner ellipse is made thicker: blur bounds the cost.
+        if (shorter * view_.maxAnisotropy < longer) {
+            const Float scale = longer / (shorter * view_.maxAnisotropy);
+            minor *= scale;
+            shorter *= scale;
+        }
+        const Float level = std::max(Float(0), static_cast<Float>(last) + std::log2(shorter));
+        if (level >= static_cast<Float>(last) + 1) return At(last, {0, 0});
+        const int whole = static_cast<int>(level);
+        return Mix(level - static_cast<Float>(whole), EwaLevel(whole, st, major, minor),
+                   EwaLevel(whole + 1, st, major, minor));
+    }
+
+    Texel<N> EwaLevel(int i, Point2 st, Vector2 major, Vector2 minor) const {
+        if (i >= static_cast<int>(view_.levels.size())) return At(i - 1, {0, 0});
+        const MipMap::LevelView &level = view_.levels[static_cast<size_t>(i)];
+        const Vector2 size(static_cast<Float>(level.width), static_cast<Float>(level.height));
+        const Point2 center = st * size - Float(0.5);
+        major *= size;
+        minor *= size;
+        // Inside: a x^2 + b x y + c y^2 < 1. The added 1 is the variance of the reconstruction filter.
+        Float a = Sqr(major.y) + Sqr(minor.y) + 1;
+        Float b = -2 * (major.x * major.y + minor.x * minor.y);
+        Float c = Sqr(major.x) + Sqr(minor.x) + 1;
+        const Float f = a * c - Sqr(b) / 4;
+        // Half extents of the ellipse; f is also the determinant before the division below.
+        const Vector2 extent(std::sqrt(c), std::sqrt(a));
+        a /= f;
+        b /= f;
+        c /= f;
+        const Point2i low(ToPixel(std::ceil(center.x - extent.x)), ToPixel(std::ceil(center.y - extent.y)));
+        const Point2i high(ToPixel(std::floor(center.x + extent.x)), ToPixel(std::floor(center.y + extent.y)));
+        Texel<N> sum;
+        Float weights = 0;
+        for (int y = low.y; y <= high.y; ++y) {
+            const Float dy = static_cast<Float>(y) - center.y;
+            for (int x = low.x; x <= high.x; ++x) {
+                const Float dx = static_cast<Float>(x) - center.x;
+                const Float r2 = (a * dx + b * dy) * dx + c * dy * dy;
+                if (!(r2 < 1)) continue;
+                const int index = std::clamp(static_cast<int>(r2 * GaussianEntries), 0, GaussianEntries - 1);
+                const Float weight = GaussianTable[static_cast<size_t>(index)];
+                sum.AddScaled(weight, At(level, {x, y}));
+                weights += weight;
+            }
+        }
+        if (!(weights > 0)) return Bilinear(i, st);
+        for (Float &v : sum.v) v /= weights;
+        return sum;
+    }
+
+    const MipMap::View &view_;
+    size_t first_;
+};
+
+template <int N>
+Texel<N> Read(const MipMap::View &view, size_t first, Point2 st, Vector2 dst0, Vector2 dst1) {
+    switch (view.format) {
+        case PixelFormat::U8: return Reader<PixelFormat::U8, N>(view, first).Filter(st, dst0, dst1);
+        case PixelFormat::Half: return Reader<PixelFormat::Half, N>(view, first).Filter(st, dst0, dst1);
+        case PixelFormat::Float: return Reader<PixelFormat::Float, N>(view, first).Filter(st, dst0, dst1);
+    }
+    return {};
+}
+
+Image KeepColor(Image image) {
+    if (image.ChannelCount() == 1) return image;
+    if (image.FindChannel("R") < 0 || image.FindChannel("G") < 0 || image.FindChannel("B") < 0)
+        throw UserError("The image has several channels but not R, G and B.");
+    const int alpha = image.FindChannel("A");
+    bool opaque = true;
+    if (alpha >= 0)
+        for (int y = 0; y < image.Resolution().y && opaque; ++y)
+            for (int x = 0; x < image.Resolution().x && opaque; ++x) opaque = image.Get({x, y}, alpha) == 1;
+    return image.Extract(opaque ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"R", "G", "B", "A"});
+}
+
+}  // namespace
+
+std::optional<TextureFilter> ParseTextureFilter(const std::string &name) {
+    if (name == "point") return TextureFilter::Point;
+    if (name == "bilinear") return TextureFilter::Bilinear;
+    if (name == "trilinear") return TextureFilter::Trilinear;
+    if (name == "ewa" || name == "EWA") return TextureFilter::Ewa;
+    return {};
+}
+
+MipMap::MipMap(Image image, const ColorSpace *colorSpace, TextureFilter filter, WrapMode wrap, Float maxAnisotropy)
+    : pyramid_(BuildPyramid(KeepColor(std::move(image)), wrap)),
+      colorSpace_(colorSpace ? colorSpace : &ColorSpace::SRGB()) {
+    const Image &base = pyramid_[0];
+    for (const Image &level : pyramid_) view_.levels.push_back({level.Data(), level.Resolution().x, level.Resolution().y});
+    view_.format = base.Format();
+    view_.channels = static_cast<size_t>(base.ChannelCount());
+    view_.decode = base.Format() == PixelFormat::U8 ? ByteDecodeTable(base.Encoding()) : nullptr;
+    view_.filter = filter;
+    view_.wrap = wrap;
+    view_.maxAnisotropy = std::max(maxAnisotropy, Float(1));
+}
+
+Float MipMap::LookupFloat(Point2 st, Vector2 dst0, Vector2 dst1) const {
+    // Only bilinear interpolation mixes channels; EWA falls back to it where the footprint has no width.
+    const bool smooth = view_.filter == TextureFilter::Ewa
+                            ? !(std::min(glm::length(dst0), glm::length(dst1)) > 0)
+                            : view_.filter != TextureFilter::Point && !(Width(dst0, dst1) >= 1);
+    if (view_.channels == 1 || !smooth) return Read<1>(view_, 0, st, dst0, dst1).v[0];
+    if (view_.channels == 4) return Read<1>(view_, 3, st, dst0, dst1).v[0];
+    const Texel<3> rgb = Read<3>(view_, 0, st, dst0, dst1);
+    return (rgb.v[0] + rgb.v[1] + rgb.v[2]) / 3;
+}
+
+Rgb MipMap::LookupRgb(Point2 st, Vector2 dst0, Vector2 dst1) const {
+    if (view_.channels == 1) return Rgb(Read<1>(view_, 0, st, dst0, dst1).v[0]);
+    const Texel<3> rgb = Read<3>(view_, 0, st, dst0, dst1);
+    return {rgb.v[0], rgb.v[1], rgb.v[2]};
+}
+
+size_t MipMap::Bytes() const {
+    size_t bytes = 0;
+    for (const Image &level : pyramid_) bytes += level.Bytes();
+    return bytes;
+}
+
+}  // namespace pbrt

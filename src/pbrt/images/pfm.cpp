@@ -1,0 +1,98 @@
+#include <algorithm>
+#include <bit>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+#include "pbrt/core/error.h"
+#include "pbrt/core/files.h"
+#include "pbrt/images/image_formats.h"
+
+namespace pbrt::formats {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+
+float ReadFloat(const char *bytes, bool swap) {
+    uint32_t bits = 0;
+    std::memcpy(&bits, bytes, sizeof bits);
+    if (swap) bits = __builtin_bswap32(bits);
+    return std::bit_cast<float>(bits);
+}
+
+// The next word of the header; the single white space after it is consumed.
+std::string NextWord(const std::string &content, size_t &at) {
+    while (at < content.size() && std::isspace(static_cast<unsigned char>(content[at]))) ++at;
+    size_t begin = at;
+    while (at < content.size() && !std::isspace(static_cast<unsigned char>(content[at]))) ++at;
+    std::string word = content.substr(begin, at - begin);
+    if (at < content.size()) ++at;
+    return word;
+}
+
+// Throws std::invalid_argument or std::out_of_range, as std::stod does, also for trailing characters.
+double ToNumber(const std::string &word) {
+    size_t used = 0;
+    double value = std::stod(word, &used);
+    if (used != word.size()) throw std::invalid_argument(word);
+    return value;
+}
+
+}  // namespace
+
+ImageFile ReadPfm(const std::string &path) {
+    std::string content = ReadFileContents(path);
+    size_t at = 0;
+    std::string magic = NextWord(content, at);
+    if (magic != "PF" && magic != "Pf")
+        throw UserError(fmt::format("{}: not a PFM file: it does not start with \"PF\" or \"Pf\".", path));
+    const bool color = magic == "PF";
+    double width = 0, height = 0, scale = 0;
+    try {
+        width = ToNumber(NextWord(content, at));
+        height = ToNumber(NextWord(content, at));
+        scale = ToNumber(NextWord(content, at));
+    } catch (const std::exception &) {
+        throw UserError(fmt::format("{}: the PFM header is malformed.", path));
+    }
+    constexpr double largest = 1 << 20;
+    auto isSize = [](double v) { return v >= 1 && v <= largest && v == std::floor(v); };
+    if (!isSize(width) || !isSize(height) || scale == 0 || !std::isfinite(scale))
+        throw UserError(fmt::format("{}: impossible PFM header: {} x {}, scale {}.", path, width, height, scale));
+    Point2i resolution(static_cast<int>(width), static_cast<int>(height));
+    size_t rowValues = static_cast<size_t>(resolution.x) * (color ? 3 : 1);
+    size_t expected = rowValues * static_cast<size_t>(resolution.y) * sizeof(float);
+    if (content.size() - std::min(at, content.size()) < expected)
+        throw UserError(fmt::format("{}: the pixels end too early ({} of {} bytes).", path, content.size() - at, expected));
+
+    ImageFile result;
+    result.image = Image(PixelFormat::Float, resolution,
+                         color ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"Y"});
+    float *pixels = static_cast<float *>(result.image.Data());
+    // Positive scale: big endian. Its size is a unit of brightness, which stock pbrt-v4 multiplies in.
+    const bool swap = scale > 0;
+    const float factor = static_cast<float>(std::abs(scale));
+    for (int y = resolution.y - 1; y >= 0; --y)
+        for (size_t i = 0; i < rowValues; ++i, at += sizeof(float))
+            pixels[static_cast<size_t>(y) * rowValues + i] = ReadFloat(content.data() + at, swap) * factor;
+    return result;
+}
+
+void WritePfm(const std::string &path, const Image &image) {
+    std::ofstream out(path, std::ios::binary);
+    out << (image.ChannelCount() == 3 ? "PF" : "Pf") << "\n"
+        << image.Resolution().x << " " << image.Resolution().y << "\n-1\n";
+    const Image pixels = image.ConvertTo(PixelFormat::Float);
+    const float *data = static_cast<const float *>(pixels.Data());
+    size_t rowValues = static_cast<size_t>(image.Resolution().x) * static_cast<size_t>(image.ChannelCount());
+    for (int y = image.Resolution().y - 1; y >= 0; --y)
+        out.write(reinterpret_cast<const char *>(data + static_cast<size_t>(y) * rowValues),
+                  static_cast<std::streamsize>(rowValues * sizeof(float)));
+    out.close();
+    if (!out) throw std::runtime_error(std::strerror(errno));
+}
+
+}  // namespace pbrt::formats

@@ -5,12 +5,12 @@
 
 namespace pbrt {
 
-LightId LightTable::Add(std::unique_ptr<Light> light, ShapeId shape, uint32_t primitive) {
+LightId LightTable::Add(std::unique_ptr<Light> light, ShapeId mesh, uint32_t primitive) {
     PBRT_CHECK(light && candidates_.empty());
     LightId id(lights_.size());
     if (light->Kind() == LightKind::Infinite) infinite_.push_back(id);
     lights_.push_back(std::move(light));
-    shapes_.push_back(shape);
+    meshes_.push_back(mesh);
     primitives_.push_back(primitive);
     return id;
 }

@@ -18,14 +18,15 @@ struct LightCandidate {
 /// All lights of a scene by dense id, in file order; an emissive mesh contributes one light per primitive, contiguous.
 class LightTable {
   public:
-    /// `shape` and `primitive` for area lights (NoShape otherwise).
-    LightId Add(std::unique_ptr<Light> light, ShapeId shape = {}, uint32_t primitive = 0);
+    /// `mesh`: for area lights, one id (of its first shape) for all lights of one Shape directive; none otherwise.
+    LightId Add(std::unique_ptr<Light> light, ShapeId mesh = {}, uint32_t primitive = 0);
     /// Gives every light the scene's bounding sphere and fills the candidates. Once.
     void Finish(const Point3 &sceneCenter, Float sceneRadius);
 
     size_t Size() const { return lights_.size(); }
     const Light &operator[](LightId id) const { return *lights_[id.value]; }
-    ShapeId ShapeOf(LightId id) const { return shapes_[id.value]; }
+    /// The emissive mesh a light is a primitive of; none for other lights.
+    ShapeId MeshOf(LightId id) const { return meshes_[id.value]; }
     uint32_t PrimitiveOf(LightId id) const { return primitives_[id.value]; }
     /// Infinite lights, those that rays leaving the scene must ask.
     std::span<const LightId> Infinite() const { return infinite_; }
@@ -34,7 +35,7 @@ class LightTable {
 
   private:
     std::vector<std::unique_ptr<Light>> lights_;
-    std::vector<ShapeId> shapes_;
+    std::vector<ShapeId> meshes_;
     std::vector<uint32_t> primitives_;
     std::vector<LightId> infinite_;
     std::vector<LightCandidate> candidates_;

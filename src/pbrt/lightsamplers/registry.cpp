@@ -28,6 +28,13 @@ const LightSamplerRegistry::Entry &LightSamplerRegistry::Find(const std::string 
     return it->second;
 }
 
+std::unique_ptr<LightSampler> LightSamplerRegistry::Make(const Entry &entry, const LightTable &lights,
+                                                         const ParamSet &params, bool meshLights) const {
+    if (!meshLights) return entry.make(lights, params);
+    PBRT_CHECK(meshGrouping_ && entry.makeOverCandidates);
+    return meshGrouping_(lights, entry.makeOverCandidates);
+}
+
 std::string LightSamplerRegistry::Listing() const {
     std::string out;
     for (const auto &[name, entry] : entries_) {

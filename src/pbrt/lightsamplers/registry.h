@@ -13,24 +13,34 @@ namespace pbrt {
 /// The samplers that can be named in a scene or on the command line. An object, not a global; filled by explicit calls.
 class LightSamplerRegistry {
   public:
-    /// Makes a sampler that selects among the given candidates (single lights or groups).
+    /// Makes a sampler over single lights; reads "name.key" parameters.
     using Factory = std::function<std::unique_ptr<LightSampler>(const LightTable &, const ParamSet &)>;
+    /// Makes a sampler that selects among the given candidates (single lights or groups), by index.
+    using CandidateFactory = std::function<std::unique_ptr<LightSampler>(std::span<const LightCandidate>)>;
+    /// Puts a candidate sampler on top of mesh groups.
+    using MeshGrouping = std::function<std::unique_ptr<LightSampler>(const LightTable &, const CandidateFactory &)>;
     struct Entry {
         std::string name, summary;
         std::vector<ParamDoc> params;   ///< names without the sampler's prefix
         Factory make;
         /// Set for samplers that select among candidates and can therefore run on mesh groups too.
-        std::function<std::unique_ptr<LightSampler>(std::span<const LightCandidate>)> makeOverCandidates;
+        CandidateFactory makeOverCandidates;
     };
 
     void Add(Entry entry);  ///< a name used twice is our error
     std::vector<std::string> Names() const;
     const Entry &Find(const std::string &name, const FileLoc &loc = {}) const;  ///< unknown: UserError with the names
+    /// `meshLights`: group the primitives of emissive meshes first; only for entries with makeOverCandidates.
+    std::unique_ptr<LightSampler> Make(const Entry &entry, const LightTable &lights, const ParamSet &params,
+                                       bool meshLights) const;
+    void SetMeshGrouping(MeshGrouping grouping) { meshGrouping_ = std::move(grouping); }
+    bool HasMeshGrouping() const { return meshGrouping_ != nullptr; }
     /// Text of --list-lightsamplers and of docs/lightsamplers.md.
     std::string Listing() const;
 
   private:
     std::map<std::string, Entry> entries_;
+    MeshGrouping meshGrouping_;
 };
 
 /// uniform, power, bvh, exhaustive.

@@ -1,0 +1,57 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pbrt/math/bounds.h"
+
+namespace ext {
+using namespace pbrt;
+
+/// The frozen structure: an adaptive octree over the scene bounds, every leaf with a distribution over groups of lights.
+/// One array of 4-byte nodes, one array of distributions; look-up is index arithmetic.
+class LightOctree {
+  public:
+    /// Row of the leaf's distribution for a point; points outside the bounds belong to the nearest cell.
+    uint32_t Row(const Point3 &p) const;
+    /// Running sums of the distribution, one per group; the last is 1.
+    std::span<const Float> Cdf(uint32_t row) const { return {cdf_.data() + size_t(row) * groups_, groups_}; }
+
+    size_t LeafCount() const { return leaves_; }
+    size_t RowCount() const { return groups_ ? cdf_.size() / groups_ : 0; }
+    int Depth() const { return depth_; }  ///< levels of cells below the bounds, the 4x4x4 grid counting 2
+    size_t Bytes() const { return nodes_.capacity() * sizeof(uint32_t) + cdf_.capacity() * sizeof(Float); }
+    bool operator==(const LightOctree &) const = default;
+
+    /// The cell a point falls in, for views and tests.
+    struct Cell {
+        Bounds3 bounds;
+        uint32_t row = 0;
+        int depth = 0;
+    };
+    Cell CellAt(const Point3 &p) const;
+
+    /// Cells per axis of the undivided top grid (paper, "Implementation Details").
+    static constexpr int TopCells = 4;
+    /// Deepest level; positions are quantised to 21 bits an axis.
+    static constexpr int MaxDepth = 21;
+
+  private:
+    friend class LightOctreeBuilder;
+    static constexpr uint32_t LeafBit = 0x80000000u;
+    /// Interleaved cell coordinates at the deepest level.
+    glm::uvec3 Quantize(const Point3 &p) const;
+
+    Point3 low_{0, 0, 0};
+    Vector3 scale_{0, 0, 0};  ///< to quantised units
+    Bounds3 bounds_;
+    /// The first 64 are the top grid, x fastest; then blocks of 8 children. A leaf holds LeafBit | row, an inner node the
+    /// index of its first child.
+    std::vector<uint32_t> nodes_;
+    std::vector<Float> cdf_;
+    size_t groups_ = 0;
+    size_t leaves_ = 0;
+    int depth_ = 0;
+};
+
+}  // namespace ext

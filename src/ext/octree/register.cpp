@@ -1,0 +1,18 @@
+#include "ext/groups/mesh_light_sampler.h"
+#include "ext/octree/visibility_octree_light_sampler.h"
+#include "pbrt/lightsamplers/registry.h"
+
+void register_octree(pbrt::LightSamplerRegistry &registry) {
+    using namespace ext;
+    LightSamplerRegistry::Entry entry;
+    entry.name = "octree";
+    entry.summary = "learns in a prepass which lights each region sees (Noh, Choi, Moon 2023)";
+    entry.params = DocumentParams<OctreeParams>();
+    entry.make = [](const LightTable &lights, const ParamSet &params) -> std::unique_ptr<LightSampler> {
+        OctreeParams p;
+        ReadParams(p, params, "octree");
+        return std::make_unique<VisibilityOctreeLightSampler>(lights, p);
+    };
+    registry.Add(std::move(entry));
+    RegisterMeshGrouping(registry);
+}

@@ -1,0 +1,96 @@
+#include "ext/prepass/prepass.h"
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/films/filter.h"
+#include "pbrt/math/rng.h"
+#include "pbrt/scene/footprint.h"
+#include "pbrt/scene/shading.h"
+
+namespace ext {
+
+namespace {
+
+constexpr int kTileSize = 16;
+/// Keeps the numbers of the prepass apart from every other use of the seed.
+constexpr uint64_t kStream = 0x70726570617373ull;
+
+/// Appends the vertices of one camera path.
+void TracePath(const PrepareContext &context, Point2i pixel, int sampleIndex, int depth, std::vector<PrepassVertex> &out) {
+    const Scene &scene = context.scene;
+    Rng rng(Hash(kStream, context.seed, pixel, sampleIndex));
+    CameraSample cs;
+    cs.pFilm = Point2(pixel) + Point2(0.5f, 0.5f) + context.filter.Sample(rng.Uniform2()).offset;
+    cs.time = rng.Uniform();
+    cs.pLens = rng.Uniform2();
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(rng.Uniform());
+    std::optional<CameraRay> start = context.camera.GenerateRay(cs, lambda);
+    if (!start) return;
+    Ray ray = start->ray;
+    RayDifferential differential = start->differential;
+    constexpr int kMostPassed = 64;  // surfaces that do not scatter
+    for (int vertex = 0, passed = 0; vertex < depth && passed < kMostPassed;) {
+        std::optional<SurfacePoint> point = scene.Intersect(ray);
+        if (!point) return;
+        ComputeFootprint(*point, differential, context.camera, context.samplesPerPixel);
+        differential.valid = false;
+        Bsdf bsdf = ComputeBsdf(scene, *point, lambda);
+        if (!bsdf) {
+            ray = point->SpawnRay(ray.d);
+            ++passed;
+            continue;
+        }
+        ++vertex;
+        BxdfFlags flags = bsdf.Flags();
+        if (IsNonSpecular(flags))
+            out.push_back({{point->p, point->pError, point->n, point->shading.n, point->time}, point->wo, IsTransmissive(flags)});
+        Float uc = rng.Uniform();
+        std::optional<BsdfSample> sample = bsdf.Sample(point->wo, uc, rng.Uniform2());
+        if (!sample || !sample->f) return;
+        ray = point->SpawnRay(sample->wi);
+    }
+}
+
+}  // namespace
+
+std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, int samplesPerPixel, int depth) {
+    const Bounds2i &bounds = context.pixelBounds;
+    Vector2i tiles = (bounds.high - bounds.low + (kTileSize - 1)) / kTileSize;
+    int64_t tileCount = bounds.IsEmpty() ? 0 : int64_t(tiles.x) * tiles.y;
+    std::vector<std::vector<PrepassVertex>> perTile(static_cast<size_t>(tileCount));
+    context.progress.BeginPhase("prepass", tileCount);
+    ParallelForEach(tileCount, [&](int64_t tile) {
+        if (context.progress.Cancelled()) return;
+        std::vector<PrepassVertex> &out = perTile[static_cast<size_t>(tile)];
+        out.reserve(static_cast<size_t>(kTileSize * kTileSize * samplesPerPixel * depth));
+        Point2i low = bounds.low + kTileSize * Point2i(static_cast<int>(tile % tiles.x), static_cast<int>(tile / tiles.x));
+        Point2i high = glm::min(low + kTileSize, bounds.high);
+        for (int y = low.y; y < high.y; ++y)
+            for (int x = low.x; x < high.x; ++x)
+                for (int s = 0; s < samplesPerPixel; ++s) TracePath(context, {x, y}, s, depth, out);
+        context.progress.Advance();
+    });
+    size_t total = 0;
+    for (const auto &v : perTile) total += v.size();
+    std::vector<PrepassVertex> all;
+    all.reserve(total);
+    for (auto &v : perTile) {
+        all.insert(all.end(), v.begin(), v.end());
+        v = {};
+    }
+    context.progress.EndPhase();
+    return all;
+}
+
+Float VisibleContribution(const Scene &scene, const PrepassVertex &vertex, LightId light, const Point2 &u) {
+    static const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    std::optional<LightLiSample> sample = scene.Lights()[light].SampleLi(vertex.at, u, lambda, true);
+    if (!sample || !sample->L || !(sample->pdf > 0)) return 0;
+    Float cosine = Dot(sample->wi, vertex.at.ns);
+    if (!vertex.transmits && cosine * Dot(vertex.wo, vertex.at.ns) <= 0) return 0;
+    // Le G / p by area equals Le cos / p by solid angle.
+    Float value = SafeDivide(sample->L, lambda.Pdf()).Average() * std::abs(cosine) / sample->pdf;
+    if (!(value > 0) || !std::isfinite(value) || scene.Occluded(vertex.at, *sample)) return 0;
+    return value;
+}
+
+}  // namespace ext

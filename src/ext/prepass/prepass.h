@@ -1,0 +1,27 @@
+#pragma once
+#include <vector>
+
+#include "pbrt/lightsamplers/light_sampler.h"
+#include "pbrt/scene/scene.h"
+
+namespace ext {
+using namespace pbrt;
+
+/// A place where a path of the render would do next-event estimation.
+struct PrepassVertex {
+    LightSampleContext at;   ///< position, error bounds, normals
+    Vector3 wo{};            ///< unit, towards the previous vertex
+    bool transmits = false;  ///< light from the other side counts too
+};
+
+/// The paper's path pass (section 4.1): `samplesPerPixel` camera paths through every pixel that will be rendered, at most
+/// `depth` vertices each, continued by BSDF sampling without light sampling or roulette. Vertices with only specular
+/// scattering are passed but not recorded: no light is ever sampled there. Order and content depend on the seed only,
+/// not on threads. One Progress phase, "prepass".
+std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, int samplesPerPixel, int depth);
+
+/// The paper's Eq. 5 for one light: Le G V / p at a light point drawn with `u`, as the mean of the visible spectrum
+/// (four fixed wavelengths). Reflection on the far side of an opaque surface counts 0.
+Float VisibleContribution(const Scene &scene, const PrepassVertex &vertex, LightId light, const Point2 &u);
+
+}  // namespace ext

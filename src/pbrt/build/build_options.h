@@ -1,0 +1,23 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "pbrt/films/film.h"
+
+namespace pbrt {
+
+/// What the command line says about how a scene is to be rendered; beats the scene file.
+struct BuildOptions {
+    FilmOverrides film;
+    int samplesPerPixel = 0;          ///< --spp; 0: the scene's
+    std::optional<int> seed;          ///< --seed
+    bool quick = false;               ///< a quarter of the resolution, one sample
+    std::string integrator;           ///< --integrator name; empty: the scene's
+    std::optional<int> maxDepth;      ///< --maxdepth
+    std::string lightSampler;         ///< --lightsampler name[:key=value,...]; empty: the scene's
+    bool meshLights = false;          ///< --mesh-lights
+    std::string renderCoordSys;       ///< camera, cameraworld, world; empty: the scene's or cameraworld
+    bool disableTextureFiltering = false;
+};
+
+}  // namespace pbrt

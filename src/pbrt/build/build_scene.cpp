@@ -1,0 +1,129 @@
+#include <algorithm>
+#include <map>
+
+#include "pbrt/build/built_scene.h"
+#include "pbrt/build/geometry_builder.h"
+#include "pbrt/build/integrator_builder.h"
+#include "pbrt/core/counters.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/lights/light_factory.h"
+
+namespace pbrt {
+
+namespace {
+
+const ColorSpace &SpaceOf(const Entity &e) {
+    const ColorSpace *space = ColorSpace::Find(e.colorSpace);
+    PBRT_CHECK_MSG(space != nullptr, "colour space {}", e.colorSpace);
+    return *space;
+}
+
+/// Rendering space is world space moved so that the camera sits at the origin (or as --render-coord-sys says).
+Transform RenderFromWorld(const SceneDescription &d, const BuildOptions &options) {
+    std::string which = !options.renderCoordSys.empty() ? options.renderCoordSys : d.options.renderCoordSys.value_or("cameraworld");
+    const Transform &cameraFromWorld = d.camera.cameraFromWorld.start;
+    if (which == "camera") return cameraFromWorld;
+    if (which == "world") return {};
+    if (which != "cameraworld")
+        throw UserError(fmt::format("rendering coordinate system \"{}\" is unknown; {}.", which,
+                                    ListChoices(which, {"camera", "cameraworld", "world"})));
+    return Transform::Translate(-cameraFromWorld.InversePoint(Point3(0)));
+}
+
+/// Runs `make`, turning its UserError into collected diagnostics. True if it succeeded.
+template <class F>
+bool Collect(DiagnosticSink &sink, F &&make) {
+    try {
+        make();
+        return true;
+    } catch (const UserError &e) {
+        sink.Add(e);
+        return false;
+    }
+}
+
+}  // namespace
+
+BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const LightSamplerRegistry &registry,
+                      DiagnosticSink &sink, Progress &progress) {
+    CheckSupported(d, options, sink);
+    sink.ThrowIfErrors();
+
+    BuiltScene built;
+    Transform renderFromWorld;
+    Collect(sink, [&] { renderFromWorld = RenderFromWorld(d, options); });
+    built.cameraFromWorld = d.camera.cameraFromWorld.start;
+    built.seed = options.seed.value_or(d.options.seed.value_or(0));
+
+    // Film, camera, filter, sampler: cheap, so their mistakes are found before any geometry is read.
+    FilmOverrides film = options.film;
+    if (options.quick) film.resolutionDivisor = 4;
+    Float exposure = d.camera.params.GetFloat("shutterclose", 1) - d.camera.params.GetFloat("shutteropen", 0);
+    Collect(sink, [&] { built.filter = MakeFilter(d.filter.type, d.filter.params); });
+    Collect(sink, [&] {
+        if (std::find(SupportedFilms().begin(), SupportedFilms().end(), d.film.type) == SupportedFilms().end())
+            throw UserError(fmt::format("Film \"{}\" is unknown; {}.", d.film.type, ListChoices(d.film.type, SupportedFilms())), d.film.loc);
+        built.film = std::make_unique<RgbFilm>(d.film.params, SpaceOf(d.film), exposure, film, sink);
+    });
+    Point2i resolution = built.film ? built.film->FullResolution() : Point2i(16, 16);
+    Collect(sink, [&] {
+        Transform renderFromCamera = renderFromWorld * d.camera.cameraFromWorld.start.Inverse();
+        built.camera = MakeCamera(d.camera.type, d.camera.params, renderFromCamera, resolution, sink);
+    });
+    int spp = options.quick ? 1 : options.samplesPerPixel;
+    Collect(sink, [&] {
+        std::unique_ptr<Sampler> prototype = MakeSampler(d.sampler.type, d.sampler.params, resolution, spp, built.seed, sink);
+        built.samplesPerPixel = prototype->SamplesPerPixel();
+        std::shared_ptr<Sampler> first = std::move(prototype);
+        // Later rounds (time budgets only) are fresh samplers with seeds of their own.
+        Entity sampler = d.sampler;
+        int seed = sampler.params.GetInt("seed", built.seed);
+        built.makeSampler = [first, sampler, resolution, spp, seed](int round) {
+            if (round == 0) return first->Clone();
+            Entity again = sampler;
+            DiagnosticSink ignored;
+            Param p;
+            p.type = ParamType::Integer;
+            p.name = "seed";
+            p.ints = {static_cast<int>(MixBits(static_cast<uint64_t>(seed) * 0x10001 + static_cast<uint64_t>(round)) & 0x7fffffff)};
+            again.params.Add(p);
+            return MakeSampler(again.type, again.params, resolution, spp, 0, ignored);
+        };
+    });
+
+    built.textures = std::make_unique<TextureLibrary>(d.files, sink);
+    for (TextureEntity &t : d.textures)
+        Collect(sink, [&] { built.textures->Define(t.name, t.isSpectrum, t.type, t.params, renderFromWorld * t.ctm.start); });
+
+    GeometryBuilder geometry(d, renderFromWorld, *built.textures, sink);
+    geometry.BuildMaterials();
+    built.textures->CheckAll();
+    sink.ThrowIfErrors();  // before reading meshes, which may take long
+
+    progress.BeginPhase("building", geometry.ShapeEntityCount());
+    geometry.BuildShapes(progress);
+    SceneParts parts = geometry.TakeParts();
+
+    for (const LightEntity &l : d.lights)
+        Collect(sink, [&] {
+            parts.lights->Add(MakeLight(l.type, l.params, renderFromWorld * l.ctm.start, renderFromWorld, SpaceOf(l), d.files, sink));
+        });
+    sink.ThrowIfErrors();
+    if (parts.lights->Size() == 0) sink.Warning({}, "the scene has no lights: the image will be black.");
+
+    parts.accel->Commit();
+    Point3 center(0);
+    Float radius = 0;
+    parts.accel->Bounds().BoundingSphere(&center, &radius);
+    parts.lights->Finish(center, radius);
+    bool needsFootprints = !d.textures.empty() && !options.disableTextureFiltering && !d.options.disableTextureFiltering.value_or(false);
+    built.scene = std::make_unique<Scene>(std::move(parts));
+    progress.EndPhase();
+
+    IntegratorContext context{*built.scene, *built.camera, built.samplesPerPixel, needsFootprints};
+    Collect(sink, [&] { MakeIntegrator(d.integrator, options, registry, context, built.film->OutputSpace(), built, sink); });
+    sink.ThrowIfErrors();
+    return built;
+}
+
+}  // namespace pbrt

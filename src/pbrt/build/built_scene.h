@@ -1,0 +1,38 @@
+#pragma once
+#include <functional>
+#include <memory>
+
+#include "pbrt/build/build_options.h"
+#include "pbrt/integrators/integrator.h"
+#include "pbrt/lightsamplers/registry.h"
+#include "pbrt/scenefile/scene_description.h"
+#include "pbrt/textures/texture_factory.h"
+
+namespace pbrt {
+
+/// Everything a render needs, made from one description. Members are destroyed in reverse order.
+struct BuiltScene {
+    std::unique_ptr<TextureLibrary> textures;
+    std::unique_ptr<Filter> filter;
+    std::unique_ptr<RgbFilm> film;
+    std::unique_ptr<Camera> camera;
+    std::unique_ptr<Scene> scene;
+    std::unique_ptr<Integrator> integrator;
+    /// Sampler of the round-th batch of samplesPerPixel samples.
+    std::function<std::unique_ptr<Sampler>(int round)> makeSampler;
+    int samplesPerPixel = 16;
+    int seed = 0;
+    int maxDepth = 5;
+    std::string integratorName, lightSamplerName;   ///< lightSamplerName empty if the integrator has none
+    Transform cameraFromWorld;                      ///< for image metadata
+};
+
+/// Turns a description into something that renders. Throws one UserError with everything that is wrong or not built yet;
+/// warnings stay in the sink. `description` may be dropped afterwards.
+BuiltScene BuildScene(SceneDescription &description, const BuildOptions &options, const LightSamplerRegistry &registry,
+                      DiagnosticSink &sink, Progress &progress);
+
+/// Lists everything the description uses that the format has but this renderer does not build, into the sink.
+void CheckSupported(const SceneDescription &description, const BuildOptions &options, DiagnosticSink &sink);
+
+}  // namespace pbrt

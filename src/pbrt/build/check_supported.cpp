@@ -1,0 +1,64 @@
+#include <algorithm>
+
+#include "pbrt/build/built_scene.h"
+#include "pbrt/build/integrator_builder.h"
+#include "pbrt/lights/light_factory.h"
+#include "pbrt/materials/material_factory.h"
+#include "pbrt/shapes/shape_factory.h"
+
+namespace pbrt {
+
+namespace {
+
+class Checker {
+  public:
+    explicit Checker(DiagnosticSink &sink) : sink_(sink) {}
+
+    void Type(const char *directive, const Entity &e, const std::vector<std::string> &unsupported) {
+        if (std::find(unsupported.begin(), unsupported.end(), e.type) != unsupported.end())
+            NotBuilt(e.loc, fmt::format("{} \"{}\"", directive, e.type));
+    }
+    void Parameter(const char *directive, const Entity &e, const char *name) {
+        if (e.params.Has(name)) NotBuilt(e.params.LocOf(name), fmt::format("parameter \"{}\" of {} \"{}\"", name, directive, e.type));
+    }
+    void Animated(const char *what, const TransformPair &ctm, const FileLoc &loc) {
+        if (ctm.IsAnimated()) NotBuilt(loc, fmt::format("motion blur ({} with two transforms)", what));
+    }
+    void NotBuilt(const FileLoc &loc, const std::string &what) { sink_.Error(loc, what + " is not supported yet."); }
+
+  private:
+    DiagnosticSink &sink_;
+};
+
+}  // namespace
+
+void CheckSupported(const SceneDescription &d, const BuildOptions &options, DiagnosticSink &sink) {
+    Checker check(sink);
+    if (options.integrator.empty()) check.Type("Integrator", d.integrator, UnsupportedIntegrators());
+    check.Type("Camera", d.camera, UnsupportedCameras());
+    check.Type("Film", d.film, UnsupportedFilms());
+    check.Type("Sampler", d.sampler, UnsupportedSamplers());
+    check.Animated("camera", d.camera.cameraFromWorld, d.camera.loc);
+    for (const MediumEntity &m : d.media) check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));
+    for (const TextureEntity &t : d.textures) check.Type("Texture", t, UnsupportedTextures());
+    for (const MaterialEntity &m : d.materials) {
+        check.Type("Material", m, UnsupportedMaterials());
+        check.Parameter("Material", m, "displacement");
+    }
+    for (const LightEntity &l : d.lights) {
+        check.Type("LightSource", l, UnsupportedLights());
+        if (l.type == "infinite") check.Parameter("LightSource", l, "portal");
+    }
+    auto shape = [&](const ShapeEntity &s) {
+        check.Type("Shape", s, UnsupportedShapes());
+        check.Animated("shape", s.ctm, s.loc);
+        if (s.type == "plymesh") check.Parameter("Shape", s, "displacement");
+        if (s.type == "bilinearmesh") check.Parameter("Shape", s, "emissionfilename");
+    };
+    for (const ShapeEntity &s : d.shapes) shape(s);
+    for (const ObjectEntity &o : d.objects)
+        for (const ShapeEntity &s : o.shapes) shape(s);
+    for (const InstanceEntity &i : d.instances) check.Animated("instance", i.ctm, i.loc);
+}
+
+}  // namespace pbrt

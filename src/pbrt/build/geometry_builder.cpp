@@ -1,0 +1,160 @@
+#include "pbrt/build/geometry_builder.h"
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/lights/light_factory.h"
+#include "pbrt/shapes/shape_factory.h"
+
+namespace pbrt {
+
+GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, TextureLibrary &textures,
+                                 DiagnosticSink &sink)
+    : description_(description), renderFromWorld_(renderFromWorld), textures_(textures), sink_(sink) {
+    parts_.accel = std::make_unique<Accel>();
+    parts_.lights = std::make_unique<LightTable>();
+    work_.reserve(description_.shapes.size());
+    for (ShapeEntity &s : description_.shapes) work_.push_back({.entity = &s, .object = -1});
+    for (size_t o = 0; o < description_.objects.size(); ++o)
+        for (ShapeEntity &s : description_.objects[o].shapes) work_.push_back({.entity = &s, .object = static_cast<int>(o)});
+    makerOf_.assign(description_.areaLights.size(), -1);
+    makers_.reserve(description_.areaLights.size());
+}
+
+void GeometryBuilder::BuildMaterials() {
+    auto add = [&](MaterialPtr m) {
+        parts_.materials.push_back(std::move(m));
+        return MaterialId(parts_.materials.size() - 1);
+    };
+    auto byName = [&](const std::string &name) -> MaterialPtr {
+        auto it = named_.find(name);
+        return it == named_.end() || !it->second ? nullptr : parts_.materials[it->second.value];
+    };
+    for (MaterialEntity &m : description_.materials) {
+        MaterialId id{};
+        try {
+            id = add(MakeMaterial(m.type, m.params, textures_, description_.files, sink_, byName));
+        } catch (const UserError &e) {
+            sink_.Add(e);
+        }
+        byIndex_.push_back(id);
+        if (!m.name.empty()) named_.emplace(m.name, id);
+    }
+    defaultMaterial_ = add(MakeMaterial("diffuse", ParamSet("Material \"diffuse\"", {}), textures_, description_.files, sink_, byName));
+}
+
+MaterialId GeometryBuilder::ResolveMaterial(const ShapeEntity &entity) {
+    const MaterialRef &ref = entity.material;
+    if (ref.index >= 0) return byIndex_[static_cast<size_t>(ref.index)];
+    if (ref.name.empty()) return defaultMaterial_;
+    auto it = named_.find(ref.name);
+    if (it != named_.end()) return it->second;
+    std::vector<std::string> names;
+    for (const auto &[name, id] : named_) names.push_back(name);
+    sink_.Error(entity.loc, fmt::format("named material \"{}\" is not defined; {}.", ref.name, ListChoices(ref.name, names)));
+    return {};
+}
+
+void GeometryBuilder::BuildShapes(Progress &progress) {
+    // Textures are made on one thread: the library is not locked.
+    for (Work &w : work_) {
+        try {
+            w.alpha = textures_.GetFloatOrNull(w.entity->params, "alpha");
+            if (w.alpha && w.alpha->Constant() && *w.alpha->Constant() >= 1) w.alpha = nullptr;
+        } catch (const UserError &e) {
+            w.sink.Add(e);
+        }
+    }
+    ParallelForEach(static_cast<int64_t>(work_.size()), [&](int64_t i) {
+        Work &w = work_[static_cast<size_t>(i)];
+        const ShapeEntity &e = *w.entity;
+        try {
+            w.shapes = MakeShapes(e.type, e.params, renderFromWorld_ * e.ctm.start, e.reverseOrientation, description_.files, w.sink);
+            e.params.ReportUnused(w.sink);
+        } catch (const UserError &error) {
+            w.sink.Add(error);
+        }
+        progress.Advance();
+    });
+    std::vector<std::vector<ShapeId>> objects(description_.objects.size());
+    for (Work &w : work_) {
+        for (const Diagnostic &d : w.sink.All())
+            d.severity == Severity::Error ? sink_.Error(d.loc, d.message) : sink_.Warning(d.loc, d.message);
+        Register(w, w.object >= 0 ? &objects[static_cast<size_t>(w.object)] : nullptr);
+    }
+    BuildInstances(objects);
+    work_.clear();
+}
+
+void GeometryBuilder::Register(Work &w, std::vector<ShapeId> *object) {
+    const ShapeEntity &e = *w.entity;
+    MaterialId material = ResolveMaterial(e);
+    bool interface = material && parts_.materials[material.value] && parts_.materials[material.value]->IsInterface();
+    const AreaLightMaker *maker = nullptr;
+    if (e.areaLight >= 0) {
+        auto index = static_cast<size_t>(e.areaLight);
+        const Entity &light = description_.areaLights[index];
+        if (interface) {
+            sink_.Warning(e.loc, "the area light on a surface with material \"interface\" is ignored.");
+        } else if (object) {
+            sink_.Warning(e.loc, "area lights inside object definitions are not supported; this one is ignored.");
+        } else {
+            if (makerOf_[index] == -1) {
+                makerOf_[index] = -2;
+                try {
+                    const ColorSpace *space = ColorSpace::Find(light.colorSpace);
+                    makers_.emplace_back(light.type, light.params, *space, description_.files, sink_);
+                    makerOf_[index] = static_cast<int>(makers_.size()) - 1;
+                } catch (const UserError &error) {
+                    sink_.Add(error);
+                }
+            }
+            if (makerOf_[index] >= 0) maker = &makers_[static_cast<size_t>(makerOf_[index])];
+        }
+    }
+    const ShapeId mesh(parts_.shapes.size());  // one for all shapes of the directive (a PLY of triangles and quads has two)
+    for (std::unique_ptr<Shape> &shape : w.shapes) {
+        ShapeRecord record;
+        ShapeId id(parts_.shapes.size());
+        record.shape = std::move(shape);
+        record.alpha = w.alpha;
+        record.material = material;
+        if (maker) {
+            for (uint32_t i = 0; i < record.shape->PrimitiveCount(); ++i) {
+                LightId light = parts_.lights->Add(maker->Make(*record.shape, i, record.alpha.get()), mesh, i);
+                if (i == 0) record.firstLight = light;
+            }
+        }
+        parts_.shapes.push_back(std::move(record));
+        const ShapeRecord &kept = parts_.shapes.back();
+        if (object) object->push_back(id);
+        else parts_.accel->AddShape(id, *kept.shape, kept.alpha.get());
+    }
+}
+
+void GeometryBuilder::BuildInstances(const std::vector<std::vector<ShapeId>> &objects) {
+    std::map<std::string, int> objectIndex;  // name -> accel object, -1: empty
+    for (size_t o = 0; o < objects.size(); ++o) {
+        int index = -1;
+        if (!objects[o].empty()) {
+            std::vector<const Shape *> shapes;
+            std::vector<const FloatTexture *> alphas;
+            for (ShapeId id : objects[o]) {
+                shapes.push_back(parts_.shapes[id.value].shape.get());
+                alphas.push_back(parts_.shapes[id.value].alpha.get());
+            }
+            index = parts_.accel->AddObject(objects[o], shapes, alphas);
+        }
+        objectIndex[description_.objects[o].name] = index;
+    }
+    for (const InstanceEntity &i : description_.instances) {
+        auto it = objectIndex.find(i.name);
+        if (it == objectIndex.end()) {
+            sink_.Error(i.loc, fmt::format("object \"{}\" is not defined.", i.name));
+            continue;
+        }
+        if (it->second < 0) continue;
+        // Shapes of a definition were placed in rendering space by the definition's CTM.
+        parts_.accel->AddInstance(it->second, renderFromWorld_ * i.ctm.start * renderFromWorld_.Inverse());
+    }
+}
+
+}  // namespace pbrt

@@ -1,0 +1,68 @@
+#include "pbrt/build/integrator_builder.h"
+
+#include <algorithm>
+
+#include "pbrt/build/light_sampler_spec.h"
+#include "pbrt/integrators/path_integrator.h"
+#include "pbrt/integrators/simple_integrators.h"
+
+namespace pbrt {
+
+const std::vector<std::string> &SupportedIntegrators() {
+    static const std::vector<std::string> names = {"path", "volpath", "simplepath", "ambientocclusion", "randomwalk"};
+    return names;
+}
+
+const std::vector<std::string> &UnsupportedIntegrators() {
+    static const std::vector<std::string> names = {"simplevolpath", "lightpath", "bdpt", "mlt", "sppm", "function"};
+    return names;
+}
+
+void MakeIntegrator(const Entity &entity, const BuildOptions &options, const LightSamplerRegistry &registry,
+                    const IntegratorContext &context, const ColorSpace &filmSpace, BuiltScene &built, DiagnosticSink &sink) {
+    // --integrator leaves the scene's integrator parameters aside: they belong to another integrator.
+    ParamSet fresh(fmt::format("Integrator \"{}\"", options.integrator), {});
+    const bool overridden = !options.integrator.empty() && options.integrator != entity.type;
+    const ParamSet &params = overridden ? fresh : entity.params;
+    const std::string &type = overridden ? options.integrator : entity.type;
+    built.integratorName = type;
+
+    auto depth = [&] {
+        int maxDepth = params.GetInt("maxdepth", 5);
+        if (overridden) maxDepth = entity.params.GetInt("maxdepth", 5);
+        if (maxDepth < 0) throw UserError(fmt::format("\"maxdepth\" is {}; it must not be negative.", maxDepth), params.LocOf("maxdepth"));
+        return built.maxDepth = options.maxDepth.value_or(maxDepth);
+    };
+    // volpath in a scene without media (which are not supported yet) is path.
+    if (type == "path" || type == "volpath") {
+        PathSettings settings;
+        settings.maxDepth = depth();
+        settings.regularize = params.GetBool("regularize", false);
+        LightSamplerSpec spec = ReadLightSamplerSpec(params, options.lightSampler, options.meshLights, registry);
+        built.lightSamplerName = spec.Label();
+        built.integrator = std::make_unique<PathIntegrator>(
+            context, settings, registry.Make(*spec.entry, context.scene.Lights(), spec.params, spec.meshLights));
+    } else if (type == "simplepath") {
+        int maxDepth = depth();
+        built.integrator = std::make_unique<SimplePathIntegrator>(context, maxDepth, params.GetBool("samplelights", true),
+                                                                  params.GetBool("samplebsdf", true));
+    } else if (type == "randomwalk") {
+        built.integrator = std::make_unique<RandomWalkIntegrator>(context, depth());
+    } else if (type == "ambientocclusion") {
+        bool cosine = params.GetBool("cossample", true);
+        built.integrator =
+            std::make_unique<AmbientOcclusionIntegrator>(context, cosine, params.GetFloat("maxdistance", Infinity), filmSpace);
+    } else {
+        std::vector<std::string> all = SupportedIntegrators();
+        throw UserError(fmt::format("Integrator \"{}\" is {}; {}.", type,
+                                    std::count(UnsupportedIntegrators().begin(), UnsupportedIntegrators().end(), type)
+                                        ? "not supported yet" : "unknown",
+                                    ListChoices(type, all)),
+                        overridden ? FileLoc{} : entity.loc);
+    }
+    if (built.lightSamplerName.empty() && (!options.lightSampler.empty() || options.meshLights))
+        sink.Warning({}, fmt::format("--lightsampler and --mesh-lights have no effect on integrator \"{}\".", type));
+    params.ReportUnused(sink);
+}
+
+}  // namespace pbrt

@@ -1,0 +1,108 @@
+#include "pbrt/build/light_sampler_spec.h"
+
+#include <charconv>
+
+namespace pbrt {
+
+namespace {
+
+/// "name:key=value,..." taken apart, with a located error for everything that does not fit.
+class CommandLineSpec {
+  public:
+    CommandLineSpec(const std::string &text, const LightSamplerRegistry &registry) : registry_(registry) {
+        auto source = std::make_shared<SourceFile>();
+        source->name = "--lightsampler";
+        source->text = text;
+        source_ = source;
+    }
+
+    const LightSamplerRegistry::Entry &Read(ParamSet *params) const {
+        const std::string &text = source_->text;
+        size_t colon = text.find(':');
+        const LightSamplerRegistry::Entry &entry = registry_.Find(text.substr(0, colon), At(0));
+        if (colon == std::string::npos) return entry;
+        for (size_t begin = colon + 1; begin <= text.size();) {
+            size_t end = std::min(text.find(',', begin), text.size());
+            params->Add(ReadOne(entry, begin, text.substr(begin, end - begin)));
+            begin = end + 1;
+        }
+        return entry;
+    }
+
+  private:
+    FileLoc At(size_t column) const { return {source_, 1, static_cast<int>(column)}; }
+
+    Param ReadOne(const LightSamplerRegistry::Entry &entry, size_t column, const std::string &item) const {
+        size_t equals = item.find('=');
+        std::string key = item.substr(0, equals);
+        const ParamDoc *doc = nullptr;
+        std::vector<std::string> keys;
+        for (const ParamDoc &d : entry.params) {
+            keys.push_back(d.name);
+            if (d.name == key) doc = &d;
+        }
+        if (!doc)
+            throw UserError(fmt::format("light sampler \"{}\" has no parameter \"{}\"; {}.", entry.name, key, ListChoices(key, keys)),
+                            At(column));
+        if (equals == std::string::npos) throw UserError(fmt::format("expected \"{}=value\".", key), At(column));
+        std::string value = item.substr(equals + 1);
+        Param p;
+        p.name = entry.name + "." + key;
+        p.loc = At(column);
+        bool good = false;
+        auto number = [&](auto &out) {
+            auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), out);
+            return error == std::errc() && end == value.data() + value.size();
+        };
+        if (doc->type == "integer") {
+            p.type = ParamType::Integer;
+            good = number(p.ints.emplace_back());
+        } else if (doc->type == "bool") {
+            p.type = ParamType::Bool;
+            p.bools.push_back(value == "true");
+            good = value == "true" || value == "false";
+        } else {
+            p.type = ParamType::Float;
+            good = number(p.floats.emplace_back());
+        }
+        if (!good) throw UserError(fmt::format("\"{}\" is not a value of type {}.", value, doc->type), At(column + equals + 1));
+        return p;
+    }
+
+    const LightSamplerRegistry &registry_;
+    std::shared_ptr<const SourceFile> source_;
+};
+
+}  // namespace
+
+LightSamplerSpec ReadLightSamplerSpec(const ParamSet &integrator, const std::string &commandLine, bool meshLightsFlag,
+                                      const LightSamplerRegistry &registry) {
+    LightSamplerSpec spec;
+    std::string name = integrator.GetString("lightsampler", "bvh");
+    spec.entry = &registry.Find(name, integrator.LocOf("lightsampler"));
+    spec.meshLights = registry.HasMeshGrouping() && integrator.GetBool("meshlights", false);
+    ParamSet added;
+    if (!commandLine.empty()) spec.entry = &CommandLineSpec(commandLine, registry).Read(&added);
+
+    spec.params = ParamSet(fmt::format("light sampler \"{}\"", spec.entry->name), integrator.LocOf("lightsampler"));
+    // Keys of samplers that are registered but not chosen are accepted, so that --lightsampler can switch.
+    for (const std::string &known : registry.Names()) {
+        const LightSamplerRegistry::Entry &entry = registry.Find(known);
+        for (const ParamDoc &doc : entry.params) {
+            ParamType type = doc.type == "integer" ? ParamType::Integer : doc.type == "bool" ? ParamType::Bool : ParamType::Float;
+            const Param *p = integrator.Find(known + "." + doc.name, type);
+            if (p && &entry == spec.entry) spec.params.Add(*p);
+        }
+    }
+    for (const Param &p : added.Own()) spec.params.Add(p);
+
+    if (meshLightsFlag) {
+        if (!registry.HasMeshGrouping()) throw UserError("--mesh-lights: this build has no mesh-light grouping.");
+        spec.meshLights = true;
+    }
+    // A sampler that groups by itself needs no wrapper.
+    if (!spec.entry->makeOverCandidates) spec.meshLights = false;
+    return spec;
+}
+
+}  // namespace pbrt

@@ -1,0 +1,25 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "pbrt/lightsamplers/registry.h"
+
+namespace pbrt {
+
+/// A light sampler chosen by name, with its parameters.
+struct LightSamplerSpec {
+    const LightSamplerRegistry::Entry *entry = nullptr;
+    bool meshLights = false;
+    ParamSet params;  ///< "name.key" parameters only
+    /// "octree", or "bvh+meshlights".
+    std::string Label() const { return meshLights ? entry->name + "+meshlights" : entry->name; }
+};
+
+/// Reads `"string lightsampler"`, `"bool meshlights"` and `name.key` parameters of an integrator. `commandLine` is
+/// "name[:key=value,...]" or empty; it beats the scene: its name replaces the scene's, its keys are added to the scene's
+/// keys for the same sampler. Unknown names, keys and unreadable values: UserError.
+LightSamplerSpec ReadLightSamplerSpec(const ParamSet &integrator, const std::string &commandLine, bool meshLightsFlag,
+                                      const LightSamplerRegistry &registry);
+
+}  // namespace pbrt

@@ -1,0 +1,120 @@
+#include "pbrt/cmd/pbrt/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <map>
+
+namespace pbrt {
+
+namespace {
+
+/// Lower case without '-' and '_': how flag names are compared.
+std::string Fold(const std::string &name) {
+    std::string folded;
+    for (char c : name)
+        if (c != '-' && c != '_') folded += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return folded;
+}
+
+/// Rewrites every flag to the spelling CLI11 knows. What is not known stays and becomes CLI11's error.
+std::vector<std::string> CanonicalFlags(const CLI::App &app, int argc, const char *const *argv) {
+    std::map<std::string, std::string> canonical;
+    for (const CLI::Option *option : app.get_options())
+        for (const std::string &name : option->get_lnames()) canonical[Fold(name)] = "--" + name;
+    std::vector<std::string> arguments;
+    for (int i = 1; i < argc; ++i) {
+        std::string argument = argv[i];
+        bool isFlag = argument.size() > 1 && argument[0] == '-' && (std::isalpha(static_cast<unsigned char>(argument[1])) || argument[1] == '-');
+        if (isFlag) {
+            size_t equals = argument.find('=');
+            auto it = canonical.find(Fold(argument.substr(0, equals)));
+            if (it != canonical.end()) argument = it->second + (equals == std::string::npos ? "" : argument.substr(equals));
+        }
+        arguments.push_back(argument);
+    }
+    return arguments;
+}
+
+template <class T>
+CLI::Option *AddNumbers(CLI::App &app, const std::string &name, std::vector<T> &values, int count, const std::string &help) {
+    return app.add_option(name, values, help)->delimiter(',')->expected(count)->allow_extra_args(false);
+}
+
+}  // namespace
+
+CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
+    CommandLineResult result;
+    CommandLine &o = result.options;
+    for (int i = 0; i < argc; ++i) o.text += (i ? " " : "") + std::string(argv[i]);
+
+    CLI::App app("Renders pbrt-v4 scene files. An independent renderer compatible with pbrt-v4 scenes, made for\n"
+                 "choosing the right light at every shading point.\n\n"
+                 "  pbrt scene.pbrt                              as the scene says\n"
+                 "  pbrt --lightsampler octree scene.pbrt        lights chosen by the visibility octree\n"
+                 "  pbrt --lightsampler octree:leaves=1024 --spp 64 --outfile out.exr scene.pbrt\n",
+                 "pbrt");
+    std::vector<Float> crop;
+    std::vector<int> bounds, pixel;
+    int spp = 0, seed = 0, maxDepth = 0;
+    app.add_option("scene", o.sceneFiles, "scene files, parsed one after the other as one scene; none or \"-\": standard input");
+
+    const char *image = "Image";
+    AddNumbers(app, "--cropwindow", crop, 4, "render only x0,x1,y0,y1, as fractions of the image")->group(image);
+    AddNumbers(app, "--pixelbounds", bounds, 4, "render only x0,x1,y0,y1, in pixels")->group(image);
+    AddNumbers(app, "--pixel", pixel, 2, "render only the pixel x,y")->group(image);
+    app.add_option("--outfile", o.build.film.filename, "image to write (.exr, .png, .pfm); beats the scene's film filename")->group(image);
+    app.add_flag("--write-partial-images", o.writePartialImages, "write the image after every wave of samples")->group(image);
+    app.add_option("--mse-reference-image", o.mseReferenceImage, "compare with this image after every wave")->group(image);
+    app.add_option("--mse-reference-out", o.mseReferenceOut, "file for the \"spp, mse\" lines of that comparison")->group(image);
+
+    const char *effort = "Effort";
+    CLI::Option *sppOption = app.add_option("--spp", spp, "samples per pixel; beats the scene's sampler")->check(CLI::PositiveNumber)->group(effort);
+    app.add_option("--time", o.timeBudget, "render for this many seconds, preprocessing included, whatever --spp says")->check(CLI::PositiveNumber)->group(effort);
+    CLI::Option *seedOption = app.add_option("--seed", seed, "seed of the pixel sampler (0)")->group(effort);
+    app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(CLI::NonNegativeNumber)->group(effort);
+    app.add_flag("--quick", o.build.quick, "a quarter of the resolution, one sample per pixel")->group(effort);
+
+    const char *lights = "Light selection";
+    app.add_option("--lightsampler", o.build.lightSampler, "name[:key=value,...]: which light gets the shadow ray; beats the scene")->group(lights);
+    app.add_flag("--mesh-lights", o.build.meshLights, "an emissive mesh is one light, for every light sampler")->group(lights);
+    app.add_flag("--list-lightsamplers", o.listLightSamplers, "print all light samplers with their parameters, and stop")->group(lights);
+
+    const char *method = "Method";
+    app.add_option("--integrator", o.build.integrator, "use this integrator instead of the scene's (path, simplepath, ...)")->group(method);
+    CLI::Option *depthOption = app.add_option("--maxdepth", maxDepth, "scattering events per path; 1: direct light only")->check(CLI::NonNegativeNumber)->group(method);
+    app.add_flag("--disable-pixel-jitter", o.disablePixelJitter, "sample pixel centres only")->group(method);
+    app.add_flag("--disable-wavelength-jitter", o.disableWavelengthJitter, "the same wavelengths for every sample")->group(method);
+    app.add_flag("--disable-texture-filtering", o.build.disableTextureFiltering, "point-sample all textures")->group(method);
+    app.add_option("--render-coord-sys", o.build.renderCoordSys, "camera, cameraworld (default) or world")->check(CLI::IsMember({"camera", "cameraworld", "world"}))->group(method);
+
+    const char *messages = "Messages";
+    app.add_flag("--quiet", o.quiet, "no progress and no warnings; errors only")->group(messages);
+    app.add_flag("--stats", o.stats, "print statistics after rendering")->group(messages);
+
+    std::vector<std::string> arguments = CanonicalFlags(app, argc, argv);
+    std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
+    try {
+        app.parse(arguments);
+        if (o.mseReferenceImage.empty() != o.mseReferenceOut.empty())
+            throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
+    } catch (const CLI::CallForHelp &) {
+        std::cout << app.help();
+        result.done = true;
+        return result;
+    } catch (const CLI::ParseError &e) {
+        std::cerr << "Error: " << e.what() << "\nRun with --help for all options.\n";
+        result.done = true;
+        result.status = 1;
+        return result;
+    }
+    if (*sppOption) o.build.samplesPerPixel = spp;
+    if (*seedOption) o.build.seed = seed;
+    if (*depthOption) o.build.maxDepth = maxDepth;
+    if (!crop.empty()) o.build.film.cropWindow = Bounds2{{crop[0], crop[2]}, {crop[1], crop[3]}};
+    if (!bounds.empty()) o.build.film.pixelBounds = Bounds2i{{bounds[0], bounds[2]}, {bounds[1], bounds[3]}};
+    if (!pixel.empty()) o.build.film.pixelBounds = Bounds2i{{pixel[0], pixel[1]}, {pixel[0] + 1, pixel[1] + 1}};
+    return result;
+}
+
+}  // namespace pbrt

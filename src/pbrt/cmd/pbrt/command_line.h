@@ -1,0 +1,33 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "pbrt/build/build_options.h"
+
+namespace pbrt {
+
+/// Everything the pbrt command line can say.
+struct CommandLine {
+    BuildOptions build;
+    std::vector<std::string> sceneFiles;
+    int threads = 0;
+    bool quiet = false, stats = false, writePartialImages = false;
+    bool disablePixelJitter = false, disableWavelengthJitter = false;
+    bool listLightSamplers = false;
+    double timeBudget = 0;
+    std::string mseReferenceImage, mseReferenceOut;
+    std::string text;  ///< as typed, for image metadata
+};
+
+/// What to do after parsing the arguments.
+struct CommandLineResult {
+    CommandLine options;
+    bool done = false;   ///< help or error was printed: exit with `status`
+    int status = 0;
+};
+
+/// Flags as stock pbrt-v4 takes them: one or two dashes, `-`, `_` and case inside names ignored, `--name value` or
+/// `--name=value` (pbrt-v4-format §13), plus our own.
+CommandLineResult ParseCommandLine(int argc, const char *const *argv);
+
+}  // namespace pbrt

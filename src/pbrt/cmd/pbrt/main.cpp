@@ -1,0 +1,54 @@
+#include <csignal>
+#include <cstdio>
+#include <exception>
+
+#include <unistd.h>
+
+#include "pbrt/cmd/pbrt/command_line.h"
+#include "pbrt/cmd/pbrt/render_job.h"
+#include "pbrt/core/log.h"
+#include "pbrt/core/parallel.h"
+#include "plugins.h"
+
+namespace {
+
+pbrt::Progress *progressToCancel = nullptr;
+
+/// First Ctrl-C: stop at the next tile and save. Second: at once.
+void OnInterrupt(int) {
+    if (progressToCancel && !progressToCancel->Cancelled()) progressToCancel->Cancel();
+    else _exit(130);
+}
+
+}  // namespace
+
+int main(int argc, char **argv) {
+    using namespace pbrt;
+    CommandLineResult parsed = ParseCommandLine(argc, argv);
+    if (parsed.done) return parsed.status;
+    const CommandLine &options = parsed.options;
+    if (options.quiet) SetLogLevel(LogLevel::Error);
+    try {
+        LightSamplerRegistry registry;
+        RegisterPlugins(registry);
+        if (options.listLightSamplers) {
+            std::printf("%s", registry.Listing().c_str());
+            return 0;
+        }
+        ThreadLimit threads(options.threads);
+        std::unique_ptr<ProgressSink> sink = MakeTerminalProgress(options.quiet);
+        Progress progress(sink.get());
+        progressToCancel = &progress;
+        std::signal(SIGINT, OnInterrupt);
+        std::signal(SIGTERM, OnInterrupt);
+        return RunRenderJob(options, registry, progress);
+    } catch (const UserError &e) {
+        bool color = isatty(STDERR_FILENO) != 0;
+        for (const Diagnostic &d : e.Diagnostics()) std::fprintf(stderr, "%s\n", Format(d, color).c_str());
+        if (e.Diagnostics().size() > 1) std::fprintf(stderr, "%zu errors; nothing was rendered.\n", e.Diagnostics().size());
+        return 1;
+    } catch (const std::exception &e) {
+        std::fprintf(stderr, "Error: %s\n", e.what());
+        return 1;
+    }
+}

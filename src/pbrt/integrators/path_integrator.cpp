@@ -1,0 +1,111 @@
+#include "pbrt/integrators/path_integrator.h"
+
+#include "pbrt/core/counters.h"
+#include "pbrt/integrators/path_common.h"
+#include "pbrt/math/warps.h"
+
+namespace pbrt {
+
+SampledSpectrum PathIntegrator::SampleDirect(const SurfacePoint &point, const Bsdf &bsdf, const LightQuery &query,
+                                             const SampledWavelengths &lambda, Sampler &sampler) const {
+    // Both random inputs are drawn whatever happens, so that dimensions stay aligned between samples.
+    Float uSelect = sampler.Get1D();
+    Point2 uLight = sampler.Get2D();
+    std::optional<SampledLight> selected = lights_->Sample(query, uSelect);
+    if (!selected) {
+        ++ThreadCounters().zeroLightSamples;
+        return SampledSpectrum(0);
+    }
+    const Light &light = context_.scene.Lights()[selected->light];
+    LightSampleContext from = LightContextAt(point);
+    std::optional<LightLiSample> sample = light.SampleLi(from, uLight, lambda, true);
+    if (!sample || !sample->L || !(sample->pdf > 0)) return SampledSpectrum(0);
+
+    SampledSpectrum f = bsdf.F(point.wo, sample->wi) * AbsDot(sample->wi, point.shading.n);
+    if (!f || context_.scene.Occluded(from, *sample)) return SampledSpectrum(0);
+
+    Float pLight = selected->pmf * sample->pdf;  // solid angle
+    if (IsDelta(light.Kind())) return sample->L * f / pLight;
+    Float pBsdf = bsdf.Pdf(point.wo, sample->wi);  // solid angle
+    return sample->L * f * (PowerHeuristic(pLight, pBsdf) / pLight);
+}
+
+SampledSpectrum PathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lambda, Sampler &sampler) const {
+    const Scene &scene = context_.scene;
+    PathRay path{cameraRay.ray, cameraRay.differential};
+    SampledSpectrum L(0), beta(1);
+    bool anyNonSpecular = false;
+    Float etaScale = 1;
+    int depth = 0;
+
+    // The vertex the last scattering happened at, for the light-sampling density of what the ray hits. Set unless the
+    // last scattering was specular or there was none: then light sampling could not have found it.
+    bool lightCouldSample = false;
+    LightSampleContext previous;
+    LightQuery previousQuery;
+    Float pBsdf = 0;  // solid angle
+
+    auto misWeight = [&](LightId id, const Point3 &p, const Normal3 &n) -> Float {
+        if (!lightCouldSample) return 1;
+        Float pmf = lights_->PMF(previousQuery, id);
+        if (!(pmf > 0)) return 1;
+        Float pLight = pmf * scene.Lights()[id].PdfLi(previous, path.ray.d, p, n, true);
+        return PowerHeuristic(pBsdf, pLight);
+    };
+
+    while (true) {
+        std::optional<SurfacePoint> hit = scene.Intersect(path.ray);
+        if (!hit) {
+            for (LightId id : scene.Lights().Infinite()) {
+                SampledSpectrum Le = scene.Lights()[id].Le(path.ray.d, lambda);
+                if (Le) L += beta * Le * misWeight(id, Point3(0), Normal3(0));
+            }
+            break;
+        }
+        SurfacePoint &point = *hit;
+        if (SampledSpectrum Le = EmittedRadiance(scene, point, lambda)) L += beta * Le * misWeight(point.light, point.p, point.n);
+
+        if (context_.needsFootprints) ComputeFootprint(point, path.differential, context_.camera, context_.samplesPerPixel);
+        else path.differential.valid = false;
+        Bsdf bsdf = ComputeBsdf(scene, point, lambda);
+        if (!bsdf) {
+            lightCouldSample = false;
+            path.PassThrough(point);
+            continue;
+        }
+        if (settings_.regularize && anyNonSpecular) bsdf.Regularize();
+        if (depth++ == settings_.maxDepth) break;
+        ++ThreadCounters().pathVertices;
+
+        BxdfFlags flags = bsdf.Flags();
+        LightQuery query = LightQueryAt(point, flags, depth);
+        if (IsNonSpecular(flags)) L += beta * SampleDirect(point, bsdf, query, lambda, sampler);
+
+        Float uComponent = sampler.Get1D();
+        std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uComponent, sampler.Get2D());
+        if (!sample) break;
+        beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
+        if (!beta) break;
+        bool specular = IsSpecular(sample->flags);
+        lightCouldSample = !specular;
+        if (!specular) {
+            pBsdf = sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf;
+            previous = LightContextAt(point);
+            previousQuery = query;
+            anyNonSpecular = true;
+        }
+        if (IsTransmissive(sample->flags)) etaScale *= Sqr(sample->eta);
+        path.Scatter(point, *sample);
+
+        // Russian roulette on the throughput without the radiance scaling of refraction.
+        Float survive = (beta * etaScale).MaxComponent();
+        if (survive < 1 && depth > 1) {
+            if (sampler.Get1D() >= survive) break;
+            beta /= survive;
+        }
+    }
+    ++ThreadCounters().cameraPaths;
+    return L;
+}
+
+}  // namespace pbrt

@@ -1,0 +1,33 @@
+#pragma once
+#include <memory>
+
+#include "pbrt/bxdfs/bsdf.h"
+#include "pbrt/integrators/integrator.h"
+
+namespace pbrt {
+
+struct PathSettings {
+    int maxDepth = 5;         ///< scattering events; 0: emission only, 1: direct light
+    bool regularize = false;  ///< roughen specular lobes after the first non-specular bounce
+};
+
+/// Unidirectional path tracing with next-event estimation; BSDF and light sampling combined by the power heuristic.
+/// Both sides of the combination use the light sampler's PMF at the same vertex.
+class PathIntegrator final : public Integrator {
+  public:
+    PathIntegrator(const IntegratorContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights)
+        : context_(context), settings_(settings), lights_(std::move(lights)) {}
+
+    void Prepare(PrepareContext &prepare) override { lights_->Prepare(prepare); }
+    SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler) const override;
+    const LightSampler *Lights() const override { return lights_.get(); }
+
+  private:
+    SampledSpectrum SampleDirect(const SurfacePoint &point, const Bsdf &bsdf, const LightQuery &query,
+                                 const SampledWavelengths &lambda, Sampler &sampler) const;
+    IntegratorContext context_;
+    PathSettings settings_;
+    std::unique_ptr<LightSampler> lights_;
+};
+
+}  // namespace pbrt

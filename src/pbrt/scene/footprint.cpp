@@ -1,0 +1,100 @@
+#include "pbrt/scene/footprint.h"
+
+namespace pbrt {
+
+namespace {
+
+/// Where the ray meets the tangent plane at the point, minus the point; zero if it runs along the plane.
+Vector3 PlaneOffset(const SurfacePoint &point, const Point3 &o, const Vector3 &d) {
+    Float t = Dot(point.n, point.p - o) / Dot(point.n, d);
+    if (!std::isfinite(t)) return Vector3(0);
+    return o + d * t - point.p;
+}
+
+/// Least-squares (u, v) step that moves along the surface by dp.
+Vector2 ParameterStep(const SurfacePoint &point, const Vector3 &dp, Float inverseDeterminant, Float uu, Float uv, Float vv) {
+    Float bu = Dot(point.dpdu, dp), bv = Dot(point.dpdv, dp);
+    Float du = DifferenceOfProducts(vv, bu, uv, bv) * inverseDeterminant;
+    Float dv = DifferenceOfProducts(uu, bv, uv, bu) * inverseDeterminant;
+    constexpr Float kLargest = 1e8f;
+    auto bounded = [](Float x) { return std::isfinite(x) ? std::clamp(x, -kLargest, kLargest) : Float(0); };
+    return {bounded(du), bounded(dv)};
+}
+
+RayDifferential Checked(RayDifferential d) {
+    constexpr Float kLargestSquare = 1e16f;
+    Float largest = std::max(std::max(LengthSquared(d.rxDirection), LengthSquared(d.ryDirection)),
+                             std::max(LengthSquared(d.rxOrigin), LengthSquared(d.ryOrigin)));
+    d.valid = largest < kLargestSquare;
+    return d;
+}
+
+}  // namespace
+
+void ComputeFootprint(SurfacePoint &point, const RayDifferential &differential, const Camera &camera,
+                      int samplesPerPixel) {
+    if (differential.valid && Dot(point.n, differential.rxDirection) != 0 && Dot(point.n, differential.ryDirection) != 0) {
+        point.dpdx = PlaneOffset(point, differential.rxOrigin, differential.rxDirection);
+        point.dpdy = PlaneOffset(point, differential.ryOrigin, differential.ryDirection);
+    } else {
+        camera.ApproximateFootprint(point.p, point.n, point.time, samplesPerPixel, &point.dpdx, &point.dpdy);
+    }
+    Float uu = Dot(point.dpdu, point.dpdu), uv = Dot(point.dpdu, point.dpdv), vv = Dot(point.dpdv, point.dpdv);
+    Float inverse = 1 / DifferenceOfProducts(uu, vv, uv, uv);
+    if (!std::isfinite(inverse)) inverse = 0;
+    Vector2 x = ParameterStep(point, point.dpdx, inverse, uu, uv, vv);
+    Vector2 y = ParameterStep(point, point.dpdy, inverse, uu, uv, vv);
+    point.dudx = x.x;
+    point.dvdx = x.y;
+    point.dudy = y.x;
+    point.dvdy = y.y;
+}
+
+RayDifferential ReflectDifferential(const SurfacePoint &point, const RayDifferential &arrived, const Vector3 &wi) {
+    RayDifferential d;
+    if (!arrived.valid) return d;
+    const Vector3 &n = point.shading.n, &wo = point.wo;
+    auto reflected = [&](const Vector3 &arrivedDirection, const Normal3 &dn) {
+        Vector3 dwo = -arrivedDirection - wo;
+        Float dCos = Dot(dwo, n) + Dot(wo, dn);
+        return wi - dwo + Float(2) * (Dot(wo, n) * dn + dCos * n);
+    };
+    Normal3 dndx = point.shading.dndu * point.dudx + point.shading.dndv * point.dvdx;
+    Normal3 dndy = point.shading.dndu * point.dudy + point.shading.dndv * point.dvdy;
+    d.rxOrigin = point.p + point.dpdx;
+    d.ryOrigin = point.p + point.dpdy;
+    d.rxDirection = reflected(arrived.rxDirection, dndx);
+    d.ryDirection = reflected(arrived.ryDirection, dndy);
+    return Checked(d);
+}
+
+RayDifferential TransmitDifferential(const SurfacePoint &point, const RayDifferential &arrived, const Vector3 &wi,
+                                     Float eta) {
+    RayDifferential d;
+    if (!arrived.valid) return d;
+    Normal3 n = point.shading.n;
+    const Vector3 &wo = point.wo;
+    Normal3 dndx = point.shading.dndu * point.dudx + point.shading.dndv * point.dvdx;
+    Normal3 dndy = point.shading.dndu * point.dudy + point.shading.dndv * point.dvdy;
+    if (Dot(wo, n) < 0) {
+        n = -n;
+        dndx = -dndx;
+        dndy = -dndy;
+    }
+    // wi = -wo / eta + mu n with mu = cos_o / eta - |cos_i|; differentiate both terms.
+    Float cosO = Dot(wo, n), cosI = AbsDot(wi, n);
+    Float mu = cosO / eta - cosI;
+    auto transmitted = [&](const Vector3 &arrivedDirection, const Normal3 &dn) {
+        Vector3 dwo = -arrivedDirection - wo;
+        Float dCos = Dot(dwo, n) + Dot(wo, dn);
+        Float dMu = dCos * (1 / eta - cosO / (Sqr(eta) * cosI));
+        return wi - dwo / eta + mu * dn + dMu * n;
+    };
+    d.rxOrigin = point.p + point.dpdx;
+    d.ryOrigin = point.p + point.dpdy;
+    d.rxDirection = transmitted(arrived.rxDirection, dndx);
+    d.ryDirection = transmitted(arrived.ryDirection, dndy);
+    return Checked(d);
+}
+
+}  // namespace pbrt

@@ -1,0 +1,51 @@
+#include "pbrt/scene/scene.h"
+
+#include "pbrt/core/counters.h"
+#include "pbrt/core/error.h"
+#include "pbrt/shapes/transform_surface.h"
+
+namespace pbrt {
+
+Scene::Scene(SceneParts parts) : parts_(std::move(parts)), bounds_(parts_.accel->Bounds()) {
+    PBRT_CHECK(parts_.lights != nullptr);
+}
+
+std::optional<SurfacePoint> Scene::Intersect(const Ray &ray) const {
+    ++ThreadCounters().closestHitRays;
+    std::optional<AccelHit> hit = parts_.accel->Intersect(ray);
+    if (!hit) return {};
+    const ShapeRecord &record = parts_.shapes[hit->shape.value];
+    SurfacePoint point = record.shape->Surface(hit->primitive, hit->hit);
+    if (hit->instance >= 0) point = TransformSurface(parts_.accel->InstanceTransform(hit->instance), point);
+    point.wo = -Normalize(ray.d);
+    point.time = ray.time;
+    point.t = hit->hit.t;
+    point.shape = hit->shape;
+    point.primitive = hit->primitive;
+    point.material = record.material;
+    if (record.firstLight && hit->instance < 0) point.light = LightId(record.firstLight.value + hit->primitive);
+    point.insideMedium = record.insideMedium;
+    point.outsideMedium = record.outsideMedium;
+    return point;
+}
+
+bool Scene::Occluded(const LightSampleContext &from, const LightLiSample &to) const {
+    Ray ray;
+    ray.o = from.OffsetOrigin(to.wi);
+    Point3 end = to.pLight;
+    if (to.nLight != Normal3(0)) end = OffsetRayOrigin(to.pLight, to.pLightError, to.nLight, ray.o - to.pLight);
+    ray.d = end - ray.o;
+    ray.tMax = 1 - ShadowEpsilon;
+    ray.time = from.time;
+    return Occluded(ray);
+}
+
+bool Scene::Occluded(const Ray &ray) const {
+    RenderCounters &counters = ThreadCounters();
+    ++counters.shadowRays;
+    bool blocked = parts_.accel->Occluded(ray);
+    counters.shadowRaysBlocked += blocked;
+    return blocked;
+}
+
+}  // namespace pbrt

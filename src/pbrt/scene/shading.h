@@ -1,0 +1,22 @@
+#pragma once
+#include "pbrt/scene/scene.h"
+
+namespace pbrt {
+
+/// The BSDF at a hit, its shading frame perturbed by normal maps; empty (false) where the surface does not scatter.
+/// Needs the footprint filled if the material's textures filter. May terminate secondary wavelengths.
+inline Bsdf ComputeBsdf(const Scene &scene, SurfacePoint &point, SampledWavelengths &lambda) {
+    if (!point.material) return {};
+    const Material *material = scene.MaterialOf(point.material).Resolve(point);
+    if (!material || material->IsInterface()) return {};
+    material->PerturbShading(point);
+    return material->GetBsdf(point, lambda);
+}
+
+/// Radiance the surface emits back along the ray (area lights).
+inline SampledSpectrum EmittedRadiance(const Scene &scene, const SurfacePoint &point, const SampledWavelengths &lambda) {
+    if (!point.light) return SampledSpectrum(0);
+    return scene.Lights()[point.light].L(point.p, point.n, point.uv, point.wo, lambda);
+}
+
+}  // namespace pbrt

@@ -16,6 +16,7 @@ struct Bounds3 {
     Vector3 Diagonal() const { return high - low; }
     Point3 Center() const { return low * Float(0.5) + high * Float(0.5); }
     Float SurfaceArea() const {
+        if (IsEmpty()) return 0;
         Vector3 d = Diagonal();
         return 2 * (d.x * d.y + d.y * d.z + d.z * d.x);
     }

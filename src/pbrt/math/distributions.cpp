@@ -1,5 +1,7 @@
 #include "pbrt/math/distributions.h"
 
+#include <algorithm>
+
 #include "pbrt/core/error.h"
 
 namespace pbrt {
@@ -24,7 +26,7 @@ PiecewiseConstant1D::Sampled PiecewiseConstant1D::Sample(Float u) const {
     Float width = cdf_[i + 1] - cdf_[i];
     Float t = width > 0 ? std::min((u - cdf_[i]) / width, OneMinusEpsilon) : 0;
     auto n = static_cast<Float>(f_.size());
-    Float x = Lerp((static_cast<Float>(i) + t) / n, low_, high_);
+    Float x = std::min(Lerp((static_cast<Float>(i) + t) / n, low_, high_), std::nextafter(high_, low_));
     Float pdf = integral_ > 0 ? f_[i] / integral_ : 1 / (high_ - low_);
     return {x, pdf, static_cast<int>(i)};
 }
@@ -87,9 +89,15 @@ AliasTable::AliasTable(std::span<const Float> weights) : bins_(weights.size()) {
             under.push_back(static_cast<int>(o));
         }
     }
-    // What rounding leaves over owns its whole column, unless it has no weight at all.
+    // What rounding leaves over owns its whole column, unless it has no weight at all: then the heaviest entry does.
+    auto byWeight = [](const Bin &a, const Bin &b) { return a.p < b.p; };
+    auto heaviest = static_cast<int>(std::max_element(bins_.begin(), bins_.end(), byWeight) - bins_.begin());
     for (const std::vector<int> *rest : {&under, &over})
-        for (int i : *rest) bins_[static_cast<size_t>(i)].q = 1;
+        for (int i : *rest) {
+            Bin &bin = bins_[static_cast<size_t>(i)];
+            bin.q = bin.p > 0 ? 1 : 0;
+            bin.alias = heaviest;
+        }
 }
 
 AliasTable::Sampled AliasTable::Sample(Float u) const {

@@ -7,7 +7,7 @@
 
 namespace pbrt {
 
-/// Finaliser with full avalanche (Stafford's mix 13).
+/// Finaliser with full avalanche (Stafford's mix 1).
 constexpr uint64_t MixBits(uint64_t v) {
     v ^= v >> 31;
     v *= 0x7fb5d329728ea185ull;

@@ -5,6 +5,15 @@
 
 namespace pbrt {
 
+glm::mat4 Transform::InverseOf(const glm::mat4 &m) {
+    glm::mat4 inverse(glm::inverse(glm::dmat4(m)));
+    if (m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1) {
+        for (int c = 0; c < 3; ++c) inverse[c][3] = 0;
+        inverse[3][3] = 1;
+    }
+    return inverse;
+}
+
 Transform Transform::FromFile(const std::array<Float, 16> &v) { return Transform(glm::make_mat4(v.data())); }
 
 Transform Transform::Translate(const Vector3 &t) {

@@ -11,7 +11,7 @@ namespace pbrt {
 class Transform {
   public:
     Transform() = default;
-    explicit Transform(const glm::mat4 &m) : m_(m), inverse_(glm::inverse(m)) {}
+    explicit Transform(const glm::mat4 &m) : m_(m), inverse_(InverseOf(m)) {}
     Transform(const glm::mat4 &m, const glm::mat4 &inverse) : m_(m), inverse_(inverse) {}
 
     /// From 16 numbers in file order.
@@ -33,8 +33,8 @@ class Transform {
     bool operator==(const Transform &o) const { return m_ == o.m_; }
     bool IsIdentity() const { return m_ == glm::mat4(1); }
     /// True if the upper 3x3 part mirrors.
-    bool SwapsHandedness() const { return glm::determinant(glm::mat3(m_)) < 0; }
-    bool IsSingular() const { return !(std::abs(glm::determinant(glm::mat3(m_))) > 0); }
+    bool SwapsHandedness() const { return Determinant3() < 0; }
+    bool IsSingular() const { return !(std::abs(Determinant3()) > 0); }
 
     /// Points; the homogeneous divide happens only for projective matrices.
     Point3 Point(const Point3 &p) const { return Apply(m_, p); }
@@ -48,6 +48,9 @@ class Transform {
     Vector3 PointError(const Point3 &p, const Vector3 &pError = Vector3(0)) const;
 
   private:
+    /// In double precision, and exactly affine if m is.
+    static glm::mat4 InverseOf(const glm::mat4 &m);
+    double Determinant3() const { return glm::determinant(glm::dmat3(glm::mat3(m_))); }
     static Point3 Apply(const glm::mat4 &m, const Point3 &p) {
         glm::vec4 q = m * glm::vec4(p, 1);
         if (q.w == 1) return Point3(q);

@@ -64,17 +64,22 @@ inline Vector3 SampleUniformTriangle(const Point2 &u) {
     return {b0, b1, 1 - b0 - b1};
 }
 
-/// x in [0, 1] with density proportional to Lerp(x, a, b); a, b >= 0, not both 0.
+/// x in [0, 1) with density proportional to Lerp(x, a, b); a, b >= 0; uniform if both are 0.
 inline Float SampleLinear(Float u, Float a, Float b) {
+    if (!(a + b > 0)) return u;
     if (u == 0 && a == 0) return 0;
     Float x = u * (a + b) / (a + std::sqrt(Lerp(u, a * a, b * b)));
     return std::min(x, OneMinusEpsilon);
 }
 inline Float LinearPdf(Float x, Float a, Float b) {
     if (x < 0 || x > 1) return 0;
+    if (!(a + b > 0)) return 1;
     return 2 * Lerp(x, a, b) / (a + b);
 }
-inline Float InvertLinearSample(Float x, Float a, Float b) { return x * (a * (2 - x) + b * x) / (a + b); }
+inline Float InvertLinearSample(Float x, Float a, Float b) {
+    if (!(a + b > 0)) return x;
+    return x * (a * (2 - x) + b * x) / (a + b);
+}
 
 /// Point of the unit square with density proportional to the bilinear interpolation of the corner values
 /// w = {w00, w10, w01, w11} (x first).

@@ -1,0 +1,41 @@
+#include "pbrt/cameras/camera_space.h"
+
+namespace pbrt {
+
+CameraSpaceCamera::CameraSpaceCamera(const CameraFrame &frame)
+    : renderFromCamera_(frame.renderFromCamera), resolution_(frame.resolution) {
+    shutterOpen_ = frame.shutterOpen;
+    shutterClose_ = frame.shutterClose;
+}
+
+void CameraSpaceCamera::FindFootprint() {
+    smallest_ = FindSmallestDifferentials(resolution_, [this](const Point2 &film, Ray *ray, RayDifferential *d) {
+        GenerateInCameraSpace({film, {0.5f, 0.5f}, 0.5f, 1}, ray, d);
+    });
+}
+
+std::optional<CameraRay> CameraSpaceCamera::GenerateRay(const CameraSample &sample, const SampledWavelengths &) const {
+    CameraRay c;
+    GenerateInCameraSpace(sample, &c.ray, &c.differential);
+    const Transform &t = renderFromCamera_;
+    c.ray.o = t.Point(c.ray.o);
+    c.ray.d = Normalize(t.Vector(c.ray.d));
+    c.ray.time = Lerp(sample.time, shutterOpen_, shutterClose_);
+    c.differential.valid = true;
+    c.differential.rxOrigin = t.Point(c.differential.rxOrigin);
+    c.differential.ryOrigin = t.Point(c.differential.ryOrigin);
+    c.differential.rxDirection = Normalize(t.Vector(c.differential.rxDirection));
+    c.differential.ryDirection = Normalize(t.Vector(c.differential.ryDirection));
+    return c;
+}
+
+void CameraSpaceCamera::ApproximateFootprint(const Point3 &p, const Normal3 &n, Float, int samplesPerPixel,
+                                             Vector3 *dpdx, Vector3 *dpdy) const {
+    const Transform &t = renderFromCamera_;
+    FootprintOnTangentPlane(smallest_, t.InversePoint(p), t.InverseNormal(n), dpdx, dpdy);
+    Float scale = DifferentialScale(samplesPerPixel);
+    *dpdx = t.Vector(*dpdx * scale);
+    *dpdy = t.Vector(*dpdy * scale);
+}
+
+}  // namespace pbrt

@@ -1,0 +1,36 @@
+#pragma once
+#include "pbrt/cameras/camera.h"
+#include "pbrt/cameras/footprint.h"
+
+namespace pbrt {
+
+/// What every camera is given.
+struct CameraFrame {
+    Transform renderFromCamera;
+    Point2i resolution{1, 1};
+    Float shutterOpen = 0, shutterClose = 1;
+};
+
+/// A camera that makes its rays in camera space: at the origin, looking along +z, x right, y up. This class takes them
+/// to rendering space and answers footprints. The derived constructor ends with FindFootprint().
+class CameraSpaceCamera : public Camera {
+  public:
+    explicit CameraSpaceCamera(const CameraFrame &frame);
+    std::optional<CameraRay> GenerateRay(const CameraSample &sample, const SampledWavelengths &lambda) const final;
+    void ApproximateFootprint(const Point3 &p, const Normal3 &n, Float time, int samplesPerPixel, Vector3 *dpdx,
+                              Vector3 *dpdy) const final;
+    Transform CameraFromRender() const final { return renderFromCamera_.Inverse(); }
+
+  protected:
+    /// Fills origin, unit direction and differentials, in camera space.
+    virtual void GenerateInCameraSpace(const CameraSample &sample, Ray *ray, RayDifferential *differential) const = 0;
+    void FindFootprint();
+    Point2i Resolution() const { return resolution_; }
+
+  private:
+    Transform renderFromCamera_;
+    Point2i resolution_;
+    SmallestDifferentials smallest_;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,50 @@
+#pragma once
+#include <algorithm>
+
+#include "pbrt/math/frame.h"
+#include "pbrt/math/ray.h"
+
+namespace pbrt {
+
+/// The smallest steps between the rays of neighbouring pixels over a film, in camera space. Directions are expressed
+/// in a frame whose z axis is the ray.
+struct SmallestDifferentials {
+    Vector3 positionX{0}, positionY{0};
+    Vector3 directionX{0}, directionY{0};
+};
+
+/// Searches along the diagonal of the film. `generate(Point2 film, Ray *, RayDifferential *)` makes rays in camera
+/// space with unit directions for the middle of the lens.
+template <class Generate>
+SmallestDifferentials FindSmallestDifferentials(Point2i resolution, const Generate &generate) {
+    constexpr int kSteps = 512;
+    SmallestDifferentials smallest;
+    auto keepShorter = [](Vector3 *shortest, const Vector3 &v, bool first) {
+        if (first || LengthSquared(v) < LengthSquared(*shortest)) *shortest = v;
+    };
+    for (int i = 0; i < kSteps; ++i) {
+        Float t = static_cast<Float>(i) / (kSteps - 1);
+        Ray ray;
+        RayDifferential d;
+        generate(t * Point2(resolution), &ray, &d);
+        keepShorter(&smallest.positionX, d.rxOrigin - ray.o, i == 0);
+        keepShorter(&smallest.positionY, d.ryOrigin - ray.o, i == 0);
+        Frame frame = Frame::FromZ(ray.d);
+        Vector3 along = frame.ToLocal(ray.d);
+        keepShorter(&smallest.directionX, Normalize(frame.ToLocal(d.rxDirection)) - along, i == 0);
+        keepShorter(&smallest.directionY, Normalize(frame.ToLocal(d.ryDirection)) - along, i == 0);
+    }
+    return smallest;
+}
+
+/// How much closer than a pixel the rays of `samplesPerPixel` samples lie.
+inline Float DifferentialScale(int samplesPerPixel) {
+    return std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(samplesPerPixel)));
+}
+
+/// Moves from p to where the neighbouring rays would meet the tangent plane at p if p lay straight ahead of the
+/// camera. All in camera space; zero where there is no such plane (n = 0 or edge-on).
+void FootprintOnTangentPlane(const SmallestDifferentials &smallest, const Point3 &p, const Normal3 &n, Vector3 *dpdx,
+                             Vector3 *dpdy);
+
+}  // namespace pbrt

@@ -1,0 +1,81 @@
+#include "pbrt/cameras/projective_cameras.h"
+
+#include "pbrt/math/warps.h"
+
+namespace pbrt {
+
+namespace {
+
+/// From pbrt's screen space to [0, 1]^3 as stock pbrt-v4 writes it to image headers: -1 ... 1 becomes 0 ... 1 in x and
+/// y; z, which is 0 ... 1 already, is squeezed into 0.5 ... 1.
+Transform NdcFromScreen() { return Transform::Translate(Vector3(0.5f)) * Transform::Scale(Vector3(0.5f)); }
+
+Point3 PointOnLens(const Lens &lens, const Point2 &u) {
+    Point2 p = lens.radius * SampleUniformDiskConcentric(u);
+    return {p.x, p.y, 0};
+}
+
+}  // namespace
+
+PerspectiveCamera::PerspectiveCamera(const CameraFrame &frame, const ScreenWindow &window, Float fovDegrees,
+                                     const Lens &lens)
+    : CameraSpaceCamera(frame),
+      screen_(window, frame.resolution),
+      fovDegrees_(fovDegrees),
+      tanHalfFov_(std::tan(Radians(fovDegrees) / 2)),
+      lens_(lens) {
+    FindFootprint();
+}
+
+std::optional<Transform> PerspectiveCamera::NdcFromCamera() const {
+    return NdcFromScreen() * Transform::Perspective(fovDegrees_, 1e-2f, 1000);
+}
+
+void PerspectiveCamera::GenerateInCameraSpace(const CameraSample &sample, Ray *ray, RayDifferential *d) const {
+    // Points of the image on the plane z = 1, here and one pixel further.
+    Point2 screen = screen_(sample.pFilm);
+    Vector3 center(screen.x * tanHalfFov_, screen.y * tanHalfFov_, 1);
+    Vector3 right = center + Vector3(screen_.StepX() * tanHalfFov_, 0, 0);
+    Vector3 below = center + Vector3(0, screen_.StepY() * tanHalfFov_, 0);
+    Point3 origin(0);
+    if (lens_.radius > 0) {
+        // What the pinhole sees at the plane of focus, the whole lens sees there.
+        origin = PointOnLens(lens_, sample.pLens);
+        center = center * lens_.focalDistance - origin;
+        right = right * lens_.focalDistance - origin;
+        below = below * lens_.focalDistance - origin;
+    }
+    ray->o = d->rxOrigin = d->ryOrigin = origin;
+    ray->d = Normalize(center);
+    d->rxDirection = Normalize(right);
+    d->ryDirection = Normalize(below);
+}
+
+OrthographicCamera::OrthographicCamera(const CameraFrame &frame, const ScreenWindow &window, const Lens &lens)
+    : CameraSpaceCamera(frame), screen_(window, frame.resolution), lens_(lens) {
+    FindFootprint();
+}
+
+std::optional<Transform> OrthographicCamera::NdcFromCamera() const {
+    return NdcFromScreen() * Transform::Orthographic(0, 1);
+}
+
+void OrthographicCamera::GenerateInCameraSpace(const CameraSample &sample, Ray *ray, RayDifferential *d) const {
+    Point3 center(screen_(sample.pFilm), 0);
+    Vector3 right(screen_.StepX(), 0, 0), below(0, screen_.StepY(), 0);
+    if (lens_.radius > 0) {
+        Point3 origin = PointOnLens(lens_, sample.pLens);
+        Vector3 toFocus = center + Vector3(0, 0, lens_.focalDistance) - origin;
+        ray->o = d->rxOrigin = d->ryOrigin = origin;
+        ray->d = Normalize(toFocus);
+        d->rxDirection = Normalize(toFocus + right);
+        d->ryDirection = Normalize(toFocus + below);
+        return;
+    }
+    ray->o = center;
+    d->rxOrigin = center + right;
+    d->ryOrigin = center + below;
+    ray->d = d->rxDirection = d->ryDirection = {0, 0, 1};
+}
+
+}  // namespace pbrt

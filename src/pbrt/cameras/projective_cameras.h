@@ -1,0 +1,61 @@
+#pragma once
+#include "pbrt/cameras/camera_space.h"
+
+namespace pbrt {
+
+struct ScreenWindow {
+    Float xMin = -1, xMax = 1, yMin = -1, yMax = 1;
+};
+
+struct Lens {
+    Float radius = 0;
+    Float focalDistance = 1e6f;  ///< camera space; the plane z = focalDistance is sharp
+};
+
+/// Takes raster positions (pixels, y down) to the screen window.
+class RasterToScreen {
+  public:
+    RasterToScreen(const ScreenWindow &window, Point2i resolution)
+        : origin_(window.xMin, window.yMax),
+          dx_((window.xMax - window.xMin) / static_cast<Float>(resolution.x)),
+          dy_((window.yMin - window.yMax) / static_cast<Float>(resolution.y)) {}
+    Point2 operator()(const Point2 &raster) const { return {origin_.x + raster.x * dx_, origin_.y + raster.y * dy_}; }
+    Float StepX() const { return dx_; }  ///< per pixel to the right
+    Float StepY() const { return dy_; }  ///< per pixel down
+
+  private:
+    Point2 origin_;
+    Float dx_, dy_;
+};
+
+class PerspectiveCamera final : public CameraSpaceCamera {
+  public:
+    /// `fovDegrees`: full angle between screen positions -1 and 1.
+    PerspectiveCamera(const CameraFrame &frame, const ScreenWindow &window, Float fovDegrees, const Lens &lens);
+    std::optional<Transform> NdcFromCamera() const override;
+
+  protected:
+    void GenerateInCameraSpace(const CameraSample &sample, Ray *ray, RayDifferential *differential) const override;
+
+  private:
+    RasterToScreen screen_;
+    Float fovDegrees_, tanHalfFov_;
+    Lens lens_;
+};
+
+/// Screen positions are camera-space x and y. As in stock pbrt-v4, with a lens all rays start on one disk about the
+/// camera's origin, which makes it a perspective view onto the plane in focus.
+class OrthographicCamera final : public CameraSpaceCamera {
+  public:
+    OrthographicCamera(const CameraFrame &frame, const ScreenWindow &window, const Lens &lens);
+    std::optional<Transform> NdcFromCamera() const override;
+
+  protected:
+    void GenerateInCameraSpace(const CameraSample &sample, Ray *ray, RayDifferential *differential) const override;
+
+  private:
+    RasterToScreen screen_;
+    Lens lens_;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,21 @@
+#pragma once
+#include "pbrt/cameras/camera_space.h"
+
+namespace pbrt {
+
+enum class SphericalMapping { EqualArea, Equirectangular };
+
+/// Sees in all directions; the top of the image is +y.
+class SphericalCamera final : public CameraSpaceCamera {
+  public:
+    SphericalCamera(const CameraFrame &frame, SphericalMapping mapping);
+
+  protected:
+    void GenerateInCameraSpace(const CameraSample &sample, Ray *ray, RayDifferential *differential) const override;
+
+  private:
+    Vector3 Direction(const Point2 &film) const;
+    SphericalMapping mapping_;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,119 @@
+#include "pbrt/math/low_discrepancy.h"
+
+#include "pbrt/core/error.h"
+
+namespace pbrt {
+
+namespace {
+
+constexpr std::array<uint16_t, PrimeCount> FirstPrimes() {
+    std::array<uint16_t, PrimeCount> primes{};
+    size_t n = 0;
+    for (uint16_t candidate = 2; n < primes.size(); ++candidate) {
+        bool prime = true;
+        for (size_t i = 0; i < n && primes[i] * primes[i] <= candidate && prime; ++i)
+            prime = candidate % primes[i] != 0;
+        if (prime) primes[n++] = candidate;
+    }
+    return primes;
+}
+
+/// Digits in `base` that a value needs to be known to 2^-32.
+int DigitsOf(uint32_t base) {
+    int digits = 0;
+    for (double power = 1; power < 0x1p32; power *= double(base)) ++digits;
+    return digits;
+}
+
+Float ToUnitInterval(double v) { return std::min(static_cast<Float>(v), OneMinusEpsilon); }
+
+uint32_t PermuteDigit(uint32_t digit, uint32_t base, int position, uint64_t seed) {
+    return PermutationElement(digit, base, seed + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(position));
+}
+
+}  // namespace
+
+constinit const std::array<uint16_t, PrimeCount> Primes = FirstPrimes();
+
+Float RadicalInverse(uint32_t base, uint64_t a) {
+    double scale = 1 / double(base), weight = scale, value = 0;
+    while (a) {
+        uint64_t next = a / base;
+        value += double(a - next * base) * weight;
+        weight *= scale;
+        a = next;
+    }
+    return ToUnitInterval(value);
+}
+
+uint64_t InverseRadicalInverse(uint64_t mirrored, uint32_t base, int digits) {
+    uint64_t a = 0;
+    for (int i = 0; i < digits; ++i) {
+        a = a * base + mirrored % base;
+        mirrored /= base;
+    }
+    return a;
+}
+
+Float PermutedRadicalInverse(uint32_t base, uint64_t a, uint64_t seed) {
+    double scale = 1 / double(base), weight = scale, value = 0;
+    int digits = DigitsOf(base);
+    for (int k = 0; k < digits; ++k) {
+        value += double(PermuteDigit(static_cast<uint32_t>(a % base), base, k, seed)) * weight;
+        weight *= scale;
+        a /= base;
+    }
+    return ToUnitInterval(value);
+}
+
+Float OwenScrambledRadicalInverse(uint32_t base, uint64_t a, uint64_t seed) {
+    double scale = 1 / double(base), weight = scale, value = 0;
+    int digits = DigitsOf(base);
+    uint64_t node = seed;  // names the digits so far
+    for (int k = 0; k < digits; ++k) {
+        auto digit = static_cast<uint32_t>(a % base);
+        value += double(PermutationElement(digit, base, node)) * weight;
+        node = MixBits(node + 0x9e3779b97f4a7c15ull * (digit + 1));
+        weight *= scale;
+        a /= base;
+    }
+    return ToUnitInterval(value);
+}
+
+DigitPermutations::DigitPermutations(int dimensions, uint64_t seed) {
+    PBRT_CHECK(dimensions >= 0 && dimensions <= PrimeCount);
+    for (int d = 0; d < dimensions; ++d) {
+        Base b;
+        b.base = Primes[static_cast<size_t>(d)];
+        b.digits = DigitsOf(b.base);
+        b.first = permutations_.size();
+        b.firstTail = tails_.size();
+        uint64_t baseSeed = SeedOf(seed, d);
+        for (int k = 0; k < b.digits; ++k)
+            for (uint32_t digit = 0; digit < b.base; ++digit)
+                permutations_.push_back(static_cast<uint16_t>(PermuteDigit(digit, b.base, k, baseSeed)));
+        tails_.resize(b.firstTail + static_cast<size_t>(b.digits) + 1, 0);
+        for (int k = b.digits - 1; k >= 0; --k) {
+            size_t at = b.firstTail + static_cast<size_t>(k);
+            double zero = permutations_[b.first + static_cast<size_t>(k) * b.base];
+            tails_[at] = tails_[at + 1] + zero * std::pow(double(b.base), -(k + 1));
+        }
+        bases_.push_back(b);
+    }
+}
+
+Float DigitPermutations::RadicalInverse(int dimension, uint64_t a) const {
+    const Base &b = bases_[static_cast<size_t>(dimension)];
+    const uint16_t *permutation = &permutations_[b.first];
+    double scale = 1 / double(b.base), weight = scale, value = 0;
+    int k = 0;
+    for (; a && k < b.digits; ++k, permutation += b.base) {
+        uint64_t next = a / b.base;
+        value += double(permutation[a - next * b.base]) * weight;
+        weight *= scale;
+        a = next;
+    }
+    return ToUnitInterval(value + tails_[b.firstTail + static_cast<size_t>(k)]);
+}
+
+}  // namespace pbrt

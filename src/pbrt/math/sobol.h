@@ -1,0 +1,90 @@
+#pragma once
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include "pbrt/math/low_discrepancy.h"
+
+namespace pbrt {
+
+// Sobol' points as 32-bit binary fractions: bit 31 is the first digit after the point.
+
+inline constexpr int SobolDimensions = 1024;
+inline constexpr int SobolIndexBits = 52;
+
+/// Generator matrices from the direction numbers of Joe and Kuo (2008), as Boost ships them: column c of dimension d at
+/// [d * SobolIndexBits + c] is the point of index 2^c. Made at the first call; keep the pointer in hot code.
+const uint32_t *SobolMatrices();
+
+/// One coordinate; `matrix` points at the columns of its dimension.
+inline uint32_t SobolBits(const uint32_t *matrix, uint64_t index) {
+    uint32_t v = 0;
+    for (; index; index &= index - 1) v ^= matrix[std::countr_zero(index)];
+    return v;
+}
+
+/// The first two coordinates with their bits in reversed order. The first matrix is the mirrored identity; the second,
+/// mirrored, is Pascal's triangle mod 2: a Kronecker power of (1 1; 0 1), applied factor by factor.
+constexpr uint32_t SobolReversed0(uint64_t index) { return static_cast<uint32_t>(index); }
+constexpr uint32_t SobolReversed1(uint64_t index) {
+    uint64_t v = index;
+    v ^= (v & 0xaaaaaaaaaaaaaaaaull) >> 1;
+    v ^= (v & 0xccccccccccccccccull) >> 2;
+    v ^= (v & 0xf0f0f0f0f0f0f0f0ull) >> 4;
+    v ^= (v & 0xff00ff00ff00ff00ull) >> 8;
+    v ^= (v & 0xffff0000ffff0000ull) >> 16;
+    v ^= v >> 32;
+    return static_cast<uint32_t>(v);
+}
+
+inline Float SobolToFloat(uint32_t v) { return std::min(static_cast<Float>(v) * 0x1p-32f, OneMinusEpsilon); }
+
+/// Owen's nested uniform scrambling: every digit is flipped or not by a hash of the digits before it.
+inline uint32_t OwenScramble(uint32_t v, uint64_t seed) {
+    uint32_t flips = 0;
+    for (int digit = 0; digit < 32; ++digit) {
+        uint64_t node = (uint64_t(1) << 32 | v) >> (32 - digit);  // place in the binary tree, root = 1
+        flips |= static_cast<uint32_t>(MixBits(seed + node * 0x9e3779b97f4a7c15ull) >> 63) << (31 - digit);
+    }
+    return v ^ flips;
+}
+
+/// The same law at the cost of a hash, for bits in reversed order, where adding, multiplying by odd numbers and
+/// v ^= v * even let a bit be changed by lower bits (earlier digits) only (Laine and Karras 2011).
+inline uint32_t FastOwenScrambleReversed(uint32_t v, uint64_t seed) {
+    auto low = static_cast<uint32_t>(seed), high = static_cast<uint32_t>(seed >> 32);
+    v += low;
+    v ^= v * 0x6a09e66eu;
+    v *= high | 1;
+    v ^= v * 0xbb67ae86u;
+    v += high ^ std::rotl(low, 13);
+    v *= std::rotl(low, 16) | 1;
+    v ^= v * 0x3c6ef372u;
+    return v;
+}
+inline uint32_t FastOwenScramble(uint32_t v, uint64_t seed) {
+    return ReverseBits32(FastOwenScrambleReversed(ReverseBits32(v), seed));
+}
+
+/// Finds the points of the global Sobol' sequence that fall into a pixel of a 2^m x 2^m image which the first two
+/// dimensions cover: of every 4^m consecutive points one does.
+class SobolPixelIndex {
+  public:
+    explicit SobolPixelIndex(int log2Resolution);
+    /// Index of the `frame`-th point in the pixel; 0 <= pixel < 2^m.
+    uint64_t operator()(uint64_t frame, uint32_t x, uint32_t y) const {
+        uint64_t low = 0;
+        for (uint64_t bits = frame; bits; bits &= bits - 1) low ^= frameColumns_[IndexOf(bits)];
+        for (uint64_t bits = x | uint64_t(y) << log2Resolution_; bits; bits &= bits - 1)
+            low ^= pixelColumns_[IndexOf(bits)];
+        return frame << (2 * log2Resolution_) | low;
+    }
+
+  private:
+    static size_t IndexOf(uint64_t bits) { return static_cast<size_t>(std::countr_zero(bits)); }
+    int log2Resolution_;
+    std::array<uint64_t, SobolIndexBits> pixelColumns_{};  ///< low index bits for each bit of (y << m | x)
+    std::array<uint64_t, 64> frameColumns_{};  ///< low index bits that undo what each bit of the frame does to the pixel
+};
+
+}  // namespace pbrt

@@ -1,0 +1,62 @@
+#include "pbrt/samplers/halton_sampler.h"
+
+namespace pbrt {
+
+namespace {
+
+/// x < modulus with a * x = 1 (mod modulus); 0 if modulus is 1.
+uint64_t InverseModulo(uint64_t a, uint64_t modulus) {
+    for (uint64_t x = 1; x < modulus; ++x)
+        if (a * x % modulus == 1) return x;
+    return 0;
+}
+
+int Wrap(int v, int n) { return (v % n + n) % n; }
+
+}  // namespace
+
+HaltonSampler::HaltonSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed)
+    : samplesPerPixel_(samplesPerPixel), randomization_(randomization), seed_(Hash(seed)) {
+    if (randomization == Randomization::PermuteDigits)
+        permutations_ = std::make_shared<const DigitPermutations>(kTabulated, seed_);
+    for (int axis = 0; axis < 2; ++axis) {
+        int base = axis == 0 ? 2 : 3;
+        while (scale_[axis] < std::min(resolution[axis], kTile)) {
+            scale_[axis] *= base;
+            ++exponents_[axis];
+        }
+    }
+    auto sx = static_cast<uint64_t>(scale_.x), sy = static_cast<uint64_t>(scale_.y);
+    stride_ = sx * sy;
+    xStep_ = sy * InverseModulo(sy, sx);
+    yStep_ = sx * InverseModulo(sx, sy);
+}
+
+void HaltonSampler::StartPixelSample(Point2i pixel, int sampleIndex, int dimension) {
+    // The first j binary digits of the index, mirrored, are the column in the tile; the first k ternary ones the row.
+    // The Chinese remainder theorem puts both together.
+    auto x = static_cast<uint64_t>(Wrap(pixel.x, kTile)), y = static_cast<uint64_t>(Wrap(pixel.y, kTile));
+    index_ = (InverseRadicalInverse(x, 2, exponents_.x) * xStep_ + InverseRadicalInverse(y, 3, exponents_.y) * yStep_) %
+             stride_;
+    index_ += static_cast<uint64_t>(sampleIndex) * stride_;
+    dimension_ = std::max(2, dimension);
+}
+
+Point2 HaltonSampler::GetPixel2D() {
+    return {RadicalInverse(2, index_ / static_cast<uint64_t>(scale_.x)),
+            RadicalInverse(3, index_ / static_cast<uint64_t>(scale_.y))};
+}
+
+Float HaltonSampler::Dimension(int dimension) const {
+    if (dimension >= PrimeCount) return HashFloat(index_, dimension, seed_);
+    uint32_t base = Primes[static_cast<size_t>(dimension)];
+    switch (randomization_) {
+    case Randomization::None: return RadicalInverse(base, index_);
+    case Randomization::PermuteDigits:
+        if (dimension < kTabulated) return permutations_->RadicalInverse(dimension, index_);
+        return PermutedRadicalInverse(base, index_, DigitPermutations::SeedOf(seed_, dimension));
+    default: return OwenScrambledRadicalInverse(base, index_, DigitPermutations::SeedOf(seed_, dimension));
+    }
+}
+
+}  // namespace pbrt

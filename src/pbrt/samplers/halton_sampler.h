@@ -1,0 +1,43 @@
+#pragma once
+#include "pbrt/math/low_discrepancy.h"
+#include "pbrt/samplers/randomization.h"
+#include "pbrt/samplers/sampler.h"
+
+namespace pbrt {
+
+/// Halton points over tiles of up to 128 pixels: bases 2 and 3, scaled by the power that covers the tile, give the
+/// position on the film, so that each pixel owns every (2^j 3^k)-th point; the other bases give the other dimensions.
+class HaltonSampler final : public Sampler {
+  public:
+    HaltonSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed);
+    int SamplesPerPixel() const override { return samplesPerPixel_; }
+    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override;
+    Float Get1D() override { return Dimension(dimension_++); }
+    Point2 Get2D() override {
+        dimension_ += 2;
+        return {Dimension(dimension_ - 2), Dimension(dimension_ - 1)};
+    }
+    Point2 GetPixel2D() override;
+    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<HaltonSampler>(*this); }
+
+    /// Index of the current sample in the Halton sequence.
+    uint64_t Index() const { return index_; }
+    Point2i TileScale() const { return scale_; }
+
+  private:
+    Float Dimension(int dimension) const;
+    static constexpr int kTile = 128;
+    static constexpr int kTabulated = 64;  ///< dimensions with digit permutations in tables
+    int samplesPerPixel_;
+    Randomization randomization_;
+    uint64_t seed_;
+    std::shared_ptr<const DigitPermutations> permutations_;
+    Point2i scale_{1, 1};      ///< 2^j and 3^k
+    Point2i exponents_{0, 0};  ///< j and k
+    uint64_t stride_ = 1;      ///< product of the scales
+    uint64_t xStep_ = 0, yStep_ = 0;  ///< 1 modulo the one scale and 0 modulo the other
+    uint64_t index_ = 0;
+    int dimension_ = 0;
+};
+
+}  // namespace pbrt

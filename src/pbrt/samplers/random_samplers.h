@@ -1,0 +1,69 @@
+#pragma once
+#include "pbrt/math/rng.h"
+#include "pbrt/samplers/sampler.h"
+
+namespace pbrt {
+
+/// A stream of random numbers for each pixel; each sample owns kDimensionsPerSample consecutive numbers of it.
+class PixelStream {
+  public:
+    explicit PixelStream(int seed) : seed_(seed) {}
+    void Start(Point2i pixel, int sampleIndex, int dimension) {
+        uint64_t h = Hash(pixel, seed_);
+        rng_.SetSequence(h, MixBits(h));
+        rng_.Advance(static_cast<uint64_t>(sampleIndex) * kDimensionsPerSample + static_cast<uint64_t>(dimension));
+    }
+    Float Next() { return rng_.Uniform(); }
+
+  private:
+    static constexpr uint64_t kDimensionsPerSample = 65536;
+    int seed_;
+    Rng rng_;
+};
+
+class IndependentSampler final : public Sampler {
+  public:
+    IndependentSampler(int samplesPerPixel, int seed) : samplesPerPixel_(samplesPerPixel), stream_(seed) {}
+    int SamplesPerPixel() const override { return samplesPerPixel_; }
+    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override {
+        stream_.Start(pixel, sampleIndex, dimension);
+    }
+    Float Get1D() override { return stream_.Next(); }
+    Point2 Get2D() override {
+        Float x = stream_.Next();
+        return {x, stream_.Next()};
+    }
+    Point2 GetPixel2D() override { return Get2D(); }
+    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<IndependentSampler>(*this); }
+
+  private:
+    int samplesPerPixel_;
+    PixelStream stream_;
+};
+
+/// Jittered cells: every pair of dimensions of a pixel has one sample in each of xSamples * ySamples cells, taken in a
+/// random order of its own; single dimensions likewise in xSamples * ySamples intervals.
+class StratifiedSampler final : public Sampler {
+  public:
+    StratifiedSampler(int xSamples, int ySamples, bool jitter, int seed)
+        : xSamples_(xSamples), ySamples_(ySamples), jitter_(jitter), seed_(seed), stream_(seed) {}
+    int SamplesPerPixel() const override { return xSamples_ * ySamples_; }
+    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override;
+    Float Get1D() override;
+    Point2 Get2D() override;
+    Point2 GetPixel2D() override { return Get2D(); }
+    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<StratifiedSampler>(*this); }
+
+  private:
+    uint32_t NextStratum(int dimensions);
+    Float Offset() { return jitter_ ? stream_.Next() : Float(0.5); }
+    int xSamples_, ySamples_;
+    bool jitter_;
+    int seed_;
+    PixelStream stream_;
+    uint64_t pixelHash_ = 0;
+    uint32_t index_ = 0;
+    int dimension_ = 0;
+};
+
+}  // namespace pbrt

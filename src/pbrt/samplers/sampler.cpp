@@ -1,0 +1,112 @@
+#include "pbrt/samplers/sampler.h"
+
+#include <algorithm>
+
+#include "pbrt/samplers/halton_sampler.h"
+#include "pbrt/samplers/random_samplers.h"
+#include "pbrt/samplers/randomization.h"
+#include "pbrt/samplers/sobol_samplers.h"
+
+namespace pbrt {
+
+const std::vector<std::string> &SupportedSamplers() {
+    static const std::vector<std::string> names = {"independent", "stratified", "halton",
+                                                   "sobol",       "paddedsobol", "zsobol"};
+    return names;
+}
+
+const std::vector<std::string> &UnsupportedSamplers() {
+    static const std::vector<std::string> names = {"pmj02bn"};
+    return names;
+}
+
+Randomization ReadRandomization(const ParamSet &params, Randomization defaultValue, bool hasFastOwen) {
+    struct Choice {
+        const char *name;
+        Randomization value;
+    };
+    static constexpr Choice kChoices[] = {{"none", Randomization::None},
+                                          {"permutedigits", Randomization::PermuteDigits},
+                                          {"owen", Randomization::Owen},
+                                          {"fastowen", Randomization::FastOwen}};
+    std::vector<std::string> names;
+    std::string defaultName;
+    for (const Choice &c : kChoices) {
+        if (c.value == defaultValue) defaultName = c.name;
+        if (c.value != Randomization::FastOwen || hasFastOwen) names.push_back(c.name);
+    }
+    std::string given = params.GetChoice("randomization", defaultName, names);
+    return std::find_if(std::begin(kChoices), std::end(kChoices), [&](const Choice &c) { return given == c.name; })->value;
+}
+
+namespace {
+
+int CheckedPositive(const ParamSet &params, const char *name, int value) {
+    if (value < 1)
+        throw UserError(fmt::format("{}: \"{}\" is {}; it must be at least 1.", params.What(), name, value),
+                        params.LocOf(name));
+    return value;
+}
+
+int ReadSamples(const ParamSet &params, int defaultValue, int sppOverride) {
+    int samples = params.GetInt("pixelsamples", defaultValue);
+    return sppOverride > 0 ? sppOverride : CheckedPositive(params, "pixelsamples", samples);
+}
+
+std::unique_ptr<Sampler> MakeStratified(const ParamSet &params, int sppOverride, int seed) {
+    bool jitter = params.GetBool("jitter", true);
+    int x = params.GetInt("xsamples", 4), y = params.GetInt("ysamples", 4);
+    if (sppOverride > 0) {
+        // The most square factors of the count.
+        for (y = static_cast<int>(std::sqrt(double(sppOverride)) + 0.5); y > 1 && sppOverride % y != 0;) --y;
+        x = sppOverride / y;
+    } else {
+        CheckedPositive(params, "xsamples", x);
+        CheckedPositive(params, "ysamples", y);
+        if (int64_t(x) * y > (1 << 30))
+            throw UserError(fmt::format("{}: {} x {} samples are too many.", params.What(), x, y), params.LocOf("xsamples"));
+    }
+    return std::make_unique<StratifiedSampler>(x, y, jitter, seed);
+}
+
+std::unique_ptr<Sampler> MakeSobol(const std::string &type, const ParamSet &params, Point2i resolution,
+                                   int sppOverride, int seed, DiagnosticSink &sink) {
+    int samples = ReadSamples(params, 16, sppOverride);
+    if (!std::has_single_bit(static_cast<unsigned>(samples)))
+        sink.Warning(params.LocOf("pixelsamples"),
+                     fmt::format("{}: {} samples per pixel are not a power of two; this sampler is at its best with one.",
+                                 params.What(), samples));
+    Randomization randomization = ReadRandomization(params, Randomization::FastOwen, true);
+    if (type == "sobol") return std::make_unique<SobolSampler>(samples, resolution, randomization, seed);
+    if (type == "paddedsobol") return std::make_unique<PaddedSobolSampler>(samples, randomization, seed);
+    return std::make_unique<ZSobolSampler>(samples, resolution, randomization, seed);
+}
+
+}  // namespace
+
+std::unique_ptr<Sampler> MakeSampler(const std::string &type, const ParamSet &params, Point2i resolution,
+                                     int sppOverride, int defaultSeed, DiagnosticSink &sink) {
+    const std::vector<std::string> &missing = UnsupportedSamplers();
+    if (std::find(missing.begin(), missing.end(), type) != missing.end())
+        throw UserError(fmt::format("Sampler \"{}\" is not supported; {}.", type, ListChoices("", SupportedSamplers())),
+                        params.Loc());
+    std::unique_ptr<Sampler> sampler;
+    int seed = params.GetInt("seed", defaultSeed);
+    if (type == "independent")
+        sampler = std::make_unique<IndependentSampler>(ReadSamples(params, 4, sppOverride), seed);
+    else if (type == "stratified")
+        sampler = MakeStratified(params, sppOverride, seed);
+    else if (type == "halton") {
+        int samples = ReadSamples(params, 16, sppOverride);
+        Randomization randomization = ReadRandomization(params, Randomization::PermuteDigits, false);
+        sampler = std::make_unique<HaltonSampler>(samples, resolution, randomization, seed);
+    } else if (type == "sobol" || type == "paddedsobol" || type == "zsobol")
+        sampler = MakeSobol(type, params, resolution, sppOverride, seed, sink);
+    else
+        throw UserError(fmt::format("Sampler \"{}\" is unknown; {}.", type, ListChoices(type, SupportedSamplers())),
+                        params.Loc());
+    params.ReportUnused(sink);
+    return sampler;
+}
+
+}  // namespace pbrt

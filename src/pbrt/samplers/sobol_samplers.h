@@ -1,0 +1,83 @@
+#pragma once
+#include "pbrt/math/sobol.h"
+#include "pbrt/samplers/randomization.h"
+#include "pbrt/samplers/sampler.h"
+
+namespace pbrt {
+
+/// The global Sobol' sequence: its first two dimensions cover the film (up to a power of two), so that pixels share one
+/// high-dimensional point set. These two stay as they are, the others are randomized.
+class SobolSampler final : public Sampler {
+  public:
+    SobolSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed);
+    int SamplesPerPixel() const override { return samplesPerPixel_; }
+    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override;
+    Float Get1D() override { return Dimension(dimension_++); }
+    Point2 Get2D() override {
+        dimension_ += 2;
+        return {Dimension(dimension_ - 2), Dimension(dimension_ - 1)};
+    }
+    Point2 GetPixel2D() override;
+    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<SobolSampler>(*this); }
+    uint64_t Index() const { return index_; }
+
+  private:
+    Float Dimension(int dimension) const;
+    int samplesPerPixel_;
+    Randomization randomization_;
+    uint64_t seed_;
+    int log2Resolution_;
+    std::shared_ptr<const SobolPixelIndex> pixelIndex_;
+    const uint32_t *matrices_;
+    uint64_t index_ = 0;
+    int dimension_ = 0;
+};
+
+/// The first one or two Sobol' dimensions again and again, each time in another random order and differently
+/// randomized, pixel by pixel.
+class PaddedSobolSampler final : public Sampler {
+  public:
+    PaddedSobolSampler(int samplesPerPixel, Randomization randomization, int seed)
+        : samplesPerPixel_(samplesPerPixel), randomization_(randomization), seed_(seed) {}
+    int SamplesPerPixel() const override { return samplesPerPixel_; }
+    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override;
+    Float Get1D() override;
+    Point2 Get2D() override;
+    Point2 GetPixel2D() override { return Get2D(); }
+    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<PaddedSobolSampler>(*this); }
+
+  private:
+    int samplesPerPixel_;
+    Randomization randomization_;
+    int seed_;
+    uint64_t pixelHash_ = 0;
+    uint32_t index_ = 0;
+    int dimension_ = 0;
+};
+
+/// Blue noise by order (Ahmed and Wonka 2020): pixels in Morton order take consecutive pieces of one Sobol' sequence,
+/// with the four children of every quad in a random order that differs from dimension to dimension.
+class ZSobolSampler final : public Sampler {
+  public:
+    ZSobolSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed);
+    int SamplesPerPixel() const override { return samplesPerPixel_; }
+    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override;
+    Float Get1D() override;
+    Point2 Get2D() override;
+    Point2 GetPixel2D() override { return Get2D(); }
+    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<ZSobolSampler>(*this); }
+
+  private:
+    uint64_t DimensionHash() const;
+    uint64_t SobolIndex(uint64_t hash) const;
+    int samplesPerPixel_;
+    Randomization randomization_;
+    uint64_t seed_;
+    int log2Samples_;  ///< rounded up
+    int indexBits_;    ///< of morton_
+    uint64_t roundSeed_ = 0;
+    uint64_t morton_ = 0;  ///< the pixel's place in Morton order, followed by the sample index
+    int dimension_ = 0;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,454 @@
+#include "pbrt/scenefile/description_builder.h"
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+namespace pbrt {
+
+namespace {
+
+/// " (first defined at FILE:LINE)"
+std::string FirstDefinedAt(const FileLoc &loc) {
+    return loc ? fmt::format("; it was first defined at {}:{}", loc.file->name, loc.line) : std::string();
+}
+
+std::string Lower(std::string s) {
+    std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return s;
+}
+
+}  // namespace
+
+const std::vector<std::string> &ColorSpaceNames() {
+    static const std::vector<std::string> names = {"srgb", "dci-p3", "rec2020", "aces2065-1"};
+    return names;
+}
+
+void DescriptionBuilder::WrongBlock(std::string_view word, const FileLoc &loc) {
+    if (!wrongBlockWords_.insert(std::string(word)).second) return;
+    sink_.Error(loc, inWorld_ ? fmt::format("{} is not allowed after WorldBegin: it belongs to the options.", word)
+                              : fmt::format("{} is not allowed before WorldBegin.", word));
+}
+
+// Transformations
+
+void DescriptionBuilder::Concat(const Transform &t) {
+    GraphicsState &s = State();
+    if (s.startActive) s.ctm.start = s.ctm.start * t;
+    if (s.endActive) s.ctm.end = s.ctm.end * t;
+}
+
+void DescriptionBuilder::SetTransform(const Transform &t) {
+    GraphicsState &s = State();
+    if (s.startActive) s.ctm.start = t;
+    if (s.endActive) s.ctm.end = t;
+}
+
+void DescriptionBuilder::DefineCoordinateSystem(const std::string &name) {
+    units_.back().coordinateSystems[name] = State().ctm;
+}
+
+void DescriptionBuilder::UseCoordinateSystem(const std::string &name, const FileLoc &loc) {
+    const auto &known = units_.back().coordinateSystems;
+    auto found = known.find(name);
+    if (found != known.end()) {
+        State().ctm = found->second;
+        return;
+    }
+    std::vector<std::string> names;
+    for (const auto &[knownName, pair] : known) names.push_back(knownName);
+    sink_.Warning(loc, fmt::format("Coordinate system \"{}\" is not defined; the transformation stays as it is ({}).",
+                                   name, names.empty() ? "none is defined" : ListChoices(name, names)));
+}
+
+// Options block
+
+ParamSet DescriptionBuilder::MakeParams(std::string what, Params params, const FileLoc &loc,
+                                        std::optional<AttributeTarget> target) const {
+    ParamSet set(std::move(what), loc);
+    if (target)
+        if (const auto &defaults = units_.back().state.attributes[static_cast<size_t>(*target)])
+            for (const Param &p : *defaults) set.AddDefault(p);
+    for (Param &p : params) set.Add(std::move(p));
+    return set;
+}
+
+void DescriptionBuilder::Fill(Entity &entity, const std::string &type, const char *directive, Params params,
+                              const FileLoc &loc, std::optional<AttributeTarget> target) const {
+    entity.type = type;
+    entity.loc = loc;
+    entity.colorSpace = units_.back().state.colorSpace;
+    entity.params = MakeParams(fmt::format("{} \"{}\"", directive, type), std::move(params), loc, target);
+}
+
+void DescriptionBuilder::SetCamera(const std::string &type, Params params, const FileLoc &loc) {
+    const GraphicsState &s = State();
+    CameraEntity camera;
+    Fill(camera, type, "Camera", std::move(params), loc);
+    camera.cameraFromWorld = s.ctm;
+    camera.startTime = s.startTime;
+    camera.endTime = s.endTime;
+    camera.medium = s.outsideMedium;
+    units_.back().coordinateSystems["camera"] = {s.ctm.start.Inverse(), s.ctm.end.Inverse()};
+    scene_.camera = std::move(camera);
+    hasCamera_ = true;
+}
+
+void DescriptionBuilder::SetFilm(const std::string &type, Params params, const FileLoc &loc) {
+    Fill(scene_.film, type, "Film", std::move(params), loc);
+    hasFilm_ = true;
+}
+
+void DescriptionBuilder::SetSampler(const std::string &type, Params params, const FileLoc &loc) {
+    Fill(scene_.sampler, type, "Sampler", std::move(params), loc);
+    hasSampler_ = true;
+}
+
+void DescriptionBuilder::SetFilter(const std::string &type, Params params, const FileLoc &loc) {
+    Fill(scene_.filter, type, "PixelFilter", std::move(params), loc);
+    hasFilter_ = true;
+}
+
+void DescriptionBuilder::SetIntegrator(const std::string &type, Params params, const FileLoc &loc) {
+    Fill(scene_.integrator, type, "Integrator", std::move(params), loc);
+    hasIntegrator_ = true;
+}
+
+void DescriptionBuilder::SetAccelerator(const std::string &type, Params params, const FileLoc &loc) {
+    Fill(scene_.accelerator, type, "Accelerator", std::move(params), loc);
+    hasAccelerator_ = true;
+}
+
+void DescriptionBuilder::WorldBegin() {
+    inWorld_ = true;
+    GraphicsState &s = State();
+    s.ctm = {};
+    s.startActive = s.endActive = true;
+    units_.back().coordinateSystems["world"] = s.ctm;
+}
+
+// Blocks
+
+void DescriptionBuilder::BeginAttributes(const FileLoc &loc) {
+    Unit &unit = units_.back();
+    unit.blocks.push_back({BlockKind::Attributes, loc, unit.state, unit.object});
+}
+
+void DescriptionBuilder::EndAttributes(const FileLoc &loc) { CloseBlock(BlockKind::Attributes, loc); }
+
+void DescriptionBuilder::WarnTransformBlock(const FileLoc &loc) {
+    if (std::exchange(warnedTransformBlock_, true)) return;
+    sink_.Warning(loc, "TransformBegin and TransformEnd are deprecated; they mean AttributeBegin and AttributeEnd.");
+}
+
+void DescriptionBuilder::CloseBlock(BlockKind kind, const FileLoc &loc) {
+    Unit &unit = units_.back();
+    const char *word = kind == BlockKind::Attributes ? "Attribute" : "Object";
+    auto matching = std::find_if(unit.blocks.rbegin(), unit.blocks.rend(),
+                                 [&](const OpenBlock &b) { return b.kind == kind; });
+    if (matching == unit.blocks.rend()) {
+        if (kind == BlockKind::Object)
+            sink_.Error(loc, "ObjectEnd without ObjectBegin.");
+        else if (unit.blocks.empty())
+            sink_.Warning(loc, "AttributeEnd without AttributeBegin; it is ignored.");
+        else
+            sink_.Error(loc, fmt::format("AttributeEnd inside the ObjectBegin of {}:{}, which it cannot end.",
+                                         unit.blocks.back().loc.file->name, unit.blocks.back().loc.line));
+        return;
+    }
+    // Whatever was opened further inside ends here too, so that one slip gives one message.
+    for (; unit.blocks.back().kind != kind; unit.blocks.pop_back())
+        sink_.Error(unit.blocks.back().loc, fmt::format("This {} has no end before the {}End at {}:{}.",
+                                                        kind == BlockKind::Attributes ? "ObjectBegin" : "AttributeBegin",
+                                                        word, loc.file ? loc.file->name : "", loc.line));
+    OpenBlock &block = unit.blocks.back();
+    unit.state = std::move(block.saved);
+    unit.object = block.outerObject;
+    unit.blocks.pop_back();
+}
+
+void DescriptionBuilder::BeginObject(const std::string &name, const FileLoc &loc, const FileLoc &nameLoc) {
+    Unit &unit = units_.back();
+    int object = kDiscard;
+    if (unit.object != kNoObject) {
+        sink_.Error(loc, fmt::format("ObjectBegin \"{}\" inside another object definition.", name));
+        object = unit.object;
+    } else if (auto [known, isNew] = unit.objects.try_emplace(name, nameLoc); !isNew) {
+        sink_.Error(nameLoc, fmt::format("Object \"{}\" is defined twice{}.", name, FirstDefinedAt(known->second)));
+    } else if (auto [index, fresh] = objectIndex_.try_emplace(name, scene_.objects.size()); fresh) {
+        object = static_cast<int>(scene_.objects.size());
+        scene_.objects.push_back({name, loc, {}});
+    } else {
+        sink_.Warning(nameLoc, fmt::format("Object \"{}\" is defined again by another file{}; the later definition is used.",
+                                       name, FirstDefinedAt(scene_.objects[index->second].loc)));
+        object = static_cast<int>(index->second);
+        scene_.objects[index->second] = {name, loc, {}};
+    }
+    unit.blocks.push_back({BlockKind::Object, loc, unit.state, unit.object});
+    unit.object = object;
+}
+
+void DescriptionBuilder::EndObject(const FileLoc &loc) { CloseBlock(BlockKind::Object, loc); }
+
+void DescriptionBuilder::AddInstance(const std::string &name, const FileLoc &loc, const FileLoc &nameLoc) {
+    if (units_.back().object != kNoObject) {
+        sink_.Error(loc, fmt::format("ObjectInstance \"{}\" inside an object definition; instances do not nest.", name));
+        return;
+    }
+    const GraphicsState &s = State();
+    scene_.instances.push_back({name, nameLoc, s.ctm, s.startTime, s.endTime});
+}
+
+void DescriptionBuilder::BeginImport() {
+    Unit unit;
+    unit.state = State();
+    unit.object = units_.back().object;
+    units_.push_back(std::move(unit));
+}
+
+void DescriptionBuilder::EndImport(bool complete) {
+    if (complete) ReportOpenBlocks();
+    units_.pop_back();
+}
+
+void DescriptionBuilder::ReportOpenBlocks() {
+    for (const OpenBlock &b : units_.back().blocks)
+        sink_.Error(b.loc, b.kind == BlockKind::Attributes ? "AttributeBegin without AttributeEnd."
+                                                           : "ObjectBegin without ObjectEnd.");
+}
+
+// Attribute state
+
+void DescriptionBuilder::AddAttributes(AttributeTarget target, Params params) {
+    auto &list = State().attributes[static_cast<size_t>(target)];
+    auto grown = list ? std::make_shared<Params>(*list) : std::make_shared<Params>();
+    std::move(params.begin(), params.end(), std::back_inserter(*grown));
+    list = std::move(grown);
+}
+
+void DescriptionBuilder::SetColorSpace(const std::string &name, const FileLoc &loc) {
+    const auto &names = ColorSpaceNames();
+    std::string lower = Lower(name);
+    if (std::find(names.begin(), names.end(), lower) != names.end())
+        State().colorSpace = lower;
+    else
+        sink_.Warning(loc, fmt::format("Unknown colour space \"{}\"; \"{}\" stays in force ({}).", name,
+                                       State().colorSpace, ListChoices(name, names)));
+}
+
+void DescriptionBuilder::SetAreaLight(const std::string &type, Params params, const FileLoc &loc) {
+    auto light = std::make_shared<PendingAreaLight>();
+    Fill(light->entity, type, "AreaLightSource", std::move(params), loc, AttributeTarget::Light);
+    State().areaLight = std::move(light);
+}
+
+// Entities of the world
+
+TransformPair DescriptionBuilder::Unmoving(const char *what, const FileLoc &loc) {
+    const TransformPair &ctm = State().ctm;
+    if (ctm.IsAnimated())
+        sink_.Warning(loc, fmt::format("{} cannot be animated; the transformation at the start time is used.", what));
+    return {ctm.start, ctm.start};
+}
+
+void DescriptionBuilder::AddMaterial(const std::string &type, Params params, const FileLoc &loc) {
+    MaterialEntity material;
+    Fill(material, type, "Material", std::move(params), loc, AttributeTarget::Material);
+    State().material = {static_cast<int>(scene_.materials.size()), {}};
+    scene_.materials.push_back(std::move(material));
+}
+
+void DescriptionBuilder::TakeTypeParameter(Entity &entity, const char *directive) {
+    try {
+        if (entity.params.Find("type", ParamType::String))
+            entity.type = entity.params.GetString("type", "");
+        else
+            sink_.Error(entity.loc, fmt::format("{} needs a parameter \"string type\".", directive));
+    } catch (const UserError &e) {
+        sink_.Add(e);
+    }
+}
+
+void DescriptionBuilder::AddNamedMaterial(const std::string &name, Params params, const FileLoc &loc,
+                                          const FileLoc &nameLoc) {
+    MaterialEntity material;
+    Fill(material, name, "MakeNamedMaterial", std::move(params), loc, AttributeTarget::Material);
+    material.name = name;
+    TakeTypeParameter(material, "MakeNamedMaterial");
+    auto [known, isNew] = materialNames_.try_emplace(name, nameLoc);
+    if (!isNew) {
+        sink_.Error(nameLoc, fmt::format("Material \"{}\" is defined twice{}.", name, FirstDefinedAt(known->second)));
+        return;
+    }
+    scene_.materials.push_back(std::move(material));
+}
+
+void DescriptionBuilder::AddTexture(const std::string &name, bool isSpectrum, const std::string &type, Params params,
+                                    const FileLoc &loc, const FileLoc &nameLoc) {
+    auto &names = isSpectrum ? spectrumTextureNames_ : floatTextureNames_;
+    auto [known, isNew] = names.try_emplace(name, nameLoc);
+    if (!isNew) {
+        sink_.Error(nameLoc, fmt::format("{} texture \"{}\" is defined twice{}.", isSpectrum ? "Spectrum" : "Float", name,
+                                         FirstDefinedAt(known->second)));
+        return;
+    }
+    TextureEntity texture;
+    Fill(texture, type, "Texture", std::move(params), loc, AttributeTarget::Texture);
+    texture.name = name;
+    texture.isSpectrum = isSpectrum;
+    texture.ctm = Unmoving("A texture", loc);
+    scene_.textures.push_back(std::move(texture));
+}
+
+void DescriptionBuilder::AddMedium(const std::string &name, Params params, const FileLoc &loc, const FileLoc &nameLoc) {
+    MediumEntity medium;
+    Fill(medium, name, "MakeNamedMedium", std::move(params), loc, AttributeTarget::Medium);
+    medium.name = name;
+    TakeTypeParameter(medium, "MakeNamedMedium");
+    medium.ctm = Unmoving("A medium", loc);
+    auto [known, isNew] = units_.back().media.try_emplace(name, nameLoc);
+    if (!isNew) {
+        sink_.Error(nameLoc, fmt::format("Medium \"{}\" is defined twice{}.", name, FirstDefinedAt(known->second)));
+        return;
+    }
+    auto [index, fresh] = mediumIndex_.try_emplace(name, scene_.media.size());
+    if (fresh) {
+        scene_.media.push_back(std::move(medium));
+        return;
+    }
+    sink_.Warning(nameLoc, fmt::format("Medium \"{}\" is defined again by another file{}; the later definition is used.",
+                                       name, FirstDefinedAt(scene_.media[index->second].loc)));
+    scene_.media[index->second] = std::move(medium);
+}
+
+void DescriptionBuilder::AddLight(const std::string &type, Params params, const FileLoc &loc) {
+    LightEntity light;
+    Fill(light, type, "LightSource", std::move(params), loc, AttributeTarget::Light);
+    light.ctm = Unmoving("A light", loc);
+    light.medium = State().outsideMedium;
+    if (units_.back().object != kNoObject)
+        sink_.Warning(loc, "Lights are not instanced: this one shines once, from where the object is defined.");
+    scene_.lights.push_back(std::move(light));
+}
+
+void DescriptionBuilder::AddShape(const std::string &type, Params params, const FileLoc &loc) {
+    Unit &unit = units_.back();
+    const GraphicsState &s = unit.state;
+    ShapeEntity shape;
+    Fill(shape, type, "Shape", std::move(params), loc, AttributeTarget::Shape);
+    shape.ctm = s.ctm;
+    shape.startTime = s.startTime;
+    shape.endTime = s.endTime;
+    shape.reverseOrientation = s.reverseOrientation;
+    shape.material = s.material;
+    shape.insideMedium = s.insideMedium;
+    shape.outsideMedium = s.outsideMedium;
+    if (s.areaLight && unit.object != kNoObject) {
+        if (!std::exchange(s.areaLight->warnedInObject, true))
+            sink_.Warning(loc, "Area lights are not supported inside object definitions: this shape does not emit.");
+    } else if (s.areaLight) {
+        if (shape.ctm.IsAnimated()) sink_.Error(loc, "Animated area lights are not supported.");
+        PendingAreaLight &light = *s.areaLight;
+        if (light.index < 0) {
+            light.index = static_cast<int>(scene_.areaLights.size());
+            scene_.areaLights.push_back(std::move(light.entity));
+        }
+        shape.areaLight = light.index;
+    }
+    if (unit.object >= 0)
+        scene_.objects[static_cast<size_t>(unit.object)].shapes.push_back(std::move(shape));
+    else if (unit.object == kNoObject)
+        scene_.shapes.push_back(std::move(shape));
+}
+
+// The end
+
+void DescriptionBuilder::FillDefaults(const FileLoc &where) {
+    auto fill = [&](Entity &entity, bool given, const char *type, const char *directive) {
+        if (given) return;
+        entity.type = type;
+        entity.loc = where;
+        entity.params = ParamSet(fmt::format("{} \"{}\"", directive, type), where);
+    };
+    fill(scene_.camera, hasCamera_, "perspective", "Camera");
+    fill(scene_.film, hasFilm_, "rgb", "Film");
+    fill(scene_.sampler, hasSampler_, "zsobol", "Sampler");
+    fill(scene_.filter, hasFilter_, "gaussian", "PixelFilter");
+    fill(scene_.integrator, hasIntegrator_, "volpath", "Integrator");
+    fill(scene_.accelerator, hasAccelerator_, "bvh", "Accelerator");
+}
+
+void DescriptionBuilder::CheckMaterials() {
+    struct Missing {
+        FileLoc firstUse;
+        size_t shapes = 0;
+    };
+    std::map<std::string, Missing> missing;
+    auto check = [&](const ShapeEntity &shape) {
+        if (shape.material.name.empty() || materialNames_.contains(shape.material.name)) return;
+        Missing &m = missing[shape.material.name];
+        if (m.shapes++ == 0) m.firstUse = shape.loc;
+    };
+    for (const ShapeEntity &shape : scene_.shapes) check(shape);
+    for (const ObjectEntity &object : scene_.objects)
+        for (const ShapeEntity &shape : object.shapes) check(shape);
+    std::vector<std::string> names;
+    for (const auto &[name, loc] : materialNames_) names.push_back(name);
+    for (const auto &[name, m] : missing)
+        sink_.Error(m.firstUse,
+                    fmt::format("This shape uses the named material \"{}\", which is not defined{}; {}.", name,
+                                m.shapes > 1 ? fmt::format(" (so do {} others)", m.shapes - 1) : "",
+                                names.empty() ? "no material is" : ListChoices(name, names)));
+}
+
+void DescriptionBuilder::CheckMedia() {
+    std::set<std::string> reported;
+    std::vector<std::string> names;
+    for (const MediumEntity &m : scene_.media) names.push_back(m.name);
+    auto check = [&](const std::string &name, const FileLoc &loc) {
+        if (name.empty() || mediumIndex_.contains(name) || !reported.insert(name).second) return;
+        sink_.Error(loc, fmt::format("Medium \"{}\" is used here but not defined; {}.", name,
+                                     names.empty() ? "no medium is" : ListChoices(name, names)));
+    };
+    check(scene_.camera.medium, scene_.camera.loc);
+    for (const LightEntity &light : scene_.lights) check(light.medium, light.loc);
+    auto checkShape = [&](const ShapeEntity &shape) {
+        check(shape.insideMedium, shape.loc);
+        check(shape.outsideMedium, shape.loc);
+    };
+    for (const ShapeEntity &shape : scene_.shapes) checkShape(shape);
+    for (const ObjectEntity &object : scene_.objects)
+        for (const ShapeEntity &shape : object.shapes) checkShape(shape);
+}
+
+/// Undefined names are errors; empty objects and their instances go away.
+void DescriptionBuilder::ResolveInstances() {
+    std::vector<std::string> names;
+    for (const ObjectEntity &object : scene_.objects) names.push_back(object.name);
+    std::set<std::string> reported;
+    std::erase_if(scene_.instances, [&](const InstanceEntity &instance) {
+        auto found = objectIndex_.find(instance.name);
+        if (found != objectIndex_.end()) return scene_.objects[found->second].shapes.empty();
+        if (reported.insert(instance.name).second)
+            sink_.Error(instance.loc, fmt::format("Object \"{}\" is not defined; {}.", instance.name,
+                                                  names.empty() ? "no object is" : ListChoices(instance.name, names)));
+        return true;
+    });
+    std::erase_if(scene_.objects, [](const ObjectEntity &object) { return object.shapes.empty(); });
+}
+
+SceneDescription DescriptionBuilder::Finish(bool complete, const FileLoc &where, FileResolver files) {
+    FillDefaults(where);
+    scene_.files = std::move(files);
+    if (complete) {
+        if (!inWorld_) sink_.Error(where, "The input ends before WorldBegin.");
+        ReportOpenBlocks();
+        CheckMaterials();
+        CheckMedia();
+        ResolveInstances();
+    }
+    return std::move(scene_);
+}
+
+}  // namespace pbrt

@@ -1,0 +1,92 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+#include "pbrt/scenefile/description_builder.h"
+#include "pbrt/scenefile/parameter_reader.h"
+
+namespace pbrt {
+
+/// The grammar: reads directives from a tokenizer and tells the builder. One for every top-level or imported file.
+class DirectiveReader {
+  public:
+    DirectiveReader(Tokenizer &tokens, DescriptionBuilder &builder, const FileResolver &files);
+
+    /// To the end of the tokens. Throws the first error after which it is not clear how to read on.
+    void Run();
+
+  private:
+    enum class Where { Anywhere, Options, World };
+    struct Directive;
+    static const std::unordered_map<std::string_view, Directive> &Directives();
+    void SkipToNextDirective();
+    void Unknown(const Token &word);
+
+    // One per directive, or per group of directives of the same form.
+    void ReadAccelerator();
+    void ReadActiveTransform();
+    void ReadAreaLightSource();
+    void ReadAttribute();
+    void ReadAttributeBegin();
+    void ReadAttributeEnd();
+    void ReadCamera();
+    void ReadColorSpace();
+    void ReadConcatTransform();
+    void ReadCoordinateSystem();
+    void ReadCoordSysTransform();
+    void ReadFilm();
+    void ReadIdentity();
+    void ReadImport();
+    void ReadInclude();
+    void ReadIntegrator();
+    void ReadLightSource();
+    void ReadLookAt();
+    void ReadMakeNamedMaterial();
+    void ReadMakeNamedMedium();
+    void ReadMaterial();
+    void ReadMediumInterface();
+    void ReadNamedMaterial();
+    void ReadObjectBegin();
+    void ReadObjectEnd();
+    void ReadObjectInstance();
+    void ReadOption();
+    void ReadPixelFilter();
+    void ReadReverseOrientation();
+    void ReadRotate();
+    void ReadSampler();
+    void ReadScale();
+    void ReadShape();
+    void ReadTexture();
+    void ReadTransform();
+    void ReadTransformBegin();
+    void ReadTransformEnd();
+    void ReadTransformTimes();
+    void ReadTranslate();
+    void ReadWorldBegin();
+
+    std::string ReadType() { return std::string(arguments_.ReadString("a type name").text); }
+    /// A name that must not be empty; *loc is where it stands.
+    std::string ReadName(const char *what, FileLoc *loc);
+    Params ReadParams() { return arguments_.ReadList(builder_.State().colorSpace); }
+    Vector3 ReadVector();
+    Transform ReadMatrix();
+    void SetOption(const std::string &name, const Token &token);
+    /// The file named next; null after reporting that it cannot be read.
+    std::shared_ptr<const SourceFile> ReadFile(std::string *key);
+
+    Tokenizer &tokens_;
+    DescriptionBuilder &builder_;
+    const FileResolver &files_;
+    ParameterReader arguments_;
+    FileLoc here_;  ///< of the directive being read
+    int unknownWords_ = 0;
+};
+
+/// Reads a file, or standard input for "-"; throws UserError (no location) if that fails.
+std::shared_ptr<const SourceFile> OpenSceneFile(const std::string &path);
+/// The same for every way to write the file's name.
+std::string SceneFileKey(const std::string &path);
+
+}  // namespace pbrt

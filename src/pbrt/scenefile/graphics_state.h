@@ -1,0 +1,36 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pbrt/scenefile/scene_description.h"
+
+namespace pbrt {
+
+/// What an Attribute directive can address.
+enum class AttributeTarget { Shape, Light, Material, Medium, Texture };
+inline constexpr size_t AttributeTargetCount = 5;
+
+/// An AreaLightSource directive. It enters the description when the first shape uses it.
+struct PendingAreaLight {
+    Entity entity;
+    int index = -1;
+    bool warnedInObject = false;
+};
+
+/// Everything AttributeBegin saves and AttributeEnd restores (pbrt-v4-format §2.1).
+struct GraphicsState {
+    TransformPair ctm;
+    bool startActive = true, endActive = true;
+    Float startTime = 0, endTime = 1;
+    bool reverseOrientation = false;
+    MaterialRef material;
+    std::shared_ptr<PendingAreaLight> areaLight;
+    std::string insideMedium, outsideMedium;
+    std::string colorSpace = "srgb";
+    /// Parameters of Attribute directives, one list per target. Shared by all states until one of them adds to it.
+    std::array<std::shared_ptr<const std::vector<Param>>, AttributeTargetCount> attributes;
+};
+
+}  // namespace pbrt

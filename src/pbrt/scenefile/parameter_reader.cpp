@@ -1,0 +1,251 @@
+#include "pbrt/scenefile/parameter_reader.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "pbrt/scenefile/numbers.h"
+#include "pbrt/scenefile/unicode.h"
+
+namespace pbrt {
+
+namespace {
+
+constexpr ParamType kTypes[] = {ParamType::Integer, ParamType::Float,   ParamType::Point2,    ParamType::Vector2,
+                                ParamType::Point3,  ParamType::Vector3, ParamType::Normal,    ParamType::Bool,
+                                ParamType::String,  ParamType::Rgb,     ParamType::Blackbody, ParamType::Spectrum,
+                                ParamType::Texture};
+
+std::optional<ParamType> FindType(std::string_view word) {
+    for (ParamType type : kTypes)
+        if (word == Name(type)) return type;
+    return {};
+}
+
+std::string ListTypes(std::string_view given) {
+    std::vector<std::string> names;
+    for (ParamType type : kTypes) names.emplace_back(Name(type));
+    return ListChoices(given, names);
+}
+
+/// Up to the next blank; `text` moves behind it.
+std::string_view TakeWord(std::string_view &text) {
+    size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
+    size_t end = std::min(text.find_first_of(" \t", begin), text.size());
+    std::string_view word = text.substr(begin, end - begin);
+    text.remove_prefix(end);
+    return word;
+}
+
+bool TakesStrings(ParamType type) { return type == ParamType::String || type == ParamType::Texture; }
+
+/// True if the strings are names of other entities, which are compared composed.
+bool HoldsNames(const Param &param) { return param.type == ParamType::Texture || param.name == "materials"; }
+
+const char *ExpectedValues(ParamType type) {
+    if (TakesStrings(type)) return "quoted strings";
+    if (type == ParamType::Bool) return "true or false (without quotes)";
+    if (type == ParamType::Spectrum) return "numbers or quoted names";
+    return "numbers";
+}
+
+/// A token as messages quote it.
+std::string Quote(const Token &token) {
+    if (token.kind == TokenKind::String) return fmt::format("the string \"{}\"", token.text);
+    return fmt::format("\"{}\"", token.text);
+}
+
+}  // namespace
+
+/// The values of one parameter while they are read. Numbers are in floats_ or ints_ of the reader.
+struct ParameterReader::Values {
+    Kind kind = Kind::None;
+    Token first;
+    std::vector<std::string> strings;
+    std::vector<uint8_t> bools;
+};
+
+void ParameterReader::Fail(const Token &token, std::string message) const {
+    throw UserError(std::move(message), tokens_.Loc(token));
+}
+
+Token ParameterReader::Require(const char *what) {
+    Token token = tokens_.Next();
+    if (token.kind == TokenKind::End)
+        throw UserError(fmt::format("Premature end of file: after this, {} is expected.", what), tokens_.LastLoc());
+    return token;
+}
+
+Token ParameterReader::ReadString(const char *what) {
+    Token token = Require(what);
+    if (token.kind != TokenKind::String) Fail(token, fmt::format("Expected {} in quotes, found {}.", what, Quote(token)));
+    return token;
+}
+
+Token ParameterReader::ReadWord(const char *what) {
+    Token token = Require(what);
+    if (token.kind != TokenKind::Word) Fail(token, fmt::format("Expected {}, found {}.", what, Quote(token)));
+    return token;
+}
+
+Float ParameterReader::ToFloat(const Token &token) const {
+    Float value = 0;
+    bool overflow = false;
+    const char *end = token.text.data() + token.text.size();
+    if (token.kind != TokenKind::Word || ScanFloat(token.text.data(), end, &value, &overflow) != end)
+        Fail(token, fmt::format("Expected a number, found {}.", Quote(token)));
+    if (overflow) WarnOverflow(token);
+    return value;
+}
+
+void ParameterReader::WarnOverflow(const Token &token) const {
+    sink_.Warning(tokens_.Loc(token), fmt::format("{} does not fit a 32-bit float; it becomes infinite.", token.text));
+}
+
+Float ParameterReader::ReadFloat(const char *what) {
+    Token token = Require(what);
+    return ToFloat(token);
+}
+
+int ParameterReader::ReadInt(const char *what) {
+    Token token = Require(what);
+    int value = 0;
+    bool overflow = false;
+    const char *end = token.text.data() + token.text.size();
+    if (token.kind != TokenKind::Word || ScanInt(token.text.data(), end, &value, &overflow) != end)
+        Fail(token, fmt::format("Expected {} (an integer), found {}.", what, Quote(token)));
+    if (overflow) Fail(token, fmt::format("{} does not fit a 32-bit integer.", token.text));
+    return value;
+}
+
+bool ParameterReader::ReadBool(const char *what) {
+    Token token = Require(what);
+    if (token.kind == TokenKind::Word && token.text == "true") return true;
+    if (token.kind == TokenKind::Word && token.text == "false") return false;
+    Fail(token, fmt::format("Expected {}: true or false without quotes, found {}.", what, Quote(token)));
+}
+
+std::string ParameterReader::NameOf(const Token &token) const {
+    if (auto bad = FindInvalidUtf8(token.text))
+        Fail(token, fmt::format("The name \"{}\\x{:02x}...\" is not valid UTF-8.", token.text.substr(0, *bad),
+                                static_cast<unsigned char>(token.text[*bad])));
+    return ComposeUtf8(token.text);
+}
+
+std::vector<Param> ParameterReader::ReadList(const std::string &colorSpace) {
+    std::vector<Param> list;
+    while (tokens_.Peek().kind == TokenKind::String) {
+        Token declaration = tokens_.Next();
+        bool known = true;
+        Param param = ReadDeclaration(declaration, &known);
+        Values values;
+        ReadValues(param, known, values);
+        if (!known) continue;
+        CheckKind(param, values);
+        param.colorSpace = colorSpace;
+        param.strings = std::move(values.strings);
+        param.bools = std::move(values.bools);
+        param.ints.assign(ints_.begin(), ints_.end());
+        param.floats.assign(floats_.begin(), floats_.end());
+        list.push_back(std::move(param));
+    }
+    return list;
+}
+
+Param ParameterReader::ReadDeclaration(const Token &token, bool *known) {
+    std::string_view text = token.text;
+    std::string_view typeWord = TakeWord(text), name = TakeWord(text);
+    if (typeWord.empty() || name.empty())
+        Fail(token, fmt::format("Expected a parameter declaration \"type name\", found \"{}\".", token.text));
+    Param param;
+    param.loc = tokens_.Loc(token);
+    param.name = name;
+    std::optional<ParamType> type = FindType(typeWord);
+    *known = type.has_value();
+    if (type)
+        param.type = *type;
+    else
+        sink_.Error(param.loc, fmt::format("\"{}\": unknown parameter type \"{}\"; {}.", token.text, typeWord,
+                                           ListTypes(typeWord)));
+    return param;
+}
+
+ParameterReader::Kind ParameterReader::ReadValue(const Token &token, const Param &param, bool known, bool bracketed,
+                                                 Values &values) {
+    if (token.kind == TokenKind::String) {
+        values.strings.push_back(known && HoldsNames(param) ? NameOf(token) : std::string(token.text));
+        return Kind::String;
+    }
+    if (token.text == "true" || token.text == "false") {
+        values.bools.push_back(token.text == "true");
+        return Kind::Bool;
+    }
+    const char *begin = token.text.data(), *end = begin + token.text.size();
+    Float number = 0;
+    bool overflow = false;
+    if (ScanFloat(begin, end, &number, &overflow) != end)
+        Fail(token, fmt::format("Expected {} for \"{}\", found {}{}.", known ? ExpectedValues(param.type) : "a value",
+                                param.name, Quote(token), bracketed ? "; is ] missing before it?" : ""));
+    if (!known || param.type != ParamType::Integer) {
+        if (overflow) WarnOverflow(token);
+        floats_.push_back(number);
+        return Kind::Number;
+    }
+    int integer = 0;
+    overflow = false;
+    if (ScanInt(begin, end, &integer, &overflow) != end)
+        sink_.Error(tokens_.Loc(token), fmt::format("Expected an integer for \"{}\", found {}.", param.name, token.text));
+    else if (overflow)
+        sink_.Error(tokens_.Loc(token), fmt::format("{} does not fit a 32-bit integer.", token.text));
+    ints_.push_back(integer);
+    return Kind::Number;
+}
+
+void ParameterReader::ReadValues(const Param &param, bool known, Values &values) {
+    floats_.clear();
+    ints_.clear();
+    bool asInteger = known && param.type == ParamType::Integer;
+    bool wantsNumbers = !known || (!TakesStrings(param.type) && param.type != ParamType::Bool);
+    Token token = Require("a value");
+    bool bracketed = token.kind == TokenKind::Open;
+    do {
+        if (bracketed) {
+            if (wantsNumbers && (values.kind == Kind::None || values.kind == Kind::Number)) {
+                if (asInteger)
+                    tokens_.ReadInts(ints_);
+                else
+                    tokens_.ReadFloats(floats_);
+                if (values.kind == Kind::None && !(ints_.empty() && floats_.empty())) {
+                    values.kind = Kind::Number;
+                    values.first = token;
+                }
+            }
+            token = Require("] or a value");
+            if (token.kind == TokenKind::Close) return;
+        }
+        if (token.kind == TokenKind::Open) Fail(token, "[ inside a bracketed list.");
+        if (token.kind == TokenKind::Close) Fail(token, "] without [.");
+        Kind kind = ReadValue(token, param, known, bracketed, values);
+        if (values.kind == Kind::None) {
+            values.kind = kind;
+            values.first = token;
+        } else if (values.kind != kind) {
+            Fail(token, fmt::format("{} among other kinds of values of \"{}\": all must be numbers, all strings or all "
+                                    "true/false.",
+                                    Quote(token), param.name));
+        }
+    } while (bracketed);
+}
+
+void ParameterReader::CheckKind(const Param &param, const Values &values) {
+    if (values.kind == Kind::None) return;
+    bool fits = values.kind == Kind::Number;
+    if (TakesStrings(param.type)) fits = values.kind == Kind::String;
+    if (param.type == ParamType::Bool) fits = values.kind == Kind::Bool;
+    if (param.type == ParamType::Spectrum) fits = values.kind != Kind::Bool;
+    if (!fits)
+        sink_.Error(tokens_.Loc(values.first), fmt::format("\"{} {}\" takes {}, found {}.", Name(param.type), param.name,
+                                                           ExpectedValues(param.type), Quote(values.first)));
+}
+
+}  // namespace pbrt

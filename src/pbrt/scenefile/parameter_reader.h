@@ -1,0 +1,49 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "pbrt/core/params.h"
+#include "pbrt/scenefile/tokenizer.h"
+
+namespace pbrt {
+
+/// Reads arguments and parameter lists. What leaves no doubt where the next directive begins (an unknown type, values
+/// of the wrong kind) goes to the sink and is skipped; the rest is thrown as a located UserError.
+class ParameterReader {
+  public:
+    ParameterReader(Tokenizer &tokens, DiagnosticSink &sink) : tokens_(tokens), sink_(sink) {}
+
+    /// All parameters up to the first token that is not a quoted string.
+    std::vector<Param> ReadList(const std::string &colorSpace);
+
+    /// One required argument; `what` names it in the message.
+    Token ReadString(const char *what);
+    Token ReadWord(const char *what);
+    Float ReadFloat(const char *what);
+    int ReadInt(const char *what);
+    bool ReadBool(const char *what);
+
+    /// The string as a name: valid UTF-8, composed.
+    std::string NameOf(const Token &token) const;
+
+    /// The next token; an error at the end of the input that says what was expected.
+    Token Require(const char *what);
+    [[noreturn]] void Fail(const Token &token, std::string message) const;
+
+  private:
+    enum class Kind { None, Number, String, Bool };
+    struct Values;
+    Param ReadDeclaration(const Token &token, bool *known);
+    void ReadValues(const Param &param, bool known, Values &values);
+    Kind ReadValue(const Token &token, const Param &param, bool known, bool bracketed, Values &values);
+    void CheckKind(const Param &param, const Values &values);
+    Float ToFloat(const Token &token) const;
+    void WarnOverflow(const Token &token) const;
+
+    Tokenizer &tokens_;
+    DiagnosticSink &sink_;
+    std::vector<Float> floats_;  // reused between parameters
+    std::vector<int> ints_;
+};
+
+}  // namespace pbrt

@@ -7,6 +7,7 @@
 #include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/lights/light_factory.h"
+#include "pbrt/math/rng.h"
 
 namespace pbrt {
 

@@ -12,9 +12,14 @@ GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform 
     parts_.accel = std::make_unique<Accel>();
     parts_.lights = std::make_unique<LightTable>();
     work_.reserve(description_.shapes.size());
-    for (ShapeEntity &s : description_.shapes) work_.push_back({.entity = &s, .object = -1});
+    auto add = [&](ShapeEntity &entity, int object) {
+        Work &w = work_.emplace_back();
+        w.entity = &entity;
+        w.object = object;
+    };
+    for (ShapeEntity &s : description_.shapes) add(s, -1);
     for (size_t o = 0; o < description_.objects.size(); ++o)
-        for (ShapeEntity &s : description_.objects[o].shapes) work_.push_back({.entity = &s, .object = static_cast<int>(o)});
+        for (ShapeEntity &s : description_.objects[o].shapes) add(s, static_cast<int>(o));
     makerOf_.assign(description_.areaLights.size(), -1);
     makers_.reserve(description_.areaLights.size());
 }

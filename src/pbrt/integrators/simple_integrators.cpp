@@ -14,6 +14,15 @@ SampledSpectrum Background(const Scene &scene, const Vector3 &d, const SampledWa
     return L;
 }
 
+/// A direction that did not come from the BSDF, in the form PathRay takes.
+BsdfSample UniformSample(const Vector3 &wi, Float pdf) {
+    BsdfSample sample;
+    sample.wi = wi;
+    sample.pdf = pdf;
+    sample.flags = BxdfFlags::Glossy;
+    return sample;
+}
+
 void Footprint(const IntegratorContext &context, SurfacePoint &point, PathRay &path) {
     if (context.needsFootprints) ComputeFootprint(point, path.differential, context.camera, context.samplesPerPixel);
     else path.differential.valid = false;
@@ -88,7 +97,7 @@ SampledSpectrum SimplePathIntegrator::Li(CameraRay cameraRay, SampledWavelengths
             }
             beta *= bsdf.F(point.wo, wi) * (AbsDot(wi, point.shading.n) / pdf);
             specular = false;
-            path.Scatter(point, {.wi = wi, .pdf = pdf, .flags = BxdfFlags::Glossy});
+            path.Scatter(point, UniformSample(wi, pdf));
         }
     }
     return L;
@@ -118,7 +127,7 @@ SampledSpectrum RandomWalkIntegrator::Li(CameraRay cameraRay, SampledWavelengths
         ++ThreadCounters().pathVertices;
         Vector3 wi = SampleUniformSphere(sampler.Get2D());
         beta *= bsdf.F(point.wo, wi) * (AbsDot(wi, point.shading.n) / UniformSpherePdf());
-        path.Scatter(point, {.wi = wi, .pdf = UniformSpherePdf(), .flags = BxdfFlags::Glossy});
+        path.Scatter(point, UniformSample(wi, UniformSpherePdf()));
     }
     return L;
 }

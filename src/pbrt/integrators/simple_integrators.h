@@ -1,5 +1,6 @@
 #pragma once
 #include "pbrt/integrators/integrator.h"
+#include "pbrt/spectra/color_space.h"
 
 namespace pbrt {
 

@@ -17,7 +17,7 @@ Vector2 ParameterStep(const SurfacePoint &point, const Vector3 &dp, Float invers
     Float du = DifferenceOfProducts(vv, bu, uv, bv) * inverseDeterminant;
     Float dv = DifferenceOfProducts(uu, bv, uv, bu) * inverseDeterminant;
     constexpr Float kLargest = 1e8f;
-    auto bounded = [](Float x) { return std::isfinite(x) ? std::clamp(x, -kLargest, kLargest) : Float(0); };
+    auto bounded = [=](Float x) { return std::isfinite(x) ? std::clamp(x, -kLargest, kLargest) : Float(0); };
     return {bounded(du), bounded(dv)};
 }
 

@@ -22,9 +22,9 @@ inline Float FresnelDielectric(Float cosThetaI, Float eta) {
 /// Unpolarised reflectance of a boundary to a medium of complex relative index eta + i k (Born and Wolf, Principles of
 /// Optics, 14.2). Written with sums of squares only, so that it cannot leave [0, 1] by cancellation.
 inline Float FresnelConductor(Float cosThetaI, Float eta, Float k) {
-    Float c = std::clamp(cosThetaI, Float(0), Float(1));
+    Float c = std::clamp(cosThetaI, Float(1e-6), Float(1));
     Float s2 = 1 - c * c;
-    Float re = eta * eta - k * k - s2, im = 2 * eta * k;
+    Float re = (eta * eta - k * k - 1) + c * c, im = 2 * eta * k;
     Float modulus = std::sqrt(re * re + im * im);
     Float a = std::sqrt(std::max(Float(0), (modulus + re) / 2));  // a + i b = sqrt(index^2 - sin^2)
     Float b2 = std::max(Float(0), (modulus - re) / 2);

@@ -1,0 +1,89 @@
+#include "pbrt/bxdfs/bsdf.h"
+
+#include <gtest/gtest.h>
+
+#include "pbrt/math/rng.h"
+
+namespace pbrt {
+namespace {
+
+const Normal3 kNormal = Normalize(Vector3(0.3f, -0.7f, 0.4f));
+const Vector3 kTangent(1, 0.2f, -0.1f);
+
+TEST(Bsdf, WithoutLobeNothingScatters) {
+    Bsdf none;
+    EXPECT_FALSE(none);
+    EXPECT_EQ(none.Flags(), BxdfFlags::None);
+    EXPECT_FALSE(none.Sample(kNormal, 0.5f, {0.5f, 0.5f}));
+    EXPECT_FALSE(none.F(kNormal, kNormal));
+    EXPECT_EQ(none.Pdf(kNormal, kNormal), 0);
+    none.Regularize();
+}
+
+TEST(Bsdf, WorksInTheShadingFrame) {
+    DielectricBxdf lobe(1.4f, TrowbridgeReitz(0.2f, 0.6f));
+    Bsdf bsdf(kNormal, kTangent, lobe);
+    EXPECT_TRUE(bsdf);
+    Frame frame = Frame::FromXZ(kTangent, kNormal);
+    Rng rng(1);
+    for (int i = 0; i < 200; ++i) {
+        Vector3 wo = SampleUniformSphere(rng.Uniform2()), wi = SampleUniformSphere(rng.Uniform2());
+        Vector3 o = frame.ToLocal(wo), local = frame.ToLocal(wi);
+        // Not to the last bits: the compiler may contract products and sums differently here and there.
+        Float f = lobe.F(o, local, TransportMode::Radiance)[1];
+        Float pdf = lobe.Pdf(o, local, TransportMode::Radiance, ReflTransFlags::All);
+        EXPECT_NEAR(bsdf.F(wo, wi)[1], f, 1e-4f * f);
+        EXPECT_NEAR(bsdf.Pdf(wo, wi), pdf, 1e-4f * pdf);
+        Float uc = rng.Uniform();
+        Point2 u = rng.Uniform2();
+        auto s = bsdf.Sample(wo, uc, u);
+        auto expected = lobe.Sample(o, uc, u, TransportMode::Radiance, ReflTransFlags::All);
+        ASSERT_EQ(s.has_value(), expected.has_value());
+        if (!s) continue;
+        EXPECT_NEAR(Distance(frame.ToLocal(s->wi), expected->wi), 0, 1e-5);
+        EXPECT_NEAR(s->pdf, expected->pdf, 1e-4f * s->pdf);
+    }
+}
+
+TEST(Bsdf, HorizontalViewAndAbsentSidesGiveNothing) {
+    Bsdf diffuse(Normal3(0, 0, 1), Vector3(1, 0, 0), DiffuseBxdf(SampledSpectrum(0.5f)));
+    Vector3 flat(1, 0, 0), up(0, 0, 1);
+    EXPECT_FALSE(diffuse.F(flat, up));
+    EXPECT_FALSE(diffuse.Sample(flat, 0.5f, {0.4f, 0.6f}));
+    EXPECT_EQ(diffuse.Pdf(flat, up), 0);
+    EXPECT_FALSE(diffuse.Sample(up, 0.5f, {0.4f, 0.6f}, TransportMode::Radiance, ReflTransFlags::Transmission));
+    EXPECT_EQ(diffuse.Pdf(up, -up, TransportMode::Radiance, ReflTransFlags::Transmission), 0);
+    EXPECT_TRUE(diffuse.Sample(up, 0.5f, {0.4f, 0.6f}));
+    Bsdf black(Normal3(0, 0, 1), Vector3(1, 0, 0), DiffuseBxdf(SampledSpectrum(0)));
+    EXPECT_FALSE(black.Sample(up, 0.5f, {0.4f, 0.6f}));
+}
+
+TEST(Bsdf, EveryLobeIsDispatched) {
+    TrowbridgeReitz rough(0.3f, 0.3f), smooth(0, 0);
+    DielectricBxdf coat(1.5f, smooth);
+    SampledSpectrum half(0.5f), zero(0);
+    DiffuseBxdf paint(half);
+    ConductorBxdf metal(rough, half, half);
+    auto flags = [](const auto &lobe) { return Bsdf(Normal3(0, 0, 1), Vector3(1, 0, 0), lobe).Flags(); };
+    using enum BxdfFlags;
+    EXPECT_EQ(flags(paint), Diffuse | Reflection);
+    EXPECT_EQ(flags(DiffuseTransmissionBxdf(half, half)), Diffuse | Reflection | Transmission);
+    EXPECT_EQ(flags(metal), Glossy | Reflection);
+    EXPECT_EQ(flags(coat), Specular | Reflection | Transmission);
+    EXPECT_EQ(flags(ThinDielectricBxdf(1.5f)), Specular | Reflection | Transmission);
+    EXPECT_EQ(flags(CoatedDiffuseBxdf(coat, paint, 0.01f, zero, 0, 10, 1)), Specular | Diffuse | Reflection);
+    EXPECT_EQ(flags(CoatedConductorBxdf(coat, metal, 0.01f, zero, 0, 10, 1)), Specular | Glossy | Reflection);
+    EXPECT_EQ(flags(CoatedConductorBxdf(coat, metal, 0.01f, half, 0, 10, 1)), Specular | Diffuse | Reflection);
+}
+
+TEST(Bsdf, RegularizeRoughensMirrors) {
+    Bsdf mirror(Normal3(0, 0, 1), Vector3(1, 0, 0),
+                ConductorBxdf(TrowbridgeReitz(0, 0), SampledSpectrum(0.5f), SampledSpectrum(2)));
+    EXPECT_TRUE(IsSpecular(mirror.Flags()));
+    mirror.Regularize();
+    EXPECT_FALSE(IsSpecular(mirror.Flags()));
+    EXPECT_TRUE(mirror.F(Vector3(0, 0, 1), Vector3(0, 0, 1)));
+}
+
+}  // namespace
+}  // namespace pbrt

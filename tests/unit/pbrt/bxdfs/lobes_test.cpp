@@ -1,0 +1,257 @@
+#include <gtest/gtest.h>
+
+#include "pbrt/bxdfs/conductor.h"
+#include "pbrt/bxdfs/dielectric.h"
+#include "pbrt/bxdfs/diffuse.h"
+#include "sphere_histogram.h"
+
+namespace pbrt {
+namespace {
+
+using test::DirectionAt;
+
+constexpr TransportMode kRadiance = TransportMode::Radiance;
+constexpr TransportMode kImportance = TransportMode::Importance;
+constexpr ReflTransFlags kSides[] = {ReflTransFlags::Reflection, ReflTransFlags::Transmission, ReflTransFlags::All};
+
+SampledSpectrum Values(Float a, Float b, Float c, Float d) {
+    SampledSpectrum s;
+    s[0] = a, s[1] = b, s[2] = c, s[3] = d;
+    return s;
+}
+
+ConductorBxdf Gold(Float ax, Float ay) {
+    return {TrowbridgeReitz(ax, ay), Values(1.3f, 0.6f, 0.2f, 0.15f), Values(1.9f, 2.f, 3.1f, 3.9f)};
+}
+
+/// Limit of FresnelConductor to total reflection.
+ConductorBxdf PerfectMirrorFacets(Float ax, Float ay) {
+    return {TrowbridgeReitz(ax, ay), SampledSpectrum(1), SampledSpectrum(1e6f)};
+}
+
+/// Calls check(name, lobe) for every lobe that is not specular, with several parameters.
+template <class Check>
+void ForEachNonSpecular(Check check) {
+    check("diffuse", DiffuseBxdf(Values(0.2f, 0.4f, 0.6f, 0.8f)));
+    check("diffuse transmission", DiffuseTransmissionBxdf(SampledSpectrum(0.2f), Values(0.1f, 0.3f, 0.6f, 0.2f)));
+    check("conductor 0.5", Gold(0.5f, 0.5f));
+    check("conductor 0.2 0.7", Gold(0.2f, 0.7f));
+    check("dielectric 1.5 0.4", DielectricBxdf(1.5f, TrowbridgeReitz(0.4f, 0.4f)));
+    check("dielectric 1.3 0.25 0.6", DielectricBxdf(1.3f, TrowbridgeReitz(0.25f, 0.6f)));
+    check("dielectric 1/1.5 0.5", DielectricBxdf(1 / 1.5f, TrowbridgeReitz(0.5f, 0.5f)));
+}
+
+constexpr size_t kLobes = 7;
+const std::vector<Vector3> &Views() {
+    static const std::vector<Vector3> views = {DirectionAt(0, 0), DirectionAt(35, 20), DirectionAt(65, 200),
+                                               DirectionAt(84, 75), DirectionAt(150, 120), DirectionAt(108, 300)};
+    return views;
+}
+
+TEST(Lobes, SamplesFollowTheirDensity) {
+    double level = test::SidakAlpha(1e-4, kLobes * Views().size() * 3);
+    ForEachNonSpecular([&](const char *name, const auto &lobe) {
+        for (const Vector3 &wo : Views())
+            for (ReflTransFlags which : kSides) {
+                double mass;
+                double p = test::DirectionTest(
+                    [&](Rng &rng) -> std::optional<Vector3> {
+                        Float uc = rng.Uniform();
+                        auto s = lobe.Sample(wo, uc, rng.Uniform2(), kRadiance, which);
+                        if (!s) return {};
+                        return s->wi;
+                    },
+                    [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, kRadiance, which); }, 20000, 16, &mass);
+                EXPECT_GT(p, level) << name << " theta " << Degrees(SafeACos(wo.z)) << " sides " << int(which);
+                EXPECT_LE(mass, 1.01) << name;
+            }
+    });
+}
+
+TEST(Lobes, PdfIntegratesToOneWhereNothingIsLost) {
+    auto mass = [](const auto &lobe, const Vector3 &wo, ReflTransFlags which) {
+        double sum = 0;
+        for (double c : test::SphereHistogram(20, 20).Integrate(
+                 [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, kRadiance, which); }, 10))
+            sum += c;
+        return sum;
+    };
+    for (const Vector3 &wo : Views()) {
+        EXPECT_NEAR(mass(DiffuseBxdf(SampledSpectrum(0.5f)), wo, ReflTransFlags::All), 1, 2e-3);
+        EXPECT_EQ(mass(DiffuseBxdf(SampledSpectrum(0.5f)), wo, ReflTransFlags::Transmission), 0);
+        DiffuseTransmissionBxdf leaf(SampledSpectrum(0.2f), SampledSpectrum(0.6f));
+        for (ReflTransFlags which : kSides) EXPECT_NEAR(mass(leaf, wo, which), 1, 2e-3);
+    }
+    // Hardly any facet of a weakly rough surface, seen from above, reflects below the horizon.
+    Vector3 above = DirectionAt(1, 70);
+    EXPECT_NEAR(mass(Gold(0.12f, 0.08f), above, ReflTransFlags::All), 1, 0.015);
+    for (ReflTransFlags which : kSides)
+        EXPECT_NEAR(mass(DielectricBxdf(1.5f, TrowbridgeReitz(0.12f, 0.08f)), above, which), 1, 0.015);
+}
+
+TEST(Lobes, SampleAgreesWithFAndPdf) {
+    Rng rng(3);
+    ForEachNonSpecular([&](const char *name, const auto &lobe) {
+        EXPECT_TRUE(IsNonSpecular(lobe.Flags())) << name;
+        EXPECT_FALSE(IsSpecular(lobe.Flags())) << name;
+        int drawn = 0;
+        for (int i = 0; i < 2000; ++i) {
+            Vector3 wo = SampleUniformSphere(rng.Uniform2());
+            TransportMode mode = i % 2 ? kRadiance : kImportance;
+            ReflTransFlags which = kSides[i % 3];
+            Float uc = rng.Uniform();
+            auto s = lobe.Sample(wo, uc, rng.Uniform2(), mode, which);
+            // Near the horizon float directions are too coarse for the half vector of a refraction.
+            if (!s || std::abs(s->wi.z) < 0.02f || std::abs(wo.z) < 0.02f) continue;
+            ++drawn;
+            Float pdf = lobe.Pdf(wo, s->wi, mode, which);
+            EXPECT_NEAR(pdf / s->pdf, 1, 5e-3) << name;
+            SampledSpectrum f = lobe.F(wo, s->wi, mode);
+            for (int k = 0; k < SpectrumSamples; ++k) EXPECT_NEAR(f[k] / s->f[k], 1, 5e-3) << name;
+            EXPECT_EQ(SameHemisphere(wo, s->wi), IsReflective(s->flags)) << name;
+            EXPECT_NE(IsReflective(s->flags), IsTransmissive(s->flags)) << name;
+            EXPECT_TRUE(Has(which, IsReflective(s->flags) ? ReflTransFlags::Reflection : ReflTransFlags::Transmission));
+            EXPECT_FALSE(s->pdfIsProportional);
+        }
+        EXPECT_GT(drawn, 300) << name;
+    });
+}
+
+// f_r(a, b) = f_r(b, a); across a boundary the radiance function one way is the importance function the other way, and
+// radiance carries the squared index (Veach 1997, section 5.2).
+TEST(Lobes, Reciprocal) {
+    Rng rng(4);
+    ForEachNonSpecular([&](const char *name, const auto &lobe) {
+        if (std::string(name) == "diffuse transmission") return;
+        int compared = 0;
+        for (int i = 0; i < 3000; ++i) {
+            Vector3 a = SampleUniformSphere(rng.Uniform2()), b = SampleUniformSphere(rng.Uniform2());
+            if (std::abs(a.z) < 0.05f || std::abs(b.z) < 0.05f) continue;
+            SampledSpectrum there = lobe.F(a, b, kRadiance), back = lobe.F(b, a, kImportance);
+            for (int k = 0; k < SpectrumSamples; ++k) {
+                if (there[k] < 1e-5f && back[k] < 1e-5f) continue;
+                ++compared;
+                // Fresnel's terms are steep near the critical angle.
+                EXPECT_NEAR(there[k], back[k], 0.02f * back[k] + 1e-4f) << name;
+            }
+        }
+        EXPECT_GT(compared, 500) << name;
+    });
+}
+
+/// Mean of |f cos / pdf| over samples: what is scattered of light from everywhere.
+template <class Lobe>
+double Albedo(const Lobe &lobe, const Vector3 &wo, TransportMode mode, int n = 40000) {
+    Rng rng(5);
+    double sum = 0;
+    for (int i = 0; i < n; ++i) {
+        Float uc = rng.Uniform();
+        auto s = lobe.Sample(wo, uc, rng.Uniform2(), mode, ReflTransFlags::All);
+        if (s) sum += double(s->f.MaxComponent() * AbsCosTheta(s->wi) / s->pdf);
+    }
+    return sum / n;
+}
+
+TEST(Lobes, ConserveEnergy) {
+    for (const Vector3 &wo : Views()) {
+        EXPECT_NEAR(Albedo(DiffuseBxdf(SampledSpectrum(1)), wo, kRadiance), 1, 1e-4);
+        EXPECT_NEAR(Albedo(DiffuseTransmissionBxdf(SampledSpectrum(0.3f), SampledSpectrum(0.7f)), wo, kRadiance), 1,
+                    1e-4);
+        EXPECT_NEAR(Albedo(DielectricBxdf(1.5f, TrowbridgeReitz(0, 0)), wo, kImportance), 1, 1e-4);
+        EXPECT_NEAR(Albedo(ThinDielectricBxdf(1.5f), wo, kRadiance), 1, 1e-4);
+        EXPECT_NEAR(Albedo(PerfectMirrorFacets(0, 0), wo, kRadiance), 1, 1e-4);
+        for (Float alpha : {0.05f, 0.3f, 1.f}) {
+            double metal = Albedo(PerfectMirrorFacets(alpha, alpha), wo, kRadiance);
+            EXPECT_LE(metal, 1.0001);
+            double glass = Albedo(DielectricBxdf(1.5f, TrowbridgeReitz(alpha, alpha)), wo, kImportance);
+            EXPECT_LE(glass, 1.0001);
+            if (alpha < 0.1f && std::abs(wo.z) > 0.5f) {
+                EXPECT_GT(metal, 0.99);
+                EXPECT_GT(glass, 0.99);
+            }
+        }
+    }
+}
+
+TEST(SmoothDielectric, DrawsByFresnelsSharesAndCompressesRadiance) {
+    DielectricBxdf glass(1.5f, TrowbridgeReitz(0, 0));
+    EXPECT_TRUE(IsSpecular(glass.Flags()) && IsReflective(glass.Flags()) && IsTransmissive(glass.Flags()));
+    Vector3 wo = DirectionAt(50, 30);
+    Float r = FresnelDielectric(wo.z, 1.5f);
+    auto mirror = glass.Sample(wo, r * 0.99f, {}, kRadiance, ReflTransFlags::All);
+    ASSERT_TRUE(mirror && IsReflective(mirror->flags) && IsSpecular(mirror->flags));
+    EXPECT_FLOAT_EQ(mirror->pdf, r);
+    EXPECT_EQ(mirror->wi, Vector3(-wo.x, -wo.y, wo.z));
+    EXPECT_EQ(mirror->eta, 1);
+    auto through = glass.Sample(wo, r * 1.01f, {}, kRadiance, ReflTransFlags::All);
+    ASSERT_TRUE(through && IsTransmissive(through->flags));
+    EXPECT_FLOAT_EQ(through->pdf, 1 - r);
+    EXPECT_FLOAT_EQ(through->eta, 1.5f);
+    EXPECT_FLOAT_EQ(through->f[0] * AbsCosTheta(through->wi) / through->pdf, 1 / Sqr(1.5f));
+    auto importance = glass.Sample(wo, r * 1.01f, {}, kImportance, ReflTransFlags::All);
+    EXPECT_FLOAT_EQ(importance->f[0] * AbsCosTheta(importance->wi) / importance->pdf, 1);
+    auto forced = glass.Sample(wo, 0, {}, kRadiance, ReflTransFlags::Transmission);
+    ASSERT_TRUE(forced && IsTransmissive(forced->flags));
+    EXPECT_EQ(forced->pdf, 1);
+    // From inside, beyond the critical angle, nothing is transmitted.
+    EXPECT_FALSE(glass.Sample(-wo, 0.5f, {}, kRadiance, ReflTransFlags::Transmission));
+}
+
+TEST(SmoothDielectric, EqualIndicesLetEverythingPass) {
+    DielectricBxdf nothing(1, TrowbridgeReitz(0.5f, 0.5f));
+    EXPECT_FALSE(IsReflective(nothing.Flags()));
+    EXPECT_TRUE(IsSpecular(nothing.Flags()));
+    Vector3 wo = DirectionAt(40, 10);
+    auto s = nothing.Sample(wo, 0, {0.3f, 0.4f}, kRadiance, ReflTransFlags::All);
+    ASSERT_TRUE(s && IsTransmissive(s->flags));
+    EXPECT_NEAR(Distance(s->wi, -wo), 0, 1e-6);
+    EXPECT_FALSE(nothing.F(wo, -wo, kRadiance));
+    EXPECT_FALSE(nothing.Sample(wo, 0, {0.3f, 0.4f}, kRadiance, ReflTransFlags::Reflection));
+}
+
+// Twin: the pane's bounces one by one.
+TEST(ThinDielectric, SumsTheBouncesInside) {
+    ThinDielectricBxdf pane(1.5f);
+    for (Float theta : {0.f, 45.f, 80.f}) {
+        Vector3 wo = DirectionAt(theta, 60);
+        double r = double(FresnelDielectric(wo.z, 1.5f)), reflected = r, inside = (1 - r), through = 0;
+        for (int bounce = 0; bounce < 200; ++bounce) {
+            (bounce % 2 ? reflected : through) += inside * (1 - r);
+            inside *= r;
+        }
+        auto mirror = pane.Sample(wo, 0, {}, kRadiance, ReflTransFlags::All);
+        auto straight = pane.Sample(wo, OneMinusEpsilon, {}, kRadiance, ReflTransFlags::All);
+        ASSERT_TRUE(mirror && straight);
+        EXPECT_NEAR(double(mirror->pdf), reflected, 1e-5);
+        EXPECT_NEAR(double(mirror->f[0] * AbsCosTheta(mirror->wi)), reflected, 1e-5);
+        EXPECT_NEAR(double(straight->pdf), through, 1e-5);
+        EXPECT_EQ(straight->wi, -wo);
+        EXPECT_EQ(straight->eta, 1);
+    }
+}
+
+TEST(DiffuseTransmission, SidesAreDrawnByTheLargestValues) {
+    DiffuseTransmissionBxdf leaf(Values(0.1f, 0.2f, 0.3f, 0.1f), Values(0.6f, 0.1f, 0.1f, 0.1f));
+    Vector3 wo = DirectionAt(30, 0);
+    auto r = leaf.Sample(wo, 0.3333f, {0.3f, 0.7f}, kRadiance, ReflTransFlags::All);
+    auto t = leaf.Sample(wo, 0.3334f, {0.3f, 0.7f}, kRadiance, ReflTransFlags::All);
+    ASSERT_TRUE(r && t);
+    EXPECT_GT(r->wi.z, 0);
+    EXPECT_LT(t->wi.z, 0);
+    EXPECT_FLOAT_EQ(r->f[2], 0.3f * InvPi);
+    EXPECT_FLOAT_EQ(t->f[0], 0.6f * InvPi);
+}
+
+TEST(Lobes, FlagsTellSmoothFromRough) {
+    EXPECT_EQ(Gold(0, 0).Flags(), BxdfFlags::Reflection | BxdfFlags::Specular);
+    EXPECT_EQ(Gold(0, 0.1f).Flags(), BxdfFlags::Reflection | BxdfFlags::Glossy);
+    EXPECT_EQ(DiffuseBxdf(SampledSpectrum(0)).Flags(), BxdfFlags::None);
+    EXPECT_EQ(DiffuseTransmissionBxdf(SampledSpectrum(0), SampledSpectrum(0.1f)).Flags(),
+              BxdfFlags::Transmission | BxdfFlags::Diffuse);
+    ConductorBxdf gold = Gold(0, 0);
+    gold.Regularize();
+    EXPECT_EQ(gold.Flags(), BxdfFlags::Reflection | BxdfFlags::Glossy);
+}
+
+}  // namespace
+}  // namespace pbrt

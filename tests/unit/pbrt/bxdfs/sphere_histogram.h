@@ -1,0 +1,87 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "pbrt/math/frame.h"
+#include "pbrt/math/rng.h"
+#include "support/statistics.h"
+
+namespace pbrt::test {
+
+/// Counts of directions over a grid of theta x phi (theta, so that narrow lobes about the normal get many points).
+class SphereHistogram {
+  public:
+    SphereHistogram(int nTheta, int nPhi)
+        : nTheta_(nTheta), nPhi_(nPhi), counts_(static_cast<size_t>(nTheta * nPhi)) {}
+
+    void Add(const Vector3 &w, double weight = 1) {
+        double theta = std::atan2(std::hypot(double(w.x), double(w.y)), double(w.z)) / M_PI;
+        double phi = std::atan2(double(w.y), double(w.x)) / (2 * M_PI);
+        if (phi < 0) phi += 1;
+        int i = std::min(static_cast<int>(theta * nTheta_), nTheta_ - 1);
+        int j = std::min(static_cast<int>(phi * nPhi_), nPhi_ - 1);
+        counts_[static_cast<size_t>(i * nPhi_ + j)] += weight;
+    }
+    const std::vector<double> &Counts() const { return counts_; }
+
+    /// Integral over every cell of a function of direction: midpoint rule on n x n points per cell.
+    template <class F>
+    std::vector<double> Integrate(F f, int n) const {
+        std::vector<double> cells(counts_.size());
+        double dTheta = M_PI / (nTheta_ * n), dPhi = 2 * M_PI / (nPhi_ * n);
+        for (int i = 0; i < nTheta_ * n; ++i) {
+            double theta = (i + 0.5) * dTheta;
+            double area = (std::cos(i * dTheta) - std::cos((i + 1) * dTheta)) * dPhi;
+            for (int j = 0; j < nPhi_ * n; ++j) {
+                double phi = (j + 0.5) * dPhi, s = std::sin(theta);
+                Vector3 w(s * std::cos(phi), s * std::sin(phi), std::cos(theta));
+                cells[static_cast<size_t>(i / n * nPhi_ + j / n)] += double(f(w)) * area;
+            }
+        }
+        return cells;
+    }
+
+  private:
+    int nTheta_, nPhi_;
+    std::vector<double> counts_;
+};
+
+/// p-value of "draw(u...) has density pdf(w)": `draw(Rng &)` gives an optional direction; what is not drawn must be the
+/// mass that pdf leaves. `mass` (may be null) gets the integral of pdf.
+template <class Draw, class Pdf>
+double DirectionTest(Draw draw, Pdf pdf, int samples, int quadrature, double *mass) {
+    SphereHistogram histogram(20, 20);
+    Rng rng(12345);
+    double lost = 0;
+    for (int s = 0; s < samples; ++s) {
+        std::optional<Vector3> w = draw(rng);
+        if (w) histogram.Add(*w);
+        else ++lost;
+    }
+    std::vector<double> observed = histogram.Counts(), expected = histogram.Integrate(pdf, quadrature);
+    double sum = 0;
+    for (double &e : expected) {
+        sum += e;
+        e *= samples;
+    }
+    if (mass) *mass = sum;
+    observed.push_back(lost);
+    expected.push_back(std::max(0.0, samples - sum * samples));
+    // The quadrature is not exact: cells of no consequence are pooled with the lost.
+    for (size_t i = 0; i + 1 < expected.size(); ++i) {
+        if (expected[i] >= 5) continue;
+        observed.back() += observed[i];
+        expected.back() += expected[i];
+        observed[i] = expected[i] = 0;
+    }
+    return ChiSquareTest(observed, expected);
+}
+
+inline Vector3 DirectionAt(Float thetaDegrees, Float phiDegrees) {
+    Float t = Radians(thetaDegrees);
+    return SphericalDirection(std::sin(t), std::cos(t), Radians(phiDegrees));
+}
+
+}  // namespace pbrt::test

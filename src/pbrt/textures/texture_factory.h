@@ -1,9 +1,11 @@
 #pragma once
-#include <map>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "pbrt/core/files.h"
 #include "pbrt/core/params.h"
+#include "pbrt/images/image.h"
 #include "pbrt/math/transform.h"
 #include "pbrt/spectra/spectrum_params.h"
 #include "pbrt/textures/texture.h"
@@ -20,16 +22,25 @@ class TextureLibrary {
     /// A Texture directive. Throws UserError on an unknown class; errors in parameters come from CheckAll or first use.
     void Define(const std::string &name, bool isSpectrum, const std::string &textureClass, ParamSet params,
                 const Transform &renderFromTexture);
-    /// Makes every texture that nothing used, so that their mistakes are reported too, then reports unused parameters.
+    /// Reads the files of all image maps defined so far, several at once. Optional; mistakes are reported later.
+    void PreloadImages();
+    /// Makes every texture that nothing used, so that their mistakes are reported too, then reports unused parameters
+    /// and the number of missing images. Mistakes in a texture go to the sink once, however often it is used; a
+    /// stand-in is returned to its users.
     void CheckAll();
 
     /// `ft` / `st` parameters (pbrt-v4-format §4). The OrNull forms return nullptr if the parameter is absent.
     FloatTexturePtr GetFloat(const ParamSet &params, const std::string &name, Float defaultValue);
     FloatTexturePtr GetFloatOrNull(const ParamSet &params, const std::string &name);
-    SpectrumTexturePtr GetSpectrum(const ParamSet &params, const std::string &name, SpectrumPtr defaultValue, SpectrumUse use);
+    SpectrumTexturePtr GetSpectrum(const ParamSet &params, const std::string &name, SpectrumPtr defaultValue,
+                                   SpectrumUse use);
     SpectrumTexturePtr GetSpectrumOrNull(const ParamSet &params, const std::string &name, SpectrumUse use);
 
-    /// Names of image files that were not found (already reported to the sink).
+    /// The image file a string parameter names, as R, G, B without decoding (normal maps); nullptr if absent. Each file
+    /// is read once. Throws UserError.
+    std::shared_ptr<const Image> GetLinearRgbImage(const ParamSet &params, const std::string &name);
+
+    /// Number of image textures whose file was not found (already reported to the sink).
     size_t MissingImages() const { return missingImages_; }
 
   private:

@@ -1,0 +1,206 @@
+#include "pbrt/materials/material_factory.h"
+
+#include <algorithm>
+
+#include "pbrt/materials/coated_materials.h"
+#include "pbrt/materials/conductor_material.h"
+#include "pbrt/materials/dielectric_materials.h"
+#include "pbrt/materials/diffuse_materials.h"
+#include "pbrt/materials/mix_material.h"
+#include "pbrt/math/rng.h"
+
+namespace pbrt {
+
+namespace {
+
+/// Everything a maker may ask.
+struct Request {
+    const ParamSet &params;
+    TextureLibrary &textures;
+    const FileResolver &files;
+    const std::function<MaterialPtr(const std::string &)> &named;
+
+    SpectrumInput Albedo(const std::string &name, Float defaultValue) const {
+        return SpectrumInput(
+            textures.GetSpectrum(params, name, std::make_shared<ConstantSpectrum>(defaultValue), SpectrumUse::Albedo));
+    }
+    FloatInput Number(const std::string &name, Float defaultValue) const {
+        return FloatInput(textures.GetFloat(params, name, defaultValue));
+    }
+    IndexInput Index(const std::string &name) const {
+        return IndexInput(GetSpectrumOrFloat(params, name, std::make_shared<ConstantSpectrum>(Float(1.5)),
+                                             SpectrumUse::Unbounded, files));
+    }
+    RoughnessInput Roughness(const std::string &prefix, bool remap) const {
+        return RoughnessInput(params, textures, prefix, remap);
+    }
+    bool RemapRoughness() const { return params.GetBool("remaproughness", true); }
+
+    /// `reflectance`, or `eta` and `k` (with a prefix), which are copper's by default.
+    MetalInput Metal(const std::string &prefix) const {
+        SpectrumTexturePtr eta = textures.GetSpectrumOrNull(params, prefix + "eta", SpectrumUse::Unbounded);
+        SpectrumTexturePtr k = textures.GetSpectrumOrNull(params, prefix + "k", SpectrumUse::Unbounded);
+        SpectrumTexturePtr reflectance = textures.GetSpectrumOrNull(params, "reflectance", SpectrumUse::Albedo);
+        if (reflectance && (eta || k))
+            throw UserError(fmt::format("{}: \"reflectance\" and \"{}{}\" cannot both be given.", params.What(), prefix,
+                                        eta ? "eta" : "k"),
+                            params.LocOf("reflectance"));
+        if (reflectance) return MetalInput(SpectrumInput(reflectance));
+        auto orCopper = [&](const SpectrumTexturePtr &given, const std::string &name) {
+            return SpectrumInput(given ? given
+                                       : textures.GetSpectrum(params, prefix + name, NamedSpectrum("metal-Cu-" + name),
+                                                              SpectrumUse::Unbounded));
+        };
+        return MetalInput(orCopper(eta, "eta"), orCopper(k, "k"));
+    }
+
+    /// `prefix` applies to the coat's roughness and index only.
+    CoatInput Coat(const std::string &prefix, bool remap) const {
+        return {Roughness(prefix, remap), Index(prefix + "eta"), Number("thickness", Float(0.01)), Albedo("albedo", 0),
+                Number("g", 0), AtLeast("maxdepth", 10, 0), AtLeast("nsamples", 1, 1)};
+    }
+    int AtLeast(const std::string &name, int defaultValue, int low) const {
+        int v = params.GetInt(name, defaultValue);
+        if (v < low)
+            throw UserError(fmt::format("{}: \"{}\" is {}; it must be at least {}.", params.What(), name, v, low),
+                            params.LocOf(name));
+        return v;
+    }
+};
+
+using SurfacePtr = std::shared_ptr<SurfaceMaterial>;
+
+SurfacePtr MakeDiffuse(const Request &r) {
+    return std::make_shared<DiffuseMaterial>(r.Albedo("reflectance", Float(0.5)));
+}
+
+SurfacePtr MakeDiffuseTransmission(const Request &r) {
+    return std::make_shared<DiffuseTransmissionMaterial>(r.Albedo("reflectance", Float(0.25)),
+                                                         r.Albedo("transmittance", Float(0.25)),
+                                                         r.params.GetFloat("scale", 1));
+}
+
+SurfacePtr MakeConductor(const Request &r) {
+    return std::make_shared<ConductorMaterial>(r.Metal(""), r.Roughness("", r.RemapRoughness()));
+}
+
+SurfacePtr MakeDielectric(const Request &r) {
+    return std::make_shared<DielectricMaterial>(r.Index("eta"), r.Roughness("", r.RemapRoughness()));
+}
+
+SurfacePtr MakeThinDielectric(const Request &r) { return std::make_shared<ThinDielectricMaterial>(r.Index("eta")); }
+
+SurfacePtr MakeCoatedDiffuse(const Request &r) {
+    return std::make_shared<CoatedDiffuseMaterial>(r.Coat("", r.RemapRoughness()), r.Albedo("reflectance", Float(0.5)));
+}
+
+SurfacePtr MakeCoatedConductor(const Request &r) {
+    bool remap = r.RemapRoughness();
+    return std::make_shared<CoatedConductorMaterial>(r.Coat("interface.", remap), r.Metal("conductor."),
+                                                     r.Roughness("conductor.", remap));
+}
+
+uint64_t HashText(const std::string &text) {
+    uint64_t h = Hash(uint64_t(text.size()));
+    for (char c : text) h = Hash(h, c);
+    return h;
+}
+
+MaterialPtr MakeMix(const Request &r) {
+    std::span<const std::string> names = r.params.GetStrings("materials");
+    FileLoc loc = r.params.LocOf("materials");
+    if (names.size() != 2)
+        throw UserError(fmt::format("{}: \"string materials\" takes two names of materials, found {}.", r.params.What(),
+                                    names.size()),
+                        loc);
+    std::array<MaterialPtr, 2> materials;
+    for (size_t i = 0; i < 2; ++i) {
+        try {
+            materials[i] = r.named(names[i]);
+        } catch (const UserError &e) {
+            if (e.Diagnostics().front().loc) throw;
+            throw UserError(e.Diagnostics().front().message, loc);
+        }
+        if (!materials[i])
+            throw UserError(fmt::format("{}: there is no material \"{}\" here.", r.params.What(), names[i]), loc);
+        if (materials[i]->IsInterface())
+            throw UserError(
+                fmt::format("{}: \"{}\" is an interface, which cannot be mixed.", r.params.What(), names[i]), loc);
+    }
+    return std::make_shared<MixMaterial>(std::move(materials), r.Number("amount", Float(0.5)),
+                                         Hash(HashText(names[0]), HashText(names[1])));
+}
+
+struct SurfaceType {
+    const char *name;
+    SurfacePtr (*make)(const Request &);
+};
+constexpr SurfaceType kSurfaceTypes[] = {
+    {"diffuse", MakeDiffuse},
+    {"coateddiffuse", MakeCoatedDiffuse},
+    {"coatedconductor", MakeCoatedConductor},
+    {"conductor", MakeConductor},
+    {"dielectric", MakeDielectric},
+    {"thindielectric", MakeThinDielectric},
+    {"diffusetransmission", MakeDiffuseTransmission},
+};
+
+bool AsksForDisplacement(const ParamSet &params) {
+    bool asNumber = params.Find("displacement", ParamType::Float);
+    bool asTexture = params.Find("displacement", ParamType::Texture);
+    return asNumber || asTexture;
+}
+
+}  // namespace
+
+const std::vector<std::string> &SupportedMaterials() {
+    static const std::vector<std::string> kNames = [] {
+        std::vector<std::string> names = {"interface", "mix"};
+        for (const SurfaceType &type : kSurfaceTypes) names.push_back(type.name);
+        std::sort(names.begin(), names.end());
+        return names;
+    }();
+    return kNames;
+}
+
+const std::vector<std::string> &UnsupportedMaterials() {
+    static const std::vector<std::string> kNames = {"hair", "measured", "subsurface"};
+    return kNames;
+}
+
+MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, TextureLibrary &textures,
+                         const FileResolver &files, DiagnosticSink &sink,
+                         const std::function<MaterialPtr(const std::string &)> &named) {
+    Request request{params, textures, files, named};
+    for (const SurfaceType &known : kSurfaceTypes) {
+        if (type != known.name) continue;
+        SurfacePtr material = known.make(request);
+        if (auto image = textures.GetLinearRgbImage(params, "normalmap"))
+            material->SetNormalMap(std::make_unique<NormalMap>(std::move(image)));
+        bool displaced = AsksForDisplacement(params);
+        params.ReportUnused(sink);
+        if (displaced)
+            throw UserError(fmt::format("{}: displacement (bump mapping) is not built yet.", params.What()),
+                            params.LocOf("displacement"));
+        return material;
+    }
+    if (type == "interface" || type.empty() || type == "none") {
+        if (type != "interface")
+            sink.Warning(params.Loc(), fmt::format("material \"{}\" is deprecated; write \"interface\".", type));
+        params.ReportUnused(sink);
+        return std::make_shared<InterfaceMaterial>();
+    }
+    if (type == "mix") {
+        MaterialPtr material = MakeMix(request);
+        params.ReportUnused(sink);
+        return material;
+    }
+    const std::vector<std::string> &later = UnsupportedMaterials();
+    if (std::find(later.begin(), later.end(), type) != later.end())
+        throw UserError(fmt::format("material \"{}\" is not built yet.", type), params.Loc());
+    std::vector<std::string> choices = SupportedMaterials();
+    choices.insert(choices.end(), later.begin(), later.end());
+    throw UserError(fmt::format("there is no material \"{}\"; {}.", type, ListChoices(type, choices)), params.Loc());
+}
+
+}  // namespace pbrt

@@ -1,0 +1,89 @@
+#pragma once
+#include <string>
+
+#include "pbrt/bxdfs/microfacet.h"
+#include "pbrt/spectra/color_space.h"
+#include "pbrt/textures/texture_factory.h"
+
+namespace pbrt {
+
+/// A float parameter of a material: a number, or a texture to look up.
+class FloatInput {
+  public:
+    explicit FloatInput(FloatTexturePtr texture) : texture_(std::move(texture)) {
+        if (auto constant = texture_->Constant()) {
+            value_ = *constant;
+            texture_.reset();
+        }
+    }
+    Float operator()(const SurfacePoint &point) const {
+        return texture_ ? texture_->Evaluate(TextureContext(point)) : value_;
+    }
+    bool IsConstant() const { return !texture_; }
+
+  private:
+    FloatTexturePtr texture_;  ///< null: value_ everywhere
+    Float value_ = 0;
+};
+
+/// A spectrum parameter of a material. Spectra that are the same everywhere are sampled without a look-up, uplifted
+/// reflectances without a virtual call.
+class SpectrumInput {
+  public:
+    explicit SpectrumInput(SpectrumTexturePtr texture)
+        : texture_(std::move(texture)), constant_(texture_->Constant()),
+          albedo_(dynamic_cast<const RgbAlbedoSpectrum *>(constant_)) {}
+    SampledSpectrum operator()(const SurfacePoint &point, const SampledWavelengths &lambda) const {
+        if (albedo_) return albedo_->Sample(lambda);
+        if (constant_) return constant_->Sample(lambda);
+        return texture_->Evaluate(TextureContext(point), lambda);
+    }
+
+  private:
+    SpectrumTexturePtr texture_;
+    const Spectrum *constant_;           ///< owned by texture_
+    const RgbAlbedoSpectrum *albedo_;    ///< the same, if it is one
+};
+
+/// `roughness`, `uroughness` and `vroughness` (with a prefix) and what they mean: a microfacet distribution.
+class RoughnessInput {
+  public:
+    /// The common roughness is only asked for if one of the directions needs it, so that it is an unused parameter
+    /// where both are given.
+    RoughnessInput(const ParamSet &params, TextureLibrary &textures, const std::string &prefix, bool remap);
+    TrowbridgeReitz operator()(const SurfacePoint &point) const {
+        if (u_.IsConstant() && v_.IsConstant()) return constant_;
+        return Distribution(u_(point), v_(point));
+    }
+
+  private:
+    TrowbridgeReitz Distribution(Float u, Float v) const {
+        return remap_ ? TrowbridgeReitz(TrowbridgeReitz::RoughnessToAlpha(u), TrowbridgeReitz::RoughnessToAlpha(v))
+                      : TrowbridgeReitz(u, v);
+    }
+    FloatInput u_, v_;
+    bool remap_;
+    TrowbridgeReitz constant_;
+};
+
+/// Index of refraction of a dielectric. A real glass bends every wavelength differently: only the first one goes on.
+class IndexInput {
+  public:
+    explicit IndexInput(SpectrumPtr eta)
+        : eta_(std::move(eta)), isConstant_(eta_->IsConstant()), value_((*eta_)(LambdaMin)) {}
+    Float operator()(SampledWavelengths &lambda) const {
+        Float eta = value_;
+        if (!isConstant_) {
+            eta = (*eta_)(lambda[0]);
+            lambda.TerminateSecondary();
+        }
+        return eta == 0 ? 1 : eta;  // beyond the ends of the table
+    }
+
+  private:
+    SpectrumPtr eta_;
+    bool isConstant_;
+    Float value_;
+};
+
+}  // namespace pbrt

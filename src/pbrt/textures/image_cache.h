@@ -1,0 +1,46 @@
+#pragma once
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+
+#include "pbrt/images/mipmap.h"
+
+namespace pbrt {
+
+/// What tells one pyramid from another.
+struct MipMapKey {
+    std::string path;
+    TextureFilter filter = TextureFilter::Bilinear;
+    WrapMode wrap = WrapMode::Repeat;
+    Float maxAnisotropy = 8;
+    std::optional<ColorEncoding> encoding;  ///< nullopt: what the file format says
+
+    auto Order() const {
+        return std::make_tuple(path, static_cast<int>(filter), static_cast<int>(wrap), maxAnisotropy,
+                               encoding ? static_cast<int>(encoding->kind) : -1, encoding ? encoding->gamma : Float(0));
+    }
+    bool operator<(const MipMapKey &o) const { return Order() < o.Order(); }
+};
+
+/// Images of one scene, read once each. Reading errors are UserErrors without location, thrown again on every look-up.
+class ImageCache {
+  public:
+    std::shared_ptr<const MipMap> GetMipMap(const MipMapKey &key);
+    /// R, G and B of a file whose 8 or 16 bits are plain numbers.
+    std::shared_ptr<const Image> GetLinearRgb(const std::string &path);
+    /// Reads several at once.
+    void Preload(const std::vector<MipMapKey> &keys);
+
+  private:
+    template <class T>
+    struct Entry {
+        std::shared_ptr<const T> value;
+        std::string error;
+    };
+    std::map<MipMapKey, Entry<MipMap>> mipMaps_;
+    std::map<std::string, Entry<Image>> linear_;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,39 @@
+#pragma once
+#include "pbrt/images/mipmap.h"
+#include "pbrt/spectra/spectrum_params.h"
+#include "pbrt/textures/texture_mapping.h"
+
+namespace pbrt {
+
+/// An image laid over a surface. t = 0 is the bottom row. Values are scaled, then inverted (1 - v, at least 0).
+struct ImageOverlay {
+    std::shared_ptr<const MipMap> image;
+    TextureMapping2D mapping;
+    Float scale = 1;
+    bool invert = false;
+};
+
+class ImageFloatTexture final : public FloatTexture {
+  public:
+    explicit ImageFloatTexture(ImageOverlay overlay) : overlay_(std::move(overlay)) {}
+    Float Evaluate(const TextureContext &ctx) const override;
+    /// The same with `factor` multiplied into the scale, that is before the inversion.
+    std::shared_ptr<const ImageFloatTexture> Scaled(Float factor) const;
+
+  private:
+    ImageOverlay overlay_;
+};
+
+/// Filters as RGB and uplifts the result in the image's own colour space. Albedo is cut off at 1.
+class ImageSpectrumTexture final : public SpectrumTexture {
+  public:
+    ImageSpectrumTexture(ImageOverlay overlay, SpectrumUse use) : overlay_(std::move(overlay)), use_(use) {}
+    SampledSpectrum Evaluate(const TextureContext &ctx, const SampledWavelengths &lambda) const override;
+    std::shared_ptr<const ImageSpectrumTexture> Scaled(Float factor) const;
+
+  private:
+    ImageOverlay overlay_;
+    SpectrumUse use_;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,274 @@
+#include "pbrt/textures/texture_factory.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <initializer_list>
+#include <vector>
+
+#include "pbrt/textures/basic_textures.h"
+#include "pbrt/textures/texture_makers.h"
+
+namespace pbrt {
+
+const std::vector<std::string> &SupportedTextures() {
+    static const std::vector<std::string> kNames = {"bilerp", "checkerboard", "constant", "directionmix",
+                                                    "imagemap", "mix", "scale"};
+    return kNames;
+}
+
+const std::vector<std::string> &UnsupportedTextures() {
+    static const std::vector<std::string> kNames = {"dots", "fbm", "marble", "ptex", "windy", "wrinkled"};
+    return kNames;
+}
+
+namespace {
+
+bool Contains(const std::vector<std::string> &names, const std::string &name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Classes of format §8 that only one family has.
+bool FamilyHasClass(bool isSpectrum, const std::string &textureClass) {
+    if (textureClass == "marble") return isSpectrum;
+    if (textureClass == "fbm" || textureClass == "wrinkled" || textureClass == "windy") return !isSpectrum;
+    return true;
+}
+
+const char *FamilyName(bool isSpectrum) { return isSpectrum ? "spectrum" : "float"; }
+
+using ParamTypes = std::initializer_list<ParamType>;
+
+/// The type the directive itself gives a parameter with, the last one if several; nullopt if it does not.
+std::optional<ParamType> OwnType(const ParamSet &params, const std::string &name, ParamTypes types) {
+    std::optional<ParamType> found;
+    for (const Param &p : params.Own())
+        if (p.name == name && std::find(types.begin(), types.end(), p.type) != types.end()) found = p.type;
+    return found;
+}
+
+/// The texture reference in force, nullptr if the parameter is absent or a value. Whatever loses stays unused.
+const Param *FindReference(const ParamSet &params, const std::string &name, ParamTypes types) {
+    std::optional<ParamType> own = OwnType(params, name, types);
+    if (own && *own != ParamType::Texture) return nullptr;
+    const Param *p = params.Find(name, ParamType::Texture);
+    if (p && p->strings.size() != 1)
+        throw UserError(fmt::format("{}: \"texture {}\" takes one name, found {}.", params.What(), name,
+                                    p->strings.size()),
+                        p->loc);
+    return p;
+}
+
+}  // namespace
+
+struct TextureLibrary::Impl {
+    struct Definition {
+        std::string name, textureClass;
+        bool isSpectrum = false;
+        bool broken = false;  ///< reported when it was defined: stands in silently
+        bool made = false;
+        bool failed = false;
+        ParamSet params;
+        Transform renderFromTexture;
+        FloatTexturePtr asFloat;
+        std::array<SpectrumTexturePtr, 3> asSpectrum;  ///< by SpectrumUse
+    };
+
+    const FileResolver &files;
+    DiagnosticSink &sink;
+    size_t &missingImages;
+    ImageCache images;
+    std::vector<std::unique_ptr<Definition>> definitions;  ///< in file order
+    std::map<std::string, size_t> indexOf[2];              ///< by family: float, spectrum
+
+    /// All names of a family that may be used at `limit`.
+    std::vector<std::string> Names(bool isSpectrum, size_t limit) const {
+        std::vector<std::string> names;
+        for (const auto &[name, index] : indexOf[isSpectrum])
+            if (index < limit) names.push_back(name);
+        return names;
+    }
+
+    /// The definition a parameter refers to; only those before `limit`, and image maps.
+    Definition &Resolve(const ParamSet &params, const Param &reference, bool isSpectrum, size_t limit) {
+        const std::string &name = reference.strings[0];
+        auto found = indexOf[isSpectrum].find(name);
+        if (found != indexOf[isSpectrum].end()) {
+            Definition &d = *definitions[found->second];
+            if (found->second < limit || d.textureClass == "imagemap") return d;
+        }
+        std::string problem = fmt::format("{}: \"{}\": there is no {} texture \"{}\"", params.What(), reference.name,
+                                          FamilyName(isSpectrum), name);
+        if (found != indexOf[isSpectrum].end())
+            problem += " yet (a texture must be defined before another one uses it)";
+        else if (indexOf[!isSpectrum].contains(name))
+            problem += fmt::format(" (\"{}\" is a {} texture)", name, FamilyName(!isSpectrum));
+        std::vector<std::string> names = Names(isSpectrum, limit);
+        problem += names.empty() ? fmt::format("; no {} texture is defined.", FamilyName(isSpectrum))
+                                 : "; " + ListChoices(name, names) + ".";
+        throw UserError(problem, reference.loc);
+    }
+
+    FloatTexturePtr Float(const ParamSet &params, const std::string &name, std::optional<pbrt::Float> defaultValue,
+                          size_t limit) {
+        if (const Param *p = FindReference(params, name, {ParamType::Float, ParamType::Texture}))
+            return MakeFloat(Resolve(params, *p, false, limit));
+        const Param *p = params.Find(name, ParamType::Float);
+        if (!p && !defaultValue) return nullptr;
+        return std::make_shared<ConstantFloatTexture>(params.GetFloat(name, defaultValue.value_or(0)));
+    }
+
+    SpectrumTexturePtr Spectrum(const ParamSet &params, const std::string &name, SpectrumPtr defaultValue,
+                                SpectrumUse use, size_t limit) {
+        const ParamTypes types = {ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum, ParamType::Texture};
+        if (const Param *p = FindReference(params, name, types))
+            return MakeSpectrum(Resolve(params, *p, true, limit), use);
+        SpectrumPtr value = pbrt::GetSpectrum(params, name, std::move(defaultValue), use, files);
+        return value ? std::make_shared<ConstantSpectrumTexture>(std::move(value)) : nullptr;
+    }
+
+    TextureRequest Request(Definition &d, SpectrumUse use) {
+        size_t limit = indexOf[d.isSpectrum].at(d.name);
+        return {d.textureClass,
+                d.params,
+                d.renderFromTexture,
+                files,
+                images,
+                sink,
+                [=, this, &d](const std::string &name, pbrt::Float value) {
+                    return Float(d.params, name, value, limit);
+                },
+                [=, this, &d](const std::string &name, SpectrumPtr value) {
+                    return Spectrum(d.params, name, std::move(value), use, limit);
+                }};
+    }
+
+    /// Runs `make`; a mistake is reported once and nullptr returned.
+    template <class Make>
+    auto Try(Definition &d, Make &&make) -> decltype(make()) {
+        d.made = true;
+        try {
+            return make();
+        } catch (const MissingImageError &e) {
+            if (!d.failed) ++missingImages;
+            Report(d, e);
+        } catch (const UserError &e) {
+            Report(d, e);
+        }
+        return nullptr;
+    }
+
+    void Report(Definition &d, const UserError &e) {
+        if (!d.failed) sink.Add(e);
+        d.failed = true;
+    }
+
+    FloatTexturePtr MakeFloat(Definition &d) {
+        if (!d.asFloat && !d.broken)
+            d.asFloat = Try(d, [&] { return MakeFloatTexture(Request(d, SpectrumUse::Unbounded)); });
+        if (!d.asFloat) d.asFloat = std::make_shared<ConstantFloatTexture>(pbrt::Float(0.5));
+        return d.asFloat;
+    }
+
+    SpectrumTexturePtr MakeSpectrum(Definition &d, SpectrumUse use) {
+        SpectrumTexturePtr &texture = d.asSpectrum[static_cast<size_t>(use)];
+        if (!texture && !d.broken)
+            texture = Try(d, [&] { return MakeSpectrumTexture(Request(d, use), use); });
+        if (!texture)
+            texture = std::make_shared<ConstantSpectrumTexture>(std::make_shared<ConstantSpectrum>(pbrt::Float(0.5)));
+        return texture;
+    }
+};
+
+TextureLibrary::TextureLibrary(const FileResolver &files, DiagnosticSink &sink)
+    : impl_(new Impl{files, sink, missingImages_, {}, {}, {}}) {}
+
+TextureLibrary::~TextureLibrary() = default;
+
+void TextureLibrary::Define(const std::string &name, bool isSpectrum, const std::string &textureClass, ParamSet params,
+                            const Transform &renderFromTexture) {
+    FileLoc loc = params.Loc();
+    if (impl_->indexOf[isSpectrum].contains(name))
+        throw UserError(fmt::format("{} texture \"{}\" is defined twice.", FamilyName(isSpectrum), name), loc);
+    auto d = std::make_unique<Impl::Definition>();
+    d->name = name;
+    d->textureClass = textureClass;
+    d->isSpectrum = isSpectrum;
+    d->params = std::move(params);
+    d->renderFromTexture = renderFromTexture;
+    bool known = FamilyHasClass(isSpectrum, textureClass);
+    bool supported = known && Contains(SupportedTextures(), textureClass);
+    bool unsupported = known && !supported && Contains(UnsupportedTextures(), textureClass);
+    d->broken = !supported;
+    impl_->indexOf[isSpectrum][name] = impl_->definitions.size();
+    impl_->definitions.push_back(std::move(d));
+    if (unsupported)
+        throw UserError(fmt::format("texture \"{}\": class \"{}\" is not built yet.", name, textureClass), loc);
+    if (!supported) {
+        std::vector<std::string> choices;
+        for (const auto *names : {&SupportedTextures(), &UnsupportedTextures()})
+            for (const std::string &c : *names)
+                if (FamilyHasClass(isSpectrum, c)) choices.push_back(c);
+        throw UserError(fmt::format("texture \"{}\": there is no {} texture class \"{}\"; {}.", name,
+                                    FamilyName(isSpectrum), textureClass, ListChoices(textureClass, choices)),
+                        loc);
+    }
+}
+
+void TextureLibrary::PreloadImages() {
+    std::vector<MipMapKey> keys;
+    for (const auto &d : impl_->definitions) {
+        if (d->broken || d->textureClass != "imagemap") continue;
+        try {
+            MipMapKey key = ReadMipMapKey(d->params, impl_->files);
+            if (std::filesystem::exists(key.path)) keys.push_back(std::move(key));
+        } catch (const UserError &) {
+            // Reported when the texture is made.
+        }
+    }
+    impl_->images.Preload(keys);
+}
+
+void TextureLibrary::CheckAll() {
+    for (const auto &d : impl_->definitions) {
+        if (d->broken) continue;
+        if (!d->made) {
+            if (d->isSpectrum) impl_->MakeSpectrum(*d, SpectrumUse::Unbounded);
+            else impl_->MakeFloat(*d);
+        }
+        if (!d->failed) d->params.ReportUnused(impl_->sink);
+    }
+    if (missingImages_ > 0)
+        impl_->sink.Error({}, fmt::format("{} missing texture{}.", missingImages_, missingImages_ == 1 ? "" : "s"));
+}
+
+FloatTexturePtr TextureLibrary::GetFloat(const ParamSet &params, const std::string &name, Float defaultValue) {
+    return impl_->Float(params, name, defaultValue, impl_->definitions.size());
+}
+
+FloatTexturePtr TextureLibrary::GetFloatOrNull(const ParamSet &params, const std::string &name) {
+    return impl_->Float(params, name, std::nullopt, impl_->definitions.size());
+}
+
+SpectrumTexturePtr TextureLibrary::GetSpectrum(const ParamSet &params, const std::string &name,
+                                               SpectrumPtr defaultValue, SpectrumUse use) {
+    return impl_->Spectrum(params, name, std::move(defaultValue), use, impl_->definitions.size());
+}
+
+SpectrumTexturePtr TextureLibrary::GetSpectrumOrNull(const ParamSet &params, const std::string &name, SpectrumUse use) {
+    return impl_->Spectrum(params, name, nullptr, use, impl_->definitions.size());
+}
+
+std::shared_ptr<const Image> TextureLibrary::GetLinearRgbImage(const ParamSet &params, const std::string &name) {
+    std::string file = params.GetString(name, "");
+    if (file.empty()) return nullptr;
+    std::string path = impl_->files.Resolve(file);
+    if (!std::filesystem::exists(path)) throw UserError(fmt::format("{}: file not found.", file), params.LocOf(name));
+    try {
+        return impl_->images.GetLinearRgb(path);
+    } catch (const UserError &e) {
+        throw UserError(e.Diagnostics().front().message, params.LocOf(name));
+    }
+}
+
+}  // namespace pbrt

@@ -24,7 +24,14 @@ struct AccelHit {
 /// every thread and query order.
 class Accel {
   public:
-    Accel();
+    struct Options {
+        /// Embree's robust traversal: rays cannot slip between triangles that share an edge.
+        bool robust = true;
+        /// Spatial splits: slower to build, faster to trace when triangles are long and thin.
+        bool highQuality = false;
+    };
+    Accel() : Accel(Options{}) {}
+    explicit Accel(const Options &options);
     ~Accel();
     Accel(const Accel &) = delete;
     Accel &operator=(const Accel &) = delete;

@@ -23,11 +23,34 @@ class BilinearMesh final : public Shape {
                         const Normal3 &nHit) const override;
 
     const MeshData &Data() const { return mesh_; }
+    /// Sampled by solid angle (planar, right angles, to stock pbrt-v4's tolerance).
+    bool IsRectangle(uint32_t primitive) const { return isRectangle_[primitive] != 0; }
+    /// p11 = p10 + p01 - p00 up to rounding: (u, v) is then affine on the patch.
+    bool IsParallelogram(uint32_t primitive) const;
 
   private:
+    struct Corners {
+        Point3 p00, p10, p01, p11;
+        Point3 At(const Point2 &uv) const;
+        Vector3 DpDu(Float v) const;
+        Vector3 DpDv(Float u) const;
+        Vector3 Error() const;  ///< of At
+        /// Length of the unnormalised normal at the corners: the warp of SampleArea.
+        void AreaWeights(Float w[4]) const;
+    };
+    Corners CornersOf(uint32_t primitive) const;
+    template <class T>
+    T AtCorners(const std::vector<T> &values, uint32_t primitive, const Point2 &uv) const;
+    /// Surface parameters of a point known to lie on the patch, where the normal is n.
+    Point2 Parameters(const Corners &c, const Point3 &p, const Normal3 &n) const;
+    Normal3 OrientedNormal(uint32_t primitive, const Corners &c, const Point2 &uv) const;
+    ShapeSample SampleAt(uint32_t primitive, const Corners &c, const Point2 &uv) const;
+    /// By area, of the point (u, v) under SampleArea.
+    Float PdfArea(uint32_t primitive, const Corners &c, const Point2 &uv) const;
+
     MeshData mesh_;
+    std::vector<uint8_t> isRectangle_;
     bool flipNormal_;
-    bool reverseOrientation_;
 };
 
 }  // namespace pbrt

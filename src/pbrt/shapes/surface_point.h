@@ -1,6 +1,6 @@
 #pragma once
 #include "pbrt/core/ids.h"
-#include "pbrt/math/ray.h"
+#include "pbrt/math/transform.h"
 
 namespace pbrt {
 
@@ -35,5 +35,10 @@ struct SurfacePoint {
     Point3 OffsetOrigin(const Vector3 &w) const { return OffsetRayOrigin(p, pError, n, w); }
     Ray SpawnRay(const Vector3 &d) const { return {OffsetOrigin(d), d, Infinity, time, {}}; }
 };
+
+/// The same point after its shape was moved by `t` (an instance's placement): geometry and error bounds are transformed,
+/// normals keep the side they are on, everything else is copied. The bounds also cover what is lost when a ray that
+/// starts here is taken back through the inverse of `t` in single precision.
+SurfacePoint TransformSurface(const Transform &t, const SurfacePoint &s);
 
 }  // namespace pbrt

@@ -15,6 +15,10 @@ struct MeshData {
     std::vector<int> faceIndices;  ///< per primitive or empty
 };
 
+/// Takes vertices, normals and tangents to rendering space; normals are turned over if `reverseOrientation`. Leaves room
+/// behind the last vertex, because Embree reads 16 bytes per vertex.
+void PlaceMesh(MeshData &mesh, const Transform &renderFromObject, bool reverseOrientation);
+
 /// Triangles in rendering space. Embree reads the vertex and index buffers directly.
 class TriangleMesh final : public Shape {
   public:
@@ -38,9 +42,17 @@ class TriangleMesh final : public Shape {
     Float SolidAngle(uint32_t primitive, const Point3 &p) const;
 
   private:
+    struct Corners {
+        Point3 p0, p1, p2;
+    };
+    Corners CornersOf(uint32_t primitive) const;
+    /// Unit normal on the side that samples and hits report at barycentric coordinates b.
+    Normal3 OrientedNormal(uint32_t primitive, const Corners &c, const Vector3 &b) const;
+    Point2 UvAt(uint32_t primitive, const Vector3 &b) const;
+    ShapeSample SampleAt(uint32_t primitive, const Corners &c, const Vector3 &b) const;
+
     MeshData mesh_;
     bool flipNormal_;  ///< orientation flag XOR handedness
-    bool reverseOrientation_;
 };
 
 }  // namespace pbrt

@@ -1,0 +1,339 @@
+#include "pbrt/accel/accel.h"
+
+#include <embree3/rtcore.h>
+
+#include <atomic>
+#include <bit>
+
+#include "pbrt/core/error.h"
+#include "pbrt/math/rng.h"
+#include "pbrt/shapes/bilinear_mesh.h"
+
+namespace pbrt {
+
+namespace {
+
+/// What Embree's callbacks know about a geometry.
+struct Geometry {
+    const Shape *shape = nullptr;
+    ShapeId id{};
+    const FloatTexture *alpha = nullptr;  ///< null: opaque
+    std::optional<Float> constantAlpha;
+    bool hitsOnce = false;  ///< a straight line meets each primitive at most once
+};
+
+/// Embree hands this back in every callback.
+struct QueryContext {
+    RTCIntersectContext base;
+    const Ray *ray;  ///< as asked, before any instance transform
+    explicit QueryContext(const Ray &r) : ray(&r) {
+        rtcInitIntersectContext(&base);
+        base.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    }
+};
+
+/// Decides whether a surface with alpha stops the ray. Depends on the ray as asked and on the identity of the hit only, so
+/// closest-hit and occlusion queries agree, and layers along one ray are independent.
+bool StopsRay(const Geometry &g, const RTCIntersectContext *context, const RTCRay &localRay, uint32_t primitive,
+              const PrimitiveHit &hit) {
+    Float alpha;
+    if (g.constantAlpha) {
+        alpha = *g.constantAlpha;
+    } else {
+        TextureContext at;
+        at.p = Point3(localRay.org_x, localRay.org_y, localRay.org_z) +
+               Vector3(localRay.dir_x, localRay.dir_y, localRay.dir_z) * hit.t;
+        at.uv = g.shape->Uv(primitive, hit);
+        alpha = g.alpha->Evaluate(at);
+    }
+    if (alpha >= 1) return true;
+    if (alpha <= 0) return false;
+    const Ray &ray = *reinterpret_cast<const QueryContext *>(context)->ray;
+    Float u = g.hitsOnce ? 0 : hit.u, v = g.hitsOnce ? 0 : hit.v;
+    return HashFloat(ray.o, ray.d, g.id.value, primitive, context->instID[0], u, v) <= alpha;
+}
+
+void AlphaFilter(const RTCFilterFunctionNArguments *args) {
+    if (args->valid[0] == 0) return;
+    const Geometry &g = *static_cast<const Geometry *>(args->geometryUserPtr);
+    const RTCRay &ray = *reinterpret_cast<const RTCRay *>(args->ray);
+    const RTCHit &hit = *reinterpret_cast<const RTCHit *>(args->hit);
+    if (!StopsRay(g, args->context, ray, hit.primID, {ray.tfar, hit.u, hit.v})) args->valid[0] = 0;
+}
+
+/// Nearest hit that stops the ray, through Shape::Intersect.
+std::optional<PrimitiveHit> NearestHit(const Geometry &g, const RTCIntersectContext *context, const RTCRay &ray,
+                                       uint32_t primitive) {
+    Point3 o(ray.org_x, ray.org_y, ray.org_z);
+    Vector3 d(ray.dir_x, ray.dir_y, ray.dir_z);
+    Float tMin = ray.tnear;
+    while (std::optional<PrimitiveHit> hit = g.shape->Intersect(primitive, o, d, tMin, ray.tfar)) {
+        if (!g.alpha || StopsRay(g, context, ray, primitive, *hit)) return hit;
+        tMin = std::nextafter(hit->t, Infinity);
+    }
+    return {};
+}
+
+void UserBounds(const RTCBoundsFunctionArguments *args) {
+    const Geometry &g = *static_cast<const Geometry *>(args->geometryUserPtr);
+    Bounds3 b = g.shape->PrimitiveBounds(args->primID);
+    // Hits are found in double precision, box tests are made in float.
+    Vector3 margin = Gamma(8) * Max(Abs(b.low), Abs(b.high));
+    Point3 low = b.low - margin, high = b.high + margin;
+    *args->bounds_o = {low.x, low.y, low.z, 0, high.x, high.y, high.z, 0};
+}
+
+void UserIntersect(const RTCIntersectFunctionNArguments *args) {
+    if (args->valid[0] == 0) return;
+    const Geometry &g = *static_cast<const Geometry *>(args->geometryUserPtr);
+    RTCRayHit &query = *reinterpret_cast<RTCRayHit *>(args->rayhit);
+    std::optional<PrimitiveHit> hit = NearestHit(g, args->context, query.ray, args->primID);
+    if (!hit) return;
+    query.ray.tfar = hit->t;
+    query.hit.u = hit->u;
+    query.hit.v = hit->v;
+    query.hit.Ng_x = query.hit.Ng_y = query.hit.Ng_z = 0;  // nobody reads it
+    query.hit.primID = args->primID;
+    query.hit.geomID = args->geomID;
+    query.hit.instID[0] = args->context->instID[0];
+}
+
+void UserOccluded(const RTCOccludedFunctionNArguments *args) {
+    if (args->valid[0] == 0) return;
+    const Geometry &g = *static_cast<const Geometry *>(args->geometryUserPtr);
+    RTCRay &ray = *reinterpret_cast<RTCRay *>(args->ray);
+    if (NearestHit(g, args->context, ray, args->primID)) ray.tfar = -Infinity;
+}
+
+bool CountMemory(void *counter, ssize_t bytes, bool) {
+    static_cast<std::atomic<int64_t> *>(counter)->fetch_add(bytes, std::memory_order_relaxed);
+    return true;
+}
+
+RTCRay ToEmbree(const Ray &ray) {
+    RTCRay r{};
+    r.org_x = ray.o.x;
+    r.org_y = ray.o.y;
+    r.org_z = ray.o.z;
+    r.dir_x = ray.d.x;
+    r.dir_y = ray.d.y;
+    r.dir_z = ray.d.z;
+    r.tnear = 0;
+    r.tfar = ray.tMax;
+    r.time = 0;
+    r.mask = 0xffffffffu;
+    return r;
+}
+
+/// True if every patch can be an Embree quad: flat, and with the same (u, v).
+bool AllParallelograms(const BilinearMesh &mesh) {
+    for (uint32_t i = 0; i < mesh.PrimitiveCount(); ++i)
+        if (!mesh.IsParallelogram(i)) return false;
+    return true;
+}
+
+}  // namespace
+
+struct Accel::Impl {
+    /// One Embree scene: the top level or an object.
+    struct Group {
+        RTCScene scene = nullptr;
+        std::vector<std::unique_ptr<Geometry>> geometries;  ///< by Embree geometry id; null for instances
+        std::vector<int32_t> instances;                     ///< by Embree geometry id; -1 for shapes
+    };
+    struct Instance {
+        int object;
+        Transform transform;
+    };
+
+    std::atomic<int64_t> bytes{0};
+    Options options;
+    RTCDevice device = nullptr;
+    Group top;
+    std::vector<Group> objects;
+    std::vector<Instance> instances;
+    bool committed = false;
+
+    explicit Impl(const Options &o) : options(o) {
+        device = rtcNewDevice(nullptr);
+        PBRT_CHECK_MSG(device != nullptr, "Embree error {}", static_cast<int>(rtcGetDeviceError(nullptr)));
+        rtcSetDeviceMemoryMonitorFunction(device, CountMemory, &bytes);
+        top.scene = NewScene();
+    }
+    ~Impl() {
+        rtcReleaseScene(top.scene);
+        for (Group &g : objects) rtcReleaseScene(g.scene);
+        rtcReleaseDevice(device);
+    }
+    Impl(const Impl &) = delete;
+    Impl &operator=(const Impl &) = delete;
+
+    RTCScene NewScene() {
+        RTCScene scene = rtcNewScene(device);
+        rtcSetSceneFlags(scene, options.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+        rtcSetSceneBuildQuality(scene, options.highQuality ? RTC_BUILD_QUALITY_HIGH : RTC_BUILD_QUALITY_MEDIUM);
+        return scene;
+    }
+
+    RTCGeometry NewTriangles(const TriangleMesh &mesh) {
+        const MeshData &data = mesh.Data();
+        RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        ShareVertices(g, data);
+        rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, data.indices.data(), 0,
+                                   3 * sizeof(uint32_t), mesh.PrimitiveCount());
+        return g;
+    }
+    RTCGeometry NewQuads(const BilinearMesh &mesh) {
+        const MeshData &data = mesh.Data();
+        RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_QUAD);
+        ShareVertices(g, data);
+        auto *corners = static_cast<uint32_t *>(rtcSetNewGeometryBuffer(
+            g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, 4 * sizeof(uint32_t), mesh.PrimitiveCount()));
+        PBRT_CHECK(corners != nullptr);
+        for (size_t i = 0; i < data.indices.size(); i += 4) {  // Embree goes around the quad
+            corners[i] = data.indices[i];
+            corners[i + 1] = data.indices[i + 1];
+            corners[i + 2] = data.indices[i + 3];
+            corners[i + 3] = data.indices[i + 2];
+        }
+        return g;
+    }
+    static void ShareVertices(RTCGeometry g, const MeshData &data) {
+        PBRT_CHECK(data.p.capacity() > data.p.size());  // Embree reads 16 bytes from the last vertex
+        rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, data.p.data(), 0, sizeof(Point3),
+                                   data.p.size());
+    }
+
+    void Add(Group &group, ShapeId id, const Shape &shape, const FloatTexture *alpha) {
+        PBRT_CHECK(!committed);
+        auto geometry = std::make_unique<Geometry>();
+        geometry->shape = &shape;
+        geometry->id = id;
+        if (alpha) geometry->constantAlpha = alpha->Constant();
+        if (geometry->constantAlpha && *geometry->constantAlpha <= 0) return;  // no ray ever hits it
+        if (!(geometry->constantAlpha && *geometry->constantAlpha >= 1)) geometry->alpha = alpha;
+        if (shape.PrimitiveCount() == 0) return;
+
+        RTCGeometry g = nullptr;
+        if (shape.Kind() == ShapeKind::TriangleMesh) {
+            g = NewTriangles(static_cast<const TriangleMesh &>(shape));
+            geometry->hitsOnce = true;
+        } else if (shape.Kind() == ShapeKind::BilinearMesh && AllParallelograms(static_cast<const BilinearMesh &>(shape))) {
+            g = NewQuads(static_cast<const BilinearMesh &>(shape));
+            geometry->hitsOnce = true;
+        } else {
+            g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+            rtcSetGeometryUserPrimitiveCount(g, shape.PrimitiveCount());
+            rtcSetGeometryBoundsFunction(g, [](const RTCBoundsFunctionArguments *a) { UserBounds(a); }, nullptr);
+            rtcSetGeometryIntersectFunction(g, UserIntersect);
+            rtcSetGeometryOccludedFunction(g, UserOccluded);
+        }
+        rtcSetGeometryUserData(g, geometry.get());
+        if (geometry->alpha && geometry->hitsOnce) {
+            rtcSetGeometryIntersectFilterFunction(g, AlphaFilter);
+            rtcSetGeometryOccludedFilterFunction(g, AlphaFilter);
+        }
+        Attach(group, g, std::move(geometry), -1);
+    }
+
+    static void Attach(Group &group, RTCGeometry g, std::unique_ptr<Geometry> geometry, int32_t instance) {
+        rtcCommitGeometry(g);
+        unsigned int id = rtcAttachGeometry(group.scene, g);
+        rtcReleaseGeometry(g);
+        PBRT_CHECK(id == group.geometries.size());
+        group.geometries.push_back(std::move(geometry));
+        group.instances.push_back(instance);
+    }
+
+    void CheckDevice() const {
+        RTCError error = rtcGetDeviceError(device);
+        if (error == RTC_ERROR_OUT_OF_MEMORY) throw UserError("Not enough memory for the ray acceleration structure.");
+        PBRT_CHECK_MSG(error == RTC_ERROR_NONE, "Embree error {}", static_cast<int>(error));
+    }
+};
+
+Accel::Accel(const Options &options) : impl_(std::make_unique<Impl>(options)) {}
+Accel::~Accel() = default;
+
+void Accel::AddShape(ShapeId id, const Shape &shape, const FloatTexture *alpha) {
+    impl_->Add(impl_->top, id, shape, alpha);
+}
+
+int Accel::AddObject(const std::vector<ShapeId> &ids, const std::vector<const Shape *> &shapes,
+                     const std::vector<const FloatTexture *> &alphas) {
+    PBRT_CHECK(ids.size() == shapes.size() && ids.size() == alphas.size());
+    Impl::Group group;
+    group.scene = impl_->NewScene();
+    for (size_t i = 0; i < ids.size(); ++i) impl_->Add(group, ids[i], *shapes[i], alphas[i]);
+    impl_->objects.push_back(std::move(group));
+    return static_cast<int>(impl_->objects.size()) - 1;
+}
+
+int Accel::AddInstance(int object, const Transform &renderFromObject) {
+    PBRT_CHECK(object >= 0 && static_cast<size_t>(object) < impl_->objects.size());
+    impl_->instances.push_back({object, renderFromObject});
+    return static_cast<int>(impl_->instances.size()) - 1;
+}
+
+void Accel::Commit() {
+    PBRT_CHECK(!impl_->committed);
+    for (Impl::Group &g : impl_->objects) rtcCommitScene(g.scene);
+    for (size_t i = 0; i < impl_->instances.size(); ++i) {
+        const Impl::Instance &instance = impl_->instances[i];
+        const Impl::Group &object = impl_->objects[static_cast<size_t>(instance.object)];
+        if (object.geometries.empty()) continue;
+        RTCGeometry g = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(g, object.scene);
+        rtcSetGeometryTimeStepCount(g, 1);
+        rtcSetGeometryTransform(g, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &instance.transform.Matrix()[0][0]);
+        Impl::Attach(impl_->top, g, nullptr, static_cast<int32_t>(i));
+    }
+    rtcCommitScene(impl_->top.scene);
+    impl_->committed = true;
+    impl_->CheckDevice();
+}
+
+Bounds3 Accel::Bounds() const {
+    if (impl_->top.geometries.empty()) return {};
+    RTCBounds b{};
+    rtcGetSceneBounds(impl_->top.scene, &b);
+    Bounds3 bounds;
+    bounds.low = {b.lower_x, b.lower_y, b.lower_z};
+    bounds.high = {b.upper_x, b.upper_y, b.upper_z};
+    return bounds;
+}
+
+std::optional<AccelHit> Accel::Intersect(const Ray &ray) const {
+    QueryContext context(ray);
+    RTCRayHit query{};
+    query.ray = ToEmbree(ray);
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(impl_->top.scene, &context.base, &query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+    AccelHit hit;
+    const Impl::Group *group = &impl_->top;
+    if (query.hit.instID[0] != RTC_INVALID_GEOMETRY_ID) {
+        hit.instance = impl_->top.instances[query.hit.instID[0]];
+        group = &impl_->objects[static_cast<size_t>(impl_->instances[static_cast<size_t>(hit.instance)].object)];
+    }
+    hit.shape = group->geometries[query.hit.geomID]->id;
+    hit.primitive = query.hit.primID;
+    hit.hit = {query.ray.tfar, query.hit.u, query.hit.v};
+    return hit;
+}
+
+bool Accel::Occluded(const Ray &ray) const {
+    QueryContext context(ray);
+    RTCRay query = ToEmbree(ray);
+    rtcOccluded1(impl_->top.scene, &context.base, &query);
+    return query.tfar < 0;
+}
+
+const Transform &Accel::InstanceTransform(int instance) const {
+    return impl_->instances[static_cast<size_t>(instance)].transform;
+}
+
+size_t Accel::Bytes() const { return static_cast<size_t>(std::max<int64_t>(0, impl_->bytes.load())); }
+
+}  // namespace pbrt

@@ -1,0 +1,349 @@
+#include "pbrt/shapes/bilinear_mesh.h"
+
+#include <array>
+
+#include "pbrt/core/error.h"
+#include "pbrt/math/warps.h"
+#include "pbrt/shapes/sample_density.h"
+#include "pbrt/shapes/spherical.h"
+#include "pbrt/shapes/weingarten.h"
+
+namespace pbrt {
+
+namespace {
+
+/// Rectangles that cover less (sr) are sampled by area.
+constexpr Float kMinSolidAngle = 1e-4f;
+
+template <class T>
+T Bilerp(const Point2 &uv, const T &f00, const T &f10, const T &f01, const T &f11) {
+    return (1 - uv.y) * ((1 - uv.x) * f00 + uv.x * f10) + uv.y * ((1 - uv.x) * f01 + uv.x * f11);
+}
+
+/// Real roots of a + b x + c x^2; returns how many.
+int SolveQuadratic(double a, double b, double c, std::array<double, 2> &x) {
+    double discriminant = b * b - 4 * a * c;
+    if (!(discriminant >= 0)) return 0;
+    double q = -(b + std::copysign(std::sqrt(discriminant), b)) / 2;
+    int n = 0;
+    if (q != 0) x[n++] = a / q;
+    if (c != 0) x[n++] = q / c;
+    return n;
+}
+
+/// v turned by the smallest rotation that takes the unit vector `from` to `to`.
+Vector3 RotateFromTo(const Vector3 &from, const Vector3 &to, const Vector3 &v) {
+    Vector3 axis = Cross(from, to);
+    Float c = Dot(from, to), s2 = LengthSquared(axis);
+    if (s2 < Float(1e-12)) {
+        if (c > 0) return v;
+        Vector3 s, t;  // half a turn about any axis across `from`
+        CoordinateSystem(from, &s, &t);
+        return 2 * Dot(s, v) * s - v;
+    }
+    return c * v + Cross(axis, v) + axis * (Dot(axis, v) * (1 - c) / s2);
+}
+
+bool LooksRectangular(const Point3 &p00, const Point3 &p10, const Point3 &p01, const Point3 &p11) {
+    if (p00 == p10 || p10 == p11 || p11 == p01 || p01 == p00) return false;
+    Vector3 n = Normalize(Cross(p10 - p00, p01 - p00));
+    if (!(AbsDot(Normalize(p11 - p00), n) <= Float(1e-5))) return false;
+    Point3 center = (p00 + p10 + p01 + p11) / Float(4);
+    Float d = DistanceSquared(p00, center);
+    for (const Point3 &p : {p10, p01, p11})
+        if (!(std::abs(DistanceSquared(p, center) - d) <= Float(1e-4) * d)) return false;
+    return true;
+}
+
+void CosineWeights(const Point3 &from, const Normal3 &ns, const Point3 &p00, const Point3 &p10, const Point3 &p01,
+                   const Point3 &p11, Float w[4]) {
+    const Point3 *corners[4] = {&p00, &p10, &p01, &p11};
+    for (int i = 0; i < 4; ++i) w[i] = std::max(Float(0.01), AbsDot(Normalize(*corners[i] - from), ns));
+}
+
+}  // namespace
+
+Point3 BilinearMesh::Corners::At(const Point2 &uv) const { return Bilerp(uv, p00, p10, p01, p11); }
+Vector3 BilinearMesh::Corners::DpDu(Float v) const { return Lerp(v, p10, p11) - Lerp(v, p00, p01); }
+Vector3 BilinearMesh::Corners::DpDv(Float u) const { return Lerp(u, p01, p11) - Lerp(u, p00, p10); }
+Vector3 BilinearMesh::Corners::Error() const { return Gamma(6) * (Abs(p00) + Abs(p10) + Abs(p01) + Abs(p11)); }
+void BilinearMesh::Corners::AreaWeights(Float w[4]) const {
+    for (int i = 0; i < 4; ++i) w[i] = Length(Cross(DpDu(static_cast<Float>(i >> 1)), DpDv(static_cast<Float>(i & 1))));
+}
+
+BilinearMesh::BilinearMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation)
+    : mesh_(std::move(data)), flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
+    PBRT_CHECK(mesh_.indices.size() % 4 == 0);
+    for (uint32_t i : mesh_.indices) PBRT_CHECK_MSG(i < mesh_.p.size(), "index {} of {}", i, mesh_.p.size());
+    PlaceMesh(mesh_, renderFromObject, reverseOrientation);
+    isRectangle_.resize(mesh_.indices.size() / 4);
+    for (uint32_t i = 0; i < PrimitiveCount(); ++i) {
+        Corners c = CornersOf(i);
+        isRectangle_[i] = LooksRectangular(c.p00, c.p10, c.p01, c.p11);
+    }
+}
+
+BilinearMesh::Corners BilinearMesh::CornersOf(uint32_t primitive) const {
+    const uint32_t *v = &mesh_.indices[4 * size_t(primitive)];
+    return {mesh_.p[v[0]], mesh_.p[v[1]], mesh_.p[v[2]], mesh_.p[v[3]]};
+}
+
+template <class T>
+T BilinearMesh::AtCorners(const std::vector<T> &values, uint32_t primitive, const Point2 &uv) const {
+    const uint32_t *v = &mesh_.indices[4 * size_t(primitive)];
+    return Bilerp(uv, values[v[0]], values[v[1]], values[v[2]], values[v[3]]);
+}
+
+bool BilinearMesh::IsParallelogram(uint32_t primitive) const {
+    Corners c = CornersOf(primitive);
+    Vector3 gap = Abs((c.p11 - c.p10) - (c.p01 - c.p00));
+    Vector3 size = Max(Max(Abs(c.p00), Abs(c.p10)), Max(Abs(c.p01), Abs(c.p11)));
+    for (int i = 0; i < 3; ++i)
+        if (!(gap[i] <= 2 * MachineEpsilon * size[i])) return false;
+    return true;
+}
+
+Bounds3 BilinearMesh::PrimitiveBounds(uint32_t primitive) const {
+    Corners c = CornersOf(primitive);
+    return Union(Bounds3(c.p00, c.p10), Bounds3(c.p01, c.p11));
+}
+
+Float BilinearMesh::Area(uint32_t primitive) const {
+    Corners c = CornersOf(primitive);
+    if (IsRectangle(primitive)) return Distance(c.p00, c.p01) * Distance(c.p00, c.p10);
+    // Stock pbrt-v4's approximation, since emitted power is defined by it: 3 x 3 pieces as if they were flat.
+    constexpr int kPieces = 3;
+    Point3 p[kPieces + 1][kPieces + 1];
+    for (int i = 0; i <= kPieces; ++i)
+        for (int j = 0; j <= kPieces; ++j)
+            p[i][j] = c.At({static_cast<Float>(i) / kPieces, static_cast<Float>(j) / kPieces});
+    Float area = 0;
+    for (int i = 0; i < kPieces; ++i)
+        for (int j = 0; j < kPieces; ++j)
+            area += Length(Cross(p[i + 1][j + 1] - p[i][j], p[i + 1][j] - p[i][j + 1])) / 2;
+    return area;
+}
+
+Normal3 BilinearMesh::OrientedNormal(uint32_t primitive, const Corners &c, const Point2 &uv) const {
+    Normal3 n = Cross(c.DpDu(uv.y), c.DpDv(uv.x));
+    Float length = Length(n);
+    n = length > 0 ? n / length : Normal3(0, 0, 1);
+    if (mesh_.n.empty()) return flipNormal_ ? -n : n;
+    return FaceForward(n, AtCorners(mesh_.n, primitive, uv));
+}
+
+DirectionCone BilinearMesh::NormalBounds(uint32_t primitive) const {
+    // The unnormalised normal is linear in (u, v), so every normal lies between those of the corners.
+    Corners c = CornersOf(primitive);
+    DirectionCone cone;
+    for (Point2 uv : {Point2(0, 0), Point2(1, 0), Point2(0, 1), Point2(1, 1)}) {
+        if (Cross(c.DpDu(uv.y), c.DpDv(uv.x)) == Vector3(0)) continue;  // two corners coincide
+        cone = Union(cone, {OrientedNormal(primitive, c, uv), 1});
+    }
+    return cone.IsEmpty() ? DirectionCone::EntireSphere() : cone;
+}
+
+std::optional<PrimitiveHit> BilinearMesh::Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
+                                                    Float tMax) const {
+    // For fixed u the patch is a straight line; the ray meets that line where line and ray are coplanar, a quadratic in u.
+    // Double precision: two roots that differ by the patch's curvature must not be confused, and shared edges not leak.
+    using D = glm::dvec3;
+    Corners c = CornersOf(primitive);
+    D dir(d), a0 = D(c.p00) - D(o), da = D(c.p10) - D(c.p00), e0 = D(c.p01) - D(c.p00);
+    D de = (D(c.p11) - D(c.p01)) - da;
+    D a0d = glm::cross(a0, dir), dad = glm::cross(da, dir);
+    std::array<double, 2> roots{};
+    int n = SolveQuadratic(glm::dot(e0, a0d), glm::dot(de, a0d) + glm::dot(e0, dad), glm::dot(de, dad), roots);
+
+    constexpr double kSlack = 1e-9;
+    std::optional<PrimitiveHit> best;
+    double nearest = double(tMax);
+    for (int i = 0; i < n; ++i) {
+        double u = roots[static_cast<size_t>(i)];
+        if (!(u >= -kSlack && u <= 1 + kSlack)) continue;
+        D a = a0 + u * da, e = e0 + u * de;
+        D ed = glm::cross(e, dir);
+        double ed2 = glm::dot(ed, ed);
+        if (!(ed2 > 0)) continue;
+        double v = -glm::dot(glm::cross(a, dir), ed) / ed2;
+        double t = -glm::dot(glm::cross(a, e), ed) / ed2;
+        if (!(v >= -kSlack && v <= 1 + kSlack && t > double(tMin) && t < nearest)) continue;
+        nearest = t;
+        best = PrimitiveHit{static_cast<Float>(t), static_cast<Float>(std::clamp(u, 0.0, 1.0)),
+                            static_cast<Float>(std::clamp(v, 0.0, 1.0))};
+    }
+    return best;
+}
+
+Point2 BilinearMesh::Uv(uint32_t primitive, const PrimitiveHit &hit) const {
+    Point2 uv(hit.u, hit.v);
+    return mesh_.uv.empty() ? uv : AtCorners(mesh_.uv, primitive, uv);
+}
+
+SurfacePoint BilinearMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) const {
+    Corners c = CornersOf(primitive);
+    Point2 uv(std::clamp(hit.u, Float(0), Float(1)), std::clamp(hit.v, Float(0), Float(1)));
+    SurfacePoint s;
+    s.primitive = primitive;
+    s.p = c.At(uv);
+    s.pError = c.Error();
+    s.uv = uv;
+    s.dpdu = c.DpDu(uv.y);
+    s.dpdv = c.DpDv(uv.x);
+
+    // Given texture coordinates (s, t) replace (u, v). As stock pbrt-v4: the derivatives of (u, v) are the reciprocals of
+    // those of (s, t), which is exact only where each of s and t depends on one of u and v.
+    Float duds = 1, dudt = 0, dvds = 0, dvdt = 1;
+    Vector3 dpdu = s.dpdu, dpdv = s.dpdv;
+    if (!mesh_.uv.empty()) {
+        const uint32_t *v = &mesh_.indices[4 * size_t(primitive)];
+        const Point2 &t00 = mesh_.uv[v[0]], &t10 = mesh_.uv[v[1]], &t01 = mesh_.uv[v[2]], &t11 = mesh_.uv[v[3]];
+        s.uv = Bilerp(uv, t00, t10, t01, t11);
+        Vector2 dstdu = Lerp(uv.y, t10, t11) - Lerp(uv.y, t00, t01);
+        Vector2 dstdv = Lerp(uv.x, t01, t11) - Lerp(uv.x, t00, t10);
+        auto reciprocal = [](Float x) { return std::abs(x) < Float(1e-8) ? 0 : 1 / x; };
+        duds = reciprocal(dstdu.x);
+        dvds = reciprocal(dstdv.x);
+        dudt = reciprocal(dstdu.y);
+        dvdt = reciprocal(dstdv.y);
+        Vector3 dpds = s.dpdu * duds + s.dpdv * dvds, dpdt = s.dpdu * dudt + s.dpdv * dvdt;
+        Vector3 across = Cross(dpds, dpdt);
+        if (across != Vector3(0)) {
+            if (Dot(Cross(s.dpdu, s.dpdv), across) < 0) dpdt = -dpdt;
+            dpdu = dpds;
+            dpdv = dpdt;
+        }
+    }
+    Normal3 face = Cross(s.dpdu, s.dpdv);
+    Float length = Length(face);
+    face = length > 0 ? face / length : Normal3(0, 0, 1);
+    Vector3 twist = (c.p00 - c.p01) + (c.p11 - c.p10);
+    Normal3 dndu, dndv;
+    NormalDerivatives(s.dpdu, s.dpdv, Vector3(0), twist, Vector3(0), face, &dndu, &dndv);
+    s.dndu = dndu * duds + dndv * dvds;
+    s.dndv = dndu * dudt + dndv * dvdt;
+    s.dpdu = dpdu;
+    s.dpdv = dpdv;
+    s.n = flipNormal_ ? -face : face;
+    s.shading = {s.n, s.dpdu, s.dpdv, s.dndu, s.dndv};
+    if (mesh_.n.empty()) return s;
+
+    const uint32_t *v = &mesh_.indices[4 * size_t(primitive)];
+    const Normal3 &n00 = mesh_.n[v[0]], &n10 = mesh_.n[v[1]], &n01 = mesh_.n[v[2]], &n11 = mesh_.n[v[3]];
+    Normal3 ns = Bilerp(uv, n00, n10, n01, n11);
+    if (!(LengthSquared(ns) > 0)) return s;
+    ns = Normalize(ns);
+    dndu = Lerp(uv.y, n10, n11) - Lerp(uv.y, n00, n01);
+    dndv = Lerp(uv.x, n01, n11) - Lerp(uv.x, n00, n10);
+    s.shading.dndu = dndu * duds + dndv * dvds;
+    s.shading.dndv = dndu * dudt + dndv * dvdt;
+    s.shading.dpdu = RotateFromTo(s.n, ns, s.dpdu);
+    s.shading.dpdv = RotateFromTo(s.n, ns, s.dpdv);
+    s.shading.n = ns;
+    s.n = FaceForward(s.n, ns);
+    return s;
+}
+
+Point2 BilinearMesh::Parameters(const Corners &c, const Point3 &p, const Normal3 &n) const {
+    // Solved in the coordinate plane the patch faces most. p = p00 + u E + v F + uv G; eliminating u leaves a quadratic.
+    using D2 = glm::dvec2;
+    Vector3 an = Abs(n);
+    int drop = an.x > an.y && an.x > an.z ? 0 : an.y > an.z ? 1 : 2;
+    int ix = drop == 0 ? 1 : 0, iy = drop == 2 ? 1 : 2;
+    auto flat = [&](const Vector3 &v) { return D2(v[ix], v[iy]); };
+    auto cross = [](const D2 &a, const D2 &b) { return a.x * b.y - a.y * b.x; };
+    D2 o = flat(c.p00), e = flat(c.p10) - o, f = flat(c.p01) - o, g = flat(c.p11) - flat(c.p01) - e, h = flat(p) - o;
+    std::array<double, 2> roots{};
+    int count = SolveQuadratic(cross(h, e), cross(e, f) + cross(h, g), cross(g, f), roots);
+    Point2 best(Float(0.5));
+    double bestError = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < count; ++i) {
+        double v = std::clamp(roots[static_cast<size_t>(i)], 0.0, 1.0);
+        D2 along = e + v * g, rest = h - v * f;
+        double u = std::abs(along.x) > std::abs(along.y) ? rest.x / along.x : rest.y / along.y;
+        if (!std::isfinite(u)) continue;
+        Point2 uv(static_cast<Float>(std::clamp(u, 0.0, 1.0)), static_cast<Float>(v));
+        double error = double(DistanceSquared(c.At(uv), p));
+        if (error < bestError) {
+            bestError = error;
+            best = uv;
+        }
+    }
+    return best;
+}
+
+Float BilinearMesh::PdfArea(uint32_t primitive, const Corners &c, const Point2 &uv) const {
+    Float density = 1;
+    if (!IsRectangle(primitive)) {
+        Float w[4];
+        c.AreaWeights(w);
+        density = BilinearPdf(uv, w);
+    }
+    return density / Length(Cross(c.DpDu(uv.y), c.DpDv(uv.x)));
+}
+
+ShapeSample BilinearMesh::SampleAt(uint32_t primitive, const Corners &c, const Point2 &uv) const {
+    ShapeSample s;
+    s.p = c.At(uv);
+    s.pError = c.Error();
+    s.n = OrientedNormal(primitive, c, uv);
+    s.uv = mesh_.uv.empty() ? uv : AtCorners(mesh_.uv, primitive, uv);
+    return s;
+}
+
+std::optional<ShapeSample> BilinearMesh::SampleArea(uint32_t primitive, const Point2 &u) const {
+    Corners c = CornersOf(primitive);
+    Point2 uv = u;
+    if (!IsRectangle(primitive)) {
+        Float w[4];
+        c.AreaWeights(w);
+        if (!(w[0] + w[1] + w[2] + w[3] > 0)) return {};
+        uv = SampleBilinear(u, w);
+    }
+    ShapeSample s = SampleAt(primitive, c, uv);
+    s.pdf = PdfArea(primitive, c, uv);
+    if (!std::isfinite(s.pdf)) return {};
+    return s;
+}
+
+std::optional<ShapeSample> BilinearMesh::Sample(uint32_t primitive, const ShapeSampleContext &from,
+                                                const Point2 &u) const {
+    Corners c = CornersOf(primitive);
+    if (IsRectangle(primitive)) {
+        SphericalRectangle rectangle(from.p, c.p00, c.p10 - c.p00, c.p01 - c.p00);
+        if (rectangle.SolidAngle() > kMinSolidAngle) {
+            Point2 square = u;
+            Float pdf = 1 / rectangle.SolidAngle();
+            if (from.ns != Normal3(0)) {
+                Float w[4];
+                CosineWeights(from.p, from.ns, c.p00, c.p10, c.p01, c.p11, w);
+                square = SampleBilinear(u, w);
+                pdf *= BilinearPdf(square, w);
+            }
+            ShapeSample s = SampleAt(primitive, c, rectangle.Sample(square));
+            s.pdf = pdf;
+            return s;
+        }
+    }
+    return WithSolidAngleDensity(SampleArea(primitive, u), from.p);
+}
+
+Float BilinearMesh::PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi,
+                                  const Point3 &pHit, const Normal3 &nHit) const {
+    Corners c = CornersOf(primitive);
+    if (IsRectangle(primitive)) {
+        SphericalRectangle rectangle(from.p, c.p00, c.p10 - c.p00, c.p01 - c.p00);
+        if (rectangle.SolidAngle() > kMinSolidAngle) {
+            Float pdf = 1 / rectangle.SolidAngle();
+            if (from.ns != Normal3(0)) {
+                Float w[4];
+                CosineWeights(from.p, from.ns, c.p00, c.p10, c.p01, c.p11, w);
+                pdf *= BilinearPdf(rectangle.Invert(pHit), w);
+            }
+            return pdf;
+        }
+    }
+    return SolidAngleDensity(PdfArea(primitive, c, Parameters(c, pHit, nHit)), from.p, wi, pHit, nHit);
+}
+
+}  // namespace pbrt

@@ -1,0 +1,381 @@
+#include "pbrt/shapes/ply.h"
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <string_view>
+
+#include "pbrt/core/error.h"
+
+namespace pbrt {
+
+namespace {
+
+enum class Scalar { Int8, Uint8, Int16, Uint16, Int32, Uint32, Float32, Float64 };
+enum class Encoding { Ascii, LittleEndian, BigEndian };
+
+struct Property {
+    std::string name;
+    Scalar type = Scalar::Float32;
+    bool isList = false;
+    Scalar countType = Scalar::Uint8;
+};
+struct Element {
+    std::string name;
+    uint64_t count = 0;
+    std::vector<Property> properties;
+};
+struct Header {
+    Encoding encoding = Encoding::Ascii;
+    std::vector<Element> elements;
+    size_t bodyOffset = 0;
+    int lines = 0;
+};
+
+size_t SizeOf(Scalar t) {
+    static constexpr std::array<size_t, 8> kSizes = {1, 1, 2, 2, 4, 4, 4, 8};
+    return kSizes[static_cast<size_t>(t)];
+}
+
+std::vector<std::string_view> Words(std::string_view line) {
+    std::vector<std::string_view> words;
+    for (size_t i = 0; i < line.size();) {
+        size_t start = line.find_first_not_of(" \t\r", i);
+        if (start == std::string_view::npos) break;
+        size_t end = std::min(line.find_first_of(" \t\r", start), line.size());
+        words.push_back(line.substr(start, end - start));
+        i = end;
+    }
+    return words;
+}
+
+class HeaderReader {
+  public:
+    HeaderReader(std::string_view content, const std::string &name) : content_(content), name_(name) {}
+
+    Header Read() {
+        std::string_view line;
+        bool hasFormat = false;
+        if (!NextLine(&line) || Words(line) != std::vector<std::string_view>{"ply"})
+            throw UserError(fmt::format("{}: is not a PLY file: the first line must be \"ply\".", name_));
+        while (NextLine(&line)) {
+            std::vector<std::string_view> w = Words(line);
+            if (w.empty() || w[0] == "comment" || w[0] == "obj_info") continue;
+            if (w[0] == "end_header") {
+                if (!hasFormat) Fail("the header has no \"format\" line");
+                header_.bodyOffset = position_;
+                return header_;
+            }
+            if (w[0] == "format") {
+                hasFormat = true;
+                ReadFormat(w);
+            } else if (w[0] == "element") {
+                ReadElement(w);
+            } else if (w[0] == "property") {
+                ReadProperty(w);
+            } else {
+                Fail(fmt::format("unknown header keyword \"{}\"", w[0]));
+            }
+        }
+        Fail("the header has no \"end_header\" line");
+    }
+
+  private:
+    [[noreturn]] void Fail(const std::string &message) const {
+        throw UserError(fmt::format("{}: line {}: {}.", name_, header_.lines, message));
+    }
+    bool NextLine(std::string_view *line) {
+        if (position_ >= content_.size()) return false;
+        size_t end = content_.find('\n', position_);
+        if (end == std::string_view::npos) end = content_.size();
+        *line = content_.substr(position_, end - position_);
+        position_ = std::min(end + 1, content_.size());
+        ++header_.lines;
+        return true;
+    }
+    void ReadFormat(const std::vector<std::string_view> &w) {
+        static const std::vector<std::string> kFormats = {"ascii", "binary_little_endian", "binary_big_endian"};
+        for (size_t i = 0; w.size() == 3 && i < kFormats.size(); ++i)
+            if (w[1] == kFormats[i]) {
+                header_.encoding = static_cast<Encoding>(i);
+                return;
+            }
+        std::string given(w.size() > 1 ? w[1] : "");
+        Fail(fmt::format("format \"{}\" is not known; {}", given, ListChoices(given, kFormats)));
+    }
+    void ReadElement(const std::vector<std::string_view> &w) {
+        Element e;
+        if (w.size() != 3) Fail("an element line must read \"element <name> <count>\"");
+        e.name = std::string(w[1]);
+        auto [end, code] = std::from_chars(w[2].data(), w[2].data() + w[2].size(), e.count);
+        if (code != std::errc() || end != w[2].data() + w[2].size())
+            Fail(fmt::format("\"{}\" is not a count", w[2]));
+        header_.elements.push_back(std::move(e));
+    }
+    void ReadProperty(const std::vector<std::string_view> &w) {
+        if (header_.elements.empty()) Fail("a property before any element");
+        Property p;
+        if (w.size() == 5 && w[1] == "list") {
+            p.isList = true;
+            p.countType = TypeOf(w[2]);
+            if (p.countType >= Scalar::Float32) Fail("the length of a list must be an integer type");
+            p.type = TypeOf(w[3]);
+            p.name = std::string(w[4]);
+        } else if (w.size() == 3) {
+            p.type = TypeOf(w[1]);
+            p.name = std::string(w[2]);
+        } else {
+            Fail("a property line must read \"property <type> <name>\" or \"property list <type> <type> <name>\"");
+        }
+        header_.elements.back().properties.push_back(std::move(p));
+    }
+    Scalar TypeOf(std::string_view word) const {
+        static const std::vector<std::string> kOld = {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"};
+        static const std::vector<std::string> kNew = {"int8",  "uint8",  "int16",   "uint16",
+                                                      "int32", "uint32", "float32", "float64"};
+        for (size_t i = 0; i < kOld.size(); ++i)
+            if (word == kOld[i] || word == kNew[i]) return static_cast<Scalar>(i);
+        Fail(fmt::format("unknown type \"{}\"; {}", word, ListChoices(word, kOld)));
+    }
+
+    std::string_view content_;
+    const std::string &name_;
+    size_t position_ = 0;
+    Header header_;
+};
+
+/// Hands out the numbers of the body one after the other.
+class BodyReader {
+  public:
+    BodyReader(std::string_view content, const Header &header, const std::string &name)
+        : at_(content.data() + header.bodyOffset),
+          end_(content.data() + content.size()),
+          name_(name),
+          encoding_(header.encoding),
+          line_(header.lines + 1) {}
+
+    /// For messages: what is being read.
+    void SetItem(const std::string *element, uint64_t index) {
+        element_ = element;
+        index_ = index;
+    }
+    size_t BytesLeft() const { return static_cast<size_t>(end_ - at_); }
+    Encoding Format() const { return encoding_; }
+
+    double Number(Scalar type) {
+        if (encoding_ == Encoding::Ascii) return AsciiNumber<double>("number");
+        std::array<char, 8> raw{};
+        size_t size = SizeOf(type);
+        if (BytesLeft() < size) Fail("the file ends too early");
+        bool nativeOrder = (encoding_ == Encoding::LittleEndian) == (std::endian::native == std::endian::little);
+        if (nativeOrder) std::memcpy(raw.data(), at_, size);
+        else
+            for (size_t i = 0; i < size; ++i) raw[i] = at_[size - 1 - i];
+        at_ += size;
+        auto as = [&]<class T>(T value) {
+            std::memcpy(&value, raw.data(), sizeof(T));
+            return static_cast<double>(value);
+        };
+        switch (type) {
+        case Scalar::Int8: return as(int8_t{});
+        case Scalar::Uint8: return as(uint8_t{});
+        case Scalar::Int16: return as(int16_t{});
+        case Scalar::Uint16: return as(uint16_t{});
+        case Scalar::Int32: return as(int32_t{});
+        case Scalar::Uint32: return as(uint32_t{});
+        case Scalar::Float32: return as(float{});
+        case Scalar::Float64: return as(double{});
+        }
+        return 0;
+    }
+    int64_t Integer(Scalar type) {
+        double v = encoding_ == Encoding::Ascii && type < Scalar::Float32
+                       ? static_cast<double>(AsciiNumber<int64_t>("integer"))
+                       : Number(type);
+        if (!(v == std::floor(v) && std::abs(v) < 9e15)) Fail(fmt::format("{} is not an integer", v));
+        return static_cast<int64_t>(v);
+    }
+
+    [[noreturn]] void Fail(const std::string &message) const {
+        std::string place = element_ ? fmt::format("{} {}", *element_, index_) : std::string("body");
+        if (encoding_ == Encoding::Ascii)
+            throw UserError(fmt::format("{}: line {} ({}): {}.", name_, line_, place, message));
+        throw UserError(fmt::format("{}: {}: {}.", name_, place, message));
+    }
+
+  private:
+    template <class T>
+    T AsciiNumber(const char *kind) {
+        while (at_ != end_ && (*at_ == ' ' || *at_ == '\t' || *at_ == '\r' || *at_ == '\n')) line_ += *at_++ == '\n';
+        if (at_ == end_) Fail("the file ends too early");
+        const char *start = at_;
+        if (*at_ == '+') ++at_;
+        T value{};
+        auto [stop, code] = std::from_chars(at_, end_, value);
+        bool ended = stop == end_ || *stop == ' ' || *stop == '\t' || *stop == '\r' || *stop == '\n';
+        // A value beyond double's range is 0 or infinite for us; from_chars leaves it untouched.
+        if (!ended || (code != std::errc() && code != std::errc::result_out_of_range)) {
+            const char *word = start;
+            while (word != end_ && *word != ' ' && *word != '\t' && *word != '\r' && *word != '\n') ++word;
+            Fail(fmt::format("\"{}\" is not a valid {}", std::string_view(start, std::min<size_t>(word - start, 40)),
+                             kind));
+        }
+        at_ = stop;
+        return value;
+    }
+
+    const char *at_, *end_;
+    const std::string &name_;
+    Encoding encoding_;
+    int line_;
+    const std::string *element_ = nullptr;
+    uint64_t index_ = 0;
+};
+
+/// Where a vertex property goes: component 0-2 position, 3-5 normal, 6-7 uv, -1 nowhere.
+int VertexSlot(const std::string &name) {
+    static constexpr std::array<std::pair<std::string_view, int>, 14> kSlots = {{{"x", 0},
+                                                                                {"y", 1},
+                                                                                {"z", 2},
+                                                                                {"nx", 3},
+                                                                                {"ny", 4},
+                                                                                {"nz", 5},
+                                                                                {"u", 6},
+                                                                                {"v", 7},
+                                                                                {"s", 6},
+                                                                                {"t", 7},
+                                                                                {"texture_u", 6},
+                                                                                {"texture_v", 7},
+                                                                                {"texture_s", 6},
+                                                                                {"texture_t", 7}}};
+    for (const auto &[word, slot] : kSlots)
+        if (name == word) return slot;
+    return -1;
+}
+
+void SkipProperty(BodyReader &body, const Property &p) {
+    int64_t n = p.isList ? body.Integer(p.countType) : 1;
+    for (int64_t i = 0; i < n; ++i) body.Number(p.type);
+}
+
+/// The least an item can take, to reject counts that the file cannot hold before memory is reserved for them.
+void CheckCount(const BodyReader &body, const Element &e) {
+    size_t least = 0;
+    for (const Property &p : e.properties)
+        least += body.Format() == Encoding::Ascii ? 2 : SizeOf(p.isList ? p.countType : p.type);
+    if (least > 0 && e.count > (body.BytesLeft() + 1) / least)
+        body.Fail(fmt::format("the file ends too early for {} items of element \"{}\"", e.count, e.name));
+}
+
+void ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
+    std::vector<int> slots;
+    std::array<bool, 8> has{};
+    for (const Property &p : e.properties) {
+        int slot = p.isList ? -1 : VertexSlot(p.name);
+        slots.push_back(slot);
+        if (slot >= 0) has[static_cast<size_t>(slot)] = true;
+    }
+    if (!(has[0] && has[1] && has[2])) body.Fail("vertices need the properties x, y and z");
+    bool hasNormals = has[3] && has[4] && has[5], hasUv = has[6] && has[7];
+    mesh.p.resize(e.count);
+    if (hasNormals) mesh.n.resize(e.count);
+    if (hasUv) mesh.uv.resize(e.count);
+    for (uint64_t i = 0; i < e.count; ++i) {
+        body.SetItem(&e.name, i);
+        std::array<Float, 8> v{};
+        for (size_t k = 0; k < slots.size(); ++k) {
+            if (slots[k] < 0) SkipProperty(body, e.properties[k]);
+            else v[static_cast<size_t>(slots[k])] = static_cast<Float>(body.Number(e.properties[k].type));
+        }
+        mesh.p[i] = {v[0], v[1], v[2]};
+        if (hasNormals) mesh.n[i] = {v[3], v[4], v[5]};
+        if (hasUv) mesh.uv[i] = {v[6], v[7]};
+    }
+}
+
+void ReadFaces(BodyReader &body, const Element &e, uint64_t vertexCount, PlyMesh &mesh) {
+    int indexProperty = -1, faceIndexProperty = -1;
+    std::string names;
+    for (size_t k = 0; k < e.properties.size(); ++k) {
+        const Property &p = e.properties[k];
+        if (p.isList && p.name == "vertex_indices") indexProperty = static_cast<int>(k);
+        if (!p.isList && p.name == "face_indices") faceIndexProperty = static_cast<int>(k);
+        names += fmt::format("{}\"{}\"", k ? ", " : "", p.name);
+    }
+    if (indexProperty < 0)
+        body.Fail(fmt::format("faces need a list property \"vertex_indices\"; the file has {}",
+                              names.empty() ? "none" : names));
+    std::array<uint32_t, 4> corners{};
+    for (uint64_t i = 0; i < e.count; ++i) {
+        body.SetItem(&e.name, i);
+        int64_t n = 0;
+        int faceIndex = 0;
+        for (size_t k = 0; k < e.properties.size(); ++k) {
+            const Property &p = e.properties[k];
+            if (static_cast<int>(k) == faceIndexProperty) {
+                faceIndex = static_cast<int>(body.Integer(p.type));
+                continue;
+            }
+            if (static_cast<int>(k) != indexProperty) {
+                SkipProperty(body, p);
+                continue;
+            }
+            n = body.Integer(p.countType);
+            for (int64_t c = 0; c < n; ++c) {
+                int64_t v = body.Integer(p.type);
+                if (v < 0 || v >= static_cast<int64_t>(vertexCount))
+                    body.Fail(fmt::format("vertex index {} is out of range; there are {} vertices", v, vertexCount));
+                if (c < 4) corners[static_cast<size_t>(c)] = static_cast<uint32_t>(v);
+            }
+        }
+        if (n != 3 && n != 4) {
+            ++mesh.ignoredFaces;
+            continue;
+        }
+        MeshData &kind = n == 3 ? mesh.triangles : mesh.quads;
+        if (n == 3) kind.indices.insert(kind.indices.end(), {corners[0], corners[1], corners[2]});
+        else kind.indices.insert(kind.indices.end(), {corners[0], corners[1], corners[3], corners[2]});
+        if (faceIndexProperty >= 0) kind.faceIndices.push_back(faceIndex);
+    }
+}
+
+}  // namespace
+
+PlyMesh ParsePly(const std::string &content, const std::string &name) {
+    Header header = HeaderReader(content, name).Read();
+    BodyReader body(content, header, name);
+    uint64_t vertexCount = 0;
+    for (const Element &e : header.elements)
+        if (e.name == "vertex") vertexCount = e.count;
+    if (vertexCount == 0) throw UserError(fmt::format("{}: has no vertices.", name));
+
+    PlyMesh mesh;
+    MeshData vertices;
+    for (const Element &e : header.elements) {
+        body.SetItem(&e.name, 0);
+        CheckCount(body, e);
+        if (e.name == "vertex") {
+            ReadVertices(body, e, vertices);
+        } else if (e.name == "face") {
+            ReadFaces(body, e, vertexCount, mesh);
+        } else {
+            for (uint64_t i = 0; i < e.count; ++i) {
+                body.SetItem(&e.name, i);
+                for (const Property &p : e.properties) SkipProperty(body, p);
+            }
+        }
+    }
+    bool triangles = !mesh.triangles.indices.empty(), quads = !mesh.quads.indices.empty();
+    if (!triangles && !quads) throw UserError(fmt::format("{}: has no faces with 3 or 4 corners.", name));
+    auto give = [&](MeshData &to, bool last) {
+        to.p = last ? std::move(vertices.p) : vertices.p;
+        to.n = last ? std::move(vertices.n) : vertices.n;
+        to.uv = last ? std::move(vertices.uv) : vertices.uv;
+    };
+    if (triangles) give(mesh.triangles, !quads);
+    if (quads) give(mesh.quads, true);
+    return mesh;
+}
+
+}  // namespace pbrt

@@ -1,0 +1,116 @@
+#include "pbrt/shapes/quadric.h"
+
+#include "pbrt/shapes/sample_density.h"
+
+namespace pbrt {
+
+Quadric::Quadric(const Transform &renderFromObject, bool reverseOrientation)
+    : renderFromObject_(renderFromObject),
+      flipHitNormal_(reverseOrientation != renderFromObject.SwapsHandedness()),
+      flipSampleNormal_(reverseOrientation) {
+    // In double from the forward matrix, so that rays meet the surface where Surface() puts its points.
+    glm::dmat3 m(renderFromObject.Matrix());
+    toObject_ = glm::inverse(m);
+    origin_ = glm::dvec3(renderFromObject.Matrix()[3]);
+    double determinant = glm::determinant(m);
+    determinant_ = static_cast<Float>(std::abs(determinant));
+    scale_ = static_cast<Float>(std::cbrt(std::abs(determinant)));
+    glm::dmat3 gram = glm::transpose(m) * m;
+    double s2 = (gram[0][0] + gram[1][1] + gram[2][2]) / 3, deviation = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) deviation = std::max(deviation, std::abs(gram[i][j] - (i == j ? s2 : 0)));
+    isSimilarity_ = deviation <= 1e-4 * s2;
+}
+
+void Quadric::SetArea(Float objectArea) {
+    objectArea_ = objectArea;
+    if (isSimilarity_) {
+        area_ = objectArea * scale_ * scale_;
+        return;
+    }
+    // |dpdu x dpdv| integrated over the surface's (u, v) square by the midpoint rule.
+    constexpr int kSteps = 128;
+    double sum = 0;
+    for (int i = 0; i < kSteps; ++i)
+        for (int j = 0; j < kSteps; ++j) {
+            Point2 uv((static_cast<Float>(i) + Float(0.5)) / kSteps, (static_cast<Float>(j) + Float(0.5)) / kSteps);
+            ObjectPoint at = PointAt(uv);
+            sum += double(Length(Cross(renderFromObject_.Vector(at.dpdu), renderFromObject_.Vector(at.dpdv))));
+        }
+    area_ = static_cast<Float>(sum / (kSteps * kSteps));
+}
+
+Float Quadric::AreaStretch(const Normal3 &n) const {
+    if (isSimilarity_) return scale_ * scale_;
+    return determinant_ * Length(renderFromObject_.Normal(n));
+}
+
+Bounds3 Quadric::PrimitiveBounds(uint32_t) const {
+    Bounds3 object = ObjectBounds(), b;
+    for (int i = 0; i < 8; ++i) {
+        Point3 corner = object.Corner(i);
+        Point3 p = renderFromObject_.Point(corner);
+        Vector3 error = renderFromObject_.PointError(corner);
+        b = Union(b, Bounds3(p - error, p + error));
+    }
+    return b;
+}
+
+std::optional<PrimitiveHit> Quadric::Intersect(uint32_t, const Point3 &o, const Vector3 &d, Float tMin,
+                                               Float tMax) const {
+    glm::dvec3 origin = toObject_ * (glm::dvec3(o) - origin_), direction = toObject_ * glm::dvec3(d);
+    Roots roots = ObjectIntersect(origin, direction);
+    for (int i = 0; i < roots.count; ++i) {
+        double t = roots.t[i];
+        if (!(t > double(tMin) && t < double(tMax))) continue;
+        if (std::optional<Point2> uv = Clip(origin + t * direction))
+            return PrimitiveHit{static_cast<Float>(t), uv->x, uv->y};
+    }
+    return {};
+}
+
+SurfacePoint Quadric::Surface(uint32_t primitive, const PrimitiveHit &hit) const {
+    ObjectPoint at = PointAt({hit.u, hit.v});
+    SurfacePoint s;
+    s.primitive = primitive;
+    s.p = renderFromObject_.Point(at.p);
+    s.pError = renderFromObject_.PointError(at.p, at.pError);
+    s.uv = {hit.u, hit.v};
+    Float side = flipHitNormal_ ? Float(-1) : Float(1);
+    s.n = side * Normalize(renderFromObject_.Normal(at.n));
+    s.dpdu = renderFromObject_.Vector(at.dpdu);
+    s.dpdv = renderFromObject_.Vector(at.dpdv);
+    s.dndu = side * renderFromObject_.Normal(at.dndu);
+    s.dndv = side * renderFromObject_.Normal(at.dndv);
+    s.shading = {s.n, s.dpdu, s.dpdv, s.dndu, s.dndv};
+    return s;
+}
+
+Normal3 Quadric::SampleNormal(const Normal3 &objectNormal) const {
+    Normal3 n = Normalize(renderFromObject_.Normal(objectNormal));
+    return flipSampleNormal_ ? -n : n;
+}
+
+std::optional<ShapeSample> Quadric::SampleArea(uint32_t, const Point2 &u) const {
+    if (!(objectArea_ > 0)) return {};
+    ObjectSample at = SampleObject(u);
+    ShapeSample s;
+    s.p = renderFromObject_.Point(at.p);
+    s.pError = renderFromObject_.PointError(at.p, at.pError);
+    s.n = SampleNormal(at.n);
+    s.uv = at.uv;
+    s.pdf = PdfAreaAt(at.n);
+    return s;
+}
+
+std::optional<ShapeSample> Quadric::Sample(uint32_t primitive, const ShapeSampleContext &from, const Point2 &u) const {
+    return WithSolidAngleDensity(SampleArea(primitive, u), from.p);
+}
+
+Float Quadric::PdfSolidAngle(uint32_t, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
+                             const Normal3 &nHit) const {
+    Normal3 objectNormal = isSimilarity_ ? Normal3(0, 0, 1) : Normalize(NormalAt(renderFromObject_.InversePoint(pHit)));
+    return SolidAngleDensity(PdfAreaAt(objectNormal), from.p, wi, pHit, nHit);
+}
+
+}  // namespace pbrt

@@ -1,0 +1,92 @@
+#pragma once
+#include "pbrt/shapes/shape.h"
+
+namespace pbrt {
+
+/// What sphere, disk and cylinder share: one primitive, described in object space, placed by an affine transform.
+/// Derived classes speak object space only.
+///
+/// Two facts of stock pbrt-v4 show in pictures and are kept: hits turn the normal over when the transform mirrors (or
+/// ReverseOrientation is on, not both), samples only for ReverseOrientation; and samples are drawn from the whole sphere
+/// or disk but with the density of the part that zmin, zmax, phimax and innerradius leave.
+/// Unlike stock, areas and densities include the scale of the transform.
+class Quadric : public Shape {
+  public:
+    uint32_t PrimitiveCount() const final { return 1; }
+    Bounds3 PrimitiveBounds(uint32_t primitive) const final;
+    Float Area(uint32_t) const final { return area_; }
+    std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
+                                          Float tMax) const final;
+    SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const final;
+    Point2 Uv(uint32_t, const PrimitiveHit &hit) const final { return {hit.u, hit.v}; }
+    std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const final;
+    std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from, const Point2 &u) const override;
+    Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
+                        const Normal3 &nHit) const override;
+
+  protected:
+    /// A point of the surface in object space.
+    struct ObjectPoint {
+        Point3 p{};
+        Vector3 pError{};
+        Normal3 n{};  ///< unit, on the side of dpdu x dpdv
+        Vector3 dpdu{}, dpdv{};
+        Normal3 dndu{}, dndv{};
+    };
+    struct ObjectSample {
+        Point3 p{};
+        Vector3 pError{};
+        Normal3 n{};
+        Point2 uv{};
+    };
+    /// Up to two ray parameters in ascending order where the unclipped surface is hit.
+    struct Roots {
+        int count = 0;
+        double t[2] = {0, 0};
+    };
+
+    Quadric(const Transform &renderFromObject, bool reverseOrientation);
+    /// To be called at the end of the derived constructor, with the object-space area of the clipped surface.
+    void SetArea(Float objectArea);
+
+    virtual Bounds3 ObjectBounds() const = 0;
+    virtual Roots ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const = 0;
+    /// (u, v) of a point of the unclipped surface; nullopt if it is clipped away.
+    virtual std::optional<Point2> Clip(const glm::dvec3 &p) const = 0;
+    virtual ObjectPoint PointAt(const Point2 &uv) const = 0;
+    virtual ObjectSample SampleObject(const Point2 &u) const = 0;
+    /// Outward normal of an object-space point on the surface, any length.
+    virtual Normal3 NormalAt(const Point3 &p) const = 0;
+
+    const Transform &RenderFromObject() const { return renderFromObject_; }
+    bool IsSimilarity() const { return isSimilarity_; }
+    Float Scale() const { return scale_; }  ///< of a similarity
+    /// Unit normal, in rendering space, on the side that samples report.
+    Normal3 SampleNormal(const Normal3 &objectNormal) const;
+
+  private:
+    /// Rendering-space area per object-space area where the unit object normal is n.
+    Float AreaStretch(const Normal3 &n) const;
+    Float PdfAreaAt(const Normal3 &objectNormal) const { return 1 / (objectArea_ * AreaStretch(objectNormal)); }
+
+    Transform renderFromObject_;
+    glm::dmat3 toObject_;
+    glm::dvec3 origin_;
+    Float determinant_;
+    Float scale_;
+    Float objectArea_ = 0, area_ = 0;
+    bool isSimilarity_;
+    bool flipHitNormal_, flipSampleNormal_;
+};
+
+/// True if a sweep up to phiMax leaves out the azimuth phi.
+inline bool CutsAzimuth(Float phiMax, double phi) { return phiMax < Float(6.28318) && phi > double(phiMax); }
+
+/// Azimuth in [0, 2 Pi).
+template <class T>
+T Azimuth(T x, T y) {
+    T phi = std::atan2(y, x);
+    return phi < 0 ? phi + 2 * std::numbers::pi_v<T> : phi;
+}
+
+}  // namespace pbrt

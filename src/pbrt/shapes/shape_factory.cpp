@@ -1,0 +1,216 @@
+#include "pbrt/shapes/shape_factory.h"
+
+#include "pbrt/shapes/bilinear_mesh.h"
+#include "pbrt/shapes/cylinder.h"
+#include "pbrt/shapes/disk.h"
+#include "pbrt/shapes/ply.h"
+#include "pbrt/shapes/sphere.h"
+#include "pbrt/shapes/triangle_mesh.h"
+
+namespace pbrt {
+
+namespace {
+
+using Shapes = std::vector<std::unique_ptr<Shape>>;
+
+/// Everything a maker needs.
+struct Request {
+    const ParamSet &params;
+    const Transform &renderFromObject;
+    bool reverseOrientation;
+    const FileResolver &files;
+    DiagnosticSink &sink;
+};
+
+template <class Mesh>
+Shapes One(const Request &r, MeshData data) {
+    Shapes shapes;
+    shapes.push_back(std::make_unique<Mesh>(std::move(data), r.renderFromObject, r.reverseOrientation));
+    return shapes;
+}
+
+std::vector<Vector3> Triples(std::span<const Float> v) {
+    std::vector<Vector3> out(v.size() / 3);
+    for (size_t i = 0; i < out.size(); ++i) out[i] = {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
+    return out;
+}
+
+std::vector<Point2> Pairs(std::span<const Float> v) {
+    std::vector<Point2> out(v.size() / 2);
+    for (size_t i = 0; i < out.size(); ++i) out[i] = {v[2 * i], v[2 * i + 1]};
+    return out;
+}
+
+/// Stock pbrt-v4 reports arrays of the wrong length and goes on without them.
+template <class T>
+void DiscardUnlessPer(const Request &r, std::vector<T> &values, size_t expected, const char *name, const char *what) {
+    if (values.empty() || values.size() == expected) return;
+    r.sink.Warning(r.params.LocOf(name), fmt::format("{}: \"{}\" has {} entries for {} {}; it is discarded.",
+                                                     r.params.What(), name, values.size(), expected, what));
+    values.clear();
+}
+
+/// What trianglemesh and bilinearmesh share; `corners` per face.
+MeshData ReadMesh(const Request &r, size_t corners, bool readTangents) {
+    const ParamSet &params = r.params;
+    MeshData mesh;
+    std::span<const int> indices = params.GetInts("indices");
+    mesh.p = Triples(params.GetFloats("P", ParamType::Point3));
+    mesh.n = Triples(params.GetFloats("N", ParamType::Normal));
+    if (readTangents) mesh.s = Triples(params.GetFloats("S", ParamType::Vector3));
+    mesh.uv = Pairs(params.GetFloats("uv", ParamType::Point2));
+    std::span<const int> faceIndices = params.GetInts("faceIndices");
+    mesh.faceIndices.assign(faceIndices.begin(), faceIndices.end());
+
+    if (mesh.p.empty()) throw UserError(fmt::format("{}: \"point3 P\" is missing.", params.What()), params.Loc());
+    if (indices.empty()) {
+        if (mesh.p.size() != corners)
+            throw UserError(fmt::format("{}: \"integer indices\" is missing; it may be left out only for exactly {} "
+                                        "points, and there are {}.",
+                                        params.What(), corners, mesh.p.size()),
+                            params.Loc());
+        for (size_t i = 0; i < corners; ++i) mesh.indices.push_back(static_cast<uint32_t>(i));
+    }
+    size_t excess = indices.size() % corners;
+    if (excess != 0)
+        r.sink.Warning(params.LocOf("indices"),
+                       fmt::format("{}: the number of \"indices\" ({}) is not a multiple of {}; the last {} are dropped.",
+                                   params.What(), indices.size(), corners, excess));
+    for (int i : indices.first(indices.size() - excess)) {
+        if (i < 0 || static_cast<size_t>(i) >= mesh.p.size())
+            throw UserError(fmt::format("{}: index {} is out of range; there are {} points.", params.What(), i,
+                                        mesh.p.size()),
+                            params.LocOf("indices"));
+        mesh.indices.push_back(static_cast<uint32_t>(i));
+    }
+    if (mesh.indices.empty())
+        throw UserError(fmt::format("{}: no complete face is left.", params.What()), params.LocOf("indices"));
+    DiscardUnlessPer(r, mesh.n, mesh.p.size(), "N", "points");
+    DiscardUnlessPer(r, mesh.s, mesh.p.size(), "S", "points");
+    DiscardUnlessPer(r, mesh.uv, mesh.p.size(), "uv", "points");
+    DiscardUnlessPer(r, mesh.faceIndices, mesh.indices.size() / corners, "faceIndices", "faces");
+    return mesh;
+}
+
+Shapes MakeTriangleMesh(const Request &r) { return One<TriangleMesh>(r, ReadMesh(r, 3, true)); }
+
+Shapes MakeBilinearMesh(const Request &r) {
+    if (!r.params.GetString("emissionfilename", "").empty())
+        throw UserError(fmt::format("{}: \"emissionfilename\" is not built yet.", r.params.What()),
+                        r.params.LocOf("emissionfilename"));
+    return One<BilinearMesh>(r, ReadMesh(r, 4, false));
+}
+
+Shapes MakePlyMesh(const Request &r) {
+    const ParamSet &params = r.params;
+    std::string filename = params.GetString("filename", "");
+    // Asked for by both types so that neither is reported as unused as well.
+    const Param *displacement = params.Find("displacement", ParamType::Texture);
+    if (!displacement) displacement = params.Find("displacement", ParamType::Float);
+    if (displacement)
+        throw UserError(fmt::format("{}: \"displacement\" (tessellation) is not built yet.", params.What()),
+                        displacement->loc);
+    params.GetFloat("edgelength", 1);  // has a meaning only together with displacement
+    if (filename.empty()) throw UserError(fmt::format("{}: \"string filename\" is missing.", params.What()), params.Loc());
+    PlyMesh ply;
+    try {
+        std::string path = r.files.Resolve(filename);
+        ply = ParsePly(ReadFileContents(path), path);
+    } catch (const UserError &e) {
+        throw UserError(fmt::format("{}: {}", params.What(), e.Diagnostics().front().message), params.LocOf("filename"));
+    }
+    if (ply.ignoredFaces > 0)
+        r.sink.Warning(params.LocOf("filename"),
+                       fmt::format("{}: {}: {} faces have neither 3 nor 4 corners and are ignored.", params.What(),
+                                   filename, ply.ignoredFaces));
+    Shapes shapes;
+    if (!ply.triangles.indices.empty())
+        shapes.push_back(
+            std::make_unique<TriangleMesh>(std::move(ply.triangles), r.renderFromObject, r.reverseOrientation));
+    if (!ply.quads.indices.empty())
+        shapes.push_back(std::make_unique<BilinearMesh>(std::move(ply.quads), r.renderFromObject, r.reverseOrientation));
+    return shapes;
+}
+
+Float Radius(const Request &r) {
+    Float radius = r.params.GetFloat("radius", 1);
+    if (!(radius > 0))
+        throw UserError(fmt::format("{}: \"radius\" is {}; it must be above 0.", r.params.What(), radius),
+                        r.params.LocOf("radius"));
+    return radius;
+}
+
+/// A quadric is traced in object space, which a singular transform does not have.
+void CheckInvertible(const Request &r) {
+    if (r.renderFromObject.IsSingular())
+        throw UserError(fmt::format("{}: the current transformation flattens it (its matrix is singular).",
+                                    r.params.What()),
+                        r.params.Loc());
+}
+
+Shapes MakeSphere(const Request &r) {
+    Float radius = Radius(r), zMin = r.params.GetFloat("zmin", -radius), zMax = r.params.GetFloat("zmax", radius);
+    Float phiMax = r.params.GetFloat("phimax", 360);
+    CheckInvertible(r);
+    Shapes shapes;
+    shapes.push_back(
+        std::make_unique<Sphere>(radius, zMin, zMax, phiMax, r.renderFromObject, r.reverseOrientation));
+    return shapes;
+}
+
+Shapes MakeDisk(const Request &r) {
+    Float height = r.params.GetFloat("height", 0), radius = Radius(r), inner = r.params.GetFloat("innerradius", 0);
+    Float phiMax = r.params.GetFloat("phimax", 360);
+    CheckInvertible(r);
+    Shapes shapes;
+    shapes.push_back(
+        std::make_unique<Disk>(height, radius, inner, phiMax, r.renderFromObject, r.reverseOrientation));
+    return shapes;
+}
+
+Shapes MakeCylinder(const Request &r) {
+    Float radius = Radius(r), zMin = r.params.GetFloat("zmin", -1), zMax = r.params.GetFloat("zmax", 1);
+    Float phiMax = r.params.GetFloat("phimax", 360);
+    CheckInvertible(r);
+    Shapes shapes;
+    shapes.push_back(
+        std::make_unique<Cylinder>(radius, zMin, zMax, phiMax, r.renderFromObject, r.reverseOrientation));
+    return shapes;
+}
+
+struct Maker {
+    const char *type;
+    Shapes (*make)(const Request &);
+};
+constexpr Maker kMakers[] = {{"bilinearmesh", MakeBilinearMesh}, {"cylinder", MakeCylinder}, {"disk", MakeDisk},
+                             {"plymesh", MakePlyMesh},           {"sphere", MakeSphere},     {"trianglemesh", MakeTriangleMesh}};
+
+}  // namespace
+
+std::vector<std::unique_ptr<Shape>> MakeShapes(const std::string &type, const ParamSet &params,
+                                               const Transform &renderFromObject, bool reverseOrientation,
+                                               const FileResolver &files, DiagnosticSink &sink) {
+    for (const Maker &maker : kMakers)
+        if (type == maker.type) return maker.make({params, renderFromObject, reverseOrientation, files, sink});
+    for (const std::string &later : UnsupportedShapes())
+        if (type == later) throw UserError(fmt::format("Shape \"{}\" is not built yet.", type), params.Loc());
+    std::vector<std::string> choices = SupportedShapes();
+    choices.insert(choices.end(), UnsupportedShapes().begin(), UnsupportedShapes().end());
+    throw UserError(fmt::format("Shape \"{}\" is unknown; {}.", type, ListChoices(type, choices)), params.Loc());
+}
+
+const std::vector<std::string> &SupportedShapes() {
+    static const std::vector<std::string> kNames = [] {
+        std::vector<std::string> names;
+        for (const Maker &maker : kMakers) names.emplace_back(maker.type);
+        return names;
+    }();
+    return kNames;
+}
+
+const std::vector<std::string> &UnsupportedShapes() {
+    static const std::vector<std::string> kNames = {"curve", "loopsubdiv"};
+    return kNames;
+}
+
+}  // namespace pbrt

@@ -1,0 +1,107 @@
+#include "pbrt/shapes/spherical.h"
+
+namespace pbrt {
+
+Float SphericalTriangleArea(const Vector3 &a, const Vector3 &b, const Vector3 &c) {
+    // Van Oosterom and Strackee 1983; with differences the triple product stays accurate for small triangles.
+    Float volume = std::abs(Dot(a, Cross(b - a, c - a)));
+    return 2 * std::atan2(volume, 1 + Dot(a, b) + Dot(b, c) + Dot(c, a));
+}
+
+namespace {
+
+/// Unit tangent at the unit vector `from` of the arc to the unit vector `to`.
+Vector3 ArcTangent(const Vector3 &from, const Vector3 &to) {
+    Vector3 chord = to - from;
+    Vector3 t = chord - from * Dot(from, chord);
+    Float length = Length(t);
+    return length > 0 ? t / length : t;
+}
+
+/// Tangent of half the arc between unit vectors.
+Float HalfArcTangent(const Vector3 &a, const Vector3 &b) { return Length(a - b) / Length(a + b); }
+
+}  // namespace
+
+Vector3 SampleSphericalTriangle(const Vector3 &a, const Vector3 &b, const Vector3 &c, Float area, const Point2 &u) {
+    // A triangle with sides p, q around the angle alpha has area E with
+    //     tan(q/2) = sin(E/2) / (tan(p/2) sin(alpha - E/2)),
+    // which gives the side a-c' that cuts off E = u.x * area, without cancellation for small E.
+    Vector3 towardsB = ArcTangent(a, b), towardsC = ArcTangent(a, c);
+    Float cosAlpha = Dot(towardsB, towardsC), sinAlpha = Length(Cross(towardsB, towardsC));
+    Float halfE = u.x * area / 2;
+    Float sinE = std::sin(halfE), cosE = std::cos(halfE);
+    Float denominator = HalfArcTangent(a, b) * (sinAlpha * cosE - cosAlpha * sinE);
+    Float longest = HalfArcTangent(a, c);
+    Float q = sinE < denominator * longest ? sinE / denominator : longest;
+    Float scale = 1 / (1 + q * q);
+    Vector3 cut = a * ((1 - q * q) * scale) + towardsC * (2 * q * scale);
+
+    Float h = u.y * DistanceSquared(cut, b) / 2;  // 1 - cos of the arc from b
+    return Normalize(b * (1 - h) + ArcTangent(b, cut) * SafeSqrt(h * (2 - h)));
+}
+
+Point2 InvertSphericalTriangle(const Vector3 &a, const Vector3 &b, const Vector3 &c, Float area, const Vector3 &w) {
+    Vector3 cut = Cross(Cross(b, w - b), Cross(a, c - a));
+    Float length = Length(cut);
+    if (!(length > 0)) return {Float(0.5), 0};  // w = b, which every u.x reaches
+    cut /= Dot(cut, a + c) < 0 ? -length : length;
+    Float across = DistanceSquared(cut, b);
+    Float x = SphericalTriangleArea(a, b, cut) / area;
+    Float y = across > 0 ? DistanceSquared(w, b) / across : 0;
+    return {std::clamp(x, Float(0), Float(1)), std::clamp(y, Float(0), Float(1))};
+}
+
+// With the eye at the origin, z the distance of the plane, c = x / hypot(x, z) and b = y / hypot(y, z), the corner
+// rectangle [0,x] x [0,y] has solid angle asin(c b). So what lies left of x in [y0,y1] is
+//     g = asin(c b1) - asin(c b0),  and solved for c:  c = sin g / sqrt(b0^2 + b1^2 - 2 b0 b1 cos g).
+// The map is the one of Urena, Fajardo and King 2013.
+
+SphericalRectangle::SphericalRectangle(const Point3 &eye, const Point3 &corner, const Vector3 &edgeX,
+                                       const Vector3 &edgeY)
+    : eye_(eye) {
+    using D = glm::dvec3;
+    D ex(edgeX), ey(edgeY), s = D(corner) - D(eye);
+    double width = glm::length(ex), height = glm::length(ey);
+    D x = ex / width, y = ey / height;
+    axisX_ = Vector3(x);
+    axisY_ = Vector3(y);
+    x0_ = glm::dot(s, x);
+    y0_ = glm::dot(s, y);
+    x1_ = x0_ + width;
+    y1_ = y0_ + height;
+    z_ = std::abs(glm::dot(s, glm::cross(x, y)));
+    b0_ = y0_ / std::sqrt(y0_ * y0_ + z_ * z_);
+    b1_ = y1_ / std::sqrt(y1_ * y1_ + z_ * z_);
+    left_ = AreaLeftOf(x0_);
+    area_ = z_ > 0 ? AreaLeftOf(x1_) - left_ : 0;
+}
+
+double SphericalRectangle::AreaLeftOf(double x) const {
+    double c = x / std::sqrt(x * x + z_ * z_);
+    return std::asin(c * b1_) - std::asin(c * b0_);
+}
+
+Point2 SphericalRectangle::Sample(const Point2 &u) const {
+    double g = left_ + double(u.x) * area_;
+    double denominator = std::sqrt(std::max(b0_ * b0_ + b1_ * b1_ - 2 * b0_ * b1_ * std::cos(g), 1e-300));
+    double c = std::clamp(std::sin(g) / denominator, -1.0, 1.0);
+    double x = std::clamp(c * z_ / std::sqrt(std::max(1 - c * c, 1e-300)), x0_, x1_);
+    double d2 = x * x + z_ * z_;
+    double h0 = y0_ / std::sqrt(y0_ * y0_ + d2), h1 = y1_ / std::sqrt(y1_ * y1_ + d2);
+    double h = h0 + double(u.y) * (h1 - h0);
+    double y = std::clamp(h * std::sqrt(d2 / std::max(1 - h * h, 1e-300)), y0_, y1_);
+    return {static_cast<Float>((x - x0_) / (x1_ - x0_)), static_cast<Float>((y - y0_) / (y1_ - y0_))};
+}
+
+Point2 SphericalRectangle::Invert(const Point3 &p) const {
+    glm::dvec3 s = glm::dvec3(p) - glm::dvec3(eye_);
+    double x = std::clamp(glm::dot(s, glm::dvec3(axisX_)), x0_, x1_);
+    double y = std::clamp(glm::dot(s, glm::dvec3(axisY_)), y0_, y1_);
+    double d2 = x * x + z_ * z_;
+    double h0 = y0_ / std::sqrt(y0_ * y0_ + d2), h1 = y1_ / std::sqrt(y1_ * y1_ + d2), h = y / std::sqrt(y * y + d2);
+    auto unit = [](double v) { return static_cast<Float>(std::clamp(v, 0.0, 1.0)); };
+    return {unit((AreaLeftOf(x) - left_) / area_), unit((h - h0) / (h1 - h0))};
+}
+
+}  // namespace pbrt

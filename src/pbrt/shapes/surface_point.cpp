@@ -1,0 +1,43 @@
+#include "pbrt/shapes/surface_point.h"
+
+namespace pbrt {
+
+namespace {
+
+/// Bound of the error, seen in the outer space, of carrying p into the inner space with a float inverse. Eight roundings:
+/// the inverse's elements (cofactors over determinant) and the product itself.
+Vector3 ReturnError(const Transform &t, const Point3 &p) {
+    glm::mat3 forward, back;
+    for (int c = 0; c < 3; ++c) {
+        forward[c] = Abs(Vector3(t.Matrix()[c]));
+        back[c] = Abs(Vector3(t.InverseMatrix()[c]));
+    }
+    return forward * (back * (Abs(p) + Abs(Vector3(t.Matrix()[3])))) * Gamma(8);
+}
+
+Normal3 UnitNormal(const Transform &t, const Normal3 &n) {
+    Normal3 moved = t.Normal(n);
+    Float length = Length(moved);
+    return length > 0 ? moved / length : n;
+}
+
+}  // namespace
+
+SurfacePoint TransformSurface(const Transform &t, const SurfacePoint &s) {
+    SurfacePoint r = s;
+    r.p = t.Point(s.p);
+    r.pError = t.PointError(s.p, s.pError) + ReturnError(t, r.p);
+    r.n = UnitNormal(t, s.n);
+    r.dpdu = t.Vector(s.dpdu);
+    r.dpdv = t.Vector(s.dpdv);
+    r.dndu = t.Normal(s.dndu);
+    r.dndv = t.Normal(s.dndv);
+    r.shading.n = FaceForward(UnitNormal(t, s.shading.n), r.n);
+    r.shading.dpdu = t.Vector(s.shading.dpdu);
+    r.shading.dpdv = t.Vector(s.shading.dpdv);
+    r.shading.dndu = t.Normal(s.shading.dndu);
+    r.shading.dndv = t.Normal(s.shading.dndv);
+    return r;
+}
+
+}  // namespace pbrt

@@ -1,0 +1,258 @@
+#include "pbrt/shapes/triangle_mesh.h"
+
+#include "pbrt/core/error.h"
+#include "pbrt/math/warps.h"
+#include "pbrt/shapes/sample_density.h"
+#include "pbrt/shapes/spherical.h"
+
+namespace pbrt {
+
+namespace {
+
+// Outside this range of solid angles (sr) triangles are sampled by area: below, rounding spoils the angles; above, the
+// triangle is nearly a hemisphere.
+constexpr Float kMinSolidAngle = 2e-4f, kMaxSolidAngle = 6.22f;
+
+/// Directions to the corners.
+struct CornerDirections {
+    Vector3 a, b, c;
+    Float area;
+    CornerDirections(const Point3 &from, const Point3 &p0, const Point3 &p1, const Point3 &p2)
+        : a(p0 - from), b(p1 - from), c(p2 - from) {
+        Float la = Length(a), lb = Length(b), lc = Length(c);
+        if (la > 0 && lb > 0 && lc > 0) {
+            a /= la;
+            b /= lb;
+            c /= lc;
+            area = SphericalTriangleArea(a, b, c);
+        } else {
+            area = 0;  // the point is a corner
+        }
+    }
+    bool UseSolidAngle() const { return area >= kMinSolidAngle && area <= kMaxSolidAngle; }
+    /// Weights for SampleBilinear over the square that SampleSphericalTriangle reads: its side u.y = 0 is corner b.
+    void CosineWeights(const Normal3 &ns, Float w[4]) const {
+        w[0] = w[1] = std::max(Float(0.01), AbsDot(ns, b));
+        w[2] = std::max(Float(0.01), AbsDot(ns, a));
+        w[3] = std::max(Float(0.01), AbsDot(ns, c));
+    }
+};
+
+/// Barycentric coordinates where the ray from o along w meets the triangle's plane, clamped to the triangle.
+Vector3 Barycentrics(const Point3 &o, const Vector3 &w, const Point3 &p0, const Point3 &p1, const Point3 &p2) {
+    Vector3 e1 = p1 - p0, e2 = p2 - p0, s = o - p0;
+    Vector3 k = Cross(w, e2);
+    Float determinant = Dot(k, e1);
+    if (determinant == 0) return Vector3(Float(1) / 3);
+    Float b1 = std::clamp(Dot(s, k) / determinant, Float(0), Float(1));
+    Float b2 = std::clamp(Dot(w, Cross(s, e1)) / determinant, Float(0), Float(1));
+    if (b1 + b2 > 1) {
+        Float sum = b1 + b2;
+        b1 /= sum;
+        b2 /= sum;
+    }
+    return {std::max(Float(0), 1 - b1 - b2), b1, b2};
+}
+
+Vector3 HitBarycentrics(const PrimitiveHit &hit) { return {std::max(Float(0), 1 - hit.u - hit.v), hit.u, hit.v}; }
+
+/// Unit normal of p0, p1, p2; slivers whose float cross product vanishes are tried again in double.
+Normal3 FaceNormal(const Point3 &p0, const Point3 &p1, const Point3 &p2) {
+    Vector3 n = Cross(p1 - p0, p2 - p0);
+    Float length = Length(n);
+    if (length > 0 && std::isfinite(1 / length)) return n / length;
+    using D = glm::dvec3;
+    D nd = glm::cross(D(p1) - D(p0), D(p2) - D(p0));
+    double lengthD = glm::length(nd);
+    return lengthD > 0 ? Normal3(nd / lengthD) : Normal3(0, 0, 1);
+}
+
+}  // namespace
+
+void PlaceMesh(MeshData &mesh, const Transform &renderFromObject, bool reverseOrientation) {
+    if (!renderFromObject.IsIdentity()) {
+        for (Point3 &p : mesh.p) p = renderFromObject.Point(p);
+        for (Normal3 &n : mesh.n) n = renderFromObject.Normal(n);
+        for (Vector3 &s : mesh.s) s = renderFromObject.Vector(s);
+    }
+    if (reverseOrientation)
+        for (Normal3 &n : mesh.n) n = -n;
+    mesh.p.reserve(mesh.p.size() + 1);
+}
+
+TriangleMesh::TriangleMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation)
+    : mesh_(std::move(data)), flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
+    PBRT_CHECK(mesh_.indices.size() % 3 == 0);
+    for (uint32_t i : mesh_.indices) PBRT_CHECK_MSG(i < mesh_.p.size(), "index {} of {}", i, mesh_.p.size());
+    PlaceMesh(mesh_, renderFromObject, reverseOrientation);
+}
+
+TriangleMesh::Corners TriangleMesh::CornersOf(uint32_t primitive) const {
+    const uint32_t *v = &mesh_.indices[3 * size_t(primitive)];
+    return {mesh_.p[v[0]], mesh_.p[v[1]], mesh_.p[v[2]]};
+}
+
+Bounds3 TriangleMesh::PrimitiveBounds(uint32_t primitive) const {
+    Corners c = CornersOf(primitive);
+    return Union(Bounds3(c.p0, c.p1), c.p2);
+}
+
+Float TriangleMesh::Area(uint32_t primitive) const {
+    Corners c = CornersOf(primitive);
+    return Length(Cross(c.p1 - c.p0, c.p2 - c.p0)) / 2;
+}
+
+DirectionCone TriangleMesh::NormalBounds(uint32_t primitive) const {
+    return {OrientedNormal(primitive, CornersOf(primitive), Vector3(Float(1) / 3)), 1};
+}
+
+Float TriangleMesh::SolidAngle(uint32_t primitive, const Point3 &p) const {
+    Corners c = CornersOf(primitive);
+    return CornerDirections(p, c.p0, c.p1, c.p2).area;
+}
+
+Normal3 TriangleMesh::OrientedNormal(uint32_t primitive, const Corners &c, const Vector3 &b) const {
+    Normal3 n = FaceNormal(c.p0, c.p1, c.p2);
+    if (mesh_.n.empty()) return flipNormal_ ? -n : n;
+    const uint32_t *v = &mesh_.indices[3 * size_t(primitive)];
+    return FaceForward(n, b.x * mesh_.n[v[0]] + b.y * mesh_.n[v[1]] + b.z * mesh_.n[v[2]]);
+}
+
+Point2 TriangleMesh::UvAt(uint32_t primitive, const Vector3 &b) const {
+    if (mesh_.uv.empty()) return {b.y + b.z, b.z};  // corners (0,0), (1,0), (1,1)
+    const uint32_t *v = &mesh_.indices[3 * size_t(primitive)];
+    return b.x * mesh_.uv[v[0]] + b.y * mesh_.uv[v[1]] + b.z * mesh_.uv[v[2]];
+}
+
+std::optional<PrimitiveHit> TriangleMesh::Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
+                                                    Float tMax) const {
+    using D = glm::dvec3;
+    Corners c = CornersOf(primitive);
+    D e1 = D(c.p1) - D(c.p0), e2 = D(c.p2) - D(c.p0), s = D(o) - D(c.p0), dir(d);
+    D k = glm::cross(dir, e2), q = glm::cross(s, e1);
+    double determinant = glm::dot(k, e1);
+    if (determinant == 0) return {};
+    double b1 = glm::dot(s, k) / determinant, b2 = glm::dot(dir, q) / determinant, t = glm::dot(e2, q) / determinant;
+    if (!(b1 >= 0 && b2 >= 0 && b1 + b2 <= 1 && t > double(tMin) && t < double(tMax))) return {};
+    return PrimitiveHit{static_cast<Float>(t), static_cast<Float>(b1), static_cast<Float>(b2)};
+}
+
+Point2 TriangleMesh::Uv(uint32_t primitive, const PrimitiveHit &hit) const {
+    return UvAt(primitive, HitBarycentrics(hit));
+}
+
+SurfacePoint TriangleMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) const {
+    Corners c = CornersOf(primitive);
+    Vector3 b = HitBarycentrics(hit);
+    const uint32_t *v = &mesh_.indices[3 * size_t(primitive)];
+
+    SurfacePoint s;
+    s.primitive = primitive;
+    s.p = b.x * c.p0 + b.y * c.p1 + b.z * c.p2;
+    s.pError = Gamma(7) * (Abs(b.x * c.p0) + Abs(b.y * c.p1) + Abs(b.z * c.p2));
+    s.uv = UvAt(primitive, b);
+
+    Point2 uv0(0, 0), uv1(1, 0), uv2(1, 1);
+    if (!mesh_.uv.empty()) {
+        uv0 = mesh_.uv[v[0]];
+        uv1 = mesh_.uv[v[1]];
+        uv2 = mesh_.uv[v[2]];
+    }
+    Vector2 duv02 = uv0 - uv2, duv12 = uv1 - uv2;
+    Vector3 dp02 = c.p0 - c.p2, dp12 = c.p1 - c.p2;
+    Float determinant = DifferenceOfProducts(duv02.x, duv12.y, duv02.y, duv12.x);
+    bool degenerateUv = std::abs(determinant) < Float(1e-9);
+    Float inverse = degenerateUv ? 0 : 1 / determinant;
+    // Change per unit of u and of v of something that changes by d02 and d12 along the edges from corner 2.
+    auto perU = [&](const Vector3 &d02, const Vector3 &d12) { return (duv12.y * d02 - duv02.y * d12) * inverse; };
+    auto perV = [&](const Vector3 &d02, const Vector3 &d12) { return (duv02.x * d12 - duv12.x * d02) * inverse; };
+    Normal3 face = FaceNormal(c.p0, c.p1, c.p2);
+    s.dpdu = perU(dp02, dp12);
+    s.dpdv = perV(dp02, dp12);
+    if (degenerateUv || LengthSquared(Cross(s.dpdu, s.dpdv)) == 0) {
+        degenerateUv = true;
+        CoordinateSystem(-face, &s.dpdu, &s.dpdv);
+    }
+    s.n = flipNormal_ ? -face : face;
+    s.shading = {s.n, s.dpdu, s.dpdv, Normal3(0), Normal3(0)};
+    if (mesh_.n.empty() && mesh_.s.empty()) return s;
+
+    Normal3 ns = s.n;
+    if (!mesh_.n.empty()) {
+        Normal3 n = b.x * mesh_.n[v[0]] + b.y * mesh_.n[v[1]] + b.z * mesh_.n[v[2]];
+        if (LengthSquared(n) > 0) ns = Normalize(n);
+        Normal3 dn02 = mesh_.n[v[0]] - mesh_.n[v[2]], dn12 = mesh_.n[v[1]] - mesh_.n[v[2]];
+        if (!degenerateUv) {
+            s.shading.dndu = perU(dn02, dn12);
+            s.shading.dndv = perV(dn02, dn12);
+        } else if (Normal3 turn = Cross(dn12, dn02); LengthSquared(turn) > 0) {
+            CoordinateSystem(Normalize(turn), &s.shading.dndu, &s.shading.dndv);
+        }
+    }
+    Vector3 tangent = s.dpdu;
+    if (!mesh_.s.empty()) {
+        Vector3 given = b.x * mesh_.s[v[0]] + b.y * mesh_.s[v[1]] + b.z * mesh_.s[v[2]];
+        if (LengthSquared(given) > 0) tangent = given;
+    }
+    Vector3 bitangent = Cross(ns, tangent);
+    if (LengthSquared(bitangent) > 0) tangent = Cross(bitangent, ns);
+    else CoordinateSystem(ns, &tangent, &bitangent);
+    s.shading.n = ns;
+    s.shading.dpdu = tangent;
+    s.shading.dpdv = bitangent;
+    s.n = FaceForward(s.n, ns);
+    return s;
+}
+
+ShapeSample TriangleMesh::SampleAt(uint32_t primitive, const Corners &c, const Vector3 &b) const {
+    ShapeSample s;
+    Point3 p0 = b.x * c.p0, p1 = b.y * c.p1, p2 = b.z * c.p2;
+    s.p = p0 + p1 + p2;
+    s.pError = Gamma(6) * (Abs(p0) + Abs(p1) + Abs(p2));
+    s.n = OrientedNormal(primitive, c, b);
+    s.uv = UvAt(primitive, b);
+    return s;
+}
+
+std::optional<ShapeSample> TriangleMesh::SampleArea(uint32_t primitive, const Point2 &u) const {
+    Float area = Area(primitive);
+    if (!(area > 0)) return {};
+    ShapeSample s = SampleAt(primitive, CornersOf(primitive), SampleUniformTriangle(u));
+    s.pdf = 1 / area;
+    return s;
+}
+
+std::optional<ShapeSample> TriangleMesh::Sample(uint32_t primitive, const ShapeSampleContext &from,
+                                                const Point2 &u) const {
+    Corners c = CornersOf(primitive);
+    CornerDirections to(from.p, c.p0, c.p1, c.p2);
+    if (!to.UseSolidAngle()) return WithSolidAngleDensity(SampleArea(primitive, u), from.p);
+    Point2 square = u;
+    Float pdf = 1 / to.area;
+    if (from.ns != Normal3(0)) {
+        Float w[4];
+        to.CosineWeights(from.ns, w);
+        square = SampleBilinear(u, w);
+        pdf *= BilinearPdf(square, w);
+    }
+    Vector3 wi = SampleSphericalTriangle(to.a, to.b, to.c, to.area, square);
+    ShapeSample s = SampleAt(primitive, c, Barycentrics(from.p, wi, c.p0, c.p1, c.p2));
+    s.pdf = pdf;
+    return s;
+}
+
+Float TriangleMesh::PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi,
+                                  const Point3 &pHit, const Normal3 &nHit) const {
+    Corners c = CornersOf(primitive);
+    CornerDirections to(from.p, c.p0, c.p1, c.p2);
+    if (!to.UseSolidAngle()) return SolidAngleDensity(1 / Area(primitive), from.p, wi, pHit, nHit);
+    Float pdf = 1 / to.area;
+    if (from.ns != Normal3(0)) {
+        Float w[4];
+        to.CosineWeights(from.ns, w);
+        pdf *= BilinearPdf(InvertSphericalTriangle(to.a, to.b, to.c, to.area, wi), w);
+    }
+    return pdf;
+}
+
+}  // namespace pbrt

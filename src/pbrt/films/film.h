@@ -1,6 +1,7 @@
 #pragma once
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,7 +45,7 @@ class RgbFilm {
 
   private:
     struct Pixel {
-        double rgb[3] = {0, 0, 0};
+        double sensor[3] = {0, 0, 0};  ///< sum of weight * XYZ
         double weight = 0;
     };
     Point2i fullResolution_{};

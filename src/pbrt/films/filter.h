@@ -8,7 +8,8 @@
 
 namespace pbrt {
 
-/// A sample position drawn around a pixel centre, and its weight f/pdf relative to the filter's integral sign.
+/// A sample position drawn around a pixel centre, and its weight f / (pdf * integral of f): 1 on average. Exactly 1 for
+/// filters without negative lobes.
 struct FilterSample {
     Point2 offset{};
     Float weight = 1;
@@ -20,8 +21,10 @@ class Filter {
     virtual ~Filter() = default;
     Vector2 Radius() const { return radius_; }
     virtual Float Evaluate(const Point2 &p) const = 0;
-    virtual Float Integral() const = 0;
+    virtual Float Integral() const = 0;  ///< of Evaluate over the plane
     virtual FilterSample Sample(const Point2 &u) const = 0;
+    /// Density of Sample at p, by area. For the tabulated filters (gaussian, mitchell, sinc) that of the table.
+    virtual Float Pdf(const Point2 &p) const = 0;
 
   protected:
     explicit Filter(const Vector2 &radius) : radius_(radius) {}

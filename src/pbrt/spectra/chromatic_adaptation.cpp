@@ -19,7 +19,7 @@ DenseSpectrum DaylightSpectrum(Float kelvin) {
     std::vector<Float> values;
     if (cct < 4000) {
         // CIE daylight is not defined here; stock pbrt-v4 takes a black body.
-        BlackbodySpectrum blackbody(kelvin);
+        BlackbodySpectrum blackbody(static_cast<Float>(cct));
         for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda) values.push_back(blackbody(lambda));
     } else {
         double i = 1 / cct;

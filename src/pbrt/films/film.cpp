@@ -1,0 +1,131 @@
+#include "pbrt/films/film.h"
+
+#include "pbrt/core/log.h"
+#include "pbrt/films/film_bounds.h"
+#include "pbrt/spectra/rgb_primaries.h"
+
+namespace pbrt {
+
+namespace {
+
+constexpr Float kLargestHalf = 65504;
+
+const std::vector<std::string> &SensorNames() {
+    static const std::vector<std::string> names = {
+        "cie1931",        "canon_eos_100d",    "canon_eos_1dx_mkii", "canon_eos_200d",      "canon_eos_200d_mkii",
+        "canon_eos_5d",   "canon_eos_5d_mkii", "canon_eos_5d_mkiii", "canon_eos_5d_mkiv",   "canon_eos_5ds",
+        "canon_eos_m",    "hasselblad_l1d_20c", "nikon_d810",        "nikon_d850",          "sony_ilce_6400",
+        "sony_ilce_7m3",  "sony_ilce_7rm3",    "sony_ilce_9"};
+    return names;
+}
+
+Float GetAboveZero(const ParamSet &params, const char *name, Float defaultValue) {
+    Float v = params.GetFloat(name, defaultValue);
+    if (!(v > 0))
+        throw UserError(fmt::format("{}: \"{}\" is {}; it must be above 0.", params.What(), name, v), params.LocOf(name));
+    return v;
+}
+
+int GetExtent(const ParamSet &params, const char *name, int defaultValue, int divisor) {
+    int v = params.GetInt(name, defaultValue);
+    if (v < 1)
+        throw UserError(fmt::format("{}: \"{}\" is {}; it must be at least 1.", params.What(), name, v), params.LocOf(name));
+    return std::max(1, v / divisor);
+}
+
+}  // namespace
+
+const std::vector<std::string> &SupportedFilms() {
+    static const std::vector<std::string> names = {"rgb"};
+    return names;
+}
+const std::vector<std::string> &UnsupportedFilms() {
+    static const std::vector<std::string> names = {"gbuffer", "spectral"};
+    return names;
+}
+
+RgbFilm::RgbFilm(const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime, const FilmOverrides &overrides,
+                 DiagnosticSink &sink)
+    : space_(&outputSpace) {
+    fullResolution_ = {GetExtent(params, "xresolution", 1280, overrides.resolutionDivisor),
+                       GetExtent(params, "yresolution", 720, overrides.resolutionDivisor)};
+    pixelBounds_ = ChoosePixelBounds(params, fullResolution_, overrides, sink);
+    filename_ = params.GetString("filename", "pbrt.exr");
+    if (!overrides.filename.empty()) filename_ = overrides.filename;
+    diagonal_ = GetAboveZero(params, "diagonal", 35);
+    maxComponent_ = GetAboveZero(params, "maxcomponentvalue", Infinity);
+    half_ = params.GetBool("savefp16", true);
+
+    std::string sensor = params.GetChoice("sensor", "cie1931", SensorNames());
+    if (sensor != "cie1931")
+        throw UserError(fmt::format("Sensor \"{}\" is not built yet; \"cie1931\" is.", sensor), params.LocOf("sensor"));
+    imagingRatio_ = exposureTime * GetAboveZero(params, "iso", 100) / 100;
+    outputFromSensor_ = outputSpace.RgbFromXyz();
+    Float whiteBalance = params.GetFloat("whitebalance", 0);
+    if (whiteBalance < 0)
+        throw UserError(fmt::format("{}: \"whitebalance\" is {} K; it must be above 0, or 0 for none.", params.What(),
+                                    whiteBalance),
+                        params.LocOf("whitebalance"));
+    if (whiteBalance > 0) {
+        Point2 sceneWhite = Chromaticity(SpectrumToXyz(DaylightSpectrum(whiteBalance)));
+        outputFromSensor_ = outputFromSensor_ * WhiteBalanceMatrix(sceneWhite, outputSpace.White());
+    }
+    pixels_.resize(static_cast<size_t>(pixelBounds_.Area()));
+}
+
+void RgbFilm::AddSample(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {
+    PBRT_DCHECK(pixelBounds_.Contains(pixel));
+    SampledSpectrum flux = SafeDivide(L, lambda.Pdf());
+    Vector3 sensor((flux * CieX().Sample(lambda)).Average(), (flux * CieY().Sample(lambda)).Average(),
+                   (flux * CieZ().Sample(lambda)).Average());
+    sensor *= imagingRatio_;
+    if (!std::isfinite(sensor.x + sensor.y + sensor.z) || !std::isfinite(weight)) {
+        rejected_.fetch_add(1, std::memory_order_relaxed);
+        return;
+    }
+    Float largest = MaxComponent(sensor);
+    if (largest > maxComponent_) sensor *= maxComponent_ / largest;
+    Point2i p = pixel - pixelBounds_.low;
+    Pixel &sums = pixels_[static_cast<size_t>(p.y) * static_cast<size_t>(pixelBounds_.Width()) + static_cast<size_t>(p.x)];
+    for (int c = 0; c < 3; ++c) sums.sensor[c] += double(weight) * double(sensor[c]);
+    sums.weight += double(weight);
+}
+
+Image RgbFilm::ToImage() const {
+    Image image(half_ ? PixelFormat::Half : PixelFormat::Float, {pixelBounds_.Width(), pixelBounds_.Height()},
+                {"R", "G", "B"}, ColorEncoding{ColorEncoding::Kind::Linear});
+    uint64_t clamped = 0;
+    size_t i = 0;
+    for (int y = 0; y < pixelBounds_.Height(); ++y)
+        for (int x = 0; x < pixelBounds_.Width(); ++x) {
+            const Pixel &sums = pixels_[i++];
+            double scale = sums.weight != 0 ? 1 / sums.weight : 0;
+            Vector3 sensor(static_cast<Float>(sums.sensor[0] * scale), static_cast<Float>(sums.sensor[1] * scale),
+                           static_cast<Float>(sums.sensor[2] * scale));
+            Rgb rgb = outputFromSensor_ * sensor;
+            for (int c = 0; c < 3; ++c) {
+                if (half_ && rgb[c] > kLargestHalf) {
+                    rgb[c] = kLargestHalf;
+                    ++clamped;
+                }
+                image.Set({x, y}, c, rgb[c]);
+            }
+        }
+    if (clamped > 0)
+        LogWarning(fmt::format("{} pixel values are above {}, the largest of half precision, and are cut to it; "
+                               "\"bool savefp16\" false keeps them.",
+                               clamped, kLargestHalf));
+    if (rejected_ > 0)
+        LogWarning(fmt::format("{} samples had infinite or not-a-number radiance and were dropped.", rejected_.load()));
+    return image;
+}
+
+ImageMetadata RgbFilm::Metadata() const {
+    ImageMetadata metadata;
+    metadata.pixelBounds = pixelBounds_;
+    metadata.fullResolution = fullResolution_;
+    metadata.colorSpace = space_;
+    return metadata;
+}
+
+}  // namespace pbrt

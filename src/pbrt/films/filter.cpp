@@ -1,0 +1,171 @@
+#include "pbrt/films/filter.h"
+
+#include <array>
+
+#include "pbrt/math/distributions.h"
+#include "pbrt/math/warps.h"
+
+namespace pbrt {
+
+namespace {
+
+class BoxFilter final : public Filter {
+  public:
+    explicit BoxFilter(const Vector2 &radius) : Filter(radius) {}
+    Float Evaluate(const Point2 &p) const override {
+        return std::abs(p.x) <= radius_.x && std::abs(p.y) <= radius_.y ? 1 : 0;
+    }
+    Float Integral() const override { return 4 * radius_.x * radius_.y; }
+    FilterSample Sample(const Point2 &u) const override { return {(u * Float(2) - Point2(1, 1)) * radius_, 1}; }
+    Float Pdf(const Point2 &p) const override { return Evaluate(p) / Integral(); }
+};
+
+class TriangleFilter final : public Filter {
+  public:
+    explicit TriangleFilter(const Vector2 &radius) : Filter(radius) {}
+    Float Evaluate(const Point2 &p) const override {
+        return std::max(Float(0), radius_.x - std::abs(p.x)) * std::max(Float(0), radius_.y - std::abs(p.y));
+    }
+    Float Integral() const override { return Sqr(radius_.x * radius_.y); }
+    FilterSample Sample(const Point2 &u) const override { return {{Tent(u.x, radius_.x), Tent(u.y, radius_.y)}, 1}; }
+    Float Pdf(const Point2 &p) const override { return Evaluate(p) / Integral(); }
+
+  private:
+    /// Either half with probability 1/2; each half is linear.
+    static Float Tent(Float u, Float radius) {
+        if (u < Float(0.5)) return -radius + radius * SampleLinear(2 * u, 0, 1);
+        return radius * SampleLinear(2 * u - 1, 1, 0);
+    }
+};
+
+/// A product of two one-dimensional profiles, sampled from a table of each as stock pbrt-v4 does from their product:
+/// kCells equal cells per unit radius, with the profile's value at the cell centre standing for the whole cell.
+template <class Profile>
+class TabulatedFilter final : public Filter {
+  public:
+    TabulatedFilter(const Vector2 &radius, const Profile &x, const Profile &y)
+        : Filter(radius), axes_{Axis(x, radius.x), Axis(y, radius.y)} {}
+    Float Evaluate(const Point2 &p) const override {
+        if (std::abs(p.x) > radius_.x || std::abs(p.y) > radius_.y) return 0;
+        return axes_[0].profile(p.x) * axes_[1].profile(p.y);
+    }
+    Float Integral() const override { return axes_[0].signedIntegral * axes_[1].signedIntegral; }
+    FilterSample Sample(const Point2 &u) const override {
+        FilterSample s;
+        for (int a = 0; a < 2; ++a) {
+            const Axis &axis = axes_[static_cast<size_t>(a)];
+            PiecewiseConstant1D::Sampled sampled = axis.distribution.Sample(u[a]);
+            s.offset[a] = sampled.x;
+            s.weight *= axis.weights[static_cast<size_t>(sampled.index)];
+        }
+        return s;
+    }
+    Float Pdf(const Point2 &p) const override { return axes_[0].distribution.Pdf(p.x) * axes_[1].distribution.Pdf(p.y); }
+    bool HasPositiveIntegral() const { return axes_[0].signedIntegral > 0 && axes_[1].signedIntegral > 0; }
+
+  private:
+    static constexpr Float kCells = 32;
+
+    struct Axis {
+        Axis(const Profile &p, Float radius) : profile(p) {
+            auto n = static_cast<size_t>(std::max(Float(1), kCells * radius));
+            std::vector<Float> values(n);
+            double sum = 0, absolute = 0;
+            for (size_t i = 0; i < n; ++i) {
+                Float t = (static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(n);
+                values[i] = profile(Lerp(t, -radius, radius));
+                sum += double(values[i]);
+                absolute += std::abs(double(values[i]));
+            }
+            distribution = PiecewiseConstant1D(values, -radius, radius);
+            signedIntegral = static_cast<Float>(sum * 2 * double(radius) / double(n));
+            auto magnitude = static_cast<Float>(absolute / sum);
+            for (Float v : values) weights.push_back(v < 0 ? -magnitude : magnitude);
+        }
+        Profile profile;
+        PiecewiseConstant1D distribution;
+        std::vector<Float> weights;  ///< per cell: +-(integral of |f|) / (integral of f)
+        Float signedIntegral = 0;
+    };
+    std::array<Axis, 2> axes_;
+};
+
+/// Gaussian lowered so that it reaches 0 at the radius.
+struct GaussianProfile {
+    Float radius, sigma;
+    Float operator()(Float x) const { return std::max(Float(0), Density(x) - Density(radius)); }
+    Float Density(Float x) const { return std::exp(-x * x / (2 * sigma * sigma)) / (sigma * std::sqrt(2 * Pi)); }
+};
+
+/// Mitchell and Netravali 1988, stretched to the radius (2 in their units).
+struct MitchellProfile {
+    Float radius, b, c;
+    Float operator()(Float p) const {
+        Float x = std::abs(2 * p / radius);
+        if (x < 1) return (((12 - 9 * b - 6 * c) * x + (-18 + 12 * b + 6 * c)) * x * x + (6 - 2 * b)) / 6;
+        if (x < 2)
+            return (((-b - 6 * c) * x + (6 * b + 30 * c)) * x * x + (-12 * b - 48 * c) * x + (8 * b + 24 * c)) / 6;
+        return 0;
+    }
+};
+
+/// Sinc under the main lobe and beyond of a sinc tau times as wide (Lanczos).
+struct WindowedSincProfile {
+    Float radius, tau;
+    Float operator()(Float x) const { return std::abs(x) > radius ? 0 : Sinc(x) * Sinc(x / tau); }
+    static Float Sinc(Float x) {
+        Float y = Pi * x;
+        return 1 - y * y == 1 ? 1 : std::sin(y) / y;
+    }
+};
+
+Float GetPositive(const ParamSet &params, const char *name, Float defaultValue) {
+    Float v = params.GetFloat(name, defaultValue);
+    if (!(v > 0) || !std::isfinite(v))
+        throw UserError(fmt::format("{}: \"{}\" is {}; it must be above 0.", params.What(), name, v), params.LocOf(name));
+    return v;
+}
+
+template <class Profile>
+std::unique_ptr<Filter> Tabulate(const ParamSet &params, const Vector2 &radius, const Profile &x, const Profile &y) {
+    auto filter = std::make_unique<TabulatedFilter<Profile>>(radius, x, y);
+    if (!filter->HasPositiveIntegral())
+        throw UserError(fmt::format("{}: these parameters make a filter whose integral is not above 0.", params.What()),
+                        params.Loc());
+    return filter;
+}
+
+}  // namespace
+
+const std::vector<std::string> &SupportedFilters() {
+    static const std::vector<std::string> names = {"box", "gaussian", "mitchell", "sinc", "triangle"};
+    return names;
+}
+
+std::unique_ptr<Filter> MakeFilter(const std::string &type, const ParamSet &params) {
+    auto radius = [&](Float defaultValue) {
+        Float x = GetPositive(params, "xradius", defaultValue);
+        return Vector2(x, GetPositive(params, "yradius", defaultValue));
+    };
+    if (type == "box") return std::make_unique<BoxFilter>(radius(Float(0.5)));
+    if (type == "triangle") return std::make_unique<TriangleFilter>(radius(2));
+    if (type == "gaussian") {
+        Vector2 r = radius(Float(1.5));
+        Float sigma = GetPositive(params, "sigma", Float(0.5));
+        return Tabulate(params, r, GaussianProfile{r.x, sigma}, GaussianProfile{r.y, sigma});
+    }
+    if (type == "mitchell") {
+        Vector2 r = radius(2);
+        Float b = params.GetFloat("B", Float(1) / 3), c = params.GetFloat("C", Float(1) / 3);
+        return Tabulate(params, r, MitchellProfile{r.x, b, c}, MitchellProfile{r.y, b, c});
+    }
+    if (type == "sinc") {
+        Vector2 r = radius(4);
+        Float tau = GetPositive(params, "tau", 3);
+        return Tabulate(params, r, WindowedSincProfile{r.x, tau}, WindowedSincProfile{r.y, tau});
+    }
+    throw UserError(fmt::format("PixelFilter \"{}\" is unknown; {}.", type, ListChoices(type, SupportedFilters())),
+                    params.Loc());
+}
+
+}  // namespace pbrt

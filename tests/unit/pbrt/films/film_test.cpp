@@ -1,0 +1,262 @@
+#include "pbrt/films/film.h"
+
+#include <gtest/gtest.h>
+
+#include "pbrt/math/rng.h"
+
+namespace pbrt {
+namespace {
+
+class FilmTest : public ::testing::Test {
+  protected:
+    FilmTest() : params_("Film \"rgb\"", {}) {}
+    void Ints(const std::string &name, std::vector<int> values) {
+        Param p;
+        p.type = ParamType::Integer;
+        p.name = name;
+        p.ints = std::move(values);
+        params_.Add(p);
+    }
+    void Floats(const std::string &name, std::vector<Float> values) {
+        Param p;
+        p.name = name;
+        p.floats = std::move(values);
+        params_.Add(p);
+    }
+    void Text(const std::string &name, const std::string &value) {
+        Param p;
+        p.type = ParamType::String;
+        p.name = name;
+        p.strings = {value};
+        params_.Add(p);
+    }
+    void Resolution(int x, int y) {
+        Ints("xresolution", {x});
+        Ints("yresolution", {y});
+    }
+    std::unique_ptr<RgbFilm> Make(Float exposure = 1, const ColorSpace &space = ColorSpace::SRGB()) {
+        return std::make_unique<RgbFilm>(params_, space, exposure, overrides_, sink_);
+    }
+    void ExpectBounds(int x0, int x1, int y0, int y1) {
+        Bounds2i b = Make()->PixelBounds();
+        EXPECT_EQ(b.low, Point2i(x0, y0));
+        EXPECT_EQ(b.high, Point2i(x1, y1));
+    }
+    /// Adds many samples of an emission spectrum, already divided by its photometric integral, to one pixel.
+    static Rgb Expose(RgbFilm &film, const Spectrum &emission, Float scale = 1, int n = 40000) {
+        Float photometric = SpectrumToPhotometric(emission);
+        for (int i = 0; i < n; ++i) {
+            SampledWavelengths lambda = film.SampleWavelengths((static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(n));
+            film.AddSample(film.PixelBounds().low, scale / photometric * emission.Sample(lambda), lambda, 1);
+        }
+        Image image = film.ToImage();
+        return {image.Get({0, 0}, 0), image.Get({0, 0}, 1), image.Get({0, 0}, 2)};
+    }
+
+    ParamSet params_;
+    FilmOverrides overrides_;
+    DiagnosticSink sink_;
+};
+
+TEST_F(FilmTest, Defaults) {
+    std::unique_ptr<RgbFilm> film = Make();
+    EXPECT_EQ(film->FullResolution(), Point2i(1280, 720));
+    EXPECT_EQ(film->Filename(), "pbrt.exr");
+    EXPECT_EQ(film->DiagonalMm(), 35.0f);
+    EXPECT_EQ(film->PixelBounds().high, Point2i(1280, 720));
+    DiagnosticSink unused;
+    params_.ReportUnused(unused);
+    EXPECT_FALSE(unused.HasErrors());
+}
+
+TEST_F(FilmTest, CropWindowRoundsUp) {
+    // As stored in stock pbrt-v4's picture of film/crop_and_maxcomponent.
+    Resolution(128, 96);
+    Floats("cropwindow", {0.125f, 0.8125f, 0.25f, 0.91667f});
+    ExpectBounds(16, 104, 24, 89);
+    ImageMetadata metadata = Make()->Metadata();
+    EXPECT_EQ(metadata.fullResolution, Point2i(128, 96));
+    EXPECT_EQ(metadata.pixelBounds->low, Point2i(16, 24));
+}
+
+TEST_F(FilmTest, PixelBoundsAreHalfOpen) {
+    Resolution(128, 96);
+    Ints("pixelbounds", {24, 104, 24, 88});
+    ExpectBounds(24, 104, 24, 88);
+    EXPECT_TRUE(sink_.All().empty());
+}
+
+TEST_F(FilmTest, CropWindowBeatsPixelBounds) {
+    Resolution(100, 100);
+    Ints("pixelbounds", {24, 30, 24, 30});
+    Floats("cropwindow", {0.5f, 1, 0, 0.25f});
+    ExpectBounds(50, 100, 0, 25);
+    EXPECT_EQ(sink_.All().size(), 1u);
+}
+
+TEST_F(FilmTest, CommandLineBeatsScene) {
+    Resolution(100, 100);
+    Floats("cropwindow", {0.5f, 1, 0, 0.25f});
+    overrides_.pixelBounds = Bounds2i{{1, 2}, {3, 4}};
+    ExpectBounds(1, 3, 2, 4);
+    overrides_.cropWindow = Bounds2{{0, 0}, {0.1f, 0.2f}};
+    ExpectBounds(0, 10, 0, 20);
+    overrides_.filename = "other.exr";
+    EXPECT_EQ(Make()->Filename(), "other.exr");
+}
+
+TEST_F(FilmTest, BoundsOutsideAreCutWithAWarning) {
+    Resolution(10, 10);
+    Ints("pixelbounds", {-5, 5, 5, 50});
+    ExpectBounds(0, 5, 5, 10);
+    ASSERT_EQ(sink_.All().size(), 1u);
+    EXPECT_EQ(sink_.All()[0].severity, Severity::Warning);
+}
+
+TEST_F(FilmTest, QuickDividesResolutionAndBounds) {
+    Resolution(128, 98);
+    Ints("pixelbounds", {24, 104, 24, 90});
+    overrides_.resolutionDivisor = 4;
+    EXPECT_EQ(Make()->FullResolution(), Point2i(32, 24));
+    ExpectBounds(6, 26, 6, 23);
+}
+
+TEST_F(FilmTest, BadParametersAreErrors) {
+    Resolution(10, 10);
+    struct Case {
+        const char *name;
+        std::vector<Float> values;
+    };
+    for (const Case &c : {Case{"cropwindow", {0, 1, 0}}, Case{"cropwindow", {0.5f, 0.5f, 0, 1}}, Case{"iso", {0}},
+                          Case{"whitebalance", {-1}}, Case{"maxcomponentvalue", {0}}, Case{"diagonal", {0}}}) {
+        ParamSet good = params_;
+        Floats(c.name, c.values);
+        EXPECT_THROW(Make(), UserError) << c.name;
+        params_ = good;
+    }
+    EXPECT_NO_THROW(Make());
+    Ints("xresolution", {0});
+    EXPECT_THROW(Make(), UserError);
+}
+
+TEST_F(FilmTest, SensorsAreKnownUnbuiltOrUnknown) {
+    Resolution(1, 1);
+    Text("sensor", "cie1931");
+    EXPECT_NO_THROW(Make());
+    auto message = [&](const std::string &sensor) -> std::string {
+        Text("sensor", sensor);
+        try {
+            Make();
+        } catch (const UserError &e) {
+            return e.Diagnostics().front().message;
+        }
+        return "";
+    };
+    EXPECT_NE(message("nikon_d850").find("not built yet"), std::string::npos);
+    EXPECT_NE(message("nikon_d851").find("nikon_d850"), std::string::npos);
+}
+
+TEST_F(FilmTest, NormalisedIlluminantGivesWhiteOfLuminanceOne) {
+    Resolution(1, 1);
+    Floats("maxcomponentvalue", {1e9f});
+    for (const std::string &name : ColorSpace::Names()) {
+        const ColorSpace &space = *ColorSpace::Find(name);
+        std::unique_ptr<RgbFilm> film = Make(1, space);
+        Rgb rgb = Expose(*film, space.Illuminant());
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb[c], 1, 2e-3) << name;
+    }
+}
+
+TEST_F(FilmTest, RgbEmissionComesOutAsWritten) {
+    Resolution(1, 1);
+    std::unique_ptr<RgbFilm> film = Make();
+    Rgb rgb = Expose(*film, RgbIlluminantSpectrum(ColorSpace::SRGB(), {3.4f, 2.4f, 1.2f}));
+    EXPECT_NEAR(rgb.x, 3.4f, 1e-2);
+    EXPECT_NEAR(rgb.y, 2.4f, 1e-2);
+    EXPECT_NEAR(rgb.z, 1.2f, 1e-2);
+}
+
+TEST_F(FilmTest, IsoAndExposureScale) {
+    Resolution(1, 1);
+    Floats("iso", {180});
+    std::unique_ptr<RgbFilm> film = Make(0.5f);
+    EXPECT_NEAR(Expose(*film, ColorSpace::SRGB().Illuminant()).y, 0.9f, 2e-3);
+}
+
+TEST_F(FilmTest, WhiteBalanceMakesItsIlluminantWhite) {
+    Resolution(1, 1);
+    Floats("whitebalance", {5000});
+    std::unique_ptr<RgbFilm> film = Make();
+    Rgb rgb = Expose(*film, DaylightSpectrum(5000));
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb[c], 1, 3e-3);
+}
+
+TEST_F(FilmTest, WeightedMean) {
+    Resolution(2, 1);
+    std::unique_ptr<RgbFilm> film = Make();
+    SampledWavelengths lambda = film->SampleWavelengths(0.4f);
+    SampledSpectrum L = lambda.Pdf();
+    film->AddSample({1, 0}, L * 1.0f, lambda, 1);
+    Float one = film->ToImage().Get({1, 0}, 1);
+    film->AddSample({1, 0}, L * 5.0f, lambda, 3);
+    film->AddSample({1, 0}, L * 2.0f, lambda, -1);
+    EXPECT_NEAR(film->ToImage().Get({1, 0}, 1) / one, (1 + 15 - 2) / 3.0f, 5e-3);
+    EXPECT_EQ(film->ToImage().Get({0, 0}, 1), 0.0f);
+}
+
+TEST_F(FilmTest, MaxComponentScalesTheSampleDown) {
+    Resolution(1, 1);
+    Floats("maxcomponentvalue", {2});
+    std::unique_ptr<RgbFilm> limited = Make();
+    ParamSet plain("Film", {});
+    RgbFilm unlimited(plain, ColorSpace::SRGB(), 1, {}, sink_);
+    SampledWavelengths lambda = limited->SampleWavelengths(0.4f);
+    SampledSpectrum L = lambda.Pdf() * 100.0f;
+    limited->AddSample({0, 0}, L, lambda, 1);
+    unlimited.AddSample({0, 0}, L, lambda, 1);
+    auto xyz = [](const RgbFilm &film) {
+        Image image = film.ToImage();
+        return ColorSpace::SRGB().ToXyz({image.Get({0, 0}, 0), image.Get({0, 0}, 1), image.Get({0, 0}, 2)});
+    };
+    Xyz a = xyz(*limited), b = xyz(unlimited);
+    EXPECT_NEAR(MaxComponent(a), 2, 5e-3);
+    EXPECT_GT(MaxComponent(b), 2.0f);
+    EXPECT_NEAR(a.x / a.y, b.x / b.y, 5e-3);
+}
+
+TEST_F(FilmTest, NotFiniteSamplesAreDroppedAndCounted) {
+    Resolution(1, 1);
+    std::unique_ptr<RgbFilm> film = Make();
+    SampledWavelengths lambda = film->SampleWavelengths(0.4f);
+    SampledSpectrum good = lambda.Pdf(), bad = good;
+    film->AddSample({0, 0}, good, lambda, 1);
+    Float before = film->ToImage().Get({0, 0}, 0);
+    bad[1] = std::numeric_limits<Float>::quiet_NaN();
+    film->AddSample({0, 0}, bad, lambda, 1);
+    bad[1] = Infinity;
+    film->AddSample({0, 0}, bad, lambda, 1);
+    EXPECT_EQ(film->RejectedSamples(), 2u);
+    EXPECT_EQ(film->ToImage().Get({0, 0}, 0), before);
+}
+
+TEST_F(FilmTest, HalfPrecisionIsCutAndFloatIsNot) {
+    Resolution(1, 1);
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.4f);
+    SampledSpectrum L = lambda.Pdf() * 1e6f;
+    std::unique_ptr<RgbFilm> film = Make();
+    film->AddSample({0, 0}, L, lambda, 1);
+    EXPECT_EQ(film->ToImage().Format(), PixelFormat::Half);
+    EXPECT_EQ(film->ToImage().Get({0, 0}, 1), 65504.0f);
+    Param p;
+    p.type = ParamType::Bool;
+    p.name = "savefp16";
+    p.bools = {0};
+    params_.Add(p);
+    film = Make();
+    film->AddSample({0, 0}, L, lambda, 1);
+    EXPECT_EQ(film->ToImage().Format(), PixelFormat::Float);
+    EXPECT_GT(film->ToImage().Get({0, 0}, 1), 65504.0f);
+}
+
+}  // namespace
+}  // namespace pbrt

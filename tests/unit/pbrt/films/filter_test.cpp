@@ -1,0 +1,189 @@
+#include "pbrt/films/filter.h"
+
+#include <gtest/gtest.h>
+
+#include "pbrt/math/rng.h"
+#include "support/statistics.h"
+
+namespace pbrt {
+namespace {
+
+struct Setup {
+    std::string type;
+    std::vector<std::pair<std::string, Float>> values;
+    std::string name;
+};
+
+ParamSet MakeParams(const std::vector<std::pair<std::string, Float>> &values) {
+    ParamSet params("PixelFilter", {});
+    for (const auto &[name, value] : values) {
+        Param p;
+        p.name = name;
+        p.floats = {value};
+        params.Add(p);
+    }
+    return params;
+}
+
+class FilterTest : public ::testing::TestWithParam<Setup> {
+  protected:
+    FilterTest() : filter_(MakeFilter(GetParam().type, MakeParams(GetParam().values))) {}
+    /// Calls f(position, area) for a fine grid over the support.
+    template <class F>
+    void ForGrid(int n, F f) const {
+        Vector2 r = filter_->Radius();
+        for (int y = 0; y < n; ++y)
+            for (int x = 0; x < n; ++x) {
+                Point2 t((static_cast<Float>(x) + Float(0.5)) / static_cast<Float>(n),
+                         (static_cast<Float>(y) + Float(0.5)) / static_cast<Float>(n));
+                f((t * Float(2) - Point2(1, 1)) * r, 4 * double(r.x) * double(r.y) / (double(n) * double(n)));
+            }
+    }
+    std::unique_ptr<Filter> filter_;
+};
+
+TEST_P(FilterTest, IntegralIsThatOfEvaluate) {
+    double sum = 0;
+    ForGrid(500, [&](Point2 p, double area) { sum += double(filter_->Evaluate(p)) * area; });
+    EXPECT_NEAR(double(filter_->Integral()) / sum, 1, 3e-3);
+}
+
+TEST_P(FilterTest, PdfIntegratesToOne) {
+    double sum = 0;
+    ForGrid(480, [&](Point2 p, double area) { sum += double(filter_->Pdf(p)) * area; });
+    EXPECT_NEAR(sum, 1, 2e-3);
+}
+
+TEST_P(FilterTest, PdfIsProportionalToMagnitude) {
+    double magnitude = 0, difference = 0;
+    ForGrid(500, [&](Point2 p, double area) { magnitude += std::abs(double(filter_->Evaluate(p))) * area; });
+    ForGrid(500, [&](Point2 p, double area) {
+        difference += std::abs(std::abs(double(filter_->Evaluate(p))) / magnitude - double(filter_->Pdf(p))) * area;
+    });
+    EXPECT_LT(difference, 0.06);  // the table holds 16 cells per pixel
+}
+
+TEST_P(FilterTest, FrequenciesMatchPdf) {
+    constexpr int kBins = 12, kDraws = 60000;
+    std::vector<double> observed(kBins * kBins, 0), expected(kBins * kBins, 0);
+    Vector2 r = filter_->Radius();
+    auto bin = [&](const Point2 &p) {
+        auto index = [](Float v, Float radius) {
+            return static_cast<size_t>(std::clamp(static_cast<int>((v / radius + 1) / 2 * kBins), 0, kBins - 1));
+        };
+        return index(p.y, r.y) * kBins + index(p.x, r.x);
+    };
+    // A grid that cells and bins divide evenly would need the table's size; a fine one comes close enough.
+    ForGrid(1200, [&](Point2 p, double area) { expected[bin(p)] += kDraws * double(filter_->Pdf(p)) * area; });
+    Rng rng(17);
+    for (int i = 0; i < kDraws; ++i) {
+        Point2 p = filter_->Sample(rng.Uniform2()).offset;
+        ASSERT_LE(std::abs(p.x), r.x);
+        ASSERT_LE(std::abs(p.y), r.y);
+        observed[bin(p)] += 1;
+    }
+    double total = 0;
+    for (double e : expected) total += e;
+    for (double &e : expected) e *= kDraws / total;
+    EXPECT_GT(test::ChiSquareTest(observed, expected), 1e-4);
+}
+
+TEST_P(FilterTest, WeightsReproduceTheFilter) {
+    // E[w] = 1 and E[w g] = integral of f g / integral of f, for a g without symmetry.
+    auto g = [](const Point2 &p) {
+        return 1 + 0.7 * std::sin(1.3 * double(p.x) + 0.4) * std::cos(0.9 * double(p.y) - 0.8) + 0.2 * double(p.x);
+    };
+    double fg = 0, f = 0;
+    ForGrid(500, [&](Point2 p, double area) {
+        fg += double(filter_->Evaluate(p)) * g(p) * area;
+        f += double(filter_->Evaluate(p)) * area;
+    });
+    constexpr int kStrata = 400;
+    Rng rng(23);
+    double mean = 0, weights = 0;
+    for (int y = 0; y < kStrata; ++y)
+        for (int x = 0; x < kStrata; ++x) {
+            Point2 u = (Point2(static_cast<Float>(x), static_cast<Float>(y)) + rng.Uniform2()) / Float(kStrata);
+            FilterSample s = filter_->Sample(glm::min(u, Point2(OneMinusEpsilon)));
+            mean += double(s.weight) * g(s.offset) / (kStrata * kStrata);
+            weights += double(s.weight) / (kStrata * kStrata);
+        }
+    EXPECT_NEAR(weights, 1, 3e-3);
+    EXPECT_NEAR(mean, fg / f, 4e-3);
+}
+
+TEST_P(FilterTest, WeightIsSignedMagnitudeOverDensity) {
+    // Each sample: |w| pdf integral = |f| of the table cell, close to |f| at the sample, with its sign.
+    Rng rng(29);
+    int wrongSigns = 0;
+    double difference = 0, magnitude = 0;
+    for (int i = 0; i < 5000; ++i) {
+        FilterSample s = filter_->Sample(rng.Uniform2());
+        Float f = filter_->Evaluate(s.offset), tabulated = s.weight * filter_->Pdf(s.offset) * filter_->Integral();
+        wrongSigns += f * tabulated < 0;
+        difference += std::abs(double(f) - double(tabulated));
+        magnitude += std::abs(double(f));
+    }
+    EXPECT_LT(wrongSigns, 100);
+    EXPECT_LT(difference / magnitude, 0.08);
+}
+
+TEST_P(FilterTest, ZeroOutsideTheRadius) {
+    Vector2 r = filter_->Radius();
+    for (const Point2 &p : {Point2(r.x * 1.01f, 0), Point2(0, -r.y * 1.01f)}) {
+        EXPECT_EQ(filter_->Evaluate(p), 0.0f);
+        EXPECT_EQ(filter_->Pdf(p), 0.0f);
+    }
+}
+
+// Defaults, and the radii of the conformance scenes.
+INSTANTIATE_TEST_SUITE_P(
+    All, FilterTest,
+    ::testing::Values(Setup{"box", {}, "box"}, Setup{"box", {{"xradius", 1.3f}, {"yradius", 0.8f}}, "box_wide"},
+                      Setup{"gaussian", {}, "gaussian"},
+                      Setup{"gaussian", {{"xradius", 2.2f}, {"yradius", 1.6f}, {"sigma", 0.8f}}, "gaussian_wide"},
+                      Setup{"mitchell", {}, "mitchell"},
+                      Setup{"mitchell", {{"xradius", 2.5f}, {"B", 0.2f}, {"C", 0.5f}}, "mitchell_sharp"},
+                      Setup{"sinc", {}, "sinc"},
+                      Setup{"sinc", {{"xradius", 3}, {"yradius", 3.5f}, {"tau", 2.5f}}, "sinc_narrow"},
+                      Setup{"triangle", {}, "triangle"},
+                      Setup{"triangle", {{"xradius", 1.5f}, {"yradius", 2.4f}}, "triangle_tall"}),
+    [](const auto &setup) { return setup.param.name; });
+
+TEST(Filter, PositiveFiltersHaveUnitWeights) {
+    Rng rng(31);
+    for (const char *type : {"box", "gaussian", "triangle"}) {
+        std::unique_ptr<Filter> filter = MakeFilter(type, MakeParams({}));
+        for (int i = 0; i < 1000; ++i) EXPECT_NEAR(filter->Sample(rng.Uniform2()).weight, 1, 1e-6) << type;
+    }
+}
+
+TEST(Filter, DefaultRadiiAreThoseOfTheFormat) {
+    EXPECT_EQ(MakeFilter("box", MakeParams({}))->Radius(), Vector2(0.5f, 0.5f));
+    EXPECT_EQ(MakeFilter("gaussian", MakeParams({}))->Radius(), Vector2(1.5f, 1.5f));
+    EXPECT_EQ(MakeFilter("mitchell", MakeParams({}))->Radius(), Vector2(2, 2));
+    EXPECT_EQ(MakeFilter("sinc", MakeParams({}))->Radius(), Vector2(4, 4));
+    EXPECT_EQ(MakeFilter("triangle", MakeParams({}))->Radius(), Vector2(2, 2));
+}
+
+TEST(Filter, KnownValues) {
+    // Mitchell-Netravali with B = C = 1/3: 8/9 at the centre of each axis, 1/18 at half the radius.
+    std::unique_ptr<Filter> mitchell = MakeFilter("mitchell", MakeParams({}));
+    EXPECT_NEAR(mitchell->Evaluate({0, 0}), 64.0 / 81, 1e-5);
+    EXPECT_NEAR(mitchell->Evaluate({1, 0}), 8.0 / 9 / 18, 1e-5);
+    EXPECT_LT(mitchell->Evaluate({1.5f, 0}), 0.0f);
+    std::unique_ptr<Filter> sinc = MakeFilter("sinc", MakeParams({}));
+    EXPECT_NEAR(sinc->Evaluate({0, 0}), 1, 1e-6);
+    EXPECT_NEAR(sinc->Evaluate({1, 0}), 0, 1e-6);
+    EXPECT_NEAR(sinc->Evaluate({0.5f, 0}), 0.6366198 * 0.9549297, 1e-5);
+}
+
+TEST(Filter, BadParametersAreErrors) {
+    EXPECT_THROW(MakeFilter("gauss", MakeParams({})), UserError);
+    EXPECT_THROW(MakeFilter("box", MakeParams({{"xradius", 0.0f}})), UserError);
+    EXPECT_THROW(MakeFilter("gaussian", MakeParams({{"sigma", -1.0f}})), UserError);
+    EXPECT_THROW(MakeFilter("gaussian", MakeParams({{"sigma", 1e-3f}})), UserError);  // falls between all table nodes
+}
+
+}  // namespace
+}  // namespace pbrt

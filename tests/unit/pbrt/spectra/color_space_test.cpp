@@ -1,0 +1,214 @@
+#include "pbrt/spectra/color_space.h"
+
+#include <gtest/gtest.h>
+
+#include "pbrt/math/rng.h"
+#include "pbrt/spectra/rgb_primaries.h"
+
+namespace pbrt {
+namespace {
+
+/// Product of two spectra, the slow way.
+Rgb ReflectedRgb(const ColorSpace &space, const Spectrum &reflectance) {
+    glm::dvec3 xyz(0);
+    for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda) {
+        double v = double(reflectance(lambda)) * double(space.Illuminant()(lambda));
+        xyz += v * glm::dvec3(CieX()(lambda), CieY()(lambda), CieZ()(lambda));
+    }
+    return space.ToRgb(Xyz(xyz / double(CieYIntegral)));
+}
+
+TEST(ColorSpace, FindIgnoresCase) {
+    EXPECT_EQ(ColorSpace::Find("sRGB"), &ColorSpace::SRGB());
+    EXPECT_EQ(ColorSpace::Find("Rec2020")->Name(), "rec2020");
+    EXPECT_EQ(ColorSpace::Find("cmyk"), nullptr);
+    EXPECT_EQ(ColorSpace::Find("srg"), nullptr);
+    EXPECT_EQ(ColorSpace::Names(), (std::vector<std::string>{"srgb", "dci-p3", "rec2020", "aces2065-1"}));
+}
+
+TEST(ColorSpace, WhiteIsOneOneOneAndPrimariesAreUnitVectors) {
+    for (const std::string &name : ColorSpace::Names()) {
+        const ColorSpace &space = *ColorSpace::Find(name);
+        Rgb white = space.ToRgb(SpectrumToXyz(space.Illuminant()));
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(white[c], 1, 1e-5) << name;
+        Point2 wanted[3] = {space.R(), space.G(), space.B()};
+        for (int c = 0; c < 3; ++c) {
+            Rgb unit(0);
+            unit[c] = 1;
+            Point2 xy = Chromaticity(space.ToXyz(unit));
+            EXPECT_NEAR(xy.x, wanted[c].x, 1e-5) << name;
+            EXPECT_NEAR(xy.y, wanted[c].y, 1e-5) << name;
+        }
+        EXPECT_NEAR(Dot(space.Luminance(), Vector3(1)), 1, 1e-5) << name;
+    }
+}
+
+TEST(ColorSpace, SrgbMatrixIsTheStandardOne) {
+    const glm::mat3 &m = ColorSpace::SRGB().XyzFromRgb();
+    EXPECT_NEAR(m[0].x, 0.4124, 3e-4);
+    EXPECT_NEAR(m[1].y, 0.7152, 3e-4);
+    EXPECT_NEAR(m[2].z, 0.9505, 3e-4);
+    EXPECT_NEAR(m[2].y, 0.0722, 3e-4);
+}
+
+TEST(ColorSpace, ChromaticitiesFindTheirSpace) {
+    for (const std::string &name : ColorSpace::Names()) {
+        const ColorSpace &s = *ColorSpace::Find(name);
+        EXPECT_EQ(ColorSpace::FromChromaticities(s.R(), s.G() * Float(1.0005), s.B(), s.White()), &s);
+        EXPECT_EQ(ColorSpace::FromChromaticities(s.R(), s.G(), s.B() + Point2(0.01f, 0), s.White()), nullptr);
+    }
+}
+
+TEST(ColorSpace, ConvertMatrixRoundTrips) {
+    const ColorSpace &a = ColorSpace::SRGB(), &b = *ColorSpace::Find("aces2065-1");
+    Rgb c(0.2f, 0.5f, 0.7f), back = ConvertRgbMatrix(b, a) * (ConvertRgbMatrix(a, b) * c);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(back[i], c[i], 1e-5);
+}
+
+TEST(SigmoidPolynomial, GreysAreFlatAndExact) {
+    const ColorSpace &space = ColorSpace::SRGB();
+    for (int i = 0; i <= 100; ++i) {
+        Float g = static_cast<Float>(i) / 100;
+        SigmoidPolynomial p = space.ToPolynomial(Rgb(g));
+        for (Float lambda : {Float(360), Float(555.5), Float(830)}) EXPECT_NEAR(p(lambda), g, 2e-6) << g;
+        EXPECT_NEAR(p.MaxValue(), g, 2e-6);
+    }
+}
+
+/// Largest and mean difference over random colours of [0, brightest]^3 whose distance from grey was multiplied by
+/// `saturation`.
+void RoundTripErrors(const ColorSpace &space, Float brightest, Float saturation, double *worst, double *mean) {
+    Rng rng(5);
+    constexpr int kColors = 2000;
+    *worst = *mean = 0;
+    for (int i = 0; i < kColors; ++i) {
+        Rgb rgb(rng.Uniform(), rng.Uniform(), rng.Uniform());
+        rgb = brightest * Lerp(saturation, Rgb((rgb.x + rgb.y + rgb.z) / 3), rgb);
+        Rgb back = ReflectedRgb(space, RgbAlbedoSpectrum(space, rgb));
+        for (int c = 0; c < 3; ++c) {
+            double error = std::abs(double(back[c]) - double(rgb[c]));
+            *worst = std::max(*worst, error);
+            *mean += error / (3 * kColors);
+        }
+    }
+}
+
+TEST(SigmoidPolynomial, ModerateColorsRoundTripWithinAThousandth) {
+    // Close to white the coefficients grow without bound, and interpolation between table nodes errs more.
+    for (const std::string &name : ColorSpace::Names()) {
+        double worst, mean;
+        RoundTripErrors(*ColorSpace::Find(name), Float(0.85), name == "aces2065-1" ? Float(0.25) : Float(0.4), &worst, &mean);
+        EXPECT_LT(worst, 1e-3) << name;
+    }
+}
+
+TEST(SigmoidPolynomial, SaturatedColorsRoundTrip) {
+    // Wider spaces hold colours that no reflectance has: keep further from their edge. What remains is interpolation
+    // and the fit's 5 nm quadrature, both chosen as stock pbrt-v4 has them.
+    for (const std::string &name : ColorSpace::Names()) {
+        Float saturation = name == "srgb" ? Float(0.9) : name == "aces2065-1" ? Float(0.4) : Float(0.65);
+        double worst, mean;
+        RoundTripErrors(*ColorSpace::Find(name), 1, saturation, &worst, &mean);
+        EXPECT_LT(worst, 5e-3) << name;
+        EXPECT_LT(mean, 4e-4) << name;
+    }
+}
+
+TEST(SigmoidPolynomial, TablesHoldFiniteCoefficientsOnly) {
+    Rng rng(9);
+    for (const std::string &name : ColorSpace::Names())
+        for (int i = 0; i < 20000; ++i) {
+            Rgb rgb(rng.Uniform(), rng.Uniform(), rng.Uniform());
+            if (i % 3 == 0) rgb[i / 3 % 3] = 0;
+            if (i % 5 == 0) rgb *= 1e-4f;
+            if (i % 7 == 0) rgb[i / 7 % 3] = 1;
+            SigmoidPolynomial p = ColorSpace::Find(name)->ToPolynomial(rgb);
+            ASSERT_TRUE(std::isfinite(p.c0 + p.c1 + p.c2)) << name << rgb.x << " " << rgb.y << " " << rgb.z;
+        }
+}
+
+TEST(SigmoidPolynomial, IsContinuousAcrossSlabsAndCells) {
+    // A walk through the cube in tiny steps, which crosses every kind of cell border.
+    const ColorSpace &space = ColorSpace::SRGB();
+    Float before = -1;
+    for (int i = 0; i <= 20000; ++i) {
+        Float t = static_cast<Float>(i) / 20000;
+        Rgb rgb(Float(0.15) + Float(0.7) * t, Float(0.8) - Float(0.6) * t, Float(0.5) + Float(0.3) * std::sin(7 * t));
+        Float value = space.ToPolynomial(rgb)(560);
+        if (before >= 0) {
+            ASSERT_LT(std::abs(value - before), 2e-3f) << t;
+        }
+        before = value;
+    }
+}
+
+TEST(SigmoidPolynomial, MaxValueBoundsAllAndSampleAgrees) {
+    Rng rng(2);
+    for (int i = 0; i < 500; ++i) {
+        RgbAlbedoSpectrum s(ColorSpace::SRGB(), {rng.Uniform(), rng.Uniform(), rng.Uniform()});
+        Float seen = 0;
+        for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda) seen = std::max(seen, s(lambda));
+        EXPECT_LE(seen, s.MaxValue() + 1e-6f);
+        EXPECT_NEAR(seen, s.MaxValue(), 0.02);
+        SampledWavelengths lambda = SampledWavelengths::SampleVisible(rng.Uniform());
+        SampledSpectrum v = s.Sample(lambda);
+        for (int k = 0; k < SpectrumSamples; ++k) EXPECT_NEAR(v[k], s(lambda[k]), 1e-6f);
+    }
+}
+
+TEST(RgbSpectra, UnboundedAndIlluminantReproduceBrightColors) {
+    const ColorSpace &space = ColorSpace::SRGB();
+    Rgb rgb(3.4f, 2.4f, 1.2f);
+    Rgb back = ReflectedRgb(space, RgbUnboundedSpectrum(space, rgb));
+    Rgb emitted = space.ToRgb(SpectrumToXyz(RgbIlluminantSpectrum(space, rgb)));
+    for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(back[c], rgb[c], 5e-3);
+        EXPECT_NEAR(emitted[c], rgb[c], 5e-3);
+    }
+    EXPECT_EQ(RgbUnboundedSpectrum(space, Rgb(0))(500), 0.0f);
+    EXPECT_EQ(RgbIlluminantSpectrum(space, Rgb(0))(500), 0.0f);
+}
+
+TEST(SpectrumToPhotometric, CountsTheIlluminantOnly) {
+    const ColorSpace &space = ColorSpace::SRGB();
+    Float one = SpectrumToPhotometric(RgbIlluminantSpectrum(space, {0.2f, 0.1f, 0.7f}));
+    EXPECT_NEAR(one, CieYIntegral, 1e-2);
+    EXPECT_EQ(one, SpectrumToPhotometric(RgbIlluminantSpectrum(space, {5, 5, 5})));
+    EXPECT_NEAR(SpectrumToPhotometric(ConstantSpectrum(2)), 2 * CieYIntegral, 1e-2);
+    EXPECT_NEAR(SpectrumToPhotometric(*NamedSpectrum("stdillum-A")), CieYIntegral, 1e-2);
+}
+
+TEST(WhiteBalance, MapsWhiteToWhiteAndIsItsOwnInverse) {
+    Point2 a(0.44757f, 0.40745f), d65(0.31272f, 0.32903f);
+    Xyz mapped = WhiteBalanceMatrix(a, d65) * XyzFromChromaticity(a), wanted = XyzFromChromaticity(d65);
+    glm::mat3 identity = WhiteBalanceMatrix(d65, a) * WhiteBalanceMatrix(a, d65);
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_NEAR(mapped[i], wanted[i], 1e-5);
+        for (int j = 0; j < 3; ++j) EXPECT_NEAR(identity[i][j], i == j ? 1 : 0, 1e-5);
+    }
+    // Published Bradford matrix D65 -> D50 (Lindbloom), transposed into columns.
+    glm::mat3 m = WhiteBalanceMatrix({0.312727f, 0.329023f}, {0.345669f, 0.358496f});
+    EXPECT_NEAR(m[0][0], 1.0478f, 1e-3);
+    EXPECT_NEAR(m[1][0], 0.0229f, 1e-3);
+    EXPECT_NEAR(m[2][2], 0.7521f, 1e-3);
+}
+
+TEST(Daylight, HasTheChromaticitiesOfTheCieIlluminants) {
+    struct Row {
+        Float kelvin, x, y;
+    };
+    for (const Row &row : {Row{5000, 0.34567f, 0.35850f}, {5500, 0.33242f, 0.34743f}, {6500, 0.31272f, 0.32903f},
+                           {7500, 0.29902f, 0.31485f}}) {
+        Vector3 xyz = SpectrumToXyz(DaylightSpectrum(row.kelvin));
+        EXPECT_NEAR(xyz.y, 1, 1e-5);
+        EXPECT_NEAR(Chromaticity(xyz).x, row.x, 3e-4) << row.kelvin;
+        EXPECT_NEAR(Chromaticity(xyz).y, row.y, 3e-4) << row.kelvin;
+    }
+    // Below 4000 K a black body: Planckian locus at 2856 K (illuminant A).
+    Vector3 a = SpectrumToXyz(DaylightSpectrum(2856));
+    EXPECT_NEAR(Chromaticity(a).x, 0.4476f, 1e-3);
+    EXPECT_NEAR(Chromaticity(a).y, 0.4074f, 1e-3);
+}
+
+}  // namespace
+}  // namespace pbrt

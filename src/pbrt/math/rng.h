@@ -2,6 +2,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 
 #include "pbrt/math/vec.h"
 
@@ -20,7 +21,8 @@ constexpr uint64_t MixBits(uint64_t v) {
 /// Hash of plain values (floats by their bits). Equal inputs, equal hash, on every machine with the same endianness.
 template <class... Args>
 uint64_t Hash(const Args &...args) {
-    uint64_t h = 0x9e3779b97f4a7c15ull;
+    static_assert(sizeof...(Args) > 0);
+    uint64_t h = 0x9e3779b97f4a7c15ull + (uint64_t(0) + ... + sizeof(Args));
     auto absorb = [&h](const auto &value) {
         using T = std::decay_t<decltype(value)>;
         static_assert(std::has_unique_object_representations_v<T> || std::is_floating_point_v<T> ||

@@ -1,0 +1,217 @@
+#include "pbrt/math/distributions.h"
+
+#include <gtest/gtest.h>
+
+#include "pbrt/math/rng.h"
+#include "support/statistics.h"
+
+namespace pbrt {
+namespace {
+
+constexpr int kGrid = 1 << 18;
+/// Centre of the i-th of kGrid equal pieces of [0, 1).
+Float GridU(int i) { return (static_cast<Float>(i) + 0.5f) / kGrid; }
+
+std::vector<Float> RandomWeights(Rng &rng, size_t n) {
+    std::vector<Float> w(n);
+    for (Float &v : w) v = rng.Uniform() < 0.3f ? 0 : std::exp(6 * rng.Uniform());
+    w[rng.UniformInt(static_cast<uint32_t>(n))] = 1;
+    return w;
+}
+
+TEST(PiecewiseConstant1D, SharesOfSamplesAreTheIntegralsOfTheDensity) {
+    std::vector<Float> f = {0, 1, 4, 0, 0.5f, -2, 0};
+    PiecewiseConstant1D d(f, -1, 6);
+    EXPECT_FLOAT_EQ(d.Integral(), 7.5f);
+    std::vector<double> share(f.size(), 0);
+    for (int i = 0; i < kGrid; ++i) {
+        auto s = d.Sample(GridU(i));
+        ASSERT_GE(s.x, -1);
+        ASSERT_LT(s.x, 6);
+        EXPECT_EQ(s.index, static_cast<int>(std::floor(s.x + 1)));
+        EXPECT_EQ(s.pdf, d.Pdf(s.x));
+        ++share[static_cast<size_t>(s.index)];
+    }
+    for (size_t i = 0; i < f.size(); ++i) EXPECT_NEAR(share[i] / kGrid, double(std::abs(f[i])) / 7.5, 2.0 / kGrid);
+}
+
+TEST(PiecewiseConstant1D, SamplesAreUniformInsideAPiece) {
+    std::vector<Float> f = {1, 7};
+    PiecewiseConstant1D d(f, 0, 2);
+    test::RunningStatistics inside;
+    Float previous = -1;
+    for (int i = 0; i < kGrid; ++i) {
+        auto s = d.Sample(GridU(i));
+        EXPECT_GE(s.x, previous);  // the inverse method is monotone
+        previous = s.x;
+        if (s.index == 1) inside.Add(double(s.x) - 1);
+    }
+    EXPECT_NEAR(inside.mean, 0.5, 1e-4);
+    EXPECT_NEAR(inside.Variance(), 1.0 / 12, 1e-4);
+}
+
+TEST(PiecewiseConstant1D, NothingEmptyIsEverSampled) {
+    Rng rng(1);
+    for (int t = 0; t < 300; ++t) {
+        std::vector<Float> f = RandomWeights(rng, 1 + rng.UniformInt(40));
+        PiecewiseConstant1D d(f);
+        for (int i = 0; i < 200; ++i) {
+            Float u = i == 0 ? 0 : i == 1 ? OneMinusEpsilon : rng.Uniform();
+            auto s = d.Sample(u);
+            ASSERT_GT(s.pdf, 0);
+            ASSERT_GT(f[static_cast<size_t>(s.index)], 0);
+            ASSERT_TRUE(s.x >= 0 && s.x < 1);
+        }
+    }
+}
+
+TEST(PiecewiseConstant1D, PdfIntegratesToOneAndVanishesOutside) {
+    std::vector<Float> f = {2, 0, 3, 1};
+    PiecewiseConstant1D d(f, 2, 4);
+    double sum = 0;
+    for (int i = 0; i < 4000; ++i) sum += double(d.Pdf(2 + 2 * (static_cast<Float>(i) + 0.5f) / 4000)) * 2 / 4000;
+    EXPECT_NEAR(sum, 1, 1e-5);
+    EXPECT_EQ(d.Pdf(1.99f), 0);
+    EXPECT_EQ(d.Pdf(4.01f), 0);
+}
+
+TEST(PiecewiseConstant1D, AllZeroIsUniform) {
+    std::vector<Float> f(5, 0);
+    PiecewiseConstant1D d(f, 0, 10);
+    EXPECT_EQ(d.Integral(), 0);
+    for (Float u : {0.f, 0.3f, 0.77f, OneMinusEpsilon}) {
+        EXPECT_NEAR(d.Sample(u).x, 10 * u, 1e-5f);
+        EXPECT_FLOAT_EQ(d.Sample(u).pdf, 0.1f);
+        EXPECT_FLOAT_EQ(d.Pdf(10 * u), 0.1f);
+    }
+}
+
+TEST(PiecewiseConstant2D, SharesOfSamplesAreTheIntegralsOfTheDensity) {
+    std::vector<Float> f = {0, 1, 2, 0, 0, 0, 5, 0, 4, 1, 1, 1};  // 3 x 4
+    PiecewiseConstant2D d(f, 3, 4, {{-1, 0}, {2, 8}});
+    Float total = 15;
+    EXPECT_FLOAT_EQ(d.Integral(), total * 1 * 2);
+    std::vector<double> share(f.size(), 0);
+    constexpr int kN = 1024;
+    for (int j = 0; j < kN; ++j)
+        for (int i = 0; i < kN; ++i) {
+            Float pdf;
+            Point2 p = d.Sample({(static_cast<Float>(i) + 0.5f) / kN, (static_cast<Float>(j) + 0.5f) / kN}, &pdf);
+            auto cell = static_cast<size_t>(std::floor(p.y / 2) * 3 + std::floor(p.x + 1));
+            ASSERT_LT(cell, f.size());
+            ASSERT_NEAR(pdf, f[cell] / total / 2, 1e-6f);
+            ASSERT_EQ(pdf, d.Pdf(p));
+            ++share[cell];
+        }
+    for (size_t i = 0; i < f.size(); ++i) EXPECT_NEAR(share[i] / (kN * kN), double(f[i] / total), 0.003) << i;
+    EXPECT_EQ(d.Pdf({0, 8.1f}), 0);
+    EXPECT_EQ(d.Pdf({2.1f, 4}), 0);
+    EXPECT_EQ(d.Pdf({-1.1f, 4}), 0);
+}
+
+TEST(AliasTable, SharesOfUAreThePmf) {
+    Rng rng(2);
+    for (size_t n : {size_t(1), size_t(2), size_t(3), size_t(10), size_t(129)}) {
+        std::vector<Float> w = RandomWeights(rng, n);
+        double sum = 0;
+        for (Float v : w) sum += double(v);
+        AliasTable table(w);
+        ASSERT_EQ(table.Size(), static_cast<int>(n));
+        std::vector<double> share(n, 0);
+        std::vector<test::RunningStatistics> remapped(n);
+        for (int i = 0; i < kGrid; ++i) {
+            auto s = table.Sample(GridU(i));
+            ASSERT_EQ(s.pmf, table.PMF(s.index));
+            ASSERT_GT(s.pmf, 0);
+            ASSERT_TRUE(s.uRemapped >= 0 && s.uRemapped < 1);
+            ++share[static_cast<size_t>(s.index)];
+            remapped[static_cast<size_t>(s.index)].Add(double(s.uRemapped));
+        }
+        double total = 0;
+        for (size_t i = 0; i < n; ++i) {
+            // Every column edge costs at most one grid point; an entry can have a share in all columns.
+            EXPECT_NEAR(share[i] / kGrid, double(w[i]) / sum, 2.0 * double(n) / kGrid);
+            EXPECT_NEAR(double(table.PMF(static_cast<int>(i))), double(w[i]) / sum, 1e-6);
+            if (share[i] > 5000) {
+                EXPECT_NEAR(remapped[i].mean, 0.5, 0.01) << n << " " << i;
+                EXPECT_NEAR(remapped[i].Variance(), 1.0 / 12, 0.005) << n << " " << i;
+            }
+            total += double(table.PMF(static_cast<int>(i)));
+        }
+        EXPECT_NEAR(total, 1, 1e-5);
+    }
+}
+
+TEST(AliasTable, NothingEmptyIsEverSampled) {
+    Rng rng(3);
+    for (int t = 0; t < 2000; ++t) {
+        std::vector<Float> w = RandomWeights(rng, 1 + rng.UniformInt(30));
+        if (t % 3 == 0)  // equal weights in awkward numbers: all rounding, no slack
+            for (Float &v : w) v = v > 0 ? 0.1f : 0;
+        AliasTable table(w);
+        for (size_t column = 0; column < w.size(); ++column)
+            for (Float f : {0.f, 0.5f, 0.99999f}) {
+                auto s = table.Sample((static_cast<Float>(column) + f) / static_cast<Float>(w.size()));
+                ASSERT_GT(w[static_cast<size_t>(s.index)], 0) << t;
+            }
+    }
+}
+
+TEST(AliasTable, AllZeroIsUniform) {
+    std::vector<Float> w(4, 0);
+    AliasTable table(w);
+    for (int i = 0; i < 4; ++i) {
+        EXPECT_EQ(table.PMF(i), 0.25f);
+        EXPECT_EQ(table.Sample((static_cast<Float>(i) + 0.5f) / 4).index, i);
+    }
+}
+
+TEST(SampleDiscrete, SharesOfUAreThePmf) {
+    Rng rng(4);
+    for (size_t n : {size_t(1), size_t(2), size_t(7), size_t(100)}) {
+        std::vector<Float> w = RandomWeights(rng, n);
+        double sum = 0;
+        for (Float v : w) sum += double(v);
+        std::vector<double> share(n, 0);
+        std::vector<test::RunningStatistics> remapped(n);
+        for (int i = 0; i < kGrid; ++i) {
+            Float pmf, u;
+            int k = SampleDiscrete(w, GridU(i), &pmf, &u);
+            ASSERT_GE(k, 0);
+            ASSERT_NEAR(double(pmf), double(w[static_cast<size_t>(k)]) / sum, 1e-5);
+            ASSERT_GT(pmf, 0);
+            ASSERT_TRUE(u >= 0 && u < 1);
+            ++share[static_cast<size_t>(k)];
+            remapped[static_cast<size_t>(k)].Add(double(u));
+        }
+        for (size_t i = 0; i < n; ++i) {
+            EXPECT_NEAR(share[i] / kGrid, double(w[i]) / sum, 1e-5 + 2.0 / kGrid);
+            if (share[i] > 5000) {
+                EXPECT_NEAR(remapped[i].mean, 0.5, 0.01);
+            }
+        }
+    }
+}
+
+TEST(SampleDiscrete, EndsOfUAndEmptySets) {
+    Float pmf = -1, u = -1;
+    std::vector<Float> zero = {0, 0}, gaps = {0, 2, 0, 6, 0};
+    EXPECT_EQ(SampleDiscrete(zero, 0.5f, &pmf), -1);
+    EXPECT_EQ(pmf, 0);
+    EXPECT_EQ(SampleDiscrete({}, 0.5f, &pmf), -1);
+    EXPECT_EQ(SampleDiscrete(gaps, 0, &pmf, &u), 1);
+    EXPECT_EQ(pmf, 0.25f);
+    EXPECT_EQ(u, 0);
+    EXPECT_EQ(SampleDiscrete(gaps, OneMinusEpsilon, &pmf, &u), 3);
+    EXPECT_LT(u, 1);
+    EXPECT_GT(u, 0.999f);
+    Rng rng(5);
+    for (int t = 0; t < 2000; ++t) {
+        std::vector<Float> w = RandomWeights(rng, 1 + rng.UniformInt(60));
+        int k = SampleDiscrete(w, OneMinusEpsilon, &pmf);
+        ASSERT_GT(w[static_cast<size_t>(k)], 0);
+    }
+}
+
+}  // namespace
+}  // namespace pbrt

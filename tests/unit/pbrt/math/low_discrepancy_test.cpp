@@ -1,0 +1,156 @@
+#include "pbrt/math/low_discrepancy.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "support/statistics.h"
+
+namespace pbrt {
+namespace {
+
+TEST(Bits, ReverseAndMortonMatchTheSlowWay) {
+    Rng rng(1);
+    for (int i = 0; i < 1000; ++i) {
+        uint32_t x = rng.Next(), y = rng.Next(), reversed = 0;
+        uint64_t morton = 0;
+        for (int b = 0; b < 32; ++b) {
+            reversed |= (x >> b & 1) << (31 - b);
+            morton |= uint64_t(x >> b & 1) << (2 * b) | uint64_t(y >> b & 1) << (2 * b + 1);
+        }
+        ASSERT_EQ(ReverseBits32(x), reversed);
+        ASSERT_EQ(EncodeMorton2(x, y), morton);
+    }
+}
+
+TEST(PermutationElement, IsAPermutation) {
+    for (uint32_t n = 1; n <= 300; ++n)
+        for (uint64_t seed : {0ull, 1ull, 0x123456789abcdefull}) {
+            std::vector<bool> hit(n, false);
+            for (uint32_t i = 0; i < n; ++i) {
+                uint32_t j = PermutationElement(i, n, seed);
+                ASSERT_LT(j, n);
+                ASSERT_FALSE(hit[j]) << n << " " << seed;
+                hit[j] = true;
+            }
+        }
+}
+
+TEST(PermutationElement, EveryElementGoesEverywhereEquallyOften) {
+    constexpr int kSeeds = 40000;
+    for (uint32_t n : {2u, 3u, 4u, 5u, 16u, 23u, 100u})
+        for (uint32_t i : {0u, 1u, n - 1}) {
+            std::vector<double> observed(n, 0), expected(n, double(kSeeds) / n);
+            for (uint64_t s = 0; s < kSeeds; ++s) ++observed[PermutationElement(i, n, s)];
+            EXPECT_GT(test::ChiSquareTest(observed, expected), test::SidakAlpha(1e-3, 21)) << n << " " << i;
+        }
+}
+
+TEST(PermutationElement, PairsGoToAllPairs) {
+    // A keyed mix is no ideal random permutation; no pair may be missing or come much too often.
+    constexpr int kSeeds = 100000;
+    for (uint32_t n : {4u, 5u, 16u, 17u}) {
+        std::vector<int> count(n * n, 0);
+        for (uint64_t s = 0; s < kSeeds; ++s)
+            ++count[PermutationElement(0, n, MixBits(s)) * n + PermutationElement(1, n, MixBits(s))];
+        double expected = double(kSeeds) / (n * (n - 1));
+        for (uint32_t a = 0; a < n; ++a)
+            for (uint32_t b = 0; b < n; ++b)
+                if (a != b) {
+                    EXPECT_NEAR(count[a * n + b] / expected, 1, 0.2) << n << ": " << a << " " << b;
+                }
+    }
+}
+
+TEST(Primes, AreTheFirstThousand) {
+    EXPECT_EQ(Primes[0], 2);
+    EXPECT_EQ(Primes[1], 3);
+    EXPECT_EQ(Primes[24], 97);
+    EXPECT_EQ(Primes[999], 7919);
+    for (size_t i = 1; i < Primes.size(); ++i) EXPECT_GT(Primes[i], Primes[i - 1]);
+}
+
+TEST(RadicalInverse, MirrorsDigits) {
+    EXPECT_EQ(RadicalInverse(2, 0), 0);
+    EXPECT_EQ(RadicalInverse(2, 1), 0.5f);
+    EXPECT_EQ(RadicalInverse(2, 6), 0.375f);
+    EXPECT_FLOAT_EQ(RadicalInverse(3, 5), 2.f / 3 + 1.f / 9);
+    EXPECT_FLOAT_EQ(RadicalInverse(10, 1234), 0.4321f);
+    EXPECT_LT(RadicalInverse(2, ~0ull), 1);
+    EXPECT_LT(RadicalInverse(7919, ~0ull), 1);
+}
+
+TEST(RadicalInverse, InverseUndoes) {
+    for (auto [base, digits, count] : {std::tuple{2u, 7, 128u}, {3u, 5, 243u}, {10u, 3, 1000u}})
+        for (uint64_t a = 0; a < count; ++a) {
+            auto mirrored = static_cast<uint64_t>(std::lround(double(RadicalInverse(base, a)) * count));
+            EXPECT_EQ(InverseRadicalInverse(mirrored, base, digits), a);
+        }
+}
+
+/// True if each of base^k consecutive values lies in an interval of its own.
+template <class F>
+bool IsStratified(uint32_t base, int k, uint64_t first, const F &value) {
+    auto n = static_cast<uint64_t>(std::lround(std::pow(double(base), k)));
+    std::set<int64_t> cells;
+    for (uint64_t i = 0; i < n; ++i) cells.insert(static_cast<int64_t>(double(value(first + i)) * double(n) + 1e-4));
+    return cells.size() == n;
+}
+
+TEST(RadicalInverse, ScramblingsKeepTheStratification) {
+    for (uint32_t base : {2u, 3u, 5u, 11u, 31u})
+        for (int k : {1, 2})
+            for (uint64_t seed : {0ull, 77ull}) {
+                auto n = static_cast<uint64_t>(std::lround(std::pow(double(base), k)));
+                EXPECT_TRUE(IsStratified(base, k, 3 * n, [&](uint64_t a) { return RadicalInverse(base, a); }));
+                EXPECT_TRUE(IsStratified(base, k, 3 * n, [&](uint64_t a) { return PermutedRadicalInverse(base, a, seed); }));
+                EXPECT_TRUE(IsStratified(base, k, 3 * n, [&](uint64_t a) { return OwenScrambledRadicalInverse(base, a, seed); }));
+            }
+}
+
+TEST(RadicalInverse, ScrambledPointsAreUniformOverSeeds) {
+    constexpr int kSeeds = 20000, kCells = 50;
+    std::vector<double> expected(kCells, double(kSeeds) / kCells);
+    for (uint32_t base : {2u, 5u, 7u, 101u})
+        for (uint64_t a : {0ull, 1ull, 12345678ull}) {
+            std::vector<double> permuted(kCells, 0), owen(kCells, 0);
+            for (int s = 0; s < kSeeds; ++s) {
+                Float p = PermutedRadicalInverse(base, a, MixBits(static_cast<uint64_t>(s)));
+                Float o = OwenScrambledRadicalInverse(base, a, MixBits(static_cast<uint64_t>(s)));
+                ASSERT_TRUE(p >= 0 && p < 1 && o >= 0 && o < 1);
+                ++permuted[static_cast<size_t>(p * kCells)];
+                ++owen[static_cast<size_t>(o * kCells)];
+            }
+            double alpha = test::SidakAlpha(1e-3, 24);
+            EXPECT_GT(test::ChiSquareTest(permuted, expected), alpha) << base << " " << a;
+            EXPECT_GT(test::ChiSquareTest(owen, expected), alpha) << base << " " << a;
+        }
+}
+
+TEST(RadicalInverse, OwenChoosesTheSecondDigitByTheFirst) {
+    // Order of the second digits below two different first digits: the same for digit permutations, free for Owen.
+    int permutedEqual = 0, owenEqual = 0;
+    for (uint64_t seed = 0; seed < 200; ++seed) {
+        auto second = [&](auto f, uint64_t first, uint64_t digit) {
+            return static_cast<int>(f(5, first + 5 * digit, seed) * 25) % 5;
+        };
+        permutedEqual += second(PermutedRadicalInverse, 0, 2) == second(PermutedRadicalInverse, 1, 2);
+        owenEqual += second(OwenScrambledRadicalInverse, 0, 2) == second(OwenScrambledRadicalInverse, 1, 2);
+    }
+    EXPECT_EQ(permutedEqual, 200);
+    EXPECT_NEAR(owenEqual, 40, 25);
+}
+
+TEST(DigitPermutations, TablesEqualTheSlowTwin) {
+    DigitPermutations tables(40, 5);
+    Rng rng(2);
+    for (int d = 0; d < tables.Dimensions(); ++d)
+        for (int i = 0; i < 50; ++i) {
+            uint64_t a = i < 5 ? static_cast<uint64_t>(i) : uint64_t(rng.Next()) << (i % 20);
+            Float slow = PermutedRadicalInverse(Primes[static_cast<size_t>(d)], a, DigitPermutations::SeedOf(5, d));
+            EXPECT_NEAR(tables.RadicalInverse(d, a), slow, 1.2e-7f) << d << " " << a;
+        }
+}
+
+}  // namespace
+}  // namespace pbrt

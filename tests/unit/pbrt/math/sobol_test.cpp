@@ -1,0 +1,182 @@
+#include "pbrt/math/sobol.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/random/sobol.hpp>
+#include <set>
+
+#include "support/statistics.h"
+
+namespace pbrt {
+namespace {
+
+TEST(Sobol, FirstPointsAreTheKnownOnes) {
+    const uint32_t *m = SobolMatrices();
+    const double expected[8][3] = {{0, 0, 0},           {0.5, 0.5, 0.5},       {0.25, 0.75, 0.75},   {0.75, 0.25, 0.25},
+                                   {0.125, 0.625, 0.375}, {0.625, 0.125, 0.875}, {0.375, 0.375, 0.625}, {0.875, 0.875, 0.125}};
+    for (uint64_t i = 0; i < 8; ++i)
+        for (int d = 0; d < 3; ++d) EXPECT_EQ(double(SobolBits(m + d * SobolIndexBits, i)) * 0x1p-32, expected[i][d]) << i;
+}
+
+TEST(Sobol, AllDimensionsAgreeWithBoost) {
+    // Boost walks in Gray-code order and leaves out the origin.
+    boost::random::sobol_engine<uint64_t, 64u> engine(SobolDimensions);
+    const uint32_t *m = SobolMatrices();
+    for (uint64_t i = 1; i < 300; ++i)
+        for (int d = 0; d < SobolDimensions; ++d)
+            ASSERT_EQ(SobolBits(m + d * SobolIndexBits, i ^ (i >> 1)), static_cast<uint32_t>(engine() >> 32)) << i << " " << d;
+}
+
+TEST(Sobol, HighIndicesAgreeWithBoost) {
+    boost::random::sobol_engine<uint64_t, 64u> engine(64);
+    const uint32_t *m = SobolMatrices();
+    for (int bit = 2; bit < 51; ++bit) {
+        uint64_t start = (uint64_t(1) << bit) + 5;
+        engine.seed();
+        engine.discard((start - 1) * 64);
+        for (int d = 0; d < 64; ++d)
+            ASSERT_EQ(SobolBits(m + d * SobolIndexBits, start ^ (start >> 1)), static_cast<uint32_t>(engine() >> 32))
+                << bit << " " << d;
+    }
+}
+
+TEST(Sobol, EveryDimensionIsAPermutationOfTheFirstPoints) {
+    const uint32_t *m = SobolMatrices();
+    for (int d = 0; d < SobolDimensions; ++d) {
+        std::vector<bool> hit(256, false);
+        for (uint64_t i = 0; i < 256; ++i) hit[SobolBits(m + d * SobolIndexBits, i) >> 24] = true;
+        EXPECT_EQ(std::count(hit.begin(), hit.end(), true), 256) << d;
+    }
+}
+
+TEST(Sobol, ShortcutsForTheFirstTwoDimensionsEqualTheMatrices) {
+    const uint32_t *m = SobolMatrices();
+    Rng rng(1);
+    for (int i = 0; i < 2000; ++i) {
+        uint64_t index = (uint64_t(rng.Next()) << 32 | rng.Next()) >> (12 + rng.UniformInt(50));
+        ASSERT_EQ(ReverseBits32(SobolReversed0(index)), SobolBits(m, index)) << index;
+        ASSERT_EQ(ReverseBits32(SobolReversed1(index)), SobolBits(m + SobolIndexBits, index)) << index;
+    }
+}
+
+using Scramble = uint32_t (*)(uint32_t, uint64_t);
+const std::pair<const char *, Scramble> kScrambles[] = {{"owen", OwenScramble}, {"fastowen", FastOwenScramble}};
+
+TEST(Scramble, DigitsDependOnEarlierDigitsOnly) {
+    Rng rng(2);
+    for (auto [name, scramble] : kScrambles)
+        for (int i = 0; i < 2000; ++i) {
+            uint32_t v = rng.Next();
+            uint64_t seed = uint64_t(rng.Next()) << 32 | rng.Next();
+            int keep = static_cast<int>(rng.UniformInt(32)) + 1;  // common leading digits
+            uint32_t mask = keep == 32 ? 0 : ~0u >> keep, other = (v & ~mask) | (rng.Next() & mask);
+            uint32_t a = scramble(v, seed), b = scramble(other, seed);
+            ASSERT_EQ((a ^ b) & ~mask, 0u) << name;
+            if (v != other) {
+                // The first digit that differs before differs after, so that nothing falls together.
+                ASSERT_EQ(std::countl_zero(v ^ other), std::countl_zero(a ^ b)) << name;
+            }
+        }
+}
+
+TEST(Scramble, FlipsOfSiblingsAreIndependent) {
+    // The eight nodes of the third level decide on their own: all 2^8 patterns of flips, equally often.
+    constexpr int kSeeds = 1 << 16;
+    std::vector<double> expected(256, kSeeds / 256.0);
+    for (auto [name, scramble] : kScrambles) {
+        std::vector<double> observed(256, 0);
+        for (uint64_t s = 0; s < kSeeds; ++s) {
+            unsigned pattern = 0;
+            for (uint32_t node = 0; node < 8; ++node)
+                pattern |= (scramble(node << 29, MixBits(s)) >> 28 & 1) << node;
+            ++observed[pattern];
+        }
+        if (std::string(name) == "owen") {
+            EXPECT_GT(test::ChiSquareTest(observed, expected), 1e-4) << name;
+        } else {
+            // A hash of a few operations has not the freedom of all patterns; pairs must be free.
+            for (int a = 0; a < 8; ++a)
+                for (int b = 0; b < a; ++b) {
+                    double cells[4] = {};
+                    for (unsigned p = 0; p < 256; ++p) cells[(p >> a & 1) * 2 + (p >> b & 1)] += observed[p];
+                    for (double c : cells) EXPECT_NEAR(c / kSeeds, 0.25, 0.02) << a << " " << b;
+                }
+        }
+    }
+}
+
+TEST(Scramble, DeepDigitsFlipHalfTheTimeInDistantBranches) {
+    constexpr int kSeeds = 20000;
+    Rng rng(3);
+    for (auto [name, scramble] : kScrambles)
+        for (int digit : {0, 1, 2, 5, 9, 15, 23, 31})
+            for (int t = 0; t < 4; ++t) {
+                uint32_t v = rng.Next(), w = digit == 0 ? v : rng.Next();
+                int flips = 0, equal = 0;
+                for (uint64_t s = 0; s < kSeeds; ++s) {
+                    uint32_t fv = (scramble(v, MixBits(s)) ^ v) >> (31 - digit) & 1;
+                    uint32_t fw = (scramble(w, MixBits(s)) ^ w) >> (31 - digit) & 1;
+                    flips += static_cast<int>(fv);
+                    equal += fv == fw;
+                }
+                EXPECT_NEAR(flips / double(kSeeds), 0.5, 0.025) << name << " " << digit;
+                if (digit > 0 && (v ^ w) >> (32 - digit) != 0) {
+                    EXPECT_NEAR(equal / double(kSeeds), 0.5, 0.025) << name << " " << digit;
+                }
+            }
+}
+
+/// All ways to cut the square into 2^k equal boxes; each must hold one point.
+bool IsNet(const std::vector<std::pair<uint32_t, uint32_t>> &points) {
+    int k = std::countr_zero(points.size());
+    for (int a = 0; a <= k; ++a) {
+        std::set<std::pair<uint64_t, uint64_t>> boxes;
+        for (auto [x, y] : points) boxes.insert({uint64_t(x) >> (32 - a), uint64_t(y) >> (32 - (k - a))});
+        if (boxes.size() != points.size()) return false;
+    }
+    return true;
+}
+
+TEST(Scramble, NetsStayNets) {
+    for (int k : {0, 1, 4, 7, 10})
+        for (uint64_t first : {uint64_t(0), uint64_t(5) << k}) {
+            std::vector<std::pair<uint32_t, uint32_t>> plain, owen, fast;
+            for (uint64_t i = first; i < first + (uint64_t(1) << k); ++i) {
+                uint32_t x = ReverseBits32(SobolReversed0(i)), y = ReverseBits32(SobolReversed1(i));
+                plain.push_back({x, y});
+                owen.push_back({OwenScramble(x, 11), OwenScramble(y, 12)});
+                fast.push_back({FastOwenScramble(x, MixBits(11)), FastOwenScramble(y, MixBits(12))});
+            }
+            EXPECT_TRUE(IsNet(plain));
+            EXPECT_TRUE(IsNet(owen));
+            EXPECT_TRUE(IsNet(fast));
+        }
+}
+
+TEST(SobolPixelIndex, PointsLieInTheirPixelAndNoneIsMissing) {
+    const uint32_t *m = SobolMatrices();
+    for (int log2 : {0, 1, 2, 3, 5}) {
+        SobolPixelIndex find(log2);
+        uint32_t n = 1u << log2;
+        std::set<uint64_t> indices;
+        for (uint64_t frame = 0; frame < 6; ++frame)
+            for (uint32_t y = 0; y < n; ++y)
+                for (uint32_t x = 0; x < n; ++x) {
+                    uint64_t i = find(frame, x, y);
+                    indices.insert(i);
+                    ASSERT_EQ(uint64_t(SobolBits(m, i)) >> (32 - log2), x) << log2 << " " << frame;
+                    ASSERT_EQ(uint64_t(SobolBits(m + SobolIndexBits, i)) >> (32 - log2), y) << log2 << " " << frame;
+                }
+        EXPECT_EQ(indices.size(), 6u * n * n);
+        EXPECT_EQ(*indices.rbegin(), 6u * n * n - 1);
+    }
+    SobolPixelIndex big(12);
+    for (uint64_t frame : {uint64_t(0), uint64_t(1) << 20, (uint64_t(1) << 28) - 1}) {
+        uint64_t i = big(frame, 4095, 1234);
+        EXPECT_EQ(SobolBits(m, i) >> 20, 4095u);
+        EXPECT_EQ(SobolBits(m + SobolIndexBits, i) >> 20, 1234u);
+    }
+}
+
+}  // namespace
+}  // namespace pbrt

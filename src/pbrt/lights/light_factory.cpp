@@ -75,10 +75,12 @@ std::unique_ptr<Light> MakeSpot(const LightInput &in) {
     if (!(coneAngle > 0 && coneAngle <= 180))
         throw UserError(fmt::format("{}: \"coneangle\" is {}; it must be above 0 and at most 180 degrees.", in.params.What(), coneAngle),
                         in.params.LocOf("coneangle"));
-    if (!(delta >= 0))
-        throw UserError(fmt::format("{}: \"conedeltaangle\" is {}; it must not be negative.", in.params.What(), delta),
+    if (!(delta >= 0 && delta <= 2 * coneAngle))
+        throw UserError(fmt::format("{}: \"conedeltaangle\" is {}; it must be from 0 to twice the cone angle ({}).",
+                                    in.params.What(), delta, 2 * coneAngle),
                         in.params.LocOf("conedeltaangle"));
-    Float falloffStart = coneAngle - delta;
+    // A falloff wider than the cone starts on the other side of the axis; only its cosine counts.
+    Float falloffStart = std::abs(coneAngle - delta);
     if (power > 0) scale *= power / SpotLight::PowerPerIntensity(coneAngle, falloffStart);
     return std::make_unique<SpotLight>(in.renderFromLight, from, in.FromTo(from, to), InternSpectrum(*intensity), scale,
                                        coneAngle, falloffStart);

@@ -49,6 +49,7 @@ std::optional<SampledLight> BVHLightSampler::Sample(const LightQuery &query, Flo
         pmf *= w.child[i] / sum;
         node = &pair.child[i];
     }
+    if (!(pmf > 0)) return {};
     return SampledLight{LightId(node->Link()), pmf};
 }
 

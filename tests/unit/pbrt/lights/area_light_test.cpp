@@ -1,0 +1,266 @@
+#include <gtest/gtest.h>
+
+#include "light_test_support.h"
+#include "pbrt/lights/diffuse_area_light.h"
+#include "pbrt/shapes/shape_factory.h"
+#include "pbrt/shapes/triangle_mesh.h"
+
+namespace pbrt::test {
+namespace {
+
+const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
+
+class ConstantTexture final : public FloatTexture {
+  public:
+    explicit ConstantTexture(Float v) : v_(v) {}
+    Float Evaluate(const TextureContext &) const override { return v_; }
+    std::optional<Float> Constant() const override { return v_; }
+
+  private:
+    Float v_;
+};
+
+/// Cuts the half u < 1/2 away.
+class HalfTexture final : public FloatTexture {
+  public:
+    Float Evaluate(const TextureContext &c) const override { return c.uv.x < Float(0.5) ? Float(0) : Float(1); }
+};
+
+std::unique_ptr<Shape> Quadric(const std::string &type, const Transform &ctm = {}) {
+    DiagnosticSink sink;
+    return std::move(MakeShapes(type, Params("Shape").Set(), ctm, false, FileResolver(), sink).at(0));
+}
+
+std::unique_ptr<Shape> Triangle(const Transform &ctm = {}) {
+    MeshData data;
+    data.p = {{-1, -1, 0}, {1, -1, 0.2f}, {0.3f, 1, 0}};
+    data.uv = {{0, 0}, {1, 0}, {0, 1}};
+    data.indices = {0, 1, 2};
+    return std::make_unique<TriangleMesh>(data, ctm, false);
+}
+
+struct Case {
+    std::string name;
+    std::function<std::unique_ptr<Shape>()> make;
+};
+
+class AreaLightShapes : public testing::TestWithParam<Case> {};
+
+/// Light arriving from the primitive, found by rays in all directions: slow and obviously right.
+template <class F>
+RunningStatistics ByUniformDirections(const Shape &shape, const Light &light, const Point3 &p, int n, F integrand) {
+    Rng rng(7);
+    RunningStatistics stats;
+    for (int i = 0; i < n; ++i) {
+        Vector3 w = SampleUniformSphere(rng.Uniform2());
+        double value = 0;
+        if (auto hit = shape.Intersect(0, p, w, 1e-4f, Infinity)) {
+            SurfacePoint s = shape.Surface(0, *hit);
+            value = integrand(light.L(s.p, s.n, s.uv, -w, kLambda), w) / static_cast<double>(UniformSpherePdf());
+        }
+        stats.Add(value);
+    }
+    return stats;
+}
+
+TEST_P(AreaLightShapes, SamplingFindsTheLightThatRaysFind) {
+    auto shape = GetParam().make();
+    for (bool twoSided : {false, true}) {
+        auto light = MakeAreaMaker(Params().Bool("twosided", twoSided)).Make(*shape, 0, nullptr);
+        for (Point3 p : {Point3(0.5f, 0.3f, 2.5f), Point3(-2, 1, -1.5f), Point3(4, -3, 6)}) {
+            auto irradiance = [](const SampledSpectrum &L, const Vector3 &w) {
+                return static_cast<double>(L.Average() * std::abs(w.z));
+            };
+            RunningStatistics slow = ByUniformDirections(*shape, *light, p, 150000, irradiance), fast;
+            Rng rng(3);
+            for (int i = 0; i < 20000; ++i) {
+                auto s = light->SampleLi(At(p), rng.Uniform2(), kLambda, false);
+                // The shape may hide a part of itself.
+                if (s && shape->Intersect(0, p, s->wi, 1e-4f, Distance(p, s->pLight) * 0.999f)) s.reset();
+                fast.Add(s ? irradiance(s->L, s->wi) / static_cast<double>(s->pdf) : 0);
+            }
+            double error = std::hypot(slow.StandardError(), fast.StandardError()) + 1e-4 * slow.mean + 1e-12;
+            EXPECT_LT(std::abs(slow.mean - fast.mean) / error, 4.5) << "two-sided " << twoSided << " z " << p.z;
+        }
+    }
+}
+
+TEST_P(AreaLightShapes, PdfOfASampleIsThePdfOfItsRay) {
+    auto shape = GetParam().make();
+    auto light = MakeAreaMaker(Params().Bool("twosided", true)).Make(*shape, 0, nullptr);
+    Rng rng(5);
+    int compared = 0;
+    for (int i = 0; i < 2000; ++i) {
+        LightSampleContext from = At(SampleUniformSphere(rng.Uniform2()) * (2 + 3 * rng.Uniform()));
+        auto s = light->SampleLi(from, rng.Uniform2(), kLambda, false);
+        if (!s) continue;
+        auto hit = shape->Intersect(0, from.p, s->wi, 1e-4f, Infinity);
+        if (!hit) continue;  // rounding at the border
+        SurfacePoint point = shape->Surface(0, *hit);
+        if (Distance(point.p, s->pLight) > 1e-2f) continue;  // another part of the shape is in front
+        Float cosine = AbsDot(point.n, s->wi);
+        if (cosine < 0.05f) continue;  // grazing: the density of the rounded direction differs
+        ++compared;
+        EXPECT_NEAR(light->PdfLi(from, s->wi, point.p, point.n, false) / s->pdf, 1, 0.02);
+    }
+    EXPECT_GT(compared, 500);
+}
+
+TEST_P(AreaLightShapes, PhiIsTheIntegralOfEmittedRadiance) {
+    auto shape = GetParam().make();
+    for (bool twoSided : {false, true}) {
+        auto light = MakeAreaMaker(Params().Bool("twosided", twoSided).Number("scale", 3)).Make(*shape, 0, nullptr);
+        Rng rng(9);
+        RunningStatistics stats;
+        for (int i = 0; i < 20000; ++i) {
+            auto point = shape->SampleArea(0, rng.Uniform2());
+            ASSERT_TRUE(point);
+            Frame frame = Frame::FromZ(point->n);
+            Vector3 w = SampleCosineHemisphere(rng.Uniform2());
+            Float pdf = CosineHemispherePdf(w.z) / 2;
+            if (rng.Uniform() < 0.5f) w.z = -w.z;
+            SampledSpectrum L = light->L(point->p, point->n, point->uv, frame.FromLocal(w), kLambda);
+            stats.Add(static_cast<double>(L.Average() * std::abs(w.z) / (pdf * point->pdf)));
+        }
+        double phi = static_cast<double>(light->Phi(kLambda).Average());
+        EXPECT_LT(std::abs(stats.mean - phi), 4.5 * stats.StandardError() + 1e-3 * phi) << twoSided;
+    }
+}
+
+TEST_P(AreaLightShapes, ImportanceIsPositiveWhereLightArrives) {
+    auto shape = GetParam().make();
+    int lit = 0;
+    for (bool twoSided : {false, true}) {
+        auto light = MakeAreaMaker(Params().Bool("twosided", twoSided)).Make(*shape, 0, nullptr);
+        LightBounds bounds = *light->Bounds();
+        Rng rng(11);
+        for (int i = 0; i < 20000; ++i) {
+            Point3 p = SampleUniformSphere(rng.Uniform2()) * (i % 2 ? 10 * rng.Uniform() : rng.Uniform());
+            auto s = light->SampleLi(At(p), rng.Uniform2(), kLambda, false);
+            if (!s) continue;
+            ++lit;
+            ASSERT_GT(bounds.Importance(p, Normal3(0)), 0);
+            Normal3 n = SampleUniformSphere(rng.Uniform2());
+            if (AbsDot(n, s->wi) > 1e-4f) {
+                ASSERT_GT(bounds.Importance(p, n), 0);
+            }
+        }
+    }
+    EXPECT_GT(lit, 5000);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Shapes, AreaLightShapes,
+    testing::Values(Case{"triangle", [] { return Triangle(); }},
+                    Case{"turnedTriangle", [] { return Triangle(Transform::Rotate(70, {1, 1, 0})); }},
+                    Case{"sphere", [] { return Quadric("sphere"); }}, Case{"disk", [] { return Quadric("disk"); }},
+                    Case{"cylinder", [] { return Quadric("cylinder"); }}),
+    [](const auto &c) { return c.param.name; });
+
+TEST(DiffuseAreaLight, ScaleOneIsOneNit) {
+    auto shape = Triangle();
+    auto light = MakeAreaMaker(Params()).Make(*shape, 0, nullptr);
+    EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return light->L({}, {0, 0, 1}, {}, {0, 0, 1}, l); }), 1, 2e-3);
+}
+
+TEST(DiffuseAreaLight, EmitsFromTheSideOfTheNormal) {
+    auto shape = Triangle();
+    auto one = MakeAreaMaker(Params()).Make(*shape, 0, nullptr);
+    auto two = MakeAreaMaker(Params().Bool("twosided", true)).Make(*shape, 0, nullptr);
+    Normal3 n(0, 0, 1);
+    EXPECT_TRUE(one->L({}, n, {}, {0, 0, 1}, kLambda));
+    EXPECT_FALSE(one->L({}, n, {}, {0, 0, -1}, kLambda));
+    EXPECT_TRUE(two->L({}, n, {}, {0, 0, -1}, kLambda));
+}
+
+TEST(DiffuseAreaLight, PowerIsPerPrimitive) {
+    MeshData data;
+    data.p = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 5, 0}};
+    data.indices = {0, 1, 2, 1, 3, 2};
+    TriangleMesh mesh(data, Transform(), false);
+    for (bool twoSided : {false, true}) {
+        AreaLightMaker maker = MakeAreaMaker(Params().Number("power", 20).Bool("twosided", twoSided));
+        for (uint32_t i = 0; i < 2; ++i) {
+            auto light = maker.Make(mesh, i, nullptr);
+            EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return light->Phi(l); }), 20, 0.05);
+        }
+    }
+}
+
+TEST(DiffuseAreaLight, ImageIsMappedWithVUpwardsAndItsPowerIsKept) {
+    Image image = RgbImage({2, 2}, [](int x, int y) { return y == 0 ? Rgb(2, 0, 0) : x == 0 ? Rgb(0, 2, 0) : Rgb(0, 0, 2); });
+    TemporaryImage file("panel.exr", image);
+    auto shape = Triangle();
+    auto light = MakeAreaMaker(Params().String("filename", file.Path())).Make(*shape, 0, nullptr);
+    auto xyzAt = [&](Point2 uv) {
+        Vector3 sum(0);
+        for (int i = 0; i < 500; ++i) {
+            auto lambda = SampledWavelengths::SampleUniform((static_cast<Float>(i) + 0.5f) / 500);
+            SampledSpectrum L = SafeDivide(light->L({}, {0, 0, 1}, uv, {0, 0, 1}, lambda), lambda.Pdf());
+            sum += Vector3((L * CieX().Sample(lambda)).Average(), (L * CieY().Sample(lambda)).Average(), (L * CieZ().Sample(lambda)).Average());
+        }
+        return ColorSpace::SRGB().ToRgb(sum / 500.f);
+    };
+    Rgb top = xyzAt({0.25f, 0.75f}), left = xyzAt({0.25f, 0.25f}), right = xyzAt({0.75f, 0.25f});
+    EXPECT_NEAR(top.x, 2, 0.1);
+    EXPECT_NEAR(top.y, 0, 0.1);
+    EXPECT_NEAR(left.y, 2, 0.1);
+    EXPECT_NEAR(right.z, 2, 0.1);
+
+    auto powered = MakeAreaMaker(Params().String("filename", file.Path()).Number("power", 5)).Make(*shape, 0, nullptr);
+    EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return powered->Phi(l); }, 300), 5, 0.1);
+    // The mean kept for light selection is the mean of what is emitted.
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    SampledSpectrum mean;
+    for (int i = 0; i < 2500; ++i) {
+        Point2 uv((static_cast<Float>(i % 50) + 0.5f) / 50, (static_cast<Float>(i / 50) + 0.5f) / 50);
+        mean += powered->L({}, {0, 0, 1}, uv, {0, 0, 1}, lambda) / 2500;
+    }
+    double expected = static_cast<double>(mean.Average() * Pi * shape->Area(0));
+    // Interpolated colours are not the interpolation of spectra: a few per cent.
+    EXPECT_NEAR(static_cast<double>(powered->Phi(lambda).Average()), expected, 0.08 * expected);
+}
+
+TEST(DiffuseAreaLight, ConstantAlphaOfZeroLeavesLightSamplingOnly) {
+    auto shape = Triangle();
+    ConstantTexture zero(0), half(0.5f);
+    AreaLightMaker maker = MakeAreaMaker(Params());
+    auto invisible = maker.Make(*shape, 0, &zero);
+    EXPECT_EQ(invisible->Kind(), LightKind::DeltaPosition);
+    auto s = invisible->SampleLi(At({0, 0, 2}), {0.4f, 0.3f}, kLambda, false);
+    ASSERT_TRUE(s);
+    EXPECT_GT(s->pdf, 0);
+    EXPECT_NE(s->pdf, 1);
+    EXPECT_EQ(invisible->PdfLi(At({0, 0, 2}), s->wi, s->pLight, s->nLight, false), 0);
+    EXPECT_EQ(maker.Make(*shape, 0, &half)->Kind(), LightKind::Area);
+    EXPECT_EQ(maker.Make(*shape, 0, nullptr)->Kind(), LightKind::Area);
+}
+
+TEST(DiffuseAreaLight, AlphaRejectsInSamplingAndInRadianceAlike) {
+    auto shape = Triangle();
+    ConstantTexture third(0.3f);
+    HalfTexture cut;
+    AreaLightMaker maker = MakeAreaMaker(Params());
+    auto stochastic = maker.Make(*shape, 0, &third), masked = maker.Make(*shape, 0, &cut), plain = maker.Make(*shape, 0, nullptr);
+    Rng rng(2);
+    int kept = 0;
+    const int n = 20000;
+    for (int i = 0; i < n; ++i) {
+        Point2 u = rng.Uniform2();
+        auto whole = plain->SampleLi(At({0, 0, 2}), u, kLambda, false);
+        ASSERT_TRUE(whole);
+        auto s = stochastic->SampleLi(At({0, 0, 2}), u, kLambda, false);
+        kept += s.has_value();
+        bool shines = static_cast<bool>(stochastic->L(whole->pLight, whole->nLight, {0, 0}, -whole->wi, kLambda));
+        EXPECT_EQ(s.has_value(), shines) << "the same point, the same answer";
+        if (s) {
+            EXPECT_EQ(s->pdf, whole->pdf);
+        }
+        EXPECT_TRUE(masked->L(whole->pLight, whole->nLight, {0.7f, 0.1f}, -whole->wi, kLambda));
+        EXPECT_FALSE(masked->L(whole->pLight, whole->nLight, {0.2f, 0.1f}, -whole->wi, kLambda));
+    }
+    EXPECT_NEAR(static_cast<double>(kept) / n, 0.3, 4.5 * std::sqrt(0.21 / n));
+}
+
+}  // namespace
+}  // namespace pbrt::test

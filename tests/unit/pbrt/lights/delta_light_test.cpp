@@ -1,0 +1,136 @@
+#include <gtest/gtest.h>
+
+#include "light_test_support.h"
+#include "pbrt/lights/distant_light.h"
+#include "pbrt/lights/spot_light.h"
+
+namespace pbrt::test {
+namespace {
+
+const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
+
+TEST(PointLight, ScaleOneOfTheIlluminantIsOneCandela) {
+    auto light = Make("point", Params().Point("from", {1, 2, 3}));
+    double lux = Photometric([&](const SampledWavelengths &lambda) {
+        return light->SampleLi(At({1, 2, 5}), {}, lambda, false)->L;
+    });
+    EXPECT_NEAR(lux, 0.25, 1e-3);
+}
+
+TEST(PointLight, RgbScalesWhatTheIlluminantAloneWouldGive) {
+    auto light = Make("point", Params().Rgb("I", 3, 3, 3).Number("scale", 2));
+    double lux = Photometric([&](const SampledWavelengths &lambda) {
+        return light->SampleLi(At({0, 0, 1}), {}, lambda, false)->L;
+    });
+    EXPECT_NEAR(lux, 6, 0.02);
+}
+
+TEST(PointLight, PowerParameterIsTheFlux) {
+    auto light = Make("point", Params().Number("power", 30).Number("scale", 1));
+    EXPECT_NEAR(Photometric([&](const SampledWavelengths &lambda) { return light->Phi(lambda); }), 30, 0.05);
+}
+
+TEST(PointLight, TransformMovesIt) {
+    auto light = Make("point", Params().Point("from", {1, 0, 0}), Transform::Translate({0, 5, 0}) * Transform::Scale({2, 2, 2}));
+    auto s = light->SampleLi(At({2, 0, 0}), {}, kLambda, false);
+    ASSERT_TRUE(s);
+    EXPECT_NEAR(Distance(s->pLight, {2, 5, 0}), 0, 1e-6);
+    EXPECT_NEAR(s->wi.y, 1, 1e-6);
+    EXPECT_EQ(s->pdf, 1);
+    EXPECT_FALSE(light->SampleLi(At({2, 5, 0}), {}, kLambda, false)) << "at the light itself";
+}
+
+/// Intensity integrated over directions, by evaluating the light from a sphere around it.
+double FluxAround(const Light &light, const Point3 &position, int n) {
+    double sum = 0;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            Vector3 w = SampleUniformSphere({(static_cast<Float>(i) + 0.5f) / static_cast<Float>(n),
+                                             (static_cast<Float>(j) + 0.5f) / static_cast<Float>(n)});
+            auto s = light.SampleLi(At(position + w), {}, kLambda, false);
+            if (s) sum += static_cast<double>(s->L.Average());
+        }
+    return sum / (n * n) * 4 * std::numbers::pi;
+}
+
+TEST(PointLight, PhiIsTheIntegralOfIntensity) {
+    auto light = Make("point", Params().Rgb("I", 1, 2, 3));
+    double phi = static_cast<double>(light->Phi(kLambda).Average());
+    EXPECT_NEAR(FluxAround(*light, {0, 0, 0}, 40), phi, 1e-4 * phi);
+}
+
+TEST(SpotLight, PhiIsTheIntegralOfIntensity) {
+    for (auto [cone, delta] : {std::pair{30.f, 5.f}, {60.f, 60.f}, {10.f, 0.f}, {120.f, 30.f}}) {
+        auto light = Make("spot", Params().Number("coneangle", cone).Number("conedeltaangle", delta).Point("to", {1, 1, 1}));
+        double phi = static_cast<double>(light->Phi(kLambda).Average());
+        EXPECT_NEAR(FluxAround(*light, {0, 0, 0}, 600), phi, 1e-2 * phi) << cone << " " << delta;
+    }
+}
+
+TEST(SpotLight, PowerParameterIsTheFlux) {
+    auto light = Make("spot", Params().Number("power", 14).Number("coneangle", 40).Number("conedeltaangle", 20));
+    EXPECT_NEAR(Photometric([&](const SampledWavelengths &lambda) { return light->Phi(lambda); }), 14, 0.03);
+}
+
+TEST(SpotLight, FallsOffSmoothlyInTheCosine) {
+    auto light = Make("spot", Params().Number("coneangle", 60).Number("conedeltaangle", 30).Point("from", {0, 0, 1}).Point("to", {0, 0, 2}));
+    auto &spot = dynamic_cast<SpotLight &>(*light);
+    Float start = std::cos(Radians(30)), end = std::cos(Radians(60));
+    auto at = [&](Float c) { return spot.Falloff(SphericalDirection(SafeSqrt(1 - c * c), c, 0.7f)); };
+    EXPECT_EQ(at(1), 1);
+    EXPECT_NEAR(at(start + 1e-3f), 1, 1e-5);
+    EXPECT_NEAR(at((start + end) / 2), 0.5, 1e-4);
+    Float t = 0.25f;
+    EXPECT_NEAR(at(end + t * (start - end)), 3 * t * t - 2 * t * t * t, 1e-4);
+    EXPECT_EQ(at(end - 1e-3f), 0);
+    EXPECT_EQ(at(-1), 0);
+}
+
+TEST(SpotLight, ConeTurnsWithTheTransform) {
+    auto light = Make("spot", Params(), Transform::Rotate(90, {0, 1, 0}));  // +z to +x
+    EXPECT_TRUE(light->SampleLi(At({3, 0.1f, 0}), {}, kLambda, false));
+    EXPECT_FALSE(light->SampleLi(At({0, 0.1f, 3}), {}, kLambda, false));
+}
+
+TEST(DistantLight, IlluminanceFallsOnAFacingSurface) {
+    auto light = Make("distant", Params().Number("illuminance", 0.9f).Floats(ParamType::Blackbody, "L", {4500}).Point("from", {0, 2, 0}).Point("to", {0, 0, 0}));
+    light->Preprocess({0, 0, 0}, 10);
+    auto s = light->SampleLi(At({1, 1, 1}), {}, kLambda, false);
+    ASSERT_TRUE(s);
+    EXPECT_EQ(s->wi, Vector3(0, 1, 0));
+    EXPECT_EQ(light->Kind(), LightKind::DeltaDirection);
+    EXPECT_GE(Distance(s->pLight, {0, 0, 0}), 10) << "the shadow segment must leave the scene";
+    double lux = Photometric([&](const SampledWavelengths &lambda) { return light->SampleLi(At({0, 0, 0}), {}, lambda, false)->L; });
+    EXPECT_NEAR(lux, 0.9, 2e-3);
+    double phi = Photometric([&](const SampledWavelengths &lambda) { return light->Phi(lambda); });
+    EXPECT_NEAR(phi, lux * std::numbers::pi * 100, 1e-2 * phi);
+    EXPECT_FALSE(light->Bounds());
+}
+
+/// Support: whatever a light contributes to must have importance.
+TEST(LightImportance, PositiveWhereDeltaLightsContribute) {
+    Rng rng(1);
+    int lit = 0;
+    for (int i = 0; i < 300; ++i) {
+        Params params;
+        Float cone = 1 + 150 * rng.Uniform();
+        params.Number("coneangle", cone).Number("conedeltaangle", i % 3 == 0 ? 0 : (i % 2 ? 2 : 1) * cone * rng.Uniform());
+        Transform ctm = Transform::Translate({5 * rng.Uniform(), 0, 0}) * Transform::Rotate(360 * rng.Uniform(), {1, 2, 3});
+        if (i % 4 == 0) ctm = ctm * Transform::Scale({1, 0.3f + 2 * rng.Uniform(), 1});
+        auto light = Make(i % 5 == 0 ? "point" : "spot", i % 5 == 0 ? Params() : params, ctm);
+        LightBounds bounds = *light->Bounds();
+        for (int j = 0; j < 1000; ++j) {
+            Point3 p = bounds.bounds.low + SampleUniformSphere(rng.Uniform2()) * (10 * rng.Uniform());
+            auto s = light->SampleLi(At(p), {}, kLambda, false);
+            if (!s) continue;
+            ++lit;
+            Normal3 n = SampleUniformSphere(rng.Uniform2());
+            ASSERT_GT(bounds.Importance(p, Normal3(0)), 0);
+            ASSERT_GT(bounds.Importance(p, n), 0);
+        }
+    }
+    EXPECT_GT(lit, 10000);
+}
+
+}  // namespace
+}  // namespace pbrt::test

@@ -1,0 +1,140 @@
+#include <gtest/gtest.h>
+
+#include "light_test_support.h"
+
+namespace pbrt::test {
+namespace {
+
+const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
+
+Rgb Sky(int x, int y) {
+    if (x == 3 && y == 5) return {80, 60, 30};
+    return {0.1f * static_cast<Float>(x), 0.4f, 0.05f * static_cast<Float>(y)};
+}
+
+TEST(UniformInfiniteLight, ScaleOneIsOneNitAndIlluminanceIsThatOfAHemisphere) {
+    auto one = Make("infinite", Params());
+    auto lit = Make("infinite", Params().Rgb("L", 1, 1, 1).Number("illuminance", 1.7f).Number("scale", 1.1f));
+    auto nits = [](const Light &light) {
+        return Photometric([&](const SampledWavelengths &l) { return light.Le({0, 0, 1}, l); });
+    };
+    EXPECT_NEAR(nits(*one), 1, 2e-3);
+    EXPECT_NEAR(nits(*lit) * std::numbers::pi, 1.7 * 1.1, 1e-2);
+}
+
+TEST(UniformInfiniteLight, LeavesSamplingToTheBsdfIfPdfsMayBeIncomplete) {
+    auto light = Make("infinite", Params());
+    light->Preprocess({1, 2, 3}, 4);
+    EXPECT_FALSE(light->SampleLi(At({0, 0, 0}), {0.2f, 0.3f}, kLambda, true));
+    EXPECT_EQ(light->PdfLi(At({0, 0, 0}), {0, 0, 1}, {}, {}, true), 0);
+    auto s = light->SampleLi(At({0, 0, 0}), {0.2f, 0.3f}, kLambda, false);
+    ASSERT_TRUE(s);
+    EXPECT_EQ(s->pdf, light->PdfLi(At({0, 0, 0}), s->wi, {}, {}, false));
+    EXPECT_GE(Length(s->pLight), 8 * 0.999f);
+    double L = static_cast<double>(s->L.Average());
+    EXPECT_NEAR(static_cast<double>(light->Phi(kLambda).Average()), L * 4 * std::numbers::pi * std::numbers::pi * 16, 1e-2 * L);
+}
+
+class ImageInfinite : public testing::TestWithParam<bool> {
+  protected:
+    ImageInfinite() : file_("sky.exr", RgbImage({8, 8}, Sky)) {}
+    std::unique_ptr<Light> MakeIt(const Transform &ctm = Transform::Rotate(40, {1, 2, 3})) {
+        auto light = Make("infinite", Params().String("filename", file_.Path()).Number("scale", 0.8f), ctm);
+        light->Preprocess({0, 0, 0}, 2);
+        return light;
+    }
+    TemporaryImage file_;
+};
+
+TEST_P(ImageInfinite, DirectionsFollowTheDensity) {
+    auto light = MakeIt();
+    constexpr int kZ = 12, kPhi = 24, kSamples = 60000, kSub = 40;
+    auto cell = [](const Vector3 &w) {
+        int z = std::clamp(static_cast<int>((w.z + 1) / 2 * kZ), 0, kZ - 1);
+        Float phi = std::atan2(w.y, w.x) / (2 * Pi) + Float(0.5);
+        return static_cast<size_t>(z * kPhi + std::clamp(static_cast<int>(phi * kPhi), 0, kPhi - 1));
+    };
+    std::vector<double> observed(kZ * kPhi), expected(kZ * kPhi);
+    Rng rng(4);
+    int drawn = 0;
+    for (int i = 0; i < kSamples; ++i)
+        if (auto s = light->SampleLi(At({0, 0, 0}), rng.Uniform2(), kLambda, GetParam())) {
+            ++drawn;
+            observed[cell(s->wi)] += 1;
+            Float pdf = light->PdfLi(At({0, 0, 0}), s->wi, {}, {}, GetParam());
+            EXPECT_NEAR(pdf / s->pdf, 1, 1e-3);
+            SampledSpectrum le = light->Le(s->wi, kLambda);
+            EXPECT_NEAR(le.Average() / s->L.Average(), 1, 1e-3) << "radiance and density belong to the same pixel";
+            if (HasFailure() && i > 10) break;
+        }
+    // Integral of the density over each cell, by the midpoint rule in (z, phi), which preserves area.
+    double total = 0;
+    for (int z = 0; z < kZ * kSub; ++z)
+        for (int p = 0; p < kPhi * kSub; ++p) {
+            Float cosTheta = (static_cast<Float>(z) + 0.5f) / (kZ * kSub) * 2 - 1;
+            Float phi = ((static_cast<Float>(p) + 0.5f) / (kPhi * kSub) - 0.5f) * 2 * Pi;
+            Vector3 w = SphericalDirection(SafeSqrt(1 - cosTheta * cosTheta), cosTheta, phi);
+            double mass = static_cast<double>(light->PdfLi(At({0, 0, 0}), w, {}, {}, GetParam())) * 4 * std::numbers::pi /
+                          (kZ * kSub * kPhi * kSub);
+            expected[static_cast<size_t>(z / kSub * kPhi + p / kSub)] += mass;
+            total += mass;
+        }
+    EXPECT_NEAR(total, 1, 2e-3);
+    EXPECT_EQ(drawn, kSamples);
+    for (double &e : expected) e *= drawn / total;
+    // The midpoint rule is off by a little at pixel borders; cells of almost nothing are pooled.
+    EXPECT_GT(ChiSquareTest(observed, expected, 20), 1e-4);
+}
+
+INSTANTIATE_TEST_SUITE_P(Pdfs, ImageInfinite, testing::Bool(),
+                         [](const auto &c) { return c.param ? "Compensated" : "Complete"; });
+
+TEST_F(ImageInfinite, CompensatedDensitySkipsWhatIsBelowAverage) {
+    auto light = MakeIt(Transform());
+    int zero = 0, positive = 0;
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 8; ++x) {
+            Vector3 w = EqualAreaSquareToSphere({(static_cast<Float>(x) + 0.5f) / 8, (static_cast<Float>(y) + 0.5f) / 8});
+            EXPECT_GT(light->PdfLi(At({0, 0, 0}), w, {}, {}, false), 0);
+            (light->PdfLi(At({0, 0, 0}), w, {}, {}, true) > 0 ? positive : zero) += 1;
+        }
+    EXPECT_EQ(positive, 1) << "the sun";
+    EXPECT_EQ(zero, 63);
+}
+
+TEST_F(ImageInfinite, ImageIsTurnedByTheTransform) {
+    Vector3 sun = EqualAreaSquareToSphere({3.5f / 8, 5.5f / 8});
+    auto straight = MakeIt(Transform());
+    Transform turn = Transform::Rotate(65, {1, 0, 2});
+    auto turned = MakeIt(turn);
+    EXPECT_GT(straight->Le(sun, kLambda).Average(), 20 * straight->Le(-sun, kLambda).Average());
+    EXPECT_NEAR(turned->Le(turn.Vector(sun), kLambda).Average() / straight->Le(sun, kLambda).Average(), 1, 1e-5);
+}
+
+TEST_F(ImageInfinite, PhiIsTheMeanRadianceOverTheSphereTimesTheSceneDisk) {
+    auto light = MakeIt();
+    double sum = 0;
+    constexpr int n = 300;
+    for (int i = 0; i < n * n; ++i)
+        sum += static_cast<double>(light->Le(SampleUniformSphere({(static_cast<Float>(i % n) + 0.5f) / n, (static_cast<Float>(i / n) + 0.5f) / n}), kLambda).Average());
+    double mean = sum / (n * n), phi = mean * 4 * std::numbers::pi * std::numbers::pi * 4;
+    EXPECT_NEAR(static_cast<double>(light->Phi(kLambda).Average()), phi, 2e-2 * phi);
+}
+
+TEST_F(ImageInfinite, ConstantImageIsSampledUniformlyEvenWhenCompensated) {
+    TemporaryImage grey("grey.exr", RgbImage({4, 4}, [](int, int) { return Rgb(0.5f, 0.5f, 0.5f); }));
+    auto light = Make("infinite", Params().String("filename", grey.Path()));
+    light->Preprocess({0, 0, 0}, 1);
+    EXPECT_NEAR(light->PdfLi(At({0, 0, 0}), {0, 0.6f, 0.8f}, {}, {}, true), UniformSpherePdf(), 1e-6);
+    EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return light->Le({0, 0.6f, 0.8f}, l); }), 0.5, 2e-3);
+}
+
+TEST_F(ImageInfinite, IlluminanceIsMeasuredOverTheUpperHemisphereWithStocksFactorOfTwo) {
+    TemporaryImage grey("even.exr", RgbImage({64, 64}, [](int, int) { return Rgb(0.25f, 0.25f, 0.25f); }));
+    auto light = Make("infinite", Params().String("filename", grey.Path()).Number("illuminance", 3));
+    double nits = Photometric([&](const SampledWavelengths &l) { return light->Le({0, 0, 1}, l); });
+    EXPECT_NEAR(nits * std::numbers::pi, 2 * 3, 0.02);
+}
+
+}  // namespace
+}  // namespace pbrt::test

@@ -1,0 +1,113 @@
+#include <gtest/gtest.h>
+
+#include "light_test_support.h"
+#include "pbrt/lights/light_spectrum.h"
+
+namespace pbrt::test {
+namespace {
+
+/// The one complaint of f(); its line is that of the parameter it is about.
+Diagnostic Complaint(const std::function<void()> &f) {
+    try {
+        f();
+    } catch (const UserError &e) {
+        EXPECT_EQ(e.Diagnostics().size(), 1u);
+        return e.Diagnostics().at(0);
+    }
+    ADD_FAILURE() << "no error";
+    return {};
+}
+
+void ExpectComplaint(const std::string &type, const ParamSet &params, int line, const std::string &part) {
+    Diagnostic d = Complaint([&] { Make(type, params); });
+    EXPECT_EQ(d.loc.line, line) << d.message;
+    EXPECT_NE(d.message.find(part), std::string::npos) << d.message;
+}
+
+TEST(LightFactory, UnknownLightListsTheKnownOnes) {
+    ExpectComplaint("spott", Params(), 100, "did you mean \"spot\"");
+    ExpectComplaint("spott", Params(), 100, "infinite");
+}
+
+TEST(LightFactory, LightsOfTheFormatThatAreMissingAreSaidToBe) {
+    for (const std::string &type : UnsupportedLights()) ExpectComplaint(type, Params(), 100, "not built yet");
+}
+
+TEST(LightFactory, PortalIsLocated) {
+    ExpectComplaint("infinite", Params().Number("scale", 2).Floats(ParamType::Point3, "portal", std::vector<Float>(12, 0)), 2,
+                    "\"portal\" is not built yet");
+}
+
+TEST(LightFactory, RadianceAndImageExcludeEachOther) {
+    ExpectComplaint("infinite", Params().Rgb("L", 1, 1, 1).String("filename", "x.exr"), 2, "exclude");
+    Diagnostic d = Complaint([] { MakeAreaMaker(Params().Rgb("L", 1, 1, 1).String("filename", "x.exr")); });
+    EXPECT_EQ(d.loc.line, 2);
+}
+
+TEST(LightFactory, MissingImageIsLocated) {
+    ExpectComplaint("infinite", Params().String("filename", "/nowhere/sky.exr"), 1, "sky.exr");
+}
+
+TEST(LightFactory, EnvironmentMustBeSquareFiniteRgb) {
+    TemporaryImage wide("wide.exr", RgbImage({4, 2}, [](int, int) { return Rgb(1); }));
+    ExpectComplaint("infinite", Params().String("filename", wide.Path()), 1, "square");
+    TemporaryImage holes("holes.exr", RgbImage({2, 2}, [](int x, int) { return x ? Rgb(Infinity) : Rgb(1); }));
+    ExpectComplaint("infinite", Params().String("filename", holes.Path()), 1, "infinite");
+    Image grey(PixelFormat::Float, {2, 2}, {"Y"});
+    TemporaryImage mono("mono.exr", grey);
+    ExpectComplaint("infinite", Params().String("filename", mono.Path()), 1, "R, G and B");
+}
+
+TEST(LightFactory, DirectionNeedsTwoPoints) {
+    ExpectComplaint("distant", Params().Point("from", {0, 0, 1}), 1, "same point");
+    ExpectComplaint("spot", Params().Point("from", {1, 2, 3}).Point("to", {1, 2, 3}), 2, "same point");
+}
+
+TEST(LightFactory, ConeAnglesAreChecked) {
+    ExpectComplaint("spot", Params().Number("coneangle", 0), 1, "coneangle");
+    ExpectComplaint("spot", Params().Number("coneangle", 30).Number("conedeltaangle", -1), 2, "conedeltaangle");
+    ExpectComplaint("spot", Params().Number("coneangle", 30).Number("conedeltaangle", 61), 2, "conedeltaangle");
+}
+
+TEST(LightFactory, UnknownAreaLight) {
+    DiagnosticSink sink;
+    Diagnostic d = Complaint([&] {
+        AreaLightMaker maker("difuse", Params(), ColorSpace::SRGB(), FileResolver(), sink);
+    });
+    EXPECT_NE(d.message.find("did you mean \"diffuse\""), std::string::npos) << d.message;
+}
+
+TEST(LightFactory, EveryParameterOfALightIsAskedFor) {
+    struct Row {
+        const char *type;
+        Params params;
+    };
+    Row rows[] = {
+        {"point", Params().Rgb("I", 1, 1, 1).Number("scale", 1).Number("power", 1).Point("from", {0, 0, 0})},
+        {"spot", Params().Rgb("I", 1, 1, 1).Number("scale", 1).Number("power", 1).Point("from", {0, 0, 0}).Point("to", {1, 0, 0}).Number("coneangle", 20).Number("conedeltaangle", 3)},
+        {"distant", Params().Rgb("L", 1, 1, 1).Number("scale", 1).Number("illuminance", 1).Point("from", {0, 0, 0}).Point("to", {1, 0, 0})},
+        {"infinite", Params().Rgb("L", 1, 1, 1).Number("scale", 1).Number("illuminance", 1)},
+    };
+    for (Row &row : rows) {
+        EXPECT_TRUE(Make(row.type, row.params));
+        DiagnosticSink sink;
+        row.params.Set().ReportUnused(sink);
+        EXPECT_FALSE(sink.HasErrors()) << row.type << ": " << (sink.All().empty() ? "" : sink.All()[0].message);
+    }
+    Params area = Params().Rgb("L", 1, 1, 1).Number("scale", 1).Bool("twosided", true).Number("power", 1);
+    MakeAreaMaker(area);
+    DiagnosticSink sink;
+    area.Set().ReportUnused(sink);
+    EXPECT_FALSE(sink.HasErrors());
+}
+
+TEST(InternSpectrum, EqualEmissionIsOneObject) {
+    RgbIlluminantSpectrum a(ColorSpace::SRGB(), {1, 0.5f, 0.2f}), same(ColorSpace::SRGB(), {1, 0.5f, 0.2f}), other(ColorSpace::SRGB(), {1, 0.5f, 0.3f});
+    auto first = InternSpectrum(a);
+    EXPECT_EQ(first, InternSpectrum(same));
+    EXPECT_NE(first, InternSpectrum(other));
+    EXPECT_NEAR((*first)(550), a(550), 1e-6);
+}
+
+}  // namespace
+}  // namespace pbrt::test

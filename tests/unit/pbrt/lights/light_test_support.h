@@ -1,0 +1,111 @@
+#pragma once
+#include <unistd.h>
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "pbrt/images/image.h"
+#include "pbrt/lights/light_factory.h"
+#include "pbrt/math/frame.h"
+#include "pbrt/math/rng.h"
+#include "pbrt/math/warps.h"
+#include "support/statistics.h"
+
+namespace pbrt::test {
+
+/// Parameters as a scene file would give them; line numbers count the parameters.
+class Params {
+  public:
+    explicit Params(std::string what = "LightSource \"test\"")
+        : file_(std::make_shared<SourceFile>(SourceFile{"test.pbrt", ""})), set_(std::move(what), Loc(100)) {}
+    Params &Floats(ParamType type, const std::string &name, std::vector<Float> v) {
+        Param p = Make(type, name);
+        p.floats = std::move(v);
+        set_.Add(std::move(p));
+        return *this;
+    }
+    Params &Number(const std::string &name, Float v) { return Floats(ParamType::Float, name, {v}); }
+    Params &Point(const std::string &name, Point3 v) { return Floats(ParamType::Point3, name, {v.x, v.y, v.z}); }
+    Params &Rgb(const std::string &name, Float r, Float g, Float b) { return Floats(ParamType::Rgb, name, {r, g, b}); }
+    Params &String(const std::string &name, std::string v) {
+        Param p = Make(ParamType::String, name);
+        p.strings = {std::move(v)};
+        set_.Add(std::move(p));
+        return *this;
+    }
+    Params &Bool(const std::string &name, bool v) {
+        Param p = Make(ParamType::Bool, name);
+        p.bools = {static_cast<uint8_t>(v)};
+        set_.Add(std::move(p));
+        return *this;
+    }
+    const ParamSet &Set() const { return set_; }
+    operator const ParamSet &() const { return set_; }
+
+  private:
+    FileLoc Loc(int line) const { return {file_, line, 4}; }
+    Param Make(ParamType type, const std::string &name) {
+        Param p;
+        p.type = type;
+        p.name = name;
+        p.loc = Loc(++lines_);
+        return p;
+    }
+    std::shared_ptr<SourceFile> file_;
+    int lines_ = 0;
+    ParamSet set_;
+};
+
+inline std::unique_ptr<Light> Make(const std::string &type, const ParamSet &params, const Transform &ctm = {}) {
+    DiagnosticSink sink;
+    return MakeLight(type, params, ctm, Transform(), ColorSpace::SRGB(), FileResolver(), sink);
+}
+inline AreaLightMaker MakeAreaMaker(const ParamSet &params) {
+    DiagnosticSink sink;
+    return AreaLightMaker("diffuse", params, ColorSpace::SRGB(), FileResolver(), sink);
+}
+
+/// Luminous part: integral of y-bar times the spectrum that `sample` returns for given wavelengths.
+inline double Photometric(const std::function<SampledSpectrum(const SampledWavelengths &)> &sample, int n = 4000) {
+    double sum = 0;
+    for (int i = 0; i < n; ++i) {
+        auto lambda = SampledWavelengths::SampleUniform((static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(n));
+        sum += static_cast<double>(SafeDivide(sample(lambda) * CieY().Sample(lambda), lambda.Pdf()).Average());
+    }
+    return sum / n;
+}
+
+inline LightSampleContext At(const Point3 &p, const Normal3 &n = Normal3(0)) {
+    LightSampleContext c;
+    c.p = p;
+    c.n = c.ns = n;
+    return c;
+}
+
+/// A file that goes away with the object.
+class TemporaryImage {
+  public:
+    TemporaryImage(const std::string &name, const Image &image)
+        : path_((std::filesystem::temp_directory_path() / (std::to_string(::getpid()) + name)).string()) {
+        WriteImage(path_, image);
+    }
+    ~TemporaryImage() {
+        std::error_code ignored;
+        std::filesystem::remove(path_, ignored);
+    }
+    const std::string &Path() const { return path_; }
+
+  private:
+    std::string path_;
+};
+
+inline Image RgbImage(Point2i n, const std::function<Rgb(int, int)> &color) {
+    Image image(PixelFormat::Float, n, {"R", "G", "B"});
+    for (int y = 0; y < n.y; ++y)
+        for (int x = 0; x < n.x; ++x)
+            for (int c = 0; c < 3; ++c) image.Set({x, y}, c, color(x, y)[c]);
+    return image;
+}
+
+}  // namespace pbrt::test

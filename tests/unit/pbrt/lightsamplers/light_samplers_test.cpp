@@ -1,0 +1,147 @@
+#include <gtest/gtest.h>
+
+#include "candidates.h"
+#include "pbrt/lightsamplers/bvh_light_sampler.h"
+#include "pbrt/lightsamplers/exhaustive_light_sampler.h"
+#include "pbrt/lightsamplers/simple_light_samplers.h"
+
+namespace pbrt::test {
+namespace {
+
+LightQuery Query(const Point3 &p, const Normal3 &n = Normal3(0), const Normal3 &ns = Normal3(0)) {
+    LightQuery q;
+    q.p = p;
+    q.n = n;
+    q.ns = ns;
+    return q;
+}
+
+TEST(UniformLightSampler, DividesTheUnitIntervalEvenly) {
+    std::vector<LightCandidate> c(3);
+    UniformLightSampler sampler(c);
+    EXPECT_EQ(sampler.Sample({}, 0)->light, LightId(0u));
+    EXPECT_EQ(sampler.Sample({}, 0.5f)->light, LightId(1u));
+    EXPECT_EQ(sampler.Sample({}, OneMinusEpsilon)->light, LightId(2u));
+    EXPECT_EQ(sampler.Sample({}, 0.5f)->pmf, Float(1) / 3);
+    EXPECT_EQ(sampler.PMF({}, LightId(3u)), 0);
+}
+
+TEST(PowerLightSampler, FollowsPower) {
+    std::vector<LightCandidate> c(3);
+    c[0].power = 1;
+    c[2].power = 3;
+    PowerLightSampler sampler(c);
+    EXPECT_FLOAT_EQ(sampler.PMF({}, LightId(0u)), 0.25f);
+    EXPECT_EQ(sampler.PMF({}, LightId(1u)), 0);
+    EXPECT_FLOAT_EQ(sampler.PMF({}, LightId(2u)), 0.75f);
+}
+
+TEST(PowerLightSampler, IsUniformIfNothingHasPower) {
+    std::vector<LightCandidate> c(4);
+    PowerLightSampler sampler(c);
+    for (uint32_t i = 0; i < 4; ++i) EXPECT_FLOAT_EQ(sampler.PMF({}, LightId(i)), 0.25f);
+}
+
+template <class Sampler>
+class ByBounds : public testing::Test {};
+using Samplers = testing::Types<BVHLightSampler, ExhaustiveLightSampler>;
+TYPED_TEST_SUITE(ByBounds, Samplers);
+
+TYPED_TEST(ByBounds, EveryInfiniteLightCountsLikeAllBoundedOnesTogether) {
+    std::vector<LightCandidate> c = RandomCandidates(1, 5);
+    c.insert(c.begin() + 2, InfiniteCandidate());
+    c.push_back(InfiniteCandidate(0));
+    TypeParam sampler(c);
+    LightQuery q = Query({3, 2, 1});
+    EXPECT_FLOAT_EQ(sampler.PMF(q, LightId(2u)), Float(1) / 3);
+    EXPECT_FLOAT_EQ(sampler.PMF(q, LightId(6u)), Float(1) / 3);
+    Float rest = 0;
+    for (uint32_t i : {0u, 1u, 3u, 4u, 5u}) rest += sampler.PMF(q, LightId(i));
+    EXPECT_NEAR(rest, Float(1) / 3, 1e-5);
+    EXPECT_EQ(sampler.Sample(q, 0)->light, LightId(2u));
+    EXPECT_EQ(sampler.Sample(q, 0.6f)->light, LightId(6u));
+}
+
+TYPED_TEST(ByBounds, ReturnsNothingWhereNoLightShines) {
+    LightBounds b;
+    b.bounds = Bounds3(Point3(0));
+    b.phi = 1;
+    b.w = {0, 0, 1};
+    std::vector<LightCandidate> c = {Bounded(b)};
+    TypeParam sampler(c);
+    EXPECT_FALSE(sampler.Sample(Query({0, 0, -1}), 0.3f));
+    EXPECT_EQ(sampler.PMF(Query({0, 0, -1}), LightId(0u)), 0);
+    ASSERT_TRUE(sampler.Sample(Query({0, 0, 1}), 0.3f));
+    EXPECT_EQ(sampler.Sample(Query({0, 0, 1}), 0.3f)->pmf, 1);
+}
+
+TYPED_TEST(ByBounds, LightsWithoutPowerAreNeverChosen) {
+    std::vector<LightCandidate> c = RandomCandidates(1, 3);
+    c[1].bounds.reset();
+    c[1].power = 0;
+    TypeParam sampler(c);
+    EXPECT_EQ(sampler.PMF(Query({0, 0, 0}), LightId(1u)), 0);
+}
+
+TEST(ExhaustiveLightSampler, PmfIsTheShareOfImportanceWithTheGeometricNormal) {
+    for (int count : {2, 100, 128, 129, 1000}) {
+        std::vector<LightCandidate> c = RandomCandidates(5, count);
+        ExhaustiveLightSampler sampler(c);
+        Rng rng(3);
+        for (int q = 0; q < 20; ++q) {
+            LightQuery query = Query({2 * rng.Uniform(), rng.Uniform(), rng.Uniform()}, SampleUniformSphere(rng.Uniform2()),
+                                     SampleUniformSphere(rng.Uniform2()));
+            double total = 0;
+            for (const LightCandidate &l : c) total += static_cast<double>(l.bounds->Importance(query.p, query.n));
+            for (uint32_t i = 0; i < c.size(); ++i) {
+                double share = static_cast<double>(c[i].bounds->Importance(query.p, query.n)) / total;
+                ASSERT_NEAR(static_cast<double>(sampler.PMF(query, LightId(i))), share, 1e-6 + 1e-5 * share);
+            }
+        }
+    }
+}
+
+TEST(ExhaustiveLightSampler, InvertsItsCumulativeDistribution) {
+    std::vector<LightCandidate> c = RandomCandidates(6, 300);
+    ExhaustiveLightSampler sampler(c);
+    LightQuery query = Query({0.2f, 0.4f, 1.5f});
+    double below = 0;
+    for (uint32_t i = 0; i < c.size(); ++i) {
+        double p = static_cast<double>(sampler.PMF(query, LightId(i)));
+        if (p > 1e-5) {
+            auto s = sampler.Sample(query, static_cast<Float>(below + p / 2));
+            ASSERT_TRUE(s);
+            EXPECT_EQ(s->light.value, i);
+        }
+        below += p;
+    }
+    EXPECT_NEAR(below, 1, 1e-4);
+}
+
+TEST(BVHLightSampler, PmfIsTheProductOfChildSharesWithTheShadingNormal) {
+    std::vector<LightCandidate> c = RandomCandidates(8, 64);
+    c.push_back(InfiniteCandidate());
+    BVHLightSampler sampler(c);
+    const LightBvh &tree = sampler.Tree();
+    Rng rng(3);
+    for (int q = 0; q < 50; ++q) {
+        LightQuery query = Query({2 * rng.Uniform(), rng.Uniform(), rng.Uniform()}, SampleUniformSphere(rng.Uniform2()),
+                                 SampleUniformSphere(rng.Uniform2()));
+        for (uint32_t light = 0; light < 64; ++light) {
+            // From the leaf's trail, in double.
+            double expected = 0.5;
+            const LightBvhNode *node = &tree.Root();
+            for (uint64_t trail = tree.Trail(LightId(light)); !node->IsLeaf() && expected > 0; trail >>= 1) {
+                const LightBvhPair &pair = tree.Pair(node->Link());
+                double w[2];
+                for (int i = 0; i < 2; ++i) w[i] = static_cast<double>(pair.child[i].Sphere().Importance(query.p, query.ns));
+                expected = w[trail & 1] > 0 ? expected * w[trail & 1] / (w[0] + w[1]) : 0;
+                node = &pair.child[trail & 1];
+            }
+            ASSERT_NEAR(static_cast<double>(sampler.PMF(query, LightId(light))), expected, 1e-5 * expected);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace pbrt::test

@@ -1,0 +1,72 @@
+#include "pbrt/lightsamplers/registry.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace pbrt {
+namespace {
+
+struct SomeParams {
+    int leaves = 7;
+    template <class V>
+    void Describe(V &&v) {
+        v("leaves", leaves, Range{1, 100}, "how many");
+    }
+};
+
+LightSamplerRegistry::Entry SomeEntry(const std::string &name) {
+    LightSamplerRegistry::Entry e;
+    e.name = name;
+    e.summary = "some sampler";
+    e.params = DocumentParams<SomeParams>();
+    e.make = [](const LightTable &, const ParamSet &) { return nullptr; };
+    return e;
+}
+
+TEST(LightSamplerRegistry, StockSamplers) {
+    LightSamplerRegistry registry;
+    RegisterStockLightSamplers(registry);
+    EXPECT_EQ(registry.Names(), (std::vector<std::string>{"bvh", "exhaustive", "power", "uniform"}));
+    LightTable none;
+    none.Finish({0, 0, 0}, 1);
+    for (const std::string &name : registry.Names()) {
+        const auto &entry = registry.Find(name);
+        EXPECT_TRUE(entry.make(none, ParamSet()));
+        EXPECT_TRUE(entry.makeOverCandidates(none.Candidates()));
+    }
+}
+
+TEST(LightSamplerRegistry, UnknownNameListsTheKnownOnes) {
+    LightSamplerRegistry registry;
+    RegisterStockLightSamplers(registry);
+    auto file = std::make_shared<SourceFile>(SourceFile{"x.pbrt", ""});
+    try {
+        registry.Find("exhaustve", FileLoc{file, 3, 1});
+        FAIL() << "no error";
+    } catch (const UserError &e) {
+        EXPECT_EQ(e.Diagnostics()[0].loc.line, 3);
+        EXPECT_NE(std::string(e.Diagnostics()[0].message).find("did you mean \"exhaustive\"? valid: bvh, exhaustive, power, uniform"),
+                  std::string::npos)
+            << e.Diagnostics()[0].message;
+    }
+}
+
+TEST(LightSamplerRegistry, NameUsedTwiceThrows) {
+    LightSamplerRegistry registry;
+    registry.Add(SomeEntry("some"));
+    EXPECT_THROW(registry.Add(SomeEntry("some")), std::logic_error);
+    RegisterStockLightSamplers(registry);
+    EXPECT_THROW(RegisterStockLightSamplers(registry), std::logic_error);
+}
+
+TEST(LightSamplerRegistry, ListingNamesEverything) {
+    LightSamplerRegistry registry;
+    registry.Add(SomeEntry("some"));
+    std::string text = registry.Listing();
+    for (const char *part : {"some", "some sampler", "integer some.leaves = 7", "1 to 100", "how many"})
+        EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
+}
+
+}  // namespace
+}  // namespace pbrt

@@ -27,8 +27,11 @@ const std::vector<std::string> &ColorSpaceNames() {
 
 void DescriptionBuilder::WrongBlock(std::string_view word, const FileLoc &loc) {
     if (!wrongBlockWords_.insert(std::string(word)).second) return;
-    sink_.Error(loc, inWorld_ ? fmt::format("{} is not allowed after WorldBegin: it belongs to the options.", word)
-                              : fmt::format("{} is not allowed before WorldBegin.", word));
+    if (word == "WorldBegin")
+        sink_.Error(loc, "WorldBegin was given before: a scene has one.");
+    else
+        sink_.Error(loc, inWorld_ ? fmt::format("{} is not allowed after WorldBegin: it belongs to the options.", word)
+                                  : fmt::format("{} is not allowed before WorldBegin.", word));
 }
 
 // Transformations
@@ -346,7 +349,7 @@ void DescriptionBuilder::AddShape(const std::string &type, Params params, const 
     shape.outsideMedium = s.outsideMedium;
     if (s.areaLight && unit.object != kNoObject) {
         if (!std::exchange(s.areaLight->warnedInObject, true))
-            sink_.Warning(loc, "Area lights are not supported inside object definitions: this shape does not emit.");
+            sink_.Warning(loc, "Area lights are not supported inside object definitions: shapes here do not emit.");
     } else if (s.areaLight) {
         if (shape.ctm.IsAnimated()) sink_.Error(loc, "Animated area lights are not supported.");
         PendingAreaLight &light = *s.areaLight;

@@ -71,10 +71,11 @@ void DirectiveReader::Run() {
     for (;;) {
         Token word = tokens_.Next();
         if (word.kind == TokenKind::End) return;
-        if (word.kind != TokenKind::Word)
-            arguments_.Fail(word, fmt::format("Expected a directive, found {}.",
-                                              word.kind == TokenKind::String ? fmt::format("the string \"{}\"", word.text)
-                                                                             : fmt::format("\"{}\"", word.text)));
+        bool isNumber = word.text.find_first_of("0123456789+-.") == 0;
+        if (word.kind != TokenKind::Word || isNumber)
+            arguments_.Fail(word, fmt::format("Expected a directive, found {0}{1}{0}{2}.",
+                                              word.kind == TokenKind::String ? "\"" : "", word.text,
+                                              isNumber ? " (several values need [ ] around them)" : ""));
         auto found = Directives().find(word.text);
         if (found == Directives().end()) {
             Unknown(word);

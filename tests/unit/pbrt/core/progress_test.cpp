@@ -1,0 +1,54 @@
+#include "pbrt/core/progress.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+#include <vector>
+
+namespace pbrt {
+namespace {
+
+struct RecordingSink : ProgressSink {
+    struct Shown {
+        std::string phase;
+        double fraction, remaining;
+    };
+    std::vector<Shown> shown;
+    std::vector<std::string> done;
+    void Show(const std::string &phase, double fraction, double, double remaining) override {
+        shown.push_back({phase, fraction, remaining});
+    }
+    void PhaseDone(const std::string &phase, double) override { done.push_back(phase); }
+};
+
+TEST(Progress, ShowsFractionsOfThePhaseNotTooOften) {
+    RecordingSink sink;
+    Progress progress(&sink);
+    progress.BeginPhase("building", 1000);
+    for (int i = 0; i < 100; ++i) progress.Advance();
+    EXPECT_TRUE(sink.shown.empty()) << "a phase of an instant shows nothing";
+    std::this_thread::sleep_for(std::chrono::milliseconds(120));
+    for (int i = 0; i < 400; ++i) progress.Advance();
+    ASSERT_EQ(sink.shown.size(), 1u);
+    EXPECT_EQ(sink.shown[0].phase, "building");
+    EXPECT_NEAR(sink.shown[0].fraction, 0.101, 1e-9);
+    EXPECT_GT(sink.shown[0].remaining, 0);
+    EXPECT_GT(progress.EndPhase(), 0.1);
+    EXPECT_EQ(sink.done, std::vector<std::string>{"building"});
+}
+
+TEST(Progress, WorksWithoutASinkAndCancels) {
+    Progress progress;
+    progress.BeginPhase("x", 10);
+    progress.Advance(10);
+    progress.SetFraction(0.5, 1);
+    EXPECT_GE(progress.EndPhase(), 0);
+    EXPECT_FALSE(progress.Cancelled());
+    progress.Cancel();
+    EXPECT_TRUE(progress.Cancelled());
+}
+
+TEST(Progress, QuietHasNoSink) { EXPECT_EQ(MakeTerminalProgress(true), nullptr); }
+
+}  // namespace
+}  // namespace pbrt

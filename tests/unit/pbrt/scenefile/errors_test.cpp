@@ -1,0 +1,162 @@
+#include "support.h"
+
+namespace pbrt::test {
+namespace {
+
+TEST(Blocks, MissingWorldBegin) {
+    for (const char *text : {"", "# nothing\n", "Camera \"perspective\"\n"}) {
+        Parsed parsed = Parse(text);
+        ASSERT_EQ(parsed.sink.All().size(), 1u);
+        EXPECT_EQ(Format(parsed.sink.All()[0]), "Error: test.pbrt: The input ends before WorldBegin.");
+    }
+}
+
+TEST(Blocks, WorldDirectivesBeforeWorldBegin) {
+    for (const char *directive :
+         {"AreaLightSource \"d\" \"float x\" [ 1 2 ]", "AttributeBegin", "AttributeEnd", "Import \"x\"", "LightSource \"p\"",
+          "MakeNamedMaterial \"m\" \"string type\" \"d\"", "Material \"d\"", "NamedMaterial \"m\"", "ObjectBegin \"o\"",
+          "ObjectEnd", "ObjectInstance \"o\"", "ReverseOrientation", "Shape \"s\" \"bool x\" true", "TransformBegin",
+          "TransformEnd", "Texture \"t\" \"float\" \"constant\""})
+        ExpectError(fmt::format("\n  {}\nWorldBegin", directive), 2, 2, "not allowed before WorldBegin");
+}
+
+TEST(Blocks, OptionsDirectivesAfterWorldBegin) {
+    for (const char *directive : {"Accelerator \"a\"", "Camera \"c\" \"float x\" [ 1 ]", "Film \"f\"", "Integrator \"i\"",
+                                  "PixelFilter \"f\"", "Sampler \"s\"", "TransformTimes 0 1"})
+        ExpectWorldError(fmt::format("  {}\nShape \"s\"", directive), 2, 2, "not allowed after WorldBegin");
+    ExpectWorldError("  WorldBegin\nShape \"s\"", 2, 2, "given before");
+}
+
+TEST(Blocks, EveryOtherDirectiveIsAllowedOnBothSides) {
+    const std::string anywhere =
+        "ActiveTransform All Attribute \"shape\" \"float x\" 1 ColorSpace \"srgb\" Identity\n"
+        "ConcatTransform [ 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 ] Transform [ 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 ]\n"
+        "CoordinateSystem \"c\" CoordSysTransform \"c\" LookAt 0 0 0 0 0 1 0 1 0 MediumInterface \"\" \"\"\n"
+        "Option \"seed\" 1 Rotate 1 0 0 1 Scale 1 1 1 Translate 0 0 0\n";
+    ParseClean(anywhere + "MakeNamedMedium \"a\" \"string type\" \"cloud\" WorldBegin " + anywhere +
+               "MakeNamedMedium \"b\" \"string type\" \"cloud\"");
+}
+
+TEST(Blocks, AWordInTheWrongBlockIsReportedOnce) {
+    ExpectError("Shape \"s\"\nShape \"s\"\nShape \"s\"\nWorldBegin", 1, 0, "not allowed");
+}
+
+TEST(Blocks, UnmatchedOnes) {
+    ExpectWorldWarning(" AttributeEnd", 2, 1, "ignored");
+    ExpectWorldError(" AttributeBegin AttributeBegin AttributeEnd", 2, 1, "without AttributeEnd");
+    ExpectWorldError("ObjectEnd", 2, 0, "without ObjectBegin");
+    ExpectWorldError(" ObjectBegin \"o\" Shape \"s\"", 2, 1, "without ObjectEnd");
+    ExpectWorldError("ObjectBegin \"o\" Shape \"s\"\nAttributeEnd ObjectEnd", 3, 0, "AttributeEnd inside the ObjectBegin");
+    ExpectWorldError("ObjectBegin \"o\"\n AttributeBegin Shape \"s\" ObjectEnd", 3, 1, "This AttributeBegin has no end");
+    ExpectWorldError("AttributeBegin ObjectEnd\nAttributeEnd", 2, 15, "without ObjectBegin");
+}
+
+TEST(Blocks, TransformBlocksWarnOnce) {
+    ExpectWorldWarning("TransformBegin TransformEnd\nTransformBegin AttributeEnd AttributeBegin TransformEnd", 2, 0,
+                       "deprecated");
+}
+
+TEST(Names, RedefinitionPointsAtTheName) {
+    ExpectWorldError("Texture \"t\" \"float\" \"constant\"\nTexture \"t\" \"float\" \"mix\"", 3, 8, "defined twice");
+    ExpectWorldError("Texture \"t\" \"spectrum\" \"constant\"\nTexture \"t\" \"spectrum\" \"mix\"", 3, 8, "test.pbrt:2");
+    ExpectWorldError("MakeNamedMaterial \"m\" \"string type\" \"a\"\nMakeNamedMaterial \"m\" \"string type\" \"a\"", 3, 18,
+                     "defined twice");
+    ExpectWorldError("MakeNamedMedium \"m\" \"string type\" \"a\"\nMakeNamedMedium \"m\" \"string type\" \"a\"", 3, 16,
+                     "defined twice");
+    ExpectWorldError("ObjectBegin \"o\" ObjectEnd\nObjectBegin \"o\" Shape \"s\" ObjectEnd", 3, 12, "defined twice");
+}
+
+TEST(Names, UndefinedMaterialIsReportedOnceAtTheFirstShape) {
+    ExpectWorldError("NamedMaterial \"nobody\"\n Shape \"s\"\nShape \"s\"", 3, 1, "\"nobody\", which is not defined (so do 1");
+    ExpectWorldError("MakeNamedMaterial \"gold\" \"string type\" \"a\" NamedMaterial \"golf\" ObjectBegin \"o\"\n"
+                     "Shape \"s\" ObjectEnd", 3, 0, "did you mean \"gold\"");
+    ParseWorld("NamedMaterial \"nobody\"");
+}
+
+TEST(Names, UndefinedMediumIsReportedWhereItIsUsed) {
+    ExpectWorldError("MediumInterface \"fog\"\nShape \"s\"\nShape \"s\"", 3, 0, "Medium \"fog\"");
+    ExpectWorldError("MediumInterface \"\" \"fog\"\nLightSource \"point\"", 3, 0, "Medium \"fog\"");
+    ExpectError("MediumInterface \"fog\"\nCamera \"perspective\" MediumInterface \"\"\nWorldBegin", 2, 0, "Medium \"fog\"");
+    ParseWorld("MediumInterface \"fog\"");
+}
+
+TEST(Names, UndefinedObjectAndNesting) {
+    ExpectWorldError("ObjectInstance \"nobody\"", 2, 15, "not defined");
+    ExpectWorldError("ObjectBegin \"a\"\n ObjectBegin \"b\" Shape \"s\" ObjectEnd ObjectEnd", 3, 1, "inside another");
+    ExpectWorldError("ObjectBegin \"a\" Shape \"s\"\n ObjectInstance \"a\" ObjectEnd", 3, 1, "do not nest");
+}
+
+TEST(Names, MustNotBeEmptyAndMustBeUtf8) {
+    ExpectWorldError("MakeNamedMaterial \"\" \"string type\" \"a\"", 2, 18, "must not be empty");
+    ExpectWorldError("NamedMaterial \"\" Shape \"s\"", 2, 14, "must not be empty");
+    for (const char *directive : {"NamedMaterial", "MakeNamedMaterial", "MakeNamedMedium", "CoordinateSystem",
+                                  "CoordSysTransform", "ObjectBegin", "ObjectInstance", "Texture", "MediumInterface"})
+        ExpectWorldError(fmt::format("\n{} \"m\xe9tal\"", directive), 3,
+                         static_cast<int>(std::string(directive).size()) + 1, "UTF-8");
+}
+
+TEST(Names, NamedThingsNeedAType) {
+    ExpectWorldError("MakeNamedMaterial \"m\" \"float type\" 1", 2, 0, "\"string type\"");
+    ExpectWorldError("MakeNamedMedium \"m\"", 2, 0, "\"string type\"");
+    ExpectWorldError("MakeNamedMaterial \"m\" \"string type\" [ \"a\" \"b\" ]", 2, 22, "one value");
+}
+
+TEST(Words, UnknownOnesAreReportedAndSkipped) {
+    ExpectWorldError("Sphere \"float radius\" [ 1 ]\nShape \"s\"", 2, 0, "Unknown directive: Sphere");
+    ExpectWorldError("Shape \"s\"\nWorldEnd", 3, 0, "Unknown directive: WorldEnd");
+    ExpectWorldError(" shape \"s\" \"bool x\" true", 2, 1, "did you mean \"Shape\"");
+    ExpectWorldError("Attribute \"camera\" \"float x\" 1", 2, 10, "valid: shape, light, material, medium, texture");
+    ExpectWorldError("Texture \"t\" \"color\" \"constant\"", 2, 12, "valid: float, spectrum");
+    ExpectWorldError("ActiveTransform Start", 2, 16, "StartTime");
+    ExpectWorldWarning("ColorSpace \"cmyk\"", 2, 11, "\"srgb\" stays");
+    ExpectWorldWarning("CoordSysTransform \"nowhere\"", 2, 18, "valid: world");
+}
+
+TEST(Words, TooManyUnknownOnesEndTheParse) {
+    Parsed parsed = Parse("WorldBegin a b c d e f g h");
+    EXPECT_EQ(parsed.sink.ErrorCount(), 5u) << Messages(parsed.sink);
+}
+
+TEST(Arguments, NumbersStringsAndWords) {
+    ExpectWorldError("Translate 1 \"two\" 3", 2, 12, "Expected a number");
+    ExpectWorldError("Scale 1 2 Shape", 2, 10, "Expected a number");
+    ExpectWorldError("Rotate nan 0 0 1", 2, 7, "Expected a number");
+    ExpectWorldError("LookAt [ 0 0 0 0 0 1 0 1 0 ]", 2, 7, "Expected a number");
+    ExpectWorldError("Transform 1 0 0 0", 2, 10, "Expected [");
+    ExpectWorldError("Transform [ 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 ]", 2, 42, "Expected a number");
+    ExpectWorldError("Transform [ 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 1 ]", 2, 44, "Expected ]");
+    ExpectWorldError("Shape s", 2, 6, "in quotes");
+    ExpectWorldError("ActiveTransform \"All\"", 2, 16, "StartTime");
+    ExpectWorldError("\"Shape\"", 2, 0, "Expected a directive");
+    ExpectWorldError("[", 2, 0, "Expected a directive");
+}
+
+TEST(Arguments, DegenerateTransformations) {
+    ExpectWorldError(" LookAt 0 0 0  0 1 0  0 1 0", 2, 1, "parallel");
+    ExpectWorldError(" LookAt 1 2 3  1 2 3  0 1 0", 2, 1, "the same");
+    ExpectWorldError(" Rotate 30 0 0 0", 2, 1, "length zero");
+    ExpectWorldWarning(" Scale 1 0 1", 2, 1, "flattens");
+    ExpectWorldWarning(" Transform [ 1 0 0 0  0 1 0 0  0 0 0 0  0 0 0 1 ]", 2, 1, "flattens");
+}
+
+TEST(Collection, AllStructuralErrorsAreReportedAtOnce) {
+    Parsed parsed = Parse("WorldBegin\nCamera \"perspective\"\nMaterial \"diffuse\" \"color reflectance\" [ 1 1 1 ]\n"
+                          "Shape \"s\" \"bool a\" 1\nWorldEnd\nObjectInstance \"x\"\nAttributeBegin\n");
+    ExpectMessages(parsed.sink,
+                   {{Severity::Error, 2, 0, "Camera"},
+                    {Severity::Error, 3, 19, "color"},
+                    {Severity::Error, 4, 19, "true or false"},
+                    {Severity::Error, 5, 0, "WorldEnd"},
+                    {Severity::Error, 7, 0, "AttributeBegin"},
+                    {Severity::Error, 6, 15, "\"x\""}},
+                   "collection");
+    EXPECT_THROW(parsed.sink.ThrowIfErrors(), UserError);
+}
+
+TEST(Collection, ASyntaxErrorEndsTheParseWithoutFollowUps) {
+    ExpectError("Camera \"perspective\" \"float fov\" [ x ]\nWorldBegin AttributeBegin", 1, 35, "Expected numbers");
+    ExpectWorldError("AttributeBegin ObjectInstance \"o\"\nShape \"s", 3, 6, "Unterminated");
+}
+
+}  // namespace
+}  // namespace pbrt::test

@@ -1,0 +1,94 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "pbrt/scenefile/parser.h"
+
+namespace pbrt::test {
+
+/// A scene and what was said about it.
+struct Parsed {
+    SceneDescription scene;
+    DiagnosticSink sink;
+};
+
+inline Parsed Parse(const std::string &text, const std::string &directory = "") {
+    Parsed parsed;
+    parsed.scene = ParseSceneText(text, parsed.sink, "test.pbrt", directory);
+    return parsed;
+}
+
+inline std::string Messages(const DiagnosticSink &sink) {
+    std::string all;
+    for (const Diagnostic &d : sink.All()) all += Format(d) + "\n";
+    return all;
+}
+
+/// Parses what must give no message at all.
+inline SceneDescription ParseClean(const std::string &text, const std::string &directory = "") {
+    Parsed parsed = Parse(text, directory);
+    EXPECT_EQ("", Messages(parsed.sink)) << text;
+    return std::move(parsed.scene);
+}
+
+/// The world block `text`, behind a WorldBegin that stands alone on line 1.
+inline SceneDescription ParseWorld(const std::string &text) { return ParseClean("WorldBegin\n" + text); }
+
+struct Expected {
+    Severity severity;
+    int line, column;
+    std::string part;  ///< of the message
+};
+
+inline void ExpectMessages(const DiagnosticSink &sink, const std::vector<Expected> &expected, const std::string &about) {
+    ASSERT_EQ(sink.All().size(), expected.size()) << about << "\n" << Messages(sink);
+    for (size_t i = 0; i < expected.size(); ++i) {
+        const Diagnostic &d = sink.All()[i];
+        EXPECT_EQ(d.severity, expected[i].severity) << about << "\n" << Format(d);
+        EXPECT_EQ(d.loc.line, expected[i].line) << about << "\n" << Format(d);
+        EXPECT_EQ(d.loc.column, expected[i].column) << about << "\n" << Format(d);
+        EXPECT_NE(d.message.find(expected[i].part), std::string::npos) << about << "\n" << Format(d);
+    }
+}
+
+/// `text` gives exactly this one error.
+inline void ExpectError(const std::string &text, int line, int column, const std::string &part) {
+    ExpectMessages(Parse(text).sink, {{Severity::Error, line, column, part}}, text);
+}
+
+/// The world block `text` (its first line is line 2) gives exactly this one error.
+inline void ExpectWorldError(const std::string &text, int line, int column, const std::string &part) {
+    ExpectError("WorldBegin\n" + text, line, column, part);
+}
+
+inline void ExpectWorldWarning(const std::string &text, int line, int column, const std::string &part) {
+    ExpectMessages(Parse("WorldBegin\n" + text).sink, {{Severity::Warning, line, column, part}}, text);
+}
+
+/// A folder that goes away with the object.
+class TemporaryFolder {
+  public:
+    TemporaryFolder() {
+        std::string name = (std::filesystem::temp_directory_path() / "pbrt_scenefile_XXXXXX").string();
+        path_ = mkdtemp(name.data());
+    }
+    ~TemporaryFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    std::string Path(const std::string &name = "") const { return name.empty() ? path_ : path_ + "/" + name; }
+    std::string Write(const std::string &name, const std::string &text) const {
+        std::filesystem::create_directories(std::filesystem::path(Path(name)).parent_path());
+        std::ofstream(Path(name), std::ios::binary) << text;
+        return Path(name);
+    }
+
+  private:
+    std::string path_;
+};
+
+}  // namespace pbrt::test

@@ -1,5 +1,8 @@
 #include "pbrt/films/film.h"
 
+#include <cctype>
+#include <filesystem>
+
 #include "pbrt/core/log.h"
 #include "pbrt/films/film_bounds.h"
 #include "pbrt/spectra/rgb_primaries.h"
@@ -12,24 +15,35 @@ constexpr Float kLargestHalf = 65504;
 
 const std::vector<std::string> &SensorNames() {
     static const std::vector<std::string> names = {
-        "cie1931",        "canon_eos_100d",    "canon_eos_1dx_mkii", "canon_eos_200d",      "canon_eos_200d_mkii",
-        "canon_eos_5d",   "canon_eos_5d_mkii", "canon_eos_5d_mkiii", "canon_eos_5d_mkiv",   "canon_eos_5ds",
-        "canon_eos_m",    "hasselblad_l1d_20c", "nikon_d810",        "nikon_d850",          "sony_ilce_6400",
-        "sony_ilce_7m3",  "sony_ilce_7rm3",    "sony_ilce_9"};
+        "cie1931",       "canon_eos_100d",     "canon_eos_1dx_mkii", "canon_eos_200d",    "canon_eos_200d_mkii",
+        "canon_eos_5d",  "canon_eos_5d_mkii",  "canon_eos_5d_mkiii", "canon_eos_5d_mkiv", "canon_eos_5ds",
+        "canon_eos_m",   "hasselblad_l1d_20c", "nikon_d810",         "nikon_d850",        "sony_ilce_6400",
+        "sony_ilce_7m3", "sony_ilce_7rm3",     "sony_ilce_9"};
     return names;
 }
 
 Float GetAboveZero(const ParamSet &params, const char *name, Float defaultValue) {
     Float v = params.GetFloat(name, defaultValue);
     if (!(v > 0))
-        throw UserError(fmt::format("{}: \"{}\" is {}; it must be above 0.", params.What(), name, v), params.LocOf(name));
+        throw UserError(fmt::format("{}: \"{}\" is {}; it must be above 0.", params.What(), name, v),
+                        params.LocOf(name));
     return v;
+}
+
+/// Said before the picture is rendered, not after.
+void CheckWritable(const std::string &filename, const FileLoc &loc) {
+    std::string extension = std::filesystem::path(filename).extension().string();
+    for (char &c : extension)
+        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (extension != ".exr" && extension != ".png" && extension != ".pfm")
+        throw UserError(fmt::format("\"{}\": pictures are written as .exr, .png or .pfm.", filename), loc);
 }
 
 int GetExtent(const ParamSet &params, const char *name, int defaultValue, int divisor) {
     int v = params.GetInt(name, defaultValue);
     if (v < 1)
-        throw UserError(fmt::format("{}: \"{}\" is {}; it must be at least 1.", params.What(), name, v), params.LocOf(name));
+        throw UserError(fmt::format("{}: \"{}\" is {}; it must be at least 1.", params.What(), name, v),
+                        params.LocOf(name));
     return std::max(1, v / divisor);
 }
 
@@ -44,14 +58,15 @@ const std::vector<std::string> &UnsupportedFilms() {
     return names;
 }
 
-RgbFilm::RgbFilm(const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime, const FilmOverrides &overrides,
-                 DiagnosticSink &sink)
+RgbFilm::RgbFilm(const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime,
+                 const FilmOverrides &overrides, DiagnosticSink &sink)
     : space_(&outputSpace) {
     fullResolution_ = {GetExtent(params, "xresolution", 1280, overrides.resolutionDivisor),
                        GetExtent(params, "yresolution", 720, overrides.resolutionDivisor)};
     pixelBounds_ = ChoosePixelBounds(params, fullResolution_, overrides, sink);
     filename_ = params.GetString("filename", "pbrt.exr");
     if (!overrides.filename.empty()) filename_ = overrides.filename;
+    CheckWritable(filename_, overrides.filename.empty() ? params.LocOf("filename") : FileLoc());
     diagonal_ = GetAboveZero(params, "diagonal", 35);
     maxComponent_ = GetAboveZero(params, "maxcomponentvalue", Infinity);
     half_ = params.GetBool("savefp16", true);
@@ -86,8 +101,10 @@ void RgbFilm::AddSample(Point2i pixel, const SampledSpectrum &L, const SampledWa
     Float largest = MaxComponent(sensor);
     if (largest > maxComponent_) sensor *= maxComponent_ / largest;
     Point2i p = pixel - pixelBounds_.low;
-    Pixel &sums = pixels_[static_cast<size_t>(p.y) * static_cast<size_t>(pixelBounds_.Width()) + static_cast<size_t>(p.x)];
-    for (int c = 0; c < 3; ++c) sums.sensor[c] += double(weight) * double(sensor[c]);
+    Pixel &sums =
+        pixels_[static_cast<size_t>(p.y) * static_cast<size_t>(pixelBounds_.Width()) + static_cast<size_t>(p.x)];
+    for (int c = 0; c < 3; ++c)
+        sums.sensor[c] += double(weight) * double(sensor[c]);
     sums.weight += double(weight);
 }
 
@@ -112,9 +129,10 @@ Image RgbFilm::ToImage() const {
             }
         }
     if (clamped > 0)
-        LogWarning(fmt::format("{} pixel values are above {}, the largest of half precision, and are cut to it; "
-                               "\"bool savefp16\" false keeps them.",
-                               clamped, kLargestHalf));
+        LogWarning(
+            fmt::format("{} pixel values are above {}, the largest of half precision, and are cut to it; "
+                        "\"bool savefp16\" false keeps them.",
+                        clamped, kLargestHalf));
     if (rejected_ > 0)
         LogWarning(fmt::format("{} samples had infinite or not-a-number radiance and were dropped.", rejected_.load()));
     return image;

@@ -57,17 +57,18 @@ Bounds2i ChoosePixelBounds(const ParamSet &params, Point2i fullResolution, const
         take(*overrides.pixelBounds);
     } else if (sceneCrop) {
         if (sceneBounds)
-            sink.Warning(params.LocOf("cropwindow"), "Both a crop window and pixel bounds are given; the crop window counts.");
+            sink.Warning(params.LocOf("cropwindow"),
+                         "Both a crop window and pixel bounds are given; the crop window counts.");
         bounds = FromCropWindow(*sceneCrop, fullResolution);
         loc = params.LocOf("cropwindow");
     } else if (sceneBounds) {
         take(*sceneBounds);
     }
     if (bounds.IsEmpty())
-        throw UserError(fmt::format("No pixel is left to render: pixel bounds x {} to {}, y {} to {} of {} x {} pixels.",
-                                    bounds.low.x, bounds.high.x, bounds.low.y, bounds.high.y, fullResolution.x,
-                                    fullResolution.y),
-                        loc);
+        throw UserError(
+            fmt::format("No pixel is left to render: pixel bounds x {} to {}, y {} to {} of {} x {} pixels.",
+                        bounds.low.x, bounds.high.x, bounds.low.y, bounds.high.y, fullResolution.x, fullResolution.y),
+            loc);
     return bounds;
 }
 

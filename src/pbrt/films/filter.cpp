@@ -60,7 +60,9 @@ class TabulatedFilter final : public Filter {
         }
         return s;
     }
-    Float Pdf(const Point2 &p) const override { return axes_[0].distribution.Pdf(p.x) * axes_[1].distribution.Pdf(p.y); }
+    Float Pdf(const Point2 &p) const override {
+        return axes_[0].distribution.Pdf(p.x) * axes_[1].distribution.Pdf(p.y);
+    }
     bool HasPositiveIntegral() const { return axes_[0].signedIntegral > 0 && axes_[1].signedIntegral > 0; }
 
   private:
@@ -80,7 +82,8 @@ class TabulatedFilter final : public Filter {
             distribution = PiecewiseConstant1D(values, -radius, radius);
             signedIntegral = static_cast<Float>(sum * 2 * double(radius) / double(n));
             auto magnitude = static_cast<Float>(absolute / sum);
-            for (Float v : values) weights.push_back(v < 0 ? -magnitude : magnitude);
+            for (Float v : values)
+                weights.push_back(v < 0 ? -magnitude : magnitude);
         }
         Profile profile;
         PiecewiseConstant1D distribution;
@@ -122,7 +125,8 @@ struct WindowedSincProfile {
 Float GetPositive(const ParamSet &params, const char *name, Float defaultValue) {
     Float v = params.GetFloat(name, defaultValue);
     if (!(v > 0) || !std::isfinite(v))
-        throw UserError(fmt::format("{}: \"{}\" is {}; it must be above 0.", params.What(), name, v), params.LocOf(name));
+        throw UserError(fmt::format("{}: \"{}\" is {}; it must be above 0.", params.What(), name, v),
+                        params.LocOf(name));
     return v;
 }
 

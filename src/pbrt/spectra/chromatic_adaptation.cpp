@@ -7,8 +7,8 @@ namespace pbrt {
 glm::mat3 WhiteBalanceMatrix(const Point2 &from, const Point2 &to) {
     // Bradford cone responses from XYZ; GLM takes columns.
     const glm::dmat3 conesFromXyz(0.8951, -0.7502, 0.0389, 0.2664, 1.7135, -0.0685, -0.1614, 0.0367, 1.0296);
-    glm::dvec3 gain = (conesFromXyz * glm::dvec3(XyzFromChromaticity(to))) /
-                      (conesFromXyz * glm::dvec3(XyzFromChromaticity(from)));
+    glm::dvec3 gain =
+        (conesFromXyz * glm::dvec3(XyzFromChromaticity(to))) / (conesFromXyz * glm::dvec3(XyzFromChromaticity(from)));
     glm::dmat3 scale(gain.x, 0, 0, 0, gain.y, 0, 0, 0, gain.z);
     return glm::mat3(glm::inverse(conesFromXyz) * scale * conesFromXyz);
 }
@@ -20,7 +20,8 @@ DenseSpectrum DaylightSpectrum(Float kelvin) {
     if (cct < 4000) {
         // CIE daylight is not defined here; stock pbrt-v4 takes a black body.
         BlackbodySpectrum blackbody(static_cast<Float>(cct));
-        for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda) values.push_back(blackbody(lambda));
+        for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda)
+            values.push_back(blackbody(lambda));
     } else {
         double i = 1 / cct;
         double x = cct <= 7000 ? ((-4.607e9 * i + 2.9678e6) * i + 0.09911e3) * i + 0.244063
@@ -31,12 +32,15 @@ DenseSpectrum DaylightSpectrum(Float kelvin) {
         auto m2 = static_cast<Float>((0.0300 - 31.4424 * x + 30.0717 * y) / m);
         const ThreeColumnTable &s = EmbeddedDaylight();
         std::vector<Float> sum(s.lambdas.size());
-        for (size_t k = 0; k < sum.size(); ++k) sum[k] = s.columns[0][k] + m1 * s.columns[1][k] + m2 * s.columns[2][k];
+        for (size_t k = 0; k < sum.size(); ++k)
+            sum[k] = s.columns[0][k] + m1 * s.columns[1][k] + m2 * s.columns[2][k];
         PiecewiseLinearSpectrum linear(s.lambdas, sum);
-        for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda) values.push_back(linear(lambda));
+        for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda)
+            values.push_back(linear(lambda));
     }
     Float y = SpectrumToXyz(DenseSpectrum(values)).y;
-    for (Float &v : values) v /= y;
+    for (Float &v : values)
+        v /= y;
     return DenseSpectrum(values);
 }
 

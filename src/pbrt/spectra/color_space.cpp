@@ -32,6 +32,15 @@ const std::vector<ColorSpace> &AllSpaces() {
     return spaces;
 }
 
+/// The cell of the scale axis that holds z. Six steps without branches: z is as good as random.
+size_t ScaleCell(Float z) {
+    static_assert(RgbTableResolution == 64);
+    size_t cell = 0;
+    for (size_t step = 32; step > 0; step /= 2)
+        cell += kScales[cell + step] <= z ? step : 0;
+    return std::min(cell, RgbTableResolution - 2);
+}
+
 bool NearlyEqual(const Point2 &a, const Point2 &b) {
     auto near = [](Float x, Float y) { return x == y || std::abs(x - y) < Float(1e-3) * std::abs(y); };
     return near(a.x, b.x) && near(a.y, b.y);
@@ -59,7 +68,8 @@ const ColorSpace &ColorSpace::SRGB() { return AllSpaces().front(); }
 
 std::vector<std::string> ColorSpace::Names() {
     std::vector<std::string> names;
-    for (const ColorSpace &space : AllSpaces()) names.push_back(space.Name());
+    for (const ColorSpace &space : AllSpaces())
+        names.push_back(space.Name());
     return names;
 }
 
@@ -92,8 +102,7 @@ SigmoidPolynomial ColorSpace::ToPolynomial(const Rgb &rgb) const {
     Float x = c[(m + 1) % 3] * toGrid, y = c[(m + 2) % 3] * toGrid;
 
     int xi = std::min(static_cast<int>(x), kLast - 1), yi = std::min(static_cast<int>(y), kLast - 1);
-    auto above = std::upper_bound(kScales.begin() + 1, kScales.end() - 1, z);
-    auto zi = static_cast<size_t>(above - kScales.begin()) - 1;
+    size_t zi = ScaleCell(z);
     Float dx = x - static_cast<Float>(xi), dy = y - static_cast<Float>(yi);
     Float dz = (z - kScales[zi]) / (kScales[zi + 1] - kScales[zi]);
 

@@ -45,7 +45,8 @@ ThreeColumnTable ParseThreeColumns(std::string_view text) {
     ThreeColumnTable table;
     ForEachRow(text, [&](std::string_view line) {
         table.lambdas.push_back(ParseNumber(CutField(line, ',')));
-        for (std::vector<Float> &column : table.columns) column.push_back(ParseNumber(CutField(line, ',')));
+        for (std::vector<Float> &column : table.columns)
+            column.push_back(ParseNumber(CutField(line, ',')));
     });
     return table;
 }

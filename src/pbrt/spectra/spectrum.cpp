@@ -11,7 +11,8 @@ namespace {
 constexpr int kFirstNm = 360, kLastNm = 830;
 constexpr size_t kNmCount = kLastNm - kFirstNm + 1;
 
-// Fit of 1/cosh^2 to the sensitivity of the eye, cut to the visible range: density kPeak / cosh^2((lambda - kMid) / kWidth).
+// Fit of 1/cosh^2 to the sensitivity of the eye, cut to the visible range: density kPeak / cosh^2((lambda - kMid) /
+// kWidth).
 constexpr Float kPeak = 0.0039398042f, kMid = 538, kWidth = 138.888889f;
 constexpr Float kTanhAtMin = 0.85691062f, kTanhSpan = 1.82750197f;
 
@@ -24,7 +25,7 @@ SampledWavelengths SampledWavelengths::SampleVisible(Float u) {
         if (ui > 1) ui -= 1;
         Float t = kTanhAtMin - kTanhSpan * ui;
         // The constants reach 830.04 nm; a density of 0 there would only make trouble.
-        s.lambda_[i] = std::clamp(kMid - kWidth * std::atanh(t), LambdaMin, LambdaMax);
+        s.lambda_[i] = std::clamp(kMid - kWidth / 2 * std::log((1 + t) / (1 - t)), LambdaMin, LambdaMax);  // atanh t
         s.pdf_[i] = kPeak * (1 - t * t);  // 1/cosh^2(atanh t) = 1 - t^2
     }
     return s;
@@ -44,7 +45,8 @@ SampledWavelengths SampledWavelengths::SampleUniform(Float u) {
 
 void SampledWavelengths::TerminateSecondary() {
     if (SecondaryTerminated()) return;
-    for (size_t i = 1; i < SpectrumSamples; ++i) pdf_[i] = 0;
+    for (size_t i = 1; i < SpectrumSamples; ++i)
+        pdf_[i] = 0;
     pdf_[0] /= SpectrumSamples;
 }
 
@@ -54,12 +56,14 @@ bool SampledWavelengths::SecondaryTerminated() const {
 
 SampledSpectrum Spectrum::Sample(const SampledWavelengths &lambda) const {
     SampledSpectrum s;
-    for (int i = 0; i < SpectrumSamples; ++i) s[i] = (*this)(lambda[i]);
+    for (int i = 0; i < SpectrumSamples; ++i)
+        s[i] = (*this)(lambda[i]);
     return s;
 }
 
 DenseSpectrum::DenseSpectrum(const Spectrum &s) : values_(kNmCount) {
-    for (size_t i = 0; i < kNmCount; ++i) values_[i] = s(static_cast<Float>(kFirstNm + static_cast<int>(i)));
+    for (size_t i = 0; i < kNmCount; ++i)
+        values_[i] = s(static_cast<Float>(kFirstNm + static_cast<int>(i)));
     max_ = *std::max_element(values_.begin(), values_.end());
 }
 
@@ -81,7 +85,8 @@ Float DenseSpectrum::operator()(Float lambda) const { return Nearest(values_.dat
 SampledSpectrum DenseSpectrum::Sample(const SampledWavelengths &lambda) const {
     const Float *values = values_.data();
     SampledSpectrum s;
-    for (int i = 0; i < SpectrumSamples; ++i) s[i] = Nearest(values, lambda[i]);
+    for (int i = 0; i < SpectrumSamples; ++i)
+        s[i] = Nearest(values, lambda[i]);
     return s;
 }
 
@@ -93,7 +98,8 @@ PiecewiseLinearSpectrum::PiecewiseLinearSpectrum(std::vector<Float> lambdas, std
     uint32_t start = 0;
     for (size_t nm = 0; nm < kNmCount; ++nm) {
         auto lambda = static_cast<Float>(kFirstNm + static_cast<int>(nm));
-        while (start + 1 < lambdas_.size() && lambdas_[start + 1] <= lambda) ++start;
+        while (start + 1 < lambdas_.size() && lambdas_[start + 1] <= lambda)
+            ++start;
         startOfNm_[nm] = start;
     }
 }
@@ -101,10 +107,12 @@ PiecewiseLinearSpectrum::PiecewiseLinearSpectrum(std::vector<Float> lambdas, std
 Float PiecewiseLinearSpectrum::operator()(Float lambda) const {
     if (!(lambda >= lambdas_.front() && lambda <= lambdas_.back())) return 0;
     auto nm = static_cast<unsigned>(static_cast<int>(lambda) - kFirstNm);
-    size_t i = nm < kNmCount
-                   ? startOfNm_[nm]
-                   : static_cast<size_t>(std::upper_bound(lambdas_.begin(), lambdas_.end(), lambda) - lambdas_.begin()) - 1;
-    while (i + 1 < lambdas_.size() && lambdas_[i + 1] <= lambda) ++i;
+    size_t i =
+        nm < kNmCount
+            ? startOfNm_[nm]
+            : static_cast<size_t>(std::upper_bound(lambdas_.begin(), lambdas_.end(), lambda) - lambdas_.begin()) - 1;
+    while (i + 1 < lambdas_.size() && lambdas_[i + 1] <= lambda)
+        ++i;
     if (i + 1 == lambdas_.size()) return values_.back();
     Float t = (lambda - lambdas_[i]) / (lambdas_[i + 1] - lambdas_[i]);
     return Lerp(t, values_[i], values_[i + 1]);

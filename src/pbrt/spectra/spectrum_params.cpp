@@ -60,17 +60,19 @@ SpectrumPtr FromRgb(const Param &p, SpectrumUse use) {
 SpectrumPtr FromBlackbody(const Param &p) {
     RequireCount(p, p.floats.size(), 1);
     if (!(p.floats[0] > 0))
-        throw UserError(fmt::format("\"blackbody {}\": {} K; the temperature must be above 0.", p.name, p.floats[0]), p.loc);
+        throw UserError(fmt::format("\"blackbody {}\": {} K; the temperature must be above 0.", p.name, p.floats[0]),
+                        p.loc);
     return std::make_shared<BlackbodySpectrum>(p.floats[0]);
 }
 
 /// `where` begins the messages: the parameter or the file.
 SpectrumPtr FromSamples(std::span<const Float> samples, const std::string &where, const FileLoc &loc) {
-    if (samples.empty()) throw UserError(fmt::format("{}: no samples; wavelength and value pairs are wanted.", where), loc);
+    if (samples.empty())
+        throw UserError(fmt::format("{}: no samples; wavelength and value pairs are wanted.", where), loc);
     if (samples.size() % 2 != 0)
-        throw UserError(fmt::format("{}: odd number of values ({}); wavelength and value pairs are wanted.", where,
-                                    samples.size()),
-                        loc);
+        throw UserError(
+            fmt::format("{}: odd number of values ({}); wavelength and value pairs are wanted.", where, samples.size()),
+            loc);
     std::vector<Float> lambdas, values;
     for (size_t i = 0; i < samples.size(); i += 2) {
         if (!lambdas.empty() && !(samples[i] > lambdas.back()))
@@ -104,11 +106,13 @@ SpectrumPtr FromFile(const std::string &path, const FileLoc &loc) {
         if (std::isspace(static_cast<unsigned char>(*at))) {
             ++at;
         } else if (*at == '#') {
-            while (at < end && *at != '\n') ++at;
+            while (at < end && *at != '\n')
+                ++at;
         } else {
             char *after = nullptr;
             Float value = std::strtof(at, &after);
-            bool separated = after > at && (after >= end || std::isspace(static_cast<unsigned char>(*after)) || *after == '#');
+            bool separated =
+                after > at && (after >= end || std::isspace(static_cast<unsigned char>(*after)) || *after == '#');
             if (!separated || !std::isfinite(value))
                 throw UserError(fmt::format("{}:{}: a spectrum file holds numbers only.", path, line), loc);
             samples.push_back(value);
@@ -126,8 +130,8 @@ SpectrumPtr FromSpectrum(const Param &p, const FileResolver &files) {
     std::string path = files.Resolve(name);
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored))
-        throw UserError(fmt::format("\"spectrum {}\": \"{}\" is neither a file nor a built-in spectrum; {}.", p.name, name,
-                                    ListChoices(name, NamedSpectrumNames())),
+        throw UserError(fmt::format("\"spectrum {}\": \"{}\" is neither a file nor a built-in spectrum; {}.", p.name,
+                                    name, ListChoices(name, NamedSpectrumNames())),
                         p.loc);
     return FromFile(path, p.loc);
 }
@@ -136,9 +140,7 @@ SpectrumPtr FromParam(const Param &p, SpectrumUse use, const FileResolver &files
     switch (p.type) {
     case ParamType::Rgb: return FromRgb(p, use);
     case ParamType::Blackbody: return FromBlackbody(p);
-    case ParamType::Float:
-        RequireCount(p, p.floats.size(), 1);
-        return std::make_shared<ConstantSpectrum>(p.floats[0]);
+    case ParamType::Float: RequireCount(p, p.floats.size(), 1); return std::make_shared<ConstantSpectrum>(p.floats[0]);
     default: return FromSpectrum(p, files);
     }
 }
@@ -153,8 +155,8 @@ SpectrumPtr GetSpectrum(const ParamSet &params, std::string_view name, SpectrumP
 
 SpectrumPtr GetSpectrumOrFloat(const ParamSet &params, std::string_view name, SpectrumPtr defaultValue, SpectrumUse use,
                                const FileResolver &files) {
-    const Param *p = FindOfTypes(params, name,
-                                 {ParamType::Float, ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum});
+    const Param *p =
+        FindOfTypes(params, name, {ParamType::Float, ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum});
     return p ? FromParam(*p, use, files) : defaultValue;
 }
 

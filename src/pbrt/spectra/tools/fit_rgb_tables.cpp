@@ -32,8 +32,10 @@ void FitColumn(const SigmoidFit &fit, size_t slab, size_t yIndex, size_t xIndex,
     double c[3] = {0, 0, 0};
     fitOne(kStart, c);
     double down[3] = {c[0], c[1], c[2]};
-    for (size_t scale = kStart + 1; scale < kRes; ++scale) fitOne(scale, c);
-    for (size_t scale = kStart; scale-- > 0;) fitOne(scale, down);
+    for (size_t scale = kStart + 1; scale < kRes; ++scale)
+        fitOne(scale, c);
+    for (size_t scale = kStart; scale-- > 0;)
+        fitOne(scale, down);
 }
 
 const RgbPrimaries &FindSpace(const std::string &name) {
@@ -53,11 +55,13 @@ int main(int argc, char **argv) try {
     std::vector<float> table(RgbTableFloats);
     ParallelForEach(3 * kRes, [&](int64_t row) {
         auto slab = static_cast<size_t>(row) / kRes, y = static_cast<size_t>(row) % kRes;
-        for (size_t x = 0; x < kRes; ++x) FitColumn(fit, slab, y, x, table);
+        for (size_t x = 0; x < kRes; ++x)
+            FitColumn(fit, slab, y, x, table);
     });
     WriteThenRename(argv[2], [&](const std::string &temporary) {
         std::ofstream file(temporary, std::ios::binary);
-        file.write(reinterpret_cast<const char *>(table.data()), static_cast<std::streamsize>(table.size() * sizeof(float)));
+        file.write(reinterpret_cast<const char *>(table.data()),
+                   static_cast<std::streamsize>(table.size() * sizeof(float)));
         file.close();
         if (!file) throw UserError(fmt::format("{}: cannot write.", temporary));
     });

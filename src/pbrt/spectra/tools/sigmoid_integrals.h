@@ -7,11 +7,12 @@ namespace pbrt {
 /// Products of the matching functions and an illuminant, so that XYZ of a reflectance is a plain sum; white has Y = 1.
 /// Padded with zeros to whole vectors.
 struct ReflectanceWeights {
-    std::vector<double> position;                 ///< wavelength mapped to [0, 1]
-    std::array<std::vector<double>, 3> weights;   ///< X, Y, Z
+    std::vector<double> position;                ///< wavelength mapped to [0, 1]
+    std::array<std::vector<double>, 3> weights;  ///< X, Y, Z
 };
 
-/// XYZ of the sigmoid of (c[0] t + c[1]) t + c[2], t = position, and its derivatives: jacobian[k][j] = d xyz[k] / d c[j].
+/// XYZ of the sigmoid of (c[0] t + c[1]) t + c[2], t = position, and its derivatives: jacobian[k][j] = d xyz[k] / d
+/// c[j].
 struct SigmoidIntegrals {
     double xyz[3];
     double jacobian[3][3];

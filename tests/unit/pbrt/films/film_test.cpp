@@ -46,7 +46,8 @@ class FilmTest : public ::testing::Test {
     static Rgb Expose(RgbFilm &film, const Spectrum &emission, Float scale = 1, int n = 40000) {
         Float photometric = SpectrumToPhotometric(emission);
         for (int i = 0; i < n; ++i) {
-            SampledWavelengths lambda = film.SampleWavelengths((static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(n));
+            SampledWavelengths lambda =
+                film.SampleWavelengths((static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(n));
             film.AddSample(film.PixelBounds().low, scale / photometric * emission.Sample(lambda), lambda, 1);
         }
         Image image = film.ToImage();
@@ -156,6 +157,19 @@ TEST_F(FilmTest, SensorsAreKnownUnbuiltOrUnknown) {
     EXPECT_NE(message("nikon_d851").find("nikon_d850"), std::string::npos);
 }
 
+TEST_F(FilmTest, UnwritableFileNamesAreErrorsAtOnce) {
+    Resolution(1, 1);
+    for (const char *name : {"a.png", "b.EXR", "dir.x/c.pfm"}) {
+        overrides_.filename = name;
+        EXPECT_EQ(Make()->Filename(), name);
+    }
+    overrides_.filename.clear();
+    for (const char *name : {"a.jpg", "b", ""}) {
+        Text("filename", name);
+        EXPECT_THROW(Make(), UserError) << name;
+    }
+}
+
 TEST_F(FilmTest, NormalisedIlluminantGivesWhiteOfLuminanceOne) {
     Resolution(1, 1);
     Floats("maxcomponentvalue", {1e9f});
@@ -163,7 +177,8 @@ TEST_F(FilmTest, NormalisedIlluminantGivesWhiteOfLuminanceOne) {
         const ColorSpace &space = *ColorSpace::Find(name);
         std::unique_ptr<RgbFilm> film = Make(1, space);
         Rgb rgb = Expose(*film, space.Illuminant());
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb[c], 1, 2e-3) << name;
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(rgb[c], 1, 2e-3) << name;
     }
 }
 
@@ -188,7 +203,8 @@ TEST_F(FilmTest, WhiteBalanceMakesItsIlluminantWhite) {
     Floats("whitebalance", {5000});
     std::unique_ptr<RgbFilm> film = Make();
     Rgb rgb = Expose(*film, DaylightSpectrum(5000));
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb[c], 1, 3e-3);
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(rgb[c], 1, 3e-3);
 }
 
 TEST_F(FilmTest, WeightedMean) {

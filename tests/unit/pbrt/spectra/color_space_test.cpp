@@ -30,7 +30,8 @@ TEST(ColorSpace, WhiteIsOneOneOneAndPrimariesAreUnitVectors) {
     for (const std::string &name : ColorSpace::Names()) {
         const ColorSpace &space = *ColorSpace::Find(name);
         Rgb white = space.ToRgb(SpectrumToXyz(space.Illuminant()));
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(white[c], 1, 1e-5) << name;
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(white[c], 1, 1e-5) << name;
         Point2 wanted[3] = {space.R(), space.G(), space.B()};
         for (int c = 0; c < 3; ++c) {
             Rgb unit(0);
@@ -62,7 +63,8 @@ TEST(ColorSpace, ChromaticitiesFindTheirSpace) {
 TEST(ColorSpace, ConvertMatrixRoundTrips) {
     const ColorSpace &a = ColorSpace::SRGB(), &b = *ColorSpace::Find("aces2065-1");
     Rgb c(0.2f, 0.5f, 0.7f), back = ConvertRgbMatrix(b, a) * (ConvertRgbMatrix(a, b) * c);
-    for (int i = 0; i < 3; ++i) EXPECT_NEAR(back[i], c[i], 1e-5);
+    for (int i = 0; i < 3; ++i)
+        EXPECT_NEAR(back[i], c[i], 1e-5);
 }
 
 TEST(SigmoidPolynomial, GreysAreFlatAndExact) {
@@ -70,7 +72,8 @@ TEST(SigmoidPolynomial, GreysAreFlatAndExact) {
     for (int i = 0; i <= 100; ++i) {
         Float g = static_cast<Float>(i) / 100;
         SigmoidPolynomial p = space.ToPolynomial(Rgb(g));
-        for (Float lambda : {Float(360), Float(555.5), Float(830)}) EXPECT_NEAR(p(lambda), g, 2e-6) << g;
+        for (Float lambda : {Float(360), Float(555.5), Float(830)})
+            EXPECT_NEAR(p(lambda), g, 2e-6) << g;
         EXPECT_NEAR(p.MaxValue(), g, 2e-6);
     }
 }
@@ -97,7 +100,8 @@ TEST(SigmoidPolynomial, ModerateColorsRoundTripWithinAThousandth) {
     // Close to white the coefficients grow without bound, and interpolation between table nodes errs more.
     for (const std::string &name : ColorSpace::Names()) {
         double worst, mean;
-        RoundTripErrors(*ColorSpace::Find(name), Float(0.85), name == "aces2065-1" ? Float(0.25) : Float(0.4), &worst, &mean);
+        RoundTripErrors(*ColorSpace::Find(name), Float(0.85), name == "aces2065-1" ? Float(0.25) : Float(0.4), &worst,
+                        &mean);
         EXPECT_LT(worst, 1e-3) << name;
     }
 }
@@ -147,12 +151,14 @@ TEST(SigmoidPolynomial, MaxValueBoundsAllAndSampleAgrees) {
     for (int i = 0; i < 500; ++i) {
         RgbAlbedoSpectrum s(ColorSpace::SRGB(), {rng.Uniform(), rng.Uniform(), rng.Uniform()});
         Float seen = 0;
-        for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda) seen = std::max(seen, s(lambda));
+        for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda)
+            seen = std::max(seen, s(lambda));
         EXPECT_LE(seen, s.MaxValue() + 1e-6f);
         EXPECT_NEAR(seen, s.MaxValue(), 0.02);
         SampledWavelengths lambda = SampledWavelengths::SampleVisible(rng.Uniform());
         SampledSpectrum v = s.Sample(lambda);
-        for (int k = 0; k < SpectrumSamples; ++k) EXPECT_NEAR(v[k], s(lambda[k]), 1e-6f);
+        for (int k = 0; k < SpectrumSamples; ++k)
+            EXPECT_NEAR(v[k], s(lambda[k]), 1e-6f);
     }
 }
 
@@ -184,7 +190,8 @@ TEST(WhiteBalance, MapsWhiteToWhiteAndIsItsOwnInverse) {
     glm::mat3 identity = WhiteBalanceMatrix(d65, a) * WhiteBalanceMatrix(a, d65);
     for (int i = 0; i < 3; ++i) {
         EXPECT_NEAR(mapped[i], wanted[i], 1e-5);
-        for (int j = 0; j < 3; ++j) EXPECT_NEAR(identity[i][j], i == j ? 1 : 0, 1e-5);
+        for (int j = 0; j < 3; ++j)
+            EXPECT_NEAR(identity[i][j], i == j ? 1 : 0, 1e-5);
     }
     // Published Bradford matrix D65 -> D50 (Lindbloom), transposed into columns.
     glm::mat3 m = WhiteBalanceMatrix({0.312727f, 0.329023f}, {0.345669f, 0.358496f});
@@ -197,7 +204,9 @@ TEST(Daylight, HasTheChromaticitiesOfTheCieIlluminants) {
     struct Row {
         Float kelvin, x, y;
     };
-    for (const Row &row : {Row{5000, 0.34567f, 0.35850f}, {5500, 0.33242f, 0.34743f}, {6500, 0.31272f, 0.32903f},
+    for (const Row &row : {Row{5000, 0.34567f, 0.35850f},
+                           {5500, 0.33242f, 0.34743f},
+                           {6500, 0.31272f, 0.32903f},
                            {7500, 0.29902f, 0.31485f}}) {
         Vector3 xyz = SpectrumToXyz(DaylightSpectrum(row.kelvin));
         EXPECT_NEAR(xyz.y, 1, 1e-5);

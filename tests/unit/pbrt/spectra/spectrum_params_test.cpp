@@ -1,7 +1,6 @@
 #include "pbrt/spectra/spectrum_params.h"
 
 #include <gtest/gtest.h>
-
 #include <unistd.h>
 
 #include <filesystem>

@@ -25,10 +25,14 @@ TEST(NamedSpectra, IlluminantsHaveTheirPublishedChromaticities) {
     };
     // stdillum-D50 is no slip of ours: the table that stock pbrt-v4 ships is off CIE's D50 (0.34567, 0.35850), and its
     // pictures show it (conformance scene color/reflectance_spectra, flat grey patch).
-    for (const Row &row : {Row{"stdillum-A", 0.44757f, 0.40745f}, {"stdillum-D50", 0.33681f, 0.35798f},
-                           {"stdillum-D65", 0.31272f, 0.32903f}, {"illum-acesD60", 0.32168f, 0.33767f},
-                           {"stdillum-F1", 0.3131f, 0.3371f}, {"stdillum-F2", 0.3721f, 0.3751f},
-                           {"stdillum-F7", 0.3129f, 0.3292f}, {"stdillum-F11", 0.3805f, 0.3769f},
+    for (const Row &row : {Row{"stdillum-A", 0.44757f, 0.40745f},
+                           {"stdillum-D50", 0.33681f, 0.35798f},
+                           {"stdillum-D65", 0.31272f, 0.32903f},
+                           {"illum-acesD60", 0.32168f, 0.33767f},
+                           {"stdillum-F1", 0.3131f, 0.3371f},
+                           {"stdillum-F2", 0.3721f, 0.3751f},
+                           {"stdillum-F7", 0.3129f, 0.3292f},
+                           {"stdillum-F11", 0.3805f, 0.3769f},
                            {"stdillum-F12", 0.4370f, 0.4042f}}) {
         SpectrumPtr s = NamedSpectrum(row.name);
         ASSERT_TRUE(s) << row.name;
@@ -41,11 +45,13 @@ TEST(NamedSpectra, IlluminantsHaveTheirPublishedChromaticities) {
 
 TEST(NamedSpectra, AllOfTheFormatExist) {
     std::vector<std::string> names = {"stdillum-A", "stdillum-D50", "stdillum-D65", "illum-acesD60"};
-    for (int i = 1; i <= 12; ++i) names.push_back("stdillum-F" + std::to_string(i));
+    for (int i = 1; i <= 12; ++i)
+        names.push_back("stdillum-F" + std::to_string(i));
     for (const char *glass : {"BK7", "BAF10", "FK51A", "LASF9", "F5", "F10", "F11"})
         names.push_back(std::string("glass-") + glass);
     for (const char *metal : {"Ag", "Al", "Au", "Cu", "CuZn", "MgO", "TiO2"})
-        for (const char *part : {"-eta", "-k"}) names.push_back(std::string("metal-") + metal + part);
+        for (const char *part : {"-eta", "-k"})
+            names.push_back(std::string("metal-") + metal + part);
     std::vector<std::string> have = NamedSpectrumNames();
     for (const std::string &name : names) {
         EXPECT_TRUE(NamedSpectrum(name)) << name;
@@ -72,7 +78,8 @@ TEST(NamedSpectra, ShortTablesGoOnWithTheirEndValues) {
 
 TEST(DenseSpectrum, TakesTheNearestNanometre) {
     std::vector<Float> values(471);
-    for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<Float>(i + 1);
+    for (size_t i = 0; i < values.size(); ++i)
+        values[i] = static_cast<Float>(i + 1);
     DenseSpectrum s(values);
     EXPECT_EQ(s(360), 1.0f);
     EXPECT_EQ(s(360.49f), 1.0f);
@@ -123,7 +130,8 @@ TEST(Spectrum, SampleEqualsPointEvaluation) {
         for (int i = 0; i < 50; ++i) {
             SampledWavelengths lambda = SampledWavelengths::SampleVisible(static_cast<Float>(i) / 50);
             SampledSpectrum v = s->Sample(lambda);
-            for (int k = 0; k < SpectrumSamples; ++k) EXPECT_EQ(v[k], (*s)(lambda[k]));
+            for (int k = 0; k < SpectrumSamples; ++k)
+                EXPECT_EQ(v[k], (*s)(lambda[k]));
         }
 }
 

@@ -66,7 +66,8 @@ TEST(StockColors, WhiteBalanceBelow4000KelvinAgrees) {
     // channels is the measurement; exposure divides out.
     const ColorSpace &space = ColorSpace::SRGB();
     Vector3 balanced = SpectrumToXyz(DaylightSpectrum(3200)), light = SpectrumToXyz(BlackbodySpectrum(2900));
-    Point2 from(balanced.x / (balanced.x + balanced.y + balanced.z), balanced.y / (balanced.x + balanced.y + balanced.z));
+    Point2 from(balanced.x / (balanced.x + balanced.y + balanced.z),
+                balanced.y / (balanced.x + balanced.y + balanced.z));
     Rgb rgb = space.ToRgb(WhiteBalanceMatrix(from, space.White()) * light);
     EXPECT_NEAR(rgb.x / rgb.y, 0.7554f / 0.6443f, 5e-4);
     EXPECT_NEAR(rgb.z / rgb.y, 0.5306f / 0.6443f, 5e-4);

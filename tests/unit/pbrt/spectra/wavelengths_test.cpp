@@ -28,7 +28,8 @@ TEST(SampledWavelengths, VisiblePdfIsTheStatedDensity) {
 
 TEST(SampledWavelengths, VisiblePdfIntegratesToOne) {
     double sum = 0;
-    for (int i = 0; i < 47000; ++i) sum += VisibleDensity(360 + (i + 0.5) * 0.01) * 0.01;
+    for (int i = 0; i < 47000; ++i)
+        sum += VisibleDensity(360 + (i + 0.5) * 0.01) * 0.01;
     EXPECT_NEAR(sum, 1, 1e-4);
 }
 
@@ -39,7 +40,8 @@ TEST(SampledWavelengths, FrequenciesMatchPdf) {
         std::vector<double> observed(kBins, 0), expected(kBins, 0);
         for (int i = 0; i < kDraws; ++i) {
             Float u = rng.Uniform();
-            SampledWavelengths s = visible ? SampledWavelengths::SampleVisible(u) : SampledWavelengths::SampleUniform(u);
+            SampledWavelengths s =
+                visible ? SampledWavelengths::SampleVisible(u) : SampledWavelengths::SampleUniform(u);
             // One of the four per draw: the four of one draw are stratified, so not independent.
             Float lambda = s[i % SpectrumSamples];
             observed[static_cast<size_t>(std::min(kBins - 1, static_cast<int>((lambda - 360) / 10)))] += 1;

@@ -1,0 +1,193 @@
+#include "pbrt/shapes/shape_factory.h"
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "pbrt/shapes/bilinear_mesh.h"
+
+namespace pbrt {
+namespace {
+
+class ShapeFactory : public testing::Test {
+  protected:
+    ShapeFactory() : params("Shape", FileLoc{}) {}
+    void Floats(ParamType type, const char *name, std::vector<Float> v) {
+        Param p;
+        p.type = type;
+        p.name = name;
+        p.floats = std::move(v);
+        params.Add(p);
+    }
+    void Ints(const char *name, std::vector<int> v) {
+        Param p;
+        p.type = ParamType::Integer;
+        p.name = name;
+        p.ints = std::move(v);
+        params.Add(p);
+    }
+    void String(const char *name, const std::string &v, ParamType type = ParamType::String) {
+        Param p;
+        p.type = type;
+        p.name = name;
+        p.strings = {v};
+        params.Add(p);
+    }
+    auto Make(const char *type) { return MakeShapes(type, params, Transform(), false, FileResolver(), sink); }
+    std::string ErrorOf(const char *type) {
+        try {
+            Make(type);
+        } catch (const UserError &e) {
+            return e.Diagnostics().front().message;
+        }
+        return "";
+    }
+    size_t Unused() {
+        DiagnosticSink s;
+        params.ReportUnused(s);
+        return s.ErrorCount();
+    }
+    const std::vector<Float> square = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+    ParamSet params;
+    DiagnosticSink sink;
+};
+
+TEST_F(ShapeFactory, ThreePointsNeedNoIndices) {
+    Floats(ParamType::Point3, "P", {0, 0, 0, 1, 0, 0, 0, 1, 0});
+    auto shapes = Make("trianglemesh");
+    ASSERT_EQ(shapes.size(), 1u);
+    EXPECT_EQ(shapes[0]->PrimitiveCount(), 1u);
+    EXPECT_EQ(shapes[0]->Kind(), ShapeKind::TriangleMesh);
+    EXPECT_TRUE(sink.All().empty());
+}
+
+TEST_F(ShapeFactory, FourPointsWithoutIndicesAreOnePatchButNotTriangles) {
+    Floats(ParamType::Point3, "P", square);
+    EXPECT_EQ(Make("bilinearmesh")[0]->Kind(), ShapeKind::BilinearMesh);
+    EXPECT_NE(ErrorOf("trianglemesh").find("indices"), std::string::npos);
+}
+
+TEST_F(ShapeFactory, ExcessIndicesAreDroppedWithAWarning) {
+    Floats(ParamType::Point3, "P", square);
+    Ints("indices", {0, 1, 2, 1, 2, 3, 0, 1});
+    EXPECT_EQ(Make("trianglemesh")[0]->PrimitiveCount(), 2u);
+    ASSERT_EQ(sink.All().size(), 1u);
+    EXPECT_EQ(sink.All()[0].severity, Severity::Warning);
+}
+
+TEST_F(ShapeFactory, ArraysOfTheWrongLengthAreDiscardedWithAWarning) {
+    Floats(ParamType::Point3, "P", square);
+    Ints("indices", {0, 1, 2});
+    Floats(ParamType::Normal, "N", {0, 0, 1});
+    Floats(ParamType::Vector3, "S", {0, 0, 1});
+    Floats(ParamType::Point2, "uv", {0, 0, 1, 0});
+    Ints("faceIndices", {1, 2});
+    auto shapes = Make("trianglemesh");
+    const MeshData &data = static_cast<const TriangleMesh &>(*shapes[0]).Data();
+    EXPECT_TRUE(data.n.empty() && data.s.empty() && data.uv.empty() && data.faceIndices.empty());
+    EXPECT_EQ(sink.All().size(), 4u);
+    EXPECT_FALSE(sink.HasErrors());
+    EXPECT_EQ(Unused(), 0u);
+}
+
+TEST_F(ShapeFactory, BadMeshesAreErrors) {
+    EXPECT_NE(ErrorOf("trianglemesh").find("\"point3 P\""), std::string::npos);
+    Floats(ParamType::Point3, "P", square);
+    Ints("indices", {0, 1, 7});
+    EXPECT_NE(ErrorOf("trianglemesh").find("7"), std::string::npos);
+    Ints("indices", {0, 1, -1});
+    EXPECT_NE(ErrorOf("trianglemesh").find("-1"), std::string::npos);
+}
+
+TEST_F(ShapeFactory, PatchesDoNotReadTangentsNorEmissionImages) {
+    Floats(ParamType::Point3, "P", square);
+    Floats(ParamType::Vector3, "S", square);
+    Make("bilinearmesh");
+    EXPECT_EQ(Unused(), 1u);
+    String("emissionfilename", "x.exr");
+    EXPECT_NE(ErrorOf("bilinearmesh").find("not built yet"), std::string::npos);
+}
+
+TEST_F(ShapeFactory, QuadricParameters) {
+    Floats(ParamType::Float, "radius", {2});
+    Floats(ParamType::Float, "zmin", {-1});
+    Floats(ParamType::Float, "zmax", {0.5f});
+    Floats(ParamType::Float, "phimax", {90});
+    EXPECT_NEAR(Make("sphere")[0]->Area(0), Pi / 2 * 2 * 1.5f, 1e-5);
+    EXPECT_NEAR(Make("cylinder")[0]->Area(0), Pi / 2 * 2 * 1.5f, 1e-5);
+    EXPECT_EQ(Unused(), 0u);
+    Floats(ParamType::Float, "innerradius", {1});
+    Floats(ParamType::Float, "height", {3});
+    auto disk = Make("disk");
+    EXPECT_NEAR(disk[0]->Area(0), Pi / 4 * 3, 1e-5);
+    EXPECT_NEAR(disk[0]->SampleArea(0, {0.3f, 0.3f})->p.z, 3, 1e-6);
+    Floats(ParamType::Float, "radius", {-1});
+    EXPECT_NE(ErrorOf("disk").find("radius"), std::string::npos);
+}
+
+TEST_F(ShapeFactory, UnknownAndUnbuiltTypes) {
+    EXPECT_NE(ErrorOf("curve").find("not built yet"), std::string::npos);
+    EXPECT_NE(ErrorOf("loopsubdiv").find("not built yet"), std::string::npos);
+    std::string message = ErrorOf("spher");
+    EXPECT_NE(message.find("did you mean \"sphere\""), std::string::npos);
+    EXPECT_NE(message.find("bilinearmesh"), std::string::npos);
+}
+
+TEST_F(ShapeFactory, PlyFilesPlainAndGzipWithTrianglesAndQuads) {
+    std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement face 3\n"
+        "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 2 2\n4 0 1 2 3\n3 1 2 4\n"
+        "5 0 1 2 3 4\n";
+    auto folder = std::filesystem::temp_directory_path() / "pbrt_shape_factory_test";
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "plain.ply") << text;
+    gzFile gz = gzopen((folder / "named_plain.ply").c_str(), "wb");  // gzip by content, not by name
+    gzwrite(gz, text.data(), static_cast<unsigned>(text.size()));
+    gzclose(gz);
+    FileResolver files(folder);
+    for (const char *name : {"plain.ply", "named_plain.ply"}) {
+        ParamSet p("Shape \"plymesh\"", FileLoc{});
+        Param filename;
+        filename.type = ParamType::String;
+        filename.name = "filename";
+        filename.strings = {name};
+        p.Add(filename);
+        DiagnosticSink warnings;
+        auto shapes = MakeShapes("plymesh", p, Transform(), false, files, warnings);
+        ASSERT_EQ(shapes.size(), 2u);
+        EXPECT_EQ(shapes[0]->Kind(), ShapeKind::TriangleMesh);
+        EXPECT_EQ(shapes[1]->Kind(), ShapeKind::BilinearMesh);
+        EXPECT_TRUE(static_cast<const BilinearMesh &>(*shapes[1]).IsRectangle(0));
+        EXPECT_EQ(warnings.All().size(), 1u);
+    }
+    std::filesystem::remove_all(folder);
+}
+
+TEST_F(ShapeFactory, PlyMistakes) {
+    EXPECT_NE(ErrorOf("plymesh").find("filename"), std::string::npos);
+    String("filename", "/nonexistent/file.ply");
+    EXPECT_NE(ErrorOf("plymesh").find("/nonexistent/file.ply"), std::string::npos);
+    String("displacement", "bumps", ParamType::Texture);
+    EXPECT_NE(ErrorOf("plymesh").find("not built yet"), std::string::npos);
+}
+
+TEST_F(ShapeFactory, ConformanceMeshesAreRead) {
+    std::filesystem::path assets = std::filesystem::path(PBRT_SOURCE_DIR) / "../shared/conformance/scenes/assets";
+    if (!std::filesystem::exists(assets)) GTEST_SKIP() << "the conformance suite is not beside the repository";
+    for (const char *name : {"vase_ascii.ply", "shell_binary.ply", "saddle_quads.ply", "wave_mixed.ply.gz"}) {
+        ParamSet p("Shape \"plymesh\"", FileLoc{});
+        Param filename;
+        filename.type = ParamType::String;
+        filename.name = "filename";
+        filename.strings = {name};
+        p.Add(filename);
+        auto shapes = MakeShapes("plymesh", p, Transform(), false, FileResolver(assets), sink);
+        EXPECT_EQ(shapes.size(), std::string(name) == "wave_mixed.ply.gz" ? 2u : 1u) << name;
+    }
+    EXPECT_TRUE(sink.All().empty());
+}
+
+}  // namespace
+}  // namespace pbrt

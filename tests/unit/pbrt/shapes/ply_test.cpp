@@ -1,0 +1,129 @@
+#include "pbrt/shapes/ply.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstring>
+
+#include "pbrt/core/error.h"
+
+namespace pbrt {
+namespace {
+
+constexpr const char *kHeader =
+    "property float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+    "property double s\nproperty float t\nproperty uchar red\nelement face 3\n"
+    "property list uchar int vertex_indices\nproperty int face_indices\nelement edge 1\nproperty int vertex1\nend_header\n";
+
+std::string Ascii() {
+    return std::string("ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 4\n") + kHeader +
+           "0 0 0 0 0 1 0 0 255\n1 0 0 0 0 1 1 0 255\r\n1 1 0.5 0 0 1 1 1 1\n  0 1 -2.5e-1 0 0 1 0 1 9\n"
+           "3 0 1 2 7\n4 0 1 2 3 8\n5 0 1 2 3 0 9\n4\n";
+}
+
+template <class T>
+void Put(std::string &out, T value, bool big) {
+    char raw[sizeof(T)];
+    std::memcpy(raw, &value, sizeof(T));
+    if (big == (std::endian::native == std::endian::little)) std::reverse(raw, raw + sizeof(T));
+    out.append(raw, sizeof(T));
+}
+
+std::string Binary(bool big) {
+    std::string s = std::string("ply\nformat binary_") + (big ? "big" : "little") + "_endian 1.0\nelement vertex 4\n" + kHeader;
+    const float v[4][8] = {{0, 0, 0, 0, 0, 1, 0, 0}, {1, 0, 0, 0, 0, 1, 1, 0}, {1, 1, 0.5f, 0, 0, 1, 1, 1}, {0, 1, -0.25f, 0, 0, 1, 0, 1}};
+    for (const auto &row : v) {
+        for (int k = 0; k < 6; ++k) Put(s, row[k], big);
+        Put(s, double(row[6]), big);
+        Put(s, row[7], big);
+        s += '\x7f';
+    }
+    const std::vector<std::vector<int>> faces = {{0, 1, 2}, {0, 1, 2, 3}, {0, 1, 2, 3, 0}};
+    for (size_t f = 0; f < faces.size(); ++f) {
+        s += static_cast<char>(faces[f].size());
+        for (int i : faces[f]) Put(s, int32_t(i), big);
+        Put(s, int32_t(7 + f), big);
+    }
+    Put(s, int32_t(4), big);
+    return s;
+}
+
+void CheckMesh(const PlyMesh &m) {
+    EXPECT_EQ(m.triangles.indices, (std::vector<uint32_t>{0, 1, 2}));
+    EXPECT_EQ(m.quads.indices, (std::vector<uint32_t>{0, 1, 3, 2}));
+    EXPECT_EQ(m.triangles.faceIndices, std::vector<int>{7});
+    EXPECT_EQ(m.quads.faceIndices, std::vector<int>{8});
+    EXPECT_EQ(m.ignoredFaces, 1u);
+    for (const MeshData *d : {&m.triangles, &m.quads}) {
+        ASSERT_EQ(d->p.size(), 4u);
+        EXPECT_EQ(d->p[2], Point3(1, 1, 0.5f));
+        EXPECT_EQ(d->p[3], Point3(0, 1, -0.25f));
+        ASSERT_EQ(d->n.size(), 4u);
+        EXPECT_EQ(d->n[1], Normal3(0, 0, 1));
+        ASSERT_EQ(d->uv.size(), 4u);
+        EXPECT_EQ(d->uv[3], Point2(0, 1));
+    }
+}
+
+TEST(Ply, AsciiAndBothByteOrdersGiveTheSameMesh) {
+    CheckMesh(ParsePly(Ascii(), "a.ply"));
+    CheckMesh(ParsePly(Binary(false), "l.ply"));
+    CheckMesh(ParsePly(Binary(true), "b.ply"));
+}
+
+TEST(Ply, EveryUvNameIsRead) {
+    for (auto [u, v] : {std::pair("u", "v"), {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}}) {
+        std::string s = fmt::format(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float "
+            "{}\nproperty float {}\nelement face 1\nproperty list uchar uint vertex_indices\nend_header\n0 0 0 0.25 0.5\n1 0 "
+            "0 0 0\n0 1 0 0 0\n3 0 1 2\n",
+            u, v);
+        PlyMesh m = ParsePly(s, "uv.ply");
+        ASSERT_EQ(m.triangles.uv.size(), 3u);
+        EXPECT_EQ(m.triangles.uv[0], Point2(0.25f, 0.5f));
+        EXPECT_TRUE(m.quads.p.empty());
+    }
+}
+
+std::string ErrorOf(const std::string &content) {
+    try {
+        ParsePly(content, "bad.ply");
+    } catch (const UserError &e) {
+        return e.Diagnostics().front().message;
+    }
+    return "";
+}
+
+std::string Replaced(std::string s, const std::string &from, const std::string &to) {
+    size_t at = s.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return s.replace(at, from.size(), to);
+}
+
+TEST(Ply, MistakesAreNamedWithTheirPlace) {
+    EXPECT_NE(ErrorOf("solid\n").find("not a PLY"), std::string::npos);
+    EXPECT_NE(ErrorOf(Replaced(Ascii(), "ascii", "asci")).find("line 2"), std::string::npos);
+    EXPECT_NE(ErrorOf(Replaced(Ascii(), "double s", "quad s")).find("unknown type \"quad\""), std::string::npos);
+    EXPECT_NE(ErrorOf(Replaced(Ascii(), "end_header", "the_end")).find("unknown header keyword"), std::string::npos);
+    EXPECT_NE(ErrorOf(Replaced(Ascii(), "float y", "float why")).find("x, y and z"), std::string::npos);
+    EXPECT_NE(ErrorOf(Replaced(Ascii(), "vertex_indices", "vertex_index")).find("\"vertex_index\""), std::string::npos);
+    EXPECT_NE(ErrorOf(Replaced(Ascii(), "3 0 1 2 7", "3 0 1 4 7")).find("4 is out of range"), std::string::npos);
+    EXPECT_NE(ErrorOf(Replaced(Ascii(), "3 0 1 2 7", "3 0 -1 2 7")).find("-1 is out of range"), std::string::npos);
+    std::string word = ErrorOf(Replaced(Ascii(), "-2.5e-1", "1.0.5"));
+    EXPECT_NE(word.find("1.0.5"), std::string::npos);
+    EXPECT_NE(word.find("vertex 3"), std::string::npos);
+    EXPECT_NE(word.find("line 23"), std::string::npos) << word;
+    EXPECT_NE(ErrorOf(Replaced(Ascii(), "vertex 4", "vertex 0")).find("no vertices"), std::string::npos);
+    EXPECT_NE(ErrorOf(Replaced(Ascii(), "vertex 4", "vertex 99999999999")).find("too early"), std::string::npos);
+}
+
+TEST(Ply, EveryTruncationIsAnError) {
+    for (const std::string &whole : {Ascii(), Binary(false), Binary(true)})
+        for (size_t n = 0; n + 2 < whole.size(); ++n) {
+            std::string cut = whole.substr(0, n);
+            EXPECT_NE(ErrorOf(cut), "") << n;
+        }
+}
+
+}  // namespace
+}  // namespace pbrt

@@ -1,0 +1,244 @@
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "pbrt/math/frame.h"
+#include "pbrt/math/warps.h"
+#include "shape_cases.h"
+#include "support/statistics.h"
+
+namespace pbrt {
+namespace {
+
+using test::RunningStatistics;
+using test::ShapeCase;
+
+struct Receiver {
+    const char *name;
+    Point3 p;
+    Normal3 ns;
+    bool inside = false;
+};
+
+const std::vector<Receiver> &Receivers() {
+    static const std::vector<Receiver> kReceivers = {
+        {"Near", {0.3f, 0.2f, 1.1f}, Normalize(Vector3(0.1f, -0.2f, -1))},
+        {"NearNoNormal", {0.3f, 0.2f, 1.1f}, Normal3(0)},
+        {"Grazing", {1.2f, 0.3f, -0.4f}, Normalize(Vector3(-0.1f, 1, 0.2f))},
+        {"Far", {10, 14, 20}, Normalize(Vector3(-1, -1, -1))},
+        {"VeryFar", {200, -140, 300}, Normalize(Vector3(-1, 1, -1))},
+        {"Inside", {0.25f, -0.05f, 0.32f}, Normalize(Vector3(1, 1, 0)), true},
+        {"InsideNoNormal", {0.25f, -0.05f, 0.32f}, Normal3(0), true}};
+    return kReceivers;
+}
+
+ShapeSampleContext ContextOf(const Receiver &r) {
+    ShapeSampleContext c;
+    c.p = r.p;
+    c.n = c.ns = r.ns;
+    return c;
+}
+
+struct Case {
+    ShapeCase shape;
+    Receiver receiver;
+};
+
+std::vector<Case> AllCases() {
+    std::vector<Case> cases;
+    for (const ShapeCase &s : test::ShapeCases())
+        for (const Receiver &r : Receivers()) cases.push_back({s, r});
+    return cases;
+}
+
+constexpr int kGridX = 12, kGridY = 16;
+
+/// Directions that can meet the shape: a cone about the bounding sphere, cut into cells.
+class DirectionSquare {
+  public:
+    DirectionSquare(const Shape &shape, const Point3 &from) {
+        Point3 center;
+        Float radius;
+        shape.PrimitiveBounds(0).BoundingSphere(&center, &radius);
+        Float distance = Distance(from, center), s = radius * Float(1.001) / distance;
+        oneMinusCos_ = s < 1 ? double(s) * double(s) / (1 + std::sqrt(1 - double(s) * double(s))) : 2;
+        frame_ = Frame::FromZ(distance > 0 ? (center - from) / distance : Vector3(0, 0, 1));
+    }
+    std::array<size_t, 2> Cell(const Vector3 &w) const;
+
+  private:
+    double oneMinusCos_;
+    Frame frame_;
+};
+
+std::array<size_t, 2> DirectionSquare::Cell(const Vector3 &w) const {
+    double h = double(LengthSquared(w - frame_.z)) / 2;  // 1 - cos
+    double phi = std::atan2(double(Dot(w, frame_.y)), double(Dot(w, frame_.x)));
+    if (phi < 0) phi += 2 * double(Pi);
+    return {std::min(size_t(h / oneMinusCos_ * kGridX), size_t(kGridX - 1)),
+            std::min(size_t(phi / (2 * double(Pi)) * kGridY), size_t(kGridY - 1))};
+}
+
+/// Share of each cell of the direction square: PdfSolidAngle integrated over the surface itself, which needs neither the
+/// sampler nor intersections and has no singularity at silhouettes.
+std::vector<double> CellProbabilities(const Case &c, const DirectionSquare &square) {
+    std::vector<double> cells(size_t(kGridX) * kGridY);
+    ShapeSampleContext from = ContextOf(c.receiver);
+    const Shape &shape = *c.shape.shape;
+    bool triangle = shape.Kind() == ShapeKind::TriangleMesh;
+    constexpr int n = 300;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            double u = (i + 0.5) / n, v = (j + 0.5) / n, area = 1;
+            if (triangle) {
+                area = 2 * double(shape.Area(0)) * (1 - u);
+                v *= 1 - u;
+            }
+            SurfacePoint s = shape.Surface(0, {0, Float(u), Float(v)});
+            if (!triangle) area = double(Length(Cross(s.dpdu, s.dpdv)));
+            Vector3 wi = Normalize(s.p - from.p);
+            if (c.shape.drawsNearSideOnly && !c.receiver.inside && Dot(wi, s.n) > 0) continue;
+            double pdf = double(shape.PdfSolidAngle(0, from, wi, s.p, s.n));
+            std::array<size_t, 2> at = square.Cell(wi);
+            cells[at[0] * kGridY + at[1]] +=
+                pdf * double(AbsDot(wi, s.n)) / double(DistanceSquared(s.p, from.p)) * area / (double(n) * n);
+        }
+    return cells;
+}
+
+class ShapeSampling : public testing::TestWithParam<Case> {};
+
+INSTANTIATE_TEST_SUITE_P(All, ShapeSampling, testing::ValuesIn(AllCases()), [](const auto &c) {
+    return c.param.shape.name + c.param.receiver.name;
+});
+
+TEST_P(ShapeSampling, PdfSolidAngleIsThePdfOfSample) {
+    const Case &c = GetParam();
+    ShapeSampleContext from = ContextOf(c.receiver);
+    Rng rng(11);
+    int drawn = 0;
+    for (int i = 0; i < 2000; ++i) {
+        auto s = c.shape.shape->Sample(0, from, rng.Uniform2());
+        if (!s) continue;
+        ++drawn;
+        Vector3 wi = Normalize(s->p - from.p);
+        Float pdf = c.shape.shape->PdfSolidAngle(0, from, wi, s->p, s->n);
+        // Edge-on points have a density that rounding of the position changes a lot.
+        if (AbsDot(wi, s->n) > 0.02f) {
+            ASSERT_NEAR(pdf / s->pdf, 1, 4e-3) << i;
+        }
+    }
+    EXPECT_GT(drawn, 1900);
+}
+
+TEST_P(ShapeSampling, SamplesFollowThePdfAndItIntegratesToOne) {
+    const Case &c = GetParam();
+    ShapeSampleContext from = ContextOf(c.receiver);
+    DirectionSquare square(*c.shape.shape, from.p);
+    std::vector<double> expected = CellProbabilities(c, square);
+    double total = 0;
+    for (double v : expected) total += v;
+    EXPECT_NEAR(total, 1, 4e-3);
+
+    constexpr int kSamples = 6000;
+    Rng rng(5);
+    std::vector<double> observed(expected.size());
+    for (int i = 0; i < kSamples; ++i) {
+        auto s = c.shape.shape->Sample(0, from, rng.Uniform2());
+        if (!s) continue;
+        std::array<size_t, 2> at = square.Cell(Normalize(s->p - from.p));
+        ++observed[at[0] * kGridY + at[1]];
+    }
+    // Cells that the midpoint rule finds empty may hold a corner of the shape.
+    for (double &v : expected) v = std::max(v / total, 1e-7) * kSamples;
+    EXPECT_GT(test::ChiSquareTest(observed, expected, 8), test::SidakAlpha(1e-3, AllCases().size()));
+}
+
+TEST_P(ShapeSampling, IrradianceAgreesWithAreaSampling) {
+    // Light leaves the side the normal points to, or the other one, whichever faces the receiver more.
+    const Case &c = GetParam();
+    ShapeSampleContext from = ContextOf(c.receiver);
+    Normal3 ns = from.ns == Normal3(0) ? Normal3(0, 0, 1) : from.ns;
+    auto radiance = [&](const ShapeSample &s, const Vector3 &wi) {
+        if (c.shape.drawsNearSideOnly && Dot(s.n, wi) > 0 && !c.receiver.inside) return 0.0;
+        return (1 + double(s.uv.x)) * double(AbsDot(ns, wi));
+    };
+    Rng rng(21);
+    RunningStatistics clever, plain;
+    for (int i = 0; i < 20000; ++i) {
+        auto s = c.shape.shape->Sample(0, from, rng.Uniform2());
+        clever.Add(s ? radiance(*s, Normalize(s->p - from.p)) / double(s->pdf) : 0);
+        auto a = c.shape.shape->SampleArea(0, rng.Uniform2());
+        Vector3 wi = Normalize(a->p - from.p);
+        plain.Add(radiance(*a, wi) * double(AbsDot(wi, a->n)) / (double(DistanceSquared(a->p, from.p)) * double(a->pdf)));
+    }
+    double z = (clever.mean - plain.mean) /
+               std::sqrt(clever.StandardError() * clever.StandardError() + plain.StandardError() * plain.StandardError());
+    // Rounding of float angles allows a part in a thousand.
+    bool close = std::abs(clever.mean - plain.mean) < 1e-3 * plain.mean;
+    EXPECT_TRUE(close || test::NormalTail(z) > test::SidakAlpha(1e-3, AllCases().size()))
+        << clever.mean << " " << plain.mean << " z " << z;
+}
+
+class ShapeArea : public testing::TestWithParam<ShapeCase> {};
+INSTANTIATE_TEST_SUITE_P(All, ShapeArea, testing::ValuesIn(test::ShapeCases()),
+                         [](const auto &c) { return c.param.name; });
+
+TEST_P(ShapeArea, SamplesLieInBoundsAndConeAndAddUpToTheArea) {
+    const Shape &shape = *GetParam().shape;
+    Bounds3 b = shape.PrimitiveBounds(0);
+    Vector3 margin(1e-5f);
+    b.low -= margin;
+    b.high += margin;
+    DirectionCone cone = shape.NormalBounds(0);
+    Rng rng(8);
+    RunningStatistics area;
+    for (int i = 0; i < 20000; ++i) {
+        auto s = shape.SampleArea(0, rng.Uniform2());
+        ASSERT_TRUE(s);
+        ASSERT_TRUE(b.Contains(s->p));
+        ASSERT_GE(Dot(s->n, cone.w), cone.cosTheta - 1e-4f);
+        area.Add(1 / double(s->pdf));
+    }
+    // Stock's area of curved patches is an approximation.
+    double tolerance = 4.5 * area.StandardError() + (GetParam().name == "Saddle" ? 0.01 : 2e-4) * area.mean;
+    EXPECT_NEAR(area.mean, double(shape.Area(0)), tolerance);
+}
+
+TEST_P(ShapeArea, AreaSamplesLieOnTheSurface) {
+    const Shape &shape = *GetParam().shape;
+    Rng rng(9);
+    for (int i = 0; i < 500; ++i) {
+        auto s = shape.SampleArea(0, rng.Uniform2());
+        auto hit = shape.Intersect(0, s->p + s->n * 0.01f, -s->n, 0, 0.02f);
+        ASSERT_TRUE(hit) << i;
+        EXPECT_NEAR(hit->t, 0.01f, 3e-6);
+        SurfacePoint p = shape.Surface(0, *hit);
+        EXPECT_LT(Distance(p.p, s->p), 1e-5);
+        EXPECT_LT(glm::length(p.uv - s->uv), 2e-4);
+        EXPECT_GT(Dot(p.n, s->n), 0.9999f);
+    }
+}
+
+TEST(QuadricSampling, PartsAreSampledAsStockDoes) {
+    // Whole sphere and disk drawn, with the density of the part.
+    Sphere part(1, -0.5f, 0.4f, 200, Transform(), false);
+    Disk ring(0, 1, 0.5f, 270, Transform(), false);
+    EXPECT_NEAR(part.Area(0), Radians(200) * 0.9f, 1e-5);
+    EXPECT_NEAR(ring.Area(0), Radians(270) / 2 * 0.75f, 1e-5);
+    Rng rng(3);
+    bool outsidePart = false, insideHole = false;
+    for (int i = 0; i < 200; ++i) {
+        auto s = part.SampleArea(0, rng.Uniform2());
+        EXPECT_NEAR(s->pdf, 1 / part.Area(0), 1e-5);
+        outsidePart |= s->p.z > 0.6f;
+        auto d = ring.SampleArea(0, rng.Uniform2());
+        EXPECT_NEAR(d->pdf, 1 / ring.Area(0), 1e-5);
+        insideHole |= Length(d->p) < 0.4f;
+    }
+    EXPECT_TRUE(outsidePart);
+    EXPECT_TRUE(insideHole);
+}
+
+}  // namespace
+}  // namespace pbrt

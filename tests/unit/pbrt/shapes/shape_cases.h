@@ -1,0 +1,65 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pbrt/math/rng.h"
+#include "pbrt/shapes/bilinear_mesh.h"
+#include "pbrt/shapes/cylinder.h"
+#include "pbrt/shapes/disk.h"
+#include "pbrt/shapes/sphere.h"
+#include "pbrt/shapes/triangle_mesh.h"
+
+namespace pbrt::test {
+
+struct ShapeCase {
+    std::string name;
+    std::shared_ptr<Shape> shape;
+    /// Seen from outside only the side that faces the receiver is drawn (cone sampling); else every point is.
+    bool drawsNearSideOnly = false;
+};
+
+inline MeshData OnePrimitive(std::vector<Point3> p) {
+    MeshData data;
+    for (uint32_t i = 0; i < p.size(); ++i) data.indices.push_back(i);
+    data.p = std::move(p);
+    return data;
+}
+
+inline Transform SomeRotation() {
+    return Transform::Translate({0.2f, -0.1f, 0.3f}) * Transform::Rotate(40, {1, 2, -1});
+}
+inline Transform Stretch() { return SomeRotation() * Transform::Scale({1.5f, 0.6f, 0.9f}); }
+
+/// One or more of every kind, about 1 across, near the origin. Whole shapes only: for parts the stated density is not the
+/// one of the draws (see Quadric).
+inline std::vector<ShapeCase> ShapeCases() {
+    Transform id, turn = SomeRotation(), stretch = Stretch();
+    Transform twice = turn * Transform::Scale({1.4f, 1.4f, 1.4f});
+    auto triangle = OnePrimitive({{-0.6f, -0.5f, 0.1f}, {0.7f, -0.4f, -0.2f}, {0.1f, 0.8f, 0.3f}});
+    auto sliver = OnePrimitive({{-0.9f, 0, 0}, {0.9f, 0.02f, 0.1f}, {0.1f, 0.06f, 0}});
+    auto rectangle = OnePrimitive({{-0.5f, -0.4f, 0}, {0.5f, -0.4f, 0}, {-0.5f, 0.4f, 0}, {0.5f, 0.4f, 0}});
+    auto trapezoid = OnePrimitive({{-0.5f, -0.4f, 0}, {0.5f, -0.4f, 0}, {-0.2f, 0.4f, 0}, {0.3f, 0.6f, 0}});
+    auto saddle = OnePrimitive({{-0.5f, -0.5f, 0.3f}, {0.5f, -0.5f, -0.3f}, {-0.5f, 0.5f, -0.3f}, {0.5f, 0.5f, 0.3f}});
+    std::vector<ShapeCase> cases;
+    cases.push_back({"Triangle", std::make_shared<TriangleMesh>(triangle, id, false)});
+    cases.push_back({"Sliver", std::make_shared<TriangleMesh>(sliver, id, false)});
+    cases.push_back({"Rectangle", std::make_shared<BilinearMesh>(rectangle, turn, false)});
+    cases.push_back({"Trapezoid", std::make_shared<BilinearMesh>(trapezoid, turn, false)});
+    cases.push_back({"Saddle", std::make_shared<BilinearMesh>(saddle, turn, false)});
+    cases.push_back({"Sphere", std::make_shared<Sphere>(0.6f, -1.0f, 1.0f, 360.0f, turn, false), true});
+    cases.push_back({"ScaledSphere", std::make_shared<Sphere>(0.4f, -1.0f, 1.0f, 360.0f, twice, false), true});
+    cases.push_back({"Ellipsoid", std::make_shared<Sphere>(0.6f, -1.0f, 1.0f, 360.0f, stretch, false)});
+    cases.push_back({"Disk", std::make_shared<Disk>(0.1f, 0.6f, 0.0f, 360.0f, turn, false)});
+    cases.push_back({"StretchedDisk", std::make_shared<Disk>(0.1f, 0.6f, 0.0f, 360.0f, stretch, false)});
+    cases.push_back({"Cylinder", std::make_shared<Cylinder>(0.3f, -0.6f, 0.5f, 360.0f, turn, false)});
+    cases.push_back({"StretchedCylinder", std::make_shared<Cylinder>(0.3f, -0.6f, 0.5f, 250.0f, stretch, false)});
+    return cases;
+}
+
+inline Vector3 RandomDirection(Rng &rng) {
+    Float z = 2 * rng.Uniform() - 1, phi = 2 * Pi * rng.Uniform();
+    return SphericalDirection(SafeSqrt(1 - z * z), z, phi);
+}
+
+}  // namespace pbrt::test

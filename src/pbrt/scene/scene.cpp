@@ -2,7 +2,6 @@
 
 #include "pbrt/core/counters.h"
 #include "pbrt/core/error.h"
-#include "pbrt/shapes/transform_surface.h"
 
 namespace pbrt {
 

@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# Renders our dollhouse scene with the uniform and the octree light sampler at equal samples per pixel; writes both
+# pictures, a difference picture and the two errors. Installs packages and builds first if needed.
+#   scenes/demo.sh [samples per pixel (16)]
+set -euo pipefail
+top=$(cd "$(dirname "$0")/.." && pwd)
+spp=${1:-16}
+out="$top/build/demo"
+scene="$top/scenes/dollhouse/dollhouse.pbrt"
+
+bash "$top/.ci/install"
+echo "Building (first time: some minutes; log in build/release.log)"
+bash "$top/.ci/build" "$top/build/release" -- pbrt imgtool
+pbrt="$top/build/release/src/pbrt/cmd/pbrt/pbrt"
+imgtool="$top/build/release/src/pbrt/cmd/imgtool/imgtool"
+mkdir -p "$out"
+
+render() { # render NAME ARGUMENTS...
+  local name=$1
+  shift
+  "$pbrt" --quiet --outfile "$out/$name.exr" "$@" "$scene"
+  "$imgtool" convert --outfile "$out/$name.png" "$out/$name.exr"
+}
+# The reference is rendered by stock pbrt's default sampler with its own seed, once.
+if [ ! -f "$out/reference.exr" ] || [ "$scene" -nt "$out/reference.exr" ] || [ "$pbrt" -nt "$out/reference.exr" ]; then
+  echo "Rendering the reference (bvh, 1024 samples per pixel; about two minutes)"
+  render reference --lightsampler bvh --spp 1024 --seed 1000
+fi
+for sampler in uniform octree; do
+  echo "Rendering with $sampler, $spp samples per pixel"
+  render "$sampler" --lightsampler "$sampler" --spp "$spp"
+done
+
+error() { # relL2 of NAME against the reference; imgtool diff says so and returns 1
+  "$imgtool" diff --metric relL2 --reference "$out/reference.exr" "$@" 2>&1 || true
+}
+error --outfile "$out/error-uniform.exr" "$out/uniform.exr" > "$out/uniform.txt"
+error --outfile "$out/error-octree.exr" "$out/octree.exr" > "$out/octree.txt"
+"$imgtool" diff --metric MAE --reference "$out/uniform.exr" --outfile "$out/difference.exr" "$out/octree.exr" > /dev/null 2>&1 || true
+"$imgtool" falsecolor --outfile "$out/difference.png" "$out/difference.exr" > /dev/null
+value() { grep -oE "relL2[^0-9]*[0-9.e+-]+" "$1" | grep -oE "[0-9.][0-9.e+-]*$" | tail -1; }
+u=$(value "$out/uniform.txt")
+o=$(value "$out/octree.txt")
+echo
+echo "relL2 error at $spp samples per pixel, $(basename "$scene"):"
+echo "  uniform  $u    $out/uniform.png"
+echo "  octree   $o    $out/octree.png"
+python3 -c "print(f'  octree has {float(\"$u\")/float(\"$o\"):.1f} times less error')"
+echo "  difference of the two: $out/difference.png (false colour), reference: $out/reference.png"

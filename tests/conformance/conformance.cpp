@@ -1,0 +1,178 @@
+// Renders the conformance scenes and compares them with the references of stock pbrt-v4 (suite/README.md, "How to
+// compare"). Prints one line a scene and "N passed, M failed". Options: --group g, --name n, --scale s (samples relative to the
+// manifest), --write folder (EXRs of what was rendered).
+#include <fmt/format.h>
+
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "pbrt/core/parallel.h"
+#include "support/render_scene.h"
+#include "support/statistics.h"
+
+namespace {
+
+using namespace pbrt;
+using namespace pbrt::test;
+
+const std::string kFolder = std::string(PBRT_SOURCE_DIR) + "/tests/conformance/";
+const std::string kSuite = kFolder + "suite/";
+
+struct Record {
+    std::string name, category, scene, referenceA, referenceB, compare;
+    int spp = 0;
+};
+
+/// Lines "category/name" of a list file; '#' starts a comment.
+std::set<std::string> ReadList(const std::string &file) {
+    std::set<std::string> names;
+    std::ifstream in(kFolder + file);
+    for (std::string line; std::getline(in, line);) {
+        line = line.substr(0, line.find('#'));
+        line.erase(line.find_last_not_of(" \t") + 1);
+        if (!line.empty()) names.insert(line);
+    }
+    return names;
+}
+
+struct Verdict {
+    bool good = true;
+    double difference = 0;  ///< relative RMS difference of tile means
+    double noise = 0;       ///< expected from the noise of both sides
+    double mean = 0;        ///< relative difference of image means, largest channel
+    double worstZ = 0;
+    std::string why;
+};
+
+Verdict Compare(const Record &record, const std::vector<double> &a, const std::vector<double> &b, const std::vector<double> &c1,
+                const std::vector<double> &c2, int tilesX) {
+    Verdict v;
+    const size_t n = a.size();
+    const int tilesY = static_cast<int>(n) / 3 / tilesX;
+    double meanReference[3] = {}, meanCandidate[3] = {}, errorOfMean[3] = {};
+    std::vector<double> variance(n), r(n), c(n);
+    double overall = 0;
+    for (size_t i = 0; i < n; ++i) {
+        r[i] = (a[i] + b[i]) / 2;
+        c[i] = (c1[i] + c2[i]) / 2;
+        variance[i] = (a[i] - b[i]) * (a[i] - b[i]) / 4 + (c1[i] - c2[i]) * (c1[i] - c2[i]) / 4;
+        meanReference[i % 3] += r[i];
+        meanCandidate[i % 3] += c[i];
+        errorOfMean[i % 3] += variance[i];
+        overall += r[i] / static_cast<double>(n);
+    }
+    double sumDifference = 0, sumNoise = 0;
+    size_t beyond4 = 0;
+    for (int y = 0; y < tilesY; ++y)
+        for (int x = 0; x < tilesX; ++x)
+            for (int k = 0; k < 3; ++k) {
+                double around = 0;
+                int count = 0;
+                for (int dy = -1; dy <= 1; ++dy)
+                    for (int dx = -1; dx <= 1; ++dx) {
+                        int xx = x + dx, yy = y + dy;
+                        if (xx < 0 || yy < 0 || xx >= tilesX || yy >= tilesY) continue;
+                        for (int kk = 0; kk < 3; ++kk) around += variance[static_cast<size_t>((yy * tilesX + xx) * 3 + kk)];
+                        count += 3;
+                    }
+                size_t i = static_cast<size_t>((y * tilesX + x) * 3 + k);
+                double var = around / count + 0.002 * r[i] * 0.002 * r[i] + 0.0005 * overall * 0.0005 * overall;
+                double z = (c[i] - r[i]) / std::sqrt(var);
+                v.worstZ = std::max(v.worstZ, std::abs(z));
+                beyond4 += std::abs(z) > 4;
+                sumDifference += (c[i] - r[i]) * (c[i] - r[i]);
+                sumNoise += variance[i];
+            }
+    v.difference = std::sqrt(sumDifference / static_cast<double>(n)) / overall;
+    v.noise = std::sqrt(sumNoise / static_cast<double>(n)) / overall;
+    auto fail = [&](const std::string &why) {
+        v.good = false;
+        v.why += (v.why.empty() ? "" : "; ") + why;
+    };
+    for (int k = 0; k < 3; ++k) {
+        double relative = (meanCandidate[k] - meanReference[k]) / meanReference[k];
+        double error = std::sqrt(errorOfMean[k]) / meanReference[k];
+        if (std::abs(relative) > std::abs(v.mean)) v.mean = relative;
+        if (std::abs(relative) > 0.01) fail(fmt::format("mean of channel {} off by {:.2f} %", k, 100 * relative));
+        else if (record.compare != "loose" && std::abs(relative) > std::max(4 * error, 0.003))
+            fail(fmt::format("mean of channel {} off by {:.2f} % (noise {:.2f} %)", k, 100 * relative, 100 * error));
+    }
+    if (record.compare == "tiles") {
+        // The tile noise is estimated from two runs each, so single tiles have heavy tails: 1 in 100 may pass 4 sigma.
+        if (static_cast<double>(beyond4) > std::max(3.0, 0.01 * static_cast<double>(n)))
+            fail(fmt::format("{} of {} tile means beyond 4 sigma", beyond4, n));
+        if (v.worstZ > 12) fail(fmt::format("a tile at {:.1f} sigma", v.worstZ));
+        if (v.difference > 2 * v.noise + 0.001) fail("tile differences exceed twice the noise");
+    } else if (v.difference > 2.5 * v.noise + 0.02) {
+        fail("tile differences exceed the noise");
+    }
+    return v;
+}
+
+Image ReadReference(const std::string &file) { return ReadImage(kSuite + file).image.Select({"R", "G", "B"}); }
+
+}  // namespace
+
+int main(int argc, char **argv) {
+    std::string group, only, write;
+    double scale = 0.25;
+    for (int i = 1; i + 1 < argc; i += 2) {
+        if (!std::strcmp(argv[i], "--group")) group = argv[i + 1];
+        if (!std::strcmp(argv[i], "--name")) only = argv[i + 1];
+        if (!std::strcmp(argv[i], "--scale")) scale = std::atof(argv[i + 1]);
+        if (!std::strcmp(argv[i], "--write")) write = argv[i + 1];
+    }
+    ThreadLimit threads(0);
+    nlohmann::json manifest = nlohmann::json::parse(std::ifstream(kSuite + "manifest.json"));
+    const std::set<std::string> unsupported = ReadList("not_supported.txt");
+
+    int passed = 0, failed = 0;
+    fmt::print("{:<44} {:>10} {:>9} {:>9} {:>7}  {}\n", "scene", "difference", "noise", "mean", "worst z", "verdict");
+    for (const auto &entry : manifest) {
+        if (!entry.contains("reference")) continue;
+        Record r{entry["name"], entry["category"], entry["scene"], entry["reference"], entry["referenceB"], entry["compare"], entry["spp"]};
+        if ((!group.empty() && r.category != group) || (!only.empty() && r.name != only)) continue;
+        const std::string label = r.category + "/" + r.name;
+        std::string verdict;
+        bool good = false;
+        try {
+            RenderRequest request;
+            request.file = kSuite + r.scene;
+            // Scenes made to fix the sample count keep it; texture footprints stop shrinking at 64 samples.
+            bool fixed = r.compare == "mean" || r.name == "imagemap_filters";
+            int spp = fixed ? r.spp : std::max(64, static_cast<int>(r.spp * scale));
+            request.build.samplesPerPixel = spp;
+            request.build.seed = 100;
+            Rendered one = RenderScene(request);
+            request.build.seed = 101;
+            Rendered two = RenderScene(request);
+            if (unsupported.count(label)) {
+                verdict = "FAIL: it renders, but not_supported.txt says it cannot";
+            } else {
+                if (!write.empty()) WriteImage(write + "/" + r.category + "_" + r.name + ".exr", one.image);
+                Image a = ReadReference(r.referenceA), b = ReadReference(r.referenceB);
+                if (a.Resolution() != one.image.Resolution()) {
+                    verdict = fmt::format("FAIL: size {}x{}, reference {}x{}", one.image.Resolution().x, one.image.Resolution().y, a.Resolution().x, a.Resolution().y);
+                } else {
+                    int tile = r.compare == "mean" ? 16 : 8;
+                    Verdict v = Compare(r, TileMeans(a, tile), TileMeans(b, tile), TileMeans(one.image, tile), TileMeans(two.image, tile),
+                                        (a.Resolution().x + tile - 1) / tile);
+                    good = v.good;
+                    fmt::print("{:<44} {:>9.3f}% {:>8.3f}% {:>8.3f}% {:>7.1f}  {}\n", label, 100 * v.difference, 100 * v.noise, 100 * v.mean, v.worstZ,
+                               good ? "ok" : "FAIL: " + v.why);
+                }
+            }
+        } catch (const UserError &e) {
+            // The whole message is printed only when it surprises.
+            good = unsupported.count(label) && std::string(e.what()).find("not supported yet") != std::string::npos;
+            verdict = good ? "ok (refused: not supported yet)" : fmt::format("FAIL:\n{}", e.what());
+        }
+        if (!verdict.empty()) fmt::print("{:<44} {:>10} {:>9} {:>9} {:>7}  {}\n", label, "-", "-", "-", "-", verdict);
+        std::fflush(stdout);
+        ++(good ? passed : failed);
+    }
+    fmt::print("{} passed, {} failed\n", passed, failed);
+    return failed == 0 && passed > 0 ? 0 : 1;
+}

@@ -1,0 +1,13 @@
+#pragma once
+#include <string>
+
+#include "pbrt/build/built_scene.h"
+
+namespace pbrt::test {
+
+/// A scene from text, ready to render; all light samplers of the build are registered. Throws UserError.
+BuiltScene BuildText(const std::string &text, const BuildOptions &options = {});
+/// The same from a file.
+BuiltScene BuildFile(const std::string &file, const BuildOptions &options = {});
+
+}  // namespace pbrt::test

@@ -1,0 +1,65 @@
+#include "support/render_scene.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include "pbrt/integrators/render_loop.h"
+#include "pbrt/scenefile/parser.h"
+#include "plugins.h"
+
+namespace pbrt::test {
+
+Rendered RenderScene(const RenderRequest &request) {
+    DiagnosticSink sink;
+    SceneDescription description = ParseSceneFiles({request.file}, sink);
+    sink.ThrowIfErrors();
+    if (request.floatFilm) {
+        Param p;
+        p.type = ParamType::Bool;
+        p.name = "savefp16";
+        p.bools = {0};
+        description.film.params.Add(p);
+    }
+    LightSamplerRegistry registry;
+    RegisterPlugins(registry);
+    Progress progress;
+    BuiltScene built = BuildScene(description, request.build, registry, sink, progress);
+    PrepareContext prepare{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), built.seed,
+                           built.samplesPerPixel, built.maxDepth, progress};
+    built.integrator->Prepare(prepare);
+    RenderSettings settings;
+    settings.samplesPerPixel = built.samplesPerPixel;
+    RenderResult result = RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
+    Rendered out;
+    out.image = built.film->ToImage();
+    out.seconds = result.seconds;
+    out.diagnostics = sink.All();
+    if (built.integrator->Lights()) built.integrator->Lights()->Report(out.lightReport);
+    return out;
+}
+
+std::vector<double> TileMeans(const Image &image, int size) {
+    Point2i r = image.Resolution();
+    std::vector<double> means;
+    for (int ty = 0; ty < r.y; ty += size)
+        for (int tx = 0; tx < r.x; tx += size)
+            for (int c = 0; c < 3; ++c) {
+                double sum = 0;
+                int n = 0;
+                for (int y = ty; y < std::min(ty + size, r.y); ++y)
+                    for (int x = tx; x < std::min(tx + size, r.x); ++x, ++n) sum += static_cast<double>(image.Get({x, y}, c));
+                means.push_back(sum / n);
+            }
+    return means;
+}
+
+std::string RealScenes() {
+    const char *variable = std::getenv("PBRT_REAL_SCENES");
+    std::string folder = variable ? variable : std::string(PBRT_SOURCE_DIR) + "/../shared/scenes";
+    if (std::filesystem::exists(folder + "/lamp/lamp.pbrt")) return folder + "/";
+    std::printf("\n*** SKIPPED: real scenes not found in %s (set PBRT_REAL_SCENES) ***\n\n", folder.c_str());
+    return "";
+}
+
+}  // namespace pbrt::test

@@ -1,0 +1,32 @@
+#pragma once
+#include <string>
+
+#include "pbrt/build/built_scene.h"
+#include "pbrt/images/image.h"
+
+namespace pbrt::test {
+
+/// What a test asks of one render; the rest is as the scene says.
+struct RenderRequest {
+    std::string file;
+    BuildOptions build;
+    bool floatFilm = true;  ///< keep float precision whatever savefp16 says
+};
+
+struct Rendered {
+    Image image;  ///< R, G, B
+    nlohmann::ordered_json lightReport;
+    double seconds = 0;
+    std::vector<Diagnostic> diagnostics;
+};
+
+/// Reads, builds and renders in this process; throws UserError. All light samplers of the build are registered.
+Rendered RenderScene(const RenderRequest &request);
+
+/// Means over tiles of `size` pixels (the last ones may be smaller), R, G, B interleaved, row-major.
+std::vector<double> TileMeans(const Image &image, int size);
+
+/// Folder of the real scenes, ending in "/"; empty if absent. Prints where it looked.
+std::string RealScenes();
+
+}  // namespace pbrt::test

@@ -1,0 +1,87 @@
+#include <gtest/gtest.h>
+
+#include "ext/prepass/prepass.h"
+#include "pbrt/core/parallel.h"
+#include "support/build_text.h"
+
+namespace {
+
+using namespace ext;
+using pbrt::test::BuildText;
+
+const char *kScene = R"(
+LookAt 0 1 -4  0 1 0  0 1 0
+Camera "perspective" "float fov" 50
+Film "rgb" "integer xresolution" 40 "integer yresolution" 30
+Sampler "independent" "integer pixelsamples" 1
+Integrator "path"
+WorldBegin
+LightSource "point" "point3 from" [ 0 1.5 0 ] "rgb I" [ 1 1 1 ]
+LightSource "point" "point3 from" [ 0 1.5 5 ] "rgb I" [ 1 1 1 ]
+Material "diffuse"
+Shape "bilinearmesh" "point3 P" [ -4 0 -4  4 0 -4  -4 0 4  4 0 4 ]
+Shape "bilinearmesh" "point3 P" [ -4 0 2  4 0 2  -4 4 2  4 4 2 ]
+Material "conductor" "float roughness" 0
+AttributeBegin
+  Translate 0 0.6 0
+  Shape "sphere" "float radius" 0.5
+AttributeEnd
+)";
+
+std::vector<PrepassVertex> Trace(int threads, int spp, int depth) {
+    ThreadLimit limit(threads);
+    BuiltScene built = BuildText(kScene);
+    Progress progress;
+    PrepareContext context{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), 0, 1, 5, progress};
+    return TracePrepassPaths(context, spp, depth);
+}
+
+TEST(Prepass, RecordsAreTheSameForAnyNumberOfThreads) {
+    std::vector<PrepassVertex> one = Trace(1, 2, 3), many = Trace(3, 2, 3);
+    ASSERT_EQ(one.size(), many.size());
+    ASSERT_GT(one.size(), 500u);
+    for (size_t i = 0; i < one.size(); ++i) {
+        EXPECT_EQ(one[i].at.p, many[i].at.p);
+        EXPECT_EQ(one[i].wo, many[i].wo);
+    }
+}
+
+TEST(Prepass, DepthAndSamplesBoundTheNumberOfVertices) {
+    EXPECT_LE(Trace(2, 1, 1).size(), 40u * 30u);
+    EXPECT_LE(Trace(2, 3, 2).size(), 40u * 30u * 6u);
+    EXPECT_GT(Trace(2, 1, 3).size(), Trace(2, 1, 1).size());
+}
+
+TEST(Prepass, MirrorsAreNotRecorded) {
+    // Distance from the sphere's centre: its surface is specular, so no vertex lies on it.
+    for (const PrepassVertex &v : Trace(2, 4, 3)) {
+        Point3 centre(0, 0.6f - 1, 4);  // rendering space: the camera is at the origin
+        EXPECT_GT(std::abs(Distance(v.at.p, centre) - 0.5f), 1e-3f);
+    }
+}
+
+TEST(Prepass, ContributionIsEquation5) {
+    ThreadLimit limit(1);
+    BuiltScene built = BuildText(kScene);
+    // A point on the floor below the first light, seen from above; the second light is behind the wall.
+    PrepassVertex v;
+    v.at.p = Point3(2, -1, 4);
+    v.at.n = v.at.ns = Normal3(0, 1, 0);
+    v.wo = Vector3(0, 1, 0);
+    Float seen = VisibleContribution(*built.scene, v, LightId(0u), {0.5f, 0.5f});
+    EXPECT_GT(seen, 0);
+    EXPECT_EQ(VisibleContribution(*built.scene, v, LightId(1u), {0.5f, 0.5f}), 0.f);
+    // Point light: I cos / d^2, so a place at another distance and angle scales by exactly that.
+    PrepassVertex w = v;
+    w.at.p = Point3(1, -1, 4);
+    auto geometry = [](Float x) { return 1.5f / std::pow(x * x + 1.5f * 1.5f, 1.5f); };
+    Float other = VisibleContribution(*built.scene, w, LightId(0u), {0.5f, 0.5f});
+    EXPECT_NEAR(other / seen, geometry(1) / geometry(2), 1e-3f);
+    // From below the floor's surface nothing is reflected, unless it transmits (then the sphere does not block either).
+    v.wo = Vector3(0, -1, 0);
+    EXPECT_EQ(VisibleContribution(*built.scene, v, LightId(0u), {0.5f, 0.5f}), 0.f);
+    v.transmits = true;
+    EXPECT_GT(VisibleContribution(*built.scene, v, LightId(0u), {0.5f, 0.5f}), 0.f);
+}
+
+}  // namespace

@@ -109,8 +109,8 @@ struct TextureLibrary::Impl {
         throw UserError(problem, reference.loc);
     }
 
-    FloatTexturePtr Float(const ParamSet &params, const std::string &name, std::optional<pbrt::Float> defaultValue,
-                          size_t limit) {
+    FloatTexturePtr FindFloat(const ParamSet &params, const std::string &name, std::optional<Float> defaultValue,
+                              size_t limit) {
         if (const Param *p = FindReference(params, name, {ParamType::Float, ParamType::Texture}))
             return MakeFloat(Resolve(params, *p, false, limit));
         const Param *p = params.Find(name, ParamType::Float);
@@ -118,8 +118,8 @@ struct TextureLibrary::Impl {
         return std::make_shared<ConstantFloatTexture>(params.GetFloat(name, defaultValue.value_or(0)));
     }
 
-    SpectrumTexturePtr Spectrum(const ParamSet &params, const std::string &name, SpectrumPtr defaultValue,
-                                SpectrumUse use, size_t limit) {
+    SpectrumTexturePtr FindSpectrum(const ParamSet &params, const std::string &name, SpectrumPtr defaultValue,
+                                    SpectrumUse use, size_t limit) {
         const ParamTypes types = {ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum, ParamType::Texture};
         if (const Param *p = FindReference(params, name, types))
             return MakeSpectrum(Resolve(params, *p, true, limit), use);
@@ -135,11 +135,9 @@ struct TextureLibrary::Impl {
                 files,
                 images,
                 sink,
-                [=, this, &d](const std::string &name, pbrt::Float value) {
-                    return Float(d.params, name, value, limit);
-                },
+                [=, this, &d](const std::string &name, Float value) { return FindFloat(d.params, name, value, limit); },
                 [=, this, &d](const std::string &name, SpectrumPtr value) {
-                    return Spectrum(d.params, name, std::move(value), use, limit);
+                    return FindSpectrum(d.params, name, std::move(value), use, limit);
                 }};
     }
 
@@ -166,7 +164,7 @@ struct TextureLibrary::Impl {
     FloatTexturePtr MakeFloat(Definition &d) {
         if (!d.asFloat && !d.broken)
             d.asFloat = Try(d, [&] { return MakeFloatTexture(Request(d, SpectrumUse::Unbounded)); });
-        if (!d.asFloat) d.asFloat = std::make_shared<ConstantFloatTexture>(pbrt::Float(0.5));
+        if (!d.asFloat) d.asFloat = std::make_shared<ConstantFloatTexture>(Float(0.5));
         return d.asFloat;
     }
 
@@ -175,7 +173,7 @@ struct TextureLibrary::Impl {
         if (!texture && !d.broken)
             texture = Try(d, [&] { return MakeSpectrumTexture(Request(d, use), use); });
         if (!texture)
-            texture = std::make_shared<ConstantSpectrumTexture>(std::make_shared<ConstantSpectrum>(pbrt::Float(0.5)));
+            texture = std::make_shared<ConstantSpectrumTexture>(std::make_shared<ConstantSpectrum>(Float(0.5)));
         return texture;
     }
 };
@@ -243,20 +241,20 @@ void TextureLibrary::CheckAll() {
 }
 
 FloatTexturePtr TextureLibrary::GetFloat(const ParamSet &params, const std::string &name, Float defaultValue) {
-    return impl_->Float(params, name, defaultValue, impl_->definitions.size());
+    return impl_->FindFloat(params, name, defaultValue, impl_->definitions.size());
 }
 
 FloatTexturePtr TextureLibrary::GetFloatOrNull(const ParamSet &params, const std::string &name) {
-    return impl_->Float(params, name, std::nullopt, impl_->definitions.size());
+    return impl_->FindFloat(params, name, std::nullopt, impl_->definitions.size());
 }
 
 SpectrumTexturePtr TextureLibrary::GetSpectrum(const ParamSet &params, const std::string &name,
                                                SpectrumPtr defaultValue, SpectrumUse use) {
-    return impl_->Spectrum(params, name, std::move(defaultValue), use, impl_->definitions.size());
+    return impl_->FindSpectrum(params, name, std::move(defaultValue), use, impl_->definitions.size());
 }
 
 SpectrumTexturePtr TextureLibrary::GetSpectrumOrNull(const ParamSet &params, const std::string &name, SpectrumUse use) {
-    return impl_->Spectrum(params, name, nullptr, use, impl_->definitions.size());
+    return impl_->FindSpectrum(params, name, nullptr, use, impl_->definitions.size());
 }
 
 std::shared_ptr<const Image> TextureLibrary::GetLinearRgbImage(const ParamSet &params, const std::string &name) {

@@ -1,0 +1,118 @@
+#include <gtest/gtest.h>
+
+#include "material_test_support.h"
+
+namespace pbrt {
+namespace {
+
+using test::Catch;
+using test::Params;
+using test::Thrown;
+using test::Workshop;
+
+TEST(MaterialFactory, UnknownTypeListsTheTypes) {
+    Workshop shop;
+    Thrown t = Catch([&] { shop.Make("diffus", Params("m", 7)); });
+    EXPECT_EQ(t.line, 7);
+    EXPECT_TRUE(t.Says("did you mean \"diffuse\"") && t.Says("hair") && t.Says("coatedconductor")) << t.message;
+}
+
+TEST(MaterialFactory, UnbuiltTypesSaySo) {
+    for (const std::string &type : UnsupportedMaterials()) {
+        Workshop shop;
+        Thrown t = Catch([&] { shop.Make(type, Params("m", 7)); });
+        EXPECT_EQ(t.line, 7);
+        EXPECT_TRUE(t.Says(type) && t.Says("not built yet")) << t.message;
+    }
+}
+
+TEST(MaterialFactory, SupportedTypesCanBeMade) {
+    for (const std::string &type : SupportedMaterials()) {
+        Workshop shop;
+        if (type == "mix") continue;  // has a required parameter
+        EXPECT_NE(shop.Make(type), nullptr) << type;
+        EXPECT_TRUE(shop.sink.All().empty()) << type;
+    }
+}
+
+TEST(MaterialFactory, DisplacementIsRefusedWhereItStands) {
+    Workshop shop;
+    shop.Define("d", false, "constant", Params());
+    Thrown t =
+        Catch([&] { shop.Make("diffuse", Params("m", 3).Rgb("reflectance", 0, 0, 0).Tex("displacement", "d")); });
+    EXPECT_EQ(t.line, 5);
+    EXPECT_TRUE(t.Says("displacement (bump mapping) is not built yet"));
+    t = Catch([&] { shop.Make("conductor", Params("m", 3).F("displacement", 1)); });
+    EXPECT_EQ(t.line, 4);
+    EXPECT_EQ(shop.Errors(), 0u);
+}
+
+TEST(MaterialFactory, MisspeltParametersListTheChoices) {
+    Workshop shop;
+    shop.Make("coateddiffuse", Params("m", 3).F("roughnes", 1));
+    ASSERT_EQ(shop.Errors(), 1u);
+    EXPECT_EQ(shop.Last().loc.line, 4);
+    EXPECT_NE(shop.Last().message.find("did you mean \"roughness\""), std::string::npos) << shop.Last().message;
+    shop.Make("dielectric", Params("m", 13).I("roughness", 1));
+    EXPECT_EQ(shop.Last().loc.line, 14);
+    shop.Make("interface", Params("m", 23).Rgb("reflectance", 1, 1, 1));
+    EXPECT_EQ(shop.Last().loc.line, 24);
+    shop.Make("thindielectric", Params("m", 33).F("roughness", 1));
+    EXPECT_EQ(shop.Last().loc.line, 34);
+    EXPECT_EQ(shop.Errors(), 4u);
+}
+
+TEST(MaterialFactory, CommonRoughnessIsUnusedBesideBothOthers) {
+    Workshop shop;
+    shop.Make("conductor", Params("m", 3).F("uroughness", 1).F("vroughness", 1).F("roughness", 1));
+    ASSERT_EQ(shop.Errors(), 1u);
+    EXPECT_EQ(shop.Last().loc.line, 6);
+}
+
+TEST(MaterialFactory, ReflectanceExcludesIndex) {
+    Workshop shop;
+    Thrown t = Catch([&] { shop.Make("conductor", Params("m", 3).Rgb("k", 1, 1, 1).Rgb("reflectance", 1, 1, 1)); });
+    EXPECT_EQ(t.line, 5);
+    EXPECT_TRUE(t.Says("\"k\"")) << t.message;
+    t = Catch([&] {
+        shop.Make("coatedconductor",
+                  Params("m", 3).Rgb("reflectance", 1, 1, 1).NamedSpectrum("conductor.eta", "metal-Al-eta"));
+    });
+    EXPECT_EQ(t.line, 4);
+    EXPECT_TRUE(t.Says("conductor.eta")) << t.message;
+}
+
+TEST(MaterialFactory, BadValuesAreLocated) {
+    Workshop shop;
+    EXPECT_EQ(Catch([&] { shop.Make("diffuse", Params("m", 3).Rgb("reflectance", 1.2f, .5f, .5f)); }).line, 4);
+    EXPECT_EQ(Catch([&] { shop.Make("diffuse", Params("m", 3).Tex("reflectance", "none")); }).line, 4);
+    EXPECT_EQ(Catch([&] { shop.Make("coateddiffuse", Params("m", 3).I("nsamples", 0)); }).line, 4);
+    EXPECT_EQ(Catch([&] { shop.Make("diffuse", Params("m", 3).S("normalmap", {"/none.png"})); }).line, 4);
+}
+
+TEST(MaterialFactory, InterfaceScattersNothing) {
+    Workshop shop;
+    MaterialPtr m = shop.Make("interface");
+    SurfacePoint s = test::TestPoint();
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    EXPECT_TRUE(m->IsInterface());
+    EXPECT_EQ(m->Resolve(s), nullptr);
+    EXPECT_FALSE(m->GetBsdf(s, lambda));
+    EXPECT_TRUE(shop.sink.All().empty());
+    for (const char *old : {"", "none"}) {
+        Workshop other;
+        EXPECT_TRUE(other.Make(old)->IsInterface());
+        ASSERT_EQ(other.sink.All().size(), 1u);
+        EXPECT_EQ(other.sink.All()[0].severity, Severity::Warning);
+    }
+}
+
+TEST(MaterialFactory, OthersResolveToThemselves) {
+    Workshop shop;
+    MaterialPtr m = shop.Make("diffuse");
+    EXPECT_EQ(m->Resolve(test::TestPoint()), m.get());
+    EXPECT_FALSE(m->IsInterface());
+}
+
+}  // namespace
+}  // namespace pbrt

@@ -1,0 +1,138 @@
+#include <gtest/gtest.h>
+
+#include "material_test_support.h"
+#include "pbrt/math/rng.h"
+#include "support/statistics.h"
+
+namespace pbrt {
+namespace {
+
+using test::Catch;
+using test::Params;
+using test::Thrown;
+using test::Workshop;
+
+struct MixShop : Workshop {
+    MixShop() {
+        named["a"] = Make("diffuse");
+        named["b"] = Make("conductor");
+        named["c"] = Make("dielectric");
+        named["air"] = Make("interface");
+    }
+    MaterialPtr Mix(const std::string &x, const std::string &y, Float amount) {
+        return Make("mix", Params("mix").S("materials", {x, y}).F("amount", amount));
+    }
+};
+
+SurfacePoint RandomPoint(Rng &rng) {
+    SurfacePoint s = test::TestPoint();
+    s.p = {rng.Uniform(), rng.Uniform(), rng.Uniform()};
+    s.uv = rng.Uniform2();
+    return s;
+}
+
+/// Share of random points at which `mix` is `m`, and its z against `expected`.
+void ExpectShare(const Material &mix, const Material *m, double expected, bool sameP = false) {
+    Rng rng(11);
+    constexpr int kPoints = 40000;
+    int hits = 0;
+    for (int i = 0; i < kPoints; ++i) {
+        SurfacePoint s = RandomPoint(rng);
+        if (sameP) {
+            s.p = {1, 1, 1};
+            s.wo = Normalize(Vector3(s.uv.x, s.uv.y, 1));
+        }
+        hits += mix.Resolve(s) == m;
+    }
+    double z = (hits - kPoints * expected) / std::sqrt(kPoints * expected * (1 - expected));
+    EXPECT_GT(test::NormalTail(z), 1e-4) << "share " << double(hits) / kPoints << ", expected " << expected;
+}
+
+TEST(MixMaterial, SecondIsChosenWithProbabilityAmount) {
+    MixShop shop;
+    for (Float amount : {0.1f, 0.35f, 0.8f}) {
+        MaterialPtr mix = shop.Mix("a", "b", amount);
+        ExpectShare(*mix, shop.named["b"].get(), double(amount));
+        ExpectShare(*mix, shop.named["a"].get(), 1 - double(amount));
+    }
+    ExpectShare(*shop.Make("mix", Params("mix").S("materials", {"a", "b"})), shop.named["b"].get(), 0.5);
+}
+
+TEST(MixMaterial, DirectionsAtOnePointDifferToo) {
+    MixShop shop;
+    ExpectShare(*shop.Mix("a", "b", 0.35f), shop.named["b"].get(), 0.35, true);
+}
+
+TEST(MixMaterial, EndsOfTheAmountAreCertain) {
+    MixShop shop;
+    MaterialPtr first = shop.Mix("a", "b", 0), second = shop.Mix("a", "b", 1);
+    Rng rng(2);
+    for (int i = 0; i < 2000; ++i) {
+        SurfacePoint s = RandomPoint(rng);
+        ASSERT_EQ(first->Resolve(s), shop.named["a"].get());
+        ASSERT_EQ(second->Resolve(s), shop.named["b"].get());
+    }
+}
+
+TEST(MixMaterial, ChoiceIsTheSameEveryTime) {
+    MixShop one, two;
+    MaterialPtr m = one.Mix("a", "b", 0.5f), n = two.Mix("a", "b", 0.5f);
+    Rng rng(3);
+    for (int i = 0; i < 500; ++i) {
+        SurfacePoint s = RandomPoint(rng);
+        ASSERT_EQ(m->Resolve(s) == one.named["a"].get(), n->Resolve(s) == two.named["a"].get());
+        ASSERT_EQ(m->Resolve(s), m->Resolve(s));
+    }
+}
+
+TEST(MixMaterial, NestedChoicesAreIndependent) {
+    MixShop shop;
+    shop.named["inner"] = shop.Mix("a", "b", 0.4f);
+    MaterialPtr outer = shop.Mix("c", "inner", 0.4f);
+    ExpectShare(*outer, shop.named["c"].get(), 0.6);
+    ExpectShare(*outer, shop.named["a"].get(), 0.4 * 0.6);
+    ExpectShare(*outer, shop.named["b"].get(), 0.4 * 0.4);
+}
+
+TEST(MixMaterial, AmountMayBeATexture) {
+    MixShop shop;
+    shop.Define("u", false, "bilerp", Params().F("v00", 0).F("v01", 0).F("v10", 1).F("v11", 1));
+    MaterialPtr mix = shop.Make("mix", Params("mix").S("materials", {"a", "b"}).Tex("amount", "u"));
+    Rng rng(4);
+    int right = 0, left = 0;
+    for (int i = 0; i < 4000; ++i) {
+        SurfacePoint s = RandomPoint(rng);
+        bool second = mix->Resolve(s) == shop.named["b"].get();
+        (s.uv.x > 0.5f ? right : left) += second;
+    }
+    EXPECT_NEAR(right, 1500, 150);
+    EXPECT_NEAR(left, 500, 100);
+}
+
+TEST(MixMaterial, ScattersLikeTheChosenOne) {
+    MixShop shop;
+    MaterialPtr mix = shop.Mix("a", "b", 0.5f);
+    Rng rng(6);
+    for (int i = 0; i < 20; ++i) {
+        SurfacePoint s = RandomPoint(rng);
+        SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+        test::ExpectSameScattering(mix->GetBsdf(s, lambda), mix->Resolve(s)->GetBsdf(s, lambda));
+    }
+}
+
+TEST(MixMaterial, BadOperandsAreLocated) {
+    MixShop shop;
+    auto make = [&](const std::vector<std::string> &names) {
+        return Catch([&] { shop.Make("mix", Params("mix", 5).S("materials", names)); });
+    };
+    EXPECT_EQ(make({"a"}).line, 6);
+    EXPECT_EQ(make({"a", "b", "c"}).line, 6);
+    EXPECT_EQ(make({"a", "nobody"}).line, 6);
+    EXPECT_TRUE(make({"a", "nobody"}).Says("nobody"));
+    EXPECT_EQ(make({"air", "a"}).line, 6);
+    EXPECT_TRUE(make({"air", "a"}).Says("interface"));
+    EXPECT_EQ(Catch([&] { shop.Make("mix", Params("mix", 5)); }).line, 5);
+}
+
+}  // namespace
+}  // namespace pbrt

@@ -1,0 +1,123 @@
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "material_test_support.h"
+#include "pbrt/materials/normal_map.h"
+#include "pbrt/math/frame.h"
+
+namespace pbrt {
+namespace {
+
+/// One column of pixels, top first, each the picture of a normal.
+std::shared_ptr<const Image> Picture(const std::vector<Vector3> &normals) {
+    Image image(PixelFormat::Float, {1, static_cast<int>(normals.size())}, {"R", "G", "B"});
+    for (size_t y = 0; y < normals.size(); ++y)
+        for (int c = 0; c < 3; ++c) image.Set({0, static_cast<int>(y)}, c, (normals[y][c] + 1) / 2);
+    return std::make_shared<const Image>(std::move(image));
+}
+
+SurfacePoint FlatPoint() {
+    SurfacePoint s;
+    s.n = s.shading.n = {0, 0, 1};
+    s.dpdu = s.shading.dpdu = {2, 0, 0};
+    s.dpdv = s.shading.dpdv = {0, 3, 0};
+    return s;
+}
+
+void ExpectNear(const Vector3 &a, const Vector3 &b) {
+    EXPECT_LT(Distance(a, b), 1e-5f) << a.x << " " << a.y << " " << a.z;
+}
+
+TEST(NormalMap, FrameTurnsToTheMappedNormal) {
+    SurfacePoint s = FlatPoint();
+    NormalMap(Picture({{.6f, 0, .8f}})).Perturb(s);
+    ExpectNear(s.shading.n, {.6f, 0, .8f});
+    ExpectNear(s.shading.dpdu, Vector3(.8f, 0, -.6f) * 2.f);
+    ExpectNear(s.shading.dpdv, {0, 3, 0});
+    ExpectNear(s.n, {0, 0, 1});
+    ExpectNear(s.dpdu, {2, 0, 0});
+}
+
+TEST(NormalMap, PixelsNeedNotBeUnit) {
+    SurfacePoint s = FlatPoint();
+    NormalMap(Picture({{.3f, 0, .4f}})).Perturb(s);
+    ExpectNear(s.shading.n, {.6f, 0, .8f});
+}
+
+TEST(NormalMap, StraightUpChangesNothing) {
+    SurfacePoint s = test::TestPoint(), t = s;
+    NormalMap(Picture({{0, 0, 1}})).Perturb(t);
+    ExpectNear(s.shading.n, t.shading.n);
+    ExpectNear(s.shading.dpdu, t.shading.dpdu);
+    ExpectNear(s.shading.dpdv, t.shading.dpdv);
+}
+
+TEST(NormalMap, FrameStaysOrthogonalWithItsLengths) {
+    SurfacePoint s = test::TestPoint();
+    Vector3 u = s.shading.dpdu, v = s.shading.dpdv, n = s.shading.n;
+    Vector3 mapped = Normalize(Vector3(.3f, -.5f, .7f));
+    NormalMap(Picture({mapped})).Perturb(s);
+    ExpectNear(s.shading.n, Frame::FromXZ(Normalize(u), n).FromLocal(mapped));
+    EXPECT_NEAR(Dot(s.shading.n, s.shading.dpdu), 0, 1e-5f);
+    EXPECT_NEAR(Dot(s.shading.n, s.shading.dpdv), 0, 1e-5f);
+    EXPECT_NEAR(Dot(s.shading.dpdu, s.shading.dpdv), 0, 1e-5f);
+    EXPECT_NEAR(Length(s.shading.dpdu), Length(u), 1e-5f);
+    EXPECT_NEAR(Length(s.shading.dpdv), Length(v), 1e-5f);
+}
+
+TEST(NormalMap, NormalStaysOnTheGeometricSide) {
+    SurfacePoint s = FlatPoint();
+    s.n = {0, 0, -1};
+    NormalMap(Picture({{.6f, 0, .8f}})).Perturb(s);
+    ExpectNear(s.shading.n, {-.6f, 0, -.8f});
+}
+
+TEST(NormalMap, ZeroVIsTheBottomRowAndItRepeats) {
+    NormalMap map(Picture({{.6f, 0, .8f}, {0, .6f, .8f}}));
+    for (Float v : {.25f, 1.25f, -.75f}) {
+        SurfacePoint s = FlatPoint();
+        s.uv = {.5f, v};
+        map.Perturb(s);
+        ExpectNear(s.shading.n, {0, .6f, .8f});
+    }
+    SurfacePoint s = FlatPoint();
+    s.uv = {.5f, .75f};
+    map.Perturb(s);
+    ExpectNear(s.shading.n, {.6f, 0, .8f});
+}
+
+TEST(NormalMap, NoDirectionChangesNothing) {
+    SurfacePoint s = FlatPoint();
+    NormalMap(Picture({{0, 0, 0}})).Perturb(s);
+    ExpectNear(s.shading.n, {0, 0, 1});
+}
+
+/// The whole way: bytes of a PNG are plain numbers, not sRGB.
+TEST(NormalMap, MaterialReadsItsFile) {
+    std::string path =
+        (std::filesystem::temp_directory_path() / ("pbrt_normal_map_test_" + std::to_string(getpid()) + ".png"))
+            .string();
+    Image image(PixelFormat::Float, {2, 2}, {"R", "G", "B"});
+    ColorEncoding srgb;
+    for (int i = 0; i < 4; ++i)
+        for (int c = 0; c < 3; ++c) image.Set({i & 1, i >> 1}, c, srgb.ToLinear((Vector3(.6f, 0, .8f)[c] + 1) / 2));
+    WriteImage(path, image);
+    test::Workshop shop;
+    MaterialPtr plain = shop.Make("diffuse"),
+                mapped = shop.Make("coateddiffuse", test::Params("m").S("normalmap", {path}));
+    std::filesystem::remove(path);
+    SurfacePoint s = FlatPoint();
+    plain->PerturbShading(s);
+    ExpectNear(s.shading.n, {0, 0, 1});
+    mapped->PerturbShading(s);
+    EXPECT_LT(Distance(s.shading.n, {.6f, 0, .8f}), 0.01f);
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    ExpectNear(mapped->GetBsdf(s, lambda).ShadingFrame().z, s.shading.n);
+    EXPECT_EQ(shop.Errors(), 0u);
+}
+
+}  // namespace
+}  // namespace pbrt

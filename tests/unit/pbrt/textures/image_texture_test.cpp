@@ -1,0 +1,180 @@
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "texture_test_support.h"
+
+namespace pbrt {
+namespace {
+
+using test::Bench;
+using test::Params;
+
+const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.7f);
+
+TextureContext At(Float u, Float v) {
+    TextureContext ctx;
+    ctx.uv = {u, v};
+    return ctx;
+}
+
+/// A folder with two 2x2 images, removed afterwards.
+class ImageTexture : public testing::Test {
+  protected:
+    void SetUp() override {
+        directory_ = std::filesystem::temp_directory_path() / ("pbrt_texture_test_" + std::to_string(getpid()));
+        std::filesystem::create_directories(directory_);
+        // Top row red, green; bottom row blue, grey. Grey file: top 0.1 0.2, bottom 0.3 0.4.
+        Write("color.pfm", "PF", {0, 0, 1, .5f, .5f, .5f, 1, 0, 0, 0, 1, 0});
+        Write("grey.pfm", "Pf", {.3f, .4f, .1f, .2f});
+        Write("bright.pfm", "PF", {3, .25f, .5f, 3, .25f, .5f, 3, .25f, .5f, 3, .25f, .5f});
+    }
+    void TearDown() override { std::filesystem::remove_all(directory_); }
+    std::string File(const std::string &name) const { return (directory_ / name).string(); }
+
+  private:
+    /// PFM stores the bottom row first.
+    void Write(const std::string &name, const char *kind, const std::vector<float> &values) {
+        std::ofstream out(directory_ / name, std::ios::binary);
+        out << kind << "\n2 2\n-1.0\n";
+        out.write(reinterpret_cast<const char *>(values.data()), static_cast<long>(values.size() * sizeof(float)));
+    }
+    std::filesystem::path directory_;
+};
+
+void ExpectNear(const SampledSpectrum &a, const SampledSpectrum &b) {
+    for (int i = 0; i < SpectrumSamples; ++i) EXPECT_NEAR(a[i], b[i], 1e-5f);
+}
+
+TEST_F(ImageTexture, ZeroVIsTheBottomRow) {
+    Bench b;
+    b.Define("t", false, "imagemap", Params().S("filename", {File("grey.pfm")}));
+    auto t = b.FloatTex("t");
+    EXPECT_FLOAT_EQ(t->Evaluate(At(.25f, .25f)), .3f);
+    EXPECT_FLOAT_EQ(t->Evaluate(At(.75f, .25f)), .4f);
+    EXPECT_FLOAT_EQ(t->Evaluate(At(.25f, .75f)), .1f);
+    EXPECT_FLOAT_EQ(t->Evaluate(At(1.75f, .75f)), .2f);
+}
+
+TEST_F(ImageTexture, ScaleComesBeforeInversion) {
+    Bench b;
+    auto file = [&] { return Params().S("filename", {File("grey.pfm")}); };
+    b.Define("scaled", false, "imagemap", file().F("scale", 2));
+    b.Define("inverted", false, "imagemap", file().F("scale", 3).B("invert", true));
+    b.Define("again", false, "scale", Params().Tex("tex", "inverted").F("scale", 0.5f));
+    EXPECT_FLOAT_EQ(b.FloatTex("scaled")->Evaluate(At(.25f, .25f)), .6f);
+    EXPECT_FLOAT_EQ(b.FloatTex("inverted")->Evaluate(At(.25f, .75f)), .7f);
+    EXPECT_EQ(b.FloatTex("inverted")->Evaluate(At(.75f, .25f)), 0);
+    // Stock pbrt-v4 folds the factor of a scale texture into the image's own.
+    EXPECT_FLOAT_EQ(b.FloatTex("again")->Evaluate(At(.25f, .75f)), 1 - 1.5f * .1f);
+}
+
+TEST_F(ImageTexture, ColorsAreUpliftedForTheirUse) {
+    Bench b;
+    b.Define("t", true, "imagemap", Params().S("filename", {File("bright.pfm")}).F("scale", 0.5f));
+    const ColorSpace &cs = ColorSpace::SRGB();
+    Rgb rgb(1.5f, .125f, .25f);
+    ExpectNear(b.SpectrumTex("t")->Evaluate(At(.5f, .5f), kLambda),
+               RgbAlbedoSpectrum(cs, glm::min(rgb, Rgb(1))).Sample(kLambda));
+    ExpectNear(b.SpectrumTex("t", SpectrumUse::Unbounded)->Evaluate(At(.5f, .5f), kLambda),
+               RgbUnboundedSpectrum(cs, rgb).Sample(kLambda));
+    ExpectNear(b.SpectrumTex("t", SpectrumUse::Illuminant)->Evaluate(At(.5f, .5f), kLambda),
+               RgbIlluminantSpectrum(cs, rgb).Sample(kLambda));
+}
+
+TEST_F(ImageTexture, ColorFollowsTheTexel) {
+    Bench b;
+    b.Define("t", true, "imagemap", Params().S("filename", {File("color.pfm")}).S("filter", {"point"}));
+    b.Define("i", true, "imagemap", Params().S("filename", {File("color.pfm")}).B("invert", true));
+    const ColorSpace &cs = ColorSpace::SRGB();
+    auto albedo = [&](Float r, Float g, Float bl) { return RgbAlbedoSpectrum(cs, Rgb(r, g, bl)).Sample(kLambda); };
+    ExpectNear(b.SpectrumTex("t")->Evaluate(At(.25f, .75f), kLambda), albedo(1, 0, 0));
+    ExpectNear(b.SpectrumTex("t")->Evaluate(At(.75f, .75f), kLambda), albedo(0, 1, 0));
+    ExpectNear(b.SpectrumTex("t")->Evaluate(At(.25f, .25f), kLambda), albedo(0, 0, 1));
+    ExpectNear(b.SpectrumTex("i")->Evaluate(At(.25f, .75f), kLambda), albedo(0, 1, 1));
+}
+
+TEST_F(ImageTexture, WrapBlackAndClampReachBeyondTheImage) {
+    Bench b;
+    b.Define("black", false, "imagemap", Params().S("filename", {File("grey.pfm")}).S("wrap", {"black"}));
+    b.Define("clamp", false, "imagemap", Params().S("filename", {File("grey.pfm")}).S("wrap", {"clamp"}));
+    EXPECT_EQ(b.FloatTex("black")->Evaluate(At(1.75f, .75f)), 0);
+    EXPECT_FLOAT_EQ(b.FloatTex("clamp")->Evaluate(At(1.75f, 1.75f)), .2f);
+}
+
+TEST_F(ImageTexture, FootprintReachesTheFilter) {
+    Bench b;
+    b.Define("t", false, "imagemap", Params().S("filename", {File("grey.pfm")}).S("filter", {"trilinear"}));
+    TextureContext ctx = At(.25f, .25f);
+    ctx.dudx = ctx.dvdy = 10;
+    EXPECT_NEAR(b.FloatTex("t")->Evaluate(ctx), .25f, 1e-4f);
+}
+
+TEST_F(ImageTexture, MissingFileIsReportedOnceAndCounted) {
+    Bench b;
+    b.Define("t", true, "imagemap", Params("Texture \"t\"", 5).F("scale", 1).S("filename", {File("none.png")}));
+    b.SpectrumTex("t");
+    b.SpectrumTex("t", SpectrumUse::Unbounded);
+    ASSERT_EQ(b.Errors(), 1u);
+    EXPECT_EQ(b.Last().loc.line, 7);
+    EXPECT_NE(b.Last().message.find("file not found"), std::string::npos);
+    EXPECT_EQ(b.textures.MissingImages(), 1u);
+    b.textures.CheckAll();
+    EXPECT_NE(b.Last().message.find("1 missing texture"), std::string::npos);
+}
+
+TEST_F(ImageTexture, UnreadableFileIsLocated) {
+    std::ofstream(File("broken.png")) << "no image";
+    Bench b;
+    b.Define("t", false, "imagemap", Params().S("filename", {File("broken.png")}));
+    b.FloatTex("t");
+    ASSERT_EQ(b.Errors(), 1u);
+    EXPECT_EQ(b.Last().loc.line, 2);
+    EXPECT_EQ(b.textures.MissingImages(), 0u);
+}
+
+TEST_F(ImageTexture, UnknownChoicesAreErrors) {
+    for (const char *name : {"filter", "wrap", "encoding"}) {
+        Bench b;
+        b.Define("t", false, "imagemap", Params().S("filename", {File("grey.pfm")}).S(name, {"nonsense"}));
+        b.FloatTex("t");
+        ASSERT_EQ(b.Errors(), 1u) << name;
+        EXPECT_EQ(b.Last().loc.line, 3) << name;
+        EXPECT_NE(b.Last().message.find("valid:"), std::string::npos) << name;
+    }
+    Bench b;
+    b.Define("t", false, "imagemap", Params("Texture", 4));
+    b.FloatTex("t");
+    EXPECT_EQ(b.Last().loc.line, 4);
+}
+
+TEST_F(ImageTexture, PreloadedImagesAreTheSame) {
+    Bench b;
+    for (const char *name : {"grey.pfm", "color.pfm", "none.pfm"})
+        b.Define(name, false, "imagemap", Params().S("filename", {File(name)}));
+    b.textures.PreloadImages();
+    EXPECT_EQ(b.Errors(), 0u);
+    EXPECT_FLOAT_EQ(b.FloatTex("grey.pfm")->Evaluate(At(.25f, .25f)), .3f);
+}
+
+TEST_F(ImageTexture, BytesAreDecodedAsTheParameterSays) {
+    const Float stored = 128.f / 255;
+    Image grey(PixelFormat::Float, {2, 2}, {"Y"});
+    for (int i = 0; i < 4; ++i) grey.Set({i & 1, i >> 1}, 0, ColorEncoding{}.ToLinear(stored));
+    WriteImage(File("grey.png"), grey);
+    auto value = [&](Params params) {
+        Bench b;
+        b.Define("t", false, "imagemap", params.S("filename", {File("grey.png")}));
+        return b.FloatTex("t")->Evaluate(At(.5f, .5f));
+    };
+    EXPECT_NEAR(value(Params()), ColorEncoding{}.ToLinear(stored), 1e-3f);
+    EXPECT_NEAR(value(Params().S("encoding", {"sRGB"})), ColorEncoding{}.ToLinear(stored), 1e-3f);
+    EXPECT_NEAR(value(Params().S("encoding", {"linear"})), stored, 1e-3f);
+    EXPECT_NEAR(value(Params().S("encoding", {"gamma 2"})), Sqr(stored), 1e-3f);
+}
+
+}  // namespace
+}  // namespace pbrt

@@ -1,0 +1,143 @@
+#include <gtest/gtest.h>
+
+#include "pbrt/math/rng.h"
+#include "pbrt/textures/texture_mapping.h"
+#include "texture_test_support.h"
+
+namespace pbrt {
+namespace {
+
+using test::Params;
+
+TextureContext ContextAt(const Point3 &p, const Point2 &uv = {}) {
+    TextureContext ctx;
+    ctx.p = p;
+    ctx.uv = uv;
+    ctx.n = {0, 0, 1};
+    return ctx;
+}
+
+TexCoord2 MapWith(const Params &params, const TextureContext &ctx, const Transform &t = {}) {
+    DiagnosticSink sink;
+    TexCoord2 c = Map(ReadTextureMapping2D(params, t, sink), ctx);
+    EXPECT_TRUE(sink.All().empty());
+    return c;
+}
+
+TEST(TextureMapping, UvScalesThenShifts) {
+    TextureContext ctx = ContextAt({}, {0.25f, 0.5f});
+    ctx.dudx = 0.1f;
+    ctx.dudy = 0.2f;
+    ctx.dvdx = 0.3f;
+    ctx.dvdy = 0.4f;
+    TexCoord2 c = MapWith(Params().F("uscale", 3).F("vscale", 2).F("udelta", 0.25f).F("vdelta", -0.4f), ctx);
+    EXPECT_FLOAT_EQ(c.st.x, 1);
+    EXPECT_FLOAT_EQ(c.st.y, 0.6f);
+    EXPECT_FLOAT_EQ(c.dsdx, 0.3f);
+    EXPECT_FLOAT_EQ(c.dsdy, 0.6f);
+    EXPECT_FLOAT_EQ(c.dtdx, 0.6f);
+    EXPECT_FLOAT_EQ(c.dtdy, 0.8f);
+}
+
+TEST(TextureMapping, SphericalGivesPolarAngleThenAzimuth) {
+    Params spherical = Params().S("mapping", {"spherical"});
+    TexCoord2 c = MapWith(spherical, ContextAt({0, 2, 0}));
+    EXPECT_FLOAT_EQ(c.st.x, 0.5f);
+    EXPECT_FLOAT_EQ(c.st.y, 0.25f);
+    c = MapWith(spherical, ContextAt({1, -1, std::sqrt(2.f)}));
+    EXPECT_FLOAT_EQ(c.st.x, 0.25f);
+    EXPECT_FLOAT_EQ(c.st.y, 0.875f);
+    c = MapWith(spherical, ContextAt({0, 0, -1}));
+    EXPECT_FLOAT_EQ(c.st.x, 1);
+}
+
+TEST(TextureMapping, CylindricalGivesAzimuthAndHeight) {
+    Params cylindrical = Params().S("mapping", {"cylindrical"});
+    TexCoord2 c = MapWith(cylindrical, ContextAt({3, 0, -7}));
+    EXPECT_FLOAT_EQ(c.st.x, 0.5f);
+    EXPECT_FLOAT_EQ(c.st.y, -7);
+    c = MapWith(cylindrical, ContextAt({0, -2, 1}));
+    EXPECT_FLOAT_EQ(c.st.x, 0.25f);
+}
+
+TEST(TextureMapping, PlanarProjectsOnBothVectors) {
+    TextureContext ctx = ContextAt({1, 2, 3});
+    ctx.dpdx = {1, 0, 0};
+    ctx.dpdy = {0, 0, 1};
+    TexCoord2 c = MapWith(Params()
+                              .S("mapping", {"planar"})
+                              .V3("v1", .7f, .2f, 0)
+                              .V3("v2", 0, .6f, .4f)
+                              .F("udelta", .1f)
+                              .F("vdelta", .35f),
+                          ctx);
+    EXPECT_FLOAT_EQ(c.st.x, 1.2f);
+    EXPECT_FLOAT_EQ(c.st.y, 2.75f);
+    EXPECT_FLOAT_EQ(c.dsdx, .7f);
+    EXPECT_FLOAT_EQ(c.dsdy, 0);
+    EXPECT_FLOAT_EQ(c.dtdx, 0);
+    EXPECT_FLOAT_EQ(c.dtdy, .4f);
+}
+
+TEST(TextureMapping, PositionsAreTakenToTextureSpace) {
+    Transform t = Transform::Translate({1, 2, 3}) * Transform::Scale({2, 4, 8});
+    TextureContext ctx = ContextAt({3, 10, 3});
+    ctx.dpdx = {1, 1, 0};
+    TexCoord2 c = MapWith(Params().S("mapping", {"planar"}), ctx, t);
+    EXPECT_FLOAT_EQ(c.st.x, 1);
+    EXPECT_FLOAT_EQ(c.st.y, 2);
+    EXPECT_FLOAT_EQ(c.dsdx, 0.5f);
+    EXPECT_FLOAT_EQ(c.dtdx, 0.25f);
+}
+
+/// The twin: differences of the coordinates themselves. The spherical mapping hands its two changes out crosswise.
+TEST(TextureMapping, FootprintsAreDerivativesOfTheCoordinates) {
+    Rng rng(7);
+    for (const char *name : {"spherical", "cylindrical"}) {
+        Params params = Params().S("mapping", {name});
+        bool crossed = std::string(name) == "spherical";
+        for (int i = 0; i < 100; ++i) {
+            Point3 p = Point3(rng.Uniform(), rng.Uniform(), rng.Uniform()) * 2.f + Point3(0.3f);
+            Vector3 d = Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform()) - Vector3(0.5f);
+            TextureContext ctx = ContextAt(p);
+            ctx.dpdx = d;
+            TexCoord2 c = MapWith(params, ctx);
+            Float h = 0.01f;
+            Point2 change =
+                (MapWith(params, ContextAt(p + d * h)).st - MapWith(params, ContextAt(p - d * h)).st) / (2 * h);
+            EXPECT_NEAR(crossed ? c.dtdx : c.dsdx, change.x, 2e-3f);
+            EXPECT_NEAR(crossed ? c.dsdx : c.dtdx, change.y, 2e-3f);
+        }
+    }
+}
+
+TEST(TextureMapping, AxisGivesFiniteFootprints) {
+    for (const char *name : {"spherical", "cylindrical"}) {
+        TextureContext ctx = ContextAt({0, 0, 1});
+        ctx.dpdx = {1, 0, 0};
+        TexCoord2 c = MapWith(Params().S("mapping", {name}), ctx);
+        EXPECT_TRUE(std::isfinite(c.dsdx) && std::isfinite(c.dtdx) && std::isfinite(c.st.x));
+    }
+}
+
+TEST(TextureMapping, UnknownNameWarnsAndMeansUv) {
+    DiagnosticSink sink;
+    TextureMapping2D m = ReadTextureMapping2D(Params().S("mapping", {"sphericl"}), {}, sink);
+    ASSERT_EQ(sink.All().size(), 1u);
+    EXPECT_EQ(sink.All()[0].severity, Severity::Warning);
+    EXPECT_EQ(sink.All()[0].loc.line, 2);
+    EXPECT_NE(sink.All()[0].message.find("spherical"), std::string::npos);
+    EXPECT_TRUE(std::holds_alternative<UvMapping>(m));
+}
+
+TEST(TextureMapping, UvScaleIsUnusedElsewhere) {
+    DiagnosticSink sink;
+    Params params = Params().S("mapping", {"planar"}).F("uscale", 2);
+    ReadTextureMapping2D(params.Set(), {}, sink);
+    params.Set().ReportUnused(sink);
+    ASSERT_EQ(sink.ErrorCount(), 1u);
+    EXPECT_EQ(sink.All()[0].loc.line, 3);
+}
+
+}  // namespace
+}  // namespace pbrt

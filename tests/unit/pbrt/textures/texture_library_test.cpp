@@ -1,0 +1,149 @@
+#include <gtest/gtest.h>
+
+#include "texture_test_support.h"
+
+namespace pbrt {
+namespace {
+
+using test::Bench;
+using test::Catch;
+using test::Params;
+using test::Thrown;
+
+TEST(TextureLibrary, ValuesAndDefaults) {
+    Bench b;
+    EXPECT_EQ(b.textures.GetFloat(Params().F("roughness", 0.3f), "roughness", 1)->Constant(), 0.3f);
+    EXPECT_EQ(b.textures.GetFloat(Params(), "roughness", 0.7f)->Constant(), 0.7f);
+    EXPECT_EQ(b.textures.GetFloatOrNull(Params(), "roughness"), nullptr);
+    EXPECT_EQ(b.textures.GetSpectrumOrNull(Params(), "k", SpectrumUse::Unbounded), nullptr);
+    EXPECT_EQ(b.textures.GetSpectrum(Params(), "k", nullptr, SpectrumUse::Unbounded), nullptr);
+    auto s = b.textures.GetSpectrum(Params().Spectrum("k", {300, 2, 900, 2}), "k", nullptr, SpectrumUse::Unbounded);
+    ASSERT_NE(s, nullptr);
+    EXPECT_FLOAT_EQ((*s->Constant())(500), 2);
+}
+
+TEST(TextureLibrary, FamiliesAreSeparateNameSpaces) {
+    Bench b;
+    b.Define("x", false, "constant", Params().F("value", 3));
+    b.Define("x", true, "constant", Params().Rgb("value", .1f, .1f, .1f));
+    EXPECT_EQ(b.FloatTex("x")->Constant(), 3);
+    EXPECT_NEAR((*b.SpectrumTex("x")->Constant())(500), 0.1f, 1e-3f);
+}
+
+TEST(TextureLibrary, RedefinitionIsAnError) {
+    Bench b;
+    b.Define("t", false, "constant", Params("first", 4));
+    Thrown t = Catch([&] { b.Define("t", false, "constant", Params("second", 9)); });
+    EXPECT_EQ(t.line, 9);
+    EXPECT_TRUE(t.Says("\"t\""));
+}
+
+TEST(TextureLibrary, UnknownNameListsTheNames) {
+    Bench b;
+    b.Define("wood", false, "constant", Params());
+    b.Define("stone", true, "constant", Params());
+    Thrown t = Catch(
+        [&] { b.textures.GetFloat(Params("Material \"diffuse\"", 3).Tex("roughness", "woood"), "roughness", 0); });
+    EXPECT_EQ(t.line, 4);
+    EXPECT_TRUE(t.Says("did you mean \"wood\"")) << t.message;
+    t = Catch([&] { b.textures.GetFloat(Params("m").Tex("roughness", "stone"), "roughness", 0); });
+    EXPECT_TRUE(t.Says("spectrum texture") && t.Says("wood")) << t.message;
+    t = Catch([&] { b.textures.GetSpectrum(Params("m").Tex("k", "wood"), "k", nullptr, SpectrumUse::Albedo); });
+    EXPECT_TRUE(t.Says("float texture") && t.Says("stone")) << t.message;
+    Bench empty;
+    t = Catch([&] { empty.FloatTex("a"); });
+    EXPECT_TRUE(t.Says("no float texture is defined")) << t.message;
+}
+
+TEST(TextureLibrary, UnbuiltClassIsNamed) {
+    Bench b;
+    Thrown t = Catch([&] { b.Define("bumps", false, "wrinkled", Params("Texture", 6)); });
+    EXPECT_EQ(t.line, 6);
+    EXPECT_TRUE(t.Says("bumps") && t.Says("wrinkled") && t.Says("not built yet"));
+    // The name exists: who uses it does not complain again.
+    EXPECT_NE(b.FloatTex("bumps"), nullptr);
+    b.textures.CheckAll();
+    EXPECT_EQ(b.Errors(), 0u);
+}
+
+TEST(TextureLibrary, UnknownClassListsTheClasses) {
+    Bench b;
+    Thrown t = Catch([&] { b.Define("a", true, "checkrboard", Params()); });
+    EXPECT_TRUE(t.Says("did you mean \"checkerboard\"") && t.Says("marble")) << t.message;
+    t = Catch([&] { b.Define("b", false, "marble", Params()); });
+    EXPECT_TRUE(t.Says("no float texture class") && !t.Says("not built")) << t.message;
+}
+
+TEST(TextureLibrary, OperandsMustComeEarlier) {
+    Bench b;
+    b.Define("a", true, "scale", Params("Texture \"a\"", 10).Tex("tex", "b"));
+    b.Define("b", true, "scale", Params("Texture \"b\"", 20).Tex("tex", "a"));
+    b.Define("self", true, "scale", Params("Texture \"self\"", 30).Tex("tex", "self"));
+    b.textures.CheckAll();
+    ASSERT_EQ(b.Errors(), 2u);
+    EXPECT_EQ(b.sink.All()[0].loc.line, 11);
+    EXPECT_EQ(b.sink.All()[1].loc.line, 31);
+    EXPECT_NE(b.sink.All()[0].message.find("there is no spectrum texture \"b\" yet"), std::string::npos);
+}
+
+TEST(TextureLibrary, ImageMapsMayComeLater) {
+    Bench b;
+    b.Define("a", false, "scale", Params("Texture \"a\"", 10).Tex("tex", "image"));
+    b.Define("image", false, "imagemap", Params("Texture \"image\"", 20).S("filename", {"/none.png"}));
+    b.FloatTex("a");
+    ASSERT_EQ(b.Errors(), 1u);
+    EXPECT_EQ(b.Last().loc.line, 21);  // the file is missing, not the texture
+}
+
+TEST(TextureLibrary, UnusedTexturesAreCheckedToo) {
+    Bench b;
+    b.Define("t", true, "constant", Params("Texture \"t\"", 10).Rgb("value", .1f, -.2f, .3f));
+    b.textures.CheckAll();
+    ASSERT_EQ(b.Errors(), 1u);
+    EXPECT_EQ(b.Last().loc.line, 11);
+}
+
+TEST(TextureLibrary, AlbedoAboveOneIsAnErrorOfTheUse) {
+    Bench b;
+    b.Define("t", true, "constant", Params("Texture \"t\"", 10).Rgb("value", 1, 2, 3));
+    b.SpectrumTex("t", SpectrumUse::Illuminant);
+    EXPECT_EQ(b.Errors(), 0u);
+    b.SpectrumTex("t", SpectrumUse::Albedo);
+    ASSERT_EQ(b.Errors(), 1u);
+    EXPECT_EQ(b.Last().loc.line, 11);
+}
+
+TEST(TextureLibrary, MisspeltParameterListsTheChoices) {
+    Bench b;
+    b.Define("t", false, "checkerboard", Params("Texture \"t\"", 10).F("tex1", 1).F("uscal", 2));
+    b.Define("u", false, "constant", Params("Texture \"u\"", 20).I("value", 2));
+    b.textures.CheckAll();
+    ASSERT_EQ(b.Errors(), 2u);
+    EXPECT_EQ(b.sink.All()[0].loc.line, 12);
+    EXPECT_NE(b.sink.All()[0].message.find("did you mean \"uscale\""), std::string::npos) << b.sink.All()[0].message;
+    EXPECT_EQ(b.sink.All()[1].loc.line, 21);
+}
+
+TEST(TextureLibrary, LastOfValueAndTextureWinsAndTheOtherIsUnused) {
+    Bench b;
+    b.Define("half", false, "constant", Params().F("value", 0.5f));
+    Params valueLast = Params("m", 10).Tex("roughness", "half").F("roughness", 0.2f);
+    Params textureLast = Params("m", 20).F("roughness", 0.2f).Tex("roughness", "half");
+    EXPECT_EQ(b.textures.GetFloat(valueLast, "roughness", 0)->Constant(), 0.2f);
+    EXPECT_EQ(b.textures.GetFloat(textureLast.Set(), "roughness", 0)->Constant(), 0.5f);
+    textureLast.Set().ReportUnused(b.sink);
+    ASSERT_EQ(b.Errors(), 1u);
+    EXPECT_EQ(b.Last().loc.line, 21);
+}
+
+TEST(TextureLibrary, OwnTextureBeatsAttributeValue) {
+    Bench b;
+    b.Define("half", false, "constant", Params().F("value", 0.5f));
+    Params own = Params("m").Tex("roughness", "half").Default(ParamType::Float, "roughness", {0.9f});
+    EXPECT_EQ(b.textures.GetFloat(own, "roughness", 0)->Constant(), 0.5f);
+    Params attribute = Params("m").Default(ParamType::Float, "roughness", {0.9f});
+    EXPECT_EQ(b.textures.GetFloat(attribute, "roughness", 0)->Constant(), 0.9f);
+}
+
+}  // namespace
+}  // namespace pbrt

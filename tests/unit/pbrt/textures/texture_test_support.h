@@ -1,0 +1,118 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "pbrt/core/params.h"
+#include "pbrt/textures/texture_factory.h"
+
+namespace pbrt::test {
+
+/// A place to point at: column `column` of line `line` of a made-up file.
+inline FileLoc At(int line, int column = 0) {
+    static const auto file = std::make_shared<const SourceFile>(SourceFile{"scene.pbrt", std::string(200, '\n')});
+    return {file, line, column};
+}
+
+/// Builds parameter lists: Params("what").F("scale", 2).Tex("tex", "name").
+class Params {
+  public:
+    explicit Params(const std::string &what = "test", int line = 1) : set_(what, At(line)), line_(line) {}
+    operator ParamSet() const { return set_; }
+    const ParamSet &Set() const { return set_; }
+
+    Params &F(const std::string &name, Float v) { return Floats(ParamType::Float, name, {v}); }
+    Params &Rgb(const std::string &name, Float r, Float g, Float b) { return Floats(ParamType::Rgb, name, {r, g, b}); }
+    Params &V3(const std::string &name, Float x, Float y, Float z) {
+        return Floats(ParamType::Vector3, name, {x, y, z});
+    }
+    Params &Spectrum(const std::string &name, std::vector<Float> values) {
+        return Floats(ParamType::Spectrum, name, std::move(values));
+    }
+    Params &NamedSpectrum(const std::string &name, const std::string &v) {
+        return Strings(ParamType::Spectrum, name, {v});
+    }
+    Params &Tex(const std::string &name, const std::string &v) { return Strings(ParamType::Texture, name, {v}); }
+    Params &S(const std::string &name, std::vector<std::string> v) {
+        return Strings(ParamType::String, name, std::move(v));
+    }
+    Params &I(const std::string &name, int v) {
+        Param p = New(ParamType::Integer, name);
+        p.ints = {v};
+        set_.Add(std::move(p));
+        return *this;
+    }
+    Params &B(const std::string &name, bool v) {
+        Param p = New(ParamType::Bool, name);
+        p.bools = {v};
+        set_.Add(std::move(p));
+        return *this;
+    }
+    Params &Default(ParamType type, const std::string &name, std::vector<Float> v) {
+        Param p = New(type, name);
+        p.floats = std::move(v);
+        set_.AddDefault(std::move(p));
+        return *this;
+    }
+
+  private:
+    /// Every parameter stands on the next line, so that the line tells which one is meant.
+    Param New(ParamType type, const std::string &name) {
+        Param p;
+        p.type = type;
+        p.name = name;
+        p.loc = At(++line_);
+        return p;
+    }
+    Params &Floats(ParamType type, const std::string &name, std::vector<Float> v) {
+        Param p = New(type, name);
+        p.floats = std::move(v);
+        set_.Add(std::move(p));
+        return *this;
+    }
+    Params &Strings(ParamType type, const std::string &name, std::vector<std::string> v) {
+        Param p = New(type, name);
+        p.strings = std::move(v);
+        set_.Add(std::move(p));
+        return *this;
+    }
+    ParamSet set_;
+    int line_;
+};
+
+/// Message and line of the UserError that `f` throws; line -1 if it throws none.
+struct Thrown {
+    std::string message;
+    int line = -1;
+    bool Says(const std::string &text) const { return message.find(text) != std::string::npos; }
+};
+template <class F>
+Thrown Catch(F &&f) {
+    try {
+        f();
+    } catch (const UserError &e) {
+        return {e.Diagnostics().front().message, e.Diagnostics().front().loc.line};
+    }
+    return {};
+}
+
+/// A texture library with its surroundings.
+struct Bench {
+    DiagnosticSink sink;
+    FileResolver files;
+    TextureLibrary textures{files, sink};
+
+    void Define(const std::string &name, bool isSpectrum, const std::string &type, const Params &params,
+                const Transform &renderFromTexture = {}) {
+        textures.Define(name, isSpectrum, type, params, renderFromTexture);
+    }
+    FloatTexturePtr FloatTex(const std::string &name) {
+        return textures.GetFloat(Params("user").Tex("x", name), "x", 0);
+    }
+    SpectrumTexturePtr SpectrumTex(const std::string &name, SpectrumUse use = SpectrumUse::Albedo) {
+        return textures.GetSpectrum(Params("user").Tex("x", name), "x", nullptr, use);
+    }
+    size_t Errors() const { return sink.ErrorCount(); }
+    const Diagnostic &Last() const { return sink.All().back(); }
+};
+
+}  // namespace pbrt::test

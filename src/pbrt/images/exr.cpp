@@ -27,10 +27,24 @@ namespace {
 constexpr Float LargestHalf = 65504;
 
 // What every EXR has, or what the pixels or other fields of ImageMetadata say already.
-const std::set<std::string> StructuralAttributes = {
-    "channels",         "compression", "dataWindow", "displayWindow",    "lineOrder", "pixelAspectRatio",
-    "screenWindowCenter", "screenWindowWidth", "chromaticities", "whiteLuminance", "tiles", "type",
-    "name",             "view",        "version",    "chunkCount",       "preview",   "multiView"};
+const std::set<std::string> StructuralAttributes = {"channels",
+                                                    "compression",
+                                                    "dataWindow",
+                                                    "displayWindow",
+                                                    "lineOrder",
+                                                    "pixelAspectRatio",
+                                                    "screenWindowCenter",
+                                                    "screenWindowWidth",
+                                                    "chromaticities",
+                                                    "whiteLuminance",
+                                                    "tiles",
+                                                    "type",
+                                                    "name",
+                                                    "view",
+                                                    "version",
+                                                    "chunkCount",
+                                                    "preview",
+                                                    "multiView"};
 
 // R, G, B, A first within a layer, then the rest by name; the unnamed layer first.
 std::vector<std::string> OrderedNames(const Imf::ChannelList &channels) {
@@ -56,9 +70,10 @@ const ColorSpace *FindSpace(const Imf::Header &header, const std::string &path) 
     const ColorSpace *space =
         ColorSpace::FromChromaticities(ToPoint(c.red), ToPoint(c.green), ToPoint(c.blue), ToPoint(c.white));
     if (!space)
-        LogWarning(fmt::format("{}: the chromaticities r ({}, {}) g ({}, {}) b ({}, {}) white ({}, {}) are those of no "
-                               "known colour space; sRGB is assumed.",
-                               path, c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y));
+        LogWarning(
+            fmt::format("{}: the chromaticities r ({}, {}) g ({}, {}) b ({}, {}) white ({}, {}) are those of no "
+                        "known colour space; sRGB is assumed.",
+                        path, c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y));
     return space;
 }
 
@@ -96,7 +111,8 @@ struct AttributeWriter {
 };
 
 // Binds every channel of the interleaved pixels of `window`.
-Imf::FrameBuffer Bind(const std::vector<std::string> &names, Imf::PixelType type, char *pixels, const Imath::Box2i &window) {
+Imf::FrameBuffer Bind(const std::vector<std::string> &names, Imf::PixelType type, char *pixels,
+                      const Imath::Box2i &window) {
     size_t valueBytes = type == Imf::HALF ? 2 : 4;
     size_t xStride = names.size() * valueBytes;
     size_t yStride = xStride * (static_cast<size_t>(window.max.x - window.min.x) + 1);
@@ -126,8 +142,8 @@ ImageFile ReadExr(const std::string &path) {
         if (channel.xSampling != 1 || channel.ySampling != 1)
             throw UserError(fmt::format("{}: channel \"{}\" is subsampled, which is not supported.", path, it.name()));
         if (channel.type == Imf::UINT)
-            throw UserError(fmt::format("{}: channel \"{}\" holds integers; only half and float are supported.", path,
-                                        it.name()));
+            throw UserError(
+                fmt::format("{}: channel \"{}\" holds integers; only half and float are supported.", path, it.name()));
         allHalf = allHalf && channel.type == Imf::HALF;
     }
     ImageFile result;
@@ -143,13 +159,13 @@ ImageFile ReadExr(const std::string &path) {
     // Mixed files become float, which holds both exactly.
     result.image = Image(allHalf ? PixelFormat::Half : PixelFormat::Float,
                          {metadata.pixelBounds->Width(), metadata.pixelBounds->Height()}, names);
-    file.setFrameBuffer(
-        Bind(names, allHalf ? Imf::HALF : Imf::FLOAT, static_cast<char *>(result.image.Data()), data));
+    file.setFrameBuffer(Bind(names, allHalf ? Imf::HALF : Imf::FLOAT, static_cast<char *>(result.image.Data()), data));
     file.readPixels(data.min.y, data.max.y);
     return result;
 }
 
-void WriteExr(const std::string &path, const std::string &shownPath, const Image &image, const ImageMetadata &metadata) {
+void WriteExr(const std::string &path, const std::string &shownPath, const Image &image,
+              const ImageMetadata &metadata) {
     Bounds2i bounds = metadata.pixelBounds.value_or(Bounds2i{{0, 0}, image.Resolution()});
     PBRT_CHECK_MSG(bounds.Width() == image.Resolution().x && bounds.Height() == image.Resolution().y,
                    "data window {} x {}, image {} x {}", bounds.Width(), bounds.Height(), image.Resolution().x,

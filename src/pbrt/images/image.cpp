@@ -44,9 +44,7 @@ bool RemapPixel(Point2i &p, Point2i resolution, WrapMode wrap) {
     if (p.x >= 0 && p.y >= 0 && p.x < resolution.x && p.y < resolution.y) return true;
     switch (wrap) {
         case WrapMode::Black: return false;
-        case WrapMode::Repeat:
-            p = {PositiveModulo(p.x, resolution.x), PositiveModulo(p.y, resolution.y)};
-            return true;
+        case WrapMode::Repeat: p = {PositiveModulo(p.x, resolution.x), PositiveModulo(p.y, resolution.y)}; return true;
         case WrapMode::Clamp: p = glm::clamp(p, Point2i(0), resolution - 1); return true;
         case WrapMode::OctahedralSphere:
             // The mirrored partner may start outside; bring it near first so that no sum overflows.

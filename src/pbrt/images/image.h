@@ -85,9 +85,9 @@ class Image {
 
 /// What is known about an image beside its pixels.
 struct ImageMetadata {
-    std::optional<Bounds2i> pixelBounds;       ///< data window inside the full resolution
-    std::optional<Point2i> fullResolution;     ///< display window
-    const ColorSpace *colorSpace = nullptr;    ///< from chromaticities; null: not stated (sRGB)
+    std::optional<Bounds2i> pixelBounds;     ///< data window inside the full resolution
+    std::optional<Point2i> fullResolution;   ///< display window
+    const ColorSpace *colorSpace = nullptr;  ///< from chromaticities; null: not stated (sRGB)
     using Value = std::variant<int, float, std::string, glm::mat4>;
     /// EXR header attributes by name. Matrices are ordinary ones (column vectors); files get the layout of format §14.
     std::map<std::string, Value> attributes;

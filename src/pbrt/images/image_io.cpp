@@ -21,7 +21,8 @@ std::string Extension(const std::string &path) {
 // The message of a library without a final full stop or line end.
 std::string Sentence(const std::exception &e) {
     std::string text = e.what();
-    while (!text.empty() && (text.back() == '.' || std::isspace(static_cast<unsigned char>(text.back())))) text.pop_back();
+    while (!text.empty() && (text.back() == '.' || std::isspace(static_cast<unsigned char>(text.back()))))
+        text.pop_back();
     return text;
 }
 

@@ -48,7 +48,8 @@ double ImageError(const Image &image, const Image &reference, Metric metric, Ima
         for (int x = 0; x < image.Resolution().x; ++x)
             for (int c = 0; c < image.ChannelCount(); ++c) {
                 Point2i p(x, y);
-                double term = Term(metric, static_cast<double>(image.Get(p, c)), static_cast<double>(reference.Get(p, c)));
+                double term =
+                    Term(metric, static_cast<double>(image.Get(p, c)), static_cast<double>(reference.Get(p, c)));
                 if (errorImage) errorImage->Set(p, c, static_cast<Float>(term));
                 if (std::isfinite(term)) {
                     row += term;

@@ -39,9 +39,10 @@ const std::array<Float, GaussianEntries> GaussianTable = [] {
 }();
 
 // Stock pbrt-v4 picks the level whose texel spacing is twice the largest footprint component. At 1 it is the last one.
-constexpr Float NarrowestWidth = Float(1e-8);
+// Not below 1e-8, and that for not-a-number as well.
 Float Width(Vector2 dst0, Vector2 dst1) {
-    return 2 * std::max({std::abs(dst0.x), std::abs(dst0.y), std::abs(dst1.x), std::abs(dst1.y)});
+    const Float width = 2 * std::max({std::abs(dst0.x), std::abs(dst0.y), std::abs(dst1.x), std::abs(dst1.y)});
+    return width > Float(1e-8) ? width : Float(1e-8);
 }
 
 // Of a normal positive number, from its exponent.
@@ -61,20 +62,21 @@ class Reader {
         const Float width = Width(dst0, dst1);
         if (width >= 1) return At(last, {0, 0});
         if (view_.filter != TextureFilter::Trilinear) {
-            const int level = std::max(0, last + FloorLog2(std::max(width, NarrowestWidth)));
+            const int level = std::max(0, last + FloorLog2(width));
             return view_.filter == TextureFilter::Bilinear ? Bilinear(level, st) : Nearest(level, st);
         }
-        const Float level = static_cast<Float>(last) + std::log2(std::max(width, NarrowestWidth));
+        const Float level = static_cast<Float>(last) + std::log2(width);
         // Between levels 0 and 1 nothing is interpolated, as in stock pbrt-v4.
-        if (!(level >= 1)) return Bilinear(0, st);
+        if (level < 1) return Bilinear(0, st);
         const int whole = std::min(static_cast<int>(level), last - 1);
         return Mix(level - static_cast<Float>(whole), Bilinear(whole, st), Bilinear(whole + 1, st));
     }
 
   private:
     Texel<N> Load(const MipMap::LevelView &level, int x, int y) const {
-        const size_t i = (static_cast<size_t>(y) * static_cast<size_t>(level.width) + static_cast<size_t>(x)) *
-                             view_.channels + first_;
+        const size_t i =
+            (static_cast<size_t>(y) * static_cast<size_t>(level.width) + static_cast<size_t>(x)) * view_.channels +
+            first_;
         Texel<N> t;
         if constexpr (Format == PixelFormat::U8) {
             const auto *data = static_cast<const uint8_t *>(level.texels) + i;
@@ -210,7 +212,8 @@ Image KeepColor(Image image) {
     if (alpha >= 0)
         for (int y = 0; y < image.Resolution().y && opaque; ++y)
             for (int x = 0; x < image.Resolution().x && opaque; ++x) opaque = image.Get({x, y}, alpha) == 1;
-    return image.Extract(opaque ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"R", "G", "B", "A"});
+    return image.Extract(opaque ? std::vector<std::string>{"R", "G", "B"}
+                                : std::vector<std::string>{"R", "G", "B", "A"});
 }
 
 }  // namespace
@@ -227,7 +230,8 @@ MipMap::MipMap(Image image, const ColorSpace *colorSpace, TextureFilter filter, 
     : pyramid_(BuildPyramid(KeepColor(std::move(image)), wrap)),
       colorSpace_(colorSpace ? colorSpace : &ColorSpace::SRGB()) {
     const Image &base = pyramid_[0];
-    for (const Image &level : pyramid_) view_.levels.push_back({level.Data(), level.Resolution().x, level.Resolution().y});
+    for (const Image &level : pyramid_)
+        view_.levels.push_back({level.Data(), level.Resolution().x, level.Resolution().y});
     view_.format = base.Format();
     view_.channels = static_cast<size_t>(base.ChannelCount());
     view_.decode = base.Format() == PixelFormat::U8 ? ByteDecodeTable(base.Encoding()) : nullptr;

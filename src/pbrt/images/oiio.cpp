@@ -117,7 +117,8 @@ void WritePng(const std::string &path, const std::string &shownPath, const Image
                 }
     }
     if (clamped)
-        LogWarning(fmt::format("{}: {} of {} channel values were outside [0, 1] and clamped.", shownPath, clamped, values));
+        LogWarning(
+            fmt::format("{}: {} of {} channel values were outside [0, 1] and clamped.", shownPath, clamped, values));
     OIIO::ImageSpec spec(image.Resolution().x, image.Resolution().y, image.ChannelCount(), OIIO::TypeDesc::UINT8);
     spec["oiio:ColorSpace"] = "sRGB";
     spec["oiio:UnassociatedAlpha"] = 1;

@@ -66,7 +66,8 @@ ImageFile ReadPfm(const std::string &path) {
     size_t rowValues = static_cast<size_t>(resolution.x) * (color ? 3 : 1);
     size_t expected = rowValues * static_cast<size_t>(resolution.y) * sizeof(float);
     if (content.size() - std::min(at, content.size()) < expected)
-        throw UserError(fmt::format("{}: the pixels end too early ({} of {} bytes).", path, content.size() - at, expected));
+        throw UserError(
+            fmt::format("{}: the pixels end too early ({} of {} bytes).", path, content.size() - at, expected));
 
     ImageFile result;
     result.image = Image(PixelFormat::Float, resolution,

@@ -90,8 +90,9 @@ Image Halve(const Image &image) {
             for (int x = 0; x < result.Resolution().x; ++x) {
                 const Point2i p = Point2i(x, y) * (step + 1), q = p + step;
                 for (int c = 0; c < image.ChannelCount(); ++c)
-                    result.Set({x, y}, c,
-                               (image.Get(p, c) + image.Get({q.x, p.y}, c) + image.Get({p.x, q.y}, c) + image.Get(q, c)) / 4);
+                    result.Set(
+                        {x, y}, c,
+                        (image.Get(p, c) + image.Get({q.x, p.y}, c) + image.Get({p.x, q.y}, c) + image.Get(q, c)) / 4);
             }
     });
     return result;

@@ -1,0 +1,67 @@
+#include <algorithm>
+#include <filesystem>
+
+#include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/error.h"
+
+namespace pbrt::imgtool {
+
+namespace {
+
+struct Options {
+    std::string prefix, outfile;
+};
+
+// Files whose path starts with the prefix, in name order.
+std::vector<std::string> FilesWithPrefix(const std::string &prefix, const std::string &except) {
+    namespace fs = std::filesystem;
+    const fs::path path(prefix);
+    const fs::path directory = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    const std::string start = path.filename().string();
+    std::error_code code;
+    std::vector<std::string> files;
+    for (const fs::directory_entry &entry : fs::directory_iterator(directory, code)) {
+        if (!entry.is_regular_file() || !entry.path().filename().string().starts_with(start)) continue;
+        // A result of an earlier run is no input.
+        if (fs::equivalent(entry.path(), except, code)) continue;
+        files.push_back(path.has_parent_path() ? entry.path().string() : entry.path().filename().string());
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+int Average(const Options &o) {
+    const std::vector<std::string> paths = FilesWithPrefix(o.prefix, o.outfile);
+    if (paths.empty()) throw UserError(fmt::format("No file starts with \"{}\".", o.prefix));
+    ImageFile first = ReadAsFloat(paths[0]);
+    const Point2i resolution = first.image.Resolution();
+    std::vector<double> sums(first.image.ValueCount(), 0);
+    for (const std::string &path : paths) {
+        const Image image = path == paths[0] ? first.image : ReadAsFloat(path).image;
+        if (image.Resolution() != resolution || image.Channels() != first.image.Channels())
+            throw UserError(fmt::format("{} and {} have different resolutions or channels.", paths[0], path));
+        const float *values = static_cast<const float *>(image.Data());
+        for (size_t i = 0; i < sums.size(); ++i) sums[i] += static_cast<double>(values[i]);
+    }
+    float *values = static_cast<float *>(first.image.Data());
+    for (size_t i = 0; i < sums.size(); ++i)
+        values[i] = static_cast<float>(sums[i] / static_cast<double>(paths.size()));
+    WriteImage(o.outfile, first.image, first.metadata);
+    fmt::print("{}: mean of {} images\n", o.outfile, paths.size());
+    return 0;
+}
+
+}  // namespace
+
+void AddAverage(CLI::App &app, Action &action) {
+    auto o = std::make_shared<Options>();
+    CLI::App *command = app.add_subcommand("average", "Mean of all images whose names start with a prefix");
+    command->add_option("prefix", o->prefix, "Start of the names, with the directory")->required();
+    command->add_option("--outfile", o->outfile, "Result (left out if it has the prefix itself)")
+        ->required()
+        ->type_name("FILE");
+    command->footer("Example: imgtool average runs/seed --outfile mean.exr");
+    command->callback([o, &action] { action = [o] { return Average(*o); }; });
+}
+
+}  // namespace pbrt::imgtool

@@ -1,0 +1,140 @@
+#include <cmath>
+#include <limits>
+
+#include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/error.h"
+
+namespace pbrt::imgtool {
+
+namespace {
+
+struct Options {
+    std::string path, outfile, channels;
+    std::vector<int> crop;
+    Float scale = 1, gamma = 1, maxLuminance = 1;
+    std::optional<Float> clamp;
+    bool tonemap = false, blackAndWhite = false, flipY = false, half = false;
+    int repeat = 1;
+};
+
+// Colour channels: all but alpha.
+std::vector<int> ColorChannels(const Image &image) {
+    std::vector<int> indices;
+    for (int c = 0; c < image.ChannelCount(); ++c)
+        if (image.Channels()[static_cast<size_t>(c)] != "A") indices.push_back(c);
+    return indices;
+}
+
+template <class F>
+void ForEachPixel(const Image &image, F &&f) {
+    for (int y = 0; y < image.Resolution().y; ++y)
+        for (int x = 0; x < image.Resolution().x; ++x) f(Point2i(x, y));
+}
+
+template <class F>
+void MapColors(Image &image, F &&f) {
+    const std::vector<int> colors = ColorChannels(image);
+    ForEachPixel(image, [&](Point2i p) {
+        for (int c : colors) image.Set(p, c, f(image.Get(p, c)));
+    });
+}
+
+// Reinhard et al. 2002, eq. 4: luminance L becomes L (1 + L / max^2) / (1 + L), so that `maxLuminance` becomes 1.
+void Tonemap(Image &image, Float maxLuminance, const ColorSpace &space) {
+    const int r = image.FindChannel("R"), g = image.FindChannel("G"), b = image.FindChannel("B");
+    const bool color = r >= 0 && g >= 0 && b >= 0;
+    if (!color && image.ChannelCount() != 1)
+        throw UserError("--tonemap needs the channels R, G and B or a single channel.");
+    const Rgb weights = space.Luminance();
+    const std::vector<int> scaled = color ? std::vector<int>{r, g, b} : std::vector<int>{0};
+    ForEachPixel(image, [&](Point2i p) {
+        Float luminance =
+            color ? glm::dot(weights, Rgb(image.Get(p, r), image.Get(p, g), image.Get(p, b))) : image.Get(p, 0);
+        luminance = std::max(luminance, Float(0));
+        const Float factor = (1 + luminance / Sqr(maxLuminance)) / (1 + luminance);
+        for (int c : scaled) image.Set(p, c, image.Get(p, c) * factor);
+    });
+}
+
+Image AverageChannels(const Image &image) {
+    Image result(PixelFormat::Float, image.Resolution(), {"Y"});
+    const std::vector<int> colors = ColorChannels(image);
+    ForEachPixel(image, [&](Point2i p) {
+        Float sum = 0;
+        for (int c : colors) sum += image.Get(p, c);
+        result.Set(p, 0, sum / static_cast<Float>(colors.size()));
+    });
+    return result;
+}
+
+// The image with every pixel `source(p)` of the given size.
+template <class F>
+Image Rearrange(const Image &image, Point2i resolution, F &&source) {
+    Image result(image.Format(), resolution, image.Channels());
+    ForEachPixel(result, [&](Point2i p) {
+        for (int c = 0; c < image.ChannelCount(); ++c) result.Set(p, c, image.Get(source(p), c));
+    });
+    return result;
+}
+
+int Convert(const Options &o) {
+    ImageFile file = ReadImage(o.path);
+    const bool keepHalf = file.image.Format() != PixelFormat::Float;
+    Image &image = file.image;
+    image = image.ConvertTo(PixelFormat::Float);
+    ApplyCrop(file, o.crop, o.path);
+    if (!o.channels.empty()) image = image.Select(SplitChannels(o.channels));
+    const ColorSpace &space = file.metadata.colorSpace ? *file.metadata.colorSpace : ColorSpace::SRGB();
+    if (o.scale != 1) MapColors(image, [&](Float v) { return v * o.scale; });
+    if (o.clamp) MapColors(image, [&](Float v) { return std::clamp(v, -*o.clamp, *o.clamp); });
+    if (o.tonemap) Tonemap(image, o.maxLuminance, space);
+    if (o.gamma != 1) MapColors(image, [&](Float v) { return std::pow(std::max(v, Float(0)), o.gamma); });
+    if (o.blackAndWhite) image = AverageChannels(image);
+    if (o.flipY) {
+        const int last = image.Resolution().y - 1;
+        image = Rearrange(image, image.Resolution(), [&](Point2i p) { return Point2i(p.x, last - p.y); });
+    }
+    if (o.repeat > 1) {
+        const int64_t widest = std::max(image.Resolution().x, image.Resolution().y);
+        if (widest * o.repeat > (1 << 20))
+            throw UserError(fmt::format("--repeatpix {}: the image becomes too large.", o.repeat));
+        image = Rearrange(image, image.Resolution() * o.repeat, [&](Point2i p) { return p / o.repeat; });
+        file.metadata.pixelBounds.reset();
+        file.metadata.fullResolution.reset();
+    }
+    if (o.half || keepHalf) image = image.ConvertTo(PixelFormat::Half);
+    WriteImage(o.outfile, image, file.metadata);
+    return 0;
+}
+
+}  // namespace
+
+void AddConvert(CLI::App &app, Action &action) {
+    auto o = std::make_shared<Options>();
+    CLI::App *command = app.add_subcommand("convert", "Change an image or its file format");
+    command->add_option("file", o->path, "Image")->required();
+    command->add_option("--outfile", o->outfile, "Result: .exr, .png or .pfm")->required()->type_name("FILE");
+    AddCropOption(*command, o->crop);
+    command->add_option("--channels", o->channels, "Keep only these channels, in this order")->type_name("R,G,B");
+    command->add_option("--scale", o->scale, "Multiply colours by this")->capture_default_str();
+    command->add_option("--clamp", o->clamp, "Limit colours to -v .. v")->check(CLI::NonNegativeNumber);
+    command->add_flag("--tonemap", o->tonemap, "Reinhard's tone mapping; see --maxluminance");
+    command->add_option("--maxluminance", o->maxLuminance, "Luminance that --tonemap maps to 1")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    command->add_option("--gamma", o->gamma, "Raise colours to this power")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    command->add_flag("--bw", o->blackAndWhite, "Average the colour channels into one");
+    command->add_flag("--flipy", o->flipY, "Turn upside down");
+    command->add_option("--repeatpix", o->repeat, "Repeat every pixel n times in both directions")
+        ->check(CLI::Range(1, 1 << 16))
+        ->capture_default_str();
+    command->add_flag("--fp16", o->half, "Write half precision (otherwise the precision of the input stays)");
+    command->footer(
+        "The changes happen in the order listed.\n"
+        "Example: imgtool convert render.exr --crop 0,200,0,100 --scale 2 --tonemap --outfile view.png");
+    command->callback([o, &action] { action = [o] { return Convert(*o); }; });
+}
+
+}  // namespace pbrt::imgtool

@@ -1,0 +1,99 @@
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/error.h"
+#include "pbrt/core/log.h"
+#include "pbrt/images/metrics.h"
+
+namespace pbrt::imgtool {
+
+namespace {
+
+const std::vector<std::string> MetricNames = {"MAE", "MSE", "MRSE", "relL2"};
+
+struct Options {
+    std::string path, reference, channels, metric = "MSE", outfile;
+    std::vector<int> crop;
+};
+
+Metric ChosenMetric(const std::string &name) {
+    if (name == "FLIP") throw UserError("--metric FLIP is not built yet; use MAE, MSE, MRSE or relL2.");
+    if (auto metric = ParseMetric(name)) return *metric;
+    throw UserError(fmt::format("--metric {}: unknown; {}", name, ListChoices(name, MetricNames)));
+}
+
+// Of the finite values.
+double Mean(const Image &image) {
+    double sum = 0;
+    size_t count = 0;
+    for (int y = 0; y < image.Resolution().y; ++y)
+        for (int x = 0; x < image.Resolution().x; ++x)
+            for (int c = 0; c < image.ChannelCount(); ++c) {
+                double v = static_cast<double>(image.Get({x, y}, c));
+                if (!std::isfinite(v)) continue;
+                sum += v;
+                ++count;
+            }
+    return count ? sum / static_cast<double>(count) : 0;
+}
+
+int Diff(const Options &o) {
+    const Metric metric = ChosenMetric(o.metric);
+    ImageFile image = ReadAsFloat(o.path), reference = ReadAsFloat(o.reference);
+    auto shown = [](const Image &i) { return fmt::format("{} x {}", i.Resolution().x, i.Resolution().y); };
+    if (image.image.Resolution() != reference.image.Resolution())
+        throw UserError(fmt::format("Different resolutions: {} has {}, {} has {}.", o.path, shown(image.image),
+                                    o.reference, shown(reference.image)));
+    auto space = [](const ImageFile &f) { return f.metadata.colorSpace ? f.metadata.colorSpace : &ColorSpace::SRGB(); };
+    if (space(image) != space(reference))
+        throw UserError(fmt::format("Different colour spaces: {} has {}, {} has {}.", o.path, space(image)->Name(),
+                                    o.reference, space(reference)->Name()));
+    if (o.channels.empty()) {
+        if (image.image.Channels() != reference.image.Channels())
+            throw UserError(fmt::format("Different channels: {} has {}, {} has {}; choose with --channels.", o.path,
+                                        fmt::join(image.image.Channels(), ","), o.reference,
+                                        fmt::join(reference.image.Channels(), ",")));
+    } else {
+        const std::vector<std::string> names = SplitChannels(o.channels);
+        image.image = image.image.Select(names);
+        reference.image = reference.image.Select(names);
+    }
+    ApplyCrop(image, o.crop, o.path);
+    ApplyCrop(reference, o.crop, o.reference);
+
+    Image errors;
+    size_t skipped = 0;
+    const double error = ImageError(image.image, reference.image, metric, &errors, &skipped);
+    if (!o.outfile.empty()) WriteImage(o.outfile, errors, image.metadata);
+    if (error == 0 && skipped == 0) return 0;
+    const double ours = Mean(image.image), theirs = Mean(reference.image);
+    fmt::print("Images differ: {} and {}\n", o.path, o.reference);
+    fmt::print("  averages: {:.6g} and {:.6g}", ours, theirs);
+    if (theirs != 0) fmt::print(" ({:+.4g}% delta)", 100 * (ours - theirs) / theirs);
+    fmt::print("\n  {}: {:.6g}\n", o.metric, error);
+    if (skipped) fmt::print("  {} values are not finite and were left out\n", skipped);
+    return 1;
+}
+
+}  // namespace
+
+void AddDiff(CLI::App &app, Action &action) {
+    auto o = std::make_shared<Options>();
+    CLI::App *command = app.add_subcommand("diff", "Compare an image with a reference");
+    command->add_option("file", o->path, "Image")->required();
+    command->add_option("--reference", o->reference, "Image to compare with")->required()->type_name("FILE");
+    command->add_option("--metric", o->metric, "MAE, MSE, MRSE or relL2 (mean of (x - ref)^2 / (ref^2 + 0.01))")
+        ->capture_default_str()
+        ->type_name("NAME");
+    command->add_option("--channels", o->channels, "Compare only these channels")->type_name("R,G,B");
+    AddCropOption(*command, o->crop);
+    command->add_option("--outfile", o->outfile, "Write the error of every pixel and channel")->type_name("FILE");
+    command->footer(
+        "Prints nothing and exits with 0 only if the error is exactly 0; else exits with 1.\n"
+        "Example: imgtool diff render.exr --reference reference.exr --metric relL2 --outfile error.exr");
+    command->callback([o, &action] { action = [o] { return Diff(*o); }; });
+}
+
+}  // namespace pbrt::imgtool

@@ -1,0 +1,127 @@
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/error.h"
+
+namespace {
+
+using namespace pbrt;
+using namespace pbrt::imgtool;
+
+// Flags may be written with one or two dashes; case, - and _ inside a name do not count (pbrt-v4-format §13).
+std::string NormalizeFlag(const std::string &argument) {
+    size_t begin = argument.find_first_not_of('-');
+    if (begin == 0 || begin > 2 || begin == std::string::npos ||
+        !std::isalpha(static_cast<unsigned char>(argument[begin])))
+        return argument;
+    const size_t equals = std::min(argument.find('='), argument.size());
+    std::string flag = "--";
+    for (size_t i = begin; i < equals; ++i)
+        if (argument[i] != '-' && argument[i] != '_')
+            flag += static_cast<char>(std::tolower(static_cast<unsigned char>(argument[i])));
+    return flag + argument.substr(equals);
+}
+
+std::string OptionNames(const CLI::App &app) {
+    std::string names;
+    for (const CLI::Option *option : app.get_options())
+        if (!option->get_lnames().empty()) names += (names.empty() ? "--" : ", --") + option->get_lnames()[0];
+    return names;
+}
+
+std::vector<std::string> CommandNames(const CLI::App &app) {
+    std::vector<std::string> names;
+    for (const CLI::App *command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+    return names;
+}
+
+const CLI::App *FindCommand(const CLI::App &app, const std::string &name) {
+    for (const CLI::App *command : app.get_subcommands(nullptr))
+        if (command->get_name() == name) return command;
+    return nullptr;
+}
+
+// What went wrong, with the valid choices, on standard error.
+int ReportUsage(const CLI::App &app, const CLI::ParseError &e) {
+    fmt::print(stderr, "Error: {}\n", e.what());
+    const std::vector<CLI::App *> chosen = app.get_subcommands();
+    if (chosen.empty())
+        fmt::print(stderr, "Commands: {}\nUsage: imgtool COMMAND ...; see imgtool help\n",
+                   fmt::join(CommandNames(app), " "));
+    else
+        fmt::print(stderr, "Options of {}: {}\nSee imgtool help {}\n", chosen[0]->get_name(), OptionNames(*chosen[0]),
+                   chosen[0]->get_name());
+    return 1;
+}
+
+void AddHelp(CLI::App &app, Action &action) {
+    auto name = std::make_shared<std::string>();
+    CLI::App *command = app.add_subcommand("help", "Explain a command");
+    command->add_option("command", *name, "Name of the command");
+    command->footer("Example: imgtool help diff");
+    auto overview = std::make_shared<std::string>(app.help());
+    command->callback([name, overview, &app, &action] {
+        action = [name, overview, &app] {
+            // CLI11 explains the command in use when asked for the whole.
+            if (name->empty()) {
+                fmt::print("{}", *overview);
+                return 0;
+            }
+            const CLI::App *asked = FindCommand(app, *name);
+            if (!asked)
+                throw UserError(fmt::format("No such command: {}; {}", *name, ListChoices(*name, CommandNames(app))));
+            fmt::print("{}", asked->help());
+            return 0;
+        };
+    });
+}
+
+int Run(int argc, char **argv) {
+    CLI::App app(
+        "Looks at, changes and compares images: .exr, .png, .pfm and, for reading, .hdr, .tga, .jpg and others.",
+        "imgtool");
+    app.require_subcommand(1);
+    app.footer("Example: imgtool info render.exr");
+    Action action;
+    AddInfo(app, action);
+    AddConvert(app, action);
+    AddDiff(app, action);
+    AddFalsecolor(app, action);
+    AddAverage(app, action);
+    AddHelp(app, action);
+
+    if (const std::string first = argc > 1 ? argv[1] : ""; !first.empty() && first[0] != '-') {
+        if (!FindCommand(app, first))
+            throw UserError(fmt::format("No such command: {}; {}", first, ListChoices(first, CommandNames(app))));
+    }
+    std::vector<std::string> arguments;
+    // CLI11 takes them from the back.
+    for (int i = argc - 1; i > 0; --i) arguments.push_back(NormalizeFlag(argv[i]));
+    try {
+        app.parse(arguments);
+    } catch (const CLI::CallForHelp &) {
+        const std::vector<CLI::App *> chosen = app.get_subcommands();
+        fmt::print("{}", chosen.empty() ? app.help() : chosen[0]->help());
+        return 0;
+    } catch (const CLI::ParseError &e) {
+        return ReportUsage(app, e);
+    }
+    PBRT_CHECK(action);
+    return action();
+}
+
+}  // namespace
+
+int main(int argc, char **argv) {
+    try {
+        return Run(argc, argv);
+    } catch (const UserError &e) {
+        for (const Diagnostic &d : e.Diagnostics()) fmt::print(stderr, "{}\n", Format(d));
+    } catch (const std::exception &e) {
+        fmt::print(stderr, "Error: {}\n", e.what());
+    }
+    return 1;
+}

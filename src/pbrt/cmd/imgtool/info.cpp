@@ -1,0 +1,105 @@
+#include <cmath>
+#include <limits>
+
+#include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/error.h"
+
+namespace pbrt::imgtool {
+
+namespace {
+
+struct ChannelStatistics {
+    Float low = Infinity, high = -Infinity;
+    double sum = 0;
+    size_t count = 0, nan = 0, infinite = 0;
+};
+
+ChannelStatistics Statistics(const Image &image, int channel) {
+    ChannelStatistics s;
+    for (int y = 0; y < image.Resolution().y; ++y)
+        for (int x = 0; x < image.Resolution().x; ++x) {
+            Float v = image.Get({x, y}, channel);
+            if (std::isnan(v)) {
+                ++s.nan;
+            } else if (std::isinf(v)) {
+                ++s.infinite;
+            } else {
+                s.low = std::min(s.low, v);
+                s.high = std::max(s.high, v);
+                s.sum += static_cast<double>(v);
+                ++s.count;
+            }
+        }
+    return s;
+}
+
+const char *FormatName(PixelFormat format) {
+    switch (format) {
+        case PixelFormat::U8: return "8 bit";
+        case PixelFormat::Half: return "half";
+        case PixelFormat::Float: return "float";
+    }
+    return "";
+}
+
+void PrintAttribute(const std::string &name, const ImageMetadata::Value &value) {
+    fmt::print("  {}: ", name);
+    if (auto *m = std::get_if<glm::mat4>(&value)) {
+        fmt::print("\n");
+        for (int row = 0; row < 4; ++row)
+            fmt::print("    {:12.6g} {:12.6g} {:12.6g} {:12.6g}\n", (*m)[0][row], (*m)[1][row], (*m)[2][row],
+                       (*m)[3][row]);
+    } else if (auto *s = std::get_if<std::string>(&value)) {
+        fmt::print("\"{}\"\n", *s);
+    } else if (auto *i = std::get_if<int>(&value)) {
+        fmt::print("{}\n", *i);
+    } else {
+        fmt::print("{}\n", std::get<float>(value));
+    }
+}
+
+void PrintInfo(const std::string &path) {
+    const ImageFile file = ReadImage(path);
+    const Image &image = file.image;
+    const ImageMetadata &metadata = file.metadata;
+    fmt::print("{}\n", path);
+    fmt::print("  resolution: {} x {}, {} channels, {}\n", image.Resolution().x, image.Resolution().y,
+               image.ChannelCount(), FormatName(image.Format()));
+    if (metadata.fullResolution && metadata.pixelBounds) {
+        const Bounds2i &b = *metadata.pixelBounds;
+        fmt::print("  window: x {} to {}, y {} to {} of {} x {}\n", b.low.x, b.high.x, b.low.y, b.high.y,
+                   metadata.fullResolution->x, metadata.fullResolution->y);
+    }
+    fmt::print("  colour space: {}\n", metadata.colorSpace ? metadata.colorSpace->Name() : "srgb (not stated)");
+    for (const auto &[name, value] : metadata.attributes) PrintAttribute(name, value);
+    fmt::print("  {:<16} {:>13} {:>13} {:>13} {:>8} {:>8}\n", "channel", "least", "mean", "largest", "nan", "infinite");
+    for (int c = 0; c < image.ChannelCount(); ++c) {
+        const ChannelStatistics s = Statistics(image, c);
+        const std::string &name = image.Channels()[static_cast<size_t>(c)];
+        if (s.count)
+            fmt::print("  {:<16} {:>13.6g} {:>13.6g} {:>13.6g} {:>8} {:>8}\n", name, s.low,
+                       s.sum / static_cast<double>(s.count), s.high, s.nan, s.infinite);
+        else
+            fmt::print("  {:<16} {:>13} {:>13} {:>13} {:>8} {:>8}\n", name, "-", "-", "-", s.nan, s.infinite);
+    }
+}
+
+}  // namespace
+
+void AddInfo(CLI::App &app, Action &action) {
+    struct Options {
+        std::vector<std::string> paths;
+    };
+    auto o = std::make_shared<Options>();
+    CLI::App *command = app.add_subcommand("info", "Print resolution, colour space, metadata and channel statistics");
+    command->add_option("files", o->paths, "Images")->required();
+    command->footer("Example: imgtool info render.exr");
+    command->callback([o, &action] {
+        action = [o] {
+            for (const std::string &path : o->paths) PrintInfo(path);
+            return 0;
+        };
+    });
+}
+
+}  // namespace pbrt::imgtool

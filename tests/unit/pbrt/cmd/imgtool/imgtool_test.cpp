@@ -1,0 +1,328 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <future>
+#include <regex>
+
+#include "pbrt/images/image.h"
+
+namespace pbrt {
+
+namespace {
+
+struct Outcome {
+    int status = -1;
+    std::string out, err;
+};
+
+std::string FileText(const std::string &path) {
+    std::ifstream in(path);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class Imgtool : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        const auto *info = ::testing::UnitTest::GetInstance()->current_test_info();
+        directory_ = std::filesystem::temp_directory_path() /
+                     (std::string("pbrt_imgtool_") + info->name() + "_" + std::to_string(getpid()));
+        std::filesystem::create_directories(directory_);
+    }
+    void TearDown() override { std::filesystem::remove_all(directory_); }
+
+    std::string Path(const std::string &name) const { return (directory_ / name).string(); }
+
+    // Runs imgtool in the test's folder. It must exit by itself.
+    Outcome Run(const std::string &arguments) const {
+        static std::atomic<int> runs{0};
+        const std::string log = Path(".log" + std::to_string(runs++));
+        const std::string command = "cd '" + directory_.string() + "' && '" + PBRT_IMGTOOL + "' " + arguments + " > " +
+                                    log + ".out 2> " + log + ".err";
+        const int raw = std::system(command.c_str());
+        EXPECT_TRUE(WIFEXITED(raw)) << arguments;
+        return {WEXITSTATUS(raw), FileText(log + ".out"), FileText(log + ".err")};
+    }
+    // Independent runs, several at once: loading the libraries takes longest.
+    std::vector<Outcome> RunAll(const std::vector<std::string> &commands) const {
+        std::vector<std::future<Outcome>> running;
+        for (const std::string &c : commands)
+            running.push_back(std::async(std::launch::async, [this, c] { return Run(c); }));
+        std::vector<Outcome> outcomes;
+        for (auto &r : running) outcomes.push_back(r.get());
+        return outcomes;
+    }
+    // Pairs of arguments and a part of the message. Expects status 1 and nothing on standard output.
+    void ExpectErrors(const std::vector<std::pair<std::string, std::string>> &cases) const {
+        std::vector<std::string> commands;
+        for (const auto &c : cases) commands.push_back(c.first);
+        const std::vector<Outcome> outcomes = RunAll(commands);
+        for (size_t i = 0; i < cases.size(); ++i) {
+            const Outcome &o = outcomes[i];
+            EXPECT_EQ(o.status, 1) << commands[i];
+            EXPECT_EQ(o.out, "") << commands[i];
+            EXPECT_NE(o.err.find("Error"), std::string::npos) << commands[i] << "\n" << o.err;
+            EXPECT_NE(o.err.find(cases[i].second), std::string::npos) << commands[i] << "\n" << o.err;
+        }
+    }
+
+    // Values 0.1, 0.2, ... in every channel.
+    Image Write(const std::string &name, int width, int height, const std::vector<std::string> &channels,
+                Float offset = 0) const {
+        Image image(PixelFormat::Float, {width, height}, channels);
+        Float value = offset;
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                for (int c = 0; c < image.ChannelCount(); ++c) image.Set({x, y}, c, value += 0.1f);
+        WriteImage(Path(name), image);
+        return image;
+    }
+    std::filesystem::path directory_;
+};
+
+const std::vector<std::string> kRgb = {"R", "G", "B"};
+bool Has(const std::string &text, const std::string &part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_F(Imgtool, HelpListsCommandsAndExplainsEach) {
+    const std::vector<std::string> commands = {"info", "convert", "diff", "falsecolor", "average", "help"};
+    std::vector<std::string> runs = {"help", "--help", "diff --help"};
+    for (const std::string &command : commands) runs.push_back("help " + command);
+    const std::vector<Outcome> outcomes = RunAll(runs);
+    EXPECT_EQ(outcomes[0].out, outcomes[1].out);
+    EXPECT_EQ(outcomes[2].out, outcomes[5].out);
+    for (const Outcome &o : outcomes) {
+        EXPECT_EQ(o.status, 0);
+        EXPECT_EQ(o.err, "");
+        EXPECT_TRUE(Has(o.out, "Example: imgtool ")) << o.out;
+    }
+    for (const std::string &command : commands) EXPECT_TRUE(Has(outcomes[0].out, command)) << command;
+}
+
+TEST_F(Imgtool, UsageErrorsListTheChoices) {
+    ExpectErrors({{"", "Commands: info convert diff falsecolor average help"},
+                  {"frobnicate", "frobnicate"},
+                  {"help frobnicate", "falsecolor"},
+                  {"convert a.exr --outfile b.exr --sharpen", "--sharpen"},
+                  {"convert a.exr --outfile b.exr --sharpen", "--tonemap"},
+                  {"convert a.exr", "--outfile"},
+                  {"convert a.exr --outfile b.exr --scale x", "scale"},
+                  {"diff a.exr", "--reference"},
+                  {"info", "files"},
+                  {"info missing.exr", "missing.exr: No such"},
+                  {"falsecolor missing.exr --outfile x.png", "missing.exr"},
+                  {"average none --outfile x.exr", "\"none\""}});
+}
+
+TEST_F(Imgtool, InfoShowsWindowsSpaceMetadataAndStatistics) {
+    Image image(PixelFormat::Half, {2, 1}, kRgb);
+    image.Set({0, 0}, 0, 0.5f);
+    image.Set({1, 0}, 0, 1.5f);
+    image.Set({0, 0}, 1, NAN);
+    image.Set({0, 0}, 2, 8);
+    ImageMetadata metadata;
+    metadata.pixelBounds = Bounds2i{{3, 4}, {5, 5}};
+    metadata.fullResolution = Point2i(10, 20);
+    metadata.colorSpace = ColorSpace::Find("rec2020");
+    metadata.attributes["samplesPerPixel"] = 64;
+    metadata.attributes["commandLine"] = std::string("pbrt x");
+    glm::mat4 m(1);
+    m[3].x = 42;
+    metadata.attributes["worldToCamera"] = m;
+    WriteImage(Path("a.exr"), image, metadata);
+    const Outcome o = Run("info a.exr");
+    EXPECT_EQ(o.status, 0) << o.err;
+    for (const char *part :
+         {"2 x 1", "half", "10 x 20", "x 3 to 5, y 4 to 5", "samplesPerPixel: 64", "\"pbrt x\"", "worldToCamera"})
+        EXPECT_TRUE(Has(o.out, part)) << part << "\n" << o.out;
+    EXPECT_TRUE(Has(o.out, metadata.colorSpace->Name()));
+    EXPECT_TRUE(std::regex_search(o.out, std::regex("1 +0 +0 +42\n"))) << o.out;
+    EXPECT_TRUE(std::regex_search(o.out, std::regex("R +0\\.5 +1 +1\\.5 +0 +0\n"))) << o.out;
+    EXPECT_TRUE(std::regex_search(o.out, std::regex("G +0 +0 +0 +1 +0\n"))) << o.out;
+}
+
+TEST_F(Imgtool, DiffOfEqualImagesIsSilent) {
+    Write("a.exr", 4, 3, kRgb);
+    Write("b.exr", 4, 3, kRgb);
+    for (const char *metric : {"MAE", "MSE", "MRSE", "relL2"}) {
+        const Outcome o = Run(std::string("diff a.exr --reference b.exr --metric ") + metric);
+        EXPECT_EQ(o.status, 0);
+        EXPECT_EQ(o.out + o.err, "");
+    }
+}
+
+TEST_F(Imgtool, DiffReportsBothAveragesDeltaAndMetric) {
+    for (auto [name, value] : {std::pair("a.exr", 3.f), std::pair("b.exr", 2.f)}) {
+        Image image(PixelFormat::Float, {2, 2}, kRgb);
+        for (int i = 0; i < 12; ++i) image.Set({i / 3 % 2, i / 6}, i % 3, value);
+        WriteImage(Path(name), image);
+    }
+    const Outcome o = Run("diff a.exr --reference b.exr --outfile e.exr");
+    EXPECT_EQ(o.status, 1);
+    EXPECT_EQ(o.err, "");
+    EXPECT_TRUE(Has(o.out, "averages: 3 and 2 (+50% delta)")) << o.out;
+    EXPECT_TRUE(Has(o.out, "MSE: 1")) << o.out;
+    EXPECT_TRUE(Has(Run("diff a.exr --reference b.exr --metric=relL2").out, "relL2: 0.249377"));
+    EXPECT_TRUE(Has(Run("diff a.exr -Reference b.exr --Metric MAE").out, "MAE: 1"));
+    const Image errors = ReadImage(Path("e.exr")).image;
+    EXPECT_EQ(errors.Resolution(), Point2i(2, 2));
+    EXPECT_EQ(errors.Get({1, 1}, 2), 1);
+}
+
+TEST_F(Imgtool, DiffLooksOnlyAtTheChosenPart) {
+    Image image = Write("a.exr", 4, 3, kRgb);
+    image.Set({3, 2}, 2, 9);
+    WriteImage(Path("b.exr"), image);
+    EXPECT_EQ(Run("diff a.exr --reference b.exr").status, 1);
+    EXPECT_EQ(Run("diff a.exr --reference b.exr --channels R,G").status, 0);
+    EXPECT_EQ(Run("diff a.exr --reference b.exr --crop 0,3,0,3").status, 0);
+    EXPECT_EQ(Run("diff a.exr --reference b.exr --crop 3,4,2,3").status, 1);
+}
+
+TEST_F(Imgtool, DiffNeverCallsInvalidPixelsEqual) {
+    Image image(PixelFormat::Float, {1, 1}, {"Y"});
+    image.Set({0, 0}, 0, NAN);
+    WriteImage(Path("nan.exr"), image);
+    EXPECT_EQ(Run("diff nan.exr --reference nan.exr").status, 1);
+}
+
+TEST_F(Imgtool, DiffRefusesWhatCannotBeCompared) {
+    Write("a.exr", 4, 3, kRgb);
+    Write("small.exr", 3, 3, kRgb);
+    Write("grey.exr", 4, 3, {"Y"});
+    ImageMetadata metadata;
+    metadata.colorSpace = ColorSpace::Find("aces2065-1");
+    WriteImage(Path("aces.exr"), ReadImage(Path("a.exr")).image, metadata);
+    ExpectErrors({{"diff a.exr --reference small.exr", "resolution"},
+                  {"diff a.exr --reference grey.exr", "channels"},
+                  {"diff a.exr --reference aces.exr", "colour space"},
+                  {"diff a.exr --reference a.exr --metric FLIP", "not built yet"},
+                  {"diff a.exr --reference a.exr --metric PSNR", "relL2"},
+                  {"diff a.exr --reference a.exr --channels R,Q", "\"Q\""},
+                  {"diff a.exr --reference a.exr --crop 0,5,0,3", "4 x 3"},
+                  {"diff a.exr --reference a.exr --crop 2,2,0,3", "x0,x1,y0,y1"},
+                  {"diff a.exr --reference a.exr --crop 1,2,3", "crop"}});
+}
+
+TEST_F(Imgtool, ConvertCropsAndMovesTheDataWindow) {
+    const Image image = Write("a.exr", 6, 5, kRgb);
+    ASSERT_EQ(Run("convert a.exr --crop 2,5,1,3 --outfile c.exr").status, 0);
+    const ImageFile file = ReadImage(Path("c.exr"));
+    ASSERT_EQ(file.image.Resolution(), Point2i(3, 2));
+    EXPECT_EQ(file.metadata.pixelBounds->low, Point2i(2, 1));
+    EXPECT_EQ(file.metadata.fullResolution, Point2i(6, 5));
+    EXPECT_EQ(file.image.Get({2, 1}, 1), image.Get({4, 2}, 1));
+}
+
+TEST_F(Imgtool, ConvertChangesColours) {
+    const Image image = Write("a.exr", 2, 2, {"R", "G", "B", "A"});
+    auto converted = [&](const std::string &flags) {
+        const Outcome o = Run("convert a.exr --outfile c.exr " + flags);
+        EXPECT_EQ(o.status, 0) << flags << o.err;
+        return ReadImage(Path("c.exr")).image;
+    };
+    const Point2i p(1, 1);
+    const Image scaled = converted("--scale 2");
+    EXPECT_EQ(scaled.Format(), PixelFormat::Float);
+    EXPECT_FLOAT_EQ(scaled.Get(p, 0), 2 * image.Get(p, 0));
+    EXPECT_FLOAT_EQ(scaled.Get(p, 3), image.Get(p, 3));
+    EXPECT_FLOAT_EQ(converted("--scale=-2 --clamp 0.5").Get(p, 1), -0.5f);
+    EXPECT_FLOAT_EQ(converted("--gamma 2").Get(p, 1), Sqr(image.Get(p, 1)));
+    EXPECT_FLOAT_EQ(converted("--flipy").Get({1, 0}, 2), image.Get({1, 1}, 2));
+    EXPECT_EQ(converted("--fp16").Format(), PixelFormat::Half);
+    const Image blueRed = converted("--channels B,R");
+    EXPECT_EQ(blueRed.ChannelCount(), 2);
+    EXPECT_EQ(blueRed.Get(p, blueRed.FindChannel("B")), image.Get(p, 2));
+    const Image grey = converted("--bw");
+    EXPECT_EQ(grey.ChannelCount(), 1);
+    EXPECT_FLOAT_EQ(grey.Get(p, 0), (image.Get(p, 0) + image.Get(p, 1) + image.Get(p, 2)) / 3);
+    const Image repeated = converted("--repeatpix 3");
+    EXPECT_EQ(repeated.Resolution(), Point2i(6, 6));
+    for (int i = 3; i < 6; ++i) EXPECT_EQ(repeated.Get({i, 2}, 0), image.Get({1, 0}, 0));
+}
+
+TEST_F(Imgtool, TonemapMapsTheMaximumLuminanceToOneAndKeepsHue) {
+    Image image(PixelFormat::Float, {2, 1}, kRgb);
+    for (int c = 0; c < 3; ++c) image.Set({0, 0}, c, 4);
+    image.Set({1, 0}, 0, 2);
+    image.Set({1, 0}, 1, 1);
+    WriteImage(Path("a.exr"), image);
+    ASSERT_EQ(Run("convert a.exr --tonemap --maxluminance 4 --outfile t.exr").status, 0);
+    const Image mapped = ReadImage(Path("t.exr")).image;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(mapped.Get({0, 0}, c), 1, 1e-4f);
+    EXPECT_NEAR(mapped.Get({1, 0}, 0) / mapped.Get({1, 0}, 1), 2, 1e-5f);
+    // sRGB luminance 0.2126 * 2 + 0.7152.
+    const Float luminance = 1.1404f;
+    EXPECT_NEAR(mapped.Get({1, 0}, 1), (1 + luminance / 16) / (1 + luminance), 1e-3f);
+}
+
+TEST_F(Imgtool, ConvertWritesEveryFormatAndNoOther) {
+    const Image image = Write("a.exr", 3, 1, kRgb);
+    ASSERT_EQ(Run("convert a.exr --outfile a.pfm").status, 0);
+    EXPECT_EQ(ReadImage(Path("a.pfm")).image.Get({2, 0}, 1), image.Get({2, 0}, 1));
+    ASSERT_EQ(Run("convert a.exr --outfile a.png").status, 0);
+    EXPECT_NEAR(ReadImage(Path("a.png")).image.Get({2, 0}, 1), image.Get({2, 0}, 1), 0.005f);
+    ASSERT_EQ(Run("convert a.png --outfile b.exr").status, 0);
+    EXPECT_EQ(ReadImage(Path("b.exr")).image.Format(), PixelFormat::Half);
+    ExpectErrors({{"convert a.exr --outfile a.jpg", ".png"}});
+}
+
+TEST_F(Imgtool, FalsecolorOrdersValuesAndMarksInvalidOnes) {
+    Image image(PixelFormat::Float, {4, 1}, {"Y"});
+    for (int x = 0; x < 3; ++x) image.Set({x, 0}, 0, static_cast<Float>(x));
+    image.Set({3, 0}, 0, NAN);
+    WriteImage(Path("a.exr"), image);
+    const Outcome o = Run("falsecolor a.exr --ramp --outfile f.png");
+    EXPECT_EQ(o.status, 0) << o.err;
+    EXPECT_TRUE(Has(o.out, "0 to 2")) << o.out;
+    EXPECT_EQ(o.err, "");
+    const Image shown = ReadImage(Path("f.png")).image;
+    EXPECT_GT(shown.Resolution().y, 1);
+    auto luminance = [&](int x, int y) {
+        return 0.2f * shown.Get({x, y}, 0) + 0.7f * shown.Get({x, y}, 1) + 0.1f * shown.Get({x, y}, 2);
+    };
+    EXPECT_LT(luminance(0, 0), luminance(1, 0));
+    EXPECT_LT(luminance(1, 0), luminance(2, 0));
+    EXPECT_EQ(shown.Get({3, 0}, 1), 0);
+    for (int x = 0; x < 3; ++x) EXPECT_LT(luminance(x, 5), luminance(x + 1, 5));
+    EXPECT_EQ(Run("falsecolor a.exr --outfile g.png").status, 0);
+    EXPECT_EQ(ReadImage(Path("g.png")).image.Resolution(), Point2i(4, 1));
+    EXPECT_TRUE(Has(Run("falsecolor a.exr --maxvalue 8 --outfile h.png").out, "0 to 8"));
+}
+
+TEST_F(Imgtool, FalsecolorPlusMinusIsBlueBelowAndRedAboveZero) {
+    Image image(PixelFormat::Float, {3, 1}, {"Y"});
+    image.Set({0, 0}, 0, -2);
+    image.Set({2, 0}, 0, 1);
+    WriteImage(Path("a.exr"), image);
+    const Outcome o = Run("falsecolor a.exr --plusminus --outfile f.exr");
+    EXPECT_TRUE(Has(o.out, "-2 to 2")) << o.out << o.err;
+    const Image shown = ReadImage(Path("f.exr")).image;
+    EXPECT_GT(shown.Get({0, 0}, 2), shown.Get({0, 0}, 0));
+    EXPECT_EQ(shown.Get({1, 0}, 0) + shown.Get({1, 0}, 2), 0);
+    EXPECT_GT(shown.Get({2, 0}, 0), shown.Get({2, 0}, 2));
+}
+
+TEST_F(Imgtool, AverageIsTheMeanOfAllFilesWithThePrefix) {
+    std::filesystem::create_directory(Path("runs"));
+    const Image a = Write("runs/seed0.exr", 3, 2, kRgb, 0);
+    Write("runs/seed1.exr", 3, 2, kRgb, 1);
+    Write("runs/seed2.exr", 3, 2, kRgb, 5);
+    Write("runs/other.exr", 3, 2, kRgb, 100);
+    ASSERT_EQ(Run("average runs/seed --outfile runs/seedmean.exr").status, 0);
+    const Image mean = ReadImage(Path("runs/seedmean.exr")).image;
+    EXPECT_NEAR(mean.Get({2, 1}, 2), a.Get({2, 1}, 2) + 2, 1e-5f);
+    // The result of the last run is not averaged in.
+    ASSERT_EQ(Run("average runs/seed --outfile runs/seedmean.exr").status, 0);
+    EXPECT_EQ(ReadImage(Path("runs/seedmean.exr")).image.Get({2, 1}, 2), mean.Get({2, 1}, 2));
+    Write("runs/seed3.exr", 2, 2, kRgb);
+    ExpectErrors({{"average runs/seed --outfile runs/mean.exr", "seed3.exr"}});
+}
+
+}  // namespace pbrt

@@ -1,0 +1,62 @@
+#pragma once
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
+#include <string>
+
+#include "pbrt/images/image.h"
+
+namespace pbrt::test {
+
+/// A folder of its own for every test, removed at the end.
+class FileTest : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        const auto *info = ::testing::UnitTest::GetInstance()->current_test_info();
+        directory_ = std::filesystem::temp_directory_path() / (std::string("pbrt_images_") + info->test_suite_name() +
+                                                               "_" + info->name() + "_" + std::to_string(getpid()));
+        std::filesystem::create_directories(directory_);
+    }
+    void TearDown() override { std::filesystem::remove_all(directory_); }
+    std::string Path(const std::string &name) const { return (directory_ / name).string(); }
+    std::string WriteBytes(const std::string &name, const std::string &bytes) const {
+        std::ofstream(Path(name), std::ios::binary) << bytes;
+        return Path(name);
+    }
+    std::filesystem::path directory_;
+};
+
+inline std::string Bytes(std::initializer_list<int> values) {
+    std::string bytes;
+    for (int v : values) bytes += static_cast<char>(v);
+    return bytes;
+}
+
+/// Pixels that all differ, in [low, high].
+inline Image NoiseImage(PixelFormat format, Point2i resolution, std::vector<std::string> channels, Float low = 0,
+                        Float high = 1, ColorEncoding encoding = {}) {
+    Image image(format, resolution, std::move(channels), encoding);
+    uint32_t state = 12345;
+    for (int y = 0; y < resolution.y; ++y)
+        for (int x = 0; x < resolution.x; ++x)
+            for (int c = 0; c < image.ChannelCount(); ++c) {
+                state = state * 1664525u + 1013904223u;
+                image.Set({x, y}, c, low + (high - low) * static_cast<Float>(state >> 8) * 0x1p-24f);
+            }
+    return image;
+}
+
+inline void ExpectSamePixels(const Image &a, const Image &b, Float tolerance = 0) {
+    ASSERT_EQ(a.Resolution(), b.Resolution());
+    ASSERT_EQ(a.Channels(), b.Channels());
+    for (int y = 0; y < a.Resolution().y; ++y)
+        for (int x = 0; x < a.Resolution().x; ++x)
+            for (int c = 0; c < a.ChannelCount(); ++c)
+                ASSERT_NEAR(a.Get({x, y}, c), b.Get({x, y}, c), tolerance)
+                    << "x " << x << " y " << y << " channel " << c;
+}
+
+}  // namespace pbrt::test

@@ -1,0 +1,229 @@
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenImageIO/imageio.h>
+
+#include <cmath>
+
+#include "image_fixtures.h"
+#include "pbrt/core/error.h"
+
+namespace pbrt {
+
+using test::Bytes;
+
+class ReadImageFile : public test::FileTest {
+  protected:
+    // Writes raw values through OpenImageIO, which does no conversion here.
+    template <class T>
+    std::string Write(const std::string &name, int width, int height, int channels, OIIO::TypeDesc type,
+                      const std::vector<T> &values, std::vector<std::string> names = {}) {
+        OIIO::ImageSpec spec(width, height, channels, type);
+        spec["oiio:UnassociatedAlpha"] = 1;
+        spec["jpeg:subsampling"] = "4:4:4";
+        spec["compression"] = name.ends_with(".jpg") ? "jpeg:100" : "";
+        if (!names.empty()) spec.channelnames = names;
+        if (channels == 2) spec.alpha_channel = 1;
+        auto out = OIIO::ImageOutput::create(Path(name));
+        EXPECT_TRUE(out && out->open(Path(name), spec) && out->write_image(type, values.data()) && out->close())
+            << name;
+        return Path(name);
+    }
+};
+
+namespace {
+const ColorEncoding kSrgb{};
+Float Decoded(int byte) { return kSrgb.ToLinear(static_cast<Float>(byte) / 255); }
+std::string Message(const std::function<void()> &f) {
+    try {
+        f();
+    } catch (const UserError &e) {
+        return e.what();
+    }
+    return "no error";
+}
+}  // namespace
+
+TEST_F(ReadImageFile, PngIsSrgbUnlessTheCallerSaysOtherwise) {
+    const std::string path = Write<uint8_t>("a.png", 2, 1, 3, OIIO::TypeDesc::UINT8, {0, 100, 255, 10, 20, 30});
+    const Image image = ReadImage(path).image;
+    EXPECT_EQ(image.Format(), PixelFormat::U8);
+    EXPECT_EQ(image.Channels(), (std::vector<std::string>{"R", "G", "B"}));
+    EXPECT_FLOAT_EQ(image.Get({0, 0}, 1), Decoded(100));
+    EXPECT_FLOAT_EQ(ReadImage(path, ColorEncoding::Parse("linear")).image.Get({0, 0}, 1), 100 / 255.f);
+    EXPECT_FLOAT_EQ(ReadImage(path, ColorEncoding::Parse("gamma 2")).image.Get({1, 0}, 2), Sqr(30 / 255.f));
+}
+
+TEST_F(ReadImageFile, PngGreyIsOneChannelAndLosesAlpha) {
+    const Image grey = ReadImage(Write<uint8_t>("a.png", 2, 1, 1, OIIO::TypeDesc::UINT8, {50, 60})).image;
+    EXPECT_EQ(grey.Channels(), std::vector<std::string>{"Y"});
+    EXPECT_FLOAT_EQ(grey.Get({1, 0}, 0), Decoded(60));
+    const Image alpha =
+        ReadImage(Write<uint8_t>("b.png", 2, 1, 2, OIIO::TypeDesc::UINT8, {50, 0, 60, 128}, {"Y", "A"})).image;
+    EXPECT_EQ(alpha.Channels(), std::vector<std::string>{"Y"});
+    // Not multiplied by alpha.
+    EXPECT_FLOAT_EQ(alpha.Get({0, 0}, 0), Decoded(50));
+    EXPECT_FLOAT_EQ(alpha.Get({1, 0}, 0), Decoded(60));
+}
+
+TEST_F(ReadImageFile, PngAlphaStaysUnassociated) {
+    const Image image =
+        ReadImage(Write<uint8_t>("a.png", 2, 1, 4, OIIO::TypeDesc::UINT8, {200, 100, 50, 0, 10, 20, 30, 128})).image;
+    EXPECT_EQ(image.Channels(), (std::vector<std::string>{"R", "G", "B", "A"}));
+    EXPECT_FLOAT_EQ(image.Get({0, 0}, 0), Decoded(200));
+    EXPECT_FLOAT_EQ(image.Get({1, 0}, 2), Decoded(30));
+    // Stock pbrt-v4 decodes alpha like a colour.
+    EXPECT_FLOAT_EQ(image.Get({1, 0}, 3), Decoded(128));
+}
+
+TEST_F(ReadImageFile, SixteenBitPngBecomesLinearHalf) {
+    const std::string path =
+        Write<uint16_t>("a.png", 2, 1, 3, OIIO::TypeDesc::UINT16, {0, 32768, 65535, 1000, 20000, 40000});
+    const Image image = ReadImage(path).image;
+    EXPECT_EQ(image.Format(), PixelFormat::Half);
+    EXPECT_NEAR(image.Get({0, 0}, 1), kSrgb.ToLinear(32768 / 65535.f), 2e-4f);
+    EXPECT_NEAR(ReadImage(path, ColorEncoding::Parse("linear")).image.Get({1, 0}, 1), 20000 / 65535.f, 2e-4f);
+    const Image grey = ReadImage(Write<uint16_t>("g.png", 1, 2, 1, OIIO::TypeDesc::UINT16, {65535, 30000})).image;
+    EXPECT_EQ(grey.ChannelCount(), 1);
+    EXPECT_NEAR(grey.Get({0, 1}, 0), kSrgb.ToLinear(30000 / 65535.f), 2e-4f);
+}
+
+TEST_F(ReadImageFile, PalettePngExpandsToRgb) {
+    // 2x1, two entries (255,0,0) and (0,128,255), the second one transparent; written by hand with Python's zlib.
+    const std::string path = WriteBytes(
+        "p.png",
+        Bytes({0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00,
+               0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x03, 0x00, 0x00, 0x00, 0xc3, 0xfc, 0x8f, 0xb8, 0x00,
+               0x00, 0x00, 0x06, 0x50, 0x4c, 0x54, 0x45, 0xff, 0x00, 0x00, 0x00, 0x80, 0xff, 0x57, 0x22, 0x65, 0xc5,
+               0x00, 0x00, 0x00, 0x02, 0x74, 0x52, 0x4e, 0x53, 0xff, 0x00, 0xe5, 0xb7, 0x30, 0x4a, 0x00, 0x00, 0x00,
+               0x0b, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0x60, 0x60, 0x04, 0x00, 0x00, 0x04, 0x00, 0x02, 0xbf,
+               0x7a, 0x3f, 0x4a, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82}));
+    const Image image = ReadImage(path).image;
+    EXPECT_EQ(image.Channels(), (std::vector<std::string>{"R", "G", "B"}));
+    EXPECT_EQ(image.Get({0, 0}, 0), 1);
+    EXPECT_EQ(image.Get({0, 0}, 2), 0);
+    EXPECT_FLOAT_EQ(image.Get({1, 0}, 1), Decoded(128));
+    EXPECT_EQ(image.Get({1, 0}, 2), 1);
+}
+
+TEST_F(ReadImageFile, TgaRowsAndAlphaComeOutAsStored) {
+    // Uncompressed 24-bit BGR, 2x2. Descriptor bit 5: the first row is the top one.
+    const std::string header = Bytes({0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24});
+    const std::string pixels = Bytes({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
+    const Image bottomUp = ReadImage(WriteBytes("up.tga", header + Bytes({0}) + pixels)).image;
+    const Image topDown = ReadImage(WriteBytes("down.tga", header + Bytes({0x20}) + pixels)).image;
+    EXPECT_EQ(topDown.Channels(), (std::vector<std::string>{"R", "G", "B"}));
+    EXPECT_FLOAT_EQ(topDown.Get({0, 0}, 0), Decoded(3));
+    EXPECT_FLOAT_EQ(topDown.Get({1, 1}, 2), Decoded(10));
+    EXPECT_FLOAT_EQ(bottomUp.Get({0, 1}, 0), Decoded(3));
+    EXPECT_FLOAT_EQ(bottomUp.Get({1, 0}, 2), Decoded(10));
+    // 32 bits with 8 bits of alpha: dropped, nothing multiplied.
+    const std::string alphaHeader = Bytes({0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 32, 0x28});
+    const Image alpha = ReadImage(WriteBytes("alpha.tga", alphaHeader + Bytes({30, 60, 90, 128}))).image;
+    EXPECT_EQ(alpha.Channels(), (std::vector<std::string>{"R", "G", "B"}));
+    EXPECT_FLOAT_EQ(alpha.Get({0, 0}, 0), Decoded(90));
+    EXPECT_FLOAT_EQ(alpha.Get({0, 0}, 2), Decoded(30));
+}
+
+TEST_F(ReadImageFile, OtherByteFormatsAreSrgbWhateverTheCallerSays) {
+    const std::vector<uint8_t> grey(16 * 16 * 3, 100);
+    for (const char *name : {"a.bmp", "a.jpg", "a.ppm"}) {
+        const std::string path = Write<uint8_t>(name, 16, 16, 3, OIIO::TypeDesc::UINT8, grey);
+        const Image image = ReadImage(path, ColorEncoding::Parse("linear")).image;
+        EXPECT_EQ(image.Channels(), (std::vector<std::string>{"R", "G", "B"})) << name;
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(image.Get({7, 7}, c), Decoded(100), 0.004f) << name;
+    }
+}
+
+TEST_F(ReadImageFile, RadianceIsLinearFloatTopRowFirst) {
+    const std::vector<float> values = {1, 2, 4, 8, 16, 32, 0.5f, 0.25f, 0.125f, 3, 3, 3};
+    const Image image = ReadImage(Write<float>("a.hdr", 2, 2, 3, OIIO::TypeDesc::FLOAT, values)).image;
+    EXPECT_EQ(image.Format(), PixelFormat::Float);
+    for (int i = 0; i < 12; ++i) {
+        const Float expected = values[static_cast<size_t>(i)];
+        EXPECT_NEAR(image.Get({i / 3 % 2, i / 6}, i % 3), expected, 0.05f * expected) << i;
+    }
+}
+
+TEST_F(ReadImageFile, PfmHasItsBottomRowFirstInEitherByteOrder) {
+    auto word = [](float v, bool big) {
+        uint32_t bits = std::bit_cast<uint32_t>(v);
+        std::string s;
+        for (int i = 0; i < 4; ++i) s += static_cast<char>(bits >> (big ? 24 - 8 * i : 8 * i));
+        return s;
+    };
+    for (bool big : {false, true}) {
+        std::string bytes = big ? "PF\n1 2\n1.0\n" : "PF\n1 2\n-1.0\n";
+        for (float v : {1.f, 2.f, 3.f, 4.f, 5.f, 6.5f}) bytes += word(v, big);
+        const Image image = ReadImage(WriteBytes("a.pfm", bytes)).image;
+        EXPECT_EQ(image.Get({0, 1}, 0), 1);
+        EXPECT_EQ(image.Get({0, 1}, 2), 3);
+        EXPECT_EQ(image.Get({0, 0}, 2), 6.5f);
+    }
+    const Image grey = ReadImage(WriteBytes("g.pfm", "Pf 2 1 -1\n" + word(0.5f, false) + word(7, false))).image;
+    EXPECT_EQ(grey.Channels(), std::vector<std::string>{"Y"});
+    EXPECT_EQ(grey.Get({1, 0}, 0), 7);
+}
+
+TEST_F(ReadImageFile, ExrOfMixedTypesKeepsBothExactly) {
+    Imf::Header header(2, 1);
+    header.channels().insert("R", Imf::Channel(Imf::HALF));
+    header.channels().insert("depth", Imf::Channel(Imf::FLOAT));
+    half r[2] = {half(0.5f), half(3.f)};
+    float depth[2] = {1.2345678f, 1e20f};
+    {
+        Imf::OutputFile file(Path("m.exr").c_str(), header);
+        Imf::FrameBuffer buffer;
+        buffer.insert("R", Imf::Slice(Imf::HALF, reinterpret_cast<char *>(r), sizeof(half), 0));
+        buffer.insert("depth", Imf::Slice(Imf::FLOAT, reinterpret_cast<char *>(depth), sizeof(float), 0));
+        file.setFrameBuffer(buffer);
+        file.writePixels(1);
+    }
+    const Image image = ReadImage(Path("m.exr")).image;
+    EXPECT_EQ(image.Get({1, 0}, image.FindChannel("R")), 3);
+    EXPECT_EQ(image.Get({0, 0}, image.FindChannel("depth")), depth[0]);
+    EXPECT_EQ(image.Get({1, 0}, image.FindChannel("depth")), depth[1]);
+}
+
+TEST_F(ReadImageFile, UnknownChromaticitiesWarnAndCountAsSrgb) {
+    Imf::Header header(1, 1);
+    Imf::addChromaticities(header, {{0.5f, 0.3f}, {0.3f, 0.5f}, {0.2f, 0.1f}, {0.3f, 0.3f}});
+    header.channels().insert("Y", Imf::Channel(Imf::HALF));
+    half y(1.f);
+    {
+        Imf::OutputFile file(Path("odd.exr").c_str(), header);
+        Imf::FrameBuffer buffer;
+        buffer.insert("Y", Imf::Slice(Imf::HALF, reinterpret_cast<char *>(&y), sizeof(half), sizeof(half)));
+        file.setFrameBuffer(buffer);
+        file.writePixels(1);
+    }
+    ::testing::internal::CaptureStderr();
+    const ImageFile file = ReadImage(Path("odd.exr"));
+    EXPECT_NE(::testing::internal::GetCapturedStderr().find("sRGB is assumed"), std::string::npos);
+    EXPECT_EQ(file.metadata.colorSpace, nullptr);
+}
+
+TEST_F(ReadImageFile, ErrorsNameTheFile) {
+    EXPECT_NE(Message([&] { ReadImage(Path("missing.png")); }).find("missing.png: No such"), std::string::npos);
+    EXPECT_NE(Message([&] { ReadImage(directory_.string()); }).find("directory"), std::string::npos);
+    for (const char *name :
+         {"broken.png", "broken.exr", "broken.pfm", "broken.hdr", "broken.jpg", "broken.tga", "broken.qoi"}) {
+        const std::string path = WriteBytes(name, "this is no image at all, whatever its name says");
+        EXPECT_NE(Message([&] { ReadImage(path); }).find(name), std::string::npos) << name;
+    }
+    for (const char *bytes :
+         {"PF\n2 2\n-1\nabc", "PF\n0 2\n-1\n", "PF\n2 x\n-1\n", "PF\n2 2\n0\n", "PF\n1e9 1e9\n-1\n", "PF"})
+        EXPECT_NE(Message([&] { ReadImage(WriteBytes("bad.pfm", bytes)); }).find("bad.pfm"), std::string::npos)
+            << bytes;
+    // Truncated in the middle of the pixels.
+    const std::string whole =
+        Write<uint8_t>("whole.png", 64, 64, 3, OIIO::TypeDesc::UINT8, std::vector<uint8_t>(64 * 64 * 3, 7));
+    std::ifstream in(whole, std::ios::binary);
+    const std::string content((std::istreambuf_iterator<char>(in)), {});
+    const std::string cut = WriteBytes("cut.png", content.substr(0, content.size() / 2));
+    EXPECT_NE(Message([&] { ReadImage(cut); }).find("cut.png"), std::string::npos);
+}
+
+}  // namespace pbrt

@@ -1,0 +1,180 @@
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfMatrixAttribute.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+
+#include <cmath>
+
+#include "image_fixtures.h"
+#include "pbrt/core/error.h"
+
+namespace pbrt {
+
+using test::ExpectSamePixels;
+using test::NoiseImage;
+class WriteImageFile : public test::FileTest {};
+
+TEST_F(WriteImageFile, ExrKeepsHalfAndFloatExactly) {
+    for (PixelFormat format : {PixelFormat::Half, PixelFormat::Float}) {
+        const Image image = NoiseImage(format, {37, 21}, {"R", "G", "B"}, -3, 1000);
+        WriteImage(Path("a.exr"), image);
+        const ImageFile file = ReadImage(Path("a.exr"));
+        EXPECT_EQ(file.image.Format(), format);
+        ExpectSamePixels(file.image, image);
+        EXPECT_EQ(file.metadata.colorSpace, nullptr);
+        EXPECT_EQ(file.metadata.fullResolution, Point2i(37, 21));
+    }
+}
+
+TEST_F(WriteImageFile, ExrStoresBytesAsLinearHalf) {
+    const Image image = NoiseImage(PixelFormat::U8, {16, 4}, {"R", "G", "B"});
+    WriteImage(Path("a.exr"), image);
+    const ImageFile file = ReadImage(Path("a.exr"));
+    EXPECT_EQ(file.image.Format(), PixelFormat::Half);
+    ExpectSamePixels(file.image, image, 0.0005f);
+}
+
+TEST_F(WriteImageFile, ExrKeepsManyChannelsByName) {
+    const std::vector<std::string> names = {"R",        "G",   "B",   "Albedo.R", "Albedo.G",
+                                            "Albedo.B", "N.X", "N.Y", "N.Z",      "S0.360,000nm"};
+    const Image image = NoiseImage(PixelFormat::Float, {8, 8}, names);
+    WriteImage(Path("a.exr"), image);
+    const Image read = ReadImage(Path("a.exr")).image;
+    ASSERT_EQ(read.ChannelCount(), image.ChannelCount());
+    EXPECT_EQ(read.Channels()[0], "R");
+    EXPECT_EQ(read.Channels()[1], "G");
+    EXPECT_EQ(read.Channels()[2], "B");
+    ExpectSamePixels(read.Extract(names), image);
+}
+
+TEST_F(WriteImageFile, ExrKeepsWindowsChromaticitiesAndAttributes) {
+    const Image image = NoiseImage(PixelFormat::Half, {10, 6}, {"R", "G", "B"});
+    ImageMetadata metadata;
+    metadata.pixelBounds = Bounds2i{{5, 3}, {15, 9}};
+    metadata.fullResolution = Point2i(40, 30);
+    metadata.colorSpace = ColorSpace::Find("rec2020");
+    glm::mat4 matrix(1);
+    matrix[3] = glm::vec4(7, 8, 9, 1);  // translation
+    metadata.attributes["worldToCamera"] = matrix;
+    metadata.attributes["samplesPerPixel"] = 64;
+    metadata.attributes["renderTimeSeconds"] = 1.5f;
+    metadata.attributes["commandLine"] = std::string("pbrt --spp 64 \"a b\".pbrt");
+    WriteImage(Path("a.exr"), image, metadata);
+
+    const ImageFile file = ReadImage(Path("a.exr"));
+    ExpectSamePixels(file.image, image);
+    EXPECT_EQ(file.metadata.pixelBounds->low, Point2i(5, 3));
+    EXPECT_EQ(file.metadata.pixelBounds->high, Point2i(15, 9));
+    EXPECT_EQ(file.metadata.fullResolution, Point2i(40, 30));
+    EXPECT_EQ(file.metadata.colorSpace, ColorSpace::Find("rec2020"));
+    EXPECT_EQ(file.metadata.attributes, metadata.attributes);
+
+    // The file's own view: the data window inside the display window, the translation in the last column.
+    Imf::InputFile exr(Path("a.exr").c_str());
+    EXPECT_EQ(exr.header().dataWindow(), Imath::Box2i({5, 3}, {14, 8}));
+    EXPECT_EQ(exr.header().displayWindow(), Imath::Box2i({0, 0}, {39, 29}));
+    EXPECT_EQ(exr.header().compression(), Imf::ZIP_COMPRESSION);
+    const Imath::M44f m = exr.header().typedAttribute<Imf::M44fAttribute>("worldToCamera").value();
+    EXPECT_EQ(m[0][3], 7);
+    EXPECT_EQ(m[1][3], 8);
+    EXPECT_EQ(m[2][3], 9);
+    EXPECT_EQ(m[3][0], 0);
+}
+
+TEST_F(WriteImageFile, ExrStatesNoChromaticitiesForSrgb) {
+    ImageMetadata metadata;
+    metadata.colorSpace = &ColorSpace::SRGB();
+    WriteImage(Path("a.exr"), NoiseImage(PixelFormat::Half, {4, 4}, {"R", "G", "B"}), metadata);
+    EXPECT_FALSE(Imf::hasChromaticities(Imf::InputFile(Path("a.exr").c_str()).header()));
+}
+
+TEST_F(WriteImageFile, EveryColorSpaceIsFoundAgain) {
+    for (const std::string &name : ColorSpace::Names()) {
+        ImageMetadata metadata;
+        metadata.colorSpace = ColorSpace::Find(name);
+        WriteImage(Path("a.exr"), NoiseImage(PixelFormat::Half, {4, 4}, {"R", "G", "B"}), metadata);
+        const ColorSpace *read = ReadImage(Path("a.exr")).metadata.colorSpace;
+        EXPECT_EQ(read ? read : &ColorSpace::SRGB(), metadata.colorSpace) << name;
+    }
+}
+
+TEST_F(WriteImageFile, PngRoundTripsBytesOfOneThreeAndFourChannels) {
+    for (const std::vector<std::string> &names :
+         {std::vector<std::string>{"Y"}, std::vector<std::string>{"R", "G", "B"},
+          std::vector<std::string>{"R", "G", "B", "A"}}) {
+        const Image image = NoiseImage(PixelFormat::U8, {13, 9}, names);
+        WriteImage(Path("a.png"), image);
+        const ImageFile file = ReadImage(Path("a.png"));
+        EXPECT_EQ(file.image.Format(), PixelFormat::U8);
+        ExpectSamePixels(file.image, image);
+    }
+}
+
+TEST_F(WriteImageFile, PngIsSrgbAndClampsWithACount) {
+    Image image(PixelFormat::Float, {3, 1}, {"R", "G", "B"});
+    const Float values[9] = {0, 0.5f, 1, -1, 2, NAN, 0.25f, 0.75f, 0.1f};
+    for (int i = 0; i < 9; ++i) image.Set({i / 3, 0}, i % 3, values[i]);
+    ::testing::internal::CaptureStderr();
+    WriteImage(Path("clamped.png"), image);
+    const std::string message = ::testing::internal::GetCapturedStderr();
+    EXPECT_NE(message.find("3 of 9"), std::string::npos) << message;
+    const Image read = ReadImage(Path("clamped.png")).image;
+    const Float expected[9] = {0, 0.5f, 1, 0, 1, 0, 0.25f, 0.75f, 0.1f};
+    // Half a byte step of sRGB is at most about 0.0045 in linear values.
+    for (int i = 0; i < 9; ++i) EXPECT_NEAR(read.Get({i / 3, 0}, i % 3), expected[i], 0.0046f) << i;
+}
+
+TEST_F(WriteImageFile, PlainFormatsConvertToSrgb) {
+    ImageMetadata metadata;
+    metadata.colorSpace = ColorSpace::Find("rec2020");
+    Image image(PixelFormat::Float, {1, 1}, {"R", "G", "B"});
+    const Rgb wide(0.2f, 0.3f, 0.25f);
+    for (int c = 0; c < 3; ++c) image.Set({0, 0}, c, wide[c]);
+    WriteImage(Path("a.pfm"), image, metadata);
+    const Image read = ReadImage(Path("a.pfm")).image;
+    const Xyz expected = metadata.colorSpace->ToXyz(wide);
+    const Xyz got = ColorSpace::SRGB().ToXyz({read.Get({0, 0}, 0), read.Get({0, 0}, 1), read.Get({0, 0}, 2)});
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[c], expected[c], 1e-5f);
+}
+
+TEST_F(WriteImageFile, PfmKeepsFloatsOfOneAndThreeChannels) {
+    for (const std::vector<std::string> &names :
+         {std::vector<std::string>{"Y"}, std::vector<std::string>{"R", "G", "B"}}) {
+        const Image image = NoiseImage(PixelFormat::Float, {11, 5}, names, -10, 1e6f);
+        WriteImage(Path("a.pfm"), image);
+        ExpectSamePixels(ReadImage(Path("a.pfm")).image, image);
+    }
+}
+
+TEST_F(WriteImageFile, PlainFormatsKeepRgbOfLargerImages) {
+    const Image image = NoiseImage(PixelFormat::Float, {4, 4}, {"R", "G", "B", "A", "z"});
+    WriteImage(Path("a.pfm"), image);
+    ExpectSamePixels(ReadImage(Path("a.pfm")).image, image.Select({"R", "G", "B"}));
+    EXPECT_THROW(WriteImage(Path("b.png"), NoiseImage(PixelFormat::Float, {4, 4}, {"u", "v"})), UserError);
+    EXPECT_FALSE(std::filesystem::exists(Path("b.png")));
+}
+
+TEST_F(WriteImageFile, FailuresLeaveNothingBehind) {
+    const Image image = NoiseImage(PixelFormat::Half, {4, 4}, {"R", "G", "B"});
+    EXPECT_THROW(WriteImage(Path("a.tiff"), image), UserError);
+    EXPECT_THROW(WriteImage(Path("no/such/folder/a.exr"), image), UserError);
+    EXPECT_THROW(WriteImage(Path("no/such/folder/a.png"), image), UserError);
+    EXPECT_THROW(WriteImage(Path("no/such/folder/a.pfm"), image), UserError);
+    std::filesystem::create_directory(Path("taken.exr"));
+    EXPECT_THROW(WriteImage(Path("taken.exr"), image), UserError);
+    size_t files = 0;
+    for (const auto &entry : std::filesystem::directory_iterator(directory_)) files += entry.is_regular_file();
+    EXPECT_EQ(files, 0u);
+}
+
+TEST_F(WriteImageFile, WarnsOfValuesTooLargeForHalf) {
+    Image image(PixelFormat::Half, {2, 1}, {"Y"});
+    image.Set({0, 0}, 0, 1e6f);
+    image.Set({1, 0}, 0, 5);
+    ::testing::internal::CaptureStderr();
+    WriteImage(Path("bright.exr"), image);
+    EXPECT_NE(::testing::internal::GetCapturedStderr().find("1 values"), std::string::npos);
+    EXPECT_EQ(ReadImage(Path("bright.exr")).image.Get({0, 0}, 0), 65504);
+}
+
+}  // namespace pbrt

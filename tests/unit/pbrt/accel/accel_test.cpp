@@ -1,0 +1,157 @@
+#include "pbrt/accel/accel.h"
+
+#include <gtest/gtest.h>
+
+#include "accel_scenes.h"
+
+namespace pbrt {
+namespace {
+
+using Shapes = std::vector<std::unique_ptr<Shape>>;
+
+struct Placement {
+    int32_t instance;
+    Transform transform;
+};
+
+/// Every primitive of every placement, in double where Shape::Intersect is.
+std::optional<AccelHit> SlowIntersect(const Shapes &shapes, const std::vector<Placement> &placements, const Ray &ray) {
+    std::optional<AccelHit> best;
+    Float tMax = ray.tMax;
+    for (const Placement &p : placements) {
+        Point3 o = p.transform.InversePoint(ray.o);
+        Vector3 d = p.transform.InverseVector(ray.d);
+        for (size_t s = 0; s < shapes.size(); ++s)
+            for (uint32_t i = 0; i < shapes[s]->PrimitiveCount(); ++i)
+                if (auto hit = shapes[s]->Intersect(i, o, d, 0, tMax)) {
+                    best = AccelHit{ShapeId(s), i, *hit, p.instance};
+                    tMax = hit->t;
+                }
+    }
+    return best;
+}
+
+/// Compares both on random rays; returns how many hit.
+int CompareOnRandomRays(const Accel &accel, const Shapes &shapes, const std::vector<Placement> &placements, int rays) {
+    Rng rng(33);
+    int hits = 0, different = 0;
+    Bounds3 b = accel.Bounds();
+    for (int i = 0; i < rays; ++i) {
+        Ray ray;
+        for (int k = 0; k < 3; ++k) {
+            Float margin = 0.5f;
+            ray.o[k] = Lerp(rng.Uniform() * (1 + 2 * margin) - margin, b.low[k], b.high[k]);
+            ray.d[k] = Lerp(rng.Uniform(), b.low[k], b.high[k]);
+        }
+        ray.d = (ray.d - ray.o) * (0.1f + 2 * rng.Uniform());
+        if (i % 4 == 0) ray.tMax = 0.5f;
+        auto fast = accel.Intersect(ray);
+        auto slow = SlowIntersect(shapes, placements, ray);
+        EXPECT_EQ(fast.has_value(), accel.Occluded(ray)) << i;
+        hits += fast.has_value();
+        if (fast.has_value() != slow.has_value() || (fast && (fast->shape != slow->shape || fast->primitive != slow->primitive ||
+                                                             fast->instance != slow->instance))) {
+            ++different;  // edges of primitives, decided by rounding
+            continue;
+        }
+        if (!fast) continue;
+        // In rendering space: barycentrics and t must describe the same point.
+        const Shape &shape = *shapes[fast->shape.value];
+        Transform t = fast->instance < 0 ? Transform() : accel.InstanceTransform(fast->instance);
+        SurfacePoint a = TransformSurface(t, shape.Surface(fast->primitive, fast->hit));
+        SurfacePoint c = TransformSurface(t, shape.Surface(slow->primitive, slow->hit));
+        Float graze = std::max(Float(0.02), AbsDot(Normalize(ray.d), a.n));
+        EXPECT_LT(Distance(a.p, c.p), 2e-5f / graze) << i;
+        EXPECT_LT(Distance(a.p, ray(fast->hit.t)), 2e-5f / graze) << i;
+        EXPECT_LT(glm::length(a.uv - c.uv), 2e-3f / graze) << i;
+    }
+    EXPECT_LE(different, rays / 2000 + 1);
+    return hits;
+}
+
+TEST(Accel, AgreesWithTheSlowTwinForEveryKind) {
+    Shapes shapes = test::EveryKind(Transform());
+    Accel accel;
+    for (size_t i = 0; i < shapes.size(); ++i) accel.AddShape(ShapeId(i), *shapes[i], nullptr);
+    accel.Commit();
+    EXPECT_GT(CompareOnRandomRays(accel, shapes, {{-1, Transform()}}, 12000), 2000);
+    EXPECT_GT(accel.Bytes(), 0u);
+}
+
+TEST(Accel, EveryKindIsHitOnItsOwn) {
+    Shapes all = test::EveryKind(Transform());
+    for (auto &shape : all) {
+        Shapes one;
+        one.push_back(std::move(shape));
+        Accel accel;
+        accel.AddShape(ShapeId(0u), *one[0], nullptr);
+        accel.Commit();
+        EXPECT_GT(CompareOnRandomRays(accel, one, {{-1, Transform()}}, 3000), 500);
+    }
+}
+
+TEST(Accel, AgreesWithTheSlowTwinInInstances) {
+    Shapes shapes = test::EveryKind(Transform::Rotate(20, {0, 1, 1}));
+    Accel accel;
+    std::vector<ShapeId> ids;
+    std::vector<const Shape *> pointers;
+    for (size_t i = 0; i < shapes.size(); ++i) {
+        ids.emplace_back(i);
+        pointers.push_back(shapes[i].get());
+    }
+    int object = accel.AddObject(ids, pointers, std::vector<const FloatTexture *>(ids.size(), nullptr));
+    std::vector<Placement> placements;
+    for (const Transform &t :
+         {Transform::Translate({0, 0, 5}) * Transform::Scale({0.5f, 2, 1}), Transform::Scale({-1, 1, 1}),
+          Transform::Translate({3, -6, 1}) * Transform::Rotate(70, {1, 2, 3}) * Transform::Scale({1, 0.7f, -0.4f})})
+        placements.push_back({accel.AddInstance(object, t), t});
+    accel.Commit();
+    EXPECT_EQ(accel.InstanceTransform(1), placements[1].transform);
+    EXPECT_GT(CompareOnRandomRays(accel, shapes, placements, 8000), 1000);
+}
+
+TEST(Accel, TracesNothingWhenEmpty) {
+    Accel accel;
+    accel.AddObject({}, {}, {});
+    accel.AddInstance(0, Transform());
+    accel.Commit();
+    Ray ray;
+    EXPECT_FALSE(accel.Intersect(ray));
+    EXPECT_FALSE(accel.Occluded(ray));
+    EXPECT_TRUE(accel.Bounds().IsEmpty());
+}
+
+TEST(Accel, BoundsHoldEverything) {
+    Shapes shapes = test::EveryKind(Transform());
+    Accel accel;
+    Bounds3 expected;
+    for (size_t i = 0; i < shapes.size(); ++i) {
+        accel.AddShape(ShapeId(i), *shapes[i], nullptr);
+        for (uint32_t k = 0; k < shapes[i]->PrimitiveCount(); ++k)
+            expected = Union(expected, shapes[i]->PrimitiveBounds(k));
+    }
+    accel.Commit();
+    Bounds3 b = accel.Bounds();
+    EXPECT_TRUE(b.Contains(expected.low));
+    EXPECT_TRUE(b.Contains(expected.high));
+    EXPECT_LT(Distance(b.low, expected.low), 1e-4);
+}
+
+TEST(Accel, SegmentsEndBeforeTheirTarget) {
+    Disk disk(0, 1, 0, 360, Transform(), false);
+    Accel accel;
+    accel.AddShape(ShapeId(0u), disk, nullptr);
+    accel.Commit();
+    Ray ray;
+    ray.o = {0.2f, 0.1f, -2};
+    ray.d = {0, 0, 1};
+    ray.tMax = 1.9999f;
+    EXPECT_FALSE(accel.Occluded(ray));
+    ray.tMax = 2.0001f;
+    EXPECT_TRUE(accel.Occluded(ray));
+    ray.o.z = 0;  // on the surface
+    EXPECT_FALSE(accel.Occluded(ray));
+}
+
+}  // namespace
+}  // namespace pbrt

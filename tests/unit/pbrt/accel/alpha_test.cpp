@@ -1,0 +1,157 @@
+#include <gtest/gtest.h>
+
+#include "accel_scenes.h"
+#include "support/statistics.h"
+
+namespace pbrt {
+namespace {
+
+class ConstantAlpha final : public FloatTexture {
+  public:
+    explicit ConstantAlpha(Float v, bool admit = true) : value_(v), admit_(admit) {}
+    Float Evaluate(const TextureContext &) const override { return value_; }
+    std::optional<Float> Constant() const override { return admit_ ? std::optional<Float>(value_) : std::nullopt; }
+
+  private:
+    Float value_;
+    bool admit_;  ///< tells that it is constant
+};
+
+/// 1 where u < 1/2, else 0.
+class HalfAlpha final : public FloatTexture {
+  public:
+    Float Evaluate(const TextureContext &at) const override { return at.uv.x < 0.5f ? Float(1) : Float(0); }
+};
+
+MeshData UnitSquare(Float z, bool patch) {
+    MeshData m;
+    m.p = {{0, 0, z}, {1, 0, z}, {0, 1, z}, {1, 1, z}};
+    m.uv = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+    if (patch) m.indices = {0, 1, 2, 3};
+    else m.indices = {0, 1, 3, 0, 3, 2};
+    return m;
+}
+
+Ray Down(Rng &rng) {
+    Ray r;
+    r.o = {rng.Uniform(), rng.Uniform(), 5};
+    r.d = {0, 0, -1};
+    return r;
+}
+
+TEST(Alpha, ShareOfHitsIsAlphaForEveryKind) {
+    std::vector<std::unique_ptr<Shape>> shapes;
+    shapes.push_back(std::make_unique<TriangleMesh>(UnitSquare(0, false), Transform(), false));
+    shapes.push_back(std::make_unique<BilinearMesh>(UnitSquare(0, true), Transform(), false));
+    MeshData bent = UnitSquare(0, true);
+    bent.p[3].z = 0.3f;
+    shapes.push_back(std::make_unique<BilinearMesh>(bent, Transform(), false));
+    shapes.push_back(std::make_unique<Disk>(0.0f, 2.0f, 0.0f, 360.0f, Transform(), false));
+    for (Float alpha : {0.1f, 0.5f, 0.9f})
+        for (bool admit : {true, false})
+            for (const auto &shape : shapes) {
+                ConstantAlpha texture(alpha, admit);
+                Accel accel;
+                accel.AddShape(ShapeId(3u), *shape, &texture);
+                accel.Commit();
+                Rng rng(4);
+                constexpr int kRays = 20000;
+                int hits = 0;
+                for (int i = 0; i < kRays; ++i) {
+                    Ray ray = Down(rng);
+                    bool hit = accel.Intersect(ray).has_value();
+                    hits += hit;
+                    ASSERT_EQ(hit, accel.Occluded(ray));
+                }
+                double z = (hits - kRays * double(alpha)) / std::sqrt(kRays * double(alpha * (1 - alpha)));
+                EXPECT_GT(test::NormalTail(z), test::SidakAlpha(1e-3, 24)) << alpha;
+            }
+}
+
+TEST(Alpha, LayersAlongOneRayAreIndependent) {
+    // Stacked squares, and the two sides of a sphere: k layers stop a ray with probability 1 - (1 - alpha)^k.
+    ConstantAlpha texture(0.3f);
+    std::vector<std::unique_ptr<TriangleMesh>> layers;
+    Accel stack;
+    for (uint32_t i = 0; i < 3; ++i) {
+        layers.push_back(std::make_unique<TriangleMesh>(UnitSquare(static_cast<Float>(i), false), Transform(), false));
+        stack.AddShape(ShapeId(i), *layers[i], &texture);
+    }
+    stack.Commit();
+    Sphere sphere(3, -3, 3, 360, Transform(), false);
+    Accel ball;
+    ball.AddShape(ShapeId(0u), sphere, &texture);
+    ball.Commit();
+    // The same object in three instances.
+    Accel instanced;
+    int object = instanced.AddObject({ShapeId(0u)}, {layers[0].get()}, {&texture});
+    for (int i = 0; i < 3; ++i) instanced.AddInstance(object, Transform::Translate({0, 0, static_cast<Float>(i)}));
+    instanced.Commit();
+    struct {
+        const Accel *accel;
+        int layers;
+    } cases[] = {{&stack, 3}, {&ball, 2}, {&instanced, 3}};
+    for (const auto &c : cases) {
+        Rng rng(5);
+        constexpr int kRays = 40000;
+        int hits = 0;
+        for (int i = 0; i < kRays; ++i) hits += c.accel->Occluded(Down(rng));
+        double p = 1 - std::pow(0.7, c.layers), z = (hits - kRays * p) / std::sqrt(kRays * p * (1 - p));
+        EXPECT_GT(test::NormalTail(z), test::SidakAlpha(1e-3, 3));
+    }
+}
+
+TEST(Alpha, TextureIsReadAtTheHit) {
+    HalfAlpha texture;
+    for (bool patch : {false, true}) {
+        std::unique_ptr<Shape> shape;
+        if (patch) shape = std::make_unique<BilinearMesh>(UnitSquare(0, true), Transform(), false);
+        else shape = std::make_unique<TriangleMesh>(UnitSquare(0, false), Transform(), false);
+        Accel accel;
+        accel.AddShape(ShapeId(0u), *shape, &texture);
+        accel.Commit();
+        Rng rng(6);
+        for (int i = 0; i < 2000; ++i) {
+            Ray ray = Down(rng);
+            if (std::abs(ray.o.x - 0.5f) < 1e-4f) continue;
+            EXPECT_EQ(accel.Occluded(ray), ray.o.x < 0.5f);
+        }
+    }
+}
+
+TEST(Alpha, FartherSurfaceIsFoundThroughAHole) {
+    HalfAlpha texture;
+    Sphere sphere(1, -1, 1, 360, Transform(), false);  // u < 1/2: y > 0
+    Accel accel;
+    accel.AddShape(ShapeId(0u), sphere, &texture);
+    accel.Commit();
+    Ray ray;
+    ray.o = {0, -5, 0};
+    ray.d = {0, 1, 0};
+    auto hit = accel.Intersect(ray);
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR(hit->hit.t, 6, 1e-5);
+    ray.tMax = 5.5f;
+    EXPECT_FALSE(accel.Occluded(ray));
+}
+
+TEST(Alpha, ConstantZeroIsNotTracedAndOneIsOpaque) {
+    ConstantAlpha zero(0), one(1);
+    TriangleMesh mesh(UnitSquare(0, false), Transform(), false);
+    Accel none;
+    none.AddShape(ShapeId(0u), mesh, &zero);
+    none.Commit();
+    EXPECT_TRUE(none.Bounds().IsEmpty());
+    Accel all;
+    all.AddShape(ShapeId(0u), mesh, &one);
+    all.Commit();
+    Rng rng(7);
+    for (int i = 0; i < 200; ++i) {
+        Ray ray = Down(rng);
+        EXPECT_FALSE(none.Intersect(ray));
+        EXPECT_TRUE(all.Occluded(ray));
+    }
+}
+
+}  // namespace
+}  // namespace pbrt

@@ -1,5 +1,7 @@
 #include "pbrt/bxdfs/dielectric.h"
 
+#include "pbrt/bxdfs/fresnel.h"
+
 namespace pbrt {
 
 namespace {

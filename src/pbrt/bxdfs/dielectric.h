@@ -2,7 +2,6 @@
 #include <optional>
 
 #include "pbrt/bxdfs/bxdf.h"
-#include "pbrt/bxdfs/fresnel.h"
 #include "pbrt/bxdfs/microfacet.h"
 
 namespace pbrt {
@@ -25,8 +24,6 @@ class DielectricBxdf {
 
     /// True if F is 0 everywhere: a mirror-like boundary, or none at all (eta = 1).
     bool IsSmooth() const { return eta_ == 1 || facets_.EffectivelySmooth(); }
-    /// Of the boundary without its roughness.
-    Float Reflectance(const Vector3 &w) const { return FresnelDielectric(CosTheta(w), eta_); }
 
   private:
     std::optional<BsdfSample> SampleSmooth(const Vector3 &wo, Float uc, TransportMode mode, ReflTransFlags which) const;

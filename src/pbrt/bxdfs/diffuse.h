@@ -60,7 +60,9 @@ class DiffuseTransmissionBxdf {
         Float pdf = CosineHemispherePdf(wi.z);
         bool reflect = uc < share;
         if ((wo.z < 0) == reflect) wi.z = -wi.z;
-        if (reflect) return BsdfSample{reflectance_ * InvPi, wi, pdf * share, BxdfFlags::Diffuse | BxdfFlags::Reflection};
+        if (reflect) {
+            return BsdfSample{reflectance_ * InvPi, wi, pdf * share, BxdfFlags::Diffuse | BxdfFlags::Reflection};
+        }
         return BsdfSample{transmittance_ * InvPi, wi, pdf * (pt / (pr + pt)),
                           BxdfFlags::Diffuse | BxdfFlags::Transmission};
     }

@@ -51,18 +51,30 @@ BxdfFlags CoatedBxdf<Base>::Flags() const {
 
 template <class Base>
 SampledSpectrum CoatedBxdf<Base>::F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
+    return Evaluate<ExitWeights::Stock>(wo, wi, mode);
+}
+
+template <class Base>
+SampledSpectrum CoatedBxdf<Base>::FConsistent(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
+    return Evaluate<ExitWeights::Consistent>(wo, wi, mode);
+}
+
+template <class Base>
+template <typename CoatedBxdf<Base>::ExitWeights Weights>
+SampledSpectrum CoatedBxdf<Base>::Evaluate(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
     if (!SameHemisphere(wo, wi)) return SampledSpectrum(0);  // the base is opaque
     Float side = wo.z < 0 ? Float(-1) : Float(1);
     Vector3 o = wo * side, i = wi * side;
     Rng rng(Hash(static_cast<uint64_t>(Stream::Evaluate), o, i));
     SampledSpectrum inside(0);
-    for (int s = 0; s < nSamples_; ++s) inside += EstimateInside(o, i, mode, rng);
+    for (int s = 0; s < nSamples_; ++s) inside += EstimateInside<Weights>(o, i, mode, rng);
     return top_.F(o, i, mode) + inside / static_cast<Float>(nSamples_);
 }
 
 /// One walk that enters along wo; at every event it is connected to wi through the coat. Where the connection is no
 /// delta, the direction drawn for the walk is tried on the coat too, and the two are combined by MIS.
 template <class Base>
+template <typename CoatedBxdf<Base>::ExitWeights Weights>
 SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector3 &wi, TransportMode mode,
                                                  Rng &rng) const {
     auto in = Draw(top_, wo, rng, mode, ReflTransFlags::Transmission);
@@ -81,8 +93,11 @@ SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector
         if (!fTop) return;
         Float weight = 1;
         if (alternative) {
-            Float pdfOut = top_.Pdf(wi, -w, Reverse(mode), ReflTransFlags::Transmission);
-            weight = PowerHeuristic(pdf, pdfOut);
+            // The density of w among the ways in from wi; stock takes that of wi among the ways out from w.
+            Float other = Weights == ExitWeights::Consistent
+                              ? top_.Pdf(wi, -w, Reverse(mode), ReflTransFlags::Transmission)
+                              : top_.Pdf(-w, wi, mode, ReflTransFlags::Transmission);
+            weight = PowerHeuristic(pdf, other);
         }
         f += beta * fTop * (weight * Transmittance(dz, w));
     };
@@ -213,42 +228,22 @@ Float CoatedBxdf<Base>::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode 
     return Lerp(kDensityTrust, UniformSpherePdf(), pdf);
 }
 
-/// Density of Sample() from one random choice inside: mirrored by the coat, or base once and out, exactly; longer walks
-/// as if they left by Lambert's law, with the probability that there is one. (Only MIS weights depend on it.)
+/// Mirrored by the coat, plus the base's density for the directions inside (no change of solid angle); stock's choice,
+/// not normalised. It only weights strategies against each other, but as F is biased, how shows in the pictures.
 template <class Base>
 Float CoatedBxdf<Base>::EstimateDensity(const Vector3 &wo, const Vector3 &wi, TransportMode mode, Rng &rng) const {
-    const bool smoothTop = top_.IsSmooth();
-    Float mirrored = top_.Pdf(wo, wi, mode, ReflTransFlags::All);
+    Float mirrored = top_.Pdf(wo, wi, mode, ReflTransFlags::Reflection);
     auto in = Draw(top_, wo, rng, mode, ReflTransFlags::Transmission);
     auto out = Draw(top_, wi, rng, Reverse(mode), ReflTransFlags::Transmission);
-    if (!Usable(in)) return mirrored;
-    Float enters = smoothTop ? 1 - top_.Reflectance(wo)
-                             : top_.Pdf(wo, in->wi, mode, ReflTransFlags::All) / in->pdf;
-    Vector3 down = -in->wi;
-    auto bounce = Draw(bottom_, down, rng, mode);
-    if (!Usable(bounce)) return mirrored;
-    Vector3 up = bounce->wi;
+    if (!Usable(in) || !Usable(out)) return mirrored;
+    Float base = bottom_.Pdf(-in->wi, -out->wi, mode, ReflTransFlags::All);
+    if (top_.IsSmooth()) return mirrored + base;
 
-    Float direct = 0;
-    if (Usable(out)) {
-        Vector3 exit = -out->wi;
-        Float base = bottom_.Pdf(down, exit, mode, ReflTransFlags::All);
-        if (smoothTop) {
-            Float compression = AbsCosTheta(wi) / (Sqr(out->eta) * AbsCosTheta(exit));  // solid angle in per out
-            direct = base * (1 - top_.Reflectance(wi)) * compression;
-        } else {
-            direct = top_.Pdf(-up, wi, mode, ReflTransFlags::All);
-            if (!IsSpecular(bounce->flags)) {
-                Float reverse = top_.Pdf(wi, -up, Reverse(mode), ReflTransFlags::Transmission);
-                direct *= PowerHeuristic(bounce->pdf, reverse);
-                direct += base * top_.Pdf(-exit, wi, mode, ReflTransFlags::All) / out->pdf *
-                          PowerHeuristic(out->pdf, base);
-            }
-        }
-    }
-    Float unscattered = scatters_ ? Transmittance(thickness_, in->wi) * Transmittance(thickness_, up) : 1;
-    Float longer = 1 - unscattered * (1 - top_.Reflectance(-up));
-    return mirrored + enters * (unscattered * direct + longer * CosineHemispherePdf(AbsCosTheta(wi)));
+    auto bounce = Draw(bottom_, -in->wi, rng, mode);
+    if (!Usable(bounce)) return mirrored;
+    Float through = top_.Pdf(-bounce->wi, wi, mode, ReflTransFlags::All);
+    if (IsSpecular(bounce->flags)) return mirrored + through;
+    return mirrored + PowerHeuristic(out->pdf, base) * base + PowerHeuristic(bounce->pdf, through) * through;
 }
 
 template class CoatedBxdf<DiffuseBxdf>;

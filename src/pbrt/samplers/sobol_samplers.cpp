@@ -12,8 +12,8 @@ int Log2RoundedUp(int v) { return std::bit_width(static_cast<unsigned>(std::max(
 uint64_t AddDimension(uint64_t hash, int dimension) {
     return MixBits(hash + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(dimension + 1));
 }
-/// A second seed from the first.
-uint64_t SecondSeed(uint64_t seed) { return seed * 0xd1342543de82ef95ull + 0x632be59bd9b4e019ull; }
+/// A seed for the second of two coordinates. A full hash: a product would tie its low bits to those of the first.
+uint64_t SecondSeed(uint64_t seed) { return MixBits(seed ^ 0x632be59bd9b4e019ull); }
 
 /// All orders of four children, two bits for each.
 constexpr std::array<uint8_t, 24> AllQuadOrders() {
@@ -129,7 +129,7 @@ Point2 ZSobolSampler::Get2D() {
     dimension_ += 2;
     uint64_t i = SobolIndex(hash), seed = SecondSeed(hash);
     return {RandomizedReversed(SobolReversed0(i), randomization_, seed),
-            RandomizedReversed(SobolReversed1(i), randomization_, SecondSeed(MixBits(seed)))};
+            RandomizedReversed(SobolReversed1(i), randomization_, SecondSeed(seed))};
 }
 
 }  // namespace pbrt

@@ -1,0 +1,59 @@
+#include "camera_cases.h"
+
+namespace pbrt {
+namespace {
+
+using test::FloatParam;
+using test::MakeTestCamera;
+using test::StringParam;
+
+std::string ErrorOf(const std::string &type, const std::vector<Param> &params) {
+    try {
+        MakeTestCamera(type, params);
+    } catch (const UserError &e) {
+        return e.what();
+    }
+    return "";
+}
+
+TEST(MakeCamera, KnownAndUnknownTypes) {
+    for (const std::string &name : SupportedCameras()) EXPECT_TRUE(MakeTestCamera(name, {})) << name;
+    for (const std::string &name : UnsupportedCameras()) EXPECT_NE(ErrorOf(name, {}).find("not supported"), std::string::npos);
+    std::string unknown = ErrorOf("perspectiv", {});
+    for (const std::string &name : SupportedCameras()) EXPECT_NE(unknown.find(name), std::string::npos) << name;
+}
+
+TEST(MakeCamera, SenselessValuesAreErrors) {
+    EXPECT_NE(ErrorOf("perspective", {FloatParam("fov", {0})}), "");
+    EXPECT_NE(ErrorOf("perspective", {FloatParam("fov", {180})}), "");
+    EXPECT_NE(ErrorOf("perspective", {FloatParam("frameaspectratio", {0})}), "");
+    EXPECT_NE(ErrorOf("perspective", {FloatParam("lensradius", {-1})}), "");
+    EXPECT_NE(ErrorOf("perspective", {FloatParam("focaldistance", {0})}), "");
+    EXPECT_NE(ErrorOf("perspective", {FloatParam("screenwindow", {-1, 1, -1})}), "");
+    EXPECT_NE(ErrorOf("orthographic", {FloatParam("screenwindow", {1, 1, -1, 1})}), "");
+    EXPECT_NE(ErrorOf("spherical", {StringParam("mapping", "cube")}).find("equirectangular"), std::string::npos);
+}
+
+TEST(MakeCamera, ExposureTimeMustBePositive) {
+    EXPECT_NE(ErrorOf("perspective", {FloatParam("shutteropen", {1})}), "");
+    DiagnosticSink sink;
+    auto camera = MakeTestCamera("perspective", {FloatParam("shutteropen", {3}), FloatParam("shutterclose", {2})}, {4, 4}, {}, &sink);
+    EXPECT_EQ(camera->ShutterOpen(), 2);
+    EXPECT_EQ(camera->ShutterClose(), 3);
+    ASSERT_EQ(sink.All().size(), 1u);
+    EXPECT_EQ(sink.All()[0].severity, Severity::Warning);
+}
+
+TEST(MakeCamera, UnusedParametersAreErrors) {
+    DiagnosticSink sink;
+    MakeTestCamera("orthographic", {FloatParam("fov", {30})}, {4, 4}, {}, &sink);
+    EXPECT_EQ(sink.ErrorCount(), 1u);
+    MakeTestCamera("perspective", {FloatParam("lensradus", {30})}, {4, 4}, {}, &sink);
+    EXPECT_EQ(sink.ErrorCount(), 2u);
+    MakeTestCamera("spherical", {FloatParam("lensradius", {3}), FloatParam("focaldistance", {3}), FloatParam("screenwindow", {0, 1, 0, 1}),
+                                 FloatParam("frameaspectratio", {1}), FloatParam("shutterclose", {2})}, {4, 4}, {}, &sink);
+    EXPECT_EQ(sink.ErrorCount(), 2u);
+}
+
+}  // namespace
+}  // namespace pbrt

@@ -1,0 +1,174 @@
+#include "camera_cases.h"
+#include "pbrt/math/rng.h"
+#include "pbrt/math/warps.h"
+
+namespace pbrt {
+namespace {
+
+using test::AtDepth;
+using test::ExpectClose;
+using test::FloatParam;
+using test::MakeTestCamera;
+using test::RayAt;
+using test::StringParam;
+
+TEST(PerspectiveCamera, FovSpansTheShorterAxis) {
+    Float edge = std::tan(Radians(20));
+    auto wide = MakeTestCamera("perspective", {FloatParam("fov", {40})}, {40, 20});
+    ExpectClose(AtDepth(RayAt(*wide, {20, 10}).ray, 1), {0, 0, 1}, 1e-6f, "centre");
+    ExpectClose(AtDepth(RayAt(*wide, {20, 0}).ray, 1), {0, edge, 1}, 1e-6f, "top");
+    ExpectClose(AtDepth(RayAt(*wide, {0, 20}).ray, 1), {-2 * edge, -edge, 1}, 1e-6f, "bottom left");
+    ExpectClose(AtDepth(RayAt(*wide, {40, 10}).ray, 1), {2 * edge, 0, 1}, 1e-6f, "right");
+    auto tall = MakeTestCamera("perspective", {FloatParam("fov", {40})}, {20, 50});
+    ExpectClose(AtDepth(RayAt(*tall, {20, 25}).ray, 1), {edge, 0, 1}, 1e-6f, "right");
+    ExpectClose(AtDepth(RayAt(*tall, {10, 0}).ray, 1), {0, 2.5f * edge, 1}, 1e-6f, "top");
+    auto square = MakeTestCamera("perspective", {}, {10, 10});  // fov 90
+    ExpectClose(AtDepth(RayAt(*square, {10, 0}).ray, 1), {1, 1, 1}, 1e-6f, "corner");
+}
+
+TEST(PerspectiveCamera, FrameAspectRatioAndScreenWindowSetTheWindow) {
+    auto aspect = MakeTestCamera("perspective", {FloatParam("frameaspectratio", {1.25f})}, {64, 80});
+    ExpectClose(AtDepth(RayAt(*aspect, {64, 0}).ray, 1), {1.25f, 1, 1}, 1e-6f);
+    auto narrow = MakeTestCamera("perspective", {FloatParam("frameaspectratio", {0.5f})}, {64, 80});
+    ExpectClose(AtDepth(RayAt(*narrow, {64, 0}).ray, 1), {1, 2, 1}, 1e-6f);
+    auto window = MakeTestCamera("perspective", {FloatParam("screenwindow", {-1.1f, 0.7f, -0.5f, 0.6f}),
+                                                 FloatParam("frameaspectratio", {1.2f})});
+    ExpectClose(AtDepth(RayAt(*window, {0, 0}).ray, 1), {-1.1f, 0.6f, 1}, 1e-6f, "top left");
+    ExpectClose(AtDepth(RayAt(*window, {40, 20}).ray, 1), {0.7f, -0.5f, 1}, 1e-6f, "bottom right");
+}
+
+TEST(PerspectiveCamera, LensFocusesAtFocalDistanceOnly) {
+    auto pinhole = MakeTestCamera("perspective", {});
+    auto camera = MakeTestCamera("perspective", {FloatParam("lensradius", {0.3f}), FloatParam("focaldistance", {5})});
+    Rng rng(1);
+    Float spread = 0, farthest = 0;
+    test::ExpectClose(AtDepth(RayAt(*camera, {7, 8}, {0.5f, 0.5f}).ray, 3), AtDepth(RayAt(*pinhole, {7, 8}).ray, 3), 1e-5f);
+    for (int i = 0; i < 500; ++i) {
+        CameraRay r = RayAt(*camera, {33, 2}, rng.Uniform2());
+        ExpectClose(AtDepth(r.ray, 5), AtDepth(RayAt(*pinhole, {33, 2}).ray, 5), 1e-5f, "focus");
+        EXPECT_EQ(r.ray.o.z, 0);
+        farthest = std::max(farthest, Length(r.ray.o));
+        spread = std::max(spread, Distance(AtDepth(r.ray, 10), AtDepth(RayAt(*pinhole, {33, 2}).ray, 10)));
+    }
+    EXPECT_LE(farthest, 0.3f + 1e-6f);
+    EXPECT_GT(farthest, 0.28f);
+    EXPECT_NEAR(spread, 0.3f, 0.02f);  // as far behind the focus as the lens before it
+}
+
+TEST(PerspectiveCamera, LensIsUsedEvenly) {
+    auto camera = MakeTestCamera("perspective", {FloatParam("lensradius", {2}), FloatParam("focaldistance", {5})});
+    int inside = 0, n = 0;
+    for (int i = 0; i < 100; ++i)
+        for (int j = 0; j < 100; ++j, ++n) {
+            Point2 u((static_cast<Float>(i) + 0.5f) / 100, (static_cast<Float>(j) + 0.5f) / 100);
+            inside += Length(RayAt(*camera, {5, 5}, u).ray.o) < 1;
+        }
+    EXPECT_NEAR(double(inside) / n, 0.25, 0.01);
+}
+
+std::vector<std::unique_ptr<Camera>> AllCameras(const Transform &t) {
+    std::vector<std::unique_ptr<Camera>> all;
+    std::vector<Param> lens = {FloatParam("lensradius", {0.2f}), FloatParam("focaldistance", {4})};
+    all.push_back(MakeTestCamera("perspective", {}, {40, 20}, t));
+    all.push_back(MakeTestCamera("perspective", lens, {40, 20}, t));
+    all.push_back(MakeTestCamera("orthographic", {}, {40, 20}, t));
+    all.push_back(MakeTestCamera("orthographic", lens, {40, 20}, t));
+    all.push_back(MakeTestCamera("spherical", {}, {400, 400}, t));
+    all.push_back(MakeTestCamera("spherical", {StringParam("mapping", "equirectangular")}, {400, 200}, t));
+    return all;
+}
+
+TEST(EveryCamera, DifferentialsAreTheRaysOfTheNextPixels) {
+    Transform t = Transform::Translate({1, 2, 3}) * Transform::Rotate(50, {1, 1, 0}) * Transform::Scale({-2, 2, 2});
+    Rng rng(2);
+    auto cameras = AllCameras(t);
+    for (size_t c = 0; c < cameras.size(); ++c) {
+        bool spherical = c >= 4;
+        for (int i = 0; i < 100; ++i) {
+            Point2 film = rng.Uniform2() * Point2(36, 16) + Point2(1, 1), lens = rng.Uniform2();
+            if (spherical) film = film * 10.f;
+            // The equal-area map has creases; stay inside one of its eight facets.
+            if (c == 4) film = Point2(220, 220) + rng.Uniform2() * Point2(40, 70);
+            CameraRay r = RayAt(*cameras[c], film, lens);
+            ASSERT_TRUE(r.differential.valid);
+            CameraRay x = RayAt(*cameras[c], film + Point2(1, 0), lens), y = RayAt(*cameras[c], film + Point2(0, 1), lens);
+            // A spherical camera bends, its steps are extrapolated: within some per cent of a step.
+            Float tolerance = spherical ? 0.3f * Distance(x.ray.d, r.ray.d) + 2e-3f : 2e-5f;
+            ExpectClose(r.differential.rxOrigin, x.ray.o, 1e-5f, "x origin");
+            ExpectClose(r.differential.ryOrigin, y.ray.o, 1e-5f, "y origin");
+            ExpectClose(r.differential.rxDirection, x.ray.d, tolerance, "x direction");
+            ExpectClose(r.differential.ryDirection, y.ray.d, tolerance, "y direction");
+        }
+    }
+}
+
+TEST(EveryCamera, RaysAreUnitWeightedByOneAndTimedByTheShutter) {
+    Transform t = Transform::Scale({3, 3, 3});
+    for (const auto &camera : AllCameras(t)) {
+        CameraRay r = RayAt(*camera, {3.3f, 4.4f}, {0.2f, 0.9f}, 0.25f);
+        EXPECT_NEAR(Length(r.ray.d), 1, 1e-6f);
+        EXPECT_EQ(r.ray.time, 0.25f);
+        EXPECT_EQ(r.ray.tMax, Infinity);
+        for (int i = 0; i < SpectrumSamples; ++i) EXPECT_EQ(r.weight[i], 1);
+    }
+    auto camera = MakeTestCamera("perspective", {FloatParam("shutteropen", {2}), FloatParam("shutterclose", {6})});
+    EXPECT_EQ(RayAt(*camera, {1, 1}, {0, 0}, 0).ray.time, 2);
+    EXPECT_EQ(RayAt(*camera, {1, 1}, {0, 0}, 0.75f).ray.time, 5);
+    EXPECT_EQ(camera->ShutterOpen(), 2);
+    EXPECT_EQ(camera->ShutterClose(), 6);
+}
+
+TEST(EveryCamera, RaysGoToRenderingSpace) {
+    Transform t = Transform::Translate({10, 20, 30}) * Transform::Rotate(70, {1, 2, 3}) * Transform::Scale({-1, 1, 1});
+    auto plain = AllCameras({}), moved = AllCameras(t);
+    for (size_t i = 0; i < plain.size(); ++i) {
+        CameraRay a = RayAt(*plain[i], {3.3f, 14.4f}, {0.2f, 0.9f}), b = RayAt(*moved[i], {3.3f, 14.4f}, {0.2f, 0.9f});
+        ExpectClose(b.ray.o, t.Point(a.ray.o), 1e-5f);
+        ExpectClose(b.ray.d, t.Vector(a.ray.d), 1e-5f);
+        ExpectClose(moved[i]->CameraFromRender().Point(b.ray.o), a.ray.o, 1e-5f);
+    }
+}
+
+TEST(OrthographicCamera, RaysAreParallelAndScreenIsInWorldUnits) {
+    auto camera = MakeTestCamera("orthographic", {FloatParam("screenwindow", {-3, 5, -2, 1})});
+    CameraRay a = RayAt(*camera, {0, 0}), b = RayAt(*camera, {40, 20});
+    ExpectClose(a.ray.o, {-3, 1, 0}, 1e-6f);
+    ExpectClose(b.ray.o, {5, -2, 0}, 1e-6f);
+    EXPECT_EQ(a.ray.d, Vector3(0, 0, 1));
+    EXPECT_EQ(b.ray.d, Vector3(0, 0, 1));
+}
+
+TEST(SphericalCamera, MappingsLookWhereTheyShould) {
+    auto lat = MakeTestCamera("spherical", {StringParam("mapping", "equirectangular")}, {40, 20});
+    ExpectClose(RayAt(*lat, {0, 10}).ray.d, {1, 0, 0}, 1e-6f, "left edge");
+    ExpectClose(RayAt(*lat, {10, 10}).ray.d, {0, 0, 1}, 1e-6f, "quarter");
+    ExpectClose(RayAt(*lat, {13, 0}).ray.d, {0, 1, 0}, 1e-6f, "top");
+    ExpectClose(RayAt(*lat, {13, 20}).ray.d, {0, -1, 0}, 1e-6f, "bottom");
+    auto area = MakeTestCamera("spherical", {}, {20, 20});
+    ExpectClose(RayAt(*area, {10, 10}).ray.d, {0, 1, 0}, 1e-6f, "centre");
+    ExpectClose(RayAt(*area, {20, 10}).ray.d, {1, 0, 0}, 1e-6f, "right");
+    ExpectClose(RayAt(*area, {10, 20}).ray.d, {0, 0, 1}, 1e-6f, "below");
+    ExpectClose(RayAt(*area, {0, 0}).ray.d, {0, -1, 0}, 1e-6f, "corner");
+}
+
+TEST(NdcFromCamera, MatchesTheHeadersOfStockPbrt) {
+    // worldToNDC * inverse(worldToCamera) of conformance/reference/cameras/perspective_screenwindow.exr: fov 50.
+    auto camera = MakeTestCamera("perspective", {FloatParam("fov", {50})});
+    Transform ndc = camera->NdcFromCamera().value();
+    const glm::mat4 &m = ndc.Matrix();
+    EXPECT_NEAR(m[0][0], 1.0722535f, 1e-5f);
+    EXPECT_NEAR(m[1][1], 1.0722535f, 1e-5f);
+    EXPECT_NEAR(m[2][0], 0.5f, 1e-6f);
+    EXPECT_NEAR(m[2][2], 1.000005f, 1e-6f);
+    EXPECT_NEAR(m[3][2], -0.005f, 1e-6f);
+    EXPECT_EQ(m[2][3], 1);
+    // The orthographic one halves and shifts.
+    Transform o = MakeTestCamera("orthographic", {})->NdcFromCamera().value();
+    ExpectClose(o.Point({1, -1, 6.541316f}), {1, 0, 3.770658f}, 1e-6f);
+    EXPECT_FALSE(MakeTestCamera("spherical", {})->NdcFromCamera());
+    // Projected, the screen fills the unit square with y up.
+    ExpectClose(ndc.Point(RayAt(*camera, {30, 0}).ray(3)), {0.5f + 0.5f, 1, ndc.Point({0, 0, 2}).z}, 1e-2f);
+}
+
+}  // namespace
+}  // namespace pbrt

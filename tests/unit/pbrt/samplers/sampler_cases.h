@@ -1,0 +1,64 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pbrt/samplers/sampler.h"
+
+namespace pbrt::test {
+
+/// One line of a parameter list.
+inline Param IntParam(const std::string &name, int v) {
+    Param p;
+    p.type = ParamType::Integer;
+    p.name = name;
+    p.ints = {v};
+    return p;
+}
+inline Param StringParam(const std::string &name, const std::string &v) {
+    Param p;
+    p.type = ParamType::String;
+    p.name = name;
+    p.strings = {v};
+    return p;
+}
+inline Param BoolParam(const std::string &name, bool v) {
+    Param p;
+    p.type = ParamType::Bool;
+    p.name = name;
+    p.bools = {v};
+    return p;
+}
+inline ParamSet Params(const std::string &type, const std::vector<Param> &params) {
+    ParamSet set("Sampler \"" + type + "\"", {});
+    for (const Param &p : params) set.Add(p);
+    return set;
+}
+
+/// A sampler with one of its randomizations ("" = the default).
+struct SamplerCase {
+    std::string type, randomization;
+    bool pixelOwnsDimensions = true;  ///< dimensions are counted from 0 and GetPixel2D takes two of them
+
+    std::unique_ptr<Sampler> Make(int samples, int seed = 0, Point2i resolution = {64, 48}) const {
+        std::vector<Param> params;
+        if (!randomization.empty()) params.push_back(StringParam("randomization", randomization));
+        DiagnosticSink sink;
+        return MakeSampler(type, Params(type, params), resolution, samples, seed, sink);
+    }
+    std::string Name() const { return type + (randomization.empty() ? "" : "_" + randomization); }
+};
+
+/// All that are random; "none" is left out.
+inline std::vector<SamplerCase> RandomizedSamplers() {
+    std::vector<SamplerCase> cases = {{"independent", "", true}, {"stratified", "", true}};
+    for (const char *r : {"permutedigits", "owen"}) cases.push_back({"halton", r, false});
+    for (const char *r : {"permutedigits", "owen", "fastowen"}) {
+        cases.push_back({"sobol", r, false});
+        cases.push_back({"paddedsobol", r, true});
+        cases.push_back({"zsobol", r, true});
+    }
+    return cases;
+}
+
+}  // namespace pbrt::test

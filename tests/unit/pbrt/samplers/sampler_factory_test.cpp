@@ -1,0 +1,140 @@
+#include <gtest/gtest.h>
+
+#include "sampler_cases.h"
+
+namespace pbrt {
+namespace {
+
+using test::BoolParam;
+using test::IntParam;
+using test::Params;
+using test::StringParam;
+
+std::unique_ptr<Sampler> Make(const std::string &type, const std::vector<Param> &params, int sppOverride = 0,
+                              DiagnosticSink *sink = nullptr) {
+    DiagnosticSink local;
+    return MakeSampler(type, Params(type, params), {16, 16}, sppOverride, 0, sink ? *sink : local);
+}
+
+std::string ErrorOf(const std::string &type, const std::vector<Param> &params) {
+    try {
+        Make(type, params);
+    } catch (const UserError &e) {
+        return e.what();
+    }
+    return "";
+}
+
+TEST(MakeSampler, EverySupportedNameWorksAndNoOther) {
+    for (const std::string &name : SupportedSamplers()) EXPECT_TRUE(Make(name, {})) << name;
+    for (const std::string &name : UnsupportedSamplers()) EXPECT_NE(ErrorOf(name, {}), "") << name;
+    std::string unknown = ErrorOf("zsobl", {});
+    for (const std::string &name : SupportedSamplers()) EXPECT_NE(unknown.find(name), std::string::npos) << name;
+}
+
+TEST(MakeSampler, DefaultsAreThoseOfTheFormat) {
+    for (const char *type : {"zsobol", "paddedsobol", "sobol", "halton", "stratified"})
+        EXPECT_EQ(Make(type, {})->SamplesPerPixel(), 16) << type;
+    EXPECT_EQ(Make("independent", {})->SamplesPerPixel(), 4);
+    auto first = [](const std::string &type, const std::vector<Param> &params) {
+        std::unique_ptr<Sampler> s = Make(type, params);
+        s->StartPixelSample({3, 4}, 5, 6);
+        return s->Get2D();
+    };
+    for (const char *type : {"zsobol", "paddedsobol", "sobol"}) {
+        EXPECT_EQ(first(type, {}), first(type, {StringParam("randomization", "fastowen")}));
+        EXPECT_NE(first(type, {}), first(type, {StringParam("randomization", "owen")}));
+    }
+    EXPECT_EQ(first("halton", {}), first("halton", {StringParam("randomization", "permutedigits")}));
+    EXPECT_EQ(first("stratified", {}), first("stratified", {BoolParam("jitter", true)}));
+    for (const std::string &type : SupportedSamplers()) {
+        EXPECT_EQ(first(type, {}), first(type, {IntParam("seed", 0)})) << type;
+        EXPECT_NE(first(type, {}), first(type, {IntParam("seed", 1)})) << type;
+    }
+}
+
+TEST(MakeSampler, SeedOfTheSceneBeatsTheGlobalOne) {
+    for (const std::string &type : SupportedSamplers()) {
+        DiagnosticSink sink;
+        auto first = [&](const std::vector<Param> &params, int defaultSeed) {
+            std::unique_ptr<Sampler> s = MakeSampler(type, Params(type, params), {16, 16}, 0, defaultSeed, sink);
+            s->StartPixelSample({3, 4}, 5, 6);
+            return s->Get1D();
+        };
+        EXPECT_EQ(first({IntParam("seed", 7)}, 3), first({}, 7)) << type;
+        EXPECT_NE(first({}, 3), first({}, 7)) << type;
+    }
+}
+
+TEST(MakeSampler, SampleCountsAndOverride) {
+    for (const char *type : {"zsobol", "paddedsobol", "sobol", "halton", "independent"}) {
+        EXPECT_EQ(Make(type, {IntParam("pixelsamples", 32)})->SamplesPerPixel(), 32) << type;
+        EXPECT_EQ(Make(type, {IntParam("pixelsamples", 12)})->SamplesPerPixel(), 12) << type;
+        EXPECT_EQ(Make(type, {IntParam("pixelsamples", 12)}, 64)->SamplesPerPixel(), 64) << type;
+        EXPECT_NE(ErrorOf(type, {IntParam("pixelsamples", 0)}), "") << type;
+    }
+    EXPECT_EQ(Make("stratified", {IntParam("xsamples", 3), IntParam("ysamples", 5)})->SamplesPerPixel(), 15);
+    EXPECT_NE(ErrorOf("stratified", {IntParam("xsamples", 0)}), "");
+    for (int n : {1, 7, 12, 16, 18, 97, 100}) EXPECT_EQ(Make("stratified", {}, n)->SamplesPerPixel(), n);
+}
+
+TEST(MakeSampler, OverriddenStratifiedIsAsSquareAsItCanBe) {
+    // 18 = 6 x 3: without jitter the distinct coordinates count the columns and rows.
+    std::unique_ptr<Sampler> s = Make("stratified", {BoolParam("jitter", false)}, 18);
+    std::vector<Float> xs, ys;
+    for (int i = 0; i < 18; ++i) {
+        s->StartPixelSample({0, 0}, i);
+        Point2 p = s->Get2D();
+        xs.push_back(p.x);
+        ys.push_back(p.y);
+    }
+    auto distinct = [](std::vector<Float> v) {
+        std::sort(v.begin(), v.end());
+        return std::unique(v.begin(), v.end()) - v.begin();
+    };
+    EXPECT_EQ(distinct(xs), 6);
+    EXPECT_EQ(distinct(ys), 3);
+}
+
+TEST(MakeSampler, WarnsAboutCountsThatAreNoPowersOfTwo) {
+    for (const char *type : {"zsobol", "paddedsobol", "sobol"}) {
+        DiagnosticSink quiet, loud, overridden;
+        Make(type, {IntParam("pixelsamples", 8)}, 0, &quiet);
+        Make(type, {IntParam("pixelsamples", 9)}, 0, &loud);
+        Make(type, {IntParam("pixelsamples", 9)}, 4, &overridden);
+        EXPECT_EQ(quiet.All().size(), 0u);
+        ASSERT_EQ(loud.All().size(), 1u);
+        EXPECT_EQ(loud.All()[0].severity, Severity::Warning);
+        EXPECT_EQ(overridden.All().size(), 0u);
+    }
+}
+
+TEST(MakeSampler, RandomizationsAreChecked) {
+    for (const char *type : {"zsobol", "paddedsobol", "sobol"}) {
+        for (const char *r : {"none", "permutedigits", "owen", "fastowen"})
+            EXPECT_EQ(ErrorOf(type, {StringParam("randomization", r)}), "") << type << r;
+        EXPECT_NE(ErrorOf(type, {StringParam("randomization", "xor")}).find("permutedigits"), std::string::npos);
+    }
+    for (const char *r : {"none", "permutedigits", "owen"}) EXPECT_EQ(ErrorOf("halton", {StringParam("randomization", r)}), "");
+    std::string halton = ErrorOf("halton", {StringParam("randomization", "fastowen")});
+    EXPECT_NE(halton.find("permutedigits"), std::string::npos);
+}
+
+TEST(MakeSampler, UnusedParametersAreErrors) {
+    struct Case {
+        const char *type, *foreign;
+    };
+    for (Case c : {Case{"independent", "xsamples"}, {"stratified", "pixelsamples"}, {"halton", "jitter"}, {"zsobol", "samples"}}) {
+        DiagnosticSink sink;
+        Make(c.type, {IntParam(c.foreign, 4)}, 0, &sink);
+        EXPECT_EQ(sink.ErrorCount(), 1u) << c.type;
+    }
+    // Overridden counts are still read.
+    DiagnosticSink sink;
+    Make("zsobol", {IntParam("pixelsamples", 4)}, 16, &sink);
+    Make("stratified", {IntParam("xsamples", 4)}, 16, &sink);
+    EXPECT_FALSE(sink.HasErrors());
+}
+
+}  // namespace
+}  // namespace pbrt

@@ -1,0 +1,192 @@
+#include <gtest/gtest.h>
+
+#include "pbrt/math/rng.h"
+#include "sampler_cases.h"
+#include "support/statistics.h"
+
+// What holds for every sampler.
+
+namespace pbrt {
+namespace {
+
+using test::SamplerCase;
+
+class EverySampler : public testing::TestWithParam<SamplerCase> {};
+INSTANTIATE_TEST_SUITE_P(All, EverySampler, testing::ValuesIn(test::RandomizedSamplers()),
+                         [](const auto &test) { return test.param.Name(); });
+
+/// What an integrator asks for, in its order.
+std::vector<Float> Draw(Sampler &s, Point2i pixel, int index) {
+    std::vector<Float> v;
+    s.StartPixelSample(pixel, index);
+    auto add = [&v](const Point2 &p) {
+        v.push_back(p.x);
+        v.push_back(p.y);
+    };
+    add(s.GetPixel2D());
+    for (int i = 0; i < 4; ++i) {
+        v.push_back(s.Get1D());
+        add(s.Get2D());
+    }
+    return v;
+}
+
+TEST_P(EverySampler, ValuesAreBelowOneAndFinite) {
+    std::unique_ptr<Sampler> s = GetParam().Make(16);
+    for (int y = 0; y < 48; y += 5)
+        for (int x = 0; x < 64; x += 3)
+            for (int i = 0; i < 40; ++i)  // beyond the samples of a pixel, too
+                for (Float u : Draw(*s, {x, y}, i)) ASSERT_TRUE(u >= 0 && u < 1) << u;
+}
+
+TEST_P(EverySampler, ManyDimensionsAreThere) {
+    std::unique_ptr<Sampler> s = GetParam().Make(4);
+    s->StartPixelSample({5, 6}, 2);
+    test::RunningStatistics mean;
+    for (int i = 0; i < 3000; ++i) {
+        Point2 p = s->Get2D();
+        ASSERT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1) << i;
+        mean.Add(double(p.x));
+    }
+    EXPECT_LT(std::abs(mean.Z(0.5)), 5);
+    EXPECT_NEAR(mean.Variance(), 1.0 / 12, 0.01);
+}
+
+TEST_P(EverySampler, SamplesDoNotDependOnOrderOrClone) {
+    std::unique_ptr<Sampler> a = GetParam().Make(16), b = GetParam().Make(16), c = a->Clone();
+    std::vector<std::vector<Float>> forward, backward;
+    for (int i = 0; i < 16; ++i) forward.push_back(Draw(*a, {i * 3, i}, i));
+    b->StartPixelSample({9, 9}, 3, 40);
+    b->Get1D();
+    for (int i = 15; i >= 0; --i) {
+        EXPECT_EQ(Draw(*b, {i * 3, i}, i), forward[static_cast<size_t>(i)]);
+        EXPECT_EQ(Draw(*c, {i * 3, i}, i), forward[static_cast<size_t>(i)]);
+        EXPECT_EQ(Draw(*c->Clone(), {i * 3, i}, i), forward[static_cast<size_t>(i)]);
+    }
+}
+
+TEST_P(EverySampler, DimensionArgumentSkips) {
+    std::unique_ptr<Sampler> s = GetParam().Make(16);
+    int first = GetParam().pixelOwnsDimensions ? 0 : 2;
+    for (int skip : {0, 1, 2, 7}) {
+        s->StartPixelSample({3, 4}, 5);
+        for (int i = 0; i < skip; ++i) s->Get1D();
+        Float a = s->Get1D();
+        Point2 b = s->Get2D();
+        s->StartPixelSample({3, 4}, 5, first + skip);
+        EXPECT_EQ(s->Get1D(), a);
+        EXPECT_EQ(s->Get2D(), b);
+    }
+}
+
+TEST_P(EverySampler, SeedsPixelsIndicesAndDimensionsDiffer) {
+    std::unique_ptr<Sampler> s = GetParam().Make(16, 0), other = GetParam().Make(16, 1);
+    auto differ = [](const std::vector<Float> &a, const std::vector<Float> &b) {
+        int different = 0;
+        for (size_t i = 2; i < a.size(); ++i) different += a[i] != b[i];  // the first two may be fixed by the pixel
+        return different;
+    };
+    std::vector<Float> base = Draw(*s, {3, 4}, 5);
+    EXPECT_GE(differ(base, Draw(*other, {3, 4}, 5)), 11);
+    EXPECT_GE(differ(base, Draw(*s, {4, 4}, 5)), 11);
+    EXPECT_GE(differ(base, Draw(*s, {3, 5}, 5)), 11);
+    EXPECT_GE(differ(base, Draw(*s, {3, 4}, 6)), 11);
+    EXPECT_GE(differ(base, Draw(*s, {3, 4}, 5 + 16)), 11);
+    for (size_t i = 3; i < base.size(); ++i) EXPECT_NE(base[i], base[i - 1]);
+}
+
+/// Calls f with one sample of every pixel of a square film for several seeds. Samples of a pixel share their randomness
+/// and would break the tests below, which count on independent samples (or better ones).
+template <class F>
+int ForOneSampleOfEachPixel(const SamplerCase &c, const F &f) {
+    int n = 0;
+    for (int seed = 0; seed < 5; ++seed) {
+        std::unique_ptr<Sampler> s = c.Make(16, seed, {64, 64});
+        for (int y = 0; y < 64; ++y)
+            for (int x = 0; x < 64; ++x, ++n) f(Draw(*s, {x, y}, static_cast<int>(Hash(x, y, seed) % 16)));
+    }
+    return n;
+}
+
+TEST_P(EverySampler, EveryDimensionIsUniform) {
+    constexpr size_t kCells = 64;
+    std::vector<std::vector<double>> observed(14, std::vector<double>(kCells, 0));
+    int n = ForOneSampleOfEachPixel(GetParam(), [&](const std::vector<Float> &u) {
+        ASSERT_EQ(u.size(), observed.size());
+        for (size_t d = 0; d < u.size(); ++d) ++observed[d][static_cast<size_t>(u[d] * kCells)];
+    });
+    std::vector<double> expected(kCells, double(n) / kCells);
+    for (size_t d = 0; d < observed.size(); ++d)
+        EXPECT_GT(test::ChiSquareTest(observed[d], expected), test::SidakAlpha(1e-3, 14 * 11)) << d;
+}
+
+TEST_P(EverySampler, PairsOfDimensionsAreJointlyUniform) {
+    constexpr size_t kN = 8;
+    // Halton dimensions of large bases are known to go together until very many samples are taken.
+    const size_t dimensions = GetParam().type == "halton" ? 8 : 14;
+    std::vector<double> observed(14 * 14 * kN * kN, 0);
+    int n = ForOneSampleOfEachPixel(GetParam(), [&](const std::vector<Float> &u) {
+        for (size_t a = 0; a < dimensions; ++a)
+            for (size_t b = 0; b < a; ++b)
+                ++observed[(a * 14 + b) * kN * kN + static_cast<size_t>(u[a] * kN) * kN + static_cast<size_t>(u[b] * kN)];
+    });
+    std::vector<double> expected(kN * kN, double(n) / (kN * kN));
+    for (size_t a = 0; a < dimensions; ++a)
+        for (size_t b = 0; b < a; ++b) {
+            std::span<const double> cells(&observed[(a * 14 + b) * kN * kN], kN * kN);
+            EXPECT_GT(test::ChiSquareTest(cells, expected), test::SidakAlpha(1e-3, 91 * 11)) << a << " " << b;
+        }
+}
+
+/// An integrand over five dimensions with a known mean of 0.
+double Integrand(Sampler &s, Point2i pixel, int index) {
+    s.StartPixelSample(pixel, index);
+    Point2 p = s.GetPixel2D();
+    Float a = s.Get1D();
+    Point2 q = s.Get2D();
+    auto centred = [](Float u) { return double(u) - 0.5; };
+    return centred(p.x) * centred(q.y) + std::sin(2 * M_PI * double(a)) + (q.x * q.x + q.y * q.y < 1 ? 1 : 0) - M_PI / 4;
+}
+
+TEST_P(EverySampler, PixelMeansAreUnbiasedOverSeeds) {
+    test::RunningStatistics error;
+    for (int seed = 0; seed < 300; ++seed) {
+        std::unique_ptr<Sampler> s = GetParam().Make(16, seed);
+        double sum = 0;
+        for (int i = 0; i < 16; ++i) sum += Integrand(*s, {seed % 64, seed % 48}, i);
+        error.Add(sum / 16);
+    }
+    EXPECT_LT(std::abs(error.Z(0)), 4.2);
+}
+
+TEST_P(EverySampler, SampleCountsThatAreNoPowerOfTwoAreUnbiasedToo) {
+    test::RunningStatistics error;
+    for (int seed = 0; seed < 300; ++seed) {
+        std::unique_ptr<Sampler> s = GetParam().Make(11, seed);
+        ASSERT_EQ(s->SamplesPerPixel(), 11);
+        double sum = 0;
+        for (int i = 0; i < 11; ++i) sum += Integrand(*s, {seed % 64, seed % 48}, i);
+        error.Add(sum / 11);
+    }
+    EXPECT_LT(std::abs(error.Z(0)), 4.2);
+}
+
+TEST_P(EverySampler, NoneIsWorseThanIndependent) {
+    auto variance = [](const SamplerCase &c) {
+        double sum = 0;
+        std::unique_ptr<Sampler> s = c.Make(64);
+        for (int y = 0; y < 48; y += 2)
+            for (int x = 0; x < 64; x += 2) {
+                double mean = 0;
+                for (int i = 0; i < 64; ++i) mean += Integrand(*s, {x, y}, i) / 64;
+                sum += mean * mean;
+            }
+        return sum / (24 * 32);
+    };
+    double independent = variance({"independent", "", true});
+    double factor = GetParam().type == "independent" ? 1.2 : 0.5;
+    EXPECT_LT(variance(GetParam()), factor * independent);
+}
+
+}  // namespace
+}  // namespace pbrt

@@ -148,8 +148,8 @@ void DescriptionBuilder::WarnTransformBlock(const FileLoc &loc) {
 void DescriptionBuilder::CloseBlock(BlockKind kind, const FileLoc &loc) {
     Unit &unit = units_.back();
     const char *word = kind == BlockKind::Attributes ? "Attribute" : "Object";
-    auto matching = std::find_if(unit.blocks.rbegin(), unit.blocks.rend(),
-                                 [&](const OpenBlock &b) { return b.kind == kind; });
+    auto matching =
+        std::find_if(unit.blocks.rbegin(), unit.blocks.rend(), [&](const OpenBlock &b) { return b.kind == kind; });
     if (matching == unit.blocks.rend()) {
         if (kind == BlockKind::Object)
             sink_.Error(loc, "ObjectEnd without ObjectBegin.");
@@ -162,9 +162,10 @@ void DescriptionBuilder::CloseBlock(BlockKind kind, const FileLoc &loc) {
     }
     // Whatever was opened further inside ends here too, so that one slip gives one message.
     for (; unit.blocks.back().kind != kind; unit.blocks.pop_back())
-        sink_.Error(unit.blocks.back().loc, fmt::format("This {} has no end before the {}End at {}:{}.",
-                                                        kind == BlockKind::Attributes ? "ObjectBegin" : "AttributeBegin",
-                                                        word, loc.file ? loc.file->name : "", loc.line));
+        sink_.Error(unit.blocks.back().loc,
+                    fmt::format("This {} has no end before the {}End at {}:{}.",
+                                kind == BlockKind::Attributes ? "ObjectBegin" : "AttributeBegin", word,
+                                loc.file ? loc.file->name : "", loc.line));
     OpenBlock &block = unit.blocks.back();
     unit.state = std::move(block.saved);
     unit.object = block.outerObject;
@@ -183,8 +184,9 @@ void DescriptionBuilder::BeginObject(const std::string &name, const FileLoc &loc
         object = static_cast<int>(scene_.objects.size());
         scene_.objects.push_back({name, loc, {}});
     } else {
-        sink_.Warning(nameLoc, fmt::format("Object \"{}\" is defined again by another file{}; the later definition is used.",
-                                       name, FirstDefinedAt(scene_.objects[index->second].loc)));
+        sink_.Warning(nameLoc,
+                      fmt::format("Object \"{}\" is defined again by another file{}; the later definition is used.",
+                                  name, FirstDefinedAt(scene_.objects[index->second].loc)));
         object = static_cast<int>(index->second);
         scene_.objects[index->second] = {name, loc, {}};
     }
@@ -196,7 +198,8 @@ void DescriptionBuilder::EndObject(const FileLoc &loc) { CloseBlock(BlockKind::O
 
 void DescriptionBuilder::AddInstance(const std::string &name, const FileLoc &loc, const FileLoc &nameLoc) {
     if (units_.back().object != kNoObject) {
-        sink_.Error(loc, fmt::format("ObjectInstance \"{}\" inside an object definition; instances do not nest.", name));
+        sink_.Error(loc,
+                    fmt::format("ObjectInstance \"{}\" inside an object definition; instances do not nest.", name));
         return;
     }
     const GraphicsState &s = State();
@@ -292,8 +295,8 @@ void DescriptionBuilder::AddTexture(const std::string &name, bool isSpectrum, co
     auto &names = isSpectrum ? spectrumTextureNames_ : floatTextureNames_;
     auto [known, isNew] = names.try_emplace(name, nameLoc);
     if (!isNew) {
-        sink_.Error(nameLoc, fmt::format("{} texture \"{}\" is defined twice{}.", isSpectrum ? "Spectrum" : "Float", name,
-                                         FirstDefinedAt(known->second)));
+        sink_.Error(nameLoc, fmt::format("{} texture \"{}\" is defined twice{}.", isSpectrum ? "Spectrum" : "Float",
+                                         name, FirstDefinedAt(known->second)));
         return;
     }
     TextureEntity texture;
@@ -320,8 +323,9 @@ void DescriptionBuilder::AddMedium(const std::string &name, Params params, const
         scene_.media.push_back(std::move(medium));
         return;
     }
-    sink_.Warning(nameLoc, fmt::format("Medium \"{}\" is defined again by another file{}; the later definition is used.",
-                                       name, FirstDefinedAt(scene_.media[index->second].loc)));
+    sink_.Warning(nameLoc,
+                  fmt::format("Medium \"{}\" is defined again by another file{}; the later definition is used.", name,
+                              FirstDefinedAt(scene_.media[index->second].loc)));
     scene_.media[index->second] = std::move(medium);
 }
 
@@ -399,10 +403,9 @@ void DescriptionBuilder::CheckMaterials() {
     std::vector<std::string> names;
     for (const auto &[name, loc] : materialNames_) names.push_back(name);
     for (const auto &[name, m] : missing)
-        sink_.Error(m.firstUse,
-                    fmt::format("This shape uses the named material \"{}\", which is not defined{}; {}.", name,
-                                m.shapes > 1 ? fmt::format(" (so do {} others)", m.shapes - 1) : "",
-                                names.empty() ? "no material is" : ListChoices(name, names)));
+        sink_.Error(m.firstUse, fmt::format("This shape uses the named material \"{}\", which is not defined{}; {}.",
+                                            name, m.shapes > 1 ? fmt::format(" (so do {} others)", m.shapes - 1) : "",
+                                            names.empty() ? "no material is" : ListChoices(name, names)));
 }
 
 void DescriptionBuilder::CheckMedia() {

@@ -63,8 +63,8 @@ class DescriptionBuilder {
     // Entities of the world.
     void AddMaterial(const std::string &type, Params params, const FileLoc &loc);
     void AddNamedMaterial(const std::string &name, Params params, const FileLoc &loc, const FileLoc &nameLoc);
-    void AddTexture(const std::string &name, bool isSpectrum, const std::string &type, Params params, const FileLoc &loc,
-                    const FileLoc &nameLoc);
+    void AddTexture(const std::string &name, bool isSpectrum, const std::string &type, Params params,
+                    const FileLoc &loc, const FileLoc &nameLoc);
     void AddMedium(const std::string &name, Params params, const FileLoc &loc, const FileLoc &nameLoc);
     void AddLight(const std::string &type, Params params, const FileLoc &loc);
     void AddShape(const std::string &type, Params params, const FileLoc &loc);
@@ -91,7 +91,8 @@ class DescriptionBuilder {
     /// Index into scene_.objects, or one of these.
     static constexpr int kNoObject = -1, kDiscard = -2;
 
-    ParamSet MakeParams(std::string what, Params params, const FileLoc &loc, std::optional<AttributeTarget> target) const;
+    ParamSet MakeParams(std::string what, Params params, const FileLoc &loc,
+                        std::optional<AttributeTarget> target) const;
     void Fill(Entity &entity, const std::string &type, const char *directive, Params params, const FileLoc &loc,
               std::optional<AttributeTarget> target = {}) const;
     void TakeTypeParameter(Entity &entity, const char *directive);

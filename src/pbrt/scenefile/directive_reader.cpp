@@ -137,7 +137,8 @@ Transform DirectiveReader::ReadMatrix() {
     Token close = arguments_.Require("]");
     if (close.kind != TokenKind::Close) arguments_.Fail(close, "Expected ] after the 16 numbers of a matrix.");
     Transform t = Transform::FromFile(values);
-    if (t.IsSingular()) builder_.Sink().Warning(here_, "This matrix cannot be inverted: it flattens what it transforms.");
+    if (t.IsSingular())
+        builder_.Sink().Warning(here_, "This matrix cannot be inverted: it flattens what it transforms.");
     return t;
 }
 
@@ -170,7 +171,8 @@ void DirectiveReader::ReadLookAt() {
     if (auto view = Transform::LookAt(eye, look, up))
         builder_.Concat(*view);
     else
-        builder_.Sink().Error(here_, "LookAt: the eye and the point looked at are the same, or up is parallel to the view.");
+        builder_.Sink().Error(here_,
+                              "LookAt: the eye and the point looked at are the same, or up is parallel to the view.");
 }
 
 void DirectiveReader::ReadCoordinateSystem() {

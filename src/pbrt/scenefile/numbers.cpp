@@ -40,8 +40,7 @@ const char *ScanFloat(const char *begin, const char *end, Float *value, bool *ov
 
 const char *ScanInt(const char *begin, const char *end, int *value, bool *overflow) {
     const char *p = begin;
-    if (p != end && *p == '+') ++p;
-    else if (p != end && *p == '-') ++p;
+    if (p != end && (*p == '+' || *p == '-')) ++p;
     if (p == end || !IsDigit(*p)) return begin;
     auto [after, error] = std::from_chars(*begin == '+' ? p : begin, end, *value);
     if (error == std::errc::result_out_of_range) *overflow = true;

@@ -8,8 +8,9 @@ constexpr bool EndsWord(char c) {
     return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '"' || c == '[' || c == ']';
 }
 
-/// Reads the number at the start of [begin, end): decimal or hexadecimal, optional sign, no inf or nan. Returns the place
-/// behind it, or `begin` if there is none. Values too small become 0; too large ones become infinite and set *overflow.
+/// Reads the number at the start of [begin, end): decimal or hexadecimal, optional sign, no inf or nan. Returns the
+/// place behind it, or `begin` if there is none. Values too small become 0; too large ones become infinite and set
+/// *overflow.
 const char *ScanFloat(const char *begin, const char *end, Float *value, bool *overflow);
 
 /// The same for integers: optional sign and decimal digits. A value beyond 32 bits sets *overflow.

@@ -78,7 +78,8 @@ Token ParameterReader::Require(const char *what) {
 
 Token ParameterReader::ReadString(const char *what) {
     Token token = Require(what);
-    if (token.kind != TokenKind::String) Fail(token, fmt::format("Expected {} in quotes, found {}.", what, Quote(token)));
+    if (token.kind != TokenKind::String)
+        Fail(token, fmt::format("Expected {} in quotes, found {}.", what, Quote(token)));
     return token;
 }
 
@@ -194,7 +195,8 @@ ParameterReader::Kind ParameterReader::ReadValue(const Token &token, const Param
     int integer = 0;
     overflow = false;
     if (ScanInt(begin, end, &integer, &overflow) != end)
-        sink_.Error(tokens_.Loc(token), fmt::format("Expected an integer for \"{}\", found {}.", param.name, token.text));
+        sink_.Error(tokens_.Loc(token),
+                    fmt::format("Expected an integer for \"{}\", found {}.", param.name, token.text));
     else if (overflow)
         sink_.Error(tokens_.Loc(token), fmt::format("{} does not fit a 32-bit integer.", token.text));
     ints_.push_back(integer);
@@ -244,8 +246,9 @@ void ParameterReader::CheckKind(const Param &param, const Values &values) {
     if (param.type == ParamType::Bool) fits = values.kind == Kind::Bool;
     if (param.type == ParamType::Spectrum) fits = values.kind != Kind::Bool;
     if (!fits)
-        sink_.Error(tokens_.Loc(values.first), fmt::format("\"{} {}\" takes {}, found {}.", Name(param.type), param.name,
-                                                           ExpectedValues(param.type), Quote(values.first)));
+        sink_.Error(tokens_.Loc(values.first),
+                    fmt::format("\"{} {}\" takes {}, found {}.", Name(param.type), param.name,
+                                ExpectedValues(param.type), Quote(values.first)));
 }
 
 }  // namespace pbrt

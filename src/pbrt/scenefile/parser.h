@@ -7,7 +7,8 @@
 namespace pbrt {
 
 /// Parses files one after the other as one scene ("-" = standard input). Syntax errors stop the parse of the file; all
-/// structural errors found are collected in `sink`. Warnings go there too. The caller decides with sink.ThrowIfErrors().
+/// structural errors found are collected in `sink`. Warnings go there too. The caller decides with
+/// sink.ThrowIfErrors().
 SceneDescription ParseSceneFiles(const std::vector<std::string> &paths, DiagnosticSink &sink);
 
 /// Parses text as if it were a file called `name` in directory `directory` (tests).

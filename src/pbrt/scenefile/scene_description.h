@@ -94,7 +94,7 @@ struct SceneDescription {
     SceneOptions options;
     Entity film, sampler, filter, integrator, accelerator;  ///< defaults filled in when absent (§5)
     CameraEntity camera;
-    std::vector<MaterialEntity> materials;        ///< unnamed and named, in file order
+    std::vector<MaterialEntity> materials;  ///< unnamed and named, in file order
     std::vector<TextureEntity> textures;
     std::vector<MediumEntity> media;
     std::vector<LightEntity> lights;

@@ -122,7 +122,8 @@ Token Tokenizer::ScanString(Reading &r, Token token) {
         static constexpr std::string_view kLetters = "bfnrt\\'\"", kMeanings = "\b\f\n\r\t\\'\"";
         size_t which = kLetters.find(*++c);
         if (which == std::string_view::npos)
-            Fail(r, c - 1, fmt::format("Unknown escape \"\\{}\" in a string; valid: \\b \\f \\n \\r \\t \\\\ \\' \\\".", *c));
+            Fail(r, c - 1,
+                 fmt::format("Unknown escape \"\\{}\" in a string; valid: \\b \\f \\n \\r \\t \\\\ \\' \\\".", *c));
         plain += kMeanings[which];
     }
     token.text = unescaped_.emplace_back(std::move(plain));

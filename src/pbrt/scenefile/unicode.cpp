@@ -85,9 +85,9 @@ void Decompose(char32_t c, std::u32string &out) {
         return;
     }
     auto singles = unicode::Singles();
-    auto single = std::lower_bound(
-        singles.begin(), singles.end(), c,
-        [](const unicode::CanonicalSingle &s, char32_t value) { return s.composed < value; });
+    auto single =
+        std::lower_bound(singles.begin(), singles.end(), c,
+                         [](const unicode::CanonicalSingle &s, char32_t value) { return s.composed < value; });
     if (single != singles.end() && single->composed == c)
         Decompose(single->plain, out);
     else
@@ -115,7 +115,8 @@ void SortMarks(std::u32string &text) {
     for (size_t begin = 0; begin < text.size();) {
         size_t end = begin;
         while (end < text.size() && CombiningClass(text[end]) != 0) ++end;
-        std::stable_sort(text.begin() + static_cast<std::ptrdiff_t>(begin), text.begin() + static_cast<std::ptrdiff_t>(end),
+        std::stable_sort(text.begin() + static_cast<std::ptrdiff_t>(begin),
+                         text.begin() + static_cast<std::ptrdiff_t>(end),
                          [](char32_t a, char32_t b) { return CombiningClass(a) < CombiningClass(b); });
         begin = end + 1;
     }

@@ -35,7 +35,11 @@ TEST(ParallelFor, ThreadIndexStaysBelowThreadCount) {
 }
 
 TEST(ParallelFor, ExceptionsReachTheCaller) {
-    EXPECT_THROW(ParallelForEach(100, [](int64_t i) { if (i == 50) throw std::runtime_error("x"); }), std::runtime_error);
+    EXPECT_THROW(ParallelForEach(100,
+                                 [](int64_t i) {
+                                     if (i == 50) throw std::runtime_error("x");
+                                 }),
+                 std::runtime_error);
     EXPECT_THROW(ParallelFor(100, 1, [](int64_t, int64_t) { throw std::runtime_error("x"); }), std::runtime_error);
     EXPECT_THROW(ParallelInvoke([] { throw std::runtime_error("x"); }, [] {}), std::runtime_error);
 }

@@ -61,7 +61,8 @@ TEST_F(Conformance, ErrorsArePointedAtWhereStockDoes) {
         std::string name = record["name"];
         Parsed parsed = ParseScene(record["scene"]);
         if (name == "directive_wrong_case") {
-            ExpectMessages(parsed.sink, {{Severity::Error, 10, 0, "AttributeBegin"}, {Severity::Warning, 11, 0, ""}}, name);
+            ExpectMessages(parsed.sink, {{Severity::Error, 10, 0, "AttributeBegin"}, {Severity::Warning, 11, 0, ""}},
+                           name);
             continue;
         }
         auto found = kFound.find(name);
@@ -94,7 +95,8 @@ TEST_F(Conformance, EverySceneWithAPictureParsesWithoutErrors) {
 }
 
 TEST_F(Conformance, LargeScenesParse) {
-    for (const char *name : {"lamp/lamp.pbrt", "lamp/scene-v4.pbrt", "veach-ajar/veach-ajar.pbrt", "veach-ajar/scene-v4.pbrt"}) {
+    for (const char *name :
+         {"lamp/lamp.pbrt", "lamp/scene-v4.pbrt", "veach-ajar/veach-ajar.pbrt", "veach-ajar/scene-v4.pbrt"}) {
         DiagnosticSink sink;
         SceneDescription scene = ParseSceneFiles({kShared + "/scenes/" + name}, sink);
         EXPECT_EQ("", Messages(sink)) << name;
@@ -121,9 +123,11 @@ std::vector<Placement> Placements(const SceneDescription &scene) {
         Transform t = worldFromObject * s.ctm.start;
         Float r = s.params.GetFloat("radius", 1);
         auto list = s.params.GetFloats("P", ParamType::Point3);
-        for (size_t i = 0; i + 2 < list.size(); i += 3) p.points.push_back(t.Point({list[i], list[i + 1], list[i + 2]}));
+        for (size_t i = 0; i + 2 < list.size(); i += 3)
+            p.points.push_back(t.Point({list[i], list[i + 1], list[i + 2]}));
         if (list.empty())
-            for (Point3 q : {Point3(0, 0, 0), Point3(r, 0, 0), Point3(0, r, 0), Point3(0, 0, s.params.GetFloat("zmin", -r))})
+            for (Point3 q :
+                 {Point3(0, 0, 0), Point3(r, 0, 0), Point3(0, r, 0), Point3(0, 0, s.params.GetFloat("zmin", -r))})
                 p.points.push_back(t.Point(q));
         placements.push_back(p);
     };

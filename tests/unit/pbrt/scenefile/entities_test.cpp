@@ -20,8 +20,10 @@ TEST(Defaults, OfAbsentDirectives) {
 TEST(OptionsBlock, EveryDirectiveFillsItsEntityAndTheLastWins) {
     SceneDescription scene = ParseClean(
         "Film \"a\" Sampler \"b\" PixelFilter \"c\" Integrator \"d\" Accelerator \"e\" Camera \"f\"\n"
-        "Accelerator \"kdtree\" \"integer x\" 5 Camera \"orthographic\" \"integer x\" 6 Film \"gbuffer\" \"integer x\" 1\n"
-        "Sampler \"halton\" \"integer x\" 2 PixelFilter \"box\" \"integer x\" 3 Integrator \"path\" \"integer x\" 4 WorldBegin");
+        "Accelerator \"kdtree\" \"integer x\" 5 Camera \"orthographic\" \"integer x\" 6 Film \"gbuffer\" \"integer x\" "
+        "1\n"
+        "Sampler \"halton\" \"integer x\" 2 PixelFilter \"box\" \"integer x\" 3 Integrator \"path\" \"integer x\" 4 "
+        "WorldBegin");
     auto expect = [](const Entity &e, const char *type, int x, const char *what) {
         EXPECT_EQ(e.type, type);
         EXPECT_EQ(e.params.GetInt("x", 0), x) << type;
@@ -37,17 +39,21 @@ TEST(OptionsBlock, EveryDirectiveFillsItsEntityAndTheLastWins) {
 }
 
 TEST(OptionsBlock, CameraKeepsTheTransformationWhereItStands) {
-    SceneDescription scene = ParseClean("Translate 1 0 0 Camera \"perspective\" Translate 0 5 0\n"
-                                        "ActiveTransform EndTime Translate 0 0 1 WorldBegin");
+    SceneDescription scene = ParseClean(
+        "Translate 1 0 0 Camera \"perspective\" Translate 0 5 0\n"
+        "ActiveTransform EndTime Translate 0 0 1 WorldBegin");
     EXPECT_EQ(scene.camera.cameraFromWorld.start, Transform::Translate({1, 0, 0}));
     EXPECT_FALSE(scene.camera.cameraFromWorld.IsAnimated());
 }
 
 TEST(Option, NamesIgnoreCaseDashesAndUnderscores) {
     SceneDescription scene = ParseClean(
-        "Option \"disablepixeljitter\" true Option \"Disable-Texture_Filtering\" false Option \"disable_wavelength_jitter\" true\n"
-        "Option \"ForceDiffuse\" true Option \"pixelstats\" false WorldBegin Option \"wavefront\" true Option \"seed\" 17\n"
-        "Option \"displacement-edge-scale\" .5 Option \"mse-reference-image\" \"a.exr\" Option \"msereferenceout\" \"b.txt\"\n"
+        "Option \"disablepixeljitter\" true Option \"Disable-Texture_Filtering\" false Option "
+        "\"disable_wavelength_jitter\" true\n"
+        "Option \"ForceDiffuse\" true Option \"pixelstats\" false WorldBegin Option \"wavefront\" true Option \"seed\" "
+        "17\n"
+        "Option \"displacement-edge-scale\" .5 Option \"mse-reference-image\" \"a.exr\" Option \"msereferenceout\" "
+        "\"b.txt\"\n"
         "Option \"render-coord-sys\" \"camera\"");
     const SceneOptions &o = scene.options;
     EXPECT_EQ(o.disablePixelJitter, true);
@@ -74,9 +80,10 @@ TEST(Option, Errors) {
 }
 
 TEST(World, TexturesMaterialsLightsMedia) {
-    SceneDescription scene = ParseWorld("Translate 1 0 0\nTexture \"t\" \"float\" \"scale\" \"float x\" 1\n"
-                                        "Texture \"t\" \"spectrum\" \"imagemap\"\nLightSource \"spot\" \"float x\" 2\n"
-                                        "MakeNamedMedium \"m\" \"string type\" [ \"cloud\" ] \"float x\" 3");
+    SceneDescription scene = ParseWorld(
+        "Translate 1 0 0\nTexture \"t\" \"float\" \"scale\" \"float x\" 1\n"
+        "Texture \"t\" \"spectrum\" \"imagemap\"\nLightSource \"spot\" \"float x\" 2\n"
+        "MakeNamedMedium \"m\" \"string type\" [ \"cloud\" ] \"float x\" 3");
     EXPECT_EQ(scene.textures[0].name, "t");
     EXPECT_FALSE(scene.textures[0].isSpectrum);
     EXPECT_EQ(scene.textures[0].type, "scale");
@@ -106,9 +113,10 @@ TEST(World, OnlyShapesMove) {
 }
 
 TEST(Objects, RecordShapesAndRestoreTheState) {
-    SceneDescription scene = ParseWorld("Translate 1 0 0\nObjectBegin \"o\" Translate 0 1 0 Material \"m\" Shape \"a\"\n"
-                                        "AttributeBegin Shape \"b\" AttributeEnd ObjectEnd\nShape \"c\"\n"
-                                        "Translate 0 0 1 ObjectInstance \"o\" ObjectInstance \"o\"");
+    SceneDescription scene = ParseWorld(
+        "Translate 1 0 0\nObjectBegin \"o\" Translate 0 1 0 Material \"m\" Shape \"a\"\n"
+        "AttributeBegin Shape \"b\" AttributeEnd ObjectEnd\nShape \"c\"\n"
+        "Translate 0 0 1 ObjectInstance \"o\" ObjectInstance \"o\"");
     ASSERT_EQ(scene.objects.size(), 1u);
     EXPECT_EQ(scene.objects[0].name, "o");
     ASSERT_EQ(scene.objects[0].shapes.size(), 2u);
@@ -128,8 +136,9 @@ TEST(Objects, MayBeUsedBeforeTheirDefinition) {
 }
 
 TEST(Objects, EmptyOnesAreSkipped) {
-    SceneDescription scene = ParseWorld("ObjectBegin \"e\" ObjectEnd ObjectBegin \"f\" Shape \"s\" ObjectEnd\n"
-                                        "ObjectInstance \"e\" ObjectInstance \"f\"");
+    SceneDescription scene = ParseWorld(
+        "ObjectBegin \"e\" ObjectEnd ObjectBegin \"f\" Shape \"s\" ObjectEnd\n"
+        "ObjectInstance \"e\" ObjectInstance \"f\"");
     ASSERT_EQ(scene.objects.size(), 1u);
     EXPECT_EQ(scene.objects[0].name, "f");
     ASSERT_EQ(scene.instances.size(), 1u);

@@ -13,16 +13,16 @@ TEST(Blocks, MissingWorldBegin) {
 
 TEST(Blocks, WorldDirectivesBeforeWorldBegin) {
     for (const char *directive :
-         {"AreaLightSource \"d\" \"float x\" [ 1 2 ]", "AttributeBegin", "AttributeEnd", "Import \"x\"", "LightSource \"p\"",
-          "MakeNamedMaterial \"m\" \"string type\" \"d\"", "Material \"d\"", "NamedMaterial \"m\"", "ObjectBegin \"o\"",
-          "ObjectEnd", "ObjectInstance \"o\"", "ReverseOrientation", "Shape \"s\" \"bool x\" true", "TransformBegin",
-          "TransformEnd", "Texture \"t\" \"float\" \"constant\""})
+         {"AreaLightSource \"d\" \"float x\" [ 1 2 ]", "AttributeBegin", "AttributeEnd", "Import \"x\"",
+          "LightSource \"p\"", "MakeNamedMaterial \"m\" \"string type\" \"d\"", "Material \"d\"", "NamedMaterial \"m\"",
+          "ObjectBegin \"o\"", "ObjectEnd", "ObjectInstance \"o\"", "ReverseOrientation", "Shape \"s\" \"bool x\" true",
+          "TransformBegin", "TransformEnd", "Texture \"t\" \"float\" \"constant\""})
         ExpectError(fmt::format("\n  {}\nWorldBegin", directive), 2, 2, "not allowed before WorldBegin");
 }
 
 TEST(Blocks, OptionsDirectivesAfterWorldBegin) {
-    for (const char *directive : {"Accelerator \"a\"", "Camera \"c\" \"float x\" [ 1 ]", "Film \"f\"", "Integrator \"i\"",
-                                  "PixelFilter \"f\"", "Sampler \"s\"", "TransformTimes 0 1"})
+    for (const char *directive : {"Accelerator \"a\"", "Camera \"c\" \"float x\" [ 1 ]", "Film \"f\"",
+                                  "Integrator \"i\"", "PixelFilter \"f\"", "Sampler \"s\"", "TransformTimes 0 1"})
         ExpectWorldError(fmt::format("  {}\nShape \"s\"", directive), 2, 2, "not allowed after WorldBegin");
     ExpectWorldError("  WorldBegin\nShape \"s\"", 2, 2, "given before");
 }
@@ -46,8 +46,10 @@ TEST(Blocks, UnmatchedOnes) {
     ExpectWorldError(" AttributeBegin AttributeBegin AttributeEnd", 2, 1, "without AttributeEnd");
     ExpectWorldError("ObjectEnd", 2, 0, "without ObjectBegin");
     ExpectWorldError(" ObjectBegin \"o\" Shape \"s\"", 2, 1, "without ObjectEnd");
-    ExpectWorldError("ObjectBegin \"o\" Shape \"s\"\nAttributeEnd ObjectEnd", 3, 0, "AttributeEnd inside the ObjectBegin");
-    ExpectWorldError("ObjectBegin \"o\"\n AttributeBegin Shape \"s\" ObjectEnd", 3, 1, "This AttributeBegin has no end");
+    ExpectWorldError("ObjectBegin \"o\" Shape \"s\"\nAttributeEnd ObjectEnd", 3, 0,
+                     "AttributeEnd inside the ObjectBegin");
+    ExpectWorldError("ObjectBegin \"o\"\n AttributeBegin Shape \"s\" ObjectEnd", 3, 1,
+                     "This AttributeBegin has no end");
     ExpectWorldError("AttributeBegin ObjectEnd\nAttributeEnd", 2, 15, "without ObjectBegin");
 }
 
@@ -58,25 +60,30 @@ TEST(Blocks, TransformBlocksWarnOnce) {
 
 TEST(Names, RedefinitionPointsAtTheName) {
     ExpectWorldError("Texture \"t\" \"float\" \"constant\"\nTexture \"t\" \"float\" \"mix\"", 3, 8, "defined twice");
-    ExpectWorldError("Texture \"t\" \"spectrum\" \"constant\"\nTexture \"t\" \"spectrum\" \"mix\"", 3, 8, "test.pbrt:2");
-    ExpectWorldError("MakeNamedMaterial \"m\" \"string type\" \"a\"\nMakeNamedMaterial \"m\" \"string type\" \"a\"", 3, 18,
-                     "defined twice");
+    ExpectWorldError("Texture \"t\" \"spectrum\" \"constant\"\nTexture \"t\" \"spectrum\" \"mix\"", 3, 8,
+                     "test.pbrt:2");
+    ExpectWorldError("MakeNamedMaterial \"m\" \"string type\" \"a\"\nMakeNamedMaterial \"m\" \"string type\" \"a\"", 3,
+                     18, "defined twice");
     ExpectWorldError("MakeNamedMedium \"m\" \"string type\" \"a\"\nMakeNamedMedium \"m\" \"string type\" \"a\"", 3, 16,
                      "defined twice");
     ExpectWorldError("ObjectBegin \"o\" ObjectEnd\nObjectBegin \"o\" Shape \"s\" ObjectEnd", 3, 12, "defined twice");
 }
 
 TEST(Names, UndefinedMaterialIsReportedOnceAtTheFirstShape) {
-    ExpectWorldError("NamedMaterial \"nobody\"\n Shape \"s\"\nShape \"s\"", 3, 1, "\"nobody\", which is not defined (so do 1");
-    ExpectWorldError("MakeNamedMaterial \"gold\" \"string type\" \"a\" NamedMaterial \"golf\" ObjectBegin \"o\"\n"
-                     "Shape \"s\" ObjectEnd", 3, 0, "did you mean \"gold\"");
+    ExpectWorldError("NamedMaterial \"nobody\"\n Shape \"s\"\nShape \"s\"", 3, 1,
+                     "\"nobody\", which is not defined (so do 1");
+    ExpectWorldError(
+        "MakeNamedMaterial \"gold\" \"string type\" \"a\" NamedMaterial \"golf\" ObjectBegin \"o\"\n"
+        "Shape \"s\" ObjectEnd",
+        3, 0, "did you mean \"gold\"");
     ParseWorld("NamedMaterial \"nobody\"");
 }
 
 TEST(Names, UndefinedMediumIsReportedWhereItIsUsed) {
     ExpectWorldError("MediumInterface \"fog\"\nShape \"s\"\nShape \"s\"", 3, 0, "Medium \"fog\"");
     ExpectWorldError("MediumInterface \"\" \"fog\"\nLightSource \"point\"", 3, 0, "Medium \"fog\"");
-    ExpectError("MediumInterface \"fog\"\nCamera \"perspective\" MediumInterface \"\"\nWorldBegin", 2, 0, "Medium \"fog\"");
+    ExpectError("MediumInterface \"fog\"\nCamera \"perspective\" MediumInterface \"\"\nWorldBegin", 2, 0,
+                "Medium \"fog\"");
     ParseWorld("MediumInterface \"fog\"");
 }
 
@@ -140,8 +147,9 @@ TEST(Arguments, DegenerateTransformations) {
 }
 
 TEST(Collection, AllStructuralErrorsAreReportedAtOnce) {
-    Parsed parsed = Parse("WorldBegin\nCamera \"perspective\"\nMaterial \"diffuse\" \"color reflectance\" [ 1 1 1 ]\n"
-                          "Shape \"s\" \"bool a\" 1\nWorldEnd\nObjectInstance \"x\"\nAttributeBegin\n");
+    Parsed parsed = Parse(
+        "WorldBegin\nCamera \"perspective\"\nMaterial \"diffuse\" \"color reflectance\" [ 1 1 1 ]\n"
+        "Shape \"s\" \"bool a\" 1\nWorldEnd\nObjectInstance \"x\"\nAttributeBegin\n");
     ExpectMessages(parsed.sink,
                    {{Severity::Error, 2, 0, "Camera"},
                     {Severity::Error, 3, 19, "color"},

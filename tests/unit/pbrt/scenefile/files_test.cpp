@@ -28,7 +28,8 @@ class SceneFiles : public ::testing::Test {
 
 TEST_F(SceneFiles, IncludeSplicesWithoutScope) {
     folder_.Write("part.pbrt", "Translate 1 0 0 Material \"m\" CoordinateSystem \"c\"");
-    SceneDescription scene = ParseMainClean("WorldBegin Include \"part.pbrt\" Shape \"s\" Identity CoordSysTransform \"c\" Shape \"s\"");
+    SceneDescription scene =
+        ParseMainClean("WorldBegin Include \"part.pbrt\" Shape \"s\" Identity CoordSysTransform \"c\" Shape \"s\"");
     for (const ShapeEntity &s : scene.shapes) {
         EXPECT_EQ(s.ctm.start, Transform::Translate({1, 0, 0}));
         EXPECT_EQ(s.material.index, 0);
@@ -107,7 +108,8 @@ TEST_F(SceneFiles, FilesThatReadThemselvesAreFound) {
     folder_.Write("b.pbrt", "\nImport \"a.pbrt\"");
     ExpectMain("WorldBegin Include \"a.pbrt\"", {{Severity::Error, 2, 7, "reads itself"}});
     folder_.Write("b.pbrt", "Shape \"s\"");
-    EXPECT_EQ(ParseMainClean("WorldBegin Include \"a.pbrt\" Include \"a.pbrt\"").shapes.size(), 2u) << "twice in a row is fine";
+    EXPECT_EQ(ParseMainClean("WorldBegin Include \"a.pbrt\" Include \"a.pbrt\"").shapes.size(), 2u)
+        << "twice in a row is fine";
 }
 
 TEST_F(SceneFiles, ErrorsInAnIncludedFilePointThere) {
@@ -118,13 +120,15 @@ TEST_F(SceneFiles, ErrorsInAnIncludedFilePointThere) {
 }
 
 TEST_F(SceneFiles, ImportGetsACopyOfTheState) {
-    folder_.Write("part.pbrt", "Shape \"in\" Translate 0 1 0 Material \"p\" ReverseOrientation ColorSpace \"rec2020\"\n"
-                               "Attribute \"shape\" \"float r\" 2 Shape \"in\" CoordinateSystem \"theirs\"\n"
-                               "Texture \"t\" \"float\" \"constant\" MakeNamedMaterial \"n\" \"string type\" \"diffuse\"\n"
-                               "MakeNamedMedium \"m\" \"string type\" \"cloud\" LightSource \"point\"\n"
-                               "ObjectBegin \"o\" Shape \"in\" ObjectEnd ObjectInstance \"o\"");
-    SceneDescription scene = ParseMainClean("WorldBegin Translate 1 0 0 Material \"m\" Attribute \"shape\" \"float r\" 1\n"
-                                            "Import \"part.pbrt\" Shape \"out\" NamedMaterial \"n\" Shape \"out\"");
+    folder_.Write("part.pbrt",
+                  "Shape \"in\" Translate 0 1 0 Material \"p\" ReverseOrientation ColorSpace \"rec2020\"\n"
+                  "Attribute \"shape\" \"float r\" 2 Shape \"in\" CoordinateSystem \"theirs\"\n"
+                  "Texture \"t\" \"float\" \"constant\" MakeNamedMaterial \"n\" \"string type\" \"diffuse\"\n"
+                  "MakeNamedMedium \"m\" \"string type\" \"cloud\" LightSource \"point\"\n"
+                  "ObjectBegin \"o\" Shape \"in\" ObjectEnd ObjectInstance \"o\"");
+    SceneDescription scene = ParseMainClean(
+        "WorldBegin Translate 1 0 0 Material \"m\" Attribute \"shape\" \"float r\" 1\n"
+        "Import \"part.pbrt\" Shape \"out\" NamedMaterial \"n\" Shape \"out\"");
     ASSERT_EQ(scene.shapes.size(), 4u);
     EXPECT_EQ(scene.shapes[0].ctm.start, Transform::Translate({1, 0, 0}));
     EXPECT_EQ(scene.shapes[0].material.index, 0);
@@ -149,14 +153,16 @@ TEST_F(SceneFiles, ImportDoesNotShareCoordinateSystems) {
 
 TEST_F(SceneFiles, ImportInsideAnObjectAddsToIt) {
     folder_.Write("part.pbrt", "AttributeBegin Shape \"a\" AttributeEnd Shape \"b\"");
-    SceneDescription scene = ParseMainClean("WorldBegin ObjectBegin \"o\" Import \"part.pbrt\" ObjectEnd ObjectInstance \"o\"");
+    SceneDescription scene =
+        ParseMainClean("WorldBegin ObjectBegin \"o\" Import \"part.pbrt\" ObjectEnd ObjectInstance \"o\"");
     EXPECT_TRUE(scene.shapes.empty());
     EXPECT_EQ(scene.objects.at(0).shapes.size(), 2u);
     folder_.Write("part.pbrt", "Shape \"a\"\nObjectInstance \"o\"\nObjectBegin \"p\" ObjectEnd");
     ExpectMain("WorldBegin ObjectBegin \"o\" Import \"part.pbrt\" ObjectEnd",
                {{Severity::Error, 2, 0, "do not nest"}, {Severity::Error, 3, 0, "inside another"}});
     folder_.Write("part.pbrt", "\nObjectEnd");
-    ExpectMain("WorldBegin ObjectBegin \"o\" Import \"part.pbrt\" ObjectEnd", {{Severity::Error, 2, 0, "without ObjectBegin"}});
+    ExpectMain("WorldBegin ObjectBegin \"o\" Import \"part.pbrt\" ObjectEnd",
+               {{Severity::Error, 2, 0, "without ObjectBegin"}});
 }
 
 TEST_F(SceneFiles, ImportMustBeBalanced) {
@@ -169,13 +175,19 @@ TEST_F(SceneFiles, ImportMustBeBalanced) {
 }
 
 TEST_F(SceneFiles, ImportedNamesAreGlobal) {
-    folder_.Write("part.pbrt", "\nTexture \"t\" \"float\" \"constant\"\nMakeNamedMaterial \"n\" \"string type\" \"diffuse\"");
-    ExpectMain("WorldBegin Texture \"t\" \"float\" \"constant\" Import \"part.pbrt\"\nMakeNamedMaterial \"n\" \"string type\" \"mix\"",
-               {{Severity::Error, 2, 8, "defined twice"}, {Severity::Error, 2, 18, "defined twice"}});
+    folder_.Write("part.pbrt",
+                  "\nTexture \"t\" \"float\" \"constant\"\nMakeNamedMaterial \"n\" \"string type\" \"diffuse\"");
+    ExpectMain(
+        "WorldBegin Texture \"t\" \"float\" \"constant\" Import \"part.pbrt\"\nMakeNamedMaterial \"n\" \"string type\" "
+        "\"mix\"",
+        {{Severity::Error, 2, 8, "defined twice"}, {Severity::Error, 2, 18, "defined twice"}});
     // Media and objects are not checked across imports; here the later one is used.
-    folder_.Write("part.pbrt", "\nMakeNamedMedium \"m\" \"string type\" \"cloud\"\nObjectBegin \"o\" Shape \"b\" Shape \"c\" ObjectEnd");
-    SceneDescription scene = ParseMain("WorldBegin MakeNamedMedium \"m\" \"string type\" \"homogeneous\"\n"
-                                       "ObjectBegin \"o\" Shape \"a\" ObjectEnd Import \"part.pbrt\"");
+    folder_.Write(
+        "part.pbrt",
+        "\nMakeNamedMedium \"m\" \"string type\" \"cloud\"\nObjectBegin \"o\" Shape \"b\" Shape \"c\" ObjectEnd");
+    SceneDescription scene = ParseMain(
+        "WorldBegin MakeNamedMedium \"m\" \"string type\" \"homogeneous\"\n"
+        "ObjectBegin \"o\" Shape \"a\" ObjectEnd Import \"part.pbrt\"");
     ExpectMessages(sink_, {{Severity::Warning, 2, 16, "again"}, {Severity::Warning, 3, 12, "again"}}, "import");
     ASSERT_EQ(scene.media.size(), 1u);
     EXPECT_EQ(scene.media[0].type, "cloud");
@@ -186,7 +198,8 @@ TEST_F(SceneFiles, ImportedNamesAreGlobal) {
 TEST_F(SceneFiles, ASyntaxErrorEndsOnlyTheImportedFile) {
     folder_.Write("part.pbrt", "AttributeBegin Translate 1 2\nx");
     SceneDescription scene = ParseMain("WorldBegin Import \"part.pbrt\" Shape \"s\"\nWorldEnd");
-    ExpectMessages(sink_, {{Severity::Error, 2, 0, "Expected a number"}, {Severity::Error, 2, 0, "WorldEnd"}}, "import");
+    ExpectMessages(sink_, {{Severity::Error, 2, 0, "Expected a number"}, {Severity::Error, 2, 0, "WorldEnd"}},
+                   "import");
     EXPECT_EQ(scene.shapes.size(), 1u);
 }
 

@@ -10,7 +10,6 @@
 #include <optional>
 #include <string>
 
-
 namespace pbrt {
 namespace {
 
@@ -47,8 +46,8 @@ TEST(ScanFloat, AcceptsEveryFormOfTheFormat) {
 }
 
 TEST(ScanFloat, RejectsWhatIsNoNumber) {
-    for (const char *text : {"", "+", "-", ".", "-.", "e5", "1e", "1e+", "1.2.3", "nan", "inf", "-inf", "infinity", "+nan",
-                             "--1", "+-1", "1x", "0x", "0xg", "1f", "1,5", "5#", "true"})
+    for (const char *text : {"",         "+",    "-",   ".",   "-.", "e5", "1e",  "1e+", "1.2.3", "nan", "inf", "-inf",
+                             "infinity", "+nan", "--1", "+-1", "1x", "0x", "0xg", "1f",  "1,5",   "5#",  "true"})
         EXPECT_FALSE(WholeFloat(text)) << text;
 }
 

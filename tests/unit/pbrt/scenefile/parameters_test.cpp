@@ -13,9 +13,15 @@ Param Only(const std::string &parameters) {
 TEST(Parameters, EveryTypeFillsItsList) {
     using T = ParamType;
     EXPECT_EQ(Only("\"integer a\" [ 1 +2 -3 ]").ints, (std::vector<int>{1, 2, -3}));
-    for (auto [word, type] : {std::pair{"float", T::Float}, {"point2", T::Point2}, {"vector2", T::Vector2},
-                              {"point3", T::Point3}, {"vector3", T::Vector3}, {"normal", T::Normal}, {"rgb", T::Rgb},
-                              {"blackbody", T::Blackbody}, {"spectrum", T::Spectrum}}) {
+    for (auto [word, type] : {std::pair{"float", T::Float},
+                              {"point2", T::Point2},
+                              {"vector2", T::Vector2},
+                              {"point3", T::Point3},
+                              {"vector3", T::Vector3},
+                              {"normal", T::Normal},
+                              {"rgb", T::Rgb},
+                              {"blackbody", T::Blackbody},
+                              {"spectrum", T::Spectrum}}) {
         Param p = Only(fmt::format("\"{} a\" [ 1 .5 -2e1 ]", word));
         EXPECT_EQ(p.type, type) << word;
         EXPECT_EQ(p.name, "a");
@@ -77,7 +83,8 @@ TEST(ParameterErrors, UnknownTypeListsTheTypesAndGoesOn) {
     for (const char *type : {"point", "color", "xyz", "Float", "vector"})
         ExpectWorldError(fmt::format("Shape \"s\" \"{} a\" [ 1 2 3 ] \"float b\" 1\nShape \"t\"", type), 2, 10,
                          "unknown parameter type");
-    Parsed parsed = Parse("WorldBegin Shape \"s\" \"colour a\" [ 1 ] \"string b\" \"x\" \"xyz c\" \"y\"\nShape \"t\" \"nope d\" true");
+    Parsed parsed = Parse(
+        "WorldBegin Shape \"s\" \"colour a\" [ 1 ] \"string b\" \"x\" \"xyz c\" \"y\"\nShape \"t\" \"nope d\" true");
     EXPECT_EQ(parsed.sink.ErrorCount(), 3u) << Messages(parsed.sink);
     EXPECT_EQ(parsed.scene.shapes.size(), 2u);
     EXPECT_EQ(parsed.scene.shapes[0].params.Own().size(), 1u);

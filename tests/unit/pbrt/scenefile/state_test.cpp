@@ -44,11 +44,12 @@ TEST(Transformations, LookAtIsLeftHandedWorldToCamera) {
 }
 
 TEST(Transformations, NamedSystemsAreGlobalAndPredefined) {
-    SceneDescription scene = ParseClean("Translate 0 0 4\nCamera \"perspective\"\nWorldBegin\n"
-                                        "AttributeBegin Translate 1 0 0 CoordinateSystem \"a\" AttributeEnd\n"
-                                        "CoordSysTransform \"a\" Shape \"s\"\n"
-                                        "CoordSysTransform \"world\" Shape \"s\"\n"
-                                        "CoordSysTransform \"camera\" Shape \"s\"\n");
+    SceneDescription scene = ParseClean(
+        "Translate 0 0 4\nCamera \"perspective\"\nWorldBegin\n"
+        "AttributeBegin Translate 1 0 0 CoordinateSystem \"a\" AttributeEnd\n"
+        "CoordSysTransform \"a\" Shape \"s\"\n"
+        "CoordSysTransform \"world\" Shape \"s\"\n"
+        "CoordSysTransform \"camera\" Shape \"s\"\n");
     ExpectNear(scene.shapes[0].ctm.start.Point({0, 0, 0}), {1, 0, 0});
     ExpectNear(scene.shapes[1].ctm.start.Point({0, 0, 0}), {0, 0, 0});
     ExpectNear(scene.shapes[2].ctm.start.Point({0, 0, 0}), {0, 0, -4});
@@ -56,11 +57,12 @@ TEST(Transformations, NamedSystemsAreGlobalAndPredefined) {
 }
 
 TEST(Transformations, ActiveTransformSelectsTheCtm) {
-    SceneDescription scene = ParseWorld("ActiveTransform StartTime Translate 1 0 0\n"
-                                        "ActiveTransform EndTime Translate 0 1 0 CoordinateSystem \"pair\"\n"
-                                        "ActiveTransform All Translate 0 0 1 Shape \"s\"\n"
-                                        "ActiveTransform EndTime Identity Shape \"s\"\n"
-                                        "CoordSysTransform \"pair\" Shape \"s\"");
+    SceneDescription scene = ParseWorld(
+        "ActiveTransform StartTime Translate 1 0 0\n"
+        "ActiveTransform EndTime Translate 0 1 0 CoordinateSystem \"pair\"\n"
+        "ActiveTransform All Translate 0 0 1 Shape \"s\"\n"
+        "ActiveTransform EndTime Identity Shape \"s\"\n"
+        "CoordSysTransform \"pair\" Shape \"s\"");
     ExpectNear(scene.shapes[0].ctm.start.Point({0, 0, 0}), {1, 0, 1});
     ExpectNear(scene.shapes[0].ctm.end.Point({0, 0, 0}), {0, 1, 1});
     ExpectNear(scene.shapes[1].ctm.start.Point({0, 0, 0}), {1, 0, 1});
@@ -71,8 +73,9 @@ TEST(Transformations, ActiveTransformSelectsTheCtm) {
 }
 
 TEST(Transformations, TimesReachShapesCameraAndInstances) {
-    SceneDescription scene = ParseClean("Camera \"perspective\" TransformTimes .25 .75\nWorldBegin\n"
-                                        "Shape \"s\" ObjectBegin \"o\" Shape \"s\" ObjectEnd ObjectInstance \"o\"");
+    SceneDescription scene = ParseClean(
+        "Camera \"perspective\" TransformTimes .25 .75\nWorldBegin\n"
+        "Shape \"s\" ObjectBegin \"o\" Shape \"s\" ObjectEnd ObjectInstance \"o\"");
     EXPECT_EQ(scene.camera.startTime, 0) << "times given after Camera do not reach it";
     EXPECT_EQ(scene.camera.endTime, 1);
     EXPECT_EQ(scene.shapes[0].startTime, .25f);
@@ -82,10 +85,11 @@ TEST(Transformations, TimesReachShapesCameraAndInstances) {
 }
 
 TEST(State, WorldBeginResetsOnlyTransformations) {
-    SceneDescription scene = ParseClean("ColorSpace \"rec2020\" MediumInterface \"in\" \"out\"\n"
-                                        "Attribute \"shape\" \"float radius\" 3\nMakeNamedMedium \"in\" \"string type\" \"homogeneous\"\n"
-                                        "MakeNamedMedium \"out\" \"string type\" \"homogeneous\"\n"
-                                        "ActiveTransform EndTime Translate 1 2 3\nWorldBegin\nTranslate 4 0 0 Shape \"s\"");
+    SceneDescription scene = ParseClean(
+        "ColorSpace \"rec2020\" MediumInterface \"in\" \"out\"\n"
+        "Attribute \"shape\" \"float radius\" 3\nMakeNamedMedium \"in\" \"string type\" \"homogeneous\"\n"
+        "MakeNamedMedium \"out\" \"string type\" \"homogeneous\"\n"
+        "ActiveTransform EndTime Translate 1 2 3\nWorldBegin\nTranslate 4 0 0 Shape \"s\"");
     const ShapeEntity &s = scene.shapes[0];
     EXPECT_FALSE(s.ctm.IsAnimated());
     ExpectNear(s.ctm.start.Point({0, 0, 0}), {4, 0, 0});
@@ -104,7 +108,8 @@ TEST(State, AttributeBlocksSaveAndRestoreAllOfIt) {
             "Attribute \"shape\" \"float a\" 1 Attribute \"light\" \"float a\" 1 Attribute \"texture\" \"float a\" 1\n"
             "Attribute \"material\" \"float a\" 1 Attribute \"medium\" \"float a\" 1\n"
             "{0}End\nTranslate 0 1 0 Shape \"s\" Material \"diffuse\" LightSource \"point\"\n"
-            "Texture \"t\" \"float\" \"constant\" MakeNamedMedium \"n\" \"string type\" \"homogeneous\"", block));
+            "Texture \"t\" \"float\" \"constant\" MakeNamedMedium \"n\" \"string type\" \"homogeneous\"",
+            block));
         EXPECT_EQ(parsed.sink.ErrorCount(), 0u) << Messages(parsed.sink);
         const SceneDescription &scene = parsed.scene;
         const ShapeEntity &s = scene.shapes.at(0);
@@ -129,9 +134,10 @@ TEST(State, ReverseOrientationToggles) {
 }
 
 TEST(State, MaterialsAreReferredToByIndexOrName) {
-    SceneDescription scene = ParseWorld("Shape \"s\" NamedMaterial \"n\" Shape \"s\" Material \"a\" Shape \"s\"\n"
-                                        "MakeNamedMaterial \"n\" \"string type\" \"conductor\" Shape \"s\"\n"
-                                        "Material \"b\" Shape \"s\"");
+    SceneDescription scene = ParseWorld(
+        "Shape \"s\" NamedMaterial \"n\" Shape \"s\" Material \"a\" Shape \"s\"\n"
+        "MakeNamedMaterial \"n\" \"string type\" \"conductor\" Shape \"s\"\n"
+        "Material \"b\" Shape \"s\"");
     EXPECT_EQ(scene.shapes[0].material.index, -1);
     EXPECT_EQ(scene.shapes[0].material.name, "");
     EXPECT_EQ(scene.shapes[1].material.name, "n") << "defined later";
@@ -144,18 +150,20 @@ TEST(State, MaterialsAreReferredToByIndexOrName) {
 }
 
 TEST(State, NamesAreComparedComposed) {
-    SceneDescription scene = ParseWorld("MakeNamedMaterial \"m\u00e9tal\" \"string type\" \"diffuse\"\n"
-                                        "NamedMaterial \"me\u0301tal\" Shape \"s\"\n"
-                                        "CoordinateSystem \"e\u0301\" CoordSysTransform \"\u00e9\"\n"
-                                        "ObjectBegin \"o\u0308\" Shape \"s\" ObjectEnd ObjectInstance \"\u00f6\"");
+    SceneDescription scene = ParseWorld(
+        "MakeNamedMaterial \"m\u00e9tal\" \"string type\" \"diffuse\"\n"
+        "NamedMaterial \"me\u0301tal\" Shape \"s\"\n"
+        "CoordinateSystem \"e\u0301\" CoordSysTransform \"\u00e9\"\n"
+        "ObjectBegin \"o\u0308\" Shape \"s\" ObjectEnd ObjectInstance \"\u00f6\"");
     EXPECT_EQ(scene.shapes[0].material.name, scene.materials[0].name);
     EXPECT_EQ(scene.instances.size(), 1u);
 }
 
 TEST(State, AreaLightIsSharedByTheShapesThatFollow) {
-    SceneDescription scene = ParseWorld("AttributeBegin AreaLightSource \"diffuse\" \"float scale\" 1 AttributeEnd\n"
-                                        "AttributeBegin ColorSpace \"dci-p3\" AreaLightSource \"diffuse\" \"float scale\" 2\n"
-                                        "Shape \"a\" Shape \"b\" AttributeEnd Shape \"c\"\nAreaLightSource \"x\" Shape \"d\"");
+    SceneDescription scene = ParseWorld(
+        "AttributeBegin AreaLightSource \"diffuse\" \"float scale\" 1 AttributeEnd\n"
+        "AttributeBegin ColorSpace \"dci-p3\" AreaLightSource \"diffuse\" \"float scale\" 2\n"
+        "Shape \"a\" Shape \"b\" AttributeEnd Shape \"c\"\nAreaLightSource \"x\" Shape \"d\"");
     ASSERT_EQ(scene.areaLights.size(), 2u) << "one that no shape uses is not there";
     EXPECT_EQ(scene.areaLights[0].params.GetFloat("scale", 0), 2);
     EXPECT_EQ(scene.areaLights[0].colorSpace, "dci-p3");
@@ -183,8 +191,9 @@ TEST(State, MediumInterface) {
 }
 
 TEST(State, ColorSpaceIsNotedPerEntityAndParameter) {
-    SceneDescription scene = ParseClean("ColorSpace \"ACES2065-1\" Film \"rgb\" \"float x\" 1 ColorSpace \"DCI-p3\" WorldBegin\n"
-                                        "Material \"diffuse\" \"rgb reflectance\" [ 1 1 1 ]\nColorSpace \"sRGB\" Shape \"s\"");
+    SceneDescription scene = ParseClean(
+        "ColorSpace \"ACES2065-1\" Film \"rgb\" \"float x\" 1 ColorSpace \"DCI-p3\" WorldBegin\n"
+        "Material \"diffuse\" \"rgb reflectance\" [ 1 1 1 ]\nColorSpace \"sRGB\" Shape \"s\"");
     EXPECT_EQ(scene.film.colorSpace, "aces2065-1");
     EXPECT_EQ(scene.materials[0].colorSpace, "dci-p3");
     EXPECT_EQ(scene.materials[0].params.Own()[0].colorSpace, "dci-p3");
@@ -209,9 +218,10 @@ TEST(Attribute, GivesDefaultsToItsKindOnly) {
 }
 
 TEST(Attribute, OwnParametersWinThenTheLatestStatement) {
-    SceneDescription scene = ParseWorld("Attribute \"shape\" \"float r\" 1 \"float q\" 1\nAttribute \"shape\" \"float r\" 2\n"
-                                        "Shape \"s\" Shape \"s\" \"float r\" 3\n"
-                                        "AttributeBegin Attribute \"shape\" \"float r\" 4 Shape \"s\" AttributeEnd Shape \"s\"");
+    SceneDescription scene = ParseWorld(
+        "Attribute \"shape\" \"float r\" 1 \"float q\" 1\nAttribute \"shape\" \"float r\" 2\n"
+        "Shape \"s\" Shape \"s\" \"float r\" 3\n"
+        "AttributeBegin Attribute \"shape\" \"float r\" 4 Shape \"s\" AttributeEnd Shape \"s\"");
     Float expected[] = {2, 3, 4, 2};
     for (size_t i = 0; i < 4; ++i) {
         EXPECT_EQ(scene.shapes[i].params.GetFloat("r", 0), expected[i]) << i;
@@ -220,8 +230,9 @@ TEST(Attribute, OwnParametersWinThenTheLatestStatement) {
 }
 
 TEST(Attribute, DefaultsAreNeverUnusedAndKeepTheirColorSpace) {
-    SceneDescription scene = ParseWorld("ColorSpace \"rec2020\" Attribute \"material\" \"rgb reflectance\" [ 1 0 0 ]\n"
-                                        "ColorSpace \"srgb\" Material \"diffuse\"");
+    SceneDescription scene = ParseWorld(
+        "ColorSpace \"rec2020\" Attribute \"material\" \"rgb reflectance\" [ 1 0 0 ]\n"
+        "ColorSpace \"srgb\" Material \"diffuse\"");
     DiagnosticSink sink;
     scene.materials[0].params.ReportUnused(sink);
     EXPECT_FALSE(sink.HasErrors());
@@ -229,7 +240,8 @@ TEST(Attribute, DefaultsAreNeverUnusedAndKeepTheirColorSpace) {
 }
 
 TEST(Attribute, DoesNotReachWhatIsInForceAlready) {
-    SceneDescription scene = ParseWorld("AreaLightSource \"diffuse\" Attribute \"light\" \"float scale\" 2 Shape \"s\"");
+    SceneDescription scene =
+        ParseWorld("AreaLightSource \"diffuse\" Attribute \"light\" \"float scale\" 2 Shape \"s\"");
     EXPECT_FALSE(scene.areaLights[0].params.Has("scale"));
 }
 

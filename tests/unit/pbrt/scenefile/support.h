@@ -44,7 +44,8 @@ struct Expected {
     std::string part;  ///< of the message
 };
 
-inline void ExpectMessages(const DiagnosticSink &sink, const std::vector<Expected> &expected, const std::string &about) {
+inline void ExpectMessages(const DiagnosticSink &sink, const std::vector<Expected> &expected,
+                           const std::string &about) {
     ASSERT_EQ(sink.All().size(), expected.size()) << about << "\n" << Messages(sink);
     for (size_t i = 0; i < expected.size(); ++i) {
         const Diagnostic &d = sink.All()[i];

@@ -11,22 +11,22 @@ TEST(FindInvalidUtf8, AcceptsWellFormedText) {
 }
 
 TEST(FindInvalidUtf8, FindsTheFirstBadByte) {
-    EXPECT_EQ(FindInvalidUtf8("m\xe9tal"), 1u);                 // Latin-1
-    EXPECT_EQ(FindInvalidUtf8("abc\xff"), 3u);                  // never valid
-    EXPECT_EQ(FindInvalidUtf8("a\x80"), 1u);                    // continuation alone
-    EXPECT_EQ(FindInvalidUtf8("\xc0\xaf"), 0u);                 // overlong
-    EXPECT_EQ(FindInvalidUtf8("\xe0\x80\xaf"), 0u);             // overlong
-    EXPECT_EQ(FindInvalidUtf8("\xed\xa0\x80"), 0u);             // surrogate
-    EXPECT_EQ(FindInvalidUtf8("\xf4\x90\x80\x80"), 0u);         // beyond U+10FFFF
-    EXPECT_EQ(FindInvalidUtf8("ok\xe4\xb8"), 2u);               // cut off
+    EXPECT_EQ(FindInvalidUtf8("m\xe9tal"), 1u);          // Latin-1
+    EXPECT_EQ(FindInvalidUtf8("abc\xff"), 3u);           // never valid
+    EXPECT_EQ(FindInvalidUtf8("a\x80"), 1u);             // continuation alone
+    EXPECT_EQ(FindInvalidUtf8("\xc0\xaf"), 0u);          // overlong
+    EXPECT_EQ(FindInvalidUtf8("\xe0\x80\xaf"), 0u);      // overlong
+    EXPECT_EQ(FindInvalidUtf8("\xed\xa0\x80"), 0u);      // surrogate
+    EXPECT_EQ(FindInvalidUtf8("\xf4\x90\x80\x80"), 0u);  // beyond U+10FFFF
+    EXPECT_EQ(FindInvalidUtf8("ok\xe4\xb8"), 2u);        // cut off
 }
 
 TEST(ComposeUtf8, ComposesCombiningMarks) {
     EXPECT_EQ(ComposeUtf8("me\u0301tal"), "m\u00e9tal");
     EXPECT_EQ(ComposeUtf8("A\u030a\u0301"), "\u01fa");
-    EXPECT_EQ(ComposeUtf8("\u0438\u0306"), "\u0439");      // Cyrillic
-    EXPECT_EQ(ComposeUtf8("\u03b1\u0301"), "\u03ac");      // Greek
-    EXPECT_EQ(ComposeUtf8("\u304b\u3099"), "\u304c");      // kana
+    EXPECT_EQ(ComposeUtf8("\u0438\u0306"), "\u0439");        // Cyrillic
+    EXPECT_EQ(ComposeUtf8("\u03b1\u0301"), "\u03ac");        // Greek
+    EXPECT_EQ(ComposeUtf8("\u304b\u3099"), "\u304c");        // kana
     EXPECT_EQ(ComposeUtf8("\u1112\u1161\u11ab"), "\ud55c");  // Hangul
 }
 
@@ -38,15 +38,15 @@ TEST(ComposeUtf8, OrderOfIndependentMarksDoesNotMatter) {
 }
 
 TEST(ComposeUtf8, BlockedMarksStay) {
-    EXPECT_EQ(ComposeUtf8("a\u0334\u0301"), "\u00e1\u0334");     // an overlay does not block an accent above
-    EXPECT_EQ(ComposeUtf8("a\u0305\u0301"), "a\u0305\u0301");    // another mark above does
+    EXPECT_EQ(ComposeUtf8("a\u0334\u0301"), "\u00e1\u0334");   // an overlay does not block an accent above
+    EXPECT_EQ(ComposeUtf8("a\u0305\u0301"), "a\u0305\u0301");  // another mark above does
     EXPECT_EQ(ComposeUtf8("\u0301a"), "\u0301a");
 }
 
 TEST(ComposeUtf8, SingletonsAndExclusions) {
-    EXPECT_EQ(ComposeUtf8("\u212b"), "\u00c5");              // Angstrom sign
-    EXPECT_EQ(ComposeUtf8("\u2126"), "\u03a9");              // Ohm sign
-    EXPECT_EQ(ComposeUtf8("\u0958"), "\u0915\u093c");        // excluded from composition
+    EXPECT_EQ(ComposeUtf8("\u212b"), "\u00c5");        // Angstrom sign
+    EXPECT_EQ(ComposeUtf8("\u2126"), "\u03a9");        // Ohm sign
+    EXPECT_EQ(ComposeUtf8("\u0958"), "\u0915\u093c");  // excluded from composition
 }
 
 TEST(ComposeUtf8, LeavesComposedTextAlone) {

@@ -171,7 +171,7 @@ struct Accel::Impl {
     RTCScene NewScene() {
         RTCScene scene = rtcNewScene(device);
         rtcSetSceneFlags(scene, options.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
-        rtcSetSceneBuildQuality(scene, options.highQuality ? RTC_BUILD_QUALITY_HIGH : RTC_BUILD_QUALITY_MEDIUM);
+        rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
         return scene;
     }
 

@@ -25,10 +25,9 @@ struct AccelHit {
 class Accel {
   public:
     struct Options {
-        /// Embree's robust traversal: rays cannot slip between triangles that share an edge.
+        /// Embree's robust traversal: rays cannot slip between triangles that share an edge. (Embree's high build quality
+        /// is no option beside it: robust scenes are built the same either way.)
         bool robust = true;
-        /// Spatial splits: slower to build, faster to trace when triangles are long and thin.
-        bool highQuality = false;
     };
     Accel() : Accel(Options{}) {}
     explicit Accel(const Options &options);

@@ -95,20 +95,24 @@ ZSobolSampler::ZSobolSampler(int samplesPerPixel, Point2i resolution, Randomizat
 
 void ZSobolSampler::StartPixelSample(Point2i pixel, int sampleIndex, int dimension) {
     int round = sampleIndex / samplesPerPixel_;
-    roundSeed_ = seed_ + static_cast<uint64_t>(round) * 0xbf58476d1ce4e5b9ull;
-    morton_ = EncodeMorton2(static_cast<uint32_t>(pixel.x), static_cast<uint32_t>(pixel.y)) << log2Samples_ |
-              static_cast<uint64_t>(sampleIndex - round * samplesPerPixel_);
+    if (pixel != pixel_ || round != round_) {
+        pixel_ = pixel;
+        round_ = round;
+        pixelPartKnown_ = 0;
+        roundSeed_ = seed_ + static_cast<uint64_t>(round) * 0xbf58476d1ce4e5b9ull;
+        pixelMorton_ = EncodeMorton2(static_cast<uint32_t>(pixel.x), static_cast<uint32_t>(pixel.y)) << log2Samples_;
+    }
+    morton_ = pixelMorton_ | static_cast<uint64_t>(sampleIndex - round * samplesPerPixel_);
     dimension_ = dimension;
 }
 
-uint64_t ZSobolSampler::SobolIndex(uint64_t hash) const {
+uint64_t ZSobolSampler::PermutedQuads(uint64_t hash, int fromBit, int toBit) const {
     uint64_t index = 0;
-    int shift = log2Samples_ & 1;
-    // The samples of a pixel go on below the pixels, four by four. A lone last bit is a pair in random order.
-    if (shift) index = (morton_ & 1) ^ (MixBits(hash ^ (morton_ >> 1)) >> 63);
-    for (uint64_t level = hash; shift < indexBits_; shift += 2) {
+    uint64_t level = hash + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(fromBit / 2);
+    for (int shift = fromBit; shift < toBit; shift += 2) {
         level += 0x9e3779b97f4a7c15ull;
-        uint64_t quad = MixBits(level ^ (morton_ >> (shift + 2))) >> 32;
+        uint64_t quad = (level ^ (morton_ >> (shift + 2))) * 0x7fb5d329728ea185ull;
+        quad = ((quad ^ (quad >> 32)) * 0x81dadef4bc2dd44dull) >> 32;
         unsigned order = kQuadOrders[quad * 24 >> 32];
         uint64_t child = morton_ >> shift & 3;
         index |= uint64_t(order >> (2 * child) & 3) << shift;
@@ -116,18 +120,36 @@ uint64_t ZSobolSampler::SobolIndex(uint64_t hash) const {
     return index;
 }
 
+uint64_t ZSobolSampler::SobolIndex(uint64_t hash) {
+    // Down to the pixel the quads are the same for all its samples.
+    auto slot = static_cast<size_t>(dimension_);
+    uint64_t index;
+    if (slot < kRemembered && (pixelPartKnown_ >> slot & 1))
+        index = pixelPart_[slot];
+    else {
+        index = PermutedQuads(hash, log2Samples_, indexBits_);
+        if (slot < kRemembered) {
+            pixelPart_[slot] = index;
+            pixelPartKnown_ |= uint64_t(1) << slot;
+        }
+    }
+    // The samples of a pixel go on below, four by four. A lone last bit is a pair in random order.
+    int lone = log2Samples_ & 1;
+    if (lone) index |= (morton_ & 1) ^ (MixBits(hash ^ (morton_ >> 1)) >> 63);
+    return index | PermutedQuads(hash, lone, log2Samples_);
+}
+
 uint64_t ZSobolSampler::DimensionHash() const { return AddDimension(roundSeed_, dimension_); }
 
 Float ZSobolSampler::Get1D() {
-    uint64_t hash = DimensionHash();
+    uint64_t hash = DimensionHash(), i = SobolIndex(hash);
     dimension_ += 1;
-    return RandomizedReversed(SobolReversed0(SobolIndex(hash)), randomization_, SecondSeed(hash));
+    return RandomizedReversed(SobolReversed0(i), randomization_, SecondSeed(hash));
 }
 
 Point2 ZSobolSampler::Get2D() {
-    uint64_t hash = DimensionHash();
+    uint64_t hash = DimensionHash(), i = SobolIndex(hash), seed = SecondSeed(hash);
     dimension_ += 2;
-    uint64_t i = SobolIndex(hash), seed = SecondSeed(hash);
     return {RandomizedReversed(SobolReversed0(i), randomization_, seed),
             RandomizedReversed(SobolReversed1(i), randomization_, SecondSeed(seed))};
 }

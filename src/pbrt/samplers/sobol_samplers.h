@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+
 #include "pbrt/math/sobol.h"
 #include "pbrt/samplers/randomization.h"
 #include "pbrt/samplers/sampler.h"
@@ -69,15 +71,23 @@ class ZSobolSampler final : public Sampler {
 
   private:
     uint64_t DimensionHash() const;
-    uint64_t SobolIndex(uint64_t hash) const;
+    uint64_t SobolIndex(uint64_t hash);
+    /// Bits fromBit ... toBit - 1 of morton_ with the children of every quad in the order that (hash, quad) picks.
+    uint64_t PermutedQuads(uint64_t hash, int fromBit, int toBit) const;
+    static constexpr size_t kRemembered = 64;
     int samplesPerPixel_;
     Randomization randomization_;
     uint64_t seed_;
     int log2Samples_;  ///< rounded up
     int indexBits_;    ///< of morton_
+    Point2i pixel_{-1, -1};
+    int round_ = -1;
     uint64_t roundSeed_ = 0;
-    uint64_t morton_ = 0;  ///< the pixel's place in Morton order, followed by the sample index
+    uint64_t pixelMorton_ = 0;  ///< the pixel's place in Morton order, above the bits of the sample index
+    uint64_t morton_ = 0;       ///< with the sample index
     int dimension_ = 0;
+    uint64_t pixelPartKnown_ = 0;                     ///< bit per dimension
+    std::array<uint64_t, kRemembered> pixelPart_{};  ///< of SobolIndex, by dimension
 };
 
 }  // namespace pbrt

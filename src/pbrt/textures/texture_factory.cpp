@@ -74,10 +74,11 @@ struct TextureLibrary::Impl {
         std::array<SpectrumTexturePtr, 3> asSpectrum;  ///< by SpectrumUse
     };
 
-    const FileResolver &files;
+    FileResolver files;
     DiagnosticSink &sink;
     size_t &missingImages;
     ImageCache images;
+    bool imagesPreloaded = false;
     std::vector<std::unique_ptr<Definition>> definitions;  ///< in file order
     std::map<std::string, size_t> indexOf[2];              ///< by family: float, spectrum
 
@@ -141,10 +142,26 @@ struct TextureLibrary::Impl {
                 }};
     }
 
+    /// Mistakes are left for the time when the texture is made.
+    void PreloadImages() {
+        imagesPreloaded = true;
+        std::vector<MipMapKey> keys;
+        for (const auto &d : definitions) {
+            if (d->broken || d->textureClass != "imagemap") continue;
+            try {
+                MipMapKey key = ReadMipMapKey(d->params, files);
+                if (std::filesystem::exists(key.path)) keys.push_back(std::move(key));
+            } catch (const UserError &) {
+            }
+        }
+        images.Preload(keys);
+    }
+
     /// Runs `make`; a mistake is reported once and nullptr returned.
     template <class Make>
     auto Try(Definition &d, Make &&make) -> decltype(make()) {
         d.made = true;
+        if (d.textureClass == "imagemap" && !imagesPreloaded) PreloadImages();
         try {
             return make();
         } catch (const MissingImageError &e) {
@@ -179,7 +196,7 @@ struct TextureLibrary::Impl {
 };
 
 TextureLibrary::TextureLibrary(const FileResolver &files, DiagnosticSink &sink)
-    : impl_(new Impl{files, sink, missingImages_, {}, {}, {}}) {}
+    : impl_(new Impl{files, sink, missingImages_, {}, false, {}, {}}) {}
 
 TextureLibrary::~TextureLibrary() = default;
 
@@ -211,20 +228,6 @@ void TextureLibrary::Define(const std::string &name, bool isSpectrum, const std:
                                     FamilyName(isSpectrum), textureClass, ListChoices(textureClass, choices)),
                         loc);
     }
-}
-
-void TextureLibrary::PreloadImages() {
-    std::vector<MipMapKey> keys;
-    for (const auto &d : impl_->definitions) {
-        if (d->broken || d->textureClass != "imagemap") continue;
-        try {
-            MipMapKey key = ReadMipMapKey(d->params, impl_->files);
-            if (std::filesystem::exists(key.path)) keys.push_back(std::move(key));
-        } catch (const UserError &) {
-            // Reported when the texture is made.
-        }
-    }
-    impl_->images.Preload(keys);
 }
 
 void TextureLibrary::CheckAll() {

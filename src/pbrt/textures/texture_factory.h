@@ -13,7 +13,8 @@
 namespace pbrt {
 
 /// Named textures of a scene, made when first asked for (spectrum textures once per use), and the reader of
-/// texture-valued parameters. Definitions are kept; a texture may only use textures defined before it.
+/// texture-valued parameters. Definitions are kept; a texture may only use textures defined before it. When the first
+/// image map is made, the files of all image maps defined so far are read at once, on all threads.
 class TextureLibrary {
   public:
     TextureLibrary(const FileResolver &files, DiagnosticSink &sink);
@@ -22,8 +23,6 @@ class TextureLibrary {
     /// A Texture directive. Throws UserError on an unknown class; errors in parameters come from CheckAll or first use.
     void Define(const std::string &name, bool isSpectrum, const std::string &textureClass, ParamSet params,
                 const Transform &renderFromTexture);
-    /// Reads the files of all image maps defined so far, several at once. Optional; mistakes are reported later.
-    void PreloadImages();
     /// Makes every texture that nothing used, so that their mistakes are reported too, then reports unused parameters
     /// and the number of missing images. Mistakes in a texture go to the sink once, however often it is used; a
     /// stand-in is returned to its users.

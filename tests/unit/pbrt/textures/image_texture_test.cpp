@@ -151,13 +151,19 @@ TEST_F(ImageTexture, UnknownChoicesAreErrors) {
     EXPECT_EQ(b.Last().loc.line, 4);
 }
 
-TEST_F(ImageTexture, PreloadedImagesAreTheSame) {
+TEST_F(ImageTexture, ManyImagesKeepTheirOwnContentAndErrors) {
     Bench b;
-    for (const char *name : {"grey.pfm", "color.pfm", "none.pfm"})
-        b.Define(name, false, "imagemap", Params().S("filename", {File(name)}));
-    b.textures.PreloadImages();
-    EXPECT_EQ(b.Errors(), 0u);
+    std::ofstream(File("broken.pfm")) << "no image";
+    for (const char *name : {"grey.pfm", "color.pfm", "none.pfm", "broken.pfm", "bright.pfm"})
+        b.Define(name, false, "imagemap", Params(name).S("filename", {File(name)}).S("filter", {"point"}));
+    b.Define("later", false, "constant", Params());
     EXPECT_FLOAT_EQ(b.FloatTex("grey.pfm")->Evaluate(At(.25f, .25f)), .3f);
+    EXPECT_EQ(b.Errors(), 0u);
+    b.Define("late.pfm", false, "imagemap", Params().S("filename", {File("grey.pfm")}).S("wrap", {"clamp"}));
+    EXPECT_FLOAT_EQ(b.FloatTex("late.pfm")->Evaluate(At(.75f, .75f)), .2f);
+    EXPECT_FLOAT_EQ(b.FloatTex("bright.pfm")->Evaluate(At(.75f, .75f)), 3);
+    b.textures.CheckAll();
+    EXPECT_EQ(b.Errors(), 3u);  // missing, broken, and the count of the missing
 }
 
 TEST_F(ImageTexture, BytesAreDecodedAsTheParameterSays) {

@@ -1,4 +1,3 @@
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -45,18 +44,36 @@ Float ColorEncoding::FromLinear(Float linear) const {
     return 0;
 }
 
-const float *ByteDecodeTable(const ColorEncoding &encoding) {
+ByteCode::ByteCode(const ColorEncoding &encoding) {
+    for (size_t i = 0; i < 256; ++i) {
+        decode_[i] = encoding.ToLinear(static_cast<Float>(i) / 255);
+        limits_[i] = i == 0 ? 0 : encoding.ToLinear((static_cast<Float>(i) - Float(0.5)) / 255);
+    }
+    limits_[256] = Infinity;
+    size_t byte = 0;
+    for (size_t i = 0; i < Cells; ++i) {
+        while (limits_[byte + 1] <= static_cast<Float>(i) / Cells) ++byte;
+        guess_[i] = static_cast<uint8_t>(byte);
+    }
+}
+
+uint8_t ByteCode::Encode(Float linear) const {
+    if (!(linear > 0)) return 0;
+    if (linear >= 1) return 255;
+    size_t byte = guess_[static_cast<size_t>(linear * Cells)];
+    while (linear >= limits_[byte + 1]) ++byte;
+    return static_cast<uint8_t>(byte);
+}
+
+const ByteCode &ByteCode::Of(const ColorEncoding &encoding) {
     using Key = std::pair<int, Float>;
     static std::mutex mutex;
-    static std::map<Key, std::unique_ptr<std::array<float, 256>>> tables;
+    static std::map<Key, std::unique_ptr<ByteCode>> codes;
     bool hasGamma = encoding.kind == ColorEncoding::Kind::Gamma;
     std::lock_guard lock(mutex);
-    auto &table = tables[Key(static_cast<int>(encoding.kind), hasGamma ? encoding.gamma : 1)];
-    if (!table) {
-        table = std::make_unique<std::array<float, 256>>();
-        for (int i = 0; i < 256; ++i) (*table)[static_cast<size_t>(i)] = encoding.ToLinear(static_cast<Float>(i) / 255);
-    }
-    return table->data();
+    auto &code = codes[Key(static_cast<int>(encoding.kind), hasGamma ? encoding.gamma : 1)];
+    if (!code) code = std::make_unique<ByteCode>(encoding);
+    return *code;
 }
 
 }  // namespace pbrt

@@ -63,7 +63,7 @@ Image::Image(PixelFormat format, Point2i resolution, std::vector<std::string> ch
     switch (format_) {
         case PixelFormat::U8:
             u8_.resize(ValueCount());
-            decode_ = ByteDecodeTable(encoding_);
+            code_ = &ByteCode::Of(encoding_);
             break;
         case PixelFormat::Half: half_.resize(ValueCount()); break;
         case PixelFormat::Float: float_.resize(ValueCount()); break;
@@ -79,7 +79,7 @@ int Image::FindChannel(const std::string &name) const {
 Float Image::Get(Point2i p, int channel) const {
     size_t i = Index(p, channel);
     switch (format_) {
-        case PixelFormat::U8: return decode_[u8_[i]];
+        case PixelFormat::U8: return code_->Decode(u8_[i]);
         case PixelFormat::Half: return imath_half_to_float(half_[i]);
         case PixelFormat::Float: return float_[i];
     }
@@ -93,12 +93,7 @@ Float Image::Get(Point2i p, int channel, WrapMode wrap) const {
 void Image::Set(Point2i p, int channel, Float linear) {
     size_t i = Index(p, channel);
     switch (format_) {
-        case PixelFormat::U8: {
-            // A not-a-number becomes 0.
-            Float v = encoding_.FromLinear(linear > 0 ? std::min(linear, Float(1)) : 0);
-            u8_[i] = static_cast<uint8_t>(255 * v + Float(0.5));
-            break;
-        }
+        case PixelFormat::U8: u8_[i] = code_->Encode(linear); break;
         case PixelFormat::Half: {
             constexpr Float largest = 65504;
             half_[i] = imath_float_to_half(std::clamp(linear, -largest, largest));

@@ -25,8 +25,24 @@ struct ColorEncoding {
     bool operator==(const ColorEncoding &) const = default;
 };
 
-/// Linear values of the 256 byte values. Lives for ever; takes a lock, so ask once per image.
-const float *ByteDecodeTable(const ColorEncoding &encoding);
+/// An encoding as tables over the 256 byte values.
+class ByteCode {
+  public:
+    /// The tables of an encoding live for ever. Takes a lock, so ask once per image.
+    static const ByteCode &Of(const ColorEncoding &encoding);
+    explicit ByteCode(const ColorEncoding &encoding);
+
+    const float *DecodeTable() const { return decode_.data(); }
+    Float Decode(uint8_t byte) const { return decode_[byte]; }
+    /// The byte whose encoded value is nearest; values outside [0, 1] are clamped, not-a-number gives 0.
+    uint8_t Encode(Float linear) const;
+
+  private:
+    static constexpr size_t Cells = 4096;
+    std::array<float, 256> decode_;
+    std::array<float, 257> limits_;     ///< byte b for values of [limits_[b], limits_[b + 1])
+    std::array<uint8_t, Cells> guess_;  ///< byte of the smallest value of each of equal cells of [0, 1)
+};
 
 enum class WrapMode { Repeat, Black, Clamp, OctahedralSphere };
 std::optional<WrapMode> ParseWrapMode(const std::string &name);
@@ -77,7 +93,7 @@ class Image {
     Point2i resolution_{0, 0};
     std::vector<std::string> channels_;
     ColorEncoding encoding_;
-    const float *decode_ = nullptr;  ///< of 8-bit images
+    const ByteCode *code_ = nullptr;  ///< of 8-bit images
     std::vector<uint8_t> u8_;
     std::vector<uint16_t> half_;
     std::vector<float> float_;

@@ -234,7 +234,7 @@ MipMap::MipMap(Image image, const ColorSpace *colorSpace, TextureFilter filter, 
         view_.levels.push_back({level.Data(), level.Resolution().x, level.Resolution().y});
     view_.format = base.Format();
     view_.channels = static_cast<size_t>(base.ChannelCount());
-    view_.decode = base.Format() == PixelFormat::U8 ? ByteDecodeTable(base.Encoding()) : nullptr;
+    view_.decode = base.Format() == PixelFormat::U8 ? ByteCode::Of(base.Encoding()).DecodeTable() : nullptr;
     view_.filter = filter;
     view_.wrap = wrap;
     view_.maxAnisotropy = std::max(maxAnisotropy, Float(1));

@@ -104,16 +104,14 @@ void WritePng(const std::string &path, const std::string &shownPath, const Image
         const auto *data = static_cast<const uint8_t *>(image.Data());
         bytes.assign(data, data + values);
     } else {
+        const ByteCode &code = ByteCode::Of(sRGB);
         size_t i = 0;
         for (int y = 0; y < image.Resolution().y; ++y)
             for (int x = 0; x < image.Resolution().x; ++x)
                 for (int c = 0; c < image.ChannelCount(); ++c) {
-                    Float v = image.Get({x, y}, c);
-                    if (!(v >= 0 && v <= 1)) {
-                        ++clamped;
-                        v = v > 0 ? 1 : 0;
-                    }
-                    bytes[i++] = static_cast<uint8_t>(255 * sRGB.FromLinear(v) + Float(0.5));
+                    const Float v = image.Get({x, y}, c);
+                    clamped += !(v >= 0 && v <= 1);
+                    bytes[i++] = code.Encode(v);
                 }
     }
     if (clamped)

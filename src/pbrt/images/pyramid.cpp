@@ -12,7 +12,7 @@ namespace {
 
 int NextPowerOfTwo(int n) { return static_cast<int>(std::bit_ceil(static_cast<unsigned>(n))); }
 
-/// Source pixels per target pixel and axis.
+/// Source pixels per target pixel and axis; the loops below are written out for four.
 constexpr int Taps = 4;
 
 struct PixelTaps {
@@ -44,56 +44,63 @@ std::vector<PixelTaps> ResamplingTaps(int from, int to) {
 
 // Enlarges to powers of two, as float. Pixels beyond the edges follow the wrap mode; overshoot below 0 is cut off.
 Image Enlarge(const Image &image, Point2i target, WrapMode wrap) {
-    // Every tap reaches at most `border` pixels beyond the image.
+    // The taps reach at most this far beyond the image.
     constexpr int border = Taps / 2;
     const Point2i size = image.Resolution();
     const int channels = image.ChannelCount();
     const auto stretchX = ResamplingTaps(size.x, target.x), stretchY = ResamplingTaps(size.y, target.y);
+    const size_t width = static_cast<size_t>(target.x) * static_cast<size_t>(channels);
 
     // Rows -border ... size.y + border - 1, stretched in x only.
-    Image wide(PixelFormat::Float, {target.x, size.y + 2 * border}, image.Channels());
-    ParallelFor(wide.Resolution().y, 16, [&](int64_t begin, int64_t end) {
-        for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row)
-            for (int x = 0; x < target.x; ++x) {
-                const PixelTaps &tap = stretchX[static_cast<size_t>(x)];
-                for (int c = 0; c < channels; ++c) {
-                    Float v = 0;
-                    for (int j = 0; j < Taps; ++j)
-                        v += tap.weight[static_cast<size_t>(j)] * image.Get({tap.first + j, row - border}, c, wrap);
-                    wide.Set({x, row}, c, v);
-                }
+    const int rows = size.y + 2 * border;
+    std::vector<float> wide(width * static_cast<size_t>(rows));
+    ParallelFor(rows, 16, [&](int64_t begin, int64_t end) {
+        std::vector<float> source(static_cast<size_t>(size.x + 2 * border) * static_cast<size_t>(channels));
+        for (int64_t row = begin; row < end; ++row) {
+            float *fill = source.data();
+            for (int x = -border; x < size.x + border; ++x)
+                for (int c = 0; c < channels; ++c) *fill++ = image.Get({x, static_cast<int>(row) - border}, c, wrap);
+            float *out = wide.data() + static_cast<size_t>(row) * width;
+            for (const PixelTaps &taps : stretchX) {
+                const float *in = source.data() + (taps.first + border) * channels;
+                for (int c = 0; c < channels; ++c, ++in)
+                    *out++ = taps.weight[0] * in[0] + taps.weight[1] * in[channels] +
+                             taps.weight[2] * in[2 * channels] + taps.weight[3] * in[3 * channels];
             }
+        }
     });
     Image result(PixelFormat::Float, target, image.Channels());
     ParallelFor(target.y, 16, [&](int64_t begin, int64_t end) {
-        for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
-            const PixelTaps &tap = stretchY[static_cast<size_t>(y)];
-            for (int x = 0; x < target.x; ++x)
-                for (int c = 0; c < channels; ++c) {
-                    Float v = 0;
-                    for (int j = 0; j < Taps; ++j)
-                        v += tap.weight[static_cast<size_t>(j)] * wide.Get({x, tap.first + j + border}, c);
-                    result.Set({x, y}, c, std::max(v, Float(0)));
-                }
+        for (int64_t y = begin; y < end; ++y) {
+            const PixelTaps &taps = stretchY[static_cast<size_t>(y)];
+            const float *in = wide.data() + static_cast<size_t>(taps.first + border) * width;
+            float *out = static_cast<float *>(result.Data()) + static_cast<size_t>(y) * width;
+            for (size_t i = 0; i < width; ++i)
+                out[i] = std::max(0.f, taps.weight[0] * in[i] + taps.weight[1] * in[i + width] +
+                                           taps.weight[2] * in[i + 2 * width] + taps.weight[3] * in[i + 3 * width]);
         }
     });
     return result;
 }
 
-// Means of 2x2 pixels (2x1 or 1x2 once one side is down to one pixel).
+// Means of 2x2 pixels (2x1 or 1x2 once one side is down to one pixel) of a float image.
 Image Halve(const Image &image) {
     const Point2i size = image.Resolution();
-    const Point2i step(size.x > 1 ? 1 : 0, size.y > 1 ? 1 : 0);
+    const size_t channels = static_cast<size_t>(image.ChannelCount());
+    const size_t width = static_cast<size_t>(size.x) * channels;
+    // From a pixel to its right and lower neighbour.
+    const size_t right = size.x > 1 ? channels : 0, below = size.y > 1 ? width : 0;
     Image result(PixelFormat::Float, glm::max(size / 2, Point2i(1)), image.Channels());
-    ParallelFor(result.Resolution().y, 16, [&](int64_t begin, int64_t end) {
-        for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
-            for (int x = 0; x < result.Resolution().x; ++x) {
-                const Point2i p = Point2i(x, y) * (step + 1), q = p + step;
-                for (int c = 0; c < image.ChannelCount(); ++c)
-                    result.Set(
-                        {x, y}, c,
-                        (image.Get(p, c) + image.Get({q.x, p.y}, c) + image.Get({p.x, q.y}, c) + image.Get(q, c)) / 4);
-            }
+    const Point2i resultSize = result.Resolution();
+    ParallelFor(resultSize.y, 16, [&](int64_t begin, int64_t end) {
+        for (int64_t y = begin; y < end; ++y) {
+            const float *in = static_cast<const float *>(image.Data()) + 2 * static_cast<size_t>(y) * width;
+            float *out = static_cast<float *>(result.Data()) +
+                         static_cast<size_t>(y) * static_cast<size_t>(resultSize.x) * channels;
+            for (int x = 0; x < resultSize.x; ++x, in += channels)
+                for (size_t c = 0; c < channels; ++c, ++in)
+                    *out++ = (in[0] + in[right] + in[below] + in[below + right]) / 4;
+        }
     });
     return result;
 }

@@ -28,13 +28,32 @@ TEST(ColorEncoding, MatchesKnownSrgbValues) {
     EXPECT_NEAR(sRGB.FromLinear(0.18f), 0.46135613f, 1e-6f);
 }
 
-TEST(ColorEncoding, DecodeTableIsToLinearOfEveryByte) {
+TEST(ByteCode, DecodesLikeToLinearAndIsKept) {
     for (const char *name : {"linear", "sRGB", "gamma 1.8"}) {
         const ColorEncoding encoding = *ColorEncoding::Parse(name);
-        const float *table = ByteDecodeTable(encoding);
-        for (int i = 0; i < 256; ++i)
-            EXPECT_EQ(table[i], encoding.ToLinear(static_cast<Float>(i) / 255)) << name << " " << i;
-        EXPECT_EQ(table, ByteDecodeTable(encoding));
+        const ByteCode &code = ByteCode::Of(encoding);
+        for (int i = 0; i < 256; ++i) {
+            EXPECT_EQ(code.Decode(static_cast<uint8_t>(i)), encoding.ToLinear(static_cast<Float>(i) / 255))
+                << name << i;
+            EXPECT_EQ(code.DecodeTable()[i], code.Decode(static_cast<uint8_t>(i)));
+        }
+        EXPECT_EQ(&code, &ByteCode::Of(encoding));
+    }
+}
+
+TEST(ByteCode, EncodesToTheNearestEncodedByte) {
+    for (const char *name : {"linear", "sRGB", "gamma 1.8", "gamma 0.5", "gamma 6"}) {
+        const ColorEncoding encoding = *ColorEncoding::Parse(name);
+        const ByteCode &code = ByteCode::Of(encoding);
+        for (int i = -1000; i < 31000; ++i) {
+            const Float v = static_cast<Float>(i) / 30000;
+            const Float exact = 255 * encoding.FromLinear(std::clamp(v, Float(0), Float(1)));
+            // 0.5 apart from rounding of the power functions.
+            ASSERT_NEAR(code.Encode(v), exact, 0.5002f) << name << " " << v;
+        }
+        EXPECT_EQ(code.Encode(NAN), 0);
+        EXPECT_EQ(code.Encode(INFINITY), 255);
+        EXPECT_EQ(code.Encode(-INFINITY), 0);
     }
 }
 

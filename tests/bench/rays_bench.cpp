@@ -53,8 +53,7 @@ struct Scene {
         accel = std::make_unique<Accel>(Accel::Options{.robust = v != Variant::Fast});
         if (v == Variant::Instance)
             accel->AddInstance(accel->AddObject({ShapeId(0u)}, {&mesh}, {nullptr}), Transform::Rotate(10, {1, 2, 3}));
-        else
-            accel->AddShape(ShapeId(0u), mesh, v == Variant::Alpha ? &half : nullptr);
+        else accel->AddShape(ShapeId(0u), mesh, v == Variant::Alpha ? &half : nullptr);
         accel->Commit();
         return *accel;
     }
@@ -68,7 +67,8 @@ std::vector<Ray> CameraRays() {
         for (int x = 0; x < n; ++x) {
             Ray r;
             r.o = {0, 0, -3};
-            r.d = Normalize(Vector3((static_cast<Float>(x) / n - 0.5f) * 0.8f, (static_cast<Float>(y) / n - 0.5f) * 0.8f, 1));
+            r.d = Normalize(
+                Vector3((static_cast<Float>(x) / n - 0.5f) * 0.8f, (static_cast<Float>(y) / n - 0.5f) * 0.8f, 1));
             rays.push_back(r);
         }
     return rays;

@@ -32,8 +32,8 @@ struct QueryContext {
     }
 };
 
-/// Decides whether a surface with alpha stops the ray. Depends on the ray as asked and on the identity of the hit only, so
-/// closest-hit and occlusion queries agree, and layers along one ray are independent.
+/// Decides whether a surface with alpha stops the ray. Depends on the ray as asked and on the identity of the hit only,
+/// so closest-hit and occlusion queries agree, and layers along one ray are independent.
 bool StopsRay(const Geometry &g, const RTCIntersectContext *context, const RTCRay &localRay, uint32_t primitive,
               const PrimitiveHit &hit) {
     Float alpha;
@@ -187,8 +187,8 @@ struct Accel::Impl {
         const MeshData &data = mesh.Data();
         RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_QUAD);
         ShareVertices(g, data);
-        auto *corners = static_cast<uint32_t *>(rtcSetNewGeometryBuffer(
-            g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, 4 * sizeof(uint32_t), mesh.PrimitiveCount()));
+        auto *corners = static_cast<uint32_t *>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
+                                                                        4 * sizeof(uint32_t), mesh.PrimitiveCount()));
         PBRT_CHECK(corners != nullptr);
         for (size_t i = 0; i < data.indices.size(); i += 4) {  // Embree goes around the quad
             corners[i] = data.indices[i];
@@ -218,13 +218,15 @@ struct Accel::Impl {
         if (shape.Kind() == ShapeKind::TriangleMesh) {
             g = NewTriangles(static_cast<const TriangleMesh &>(shape));
             geometry->hitsOnce = true;
-        } else if (shape.Kind() == ShapeKind::BilinearMesh && AllParallelograms(static_cast<const BilinearMesh &>(shape))) {
+        } else if (shape.Kind() == ShapeKind::BilinearMesh &&
+                   AllParallelograms(static_cast<const BilinearMesh &>(shape))) {
             g = NewQuads(static_cast<const BilinearMesh &>(shape));
             geometry->hitsOnce = true;
         } else {
             g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
             rtcSetGeometryUserPrimitiveCount(g, shape.PrimitiveCount());
-            rtcSetGeometryBoundsFunction(g, [](const RTCBoundsFunctionArguments *a) { UserBounds(a); }, nullptr);
+            rtcSetGeometryBoundsFunction(
+                g, [](const RTCBoundsFunctionArguments *a) { UserBounds(a); }, nullptr);
             rtcSetGeometryIntersectFunction(g, UserIntersect);
             rtcSetGeometryOccludedFunction(g, UserOccluded);
         }

@@ -19,14 +19,14 @@ struct AccelHit {
     int32_t instance = -1;  ///< -1: placed directly in the scene
 };
 
-/// All ray queries, through Embree. Shapes are traced where they lie (rendering space) or, grouped into objects, through
-/// instances. A surface with an alpha texture is hit with probability alpha, by a hash of the ray that is the same for
-/// every thread and query order.
+/// All ray queries, through Embree. Shapes are traced where they lie (rendering space) or, grouped into objects,
+/// through instances. A surface with an alpha texture is hit with probability alpha, by a hash of the ray that is the
+/// same for every thread and query order.
 class Accel {
   public:
     struct Options {
-        /// Embree's robust traversal: rays cannot slip between triangles that share an edge. (Embree's high build quality
-        /// is no option beside it: robust scenes are built the same either way.)
+        /// Embree's robust traversal: rays cannot slip between triangles that share an edge. (Embree's high build
+        /// quality is no option beside it: robust scenes are built the same either way.)
         bool robust = true;
     };
     Accel() : Accel(Options{}) {}

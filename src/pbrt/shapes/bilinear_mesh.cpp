@@ -72,7 +72,8 @@ void BilinearMesh::Corners::AreaWeights(Float w[4]) const {
 }
 
 BilinearMesh::BilinearMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation)
-    : mesh_(std::move(data)), flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
+    : mesh_(std::move(data)),
+      flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
     PBRT_CHECK(mesh_.indices.size() % 4 == 0);
     for (uint32_t i : mesh_.indices) PBRT_CHECK_MSG(i < mesh_.p.size(), "index {} of {}", i, mesh_.p.size());
     PlaceMesh(mesh_, renderFromObject, reverseOrientation);
@@ -145,8 +146,9 @@ DirectionCone BilinearMesh::NormalBounds(uint32_t primitive) const {
 
 std::optional<PrimitiveHit> BilinearMesh::Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
                                                     Float tMax) const {
-    // For fixed u the patch is a straight line; the ray meets that line where line and ray are coplanar, a quadratic in u.
-    // Double precision: two roots that differ by the patch's curvature must not be confused, and shared edges not leak.
+    // For fixed u the patch is a straight line; the ray meets that line where line and ray are coplanar, a quadratic in
+    // u. Double precision: two roots that differ by the patch's curvature must not be confused, and shared edges not
+    // leak.
     using D = glm::dvec3;
     Corners c = CornersOf(primitive);
     D dir(d), a0 = D(c.p00) - D(o), da = D(c.p10) - D(c.p00), e0 = D(c.p01) - D(c.p00);
@@ -191,8 +193,8 @@ SurfacePoint BilinearMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
     s.dpdu = c.DpDu(uv.y);
     s.dpdv = c.DpDv(uv.x);
 
-    // Given texture coordinates (s, t) replace (u, v). As stock pbrt-v4: the derivatives of (u, v) are the reciprocals of
-    // those of (s, t), which is exact only where each of s and t depends on one of u and v.
+    // Given texture coordinates (s, t) replace (u, v). As stock pbrt-v4: the derivatives of (u, v) are the reciprocals
+    // of those of (s, t), which is exact only where each of s and t depends on one of u and v.
     Float duds = 1, dudt = 0, dvds = 0, dvdt = 1;
     Vector3 dpdu = s.dpdu, dpdv = s.dpdv;
     if (!mesh_.uv.empty()) {
@@ -245,7 +247,8 @@ SurfacePoint BilinearMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
 }
 
 Point2 BilinearMesh::Parameters(const Corners &c, const Point3 &p, const Normal3 &n) const {
-    // Solved in the coordinate plane the patch faces most. p = p00 + u E + v F + uv G; eliminating u leaves a quadratic.
+    // Solved in the coordinate plane the patch faces most. p = p00 + u E + v F + uv G; eliminating u leaves a
+    // quadratic.
     using D2 = glm::dvec2;
     Vector3 an = Abs(n);
     int drop = an.x > an.y && an.x > an.z ? 0 : an.y > an.z ? 1 : 2;

@@ -49,8 +49,8 @@ Quadric::ObjectPoint Cylinder::PointAt(const Point2 &uv) const {
     at.n = outward;
     at.dpdu = around * (phiMax_ * radius_);
     at.dpdv = {0, 0, zMax_ - zMin_};
-    NormalDerivatives(at.dpdu, at.dpdv, outward * (-phiMax_ * phiMax_ * radius_), Vector3(0), Vector3(0), at.n, &at.dndu,
-                      &at.dndv);
+    NormalDerivatives(at.dpdu, at.dpdv, outward * (-phiMax_ * phiMax_ * radius_), Vector3(0), Vector3(0), at.n,
+                      &at.dndu, &at.dndv);
     return at;
 }
 

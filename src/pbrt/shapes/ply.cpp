@@ -109,8 +109,7 @@ class HeaderReader {
         if (w.size() != 3) Fail("an element line must read \"element <name> <count>\"");
         e.name = std::string(w[1]);
         auto [end, code] = std::from_chars(w[2].data(), w[2].data() + w[2].size(), e.count);
-        if (code != std::errc() || end != w[2].data() + w[2].size())
-            Fail(fmt::format("\"{}\" is not a count", w[2]));
+        if (code != std::errc() || end != w[2].data() + w[2].size()) Fail(fmt::format("\"{}\" is not a count", w[2]));
         header_.elements.push_back(std::move(e));
     }
     void ReadProperty(const std::vector<std::string_view> &w) {
@@ -131,7 +130,8 @@ class HeaderReader {
         header_.elements.back().properties.push_back(std::move(p));
     }
     Scalar TypeOf(std::string_view word) const {
-        static const std::vector<std::string> kOld = {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"};
+        static const std::vector<std::string> kOld = {"char", "uchar", "short", "ushort",
+                                                      "int",  "uint",  "float", "double"};
         static const std::vector<std::string> kNew = {"int8",  "uint8",  "int16",   "uint16",
                                                       "int32", "uint32", "float32", "float64"};
         for (size_t i = 0; i < kOld.size(); ++i)
@@ -236,19 +236,19 @@ class BodyReader {
 /// Where a vertex property goes: component 0-2 position, 3-5 normal, 6-7 uv, -1 nowhere.
 int VertexSlot(const std::string &name) {
     static constexpr std::array<std::pair<std::string_view, int>, 14> kSlots = {{{"x", 0},
-                                                                                {"y", 1},
-                                                                                {"z", 2},
-                                                                                {"nx", 3},
-                                                                                {"ny", 4},
-                                                                                {"nz", 5},
-                                                                                {"u", 6},
-                                                                                {"v", 7},
-                                                                                {"s", 6},
-                                                                                {"t", 7},
-                                                                                {"texture_u", 6},
-                                                                                {"texture_v", 7},
-                                                                                {"texture_s", 6},
-                                                                                {"texture_t", 7}}};
+                                                                                 {"y", 1},
+                                                                                 {"z", 2},
+                                                                                 {"nx", 3},
+                                                                                 {"ny", 4},
+                                                                                 {"nz", 5},
+                                                                                 {"u", 6},
+                                                                                 {"v", 7},
+                                                                                 {"s", 6},
+                                                                                 {"t", 7},
+                                                                                 {"texture_u", 6},
+                                                                                 {"texture_v", 7},
+                                                                                 {"texture_s", 6},
+                                                                                 {"texture_t", 7}}};
     for (const auto &[word, slot] : kSlots)
         if (name == word) return slot;
     return -1;

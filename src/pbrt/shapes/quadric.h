@@ -7,9 +7,9 @@ namespace pbrt {
 /// Derived classes speak object space only.
 ///
 /// Two facts of stock pbrt-v4 show in pictures and are kept: hits turn the normal over when the transform mirrors (or
-/// ReverseOrientation is on, not both), samples only for ReverseOrientation; and samples are drawn from the whole sphere
-/// or disk but with the density of the part that zmin, zmax, phimax and innerradius leave.
-/// Unlike stock, areas and densities include the scale of the transform.
+/// ReverseOrientation is on, not both), samples only for ReverseOrientation; and samples are drawn from the whole
+/// sphere or disk but with the density of the part that zmin, zmax, phimax and innerradius leave. Unlike stock, areas
+/// and densities include the scale of the transform.
 class Quadric : public Shape {
   public:
     uint32_t PrimitiveCount() const final { return 1; }
@@ -20,7 +20,8 @@ class Quadric : public Shape {
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const final;
     Point2 Uv(uint32_t, const PrimitiveHit &hit) const final { return {hit.u, hit.v}; }
     std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const final;
-    std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from, const Point2 &u) const override;
+    std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from,
+                                      const Point2 &u) const override;
     Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
                         const Normal3 &nHit) const override;
 

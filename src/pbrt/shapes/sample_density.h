@@ -3,9 +3,10 @@
 
 namespace pbrt {
 
-/// Density by solid angle at `from` of a point that was drawn with `pdfArea` by area; wi unit towards it. 0 if the surface
-/// is seen edge-on.
-inline Float SolidAngleDensity(Float pdfArea, const Point3 &from, const Vector3 &wi, const Point3 &p, const Normal3 &n) {
+/// Density by solid angle at `from` of a point that was drawn with `pdfArea` by area; wi unit towards it. 0 if the
+/// surface is seen edge-on.
+inline Float SolidAngleDensity(Float pdfArea, const Point3 &from, const Vector3 &wi, const Point3 &p,
+                               const Normal3 &n) {
     Float pdf = pdfArea * DistanceSquared(from, p) / AbsDot(n, wi);
     return std::isfinite(pdf) ? pdf : 0;
 }

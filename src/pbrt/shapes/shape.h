@@ -59,11 +59,12 @@ class Shape {
     /// Uniform by area where that is simple, else with its true density. pdf by area.
     virtual std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const = 0;
     /// As seen from a point. pdf by solid angle. Empty if nothing can be drawn.
-    virtual std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from, const Point2 &u) const = 0;
+    virtual std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from,
+                                              const Point2 &u) const = 0;
     /// Density (solid angle) with which Sample(from) finds the direction wi; the ray from `from` along wi is known to
     /// hit this primitive at pHit with normal nHit.
-    virtual Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
-                                const Normal3 &nHit) const = 0;
+    virtual Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi,
+                                const Point3 &pHit, const Normal3 &nHit) const = 0;
 };
 
 }  // namespace pbrt

@@ -73,14 +73,15 @@ MeshData ReadMesh(const Request &r, size_t corners, bool readTangents) {
     }
     size_t excess = indices.size() % corners;
     if (excess != 0)
-        r.sink.Warning(params.LocOf("indices"),
-                       fmt::format("{}: the number of \"indices\" ({}) is not a multiple of {}; the last {} are dropped.",
-                                   params.What(), indices.size(), corners, excess));
+        r.sink.Warning(
+            params.LocOf("indices"),
+            fmt::format("{}: the number of \"indices\" ({}) is not a multiple of {}; the last {} are dropped.",
+                        params.What(), indices.size(), corners, excess));
     for (int i : indices.first(indices.size() - excess)) {
         if (i < 0 || static_cast<size_t>(i) >= mesh.p.size())
-            throw UserError(fmt::format("{}: index {} is out of range; there are {} points.", params.What(), i,
-                                        mesh.p.size()),
-                            params.LocOf("indices"));
+            throw UserError(
+                fmt::format("{}: index {} is out of range; there are {} points.", params.What(), i, mesh.p.size()),
+                params.LocOf("indices"));
         mesh.indices.push_back(static_cast<uint32_t>(i));
     }
     if (mesh.indices.empty())
@@ -111,13 +112,15 @@ Shapes MakePlyMesh(const Request &r) {
         throw UserError(fmt::format("{}: \"displacement\" (tessellation) is not built yet.", params.What()),
                         displacement->loc);
     params.GetFloat("edgelength", 1);  // has a meaning only together with displacement
-    if (filename.empty()) throw UserError(fmt::format("{}: \"string filename\" is missing.", params.What()), params.Loc());
+    if (filename.empty())
+        throw UserError(fmt::format("{}: \"string filename\" is missing.", params.What()), params.Loc());
     PlyMesh ply;
     try {
         std::string path = r.files.Resolve(filename);
         ply = ParsePly(ReadFileContents(path), path);
     } catch (const UserError &e) {
-        throw UserError(fmt::format("{}: {}", params.What(), e.Diagnostics().front().message), params.LocOf("filename"));
+        throw UserError(fmt::format("{}: {}", params.What(), e.Diagnostics().front().message),
+                        params.LocOf("filename"));
     }
     if (ply.ignoredFaces > 0)
         r.sink.Warning(params.LocOf("filename"),
@@ -128,7 +131,8 @@ Shapes MakePlyMesh(const Request &r) {
         shapes.push_back(
             std::make_unique<TriangleMesh>(std::move(ply.triangles), r.renderFromObject, r.reverseOrientation));
     if (!ply.quads.indices.empty())
-        shapes.push_back(std::make_unique<BilinearMesh>(std::move(ply.quads), r.renderFromObject, r.reverseOrientation));
+        shapes.push_back(
+            std::make_unique<BilinearMesh>(std::move(ply.quads), r.renderFromObject, r.reverseOrientation));
     return shapes;
 }
 
@@ -143,9 +147,9 @@ Float Radius(const Request &r) {
 /// A quadric is traced in object space, which a singular transform does not have.
 void CheckInvertible(const Request &r) {
     if (r.renderFromObject.IsSingular())
-        throw UserError(fmt::format("{}: the current transformation flattens it (its matrix is singular).",
-                                    r.params.What()),
-                        r.params.Loc());
+        throw UserError(
+            fmt::format("{}: the current transformation flattens it (its matrix is singular).", r.params.What()),
+            r.params.Loc());
 }
 
 Shapes MakeSphere(const Request &r) {
@@ -153,8 +157,7 @@ Shapes MakeSphere(const Request &r) {
     Float phiMax = r.params.GetFloat("phimax", 360);
     CheckInvertible(r);
     Shapes shapes;
-    shapes.push_back(
-        std::make_unique<Sphere>(radius, zMin, zMax, phiMax, r.renderFromObject, r.reverseOrientation));
+    shapes.push_back(std::make_unique<Sphere>(radius, zMin, zMax, phiMax, r.renderFromObject, r.reverseOrientation));
     return shapes;
 }
 
@@ -163,8 +166,7 @@ Shapes MakeDisk(const Request &r) {
     Float phiMax = r.params.GetFloat("phimax", 360);
     CheckInvertible(r);
     Shapes shapes;
-    shapes.push_back(
-        std::make_unique<Disk>(height, radius, inner, phiMax, r.renderFromObject, r.reverseOrientation));
+    shapes.push_back(std::make_unique<Disk>(height, radius, inner, phiMax, r.renderFromObject, r.reverseOrientation));
     return shapes;
 }
 
@@ -173,8 +175,7 @@ Shapes MakeCylinder(const Request &r) {
     Float phiMax = r.params.GetFloat("phimax", 360);
     CheckInvertible(r);
     Shapes shapes;
-    shapes.push_back(
-        std::make_unique<Cylinder>(radius, zMin, zMax, phiMax, r.renderFromObject, r.reverseOrientation));
+    shapes.push_back(std::make_unique<Cylinder>(radius, zMin, zMax, phiMax, r.renderFromObject, r.reverseOrientation));
     return shapes;
 }
 
@@ -182,8 +183,9 @@ struct Maker {
     const char *type;
     Shapes (*make)(const Request &);
 };
-constexpr Maker kMakers[] = {{"bilinearmesh", MakeBilinearMesh}, {"cylinder", MakeCylinder}, {"disk", MakeDisk},
-                             {"plymesh", MakePlyMesh},           {"sphere", MakeSphere},     {"trianglemesh", MakeTriangleMesh}};
+constexpr Maker kMakers[] = {
+    {"bilinearmesh", MakeBilinearMesh}, {"cylinder", MakeCylinder}, {"disk", MakeDisk},
+    {"plymesh", MakePlyMesh},           {"sphere", MakeSphere},     {"trianglemesh", MakeTriangleMesh}};
 
 }  // namespace
 

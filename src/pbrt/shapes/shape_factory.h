@@ -10,7 +10,8 @@
 namespace pbrt {
 
 /// Builds the shapes of one Shape directive. A plymesh with triangles and quads yields two. The `alpha` parameter and
-/// anything about materials is read by build/. Throws UserError; what stock pbrt-v4 reports and survives goes to `sink`.
+/// anything about materials is read by build/. Throws UserError; what stock pbrt-v4 reports and survives goes to
+/// `sink`.
 std::vector<std::unique_ptr<Shape>> MakeShapes(const std::string &type, const ParamSet &params,
                                                const Transform &renderFromObject, bool reverseOrientation,
                                                const FileResolver &files, DiagnosticSink &sink);

@@ -8,7 +8,8 @@ namespace pbrt {
 
 Sphere::Sphere(Float radius, Float zMin, Float zMax, Float phiMax, const Transform &renderFromObject,
                bool reverseOrientation)
-    : Quadric(renderFromObject, reverseOrientation), radius_(radius) {
+    : Quadric(renderFromObject, reverseOrientation),
+      radius_(radius) {
     zMin_ = std::clamp(std::min(zMin, zMax), -radius, radius);
     zMax_ = std::clamp(std::max(zMin, zMax), -radius, radius);
     thetaZMin_ = SafeACos(zMin_ / radius);
@@ -92,8 +93,8 @@ std::optional<Sphere::Cone> Sphere::ConeFrom(const ShapeSampleContext &from) con
 std::optional<ShapeSample> Sphere::Sample(uint32_t primitive, const ShapeSampleContext &from, const Point2 &u) const {
     std::optional<Cone> cone = ConeFrom(from);
     if (!cone) return Quadric::Sample(primitive, from, u);
-    // theta: angle of the direction from the axis, seen from the point. alpha: angle of the hit from the axis, seen from
-    // the centre; both follow from the triangle point - centre - hit.
+    // theta: angle of the direction from the axis, seen from the point. alpha: angle of the hit from the axis, seen
+    // from the centre; both follow from the triangle point - centre - hit.
     Float h = u.x * cone->oneMinusCosThetaMax;  // 1 - cos(theta)
     Float sin2Theta = h * (2 - h), cosTheta = 1 - h;
     Float sin2Ratio = std::min(Float(1), sin2Theta / (cone->sinThetaMax * cone->sinThetaMax));

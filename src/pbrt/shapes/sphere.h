@@ -13,7 +13,8 @@ class Sphere final : public Quadric {
 
     ShapeKind Kind() const override { return ShapeKind::Sphere; }
     DirectionCone NormalBounds(uint32_t) const override { return DirectionCone::EntireSphere(); }
-    std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from, const Point2 &u) const override;
+    std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from,
+                                      const Point2 &u) const override;
     Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
                         const Normal3 &nHit) const override;
 
@@ -36,8 +37,8 @@ class Sphere final : public Quadric {
     std::optional<Cone> ConeFrom(const ShapeSampleContext &from) const;
 
     Float radius_, zMin_, zMax_, thetaZMin_, thetaZMax_, phiMax_;
-    Point3 center_;          ///< rendering space
-    Float renderRadius_;     ///< rendering space, if a similarity
+    Point3 center_;       ///< rendering space
+    Float renderRadius_;  ///< rendering space, if a similarity
 };
 
 }  // namespace pbrt

@@ -9,8 +9,9 @@ namespace pbrt {
 /// Spherical triangle with unit corners a, b, c.
 Float SphericalTriangleArea(const Vector3 &a, const Vector3 &b, const Vector3 &c);
 
-/// Direction uniform in the triangle (the two-step map of Arvo 1995): u.x moves a point along the arc a-c so that it cuts
-/// off the share u.x of the area, u.y moves from b towards that point. `area` is SphericalTriangleArea(a, b, c) > 0.
+/// Direction uniform in the triangle (the two-step map of Arvo 1995): u.x moves a point along the arc a-c so that it
+/// cuts off the share u.x of the area, u.y moves from b towards that point. `area` is SphericalTriangleArea(a, b, c) >
+/// 0.
 Vector3 SampleSphericalTriangle(const Vector3 &a, const Vector3 &b, const Vector3 &c, Float area, const Point2 &u);
 /// The u that SampleSphericalTriangle maps to w.
 Point2 InvertSphericalTriangle(const Vector3 &a, const Vector3 &b, const Vector3 &c, Float area, const Vector3 &w);

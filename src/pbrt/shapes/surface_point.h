@@ -7,24 +7,24 @@ namespace pbrt {
 /// A point on a surface as the integrators see it. Ids only: what they mean is known above.
 struct SurfacePoint {
     Point3 p{};
-    Vector3 pError{};   ///< componentwise bound on |true p - p|
-    Vector3 wo{};       ///< unit, back along the ray
-    Normal3 n{};        ///< geometric, unit, oriented by the shape (ReverseOrientation, handedness, vertex normals)
+    Vector3 pError{};  ///< componentwise bound on |true p - p|
+    Vector3 wo{};      ///< unit, back along the ray
+    Normal3 n{};       ///< geometric, unit, oriented by the shape (ReverseOrientation, handedness, vertex normals)
     Point2 uv{};
     Vector3 dpdu{}, dpdv{};
     Normal3 dndu{}, dndv{};
     struct Shading {
-        Normal3 n{};    ///< unit, same side as the geometric n unless vertex normals decided the side
+        Normal3 n{};  ///< unit, same side as the geometric n unless vertex normals decided the side
         Vector3 dpdu{}, dpdv{};
         Normal3 dndu{}, dndv{};
     } shading;
     Float time = 0;
-    Float t = 0;        ///< ray parameter
+    Float t = 0;  ///< ray parameter
 
     ShapeId shape{};
     uint32_t primitive = 0;
     MaterialId material{};
-    LightId light{};    ///< area light on this primitive, NoLight if none
+    LightId light{};  ///< area light on this primitive, NoLight if none
     MediumId insideMedium{}, outsideMedium{};
 
     // Filter footprint: derivatives by one pixel step in x and y, 0 if unknown.
@@ -36,9 +36,9 @@ struct SurfacePoint {
     Ray SpawnRay(const Vector3 &d) const { return {OffsetOrigin(d), d, Infinity, time, {}}; }
 };
 
-/// The same point after its shape was moved by `t` (an instance's placement): geometry and error bounds are transformed,
-/// normals keep the side they are on, everything else is copied. The bounds also cover what is lost when a ray that
-/// starts here is taken back through the inverse of `t` in single precision.
+/// The same point after its shape was moved by `t` (an instance's placement): geometry and error bounds are
+/// transformed, normals keep the side they are on, everything else is copied. The bounds also cover what is lost when a
+/// ray that starts here is taken back through the inverse of `t` in single precision.
 SurfacePoint TransformSurface(const Transform &t, const SurfacePoint &s);
 
 }  // namespace pbrt

@@ -9,14 +9,14 @@ namespace pbrt {
 struct MeshData {
     std::vector<uint32_t> indices;  ///< 3 (or 4: (0,0),(1,0),(0,1),(1,1)) per primitive
     std::vector<Point3> p;
-    std::vector<Normal3> n;   ///< per vertex or empty
-    std::vector<Vector3> s;   ///< per vertex or empty
-    std::vector<Point2> uv;   ///< per vertex or empty
+    std::vector<Normal3> n;        ///< per vertex or empty
+    std::vector<Vector3> s;        ///< per vertex or empty
+    std::vector<Point2> uv;        ///< per vertex or empty
     std::vector<int> faceIndices;  ///< per primitive or empty
 };
 
-/// Takes vertices, normals and tangents to rendering space; normals are turned over if `reverseOrientation`. Leaves room
-/// behind the last vertex, because Embree reads 16 bytes per vertex.
+/// Takes vertices, normals and tangents to rendering space; normals are turned over if `reverseOrientation`. Leaves
+/// room behind the last vertex, because Embree reads 16 bytes per vertex.
 void PlaceMesh(MeshData &mesh, const Transform &renderFromObject, bool reverseOrientation);
 
 /// Triangles in rendering space. Embree reads the vertex and index buffers directly.
@@ -34,7 +34,8 @@ class TriangleMesh final : public Shape {
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
     Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const override;
     std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const override;
-    std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from, const Point2 &u) const override;
+    std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from,
+                                      const Point2 &u) const override;
     Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
                         const Normal3 &nHit) const override;
 

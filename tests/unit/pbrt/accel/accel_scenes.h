@@ -45,8 +45,8 @@ inline MeshData PatchGrid(uint32_t n, Float bumps) {
     MeshData mesh;
     for (uint32_t y = 0; y <= n; ++y)
         for (uint32_t x = 0; x <= n; ++x)
-            mesh.p.push_back({static_cast<Float>(x) / static_cast<Float>(n), static_cast<Float>(y) / static_cast<Float>(n),
-                              bumps * (rng.Uniform() - 0.5f)});
+            mesh.p.push_back({static_cast<Float>(x) / static_cast<Float>(n),
+                              static_cast<Float>(y) / static_cast<Float>(n), bumps * (rng.Uniform() - 0.5f)});
     for (uint32_t y = 0; y < n; ++y)
         for (uint32_t x = 0; x < n; ++x) {
             uint32_t i = y * (n + 1) + x;
@@ -63,7 +63,9 @@ inline Vector3 RandomDirection(Rng &rng) {
 /// One of every kind that Accel treats differently.
 inline std::vector<std::unique_ptr<Shape>> EveryKind(const Transform &t) {
     std::vector<std::unique_ptr<Shape>> s;
-    auto at = [&](Float x, Float y) { return t * Transform::Translate({x, y, 0}) * Transform::Rotate(50, {1, 1, 0.3f}); };
+    auto at = [&](Float x, Float y) {
+        return t * Transform::Translate({x, y, 0}) * Transform::Rotate(50, {1, 1, 0.3f});
+    };
     s.push_back(std::make_unique<TriangleMesh>(BumpyBall(8), at(-2, 0), false));
     s.push_back(std::make_unique<BilinearMesh>(PatchGrid(4, 0), at(0, 0), false));
     s.push_back(std::make_unique<BilinearMesh>(PatchGrid(4, 0.3f), at(2, 0), false));

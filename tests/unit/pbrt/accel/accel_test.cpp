@@ -49,8 +49,9 @@ int CompareOnRandomRays(const Accel &accel, const Shapes &shapes, const std::vec
         auto slow = SlowIntersect(shapes, placements, ray);
         EXPECT_EQ(fast.has_value(), accel.Occluded(ray)) << i;
         hits += fast.has_value();
-        if (fast.has_value() != slow.has_value() || (fast && (fast->shape != slow->shape || fast->primitive != slow->primitive ||
-                                                             fast->instance != slow->instance))) {
+        if (fast.has_value() != slow.has_value() ||
+            (fast &&
+             (fast->shape != slow->shape || fast->primitive != slow->primitive || fast->instance != slow->instance))) {
             ++different;  // edges of primitives, decided by rounding
             continue;
         }

@@ -23,15 +23,16 @@ struct Setting {
     Float scale;
     Vector3 shift;  ///< relative to the scale
 };
-const Setting kSettings[] = {{1, {0, 0, 0}}, {1, {30, -20, 50}}, {1e-4f, {0.3f, 0, -0.2f}}, {1e4f, {0.3f, 0.2f, -1}},
-                             {1e4f, {5, 3, 4}}, {1e-4f, {5, 3, 4}}};
+const Setting kSettings[] = {{1, {0, 0, 0}},           {1, {30, -20, 50}}, {1e-4f, {0.3f, 0, -0.2f}},
+                             {1e4f, {0.3f, 0.2f, -1}}, {1e4f, {5, 3, 4}},  {1e-4f, {5, 3, 4}}};
 
 Transform Place(const Setting &s) {
-    return Transform::Translate(s.shift * s.scale) * Transform::Scale(Vector3(s.scale)) * Transform::Rotate(37, {1, 2, 3});
+    return Transform::Translate(s.shift * s.scale) * Transform::Scale(Vector3(s.scale)) *
+           Transform::Rotate(37, {1, 2, 3});
 }
 
-/// Follows random paths inside a closed shape. Reports rays that escape, and rays towards the inside (by the true, convex
-/// or nearly convex, shape) that hit the very primitive they start on.
+/// Follows random paths inside a closed shape. Reports rays that escape, and rays towards the inside (by the true,
+/// convex or nearly convex, shape) that hit the very primitive they start on.
 struct Walk {
     int rays = 0, escaped = 0, samePrimitive = 0;
 };
@@ -113,10 +114,8 @@ TEST(SelfIntersection, OutwardRaysOfConvexShapesAreFree) {
             BilinearMesh parallelogram(flat, instanced ? identity : placement, false);
             for (const Shape *shape : std::vector<const Shape *>{&sphere, &disk, &cylinder, &parallelogram}) {
                 Accel accel;
-                if (instanced)
-                    accel.AddInstance(accel.AddObject({ShapeId(0u)}, {shape}, {nullptr}), placement);
-                else
-                    accel.AddShape(ShapeId(0u), *shape, nullptr);
+                if (instanced) accel.AddInstance(accel.AddObject({ShapeId(0u)}, {shape}, {nullptr}), placement);
+                else accel.AddShape(ShapeId(0u), *shape, nullptr);
                 accel.Commit();
                 Rng rng(9);
                 int again = 0;
@@ -187,7 +186,8 @@ TEST(SelfIntersection, NoLeaksBetweenPatches) {
             const uint32_t *v = &m.indices[4 * patch];
             for (int k = 0; k < 20; ++k) {
                 Point3 target = Lerp(0.02f + 0.96f * rng.Uniform(), m.p[v[0]], m.p[v[k % 2 ? 1 : 2]]);
-                Vector3 w = FaceForward(test::RandomDirection(rng), up) + 0.5f * up;  // steep enough to have no outlines
+                Vector3 w =
+                    FaceForward(test::RandomDirection(rng), up) + 0.5f * up;  // steep enough to have no outlines
                 Ray ray;
                 ray.o = target + w;
                 ray.d = -w;

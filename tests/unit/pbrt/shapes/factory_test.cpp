@@ -137,7 +137,8 @@ TEST_F(ShapeFactory, UnknownAndUnbuiltTypes) {
 
 TEST_F(ShapeFactory, PlyFilesPlainAndGzipWithTrianglesAndQuads) {
     std::string text =
-        "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement face 3\n"
+        "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement face "
+        "3\n"
         "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 2 2\n4 0 1 2 3\n3 1 2 4\n"
         "5 0 1 2 3 4\n";
     auto folder = std::filesystem::temp_directory_path() / "pbrt_shape_factory_test";

@@ -13,7 +13,8 @@ namespace {
 constexpr const char *kHeader =
     "property float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
     "property double s\nproperty float t\nproperty uchar red\nelement face 3\n"
-    "property list uchar int vertex_indices\nproperty int face_indices\nelement edge 1\nproperty int vertex1\nend_header\n";
+    "property list uchar int vertex_indices\nproperty int face_indices\nelement edge 1\nproperty int "
+    "vertex1\nend_header\n";
 
 std::string Ascii() {
     return std::string("ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 4\n") + kHeader +
@@ -30,8 +31,10 @@ void Put(std::string &out, T value, bool big) {
 }
 
 std::string Binary(bool big) {
-    std::string s = std::string("ply\nformat binary_") + (big ? "big" : "little") + "_endian 1.0\nelement vertex 4\n" + kHeader;
-    const float v[4][8] = {{0, 0, 0, 0, 0, 1, 0, 0}, {1, 0, 0, 0, 0, 1, 1, 0}, {1, 1, 0.5f, 0, 0, 1, 1, 1}, {0, 1, -0.25f, 0, 0, 1, 0, 1}};
+    std::string s =
+        std::string("ply\nformat binary_") + (big ? "big" : "little") + "_endian 1.0\nelement vertex 4\n" + kHeader;
+    const float v[4][8] = {
+        {0, 0, 0, 0, 0, 1, 0, 0}, {1, 0, 0, 0, 0, 1, 1, 0}, {1, 1, 0.5f, 0, 0, 1, 1, 1}, {0, 1, -0.25f, 0, 0, 1, 0, 1}};
     for (const auto &row : v) {
         for (int k = 0; k < 6; ++k) Put(s, row[k], big);
         Put(s, double(row[6]), big);
@@ -74,8 +77,10 @@ TEST(Ply, AsciiAndBothByteOrdersGiveTheSameMesh) {
 TEST(Ply, EveryUvNameIsRead) {
     for (auto [u, v] : {std::pair("u", "v"), {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}}) {
         std::string s = fmt::format(
-            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float "
-            "{}\nproperty float {}\nelement face 1\nproperty list uchar uint vertex_indices\nend_header\n0 0 0 0.25 0.5\n1 0 "
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty "
+            "float "
+            "{}\nproperty float {}\nelement face 1\nproperty list uchar uint vertex_indices\nend_header\n0 0 0 0.25 "
+            "0.5\n1 0 "
             "0 0 0\n0 1 0 0 0\n3 0 1 2\n",
             u, v);
         PlyMesh m = ParsePly(s, "uv.ply");

@@ -79,8 +79,8 @@ std::array<size_t, 2> DirectionSquare::Cell(const Vector3 &w) const {
             std::min(size_t(phi / (2 * double(Pi)) * kGridY), size_t(kGridY - 1))};
 }
 
-/// Share of each cell of the direction square: PdfSolidAngle integrated over the surface itself, which needs neither the
-/// sampler nor intersections and has no singularity at silhouettes.
+/// Share of each cell of the direction square: PdfSolidAngle integrated over the surface itself, which needs neither
+/// the sampler nor intersections and has no singularity at silhouettes.
 std::vector<double> CellProbabilities(const Case &c, const DirectionSquare &square) {
     std::vector<double> cells(size_t(kGridX) * kGridY);
     ShapeSampleContext from = ContextOf(c.receiver);
@@ -108,9 +108,8 @@ std::vector<double> CellProbabilities(const Case &c, const DirectionSquare &squa
 
 class ShapeSampling : public testing::TestWithParam<Case> {};
 
-INSTANTIATE_TEST_SUITE_P(All, ShapeSampling, testing::ValuesIn(AllCases()), [](const auto &c) {
-    return c.param.shape.name + c.param.receiver.name;
-});
+INSTANTIATE_TEST_SUITE_P(All, ShapeSampling, testing::ValuesIn(AllCases()),
+                         [](const auto &c) { return c.param.shape.name + c.param.receiver.name; });
 
 TEST_P(ShapeSampling, PdfSolidAngleIsThePdfOfSample) {
     const Case &c = GetParam();
@@ -170,10 +169,11 @@ TEST_P(ShapeSampling, IrradianceAgreesWithAreaSampling) {
         clever.Add(s ? radiance(*s, Normalize(s->p - from.p)) / double(s->pdf) : 0);
         auto a = c.shape.shape->SampleArea(0, rng.Uniform2());
         Vector3 wi = Normalize(a->p - from.p);
-        plain.Add(radiance(*a, wi) * double(AbsDot(wi, a->n)) / (double(DistanceSquared(a->p, from.p)) * double(a->pdf)));
+        plain.Add(radiance(*a, wi) * double(AbsDot(wi, a->n)) /
+                  (double(DistanceSquared(a->p, from.p)) * double(a->pdf)));
     }
-    double z = (clever.mean - plain.mean) /
-               std::sqrt(clever.StandardError() * clever.StandardError() + plain.StandardError() * plain.StandardError());
+    double z = (clever.mean - plain.mean) / std::sqrt(clever.StandardError() * clever.StandardError() +
+                                                      plain.StandardError() * plain.StandardError());
     // Rounding of float angles allows a part in a thousand.
     bool close = std::abs(clever.mean - plain.mean) < 1e-3 * plain.mean;
     EXPECT_TRUE(close || test::NormalTail(z) > test::SidakAlpha(1e-3, AllCases().size()))

@@ -31,8 +31,8 @@ inline Transform SomeRotation() {
 }
 inline Transform Stretch() { return SomeRotation() * Transform::Scale({1.5f, 0.6f, 0.9f}); }
 
-/// One or more of every kind, about 1 across, near the origin. Whole shapes only: for parts the stated density is not the
-/// one of the draws (see Quadric).
+/// One or more of every kind, about 1 across, near the origin. Whole shapes only: for parts the stated density is not
+/// the one of the draws (see Quadric).
 inline std::vector<ShapeCase> ShapeCases() {
     Transform id, turn = SomeRotation(), stretch = Stretch();
     Transform twice = turn * Transform::Scale({1.4f, 1.4f, 1.4f});

@@ -28,7 +28,8 @@ TEST(SphericalTriangle, InvertUndoesSample) {
         Float area = SphericalTriangleArea(v[0], v[1], v[2]);
         if (area < 0.05f * size * size) continue;  // slivers lose digits in any method
         Point2 u = Point2(0.02f) + Float(0.96) * rng.Uniform2();
-        Point2 back = InvertSphericalTriangle(v[0], v[1], v[2], area, SampleSphericalTriangle(v[0], v[1], v[2], area, u));
+        Point2 back =
+            InvertSphericalTriangle(v[0], v[1], v[2], area, SampleSphericalTriangle(v[0], v[1], v[2], area, u));
         EXPECT_NEAR(back.x, u.x, 2e-2) << size;
         EXPECT_NEAR(back.y, u.y, 2e-2) << size;
     }
@@ -44,8 +45,7 @@ TEST(SphericalTriangle, ShareOfAreaIsShareOfSamples) {
     Rng rng(2);
     constexpr int kSamples = 200000;
     int inside = 0;
-    for (int i = 0; i < kSamples; ++i)
-        inside += Dot(SampleSphericalTriangle(a, b, c, area, rng.Uniform2()), cut) > 0;
+    for (int i = 0; i < kSamples; ++i) inside += Dot(SampleSphericalTriangle(a, b, c, area, rng.Uniform2()), cut) > 0;
     double p = double(part) / double(area), z = (inside - kSamples * p) / std::sqrt(kSamples * p * (1 - p));
     EXPECT_GT(test::NormalTail(z), 1e-4);
 }

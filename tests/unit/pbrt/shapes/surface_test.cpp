@@ -59,7 +59,8 @@ TEST_P(ShapeSurface, DerivativesMatchFiniteDifferences) {
         EXPECT_LT(Length((u1.p - u0.p) / (2 * h) - s.dpdu), 2e-3f * (1 + Length(s.dpdu)));
         EXPECT_LT(Length((v1.p - v0.p) / (2 * h) - s.dpdv), 2e-3f * (1 + Length(s.dpdv)));
         // Object-space derivatives of unit normals carried over by the inverse transpose are exact only for rotations.
-        if (GetParam().name.find("Stretched") == 0 || GetParam().name == "Ellipsoid" || GetParam().name == "ScaledSphere")
+        if (GetParam().name.find("Stretched") == 0 || GetParam().name == "Ellipsoid" ||
+            GetParam().name == "ScaledSphere")
             continue;
         EXPECT_LT(Length((u1.n - u0.n) / (2 * h) - s.dndu), 5e-3f * (1 + Length(s.dndu)));
         EXPECT_LT(Length((v1.n - v0.n) / (2 * h) - s.dndv), 5e-3f * (1 + Length(s.dndv)));
@@ -258,7 +259,8 @@ TEST(QuadricSurface, UvConventions) {
 }
 
 TEST(TransformSurface, KeepsSidesAndBoundsTheError) {
-    Transform t = Transform::Translate({100, -20, 7}) * Transform::Rotate(33, {1, 2, 3}) * Transform::Scale({-2, 0.5f, 1});
+    Transform t =
+        Transform::Translate({100, -20, 7}) * Transform::Rotate(33, {1, 2, 3}) * Transform::Scale({-2, 0.5f, 1});
     Rng rng(2);
     for (int i = 0; i < 500; ++i) {
         SurfacePoint s;

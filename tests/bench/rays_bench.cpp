@@ -52,7 +52,7 @@ struct Scene {
         if (accel) return *accel;
         accel = std::make_unique<Accel>(Accel::Options{.robust = v != Variant::Fast});
         if (v == Variant::Instance)
-            accel->AddInstance(accel->AddObject({ShapeId(0u)}, {&mesh}, {nullptr}), Transform::Rotate(10, {1, 2, 3}));
+            accel->AddInstance(accel->AddObject({ShapeId(0u)}, {&mesh}, {nullptr}), Transform());
         else accel->AddShape(ShapeId(0u), mesh, v == Variant::Alpha ? &half : nullptr);
         accel->Commit();
         return *accel;

@@ -37,51 +37,83 @@ struct LightBounds {
 LightBounds Union(const LightBounds &a, const LightBounds &b);
 
 namespace detail {
+
+/// The operations of the importance for one light at a time. Others (several at a time) have the same members.
+struct ScalarOps {
+    using F = Float;
+    static F Least(F a, F b) { return std::min(a, b); }
+    static F Most(F a, F b) { return std::max(a, b); }
+    static F Select(bool c, F ifTrue, F ifFalse) { return c ? ifTrue : ifFalse; }
+    static F Root(F a) { return std::sqrt(a); }
+    static F Abs(F a) { return std::abs(a); }
+};
+
+template <class F>
 struct CosSin {
-    Float cos, sin;
+    F cos, sin;
 };
 /// The angle a - b, or 0 if b is larger. Both in [0, pi].
-inline CosSin SubtractAngles(CosSin a, CosSin b) {
-    if (a.cos > b.cos) return {1, 0};
-    return {a.cos * b.cos + a.sin * b.sin, a.sin * b.cos - a.cos * b.sin};
+template <class Ops, class F = typename Ops::F>
+CosSin<F> SubtractAngles(const CosSin<F> &a, const CosSin<F> &b) {
+    auto larger = a.cos > b.cos;
+    return {Ops::Select(larger, F(1), a.cos * b.cos + a.sin * b.sin), Ops::Select(larger, F(0), a.sin * b.cos - a.cos * b.sin)};
 }
-inline CosSin FromCosine(Float c) { return {c, SafeSqrt(1 - c * c)}; }
-}  // namespace detail
+template <class Ops, class F = typename Ops::F>
+CosSin<F> FromCosine(const F &c) {
+    return {c, Ops::Root(Ops::Most(F(1) - c * c, F(0)))};
+}
 
-inline Float LightSphere::Importance(const Point3 &p, const Normal3 &n) const {
+/// LightSphere, for one light or several.
+template <class F, class Mask>
+struct Emitters {
+    F centerX, centerY, centerZ, radius;
+    F axisX, axisY, axisZ, phi;
+    CosSin<F> theta_o;
+    F cosTheta_e;
+    Mask twoSided;
+};
+
+template <class Ops, class F = typename Ops::F, class Mask>
+F ImportanceOf(const Emitters<F, Mask> &e, const Point3 &p, const Normal3 &n) {
     constexpr Float kMost = 1e36f;  // two of them still add up to a finite number
+    constexpr Float kTiny = std::numeric_limits<Float>::min();
     // sin^2 of a thousandth of a radian: the sphere looks that much larger, so that rounding of directions cannot hide
     // an emitter that grazes the border of its cone or of the receiver's horizon.
     constexpr Float kSlack = 1e-6f;
     // A falloff region beyond 90 degrees (wide spot lights) still emits where the cosine is not positive.
     constexpr Float kLeastCosine = 1e-3f;
 
-    Vector3 v = p - center;
-    Float d2 = LengthSquared(v);
+    F vx = F(p.x) - e.centerX, vy = F(p.y) - e.centerY, vz = F(p.z) - e.centerZ;
+    F d2 = vx * vx + vy * vy + vz * vz, r2 = e.radius * e.radius;
     // Stock pbrt-v4 clamps the *squared* distance at *half the diagonal*. The units do not agree; the rule is kept
     // because the probabilities, and so the noise, are to be stock's.
-    Float importance = phi / std::max(d2, radius);
-    Float r2 = radius * radius;
-    // Inside the sphere the emitter may lie in any direction. (Stock pbrt-v4 says so only inside the box and assumes a
-    // half-space between box and sphere, which can give 0 to a light that is seen.)
-    if (d2 <= r2 * Float(1.00001)) return phi > 0 ? std::min(importance, kMost) : 0;
+    F unoriented = Ops::Least(e.phi / Ops::Most(Ops::Most(d2, e.radius), F(kTiny)), F(kMost));
+    F invDistance = F(1) / Ops::Root(Ops::Most(d2, F(kTiny)));
+    F sin2 = Ops::Least(r2 * invDistance * invDistance + F(kSlack), F(1));
+    CosSin<F> extent{Ops::Root(F(1) - sin2), Ops::Root(sin2)};
 
-    Float invDistance = 1 / std::sqrt(d2);
-    Float sin2 = std::min(Float(1), r2 * invDistance * invDistance + kSlack);
-    detail::CosSin extent{std::sqrt(1 - sin2), std::sqrt(sin2)};
-
-    Float cosAxis = std::clamp(Dot(w, v) * invDistance, Float(-1), Float(1));
-    if (twoSided) cosAxis = std::abs(cosAxis);
-    detail::CosSin beyond = SubtractAngles(detail::FromCosine(cosAxis), detail::FromCosine(cosTheta_o));
-    beyond = SubtractAngles(beyond, extent);
-    if (beyond.cos <= cosTheta_e) return 0;
-    importance *= std::max(beyond.cos, kLeastCosine);
+    F cosAxis = (e.axisX * vx + e.axisY * vy + e.axisZ * vz) * invDistance;
+    cosAxis = Ops::Most(Ops::Least(cosAxis, F(1)), F(-1));
+    cosAxis = Ops::Select(e.twoSided, Ops::Abs(cosAxis), cosAxis);
+    CosSin<F> beyond = SubtractAngles<Ops>(SubtractAngles<Ops>(FromCosine<Ops>(cosAxis), e.theta_o), extent);
+    F oriented = Ops::Select(beyond.cos > e.cosTheta_e, Ops::Most(beyond.cos, F(kLeastCosine)), F(0));
 
     if (n.x != 0 || n.y != 0 || n.z != 0) {
-        Float cosReceiver = std::min(std::abs(Dot(v, n)) * invDistance, Float(1));
-        importance *= SubtractAngles(detail::FromCosine(cosReceiver), extent).cos;
+        F cosReceiver = Ops::Least(Ops::Abs(F(n.x) * vx + F(n.y) * vy + F(n.z) * vz) * invDistance, F(1));
+        oriented = oriented * Ops::Most(SubtractAngles<Ops>(FromCosine<Ops>(cosReceiver), extent).cos, F(0));
     }
-    return std::clamp(importance, Float(0), kMost);
+    // Inside the sphere the emitter may lie in any direction. (Stock pbrt-v4 says so only inside the box and assumes a
+    // half-space between box and sphere, which can give 0 to a light that is seen.)
+    return unoriented * Ops::Select(d2 <= r2 * F(Float(1.00001)), F(1), oriented);
+}
+
+}  // namespace detail
+
+inline Float LightSphere::Importance(const Point3 &p, const Normal3 &n) const {
+    using Ops = detail::ScalarOps;
+    detail::Emitters<Float, bool> e{center.x, center.y, center.z, radius,     w.x,     w.y, w.z, phi,
+                                    detail::FromCosine<Ops>(cosTheta_o), cosTheta_e, twoSided};
+    return detail::ImportanceOf<Ops>(e, p, n);
 }
 
 }  // namespace pbrt

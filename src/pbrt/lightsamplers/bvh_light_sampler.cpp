@@ -2,19 +2,6 @@
 
 namespace pbrt {
 
-namespace {
-
-struct Importances {
-    Float child[2];
-};
-
-// Sample and PMF must compute the very same bits: one function, compiled once.
-[[gnu::noinline]] Importances ChildImportances(const LightBvhPair &pair, const LightQuery &query) {
-    return {{pair.child[0].Sphere().Importance(query.p, query.ns), pair.child[1].Sphere().Importance(query.p, query.ns)}};
-}
-
-}  // namespace
-
 BVHLightSampler::BVHLightSampler(std::span<const LightCandidate> candidates)
     : tree_(candidates), isInfinite_(candidates.size()) {
     std::vector<LightId> infinite;
@@ -37,16 +24,17 @@ std::optional<SampledLight> BVHLightSampler::Sample(const LightQuery &query, Flo
     Float pmf = infinite_.Pmf();
     while (!node->IsLeaf()) {
         const LightBvhPair &pair = tree_.Pair(node->Link());
-        Importances w = ChildImportances(pair, query);
-        Float sum = w.child[0] + w.child[1];
+        Float w[2];
+        pair.Importances(query.p, query.ns, w);
+        Float sum = w[0] + w[1];
         if (!(sum > 0)) return {};
         double target = rest * static_cast<double>(sum);
-        auto first = static_cast<double>(w.child[0]);
+        auto first = static_cast<double>(w[0]);
         int i = target < first ? 0 : 1;
         // `sum` is rounded: it may exceed the first weight although the second is 0, and what is left may exceed 1.
-        if (!(w.child[i] > 0)) i = 1 - i;
-        rest = std::clamp((i == 0 ? target : target - first) / static_cast<double>(w.child[i]), 0.0, 1.0);
-        pmf *= w.child[i] / sum;
+        if (!(w[i] > 0)) i = 1 - i;
+        rest = std::clamp((i == 0 ? target : target - first) / static_cast<double>(w[i]), 0.0, 1.0);
+        pmf *= w[i] / sum;
         node = &pair.child[i];
     }
     if (!(pmf > 0)) return {};
@@ -63,11 +51,12 @@ Float BVHLightSampler::PMF(const LightQuery &query, LightId light) const {
     Float pmf = infinite_.Pmf();
     for (; !node->IsLeaf(); trail >>= 1) {
         const LightBvhPair &pair = tree_.Pair(node->Link());
-        Importances w = ChildImportances(pair, query);
+        Float w[2];
+        pair.Importances(query.p, query.ns, w);
         auto i = static_cast<size_t>(trail & 1);
-        if (!(w.child[i] > 0)) return 0;
-        Float sum = w.child[0] + w.child[1];
-        pmf *= w.child[i] / sum;
+        if (!(w[i] > 0)) return 0;
+        Float sum = w[0] + w[1];
+        pmf *= w[i] / sum;
         node = &pair.child[i];
     }
     return pmf;

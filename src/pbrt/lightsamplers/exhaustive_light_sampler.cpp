@@ -11,26 +11,31 @@ ExhaustiveLightSampler::ExhaustiveLightSampler(std::span<const LightCandidate> c
             position_[i] = kInfinite;
             infinite.emplace_back(i);
         } else if (c.bounds && c.bounds->phi > 0) {
-            position_[i] = static_cast<uint32_t>(bounded_.size());
-            bounded_.push_back(c.bounds->Sphere());
+            size_t lane = lights_.size();
+            position_[i] = static_cast<uint32_t>(lane);
+            if (lane % kLanes == 0) packets_.emplace_back();
+            packets_.back().Set(static_cast<int>(lane % kLanes), c.bounds->Sphere());
             lights_.push_back(static_cast<uint32_t>(i));
         }
     }
-    blockSize_ = std::max<size_t>(1, (bounded_.size() + kBlocks - 1) / kBlocks);
-    infinite_ = InfiniteShare(std::move(infinite), !bounded_.empty());
+    blockSize_ = std::max<size_t>(1, (packets_.size() + kBlocks - 1) / kBlocks);
+    infinite_ = InfiniteShare(std::move(infinite), !lights_.empty());
 }
 
 // Compiled once, so that all uses get the same bits.
-[[gnu::noinline]] Float ExhaustiveLightSampler::Importance(size_t i, const LightQuery &query) const {
-    return bounded_[i].Importance(query.p, query.n);
+[[gnu::noinline]] void ExhaustiveLightSampler::Importances(size_t packet, const LightQuery &query, Float *out) const {
+    packets_[packet].Importances(query.p, query.n, out);
 }
 
 void ExhaustiveLightSampler::AddUp(const LightQuery &query, Sums *sums) const {
     sums->total = 0;
-    for (size_t block = 0, i = 0; i < bounded_.size(); ++block) {
+    for (size_t block = 0, i = 0; i < packets_.size(); ++block) {
         double sum = 0;
-        for (size_t end = std::min(i + blockSize_, bounded_.size()); i < end; ++i)
-            sum += static_cast<double>(Importance(i, query));
+        for (size_t end = std::min(i + blockSize_, packets_.size()); i < end; ++i) {
+            Float *w = sums->lane[block];
+            Importances(i, query, w);
+            for (size_t lane = 0; lane < kLanes; ++lane) sum += static_cast<double>(w[lane]);
+        }
         sums->block[block] = sum;
         sums->total += sum;
     }
@@ -48,26 +53,29 @@ std::optional<SampledLight> ExhaustiveLightSampler::Sample(const LightQuery &que
     if (!(sums.total > 0)) return {};
 
     // First the block, then the light in it; the last one that has any importance takes what rounding leaves over.
-    double target = rest * sums.total;
-    size_t blocks = (bounded_.size() + blockSize_ - 1) / blockSize_, chosenBlock = 0;
-    double before = 0, beforeChosen = 0;
+    double target = rest * sums.total, before = 0, beforeBlock = 0;
+    size_t blocks = (packets_.size() + blockSize_ - 1) / blockSize_, chosenBlock = 0;
     for (size_t b = 0; b < blocks; ++b) {
         if (!(sums.block[b] > 0)) continue;
         chosenBlock = b;
-        beforeChosen = before;
+        beforeBlock = before;
         before += sums.block[b];
         if (target < before) break;
     }
-    size_t chosen = bounded_.size();
+    size_t chosen = 0;
     Float weight = 0;
-    before = beforeChosen;
-    for (size_t i = chosenBlock * blockSize_, end = std::min(i + blockSize_, bounded_.size()); i < end; ++i) {
-        Float w = Importance(i, query);
-        if (!(w > 0)) continue;
-        chosen = i;
-        weight = w;
-        before += static_cast<double>(w);
-        if (target < before) break;
+    before = beforeBlock;
+    bool found = false;
+    for (size_t i = chosenBlock * blockSize_, end = std::min(i + blockSize_, packets_.size()); i < end && !found; ++i) {
+        Float scratch[kLanes];
+        const Float *w = Lanes(i, query, sums, scratch);
+        for (size_t lane = 0; lane < kLanes && !found; ++lane) {
+            if (!(w[lane] > 0)) continue;
+            chosen = i * kLanes + lane;
+            weight = w[lane];
+            before += static_cast<double>(weight);
+            found = target < before;
+        }
     }
     Float pmf = infinite_.Pmf() * static_cast<Float>(static_cast<double>(weight) / sums.total);
     if (!(pmf > 0)) return {};
@@ -76,17 +84,19 @@ std::optional<SampledLight> ExhaustiveLightSampler::Sample(const LightQuery &que
 
 Float ExhaustiveLightSampler::PMF(const LightQuery &query, LightId light) const {
     if (light.value >= position_.size() || position_[light.value] == kNever) return 0;
-    if (position_[light.value] == kInfinite) return infinite_.Pmf();
-    Float weight = Importance(position_[light.value], query);
-    if (!(weight > 0)) return 0;
+    size_t position = position_[light.value];
+    if (position == kInfinite) return infinite_.Pmf();
     Sums sums;
     AddUp(query, &sums);
+    Float scratch[kLanes];
+    Float weight = Lanes(position / kLanes, query, sums, scratch)[position % kLanes];
+    if (!(weight > 0)) return 0;
     return infinite_.Pmf() * static_cast<Float>(static_cast<double>(weight) / sums.total);
 }
 
 void ExhaustiveLightSampler::Report(nlohmann::ordered_json &json) const {
-    json["bytes"] = bounded_.capacity() * sizeof(LightSphere) + (lights_.capacity() + position_.capacity()) * sizeof(uint32_t) +
-                    infinite_.Bytes();
+    json["bytes"] = packets_.capacity() * sizeof(LightPacket<kLanes>) +
+                    (lights_.capacity() + position_.capacity()) * sizeof(uint32_t) + infinite_.Bytes();
 }
 
 }  // namespace pbrt

@@ -1,5 +1,6 @@
 #pragma once
 #include "pbrt/lightsamplers/infinite_share.h"
+#include "pbrt/lightsamplers/light_packet.h"
 
 namespace pbrt {
 
@@ -13,20 +14,29 @@ class ExhaustiveLightSampler final : public LightSampler {
     void Report(nlohmann::ordered_json &json) const override;
 
   private:
-    /// Sums of importance over consecutive blocks of lights and over all. On the stack: no allocation per sample.
-    static constexpr size_t kBlocks = 128;
+    static constexpr size_t kLanes = 8;
+    static constexpr size_t kBlocks = 64;
+    /// Sums of importance over consecutive blocks of packets and over all. On the stack: no allocation per sample.
     struct Sums {
         double block[kBlocks];
         double total;
+        /// Of the last packet of each block: of all lights, if a block is one packet.
+        Float lane[kBlocks][kLanes];
     };
     void AddUp(const LightQuery &query, Sums *sums) const;
-    Float Importance(size_t i, const LightQuery &query) const;
+    void Importances(size_t packet, const LightQuery &query, Float *out) const;
+    /// Of the lanes of a packet: from `sums` where they are kept, else once more into `scratch`.
+    const Float *Lanes(size_t packet, const LightQuery &query, const Sums &sums, Float *scratch) const {
+        if (blockSize_ == 1) return sums.lane[packet];
+        Importances(packet, query, scratch);
+        return scratch;
+    }
 
-    std::vector<LightSphere> bounded_;
-    std::vector<uint32_t> lights_;     ///< of bounded_
-    std::vector<uint32_t> position_;   ///< in bounded_, by light; or one of the two below
+    std::vector<LightPacket<kLanes>> packets_;
+    std::vector<uint32_t> lights_;     ///< by lane over all packets
+    std::vector<uint32_t> position_;   ///< lane over all packets, by light; or one of the two below
     static constexpr uint32_t kInfinite = 0xffffffff, kNever = 0xfffffffe;
-    size_t blockSize_ = 1;
+    size_t blockSize_ = 1;             ///< packets per block
     InfiniteShare infinite_;
 };
 

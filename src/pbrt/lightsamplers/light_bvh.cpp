@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "pbrt/core/error.h"
+#include "pbrt/lightsamplers/light_packet.h"
 
 namespace pbrt {
 
@@ -78,6 +79,39 @@ LightBvhNode::LightBvhNode(const LightBounds &bounds, bool isLeaf, uint32_t link
 
 LightSphere LightBvhNode::Sphere() const {
     return {center_, radius_, DecodeAxis(axis_), phi_, DecodeCosine(cosO_), DecodeCosine(cosE_), (link_ & kTwoSided) != 0};
+}
+
+void LightBvhPair::Importances(const Point3 &p, const Normal3 &n, Float out[2]) const {
+    // Four lanes because that is the narrowest register; the upper two repeat the lower ones.
+    using Ops = SimdOps<4>;
+    using F = Ops::F;
+    auto gather = [this](auto field) { return F([&](auto i) { return static_cast<Float>(field(child[i & 1])); }); };
+    auto cosine = [](const F &q) { return q * F(2 / kSteps) - F(1); };
+    auto withSign = [](const F &size, const F &sign) { return Ops::Select(sign < F(0), -size, size); };
+
+    F u = cosine(gather([](const LightBvhNode &c) { return c.axis_[0]; }));
+    F v = cosine(gather([](const LightBvhNode &c) { return c.axis_[1]; }));
+    F z = F(1) - Ops::Abs(u) - Ops::Abs(v);
+    F x = Ops::Select(z < F(0), withSign(F(1) - Ops::Abs(v), u), u);
+    F y = Ops::Select(z < F(0), withSign(F(1) - Ops::Abs(u), v), v);
+    F normalise = F(1) / Ops::Root(x * x + y * y + z * z);
+    F cosO = cosine(gather([](const LightBvhNode &c) { return c.cosO_; }));
+
+    detail::Emitters<F, Ops::Mask> e{
+        gather([](const LightBvhNode &c) { return c.center_.x; }),
+        gather([](const LightBvhNode &c) { return c.center_.y; }),
+        gather([](const LightBvhNode &c) { return c.center_.z; }),
+        gather([](const LightBvhNode &c) { return c.radius_; }),
+        x * normalise,
+        y * normalise,
+        z * normalise,
+        gather([](const LightBvhNode &c) { return c.phi_; }),
+        detail::FromCosine<Ops>(cosO),
+        cosine(gather([](const LightBvhNode &c) { return c.cosE_; })),
+        gather([](const LightBvhNode &c) { return (c.link_ & LightBvhNode::kTwoSided) != 0; }) != F(0)};
+    F importance = detail::ImportanceOf<Ops>(e, p, n);
+    out[0] = importance[0];
+    out[1] = importance[1];
 }
 
 LightBvh::LightBvh(std::span<const LightCandidate> candidates) : trails_(candidates.size(), NotInTree) {

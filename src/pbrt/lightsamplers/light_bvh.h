@@ -19,6 +19,7 @@ class alignas(32) LightBvhNode {
     LightSphere Sphere() const;
 
   private:
+    friend struct LightBvhPair;
     static constexpr uint32_t kLeaf = 1u << 31, kTwoSided = 1u << 30, kLinkMask = kTwoSided - 1;
     Point3 center_{};
     Float radius_ = 0;
@@ -32,6 +33,8 @@ static_assert(sizeof(LightBvhNode) == 32);
 /// Both children of an interior node: what one step of a walk looks at, in one cache line.
 struct alignas(64) LightBvhPair {
     LightBvhNode child[2];
+    /// child[i].Sphere().Importance(p, n), both at once. The same bits for the same arguments wherever it is called.
+    void Importances(const Point3 &p, const Normal3 &n, Float out[2]) const;
 };
 
 /// Binary tree over the bounded lights, one light per leaf, split by the surface area orientation heuristic

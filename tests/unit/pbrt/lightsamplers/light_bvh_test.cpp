@@ -29,6 +29,33 @@ TEST(LightBvhNode, RoundedBoundsNeverHideTheLight) {
     EXPECT_GT(seen, 50000);
 }
 
+TEST(LightBvhPair, BothChildrenAtOnceEqualOneByOne) {
+    Rng rng(3);
+    int seen = 0;
+    for (int i = 0; i < 20000; ++i) {
+        LightBounds b[2] = {RandomEmitter(rng), RandomEmitter(rng)};
+        LightBvhPair pair{{LightBvhNode(b[0], true, 0), LightBvhNode(b[1], true, 1)}};
+        for (int j = 0; j < 10; ++j) {
+            Point3 p = Point3(0.5f) + SampleUniformSphere(rng.Uniform2()) * (2 * rng.Uniform());
+            Normal3 n = j % 2 ? SampleUniformSphere(rng.Uniform2()) : Normal3(0);
+            Float both[2];
+            pair.Importances(p, n, both);
+            for (int k = 0; k < 2; ++k) {
+                Float one = pair.child[k].Sphere().Importance(p, n), exact = b[k].Importance(p, n);
+                // Only right at the border of the emission cone may rounding decide differently.
+                if (both[k] > 0 && one > 0) {
+                    ASSERT_NEAR(both[k] / one, 1, 2e-2) << one;
+                }
+                if (exact > 0) {
+                    ++seen;
+                    ASSERT_GT(both[k], 0);
+                }
+            }
+        }
+    }
+    EXPECT_GT(seen, 50000);
+}
+
 TEST(LightBvhNode, RoundingHardlyChangesImportance) {
     Rng rng(2);
     for (int i = 0; i < 20000; ++i) {

@@ -1,0 +1,58 @@
+#pragma once
+#include <experimental/simd>
+
+#include "pbrt/lights/light_bounds.h"
+
+namespace pbrt {
+
+/// detail::ScalarOps for N lights at once, in the vector registers of the machine.
+template <int N>
+struct SimdOps {
+    using F = std::experimental::simd<Float, std::experimental::simd_abi::deduce_t<Float, N>>;
+    using Mask = typename F::mask_type;
+    static F Least(const F &a, const F &b) { return std::experimental::min(a, b); }
+    static F Most(const F &a, const F &b) { return std::experimental::max(a, b); }
+    static F Select(const Mask &c, const F &ifTrue, const F &ifFalse) {
+        F r = ifFalse;
+        std::experimental::where(c, r) = ifTrue;
+        return r;
+    }
+    static F Root(const F &a) { return std::experimental::sqrt(a); }
+    static F Abs(const F &a) { return std::experimental::abs(a); }
+};
+
+/// N lights side by side, their importances computed together. Lanes never set have none.
+template <int N>
+struct alignas(4 * N) LightPacket {
+    Float centerX[N] = {}, centerY[N] = {}, centerZ[N] = {}, radius[N] = {};
+    Float axisX[N] = {}, axisY[N] = {}, axisZ[N] = {}, phi[N] = {};
+    Float cosO[N] = {}, sinO[N] = {}, cosE[N] = {};
+    Float twoSided[N] = {};  ///< 0 or 1
+
+    void Set(int lane, const LightSphere &s) {
+        centerX[lane] = s.center.x;
+        centerY[lane] = s.center.y;
+        centerZ[lane] = s.center.z;
+        radius[lane] = s.radius;
+        axisX[lane] = s.w.x;
+        axisY[lane] = s.w.y;
+        axisZ[lane] = s.w.z;
+        phi[lane] = s.phi;
+        cosO[lane] = s.cosTheta_o;
+        sinO[lane] = detail::FromCosine<detail::ScalarOps>(s.cosTheta_o).sin;
+        cosE[lane] = s.cosTheta_e;
+        twoSided[lane] = s.twoSided ? 1 : 0;
+    }
+
+    void Importances(const Point3 &p, const Normal3 &n, Float *out) const {
+        using Ops = SimdOps<N>;
+        using F = typename Ops::F;
+        auto load = [](const Float *v) { return F(v, std::experimental::element_aligned); };
+        detail::Emitters<F, typename Ops::Mask> e{
+            load(centerX), load(centerY), load(centerZ), load(radius),     load(axisX), load(axisY), load(axisZ),
+            load(phi),     {load(cosO), load(sinO)},     load(cosE), load(twoSided) != F(0)};
+        detail::ImportanceOf<Ops>(e, p, n).copy_to(out, std::experimental::element_aligned);
+    }
+};
+
+}  // namespace pbrt

@@ -30,6 +30,8 @@ Rendered RenderScene(const RenderRequest &request) {
     built.integrator->Prepare(prepare);
     RenderSettings settings;
     settings.samplesPerPixel = built.samplesPerPixel;
+    settings.disablePixelJitter = built.disablePixelJitter;
+    settings.disableWavelengthJitter = built.disableWavelengthJitter;
     RenderResult result = RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
     Rendered out;
     out.image = built.film->ToImage();

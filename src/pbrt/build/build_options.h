@@ -18,6 +18,8 @@ struct BuildOptions {
     bool meshLights = false;          ///< --mesh-lights
     std::string renderCoordSys;       ///< camera, cameraworld, world; empty: the scene's or cameraworld
     bool disableTextureFiltering = false;
+    bool disablePixelJitter = false, disableWavelengthJitter = false;
+    std::string mseReferenceImage, mseReferenceOut;  ///< empty: the scene's Option, if any
 };
 
 }  // namespace pbrt

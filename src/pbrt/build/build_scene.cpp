@@ -56,6 +56,14 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     built.cameraFromWorld = d.camera.cameraFromWorld.start;
     built.seed = options.seed.value_or(d.options.seed.value_or(0));
 
+    const SceneOptions &o = d.options;
+    built.disablePixelJitter = options.disablePixelJitter || o.disablePixelJitter.value_or(false);
+    built.disableWavelengthJitter = options.disableWavelengthJitter || o.disableWavelengthJitter.value_or(false);
+    built.mseReferenceImage = !options.mseReferenceImage.empty() ? options.mseReferenceImage : o.mseReferenceImage.value_or("");
+    built.mseReferenceOut = !options.mseReferenceOut.empty() ? options.mseReferenceOut : o.mseReferenceOut.value_or("");
+    if (built.mseReferenceImage.empty() != built.mseReferenceOut.empty())
+        sink.Error({}, "an MSE reference needs both the image and the output file.");
+
     // Film, camera, filter, sampler: cheap, so their mistakes are found before any geometry is read.
     FilmOverrides film = options.film;
     if (options.quick) film.resolutionDivisor = 4;

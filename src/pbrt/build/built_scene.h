@@ -21,6 +21,8 @@ struct BuiltScene {
     /// Sampler of the round-th batch of samplesPerPixel samples.
     std::function<std::unique_ptr<Sampler>(int round)> makeSampler;
     int samplesPerPixel = 16;
+    bool disablePixelJitter = false, disableWavelengthJitter = false;
+    std::string mseReferenceImage, mseReferenceOut;
     int seed = 0;
     int maxDepth = 5;
     std::string integratorName, lightSamplerName;   ///< lightSamplerName empty if the integrator has none

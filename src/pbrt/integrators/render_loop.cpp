@@ -22,7 +22,9 @@ class PixelSampler {
     PixelSampler(const Integrator &integrator, const Camera &camera, const Filter &filter, RgbFilm &film,
                  const RenderSettings &settings)
         : integrator_(integrator), camera_(camera), filter_(filter), film_(film), settings_(settings),
-          differentialScale_(std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(settings.samplesPerPixel)))) {}
+          differentialScale_(settings.disablePixelJitter
+                                 ? Float(1)
+                                 : std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(settings.samplesPerPixel)))) {}
 
     void operator()(Point2i pixel, int sampleIndex, Sampler &sampler) const {
         sampler.StartPixelSample(pixel, sampleIndex);

@@ -13,7 +13,7 @@ struct RenderSettings {
     /// > 0: render waves until this many seconds have passed since `start`, whatever samplesPerPixel says.
     double timeBudget = 0;
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-    bool disablePixelJitter = false;       ///< sample pixel centres, lens centre, mid-shutter
+    bool disablePixelJitter = false;       ///< sample pixel centres, lens centre, mid-shutter; full texture footprints
     bool disableWavelengthJitter = false;
     std::string mseReferenceImage, mseReferenceOut;  ///< both or none
     /// Called after every wave if set: writes what there is (partial images).

@@ -16,6 +16,9 @@ std::optional<SurfacePoint> Scene::Intersect(const Ray &ray) const {
     const ShapeRecord &record = parts_.shapes[hit->shape.value];
     SurfacePoint point = record.shape->Surface(hit->primitive, hit->hit);
     if (hit->instance >= 0) point = TransformSurface(parts_.accel->InstanceTransform(hit->instance), point);
+    // Embree's triangle test mixes the axes: a plane through the origin has no error along its own axis, yet rays that
+    // leave it without an offset hit it again.
+    point.pError = Vector3(MaxComponent(point.pError));
     point.wo = -Normalize(ray.d);
     point.time = ray.time;
     point.t = hit->hit.t;

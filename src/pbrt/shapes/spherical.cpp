@@ -74,7 +74,9 @@ SphericalRectangle::SphericalRectangle(const Point3 &eye, const Point3 &corner, 
     b0_ = y0_ / std::sqrt(y0_ * y0_ + z_ * z_);
     b1_ = y1_ / std::sqrt(y1_ * y1_ + z_ * z_);
     left_ = AreaLeftOf(x0_);
-    area_ = z_ > 0 ? AreaLeftOf(x1_) - left_ : 0;
+    // An eye within rounding of the plane (a point of the rectangle itself) sees it edge-on, not as half the sphere.
+    double rounding = 1e-6 * (static_cast<double>(MaxComponent(Abs(eye))) + width + height);
+    area_ = z_ > rounding ? AreaLeftOf(x1_) - left_ : 0;
 }
 
 double SphericalRectangle::AreaLeftOf(double x) const {

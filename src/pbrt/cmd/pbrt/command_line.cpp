@@ -65,8 +65,8 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     AddNumbers(app, "--pixel", pixel, 2, "render only the pixel x,y")->group(image);
     app.add_option("--outfile", o.build.film.filename, "image to write (.exr, .png, .pfm); beats the scene's film filename")->group(image);
     app.add_flag("--write-partial-images", o.writePartialImages, "write the image after every wave of samples")->group(image);
-    app.add_option("--mse-reference-image", o.mseReferenceImage, "compare with this image after every wave")->group(image);
-    app.add_option("--mse-reference-out", o.mseReferenceOut, "file for the \"spp, mse\" lines of that comparison")->group(image);
+    app.add_option("--mse-reference-image", o.build.mseReferenceImage, "compare with this image after every wave")->group(image);
+    app.add_option("--mse-reference-out", o.build.mseReferenceOut, "file for the \"spp, mse\" lines of that comparison")->group(image);
 
     const char *effort = "Effort";
     CLI::Option *sppOption = app.add_option("--spp", spp, "samples per pixel; beats the scene's sampler")->check(CLI::PositiveNumber)->group(effort);
@@ -83,8 +83,8 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     const char *method = "Method";
     app.add_option("--integrator", o.build.integrator, "use this integrator instead of the scene's (path, simplepath, ...)")->group(method);
     CLI::Option *depthOption = app.add_option("--maxdepth", maxDepth, "scattering events per path; 1: direct light only")->check(CLI::NonNegativeNumber)->group(method);
-    app.add_flag("--disable-pixel-jitter", o.disablePixelJitter, "sample pixel centres only")->group(method);
-    app.add_flag("--disable-wavelength-jitter", o.disableWavelengthJitter, "the same wavelengths for every sample")->group(method);
+    app.add_flag("--disable-pixel-jitter", o.build.disablePixelJitter, "sample pixel centres only")->group(method);
+    app.add_flag("--disable-wavelength-jitter", o.build.disableWavelengthJitter, "the same wavelengths for every sample")->group(method);
     app.add_flag("--disable-texture-filtering", o.build.disableTextureFiltering, "point-sample all textures")->group(method);
     app.add_option("--render-coord-sys", o.build.renderCoordSys, "camera, cameraworld (default) or world")->check(CLI::IsMember({"camera", "cameraworld", "world"}))->group(method);
 
@@ -96,7 +96,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
     try {
         app.parse(arguments);
-        if (o.mseReferenceImage.empty() != o.mseReferenceOut.empty())
+        if (o.build.mseReferenceImage.empty() != o.build.mseReferenceOut.empty())
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
     } catch (const CLI::CallForHelp &) {
         std::cout << app.help();

@@ -12,10 +12,8 @@ struct CommandLine {
     std::vector<std::string> sceneFiles;
     int threads = 0;
     bool quiet = false, stats = false, writePartialImages = false;
-    bool disablePixelJitter = false, disableWavelengthJitter = false;
     bool listLightSamplers = false;
     double timeBudget = 0;
-    std::string mseReferenceImage, mseReferenceOut;
     std::string text;  ///< as typed, for image metadata
 };
 

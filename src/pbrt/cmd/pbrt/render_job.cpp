@@ -134,12 +134,10 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     settings.samplesPerPixel = built.samplesPerPixel;
     settings.timeBudget = options.timeBudget;
     settings.start = start;
-    settings.disablePixelJitter = options.disablePixelJitter || description.options.disablePixelJitter.value_or(false);
-    settings.disableWavelengthJitter = options.disableWavelengthJitter || description.options.disableWavelengthJitter.value_or(false);
-    settings.mseReferenceImage = !options.mseReferenceImage.empty() ? options.mseReferenceImage : description.options.mseReferenceImage.value_or("");
-    settings.mseReferenceOut = !options.mseReferenceOut.empty() ? options.mseReferenceOut : description.options.mseReferenceOut.value_or("");
-    if (settings.mseReferenceImage.empty() != settings.mseReferenceOut.empty())
-        throw UserError("an MSE reference needs both the image and the output file.");
+    settings.disablePixelJitter = built.disablePixelJitter;
+    settings.disableWavelengthJitter = built.disableWavelengthJitter;
+    settings.mseReferenceImage = built.mseReferenceImage;
+    settings.mseReferenceOut = built.mseReferenceOut;
 
     PrepareContext prepare{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), built.seed,
                            built.samplesPerPixel, built.maxDepth, progress};

@@ -43,8 +43,8 @@ CameraFrame ReadFrame(const ParamSet &params, const Transform &renderFromCamera,
 }
 
 ScreenWindow ReadScreenWindow(const ParamSet &params, Point2i resolution) {
-    Float aspect = params.GetFloat("frameaspectratio",
-                                   static_cast<Float>(resolution.x) / static_cast<Float>(resolution.y));
+    Float aspect =
+        params.GetFloat("frameaspectratio", static_cast<Float>(resolution.x) / static_cast<Float>(resolution.y));
     if (!(aspect > 0)) Complain(params, "frameaspectratio", aspect, "it must be above 0");
     std::span<const Float> given = params.GetFloats("screenwindow");
     if (given.empty()) {
@@ -94,7 +94,7 @@ std::unique_ptr<Camera> MakeCamera(const std::string &type, const ParamSet &para
     };
     if (!isIn(SupportedCameras())) {
         bool known = isIn(UnsupportedCameras());
-        throw UserError(fmt::format("Camera \"{}\" is {}; {}.", type, known ? "not supported" : "unknown",
+        throw UserError(fmt::format("Camera \"{}\" is {}; {}.", type, known ? "not supported yet" : "unknown",
                                     ListChoices(known ? "" : type, SupportedCameras())),
                         params.Loc());
     }

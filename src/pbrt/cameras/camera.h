@@ -11,14 +11,14 @@ namespace pbrt {
 
 /// Random numbers of one camera sample.
 struct CameraSample {
-    Point2 pFilm{};       ///< raster position in pixels
-    Point2 pLens{};       ///< unit square
-    Float time = 0;       ///< [0, 1)
+    Point2 pFilm{};  ///< raster position in pixels
+    Point2 pLens{};  ///< unit square
+    Float time = 0;  ///< [0, 1)
     Float filterWeight = 1;
 };
 
 struct CameraRay {
-    Ray ray;              ///< rendering space, unit direction
+    Ray ray;  ///< rendering space, unit direction
     RayDifferential differential;
     SampledSpectrum weight{1};
 };
@@ -27,9 +27,10 @@ class Camera {
   public:
     virtual ~Camera() = default;
     /// Ray through the film position, with the differentials of one pixel step.
-    virtual std::optional<CameraRay> GenerateRay(const CameraSample &sample, const SampledWavelengths &lambda) const = 0;
-    /// Footprint of one pixel (at 1 sample per pixel) at a point the camera does not see directly: dp/dx, dp/dy from the
-    /// smallest differentials over the film. `p`, `n` in rendering space.
+    virtual std::optional<CameraRay> GenerateRay(const CameraSample &sample,
+                                                 const SampledWavelengths &lambda) const = 0;
+    /// Footprint of one pixel (at 1 sample per pixel) at a point the camera does not see directly: dp/dx, dp/dy from
+    /// the smallest differentials over the film. `p`, `n` in rendering space.
     virtual void ApproximateFootprint(const Point3 &p, const Normal3 &n, Float time, int samplesPerPixel, Vector3 *dpdx,
                                       Vector3 *dpdy) const = 0;
     virtual Transform CameraFromRender() const = 0;

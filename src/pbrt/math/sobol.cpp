@@ -45,7 +45,9 @@ SobolPixelIndex::SobolPixelIndex(int log2Resolution) : log2Resolution_(log2Resol
     int m = log2Resolution, n = 2 * m;
     if (m == 0) return;
     const uint32_t *first = SobolMatrices(), *second = first + SobolIndexBits;
-    auto pixelOf = [&](int column) { return uint64_t(first[column] >> (32 - m)) | uint64_t(second[column] >> (32 - m)) << m; };
+    auto pixelOf = [&](int column) {
+        return uint64_t(first[column] >> (32 - m)) | uint64_t(second[column] >> (32 - m)) << m;
+    };
 
     // Gauss-Jordan over GF(2) on columns: `image` turns into unit vectors while `source` records which low index bits
     // were added up to get them.

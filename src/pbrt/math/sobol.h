@@ -84,7 +84,7 @@ class SobolPixelIndex {
     static size_t IndexOf(uint64_t bits) { return static_cast<size_t>(std::countr_zero(bits)); }
     int log2Resolution_;
     std::array<uint64_t, SobolIndexBits> pixelColumns_{};  ///< low index bits for each bit of (y << m | x)
-    std::array<uint64_t, 64> frameColumns_{};  ///< low index bits that undo what each bit of the frame does to the pixel
+    std::array<uint64_t, 64> frameColumns_{};              ///< low index bits that undo what frame bits do to the pixel
 };
 
 }  // namespace pbrt

@@ -32,9 +32,9 @@ class HaltonSampler final : public Sampler {
     Randomization randomization_;
     uint64_t seed_;
     std::shared_ptr<const DigitPermutations> permutations_;
-    Point2i scale_{1, 1};      ///< 2^j and 3^k
-    Point2i exponents_{0, 0};  ///< j and k
-    uint64_t stride_ = 1;      ///< product of the scales
+    Point2i scale_{1, 1};             ///< 2^j and 3^k
+    Point2i exponents_{0, 0};         ///< j and k
+    uint64_t stride_ = 1;             ///< product of the scales
     uint64_t xStep_ = 0, yStep_ = 0;  ///< 1 modulo the one scale and 0 modulo the other
     uint64_t index_ = 0;
     int dimension_ = 0;

@@ -10,7 +10,7 @@
 namespace pbrt {
 
 const std::vector<std::string> &SupportedSamplers() {
-    static const std::vector<std::string> names = {"independent", "stratified", "halton",
+    static const std::vector<std::string> names = {"independent", "stratified",  "halton",
                                                    "sobol",       "paddedsobol", "zsobol"};
     return names;
 }
@@ -36,7 +36,8 @@ Randomization ReadRandomization(const ParamSet &params, Randomization defaultVal
         if (c.value != Randomization::FastOwen || hasFastOwen) names.push_back(c.name);
     }
     std::string given = params.GetChoice("randomization", defaultName, names);
-    return std::find_if(std::begin(kChoices), std::end(kChoices), [&](const Choice &c) { return given == c.name; })->value;
+    return std::find_if(std::begin(kChoices), std::end(kChoices), [&](const Choice &c) { return given == c.name; })
+        ->value;
 }
 
 namespace {
@@ -64,18 +65,20 @@ std::unique_ptr<Sampler> MakeStratified(const ParamSet &params, int sppOverride,
         CheckedPositive(params, "xsamples", x);
         CheckedPositive(params, "ysamples", y);
         if (int64_t(x) * y > (1 << 30))
-            throw UserError(fmt::format("{}: {} x {} samples are too many.", params.What(), x, y), params.LocOf("xsamples"));
+            throw UserError(fmt::format("{}: {} x {} samples are too many.", params.What(), x, y),
+                            params.LocOf("xsamples"));
     }
     return std::make_unique<StratifiedSampler>(x, y, jitter, seed);
 }
 
-std::unique_ptr<Sampler> MakeSobol(const std::string &type, const ParamSet &params, Point2i resolution,
-                                   int sppOverride, int seed, DiagnosticSink &sink) {
+std::unique_ptr<Sampler> MakeSobol(const std::string &type, const ParamSet &params, Point2i resolution, int sppOverride,
+                                   int seed, DiagnosticSink &sink) {
     int samples = ReadSamples(params, 16, sppOverride);
     if (!std::has_single_bit(static_cast<unsigned>(samples)))
-        sink.Warning(params.LocOf("pixelsamples"),
-                     fmt::format("{}: {} samples per pixel are not a power of two; this sampler is at its best with one.",
-                                 params.What(), samples));
+        sink.Warning(
+            params.LocOf("pixelsamples"),
+            fmt::format("{}: {} samples per pixel are not a power of two; this sampler is at its best with one.",
+                        params.What(), samples));
     Randomization randomization = ReadRandomization(params, Randomization::FastOwen, true);
     if (type == "sobol") return std::make_unique<SobolSampler>(samples, resolution, randomization, seed);
     if (type == "paddedsobol") return std::make_unique<PaddedSobolSampler>(samples, randomization, seed);
@@ -88,8 +91,9 @@ std::unique_ptr<Sampler> MakeSampler(const std::string &type, const ParamSet &pa
                                      int sppOverride, int defaultSeed, DiagnosticSink &sink) {
     const std::vector<std::string> &missing = UnsupportedSamplers();
     if (std::find(missing.begin(), missing.end(), type) != missing.end())
-        throw UserError(fmt::format("Sampler \"{}\" is not supported; {}.", type, ListChoices("", SupportedSamplers())),
-                        params.Loc());
+        throw UserError(
+            fmt::format("Sampler \"{}\" is not supported yet; {}.", type, ListChoices("", SupportedSamplers())),
+            params.Loc());
     std::unique_ptr<Sampler> sampler;
     int seed = params.GetInt("seed", defaultSeed);
     if (type == "independent")

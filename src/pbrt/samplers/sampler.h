@@ -9,8 +9,8 @@
 namespace pbrt {
 
 /// Random numbers for pixel samples: a function of (seed, pixel, sample index, dimension) only. Not thread-safe: each
-/// thread works on its own Clone(). All values lie in [0, 1). Sample indices from SamplesPerPixel() on are allowed: they
-/// start another, independent set of SamplesPerPixel() samples (or go on with the sequence).
+/// thread works on its own Clone(). All values lie in [0, 1). Sample indices from SamplesPerPixel() on are allowed:
+/// they start another, independent set of SamplesPerPixel() samples (or go on with the sequence).
 class Sampler {
   public:
     virtual ~Sampler() = default;
@@ -24,8 +24,8 @@ class Sampler {
 
 /// `sppOverride` > 0 replaces pixelsamples (--spp); `defaultSeed` is --seed / Option seed. `resolution`: full film.
 /// Unused parameters go to `sink`.
-std::unique_ptr<Sampler> MakeSampler(const std::string &type, const ParamSet &params, Point2i resolution, int sppOverride,
-                                     int defaultSeed, DiagnosticSink &sink);
+std::unique_ptr<Sampler> MakeSampler(const std::string &type, const ParamSet &params, Point2i resolution,
+                                     int sppOverride, int defaultSeed, DiagnosticSink &sink);
 
 const std::vector<std::string> &SupportedSamplers();
 const std::vector<std::string> &UnsupportedSamplers();

@@ -86,7 +86,7 @@ class ZSobolSampler final : public Sampler {
     uint64_t pixelMorton_ = 0;  ///< the pixel's place in Morton order, above the bits of the sample index
     uint64_t morton_ = 0;       ///< with the sample index
     int dimension_ = 0;
-    uint64_t pixelPartKnown_ = 0;                     ///< bit per dimension
+    uint64_t pixelPartKnown_ = 0;                    ///< bit per dimension
     std::array<uint64_t, kRemembered> pixelPart_{};  ///< of SobolIndex, by dimension
 };
 

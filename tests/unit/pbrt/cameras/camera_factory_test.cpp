@@ -18,7 +18,8 @@ std::string ErrorOf(const std::string &type, const std::vector<Param> &params) {
 
 TEST(MakeCamera, KnownAndUnknownTypes) {
     for (const std::string &name : SupportedCameras()) EXPECT_TRUE(MakeTestCamera(name, {})) << name;
-    for (const std::string &name : UnsupportedCameras()) EXPECT_NE(ErrorOf(name, {}).find("not supported"), std::string::npos);
+    for (const std::string &name : UnsupportedCameras())
+        EXPECT_NE(ErrorOf(name, {}).find("not supported"), std::string::npos);
     std::string unknown = ErrorOf("perspectiv", {});
     for (const std::string &name : SupportedCameras()) EXPECT_NE(unknown.find(name), std::string::npos) << name;
 }
@@ -37,7 +38,8 @@ TEST(MakeCamera, SenselessValuesAreErrors) {
 TEST(MakeCamera, ExposureTimeMustBePositive) {
     EXPECT_NE(ErrorOf("perspective", {FloatParam("shutteropen", {1})}), "");
     DiagnosticSink sink;
-    auto camera = MakeTestCamera("perspective", {FloatParam("shutteropen", {3}), FloatParam("shutterclose", {2})}, {4, 4}, {}, &sink);
+    auto camera = MakeTestCamera("perspective", {FloatParam("shutteropen", {3}), FloatParam("shutterclose", {2})},
+                                 {4, 4}, {}, &sink);
     EXPECT_EQ(camera->ShutterOpen(), 2);
     EXPECT_EQ(camera->ShutterClose(), 3);
     ASSERT_EQ(sink.All().size(), 1u);
@@ -50,8 +52,11 @@ TEST(MakeCamera, UnusedParametersAreErrors) {
     EXPECT_EQ(sink.ErrorCount(), 1u);
     MakeTestCamera("perspective", {FloatParam("lensradus", {30})}, {4, 4}, {}, &sink);
     EXPECT_EQ(sink.ErrorCount(), 2u);
-    MakeTestCamera("spherical", {FloatParam("lensradius", {3}), FloatParam("focaldistance", {3}), FloatParam("screenwindow", {0, 1, 0, 1}),
-                                 FloatParam("frameaspectratio", {1}), FloatParam("shutterclose", {2})}, {4, 4}, {}, &sink);
+    MakeTestCamera(
+        "spherical",
+        {FloatParam("lensradius", {3}), FloatParam("focaldistance", {3}), FloatParam("screenwindow", {0, 1, 0, 1}),
+         FloatParam("frameaspectratio", {1}), FloatParam("shutterclose", {2})},
+        {4, 4}, {}, &sink);
     EXPECT_EQ(sink.ErrorCount(), 2u);
 }
 

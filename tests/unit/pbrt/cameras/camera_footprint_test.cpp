@@ -16,7 +16,8 @@ TEST(Footprint, FacingPlaneAtTheCornerHasTheSizeOfACornerPixel) {
     CameraRay corner = RayAt(*camera, {0, 0});
     Float angleX = AngleBetween(corner.ray.d, corner.differential.rxDirection);
     Float angleY = AngleBetween(corner.ray.d, corner.differential.ryDirection);
-    for (const Point3 &p : {Point3(0, 0, 10), Point3(6, -3, 5), Point3(0, 0, -10), Point3(3, 2, -7), Point3(-8, 0, 0)}) {
+    for (const Point3 &p :
+         {Point3(0, 0, 10), Point3(6, -3, 5), Point3(0, 0, -10), Point3(3, 2, -7), Point3(-8, 0, 0)}) {
         Vector3 dpdx, dpdy;
         camera->ApproximateFootprint(p, -Normalize(p), 0, 1, &dpdx, &dpdy);
         Float distance = Length(p);
@@ -30,7 +31,8 @@ TEST(Footprint, FacingPlaneAtTheCornerHasTheSizeOfACornerPixel) {
 }
 
 TEST(Footprint, LiesInTheTangentPlaneAndGrowsWithDistance) {
-    auto camera = MakeTestCamera("perspective", {}, {320, 200}, Transform::Translate({3, 1, 2}) * Transform::Rotate(40, {1, 2, 3}));
+    auto camera = MakeTestCamera("perspective", {}, {320, 200},
+                                 Transform::Translate({3, 1, 2}) * Transform::Rotate(40, {1, 2, 3}));
     Rng rng(3);
     for (int i = 0; i < 300; ++i) {
         Vector3 toward = Normalize(Vector3(rng.Uniform() - 0.5f, rng.Uniform() - 0.5f, rng.Uniform() - 0.5f));

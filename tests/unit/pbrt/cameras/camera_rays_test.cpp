@@ -42,7 +42,8 @@ TEST(PerspectiveCamera, LensFocusesAtFocalDistanceOnly) {
     auto camera = MakeTestCamera("perspective", {FloatParam("lensradius", {0.3f}), FloatParam("focaldistance", {5})});
     Rng rng(1);
     Float spread = 0, farthest = 0;
-    test::ExpectClose(AtDepth(RayAt(*camera, {7, 8}, {0.5f, 0.5f}).ray, 3), AtDepth(RayAt(*pinhole, {7, 8}).ray, 3), 1e-5f);
+    test::ExpectClose(AtDepth(RayAt(*camera, {7, 8}, {0.5f, 0.5f}).ray, 3), AtDepth(RayAt(*pinhole, {7, 8}).ray, 3),
+                      1e-5f);
     for (int i = 0; i < 500; ++i) {
         CameraRay r = RayAt(*camera, {33, 2}, rng.Uniform2());
         ExpectClose(AtDepth(r.ray, 5), AtDepth(RayAt(*pinhole, {33, 2}).ray, 5), 1e-5f, "focus");
@@ -91,7 +92,8 @@ TEST(EveryCamera, DifferentialsAreTheRaysOfTheNextPixels) {
             if (c == 4) film = Point2(220, 220) + rng.Uniform2() * Point2(40, 70);
             CameraRay r = RayAt(*cameras[c], film, lens);
             ASSERT_TRUE(r.differential.valid);
-            CameraRay x = RayAt(*cameras[c], film + Point2(1, 0), lens), y = RayAt(*cameras[c], film + Point2(0, 1), lens);
+            CameraRay x = RayAt(*cameras[c], film + Point2(1, 0), lens),
+                      y = RayAt(*cameras[c], film + Point2(0, 1), lens);
             // A spherical camera bends, its steps are extrapolated: within some per cent of a step.
             Float tolerance = spherical ? 0.3f * Distance(x.ray.d, r.ray.d) + 2e-3f : 2e-5f;
             ExpectClose(r.differential.rxOrigin, x.ray.o, 1e-5f, "x origin");

@@ -103,8 +103,10 @@ TEST(RadicalInverse, ScramblingsKeepTheStratification) {
             for (uint64_t seed : {0ull, 77ull}) {
                 auto n = static_cast<uint64_t>(std::lround(std::pow(double(base), k)));
                 EXPECT_TRUE(IsStratified(base, k, 3 * n, [&](uint64_t a) { return RadicalInverse(base, a); }));
-                EXPECT_TRUE(IsStratified(base, k, 3 * n, [&](uint64_t a) { return PermutedRadicalInverse(base, a, seed); }));
-                EXPECT_TRUE(IsStratified(base, k, 3 * n, [&](uint64_t a) { return OwenScrambledRadicalInverse(base, a, seed); }));
+                EXPECT_TRUE(
+                    IsStratified(base, k, 3 * n, [&](uint64_t a) { return PermutedRadicalInverse(base, a, seed); }));
+                EXPECT_TRUE(IsStratified(base, k, 3 * n,
+                                         [&](uint64_t a) { return OwenScrambledRadicalInverse(base, a, seed); }));
             }
 }
 

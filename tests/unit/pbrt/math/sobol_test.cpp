@@ -12,10 +12,17 @@ namespace {
 
 TEST(Sobol, FirstPointsAreTheKnownOnes) {
     const uint32_t *m = SobolMatrices();
-    const double expected[8][3] = {{0, 0, 0},           {0.5, 0.5, 0.5},       {0.25, 0.75, 0.75},   {0.75, 0.25, 0.25},
-                                   {0.125, 0.625, 0.375}, {0.625, 0.125, 0.875}, {0.375, 0.375, 0.625}, {0.875, 0.875, 0.125}};
+    const double expected[8][3] = {{0, 0, 0},
+                                   {0.5, 0.5, 0.5},
+                                   {0.25, 0.75, 0.75},
+                                   {0.75, 0.25, 0.25},
+                                   {0.125, 0.625, 0.375},
+                                   {0.625, 0.125, 0.875},
+                                   {0.375, 0.375, 0.625},
+                                   {0.875, 0.875, 0.125}};
     for (uint64_t i = 0; i < 8; ++i)
-        for (int d = 0; d < 3; ++d) EXPECT_EQ(double(SobolBits(m + d * SobolIndexBits, i)) * 0x1p-32, expected[i][d]) << i;
+        for (int d = 0; d < 3; ++d)
+            EXPECT_EQ(double(SobolBits(m + d * SobolIndexBits, i)) * 0x1p-32, expected[i][d]) << i;
 }
 
 TEST(Sobol, AllDimensionsAgreeWithBoost) {
@@ -24,7 +31,8 @@ TEST(Sobol, AllDimensionsAgreeWithBoost) {
     const uint32_t *m = SobolMatrices();
     for (uint64_t i = 1; i < 300; ++i)
         for (int d = 0; d < SobolDimensions; ++d)
-            ASSERT_EQ(SobolBits(m + d * SobolIndexBits, i ^ (i >> 1)), static_cast<uint32_t>(engine() >> 32)) << i << " " << d;
+            ASSERT_EQ(SobolBits(m + d * SobolIndexBits, i ^ (i >> 1)), static_cast<uint32_t>(engine() >> 32))
+                << i << " " << d;
 }
 
 TEST(Sobol, HighIndicesAgreeWithBoost) {
@@ -87,8 +95,7 @@ TEST(Scramble, FlipsOfSiblingsAreIndependent) {
         std::vector<double> observed(256, 0);
         for (uint64_t s = 0; s < kSeeds; ++s) {
             unsigned pattern = 0;
-            for (uint32_t node = 0; node < 8; ++node)
-                pattern |= (scramble(node << 29, MixBits(s)) >> 28 & 1) << node;
+            for (uint32_t node = 0; node < 8; ++node) pattern |= (scramble(node << 29, MixBits(s)) >> 28 & 1) << node;
             ++observed[pattern];
         }
         if (std::string(name) == "owen") {

@@ -16,7 +16,8 @@ Transform RandomAffine(Rng &rng) {
 }
 
 void ExpectNear(const Vector3 &a, const Vector3 &b, Float tolerance) {
-    EXPECT_LE(Distance(a, b), tolerance) << a.x << " " << a.y << " " << a.z << " vs " << b.x << " " << b.y << " " << b.z;
+    EXPECT_LE(Distance(a, b), tolerance) << a.x << " " << a.y << " " << a.z << " vs " << b.x << " " << b.y << " "
+                                         << b.z;
 }
 
 TEST(Transform, FileOrderPutsTheTranslationLast) {

@@ -20,7 +20,8 @@ double SquareTest(const std::function<Point2(const Point2 &)> &sample,
     std::vector<double> observed(kN * kN, 0), expected(kN * kN, 0);
     for (int i = 0; i < kDraws; ++i) {
         Point2 p = sample(rng.Uniform2());
-        auto x = std::clamp(static_cast<int>(p.x * kN), 0, kN - 1), y = std::clamp(static_cast<int>(p.y * kN), 0, kN - 1);
+        auto x = std::clamp(static_cast<int>(p.x * kN), 0, kN - 1),
+             y = std::clamp(static_cast<int>(p.y * kN), 0, kN - 1);
         ++observed[static_cast<size_t>(y * kN + x)];
     }
     for (int y = 0; y < kN * kSub; ++y)
@@ -49,7 +50,8 @@ TEST(Warps, ConcentricDiskKeepsNeighboursTogether) {
     for (int i = 0; i < 64; ++i)
         for (int j = 0; j < 64; ++j) {
             Point2 u(static_cast<Float>(i) / 64, static_cast<Float>(j) / 64), du(1.f / 256, 1.f / 256);
-            EXPECT_LT(glm::length(SampleUniformDiskConcentric(u + du) - SampleUniformDiskConcentric(u)), 4 * glm::length(du));
+            EXPECT_LT(glm::length(SampleUniformDiskConcentric(u + du) - SampleUniformDiskConcentric(u)),
+                      4 * glm::length(du));
         }
 }
 
@@ -91,10 +93,13 @@ TEST(Warps, TriangleIsUniformByArea) {
 }
 
 TEST(Warps, LinearSamplesFollowTheDensityAndInvert) {
-    for (auto [a, b] : {std::pair{1.f, 3.f}, {3.f, 1.f}, {0.f, 1.f}, {1.f, 0.f}, {2.f, 2.f}, {0.f, 0.f}, {1e-20f, 1e-20f}}) {
+    for (auto [a, b] :
+         {std::pair{1.f, 3.f}, {3.f, 1.f}, {0.f, 1.f}, {1.f, 0.f}, {2.f, 2.f}, {0.f, 0.f}, {1e-20f, 1e-20f}}) {
         Float lo = a, hi = b;
         auto sample = [&](const Point2 &u) { return Point2(SampleLinear(u.x, lo, hi), u.y); };
-        EXPECT_GT(SquareTest(sample, [&](double x, double) { return double(LinearPdf(static_cast<Float>(x), lo, hi)); }), 1e-4)
+        EXPECT_GT(
+            SquareTest(sample, [&](double x, double) { return double(LinearPdf(static_cast<Float>(x), lo, hi)); }),
+            1e-4)
             << a << " " << b;
         for (Float u : {0.f, 1e-6f, 0.25f, 0.5f, 0.9f, OneMinusEpsilon}) {
             Float x = SampleLinear(u, a, b);
@@ -110,9 +115,10 @@ TEST(Warps, LinearSamplesFollowTheDensityAndInvert) {
 TEST(Warps, BilinearSamplesFollowTheDensityAndInvert) {
     const Float cases[][4] = {{1, 2, 3, 4}, {0, 0, 1, 1}, {1, 0, 0, 0}, {0, 1, 1, 0}, {5, 5, 5, 5}, {0, 0, 0, 0}};
     for (const auto &w : cases) {
-        double p = SquareTest([&](const Point2 &u) { return SampleBilinear(u, w); }, [&](double x, double y) {
-            return double(BilinearPdf({static_cast<Float>(x), static_cast<Float>(y)}, w));
-        });
+        double p = SquareTest([&](const Point2 &u) { return SampleBilinear(u, w); },
+                              [&](double x, double y) {
+                                  return double(BilinearPdf({static_cast<Float>(x), static_cast<Float>(y)}, w));
+                              });
         EXPECT_GT(p, 1e-4) << w[0] << w[1] << w[2] << w[3];
         Rng rng(5);
         for (int i = 0; i < 200; ++i) {
@@ -166,7 +172,8 @@ TEST(EqualArea, InverseUndoesBothWays) {
         Vector3 w = SampleUniformSphere(u);
         EXPECT_LT(Distance(EqualAreaSquareToSphere(EqualAreaSphereToSquare(w)), w), 5e-4f);
     }
-    for (const Vector3 &w : {Vector3(0, 0, 1), Vector3(0, 0, -1), Vector3(-0.f, 0, -1), Vector3(1, 0, 0), Vector3(0, -1, 0)}) {
+    for (const Vector3 &w :
+         {Vector3(0, 0, 1), Vector3(0, 0, -1), Vector3(-0.f, 0, -1), Vector3(1, 0, 0), Vector3(0, -1, 0)}) {
         Point2 p = EqualAreaSphereToSquare(w);
         EXPECT_TRUE(p.x >= 0 && p.x <= 1 && p.y >= 0 && p.y <= 1);
         EXPECT_LT(Distance(EqualAreaSquareToSphere(p), w), 1e-3f);

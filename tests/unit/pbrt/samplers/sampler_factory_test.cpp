@@ -115,7 +115,8 @@ TEST(MakeSampler, RandomizationsAreChecked) {
             EXPECT_EQ(ErrorOf(type, {StringParam("randomization", r)}), "") << type << r;
         EXPECT_NE(ErrorOf(type, {StringParam("randomization", "xor")}).find("permutedigits"), std::string::npos);
     }
-    for (const char *r : {"none", "permutedigits", "owen"}) EXPECT_EQ(ErrorOf("halton", {StringParam("randomization", r)}), "");
+    for (const char *r : {"none", "permutedigits", "owen"})
+        EXPECT_EQ(ErrorOf("halton", {StringParam("randomization", r)}), "");
     std::string halton = ErrorOf("halton", {StringParam("randomization", "fastowen")});
     EXPECT_NE(halton.find("permutedigits"), std::string::npos);
 }
@@ -124,7 +125,10 @@ TEST(MakeSampler, UnusedParametersAreErrors) {
     struct Case {
         const char *type, *foreign;
     };
-    for (Case c : {Case{"independent", "xsamples"}, {"stratified", "pixelsamples"}, {"halton", "jitter"}, {"zsobol", "samples"}}) {
+    for (Case c : {Case{"independent", "xsamples"},
+                   {"stratified", "pixelsamples"},
+                   {"halton", "jitter"},
+                   {"zsobol", "samples"}}) {
         DiagnosticSink sink;
         Make(c.type, {IntParam(c.foreign, 4)}, 0, &sink);
         EXPECT_EQ(sink.ErrorCount(), 1u) << c.type;

@@ -128,7 +128,8 @@ TEST_P(EverySampler, PairsOfDimensionsAreJointlyUniform) {
     int n = ForOneSampleOfEachPixel(GetParam(), [&](const std::vector<Float> &u) {
         for (size_t a = 0; a < dimensions; ++a)
             for (size_t b = 0; b < a; ++b)
-                ++observed[(a * 14 + b) * kN * kN + static_cast<size_t>(u[a] * kN) * kN + static_cast<size_t>(u[b] * kN)];
+                ++observed[(a * 14 + b) * kN * kN + static_cast<size_t>(u[a] * kN) * kN +
+                           static_cast<size_t>(u[b] * kN)];
     });
     std::vector<double> expected(kN * kN, double(n) / (kN * kN));
     for (size_t a = 0; a < dimensions; ++a)
@@ -145,7 +146,8 @@ double Integrand(Sampler &s, Point2i pixel, int index) {
     Float a = s.Get1D();
     Point2 q = s.Get2D();
     auto centred = [](Float u) { return double(u) - 0.5; };
-    return centred(p.x) * centred(q.y) + std::sin(2 * M_PI * double(a)) + (q.x * q.x + q.y * q.y < 1 ? 1 : 0) - M_PI / 4;
+    return centred(p.x) * centred(q.y) + std::sin(2 * M_PI * double(a)) + (q.x * q.x + q.y * q.y < 1 ? 1 : 0) -
+           M_PI / 4;
 }
 
 TEST_P(EverySampler, PixelMeansAreUnbiasedOverSeeds) {

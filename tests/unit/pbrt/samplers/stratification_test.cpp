@@ -17,7 +17,8 @@ bool OneInEachBox(const std::vector<Point2> &points, size_t columns) {
     size_t rows = points.size() / columns;
     std::set<std::pair<size_t, size_t>> boxes;
     for (const Point2 &p : points)
-        boxes.insert({static_cast<size_t>(p.x * static_cast<Float>(columns)), static_cast<size_t>(p.y * static_cast<Float>(rows))});
+        boxes.insert({static_cast<size_t>(p.x * static_cast<Float>(columns)),
+                      static_cast<size_t>(p.y * static_cast<Float>(rows))});
     return boxes.size() == points.size();
 }
 bool IsBase2Net(const std::vector<Point2> &points) {
@@ -57,7 +58,8 @@ TEST(Stratification, PaddedAndZSobolGiveEveryPixelANetInEveryRequest) {
                             EXPECT_TRUE(IsBase2Net(Points2D(*s, pixel, first, samples, before)))
                                 << type << " " << randomization << " " << samples << " " << before;
                             auto n = static_cast<size_t>(samples);
-                            EXPECT_TRUE(OneInEachBox(Points1D(*s, pixel, first, samples, before), n)) << type << " " << randomization;
+                            EXPECT_TRUE(OneInEachBox(Points1D(*s, pixel, first, samples, before), n))
+                                << type << " " << randomization;
                         }
             }
 }
@@ -71,7 +73,8 @@ TEST(Stratification, ZSobolQuadsOfPixelsShareANet) {
                     std::vector<Point2> all;
                     for (int y = 0; y < size; ++y)
                         for (int x = 0; x < size; ++x)
-                            for (const Point2 &p : Points2D(*s, corner + Point2i(x, y), 0, samples, before)) all.push_back(p);
+                            for (const Point2 &p : Points2D(*s, corner + Point2i(x, y), 0, samples, before))
+                                all.push_back(p);
                     EXPECT_TRUE(IsBase2Net(all)) << samples << " " << size;
                 }
     }
@@ -99,14 +102,16 @@ TEST(Stratification, StratifiedFillsEveryCellOnce) {
     DiagnosticSink sink;
     for (auto [nx, ny] : {std::pair{4, 4}, {3, 2}, {1, 7}}) {
         for (bool jitter : {true, false}) {
-            ParamSet params = test::Params("stratified", {test::IntParam("xsamples", nx), test::IntParam("ysamples", ny),
-                                                          test::BoolParam("jitter", jitter)});
+            ParamSet params = test::Params(
+                "stratified",
+                {test::IntParam("xsamples", nx), test::IntParam("ysamples", ny), test::BoolParam("jitter", jitter)});
             std::unique_ptr<Sampler> s = MakeSampler("stratified", params, {8, 8}, 0, 1, sink);
             int n = nx * ny;
             ASSERT_EQ(s->SamplesPerPixel(), n);
             for (int before : {0, 1, 4})
                 for (int first : {0, n}) {
-                    std::vector<Point2> p2 = Points2D(*s, {3, 5}, first, n, before), p1 = Points1D(*s, {3, 5}, first, n, before);
+                    std::vector<Point2> p2 = Points2D(*s, {3, 5}, first, n, before),
+                                        p1 = Points1D(*s, {3, 5}, first, n, before);
                     EXPECT_TRUE(OneInEachBox(p2, static_cast<size_t>(nx)));
                     EXPECT_TRUE(OneInEachBox(p1, static_cast<size_t>(n)));
                     if (!jitter)
@@ -150,7 +155,8 @@ TEST(Stratification, HaltonPixelsOwnTheirPointsOfTheDirectSequence) {
                 for (int i = 0; i < 3; ++i, ++count) {
                     s.StartPixelSample({x, y}, i, 0);
                     indices.insert(s.Index());
-                    double px = double(RadicalInverse(2, s.Index())) * scale.x, py = double(RadicalInverse(3, s.Index())) * scale.y;
+                    double px = double(RadicalInverse(2, s.Index())) * scale.x,
+                           py = double(RadicalInverse(3, s.Index())) * scale.y;
                     Point2 p = s.GetPixel2D();
                     // The float sequence knows positions in the tile to some 1e-5 of a pixel.
                     ASSERT_NEAR(px, x + double(p.x), 3e-5) << x << " " << y << " " << i;
@@ -196,7 +202,8 @@ TEST(Stratification, SobolPixelsAreStratifiedAndPointsAreTheGlobalOnes) {
                 s.StartPixelSample(pixel, i, 0);
                 Point2 p = s.GetPixel2D();
                 inPixel.push_back(p);
-                double x = double(SobolBits(m, s.Index())) * 0x1p-32 * scale, y = double(SobolBits(m + SobolIndexBits, s.Index())) * 0x1p-32 * scale;
+                double x = double(SobolBits(m, s.Index())) * 0x1p-32 * scale,
+                       y = double(SobolBits(m + SobolIndexBits, s.Index())) * 0x1p-32 * scale;
                 ASSERT_NEAR(x, pixel.x + double(p.x), 1e-6);
                 ASSERT_NEAR(y, pixel.y + double(p.y), 1e-6);
                 ASSERT_EQ(s.Get1D(), SobolToFloat(SobolBits(m + 2 * SobolIndexBits, s.Index())));

@@ -1,5 +1,5 @@
-// Nanoseconds per Sample() and per PMF() of each stock light sampler, by number of lights. Queries jump through the scene,
-// so that big structures pay for their cache misses.
+// Nanoseconds per Sample() and per PMF() of each stock light sampler, by number of lights. Queries jump through the
+// scene, so that big structures pay for their cache misses.
 #include <benchmark/benchmark.h>
 
 #include "pbrt/lightsamplers/registry.h"

@@ -58,7 +58,8 @@ class Builder {
             AddShape(std::move(shape), twoSided, radiance);
     }
 
-    /// Places in and around the box [low, high], and right at the lights; with normals, tilted shading normals, and none.
+    /// Places in and around the box [low, high], and right at the lights; with normals, tilted shading normals, and
+    /// none.
     std::unique_ptr<ContractFixture> Finish(int queries = 24, Point3 low = Point3(-1), Point3 high = Point3(1)) {
         fixture_->owned->Finish(Point3(0), 3 * scale_);
         fixture_->lights = fixture_->owned.get();
@@ -94,7 +95,8 @@ class Builder {
         set.Add(std::move(sides));
         AreaLightMaker maker("diffuse", set, ColorSpace::SRGB(), FileResolver(), sink_);
         ShapeId id(fixture_->shapes.size());
-        for (uint32_t i = 0; i < shape->PrimitiveCount(); ++i) fixture_->owned->Add(maker.Make(*shape, i, nullptr), id, i);
+        for (uint32_t i = 0; i < shape->PrimitiveCount(); ++i)
+            fixture_->owned->Add(maker.Make(*shape, i, nullptr), id, i);
         fixture_->shapes.push_back(std::move(shape));
     }
 
@@ -116,7 +118,9 @@ MeshData Ball(int rings, int segments, Float radius, const Point3 &center) {
         }
     for (int i = 0; i < rings; ++i)
         for (int j = 0; j < segments; ++j) {
-            auto at = [&](int ring, int segment) { return static_cast<uint32_t>(ring * segments + segment % segments); };
+            auto at = [&](int ring, int segment) {
+                return static_cast<uint32_t>(ring * segments + segment % segments);
+            };
             mesh.indices.insert(mesh.indices.end(), {at(i, j), at(i + 1, j), at(i, j + 1)});
             mesh.indices.insert(mesh.indices.end(), {at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
         }
@@ -131,9 +135,10 @@ std::unique_ptr<ContractFixture> Many(Float scale) {
     for (int i = 0; i < 10; ++i) {
         b.AddPoint(place(), (Float(0.2) + rng.Uniform()) * scale * scale);
         Point3 from = place();
-        b.AddSpot(from, from + SampleUniformSphere(rng.Uniform2()), 5 + 70 * rng.Uniform(), 5 * rng.Uniform(), 2 * scale * scale);
-        b.AddTriangle(place(), SampleUniformSphere(rng.Uniform2()) * Float(0.3), SampleUniformSphere(rng.Uniform2()) * Float(0.3),
-                      i % 2 == 0, 1 + 3 * rng.Uniform());
+        b.AddSpot(from, from + SampleUniformSphere(rng.Uniform2()), 5 + 70 * rng.Uniform(), 5 * rng.Uniform(),
+                  2 * scale * scale);
+        b.AddTriangle(place(), SampleUniformSphere(rng.Uniform2()) * Float(0.3),
+                      SampleUniformSphere(rng.Uniform2()) * Float(0.3), i % 2 == 0, 1 + 3 * rng.Uniform());
         Point3 center = place();
         b.AddQuadric(i % 2 ? "sphere" : "disk",
                      Transform::Translate(center) * Transform::Rotate(360 * rng.Uniform(), place()) *

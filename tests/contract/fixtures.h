@@ -15,8 +15,8 @@ struct ContractFixture {
     std::unique_ptr<LightTable> owned;           ///< the lights, unless a Scene owns them
     const LightTable *lights = nullptr;
     std::vector<LightQuery> queries;
-    /// For fixtures that have a Scene: calls sampler.Prepare with it. What the function needs is kept alive by it. Empty:
-    /// samplers are used as made.
+    /// For fixtures that have a Scene: calls sampler.Prepare with it. What the function needs is kept alive by it.
+    /// Empty: samplers are used as made.
     std::function<void(LightSampler &)> prepare;
 };
 

@@ -101,7 +101,8 @@ TEST_P(LightSamplerContract, PmfSumsToOneUnlessNothingIsReturned) {
         for (int i = 0; i < n; ++i) empty += !Sample(q, (static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(n));
         // Evenly spread numbers measure the empty share to about one step per place where it begins or ends.
         double missing = std::max(0.0, 1 - sum);
-        EXPECT_NEAR(static_cast<double>(empty) / n, missing, 1e-4 + 4 * std::sqrt(missing * (1 - missing) / n)) << "query " << q;
+        EXPECT_NEAR(static_cast<double>(empty) / n, missing, 1e-4 + 4 * std::sqrt(missing * (1 - missing) / n))
+            << "query " << q;
     }
 }
 
@@ -198,14 +199,16 @@ TEST_P(LightSamplerContract, OneLightEstimatorHasTheSumOverAllLightsAsItsMean) {
 }
 
 TEST_P(LightSamplerContract, OneNumberReachesEveryLight) {
-    // Sample() is given one number and may use no other: walking through the unit interval must meet every likely light.
+    // Sample() is given one number and may use no other: walking through the unit interval must meet every likely
+    // light.
     static_assert(std::is_same_v<decltype(&LightSampler::Sample),
                                  std::optional<SampledLight> (LightSampler::*)(const LightQuery &, Float) const>);
     int n = Samples(16384);
     for (size_t q = 0; q < QueryCount(); ++q) {
         std::vector<bool> met(LightCount());
         for (int i = 0; i < n; ++i)
-            if (auto s = Sample(q, (static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(n))) met[s->light.value] = true;
+            if (auto s = Sample(q, (static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(n)))
+                met[s->light.value] = true;
         for (size_t i = 0; i < LightCount(); ++i)
             if (static_cast<double>(S().pmf[q][i]) * n > 20) {
                 EXPECT_TRUE(met[i]) << "query " << q << " light " << i;

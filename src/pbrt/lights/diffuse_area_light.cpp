@@ -104,8 +104,8 @@ std::optional<LightLiSample> DiffuseAreaLight::SampleLi(const LightSampleContext
     return s;
 }
 
-Float DiffuseAreaLight::PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
-                              bool) const {
+Float DiffuseAreaLight::PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit,
+                              const Normal3 &nHit, bool) const {
     if (Kind() != LightKind::Area) return 0;
     return shape_->PdfSolidAngle(primitive_, from, wi, pHit, nHit);
 }

@@ -12,11 +12,11 @@ struct AreaEmission {
     Image image;                                    ///< R, G, B
     const ColorSpace *colorSpace = nullptr;         ///< of the image
     bool twoSided = false;
-    Float scale = 1;                    ///< includes the photometric normalisation, not `power`
-    Float power = -1;                   ///< wanted from each primitive, if positive
-    Float peak = 0;                     ///< largest spectrum value; mean of all image values
-    Float luminance = 1;                ///< mean luminance of the image; 1 for a spectrum
-    SampledSpectrum averageForPower;    ///< mean radiance at PowerWavelengths(), before scale
+    Float scale = 1;                  ///< includes the photometric normalisation, not `power`
+    Float power = -1;                 ///< wanted from each primitive, if positive
+    Float peak = 0;                   ///< largest spectrum value; mean of all image values
+    Float luminance = 1;              ///< mean luminance of the image; 1 for a spectrum
+    SampledSpectrum averageForPower;  ///< mean radiance at PowerWavelengths(), before scale
 
     /// Fills peak, luminance and averageForPower from the rest.
     void Summarise();

@@ -33,7 +33,8 @@ class ImageInfiniteLight final : public Light {
     ImageInfiniteLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace, Float scale);
 
     SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
-    /// By the mean of R, G, B of the pixels; by what exceeds their average if pdfs may be incomplete (Karlik et al. 2019).
+    /// By the mean of R, G, B of the pixels; by what exceeds their average if pdfs may be incomplete (Karlik et al.
+    /// 2019).
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
                                           const SampledWavelengths &lambda, bool allowIncompletePdfs) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,

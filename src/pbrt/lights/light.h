@@ -18,12 +18,12 @@ using LightSampleContext = ShapeSampleContext;
 
 /// Light arriving from one drawn direction.
 struct LightLiSample {
-    SampledSpectrum L;   ///< radiance (or intensity over distance squared, irradiance for delta lights)
-    Vector3 wi{};        ///< unit, towards the light
-    Float pdf = 0;       ///< solid angle; 1 for delta lights
-    Point3 pLight{};     ///< end of the shadow segment
+    SampledSpectrum L;  ///< radiance (or intensity over distance squared, irradiance for delta lights)
+    Vector3 wi{};       ///< unit, towards the light
+    Float pdf = 0;      ///< solid angle; 1 for delta lights
+    Point3 pLight{};    ///< end of the shadow segment
     Vector3 pLightError{};
-    Normal3 nLight{};    ///< zero where the light has no surface
+    Normal3 nLight{};  ///< zero where the light has no surface
 };
 
 /// A light. Immutable once the scene is built. Spectral values at a path's wavelengths.
@@ -49,12 +49,17 @@ class Light {
     /// Area lights: radiance leaving p in direction w (unit). 0 for others.
     virtual SampledSpectrum L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,
                               const SampledWavelengths &lambda) const {
-        (void)p; (void)n; (void)uv; (void)w; (void)lambda;
+        (void)p;
+        (void)n;
+        (void)uv;
+        (void)w;
+        (void)lambda;
         return SampledSpectrum(0);
     }
     /// Infinite lights: radiance arriving along a ray that leaves the scene in direction d. 0 for others.
     virtual SampledSpectrum Le(const Vector3 &d, const SampledWavelengths &lambda) const {
-        (void)d; (void)lambda;
+        (void)d;
+        (void)lambda;
         return SampledSpectrum(0);
     }
 
@@ -62,7 +67,10 @@ class Light {
     virtual std::optional<LightBounds> Bounds() const { return {}; }
 
     /// Bounding sphere of the whole scene, once, before use.
-    virtual void Preprocess(const Point3 &sceneCenter, Float sceneRadius) { (void)sceneCenter; (void)sceneRadius; }
+    virtual void Preprocess(const Point3 &sceneCenter, Float sceneRadius) {
+        (void)sceneCenter;
+        (void)sceneRadius;
+    }
 
   private:
     LightKind kind_;

@@ -56,7 +56,8 @@ struct CosSin {
 template <class Ops, class F = typename Ops::F>
 CosSin<F> SubtractAngles(const CosSin<F> &a, const CosSin<F> &b) {
     auto larger = a.cos > b.cos;
-    return {Ops::Select(larger, F(1), a.cos * b.cos + a.sin * b.sin), Ops::Select(larger, F(0), a.sin * b.cos - a.cos * b.sin)};
+    return {Ops::Select(larger, F(1), a.cos * b.cos + a.sin * b.sin),
+            Ops::Select(larger, F(0), a.sin * b.cos - a.cos * b.sin)};
 }
 template <class Ops, class F = typename Ops::F>
 CosSin<F> FromCosine(const F &c) {
@@ -111,8 +112,9 @@ F ImportanceOf(const Emitters<F, Mask> &e, const Point3 &p, const Normal3 &n) {
 
 inline Float LightSphere::Importance(const Point3 &p, const Normal3 &n) const {
     using Ops = detail::ScalarOps;
-    detail::Emitters<Float, bool> e{center.x, center.y, center.z, radius,     w.x,     w.y, w.z, phi,
-                                    detail::FromCosine<Ops>(cosTheta_o), cosTheta_e, twoSided};
+    detail::Emitters<Float, bool> e{
+        center.x,   center.y, center.z, radius, w.x, w.y, w.z, phi, detail::FromCosine<Ops>(cosTheta_o),
+        cosTheta_e, twoSided};
     return detail::ImportanceOf<Ops>(e, p, n);
 }
 

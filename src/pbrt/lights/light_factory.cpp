@@ -30,15 +30,17 @@ struct LightInput {
         std::span<const Float> v = params.GetFloats(name, ParamType::Point3);
         if (v.empty()) return defaultValue;
         if (v.size() != 3)
-            throw UserError(fmt::format("{}: expected one point for \"point3 {}\", found {}.", params.What(), name, v.size() / 3),
-                            params.LocOf(name));
+            throw UserError(
+                fmt::format("{}: expected one point for \"point3 {}\", found {}.", params.What(), name, v.size() / 3),
+                params.LocOf(name));
         return {v[0], v[1], v[2]};
     }
     /// Unit vector between the points "from" and "to".
     Vector3 FromTo(const Point3 &from, const Point3 &to) const {
         Vector3 d = to - from;
         if (!(LengthSquared(d) > 0))
-            throw UserError(fmt::format("{}: \"from\" and \"to\" are the same point, so the light has no direction.", params.What()),
+            throw UserError(fmt::format("{}: \"from\" and \"to\" are the same point, so the light has no direction.",
+                                        params.What()),
                             params.LocOf(params.Has("to") ? "to" : "from"));
         return Normalize(d);
     }
@@ -50,9 +52,10 @@ Float PhotometricScale(const LightInput &in, const Spectrum &emission, const cha
     if (!(photometric > 0)) {
         // Black light is legal; anything else that has no luminous part cannot be brought to photometric units.
         if (!(emission.MaxValue() > 0)) return 0;
-        throw UserError(fmt::format("{}: \"{}\" emits nothing that the eye can see, so it cannot be scaled to photometric units.",
-                                    in.params.What(), name),
-                        in.params.LocOf(name));
+        throw UserError(
+            fmt::format("{}: \"{}\" emits nothing that the eye can see, so it cannot be scaled to photometric units.",
+                        in.params.What(), name),
+            in.params.LocOf(name));
     }
     return scale / photometric;
 }
@@ -73,7 +76,8 @@ std::unique_ptr<Light> MakeSpot(const LightInput &in) {
     Float power = in.params.GetFloat("power", -1);
     Point3 from = in.GetPoint("from", {0, 0, 0}), to = in.GetPoint("to", {0, 0, 1});
     if (!(coneAngle > 0 && coneAngle <= 180))
-        throw UserError(fmt::format("{}: \"coneangle\" is {}; it must be above 0 and at most 180 degrees.", in.params.What(), coneAngle),
+        throw UserError(fmt::format("{}: \"coneangle\" is {}; it must be above 0 and at most 180 degrees.",
+                                    in.params.What(), coneAngle),
                         in.params.LocOf("coneangle"));
     if (!(delta >= 0 && delta <= 2 * coneAngle))
         throw UserError(fmt::format("{}: \"conedeltaangle\" is {}; it must be from 0 to twice the cone angle ({}).",
@@ -121,7 +125,8 @@ std::unique_ptr<Light> MakeInfinite(const LightInput &in) {
     if (params.Find("portal", ParamType::Point3))
         throw UserError(fmt::format("{}: \"portal\" is not built yet.", params.What()), params.LocOf("portal"));
     if (radiance && hasImage)
-        throw UserError(fmt::format("{}: \"L\" and \"filename\" exclude each other.", params.What()), params.LocOf("filename"));
+        throw UserError(fmt::format("{}: \"L\" and \"filename\" exclude each other.", params.What()),
+                        params.LocOf("filename"));
     if (!hasImage) {
         if (!radiance) radiance = in.colorSpace.IlluminantPtr();
         Float scale = PhotometricScale(in, *radiance, "L");
@@ -132,16 +137,18 @@ std::unique_ptr<Light> MakeInfinite(const LightInput &in) {
     LightImage light = ReadLightImage(params, "filename", in.files);
     Point2i n = light.image.Resolution();
     if (n.x != n.y)
-        throw UserError(fmt::format("\"{}\" has {} x {} pixels; an environment must be square, in the equal-area octahedral "
-                                    "layout (imgtool makeequiarea converts latitude-longitude images).",
-                                    light.name, n.x, n.y),
-                        params.LocOf("filename"));
+        throw UserError(
+            fmt::format("\"{}\" has {} x {} pixels; an environment must be square, in the equal-area octahedral "
+                        "layout (imgtool makeequiarea converts latitude-longitude images).",
+                        light.name, n.x, n.y),
+            params.LocOf("filename"));
     Float scale = PhotometricScale(in, light.colorSpace->Illuminant(), "filename");
     if (illuminance > 0) {
         Float measured = MeasureIlluminance(light);
         if (!(measured > 0))
-            throw UserError(fmt::format("\"{}\" is black above the horizon, so \"illuminance\" cannot be reached.", light.name),
-                            params.LocOf("illuminance"));
+            throw UserError(
+                fmt::format("\"{}\" is black above the horizon, so \"illuminance\" cannot be reached.", light.name),
+                params.LocOf("illuminance"));
         scale *= illuminance / measured;
     }
     return std::make_unique<ImageInfiniteLight>(in.renderFromLight, std::move(light.image), *light.colorSpace, scale);
@@ -196,7 +203,8 @@ AreaLightMaker::AreaLightMaker(const std::string &type, const ParamSet &params, 
     emission->power = params.GetFloat("power", -1);
     params.GetFloat("scale", 1);
     if (radiance && hasImage)
-        throw UserError(fmt::format("{}: \"L\" and \"filename\" exclude each other.", params.What()), params.LocOf("filename"));
+        throw UserError(fmt::format("{}: \"L\" and \"filename\" exclude each other.", params.What()),
+                        params.LocOf("filename"));
     if (!radiance) radiance = colorSpace.IlluminantPtr();
     emission->scale = PhotometricScale(in, *radiance, "L");
     if (hasImage) {

@@ -12,7 +12,8 @@ LightImage ReadLightImage(const ParamSet &params, const std::string &parameter, 
         ImageFile file = ReadImage(result.name);
         for (const char *channel : {"R", "G", "B"})
             if (file.image.FindChannel(channel) < 0)
-                throw UserError(fmt::format("\"{}\": an image that emits light must have channels R, G and B.", result.name));
+                throw UserError(
+                    fmt::format("\"{}\": an image that emits light must have channels R, G and B.", result.name));
         result.image = file.image.Select({"R", "G", "B"});
         result.colorSpace = file.metadata.colorSpace ? file.metadata.colorSpace : &ColorSpace::SRGB();
     } catch (const UserError &e) {
@@ -26,10 +27,11 @@ LightImage ReadLightImage(const ParamSet &params, const std::string &parameter, 
         for (int x = 0; x < n.x; ++x)
             for (int c = 0; c < 3; ++c)
                 if (!std::isfinite(result.image.Get({x, y}, c)))
-                    throw UserError(fmt::format("\"{}\": pixel ({}, {}) is infinite or not a number; such an image cannot "
-                                                "emit light.",
-                                                result.name, x, y),
-                                    loc);
+                    throw UserError(
+                        fmt::format("\"{}\": pixel ({}, {}) is infinite or not a number; such an image cannot "
+                                    "emit light.",
+                                    result.name, x, y),
+                        loc);
     return result;
 }
 

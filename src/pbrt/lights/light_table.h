@@ -10,8 +10,8 @@ namespace pbrt {
 
 /// One thing a light sampler can choose: a light, or a group of lights.
 struct LightCandidate {
-    Float power = 0;                     ///< Phi averaged over the visible wavelengths, >= 0
-    std::optional<LightBounds> bounds;   ///< empty: infinite (or no power)
+    Float power = 0;                    ///< Phi averaged over the visible wavelengths, >= 0
+    std::optional<LightBounds> bounds;  ///< empty: infinite (or no power)
     bool infinite = false;
 };
 

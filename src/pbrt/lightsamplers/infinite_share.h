@@ -6,8 +6,8 @@
 
 namespace pbrt {
 
-/// The first decision of the samplers that go by bounds, as stock pbrt-v4 takes it: every infinite light, and all bounded
-/// lights together, have equal shares.
+/// The first decision of the samplers that go by bounds, as stock pbrt-v4 takes it: every infinite light, and all
+/// bounded lights together, have equal shares.
 class InfiniteShare {
   public:
     InfiniteShare() = default;
@@ -19,8 +19,8 @@ class InfiniteShare {
     }
     /// Probability of each infinite light, and of the bounded ones together.
     Float Pmf() const { return share_; }
-    /// True if the choice fell on the bounded lights: `u` becomes a fresh number. False: `light` is set (NoLight if there
-    /// are no lights at all).
+    /// True if the choice fell on the bounded lights: `u` becomes a fresh number. False: `light` is set (NoLight if
+    /// there are no lights at all).
     bool ChooseBounded(double &u, LightId &light) const {
         if (anyBounded_ && u >= boundedFrom_) {
             u = (u - boundedFrom_) / (1 - boundedFrom_);

@@ -45,8 +45,8 @@ Float SplitCost(const LightBounds &b, Float stretch) {
     if (!(b.phi > 0)) return 0;
     Float o = SafeACos(b.cosTheta_o), e = SafeACos(b.cosTheta_e);
     Float w = std::min(o + e, Pi), sinO = SafeSqrt(1 - Sqr(b.cosTheta_o));
-    Float orientation = 2 * Pi * (1 - b.cosTheta_o) +
-                        Pi / 2 * (2 * w * sinO - std::cos(o - 2 * w) - 2 * o * sinO + b.cosTheta_o);
+    Float orientation =
+        2 * Pi * (1 - b.cosTheta_o) + Pi / 2 * (2 * w * sinO - std::cos(o - 2 * w) - 2 * o * sinO + b.cosTheta_o);
     return b.phi * orientation * stretch * b.bounds.SurfaceArea();
 }
 
@@ -78,7 +78,8 @@ LightBvhNode::LightBvhNode(const LightBounds &bounds, bool isLeaf, uint32_t link
 }
 
 LightSphere LightBvhNode::Sphere() const {
-    return {center_, radius_, DecodeAxis(axis_), phi_, DecodeCosine(cosO_), DecodeCosine(cosE_), (link_ & kTwoSided) != 0};
+    return {
+        center_, radius_, DecodeAxis(axis_), phi_, DecodeCosine(cosO_), DecodeCosine(cosE_), (link_ & kTwoSided) != 0};
 }
 
 void LightBvhPair::Importances(const Point3 &p, const Normal3 &n, Float out[2]) const {

@@ -24,8 +24,8 @@ class alignas(32) LightBvhNode {
     Point3 center_{};
     Float radius_ = 0;
     Float phi_ = 0;
-    uint16_t axis_[2] = {};            ///< octahedral
-    uint16_t cosO_ = 0, cosE_ = 0;     ///< [-1, 1]
+    uint16_t axis_[2] = {};         ///< octahedral
+    uint16_t cosO_ = 0, cosE_ = 0;  ///< [-1, 1]
     uint32_t link_ = 0;
 };
 static_assert(sizeof(LightBvhNode) == 32);

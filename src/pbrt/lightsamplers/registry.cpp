@@ -68,7 +68,8 @@ void AddStock(LightSamplerRegistry &registry, const char *name, const char *summ
 void RegisterStockLightSamplers(LightSamplerRegistry &registry) {
     AddStock<UniformLightSampler>(registry, "uniform", "Every light is equally likely.");
     AddStock<PowerLightSampler>(registry, "power", "By emitted power.");
-    AddStock<BVHLightSampler>(registry, "bvh", "Down a tree of light bounds by distance, power and orientation; pbrt's default.");
+    AddStock<BVHLightSampler>(registry, "bvh",
+                              "Down a tree of light bounds by distance, power and orientation; pbrt's default.");
     AddStock<ExhaustiveLightSampler>(registry, "exhaustive",
                                      "By distance, power and orientation of every single light; slow, for comparison.");
 }

@@ -149,18 +149,24 @@ TEST_P(AreaLightShapes, ImportanceIsPositiveWhereLightArrives) {
     EXPECT_GT(lit, 5000);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Shapes, AreaLightShapes,
-    testing::Values(Case{"triangle", [] { return Triangle(); }},
-                    Case{"turnedTriangle", [] { return Triangle(Transform::Rotate(70, {1, 1, 0})); }},
-                    Case{"sphere", [] { return Quadric("sphere"); }}, Case{"disk", [] { return Quadric("disk"); }},
-                    Case{"cylinder", [] { return Quadric("cylinder"); }}),
-    [](const auto &c) { return c.param.name; });
+INSTANTIATE_TEST_SUITE_P(Shapes, AreaLightShapes,
+                         testing::Values(Case{"triangle", [] { return Triangle(); }},
+                                         Case{"turnedTriangle",
+                                              [] {
+                                                  return Triangle(Transform::Rotate(70, {1, 1, 0}));
+                                              }},
+                                         Case{"sphere", [] { return Quadric("sphere"); }},
+                                         Case{"disk", [] { return Quadric("disk"); }},
+                                         Case{"cylinder", [] { return Quadric("cylinder"); }}),
+                         [](const auto &c) { return c.param.name; });
 
 TEST(DiffuseAreaLight, ScaleOneIsOneNit) {
     auto shape = Triangle();
     auto light = MakeAreaMaker(Params()).Make(*shape, 0, nullptr);
-    EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return light->L({}, {0, 0, 1}, {}, {0, 0, 1}, l); }), 1, 2e-3);
+    EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) {
+                    return light->L({}, {0, 0, 1}, {}, {0, 0, 1}, l);
+                }),
+                1, 2e-3);
 }
 
 TEST(DiffuseAreaLight, EmitsFromTheSideOfTheNormal) {
@@ -188,7 +194,9 @@ TEST(DiffuseAreaLight, PowerIsPerPrimitive) {
 }
 
 TEST(DiffuseAreaLight, ImageIsMappedWithVUpwardsAndItsPowerIsKept) {
-    Image image = RgbImage({2, 2}, [](int x, int y) { return y == 0 ? Rgb(2, 0, 0) : x == 0 ? Rgb(0, 2, 0) : Rgb(0, 0, 2); });
+    Image image = RgbImage({2, 2}, [](int x, int y) {
+        return y == 0 ? Rgb(2, 0, 0) : x == 0 ? Rgb(0, 2, 0) : Rgb(0, 0, 2);
+    });
     TemporaryImage file("panel.exr", image);
     auto shape = Triangle();
     auto light = MakeAreaMaker(Params().String("filename", file.Path())).Make(*shape, 0, nullptr);
@@ -197,7 +205,8 @@ TEST(DiffuseAreaLight, ImageIsMappedWithVUpwardsAndItsPowerIsKept) {
         for (int i = 0; i < 500; ++i) {
             auto lambda = SampledWavelengths::SampleUniform((static_cast<Float>(i) + 0.5f) / 500);
             SampledSpectrum L = SafeDivide(light->L({}, {0, 0, 1}, uv, {0, 0, 1}, lambda), lambda.Pdf());
-            sum += Vector3((L * CieX().Sample(lambda)).Average(), (L * CieY().Sample(lambda)).Average(), (L * CieZ().Sample(lambda)).Average());
+            sum += Vector3((L * CieX().Sample(lambda)).Average(), (L * CieY().Sample(lambda)).Average(),
+                           (L * CieZ().Sample(lambda)).Average());
         }
         return ColorSpace::SRGB().ToRgb(sum / 500.f);
     };
@@ -241,7 +250,8 @@ TEST(DiffuseAreaLight, AlphaRejectsInSamplingAndInRadianceAlike) {
     ConstantTexture third(0.3f);
     HalfTexture cut;
     AreaLightMaker maker = MakeAreaMaker(Params());
-    auto stochastic = maker.Make(*shape, 0, &third), masked = maker.Make(*shape, 0, &cut), plain = maker.Make(*shape, 0, nullptr);
+    auto stochastic = maker.Make(*shape, 0, &third), masked = maker.Make(*shape, 0, &cut),
+         plain = maker.Make(*shape, 0, nullptr);
     Rng rng(2);
     int kept = 0;
     const int n = 20000;

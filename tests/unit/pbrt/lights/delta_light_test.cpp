@@ -31,7 +31,8 @@ TEST(PointLight, PowerParameterIsTheFlux) {
 }
 
 TEST(PointLight, TransformMovesIt) {
-    auto light = Make("point", Params().Point("from", {1, 0, 0}), Transform::Translate({0, 5, 0}) * Transform::Scale({2, 2, 2}));
+    auto light =
+        Make("point", Params().Point("from", {1, 0, 0}), Transform::Translate({0, 5, 0}) * Transform::Scale({2, 2, 2}));
     auto s = light->SampleLi(At({2, 0, 0}), {}, kLambda, false);
     ASSERT_TRUE(s);
     EXPECT_NEAR(Distance(s->pLight, {2, 5, 0}), 0, 1e-6);
@@ -61,7 +62,8 @@ TEST(PointLight, PhiIsTheIntegralOfIntensity) {
 
 TEST(SpotLight, PhiIsTheIntegralOfIntensity) {
     for (auto [cone, delta] : {std::pair{30.f, 5.f}, {60.f, 60.f}, {10.f, 0.f}, {120.f, 30.f}}) {
-        auto light = Make("spot", Params().Number("coneangle", cone).Number("conedeltaangle", delta).Point("to", {1, 1, 1}));
+        auto light =
+            Make("spot", Params().Number("coneangle", cone).Number("conedeltaangle", delta).Point("to", {1, 1, 1}));
         double phi = static_cast<double>(light->Phi(kLambda).Average());
         EXPECT_NEAR(FluxAround(*light, {0, 0, 0}, 600), phi, 1e-2 * phi) << cone << " " << delta;
     }
@@ -73,7 +75,9 @@ TEST(SpotLight, PowerParameterIsTheFlux) {
 }
 
 TEST(SpotLight, FallsOffSmoothlyInTheCosine) {
-    auto light = Make("spot", Params().Number("coneangle", 60).Number("conedeltaangle", 30).Point("from", {0, 0, 1}).Point("to", {0, 0, 2}));
+    auto light = Make(
+        "spot",
+        Params().Number("coneangle", 60).Number("conedeltaangle", 30).Point("from", {0, 0, 1}).Point("to", {0, 0, 2}));
     auto &spot = dynamic_cast<SpotLight &>(*light);
     Float start = std::cos(Radians(30)), end = std::cos(Radians(60));
     auto at = [&](Float c) { return spot.Falloff(SphericalDirection(SafeSqrt(1 - c * c), c, 0.7f)); };
@@ -93,14 +97,20 @@ TEST(SpotLight, ConeTurnsWithTheTransform) {
 }
 
 TEST(DistantLight, IlluminanceFallsOnAFacingSurface) {
-    auto light = Make("distant", Params().Number("illuminance", 0.9f).Floats(ParamType::Blackbody, "L", {4500}).Point("from", {0, 2, 0}).Point("to", {0, 0, 0}));
+    auto light = Make("distant", Params()
+                                     .Number("illuminance", 0.9f)
+                                     .Floats(ParamType::Blackbody, "L", {4500})
+                                     .Point("from", {0, 2, 0})
+                                     .Point("to", {0, 0, 0}));
     light->Preprocess({0, 0, 0}, 10);
     auto s = light->SampleLi(At({1, 1, 1}), {}, kLambda, false);
     ASSERT_TRUE(s);
     EXPECT_EQ(s->wi, Vector3(0, 1, 0));
     EXPECT_EQ(light->Kind(), LightKind::DeltaDirection);
     EXPECT_GE(Distance(s->pLight, {0, 0, 0}), 10) << "the shadow segment must leave the scene";
-    double lux = Photometric([&](const SampledWavelengths &lambda) { return light->SampleLi(At({0, 0, 0}), {}, lambda, false)->L; });
+    double lux = Photometric([&](const SampledWavelengths &lambda) {
+        return light->SampleLi(At({0, 0, 0}), {}, lambda, false)->L;
+    });
     EXPECT_NEAR(lux, 0.9, 2e-3);
     double phi = Photometric([&](const SampledWavelengths &lambda) { return light->Phi(lambda); });
     EXPECT_NEAR(phi, lux * std::numbers::pi * 100, 1e-2 * phi);
@@ -114,8 +124,10 @@ TEST(LightImportance, PositiveWhereDeltaLightsContribute) {
     for (int i = 0; i < 300; ++i) {
         Params params;
         Float cone = 1 + 150 * rng.Uniform();
-        params.Number("coneangle", cone).Number("conedeltaangle", i % 3 == 0 ? 0 : (i % 2 ? 2 : 1) * cone * rng.Uniform());
-        Transform ctm = Transform::Translate({5 * rng.Uniform(), 0, 0}) * Transform::Rotate(360 * rng.Uniform(), {1, 2, 3});
+        params.Number("coneangle", cone)
+            .Number("conedeltaangle", i % 3 == 0 ? 0 : (i % 2 ? 2 : 1) * cone * rng.Uniform());
+        Transform ctm =
+            Transform::Translate({5 * rng.Uniform(), 0, 0}) * Transform::Rotate(360 * rng.Uniform(), {1, 2, 3});
         if (i % 4 == 0) ctm = ctm * Transform::Scale({1, 0.3f + 2 * rng.Uniform(), 1});
         auto light = Make(i % 5 == 0 ? "point" : "spot", i % 5 == 0 ? Params() : params, ctm);
         LightBounds bounds = *light->Bounds();

@@ -32,7 +32,8 @@ TEST(UniformInfiniteLight, LeavesSamplingToTheBsdfIfPdfsMayBeIncomplete) {
     EXPECT_EQ(s->pdf, light->PdfLi(At({0, 0, 0}), s->wi, {}, {}, false));
     EXPECT_GE(Length(s->pLight), 8 * 0.999f);
     double L = static_cast<double>(s->L.Average());
-    EXPECT_NEAR(static_cast<double>(light->Phi(kLambda).Average()), L * 4 * std::numbers::pi * std::numbers::pi * 16, 1e-2 * L);
+    EXPECT_NEAR(static_cast<double>(light->Phi(kLambda).Average()), L * 4 * std::numbers::pi * std::numbers::pi * 16,
+                1e-2 * L);
 }
 
 class ImageInfinite : public testing::TestWithParam<bool> {
@@ -74,8 +75,8 @@ TEST_P(ImageInfinite, DirectionsFollowTheDensity) {
             Float cosTheta = (static_cast<Float>(z) + 0.5f) / (kZ * kSub) * 2 - 1;
             Float phi = ((static_cast<Float>(p) + 0.5f) / (kPhi * kSub) - 0.5f) * 2 * Pi;
             Vector3 w = SphericalDirection(SafeSqrt(1 - cosTheta * cosTheta), cosTheta, phi);
-            double mass = static_cast<double>(light->PdfLi(At({0, 0, 0}), w, {}, {}, GetParam())) * 4 * std::numbers::pi /
-                          (kZ * kSub * kPhi * kSub);
+            double mass = static_cast<double>(light->PdfLi(At({0, 0, 0}), w, {}, {}, GetParam())) * 4 *
+                          std::numbers::pi / (kZ * kSub * kPhi * kSub);
             expected[static_cast<size_t>(z / kSub * kPhi + p / kSub)] += mass;
             total += mass;
         }
@@ -94,7 +95,8 @@ TEST_F(ImageInfinite, CompensatedDensitySkipsWhatIsBelowAverage) {
     int zero = 0, positive = 0;
     for (int y = 0; y < 8; ++y)
         for (int x = 0; x < 8; ++x) {
-            Vector3 w = EqualAreaSquareToSphere({(static_cast<Float>(x) + 0.5f) / 8, (static_cast<Float>(y) + 0.5f) / 8});
+            Vector3 w =
+                EqualAreaSquareToSphere({(static_cast<Float>(x) + 0.5f) / 8, (static_cast<Float>(y) + 0.5f) / 8});
             EXPECT_GT(light->PdfLi(At({0, 0, 0}), w, {}, {}, false), 0);
             (light->PdfLi(At({0, 0, 0}), w, {}, {}, true) > 0 ? positive : zero) += 1;
         }
@@ -116,7 +118,11 @@ TEST_F(ImageInfinite, PhiIsTheMeanRadianceOverTheSphereTimesTheSceneDisk) {
     double sum = 0;
     constexpr int n = 300;
     for (int i = 0; i < n * n; ++i)
-        sum += static_cast<double>(light->Le(SampleUniformSphere({(static_cast<Float>(i % n) + 0.5f) / n, (static_cast<Float>(i / n) + 0.5f) / n}), kLambda).Average());
+        sum += static_cast<double>(light
+                                       ->Le(SampleUniformSphere({(static_cast<Float>(i % n) + 0.5f) / n,
+                                                                 (static_cast<Float>(i / n) + 0.5f) / n}),
+                                            kLambda)
+                                       .Average());
     double mean = sum / (n * n), phi = mean * 4 * std::numbers::pi * std::numbers::pi * 4;
     EXPECT_NEAR(static_cast<double>(light->Phi(kLambda).Average()), phi, 2e-2 * phi);
 }

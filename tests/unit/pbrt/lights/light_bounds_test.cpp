@@ -51,7 +51,8 @@ TEST(LightBounds, ImportanceEqualsTheSlowTwin) {
         Normal3 n = rng.UniformInt(3) ? SampleUniformSphere(rng.Uniform2()) : Normal3(0);
         double slow = SlowImportance(b, p, n), fast = static_cast<double>(b.Importance(p, n));
         positive += slow > 0;
-        double peak = static_cast<double>(b.phi) / static_cast<double>(std::max(DistanceSquared(p, b.Centroid()), Length(b.bounds.Diagonal()) / 2));
+        double peak = static_cast<double>(b.phi) /
+                      static_cast<double>(std::max(DistanceSquared(p, b.Centroid()), Length(b.bounds.Diagonal()) / 2));
         if (slow > 0) {
             ASSERT_GT(fast, 0);
             ASSERT_NEAR(fast, slow, 4e-3 * peak);
@@ -71,7 +72,8 @@ TEST(LightBounds, UnionIsImportantWhereverAPartShines) {
         LightBounds a = RandomBounds(rng), b = RandomBounds(rng);
         LightBounds u = Union(a, b);
         EXPECT_FLOAT_EQ(u.phi, a.phi + b.phi);
-        // A ray from some emitter in the box: normal within theta_o of the axis, direction within theta_e of the normal.
+        // A ray from some emitter in the box: normal within theta_o of the axis, direction within theta_e of the
+        // normal.
         Point3 from = a.bounds.low + a.bounds.Diagonal() * Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform());
         Vector3 normal = Frame::FromZ(a.w).FromLocal(SampleUniformCone(rng.Uniform2(), a.cosTheta_o));
         Vector3 d = Frame::FromZ(normal).FromLocal(SampleUniformCone(rng.Uniform2(), a.cosTheta_e));

@@ -34,7 +34,8 @@ TEST(LightFactory, LightsOfTheFormatThatAreMissingAreSaidToBe) {
 }
 
 TEST(LightFactory, PortalIsLocated) {
-    ExpectComplaint("infinite", Params().Number("scale", 2).Floats(ParamType::Point3, "portal", std::vector<Float>(12, 0)), 2,
+    ExpectComplaint("infinite",
+                    Params().Number("scale", 2).Floats(ParamType::Point3, "portal", std::vector<Float>(12, 0)), 2,
                     "\"portal\" is not built yet");
 }
 
@@ -71,9 +72,8 @@ TEST(LightFactory, ConeAnglesAreChecked) {
 
 TEST(LightFactory, UnknownAreaLight) {
     DiagnosticSink sink;
-    Diagnostic d = Complaint([&] {
-        AreaLightMaker maker("difuse", Params(), ColorSpace::SRGB(), FileResolver(), sink);
-    });
+    Diagnostic d =
+        Complaint([&] { AreaLightMaker maker("difuse", Params(), ColorSpace::SRGB(), FileResolver(), sink); });
     EXPECT_NE(d.message.find("did you mean \"diffuse\""), std::string::npos) << d.message;
 }
 
@@ -84,8 +84,20 @@ TEST(LightFactory, EveryParameterOfALightIsAskedFor) {
     };
     Row rows[] = {
         {"point", Params().Rgb("I", 1, 1, 1).Number("scale", 1).Number("power", 1).Point("from", {0, 0, 0})},
-        {"spot", Params().Rgb("I", 1, 1, 1).Number("scale", 1).Number("power", 1).Point("from", {0, 0, 0}).Point("to", {1, 0, 0}).Number("coneangle", 20).Number("conedeltaangle", 3)},
-        {"distant", Params().Rgb("L", 1, 1, 1).Number("scale", 1).Number("illuminance", 1).Point("from", {0, 0, 0}).Point("to", {1, 0, 0})},
+        {"spot", Params()
+                     .Rgb("I", 1, 1, 1)
+                     .Number("scale", 1)
+                     .Number("power", 1)
+                     .Point("from", {0, 0, 0})
+                     .Point("to", {1, 0, 0})
+                     .Number("coneangle", 20)
+                     .Number("conedeltaangle", 3)},
+        {"distant", Params()
+                        .Rgb("L", 1, 1, 1)
+                        .Number("scale", 1)
+                        .Number("illuminance", 1)
+                        .Point("from", {0, 0, 0})
+                        .Point("to", {1, 0, 0})},
         {"infinite", Params().Rgb("L", 1, 1, 1).Number("scale", 1).Number("illuminance", 1)},
     };
     for (Row &row : rows) {
@@ -102,7 +114,8 @@ TEST(LightFactory, EveryParameterOfALightIsAskedFor) {
 }
 
 TEST(InternSpectrum, EqualEmissionIsOneObject) {
-    RgbIlluminantSpectrum a(ColorSpace::SRGB(), {1, 0.5f, 0.2f}), same(ColorSpace::SRGB(), {1, 0.5f, 0.2f}), other(ColorSpace::SRGB(), {1, 0.5f, 0.3f});
+    RgbIlluminantSpectrum a(ColorSpace::SRGB(), {1, 0.5f, 0.2f}), same(ColorSpace::SRGB(), {1, 0.5f, 0.2f}),
+        other(ColorSpace::SRGB(), {1, 0.5f, 0.3f});
     auto first = InternSpectrum(a);
     EXPECT_EQ(first, InternSpectrum(same));
     EXPECT_NE(first, InternSpectrum(other));

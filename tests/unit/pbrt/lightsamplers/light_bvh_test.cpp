@@ -145,7 +145,8 @@ TEST(LightBvh, SplittingGroupsByOrientationAndPlaceBeatsChance) {
         LightQuery query;
         query.p = Point3(rng.Uniform(), rng.Uniform(), rng.Uniform());
         double total = 0;
-        for (const LightCandidate &light : c) total += static_cast<double>(light.bounds->Importance(query.p, Normal3(0)));
+        for (const LightCandidate &light : c)
+            total += static_cast<double>(light.bounds->Importance(query.p, Normal3(0)));
         for (uint32_t i = 0; i < c.size(); ++i)
             distance += std::abs(static_cast<double>(bvh.PMF(query, LightId(i))) -
                                  static_cast<double>(c[i].bounds->Importance(query.p, Normal3(0))) / total);

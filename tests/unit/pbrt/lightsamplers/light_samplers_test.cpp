@@ -89,8 +89,8 @@ TEST(ExhaustiveLightSampler, PmfIsTheShareOfImportanceWithTheGeometricNormal) {
         ExhaustiveLightSampler sampler(c);
         Rng rng(3);
         for (int q = 0; q < 20; ++q) {
-            LightQuery query = Query({2 * rng.Uniform(), rng.Uniform(), rng.Uniform()}, SampleUniformSphere(rng.Uniform2()),
-                                     SampleUniformSphere(rng.Uniform2()));
+            LightQuery query = Query({2 * rng.Uniform(), rng.Uniform(), rng.Uniform()},
+                                     SampleUniformSphere(rng.Uniform2()), SampleUniformSphere(rng.Uniform2()));
             double total = 0;
             for (const LightCandidate &l : c) total += static_cast<double>(l.bounds->Importance(query.p, query.n));
             for (uint32_t i = 0; i < c.size(); ++i) {
@@ -134,7 +134,8 @@ TEST(BVHLightSampler, PmfIsTheProductOfChildSharesWithTheShadingNormal) {
             for (uint64_t trail = tree.Trail(LightId(light)); !node->IsLeaf() && expected > 0; trail >>= 1) {
                 const LightBvhPair &pair = tree.Pair(node->Link());
                 double w[2];
-                for (int i = 0; i < 2; ++i) w[i] = static_cast<double>(pair.child[i].Sphere().Importance(query.p, query.ns));
+                for (int i = 0; i < 2; ++i)
+                    w[i] = static_cast<double>(pair.child[i].Sphere().Importance(query.p, query.ns));
                 expected = w[trail & 1] > 0 ? expected * w[trail & 1] / (w[0] + w[1]) : 0;
                 node = &pair.child[trail & 1];
             }

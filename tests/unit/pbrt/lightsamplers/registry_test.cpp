@@ -46,7 +46,8 @@ TEST(LightSamplerRegistry, UnknownNameListsTheKnownOnes) {
         FAIL() << "no error";
     } catch (const UserError &e) {
         EXPECT_EQ(e.Diagnostics()[0].loc.line, 3);
-        EXPECT_NE(std::string(e.Diagnostics()[0].message).find("did you mean \"exhaustive\"? valid: bvh, exhaustive, power, uniform"),
+        EXPECT_NE(std::string(e.Diagnostics()[0].message)
+                      .find("did you mean \"exhaustive\"? valid: bvh, exhaustive, power, uniform"),
                   std::string::npos)
             << e.Diagnostics()[0].message;
     }

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "pbrt/core/parallel.h"
 #include "support/render_scene.h"
@@ -37,6 +38,21 @@ std::set<std::string> ReadList(const std::string &file) {
     return names;
 }
 
+/// Tiles of `size` pixels of a scene that ambiguous.txt leaves out, by index (row-major).
+std::set<int> AmbiguousTiles(const std::string &label, int size, int tilesX) {
+    std::set<int> tiles;
+    for (const std::string &line : ReadList("ambiguous.txt")) {
+        std::istringstream in(line);
+        std::string name;
+        int x0, x1, y0, y1;
+        in >> name >> x0 >> x1 >> y0 >> y1;
+        if (name != label) continue;
+        for (int y = y0 / size; y <= (y1 - 1) / size; ++y)
+            for (int x = x0 / size; x <= (x1 - 1) / size; ++x) tiles.insert(y * tilesX + x);
+    }
+    return tiles;
+}
+
 struct Verdict {
     bool good = true;
     double difference = 0;  ///< relative RMS difference of tile means
@@ -47,17 +63,19 @@ struct Verdict {
 };
 
 Verdict Compare(const Record &record, const std::vector<double> &a, const std::vector<double> &b, const std::vector<double> &c1,
-                const std::vector<double> &c2, int tilesX) {
+                const std::vector<double> &c2, int tilesX, const std::set<int> &leftOut) {
     Verdict v;
-    const size_t n = a.size();
-    const int tilesY = static_cast<int>(n) / 3 / tilesX;
+    const size_t all = a.size(), n = all - 3 * leftOut.size();
+    const int tilesY = static_cast<int>(all) / 3 / tilesX;
+    auto counts = [&](size_t i) { return !leftOut.count(static_cast<int>(i / 3)); };
     double meanReference[3] = {}, meanCandidate[3] = {}, errorOfMean[3] = {};
-    std::vector<double> variance(n), r(n), c(n);
+    std::vector<double> variance(all), r(all), c(all);
     double overall = 0;
-    for (size_t i = 0; i < n; ++i) {
+    for (size_t i = 0; i < all; ++i) {
         r[i] = (a[i] + b[i]) / 2;
         c[i] = (c1[i] + c2[i]) / 2;
         variance[i] = (a[i] - b[i]) * (a[i] - b[i]) / 4 + (c1[i] - c2[i]) * (c1[i] - c2[i]) / 4;
+        if (!counts(i)) continue;
         meanReference[i % 3] += r[i];
         meanCandidate[i % 3] += c[i];
         errorOfMean[i % 3] += variance[i];
@@ -78,6 +96,7 @@ Verdict Compare(const Record &record, const std::vector<double> &a, const std::v
                         count += 3;
                     }
                 size_t i = static_cast<size_t>((y * tilesX + x) * 3 + k);
+                if (!counts(i)) continue;
                 double var = around / count + 0.002 * r[i] * 0.002 * r[i] + 0.0005 * overall * 0.0005 * overall;
                 double z = (c[i] - r[i]) / std::sqrt(var);
                 v.worstZ = std::max(v.worstZ, std::abs(z));
@@ -157,8 +176,9 @@ int main(int argc, char **argv) {
                     verdict = fmt::format("FAIL: size {}x{}, reference {}x{}", one.image.Resolution().x, one.image.Resolution().y, a.Resolution().x, a.Resolution().y);
                 } else {
                     int tile = r.compare == "mean" ? 16 : 8;
+                    int tilesX = (a.Resolution().x + tile - 1) / tile;
                     Verdict v = Compare(r, TileMeans(a, tile), TileMeans(b, tile), TileMeans(one.image, tile), TileMeans(two.image, tile),
-                                        (a.Resolution().x + tile - 1) / tile);
+                                        tilesX, AmbiguousTiles(label, tile, tilesX));
                     good = v.good;
                     fmt::print("{:<44} {:>9.3f}% {:>8.3f}% {:>8.3f}% {:>7.1f}  {}\n", label, 100 * v.difference, 100 * v.noise, 100 * v.mean, v.worstZ,
                                good ? "ok" : "FAIL: " + v.why);

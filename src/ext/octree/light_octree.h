@@ -21,7 +21,8 @@ class LightOctree {
     size_t RowCount() const { return groups_ ? cdf_.size() / groups_ : 0; }
     int Depth() const { return depth_; }  ///< levels of cells below the bounds, the 4x4x4 grid counting 2
     size_t Bytes() const { return nodes_.capacity() * sizeof(uint32_t) + cdf_.capacity() * sizeof(Float); }
-    bool operator==(const LightOctree &) const = default;
+    /// Same cells and same distributions, to the last bit.
+    bool operator==(const LightOctree &o) const { return low_ == o.low_ && scale_ == o.scale_ && nodes_ == o.nodes_ && cdf_ == o.cdf_; }
 
     /// The cell a point falls in, for views and tests.
     struct Cell {
@@ -39,12 +40,11 @@ class LightOctree {
   private:
     friend class LightOctreeBuilder;
     static constexpr uint32_t LeafBit = 0x80000000u;
-    /// Interleaved cell coordinates at the deepest level.
+    /// Cell coordinates at the deepest level.
     glm::uvec3 Quantize(const Point3 &p) const;
 
     Point3 low_{0, 0, 0};
     Vector3 scale_{0, 0, 0};  ///< to quantised units
-    Bounds3 bounds_;
     /// The first 64 are the top grid, x fastest; then blocks of 8 children. A leaf holds LeafBit | row, an inner node the
     /// index of its first child.
     std::vector<uint32_t> nodes_;

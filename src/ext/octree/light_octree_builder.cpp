@@ -13,7 +13,6 @@ constexpr int kTopBit = LightOctree::MaxDepth - 2;
 }  // namespace
 
 LightOctreeBuilder::LightOctreeBuilder(const Bounds3 &bounds, std::vector<Point3> points, int leafTarget) {
-    tree_.bounds_ = bounds;
     if (!bounds.IsEmpty()) {
         tree_.low_ = bounds.low;
         for (int i = 0; i < 3; ++i) {

@@ -31,6 +31,22 @@ Transform RenderFromWorld(const SceneDescription &d, const BuildOptions &options
     return Transform::Translate(-cameraFromWorld.InversePoint(Point3(0)));
 }
 
+/// The acceleration structure is always Embree's; what the scene says about stock's own is only checked.
+void CheckAccelerator(const Entity &accelerator, DiagnosticSink &sink) {
+    const ParamSet &p = accelerator.params;
+    if (accelerator.type == "bvh") {
+        p.GetInt("maxnodeprims", 4);
+        p.GetString("splitmethod", "sah");
+    } else if (accelerator.type == "kdtree") {
+        for (const char *name : {"intersectcost", "traversalcost", "maxprims", "maxdepth"}) p.GetInt(name, 0);
+        p.GetFloat("emptybonus", 0.5f);
+    } else {
+        throw UserError(fmt::format("Accelerator \"{}\" is unknown; {}.", accelerator.type, ListChoices(accelerator.type, {"bvh", "kdtree"})),
+                        accelerator.loc);
+    }
+    p.ReportUnused(sink);
+}
+
 /// Runs `make`, turning its UserError into collected diagnostics. True if it succeeded.
 template <class F>
 bool Collect(DiagnosticSink &sink, F &&make) {
@@ -68,11 +84,16 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     FilmOverrides film = options.film;
     if (options.quick) film.resolutionDivisor = 4;
     Float exposure = d.camera.params.GetFloat("shutterclose", 1) - d.camera.params.GetFloat("shutteropen", 0);
-    Collect(sink, [&] { built.filter = MakeFilter(d.filter.type, d.filter.params); });
+    Collect(sink, [&] { CheckAccelerator(d.accelerator, sink); });
+    Collect(sink, [&] {
+        built.filter = MakeFilter(d.filter.type, d.filter.params);
+        d.filter.params.ReportUnused(sink);
+    });
     Collect(sink, [&] {
         if (std::find(SupportedFilms().begin(), SupportedFilms().end(), d.film.type) == SupportedFilms().end())
             throw UserError(fmt::format("Film \"{}\" is unknown; {}.", d.film.type, ListChoices(d.film.type, SupportedFilms())), d.film.loc);
         built.film = std::make_unique<RgbFilm>(d.film.params, SpaceOf(d.film), exposure, film, sink);
+        d.film.params.ReportUnused(sink);
     });
     Point2i resolution = built.film ? built.film->FullResolution() : Point2i(16, 16);
     Collect(sink, [&] {
@@ -116,6 +137,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     for (const LightEntity &l : d.lights)
         Collect(sink, [&] {
             parts.lights->Add(MakeLight(l.type, l.params, renderFromWorld * l.ctm.start, renderFromWorld, SpaceOf(l), d.files, sink));
+            l.params.ReportUnused(sink);
         });
     sink.ThrowIfErrors();
     if (parts.lights->Size() == 0) sink.Warning({}, "the scene has no lights: the image will be black.");

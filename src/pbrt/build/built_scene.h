@@ -29,7 +29,7 @@ struct BuiltScene {
     Transform cameraFromWorld;                      ///< for image metadata
 };
 
-/// Turns a description into something that renders. Throws one UserError with everything that is wrong or not built yet;
+/// Turns a description into something that renders. Throws one UserError with everything that is wrong or not supported yet;
 /// warnings stay in the sink. `description` may be dropped afterwards.
 BuiltScene BuildScene(SceneDescription &description, const BuildOptions &options, const LightSamplerRegistry &registry,
                       DiagnosticSink &sink, Progress &progress);

@@ -108,6 +108,7 @@ void GeometryBuilder::Register(Work &w, std::vector<ShapeId> *object) {
                     const ColorSpace *space = ColorSpace::Find(light.colorSpace);
                     makers_.emplace_back(light.type, light.params, *space, description_.files, sink_);
                     makerOf_[index] = static_cast<int>(makers_.size()) - 1;
+                    light.params.ReportUnused(sink_);
                 } catch (const UserError &error) {
                     sink_.Add(error);
                 }

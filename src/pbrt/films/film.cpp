@@ -13,15 +13,6 @@ namespace {
 
 constexpr Float kLargestHalf = 65504;
 
-const std::vector<std::string> &SensorNames() {
-    static const std::vector<std::string> names = {
-        "cie1931",       "canon_eos_100d",     "canon_eos_1dx_mkii", "canon_eos_200d",    "canon_eos_200d_mkii",
-        "canon_eos_5d",  "canon_eos_5d_mkii",  "canon_eos_5d_mkiii", "canon_eos_5d_mkiv", "canon_eos_5ds",
-        "canon_eos_m",   "hasselblad_l1d_20c", "nikon_d810",         "nikon_d850",        "sony_ilce_6400",
-        "sony_ilce_7m3", "sony_ilce_7rm3",     "sony_ilce_9"};
-    return names;
-}
-
 Float GetAboveZero(const ParamSet &params, const char *name, Float defaultValue) {
     Float v = params.GetFloat(name, defaultValue);
     if (!(v > 0))
@@ -53,6 +44,15 @@ const std::vector<std::string> &SupportedFilms() {
     static const std::vector<std::string> names = {"rgb"};
     return names;
 }
+const std::vector<std::string> &UnsupportedSensors() {
+    static const std::vector<std::string> names = {
+        "canon_eos_100d", "canon_eos_1dx_mkii", "canon_eos_200d",    "canon_eos_200d_mkii", "canon_eos_5d",
+        "canon_eos_5d_mkii", "canon_eos_5d_mkiii", "canon_eos_5d_mkiv", "canon_eos_5ds", "canon_eos_m",
+        "hasselblad_l1d_20c", "nikon_d810", "nikon_d850", "sony_ilce_6400", "sony_ilce_7m3", "sony_ilce_7rm3",
+        "sony_ilce_9"};
+    return names;
+}
+
 const std::vector<std::string> &UnsupportedFilms() {
     static const std::vector<std::string> names = {"gbuffer", "spectral"};
     return names;
@@ -71,9 +71,10 @@ RgbFilm::RgbFilm(const ParamSet &params, const ColorSpace &outputSpace, Float ex
     maxComponent_ = GetAboveZero(params, "maxcomponentvalue", Infinity);
     half_ = params.GetBool("savefp16", true);
 
-    std::string sensor = params.GetChoice("sensor", "cie1931", SensorNames());
+    std::string sensor = params.GetString("sensor", "cie1931");
     if (sensor != "cie1931")
-        throw UserError(fmt::format("Sensor \"{}\" is not built yet; \"cie1931\" is.", sensor), params.LocOf("sensor"));
+        throw UserError(fmt::format("Sensor \"{}\" is not known or not supported yet; {}.", sensor, ListChoices(sensor, {"cie1931"})),
+                        params.LocOf("sensor"));
     imagingRatio_ = exposureTime * GetAboveZero(params, "iso", 100) / 100;
     outputFromSensor_ = outputSpace.RgbFromXyz();
     Float whiteBalance = params.GetFloat("whitebalance", 0);

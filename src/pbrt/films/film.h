@@ -61,5 +61,7 @@ class RgbFilm {
 
 const std::vector<std::string> &SupportedFilms();
 const std::vector<std::string> &UnsupportedFilms();
+/// Camera sensors of the format; cie1931 is the one that is supported.
+const std::vector<std::string> &UnsupportedSensors();
 
 }  // namespace pbrt

@@ -123,7 +123,7 @@ std::unique_ptr<Light> MakeInfinite(const LightInput &in) {
     Float illuminance = params.GetFloat("illuminance", -1);
     params.GetFloat("scale", 1);
     if (params.Find("portal", ParamType::Point3))
-        throw UserError(fmt::format("{}: \"portal\" is not built yet.", params.What()), params.LocOf("portal"));
+        throw UserError(fmt::format("{}: \"portal\" is not supported yet.", params.What()), params.LocOf("portal"));
     if (radiance && hasImage)
         throw UserError(fmt::format("{}: \"L\" and \"filename\" exclude each other.", params.What()),
                         params.LocOf("filename"));
@@ -178,7 +178,7 @@ std::unique_ptr<Light> MakeLight(const std::string &type, const ParamSet &params
     params.MarkAllUsed();
     const std::vector<std::string> &later = UnsupportedLights();
     if (std::find(later.begin(), later.end(), type) != later.end())
-        throw UserError(fmt::format("LightSource \"{}\" is not built yet.", type), params.LocOf(""));
+        throw UserError(fmt::format("LightSource \"{}\" is not supported yet.", type), params.LocOf(""));
     throw UserError(fmt::format("\"{}\" is not a light source; {}.", type, ListChoices(type, SupportedLights())),
                     params.LocOf(""));
 }

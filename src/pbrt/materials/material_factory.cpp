@@ -180,7 +180,7 @@ MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, Textur
         bool displaced = AsksForDisplacement(params);
         params.ReportUnused(sink);
         if (displaced)
-            throw UserError(fmt::format("{}: displacement (bump mapping) is not built yet.", params.What()),
+            throw UserError(fmt::format("{}: displacement (bump mapping) is not supported yet.", params.What()),
                             params.LocOf("displacement"));
         return material;
     }
@@ -197,7 +197,7 @@ MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, Textur
     }
     const std::vector<std::string> &later = UnsupportedMaterials();
     if (std::find(later.begin(), later.end(), type) != later.end())
-        throw UserError(fmt::format("material \"{}\" is not built yet.", type), params.Loc());
+        throw UserError(fmt::format("material \"{}\" is not supported yet.", type), params.Loc());
     std::vector<std::string> choices = SupportedMaterials();
     choices.insert(choices.end(), later.begin(), later.end());
     throw UserError(fmt::format("there is no material \"{}\"; {}.", type, ListChoices(type, choices)), params.Loc());

@@ -97,7 +97,7 @@ Shapes MakeTriangleMesh(const Request &r) { return One<TriangleMesh>(r, ReadMesh
 
 Shapes MakeBilinearMesh(const Request &r) {
     if (!r.params.GetString("emissionfilename", "").empty())
-        throw UserError(fmt::format("{}: \"emissionfilename\" is not built yet.", r.params.What()),
+        throw UserError(fmt::format("{}: \"emissionfilename\" is not supported yet.", r.params.What()),
                         r.params.LocOf("emissionfilename"));
     return One<BilinearMesh>(r, ReadMesh(r, 4, false));
 }
@@ -109,7 +109,7 @@ Shapes MakePlyMesh(const Request &r) {
     const Param *displacement = params.Find("displacement", ParamType::Texture);
     if (!displacement) displacement = params.Find("displacement", ParamType::Float);
     if (displacement)
-        throw UserError(fmt::format("{}: \"displacement\" (tessellation) is not built yet.", params.What()),
+        throw UserError(fmt::format("{}: \"displacement\" (tessellation) is not supported yet.", params.What()),
                         displacement->loc);
     params.GetFloat("edgelength", 1);  // has a meaning only together with displacement
     if (filename.empty())
@@ -195,7 +195,7 @@ std::vector<std::unique_ptr<Shape>> MakeShapes(const std::string &type, const Pa
     for (const Maker &maker : kMakers)
         if (type == maker.type) return maker.make({params, renderFromObject, reverseOrientation, files, sink});
     for (const std::string &later : UnsupportedShapes())
-        if (type == later) throw UserError(fmt::format("Shape \"{}\" is not built yet.", type), params.Loc());
+        if (type == later) throw UserError(fmt::format("Shape \"{}\" is not supported yet.", type), params.Loc());
     std::vector<std::string> choices = SupportedShapes();
     choices.insert(choices.end(), UnsupportedShapes().begin(), UnsupportedShapes().end());
     throw UserError(fmt::format("Shape \"{}\" is unknown; {}.", type, ListChoices(type, choices)), params.Loc());

@@ -218,7 +218,7 @@ void TextureLibrary::Define(const std::string &name, bool isSpectrum, const std:
     impl_->indexOf[isSpectrum][name] = impl_->definitions.size();
     impl_->definitions.push_back(std::move(d));
     if (unsupported)
-        throw UserError(fmt::format("texture \"{}\": class \"{}\" is not built yet.", name, textureClass), loc);
+        throw UserError(fmt::format("texture \"{}\": class \"{}\" is not supported yet.", name, textureClass), loc);
     if (!supported) {
         std::vector<std::string> choices;
         for (const auto *names : {&SupportedTextures(), &UnsupportedTextures()})

@@ -19,7 +19,7 @@ struct Options {
 };
 
 Metric ChosenMetric(const std::string &name) {
-    if (name == "FLIP") throw UserError("--metric FLIP is not built yet; use MAE, MSE, MRSE or relL2.");
+    if (name == "FLIP") throw UserError("--metric FLIP is not supported yet; use MAE, MSE, MRSE or relL2.");
     if (auto metric = ParseMetric(name)) return *metric;
     throw UserError(fmt::format("--metric {}: unknown; {}", name, ListChoices(name, MetricNames)));
 }

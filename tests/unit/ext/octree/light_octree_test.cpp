@@ -133,8 +133,8 @@ TEST(LightOctree, FootprintIsWithinThePapersTable2) {
     std::vector<Point3> points = CrowdedPoints(400000);
     LightOctree two = BuildTree(points, 4096, 2), nine = BuildTree(points, 4096, 9);
     EXPECT_GT(two.LeafCount(), 3000u);
-    EXPECT_LE(two.Bytes() / static_cast<double>(two.LeafCount()), 239e3 / 5349);
-    EXPECT_LE(nine.Bytes() / static_cast<double>(nine.LeafCount()), 345e3 / 4789);
+    EXPECT_LE(static_cast<double>(two.Bytes()) / static_cast<double>(two.LeafCount()), 239e3 / 5349);
+    EXPECT_LE(static_cast<double>(nine.Bytes()) / static_cast<double>(nine.LeafCount()), 345e3 / 4789);
 }
 
 }  // namespace

@@ -153,7 +153,7 @@ TEST_F(FilmTest, SensorsAreKnownUnbuiltOrUnknown) {
         }
         return "";
     };
-    EXPECT_NE(message("nikon_d850").find("not built yet"), std::string::npos);
+    EXPECT_NE(message("nikon_d850").find("not supported yet"), std::string::npos);
     EXPECT_NE(message("nikon_d851").find("nikon_d850"), std::string::npos);
 }
 

@@ -30,13 +30,13 @@ TEST(LightFactory, UnknownLightListsTheKnownOnes) {
 }
 
 TEST(LightFactory, LightsOfTheFormatThatAreMissingAreSaidToBe) {
-    for (const std::string &type : UnsupportedLights()) ExpectComplaint(type, Params(), 100, "not built yet");
+    for (const std::string &type : UnsupportedLights()) ExpectComplaint(type, Params(), 100, "not supported yet");
 }
 
 TEST(LightFactory, PortalIsLocated) {
     ExpectComplaint("infinite",
                     Params().Number("scale", 2).Floats(ParamType::Point3, "portal", std::vector<Float>(12, 0)), 2,
-                    "\"portal\" is not built yet");
+                    "\"portal\" is not supported yet");
 }
 
 TEST(LightFactory, RadianceAndImageExcludeEachOther) {

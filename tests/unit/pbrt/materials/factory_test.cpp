@@ -22,7 +22,7 @@ TEST(MaterialFactory, UnbuiltTypesSaySo) {
         Workshop shop;
         Thrown t = Catch([&] { shop.Make(type, Params("m", 7)); });
         EXPECT_EQ(t.line, 7);
-        EXPECT_TRUE(t.Says(type) && t.Says("not built yet")) << t.message;
+        EXPECT_TRUE(t.Says(type) && t.Says("not supported yet")) << t.message;
     }
 }
 
@@ -41,7 +41,7 @@ TEST(MaterialFactory, DisplacementIsRefusedWhereItStands) {
     Thrown t =
         Catch([&] { shop.Make("diffuse", Params("m", 3).Rgb("reflectance", 0, 0, 0).Tex("displacement", "d")); });
     EXPECT_EQ(t.line, 5);
-    EXPECT_TRUE(t.Says("displacement (bump mapping) is not built yet"));
+    EXPECT_TRUE(t.Says("displacement (bump mapping) is not supported yet"));
     t = Catch([&] { shop.Make("conductor", Params("m", 3).F("displacement", 1)); });
     EXPECT_EQ(t.line, 4);
     EXPECT_EQ(shop.Errors(), 0u);

@@ -107,7 +107,7 @@ TEST_F(ShapeFactory, PatchesDoNotReadTangentsNorEmissionImages) {
     Make("bilinearmesh");
     EXPECT_EQ(Unused(), 1u);
     String("emissionfilename", "x.exr");
-    EXPECT_NE(ErrorOf("bilinearmesh").find("not built yet"), std::string::npos);
+    EXPECT_NE(ErrorOf("bilinearmesh").find("not supported yet"), std::string::npos);
 }
 
 TEST_F(ShapeFactory, QuadricParameters) {
@@ -128,8 +128,8 @@ TEST_F(ShapeFactory, QuadricParameters) {
 }
 
 TEST_F(ShapeFactory, UnknownAndUnbuiltTypes) {
-    EXPECT_NE(ErrorOf("curve").find("not built yet"), std::string::npos);
-    EXPECT_NE(ErrorOf("loopsubdiv").find("not built yet"), std::string::npos);
+    EXPECT_NE(ErrorOf("curve").find("not supported yet"), std::string::npos);
+    EXPECT_NE(ErrorOf("loopsubdiv").find("not supported yet"), std::string::npos);
     std::string message = ErrorOf("spher");
     EXPECT_NE(message.find("did you mean \"sphere\""), std::string::npos);
     EXPECT_NE(message.find("bilinearmesh"), std::string::npos);
@@ -171,7 +171,7 @@ TEST_F(ShapeFactory, PlyMistakes) {
     String("filename", "/nonexistent/file.ply");
     EXPECT_NE(ErrorOf("plymesh").find("/nonexistent/file.ply"), std::string::npos);
     String("displacement", "bumps", ParamType::Texture);
-    EXPECT_NE(ErrorOf("plymesh").find("not built yet"), std::string::npos);
+    EXPECT_NE(ErrorOf("plymesh").find("not supported yet"), std::string::npos);
 }
 
 TEST_F(ShapeFactory, ConformanceMeshesAreRead) {

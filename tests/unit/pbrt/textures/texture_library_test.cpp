@@ -59,7 +59,7 @@ TEST(TextureLibrary, UnbuiltClassIsNamed) {
     Bench b;
     Thrown t = Catch([&] { b.Define("bumps", false, "wrinkled", Params("Texture", 6)); });
     EXPECT_EQ(t.line, 6);
-    EXPECT_TRUE(t.Says("bumps") && t.Says("wrinkled") && t.Says("not built yet"));
+    EXPECT_TRUE(t.Says("bumps") && t.Says("wrinkled") && t.Says("not supported yet"));
     // The name exists: who uses it does not complain again.
     EXPECT_NE(b.FloatTex("bumps"), nullptr);
     b.textures.CheckAll();

@@ -202,7 +202,7 @@ TEST_F(Imgtool, DiffRefusesWhatCannotBeCompared) {
     ExpectErrors({{"diff a.exr --reference small.exr", "resolution"},
                   {"diff a.exr --reference grey.exr", "channels"},
                   {"diff a.exr --reference aces.exr", "colour space"},
-                  {"diff a.exr --reference a.exr --metric FLIP", "not built yet"},
+                  {"diff a.exr --reference a.exr --metric FLIP", "not supported yet"},
                   {"diff a.exr --reference a.exr --metric PSNR", "relL2"},
                   {"diff a.exr --reference a.exr --channels R,Q", "\"Q\""},
                   {"diff a.exr --reference a.exr --crop 0,5,0,3", "4 x 3"},

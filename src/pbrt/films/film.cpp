@@ -1,5 +1,7 @@
 #include "pbrt/films/film.h"
 
+#include <algorithm>
+
 #include <cctype>
 #include <filesystem>
 
@@ -72,9 +74,14 @@ RgbFilm::RgbFilm(const ParamSet &params, const ColorSpace &outputSpace, Float ex
     half_ = params.GetBool("savefp16", true);
 
     std::string sensor = params.GetString("sensor", "cie1931");
-    if (sensor != "cie1931")
-        throw UserError(fmt::format("Sensor \"{}\" is not known or not supported yet; {}.", sensor, ListChoices(sensor, {"cie1931"})),
+    if (sensor != "cie1931") {
+        std::vector<std::string> known = UnsupportedSensors();
+        bool unsupported = std::find(known.begin(), known.end(), sensor) != known.end();
+        known.insert(known.begin(), "cie1931");
+        throw UserError(unsupported ? fmt::format("Sensor \"{}\" is not supported yet; \"cie1931\" is.", sensor)
+                                    : fmt::format("Sensor \"{}\" is unknown; {}.", sensor, ListChoices(sensor, known)),
                         params.LocOf("sensor"));
+    }
     imagingRatio_ = exposureTime * GetAboveZero(params, "iso", 100) / 100;
     outputFromSensor_ = outputSpace.RgbFromXyz();
     Float whiteBalance = params.GetFloat("whitebalance", 0);

@@ -66,6 +66,7 @@ TEST(Prepass, ContributionIsEquation5) {
     // A point on the floor below the first light, seen from above; the second light is behind the wall.
     PrepassVertex v;
     v.at.p = Point3(2, -1, 4);
+    v.at.pError = Vector3(1e-5f);
     v.at.n = v.at.ns = Normal3(0, 1, 0);
     v.wo = Vector3(0, 1, 0);
     Float seen = VisibleContribution(*built.scene, v, LightId(0u), {0.5f, 0.5f});

@@ -1,0 +1,270 @@
+#include "scene_fixtures.h"
+
+#include <fmt/format.h>
+
+#include <functional>
+#include <map>
+
+#include "pbrt/integrators/path_common.h"
+#include "pbrt/math/rng.h"
+#include "pbrt/math/warps.h"
+
+namespace pbrt::test {
+
+namespace {
+
+/// Collects a scene's text; all lengths in units of `scale`.
+class Text {
+  public:
+    explicit Text(double scale = 1) : scale_(scale) {
+        text_ = fmt::format(R"(LookAt 0 {0} {1}  0 {2} 0  0 1 0
+Camera "perspective" "float fov" 55
+Film "rgb" "integer xresolution" 48 "integer yresolution" 36
+Sampler "independent" "integer pixelsamples" 4
+Integrator "path"
+WorldBegin
+Scale {3} {3} {3}
+)",
+                            1.3 * scale, -4.5 * scale, 1.0 * scale, scale);
+    }
+
+    Text &Add(const std::string &line) {
+        text_ += line + "\n";
+        return *this;
+    }
+    Text &Quad(const Point3 &p, const Vector3 &a, const Vector3 &b, const std::string &before = "") {
+        Point3 q = p + a, r = p + b, s = p + a + b;
+        return Add(fmt::format("AttributeBegin\n{}\nShape \"bilinearmesh\" \"point3 P\" [ {} {} {}  {} {} {}  {} {} {}  {} {} {} ]\nAttributeEnd",
+                               before, p.x, p.y, p.z, q.x, q.y, q.z, r.x, r.y, r.z, s.x, s.y, s.z));
+    }
+    /// Two rooms side by side, open to the camera, a door between them.
+    Text &Rooms() {
+        Add("Material \"diffuse\" \"rgb reflectance\" [ 0.6 0.5 0.4 ]");
+        Quad({-3, 0, -3}, {6, 0, 0}, {0, 0, 6}).Quad({-3, 2.5f, -3}, {6, 0, 0}, {0, 0, 6});
+        Quad({-3, 0, 3}, {6, 0, 0}, {0, 2.5f, 0});
+        Quad({-3, 0, -3}, {0, 0, 6}, {0, 2.5f, 0}).Quad({3, 0, -3}, {0, 0, 6}, {0, 2.5f, 0});
+        Quad({0, 0, -2}, {0, 0, 2.5f}, {0, 2.5f, 0}).Quad({0, 0, 1}, {0, 0, 2}, {0, 2.5f, 0});
+        Sphere({-1.2f, 0.5f, 0.5f}, 0.5f);
+        return Add("AttributeBegin\nMaterial \"dielectric\" \"float roughness\" 0.3\n"
+                   "Translate 1.2 0.4 0.3\nShape \"sphere\" \"float radius\" 0.4\nAttributeEnd");
+    }
+    Text &Sphere(const Point3 &p, Float radius, const std::string &before = "") {
+        return Add(fmt::format("AttributeBegin\n{}\nTranslate {} {} {}\nShape \"sphere\" \"float radius\" {}\nAttributeEnd", before,
+                               p.x, p.y, p.z, radius));
+    }
+    /// Intensities grow with the square of lengths, so that a scaled scene looks the same.
+    Text &PointLight(const Point3 &p, double intensity) {
+        return Add(fmt::format("LightSource \"point\" \"point3 from\" [ {} {} {} ] \"rgb I\" [ {} {} {} ]", p.x, p.y, p.z,
+                               intensity * scale_ * scale_, 0.8 * intensity * scale_ * scale_, 0.5 * intensity * scale_ * scale_));
+    }
+    Text &SpotLight(const Point3 &p, const Point3 &to, double cone, double intensity) {
+        return Add(fmt::format("LightSource \"spot\" \"point3 from\" [ {} {} {} ] \"point3 to\" [ {} {} {} ] \"float coneangle\" {} "
+                               "\"float conedeltaangle\" {} \"rgb I\" [ {} {} {} ]",
+                               p.x, p.y, p.z, to.x, to.y, to.z, cone, cone / 4, intensity * scale_ * scale_,
+                               intensity * scale_ * scale_, 0.6 * intensity * scale_ * scale_));
+    }
+    Text &Sky(double radiance) { return Add(fmt::format("LightSource \"infinite\" \"rgb L\" [ {0} {0} {0} ]", radiance)); }
+    Text &Sun(const Vector3 &from, double irradiance) {
+        return Add(fmt::format("LightSource \"distant\" \"point3 from\" [ {} {} {} ] \"point3 to\" [ 0 0 0 ] \"rgb L\" [ {} {} 0 ]",
+                               from.x, from.y, from.z, irradiance, irradiance));
+    }
+    /// A bulb of 2 * rings * segments triangles.
+    Text &Bulb(const Point3 &center, double radius, int rings, int segments, double radiance) {
+        std::string points, indices;
+        for (int i = 0; i <= rings; ++i)
+            for (int j = 0; j < segments; ++j) {
+                double theta = 3.14159265 * (i + 0.5) / (rings + 1), phi = 2 * 3.14159265 * j / segments;
+                double r = radius * (1 + 0.1 * std::sin(5 * phi) * std::sin(7 * theta));
+                points += fmt::format("{} {} {} ", static_cast<double>(center.x) + r * std::sin(theta) * std::cos(phi),
+                                      static_cast<double>(center.y) + r * std::sin(theta) * std::sin(phi),
+                                      static_cast<double>(center.z) + r * std::cos(theta));
+            }
+        for (int i = 0; i < rings; ++i)
+            for (int j = 0; j < segments; ++j) {
+                int a = i * segments + j, b = a + segments, c = i * segments + (j + 1) % segments, d = c + segments;
+                indices += fmt::format("{} {} {} {} {} {} ", a, b, c, b, d, c);
+            }
+        return Add(fmt::format("AttributeBegin\n{}\nShape \"trianglemesh\" \"point3 P\" [ {} ] \"integer indices\" [ {} ]\nAttributeEnd",
+                               Area(radiance), points, indices));
+    }
+    static std::string Area(double radiance, bool twoSided = false) {
+        return fmt::format("AreaLightSource \"diffuse\" \"rgb L\" [ {0} {0} {0} ] \"bool twosided\" {1}", radiance, twoSided);
+    }
+
+    std::string Finish() const { return text_; }
+
+  private:
+    std::string text_;
+    double scale_;
+};
+
+std::string Mixed(double scale) {
+    Text t(scale);
+    t.Rooms().Sky(0.2).Sun({1, 2, -4}, 0.5);
+    Rng rng(7);
+    for (int i = 0; i < 5; ++i) {
+        auto place = [&] { return Point3(5.6f * rng.Uniform() - 2.8f, 2.3f * rng.Uniform() + 0.1f, 5 * rng.Uniform() - 2.2f); };
+        t.PointLight(place(), 0.3 + i);
+        Point3 from = place();
+        t.SpotLight(from, from + Vector3(rng.Uniform() - 0.5f, -1, rng.Uniform() - 0.5f), 10 + 15 * i, 2);
+        t.Quad(place(), {0.3f, 0, 0}, {0, 0.1f, 0.3f}, Text::Area(2 + i, i % 2 == 0));
+        t.Sphere(place(), 0.05f + 0.02f * static_cast<Float>(i), Text::Area(3));
+    }
+    t.Bulb({1.8f, 1.6f, 2}, 0.15, 5, 6, 8);
+    t.Bulb({-1.8f, 1.6f, 2}, 0.1, 3, 4, 2);
+    return t.Finish();
+}
+
+struct Recipe {
+    std::string name;
+    std::function<std::string()> text;
+    int places = 14;
+    bool dark = false;
+};
+
+const std::vector<Recipe> &Recipes() {
+    static const std::vector<Recipe> recipes = {
+        {"None", [] { return Text().Rooms().Finish(); }, 4, true},
+        {"OnePoint", [] { return Text().Rooms().PointLight({-1.5f, 2, 1}, 3).Finish(); }},
+        {"OneArea", [] { return Text().Rooms().Quad({1, 2.4f, 1}, {1, 0, 0}, {0, 0, 1}, Text::Area(3)).Finish(); }},
+        {"Mixed", [] { return Mixed(1); }},
+        {"ScaledDown", [] { return Mixed(1e-4); }},
+        {"ScaledUp", [] { return Mixed(1e4); }},
+        {"InfiniteOnly", [] { return Text().Rooms().Sky(1).Sun({1, 2, -4}, 3).Sky(0.01).Finish(); }},
+        {"MeshOf10000", [] { return Text().Rooms().Bulb({-1.5f, 1.5f, 1.5f}, 0.5, 50, 100, 1).PointLight({2, 2, 2}, 1).Finish(); }, 3},
+        {"ZeroPower",
+         [] {
+             return Text().Rooms().PointLight({-1, 2, 1}, 0).PointLight({1, 2, 1}, 2).Sky(0)
+                 .Quad({-2, 2.4f, 0}, {1, 0, 0}, {0, 0, 1}, Text::Area(0, true))
+                 .Quad({1, 2.4f, 0}, {1, 0, 0}, {0, 0, 1}, Text::Area(1)).Finish();
+         }},
+        {"Coincident",
+         [] {
+             Text t;
+             t.Rooms();
+             for (int i = 0; i < 8; ++i) {
+                 t.PointLight({-1.5f, 2, 1}, 1);
+                 t.Quad({1, 2.4f, 1}, {0.5f, 0, 0}, {0, 0, 0.5f}, Text::Area(1));
+             }
+             return t.Finish();
+         }},
+        {"Occluded",
+         [] {
+             Text t;
+             t.Rooms();
+             for (int i = 0; i < 4; ++i) {
+                 Point3 p(static_cast<Float>(i) * 1.3f - 2, 1.5f, 1.5f);
+                 t.Sphere(p, 0.3f);
+                 if (i % 2) t.PointLight(p, 5);
+                 else t.Sphere(p, 0.1f, Text::Area(10));
+             }
+             return t.Finish();
+         },
+         14, true},
+    };
+    return recipes;
+}
+
+/// Camera hits, what a bounce finds from them, and points anywhere in the bounds; each also as a place in a medium.
+std::vector<LightQuery> Places(const BuiltScene &built, int count) {
+    std::vector<LightQuery> out;
+    const Scene &scene = *built.scene;
+    Rng rng(99);
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    Vector2 size(built.film->FullResolution());
+    for (int i = 0, attempts = 0; i < count && attempts < 1000; ++attempts) {
+        CameraSample cs;
+        cs.pFilm = rng.Uniform2() * size;
+        std::optional<CameraRay> start = built.camera->GenerateRay(cs, lambda);
+        std::optional<SurfacePoint> point = start ? scene.Intersect(start->ray) : std::nullopt;
+        for (int bounce = 0; bounce < 2 && point; ++bounce) {
+            Bsdf bsdf = ComputeBsdf(scene, *point, lambda);
+            if (!bsdf) break;
+            if (bounce == i % 2) {
+                out.push_back(LightQueryAt(*point, bsdf.Flags(), bounce + 1));
+                ++i;
+                break;
+            }
+            Float uc = rng.Uniform();
+            std::optional<BsdfSample> sample = bsdf.Sample(point->wo, uc, rng.Uniform2());
+            if (!sample) break;
+            point = scene.Intersect(point->SpawnRay(sample->wi));
+        }
+    }
+    const Bounds3 &bounds = scene.Bounds();
+    for (int i = 0; i < count; ++i) {
+        LightQuery q;
+        Vector3 t(rng.Uniform(), rng.Uniform(), rng.Uniform());
+        q.p = bounds.low + (bounds.high - bounds.low) * t;
+        q.n = SampleUniformSphere(rng.Uniform2());
+        q.ns = i % 2 ? q.n : Normalize(q.n + SampleUniformSphere(rng.Uniform2()) * Float(0.3));
+        q.wo = SampleUniformSphere(rng.Uniform2());
+        q.transmits = i % 3 == 0;
+        out.push_back(q);
+    }
+    for (size_t i = 0, n = out.size(); i < n; i += 2) {
+        LightQuery q = out[i];
+        q.n = q.ns = Normal3(0);
+        out.push_back(q);
+    }
+    return out;
+}
+
+double Contribution(const Scene &scene, const LightQuery &q, const Light &light, const Point2 &u) {
+    static const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    LightSampleContext from;
+    from.p = q.p;
+    from.n = q.n;
+    from.ns = q.ns;
+    std::optional<LightLiSample> s = light.SampleLi(from, u, lambda, true);
+    if (!s || !s->L || !(s->pdf > 0)) return 0;
+    Float cosine = 1;
+    if (q.ns != Normal3(0)) {
+        cosine = Dot(s->wi, q.ns);
+        if (!q.transmits && cosine * Dot(q.wo, q.ns) <= 0) return 0;
+        // Bounds are kept in few bits; light that grazes this much is nothing.
+        if (std::abs(cosine) < Float(1e-5)) return 0;
+    }
+    if (scene.Occluded(from, *s)) return 0;
+    return static_cast<double>(s->L.Average()) * static_cast<double>(std::abs(cosine)) / static_cast<double>(s->pdf);
+}
+
+}  // namespace
+
+void SceneFixture::Prepare(LightSampler &sampler) const {
+    Progress progress;
+    PrepareContext context{*built.scene,          *built.camera,  *built.filter, built.film->PixelBounds(), built.seed,
+                           built.samplesPerPixel, built.maxDepth, progress};
+    sampler.Prepare(context);
+}
+
+std::vector<std::string> SceneFixtureNames() {
+    std::vector<std::string> names;
+    for (const Recipe &r : Recipes()) names.push_back(r.name);
+    return names;
+}
+
+const SceneFixture &SceneFixtureOf(const std::string &name) {
+    static std::map<std::string, SceneFixture> fixtures;
+    auto it = fixtures.find(name);
+    if (it != fixtures.end()) return it->second;
+    SceneFixture &f = fixtures[name];
+    for (const Recipe &r : Recipes())
+        if (r.name == name) {
+            f.built = BuildText(r.text());
+            f.queries = Places(f.built, r.places);
+            f.dark = r.dark;
+        }
+    size_t lights = f.Lights().Size();
+    int points = lights > 1000 ? 4 : 32;
+    for (const LightQuery &q : f.queries) {
+        std::vector<double> &row = f.contribution.emplace_back(lights, 0.0);
+        for (uint32_t l = 0; l < lights; ++l) {
+            Rng rng(l);
+            for (int k = 0; k < points; ++k) row[l] += Contribution(*f.built.scene, q, f.Lights()[LightId(l)], rng.Uniform2()) / points;
+        }
+    }
+    return f;
+}
+
+}  // namespace pbrt::test

@@ -1,0 +1,173 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "program.h"
+
+namespace pbrt::test {
+
+namespace {
+
+const std::string kSuite = PBRT_SOURCE_DIR "/tests/conformance/suite/";
+
+struct ErrorScene {
+    std::string name, file;
+    bool survives = false;
+    int line = 0;  ///< 0: the suite names none
+};
+
+void PrintTo(const ErrorScene &scene, std::ostream *out) { *out << scene.name; }
+
+std::vector<ErrorScene> ErrorScenes() {
+    std::vector<ErrorScene> scenes;
+    std::ifstream in(kSuite + "manifest.json");
+    for (const nlohmann::json &entry : nlohmann::json::parse(in)) {
+        if (entry.at("category") != "errors") continue;
+        const nlohmann::json &expected = entry.at("expected");
+        scenes.push_back({entry.at("name"), kSuite + entry.at("scene").get<std::string>(), expected.at("exit") == "zero",
+                          expected.at("line").is_null() ? 0 : expected.at("line").get<int>()});
+    }
+    return scenes;
+}
+
+std::vector<std::string> Lines(const std::string &text) {
+    std::vector<std::string> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+
+/// "Error: file:line:column: message", the quoted line, and a caret under it.
+bool HasDiagnostic(const std::string &text, const std::string &start) {
+    const std::vector<std::string> lines = Lines(text);
+    for (size_t i = 0; i + 2 < lines.size(); ++i) {
+        const std::string &caret = lines[i + 2];
+        if (lines[i].starts_with(start) && lines[i + 1].starts_with("    ") && !caret.empty() && caret.back() == '^' &&
+            caret.find_first_not_of(' ') == caret.size() - 1 && caret.size() <= lines[i + 1].size() + 1)
+            return true;
+    }
+    return false;
+}
+
+size_t Count(const std::string &text, const std::string &part) {
+    size_t count = 0;
+    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++count;
+    return count;
+}
+
+}  // namespace
+
+class ErrorScenesProgram : public Program, public ::testing::WithParamInterface<ErrorScene> {};
+
+TEST_P(ErrorScenesProgram, EndAsTheSuiteSays) {
+    const ErrorScene &scene = GetParam();
+    ASSERT_TRUE(std::filesystem::exists(scene.file));
+    const std::string place = scene.file + (scene.line ? ":" + std::to_string(scene.line) + ":" : ":");
+    const std::string arguments = "--spp 1 --cropwindow 0,0.5,0,0.5 --outfile out.exr " + scene.file;
+    if (scene.survives) {
+        const std::string messages = RunWell(arguments);
+        EXPECT_TRUE(HasDiagnostic(messages, "Warning: " + place)) << messages;
+        EXPECT_EQ(Files(), std::vector<std::string>{"out.exr"});
+        EXPECT_EQ(ReadImage(Path("out.exr")).image.Resolution(), Point2i(8, 8));
+    } else {
+        const Outcome o = Run("--quiet " + arguments);
+        EXPECT_EQ(o.status, 1);
+        EXPECT_EQ(o.out, "");
+        EXPECT_TRUE(o.err.starts_with("Error: " + place)) << o.err;
+        if (scene.line) EXPECT_TRUE(HasDiagnostic(o.err, "Error: " + place)) << o.err;
+        EXPECT_EQ(Files(), std::vector<std::string>{});
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Suite, ErrorScenesProgram, ::testing::ValuesIn(ErrorScenes()),
+                         [](const auto &info) { return info.param.name; });
+
+TEST(ErrorSuite, HasScenesOfBothKinds) {
+    const std::vector<ErrorScene> scenes = ErrorScenes();
+    EXPECT_GE(scenes.size(), 39u);
+    EXPECT_GE(std::count_if(scenes.begin(), scenes.end(), [](const ErrorScene &s) { return s.survives; }), 6);
+}
+
+class Errors : public Program {};
+
+TEST_F(Errors, EveryMistakeIsReportedInOneRun) {
+    Write("scene.pbrt", R"(Camera "perspective"
+Film "rgb" "integer xresolution" 16 "integer yresolution" 16
+WorldBegin
+MakeNamedMedium "fog" "string type" "homogeneous"
+LightSource "point"
+Material "diffuse" "texture reflectance" "nosuch"
+Shape "sphere"
+Material "diffuse"
+Shape "curve" "point3 P" [ 0 0 0  1 0 0  1 1 0  0 1 0 ]
+Shape "sphere" "float radiuss" 1
+Shape "sphere" "float radius" 2
+)");
+    const Outcome o = Run("--quiet --outfile out.exr scene.pbrt");
+    EXPECT_EQ(o.status, 1);
+    for (const char *place : {"4:0", "6:19", "9:0", "10:15"})
+        EXPECT_TRUE(HasDiagnostic(o.err, std::string("Error: scene.pbrt:") + place + ": ")) << place << "\n" << o.err;
+    EXPECT_EQ(Count(o.err, "Error: "), 4u) << o.err;
+    EXPECT_TRUE(Has(o.err, "4 errors; nothing was rendered.")) << o.err;
+    EXPECT_EQ(Files(), std::vector<std::string>{"scene.pbrt"});
+}
+
+TEST_F(Errors, EverythingUnsupportedIsListedOnceBeforeRendering) {
+    Write("scene.pbrt", R"(Camera "realistic" "string lensfile" "lens.dat"
+Film "spectral"
+Sampler "pmj02bn"
+Integrator "bdpt"
+WorldBegin
+MakeNamedMedium "fog" "string type" "homogeneous"
+LightSource "goniometric" "string filename" "g.exr"
+Texture "m" "spectrum" "marble"
+Material "diffuse" "texture reflectance" "m"
+Shape "sphere"
+Material "hair"
+Shape "loopsubdiv" "integer indices" [ 0 1 2 ] "point3 P" [ 0 0 0  1 0 0  0 1 0 ]
+MakeNamedMaterial "s" "string type" "subsurface"
+NamedMaterial "s"
+Shape "sphere"
+ActiveTransform EndTime
+Translate 1 0 0
+Shape "curve" "point3 P" [ 0 0 0  1 0 0  1 1 0  0 1 0 ]
+)");
+    const Outcome o = Run("--quiet --outfile out.exr scene.pbrt");
+    EXPECT_EQ(o.status, 1);
+    for (int line : {1, 2, 3, 4, 6, 7, 8, 11, 12, 13})
+        EXPECT_EQ(Count(o.err, "Error: scene.pbrt:" + std::to_string(line) + ":"), 1u) << line << "\n" << o.err;
+    // Two different features of one directive.
+    EXPECT_EQ(Count(o.err, "Error: scene.pbrt:18:"), 2u) << o.err;
+    EXPECT_EQ(Count(o.err, "Error: "), 12u) << o.err;
+    EXPECT_EQ(Count(o.err, "not supported yet"), 12u) << o.err;
+    EXPECT_EQ(Files(), std::vector<std::string>{"scene.pbrt"});
+}
+
+TEST_F(Errors, UnknownLightSamplerOfAScene) {
+    Write("scene.pbrt", SmallScene(R"("string lightsampler" "bhv")"));
+    ExpectError("scene.pbrt", {"Error: scene.pbrt:5:", "\"bhv\"", "did you mean \"bvh\"?", "power", "uniform", "^"});
+}
+
+TEST_F(Errors, MissingSceneFileIsNamed) {
+    ExpectError("nowhere.pbrt", {"nowhere.pbrt", "No such file or directory"});
+    ExpectError(".", {"is a directory"});
+}
+
+TEST_F(Errors, AnImageThatCannotBeWrittenIsFoundBeforeRendering) {
+    Write("scene.pbrt", SmallScene());
+    std::filesystem::create_directory(Path("folder.exr"));
+    ExpectError("--spp 100000000 --outfile nowhere/out.exr scene.pbrt", {"nowhere/out.exr", "the folder nowhere does not exist"});
+    ExpectError("--spp 100000000 --outfile out.bmp scene.pbrt", {"out.bmp", ".exr, .png or .pfm"});
+    ExpectError("--spp 100000000 --outfile folder.exr scene.pbrt", {"folder.exr", "is a folder"});
+    ExpectError("--spp 100000000 --mse-reference-image none.exr --mse-reference-out mse.txt scene.pbrt", {"none.exr"});
+    if (geteuid() != 0) {
+        std::filesystem::create_directory(Path("locked"));
+        std::filesystem::permissions(Path("locked"), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+        ExpectError("--spp 100000000 --outfile locked/out.exr scene.pbrt", {"not writable"});
+    }
+}
+
+}  // namespace pbrt::test

@@ -1,0 +1,155 @@
+#include "program.h"
+
+namespace pbrt::test {
+
+class Flags : public Program {
+  protected:
+    void SetUp() override {
+        Program::SetUp();
+        Write("scene.pbrt", SmallScene());
+    }
+};
+
+TEST_F(Flags, SpellingOfNamesIsFree) {
+    for (const char *arguments : {"--spp 2 --outfile out.exr", "-spp 2 -outfile out.exr", "--spp=2 --outfile=out.exr",
+                                  "-SPP=2 --Out_File out.exr", "--s-p-p 2 -OUT-file=out.exr"}) {
+        RunWell(std::string(arguments) + " scene.pbrt");
+        ASSERT_TRUE(Exists("out.exr")) << arguments;
+        EXPECT_EQ(IntOf(ReadImage(Path("out.exr")), "samplesPerPixel"), 2) << arguments;
+        std::filesystem::remove(Path("out.exr"));
+    }
+    EXPECT_EQ(TextOf(Render("--LightSampler=power scene.pbrt"), "lightSampler"), "power");
+    EXPECT_EQ(TextOf(Render("-light_sampler power scene.pbrt"), "lightSampler"), "power");
+}
+
+TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
+    ExpectError("--spq 3 scene.pbrt", {"--spq", "--help"});
+    ExpectError("--spp 0 scene.pbrt", {"--spp", "--help"});
+    ExpectError("--spp many scene.pbrt", {"--spp", "many"});
+    ExpectError("--nthreads -1 scene.pbrt", {"--nthreads"});
+    ExpectError("--cropwindow 0,1,0 scene.pbrt", {"--cropwindow", "4"});
+    ExpectError("--pixelbounds 0,1,0,x scene.pbrt", {"--pixelbounds", "x"});
+    ExpectError("--render-coord-sys moon scene.pbrt", {"--render-coord-sys", "cameraworld"});
+    ExpectError("--mse-reference-out mse.txt scene.pbrt", {"--mse-reference-image"});
+    ExpectError("--integrator pahtt scene.pbrt", {"\"pahtt\"", "simplepath"});
+    ExpectError("--cropwindow 0.5,0.5,0,1 scene.pbrt", {"No pixel is left"});
+}
+
+TEST_F(Flags, HelpNamesEveryFlagAndRendersNothing) {
+    const std::vector<std::string> before = Files();
+    for (const char *flag : {"--help", "-h", "-help"}) {
+        const Outcome o = Run(std::string(flag) + " scene.pbrt");
+        EXPECT_EQ(o.status, 0);
+        EXPECT_EQ(o.err, "");
+        for (const char *name : {"--cropwindow", "--pixelbounds", "--pixel ", "--outfile", "--write-partial-images",
+                                 "--mse-reference-image", "--mse-reference-out", "--spp", "--time", "--seed", "--nthreads",
+                                 "--quick", "--lightsampler", "--mesh-lights", "--list-lightsamplers", "--integrator",
+                                 "--maxdepth", "--disable-pixel-jitter", "--disable-wavelength-jitter",
+                                 "--disable-texture-filtering", "--render-coord-sys", "--quiet", "--stats"})
+            EXPECT_TRUE(Has(o.out, name)) << flag << " " << name;
+    }
+    EXPECT_EQ(Files(), before);
+}
+
+TEST_F(Flags, ListingOfLightSamplersNeedsNoScene) {
+    const Outcome o = Run("--list-lightsamplers");
+    EXPECT_EQ(o.status, 0);
+    EXPECT_EQ(o.err, "");
+    for (const char *name : {"bvh\n", "exhaustive\n", "power\n", "uniform\n"}) EXPECT_TRUE(Has(o.out, name)) << name;
+}
+
+TEST_F(Flags, WindowsChooseTheDataWindow) {
+    const ImageFile full = Render("scene.pbrt");
+    EXPECT_EQ(full.image.Resolution(), Point2i(32, 24));
+    struct Case {
+        const char *arguments;
+        Point2i low, high;
+    };
+    for (const Case &c : {Case{"--cropwindow 0.25,0.75,0.5,1", {8, 12}, {24, 24}},
+                          Case{"--cropwindow 0.25 0.75 0.5 1", {8, 12}, {24, 24}},
+                          Case{"--pixelbounds=3,9,5,8", {3, 5}, {9, 8}}, Case{"--pixel 7,11", {7, 11}, {8, 12}}}) {
+        const ImageFile part = Render(std::string(c.arguments) + " scene.pbrt");
+        ASSERT_TRUE(part.metadata.pixelBounds && part.metadata.fullResolution) << c.arguments;
+        EXPECT_EQ(part.metadata.pixelBounds->low, c.low) << c.arguments;
+        EXPECT_EQ(part.metadata.pixelBounds->high, c.high) << c.arguments;
+        EXPECT_EQ(*part.metadata.fullResolution, Point2i(32, 24)) << c.arguments;
+        ASSERT_EQ(part.image.Resolution(), c.high - c.low) << c.arguments;
+        // A part of the picture is the same as in the whole.
+        for (int y = c.low.y; y < c.high.y; ++y)
+            for (int x = c.low.x; x < c.high.x; ++x)
+                for (int k = 0; k < 3; ++k)
+                    ASSERT_EQ(part.image.Get(Point2i(x, y) - c.low, k), full.image.Get({x, y}, k))
+                        << c.arguments << " at " << x << "," << y;
+    }
+}
+
+TEST_F(Flags, QuickIsAQuarterOfTheResolutionAndOneSample) {
+    const ImageFile quick = Render("--quick scene.pbrt");
+    EXPECT_EQ(quick.image.Resolution(), Point2i(8, 6));
+    EXPECT_EQ(IntOf(quick, "samplesPerPixel"), 1);
+}
+
+TEST_F(Flags, FilmFilenameIsUsedUnlessOutfileIsGiven) {
+    RunWell("--spp 1 scene.pbrt");
+    EXPECT_EQ(Files(), (std::vector<std::string>{"scene.exr", "scene.pbrt"}));
+    std::filesystem::remove(Path("scene.exr"));
+    RunWell("--spp 1 --outfile other.exr scene.pbrt");
+    EXPECT_EQ(Files(), (std::vector<std::string>{"other.exr", "scene.pbrt"}));
+}
+
+TEST_F(Flags, OutfileExtensionChoosesTheFormat) {
+    const ImageFile exr = Render("scene.pbrt");
+    const ImageFile png = Render("scene.pbrt", "out.png");
+    EXPECT_TRUE(Read("out.png").starts_with("\x89PNG"));
+    EXPECT_EQ(png.image.Resolution(), Point2i(32, 24));
+    const ImageFile pfm = Render("scene.pbrt", "out.pfm");
+    EXPECT_TRUE(Read("out.pfm").starts_with("PF"));
+    const Point2i middle(16, 12);
+    for (int k = 0; k < 3; ++k) {
+        EXPECT_EQ(pfm.image.Get(middle, k), exr.image.Get(middle, k));
+        EXPECT_NEAR(png.image.Get(middle, k), std::min(exr.image.Get(middle, k), Float(1)), 0.01f);
+    }
+}
+
+TEST_F(Flags, SceneComesFromStandardInputWithoutAName) {
+    const ImageFile named = Render("scene.pbrt");
+    EXPECT_TRUE(SamePixels(Render("< scene.pbrt"), named));
+    EXPECT_TRUE(SamePixels(Render("- < scene.pbrt"), named));
+}
+
+TEST_F(Flags, SeveralFilesAreOneScene) {
+    const std::string text = SmallScene();
+    const size_t cut = text.find("Material");
+    Write("first.pbrt", text.substr(0, cut));
+    Write("second.pbrt", text.substr(cut));
+    EXPECT_TRUE(SamePixels(Render("first.pbrt second.pbrt"), Render("scene.pbrt")));
+}
+
+TEST_F(Flags, QuietRunsPrintNothing) {
+    const std::string warns = SmallScene() + "AttributeEnd\n";
+    Write("warns.pbrt", warns);
+    for (const char *scene : {"scene.pbrt", "warns.pbrt"}) {
+        const Outcome o = Run(std::string("--quiet --spp 1 --outfile out.exr ") + scene);
+        EXPECT_EQ(o.status, 0);
+        EXPECT_EQ(o.out + o.err, "") << scene;
+    }
+    EXPECT_TRUE(Has(RunWell("--spp 1 --outfile out.exr warns.pbrt"), "Warning: warns.pbrt:16:"));
+}
+
+TEST_F(Flags, StatisticsAreOnStandardOutputWhenAskedFor) {
+    EXPECT_EQ(Run("--spp 1 --outfile out.exr scene.pbrt").out, "");
+    const Outcome o = Run("--spp 2 --stats --outfile out.exr scene.pbrt");
+    EXPECT_EQ(o.status, 0);
+    for (const char *part : {"Statistics", "camera paths", "closest-hit rays", "shadow rays", "light sampler", "bvh"})
+        EXPECT_TRUE(Has(o.out, part)) << part << "\n" << o.out;
+    EXPECT_TRUE(Has(o.out, std::to_string(32 * 24 * 2))) << "camera paths\n" << o.out;
+}
+
+TEST_F(Flags, MaxDepthAndIntegratorBeatTheScene) {
+    const ImageFile direct = Render("--maxdepth 1 scene.pbrt");
+    EXPECT_EQ(IntOf(direct, "pbrt.maxDepth"), 1);
+    EXPECT_FALSE(SamePixels(direct, Render("scene.pbrt")));
+    EXPECT_EQ(TextOf(Render("--integrator simplepath scene.pbrt"), "pbrt.integrator"), "simplepath");
+}
+
+}  // namespace pbrt::test

@@ -1,0 +1,112 @@
+#include <sstream>
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+
+namespace pbrt::test {
+
+class LightSamplers : public Program {
+  protected:
+    void SetUp() override {
+        Program::SetUp();
+        Write("scene.pbrt", SmallScene());
+    }
+    nlohmann::json Parameters(const ImageFile &file) const {
+        return nlohmann::json::parse(TextOf(file, "lightSampler.parameters"));
+    }
+};
+
+TEST_F(LightSamplers, EveryListedOneRenders) {
+    int count = 0;
+    std::istringstream lines(LightSamplerListing());
+    for (std::string line; std::getline(lines, line);) {
+        if (line.empty() || line[0] == ' ') continue;
+        EXPECT_EQ(TextOf(Render("--spp 1 --lightsampler " + line + " scene.pbrt"), "lightSampler"), line);
+        ++count;
+    }
+    EXPECT_GE(count, 4);
+}
+
+TEST_F(LightSamplers, SpecOnTheCommandLineReachesTheSamplerAndTheImage) {
+    PBRT_SKIP_WITHOUT_EXT();
+    const ImageFile file = Render("--lightsampler octree:leaves=512,floor=0.1 scene.pbrt");
+    EXPECT_EQ(TextOf(file, "lightSampler"), "octree");
+    EXPECT_EQ(Parameters(file).at("leaves"), 512);
+    EXPECT_NEAR(Parameters(file).at("floor").get<double>(), 0.1, 1e-6);
+    EXPECT_EQ(Parameters(file).at("depth"), 3) << "not given: the default";
+    EXPECT_GE(IntOf(file, "lightSampler.leaves"), 64);
+    EXPECT_GT(IntOf(file, "lightSampler.bytes"), 0);
+    EXPECT_GT(NumberOf(file, "lightSampler.prepassSeconds"), 0);
+    EXPECT_GT(NumberOf(file, "lightSampler.octreeBuildSeconds"), 0);
+    EXPECT_EQ(IntOf(file, "lightSampler.lights"), 3);
+    EXPECT_EQ(IntOf(file, "lightSampler.groups"), 2) << "the two triangles are one";
+}
+
+TEST_F(LightSamplers, ValuesOfTheLargeRangeSurvive) {
+    PBRT_SKIP_WITHOUT_EXT();
+    EXPECT_EQ(Parameters(Render("--lightsampler octree:leaves=1000,meshlights=false scene.pbrt")).at("meshlights"), false);
+    EXPECT_LT(IntOf(Render("--lightsampler octree:leaves=64 scene.pbrt"), "lightSampler.leaves"),
+              IntOf(Render("--lightsampler octree:leaves=4096 scene.pbrt"), "lightSampler.leaves"));
+}
+
+TEST_F(LightSamplers, WrongSpecsAreShownWithTheChoices) {
+    ExpectError("--lightsampler bhv scene.pbrt", {"--lightsampler:1:0", "\"bhv\"", "did you mean \"bvh\"?", "uniform", "power"});
+    ExpectError("--lightsampler bvh:x=1 scene.pbrt", {"--lightsampler:1:4", "\"x\"", "it takes none"});
+    PBRT_SKIP_WITHOUT_EXT();
+    ExpectError("--lightsampler octre scene.pbrt", {"did you mean \"octree\"?"});
+    ExpectError("--lightsampler octree:floor=0.1,leafs=3 scene.pbrt",
+                {"--lightsampler:1:17", "\"leafs\"", "did you mean \"leaves\"?", "prepassspp",
+                 "\n    octree:floor=0.1,leafs=3\n" + std::string(4 + 17, ' ') + "^"});
+    ExpectError("--lightsampler octree:leaves=many scene.pbrt", {"--lightsampler:1:14", "\"many\"", "integer"});
+    ExpectError("--lightsampler octree:leaves=1.5 scene.pbrt", {"\"1.5\"", "integer"});
+    ExpectError("--lightsampler octree:meshlights=yes scene.pbrt", {"\"yes\"", "bool"});
+    ExpectError("--lightsampler octree:leaves scene.pbrt", {"\"leaves=value\""});
+    ExpectError("--lightsampler octree: scene.pbrt", {"leaves"});
+    ExpectError("--lightsampler octree:leaves=63 scene.pbrt", {"--lightsampler:1:7", "63", "64", "16777216"});
+    ExpectError("--lightsampler octree:floor=0 scene.pbrt", {"floor", "0.0001"});
+    ExpectError("--lightsampler octree:floor=nan scene.pbrt", {"floor"});
+}
+
+TEST_F(LightSamplers, SceneParametersReachTheSampler) {
+    PBRT_SKIP_WITHOUT_EXT();
+    Write("octree.pbrt", SmallScene(R"("string lightsampler" "octree" "integer octree.leaves" 128 "float octree.floor" 0.2)"));
+    const ImageFile file = Render("octree.pbrt");
+    EXPECT_EQ(TextOf(file, "lightSampler"), "octree");
+    EXPECT_EQ(Parameters(file).at("leaves"), 128);
+    EXPECT_NEAR(Parameters(file).at("floor").get<double>(), 0.2, 1e-6);
+
+    // The command line wins, key by key.
+    const ImageFile both = Render("--lightsampler octree:leaves=256 octree.pbrt");
+    EXPECT_EQ(Parameters(both).at("leaves"), 256);
+    EXPECT_NEAR(Parameters(both).at("floor").get<double>(), 0.2, 1e-6);
+
+    // Another sampler: the scene's keys wait.
+    EXPECT_EQ(TextOf(Render("--lightsampler bvh octree.pbrt"), "lightSampler"), "bvh");
+}
+
+TEST_F(LightSamplers, WrongSceneParametersAreErrors) {
+    PBRT_SKIP_WITHOUT_EXT();
+    const std::string octree = R"("string lightsampler" "octree" )";
+    Write("range.pbrt", SmallScene(octree + R"("integer octree.leaves" 1)"));
+    ExpectError("range.pbrt", {"Error: range.pbrt:5:", "leaves", "64", "16777216"});
+    Write("name.pbrt", SmallScene(octree + R"("integer octree.leafs" 128)"));
+    ExpectError("name.pbrt", {"Error: name.pbrt:5:", "octree.leafs", "octree.leaves"});
+    Write("type.pbrt", SmallScene(octree + R"("float octree.leaves" 128)"));
+    ExpectError("type.pbrt", {"Error: type.pbrt:5:", "octree.leaves", "integer"});
+}
+
+TEST_F(LightSamplers, MeshLightsGroupTheTrianglesOfAMesh) {
+    PBRT_SKIP_WITHOUT_EXT();
+    Write("meshlights.pbrt", SmallScene(R"("bool meshlights" true)"));
+    for (const char *arguments : {"--mesh-lights scene.pbrt", "meshlights.pbrt", "--lightsampler bvh meshlights.pbrt"}) {
+        const ImageFile file = Render(arguments);
+        EXPECT_EQ(TextOf(file, "lightSampler"), "bvh+meshlights") << arguments;
+        EXPECT_EQ(IntOf(file, "lightSampler.lights"), 3) << arguments;
+        EXPECT_EQ(IntOf(file, "lightSampler.groups"), 2) << arguments;
+    }
+    EXPECT_TRUE(Has(Run("--mesh-lights --stats --spp 1 --outfile out.exr scene.pbrt").out, "groups"));
+    EXPECT_EQ(TextOf(Render("--mesh-lights --lightsampler octree scene.pbrt"), "lightSampler"), "octree")
+        << "it groups by itself";
+}
+
+}  // namespace pbrt::test

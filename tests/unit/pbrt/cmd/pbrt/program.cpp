@@ -1,0 +1,163 @@
+#include "program.h"
+
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <thread>
+
+namespace pbrt::test {
+
+namespace {
+
+std::string FileText(const std::filesystem::path &path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+void Program::SetUp() {
+    const auto *info = ::testing::UnitTest::GetInstance()->current_test_info();
+    std::string name = std::string(info->test_suite_name()) + "_" + info->name();
+    std::replace(name.begin(), name.end(), '/', '_');
+    const std::filesystem::path top =
+        std::filesystem::temp_directory_path() / ("pbrt_" + name + "_" + std::to_string(getpid()));
+    directory_ = top / "work";
+    logs_ = top / "logs";
+    std::filesystem::create_directories(directory_);
+    std::filesystem::create_directories(logs_);
+}
+
+void Program::TearDown() { std::filesystem::remove_all(directory_.parent_path()); }
+
+void Program::Write(const std::string &name, const std::string &text) const {
+    std::ofstream(directory_ / name, std::ios::binary) << text;
+}
+
+std::string Program::Read(const std::string &name) const { return FileText(directory_ / name); }
+
+std::vector<std::string> Program::Files() const {
+    std::vector<std::string> names;
+    for (const auto &entry : std::filesystem::directory_iterator(directory_)) names.push_back(entry.path().filename());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+pid_t Program::Start(const std::string &arguments) const {
+    const pid_t pid = fork();
+    if (pid != 0) return pid;
+    const std::string log = (logs_ / std::to_string(getpid())).string();
+    const std::string command = "cd '" + directory_.string() + "' && exec '" + PBRT_PROGRAM + "' " + arguments + " > " +
+                                log + ".out 2> " + log + ".err";
+    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+    _exit(127);
+}
+
+Outcome Program::Wait(pid_t pid) const {
+    int raw = 0;
+    EXPECT_EQ(waitpid(pid, &raw, 0), pid);
+    const std::string log = std::to_string(pid);
+    return {WIFEXITED(raw) ? WEXITSTATUS(raw) : -WTERMSIG(raw), FileText(logs_ / (log + ".out")),
+            FileText(logs_ / (log + ".err"))};
+}
+
+std::string Program::RunWell(const std::string &arguments) const {
+    const Outcome o = Run(arguments);
+    EXPECT_EQ(o.status, 0) << arguments << "\n" << o.err;
+    EXPECT_FALSE(Has(o.err, "Error")) << arguments << "\n" << o.err;
+    return o.err;
+}
+
+void Program::ExpectError(const std::string &arguments, const std::vector<std::string> &parts) const {
+    const std::vector<std::string> before = Files();
+    const Outcome o = Run("--quiet " + arguments);
+    EXPECT_EQ(o.status, 1) << arguments;
+    EXPECT_EQ(o.out, "") << arguments;
+    EXPECT_TRUE(o.err.starts_with("Error: ")) << arguments << "\n" << o.err;
+    for (const std::string &part : parts) EXPECT_TRUE(Has(o.err, part)) << arguments << ": " << part << "\n" << o.err;
+    EXPECT_EQ(Files(), before) << arguments;
+}
+
+ImageFile Program::Render(const std::string &arguments, const std::string &name) const {
+    RunWell("--outfile " + name + " " + arguments);
+    return ReadImage(Path(name));
+}
+
+bool Program::WaitUntil(const std::function<bool()> &condition) {
+    for (int i = 0; i < 3000; ++i) {
+        if (condition()) return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+}
+
+std::string SmallScene(const std::string &integrator) {
+    return R"(LookAt 0 1 -5  0 0 0  0 1 0
+Camera "perspective" "float fov" 40
+Film "rgb" "integer xresolution" 32 "integer yresolution" 24 "string filename" "scene.exr" "bool savefp16" false
+Sampler "zsobol" "integer pixelsamples" 4
+Integrator "path" "integer maxdepth" 3 )" +
+           integrator + R"(
+WorldBegin
+LightSource "point" "point3 from" [ -2 2 -2 ] "rgb I" [ 2 3 4 ]
+Material "diffuse" "rgb reflectance" [ 0.6 0.4 0.3 ]
+Shape "sphere"
+Shape "bilinearmesh" "point3 P" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 6 5 4 ] "bool twosided" true
+Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ] "point3 P" [ -1 3 -1  1 3 -1  1 3 1  -1 3 1 ]
+AttributeEnd
+)";
+}
+
+bool Has(const std::string &text, const std::string &part) { return text.find(part) != std::string::npos; }
+
+namespace {
+
+template <class T>
+T AttributeOf(const ImageFile &file, const std::string &attribute) {
+    auto it = file.metadata.attributes.find(attribute);
+    if (it == file.metadata.attributes.end()) {
+        ADD_FAILURE() << "no attribute " << attribute;
+        return T{};
+    }
+    const T *value = std::get_if<T>(&it->second);
+    EXPECT_TRUE(value) << attribute << " has another type";
+    return value ? *value : T{};
+}
+
+}  // namespace
+
+int IntOf(const ImageFile &file, const std::string &attribute) { return AttributeOf<int>(file, attribute); }
+double NumberOf(const ImageFile &file, const std::string &attribute) {
+    return static_cast<double>(AttributeOf<float>(file, attribute));
+}
+std::string TextOf(const ImageFile &file, const std::string &attribute) {
+    return AttributeOf<std::string>(file, attribute);
+}
+
+bool SamePixels(const ImageFile &a, const ImageFile &b) {
+    return a.image.Bytes() == b.image.Bytes() && a.image.Bytes() > 0 && a.image.Channels() == b.image.Channels() &&
+           std::memcmp(a.image.Data(), b.image.Data(), a.image.Bytes()) == 0;
+}
+
+const std::string &LightSamplerListing() {
+    static const std::string listing = [] {
+        std::string text = "\n";
+        std::FILE *pipe = popen("'" PBRT_PROGRAM "' --list-lightsamplers", "r");
+        std::array<char, 4096> buffer;
+        while (size_t got = std::fread(buffer.data(), 1, buffer.size(), pipe)) text.append(buffer.data(), got);
+        EXPECT_EQ(pclose(pipe), 0);
+        return text;
+    }();
+    return listing;
+}
+
+}  // namespace pbrt::test

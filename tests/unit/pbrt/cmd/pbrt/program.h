@@ -1,0 +1,67 @@
+#pragma once
+#include <gtest/gtest.h>
+#include <sys/types.h>
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "pbrt/images/image.h"
+
+namespace pbrt::test {
+
+struct Outcome {
+    int status = -1;  ///< exit status; -signal if a signal ended it
+    std::string out, err;
+};
+
+/// Runs the pbrt program in a folder of its own that goes away with the test. Arguments are split by a shell.
+class Program : public ::testing::Test {
+  protected:
+    void SetUp() override;
+    void TearDown() override;
+
+    std::string Path(const std::string &name) const { return (directory_ / name).string(); }
+    void Write(const std::string &name, const std::string &text) const;
+    std::string Read(const std::string &name) const;
+    bool Exists(const std::string &name) const { return std::filesystem::exists(directory_ / name); }
+    /// Names of all files the program left in the folder, sorted.
+    std::vector<std::string> Files() const;
+
+    Outcome Run(const std::string &arguments) const { return Wait(Start(arguments)); }
+    /// Expects success, and returns the messages.
+    std::string RunWell(const std::string &arguments) const;
+    /// Expects status 1, an error with all these parts, and no new file.
+    void ExpectError(const std::string &arguments, const std::vector<std::string> &parts) const;
+    /// Renders to `name` and reads it back.
+    ImageFile Render(const std::string &arguments, const std::string &name = "out.exr") const;
+
+    pid_t Start(const std::string &arguments) const;
+    Outcome Wait(pid_t pid) const;
+    /// Polls until the condition holds; false after half a minute.
+    static bool WaitUntil(const std::function<bool()> &condition);
+
+  private:
+    std::filesystem::path directory_, logs_;
+};
+
+/// 32 x 24 pixels, 4 samples; a sphere under a light of two triangles and a point light, written to scene.exr.
+/// `integrator` is added to the parameters of the path integrator (line 5).
+std::string SmallScene(const std::string &integrator = "");
+
+bool Has(const std::string &text, const std::string &part);
+int IntOf(const ImageFile &file, const std::string &attribute);
+double NumberOf(const ImageFile &file, const std::string &attribute);
+std::string TextOf(const ImageFile &file, const std::string &attribute);
+/// All stored values have equal bits.
+bool SamePixels(const ImageFile &a, const ImageFile &b);
+/// What --list-lightsamplers prints; asked once.
+const std::string &LightSamplerListing();
+
+}  // namespace pbrt::test
+
+/// For tests of what only src/ext has. A skipped test shows in every summary.
+#define PBRT_SKIP_WITHOUT_EXT()                                        \
+    if (!::pbrt::test::Has(::pbrt::test::LightSamplerListing(), "\noctree\n")) \
+    GTEST_SKIP() << "NOT TESTED: this build has no src/ext (PBRT_EXT=OFF), so no octree and no mesh lights"

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <map>
+#include <set>
+#include <tuple>
 
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/geometry_builder.h"
@@ -59,12 +61,29 @@ bool Collect(DiagnosticSink &sink, F &&make) {
     }
 }
 
+/// Throws all errors. The first `checked` diagnostics are of CheckSupported: a later error at one of their places is the
+/// factory saying the same again, and is left out.
+void ThrowIfErrors(const DiagnosticSink &sink, size_t checked) {
+    if (!sink.HasErrors()) return;
+    auto place = [](const Diagnostic &d) { return std::tuple(d.loc.file.get(), d.loc.line, d.loc.column); };
+    std::set<std::tuple<const SourceFile *, int, int>> known;
+    std::vector<Diagnostic> errors;
+    for (size_t i = 0; i < sink.All().size(); ++i) {
+        const Diagnostic &d = sink.All()[i];
+        if (d.severity != Severity::Error) continue;
+        if (i < checked) known.insert(place(d));
+        if (i < checked || !d.loc || !known.contains(place(d))) errors.push_back(d);
+    }
+    throw UserError(std::move(errors));
+}
+
 }  // namespace
 
 BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const LightSamplerRegistry &registry,
                       DiagnosticSink &sink, Progress &progress) {
+    // What is not supported is not built, yet everything else is looked at, so that one run reports all mistakes.
     CheckSupported(d, options, sink);
-    sink.ThrowIfErrors();
+    const size_t checked = sink.All().size();
 
     BuiltScene built;
     Transform renderFromWorld;
@@ -128,7 +147,6 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     GeometryBuilder geometry(d, renderFromWorld, *built.textures, sink);
     geometry.BuildMaterials();
     built.textures->CheckAll();
-    sink.ThrowIfErrors();  // before reading meshes, which may take long
 
     progress.BeginPhase("building", geometry.ShapeEntityCount());
     geometry.BuildShapes(progress);
@@ -139,7 +157,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
             parts.lights->Add(MakeLight(l.type, l.params, renderFromWorld * l.ctm.start, renderFromWorld, SpaceOf(l), d.files, sink));
             l.params.ReportUnused(sink);
         });
-    sink.ThrowIfErrors();
+    ThrowIfErrors(sink, checked);
     if (parts.lights->Size() == 0) sink.Warning({}, "the scene has no lights: the image will be black.");
 
     parts.accel->Commit();

@@ -48,6 +48,11 @@ void CheckSupported(const SceneDescription &d, const BuildOptions &options, Diag
         check.Type("Material", m, UnsupportedMaterials());
         check.Parameter("Material", m, "displacement");
     }
+    // volpath sees through interface surfaces when it looks for lights; path, which stands in for it, does not.
+    if (options.integrator.empty() && d.integrator.type == "volpath")
+        for (const MaterialEntity &m : d.materials)
+            if (m.type == "interface" || m.type.empty() || m.type == "none")
+                check.NotBuilt(m.loc, "Integrator \"volpath\" with Material \"interface\"");
     for (const LightEntity &l : d.lights) {
         check.Type("LightSource", l, UnsupportedLights());
         if (l.type == "infinite") check.Parameter("LightSource", l, "portal");

@@ -31,6 +31,7 @@ void CheckWritable(const std::string &filename) {
     const std::vector<std::string> known = {".exr", ".png", ".pfm"};
     if (std::find(known.begin(), known.end(), extension) == known.end())
         throw UserError(fmt::format("{}: images are written as .exr, .png or .pfm, not as \"{}\".", filename, extension));
+    if (std::filesystem::is_directory(path)) throw UserError(fmt::format("{}: is a folder.", filename));
     std::filesystem::path directory = path.parent_path().empty() ? "." : path.parent_path();
     if (!std::filesystem::is_directory(directory))
         throw UserError(fmt::format("{}: the folder {} does not exist.", filename, directory.string()));
@@ -145,6 +146,10 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     built.integrator->Prepare(prepare);
     timings.prepare = std::chrono::duration<double>(std::chrono::steady_clock::now() - prepareStart).count();
     ResetCounters();
+    if (progress.Cancelled()) {
+        LogInfo("Interrupted before rendering: no image was written.");
+        return 130;
+    }
 
     RenderResult result;
     auto write = [&] { WriteImage(filename, built.film->ToImage(), DescribeImage(options, built, result, timings)); };

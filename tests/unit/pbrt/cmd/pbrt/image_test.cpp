@@ -52,8 +52,8 @@ TEST_F(Images, HeaderMatricesMapTheWorldIntoThePicture) {
     const Point3 middle = map("worldToNDC", {0, 0, 0, 1}), right = map("worldToNDC", {1, 0, 0, 1});
     EXPECT_NEAR(middle.x, 0.5f, 1e-5f);
     EXPECT_NEAR(middle.y, 0.5f, 1e-5f);
-    // fov 40 degrees along the 24 rows; 4:3.
-    EXPECT_NEAR(right.x - middle.x, 0.5f / std::sqrt(Float(26)) / std::tan(Float(20 * 3.14159265 / 180)) * 3 / 4, 1e-5f);
+    // As stock: 0 to 1 is the field of view (40 degrees along the shorter axis), not the longer side of the picture.
+    EXPECT_NEAR(right.x - middle.x, 0.5f / std::sqrt(Float(26)) / std::tan(Float(20 * 3.14159265 / 180)), 1e-5f);
     EXPECT_NEAR(right.y, 0.5f, 1e-5f);
 }
 

@@ -50,21 +50,21 @@ TEST_F(LightSamplers, ValuesOfTheLargeRangeSurvive) {
 }
 
 TEST_F(LightSamplers, WrongSpecsAreShownWithTheChoices) {
-    ExpectError("--lightsampler bhv scene.pbrt", {"--lightsampler:1:0", "\"bhv\"", "did you mean \"bvh\"?", "uniform", "power"});
-    ExpectError("--lightsampler bvh:x=1 scene.pbrt", {"--lightsampler:1:4", "\"x\"", "it takes none"});
+    ExpectErrors({{"--lightsampler bhv scene.pbrt", {"--lightsampler:1:0", "\"bhv\"", "valid: bvh", "uniform", "power"}},
+                  {"--lightsampler bvh:x=1 scene.pbrt", {"--lightsampler:1:4", "\"x\"", "it takes none"}}});
     PBRT_SKIP_WITHOUT_EXT();
-    ExpectError("--lightsampler octre scene.pbrt", {"did you mean \"octree\"?"});
-    ExpectError("--lightsampler octree:floor=0.1,leafs=3 scene.pbrt",
-                {"--lightsampler:1:17", "\"leafs\"", "did you mean \"leaves\"?", "prepassspp",
-                 "\n    octree:floor=0.1,leafs=3\n" + std::string(4 + 17, ' ') + "^"});
-    ExpectError("--lightsampler octree:leaves=many scene.pbrt", {"--lightsampler:1:14", "\"many\"", "integer"});
-    ExpectError("--lightsampler octree:leaves=1.5 scene.pbrt", {"\"1.5\"", "integer"});
-    ExpectError("--lightsampler octree:meshlights=yes scene.pbrt", {"\"yes\"", "bool"});
-    ExpectError("--lightsampler octree:leaves scene.pbrt", {"\"leaves=value\""});
-    ExpectError("--lightsampler octree: scene.pbrt", {"leaves"});
-    ExpectError("--lightsampler octree:leaves=63 scene.pbrt", {"--lightsampler:1:7", "63", "64", "16777216"});
-    ExpectError("--lightsampler octree:floor=0 scene.pbrt", {"floor", "0.0001"});
-    ExpectError("--lightsampler octree:floor=nan scene.pbrt", {"floor"});
+    ExpectErrors({{"--lightsampler octre scene.pbrt", {"did you mean \"octree\"?"}},
+                  {"--lightsampler octree:floor=0.1,leavs=3 scene.pbrt",
+                   {"--lightsampler:1:17", "\"leavs\"", "did you mean \"leaves\"?", "prepassspp",
+                    "\n    octree:floor=0.1,leavs=3\n" + std::string(4 + 17, ' ') + "^"}},
+                  {"--lightsampler octree:leaves=many scene.pbrt", {"--lightsampler:1:14", "\"many\"", "integer"}},
+                  {"--lightsampler octree:leaves=1.5 scene.pbrt", {"\"1.5\"", "integer"}},
+                  {"--lightsampler octree:meshlights=yes scene.pbrt", {"\"yes\"", "bool"}},
+                  {"--lightsampler octree:leaves scene.pbrt", {"\"leaves=value\""}},
+                  {"--lightsampler octree: scene.pbrt", {"leaves"}},
+                  {"--lightsampler octree:leaves=63 scene.pbrt", {"--lightsampler:1:7", "63", "64", "16777216"}},
+                  {"--lightsampler octree:floor=0 scene.pbrt", {"floor", "0.0001"}},
+                  {"--lightsampler octree:floor=nan scene.pbrt", {"floor"}}});
 }
 
 TEST_F(LightSamplers, SceneParametersReachTheSampler) {
@@ -88,11 +88,11 @@ TEST_F(LightSamplers, WrongSceneParametersAreErrors) {
     PBRT_SKIP_WITHOUT_EXT();
     const std::string octree = R"("string lightsampler" "octree" )";
     Write("range.pbrt", SmallScene(octree + R"("integer octree.leaves" 1)"));
-    ExpectError("range.pbrt", {"Error: range.pbrt:5:", "leaves", "64", "16777216"});
+    ExpectErrors({{"range.pbrt", {"Error: range.pbrt:5:", "leaves", "64", "16777216"}}});
     Write("name.pbrt", SmallScene(octree + R"("integer octree.leafs" 128)"));
-    ExpectError("name.pbrt", {"Error: name.pbrt:5:", "octree.leafs", "octree.leaves"});
+    ExpectErrors({{"name.pbrt", {"Error: name.pbrt:5:", "octree.leafs", "octree.leaves"}}});
     Write("type.pbrt", SmallScene(octree + R"("float octree.leaves" 128)"));
-    ExpectError("type.pbrt", {"Error: type.pbrt:5:", "octree.leaves", "integer"});
+    ExpectErrors({{"type.pbrt", {"Error: type.pbrt:5:", "octree.leaves", "integer"}}});
 }
 
 TEST_F(LightSamplers, MeshLightsGroupTheTrianglesOfAMesh) {

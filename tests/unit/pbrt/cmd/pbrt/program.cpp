@@ -53,6 +53,7 @@ std::vector<std::string> Program::Files() const {
 pid_t Program::Start(const std::string &arguments) const {
     const pid_t pid = fork();
     if (pid != 0) return pid;
+    alarm(60);  // survives exec: a program that hangs dies, and the test with it
     const std::string log = (logs_ / std::to_string(getpid())).string();
     const std::string command = "cd '" + directory_.string() + "' && exec '" + PBRT_PROGRAM + "' " + arguments + " > " +
                                 log + ".out 2> " + log + ".err";
@@ -75,14 +76,19 @@ std::string Program::RunWell(const std::string &arguments) const {
     return o.err;
 }
 
-void Program::ExpectError(const std::string &arguments, const std::vector<std::string> &parts) const {
+void Program::ExpectErrors(const std::vector<ErrorCase> &cases) const {
     const std::vector<std::string> before = Files();
-    const Outcome o = Run("--quiet " + arguments);
-    EXPECT_EQ(o.status, 1) << arguments;
-    EXPECT_EQ(o.out, "") << arguments;
-    EXPECT_TRUE(o.err.starts_with("Error: ")) << arguments << "\n" << o.err;
-    for (const std::string &part : parts) EXPECT_TRUE(Has(o.err, part)) << arguments << ": " << part << "\n" << o.err;
-    EXPECT_EQ(Files(), before) << arguments;
+    std::vector<pid_t> running;
+    for (const ErrorCase &c : cases) running.push_back(Start("--quiet " + c.arguments));
+    for (size_t i = 0; i < cases.size(); ++i) {
+        const Outcome o = Wait(running[i]);
+        SCOPED_TRACE(cases[i].arguments + "\n" + o.err);
+        EXPECT_EQ(o.status, 1);
+        EXPECT_EQ(o.out, "");
+        EXPECT_TRUE(o.err.starts_with("Error: "));
+        for (const std::string &part : cases[i].parts) EXPECT_TRUE(Has(o.err, part)) << part;
+    }
+    EXPECT_EQ(Files(), before);
 }
 
 ImageFile Program::Render(const std::string &arguments, const std::string &name) const {

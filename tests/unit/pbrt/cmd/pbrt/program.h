@@ -32,8 +32,12 @@ class Program : public ::testing::Test {
     Outcome Run(const std::string &arguments) const { return Wait(Start(arguments)); }
     /// Expects success, and returns the messages.
     std::string RunWell(const std::string &arguments) const;
-    /// Expects status 1, an error with all these parts, and no new file.
-    void ExpectError(const std::string &arguments, const std::vector<std::string> &parts) const;
+    struct ErrorCase {
+        std::string arguments;
+        std::vector<std::string> parts;  ///< of the message
+    };
+    /// Expects status 1, an error with all these parts, and no new file. The cases run at the same time.
+    void ExpectErrors(const std::vector<ErrorCase> &cases) const;
     /// Renders to `name` and reads it back.
     ImageFile Render(const std::string &arguments, const std::string &name = "out.exr") const;
 

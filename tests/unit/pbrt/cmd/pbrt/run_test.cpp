@@ -1,6 +1,7 @@
 #include <signal.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 
@@ -20,8 +21,10 @@ std::string DollhouseWith(const std::string &sampler) {
     return text.replace(at, old.size(), "Sampler \"" + sampler + "\"");
 }
 
-/// The program has its own handler for the interrupt signal (bit 1 of the caught mask).
+/// The process runs pbrt (no longer the shell) and has its own handler for the interrupt signal.
 bool CatchesInterrupt(pid_t pid) {
+    std::error_code gone;
+    if (std::filesystem::read_symlink("/proc/" + std::to_string(pid) + "/exe", gone).filename() != "pbrt") return false;
     std::ifstream status("/proc/" + std::to_string(pid) + "/status");
     for (std::string line; std::getline(status, line);)
         if (line.starts_with("SigCgt:")) return (std::stoull(line.substr(7), nullptr, 16) >> (SIGINT - 1)) & 1;
@@ -47,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(Samplers, Threads,
                          ::testing::Values(std::pair("bvh", "zsobol"), std::pair("octree", "zsobol"),
                                            std::pair("bvh", "halton"), std::pair("octree", "halton"),
                                            std::pair("bvh", "independent"), std::pair("octree", "independent")),
-                         [](const auto &info) { return std::string(info.param.first) + "_" + info.param.second; });
+                         [](const auto &pair) { return std::string(pair.param.first) + "_" + pair.param.second; });
 
 class Budget : public Program {};
 
@@ -89,7 +92,9 @@ TEST_F(Interrupt, SavesWhatWasRendered) {
         const ImageFile file = ReadImage(Path("out.exr"));
         EXPECT_EQ(IntOf(file, "pbrt.interrupted"), 1);
         EXPECT_GE(IntOf(file, "samplesPerPixel"), 1);
-        EXPECT_GT(file.image.Get({16, 12}, 0), 0);
+        Float brightest = 0;
+        for (int x = 0; x < 32; ++x) brightest = std::max(brightest, file.image.Get({x, 20}, 0));
+        EXPECT_GT(brightest, 0);
         for (const char *name : {"out.exr", "mse.txt"}) std::filesystem::remove(Path(name));
         EXPECT_EQ(Files(), (std::vector<std::string>{"reference.exr", "scene.pbrt"}));
     }

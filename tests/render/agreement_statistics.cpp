@@ -1,0 +1,117 @@
+#include "agreement_statistics.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "support/statistics.h"
+
+namespace pbrt::test {
+
+double StudentTail(double t, double dof) {
+    if (!std::isfinite(t)) return 0;
+    // Regularised incomplete beta I_x(a, b), continued fraction by Lentz's method.
+    double x = dof / (dof + t * t), a = dof / 2, b = 0.5;
+    auto fraction = [](double y, double p, double q) {
+        constexpr double kTiny = 1e-300;
+        double c = 1, d = 1 - (p + q) * y / (p + 1);
+        d = 1 / (std::abs(d) < kTiny ? kTiny : d);
+        double h = d;
+        for (int m = 1; m < 500; ++m) {
+            for (double numerator : {m * (q - m) * y / ((p + 2 * m - 1) * (p + 2 * m)),
+                                     -(p + m) * (p + q + m) * y / ((p + 2 * m) * (p + 2 * m + 1))}) {
+                d = 1 + numerator * d;
+                c = 1 + numerator / c;
+                if (std::abs(d) < kTiny) d = kTiny;
+                if (std::abs(c) < kTiny) c = kTiny;
+                d = 1 / d;
+                h *= c * d;
+            }
+            if (std::abs(c * d - 1) < 1e-14) break;
+        }
+        return h;
+    };
+    double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x));
+    if (x <= 0 || x >= 1) return x >= 1 ? 1 : 0;
+    return x < (a + 1) / (a + b + 2) ? front * fraction(x, a, b) / a : 1 - front * fraction(1 - x, b, a) / b;
+}
+
+void PixelStatistics::Add(const Image &image) {
+    resolution_ = image.Resolution();
+    size_t n = static_cast<size_t>(resolution_.x) * static_cast<size_t>(resolution_.y) * 3;
+    sum_.resize(n);
+    squares_.resize(n);
+    size_t i = 0;
+    for (int y = 0; y < resolution_.y; ++y)
+        for (int x = 0; x < resolution_.x; ++x)
+            for (int c = 0; c < 3; ++c, ++i) {
+                auto v = static_cast<double>(image.Get({x, y}, c));
+                sum_[i] += v;
+                squares_[i] += v * v;
+            }
+    ++runs_;
+}
+
+PixelStatistics::Mean PixelStatistics::Of(const Bounds2i &block, int channel) const {
+    double sum = 0, variance = 0, squaredVariance = 0, n = runs_;
+    int pixels = 0;
+    for (int y = block.low.y; y < block.high.y; ++y)
+        for (int x = block.low.x; x < block.high.x; ++x, ++pixels) {
+            size_t i = (static_cast<size_t>(y) * static_cast<size_t>(resolution_.x) + static_cast<size_t>(x)) * 3 + static_cast<size_t>(channel);
+            double mean = sum_[i] / n;
+            double v = std::max(0.0, (squares_[i] / n - mean * mean) / (n - 1));  // of the pixel's mean
+            sum += mean;
+            variance += v;
+            squaredVariance += v * v;
+        }
+    Mean out;
+    out.value = sum / pixels;
+    out.variance = variance / (static_cast<double>(pixels) * pixels);
+    if (squaredVariance > 0) out.dof = (n - 1) * variance * variance / squaredVariance;
+    return out;
+}
+
+Agreement Compare(const PixelStatistics &one, const std::vector<const PixelStatistics *> &others, size_t comparisons,
+                  double alpha) {
+    Point2i size = one.Resolution();
+    std::vector<Bounds2i> blocks = {Bounds2i({0, 0}, size)};
+    for (int side : {16, 48})
+        for (int y = 0; y < size.y; y += side)
+            for (int x = 0; x < size.x; x += side) blocks.push_back(Bounds2i({x, y}, {std::min(x + side, size.x), std::min(y + side, size.y)}));
+
+    Agreement out;
+    out.level = SidakAlpha(alpha, blocks.size() * 3 * comparisons);
+    auto k = static_cast<double>(others.size());
+    double sumOne = 0, sumPool = 0, sumVariance = 0;
+    for (size_t b = 0; b < blocks.size(); ++b)
+        for (int c = 0; c < 3; ++c) {
+            PixelStatistics::Mean m = one.Of(blocks[b], c);
+            double pool = 0, variance = m.variance, ofVariance = m.variance * m.variance / m.dof;
+            for (const PixelStatistics *other : others) {
+                PixelStatistics::Mean o = other->Of(blocks[b], c);
+                double v = o.variance / (k * k);
+                pool += o.value / k;
+                variance += v;
+                ofVariance += v * v / o.dof;
+            }
+            if (b == 0) {
+                sumOne += m.value;
+                sumPool += pool;
+                sumVariance += variance;
+            }
+            double difference = m.value - pool, p = 1;
+            if (variance > 0) p = StudentTail(difference / std::sqrt(variance), variance * variance / ofVariance);
+            else if (std::abs(difference) > 1e-6 * pool) p = 0;
+            if (p < out.worstP) {
+                out.worstP = p;
+                out.worst = b == 0 ? fmt::format("whole image, {}", "RGB"[c])
+                                   : fmt::format("{} px at {},{}, {}: {:+.1f} %", blocks[b].high.x - blocks[b].low.x, blocks[b].low.x,
+                                                 blocks[b].low.y, "RGB"[c], 100 * difference / pool);
+            }
+        }
+    out.difference = sumOne / sumPool - 1;
+    out.error = std::sqrt(sumVariance) / sumPool;
+    return out;
+}
+
+}  // namespace pbrt::test

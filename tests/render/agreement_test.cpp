@@ -1,0 +1,325 @@
+// All light samplers of one scene give the same picture in the mean. Every scene is also rendered by samplers that are
+// broken on purpose, which the same statistic must notice.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+#include "agreement_statistics.h"
+#include "pbrt/build/light_sampler_spec.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/integrators/path_integrator.h"
+#include "pbrt/integrators/render_loop.h"
+#include "plugins.h"
+#include "support/build_text.h"
+#include "support/render_scene.h"
+#include "support/statistics.h"
+
+namespace pbrt::test {
+namespace {
+
+constexpr double kAlpha = 1e-3;  ///< false alarm anywhere in one scene, if the seeds were not fixed
+
+const LightSamplerRegistry &Registry() {
+    static const LightSamplerRegistry registry = [] {
+        LightSamplerRegistry r;
+        RegisterPlugins(r);
+        return r;
+    }();
+    return registry;
+}
+
+std::vector<std::string> Labels() {
+    std::vector<std::string> labels = Registry().Names();
+    bool octree = std::count(labels.begin(), labels.end(), "octree") > 0;
+    if (octree) labels.insert(labels.end(), {"octree:leaves=64", "octree:floor=0.5,prepassspp=4"});
+    if (Registry().HasMeshGrouping()) labels.push_back("bvh+meshlights");
+    return labels;
+}
+
+/// Rows of the table, on standard output at once and in <build>/tables/agreement.txt at the end.
+class Table : public testing::Environment {
+  public:
+    static void Row(const std::string &line) {
+        std::printf("%s\n", line.c_str());
+        std::fflush(stdout);
+        Lines().push_back(line);
+    }
+    static void Row(const std::string &scene, const std::string &sampler, const Agreement &a, const std::string &verdict) {
+        Row(fmt::format("{:<14} {:<30} {:>+8.3f} {:>7.3f}   {:>9.2e} {:>9.2e}  {:<13} {}", scene, sampler, 100 * a.difference,
+                        100 * a.error, a.worstP, a.level, verdict, a.worst));
+    }
+    void SetUp() override {
+        Row(fmt::format("{:<14} {:<30} {:>8} {:>7}   {:>9} {:>9}  {:<13} {}", "scene", "sampler", "mean %", "+- %", "worst p", "level", "verdict", "worst tile"));
+    }
+    void TearDown() override {
+        std::filesystem::path folder = std::filesystem::path(PBRT_BINARY_DIR) / "tables";
+        std::filesystem::create_directories(folder);
+        std::ofstream out(folder / "agreement.txt");
+        for (const std::string &line : Lines()) out << line << "\n";
+    }
+
+  private:
+    static std::vector<std::string> &Lines() {
+        static std::vector<std::string> lines;
+        return lines;
+    }
+};
+const auto *const kTable = testing::AddGlobalTestEnvironment(new Table);
+
+using Wrap = std::function<std::unique_ptr<LightSampler>(std::unique_ptr<LightSampler>, const Scene &)>;
+
+/// A scene built once and rendered with many light samplers and seeds.
+class View {
+  public:
+    View(BuiltScene built, int samplesPerPixel, int runs) : built_(std::move(built)), samplesPerPixel_(samplesPerPixel), runs_(runs) {}
+
+    const Scene &GetScene() const { return *built_.scene; }
+    /// The least powerful of the lights that only light sampling can find.
+    LightId WeakestDelta() const {
+        const LightTable &lights = GetScene().Lights();
+        LightId weakest;
+        for (uint32_t i = 0; i < lights.Size(); ++i)
+            if (IsDelta(lights[LightId(i)].Kind()) &&
+                (!weakest || lights.Candidates()[i].power < lights.Candidates()[weakest.value].power))
+                weakest = LightId(i);
+        return weakest;
+    }
+
+    PixelStatistics Render(const std::string &label, uint32_t firstSeed, const Wrap &wrap = {}) const {
+        size_t plus = label.find('+');
+        LightSamplerSpec spec = ReadLightSamplerSpec(ParamSet(), label.substr(0, plus), plus != std::string::npos, Registry());
+        PixelStatistics statistics;
+        for (int run = 0; run < runs_; ++run) {
+            std::unique_ptr<LightSampler> lights = Registry().Make(*spec.entry, GetScene().Lights(), spec.params, spec.meshLights);
+            if (wrap) lights = wrap(std::move(lights), GetScene());
+            statistics.Add(RenderOnce(std::move(lights), static_cast<int>(firstSeed) + run));
+        }
+        return statistics;
+    }
+
+  private:
+    Image RenderOnce(std::unique_ptr<LightSampler> lights, int seed) const {
+        IntegratorContext context{GetScene(), *built_.camera, samplesPerPixel_, true};
+        PathSettings path;
+        path.maxDepth = built_.maxDepth;
+        PathIntegrator integrator(context, path, std::move(lights));
+        Progress progress;
+        PrepareContext prepare{GetScene(), *built_.camera, *built_.filter, built_.film->PixelBounds(), seed, samplesPerPixel_, built_.maxDepth, progress};
+        integrator.Prepare(prepare);
+
+        DiagnosticSink sink;
+        Point2i resolution = built_.film->FullResolution();
+        ParamSet film("Film \"rgb\"", {});
+        auto add = [&](ParamType type, const char *name, int value) {
+            Param p;
+            p.type = type;
+            p.name = name;
+            if (type == ParamType::Bool) p.bools = {static_cast<uint8_t>(value)};
+            else p.ints = {value};
+            film.Add(p);
+        };
+        add(ParamType::Integer, "xresolution", resolution.x);
+        add(ParamType::Integer, "yresolution", resolution.y);
+        add(ParamType::Bool, "savefp16", 0);
+        RgbFilm image(film, built_.film->OutputSpace(), 1, {}, sink);
+        RenderSettings settings;
+        settings.samplesPerPixel = samplesPerPixel_;
+        auto makeSampler = [&](int) { return MakeSampler("independent", ParamSet(), resolution, samplesPerPixel_, seed, sink); };
+        RenderWaves(integrator, *built_.camera, *built_.filter, image, makeSampler, settings, progress);
+        return image.ToImage();
+    }
+
+    BuiltScene built_;
+    int samplesPerPixel_, runs_;
+};
+
+/// The text of a scene, stock's layered coats replaced: their estimator's mean depends on how lights are chosen.
+std::string WithoutCoats(const std::string &file) {
+    std::ifstream in(std::string(PBRT_SOURCE_DIR) + "/" + file);
+    std::stringstream text;
+    text << in.rdbuf();
+    return std::regex_replace(text.str(), std::regex("Material \"coateddiffuse\"[^\n]*"), "Material \"conductor\" \"float roughness\" 0.3");
+}
+
+/// All samplers against each other. The renders are handed on, for the tests of power.
+std::vector<PixelStatistics> ExpectAgreement(const std::string &name, const View &view, std::vector<std::string> labels = Labels()) {
+    std::vector<PixelStatistics> renders;
+    for (size_t i = 0; i < labels.size(); ++i) renders.push_back(view.Render(labels[i], static_cast<uint32_t>(1000 * (i + 1))));
+    for (size_t i = 0; i < labels.size(); ++i) {
+        std::vector<const PixelStatistics *> others;
+        for (size_t k = 0; k < labels.size(); ++k)
+            if (k != i) others.push_back(&renders[k]);
+        Agreement a = Compare(renders[i], others, labels.size(), kAlpha);
+        Table::Row(name, labels[i], a, a.Agrees() ? "agrees" : "DISAGREES");
+        EXPECT_TRUE(a.Agrees()) << labels[i] << ": p " << a.worstP << " at " << a.worst;
+    }
+    return renders;
+}
+
+/// The statistic sees what a broken sampler does.
+void ExpectNoticed(const std::string &name, const std::string &what, const View &view, const std::vector<PixelStatistics> &good,
+                   const std::string &label, const Wrap &wrap) {
+    std::vector<const PixelStatistics *> others;
+    for (const PixelStatistics &g : good) others.push_back(&g);
+    Agreement a = Compare(view.Render(label, 500000, wrap), others, good.size(), kAlpha);
+    Table::Row(name, what, a, a.Agrees() ? "NOT NOTICED" : "noticed");
+    EXPECT_FALSE(a.Agrees()) << what << ": p " << a.worstP;
+}
+
+/// A sampler whose probabilities are tampered with; Sample and PMF stay consistent.
+class Tampered final : public LightSampler {
+  public:
+    using Change = std::function<Float(const LightQuery &, LightId, Float)>;
+    Tampered(std::unique_ptr<LightSampler> inner, Change change) : inner_(std::move(inner)), change_(std::move(change)) {}
+    void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
+    std::optional<SampledLight> Sample(const LightQuery &q, Float u) const override {
+        std::optional<SampledLight> s = inner_->Sample(q, u);
+        if (s) s->pmf = change_(q, s->light, s->pmf);
+        return s && s->pmf > 0 ? s : std::nullopt;
+    }
+    Float PMF(const LightQuery &q, LightId light) const override { return change_(q, light, inner_->PMF(q, light)); }
+
+  private:
+    std::unique_ptr<LightSampler> inner_;
+    Change change_;
+};
+
+Wrap Tamper(Tampered::Change change) {
+    return [change](std::unique_ptr<LightSampler> inner, const Scene &) { return std::make_unique<Tampered>(std::move(inner), change); };
+}
+
+/// With "floor=0.0001": what the octree did not see gets nothing.
+const Wrap kNoFloor = Tamper([](const LightQuery &, LightId, Float pmf) { return pmf <= Float(1.01e-4) ? 0 : pmf; });
+constexpr const char *kLeastFloor = "octree:floor=0.0001";
+
+bool HasOctree() {
+    std::vector<std::string> names = Registry().Names();
+    return std::count(names.begin(), names.end(), "octree") > 0;
+}
+
+BuildOptions Reduced(int divisor) {
+    BuildOptions options;
+    options.film.resolutionDivisor = divisor;
+    return options;
+}
+
+TEST(LightSamplersAgree, TwelveLights) {
+    std::string file = "tests/conformance/suite/scenes/lightsamplers/twelve_lights_bvh.pbrt";
+    View view(BuildFile(std::string(PBRT_SOURCE_DIR) + "/" + file), 16, 8);
+    auto good = ExpectAgreement("twelve_lights", view);
+    ExpectNoticed("twelve_lights", "bvh, 3 % off on one side", view, good, "bvh",
+                  Tamper([](const LightQuery &q, LightId, Float pmf) { return q.p.x > 0 ? pmf * Float(1.03) : pmf; }));
+    ExpectNoticed("twelve_lights", "bvh without one lamp", view, good, "bvh",
+                  Tamper([lamp = view.WeakestDelta()](const LightQuery &, LightId light, Float pmf) {
+                      return light == lamp ? 0 : pmf;
+                  }));
+}
+
+/// Lights in a chamber that only paths of several bounces see. The scene's innermost baffle is taken away: with it the
+/// chamber adds less than a percent to the picture. A prepass of one vertex sees none of these lights.
+TEST(LightSamplersAgree, Deep) {
+    std::string text = WithoutCoats("scenes/deep/deep.pbrt"), baffle = "Shape \"bilinearmesh\" \"point3 P\" [ -2 0 4";
+    size_t at = text.find(baffle);
+    ASSERT_NE(at, std::string::npos);
+    text.erase(at, text.find('\n', at) - at);
+    View view(BuildText(text, Reduced(2)), 24, 8);
+    std::vector<std::string> labels = Labels();
+    if (HasOctree()) labels.push_back("octree:depth=1");
+    auto good = ExpectAgreement("deep", view, labels);
+    if (HasOctree())
+        ExpectNoticed("deep", "octree:depth=1 without floor", view, good, std::string(kLeastFloor) + ",depth=1", kNoFloor);
+}
+
+TEST(LightSamplersAgree, Slit) {
+    View view(BuildText(WithoutCoats("scenes/slit/slit.pbrt"), Reduced(2)), 16, 8);
+    auto good = ExpectAgreement("slit", view);
+    if (HasOctree())
+        ExpectNoticed("slit", "octree without floor", view, good, std::string(kLeastFloor) + ",leaves=65536", kNoFloor);
+}
+
+TEST(LightSamplersAgree, Dollhouse) {
+    View view(BuildText(WithoutCoats("scenes/dollhouse/dollhouse.pbrt"), Reduced(5)), 24, 8);
+    auto good = ExpectAgreement("dollhouse", view);
+    if (HasOctree()) ExpectNoticed("dollhouse", "octree without floor", view, good, kLeastFloor, kNoFloor);
+}
+
+TEST(LightSamplersAgree, VeachAjar) {
+    std::string folder = RealScenes();
+    if (folder.empty()) GTEST_SKIP() << "*** Veach-Ajar not found: not compared ***";
+    View view(BuildFile(folder + "veach-ajar/veach-ajar.pbrt", Reduced(8)), 16, 8);
+    ExpectAgreement("veach-ajar", view);
+}
+
+/// A closed box of emitting diffuse walls: radiance L (1 + r + ... + r^depth) everywhere, whatever light is chosen.
+TEST(LightSamplersAgree, FurnaceHasTheAnalyticRadiance) {
+    std::string text = R"(LookAt 0.2 0.1 -0.5  0 0 1  0 1 0
+Camera "perspective" "float fov" 90
+Film "rgb" "integer xresolution" 32 "integer yresolution" 32
+PixelFilter "box"
+Integrator "path" "integer maxdepth" 4
+WorldBegin
+Material "diffuse" "spectrum reflectance" [ 300 0.5 900 0.5 ]
+AreaLightSource "diffuse" "rgb L" [ 1 1 1 ] "bool twosided" true
+Shape "trianglemesh" "point3 P" [ -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1  -1 -1 1  1 -1 1  1 1 1  -1 1 1 ]
+  "integer indices" [ 0 1 2 0 2 3  4 6 5 4 7 6 ]
+Shape "trianglemesh" "point3 P" [ -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1  -1 -1 1  1 -1 1  1 1 1  -1 1 1 ]
+  "integer indices" [ 0 5 1 0 4 5  1 6 2 1 5 6 ]
+Shape "trianglemesh" "point3 P" [ -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1  -1 -1 1  1 -1 1  1 1 1  -1 1 1 ]
+  "integer indices" [ 2 7 3 2 6 7  3 4 0 3 7 4 ]
+)";
+    View view(BuildText(text), 32, 6);
+    constexpr double kExpected = 1 + 0.5 + 0.25 + 0.125 + 0.0625;
+    for (const std::string &label : Labels()) {
+        PixelStatistics s = view.Render(label, 7);
+        double worst = 1;
+        for (int c = 0; c < 3; ++c) {
+            PixelStatistics::Mean m = s.Of(Bounds2i({0, 0}, s.Resolution()), c);
+            // The RGB to spectrum table is exact to a thousandth.
+            double off = std::max(0.0, std::abs(m.value - kExpected) - 1e-3 * kExpected);
+            worst = std::min(worst, StudentTail(off / std::sqrt(m.variance), m.dof));
+            EXPECT_LT(std::sqrt(m.variance), 0.005 * kExpected) << "too noisy to tell";
+        }
+        double level = SidakAlpha(kAlpha, 3 * Labels().size());
+        Agreement a;
+        a.difference = s.Of(Bounds2i({0, 0}, s.Resolution()), 1).value / kExpected - 1;
+        a.error = std::sqrt(s.Of(Bounds2i({0, 0}, s.Resolution()), 1).variance) / kExpected;
+        a.worstP = worst;
+        a.level = level;
+        Table::Row("furnace", label, a, a.Agrees() ? "agrees" : "DISAGREES");
+        EXPECT_TRUE(a.Agrees()) << label;
+    }
+}
+
+TEST(LightSamplersAgree, OneThreadAndThreeGiveTheSameBits) {
+    for (const std::string &label : Labels()) {
+        RenderRequest request;
+        request.file = std::string(PBRT_SOURCE_DIR) + "/scenes/slit/slit.pbrt";
+        request.build = Reduced(4);
+        request.build.samplesPerPixel = 4;
+        request.build.lightSampler = label.substr(0, label.find('+'));
+        request.build.meshLights = label.find('+') != std::string::npos;
+        auto render = [&](int threads) {
+            ThreadLimit limit(threads);
+            return RenderScene(request).image;
+        };
+        Image one = render(1), three = render(3);
+        ASSERT_EQ(one.ValueCount(), three.ValueCount());
+        EXPECT_EQ(std::memcmp(one.Data(), three.Data(), one.Bytes()), 0) << label;
+    }
+}
+
+TEST(AgreementStatistic, StudentTailIsStudents) {
+    // Values of printed tables.
+    EXPECT_NEAR(StudentTail(2.571, 5), 0.05, 1e-4);
+    EXPECT_NEAR(StudentTail(-3.169, 10), 0.01, 1e-4);
+    EXPECT_NEAR(StudentTail(12.706, 1), 0.05, 1e-4);
+    EXPECT_NEAR(StudentTail(5.0, 1e6), NormalTail(5.0), 1e-9);
+    EXPECT_EQ(StudentTail(0, 3), 1);
+}
+
+}  // namespace
+}  // namespace pbrt::test

@@ -27,7 +27,8 @@ std::vector<ErrorScene> ErrorScenes() {
     for (const nlohmann::json &entry : nlohmann::json::parse(in)) {
         if (entry.at("category") != "errors") continue;
         const nlohmann::json &expected = entry.at("expected");
-        scenes.push_back({entry.at("name"), kSuite + entry.at("scene").get<std::string>(), expected.at("exit") == "zero",
+        scenes.push_back({entry.at("name"), kSuite + entry.at("scene").get<std::string>(),
+                          expected.at("exit") == "zero",
                           expected.at("line").is_null() ? 0 : expected.at("line").get<int>()});
     }
     return scenes;
@@ -153,20 +154,22 @@ TEST_F(Errors, UnknownLightSamplerOfAScene) {
 }
 
 TEST_F(Errors, MissingSceneFileIsNamed) {
-    ExpectErrors({{"nowhere.pbrt", {"nowhere.pbrt", "No such file or directory"}},
-                  {".", {"is a directory"}}});
+    ExpectErrors({{"nowhere.pbrt", {"nowhere.pbrt", "No such file or directory"}}, {".", {"is a directory"}}});
 }
 
 TEST_F(Errors, AnImageThatCannotBeWrittenIsFoundBeforeRendering) {
     Write("scene.pbrt", SmallScene());
     std::filesystem::create_directory(Path("folder.exr"));
-    ExpectErrors({{"--spp 100000000 --outfile nowhere/out.exr scene.pbrt", {"nowhere/out.exr", "the folder nowhere does not exist"}},
-                  {"--spp 100000000 --outfile out.bmp scene.pbrt", {"out.bmp", ".exr, .png or .pfm"}},
-                  {"--spp 100000000 --outfile folder.exr scene.pbrt", {"folder.exr", "is a folder"}},
-                  {"--spp 100000000 --mse-reference-image none.exr --mse-reference-out mse.txt scene.pbrt", {"none.exr"}}});
+    ExpectErrors(
+        {{"--spp 100000000 --outfile nowhere/out.exr scene.pbrt",
+          {"nowhere/out.exr", "the folder nowhere does not exist"}},
+         {"--spp 100000000 --outfile out.bmp scene.pbrt", {"out.bmp", ".exr, .png or .pfm"}},
+         {"--spp 100000000 --outfile folder.exr scene.pbrt", {"folder.exr", "is a folder"}},
+         {"--spp 100000000 --mse-reference-image none.exr --mse-reference-out mse.txt scene.pbrt", {"none.exr"}}});
     if (geteuid() != 0) {
         std::filesystem::create_directory(Path("locked"));
-        std::filesystem::permissions(Path("locked"), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+        std::filesystem::permissions(Path("locked"),
+                                     std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
         ExpectErrors({{"--spp 100000000 --outfile locked/out.exr scene.pbrt", {"not writable"}}});
     }
 }

@@ -41,11 +41,29 @@ TEST_F(Flags, HelpNamesEveryFlagAndRendersNothing) {
         const Outcome o = Run(std::string(flag) + " scene.pbrt");
         EXPECT_EQ(o.status, 0);
         EXPECT_EQ(o.err, "");
-        for (const char *name : {"--cropwindow", "--pixelbounds", "--pixel ", "--outfile", "--write-partial-images",
-                                 "--mse-reference-image", "--mse-reference-out", "--spp", "--time", "--seed", "--nthreads",
-                                 "--quick", "--lightsampler", "--mesh-lights", "--list-lightsamplers", "--integrator",
-                                 "--maxdepth", "--disable-pixel-jitter", "--disable-wavelength-jitter",
-                                 "--disable-texture-filtering", "--render-coord-sys", "--quiet", "--stats"})
+        for (const char *name : {"--cropwindow",
+                                 "--pixelbounds",
+                                 "--pixel ",
+                                 "--outfile",
+                                 "--write-partial-images",
+                                 "--mse-reference-image",
+                                 "--mse-reference-out",
+                                 "--spp",
+                                 "--time",
+                                 "--seed",
+                                 "--nthreads",
+                                 "--quick",
+                                 "--lightsampler",
+                                 "--mesh-lights",
+                                 "--list-lightsamplers",
+                                 "--integrator",
+                                 "--maxdepth",
+                                 "--disable-pixel-jitter",
+                                 "--disable-wavelength-jitter",
+                                 "--disable-texture-filtering",
+                                 "--render-coord-sys",
+                                 "--quiet",
+                                 "--stats"})
             EXPECT_TRUE(Has(o.out, name)) << flag << " " << name;
     }
     EXPECT_EQ(Files(), before);

@@ -59,7 +59,8 @@ TEST_F(Images, HeaderMatricesMapTheWorldIntoThePicture) {
 
 TEST_F(Images, ErrorAgainstAReferenceFallsWaveByWave) {
     Render("--spp 400 --seed 99 scene.pbrt", "reference.exr");
-    const ImageFile file = Render("--spp 64 --mse-reference-image reference.exr --mse-reference-out mse.txt scene.pbrt");
+    const ImageFile file =
+        Render("--spp 64 --mse-reference-image reference.exr --mse-reference-out mse.txt scene.pbrt");
     std::istringstream lines(Read("mse.txt"));
     std::vector<int> spp;
     std::vector<double> mse;
@@ -81,7 +82,6 @@ TEST_F(Images, ErrorAgainstAReferenceFallsWaveByWave) {
 }
 
 TEST_F(Images, PartialImagesShowTheWavesSoFar) {
-    // The reference log tells when a wave is over; the image then holds at least the wave before.
     const pid_t pid = Start("--spp 100000000 --write-partial-images --outfile out.exr scene.pbrt");
     EXPECT_TRUE(WaitUntil([&] { return Exists("out.exr"); }));
     const ImageFile partial = ReadImage(Path("out.exr"));

@@ -1,5 +1,5 @@
-#include <sstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "program.h"
 
@@ -44,14 +44,16 @@ TEST_F(LightSamplers, SpecOnTheCommandLineReachesTheSamplerAndTheImage) {
 
 TEST_F(LightSamplers, ValuesOfTheLargeRangeSurvive) {
     PBRT_SKIP_WITHOUT_EXT();
-    EXPECT_EQ(Parameters(Render("--lightsampler octree:leaves=1000,meshlights=false scene.pbrt")).at("meshlights"), false);
+    EXPECT_EQ(Parameters(Render("--lightsampler octree:leaves=1000,meshlights=false scene.pbrt")).at("meshlights"),
+              false);
     EXPECT_LT(IntOf(Render("--lightsampler octree:leaves=64 scene.pbrt"), "lightSampler.leaves"),
               IntOf(Render("--lightsampler octree:leaves=4096 scene.pbrt"), "lightSampler.leaves"));
 }
 
 TEST_F(LightSamplers, WrongSpecsAreShownWithTheChoices) {
-    ExpectErrors({{"--lightsampler bhv scene.pbrt", {"--lightsampler:1:0", "\"bhv\"", "valid: bvh", "uniform", "power"}},
-                  {"--lightsampler bvh:x=1 scene.pbrt", {"--lightsampler:1:4", "\"x\"", "it takes none"}}});
+    ExpectErrors(
+        {{"--lightsampler bhv scene.pbrt", {"--lightsampler:1:0", "\"bhv\"", "valid: bvh", "uniform", "power"}},
+         {"--lightsampler bvh:x=1 scene.pbrt", {"--lightsampler:1:4", "\"x\"", "it takes none"}}});
     PBRT_SKIP_WITHOUT_EXT();
     ExpectErrors({{"--lightsampler octre scene.pbrt", {"did you mean \"octree\"?"}},
                   {"--lightsampler octree:floor=0.1,leavs=3 scene.pbrt",
@@ -69,7 +71,8 @@ TEST_F(LightSamplers, WrongSpecsAreShownWithTheChoices) {
 
 TEST_F(LightSamplers, SceneParametersReachTheSampler) {
     PBRT_SKIP_WITHOUT_EXT();
-    Write("octree.pbrt", SmallScene(R"("string lightsampler" "octree" "integer octree.leaves" 128 "float octree.floor" 0.2)"));
+    Write("octree.pbrt",
+          SmallScene(R"("string lightsampler" "octree" "integer octree.leaves" 128 "float octree.floor" 0.2)"));
     const ImageFile file = Render("octree.pbrt");
     EXPECT_EQ(TextOf(file, "lightSampler"), "octree");
     EXPECT_EQ(Parameters(file).at("leaves"), 128);
@@ -98,7 +101,8 @@ TEST_F(LightSamplers, WrongSceneParametersAreErrors) {
 TEST_F(LightSamplers, MeshLightsGroupTheTrianglesOfAMesh) {
     PBRT_SKIP_WITHOUT_EXT();
     Write("meshlights.pbrt", SmallScene(R"("bool meshlights" true)"));
-    for (const char *arguments : {"--mesh-lights scene.pbrt", "meshlights.pbrt", "--lightsampler bvh meshlights.pbrt"}) {
+    for (const char *arguments :
+         {"--mesh-lights scene.pbrt", "meshlights.pbrt", "--lightsampler bvh meshlights.pbrt"}) {
         const ImageFile file = Render(arguments);
         EXPECT_EQ(TextOf(file, "lightSampler"), "bvh+meshlights") << arguments;
         EXPECT_EQ(IntOf(file, "lightSampler.lights"), 3) << arguments;

@@ -66,6 +66,6 @@ const std::string &LightSamplerListing();
 }  // namespace pbrt::test
 
 /// For tests of what only src/ext has. A skipped test shows in every summary.
-#define PBRT_SKIP_WITHOUT_EXT()                                        \
+#define PBRT_SKIP_WITHOUT_EXT()                                                \
     if (!::pbrt::test::Has(::pbrt::test::LightSamplerListing(), "\noctree\n")) \
     GTEST_SKIP() << "NOT TESTED: this build has no src/ext (PBRT_EXT=OFF), so no octree and no mesh lights"

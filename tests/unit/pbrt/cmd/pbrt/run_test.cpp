@@ -39,8 +39,8 @@ TEST_P(Threads, NumberOfThreadsDoesNotChangeThePixels) {
     const auto [lightSampler, pixelSampler] = GetParam();
     if (std::string(lightSampler) == "octree") PBRT_SKIP_WITHOUT_EXT();
     Write("scene.pbrt", DollhouseWith(pixelSampler));
-    const std::string arguments =
-        std::string("--spp 3 --cropwindow 0.4,0.55,0.4,0.55 --lightsampler ") + lightSampler + " scene.pbrt --nthreads ";
+    const std::string arguments = std::string("--spp 3 --cropwindow 0.4,0.55,0.4,0.55 --lightsampler ") + lightSampler +
+                                  " scene.pbrt --nthreads ";
     const ImageFile one = Render(arguments + "1"), two = Render(arguments + "2"), three = Render(arguments + "3");
     EXPECT_TRUE(SamePixels(one, two));
     EXPECT_TRUE(SamePixels(one, three));
@@ -80,8 +80,9 @@ TEST_F(Interrupt, SavesWhatWasRendered) {
     Render("--spp 1 scene.pbrt", "reference.exr");
     for (int signal : {SIGINT, SIGTERM}) {
         // The log's first line says that rendering is under way.
-        const pid_t pid = Start("--spp 100000000 --outfile out.exr --mse-reference-image reference.exr "
-                                "--mse-reference-out mse.txt scene.pbrt");
+        const pid_t pid = Start(
+            "--spp 100000000 --outfile out.exr --mse-reference-image reference.exr "
+            "--mse-reference-out mse.txt scene.pbrt");
         EXPECT_TRUE(WaitUntil([&] { return !Read("mse.txt").empty(); }));
         EXPECT_FALSE(Exists("out.exr"));
         kill(pid, signal);

@@ -40,7 +40,7 @@ struct Agreement {
     bool Agrees() const { return worstP > level; }
 };
 
-/// Blocks of 16 and of 48 pixels, and the whole image.
+/// Blocks of 16 and of 48 pixels, where less than 1 % is let pass, and the whole image.
 Agreement Compare(const PixelStatistics &one, const std::vector<const PixelStatistics *> &others, size_t comparisons,
                   double alpha);
 

@@ -244,7 +244,8 @@ TEST(LightSamplersAgree, Slit) {
 TEST(LightSamplersAgree, Dollhouse) {
     View view(BuildText(WithoutCoats("scenes/dollhouse/dollhouse.pbrt"), Reduced(5)), 24, 8);
     auto good = ExpectAgreement("dollhouse", view);
-    if (HasOctree()) ExpectNoticed("dollhouse", "octree without floor", view, good, kLeastFloor, kNoFloor);
+    if (HasOctree())
+        ExpectNoticed("dollhouse", "octree:depth=1 without floor", view, good, std::string(kLeastFloor) + ",depth=1,leaves=65536", kNoFloor);
 }
 
 TEST(LightSamplersAgree, VeachAjar) {

@@ -37,7 +37,7 @@ error() { # relL2 of NAME against the reference; imgtool diff says so and return
 error --outfile "$out/error-uniform.exr" "$out/uniform.exr" > "$out/uniform.txt"
 error --outfile "$out/error-octree.exr" "$out/octree.exr" > "$out/octree.txt"
 "$imgtool" diff --metric MAE --reference "$out/uniform.exr" --outfile "$out/difference.exr" "$out/octree.exr" > /dev/null 2>&1 || true
-"$imgtool" falsecolor --outfile "$out/difference.png" "$out/difference.exr" > /dev/null
+"$imgtool" falsecolor --maxvalue 0.5 --outfile "$out/difference.png" "$out/difference.exr" > /dev/null
 value() { grep -oE "relL2[^0-9]*[0-9.e+-]+" "$1" | grep -oE "[0-9.][0-9.e+-]*$" | tail -1; }
 u=$(value "$out/uniform.txt")
 o=$(value "$out/octree.txt")

@@ -6,6 +6,7 @@
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/geometry_builder.h"
 #include "pbrt/build/integrator_builder.h"
+#include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/lights/light_factory.h"
@@ -102,8 +103,13 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     // Film, camera, filter, sampler: cheap, so their mistakes are found before any geometry is read.
     FilmOverrides film = options.film;
     if (options.quick) film.resolutionDivisor = 4;
-    Float exposure = d.camera.params.GetFloat("shutterclose", 1) - d.camera.params.GetFloat("shutteropen", 0);
+    Float exposure = 1;
+    Collect(sink, [&] {  // a reversed interval is swapped by the camera, with a warning
+        exposure = std::abs(d.camera.params.GetFloat("shutterclose", 1) - d.camera.params.GetFloat("shutteropen", 0));
+    });
     Collect(sink, [&] { CheckAccelerator(d.accelerator, sink); });
+    if (d.integrator.type == "path" || d.integrator.type == "volpath")
+        Collect(sink, [&] { ReadLightSamplerSpec(d.integrator.params, options.lightSampler, options.meshLights, registry); });
     Collect(sink, [&] {
         built.filter = MakeFilter(d.filter.type, d.filter.params);
         d.filter.params.ReportUnused(sink);

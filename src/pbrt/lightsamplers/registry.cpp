@@ -44,6 +44,9 @@ std::string LightSamplerRegistry::Listing() const {
             out += fmt::format("    {} {}.{} = {}{}\n        {}\n", p.type, name, p.name, p.defaultValue,
                                p.range.empty() ? "" : fmt::format(" ({})", p.range), p.help);
     }
+    if (meshGrouping_)
+        out += "\nEvery sampler without a parameter \"meshlights\" of its own takes \"bool meshlights\" of the integrator (--mesh-lights):\n"
+               "    an emissive mesh is one light; inside it a triangle is chosen by its share of the power.\n";
     return out;
 }
 

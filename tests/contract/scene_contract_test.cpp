@@ -38,8 +38,10 @@ std::vector<std::string> SamplerLabels() {
 
 std::unique_ptr<LightSampler> MakePrepared(const std::string &label, const SceneFixture &fixture) {
     size_t plus = label.find('+');
-    LightSamplerSpec spec = ReadLightSamplerSpec(ParamSet(), label.substr(0, plus), plus != std::string::npos, Registry());
-    std::unique_ptr<LightSampler> sampler = Registry().Make(*spec.entry, fixture.Lights(), spec.params, spec.meshLights);
+    LightSamplerSpec spec =
+        ReadLightSamplerSpec(ParamSet(), label.substr(0, plus), plus != std::string::npos, Registry());
+    std::unique_ptr<LightSampler> sampler =
+        Registry().Make(*spec.entry, fixture.Lights(), spec.params, spec.meshLights);
     fixture.Prepare(*sampler);
     return sampler;
 }
@@ -111,13 +113,15 @@ TEST_P(SceneContract, PmfSumsToOneUnlessNothingIsReturned) {
         int empty = 0;
         for (int i = 0; i < n; ++i) empty += !Sample(q, (static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(n));
         double missing = std::max(0.0, 1 - S().sum[q]);
-        EXPECT_NEAR(static_cast<double>(empty) / n, missing, 1e-4 + 4 * std::sqrt(missing * (1 - missing) / n)) << "query " << q;
+        EXPECT_NEAR(static_cast<double>(empty) / n, missing, 1e-4 + 4 * std::sqrt(missing * (1 - missing) / n))
+            << "query " << q;
     }
 }
 
 TEST_P(SceneContract, FrequenciesMatchThePmf) {
     int n = Samples(10000);
-    // Lights far apart in number share no cell; neighbours of a big mesh do, or every cell would be expected to be empty.
+    // Lights far apart in number share no cell; neighbours of a big mesh do, or every cell would be expected to be
+    // empty.
     size_t cell = (LightCount() + 127) / 128;
     std::vector<double> pValues;
     for (size_t q = 0; q < QueryCount(); ++q) {
@@ -131,11 +135,14 @@ TEST_P(SceneContract, FrequenciesMatchThePmf) {
         for (size_t i = 0; i < LightCount(); ++i) expected[i / cell] += static_cast<double>(S().pmf[q][i]) * n;
         // The sum of the PMF is rounded: a share of empty answers this small cannot be told from none.
         double missing = 1 - S().sum[q];
-        if (missing > 1e-5 || observed[cells] > 2) expected[cells] = std::max(missing, 0.0) * n;
-        else observed[cells] = 0;
+        if (missing > 1e-5 || observed[cells] > 2)
+            expected[cells] = std::max(missing, 0.0) * n;
+        else
+            observed[cells] = 0;
         pValues.push_back(ChiSquareTest(observed, expected));
     }
-    for (size_t q = 0; q < pValues.size(); ++q) EXPECT_GT(pValues[q], SidakAlpha(1e-5, pValues.size())) << "query " << q;
+    for (size_t q = 0; q < pValues.size(); ++q)
+        EXPECT_GT(pValues[q], SidakAlpha(1e-5, pValues.size())) << "query " << q;
 }
 
 TEST_P(SceneContract, PositiveWhereverALightContributes) {
@@ -144,7 +151,8 @@ TEST_P(SceneContract, PositiveWhereverALightContributes) {
         for (size_t i = 0; i < LightCount(); ++i) {
             if (!(Fixture().contribution[q][i] > 0)) continue;
             ++contributing;
-            EXPECT_GT(S().pmf[q][i], 0) << "query " << q << " light " << i << " contributes " << Fixture().contribution[q][i];
+            EXPECT_GT(S().pmf[q][i], 0) << "query " << q << " light " << i << " contributes "
+                                        << Fixture().contribution[q][i];
         }
     if (!Fixture().dark) {
         EXPECT_GT(contributing, QueryCount() / 8) << "a fixture that tests nothing";
@@ -210,7 +218,8 @@ TEST_P(SceneContract, PreparedTheSameByOneThreadAndByThree) {
     size_t step = LightCount() / 200 + 1;
     for (size_t q = 0; q < QueryCount(); ++q) {
         for (size_t i = q % step; i < LightCount(); i += step)
-            ASSERT_EQ(one->PMF(Query(q), LightId(i)), three->PMF(Query(q), LightId(i))) << "query " << q << " light " << i;
+            ASSERT_EQ(one->PMF(Query(q), LightId(i)), three->PMF(Query(q), LightId(i)))
+                << "query " << q << " light " << i;
         for (uint64_t i = 0; i < 20; ++i) {
             auto a = one->Sample(Query(q), HashFloat(i)), b = three->Sample(Query(q), HashFloat(i));
             ASSERT_EQ(a.has_value(), b.has_value());
@@ -227,7 +236,8 @@ TEST(SceneContractProgram, RunsForEveryFixture) {
 }
 
 std::string Identifier(std::string s) {
-    std::replace_if(s.begin(), s.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+    std::replace_if(
+        s.begin(), s.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
     return s;
 }
 

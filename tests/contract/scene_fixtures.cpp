@@ -34,8 +34,10 @@ Scale {3} {3} {3}
     }
     Text &Quad(const Point3 &p, const Vector3 &a, const Vector3 &b, const std::string &before = "") {
         Point3 q = p + a, r = p + b, s = p + a + b;
-        return Add(fmt::format("AttributeBegin\n{}\nShape \"bilinearmesh\" \"point3 P\" [ {} {} {}  {} {} {}  {} {} {}  {} {} {} ]\nAttributeEnd",
-                               before, p.x, p.y, p.z, q.x, q.y, q.z, r.x, r.y, r.z, s.x, s.y, s.z));
+        return Add(
+            fmt::format("AttributeBegin\n{}\nShape \"bilinearmesh\" \"point3 P\" [ {} {} {}  {} {} {}  {} {} {}  {} {} "
+                        "{} ]\nAttributeEnd",
+                        before, p.x, p.y, p.z, q.x, q.y, q.z, r.x, r.y, r.z, s.x, s.y, s.z));
     }
     /// Two rooms side by side, open to the camera, a door between them.
     Text &Rooms() {
@@ -45,28 +47,35 @@ Scale {3} {3} {3}
         Quad({-3, 0, -3}, {0, 0, 6}, {0, 2.5f, 0}).Quad({3, 0, -3}, {0, 0, 6}, {0, 2.5f, 0});
         Quad({0, 0, -2}, {0, 0, 2.5f}, {0, 2.5f, 0}).Quad({0, 0, 1}, {0, 0, 2}, {0, 2.5f, 0});
         Sphere({-1.2f, 0.5f, 0.5f}, 0.5f);
-        return Add("AttributeBegin\nMaterial \"dielectric\" \"float roughness\" 0.3\n"
-                   "Translate 1.2 0.4 0.3\nShape \"sphere\" \"float radius\" 0.4\nAttributeEnd");
+        return Add(
+            "AttributeBegin\nMaterial \"dielectric\" \"float roughness\" 0.3\n"
+            "Translate 1.2 0.4 0.3\nShape \"sphere\" \"float radius\" 0.4\nAttributeEnd");
     }
     Text &Sphere(const Point3 &p, Float radius, const std::string &before = "") {
-        return Add(fmt::format("AttributeBegin\n{}\nTranslate {} {} {}\nShape \"sphere\" \"float radius\" {}\nAttributeEnd", before,
-                               p.x, p.y, p.z, radius));
+        return Add(
+            fmt::format("AttributeBegin\n{}\nTranslate {} {} {}\nShape \"sphere\" \"float radius\" {}\nAttributeEnd",
+                        before, p.x, p.y, p.z, radius));
     }
     /// Intensities grow with the square of lengths, so that a scaled scene looks the same.
     Text &PointLight(const Point3 &p, double intensity) {
-        return Add(fmt::format("LightSource \"point\" \"point3 from\" [ {} {} {} ] \"rgb I\" [ {} {} {} ]", p.x, p.y, p.z,
-                               intensity * scale_ * scale_, 0.8 * intensity * scale_ * scale_, 0.5 * intensity * scale_ * scale_));
+        return Add(fmt::format("LightSource \"point\" \"point3 from\" [ {} {} {} ] \"rgb I\" [ {} {} {} ]", p.x, p.y,
+                               p.z, intensity * scale_ * scale_, 0.8 * intensity * scale_ * scale_,
+                               0.5 * intensity * scale_ * scale_));
     }
     Text &SpotLight(const Point3 &p, const Point3 &to, double cone, double intensity) {
-        return Add(fmt::format("LightSource \"spot\" \"point3 from\" [ {} {} {} ] \"point3 to\" [ {} {} {} ] \"float coneangle\" {} "
-                               "\"float conedeltaangle\" {} \"rgb I\" [ {} {} {} ]",
-                               p.x, p.y, p.z, to.x, to.y, to.z, cone, cone / 4, intensity * scale_ * scale_,
-                               intensity * scale_ * scale_, 0.6 * intensity * scale_ * scale_));
+        return Add(fmt::format(
+            "LightSource \"spot\" \"point3 from\" [ {} {} {} ] \"point3 to\" [ {} {} {} ] \"float coneangle\" {} "
+            "\"float conedeltaangle\" {} \"rgb I\" [ {} {} {} ]",
+            p.x, p.y, p.z, to.x, to.y, to.z, cone, cone / 4, intensity * scale_ * scale_, intensity * scale_ * scale_,
+            0.6 * intensity * scale_ * scale_));
     }
-    Text &Sky(double radiance) { return Add(fmt::format("LightSource \"infinite\" \"rgb L\" [ {0} {0} {0} ]", radiance)); }
+    Text &Sky(double radiance) {
+        return Add(fmt::format("LightSource \"infinite\" \"rgb L\" [ {0} {0} {0} ]", radiance));
+    }
     Text &Sun(const Vector3 &from, double irradiance) {
-        return Add(fmt::format("LightSource \"distant\" \"point3 from\" [ {} {} {} ] \"point3 to\" [ 0 0 0 ] \"rgb L\" [ {} {} 0 ]",
-                               from.x, from.y, from.z, irradiance, irradiance));
+        return Add(fmt::format(
+            "LightSource \"distant\" \"point3 from\" [ {} {} {} ] \"point3 to\" [ 0 0 0 ] \"rgb L\" [ {} {} 0 ]",
+            from.x, from.y, from.z, irradiance, irradiance));
     }
     /// A bulb of 2 * rings * segments triangles.
     Text &Bulb(const Point3 &center, double radius, int rings, int segments, double radiance) {
@@ -84,11 +93,13 @@ Scale {3} {3} {3}
                 int a = i * segments + j, b = a + segments, c = i * segments + (j + 1) % segments, d = c + segments;
                 indices += fmt::format("{} {} {} {} {} {} ", a, b, c, b, d, c);
             }
-        return Add(fmt::format("AttributeBegin\n{}\nShape \"trianglemesh\" \"point3 P\" [ {} ] \"integer indices\" [ {} ]\nAttributeEnd",
-                               Area(radiance), points, indices));
+        return Add(fmt::format(
+            "AttributeBegin\n{}\nShape \"trianglemesh\" \"point3 P\" [ {} ] \"integer indices\" [ {} ]\nAttributeEnd",
+            Area(radiance), points, indices));
     }
     static std::string Area(double radiance, bool twoSided = false) {
-        return fmt::format("AreaLightSource \"diffuse\" \"rgb L\" [ {0} {0} {0} ] \"bool twosided\" {1}", radiance, twoSided);
+        return fmt::format("AreaLightSource \"diffuse\" \"rgb L\" [ {0} {0} {0} ] \"bool twosided\" {1}", radiance,
+                           twoSided);
     }
 
     std::string Finish() const { return text_; }
@@ -103,7 +114,9 @@ std::string Mixed(double scale) {
     t.Rooms().Sky(0.2).Sun({1, 2, -4}, 0.5);
     Rng rng(7);
     for (int i = 0; i < 5; ++i) {
-        auto place = [&] { return Point3(5.6f * rng.Uniform() - 2.8f, 2.3f * rng.Uniform() + 0.1f, 5 * rng.Uniform() - 2.2f); };
+        auto place = [&] {
+            return Point3(5.6f * rng.Uniform() - 2.8f, 2.3f * rng.Uniform() + 0.1f, 5 * rng.Uniform() - 2.2f);
+        };
         t.PointLight(place(), 0.3 + i);
         Point3 from = place();
         t.SpotLight(from, from + Vector3(rng.Uniform() - 0.5f, -1, rng.Uniform() - 0.5f), 10 + 15 * i, 2);
@@ -125,18 +138,36 @@ struct Recipe {
 const std::vector<Recipe> &Recipes() {
     static const std::vector<Recipe> recipes = {
         {"None", [] { return Text().Rooms().Finish(); }, 4, true},
-        {"OnePoint", [] { return Text().Rooms().PointLight({-1.5f, 2, 1}, 3).Finish(); }},
-        {"OneArea", [] { return Text().Rooms().Quad({1, 2.4f, 1}, {1, 0, 0}, {0, 0, 1}, Text::Area(3)).Finish(); }},
+        {"OnePoint",
+         [] {
+             return Text().Rooms().PointLight({-1.5f, 2, 1}, 3).Finish();
+         }},
+        {"OneArea",
+         [] {
+             return Text().Rooms().Quad({1, 2.4f, 1}, {1, 0, 0}, {0, 0, 1}, Text::Area(3)).Finish();
+         }},
         {"Mixed", [] { return Mixed(1); }},
         {"ScaledDown", [] { return Mixed(1e-4); }},
         {"ScaledUp", [] { return Mixed(1e4); }},
-        {"InfiniteOnly", [] { return Text().Rooms().Sky(1).Sun({1, 2, -4}, 3).Sky(0.01).Finish(); }},
-        {"MeshOf10000", [] { return Text().Rooms().Bulb({-1.5f, 1.5f, 1.5f}, 0.5, 50, 100, 1).PointLight({2, 2, 2}, 1).Finish(); }, 3},
+        {"InfiniteOnly",
+         [] {
+             return Text().Rooms().Sky(1).Sun({1, 2, -4}, 3).Sky(0.01).Finish();
+         }},
+        {"MeshOf10000",
+         [] {
+             return Text().Rooms().Bulb({-1.5f, 1.5f, 1.5f}, 0.5, 50, 100, 1).PointLight({2, 2, 2}, 1).Finish();
+         },
+         3},
         {"ZeroPower",
          [] {
-             return Text().Rooms().PointLight({-1, 2, 1}, 0).PointLight({1, 2, 1}, 2).Sky(0)
+             return Text()
+                 .Rooms()
+                 .PointLight({-1, 2, 1}, 0)
+                 .PointLight({1, 2, 1}, 2)
+                 .Sky(0)
                  .Quad({-2, 2.4f, 0}, {1, 0, 0}, {0, 0, 1}, Text::Area(0, true))
-                 .Quad({1, 2.4f, 0}, {1, 0, 0}, {0, 0, 1}, Text::Area(1)).Finish();
+                 .Quad({1, 2.4f, 0}, {1, 0, 0}, {0, 0, 1}, Text::Area(1))
+                 .Finish();
          }},
         {"Coincident",
          [] {
@@ -155,8 +186,10 @@ const std::vector<Recipe> &Recipes() {
              for (int i = 0; i < 4; ++i) {
                  Point3 p(static_cast<Float>(i) * 1.3f - 2, 1.5f, 1.5f);
                  t.Sphere(p, 0.3f);
-                 if (i % 2) t.PointLight(p, 5);
-                 else t.Sphere(p, 0.1f, Text::Area(10));
+                 if (i % 2)
+                     t.PointLight(p, 5);
+                 else
+                     t.Sphere(p, 0.1f, Text::Area(10));
              }
              return t.Finish();
          },
@@ -233,8 +266,8 @@ double Contribution(const Scene &scene, const LightQuery &q, const Light &light,
 
 void SceneFixture::Prepare(LightSampler &sampler) const {
     Progress progress;
-    PrepareContext context{*built.scene,          *built.camera,  *built.filter, built.film->PixelBounds(), built.seed,
-                           built.samplesPerPixel, built.maxDepth, progress};
+    PrepareContext context{*built.scene, *built.camera,         *built.filter,  built.film->PixelBounds(),
+                           built.seed,   built.samplesPerPixel, built.maxDepth, progress};
     sampler.Prepare(context);
 }
 
@@ -261,7 +294,8 @@ const SceneFixture &SceneFixtureOf(const std::string &name) {
         std::vector<double> &row = f.contribution.emplace_back(lights, 0.0);
         for (uint32_t l = 0; l < lights; ++l) {
             Rng rng(l);
-            for (int k = 0; k < points; ++k) row[l] += Contribution(*f.built.scene, q, f.Lights()[LightId(l)], rng.Uniform2()) / points;
+            for (int k = 0; k < points; ++k)
+                row[l] += Contribution(*f.built.scene, q, f.Lights()[LightId(l)], rng.Uniform2()) / points;
         }
     }
     return f;

@@ -35,7 +35,8 @@ double StudentTail(double t, double dof) {
         }
         return h;
     };
-    double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x));
+    double front =
+        std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x));
     if (x <= 0 || x >= 1) return x >= 1 ? 1 : 0;
     return x < (a + 1) / (a + b + 2) ? front * fraction(x, a, b) / a : 1 - front * fraction(1 - x, b, a) / b;
 }
@@ -61,7 +62,8 @@ PixelStatistics::Mean PixelStatistics::Of(const Bounds2i &block, int channel) co
     int pixels = 0;
     for (int y = block.low.y; y < block.high.y; ++y)
         for (int x = block.low.x; x < block.high.x; ++x, ++pixels) {
-            size_t i = (static_cast<size_t>(y) * static_cast<size_t>(resolution_.x) + static_cast<size_t>(x)) * 3 + static_cast<size_t>(channel);
+            size_t i = (static_cast<size_t>(y) * static_cast<size_t>(resolution_.x) + static_cast<size_t>(x)) * 3 +
+                       static_cast<size_t>(channel);
             double mean = sum_[i] / n;
             double v = std::max(0.0, (squares_[i] / n - mean * mean) / (n - 1));  // of the pixel's mean
             sum += mean;
@@ -81,7 +83,8 @@ Agreement Compare(const PixelStatistics &one, const std::vector<const PixelStati
     std::vector<Bounds2i> blocks = {Bounds2i({0, 0}, size)};
     for (int side : {16, 48})
         for (int y = 0; y < size.y; y += side)
-            for (int x = 0; x < size.x; x += side) blocks.push_back(Bounds2i({x, y}, {std::min(x + side, size.x), std::min(y + side, size.y)}));
+            for (int x = 0; x < size.x; x += side)
+                blocks.push_back(Bounds2i({x, y}, {std::min(x + side, size.x), std::min(y + side, size.y)}));
 
     Agreement out;
     out.level = SidakAlpha(alpha, blocks.size() * 3 * comparisons);
@@ -106,13 +109,15 @@ Agreement Compare(const PixelStatistics &one, const std::vector<const PixelStati
             double difference = m.value - pool, p = 1;
             // Rare strong samples that a tile has missed lower its mean and its variance together.
             double off = std::max(0.0, std::abs(difference) - (b == 0 ? 0 : kTileAllowance) * pool);
-            if (variance > 0) p = StudentTail(off / std::sqrt(variance), variance * variance / ofVariance);
-            else if (off > 1e-6 * pool) p = 0;
+            if (variance > 0)
+                p = StudentTail(off / std::sqrt(variance), variance * variance / ofVariance);
+            else if (off > 1e-6 * pool)
+                p = 0;
             if (p < out.worstP) {
                 out.worstP = p;
                 out.worst = b == 0 ? fmt::format("whole image, {}", "RGB"[c])
-                                   : fmt::format("{} px at {},{}, {}: {:+.1f} %", blocks[b].high.x - blocks[b].low.x, blocks[b].low.x,
-                                                 blocks[b].low.y, "RGB"[c], 100 * difference / pool);
+                                   : fmt::format("{} px at {},{}, {}: {:+.1f} %", blocks[b].high.x - blocks[b].low.x,
+                                                 blocks[b].low.x, blocks[b].low.y, "RGB"[c], 100 * difference / pool);
             }
         }
     out.difference = sumOne / sumPool - 1;

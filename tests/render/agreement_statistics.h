@@ -35,8 +35,8 @@ class PixelStatistics {
 struct Agreement {
     double difference = 0, error = 0;  ///< of the image mean, relative: and its standard error
     double worstP = 1;
-    double level = 0;                  ///< Sidak's, for each of all blocks, channels and `comparisons`
-    std::string worst;                 ///< block and channel
+    double level = 0;   ///< Sidak's, for each of all blocks, channels and `comparisons`
+    std::string worst;  ///< block and channel
     bool Agrees() const { return worstP > level; }
 };
 

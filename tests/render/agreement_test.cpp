@@ -48,12 +48,14 @@ class Table : public testing::Environment {
         std::fflush(stdout);
         Lines().push_back(line);
     }
-    static void Row(const std::string &scene, const std::string &sampler, const Agreement &a, const std::string &verdict) {
-        Row(fmt::format("{:<14} {:<30} {:>+8.3f} {:>7.3f}   {:>9.2e} {:>9.2e}  {:<13} {}", scene, sampler, 100 * a.difference,
-                        100 * a.error, a.worstP, a.level, verdict, a.worst));
+    static void Row(const std::string &scene, const std::string &sampler, const Agreement &a,
+                    const std::string &verdict) {
+        Row(fmt::format("{:<14} {:<30} {:>+8.3f} {:>7.3f}   {:>9.2e} {:>9.2e}  {:<13} {}", scene, sampler,
+                        100 * a.difference, 100 * a.error, a.worstP, a.level, verdict, a.worst));
     }
     void SetUp() override {
-        Row(fmt::format("{:<14} {:<30} {:>8} {:>7}   {:>9} {:>9}  {:<13} {}", "scene", "sampler", "mean %", "+- %", "worst p", "level", "verdict", "worst tile"));
+        Row(fmt::format("{:<14} {:<30} {:>8} {:>7}   {:>9} {:>9}  {:<13} {}", "scene", "sampler", "mean %", "+- %",
+                        "worst p", "level", "verdict", "worst tile"));
     }
     void TearDown() override {
         std::filesystem::path folder = std::filesystem::path(PBRT_BINARY_DIR) / "tables";
@@ -75,7 +77,8 @@ using Wrap = std::function<std::unique_ptr<LightSampler>(std::unique_ptr<LightSa
 /// A scene built once and rendered with many light samplers and seeds.
 class View {
   public:
-    View(BuiltScene built, int samplesPerPixel, int runs) : built_(std::move(built)), samplesPerPixel_(samplesPerPixel), runs_(runs) {}
+    View(BuiltScene built, int samplesPerPixel, int runs)
+        : built_(std::move(built)), samplesPerPixel_(samplesPerPixel), runs_(runs) {}
 
     const Scene &GetScene() const { return *built_.scene; }
     /// The least powerful of the lights that only light sampling can find.
@@ -91,10 +94,12 @@ class View {
 
     PixelStatistics Render(const std::string &label, uint32_t firstSeed, const Wrap &wrap = {}) const {
         size_t plus = label.find('+');
-        LightSamplerSpec spec = ReadLightSamplerSpec(ParamSet(), label.substr(0, plus), plus != std::string::npos, Registry());
+        LightSamplerSpec spec =
+            ReadLightSamplerSpec(ParamSet(), label.substr(0, plus), plus != std::string::npos, Registry());
         PixelStatistics statistics;
         for (int run = 0; run < runs_; ++run) {
-            std::unique_ptr<LightSampler> lights = Registry().Make(*spec.entry, GetScene().Lights(), spec.params, spec.meshLights);
+            std::unique_ptr<LightSampler> lights =
+                Registry().Make(*spec.entry, GetScene().Lights(), spec.params, spec.meshLights);
             if (wrap) lights = wrap(std::move(lights), GetScene());
             statistics.Add(RenderOnce(std::move(lights), static_cast<int>(firstSeed) + run));
         }
@@ -108,7 +113,8 @@ class View {
         path.maxDepth = built_.maxDepth;
         PathIntegrator integrator(context, path, std::move(lights));
         Progress progress;
-        PrepareContext prepare{GetScene(), *built_.camera, *built_.filter, built_.film->PixelBounds(), seed, samplesPerPixel_, built_.maxDepth, progress};
+        PrepareContext prepare{GetScene(), *built_.camera,   *built_.filter,  built_.film->PixelBounds(),
+                               seed,       samplesPerPixel_, built_.maxDepth, progress};
         integrator.Prepare(prepare);
 
         DiagnosticSink sink;
@@ -118,8 +124,10 @@ class View {
             Param p;
             p.type = type;
             p.name = name;
-            if (type == ParamType::Bool) p.bools = {static_cast<uint8_t>(value)};
-            else p.ints = {value};
+            if (type == ParamType::Bool)
+                p.bools = {static_cast<uint8_t>(value)};
+            else
+                p.ints = {value};
             film.Add(p);
         };
         add(ParamType::Integer, "xresolution", resolution.x);
@@ -128,7 +136,9 @@ class View {
         RgbFilm image(film, built_.film->OutputSpace(), 1, {}, sink);
         RenderSettings settings;
         settings.samplesPerPixel = samplesPerPixel_;
-        auto makeSampler = [&](int) { return MakeSampler("independent", ParamSet(), resolution, samplesPerPixel_, seed, sink); };
+        auto makeSampler = [&](int) {
+            return MakeSampler("independent", ParamSet(), resolution, samplesPerPixel_, seed, sink);
+        };
         RenderWaves(integrator, *built_.camera, *built_.filter, image, makeSampler, settings, progress);
         return image.ToImage();
     }
@@ -142,13 +152,16 @@ std::string WithoutCoats(const std::string &file) {
     std::ifstream in(std::string(PBRT_SOURCE_DIR) + "/" + file);
     std::stringstream text;
     text << in.rdbuf();
-    return std::regex_replace(text.str(), std::regex("Material \"coateddiffuse\"[^\n]*"), "Material \"conductor\" \"float roughness\" 0.3");
+    return std::regex_replace(text.str(), std::regex("Material \"coateddiffuse\"[^\n]*"),
+                              "Material \"conductor\" \"float roughness\" 0.3");
 }
 
 /// All samplers against each other. The renders are handed on, for the tests of power.
-std::vector<PixelStatistics> ExpectAgreement(const std::string &name, const View &view, std::vector<std::string> labels = Labels()) {
+std::vector<PixelStatistics> ExpectAgreement(const std::string &name, const View &view,
+                                             std::vector<std::string> labels = Labels()) {
     std::vector<PixelStatistics> renders;
-    for (size_t i = 0; i < labels.size(); ++i) renders.push_back(view.Render(labels[i], static_cast<uint32_t>(1000 * (i + 1))));
+    for (size_t i = 0; i < labels.size(); ++i)
+        renders.push_back(view.Render(labels[i], static_cast<uint32_t>(1000 * (i + 1))));
     for (size_t i = 0; i < labels.size(); ++i) {
         std::vector<const PixelStatistics *> others;
         for (size_t k = 0; k < labels.size(); ++k)
@@ -161,8 +174,8 @@ std::vector<PixelStatistics> ExpectAgreement(const std::string &name, const View
 }
 
 /// The statistic sees what a broken sampler does.
-void ExpectNoticed(const std::string &name, const std::string &what, const View &view, const std::vector<PixelStatistics> &good,
-                   const std::string &label, const Wrap &wrap) {
+void ExpectNoticed(const std::string &name, const std::string &what, const View &view,
+                   const std::vector<PixelStatistics> &good, const std::string &label, const Wrap &wrap) {
     std::vector<const PixelStatistics *> others;
     for (const PixelStatistics &g : good) others.push_back(&g);
     Agreement a = Compare(view.Render(label, 500000, wrap), others, good.size(), kAlpha);
@@ -174,7 +187,8 @@ void ExpectNoticed(const std::string &name, const std::string &what, const View 
 class Tampered final : public LightSampler {
   public:
     using Change = std::function<Float(const LightQuery &, LightId, Float)>;
-    Tampered(std::unique_ptr<LightSampler> inner, Change change) : inner_(std::move(inner)), change_(std::move(change)) {}
+    Tampered(std::unique_ptr<LightSampler> inner, Change change)
+        : inner_(std::move(inner)), change_(std::move(change)) {}
     void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
     std::optional<SampledLight> Sample(const LightQuery &q, Float u) const override {
         std::optional<SampledLight> s = inner_->Sample(q, u);
@@ -189,7 +203,9 @@ class Tampered final : public LightSampler {
 };
 
 Wrap Tamper(Tampered::Change change) {
-    return [change](std::unique_ptr<LightSampler> inner, const Scene &) { return std::make_unique<Tampered>(std::move(inner), change); };
+    return [change](std::unique_ptr<LightSampler> inner, const Scene &) {
+        return std::make_unique<Tampered>(std::move(inner), change);
+    };
 }
 
 /// With "floor=0.0001": what the octree did not see gets nothing.
@@ -231,7 +247,8 @@ TEST(LightSamplersAgree, Deep) {
     if (HasOctree()) labels.push_back("octree:depth=1");
     auto good = ExpectAgreement("deep", view, labels);
     if (HasOctree())
-        ExpectNoticed("deep", "octree:depth=1 without floor", view, good, std::string(kLeastFloor) + ",depth=1", kNoFloor);
+        ExpectNoticed("deep", "octree:depth=1 without floor", view, good, std::string(kLeastFloor) + ",depth=1",
+                      kNoFloor);
 }
 
 TEST(LightSamplersAgree, Slit) {
@@ -245,7 +262,8 @@ TEST(LightSamplersAgree, Dollhouse) {
     View view(BuildText(WithoutCoats("scenes/dollhouse/dollhouse.pbrt"), Reduced(5)), 24, 8);
     auto good = ExpectAgreement("dollhouse", view);
     if (HasOctree())
-        ExpectNoticed("dollhouse", "octree:depth=1 without floor", view, good, std::string(kLeastFloor) + ",depth=1,leaves=65536", kNoFloor);
+        ExpectNoticed("dollhouse", "octree:depth=1 without floor", view, good,
+                      std::string(kLeastFloor) + ",depth=1,leaves=65536", kNoFloor);
 }
 
 TEST(LightSamplersAgree, VeachAjar) {

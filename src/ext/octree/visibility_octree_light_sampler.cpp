@@ -4,6 +4,7 @@
 
 #include "ext/octree/light_octree_builder.h"
 #include "ext/prepass/prepass.h"
+#include "pbrt/core/log.h"
 #include "pbrt/lightsamplers/bvh_light_sampler.h"
 #include "pbrt/lightsamplers/exhaustive_light_sampler.h"
 
@@ -33,6 +34,9 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     vertices_ = vertices.size();
     prepassSeconds_ = SecondsSince(start);
     if (context.progress.Cancelled()) return;
+
+    if (double rays = static_cast<double>(vertices.size()) * static_cast<double>(groups_.Size()); rays > 3e8)
+        LogWarning(fmt::format("octree: {} lights to choose from mean {:.1e} shadow rays before the first sample.", groups_.Size(), rays));
 
     start = std::chrono::steady_clock::now();
     std::vector<Point3> points(vertices.size());

@@ -45,8 +45,8 @@ std::string LightSamplerRegistry::Listing() const {
                                p.range.empty() ? "" : fmt::format(" ({})", p.range), p.help);
     }
     if (meshGrouping_)
-        out += "\nEvery sampler without a parameter \"meshlights\" of its own takes \"bool meshlights\" of the integrator (--mesh-lights):\n"
-               "    an emissive mesh is one light; inside it a triangle is chosen by its share of the power.\n";
+        out += "\n    Every sampler without a parameter \"meshlights\" of its own takes \"bool meshlights\" of the integrator\n"
+               "    (--mesh-lights): an emissive mesh is one light; inside it a triangle is chosen by its share of the power.\n";
     return out;
 }
 

@@ -9,7 +9,7 @@ struct OctreeParams {
     int leaves = 4096;
     int prepassspp = 1;
     int depth = 3;
-    Float floor = 0.05f;
+    Float floor = 0.1f;
     bool meshlights = true;
 
     template <class V>

@@ -23,7 +23,7 @@ render() { # render NAME ARGUMENTS...
 }
 # The reference is rendered by stock pbrt's default sampler with its own seed, once.
 if [ ! -f "$out/reference.exr" ] || [ "$scene" -nt "$out/reference.exr" ] || [ "$pbrt" -nt "$out/reference.exr" ]; then
-  echo "Rendering the reference (bvh, 1024 samples per pixel; about two minutes)"
+  echo "Rendering the reference (bvh, 1024 samples per pixel; about four minutes)"
   render reference --lightsampler bvh --spp 1024 --seed 1000
 fi
 for sampler in uniform octree; do

@@ -1,6 +1,8 @@
 #pragma once
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "pbrt/core/ids.h"
 #include "pbrt/core/progress.h"
@@ -10,8 +12,10 @@
 namespace pbrt {
 
 class Scene;
+class Bsdf;
 class Camera;
 class Filter;
+class SampledWavelengths;
 
 /// All that is known at the vertex; grows without changing signatures.
 struct LightQuery {
@@ -22,6 +26,16 @@ struct LightQuery {
     MediumId medium{};
     Float time = 0;
     int depth = 0;
+    /// What scatters at p and at which wavelengths; null where the asker has none. Valid during the call only.
+    const Bsdf *bsdf = nullptr;
+    const SampledWavelengths *lambda = nullptr;
+};
+
+/// One thing to look at, of a query point: see LightSampler::Inspect.
+struct InspectedValue {
+    std::string name;
+    double value = 0;
+    bool isId = false;  ///< to be shown as a colour, not as a magnitude
 };
 
 struct SampledLight {
@@ -52,6 +66,11 @@ class LightSampler {
     virtual Float PMF(const LightQuery &query, LightId light) const = 0;
     /// Sizes, seconds, counts: for --stats and image metadata.
     virtual void Report(nlohmann::ordered_json &) const {}
+    /// What the sampler knows at a point (cell, records, ...): the same names in the same order for every query. For
+    /// pictures only, may be slow.
+    virtual void Inspect(const LightQuery &, std::vector<InspectedValue> &) const {}
+    /// The learned structure in words and numbers, several lines; empty if there is none.
+    virtual std::string DescribeStructure() const { return {}; }
 };
 
 }  // namespace pbrt

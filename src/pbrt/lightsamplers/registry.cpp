@@ -28,6 +28,28 @@ const LightSamplerRegistry::Entry &LightSamplerRegistry::Find(const std::string 
     return it->second;
 }
 
+void LightSamplerRegistry::AddGate(GateEntry entry) {
+    if (entry.name.empty() || !entry.make) throw std::logic_error("shadow-ray gate without a name or a factory");
+    std::string name = entry.name;
+    if (!gates_.emplace(name, std::move(entry)).second)
+        throw std::logic_error(fmt::format("shadow-ray gate \"{}\" is registered twice", name));
+}
+
+std::vector<std::string> LightSamplerRegistry::GateNames() const {
+    std::vector<std::string> names;
+    for (const auto &[name, entry] : gates_) names.push_back(name);
+    return names;
+}
+
+const LightSamplerRegistry::GateEntry &LightSamplerRegistry::FindGate(const std::string &name, const FileLoc &loc) const {
+    auto it = gates_.find(name);
+    if (it == gates_.end())
+        throw UserError(gates_.empty() ? fmt::format("\"{}\": this build has no shadow-ray gates.", name)
+                                       : fmt::format("\"{}\" is not a shadow-ray gate; {}.", name, ListChoices(name, GateNames())),
+                        loc);
+    return it->second;
+}
+
 std::unique_ptr<LightSampler> LightSamplerRegistry::Make(const Entry &entry, const LightTable &lights,
                                                          const ParamSet &params, bool meshLights) const {
     if (!meshLights) return entry.make(lights, params);
@@ -37,16 +59,19 @@ std::unique_ptr<LightSampler> LightSamplerRegistry::Make(const Entry &entry, con
 
 std::string LightSamplerRegistry::Listing() const {
     std::string out;
-    for (const auto &[name, entry] : entries_) {
-        out += fmt::format("{}{}\n    {}\n", out.empty() ? "" : "\n", name, entry.summary);
+    auto list = [&](const auto &entry) {
+        out += fmt::format("{}{}\n    {}\n", out.empty() ? "" : "\n", entry.name, entry.summary);
         if (entry.params.empty()) out += "    No parameters.\n";
         for (const ParamDoc &p : entry.params)
-            out += fmt::format("    {} {}.{} = {}{}\n        {}\n", p.type, name, p.name, p.defaultValue,
+            out += fmt::format("    {} {}.{} = {}{}\n        {}\n", p.type, entry.name, p.name, p.defaultValue,
                                p.range.empty() ? "" : fmt::format(" ({})", p.range), p.help);
-    }
+    };
+    for (const auto &[name, entry] : entries_) list(entry);
     if (meshGrouping_)
         out += "\n    Every sampler without a parameter \"meshlights\" of its own takes \"bool meshlights\" of the integrator\n"
                "    (--mesh-lights): an emissive mesh is one light; inside it a triangle is chosen by its share of the power.\n";
+    if (!gates_.empty()) out += "\nShadow-ray gates (\"string shadowgate\" of the integrator, --shadow-gate), for every sampler:\n";
+    for (const auto &[name, entry] : gates_) list(entry);
     return out;
 }
 

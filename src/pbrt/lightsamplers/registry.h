@@ -6,6 +6,7 @@
 
 #include "pbrt/core/describe.h"
 #include "pbrt/lightsamplers/light_sampler.h"
+#include "pbrt/lightsamplers/shadow_ray_gate.h"
 #include "pbrt/lights/light_table.h"
 
 namespace pbrt {
@@ -27,12 +28,23 @@ class LightSamplerRegistry {
         CandidateFactory makeOverCandidates;
     };
 
+    struct GateEntry {
+        std::string name, summary;
+        std::vector<ParamDoc> params;   ///< names without the gate's prefix
+        std::function<std::unique_ptr<ShadowRayGate>(const LightTable &, const ParamSet &)> make;
+    };
+
     void Add(Entry entry);  ///< a name used twice is our error
     std::vector<std::string> Names() const;
     const Entry &Find(const std::string &name, const FileLoc &loc = {}) const;  ///< unknown: UserError with the names
     /// `meshLights`: group the primitives of emissive meshes first; only for entries with makeOverCandidates.
     std::unique_ptr<LightSampler> Make(const Entry &entry, const LightTable &lights, const ParamSet &params,
                                        bool meshLights) const;
+    /// Shadow-ray gates have names of their own; a gate may share its name (and parameters' prefix) with a sampler.
+    void AddGate(GateEntry entry);
+    std::vector<std::string> GateNames() const;
+    const GateEntry &FindGate(const std::string &name, const FileLoc &loc = {}) const;
+
     void SetMeshGrouping(MeshGrouping grouping) { meshGrouping_ = std::move(grouping); }
     bool HasMeshGrouping() const { return meshGrouping_ != nullptr; }
     /// Text of --list-lightsamplers and of docs/lightsamplers.md.
@@ -40,6 +52,7 @@ class LightSamplerRegistry {
 
   private:
     std::map<std::string, Entry> entries_;
+    std::map<std::string, GateEntry> gates_;
     MeshGrouping meshGrouping_;
 };
 

@@ -1,0 +1,1 @@
+#include "pbrt/lab/summary.h"

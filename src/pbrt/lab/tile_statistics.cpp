@@ -1,0 +1,1 @@
+#include "pbrt/lab/tile_statistics.h"

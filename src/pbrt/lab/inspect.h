@@ -1,0 +1,70 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "pbrt/build/built_scene.h"
+#include "pbrt/images/image.h"
+
+namespace pbrt {
+
+/// How a look inside a light sampler is taken.
+struct InspectSettings {
+    int samples = 32;      ///< light samples (and shadow rays) per light and pixel
+    int shownLights = 16;  ///< images of measured visibility, for the lights of most power
+    /// Bound on pixels x (lights + groups x samples): beyond it only every n-th pixel of a row and column is looked at,
+    /// and stands for its neighbours.
+    double maxWork = 5e8;
+};
+
+/// One picture: a channel of Inspection::image.
+struct InspectedLayer {
+    std::string name, meaning;
+    bool isId = false;          ///< to be shown as colours without order
+    double shownMost = 0;       ///< upper end of the colour scale, from `shownLeast`; 0: the largest value
+    double shownLeast = 0;
+    double least = 0, most = 0, mean = 0;  ///< finite values, over pixels that hit something
+};
+
+/// What counts as one light: a light, or all primitives of an emissive mesh.
+struct InspectedLight {
+    LightId first{};
+    size_t count = 1;  ///< lights of the table, contiguous
+    Float power = 0;
+    std::string label;  ///< "light 7", "mesh of 12 lights from 7"
+};
+
+struct Inspection {
+    /// One float channel per layer, as large as the film's full resolution. Layer "hit" is 1 where the camera sees a
+    /// surface that is not purely specular, directly or through specular ones; all others are 0 elsewhere.
+    Image image;
+    std::vector<InspectedLayer> layers;
+    std::vector<InspectedLight> lights;
+    std::string structure;  ///< LightSampler::DescribeStructure
+    int stride = 1;         ///< see InspectSettings::maxWork
+};
+
+/// What `sampler` (prepared, or null) does at what the camera sees first: one ray per pixel, through its centre, the same
+/// for every call. Layers: every value of LightSampler::Inspect; entropy of the pmf over lights; the light that
+/// contributes most and its probability; second moment of the one-light estimator over the least possible one; measured
+/// visibility of the strongest lights.
+Inspection InspectLights(const BuiltScene &built, const LightSampler &sampler, const InspectSettings &settings,
+                         Progress &progress);
+
+/// Writes inspect.exr (all layers), one false-colour PNG per layer, inspect.json (what each shows and its range) and
+/// structure.txt into `folder`, which is made if need be.
+void WriteInspection(const Inspection &inspection, const std::string &folder, const nlohmann::ordered_json &about);
+
+/// The whole command: `lightlab inspect scene.pbrt --sampler octree`.
+struct InspectOptions {
+    std::vector<std::string> sceneFiles;
+    BuildOptions build;     ///< build.lightSampler: the sampler to look into; film overrides set the resolution
+    InspectSettings settings;
+    std::string outFolder;  ///< empty: "inspect-<sampler>" in the working folder
+    std::string commandLine;
+};
+
+/// Reads, builds, prepares, looks, writes, and prints the structure and the ranges to standard output. Exit status: 0, or
+/// 130 if interrupted. Throws UserError.
+int RunInspect(const InspectOptions &options, const LightSamplerRegistry &registry, Progress &progress);
+
+}  // namespace pbrt

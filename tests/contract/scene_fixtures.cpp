@@ -214,7 +214,10 @@ std::vector<LightQuery> Places(const BuiltScene &built, int count) {
             Bsdf bsdf = ComputeBsdf(scene, *point, lambda);
             if (!bsdf) break;
             if (bounce == i % 2) {
-                out.push_back(LightQueryAt(*point, bsdf.Flags(), bounce + 1));
+                LightQuery q = LightQueryAt(*point, bsdf, lambda, bounce + 1);
+                q.bsdf = nullptr;  // would not outlive this loop
+                q.lambda = nullptr;
+                out.push_back(q);
                 ++i;
                 break;
             }

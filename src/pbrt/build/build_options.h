@@ -16,6 +16,7 @@ struct BuildOptions {
     std::optional<int> maxDepth;      ///< --maxdepth
     std::string lightSampler;         ///< --lightsampler name[:key=value,...]; empty: the scene's
     bool meshLights = false;          ///< --mesh-lights
+    std::string shadowGate;           ///< --shadow-gate name[:key=value,...] or none; empty: the scene's
     std::string renderCoordSys;       ///< camera, cameraworld, world; empty: the scene's or cameraworld
     bool disableTextureFiltering = false;
     bool disablePixelJitter = false, disableWavelengthJitter = false;

@@ -109,7 +109,10 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     });
     Collect(sink, [&] { CheckAccelerator(d.accelerator, sink); });
     if (d.integrator.type == "path" || d.integrator.type == "volpath")
-        Collect(sink, [&] { ReadLightSamplerSpec(d.integrator.params, options.lightSampler, options.meshLights, registry); });
+        Collect(sink, [&] {
+            ReadLightSamplerSpec(d.integrator.params, options.lightSampler, options.meshLights, registry);
+            ReadShadowGateSpec(d.integrator.params, options.shadowGate, registry);
+        });
     Collect(sink, [&] {
         built.filter = MakeFilter(d.filter.type, d.filter.params);
         d.filter.params.ReportUnused(sink);
@@ -119,6 +122,12 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
             throw UserError(fmt::format("Film \"{}\" is unknown; {}.", d.film.type, ListChoices(d.film.type, SupportedFilms())), d.film.loc);
         built.film = std::make_unique<RgbFilm>(d.film.params, SpaceOf(d.film), exposure, film, sink);
         d.film.params.ReportUnused(sink);
+        built.makeFilm = [params = d.film.params, space = &SpaceOf(d.film), exposure, film] {
+            DiagnosticSink ignored;
+            FilmOverrides precise = film;
+            precise.fullFloat = true;
+            return std::make_unique<RgbFilm>(params, *space, exposure, precise, ignored);
+        };
     });
     Point2i resolution = built.film ? built.film->FullResolution() : Point2i(16, 16);
     Collect(sink, [&] {
@@ -132,17 +141,20 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
         std::shared_ptr<Sampler> first = std::move(prototype);
         // Later rounds (time budgets only) are fresh samplers with seeds of their own.
         Entity sampler = d.sampler;
-        int seed = sampler.params.GetInt("seed", built.seed);
-        built.makeSampler = [first, sampler, resolution, spp, seed](int round) {
-            if (round == 0) return first->Clone();
+        const int ownSeed = sampler.params.GetInt("seed", built.seed);
+        built.makeSeededSampler = [sampler, resolution, spp](int seed, int round) {
+            if (round > 0) seed = static_cast<int>(MixBits(static_cast<uint64_t>(seed) * 0x10001 + static_cast<uint64_t>(round)) & 0x7fffffff);
             Entity again = sampler;
             DiagnosticSink ignored;
             Param p;
             p.type = ParamType::Integer;
             p.name = "seed";
-            p.ints = {static_cast<int>(MixBits(static_cast<uint64_t>(seed) * 0x10001 + static_cast<uint64_t>(round)) & 0x7fffffff)};
+            p.ints = {seed};
             again.params.Add(p);
             return MakeSampler(again.type, again.params, resolution, spp, 0, ignored);
+        };
+        built.makeSampler = [first, ownSeed, seeded = built.makeSeededSampler](int round) {
+            return round == 0 ? first->Clone() : seeded(ownSeed, round);
         };
     });
 
@@ -176,8 +188,25 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     progress.EndPhase();
 
     IntegratorContext context{*built.scene, *built.camera, built.samplesPerPixel, needsFootprints};
-    Collect(sink, [&] { MakeIntegrator(d.integrator, options, registry, context, built.film->OutputSpace(), built, sink); });
+    const ColorSpace &space = built.film->OutputSpace();
+    Collect(sink, [&] {
+        BuiltIntegrator made = MakeIntegrator(d.integrator, options, registry, context, space, sink);
+        built.integrator = std::move(made.integrator);
+        built.integratorName = made.name;
+        built.lightSamplerName = made.lightSamplerName;
+        built.shadowGateName = made.shadowGateName;
+        built.maxDepth = made.maxDepth;
+    });
     sink.ThrowIfErrors();
+    built.makeIntegrator = [entity = d.integrator, options, &registry, context, &space](const LightChoice &choice) {
+        BuildOptions chosen = options;
+        if (!choice.lightSampler.empty()) chosen.lightSampler = choice.lightSampler;
+        chosen.meshLights = choice.meshLights;
+        if (!choice.shadowGate.empty()) chosen.shadowGate = choice.shadowGate;
+        if (choice.maxDepth) chosen.maxDepth = choice.maxDepth;
+        DiagnosticSink ignored;
+        return MakeIntegrator(entity, chosen, registry, context, space, ignored);
+    };
     return built;
 }
 

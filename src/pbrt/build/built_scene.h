@@ -10,6 +10,20 @@
 
 namespace pbrt {
 
+/// Which lights get the shadow rays: what can be varied over one built scene.
+struct LightChoice {
+    std::string lightSampler;    ///< name[:key=value,...]; empty: the scene's
+    bool meshLights = false;
+    std::string shadowGate;      ///< name[:key=value,...]; empty: the scene's
+    std::optional<int> maxDepth; ///< empty: the scene's
+};
+
+struct BuiltIntegrator {
+    std::unique_ptr<Integrator> integrator;
+    std::string name, lightSamplerName, shadowGateName;  ///< the last two empty if there is none
+    int maxDepth = 5;
+};
+
 /// Everything a render needs, made from one description. Members are destroyed in reverse order.
 struct BuiltScene {
     std::unique_ptr<TextureLibrary> textures;
@@ -20,12 +34,18 @@ struct BuiltScene {
     std::unique_ptr<Integrator> integrator;
     /// Sampler of the round-th batch of samplesPerPixel samples.
     std::function<std::unique_ptr<Sampler>(int round)> makeSampler;
+    /// The same with another seed than `seed`.
+    std::function<std::unique_ptr<Sampler>(int seed, int round)> makeSeededSampler;
+    /// More integrators over the same scene, camera and registry, and more films like `film`, in float precision. The
+    /// registry handed to BuildScene must still live. Throws UserError.
+    std::function<BuiltIntegrator(const LightChoice &)> makeIntegrator;
+    std::function<std::unique_ptr<RgbFilm>()> makeFilm;
     int samplesPerPixel = 16;
     bool disablePixelJitter = false, disableWavelengthJitter = false;
     std::string mseReferenceImage, mseReferenceOut;
     int seed = 0;
     int maxDepth = 5;
-    std::string integratorName, lightSamplerName;   ///< lightSamplerName empty if the integrator has none
+    std::string integratorName, lightSamplerName, shadowGateName;  ///< the last two empty if there is none
     Transform cameraFromWorld;                      ///< for image metadata
 };
 

@@ -18,14 +18,15 @@ const std::vector<std::string> &UnsupportedIntegrators() {
     return names;
 }
 
-void MakeIntegrator(const Entity &entity, const BuildOptions &options, const LightSamplerRegistry &registry,
-                    const IntegratorContext &context, const ColorSpace &filmSpace, BuiltScene &built, DiagnosticSink &sink) {
+BuiltIntegrator MakeIntegrator(const Entity &entity, const BuildOptions &options, const LightSamplerRegistry &registry,
+                               const IntegratorContext &context, const ColorSpace &filmSpace, DiagnosticSink &sink) {
+    BuiltIntegrator built;
     // --integrator leaves the scene's integrator parameters aside: they belong to another integrator.
     ParamSet fresh(fmt::format("Integrator \"{}\"", options.integrator), {});
     const bool overridden = !options.integrator.empty() && options.integrator != entity.type;
     const ParamSet &params = overridden ? fresh : entity.params;
     const std::string &type = overridden ? options.integrator : entity.type;
-    built.integratorName = type;
+    built.name = type;
 
     auto depth = [&] {
         int maxDepth = params.GetInt("maxdepth", 5);
@@ -40,8 +41,11 @@ void MakeIntegrator(const Entity &entity, const BuildOptions &options, const Lig
         settings.regularize = params.GetBool("regularize", false);
         LightSamplerSpec spec = ReadLightSamplerSpec(params, options.lightSampler, options.meshLights, registry);
         built.lightSamplerName = spec.Label();
+        ShadowGateSpec gate = ReadShadowGateSpec(params, options.shadowGate, registry);
+        built.shadowGateName = gate.entry ? gate.entry->name : "";
         built.integrator = std::make_unique<PathIntegrator>(
-            context, settings, registry.Make(*spec.entry, context.scene.Lights(), spec.params, spec.meshLights));
+            context, settings, registry.Make(*spec.entry, context.scene.Lights(), spec.params, spec.meshLights),
+            gate.entry ? gate.entry->make(context.scene.Lights(), gate.params) : nullptr);
     } else if (type == "simplepath") {
         int maxDepth = depth();
         built.integrator = std::make_unique<SimplePathIntegrator>(context, maxDepth, params.GetBool("samplelights", true),
@@ -60,9 +64,10 @@ void MakeIntegrator(const Entity &entity, const BuildOptions &options, const Lig
                                     ListChoices(type, all)),
                         overridden ? FileLoc{} : entity.loc);
     }
-    if (built.lightSamplerName.empty() && (!options.lightSampler.empty() || options.meshLights))
-        sink.Warning({}, fmt::format("--lightsampler and --mesh-lights have no effect on integrator \"{}\".", type));
+    if (built.lightSamplerName.empty() && (!options.lightSampler.empty() || options.meshLights || !options.shadowGate.empty()))
+        sink.Warning({}, fmt::format("--lightsampler, --mesh-lights and --shadow-gate have no effect on integrator \"{}\".", type));
     params.ReportUnused(sink);
+    return built;
 }
 
 }  // namespace pbrt

@@ -3,9 +3,9 @@
 
 namespace pbrt {
 
-/// Reads integrator and light-sampler parameters and makes both, into `built` (scene and camera must exist).
-void MakeIntegrator(const Entity &entity, const BuildOptions &options, const LightSamplerRegistry &registry,
-                    const IntegratorContext &context, const ColorSpace &filmSpace, BuiltScene &built, DiagnosticSink &sink);
+/// Reads integrator and light-sampler parameters and makes both. Unused parameters are reported to the sink.
+BuiltIntegrator MakeIntegrator(const Entity &entity, const BuildOptions &options, const LightSamplerRegistry &registry,
+                               const IntegratorContext &context, const ColorSpace &filmSpace, DiagnosticSink &sink);
 
 const std::vector<std::string> &SupportedIntegrators();
 const std::vector<std::string> &UnsupportedIntegrators();

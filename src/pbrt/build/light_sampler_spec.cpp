@@ -9,21 +9,23 @@ namespace {
 /// "name:key=value,..." taken apart, with a located error for everything that does not fit.
 class CommandLineSpec {
   public:
-    CommandLineSpec(const std::string &text, const LightSamplerRegistry &registry) : registry_(registry) {
+    CommandLineSpec(const char *flag, const std::string &text) {
         auto source = std::make_shared<SourceFile>();
-        source->name = "--lightsampler";
+        source->name = flag;
         source->text = text;
         source_ = source;
     }
 
-    const LightSamplerRegistry::Entry &Read(ParamSet *params) const {
+    /// `find(name, loc)` gives the registry's entry.
+    template <class Find>
+    const auto &Read(const Find &find, ParamSet *params) const {
         const std::string &text = source_->text;
         size_t colon = text.find(':');
-        const LightSamplerRegistry::Entry &entry = registry_.Find(text.substr(0, colon), At(0));
+        const auto &entry = find(text.substr(0, colon), At(0));
         if (colon == std::string::npos) return entry;
         for (size_t begin = colon + 1; begin <= text.size();) {
             size_t end = std::min(text.find(',', begin), text.size());
-            params->Add(ReadOne(entry, begin, text.substr(begin, end - begin)));
+            params->Add(ReadOne(entry.name, entry.params, begin, text.substr(begin, end - begin)));
             begin = end + 1;
         }
         return entry;
@@ -32,22 +34,22 @@ class CommandLineSpec {
   private:
     FileLoc At(size_t column) const { return {source_, 1, static_cast<int>(column)}; }
 
-    Param ReadOne(const LightSamplerRegistry::Entry &entry, size_t column, const std::string &item) const {
+    Param ReadOne(const std::string &owner, const std::vector<ParamDoc> &docs, size_t column, const std::string &item) const {
         size_t equals = item.find('=');
         std::string key = item.substr(0, equals);
         const ParamDoc *doc = nullptr;
         std::vector<std::string> keys;
-        for (const ParamDoc &d : entry.params) {
+        for (const ParamDoc &d : docs) {
             keys.push_back(d.name);
             if (d.name == key) doc = &d;
         }
         if (!doc)
-            throw UserError(fmt::format("light sampler \"{}\" has no parameter \"{}\"; {}.", entry.name, key, ListChoices(key, keys)),
+            throw UserError(fmt::format("\"{}\" has no parameter \"{}\"; {}.", owner, key, ListChoices(key, keys)),
                             At(column));
         if (equals == std::string::npos) throw UserError(fmt::format("expected \"{}=value\".", key), At(column));
         std::string value = item.substr(equals + 1);
         Param p;
-        p.name = entry.name + "." + key;
+        p.name = owner + "." + key;
         p.loc = At(column);
         bool good = false;
         auto number = [&](auto &out) {
@@ -69,9 +71,17 @@ class CommandLineSpec {
         return p;
     }
 
-    const LightSamplerRegistry &registry_;
     std::shared_ptr<const SourceFile> source_;
 };
+
+/// Marks the parameters "name.key" of an entry as known; those of the chosen one are copied.
+void TakeParams(const ParamSet &integrator, const std::string &name, const std::vector<ParamDoc> &docs, ParamSet *chosen) {
+    for (const ParamDoc &doc : docs) {
+        ParamType type = doc.type == "integer" ? ParamType::Integer : doc.type == "bool" ? ParamType::Bool : ParamType::Float;
+        const Param *p = integrator.Find(name + "." + doc.name, type);
+        if (p && chosen) chosen->Add(*p);
+    }
+}
 
 }  // namespace
 
@@ -82,17 +92,14 @@ LightSamplerSpec ReadLightSamplerSpec(const ParamSet &integrator, const std::str
     spec.entry = &registry.Find(name, integrator.LocOf("lightsampler"));
     spec.meshLights = registry.HasMeshGrouping() && integrator.GetBool("meshlights", false);
     ParamSet added;
-    if (!commandLine.empty()) spec.entry = &CommandLineSpec(commandLine, registry).Read(&added);
+    auto find = [&](const std::string &n, const FileLoc &loc) -> const auto & { return registry.Find(n, loc); };
+    if (!commandLine.empty()) spec.entry = &CommandLineSpec("--lightsampler", commandLine).Read(find, &added);
 
     spec.params = ParamSet(fmt::format("light sampler \"{}\"", spec.entry->name), integrator.LocOf("lightsampler"));
     // Keys of samplers that are registered but not chosen are accepted, so that --lightsampler can switch.
     for (const std::string &known : registry.Names()) {
         const LightSamplerRegistry::Entry &entry = registry.Find(known);
-        for (const ParamDoc &doc : entry.params) {
-            ParamType type = doc.type == "integer" ? ParamType::Integer : doc.type == "bool" ? ParamType::Bool : ParamType::Float;
-            const Param *p = integrator.Find(known + "." + doc.name, type);
-            if (p && &entry == spec.entry) spec.params.Add(*p);
-        }
+        TakeParams(integrator, known, entry.params, &entry == spec.entry ? &spec.params : nullptr);
     }
     for (const Param &p : added.Own()) spec.params.Add(p);
 
@@ -102,6 +109,23 @@ LightSamplerSpec ReadLightSamplerSpec(const ParamSet &integrator, const std::str
     }
     // A sampler that groups by itself needs no wrapper.
     if (!spec.entry->makeOverCandidates) spec.meshLights = false;
+    return spec;
+}
+
+ShadowGateSpec ReadShadowGateSpec(const ParamSet &integrator, const std::string &commandLine, const LightSamplerRegistry &registry) {
+    ShadowGateSpec spec;
+    std::string name = integrator.GetString("shadowgate", "none");
+    if (name != "none") spec.entry = &registry.FindGate(name, integrator.LocOf("shadowgate"));
+    ParamSet added;
+    auto find = [&](const std::string &n, const FileLoc &loc) -> const auto & { return registry.FindGate(n, loc); };
+    if (commandLine == "none") spec.entry = nullptr;
+    else if (!commandLine.empty()) spec.entry = &CommandLineSpec("--shadow-gate", commandLine).Read(find, &added);
+    if (spec.entry) spec.params = ParamSet(fmt::format("shadow-ray gate \"{}\"", spec.entry->name), integrator.LocOf("shadowgate"));
+    for (const std::string &known : registry.GateNames()) {
+        const LightSamplerRegistry::GateEntry &entry = registry.FindGate(known);
+        TakeParams(integrator, known, entry.params, &entry == spec.entry ? &spec.params : nullptr);
+    }
+    for (const Param &p : added.Own()) spec.params.Add(p);
     return spec;
 }
 

@@ -16,10 +16,19 @@ struct LightSamplerSpec {
     std::string Label() const { return meshLights ? entry->name + "+meshlights" : entry->name; }
 };
 
+/// A shadow-ray gate chosen by name, with its parameters; none by default.
+struct ShadowGateSpec {
+    const LightSamplerRegistry::GateEntry *entry = nullptr;
+    ParamSet params;
+};
+
 /// Reads `"string lightsampler"`, `"bool meshlights"` and `name.key` parameters of an integrator. `commandLine` is
 /// "name[:key=value,...]" or empty; it beats the scene: its name replaces the scene's, its keys are added to the scene's
 /// keys for the same sampler. Unknown names, keys and unreadable values: UserError.
 LightSamplerSpec ReadLightSamplerSpec(const ParamSet &integrator, const std::string &commandLine, bool meshLightsFlag,
                                       const LightSamplerRegistry &registry);
+
+/// The same for `"string shadowgate"` and --shadow-gate; "none" is no gate.
+ShadowGateSpec ReadShadowGateSpec(const ParamSet &integrator, const std::string &commandLine, const LightSamplerRegistry &registry);
 
 }  // namespace pbrt

@@ -71,7 +71,7 @@ RgbFilm::RgbFilm(const ParamSet &params, const ColorSpace &outputSpace, Float ex
     CheckWritable(filename_, overrides.filename.empty() ? params.LocOf("filename") : FileLoc());
     diagonal_ = GetAboveZero(params, "diagonal", 35);
     maxComponent_ = GetAboveZero(params, "maxcomponentvalue", Infinity);
-    half_ = params.GetBool("savefp16", true);
+    half_ = params.GetBool("savefp16", true) && !overrides.fullFloat;
 
     std::string sensor = params.GetString("sensor", "cie1931");
     if (sensor != "cie1931") {

@@ -19,6 +19,7 @@ struct FilmOverrides {
     std::optional<Bounds2i> pixelBounds;
     std::string filename;                    ///< empty: the scene's
     int resolutionDivisor = 1;               ///< 4 with --quick
+    bool fullFloat = false;                  ///< float precision whatever savefp16 says
 };
 
 /// The `rgb` film: weighted sums per pixel in double precision, so that the order of samples of different pixels never

@@ -3,6 +3,7 @@
 
 #include "pbrt/cameras/camera.h"
 #include "pbrt/lightsamplers/light_sampler.h"
+#include "pbrt/lightsamplers/shadow_ray_gate.h"
 #include "pbrt/samplers/sampler.h"
 #include "pbrt/scene/scene.h"
 
@@ -25,6 +26,8 @@ class Integrator {
     virtual SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler) const = 0;
     /// The light sampler in use; null if the integrator has none.
     virtual const LightSampler *Lights() const { return nullptr; }
+    /// The shadow-ray gate in use, or null.
+    virtual const ShadowRayGate *Gate() const { return nullptr; }
 };
 
 }  // namespace pbrt

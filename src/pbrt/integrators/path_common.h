@@ -36,8 +36,9 @@ inline LightSampleContext LightContextAt(const SurfacePoint &point) {
     return {point.p, point.pError, point.n, point.shading.n, point.time};
 }
 
-inline LightQuery LightQueryAt(const SurfacePoint &point, BxdfFlags flags, int depth) {
-    return {point.p, point.wo, point.n, point.shading.n, IsTransmissive(flags), {}, point.time, depth};
+inline LightQuery LightQueryAt(const SurfacePoint &point, const Bsdf &bsdf, const SampledWavelengths &lambda, int depth) {
+    return {point.p, point.wo, point.n, point.shading.n, IsTransmissive(bsdf.Flags()), {}, point.time, depth,
+            &bsdf,   &lambda,  point.pError};
 }
 
 }  // namespace pbrt

@@ -1,5 +1,7 @@
 #include "pbrt/integrators/path_integrator.h"
 
+#include <array>
+
 #include "pbrt/core/counters.h"
 #include "pbrt/integrators/path_common.h"
 #include "pbrt/math/warps.h"
@@ -11,6 +13,7 @@ SampledSpectrum PathIntegrator::SampleDirect(const SurfacePoint &point, const Bs
     // Both random inputs are drawn whatever happens, so that dimensions stay aligned between samples.
     Float uSelect = sampler.Get1D();
     Point2 uLight = sampler.Get2D();
+    Float uGate = gate_ ? sampler.Get1D() : 0;
     std::optional<SampledLight> selected = lights_->Sample(query, uSelect);
     if (!selected) {
         ++ThreadCounters().zeroLightSamples;
@@ -22,12 +25,18 @@ SampledSpectrum PathIntegrator::SampleDirect(const SurfacePoint &point, const Bs
     if (!sample || !sample->L || !(sample->pdf > 0)) return SampledSpectrum(0);
 
     SampledSpectrum f = bsdf.F(point.wo, sample->wi) * AbsDot(sample->wi, point.shading.n);
-    if (!f || context_.scene.Occluded(from, *sample)) return SampledSpectrum(0);
+    if (!f) return SampledSpectrum(0);
+    Float traced = 1;
+    if (gate_) {
+        traced = gate_->TraceProbability(query, selected->light, sample->pLight);
+        if (uGate >= traced) return SampledSpectrum(0);
+    }
+    if (context_.scene.Occluded(from, *sample)) return SampledSpectrum(0);
 
     Float pLight = selected->pmf * sample->pdf;  // solid angle
-    if (IsDelta(light.Kind())) return sample->L * f / pLight;
+    if (IsDelta(light.Kind())) return sample->L * f / (pLight * traced);
     Float pBsdf = bsdf.Pdf(point.wo, sample->wi);  // solid angle
-    return sample->L * f * (PowerHeuristic(pLight, pBsdf) / pLight);
+    return sample->L * f * (PowerHeuristic(pLight, pBsdf) / (pLight * traced));
 }
 
 SampledSpectrum PathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lambda, Sampler &sampler) const {
@@ -43,6 +52,9 @@ SampledSpectrum PathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lamb
     bool lightCouldSample = false;
     LightSampleContext previous;
     LightQuery previousQuery;
+    // Two places for the BSDF, so that the one of the previous vertex lives on for its query.
+    std::array<Bsdf, 2> bsdfs;
+    unsigned current = 0;
     Float pBsdf = 0;  // solid angle
 
     auto misWeight = [&](LightId id, const Point3 &p, const Normal3 &n) -> Float {
@@ -67,7 +79,8 @@ SampledSpectrum PathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lamb
 
         if (context_.needsFootprints) ComputeFootprint(point, path.differential, context_.camera, context_.samplesPerPixel);
         else path.differential.valid = false;
-        Bsdf bsdf = ComputeBsdf(scene, point, lambda);
+        Bsdf &bsdf = bsdfs[current];
+        bsdf = ComputeBsdf(scene, point, lambda);
         if (!bsdf) {
             lightCouldSample = false;
             path.PassThrough(point);
@@ -77,9 +90,8 @@ SampledSpectrum PathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lamb
         if (depth++ == settings_.maxDepth) break;
         ++ThreadCounters().pathVertices;
 
-        BxdfFlags flags = bsdf.Flags();
-        LightQuery query = LightQueryAt(point, flags, depth);
-        if (IsNonSpecular(flags)) L += beta * SampleDirect(point, bsdf, query, lambda, sampler);
+        LightQuery query = LightQueryAt(point, bsdf, lambda, depth);
+        if (IsNonSpecular(bsdf.Flags())) L += beta * SampleDirect(point, bsdf, query, lambda, sampler);
 
         Float uComponent = sampler.Get1D();
         std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uComponent, sampler.Get2D());
@@ -92,6 +104,7 @@ SampledSpectrum PathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lamb
             pBsdf = sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf;
             previous = LightContextAt(point);
             previousQuery = query;
+            current ^= 1;
             anyNonSpecular = true;
         }
         if (IsTransmissive(sample->flags)) etaScale *= Sqr(sample->eta);

@@ -3,6 +3,7 @@
 
 #include "pbrt/bxdfs/bsdf.h"
 #include "pbrt/integrators/integrator.h"
+#include "pbrt/lightsamplers/shadow_ray_gate.h"
 
 namespace pbrt {
 
@@ -12,15 +13,21 @@ struct PathSettings {
 };
 
 /// Unidirectional path tracing with next-event estimation; BSDF and light sampling combined by the power heuristic.
-/// Both sides of the combination use the light sampler's PMF at the same vertex.
+/// Both sides of the combination use the light sampler's PMF at the same vertex. A shadow-ray gate, if there is one, may
+/// skip shadow rays; it draws one more random number per light sample.
 class PathIntegrator final : public Integrator {
   public:
-    PathIntegrator(const IntegratorContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights)
-        : context_(context), settings_(settings), lights_(std::move(lights)) {}
+    PathIntegrator(const IntegratorContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
+                   std::unique_ptr<ShadowRayGate> gate = nullptr)
+        : context_(context), settings_(settings), lights_(std::move(lights)), gate_(std::move(gate)) {}
 
-    void Prepare(PrepareContext &prepare) override { lights_->Prepare(prepare); }
+    void Prepare(PrepareContext &prepare) override {
+        lights_->Prepare(prepare);
+        if (gate_) gate_->Prepare(prepare);
+    }
     SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler) const override;
     const LightSampler *Lights() const override { return lights_.get(); }
+    const ShadowRayGate *Gate() const override { return gate_.get(); }
 
   private:
     SampledSpectrum SampleDirect(const SurfacePoint &point, const Bsdf &bsdf, const LightQuery &query,
@@ -28,6 +35,7 @@ class PathIntegrator final : public Integrator {
     IntegratorContext context_;
     PathSettings settings_;
     std::unique_ptr<LightSampler> lights_;
+    std::unique_ptr<ShadowRayGate> gate_;
 };
 
 }  // namespace pbrt

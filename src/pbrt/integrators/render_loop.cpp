@@ -16,45 +16,6 @@ constexpr int kLargestWave = 64;
 using Clock = std::chrono::steady_clock;
 double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
-/// One camera path into one pixel.
-class PixelSampler {
-  public:
-    PixelSampler(const Integrator &integrator, const Camera &camera, const Filter &filter, RgbFilm &film,
-                 const RenderSettings &settings)
-        : integrator_(integrator), camera_(camera), filter_(filter), film_(film), settings_(settings),
-          differentialScale_(settings.disablePixelJitter
-                                 ? Float(1)
-                                 : std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(settings.samplesPerPixel)))) {}
-
-    void operator()(Point2i pixel, int sampleIndex, Sampler &sampler) const {
-        sampler.StartPixelSample(pixel, sampleIndex);
-        Float uLambda = sampler.Get1D();
-        SampledWavelengths lambda = film_.SampleWavelengths(settings_.disableWavelengthJitter ? Float(0.5) : uLambda);
-        FilterSample offset = filter_.Sample(sampler.GetPixel2D());
-        CameraSample cs;
-        cs.pFilm = Point2(pixel) + Point2(0.5f, 0.5f) + offset.offset;
-        cs.time = sampler.Get1D();
-        cs.pLens = sampler.Get2D();
-        cs.filterWeight = offset.weight;
-        if (settings_.disablePixelJitter) cs = {Point2(pixel) + Point2(0.5f, 0.5f), {0.5f, 0.5f}, 0.5f, 1};
-        SampledSpectrum L(0);
-        if (std::optional<CameraRay> ray = camera_.GenerateRay(cs, lambda)) {
-            SampledSpectrum weight = ray->weight;
-            ray->differential.Scale(ray->ray, differentialScale_);
-            L = weight * integrator_.Li(*ray, lambda, sampler);
-        }
-        film_.AddSample(pixel, L, lambda, cs.filterWeight);
-    }
-
-  private:
-    const Integrator &integrator_;
-    const Camera &camera_;
-    const Filter &filter_;
-    RgbFilm &film_;
-    const RenderSettings &settings_;
-    Float differentialScale_;
-};
-
 /// The reference of --mse-reference-image and the file that gets one "spp, mse" line per wave.
 class ReferenceLog {
   public:
@@ -89,76 +50,93 @@ class ReferenceLog {
 
 }  // namespace
 
+WaveRenderer::WaveRenderer(const Integrator &integrator, const Camera &camera, const Filter &filter, RgbFilm &film,
+                           SamplerFactory makeSampler, const RenderSettings &settings, Progress &progress)
+    : integrator_(integrator), camera_(camera), filter_(filter), film_(film), makeSampler_(std::move(makeSampler)),
+      settings_(settings), progress_(progress),
+      differentialScale_(settings.disablePixelJitter
+                             ? Float(1)
+                             : std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(settings.samplesPerPixel)))),
+      bounds_(film.PixelBounds()), tiles_((bounds_.high - bounds_.low + (kTileSize - 1)) / kTileSize),
+      tileCount_(bounds_.IsEmpty() ? 0 : int64_t(tiles_.x) * tiles_.y), samplers_(static_cast<size_t>(ThreadCount())) {}
+
+void WaveRenderer::SamplePixel(Point2i pixel, int sampleIndex, Sampler &sampler) const {
+    sampler.StartPixelSample(pixel, sampleIndex);
+    Float uLambda = sampler.Get1D();
+    SampledWavelengths lambda = film_.SampleWavelengths(settings_.disableWavelengthJitter ? Float(0.5) : uLambda);
+    FilterSample offset = filter_.Sample(sampler.GetPixel2D());
+    CameraSample cs;
+    cs.pFilm = Point2(pixel) + Point2(0.5f, 0.5f) + offset.offset;
+    cs.time = sampler.Get1D();
+    cs.pLens = sampler.Get2D();
+    cs.filterWeight = offset.weight;
+    if (settings_.disablePixelJitter) cs = {Point2(pixel) + Point2(0.5f, 0.5f), {0.5f, 0.5f}, 0.5f, 1};
+    SampledSpectrum L(0);
+    if (std::optional<CameraRay> ray = camera_.GenerateRay(cs, lambda)) {
+        SampledSpectrum weight = ray->weight;
+        ray->differential.Scale(ray->ray, differentialScale_);
+        L = weight * integrator_.Li(*ray, lambda, sampler);
+    }
+    film_.AddSample(pixel, L, lambda, cs.filterWeight);
+}
+
+int WaveRenderer::Render(int count) {
+    if (int round = done_ / settings_.samplesPerPixel; round != round_) {
+        round_ = round;
+        std::unique_ptr<Sampler> prototype = makeSampler_(round);
+        for (std::unique_ptr<Sampler> &s : samplers_) s = prototype->Clone();
+    }
+    const int first = done_ - round_ * settings_.samplesPerPixel;
+    const int size = std::min(count, settings_.samplesPerPixel - first);
+    ParallelForEach(tileCount_, [&](int64_t tile) {
+        if (progress_.Cancelled()) return;
+        // Which thread takes which tile does not matter.
+        Sampler &sampler = *samplers_[static_cast<size_t>(ThreadIndex())];
+        Point2i low = bounds_.low + kTileSize * Point2i(static_cast<int>(tile % tiles_.x), static_cast<int>(tile / tiles_.x));
+        Point2i high = glm::min(low + kTileSize, bounds_.high);
+        for (int y = low.y; y < high.y; ++y)
+            for (int x = low.x; x < high.x; ++x)
+                for (int i = first; i < first + size; ++i) SamplePixel({x, y}, i, sampler);
+        if (settings_.timeBudget <= 0) progress_.Advance(size);
+    });
+    if (progress_.Cancelled()) return 0;
+    done_ += size;
+    return size;
+}
+
 RenderResult RenderWaves(const Integrator &integrator, const Camera &camera, const Filter &filter, RgbFilm &film,
-                         const std::function<std::unique_ptr<Sampler>(int)> &makeSampler, const RenderSettings &settings,
-                         Progress &progress) {
+                         const SamplerFactory &makeSampler, const RenderSettings &settings, Progress &progress) {
     RenderResult result;
     ReferenceLog reference(settings, film);
-    PixelSampler samplePixel(integrator, camera, filter, film, settings);
-    const Bounds2i bounds = film.PixelBounds();
-    const Vector2i tiles = (bounds.high - bounds.low + (kTileSize - 1)) / kTileSize;
-    const int64_t tileCount = bounds.IsEmpty() ? 0 : int64_t(tiles.x) * tiles.y;
+    WaveRenderer renderer(integrator, camera, filter, film, makeSampler, settings, progress);
     const bool timed = settings.timeBudget > 0;
 
-    progress.BeginPhase("rendering", timed ? 0 : tileCount * settings.samplesPerPixel);
+    progress.BeginPhase("rendering", timed ? 0 : renderer.TileCount() * settings.samplesPerPixel);
     const Clock::time_point renderStart = Clock::now();
-
-    // One sampler a thread and round; which thread takes which tile does not matter.
-    std::vector<std::unique_ptr<Sampler>> samplers(static_cast<size_t>(ThreadCount()));
-    int round = -1;
-    auto startRound = [&](int r) {
-        round = r;
-        std::unique_ptr<Sampler> prototype = makeSampler(r);
-        for (std::unique_ptr<Sampler> &s : samplers) s = prototype->Clone();
-    };
-
-    int wave = 1, done = 0;
-    double lastWaveSeconds = 0;
-    int lastWaveSamples = 0;
-    while (!progress.Cancelled()) {
+    int wave = 1;
+    double secondsPerSample = 0;
+    while (timed || renderer.Done() < settings.samplesPerPixel) {
         int size = wave;
-        if (timed) {
+        if (timed && renderer.Done() > 0) {
+            // A wave that would end later than the budget is made smaller; below half a sample we stop.
             double left = settings.timeBudget - SecondsSince(settings.start);
-            if (done > 0) {
-                double perSample = lastWaveSeconds / lastWaveSamples;
-                // A wave that would end later than the budget is made smaller; below half a sample we stop.
-                int fits = static_cast<int>(std::min(left / perSample, 1e6) + 0.5);
-                if (fits < 1) break;
-                size = std::min(size, fits);
-            }
-            if (done / settings.samplesPerPixel != round) startRound(done / settings.samplesPerPixel);
-            size = std::min(size, (round + 1) * settings.samplesPerPixel - done);
-        } else {
-            if (done >= settings.samplesPerPixel) break;
-            if (round < 0) startRound(0);
-            size = std::min(size, settings.samplesPerPixel - done);
+            int fits = static_cast<int>(std::min(left / secondsPerSample, 1e6) + 0.5);
+            if (fits < 1) break;
+            size = std::min(size, fits);
         }
-        const int first = done - round * settings.samplesPerPixel;
         const Clock::time_point waveStart = Clock::now();
-        ParallelForEach(tileCount, [&](int64_t tile) {
-            if (progress.Cancelled()) return;
-            Sampler &sampler = *samplers[static_cast<size_t>(ThreadIndex())];
-            Point2i low = bounds.low + kTileSize * Point2i(static_cast<int>(tile % tiles.x), static_cast<int>(tile / tiles.x));
-            Point2i high = glm::min(low + kTileSize, bounds.high);
-            for (int y = low.y; y < high.y; ++y)
-                for (int x = low.x; x < high.x; ++x)
-                    for (int i = first; i < first + size; ++i) samplePixel({x, y}, i, sampler);
-            if (!timed) progress.Advance(size);
-        });
-        if (progress.Cancelled()) break;
-        done += size;
-        lastWaveSeconds = SecondsSince(waveStart);
-        lastWaveSamples = size;
-        result.mse = reference.Log(done, film);
+        const int taken = renderer.Render(size);
+        if (taken == 0) break;
+        secondsPerSample = SecondsSince(waveStart) / taken;
+        result.mse = reference.Log(renderer.Done(), film);
         if (timed) {
             double spent = SecondsSince(settings.start);
             progress.SetFraction(spent / settings.timeBudget, settings.timeBudget - spent);
         }
-        if (settings.afterWave) settings.afterWave(done);
-        if (done > 1 || !timed) wave = std::min(2 * wave, kLargestWave);
-        if (done == 1) wave = 1;
+        if (settings.afterWave) settings.afterWave(renderer.Done());
+        if (renderer.Done() > 1) wave = std::min(2 * wave, kLargestWave);
     }
-    result.samplesTaken = done;
+    result.samplesTaken = renderer.Done();
     result.cancelled = progress.Cancelled();
     result.seconds = SecondsSince(renderStart);
     progress.EndPhase();

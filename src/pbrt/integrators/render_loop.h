@@ -27,11 +27,40 @@ struct RenderResult {
     std::optional<double> mse;  ///< against the reference, of the last wave
 };
 
-/// Renders in waves of 1, 1, 2, 4, ... up to 64 samples per pixel over tiles. Every sample is a function of pixel and
-/// sample index only, so any number of threads gives the same image. `makeSampler(round)` gives the sampler for the
-/// round-th batch of samplesPerPixel samples (several rounds only under a time budget).
+/// Makes the sampler of the round-th batch of RenderSettings::samplesPerPixel samples.
+using SamplerFactory = std::function<std::unique_ptr<Sampler>(int round)>;
+
+/// Adds samples to a film, a number per pixel at a time, over tiles. Every sample is a function of pixel and sample index
+/// only, so any number of threads, and any split into calls, gives the same image.
+class WaveRenderer {
+  public:
+    WaveRenderer(const Integrator &integrator, const Camera &camera, const Filter &filter, RgbFilm &film,
+                 SamplerFactory makeSampler, const RenderSettings &settings, Progress &progress);
+
+    /// Renders up to `count` more samples per pixel, not beyond the end of the batch. Returns how many; 0 when cancelled.
+    int Render(int count);
+    int Done() const { return done_; }
+    int64_t TileCount() const { return tileCount_; }
+
+  private:
+    void SamplePixel(Point2i pixel, int sampleIndex, Sampler &sampler) const;
+    const Integrator &integrator_;
+    const Camera &camera_;
+    const Filter &filter_;
+    RgbFilm &film_;
+    SamplerFactory makeSampler_;
+    const RenderSettings &settings_;
+    Progress &progress_;
+    Float differentialScale_;
+    Bounds2i bounds_;
+    Vector2i tiles_;
+    int64_t tileCount_;
+    std::vector<std::unique_ptr<Sampler>> samplers_;  ///< one a thread
+    int round_ = -1, done_ = 0;
+};
+
+/// Renders waves of 1, 1, 2, 4, ... up to 64 samples per pixel until samplesPerPixel or the time budget is reached.
 RenderResult RenderWaves(const Integrator &integrator, const Camera &camera, const Filter &filter, RgbFilm &film,
-                         const std::function<std::unique_ptr<Sampler>(int round)> &makeSampler,
-                         const RenderSettings &settings, Progress &progress);
+                         const SamplerFactory &makeSampler, const RenderSettings &settings, Progress &progress);
 
 }  // namespace pbrt

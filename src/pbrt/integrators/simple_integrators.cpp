@@ -61,7 +61,7 @@ SampledSpectrum SimplePathIntegrator::Li(CameraRay cameraRay, SampledWavelengths
         }
         ++ThreadCounters().pathVertices;
         if (sampleLights_) {
-            std::optional<SampledLight> selected = lights_->Sample(LightQueryAt(point, bsdf.Flags(), depth), sampler.Get1D());
+            std::optional<SampledLight> selected = lights_->Sample(LightQueryAt(point, bsdf, lambda, depth), sampler.Get1D());
             Point2 uLight = sampler.Get2D();
             if (selected) {
                 LightSampleContext from = LightContextAt(point);

@@ -78,6 +78,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     const char *lights = "Light selection";
     app.add_option("--lightsampler", o.build.lightSampler, "name[:key=value,...]: which light gets the shadow ray; beats the scene")->group(lights);
     app.add_flag("--mesh-lights", o.build.meshLights, "an emissive mesh is one light, for every light sampler")->group(lights);
+    app.add_option("--shadow-gate", o.build.shadowGate, "name[:key=value,...]: skips some shadow rays at random, without bias; or none")->group(lights);
     app.add_flag("--list-lightsamplers", o.listLightSamplers, "print all light samplers with their parameters, and stop")->group(lights);
 
     const char *method = "Method";

@@ -43,6 +43,20 @@ struct Timings {
     double read = 0, build = 0, prepare = 0;
 };
 
+/// Whatever a sampler or gate reports, as attributes.
+template <class Reporter>
+void AddReport(const Reporter &reporter, const std::string &prefix, ImageMetadata *m) {
+    nlohmann::ordered_json report = nlohmann::ordered_json::object();
+    reporter.Report(report);
+    for (const auto &[key, value] : report.items()) {
+        std::string name = prefix + key;
+        if (value.is_number_integer()) m->attributes[name] = value.template get<int>();
+        else if (value.is_number()) m->attributes[name] = value.template get<float>();
+        else if (value.is_string()) m->attributes[name] = value.template get<std::string>();
+        else m->attributes[name] = value.dump();
+    }
+}
+
 ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built, const RenderResult &result, const Timings &timings) {
     ImageMetadata m = built.film->Metadata();
     m.attributes["renderTimeSeconds"] = static_cast<float>(result.seconds);
@@ -62,15 +76,11 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
     if (result.cancelled) m.attributes["pbrt.interrupted"] = 1;
     if (const LightSampler *lights = built.integrator->Lights()) {
         m.attributes["lightSampler"] = built.lightSamplerName;
-        nlohmann::ordered_json report = nlohmann::ordered_json::object();
-        lights->Report(report);
-        for (const auto &[key, value] : report.items()) {
-            std::string name = "lightSampler." + key;
-            if (value.is_number_integer()) m.attributes[name] = value.get<int>();
-            else if (value.is_number()) m.attributes[name] = value.get<float>();
-            else if (value.is_string()) m.attributes[name] = value.get<std::string>();
-            else m.attributes[name] = value.dump();
-        }
+        AddReport(*lights, "lightSampler.", &m);
+    }
+    if (const ShadowRayGate *gate = built.integrator->Gate()) {
+        m.attributes["shadowGate"] = built.shadowGateName;
+        AddReport(*gate, "shadowGate.", &m);
     }
     return m;
 }
@@ -92,12 +102,14 @@ void PrintStatistics(const BuiltScene &built, const RenderResult &result, const 
     line("shadow rays", fmt::format("{} ({:.1f} % blocked)", c.shadowRays, share(c.shadowRaysBlocked, c.shadowRays)));
     line("rays per second (million)", fmt::format("{:.2f}", static_cast<double>(c.closestHitRays + c.shadowRays) / std::max(1e-9, result.seconds) / 1e6));
     if (built.film->RejectedSamples()) line("samples dropped (not finite)", fmt::format("{}", built.film->RejectedSamples()));
-    if (const LightSampler *lights = built.integrator->Lights()) {
+    auto list = [&](const char *what, const std::string &name, const auto &reporter) {
         nlohmann::ordered_json report = nlohmann::ordered_json::object();
-        lights->Report(report);
-        line("light sampler", built.lightSamplerName);
-        for (const auto &[key, value] : report.items()) line(("  " + key).c_str(), value.is_string() ? value.get<std::string>() : value.dump());
-    }
+        reporter.Report(report);
+        line(what, name);
+        for (const auto &[key, value] : report.items()) line(("  " + key).c_str(), value.is_string() ? value.template get<std::string>() : value.dump());
+    };
+    if (const LightSampler *lights = built.integrator->Lights()) list("light sampler", built.lightSamplerName, *lights);
+    if (const ShadowRayGate *gate = built.integrator->Gate()) list("shadow-ray gate", built.shadowGateName, *gate);
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ struct LightQuery {
     /// What scatters at p and at which wavelengths; null where the asker has none. Valid during the call only.
     const Bsdf *bsdf = nullptr;
     const SampledWavelengths *lambda = nullptr;
+    Vector3 pError{};  ///< of p: rays that leave it start this far off (LightSampleContext)
 };
 
 /// One thing to look at, of a query point: see LightSampler::Inspect.

@@ -1,0 +1,33 @@
+#pragma once
+#include <span>
+
+#include "pbrt/math/vec.h"
+
+namespace ext {
+using namespace pbrt;
+
+/// One point of a light, drawn with density p(y) (solid angle, or discrete for delta lights), as seen from the shading
+/// point.
+struct LightPoint {
+    Float value = 0;  ///< |f Le cos V / p(y)|: what the light alone would be estimated at from this point
+    Float ratio = 0;  ///< BSDF sampling's density for the same direction over p(y); 0 if it cannot find the point
+};
+
+/// The probabilities of choosing a light that make the estimate of direct light least noisy, if the lights are what the
+/// points say: `points` holds the same number of points for each light, light by light.
+///
+/// Without MIS (all ratios 0) the second moment of "choose light l, draw y" is S(p) = sum_l m_l / p_l with
+/// m_l = mean of value^2, least for p_l ~ sqrt(m_l).
+///
+/// With ratios r: one light sample and one BSDF sample, combined by the power heuristic with weights p_l^2/(p_l^2 + r^2)
+/// and r^2/(p_l^2 + r^2). The sum of both second moments is S(p) = sum_l mean of value^2 (p_l^3 + r^3) / (p_l^2 + r^2)^2,
+/// falling in every p_l. At the minimum all -dS/dp_l are equal; p_l <- p_l sqrt(-dS/dp_l), normalised, is repeated until
+/// then. One step is exact where r is 0.
+///
+/// Writes probabilities that sum to 1 to `pmf` (one per light); returns false and leaves it alone if all values are 0.
+bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf);
+
+/// S(p) above.
+double SecondMoment(std::span<const LightPoint> points, std::span<const double> pmf);
+
+}  // namespace ext

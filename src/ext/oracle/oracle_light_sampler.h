@@ -1,0 +1,58 @@
+#pragma once
+#include <atomic>
+#include <memory>
+
+#include "ext/groups/mesh_groups.h"
+#include "ext/oracle/oracle_params.h"
+#include "pbrt/lightsamplers/light_sampler.h"
+
+namespace ext {
+
+/// A measuring instrument, not a sampler to render with: at every shading point it looks at every light with shadow rays
+/// of its own, and chooses with the probabilities that make the estimate of direct light there least noisy
+/// (least_variance.h). What the other samplers' errors are compared with.
+///
+/// What is least: given the shading point, the direction it is seen from, its BSDF and the path's wavelengths, the sum of
+/// the second moments of one light sample and one BSDF sample of direct light, combined by the power heuristic (`mis`
+/// true); averaged over the wavelengths. With `mis` false: the second moment of the light sample alone, that is
+/// p_l ~ sqrt(E[(f Le cos V / p(y))^2]). How a light's points are drawn, how one light is found in a mesh
+/// (MeshGroups: by power), and where paths go, is as it is: no choice of a light goes below this error, another way to
+/// sample a light may.
+///
+/// Three reasons why an image made with it may have a little more error than that: expectations are means over `samples`
+/// light points; the share `floor` goes to the unoccluded importance of stock pbrt-v4's samplers at the point, so that a
+/// light that none of the points saw can still be chosen and the mean of the image is right; and error in an image
+/// weighs colours, this weighs wavelengths.
+///
+/// Without a BSDF in the query the surface is a white diffuse one, of both sides if it transmits; in a medium scattering
+/// is uniform. Random numbers depend on the seed, the query's position and direction only, so Sample and PMF see the
+/// same probabilities.
+class OracleLightSampler final : public LightSampler {
+  public:
+    OracleLightSampler(const LightTable &lights, const OracleParams &params);
+    ~OracleLightSampler() override;
+
+    /// The scene of the context must live as long as the sampler is used.
+    void Prepare(PrepareContext &context) override;
+    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override;
+    Float PMF(const LightQuery &query, LightId light) const override;
+    void Report(nlohmann::ordered_json &report) const override;
+    void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
+
+  private:
+    /// Running sums over groups; empty if nothing was seen. Kept per thread for the last query; valid until the next.
+    std::span<const Float> Distribution(const LightQuery &query) const;
+    void Measure(const LightQuery &query, std::vector<Float> &cdf) const;
+    Float GroupPMF(const LightQuery &query, std::span<const Float> cdf, uint32_t group) const;
+
+    OracleParams params_;
+    MeshGroups groups_;
+    std::unique_ptr<LightSampler> unoccluded_;  ///< over groups
+    const Scene *scene_ = nullptr;              ///< null: not prepared, or at most one group: unoccluded_ alone
+    int seed_ = 0;
+    uint64_t instance_;  ///< tells the threads' memories of different samplers apart
+    /// For Report only.
+    mutable std::atomic<uint64_t> measured_{0}, rays_{0};
+};
+
+}  // namespace ext

@@ -1,0 +1,23 @@
+#pragma once
+#include "pbrt/core/describe.h"
+
+namespace ext {
+using namespace pbrt;
+
+/// Parameters of the oracle.
+struct OracleParams {
+    int samples = 16;
+    Float floor = 0.02f;
+    bool mis = true;
+    bool meshlights = true;
+
+    template <class V>
+    void Describe(V &&v) {
+        v("samples", samples, Range<int>{1, 4096}, "shadow rays to every light for each choice of one");
+        v("floor", floor, Range<Float>{1e-4f, 1.f}, "share of the probability handed out by unoccluded importance, whatever the shadow rays saw");
+        v("mis", mis, "least variance of light and BSDF sampling combined; false: of light sampling alone");
+        v("meshlights", meshlights, "an emissive mesh is one light for selection; false: the floor over single primitives, at the cost of rays to each");
+    }
+};
+
+}  // namespace ext

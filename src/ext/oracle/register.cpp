@@ -1,0 +1,16 @@
+#include "ext/oracle/oracle_light_sampler.h"
+#include "pbrt/lightsamplers/registry.h"
+
+void register_oracle(pbrt::LightSamplerRegistry &registry) {
+    using namespace ext;
+    LightSamplerRegistry::Entry entry;
+    entry.name = "oracle";
+    entry.summary = "measuring instrument, slow: shadow rays to every light at every point give the least noisy choice there is";
+    entry.params = DocumentParams<OracleParams>();
+    entry.make = [](const LightTable &lights, const ParamSet &params) -> std::unique_ptr<LightSampler> {
+        OracleParams p;
+        ReadParams(p, params, "oracle");
+        return std::make_unique<OracleLightSampler>(lights, p);
+    };
+    registry.Add(std::move(entry));
+}

@@ -2,9 +2,11 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pbrt/core/error.h"
+#include "pbrt/images/flip.h"
 
 namespace pbrt {
 
@@ -13,25 +15,24 @@ namespace {
 double Term(Metric metric, double x, double r) {
     const double d = x - r;
     switch (metric) {
-        case Metric::MAE: return std::abs(d);
-        case Metric::MSE: return d * d;
-        case Metric::MRSE: return d * d / ((r + 0.01) * (r + 0.01));
-        case Metric::RelL2: return d * d / (r * r + 0.01);
+        case Metric::MAE:
+            return std::abs(d);
+        case Metric::MSE:
+            return d * d;
+        case Metric::MRSE:
+            return d * d / ((r + 0.01) * (r + 0.01));
+        case Metric::RelL2:
+            return d * d / (r * r + 0.01);
+        case Metric::SMAPE:
+            return std::abs(d) / ((std::abs(x) + std::abs(r)) / 2 + 0.01);
+        case Metric::FLIP:
+        case Metric::HdrFLIP:
+            break;
     }
     return 0;
 }
 
-}  // namespace
-
-std::optional<Metric> ParseMetric(const std::string &name) {
-    if (name == "MAE") return Metric::MAE;
-    if (name == "MSE") return Metric::MSE;
-    if (name == "MRSE") return Metric::MRSE;
-    if (name == "relL2") return Metric::RelL2;
-    return {};
-}
-
-double ImageError(const Image &image, const Image &reference, Metric metric, Image *errorImage, size_t *skipped) {
+void RequireSameShape(const Image &image, const Image &reference) {
     if (image.Resolution() != reference.Resolution())
         throw UserError(fmt::format("Images of different resolution cannot be compared: {} x {} and {} x {}.",
                                     image.Resolution().x, image.Resolution().y, reference.Resolution().x,
@@ -39,6 +40,40 @@ double ImageError(const Image &image, const Image &reference, Metric metric, Ima
     if (image.Channels() != reference.Channels())
         throw UserError(fmt::format("Images of different channels cannot be compared: {} and {}.",
                                     fmt::join(image.Channels(), ","), fmt::join(reference.Channels(), ",")));
+}
+
+size_t CountNotFinite(const Image &image) {
+    size_t count = 0;
+    for (int y = 0; y < image.Resolution().y; ++y)
+        for (int x = 0; x < image.Resolution().x; ++x)
+            for (int c = 0; c < image.ChannelCount(); ++c) count += !std::isfinite(image.Get({x, y}, c));
+    return count;
+}
+
+}  // namespace
+
+const std::vector<std::string> &MetricNames() {
+    // In the order of the enumeration.
+    static const std::vector<std::string> names = {"MAE", "MSE", "MRSE", "relL2", "SMAPE", "FLIP", "HDR-FLIP"};
+    return names;
+}
+
+const std::string &MetricName(Metric metric) { return MetricNames()[static_cast<size_t>(metric)]; }
+
+std::optional<Metric> ParseMetric(const std::string &name) {
+    for (size_t i = 0; i < MetricNames().size(); ++i)
+        if (MetricNames()[i] == name) return static_cast<Metric>(i);
+    return {};
+}
+
+double ImageError(const Image &image, const Image &reference, Metric metric, Image *errorImage, size_t *skipped) {
+    RequireSameShape(image, reference);
+    if (metric == Metric::FLIP || metric == Metric::HdrFLIP) {
+        if (skipped) *skipped = CountNotFinite(image) + CountNotFinite(reference);
+        FlipSettings settings;
+        settings.hdr = metric == Metric::HdrFLIP;
+        return FlipReference(reference, settings).Compare(image, errorImage);
+    }
     if (errorImage) *errorImage = Image(PixelFormat::Float, image.Resolution(), image.Channels());
     double sum = 0;
     size_t counted = 0, dropped = 0;
@@ -62,6 +97,37 @@ double ImageError(const Image &image, const Image &reference, Metric metric, Ima
     }
     if (skipped) *skipped = dropped;
     return counted ? sum / static_cast<double>(counted) : 0;
+}
+
+double TrimmedRelL2(const Image &image, const Image &reference, double share, size_t *skipped) {
+    RequireSameShape(image, reference);
+    std::vector<double> terms;
+    size_t dropped = 0;
+    for (int y = 0; y < image.Resolution().y; ++y)
+        for (int x = 0; x < image.Resolution().x; ++x) {
+            double sum = 0;
+            int counted = 0;
+            for (int c = 0; c < image.ChannelCount(); ++c) {
+                const double term = Term(Metric::RelL2, static_cast<double>(image.Get({x, y}, c)),
+                                         static_cast<double>(reference.Get({x, y}, c)));
+                if (std::isfinite(term)) {
+                    sum += term;
+                    ++counted;
+                } else {
+                    ++dropped;
+                }
+            }
+            if (counted) terms.push_back(sum / counted);
+        }
+    if (skipped) *skipped = dropped;
+    const auto worst =
+        std::min(static_cast<size_t>(std::ceil(share * static_cast<double>(terms.size()))), terms.size());
+    const size_t kept = terms.size() - worst;
+    if (kept == 0) return 0;
+    std::nth_element(terms.begin(), terms.begin() + static_cast<std::ptrdiff_t>(kept) - 1, terms.end());
+    double sum = 0;
+    for (size_t i = 0; i < kept; ++i) sum += terms[i];
+    return sum / static_cast<double>(kept);
 }
 
 }  // namespace pbrt

@@ -16,8 +16,8 @@ const std::vector<std::string> &MetricNames();
 /// MAE: mean |x-r|. MSE: mean (x-r)^2. MRSE: mean (x-r)^2/(r+0.01)^2. RelL2 (the paper's): mean (x-r)^2/(r^2+0.01).
 /// SMAPE: mean |x-r|/((|x|+|r|)/2 + 0.01), between 0 and 2.
 /// FLIP: values clamped to [0, 1], as stock pbrt-v4 does. HdrFLIP: largest over exposures (see flip.h).
-/// Not-finite terms are skipped and counted in `skipped` (may be null). `errorImage` (may be null) gets the terms: the
-/// channels of the images, or the channel Y for FLIP.
+/// Not-finite terms are skipped and counted in `skipped` (may be null); for FLIP not-finite values count as 0.
+/// `errorImage` (may be null) gets the terms: the channels of the images, or the channel Y for FLIP.
 double ImageError(const Image &image, const Image &reference, Metric metric, Image *errorImage = nullptr,
                   size_t *skipped = nullptr);
 

@@ -11,17 +11,14 @@ namespace pbrt::imgtool {
 
 namespace {
 
-const std::vector<std::string> MetricNames = {"MAE", "MSE", "MRSE", "relL2"};
-
 struct Options {
     std::string path, reference, channels, metric = "MSE", outfile;
     std::vector<int> crop;
 };
 
 Metric ChosenMetric(const std::string &name) {
-    if (name == "FLIP") throw UserError("--metric FLIP is not supported yet; use MAE, MSE, MRSE or relL2.");
     if (auto metric = ParseMetric(name)) return *metric;
-    throw UserError(fmt::format("--metric {}: unknown; {}", name, ListChoices(name, MetricNames)));
+    throw UserError(fmt::format("--metric {}: unknown; {}", name, ListChoices(name, MetricNames())));
 }
 
 // Of the finite values.
@@ -73,7 +70,8 @@ int Diff(const Options &o) {
     fmt::print("  averages: {:.6g} and {:.6g}", ours, theirs);
     if (theirs != 0) fmt::print(" ({:+.4g}% delta)", 100 * (ours - theirs) / theirs);
     fmt::print("\n  {}: {:.6g}\n", o.metric, error);
-    if (skipped) fmt::print("  {} values are not finite and were left out\n", skipped);
+    const bool flip = metric == Metric::FLIP || metric == Metric::HdrFLIP;
+    if (skipped) fmt::print("  {} values are not finite and {}\n", skipped, flip ? "count as 0" : "were left out");
     return 1;
 }
 
@@ -84,12 +82,18 @@ void AddDiff(CLI::App &app, Action &action) {
     CLI::App *command = app.add_subcommand("diff", "Compare an image with a reference");
     command->add_option("file", o->path, "Image")->required();
     command->add_option("--reference", o->reference, "Image to compare with")->required()->type_name("FILE");
-    command->add_option("--metric", o->metric, "MAE, MSE, MRSE or relL2 (mean of (x - ref)^2 / (ref^2 + 0.01))")
+    command
+        ->add_option(
+            "--metric", o->metric,
+            "MAE, MSE, MRSE, relL2 (mean of (x - ref)^2 / (ref^2 + 0.01)), SMAPE (mean of |x - ref| / "
+            "((|x| + |ref|) / 2 + 0.01)), FLIP (seen at 67 pixels per degree; R, G, B clamped to 0..1) or HDR-FLIP "
+            "(largest FLIP over exposures from the brightest value of the reference to its median)")
         ->capture_default_str()
         ->type_name("NAME");
     command->add_option("--channels", o->channels, "Compare only these channels")->type_name("R,G,B");
     AddCropOption(*command, o->crop);
-    command->add_option("--outfile", o->outfile, "Write the error of every pixel and channel")->type_name("FILE");
+    command->add_option("--outfile", o->outfile, "Write the error of every pixel and channel; FLIP: of every pixel")
+        ->type_name("FILE");
     command->footer(
         "Prints nothing and exits with 0 only if the error is exactly 0; else exits with 1.\n"
         "Example: imgtool diff render.exr --reference reference.exr --metric relL2 --outfile error.exr");

@@ -1,0 +1,338 @@
+#include "pbrt/images/flip.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pbrt/core/error.h"
+#include "pbrt/core/parallel.h"
+
+namespace pbrt {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kRowsPerTask = 16;
+constexpr size_t kMaxExposures = 16;
+
+// 2020, section 4: exponent of the colour difference, knee of its remapping (part of the largest difference, value
+// there), width of the detector in degrees, exponent of the feature difference.
+constexpr double kColorExponent = 0.7, kKnee = 0.4, kKneeValue = 0.95;
+constexpr double kFeatureWidth = 0.082, kFeatureExponent = 0.5;
+
+// Contrast sensitivity as a sum of Gaussians a sqrt(pi/b) exp(-pi^2 d^2 / b), d in degrees (2020, table 1).
+struct Sensitivity {
+    double a, b;
+};
+constexpr Sensitivity kAchromatic = {1, 0.0047}, kRedGreen = {1, 0.0053};
+constexpr Sensitivity kBlueYellow[] = {{34.1, 0.04}, {13.5, 0.025}};
+constexpr double kWidestSensitivity = 0.04;
+
+using Plane = std::vector<float>;
+using Kernel = std::vector<float>;  // odd number of weights
+
+// Filters plane by `alongX` and `alongY`.
+Plane Filter(const Plane &in, Point2i size, const Kernel &alongX, const Kernel &alongY) {
+    const int width = size.x, height = size.y;
+    const int rx = static_cast<int>(alongX.size() / 2), ry = static_cast<int>(alongY.size() / 2);
+    auto row = [width](auto *data, int y) { return data + static_cast<size_t>(y) * static_cast<size_t>(width); };
+    Plane across(in.size()), out(in.size());
+    ParallelFor(height, kRowsPerTask, [&](int64_t begin, int64_t end) {
+        Plane padded(static_cast<size_t>(width + 2 * rx));
+        for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+            const float *from = row(in.data(), y);
+            for (int x = 0; x < width + 2 * rx; ++x) padded[x] = from[std::clamp(x - rx, 0, width - 1)];
+            float *to = row(across.data(), y);
+            for (int k = 0; k <= 2 * rx; ++k)
+                for (int x = 0; x < width; ++x) to[x] += alongX[k] * padded[x + k];
+        }
+    });
+    ParallelFor(height, kRowsPerTask, [&](int64_t begin, int64_t end) {
+        for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+            float *to = row(out.data(), y);
+            for (int k = -ry; k <= ry; ++k) {
+                const float *from = row(across.data(), std::clamp(y + k, 0, height - 1));
+                for (int x = 0; x < width; ++x) to[x] += alongY[k + ry] * from[x];
+            }
+        }
+    });
+    return out;
+}
+
+template <typename F>
+Kernel Tabulate(int radius, F f) {
+    Kernel kernel;
+    for (int x = -radius; x <= radius; ++x) kernel.push_back(static_cast<float>(f(x)));
+    return kernel;
+}
+
+void Scale(Kernel &kernel, double factor) {
+    for (float &w : kernel) w = static_cast<float>(static_cast<double>(w) * factor);
+}
+
+// Positive weights add up to 1, negative ones to -1.
+void Balance(Kernel &kernel) {
+    double positive = 0, negative = 0;
+    for (float w : kernel) (w > 0 ? positive : negative) += static_cast<double>(w);
+    for (float &w : kernel)
+        w = static_cast<float>(static_cast<double>(w) / (w > 0 ? positive : negative < 0 ? -negative : 1));
+}
+
+double Sum(const Kernel &kernel) {
+    double sum = 0;
+    for (float w : kernel) sum += static_cast<double>(w);
+    return sum;
+}
+
+// One Gaussian of a contrast sensitivity filter as a kernel for one axis; `mass` gets its weight in a sum, before
+// normalisation, over both axes.
+Kernel SensitivityKernel(const Sensitivity &s, double pixelsPerDegree, double *mass) {
+    const int radius =
+        static_cast<int>(std::ceil(3 * std::sqrt(kWidestSensitivity / (2 * kPi * kPi)) * pixelsPerDegree));
+    Kernel kernel = Tabulate(radius, [&](int x) {
+        const double d = x / pixelsPerDegree;
+        return std::exp(-kPi * kPi * d * d / s.b);
+    });
+    const double sum = Sum(kernel);
+    *mass = s.a * std::sqrt(kPi / s.b) * sum * sum;
+    Scale(kernel, 1 / sum);
+    // Weights that round away cost time only.
+    while (kernel.size() > 1 && kernel.front() < 1e-9f) {
+        kernel.erase(kernel.begin());
+        kernel.pop_back();
+    }
+    return kernel;
+}
+
+Plane SensitivityFilter(const Plane &in, Point2i size, const Sensitivity &s, double pixelsPerDegree) {
+    double mass = 0;
+    const Kernel kernel = SensitivityKernel(s, pixelsPerDegree, &mass);
+    return Filter(in, size, kernel, kernel);
+}
+
+Plane BlueYellowFilter(const Plane &in, Point2i size, double pixelsPerDegree) {
+    double mass[2];
+    const Kernel wide = SensitivityKernel(kBlueYellow[0], pixelsPerDegree, &mass[0]);
+    const Kernel narrow = SensitivityKernel(kBlueYellow[1], pixelsPerDegree, &mass[1]);
+    Plane out = Filter(in, size, wide, wide);
+    const Plane other = Filter(in, size, narrow, narrow);
+    const auto share = static_cast<float>(mass[0] / (mass[0] + mass[1]));
+    for (size_t i = 0; i < out.size(); ++i) out[i] = share * out[i] + (1 - share) * other[i];
+    return out;
+}
+
+// Length of the vector of responses to a detector along x and along y.
+Plane FeatureLength(const Plane &lightness, Point2i size, const Kernel &detector, const Kernel &smooth) {
+    Plane alongX = Filter(lightness, size, detector, smooth);
+    const Plane alongY = Filter(lightness, size, smooth, detector);
+    for (size_t i = 0; i < alongX.size(); ++i) alongX[i] = std::hypot(alongX[i], alongY[i]);
+    return alongX;
+}
+
+// Colours relative to the white (1, 1, 1), so every white has XYZ (1, 1, 1).
+struct Xyz1 {
+    float x, y, z;
+};
+
+class Colors {
+  public:
+    Colors() {
+        const ColorSpace &srgb = ColorSpace::SRGB();
+        const Xyz white = srgb.ToXyz(Rgb(1, 1, 1));
+        toXyz_ = srgb.XyzFromRgb();
+        for (int column = 0; column < 3; ++column) toXyz_[column] = toXyz_[column] / white;
+        toRgb_ = glm::inverse(toXyz_);
+    }
+    Xyz1 FromRgb(float r, float g, float b) const {
+        const glm::vec3 v = toXyz_ * glm::vec3(r, g, b);
+        return {v.x, v.y, v.z};
+    }
+    glm::vec3 ToRgb(const Xyz1 &c) const { return toRgb_ * glm::vec3(c.x, c.y, c.z); }
+
+  private:
+    glm::mat3 toXyz_, toRgb_;
+};
+
+// The opponent space of the filters: a CIELAB without the cube root.
+void ToOpponent(const Xyz1 &c, float *yy, float *cx, float *cz) {
+    *yy = 116 * c.y - 16;
+    *cx = 500 * (c.x - c.y);
+    *cz = 200 * (c.y - c.z);
+}
+
+Xyz1 FromOpponent(float yy, float cx, float cz) {
+    const float y = (yy + 16) / 116;
+    return {y + cx / 500, y, y - cz / 200};
+}
+
+float LabCurve(float t) {
+    constexpr float kLimit = 6.f / 29;
+    return t > kLimit * kLimit * kLimit ? std::cbrt(t) : t / (3 * kLimit * kLimit) + 4.f / 29;
+}
+
+// CIELAB whose chroma shrinks with the lightness (Hunt's effect).
+void ToHuntLab(const Xyz1 &c, float *l, float *a, float *b) {
+    const float fx = LabCurve(c.x), fy = LabCurve(c.y), fz = LabCurve(c.z);
+    *l = 116 * fy - 16;
+    *a = 0.01f * *l * 500 * (fx - fy);
+    *b = 0.01f * *l * 200 * (fy - fz);
+}
+
+// Distance of colours that may be far apart: city block between lightness and chroma (HyAB).
+float ColorDistance(float l, float a, float b) { return std::abs(l) + std::hypot(a, b); }
+
+// Rational fit of the ACES tone curve (Narkowicz 2015) with the 0.6 before it that HDR-FLIP uses:
+// (k0 x^2 + k1 x) / (k2 x^2 + k3 x + k4).
+constexpr double kTone[] = {0.9036, 0.018, 0.8748, 0.354, 0.14};
+
+float ToneMap(float x) {
+    const auto k = [](int i) { return static_cast<float>(kTone[i]); };
+    if (!(x > 0)) return 0;
+    x = std::min(x, 1e9f);
+    return std::clamp((k(0) * x + k(1)) * x / ((k(2) * x + k(3)) * x + k(4)), 0.f, 1.f);
+}
+
+// The value that the tone curve maps to t.
+double InverseToneMap(double t) {
+    const double a = kTone[0] - t * kTone[2], b = kTone[1] - t * kTone[3], c = -t * kTone[4];
+    return (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a);
+}
+
+// 2021, section 4: from the exposure that maps the largest luminance to 0.85 to the one that does so with the median.
+// The median is that of the pixels that are not black.
+std::vector<double> ChooseExposures(const std::vector<float> &planes) {
+    const size_t n = planes.size() / 3;
+    const Rgb weights = ColorSpace::SRGB().Luminance();
+    std::vector<float> luminance;
+    for (size_t i = 0; i < n; ++i) {
+        const float y = weights.x * planes[i] + weights.y * planes[n + i] + weights.z * planes[2 * n + i];
+        if (y > 0) luminance.push_back(y);
+    }
+    if (luminance.empty()) return {0};
+    auto middle = luminance.begin() + static_cast<std::ptrdiff_t>(luminance.size() / 2);
+    std::nth_element(luminance.begin(), middle, luminance.end());
+    const double median = static_cast<double>(*middle);
+    const double largest = static_cast<double>(*std::max_element(luminance.begin(), luminance.end()));
+    const double shown = InverseToneMap(0.85);
+    const double start = std::log2(shown / largest), stop = std::log2(shown / median);
+    if (stop <= start) return {start};
+    const size_t count = std::clamp(static_cast<size_t>(std::ceil(stop - start)), size_t(2), kMaxExposures);
+    std::vector<double> exposures;
+    for (size_t i = 0; i < count; ++i)
+        exposures.push_back(start + (stop - start) * static_cast<double>(i) / static_cast<double>(count - 1));
+    return exposures;
+}
+
+}  // namespace
+
+std::vector<float> FlipReference::Planes(const Image &image) {
+    const Point2i size = image.Resolution();
+    const size_t n = static_cast<size_t>(size.x) * static_cast<size_t>(size.y);
+    std::vector<float> planes(3 * n);
+    for (int c = 0; c < 3; ++c) {
+        const std::string name(1, "RGB"[c]);
+        const int channel = image.FindChannel(name);
+        if (channel < 0) throw UserError(fmt::format("FLIP needs the channels R, G and B; {} is missing.", name));
+        size_t i = static_cast<size_t>(c) * n;
+        for (int y = 0; y < size.y; ++y)
+            for (int x = 0; x < size.x; ++x, ++i) {
+                const float v = image.Get({x, y}, channel);
+                planes[i] = std::isfinite(v) ? v : 0;
+            }
+    }
+    return planes;
+}
+
+FlipReference::FlipReference(const Image &reference, const FlipSettings &settings)
+    : settings_(settings), resolution_(reference.Resolution()) {
+    const std::vector<float> planes = Planes(reference);
+    if (settings_.hdr) exposures_ = ChooseExposures(planes);
+    for (size_t i = 0; i < std::max(exposures_.size(), size_t(1)); ++i) percepts_.push_back(See(planes, i));
+    // Green and blue are the two colours of sRGB that are farthest apart.
+    const Colors colors;
+    float l[2], a[2], b[2];
+    ToHuntLab(colors.FromRgb(0, 1, 0), &l[0], &a[0], &b[0]);
+    ToHuntLab(colors.FromRgb(0, 0, 1), &l[1], &a[1], &b[1]);
+    largestColorDifference_ =
+        std::pow(static_cast<double>(ColorDistance(l[0] - l[1], a[0] - a[1], b[0] - b[1])), kColorExponent);
+}
+
+FlipReference::Percept FlipReference::See(const std::vector<float> &planes, size_t exposure) const {
+    const size_t n = planes.size() / 3;
+    const Colors colors;
+    const float factor = settings_.hdr ? static_cast<float>(std::exp2(exposures_[exposure])) : 1;
+    Plane yy(n), cx(n), cz(n), lightness(n);
+    ParallelFor(static_cast<int64_t>(n), 4096, [&](int64_t begin, int64_t end) {
+        for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+            float rgb[3];
+            for (size_t c = 0; c < 3; ++c) {
+                const float v = planes[c * n + i];
+                rgb[c] = settings_.hdr ? ToneMap(v * factor) : std::clamp(v, 0.f, 1.f);
+            }
+            ToOpponent(colors.FromRgb(rgb[0], rgb[1], rgb[2]), &yy[i], &cx[i], &cz[i]);
+            lightness[i] = (yy[i] + 16) / 116;
+        }
+    });
+
+    Percept out;
+    const double ppd = settings_.pixelsPerDegree;
+    const double sigma = 0.5 * kFeatureWidth * ppd;
+    const int radius = static_cast<int>(std::ceil(3 * sigma));
+    auto gaussian = [sigma](int x) { return std::exp(-x * x / (2 * sigma * sigma)); };
+    Kernel smooth = Tabulate(radius, gaussian);
+    Scale(smooth, 1 / Sum(smooth));
+    Kernel first = Tabulate(radius, [&](int x) { return -x * gaussian(x); });
+    Kernel second = Tabulate(radius, [&](int x) { return (x * x / (sigma * sigma) - 1) * gaussian(x); });
+    Balance(first);
+    Balance(second);
+    out.edge = FeatureLength(lightness, resolution_, first, smooth);
+    out.point = FeatureLength(lightness, resolution_, second, smooth);
+
+    out.l = SensitivityFilter(yy, resolution_, kAchromatic, ppd);
+    out.a = SensitivityFilter(cx, resolution_, kRedGreen, ppd);
+    out.b = BlueYellowFilter(cz, resolution_, ppd);
+    ParallelFor(static_cast<int64_t>(n), 4096, [&](int64_t begin, int64_t end) {
+        for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+            // What the filters made of the colour must still be one the screen can show.
+            const glm::vec3 rgb = colors.ToRgb(FromOpponent(out.l[i], out.a[i], out.b[i]));
+            const Xyz1 shown =
+                colors.FromRgb(std::clamp(rgb.x, 0.f, 1.f), std::clamp(rgb.y, 0.f, 1.f), std::clamp(rgb.z, 0.f, 1.f));
+            ToHuntLab(shown, &out.l[i], &out.a[i], &out.b[i]);
+        }
+    });
+    return out;
+}
+
+float FlipReference::Difference(const Percept &r, const Percept &t, size_t i) const {
+    const double distance = static_cast<double>(ColorDistance(r.l[i] - t.l[i], r.a[i] - t.a[i], r.b[i] - t.b[i]));
+    const double relative = std::pow(distance, kColorExponent) / largestColorDifference_;
+    const double color = relative < kKnee ? relative * kKneeValue / kKnee
+                                          : kKneeValue + (relative - kKnee) / (1 - kKnee) * (1 - kKneeValue);
+    const auto feature =
+        static_cast<double>(std::max(std::abs(r.edge[i] - t.edge[i]), std::abs(r.point[i] - t.point[i])));
+    const double structure = std::pow(std::min(feature / std::sqrt(2.0), 1.0), kFeatureExponent);
+    return static_cast<float>(std::pow(std::min(color, 1.0), 1 - structure));
+}
+
+double FlipReference::Compare(const Image &image, Image *errorImage) const {
+    if (image.Resolution() != resolution_)
+        throw UserError(fmt::format("Images of different resolution cannot be compared: {} x {} and {} x {}.",
+                                    image.Resolution().x, image.Resolution().y, resolution_.x, resolution_.y));
+    const std::vector<float> planes = Planes(image);
+    std::vector<float> flip(planes.size() / 3, 0.f);
+    for (size_t e = 0; e < percepts_.size(); ++e) {
+        const Percept percept = See(planes, e);
+        ParallelFor(static_cast<int64_t>(flip.size()), 4096, [&](int64_t begin, int64_t end) {
+            for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
+                flip[i] = std::max(flip[i], Difference(percepts_[e], percept, i));
+        });
+    }
+    double sum = 0;
+    for (float v : flip) sum += static_cast<double>(v);
+    if (errorImage) {
+        *errorImage = Image(PixelFormat::Float, resolution_, {"Y"});
+        std::copy(flip.begin(), flip.end(), static_cast<float *>(errorImage->Data()));
+    }
+    return flip.empty() ? 0 : sum / static_cast<double>(flip.size());
+}
+
+}  // namespace pbrt

@@ -1,0 +1,139 @@
+#include "ext/neepp/light_targets.h"
+
+#include <algorithm>
+#include <map>
+
+#include "pbrt/math/low_discrepancy.h"
+#include "pbrt/math/warps.h"
+
+namespace ext {
+
+namespace {
+constexpr int kSkySamples = 1024;
+
+/// Points by area of a primitive, as many as make it unlikely to miss a voxel that it crosses.
+template <class Visit>
+void ForPointsOn(const Shape &shape, uint32_t primitive, const VoxelGrid &grid, const Visit &visit) {
+    Bounds3 box = shape.PrimitiveBounds(primitive);
+    if (grid.Index(box.low) == grid.Index(box.high)) {
+        visit(box.Center(), Float(1));
+        return;
+    }
+    Float span[3];
+    for (int i = 0; i < 3; ++i) {
+        Float size = grid.VoxelSize()[i];
+        span[i] = size > 0 ? std::ceil((box.high[i] - box.low[i]) / size) + 1 : 1;
+    }
+    std::sort(span, span + 3);
+    int n = static_cast<int>(std::clamp(8 * span[1] * span[2], Float(32), Float(4096)));
+    for (int i = 0; i < n; ++i) {
+        auto k = static_cast<uint64_t>(i);
+        std::optional<ShapeSample> s = shape.SampleArea(primitive, {RadicalInverse(2, k), RadicalInverse(3, k)});
+        visit(s ? s->p : box.Center(), 1 / static_cast<Float>(n));
+    }
+}
+}  // namespace
+
+uint32_t LightTargets::SkyPartOf(const Vector3 &w) {
+    Point2 s = EqualAreaSphereToSquare(w) * static_cast<Float>(SkySide);
+    auto x = std::clamp(static_cast<int>(s.x), 0, SkySide - 1), y = std::clamp(static_cast<int>(s.y), 0, SkySide - 1);
+    return static_cast<uint32_t>(x + SkySide * y);
+}
+
+Vector3 LightTargets::DirectionIn(uint32_t skyPart, const Point2 &u) {
+    Point2 corner(skyPart % SkySide, skyPart / SkySide);
+    return EqualAreaSquareToSphere((corner + u) / static_cast<Float>(SkySide));
+}
+
+uint32_t LightTargets::VoxelTarget(uint32_t voxel) {
+    uint32_t &target = ofVoxel_[voxel];
+    if (target == None) {
+        target = static_cast<uint32_t>(targets_.size());
+        targets_.push_back({Kind::Voxel, voxel, {}});
+    }
+    return target;
+}
+
+uint32_t LightTargets::SkyTarget(uint32_t part) {
+    uint32_t &target = ofSkyPart_[part];
+    if (target == None) {
+        target = static_cast<uint32_t>(targets_.size());
+        targets_.push_back({Kind::SkyPart, part, {}});
+    }
+    return target;
+}
+
+LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const MeshGroups &groups) {
+    const LightTable &lights = scene.Lights();
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    LightSampleContext center;
+    center.p = scene.Bounds().IsEmpty() ? Point3(0) : scene.Bounds().Center();
+    ofVoxel_.assign(grid.Size(), None);
+    ofSkyPart_.assign(SkySide * SkySide, None);
+    ofLight_.assign(lights.Size(), None);
+    kindOf_.reserve(lights.Size());
+    for (uint32_t i = 0; i < lights.Size(); ++i) kindOf_.push_back(lights[LightId(i)].Kind());
+
+    ShapeId mesh, shape;  // of the lights met so far
+    std::map<uint32_t, double> weights;
+    auto finishGroup = [&] {
+        double sum = 0;
+        for (const auto &[target, weight] : weights) sum += weight;
+        for (const auto &[target, weight] : weights)
+            if (weight > 0) shares_.push_back({target, static_cast<Float>(weight / sum)});
+        first_.push_back(static_cast<uint32_t>(shares_.size()));
+        weights.clear();
+    };
+    for (uint32_t i = 0; i < lights.Size(); ++i) {
+        LightId id(i);
+        if (i > 0 && groups.GroupOf(id) != groups.GroupOf(LightId(i - 1))) finishGroup();
+        // A directive may make several shapes; its mesh is the first one's id and the others follow.
+        if (lights.MeshOf(id) != mesh) mesh = shape = lights.MeshOf(id);
+        else if (mesh && lights.PrimitiveOf(id) == 0) ++shape.value;
+
+        const LightCandidate &candidate = lights.Candidates()[i];
+        auto share = static_cast<double>(groups.ShareOf(id));
+        if (!(candidate.power > 0)) continue;
+        if (kindOf_[i] == LightKind::DeltaDirection) {
+            std::optional<LightLiSample> s = lights[id].SampleLi(center, {0.5f, 0.5f}, lambda, true);
+            if (!s) continue;
+            ofLight_[i] = static_cast<uint32_t>(targets_.size());
+            targets_.push_back({Kind::Direction, 0, s->wi});
+            weights[ofLight_[i]] += share;
+        } else if (kindOf_[i] == LightKind::Infinite) {
+            for (uint64_t k = 0; k < kSkySamples; ++k) {
+                Point2 u(RadicalInverse(2, k), RadicalInverse(3, k));
+                std::optional<LightLiSample> s = lights[id].SampleLi(center, u, lambda, true);
+                if (!s || !(s->pdf > 0)) continue;
+                double value = static_cast<double>(s->L.Average() / s->pdf);
+                if (value > 0 && std::isfinite(value)) weights[SkyTarget(SkyPartOf(s->wi))] += value;
+            }
+        } else if (mesh) {
+            ForPointsOn(scene.ShapeOf(shape), lights.PrimitiveOf(id), grid, [&](const Point3 &p, Float part) {
+                weights[VoxelTarget(grid.Index(p))] += share * static_cast<double>(part);
+            });
+        } else if (candidate.bounds) {
+            weights[VoxelTarget(grid.Index(candidate.bounds->Centroid()))] += share;
+        }
+    }
+    if (lights.Size() > 0) finishGroup();
+}
+
+uint32_t LightTargets::Find(const VoxelGrid &grid, LightId light, const Point3 &from, const Point3 &onLight) const {
+    switch (kindOf_[light.value]) {
+        case LightKind::DeltaDirection: return ofLight_[light.value];
+        case LightKind::Infinite: {
+            Vector3 d = onLight - from;
+            Float length = Length(d);
+            return length > 0 && std::isfinite(length) ? ofSkyPart_[SkyPartOf(d / length)] : None;
+        }
+        default: return ofVoxel_[grid.Index(onLight)];
+    }
+}
+
+size_t LightTargets::Bytes() const {
+    return targets_.capacity() * sizeof(Target) + shares_.capacity() * sizeof(Share) + kindOf_.capacity() * sizeof(LightKind) +
+           (first_.capacity() + ofVoxel_.capacity() + ofSkyPart_.capacity() + ofLight_.capacity()) * sizeof(uint32_t);
+}
+
+}  // namespace ext

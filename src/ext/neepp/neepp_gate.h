@@ -1,0 +1,26 @@
+#pragma once
+#include "ext/neepp/visibility_map.h"
+#include "pbrt/lightsamplers/shadow_ray_gate.h"
+
+namespace ext {
+
+/// The second half of NEE++: a shadow ray is skipped with the complement of the stored visibility between its ends, but
+/// never more often than 1 - minimum. Where nothing is stored about the far end it is always traced.
+class NeeppGate final : public ShadowRayGate {
+  public:
+    NeeppGate(const LightTable &lights, const NeeppGateParams &params)
+        : params_(params), groups_(lights, true), map_(params.map) {}
+
+    void Prepare(PrepareContext &context) override;
+    Float TraceProbability(const LightQuery &query, LightId light, const Point3 &onLight) const override;
+    void Report(nlohmann::ordered_json &report) const override;
+
+    const VisibilityMap &Map() const { return map_; }
+
+  private:
+    NeeppGateParams params_;
+    MeshGroups groups_;
+    VisibilityMap map_;
+};
+
+}  // namespace ext

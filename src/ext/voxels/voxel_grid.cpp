@@ -1,0 +1,29 @@
+#include "ext/voxels/voxel_grid.h"
+
+namespace ext {
+
+VoxelGrid::VoxelGrid(const Bounds3 &bounds, int voxels) {
+    if (bounds.IsEmpty()) return;
+    low_ = bounds.low;
+    Vector3 extent = bounds.Diagonal();
+    Float longest = MaxComponent(extent);
+    for (int i = 0; i < 3; ++i) {
+        if (!(extent[i] > 0)) continue;
+        auto n = static_cast<int>(std::lround(extent[i] / longest * static_cast<Float>(voxels)));
+        resolution_[i] = std::max(1, n);
+        scale_[i] = static_cast<Float>(resolution_[i]) / extent[i];
+        size_[i] = extent[i] / static_cast<Float>(resolution_[i]);
+    }
+}
+
+Bounds3 VoxelGrid::Voxel(uint32_t index) const {
+    Vector3 corner = Corner(index);
+    return {low_ + corner * size_, low_ + (corner + Float(1)) * size_};
+}
+
+size_t VoxelGrid::BorderSize() const {
+    glm::ivec3 inner = glm::max(resolution_ - 2, glm::ivec3(0));
+    return Size() - size_t(inner.x) * size_t(inner.y) * size_t(inner.z);
+}
+
+}  // namespace ext

@@ -1,0 +1,47 @@
+#pragma once
+#include <cstdint>
+
+#include "pbrt/math/bounds.h"
+
+namespace ext {
+using namespace pbrt;
+
+/// A regular grid over a box, with voxels as near to cubes as whole numbers allow. Look-up is index arithmetic.
+class VoxelGrid {
+  public:
+    /// One voxel.
+    VoxelGrid() = default;
+    /// `voxels` along the longest axis, in proportion along the others. An empty box is a point at the origin.
+    VoxelGrid(const Bounds3 &bounds, int voxels);
+
+    /// Points outside belong to the nearest voxel (and NaN to the first).
+    uint32_t Index(const Point3 &p) const {
+        Vector3 q = (p - low_) * scale_;
+        auto x = Clamped(q.x, resolution_.x), y = Clamped(q.y, resolution_.y), z = Clamped(q.z, resolution_.z);
+        return x + static_cast<uint32_t>(resolution_.x) * (y + static_cast<uint32_t>(resolution_.y) * z);
+    }
+    size_t Size() const { return size_t(resolution_.x) * size_t(resolution_.y) * size_t(resolution_.z); }
+    const glm::ivec3 &Resolution() const { return resolution_; }
+    const Vector3 &VoxelSize() const { return size_; }
+    Bounds3 Voxel(uint32_t index) const;
+    /// Point of a voxel; u in [0, 1)^3.
+    Point3 PointIn(uint32_t index, const Vector3 &u) const { return low_ + (Corner(index) + u) * size_; }
+    /// Voxels that have a face on the border of the grid: a guess of how many hold surfaces.
+    size_t BorderSize() const;
+
+  private:
+    static uint32_t Clamped(Float q, int resolution) {
+        return static_cast<uint32_t>(std::max(Float(0), std::min(q, static_cast<Float>(resolution - 1))));
+    }
+    Vector3 Corner(uint32_t index) const {
+        auto x = static_cast<uint32_t>(resolution_.x), y = static_cast<uint32_t>(resolution_.y);
+        return Vector3(glm::uvec3(index % x, index / x % y, index / x / y));
+    }
+
+    Point3 low_{0, 0, 0};
+    Vector3 scale_{0, 0, 0};  ///< voxels per unit length; 0 along an axis without extent
+    Vector3 size_{0, 0, 0};
+    glm::ivec3 resolution_{1, 1, 1};
+};
+
+}  // namespace ext

@@ -8,6 +8,9 @@
 namespace pbrt {
 
 namespace {
+constexpr Metric kMetrics[] = {Metric::MAE,   Metric::MSE,  Metric::MRSE,   Metric::RelL2,
+                               Metric::SMAPE, Metric::FLIP, Metric::HdrFLIP};
+
 Image Values(std::initializer_list<Float> values) {
     Image image(PixelFormat::Float, {static_cast<int>(values.size()), 1}, {"Y"});
     std::copy(values.begin(), values.end(), static_cast<float *>(image.Data()));
@@ -21,16 +24,15 @@ TEST(ImageError, MatchesHandComputedValues) {
     EXPECT_NEAR(ImageError(image, reference, Metric::MSE), (1 + 0 + 4) / 3.0, 1e-12);
     EXPECT_NEAR(ImageError(image, reference, Metric::MRSE), (1 / (2.01 * 2.01) + 4 / (1.01 * 1.01)) / 3, 1e-12);
     EXPECT_NEAR(ImageError(image, reference, Metric::RelL2), (1 / 4.01 + 4 / 1.01) / 3, 1e-12);
+    EXPECT_NEAR(ImageError(image, reference, Metric::SMAPE), (1 / 1.51 + 2 / 2.01) / 3, 1e-12);
 }
 
 TEST(ImageError, IsZeroOnlyForEqualImages) {
     const Image image = test::NoiseImage(PixelFormat::Float, {9, 7}, {"R", "G", "B"});
     Image other = image;
-    for (Metric metric : {Metric::MAE, Metric::MSE, Metric::MRSE, Metric::RelL2})
-        EXPECT_EQ(ImageError(image, other, metric), 0);
+    for (Metric metric : kMetrics) EXPECT_EQ(ImageError(image, other, metric), 0);
     other.Set({8, 6}, 2, other.Get({8, 6}, 2) + 0.25f);
-    for (Metric metric : {Metric::MAE, Metric::MSE, Metric::MRSE, Metric::RelL2})
-        EXPECT_GT(ImageError(image, other, metric), 0);
+    for (Metric metric : kMetrics) EXPECT_GT(ImageError(image, other, metric), 0);
 }
 
 TEST(ImageError, LeavesOutWhatIsNotFiniteAndCountsIt) {
@@ -49,13 +51,46 @@ TEST(ImageError, RefusesImagesThatDoNotMatch) {
     EXPECT_THROW(ImageError(Values({1}), Image(PixelFormat::Float, {1, 1}, {"R"}), Metric::MSE), UserError);
 }
 
+TEST(ImageError, SmapeIsSymmetricAndAtMostTwo) {
+    const Image a = Values({1, 5, -2, 0}), b = Values({3, 0, 2, 1e6f});
+    EXPECT_DOUBLE_EQ(ImageError(a, b, Metric::SMAPE), ImageError(b, a, Metric::SMAPE));
+    EXPECT_LT(ImageError(Values({1e6f}), Values({0}), Metric::SMAPE), 2);
+    EXPECT_GT(ImageError(Values({1e6f}), Values({0}), Metric::SMAPE), 1.99);
+}
+
+TEST(TrimmedRelL2, LeavesOutTheWorstPixelsAsAWhole) {
+    Image reference(PixelFormat::Float, {50, 50}, {"R", "G", "B"}), image = reference;
+    for (int y = 0; y < 50; ++y)
+        for (int x = 0; x < 50; ++x) image.Set({x, y}, 1, 0.1f);
+    const double everywhere = ImageError(image, reference, Metric::RelL2);
+    EXPECT_NEAR(TrimmedRelL2(image, reference), everywhere, 1e-12);
+    // 0.1 % of 2500 pixels, rounded up: 3.
+    for (int i = 0; i < 3; ++i) image.Set({10 * i, 7 * i}, i, 1000);
+    EXPECT_GT(ImageError(image, reference, Metric::RelL2), 1000 * everywhere);
+    EXPECT_NEAR(TrimmedRelL2(image, reference), everywhere, 1e-9);
+    image.Set({49, 49}, 0, 1000);
+    EXPECT_GT(TrimmedRelL2(image, reference), 1000 * everywhere);
+    EXPECT_NEAR(TrimmedRelL2(image, reference, 0), ImageError(image, reference, Metric::RelL2), 1e-3);
+}
+
+TEST(TrimmedRelL2, SkipsWhatIsNotFinite) {
+    size_t skipped = 0;
+    EXPECT_NEAR(TrimmedRelL2(Values({NAN, 1, 2, 9}), Values({0, 0, 0, 0}), 0.1, &skipped), (100 + 400) / 2.0, 1e-9);
+    EXPECT_EQ(skipped, 1u);
+    EXPECT_EQ(TrimmedRelL2(Values({1}), Values({0})), 0);
+}
+
 TEST(ImageError, KnowsTheNamesOfTheFormat) {
     EXPECT_EQ(ParseMetric("MAE"), Metric::MAE);
     EXPECT_EQ(ParseMetric("MSE"), Metric::MSE);
     EXPECT_EQ(ParseMetric("MRSE"), Metric::MRSE);
     EXPECT_EQ(ParseMetric("relL2"), Metric::RelL2);
-    EXPECT_FALSE(ParseMetric("FLIP"));
+    EXPECT_EQ(ParseMetric("SMAPE"), Metric::SMAPE);
+    EXPECT_EQ(ParseMetric("FLIP"), Metric::FLIP);
+    EXPECT_EQ(ParseMetric("HDR-FLIP"), Metric::HdrFLIP);
     EXPECT_FALSE(ParseMetric("mse"));
+    EXPECT_EQ(MetricNames().size(), std::size(kMetrics));
+    for (Metric metric : kMetrics) EXPECT_EQ(ParseMetric(MetricName(metric)), metric);
 }
 
 }  // namespace pbrt

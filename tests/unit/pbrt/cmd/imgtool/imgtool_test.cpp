@@ -150,7 +150,7 @@ TEST_F(Imgtool, InfoShowsWindowsSpaceMetadataAndStatistics) {
 TEST_F(Imgtool, DiffOfEqualImagesIsSilent) {
     Write("a.exr", 4, 3, kRgb);
     Write("b.exr", 4, 3, kRgb);
-    for (const char *metric : {"MAE", "MSE", "MRSE", "relL2"}) {
+    for (const char *metric : {"MAE", "MSE", "MRSE", "relL2", "SMAPE", "FLIP", "HDR-FLIP"}) {
         const Outcome o = Run(std::string("diff a.exr --reference b.exr --metric ") + metric);
         EXPECT_EQ(o.status, 0);
         EXPECT_EQ(o.out + o.err, "");
@@ -173,6 +173,25 @@ TEST_F(Imgtool, DiffReportsBothAveragesDeltaAndMetric) {
     const Image errors = ReadImage(Path("e.exr")).image;
     EXPECT_EQ(errors.Resolution(), Point2i(2, 2));
     EXPECT_EQ(errors.Get({1, 1}, 2), 1);
+}
+
+// FLIP of black and white is 0.9674 (see flip_test.cpp).
+TEST_F(Imgtool, DiffByFlipWritesOneValuePerPixel) {
+    for (auto [name, value] : {std::pair("black.exr", 0.f), std::pair("white.exr", 1.f), std::pair("lamp.exr", 8.f)}) {
+        Image image(PixelFormat::Float, {6, 5}, kRgb);
+        std::fill_n(static_cast<float *>(image.Data()), image.ValueCount(), value);
+        WriteImage(Path(name), image);
+    }
+    const Outcome o = Run("diff black.exr --reference white.exr --metric FLIP --outfile e.exr");
+    EXPECT_EQ(o.status, 1);
+    EXPECT_TRUE(Has(o.out, "FLIP: 0.967")) << o.out;
+    const Image errors = ReadImage(Path("e.exr")).image;
+    EXPECT_EQ(errors.Resolution(), Point2i(6, 5));
+    EXPECT_EQ(errors.ChannelCount(), 1);
+    EXPECT_NEAR(errors.Get({3, 2}, 0), 0.9674f, 1e-3f);
+    // Both are white on a screen; other exposures tell them apart.
+    EXPECT_EQ(Run("diff lamp.exr --reference white.exr --metric FLIP").status, 0);
+    EXPECT_EQ(Run("diff lamp.exr --reference white.exr --metric HDR-FLIP").status, 1);
 }
 
 TEST_F(Imgtool, DiffLooksOnlyAtTheChosenPart) {
@@ -202,7 +221,7 @@ TEST_F(Imgtool, DiffRefusesWhatCannotBeCompared) {
     ExpectErrors({{"diff a.exr --reference small.exr", "resolution"},
                   {"diff a.exr --reference grey.exr", "channels"},
                   {"diff a.exr --reference aces.exr", "colour space"},
-                  {"diff a.exr --reference a.exr --metric FLIP", "not supported yet"},
+                  {"diff grey.exr --reference grey.exr --metric FLIP", "R, G and B"},
                   {"diff a.exr --reference a.exr --metric PSNR", "relL2"},
                   {"diff a.exr --reference a.exr --channels R,Q", "\"Q\""},
                   {"diff a.exr --reference a.exr --crop 0,5,0,3", "4 x 3"},

@@ -1,0 +1,349 @@
+#include "pbrt/images/flip.h"
+
+#include <cmath>
+
+#include "image_fixtures.h"
+#include "pbrt/core/error.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/images/metrics.h"
+
+namespace pbrt {
+
+namespace {
+
+const std::vector<std::string> kRgb = {"R", "G", "B"};
+
+template <typename F>
+Image Paint(Point2i size, F colorOf) {
+    Image image(PixelFormat::Float, size, kRgb);
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x) {
+            const Rgb color = colorOf(x, y);
+            for (int c = 0; c < 3; ++c) image.Set({x, y}, c, color[c]);
+        }
+    return image;
+}
+
+Image Flat(Rgb color, Point2i size = {24, 24}) {
+    return Paint(size, [&](int, int) { return color; });
+}
+
+double Flip(const Image &image, const Image &reference, bool hdr = false, Image *errors = nullptr) {
+    return FlipReference(reference, {67, hdr}).Compare(image, errors);
+}
+
+// The obvious way, in double precision: every filter a square of weights applied at every pixel, textbook matrices.
+namespace slow {
+
+struct Color {
+    double x = 0, y = 0, z = 0;
+};
+constexpr double kPpd = 67, kPi = 3.141592653589793;
+constexpr double kMatrix[3][3] = {
+    {0.4124564, 0.3575761, 0.1804375}, {0.2126729, 0.7151522, 0.0721750}, {0.0193339, 0.1191920, 0.9503041}};
+
+Color WhiteXyz() {
+    double w[3];
+    for (int i = 0; i < 3; ++i) w[i] = kMatrix[i][0] + kMatrix[i][1] + kMatrix[i][2];
+    return {w[0], w[1], w[2]};
+}
+Color Xyz(const Color &rgb) {
+    double v[3];
+    for (int i = 0; i < 3; ++i) v[i] = kMatrix[i][0] * rgb.x + kMatrix[i][1] * rgb.y + kMatrix[i][2] * rgb.z;
+    return {v[0], v[1], v[2]};
+}
+// Cramer's rule.
+Color RgbOf(const Color &xyz) {
+    const double in[3] = {xyz.x, xyz.y, xyz.z};
+    auto det = [](const double m[3][3]) {
+        return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+               m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    };
+    double out[3];
+    for (int column = 0; column < 3; ++column) {
+        double m[3][3];
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) m[i][j] = j == column ? in[i] : kMatrix[i][j];
+        out[column] = det(m) / det(kMatrix);
+    }
+    return {out[0], out[1], out[2]};
+}
+
+struct Weights {
+    int radius = 0;
+    std::vector<double> w;
+    double &At(int x, int y) { return w[static_cast<size_t>((y + radius) * (2 * radius + 1) + x + radius)]; }
+    explicit Weights(int r) : radius(r), w(static_cast<size_t>((2 * r + 1) * (2 * r + 1))) {}
+};
+
+Weights Contrast(std::vector<std::pair<double, double>> terms) {
+    Weights k(static_cast<int>(std::ceil(3 * std::sqrt(0.04 / (2 * kPi * kPi)) * kPpd)));
+    double sum = 0;
+    for (int y = -k.radius; y <= k.radius; ++y)
+        for (int x = -k.radius; x <= k.radius; ++x) {
+            const double d2 = (x * x + y * y) / (kPpd * kPpd);
+            for (auto [a, b] : terms) k.At(x, y) += a * std::sqrt(kPi / b) * std::exp(-kPi * kPi * d2 / b);
+            sum += k.At(x, y);
+        }
+    for (double &w : k.w) w /= sum;
+    return k;
+}
+
+Weights Detector(bool point, bool alongY) {
+    const double sigma = 0.5 * 0.082 * kPpd;
+    Weights k(static_cast<int>(std::ceil(3 * sigma)));
+    double positive = 0, negative = 0;
+    for (int y = -k.radius; y <= k.radius; ++y)
+        for (int x = -k.radius; x <= k.radius; ++x) {
+            const double g = std::exp(-(x * x + y * y) / (2 * sigma * sigma));
+            const double along = alongY ? y : x;
+            double &w = k.At(x, y) = point ? (along * along / (sigma * sigma) - 1) * g : -along * g;
+            (w > 0 ? positive : negative) += std::abs(w);
+        }
+    for (double &w : k.w) w /= w > 0 ? positive : negative;
+    return k;
+}
+
+using Plane = std::vector<double>;
+Plane Apply(const Plane &in, Point2i size, Weights k) {
+    Plane out(in.size());
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x)
+            for (int j = -k.radius; j <= k.radius; ++j)
+                for (int i = -k.radius; i <= k.radius; ++i)
+                    out[static_cast<size_t>(y * size.x + x)] +=
+                        k.At(i, j) * in[static_cast<size_t>(std::clamp(y + j, 0, size.y - 1) * size.x +
+                                                            std::clamp(x + i, 0, size.x - 1))];
+    return out;
+}
+
+double CubeRoot(double t) { return t > 216.0 / 24389 ? std::cbrt(t) : (24389.0 / 27 * t + 16) / 116; }
+
+Color HuntLab(const Color &rgb) {
+    const Color c = Xyz(rgb), w = WhiteXyz();
+    const double fx = CubeRoot(c.x / w.x), fy = CubeRoot(c.y / w.y), fz = CubeRoot(c.z / w.z), l = 116 * fy - 16;
+    return {l, 0.01 * l * 500 * (fx - fy), 0.01 * l * 200 * (fy - fz)};
+}
+
+double Distance(const Color &p, const Color &q) {
+    return std::abs(p.x - q.x) + std::sqrt((p.y - q.y) * (p.y - q.y) + (p.z - q.z) * (p.z - q.z));
+}
+
+struct Seen {
+    std::vector<Color> lab;
+    Plane edge, point;
+};
+
+Seen See(const Image &image) {
+    const Point2i size = image.Resolution();
+    Plane yy, cx, cz, lightness;
+    const Color white = WhiteXyz();
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x) {
+            auto v = [&](int c) { return std::clamp(static_cast<double>(image.Get({x, y}, c)), 0.0, 1.0); };
+            const Color c = Xyz({v(0), v(1), v(2)});
+            yy.push_back(116 * c.y / white.y - 16);
+            cx.push_back(500 * (c.x / white.x - c.y / white.y));
+            cz.push_back(200 * (c.y / white.y - c.z / white.z));
+            lightness.push_back(c.y / white.y);
+        }
+    Seen out;
+    yy = Apply(yy, size, Contrast({{1, 0.0047}}));
+    cx = Apply(cx, size, Contrast({{1, 0.0053}}));
+    cz = Apply(cz, size, Contrast({{34.1, 0.04}, {13.5, 0.025}}));
+    for (size_t i = 0; i < yy.size(); ++i) {
+        const double y = (yy[i] + 16) / 116;
+        Color rgb = RgbOf({white.x * (y + cx[i] / 500), white.y * y, white.z * (y - cz[i] / 200)});
+        for (double *v : {&rgb.x, &rgb.y, &rgb.z}) *v = std::clamp(*v, 0.0, 1.0);
+        out.lab.push_back(HuntLab(rgb));
+    }
+    auto length = [&](bool point) {
+        const Plane a = Apply(lightness, size, Detector(point, false)),
+                    b = Apply(lightness, size, Detector(point, true));
+        Plane l;
+        for (size_t i = 0; i < a.size(); ++i) l.push_back(std::sqrt(a[i] * a[i] + b[i] * b[i]));
+        return l;
+    };
+    out.edge = length(false);
+    out.point = length(true);
+    return out;
+}
+
+Plane Flip(const Image &image, const Image &reference) {
+    const Seen r = See(reference), t = See(image);
+    const double largest = std::pow(Distance(HuntLab({0, 1, 0}), HuntLab({0, 0, 1})), 0.7);
+    Plane out;
+    for (size_t i = 0; i < r.lab.size(); ++i) {
+        const double d = std::pow(Distance(r.lab[i], t.lab[i]), 0.7);
+        const double knee = 0.4 * largest;
+        const double color = d < knee ? 0.95 * d / knee : 0.95 + 0.05 * (d - knee) / (largest - knee);
+        const double feature =
+            std::sqrt(std::max(std::abs(r.edge[i] - t.edge[i]), std::abs(r.point[i] - t.point[i])) / std::sqrt(2.0));
+        out.push_back(std::pow(color, 1 - feature));
+    }
+    return out;
+}
+
+}  // namespace slow
+
+// Smooth colours with edges, dots and some noise.
+Image Picture(float phase, bool dots) {
+    const Image noise = test::NoiseImage(PixelFormat::Float, {37, 29}, kRgb, -0.1f, 0.1f);
+    return Paint({37, 29}, [&](int x, int y) {
+        Rgb c(0.5f + 0.4f * std::sin(0.3f * static_cast<float>(x) + phase), x > 18 ? 0.8f : 0.2f,
+              0.5f + 0.5f * std::cos(0.2f * static_cast<float>(y) - phase));
+        for (int i = 0; i < 3; ++i) c[i] = std::max(0.f, c[i] + noise.Get({x, y}, i));
+        if (dots && x % 11 == 5 && y % 7 == 3) c = Rgb(1.3f, 1, 0.9f);
+        return c;
+    });
+}
+
+}  // namespace
+
+TEST(Flip, AgreesWithTheDirectConvolution) {
+    const Image reference = Picture(0, false), image = Picture(0.4f, true);
+    Image errors;
+    const double mean = Flip(image, reference, false, &errors);
+    const slow::Plane expected = slow::Flip(image, reference);
+    double sum = 0, worst = 0;
+    for (int y = 0; y < 29; ++y)
+        for (int x = 0; x < 37; ++x) {
+            const double e = expected[static_cast<size_t>(y * 37 + x)];
+            sum += e;
+            worst = std::max(worst, std::abs(e - static_cast<double>(errors.Get({x, y}, 0))));
+        }
+    EXPECT_LT(worst, 2e-3);
+    EXPECT_NEAR(mean, sum / (29 * 37), 3e-4);
+    EXPECT_GT(mean, 0.1);
+}
+
+TEST(Flip, IsZeroForEqualImagesAndSymmetric) {
+    const Image a = Picture(0, false), b = Picture(1, true);
+    EXPECT_EQ(Flip(a, a), 0);
+    EXPECT_EQ(Flip(a, a, true), 0);
+    EXPECT_DOUBLE_EQ(Flip(a, b), Flip(b, a));
+    EXPECT_GT(Flip(a, b), 0);
+}
+
+TEST(Flip, StaysBetweenZeroAndOne) {
+    const Image a = test::NoiseImage(PixelFormat::Float, {31, 23}, kRgb, -1, 3);
+    const Image b = Paint({31, 23}, [](int x, int y) { return (x / 3 + y / 5) % 2 ? Rgb(0, 9, 0) : Rgb(0, 0, 1); });
+    for (bool hdr : {false, true}) {
+        Image errors;
+        Flip(a, b, hdr, &errors);
+        for (int y = 0; y < 23; ++y)
+            for (int x = 0; x < 31; ++x) {
+                EXPECT_GE(errors.Get({x, y}, 0), 0);
+                EXPECT_LE(errors.Get({x, y}, 0), 1);
+            }
+    }
+}
+
+// Flat pictures have no features and pass the filters unchanged. Lab of green: 87.73 -86.18 83.18, of blue: 32.30 79.19
+// -107.86; with Hunt's factor their distance is 203.3 and 203.3^0.7 = 41.27.
+TEST(Flip, OfFlatColorsIsTheRemappedColorDistance) {
+    // Black and white: 100^0.7 / 41.27 = 0.6087, above the knee: 0.95 + 0.05 (0.6087 - 0.4) / 0.6.
+    EXPECT_NEAR(Flip(Flat({0, 0, 0}), Flat({1, 1, 1})), 0.9674, 2e-4);
+    EXPECT_NEAR(Flip(Flat({0, 1, 0}), Flat({0, 0, 1})), 1, 1e-4);
+    // Greys of lightness 50 and 60: Y = ((L + 16) / 116)^3; 10^0.7 / 41.27 = 0.12145 is below the knee.
+    const auto grey = [](double lightness) { return Rgb(static_cast<float>(std::pow((lightness + 16) / 116, 3))); };
+    EXPECT_NEAR(Flip(Flat(grey(50)), Flat(grey(60))), 0.12145 * 0.95 / 0.4, 2e-4);
+}
+
+TEST(Flip, IgnoresWhatTheScreenCannotShowUnlessHdr) {
+    const Image a = Flat({4, 4, 4}), b = Flat({2, 2, 2});
+    EXPECT_EQ(Flip(a, b), 0);
+    EXPECT_GT(Flip(a, b, true), 0.05);
+}
+
+TEST(Flip, SeesAShiftedEdgeLessThanAnAddedOne) {
+    auto edgeAt = [](int position) {
+        return Paint({40, 20}, [=](int x, int) { return Rgb(x < position ? 0.3f : 0.6f); });
+    };
+    const double shifted = Flip(edgeAt(21), edgeAt(20)), shiftedMore = Flip(edgeAt(24), edgeAt(20));
+    const double added = Flip(edgeAt(40), edgeAt(20));
+    EXPECT_GT(shifted, 0);
+    EXPECT_LT(shifted, shiftedMore);
+    EXPECT_LT(shiftedMore, added);
+}
+
+TEST(Flip, SeesFineStructureLessThanCoarse) {
+    auto board = [](int cell, int phase) {
+        return Paint({48, 48}, [=](int x, int y) { return Rgb((x / cell + y / cell + phase) % 2 ? 0.2f : 0.6f); });
+    };
+    const double fine = Flip(board(1, 0), board(1, 1)), coarse = Flip(board(8, 0), board(8, 1));
+    EXPECT_LT(fine, 0.3 * coarse);
+}
+
+// Two pictures whose filtered colours differ alike: the one with a new edge or dot is seen more.
+TEST(Flip, FeaturesAmplifyTheColorDifference) {
+    Image reference = Flat({0.2f, 0.2f, 0.2f}, {41, 41}), dot = reference, spread = reference;
+    dot.Set({20, 20}, 1, 1);
+    for (int y = 0; y < 41; ++y)
+        for (int x = 0; x < 41; ++x) {
+            const float d2 = static_cast<float>((x - 20) * (x - 20) + (y - 20) * (y - 20));
+            spread.Set({x, y}, 1, 0.2f + 0.8f * std::exp(-d2 / 200.f) / 628.f);  // the same light, wide
+        }
+    Image sharp, soft;
+    Flip(dot, reference, false, &sharp);
+    Flip(spread, reference, false, &soft);
+    EXPECT_GT(sharp.Get({20, 20}, 0), 3 * soft.Get({20, 20}, 0));
+}
+
+TEST(HdrFlip, DoesNotChangeWhenBothPicturesAreScaled) {
+    auto scaled = [](const Image &in, float factor) {
+        Image out = in;
+        for (size_t i = 0; i < out.ValueCount(); ++i) static_cast<float *>(out.Data())[i] *= factor;
+        return out;
+    };
+    const Image a = Picture(0.3f, true), b = Picture(0, false);
+    const double one = Flip(a, b, true);
+    for (float factor : {0.015625f, 32.f}) EXPECT_NEAR(Flip(scaled(a, factor), scaled(b, factor), true), one, 1e-5);
+    EXPECT_GT(one, 0.05);
+}
+
+// Largest luminance 16, median 1: the tone curve reaches 0.85 at x with (0.9036 - 0.85 0.8748) x^2 + (0.018 -
+// 0.85 0.354) x - 0.85 0.14 = 0, so x = 2.1189.
+TEST(HdrFlip, ExposuresReachFromTheBrightestValueToTheMedian) {
+    const Image image = Paint({10, 10}, [](int x, int y) { return Rgb(x == 3 && y == 4 ? 16.f : 1.f); });
+    const double x = 2.1189;
+    ASSERT_NEAR((0.9036 - 0.85 * 0.8748) * x * x + (0.018 - 0.85 * 0.354) * x - 0.85 * 0.14, 0, 1e-4);
+    const std::vector<double> exposures = FlipReference(image, {67, true}).Exposures();
+    ASSERT_GE(exposures.size(), 4u);
+    ASSERT_LE(exposures.size(), 5u);
+    EXPECT_NEAR(exposures.front(), std::log2(x / 16), 1e-3);
+    EXPECT_NEAR(exposures.back(), std::log2(x), 1e-3);
+    EXPECT_EQ(FlipReference(Flat({0, 0, 0}), {67, true}).Exposures().size(), 1u);
+    EXPECT_EQ(FlipReference(Flat({3, 3, 3}), {67, true}).Exposures().size(), 1u);
+    EXPECT_TRUE(FlipReference(image).Exposures().empty());
+}
+
+TEST(Flip, DoesNotDependOnTheNumberOfThreads) {
+    const Image a = Picture(0, false), b = Picture(1, true);
+    auto with = [&](int threads) {
+        ThreadLimit limit(threads);
+        return Flip(a, b, true);
+    };
+    EXPECT_EQ(with(1), with(3));
+}
+
+TEST(Flip, RefusesWhatItCannotCompare) {
+    const Image grey(PixelFormat::Float, {4, 4}, {"Y"});
+    EXPECT_THROW(FlipReference{grey}, UserError);
+    EXPECT_THROW(Flip(Flat({1, 1, 1}, {5, 4}), Flat({1, 1, 1}, {4, 5})), UserError);
+    EXPECT_THROW(Flip(grey, Flat({1, 1, 1}, {4, 4})), UserError);
+}
+
+TEST(Flip, CountsInvalidValuesAndTakesThemAsBlack) {
+    Image image = Flat({0.5f, 0.5f, 0.5f}), black = image;
+    for (int c = 0; c < 3; ++c) {
+        image.Set({7, 7}, c, NAN);
+        black.Set({7, 7}, c, 0);
+    }
+    size_t skipped = 0;
+    const Image reference = Flat({0.5f, 0.5f, 0.5f});
+    EXPECT_EQ(ImageError(image, reference, Metric::FLIP, nullptr, &skipped), Flip(black, reference));
+    EXPECT_EQ(skipped, 3u);
+}
+
+}  // namespace pbrt

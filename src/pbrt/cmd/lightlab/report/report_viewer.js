@@ -1,0 +1,244 @@
+"use strict";
+// Two pictures under one transform, a wipe between them. Sides: {item, error, previous}.
+const data = JSON.parse(document.getElementById("data").textContent);
+const viewer = (() => {
+  const $ = (id) => document.getElementById(id);
+  const stage = $("stage"), wipeBar = $("wipe");
+  const { items, pictures, crops } = data;
+  const [width, height] = [data.size[0] || 1, data.size[1] || 1];
+  const samplers = items.map((v, i) => i).filter((i) => items[i].kind === "sampler");
+  const sides = {};
+  const view = { scale: 1, x: 0, y: 0, fitted: true };
+  let wipe = 0.5;
+
+  for (const name of ["left", "right"]) {
+    const layer = $("layer-" + name), plane = layer.querySelector(".plane"), images = {};
+    for (const file of Object.keys(pictures)) {
+      const image = new Image();
+      image.src = pictures[file];
+      image.alt = "";
+      image.draggable = false;
+      image.style.width = width + "px";
+      image.style.height = height + "px";
+      image.dataset.file = file;
+      image.decode().catch(() => {});  // decoded before it is asked for: switching does not flicker
+      plane.append(image);
+      images[file] = image;
+    }
+    const none = document.createElement("div");
+    none.className = "none";
+    none.textContent = "no picture";
+    none.hidden = true;
+    layer.append(none);
+    const pick = $("pick-" + name);
+    items.forEach((v, i) => {
+      const place = samplers.indexOf(i);
+      pick.add(new Option((v.kind === "reference" ? "r  " : place < 9 ? `${place + 1}  ` : "") + v.label, i));
+    });
+    pick.addEventListener("change", () => show(name, Number(pick.value)));
+    sides[name] = { item: data[name], previous: data[name], error: false, layer, plane, images, none, pick };
+  }
+
+  function show(name, item, error) {
+    const side = sides[name];
+    if (items[side.item].kind === "sampler") side.previous = side.item;
+    side.item = item;
+    if (error !== undefined) side.error = error;
+    draw(name);
+  }
+
+  function draw(name) {
+    const side = sides[name], v = items[side.item];
+    const isError = side.error && v.kind === "sampler";
+    const file = isError ? v.error : v.result;
+    for (const key of Object.keys(side.images)) side.images[key].classList.toggle("shown", key === file);
+    side.none.hidden = Boolean(file);
+    side.layer.dataset.shown = v.label + (isError ? "/error" : "/result");
+    side.pick.value = String(side.item);
+    const line = $("name-" + name);
+    line.replaceChildren();
+    if (v.colour) {
+      const mark = document.createElement("span");
+      mark.className = "swatch";
+      mark.style.setProperty("--c", v.colour === "var(--ink)" ? "#fff" : v.colour);
+      line.append(mark);
+    }
+    const label = document.createElement("b");
+    label.textContent = v.label;
+    line.append(label, (isError ? " error" : "") + (v.note ? "  " + v.note : ""));
+    if (v.biased) {
+      const warn = document.createElement("span");
+      warn.className = "warn";
+      warn.textContent = "  biased";
+      line.append(warn);
+    }
+    $("show-error").setAttribute("aria-pressed", String(sides.right.error));
+  }
+
+  function place() {
+    for (const side of Object.values(sides)) {
+      side.plane.style.transform = `translate(${view.x}px, ${view.y}px) scale(${view.scale})`;
+      side.plane.classList.toggle("sharp", view.scale * devicePixelRatio >= 1.5);
+    }
+    $("zoom").textContent = `${Math.round(view.scale * 100)} %`;
+  }
+
+  function placeWipe(value) {
+    wipe = Math.min(1, Math.max(0, value));
+    const percent = 100 * wipe;
+    sides.left.layer.style.clipPath = `inset(0 ${100 - percent}% 0 0)`;
+    sides.right.layer.style.clipPath = `inset(0 0 0 ${percent}%)`;
+    wipeBar.style.left = `${percent}%`;
+    wipeBar.setAttribute("aria-valuenow", String(Math.round(percent)));
+    wipeBar.setAttribute("aria-valuetext", `${Math.round(percent)} % left picture`);
+  }
+
+  function fit() {
+    view.scale = Math.min(stage.clientWidth / width, stage.clientHeight / height);
+    view.x = (stage.clientWidth - view.scale * width) / 2;
+    view.y = (stage.clientHeight - view.scale * height) / 2;
+    view.fitted = true;
+    place();
+  }
+
+  // The image point under (px, py) of the stage stays there.
+  function zoom(factor, px = stage.clientWidth / 2, py = stage.clientHeight / 2) {
+    const smallest = 0.5 * Math.min(stage.clientWidth / width, stage.clientHeight / height);
+    const scale = Math.min(64, Math.max(smallest, view.scale * factor));
+    view.x = px - ((px - view.x) * scale) / view.scale;
+    view.y = py - ((py - view.y) * scale) / view.scale;
+    view.scale = scale;
+    view.fitted = false;
+    hold();
+    place();
+  }
+
+  // Some of the picture always stays in sight.
+  function hold() {
+    const edge = 40;
+    view.x = Math.min(stage.clientWidth - edge, Math.max(edge - view.scale * width, view.x));
+    view.y = Math.min(stage.clientHeight - edge, Math.max(edge - view.scale * height, view.y));
+  }
+
+  function showCrop(crop, item, error) {
+    const w = crop.x1 - crop.x0, h = crop.y1 - crop.y0;
+    view.scale = Math.min(64, 0.92 * Math.min(stage.clientWidth / w, stage.clientHeight / h));
+    view.x = stage.clientWidth / 2 - view.scale * (crop.x0 + w / 2);
+    view.y = stage.clientHeight / 2 - view.scale * (crop.y0 + h / 2);
+    view.fitted = false;
+    place();
+    if (item !== undefined) show("right", item, error);
+    if (error !== undefined) show("left", sides.left.item, error);
+    stage.scrollIntoView({ block: "nearest" });
+    stage.focus({ preventScroll: true });
+  }
+
+  function reference(name) {
+    const side = sides[name];
+    if (items[side.item].kind === "reference") return show(name, side.previous);
+    const found = items.findIndex((v) => v.kind === "reference" && v.reference === items[side.item].reference);
+    if (found >= 0) show(name, found);
+  }
+
+  function swap() {
+    const { left, right } = sides, item = left.item, error = left.error;
+    show("left", right.item, right.error);
+    show("right", item, error);
+  }
+
+  function toggleError(onlyLeft) {
+    const on = onlyLeft ? !sides.left.error : !sides.right.error;
+    for (const name of onlyLeft ? ["left"] : ["left", "right"]) show(name, sides[name].item, on);
+  }
+
+  function step(name, by) {
+    show(name, (sides[name].item + by + items.length) % items.length);
+  }
+
+  function key(e) {
+    if (e.ctrlKey || e.metaKey || e.altKey || e.target.closest("select, input, textarea, details, .scroll")) return;
+    const name = e.shiftKey ? "left" : "right";
+    const digit = /^(Digit|Numpad)([1-9])$/.exec(e.code);
+    if (digit) {
+      if (Number(digit[2]) > samplers.length) return;
+      show(name, samplers[Number(digit[2]) - 1]);
+    } else if (e.key === "ArrowRight") step(name, 1);
+    else if (e.key === "ArrowLeft") step(name, -1);
+    else if (e.key === "e" || e.key === "E") toggleError(e.shiftKey);
+    else if (e.key === "r" || e.key === "R") reference(name);
+    else if (e.key === "x") swap();
+    else if (e.key === "+" || e.key === "=") zoom(1.25);
+    else if (e.key === "-") zoom(0.8);
+    else if (e.key === "0") fit();
+    else return;
+    e.preventDefault();
+  }
+
+  function wipeKey(e) {
+    const by = e.shiftKey ? 0.1 : 0.01;
+    const to = { ArrowLeft: wipe - by, ArrowRight: wipe + by, ArrowDown: wipe - by, ArrowUp: wipe + by, Home: 0, End: 1 }[e.key];
+    if (to === undefined) return;
+    placeWipe(to);
+    e.preventDefault();
+    e.stopPropagation();  // arrows on the handle move the wipe, not the choice of pictures
+  }
+
+  function drag(element, move, cursor) {
+    element.addEventListener("pointerdown", (e) => {
+      if (e.button !== 0) return;
+      e.stopPropagation();
+      element.setPointerCapture(e.pointerId);
+      let [x, y] = [e.clientX, e.clientY];
+      if (cursor) stage.classList.add(cursor);
+      const onMove = (m) => {
+        move(m, m.clientX - x, m.clientY - y);
+        [x, y] = [m.clientX, m.clientY];
+      };
+      const end = () => {
+        element.removeEventListener("pointermove", onMove);
+        if (cursor) stage.classList.remove(cursor);
+      };
+      element.addEventListener("pointermove", onMove);
+      element.addEventListener("lostpointercapture", end, { once: true });
+    });
+  }
+
+  drag(wipeBar, (e) => {
+    const box = stage.getBoundingClientRect();
+    placeWipe((e.clientX - box.left) / box.width);
+  });
+  drag(stage, (e, dx, dy) => {
+    view.x += dx;
+    view.y += dy;
+    view.fitted = false;
+    hold();
+    place();
+  }, "panning");
+  stage.addEventListener("wheel", (e) => {
+    e.preventDefault();
+    const box = stage.getBoundingClientRect();
+    const lines = e.deltaMode === 1 ? 30 : e.deltaMode === 2 ? 400 : 1;
+    zoom(Math.exp(-Math.max(-300, Math.min(300, e.deltaY * lines)) * 0.0018), e.clientX - box.left, e.clientY - box.top);
+  }, { passive: false });
+  stage.addEventListener("pointermove", (e) => {
+    const box = stage.getBoundingClientRect();
+    const x = Math.floor((e.clientX - box.left - view.x) / view.scale), y = Math.floor((e.clientY - box.top - view.y) / view.scale);
+    $("where").textContent = x >= 0 && y >= 0 && x < width && y < height ? `x ${x}  y ${y}` : "";
+  });
+  stage.addEventListener("pointerleave", () => { $("where").textContent = ""; });
+  wipeBar.addEventListener("keydown", wipeKey);
+  document.addEventListener("keydown", key);
+  $("show-error").addEventListener("click", () => toggleError(false));
+  $("swap").addEventListener("click", swap);
+  $("fit").addEventListener("click", fit);
+  $("zoom-in").addEventListener("click", () => zoom(1.25));
+  $("zoom-out").addEventListener("click", () => zoom(0.8));
+
+  stage.style.aspectRatio = `${width} / ${height}`;
+  placeWipe(0.5);
+  draw("left");
+  draw("right");
+  new ResizeObserver(() => (view.fitted ? fit() : place())).observe(stage);
+  fit();
+  return { showCrop, pictures, items, crops };
+})();

@@ -1,0 +1,326 @@
+"""report.html in headless Chromium (Debian's chromium, chromium-driver, python3-selenium). Exit status 77 and a line with
+SKIPPED when they are absent."""
+import base64
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.dont_write_bytecode = True
+import synthetic_results as synthetic  # noqa: E402
+
+SCRIPTS = pathlib.Path(os.environ.get("LIGHTLAB_REPORT")
+                       or pathlib.Path(__file__).resolve().parents[6] / "src/pbrt/cmd/lightlab/report")
+
+
+def skip(what):
+    print(f"SKIPPED: report.html was not tested in a browser: {what} is missing "
+          "(Debian: chromium chromium-driver python3-selenium)")
+    sys.exit(77)
+
+
+try:
+    from selenium import webdriver
+    from selenium.webdriver import ActionChains, Keys
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
+    from selenium.webdriver.common.by import By
+except ImportError:
+    skip("python3-selenium")
+BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+if not BROWSER or not DRIVER:
+    skip("chromium" if not BROWSER else "chromedriver")
+
+
+class Page(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        holder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(holder.cleanup)
+        cls.out = pathlib.Path(holder.name) / "out"
+        cls.results = synthetic.make(cls.out)
+        for script in ("charts.py", "report.py"):
+            subprocess.run([sys.executable, SCRIPTS / script, cls.out], check=True, stdout=subprocess.DEVNULL)
+        options = webdriver.ChromeOptions()
+        options.binary_location = BROWSER
+        for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--window-size=1300,1400",
+                         f"--user-data-dir={holder.name}/profile"):
+            options.add_argument(argument)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+        cls.driver = webdriver.Chrome(service=Service(DRIVER), options=options)
+        cls.addClassCleanup(cls.driver.quit)
+
+    def setUp(self):
+        self.driver.get("about:blank")
+        self.driver.get_log("browser")
+        self.driver.get_log("performance")
+        self.driver.get((self.out / "report.html").as_uri())
+        self.stage = self.find("#stage")
+        # Wholly in sight: WebDriver measures from the middle of what is in sight.
+        self.js("arguments[0].scrollIntoView({block: 'center'})", self.stage)
+
+    def tearDown(self):
+        bad = [e for e in self.driver.get_log("browser") if e["level"] in ("SEVERE", "WARNING")]
+        self.assertEqual(bad, [], "console errors")
+        urls = []
+        for entry in self.driver.get_log("performance"):
+            message = json.loads(entry["message"])["message"]
+            if message["method"] == "Network.requestWillBeSent":
+                urls.append(message["params"]["request"]["url"])
+        self.assertTrue(any(u.startswith("file:") for u in urls), "the log of requests must see the page itself")
+        outside = [u[:80] for u in urls if not u.startswith("data:") and u != (self.out / "report.html").as_uri()]
+        self.assertEqual(outside, [], "the page asked for something outside itself")
+
+    def find(self, selector):
+        return self.driver.find_element(By.CSS_SELECTOR, selector)
+
+    def js(self, code, *arguments):
+        return self.driver.execute_script("return " + code, *arguments)
+
+    def clips(self):
+        return [self.js("getComputedStyle(document.getElementById(arguments[0])).clipPath", f"layer-{s}") for s in ("left", "right")]
+
+    def transforms(self):
+        """(scale, x, y) of both pictures."""
+        found = []
+        for side in ("left", "right"):
+            m = self.js("getComputedStyle(document.querySelector(arguments[0])).transform", f"#layer-{side} .plane")
+            a, _, _, _, x, y = (float(v) for v in m[len("matrix("):-1].split(","))
+            found.append((a, x, y))
+        return found
+
+    def shown(self, side):
+        """Name of the shown picture, after checking that exactly its file's pixels are the visible element."""
+        name = self.js("document.getElementById(arguments[0]).dataset.shown", f"layer-{side}")
+        label, kind = name.rsplit("/", 1)
+        visible = self.js("[...document.querySelectorAll(arguments[0])].filter("
+                          "(e) => getComputedStyle(e).visibility === 'visible').map((e) => e.src)", f"#layer-{side} img")
+        if label == "reference":
+            file = self.results["references"][0]["picture"]
+        else:
+            entry = next(s for s in self.results["samplers"] if s["label"] == label)
+            file = entry["picture" if kind == "result" else "errorPicture"]
+        self.assertEqual(visible, ["data:image/png;base64," + base64.b64encode((self.out / file).read_bytes()).decode()])
+        self.assertIn(label, self.find(f"#name-{side}").text)
+        return name
+
+    def press(self, *keys):
+        chain = ActionChains(self.driver)
+        for key in keys[:-1]:
+            chain = chain.key_down(key)
+        chain = chain.send_keys(keys[-1])
+        for key in keys[:-1]:
+            chain = chain.key_up(key)
+        chain.perform()
+
+    def press_code(self, code, shift):
+        """A digit by its place on the keyboard: with Shift its character depends on the layout."""
+        self.driver.execute_cdp_cmd("Input.dispatchKeyEvent", {
+            "type": "keyDown", "code": code, "key": "!" if shift else code[-1], "modifiers": 8 if shift else 0})
+
+    def colour_at(self, fraction):
+        """What the screen shows at that fraction of the stage's width, a quarter down."""
+        from matplotlib import pyplot as plt
+        file = self.out / "stage.png"
+        file.write_bytes(self.stage.screenshot_as_png)
+        image = plt.imread(file)
+        return [round(255 * float(v)) for v in image[image.shape[0] // 4, int(image.shape[1] * fraction)][:3]]
+
+    def drag(self, element, dx, dy, x=0, y=0):
+        chain = ActionChains(self.driver, duration=20).move_to_element_with_offset(element, x, y).click_and_hold()
+        for _ in range(4):
+            chain.move_by_offset(dx // 4, dy // 4)
+        chain.release().perform()
+
+    def test_WipeFollowsTheDrag(self):
+        before = self.clips()
+        width = self.stage.size["width"]
+        self.drag(self.find("#wipe"), width // 4 // 4 * 4, 0)
+        after = self.clips()
+        self.assertNotEqual(before, after)
+        percent = [float(after[0].split()[1].rstrip("%")), float(after[1].split()[3].rstrip("%)"))]
+        self.assertAlmostEqual(sum(percent), 100, delta=0.01)  # where the left picture ends the right one begins
+        self.assertAlmostEqual(percent[1], 75, delta=1)
+        self.assertEqual(int(self.find("#wipe").get_attribute("aria-valuenow")), 75)
+
+    def test_WipeDividesWhatIsSeen(self):
+        self.press("1")
+        self.press_code("Digit2", shift=True)
+        red, green = (200, 30), (30, 160)
+        self.assertEqual(tuple(self.colour_at(0.70)[:2]), red)
+        self.assertEqual(tuple(self.colour_at(0.30)[:2]), green)
+        self.drag(self.find("#wipe"), self.stage.size["width"] // 4, 0)
+        self.assertEqual(tuple(self.colour_at(0.70)[:2]), green)
+
+    def test_WipeMovesByKeyboard(self):
+        wipe = self.find("#wipe")
+        right = self.shown("right")
+        wipe.send_keys(Keys.ARROW_RIGHT)
+        self.assertEqual(wipe.get_attribute("aria-valuenow"), "51")
+        wipe.send_keys(Keys.HOME)
+        self.assertEqual(wipe.get_attribute("aria-valuenow"), "0")
+        self.assertEqual(self.shown("right"), right, "arrows on the handle leave the pictures alone")
+
+    def test_WheelZoomsBothPicturesAtThePointer(self):
+        left, right = self.transforms()
+        self.assertEqual(left, right)
+        box = self.js("(({x, y, width, height}) => [x, y, width, height])(arguments[0].getBoundingClientRect())", self.stage)
+        px, py = box[2] / 2 + 150, box[3] / 2 - 100
+        origin = ScrollOrigin.from_element(self.stage, 150, -100)
+        ActionChains(self.driver).scroll_from_origin(origin, 0, -240).perform()
+        zoomedLeft, zoomedRight = self.transforms()
+        self.assertEqual(zoomedLeft, zoomedRight)
+        self.assertGreater(zoomedLeft[0], 1.3 * left[0])
+        for a, p in ((1, px), (2, py)):
+            self.assertAlmostEqual((p - left[a]) / left[0], (p - zoomedLeft[a]) / zoomedLeft[0], delta=0.4)
+        self.press("0")
+        self.assertEqual(self.transforms()[0], left)
+
+    def test_DragPansBothPictures(self):
+        self.press("+")
+        before = self.transforms()[0]
+        self.drag(self.stage, 80, -40, x=-200, y=-60)
+        left, right = self.transforms()
+        self.assertEqual(left, right)
+        self.assertAlmostEqual(left[1] - before[1], 80, delta=1)
+        self.assertAlmostEqual(left[2] - before[2], -40, delta=1)
+        self.assertEqual(self.clips(), ["inset(0px 50% 0px 0px)", "inset(0px 0px 0px 50%)"])
+
+    def test_StartsWithTheWinnerOnTheRight(self):
+        self.assertEqual(self.shown("right"), "octree/result")
+        self.assertNotEqual(self.shown("left"), "octree/result")
+
+    def test_KeysChooseThePictures(self):
+        self.press("3")
+        self.assertEqual(self.shown("right"), "bvh/result")
+        left = self.shown("left")
+        self.press("e")
+        self.assertEqual(self.shown("right"), "bvh/error")
+        self.assertEqual(self.find("#show-error").get_attribute("aria-pressed"), "true")
+        self.press("e")
+        self.assertEqual(self.shown("left"), left)
+        self.press_code("Digit2", shift=True)
+        self.assertEqual((self.shown("left"), self.shown("right")), ("power/result", "bvh/result"))
+        self.press("r")
+        self.assertEqual(self.shown("right"), "reference/result")
+        self.press("r")
+        self.assertEqual(self.shown("right"), "bvh/result")
+        self.press(Keys.SHIFT, "r")
+        self.assertEqual(self.shown("left"), "reference/result")
+        self.press(Keys.ARROW_RIGHT)
+        self.assertEqual(self.shown("right"), "neepp/result")
+        self.assertIn("biased", self.find("#name-right").text)
+        self.press(Keys.ARROW_LEFT)
+        self.press(Keys.ARROW_LEFT)
+        self.assertEqual(self.shown("right"), "power/result")
+        self.press(Keys.SHIFT, Keys.ARROW_RIGHT)
+        self.assertEqual(self.shown("left"), "uniform/result")
+        self.press("x")
+        self.assertEqual((self.shown("left"), self.shown("right")), ("power/result", "uniform/result"))
+        self.press("9")
+        self.assertEqual(self.shown("right"), "uniform/result")
+
+    def test_ListsChooseThePictures(self):
+        option = self.find("#pick-left option:nth-child(4)")
+        option.click()
+        self.assertEqual(self.shown("left"), "bvh/result")
+
+    def test_CropOpensInTheViewer(self):
+        fitted = self.transforms()[0]
+        button = self.find('#crops button[aria-label^="crop b, power, error"]')
+        self.js("arguments[0].scrollIntoView({block: 'center'})", button)
+        button.click()
+        self.assertEqual(self.shown("right"), "power/error")
+        left, right = self.transforms()
+        self.assertEqual(left, right)
+        self.assertGreater(left[0], 2 * fitted[0])
+        middle = [(self.stage.size["width"] / 2 - left[1]) / left[0], (self.stage.size["height"] / 2 - left[2]) / left[0]]
+        self.assertAlmostEqual(middle[0], 72, delta=1)
+        self.assertAlmostEqual(middle[1], 42, delta=1)
+        pixel = self.js("[...document.querySelector(arguments[0]).getContext('2d').getImageData(1, 1, 1, 1).data]",
+                        '#crops button[aria-label^="crop b, power, result"] canvas')
+        self.assertEqual(pixel[:2], [30, 160])
+
+    def order(self):
+        return [r.get_attribute("data-label") for r in self.driver.find_elements(By.CSS_SELECTOR, "#summary tbody tr")]
+
+    def click_heading(self, key):
+        button = self.find(f'#summary th[data-key="{key}"] button')
+        self.js("arguments[0].scrollIntoView({block: 'center', inline: 'center'})", button)
+        button.click()
+        return self.find(f'#summary th[data-key="{key}"]').get_attribute("aria-sort")
+
+    def values(self, value):
+        return [s["label"] for s in sorted(self.results["samplers"], key=value)]
+
+    def test_TableSortsByClick(self):
+        byError = self.values(lambda s: s["summary"]["metrics"]["relL2"]["mean"])
+        self.assertEqual(self.order(), byError)
+        self.assertEqual(self.click_heading("relL2"), "descending")
+        self.assertEqual(self.order(), byError[::-1])
+        self.assertEqual(self.click_heading("label"), "ascending")
+        self.assertEqual(self.order(), sorted(byError))
+        self.assertEqual(self.find('#summary th[data-key="relL2"]').get_attribute("aria-sort"), "none")
+        # 6.2 s comes before 17 s and 97 s: as text it would not.
+        self.assertEqual(self.click_heading("seconds"), "ascending")
+        self.assertEqual(self.order(), self.values(lambda s: s["summary"]["seconds"]))
+
+    def test_MissingNumbersSortLast(self):
+        known = {"octree", "octree:leaves=512"}
+        for direction in ("ascending", "descending"):
+            self.assertEqual(self.click_heading("leaves"), direction)
+            self.assertEqual(set(self.order()[:2]), known)
+
+    def test_SortsByKeyboard(self):
+        button = self.find('#summary th[data-key="MSE"] button')
+        button.send_keys(Keys.ENTER)
+        self.assertEqual(self.find('#summary th[data-key="MSE"]').get_attribute("aria-sort"), "ascending")
+
+    def test_VerdictsAreMarked(self):
+        self.assertIn("octree has the lowest error", self.find(".verdict").text)
+        row = self.find('#summary tr[data-label="neepp"]')
+        self.assertIn("biased", row.text)
+        self.assertEqual(row.find_elements(By.CSS_SELECTOR, ".win, .best"), [])
+        self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, "#summary .win")), 1)
+
+    def test_TextIsReadableInLightAndDark(self):
+        papers = []
+        for scheme in ("light", "dark"):
+            self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {
+                "features": [{"name": "prefers-color-scheme", "value": scheme}]})
+            rgb = "getComputedStyle(document.querySelector(arguments[0]))[arguments[1]]"
+            paper = self.js(rgb, "body", "backgroundColor")
+            papers.append(paper)
+            for selector in ("body", ".facts-line", "nav a", ".verdict p", "td .clean", "caption", ".chart svg text"):
+                colour = self.js(rgb, selector, "fill" if "svg" in selector else "color")
+                self.assertGreater(contrast(colour, paper), 4.5, (scheme, selector, colour, paper))
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+        self.assertGreater(luminance(papers[0]), 0.8)
+        self.assertLess(luminance(papers[1]), 0.1)
+
+    def test_PointingAtARowLightsItsCurves(self):
+        row = self.find('#summary tr[data-label="octree"] td')
+        self.js("arguments[0].scrollIntoView({block: 'center'})", row)
+        ActionChains(self.driver).move_to_element(row).perform()
+        lit = self.js("[...document.querySelectorAll('.chart svg .lit')].map((e) => e.id)")
+        self.assertIn("c0-line-4", lit)
+        self.assertTrue(all(i.endswith("-4") for i in lit), lit)
+
+
+def luminance(colour):
+    parts = [float(v) / 255 for v in colour[colour.index("(") + 1:-1].split(",")[:3]]
+    r, g, b = (p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in parts)
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b
+
+
+def contrast(a, b):
+    high, low = sorted((luminance(a), luminance(b)), reverse=True)
+    return (high + 0.05) / (low + 0.05)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -15,6 +15,8 @@ class MeshLightSampler final : public LightSampler {
     std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override;
     Float PMF(const LightQuery &query, LightId light) const override;
     void Report(nlohmann::ordered_json &report) const override;
+    void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override { inner_->Inspect(query, values); }
+    std::string DescribeStructure() const override { return inner_->DescribeStructure(); }
 
   private:
     MeshGroups groups_;

@@ -26,10 +26,10 @@ uint32_t LightOctree::Row(const Point3 &p) const {
 LightOctree::Cell LightOctree::CellAt(const Point3 &p) const {
     glm::uvec3 q = Quantize(p);
     int bit = MaxDepth - 2;
-    uint32_t node = nodes_[(q.x >> bit) | ((q.y >> bit) << 2) | ((q.z >> bit) << 4)];
-    while (!(node & LeafBit)) node = nodes_[node + ChildIndex(q, --bit)];
     Cell cell;
-    cell.row = node & ~LeafBit;
+    cell.node = (q.x >> bit) | ((q.y >> bit) << 2) | ((q.z >> bit) << 4);
+    while (!(nodes_[cell.node] & LeafBit)) cell.node = nodes_[cell.node] + ChildIndex(q, --bit);
+    cell.row = nodes_[cell.node] & ~LeafBit;
     cell.depth = MaxDepth - bit;
     Vector3 from((q >> uint32_t(bit)) << uint32_t(bit));
     Float size = static_cast<Float>(1u << bit);

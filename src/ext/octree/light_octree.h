@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -27,10 +28,17 @@ class LightOctree {
     /// The cell a point falls in, for views and tests.
     struct Cell {
         Bounds3 bounds;
+        uint32_t node = 0;  ///< identifies the leaf: index below NodeCount
         uint32_t row = 0;
         int depth = 0;
     };
     Cell CellAt(const Point3 &p) const;
+    size_t NodeCount() const { return nodes_.size(); }
+    /// Calls visit(node, row, depth) for every leaf.
+    template <class Visit>
+    void ForEachLeaf(Visit &&visit) const {
+        for (uint32_t top = 0; top < std::min<size_t>(nodes_.size(), kTopNodes); ++top) VisitLeaves(top, 2, visit);
+    }
 
     /// Cells per axis of the undivided top grid (paper, "Implementation Details").
     static constexpr int TopCells = 4;
@@ -40,6 +48,13 @@ class LightOctree {
   private:
     friend class LightOctreeBuilder;
     static constexpr uint32_t LeafBit = 0x80000000u;
+    static constexpr uint32_t kTopNodes = TopCells * TopCells * TopCells;
+    template <class Visit>
+    void VisitLeaves(uint32_t node, int depth, Visit &&visit) const {
+        if (nodes_[node] & LeafBit) visit(node, nodes_[node] & ~LeafBit, depth);
+        else
+            for (uint32_t c = 0; c < 8; ++c) VisitLeaves(nodes_[node] + c, depth + 1, visit);
+    }
     /// Cell coordinates at the deepest level.
     glm::uvec3 Quantize(const Point3 &p) const;
 

@@ -22,6 +22,13 @@ class LightOctreeBuilder {
 
     /// Leaves the tree will have, and how many of them hold points.
     size_t LeafCount() const { return tree_.leaves_; }
+    /// How many points lie in each node, by LightOctree::Cell::node. Also after Build.
+    std::vector<uint32_t> PointsPerNode() const {
+        std::vector<uint32_t> counts;
+        counts.reserve(rangeOf_.size());
+        for (const Range &r : rangeOf_) counts.push_back(r.end - r.begin);
+        return counts;
+    }
 
   private:
     struct Range {

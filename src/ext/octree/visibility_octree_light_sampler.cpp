@@ -56,6 +56,7 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
         }
         if (index % 64 == 0) context.progress.Advance(64);
     });
+    recordsPerNode_ = builder.PointsPerNode();
     learned_ = true;
     buildSeconds_ = SecondsSince(start);
     context.progress.EndPhase();

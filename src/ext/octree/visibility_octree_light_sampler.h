@@ -26,6 +26,9 @@ class VisibilityOctreeLightSampler final : public LightSampler {
     std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override;
     Float PMF(const LightQuery &query, LightId light) const override;
     void Report(nlohmann::ordered_json &report) const override;
+    /// Leaf, records in it, its depth.
+    void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
+    std::string DescribeStructure() const override;
 
     const LightOctree &Tree() const { return tree_; }
     const MeshGroups &Groups() const { return groups_; }
@@ -38,6 +41,7 @@ class VisibilityOctreeLightSampler final : public LightSampler {
     MeshGroups groups_;
     std::unique_ptr<LightSampler> unoccluded_;  ///< over groups
     LightOctree tree_;
+    std::vector<uint32_t> recordsPerNode_;  ///< for Inspect and DescribeStructure only
     bool learned_ = false;  ///< false: one group or none, or Prepare was not called: unoccluded_ alone
     size_t vertices_ = 0;
     double prepassSeconds_ = 0, buildSeconds_ = 0;

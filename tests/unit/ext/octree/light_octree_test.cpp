@@ -53,6 +53,27 @@ TEST(LightOctree, CellsContainTheirPointsAndHoldAtMostFourNOverT) {
     EXPECT_LT(tree.LeafCount(), 2000u);
 }
 
+TEST(LightOctree, LeavesAreVisitedOnceAndKnowHowManyPointsTheyHold) {
+    std::vector<Point3> points = CrowdedPoints(20000);
+    LightOctreeBuilder builder(kBounds, points, 256);
+    LightOctree tree = builder.Build(1, [](uint32_t, std::span<double> sum) { sum[0] += 1; });
+    std::vector<uint32_t> expected(tree.NodeCount());
+    for (const Point3 &p : points) ++expected[tree.CellAt(p).node];
+    std::vector<uint32_t> counted = builder.PointsPerNode();
+    ASSERT_EQ(counted.size(), tree.NodeCount());
+    std::vector<int> visits(tree.NodeCount());
+    int deepest = 0;
+    tree.ForEachLeaf([&](uint32_t node, uint32_t row, int depth) {
+        ++visits[node];
+        deepest = std::max(deepest, depth);
+        EXPECT_EQ(counted[node], expected[node]);
+        EXPECT_LT(row, tree.RowCount());
+    });
+    EXPECT_EQ(std::count(visits.begin(), visits.end(), 1), static_cast<long>(tree.LeafCount()));
+    EXPECT_EQ(*std::max_element(visits.begin(), visits.end()), 1);
+    EXPECT_EQ(deepest, tree.Depth());
+}
+
 TEST(LightOctree, LeafDistributionIsTheMeanOfItsPoints) {
     std::vector<Point3> points = CrowdedPoints(5000);
     const size_t groups = 5;

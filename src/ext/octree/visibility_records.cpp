@@ -1,0 +1,123 @@
+#include "ext/octree/visibility_records.h"
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/math/rng.h"
+
+namespace ext {
+
+namespace {
+
+constexpr size_t kMostScanned = 64;
+constexpr int64_t kChunk = 256;
+
+LightQuery QueryAt(const PrepassVertex &v) {
+    LightQuery q;
+    q.p = v.at.p;
+    q.wo = v.wo;
+    q.n = v.at.n;
+    q.ns = v.at.ns;
+    q.transmits = v.transmits;
+    q.time = v.at.time;
+    q.pError = v.at.pError;
+    return q;
+}
+
+/// What one shadow ray to a group finds, as one light sample of the render would.
+Float Look(const Scene &scene, const PrepassVertex &vertex, const LightQuery &query, const MeshInterior &interior, uint32_t group, Rng &rng) {
+    Float uLight = rng.Uniform();
+    Point2 u = rng.Uniform2();
+    std::optional<SampledLight> light = interior.Sample(group, query, uLight);
+    if (!light) return 0;
+    Float value = VisibleContribution(scene, vertex, light->light, u) / light->pmf;
+    return std::isfinite(value) ? value : 0;
+}
+
+std::optional<SampledLight> DrawByImportance(const GroupImportance &importance, const LightQuery &query, Float u) {
+    Float g[kMostScanned];
+    const Float sum = importance.Evaluate(query, g);
+    std::optional<SampledLight> chosen;
+    Float running = 0;
+    for (uint32_t i = 0; i < importance.Size() && !(u * sum < running); ++i) {
+        if (!(g[i] > 0)) continue;
+        chosen = SampledLight{LightId(i), g[i] / sum};
+        running += g[i];
+    }
+    return chosen;
+}
+
+}  // namespace
+
+size_t TriesPerRecord(size_t groups, int wanted) {
+    if (wanted > 0) return std::min(groups, static_cast<size_t>(wanted));
+    return groups <= kMostScanned ? groups : 16;
+}
+
+VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices, const MeshGroups &groups,
+                                  const GroupImportance &importance, const MeshInterior &interior, const LightSampler *tree,
+                                  const TrySettings &settings) {
+    const auto count = static_cast<int64_t>(vertices.size());
+    std::vector<VisibilityRecords> chunks(static_cast<size_t>((count + kChunk - 1) / kChunk));
+    context.progress.BeginPhase("looking for lights", static_cast<int64_t>(chunks.size()));
+    const bool all = settings.perRecord >= groups.Size();
+
+    auto lookAtAll = [&](const PrepassVertex &vertex, const LightQuery &query, std::vector<Float> &g, Rng &rng, VisibilityRecords &out) {
+        const Float sum = importance.Evaluate(query, g);
+        if (!(sum > 0)) return;
+        for (uint32_t i = 0; i < groups.Size(); ++i) {
+            if (!(g[i] > 0)) continue;
+            Float share = g[i] / sum;
+            out.tries.push_back({i, share, share, share, Look(context.scene, vertex, query, interior, i, rng) / g[i]});
+        }
+    };
+    auto lookAtSome = [&](const PrepassVertex &vertex, const LightQuery &query, Rng &rng, VisibilityRecords &out) {
+        const size_t first = out.tries.size();
+        double total = 0;
+        for (size_t k = 0; k < settings.perRecord; ++k) {
+            std::optional<SampledLight> drawn = tree ? tree->Sample(query, rng.Uniform()) : DrawByImportance(importance, query, rng.Uniform());
+            if (!drawn) continue;
+            const Float g = importance.Of(query, drawn->light.value);
+            Float found = g > 0 ? Look(context.scene, vertex, query, interior, drawn->light.value, rng) / g : 0;
+            if (!(g > 0)) continue;
+            total += static_cast<double>(g / drawn->pmf);
+            out.tries.push_back({drawn->light.value, g, g / drawn->pmf, drawn->pmf, found});
+        }
+        // The unoccluded sum is estimated from the draws.
+        const double unoccluded = total / static_cast<double>(settings.perRecord);
+        for (size_t t = first; t < out.tries.size(); ++t) {
+            out.tries[t].share = static_cast<Float>(static_cast<double>(out.tries[t].share) / unoccluded);
+            out.tries[t].weight = static_cast<Float>(static_cast<double>(out.tries[t].weight) / total);
+        }
+    };
+
+    ParallelForEach(static_cast<int64_t>(chunks.size()), [&](int64_t chunk) {
+        if (context.progress.Cancelled()) return;
+        VisibilityRecords &out = chunks[static_cast<size_t>(chunk)];
+        std::vector<Float> g(all ? importance.Padded() : 0);
+        for (int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i) {
+            const PrepassVertex &vertex = vertices[static_cast<size_t>(i)];
+            const LightQuery query = QueryAt(vertex);
+            Rng rng(Hash(uint64_t(0x7669736962), context.seed, i));
+            const size_t first = out.tries.size();
+            if (all) lookAtAll(vertex, query, g, rng, out);
+            else lookAtSome(vertex, query, rng, out);
+            if (out.tries.size() > first)
+                out.records.push_back({vertex.at.p, static_cast<uint32_t>(first), static_cast<uint32_t>(out.tries.size() - first)});
+        }
+        context.progress.Advance();
+    });
+
+    VisibilityRecords result;
+    for (VisibilityRecords &chunk : chunks) {
+        const auto offset = static_cast<uint32_t>(result.tries.size());
+        for (VisibilityRecord &r : chunk.records) {
+            r.firstTry += offset;
+            result.records.push_back(r);
+        }
+        result.tries.insert(result.tries.end(), chunk.tries.begin(), chunk.tries.end());
+        chunk = {};
+    }
+    context.progress.EndPhase();
+    return result;
+}
+
+}  // namespace ext

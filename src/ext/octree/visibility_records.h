@@ -1,0 +1,30 @@
+#pragma once
+#include "ext/groups/group_importance.h"
+#include "ext/groups/mesh_interior.h"
+#include "ext/octree/visibility_tree_builder.h"
+#include "ext/prepass/prepass.h"
+
+namespace ext {
+
+/// What the prepass found, for VisibilityTreeBuilder.
+struct VisibilityRecords {
+    std::vector<VisibilityRecord> records;
+    std::vector<VisibilityTry> tries;
+};
+
+/// Shadow rays a vertex: one to each of `groups` lights up to 64 of them (`wanted` 0), else 16 drawn ones, or as wanted.
+size_t TriesPerRecord(size_t groups, int wanted);
+
+struct TrySettings {
+    size_t perRecord = 0;
+    Float floor = 0;
+};
+
+/// One shadow ray to lights of every vertex: to all that could contribute if there are no more than `perRecord`, else to
+/// that many drawn by `tree` (or by importance, where there is no tree). Records without any light to look at are left out.
+/// The same for any number of threads.
+VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices, const MeshGroups &groups,
+                                  const GroupImportance &importance, const MeshInterior &interior, const LightSampler *tree,
+                                  const TrySettings &settings);
+
+}  // namespace ext

@@ -1,0 +1,52 @@
+#pragma once
+#include <array>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "ext/octree/cell_octree.h"
+
+namespace ext {
+
+/// The frozen structure of the visibility model: a tree of cells, each with a row of correction factors a(leaf, l) for the
+/// lights worth keeping there. 8 bits a factor, on a logarithmic scale; equal rows are stored once.
+class VisibilityTree {
+  public:
+    /// A row: `lights` (sorted) and `codes` side by side. With few lights every row names all of them and `lights` is empty.
+    struct Row {
+        std::span<const uint32_t> lights;
+        std::span<const uint8_t> codes;
+    };
+    Row RowAt(const Point3 &p) const { return GetRow(cells_.Row(p)); }
+    Row GetRow(uint32_t row) const {
+        const uint32_t begin = offset_[row], count = offset_[row + 1] - begin;
+        return {lights_.empty() ? std::span<const uint32_t>() : std::span<const uint32_t>(lights_.data() + begin, count),
+                {codes_.data() + begin, count}};
+    }
+    /// The factor of a code: 2^((code - 192) / 8), 9 % apart; from 6e-8 to 235.
+    static Float Decode(uint8_t code) { return Table()[code]; }
+    static uint8_t Encode(double factor) {
+        return static_cast<uint8_t>(std::clamp(std::lround(192 + 8 * std::log2(std::max(factor, 1e-12))), 0l, 255l));
+    }
+
+    const CellOctree &Cells() const { return cells_; }
+    size_t LeafCount() const { return leaves_; }
+    size_t RowCount() const { return offset_.empty() ? 0 : offset_.size() - 1; }
+    int Depth() const { return depth_; }  ///< levels below the whole box: 0 is one leaf
+    size_t Bytes() const {
+        return cells_.Bytes() + offset_.capacity() * sizeof(uint32_t) + lights_.capacity() * sizeof(uint32_t) + codes_.capacity();
+    }
+    bool operator==(const VisibilityTree &o) const = default;
+
+  private:
+    friend class VisibilityTreeBuilder;
+    static const std::array<Float, 256> &Table();
+    CellOctree cells_;
+    std::vector<uint32_t> offset_;  ///< of row r in the two below; one more entry at the end
+    std::vector<uint32_t> lights_;
+    std::vector<uint8_t> codes_;
+    size_t leaves_ = 0;
+    int depth_ = 0;
+};
+
+}  // namespace ext

@@ -1,0 +1,295 @@
+#include "ext/octree/visibility_tree_builder.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/math/rng.h"
+
+namespace ext {
+
+namespace {
+constexpr int kAllRecords = -1;
+/// Which half a record belongs to.
+int HalfOf(uint32_t record) { return static_cast<int>(MixBits(record) & 1); }
+}  // namespace
+
+VisibilityTreeBuilder::VisibilityTreeBuilder(const Bounds3 &bounds, std::span<const VisibilityRecord> records,
+                                             std::span<const VisibilityTry> tries, const VisibilityBuildSettings &settings)
+    : bounds_(bounds), records_(records), tries_(tries), settings_(settings),
+      fullRows_(settings.lightCount <= settings.largestFullRow), cells_(bounds) {
+    Divide();
+}
+
+void VisibilityTreeBuilder::Divide() {
+    quantized_.resize(records_.size());
+    for (size_t i = 0; i < records_.size(); ++i) quantized_[i] = cells_.Quantize(records_[i].p);
+    order_.resize(records_.size());
+    std::iota(order_.begin(), order_.end(), 0u);
+    nodes_.resize(1);
+    nodes_[0].end = static_cast<uint32_t>(order_.size());
+    const auto splitAbove = static_cast<uint32_t>(4 * settings_.records);
+    std::vector<uint32_t> sorted;
+    for (uint32_t n = 0; n < nodes_.size(); ++n) {
+        const uint32_t begin = nodes_[n].begin, end = nodes_[n].end;
+        const int depth = nodes_[n].depth, bit = CellOctree::MaxDepth - 1 - depth;
+        if (end - begin <= splitAbove || bit < 0) {
+            ++leavesBefore_;
+            continue;
+        }
+        // Stable, so that records of a cell stay in their order.
+        uint32_t start[9] = {begin};
+        for (uint32_t i = begin; i < end; ++i) ++start[CellOctree::Child(quantized_[order_[i]], bit) + 1];
+        for (int c = 1; c < 9; ++c) start[c] += start[c - 1];
+        sorted.resize(end - begin);
+        uint32_t next[8];
+        std::copy(start, start + 8, next);
+        for (uint32_t i = begin; i < end; ++i) sorted[next[CellOctree::Child(quantized_[order_[i]], bit)]++ - begin] = order_[i];
+        std::copy(sorted.begin(), sorted.end(), order_.begin() + begin);
+
+        const auto first = static_cast<uint32_t>(nodes_.size());
+        nodes_[n].firstChild = first;
+        nodes_.resize(first + 8);
+        for (uint32_t c = 0; c < 8; ++c) {
+            nodes_[first + c].begin = start[c];
+            nodes_[first + c].end = start[c + 1];
+            nodes_[first + c].parent = n;
+            nodes_[first + c].depth = depth + 1;
+        }
+    }
+}
+
+void VisibilityTreeBuilder::SumUp(int half) {
+    auto add = [](Sum &into, const Sum &s) {
+        into.wr += s.wr;
+        into.w += s.w;
+        into.w2 += s.w2;
+        into.mass += s.mass;
+    };
+    /// Sorted by light, one entry each.
+    auto compress = [&](std::vector<Sum> &sums) {
+        std::stable_sort(sums.begin(), sums.end(), [](const Sum &a, const Sum &b) { return a.light < b.light; });
+        size_t kept = 0;
+        for (size_t i = 0; i < sums.size(); ++i) {
+            if (kept > 0 && sums[kept - 1].light == sums[i].light) add(sums[kept - 1], sums[i]);
+            else sums[kept++] = sums[i];
+        }
+        sums.resize(kept);
+        sums.shrink_to_fit();
+    };
+    ParallelFor(static_cast<int64_t>(nodes_.size()), 16, [&](int64_t first, int64_t last) {
+        for (auto n = static_cast<size_t>(first); n < static_cast<size_t>(last); ++n) {
+            Node &node = nodes_[n];
+            node.sums.clear();
+            if (node.firstChild != 0) continue;
+            if (fullRows_) node.sums.resize(static_cast<size_t>(settings_.lightCount));
+            for (uint32_t i = node.begin; i < node.end; ++i) {
+                if (half != kAllRecords && HalfOf(order_[i]) != half) continue;
+                const VisibilityRecord &record = records_[order_[i]];
+                for (uint32_t t = record.firstTry; t < record.firstTry + record.tryCount; ++t) {
+                    const VisibilityTry &v = tries_[t];
+                    const auto w = static_cast<double>(v.weight), r = static_cast<double>(v.ratio);
+                    Sum s{v.light, w * (settings_.secondMoment ? r * r : r), w, w * w, w * r};
+                    if (fullRows_) {
+                        node.sums[v.light].light = v.light;
+                        add(node.sums[v.light], s);
+                    } else {
+                        node.sums.push_back(s);
+                    }
+                }
+            }
+            if (fullRows_) std::erase_if(node.sums, [](const Sum &s) { return !(s.w > 0); });
+            else compress(node.sums);
+        }
+    });
+    for (size_t n = nodes_.size(); n-- > 0;) {
+        Node &node = nodes_[n];
+        if (node.firstChild == 0) continue;
+        for (uint32_t c = 0; c < 8; ++c) {
+            const std::vector<Sum> &child = nodes_[node.firstChild + c].sums;
+            node.sums.insert(node.sums.end(), child.begin(), child.end());
+        }
+        compress(node.sums);
+    }
+}
+
+const VisibilityTreeBuilder::Factor *VisibilityTreeBuilder::Find(const std::vector<Factor> &factors, uint32_t light) const {
+    if (fullRows_) return &factors[light];
+    auto it = std::lower_bound(factors.begin(), factors.end(), light, [](const Factor &f, uint32_t l) { return f.light < l; });
+    return it != factors.end() && it->light == light ? &*it : nullptr;
+}
+
+void VisibilityTreeBuilder::EstimateNode(Node &node, const std::vector<Factor> *parent) const {
+    const auto k = static_cast<double>(settings_.shrinkage);
+    double records = 0;
+    for (const Sum &s : node.sums) records += s.w;
+    auto estimate = [&](uint32_t light, const Sum *s) {
+        const Factor *above = parent ? Find(*parent, light) : nullptr;
+        if (!above) above = &prior_;
+        const auto aboveA = static_cast<double>(above->a);
+        const double target = settings_.secondMoment ? aboveA * aboveA : aboveA;
+        const double n = s ? s->w * s->w / s->w2 : 0, mean = s ? s->wr / s->w : 0;
+        const double value = n + k > 0 ? (n * mean + k * target) / (n + k) : target;
+        Factor f;
+        f.light = light;
+        f.a = static_cast<float>(settings_.secondMoment ? std::sqrt(value) : value);
+        f.mass = static_cast<float>(((s ? s->mass : 0) + k * static_cast<double>(above->mass)) / std::max(records + k, 1e-9));
+        return f;
+    };
+    node.factors.clear();
+    if (fullRows_) {
+        std::vector<const Sum *> of(static_cast<size_t>(settings_.lightCount), nullptr);
+        for (const Sum &s : node.sums) of[s.light] = &s;
+        for (uint32_t l = 0; l < of.size(); ++l) node.factors.push_back(estimate(l, of[l]));
+        return;
+    }
+    // The cell's own lights and what its parent kept, in order of light; then the longestRow with most to give.
+    size_t s = 0, p = 0;
+    const size_t parents = parent ? parent->size() : 0;
+    while (s < node.sums.size() || p < parents) {
+        if (p == parents || (s < node.sums.size() && node.sums[s].light <= (*parent)[p].light)) {
+            if (p < parents && (*parent)[p].light == node.sums[s].light) ++p;
+            node.factors.push_back(estimate(node.sums[s].light, &node.sums[s]));
+            ++s;
+        } else {
+            node.factors.push_back(estimate((*parent)[p++].light, nullptr));
+        }
+    }
+    double total = 0;
+    for (const Factor &f : node.factors) total += static_cast<double>(f.mass);
+    std::erase_if(node.factors, [&](const Factor &f) { return !(static_cast<double>(f.mass) > 1e-4 * total); });
+    const auto longest = static_cast<size_t>(settings_.longestRow);
+    if (node.factors.size() > longest) {
+        auto more = [](const Factor &a, const Factor &b) { return a.mass != b.mass ? a.mass > b.mass : a.light < b.light; };
+        std::nth_element(node.factors.begin(), node.factors.begin() + static_cast<std::ptrdiff_t>(longest), node.factors.end(), more);
+        node.factors.resize(longest);
+        std::sort(node.factors.begin(), node.factors.end(), [](const Factor &a, const Factor &b) { return a.light < b.light; });
+    }
+}
+
+void VisibilityTreeBuilder::Estimate() {
+    double wr = 0, w = 0;
+    for (const Sum &s : nodes_[0].sums) {
+        wr += s.wr;
+        w += s.w;
+    }
+    const double mean = w > 0 && wr > 0 ? wr / w : 1;
+    prior_.a = static_cast<float>(settings_.secondMoment ? std::sqrt(mean) : mean);
+    // Parents come before their children.
+    for (size_t n = 0; n < nodes_.size(); ++n) EstimateNode(nodes_[n], n == 0 ? nullptr : &nodes_[nodes_[n].parent].factors);
+}
+
+double VisibilityTreeBuilder::Loss(const VisibilityRecord &record, const std::vector<Factor> &factors) const {
+    double sum = 0;
+    for (uint32_t t = record.firstTry; t < record.firstTry + record.tryCount; ++t)
+        if (const Factor *f = Find(factors, tries_[t].light)) sum += static_cast<double>(tries_[t].weight) * static_cast<double>(f->a);
+    double loss = 0;
+    const auto e = static_cast<double>(settings_.floor);
+    for (uint32_t t = record.firstTry; t < record.firstTry + record.tryCount; ++t) {
+        const VisibilityTry &v = tries_[t];
+        if (!(v.ratio > 0)) continue;
+        const Factor *f = Find(factors, v.light);
+        const double share = static_cast<double>(v.share);
+        double p = e * static_cast<double>(v.floorPmf);
+        if (f && sum > 0) p += (1 - e) * static_cast<double>(f->a) * share / sum;
+        if (p > 0) loss += static_cast<double>(v.weight) * share * static_cast<double>(v.ratio) * static_cast<double>(v.ratio) / p;
+    }
+    return loss;
+}
+
+void VisibilityTreeBuilder::Prune() {
+    std::vector<double> best(order_.size(), 0);
+    int deepest = 0;
+    for (const Node &n : nodes_) deepest = std::max(deepest, n.depth);
+    std::vector<std::vector<uint32_t>> levels(static_cast<size_t>(deepest) + 1);
+    for (uint32_t n = 0; n < nodes_.size(); ++n) levels[static_cast<size_t>(nodes_[n].depth)].push_back(n);
+    for (size_t level = levels.size(); level-- > 0;)
+        ParallelForEach(static_cast<int64_t>(levels[level].size()), [&](int64_t index) {
+            Node &node = nodes_[levels[level][static_cast<size_t>(index)]];
+            double here = 0, below = 0, squares = 0;
+            std::vector<double> loss(node.end - node.begin, 0);
+            for (uint32_t i = node.begin; i < node.end; ++i) {
+                if (HalfOf(order_[i]) == 0) continue;
+                double l = loss[i - node.begin] = Loss(records_[order_[i]], node.factors);
+                here += l;
+                below += best[i];
+                squares += (l - best[i]) * (l - best[i]);
+            }
+            // Worth keeping: a gain that matters and that is more than chance.
+            const double gain = here - below;
+            bool keep = node.firstChild != 0 && gain > static_cast<double>(settings_.pruneGain) * here && gain > std::sqrt(squares);
+            if (keep) return;
+            node.pruned = true;
+            std::copy(loss.begin(), loss.end(), best.begin() + node.begin);
+        });
+}
+
+VisibilityTree VisibilityTreeBuilder::Freeze() const {
+    VisibilityTree tree;
+    tree.cells_ = CellOctree(bounds_);
+    tree.offset_.push_back(0);
+    std::map<std::pair<std::vector<uint32_t>, std::vector<uint8_t>>, uint32_t> known;
+    auto rowOf = [&](const Node &node) {
+        // Only ratios within a row matter.
+        float most = 0;
+        for (const Factor &f : node.factors) most = std::max(most, f.a);
+        std::pair<std::vector<uint32_t>, std::vector<uint8_t>> row;
+        for (const Factor &f : node.factors) {
+            if (!fullRows_) row.first.push_back(f.light);
+            row.second.push_back(VisibilityTree::Encode(most > 0 ? static_cast<double>(f.a) / static_cast<double>(most) : 1.0));
+        }
+        auto [it, isNew] = known.emplace(std::move(row), static_cast<uint32_t>(tree.RowCount()));
+        if (isNew) {
+            tree.lights_.insert(tree.lights_.end(), it->first.first.begin(), it->first.first.end());
+            tree.codes_.insert(tree.codes_.end(), it->first.second.begin(), it->first.second.end());
+            tree.offset_.push_back(static_cast<uint32_t>(tree.codes_.size()));
+        }
+        return it->second;
+    };
+    std::vector<uint32_t> rows(nodes_.size(), 0);
+    for (size_t n = 0; n < nodes_.size(); ++n) {
+        const Node &node = nodes_[n];
+        bool used = IsLeaf(node);
+        for (const Node *up = &node; used && up != &nodes_[0];) {
+            up = &nodes_[up->parent];
+            used = !up->pruned;
+        }
+        if (!used) continue;
+        rows[n] = rowOf(node);
+        ++tree.leaves_;
+        tree.depth_ = std::max(tree.depth_, node.depth);
+    }
+    auto place = [&](auto &&self, uint32_t cell, uint32_t n) -> void {
+        if (IsLeaf(nodes_[n])) {
+            tree.cells_.SetLeaf(cell, rows[n]);
+            return;
+        }
+        const uint32_t first = tree.cells_.Split(cell);
+        for (uint32_t c = 0; c < 8; ++c) self(self, first + c, nodes_[n].firstChild + c);
+    };
+    for (uint32_t top = 0; top < CellOctree::TopCount; ++top) {
+        const glm::uvec3 at(top & 3, (top >> 2) & 3, top >> 4);
+        uint32_t n = 0;
+        for (int bit = 1; bit >= 0 && !IsLeaf(nodes_[n]); --bit) n = nodes_[n].firstChild + CellOctree::Child(at, bit);
+        place(place, top, n);
+    }
+    tree.cells_.ShrinkToFit();
+    tree.offset_.shrink_to_fit();
+    tree.lights_.shrink_to_fit();
+    tree.codes_.shrink_to_fit();
+    return tree;
+}
+
+VisibilityTree VisibilityTreeBuilder::Build() {
+    if (settings_.pruneGain > 0) {
+        SumUp(0);
+        Estimate();
+        Prune();
+    }
+    SumUp(kAllRecords);
+    Estimate();
+    return Freeze();
+}
+
+}  // namespace ext

@@ -2,6 +2,7 @@
 
 #include "pbrt/cmd/imgtool/commands.h"
 #include "pbrt/core/error.h"
+#include "pbrt/images/false_color.h"
 
 namespace pbrt::imgtool {
 
@@ -13,24 +14,7 @@ struct Options {
     bool plusMinus = false, ramp = false;
 };
 
-// Encoded colours from low to high, dark to bright, so that order shows without the legend as well.
-constexpr std::array<Rgb, 6> Colors = {Rgb(0.02f, 0.02f, 0.10f), Rgb(0.25f, 0.10f, 0.55f), Rgb(0.05f, 0.45f, 0.65f),
-                                       Rgb(0.15f, 0.70f, 0.30f), Rgb(0.95f, 0.80f, 0.15f), Rgb(1.00f, 0.98f, 0.90f)};
-
-Rgb RampColor(Float t) {
-    const Float x = std::clamp(t, Float(0), Float(1)) * (Colors.size() - 1);
-    const size_t i = std::min(static_cast<size_t>(x), Colors.size() - 2);
-    return Lerp(x - static_cast<Float>(i), Colors[i], Colors[i + 1]);
-}
-
-// -1 blue, 0 black, 1 red.
-Rgb SignedColor(Float t) {
-    const Float x = std::clamp(t, Float(-1), Float(1));
-    return x < 0 ? Lerp(-x, Rgb(0), Rgb(0.25f, 0.55f, 1)) : Lerp(x, Rgb(0), Rgb(1, 0.35f, 0.2f));
-}
-
 constexpr int LegendRows = 16;
-const Rgb InvalidColor(1, 0, 1);
 
 Float ColorMean(const Image &image, Point2i p) {
     Float sum = 0;
@@ -46,32 +30,20 @@ Float ColorMean(const Image &image, Point2i p) {
 int Falsecolor(const Options &o) {
     const Image image = ReadAsFloat(o.path).image;
     const Point2i resolution = image.Resolution();
+    Image mean(PixelFormat::Float, resolution, {"Y"});
     Float most = 0;
     for (int y = 0; y < resolution.y; ++y)
         for (int x = 0; x < resolution.x; ++x) {
             const Float v = ColorMean(image, {x, y});
+            mean.Set({x, y}, 0, v);
             if (std::isfinite(v)) most = std::max(most, o.plusMinus ? std::abs(v) : v);
         }
-    const Float maxValue = o.maxValue.value_or(most > 0 ? most : 1);
-
-    // Colours are chosen as shown, so they pass the PNG encoding unchanged.
-    Image result(PixelFormat::Float, {resolution.x, resolution.y + (o.ramp ? LegendRows : 0)}, {"R", "G", "B"});
-    const ColorEncoding shown{};
-    auto put = [&](int x, int y, const Rgb &color) {
-        for (int c = 0; c < 3; ++c) result.Set({x, y}, c, shown.ToLinear(color[c]));
-    };
-    for (int y = 0; y < resolution.y; ++y)
-        for (int x = 0; x < resolution.x; ++x) {
-            const Float v = ColorMean(image, {x, y}) / maxValue;
-            put(x, y, !std::isfinite(v) ? InvalidColor : o.plusMinus ? SignedColor(v) : RampColor(v));
-        }
-    for (int y = resolution.y; y < result.Resolution().y; ++y)
-        for (int x = 0; x < resolution.x; ++x) {
-            const Float t = (static_cast<Float>(x) + Float(0.5)) / static_cast<Float>(resolution.x);
-            put(x, y, o.plusMinus ? SignedColor(2 * t - 1) : RampColor(t));
-        }
-    WriteImage(o.outfile, result);
-    fmt::print("{}: {} to {}\n", o.outfile, o.plusMinus ? -maxValue : 0, maxValue);
+    FalseColorStyle style;
+    style.scale = o.plusMinus ? FalseColorStyle::Scale::Signed : FalseColorStyle::Scale::Ramp;
+    style.most = o.maxValue.value_or(most > 0 ? most : 1);
+    style.legendRows = o.ramp ? LegendRows : 0;
+    WriteImage(o.outfile, FalseColor(mean, 0, style));
+    fmt::print("{}: {} to {}\n", o.outfile, o.plusMinus ? -style.most : 0, style.most);
     return 0;
 }
 

@@ -1,0 +1,80 @@
+#include "pbrt/images/false_color.h"
+
+#include <gtest/gtest.h>
+
+namespace pbrt {
+namespace {
+
+Rgb Shown(const Image &image, int x, int y) {
+    const ColorEncoding encoding{};
+    Rgb c;
+    for (int i = 0; i < 3; ++i) c[i] = encoding.FromLinear(image.Get({x, y}, i));
+    return c;
+}
+
+Image Row(std::initializer_list<Float> values) {
+    Image image(PixelFormat::Float, {static_cast<int>(values.size()), 1}, {"Y"});
+    int x = 0;
+    for (Float v : values) image.Set({x++, 0}, 0, v);
+    return image;
+}
+
+TEST(FalseColor, RampGetsBrighterAndEndsWhereTheScaleEnds) {
+    Float before = -1;
+    for (int i = 0; i <= 20; ++i) {
+        Rgb c = false_color::Ramp(static_cast<Float>(i) / 20);
+        Float luminance = Dot(c, Rgb(0.2126f, 0.7152f, 0.0722f));
+        EXPECT_GT(luminance, before);
+        before = luminance;
+    }
+    FalseColorStyle style;
+    style.least = 2;
+    style.most = 4;
+    Image shown = FalseColor(Row({1, 2, 3, 4, 9}), 0, style);
+    EXPECT_EQ(Shown(shown, 0, 0), Shown(shown, 1, 0));
+    EXPECT_EQ(Shown(shown, 3, 0), Shown(shown, 4, 0));
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(Shown(shown, 2, 0)[c], false_color::Ramp(0.5f)[c], 1e-3f);
+}
+
+TEST(FalseColor, IdsHaveColoursOfTheirOwn) {
+    // All pairs of the first ids differ visibly, or nearly all: a colour has only so much room.
+    int alike = 0, pairs = 0;
+    for (uint64_t a = 0; a < 60; ++a)
+        for (uint64_t b = 0; b < a; ++b) {
+            Rgb d = glm::abs(false_color::OfId(a) - false_color::OfId(b));
+            alike += d.x + d.y + d.z < 0.1f;
+            ++pairs;
+        }
+    EXPECT_LT(alike, pairs / 25);
+    for (uint64_t id = 0; id < 500; ++id) {
+        Rgb c = false_color::OfId(id);
+        EXPECT_GT(std::max({c.x, c.y, c.z}), 0.5f);
+        EXPECT_LE(std::max({c.x, c.y, c.z}), 1);
+        EXPECT_GE(std::min({c.x, c.y, c.z}), 0);
+        EXPECT_GT(std::max({c.x, c.y, c.z}) - std::min({c.x, c.y, c.z}), 0.2f) << "grey";
+    }
+}
+
+TEST(FalseColor, WhatIsMaskedOrNotFiniteIsMarked) {
+    Image mask = Row({1, 0, 1});
+    Image shown = FalseColor(Row({Infinity, Infinity, 0.5f}), 0, FalseColorStyle(), &mask);
+    for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(Shown(shown, 0, 0)[c], false_color::Invalid[c], 1e-3f);
+        EXPECT_NEAR(Shown(shown, 1, 0)[c], 0.13f, 1e-3f);
+    }
+}
+
+TEST(FalseColor, LegendRunsThroughTheScale) {
+    FalseColorStyle style;
+    style.legendRows = 4;
+    Image shown = FalseColor(Row({0, 0, 0, 0, 0, 0, 0, 0, 0, 0}), 0, style);
+    ASSERT_EQ(shown.Resolution(), Point2i(10, 5));
+    for (int x = 0; x < 10; ++x)
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(Shown(shown, x, 4)[c], false_color::Ramp((static_cast<Float>(x) + 0.5f) / 10)[c], 1e-3f);
+    style.scale = FalseColorStyle::Scale::Id;
+    EXPECT_EQ(FalseColor(Row({1, 2}), 0, style).Resolution().y, 1);
+}
+
+}  // namespace
+}  // namespace pbrt

@@ -5,7 +5,7 @@
 #include "pbrt/build/built_scene.h"
 #include "pbrt/images/image.h"
 
-namespace pbrt {
+namespace pbrt::lab {
 
 /// How a look inside a light sampler is taken.
 struct InspectSettings {
@@ -19,9 +19,8 @@ struct InspectSettings {
 /// One picture: a channel of Inspection::image.
 struct InspectedLayer {
     std::string name, meaning;
-    bool isId = false;          ///< to be shown as colours without order
-    double shownMost = 0;       ///< upper end of the colour scale, from `shownLeast`; 0: the largest value
-    double shownLeast = 0;
+    bool isId = false;     ///< to be shown as colours without order
+    double shownLeast = 0, shownMost = 1;  ///< ends of the colour scale
     double least = 0, most = 0, mean = 0;  ///< finite values, over pixels that hit something
 };
 
@@ -34,18 +33,18 @@ struct InspectedLight {
 };
 
 struct Inspection {
-    /// One float channel per layer, as large as the film's full resolution. Layer "hit" is 1 where the camera sees a
+    /// One float channel per layer, over the film's pixels. Layer "hit" is 1 where the camera sees a
     /// surface that is not purely specular, directly or through specular ones; all others are 0 elsewhere.
     Image image;
-    std::vector<InspectedLayer> layers;
+    std::vector<InspectedLayer> layers;  ///< "hit" first
     std::vector<InspectedLight> lights;
     std::string structure;  ///< LightSampler::DescribeStructure
     int stride = 1;         ///< see InspectSettings::maxWork
 };
 
-/// What `sampler` (prepared, or null) does at what the camera sees first: one ray per pixel, through its centre, the same
-/// for every call. Layers: every value of LightSampler::Inspect; entropy of the pmf over lights; the light that
-/// contributes most and its probability; second moment of the one-light estimator over the least possible one; measured
+/// What `sampler` (prepared) does at what the camera sees first: one ray per pixel, through its centre, the
+/// same for every call. Layers: every value of LightSampler::Inspect; entropy of the pmf over lights; the light that
+/// contributes most, and its probability; second moment of the one-light estimator over the least possible one; measured
 /// visibility of the strongest lights.
 Inspection InspectLights(const BuiltScene &built, const LightSampler &sampler, const InspectSettings &settings,
                          Progress &progress);
@@ -57,14 +56,14 @@ void WriteInspection(const Inspection &inspection, const std::string &folder, co
 /// The whole command: `lightlab inspect scene.pbrt --sampler octree`.
 struct InspectOptions {
     std::vector<std::string> sceneFiles;
-    BuildOptions build;     ///< build.lightSampler: the sampler to look into; film overrides set the resolution
+    BuildOptions build;  ///< build.lightSampler: the sampler to look into; film overrides set the resolution
     InspectSettings settings;
     std::string outFolder;  ///< empty: "inspect-<sampler>" in the working folder
     std::string commandLine;
 };
 
-/// Reads, builds, prepares, looks, writes, and prints the structure and the ranges to standard output. Exit status: 0, or
-/// 130 if interrupted. Throws UserError.
+/// Reads, builds, prepares, looks, writes, and prints the structure and the ranges to standard output. Exit status: 0,
+/// or 130 if interrupted. Throws UserError.
 int RunInspect(const InspectOptions &options, const LightSamplerRegistry &registry, Progress &progress);
 
-}  // namespace pbrt
+}  // namespace pbrt::lab

@@ -1,0 +1,303 @@
+#include "pbrt/lab/inspect.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pbrt/core/error.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/integrators/path_common.h"
+#include "pbrt/math/rng.h"
+
+namespace pbrt::lab {
+
+namespace {
+
+constexpr uint64_t kStream = 0x696e7370656374ull;
+constexpr int kMostSpecular = 64;
+
+/// One light of the table, or all primitives of an emissive mesh, with a choice among them by power.
+struct Group {
+    InspectedLight light;
+    std::vector<double> cdf;     ///< empty for one light
+    std::vector<double> shares;
+
+    LightId Choose(double u, double *share) const {
+        if (cdf.empty()) {
+            *share = 1;
+            return light.first;
+        }
+        auto i = static_cast<size_t>(std::upper_bound(cdf.begin(), cdf.end() - 1, u) - cdf.begin());
+        *share = shares[i];
+        return LightId(light.first.value + static_cast<uint32_t>(i));
+    }
+};
+
+std::vector<Group> MakeGroups(const LightTable &lights) {
+    std::vector<Group> groups;
+    for (size_t i = 0, end = 0; i < lights.Size(); i = end) {
+        end = i + 1;
+        if (ShapeId mesh = lights.MeshOf(LightId(i)))
+            while (end < lights.Size() && lights.MeshOf(LightId(end)) == mesh) ++end;
+        Group g;
+        g.light.first = LightId(i);
+        g.light.count = end - i;
+        double power = 0;
+        for (size_t l = i; l < end; ++l) power += static_cast<double>(lights.Candidates()[l].power);
+        g.light.power = static_cast<Float>(power);
+        const char *kinds[] = {"point or spot", "distant", "area", "infinite"};
+        g.light.label = g.light.count > 1
+                            ? fmt::format("lights {} to {}: mesh of {}", i, end - 1, g.light.count)
+                            : fmt::format("light {}: {}", i, kinds[static_cast<size_t>(lights[LightId(i)].Kind())]);
+        if (g.light.count > 1) {
+            double running = 0;
+            for (size_t l = i; l < end; ++l) {
+                double share = power > 0 ? static_cast<double>(lights.Candidates()[l].power) / power
+                                         : 1 / static_cast<double>(end - i);
+                g.shares.push_back(share);
+                g.cdf.push_back(running += share);
+            }
+        }
+        groups.push_back(std::move(g));
+    }
+    return groups;
+}
+
+/// Where the camera's ray through the middle of a pixel first meets something that is not purely specular. At smooth
+/// glass the ray takes the likelier way.
+struct FirstHit {
+    SurfacePoint point;
+    Bsdf bsdf;
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    int depth = 0;
+};
+
+std::optional<FirstHit> FindFirstHit(const BuiltScene &built, Point2i pixel) {
+    FirstHit hit;
+    CameraSample cs;
+    cs.pFilm = Point2(pixel) + Point2(0.5f, 0.5f);
+    cs.pLens = {0.5f, 0.5f};
+    cs.time = 0.5f;
+    std::optional<CameraRay> start = built.camera->GenerateRay(cs, hit.lambda);
+    if (!start) return {};
+    PathRay path{start->ray, start->differential};
+    for (int step = 0; step < kMostSpecular; ++step) {
+        std::optional<SurfacePoint> point = built.scene->Intersect(path.ray);
+        if (!point) return {};
+        hit.point = *point;
+        ComputeFootprint(hit.point, path.differential, *built.camera, built.samplesPerPixel);
+        hit.bsdf = ComputeBsdf(*built.scene, hit.point, hit.lambda);
+        if (!hit.bsdf) {
+            path.PassThrough(hit.point);
+            continue;
+        }
+        ++hit.depth;
+        if (IsNonSpecular(hit.bsdf.Flags())) return hit;
+        std::optional<BsdfSample> sample = hit.bsdf.Sample(hit.point.wo, 0.5f, {0.5f, 0.5f});
+        if (!sample || !sample->f) return {};
+        path.Scatter(hit.point, *sample);
+    }
+    return {};
+}
+
+/// What is measured of one group at one place.
+struct Measured {
+    double mean = 0;        ///< contribution
+    double second = 0;      ///< of value^2, if the group were always chosen
+    double withSampler = 0; ///< of value^2 / probability, with the sampler's choice
+    double visible = 0;     ///< share of shadow rays that arrive
+};
+
+class Inspector {
+  public:
+    Inspector(const BuiltScene &built, const LightSampler &sampler, const InspectSettings &settings)
+        : built_(built), sampler_(sampler), settings_(settings), groups_(MakeGroups(built.scene->Lights())) {}
+
+    Inspection Run(Progress &progress);
+
+  private:
+    void MakeLayers(Inspection &out);
+    void LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &values) const;
+    Measured Measure(const FirstHit &hit, const LightSampleContext &from, const Group &group, Rng &rng,
+                     std::span<const Float> pmf) const;
+
+    const BuiltScene &built_;
+    const LightSampler &sampler_;
+    const InspectSettings &settings_;
+    std::vector<Group> groups_;
+    std::vector<size_t> shown_;  ///< groups whose visibility is shown, most power first
+    size_t samplerLayers_ = 0;
+};
+
+/// Light and channel names as EXR and file names take them.
+std::string Plain(std::string name) {
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)) && c != '.'; }, '_');
+    return name;
+}
+
+void Inspector::MakeLayers(Inspection &out) {
+    auto add = [&](std::string name, std::string meaning, double least = 0, double most = 0, bool isId = false) {
+        InspectedLayer layer;
+        layer.name = std::move(name);
+        layer.meaning = std::move(meaning);
+        layer.isId = isId;
+        layer.shownLeast = least;
+        layer.shownMost = most;
+        out.layers.push_back(layer);
+    };
+    add("hit", "1 where the camera sees a surface that is not purely specular", 0, 1);
+    std::vector<InspectedValue> values;
+    sampler_.Inspect(LightQuery(), values);
+    samplerLayers_ = values.size();
+    for (const InspectedValue &v : values) add(Plain("sampler." + v.name), "the sampler's own: " + v.name, 0, 0, v.isId);
+    const double bits = std::log2(static_cast<double>(std::max<size_t>(groups_.size(), 2)));
+    add("entropy", "entropy of the probabilities of the lights, in bits; a mesh counts as one light", 0, bits);
+    add("brightest", "the light that contributes most, by its first id; magenta: none contributes", 0, 0, true);
+    add("brightest_probability", "probability of the light that contributes most; magenta: none contributes", 0, 1);
+    add("log10_excess",
+        "second moment of the one-light estimator over the least that probabilities of the lights can reach, log10; "
+        "without MIS; magenta: none contributes, or one that does has probability 0",
+        0, 2);
+    for (size_t g : shown_)
+        add(fmt::format("visibility.{}", groups_[g].light.first.value),
+            fmt::format("share of {} shadow rays that arrive; {}", settings_.samples, groups_[g].light.label), 0, 1);
+}
+
+Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from, const Group &group, Rng &rng,
+                            std::span<const Float> pmf) const {
+    const Scene &scene = *built_.scene;
+    Measured m;
+    const double shift[3] = {static_cast<double>(rng.Uniform()), static_cast<double>(rng.Uniform()),
+                             static_cast<double>(rng.Uniform())};
+    for (int i = 0; i < settings_.samples; ++i) {
+        // Evenly spread for any number of samples: an additive recurrence.
+        auto at = [&](int dimension, double step) {
+            double v = shift[dimension] + i * step;
+            return std::min(static_cast<Float>(v - std::floor(v)), OneMinusEpsilon);
+        };
+        double share = 1;
+        LightId light = group.Choose(static_cast<double>(at(0, 0.5497004779019703)), &share);
+        std::optional<LightLiSample> s = scene.Lights()[light].SampleLi(
+            from, {at(1, 0.8191725133961645), at(2, 0.6710436067037893)}, hit.lambda, true);
+        if (!s || !s->L || !(s->pdf > 0) || scene.Occluded(from, *s)) continue;
+        ++m.visible;
+        SampledSpectrum f = hit.bsdf.F(hit.point.wo, s->wi) * AbsDot(s->wi, hit.point.shading.n);
+        double value = static_cast<double>(SafeDivide(s->L * f, hit.lambda.Pdf()).Average()) /
+                       (share * static_cast<double>(s->pdf));
+        if (!(value > 0)) continue;
+        m.mean += value;
+        m.second += value * value;
+        const auto chosen = static_cast<double>(pmf[light.value]);
+        m.withSampler += chosen > 0 ? value * value * share / chosen : std::numeric_limits<double>::infinity();
+    }
+    const double n = settings_.samples;
+    return {m.mean / n, m.second / n, m.withSampler / n, m.visible / n};
+}
+
+void Inspector::LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &values) const {
+    const LightQuery query = LightQueryAt(hit.point, hit.bsdf, hit.lambda, hit.depth);
+    const LightSampleContext from = LightContextAt(hit.point);
+    values.push_back(1);
+
+    std::vector<InspectedValue> own;
+    sampler_.Inspect(query, own);
+    PBRT_CHECK(own.size() == samplerLayers_);
+    for (const InspectedValue &v : own) values.push_back(v.value);
+
+    std::vector<Float> pmf(built_.scene->Lights().Size());
+    for (size_t l = 0; l < pmf.size(); ++l) pmf[l] = sampler_.PMF(query, LightId(l));
+
+    double entropy = 0, greatest = 0, probability = 0, withSampler = 0, root = 0;
+    const Group *brightest = nullptr;
+    std::vector<double> visible(groups_.size());
+    Rng rng(Hash(kStream, pixel));
+    for (size_t g = 0; g < groups_.size(); ++g) {
+        const InspectedLight &light = groups_[g].light;
+        double p = 0;
+        for (size_t l = light.first.value; l < light.first.value + light.count; ++l) p += static_cast<double>(pmf[l]);
+        if (p > 0) entropy -= p * std::log2(p);
+        Measured m = Measure(hit, from, groups_[g], rng, pmf);
+        visible[g] = m.visible;
+        withSampler += m.withSampler;
+        root += std::sqrt(m.second);
+        if (m.mean > greatest) {
+            greatest = m.mean;
+            brightest = &groups_[g];
+            probability = p;
+        }
+    }
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    values.push_back(std::max(entropy, 0.0));
+    values.push_back(brightest ? static_cast<double>(brightest->light.first.value) : none);
+    values.push_back(brightest ? probability : none);
+    values.push_back(brightest ? std::log10(withSampler / (root * root)) : none);
+    for (size_t g : shown_) values.push_back(visible[g]);
+}
+
+Inspection Inspector::Run(Progress &progress) {
+    Inspection out;
+    for (size_t g = 0; g < groups_.size(); ++g) shown_.push_back(g);
+    std::stable_sort(shown_.begin(), shown_.end(),
+                     [&](size_t a, size_t b) { return groups_[a].light.power > groups_[b].light.power; });
+    shown_.resize(std::min(shown_.size(), static_cast<size_t>(std::max(settings_.shownLights, 0))));
+    MakeLayers(out);
+    out.structure = sampler_.DescribeStructure();
+    for (const Group &g : groups_) out.lights.push_back(g.light);
+
+    const Bounds2i pixels = built_.film->PixelBounds();
+    const Point2i resolution = pixels.high - pixels.low;
+    const double perPixel = static_cast<double>(built_.scene->Lights().Size()) +
+                            static_cast<double>(groups_.size()) * settings_.samples;
+    while (perPixel * resolution.x * resolution.y / (out.stride * out.stride) > settings_.maxWork) ++out.stride;
+
+    std::vector<std::string> names;
+    for (const InspectedLayer &layer : out.layers) names.push_back(layer.name);
+    out.image = Image(PixelFormat::Float, resolution, names);
+    const int rows = (resolution.y + out.stride - 1) / out.stride;
+    progress.BeginPhase("looking", rows);
+    ParallelForEach(rows, [&](int64_t row) {
+        std::vector<double> values;
+        const int y0 = static_cast<int>(row) * out.stride;
+        for (int x0 = 0; x0 < resolution.x && !progress.Cancelled(); x0 += out.stride) {
+            // The middle of the block stands for it.
+            const Point2i pixel = glm::min(Point2i(x0, y0) + out.stride / 2, resolution - 1) + pixels.low;
+            std::optional<FirstHit> hit = FindFirstHit(built_, pixel);
+            if (!hit) continue;
+            values.clear();
+            LookAt(*hit, pixel, values);
+            for (int y = y0; y < std::min(y0 + out.stride, resolution.y); ++y)
+                for (int x = x0; x < std::min(x0 + out.stride, resolution.x); ++x)
+                    for (size_t c = 0; c < values.size(); ++c)
+                        out.image.Set({x, y}, static_cast<int>(c), static_cast<Float>(values[c]));
+        }
+        progress.Advance();
+    });
+    progress.EndPhase();
+
+    for (size_t c = 0; c < out.layers.size(); ++c) {
+        InspectedLayer &layer = out.layers[c];
+        double sum = 0;
+        size_t count = 0;
+        for (int y = 0; y < resolution.y; ++y)
+            for (int x = 0; x < resolution.x; ++x) {
+                auto v = static_cast<double>(out.image.Get({x, y}, static_cast<int>(c)));
+                if (out.image.Get({x, y}, 0) == 0 || !std::isfinite(v)) continue;
+                layer.least = count ? std::min(layer.least, v) : v;
+                layer.most = count ? std::max(layer.most, v) : v;
+                sum += v;
+                ++count;
+            }
+        layer.mean = count ? sum / static_cast<double>(count) : 0;
+        if (layer.shownMost <= layer.shownLeast) layer.shownMost = layer.most > layer.shownLeast ? layer.most : layer.shownLeast + 1;
+    }
+    return out;
+}
+
+}  // namespace
+
+Inspection InspectLights(const BuiltScene &built, const LightSampler &sampler, const InspectSettings &settings,
+                         Progress &progress) {
+    return Inspector(built, sampler, settings).Run(progress);
+}
+
+}  // namespace pbrt::lab

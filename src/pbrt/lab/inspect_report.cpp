@@ -1,0 +1,116 @@
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "pbrt/core/error.h"
+#include "pbrt/core/log.h"
+#include "pbrt/images/false_color.h"
+#include "pbrt/lab/inspect.h"
+#include "pbrt/scenefile/parser.h"
+#include "version.h"
+
+namespace pbrt::lab {
+
+namespace {
+
+constexpr int kLegendRows = 12;
+
+void WriteText(const std::filesystem::path &path, const std::string &text) {
+    std::ofstream file(path);
+    file << text;
+    if (!file.flush()) throw UserError(fmt::format("{}: cannot be written.", path.string()));
+}
+
+nlohmann::ordered_json LayerJson(const InspectedLayer &layer, const std::string &file) {
+    nlohmann::ordered_json json;
+    json["name"] = layer.name;
+    json["file"] = file;
+    json["meaning"] = layer.meaning;
+    if (layer.isId) json["colours"] = "one per number, without order";
+    else json["colours"] = {{"darkest", layer.shownLeast}, {"brightest", layer.shownMost}};
+    json["least"] = layer.least;
+    json["most"] = layer.most;
+    json["mean"] = layer.mean;
+    return json;
+}
+
+}  // namespace
+
+void WriteInspection(const Inspection &inspection, const std::string &folder, const nlohmann::ordered_json &about) {
+    const std::filesystem::path out(folder);
+    std::error_code failed;
+    std::filesystem::create_directories(out, failed);
+    if (failed) throw UserError(fmt::format("{}: {}.", folder, failed.message()));
+
+    nlohmann::ordered_json json = about;
+    json["note"] = "Dark grey: the camera sees nothing there. Magenta: not finite. The bar below a picture runs from the "
+                   "darkest to the brightest colour.";
+    json["everyNthPixel"] = inspection.stride;
+    json["lights"] = nlohmann::ordered_json::array();
+    for (const InspectedLight &light : inspection.lights)
+        json["lights"].push_back({{"first", light.first.value}, {"count", light.count}, {"power", light.power}, {"label", light.label}});
+
+    WriteImage((out / "inspect.exr").string(), inspection.image);
+    const Image hit = inspection.image.Select({"hit"});
+    json["layers"] = nlohmann::ordered_json::array();
+    for (size_t c = 0; c < inspection.layers.size(); ++c) {
+        const InspectedLayer &layer = inspection.layers[c];
+        FalseColorStyle style;
+        style.scale = layer.isId ? FalseColorStyle::Scale::Id : FalseColorStyle::Scale::Ramp;
+        style.least = static_cast<Float>(layer.shownLeast);
+        style.most = static_cast<Float>(layer.shownMost);
+        style.legendRows = kLegendRows;
+        const std::string file = layer.name + ".png";
+        WriteImage((out / file).string(), FalseColor(inspection.image, static_cast<int>(c), style, &hit));
+        json["layers"].push_back(LayerJson(layer, file));
+    }
+    WriteText(out / "inspect.json", json.dump(2) + "\n");
+    WriteText(out / "structure.txt", inspection.structure.empty() ? "no learned structure\n" : inspection.structure);
+}
+
+int RunInspect(const InspectOptions &options, const LightSamplerRegistry &registry, Progress &progress) {
+    DiagnosticSink sink;
+    progress.BeginPhase("reading", 0);
+    SceneDescription description = ParseSceneFiles(options.sceneFiles, sink);
+    sink.ThrowIfErrors();
+    progress.EndPhase();
+    BuiltScene built = BuildScene(description, options.build, registry, sink, progress);
+    for (const Diagnostic &d : sink.All())
+        if (d.severity == Severity::Warning) LogInfo(Format(d, false));
+    const LightSampler *sampler = built.integrator->Lights();
+    if (!sampler)
+        throw UserError(fmt::format("Integrator \"{}\" has no light sampler to look into.", built.integratorName));
+    if (built.scene->Lights().Size() == 0) throw UserError("The scene has no lights.");
+
+    PrepareContext prepare{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), built.seed,
+                           built.samplesPerPixel, built.maxDepth, progress};
+    built.integrator->Prepare(prepare);
+    if (progress.Cancelled()) return 130;
+    Inspection inspection = InspectLights(built, *sampler, options.settings, progress);
+    if (progress.Cancelled()) return 130;
+
+    nlohmann::ordered_json about;
+    about["scene"] = options.sceneFiles;
+    about["sampler"] = built.lightSamplerName;
+    nlohmann::ordered_json report = nlohmann::ordered_json::object();
+    sampler->Report(report);
+    about["samplerReport"] = report;
+    about["commandLine"] = options.commandLine;
+    about["version"] = PBRT_VERSION_TEXT;
+    about["seed"] = built.seed;
+    about["samplesPerLight"] = options.settings.samples;
+    const std::string folder = options.outFolder.empty() ? "inspect-" + built.lightSamplerName : options.outFolder;
+    WriteInspection(inspection, folder, about);
+
+    std::printf("%s", inspection.structure.empty() ? "The sampler has no learned structure.\n" : inspection.structure.c_str());
+    std::printf("\n%-28s %12s %12s %12s\n", "layer", "least", "mean", "most");
+    for (const InspectedLayer &layer : inspection.layers)
+        if (!layer.isId) std::printf("%-28s %12.4g %12.4g %12.4g\n", layer.name.c_str(), layer.least, layer.mean, layer.most);
+    if (inspection.stride > 1)
+        std::printf("%zu lights are many: only every %d-th pixel of rows and columns was looked at.\n",
+                    inspection.lights.size(), inspection.stride);
+    std::printf("Wrote %s\n", folder.c_str());
+    return 0;
+}
+
+}  // namespace pbrt::lab

@@ -529,21 +529,25 @@ def floor_lamp(height=1.6, shade="shade", stand="brass", top=0.17, bottom=0.25, 
     return piece, (0.0, 0.0, s + 0.118)
 
 
-def pendant(drop=0.8, shade="paint-teal", radius=0.2, height=0.2, cord="paint-black"):
-    """Hangs from z = 0 down; a metal bell, dark outside (its material), white inside. The bulb is inside the bell."""
-    r, z = radius, -drop
-    bell = [(r, z), (r * .97, z + height * .3), (r * .8, z + height * .62), (r * .45, z + height * .88),
-            (.03, z + height)]
-    outer = lathe(bell, 36, 60)
-    inner = lathe([(a - .003 if a > .05 else a - .002, b - (.0 if k == 0 else .003)) for k, (a, b) in enumerate(bell)],
-                  36, 60).flip()
-    piece = Piece((shade, outer), ("paint-white", inner))
-    z1 = z + height
+def pendant(drop=0.8, shade="paint-teal", radius=0.2, height=0.16, cord="paint-black", inside="shade-inside"):
+    """Hangs from z = 0 down to -drop: a bell of painted metal with the bulb just above its rim."""
+    r, z, z1 = radius, -drop, height - drop
+    bell = [(r, z), (r * .97, z + height * .3), (r * .8, z + height * .62), (r * .45, z + height * .88), (.03, z1)]
+    lining = [(a - .003, b - (.003 if k else 0)) for k, (a, b) in enumerate(bell)]
+    piece = Piece((shade, lathe(bell, 36, 60)), (inside, lathe(lining, 36, 60).flip()))
     piece.add(shade, lathe([(.029, z1 - .001), (.03, z1 + .05), (.012, z1 + .06), (0, z1 + .06)], 20))
-    piece.add(cord, tube((0, 0, z + height + .058), (0, 0, -.02), .004, 6))
-    piece.add(cord, lathe([(0, -.03), (.045, -.025), (.05, .002)], 20))
-    piece.add("socket", cylinder(.016, z + height - .06, z + height - .004, 12))
-    return piece, (0.0, 0.0, z + height - 0.095)
+    piece.add(cord, tube((0, 0, z1 + .058), (0, 0, -.02), .004, 6), lathe([(0, -.03), (.045, -.025), (.05, .002)], 20))
+    piece.add("socket", cylinder(.016, z + .058, z1 - .004, 12))
+    return piece, (0.0, 0.0, z + 0.022)
+
+
+def globe_pendant(drop=0.9, radius=0.1, metal="brass", cord="paint-black"):
+    """An opal globe on a cord; the globe itself is the light (bulb(radius, 2) at the position returned)."""
+    z = radius - drop
+    cap = lathe([(radius * .62, z + radius * .84), (radius * .6, z + radius * .96), (.03, z + radius * 1.12),
+                 (.02, z + radius * 1.5), (0, z + radius * 1.5)], 28)
+    piece = Piece((metal, cap), (cord, tube((0, 0, z + radius * 1.49), (0, 0, -.02), .004, 6)))
+    return piece.add(cord, lathe([(0, -.03), (.045, -.025), (.05, .002)], 20)), (0.0, 0.0, z)
 
 
 def sconce(shade="shade", metal="brass"):
@@ -553,3 +557,11 @@ def sconce(shade="shade", metal="brass"):
     piece.add(shade, lathe([(.075, -.02), (.055, .15)], 24).at(0, -.09, 0)).include(ring(.075, -.02).at(0, -.09),
                                                                                     ring(.055, .15).at(0, -.09))
     return piece, (0.0, -0.09, 0.035)
+
+
+def globe_lamp(height=0.42, radius=0.06, stand="brass"):
+    """A stem on a foot under an opal globe, which the caller adds: a light of `radius` at the returned position."""
+    z = height - radius
+    foot = lathe([(0, 0), (.075, 0), (.075, .01), (.06, .016), (.012, .024), (.009, .04), (.009, z - radius - .02),
+                  (.03, z - radius - .012), (.036, z - radius * .86), (.032, z - radius * .86), (0, z - radius - .008)], 28)
+    return Piece((stand, foot)), (0.0, 0.0, z)

@@ -453,7 +453,7 @@ MATERIALS = {
     "white-lacquer": coated(.78, .77, .74, .2), "dark-lacquer": coated(.06, .055, .05, .1),
     "paint-white": diffuse(.8, .8, .78), "paint-black": diffuse(.04, .04, .042), "paint-teal": diffuse(.1, .32, .33),
     "brass": metal("CuZn", .12), "steel": metal("Al", .15), "iron": tinted_metal(.25, .25, .26, .25),
-    "shade": cloth((.52, .48, .4), (.3, .26, .19)), "shade-dense": cloth((.6, .55, .45), (.03, .024, .016)),
+    "shade": cloth((.52, .48, .4), (.3, .26, .19)), "shade-dense": cloth((.45, .4, .32), (.03, .025, .018)),
     "curtain": cloth((.5, .47, .42), (.2, .18, .15)), "linen": diffuse(.76, .73, .67), "pillow": diffuse(.8, .79, .76),
     "fabric-grey": diffuse(.3, .3, .31), "fabric-blue": diffuse(.14, .22, .36), "fabric-rust": diffuse(.5, .2, .09),
     "fabric-green": diffuse(.18, .27, .16), "fabric-mustard": diffuse(.62, .42, .1), "leather": diffuse(.25, .12, .065),
@@ -464,7 +464,7 @@ MATERIALS = {
     "mirror": '"string type" "conductor" "spectrum eta" "metal-Ag-eta" "spectrum k" "metal-Ag-k"',
     "book-a": diffuse(.45, .1, .08), "book-b": diffuse(.1, .19, .33), "book-c": diffuse(.16, .3, .18),
     "book-d": diffuse(.62, .52, .34), "book-e": diffuse(.1, .1, .11), "book-f": diffuse(.66, .36, .12),
-    "bulb-glass": diffuse(.6, .6, .6), "socket": diffuse(.2, .2, .2),
+    "shade-inside": diffuse(.4, .39, .36), "bulb-glass": diffuse(.6, .6, .6), "socket": diffuse(.2, .2, .2),
     "paint-sky": diffuse(.36, .54, .72), "paint-sea": diffuse(.1, .27, .38), "paint-sun": diffuse(.85, .62, .2),
     "paint-field": diffuse(.5, .55, .2), "paint-earth": diffuse(.45, .26, .14),
 }

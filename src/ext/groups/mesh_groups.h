@@ -21,6 +21,9 @@ class MeshGroups {
     /// Power (sum), bounds (union) and kind of each group; what group-level samplers select among.
     std::span<const LightCandidate> Candidates() const { return candidates_; }
     uint32_t GroupOf(LightId light) const { return groupOf_[light.value]; }
+    /// Lights of a group: consecutive ids.
+    uint32_t FirstOf(uint32_t group) const { return first_[group]; }
+    uint32_t CountOf(uint32_t group) const { return first_[group + 1] - first_[group]; }
 
     /// P(light | its group). Discrete.
     Float ShareOf(LightId light) const { return share_[light.value]; }

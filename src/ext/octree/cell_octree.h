@@ -31,11 +31,17 @@ class CellOctree {
     /// The cell a point falls in, for views and tests.
     struct Cell {
         Bounds3 bounds;
+        uint32_t node = 0;  ///< identifies the leaf: index below NodeCount
         uint32_t row = 0;
         int depth = 0;
     };
     Cell CellAt(const Point3 &p) const;
     size_t NodeCount() const { return nodes_.size(); }
+    /// Calls visit(node, row, depth) for every leaf.
+    template <class Visit>
+    void ForEachLeaf(Visit &&visit) const {
+        for (uint32_t top = 0; top < TopCount; ++top) VisitLeaves(top, 2, visit);
+    }
     size_t Bytes() const { return nodes_.capacity() * sizeof(uint32_t); }
     bool operator==(const CellOctree &o) const = default;
 
@@ -65,10 +71,21 @@ class CellOctree {
     void ShrinkToFit() { nodes_.shrink_to_fit(); }
 
   private:
+    template <class Visit>
+    void VisitLeaves(uint32_t node, int depth, Visit &&visit) const {
+        if (nodes_[node] & LeafBit) visit(node, nodes_[node] & ~LeafBit, depth);
+        else
+            for (uint32_t c = 0; c < 8; ++c) VisitLeaves(nodes_[node] + c, depth + 1, visit);
+    }
     static constexpr uint32_t LeafBit = 0x80000000u;
     Point3 low_{0, 0, 0};
     Vector3 scale_{0, 0, 0};  ///< to quantised units
     std::vector<uint32_t> nodes_ = std::vector<uint32_t>(TopCount, LeafBit);  ///< LeafBit | row, or index of the first child
 };
+
+/// Sorts order[begin, end), which index `quantized`, by child at this level, keeping the order within each child; child c
+/// gets order[start[c], start[c + 1]).
+void SortIntoChildren(const std::vector<glm::uvec3> &quantized, std::vector<uint32_t> &order, uint32_t begin, uint32_t end, int bit,
+                      uint32_t start[9]);
 
 }  // namespace ext

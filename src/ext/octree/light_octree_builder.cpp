@@ -9,80 +9,53 @@ namespace ext {
 
 namespace {
 constexpr uint32_t kNoParent = 0xffffffffu;
-constexpr int kTopBit = LightOctree::MaxDepth - 2;
+constexpr int kTopBit = CellOctree::MaxDepth - 2;
 }  // namespace
 
 LightOctreeBuilder::LightOctreeBuilder(const Bounds3 &bounds, std::vector<Point3> points, int leafTarget) {
-    if (!bounds.IsEmpty()) {
-        tree_.low_ = bounds.low;
-        for (int i = 0; i < 3; ++i) {
-            Float extent = bounds.high[i] - bounds.low[i];
-            tree_.scale_[i] = extent > 0 ? static_cast<Float>(1 << LightOctree::MaxDepth) / extent : 0;
-        }
-    }
+    tree_.cells_ = CellOctree(bounds);
     quantized_.resize(points.size());
-    for (size_t i = 0; i < points.size(); ++i) quantized_[i] = tree_.Quantize(points[i]);
+    for (size_t i = 0; i < points.size(); ++i) quantized_[i] = tree_.cells_.Quantize(points[i]);
     splitAbove_ = std::max<size_t>(1, 4 * points.size() / static_cast<size_t>(leafTarget));
 
     // Counting sort into the top grid.
-    constexpr uint32_t kTop = LightOctree::TopCells * LightOctree::TopCells * LightOctree::TopCells;
-    auto topCell = [&](const glm::uvec3 &q) { return (q.x >> kTopBit) | ((q.y >> kTopBit) << 2) | ((q.z >> kTopBit) << 4); };
+    constexpr uint32_t kTop = CellOctree::TopCount;
     std::vector<uint32_t> start(kTop + 1, 0);
-    for (const glm::uvec3 &q : quantized_) ++start[topCell(q) + 1];
+    for (const glm::uvec3 &q : quantized_) ++start[CellOctree::TopCell(q) + 1];
     std::partial_sum(start.begin(), start.end(), start.begin());
     order_.resize(points.size());
     std::vector<uint32_t> next(start.begin(), start.end() - 1);
-    for (uint32_t i = 0; i < quantized_.size(); ++i) order_[next[topCell(quantized_[i])]++] = i;
+    for (uint32_t i = 0; i < quantized_.size(); ++i) order_[next[CellOctree::TopCell(quantized_[i])]++] = i;
 
-    tree_.nodes_.resize(kTop);
     rangeOf_.resize(kTop);
     parentOf_.assign(kTop, kNoParent);
+    isLeaf_.resize(kTop);
     for (uint32_t cell = 0; cell < kTop; ++cell) Subdivide(cell, {start[cell], start[cell + 1]}, kTopBit);
-}
-
-void LightOctreeBuilder::Split(Range range, int bit, Range children[8]) {
-    auto child = [&](uint32_t index) {
-        const glm::uvec3 &q = quantized_[index];
-        return ((q.x >> bit) & 1) | (((q.y >> bit) & 1) << 1) | (((q.z >> bit) & 1) << 2);
-    };
-    uint32_t count[8] = {};
-    for (uint32_t i = range.begin; i < range.end; ++i) ++count[child(order_[i])];
-    uint32_t next[8];
-    for (uint32_t c = 0, at = range.begin; c < 8; ++c) {
-        children[c] = {at, at + count[c]};
-        next[c] = at;
-        at += count[c];
-    }
-    // Stable, so that the order within a leaf is the order of the input.
-    std::vector<uint32_t> sorted(range.end - range.begin);
-    for (uint32_t i = range.begin; i < range.end; ++i) sorted[next[child(order_[i])]++ - range.begin] = order_[i];
-    std::copy(sorted.begin(), sorted.end(), order_.begin() + range.begin);
 }
 
 void LightOctreeBuilder::Subdivide(uint32_t node, Range range, int bit) {
     rangeOf_[node] = range;
-    if (range.end - range.begin <= splitAbove_ || bit == 0) {
-        tree_.nodes_[node] = LightOctree::LeafBit;  // the row comes with Build
+    isLeaf_[node] = range.end - range.begin <= splitAbove_ || bit == 0;
+    if (isLeaf_[node]) {  // the row comes with Build
         ++tree_.leaves_;
-        tree_.depth_ = std::max(tree_.depth_, LightOctree::MaxDepth - bit);
+        tree_.depth_ = std::max(tree_.depth_, CellOctree::MaxDepth - bit);
         return;
     }
-    Range children[8];
-    Split(range, bit - 1, children);
-    auto first = static_cast<uint32_t>(tree_.nodes_.size());
-    tree_.nodes_[node] = first;
-    tree_.nodes_.resize(first + 8);
+    uint32_t start[9];
+    SortIntoChildren(quantized_, order_, range.begin, range.end, bit - 1, start);
+    const uint32_t first = tree_.cells_.Split(node);
     rangeOf_.resize(first + 8);
     parentOf_.resize(first + 8, node);
-    for (uint32_t c = 0; c < 8; ++c) Subdivide(first + c, children[c], bit - 1);
+    isLeaf_.resize(first + 8);
+    for (uint32_t c = 0; c < 8; ++c) Subdivide(first + c, {start[c], start[c + 1]}, bit - 1);
 }
 
 LightOctree LightOctreeBuilder::Build(size_t groups, const AddValues &addValues) {
     PBRT_CHECK(groups > 0);
-    const size_t nodeCount = tree_.nodes_.size();
+    const size_t nodeCount = tree_.cells_.NodeCount();
     std::vector<double> sums(nodeCount * groups, 0.0);
     auto sumOf = [&](size_t node) { return std::span<double>(sums.data() + node * groups, groups); };
-    auto isLeaf = [&](size_t node) { return (tree_.nodes_[node] & LightOctree::LeafBit) != 0; };
+    auto isLeaf = [&](size_t node) { return isLeaf_[node] != 0; };
 
     // One task per leaf; big leaves first would balance better, but leaves are alike by construction.
     ParallelFor(static_cast<int64_t>(nodeCount), 64, [&](int64_t begin, int64_t end) {
@@ -119,8 +92,8 @@ LightOctree LightOctreeBuilder::Build(size_t groups, const AddValues &addValues)
         return row;
     };
     for (uint32_t node = 0; node < nodeCount; ++node)
-        if (isLeaf(node)) tree_.nodes_[node] = LightOctree::LeafBit | rowFor(node);
-    tree_.nodes_.shrink_to_fit();
+        if (isLeaf(node)) tree_.cells_.SetLeaf(node, rowFor(node));
+    tree_.cells_.ShrinkToFit();
     tree_.cdf_.shrink_to_fit();
     return std::move(tree_);
 }

@@ -34,8 +34,6 @@ class LightOctreeBuilder {
     struct Range {
         uint32_t begin = 0, end = 0;
     };
-    /// Splits points_[range] into 8 by the coordinate bits at `bit`.
-    void Split(Range range, int bit, Range children[8]);
     void Subdivide(uint32_t node, Range range, int bit);
 
     LightOctree tree_;
@@ -43,6 +41,7 @@ class LightOctreeBuilder {
     std::vector<uint32_t> order_;        ///< original indices, grouped by cell
     size_t splitAbove_ = 0;
     std::vector<Range> rangeOf_;         ///< per node
+    std::vector<uint8_t> isLeaf_;        ///< per node
     std::vector<uint32_t> parentOf_;     ///< per node; top cells: none
 };
 

@@ -4,20 +4,43 @@
 namespace ext {
 using namespace pbrt;
 
+/// Defaults of OctreeParams::floor.
+inline constexpr Float kVisibilityFloor = 0.05f, kPaperFloor = 0.1f;
+
 /// Parameters of the octree light sampler.
 struct OctreeParams {
+    std::string model = "visibility";
     int leaves = 4096;
-    int prepassspp = 1;
+    int prepassspp = 0;
     int depth = 3;
-    Float floor = 0.1f;
+    Float floor = 0;
     bool meshlights = true;
+    Float budget = 0.01f;
+    int tries = 0;
+    int records = 50;
+    Float shrinkage = 4;
+    Float prunegain = 0.01f;
+    bool secondmoment = true;
+    bool bsdf = true;
+    bool interior = true;
+    Float treeshare = 0.2f;
 
     template <class V>
     void Describe(V &&v) {
-        v("leaves", leaves, Range<int>{64, 1 << 24}, "the paper's T: a cell is split while it holds more than 4N/T of the N prepass vertices");
-        v("prepassspp", prepassspp, Range<int>{1, 1024}, "camera paths per pixel in the prepass");
+        v("model", model, Choices{"visibility", "paper"}, "visibility: geometry at the point, visibility from the tree; paper: Noh, Choi, Moon 2023 as published");
+        v("prepassspp", prepassspp, Range<int>{0, 1024}, "camera paths per pixel in the prepass; 0: visibility: as budget says; paper: 1");
         v("depth", depth, Range<int>{1, 64}, "vertices of a prepass path");
-        v("floor", floor, Range<Float>{1e-4f, 1.f}, "share of the probability handed out by unoccluded importance, whatever the prepass saw");
+        v("floor", floor, Range<Float>{0.f, 1.f}, "share of the probability handed out by unoccluded importance, whatever the prepass saw; 0: 0.05 (paper: 0.1)");
+        v("leaves", leaves, Range<int>{64, 1 << 24}, "paper: its T: a cell is split while it holds more than 4N/T of the N prepass vertices");
+        v("budget", budget, Range<Float>{1e-4f, 1.f}, "visibility: rays of the prepass as share of the render's");
+        v("tries", tries, Range<int>{0, 4096}, "visibility: lights looked at from a vertex; 0: all up to 64 lights, else 16 drawn by a light BVH");
+        v("records", records, Range<int>{1, 1 << 20}, "visibility: vertices a leaf wants; a cell is split while it holds more than 4 times as many");
+        v("shrinkage", shrinkage, Range<Float>{0.f, 1e6f}, "visibility: how many tries the parent cell's estimate counts for");
+        v("prunegain", prunegain, Range<Float>{0.f, 1.f}, "visibility: a split must lower the held-out second moment by this share; 0: keep all splits");
+        v("secondmoment", secondmoment, "visibility: learn the root mean square of what is found; false: the mean");
+        v("bsdf", bsdf, "visibility: follow the BSDF of glossy surfaces");
+        v("interior", interior, "visibility: choose a mesh's primitive by importance at the point; false: by power");
+        v("treeshare", treeshare, Range<Float>{0.f, 1.f}, "visibility: share of a light BVH where there are more than 64 lights");
         v("meshlights", meshlights, "an emissive mesh is one light for selection");
     }
 };

@@ -1,4 +1,5 @@
 #include "ext/groups/mesh_light_sampler.h"
+#include "ext/octree/paper_octree_light_sampler.h"
 #include "ext/octree/visibility_octree_light_sampler.h"
 #include "pbrt/lightsamplers/registry.h"
 
@@ -6,11 +7,12 @@ void register_octree(pbrt::LightSamplerRegistry &registry) {
     using namespace ext;
     LightSamplerRegistry::Entry entry;
     entry.name = "octree";
-    entry.summary = "learns in a prepass which lights each region sees (Noh, Choi, Moon 2023)";
+    entry.summary = "Learns in a prepass which lights each region sees (after Noh, Choi, Moon 2023).";
     entry.params = DocumentParams<OctreeParams>();
     entry.make = [](const LightTable &lights, const ParamSet &params) -> std::unique_ptr<LightSampler> {
         OctreeParams p;
         ReadParams(p, params, "octree");
+        if (p.model == "paper") return std::make_unique<PaperOctreeLightSampler>(lights, p);
         return std::make_unique<VisibilityOctreeLightSampler>(lights, p);
     };
     registry.Add(std::move(entry));

@@ -1,22 +1,25 @@
 #pragma once
 #include <memory>
 
-#include "ext/groups/mesh_groups.h"
-#include "ext/octree/light_octree.h"
+#include "ext/groups/group_importance.h"
+#include "ext/groups/mesh_interior.h"
 #include "ext/octree/octree_params.h"
-#include "pbrt/lightsamplers/light_sampler.h"
+#include "ext/octree/structure_text.h"
+#include "ext/octree/visibility_tree.h"
+#include "ext/prepass/prepass.h"
 
 namespace ext {
 
-/// "Enhanced Direct Lighting Using Visibility-Aware Light Sampling" (Noh, Choi, Moon 2023), section 4: a prepass traces
-/// short camera paths; at every vertex one shadow ray to each light gives g = Le G V / p (Eq. 5); an octree over the
-/// vertices stores the mean of g per leaf and light; lights are chosen in proportion to it.
+/// The octree sampler's own model: geometry at the point, visibility from the tree.
 ///
-/// Departures, both where the paper is silent:
-/// - P(l | x) = (1 - floor) leaf(x, l) + floor * importance(x, l): without the second term a light that no sample of a leaf
-///   saw would have probability 0 and the image a bias. importance is the unoccluded estimate of stock pbrt-v4's
-///   samplers at the point itself: the exhaustive one up to 64 groups, the light BVH above.
-/// - A cell without vertices, or whose vertices saw no light, uses the nearest ancestor's distribution.
+///   P(l | x) = (1 - e) G_l(x) a(leaf, l) b_l(x) / sum + e G_l(x) / sum G
+///
+/// G (GroupImportance) is what would arrive unoccluded, evaluated at the shading point; a what the prepass found of it in
+/// the point's leaf, as root mean square of found over unoccluded (VisibilityTreeBuilder); b follows the BSDF towards the
+/// light's middle where the surface is glossy without a diffuse part, and is 1 elsewhere. Light l is a group; inside a mesh the
+/// primitive is chosen by MeshInterior.
+/// With more than 64 groups a leaf names the lights that matter most there; the rest, and the share `treeshare` of
+/// the probability, belongs to a light BVH over all: P = (1 - t) (named lights as above) + t P_bvh.
 class VisibilityOctreeLightSampler final : public LightSampler {
   public:
     VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
@@ -26,24 +29,41 @@ class VisibilityOctreeLightSampler final : public LightSampler {
     std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override;
     Float PMF(const LightQuery &query, LightId light) const override;
     void Report(nlohmann::ordered_json &report) const override;
-    /// Leaf, records in it, its depth.
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
     std::string DescribeStructure() const override;
 
-    const LightOctree &Tree() const { return tree_; }
+    const VisibilityTree &Tree() const { return tree_; }
     const MeshGroups &Groups() const { return groups_; }
 
   private:
-    /// P(group | query) given the leaf's distribution.
-    Float GroupPMF(const LightQuery &query, std::span<const Float> cdf, uint32_t group) const;
+    static constexpr size_t kMost = 64;
+    /// Weights of the lights considered at a point.
+    struct Choice {
+        alignas(32) Float g[kMost], w[kMost];
+        Float sumG = 0, sumW = 0;
+        std::span<const uint32_t> lights;  ///< empty: all, in order
+        size_t count = 0;
+    };
+    bool ScansAll() const { return tree_.RowCount() == 0 ? groups_.Size() <= kMost : !bvh_; }
+    void Weigh(const LightQuery &query, Choice *choice) const;
+    void FollowBsdf(const LightQuery &query, Choice *choice) const;
+    /// P of the i-th considered light among the considered ones.
+    Float Share(const Choice &choice, size_t i) const;
+    Float GroupPMF(const LightQuery &query, const Choice &choice, uint32_t group) const;
+    std::optional<SampledLight> SampleGroup(const LightQuery &query, Float u) const;
+    double PathsPerPixel(const PrepareContext &context) const;
 
     OctreeParams params_;
+    Float floor_;
     MeshGroups groups_;
-    std::unique_ptr<LightSampler> unoccluded_;  ///< over groups
-    LightOctree tree_;
-    std::vector<uint32_t> recordsPerNode_;  ///< for Inspect and DescribeStructure only
-    bool learned_ = false;  ///< false: one group or none, or Prepare was not called: unoccluded_ alone
-    size_t vertices_ = 0;
+    GroupImportance importance_;
+    MeshInterior interior_;
+    std::unique_ptr<BVHLightSampler> bvh_;  ///< more groups than are scanned
+    VisibilityTree tree_;
+    bool learned_ = false;
+    std::vector<LeafSize> leaves_;          ///< these two for Inspect and DescribeStructure only
+    std::vector<uint32_t> recordsPerNode_;
+    size_t records_ = 0, tries_ = 0, leavesBefore_ = 0;
     double prepassSeconds_ = 0, buildSeconds_ = 0;
 };
 

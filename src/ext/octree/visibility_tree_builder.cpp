@@ -30,7 +30,6 @@ void VisibilityTreeBuilder::Divide() {
     nodes_.resize(1);
     nodes_[0].end = static_cast<uint32_t>(order_.size());
     const auto splitAbove = static_cast<uint32_t>(4 * settings_.records);
-    std::vector<uint32_t> sorted;
     for (uint32_t n = 0; n < nodes_.size(); ++n) {
         const uint32_t begin = nodes_[n].begin, end = nodes_[n].end;
         const int depth = nodes_[n].depth, bit = CellOctree::MaxDepth - 1 - depth;
@@ -38,16 +37,8 @@ void VisibilityTreeBuilder::Divide() {
             ++leavesBefore_;
             continue;
         }
-        // Stable, so that records of a cell stay in their order.
-        uint32_t start[9] = {begin};
-        for (uint32_t i = begin; i < end; ++i) ++start[CellOctree::Child(quantized_[order_[i]], bit) + 1];
-        for (int c = 1; c < 9; ++c) start[c] += start[c - 1];
-        sorted.resize(end - begin);
-        uint32_t next[8];
-        std::copy(start, start + 8, next);
-        for (uint32_t i = begin; i < end; ++i) sorted[next[CellOctree::Child(quantized_[order_[i]], bit)]++ - begin] = order_[i];
-        std::copy(sorted.begin(), sorted.end(), order_.begin() + begin);
-
+        uint32_t start[9];
+        SortIntoChildren(quantized_, order_, begin, end, bit, start);
         const auto first = static_cast<uint32_t>(nodes_.size());
         nodes_[n].firstChild = first;
         nodes_.resize(first + 8);
@@ -225,7 +216,7 @@ void VisibilityTreeBuilder::Prune() {
         });
 }
 
-VisibilityTree VisibilityTreeBuilder::Freeze() const {
+VisibilityTree VisibilityTreeBuilder::Freeze() {
     VisibilityTree tree;
     tree.cells_ = CellOctree(bounds_);
     tree.offset_.push_back(0);
@@ -258,11 +249,14 @@ VisibilityTree VisibilityTreeBuilder::Freeze() const {
         if (!used) continue;
         rows[n] = rowOf(node);
         ++tree.leaves_;
+        leaves_.push_back({node.depth, node.end - node.begin});
         tree.depth_ = std::max(tree.depth_, node.depth);
     }
     auto place = [&](auto &&self, uint32_t cell, uint32_t n) -> void {
         if (IsLeaf(nodes_[n])) {
             tree.cells_.SetLeaf(cell, rows[n]);
+            recordsPerNode_.resize(tree.cells_.NodeCount());
+            recordsPerNode_[cell] = nodes_[n].end - nodes_[n].begin;
             return;
         }
         const uint32_t first = tree.cells_.Split(cell);

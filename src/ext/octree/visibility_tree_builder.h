@@ -2,6 +2,7 @@
 #include <span>
 #include <vector>
 
+#include "ext/octree/structure_text.h"
 #include "ext/octree/visibility_tree.h"
 
 namespace ext {
@@ -47,6 +48,9 @@ class VisibilityTreeBuilder {
     VisibilityTree Build();
 
     size_t LeavesBeforePruning() const { return leavesBefore_; }
+    /// After Build, for views: the leaves, and for every node of the frozen cells the records of its leaf.
+    const std::vector<LeafSize> &Leaves() const { return leaves_; }
+    const std::vector<uint32_t> &RecordsPerNode() const { return recordsPerNode_; }
 
   private:
     /// Sums over a cell's tries of one light.
@@ -74,7 +78,7 @@ class VisibilityTreeBuilder {
     void EstimateNode(Node &node, const std::vector<Factor> *parent) const;
     double Loss(const VisibilityRecord &record, const std::vector<Factor> &factors) const;
     void Prune();
-    VisibilityTree Freeze() const;
+    VisibilityTree Freeze();
     bool IsLeaf(const Node &n) const { return n.firstChild == 0 || n.pruned; }
     const Factor *Find(const std::vector<Factor> &factors, uint32_t light) const;
 
@@ -89,6 +93,8 @@ class VisibilityTreeBuilder {
     std::vector<Node> nodes_;      ///< children after their parents; nodes_[0] is the whole box
     Factor prior_;
     size_t leavesBefore_ = 0;
+    std::vector<LeafSize> leaves_;
+    std::vector<uint32_t> recordsPerNode_;
 };
 
 }  // namespace ext

@@ -50,9 +50,16 @@ void TracePath(const PrepareContext &context, Point2i pixel, int sampleIndex, in
     }
 }
 
+/// The whole part of samplesPerPixel, and one more for as many pixels as the fraction says.
+int PathsOf(Point2i pixel, double samplesPerPixel) {
+    int whole = static_cast<int>(samplesPerPixel);
+    double fraction = samplesPerPixel - whole;
+    return whole + (fraction > 0 && static_cast<double>(HashFloat(kStream, pixel)) < fraction ? 1 : 0);
+}
+
 }  // namespace
 
-std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, int samplesPerPixel, int depth) {
+std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double samplesPerPixel, int depth) {
     const Bounds2i &bounds = context.pixelBounds;
     Vector2i tiles = (bounds.high - bounds.low + (kTileSize - 1)) / kTileSize;
     int64_t tileCount = bounds.IsEmpty() ? 0 : int64_t(tiles.x) * tiles.y;
@@ -61,12 +68,12 @@ std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, int sample
     ParallelForEach(tileCount, [&](int64_t tile) {
         if (context.progress.Cancelled()) return;
         std::vector<PrepassVertex> &out = perTile[static_cast<size_t>(tile)];
-        out.reserve(static_cast<size_t>(kTileSize * kTileSize * samplesPerPixel * depth));
+        out.reserve(static_cast<size_t>(kTileSize * kTileSize * samplesPerPixel * depth) + 1);
         Point2i low = bounds.low + kTileSize * Point2i(static_cast<int>(tile % tiles.x), static_cast<int>(tile / tiles.x));
         Point2i high = glm::min(low + kTileSize, bounds.high);
         for (int y = low.y; y < high.y; ++y)
             for (int x = low.x; x < high.x; ++x)
-                for (int s = 0; s < samplesPerPixel; ++s) TracePath(context, {x, y}, s, depth, out);
+                for (int s = 0, count = PathsOf({x, y}, samplesPerPixel); s < count; ++s) TracePath(context, {x, y}, s, depth, out);
         context.progress.Advance();
     });
     size_t total = 0;

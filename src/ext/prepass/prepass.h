@@ -14,11 +14,11 @@ struct PrepassVertex {
     bool transmits = false;  ///< light from the other side counts too
 };
 
-/// The paper's path pass (section 4.1): `samplesPerPixel` camera paths through every pixel that will be rendered, at most
-/// `depth` vertices each, continued by BSDF sampling without light sampling or roulette. Vertices with only specular
+/// The paper's path pass (section 4.1): `samplesPerPixel` camera paths through every pixel that will be rendered (a fraction: through
+/// that share of the pixels, spread by a hash), at most `depth` vertices each, continued by BSDF sampling without light sampling or roulette. Vertices with only specular
 /// scattering are passed but not recorded: no light is ever sampled there. Order and content depend on the seed only,
 /// not on threads. One Progress phase, "prepass".
-std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, int samplesPerPixel, int depth);
+std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double samplesPerPixel, int depth);
 
 /// The paper's Eq. 5 for one light: Le G V / p at a light point drawn with `u`, as the mean of the visible spectrum
 /// (four fixed wavelengths). Reflection on the far side of an opaque surface counts 0.

@@ -63,6 +63,10 @@ class CommandLineSpec {
             p.type = ParamType::Bool;
             p.bools.push_back(value == "true");
             good = value == "true" || value == "false";
+        } else if (doc->type == "string") {
+            p.type = ParamType::String;
+            p.strings.push_back(value);
+            good = true;
         } else {
             p.type = ParamType::Float;
             good = number(p.floats.emplace_back());
@@ -77,7 +81,10 @@ class CommandLineSpec {
 /// Marks the parameters "name.key" of an entry as known; those of the chosen one are copied.
 void TakeParams(const ParamSet &integrator, const std::string &name, const std::vector<ParamDoc> &docs, ParamSet *chosen) {
     for (const ParamDoc &doc : docs) {
-        ParamType type = doc.type == "integer" ? ParamType::Integer : doc.type == "bool" ? ParamType::Bool : ParamType::Float;
+        ParamType type = doc.type == "integer"  ? ParamType::Integer
+                         : doc.type == "bool"   ? ParamType::Bool
+                         : doc.type == "string" ? ParamType::String
+                                                : ParamType::Float;
         const Param *p = integrator.Find(name + "." + doc.name, type);
         if (p && chosen) chosen->Add(*p);
     }

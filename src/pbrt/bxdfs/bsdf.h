@@ -24,6 +24,10 @@ class Bsdf {
 
     explicit operator bool() const { return !std::holds_alternative<std::monostate>(lobe_); }
     BxdfFlags Flags() const;
+    /// True for lobes that evaluate by random walks between layers.
+    bool IsLayered() const {
+        return std::holds_alternative<CoatedDiffuseBxdf>(lobe_) || std::holds_alternative<CoatedConductorBxdf>(lobe_);
+    }
     /// f(wo, wi); 0 for specular lobes.
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode = TransportMode::Radiance) const;
     std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u,

@@ -5,6 +5,8 @@
 #include <type_traits>
 #include <vector>
 
+#include <fmt/ranges.h>
+
 #include "pbrt/core/params.h"
 
 namespace pbrt {
@@ -15,6 +17,9 @@ struct Range {
     T low, high;
 };
 
+/// The values a text parameter may have.
+using Choices = std::vector<std::string>;
+
 /// A parameter struct lists each of its parameters exactly once:
 ///
 ///   struct OctreeParams {
@@ -23,7 +28,7 @@ struct Range {
 ///   };
 ///
 /// The visitors below read it from a scene or from key=value text, print it, and document it. Supported member types:
-/// int, Float, bool.
+/// int, Float, bool, and std::string with Choices.
 struct ParamDoc {
     std::string name, type, defaultValue, range, help;
 };
@@ -33,6 +38,7 @@ template <class T>
 constexpr const char *TypeWord() {
     if constexpr (std::is_same_v<T, int>) return "integer";
     else if constexpr (std::is_same_v<T, bool>) return "bool";
+    else if constexpr (std::is_same_v<T, std::string>) return "string";
     else return "float";
 }
 template <class T>
@@ -65,6 +71,9 @@ std::vector<ParamDoc> DocumentParams() {
             emit(name, v, fmt::format("{} to {}", r.low, r.high), help);
         }
         void operator()(const char *name, bool &v, const char *help) const { emit(name, v, "", help); }
+        void operator()(const char *name, std::string &v, const Choices &choices, const char *help) const {
+            emit(name, v, fmt::format("{}", fmt::join(choices, ", ")), help);
+        }
     };
     p.Describe(Visitor{row});
     return docs;
@@ -79,6 +88,7 @@ nlohmann::ordered_json EffectiveParams(P p) {
         void operator()(const char *name, int &v, Range<int>, const char *) const { json[name] = v; }
         void operator()(const char *name, Float &v, Range<Float>, const char *) const { json[name] = v; }
         void operator()(const char *name, bool &v, const char *) const { json[name] = v; }
+        void operator()(const char *name, std::string &v, const Choices &, const char *) const { json[name] = v; }
     };
     p.Describe(Visitor{json});
     return json;
@@ -101,6 +111,9 @@ void ReadParams(P &p, const ParamSet &set, const std::string &prefix) {
             detail::CheckRange(set, key, v, r);
         }
         void operator()(const char *name, bool &v, const char *) const { v = set.GetBool(prefix + "." + name, v); }
+        void operator()(const char *name, std::string &v, const Choices &choices, const char *) const {
+            v = set.GetChoice(prefix + "." + name, v, choices);
+        }
     };
     p.Describe(Visitor{set, prefix});
 }

@@ -39,7 +39,7 @@ TEST(LightOctree, CellsContainTheirPointsAndHoldAtMostFourNOverT) {
     LightOctree tree = BuildTree(points, T, 2);
     std::map<std::tuple<float, float, float, float>, size_t> perCell;
     for (const Point3 &p : points) {
-        LightOctree::Cell cell = tree.CellAt(p);
+        CellOctree::Cell cell = tree.Cells().CellAt(p);
         EXPECT_EQ(cell.row, tree.Row(p));
         for (int i = 0; i < 3; ++i) {
             EXPECT_GE(p[i], cell.bounds.low[i] - 1e-4f);
@@ -57,13 +57,13 @@ TEST(LightOctree, LeavesAreVisitedOnceAndKnowHowManyPointsTheyHold) {
     std::vector<Point3> points = CrowdedPoints(20000);
     LightOctreeBuilder builder(kBounds, points, 256);
     LightOctree tree = builder.Build(1, [](uint32_t, std::span<double> sum) { sum[0] += 1; });
-    std::vector<uint32_t> expected(tree.NodeCount());
-    for (const Point3 &p : points) ++expected[tree.CellAt(p).node];
+    std::vector<uint32_t> expected(tree.Cells().NodeCount());
+    for (const Point3 &p : points) ++expected[tree.Cells().CellAt(p).node];
     std::vector<uint32_t> counted = builder.PointsPerNode();
-    ASSERT_EQ(counted.size(), tree.NodeCount());
-    std::vector<int> visits(tree.NodeCount());
+    ASSERT_EQ(counted.size(), tree.Cells().NodeCount());
+    std::vector<int> visits(tree.Cells().NodeCount());
     int deepest = 0;
-    tree.ForEachLeaf([&](uint32_t node, uint32_t row, int depth) {
+    tree.Cells().ForEachLeaf([&](uint32_t node, uint32_t row, int depth) {
         ++visits[node];
         deepest = std::max(deepest, depth);
         EXPECT_EQ(counted[node], expected[node]);
@@ -128,7 +128,7 @@ TEST(LightOctree, NothingSeenAnywhereGivesEqualShares) {
 TEST(LightOctree, CoincidentPointsEndTheSplitting) {
     std::vector<Point3> points(10000, Point3(1, 1, 1));
     LightOctree tree = BuildTree(points, 4096, 1);
-    EXPECT_LE(tree.Depth(), LightOctree::MaxDepth);
+    EXPECT_LE(tree.Depth(), CellOctree::MaxDepth);
     Bounds3 flat(Point3(0, 0, 0), Point3(1, 0, 1));  // a scene without thickness
     LightOctreeBuilder builder(flat, CrowdedPoints(1000), 64);
     LightOctree flatTree = builder.Build(1, [](uint32_t, std::span<double> s) { s[0] += 1; });

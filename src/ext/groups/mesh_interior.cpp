@@ -1,0 +1,61 @@
+#include "ext/groups/mesh_interior.h"
+
+namespace ext {
+
+MeshInterior::MeshInterior(const LightTable &lights, const MeshGroups &groups, bool byImportance)
+    : groups_(groups), byImportance_(byImportance), inner_(groups.Size()) {
+    if (!byImportance) return;
+    for (uint32_t g = 0; g < groups.Size(); ++g) {
+        const uint32_t count = groups.CountOf(g);
+        if (count == 1) continue;
+        if (count <= kLargestScan) inner_[g].scan = std::make_unique<GroupImportance>(lights, groups, g);
+        else inner_[g].tree = std::make_unique<BVHLightSampler>(lights.Candidates().subspan(groups.FirstOf(g), count));
+    }
+}
+
+std::optional<SampledLight> MeshInterior::Sample(uint32_t group, const LightQuery &query, Float u) const {
+    const uint32_t first = groups_.FirstOf(group);
+    if (!byImportance_) {
+        LightId light = groups_.SampleLight(group, u);
+        return SampledLight{light, groups_.ShareOf(light)};
+    }
+    const Inner &inner = inner_[group];
+    if (inner.tree) {
+        std::optional<SampledLight> chosen = inner.tree->Sample(query, u);
+        if (chosen) chosen->light = LightId(first + chosen->light.value);
+        return chosen;
+    }
+    if (!inner.scan) return SampledLight{LightId(first), 1};
+    Float g[kLargestScan];
+    Float sum = inner.scan->Evaluate(query, g);
+    if (!(sum > 0)) return {};
+    Float target = u * sum, running = 0;
+    uint32_t chosen = 0;
+    for (uint32_t i = 0; i < inner.scan->Size(); ++i) {
+        if (!(g[i] > 0)) continue;
+        chosen = i;
+        running += g[i];
+        if (target < running) break;
+    }
+    return SampledLight{LightId(first + chosen), g[chosen] / sum};
+}
+
+Float MeshInterior::PMF(const LightQuery &query, LightId light) const {
+    if (!byImportance_) return groups_.ShareOf(light);
+    const uint32_t group = groups_.GroupOf(light);
+    const Inner &inner = inner_[group];
+    const uint32_t index = light.value - groups_.FirstOf(group);
+    if (inner.tree) return inner.tree->PMF(query, LightId(index));
+    if (!inner.scan) return 1;
+    Float g[kLargestScan];
+    Float sum = inner.scan->Evaluate(query, g);
+    return sum > 0 ? g[index] / sum : 0;
+}
+
+size_t MeshInterior::Bytes() const {
+    size_t bytes = inner_.capacity() * sizeof(Inner);
+    for (const Inner &i : inner_) bytes += (i.scan ? i.scan->Bytes() : 0) + (i.tree ? i.tree->Tree().Bytes() : 0);
+    return bytes;
+}
+
+}  // namespace ext

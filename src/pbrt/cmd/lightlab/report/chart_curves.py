@@ -27,7 +27,7 @@ def draw(results, axis):
     yLow, yHigh = min(ys) / 1.25, max(ys) * 1.25
     ax.set_xlim(xLow / 1.06, xHigh * 1.06)
     ax.set_ylim(yLow, yHigh)
-    log_ticks(ax.xaxis, xLow / 1.06, xHigh * 1.06)
+    log_ticks(ax.xaxis, xLow / 1.06, xHigh * 1.06, doubling=axis == "samples")
     log_ticks(ax.yaxis, yLow, yHigh)
     draw_guide(ax, bands, axis)
     many = max(len(b) for _, b in bands) > 24
@@ -51,7 +51,7 @@ def draw(results, axis):
 
 
 def draw_guide(ax, bands, axis):
-    """Slope -1: what independent samples achieve. Placed above the curves' ends so that it crosses none of them there."""
+    """Slope -1: what independent samples achieve. Above the curves' ends, so that it crosses none of them there."""
     (xLow, xHigh), (yLow, yHigh) = ax.get_xlim(), ax.get_ylim()
     ends = [b[-1][1] * b[-1][0] for s, b in bands if not s.isOracle] or [b[-1][1] * b[-1][0] for _, b in bands]
     level = min(max(ends) * 1.9, xHigh * yHigh / 3)
@@ -84,6 +84,7 @@ def label_ends(figure, ax, bands):
     places = spread_labels([e[1] for e in ends], gap, -0.02, 1.02)
     for (s, _), (x, y), place in zip(bands, ends, places):
         ax.plot([x + 0.012, 1.012, 1.035], [y, y, place], color=s.colour, alpha=0.6, linewidth=0.8,
-                linestyle="solid" if x > 0.9 else (0, (1, 3)), transform=ax.transAxes, clip_on=False, gid=f"tie-{s.index}")
-        ax.text(1.045, place, name_of(s), transform=ax.transAxes, va="center", fontsize=8.8 if len(s.label) < 17 else 7.2,
-                color=INK, gid=f"name-{s.index}")
+                linestyle="solid" if x > 0.9 else (0, (1, 3)), transform=ax.transAxes, clip_on=False,
+                gid=f"tie-{s.index}")
+        ax.text(1.045, place, name_of(s), transform=ax.transAxes, va="center", color=INK,
+                fontsize=8.8 if len(s.label) < 17 else 7.2, gid=f"name-{s.index}")

@@ -4,7 +4,8 @@ from matplotlib import pyplot as plt
 from chart_style import INK, SOFT, name_of
 
 # Names of the parts, and greys of the page (report.py replaces them) not a hue: a sampler's colour means the sampler.
-PARTS = [("prepassSeconds", "prepass", "#30363f"), ("buildSeconds", "build", "#8b939e"), ("renderSeconds", "render", "#d3d8de")]
+PARTS = [("prepassSeconds", "prepass", "#30363f"), ("buildSeconds", "build", "#8b939e"),
+         ("renderSeconds", "render", "#d3d8de")]
 
 
 def draw(results):
@@ -29,8 +30,8 @@ def draw(results):
         text = f"{left:.3g} s, preparation {share:.2g} %" if share > 0 else f"{left:.3g} s, no preparation"
         if left > limit * 1.001:
             text += " (bar cut off)"
-        ax.annotate(text, (min(left, limit), y), (6, 0), textcoords="offset points", va="center", fontsize=8.6, color=INK,
-                    annotation_clip=False)
+        ax.annotate(text, (min(left, limit), y), (6, 0), textcoords="offset points", va="center", fontsize=8.6,
+                    color=INK, annotation_clip=False)
     ax.set_yticks(range(len(rows)), [name_of(s) for s, _ in rows], color=INK)
     ax.invert_yaxis()
     ax.set_xlim(0, limit)
@@ -39,5 +40,6 @@ def draw(results):
     ax.set_xlabel("wall seconds")
     figure.text(0.02, 1 - 0.26 / height, "Where the time goes", fontsize=11.5, fontweight="bold")
     figure.legend(loc="upper left", bbox_to_anchor=(0.012, 1 - 0.30 / height), ncol=3, frameon=False, fontsize=8.8,
-                  handlelength=1.1, handleheight=1.0, handletextpad=0.5, columnspacing=1.4, borderpad=0.2, labelcolor=SOFT)
+                  handlelength=1.1, handleheight=1.0, handletextpad=0.5, columnspacing=1.4, borderpad=0.2,
+                  labelcolor=SOFT)
     return figure

@@ -7,7 +7,7 @@ from chart_style import INK, PAPER, SOFT, log_ticks, name_of
 
 
 def points_of(results):
-    """(N, [(sampler, seconds, error)]): all samplers after N samples per pixel, N the most that each but the oracle made."""
+    """(N, [(sampler, seconds, error)]) after N samples per pixel, N the most that each but the oracle made."""
     last = [max((c[-1][0] for c in s.curves("samples")), default=None) for s in results.samplers]
     reached = [n for s, n in zip(results.samplers, last) if n is not None and not s.isOracle]
     if not reached:
@@ -18,7 +18,7 @@ def points_of(results):
 
 
 def front_of(points):
-    """Unbiased samplers that no other unbiased one beats in both time and error, by time. The oracle does not compete."""
+    """Unbiased samplers that no other unbiased one beats in both, by time. The oracle does not compete."""
     front = []
     for s, t, e in sorted((p for p in points if p[0].mayWin), key=lambda p: (p[1], p[2])):
         if not front or e < front[-1][2]:
@@ -55,11 +55,10 @@ def draw(results):
                 markerfacecolor=s.colour if s.mayWin else PAPER, markeredgecolor=PAPER if s.mayWin else s.colour,
                 markeredgewidth=1.0 if s.mayWin else 1.8, zorder=4, gid=f"point-{s.index}")
     place_names(figure, ax, points, list(zip(x, y)) if front else [])
-    ax.set_xlabel(f"wall seconds for {common:g} samples per pixel, preparation included")
+    ax.set_xlabel(f"wall seconds for {common:.4g} samples per pixel, preparation included")
     figure.text(0.02, 0.945, "Speed against accuracy", fontsize=11.5, fontweight="bold")
-    rest = ", hollow: no competitor" if any(not s.mayWin for s, _, _ in points) else ""
-    figure.text(0.02, 0.897, f"relL2 after {common:g} samples per pixel; line: Pareto front; dotted: equal error × time{rest}",
-                fontsize=8.8, color=SOFT)
+    figure.text(0.02, 0.897, fontsize=8.8, color=SOFT,
+                s=f"relL2 after {common:.4g} samples per pixel. Line: Pareto front. Dotted: equal error × time.")
     return figure
 
 
@@ -70,7 +69,8 @@ def draw_diagonals(ax, limits):
     count = 7
     for i in range(1, count):
         level = math.exp(low + (high - low) * i / count)
-        ax.plot([x0, x1], [level / x0, level / x1], color=SOFT, linewidth=0.8, linestyle=(0, (1, 3)), alpha=0.6, zorder=1)
+        ax.plot([x0, x1], [level / x0, level / x1], color=SOFT, linewidth=0.8, linestyle=(0, (1, 3)), alpha=0.6,
+                zorder=1)
 
 
 def place_names(figure, ax, points, front):

@@ -1,5 +1,5 @@
-"""The look all charts share. Four greys are agreed with report.py, which replaces them by the page's colours so that the
-charts inside the page follow light and dark."""
+"""The look all charts share. The greys are agreed with report.py, which replaces them by the page's colours so that
+the charts inside the page follow light and dark."""
 import math
 
 import matplotlib
@@ -32,14 +32,17 @@ def plain(value):
     return f"{value:.0f}" if value >= 1 and value == int(value) else f"{value:.10f}".rstrip("0").rstrip(".")
 
 
-def log_ticks(axis, low, high, narrow=False):
-    """1-2-5 ticks while there are few of them, else whole decades; written out, not as powers."""
+def log_ticks(axis, low, high, doubling=False):
+    """1-2-5 ticks while they are few, else whole decades (doubling: powers of two); written out, not as powers."""
     first, last = math.floor(math.log10(low)) - 1, math.ceil(math.log10(high)) + 1
     for steps in ((1, 1.5, 2, 3, 4, 5, 6, 8), (1, 2, 5), (1, 3), (1,)):
         ticks = [m * 10.0 ** e for e in range(first, last + 1) for m in steps]
         ticks = [t for t in ticks if low * 0.999 <= t <= high * 1.001]
-        if len(ticks) <= (6 if narrow else 8):
+        if len(ticks) <= 8:
             break
+    if doubling:
+        powers = [2.0 ** e for e in range(math.ceil(math.log2(low)), math.floor(math.log2(high)) + 1)]
+        ticks = powers[::-1][::math.ceil(len(powers) / 8)][::-1] if len(powers) > 1 else ticks
     axis.set_major_locator(FixedLocator(ticks))
     axis.set_ticklabels([plain(t) for t in ticks])
     axis.set_minor_locator(NullLocator())

@@ -16,7 +16,8 @@ try:
     import chart_overhead
     import chart_pareto
 except ImportError as e:
-    print(f"charts.py: no charts, because Python misses {e.name}: install Debian's python3-matplotlib.", file=sys.stderr)
+    print(f"charts.py: no charts, because Python misses {e.name}: install Debian's python3-matplotlib.",
+          file=sys.stderr)
     sys.exit(1)
 
 
@@ -37,7 +38,7 @@ def draw_all(folder):
             elif suffix == "svg":
                 figure.savefig(file, metadata={"Date": None})
             else:
-                figure.savefig(file, dpi=200)
+                figure.savefig(file, dpi=180)
         if figure is None:
             print(f"{name}: nothing to draw")
         else:

@@ -1,5 +1,5 @@
-"""Reads OUT/results.json of lightlab (schema 1) and answers what charts, page and table all need: the colour of a sampler,
-its curves, who may win. Standard library only."""
+"""Reads OUT/results.json of lightlab (schema 1) and answers what charts, page and table all need: the colour of a
+sampler, its curves, who may win. Standard library only."""
 import json
 import math
 import pathlib
@@ -9,8 +9,8 @@ import zlib
 SCHEMA = 1
 INK = "#1b1f24"  # oracle and text: the page replaces it by its own text colour
 
-# Colour-blind safe (Okabe and Ito 2008, without the yellow that white paper swallows). A name has the same colour in every
-# run, chart and page; shape and dash say the same again for those who see no colour.
+# Colour-blind safe (Okabe and Ito 2008, without the yellow that white paper swallows). A name has the same colour in
+# every run, chart and page; shape and dash say the same again for those who see no colour.
 STYLES = {
     "octree": ("#d55e00", "o", "solid"),
     "bvh": ("#0072b2", "s", "solid"),
@@ -23,10 +23,12 @@ STYLES = {
 }
 OTHER_COLOURS = ["#882255", "#117733", "#332288", "#999933", "#661100", "#44aa99"]
 OTHER_MARKERS = ["h", "<", ">", "p", "d", "8"]
-# Further entries of the same light sampler (a sweep over parameters): mixed with white or black, and dashed differently.
+# Further entries of the same light sampler (a sweep over parameters): mixed with white or black, other dashes.
 VARIANT_MIXES = [0.0, 0.42, -0.35, 0.62, -0.55]
 VARIANT_DASHES = [None, (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)), (0, (2.5, 2.5))]
-METRICS = ["relL2", "relL2Trimmed", "MSE", "MRSE", "MAE", "SMAPE", "FLIP"]
+# Stops of the error pictures' colours, from 0 to "errorScale": those of src/pbrt/images/false_color.cpp.
+ERROR_RAMP = ["#05051a", "#401a8c", "#0d73a6", "#26b34d", "#f2cc26", "#fffae6"]
+ERROR_MEASURE = "|x − r| / √(r² + 0.01) of the pixel"
 
 
 class ResultsError(Exception):
@@ -160,7 +162,7 @@ def style_samplers(samplers):
         amount = VARIANT_MIXES[variant % len(VARIANT_MIXES)]
         # The ink turns with the page; a mixed ink would not, so variants of the oracle keep it.
         s.colour = colour if colour == INK or amount == 0 else mix(colour, amount)
-        s.dash = VARIANT_DASHES[variant % len(VARIANT_DASHES)] or dash
+        s.dash = VARIANT_DASHES[(variant + variant // len(VARIANT_MIXES)) % len(VARIANT_DASHES)] or dash
 
 
 class Results:
@@ -188,9 +190,9 @@ class Results:
         return sorted(self.samplers, key=lambda s: (s.error() is None, s.error() or 0.0, s.index))
 
     def winner(self):
-        """The sampler results.json names as winner, if it may be one: never a biased one, never the oracle."""
+        """The sampler results.json names as winner, if it may be one: only a clean one, never the oracle."""
         for s in self.samplers:
-            if s.label == self.data.get("winner") and s.mayWin:
+            if s.label == self.data.get("winner") and s.mayWin and s.verdict == "clean":
                 return s
         return None
 
@@ -222,7 +224,8 @@ def figures(value, digits=3):
 def main_with(action):
     """Runs action(folder) for `python3 script.py OUT`; a user's error is one sentence and exit status 1."""
     if len(sys.argv) != 2 or sys.argv[1] in ("-h", "--help"):
-        print(f"usage: python3 {pathlib.Path(sys.argv[0]).name} OUT    (OUT: lightlab's output folder)", file=sys.stderr)
+        script = pathlib.Path(sys.argv[0]).name
+        print(f"usage: python3 {script} OUT    (OUT: lightlab's output folder)", file=sys.stderr)
         sys.exit(0 if sys.argv[-1] in ("-h", "--help") else 2)
     try:
         action(sys.argv[1])

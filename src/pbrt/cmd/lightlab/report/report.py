@@ -29,7 +29,7 @@ def data_uri(file):
 
 
 def inline_svg(file, prefix, title):
-    """The chart as an element of the page: ids made unique, greys made the page's, no fixed size, one accessible name."""
+    """The chart as an element of the page: unique ids, the page's greys, no fixed size, an accessible name."""
     text = file.read_text(encoding="utf-8")
     text = text[text.index("<svg"):]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.S)
@@ -87,7 +87,9 @@ def table_html(results):
             if c.key == "label":
                 cells.append(f'<th scope="row"{attribute}>{mark(s)}{esc(s.label)}{tags(s, winner, results)}</th>')
             elif c.key == "verdict":
-                cells.append(f'<td class="verdict{start}"{attribute}{hidden}><span class="{esc(s.verdict)}">{esc(s.verdict)}</span></td>')
+                why = esc((s.summary.get("bias") or {}).get("text") or "")
+                cells.append(f'<td class="verdict{start}"{attribute}{hidden}>'
+                             f'<span class="{esc(s.verdict)}" title="{why}">{esc(s.verdict)}</span></td>')
             else:
                 best = " best" if s in table.best_of(c, results.samplers) else ""
                 cells.append(f'<td class="number{start}{best}"{attribute}{hidden}>{esc(c.show(s))}</td>')
@@ -95,8 +97,8 @@ def table_html(results):
         rows.append(f'<tr data-label="{esc(s.label)}" data-index="{s.index}" class="{kind}">{"".join(cells)}</tr>')
     top = "".join(f'<th colspan="{n}" data-all="{n}" data-few="{few}" scope="colgroup">{esc(name)}</th>' if name else
                   f'<td colspan="{n}"></td>' for name, n, few in groups)
-    return (f'<table id="summary"><caption>All numbers are means over {esc(results.seeds_text())}; ± is the standard error. '
-            "Bold: best of the samplers that may win. Click a heading to sort.</caption>"
+    return (f'<table id="summary"><caption>All numbers are means over {esc(results.seeds_text())}; ± is the standard '
+            "error. Bold: best of the samplers that may win. Click a heading to sort.</caption>"
             f'<thead><tr class="groups">{top}</tr><tr class="heads">{"".join(heads)}</tr></thead>'
             f'<tbody>{"".join(rows)}</tbody></table>')
 
@@ -126,27 +128,32 @@ def details_html(results):
     memory = lab.number(machine.get("memoryGB"))
     run = pairs_html([
         ("scene", f"<code>{esc(d.get('scene'))}</code>"), ("scene hash", f"<code>{esc(d.get('sceneHash'))}</code>"),
-        ("command line", f"<code>{esc(d.get('commandLine'))}</code>"), ("commit", f"<code>{esc(d.get('commit'))}</code>"),
-        ("date", esc(d.get("date"))), ("budget", esc(results.budget_text())), ("seeds", esc(d.get("seeds"))),
-        ("resolution", esc(size)), ("depth", esc(d.get("maxDepth")) + (" (direct light only)" if d.get("direct") else "")),
+        ("command line", f"<code>{esc(d.get('commandLine'))}</code>"),
+        ("commit", f"<code>{esc(d.get('commit'))}</code>"), ("date", esc(d.get("date"))),
+        ("budget", esc(results.budget_text())), ("seeds", esc(d.get("seeds"))),
+        ("resolution", esc(size)),
+        ("depth", esc(d.get("maxDepth")) + (" (direct light only)" if d.get("direct") else "")),
         ("processor", esc(machine.get("cpu"))), ("threads", esc(machine.get("threads"))),
         ("memory", f"{memory:g} GB" if memory is not None else ""), ("system", esc(machine.get("os")))])
     references = "".join(
         f"<h3>Reference {i if len(results.references) > 1 else ''}</h3>" + pairs_html([
             ("file", f"<code>{esc(r.get('file'))}</code>"), ("made with", esc(r.get("sampler") or "")),
+            ("source", esc(r.get("source") or "")),
             ("samples", value_html(r.get("samples"))), ("seconds", value_html(r.get("seconds"))),
             ("its own relL2", value_html(r.get("noise")))]) for i, r in enumerate(results.references))
     samplers = []
     for s in results.samplers:
         e = s.entry
-        names = [c for c in ("tiles", "tests", "worstZ", "pValue", "meanDifference")]
         bias = s.summary.get("bias") or {}
-        check = {"verdict": s.verdict, **{n: bias.get(n) for n in names if bias.get(n) is not None}}
+        check = {"verdict": s.verdict, **{n: v for n, v in bias.items() if n != "verdict" and v is not None}}
         body = pairs_html([
             ("light sampler", f"<code>{esc(s.kind)}</code>"), ("parameters", value_html(e.get("parameters") or {})),
-            ("mesh lights as one", "yes" if e.get("meshLights") else "no"), ("shadow-ray gate", esc(e.get("gate") or "none")),
+            ("mesh lights as one", value_html(bool(e.get("meshLights")))),
+            ("shadow-ray gate", esc(e.get("gate") or "none")),
             ("judged against reference", esc(e.get("reference")) if len(results.references) > 1 else ""),
-            ("bias check", value_html(check)), ("its report", value_html(e.get("report") or {}))])
+            ("bias check", value_html(check)), ("its report", value_html(e.get("report") or {})),
+            ("the gate's report", value_html(e["gateReport"]) if e.get("gateReport") else ""),
+            ("speed-up against", value_html(s.summary["speedUps"]) if s.summary.get("speedUps") else "")])
         structure = f"<pre>{esc(e['structure'])}</pre>" if e.get("structure") else ""
         samplers.append(f"<details><summary>{mark(s)}{esc(s.label)}</summary>{body}{structure}</details>")
     return (f'<div class="facts"><div><h3>The run</h3>{run}</div><div>{references}'
@@ -175,6 +182,16 @@ def pictures_of(results):
     return items, pictures
 
 
+def scale_html(results):
+    """What the colours of the error pictures mean."""
+    most = lab.number(results.data.get("errorScale"))
+    if most is None:
+        return ""
+    return (f'<p class="scale">Error {esc(lab.ERROR_MEASURE)}: 0 <span class="ramp" style="background: '
+            f'linear-gradient(to right, {", ".join(lab.ERROR_RAMP)})"></span> {esc(lab.figures(most))} and more, '
+            "the same scale for all.</p>")
+
+
 def script_json(value):
     """JSON that cannot end the script element it stands in."""
     return json.dumps(value, separators=(",", ":")).replace("<", "\\u003c").replace("\u2028", "\\u2028")
@@ -195,7 +212,8 @@ def page(results):
     first, *rest = table.verdict_sentences(results)
     size = d.get("resolution") or [0, 0]
     facts = [results.budget_text(), results.seeds_text(), f"{size[0]} × {size[1]} pixels",
-             "direct light only" if d.get("direct") else f"depth {d.get('maxDepth')}", str(d.get("date") or ""),
+             "direct light only" if d.get("direct") else f"depth {d.get('maxDepth')}",
+             re.sub(r"^(\S+)T(\d+:\d+)(:\d+)?Z$", r"\1 \2 UTC", str(d.get("date") or "")),
              f"commit {d.get('commit') or 'unknown'}"]
     start = winner or results.ranked()[0]
     others = [s for s in results.ranked() if s is not start and not s.isOracle]
@@ -203,10 +221,12 @@ def page(results):
             "left": next((i for i, v in enumerate(items) if others and v["label"] == others[-1].label), 0),
             "right": next(i for i, v in enumerate(items) if v["kind"] == "sampler" and v["label"] == start.label)}
     fill = {
-        "title": f"{d.get('sceneName') or 'scene'} · lightlab", "scene": d.get("sceneName") or d.get("scene") or "scene",
+        "title": f"{d.get('sceneName') or 'scene'} · lightlab",
+        "scene": d.get("sceneName") or d.get("scene") or "scene",
         "facts": " · ".join(f for f in facts if f)}
     raw = {
         "verdict": f'<p class="answer">{esc(first)}</p>' + "".join(f"<p>{esc(s)}</p>" for s in rest),
+        "scale": scale_html(results),
         "charts": f'<div class="charts">{"".join(charts)}</div>{missing}', "table": table_html(results),
         "details": details_html(results), "data": script_json(data),
         "style": (HERE / "report.css").read_text(encoding="utf-8"),

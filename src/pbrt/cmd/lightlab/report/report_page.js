@@ -26,7 +26,8 @@
       }
       const small = document.createElement("small");
       small.textContent = (v.biased ? "biased, " : "") + (v.note || "\u00a0");
-      head.append(v.label, small);
+      const name = v.label.split(/(?<=[:,=])/).flatMap((part) => [part, document.createElement("wbr")]);
+      head.append(...name, small);
     }
     const images = {};
     const load = (file) => (images[file] ??= new Promise((done) => {
@@ -71,7 +72,7 @@
       const rows = [...body.rows].map((row) => ({ row, value: row.cells[k].dataset.value }));
       rows.sort((a, b) => {
         if (a.value === undefined || b.value === undefined) return (a.value === undefined) - (b.value === undefined);
-        const order = numbers ? Number(a.value) - Number(b.value) : a.value.localeCompare(b.value, "en", { numeric: true });
+        const order = numbers ? a.value - b.value : a.value.localeCompare(b.value, "en", { numeric: true });
         return up ? order : -order;
       });
       for (const h of heads) h.setAttribute("aria-sort", "none");

@@ -176,7 +176,8 @@ const viewer = (() => {
 
   function wipeKey(e) {
     const by = e.shiftKey ? 0.1 : 0.01;
-    const to = { ArrowLeft: wipe - by, ArrowRight: wipe + by, ArrowDown: wipe - by, ArrowUp: wipe + by, Home: 0, End: 1 }[e.key];
+    const [less, more] = [wipe - by, wipe + by];
+    const to = { ArrowLeft: less, ArrowRight: more, ArrowDown: less, ArrowUp: more, Home: 0, End: 1 }[e.key];
     if (to === undefined) return;
     placeWipe(to);
     e.preventDefault();
@@ -218,11 +219,13 @@ const viewer = (() => {
     e.preventDefault();
     const box = stage.getBoundingClientRect();
     const lines = e.deltaMode === 1 ? 30 : e.deltaMode === 2 ? 400 : 1;
-    zoom(Math.exp(-Math.max(-300, Math.min(300, e.deltaY * lines)) * 0.0018), e.clientX - box.left, e.clientY - box.top);
+    const turn = Math.max(-300, Math.min(300, e.deltaY * lines));
+    zoom(Math.exp(-0.0018 * turn), e.clientX - box.left, e.clientY - box.top);
   }, { passive: false });
   stage.addEventListener("pointermove", (e) => {
     const box = stage.getBoundingClientRect();
-    const x = Math.floor((e.clientX - box.left - view.x) / view.scale), y = Math.floor((e.clientY - box.top - view.y) / view.scale);
+    const x = Math.floor((e.clientX - box.left - view.x) / view.scale);
+    const y = Math.floor((e.clientY - box.top - view.y) / view.scale);
     $("where").textContent = x >= 0 && y >= 0 && x < width && y < height ? `x ${x}  y ${y}` : "";
   });
   stage.addEventListener("pointerleave", () => { $("where").textContent = ""; });

@@ -26,12 +26,12 @@ def speed_up(s):
                                                              if s.summary.get("speedUpAgainst") else "")
 
 
-def seconds(*path):
-    return lambda s: figures(s.get(*path))
-
-
 def share(*path):
     return lambda s: "–" if s.get(*path) is None else f"{100 * s.get(*path):.1f} %"
+
+
+def signed_share(*path):
+    return lambda s: "–" if s.get(*path) is None else f"{100 * s.get(*path):+.2f} %"
 
 
 def whole(*path):
@@ -75,7 +75,8 @@ COLUMNS = [
     Column("MRSE", "MRSE", metric("MRSE"), None, "mean relative squared error", "error", False, "low"),
     Column("MAE", "MAE", metric("MAE"), None, "mean absolute error", "error", False, "low"),
     Column("SMAPE", "SMAPE", metric("SMAPE"), None, "symmetric mean absolute percentage error", "error", False, "low"),
-    Column("FLIP", "FLIP", metric("FLIP"), None, "perceived difference when flipping between the images", "error", True, "low"),
+    Column("FLIP", "FLIP", metric("FLIP"), None, "perceived difference when flipping between the images", "error",
+           True, "low"),
     Column("samples", "samples", get("samples"), None, "mean per pixel", "speed", True),
     Column("seconds", "seconds", get("seconds"), None, "wall time, preparation included", "speed", True),
     Column("cpuSeconds", "CPU s", get("cpuSeconds"), None, "sum over threads", "speed"),
@@ -87,14 +88,18 @@ COLUMNS = [
     Column("prepass", "prepass s", get("overhead", "prepassSeconds"), None, "", "overhead", True),
     Column("build", "build s", get("overhead", "buildSeconds"), None, "", "overhead", True),
     Column("render", "render s", get("overhead", "renderSeconds"), None, "", "overhead"),
+    Column("preparationShare", "share", get("preparationShare"), share("preparationShare"),
+           "of the preparation in the CPU time", "overhead"),
+    Column("relativeCost", "cost", get("relativeCost"), None, "CPU time of a sample over that of the first sampler",
+           "overhead"),
     Column("leaves", "leaves", get("leaves"), whole("leaves"), "", "structure", True),
     Column("bytes", "bytes", get("bytes"), whole("bytes"), "memory of the structure", "structure", True),
     Column("shadowRays", "shadow rays", get("shadowRays"), short("shadowRays"), "", "shadow rays"),
-    Column("blockedShare", "blocked", get("blockedShare"), share("blockedShare"), "share that hit a blocker", "shadow rays", True),
+    Column("blockedShare", "blocked", get("blockedShare"), share("blockedShare"), "share that hit a blocker",
+           "shadow rays", True),
     Column("worstZ", "worst z", get("bias", "worstZ"), None, "largest standardised deviation of a tile", "bias check"),
     Column("pValue", "p", get("bias", "pValue"), None, "smallest p-value, corrected for all tests", "bias check"),
-    Column("meanDifference", "mean diff.", get("bias", "meanDifference"),
-           lambda s: "–" if s.get("bias", "meanDifference") is None else f"{100 * s.get('bias', 'meanDifference'):+.2f} %",
+    Column("meanDifference", "mean diff.", get("bias", "meanDifference"), signed_share("bias", "meanDifference"),
            "of the whole image, relative", "bias check"),
 ]
 
@@ -118,12 +123,18 @@ def verdict_sentences(results):
         beyond = results.data.get("winnerBeyondNoise")
         text = f"{winner.label} has the lowest error: relL2 {figures(winner.error())}{spread}"
         if winner.get("speedUp") is not None and winner.summary.get("speedUpAgainst"):
-            text += f"; {winner.summary['speedUpAgainst']} needs {figures(winner.get('speedUp'))} times its time for that error"
+            text += (f"; {winner.summary['speedUpAgainst']} needs {figures(winner.get('speedUp'))} times its time "
+                     "for that error")
         sentences.append(text + ".")
         if beyond is False:
             sentences.append("The lead is within the noise of the runs: more seeds or time may change the order.")
     else:
-        sentences.append("No winner: no unbiased sampler with a measured error leads.")
+        best = next((s for s in results.ranked() if s.mayWin and s.error() is not None), None)
+        if best and best.verdict == "unknown":
+            sentences.append(f"No winner: {best.label} has the lowest error, relL2 {figures(best.error())}, but whether it "
+                             "is biased is not decided.")
+        else:
+            sentences.append("No winner is named.")
     biased = [s.label for s in results.samplers if s.biased]
     if biased:
         sentences.append(f"Biased, so no competitor{'s' if len(biased) > 1 else ''}: {', '.join(biased)}.")

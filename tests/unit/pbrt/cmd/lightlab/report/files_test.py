@@ -117,15 +117,33 @@ class Files(WithFolder):
         self.assertIn("No winner", page)
         self.assertNotIn("neepp has", (self.out / "table.md").read_text())
 
+    def test_SamplerOfUnknownBiasIsNotTheWinner(self):
+        results = synthetic.make(self.out, ["uniform", "octree"])
+        results["samplers"][1]["summary"]["bias"]["verdict"] = "unknown"
+        (self.out / "results.json").write_text(json.dumps(results))
+        page = self.page()
+        self.assertIn("No winner: octree has the lowest error", page)
+        self.assertNotIn('class="tag win"', page)
+
     def test_MarkdownHasOneRowPerSamplerByError(self):
         synthetic.make(self.out)
         self.page()
         rows = [line for line in (self.out / "table.md").read_text().splitlines() if line.startswith("|")]
         self.assertEqual({row.count("|") for row in rows}, {rows[0].count("|")})
         names = [row.split("|")[1].strip().strip("*") for row in rows[2:]]
-        self.assertEqual(names, ["neepp", "octree", "octree:leaves=512", "bvh", "power", "oracle (measuring instrument)",
-                                 "uniform"])
+        self.assertEqual(names, ["neepp", "octree", "octree:leaves=512", "bvh", "power",
+                                 "oracle (measuring instrument)", "uniform"])
         self.assertIn("**biased**", rows[2])
+
+
+    def test_ErrorColoursAreThoseOfTheErrorPictures(self):
+        source = SCRIPTS.parents[4] / "src/pbrt/images/false_color.cpp"
+        if not source.exists():
+            source = pathlib.Path(__file__).resolve().parents[6] / "src/pbrt/images/false_color.cpp"
+        stops = source.read_text().split("kColors", 1)[1].split(";", 1)[0]
+        colours = ["#" + "".join(f"{int(255 * float(v) + 0.5):02x}" for v in rgb)
+                   for rgb in re.findall(r"Rgb\(([\d.]+)f, ([\d.]+)f, ([\d.]+)f\)", stops)]
+        self.assertEqual(lab_results.ERROR_RAMP, colours)
 
 
 class Reading(WithFolder):
@@ -182,8 +200,8 @@ class Reading(WithFolder):
         self.assertEqual([s.label for s in table.best_of(column, results.samplers)], ["octree"])
 
     def test_FiguresStayShort(self):
-        for value, text in ((0.0123456, "0.0123"), (123.456, "123"), (12.0, "12.0"), (0, "0"), (None, "–"), (1.5e-9, "1.50e-09"),
-                            (49504.0, "49\u202f504"), (-0.00456, "-0.00456")):
+        for value, text in ((0.0123456, "0.0123"), (123.456, "123"), (12.0, "12.0"), (0, "0"), (None, "–"),
+                            (1.5e-9, "1.50e-09"), (49504.0, "49\u202f504"), (-0.00456, "-0.00456")):
             self.assertEqual(lab_results.figures(value), text)
 
 

@@ -3,7 +3,10 @@
 #include <algorithm>
 
 #include <cctype>
+#include <cstring>
 #include <filesystem>
+#include <istream>
+#include <ostream>
 
 #include "pbrt/core/log.h"
 #include "pbrt/films/film_bounds.h"
@@ -144,6 +147,40 @@ Image RgbFilm::ToImage() const {
     if (rejected_ > 0)
         LogWarning(fmt::format("{} samples had infinite or not-a-number radiance and were dropped.", rejected_.load()));
     return image;
+}
+
+namespace {
+
+struct StateHeader {
+    char magic[8] = {'r', 'g', 'b', 'f', 'i', 'l', 'm', '1'};
+    int32_t bounds[4] = {};
+    uint64_t rejected = 0;
+};
+
+}  // namespace
+
+void RgbFilm::SaveState(std::ostream &out) const {
+    StateHeader header;
+    const int bounds[4] = {pixelBounds_.low.x, pixelBounds_.low.y, pixelBounds_.high.x, pixelBounds_.high.y};
+    std::copy(bounds, bounds + 4, header.bounds);
+    header.rejected = rejected_;
+    out.write(reinterpret_cast<const char *>(&header), sizeof(header));
+    out.write(reinterpret_cast<const char *>(pixels_.data()), static_cast<std::streamsize>(pixels_.size() * sizeof(Pixel)));
+}
+
+void RgbFilm::LoadState(std::istream &in) {
+    StateHeader header;
+    const StateHeader expected;
+    in.read(reinterpret_cast<char *>(&header), sizeof(header));
+    const int bounds[4] = {pixelBounds_.low.x, pixelBounds_.low.y, pixelBounds_.high.x, pixelBounds_.high.y};
+    if (!in || std::memcmp(header.magic, expected.magic, sizeof(header.magic)) != 0 ||
+        !std::equal(bounds, bounds + 4, header.bounds))
+        throw UserError("the saved state of a film is not of this film.");
+    std::vector<Pixel> pixels(pixels_.size());
+    in.read(reinterpret_cast<char *>(pixels.data()), static_cast<std::streamsize>(pixels.size() * sizeof(Pixel)));
+    if (!in) throw UserError("the saved state of a film ends too early.");
+    pixels_ = std::move(pixels);
+    rejected_ = header.rejected;
 }
 
 ImageMetadata RgbFilm::Metadata() const {

@@ -1,5 +1,6 @@
 #pragma once
 #include <atomic>
+#include <iosfwd>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,6 +44,11 @@ class RgbFilm {
     Image ToImage() const;
     ImageMetadata Metadata() const;
     uint64_t RejectedSamples() const { return rejected_; }
+
+    /// The sums themselves, bit by bit, in this machine's byte order: a render that goes on from them later ends with the
+    /// same image. LoadState throws UserError if the state is of other pixel bounds or incomplete.
+    void SaveState(std::ostream &out) const;
+    void LoadState(std::istream &in);
 
   private:
     struct Pixel {

@@ -40,6 +40,8 @@ class WaveRenderer {
     /// Renders up to `count` more samples per pixel, not beyond the end of the batch. Returns how many; 0 when cancelled.
     int Render(int count);
     int Done() const { return done_; }
+    /// The film already holds the first `samples` samples (RgbFilm::LoadState): go on after them.
+    void ContinueFrom(int samples) { done_ = samples; }
     int64_t TileCount() const { return tileCount_; }
 
   private:

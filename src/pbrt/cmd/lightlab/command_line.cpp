@@ -1,0 +1,194 @@
+#include "pbrt/cmd/lightlab/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <sstream>
+
+namespace pbrt {
+
+namespace {
+
+const char *const kAbout =
+    "Which light sampler gives the least error in the same time, on this scene? Renders the scene with each of\n"
+    "several light samplers, measures them against a reference, checks them for bias, and writes tables, pictures,\n"
+    "charts and one page, report.html, into a folder.\n\n"
+    "  lightlab scene.pbrt --time 20                    20 s for every sampler and seed, preparation included\n"
+    "  lightlab scene.pbrt --spp 64 --seeds 5           64 samples per pixel for every sampler and seed\n"
+    "  lightlab scene.pbrt --samplers bvh,octree,octree:leaves=512,floor=0.2,bvh+gate=neepp\n"
+    "  lightlab inspect scene.pbrt --sampler octree     pictures of what a sampler knows (see lightlab inspect --help)\n\n"
+    "Ctrl-C keeps what is finished; the same command goes on from there.";
+
+const char *const kFooter =
+    "A sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]]: +mesh takes every emissive mesh as\n"
+    "one light, +gate skips some shadow rays at random. pbrt --list-lightsamplers names all with their parameters.\n\n"
+    "The reference is rendered with the sampler that has the least variance in a short pilot run, and a second one with\n"
+    "the next best, which judges the first. They are kept beside the scene as <scene>.reference-<hash>.exr; the hash\n"
+    "changes with anything the scene says. --spp n: 16 n samples, at least 512. --time t: about 10 t seconds.\n\n"
+    "Environment: LIGHTLAB_REPORT_SCRIPTS, the folder of charts.py and report.py; LIGHTLAB_PYTHON (/usr/bin/python3).";
+
+struct Parser {
+    CLI::App app;
+    LightlabCommandLine result;
+
+    explicit Parser(const std::string &about, const std::string &name) : app(about, name) {}
+    /// False: help or an error was printed.
+    template <class AfterParse>
+    bool Parse(int argc, const char *const *argv, AfterParse &&afterParse) {
+        std::vector<std::string> arguments(argv, argv + argc);
+        std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
+        try {
+            app.parse(arguments);
+            afterParse();
+            return true;
+        } catch (const CLI::CallForHelp &) {
+            std::cout << app.help();
+        } catch (const CLI::ParseError &e) {
+            std::cerr << "Error: " << e.what() << "\nRun with --help for all options.\n";
+            result.status = 1;
+        }
+        result.done = true;
+        return false;
+    }
+};
+
+std::string Text(int argc, const char *const *argv) {
+    std::string text;
+    for (int i = 0; i < argc; ++i) text += (i ? " " : "") + std::string(argv[i]);
+    return text;
+}
+
+/// Those of the paper's comparison that this build has.
+std::string DefaultSamplers(const std::vector<std::string> &registered) {
+    std::string list;
+    for (const char *name : {"uniform", "power", "bvh", "spatial", "neepp", "octree"})
+        if (std::find(registered.begin(), registered.end(), name) != registered.end())
+            list += (list.empty() ? "" : ",") + std::string(name);
+    return list;
+}
+
+LightlabCommandLine ParseInspect(int argc, const char *const *argv) {
+    Parser parser("Pictures of what a light sampler knows, over what the camera sees first: cell and records, entropy of the\n"
+                  "distribution, which light contributes most and its probability, measured visibility.\n\n"
+                  "  lightlab inspect scene.pbrt --sampler octree --out DIR",
+                  "lightlab inspect");
+    LightlabOptions &o = parser.result.options;
+    lab::InspectOptions &inspect = o.inspect.emplace();
+    int maxDepth = 0, seed = 0;
+    CLI::App &app = parser.app;
+    app.add_option("scene", inspect.sceneFiles, "scene file")->required();
+    app.add_option("--sampler", inspect.build.lightSampler, "name[:key=value,...]; the scene's if left out");
+    app.add_flag("--mesh", inspect.build.meshLights, "an emissive mesh is one light");
+    app.add_option("--out", inspect.outFolder, "folder (inspect-<sampler>)");
+    app.add_option("--divisor", inspect.build.film.resolutionDivisor, "divides the resolution")->check(CLI::PositiveNumber);
+    CLI::Option *depth = app.add_option("--maxdepth", maxDepth, "of the paths")->check(CLI::NonNegativeNumber);
+    CLI::Option *seedOption = app.add_option("--seed", seed, "of the preparation");
+    app.add_option("--samples", inspect.settings.samples, "light samples per light and pixel (32)")->check(CLI::PositiveNumber);
+    app.add_option("--lights", inspect.settings.shownLights, "pictures of measured visibility (16)")->check(CLI::NonNegativeNumber);
+    app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(CLI::NonNegativeNumber);
+    app.add_flag("--quiet", o.quiet, "no progress and no warnings");
+    parser.Parse(argc - 2, argv + 2, [] {});
+    if (*depth) inspect.build.maxDepth = maxDepth;
+    if (*seedOption) inspect.build.seed = seed;
+    inspect.commandLine = Text(argc, argv);
+    return parser.result;
+}
+
+/// Everything that was not said on the command line comes from the campaign that is replayed.
+void TakeFromResults(LightlabOptions *o, bool samplers, bool seeds, bool depth, bool divisor, bool gate, bool spp) {
+    lab::CampaignSettings &c = o->campaign;
+    const nlohmann::ordered_json results = lab::ReadResults(c.samplesFrom);
+    const nlohmann::ordered_json &settings = results.at("settings");
+    if (results.value("mode", "") == "time") c.timeBudget = results.value("budget", 0.0);
+    else if (!spp) c.samplesPerPixel = results.value("budget", c.samplesPerPixel);
+    if (!samplers) o->samplers = settings.at("samplers").get<std::vector<std::string>>();
+    if (!seeds) c.seeds = settings.value("seeds", c.seeds);
+    if (!depth && settings.at("maxdepth").is_number()) c.maxDepth = settings.at("maxdepth").get<int>();
+    if (!divisor) c.resolutionDivisor = settings.value("divisor", 1);
+    const std::string usedGate = settings.value("shadow-gate", "");
+    if (!gate && usedGate != "the scene's") c.shadowGate = usedGate;
+    if (c.referenceFile.empty() && c.referenceSamples == 0) {
+        c.referenceFile = settings.value("reference", "");
+        c.referenceSamples = settings.value("reference-spp", 0);
+    }
+}
+
+}  // namespace
+
+std::vector<Bounds2i> ParseCrops(const std::string &text) {
+    std::vector<Bounds2i> crops;
+    std::istringstream list(text);
+    for (std::string piece; std::getline(list, piece, ';');) {
+        int v[4];
+        char comma[3], rest;
+        std::istringstream in(piece);
+        in >> v[0] >> comma[0] >> v[1] >> comma[1] >> v[2] >> comma[2] >> v[3];
+        if (!in || std::string(comma, 3) != ",,," || in >> rest || v[2] <= v[0] || v[3] <= v[1])
+            throw UserError(fmt::format("--crops: \"{}\" is not x0,y0,x1,y1 with x0 < x1 and y0 < y1.", piece));
+        crops.push_back({{v[0], v[1]}, {v[2], v[3]}});
+    }
+    return crops;
+}
+
+LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
+                                             const std::vector<std::string> &registered) {
+    if (argc > 1 && std::string(argv[1]) == "inspect") return ParseInspect(argc, argv);
+
+    Parser parser(kAbout, "lightlab");
+    LightlabOptions &o = parser.result.options;
+    lab::CampaignSettings &c = o.campaign;
+    c.commandLine = Text(argc, argv);
+    std::string samplers, samplersFile, crops;
+    int maxDepth = 5;
+    bool direct = false, noReport = false;
+    CLI::App &app = parser.app;
+    app.footer(kFooter);
+    app.add_option("scene", c.scene, "scene file")->required();
+
+    const char *what = "What is compared";
+    CLI::Option *samplersOption = app.add_option("--samplers", samplers, "comma list (" + DefaultSamplers(registered) + ")")->group(what);
+    CLI::Option *fileOption = app.add_option("--samplers-file", samplersFile, "one sampler a line, # comments; after --samplers if both")->group(what);
+    CLI::Option *gateOption = app.add_option("--shadow-gate", c.shadowGate, "gate of every sampler without one of its own; or none")->group(what);
+
+    const char *effort = "Effort";
+    CLI::Option *time = app.add_option("--time", c.timeBudget, "seconds for every sampler and seed, preparation included")->check(CLI::PositiveNumber)->group(effort);
+    CLI::Option *spp = app.add_option("--spp", c.samplesPerPixel, "samples per pixel for every sampler and seed (64)")->check(CLI::PositiveNumber)->group(effort);
+    CLI::Option *seedsOption = app.add_option("--seeds", c.seeds, "independent runs of every sampler (3)")->check(CLI::PositiveNumber)->group(effort);
+    app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(CLI::NonNegativeNumber)->group(effort);
+    time->excludes(spp);
+
+    const char *scene = "Scene";
+    CLI::Option *depth = app.add_option("--maxdepth", maxDepth, "scattering events per path (the scene's)")->check(CLI::NonNegativeNumber)->group(scene);
+    app.add_flag("--direct", direct, "direct light only: --maxdepth 1")->group(scene)->excludes(depth);
+    CLI::Option *divisorOption = app.add_option("--divisor", c.resolutionDivisor, "divides the resolution (1)")->check(CLI::PositiveNumber)->group(scene);
+
+    const char *reference = "Reference";
+    CLI::Option *file = app.add_option("--reference", c.referenceFile, "picture to compare with instead of rendering one")->group(reference);
+    app.add_option("--reference-spp", c.referenceSamples, "samples per pixel of a rendered reference")->check(CLI::PositiveNumber)->group(reference)->excludes(file);
+
+    const char *output = "Output";
+    app.add_option("--out", c.outFolder, "folder (<scene name>-lab)")->group(output);
+    app.add_option("--crops", crops, "parts shown enlarged, x0,y0,x1,y1;... in pixels (where samplers differ most)")->group(output);
+    app.add_flag("--restart", c.restart, "forget what the folder holds of a campaign")->group(output);
+    app.add_option("--samples-from", c.samplesFrom, "results.json: render the sample counts recorded there, so that a --time campaign gives the same pictures again")->group(output)->excludes(time);
+    app.add_flag("--no-report", noReport, "no charts and no report.html")->group(output);
+    app.add_flag("--quiet", o.quiet, "no progress and no warnings; results and errors only")->group(output);
+
+    if (!parser.Parse(argc - 1, argv + 1, [] {})) return parser.result;
+    o.report = !noReport;
+    if (*depth) c.maxDepth = maxDepth;
+    if (direct) c.maxDepth = 1;
+    c.crops = ParseCrops(crops);
+    if (*samplersOption) o.samplers = lab::SplitSamplerList(samplers);
+    if (*fileOption)
+        for (const std::string &s : lab::ReadSamplerFile(samplersFile)) o.samplers.push_back(s);
+    if (!c.samplesFrom.empty())
+        TakeFromResults(&o, *samplersOption || *fileOption, bool(*seedsOption), c.maxDepth.has_value(), bool(*divisorOption),
+                        bool(*gateOption), bool(*spp));
+    if (o.samplers.empty() && !*samplersOption) o.samplers = lab::SplitSamplerList(DefaultSamplers(registered));
+    if (c.outFolder.empty()) c.outFolder = std::filesystem::path(c.scene).stem().string() + "-lab";
+    return parser.result;
+}
+
+}  // namespace pbrt

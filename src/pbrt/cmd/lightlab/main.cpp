@@ -1,0 +1,87 @@
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+
+#include "pbrt/cmd/lightlab/command_line.h"
+#include "pbrt/cmd/lightlab/report_scripts.h"
+#include "pbrt/core/log.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/lab/campaign.h"
+#include "plugins.h"
+
+namespace {
+
+pbrt::Progress *progressToCancel = nullptr;
+
+/// First Ctrl-C: stop at the next tile. Second: at once. Whatever is on disk is complete either way.
+void OnInterrupt(int) {
+    if (progressToCancel && !progressToCancel->Cancelled()) progressToCancel->Cancel();
+    else _exit(130);
+}
+
+void HandleSignals(pbrt::Progress *progress) {
+    progressToCancel = progress;
+    std::signal(SIGINT, OnInterrupt);
+    std::signal(SIGTERM, OnInterrupt);
+}
+
+int Compare(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegistry &registry) {
+    using namespace pbrt;
+    lab::CampaignSettings settings = options.campaign;
+    settings.samplers = lab::ParseSamplerChoices(options.samplers, registry);
+    std::unique_ptr<ProgressSink> display = MakeTerminalProgress(options.quiet);
+    Progress cancel;
+    HandleSignals(&cancel);
+    const std::optional<lab::CampaignOutcome> outcome = lab::RunCampaign(settings, registry, cancel, display.get());
+    if (!outcome) {
+        LogInfo(fmt::format("\nInterrupted. The same command goes on from what {} holds.", settings.outFolder));
+        return 130;
+    }
+    std::printf("%s\n", outcome->text.c_str());
+    std::fflush(stdout);
+    std::signal(SIGINT, SIG_DFL);
+    std::signal(SIGTERM, SIG_DFL);
+    if (options.report)
+        if (std::string problem = RunReportScripts(settings.outFolder, options.quiet); !problem.empty()) LogWarning(problem);
+    LogInfo(fmt::format("Wrote {}.", settings.outFolder));
+    return 0;
+}
+
+int Inspect(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegistry &registry) {
+    using namespace pbrt;
+    std::unique_ptr<ProgressSink> display = MakeTerminalProgress(options.quiet);
+    Progress progress(display.get());
+    HandleSignals(&progress);
+#ifdef PBRT_HAS_INSPECT
+    return lab::RunInspect(*options.inspect, registry, progress);
+#else
+    (void)registry;
+    throw UserError("this build has no inspect.");
+#endif
+}
+
+}  // namespace
+
+int main(int argc, char **argv) {
+    using namespace pbrt;
+    try {
+        LightSamplerRegistry registry;
+        RegisterPlugins(registry);
+        const LightlabCommandLine parsed = ParseLightlabCommandLine(argc, argv, registry.Names());
+        if (parsed.done) return parsed.status;
+        if (parsed.options.quiet) SetLogLevel(LogLevel::Error);
+        ThreadLimit threads(parsed.options.threads);
+        return parsed.options.inspect ? Inspect(parsed.options, registry) : Compare(parsed.options, registry);
+    } catch (const UserError &e) {
+        const bool color = isatty(STDERR_FILENO) != 0;
+        for (const Diagnostic &d : e.Diagnostics()) std::fprintf(stderr, "%s\n", Format(d, color).c_str());
+        if (e.Diagnostics().size() > 1)
+            std::fprintf(stderr, "%zu errors; nothing was rendered.\n", e.Diagnostics().size());
+        return 1;
+    } catch (const std::exception &e) {
+        std::fprintf(stderr, "Error: %s\n", e.what());
+        return 1;
+    }
+}

@@ -1,0 +1,290 @@
+#include "pbrt/lab/campaign.h"
+
+#include <filesystem>
+#include <map>
+
+#include "pbrt/core/files.h"
+#include "pbrt/core/log.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/lab/campaign_display.h"
+#include "pbrt/lab/machine.h"
+#include "pbrt/lab/pictures.h"
+#include "pbrt/lab/reference.h"
+#include "pbrt/lab/results.h"
+#include "pbrt/lab/sampler_run.h"
+#include "version.h"
+
+namespace pbrt::lab {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Makes the folders; takes up or refuses what is there.
+void OpenFolder(const CampaignSettings &settings, const Json &identity, const RecordFolder &records) {
+    const std::string &out = settings.outFolder;
+    if (fs::exists(out) && !fs::is_directory(out)) throw UserError(fmt::format("{}: is a file, not a folder.", out));
+    if (settings.restart) fs::remove_all(records.Folder());
+    const Json old = records.LoadNote("settings.json");
+    if (old.is_object()) {
+        if (std::vector<std::string> differences = Differences(old, identity); !differences.empty())
+            throw UserError(fmt::format("{} holds a campaign with other settings ({}). Choose another --out, or "
+                                        "--restart to replace it.",
+                                        out, fmt::join(differences, "; ")));
+        LogInfo(fmt::format("{} holds a part or all of this campaign; going on from there.", out));
+    }
+    std::error_code error;
+    for (const SamplerChoice &s : settings.samplers) {
+        fs::create_directories(fs::path(records.Folder()) / s.folder, error);
+        if (!error) fs::create_directories(fs::path(out) / s.folder, error);
+        if (error) throw UserError(fmt::format("{}: cannot be made: {}.", out, error.message()));
+    }
+    records.SaveNote("settings.json", identity);
+}
+
+/// The rendering of all runs.
+class Rounds {
+  public:
+    Rounds(const CampaignSettings &settings, const LabScene &scene, const References &references,
+           const RecordFolder &records, Progress &cancel, CampaignDisplay &display)
+        : settings_(settings), scene_(scene), records_(records), cancel_(cancel), display_(display),
+          ofSampler_(references.ofSampler), checkpoints_(Checkpoints(settings)) {
+        for (const Reference &r : references.all) measuring_.push_back(std::make_unique<MeasuringReference>(r.image));
+        if (!settings.samplesFrom.empty()) replay_.emplace(settings.samplesFrom, settings);
+        if (replay_) checkpoints_.resize(static_cast<size_t>(replay_->Checkpoints()));
+        LoadCosts();
+    }
+
+    /// False: cancelled.
+    bool RenderAll() {
+        recordsOf_.assign(settings_.samplers.size(), {});
+        double total = 0;
+        for (size_t i = 0; i < settings_.samplers.size(); ++i)
+            for (int seed = 0; seed < settings_.seeds; ++seed) {
+                recordsOf_[i].push_back(records_.LoadRun(settings_.samplers[i].folder, seed));
+                total += WorkUpTo(i, seed, checkpoints_.size() - 1) - WorkDone(i, seed);
+            }
+        display_.SetTotal(total);
+        display_.StartClock();
+        for (int seed = 0; seed < settings_.seeds; ++seed)
+            if (!RenderSeed(seed)) return false;
+        return true;
+    }
+    std::vector<std::vector<RunRecord>> TakeRecords() { return std::move(recordsOf_); }
+    size_t CheckpointCount() const { return checkpoints_.size(); }
+
+  private:
+    bool RenderSeed(int seed) {
+        std::vector<std::unique_ptr<SamplerRun>> runs(settings_.samplers.size());
+        for (size_t c = 0; c < checkpoints_.size(); ++c)
+            for (size_t i = 0; i < runs.size(); ++i) {
+                RunRecord &record = recordsOf_[i][static_cast<size_t>(seed)];
+                if (record.rounds.size() > c) continue;
+                display_.SetPhase(settings_.samplers[i].label);
+                if (!runs[i] && !(runs[i] = Start(i, seed, record))) return false;
+                if (!RenderTo(i, seed, c, *runs[i])) return false;
+                record = runs[i]->Record();
+                if (c + 1 == checkpoints_.size()) runs[i].reset();
+            }
+        return true;
+    }
+
+    std::unique_ptr<SamplerRun> Start(size_t i, int seed, const RunRecord &record) {
+        const SamplerChoice &choice = settings_.samplers[i];
+        auto run = std::make_unique<SamplerRun>(scene_, choice, seed, cancel_);
+        if (!run->Prepare()) return nullptr;
+        if (!record.rounds.empty())
+            run->Resume(record, records_.FilmFile(choice.folder, seed, record.rounds.back().checkpoint));
+        return run;
+    }
+
+    bool RenderTo(size_t i, int seed, size_t checkpoint, SamplerRun &run) {
+        const std::string &folder = settings_.samplers[i].folder;
+        double before = Work(i, run);
+        const RenderTarget target = TargetOf(i, seed, checkpoint);
+        auto afterWave = [&] {
+            const double now = Work(i, run);
+            display_.Advance(now - before);
+            before = now;
+        };
+        if (!run.RenderTo(target, afterWave)) return false;
+        const Image picture = run.Picture();
+        const int c = static_cast<int>(checkpoint);
+        run.AddRound(c, measuring_[ofSampler_[i]]->Compare(picture));
+        // The record comes last: a round without it has not happened.
+        const bool last = checkpoint + 1 == checkpoints_.size();
+        if (last) WriteImage(fmt::format("{}/{}/seed{}.exr", settings_.outFolder, folder, seed), picture, run.Metadata());
+        else run.SaveFilm(records_.FilmFile(folder, seed, c));
+        records_.SaveLastRound(folder, run.Record());
+        if (checkpoint > 0) fs::remove(records_.FilmFile(folder, seed, c - 1));
+        return true;
+    }
+
+    RenderTarget TargetOf(size_t i, int seed, size_t checkpoint) const {
+        if (replay_) return {replay_->At(settings_.samplers[i].label, seed, static_cast<int>(checkpoint)), 0};
+        const Checkpoint &c = checkpoints_[checkpoint];
+        return {c.samples, c.seconds};
+    }
+
+    bool BySamples() const { return replay_ || !settings_.Timed(); }
+    /// In estimated seconds.
+    double Work(size_t i, const SamplerRun &run) const {
+        return BySamples() ? run.Samples() * cost_[i] : std::min(run.Spent().wall, settings_.timeBudget);
+    }
+    double WorkUpTo(size_t i, int seed, size_t checkpoint) const {
+        return BySamples() ? TargetOf(i, seed, checkpoint).samples * cost_[i] : settings_.timeBudget;
+    }
+    double WorkDone(size_t i, int seed) const {
+        const RunRecord &record = recordsOf_[i][static_cast<size_t>(seed)];
+        if (record.rounds.empty()) return 0;
+        const RoundRecord &last = record.rounds.back();
+        return BySamples() ? last.samples * cost_[i] : std::min(last.spent.wall, settings_.timeBudget);
+    }
+    /// Seconds per sample from the pilot; all alike without one.
+    void LoadCosts() {
+        std::map<std::string, double> known;
+        const Json pilot = records_.LoadNote("pilot.json");
+        double mean = 0;
+        for (const Json &entry : pilot.is_array() ? pilot : Json::array()) {
+            known[entry.value("sampler", "")] = entry.value("secondsPerSample", 0.0);
+            mean += entry.value("secondsPerSample", 0.0) / static_cast<double>(pilot.size());
+        }
+        for (const SamplerChoice &s : settings_.samplers)
+            cost_.push_back(known.contains(s.label) ? known[s.label] : mean > 0 ? mean : 1);
+    }
+
+    const CampaignSettings &settings_;
+    const LabScene &scene_;
+    const RecordFolder &records_;
+    Progress &cancel_;
+    CampaignDisplay &display_;
+    const std::vector<size_t> &ofSampler_;
+    std::vector<Checkpoint> checkpoints_;
+    std::optional<SampleCounts> replay_;
+    std::vector<std::unique_ptr<MeasuringReference>> measuring_;
+    std::vector<double> cost_;
+    std::vector<std::vector<RunRecord>> recordsOf_;
+};
+
+/// References, results and errors as pictures; the crops.
+void WritePictures(const CampaignSettings &settings, const References &references,
+                   const std::vector<std::vector<Image>> &pictures, Json *json) {
+    const double exposure = ChooseExposure(references.all[0].image);
+    const Point2i resolution = references.all[0].image.Resolution();
+    (*json)["references"] = Json::array();
+    for (size_t i = 0; i < references.all.size(); ++i) {
+        const Reference &r = references.all[i];
+        const std::string name = fmt::format("reference-{}", i);
+        WriteImage(fmt::format("{}/{}.exr", settings.outFolder, name), r.image);
+        WritePicture(fmt::format("{}/{}.png", settings.outFolder, name), r.image, exposure);
+        (*json)["references"].push_back({{"file", name + ".exr"},
+                                         {"picture", name + ".png"},
+                                         {"sampler", r.sampler.empty() ? Json() : Json(r.sampler)},
+                                         {"samples", r.samples ? Json(r.samples) : Json()},
+                                         {"seconds", r.seconds > 0 ? Json(r.seconds) : Json()},
+                                         {"noise", r.noise ? Json(*r.noise) : Json()},
+                                         {"source", r.source}});
+    }
+    std::vector<std::vector<float>> maps, shared;
+    for (size_t i = 0; i < settings.samplers.size(); ++i) {
+        maps.push_back(ErrorMap(pictures[i].front(), references.all[references.ofSampler[i]].image));
+        if (!settings.samplers[i].IsOracle()) shared.push_back(maps.back());
+    }
+    const double scale = ChooseErrorScale(maps);
+    for (size_t i = 0; i < settings.samplers.size(); ++i) {
+        const std::string folder = settings.outFolder + "/" + settings.samplers[i].folder;
+        WritePicture(folder + "/result.png", pictures[i].front(), exposure);
+        WriteErrorPicture(folder + "/error.png", maps[i], resolution, scale);
+    }
+    (*json)["exposure"] = exposure;
+    (*json)["errorScale"] = scale;
+    (*json)["crops"] = Json::array();
+    const std::vector<Bounds2i> crops = settings.crops.empty() ? ChooseCrops(shared, resolution) : settings.crops;
+    for (size_t i = 0; i < crops.size(); ++i)
+        (*json)["crops"].push_back({{"name", std::string(1, static_cast<char>('a' + i % 26))},
+                                    {"x0", crops[i].low.x},
+                                    {"y0", crops[i].low.y},
+                                    {"x1", crops[i].high.x},
+                                    {"y1", crops[i].high.y}});
+}
+
+Json Header(const CampaignSettings &settings, const LabScene &scene, const Json &identity, size_t checkpoints) {
+    Json json;
+    json["schema"] = 1;
+    json["scene"] = settings.scene;
+    json["sceneName"] = fs::path(settings.scene).stem().string();
+    json["sceneHash"] = scene.hash;
+    const std::string version = PBRT_VERSION_TEXT;
+    json["commit"] = version.substr(version.find(' ') + 1);
+    json["commandLine"] = settings.commandLine;
+    json["date"] = DateText();
+    json["machine"] = DescribeMachine();
+    json["mode"] = settings.Timed() ? "time" : "samples";
+    json["budget"] = settings.Timed() ? Json(settings.timeBudget) : Json(settings.samplesPerPixel);
+    json["seeds"] = settings.seeds;
+    json["resolution"] = {scene.Resolution().x, scene.Resolution().y};
+    json["maxDepth"] = scene.built.maxDepth;
+    json["direct"] = scene.built.maxDepth == 1;
+    json["settings"] = identity;
+    json["settings"]["checkpoints"] = checkpoints;
+    json["settings"]["batch"] = scene.Batch();
+    return json;
+}
+
+void CheckCrops(const CampaignSettings &settings, const LabScene &scene) {
+    const Point2i resolution = scene.Resolution();
+    for (const Bounds2i &c : settings.crops)
+        if (c.IsEmpty() || c.low.x < 0 || c.low.y < 0 || c.high.x > resolution.x || c.high.y > resolution.y)
+            throw UserError(fmt::format("--crops: {},{},{},{} is not inside the picture of {} x {} pixels.", c.low.x,
+                                        c.low.y, c.high.x, c.high.y, resolution.x, resolution.y));
+}
+
+}  // namespace
+
+std::vector<Checkpoint> Checkpoints(const CampaignSettings &settings) {
+    std::vector<Checkpoint> list = {{1, 0}};
+    if (settings.Timed()) {
+        for (double divisor = 64; divisor >= 1; divisor /= 2) list.push_back({0, settings.timeBudget / divisor});
+    } else {
+        for (int samples = 2; samples < settings.samplesPerPixel; samples *= 2) list.push_back({samples, 0});
+        if (settings.samplesPerPixel > 1) list.push_back({settings.samplesPerPixel, 0});
+    }
+    return list;
+}
+
+std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, const LightSamplerRegistry &registry,
+                                           Progress &cancel, ProgressSink *sink) {
+    const LabScene scene = LoadLabScene(settings, registry, cancel);
+    CheckCrops(settings, scene);
+    const Json identity = IdentityOf(settings, scene.hash, ThreadCount());
+    const RecordFolder records(settings.outFolder + "/records");
+    OpenFolder(settings, identity, records);
+
+    CampaignDisplay display(sink);
+    const std::optional<References> references = MakeReferences(settings, scene, registry, records, cancel, display);
+    if (!references) return {};
+    Rounds rounds(settings, scene, *references, records, cancel, display);
+    if (!rounds.RenderAll()) return {};
+    display.Finish();
+
+    std::vector<std::vector<Image>> pictures(settings.samplers.size());
+    for (size_t i = 0; i < pictures.size(); ++i)
+        for (int seed = 0; seed < settings.seeds; ++seed)
+            pictures[i].push_back(
+                ReadImage(fmt::format("{}/{}/seed{}.exr", settings.outFolder, settings.samplers[i].folder, seed))
+                    .image.Select({"R", "G", "B"}));
+    CampaignOutcome outcome;
+    outcome.results = Header(settings, scene, identity, rounds.CheckpointCount());
+    WritePictures(settings, *references, pictures, &outcome.results);
+    const CampaignResults results = Summarize(settings, *references, rounds.TakeRecords(), pictures);
+    AddToJson(results, &outcome.results);
+    outcome.results["notes"] = references->notes;
+    outcome.text = TableText(results, *references);
+    WriteText(settings.outFolder + "/results.csv", SummaryCsv(results));
+    WriteText(settings.outFolder + "/rounds.csv", RoundsCsv(results));
+    WriteText(settings.outFolder + "/results.json", outcome.results.dump(1) + "\n");
+    return outcome;
+}
+
+}  // namespace pbrt::lab

@@ -1,0 +1,44 @@
+#include "pbrt/lab/lab_scene.h"
+
+#include "pbrt/core/log.h"
+#include "pbrt/lab/content_hash.h"
+#include "pbrt/scenefile/parser.h"
+
+namespace pbrt::lab {
+
+std::unique_ptr<Integrator> LabScene::MakeIntegrator(const SamplerChoice &choice) const {
+    LightChoice light;
+    light.lightSampler = choice.lightSampler;
+    light.meshLights = choice.meshLights;
+    light.shadowGate = choice.gate.empty() ? shadowGate : choice.gate;
+    return built.makeIntegrator(light).integrator;
+}
+
+LabScene LoadLabScene(const CampaignSettings &settings, const LightSamplerRegistry &registry, Progress &progress) {
+    LabScene scene;
+    DiagnosticSink sink;
+    auto printWarnings = [&] {
+        for (const Diagnostic &d : sink.All())
+            if (d.severity == Severity::Warning) LogInfo(Format(d));
+    };
+    SceneDescription description = ParseSceneFiles({settings.scene}, sink);
+    sink.ThrowIfErrors();
+    BuildOptions options;
+    options.film.resolutionDivisor = settings.resolutionDivisor;
+    options.film.filename = "lightlab.exr";  // never written; the scene's own may be one we cannot write
+    options.samplesPerPixel = settings.Timed() ? 0 : settings.samplesPerPixel;
+    options.maxDepth = settings.maxDepth;
+    options.shadowGate = settings.shadowGate;
+    options.lightSampler = "uniform";  // of the integrator that nobody uses here: nothing to build
+    scene.built = BuildScene(description, options, registry, sink, progress);
+    printWarnings();
+    if (scene.built.lightSamplerName.empty())
+        throw UserError(fmt::format("{}: the integrator \"{}\" uses no light sampler; there is nothing to compare.",
+                                    settings.scene, scene.built.integratorName));
+    if (scene.built.scene->Lights().Size() == 0) throw UserError(fmt::format("{}: has no lights.", settings.scene));
+    scene.hash = SceneHash(settings.scene);
+    scene.shadowGate = settings.shadowGate;
+    return scene;
+}
+
+}  // namespace pbrt::lab

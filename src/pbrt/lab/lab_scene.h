@@ -1,0 +1,24 @@
+#pragma once
+#include "pbrt/build/built_scene.h"
+#include "pbrt/lab/campaign_settings.h"
+
+namespace pbrt::lab {
+
+/// The scene of a campaign, read and built once.
+struct LabScene {
+    BuiltScene built;
+    std::string hash;         ///< of its files
+    std::string shadowGate;   ///< of samplers without a gate of their own
+    Point2i FullResolution() const { return built.film->FullResolution(); }
+    const Bounds2i &Pixels() const { return built.film->PixelBounds(); }
+    Point2i Resolution() const { return Pixels().high - Pixels().low; }
+    /// Samples per pixel of one batch of the pixel sampler; longer renders go on with batches of other seeds. Texture
+    /// filters depend on it, so it is the same for every run and the references.
+    int Batch() const { return built.samplesPerPixel; }
+    std::unique_ptr<Integrator> MakeIntegrator(const SamplerChoice &choice) const;
+};
+
+/// Throws UserError; also if the scene's integrator uses no light sampler, or the scene has no lights.
+LabScene LoadLabScene(const CampaignSettings &settings, const LightSamplerRegistry &registry, Progress &progress);
+
+}  // namespace pbrt::lab

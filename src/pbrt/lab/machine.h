@@ -1,0 +1,12 @@
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace pbrt::lab {
+
+/// cpu, threads, memoryGB, os of this machine; null where unknown.
+nlohmann::ordered_json DescribeMachine();
+/// Now, in UTC: 2026-11-21T03:00:00Z.
+std::string DateText();
+
+}  // namespace pbrt::lab

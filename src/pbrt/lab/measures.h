@@ -1,0 +1,34 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "pbrt/images/flip.h"
+#include "pbrt/images/image.h"
+
+namespace pbrt::lab {
+
+/// The measures of every round, in the order of the results file.
+enum class Measure { RelL2, MSE, MRSE, MAE, SMAPE, FLIP, RelL2Trimmed };
+constexpr size_t MeasureCount = 7;
+constexpr std::array<const char *, MeasureCount> MeasureNames = {"relL2", "MSE",  "MRSE",        "MAE",
+                                                                 "SMAPE", "FLIP", "relL2Trimmed"};
+using Measures = std::array<double, MeasureCount>;
+inline double Get(const Measures &m, Measure which) { return m[static_cast<size_t>(which)]; }
+
+nlohmann::ordered_json ToJson(const Measures &measures);
+Measures MeasuresFromJson(const nlohmann::ordered_json &json);
+
+/// Compares pictures with one reference (R, G, B of the same resolution).
+class MeasuringReference {
+  public:
+    explicit MeasuringReference(Image reference);
+    Measures Compare(const Image &image) const;
+    const Image &Picture() const { return reference_; }
+
+  private:
+    Image reference_;
+    std::unique_ptr<FlipReference> flip_;
+};
+
+}  // namespace pbrt::lab

@@ -1,0 +1,173 @@
+#include "pbrt/lab/reference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "pbrt/lab/bias_check.h"
+#include "pbrt/lab/reference_cache.h"
+#include "pbrt/lab/sampler_run.h"
+
+namespace pbrt::lab {
+
+namespace {
+
+constexpr int kParts = 4;             // seeds of a reference; their scatter tells its noise
+constexpr int kFirstSeed = 800001;    // far from the seeds of the runs and of the pilot
+constexpr int kSeedStep = 1000;       // between references
+constexpr int kLeastSamples = 64;     // by time
+
+/// Renders one reference, or finds it.
+class ReferenceMaker {
+  public:
+    ReferenceMaker(const CampaignSettings &settings, const LabScene &scene, const RecordFolder &records, Progress &cancel,
+                   CampaignDisplay &display)
+        : settings_(settings), scene_(scene), records_(records), cancel_(cancel), display_(display),
+          rule_(ReferenceRule::For(settings)) {}
+
+    /// Nothing: cancelled.
+    std::optional<Reference> Make(const PilotEntry &with, int index) {
+        const int firstSeed = kFirstSeed + index * kSeedStep;
+        const std::string about = fmt::format("sampler {}; gate {}; {}; {} parts from seed {}", with.choice.label,
+                                              scene_.built.shadowGateName, rule_.Text(), kParts, firstSeed);
+        ReferenceCache cache(settings_, scene_, about);
+        if (std::optional<Reference> found = cache.Find()) return found;
+
+        Reference reference;
+        reference.sampler = with.choice.label;
+        const int samples = SamplesPerPart(with, index);
+        reference.samples = samples * kParts;
+        display_.SetPhase(fmt::format("reference {}", index));
+        display_.SetTotal(static_cast<double>(reference.samples));
+        display_.StartClock();
+        std::vector<std::string> files;
+        for (int part = 0; part < kParts; ++part) {
+            files.push_back(records_.File(fmt::format("reference-{}-part{}.exr", cache.Key(), part + 1)));
+            if (!RenderPart(with.choice, firstSeed + part, samples, files.back(), &reference)) return {};
+        }
+        AverageParts(&reference);
+        cache.Store(scene_, about, &reference);
+        for (const std::string &file : files) std::filesystem::remove(file);
+        return reference;
+    }
+
+  private:
+    /// By time: as many as fit by the pilot's measure, remembered so that a resumed campaign uses the same number.
+    int SamplesPerPart(const PilotEntry &with, int index) const {
+        if (rule_.samples > 0) return (rule_.samples + kParts - 1) / kParts;
+        if (!settings_.samplesFrom.empty())
+            for (const nlohmann::ordered_json &r : ReadResults(settings_.samplesFrom).at("references"))
+                if (r.value("sampler", "") == with.choice.label && r.value("samples", 0) > 0)
+                    return (r.value("samples", 0) + kParts - 1) / kParts;
+        const std::string note = fmt::format("reference-{}.json", index);
+        nlohmann::ordered_json known = records_.LoadNote(note);
+        if (known.is_object() && known.value("sampler", "") == with.choice.label) return known.value("samplesPerPart", 1);
+        const double fit = rule_.seconds / std::max(1e-6, with.secondsPerSample);
+        const int samples = static_cast<int>(std::ceil(std::max<double>(kLeastSamples, fit) / kParts));
+        records_.SaveNote(note, {{"sampler", with.choice.label}, {"samplesPerPart", samples}});
+        return samples;
+    }
+
+    bool RenderPart(const SamplerChoice &choice, int seed, int samples, const std::string &file, Reference *reference) {
+        if (std::filesystem::exists(file)) {
+            ImageFile known = ReadImage(file);
+            reference->seconds += double(std::get<float>(known.metadata.attributes.at("renderTimeSeconds")));
+            reference->parts.push_back(known.image.Select({"R", "G", "B"}));
+            display_.Skip(samples);
+            return true;
+        }
+        SamplerRun run(scene_, choice, seed, cancel_);
+        if (!run.Prepare()) return false;
+        int shown = 0;
+        auto afterWave = [&] {
+            display_.Advance(run.Samples() - shown);
+            shown = run.Samples();
+        };
+        if (!run.RenderTo({samples, 0}, afterWave)) return false;
+        WriteImage(file, run.Picture(), run.Metadata());
+        reference->parts.push_back(run.Picture());
+        reference->seconds += run.Spent().wall;
+        return true;
+    }
+
+    const CampaignSettings &settings_;
+    const LabScene &scene_;
+    const RecordFolder &records_;
+    Progress &cancel_;
+    CampaignDisplay &display_;
+    ReferenceRule rule_;
+};
+
+/// Do two references contradict each other?
+bool Contradict(const Reference &a, const Reference &b) {
+    auto means = [](const Reference &r) {
+        std::vector<TileMeans> tiles;
+        for (const Image &part : r.parts) tiles.push_back(ComputeTileMeans(part));
+        return tiles;
+    };
+    return CheckBias(means(a), BiasReference{means(b), {}}).verdict == BiasVerdict::Biased;
+}
+
+References GivenReference(const CampaignSettings &settings, const LabScene &scene) {
+    References references;
+    references.all.push_back(ReadReference(settings.referenceFile, scene));
+    references.ofSampler.assign(settings.samplers.size(), 0);
+    const std::string &maker = references.all[0].sampler;
+    for (const SamplerChoice &s : settings.samplers)
+        if (!maker.empty() && s.label == maker)
+            references.notes.push_back(fmt::format("{} was rendered with \"{}\", which is compared here: its own errors "
+                                                   "are partly in the reference.",
+                                                   settings.referenceFile, maker));
+    return references;
+}
+
+}  // namespace
+
+ReferenceRule ReferenceRule::For(const CampaignSettings &settings) {
+    if (settings.referenceSamples > 0) return {settings.referenceSamples, 0};
+    if (settings.Timed()) return {0, 10 * settings.timeBudget};
+    return {std::max(512, 16 * settings.samplesPerPixel), 0};
+}
+
+std::string ReferenceRule::Text() const {
+    return samples > 0 ? fmt::format("{} samples per pixel", samples) : fmt::format("{} s", seconds);
+}
+
+std::optional<References> MakeReferences(const CampaignSettings &settings, const LabScene &scene,
+                                         const LightSamplerRegistry &registry, const RecordFolder &records,
+                                         Progress &cancel, CampaignDisplay &display) {
+    if (!settings.referenceFile.empty()) return GivenReference(settings, scene);
+    const std::optional<std::vector<PilotEntry>> pilot = RunPilot(settings, scene, registry, records, cancel, display);
+    if (!pilot) return {};
+
+    auto isListed = [&](const SamplerChoice &c) {
+        return std::any_of(settings.samplers.begin(), settings.samplers.end(),
+                           [&](const SamplerChoice &s) { return s.label == c.label; });
+    };
+    ReferenceMaker maker(settings, scene, records, cancel, display);
+    References references;
+    std::vector<PilotEntry> makers = *pilot;
+    for (bool trustedOnly : {false, true}) {
+        if (trustedOnly)
+            std::erase_if(makers, [&](const PilotEntry &e) { return !IsTrusted(e.choice, scene); });
+        references.all.clear();
+        const size_t wanted = isListed(makers.at(0).choice) && makers.size() > 1 ? 2 : 1;
+        for (size_t i = 0; i < wanted; ++i) {
+            std::optional<Reference> made = maker.Make(makers[i], static_cast<int>(i));
+            if (!made) return {};
+            references.all.push_back(std::move(*made));
+        }
+        const bool sure = std::all_of(makers.begin(), makers.begin() + static_cast<ptrdiff_t>(wanted),
+                                      [&](const PilotEntry &e) { return IsTrusted(e.choice, scene); });
+        if (trustedOnly || wanted < 2 || sure || !Contradict(references.all[0], references.all[1])) break;
+        references.notes.push_back(
+            fmt::format("the references of \"{}\" and \"{}\" contradict each other: one is biased. Stock's samplers made "
+                        "the references instead.",
+                        makers[0].choice.label, makers[1].choice.label));
+    }
+    for (const SamplerChoice &s : settings.samplers)
+        references.ofSampler.push_back(s.label == references.all[0].sampler && references.all.size() > 1 ? 1 : 0);
+    return references;
+}
+
+}  // namespace pbrt::lab

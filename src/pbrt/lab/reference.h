@@ -1,0 +1,43 @@
+#pragma once
+#include <optional>
+
+#include "pbrt/lab/pilot.h"
+
+namespace pbrt::lab {
+
+/// What the runs are compared with.
+struct Reference {
+    Image image;               ///< R, G, B over the film's pixels
+    std::vector<Image> parts;  ///< pictures of equal weight whose mean it is; empty: not known
+    std::string sampler;       ///< label; empty: given by the user
+    int samples = 0;           ///< per pixel, all parts; 0: not known
+    double seconds = 0;        ///< to render it
+    std::optional<double> noise;  ///< expected relL2 of `image` against the truth
+    std::string source;        ///< the file it lies in
+};
+
+/// How many samples a rendered reference gets.
+struct ReferenceRule {
+    int samples = 0;     ///< per pixel; 0: by time
+    double seconds = 0;  ///< estimated from the pilot
+    /// --reference-spp; else 16 times the samples of a run, at least 512; else 10 times the time of a run.
+    static ReferenceRule For(const CampaignSettings &settings);
+    std::string Text() const;
+};
+
+struct References {
+    std::vector<Reference> all;
+    std::vector<size_t> ofSampler;   ///< index into `all`, for every sampler of the campaign
+    std::vector<std::string> notes;  ///< what people should know about them
+};
+
+/// The user's file; or, ranked by a pilot run, pictures rendered with the best sampler and, if that one is in the
+/// campaign, with the second best, which then judges it: no sampler is judged by its own samples. Two references that
+/// contradict each other (bias check) are replaced by ones of stock's samplers. Rendered ones are kept in a file
+/// <scene>.reference-<hash>.exr beside the scene (in the output folder if that is not writable) and found there again.
+/// Finished parts survive an interruption. Nothing: cancelled. Throws UserError.
+std::optional<References> MakeReferences(const CampaignSettings &settings, const LabScene &scene,
+                                         const LightSamplerRegistry &registry, const RecordFolder &records,
+                                         Progress &cancel, CampaignDisplay &display);
+
+}  // namespace pbrt::lab

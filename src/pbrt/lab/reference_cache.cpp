@@ -1,0 +1,131 @@
+#include "pbrt/lab/reference_cache.h"
+
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "pbrt/core/error.h"
+#include "pbrt/lab/content_hash.h"
+#include "pbrt/lab/machine.h"
+#include "pbrt/lab/tile_statistics.h"
+#include "version.h"
+
+namespace pbrt::lab {
+
+namespace {
+
+constexpr const char *kColors[3] = {"R", "G", "B"};
+
+std::string PartChannel(size_t part, int color) { return fmt::format("part{}.{}", part + 1, kColors[color]); }
+
+template <class T>
+T Attribute(const ImageMetadata &m, const std::string &name, T otherwise) {
+    auto it = m.attributes.find(name);
+    if (it == m.attributes.end() || !std::holds_alternative<T>(it->second)) return otherwise;
+    return std::get<T>(it->second);
+}
+
+}  // namespace
+
+ReferenceCache::ReferenceCache(const CampaignSettings &settings, const LabScene &scene, const std::string &what) {
+    const Bounds2i &pixels = scene.Pixels();
+    ContentHash hash;
+    hash.Add(fmt::format("reference 1; scene {}; {}x{}, pixels {} {} {} {}; depth {}; batch {}; jitter {} {}; {}",
+                         scene.hash, scene.FullResolution().x, scene.FullResolution().y, pixels.low.x, pixels.low.y,
+                         pixels.high.x, pixels.high.y, scene.built.maxDepth, scene.Batch(),
+                         scene.built.disablePixelJitter, scene.built.disableWavelengthJitter, what));
+    key_ = hash.Hex();
+    const std::filesystem::path path(settings.scene);
+    const std::string name = fmt::format("{}.reference-{}.exr", path.stem().string(), key_);
+    besideScene_ = (path.parent_path() / name).string();
+    inOutput_ = settings.outFolder + "/" + name;
+}
+
+std::optional<Reference> ReferenceCache::Find() const {
+    for (const std::string &path : {besideScene_, inOutput_}) {
+        if (!std::filesystem::exists(path)) continue;
+        const ImageFile file = ReadImage(path);
+        Reference reference;
+        const int parts = Attribute(file.metadata, "lightlab.parts", 0);
+        for (size_t part = 0; part < static_cast<size_t>(parts); ++part) {
+            Image colors = file.image.Select({PartChannel(part, 0), PartChannel(part, 1), PartChannel(part, 2)});
+            Image image(PixelFormat::Float, colors.Resolution(), {"R", "G", "B"});
+            for (int y = 0; y < colors.Resolution().y; ++y)
+                for (int x = 0; x < colors.Resolution().x; ++x)
+                    for (int c = 0; c < 3; ++c) image.Set({x, y}, c, colors.Get({x, y}, c));
+            reference.parts.push_back(std::move(image));
+        }
+        if (parts < 1) continue;
+        AverageParts(&reference);
+        reference.sampler = Attribute<std::string>(file.metadata, "lightlab.sampler", "");
+        reference.samples = Attribute(file.metadata, "samplesPerPixel", 0);
+        reference.seconds = double(Attribute(file.metadata, "renderTimeSeconds", 0.f));
+        reference.source = path;
+        return reference;
+    }
+    return {};
+}
+
+void ReferenceCache::Store(const LabScene &scene, const std::string &about, Reference *reference) const {
+    std::vector<std::string> channels = {"R", "G", "B"};
+    for (size_t part = 0; part < reference->parts.size(); ++part)
+        for (int c = 0; c < 3; ++c) channels.push_back(PartChannel(part, c));
+    const Point2i resolution = reference->image.Resolution();
+    Image all(PixelFormat::Float, resolution, channels);
+    for (int y = 0; y < resolution.y; ++y)
+        for (int x = 0; x < resolution.x; ++x)
+            for (int c = 0; c < 3; ++c) {
+                all.Set({x, y}, c, reference->image.Get({x, y}, c));
+                for (size_t part = 0; part < reference->parts.size(); ++part)
+                    all.Set({x, y}, static_cast<int>(3 * (part + 1)) + c, reference->parts[part].Get({x, y}, c));
+            }
+    ImageMetadata m = scene.built.film->Metadata();
+    m.attributes["lightlab.sampler"] = reference->sampler;
+    m.attributes["lightlab.parts"] = static_cast<int>(reference->parts.size());
+    m.attributes["lightlab.reference"] = about;
+    m.attributes["lightlab.sceneHash"] = scene.hash;
+    m.attributes["lightlab.noiseRelL2"] = static_cast<float>(reference->noise.value_or(0));
+    m.attributes["lightlab.date"] = DateText();
+    m.attributes["samplesPerPixel"] = reference->samples;
+    m.attributes["renderTimeSeconds"] = static_cast<float>(reference->seconds);
+    m.attributes["pbrt.version"] = std::string(PBRT_VERSION_TEXT);
+    m.attributes["pbrt.integrator"] = scene.built.integratorName;
+    m.attributes["pbrt.maxDepth"] = scene.built.maxDepth;
+    std::filesystem::path folder = std::filesystem::path(besideScene_).parent_path();
+    const bool writable = access(folder.empty() ? "." : folder.c_str(), W_OK) == 0;
+    reference->source = writable ? besideScene_ : inOutput_;
+    WriteImage(reference->source, all, m);
+}
+
+void AverageParts(Reference *reference) {
+    std::vector<const Image *> images;
+    for (const Image &part : reference->parts) images.push_back(&part);
+    MeanImage mean = AverageImages(images);
+    reference->image = std::move(mean.image);
+    if (images.size() > 1) reference->noise = mean.noise;
+}
+
+Reference ReadReference(const std::string &path, const LabScene &scene) {
+    const ImageFile file = ReadImage(path);
+    const Bounds2i &wanted = scene.Pixels();
+    const Bounds2i have = file.metadata.pixelBounds.value_or(Bounds2i{{0, 0}, file.image.Resolution()});
+    const Point2i full = file.metadata.fullResolution.value_or(file.image.Resolution());
+    const bool covers = wanted.low.x >= have.low.x && wanted.low.y >= have.low.y && wanted.high.x <= have.high.x &&
+                        wanted.high.y <= have.high.y;
+    if (full != scene.FullResolution() || !covers)
+        throw UserError(fmt::format("{}: the reference is {} x {} pixels (x {}-{}, y {}-{} of them); the film is {} x {} "
+                                    "and needs x {}-{}, y {}-{}. See --divisor.",
+                                    path, full.x, full.y, have.low.x, have.high.x, have.low.y, have.high.y,
+                                    scene.FullResolution().x, scene.FullResolution().y, wanted.low.x, wanted.high.x,
+                                    wanted.low.y, wanted.high.y));
+    const Bounds2i window{wanted.low - have.low, wanted.high - have.low};
+    Reference reference;
+    reference.image = file.image.Select({"R", "G", "B"}).Crop(window);
+    reference.sampler = Attribute<std::string>(file.metadata, "lightlab.sampler", "");
+    reference.samples = Attribute(file.metadata, "samplesPerPixel", 0);
+    reference.seconds = double(Attribute(file.metadata, "renderTimeSeconds", 0.f));
+    reference.source = path;
+    return reference;
+}
+
+}  // namespace pbrt::lab

@@ -1,0 +1,257 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pbrt/lab/results.h"
+
+namespace pbrt::lab {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+const Summary &Of(const SamplerResult &s, Measure m) { return s.measures[static_cast<size_t>(m)]; }
+
+struct Overhead {
+    double prepass = 0, build = 0, render = 0;  ///< seconds, means over the runs
+};
+
+Overhead OverheadOf(const SamplerResult &s) {
+    Overhead o;
+    for (const RunRecord &run : s.runs) {
+        const double prepass = ReportNumber(run.report, {"prepassSeconds"}).value_or(0);
+        o.prepass += prepass;
+        // What a sampler does not itemise is building.
+        o.build += std::max(0.0, run.prepare.wall - prepass);
+        o.render += run.rounds.back().spent.wall - run.prepare.wall;
+    }
+    const double n = static_cast<double>(std::max<size_t>(1, s.runs.size()));
+    return {o.prepass / n, o.build / n, o.render / n};
+}
+
+std::optional<double> ReportMean(const SamplerResult &s, std::initializer_list<const char *> names) {
+    double sum = 0;
+    for (const RunRecord &run : s.runs) {
+        const std::optional<double> value = ReportNumber(run.report, names);
+        if (!value) return {};
+        sum += *value;
+    }
+    return sum / static_cast<double>(s.runs.size());
+}
+
+Json OrNull(const std::optional<double> &value) { return value ? Json(*value) : Json(); }
+
+Json ParametersOf(const RunRecord &run) {
+    if (!run.report.contains("parameters")) return Json::object();
+    const Json &p = run.report["parameters"];
+    if (!p.is_string()) return p;
+    Json parsed = Json::parse(p.get<std::string>(), nullptr, false);
+    return parsed.is_discarded() ? p : parsed;
+}
+
+Json RunJson(const SamplerResult &s, const RunRecord &run) {
+    Json json;
+    json["seed"] = run.seed;
+    json["image"] = fmt::format("{}/seed{}.exr", s.choice.folder, run.seed);
+    json["prepareSeconds"] = run.prepare.wall;
+    json["prepareCpuSeconds"] = run.prepare.cpu;
+    json["prepareShadowRays"] = run.prepareShadowRays;
+    json["shadowRays"] = run.rounds.back().shadowRays;
+    json["shadowRaysBlocked"] = run.rounds.back().shadowRaysBlocked;
+    json["rounds"] = Json::array();
+    for (const RoundRecord &r : run.rounds)
+        json["rounds"].push_back({{"checkpoint", r.checkpoint},
+                                  {"samples", r.samples},
+                                  {"seconds", r.spent.wall},
+                                  {"cpuSeconds", r.spent.cpu},
+                                  {"metrics", ToJson(r.measures)}});
+    return json;
+}
+
+Json BiasJson(const BiasReport &b) {
+    auto finite = [](double v) { return std::isfinite(v) ? Json(v) : Json(); };
+    return {{"verdict", BiasVerdictName(b.verdict)}, {"tiles", b.tiles},
+            {"tests", b.tests},                      {"worstZ", finite(b.worstZ)},
+            {"pValue", b.pValue},                    {"meanDifference", finite(b.meanDifference)},
+            {"visibleImage", finite(b.visibleImage)},
+            {"visibleSixteenth", finite(b.visibleSixteenth)},
+            {"visibleSmallest", finite(b.visibleSmallest)},
+            {"smallestSide", b.smallestSide},        {"text", b.text}};
+}
+
+Json SummaryJson(const SamplerResult &s) {
+    Json json;
+    json["samples"] = s.samples;
+    json["seconds"] = s.seconds;
+    json["cpuSeconds"] = s.cpuSeconds;
+    for (size_t m = 0; m < MeasureCount; ++m)
+        json["metrics"][MeasureNames[m]] = {{"mean", s.measures[m].mean},
+                                            {"stdDev", s.measures[m].stdDev},
+                                            {"standardError", s.measures[m].standardError}};
+    json["firefliesDecide"] = s.firefliesDecide;
+    json["efficiency"] = s.efficiency;
+    json["speedUp"] = OrNull(s.speedUp);
+    json["speedUpAgainst"] = s.speedUp ? Json(s.speedUpAgainst) : Json();
+    json["speedUps"] = Json::object();
+    for (const auto &[label, value] : s.speedUps) json["speedUps"][label] = value;
+    json["ratioToOracle"] = OrNull(s.ratioToOracle);
+    const Overhead o = OverheadOf(s);
+    json["overhead"] = {{"prepassSeconds", o.prepass}, {"buildSeconds", o.build}, {"renderSeconds", o.render}};
+    json["cpuSecondsPerSample"] = s.cpuPerSample;
+    json["relativeCost"] = s.relativeCost;
+    json["preparationShare"] = s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0;
+    json["leaves"] = OrNull(ReportMean(s, {"leaves"}));
+    json["bytes"] = OrNull(ReportMean(s, {"bytes"}));
+    json["shadowRays"] = s.shadowRays;
+    json["blockedShare"] = s.blockedShare;
+    json["bias"] = BiasJson(s.bias);
+    return json;
+}
+
+std::string Percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
+
+/// Columns wide enough for their entries; the first to the left, the others to the right.
+std::string Align(const std::vector<std::vector<std::string>> &rows) {
+    std::vector<size_t> width(rows.at(0).size(), 0);
+    for (const auto &row : rows)
+        for (size_t c = 0; c < row.size(); ++c) width[c] = std::max(width[c], row[c].size());
+    std::string text;
+    for (const auto &row : rows) {
+        for (size_t c = 0; c < row.size(); ++c)
+            text += c == 0 ? fmt::format("{:<{}}", row[c], width[c]) : fmt::format("  {:>{}}", row[c], width[c]);
+        text += "\n";
+    }
+    return text;
+}
+
+std::string Quoted(const std::string &text) {
+    return text.find_first_of(",\"") == std::string::npos ? text : "\"" + text + "\"";
+}
+
+}  // namespace
+
+void AddToJson(const CampaignResults &results, Json *json) {
+    (*json)["samplers"] = Json::array();
+    for (const SamplerResult &s : results.samplers) {
+        Json entry;
+        const RunRecord &first = s.runs.front();
+        entry["label"] = s.choice.label;
+        entry["lightSampler"] = s.choice.name;
+        entry["parameters"] = ParametersOf(first);
+        entry["meshLights"] = s.choice.meshLights;
+        entry["gate"] = s.choice.gate;
+        entry["isOracle"] = s.choice.IsOracle();
+        entry["reference"] = s.reference;
+        entry["report"] = first.report;
+        entry["gateReport"] = first.gateReport;
+        entry["structure"] = first.structure;
+        entry["picture"] = s.choice.folder + "/result.png";
+        entry["errorPicture"] = s.choice.folder + "/error.png";
+        entry["runs"] = Json::array();
+        for (const RunRecord &run : s.runs) entry["runs"].push_back(RunJson(s, run));
+        entry["summary"] = SummaryJson(s);
+        (*json)["samplers"].push_back(std::move(entry));
+    }
+    (*json)["winner"] = results.winner ? Json(results.samplers[*results.winner].choice.label) : Json();
+    (*json)["winnerBeyondNoise"] = results.winnerBeyondNoise;
+}
+
+std::string SummaryCsv(const CampaignResults &results) {
+    std::string text =
+        "sampler,samples,seconds,cpuSeconds,relL2,relL2StandardError,relL2Trimmed,MSE,MRSE,MAE,SMAPE,FLIP,efficiency,"
+        "speedUp,speedUpAgainst,ratioToOracle,prepassSeconds,buildSeconds,renderSeconds,preparationShare,"
+        "cpuSecondsPerSample,relativeCost,leaves,bytes,shadowRays,blockedShare,biasVerdict,biasPValue\n";
+    auto number = [](const std::optional<double> &v) { return v ? fmt::format("{:.9g}", *v) : std::string(); };
+    for (const SamplerResult &s : results.samplers) {
+        const Overhead o = OverheadOf(s);
+        auto mean = [&](Measure m) { return number(Of(s, m).mean); };
+        const std::vector<std::string> fields = {
+            Quoted(s.choice.label),
+            number(s.samples),
+            number(s.seconds),
+            number(s.cpuSeconds),
+            mean(Measure::RelL2),
+            number(Of(s, Measure::RelL2).standardError),
+            mean(Measure::RelL2Trimmed),
+            mean(Measure::MSE),
+            mean(Measure::MRSE),
+            mean(Measure::MAE),
+            mean(Measure::SMAPE),
+            mean(Measure::FLIP),
+            number(s.efficiency),
+            number(s.speedUp),
+            Quoted(s.speedUpAgainst),
+            number(s.ratioToOracle),
+            number(o.prepass),
+            number(o.build),
+            number(o.render),
+            number(s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0),
+            number(s.cpuPerSample),
+            number(s.relativeCost),
+            number(ReportMean(s, {"leaves"})),
+            number(ReportMean(s, {"bytes"})),
+            number(s.shadowRays),
+            number(s.blockedShare),
+            BiasVerdictName(s.bias.verdict),
+            number(s.bias.pValue)};
+        text += fmt::format("{}\n", fmt::join(fields, ","));
+    }
+    return text;
+}
+
+std::string RoundsCsv(const CampaignResults &results) {
+    std::string text = "sampler,seed,checkpoint,samples,seconds,cpuSeconds,shadowRays,shadowRaysBlocked";
+    for (const char *name : MeasureNames) text += std::string(",") + name;
+    text += "\n";
+    for (const SamplerResult &s : results.samplers)
+        for (const RunRecord &run : s.runs)
+            for (const RoundRecord &r : run.rounds) {
+                text += fmt::format("{},{},{},{},{:.6f},{:.6f},{},{}", Quoted(s.choice.label), run.seed, r.checkpoint,
+                                    r.samples, r.spent.wall, r.spent.cpu, r.shadowRays, r.shadowRaysBlocked);
+                for (double m : r.measures) text += fmt::format(",{:.9g}", m);
+                text += "\n";
+            }
+    return text;
+}
+
+std::string TableText(const CampaignResults &results, const References &references) {
+    auto optional = [](const std::optional<double> &v, const char *unit) {
+        return v ? fmt::format("{:.2f}{}", *v, unit) : std::string("-");
+    };
+    std::vector<std::vector<std::string>> rows = {{"sampler", "samples", "seconds", "relL2", "+-", "trimmed",
+                                                   "efficiency", "speed-up", "x oracle", "prepass s", "build s", "prep.",
+                                                   "cost", "blocked", "bias"}};
+    for (const SamplerResult &s : results.samplers) {
+        const Overhead o = OverheadOf(s);
+        rows.push_back({s.choice.label, fmt::format("{:.1f}", s.samples), fmt::format("{:.2f}", s.seconds),
+                        fmt::format("{:.4g}", Of(s, Measure::RelL2).mean),
+                        fmt::format("{:.2g}", Of(s, Measure::RelL2).standardError),
+                        fmt::format("{:.4g}{}", Of(s, Measure::RelL2Trimmed).mean, s.firefliesDecide ? " !" : ""),
+                        fmt::format("{:.4g}", s.efficiency), optional(s.speedUp, "x"), optional(s.ratioToOracle, ""),
+                        fmt::format("{:.3f}", o.prepass), fmt::format("{:.3f}", o.build),
+                        Percent(s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0),
+                        fmt::format("{:.3f}", s.relativeCost), Percent(s.blockedShare),
+                        BiasVerdictName(s.bias.verdict)});
+    }
+    std::string text = Align(rows);
+    text +=
+        "\nspeed-up: time that the best other sampler needs for this one's error, over this one's time. x oracle: relL2 over "
+        "the oracle's at equal samples.\ncost: CPU time of a sample over that of the first sampler. prep.: share of the "
+        "preparation in the CPU time. !: a few fireflies decide the relL2.\n";
+    for (size_t i = 0; i < references.all.size(); ++i) {
+        const Reference &r = references.all[i];
+        text += fmt::format("reference {}: {}{}{} ({})\n", i, r.sampler.empty() ? "given" : r.sampler,
+                            r.samples ? fmt::format(", {} samples per pixel", r.samples) : "",
+                            r.noise ? fmt::format(", relL2 of its own noise {:.3g}", *r.noise) : "", r.source);
+    }
+    for (const std::string &note : references.notes) text += "note: " + note + "\n";
+    text += "\n";
+    for (const SamplerResult &s : results.samplers) text += fmt::format("{}: {}\n", s.choice.label, s.bias.text);
+    if (results.winner)
+        text += fmt::format("\nleast error: {}{}\n", results.samplers[*results.winner].choice.label,
+                            results.winnerBeyondNoise ? "" : ", but not beyond noise");
+    return text;
+}
+
+}  // namespace pbrt::lab

@@ -1,0 +1,128 @@
+#include "pbrt/lab/sampler_run.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "pbrt/core/counters.h"
+#include "pbrt/core/files.h"
+#include "version.h"
+
+namespace pbrt::lab {
+
+namespace {
+
+constexpr int kLargestWave = 64;
+constexpr double kLongestWave = 1;  ///< seconds, so that the clock and the progress are looked at
+
+RenderSettings SettingsFor(const LabScene &scene) {
+    RenderSettings settings;
+    settings.samplesPerPixel = scene.Batch();
+    settings.disablePixelJitter = scene.built.disablePixelJitter;
+    settings.disableWavelengthJitter = scene.built.disableWavelengthJitter;
+    return settings;
+}
+
+}  // namespace
+
+SamplerRun::SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, Progress &cancel)
+    : scene_(scene), choice_(choice), cancel_(cancel), integrator_(scene.MakeIntegrator(choice)),
+      film_(scene.built.makeFilm()), settings_(SettingsFor(scene)),
+      renderer_(*integrator_, *scene.built.camera, *scene.built.filter, *film_,
+                [&scene, seed](int round) { return scene.built.makeSeededSampler(seed, round); }, settings_, cancel) {
+    record_.seed = seed;
+}
+
+bool SamplerRun::Prepare() {
+    const BuiltScene &b = scene_.built;
+    PrepareContext context{*b.scene,     *b.camera,    *b.filter,   film_->PixelBounds(), record_.seed,
+                           scene_.Batch(), b.maxDepth, cancel_};
+    ResetCounters();
+    Stopwatch watch;
+    integrator_->Prepare(context);
+    record_.prepare = watch.Elapsed();
+    record_.prepareShadowRays = SumCounters().shadowRays;
+    spent_ = record_.prepare;
+    return !cancel_.Cancelled();
+}
+
+void SamplerRun::Resume(const RunRecord &record, const std::string &filmFile) {
+    std::ifstream in(filmFile, std::ios::binary);
+    if (!in) throw UserError(fmt::format("{}: cannot be read; --restart begins again.", filmFile));
+    try {
+        film_->LoadState(in);
+    } catch (const UserError &e) {
+        throw UserError(fmt::format("{}: {} --restart begins again.", filmFile, e.what()));
+    }
+    record_ = record;
+    const RoundRecord &last = record.rounds.back();
+    renderer_.ContinueFrom(last.samples);
+    spent_ = last.spent;
+    shadowRays_ = last.shadowRays;
+    shadowRaysBlocked_ = last.shadowRaysBlocked;
+    secondsPerSample_ = (last.spent.wall - record.prepare.wall) / std::max(1, last.samples);
+}
+
+bool SamplerRun::RenderTo(const RenderTarget &target, const std::function<void()> &afterWave) {
+    const bool timed = target.seconds > 0;
+    for (;;) {
+        int size = 1;
+        if (renderer_.Done() > 0) {
+            double fits = kLongestWave / std::max(secondsPerSample_, 1e-6);
+            if (timed) fits = std::min(fits, (target.seconds - spent_.wall) / secondsPerSample_ + 0.5);
+            size = std::clamp(static_cast<int>(fits), timed ? 0 : 1, kLargestWave);
+        }
+        if (!timed) size = std::min(size, target.samples - renderer_.Done());
+        if (size < 1) return true;
+        ResetCounters();
+        Stopwatch watch;
+        const int taken = renderer_.Render(size);
+        if (taken == 0) return false;
+        const TimeSpent wave = watch.Elapsed();
+        spent_ += wave;
+        secondsPerSample_ = wave.wall / taken;
+        const RenderCounters counters = SumCounters();
+        shadowRays_ += counters.shadowRays;
+        shadowRaysBlocked_ += counters.shadowRaysBlocked;
+        if (afterWave) afterWave();
+    }
+}
+
+void SamplerRun::AddRound(int checkpoint, const Measures &measures) {
+    record_.rounds.push_back({checkpoint, Samples(), spent_, shadowRays_, shadowRaysBlocked_, measures});
+    record_.report = nlohmann::ordered_json::object();
+    record_.gateReport = nullptr;
+    if (const LightSampler *lights = integrator_->Lights()) {
+        lights->Report(record_.report);
+        record_.structure = lights->DescribeStructure();
+    }
+    if (const ShadowRayGate *gate = integrator_->Gate()) {
+        record_.gateReport = nlohmann::ordered_json::object();
+        gate->Report(record_.gateReport);
+    }
+}
+
+ImageMetadata SamplerRun::Metadata() const {
+    ImageMetadata m = film_->Metadata();
+    m.attributes["renderTimeSeconds"] = static_cast<float>(spent_.wall);
+    m.attributes["samplesPerPixel"] = Samples();
+    m.attributes["lightlab.sampler"] = choice_.label;
+    m.attributes["lightlab.prepareSeconds"] = static_cast<float>(record_.prepare.wall);
+    m.attributes["lightlab.seed"] = record_.seed;
+    m.attributes["lightlab.sceneHash"] = scene_.hash;
+    m.attributes["pbrt.version"] = std::string(PBRT_VERSION_TEXT);
+    m.attributes["pbrt.integrator"] = scene_.built.integratorName;
+    m.attributes["pbrt.maxDepth"] = scene_.built.maxDepth;
+    return m;
+}
+
+void SamplerRun::SaveFilm(const std::string &path) const {
+    WriteThenRename(path, [&](const std::string &temporary) {
+        std::ofstream out(temporary, std::ios::binary);
+        film_->SaveState(out);
+        out.close();
+        if (!out) throw UserError(fmt::format("{}: cannot be written.", path));
+    });
+}
+
+}  // namespace pbrt::lab

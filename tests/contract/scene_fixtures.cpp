@@ -198,8 +198,14 @@ const std::vector<Recipe> &Recipes() {
     return recipes;
 }
 
+const SampledWavelengths &Wavelengths() {
+    static const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    return lambda;
+}
+
 /// Camera hits, what a bounce finds from them, and points anywhere in the bounds; each also as a place in a medium.
-std::vector<LightQuery> Places(const BuiltScene &built, int count) {
+/// Every third hit says what scatters there; `bsdfs` keeps it.
+std::vector<LightQuery> Places(const BuiltScene &built, int count, std::deque<Bsdf> &bsdfs) {
     std::vector<LightQuery> out;
     const Scene &scene = *built.scene;
     Rng rng(99);
@@ -215,8 +221,8 @@ std::vector<LightQuery> Places(const BuiltScene &built, int count) {
             if (!bsdf) break;
             if (bounce == i % 2) {
                 LightQuery q = LightQueryAt(*point, bsdf, lambda, bounce + 1);
-                q.bsdf = nullptr;  // would not outlive this loop
-                q.lambda = nullptr;
+                q.bsdf = i % 3 == 0 ? &bsdfs.emplace_back(bsdf) : nullptr;
+                q.lambda = q.bsdf ? &Wavelengths() : nullptr;
                 out.push_back(q);
                 ++i;
                 break;
@@ -241,18 +247,16 @@ std::vector<LightQuery> Places(const BuiltScene &built, int count) {
     for (size_t i = 0, n = out.size(); i < n; i += 2) {
         LightQuery q = out[i];
         q.n = q.ns = Normal3(0);
+        q.bsdf = nullptr;
+        q.lambda = nullptr;
         out.push_back(q);
     }
     return out;
 }
 
 double Contribution(const Scene &scene, const LightQuery &q, const Light &light, const Point2 &u) {
-    static const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
-    LightSampleContext from;
-    from.p = q.p;
-    from.n = q.n;
-    from.ns = q.ns;
-    std::optional<LightLiSample> s = light.SampleLi(from, u, lambda, true);
+    LightSampleContext from{q.p, q.pError, q.n, q.ns, q.time};
+    std::optional<LightLiSample> s = light.SampleLi(from, u, Wavelengths(), true);
     if (!s || !s->L || !(s->pdf > 0)) return 0;
     Float cosine = 1;
     if (q.ns != Normal3(0)) {
@@ -260,6 +264,7 @@ double Contribution(const Scene &scene, const LightQuery &q, const Light &light,
         if (!q.transmits && cosine * Dot(q.wo, q.ns) <= 0) return 0;
         // Bounds are kept in few bits; light that grazes this much is nothing.
         if (std::abs(cosine) < Float(1e-5)) return 0;
+        if (q.bsdf && !q.bsdf->F(q.wo, s->wi)) return 0;
     }
     if (scene.Occluded(from, *s)) return 0;
     return static_cast<double>(s->L.Average()) * static_cast<double>(std::abs(cosine)) / static_cast<double>(s->pdf);
@@ -267,12 +272,18 @@ double Contribution(const Scene &scene, const LightQuery &q, const Light &light,
 
 }  // namespace
 
-void SceneFixture::Prepare(LightSampler &sampler) const {
+namespace {
+template <class Plug>
+void PrepareIn(const BuiltScene &built, Plug &plug) {
     Progress progress;
     PrepareContext context{*built.scene, *built.camera,         *built.filter,  built.film->PixelBounds(),
                            built.seed,   built.samplesPerPixel, built.maxDepth, progress};
-    sampler.Prepare(context);
+    plug.Prepare(context);
 }
+}  // namespace
+
+void SceneFixture::Prepare(LightSampler &sampler) const { PrepareIn(built, sampler); }
+void SceneFixture::Prepare(ShadowRayGate &gate) const { PrepareIn(built, gate); }
 
 std::vector<std::string> SceneFixtureNames() {
     std::vector<std::string> names;
@@ -288,7 +299,7 @@ const SceneFixture &SceneFixtureOf(const std::string &name) {
     for (const Recipe &r : Recipes())
         if (r.name == name) {
             f.built = BuildText(r.text());
-            f.queries = Places(f.built, r.places);
+            f.queries = Places(f.built, r.places, f.bsdfs);
             f.dark = r.dark;
         }
     size_t lights = f.Lights().Size();

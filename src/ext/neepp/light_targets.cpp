@@ -9,7 +9,7 @@
 namespace ext {
 
 namespace {
-constexpr int kSkySamples = 1024;
+constexpr int kSkySamples = 4096;
 
 /// Points by area of a primitive, as many as make it unlikely to miss a voxel that it crosses.
 template <class Visit>
@@ -66,8 +66,9 @@ uint32_t LightTargets::SkyTarget(uint32_t part) {
 LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const MeshGroups &groups) {
     const LightTable &lights = scene.Lights();
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    const Bounds3 bounds = scene.Bounds().IsEmpty() ? Bounds3(Point3(0)) : scene.Bounds();
     LightSampleContext center;
-    center.p = scene.Bounds().IsEmpty() ? Point3(0) : scene.Bounds().Center();
+    center.p = bounds.Center();
     ofVoxel_.assign(grid.Size(), None);
     ofSkyPart_.assign(SkySide * SkySide, None);
     ofLight_.assign(lights.Size(), None);
@@ -102,11 +103,12 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Mesh
             weights[ofLight_[i]] += share;
         } else if (kindOf_[i] == LightKind::Infinite) {
             for (uint64_t k = 0; k < kSkySamples; ++k) {
+                // From all over the scene: what a light with a portal draws depends on the place.
+                LightSampleContext from;
+                from.p = bounds.low + bounds.Diagonal() * Vector3(RadicalInverse(5, k), RadicalInverse(7, k), RadicalInverse(11, k));
                 Point2 u(RadicalInverse(2, k), RadicalInverse(3, k));
-                std::optional<LightLiSample> s = lights[id].SampleLi(center, u, lambda, true);
-                if (!s || !(s->pdf > 0)) continue;
-                double value = static_cast<double>(s->L.Average() / s->pdf);
-                if (value > 0 && std::isfinite(value)) weights[SkyTarget(SkyPartOf(s->wi))] += value;
+                std::optional<LightLiSample> s = lights[id].SampleLi(from, u, lambda, true);
+                if (s && s->L && s->pdf > 0) weights[SkyTarget(SkyPartOf(s->wi))] += 1;
             }
         } else if (mesh) {
             ForPointsOn(scene.ShapeOf(shape), lights.PrimitiveOf(id), grid, [&](const Point3 &p, Float part) {

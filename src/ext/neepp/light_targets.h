@@ -33,7 +33,7 @@ class LightTargets {
 
     size_t Size() const { return targets_.size(); }
     const Target &operator[](size_t i) const { return targets_[i]; }
-    /// Weights sum to 1; none for groups without power.
+    /// Weights sum to 1; none for groups without power, and for a sky of one colour, which paths do not sample.
     std::span<const Share> SharesOf(uint32_t group) const {
         return {shares_.data() + first_[group], shares_.data() + first_[group + 1]};
     }

@@ -1,0 +1,176 @@
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "ext/neepp/light_targets.h"
+#include "support/build_text.h"
+
+namespace {
+
+using namespace ext;
+using pbrt::test::BuildText;
+using Kind = LightTargets::Kind;
+
+/// Bounds [-4, 4]^3; rendering space is the world.
+const char *kBox = R"(
+Camera "perspective"
+Film "rgb" "integer xresolution" 16 "integer yresolution" 12
+Sampler "independent" "integer pixelsamples" 1
+Integrator "path"
+WorldBegin
+Material "diffuse"
+Shape "bilinearmesh" "point3 P" [ -4 -4 -4  4 -4 -4  -4 -4 4  4 -4 4 ]
+Shape "bilinearmesh" "point3 P" [ -4 4 -4  4 4 -4  -4 4 4  4 4 4 ]
+)";
+
+struct Made {
+    BuiltScene built;
+    VoxelGrid grid;
+    std::unique_ptr<MeshGroups> groups;
+    LightTargets targets;
+};
+Made Make(const std::string &lights, bool grouped = true) {
+    Made m;
+    m.built = BuildText(std::string(kBox) + lights);
+    m.grid = VoxelGrid(m.built.scene->Bounds(), 8);
+    m.groups = std::make_unique<MeshGroups>(m.built.scene->Lights(), grouped);
+    m.targets = LightTargets(*m.built.scene, m.grid, *m.groups);
+    return m;
+}
+
+TEST(LightTargets, LightsInOneVoxelShareATarget) {
+    Made m = Make(R"(
+LightSource "point" "point3 from" [ 1.2 1.2 1.2 ]
+LightSource "spot" "point3 from" [ 1.7 1.6 1.5 ] "point3 to" [ 0 0 0 ]
+LightSource "point" "point3 from" [ -1.2 1.2 1.2 ]
+LightSource "point" "point3 from" [ 100 0.5 0.5 ]
+LightSource "point" "point3 from" [ 0.5 0.5 0.5 ] "float scale" 0
+)");
+    ASSERT_EQ(m.targets.Size(), 3u);
+    EXPECT_EQ(m.targets.SharesOf(0)[0].target, m.targets.SharesOf(1)[0].target);
+    EXPECT_NE(m.targets.SharesOf(0)[0].target, m.targets.SharesOf(2)[0].target);
+    EXPECT_EQ(m.targets[m.targets.SharesOf(0)[0].target].index, m.grid.Index({1.2f, 1.2f, 1.2f}));
+    EXPECT_EQ(m.targets[m.targets.SharesOf(3)[0].target].index, m.grid.Index({3.9f, 0.5f, 0.5f}));
+    EXPECT_TRUE(m.targets.SharesOf(4).empty());  // no power
+    for (uint32_t g = 0; g < 4; ++g) EXPECT_EQ(m.targets.SharesOf(g)[0].weight, 1.f);
+}
+
+TEST(LightTargets, AnAreaLightCoversVoxelsByItsArea) {
+    // Over x in [-1.5, 0.9], z in [0.25, 0.75], voxels of side 1: 0.5, 1 and 0.9 of 2.4.
+    Made m = Make(R"(
+AreaLightSource "diffuse"
+Shape "trianglemesh" "point3 P" [ -1.5 0.5 0.25  0.9 0.5 0.25  0.9 0.5 0.75  -1.5 0.5 0.75 ] "integer indices" [ 0 1 2  0 2 3 ]
+)");
+    ASSERT_EQ(m.groups->Size(), 1u);
+    std::map<uint32_t, Float> weight;
+    Float sum = 0;
+    for (const LightTargets::Share &s : m.targets.SharesOf(0)) {
+        weight[m.targets[s.target].index] = s.weight;
+        sum += s.weight;
+    }
+    ASSERT_EQ(weight.size(), 3u);
+    EXPECT_NEAR(sum, 1, 1e-5f);
+    EXPECT_NEAR(weight[m.grid.Index({-1.2f, 0.5f, 0.5f})], 0.5f / 2.4f, 0.03f);
+    EXPECT_NEAR(weight[m.grid.Index({-0.5f, 0.5f, 0.5f})], 1 / 2.4f, 0.03f);
+    EXPECT_NEAR(weight[m.grid.Index({0.5f, 0.5f, 0.5f})], 0.9f / 2.4f, 0.03f);
+    // Segments end where the light was expected; elsewhere nothing is known.
+    LightId light(0u);
+    EXPECT_EQ(m.targets[m.targets.Find(m.grid, light, {3, 3, 3}, {-1.2f, 0.5f, 0.5f})].index, m.grid.Index({-1.2f, 0.5f, 0.5f}));
+    EXPECT_EQ(m.targets.Find(m.grid, light, {3, 3, 3}, {-1.2f, 2.5f, 0.5f}), LightTargets::None);
+}
+
+TEST(LightTargets, EveryPointOfALargeLightIsExpected) {
+    Made m = Make(R"(
+AreaLightSource "diffuse"
+Shape "sphere" "float radius" 3
+Shape "trianglemesh" "point3 P" [ -4 3.5 -4  4 3.5 -4  4 3.5 4  -4 3.5 4 ] "integer indices" [ 0 1 2  0 2 3 ]
+)");
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    Rng rng(2);
+    int missed = 0, asked = 0;
+    for (int i = 0; i < 3000; ++i) {
+        LightSampleContext from;
+        from.p = Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()} * Float(8) - Float(4);
+        LightId light(rng.UniformInt(3));
+        auto s = m.built.scene->Lights()[light].SampleLi(from, rng.Uniform2(), lambda, true);
+        if (!s) continue;
+        ++asked;
+        missed += m.targets.Find(m.grid, light, from.p, s->pLight) == LightTargets::None;
+    }
+    EXPECT_GT(asked, 500);
+    EXPECT_LT(missed, asked / 200);
+}
+
+TEST(LightTargets, ADistantLightIsADirection) {
+    Made m = Make(R"(LightSource "distant" "point3 from" [ 0 2 2 ] "point3 to" [ 0 0 0 ])");
+    ASSERT_EQ(m.targets.Size(), 1u);
+    EXPECT_EQ(m.targets[0].kind, Kind::Direction);
+    EXPECT_NEAR(Distance(m.targets[0].direction, Normalize(Vector3(0, 1, 1))), 0, 1e-5f);
+    EXPECT_EQ(m.targets.Find(m.grid, LightId(0u), {1, 1, 1}, {1, 100, 100}), 0u);
+}
+
+const std::string kSky = std::string("LightSource \"infinite\" \"string filename\" \"") + PBRT_SOURCE_DIR +
+                         "/tests/conformance/suite/scenes/assets/env_sky.exr\"";
+
+TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
+    Rng rng(6);
+    for (int i = 0; i < 64 * 50; ++i) {
+        auto part = static_cast<uint32_t>(i % 64);
+        Point2 u(0.01f + 0.98f * rng.Uniform(), 0.01f + 0.98f * rng.Uniform());
+        EXPECT_EQ(LightTargets::SkyPartOf(LightTargets::DirectionIn(part, u)), part);
+    }
+    // The weights are the share of draws that go to each part.
+    Made m = Make(kSky);
+    EXPECT_GT(m.targets.Size(), 8u);
+    EXPECT_LE(m.targets.Size(), 64u);
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    std::vector<double> value(64);
+    double all = 0, unexpected = 0;
+    for (int i = 0; i < 20000; ++i) {
+        LightSampleContext from;
+        from.p = {1, 0, 1};
+        auto s = m.built.scene->Lights()[LightId(0u)].SampleLi(from, rng.Uniform2(), lambda, true);
+        ASSERT_TRUE(s);
+        value[LightTargets::SkyPartOf(s->wi)] += 1;
+        all += 1;
+        uint32_t target = m.targets.Find(m.grid, LightId(0u), from.p, s->pLight);
+        if (target == LightTargets::None) unexpected += 1;
+        else EXPECT_EQ(m.targets[target].kind, Kind::SkyPart);
+    }
+    EXPECT_LT(unexpected, 0.01 * all);
+    double sum = 0;
+    for (const LightTargets::Share &s : m.targets.SharesOf(0)) {
+        EXPECT_NEAR(static_cast<double>(s.weight), value[m.targets[s.target].index] / all, 0.01);
+        sum += static_cast<double>(s.weight);
+    }
+    EXPECT_NEAR(sum, 1, 1e-5);
+}
+
+TEST(LightTargets, ASkyOfOneColourIsNotSampledAndHasNone) {
+    Made m = Make(R"(LightSource "infinite")");
+    EXPECT_EQ(m.targets.Size(), 0u);
+    EXPECT_EQ(m.targets.Find(m.grid, LightId(0u), {0, 0, 0}, {100, 0, 0}), LightTargets::None);
+}
+
+TEST(LightTargets, UngroupedLightsStandWhereTheirOwnShapeIs) {
+    // The second sphere and the second triangle of the mesh must not be read as the first.
+    Made m = Make(R"(
+AreaLightSource "diffuse"
+Shape "trianglemesh" "point3 P" [ -2.6 0.5 0.5  -2.5 0.5 0.5  -2.5 0.6 0.5  2.4 0.5 0.5  2.5 0.5 0.5  2.5 0.6 0.5 ] "integer indices" [ 0 1 2  3 4 5 ]
+AttributeBegin
+Translate 0.5 2.5 0.5
+Shape "sphere" "float radius" 0.1
+AttributeEnd
+AttributeBegin
+Translate 0.5 -2.5 0.5
+Shape "sphere" "float radius" 0.1
+AttributeEnd
+)", false);
+    ASSERT_EQ(m.groups->Size(), 4u);
+    ASSERT_EQ(m.targets.Size(), 4u);
+    const Point3 places[] = {{-2.55f, 0.55f, 0.5f}, {2.45f, 0.55f, 0.5f}, {0.5f, 2.5f, 0.5f}, {0.5f, -2.5f, 0.5f}};
+    for (uint32_t g = 0; g < 4; ++g)
+        EXPECT_EQ(m.targets[m.targets.SharesOf(g)[0].target].index, m.grid.Index(places[g]));
+}
+
+}  // namespace

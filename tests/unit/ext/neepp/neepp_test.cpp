@@ -1,0 +1,216 @@
+#include <gtest/gtest.h>
+
+#include "ext/neepp/neepp_gate.h"
+#include "ext/neepp/neepp_light_sampler.h"
+#include "support/build_text.h"
+
+namespace {
+
+using namespace ext;
+using pbrt::test::BuildText;
+
+/// Bounds [-4, 4]^3, open at the sides; a wall at x = 0 with a gap below y = -2. Rendering space is the world.
+const char *kHalves = R"(
+Camera "perspective"
+Film "rgb" "integer xresolution" 16 "integer yresolution" 12
+Sampler "independent" "integer pixelsamples" 1
+Integrator "path"
+WorldBegin
+Material "diffuse"
+Shape "bilinearmesh" "point3 P" [ -4 -4 -4  4 -4 -4  -4 -4 4  4 -4 4 ]
+Shape "bilinearmesh" "point3 P" [ -4 4 -4  4 4 -4  -4 4 4  4 4 4 ]
+Shape "bilinearmesh" "point3 P" [ 0 -2 -4  0 4 -4  0 -2 4  0 4 4 ]
+)";
+const char *kLights = R"(
+LightSource "point" "point3 from" [ -2.5 2.5 0.5 ] "rgb I" [ 1 1 1 ]
+LightSource "point" "point3 from" [ 2.5 2.5 0.5 ] "rgb I" [ 1000 1000 1000 ]
+LightSource "point" "point3 from" [ 2.5 -3.5 0.5 ]
+LightSource "distant" "point3 from" [ -1 0 0 ] "point3 to" [ 0 0 0 ]
+)";
+
+const std::string kSky = std::string("LightSource \"infinite\" \"string filename\" \"") + PBRT_SOURCE_DIR +
+                         "/tests/conformance/suite/scenes/assets/env_sky.exr\"";
+
+template <class Plug>
+void PrepareIn(const BuiltScene &built, Plug &plug, int seed = 0) {
+    Progress progress;
+    PrepareContext context{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), seed, 1, 5, progress};
+    plug.Prepare(context);
+}
+LightQuery At(const Point3 &p) {
+    LightQuery q;
+    q.p = p;
+    return q;
+}
+NeeppParams Params(int voxels, int samples) {
+    NeeppParams p;
+    p.map.voxels = voxels;
+    p.map.samples = samples;
+    return p;
+}
+
+TEST(VisibilityMap, IsTheShareOfFreeSegmentsBetweenTheVoxels) {
+    BuiltScene built = BuildText(std::string(kHalves) + kLights + kSky);
+    MeshGroups groups(built.scene->Lights(), true);
+    VisibilityMap map({8, 255});
+    Progress progress;
+    PrepareContext context{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), 0, 1, 5, progress};
+    map.Prepare(context, groups);
+    ASSERT_GT(map.Targets().Size(), 4u + 8u);
+    Rng rng(5);
+    double worst = 0;
+    int partly = 0;
+    for (const Point3 &p : {Point3(-2.5f, 2.5f, 0.5f), Point3(-0.5f, -2.5f, 0.5f), Point3(-3.5f, -3.5f, 1.5f), Point3(1.5f, -1.5f, 3.5f)}) {
+        uint32_t voxel = map.Grid().Index(p);
+        std::span<const uint8_t> row = map.Row(voxel);
+        for (uint32_t t = 0; t < row.size(); ++t) {
+            // The slow twin, with its own random numbers.
+            const LightTargets::Target &target = map.Targets()[t];
+            const int n = 2000;
+            int open = 0;
+            for (int i = 0; i < n; ++i) {
+                Ray ray;
+                ray.o = map.Grid().PointIn(voxel, Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()});
+                if (target.kind == LightTargets::Kind::Voxel) {
+                    Bounds3 far = map.Grid().Voxel(target.index);
+                    ray.d = far.low + far.Diagonal() * Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()} - ray.o;
+                    ray.tMax = 1;
+                } else {
+                    ray.d = target.kind == LightTargets::Kind::Direction ? Vector3(-1, 0, 0) : LightTargets::DirectionIn(target.index, rng.Uniform2());
+                }
+                open += !built.scene->Occluded(ray);
+            }
+            double expected = static_cast<double>(open) / n, found = row[t] / 255.0;
+            double sigma = std::sqrt(expected * (1 - expected) * (1 / 255.0 + 1.0 / n));
+            double z = std::abs(found - expected) / (sigma + 0.004);
+            worst = std::max(worst, z);
+            partly += expected > 0.1 && expected < 0.9;
+        }
+    }
+    EXPECT_LT(worst, 5);
+    EXPECT_GT(partly, 20) << "a scene that tests nothing";
+}
+
+TEST(Neepp, ProbabilityIsTheVisibilityWithAFloorWhateverThePower) {
+    BuiltScene built = BuildText(std::string(kHalves) + kLights);
+    NeeppLightSampler sampler(built.scene->Lights(), Params(8, 64));
+    PrepareIn(built, sampler);
+    // High up on the left: the left light is seen, the right one is not, the low one behind the wall's edge is not.
+    LightQuery left = At({-3.5f, 3.5f, 0.5f});
+    std::span<const uint8_t> row = sampler.Map().Row(sampler.Map().Grid().Index(left.p));
+    Float v[4], sum = 0;
+    for (uint32_t g = 0; g < 4; ++g) {
+        v[g] = sampler.Map().GroupVisibility(row, g);
+        sum += std::max(v[g], 0.05f);
+    }
+    EXPECT_EQ(v[0], 1.f);
+    EXPECT_EQ(v[1], 0.f);
+    EXPECT_EQ(v[2], 0.f);
+    EXPECT_EQ(v[3], 1.f);  // the open side
+    for (uint32_t g = 0; g < 4; ++g) EXPECT_NEAR(sampler.PMF(left, LightId(g)), std::max(v[g], 0.05f) / sum, 1e-6f);
+    // In the gap all point lights are seen: equal, although one is 1000 times as strong; the sun, too.
+    LightQuery gap = At({0.5f, -3.5f, 0.5f});
+    EXPECT_NEAR(sampler.PMF(gap, LightId(2u)), sampler.PMF(gap, LightId(3u)), 0.02f);
+    // On the right only the right lights, and the sun only below the wall.
+    LightQuery right = At({3.5f, 3.5f, 0.5f});
+    EXPECT_GT(sampler.PMF(right, LightId(1u)), 8 * sampler.PMF(right, LightId(0u)));
+    EXPECT_NEAR(sampler.PMF(right, LightId(3u)), sampler.PMF(right, LightId(0u)), 1e-6f);
+}
+
+TEST(Neepp, AnAreaLightCountsByTheShareOfItThatIsSeen) {
+    // A strip across the wall; its right third is not seen from the left.
+    BuiltScene built = BuildText(std::string(kHalves) + R"(
+AreaLightSource "diffuse"
+Shape "trianglemesh" "point3 P" [ -2 3.5 0.1  1 3.5 0.1  1 3.5 0.9  -2 3.5 0.9 ] "integer indices" [ 0 1 2  0 2 3 ]
+Shape "trianglemesh" "point3 P" [ -3.9 3.5 0.1  -3.1 3.5 0.1  -3.1 3.5 0.9  -3.9 3.5 0.9 ] "integer indices" [ 0 1 2  0 2 3 ]
+)");
+    NeeppLightSampler sampler(built.scene->Lights(), Params(8, 255));
+    PrepareIn(built, sampler);
+    std::span<const uint8_t> row = sampler.Map().Row(sampler.Map().Grid().Index({-3.5f, -0.5f, 0.5f}));
+    EXPECT_NEAR(sampler.Map().GroupVisibility(row, 0) / sampler.Map().GroupVisibility(row, 1), 2.f / 3, 0.1f);
+}
+
+TEST(Neepp, ALightSeenThroughNothingKeepsTheFloor) {
+    BuiltScene built = BuildText(std::string(kHalves) + kLights);
+    NeeppParams params = Params(8, 16);
+    params.floor = 0.25f;
+    NeeppLightSampler sampler(built.scene->Lights(), params);
+    PrepareIn(built, sampler);
+    LightQuery left = At({-3.5f, 3.5f, 0.5f});
+    EXPECT_NEAR(sampler.PMF(left, LightId(1u)) / sampler.PMF(left, LightId(0u)), 0.25f, 1e-5f);
+}
+
+TEST(Neepp, OtherSeedsTestOtherSegments) {
+    BuiltScene built = BuildText(std::string(kHalves) + kLights);
+    NeeppLightSampler a(built.scene->Lights(), {}), b(built.scene->Lights(), {}), c(built.scene->Lights(), {});
+    PrepareIn(built, a);
+    PrepareIn(built, b);
+    PrepareIn(built, c, 1);
+    int different = 0;
+    for (uint32_t v = 0; v < a.Map().Grid().Size(); v += 7) {
+        LightQuery q = At(a.Map().Grid().PointIn(v, Vector3(0.5f)));
+        EXPECT_EQ(a.PMF(q, LightId(0u)), b.PMF(q, LightId(0u)));
+        different += a.PMF(q, LightId(0u)) != c.PMF(q, LightId(0u));
+    }
+    EXPECT_GT(different, 5);
+}
+
+TEST(Neepp, ReportAndInspectSayWhatIsStored) {
+    BuiltScene built = BuildText(std::string(kHalves) + kLights);
+    NeeppLightSampler sampler(built.scene->Lights(), Params(8, 16));
+    PrepareIn(built, sampler);
+    sampler.Sample(At({-3.5f, 3.5f, 0.5f}), 0.5f);
+    nlohmann::ordered_json report;
+    sampler.Report(report);
+    EXPECT_EQ(report["voxels"], 512);
+    EXPECT_EQ(report["voxelsFilled"], 1);
+    EXPECT_EQ(report["targets"], 4);
+    EXPECT_EQ(report["visibilityRays"], 4 * 16);
+    std::vector<InspectedValue> values;
+    sampler.Inspect(At({-3.5f, 3.5f, 0.5f}), values);
+    ASSERT_EQ(values.size(), 3u);
+    EXPECT_EQ(values[1].value, 2);
+    EXPECT_NEAR(values[2].value, 0.5, 1e-6);
+    EXPECT_NE(sampler.DescribeStructure().find("8 x 8 x 8 voxels"), std::string::npos);
+}
+
+TEST(NeeppGate, TracesWithTheStoredVisibilityAndNeverBelowTheMinimum) {
+    BuiltScene built = BuildText(std::string(kHalves) + kLights + kSky);
+    NeeppGateParams params;
+    params.map.samples = 64;
+    params.minimum = 0.07f;
+    NeeppGate gate(built.scene->Lights(), params);
+    EXPECT_EQ(gate.TraceProbability(At({0, 0, 0}), LightId(0u), {-2.5f, 2.5f, 0.5f}), 1.f);  // before Prepare
+    PrepareIn(built, gate);
+    LightQuery left = At({-3.6f, 3.6f, 0.6f});
+    EXPECT_EQ(gate.TraceProbability(left, LightId(0u), {-2.5f, 2.5f, 0.5f}), 1.f);
+    EXPECT_EQ(gate.TraceProbability(left, LightId(1u), {2.5f, 2.5f, 0.5f}), 0.07f);
+    EXPECT_EQ(gate.TraceProbability(left, LightId(3u), {-100, 3.6f, 0.6f}), 1.f);
+    // The sky, where paths draw from it: free out at the open side, blocked by the wall and the ceiling.
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    LightSampleContext from;
+    from.p = left.p;
+    int traced = 0, skipped = 0;
+    for (int i = 0; i < 200; ++i) {
+        Point2 u((static_cast<Float>(i) + 0.5f) / 200, std::fmod(static_cast<Float>(i) * 0.618f, 1.f));
+        auto s = built.scene->Lights()[LightId(4u)].SampleLi(from, u, lambda, true);
+        ASSERT_TRUE(s);
+        Float p = gate.TraceProbability(left, LightId(4u), s->pLight);
+        if (s->wi.x < -0.7f && s->wi.y < 0) {
+            EXPECT_GT(p, 0.8f);
+            ++traced;
+        } else if (s->wi.x > 0.85f || (s->wi.y > 0.8f && s->wi.x > -0.1f)) {
+            EXPECT_LT(p, 0.5f);
+            ++skipped;
+        }
+    }
+    EXPECT_GT(traced + skipped, 20);
+    EXPECT_GT(skipped, 5);
+    // Somewhere in between: what the map says.
+    LightQuery low = At({-1.4f, -3.4f, 0.4f});
+    Float p = gate.TraceProbability(low, LightId(1u), {2.5f, 2.5f, 0.5f});
+    uint32_t target = gate.Map().Targets().Find(gate.Map().Grid(), LightId(1u), low.p, {2.5f, 2.5f, 0.5f});
+    EXPECT_EQ(p, std::max(0.07f, static_cast<Float>(gate.Map().Row(gate.Map().Grid().Index(low.p))[target]) / 64));
+}
+
+}  // namespace

@@ -27,7 +27,8 @@ def draw(results):
                     label=name if y == 0 else None, gid=f"{name}-{s.index}")
             left += seconds
         share = 100 * (left - parts[2]) / left
-        text = f"{left:.3g} s, preparation {share:.2g} %" if share > 0 else f"{left:.3g} s, no preparation"
+        said = f"preparation {share:.2g} %" if share >= 0.1 else "preparation < 0.1 %" if share > 0 else "no preparation"
+        text = f"{left:.3g} s, {said}"
         if left > limit * 1.001:
             text += " (bar cut off)"
         ax.annotate(text, (min(left, limit), y), (6, 0), textcoords="offset points", va="center", fontsize=8.6,

@@ -35,11 +35,12 @@ def plain(value):
 def log_ticks(axis, low, high, doubling=False):
     """1-2-5 ticks while they are few, else whole decades (doubling: powers of two); written out, not as powers."""
     first, last = math.floor(math.log10(low)) - 1, math.ceil(math.log10(high)) + 1
-    for steps in ((1, 1.5, 2, 3, 4, 5, 6, 8), (1, 2, 5), (1, 3), (1,)):
-        ticks = [m * 10.0 ** e for e in range(first, last + 1) for m in steps]
-        ticks = [t for t in ticks if low * 0.999 <= t <= high * 1.001]
-        if len(ticks) <= 8:
+    for steps, most in (((1, 2, 5), 8), ((1, 3), 8), ((1,), 99)):
+        ticks = ticks_of(steps, first, last, low, high)
+        if len(ticks) <= most:
             break
+    if len(ticks) < 3:
+        ticks = ticks_of((1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8), first, last, low, high)
     if doubling:
         powers = [2.0 ** e for e in range(math.ceil(math.log2(low)), math.floor(math.log2(high)) + 1)]
         ticks = powers[::-1][::math.ceil(len(powers) / 8)][::-1] if len(powers) > 1 else ticks
@@ -47,6 +48,11 @@ def log_ticks(axis, low, high, doubling=False):
     axis.set_ticklabels([plain(t) for t in ticks])
     axis.set_minor_locator(NullLocator())
     axis.set_minor_formatter(NullFormatter())
+
+
+def ticks_of(steps, first, last, low, high):
+    ticks = [m * 10.0 ** e for e in range(first, last + 1) for m in steps]
+    return [t for t in ticks if low * 0.999 <= t <= high * 1.001]
 
 
 def spread_labels(wanted, gap, low, high):

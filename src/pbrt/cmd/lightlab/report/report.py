@@ -52,8 +52,9 @@ def mark(s):
 def tags(s, winner, results):
     found = []
     if s is winner:
-        within = results.data.get("winnerBeyondNoise") is False
-        found.append('<span class="tag win">lowest error' + (", within noise" if within else "") + "</span>")
+        within = ", within noise" if results.data.get("winnerBeyondNoise") is False else ""
+        sure = "" if s.verdict == "clean" else ", bias not decided"
+        found.append(f'<span class="tag{"" if sure else " win"}">lowest error{within}{sure}</span>')
     if s.isOracle:
         found.append('<span class="tag">measuring instrument</span>')
     return "".join(found)

@@ -3,11 +3,13 @@
   const { items, pictures, crops } = viewer;
 
   function cropGrid() {
-    const columns = items.map((v, i) => [v, i]).filter(([v]) => v.result || v.error);
+    // One reference is enough here.
+    const columns = items.map((v, i) => [v, i]).filter(
+      ([v, i]) => (v.result || v.error) && (v.kind === "sampler" || i === 0));
     if (!crops.length || !columns.length) return;
     const grid = document.createElement("div");
     grid.className = "cropgrid";
-    grid.style.gridTemplateColumns = `auto repeat(${columns.length}, minmax(104px, 170px))`;
+    grid.style.gridTemplateColumns = `max-content repeat(${columns.length}, minmax(104px, 170px))`;
     const cell = (name, text) => {
       const e = document.createElement("div");
       e.className = name;

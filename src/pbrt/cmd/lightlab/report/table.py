@@ -126,21 +126,19 @@ def verdict_sentences(results):
             text += (f"; {winner.summary['speedUpAgainst']} needs {figures(winner.get('speedUp'))} times its time "
                      "for that error")
         sentences.append(text + ".")
+        if winner.verdict != "clean":
+            sentences.append(f"Whether {winner.label} is biased is not decided: more seeds or time would tell.")
         if beyond is False:
             sentences.append("The lead is within the noise of the runs: more seeds or time may change the order.")
     else:
-        best = next((s for s in results.ranked() if s.mayWin and s.error() is not None), None)
-        if best and best.verdict == "unknown":
-            sentences.append(f"No winner: {best.label} has the lowest error, relL2 {figures(best.error())}, but whether it "
-                             "is biased is not decided.")
-        else:
-            sentences.append("No winner is named.")
+        sentences.append("No winner: no sampler that may win has a measured error.")
     biased = [s.label for s in results.samplers if s.biased]
     if biased:
         sentences.append(f"Biased, so no competitor{'s' if len(biased) > 1 else ''}: {', '.join(biased)}.")
-    unknown = [s.label for s in results.samplers if s.verdict == "unknown" and not s.isOracle]
+    unknown = [s.label for s in results.samplers if s.verdict == "unknown" and not s.isOracle and s is not winner]
     if unknown:
-        sentences.append(f"Bias not decided: {', '.join(unknown)}.")
+        sentences.append(f"Bias {'also ' if winner and winner.verdict != 'clean' else ''}not decided: "
+                         f"{', '.join(unknown)}.")
     flies = [s.label for s in results.samplers if s.summary.get("firefliesDecide")]
     if flies:
         sentences.append(f"A few fireflies decide the relL2 of {', '.join(flies)}: see the trimmed relL2.")

@@ -1,0 +1,193 @@
+#include "support/sampler_laws.h"
+
+#include <gtest/gtest.h>
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/math/rng.h"
+#include "support/statistics.h"
+
+namespace pbrt::test {
+
+namespace {
+
+struct Answer {
+    uint32_t light = 0;
+    Float pmf = 0;
+    bool operator==(const Answer &) const = default;
+    friend std::ostream &operator<<(std::ostream &out, const Answer &a) { return out << a.light << ": " << a.pmf; }
+};
+
+Answer Ask(const LightSampler &sampler, const LightQuery &query, Float u) {
+    std::optional<SampledLight> sample = sampler.Sample(query, u);
+    return sample ? Answer{sample->light.value, sample->pmf} : Answer{};
+}
+
+Float Even(int i, int n) { return (static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(n); }
+
+}  // namespace
+
+SamplerSubject::SamplerSubject(std::unique_ptr<LightSampler> made, std::span<const LightQuery> places, size_t lightCount)
+    : sampler(std::move(made)), queries(places), lights(lightCount) {
+    for (const LightQuery &q : queries) {
+        std::vector<Float> &row = pmf.emplace_back();
+        double &total = sum.emplace_back(0);
+        for (size_t i = 0; i < lights; ++i) {
+            row.push_back(sampler->PMF(q, LightId(i)));
+            total += static_cast<double>(row.back());
+        }
+    }
+}
+
+int SamplerSubject::Calls(int most) const {
+    size_t work = std::max<size_t>(lights * queries.size(), 1);
+    return std::clamp(static_cast<int>(30000000 / work), 200, most);
+}
+
+void CheckPmfOfSamples(const SamplerSubject &s) {
+    Rng rng(1);
+    int n = s.Calls(500);
+    for (size_t q = 0; q < s.queries.size(); ++q)
+        for (int i = 0; i < n; ++i) {
+            Float u = i == 0 ? 0 : i == 1 ? OneMinusEpsilon : rng.Uniform();
+            std::optional<SampledLight> sample = s.sampler->Sample(s.queries[q], u);
+            if (!sample) continue;
+            ASSERT_LT(sample->light.value, s.lights);
+            ASSERT_GT(sample->pmf, 0);
+            ASSERT_EQ(sample->pmf, s.sampler->PMF(s.queries[q], sample->light))
+                << "query " << q << " u " << u << " light " << sample->light.value;
+        }
+}
+
+void CheckPmfSums(const SamplerSubject &s) {
+    int n = s.Calls(4096);
+    for (size_t q = 0; q < s.queries.size(); ++q) {
+        for (Float p : s.pmf[q]) {
+            ASSERT_GE(p, 0) << "query " << q;
+            ASSERT_LE(p, 1.00001f) << "query " << q;
+        }
+        ASSERT_LT(s.sum[q], 1 + 1e-4) << "query " << q;
+        int empty = 0;
+        for (int i = 0; i < n; ++i) empty += !s.sampler->Sample(s.queries[q], Even(i, n));
+        // Evenly spread numbers measure the empty share to about one step per place where it begins or ends.
+        double missing = std::max(0.0, 1 - s.sum[q]);
+        EXPECT_NEAR(static_cast<double>(empty) / n, missing, 1e-4 + 4 * std::sqrt(missing * (1 - missing) / n))
+            << "query " << q;
+    }
+}
+
+void CheckFrequencies(const SamplerSubject &s) {
+    int n = s.Calls(20000);
+    // Were each light of a big mesh a cell, every cell would be expected to be empty.
+    size_t cell = std::max<size_t>((s.lights + 127) / 128, 1), cells = (s.lights + cell - 1) / cell;
+    double alpha = SidakAlpha(1e-5, std::max<size_t>(s.queries.size(), 1));
+    for (size_t q = 0; q < s.queries.size(); ++q) {
+        Rng rng(17 + q);
+        std::vector<double> observed(cells + 1), expected(cells + 1);
+        for (int i = 0; i < n; ++i) {
+            std::optional<SampledLight> sample = s.sampler->Sample(s.queries[q], rng.Uniform());
+            observed[sample ? sample->light.value / cell : cells] += 1;
+        }
+        for (size_t i = 0; i < s.lights; ++i) expected[i / cell] += static_cast<double>(s.pmf[q][i]) * n;
+        // The sum of the PMF is rounded: a share of empty answers this small cannot be told from none.
+        double missing = 1 - s.sum[q];
+        if (missing > 1e-5 || observed[cells] > 2) expected[cells] = std::max(missing, 0.0) * n;
+        else observed[cells] = 0;
+        EXPECT_GT(ChiSquareTest(observed, expected), alpha) << "query " << q;
+    }
+}
+
+size_t CheckContributingCanBeChosen(const SamplerSubject &s, const Contributions &contributions) {
+    size_t contributing = 0;
+    for (size_t q = 0; q < s.queries.size(); ++q)
+        for (size_t i = 0; i < s.lights; ++i) {
+            if (!(contributions[q][i] > 0)) continue;
+            ++contributing;
+            EXPECT_GT(s.pmf[q][i], 0) << "query " << q << " light " << i << " contributes " << contributions[q][i];
+        }
+    return contributing;
+}
+
+void CheckOneLightEstimator(const SamplerSubject &s, const Contributions &contributions) {
+    // What each light contributes is fixed; only the choice is random. So the estimator's variance and greatest value
+    // are known, and Bernstein's inequality bounds the p-value whatever its tails.
+    int n = s.Calls(20000);
+    double alpha = SidakAlpha(1e-5, std::max<size_t>(s.queries.size(), 1));
+    for (size_t q = 0; q < s.queries.size(); ++q) {
+        const std::vector<double> &c = contributions[q];
+        double total = 0, second = 0, greatest = 0;
+        for (size_t i = 0; i < s.lights; ++i) {
+            total += c[i];
+            if (!(c[i] > 0) || !(s.pmf[q][i] > 0)) continue;
+            second += c[i] * c[i] / static_cast<double>(s.pmf[q][i]);
+            greatest = std::max(greatest, c[i] / static_cast<double>(s.pmf[q][i]));
+        }
+        if (!(total > 0)) continue;
+        Rng rng(31 + q);
+        double sum = 0;
+        for (int i = 0; i < n; ++i)
+            if (std::optional<SampledLight> sample = s.sampler->Sample(s.queries[q], rng.Uniform()))
+                sum += c[sample->light.value] / static_cast<double>(sample->pmf);
+        double off = std::max(0.0, std::abs(sum / n - total) - 1e-5 * total);  // float rounding of the PMF
+        double variance = std::max(0.0, second - total * total);
+        double p = 2 * std::exp(-0.5 * n * off * off / (variance + std::max(greatest, total) * off / 3 + 1e-300));
+        EXPECT_GT(p, alpha) << "query " << q << ": " << sum / n << " for " << total;
+    }
+}
+
+void CheckSameFromAnyThread(const SamplerSubject &s) {
+    if (s.queries.empty()) return;
+    // Several tasks for every query, so that threads meet at one place as well as work at different ones.
+    constexpr size_t kTasksPerQuery = 3;
+    const size_t tasks = kTasksPerQuery * s.queries.size();
+    const int n = std::max(5, s.Calls(200) * 5 / static_cast<int>(tasks));
+    auto answers = [&](size_t task) {
+        std::vector<Answer> out;
+        for (int i = 0; i < n; ++i) {
+            const size_t q = task / kTasksPerQuery;
+            out.push_back(Ask(*s.sampler, s.queries[q], HashFloat(static_cast<uint64_t>(task), i)));
+            // Also what was never asked before on this thread.
+            if (s.lights > 0) out.push_back({0, s.sampler->PMF(s.queries[q], LightId(static_cast<size_t>(i) % s.lights))});
+        }
+        return out;
+    };
+    std::vector<std::vector<Answer>> parallel(tasks), serial;
+    ThreadLimit limit(4);
+    ParallelForEach(static_cast<int64_t>(tasks), [&](int64_t t) { parallel[static_cast<size_t>(t)] = answers(static_cast<size_t>(t)); });
+    for (size_t t = 0; t < tasks; ++t) serial.push_back(answers(t));
+    EXPECT_EQ(parallel, serial);
+    for (size_t q = 0; q < s.queries.size(); ++q)
+        for (size_t i = 0; i < s.lights; i += s.lights / 50 + 1)
+            ASSERT_EQ(s.sampler->PMF(s.queries[q], LightId(i)), s.pmf[q][i]) << "query " << q << " light " << i;
+}
+
+void CheckOneNumberReachesEveryLight(const SamplerSubject &s) {
+    static_assert(std::is_same_v<decltype(&LightSampler::Sample),
+                                 std::optional<SampledLight> (LightSampler::*)(const LightQuery &, Float) const>);
+    int n = s.Calls(16384);
+    for (size_t q = 0; q < s.queries.size(); ++q) {
+        std::vector<bool> met(s.lights);
+        for (int i = 0; i < n; ++i)
+            if (std::optional<SampledLight> sample = s.sampler->Sample(s.queries[q], Even(i, n)))
+                met[sample->light.value] = true;
+        for (size_t i = 0; i < s.lights; ++i)
+            if (static_cast<double>(s.pmf[q][i]) * n > 20) {
+                EXPECT_TRUE(met[i]) << "query " << q << " light " << i;
+            }
+    }
+}
+
+void CheckSame(const LightSampler &a, const LightSampler &b, std::span<const LightQuery> queries, size_t lights) {
+    const size_t step = lights / 200 + 1;
+    for (size_t q = 0; q < queries.size(); ++q) {
+        auto answers = [&](const LightSampler &sampler) {
+            std::vector<Answer> out;
+            for (size_t i = q % step; i < lights; i += step)
+                out.push_back({static_cast<uint32_t>(i), sampler.PMF(queries[q], LightId(i))});
+            for (uint64_t i = 0; i < 20; ++i) out.push_back(Ask(sampler, queries[q], HashFloat(i)));
+            return out;
+        };
+        ASSERT_EQ(answers(a), answers(b)) << "query " << q;
+    }
+}
+
+}  // namespace pbrt::test

@@ -15,8 +15,6 @@ struct BiasSettings {
     int tileSize = 8;        ///< pixels
     /// Differences below these are never called a bias, however certain they are.
     double allowanceRegion = 0.01, allowanceImage = 0.002;
-    /// A difference must be larger than this many unseen fireflies, each as large as the largest seen around.
-    double fireflies = 3;
 };
 
 enum class BiasVerdict { Clean, Biased, Unknown };
@@ -28,6 +26,9 @@ const char *BiasVerdictName(BiasVerdict verdict);  ///< clean, biased, unknown
 struct BiasReference {
     std::vector<TileMeans> parts;
     std::optional<double> relL2;
+    /// Samples per pixel of one part over those of one run. A strong sample that the runs have missed would show in a
+    /// run this many times as large as in a part.
+    double sampleRatio = 1;
 };
 
 /// One part of the picture and one channel.

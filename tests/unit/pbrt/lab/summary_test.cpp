@@ -1,0 +1,73 @@
+#include "pbrt/lab/summary.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "bias_simulation.h"
+
+namespace pbrt::lab {
+
+TEST(Summary, MatchesHandComputedValues) {
+    const Summary s = Summarize(std::vector<double>{1, 2, 6});
+    EXPECT_EQ(s.count, 3u);
+    EXPECT_DOUBLE_EQ(s.mean, 3);
+    EXPECT_DOUBLE_EQ(s.stdDev, std::sqrt(7.0));
+    EXPECT_DOUBLE_EQ(s.standardError, std::sqrt(7.0 / 3));
+    EXPECT_EQ(Summarize(std::vector<double>{5}).standardError, 0);
+    EXPECT_EQ(Summarize({}).count, 0u);
+}
+
+TEST(FirefliesDecide, WhenTrimmingHalvesTheError) {
+    EXPECT_TRUE(FirefliesDecide(1, 0.49));
+    EXPECT_FALSE(FirefliesDecide(1, 0.5));
+    EXPECT_TRUE(FirefliesDecide(1, 0));
+    EXPECT_FALSE(FirefliesDecide(0, 0));
+    EXPECT_FALSE(FirefliesDecide(1, 0.49, 3));
+}
+
+// Both draw from the same distribution: "lower" may come out for a at the level of the test.
+TEST(LowerBeyondNoise, KeepsItsLevel) {
+    Rng rng(8, 8);
+    const test::Noise noise = test::Lognormal(0.2);
+    int alarms = 0, found = 0;
+    const int trials = 4000;
+    for (int i = 0; i < trials; ++i) {
+        std::vector<double> a, b, far;
+        for (int k = 0; k < 4; ++k) {
+            a.push_back(noise(rng));
+            b.push_back(noise(rng));
+            far.push_back(2 * noise(rng));
+        }
+        alarms += LowerBeyondNoise(Summarize(a), Summarize(b));
+        found += LowerBeyondNoise(Summarize(a), Summarize(far));
+    }
+    EXPECT_LE(alarms, 0.06 * trials);
+    EXPECT_GE(alarms, 0.02 * trials);
+    EXPECT_GE(found, 0.9 * trials);
+}
+
+TEST(LowerBeyondNoise, NeedsTwoRunsOfEach) {
+    const Summary one = Summarize(std::vector<double>{1}), two = Summarize(std::vector<double>{9, 9.1});
+    EXPECT_FALSE(LowerBeyondNoise(one, two));
+    EXPECT_TRUE(LowerBeyondNoise(Summarize(std::vector<double>{1, 1.1}), two));
+    EXPECT_FALSE(LowerBeyondNoise(two, Summarize(std::vector<double>{1, 1.1})));
+}
+
+TEST(FindWinner, TakesTheLowestOfTheEligible) {
+    auto of = [](double a, double b) { return Summarize(std::vector<double>{a, b}); };
+    std::vector<Contender> all = {{of(3, 3.1), true}, {of(1, 1.02), false}, {of(2, 2.05), true}, {of(9, 9.9), true}};
+    auto winner = FindWinner(all);
+    ASSERT_TRUE(winner);
+    EXPECT_EQ(winner->index, 2u);
+    EXPECT_TRUE(winner->beyondNoise);
+    all.push_back({of(2.1, 2.0), true});
+    winner = FindWinner(all);
+    EXPECT_EQ(winner->index, 2u);
+    EXPECT_FALSE(winner->beyondNoise);
+    for (Contender &c : all) c.eligible = false;
+    EXPECT_FALSE(FindWinner(all));
+}
+
+}  // namespace pbrt::lab

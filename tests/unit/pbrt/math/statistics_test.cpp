@@ -1,0 +1,60 @@
+#include "pbrt/math/statistics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace pbrt {
+
+// From the usual tables: two-sided critical values.
+TEST(StudentT, MatchesTables) {
+    EXPECT_NEAR(StudentTwoSidedP(12.706, 1), 0.05, 1e-5);
+    EXPECT_NEAR(StudentTwoSidedP(4.303, 2), 0.05, 1e-5);
+    EXPECT_NEAR(StudentTwoSidedP(-2.228, 10), 0.05, 1e-4);
+    EXPECT_NEAR(StudentTwoSidedP(2.750, 30), 0.01, 1e-4);
+    EXPECT_NEAR(StudentCritical(0.01, 5), 4.032, 1e-3);
+    // One degree of freedom is the Cauchy distribution.
+    for (double t : {0.3, 2.0, 500.0})
+        EXPECT_NEAR(StudentTwoSidedP(t, 1), 1 - 2 * std::atan(t) / 3.141592653589793, 1e-12);
+}
+
+TEST(StudentT, CriticalInvertsP) {
+    for (double dof : {0.5, 1.0, 2.7, 40.0, 1e12})
+        for (double p : {0.9, 0.05, 1e-5, 1e-9})
+            EXPECT_NEAR(StudentTwoSidedP(StudentCritical(p, dof), dof) / p, 1, 1e-6) << dof << " " << p;
+}
+
+TEST(StudentT, TendsToTheNormal) {
+    for (double z : {0.5, 2.0, 4.0}) EXPECT_NEAR(StudentTwoSidedP(z, 1e9) / NormalTwoSidedP(z), 1, 1e-6);
+    for (double p : {0.3, 1e-6}) EXPECT_NEAR(NormalTwoSidedP(NormalCritical(p)) / p, 1, 1e-9);
+}
+
+TEST(StudentT, EndsAreDefined) {
+    EXPECT_EQ(StudentTwoSidedP(INFINITY, 3), 0);
+    EXPECT_EQ(StudentTwoSidedP(NAN, 3), 1);
+    EXPECT_EQ(StudentTwoSidedP(5, 0), 1);
+    EXPECT_EQ(StudentTwoSidedP(0, 3), 1);
+    EXPECT_TRUE(std::isinf(StudentCritical(0.1, 0)));
+    EXPECT_TRUE(std::isinf(StudentCritical(0, 3)));
+    EXPECT_EQ(StudentCritical(1, 3), 0);
+    EXPECT_TRUE(std::isinf(NormalCritical(0)));
+    EXPECT_GE(StudentTwoSidedP(1e200, 1e5), 0);
+}
+
+TEST(Sidak, LevelAndPAreInverse) {
+    EXPECT_NEAR(SidakLevel(0.05, 1), 0.05, 1e-15);
+    EXPECT_NEAR(SidakP(SidakLevel(0.01, 900), 900), 0.01, 1e-12);
+    EXPECT_NEAR(SidakLevel(1e-12, 1000), 1e-15, 1e-20);
+    EXPECT_EQ(SidakP(1, 7), 1);
+}
+
+TEST(RunningMoments, MatchHandComputedValues) {
+    RunningMoments m;
+    EXPECT_EQ(m.Variance(), 0);
+    for (double x : {1e9 + 1, 1e9 + 2, 1e9 + 6}) m.Add(x);
+    EXPECT_EQ(m.Count(), 3u);
+    EXPECT_DOUBLE_EQ(m.Mean(), 1e9 + 3);
+    EXPECT_NEAR(m.Variance(), 7, 1e-6);
+}
+
+}  // namespace pbrt

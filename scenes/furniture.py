@@ -519,8 +519,8 @@ def floor_lamp(height=1.6, shade="shade", stand="brass", top=0.17, bottom=0.25, 
     foot = lathe([(0, 0), (.15, 0), (.15, .012), (.13, .02), (.03, .035), (.012, .06), (.011, s + .05), (0, s + .05)],
                  32)
     piece = Piece((stand, foot), (stand, cylinder(.018, s + .045, s + .08, 12)))
-    piece.add(shade, shade_cone(bottom, top, shade_height).at(0, 0, s)).include(ring(bottom, s - .001),
-                                                                                ring(top, height + .001))
+    piece.add(shade, shade_cone(bottom, top, shade_height).at(0, 0, s)).include(ring(bottom, s - .001))
+    piece.include(ring(top, height + .001))
     for k in range(3):
         a = 2.0944 * k + 0.4
         c, d = math.cos(a), math.sin(a)
@@ -554,8 +554,8 @@ def sconce(shade="shade", metal="brass"):
     """On a wall at y = 0 (room at -y), origin at the wall plate's middle; half a cone of cloth before the bulb."""
     piece = Piece((metal, beveled_box((-.045, -.012, -.07), (.045, 0, .07), .006)))
     piece.add(metal, tube((0, -.01, -.03), (0, -.09, -.03), .007), cylinder(.015, -.035, .0, 12).at(0, -.09, 0))
-    piece.add(shade, lathe([(.075, -.02), (.055, .15)], 24).at(0, -.09, 0)).include(ring(.075, -.02).at(0, -.09),
-                                                                                    ring(.055, .15).at(0, -.09))
+    piece.add(shade, lathe([(.075, -.02), (.055, .15)], 24).at(0, -.09, 0))
+    piece.include(ring(.075, -.02).at(0, -.09), ring(.055, .15).at(0, -.09))
     return piece, (0.0, -0.09, 0.035)
 
 

@@ -191,8 +191,8 @@ TEST(NeeppGate, TracesWithTheStoredVisibilityAndNeverBelowTheMinimum) {
     LightSampleContext from;
     from.p = left.p;
     int traced = 0, skipped = 0;
-    for (int i = 0; i < 200; ++i) {
-        Point2 u((static_cast<Float>(i) + 0.5f) / 200, std::fmod(static_cast<Float>(i) * 0.618f, 1.f));
+    for (int i = 0; i < 2000; ++i) {
+        Point2 u((static_cast<Float>(i) + 0.5f) / 2000, std::fmod(static_cast<Float>(i) * 0.618f, 1.f));
         auto s = built.scene->Lights()[LightId(4u)].SampleLi(from, u, lambda, true);
         ASSERT_TRUE(s);
         Float p = gate.TraceProbability(left, LightId(4u), s->pLight);

@@ -1,5 +1,7 @@
 #include "pbrt/lab/campaign.h"
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 
@@ -10,6 +12,7 @@
 #include "pbrt/lab/machine.h"
 #include "pbrt/lab/pictures.h"
 #include "pbrt/lab/reference.h"
+#include "pbrt/lab/reference_cache.h"
 #include "pbrt/lab/results.h"
 #include "pbrt/lab/sampler_run.h"
 #include "version.h"
@@ -20,6 +23,8 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr int kWarmUpSeed = 700003;
 
 /// Makes the folders; takes up or refuses what is there.
 void OpenFolder(const CampaignSettings &settings, const Json &identity, const RecordFolder &records) {
@@ -58,6 +63,7 @@ class Rounds {
 
     /// False: cancelled.
     bool RenderAll() {
+        if (!FindExpectedSamples()) return false;
         recordsOf_.assign(settings_.samplers.size(), {});
         double total = 0;
         for (size_t i = 0; i < settings_.samplers.size(); ++i)
@@ -65,6 +71,7 @@ class Rounds {
                 recordsOf_[i].push_back(records_.LoadRun(settings_.samplers[i].folder, seed));
                 total += WorkUpTo(i, seed, checkpoints_.size() - 1) - WorkDone(i, seed);
             }
+        display_.SetPhase("rendering");
         display_.SetTotal(total);
         display_.StartClock();
         for (int seed = 0; seed < settings_.seeds; ++seed)
@@ -81,7 +88,6 @@ class Rounds {
             for (size_t i = 0; i < runs.size(); ++i) {
                 RunRecord &record = recordsOf_[i][static_cast<size_t>(seed)];
                 if (record.rounds.size() > c) continue;
-                display_.SetPhase(settings_.samplers[i].label);
                 if (!runs[i] && !(runs[i] = Start(i, seed, record))) return false;
                 if (!RenderTo(i, seed, c, *runs[i])) return false;
                 record = runs[i]->Record();
@@ -92,7 +98,7 @@ class Rounds {
 
     std::unique_ptr<SamplerRun> Start(size_t i, int seed, const RunRecord &record) {
         const SamplerChoice &choice = settings_.samplers[i];
-        auto run = std::make_unique<SamplerRun>(scene_, choice, seed, cancel_);
+        auto run = std::make_unique<SamplerRun>(scene_, choice, seed, expected_[i], cancel_);
         if (!run->Prepare()) return nullptr;
         if (!record.rounds.empty())
             run->Resume(record, records_.FilmFile(choice.folder, seed, record.rounds.back().checkpoint));
@@ -118,6 +124,32 @@ class Rounds {
         else run.SaveFilm(records_.FilmFile(folder, seed, c));
         records_.SaveLastRound(folder, run.Record());
         if (checkpoint > 0) fs::remove(records_.FilmFile(folder, seed, c - 1));
+        return true;
+    }
+
+    /// How many samples every sampler will take: by time an estimate, to the next power of two, from the pilot or else
+    /// from a run of two samples that warms up the machine as well. Part of the records: it may decide pictures.
+    bool FindExpectedSamples() {
+        Json note = records_.LoadNote("expected-samples.json");
+        if (!note.is_object()) note = Json::object();
+        for (size_t i = 0; i < settings_.samplers.size(); ++i) {
+            const std::string &label = settings_.samplers[i].label;
+            int expected = note.value(label, settings_.samplesPerPixel);
+            if (replay_) expected = replay_->Expected(label);
+            else if (settings_.Timed() && !note.contains(label)) {
+                double perSample = cost_[i];
+                if (!hasPilot_) {
+                    SamplerRun run(scene_, settings_.samplers[i], kWarmUpSeed, scene_.Batch(), cancel_);
+                    if (!run.Prepare() || !run.RenderTo({2, 0})) return false;
+                    cost_[i] = perSample = run.SecondsPerSample();
+                }
+                const double fit = std::clamp(settings_.timeBudget / std::max(perSample, 1e-9), 1.0, 1e6);
+                expected = 1 << static_cast<int>(std::lround(std::log2(fit)));
+            }
+            note[label] = expected;
+            expected_.push_back(expected);
+        }
+        records_.SaveNote("expected-samples.json", note);
         return true;
     }
 
@@ -150,6 +182,7 @@ class Rounds {
             known[entry.value("sampler", "")] = entry.value("secondsPerSample", 0.0);
             mean += entry.value("secondsPerSample", 0.0) / static_cast<double>(pilot.size());
         }
+        hasPilot_ = mean > 0;
         for (const SamplerChoice &s : settings_.samplers)
             cost_.push_back(known.contains(s.label) ? known[s.label] : mean > 0 ? mean : 1);
     }
@@ -164,6 +197,8 @@ class Rounds {
     std::optional<SampleCounts> replay_;
     std::vector<std::unique_ptr<MeasuringReference>> measuring_;
     std::vector<double> cost_;
+    std::vector<int> expected_;
+    bool hasPilot_ = false;
     std::vector<std::vector<RunRecord>> recordsOf_;
 };
 
@@ -257,6 +292,7 @@ std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, con
                                            Progress &cancel, ProgressSink *sink) {
     const LabScene scene = LoadLabScene(settings, registry, cancel);
     CheckCrops(settings, scene);
+    if (!settings.referenceFile.empty()) ReadReference(settings.referenceFile, scene);  // it fits, or we stop here
     const Json identity = IdentityOf(settings, scene.hash, ThreadCount());
     const RecordFolder records(settings.outFolder + "/records");
     OpenFolder(settings, identity, records);

@@ -21,6 +21,11 @@ Json IdentityOf(const CampaignSettings &settings, const std::string &sceneHash, 
     id["divisor"] = settings.resolutionDivisor;
     id["shadow-gate"] = settings.shadowGate.empty() ? "the scene's" : settings.shadowGate;
     id["reference"] = settings.referenceFile;
+    if (!settings.referenceFile.empty()) {
+        ContentHash content;
+        content.Add(ReadFileContents(settings.referenceFile));
+        id["reference-content"] = content.Hex();
+    }
     id["reference-spp"] = settings.referenceSamples;
     id["samples-from"] = settings.samplesFrom.empty() ? "" : SampleCounts(settings.samplesFrom, settings).Hash();
     id["threads"] = threads;
@@ -61,7 +66,9 @@ SampleCounts::SampleCounts(const std::string &path, const CampaignSettings &sett
                     counts.at(round.at("checkpoint").get<size_t>()) = round.at("samples").get<int>();
                 // A checkpoint that brought no new sample is not listed.
                 for (size_t i = 1; i < counts.size(); ++i) counts[i] = std::max(counts[i], counts[i - 1]);
-                hash.Add(Json(counts).dump());
+                int &expected = expected_[sampler.at("label").get<std::string>()];
+                expected = run.at("expectedSamples").get<int>();
+                hash.Add(fmt::format("{} {}", expected, Json(counts).dump()));
             }
     } catch (const std::exception &) {
         throw UserError(fmt::format("{}: the sample counts cannot be read.", path));

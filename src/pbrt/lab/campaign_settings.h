@@ -41,10 +41,13 @@ class SampleCounts {
     int Checkpoints() const { return checkpoints_; }
     /// Samples of a run at a checkpoint.
     int At(const std::string &label, int seed, int checkpoint) const;
+    /// What the preparation of a sampler's runs was told to expect.
+    int Expected(const std::string &label) const { return expected_.at(label); }
     const std::string &Hash() const { return hash_; }
 
   private:
     std::map<std::pair<std::string, int>, std::vector<int>> counts_;
+    std::map<std::string, int> expected_;
     int checkpoints_ = 0;
     std::string hash_;
 };

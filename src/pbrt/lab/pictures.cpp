@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pbrt/images/false_color.h"
+
 namespace pbrt::lab {
 
 namespace {
@@ -13,16 +15,6 @@ double Percentile(std::vector<T> values, double share) {
     auto at = values.begin() + static_cast<ptrdiff_t>(share * static_cast<double>(values.size() - 1));
     std::nth_element(values.begin(), at, values.end());
     return static_cast<double>(*at);
-}
-
-constexpr std::array<Rgb, 6> Ramp = {Rgb(0.02f, 0.02f, 0.10f), Rgb(0.25f, 0.10f, 0.55f), Rgb(0.05f, 0.45f, 0.65f),
-                                     Rgb(0.15f, 0.70f, 0.30f), Rgb(0.95f, 0.80f, 0.15f), Rgb(1.00f, 0.98f, 0.90f)};
-
-/// Encoded colour of t in [0, 1].
-Rgb RampColor(Float t) {
-    const Float x = std::clamp(t, Float(0), Float(1)) * (Ramp.size() - 1);
-    const size_t i = std::min(static_cast<size_t>(x), Ramp.size() - 2);
-    return Lerp(x - static_cast<Float>(i), Ramp[i], Ramp[i + 1]);
 }
 
 }  // namespace
@@ -72,15 +64,13 @@ double ChooseErrorScale(std::span<const std::vector<float>> maps) {
 }
 
 void WriteErrorPicture(const std::string &path, const std::vector<float> &map, Point2i resolution, double most) {
-    Image picture(PixelFormat::Float, resolution, {"R", "G", "B"});
-    const ColorEncoding shown{};
+    Image values(PixelFormat::Float, resolution, {"Y"});
     size_t i = 0;
     for (int y = 0; y < resolution.y; ++y)
-        for (int x = 0; x < resolution.x; ++x) {
-            const Rgb color = RampColor(static_cast<Float>(double(map[i++]) / most));
-            for (int c = 0; c < 3; ++c) picture.Set({x, y}, c, shown.ToLinear(color[c]));
-        }
-    WriteImage(path, picture);
+        for (int x = 0; x < resolution.x; ++x) values.Set({x, y}, 0, map[i++]);
+    FalseColorStyle style;
+    style.most = static_cast<Float>(most);
+    WriteImage(path, FalseColor(values, 0, style));
 }
 
 std::vector<Bounds2i> ChooseCrops(std::span<const std::vector<float>> maps, Point2i resolution) {

@@ -88,11 +88,12 @@ std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings
     std::vector<PilotEntry> entries;
     std::vector<std::array<Image, 2>> pictures;
     std::vector<double> mean(3 * static_cast<size_t>(scene.Pixels().Area()), 0.0);
+    const int expected = settings.Timed() ? scene.Batch() : settings.samplesPerPixel;
     for (const SamplerChoice &candidate : candidates) {
         PilotEntry entry{candidate, 0, 1e30};
         std::array<Image, 2> pair;
         for (int k = 0; k < 2; ++k) {
-            SamplerRun run(scene, candidate, kFirstSeed + k, cancel);
+            SamplerRun run(scene, candidate, kFirstSeed + k, expected, cancel);
             if (!run.Prepare() || !run.RenderTo({kSamples, 0}, [&] { display.Show(); })) return {};
             const double seconds = run.Spent().wall - run.Record().prepare.wall;
             entry.secondsPerSample = std::min(entry.secondsPerSample, seconds / kSamples);

@@ -76,7 +76,7 @@ class ReferenceMaker {
             display_.Skip(samples);
             return true;
         }
-        SamplerRun run(scene_, choice, seed, cancel_);
+        SamplerRun run(scene_, choice, seed, samples, cancel_);
         if (!run.Prepare()) return false;
         int shown = 0;
         auto afterWave = [&] {

@@ -54,6 +54,7 @@ Json RunJson(const SamplerResult &s, const RunRecord &run) {
     Json json;
     json["seed"] = run.seed;
     json["image"] = fmt::format("{}/seed{}.exr", s.choice.folder, run.seed);
+    json["expectedSamples"] = run.expectedSamples;
     json["prepareSeconds"] = run.prepare.wall;
     json["prepareCpuSeconds"] = run.prepare.cpu;
     json["prepareShadowRays"] = run.prepareShadowRays;

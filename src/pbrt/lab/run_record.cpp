@@ -55,6 +55,7 @@ RunRecord RecordFolder::LoadRun(const std::string &sampler, int seed) const {
             round.shadowRays = json.at("shadowRays").get<uint64_t>();
             round.shadowRaysBlocked = json.at("shadowRaysBlocked").get<uint64_t>();
             round.measures = MeasuresFromJson(json.at("metrics"));
+            run.expectedSamples = json.at("expectedSamples").get<int>();
             run.prepare = TimeFromJson(json.at("prepare"));
             run.prepareShadowRays = json.at("prepareShadowRays").get<uint64_t>();
             run.report = json.at("report");
@@ -78,6 +79,7 @@ void RecordFolder::SaveLastRound(const std::string &sampler, const RunRecord &ru
     json["metrics"] = ToJson(round.measures);
     json["shadowRays"] = round.shadowRays;
     json["shadowRaysBlocked"] = round.shadowRaysBlocked;
+    json["expectedSamples"] = run.expectedSamples;
     json["prepare"] = ToJson(run.prepare);
     json["prepareShadowRays"] = run.prepareShadowRays;
     json["report"] = run.report;

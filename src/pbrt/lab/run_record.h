@@ -20,6 +20,7 @@ struct RoundRecord {
 /// One sampler with one seed.
 struct RunRecord {
     int seed = 0;
+    int expectedSamples = 1;  ///< what the preparation was told
     TimeSpent prepare;
     uint64_t prepareShadowRays = 0;
     nlohmann::ordered_json report = nlohmann::ordered_json::object();  ///< LightSampler::Report at the last checkpoint

@@ -15,7 +15,8 @@ struct RenderTarget {
 /// renders. Only one run may work at a time (the ray counters are those of the process).
 class SamplerRun {
   public:
-    SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, Progress &cancel);
+    /// `expectedSamples`: that will be rendered, for samplers whose preparation depends on it.
+    SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, int expectedSamples, Progress &cancel);
 
     /// Once, before rendering. False: cancelled.
     bool Prepare();

@@ -54,12 +54,7 @@ int Inspect(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegist
     std::unique_ptr<ProgressSink> display = MakeTerminalProgress(options.quiet);
     Progress progress(display.get());
     HandleSignals(&progress);
-#ifdef PBRT_HAS_INSPECT
     return lab::RunInspect(*options.inspect, registry, progress);
-#else
-    (void)registry;
-    throw UserError("this build has no inspect.");
-#endif
 }
 
 }  // namespace

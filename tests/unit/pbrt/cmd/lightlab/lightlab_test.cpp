@@ -1,0 +1,132 @@
+#include <signal.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "../pbrt/program.h"
+
+namespace pbrt::test {
+
+namespace {
+
+class Lightlab : public Program {
+  protected:
+    void SetUp() override {
+        Program::SetUp();
+        Write("scene.pbrt", SmallScene());
+    }
+    nlohmann::json Results(const std::string &folder) const { return nlohmann::json::parse(Read(folder + "/results.json")); }
+    bool SamePictures(const std::string &a, const std::string &b) const {
+        return SamePixels(ReadImage(Path(a)), ReadImage(Path(b)));
+    }
+};
+
+const std::string kSmall = "--samplers uniform,power --spp 4 --seeds 2 --reference-spp 32 --no-report ";
+
+}  // namespace
+
+TEST_F(Lightlab, ComparesAndPrintsATable) {
+    const Outcome o = Run("scene.pbrt " + kSmall);
+    ASSERT_EQ(o.status, 0) << o.err;
+    for (const char *part : {"sampler", "relL2", "speed-up", "uniform", "power", "reference 0", "bias"})
+        EXPECT_TRUE(Has(o.out, part)) << part << "\n" << o.out;
+    const nlohmann::json r = Results("scene-lab");
+    EXPECT_EQ(r.at("scene"), "scene.pbrt");
+    EXPECT_TRUE(Has(r.at("commandLine"), "--reference-spp 32"));
+    EXPECT_EQ(r.at("samplers").size(), 2u);
+    const std::string csv = Read("scene-lab/results.csv"), rounds = Read("scene-lab/rounds.csv");
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
+    EXPECT_EQ(std::count(rounds.begin(), rounds.end(), '\n'), 1 + 2 * 2 * 3);
+    const std::string header = csv.substr(0, csv.find('\n'));
+    for (const std::string &line : {csv.substr(header.size() + 1, csv.find('\n', header.size() + 1) - header.size() - 1)})
+        EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ','));
+}
+
+TEST_F(Lightlab, QuietPrintsTheTableOnly) {
+    const Outcome o = Run("scene.pbrt --quiet " + kSmall);
+    EXPECT_EQ(o.status, 0);
+    EXPECT_EQ(o.err, "");
+    EXPECT_TRUE(Has(o.out, "uniform"));
+}
+
+TEST_F(Lightlab, KilledCampaignEndsAsIfNothingHadHappened) {
+    const std::string arguments = "scene.pbrt --samplers uniform,power --spp 512 --seeds 1 --reference-spp 64 --no-report --out ";
+    RunWell(arguments + "whole");
+    for (int signal : {SIGKILL, SIGINT}) {
+        const std::string out = signal == SIGKILL ? "killed" : "interrupted";
+        const pid_t pid = Start(arguments + out);
+        ASSERT_TRUE(WaitUntil([&] { return Exists(out + "/records/power/seed0-round03.json"); }));
+        kill(pid, signal);
+        const Outcome o = Wait(pid);
+        EXPECT_EQ(o.status, signal == SIGKILL ? -SIGKILL : 130) << o.err;
+        EXPECT_FALSE(Exists(out + "/results.json"));
+        const std::string messages = RunWell(arguments + out);
+        EXPECT_TRUE(Has(messages, "going on")) << messages;
+        for (const char *picture : {"/uniform/seed0.exr", "/power/seed0.exr", "/reference-0.exr"})
+            EXPECT_TRUE(SamePictures("whole" + std::string(picture), out + picture)) << out << picture;
+    }
+}
+
+TEST_F(Lightlab, SamplesOfATimedCampaignCanBeReplayed) {
+    RunWell("scene.pbrt --samplers uniform,power --time 0.2 --seeds 2 --reference-spp 32 --no-report --out timed");
+    const nlohmann::json timed = Results("timed");
+    EXPECT_EQ(timed.at("mode"), "time");
+    RunWell("scene.pbrt --samples-from timed/results.json --no-report --out replay");
+    for (const char *picture : {"/uniform/seed0.exr", "/uniform/seed1.exr", "/power/seed0.exr", "/power/seed1.exr"})
+        EXPECT_TRUE(SamePictures("timed" + std::string(picture), "replay" + std::string(picture))) << picture;
+    const nlohmann::json replay = Results("replay");
+    for (size_t i = 0; i < 2; ++i)
+        EXPECT_EQ(replay["samplers"][i]["summary"]["metrics"], timed["samplers"][i]["summary"]["metrics"]);
+}
+
+TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
+    Write("sweep.txt", "uniform # comment\n\nnosuch\npower:leaves=3\n");
+    ExpectErrors({{"scene.pbrt --samplers-file sweep.txt", {"nosuch", "uniform", "leaves", "2 errors; nothing was rendered."}},
+                  {"scene.pbrt --samplers bvh,bvh", {"bvh", "twice"}},
+                  {"scene.pbrt --samplers bvh+mush", {"+mush", "+mesh"}},
+                  {"scene.pbrt --time 1 --spp 2", {"--time", "--spp"}},
+                  {"scene.pbrt --spp 0", {"--spp", "--help"}},
+                  {"scene.pbrt --crops 1,2,3", {"--crops", "1,2,3"}},
+                  {"scene.pbrt --crops 0,0,99,9 --samplers bvh", {"--crops", "32 x 24"}},
+                  {"scene.pbrt --reference none.exr --samplers bvh", {"none.exr"}},
+                  {"scene.pbrt --samples-from sweep.txt", {"sweep.txt", "results.json"}},
+                  {"nosuch.pbrt --samplers bvh", {"nosuch.pbrt"}},
+                  {"", {"scene"}}});
+}
+
+TEST_F(Lightlab, HelpNamesEveryFlag) {
+    const Outcome o = Run("--help");
+    EXPECT_EQ(o.status, 0);
+    for (const char *name : {"--samplers", "--samplers-file", "--shadow-gate", "--time", "--spp", "--seeds", "--direct", "--maxdepth",
+                             "--divisor", "--reference", "--reference-spp", "--out", "--crops", "--restart", "--samples-from",
+                             "--nthreads", "--quiet", "inspect"})
+        EXPECT_TRUE(Has(o.out, name)) << name;
+    EXPECT_EQ(Run("inspect --help").status, 0);
+}
+
+TEST_F(Lightlab, MissingScriptsCostTheReportOnly) {
+    const std::string arguments = "scene.pbrt --samplers uniform --spp 1 --seeds 1 --reference-spp 8 --out ";
+    setenv("LIGHTLAB_REPORT_SCRIPTS", Path("nowhere").c_str(), 1);
+    const Outcome o = Run(arguments + "one");
+    unsetenv("LIGHTLAB_REPORT_SCRIPTS");
+    EXPECT_EQ(o.status, 0);
+    EXPECT_TRUE(Has(o.err, "charts.py is missing")) << o.err;
+    EXPECT_TRUE(Exists("one/results.json"));
+    setenv("LIGHTLAB_PYTHON", "/nonexistent/python", 1);
+    const Outcome p = Run(arguments + "two");
+    unsetenv("LIGHTLAB_PYTHON");
+    EXPECT_EQ(p.status, 0);
+    EXPECT_TRUE(Has(p.err, "/nonexistent/python")) << p.err;
+    EXPECT_TRUE(Has(p.err, "not started")) << p.err;
+    EXPECT_TRUE(Exists("two/results.json"));
+}
+
+TEST_F(Lightlab, ReportIsMade) {
+    if (std::system("/usr/bin/python3 -c 'import matplotlib' 2> /dev/null") != 0)
+        GTEST_SKIP() << "NOT TESTED: /usr/bin/python3 has no matplotlib";
+    RunWell("scene.pbrt --samplers uniform,power --spp 2 --seeds 2 --reference-spp 16 --out out");
+    EXPECT_TRUE(Exists("out/report.html"));
+    EXPECT_TRUE(Exists("out/chart-error-time.svg"));
+}
+
+}  // namespace pbrt::test

@@ -1,0 +1,411 @@
+#include "pbrt/lab/campaign.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "pbrt/core/log.h"
+#include "pbrt/images/image.h"
+#include "pbrt/lab/content_hash.h"
+
+namespace pbrt::lab {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// Three point lights of like strength over a floor.
+const char *const kScene = R"(LookAt 0 3 -6  0 0 0  0 1 0
+Camera "perspective" "float fov" 40
+Film "rgb" "integer xresolution" 32 "integer yresolution" 24 "string filename" "scene.exr"
+Sampler "independent" "integer pixelsamples" 4
+Integrator "path" "integer maxdepth" 2
+WorldBegin
+LightSource "point" "point3 from" [ -2 2 0 ] "rgb I" [ 4 4 4 ]
+LightSource "point" "point3 from" [ 0 2 1 ] "rgb I" [ 3 3 4 ]
+LightSource "point" "point3 from" [ 2 2 0 ] "rgb I" [ 4 4 3 ]
+Material "diffuse" "rgb reflectance" [ 0.6 0.4 0.3 ]
+Shape "sphere" "float radius" 0.7
+Shape "bilinearmesh" "point3 P" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]
+)";
+
+/// Shared between the samplers that a registry makes.
+struct Switch {
+    std::atomic<int64_t> callsLeft{1 << 30};
+    Progress *progress = nullptr;
+};
+
+/// Uniform over the lights but the last `blind` ones. Interrupts the campaign after a number of calls.
+class TestSampler final : public LightSampler {
+  public:
+    TestSampler(size_t lights, size_t blind, std::shared_ptr<Switch> interrupt)
+        : seen_(lights - blind), interrupt_(std::move(interrupt)) {}
+    std::optional<SampledLight> Sample(const LightQuery &, Float u) const override {
+        if (--interrupt_->callsLeft == 0) interrupt_->progress->Cancel();
+        auto i = std::min(static_cast<size_t>(u * static_cast<Float>(seen_)), seen_ - 1);
+        return SampledLight{LightId(i), 1 / static_cast<Float>(seen_)};
+    }
+    Float PMF(const LightQuery &, LightId light) const override {
+        return light.value < seen_ ? 1 / static_cast<Float>(seen_) : 0;
+    }
+    void Report(nlohmann::ordered_json &report) const override { report["leaves"] = 7; }
+    std::string DescribeStructure() const override { return "nothing learned"; }
+
+  private:
+    size_t seen_;
+    std::shared_ptr<Switch> interrupt_;
+};
+
+Json ReadJson(const fs::path &path) {
+    std::ifstream in(path);
+    return Json::parse(in);
+}
+
+/// Finite values of equal bits.
+void ExpectSamePixels(const fs::path &a, const fs::path &b) {
+    const Image one = ReadImage(a.string()).image, two = ReadImage(b.string()).image;
+    ASSERT_EQ(one.Bytes(), two.Bytes());
+    ASSERT_GT(one.Bytes(), 0u);
+    EXPECT_EQ(std::memcmp(one.Data(), two.Data(), one.Bytes()), 0) << a << " " << b;
+}
+
+class Campaign : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        SetLogLevel(LogLevel::Error);
+        const auto *info = ::testing::UnitTest::GetInstance()->current_test_info();
+        folder_ = fs::temp_directory_path() / (std::string("pbrt_campaign_") + info->name() + "_" + std::to_string(getpid()));
+        fs::create_directories(folder_);
+        std::ofstream(folder_ / "scene.pbrt") << kScene;
+        RegisterStockLightSamplers(registry_);
+        AddSampler("honest", 0);
+        AddSampler("blind", 1);
+    }
+    void TearDown() override {
+        fs::remove_all(folder_);
+        SetLogLevel(LogLevel::Info);
+    }
+    void AddSampler(const std::string &name, size_t blind) {
+        LightSamplerRegistry::Entry entry;
+        entry.name = name;
+        entry.summary = "of the test";
+        entry.make = [blind, interrupt = switch_](const LightTable &lights, const ParamSet &) {
+            return std::make_unique<TestSampler>(lights.Size(), blind, interrupt);
+        };
+        registry_.Add(std::move(entry));
+    }
+    CampaignSettings Settings(const std::string &out, const std::vector<std::string> &samplers) {
+        CampaignSettings s;
+        s.scene = (folder_ / "scene.pbrt").string();
+        s.samplers = ParseSamplerChoices(samplers, registry_);
+        s.samplesPerPixel = 4;
+        s.seeds = 2;
+        s.referenceSamples = 32;
+        s.outFolder = (folder_ / out).string();
+        return s;
+    }
+    std::optional<CampaignOutcome> Run(const CampaignSettings &settings) {
+        Progress progress;
+        switch_->progress = &progress;
+        return RunCampaign(settings, registry_, progress, nullptr);
+    }
+    std::string ErrorOf(const CampaignSettings &settings) {
+        try {
+            Run(settings);
+        } catch (const UserError &e) {
+            return e.what();
+        }
+        return "";
+    }
+    void ExpectSamePictures(const std::string &a, const std::string &b, const std::vector<std::string> &samplers, int seeds) {
+        for (const std::string &sampler : samplers)
+            for (int seed = 0; seed < seeds; ++seed) {
+                const std::string name = SafeFileName(sampler) + "/seed" + std::to_string(seed) + ".exr";
+                ExpectSamePixels(folder_ / a / name, folder_ / b / name);
+            }
+        ExpectSamePixels(folder_ / a / "reference-0.exr", folder_ / b / "reference-0.exr");
+    }
+
+    fs::path folder_;
+    LightSamplerRegistry registry_;
+    std::shared_ptr<Switch> switch_ = std::make_shared<Switch>();
+};
+
+}  // namespace
+
+TEST_F(Campaign, LeavesEverythingTheSchemaNames) {
+    const std::optional<CampaignOutcome> outcome = Run(Settings("out", {"uniform", "power", "honest"}));
+    ASSERT_TRUE(outcome);
+    for (const char *name : {"results.json", "results.csv", "rounds.csv", "reference-0.exr", "reference-0.png",
+                             "uniform/seed0.exr", "power/seed1.exr", "honest/result.png", "honest/error.png",
+                             "records/uniform/seed0-round00.json"})
+        EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;
+    const Json r = ReadJson(folder_ / "out/results.json");
+    EXPECT_EQ(r, outcome->results);
+    EXPECT_EQ(r.at("schema"), 1);
+    EXPECT_EQ(r.at("sceneName"), "scene");
+    EXPECT_EQ(r.at("sceneHash").get<std::string>().size(), 16u);
+    EXPECT_EQ(r.at("mode"), "samples");
+    EXPECT_EQ(r.at("budget"), 4);
+    EXPECT_EQ(r.at("seeds"), 2);
+    EXPECT_EQ(r.at("resolution"), Json({32, 24}));
+    EXPECT_EQ(r.at("maxDepth"), 2);
+    EXPECT_EQ(r.at("direct"), false);
+    for (const char *key : {"commit", "commandLine", "date", "winnerBeyondNoise"}) EXPECT_TRUE(r.contains(key)) << key;
+    for (const char *key : {"cpu", "threads", "memoryGB", "os"}) EXPECT_TRUE(r.at("machine").contains(key)) << key;
+    EXPECT_TRUE(r.at("winner").is_string());
+    ASSERT_GE(r.at("references").size(), 1u);
+    for (const Json &reference : r.at("references")) {
+        EXPECT_TRUE(fs::exists(folder_ / "out" / reference.at("file").get<std::string>()));
+        EXPECT_TRUE(fs::exists(folder_ / "out" / reference.at("picture").get<std::string>()));
+        EXPECT_EQ(reference.at("samples"), 32);
+        EXPECT_GT(reference.at("seconds").get<double>(), 0);
+        EXPECT_GT(reference.at("noise").get<double>(), 0);
+    }
+    ASSERT_GE(r.at("crops").size(), 1u);
+    for (const Json &c : r.at("crops")) {
+        EXPECT_GE(c.at("x0").get<int>(), 0);
+        EXPECT_LE(c.at("x1").get<int>(), 32);
+        EXPECT_LE(c.at("y1").get<int>(), 24);
+        EXPECT_LT(c.at("x0").get<int>(), c.at("x1").get<int>());
+    }
+    ASSERT_EQ(r.at("samplers").size(), 3u);
+    for (const Json &s : r.at("samplers")) {
+        // Nobody is judged by its own samples.
+        EXPECT_NE(r.at("references").at(s.at("reference").get<size_t>()).at("sampler"), s.at("label"));
+        ASSERT_EQ(s.at("runs").size(), 2u);
+        for (const Json &run : s.at("runs")) {
+            EXPECT_TRUE(fs::exists(folder_ / "out" / run.at("image").get<std::string>()));
+            EXPECT_EQ(run.at("shadowRays").get<int>() > 0, true);
+            ASSERT_EQ(run.at("rounds").size(), 3u);
+            int samples = 1;
+            double seconds = run.at("prepareSeconds").get<double>();
+            for (const Json &round : run.at("rounds")) {
+                EXPECT_EQ(round.at("samples"), samples);
+                samples *= 2;
+                EXPECT_GT(round.at("seconds").get<double>(), seconds);
+                seconds = round.at("seconds").get<double>();
+                EXPECT_GT(round.at("cpuSeconds").get<double>(), 0);
+                for (const char *m : {"relL2", "MSE", "MRSE", "MAE", "SMAPE", "FLIP", "relL2Trimmed"})
+                    EXPECT_GT(round.at("metrics").at(m).get<double>(), 0) << m;
+            }
+        }
+        const Json &summary = s.at("summary");
+        for (const char *key : {"samples", "seconds", "cpuSeconds", "firefliesDecide", "efficiency", "speedUp",
+                                "speedUpAgainst", "ratioToOracle", "leaves", "bytes", "shadowRays", "blockedShare",
+                                "relativeCost", "preparationShare"})
+            EXPECT_TRUE(summary.contains(key)) << key;
+        for (const char *key : {"prepassSeconds", "buildSeconds", "renderSeconds"})
+            EXPECT_TRUE(summary.at("overhead").contains(key)) << key;
+        for (const char *key : {"verdict", "tiles", "tests", "worstZ", "pValue", "meanDifference"})
+            EXPECT_TRUE(summary.at("bias").contains(key)) << key;
+        // The summary is that of the last rounds.
+        double mean = 0;
+        for (const Json &run : s.at("runs")) mean += run.at("rounds").back().at("metrics").at("relL2").get<double>() / 2;
+        EXPECT_NEAR(summary.at("metrics").at("relL2").at("mean").get<double>(), mean, 1e-12);
+    }
+    EXPECT_EQ(r.at("samplers").at(2).at("summary").at("leaves"), 7);
+    EXPECT_EQ(r.at("samplers").at(2).at("structure"), "nothing learned");
+    EXPECT_EQ(r.at("samplers").at(0).at("summary").at("relativeCost"), 1);
+    EXPECT_NE(outcome->text.find("honest"), std::string::npos);
+}
+
+TEST_F(Campaign, RepeatGivesTheSamePictures) {
+    const std::vector<std::string> samplers = {"uniform", "power"};
+    ASSERT_TRUE(Run(Settings("one", samplers)));
+    // The second one renders its reference again as well.
+    for (const auto &entry : fs::directory_iterator(folder_))
+        if (entry.path().extension() == ".exr") fs::remove(entry.path());
+    ASSERT_TRUE(Run(Settings("two", samplers)));
+    ExpectSamePictures("one", "two", samplers, 2);
+    // Different seeds are different pictures.
+    const Image a = ReadImage((folder_ / "one/uniform/seed0.exr").string()).image;
+    const Image b = ReadImage((folder_ / "one/uniform/seed1.exr").string()).image;
+    EXPECT_NE(std::memcmp(a.Data(), b.Data(), a.Bytes()), 0);
+}
+
+TEST_F(Campaign, ReferenceIsKeptBesideTheSceneAndFoundAgain) {
+    ASSERT_TRUE(Run(Settings("one", {"uniform"})));
+    std::vector<fs::path> kept;
+    for (const auto &entry : fs::directory_iterator(folder_))
+        if (entry.path().filename().string().starts_with("scene.reference-")) kept.push_back(entry.path());
+    ASSERT_GE(kept.size(), 1u);
+    const auto time = fs::last_write_time(kept[0]);
+    ASSERT_TRUE(Run(Settings("two", {"uniform"})));
+    EXPECT_EQ(fs::last_write_time(kept[0]), time);
+    // Another scene is another reference.
+    std::ofstream(folder_ / "scene.pbrt", std::ios::app) << "Shape \"sphere\" \"float radius\" 0.2\n";
+    ASSERT_TRUE(Run(Settings("three", {"uniform"})));
+    size_t now = 0;
+    for (const auto &entry : fs::directory_iterator(folder_))
+        now += entry.path().filename().string().starts_with("scene.reference-");
+    EXPECT_GT(now, kept.size());
+}
+
+TEST_F(Campaign, InterruptedOnesEndAsIfNothingHadHappened) {
+    const std::vector<std::string> samplers = {"uniform", "honest"};
+    switch_->callsLeft = 1 << 30;
+    ASSERT_TRUE(Run(Settings("whole", samplers)));
+    const int64_t calls = (1 << 30) - switch_->callsLeft;
+    ASSERT_GT(calls, 1000);
+    for (const auto &entry : fs::directory_iterator(folder_))
+        if (entry.path().extension() == ".exr") fs::remove(entry.path());
+    // Stops during the pilot, the references and the rounds.
+    int interruptions = 0;
+    for (int attempt = 0; attempt < 40; ++attempt) {
+        switch_->callsLeft = attempt < 12 ? calls / 5 : 1 << 30;
+        if (Run(Settings("parts", samplers))) break;
+        ++interruptions;
+    }
+    EXPECT_GE(interruptions, 3);
+    ExpectSamePictures("whole", "parts", samplers, 2);
+    const Json whole = ReadJson(folder_ / "whole/results.json"), parts = ReadJson(folder_ / "parts/results.json");
+    for (size_t i = 0; i < 2; ++i) {
+        const Json &a = whole.at("samplers").at(i).at("runs").at(1), &b = parts.at("samplers").at(i).at("runs").at(1);
+        EXPECT_EQ(a.at("shadowRays"), b.at("shadowRays"));
+        for (size_t r = 0; r < 3; ++r) EXPECT_EQ(a.at("rounds").at(r).at("metrics"), b.at("rounds").at(r).at("metrics"));
+    }
+    // A finished campaign is only summed up again.
+    const auto time = fs::last_write_time(folder_ / "parts/honest/seed1.exr");
+    ASSERT_TRUE(Run(Settings("parts", samplers)));
+    EXPECT_EQ(fs::last_write_time(folder_ / "parts/honest/seed1.exr"), time);
+}
+
+TEST_F(Campaign, OtherSettingsInTheSameFolderAreRefusedUntilRestart) {
+    CampaignSettings settings = Settings("out", {"uniform"});
+    ASSERT_TRUE(Run(settings));
+    settings.samplesPerPixel = 2;
+    const std::string error = ErrorOf(settings);
+    for (const char *part : {"spp", "4", "2", "--restart"}) EXPECT_NE(error.find(part), std::string::npos) << error;
+    settings.restart = true;
+    const std::optional<CampaignOutcome> outcome = Run(settings);
+    ASSERT_TRUE(outcome);
+    EXPECT_EQ(outcome->results.at("budget"), 2);
+}
+
+TEST_F(Campaign, SampleCountsOfATimedOneGiveTheSamePictures) {
+    const std::vector<std::string> samplers = {"uniform", "power"};
+    CampaignSettings timed = Settings("timed", samplers);
+    timed.timeBudget = 0.1;
+    const std::optional<CampaignOutcome> first = Run(timed);
+    ASSERT_TRUE(first);
+    EXPECT_EQ(first->results.at("mode"), "time");
+    for (const Json &s : first->results.at("samplers"))
+        for (const Json &run : s.at("runs")) {
+            EXPECT_GT(run.at("rounds").size(), 1u);
+            // More than the scene's four: later batches too.
+            EXPECT_GT(run.at("rounds").back().at("samples").get<int>(), 4);
+        }
+    CampaignSettings replay = Settings("replay", samplers);
+    replay.timeBudget = 0.1;
+    replay.samplesFrom = (folder_ / "timed/results.json").string();
+    ASSERT_TRUE(Run(replay));
+    ExpectSamePictures("timed", "replay", samplers, 2);
+    replay.seeds = 3;
+    replay.outFolder = (folder_ / "more").string();
+    EXPECT_NE(ErrorOf(replay).find("seed 2"), std::string::npos);
+}
+
+TEST_F(Campaign, BiasedSamplerIsFoundAndNeverWins) {
+    CampaignSettings settings = Settings("out", {"uniform", "blind", "honest"});
+    settings.samplesPerPixel = 32;
+    settings.seeds = 4;
+    settings.referenceSamples = 1024;
+    const std::optional<CampaignOutcome> outcome = Run(settings);
+    ASSERT_TRUE(outcome);
+    auto verdict = [&](size_t i) {
+        return outcome->results.at("samplers").at(i).at("summary").at("bias").at("verdict").get<std::string>();
+    };
+    EXPECT_NE(verdict(0), "biased");
+    EXPECT_EQ(verdict(1), "biased");
+    EXPECT_NE(verdict(2), "biased");
+    EXPECT_NE(outcome->results.at("winner"), "blind");
+    // It has the least variance, yet made no reference that is used.
+    EXPECT_EQ(ReadJson(folder_ / "out/records/pilot.json").at(0).at("sampler"), "blind");
+    for (const Json &r : outcome->results.at("references")) EXPECT_NE(r.at("sampler"), "blind");
+    EXPECT_EQ(outcome->results.at("notes").size(), 1u);
+}
+
+TEST_F(Campaign, MistakesAreFoundBeforeAnythingIsRendered) {
+    EXPECT_THROW(ParseSamplerChoices({"uniform", "uniform"}, registry_), UserError);
+    try {
+        ParseSamplerChoices({"nosuch", "power:leaves=3", "bvh+gate=nogate", "bvh+what", "uniform"}, registry_);
+        FAIL();
+    } catch (const UserError &e) {
+        EXPECT_EQ(e.Diagnostics().size(), 4u);
+        EXPECT_NE(e.Diagnostics()[0].message.find("uniform"), std::string::npos) << e.Diagnostics()[0].message;
+    }
+    CampaignSettings settings = Settings("out", {"uniform"});
+    settings.crops = {{{0, 0}, {33, 8}}};
+    EXPECT_NE(ErrorOf(settings).find("--crops"), std::string::npos);
+    settings = Settings("out", {"uniform"});
+    settings.referenceFile = (folder_ / "none.exr").string();
+    EXPECT_NE(ErrorOf(settings), "");
+    Image wrong(PixelFormat::Float, {16, 16}, {"R", "G", "B"});
+    WriteImage((folder_ / "wrong.exr").string(), wrong);
+    settings.referenceFile = (folder_ / "wrong.exr").string();
+    EXPECT_NE(ErrorOf(settings).find("16 x 16"), std::string::npos) << ErrorOf(settings);
+    std::ofstream(folder_ / "scene.pbrt") << std::string(kScene).replace(std::string(kScene).find("\"path\""), 6, "\"randomwalk\"");
+    EXPECT_NE(ErrorOf(Settings("other", {"uniform"})).find("randomwalk"), std::string::npos);
+}
+
+TEST_F(Campaign, GivenReferenceIsUsedAsItIs) {
+    ASSERT_TRUE(Run(Settings("one", {"power"})));
+    CampaignSettings settings = Settings("two", {"uniform"});
+    settings.referenceFile = (folder_ / "one/reference-0.exr").string();
+    const std::optional<CampaignOutcome> outcome = Run(settings);
+    ASSERT_TRUE(outcome);
+    ExpectSamePixels(folder_ / "one/reference-0.exr", folder_ / "two/reference-0.exr");
+    EXPECT_EQ(outcome->results.at("references").size(), 1u);
+    EXPECT_FALSE(fs::exists(folder_ / "two/records/pilot.json"));
+}
+
+TEST(SamplerList, KeysBelongToTheSamplerBeforeThem) {
+    EXPECT_EQ(SplitSamplerList("a,b:k=1,m=2,c+mesh,d+gate=g:k=1,m=2, e"),
+              (std::vector<std::string>{"a", "b:k=1,m=2", "c+mesh", "d+gate=g:k=1,m=2", "e"}));
+    EXPECT_EQ(SafeFileName("octree:leaves=64,floor=.2+gate=a/b"), "octree_leaves=64,floor=.2+gate=a_b");
+}
+
+TEST(Checkpoints, StartAtOneSampleAndEndAtTheBudget) {
+    CampaignSettings settings;
+    settings.samplesPerPixel = 24;
+    std::vector<int> samples;
+    for (const Checkpoint &c : Checkpoints(settings)) samples.push_back(c.samples);
+    EXPECT_EQ(samples, (std::vector<int>{1, 2, 4, 8, 16, 24}));
+    settings.samplesPerPixel = 1;
+    EXPECT_EQ(Checkpoints(settings).size(), 1u);
+    settings.timeBudget = 32;
+    const std::vector<Checkpoint> timed = Checkpoints(settings);
+    ASSERT_EQ(timed.size(), 8u);
+    EXPECT_EQ(timed[0].samples, 1);
+    EXPECT_EQ(timed[1].seconds, 0.5);
+    EXPECT_EQ(timed[7].seconds, 32);
+}
+
+TEST(SceneHash, SeesEveryFileThatIsNamed) {
+    const fs::path folder = fs::temp_directory_path() / ("pbrt_scene_hash_" + std::to_string(getpid()));
+    fs::create_directories(folder);
+    auto write = [&](const char *name, const std::string &text) { std::ofstream(folder / name) << text; };
+    write("a.pbrt", "Include \"b.pbrt\"\n# \"c.ply\"\n");
+    write("b.pbrt", "Shape \"plymesh\" \"string filename\" \"mesh.ply\"\n");
+    write("mesh.ply", "one");
+    write("c.ply", "comment");
+    const std::string path = (folder / "a.pbrt").string(), hash = SceneHash(path);
+    EXPECT_EQ(hash.size(), 16u);
+    EXPECT_EQ(SceneHash(path), hash);
+    write("c.ply", "not read");
+    EXPECT_EQ(SceneHash(path), hash);
+    write("mesh.ply", "two");
+    const std::string second = SceneHash(path);
+    EXPECT_NE(second, hash);
+    write("b.pbrt", "Shape \"plymesh\" \"string filename\" \"mesh.ply\" \n");
+    EXPECT_NE(SceneHash(path), second);
+    fs::remove_all(folder);
+}
+
+}  // namespace pbrt::lab

@@ -29,9 +29,9 @@
 // Heavy tails. Where c strong samples were expected, none is seen with probability exp(-c); then the mean is low and so
 // is the estimated noise. So a difference must also exceed what c = -log(level of one test) unseen samples would make,
 // each as strong as the strongest one seen in the region, around it, or in the reference there (what sticks out of the
-// ordinary noise of tiles); and an allowance. Noise
-// that is decided by a handful of samples never gives "biased", and the smallest visible bias says so. False alarms and
-// power are measured in bias_check_test.cpp.
+// ordinary noise of tiles); and an allowance. Noise that is decided by a handful of samples never gives "biased", and
+// the smallest visible bias says so. False alarms and power are measured in bias_check_test.cpp; of 8400 simulated
+// campaigns without bias (lognormal, Pareto, fireflies; 2, 3 and 8 runs) 4 were called biased.
 
 namespace pbrt::lab {
 
@@ -129,8 +129,9 @@ class Group {
         Noise noise;
         const double sum = std::max(own + std::max(0.0, 2 * neighbours), between);
         noise.variance = sum / (n * (n - 1) * tiles * tiles);
-        // (n + 1) instead of (n - 1): the square of an estimated variance is too large by (n + 1) / (n - 1).
-        if (ownSquared > 0) noise.dof = std::min((n + 1) * own * own / ownSquared, (n - 1) * tiles);
+        // Satterthwaite's estimate from squares that are too large by (n + 1) / (n - 1), being estimates themselves;
+        // right for equal tiles ((n - 1) tiles - 2) and if one tile has all the noise (n - 1).
+        if (ownSquared > 0) noise.dof = std::min((n + 1) * own * own / ownSquared - 2, (n - 1) * tiles);
         return noise;
     }
 
@@ -289,8 +290,8 @@ class Channel {
             }
         Group::Noise noise;
         noise.variance = (own + std::max(0.0, 2 * neighbours)) / (tiles * (tiles - 1));
-        // A squared normal deviate has mean square 3.
-        if (ownSquared > 0) noise.dof = std::min(3 * own * own / ownSquared, tiles - 1);
+        // As Group::Of: a squared normal deviate has mean square 3.
+        if (ownSquared > 0) noise.dof = std::min(3 * own * own / ownSquared - 2, tiles - 1);
         return noise;
     }
 

@@ -8,7 +8,7 @@
 
 namespace pbrt::lab {
 
-/// Is the mean of a sampler's pictures the reference? See docs/testing.md and bias_check.cpp for the method.
+/// Is the mean of a sampler's pictures the reference? bias_check.cpp explains the method.
 struct BiasSettings {
     double level = 0.005;    ///< chance of a false alarm in the whole check, if the noise is normal
     double interest = 0.03;  ///< "clean" claims that no bias of this size (relative) was overlooked

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "bias_simulation.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
@@ -71,6 +73,26 @@ TEST(BiasCheck, HeavyTailsGiveFewerThanOneFalseAlarmInHundred) {
             alarms += Verdicts(With(noises[i], runs), campaigns, 1000 * (i + 1) + static_cast<uint64_t>(runs)).biased;
         }
     EXPECT_LE(alarms, 3);
+}
+
+// The p-value of one region under nearly normal noise, few tiles and few runs; noise that sits in one tile of 16 leaves
+// few degrees of freedom.
+TEST(BiasCheck, PValueOfARegionKeepsItsLevel) {
+    for (bool concentrated : {false, true}) {
+        Campaign c = With(Lognormal(0.1), 2);
+        c.resolution = {32, 32};
+        c.parts = 2;
+        c.partLength = 1;
+        if (concentrated) c.truth = [](int x, int y) { return x < 8 && y < 8 ? 3.0 : 0.01; };
+        const int campaigns = 3000;
+        std::vector<double> p(campaigns);
+        ParallelForEach(campaigns, [&](int64_t i) {
+            p[static_cast<size_t>(i)] = Simulate(c, 500 + static_cast<uint64_t>(i)).whole.p;
+        });
+        // Normal numbers would leave out 0.01 x 3000 = 30 +- 5.5; the larger of two estimates makes it fewer.
+        EXPECT_LE(std::count_if(p.begin(), p.end(), [](double v) { return v < 0.01; }), 45);
+        EXPECT_GE(std::count_if(p.begin(), p.end(), [](double v) { return v < 0.2; }), 200);
+    }
 }
 
 // Neighbouring pixels share noise, and the reference comes from a sampler with rarer, stronger samples.

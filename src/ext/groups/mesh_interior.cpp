@@ -8,8 +8,9 @@ MeshInterior::MeshInterior(const LightTable &lights, const MeshGroups &groups, b
     for (uint32_t g = 0; g < groups.Size(); ++g) {
         const uint32_t count = groups.CountOf(g);
         if (count == 1) continue;
-        if (count <= kLargestScan) inner_[g].scan = std::make_unique<GroupImportance>(lights, groups, g);
-        else inner_[g].tree = std::make_unique<BVHLightSampler>(lights.Candidates().subspan(groups.FirstOf(g), count));
+        std::vector<Emitter> emitters = GroupImportance::EmittersIn(lights, groups, g);
+        if (count <= kLargestScan) inner_[g].scan = std::make_unique<GroupImportance>(emitters);
+        else inner_[g].tree = std::make_unique<EmitterTree>(emitters);
     }
 }
 
@@ -45,7 +46,7 @@ Float MeshInterior::PMF(const LightQuery &query, LightId light) const {
     const uint32_t group = groups_.GroupOf(light);
     const Inner &inner = inner_[group];
     const uint32_t index = light.value - groups_.FirstOf(group);
-    if (inner.tree) return inner.tree->PMF(query, LightId(index));
+    if (inner.tree) return inner.tree->PMF(query, index);
     if (!inner.scan) return 1;
     Float g[kLargestScan];
     Float sum = inner.scan->Evaluate(query, g);
@@ -54,7 +55,7 @@ Float MeshInterior::PMF(const LightQuery &query, LightId light) const {
 
 size_t MeshInterior::Bytes() const {
     size_t bytes = inner_.capacity() * sizeof(Inner);
-    for (const Inner &i : inner_) bytes += (i.scan ? i.scan->Bytes() : 0) + (i.tree ? i.tree->Tree().Bytes() : 0);
+    for (const Inner &i : inner_) bytes += (i.scan ? i.scan->Bytes() : 0) + (i.tree ? i.tree->Bytes() : 0);
     return bytes;
 }
 

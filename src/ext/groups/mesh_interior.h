@@ -2,14 +2,14 @@
 #include <memory>
 #include <vector>
 
+#include "ext/groups/emitter_tree.h"
 #include "ext/groups/group_importance.h"
-#include "pbrt/lightsamplers/bvh_light_sampler.h"
 
 namespace ext {
 
 /// P(light | group, query): which primitive of an emissive mesh, once the mesh is chosen. By importance at the point: all
-/// primitives looked at up to 32 of them, a light BVH over them above that (stock pbrt-v4's importance). Primitives that
-/// face away get nothing, near ones more; by power alone (MeshGroups) curved and closed emitters waste most samples.
+/// primitives looked at up to 32 of them, through a tree over them above that. Primitives that face away get nothing, near
+/// ones more; by power alone (MeshGroups) curved and closed emitters waste most samples.
 class MeshInterior {
   public:
     /// `byImportance` false: by power, for comparison.
@@ -25,7 +25,7 @@ class MeshInterior {
     static constexpr uint32_t kLargestScan = 32;
     struct Inner {
         std::unique_ptr<GroupImportance> scan;
-        std::unique_ptr<BVHLightSampler> tree;
+        std::unique_ptr<EmitterTree> tree;
     };
     const MeshGroups &groups_;
     bool byImportance_;

@@ -25,7 +25,7 @@ bool IsWorthFollowing(const Bsdf *bsdf) {
 VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
     : params_(params), floor_(params.floor > 0 ? params.floor : kVisibilityFloor), groups_(lights, params.meshlights),
       importance_(lights, groups_), interior_(lights, groups_, params.interior) {
-    if (groups_.Size() > kMost) bvh_ = std::make_unique<BVHLightSampler>(groups_.Candidates());
+    if (groups_.Size() > kMost) allLights_ = std::make_unique<EmitterTree>(GroupImportance::EmittersOf(lights, groups_));
 }
 
 VisibilityOctreeLightSampler::~VisibilityOctreeLightSampler() = default;
@@ -47,7 +47,7 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     const int depth = std::min(params_.depth, std::max(1, context.maxDepth));
     std::vector<PrepassVertex> vertices = TracePrepassPaths(context, PathsPerPixel(context), depth);
     if (context.progress.Cancelled()) return;
-    VisibilityRecords records = TraceVisibility(context, vertices, groups_, importance_, interior_, bvh_.get(),
+    VisibilityRecords records = TraceVisibility(context, vertices, groups_, importance_, interior_, allLights_.get(),
                                                 {TriesPerRecord(groups_.Size(), params_.tries), floor_});
     records_ = records.records.size();
     tries_ = records.tries.size();
@@ -63,7 +63,7 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     settings.shrinkage = params_.shrinkage;
     settings.pruneGain = params_.prunegain;
     settings.secondMoment = params_.secondmoment;
-    settings.floor = bvh_ ? params_.treeshare : floor_;
+    settings.floor = allLights_ ? params_.treeshare : floor_;
     VisibilityTreeBuilder builder(context.scene.Bounds(), records.records, records.tries, settings);
     leavesBefore_ = builder.LeavesBeforePruning();
     tree_ = builder.Build();
@@ -77,7 +77,7 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
 void VisibilityOctreeLightSampler::Weigh(const LightQuery &query, Choice *c) const {
     VisibilityTree::Row row;
     if (learned_) row = tree_.RowAt(query.p);
-    if (bvh_) {
+    if (allLights_) {
         c->lights = row.lights;
         c->count = row.lights.size();
         c->sumG = importance_.EvaluateSome(query, c->lights, c->g);
@@ -119,13 +119,13 @@ void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c
 Float VisibilityOctreeLightSampler::Share(const Choice &c, size_t i) const {
     // sumW is 0 only where sumG is.
     if (!(c.sumW > 0)) return 0;
-    if (bvh_) return c.w[i] / c.sumW;
+    if (allLights_) return c.w[i] / c.sumW;
     return (1 - floor_) * (c.w[i] / c.sumW) + floor_ * (c.g[i] / c.sumG);
 }
 
 Float VisibilityOctreeLightSampler::GroupPMF(const LightQuery &query, const Choice &c, uint32_t group) const {
-    if (!bvh_) return Share(c, group);
-    const Float fromTree = bvh_->PMF(query, LightId(group));
+    if (!allLights_) return Share(c, group);
+    const Float fromTree = allLights_->PMF(query, group);
     if (!(c.sumW > 0)) return fromTree;
     auto it = std::lower_bound(c.lights.begin(), c.lights.end(), group);
     Float named = it != c.lights.end() && *it == group ? Share(c, static_cast<size_t>(it - c.lights.begin())) : 0;
@@ -135,10 +135,10 @@ Float VisibilityOctreeLightSampler::GroupPMF(const LightQuery &query, const Choi
 std::optional<SampledLight> VisibilityOctreeLightSampler::SampleGroup(const LightQuery &query, Float u) const {
     Choice c;
     Weigh(query, &c);
-    if (bvh_) {
+    if (allLights_) {
         const Float t = c.sumW > 0 ? params_.treeshare : Float(1);
         if (u < t) {
-            std::optional<SampledLight> chosen = bvh_->Sample(query, std::min(u / t, OneMinusEpsilon));
+            std::optional<SampledLight> chosen = allLights_->Sample(query, std::min(u / t, OneMinusEpsilon));
             if (chosen) chosen->pmf = GroupPMF(query, c, chosen->light.value);
             return chosen;
         }
@@ -191,7 +191,7 @@ void VisibilityOctreeLightSampler::Report(nlohmann::ordered_json &report) const 
     report["leaves"] = tree_.LeafCount();
     report["rows"] = tree_.RowCount();
     report["depth"] = tree_.Depth();
-    report["bytes"] = tree_.Bytes() + importance_.Bytes() + interior_.Bytes() + (bvh_ ? bvh_->Tree().Bytes() : 0);
+    report["bytes"] = tree_.Bytes() + importance_.Bytes() + interior_.Bytes() + (allLights_ ? allLights_->Bytes() : 0);
 }
 
 }  // namespace ext

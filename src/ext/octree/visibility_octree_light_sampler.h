@@ -19,7 +19,7 @@ namespace ext {
 /// light's middle where the surface is glossy without a diffuse part, and is 1 elsewhere. Light l is a group; inside a mesh the
 /// primitive is chosen by MeshInterior.
 /// With more than 64 groups a leaf names the lights that matter most there; the rest, and the share `treeshare` of
-/// the probability, belongs to a light BVH over all: P = (1 - t) (named lights as above) + t P_bvh.
+/// the probability, belongs to a tree over all (EmitterTree): P = (1 - t) (named lights as above) + t P_tree.
 class VisibilityOctreeLightSampler final : public LightSampler {
   public:
     VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
@@ -44,7 +44,7 @@ class VisibilityOctreeLightSampler final : public LightSampler {
         std::span<const uint32_t> lights;  ///< empty: all, in order
         size_t count = 0;
     };
-    bool ScansAll() const { return tree_.RowCount() == 0 ? groups_.Size() <= kMost : !bvh_; }
+    bool ScansAll() const { return tree_.RowCount() == 0 ? groups_.Size() <= kMost : !allLights_; }
     void Weigh(const LightQuery &query, Choice *choice) const;
     void FollowBsdf(const LightQuery &query, Choice *choice) const;
     /// P of the i-th considered light among the considered ones.
@@ -58,7 +58,7 @@ class VisibilityOctreeLightSampler final : public LightSampler {
     MeshGroups groups_;
     GroupImportance importance_;
     MeshInterior interior_;
-    std::unique_ptr<BVHLightSampler> bvh_;  ///< more groups than are scanned
+    std::unique_ptr<EmitterTree> allLights_;  ///< more groups than are scanned
     VisibilityTree tree_;
     bool learned_ = false;
     std::vector<LeafSize> leaves_;          ///< these two for Inspect and DescribeStructure only

@@ -53,7 +53,7 @@ size_t TriesPerRecord(size_t groups, int wanted) {
 }
 
 VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices, const MeshGroups &groups,
-                                  const GroupImportance &importance, const MeshInterior &interior, const LightSampler *tree,
+                                  const GroupImportance &importance, const MeshInterior &interior, const EmitterTree *tree,
                                   const TrySettings &settings) {
     const auto count = static_cast<int64_t>(vertices.size());
     std::vector<VisibilityRecords> chunks(static_cast<size_t>((count + kChunk - 1) / kChunk));

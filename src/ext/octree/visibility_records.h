@@ -24,7 +24,7 @@ struct TrySettings {
 /// that many drawn by `tree` (or by importance, where there is no tree). Records without any light to look at are left out.
 /// The same for any number of threads.
 VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices, const MeshGroups &groups,
-                                  const GroupImportance &importance, const MeshInterior &interior, const LightSampler *tree,
+                                  const GroupImportance &importance, const MeshInterior &interior, const EmitterTree *tree,
                                   const TrySettings &settings);
 
 }  // namespace ext

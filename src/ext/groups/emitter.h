@@ -1,0 +1,60 @@
+#pragma once
+#include <array>
+#include <optional>
+
+#include "pbrt/lights/light_table.h"
+#include "pbrt/lightsamplers/light_packet.h"
+#include "pbrt/lightsamplers/light_sampler.h"
+
+namespace ext {
+using namespace pbrt;
+
+/// A light, or several together, as far as its unoccluded contribution goes.
+struct Emitter {
+    std::optional<LightBounds> bounds;  ///< empty: at infinity, or dark
+    bool isArea = false;
+    /// Flat emitters seen head-on: radiance times area; points: intensity. Spectral values as means over the visible
+    /// wavelengths, as for LightCandidate::power.
+    Float intensity = 0;
+
+    bool isFar = false, isDelta = false;
+    Float m0 = 0;    ///< far: integral of the radiance over directions (delta: irradiance), as far as SampleLi finds it
+    Vector3 m1{0};   ///< far: the same times the direction (delta: the direction)
+};
+
+/// The emitter of a candidate; `first` is its light, or one of them.
+Emitter MakeEmitter(const Light &first, const LightCandidate &candidate);
+/// Both together. Neither is far.
+Emitter Union(const Emitter &a, const Emitter &b);
+
+/// G: an estimate of the light that arrives at a point if nothing is in the way, in the units of irradiance. For an emitter
+/// in a sphere (centre c, radius r, at distance d, s = r / d the sine of its half angle):
+///
+///   G = I C(axis, -w) C(n, w) / max(d^2, r^2),   w towards c
+///
+/// C is the mean clamped cosine over the sphere's extent: cos where the sphere is wholly above the horizon, 0 where wholly
+/// below, (cos + s)^2 / (4 s) between: unlike a bound it stays an estimate near the horizon, and it is 0 exactly where no
+/// point of the sphere can contribute. The receiver's side is the one it is seen from, both sides if the BSDF transmits,
+/// all directions in a medium. Inside the sphere both cosines count as 1/2. Closed emitters show a quarter of their surface.
+/// Far lights: the mean and the first moment of their radiance give E(n) = M0/4 + M1.n/2, at least M0/40; a single
+/// direction gives the clamped cosine. Lights that are never sampled (uniform skies are left to BSDF sampling) have G = 0.
+/// Positive wherever SampleLi can give a contribution (tests/unit/ext/groups).
+///
+/// Eight emitters side by side.
+struct alignas(32) EmitterPacket {
+    static constexpr int kLanes = 8;
+    Float centerX[kLanes] = {}, centerY[kLanes] = {}, centerZ[kLanes] = {}, radius2[kLanes] = {};
+    Float axisX[kLanes] = {}, axisY[kLanes] = {}, axisZ[kLanes] = {};
+    Float intensity[kLanes] = {};  ///< 0: nothing here
+    Float cosO[kLanes] = {}, sinO[kLanes] = {}, cosE[kLanes] = {}, twoSided[kLanes] = {};
+
+    void Set(size_t lane, const Emitter &emitter);
+    void CopyLane(size_t lane, const EmitterPacket &from, size_t fromLane);
+    /// The same bits wherever it is called.
+    void Evaluate(const LightQuery &query, Float *out) const;
+};
+
+/// G of a far light.
+Float EvaluateFar(const Emitter &far, const LightQuery &query);
+
+}  // namespace ext

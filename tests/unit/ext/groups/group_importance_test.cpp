@@ -1,0 +1,150 @@
+#include "ext/groups/group_importance.h"
+
+#include <gtest/gtest.h>
+
+#include "pbrt/math/rng.h"
+#include "support/build_text.h"
+
+namespace {
+
+using namespace ext;
+
+/// One of every kind of light, some as meshes, and something for their rays to start from.
+const char *kLights = R"(
+Camera "perspective"
+WorldBegin
+Shape "sphere" "float radius" 0.05
+LightSource "point" "point3 from" [ 1 2 0 ] "float scale" 3
+LightSource "spot" "point3 from" [ -1 2 0 ] "point3 to" [ 0 0 1 ] "float coneangle" 40 "float conedeltaangle" 25
+LightSource "distant" "point3 from" [ 0 3 1 ] "point3 to" [ 0 0 0 ]
+LightSource "infinite" "rgb L" [ 0.2 0.3 0.4 ]
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 4 4 4 ]
+  Shape "trianglemesh" "point3 P" [ -0.5 1.9 -0.5  0.5 1.9 -0.5  0.5 1.9 0.5  -0.5 1.9 0.5 ] "integer indices" [ 0 1 2 0 2 3 ]
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 4 4 4 ] "bool twosided" true
+  Shape "bilinearmesh" "point3 P" [ 2 0 -0.5  2 0 0.5  2 1 -0.5  2 1 0.5 ]
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 4 4 4 ]
+  Translate -1.5 0.5 0.5
+  Shape "sphere" "float radius" 0.2
+AttributeEnd
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 9 2 2 ]
+  Shape "trianglemesh" "point3 P" [ 0 0.2 1.5  0.2 0 1.5  0 -0.2 1.5  -0.2 0 1.5  0 0 1.7  0 0 1.3 ]
+    "integer indices" [ 0 1 4 1 2 4 2 3 4 3 0 4 1 0 5 2 1 5 3 2 5 0 3 5 ]
+AttributeEnd
+)";
+
+LightQuery RandomQuery(Rng &rng) {
+    LightQuery q;
+    auto coordinate = [&] { return 4 * rng.Uniform() - 2; };
+    q.p = Point3(coordinate(), coordinate(), coordinate());
+    auto direction = [&] {
+        Float z = 2 * rng.Uniform() - 1, phi = 2 * Pi * rng.Uniform(), r = SafeSqrt(1 - z * z);
+        return Vector3(r * std::cos(phi), r * std::sin(phi), z);
+    };
+    q.wo = direction();
+    if (rng.Uniform() < 0.8f) q.n = q.ns = direction();
+    q.transmits = rng.Uniform() < 0.2f;
+    return q;
+}
+
+/// What one light sample gives at the point without occlusion; 0 for the far side of an opaque surface.
+Float Unoccluded(const Light &light, const LightQuery &q, const Point2 &u) {
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    LightSampleContext from{q.p, Vector3(0), q.n, q.ns, 0};
+    std::optional<LightLiSample> s = light.SampleLi(from, u, lambda, true);
+    if (!s || !(s->pdf > 0)) return 0;
+    Float cosine = q.ns == Normal3(0) ? Float(1) : AbsDot(s->wi, q.ns);
+    if (q.ns != Normal3(0) && !q.transmits && Dot(s->wi, q.ns) * Dot(q.wo, q.ns) <= 0) return 0;
+    return SafeDivide(s->L, lambda.Pdf()).Average() * cosine / s->pdf;
+}
+
+class GroupImportanceOfEveryLight : public testing::TestWithParam<bool> {};
+
+TEST_P(GroupImportanceOfEveryLight, IsPositiveWhereALightContributes) {
+    BuiltScene built = pbrt::test::BuildText(kLights);
+    const LightTable &lights = built.scene->Lights();
+    MeshGroups groups(lights, GetParam());
+    GroupImportance importance(lights, groups);
+    Rng rng(5);
+    std::vector<Float> g(importance.Padded());
+    size_t found = 0;
+    for (int i = 0; i < 4000; ++i) {
+        LightQuery q = RandomQuery(rng);
+        importance.Evaluate(q, g);
+        for (uint32_t l = 0; l < lights.Size(); ++l)
+            for (int k = 0; k < 4; ++k) {
+                if (!(Unoccluded(lights[LightId(l)], q, rng.Uniform2()) > 0)) continue;
+                ++found;
+                EXPECT_GT(g[groups.GroupOf(LightId(l))], 0) << "light " << l << " query " << i;
+            }
+    }
+    EXPECT_GT(found, 20000u);
+}
+INSTANTIATE_TEST_SUITE_P(GroupedOrNot, GroupImportanceOfEveryLight, testing::Bool());
+
+TEST(GroupImportance, SameNumbersHoweverAsked) {
+    BuiltScene built = pbrt::test::BuildText(kLights);
+    MeshGroups groups(built.scene->Lights(), false);
+    GroupImportance importance(built.scene->Lights(), groups);
+    ASSERT_GT(importance.Size(), 8u);
+    std::vector<uint32_t> some = {0, 2, 3, 5, 9, static_cast<uint32_t>(importance.Size() - 1)};
+    Rng rng(6);
+    for (int i = 0; i < 200; ++i) {
+        LightQuery q = RandomQuery(rng);
+        std::vector<Float> all(importance.Padded()), named(some.size());
+        Float sum = importance.Evaluate(q, all), added = 0;
+        for (uint32_t l = 0; l < importance.Size(); ++l) {
+            EXPECT_EQ(importance.Of(q, l), all[l]);
+            added += all[l];
+        }
+        EXPECT_EQ(sum, added);
+        importance.EvaluateSome(q, some, named);
+        for (size_t k = 0; k < some.size(); ++k) EXPECT_EQ(named[k], all[some[k]]);
+    }
+}
+
+TEST(GroupImportance, IsAnEstimateOfTheUnoccludedLight) {
+    // Away from the emitters and above their horizon G is the irradiance to within a factor.
+    BuiltScene built = pbrt::test::BuildText(kLights);
+    const LightTable &lights = built.scene->Lights();
+    MeshGroups groups(lights, true);
+    GroupImportance importance(lights, groups);
+    LightQuery q;
+    q.p = Point3(0.3f, -1, 0.2f);
+    q.n = q.ns = Normal3(0, 1, 0);
+    q.wo = Vector3(0, 1, 0);
+    std::vector<Float> g(importance.Padded());
+    importance.Evaluate(q, g);
+    Rng rng(7);
+    std::vector<double> truth(groups.Size(), 0);
+    for (uint32_t l = 0; l < lights.Size(); ++l) {
+        const int n = 4096;
+        for (int k = 0; k < n; ++k) truth[groups.GroupOf(LightId(l))] += static_cast<double>(Unoccluded(lights[LightId(l)], q, rng.Uniform2())) / n;
+    }
+    size_t compared = 0;
+    for (uint32_t i = 0; i < groups.Size(); ++i) {
+        if (!(truth[i] > 0)) continue;
+        ++compared;
+        EXPECT_LT(static_cast<double>(g[i]), 4 * truth[i]) << i;
+        EXPECT_GT(static_cast<double>(g[i]), truth[i] / 4) << i;
+    }
+    EXPECT_GE(compared, 5u);
+}
+
+TEST(GroupImportance, LightsThatAreNeverSampledHaveNone) {
+    BuiltScene built = pbrt::test::BuildText(kLights);
+    const LightTable &lights = built.scene->Lights();
+    MeshGroups groups(lights, true);
+    GroupImportance importance(lights, groups);
+    LightQuery q;
+    q.n = q.ns = Normal3(0, 1, 0);
+    q.wo = Vector3(0, 1, 0);
+    for (LightId sky : lights.Infinite()) EXPECT_EQ(importance.Of(q, groups.GroupOf(sky)), 0);
+}
+
+}  // namespace

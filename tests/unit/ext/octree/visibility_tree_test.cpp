@@ -1,0 +1,170 @@
+#include "ext/octree/visibility_tree_builder.h"
+
+#include <gtest/gtest.h>
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/math/rng.h"
+
+namespace {
+
+using namespace ext;
+
+const Bounds3 kBounds(Point3(0), Point3(1));
+
+/// Records all over the box with one try per light; `found(p, light, u)` is the ratio a shadow ray finds.
+struct Prepass {
+    std::vector<VisibilityRecord> records;
+    std::vector<VisibilityTry> tries;
+
+    template <class Found>
+    Prepass(int count, uint32_t lights, Found &&found, uint64_t seed = 1) {
+        Rng rng(seed);
+        for (int i = 0; i < count; ++i) {
+            Point3 p(rng.Uniform(), rng.Uniform(), rng.Uniform());
+            records.push_back({p, static_cast<uint32_t>(tries.size()), lights});
+            for (uint32_t l = 0; l < lights; ++l) {
+                Float share = 1 / static_cast<Float>(lights);
+                tries.push_back({l, share, share, share, found(p, l, rng.Uniform())});
+            }
+        }
+    }
+    VisibilityTree Build(VisibilityBuildSettings settings) const {
+        return VisibilityTreeBuilder(kBounds, records, tries, settings).Build();
+    }
+};
+
+VisibilityBuildSettings Settings(int lights) {
+    VisibilityBuildSettings s;
+    s.lightCount = lights;
+    return s;
+}
+
+Float FactorAt(const VisibilityTree &tree, const Point3 &p, uint32_t light) {
+    VisibilityTree::Row row = tree.RowAt(p);
+    if (row.lights.empty()) return VisibilityTree::Decode(row.codes[light]);
+    for (size_t i = 0; i < row.lights.size(); ++i)
+        if (row.lights[i] == light) return VisibilityTree::Decode(row.codes[i]);
+    return 0;
+}
+
+TEST(VisibilityTree, CodesKeepFactorsWithinAFewPercent) {
+    for (double a = 1e-6; a < 100; a *= 1.37) EXPECT_NEAR(static_cast<double>(VisibilityTree::Decode(VisibilityTree::Encode(a))) / a, 1, 0.05);
+    EXPECT_GT(VisibilityTree::Decode(VisibilityTree::Encode(0)), 0);
+}
+
+TEST(VisibilityTree, AnOpenSceneEndsWithOneLeaf) {
+    // Noise alone, and no noise at all, are no reason to divide.
+    Prepass clear(20000, 5, [](const Point3 &, uint32_t, Float) { return Float(1); });
+    Prepass noisy(20000, 5, [](const Point3 &, uint32_t, Float u) { return u < 0.5f ? Float(2) : Float(0); });
+    for (const Prepass *prepass : {&clear, &noisy}) {
+        VisibilityTree tree = prepass->Build(Settings(5));
+        EXPECT_EQ(tree.LeafCount(), 1u);
+        EXPECT_EQ(tree.Depth(), 0);
+        EXPECT_EQ(tree.RowCount(), 1u);
+    }
+}
+
+TEST(VisibilityTree, AWallIsLearned) {
+    // Light 0 is seen left of x = 0.3, light 1 right of it, light 2 everywhere.
+    auto seen = [](const Point3 &p, uint32_t l) { return l == 2 || (l == 0) == (p.x < 0.3f); };
+    Prepass prepass(40000, 3, [&](const Point3 &p, uint32_t l, Float) { return seen(p, l) ? Float(1) : Float(0); });
+    VisibilityTree tree = prepass.Build(Settings(3));
+    EXPECT_GT(tree.LeafCount(), 8u);
+    Rng rng(9);
+    for (int i = 0; i < 200; ++i) {
+        Point3 p(rng.Uniform(), rng.Uniform(), rng.Uniform());
+        if (std::abs(p.x - 0.3f) < 0.1f) continue;
+        EXPECT_GT(FactorAt(tree, p, p.x < 0.3f ? 0 : 1), 5 * FactorAt(tree, p, p.x < 0.3f ? 1 : 0)) << p.x;
+        EXPECT_NEAR(FactorAt(tree, p, 2), FactorAt(tree, p, p.x < 0.3f ? 0 : 1), 0.15f);
+    }
+}
+
+TEST(VisibilityTree, KeepsAllSplitsWithoutPruningAndHoldsFewRecordsPerLeaf) {
+    Prepass prepass(20000, 2, [](const Point3 &, uint32_t, Float) { return Float(1); });
+    VisibilityBuildSettings settings = Settings(2);
+    settings.pruneGain = 0;
+    VisibilityTreeBuilder builder(kBounds, prepass.records, prepass.tries, settings);
+    VisibilityTree tree = builder.Build();
+    EXPECT_EQ(tree.LeafCount(), builder.LeavesBeforePruning());
+    EXPECT_GT(tree.LeafCount(), 50u);
+    uint32_t total = 0;
+    for (const LeafSize &leaf : builder.Leaves()) {
+        EXPECT_LE(leaf.records, 200u);
+        total += leaf.records;
+    }
+    EXPECT_EQ(total, 20000u);
+    EXPECT_EQ(tree.RowCount(), 1u);  // all rows are equal, so one is stored
+}
+
+TEST(VisibilityTree, ShrinkageKeepsUnseenLightsAlive) {
+    // In a corner nothing is seen of light 0: without shrinkage its few records say so with certainty.
+    Prepass prepass(4000, 2, [](const Point3 &p, uint32_t l, Float) { return l == 1 || p.x > 0.25f || p.y > 0.25f ? Float(1) : Float(0); });
+    VisibilityBuildSettings settings = Settings(2);
+    settings.records = 5;
+    settings.pruneGain = 0;
+    Point3 corner(0.05f, 0.05f, 0.5f);
+    Float kept = FactorAt(prepass.Build(settings), corner, 0);
+    settings.shrinkage = 0;
+    Float lost = FactorAt(prepass.Build(settings), corner, 0);
+    EXPECT_GT(kept, 0.05f);
+    EXPECT_LT(lost, 1e-4f);
+}
+
+TEST(VisibilityTree, ManyLightsNameOnlyThoseThatMatter) {
+    // 500 lights; near p only those with index close to 500 x are seen.
+    const uint32_t lights = 500;
+    Rng rng(3);
+    std::vector<VisibilityRecord> records;
+    std::vector<VisibilityTry> tries;
+    for (int i = 0; i < 20000; ++i) {
+        Point3 p(rng.Uniform(), rng.Uniform(), rng.Uniform());
+        records.push_back({p, static_cast<uint32_t>(tries.size()), 16});
+        for (int k = 0; k < 16; ++k) {
+            uint32_t l = rng.UniformInt(lights);
+            bool seen = std::abs(static_cast<Float>(l) / lights - p.x) < 0.02f;
+            tries.push_back({l, 1.f / lights, 1.f / 16, 1.f / lights, seen ? Float(1) : Float(0)});
+        }
+    }
+    VisibilityBuildSettings settings = Settings(lights);
+    VisibilityTree tree = VisibilityTreeBuilder(kBounds, records, tries, settings).Build();
+    size_t named = 0;
+    for (uint32_t r = 0; r < tree.RowCount(); ++r) {
+        VisibilityTree::Row row = tree.GetRow(r);
+        ASSERT_EQ(row.lights.size(), row.codes.size());
+        EXPECT_LE(row.lights.size(), 48u);
+        EXPECT_TRUE(std::is_sorted(row.lights.begin(), row.lights.end()));
+        named += row.lights.size();
+    }
+    EXPECT_GT(named, 0u);
+    // What a leaf names is what is seen there.
+    for (Float x : {0.2f, 0.5f, 0.8f}) {
+        VisibilityTree::Row row = tree.RowAt(Point3(x, 0.5f, 0.5f));
+        ASSERT_FALSE(row.lights.empty());
+        size_t near = 0;
+        for (uint32_t l : row.lights) near += std::abs(static_cast<Float>(l) / lights - x) < 0.25f;
+        EXPECT_GT(near, row.lights.size() * 3 / 4);
+    }
+}
+
+TEST(VisibilityTree, ThreadsDoNotMatter) {
+    Prepass prepass(30000, 4, [](const Point3 &p, uint32_t l, Float u) { return u < 0.9f && std::abs(p.x - static_cast<Float>(l) / 4) < 0.3f ? Float(1) : Float(0); });
+    VisibilityTree one, many;
+    {
+        ThreadLimit limit(1);
+        one = prepass.Build(Settings(4));
+    }
+    {
+        ThreadLimit limit(4);
+        many = prepass.Build(Settings(4));
+    }
+    EXPECT_TRUE(one == many);
+    EXPECT_GT(one.LeafCount(), 1u);
+}
+
+TEST(VisibilityTree, NoRecordsAreFine) {
+    VisibilityTree tree = VisibilityTreeBuilder(kBounds, {}, {}, Settings(3)).Build();
+    EXPECT_EQ(tree.LeafCount(), 1u);
+    EXPECT_GT(FactorAt(tree, Point3(0.5f), 1), 0);
+}
+
+}  // namespace

@@ -25,6 +25,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kWarmUpSeed = 700003;
+constexpr double kFewOracleSamples = 8;
 
 /// Makes the folders; takes up or refuses what is there.
 void OpenFolder(const CampaignSettings &settings, const Json &identity, const RecordFolder &records) {
@@ -34,9 +35,10 @@ void OpenFolder(const CampaignSettings &settings, const Json &identity, const Re
     const Json old = records.LoadNote("settings.json");
     if (old.is_object()) {
         if (std::vector<std::string> differences = Differences(old, identity); !differences.empty())
-            throw UserError(fmt::format("{} holds a campaign with other settings ({}). Choose another --out, or "
-                                        "--restart to replace it.",
-                                        out, fmt::join(differences, "; ")));
+            throw UserError(
+                fmt::format("{} holds a campaign with other settings ({}). Choose another --out, or "
+                            "--restart to replace it.",
+                            out, fmt::join(differences, "; ")));
         LogInfo(fmt::format("{} holds a part or all of this campaign; going on from there.", out));
     }
     std::error_code error;
@@ -53,8 +55,13 @@ class Rounds {
   public:
     Rounds(const CampaignSettings &settings, const LabScene &scene, const References &references,
            const RecordFolder &records, Progress &cancel, CampaignDisplay &display)
-        : settings_(settings), scene_(scene), records_(records), cancel_(cancel), display_(display),
-          ofSampler_(references.ofSampler), checkpoints_(Checkpoints(settings)) {
+        : settings_(settings),
+          scene_(scene),
+          records_(records),
+          cancel_(cancel),
+          display_(display),
+          ofSampler_(references.ofSampler),
+          checkpoints_(Checkpoints(settings)) {
         for (const Reference &r : references.all) measuring_.push_back(std::make_unique<MeasuringReference>(r.image));
         if (!settings.samplesFrom.empty()) replay_.emplace(settings.samplesFrom, settings);
         if (replay_) checkpoints_.resize(static_cast<size_t>(replay_->Checkpoints()));
@@ -120,8 +127,10 @@ class Rounds {
         run.AddRound(c, measuring_[ofSampler_[i]]->Compare(picture));
         // The record comes last: a round without it has not happened.
         const bool last = checkpoint + 1 == checkpoints_.size();
-        if (last) WriteImage(fmt::format("{}/{}/seed{}.exr", settings_.outFolder, folder, seed), picture, run.Metadata());
-        else run.SaveFilm(records_.FilmFile(folder, seed, c));
+        if (last)
+            WriteImage(fmt::format("{}/{}/seed{}.exr", settings_.outFolder, folder, seed), picture, run.Metadata());
+        else
+            run.SaveFilm(records_.FilmFile(folder, seed, c));
         records_.SaveLastRound(folder, run.Record());
         if (checkpoint > 0) fs::remove(records_.FilmFile(folder, seed, c - 1));
         return true;
@@ -135,7 +144,8 @@ class Rounds {
         for (size_t i = 0; i < settings_.samplers.size(); ++i) {
             const std::string &label = settings_.samplers[i].label;
             int expected = note.value(label, settings_.samplesPerPixel);
-            if (replay_) expected = replay_->Expected(label);
+            if (replay_)
+                expected = replay_->Expected(label);
             else if (settings_.Timed() && !note.contains(label)) {
                 double perSample = cost_[i];
                 if (!hasPilot_) {
@@ -203,7 +213,7 @@ class Rounds {
 };
 
 /// References, results and errors as pictures; the crops.
-void WritePictures(const CampaignSettings &settings, const References &references,
+void WritePictures(const CampaignSettings &settings, const LabScene &scene, const References &references,
                    const std::vector<std::vector<Image>> &pictures, Json *json) {
     const double exposure = ChooseExposure(references.all[0].image);
     const Point2i resolution = references.all[0].image.Resolution();
@@ -211,7 +221,11 @@ void WritePictures(const CampaignSettings &settings, const References &reference
     for (size_t i = 0; i < references.all.size(); ++i) {
         const Reference &r = references.all[i];
         const std::string name = fmt::format("reference-{}", i);
-        WriteImage(fmt::format("{}/{}.exr", settings.outFolder, name), r.image);
+        ImageMetadata metadata = scene.built.film->Metadata();
+        metadata.attributes["lightlab.sampler"] = r.sampler;
+        metadata.attributes["lightlab.sceneHash"] = scene.hash;
+        metadata.attributes["samplesPerPixel"] = r.samples;
+        WriteImage(fmt::format("{}/{}.exr", settings.outFolder, name), r.image, metadata);
         WritePicture(fmt::format("{}/{}.png", settings.outFolder, name), r.image, exposure);
         (*json)["references"].push_back({{"file", name + ".exr"},
                                          {"picture", name + ".png"},
@@ -298,7 +312,7 @@ std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, con
     OpenFolder(settings, identity, records);
 
     CampaignDisplay display(sink);
-    const std::optional<References> references = MakeReferences(settings, scene, registry, records, cancel, display);
+    std::optional<References> references = MakeReferences(settings, scene, registry, records, cancel, display);
     if (!references) return {};
     Rounds rounds(settings, scene, *references, records, cancel, display);
     if (!rounds.RenderAll()) return {};
@@ -312,9 +326,15 @@ std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, con
                     .image.Select({"R", "G", "B"}));
     CampaignOutcome outcome;
     outcome.results = Header(settings, scene, identity, rounds.CheckpointCount());
-    WritePictures(settings, *references, pictures, &outcome.results);
+    WritePictures(settings, scene, *references, pictures, &outcome.results);
     const CampaignResults results = Summarize(settings, *references, rounds.TakeRecords(), pictures);
     AddToJson(results, &outcome.results);
+    for (const SamplerResult &s : results.samplers)
+        if (s.choice.IsOracle() && s.samples < kFewOracleSamples)
+            references->notes.push_back(
+                fmt::format("\"{}\" took {:.1f} samples per pixel only: ratios to it are rough. "
+                            "--spp gives it as many as the others.",
+                            s.choice.label, s.samples));
     outcome.results["notes"] = references->notes;
     outcome.text = TableText(results, *references);
     WriteText(settings.outFolder + "/results.csv", SummaryCsv(results));

@@ -13,10 +13,10 @@ struct CampaignOutcome {
     std::string text;                ///< the table for people
 };
 
-/// Compares light samplers on one scene: reads and builds it once, makes the reference, renders every (sampler, seed) in
-/// rounds A B C A B C ..., measures after each, and writes results, pictures and tables into the output folder. Takes up
-/// what the folder holds of an interrupted campaign with the same settings. Nothing: cancelled; what was finished stays.
-/// Throws UserError, about the settings before anything is rendered. `display` may be null.
+/// Compares light samplers on one scene: reads and builds it once, makes the reference, renders every (sampler, seed)
+/// in rounds A B C A B C ..., measures after each, and writes results, pictures and tables into the output folder.
+/// Takes up what the folder holds of an interrupted campaign with the same settings. Nothing: cancelled; what was
+/// finished stays. Throws UserError, about the settings before anything is rendered. `display` may be null.
 std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, const LightSamplerRegistry &registry,
                                            Progress &cancel, ProgressSink *display);
 

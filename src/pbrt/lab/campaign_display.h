@@ -7,8 +7,8 @@
 
 namespace pbrt::lab {
 
-/// Progress and time left of a whole campaign. Work is counted in estimated seconds (or any other unit): the rate so far
-/// gives the time left.
+/// Progress and time left of a whole campaign. Work is counted in estimated seconds (or any other unit): the rate so
+/// far gives the time left.
 class CampaignDisplay {
   public:
     explicit CampaignDisplay(ProgressSink *sink) : sink_(sink) {}

@@ -14,8 +14,10 @@ Json IdentityOf(const CampaignSettings &settings, const std::string &sceneHash, 
     id["program"] = PBRT_VERSION_TEXT;
     id["samplers"] = Json::array();
     for (const SamplerChoice &s : settings.samplers) id["samplers"].push_back(s.label);
-    if (settings.Timed()) id["time"] = settings.timeBudget;
-    else id["spp"] = settings.samplesPerPixel;
+    if (settings.Timed())
+        id["time"] = settings.timeBudget;
+    else
+        id["spp"] = settings.samplesPerPixel;
     id["seeds"] = settings.seeds;
     id["maxdepth"] = settings.maxDepth ? Json(*settings.maxDepth) : Json("the scene's");
     id["divisor"] = settings.resolutionDivisor;
@@ -59,8 +61,7 @@ SampleCounts::SampleCounts(const std::string &path, const CampaignSettings &sett
         checkpoints_ = results.at("settings").at("checkpoints").get<int>();
         for (const Json &sampler : results.at("samplers"))
             for (const Json &run : sampler.at("runs")) {
-                std::vector<int> &counts =
-                    counts_[{sampler.at("label").get<std::string>(), run.at("seed").get<int>()}];
+                std::vector<int> &counts = counts_[{sampler.at("label").get<std::string>(), run.at("seed").get<int>()}];
                 counts.assign(static_cast<size_t>(checkpoints_), 0);
                 for (const Json &round : run.at("rounds"))
                     counts.at(round.at("checkpoint").get<size_t>()) = round.at("samples").get<int>();

@@ -12,7 +12,7 @@ namespace pbrt::lab {
 struct CampaignSettings {
     std::string scene;
     std::vector<SamplerChoice> samplers;
-    double timeBudget = 0;     ///< > 0: seconds of every run, preparation included; else samplesPerPixel of every run
+    double timeBudget = 0;  ///< > 0: seconds of every run, preparation included; else samplesPerPixel of every run
     int samplesPerPixel = 64;
     int seeds = 3;
     std::optional<int> maxDepth;  ///< empty: the scene's
@@ -23,7 +23,7 @@ struct CampaignSettings {
     std::string samplesFrom;      ///< results.json whose sample counts are replayed instead of measuring time
     std::vector<Bounds2i> crops;  ///< empty: chosen where the samplers differ most
     std::string outFolder;
-    bool restart = false;         ///< forget what the folder holds of a campaign
+    bool restart = false;  ///< forget what the folder holds of a campaign
     std::string commandLine;
     bool Timed() const { return timeBudget > 0; }
 };

@@ -35,8 +35,7 @@ bool IsSceneText(const std::string &name) { return name.ends_with(".pbrt") || na
 
 class SceneReader {
   public:
-    explicit SceneReader(const std::string &scenePath)
-        : files_(std::filesystem::path(scenePath).parent_path()) {}
+    explicit SceneReader(const std::string &scenePath) : files_(std::filesystem::path(scenePath).parent_path()) {}
 
     void Add(const std::string &path, bool isScene) {
         if (!seen_.insert(path).second) return;

@@ -15,9 +15,9 @@ class ContentHash {
     uint64_t hash_ = 0x6c6967687461620aull;
 };
 
-/// Over the scene file and every file it names, directly or through files it includes: whatever a quoted string resolves
-/// to as the renderer would resolve it. Comments count; names and dates of files do not. Throws UserError if the scene
-/// cannot be read.
+/// Over the scene file and every file it names, directly or through files it includes: whatever a quoted string
+/// resolves to as the renderer would resolve it. Comments count; names and dates of files do not. Throws UserError if
+/// the scene cannot be read.
 std::string SceneHash(const std::string &scenePath);
 
 }  // namespace pbrt::lab

@@ -26,8 +26,13 @@ MeasuringReference::MeasuringReference(Image reference)
 
 Measures MeasuringReference::Compare(const Image &image) const {
     auto error = [&](Metric metric) { return ImageError(image, reference_, metric); };
-    return {error(Metric::RelL2), error(Metric::MSE),   error(Metric::MRSE),    error(Metric::MAE),
-            error(Metric::SMAPE), flip_->Compare(image), TrimmedRelL2(image, reference_)};
+    return {error(Metric::RelL2),
+            error(Metric::MSE),
+            error(Metric::MRSE),
+            error(Metric::MAE),
+            error(Metric::SMAPE),
+            flip_->Compare(image),
+            TrimmedRelL2(image, reference_)};
 }
 
 }  // namespace pbrt::lab

@@ -37,7 +37,8 @@ void WritePicture(const std::string &path, const Image &image, double exposure) 
     for (int y = 0; y < image.Resolution().y; ++y)
         for (int x = 0; x < image.Resolution().x; ++x)
             for (int c = 0; c < 3; ++c)
-                shown.Set({x, y}, c, std::clamp(image.Get({x, y}, c) * static_cast<Float>(exposure), Float(0), Float(1)));
+                shown.Set({x, y}, c,
+                          std::clamp(image.Get({x, y}, c) * static_cast<Float>(exposure), Float(0), Float(1)));
     WriteImage(path, shown);
 }
 
@@ -89,14 +90,15 @@ std::vector<Bounds2i> ChooseCrops(std::span<const std::vector<float>> maps, Poin
                 double sum = 0;
                 for (int v = y; v < y + side; ++v)
                     for (int u = x; u < x + side; ++u) {
-                        const double e = double(map[static_cast<size_t>(v) * static_cast<size_t>(resolution.x) +
-                                                    static_cast<size_t>(u)]);
+                        const double e = double(
+                            map[static_cast<size_t>(v) * static_cast<size_t>(resolution.x) + static_cast<size_t>(u)]);
                         sum += e * e;
                     }
                 least = std::min(least, sum);
                 most = std::max(most, sum);
             }
-            if (!maps.empty()) candidates.push_back({{{x, y}, {x + side, y + side}}, std::sqrt(most) - std::sqrt(least)});
+            if (!maps.empty())
+                candidates.push_back({{{x, y}, {x + side, y + side}}, std::sqrt(most) - std::sqrt(least)});
         }
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](const Candidate &a, const Candidate &b) { return a.score > b.score; });

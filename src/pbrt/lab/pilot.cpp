@@ -53,7 +53,8 @@ double Variance(const Image &a, const Image &b, const std::vector<double> &mean)
 Json ToJson(const std::vector<PilotEntry> &entries) {
     Json json = Json::array();
     for (const PilotEntry &e : entries)
-        json.push_back({{"sampler", e.choice.label}, {"variance", e.variance}, {"secondsPerSample", e.secondsPerSample}});
+        json.push_back(
+            {{"sampler", e.choice.label}, {"variance", e.variance}, {"secondsPerSample", e.secondsPerSample}});
     return json;
 }
 
@@ -71,8 +72,8 @@ std::vector<PilotEntry> FromJson(const Json &json, const std::vector<SamplerChoi
 }  // namespace
 
 bool IsTrusted(const SamplerChoice &choice, const LabScene &scene) {
-    const bool stock = choice.name == "uniform" || choice.name == "power" || choice.name == "bvh" ||
-                       choice.name == "exhaustive";
+    const bool stock =
+        choice.name == "uniform" || choice.name == "power" || choice.name == "bvh" || choice.name == "exhaustive";
     return stock && (choice.gate == "none" || (choice.gate.empty() && scene.built.shadowGateName.empty()));
 }
 
@@ -80,7 +81,8 @@ std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings
                                                 const LightSamplerRegistry &registry, const RecordFolder &records,
                                                 Progress &cancel, CampaignDisplay &display) {
     const std::vector<SamplerChoice> candidates = Candidates(settings, scene, registry);
-    if (std::vector<PilotEntry> known = FromJson(records.LoadNote("pilot.json"), candidates); !known.empty()) return known;
+    if (std::vector<PilotEntry> known = FromJson(records.LoadNote("pilot.json"), candidates); !known.empty())
+        return known;
 
     display.SetPhase("pilot");
     display.SetTotal(static_cast<double>(candidates.size()) * 2 * kSamples);

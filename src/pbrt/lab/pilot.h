@@ -15,8 +15,8 @@ struct PilotEntry {
 };
 
 /// Ranks the samplers of the campaign (oracles left out) and stock's bvh and uniform over single lights: least variance
-/// per sample first. The pictures of all candidates together serve as the denominator. Remembers its result in `records`.
-/// Nothing: cancelled.
+/// per sample first. The pictures of all candidates together serve as the denominator. Remembers its result in
+/// `records`. Nothing: cancelled.
 std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings, const LabScene &scene,
                                                 const LightSamplerRegistry &registry, const RecordFolder &records,
                                                 Progress &cancel, CampaignDisplay &display);

@@ -12,17 +12,21 @@ namespace pbrt::lab {
 
 namespace {
 
-constexpr int kParts = 4;             // seeds of a reference; their scatter tells its noise
-constexpr int kFirstSeed = 800001;    // far from the seeds of the runs and of the pilot
-constexpr int kSeedStep = 1000;       // between references
-constexpr int kLeastSamples = 64;     // by time
+constexpr int kParts = 4;           // seeds of a reference; their scatter tells its noise
+constexpr int kFirstSeed = 800001;  // far from the seeds of the runs and of the pilot
+constexpr int kSeedStep = 1000;     // between references
+constexpr int kLeastSamples = 64;   // by time
 
 /// Renders one reference, or finds it.
 class ReferenceMaker {
   public:
-    ReferenceMaker(const CampaignSettings &settings, const LabScene &scene, const RecordFolder &records, Progress &cancel,
-                   CampaignDisplay &display)
-        : settings_(settings), scene_(scene), records_(records), cancel_(cancel), display_(display),
+    ReferenceMaker(const CampaignSettings &settings, const LabScene &scene, const RecordFolder &records,
+                   Progress &cancel, CampaignDisplay &display)
+        : settings_(settings),
+          scene_(scene),
+          records_(records),
+          cancel_(cancel),
+          display_(display),
           rule_(ReferenceRule::For(settings)) {}
 
     /// Nothing: cancelled.
@@ -61,7 +65,8 @@ class ReferenceMaker {
                     return (r.value("samples", 0) + kParts - 1) / kParts;
         const std::string note = fmt::format("reference-{}.json", index);
         nlohmann::ordered_json known = records_.LoadNote(note);
-        if (known.is_object() && known.value("sampler", "") == with.choice.label) return known.value("samplesPerPart", 1);
+        if (known.is_object() && known.value("sampler", "") == with.choice.label)
+            return known.value("samplesPerPart", 1);
         const double fit = rule_.seconds / std::max(1e-6, with.secondsPerSample);
         const int samples = static_cast<int>(std::ceil(std::max<double>(kLeastSamples, fit) / kParts));
         records_.SaveNote(note, {{"sampler", with.choice.label}, {"samplesPerPart", samples}});
@@ -115,9 +120,10 @@ References GivenReference(const CampaignSettings &settings, const LabScene &scen
     const std::string &maker = references.all[0].sampler;
     for (const SamplerChoice &s : settings.samplers)
         if (!maker.empty() && s.label == maker)
-            references.notes.push_back(fmt::format("{} was rendered with \"{}\", which is compared here: its own errors "
-                                                   "are partly in the reference.",
-                                                   settings.referenceFile, maker));
+            references.notes.push_back(
+                fmt::format("{} was rendered with \"{}\", which is compared here: its own errors "
+                            "are partly in the reference.",
+                            settings.referenceFile, maker));
     return references;
 }
 
@@ -148,8 +154,7 @@ std::optional<References> MakeReferences(const CampaignSettings &settings, const
     References references;
     std::vector<PilotEntry> makers = *pilot;
     for (bool trustedOnly : {false, true}) {
-        if (trustedOnly)
-            std::erase_if(makers, [&](const PilotEntry &e) { return !IsTrusted(e.choice, scene); });
+        if (trustedOnly) std::erase_if(makers, [&](const PilotEntry &e) { return !IsTrusted(e.choice, scene); });
         references.all.clear();
         const size_t wanted = isListed(makers.at(0).choice) && makers.size() > 1 ? 2 : 1;
         for (size_t i = 0; i < wanted; ++i) {
@@ -160,10 +165,10 @@ std::optional<References> MakeReferences(const CampaignSettings &settings, const
         const bool sure = std::all_of(makers.begin(), makers.begin() + static_cast<ptrdiff_t>(wanted),
                                       [&](const PilotEntry &e) { return IsTrusted(e.choice, scene); });
         if (trustedOnly || wanted < 2 || sure || !Contradict(references.all[0], references.all[1])) break;
-        references.notes.push_back(
-            fmt::format("the references of \"{}\" and \"{}\" contradict each other: one is biased. Stock's samplers made "
-                        "the references instead.",
-                        makers[0].choice.label, makers[1].choice.label));
+        references.notes.push_back(fmt::format(
+            "the references of \"{}\" and \"{}\" contradict each other: one is biased. Stock's samplers made "
+            "the references instead.",
+            makers[0].choice.label, makers[1].choice.label));
     }
     for (const SamplerChoice &s : settings.samplers)
         references.ofSampler.push_back(s.label == references.all[0].sampler && references.all.size() > 1 ? 1 : 0);

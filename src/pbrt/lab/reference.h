@@ -7,13 +7,13 @@ namespace pbrt::lab {
 
 /// What the runs are compared with.
 struct Reference {
-    Image image;               ///< R, G, B over the film's pixels
-    std::vector<Image> parts;  ///< pictures of equal weight whose mean it is; empty: not known
-    std::string sampler;       ///< label; empty: given by the user
-    int samples = 0;           ///< per pixel, all parts; 0: not known
-    double seconds = 0;        ///< to render it
+    Image image;                  ///< R, G, B over the film's pixels
+    std::vector<Image> parts;     ///< pictures of equal weight whose mean it is; empty: not known
+    std::string sampler;          ///< label; empty: given by the user
+    int samples = 0;              ///< per pixel, all parts; 0: not known
+    double seconds = 0;           ///< to render it
     std::optional<double> noise;  ///< expected relL2 of `image` against the truth
-    std::string source;        ///< the file it lies in
+    std::string source;           ///< the file it lies in
 };
 
 /// How many samples a rendered reference gets.

@@ -113,11 +113,11 @@ Reference ReadReference(const std::string &path, const LabScene &scene) {
     const bool covers = wanted.low.x >= have.low.x && wanted.low.y >= have.low.y && wanted.high.x <= have.high.x &&
                         wanted.high.y <= have.high.y;
     if (full != scene.FullResolution() || !covers)
-        throw UserError(fmt::format("{}: the reference is {} x {} pixels (x {}-{}, y {}-{} of them); the film is {} x {} "
-                                    "and needs x {}-{}, y {}-{}. See --divisor.",
-                                    path, full.x, full.y, have.low.x, have.high.x, have.low.y, have.high.y,
-                                    scene.FullResolution().x, scene.FullResolution().y, wanted.low.x, wanted.high.x,
-                                    wanted.low.y, wanted.high.y));
+        throw UserError(fmt::format(
+            "{}: the reference is {} x {} pixels (x {}-{}, y {}-{} of them); the film is {} x {} "
+            "and needs x {}-{}, y {}-{}. See --divisor.",
+            path, full.x, full.y, have.low.x, have.high.x, have.low.y, have.high.y, scene.FullResolution().x,
+            scene.FullResolution().y, wanted.low.x, wanted.high.x, wanted.low.y, wanted.high.y));
     const Bounds2i window{wanted.low - have.low, wanted.high - have.low};
     Reference reference;
     reference.image = file.image.Select({"R", "G", "B"}).Crop(window);

@@ -121,8 +121,7 @@ std::optional<double> ReportNumber(const nlohmann::ordered_json &report, std::in
 }
 
 CampaignResults Summarize(const CampaignSettings &settings, const References &references,
-                          std::vector<std::vector<RunRecord>> runs,
-                          const std::vector<std::vector<Image>> &pictures) {
+                          std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures) {
     CampaignResults results;
     for (size_t i = 0; i < settings.samplers.size(); ++i) {
         SamplerResult s;

@@ -21,8 +21,8 @@ struct SamplerResult {
     std::string speedUpAgainst;
     std::vector<std::pair<std::string, double>> speedUps;  ///< against every other one
     std::optional<double> ratioToOracle;
-    double cpuPerSample = 0;        ///< of rendering, without the first sample where there are more
-    double relativeCost = 0;        ///< cpuPerSample over that of the first sampler
+    double cpuPerSample = 0;                  ///< of rendering, without the first sample where there are more
+    double relativeCost = 0;                  ///< cpuPerSample over that of the first sampler
     double shadowRays = 0, blockedShare = 0;  ///< per run
     BiasReport bias;
 };
@@ -35,8 +35,7 @@ struct CampaignResults {
 
 /// `pictures`: last pictures of the runs, per sampler and seed.
 CampaignResults Summarize(const CampaignSettings &settings, const References &references,
-                          std::vector<std::vector<RunRecord>> runs,
-                          const std::vector<std::vector<Image>> &pictures);
+                          std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures);
 
 /// A table for people, and the verdicts.
 std::string TableText(const CampaignResults &results, const References &references);

@@ -44,10 +44,13 @@ Json OrNull(const std::optional<double> &value) { return value ? Json(*value) : 
 
 Json ParametersOf(const RunRecord &run) {
     if (!run.report.contains("parameters")) return Json::object();
-    const Json &p = run.report["parameters"];
-    if (!p.is_string()) return p;
-    Json parsed = Json::parse(p.get<std::string>(), nullptr, false);
-    return parsed.is_discarded() ? p : parsed;
+    Json p = run.report["parameters"];
+    if (p.is_string()) p = Json::parse(p.get<std::string>(), nullptr, false);
+    if (!p.is_object()) return run.report["parameters"];
+    // Parameters are single precision: 0.01, not 0.009999999776482582.
+    for (auto &[key, value] : p.items())
+        if (value.is_number_float()) value = std::stod(fmt::format("{}", static_cast<float>(value.get<double>())));
+    return p;
 }
 
 Json RunJson(const SamplerResult &s, const RunRecord &run) {
@@ -72,13 +75,17 @@ Json RunJson(const SamplerResult &s, const RunRecord &run) {
 
 Json BiasJson(const BiasReport &b) {
     auto finite = [](double v) { return std::isfinite(v) ? Json(v) : Json(); };
-    return {{"verdict", BiasVerdictName(b.verdict)}, {"tiles", b.tiles},
-            {"tests", b.tests},                      {"worstZ", finite(b.worstZ)},
-            {"pValue", b.pValue},                    {"meanDifference", finite(b.meanDifference)},
+    return {{"verdict", BiasVerdictName(b.verdict)},
+            {"tiles", b.tiles},
+            {"tests", b.tests},
+            {"worstZ", finite(b.worstZ)},
+            {"pValue", b.pValue},
+            {"meanDifference", finite(b.meanDifference)},
             {"visibleImage", finite(b.visibleImage)},
             {"visibleSixteenth", finite(b.visibleSixteenth)},
             {"visibleSmallest", finite(b.visibleSmallest)},
-            {"smallestSide", b.smallestSide},        {"text", b.text}};
+            {"smallestSide", b.smallestSide},
+            {"text", b.text}};
 }
 
 Json SummaryJson(const SamplerResult &s) {
@@ -167,35 +174,34 @@ std::string SummaryCsv(const CampaignResults &results) {
     for (const SamplerResult &s : results.samplers) {
         const Overhead o = OverheadOf(s);
         auto mean = [&](Measure m) { return number(Of(s, m).mean); };
-        const std::vector<std::string> fields = {
-            Quoted(s.choice.label),
-            number(s.samples),
-            number(s.seconds),
-            number(s.cpuSeconds),
-            mean(Measure::RelL2),
-            number(Of(s, Measure::RelL2).standardError),
-            mean(Measure::RelL2Trimmed),
-            mean(Measure::MSE),
-            mean(Measure::MRSE),
-            mean(Measure::MAE),
-            mean(Measure::SMAPE),
-            mean(Measure::FLIP),
-            number(s.efficiency),
-            number(s.speedUp),
-            Quoted(s.speedUpAgainst),
-            number(s.ratioToOracle),
-            number(o.prepass),
-            number(o.build),
-            number(o.render),
-            number(s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0),
-            number(s.cpuPerSample),
-            number(s.relativeCost),
-            number(ReportMean(s, {"leaves"})),
-            number(ReportMean(s, {"bytes"})),
-            number(s.shadowRays),
-            number(s.blockedShare),
-            BiasVerdictName(s.bias.verdict),
-            number(s.bias.pValue)};
+        const std::vector<std::string> fields = {Quoted(s.choice.label),
+                                                 number(s.samples),
+                                                 number(s.seconds),
+                                                 number(s.cpuSeconds),
+                                                 mean(Measure::RelL2),
+                                                 number(Of(s, Measure::RelL2).standardError),
+                                                 mean(Measure::RelL2Trimmed),
+                                                 mean(Measure::MSE),
+                                                 mean(Measure::MRSE),
+                                                 mean(Measure::MAE),
+                                                 mean(Measure::SMAPE),
+                                                 mean(Measure::FLIP),
+                                                 number(s.efficiency),
+                                                 number(s.speedUp),
+                                                 Quoted(s.speedUpAgainst),
+                                                 number(s.ratioToOracle),
+                                                 number(o.prepass),
+                                                 number(o.build),
+                                                 number(o.render),
+                                                 number(s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0),
+                                                 number(s.cpuPerSample),
+                                                 number(s.relativeCost),
+                                                 number(ReportMean(s, {"leaves"})),
+                                                 number(ReportMean(s, {"bytes"})),
+                                                 number(s.shadowRays),
+                                                 number(s.blockedShare),
+                                                 BiasVerdictName(s.bias.verdict),
+                                                 number(s.bias.pValue)};
         text += fmt::format("{}\n", fmt::join(fields, ","));
     }
     return text;
@@ -221,8 +227,8 @@ std::string TableText(const CampaignResults &results, const References &referenc
         return v ? fmt::format("{:.2f}{}", *v, unit) : std::string("-");
     };
     std::vector<std::vector<std::string>> rows = {{"sampler", "samples", "seconds", "relL2", "+-", "trimmed",
-                                                   "efficiency", "speed-up", "x oracle", "prepass s", "build s", "prep.",
-                                                   "cost", "blocked", "bias"}};
+                                                   "efficiency", "speed-up", "x oracle", "prepass s", "build s",
+                                                   "prep.", "cost", "blocked", "bias"}};
     for (const SamplerResult &s : results.samplers) {
         const Overhead o = OverheadOf(s);
         rows.push_back({s.choice.label, fmt::format("{:.1f}", s.samples), fmt::format("{:.2f}", s.seconds),
@@ -237,8 +243,10 @@ std::string TableText(const CampaignResults &results, const References &referenc
     }
     std::string text = Align(rows);
     text +=
-        "\nspeed-up: time that the best other sampler needs for this one's error, over this one's time. x oracle: relL2 over "
-        "the oracle's at equal samples.\ncost: CPU time of a sample over that of the first sampler. prep.: share of the "
+        "\nspeed-up: time that the best other sampler needs for this one's error, over this one's time. x oracle: "
+        "relL2 over "
+        "the oracle's at equal samples.\ncost: CPU time of a sample over that of the first sampler. prep.: share of "
+        "the "
         "preparation in the CPU time. !: a few fireflies decide the relL2.\n";
     for (size_t i = 0; i < references.all.size(); ++i) {
         const Reference &r = references.all[i];

@@ -29,8 +29,8 @@ struct RunRecord {
     std::vector<RoundRecord> rounds;  ///< one per checkpoint, in order
 };
 
-/// The records of a campaign on disk: a JSON file per sampler, seed and checkpoint, and the film's sums of every run that
-/// is not finished. Every file is complete or absent.
+/// The records of a campaign on disk: a JSON file per sampler, seed and checkpoint, and the film's sums of every run
+/// that is not finished. Every file is complete or absent.
 class RecordFolder {
   public:
     explicit RecordFolder(std::string folder) : folder_(std::move(folder)) {}

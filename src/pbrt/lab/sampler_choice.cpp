@@ -39,9 +39,10 @@ SamplerChoice ParseOne(const std::string &text, const LightSamplerRegistry &regi
         else if (suffix.starts_with("gate="))
             choice.gate = suffix.substr(5);
         else
-            throw UserError(fmt::format("\"{}\": \"+{}\" is unknown; a sampler is written "
-                                        "name[:key=value,...][+mesh][+gate=name[:key=value,...]].",
-                                        text, suffix));
+            throw UserError(
+                fmt::format("\"{}\": \"+{}\" is unknown; a sampler is written "
+                            "name[:key=value,...][+mesh][+gate=name[:key=value,...]].",
+                            text, suffix));
         at = end;
     }
     ReadLightSamplerSpec(ParamSet(), choice.lightSampler, choice.meshLights, registry);

@@ -13,7 +13,7 @@ struct SamplerChoice {
     std::string name;          ///< of the light sampler
     std::string lightSampler;  ///< name[:key=value,...]
     bool meshLights = false;
-    std::string gate;          ///< name[:key=value,...]; empty: none of its own
+    std::string gate;  ///< name[:key=value,...]; empty: none of its own
     bool IsOracle() const { return name == "oracle"; }
 };
 

@@ -27,18 +27,24 @@ RenderSettings SettingsFor(const LabScene &scene) {
 
 SamplerRun::SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, int expectedSamples,
                        Progress &cancel)
-    : scene_(scene), choice_(choice), cancel_(cancel), integrator_(scene.MakeIntegrator(choice)),
-      film_(scene.built.makeFilm()), settings_(SettingsFor(scene)),
-      renderer_(*integrator_, *scene.built.camera, *scene.built.filter, *film_,
-                [&scene, seed](int round) { return scene.built.makeSeededSampler(seed, round); }, settings_, cancel) {
+    : scene_(scene),
+      choice_(choice),
+      cancel_(cancel),
+      integrator_(scene.MakeIntegrator(choice)),
+      film_(scene.built.makeFilm()),
+      settings_(SettingsFor(scene)),
+      renderer_(
+          *integrator_, *scene.built.camera, *scene.built.filter, *film_,
+          [&scene, seed](int round) { return scene.built.makeSeededSampler(seed, round); }, settings_, cancel) {
     record_.seed = seed;
     record_.expectedSamples = expectedSamples;
 }
 
 bool SamplerRun::Prepare() {
     const BuiltScene &b = scene_.built;
-    PrepareContext context{*b.scene,     *b.camera, *b.filter, film_->PixelBounds(),
-                           record_.seed, record_.expectedSamples, b.maxDepth, cancel_};
+    PrepareContext context{
+        *b.scene,   *b.camera, *b.filter, film_->PixelBounds(), record_.seed, record_.expectedSamples,
+        b.maxDepth, cancel_};
     ResetCounters();
     Stopwatch watch;
     integrator_->Prepare(context);

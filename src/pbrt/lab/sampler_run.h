@@ -11,8 +11,8 @@ struct RenderTarget {
     double seconds = 0;
 };
 
-/// One sampler with one seed over the campaign's scene: integrator, film and a clock that only runs while it prepares or
-/// renders. Only one run may work at a time (the ray counters are those of the process).
+/// One sampler with one seed over the campaign's scene: integrator, film and a clock that only runs while it prepares
+/// or renders. Only one run may work at a time (the ray counters are those of the process).
 class SamplerRun {
   public:
     /// `expectedSamples`: that will be rendered, for samplers whose preparation depends on it.

@@ -17,13 +17,15 @@ const char *const kAbout =
     "  lightlab scene.pbrt --time 20                    20 s for every sampler and seed, preparation included\n"
     "  lightlab scene.pbrt --spp 64 --seeds 5           64 samples per pixel for every sampler and seed\n"
     "  lightlab scene.pbrt --samplers bvh,octree,octree:leaves=512,floor=0.2,bvh+gate=neepp\n"
-    "  lightlab inspect scene.pbrt --sampler octree     pictures of what a sampler knows (see lightlab inspect --help)\n\n"
+    "  lightlab inspect scene.pbrt --sampler octree     pictures of what a sampler knows (see lightlab inspect "
+    "--help)\n\n"
     "Ctrl-C keeps what is finished; the same command goes on from there.";
 
 const char *const kFooter =
     "A sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]]: +mesh takes every emissive mesh as\n"
     "one light, +gate skips some shadow rays at random. pbrt --list-lightsamplers names all with their parameters.\n\n"
-    "The reference is rendered with the sampler that has the least variance in a short pilot run, and a second one with\n"
+    "The reference is rendered with the sampler that has the least variance in a short pilot run, and a second one "
+    "with\n"
     "the next best, which judges the first. They are kept beside the scene as <scene>.reference-<hash>.exr; the hash\n"
     "changes with anything the scene says. --spp n: 16 n samples, at least 512. --time t: about 10 t seconds.\n\n"
     "Environment: LIGHTLAB_REPORT_SCRIPTS, the folder of charts.py and report.py; LIGHTLAB_PYTHON (/usr/bin/python3).";
@@ -69,10 +71,11 @@ std::string DefaultSamplers(const std::vector<std::string> &registered) {
 }
 
 LightlabCommandLine ParseInspect(int argc, const char *const *argv) {
-    Parser parser("Pictures of what a light sampler knows, over what the camera sees first: cell and records, entropy of the\n"
-                  "distribution, which light contributes most and its probability, measured visibility.\n\n"
-                  "  lightlab inspect scene.pbrt --sampler octree --out DIR",
-                  "lightlab inspect");
+    Parser parser(
+        "Pictures of what a light sampler knows, over what the camera sees first: cell and records, entropy of the\n"
+        "distribution, which light contributes most and its probability, measured visibility.\n\n"
+        "  lightlab inspect scene.pbrt --sampler octree --out DIR",
+        "lightlab inspect");
     LightlabOptions &o = parser.result.options;
     lab::InspectOptions &inspect = o.inspect.emplace();
     int maxDepth = 0, seed = 0;
@@ -81,11 +84,14 @@ LightlabCommandLine ParseInspect(int argc, const char *const *argv) {
     app.add_option("--sampler", inspect.build.lightSampler, "name[:key=value,...]; the scene's if left out");
     app.add_flag("--mesh", inspect.build.meshLights, "an emissive mesh is one light");
     app.add_option("--out", inspect.outFolder, "folder (inspect-<sampler>)");
-    app.add_option("--divisor", inspect.build.film.resolutionDivisor, "divides the resolution")->check(CLI::PositiveNumber);
+    app.add_option("--divisor", inspect.build.film.resolutionDivisor, "divides the resolution")
+        ->check(CLI::PositiveNumber);
     CLI::Option *depth = app.add_option("--maxdepth", maxDepth, "of the paths")->check(CLI::NonNegativeNumber);
     CLI::Option *seedOption = app.add_option("--seed", seed, "of the preparation");
-    app.add_option("--samples", inspect.settings.samples, "light samples per light and pixel (32)")->check(CLI::PositiveNumber);
-    app.add_option("--lights", inspect.settings.shownLights, "pictures of measured visibility (16)")->check(CLI::NonNegativeNumber);
+    app.add_option("--samples", inspect.settings.samples, "light samples per light and pixel (32)")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--lights", inspect.settings.shownLights, "pictures of measured visibility (16)")
+        ->check(CLI::NonNegativeNumber);
     app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(CLI::NonNegativeNumber);
     app.add_flag("--quiet", o.quiet, "no progress and no warnings");
     parser.Parse(argc - 2, argv + 2, [] {});
@@ -100,8 +106,10 @@ void TakeFromResults(LightlabOptions *o, bool samplers, bool seeds, bool depth, 
     lab::CampaignSettings &c = o->campaign;
     const nlohmann::ordered_json results = lab::ReadResults(c.samplesFrom);
     const nlohmann::ordered_json &settings = results.at("settings");
-    if (results.value("mode", "") == "time") c.timeBudget = results.value("budget", 0.0);
-    else if (!spp) c.samplesPerPixel = results.value("budget", c.samplesPerPixel);
+    if (results.value("mode", "") == "time")
+        c.timeBudget = results.value("budget", 0.0);
+    else if (!spp)
+        c.samplesPerPixel = results.value("budget", c.samplesPerPixel);
     if (!samplers) o->samplers = settings.at("samplers").get<std::vector<std::string>>();
     if (!seeds) c.seeds = settings.value("seeds", c.seeds);
     if (!depth && settings.at("maxdepth").is_number()) c.maxDepth = settings.at("maxdepth").get<int>();
@@ -147,31 +155,57 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
     app.add_option("scene", c.scene, "scene file")->required();
 
     const char *what = "What is compared";
-    CLI::Option *samplersOption = app.add_option("--samplers", samplers, "comma list (" + DefaultSamplers(registered) + ")")->group(what);
-    CLI::Option *fileOption = app.add_option("--samplers-file", samplersFile, "one sampler a line, # comments; after --samplers if both")->group(what);
-    CLI::Option *gateOption = app.add_option("--shadow-gate", c.shadowGate, "gate of every sampler without one of its own; or none")->group(what);
+    CLI::Option *samplersOption =
+        app.add_option("--samplers", samplers, "comma list (" + DefaultSamplers(registered) + ")")->group(what);
+    CLI::Option *fileOption =
+        app.add_option("--samplers-file", samplersFile, "one sampler a line, # comments; after --samplers if both")
+            ->group(what);
+    CLI::Option *gateOption =
+        app.add_option("--shadow-gate", c.shadowGate, "gate of every sampler without one of its own; or none")
+            ->group(what);
 
     const char *effort = "Effort";
-    CLI::Option *time = app.add_option("--time", c.timeBudget, "seconds for every sampler and seed, preparation included")->check(CLI::PositiveNumber)->group(effort);
-    CLI::Option *spp = app.add_option("--spp", c.samplesPerPixel, "samples per pixel for every sampler and seed (64)")->check(CLI::PositiveNumber)->group(effort);
-    CLI::Option *seedsOption = app.add_option("--seeds", c.seeds, "independent runs of every sampler (3)")->check(CLI::PositiveNumber)->group(effort);
+    CLI::Option *time =
+        app.add_option("--time", c.timeBudget, "seconds for every sampler and seed, preparation included")
+            ->check(CLI::PositiveNumber)
+            ->group(effort);
+    CLI::Option *spp = app.add_option("--spp", c.samplesPerPixel, "samples per pixel for every sampler and seed (64)")
+                           ->check(CLI::PositiveNumber)
+                           ->group(effort);
+    CLI::Option *seedsOption = app.add_option("--seeds", c.seeds, "independent runs of every sampler (3)")
+                                   ->check(CLI::PositiveNumber)
+                                   ->group(effort);
     app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(CLI::NonNegativeNumber)->group(effort);
     time->excludes(spp);
 
     const char *scene = "Scene";
-    CLI::Option *depth = app.add_option("--maxdepth", maxDepth, "scattering events per path (the scene's)")->check(CLI::NonNegativeNumber)->group(scene);
+    CLI::Option *depth = app.add_option("--maxdepth", maxDepth, "scattering events per path (the scene's)")
+                             ->check(CLI::NonNegativeNumber)
+                             ->group(scene);
     app.add_flag("--direct", direct, "direct light only: --maxdepth 1")->group(scene)->excludes(depth);
-    CLI::Option *divisorOption = app.add_option("--divisor", c.resolutionDivisor, "divides the resolution (1)")->check(CLI::PositiveNumber)->group(scene);
+    CLI::Option *divisorOption = app.add_option("--divisor", c.resolutionDivisor, "divides the resolution (1)")
+                                     ->check(CLI::PositiveNumber)
+                                     ->group(scene);
 
     const char *reference = "Reference";
-    CLI::Option *file = app.add_option("--reference", c.referenceFile, "picture to compare with instead of rendering one")->group(reference);
-    app.add_option("--reference-spp", c.referenceSamples, "samples per pixel of a rendered reference")->check(CLI::PositiveNumber)->group(reference)->excludes(file);
+    CLI::Option *file =
+        app.add_option("--reference", c.referenceFile, "picture to compare with instead of rendering one")
+            ->group(reference);
+    app.add_option("--reference-spp", c.referenceSamples, "samples per pixel of a rendered reference")
+        ->check(CLI::PositiveNumber)
+        ->group(reference)
+        ->excludes(file);
 
     const char *output = "Output";
     app.add_option("--out", c.outFolder, "folder (<scene name>-lab)")->group(output);
-    app.add_option("--crops", crops, "parts shown enlarged, x0,y0,x1,y1;... in pixels (where samplers differ most)")->group(output);
+    app.add_option("--crops", crops, "parts shown enlarged, x0,y0,x1,y1;... in pixels (where samplers differ most)")
+        ->group(output);
     app.add_flag("--restart", c.restart, "forget what the folder holds of a campaign")->group(output);
-    app.add_option("--samples-from", c.samplesFrom, "results.json: render the sample counts recorded there, so that a --time campaign gives the same pictures again")->group(output)->excludes(time);
+    app.add_option("--samples-from", c.samplesFrom,
+                   "results.json: render the sample counts recorded there, so that a --time campaign gives the same "
+                   "pictures again")
+        ->group(output)
+        ->excludes(time);
     app.add_flag("--no-report", noReport, "no charts and no report.html")->group(output);
     app.add_flag("--quiet", o.quiet, "no progress and no warnings; results and errors only")->group(output);
 
@@ -184,8 +218,8 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
     if (*fileOption)
         for (const std::string &s : lab::ReadSamplerFile(samplersFile)) o.samplers.push_back(s);
     if (!c.samplesFrom.empty())
-        TakeFromResults(&o, *samplersOption || *fileOption, bool(*seedsOption), c.maxDepth.has_value(), bool(*divisorOption),
-                        bool(*gateOption), bool(*spp));
+        TakeFromResults(&o, *samplersOption || *fileOption, bool(*seedsOption), c.maxDepth.has_value(),
+                        bool(*divisorOption), bool(*gateOption), bool(*spp));
     if (o.samplers.empty() && !*samplersOption) o.samplers = lab::SplitSamplerList(DefaultSamplers(registered));
     if (c.outFolder.empty()) c.outFolder = std::filesystem::path(c.scene).stem().string() + "-lab";
     return parser.result;

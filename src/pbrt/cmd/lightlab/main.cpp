@@ -17,8 +17,10 @@ pbrt::Progress *progressToCancel = nullptr;
 
 /// First Ctrl-C: stop at the next tile. Second: at once. Whatever is on disk is complete either way.
 void OnInterrupt(int) {
-    if (progressToCancel && !progressToCancel->Cancelled()) progressToCancel->Cancel();
-    else _exit(130);
+    if (progressToCancel && !progressToCancel->Cancelled())
+        progressToCancel->Cancel();
+    else
+        _exit(130);
 }
 
 void HandleSignals(pbrt::Progress *progress) {
@@ -44,7 +46,8 @@ int Compare(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegist
     std::signal(SIGINT, SIG_DFL);
     std::signal(SIGTERM, SIG_DFL);
     if (options.report)
-        if (std::string problem = RunReportScripts(settings.outFolder, options.quiet); !problem.empty()) LogWarning(problem);
+        if (std::string problem = RunReportScripts(settings.outFolder, options.quiet); !problem.empty())
+            LogWarning(problem);
     LogInfo(fmt::format("Wrote {}.", settings.outFolder));
     return 0;
 }

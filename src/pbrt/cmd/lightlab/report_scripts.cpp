@@ -28,7 +28,8 @@ int RunScript(const std::string &python, const std::string &script, const std::s
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     const char *arguments[] = {python.c_str(), script.c_str(), folder.c_str(), nullptr};
     pid_t pid = 0;
-    const int failed = posix_spawnp(&pid, python.c_str(), &actions, nullptr, const_cast<char *const *>(arguments), environ);
+    const int failed =
+        posix_spawnp(&pid, python.c_str(), &actions, nullptr, const_cast<char *const *>(arguments), environ);
     posix_spawn_file_actions_destroy(&actions);
     if (failed) return -1;
     int status = 0;
@@ -50,9 +51,9 @@ std::string RunReportScripts(const std::string &outFolder, bool quiet) {
                                name == std::string("charts.py") ? "charts" : "report.html", outFolder);
         const int status = RunScript(python, script, outFolder);
         if (status != 0)
-            return fmt::format("{} {} {} failed ({}): charts or report.html are missing; the results are in {}.", python,
-                               script, outFolder, status < 0 ? "not started" : fmt::format("exit status {}", status),
-                               outFolder);
+            return fmt::format("{} {} {} failed ({}): charts or report.html are missing; the results are in {}.",
+                               python, script, outFolder,
+                               status < 0 ? "not started" : fmt::format("exit status {}", status), outFolder);
     }
     return {};
 }

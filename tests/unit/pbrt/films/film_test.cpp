@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include "pbrt/math/rng.h"
 
 namespace pbrt {
@@ -272,6 +274,47 @@ TEST_F(FilmTest, HalfPrecisionIsCutAndFloatIsNot) {
     film->AddSample({0, 0}, L, lambda, 1);
     EXPECT_EQ(film->ToImage().Format(), PixelFormat::Float);
     EXPECT_GT(film->ToImage().Get({0, 0}, 1), 65504.0f);
+}
+
+TEST_F(FilmTest, SavedSumsGoOnBitByBit) {
+    Resolution(5, 3);
+    overrides_.fullFloat = true;
+    auto add = [](RgbFilm &film, int first, int last) {
+        for (int i = first; i < last; ++i)
+            for (int y = 0; y < 3; ++y)
+                for (int x = 0; x < 5; ++x) {
+                    const uint64_t h = MixBits(static_cast<uint64_t>(100 * i + 10 * y + x));
+                    const Float u = static_cast<Float>(h >> 40) / static_cast<Float>(1 << 24);
+                    film.AddSample({x, y}, SampledSpectrum(u), film.SampleWavelengths(u), u - Float(0.1));
+                }
+    };
+    std::unique_ptr<RgbFilm> whole = Make(), first = Make(), second = Make();
+    add(*whole, 0, 20);
+    add(*first, 0, 7);
+    first->AddSample({1, 1}, SampledSpectrum(Infinity), first->SampleWavelengths(0.5f), 1);
+    std::stringstream state;
+    first->SaveState(state);
+    second->LoadState(state);
+    EXPECT_EQ(second->RejectedSamples(), 1u);
+    add(*second, 7, 20);
+    for (int y = 0; y < 3; ++y)
+        for (int x = 0; x < 5; ++x)
+            for (int c = 0; c < 3; ++c) EXPECT_EQ(whole->ToImage().Get({x, y}, c), second->ToImage().Get({x, y}, c));
+}
+
+TEST_F(FilmTest, StateOfAnotherFilmIsRefused) {
+    Resolution(5, 3);
+    std::stringstream state;
+    Make()->SaveState(state);
+    const std::string text = state.str();
+    std::istringstream cut(text.substr(0, text.size() - 1)), nothing("");
+    EXPECT_THROW(Make()->LoadState(cut), UserError);
+    EXPECT_THROW(Make()->LoadState(nothing), UserError);
+    std::istringstream good(text);
+    EXPECT_NO_THROW(Make()->LoadState(good));
+    overrides_.resolutionDivisor = 2;
+    std::istringstream other(text);
+    EXPECT_THROW(Make()->LoadState(other), UserError);
 }
 
 }  // namespace

@@ -79,7 +79,8 @@ class Campaign : public ::testing::Test {
     void SetUp() override {
         SetLogLevel(LogLevel::Error);
         const auto *info = ::testing::UnitTest::GetInstance()->current_test_info();
-        folder_ = fs::temp_directory_path() / (std::string("pbrt_campaign_") + info->name() + "_" + std::to_string(getpid()));
+        folder_ =
+            fs::temp_directory_path() / (std::string("pbrt_campaign_") + info->name() + "_" + std::to_string(getpid()));
         fs::create_directories(folder_);
         std::ofstream(folder_ / "scene.pbrt") << kScene;
         RegisterStockLightSamplers(registry_);
@@ -122,7 +123,8 @@ class Campaign : public ::testing::Test {
         }
         return "";
     }
-    void ExpectSamePictures(const std::string &a, const std::string &b, const std::vector<std::string> &samplers, int seeds) {
+    void ExpectSamePictures(const std::string &a, const std::string &b, const std::vector<std::string> &samplers,
+                            int seeds) {
         for (const std::string &sampler : samplers)
             for (int seed = 0; seed < seeds; ++seed) {
                 const std::string name = SafeFileName(sampler) + "/seed" + std::to_string(seed) + ".exr";
@@ -141,9 +143,9 @@ class Campaign : public ::testing::Test {
 TEST_F(Campaign, LeavesEverythingTheSchemaNames) {
     const std::optional<CampaignOutcome> outcome = Run(Settings("out", {"uniform", "power", "honest"}));
     ASSERT_TRUE(outcome);
-    for (const char *name : {"results.json", "results.csv", "rounds.csv", "reference-0.exr", "reference-0.png",
-                             "uniform/seed0.exr", "power/seed1.exr", "honest/result.png", "honest/error.png",
-                             "records/uniform/seed0-round00.json"})
+    for (const char *name :
+         {"results.json", "results.csv", "rounds.csv", "reference-0.exr", "reference-0.png", "uniform/seed0.exr",
+          "power/seed1.exr", "honest/result.png", "honest/error.png", "records/uniform/seed0-round00.json"})
         EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;
     const Json r = ReadJson(folder_ / "out/results.json");
     EXPECT_EQ(r, outcome->results);
@@ -196,9 +198,9 @@ TEST_F(Campaign, LeavesEverythingTheSchemaNames) {
             }
         }
         const Json &summary = s.at("summary");
-        for (const char *key : {"samples", "seconds", "cpuSeconds", "firefliesDecide", "efficiency", "speedUp",
-                                "speedUpAgainst", "ratioToOracle", "leaves", "bytes", "shadowRays", "blockedShare",
-                                "relativeCost", "preparationShare"})
+        for (const char *key :
+             {"samples", "seconds", "cpuSeconds", "firefliesDecide", "efficiency", "speedUp", "speedUpAgainst",
+              "ratioToOracle", "leaves", "bytes", "shadowRays", "blockedShare", "relativeCost", "preparationShare"})
             EXPECT_TRUE(summary.contains(key)) << key;
         for (const char *key : {"prepassSeconds", "buildSeconds", "renderSeconds"})
             EXPECT_TRUE(summary.at("overhead").contains(key)) << key;
@@ -206,7 +208,8 @@ TEST_F(Campaign, LeavesEverythingTheSchemaNames) {
             EXPECT_TRUE(summary.at("bias").contains(key)) << key;
         // The summary is that of the last rounds.
         double mean = 0;
-        for (const Json &run : s.at("runs")) mean += run.at("rounds").back().at("metrics").at("relL2").get<double>() / 2;
+        for (const Json &run : s.at("runs"))
+            mean += run.at("rounds").back().at("metrics").at("relL2").get<double>() / 2;
         EXPECT_NEAR(summary.at("metrics").at("relL2").at("mean").get<double>(), mean, 1e-12);
     }
     EXPECT_EQ(r.at("samplers").at(2).at("summary").at("leaves"), 7);
@@ -268,7 +271,8 @@ TEST_F(Campaign, InterruptedOnesEndAsIfNothingHadHappened) {
     for (size_t i = 0; i < 2; ++i) {
         const Json &a = whole.at("samplers").at(i).at("runs").at(1), &b = parts.at("samplers").at(i).at("runs").at(1);
         EXPECT_EQ(a.at("shadowRays"), b.at("shadowRays"));
-        for (size_t r = 0; r < 3; ++r) EXPECT_EQ(a.at("rounds").at(r).at("metrics"), b.at("rounds").at(r).at("metrics"));
+        for (size_t r = 0; r < 3; ++r)
+            EXPECT_EQ(a.at("rounds").at(r).at("metrics"), b.at("rounds").at(r).at("metrics"));
     }
     // A finished campaign is only summed up again.
     const auto time = fs::last_write_time(folder_ / "parts/honest/seed1.exr");
@@ -350,7 +354,8 @@ TEST_F(Campaign, MistakesAreFoundBeforeAnythingIsRendered) {
     WriteImage((folder_ / "wrong.exr").string(), wrong);
     settings.referenceFile = (folder_ / "wrong.exr").string();
     EXPECT_NE(ErrorOf(settings).find("16 x 16"), std::string::npos) << ErrorOf(settings);
-    std::ofstream(folder_ / "scene.pbrt") << std::string(kScene).replace(std::string(kScene).find("\"path\""), 6, "\"randomwalk\"");
+    std::ofstream(folder_ / "scene.pbrt")
+        << std::string(kScene).replace(std::string(kScene).find("\"path\""), 6, "\"randomwalk\"");
     EXPECT_NE(ErrorOf(Settings("other", {"uniform"})).find("randomwalk"), std::string::npos);
 }
 

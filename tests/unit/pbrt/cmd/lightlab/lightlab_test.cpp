@@ -15,7 +15,9 @@ class Lightlab : public Program {
         Program::SetUp();
         Write("scene.pbrt", SmallScene());
     }
-    nlohmann::json Results(const std::string &folder) const { return nlohmann::json::parse(Read(folder + "/results.json")); }
+    nlohmann::json Results(const std::string &folder) const {
+        return nlohmann::json::parse(Read(folder + "/results.json"));
+    }
     bool SamePictures(const std::string &a, const std::string &b) const {
         return SamePixels(ReadImage(Path(a)), ReadImage(Path(b)));
     }
@@ -38,7 +40,8 @@ TEST_F(Lightlab, ComparesAndPrintsATable) {
     EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
     EXPECT_EQ(std::count(rounds.begin(), rounds.end(), '\n'), 1 + 2 * 2 * 3);
     const std::string header = csv.substr(0, csv.find('\n'));
-    for (const std::string &line : {csv.substr(header.size() + 1, csv.find('\n', header.size() + 1) - header.size() - 1)})
+    for (const std::string &line :
+         {csv.substr(header.size() + 1, csv.find('\n', header.size() + 1) - header.size() - 1)})
         EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ','));
 }
 
@@ -50,7 +53,8 @@ TEST_F(Lightlab, QuietPrintsTheTableOnly) {
 }
 
 TEST_F(Lightlab, KilledCampaignEndsAsIfNothingHadHappened) {
-    const std::string arguments = "scene.pbrt --samplers uniform,power --spp 512 --seeds 1 --reference-spp 64 --no-report --out ";
+    const std::string arguments =
+        "scene.pbrt --samplers uniform,power --spp 512 --seeds 1 --reference-spp 64 --no-report --out ";
     RunWell(arguments + "whole");
     for (int signal : {SIGKILL, SIGINT}) {
         const std::string out = signal == SIGKILL ? "killed" : "interrupted";
@@ -81,25 +85,26 @@ TEST_F(Lightlab, SamplesOfATimedCampaignCanBeReplayed) {
 
 TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
     Write("sweep.txt", "uniform # comment\n\nnosuch\npower:leaves=3\n");
-    ExpectErrors({{"scene.pbrt --samplers-file sweep.txt", {"nosuch", "uniform", "leaves", "2 errors; nothing was rendered."}},
-                  {"scene.pbrt --samplers bvh,bvh", {"bvh", "twice"}},
-                  {"scene.pbrt --samplers bvh+mush", {"+mush", "+mesh"}},
-                  {"scene.pbrt --time 1 --spp 2", {"--time", "--spp"}},
-                  {"scene.pbrt --spp 0", {"--spp", "--help"}},
-                  {"scene.pbrt --crops 1,2,3", {"--crops", "1,2,3"}},
-                  {"scene.pbrt --crops 0,0,99,9 --samplers bvh", {"--crops", "32 x 24"}},
-                  {"scene.pbrt --reference none.exr --samplers bvh", {"none.exr"}},
-                  {"scene.pbrt --samples-from sweep.txt", {"sweep.txt", "results.json"}},
-                  {"nosuch.pbrt --samplers bvh", {"nosuch.pbrt"}},
-                  {"", {"scene"}}});
+    ExpectErrors(
+        {{"scene.pbrt --samplers-file sweep.txt", {"nosuch", "uniform", "leaves", "2 errors; nothing was rendered."}},
+         {"scene.pbrt --samplers bvh,bvh", {"bvh", "twice"}},
+         {"scene.pbrt --samplers bvh+mush", {"+mush", "+mesh"}},
+         {"scene.pbrt --time 1 --spp 2", {"--time", "--spp"}},
+         {"scene.pbrt --spp 0", {"--spp", "--help"}},
+         {"scene.pbrt --crops 1,2,3", {"--crops", "1,2,3"}},
+         {"scene.pbrt --crops 0,0,99,9 --samplers bvh", {"--crops", "32 x 24"}},
+         {"scene.pbrt --reference none.exr --samplers bvh", {"none.exr"}},
+         {"scene.pbrt --samples-from sweep.txt", {"sweep.txt", "results.json"}},
+         {"nosuch.pbrt --samplers bvh", {"nosuch.pbrt"}},
+         {"", {"scene"}}});
 }
 
 TEST_F(Lightlab, HelpNamesEveryFlag) {
     const Outcome o = Run("--help");
     EXPECT_EQ(o.status, 0);
-    for (const char *name : {"--samplers", "--samplers-file", "--shadow-gate", "--time", "--spp", "--seeds", "--direct", "--maxdepth",
-                             "--divisor", "--reference", "--reference-spp", "--out", "--crops", "--restart", "--samples-from",
-                             "--nthreads", "--quiet", "inspect"})
+    for (const char *name : {"--samplers", "--samplers-file", "--shadow-gate", "--time", "--spp", "--seeds", "--direct",
+                             "--maxdepth", "--divisor", "--reference", "--reference-spp", "--out", "--crops",
+                             "--restart", "--samples-from", "--nthreads", "--quiet", "inspect"})
         EXPECT_TRUE(Has(o.out, name)) << name;
     EXPECT_EQ(Run("inspect --help").status, 0);
 }

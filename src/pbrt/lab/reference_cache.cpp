@@ -18,6 +18,16 @@ constexpr const char *kColors[3] = {"R", "G", "B"};
 
 std::string PartChannel(size_t part, int color) { return fmt::format("part{}.{}", part + 1, kColors[color]); }
 
+/// A folder without any write permission stays as it is, even for root, whom the system would let in.
+bool IsWritable(std::filesystem::path folder) {
+    if (folder.empty()) folder = ".";
+    using std::filesystem::perms;
+    constexpr perms writers = perms::owner_write | perms::group_write | perms::others_write;
+    std::error_code error;
+    const perms permissions = std::filesystem::status(folder, error).permissions();
+    return !error && (permissions & writers) != perms::none && access(folder.c_str(), W_OK) == 0;
+}
+
 template <class T>
 T Attribute(const ImageMetadata &m, const std::string &name, T otherwise) {
     auto it = m.attributes.find(name);
@@ -91,9 +101,7 @@ void ReferenceCache::Store(const LabScene &scene, const std::string &about, Refe
     m.attributes["pbrt.version"] = std::string(PBRT_VERSION_TEXT);
     m.attributes["pbrt.integrator"] = scene.built.integratorName;
     m.attributes["pbrt.maxDepth"] = scene.built.maxDepth;
-    std::filesystem::path folder = std::filesystem::path(besideScene_).parent_path();
-    const bool writable = access(folder.empty() ? "." : folder.c_str(), W_OK) == 0;
-    reference->source = writable ? besideScene_ : inOutput_;
+    reference->source = IsWritable(std::filesystem::path(besideScene_).parent_path()) ? besideScene_ : inOutput_;
     WriteImage(reference->source, all, m);
 }
 

@@ -250,6 +250,24 @@ TEST_F(Campaign, ReferenceIsKeptBesideTheSceneAndFoundAgain) {
     EXPECT_GT(now, kept.size());
 }
 
+TEST_F(Campaign, WriteProtectedFolderOfTheSceneStaysAsItIs) {
+    fs::create_directory(folder_ / "protected");
+    fs::rename(folder_ / "scene.pbrt", folder_ / "protected/scene.pbrt");
+    fs::permissions(folder_ / "protected", fs::perms::owner_read | fs::perms::owner_exec);
+    CampaignSettings settings = Settings("out", {"uniform"});
+    settings.scene = (folder_ / "protected/scene.pbrt").string();
+    ASSERT_TRUE(Run(settings));
+    const auto count = [](const fs::path &folder) {
+        size_t references = 0;
+        for (const auto &entry : fs::directory_iterator(folder))
+            references += entry.path().filename().string().starts_with("scene.reference-");
+        return references;
+    };
+    EXPECT_EQ(count(folder_ / "protected"), 0u);
+    EXPECT_GE(count(folder_ / "out"), 1u);
+    fs::permissions(folder_ / "protected", fs::perms::owner_all);
+}
+
 TEST_F(Campaign, InterruptedOnesEndAsIfNothingHadHappened) {
     const std::vector<std::string> samplers = {"uniform", "honest"};
     switch_->callsLeft = 1 << 30;

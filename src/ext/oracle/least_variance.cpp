@@ -12,16 +12,23 @@ constexpr double kTolerance = 1e-3;
 
 double Square(Float v) { return static_cast<double>(v) * static_cast<double>(v); }
 
-/// Term of S(p) for value 1.
+/// Term of S(p) for value 1. Scaled by the larger of the two, so that nothing under- or overflows.
 double Moment(double p, double r) {
-    double d = p * p + r * r;
-    return d > 0 ? (p * p * p + r * r * r) / (d * d) : 0;
+    const double s = std::max(p, r);
+    if (!(s > 0)) return std::numeric_limits<double>::infinity();
+    p /= s;
+    r /= s;
+    const double d = p * p + r * r;
+    return (p * p * p + r * r * r) / (d * d * s);
 }
 
-/// -d Moment / d p times p^2, which is 1 for r = 0. Never negative: x^3 - 3x + 4 > 0 for x = p/r >= 0.
+/// -d Moment / d p times p^2: 1 for r = 0. Never negative: x^3 - 3x + 4 > 0 for x = p/r >= 0.
 double Gain(double p, double r) {
-    double d = p * p + r * r;
-    return d > 0 ? p * p * p * (p * p * p - 3 * p * r * r + 4 * r * r * r) / (d * d * d) : 0;
+    const double s = std::max(p, r);
+    p /= s;
+    r /= s;
+    const double d = p * p + r * r;
+    return p * p * p * (p * p * p - 3 * p * r * r + 4 * r * r * r) / (d * d * d);
 }
 }  // namespace
 
@@ -72,10 +79,8 @@ double SecondMoment(std::span<const LightPoint> points, std::span<const double> 
     double sum = 0;
     for (size_t l = 0; l < pmf.size(); ++l)
         for (const LightPoint &y : points.subspan(l * perLight, perLight))
-            if (y.value > 0) {
-                double m = Moment(pmf[l], static_cast<double>(y.ratio));
-                sum += Square(y.value) * (m > 0 ? m : std::numeric_limits<double>::infinity()) / static_cast<double>(perLight);
-            }
+            if (y.value > 0)
+                sum += Square(y.value) * Moment(pmf[l], static_cast<double>(y.ratio)) / static_cast<double>(perLight);
     return sum;
 }
 

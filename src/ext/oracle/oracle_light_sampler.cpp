@@ -96,7 +96,7 @@ void OracleLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
     scene_ = &context.scene;
     seed_ = context.seed;
-    LogInfo(fmt::format("oracle: a measuring instrument, slow: {} lights x {} samples = up to {} shadow rays at every path vertex.",
+    LogWarning(fmt::format("oracle: a measuring instrument, slow: {} lights x {} samples = up to {} shadow rays at every path vertex.",
                         groups_.Size(), params_.samples, groups_.Size() * static_cast<size_t>(params_.samples)));
 }
 

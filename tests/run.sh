@@ -33,7 +33,7 @@ run_ctest() { # run_ctest NAME FOLDER [ctest options]: adds ctest's own counts
     failures+=("$name: see $log")
     grep -vE "^ *[0-9]+/[0-9]+ Test .* Passed|^ +Start +[0-9]+:" "$log" | tail -150
   fi
-  grep -E "SKIPPED" "$log" | sort -u | head -10
+  grep -E "SKIPPED|\(Skipped\)" "$log" | sort -u | head -10
 }
 
 bash .ci/install || exit 1

@@ -72,7 +72,7 @@ def of_fig3():
 
 def of_table2():
     return [Campaign(f"table2-{scene.name}", scene, tuple([*SAMPLER_OF_T.values(), "octree"]), False,
-                     Effort(32, 2, 5, 512), Effort(128, 3, 1, 2048))
+                     Effort(32, 2, 5, 512), Effort(128, 3, 1, 1024))
             for scene in (LAMP, LAMP_LIKE, HOTEL, WHITE_ROOM)]
 
 

@@ -15,7 +15,7 @@ KEPT = ["chart-error-time.svg", "chart-overhead.svg", "chart-crops.png", "result
 
 def parse(pieces):
     names = [p.NAME for p in pieces]
-    about = ("Reproduces the figures and tables of the paper with lightlab; writes one page each, and README.md with all."
+    about = ("Reproduces the figures and tables of the paper with lightlab; writes a page each and README.md with all."
              if len(pieces) > 1 else pieces[0].__doc__)
     parser = argparse.ArgumentParser(description=about, epilog="The same command goes on where an earlier one was "
                                      "stopped. Scenes outside the repository are skipped where absent.")

@@ -12,7 +12,7 @@ CAMPAIGNS = campaigns.of_fig1
 
 
 def page(folder, outcomes):
-    intro = (f"The paper renders {paper.FIG1_SECONDS} s with each sampler; its relL2 values are {paper.NOT_IN_TEXT}. "
+    intro = (f"The paper renders {paper.FIG1_SECONDS} s with each sampler; its relL2 values {paper.NOT_IN_TEXT}. "
              "What the text says about the picture is checked below.")
 
     def section(o):

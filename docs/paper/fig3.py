@@ -12,7 +12,7 @@ CAMPAIGNS = campaigns.of_fig3
 
 
 def page(folder, outcomes):
-    intro = (f"The relL2 values of the paper's picture are {paper.NOT_IN_TEXT}; for Ours the value of Table 2 at "
+    intro = (f"The paper's relL2 values {paper.NOT_IN_TEXT}; for Ours the value of Table 2 at "
              "T = 4096 stands beside ours, and samples and seconds are those of Table 1.")
 
     def section(o):
@@ -26,8 +26,8 @@ def page(folder, outcomes):
                              pages.links(folder, o, ("chart-crops.png",)))
     return pages.page(TITLE, intro, outcomes, section,
                       "## The largest gain\n\n" + pages.claims_table([paper.LARGEST_GAIN], outcomes)
-                      + "\n\nThe paper's factor is that of one of its scenes; ours depends on how well 16 voxels along the "
-                        "longest axis (`neepp:voxels`) catch the walls of the scene.")
+                      + "\n\nThe paper's factor is that of one of its scenes; ours depends on how well 16 voxels along "
+                        "the longest axis (`neepp:voxels`) catch the walls of the scene.")
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ def error_at(s, seconds):
 
 
 def page(folder, outcomes):
-    intro = (f"The paper's curves are {paper.NOT_IN_TEXT}. Its text says that the benefit of Ours is consistently "
+    intro = (f"The paper's curves {paper.NOT_IN_TEXT}. Its text says that the benefit of Ours is consistently "
              "maintained over time (Sect. 5). Preparation counts: – means that a sampler had no picture yet.")
 
     def section(o):

@@ -9,6 +9,7 @@ CHARTS = [("chart-error-time.svg", "error against time"), ("chart-error-samples.
           ("chart-overhead.svg", "where the time goes"), ("report.html", "the whole run in one page"),
           ("results.csv", "all numbers")]
 MISSING = "–"
+OVER = 1.1  # times its budget: preparation and one sample took longer than allowed
 
 
 def num(value, digits=3):
@@ -153,22 +154,26 @@ def effort_text(outcomes):
     if not done:
         return "Nothing was run."
     reduced = any((o.results.data.get("settings") or {}).get("divisor", 1) > 1 for o in done)
-    return ("Made with `--quick`: small pictures, short times, two seeds. Preparation weighs far more than in the paper, "
-            "trees have few records a leaf, close samplers may change places.\n\n" if reduced else "") + \
-        ("± is the standard error over seeds; \"within noise\" means less than two of them apart. Bias check \"unknown\": too "
-         "few data to see a bias of 3 %.")
+    quick = ("Made with `--quick`: small pictures, short times, two seeds. Preparation weighs far more than in the "
+             "paper, trees have few records a leaf, close samplers may change places.\n\n")
+    return (quick if reduced else "") + (
+        "± is the standard error over seeds; \"within noise\" means less than two of them apart. Bias check \"unknown\": "
+        "too few data to see a bias of 3 %. (over): preparation and the first sample alone took longer than allowed.")
 
 
 def error_table(outcome, paper_error, paper_spp=None, paper_seconds=None):
     """One row a sampler: errors, samples, time, bias verdict. paper_*: by label; None for none."""
     results = outcome.results
     uniform = sampler_of(results, paper.UNIFORM)
+    allowed = OVER * results.data.get("budget", math.inf) if results.data.get("mode") == "time" else math.inf
     rows = []
     for s in order(results):
+        over = (s.get("seconds") or 0) > allowed
         rows.append([f"`{s.label}`", name_in_paper(s), plain(paper_error.get(s.label)), error_text(s),
                      num(s.error("relL2Trimmed")), num(ratio(s, uniform), 2),
                      plain((paper_spp or {}).get(s.label)), whole(s.get("samples")),
-                     plain((paper_seconds or {}).get(s.label)), num(s.get("seconds")), s.verdict])
+                     plain((paper_seconds or {}).get(s.label)), num(s.get("seconds")) + (" (over)" if over else ""),
+                     s.verdict])
     return table(["sampler", "in the paper", "relL2, paper", "relL2, here", "worst 0.1 % left out",
                   "error over uniform's", "spp, paper", "spp, here", "s, paper", "s, here", "bias check"], rows, left=2)
 

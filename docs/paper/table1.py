@@ -34,7 +34,7 @@ def our_row(o, label, note):
 def page(folder, outcomes):
     low, high = paper.OVERHEAD_SHARE
     intro = (f"Seconds, all columns of the paper's table. The paper's overhead is {pages.share(low)} to "
-             f"{pages.share(high)} of the total (Sect. 5). The overhead is fixed, so a shorter render has a larger share.")
+             f"{pages.share(high)} of the total (Sect. 5). The overhead is fixed: a shorter render has a larger share.")
 
     def section(o):
         scene = o.campaign.scene.paperScene

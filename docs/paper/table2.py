@@ -36,13 +36,14 @@ def pruning_text(o):
     before = lab.number((s.entry.get("report") or {}).get("leavesBeforePruning")) if s else None
     if before is None or s.get("leaves") is None:
         return ""
-    return f"`octree` split the scene into {before:.0f} cells (first seed) and kept {pages.whole(s.get('leaves'))} (mean)."
+    kept = pages.whole(s.get("leaves"))
+    return f"`octree` split the scene into {before:.0f} cells (first seed) and kept {kept} (mean)."
 
 
 def page(folder, outcomes):
     intro = ("The overhead is sample generation and octree building. Here at equal samples, so that the error tells of "
-             "the choice of lights only. The last row is our own model, which the paper does not have: it takes no T; it "
-             "builds a deep tree of visibilities and prunes it while held-out records allow.")
+             "the choice of lights only. The last row is our own model, which the paper does not have: it takes no T; "
+             "it builds a deep tree of visibilities and prunes it while held-out records allow.")
 
     def section(o):
         numbers = paper.TABLE2[o.campaign.scene.paperScene]
@@ -59,8 +60,8 @@ def page(folder, outcomes):
         rows.append(["`octree`, not in the paper", none, here[0], none, here[1], here[2], none, here[3], none, here[4],
                      none, here[5]])
         return pages.section(pages.head(o), pages.settings_text(o), pages.table(HEADS, rows), pruning_text(o),
-                             pages.why_text(o, "; a leaf of our tree is a 4-byte node and a row of cumulative sums, and "
-                                               "fewer pixels give fewer records a leaf"),
+                             pages.why_text(o, "; a leaf of our tree is a 4-byte node and a row of cumulative sums, "
+                                               "and fewer pixels give fewer records a leaf"),
                              pages.bias_text(o), pages.links(folder, o))
     return pages.page(TITLE, intro, outcomes, section)
 

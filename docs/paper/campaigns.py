@@ -1,6 +1,7 @@
 """The campaigns of lightlab behind the figures and tables: scenes, samplers, effort; and running them."""
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -115,14 +116,20 @@ class Interrupted(Exception):
 
 
 def call(arguments, stdout=None):
-    """Exit status; Ctrl-C reaches the program too, which then ends in good order."""
-    process = subprocess.Popen(arguments, stdout=stdout)
-    try:
-        status = process.wait()
-    except KeyboardInterrupt:
-        process.wait()
-        raise Interrupted from None
-    if status == 130:
+    """Exit status. The program has a process group of its own and is told of Ctrl-C once: it ends in good order then,
+    and at once if told again."""
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.default_int_handler)
+    process = subprocess.Popen(arguments, stdout=stdout, process_group=0)
+    interrupted = False
+    while True:
+        try:
+            status = process.wait()
+            break
+        except KeyboardInterrupt:
+            interrupted = True
+            process.send_signal(signal.SIGINT)
+    if interrupted or status == 130:
         raise Interrupted
     return status
 

@@ -2,9 +2,11 @@
 """docs/paper with a stand-in for lightlab whose errors are known."""
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 sys.dont_write_bytecode = True
@@ -115,6 +117,20 @@ class PaperScripts(unittest.TestCase):
         self.assertIn("0.0081", self.page("table2"))  # the other scenes are there
         self.assertTrue((self.kept / "fig1.md").exists())
         self.assertFalse((self.kept / "table2.md").exists())
+
+    def test_an_interrupt_reaches_lightlab_and_ends_the_run(self):
+        waits = self.top / "waits"
+        command = [str(TOP / "docs/paper/run"), "--lightlab", str(HERE / "stand_in_lightlab.py"), "--out", str(self.out)]
+        process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
+                                   env={**os.environ, "STAND_IN_LOG": str(self.log), "STAND_IN_WAIT": str(waits)})
+        for _ in range(500):
+            if waits.exists():
+                break
+            time.sleep(0.02)
+        process.send_signal(signal.SIGINT)
+        self.assertIn("Interrupted. The same command goes on from there.", process.communicate(timeout=20)[1])
+        self.assertEqual((process.returncode, waits.read_text()), (130, "ended in good order"))
+        self.assertEqual(len(self.commands()), 1)
 
     def test_biased_samplers_are_named(self):
         self.run_script("--only", "fig1", STAND_IN_BIASED="octree:model=paper")

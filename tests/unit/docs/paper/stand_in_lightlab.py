@@ -1,10 +1,12 @@
 #!/usr/bin/python3
 """Stands in for lightlab: writes a results.json with known errors for the samplers it is asked for. STAND_IN_LOG: file
-that every command line is added to. STAND_IN_FAIL: campaigns that end with status 1. STAND_IN_BIASED: a label."""
+that every command line is added to. STAND_IN_FAIL: campaigns that end with status 1. STAND_IN_BIASED: a label.
+STAND_IN_WAIT: a file that it makes before it waits for Ctrl-C."""
 import json
 import os
 import pathlib
 import sys
+import time
 
 ERRORS = {"uniform+mesh": 0.4, "spatial": 0.41, "neepp": 0.7, "octree:model=paper": 0.1,
           "octree:model=paper,leaves=512": 0.15, "octree:model=paper,leaves=32768": 0.12, "octree": 0.05, "bvh": 0.3}
@@ -48,6 +50,13 @@ with open(os.environ["STAND_IN_LOG"], "a", encoding="utf-8") as log:
     log.write(" ".join(sys.argv[1:]) + "\n")
 if out.name in os.environ.get("STAND_IN_FAIL", "").split(","):
     sys.exit(1)
+if os.environ.get("STAND_IN_WAIT"):
+    try:
+        pathlib.Path(os.environ["STAND_IN_WAIT"]).touch()
+        time.sleep(60)
+    except KeyboardInterrupt:
+        pathlib.Path(os.environ["STAND_IN_WAIT"]).write_text("ended in good order")
+        sys.exit(130)
 timed = "--time" in sys.argv
 budget = float(option("--time") or option("--spp"))
 (out / "results.json").write_text(json.dumps({

@@ -146,10 +146,10 @@ def lamp(piece_and_place, label, radius, x, y, z, watts, kelvin):
     scene.light(sphere(radius, 1, smooth=False).at(x + at[0], y + at[1], z + at[2]), watts, kelvin, label)
 
 
-lamp(globe_lamp(1.5, .09), "floor lamp", .09, 3.66, 4.15, .0035, 11, 2700)
-lamp(globe_lamp(.36, .06), "side lamp", .06, .93, 4.2, .5035, 7, 2600)
-lamp(globe_pendant(.78, .13), "pendant", .13, 2.3, 2.72, HEIGHT, 9, 2800)
-lamp(globe_lamp(.42, .065), "passage lamp", .065, 5.0, DEPTH + WALL + 1.5, .8035, 20, 2600)
+lamp(globe_lamp(1.5, .09, "paint-black"), "floor lamp", .09, 3.66, 4.15, .0035, 11, 2700)
+lamp(globe_lamp(.36, .06, "paint-black"), "side lamp", .06, .93, 4.2, .5035, 7, 2600)
+lamp(globe_pendant(.78, .13, "paint-black"), "pendant", .13, 2.3, 2.72, HEIGHT, 9, 2800)
+lamp(globe_lamp(.42, .065, "paint-black"), "passage lamp", .065, 5.0, DEPTH + WALL + 1.5, .8035, 20, 2600)
 
 if __name__ == "__main__":
     scene.main(__file__)

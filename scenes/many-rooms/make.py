@@ -292,7 +292,7 @@ def lamp(scene, random, room, tops, used):
     if spot:
         if name not in used:
             used.add(name)
-            define(scene, name, globe_lamp(height, radius)[0])
+            define(scene, name, globe_lamp(height, radius, "paint-black")[0])
         place(scene, name, *spot)
         at = (spot[0], spot[1], spot[2] + height - radius)
     else:  # a globe on an arm from the wall, between the doors
@@ -308,7 +308,7 @@ def lamp(scene, random, room, tops, used):
                 break
         if name not in used:
             used.add(name)
-            define(scene, name, Piece(("brass", tube((0, .002, 0), (0, -.115, 0), .008)), ("brass", lathe([(.04, 0), (.04, .01), (0, .012)], 16).turn(90, "x"))))
+            define(scene, name, Piece(("paint-black", tube((0, .002, 0), (0, -.115, 0), .008)), ("paint-black", lathe([(.04, 0), (.04, .01), (0, .012)], 16).turn(90, "x"))))
         place(scene, name, x, y, z, turn)
     room.lamps.append(at[:2])
     scene.light(bulb_mesh(radius, mesh_kind).at(*at), watts, kelvin, name)

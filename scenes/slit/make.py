@@ -52,7 +52,7 @@ scene.add(Piece().include(bookcase(1.0, 2.0, seed=5, wood="walnut").at(WIDTH - .
 scene.add(table(1.2, .6, wood="walnut").at(.45, 3.05, .003, 90), "desk")
 scene.add(chair("walnut", "leather").at(1.08, 2.95, .003, 115), "chair")
 scene.add(round_table(.3, .58, "walnut").at(3.02, 3.85, .0025), "side table")
-lamp, at = globe_lamp(.4, .075)
+lamp, at = globe_lamp(.4, .075, "paint-black")
 scene.add(lamp.at(3.02, 3.85, .583), "lamp")
 scene.light(sphere(.075, 1, smooth=False).at(3.02, 3.85, .583 + at[2]), 26, 2600, "table lamp")
 scene.add(Piece().include(book_stack(4, 3).at(.42, 2.95, .744, 20), cup("ceramic").at(.62, 3.22, .744),

@@ -69,7 +69,7 @@ for i in range(3):
         place(scene, "drawers", x + toward * .52, y + toward * .03, .0025, turn)
         place(scene, "bin", x - toward * .95, y - toward * .1, .0025)
         lx, ly = x - toward * .6, edge - toward * .17
-        lamp, at = globe_lamp(.43, .055)
+        lamp, at = globe_lamp(.43, .055, "paint-black")
         place_ply(scene, "desk-lamp", lamp, lx, ly, .7425)
         scene.light(sphere(.055, 1, smooth=False).at(lx, ly, .7425 + at[2]), random.uniform(19, 30), 6200 if cold else 2600, "desk lamp")
         small.include(cup(("ceramic", "ceramic-blue", "terracotta")[(i + j) % 3]).at(x + toward * .38, y - toward * .12, .7425),
@@ -85,7 +85,7 @@ for i in range(3):
 # ---- second lamps, low and close to the cross walls, one on either side
 for x, y, watts, kelvin in ((COLUMNS[1] - .13, 2.35, 13, 2400), (COLUMNS[1] + .13, 2.35, 13, 6800), (COLUMNS[2] - .13, 5.15, 13, 2400),
                             (COLUMNS[2] + .13, 5.15, 13, 6800), (COLUMNS[1] - .13, 7.5, 12, 7500), (COLUMNS[1] + .13, 7.5, 12, 2400)):
-    lamp, at = globe_lamp(1.15, .045)
+    lamp, at = globe_lamp(1.15, .045, "paint-black")
     place_ply(scene, "floor-lamp", lamp, x, y, .0025)
     scene.light(sphere(.045, 1, smooth=False).at(x, y, .0025 + at[2]), watts, kelvin, "floor lamp")
 

@@ -208,9 +208,9 @@ Wrap Tamper(Tampered::Change change) {
     };
 }
 
-/// With "floor=0.0001": what the octree did not see gets nothing.
+/// With "floor=0.0001" of the paper's model: what the octree did not see gets nothing.
 const Wrap kNoFloor = Tamper([](const LightQuery &, LightId, Float pmf) { return pmf <= Float(1.01e-4) ? 0 : pmf; });
-constexpr const char *kLeastFloor = "octree:floor=0.0001";
+constexpr const char *kLeastFloor = "octree:model=paper,floor=0.0001";
 
 bool HasOctree() {
     std::vector<std::string> names = Registry().Names();
@@ -247,7 +247,7 @@ TEST(LightSamplersAgree, Deep) {
 }
 
 TEST(LightSamplersAgree, Slit) {
-    View view(BuildText(WithoutCoats("scenes/slit/slit.pbrt"), Reduced(2)), 16, 8);
+    View view(BuildText(WithoutCoats("tests/render/scenes/slit.pbrt"), Reduced(2)), 16, 8);
     auto good = ExpectAgreement("slit", view);
     if (HasOctree())
         ExpectNoticed("slit", "octree without floor", view, good, std::string(kLeastFloor) + ",leaves=65536", kNoFloor);
@@ -311,7 +311,7 @@ Shape "trianglemesh" "point3 P" [ -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1  -1 -1 1  1
 TEST(LightSamplersAgree, OneThreadAndThreeGiveTheSameBits) {
     for (const std::string &label : Labels()) {
         RenderRequest request;
-        request.file = std::string(PBRT_SOURCE_DIR) + "/scenes/slit/slit.pbrt";
+        request.file = std::string(PBRT_SOURCE_DIR) + "/tests/render/scenes/slit.pbrt";
         request.build = Reduced(4);
         request.build.samplesPerPixel = 4;
         request.build.lightSampler = label.substr(0, label.find('+'));

@@ -18,7 +18,7 @@ struct VisibilityMapParams {
 
 struct NeeppParams {
     VisibilityMapParams map;
-    Float floor = 0.05f;
+    Float floor = 0.02f;
     bool meshlights = true;
 
     template <class V>

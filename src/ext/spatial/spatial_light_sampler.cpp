@@ -1,6 +1,7 @@
 #include "ext/spatial/spatial_light_sampler.h"
 
 #include <algorithm>
+#include <chrono>
 #include <numeric>
 
 #include "ext/voxels/fixed_cdf.h"
@@ -115,7 +116,7 @@ void SpatialLightSampler::Report(nlohmann::ordered_json &report) const {
     report["groups"] = groups_.Size();
     report["lights"] = groups_.LightCount();
     report["prepassSeconds"] = 0.0;
-    // Voxels are filled while rendering, by all threads; a thread that fills does not trace.
+    // Voxels are filled while rendering, by all threads; a thread that fills does not render.
     report["buildSeconds"] = prepareSeconds_ + cdfs_.FillThreadSeconds() / std::max(1, ThreadCount());
     report["fillThreadSeconds"] = cdfs_.FillThreadSeconds();
     report["voxels"] = cdfs_.Size();

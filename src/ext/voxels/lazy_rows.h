@@ -1,7 +1,7 @@
 #pragma once
 #include <atomic>
-#include <chrono>
 #include <cstdint>
+#include <ctime>
 #include <memory>
 #include <span>
 
@@ -41,18 +41,22 @@ class LazyRows {
     size_t Filled() const { return static_cast<size_t>(filled_.load()); }
     /// Rows made for nothing because another thread was first.
     size_t Discarded() const { return static_cast<size_t>(discarded_.load()); }
-    /// Time spent in `fill`, added up over threads.
+    /// CPU time spent in `fill`, added up over threads.
     double FillThreadSeconds() const { return static_cast<double>(nanoseconds_.load()) * 1e-9; }
     size_t Bytes() const { return count_ * sizeof(T *) + Filled() * length_ * sizeof(T); }
 
   private:
+    static int64_t ThreadNanoseconds() {
+        timespec t{};
+        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+        return int64_t(t.tv_sec) * 1000000000 + t.tv_nsec;
+    }
     template <class Fill>
     [[gnu::noinline]] const T *Make(size_t row, const Fill &fill) const {
-        auto start = std::chrono::steady_clock::now();
+        int64_t start = ThreadNanoseconds();
         std::unique_ptr<T[]> made(new T[length_]);
         fill(std::span<T>(made.get(), length_));
-        auto spent = std::chrono::steady_clock::now() - start;
-        nanoseconds_ += std::chrono::duration_cast<std::chrono::nanoseconds>(spent).count();
+        nanoseconds_ += ThreadNanoseconds() - start;
         T *expected = nullptr;
         if (!rows_[row].compare_exchange_strong(expected, made.get(), std::memory_order_acq_rel,
                                                 std::memory_order_acquire)) {

@@ -19,7 +19,7 @@ def place(scene, name, x=0.0, y=0.0, z=0.0, turn=0.0, scale=1.0):
 
 
 def rgb_light(scene, mesh, watts, rgb, label="", material="bulb-glass"):
-    """Scene.light with an RGB colour in place of a temperature. watts: luminous, as there; the colour is used as it is."""
+    """Scene.light with an RGB colour in place of a temperature. watts: as there, for white; the colour filters it."""
     scene._use(material)
     scene.lights += 1
     radiance = watts / (math.pi * mesh.area())
@@ -31,7 +31,8 @@ def rgb_light(scene, mesh, watts, rgb, label="", material="bulb-glass"):
 
 
 def place_ply(scene, label, piece, x=0.0, y=0.0, z=0.0, turn=0.0, scale=1.0):
-    """As add(), scaled, turned and moved; each mesh goes into a PLY file that every piece with this label shares, in any material."""
+    """As add(), scaled, turned and moved; each mesh goes into a PLY file that every piece with this label shares, in
+    any material."""
     size = f" Scale {numbers((scale,) * 3)}" if scale != 1 else ""
     groups = {}
     for material, mesh in piece.parts:

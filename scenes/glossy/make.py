@@ -5,26 +5,28 @@ import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
-from instancing import place_ply, rgb_light  # noqa: E402
-from scenekit import (Piece, Random, Scene, beveled_box, box, coated, cylinder, diffuse, lathe, metal, room, sphere,  # noqa: E402
+from instancing import place_ply, rgb_light
+from scenekit import (Piece, Random, Scene, beveled_box, box, coated, cylinder, diffuse, lathe, metal, room, sphere,
                       tinted_metal, tube)
 
 WIDTH, DEPTH, HEIGHT = 3.6, 3.2, 2.5  # the bar; the counter stands at the far wall, y = DEPTH
 TOP = 0.92                            # of the counter
 
-scene = Scene("glossy", "Metal and glazed ware on a bar under 46 small coloured lamps: at a rough mirror the BSDF, not the"
-              " distance, decides which lamp matters.", maxdepth=5)
+scene = Scene("glossy", "Metal and glazed ware on a bar under 46 small coloured lamps: at a rough mirror the BSDF, not"
+              " the distance, decides which lamp matters.", maxdepth=5)
 scene.camera((1.66, 1.0, 1.4), (1.82, 2.8, 1.24), 32.5)
 
 for name, text in {
         "copper": metal("Cu", .035), "copper-rough": metal("Cu", .1), "brass-fine": metal("CuZn", .02),
         "brass-rough": metal("CuZn", .09), "aluminium": metal("Al", .05), "silver": metal("Ag", .02),
-        "gold": metal("Au", .05), "gun-metal": tinted_metal(.34, .35, .38, .06), "rose-metal": tinted_metal(.75, .5, .46, .04),
+        "gold": metal("Au", .05), "gun-metal": tinted_metal(.34, .35, .38, .06),
+        "rose-metal": tinted_metal(.75, .5, .46, .04),
         "panel": tinted_metal(.56, .56, .55, .045), "panel-dark": tinted_metal(.42, .43, .45, .07),
         "glaze-blue": coated(.05, .13, .3, .02), "glaze-green": coated(.06, .2, .13, .03),
         "glaze-red": coated(.32, .05, .04, .02), "glaze-white": coated(.7, .68, .62, .03),
         "bar-top": coated(.13, .065, .035, .015), "bar-front": coated(.16, .08, .045, .12),
-        "car-paint": '"string type" "coatedconductor" "spectrum conductor.eta" "metal-Cu-eta" "spectrum conductor.k" "metal-Cu-k" '
+        "car-paint": '"string type" "coatedconductor" "spectrum conductor.eta" "metal-Cu-eta" '
+                     '"spectrum conductor.k" "metal-Cu-k" '
                      '"float conductor.roughness" .12 "float interface.roughness" .01',
         "wall-dark": diffuse(.2, .13, .1), "wire": diffuse(.05, .05, .05)}.items():
     scene.material(name, text)
@@ -44,14 +46,16 @@ def curve(points, steps=3):
         p = [points[max(k - 1, 0)], points[k], points[k + 1], points[min(k + 2, len(points) - 1)]]
         for s in range(steps):
             t = s / steps
-            out.append(tuple(0.5 * (2 * p[1][i] + (p[2][i] - p[0][i]) * t + (2 * p[0][i] - 5 * p[1][i] + 4 * p[2][i] - p[3][i]) * t * t
+            out.append(tuple(0.5 * (2 * p[1][i] + (p[2][i] - p[0][i]) * t
+                                    + (2 * p[0][i] - 5 * p[1][i] + 4 * p[2][i] - p[3][i]) * t * t
                                     + (3 * p[1][i] - p[0][i] - 3 * p[2][i] + p[3][i]) * t ** 3) for i in (0, 1)))
     return out + [points[-1]]
 
 
 def shaker(material):
     body = lathe([(0, 0), (.04, 0), (.043, .004)] + curve([(.043, .005), (.047, .07), (.046, .14), (.042, .16)])
-                 + curve([(.040, .161), (.036, .19), (.022, .21)]) + [(.021, .211), (.02, .24), (.015, .247), (0, .248)], 32)
+                 + curve([(.040, .161), (.036, .19), (.022, .21)])
+                 + [(.021, .211), (.02, .24), (.015, .247), (0, .248)], 32)
     return Piece((material, body))
 
 
@@ -66,7 +70,8 @@ def mug(material, radius=.042, height=.085):
 
 def bowl(material, radius=.13, height=.075):
     return Piece((material, hollow([(radius * .35, 0), (radius * .36, .008)]
-                                   + curve([(radius * .38, .009), (radius * .75, height * .35), (radius, height)], 5), .003)))
+                                   + curve([(radius * .38, .009), (radius * .75, height * .35), (radius, height)], 5),
+                                   .003)))
 
 
 def carafe(material):
@@ -75,12 +80,14 @@ def carafe(material):
 
 
 def bottle(material):
-    body = lathe([(0, 0), (.036, 0)] + curve([(.038, .003), (.038, .15), (.034, .185), (.014, .225), (.0135, .275)], 3) + [(0, .275)], 28)
+    body = lathe([(0, 0), (.036, 0)] + curve([(.038, .003), (.038, .15), (.034, .185), (.014, .225), (.0135, .275)],
+                                             3) + [(0, .275)], 28)
     return Piece((material, body), ("brass-fine", cylinder(.016, .27, .305, 16)))
 
 
 def goblet(material):
-    return Piece((material, hollow(curve([(.036, 0), (.03, .006), (.007, .02), (.007, .075), (.03, .1), (.042, .14), (.038, .185)], 4), .002)))
+    return Piece((material, hollow(curve([(.036, 0), (.03, .006), (.007, .02), (.007, .075), (.03, .1), (.042, .14),
+                                          (.038, .185)], 4), .002)))
 
 
 def vase(material):
@@ -110,7 +117,8 @@ for i in range(10):  # metal sheets behind the bar, alternating, slightly out of
         y = DEPTH - .016
         splash.add("panel" if (i + j) % 2 else "panel-dark",
                    box((x0, y - .003, z0), (x0 + .35, DEPTH + .004, z0 + .265)).copy_with(
-                       lambda v: (v[0], v[1] + (tilt[0] * (v[0] - x0) / .35 if v[1] < DEPTH else 0), v[2]), lambda n: n))
+                       lambda v: (v[0], v[1] + (tilt[0] * (v[0] - x0) / .35 if v[1] < DEPTH else 0), v[2]),
+                       lambda n: n))
 scene.add(splash, "sheets")
 
 SHELVES = (1.5, 1.84, 2.18)
@@ -130,8 +138,10 @@ def put(shape, material, x, y, z, turn=0.0, scale=1.0):
 
 
 for shape, material, x, y, turn, *scale in [
-        (shaker, "silver", 1.31, Y + .04, 0), (mug, "copper", 1.15, Y - .13, -35), (mug, "copper-rough", 1.03, Y - .02, 20),
-        (mug, "copper", 1.2, Y + .06, 160), (bowl, "brass-rough", 1.56, Y - .1, 0), (carafe, "aluminium", 1.47, Y + .16, 0),
+        (shaker, "silver", 1.31, Y + .04, 0), (mug, "copper", 1.15, Y - .13, -35),
+        (mug, "copper-rough", 1.03, Y - .02, 20),
+        (mug, "copper", 1.2, Y + .06, 160), (bowl, "brass-rough", 1.56, Y - .1, 0),
+        (carafe, "aluminium", 1.47, Y + .16, 0),
         (vase, "car-paint", 2.06, Y + .12, 0), (goblet, "gold", 1.8, Y - .15, 0), (goblet, "gold", 1.91, Y - .06, 0),
         (goblet, "rose-metal", 1.78, Y + .05, 0), (bowl, "glaze-white", 2.12, Y - .14, 0, .77),
         (carafe, "glaze-blue", 2.29, Y + .1, 0, .9), (mug, "gun-metal", 2.37, Y - .14, -60, 1.1),
@@ -144,15 +154,18 @@ for material, r, x, dy, dz in [("glaze-red", .036, 1.59, -.075, .018), ("gold", 
 scene.add(lathe([(0, 0), (.17, 0), (.19, .012), (.187, .014), (.168, .004), (0, .004)], 64).stretch(1.15, .72, 1).at(
     2.6, Y - .03, TOP + .0005), "tray", "silver")
 
-materials = ["glaze-blue", "gun-metal", "glaze-green", "brass-rough", "glaze-red", "aluminium", "glaze-white", "copper", "rose-metal"]
+materials = ["glaze-blue", "gun-metal", "glaze-green", "brass-rough", "glaze-red", "aluminium", "glaze-white",
+             "copper", "rose-metal"]
 random = Random(4)
 for k in range(17):
     x = .42 + k * .165
     for level, z in enumerate(SHELVES):
         m = materials[(k * 4 + level * 2) % len(materials)]
-        shape, size = ((bottle, (.85, .92, .98)[random.integer(3)]), (carafe, .8), (goblet, 1), (vase, .72), (shaker, 1), (mug, 1))[
+        shape, size = ((bottle, (.85, .92, .98)[random.integer(3)]), (carafe, .8), (goblet, 1), (vase, .72),
+                       (shaker, 1), (mug, 1))[
             (k + level * (1 + k // 5)) % 6 if level else (0, 0, 4, 0, 2)[k % 5]]
-        put(shape, m, x + random.uniform(-.02, .02), DEPTH - .12 + random.uniform(-.015, .015), z + .028, random.uniform(0, 360), size)
+        put(shape, m, x + random.uniform(-.02, .02), DEPTH - .12 + random.uniform(-.015, .015), z + .028,
+            random.uniform(0, 360), size)
 
 # ---- lamps
 COLOURS = {"warm": (1, .55, .2), "red": (1, .012, .006), "amber": (1, .3, .008), "green": (.012, .75, .04),

@@ -2,8 +2,8 @@
 """Writes many-rooms.pbrt: a maze of furnished rooms without roofs, seen from above, with N small mesh lights.
 
     make.py                            200 lights, many-rooms.pbrt beside this script (--check compares)
-    make.py --lights N --out FILE      another number of lights; the number of rooms grows with it (two rooms to five lights);
-                                       of a large house the picture shows the middle, ten rooms wide
+    make.py --lights N --out FILE      another number of lights; two rooms to five lights; of a large
+                                       house the picture shows the middle, ten rooms wide
 """
 import argparse
 import math
@@ -11,10 +11,10 @@ import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
-from furniture import (armchair, bed, bookcase, chair, cupboard, globe_lamp, plant, round_table, rug, sofa, stool,  # noqa: E402
+from furniture import (armchair, bed, bookcase, chair, cupboard, globe_lamp, plant, round_table, rug, sofa, stool,
                        table)
-from instancing import define, place  # noqa: E402
-from scenekit import (Mesh, Piece, Random, Scene, beveled_box, box, coated, cylinder, diffuse, lathe, quad,  # noqa: E402
+from instancing import define, place
+from scenekit import (Mesh, Piece, Random, Scene, beveled_box, box, coated, cylinder, diffuse, lathe, quad,
                       sphere, tube, wall)
 
 WALL, HEIGHT = .14, 2.3
@@ -35,26 +35,30 @@ def bulb_mesh(radius, k):
 
 def bath_tub():
     piece = Piece(("ceramic", beveled_box((-.8, -.37, .02), (.8, .37, .16), .03)))
-    for lo, hi in (((-.8, -.37, .1), (.8, -.3, .56)), ((-.8, .3, .1), (.8, .37, .56)), ((-.8, -.31, .1), (-.7, .31, .56)), ((.7, -.31, .1), (.8, .31, .56))):
+    for lo, hi in (((-.8, -.37, .1), (.8, -.3, .56)), ((-.8, .3, .1), (.8, .37, .56)),
+                   ((-.8, -.31, .1), (-.7, .31, .56)), ((.7, -.31, .1), (.8, .31, .56))):
         piece.add("ceramic", beveled_box(lo, hi, .015))
     return piece.add("water", quad((-.705, -.305, .42), (.705, -.305, .42), (.705, .305, .42), (-.705, .305, .42)))
 
 
 def basin():
     bowl = lathe([(0, .74), (.1, .74), (.24, .84), (.26, .88), (.245, .88), (.22, .84), (.08, .77), (0, .765)], 24)
-    return Piece(("ceramic", cylinder(.07, 0, .745, 16)), ("ceramic", bowl.stretch(1.15, .85, 1)), ("steel", tube((0, .2, .86), (0, .08, .98), .012)))
+    return Piece(("ceramic", cylinder(.07, 0, .745, 16)), ("ceramic", bowl.stretch(1.15, .85, 1)),
+                 ("steel", tube((0, .2, .86), (0, .08, .98), .012)))
 
 
 def toilet():
     bowl = lathe([(0, 0), (.13, 0), (.12, .2), (.19, .38), (.2, .42), (.15, .42), (.12, .3), (0, .26)], 20)
-    return Piece(("ceramic", bowl.stretch(1, 1.2, 1).at(y=-.08)), ("ceramic", beveled_box((-.2, .14, .36), (.2, .33, .8), .02)))
+    return Piece(("ceramic", bowl.stretch(1, 1.2, 1).at(y=-.08)),
+                 ("ceramic", beveled_box((-.2, .14, .36), (.2, .33, .8), .02)))
 
 
 def counter(width, sink):
     piece = cupboard(width, .6, .88, "paint-cream", max(2, round(width / .5)), 1, "steel", .06)
     piece.add("worktop", beveled_box((-width / 2 - .01, -.32, .881), (width / 2 + .01, .3, .92), .005))
     if sink:
-        piece.add("steel", box((-.3, -.2, .9205), (.3, .2, .924)), tube((0, .2, .92), (0, .2, 1.15), .012), tube((0, .2, 1.15), (0, .04, 1.12), .012))
+        piece.add("steel", box((-.3, -.2, .9205), (.3, .2, .924)), tube((0, .2, .92), (0, .2, 1.15), .012),
+                  tube((0, .2, 1.15), (0, .04, 1.12), .012))
     else:
         piece.add("paint-black", box((-.28, -.24, .9205), (.28, .22, .926)))
         for x, y in ((-.14, -.12), (.14, -.12), (-.14, .11), (.14, .11)):
@@ -73,18 +77,21 @@ def dining(seats, wood, fabric):
 
 def desk():
     return table(1.25, .62, wood="walnut").include(chair("walnut", "leather").at(.05, -.42, 0, 168)).add(
-        "paper", box((-.12, -.2, .741), (.1, .1, .746))).include(Piece(("book-b", box((.3, -.05, .741), (.48, .2, .775)))))
+        "paper", box((-.12, -.2, .741), (.1, .1, .746))).include(Piece(("book-b",
+                                                                        box((.3, -.05, .741), (.48, .2, .775)))))
 
 
 def coffee(fabric, pillow, seats):
     """A sofa with a rug and a low table before it."""
-    return Piece().include(sofa(1.9 if seats == 3 else 1.5, .86, fabric, seats, pillow).at(0, .5), rug(1.9, 1.3, "carpet-red" if seats == 3 else "carpet-blue").at(0, -.45),
+    return Piece().include(sofa(1.9 if seats == 3 else 1.5, .86, fabric, seats, pillow).at(0, .5),
+                           rug(1.9, 1.3, "carpet-red" if seats == 3 else "carpet-blue").at(0, -.45),
                            round_table(.36, .4, "walnut", 20).at(0, -.42, .0135))
 
 
 def music():
     """An upright piano and its stool."""
-    piece = Piece(("dark-lacquer", beveled_box((-.74, .05, .02), (.74, .4, 1.2), .015)), ("dark-lacquer", beveled_box((-.74, -.22, .55), (.74, .051, .68), .01)),
+    piece = Piece(("dark-lacquer", beveled_box((-.74, .05, .02), (.74, .4, 1.2), .015)),
+                  ("dark-lacquer", beveled_box((-.74, -.22, .55), (.74, .051, .68), .01)),
                   ("paper", box((-.64, -.19, .6805), (.64, -.03, .69))))
     for x in (-.7, .7):
         piece.add("dark-lacquer", box((x - .035, -.2, 0), (x + .035, -.13, .551)))
@@ -101,11 +108,15 @@ PIECES = {
     "sofa-blue": (1.95, 2.15, lambda: coffee("fabric-blue", ("fabric-mustard", "fabric-rust"), 3).at(0, .12)),
     "sofa-green": (1.95, 2.15, lambda: coffee("fabric-green", ("linen",), 2).at(0, .12)),
     "sofa-rust": (1.95, 2.15, lambda: coffee("fabric-rust", ("fabric-blue",), 2).at(0, .12)),
-    "armchair": (.95, .9, lambda: armchair("fabric-mustard")), "armchair-grey": (.95, .9, lambda: armchair("fabric-grey", "fabric-rust")),
-    "dining-6": (2.3, 2.2, lambda: dining(6, "oak", "fabric-grey")), "dining-4": (1.7, 2.2, lambda: dining(4, "walnut", "fabric-rust")),
+    "armchair": (.95, .9, lambda: armchair("fabric-mustard")),
+    "armchair-grey": (.95, .9, lambda: armchair("fabric-grey", "fabric-rust")),
+    "dining-6": (2.3, 2.2, lambda: dining(6, "oak", "fabric-grey")),
+    "dining-4": (1.7, 2.2, lambda: dining(4, "walnut", "fabric-rust")),
     "desk": (1.3, 1.2, lambda: desk().at(0, .25)), "piano": (1.55, 1.2, lambda: music().at(0, .18)),
-    "bookcase": (1.04, .34, lambda: bookcase(1.0, 1.8, .28, 4, "walnut", 3)), "bookcase-oak": (.84, .34, lambda: bookcase(.8, 1.5, .28, 4, "oak", 6)),
-    "wardrobe": (1.45, .62, lambda: cupboard(1.4, .58, 1.9, "oak", 3, 0)), "chest": (1.05, .5, lambda: cupboard(1.0, .44, .8, "pine", 2, 3)),
+    "bookcase": (1.04, .34, lambda: bookcase(1.0, 1.8, .28, 4, "walnut", 3)),
+    "bookcase-oak": (.84, .34, lambda: bookcase(.8, 1.5, .28, 4, "oak", 6)),
+    "wardrobe": (1.45, .62, lambda: cupboard(1.4, .58, 1.9, "oak", 3, 0)),
+    "chest": (1.05, .5, lambda: cupboard(1.0, .44, .8, "pine", 2, 3)),
     "sideboard": (1.55, .5, lambda: cupboard(1.5, .44, .75, "walnut", 3, 1)),
     "counter-sink": (1.85, .7, lambda: counter(1.8, True)), "counter-stove": (1.25, .7, lambda: counter(1.2, False)),
     "tub": (1.65, .8, bath_tub), "basin": (.64, .56, basin), "toilet": (.45, .78, toilet),
@@ -114,16 +125,23 @@ PIECES = {
     "stool": (.4, .4, lambda: stool()), "round": (.95, .95, lambda: round_table(.45))}
 
 ROOMS = {  # name: (share, floors, pieces in order of importance; '|' gives a choice)
-    "living": (5, ("boards", "boards-dark"), ["sofa-blue|sofa-green|sofa-rust", "armchair|armchair-grey", "bookcase", "sideboard", "armchair-grey|armchair",
+    "living": (5, ("boards", "boards-dark"),
+               ["sofa-blue|sofa-green|sofa-rust", "armchair|armchair-grey", "bookcase", "sideboard",
+                "armchair-grey|armchair",
                                               "plant|plant-tall", "bookcase-oak", "round", "stool"]),
-    "bedroom": (5, ("boards", "boards-pale", "carpet-sand"), ["bed-wide|bed-rust|bed-small|bed-sand", "wardrobe", "chest|desk", "plant", "rug-blue|rug-red",
+    "bedroom": (5, ("boards", "boards-pale", "carpet-sand"),
+                ["bed-wide|bed-rust|bed-small|bed-sand", "wardrobe", "chest|desk", "plant", "rug-blue|rug-red",
                                                               "armchair-grey", "bookcase-oak", "chest"]),
-    "study": (2, ("boards-dark", "boards"), ["desk", "bookcase", "rug-red|rug-blue", "bookcase-oak", "bookcase", "armchair", "plant", "sideboard"]),
+    "study": (2, ("boards-dark", "boards"),
+              ["desk", "bookcase", "rug-red|rug-blue", "bookcase-oak", "bookcase", "armchair", "plant", "sideboard"]),
     "dining": (2, ("boards", "boards-pale"), ["dining-6|dining-4", "sideboard", "plant-tall", "bookcase-oak", "chest"]),
-    "kitchen": (2, ("tiles-red", "tiles-blue"), ["counter-sink", "counter-stove", "dining-4|round", "sideboard", "stool", "stool", "plant", "chest"]),
+    "kitchen": (2, ("tiles-red", "tiles-blue"),
+                ["counter-sink", "counter-stove", "dining-4|round", "sideboard", "stool", "stool", "plant", "chest"]),
     "bath": (2, ("tiles-blue", "tiles-black"), ["tub", "basin", "toilet", "wardrobe", "rug-blue", "plant", "stool"]),
-    "music": (1, ("boards-dark",), ["piano", "armchair", "rug-blue", "bookcase", "plant-tall", "armchair-grey", "round"]),
-    "hall": (2, ("boards-pale", "tiles-red"), ["rug-red", "sideboard", "plant-tall", "bookcase-oak", "wardrobe", "armchair", "plant"])}
+    "music": (1, ("boards-dark",), ["piano", "armchair", "rug-blue", "bookcase", "plant-tall", "armchair-grey",
+                                    "round"]),
+    "hall": (2, ("boards-pale", "tiles-red"),
+             ["rug-red", "sideboard", "plant-tall", "bookcase-oak", "wardrobe", "armchair", "plant"])}
 
 
 class Maze:
@@ -168,7 +186,7 @@ class Maze:
 
 
 def walls(maze, random, scene):
-    """Walls along x run through; those along y end inside them and are a little lower, so that no two faces coincide."""
+    """Walls along x run through; those along y end inside them and are a little lower, so that no faces coincide."""
     inner = Piece()
     xs, ys = maze.xs, maze.ys
     for j, y in enumerate(ys):
@@ -199,7 +217,8 @@ def walls(maze, random, scene):
             continue
         t, across = WALL / 2 + .012, a[0] != b[0]
         c = xs[b[0]] if across else ys[b[1]]
-        for p, q, z0, z1 in ((lo - .05, lo + .02, 0, top + .05), (hi - .02, hi + .05, 0, top + .05), (lo + .021, hi - .021, top - .02, top + .05)):
+        for p, q, z0, z1 in ((lo - .05, lo + .02, 0, top + .05), (hi - .02, hi + .05, 0, top + .05),
+                             (lo + .021, hi - .021, top - .02, top + .05)):
             trims.add("trim", box((c - t, p, z0), (c + t, q, z1)) if across else box((p, c - t, z0), (q, c + t, z1)))
     scene.add(trims, "door linings")
 
@@ -240,7 +259,8 @@ class Room:
         for _ in range(tries):
             turn = 90 * self.random.integer(2)
             w, d = (width, depth) if turn == 0 else (depth, width)
-            x, y = ((a + b) / 2 + self.random.uniform(-.35, .35) * (b - a - s) * .8 for a, b, s in ((x0, x1, w), (y0, y1, d)))
+            x, y = ((a + b) / 2 + self.random.uniform(-.35, .35) * (b - a - s) * .8
+                    for a, b, s in ((x0, x1, w), (y0, y1, d)))
             r = (x - w / 2, y - d / 2, x + w / 2, y + d / 2)
             if self.free(r):
                 self.taken.append(r)
@@ -300,7 +320,8 @@ def lamp(scene, random, room, tops, used):
         x0, y0, x1, y1 = room.area
         for _ in range(200):
             side, u, z = random.integer(4), random.uniform(.1, .9), random.uniform(1.55, 1.85)
-            x, y, turn = ((x0 + u * (x1 - x0), y1, 0), (x1, y0 + u * (y1 - y0), -90), (x0 + u * (x1 - x0), y0, 180), (x0, y0 + u * (y1 - y0), 90))[side]
+            x, y, turn = ((x0 + u * (x1 - x0), y1, 0), (x1, y0 + u * (y1 - y0), -90), (x0 + u * (x1 - x0), y0, 180),
+                          (x0, y0 + u * (y1 - y0), 90))[side]
             at = (x - .17 * (side == 1) + .17 * (side == 3), y - .17 * (side == 0) + .17 * (side == 2), z)
             away = all(max(abs(at[0] - lx), abs(at[1] - ly)) > .3 for lx, ly in room.lamps)
             clear = not any(d[0] - .15 < at[0] < d[2] + .15 and d[1] - .15 < at[1] < d[3] + .15 for d in room.doors)
@@ -308,14 +329,15 @@ def lamp(scene, random, room, tops, used):
                 break
         if name not in used:
             used.add(name)
-            define(scene, name, Piece(("paint-black", tube((0, .002, 0), (0, -.115, 0), .008)), ("paint-black", lathe([(.04, 0), (.04, .01), (0, .012)], 16).turn(90, "x"))))
+            define(scene, name, Piece(("paint-black", tube((0, .002, 0), (0, -.115, 0), .008)),
+                                      ("paint-black", lathe([(.04, 0), (.04, .01), (0, .012)], 16).turn(90, "x"))))
         place(scene, name, x, y, z, turn)
     room.lamps.append(at[:2])
     scene.light(bulb_mesh(radius, mesh_kind).at(*at), watts, kelvin, name)
 
 
 def fit_camera(scene, maze, fov, aspect):
-    """From the south, steeply from above, as near as the whole house allows; of a large one, as the middle of it does."""
+    """From the south, steeply from above, as near as the whole house allows; of a large one, as its middle does."""
     def middle(lines, most):
         cut = max(len(lines) - 1 - most, 0)
         return lines[cut // 2], lines[len(lines) - 1 - (cut - cut // 2)]
@@ -324,7 +346,8 @@ def fit_camera(scene, maze, fov, aspect):
     tilt = math.radians(62)
     back = (math.sin(math.radians(-4)) * math.cos(tilt), -math.cos(math.radians(-4)) * math.cos(tilt), math.sin(tilt))
     right = (-back[1] / math.cos(tilt), back[0] / math.cos(tilt), 0)
-    up = (back[1] * right[2] - back[2] * right[1], back[2] * right[0] - back[0] * right[2], back[0] * right[1] - back[1] * right[0])
+    up = (back[1] * right[2] - back[2] * right[1], back[2] * right[0] - back[0] * right[2],
+          back[0] * right[1] - back[1] * right[0])
     half = math.tan(math.radians(fov / 2)) * .97
     corners = [(cx, cy, cz) for cx in (x0, x1) for cy in (y0, y1) for cz in (0, HEIGHT)]
 
@@ -341,7 +364,8 @@ def fit_camera(scene, maze, fov, aspect):
         for _ in range(50):
             distance = (lo + hi) / 2
             p = project(target, distance) if distance > 1.2 * (y1 - y0) else None
-            spread = p and (max(a for a, _ in p) - min(a for a, _ in p) <= 2 * half * aspect and max(b for _, b in p) - min(b for _, b in p) <= 2 * half)
+            spread = p and (max(a for a, _ in p) - min(a for a, _ in p) <= 2 * half * aspect
+                            and max(b for _, b in p) - min(b for _, b in p) <= 2 * half)
             lo, hi = (lo, distance) if spread else (distance, hi)
         p = project(target, distance)
         mx, my = (max(a for a, _ in p) + min(a for a, _ in p)) / 2, (max(b for _, b in p) + min(b for _, b in p)) / 2
@@ -352,15 +376,20 @@ def fit_camera(scene, maze, fov, aspect):
 
 def make(lights):
     random = Random(2023)
-    scene = Scene("many-rooms", f"A maze of furnished rooms without roofs, {lights} small lamps of 8, 20 or 80 triangles: walls hide nearly every"
-                  " lamp from nearly every point.", maxdepth=5, iso=320, whitebalance=3700)
-    for name, text in {"water": coated(.3, .45, .5, .01), "paint-cream": diffuse(.72, .66, .52), "worktop": coated(.12, .12, .13, .1),
+    scene = Scene("many-rooms", f"A maze of furnished rooms without roofs, {lights} small lamps of 8, 20 or 80"
+                  " triangles: walls hide nearly every lamp from nearly every point.", maxdepth=5, iso=320, whitebalance=3700)
+    for name, text in {"water": coated(.3, .45, .5, .01), "paint-cream": diffuse(.72, .66, .52),
+                       "worktop": coated(.12, .12, .13, .1),
                        "ground": diffuse(.12, .12, .11)}.items():
         scene.material(name, text)
-    for name, a, b, u, v in (("boards", (.42, .27, .155), (.36, .225, .13), .55, 5.5), ("boards-dark", (.25, .15, .09), (.21, .125, .075), .6, 6),
-                             ("boards-pale", (.56, .42, .27), (.5, .37, .235), .5, 4.5), ("tiles-red", (.5, .26, .17), (.6, .5, .38), 3, 3),
-                             ("tiles-blue", (.62, .64, .62), (.3, .42, .5), 4, 4), ("tiles-black", (.66, .65, .62), (.07, .07, .075), 3.5, 3.5)):
-        scene.texture(name, "spectrum", "checkerboard", '"string mapping" "planar" "vector3 v1" [ %g 0 0 ] "vector3 v2" [ 0 %g 0 ] '
+    for name, a, b, u, v in (("boards", (.42, .27, .155), (.36, .225, .13), .55, 5.5),
+                             ("boards-dark", (.25, .15, .09), (.21, .125, .075), .6, 6),
+                             ("boards-pale", (.56, .42, .27), (.5, .37, .235), .5, 4.5),
+                             ("tiles-red", (.5, .26, .17), (.6, .5, .38), 3, 3),
+                             ("tiles-blue", (.62, .64, .62), (.3, .42, .5), 4, 4),
+                             ("tiles-black", (.66, .65, .62), (.07, .07, .075), 3.5, 3.5)):
+        scene.texture(name, "spectrum", "checkerboard", '"string mapping" "planar" "vector3 v1" [ %g 0 0 ] '
+                      '"vector3 v2" [ 0 %g 0 ] '
                       '"rgb tex1" [ %g %g %g ] "rgb tex2" [ %g %g %g ]' % ((u, v) + a + b))
         scene.material(name, f'"string type" "diffuse" "texture reflectance" "{name}"')
 
@@ -380,7 +409,8 @@ def make(lights):
     floors, used = {}, set()
     for j in range(maze.rows):
         for i in range(maze.columns):
-            area = (xs[i] + WALL / 2 + .015, ys[j] + WALL / 2 + .015, xs[i + 1] - WALL / 2 - .015, ys[j + 1] - WALL / 2 - .015)
+            area = (xs[i] + WALL / 2 + .015, ys[j] + WALL / 2 + .015, xs[i + 1] - WALL / 2 - .015,
+                    ys[j + 1] - WALL / 2 - .015)
             doors = []
             for di, dj in ((1, 0), (-1, 0), (0, 1), (0, -1)):
                 door = maze.between((i, j), (i + di, j + dj))
@@ -401,7 +431,8 @@ def make(lights):
             for _ in range(wanted[j * maze.columns + i]):
                 lamp(scene, random, room, tops, used)
     for material, rectangles in floors.items():
-        scene.add(Piece(*[(material, quad((x0, y0, .004), (x1, y0, .004), (x1, y1, .004), (x0, y1, .004))) for x0, y0, x1, y1 in rectangles]), f"floors: {material}")
+        scene.add(Piece(*[(material, quad((x0, y0, .004), (x1, y0, .004), (x1, y1, .004), (x0, y1, .004)))
+                          for x0, y0, x1, y1 in rectangles]), f"floors: {material}")
     return scene
 
 

@@ -4,21 +4,24 @@ import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
-from furniture import (armchair, book_stack, bookcase, chair, cup, globe_lamp, picture, plant, round_table, rug, table, table_lamp,
-                       vase)  # noqa: E402
-from scenekit import Piece, Scene, beveled_box, box, diffuse, planks, room, skirting, sphere  # noqa: E402
+from furniture import (armchair, book_stack, bookcase, chair, cup, globe_lamp, picture, plant, round_table, rug, table,
+                       table_lamp,
+                       vase)
+from scenekit import Piece, Scene, beveled_box, box, diffuse, planks, room, skirting, sphere
 
 WIDTH, DEPTH, HEIGHT = 3.9, 4.3, 2.6
 X0, X1, Z0, Z1 = 1.25, 2.55, .75, 2.15    # the window in the far wall
 GAP, BOARD = .008, .008                   # between the shutter's boards, and their thickness
 
-scene = Scene("slit", "A point light behind a wall with thin slits: a street lamp shines through 8 mm gaps of a shutter into a study. A"
-              " weaker lamp lights the rest.", maxdepth=5, whitebalance=3900)
+scene = Scene("slit", "A point light behind a wall with thin slits: a street lamp shines through 8 mm gaps of a"
+              " shutter into a study. A weaker lamp lights the rest.", maxdepth=5, whitebalance=3900)
 scene.camera((.42, .25, 1.5), (2.15, 3.2, .9), 48)
 scene.material("shutter", diffuse(.16, .22, .2))
 scene.material("plaster", diffuse(.6, .55, .47))
-scene.raw("# A light sampler that never saw the street lamp through a slit and gives it probability 0 loses the stripes.\n"
-          f'LightSource "point" "point3 from" [ {(X0 + X1) / 2 + .22:g} {DEPTH + 1.75:g} 2.75 ] "rgb I" [ 170 195 235 ]')
+scene.raw("# A light sampler that never saw the street lamp through a slit and gives it probability 0 loses the"
+          " stripes.\n"
+          f'LightSource "point" "point3 from" [ {(X0 + X1) / 2 + .22:g} {DEPTH + 1.75:g} 2.75 ] '
+          '"rgb I" [ 170 195 235 ]')
 scene.lights += 1
 
 scene.add(room(WIDTH, DEPTH, HEIGHT, {"n": [(X0, X1, Z0, Z1)]}, paint="plaster"), "room")

@@ -270,6 +270,7 @@ class Room:
 
 MIDDLE = {"dining-6", "dining-4", "round", "rug-red", "rug-blue", "stool"}
 CORNER = {"plant", "plant-tall", "armchair", "armchair-grey"}
+TALL = {"wardrobe", "bookcase", "plant-tall"}  # no wall lamp before these
 TOPS = {"sideboard": .75, "chest": .8, "bookcase-oak": 1.5, "round": .72}  # lamps may stand on these
 
 
@@ -288,6 +289,8 @@ def furnish(room, kind, random, scene, used):
             used.add(name)
             define(scene, name, make())
         x, y, turn = spot
+        if name in TALL:
+            room.tall.append(room.taken[-1])
         place(scene, name, x, y, .0045, turn + (random.uniform(-25, 25) if name in CORNER else 0))
         if name in TOPS:
             s = random.uniform(-.25, .25) * w if name != "round" else 0
@@ -324,7 +327,7 @@ def lamp(scene, random, room, tops, used):
                           (x0, y0 + u * (y1 - y0), 90))[side]
             at = (x - .17 * (side == 1) + .17 * (side == 3), y - .17 * (side == 0) + .17 * (side == 2), z)
             away = all(max(abs(at[0] - lx), abs(at[1] - ly)) > .3 for lx, ly in room.lamps)
-            clear = not any(d[0] - .15 < at[0] < d[2] + .15 and d[1] - .15 < at[1] < d[3] + .15 for d in room.doors)
+            clear = not any(d[0] - .15 < at[0] < d[2] + .15 and d[1] - .15 < at[1] < d[3] + .15 for d in room.doors + room.tall)
             if away and clear:
                 break
         if name not in used:
@@ -377,7 +380,8 @@ def fit_camera(scene, maze, fov, aspect):
 def make(lights):
     random = Random(2023)
     scene = Scene("many-rooms", f"A maze of furnished rooms without roofs, {lights} small lamps of 8, 20 or 80"
-                  " triangles: walls hide nearly every lamp from nearly every point.", maxdepth=5, iso=320, whitebalance=3700)
+                  " triangles: walls hide nearly every lamp from nearly every point.",
+                  maxdepth=5, iso=320, whitebalance=3700)
     for name, text in {"water": coated(.3, .45, .5, .01), "paint-cream": diffuse(.72, .66, .52),
                        "worktop": coated(.12, .12, .13, .1),
                        "ground": diffuse(.12, .12, .11)}.items():
@@ -425,7 +429,7 @@ def make(lights):
             kind = random.pick(bag)
             floors.setdefault(random.pick(ROOMS[kind][1]), []).append((xs[i], ys[j], xs[i + 1], ys[j + 1]))
             room = Room(*area, doors, random)
-            room.doors, room.lamps = doors, []
+            room.doors, room.lamps, room.tall = doors, [], []
             scene.raw(f"\n# {kind} in column {i + 1}, row {j + 1}")
             tops = furnish(room, kind, random, scene, used)
             for _ in range(wanted[j * maze.columns + i]):

@@ -78,6 +78,7 @@ class Builder {
                 q.ns = i % 3 == 0 ? q.n : Normalize(q.n + SampleUniformSphere(rng.Uniform2()) * Float(0.3));
             }
             q.wo = SampleUniformSphere(rng.Uniform2());
+            q.transmits = i % 4 == 1;
             fixture_->queries.push_back(q);
         }
         return std::move(fixture_);

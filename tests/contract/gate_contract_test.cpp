@@ -147,7 +147,7 @@ using GateMaker = std::function<std::unique_ptr<ShadowRayGate>()>;
 
 PixelStatistics RenderMany(const SceneFixture &fixture, int firstSeed, const GateMaker &make) {
     PixelStatistics statistics;
-    for (int run = 0; run < 6; ++run) statistics.Add(Render(fixture, make(), 24, firstSeed + run));
+    for (int run = 0; run < 5; ++run) statistics.Add(Render(fixture, make(), 16, firstSeed + run));
     return statistics;
 }
 

@@ -70,7 +70,7 @@ void CheckPmfSums(const SamplerSubject &s) {
         for (int i = 0; i < n; ++i) empty += !s.sampler->Sample(s.queries[q], Even(i, n));
         // Evenly spread numbers measure the empty share to about one step per place where it begins or ends.
         double missing = std::max(0.0, 1 - s.sum[q]);
-        EXPECT_NEAR(static_cast<double>(empty) / n, missing, 1e-4 + 4 * std::sqrt(missing * (1 - missing) / n))
+        EXPECT_NEAR(static_cast<double>(empty) / n, missing, 1e-4 + 4 * std::sqrt(missing * (1 - missing) / n) + 4.0 / n)
             << "query " << q;
     }
 }

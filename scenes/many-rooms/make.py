@@ -327,7 +327,8 @@ def lamp(scene, random, room, tops, used):
                           (x0, y0 + u * (y1 - y0), 90))[side]
             at = (x - .17 * (side == 1) + .17 * (side == 3), y - .17 * (side == 0) + .17 * (side == 2), z)
             away = all(max(abs(at[0] - lx), abs(at[1] - ly)) > .3 for lx, ly in room.lamps)
-            clear = not any(d[0] - .15 < at[0] < d[2] + .15 and d[1] - .15 < at[1] < d[3] + .15 for d in room.doors + room.tall)
+            clear = not any(d[0] - .15 < at[0] < d[2] + .15 and d[1] - .15 < at[1] < d[3] + .15
+                            for d in room.doors + room.tall)
             if away and clear:
                 break
         if name not in used:

@@ -98,7 +98,8 @@ TEST_P(GateContract, SameAnswerEveryTimeAndFromAnyThread) {
     std::vector<Float> parallel(segments.size()), serial;
     ThreadLimit limit(4);
     ParallelFor(n, 1, [&](int64_t begin, int64_t end) {
-        for (int64_t i = begin; i < end; ++i) parallel[static_cast<size_t>(i)] = Ask(*gate, segments[static_cast<size_t>(i)]);
+        for (int64_t i = begin; i < end; ++i)
+            parallel[static_cast<size_t>(i)] = Ask(*gate, segments[static_cast<size_t>(i)]);
     });
     for (const Segment &s : segments) serial.push_back(Ask(*gate, s));
     EXPECT_EQ(parallel, serial);
@@ -127,7 +128,8 @@ Image Render(const SceneFixture &fixture, std::unique_ptr<ShadowRayGate> gate, i
     PathSettings path;
     path.maxDepth = 2;
     const LightSamplerRegistry::Entry &uniform = Registry().Find("uniform");
-    PathIntegrator integrator(context, path, Registry().Make(uniform, fixture.Lights(), ParamSet(), false), std::move(gate));
+    PathIntegrator integrator(context, path, Registry().Make(uniform, fixture.Lights(), ParamSet(), false),
+                              std::move(gate));
     Progress progress;
     PrepareContext prepare{*built.scene, *built.camera,   *built.filter, built.film->PixelBounds(),
                            seed,         samplesPerPixel, path.maxDepth, progress};
@@ -156,8 +158,7 @@ Agreement AgainstNoGate(const std::string &fixtureName, const GateMaker &make) {
     static std::map<std::string, PixelStatistics> without;
     const SceneFixture &fixture = SceneFixtureOf(fixtureName);
     auto it = without.find(fixtureName);
-    if (it == without.end())
-        it = without.emplace(fixtureName, RenderMany(fixture, 1000, [] { return nullptr; })).first;
+    if (it == without.end()) it = without.emplace(fixtureName, RenderMany(fixture, 1000, [] { return nullptr; })).first;
     return Compare(RenderMany(fixture, 2000, make), {&it->second}, 1, 1e-5);
 }
 

@@ -89,8 +89,10 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Mesh
         LightId id(i);
         if (i > 0 && groups.GroupOf(id) != groups.GroupOf(LightId(i - 1))) finishGroup();
         // A directive may make several shapes; its mesh is the first one's id and the others follow.
-        if (lights.MeshOf(id) != mesh) mesh = shape = lights.MeshOf(id);
-        else if (mesh && lights.PrimitiveOf(id) == 0) ++shape.value;
+        if (lights.MeshOf(id) != mesh)
+            mesh = shape = lights.MeshOf(id);
+        else if (mesh && lights.PrimitiveOf(id) == 0)
+            ++shape.value;
 
         const LightCandidate &candidate = lights.Candidates()[i];
         auto share = static_cast<double>(groups.ShareOf(id));
@@ -105,7 +107,8 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Mesh
             for (uint64_t k = 0; k < kSkySamples; ++k) {
                 // From all over the scene: what a light with a portal draws depends on the place.
                 LightSampleContext from;
-                from.p = bounds.low + bounds.Diagonal() * Vector3(RadicalInverse(5, k), RadicalInverse(7, k), RadicalInverse(11, k));
+                from.p = bounds.low +
+                         bounds.Diagonal() * Vector3(RadicalInverse(5, k), RadicalInverse(7, k), RadicalInverse(11, k));
                 Point2 u(RadicalInverse(2, k), RadicalInverse(3, k));
                 std::optional<LightLiSample> s = lights[id].SampleLi(from, u, lambda, true);
                 if (s && s->L && s->pdf > 0) weights[SkyTarget(SkyPartOf(s->wi))] += 1;
@@ -123,18 +126,21 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Mesh
 
 uint32_t LightTargets::Find(const VoxelGrid &grid, LightId light, const Point3 &from, const Point3 &onLight) const {
     switch (kindOf_[light.value]) {
-        case LightKind::DeltaDirection: return ofLight_[light.value];
+        case LightKind::DeltaDirection:
+            return ofLight_[light.value];
         case LightKind::Infinite: {
             Vector3 d = onLight - from;
             Float length = Length(d);
             return length > 0 && std::isfinite(length) ? ofSkyPart_[SkyPartOf(d / length)] : None;
         }
-        default: return ofVoxel_[grid.Index(onLight)];
+        default:
+            return ofVoxel_[grid.Index(onLight)];
     }
 }
 
 size_t LightTargets::Bytes() const {
-    return targets_.capacity() * sizeof(Target) + shares_.capacity() * sizeof(Share) + kindOf_.capacity() * sizeof(LightKind) +
+    return targets_.capacity() * sizeof(Target) + shares_.capacity() * sizeof(Share) +
+           kindOf_.capacity() * sizeof(LightKind) +
            (first_.capacity() + ofVoxel_.capacity() + ofSkyPart_.capacity() + ofLight_.capacity()) * sizeof(uint32_t);
 }
 

@@ -7,9 +7,9 @@
 
 namespace ext {
 
-/// The far ends of visibility: the voxels that hold lights, each once whatever number of lights it holds; the directions
-/// of distant lights; and for environments the sphere of directions in 8 x 8 parts of equal size. And which of them each
-/// group of lights covers, by what share.
+/// The far ends of visibility: the voxels that hold lights, each once whatever number of lights it holds; the
+/// directions of distant lights; and for environments the sphere of directions in 8 x 8 parts of equal size. And which
+/// of them each group of lights covers, by what share.
 class LightTargets {
   public:
     static constexpr uint32_t None = 0xffffffffu;

@@ -45,8 +45,10 @@ std::optional<SampledLight> NeeppLightSampler::Sample(const LightQuery &query, F
 
 Float NeeppLightSampler::PMF(const LightQuery &query, LightId light) const {
     Float pmf = 1;
-    if (prepared_) pmf = FixedCdfPMF(Cdf(query.p), groups_.GroupOf(light));
-    else if (groups_.Size() > 1) pmf = 1 / static_cast<Float>(groups_.Size());
+    if (prepared_)
+        pmf = FixedCdfPMF(Cdf(query.p), groups_.GroupOf(light));
+    else if (groups_.Size() > 1)
+        pmf = 1 / static_cast<Float>(groups_.Size());
     return pmf * groups_.ShareOf(light);
 }
 

@@ -3,9 +3,9 @@
 
 namespace ext {
 
-/// NEE++ (Guo et al. 2020, as Noh, Choi and Moon 2023 describe it): lights in proportion to the stored visibility between
-/// the point's voxel and the lights' voxels. Nothing else counts, neither power nor distance. Visibility below the floor
-/// counts as the floor, so every light can be chosen. Before Prepare all groups have the same share.
+/// NEE++ (Guo et al. 2020, as Noh, Choi and Moon 2023 describe it): lights in proportion to the stored visibility
+/// between the point's voxel and the lights' voxels. Nothing else counts, neither power nor distance. Visibility below
+/// the floor counts as the floor, so every light can be chosen. Before Prepare all groups have the same share.
 class NeeppLightSampler final : public LightSampler {
   public:
     NeeppLightSampler(const LightTable &lights, const NeeppParams &params);

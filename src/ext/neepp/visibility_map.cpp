@@ -26,9 +26,10 @@ void VisibilityMap::Prepare(PrepareContext &context, const MeshGroups &groups) {
     rows_.Reset(grid_.Size(), targets_.Size());
     auto work = static_cast<double>(grid_.BorderSize()) * static_cast<double>(targets_.Size()) * params_.samples;
     if (work > 3e8)
-        LogWarning(fmt::format("neepp: lights in {} voxels mean about {:.1e} visibility rays, {} for every voxel that is "
-                               "entered for the first time.",
-                               targets_.Size(), work, targets_.Size() * static_cast<size_t>(params_.samples)));
+        LogWarning(
+            fmt::format("neepp: lights in {} voxels mean about {:.1e} visibility rays, {} for every voxel that is "
+                        "entered for the first time.",
+                        targets_.Size(), work, targets_.Size() * static_cast<size_t>(params_.samples)));
     prepareSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
@@ -47,8 +48,12 @@ void VisibilityMap::TestSegments(uint32_t voxel, std::span<uint8_t> row) const {
                     ray.d = grid_.PointIn(target.index, Uniform3(rng)) - ray.o;
                     ray.tMax = 1;
                     break;
-                case LightTargets::Kind::Direction: ray.d = target.direction; break;
-                case LightTargets::Kind::SkyPart: ray.d = LightTargets::DirectionIn(target.index, rng.Uniform2()); break;
+                case LightTargets::Kind::Direction:
+                    ray.d = target.direction;
+                    break;
+                case LightTargets::Kind::SkyPart:
+                    ray.d = LightTargets::DirectionIn(target.index, rng.Uniform2());
+                    break;
             }
             freeSegments += ray.d == Vector3(0) || !accel.Occluded(ray);
         }
@@ -71,7 +76,8 @@ void VisibilityMap::Report(nlohmann::ordered_json &report) const {
     report["voxelsFilled"] = rows_.Filled();
     report["voxelsFilledTwice"] = rows_.Discarded();
     report["targets"] = targets_.Size();
-    report["visibilityRays"] = (rows_.Filled() + rows_.Discarded()) * targets_.Size() * static_cast<size_t>(params_.samples);
+    report["visibilityRays"] =
+        (rows_.Filled() + rows_.Discarded()) * targets_.Size() * static_cast<size_t>(params_.samples);
     report["bytes"] = rows_.Bytes() + targets_.Bytes();
 }
 

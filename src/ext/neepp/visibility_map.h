@@ -7,9 +7,9 @@
 namespace ext {
 
 /// Voxel-to-voxel visibility (Guo et al. 2020, as Noh, Choi and Moon 2023 describe it): of `samples` segments between
-/// random points of two voxels, how many are free. One byte a pair, and only for pairs whose far end holds a light; towards
-/// distant and environment lights the segment leaves the scene. The pairs of a voxel are tested when it is first asked for;
-/// what they get depends on the pair and the seed only.
+/// random points of two voxels, how many are free. One byte a pair, and only for pairs whose far end holds a light;
+/// towards distant and environment lights the segment leaves the scene. The pairs of a voxel are tested when it is
+/// first asked for; what they get depends on the pair and the seed only.
 class VisibilityMap {
   public:
     explicit VisibilityMap(const VisibilityMapParams &params) : params_(params) {}

@@ -42,9 +42,10 @@ void SpatialLightSampler::Prepare(PrepareContext &context) {
     prepared_ = true;
     auto work = static_cast<double>(grid_.BorderSize()) * static_cast<double>(groups_.Size()) * params_.samples;
     if (work > 1e9)
-        LogWarning(fmt::format("spatial: {} lights to choose from mean about {:.1e} light samples, {} for every voxel "
-                               "that is entered for the first time.",
-                               groups_.Size(), work, groups_.Size() * points_.size()));
+        LogWarning(
+            fmt::format("spatial: {} lights to choose from mean about {:.1e} light samples, {} for every voxel "
+                        "that is entered for the first time.",
+                        groups_.Size(), work, groups_.Size() * points_.size()));
     prepareSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
@@ -106,8 +107,10 @@ std::optional<SampledLight> SpatialLightSampler::Sample(const LightQuery &query,
 
 Float SpatialLightSampler::PMF(const LightQuery &query, LightId light) const {
     Float pmf = 1;
-    if (prepared_) pmf = FixedCdfPMF(Cdf(query.p), groups_.GroupOf(light));
-    else if (groups_.Size() > 1) pmf = 1 / static_cast<Float>(groups_.Size());
+    if (prepared_)
+        pmf = FixedCdfPMF(Cdf(query.p), groups_.GroupOf(light));
+    else if (groups_.Size() > 1)
+        pmf = 1 / static_cast<Float>(groups_.Size());
     return pmf * groups_.ShareOf(light);
 }
 

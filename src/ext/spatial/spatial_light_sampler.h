@@ -7,12 +7,13 @@
 
 namespace ext {
 
-/// Lights in proportion to what they would give to a voxel if nothing were in the way: Eq. 3 of "Enhanced Direct Lighting
-/// Using Visibility-Aware Light Sampling" (Noh, Choi, Moon 2023), Le G / p over low-discrepancy points of the voxel. The
-/// points lie in space, so G has the light's cosine and the distance but no cosine at the point (as in pbrt-v3).
+/// Lights in proportion to what they would give to a voxel if nothing were in the way: Eq. 3 of "Enhanced Direct
+/// Lighting Using Visibility-Aware Light Sampling" (Noh, Choi, Moon 2023), Le G / p over low-discrepancy points of the
+/// voxel. The points lie in space, so G has the light's cosine and the distance but no cosine at the point (as in
+/// pbrt-v3).
 ///
-/// A voxel's distribution is made when a path first asks for it and depends on the voxel and the seed only. Before Prepare
-/// there is no grid and all groups have the same share.
+/// A voxel's distribution is made when a path first asks for it and depends on the voxel and the seed only. Before
+/// Prepare there is no grid and all groups have the same share.
 class SpatialLightSampler final : public LightSampler {
   public:
     SpatialLightSampler(const LightTable &lights, const SpatialParams &params);
@@ -44,8 +45,8 @@ class SpatialLightSampler final : public LightSampler {
     MeshGroups groups_;
     VoxelGrid grid_;
     std::vector<VoxelPoint> points_;
-    LazyRows<uint32_t> cdfs_;   ///< per voxel
-    bool prepared_ = false;     ///< false: one group or none, or Prepare was not called
+    LazyRows<uint32_t> cdfs_;  ///< per voxel
+    bool prepared_ = false;    ///< false: one group or none, or Prepare was not called
     int seed_ = 0;
     double prepareSeconds_ = 0;
 };

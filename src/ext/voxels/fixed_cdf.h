@@ -7,9 +7,9 @@
 namespace ext {
 using namespace pbrt;
 
-// A discrete distribution in 4 bytes an entry: where each entry begins, in units of 2^-32; the first begins at 0 and the
-// last ends at 1. Differences are exact, so the probabilities sum to 1 and none is lost beside larger ones, as it would
-// be with running sums in float.
+// A discrete distribution in 4 bytes an entry: where each entry begins, in units of 2^-32; the first begins at 0 and
+// the last ends at 1. Differences are exact, so the probabilities sum to 1 and none is lost beside larger ones, as it
+// would be with running sums in float.
 
 /// In proportion to the weights (>= 0, finite; all 0: equal shares). Every entry gets at least 2^-32.
 void BuildFixedCdf(std::span<const double> weights, std::span<uint32_t> begins);

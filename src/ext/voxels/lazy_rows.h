@@ -8,8 +8,8 @@
 namespace ext {
 
 /// Arrays of equal length that are made when first asked for, by whichever thread asks. A row's content must depend on
-/// its index only: threads that want the same row at once each make it, one publishes, the others throw theirs away, and
-/// nobody waits. So the result is the same for any timing. A row that exists costs one load.
+/// its index only: threads that want the same row at once each make it, one publishes, the others throw theirs away,
+/// and nobody waits. So the result is the same for any timing. A row that exists costs one load.
 template <class T>
 class LazyRows {
   public:

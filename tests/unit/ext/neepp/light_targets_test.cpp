@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <fstream>
+#include <map>
 #include <set>
 
 #include "ext/neepp/light_targets.h"
@@ -59,7 +62,8 @@ TEST(LightTargets, AnAreaLightCoversVoxelsByItsArea) {
     // Over x in [-1.5, 0.9], z in [0.25, 0.75], voxels of side 1: 0.5, 1 and 0.9 of 2.4.
     Made m = Make(R"(
 AreaLightSource "diffuse"
-Shape "trianglemesh" "point3 P" [ -1.5 0.5 0.25  0.9 0.5 0.25  0.9 0.5 0.75  -1.5 0.5 0.75 ] "integer indices" [ 0 1 2  0 2 3 ]
+Shape "trianglemesh" "point3 P" [ -1.5 0.5 0.25  0.9 0.5 0.25  0.9 0.5 0.75  -1.5 0.5 0.75 ]
+  "integer indices" [ 0 1 2  0 2 3 ]
 )");
     ASSERT_EQ(m.groups->Size(), 1u);
     std::map<uint32_t, Float> weight;
@@ -75,7 +79,8 @@ Shape "trianglemesh" "point3 P" [ -1.5 0.5 0.25  0.9 0.5 0.25  0.9 0.5 0.75  -1.
     EXPECT_NEAR(weight[m.grid.Index({0.5f, 0.5f, 0.5f})], 0.9f / 2.4f, 0.03f);
     // Segments end where the light was expected; elsewhere nothing is known.
     LightId light(0u);
-    EXPECT_EQ(m.targets[m.targets.Find(m.grid, light, {3, 3, 3}, {-1.2f, 0.5f, 0.5f})].index, m.grid.Index({-1.2f, 0.5f, 0.5f}));
+    EXPECT_EQ(m.targets[m.targets.Find(m.grid, light, {3, 3, 3}, {-1.2f, 0.5f, 0.5f})].index,
+              m.grid.Index({-1.2f, 0.5f, 0.5f}));
     EXPECT_EQ(m.targets.Find(m.grid, light, {3, 3, 3}, {-1.2f, 2.5f, 0.5f}), LightTargets::None);
 }
 
@@ -134,8 +139,10 @@ TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
         value[LightTargets::SkyPartOf(s->wi)] += 1;
         all += 1;
         uint32_t target = m.targets.Find(m.grid, LightId(0u), from.p, s->pLight);
-        if (target == LightTargets::None) unexpected += 1;
-        else EXPECT_EQ(m.targets[target].kind, Kind::SkyPart);
+        if (target == LightTargets::None)
+            unexpected += 1;
+        else
+            EXPECT_EQ(m.targets[target].kind, Kind::SkyPart);
     }
     EXPECT_LT(unexpected, 0.01 * all);
     double sum = 0;
@@ -156,7 +163,8 @@ TEST(LightTargets, UngroupedLightsStandWhereTheirOwnShapeIs) {
     // The second sphere and the second triangle of the mesh must not be read as the first.
     Made m = Make(R"(
 AreaLightSource "diffuse"
-Shape "trianglemesh" "point3 P" [ -2.6 0.5 0.5  -2.5 0.5 0.5  -2.5 0.6 0.5  2.4 0.5 0.5  2.5 0.5 0.5  2.5 0.6 0.5 ] "integer indices" [ 0 1 2  3 4 5 ]
+Shape "trianglemesh" "point3 P" [ -2.6 0.5 0.5  -2.5 0.5 0.5  -2.5 0.6 0.5  2.4 0.5 0.5  2.5 0.5 0.5  2.5 0.6 0.5 ]
+  "integer indices" [ 0 1 2  3 4 5 ]
 AttributeBegin
 Translate 0.5 2.5 0.5
 Shape "sphere" "float radius" 0.1
@@ -165,12 +173,30 @@ AttributeBegin
 Translate 0.5 -2.5 0.5
 Shape "sphere" "float radius" 0.1
 AttributeEnd
-)", false);
+)",
+                  false);
     ASSERT_EQ(m.groups->Size(), 4u);
     ASSERT_EQ(m.targets.Size(), 4u);
     const Point3 places[] = {{-2.55f, 0.55f, 0.5f}, {2.45f, 0.55f, 0.5f}, {0.5f, 2.5f, 0.5f}, {0.5f, -2.5f, 0.5f}};
     for (uint32_t g = 0; g < 4; ++g)
         EXPECT_EQ(m.targets[m.targets.SharesOf(g)[0].target].index, m.grid.Index(places[g]));
+}
+
+TEST(LightTargets, ADirectiveThatMakesTwoShapesHasItsLightsOnBoth) {
+    // A PLY file of a triangle and a quad becomes a triangle mesh and a bilinear one, both with primitives from 0.
+    std::string file = testing::TempDir() + "light_targets_two_shapes.ply";
+    std::ofstream(file)
+        << "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty float z\n"
+           "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+           "-2.6 0.5 0.5\n-2.5 0.5 0.5\n-2.5 0.6 0.5\n"
+           "2.4 0.5 0.5\n2.5 0.5 0.5\n2.5 0.6 0.5\n2.4 0.6 0.5\n3 0 1 2\n4 3 4 5 6\n";
+    Made m = Make("AreaLightSource \"diffuse\"\nShape \"plymesh\" \"string filename\" \"" + file + "\"\n");
+    std::remove(file.c_str());
+    ASSERT_EQ(m.built.scene->Lights().Size(), 2u);
+    ASSERT_EQ(m.built.scene->Lights().PrimitiveOf(LightId(1u)), 0u);
+    std::set<uint32_t> voxels;
+    for (size_t i = 0; i < m.targets.Size(); ++i) voxels.insert(m.targets[i].index);
+    EXPECT_EQ(voxels, (std::set<uint32_t>{m.grid.Index({-2.5f, 0.5f, 0.5f}), m.grid.Index({2.5f, 0.5f, 0.5f})}));
 }
 
 }  // namespace

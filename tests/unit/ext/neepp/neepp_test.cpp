@@ -60,7 +60,8 @@ TEST(VisibilityMap, IsTheShareOfFreeSegmentsBetweenTheVoxels) {
     Rng rng(5);
     double worst = 0;
     int partly = 0;
-    for (const Point3 &p : {Point3(-2.5f, 2.5f, 0.5f), Point3(-0.5f, -2.5f, 0.5f), Point3(-3.5f, -3.5f, 1.5f), Point3(1.5f, -1.5f, 3.5f)}) {
+    for (const Point3 &p : {Point3(-2.5f, 2.5f, 0.5f), Point3(-0.5f, -2.5f, 0.5f), Point3(-3.5f, -3.5f, 1.5f),
+                            Point3(1.5f, -1.5f, 3.5f)}) {
         uint32_t voxel = map.Grid().Index(p);
         std::span<const uint8_t> row = map.Row(voxel);
         for (uint32_t t = 0; t < row.size(); ++t) {
@@ -76,7 +77,9 @@ TEST(VisibilityMap, IsTheShareOfFreeSegmentsBetweenTheVoxels) {
                     ray.d = far.low + far.Diagonal() * Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()} - ray.o;
                     ray.tMax = 1;
                 } else {
-                    ray.d = target.kind == LightTargets::Kind::Direction ? Vector3(-1, 0, 0) : LightTargets::DirectionIn(target.index, rng.Uniform2());
+                    ray.d = target.kind == LightTargets::Kind::Direction
+                                ? Vector3(-1, 0, 0)
+                                : LightTargets::DirectionIn(target.index, rng.Uniform2());
                 }
                 open += !built.scene->Occluded(ray);
             }
@@ -122,7 +125,8 @@ TEST(Neepp, AnAreaLightCountsByTheShareOfItThatIsSeen) {
     BuiltScene built = BuildText(std::string(kHalves) + R"(
 AreaLightSource "diffuse"
 Shape "trianglemesh" "point3 P" [ -2 3.5 0.1  1 3.5 0.1  1 3.5 0.9  -2 3.5 0.9 ] "integer indices" [ 0 1 2  0 2 3 ]
-Shape "trianglemesh" "point3 P" [ -3.9 3.5 0.1  -3.1 3.5 0.1  -3.1 3.5 0.9  -3.9 3.5 0.9 ] "integer indices" [ 0 1 2  0 2 3 ]
+Shape "trianglemesh" "point3 P" [ -3.9 3.5 0.1  -3.1 3.5 0.1  -3.1 3.5 0.9  -3.9 3.5 0.9 ]
+  "integer indices" [ 0 1 2  0 2 3 ]
 )");
     NeeppLightSampler sampler(built.scene->Lights(), Params(8, 255));
     PrepareIn(built, sampler);

@@ -6,16 +6,12 @@
 #include "ext/oracle/least_variance.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/log.h"
-#include "pbrt/lightsamplers/bvh_light_sampler.h"
-#include "pbrt/lightsamplers/exhaustive_light_sampler.h"
 #include "pbrt/scene/scene.h"
 
 namespace ext {
 
 namespace {
 
-/// Above this many groups the floor comes from the light BVH instead of a scan.
-constexpr size_t kLargestScan = 64;
 /// Keeps these random numbers apart from every other use of the seed.
 constexpr uint64_t kStream = 0x6f7261636c65ull;
 
@@ -85,12 +81,8 @@ Float Fraction(double v) { return std::min(static_cast<Float>(v - std::floor(v))
 }  // namespace
 
 OracleLightSampler::OracleLightSampler(const LightTable &lights, const OracleParams &params)
-    : params_(params), groups_(lights, params.meshlights), instance_(NextInstance()) {
-    if (groups_.Size() <= kLargestScan) unoccluded_ = std::make_unique<ExhaustiveLightSampler>(groups_.Candidates());
-    else unoccluded_ = std::make_unique<BVHLightSampler>(groups_.Candidates());
-}
-
-OracleLightSampler::~OracleLightSampler() = default;
+    : params_(params), groups_(lights, params.meshlights), interior_(lights, groups_, params.interior),
+      unoccluded_(GroupImportance::EmittersOf(lights, groups_)), instance_(NextInstance()) {}
 
 void OracleLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
@@ -120,14 +112,15 @@ void OracleLightSampler::Measure(const LightQuery &query, std::vector<Float> &cd
         for (size_t i = 0; i < k; ++i) {
             // Additive recurrence with the reciprocal powers of the root of x^4 = x + 1: evenly spread for any number.
             const auto at = static_cast<double>(i);
-            LightId light = groups_.SampleLight(g, Fraction(shift[0] + at * 0.5497004779019703));
+            std::optional<SampledLight> chosen = interior_.Sample(g, query, Fraction(shift[0] + at * 0.5497004779019703));
+            if (!chosen) continue;
+            const Light &light = scene_->Lights()[chosen->light];
             Point2 u(Fraction(shift[1] + at * 0.8191725133961645), Fraction(shift[2] + at * 0.6710436067037893));
-            const Float share = groups_.ShareOf(light);
-            std::optional<LightLiSample> sample = scene_->Lights()[light].SampleLi(from, u, lambda, true);
-            if (!sample || !sample->L || !(sample->pdf > 0) || !(share > 0)) continue;
-            const bool findable = params_.mis && !IsDelta(scene_->Lights()[light].Kind());
+            std::optional<LightLiSample> sample = light.SampleLi(from, u, lambda, true);
+            if (!sample || !sample->L || !(sample->pdf > 0)) continue;
+            const bool findable = params_.mis && !IsDelta(light.Kind());
             Scattered scattered = ScatteredTo(query, sample->wi, findable);
-            const Float pLight = share * sample->pdf;
+            const Float pLight = chosen->pmf * sample->pdf;
             Float value = SafeDivide(sample->L * scattered.fCos, lambda.Pdf()).Average() / pLight;
             if (!(value > 0) || !std::isfinite(value) || scene_->Occluded(from, *sample)) continue;
             points[g * k + i] = {value, findable ? scattered.pdf / pLight : 0};
@@ -161,40 +154,47 @@ std::span<const Float> OracleLightSampler::Distribution(const LightQuery &query)
 }
 
 Float OracleLightSampler::GroupPMF(const LightQuery &query, std::span<const Float> cdf, uint32_t group) const {
-    Float unoccluded = unoccluded_->PMF(query, LightId(group));
+    Float unoccluded = unoccluded_.PMF(query, group);
     if (cdf.empty()) return unoccluded;
     Float measured = cdf[group] - (group > 0 ? cdf[group - 1] : 0);
     return (1 - params_.floor) * measured + params_.floor * unoccluded;
 }
 
+std::optional<SampledLight> OracleLightSampler::SampleGroup(const LightQuery &query, Float u) const {
+    std::span<const Float> cdf;
+    if (scene_) cdf = Distribution(query);
+    const Float floor = cdf.empty() ? 1 : params_.floor;
+    uint32_t group;
+    if (u < floor) {
+        std::optional<SampledLight> g = unoccluded_.Sample(query, std::min(u / floor, OneMinusEpsilon));
+        if (!g) return {};
+        group = g->light.value;
+    } else {
+        Float v = std::min((u - floor) / (1 - floor), OneMinusEpsilon);
+        group = static_cast<uint32_t>(std::upper_bound(cdf.begin(), cdf.end(), v) - cdf.begin());
+    }
+    return SampledLight{LightId(group), GroupPMF(query, cdf, group)};
+}
+
 std::optional<SampledLight> OracleLightSampler::Sample(const LightQuery &query, Float u) const {
     if (groups_.Size() == 0) return {};
-    uint32_t group = 0;
-    Float pmf = 1;
+    SampledLight group{LightId(0u), 1};
     if (groups_.Size() > 1) {
-        std::span<const Float> cdf;
-        if (scene_) cdf = Distribution(query);
-        const Float floor = cdf.empty() ? 1 : params_.floor;
-        if (u < floor) {
-            std::optional<SampledLight> g = unoccluded_->Sample(query, std::min(u / floor, OneMinusEpsilon));
-            if (!g) return {};
-            group = g->light.value;
-        } else {
-            Float v = std::min((u - floor) / (1 - floor), OneMinusEpsilon);
-            group = static_cast<uint32_t>(std::upper_bound(cdf.begin(), cdf.end(), v) - cdf.begin());
-        }
-        pmf = GroupPMF(query, cdf, group);
+        std::optional<SampledLight> chosen = SampleGroup(query, u);
+        if (!chosen) return {};
+        group = *chosen;
     }
-    LightId light = groups_.SampleLight(group, MeshGroups::InnerNumber(u, query.p));
-    return SampledLight{light, pmf * groups_.ShareOf(light)};
+    std::optional<SampledLight> light = interior_.Sample(group.light.value, query, MeshGroups::InnerNumber(u, query.p));
+    if (light) light->pmf *= group.pmf;
+    return light;
 }
 
 Float OracleLightSampler::PMF(const LightQuery &query, LightId light) const {
-    Float share = groups_.ShareOf(light);
-    if (groups_.Size() <= 1) return share;
+    const Float inner = interior_.PMF(query, light);
+    if (groups_.Size() <= 1 || !(inner > 0)) return inner;
     std::span<const Float> cdf;
     if (scene_) cdf = Distribution(query);
-    return GroupPMF(query, cdf, groups_.GroupOf(light)) * share;
+    return inner * GroupPMF(query, cdf, groups_.GroupOf(light));
 }
 
 void OracleLightSampler::Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const {

@@ -1,8 +1,7 @@
 #pragma once
 #include <atomic>
-#include <memory>
 
-#include "ext/groups/mesh_groups.h"
+#include "ext/groups/mesh_interior.h"
 #include "ext/oracle/oracle_params.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 
@@ -14,23 +13,24 @@ namespace ext {
 ///
 /// What is least: given the shading point, the direction it is seen from, its BSDF and the path's wavelengths, the sum of
 /// the second moments of one light sample and one BSDF sample of direct light, combined by the power heuristic (`mis`
-/// true); averaged over the wavelengths. With `mis` false: the second moment of the light sample alone, that is
-/// p_l ~ sqrt(E[(f Le cos V / p(y))^2]). How a light's points are drawn, how one light is found in a mesh
-/// (MeshGroups: by power), and where paths go, is as it is: no choice of a light goes below this error, another way to
-/// sample a light may.
+/// true), with the mean over the wavelengths as the value. With `mis` false: the second moment of the light sample alone,
+/// that is p_l ~ sqrt(E[(f Le cos V / p(y))^2]).
 ///
-/// Three reasons why an image made with it may have a little more error than that: expectations are means over `samples`
-/// light points; the share `floor` goes to the unoccluded importance of stock pbrt-v4's samplers at the point, so that a
-/// light that none of the points saw can still be chosen and the mean of the image is right; and error in an image
-/// weighs colours, this weighs wavelengths.
+/// What is given: how a point on a light is drawn, how a primitive of a mesh is chosen (MeshInterior, as the octree
+/// does), and where the paths go. No choice among the lights goes below this error; a sampler that is better inside
+/// meshes or on a light could. `meshlights` false measures every primitive: the floor of that choice as well.
+///
+/// Why an image made with it may have a little more error than that: expectations are means over `samples` light points;
+/// the share `floor` goes to the unoccluded estimate at the point (EmitterTree), so that a light that none of the points
+/// saw can still be chosen and the mean of the image is right; the error of an image weighs colours, this weighs wavelengths;
+/// and noise in a pixel comes from the rest of the path as well.
 ///
 /// Without a BSDF in the query the surface is a white diffuse one, of both sides if it transmits; in a medium scattering
-/// is uniform. Random numbers depend on the seed, the query's position and direction only, so Sample and PMF see the
+/// is uniform. Random numbers depend on the seed and the query's position and direction only, so Sample and PMF see the
 /// same probabilities.
 class OracleLightSampler final : public LightSampler {
   public:
     OracleLightSampler(const LightTable &lights, const OracleParams &params);
-    ~OracleLightSampler() override;
 
     /// The scene of the context must live as long as the sampler is used.
     void Prepare(PrepareContext &context) override;
@@ -44,11 +44,13 @@ class OracleLightSampler final : public LightSampler {
     std::span<const Float> Distribution(const LightQuery &query) const;
     void Measure(const LightQuery &query, std::vector<Float> &cdf) const;
     Float GroupPMF(const LightQuery &query, std::span<const Float> cdf, uint32_t group) const;
+    std::optional<SampledLight> SampleGroup(const LightQuery &query, Float u) const;
 
     OracleParams params_;
     MeshGroups groups_;
-    std::unique_ptr<LightSampler> unoccluded_;  ///< over groups
-    const Scene *scene_ = nullptr;              ///< null: not prepared, or at most one group: unoccluded_ alone
+    MeshInterior interior_;
+    EmitterTree unoccluded_;        ///< over groups
+    const Scene *scene_ = nullptr;  ///< null: not prepared, or at most one group: unoccluded_ alone
     int seed_ = 0;
     uint64_t instance_;  ///< tells the threads' memories of different samplers apart
     /// For Report only.

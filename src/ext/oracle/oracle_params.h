@@ -10,6 +10,7 @@ struct OracleParams {
     Float floor = 0.02f;
     bool mis = true;
     bool meshlights = true;
+    bool interior = true;
 
     template <class V>
     void Describe(V &&v) {
@@ -17,6 +18,7 @@ struct OracleParams {
         v("floor", floor, Range<Float>{1e-4f, 1.f}, "share of the probability handed out by unoccluded importance, whatever the shadow rays saw");
         v("mis", mis, "least variance of light and BSDF sampling combined; false: of light sampling alone");
         v("meshlights", meshlights, "an emissive mesh is one light for selection; false: the floor over single primitives, at the cost of rays to each");
+        v("interior", interior, "primitives of a mesh are chosen by importance at the point, as the octree does; false: by power");
     }
 };
 

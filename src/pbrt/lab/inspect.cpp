@@ -102,8 +102,7 @@ std::optional<FirstHit> FindFirstHit(const BuiltScene &built, Point2i pixel) {
 /// What is measured of one group at one place.
 struct Measured {
     double mean = 0;        ///< contribution
-    double second = 0;      ///< of value^2, if the group were always chosen
-    double withSampler = 0; ///< of value^2 / probability, with the sampler's choice
+    double second = 0;      ///< second moment of the one-light estimator's part from this group, as the sampler chooses
     double visible = 0;     ///< share of shadow rays that arrive
 };
 
@@ -155,8 +154,8 @@ void Inspector::MakeLayers(Inspection &out) {
     add("brightest", "the light that contributes most, by its first id; magenta: none contributes", 0, 0, true);
     add("brightest_probability", "probability of the light that contributes most; magenta: none contributes", 0, 1);
     add("log10_excess",
-        "second moment of the one-light estimator over the least that probabilities of the lights can reach, log10; "
-        "without MIS; magenta: none contributes, or one that does has probability 0",
+        "second moment of the one-light estimator over the least that other probabilities of the lights can reach (the choice "
+        "inside a mesh as it is), log10; without MIS; magenta: none contributes, or one that does has probability 0",
         0, 2);
     for (size_t g : shown_)
         add(fmt::format("visibility.{}", groups_[g].light.first.value),
@@ -186,12 +185,11 @@ Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from,
                        (share * static_cast<double>(s->pdf));
         if (!(value > 0)) continue;
         m.mean += value;
-        m.second += value * value;
         const auto chosen = static_cast<double>(pmf[light.value]);
-        m.withSampler += chosen > 0 ? value * value * share / chosen : std::numeric_limits<double>::infinity();
+        m.second += chosen > 0 ? value * value * share / chosen : std::numeric_limits<double>::infinity();
     }
     const double n = settings_.samples;
-    return {m.mean / n, m.second / n, m.withSampler / n, m.visible / n};
+    return {m.mean / n, m.second / n, m.visible / n};
 }
 
 void Inspector::LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &values) const {
@@ -207,7 +205,7 @@ void Inspector::LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &
     std::vector<Float> pmf(built_.scene->Lights().Size());
     for (size_t l = 0; l < pmf.size(); ++l) pmf[l] = sampler_.PMF(query, LightId(l));
 
-    double entropy = 0, greatest = 0, probability = 0, withSampler = 0, root = 0;
+    double entropy = 0, greatest = 0, probability = 0, second = 0, root = 0;
     const Group *brightest = nullptr;
     std::vector<double> visible(groups_.size());
     Rng rng(Hash(kStream, pixel));
@@ -218,8 +216,9 @@ void Inspector::LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &
         if (p > 0) entropy -= p * std::log2(p);
         Measured m = Measure(hit, from, groups_[g], rng, pmf);
         visible[g] = m.visible;
-        withSampler += m.withSampler;
-        root += std::sqrt(m.second);
+        second += m.second;
+        // Were the group always chosen, with the sampler's choice inside it, it would be second * p.
+        root += std::sqrt(m.second * p);
         if (m.mean > greatest) {
             greatest = m.mean;
             brightest = &groups_[g];
@@ -230,7 +229,7 @@ void Inspector::LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &
     values.push_back(std::max(entropy, 0.0));
     values.push_back(brightest ? static_cast<double>(brightest->light.first.value) : none);
     values.push_back(brightest ? probability : none);
-    values.push_back(brightest ? std::log10(withSampler / (root * root)) : none);
+    values.push_back(brightest ? std::log10(second / (root * root)) : none);
     for (size_t g : shown_) values.push_back(visible[g]);
 }
 

@@ -6,7 +6,6 @@
 #include "pbrt/core/counters.h"
 #include "pbrt/core/log.h"
 #include "pbrt/integrators/path_common.h"
-#include "pbrt/lightsamplers/exhaustive_light_sampler.h"
 #include "plugins.h"
 #include "support/build_text.h"
 
@@ -88,7 +87,7 @@ LightQuery OnFloor(Float x = 0, Float y = 0) {
 /// The floor's share of a light.
 Float FloorOf(const World &world, const OracleParams &params, const LightQuery &q, uint32_t light) {
     MeshGroups groups(world.Lights(), params.meshlights);
-    return params.floor * ExhaustiveLightSampler(groups.Candidates()).PMF(q, LightId(light));
+    return params.floor * EmitterTree(GroupImportance::EmittersOf(world.Lights(), groups)).PMF(q, light);
 }
 
 TEST(Oracle, PointLightsAreChosenByWhatTheySend) {
@@ -239,7 +238,7 @@ TEST_P(OracleAgainst, NoOtherSamplerHasALowerSecondMoment) {
     params.samples = 64;
     std::unique_ptr<OracleLightSampler> oracle = world.Oracle(params);
     std::vector<Place> places = CameraHits(world, 24);
-    for (const char *name : {"uniform", "power", "bvh", "exhaustive", "octree"}) {
+    for (const char *name : {"uniform", "power", "bvh", "exhaustive", "spatial", "neepp", "octree"}) {
         std::unique_ptr<LightSampler> other = world.Named(name);
         double sumOracle = 0, sumOther = 0;
         int seen = 0;

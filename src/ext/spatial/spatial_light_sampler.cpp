@@ -41,7 +41,7 @@ void SpatialLightSampler::Prepare(PrepareContext &context) {
     seed_ = context.seed;
     prepared_ = true;
     auto work = static_cast<double>(grid_.BorderSize()) * static_cast<double>(groups_.Size()) * params_.samples;
-    if (work > 1e9)
+    if (work > 3e8)
         LogWarning(
             fmt::format("spatial: {} lights to choose from mean about {:.1e} light samples, {} for every voxel "
                         "that is entered for the first time.",

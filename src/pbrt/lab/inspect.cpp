@@ -103,7 +103,7 @@ std::optional<FirstHit> FindFirstHit(const BuiltScene &built, Point2i pixel) {
 struct Measured {
     double mean = 0;        ///< contribution
     double second = 0;      ///< second moment of the one-light estimator's part from this group, as the sampler chooses
-    double visible = 0;     ///< share of shadow rays that arrive
+    double visible = 0;     ///< share of shadow rays that arrive; none is sent to primitives that face away
 };
 
 class Inspector {
@@ -159,13 +159,14 @@ void Inspector::MakeLayers(Inspection &out) {
         0, 2);
     for (size_t g : shown_)
         add(fmt::format("visibility.{}", groups_[g].light.first.value),
-            fmt::format("share of {} shadow rays that arrive; {}", settings_.samples, groups_[g].light.label), 0, 1);
+            fmt::format("share of up to {} shadow rays that arrive; {}", settings_.samples, groups_[g].light.label), 0, 1);
 }
 
 Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from, const Group &group, Rng &rng,
                             std::span<const Float> pmf) const {
     const Scene &scene = *built_.scene;
     Measured m;
+    int traced = 0;
     const double shift[3] = {static_cast<double>(rng.Uniform()), static_cast<double>(rng.Uniform()),
                              static_cast<double>(rng.Uniform())};
     for (int i = 0; i < settings_.samples; ++i) {
@@ -178,7 +179,9 @@ Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from,
         LightId light = group.Choose(static_cast<double>(at(0, 0.5497004779019703)), &share);
         std::optional<LightLiSample> s = scene.Lights()[light].SampleLi(
             from, {at(1, 0.8191725133961645), at(2, 0.6710436067037893)}, hit.lambda, true);
-        if (!s || !s->L || !(s->pdf > 0) || scene.Occluded(from, *s)) continue;
+        if (!s || !s->L || !(s->pdf > 0)) continue;
+        ++traced;
+        if (scene.Occluded(from, *s)) continue;
         ++m.visible;
         SampledSpectrum f = hit.bsdf.F(hit.point.wo, s->wi) * AbsDot(s->wi, hit.point.shading.n);
         double value = static_cast<double>(SafeDivide(s->L * f, hit.lambda.Pdf()).Average()) /
@@ -189,7 +192,7 @@ Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from,
         m.second += chosen > 0 ? value * value * share / chosen : std::numeric_limits<double>::infinity();
     }
     const double n = settings_.samples;
-    return {m.mean / n, m.second / n, m.visible / n};
+    return {m.mean / n, m.second / n, m.visible / std::max(traced, 1)};
 }
 
 void Inspector::LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &values) const {

@@ -6,8 +6,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 from scenekit import *
 from furniture import *
 
-scene = Scene("lamp-like", "Two lights: a bulb inside the shade of a desk lamp, and one on the ceiling; most points see only "
-              "one of them.", 480, 360, maxdepth=8, iso=420, whitebalance=3300)
+scene = Scene("lamp-like", "Two lights: a bulb inside the shade of a desk lamp, and one on the ceiling; most points see "
+              "only one of them.", 480, 360, maxdepth=8, iso=420, whitebalance=3300)
 scene.camera((2.0, 0.75, 1.42), (2.06, 3.4, 1.02), 41)
 W, D, H = 4.2, 3.6, 2.6
 

@@ -6,8 +6,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 from scenekit import *
 from furniture import *
 
-scene = Scene("white-room", "A white living room with eight area lights: daylight in three windows, three ceiling panels, "
-              "a pendant, a lamp in an alcove.", 640, 360, maxdepth=7, iso=50, whitebalance=5000)
+scene = Scene("white-room", "A white living room with eight area lights: daylight in three windows, three ceiling "
+              "panels, a pendant, a lamp in an alcove.", 640, 360, maxdepth=7, iso=50, whitebalance=5000)
 W, D, H, T = 6.6, 5.6, 2.7, 0.3
 scene.material("white", diffuse(.82, .82, .8))
 scene.material("white-floor", diffuse(.62, .58, .52))

@@ -17,19 +17,27 @@ class LightSamplers : public Program {
 };
 
 TEST_F(LightSamplers, EveryListedOneRenders) {
-    int count = 0;
+    int count = 0, gates = 0;
+    bool isGate = false;
     std::istringstream lines(LightSamplerListing());
     for (std::string line; std::getline(lines, line);) {
         if (line.empty() || line[0] == ' ') continue;
-        EXPECT_EQ(TextOf(Render("--spp 1 --lightsampler " + line + " scene.pbrt"), "lightSampler"), line);
-        ++count;
+        if (line.starts_with("Shadow-ray gates")) {
+            isGate = true;
+            continue;
+        }
+        std::string flag = isGate ? "--shadow-gate " : "--lightsampler ";
+        EXPECT_EQ(TextOf(Render("--spp 1 " + flag + line + " scene.pbrt"), isGate ? "shadowGate" : "lightSampler"), line);
+        ++(isGate ? gates : count);
     }
     EXPECT_GE(count, 4);
+    PBRT_SKIP_WITHOUT_EXT();
+    EXPECT_GE(gates, 1);
 }
 
 TEST_F(LightSamplers, SpecOnTheCommandLineReachesTheSamplerAndTheImage) {
     PBRT_SKIP_WITHOUT_EXT();
-    const ImageFile file = Render("--lightsampler octree:leaves=512,floor=0.1 scene.pbrt");
+    const ImageFile file = Render("--lightsampler octree:model=paper,leaves=512,floor=0.1 scene.pbrt");
     EXPECT_EQ(TextOf(file, "lightSampler"), "octree");
     EXPECT_EQ(Parameters(file).at("leaves"), 512);
     EXPECT_NEAR(Parameters(file).at("floor").get<double>(), 0.1, 1e-6);
@@ -46,8 +54,8 @@ TEST_F(LightSamplers, ValuesOfTheLargeRangeSurvive) {
     PBRT_SKIP_WITHOUT_EXT();
     EXPECT_EQ(Parameters(Render("--lightsampler octree:leaves=1000,meshlights=false scene.pbrt")).at("meshlights"),
               false);
-    EXPECT_LT(IntOf(Render("--lightsampler octree:leaves=64 scene.pbrt"), "lightSampler.leaves"),
-              IntOf(Render("--lightsampler octree:leaves=4096 scene.pbrt"), "lightSampler.leaves"));
+    EXPECT_LT(IntOf(Render("--lightsampler octree:model=paper,leaves=64 scene.pbrt"), "lightSampler.leaves"),
+              IntOf(Render("--lightsampler octree:model=paper,leaves=4096 scene.pbrt"), "lightSampler.leaves"));
 }
 
 TEST_F(LightSamplers, WrongSpecsAreShownWithTheChoices) {
@@ -65,7 +73,8 @@ TEST_F(LightSamplers, WrongSpecsAreShownWithTheChoices) {
                   {"--lightsampler octree:leaves scene.pbrt", {"\"leaves=value\""}},
                   {"--lightsampler octree: scene.pbrt", {"leaves"}},
                   {"--lightsampler octree:leaves=63 scene.pbrt", {"--lightsampler:1:7", "63", "64", "16777216"}},
-                  {"--lightsampler octree:floor=0 scene.pbrt", {"floor", "0.0001"}},
+                  {"--lightsampler octree:floor=1.5 scene.pbrt", {"floor", "1.5", "from 0 to 1"}},
+                  {"--lightsampler octree:model=papr scene.pbrt", {"papr", "visibility", "paper"}},
                   {"--lightsampler octree:floor=nan scene.pbrt", {"floor"}}});
 }
 

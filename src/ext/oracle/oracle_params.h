@@ -6,7 +6,7 @@ using namespace pbrt;
 
 /// Parameters of the oracle.
 struct OracleParams {
-    int samples = 16;
+    int samples = 32;
     Float floor = 0.02f;
     bool mis = true;
     bool meshlights = true;

@@ -22,8 +22,8 @@ Answer Ask(const LightSampler &sampler, const LightQuery &query, Float u) {
     return sample ? Answer{sample->light.value, sample->pmf} : Answer{};
 }
 
-/// Bernstein's inequality: bounds the probability that the mean of n values, each at most `greatest` from its expectation,
-/// is `off` or more from it. Holds whatever the tails.
+/// Bernstein's inequality: bounds the probability that the mean of n values, each at most `greatest` from its
+/// expectation, is `off` or more from it. Holds whatever the tails.
 double BernsteinTail(double off, double variance, double greatest, int n) {
     return 2 * std::exp(-0.5 * n * off * off / (variance + greatest * std::abs(off) / 3 + 1e-300));
 }
@@ -32,7 +32,8 @@ Float Even(int i, int n) { return (static_cast<Float>(i) + Float(0.5)) / static_
 
 }  // namespace
 
-SamplerSubject::SamplerSubject(std::unique_ptr<LightSampler> made, std::span<const LightQuery> places, size_t lightCount)
+SamplerSubject::SamplerSubject(std::unique_ptr<LightSampler> made, std::span<const LightQuery> places,
+                               size_t lightCount)
     : sampler(std::move(made)), queries(places), lights(lightCount) {
     for (const LightQuery &q : queries) {
         std::vector<Float> &row = pmf.emplace_back();
@@ -102,8 +103,10 @@ void CheckFrequencies(const SamplerSubject &s) {
         for (size_t i = 0; i < s.lights; ++i) expected[i / cell] += static_cast<double>(s.pmf[q][i]) * n;
         // The sum of the PMF is rounded: a share of empty answers this small cannot be told from none.
         double missing = 1 - s.sum[q];
-        if (missing > 1e-5 || observed[cells] > 2) expected[cells] = std::max(missing, 0.0) * n;
-        else observed[cells] = 0;
+        if (missing > 1e-5 || observed[cells] > 2)
+            expected[cells] = std::max(missing, 0.0) * n;
+        else
+            observed[cells] = 0;
         EXPECT_GT(ChiSquareTest(observed, expected), alpha) << "query " << q;
     }
 }
@@ -141,7 +144,8 @@ void CheckOneLightEstimator(const SamplerSubject &s, const Contributions &contri
                 sum += c[sample->light.value] / static_cast<double>(sample->pmf);
         double off = std::max(0.0, std::abs(sum / n - total) - 1e-5 * total);  // float rounding of the PMF
         double variance = std::max(0.0, second - total * total);
-        EXPECT_GT(BernsteinTail(off, variance, std::max(greatest, total), n), alpha) << "query " << q << ": " << sum / n << " for " << total;
+        EXPECT_GT(BernsteinTail(off, variance, std::max(greatest, total), n), alpha)
+            << "query " << q << ": " << sum / n << " for " << total;
     }
 }
 
@@ -157,13 +161,15 @@ void CheckSameFromAnyThread(const SamplerSubject &s) {
             const size_t q = task / kTasksPerQuery;
             out.push_back(Ask(*s.sampler, s.queries[q], HashFloat(static_cast<uint64_t>(task), i)));
             // Also what was never asked before on this thread.
-            if (s.lights > 0) out.push_back({0, s.sampler->PMF(s.queries[q], LightId(static_cast<size_t>(i) % s.lights))});
+            if (s.lights > 0)
+                out.push_back({0, s.sampler->PMF(s.queries[q], LightId(static_cast<size_t>(i) % s.lights))});
         }
         return out;
     };
     std::vector<std::vector<Answer>> parallel(tasks), serial;
     ThreadLimit limit(4);
-    ParallelForEach(static_cast<int64_t>(tasks), [&](int64_t t) { parallel[static_cast<size_t>(t)] = answers(static_cast<size_t>(t)); });
+    ParallelForEach(static_cast<int64_t>(tasks),
+                    [&](int64_t t) { parallel[static_cast<size_t>(t)] = answers(static_cast<size_t>(t)); });
     for (size_t t = 0; t < tasks; ++t) serial.push_back(answers(t));
     EXPECT_EQ(parallel, serial);
     for (size_t q = 0; q < s.queries.size(); ++q)

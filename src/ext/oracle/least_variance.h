@@ -19,11 +19,11 @@ struct LightPoint {
 /// Without MIS (all ratios 0) the second moment of "choose light l, draw y" is S(p) = sum_l m_l / p_l with
 /// m_l = mean of value^2, least for p_l ~ sqrt(m_l).
 ///
-/// With ratios r: one light sample and one BSDF sample, combined by the power heuristic with weights p_l^2/(p_l^2 + r^2)
-/// and r^2/(p_l^2 + r^2). The sum of both second moments is S(p) = sum_l mean of value^2 (p_l^3 + r^3) / (p_l^2 + r^2)^2,
-/// falling in every p_l. At the minimum all -dS/dp_l are equal; p_l <- p_l sqrt(-dS/dp_l), normalised, is repeated until
-/// then. One step is exact where r is 0. S can have more than one minimum; the one found was the lowest or within 2 % of it
-/// in 200 random pairs of lights (tests/unit/ext/oracle).
+/// With ratios r: one light sample and one BSDF sample, combined by the power heuristic with weights p_l^2/(p_l^2 +
+/// r^2) and r^2/(p_l^2 + r^2). The sum of both second moments is S(p) = sum_l mean of value^2 (p_l^3 + r^3) / (p_l^2 +
+/// r^2)^2, falling in every p_l. At the minimum all -dS/dp_l are equal; p_l <- p_l sqrt(-dS/dp_l), normalised, is
+/// repeated until then. One step is exact where r is 0. S can have more than one minimum; the one found was the lowest
+/// or within 2 % of it in 200 random pairs of lights (tests/unit/ext/oracle).
 ///
 /// Writes probabilities that sum to 1 to `pmf` (one per light); returns false and leaves it alone if all values are 0.
 bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf);

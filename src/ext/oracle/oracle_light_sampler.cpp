@@ -23,8 +23,8 @@ struct QueryKey {
     Normal3 n{}, ns{};
     bool transmits = false, hasBsdf = false;
     Float time = 0;
-    /// Of the BSDF and the wavelengths, as they lie in memory. Bytes between the members may differ between copies of one
-    /// BSDF: then the work is done again, with the same outcome.
+    /// Of the BSDF and the wavelengths, as they lie in memory. Bytes between the members may differ between copies of
+    /// one BSDF: then the work is done again, with the same outcome.
     std::array<std::byte, sizeof(Bsdf)> bsdf;
     std::array<std::byte, sizeof(SampledWavelengths)> lambda;
 
@@ -33,8 +33,9 @@ struct QueryKey {
         if (instance != owner || p != q.p || wo != q.wo || pError != q.pError || n != q.n || ns != q.ns ||
             transmits != q.transmits || time != q.time || hasBsdf != scatters)
             return false;
-        return !scatters || (std::memcmp(bsdf.data(), static_cast<const void *>(q.bsdf), sizeof(Bsdf)) == 0 &&
-                             std::memcmp(lambda.data(), static_cast<const void *>(q.lambda), sizeof(SampledWavelengths)) == 0);
+        return !scatters ||
+               (std::memcmp(bsdf.data(), static_cast<const void *>(q.bsdf), sizeof(Bsdf)) == 0 &&
+                std::memcmp(lambda.data(), static_cast<const void *>(q.lambda), sizeof(SampledWavelengths)) == 0);
     }
     void Set(uint64_t owner, const LightQuery &q) {
         instance = owner;
@@ -81,15 +82,19 @@ Float Fraction(double v) { return std::min(static_cast<Float>(v - std::floor(v))
 }  // namespace
 
 OracleLightSampler::OracleLightSampler(const LightTable &lights, const OracleParams &params)
-    : params_(params), groups_(lights, params.meshlights), interior_(lights, groups_, params.interior),
-      unoccluded_(GroupImportance::EmittersOf(lights, groups_)), instance_(NextInstance()) {}
+    : params_(params),
+      groups_(lights, params.meshlights),
+      interior_(lights, groups_, params.interior),
+      unoccluded_(GroupImportance::EmittersOf(lights, groups_)),
+      instance_(NextInstance()) {}
 
 void OracleLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
     scene_ = &context.scene;
     seed_ = context.seed;
-    LogWarning(fmt::format("oracle: a measuring instrument, slow: {} lights x {} samples = up to {} shadow rays at every path vertex.",
-                        groups_.Size(), params_.samples, groups_.Size() * static_cast<size_t>(params_.samples)));
+    LogWarning(fmt::format(
+        "oracle: a measuring instrument, slow: {} lights x {} samples = up to {} shadow rays at every path vertex.",
+        groups_.Size(), params_.samples, groups_.Size() * static_cast<size_t>(params_.samples)));
 }
 
 void OracleLightSampler::Measure(const LightQuery &query, std::vector<Float> &cdf) const {
@@ -108,11 +113,13 @@ void OracleLightSampler::Measure(const LightQuery &query, std::vector<Float> &cd
     const RenderCounters before = counters;  // these rays are not the render's
     Rng rng(Hash(kStream, seed_, query.p, query.wo));
     for (uint32_t g = 0; g < groupCount; ++g) {
-        const double shift[3] = {static_cast<double>(rng.Uniform()), static_cast<double>(rng.Uniform()), static_cast<double>(rng.Uniform())};
+        const double shift[3] = {static_cast<double>(rng.Uniform()), static_cast<double>(rng.Uniform()),
+                                 static_cast<double>(rng.Uniform())};
         for (size_t i = 0; i < k; ++i) {
             // Additive recurrence with the reciprocal powers of the root of x^4 = x + 1: evenly spread for any number.
             const auto at = static_cast<double>(i);
-            std::optional<SampledLight> chosen = interior_.Sample(g, query, Fraction(shift[0] + at * 0.5497004779019703));
+            std::optional<SampledLight> chosen =
+                interior_.Sample(g, query, Fraction(shift[0] + at * 0.5497004779019703));
             if (!chosen) continue;
             const Light &light = scene_->Lights()[chosen->light];
             Point2 u(Fraction(shift[1] + at * 0.8191725133961645), Fraction(shift[2] + at * 0.6710436067037893));

@@ -7,27 +7,27 @@
 
 namespace ext {
 
-/// A measuring instrument, not a sampler to render with: at every shading point it looks at every light with shadow rays
-/// of its own, and chooses with the probabilities that make the estimate of direct light there least noisy
+/// A measuring instrument, not a sampler to render with: at every shading point it looks at every light with shadow
+/// rays of its own, and chooses with the probabilities that make the estimate of direct light there least noisy
 /// (least_variance.h). What the other samplers' errors are compared with.
 ///
-/// What is least: given the shading point, the direction it is seen from, its BSDF and the path's wavelengths, the sum of
-/// the second moments of one light sample and one BSDF sample of direct light, combined by the power heuristic (`mis`
-/// true), with the mean over the wavelengths as the value. With `mis` false: the second moment of the light sample alone,
-/// that is p_l ~ sqrt(E[(f Le cos V / p(y))^2]).
+/// What is least: given the shading point, the direction it is seen from, its BSDF and the path's wavelengths, the sum
+/// of the second moments of one light sample and one BSDF sample of direct light, combined by the power heuristic
+/// (`mis` true), with the mean over the wavelengths as the value. With `mis` false: the second moment of the light
+/// sample alone, that is p_l ~ sqrt(E[(f Le cos V / p(y))^2]).
 ///
 /// What is given: how a point on a light is drawn, how a primitive of a mesh is chosen (MeshInterior, as the octree
 /// does), and where the paths go. No choice among the lights goes below this error; a sampler that is better inside
 /// meshes or on a light could. `meshlights` false measures every primitive: the floor of that choice as well.
 ///
-/// Why an image made with it may have a little more error than that: expectations are means over `samples` light points;
-/// the share `floor` goes to the unoccluded estimate at the point (EmitterTree), so that a light that none of the points
-/// saw can still be chosen and the mean of the image is right; the error of an image weighs colours, this weighs wavelengths;
-/// and noise in a pixel comes from the rest of the path as well.
+/// Why an image made with it may have a little more error than that: expectations are means over `samples` light
+/// points; the share `floor` goes to the unoccluded estimate at the point (EmitterTree), so that a light that none of
+/// the points saw can still be chosen and the mean of the image is right; the error of an image weighs colours, this
+/// weighs wavelengths; and noise in a pixel comes from the rest of the path as well.
 ///
-/// Without a BSDF in the query the surface is a white diffuse one, of both sides if it transmits; in a medium scattering
-/// is uniform. Random numbers depend on the seed and the query's position and direction only, so Sample and PMF see the
-/// same probabilities.
+/// Without a BSDF in the query the surface is a white diffuse one, of both sides if it transmits; in a medium
+/// scattering is uniform. Random numbers depend on the seed and the query's position and direction only, so Sample and
+/// PMF see the same probabilities.
 class OracleLightSampler final : public LightSampler {
   public:
     OracleLightSampler(const LightTable &lights, const OracleParams &params);

@@ -5,7 +5,8 @@ void register_oracle(pbrt::LightSamplerRegistry &registry) {
     using namespace ext;
     LightSamplerRegistry::Entry entry;
     entry.name = "oracle";
-    entry.summary = "measuring instrument, slow: shadow rays to every light at every point give the least noisy choice there is";
+    entry.summary =
+        "measuring instrument, slow: shadow rays to every light at every point give the least noisy choice there is";
     entry.params = DocumentParams<OracleParams>();
     entry.make = [](const LightTable &lights, const ParamSet &params) -> std::unique_ptr<LightSampler> {
         OracleParams p;

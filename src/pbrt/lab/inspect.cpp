@@ -18,7 +18,7 @@ constexpr int kMostSpecular = 64;
 /// One light of the table, or all primitives of an emissive mesh, with a choice among them by power.
 struct Group {
     InspectedLight light;
-    std::vector<double> cdf;     ///< empty for one light
+    std::vector<double> cdf;  ///< empty for one light
     std::vector<double> shares;
 
     LightId Choose(double u, double *share) const {
@@ -101,9 +101,9 @@ std::optional<FirstHit> FindFirstHit(const BuiltScene &built, Point2i pixel) {
 
 /// What is measured of one group at one place.
 struct Measured {
-    double mean = 0;        ///< contribution
-    double second = 0;      ///< second moment of the one-light estimator's part from this group, as the sampler chooses
-    double visible = 0;     ///< share of shadow rays that arrive; none is sent to primitives that face away
+    double mean = 0;     ///< contribution
+    double second = 0;   ///< second moment of the one-light estimator's part from this group, as the sampler chooses
+    double visible = 0;  ///< share of shadow rays that arrive; none is sent to primitives that face away
 };
 
 class Inspector {
@@ -148,18 +148,21 @@ void Inspector::MakeLayers(Inspection &out) {
     std::vector<InspectedValue> values;
     sampler_.Inspect(LightQuery(), values);
     samplerLayers_ = values.size();
-    for (const InspectedValue &v : values) add(Plain("sampler." + v.name), "the sampler's own: " + v.name, 0, 0, v.isId);
+    for (const InspectedValue &v : values)
+        add(Plain("sampler." + v.name), "the sampler's own: " + v.name, 0, 0, v.isId);
     const double bits = std::log2(static_cast<double>(std::max<size_t>(groups_.size(), 2)));
     add("entropy", "entropy of the probabilities of the lights, in bits; a mesh counts as one light", 0, bits);
     add("brightest", "the light that contributes most, by its first id; magenta: none contributes", 0, 0, true);
     add("brightest_probability", "probability of the light that contributes most; magenta: none contributes", 0, 1);
     add("log10_excess",
-        "second moment of the one-light estimator over the least that other probabilities of the lights can reach (the choice "
+        "second moment of the one-light estimator over the least that other probabilities of the lights can reach (the "
+        "choice "
         "inside a mesh as it is), log10; without MIS; magenta: none contributes, or one that does has probability 0",
         0, 2);
     for (size_t g : shown_)
         add(fmt::format("visibility.{}", groups_[g].light.first.value),
-            fmt::format("share of up to {} shadow rays that arrive; {}", settings_.samples, groups_[g].light.label), 0, 1);
+            fmt::format("share of up to {} shadow rays that arrive; {}", settings_.samples, groups_[g].light.label), 0,
+            1);
 }
 
 Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from, const Group &group, Rng &rng,
@@ -248,8 +251,8 @@ Inspection Inspector::Run(Progress &progress) {
 
     const Bounds2i pixels = built_.film->PixelBounds();
     const Point2i resolution = pixels.high - pixels.low;
-    const double perPixel = static_cast<double>(built_.scene->Lights().Size()) +
-                            static_cast<double>(groups_.size()) * settings_.samples;
+    const double perPixel =
+        static_cast<double>(built_.scene->Lights().Size()) + static_cast<double>(groups_.size()) * settings_.samples;
     while (perPixel * resolution.x * resolution.y / (out.stride * out.stride) > settings_.maxWork) ++out.stride;
 
     std::vector<std::string> names;
@@ -290,7 +293,8 @@ Inspection Inspector::Run(Progress &progress) {
                 ++count;
             }
         layer.mean = count ? sum / static_cast<double>(count) : 0;
-        if (layer.shownMost <= layer.shownLeast) layer.shownMost = layer.most > layer.shownLeast ? layer.most : layer.shownLeast + 1;
+        if (layer.shownMost <= layer.shownLeast)
+            layer.shownMost = layer.most > layer.shownLeast ? layer.most : layer.shownLeast + 1;
     }
     return out;
 }

@@ -19,7 +19,7 @@ struct InspectSettings {
 /// One picture: a channel of Inspection::image.
 struct InspectedLayer {
     std::string name, meaning;
-    bool isId = false;     ///< to be shown as colours without order
+    bool isId = false;                     ///< to be shown as colours without order
     double shownLeast = 0, shownMost = 1;  ///< ends of the colour scale
     double least = 0, most = 0, mean = 0;  ///< finite values, over pixels that hit something
 };
@@ -44,8 +44,8 @@ struct Inspection {
 
 /// What `sampler` (prepared) does at what the camera sees first: one ray per pixel, through its centre, the
 /// same for every call. Layers: every value of LightSampler::Inspect; entropy of the pmf over lights; the light that
-/// contributes most, and its probability; second moment of the one-light estimator over the least possible one; measured
-/// visibility of the strongest lights.
+/// contributes most, and its probability; second moment of the one-light estimator over the least possible one;
+/// measured visibility of the strongest lights.
 Inspection InspectLights(const BuiltScene &built, const LightSampler &sampler, const InspectSettings &settings,
                          Progress &progress);
 

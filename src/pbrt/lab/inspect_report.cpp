@@ -26,8 +26,10 @@ nlohmann::ordered_json LayerJson(const InspectedLayer &layer, const std::string 
     json["name"] = layer.name;
     json["file"] = file;
     json["meaning"] = layer.meaning;
-    if (layer.isId) json["colours"] = "one per number, without order";
-    else json["colours"] = {{"darkest", layer.shownLeast}, {"brightest", layer.shownMost}};
+    if (layer.isId)
+        json["colours"] = "one per number, without order";
+    else
+        json["colours"] = {{"darkest", layer.shownLeast}, {"brightest", layer.shownMost}};
     json["least"] = layer.least;
     json["most"] = layer.most;
     json["mean"] = layer.mean;
@@ -43,12 +45,14 @@ void WriteInspection(const Inspection &inspection, const std::string &folder, co
     if (failed) throw UserError(fmt::format("{}: {}.", folder, failed.message()));
 
     nlohmann::ordered_json json = about;
-    json["note"] = "Dark grey: the camera sees nothing there. Magenta: not finite. The bar below a picture runs from the "
-                   "darkest to the brightest colour.";
+    json["note"] =
+        "Dark grey: the camera sees nothing there. Magenta: not finite. The bar below a picture runs from the "
+        "darkest to the brightest colour.";
     json["everyNthPixel"] = inspection.stride;
     json["lights"] = nlohmann::ordered_json::array();
     for (const InspectedLight &light : inspection.lights)
-        json["lights"].push_back({{"first", light.first.value}, {"count", light.count}, {"power", light.power}, {"label", light.label}});
+        json["lights"].push_back(
+            {{"first", light.first.value}, {"count", light.count}, {"power", light.power}, {"label", light.label}});
 
     WriteImage((out / "inspect.exr").string(), inspection.image);
     const Image hit = inspection.image.Select({"hit"});
@@ -82,8 +86,8 @@ int RunInspect(const InspectOptions &options, const LightSamplerRegistry &regist
         throw UserError(fmt::format("Integrator \"{}\" has no light sampler to look into.", built.integratorName));
     if (built.scene->Lights().Size() == 0) throw UserError("The scene has no lights.");
 
-    PrepareContext prepare{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), built.seed,
-                           built.samplesPerPixel, built.maxDepth, progress};
+    PrepareContext prepare{*built.scene, *built.camera,         *built.filter,  built.film->PixelBounds(),
+                           built.seed,   built.samplesPerPixel, built.maxDepth, progress};
     built.integrator->Prepare(prepare);
     if (progress.Cancelled()) return 130;
     Inspection inspection = InspectLights(built, *sampler, options.settings, progress);
@@ -102,10 +106,12 @@ int RunInspect(const InspectOptions &options, const LightSamplerRegistry &regist
     const std::string folder = options.outFolder.empty() ? "inspect-" + built.lightSamplerName : options.outFolder;
     WriteInspection(inspection, folder, about);
 
-    std::printf("%s", inspection.structure.empty() ? "The sampler has no learned structure.\n" : inspection.structure.c_str());
+    std::printf(
+        "%s", inspection.structure.empty() ? "The sampler has no learned structure.\n" : inspection.structure.c_str());
     std::printf("\n%-28s %12s %12s %12s\n", "layer", "least", "mean", "most");
     for (const InspectedLayer &layer : inspection.layers)
-        if (!layer.isId) std::printf("%-28s %12.4g %12.4g %12.4g\n", layer.name.c_str(), layer.least, layer.mean, layer.most);
+        if (!layer.isId)
+            std::printf("%-28s %12.4g %12.4g %12.4g\n", layer.name.c_str(), layer.least, layer.mean, layer.most);
     if (inspection.stride > 1)
         std::printf("%zu lights are many: only every %d-th pixel of rows and columns was looked at.\n",
                     inspection.lights.size(), inspection.stride);

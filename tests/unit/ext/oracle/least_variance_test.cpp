@@ -39,7 +39,8 @@ std::vector<LightPoint> RandomLights(Rng &rng, size_t lights, size_t perLight) {
         Float ratio = std::pow(Float(10), 4 * rng.Uniform() - 3);
         for (size_t i = 0; i < perLight; ++i) {
             LightPoint y;
-            if (rng.Uniform() < seen) y = {strength * (Float(0.5) + rng.Uniform()), findable ? ratio * (Float(0.5) + rng.Uniform()) : 0};
+            if (rng.Uniform() < seen)
+                y = {strength * (Float(0.5) + rng.Uniform()), findable ? ratio * (Float(0.5) + rng.Uniform()) : 0};
             points.push_back(y);
         }
     }

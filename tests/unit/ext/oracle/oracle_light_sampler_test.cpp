@@ -31,7 +31,8 @@ struct World {
     const LightTable &Lights() const { return built.scene->Lights(); }
     void Prepare(LightSampler &sampler) const {
         Progress progress;
-        PrepareContext context{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), 5, 4, 3, progress};
+        PrepareContext context{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), 5, 4, 3,
+                               progress};
         sampler.Prepare(context);
     }
     std::unique_ptr<OracleLightSampler> Oracle(const OracleParams &params) const {
@@ -58,19 +59,21 @@ Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
 )";
 
 std::string Quad(const std::string &corners, const std::string &before = "") {
-    return fmt::format("AttributeBegin\n{}\nShape \"bilinearmesh\" \"point3 P\" [ {} ]\nAttributeEnd\n", before, corners);
+    return fmt::format("AttributeBegin\n{}\nShape \"bilinearmesh\" \"point3 P\" [ {} ]\nAttributeEnd\n", before,
+                       corners);
 }
 /// `side`: half the length of its sides; faces down.
 std::string LampAbove(double x, double y, double z, double side, double radiance) {
-    return Quad(fmt::format("{0} {2} {4}  {0} {3} {4}  {1} {2} {4}  {1} {3} {4}", x - side, x + side, y - side, y + side, z),
-                fmt::format("AreaLightSource \"diffuse\" \"rgb L\" [ {0} {0} {0} ] \"bool twosided\" true", radiance));
+    return Quad(
+        fmt::format("{0} {2} {4}  {0} {3} {4}  {1} {2} {4}  {1} {3} {4}", x - side, x + side, y - side, y + side, z),
+        fmt::format("AreaLightSource \"diffuse\" \"rgb L\" [ {0} {0} {0} ] \"bool twosided\" true", radiance));
 }
 std::string PlateAbove(double x0, double x1, double y0, double y1, double z) {
     return Quad(fmt::format("{0} {2} {4}  {1} {2} {4}  {0} {3} {4}  {1} {3} {4}", x0, x1, y0, y1, z));
 }
 std::string Point(double x, double y, double z, double intensity) {
-    return fmt::format("LightSource \"point\" \"point3 from\" [ {} {} {} ] \"rgb I\" [ {} {} {} ]\n", x, y, z, intensity,
-                       intensity, intensity);
+    return fmt::format("LightSource \"point\" \"point3 from\" [ {} {} {} ] \"rgb I\" [ {} {} {} ]\n", x, y, z,
+                       intensity, intensity, intensity);
 }
 const std::string kFloor = Quad("-5 -5 0  5 -5 0  -5 5 0  5 5 0");
 
@@ -97,7 +100,8 @@ TEST(Oracle, PointLightsAreChosenByWhatTheySend) {
     OracleParams params;
     std::unique_ptr<OracleLightSampler> oracle = world.Oracle(params);
     for (uint32_t l = 0; l < 3; ++l) {
-        double expected = (1 - static_cast<double>(params.floor)) * c[l] / total + static_cast<double>(FloorOf(world, params, OnFloor(), l));
+        double expected = (1 - static_cast<double>(params.floor)) * c[l] / total +
+                          static_cast<double>(FloorOf(world, params, OnFloor(), l));
         EXPECT_NEAR(static_cast<double>(oracle->PMF(OnFloor(), LightId(l))), expected, 1e-4) << l;
     }
 }
@@ -114,7 +118,8 @@ TEST(Oracle, ALightBehindAWallKeepsTheFloorOnly) {
 
 TEST(Oracle, HalfHiddenLightIsChosenByTheRootOfTheHalf) {
     // Two equal lamps; of the second, the plate hides the half beyond x = 1, seen from the origin.
-    World world(kHead + kFloor + LampAbove(-1, 0, 2, 0.02, 10) + LampAbove(1, 0, 2, 0.02, 10) + PlateAbove(0.5, 0.8, -1, 1, 1));
+    World world(kHead + kFloor + LampAbove(-1, 0, 2, 0.02, 10) + LampAbove(1, 0, 2, 0.02, 10) +
+                PlateAbove(0.5, 0.8, -1, 1, 1));
     OracleParams params;
     params.samples = 2048;
     params.floor = 1e-4f;
@@ -163,14 +168,16 @@ TEST(Oracle, RaysAreItsOwnNotTheRenders) {
 }
 
 TEST(Oracle, WhatScattersDecidesEvenInTheSamePlaceOfMemory) {
-    // A metal that reflects towards the left lamp or the right one, by the direction it is seen from; then a diffuse one.
+    // A metal that reflects towards the left lamp or the right one, by the direction it is seen from; then a diffuse
+    // one.
     World world(kHead + kFloor + LampAbove(-1, 0, 1, 0.1, 10) + LampAbove(1, 0, 1, 0.1, 10));
     OracleParams params;
     params.mis = false;
     std::unique_ptr<OracleLightSampler> oracle = world.Oracle(params);
     LightQuery q = OnFloor();
     q.wo = Normalize(Vector3(1, 0, 1));
-    Bsdf bsdf(q.ns, Vector3(1, 0, 0), ConductorBxdf(TrowbridgeReitz(0.1f, 0.1f), SampledSpectrum(0.2f), SampledSpectrum(4)));
+    Bsdf bsdf(q.ns, Vector3(1, 0, 0),
+              ConductorBxdf(TrowbridgeReitz(0.1f, 0.1f), SampledSpectrum(0.2f), SampledSpectrum(4)));
     q.bsdf = &bsdf;
     q.lambda = &Wavelengths();
     EXPECT_GT(oracle->PMF(q, LightId(0u)), 0.95f);
@@ -179,7 +186,8 @@ TEST(Oracle, WhatScattersDecidesEvenInTheSamePlaceOfMemory) {
     q.bsdf = nullptr;
     EXPECT_NEAR(oracle->PMF(q, LightId(0u)), 0.5f, 0.02f);
     q.wo = Normalize(Vector3(-1, 0, 1));
-    bsdf = Bsdf(q.ns, Vector3(1, 0, 0), ConductorBxdf(TrowbridgeReitz(0.1f, 0.1f), SampledSpectrum(0.2f), SampledSpectrum(4)));
+    bsdf = Bsdf(q.ns, Vector3(1, 0, 0),
+                ConductorBxdf(TrowbridgeReitz(0.1f, 0.1f), SampledSpectrum(0.2f), SampledSpectrum(4)));
     q.bsdf = &bsdf;
     EXPECT_LT(oracle->PMF(q, LightId(0u)), 0.05f);
 }
@@ -227,11 +235,12 @@ class OracleAgainst : public testing::TestWithParam<bool> {};
 
 TEST_P(OracleAgainst, NoOtherSamplerHasALowerSecondMoment) {
     const bool mis = GetParam();
-    std::string text = std::string(kHead) + Quad("-5 -5 0  5 -5 0  -5 5 0  5 5 0") +
-                       Quad("-5 3 0  5 3 0  -5 3 4  5 3 4", "Material \"conductor\" \"float roughness\" 0.2") +
-                       PlateAbove(-2, 2, -1, 2, 1) + LampAbove(-1, 0, 2, 0.4, 3) + LampAbove(1.5, 1, 1.5, 0.1, 30) +
-                       LampAbove(2.5, 0, 0.7, 0.05, 60) + LampAbove(0, 1, 0.5, 0.1, 10) + Point(-3, 0, 1, 1) + Point(0, 0, 3, 2) +
-                       "LightSource \"distant\" \"point3 from\" [ 1 -1 2 ] \"point3 to\" [ 0 0 0 ] \"rgb L\" [ .3 .3 .3 ]\n";
+    std::string text =
+        std::string(kHead) + Quad("-5 -5 0  5 -5 0  -5 5 0  5 5 0") +
+        Quad("-5 3 0  5 3 0  -5 3 4  5 3 4", "Material \"conductor\" \"float roughness\" 0.2") +
+        PlateAbove(-2, 2, -1, 2, 1) + LampAbove(-1, 0, 2, 0.4, 3) + LampAbove(1.5, 1, 1.5, 0.1, 30) +
+        LampAbove(2.5, 0, 0.7, 0.05, 60) + LampAbove(0, 1, 0.5, 0.1, 10) + Point(-3, 0, 1, 1) + Point(0, 0, 3, 2) +
+        "LightSource \"distant\" \"point3 from\" [ 1 -1 2 ] \"point3 to\" [ 0 0 0 ] \"rgb L\" [ .3 .3 .3 ]\n";
     World world(text);
     OracleParams params;
     params.mis = mis;
@@ -265,6 +274,7 @@ TEST_P(OracleAgainst, NoOtherSamplerHasALowerSecondMoment) {
         EXPECT_LT(sumOracle / seen, 1.06);
     }
 }
-INSTANTIATE_TEST_SUITE_P(Both, OracleAgainst, testing::Bool(), [](const auto &c) { return c.param ? "WithMis" : "LightSamplingAlone"; });
+INSTANTIATE_TEST_SUITE_P(Both, OracleAgainst, testing::Bool(),
+                         [](const auto &c) { return c.param ? "WithMis" : "LightSamplingAlone"; });
 
 }  // namespace

@@ -79,7 +79,8 @@ TEST_F(Inspect, SeesTheFloorWhereItIs) {
             if (x == 15 || x == 16) continue;  // the wall's upper edge
             ASSERT_EQ(At(look, x, y, "hit"), floor) << x << ' ' << y;
             // One pixel is 1/8 wide.
-            ASSERT_NEAR(At(look, x, y, "sampler.x_place"), floor ? std::abs((x - 15.5) / 8) : 0, std::abs((x - 15.5) / 4) + 1e-3);
+            ASSERT_NEAR(At(look, x, y, "sampler.x_place"), floor ? std::abs((x - 15.5) / 8) : 0,
+                        std::abs((x - 15.5) / 4) + 1e-3);
         }
     ASSERT_EQ(look.layers[0].name, "hit");
     EXPECT_EQ(look.structure, "two cells\n");
@@ -155,7 +156,8 @@ TEST_F(Inspect, TooMuchWorkMeansFewerPixels) {
 }
 
 TEST_F(Inspect, WritesEveryLayerAndSaysWhatItShows) {
-    const std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("pbrt_inspect_{}", getpid());
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / fmt::format("pbrt_inspect_{}", getpid());
     Inspection look = Look();
     WriteInspection(look, folder.string(), {{"sampler", "telltale"}});
     Image layers = ReadImage((folder / "inspect.exr").string()).image;
@@ -172,7 +174,8 @@ TEST_F(Inspect, WritesEveryLayerAndSaysWhatItShows) {
         Image picture = ReadImage((folder / layer["file"].get<std::string>()).string()).image;
         EXPECT_EQ(picture.Resolution().x, 32);
         EXPECT_FALSE(layer["meaning"].get<std::string>().empty());
-        EXPECT_TRUE(layer["colours"].is_string() || layer["colours"]["brightest"] > layer["colours"]["darkest"]) << name;
+        EXPECT_TRUE(layer["colours"].is_string() || layer["colours"]["brightest"] > layer["colours"]["darkest"])
+            << name;
     }
     std::filesystem::remove_all(folder);
 }

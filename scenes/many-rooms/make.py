@@ -4,6 +4,8 @@
     make.py                            200 lights, many-rooms.pbrt beside this script (--check compares)
     make.py --lights N --out FILE      another number of lights; two rooms to five lights; of a large
                                        house the picture shows the middle, ten rooms wide
+    make.py --triangles T --out FILE   lamps of T triangles in all (10 ... 1,000,000), T / 100 meshes from 10,000
+                                       triangles on; every lamp places the same small PLY file
 """
 import argparse
 import math
@@ -14,8 +16,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 from furniture import (armchair, bed, bookcase, chair, cupboard, globe_lamp, plant, round_table, rug, sofa, stool,
                        table)
 from instancing import define, place
-from scenekit import (Mesh, Piece, Random, Scene, beveled_box, box, coated, cylinder, diffuse, lathe, quad,
-                      sphere, tube, wall)
+from scenekit import (Mesh, Piece, Random, Scene, beveled_box, box, coated, cylinder, diffuse, lathe, number, numbers,
+                      ply, quad, sphere, tube, wall)
 
 WALL, HEIGHT = .14, 2.3
 LIGHTS = 200
@@ -29,6 +31,41 @@ def octahedron(radius):
 
 def bulb_mesh(radius, k):
     return octahedron(radius) if k == 0 else sphere(radius, k - 1, smooth=False)  # 8, 20 or 80 triangles
+
+
+def bulb_of(triangles):
+    """A bulb of radius 1 made of so many triangles: 2, 10, 20 or 100."""
+    if triangles == 2:
+        return quad((-1, -1, 0), (-1, 1, 0), (1, 1, 0), (1, -1, 0))  # a panel that shines downwards
+    rings = {10: 1, 20: 2, 100: 5}[triangles]
+    angles = [math.pi * (k / (rings + 1) - .5) for k in range(rings + 2)]
+    profile = [(0 if k in (0, rings + 1) else math.cos(a), math.sin(a)) for k, a in enumerate(angles)]
+    body = lathe(profile, triangles // (2 * rings))
+    return Mesh(body.vertices, body.faces)
+
+
+def split_triangles(triangles):
+    """How many lamps of how many triangles: small scenes have several lamps, large ones a hundred triangles a lamp."""
+    each = 2 if triangles < 100 else 10 if triangles < 1000 else 20 if triangles < 10000 else 100
+    return max(1, round(triangles / each)), each
+
+
+class SharedBulb:
+    """One PLY file that all lamps place."""
+
+    def __init__(self, triangles):
+        self.mesh, self.triangles = bulb_of(triangles), triangles
+        self.area = self.mesh.area()
+
+    def light(self, scene, radius, at, watts, kelvin, label):
+        scene._use("bulb-glass")
+        scene.lights += 1
+        file = f"{scene.name}-bulb-{self.triangles}.ply"
+        scene.files.setdefault(file, ply(self.mesh))
+        scene.raw(f'AttributeBegin Translate {numbers(at)} Scale {numbers((radius,) * 3)} # {label}\n'
+                  f'AreaLightSource "diffuse" "blackbody L" {number(kelvin)} '
+                  f'"float scale" {number(watts / (math.pi * self.area * radius * radius), 3)}\n'
+                  f'NamedMaterial "bulb-glass" Shape "plymesh" "string filename" "{file}" AttributeEnd')
 
 
 # ---- furniture; every entry: name -> (footprint width, depth, piece). Backs are at +y.
@@ -299,7 +336,7 @@ def furnish(room, kind, random, scene, used):
     return tops
 
 
-def lamp(scene, random, room, tops, used):
+def lamp(scene, random, room, tops, used, bulb):
     """One small mesh light: on a piece of furniture, as a floor lamp, or on a wall."""
     mesh_kind = random.integer(3)
     kelvin = random.pick((2300, 2500, 2700, 2700, 2700, 3000, 3000, 3600, 5000, 7000))
@@ -337,7 +374,10 @@ def lamp(scene, random, room, tops, used):
                                       ("paint-black", lathe([(.04, 0), (.04, .01), (0, .012)], 16).turn(90, "x"))))
         place(scene, name, x, y, z, turn)
     room.lamps.append(at[:2])
-    scene.light(bulb_mesh(radius, mesh_kind).at(*at), watts, kelvin, name)
+    if bulb:
+        bulb.light(scene, radius, at, watts, kelvin, name)
+    else:
+        scene.light(bulb_mesh(radius, mesh_kind).at(*at), watts, kelvin, name)
 
 
 def fit_camera(scene, maze, fov, aspect):
@@ -378,10 +418,11 @@ def fit_camera(scene, maze, fov, aspect):
     scene.camera(tuple(target[k] + distance * back[k] for k in range(3)), tuple(target), fov)
 
 
-def make(lights):
+def make(lights, bulb=None):
+    """`bulb`: what all lamps place; none: a mesh of its own for every lamp."""
     random = Random(2023)
-    scene = Scene("many-rooms", f"A maze of furnished rooms without roofs, {lights} small lamps of 8, 20 or 80"
-                  " triangles: walls hide nearly every lamp from nearly every point.",
+    scene = Scene("many-rooms", f"A maze of furnished rooms without roofs, {lights} small lamps of "
+                  f"{bulb.triangles if bulb else '8, 20 or 80'} triangles: walls hide nearly every lamp from nearly every point.",
                   maxdepth=5, iso=320, whitebalance=3700)
     for name, text in {"water": coated(.3, .45, .5, .01), "paint-cream": diffuse(.72, .66, .52),
                        "worktop": coated(.12, .12, .13, .1),
@@ -434,7 +475,7 @@ def make(lights):
             scene.raw(f"\n# {kind} in column {i + 1}, row {j + 1}")
             tops = furnish(room, kind, random, scene, used)
             for _ in range(wanted[j * maze.columns + i]):
-                lamp(scene, random, room, tops, used)
+                lamp(scene, random, room, tops, used, bulb)
     for material, rectangles in floors.items():
         scene.add(Piece(*[(material, quad((x0, y0, .004), (x1, y0, .004), (x1, y1, .004), (x0, y1, .004)))
                           for x0, y0, x1, y1 in rectangles]), f"floors: {material}")
@@ -444,19 +485,23 @@ def make(lights):
 if __name__ == "__main__":
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--lights", type=int, default=LIGHTS, help="how many mesh lights (default 200)")
-    arguments.add_argument("--out", type=pathlib.Path, help="where to write; needed with --lights")
+    arguments.add_argument("--triangles", type=int, help="how many triangles all lamps have together")
+    arguments.add_argument("--out", type=pathlib.Path, help="where to write; needed with --lights and --triangles")
     arguments.add_argument("--check", action="store_true", help="compare with the committed file")
     options = arguments.parse_args()
+    if options.triangles is not None and not 2 <= options.triangles <= 1000000:
+        arguments.error("--triangles: 2 to 1,000,000")
     if options.lights < 1:
         arguments.error("--lights: at least 1")
     if options.out:
-        made = make(options.lights)
+        lamps, each = split_triangles(options.triangles) if options.triangles else (options.lights, 0)
+        made = make(lamps, SharedBulb(each) if each else None)
         if made.files:
             for file, data in made.files.items():
                 (options.out.parent / file).write_bytes(data)
         options.out.write_text(made.text())
-        print(f"{options.out}: {made.lights} lights")
-    elif options.lights != LIGHTS:
-        arguments.error("--lights needs --out")
+        print(f"{options.out}: {made.lights} lights" + (f", {made.lights * each} triangles" if each else ""))
+    elif options.lights != LIGHTS or options.triangles:
+        arguments.error("--lights and --triangles need --out")
     else:
         make(LIGHTS).main(__file__)

@@ -1,0 +1,135 @@
+// Cost of choosing a light in a real scene: seconds and bytes to build each sampler, nanoseconds per Sample() and per
+// PMF() of the light it chose, on one thread, over the vertices of camera paths in the order a render meets them.
+//
+//   bench_scene_select scene.pbrt sampler [sampler ...]      sampler: name[:key=value,...]
+//
+// Prints JSON. Used by docs/measured/scaling.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+
+#include "ext/prepass/prepass.h"
+#include "pbrt/build/built_scene.h"
+#include "pbrt/core/error.h"
+#include "pbrt/math/rng.h"
+#include "pbrt/scenefile/parser.h"
+#include "plugins.h"
+
+namespace pbrt {
+namespace {
+
+double Now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+LightQuery QueryAt(const ext::PrepassVertex &v) {
+    LightQuery q;
+    q.p = v.at.p;
+    q.wo = v.wo;
+    q.n = v.at.n;
+    q.ns = v.at.ns;
+    q.transmits = v.transmits;
+    q.time = v.at.time;
+    q.pError = v.at.pError;
+    return q;
+}
+
+/// The fastest of passes over all queries that together take about a third of a second, at least three.
+template <class Body>
+double NanosecondsPerQuery(size_t queries, Body &&body) {
+    double best = Infinity, spent = 0;
+    for (int pass = 0; pass < 3 || spent < 0.3; ++pass) {
+        const double start = Now();
+        for (size_t i = 0; i < queries; ++i) body(i);
+        const double seconds = Now() - start;
+        spent += seconds;
+        best = std::min(best, seconds);
+    }
+    return best / static_cast<double>(queries) * 1e9;
+}
+
+nlohmann::ordered_json Measure(const BuiltScene &built, const std::string &name, std::span<const LightQuery> queries) {
+    nlohmann::ordered_json out;
+    LightChoice choice;
+    choice.lightSampler = name;
+    const double start = Now();
+    BuiltIntegrator made = built.makeIntegrator(choice);
+    const double madeAt = Now();
+    Progress progress;
+    PrepareContext context{*built.scene,   *built.camera,         *built.filter,  built.film->PixelBounds(),
+                           built.seed,     built.samplesPerPixel, built.maxDepth, progress};
+    made.integrator->Prepare(context);
+    out["makeSeconds"] = madeAt - start;
+    out["prepareSeconds"] = Now() - madeAt;
+
+    const LightSampler *lights = made.integrator->Lights();
+    PBRT_CHECK(lights);
+    std::vector<SampledLight> chosen(queries.size());
+    std::vector<Float> numbers(queries.size());
+    Rng rng(7);
+    for (Float &u : numbers) u = rng.Uniform();
+    out["sampleNanoseconds"] = NanosecondsPerQuery(queries.size(), [&](size_t i) {
+        chosen[i] = lights->Sample(queries[i], numbers[i]).value_or(SampledLight{});
+    });
+    // Where nothing was chosen there is nothing to ask about.
+    std::vector<size_t> some;
+    for (size_t i = 0; i < chosen.size(); ++i)
+        if (chosen[i].pmf > 0) some.push_back(i);
+    double wrong = 0;
+    if (!some.empty())
+        out["pmfNanoseconds"] = NanosecondsPerQuery(some.size(), [&](size_t i) {
+            const size_t k = some[i];
+            wrong += lights->PMF(queries[k], chosen[k].light) == chosen[k].pmf ? 0 : 1;
+        });
+    out["pmfDiffers"] = wrong;
+    out["chosenShare"] = static_cast<double>(some.size()) / static_cast<double>(std::max<size_t>(1, queries.size()));
+    nlohmann::ordered_json report;
+    lights->Report(report);
+    out["report"] = report;
+    return out;
+}
+
+int Run(int argc, char **argv) {
+    if (argc < 3) {
+        std::fprintf(stderr, "bench_scene_select scene.pbrt sampler [sampler ...]\n");
+        return 1;
+    }
+    DiagnosticSink sink;
+    SceneDescription description = ParseSceneFiles({argv[1]}, sink);
+    sink.ThrowIfErrors();
+    LightSamplerRegistry registry;
+    RegisterPlugins(registry);
+    BuildOptions options;
+    options.film.filename = "bench.exr";  // never written
+    options.lightSampler = "uniform";
+    Progress progress;
+    const double start = Now();
+    BuiltScene built = BuildScene(description, options, registry, sink, progress);
+    nlohmann::ordered_json out;
+    out["sceneSeconds"] = Now() - start;
+    out["lights"] = built.scene->Lights().Size();
+
+    PrepareContext context{*built.scene, *built.camera, *built.filter,  built.film->PixelBounds(),
+                           12345,        1,             built.maxDepth, progress};
+    constexpr double kPaths = 10000;
+    const auto pixels = static_cast<double>(built.film->PixelBounds().Area());
+    std::vector<LightQuery> queries;
+    for (const ext::PrepassVertex &v : ext::TracePrepassPaths(context, std::min(1.0, kPaths / pixels), 3))
+        queries.push_back(QueryAt(v));
+    out["queries"] = queries.size();
+    for (int i = 2; i < argc; ++i) out["samplers"][argv[i]] = Measure(built, argv[i], queries);
+    std::printf("%s\n", out.dump(2).c_str());
+    return 0;
+}
+
+}  // namespace
+}  // namespace pbrt
+
+int main(int argc, char **argv) {
+    try {
+        return pbrt::Run(argc, argv);
+    } catch (const std::exception &e) {
+        std::fprintf(stderr, "%s\n", e.what());
+        return 1;
+    }
+}

@@ -25,25 +25,45 @@ void FindMoments(const Light &light, Emitter *e) {
     if (e->isDelta && e->m0 > 0) e->m1 = Normalize(e->m1);
 }
 
-/// The mean clamped cosine over an emitter whose directions' cosines lie between c - s and c + s (see G).
-template <class Ops, class F = typename Ops::F>
-F MeanCosine(const F &c, const F &s) {
-    F above = Ops::Most(c + s, F(0));
-    F straddling = above * above / (F(4) * Ops::Most(s, F(1e-6f)));
-    return Ops::Select(c >= s, c, straddling);
-}
-
 /// The normal of the side the receiver is seen from; zero in a medium.
 Normal3 ReceiverNormal(const LightQuery &query) {
     if (query.ns == Normal3(0)) return Normal3(0);
     return Dot(query.wo, query.ns) < 0 ? -query.ns : query.ns;
 }
 
-using Field = Float (EmitterPacket::*)[EmitterPacket::kLanes];
-constexpr std::array<Field, 12> kFields = {
-    &EmitterPacket::centerX, &EmitterPacket::centerY,   &EmitterPacket::centerZ, &EmitterPacket::radius2,
-    &EmitterPacket::axisX,   &EmitterPacket::axisY,     &EmitterPacket::axisZ,   &EmitterPacket::intensity,
-    &EmitterPacket::cosO,    &EmitterPacket::sinO,      &EmitterPacket::cosE,    &EmitterPacket::twoSided};
+using Ops = SimdOps<EmitterPacket::kLanes>;
+using F = Ops::F;
+F Load(const Float *v) { return F(v, std::experimental::vector_aligned); }
+
+/// The mean clamped cosine over an emitter whose directions' cosines lie between c - s and c + s (see G), with c and s
+/// times the distance.
+[[gnu::always_inline]] inline F MeanCosine(const F &c, const F &s, const F &quarterInvS) {
+    F above = Ops::Most(c + s, F(0));
+    return Ops::Select(c >= s, c, above * above * quarterInvS);
+}
+
+/// Squared sine of a thousandth of a radian: a margin for the rounding of directions (as in LightBounds).
+constexpr Float kSlack = 1e-6f;
+/// So that sums stay finite.
+constexpr Float kMostArriving = 1e36f;
+
+/// Emission: the cosine of the angle by which the direction leaves the cone of normals. The falloff may end before or
+/// after the horizon (spot lights): then that cosine is not what limits it. `c`: of the direction and the axis. All
+/// cosines and sines times the distance d; a product of two of them times d2.
+[[gnu::always_inline]] inline F Emission(const EmitterPacket &e, const F &c, const F &d2, const F &s, const F &quarterInvS) {
+    const F d = Ops::Root(d2), cosO = Load(e.cosO), sinO = Load(e.sinO), cosE = Load(e.cosE);
+    F sinAxis = Ops::Root(Ops::Most(d2 - c * c, F(0)));
+    auto within = c > cosO * d;
+    F beyond = Ops::Select(cosO == F(1), c, Ops::Select(within, d, Ops::Least(c * cosO + sinAxis * sinO, d)));
+    F mean = MeanCosine(beyond, s, quarterInvS);
+    if (!e.someCut) return mean;
+    F sinBeyond = Ops::Select(within, F(0), sinAxis * cosO - c * sinO);
+    // The sphere's nearest direction: its half angle less.
+    F cosExtent = Ops::Root(Ops::Most(d2 - s * s, F(0)));
+    auto inCone = beyond > cosExtent || beyond * cosExtent + sinBeyond * s > cosE * d2;
+    F cut = Ops::Select(inCone, Ops::Most(mean, F(1e-3f) * d), F(0));
+    return Ops::Select(cosE == F(0), mean, cut);
+}
 
 }  // namespace
 
@@ -92,49 +112,106 @@ void EmitterPacket::Set(size_t lane, const Emitter &e) {
     axisZ[lane] = s.w.z;
     Float shown = e.isArea ? (1 + 3 * (1 + s.cosTheta_o) / 2) / 4 : Float(1);
     intensity[lane] = std::clamp(e.intensity * shown, Float(1e-30f), Float(1e30f));
-    cosO[lane] = s.cosTheta_o;
-    sinO[lane] = SafeSqrt(1 - Sqr(s.cosTheta_o));
+    inside[lane] = std::min(intensity[lane] / std::max(radius2[lane], Float(1e-30f)), kMostArriving) / 4;
+    side[lane] = s.twoSided ? -1 : 1;
+    // Normals that differ by rounding only are one normal (kSlack is larger).
+    const bool isFlat = s.cosTheta_o > 1 - 2e-7f;
+    cosO[lane] = isFlat ? 1 : s.cosTheta_o;
+    sinO[lane] = isFlat ? 0 : SafeSqrt(1 - Sqr(s.cosTheta_o));
     cosE[lane] = s.cosTheta_e;
-    twoSided[lane] = s.twoSided ? 1 : 0;
+    someCurved |= !isFlat;
+    someCut |= s.cosTheta_e != 0;
 }
 
-void EmitterPacket::CopyLane(size_t lane, const EmitterPacket &from, size_t fromLane) {
-    for (Field f : kFields) (this->*f)[lane] = (from.*f)[fromLane];
-}
+// Compiled once, so that all uses get the same bits. The distance d is never divided by: with v = d w every cosine comes
+// as d times itself, and G = I (d C) (d C) / d^4.
+[[gnu::noinline]] Float EmitterPacket::EvaluateAll(const EmitterPacket *packets, size_t count, const LightQuery &query, Float *out) {
+    const F px(query.p.x), py(query.p.y), pz(query.p.z);
+    const Normal3 n = ReceiverNormal(query);
+    const bool inMedium = n == Normal3(0);
+    const F nx(n.x), ny(n.y), nz(n.z), otherSide(query.transmits ? Float(-1) : Float(1));
+    F sum(0);
+    for (size_t i = 0; i < count; ++i) {
+        const EmitterPacket &e = packets[i];
+        const F vx = Load(e.centerX) - px, vy = Load(e.centerY) - py, vz = Load(e.centerZ) - pz;
+        const F d2 = Ops::Most(vx * vx + vy * vy + vz * vz, F(1e-30f)), r2 = Load(e.radius2);
+        const F invD2 = F(1) / d2;
+        const F s = Ops::Root(r2 + F(kSlack) * d2), quarterInvS = F(0.25f) / s;
 
-// Compiled once, so that all uses get the same bits.
-[[gnu::noinline]] void EmitterPacket::Evaluate(const LightQuery &query, Float *out) const {
-    using Ops = SimdOps<kLanes>;
-    using F = typename Ops::F;
-    auto load = [](const Float *v) { return F(v, std::experimental::element_aligned); };
-    // Squared sine of a thousandth of a radian: a margin for the rounding of directions (as in LightBounds).
-    constexpr Float kSlack = 1e-6f;
-
-    F vx = load(centerX) - F(query.p.x), vy = load(centerY) - F(query.p.y), vz = load(centerZ) - F(query.p.z);
-    F d2 = Ops::Most(vx * vx + vy * vy + vz * vz, F(1e-30f)), r2 = load(radius2);
-    F inv = F(1) / Ops::Root(d2);
-    F sin2 = Ops::Least(r2 * inv * inv + F(kSlack), F(1));
-    F s = Ops::Root(sin2);
-
-    // Emission: the cosine of the angle by which the direction leaves the cone of normals. The falloff may end before or
-    // after the horizon (spot lights, wide cones): then that cosine is not what limits it.
-    F cosAxis = -(load(axisX) * vx + load(axisY) * vy + load(axisZ) * vz) * inv;
-    cosAxis = Ops::Most(Ops::Least(cosAxis, F(1)), F(-1));
-    cosAxis = Ops::Select(load(twoSided) != F(0), Ops::Abs(cosAxis), cosAxis);
-    detail::CosSin<F> beyond = detail::SubtractAngles<Ops>(detail::FromCosine<Ops>(cosAxis), {load(cosO), load(sinO)});
-    detail::CosSin<F> nearest = detail::SubtractAngles<Ops>(beyond, {Ops::Root(F(1) - sin2), s});
-    F emission = Ops::Select(nearest.cos > load(cosE), Ops::Most(MeanCosine<Ops>(beyond.cos, s), F(1e-3f)), F(0));
-
-    F arriving = Ops::Least(load(intensity) / Ops::Most(d2, r2), F(1e36f));
-    Normal3 n = ReceiverNormal(query);
-    F receiver(1);
-    if (n != Normal3(0)) {
-        F c = (F(n.x) * vx + F(n.y) * vy + F(n.z) * vz) * inv;
-        if (query.transmits) c = Ops::Abs(c);
-        receiver = MeanCosine<Ops>(c, s);
+        F c = -(Load(e.axisX) * vx + Load(e.axisY) * vy + Load(e.axisZ) * vz);
+        c = Ops::Most(c, c * Load(e.side));
+        F emission = e.someCurved || e.someCut ? Emission(e, c, d2, s, quarterInvS) : MeanCosine(c, s, quarterInvS);
+        F receiver;
+        if (inMedium) {
+            receiver = Ops::Root(d2);
+        } else {
+            F r = nx * vx + ny * vy + nz * vz;
+            receiver = MeanCosine(Ops::Most(r, r * otherSide), s, quarterInvS);
+        }
+        F arriving = Ops::Least(Load(e.intensity) * invD2, F(kMostArriving));
+        F value = Ops::Select(d2 <= r2, Load(e.inside), arriving * (emission * receiver * invD2));
+        value.copy_to(out + i * kLanes, std::experimental::element_aligned);
+        sum += value;
     }
-    F value = arriving * Ops::Select(d2 <= r2, F(0.25f), emission * receiver);
-    value.copy_to(out, std::experimental::element_aligned);
+    return std::experimental::reduce(sum);
+}
+
+EmitterRow::EmitterRow(const EmitterPacket &p, size_t lane)
+    : field{p.centerX[lane], p.centerY[lane], p.centerZ[lane], p.radius2[lane],
+            p.axisX[lane],   p.axisY[lane],   p.axisZ[lane],   p.intensity[lane],
+            p.inside[lane],  p.side[lane],    p.cosO[lane],    p.sinO[lane],
+            p.cosE[lane],    p.someCurved && p.cosO[lane] != 1 ? Float(1) : Float(0),
+            p.someCut && p.cosE[lane] != 0 ? Float(1) : Float(0)} {}
+
+namespace {
+
+using Eight = Float __attribute__((vector_size(32)));
+using EightInts = int __attribute__((vector_size(32)));
+
+/// v[i][k] becomes v[k][i].
+[[gnu::always_inline]] inline void Transpose(Eight v[8]) {
+    constexpr EightInts kPairLow = {0, 8, 1, 9, 4, 12, 5, 13}, kPairHigh = {2, 10, 3, 11, 6, 14, 7, 15};
+    constexpr EightInts kTwoLow = {0, 1, 8, 9, 4, 5, 12, 13}, kTwoHigh = {2, 3, 10, 11, 6, 7, 14, 15};
+    constexpr EightInts kFourLow = {0, 1, 2, 3, 8, 9, 10, 11}, kFourHigh = {4, 5, 6, 7, 12, 13, 14, 15};
+    Eight a[8], b[8];
+    for (int i = 0; i < 4; ++i) {
+        a[2 * i] = __builtin_shuffle(v[2 * i], v[2 * i + 1], kPairLow);
+        a[2 * i + 1] = __builtin_shuffle(v[2 * i], v[2 * i + 1], kPairHigh);
+    }
+    for (int i = 0; i < 8; i += 4)
+        for (int k = 0; k < 2; ++k) {
+            b[i + 2 * k] = __builtin_shuffle(a[i + k], a[i + k + 2], kTwoLow);
+            b[i + 2 * k + 1] = __builtin_shuffle(a[i + k], a[i + k + 2], kTwoHigh);
+        }
+    for (int i = 0; i < 4; ++i) {
+        v[i] = __builtin_shuffle(b[i], b[i + 4], kFourLow);
+        v[i + 4] = __builtin_shuffle(b[i], b[i + 4], kFourHigh);
+    }
+}
+
+}  // namespace
+
+void Gather(const EmitterRow *rows, const uint32_t *names, size_t count, EmitterPacket *packet) {
+    static const EmitterRow nothing;
+    Eight low[8], high[8];
+    for (size_t i = 0; i < 8; ++i) {
+        const EmitterRow &row = i < count ? rows[names[i]] : nothing;
+        low[i] = *reinterpret_cast<const Eight *>(row.field);
+        high[i] = *reinterpret_cast<const Eight *>(row.field + 8);
+    }
+    Transpose(low);
+    Transpose(high);
+    Float *const to[13] = {packet->centerX, packet->centerY, packet->centerZ, packet->radius2, packet->axisX,
+                           packet->axisY,   packet->axisZ,   packet->intensity, packet->inside, packet->side,
+                           packet->cosO,    packet->sinO,    packet->cosE};
+    for (size_t f = 0; f < 13; ++f) *reinterpret_cast<Eight *>(to[f]) = f < 8 ? low[f] : high[f - 8];
+    auto any = [](const Eight &v) {
+        Float most = 0;
+        for (int i = 0; i < 8; ++i) most = std::max(most, v[i]);
+        return most > 0;
+    };
+    packet->someCurved = any(high[5]);
+    packet->someCut = any(high[6]);
 }
 
 Float EvaluateFar(const Emitter &far, const LightQuery &query) {

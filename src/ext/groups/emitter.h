@@ -46,13 +46,29 @@ struct alignas(32) EmitterPacket {
     Float centerX[kLanes] = {}, centerY[kLanes] = {}, centerZ[kLanes] = {}, radius2[kLanes] = {};
     Float axisX[kLanes] = {}, axisY[kLanes] = {}, axisZ[kLanes] = {};
     Float intensity[kLanes] = {};  ///< 0: nothing here
-    Float cosO[kLanes] = {}, sinO[kLanes] = {}, cosE[kLanes] = {}, twoSided[kLanes] = {};
+    Float inside[kLanes] = {};     ///< G within the sphere
+    Float side[kLanes] = {};       ///< 1: one-sided, -1: two-sided
+    Float cosO[kLanes] = {}, sinO[kLanes] = {}, cosE[kLanes] = {};
+    /// Some lane shines beyond a half-space (cosO is not 1), or not to the horizon (cosE is not 0). Else those are not read.
+    bool someCurved = false, someCut = false;
 
     void Set(size_t lane, const Emitter &emitter);
-    void CopyLane(size_t lane, const EmitterPacket &from, size_t fromLane);
-    /// The same bits wherever it is called.
-    void Evaluate(const LightQuery &query, Float *out) const;
+    Point3 Center(size_t lane) const { return {centerX[lane], centerY[lane], centerZ[lane]}; }
+    /// The same bits wherever it is called, whatever is in the other lanes.
+    void Evaluate(const LightQuery &query, Float *out) const { EvaluateAll(this, 1, query, out); }
+    /// Packets in a row; returns the sum of all G.
+    static Float EvaluateAll(const EmitterPacket *packets, size_t count, const LightQuery &query, Float *out);
 };
+
+/// One lane of a packet in one cache line.
+struct alignas(64) EmitterRow {
+    Float field[16] = {};
+
+    EmitterRow() = default;
+    EmitterRow(const EmitterPacket &packet, size_t lane);
+};
+/// The packet of up to eight rows.
+void Gather(const EmitterRow *rows, const uint32_t *names, size_t count, EmitterPacket *packet);
 
 /// G of a far light.
 Float EvaluateFar(const Emitter &far, const LightQuery &query);

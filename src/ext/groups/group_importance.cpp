@@ -9,6 +9,8 @@ GroupImportance::GroupImportance(std::span<const Emitter> emitters) : packets_((
         if (emitters[i].isFar) far_.push_back({i, emitters[i]});
         else packets_[i / kLanes].Set(i % kLanes, emitters[i]);
     }
+    rows_.reserve(size_);
+    for (size_t i = 0; i < size_; ++i) rows_.emplace_back(packets_[i / kLanes], i % kLanes);
 }
 
 std::vector<Emitter> GroupImportance::EmittersOf(const LightTable &lights, const MeshGroups &groups) {
@@ -31,28 +33,25 @@ const GroupImportance::FarLight *GroupImportance::FindFar(uint32_t emitter) cons
 }
 
 Float GroupImportance::Evaluate(const LightQuery &query, std::span<Float> out) const {
-    for (size_t i = 0; i < packets_.size(); ++i) packets_[i].Evaluate(query, out.data() + i * kLanes);
-    for (const FarLight &far : far_) out[far.index] = EvaluateFar(far.emitter, query);
-    Float sum = 0;
-    for (size_t i = 0; i < size_; ++i) sum += out[i];
+    Float sum = EmitterPacket::EvaluateAll(packets_.data(), packets_.size(), query, out.data());
+    for (const FarLight &far : far_) sum += out[far.index] = EvaluateFar(far.emitter, query);
     return sum;
 }
 
 Float GroupImportance::EvaluateSome(const LightQuery &query, std::span<const uint32_t> names, std::span<Float> out) const {
+    Float sum = 0;
     for (size_t begin = 0; begin < names.size(); begin += kLanes) {
         const size_t count = std::min<size_t>(kLanes, names.size() - begin);
         EmitterPacket gathered;
-        for (size_t i = 0; i < count; ++i) gathered.CopyLane(i, packets_[names[begin + i] / kLanes], names[begin + i] % kLanes);
+        Gather(rows_.data(), names.data() + begin, count, &gathered);
         Float g[kLanes];
-        gathered.Evaluate(query, g);
+        sum += EmitterPacket::EvaluateAll(&gathered, 1, query, g);
         std::copy(g, g + count, out.begin() + static_cast<std::ptrdiff_t>(begin));
     }
     for (const FarLight &far : far_) {
         auto it = std::lower_bound(names.begin(), names.end(), far.index);
-        if (it != names.end() && *it == far.index) out[static_cast<size_t>(it - names.begin())] = EvaluateFar(far.emitter, query);
+        if (it != names.end() && *it == far.index) sum += out[static_cast<size_t>(it - names.begin())] = EvaluateFar(far.emitter, query);
     }
-    Float sum = 0;
-    for (size_t i = 0; i < names.size(); ++i) sum += out[i];
     return sum;
 }
 
@@ -65,9 +64,7 @@ Float GroupImportance::Of(const LightQuery &query, uint32_t emitter) const {
 
 Vector3 GroupImportance::DirectionTo(const Point3 &p, uint32_t emitter) const {
     if (const FarLight *far = FindFar(emitter)) return far->emitter.isDelta ? far->emitter.m1 : Vector3(0);
-    const EmitterPacket &packet = packets_[emitter / kLanes];
-    const size_t lane = emitter % kLanes;
-    Vector3 v = Point3(packet.centerX[lane], packet.centerY[lane], packet.centerZ[lane]) - p;
+    Vector3 v = packets_[emitter / kLanes].Center(emitter % kLanes) - p;
     Float length = Length(v);
     return length > 0 ? v / length : Vector3(0);
 }

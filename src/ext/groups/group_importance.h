@@ -30,7 +30,9 @@ class GroupImportance {
     Float Of(const LightQuery &query, uint32_t emitter) const;
     /// Unit vector to the middle of an emitter; zero for lights without one (skies).
     Vector3 DirectionTo(const Point3 &p, uint32_t emitter) const;
-    size_t Bytes() const { return packets_.capacity() * sizeof(EmitterPacket) + far_.capacity() * sizeof(FarLight); }
+    size_t Bytes() const {
+        return packets_.capacity() * sizeof(EmitterPacket) + rows_.capacity() * sizeof(EmitterRow) + far_.capacity() * sizeof(FarLight);
+    }
 
   private:
     struct FarLight {
@@ -40,6 +42,7 @@ class GroupImportance {
     const FarLight *FindFar(uint32_t emitter) const;
 
     std::vector<EmitterPacket> packets_;
+    std::vector<EmitterRow> rows_;  ///< the same, for EvaluateSome: a named emitter is one cache line
     std::vector<FarLight> far_;
     size_t size_ = 0;
 };

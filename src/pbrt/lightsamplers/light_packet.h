@@ -5,20 +5,21 @@
 
 namespace pbrt {
 
-/// detail::ScalarOps for N lights at once, in the vector registers of the machine.
+/// detail::ScalarOps for N lights at once, in the vector registers of the machine. Each is one or two instructions; as
+/// calls they would cost every register that is in use.
 template <int N>
 struct SimdOps {
     using F = std::experimental::simd<Float, std::experimental::simd_abi::deduce_t<Float, N>>;
     using Mask = typename F::mask_type;
-    static F Least(const F &a, const F &b) { return std::experimental::min(a, b); }
-    static F Most(const F &a, const F &b) { return std::experimental::max(a, b); }
-    static F Select(const Mask &c, const F &ifTrue, const F &ifFalse) {
+    [[gnu::always_inline]] static F Least(const F &a, const F &b) { return std::experimental::min(a, b); }
+    [[gnu::always_inline]] static F Most(const F &a, const F &b) { return std::experimental::max(a, b); }
+    [[gnu::always_inline]] static F Select(const Mask &c, const F &ifTrue, const F &ifFalse) {
         F r = ifFalse;
         std::experimental::where(c, r) = ifTrue;
         return r;
     }
-    static F Root(const F &a) { return std::experimental::sqrt(a); }
-    static F Abs(const F &a) { return std::experimental::abs(a); }
+    [[gnu::always_inline]] static F Root(const F &a) { return std::experimental::sqrt(a); }
+    [[gnu::always_inline]] static F Abs(const F &a) { return std::experimental::abs(a); }
 };
 
 /// N lights side by side, their importances computed together. Lanes never set have none.

@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <array>
 
+#include "pbrt/core/parallel.h"
+
 namespace ext {
 
 namespace {
+
+/// From this many emitters on, the children of a node are built as tasks of their own.
+constexpr size_t kManyItems = 4096;
 
 /// Place and direction as one vector: places relative to the cloud's size, directions weighted so that opposite ones are
 /// as different as opposite ends.
@@ -17,118 +22,182 @@ Feature FeatureOf(const Emitter &e, const Point3 &center, Float invSize) {
     return {place.x, place.y, place.z, w.x, w.y, w.z};
 }
 
-struct Cluster {
-    size_t begin = 0, end = 0;
-    double spread = 0;  ///< sum of weighted squared distances from the mean, along the widest axis
-    int axis = 0;
-};
-
 }  // namespace
 
-EmitterTree::EmitterTree(std::span<const Emitter> emitters) : places_(emitters.size()) {
-    std::vector<uint32_t> items, far;
-    for (uint32_t i = 0; i < emitters.size(); ++i) {
-        if (emitters[i].isFar) far.push_back(i);
-        else if (emitters[i].bounds) items.push_back(i);
-    }
-    if (items.empty() && far.empty()) return;
-    // The root leaves room for far lights; if there are very many of them it is simply wider.
-    Build(items, emitters, 0, 0, 0);
-    Node &root = nodes_[0];
-    // Far lights follow the root's other children, which were made last and so stand at the end of the array.
-    root.farCount = static_cast<uint32_t>(far.size());
-    for (uint32_t i = 0; i < far.size(); ++i) {
-        far_.push_back(emitters[far[i]]);
-        places_[far[i]] = {0, root.count + i};
-        children_.push_back(kLeaf | far[i]);
-    }
-}
+struct EmitterTree::Item {
+    uint32_t emitter = 0;
+    Float weight = 0;
+    Feature feature{};
+};
 
-uint32_t EmitterTree::Build(std::span<uint32_t> items, std::span<const Emitter> emitters, uint32_t parent, uint32_t slot, int depth) {
-    const auto index = static_cast<uint32_t>(nodes_.size());
-    nodes_.emplace_back();
-    nodes_[index].parent = parent;
-    nodes_[index].slot = slot;
-    depth_ = std::max(depth_, depth + 1);
+struct EmitterTree::Cluster {
+    size_t begin = 0, end = 0;
+    double spread = 0;  ///< sum of weighted squared distances from the mean, along the widest axis; negative: one emitter
+    size_t axis = 0;
 
+    void Measure(std::span<const Item> items) {
+        spread = -1;
+        if (end - begin <= 1) return;
+        double mean[6] = {}, square[6] = {}, weight = 0;
+        for (const Item &item : items.subspan(begin, end - begin)) {
+            auto w = static_cast<double>(item.weight);
+            weight += w;
+            for (size_t a = 0; a < 6; ++a) {
+                mean[a] += w * static_cast<double>(item.feature[a]);
+                square[a] += w * static_cast<double>(item.feature[a] * item.feature[a]);
+            }
+        }
+        spread = 0;
+        for (size_t a = 0; a < 6; ++a) {
+            double v = weight > 0 ? square[a] - mean[a] * mean[a] / weight : 0;
+            if (v > spread) {
+                spread = v;
+                axis = a;
+            }
+        }
+    }
+};
+
+/// A tree or a part of one, without its packets.
+struct EmitterTree::Part {
+    std::vector<Node> nodes;        ///< [0] is the topmost
+    std::vector<Emitter> wholes;    ///< per node, all below it together
+    std::vector<uint32_t> children;
+    int depth = 0;
+
+    /// Adds a node over these items, and all below it; returns its index.
+    uint32_t Add(std::span<Item> items, std::span<const Emitter> emitters, const Emitter &whole, int level);
+    uint32_t Append(const Part &part);
+    static std::vector<Cluster> Divide(std::span<Item> items, std::span<const Emitter> emitters);
+};
+
+/// Sorts the items so that each cluster is a range of them.
+std::vector<EmitterTree::Cluster> EmitterTree::Part::Divide(std::span<Item> items, std::span<const Emitter> emitters) {
     Bounds3 cloud;
-    for (uint32_t i : items) cloud = Union(cloud, emitters[i].bounds->Centroid());
+    for (const Item &item : items) cloud = Union(cloud, emitters[item.emitter].bounds->Centroid());
     const Point3 center = items.empty() ? Point3(0) : cloud.Center();
     const Float size = items.empty() ? Float(1) : Length(cloud.Diagonal());
     const Float invSize = size > 0 ? 1 / size : 1;
+    for (Item &item : items) item.feature = FeatureOf(emitters[item.emitter], center, invSize);
 
-    auto measure = [&](Cluster *c) {
-        double mean[6] = {}, square[6] = {}, weight = 0;
-        for (size_t i = c->begin; i < c->end; ++i) {
-            const Emitter &e = emitters[items[i]];
-            Feature f = FeatureOf(e, center, invSize);
-            auto w = static_cast<double>(e.intensity);
-            weight += w;
-            for (size_t a = 0; a < 6; ++a) {
-                mean[a] += w * static_cast<double>(f[a]);
-                square[a] += w * static_cast<double>(f[a] * f[a]);
-            }
-        }
-        c->spread = c->end - c->begin > 1 ? 0 : -1;
-        for (int a = 0; a < 6 && c->spread >= 0; ++a) {
-            double v = weight > 0 ? square[a] - mean[a] * mean[a] / weight : 0;
-            if (v > c->spread) {
-                c->spread = v;
-                c->axis = a;
-            }
-        }
-    };
     std::vector<Cluster> clusters;
-    if (!items.empty()) {
-        clusters.push_back({0, items.size()});
-        measure(&clusters[0]);
-    }
-    while (!clusters.empty() && clusters.size() < kWidth) {
+    if (items.empty()) return clusters;
+    clusters.reserve(kWidth);
+    clusters.push_back({0, items.size()});
+    clusters[0].Measure(items);
+    while (clusters.size() < kWidth) {
         auto widest = std::max_element(clusters.begin(), clusters.end(), [](const Cluster &a, const Cluster &b) { return a.spread < b.spread; });
         if (widest->spread < 0) break;
         // Half of the emitters to each side.
         Cluster left = *widest, right = *widest;
         left.end = right.begin = (widest->begin + widest->end) / 2;
-        const auto axis = static_cast<size_t>(widest->axis);
-        auto less = [&](uint32_t a, uint32_t b) {
-            Float fa = FeatureOf(emitters[a], center, invSize)[axis], fb = FeatureOf(emitters[b], center, invSize)[axis];
-            return fa != fb ? fa < fb : a < b;
+        auto less = [axis = widest->axis](const Item &a, const Item &b) {
+            return a.feature[axis] != b.feature[axis] ? a.feature[axis] < b.feature[axis] : a.emitter < b.emitter;
         };
         auto at = [&](size_t i) { return items.begin() + static_cast<std::ptrdiff_t>(i); };
         std::nth_element(at(left.begin), at(left.end), at(right.end), less);
-        measure(&left);
-        measure(&right);
+        left.Measure(items);
+        right.Measure(items);
         *widest = left;
         clusters.push_back(right);
     }
+    return clusters;
+}
 
-    std::vector<uint32_t> children;
-    std::vector<EmitterPacket> packets((clusters.size() + EmitterPacket::kLanes - 1) / EmitterPacket::kLanes);
-    for (uint32_t c = 0; c < clusters.size(); ++c) {
+uint32_t EmitterTree::Part::Add(std::span<Item> items, std::span<const Emitter> emitters, const Emitter &whole, int level) {
+    const auto index = static_cast<uint32_t>(nodes.size()), firstChild = static_cast<uint32_t>(children.size());
+    depth = std::max(depth, level + 1);
+    const std::vector<Cluster> clusters = Divide(items, emitters);
+    nodes.push_back({.firstChild = firstChild, .count = static_cast<uint8_t>(clusters.size())});
+    wholes.push_back(whole);
+    children.resize(firstChild + clusters.size());
+
+    const bool asTasks = items.size() >= kManyItems;
+    std::vector<Part> parts(asTasks ? clusters.size() : 0);
+    auto build = [&](size_t c) {
+        std::span<Item> below = items.subspan(clusters[c].begin, clusters[c].end - clusters[c].begin);
+        if (below.size() == 1) return kLeaf | below[0].emitter;
         Emitter all;
-        for (size_t i = clusters[c].begin; i < clusters[c].end; ++i) all = Union(all, emitters[items[i]]);
-        packets[c / EmitterPacket::kLanes].Set(c % EmitterPacket::kLanes, all);
-        if (clusters[c].end - clusters[c].begin == 1) {
-            children.push_back(kLeaf | items[clusters[c].begin]);
-            places_[items[clusters[c].begin]] = {index, c};
-        } else {
-            children.push_back(Build(items.subspan(clusters[c].begin, clusters[c].end - clusters[c].begin), emitters, index, c, depth + 1));
-        }
+        for (const Item &item : below) all = Union(all, emitters[item.emitter]);
+        return (asTasks ? parts[c] : *this).Add(below, emitters, all, level + 1);
+    };
+    if (asTasks) ParallelForEach(static_cast<int64_t>(clusters.size()), [&](int64_t c) { children[firstChild + static_cast<size_t>(c)] = build(static_cast<size_t>(c)); });
+    for (size_t c = 0; c < clusters.size(); ++c) {
+        // Not one expression: Add makes `children` move.
+        uint32_t child = asTasks ? children[firstChild + c] : build(c);
+        if (asTasks && !(child & kLeaf)) child = Append(parts[c]);
+        children[firstChild + c] = child;
+        if (child & kLeaf) continue;
+        nodes[child].parent = index;
+        nodes[child].slot = static_cast<uint8_t>(c);
     }
-    Node &node = nodes_[index];
-    node.count = static_cast<uint32_t>(children.size());
-    node.firstPacket = static_cast<uint32_t>(packets_.size());
-    node.firstChild = static_cast<uint32_t>(children_.size());
-    packets_.insert(packets_.end(), packets.begin(), packets.end());
-    children_.insert(children_.end(), children.begin(), children.end());
     return index;
 }
 
-Float EmitterTree::Evaluate(const Node &node, const LightQuery &query, Float *g) const {
+uint32_t EmitterTree::Part::Append(const Part &part) {
+    const auto firstNode = static_cast<uint32_t>(nodes.size()), firstChild = static_cast<uint32_t>(children.size());
+    for (Node node : part.nodes) {
+        node.parent += firstNode;
+        node.firstChild += firstChild;
+        nodes.push_back(node);
+    }
+    for (uint32_t child : part.children) children.push_back(child & kLeaf ? child : child + firstNode);
+    wholes.insert(wholes.end(), part.wholes.begin(), part.wholes.end());
+    depth = std::max(depth, part.depth);
+    return firstNode;
+}
+
+EmitterTree::EmitterTree(std::span<const Emitter> emitters) : places_(emitters.size()) {
+    std::vector<Item> items;
+    for (uint32_t i = 0; i < emitters.size(); ++i) {
+        if (emitters[i].isFar) far_.push_back({i, emitters[i]});
+        else if (emitters[i].bounds) items.push_back({i, emitters[i].intensity, {}});
+    }
+    if (items.empty() && far_.empty()) return;
+    Part tree;
+    tree.Add(items, emitters, {}, 0);
+    nodes_ = std::move(tree.nodes);
+    children_ = std::move(tree.children);
+    depth_ = tree.depth;
+    nodes_.shrink_to_fit();
+    children_.shrink_to_fit();
+    far_.shrink_to_fit();
+    MakePackets(emitters, tree.wholes);
+    for (uint32_t n = 0; n < nodes_.size(); ++n)
+        for (uint32_t c = 0; c < nodes_[n].count; ++c) {
+            const uint32_t child = children_[nodes_[n].firstChild + c];
+            if (child & kLeaf) places_[child & ~kLeaf] = {n, c};
+        }
+    for (uint32_t i = 0; i < far_.size(); ++i) places_[far_[i].index] = {0, nodes_[0].count + i};
+}
+
+void EmitterTree::MakePackets(std::span<const Emitter> emitters, std::span<const Emitter> wholes) {
+    constexpr size_t kLanes = EmitterPacket::kLanes;
+    size_t begin = 0;  // of the free lanes
+    for (Node &node : nodes_) {
+        if (begin % kLanes + node.count > kLanes) begin = (begin + kLanes - 1) / kLanes * kLanes;
+        node.firstPacket = static_cast<uint32_t>(begin / kLanes);
+        node.firstLane = static_cast<uint8_t>(begin % kLanes);
+        begin += node.count;
+    }
+    packets_.resize((begin + kLanes - 1) / kLanes);
+    for (const Node &node : nodes_)
+        for (size_t c = 0; c < node.count; ++c) {
+            const uint32_t child = children_[node.firstChild + c];
+            const size_t lane = node.firstLane + c;
+            packets_[node.firstPacket + lane / kLanes].Set(lane % kLanes, child & kLeaf ? emitters[child & ~kLeaf] : wholes[child]);
+        }
+}
+
+Float EmitterTree::Evaluate(uint32_t n, const LightQuery &query, Values *values) const {
+    const Node &node = nodes_[n];
     Float sum = 0;
     for (size_t i = 0; i < node.count; i += EmitterPacket::kLanes)
-        packets_[node.firstPacket + i / EmitterPacket::kLanes].Evaluate(query, g + i);
-    for (size_t i = 0; i < node.count; ++i) sum += g[i];
+        packets_[node.firstPacket + i / EmitterPacket::kLanes].Evaluate(query, values->buffer + i);
+    values->g = values->buffer + node.firstLane;
+    for (size_t i = 0; i < node.count; ++i) sum += values->g[i];
+    if (n == 0)
+        for (const Far &far : far_) sum += EvaluateFar(far.emitter, query);
     return sum;
 }
 
@@ -138,16 +207,15 @@ std::optional<SampledLight> EmitterTree::Sample(const LightQuery &query, Float u
     Float pmf = 1;
     for (uint32_t n = 0;;) {
         const Node &node = nodes_[n];
-        Float g[kWidth];
-        Float sum = Evaluate(node, query, g);
-        for (uint32_t i = 0; i < node.farCount; ++i) sum += EvaluateFar(far_[i], query);
+        Values values;
+        const Float sum = Evaluate(n, query, &values);
         if (!(sum > 0)) return {};
         double target = rest * static_cast<double>(sum), before = 0;
         std::optional<uint32_t> chosen;
         double chosenBefore = 0;
         Float chosenG = 0;
-        for (uint32_t i = 0; i < node.count + node.farCount; ++i) {
-            Float value = i < node.count ? g[i] : EvaluateFar(far_[i - node.count], query);
+        for (uint32_t i = 0, end = node.count + FarCount(n); i < end; ++i) {
+            Float value = i < node.count ? values.g[i] : EvaluateFar(far_[i - node.count].emitter, query);
             if (!(value > 0)) continue;
             chosen = i;
             chosenG = value;
@@ -156,6 +224,7 @@ std::optional<SampledLight> EmitterTree::Sample(const LightQuery &query, Float u
             if (target < before) break;
         }
         pmf *= chosenG / sum;
+        if (*chosen >= node.count) return SampledLight{LightId(far_[*chosen - node.count].index), pmf};
         const uint32_t child = children_[node.firstChild + *chosen];
         if (child & kLeaf) return SampledLight{LightId(child & ~kLeaf), pmf};
         rest = std::clamp((target - chosenBefore) / static_cast<double>(chosenG), 0.0, 0x1.fffffffffffffp-1);
@@ -167,7 +236,7 @@ Float EmitterTree::PMF(const LightQuery &query, uint32_t emitter) const {
     Place place = places_[emitter];
     if (place.slot == kLeaf) return 0;
     // From the root down, so that the product is Sample's to the last bit.
-    std::array<Place, 16> way;
+    std::array<Place, 32> way;  // a child has at most half of its node's emitters (rounded up)
     size_t length = 0;
     for (;; place = {nodes_[place.node].parent, nodes_[place.node].slot}) {
         way[length++] = place;
@@ -175,12 +244,11 @@ Float EmitterTree::PMF(const LightQuery &query, uint32_t emitter) const {
     }
     Float pmf = 1;
     while (length-- > 0) {
-        const Node &node = nodes_[way[length].node];
-        Float g[kWidth];
-        Float sum = Evaluate(node, query, g);
-        for (uint32_t i = 0; i < node.farCount; ++i) sum += EvaluateFar(far_[i], query);
-        const uint32_t slot = way[length].slot;
-        Float value = slot < node.count ? g[slot] : EvaluateFar(far_[slot - node.count], query);
+        const auto [n, slot] = way[length];
+        Values values;
+        const Float sum = Evaluate(n, query, &values);
+        const Node &node = nodes_[n];
+        Float value = slot < node.count ? values.g[slot] : EvaluateFar(far_[slot - node.count].emitter, query);
         if (!(value > 0)) return 0;
         pmf *= value / sum;
     }
@@ -189,7 +257,7 @@ Float EmitterTree::PMF(const LightQuery &query, uint32_t emitter) const {
 
 size_t EmitterTree::Bytes() const {
     return nodes_.capacity() * sizeof(Node) + packets_.capacity() * sizeof(EmitterPacket) + children_.capacity() * sizeof(uint32_t) +
-           far_.capacity() * sizeof(Emitter) + places_.capacity() * sizeof(Place);
+           far_.capacity() * sizeof(Far) + places_.capacity() * sizeof(Place);
 }
 
 }  // namespace ext

@@ -13,6 +13,7 @@ namespace ext {
 class EmitterTree {
   public:
     EmitterTree() = default;
+    /// The same tree for any number of threads.
     explicit EmitterTree(std::span<const Emitter> emitters);
 
     /// An emitter (`light` is its index) and its probability; none if no emitter can contribute.
@@ -27,21 +28,34 @@ class EmitterTree {
     static constexpr size_t kWidth = 32;
     static constexpr uint32_t kLeaf = 0x80000000u;
     struct Node {
-        uint32_t firstPacket = 0, firstChild = 0, count = 0;
-        uint32_t parent = 0, slot = 0;  ///< of the parent's children
-        uint32_t farCount = 0;  ///< root only
+        uint32_t firstPacket = 0, firstChild = 0, parent = 0;
+        uint8_t firstLane = 0;  ///< in the first packet: small nodes share packets
+        uint8_t count = 0;      ///< children, without far lights
+        uint8_t slot = 0;       ///< among the parent's children
     };
-    uint32_t Build(std::span<uint32_t> items, std::span<const Emitter> emitters, uint32_t parent, uint32_t slot, int depth);
-    /// G of a node's children; returns the sum.
-    Float Evaluate(const Node &node, const LightQuery &query, Float *g) const;
+    struct Place {
+        uint32_t node = 0, slot = kLeaf;
+    };
+    struct Item;
+    struct Cluster;
+    struct Part;
+    struct Far {
+        uint32_t index;
+        Emitter emitter;
+    };
+    void MakePackets(std::span<const Emitter> emitters, std::span<const Emitter> wholes);
+    /// G of a node's children; returns the sum, with far lights.
+    struct Values {
+        alignas(32) Float buffer[kWidth];
+        const Float *g;
+    };
+    Float Evaluate(uint32_t node, const LightQuery &query, Values *values) const;
+    uint32_t FarCount(uint32_t node) const { return node == 0 ? static_cast<uint32_t>(far_.size()) : 0; }
 
     std::vector<Node> nodes_;
     std::vector<EmitterPacket> packets_;
     std::vector<uint32_t> children_;  ///< kLeaf | emitter, or node
-    std::vector<Emitter> far_;        ///< the root's last children
-    struct Place {
-        uint32_t node = 0, slot = kLeaf;
-    };
+    std::vector<Far> far_;            ///< more children of the root, after the others
     std::vector<Place> places_;       ///< per emitter; slot kLeaf: not in the tree
     int depth_ = 0;
 };

@@ -9,6 +9,7 @@
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/lab/campaign_display.h"
+#include "pbrt/lab/campaign_views.h"
 #include "pbrt/lab/machine.h"
 #include "pbrt/lab/pictures.h"
 #include "pbrt/lab/reference.h"
@@ -83,6 +84,8 @@ class Rounds {
         display_.StartClock();
         for (int seed = 0; seed < settings_.seeds; ++seed)
             if (!RenderSeed(seed)) return false;
+        for (size_t i = 0; i < settings_.samplers.size(); ++i)
+            if (!Look(i, nullptr)) return false;
         return true;
     }
     std::vector<std::vector<RunRecord>> TakeRecords() { return std::move(recordsOf_); }
@@ -98,8 +101,27 @@ class Rounds {
                 if (!runs[i] && !(runs[i] = Start(i, seed, record))) return false;
                 if (!RenderTo(i, seed, c, *runs[i])) return false;
                 record = runs[i]->Record();
-                if (c + 1 == checkpoints_.size()) runs[i].reset();
+                if (c + 1 < checkpoints_.size()) continue;
+                // Not before: samplers that learn while they render would learn from the look.
+                if (seed == 0 && !Look(i, runs[i].get())) return false;
+                runs[i].reset();
             }
+        return true;
+    }
+
+    /// Once per sampler: what it knows in its first run. `run`: that, or null where an earlier session ended it.
+    bool Look(size_t i, SamplerRun *run) {
+        const SamplerChoice &choice = settings_.samplers[i];
+        if (!settings_.views || records_.LoadNote(ViewsNote(choice)).is_object()) return true;
+        std::unique_ptr<SamplerRun> again;
+        if (!run) {
+            again = std::make_unique<SamplerRun>(scene_, choice, 0, expected_[i], cancel_);
+            if (!again->Prepare()) return false;
+            run = again.get();
+        }
+        const Json views = WriteViews(settings_, scene_, i, *run->Lights(), cancel_);
+        if (views.is_null()) return false;
+        records_.SaveNote(ViewsNote(choice), views);
         return true;
     }
 
@@ -329,6 +351,7 @@ std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, con
     WritePictures(settings, scene, *references, pictures, &outcome.results);
     const CampaignResults results = Summarize(settings, *references, rounds.TakeRecords(), pictures);
     AddToJson(results, &outcome.results);
+    AddViews(settings, records, &outcome.results);
     for (const SamplerResult &s : results.samplers)
         if (s.choice.IsOracle() && s.samples < kFewOracleSamples)
             references->notes.push_back(

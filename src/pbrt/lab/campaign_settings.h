@@ -22,6 +22,7 @@ struct CampaignSettings {
     int referenceSamples = 0;     ///< 0: chosen from the budget, see ReferenceRule
     std::string samplesFrom;      ///< results.json whose sample counts are replayed instead of measuring time
     std::vector<Bounds2i> crops;  ///< empty: chosen where the samplers differ most
+    bool views = true;            ///< a look inside every sampler, see campaign_views.h
     std::string outFolder;
     bool restart = false;  ///< forget what the folder holds of a campaign
     std::string commandLine;

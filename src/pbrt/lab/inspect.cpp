@@ -135,11 +135,13 @@ std::string Plain(std::string name) {
 }
 
 void Inspector::MakeLayers(Inspection &out) {
-    auto add = [&](std::string name, std::string meaning, double least = 0, double most = 0, bool isId = false) {
+    auto add = [&](std::string name, std::string meaning, double least = 0, double most = 0, bool isId = false,
+                   bool ofScene = false) {
         InspectedLayer layer;
         layer.name = std::move(name);
         layer.meaning = std::move(meaning);
         layer.isId = isId;
+        layer.ofScene = ofScene;
         layer.shownLeast = least;
         layer.shownMost = most;
         out.layers.push_back(layer);
@@ -152,7 +154,7 @@ void Inspector::MakeLayers(Inspection &out) {
         add(Plain("sampler." + v.name), "the sampler's own: " + v.name, 0, 0, v.isId);
     const double bits = std::log2(static_cast<double>(std::max<size_t>(groups_.size(), 2)));
     add("entropy", "entropy of the probabilities of the lights, in bits; a mesh counts as one light", 0, bits);
-    add("brightest", "the light that contributes most, by its first id; magenta: none contributes", 0, 0, true);
+    add("brightest", "the light that contributes most, by its first id; magenta: none contributes", 0, 0, true, true);
     add("brightest_probability", "probability of the light that contributes most; magenta: none contributes", 0, 1);
     add("log10_excess",
         "second moment of the one-light estimator over the least that other probabilities of the lights can reach (the "
@@ -162,7 +164,7 @@ void Inspector::MakeLayers(Inspection &out) {
     for (size_t g : shown_)
         add(fmt::format("visibility.{}", groups_[g].light.first.value),
             fmt::format("share of up to {} shadow rays that arrive; {}", settings_.samples, groups_[g].light.label), 0,
-            1);
+            1, false, true);
 }
 
 Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from, const Group &group, Rng &rng,

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct InspectSettings {
 struct InspectedLayer {
     std::string name, meaning;
     bool isId = false;                     ///< to be shown as colours without order
+    bool ofScene = false;                  ///< the same for every sampler
     double shownLeast = 0, shownMost = 1;  ///< ends of the colour scale
     double least = 0, most = 0, mean = 0;  ///< finite values, over pixels that hit something
 };
@@ -48,6 +50,11 @@ struct Inspection {
 /// measured visibility of the strongest lights.
 Inspection InspectLights(const BuiltScene &built, const LightSampler &sampler, const InspectSettings &settings,
                          Progress &progress);
+
+/// One false-colour PNG per layer that is `wanted` into `folder`, which is made if need be; `legendRows`: height of the
+/// bar of colours below. Returns what each shows: name, file (inside `folder`), meaning, ends of the colour scale, range.
+nlohmann::ordered_json WriteLayers(const Inspection &inspection, const std::string &folder, int legendRows,
+                                   const std::function<bool(const InspectedLayer &)> &wanted);
 
 /// Writes inspect.exr (all layers), one false-colour PNG per layer, inspect.json (what each shows and its range) and
 /// structure.txt into `folder`, which is made if need be.

@@ -21,6 +21,12 @@ void WriteText(const std::filesystem::path &path, const std::string &text) {
     if (!file.flush()) throw UserError(fmt::format("{}: cannot be written.", path.string()));
 }
 
+void MakeFolder(const std::string &folder) {
+    std::error_code failed;
+    std::filesystem::create_directories(folder, failed);
+    if (failed) throw UserError(fmt::format("{}: {}.", folder, failed.message()));
+}
+
 nlohmann::ordered_json LayerJson(const InspectedLayer &layer, const std::string &file) {
     nlohmann::ordered_json json;
     json["name"] = layer.name;
@@ -38,12 +44,29 @@ nlohmann::ordered_json LayerJson(const InspectedLayer &layer, const std::string 
 
 }  // namespace
 
-void WriteInspection(const Inspection &inspection, const std::string &folder, const nlohmann::ordered_json &about) {
-    const std::filesystem::path out(folder);
-    std::error_code failed;
-    std::filesystem::create_directories(out, failed);
-    if (failed) throw UserError(fmt::format("{}: {}.", folder, failed.message()));
+nlohmann::ordered_json WriteLayers(const Inspection &inspection, const std::string &folder, int legendRows,
+                                   const std::function<bool(const InspectedLayer &)> &wanted) {
+    MakeFolder(folder);
+    const Image hit = inspection.image.Select({"hit"});
+    nlohmann::ordered_json json = nlohmann::ordered_json::array();
+    for (size_t c = 0; c < inspection.layers.size(); ++c) {
+        const InspectedLayer &layer = inspection.layers[c];
+        if (!wanted(layer)) continue;
+        FalseColorStyle style;
+        style.scale = layer.isId ? FalseColorStyle::Scale::Id : FalseColorStyle::Scale::Ramp;
+        style.least = static_cast<Float>(layer.shownLeast);
+        style.most = static_cast<Float>(layer.shownMost);
+        style.legendRows = legendRows;
+        const std::string file = layer.name + ".png";
+        WriteImage(folder + "/" + file, FalseColor(inspection.image, static_cast<int>(c), style, &hit));
+        json.push_back(LayerJson(layer, file));
+    }
+    return json;
+}
 
+void WriteInspection(const Inspection &inspection, const std::string &folder, const nlohmann::ordered_json &about) {
+    MakeFolder(folder);
+    const std::filesystem::path out(folder);
     nlohmann::ordered_json json = about;
     json["note"] =
         "Dark grey: the camera sees nothing there. Magenta: not finite. The bar below a picture runs from the "
@@ -55,19 +78,7 @@ void WriteInspection(const Inspection &inspection, const std::string &folder, co
             {{"first", light.first.value}, {"count", light.count}, {"power", light.power}, {"label", light.label}});
 
     WriteImage((out / "inspect.exr").string(), inspection.image);
-    const Image hit = inspection.image.Select({"hit"});
-    json["layers"] = nlohmann::ordered_json::array();
-    for (size_t c = 0; c < inspection.layers.size(); ++c) {
-        const InspectedLayer &layer = inspection.layers[c];
-        FalseColorStyle style;
-        style.scale = layer.isId ? FalseColorStyle::Scale::Id : FalseColorStyle::Scale::Ramp;
-        style.least = static_cast<Float>(layer.shownLeast);
-        style.most = static_cast<Float>(layer.shownMost);
-        style.legendRows = kLegendRows;
-        const std::string file = layer.name + ".png";
-        WriteImage((out / file).string(), FalseColor(inspection.image, static_cast<int>(c), style, &hit));
-        json["layers"].push_back(LayerJson(layer, file));
-    }
+    json["layers"] = WriteLayers(inspection, folder, kLegendRows, [](const InspectedLayer &) { return true; });
     WriteText(out / "inspect.json", json.dump(2) + "\n");
     WriteText(out / "structure.txt", inspection.structure.empty() ? "no learned structure\n" : inspection.structure);
 }

@@ -206,11 +206,12 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
                    "pictures again")
         ->group(output)
         ->excludes(time);
-    app.add_flag("--no-report", noReport, "no charts and no report.html")->group(output);
+    app.add_flag("--no-report", noReport, "no looks inside the samplers, no charts and no report.html")->group(output);
     app.add_flag("--quiet", o.quiet, "no progress and no warnings; results and errors only")->group(output);
 
     if (!parser.Parse(argc - 1, argv + 1, [] {})) return parser.result;
     o.report = !noReport;
+    c.views = o.report;
     if (*depth) c.maxDepth = maxDepth;
     if (direct) c.maxDepth = 1;
     c.crops = ParseCrops(crops);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <filesystem>
@@ -54,6 +55,9 @@ class TestSampler final : public LightSampler {
         return light.value < seen_ ? 1 / static_cast<Float>(seen_) : 0;
     }
     void Report(nlohmann::ordered_json &report) const override { report["leaves"] = 7; }
+    void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override {
+        values.push_back({"side", query.p.x > 0 ? 1.0 : 2.0, true});
+    }
     std::string DescribeStructure() const override { return "nothing learned"; }
 
   private:
@@ -216,6 +220,57 @@ TEST_F(Campaign, LeavesEverythingTheSchemaNames) {
     EXPECT_EQ(r.at("samplers").at(2).at("structure"), "nothing learned");
     EXPECT_EQ(r.at("samplers").at(0).at("summary").at("relativeCost"), 1);
     EXPECT_NE(outcome->text.find("honest"), std::string::npos);
+}
+
+TEST_F(Campaign, LooksInsideEverySampler) {
+    const std::optional<CampaignOutcome> outcome = Run(Settings("out", {"power", "honest", "uniform"}));
+    ASSERT_TRUE(outcome);
+    const auto names = [&](const Json &views) {
+        std::vector<std::string> list;
+        for (const Json &layer : views.at("layers")) {
+            list.push_back(layer.at("name"));
+            // A picture of the campaign's size, so that it lies over the others.
+            const fs::path file = folder_ / "out" / layer.at("file").get<std::string>();
+            EXPECT_EQ(ReadImage(file.string()).image.Resolution(), Point2i(32, 24)) << file;
+        }
+        return list;
+    };
+    const Json &samplers = outcome->results.at("samplers");
+    using Names = std::vector<std::string>;
+    EXPECT_EQ(names(samplers.at(0).at("views")), (Names{"entropy", "brightest_probability", "log10_excess"}));
+    EXPECT_EQ(names(samplers.at(1).at("views")),
+              (Names{"sampler.side", "entropy", "brightest_probability", "log10_excess"}));
+    Names ofScene = names(outcome->results.at("views"));
+    std::sort(ofScene.begin(), ofScene.end());
+    EXPECT_EQ(ofScene, (Names{"brightest", "visibility.0", "visibility.1", "visibility.2"}));
+    // Three lights, all alike.
+    const Json &entropy = samplers.at(2).at("views").at("layers").at(0);
+    EXPECT_NEAR(entropy.at("least").get<double>(), std::log2(3.0), 1e-5);
+    EXPECT_NEAR(entropy.at("most").get<double>(), std::log2(3.0), 1e-5);
+    EXPECT_FALSE(fs::exists(folder_ / "out/uniform/views/sampler.side.png"));
+}
+
+TEST_F(Campaign, LooksInsideAreNoPartOfTheMeasurement) {
+    CampaignSettings settings = Settings("without", {"power", "honest"});
+    settings.views = false;
+    const std::optional<CampaignOutcome> without = Run(settings);
+    ASSERT_TRUE(without);
+    EXPECT_FALSE(without->results.contains("views"));
+    EXPECT_FALSE(without->results.at("samplers").at(1).contains("views"));
+    EXPECT_FALSE(fs::exists(folder_ / "without/honest/views"));
+    ASSERT_TRUE(Run(Settings("with", {"power", "honest"})));
+    ExpectSamePictures("without", "with", {"power", "honest"}, 2);
+    const Json with = ReadJson(folder_ / "with/results.json");
+    for (size_t i = 0; i < 2; ++i)
+        EXPECT_EQ(with.at("samplers").at(i).at("summary").at("shadowRays"),
+                  without->results.at("samplers").at(i).at("summary").at("shadowRays"));
+    // A finished campaign can still be looked into, with the same outcome.
+    settings.views = true;
+    const std::optional<CampaignOutcome> later = Run(settings);
+    ASSERT_TRUE(later);
+    EXPECT_EQ(later->results.at("samplers").at(1).at("views"), with.at("samplers").at(1).at("views"));
+    for (const char *file : {"honest/views/sampler.side.png", "views/brightest.png"})
+        ExpectSamePixels(folder_ / "with" / file, folder_ / "without" / file);
 }
 
 TEST_F(Campaign, RepeatGivesTheSamePictures) {

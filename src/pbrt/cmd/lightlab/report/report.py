@@ -10,6 +10,7 @@ import sys
 
 sys.dont_write_bytecode = True
 import lab_results as lab  # noqa: E402
+import looks  # noqa: E402
 import table  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -123,6 +124,19 @@ def value_html(value):
     return "unknown" if value is None else esc(value)
 
 
+def parameters_html(parameters):
+    """name=value, one after the other."""
+    if not isinstance(parameters, dict) or not parameters:
+        return value_html(parameters) if parameters else "none"
+
+    def text(value):
+        if isinstance(value, bool):
+            return str(value).lower()
+        return f"{value:.6g}" if isinstance(value, float) else str(value)
+    return '<ul class="parameters">' + "".join(
+        f"<li><code>{esc(k)}={esc(text(v))}</code></li>" for k, v in parameters.items()) + "</ul>"
+
+
 def details_html(results):
     d, machine = results.data, results.data.get("machine") or {}
     size = " × ".join(str(v) for v in d.get("resolution") or [])
@@ -147,12 +161,15 @@ def details_html(results):
         e = s.entry
         bias = s.summary.get("bias") or {}
         check = {"verdict": s.verdict, **{n: v for n, v in bias.items() if n != "verdict" and v is not None}}
+        # The parameters have a line of their own.
+        report = {n: v for n, v in (e.get("report") or {}).items() if n != "parameters"}
         body = pairs_html([
-            ("light sampler", f"<code>{esc(s.kind)}</code>"), ("parameters", value_html(e.get("parameters") or {})),
+            ("light sampler", f"<code>{esc(s.kind)}</code>"),
+            ("parameters", parameters_html(e.get("parameters") or {})),
             ("mesh lights as one", value_html(bool(e.get("meshLights")))),
             ("shadow-ray gate", esc(e.get("gate") or "none")),
             ("judged against reference", esc(e.get("reference")) if len(results.references) > 1 else ""),
-            ("bias check", value_html(check)), ("its report", value_html(e.get("report") or {})),
+            ("bias check", value_html(check)), ("its report", value_html(report)),
             ("the gate's report", value_html(e["gateReport"]) if e.get("gateReport") else ""),
             ("speed-up against", value_html(s.summary["speedUps"]) if s.summary.get("speedUps") else "")])
         structure = f"<pre>{esc(e['structure'])}</pre>" if e.get("structure") else ""
@@ -174,12 +191,14 @@ def pictures_of(results):
     for i, r in enumerate(results.references):
         label = "reference" if len(results.references) == 1 else f"reference {i} ({r.get('sampler') or 'given'})"
         items.append({"kind": "reference", "label": label, "result": embed(r.get("picture")), "error": None,
-                      "colour": "", "note": "", "biased": False, "reference": i})
+                      "colour": "", "note": "", "biased": False, "reference": i,
+                      "views": looks.views_of(results.data.get("views"), embed) if i == 0 else []})
     for s in results.samplers:
         items.append({"kind": "sampler", "label": s.label, "result": embed(s.entry.get("picture")),
                       "error": embed(s.entry.get("errorPicture")), "colour": s.colour_css,
                       "note": f"relL2 {lab.figures(s.error())}" if s.error() is not None else "",
-                      "biased": s.biased, "reference": s.entry.get("reference") or 0})
+                      "biased": s.biased, "reference": s.entry.get("reference") or 0,
+                      "views": looks.views_of(s.entry.get("views"), embed)})
     return items, pictures
 
 
@@ -191,6 +210,40 @@ def scale_html(results):
     return (f'<p class="scale">Error {esc(lab.ERROR_MEASURE)}: 0 <span class="ramp" style="background: '
             f'linear-gradient(to right, {", ".join(lab.ERROR_RAMP)})"></span> {esc(lab.figures(most))} and more, '
             "the same scale for all.</p>")
+
+
+def view_scale_html(view):
+    if view["least"] is None or view["most"] is None:
+        return "a colour for each"
+    return (f'{esc(lab.figures(view["least"]))} <span class="ramp" style="background: linear-gradient(to right, '
+            f'{", ".join(lab.ERROR_RAMP)})"></span> {esc(lab.figures(view["most"]))}')
+
+
+def inside_html(results, items):
+    """A row of pictures per sampler, the scene's own first. The script puts the pictures in: the page has each once."""
+    rows = []
+    for i, item in enumerate(items):
+        if not item["views"]:
+            continue
+        name, figures = "the scene" if item["kind"] == "reference" else item["label"], []
+        for view in item["views"]:
+            about = f'{name}, {view["title"]}: show in the viewer'
+            figures.append(
+                f'<figure><button type="button" data-item="{i}" data-view="{esc(view["name"])}" '
+                f'title="{esc(view["meaning"])}" aria-label="{esc(about)}"><img alt="" data-file="{esc(view["file"])}">'
+                f'</button><figcaption>{esc(view["title"])}<small>{view_scale_html(view)}</small></figcaption>'
+                '</figure>')
+        swatch = f'<span class="swatch" style="--c:{item["colour"]}"></span>' if item["colour"] else ""
+        rows.append(f'<div class="look" data-label="{esc(name)}"><h3>{swatch}{esc(name)}</h3>'
+                    f'<div class="strip">{"".join(figures)}</div></div>')
+    if not rows:
+        return ""
+    return ('<section id="inside" aria-labelledby="h-inside"><h2 id="h-inside">A look inside</h2>'
+            '<p class="note">What each sampler knows where the camera first meets a surface that light is sampled at, '
+            'after its first run. '
+            'Dark grey: no such surface. Magenta: no value, for instance because no light reaches the place.'
+            f'{esc(looks.stride_sentence(results))} Click: show in the viewer, with the sampler\u2019s picture on the '
+            f'left.</p>{"".join(rows)}</section>')
 
 
 def script_json(value):
@@ -227,7 +280,8 @@ def page(results):
         "facts": " · ".join(f for f in facts if f)}
     raw = {
         "verdict": f'<p class="answer">{esc(first)}</p>' + "".join(f"<p>{esc(s)}</p>" for s in rest),
-        "scale": scale_html(results),
+        "scale": scale_html(results), "inside": inside_html(results, items),
+        "insidelink": '<a href="#inside">A look inside</a>' if any(v["views"] for v in items) else "",
         "charts": f'<div class="charts">{"".join(charts)}</div>{missing}', "table": table_html(results),
         "details": details_html(results), "data": script_json(data),
         "style": (HERE / "report.css").read_text(encoding="utf-8"),

@@ -56,13 +56,21 @@
           canvas.width = crop.x1 - crop.x0;
           canvas.height = crop.y1 - crop.y0;
           button.append(canvas);
-          button.addEventListener("click", () => viewer.showCrop(crop, i, kind === "error"));
+          button.addEventListener("click", () => viewer.showCrop(crop, i, kind));
           grid.append(button);
           load(v[kind]).then((image) => image && canvas.getContext("2d").drawImage(image, -crop.x0, -crop.y0));
         }
       }
     });
     document.getElementById("crops").append(grid);
+  }
+
+  function looksInside() {
+    for (const button of document.querySelectorAll("#inside button")) {
+      const image = button.querySelector("img");
+      image.src = pictures[image.dataset.file];
+      button.addEventListener("click", () => viewer.showView(Number(button.dataset.item), button.dataset.view));
+    }
   }
 
   function sortable() {
@@ -115,6 +123,7 @@
   }
 
   cropGrid();
+  looksInside();
   sortable();
   linkCharts();
   addEventListener("beforeprint", () => { for (const d of document.querySelectorAll("details")) d.open = true; });

@@ -1,5 +1,6 @@
 "use strict";
-// Two pictures under one transform, a wipe between them. Sides: {item, error, previous}.
+// Two pictures under one transform, a wipe between them. Sides: {item, kind, previous}; kind: "result", "error" or the
+// name of a look inside. What an item does not have is shown as its result.
 const data = JSON.parse(document.getElementById("data").textContent);
 const viewer = (() => {
   const $ = (id) => document.getElementById(id);
@@ -7,24 +8,13 @@ const viewer = (() => {
   const { items, pictures, crops } = data;
   const [width, height] = [data.size[0] || 1, data.size[1] || 1];
   const samplers = items.map((v, i) => i).filter((i) => items[i].kind === "sampler");
+  const views = [...new Set(items.flatMap((v) => v.views.map((view) => view.name)))];
   const sides = {};
   const view = { scale: 1, x: 0, y: 0, fitted: true };
   let wipe = 0.5;
 
   for (const name of ["left", "right"]) {
     const layer = $("layer-" + name), plane = layer.querySelector(".plane"), images = {};
-    for (const file of Object.keys(pictures)) {
-      const image = new Image();
-      image.src = pictures[file];
-      image.alt = "";
-      image.draggable = false;
-      image.style.width = width + "px";
-      image.style.height = height + "px";
-      image.dataset.file = file;
-      image.decode().catch(() => {});  // decoded before it is asked for: switching does not flicker
-      plane.append(image);
-      images[file] = image;
-    }
     const none = document.createElement("div");
     none.className = "none";
     none.textContent = "no picture";
@@ -36,24 +26,44 @@ const viewer = (() => {
       pick.add(new Option((v.kind === "reference" ? "r  " : place < 9 ? `${place + 1}  ` : "") + v.label, i));
     });
     pick.addEventListener("change", () => show(name, Number(pick.value)));
-    sides[name] = { item: data[name], previous: data[name], error: false, layer, plane, images, none, pick };
+    sides[name] = { item: data[name], previous: data[name], kind: "result", layer, plane, images, none, pick };
+    // Decoded before they are asked for: switching does not flicker. Looks inside are many and wait.
+    for (const v of items) for (const file of [v.result, v.error]) imageOf(sides[name], file);
   }
 
-  function show(name, item, error) {
+  function imageOf(side, file) {
+    if (!file || side.images[file]) return;
+    const image = new Image();
+    image.src = pictures[file];
+    image.alt = "";
+    image.draggable = false;
+    image.style.width = width + "px";
+    image.style.height = height + "px";
+    image.dataset.file = file;
+    image.decode().catch(() => {});
+    side.plane.append(image);
+    side.images[file] = image;
+  }
+
+  const viewOf = (v, kind) => v.views.find((view) => view.name === kind);
+
+  function show(name, item, kind) {
     const side = sides[name];
     if (items[side.item].kind === "sampler") side.previous = side.item;
     side.item = item;
-    if (error !== undefined) side.error = error;
+    if (kind !== undefined) side.kind = kind;
     draw(name);
   }
 
   function draw(name) {
     const side = sides[name], v = items[side.item];
-    const isError = side.error && v.kind === "sampler";
-    const file = isError ? v.error : v.result;
+    const isError = side.kind === "error" && v.kind === "sampler";
+    const view = viewOf(v, side.kind);
+    const file = view ? view.file : isError ? v.error : v.result;
+    imageOf(side, file);
     for (const key of Object.keys(side.images)) side.images[key].classList.toggle("shown", key === file);
     side.none.hidden = Boolean(file);
-    side.layer.dataset.shown = v.label + (isError ? "/error" : "/result");
+    side.layer.dataset.shown = v.label + "/" + (view ? view.name : isError ? "error" : "result");
     side.pick.value = String(side.item);
     const line = $("name-" + name);
     line.replaceChildren();
@@ -65,14 +75,17 @@ const viewer = (() => {
     }
     const label = document.createElement("b");
     label.textContent = v.label;
-    line.append(label, (isError ? " error" : "") + (v.note ? "  " + v.note : ""));
+    const range = view && view.least !== null ? ` (${view.least} to ${view.most.toPrecision(3)})` : "";
+    const what = view ? "  " + view.title + range : (isError ? " error" : "") + (v.note ? "  " + v.note : "");
+    line.append(label, what);
     if (v.biased) {
       const warn = document.createElement("span");
       warn.className = "warn";
       warn.textContent = "  biased";
       line.append(warn);
     }
-    $("show-error").setAttribute("aria-pressed", String(sides.right.error));
+    $("show-error").setAttribute("aria-pressed", String(sides.right.kind === "error"));
+    $("show-view").setAttribute("aria-pressed", String(views.includes(sides.right.kind)));
   }
 
   function place() {
@@ -120,17 +133,28 @@ const viewer = (() => {
     view.y = Math.min(stage.clientHeight - edge, Math.max(edge - view.scale * height, view.y));
   }
 
-  function showCrop(crop, item, error) {
+  function showCrop(crop, item, kind) {
     const w = crop.x1 - crop.x0, h = crop.y1 - crop.y0;
     view.scale = Math.min(64, 0.92 * Math.min(stage.clientWidth / w, stage.clientHeight / h));
     view.x = stage.clientWidth / 2 - view.scale * (crop.x0 + w / 2);
     view.y = stage.clientHeight / 2 - view.scale * (crop.y0 + h / 2);
     view.fitted = false;
     place();
-    if (item !== undefined) show("right", item, error);
-    if (error !== undefined) show("left", sides.left.item, error);
+    show("right", item, kind);
+    show("left", sides.left.item, kind);
+    seek();
+  }
+
+  function seek() {
     stage.scrollIntoView({ block: "nearest" });
     stage.focus({ preventScroll: true });
+  }
+
+  // The look on the right, the picture it belongs to on the left.
+  function showView(item, name) {
+    show("right", item, name);
+    show("left", item, "result");
+    seek();
   }
 
   function reference(name) {
@@ -141,14 +165,24 @@ const viewer = (() => {
   }
 
   function swap() {
-    const { left, right } = sides, item = left.item, error = left.error;
-    show("left", right.item, right.error);
-    show("right", item, error);
+    const { left, right } = sides, item = left.item, kind = left.kind;
+    show("left", right.item, right.kind);
+    show("right", item, kind);
   }
 
   function toggleError(onlyLeft) {
-    const on = onlyLeft ? !sides.left.error : !sides.right.error;
-    for (const name of onlyLeft ? ["left"] : ["left", "right"]) show(name, sides[name].item, on);
+    const kind = (onlyLeft ? sides.left : sides.right).kind === "error" ? "result" : "error";
+    for (const name of onlyLeft ? ["left"] : ["left", "right"]) show(name, sides[name].item, kind);
+  }
+
+  // From look to look that a shown item has, and back to the result.
+  function nextView(onlyLeft) {
+    const names = onlyLeft ? ["left"] : ["left", "right"];
+    const has = (kind) => names.some((name) => viewOf(items[sides[name].item], kind));
+    const order = ["result", ...views.filter(has)];
+    const at = order.indexOf((onlyLeft ? sides.left : sides.right).kind);
+    const kind = order[(Math.max(at, 0) + 1) % order.length];
+    for (const name of names) show(name, sides[name].item, kind);
   }
 
   function step(name, by) {
@@ -165,6 +199,7 @@ const viewer = (() => {
     } else if (e.key === "ArrowRight") step(name, 1);
     else if (e.key === "ArrowLeft") step(name, -1);
     else if (e.key === "e" || e.key === "E") toggleError(e.shiftKey);
+    else if (e.key === "v" || e.key === "V") nextView(e.shiftKey);
     else if (e.key === "r" || e.key === "R") reference(name);
     else if (e.key === "x") swap();
     else if (e.key === "+" || e.key === "=") zoom(1.25);
@@ -232,6 +267,8 @@ const viewer = (() => {
   wipeBar.addEventListener("keydown", wipeKey);
   document.addEventListener("keydown", key);
   $("show-error").addEventListener("click", () => toggleError(false));
+  $("show-view").addEventListener("click", () => nextView(false));
+  $("show-view").hidden = $("key-view").hidden = views.length === 0;
   $("swap").addEventListener("click", swap);
   $("fit").addEventListener("click", fit);
   $("zoom-in").addEventListener("click", () => zoom(1.25));
@@ -243,5 +280,5 @@ const viewer = (() => {
   draw("right");
   new ResizeObserver(() => (view.fitted ? fit() : place())).observe(stage);
   fit();
-  return { showCrop, pictures, items, crops };
+  return { showCrop, showView, pictures, items, crops };
 })();

@@ -98,13 +98,16 @@ class Page(unittest.TestCase):
         """Name of the shown picture, after checking that exactly its file's pixels are the visible element."""
         name = self.js("document.getElementById(arguments[0]).dataset.shown", f"layer-{side}")
         label, kind = name.rsplit("/", 1)
+        entry = (self.results if label == "reference" else
+                 next(s for s in self.results["samplers"] if s["label"] == label))
         visible = self.js("[...document.querySelectorAll(arguments[0])].filter("
                           "(e) => getComputedStyle(e).visibility === 'visible').map((e) => e.src)",
                           f"#layer-{side} img")
-        if label == "reference":
+        if kind not in ("result", "error"):
+            file = next(v["file"] for v in entry["views"]["layers"] if v["name"] == kind)
+        elif label == "reference":
             file = self.results["references"][0]["picture"]
         else:
-            entry = next(s for s in self.results["samplers"] if s["label"] == label)
             file = entry["picture" if kind == "result" else "errorPicture"]
         expected = base64.b64encode((self.out / file).read_bytes()).decode()
         self.assertEqual(visible, ["data:image/png;base64," + expected])
@@ -247,6 +250,80 @@ class Page(unittest.TestCase):
         pixel = self.js("[...document.querySelector(arguments[0]).getContext('2d').getImageData(1, 1, 1, 1).data]",
                         '#crops button[aria-label^="crop b, power, result"] canvas')
         self.assertEqual(pixel[:2], [30, 160])
+
+    def looks(self, label):
+        """Names of the looks in a row of "A look inside", after checking that each shows its file's pixels."""
+        entry = self.results if label == "the scene" else next(
+            s for s in self.results["samplers"] if s["label"] == label)
+        files = {v["name"]: v["file"] for v in entry["views"]["layers"]}
+        names = []
+        for button in self.driver.find_elements(By.CSS_SELECTOR, f'#inside .look[data-label="{label}"] button'):
+            names.append(button.get_attribute("data-view"))
+            image = button.find_element(By.CSS_SELECTOR, "img")
+            self.assertEqual(self.js("[arguments[0].naturalWidth, arguments[0].naturalHeight]", image),
+                             [synthetic.WIDTH, synthetic.HEIGHT])
+            expected = base64.b64encode((self.out / files[names[-1]]).read_bytes()).decode()
+            self.assertEqual(image.get_attribute("src"), "data:image/png;base64," + expected)
+            self.assertGreater(image.size["width"], 100)
+            self.assertTrue(button.accessible_name)
+        return names
+
+    def test_EverySamplerIsLookedInto(self):
+        rows = [r.get_attribute("data-label") for r in self.driver.find_elements(By.CSS_SELECTOR, "#inside .look")]
+        self.assertEqual(rows, ["the scene", *synthetic.SAMPLERS])
+        self.assertEqual(self.looks("the scene"), ["brightest", "visibility.12"])
+        self.assertEqual(self.looks("bvh"), ["entropy", "brightest_probability"])
+        self.assertEqual(self.looks("octree"), ["entropy", "brightest_probability", "sampler.leaf", "sampler.found_3",
+                                                "sampler.found_4", "sampler.found_5", "sampler.found_6"])
+        text = self.find('#inside .look[data-label="octree"]').text
+        for part in ("entropy of the probabilities", "3.25", "leaf", "a colour for each"):
+            self.assertIn(part, text)
+        self.assertIn("2 × 2 pixels", self.find("#inside .note").text)
+        self.assertTrue(self.find('nav a[href="#inside"]').is_displayed())
+
+    def test_LookOpensInTheViewerBesideItsPicture(self):
+        button = self.find('#inside .look[data-label="octree"] button[data-view="sampler.leaf"]')
+        self.js("arguments[0].scrollIntoView({block: 'center'})", button)
+        button.click()
+        self.assertEqual((self.shown("left"), self.shown("right")), ("octree/result", "octree/sampler.leaf"))
+        self.assertEqual(self.find("#show-view").get_attribute("aria-pressed"), "true")
+        self.assertIn("leaf", self.find("#name-right").text)
+        box = self.js("(r => [r.top, r.bottom, innerHeight])(arguments[0].getBoundingClientRect())", self.stage)
+        self.assertTrue(box[0] >= -1 and box[1] <= box[2] + 1, "the stage must be in sight")
+        # Another sampler has no leaves: its result is shown.
+        self.press("3")
+        self.assertEqual(self.shown("right"), "bvh/result")
+        left, right = self.transforms()
+        self.assertEqual(left, right)
+
+    def test_LooksChangeByKey(self):
+        self.press_code("Digit3", shift=True)
+        self.press("2")
+        both = lambda: (self.shown("left"), self.shown("right"))  # noqa: E731
+        self.press("v")
+        self.assertEqual(both(), ("bvh/entropy", "power/entropy"))
+        self.assertIn("3.25", self.find("#name-right").text)
+        self.press("v")
+        self.assertEqual(both(), ("bvh/brightest_probability", "power/brightest_probability"))
+        self.press(Keys.SHIFT, "v")
+        self.assertEqual(both(), ("bvh/result", "power/brightest_probability"))
+        self.press("e")
+        self.assertEqual(both(), ("bvh/error", "power/error"))
+        self.press("v")
+        self.press("x")
+        self.assertEqual(both(), ("power/entropy", "bvh/entropy"))
+        self.press("r")
+        self.assertEqual(self.shown("right"), "reference/result")
+        self.find("#show-view").click()
+        self.assertEqual(self.find("#show-error").get_attribute("aria-pressed"), "false")
+
+    def test_ParametersAreNamesAndValues(self):
+        self.find("#details > summary").click()
+        details = next(d for d in self.driver.find_elements(By.CSS_SELECTOR, "#details details")
+                       if d.find_element(By.CSS_SELECTOR, "summary").text == "octree:leaves=512")
+        details.find_element(By.CSS_SELECTOR, "summary").click()
+        self.assertEqual([v.text for v in details.find_elements(By.CSS_SELECTOR, ".parameters li")], ["leaves=512"])
+        self.assertNotIn("{", details.text)
 
     def order(self):
         return [r.get_attribute("data-label") for r in self.driver.find_elements(By.CSS_SELECTOR, "#summary tbody tr")]

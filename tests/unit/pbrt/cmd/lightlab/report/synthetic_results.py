@@ -65,8 +65,9 @@ def sampler_entry(label, seeds, rounds):
         "label": label, "lightSampler": kind,
         "parameters": {"leaves": int(options.split("=")[1].split(",")[0]) if options else 4096} if octree else {},
         "meshLights": octree, "gate": "neepp" if kind == "neepp" else "", "isOracle": kind == "oracle",
-        "reference": 0, "report": {"records": 270000, "cells": {"full": 5100, "empty": 235}} if octree else {},
-        "structure": "depth  leaves\n    2      12\n    3    5323\n" if octree else "",
+        "reference": 0,
+        "report": {"parameters": "{\"leaves\":4096}", "records": 270000, "cells": {"full": 5100, "empty": 235}} if octree else {},
+        "views": views_of(folder, kind), "structure": "depth  leaves\n    2      12\n    3    5323\n" if octree else "",
         "picture": f"{folder}/result.png", "errorPicture": f"{folder}/error.png", "runs": runs,
         "summary": {
             "samples": final[0]["samples"], "seconds": seconds, "cpuSeconds": 2 * seconds, "metrics": spread,
@@ -81,6 +82,21 @@ def sampler_entry(label, seeds, rounds):
                      "pValue": 1e-12 if verdict == "biased" else 0.4,
                      "meanDifference": -0.08 if verdict == "biased" else 0.001},
         }}
+
+
+def layer(file, name, most=None, mean=0.5):
+    """Of a look inside; most None: colours without order."""
+    return {"name": name, "file": file, "meaning": f"what {name} is", "least": 0, "most": most or 7, "mean": mean,
+            "colours": "one per number, without order" if most is None else {"darkest": 0, "brightest": most}}
+
+
+def views_of(folder, kind):
+    names = [("sampler.leaf", None, 3)] if kind == "octree" else []
+    # Seven of a kind: the page shows the four of the largest mean.
+    names += [(f"sampler.found_{i}", 1, i / 10) for i in range(7)] if kind == "octree" else []
+    names += [("entropy", 3.25, 1), ("brightest_probability", 1, 0.5)]
+    return {"everyNthPixel": 2 if kind == "octree" else 1, "samplesPerLight": 8,
+            "layers": [layer(f"{folder}/views/{n}.png", n, most, mean) for n, most, mean in names]}
 
 
 def make(folder, labels=None, seeds=3, rounds=7, winner="octree"):
@@ -98,6 +114,8 @@ def make(folder, labels=None, seeds=3, rounds=7, winner="octree"):
                         "seconds": 80.1, "noise": 0.0003}],
         "crops": [{"name": "a", "x0": 10, "y0": 20, "x1": 34, "y1": 44},
                   {"name": "b", "x0": 60, "y0": 30, "x1": 84, "y1": 54}],
+        "views": {"everyNthPixel": 1, "samplesPerLight": 8, "layers": [
+            layer("views/brightest.png", "brightest"), layer("views/visibility.12.png", "visibility.12", 1)]},
         "samplers": [sampler_entry(label, seeds, rounds) for label in labels],
         "winner": winner, "winnerBeyondNoise": True}
     write_png(folder / "reference-0.png", lambda x, y: (x * 2, y * 3, 128))
@@ -105,6 +123,9 @@ def make(folder, labels=None, seeds=3, rounds=7, winner="octree"):
         r, g, b = SAMPLERS[entry["label"]][3]
         write_png(folder / entry["picture"], lambda x, y: (r, g, (b + 40 * ((x // 8 + y // 8) % 2)) % 256))
         write_png(folder / entry["errorPicture"], lambda x, y: (r // 4, g // 4, 255 if (x + y) % 16 < 8 else b // 4))
+    looks = [results["views"], *(entry["views"] for entry in results["samplers"])]
+    for k, v in enumerate(v for look in looks for v in look["layers"]):
+        write_png(folder / v["file"], lambda x, y: (5 * k % 256, 100 + x % 50, 90 + y % 50))
     (folder / "results.json").write_text(json.dumps(results, indent=1))
     return results
 

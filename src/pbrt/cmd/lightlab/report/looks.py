@@ -1,0 +1,55 @@
+"""The looks inside the samplers: which of their pictures the page shows, under which names. Standard library only."""
+import re
+
+import lab_results as lab
+
+MOST_ALIKE = 4  # of layers that differ in a number only (one per light)
+# Layers every sampler has -> what the page calls them. They come first, so that rows compare; then the sampler's own.
+TITLES = {"entropy": "entropy of the probabilities, bits",
+          "brightest_probability": "probability of the strongest light", "log10_excess": "excess second moment, log10", "brightest": "strongest light"}
+
+
+def title_of(name):
+    if name in TITLES:
+        return TITLES[name]
+    if name.startswith("visibility."):
+        return f"measured visibility, light {name.partition('.')[2]}"
+    return re.sub(r"^sampler\.", "", name).replace("_", " ")
+
+
+def stem_of(name):
+    return re.sub(r"[._]\d+$", "", name)
+
+
+def chosen(layers):
+    """All layers, but of those that differ in a number only the ones of the largest mean."""
+    alike = {}
+    for layer in layers:
+        alike.setdefault(stem_of(layer["name"]), []).append(layer)
+    shown = []
+    for group in alike.values():
+        best = sorted(group, key=lambda v: -(lab.number(v.get("mean")) or 0))[:MOST_ALIKE]
+        shown += [v for v in group if len(group) <= MOST_ALIKE or any(v is b for b in best)]
+    return shown
+
+
+def views_of(entry, embed):
+    """[{name, title, meaning, file, least, most}] of a "views" entry of results.json; least is None where colours have
+    no order. embed(file): the file's key among the page's pictures, None if it is missing."""
+    views = []
+    layers = [v for v in (entry or {}).get("layers") or [] if v.get("name")]
+    for layer in sorted(chosen(layers), key=lambda v: v["name"] not in TITLES):
+        file = embed(layer.get("file"))
+        if not file:
+            continue
+        colours = layer.get("colours") if isinstance(layer.get("colours"), dict) else {}
+        views.append({"name": layer["name"], "title": title_of(layer["name"]), "meaning": layer.get("meaning") or "",
+                      "file": file, "least": lab.number(colours.get("darkest")),
+                      "most": lab.number(colours.get("brightest"))})
+    return views
+
+
+def stride_sentence(results):
+    """Says if not every pixel was looked at."""
+    coarsest = max((s.entry.get("views") or {}).get("everyNthPixel") or 1 for s in results.samplers)
+    return f" One ray for {coarsest} × {coarsest} pixels, because the lights are many." if coarsest > 1 else ""

@@ -61,7 +61,8 @@ class SharedBulb:
         scene._use("bulb-glass")
         scene.lights += 1
         file = f"{scene.name}-bulb-{self.triangles}.ply"
-        scene.files.setdefault(file, ply(self.mesh))
+        if file not in scene.files:
+            scene.files[file] = ply(self.mesh)
         scene.raw(f'AttributeBegin Translate {numbers(at)} Scale {numbers((radius,) * 3)} # {label}\n'
                   f'AreaLightSource "diffuse" "blackbody L" {number(kelvin)} '
                   f'"float scale" {number(watts / (math.pi * self.area * radius * radius), 3)}\n'

@@ -36,7 +36,7 @@ def bulb_mesh(radius, k):
 def bulb_of(triangles):
     """A bulb of radius 1 made of so many triangles: 2, 10, 20 or 100."""
     if triangles == 2:
-        return quad((-1, -1, 0), (-1, 1, 0), (1, 1, 0), (1, -1, 0))  # a panel that shines downwards
+        return quad((-.7, -.7, 0), (-.7, .7, 0), (.7, .7, 0), (.7, -.7, 0))  # a panel that shines downwards
     rings = {10: 1, 20: 2, 100: 5}[triangles]
     angles = [math.pi * (k / (rings + 1) - .5) for k in range(rings + 2)]
     profile = [(0 if k in (0, rings + 1) else math.cos(a), math.sin(a)) for k, a in enumerate(angles)]
@@ -51,7 +51,8 @@ def split_triangles(triangles):
 
 
 class SharedBulb:
-    """One PLY file that all lamps place."""
+    """One PLY file that all lamps place. A hood keeps the camera from seeing the bulb: bulbs as small as a pixel would
+    give noise that no choice of lights can help."""
 
     def __init__(self, triangles):
         self.mesh, self.triangles = bulb_of(triangles), triangles
@@ -61,6 +62,9 @@ class SharedBulb:
         scene._use("bulb-glass")
         scene.lights += 1
         file = f"{scene.name}-bulb-{self.triangles}.ply"
+        if scene.lights == 1:
+            define(scene, "hood", Piece(("paint-black", cylinder(1.7, 1.2, 1.25, 16).turn(28, "x").turn(-4))))
+        place(scene, "hood", *at, 0, radius)
         if file not in scene.files:
             scene.files[file] = ply(self.mesh)
         scene.raw(f'AttributeBegin Translate {numbers(at)} Scale {numbers((radius,) * 3)} # {label}\n'

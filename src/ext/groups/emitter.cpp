@@ -127,8 +127,8 @@ void EmitterPacket::Set(size_t lane, const Emitter &e) {
 // as d times itself, and G = I (d C) (d C) / d^4.
 [[gnu::noinline]] Float EmitterPacket::EvaluateAll(const EmitterPacket *packets, size_t count, const LightQuery &query, Float *out) {
     const F px(query.p.x), py(query.p.y), pz(query.p.z);
-    const Normal3 n = ReceiverNormal(query);
-    const bool inMedium = n == Normal3(0);
+    const bool inMedium = query.ns == Normal3(0);
+    const Normal3 n = query.ns * (Dot(query.wo, query.ns) < 0 ? Float(-1) : Float(1));
     const F nx(n.x), ny(n.y), nz(n.z), otherSide(query.transmits ? Float(-1) : Float(1));
     F sum(0);
     for (size_t i = 0; i < count; ++i) {

@@ -27,6 +27,7 @@ namespace {
 
 constexpr int kWarmUpSeed = 700003;
 constexpr double kFewOracleSamples = 8;
+constexpr int kTellingSamples = 4;
 
 /// Makes the folders; takes up or refuses what is there.
 void OpenFolder(const CampaignSettings &settings, const Json &identity, const RecordFolder &records) {
@@ -73,15 +74,13 @@ class Rounds {
     bool RenderAll() {
         if (!FindExpectedSamples()) return false;
         recordsOf_.assign(settings_.samplers.size(), {});
-        double total = 0;
         for (size_t i = 0; i < settings_.samplers.size(); ++i)
             for (int seed = 0; seed < settings_.seeds; ++seed) {
                 recordsOf_[i].push_back(records_.LoadRun(settings_.samplers[i].folder, seed));
-                total += WorkUpTo(i, seed, checkpoints_.size() - 1) - WorkDone(i, seed);
+                LearnCost(i, recordsOf_[i].back());
             }
         display_.SetPhase("rendering");
-        display_.SetTotal(total);
-        display_.StartClock();
+        display_.SetAfter(0);
         for (int seed = 0; seed < settings_.seeds; ++seed)
             if (!RenderSeed(seed)) return false;
         for (size_t i = 0; i < settings_.samplers.size(); ++i)
@@ -136,14 +135,14 @@ class Rounds {
 
     bool RenderTo(size_t i, int seed, size_t checkpoint, SamplerRun &run) {
         const std::string &folder = settings_.samplers[i].folder;
-        double before = Work(i, run);
-        const RenderTarget target = TargetOf(i, seed, checkpoint);
         auto afterWave = [&] {
-            const double now = Work(i, run);
-            display_.Advance(now - before);
-            before = now;
+            // The first samples of a run fill caches and cells: the pilot knows better.
+            if (run.SecondsPerSample() > 0 && (run.Samples() >= kTellingSamples || !wasInPilot_[i]))
+                cost_[i] = run.SecondsPerSample();
+            const double sinceRecord = SecondsOf(i, run.Samples(), run.Spent()) - SecondsDone(i, seed);
+            display_.Show(std::max(0.0, SecondsLeft() - sinceRecord));
         };
-        if (!run.RenderTo(target, afterWave)) return false;
+        if (!run.RenderTo(TargetOf(i, seed, checkpoint), afterWave)) return false;
         const Image picture = run.Picture();
         const int c = static_cast<int>(checkpoint);
         run.AddRound(c, measuring_[ofSampler_[i]]->Compare(picture));
@@ -192,18 +191,31 @@ class Rounds {
     }
 
     bool BySamples() const { return replay_ || !settings_.Timed(); }
-    /// In estimated seconds.
-    double Work(size_t i, const SamplerRun &run) const {
-        return BySamples() ? run.Samples() * cost_[i] : std::min(run.Spent().wall, settings_.timeBudget);
+    /// Of one run, as if at the present cost of a sample.
+    double SecondsOf(size_t i, int samples, const TimeSpent &spent) const {
+        return BySamples() ? samples * cost_[i] : std::min(spent.wall, settings_.timeBudget);
     }
-    double WorkUpTo(size_t i, int seed, size_t checkpoint) const {
-        return BySamples() ? TargetOf(i, seed, checkpoint).samples * cost_[i] : settings_.timeBudget;
-    }
-    double WorkDone(size_t i, int seed) const {
+    double SecondsDone(size_t i, int seed) const {
         const RunRecord &record = recordsOf_[i][static_cast<size_t>(seed)];
-        if (record.rounds.empty()) return 0;
+        return record.rounds.empty() ? 0 : SecondsOf(i, record.rounds.back().samples, record.rounds.back().spent);
+    }
+    /// Of all runs, what the records do not hold.
+    double SecondsLeft() const {
+        double left = 0;
+        for (size_t i = 0; i < settings_.samplers.size(); ++i)
+            for (int seed = 0; seed < settings_.seeds; ++seed) {
+                const double whole = BySamples() ? TargetOf(i, seed, checkpoints_.size() - 1).samples * cost_[i]
+                                                 : settings_.timeBudget;
+                left += whole - SecondsDone(i, seed);
+            }
+        return left;
+    }
+    /// From an earlier session's rounds.
+    void LearnCost(size_t i, const RunRecord &record) {
+        if (record.rounds.empty()) return;
         const RoundRecord &last = record.rounds.back();
-        return BySamples() ? last.samples * cost_[i] : std::min(last.spent.wall, settings_.timeBudget);
+        if (last.samples < kTellingSamples && wasInPilot_[i]) return;
+        cost_[i] = (last.spent.wall - record.prepare.wall) / std::max(1, last.samples);
     }
     /// Seconds per sample from the pilot; all alike without one.
     void LoadCosts() {
@@ -215,8 +227,10 @@ class Rounds {
             mean += entry.value("secondsPerSample", 0.0) / static_cast<double>(pilot.size());
         }
         hasPilot_ = mean > 0;
-        for (const SamplerChoice &s : settings_.samplers)
+        for (const SamplerChoice &s : settings_.samplers) {
+            wasInPilot_.push_back(known.contains(s.label));
             cost_.push_back(known.contains(s.label) ? known[s.label] : mean > 0 ? mean : 1);
+        }
     }
 
     const CampaignSettings &settings_;
@@ -228,7 +242,8 @@ class Rounds {
     std::vector<Checkpoint> checkpoints_;
     std::optional<SampleCounts> replay_;
     std::vector<std::unique_ptr<MeasuringReference>> measuring_;
-    std::vector<double> cost_;
+    std::vector<double> cost_;  ///< seconds per sample
+    std::vector<bool> wasInPilot_;
     std::vector<int> expected_;
     bool hasPilot_ = false;
     std::vector<std::vector<RunRecord>> recordsOf_;

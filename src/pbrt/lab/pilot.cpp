@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pbrt/lab/reference.h"
 #include "pbrt/lab/sampler_run.h"
 
 namespace pbrt::lab {
@@ -71,6 +72,23 @@ std::vector<PilotEntry> FromJson(const Json &json, const std::vector<SamplerChoi
 
 }  // namespace
 
+double MeanSecondsPerSample(const std::vector<PilotEntry> &entries) {
+    double sum = 0;
+    for (const PilotEntry &e : entries) sum += e.secondsPerSample;
+    return entries.empty() ? 0 : sum / static_cast<double>(entries.size());
+}
+
+double EstimateRuns(const CampaignSettings &settings, const std::vector<PilotEntry> &entries) {
+    double seconds = 0;
+    for (const SamplerChoice &s : settings.samplers) {
+        auto known = std::find_if(entries.begin(), entries.end(),
+                                  [&](const PilotEntry &e) { return e.choice.label == s.label; });
+        const double cost = known == entries.end() ? MeanSecondsPerSample(entries) : known->secondsPerSample;
+        seconds += settings.Timed() ? settings.timeBudget : settings.samplesPerPixel * cost;
+    }
+    return seconds * settings.seeds;
+}
+
 bool IsTrusted(const SamplerChoice &choice, const LabScene &scene) {
     const bool stock =
         choice.name == "uniform" || choice.name == "power" || choice.name == "bvh" || choice.name == "exhaustive";
@@ -85,9 +103,8 @@ std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings
         return known;
 
     display.SetPhase("pilot");
-    display.SetTotal(static_cast<double>(candidates.size()) * 2 * kSamples);
-    display.StartClock();
     std::vector<PilotEntry> entries;
+    double left = -1;  // the first candidate tells how fast the machine is
     std::vector<std::array<Image, 2>> pictures;
     std::vector<double> mean(3 * static_cast<size_t>(scene.Pixels().Area()), 0.0);
     const int expected = settings.Timed() ? scene.Batch() : settings.samplesPerPixel;
@@ -96,11 +113,10 @@ std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings
         std::array<Image, 2> pair;
         for (int k = 0; k < 2; ++k) {
             SamplerRun run(scene, candidate, kFirstSeed + k, expected, cancel);
-            if (!run.Prepare() || !run.RenderTo({kSamples, 0}, [&] { display.Show(); })) return {};
+            if (!run.Prepare() || !run.RenderTo({kSamples, 0}, [&] { display.Show(left); })) return {};
             const double seconds = run.Spent().wall - run.Record().prepare.wall;
             entry.secondsPerSample = std::min(entry.secondsPerSample, seconds / kSamples);
             pair[static_cast<size_t>(k)] = run.Picture();
-            display.Advance(kSamples);
         }
         size_t i = 0;
         for (int y = 0; y < pair[0].Resolution().y; ++y)
@@ -109,6 +125,10 @@ std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings
                     mean[i] += (double(pair[0].Get({x, y}, c)) + double(pair[1].Get({x, y}, c))) /
                                (2 * static_cast<double>(candidates.size()));
         entries.push_back(entry);
+        const double perSample = MeanSecondsPerSample(entries);
+        left = static_cast<double>(candidates.size() - entries.size()) * 2 * kSamples * perSample;
+        const ReferenceRule rule = ReferenceRule::For(settings);
+        display.SetAfter(2 * (rule.samples > 0 ? rule.samples * perSample : rule.seconds) + EstimateRuns(settings, entries));
         pictures.push_back(std::move(pair));
     }
     for (size_t i = 0; i < entries.size(); ++i) entries[i].variance = Variance(pictures[i][0], pictures[i][1], mean);

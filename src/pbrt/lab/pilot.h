@@ -21,6 +21,10 @@ std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings
                                                 const LightSamplerRegistry &registry, const RecordFolder &records,
                                                 Progress &cancel, CampaignDisplay &display);
 
+double MeanSecondsPerSample(const std::vector<PilotEntry> &entries);
+/// Seconds that all runs of the campaign will take; a sampler without an entry counts as one of average cost.
+double EstimateRuns(const CampaignSettings &settings, const std::vector<PilotEntry> &entries);
+
 /// Stock samplers without a gate: their pictures are right by contract, whatever a plug-in does.
 bool IsTrusted(const SamplerChoice &choice, const LabScene &scene);
 

@@ -42,17 +42,19 @@ class ReferenceMaker {
         const int samples = SamplesPerPart(with, index);
         reference.samples = samples * kParts;
         display_.SetPhase(fmt::format("reference {}", index));
-        display_.SetTotal(static_cast<double>(reference.samples));
-        display_.StartClock();
         std::vector<std::string> files;
         for (int part = 0; part < kParts; ++part) {
             files.push_back(records_.File(fmt::format("reference-{}-part{}.exr", cache.Key(), part + 1)));
-            if (!RenderPart(with.choice, firstSeed + part, samples, files.back(), &reference)) return {};
+            if (!RenderPart(with.choice, firstSeed + part, samples, kParts - 1 - part, files.back(), &reference)) return {};
         }
         AverageParts(&reference);
         cache.Store(scene_, about, &reference);
         for (const std::string &file : files) std::filesystem::remove(file);
         return reference;
+    }
+
+    double EstimateSeconds(const PilotEntry &with) const {
+        return rule_.samples > 0 ? rule_.samples * with.secondsPerSample : rule_.seconds;
     }
 
   private:
@@ -73,20 +75,18 @@ class ReferenceMaker {
         return samples;
     }
 
-    bool RenderPart(const SamplerChoice &choice, int seed, int samples, const std::string &file, Reference *reference) {
+    bool RenderPart(const SamplerChoice &choice, int seed, int samples, int partsAfter, const std::string &file,
+                    Reference *reference) {
         if (std::filesystem::exists(file)) {
             ImageFile known = ReadImage(file);
             reference->seconds += double(std::get<float>(known.metadata.attributes.at("renderTimeSeconds")));
             reference->parts.push_back(known.image.Select({"R", "G", "B"}));
-            display_.Skip(samples);
             return true;
         }
         SamplerRun run(scene_, choice, seed, samples, cancel_);
         if (!run.Prepare()) return false;
-        int shown = 0;
         auto afterWave = [&] {
-            display_.Advance(run.Samples() - shown);
-            shown = run.Samples();
+            display_.Show((samples - run.Samples() + static_cast<double>(partsAfter) * samples) * run.SecondsPerSample());
         };
         if (!run.RenderTo({samples, 0}, afterWave)) return false;
         WriteImage(file, run.Picture(), run.Metadata());
@@ -158,6 +158,9 @@ std::optional<References> MakeReferences(const CampaignSettings &settings, const
         references.all.clear();
         const size_t wanted = isListed(makers.at(0).choice) && makers.size() > 1 ? 2 : 1;
         for (size_t i = 0; i < wanted; ++i) {
+            double after = EstimateRuns(settings, *pilot);
+            for (size_t k = i + 1; k < wanted; ++k) after += maker.EstimateSeconds(makers[k]);
+            display.SetAfter(after);
             std::optional<Reference> made = maker.Make(makers[i], static_cast<int>(i));
             if (!made) return {};
             references.all.push_back(std::move(*made));

@@ -6,7 +6,8 @@ import lab_results as lab
 MOST_ALIKE = 4  # of layers that differ in a number only (one per light)
 # Layers every sampler has -> what the page calls them. They come first, so that rows compare; then the sampler's own.
 TITLES = {"entropy": "entropy of the probabilities, bits",
-          "brightest_probability": "probability of the strongest light", "log10_excess": "excess second moment, log10", "brightest": "strongest light"}
+          "brightest_probability": "probability of the strongest light", "log10_excess": "excess second moment, log10",
+          "brightest": "strongest light"}
 
 
 def title_of(name):

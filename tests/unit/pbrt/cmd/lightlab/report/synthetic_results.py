@@ -66,7 +66,8 @@ def sampler_entry(label, seeds, rounds):
         "parameters": {"leaves": int(options.split("=")[1].split(",")[0]) if options else 4096} if octree else {},
         "meshLights": octree, "gate": "neepp" if kind == "neepp" else "", "isOracle": kind == "oracle",
         "reference": 0,
-        "report": {"parameters": "{\"leaves\":4096}", "records": 270000, "cells": {"full": 5100, "empty": 235}} if octree else {},
+        "report": {"parameters": "{\"leaves\":4096}", "records": 270000,
+                   "cells": {"full": 5100, "empty": 235}} if octree else {},
         "views": views_of(folder, kind), "structure": "depth  leaves\n    2      12\n    3    5323\n" if octree else "",
         "picture": f"{folder}/result.png", "errorPicture": f"{folder}/error.png", "runs": runs,
         "summary": {

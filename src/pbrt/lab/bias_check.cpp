@@ -322,7 +322,10 @@ double MeanOf(std::span<const TileMeans> pictures) {
     return sum / static_cast<double>(pictures.size());
 }
 
-std::string Percent(double v) { return std::isfinite(v) ? fmt::format("{:.2g} %", 100 * v) : "any size"; }
+std::string Percent(double v) {
+    if (!std::isfinite(v)) return "any size";
+    return std::abs(v) < 0.995 ? fmt::format("{:.2g} %", 100 * v) : fmt::format("{:.0f} %", 100 * v);
+}
 
 std::string Explain(const BiasReport &report, const BiasSettings &settings) {
     const std::string visible = fmt::format(

@@ -128,7 +128,8 @@ std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings
         const double perSample = MeanSecondsPerSample(entries);
         left = static_cast<double>(candidates.size() - entries.size()) * 2 * kSamples * perSample;
         const ReferenceRule rule = ReferenceRule::For(settings);
-        display.SetAfter(2 * (rule.samples > 0 ? rule.samples * perSample : rule.seconds) + EstimateRuns(settings, entries));
+        const double reference = rule.samples > 0 ? rule.samples * perSample : rule.seconds;
+        display.SetAfter(2 * reference + EstimateRuns(settings, entries));
         pictures.push_back(std::move(pair));
     }
     for (size_t i = 0; i < entries.size(); ++i) entries[i].variance = Variance(pictures[i][0], pictures[i][1], mean);

@@ -45,7 +45,8 @@ class ReferenceMaker {
         std::vector<std::string> files;
         for (int part = 0; part < kParts; ++part) {
             files.push_back(records_.File(fmt::format("reference-{}-part{}.exr", cache.Key(), part + 1)));
-            if (!RenderPart(with.choice, firstSeed + part, samples, kParts - 1 - part, files.back(), &reference)) return {};
+            if (!RenderPart(with.choice, firstSeed + part, samples, kParts - 1 - part, files.back(), &reference))
+                return {};
         }
         AverageParts(&reference);
         cache.Store(scene_, about, &reference);
@@ -86,7 +87,8 @@ class ReferenceMaker {
         SamplerRun run(scene_, choice, seed, samples, cancel_);
         if (!run.Prepare()) return false;
         auto afterWave = [&] {
-            display_.Show((samples - run.Samples() + static_cast<double>(partsAfter) * samples) * run.SecondsPerSample());
+            const double samplesLeft = samples * (1.0 + partsAfter) - run.Samples();
+            display_.Show(samplesLeft * run.SecondsPerSample());
         };
         if (!run.RenderTo({samples, 0}, afterWave)) return false;
         WriteImage(file, run.Picture(), run.Metadata());

@@ -8,9 +8,11 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "pbrt/core/log.h"
 #include "pbrt/images/image.h"
+#include "pbrt/lab/campaign_display.h"
 #include "pbrt/lab/content_hash.h"
 
 namespace pbrt::lab {
@@ -463,6 +465,40 @@ TEST(Checkpoints, StartAtOneSampleAndEndAtTheBudget) {
     EXPECT_EQ(timed[0].samples, 1);
     EXPECT_EQ(timed[1].seconds, 0.5);
     EXPECT_EQ(timed[7].seconds, 32);
+}
+
+TEST(CampaignDisplay, TimeLeftIsThatOfTheWholeCampaign) {
+    struct Sink final : ProgressSink {
+        void Show(const std::string &p, double f, double e, double r) override {
+            phase = p;
+            fraction = f;
+            elapsed = e;
+            remaining = r;
+        }
+        void PhaseDone(const std::string &, double) override {}
+        std::string phase;
+        double fraction = -1, elapsed = 0, remaining = -2;
+    } sink;
+    CampaignDisplay display(&sink);
+    auto show = [&](double left) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(210));  // it does not show more often
+        display.Show(left);
+    };
+    display.SetPhase("pilot");
+    show(-1);
+    EXPECT_EQ(sink.phase, "pilot");
+    EXPECT_EQ(sink.fraction, 0);
+    EXPECT_LT(sink.remaining, 0);
+    display.SetPhase("reference 0");
+    display.SetAfter(3);
+    show(2);
+    EXPECT_EQ(sink.phase, "reference 0");
+    EXPECT_EQ(sink.remaining, 5);
+    EXPECT_NEAR(sink.fraction, sink.elapsed / (sink.elapsed + 5), 1e-12);
+    display.SetAfter(0);
+    show(0);
+    EXPECT_EQ(sink.remaining, 0);
+    EXPECT_EQ(sink.fraction, 1);
 }
 
 TEST(SceneHash, SeesEveryFileThatIsNamed) {

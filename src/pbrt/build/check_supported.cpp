@@ -2,7 +2,6 @@
 
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/integrator_builder.h"
-#include "pbrt/lights/light_factory.h"
 #include "pbrt/materials/material_factory.h"
 #include "pbrt/shapes/shape_factory.h"
 
@@ -44,19 +43,12 @@ void CheckSupported(const SceneDescription &d, const BuildOptions &options, Diag
     check.Animated("camera", d.camera.cameraFromWorld, d.camera.loc);
     for (const MediumEntity &m : d.media) check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));
     for (const TextureEntity &t : d.textures) check.Type("Texture", t, UnsupportedTextures());
-    for (const MaterialEntity &m : d.materials) {
-        check.Type("Material", m, UnsupportedMaterials());
-        check.Parameter("Material", m, "displacement");
-    }
+    for (const MaterialEntity &m : d.materials) check.Type("Material", m, UnsupportedMaterials());
     // volpath sees through interface surfaces when it looks for lights; path, which stands in for it, does not.
     if (options.integrator.empty() && d.integrator.type == "volpath")
         for (const MaterialEntity &m : d.materials)
             if (m.type == "interface" || m.type.empty() || m.type == "none")
                 check.NotBuilt(m.loc, "Integrator \"volpath\" with Material \"interface\"");
-    for (const LightEntity &l : d.lights) {
-        check.Type("LightSource", l, UnsupportedLights());
-        if (l.type == "infinite") check.Parameter("LightSource", l, "portal");
-    }
     auto shape = [&](const ShapeEntity &s) {
         check.Type("Shape", s, UnsupportedShapes());
         check.Animated("shape", s.ctm, s.loc);

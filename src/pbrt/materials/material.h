@@ -15,7 +15,7 @@ class Material {
     /// The BSDF at a point whose shading frame is final. May terminate secondary wavelengths (dispersion).
     virtual Bsdf GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda) const = 0;
 
-    /// Applies normal map (and later displacement) to the shading frame.
+    /// Applies normal map or bump map to the shading frame.
     virtual void PerturbShading(SurfacePoint &) const {}
 
     /// For mix: the material in force at this point (chosen by a hash of p, wo and the two); itself for all others.

@@ -145,12 +145,6 @@ constexpr SurfaceType kSurfaceTypes[] = {
     {"diffusetransmission", MakeDiffuseTransmission},
 };
 
-bool AsksForDisplacement(const ParamSet &params) {
-    bool asNumber = params.Find("displacement", ParamType::Float);
-    bool asTexture = params.Find("displacement", ParamType::Texture);
-    return asNumber || asTexture;
-}
-
 }  // namespace
 
 const std::vector<std::string> &SupportedMaterials() {
@@ -177,11 +171,9 @@ MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, Textur
         SurfacePtr material = known.make(request);
         if (auto image = textures.GetLinearRgbImage(params, "normalmap"))
             material->SetNormalMap(std::make_unique<NormalMap>(std::move(image)));
-        bool displaced = AsksForDisplacement(params);
+        if (FloatTexturePtr height = textures.GetFloatOrNull(params, "displacement"))
+            material->SetBumpMap(BumpMap(std::move(height)));
         params.ReportUnused(sink);
-        if (displaced)
-            throw UserError(fmt::format("{}: displacement (bump mapping) is not supported yet.", params.What()),
-                            params.LocOf("displacement"));
         return material;
     }
     if (type == "interface" || type.empty() || type == "none") {

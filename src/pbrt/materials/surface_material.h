@@ -1,16 +1,22 @@
 #pragma once
+#include <optional>
+
+#include "pbrt/materials/bump_map.h"
 #include "pbrt/materials/material.h"
 #include "pbrt/materials/normal_map.h"
 
 namespace pbrt {
 
-/// A material that may have a normal map: all but mix and interface.
+/// A material that scatters: all but mix and interface. It may have a normal map or a bump map; of both, the normal map
+/// counts.
 class SurfaceMaterial : public Material {
   public:
     void PerturbShading(SurfacePoint &point) const final {
         if (normalMap_) normalMap_->Perturb(point);
+        else if (bumpMap_) bumpMap_->Perturb(point);
     }
     void SetNormalMap(std::unique_ptr<const NormalMap> map) { normalMap_ = std::move(map); }
+    void SetBumpMap(BumpMap map) { bumpMap_ = std::move(map); }
 
   protected:
     template <class Lobe>
@@ -20,6 +26,7 @@ class SurfaceMaterial : public Material {
 
   private:
     std::unique_ptr<const NormalMap> normalMap_;
+    std::optional<BumpMap> bumpMap_;
 };
 
 }  // namespace pbrt

@@ -35,18 +35,6 @@ TEST(MaterialFactory, SupportedTypesCanBeMade) {
     }
 }
 
-TEST(MaterialFactory, DisplacementIsRefusedWhereItStands) {
-    Workshop shop;
-    shop.Define("d", false, "constant", Params());
-    Thrown t =
-        Catch([&] { shop.Make("diffuse", Params("m", 3).Rgb("reflectance", 0, 0, 0).Tex("displacement", "d")); });
-    EXPECT_EQ(t.line, 5);
-    EXPECT_TRUE(t.Says("displacement (bump mapping) is not supported yet"));
-    t = Catch([&] { shop.Make("conductor", Params("m", 3).F("displacement", 1)); });
-    EXPECT_EQ(t.line, 4);
-    EXPECT_EQ(shop.Errors(), 0u);
-}
-
 TEST(MaterialFactory, MisspeltParametersListTheChoices) {
     Workshop shop;
     shop.Make("coateddiffuse", Params("m", 3).F("roughnes", 1));

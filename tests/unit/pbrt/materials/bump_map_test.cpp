@@ -1,0 +1,137 @@
+#include "pbrt/materials/bump_map.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "material_test_support.h"
+#include "pbrt/materials/surface_material.h"
+
+namespace pbrt {
+namespace {
+
+class Height final : public FloatTexture {
+  public:
+    explicit Height(std::function<Float(const TextureContext &)> f) : f_(std::move(f)) {}
+    Float Evaluate(const TextureContext &ctx) const override { return f_(ctx); }
+
+  private:
+    std::function<Float(const TextureContext &)> f_;
+};
+
+BumpMap Bumps(std::function<Float(const TextureContext &)> f) { return BumpMap(std::make_shared<Height>(std::move(f))); }
+
+void ExpectNear(const Vector3 &a, const Vector3 &b, Float tolerance = 1e-3f) {
+    EXPECT_LT(Distance(a, b), tolerance) << a.x << " " << a.y << " " << a.z << " against " << b.x << " " << b.y << " "
+                                         << b.z;
+}
+
+/// p = (2 u, 3 v, 0).
+SurfacePoint FlatPoint() {
+    SurfacePoint s;
+    s.uv = {.3f, .6f};
+    s.p = {.6f, 1.8f, 0};
+    s.n = s.shading.n = {0, 0, 1};
+    s.dpdu = s.shading.dpdu = {2, 0, 0};
+    s.dpdv = s.shading.dpdv = {0, 3, 0};
+    return s;
+}
+
+TEST(BumpMap, EvenHeightOverAPlaneChangesNothing) {
+    SurfacePoint s = FlatPoint();
+    Bumps([](const TextureContext &) { return 7.f; }).Perturb(s);
+    ExpectNear(s.shading.n, {0, 0, 1});
+    ExpectNear(s.shading.dpdu, {2, 0, 0});
+    ExpectNear(s.shading.dpdv, {0, 3, 0});
+}
+
+TEST(BumpMap, SlopeOfTheHeightTiltsTheNormal) {
+    // Height by position and by (u, v) of the same slope: z = x / 2 - y.
+    for (bool byPosition : {true, false}) {
+        SurfacePoint s = FlatPoint();
+        Bumps([=](const TextureContext &c) {
+            return byPosition ? c.p.x / 2 - c.p.y : c.uv.x - 3 * c.uv.y;
+        }).Perturb(s);
+        ExpectNear(s.shading.n, Normalize(Vector3(-.5f, 1, 1)));
+        ExpectNear(s.shading.dpdu, {2, 0, 1}, 2e-3f);
+        ExpectNear(s.shading.dpdv, {0, 3, -3}, 2e-3f);
+        ExpectNear(s.n, {0, 0, 1});
+        ExpectNear(s.dpdu, {2, 0, 0});
+    }
+}
+
+TEST(BumpMap, StepIsHalfTheFootprint) {
+    SurfacePoint s = FlatPoint();
+    s.dudx = .1f, s.dudy = -.3f, s.dvdx = .02f;
+    Float left = 1, top = 1, right = 0, bottom = 0;
+    Bumps([&](const TextureContext &c) {
+        left = std::min(left, c.uv.x), right = std::max(right, c.uv.x);
+        top = std::min(top, c.uv.y), bottom = std::max(bottom, c.uv.y);
+        return 0.f;
+    }).Perturb(s);
+    EXPECT_FLOAT_EQ(left, .3f);
+    EXPECT_FLOAT_EQ(right, .5f);
+    EXPECT_FLOAT_EQ(top, .6f);
+    EXPECT_NEAR(bottom, .61f, 1e-6f);
+}
+
+/// A sphere blown up by an even height is a sphere; one whose height falls with the polar angle is a drop. Twin: the
+/// normal of the moved surface by differences of its points.
+TEST(BumpMap, CurvedSurfaceHasTheNormalOfTheMovedOne) {
+    auto place = [](double theta, double phi, double r) {
+        return Vector3(r * std::sin(theta) * std::cos(phi), r * std::sin(theta) * std::sin(phi), r * std::cos(theta));
+    };
+    const double theta = 1.1, phi = 0.4, e = 1e-3;
+    for (double slope : {0.0, 0.5}) {
+        auto height = [&](double t) { return 0.3 - slope * t; };
+        SurfacePoint s;  // u = phi, v = theta on the unit sphere
+        s.p = place(theta, phi, 1);
+        s.uv = {static_cast<Float>(phi), static_cast<Float>(theta)};
+        s.n = s.shading.n = s.p;
+        s.dndu = s.shading.dndu = s.dpdu = s.shading.dpdu = place(M_PI / 2, phi + M_PI / 2, std::sin(theta));
+        s.dndv = s.shading.dndv = s.dpdv = s.shading.dpdv = place(theta + M_PI / 2, phi, 1);
+        Bumps([&](const TextureContext &c) { return static_cast<Float>(height(double(c.uv.y))); }).Perturb(s);
+        auto moved = [&](double t, double f) { return place(t, f, 1 + height(t)); };
+        Vector3 du = moved(theta, phi + e) - moved(theta, phi - e), dv = moved(theta + e, phi) - moved(theta - e, phi);
+        ExpectNear(s.shading.n, FaceForward(Normalize(Cross(du, dv)), s.n), 5e-3f);
+        ExpectNear(s.shading.dpdu, du / static_cast<Float>(2 * e), 5e-3f);
+        ExpectNear(s.shading.dpdv, dv / static_cast<Float>(2 * e), 5e-3f);
+    }
+}
+
+TEST(BumpMap, NormalStaysOnTheGeometricSide) {
+    SurfacePoint s = FlatPoint();
+    s.n = {0, 0, -1};
+    Bumps([](const TextureContext &c) { return c.p.x; }).Perturb(s);
+    ExpectNear(s.shading.n, Normalize(Vector3(1, 0, -1)));
+}
+
+TEST(BumpMap, MaterialsReadDisplacementButTheNormalMapWins) {
+    test::Workshop shop;
+    shop.Define("slope", false, "bilerp",
+                test::Params().F("v00", 0).F("v01", 0).F("v10", 2).F("v11", 2));
+    for (const std::string &type : SupportedMaterials()) {
+        if (type == "mix" || type == "interface" || type == "hair" || type == "measured") continue;
+        SurfacePoint s = FlatPoint();
+        shop.Make(type, test::Params("m").Tex("displacement", "slope"))->PerturbShading(s);
+        ExpectNear(s.shading.n, Normalize(Vector3(-1, 0, 1)));
+        s = FlatPoint();
+        shop.Make(type, test::Params("m").F("displacement", 2))->PerturbShading(s);
+        ExpectNear(s.shading.n, {0, 0, 1});
+    }
+    EXPECT_EQ(shop.Errors(), 0u);
+
+    class Plain final : public SurfaceMaterial {
+        Bsdf GetBsdf(const SurfacePoint &, SampledWavelengths &) const override { return {}; }
+    } both;
+    Image image(PixelFormat::Float, {1, 1}, {"R", "G", "B"});
+    for (int c = 0; c < 3; ++c) image.Set({0, 0}, c, (Vector3(0, .6f, .8f)[c] + 1) / 2);
+    both.SetNormalMap(std::make_unique<NormalMap>(std::make_shared<const Image>(std::move(image))));
+    both.SetBumpMap(Bumps([](const TextureContext &c) { return c.p.x; }));
+    SurfacePoint s = FlatPoint();
+    both.PerturbShading(s);
+    ExpectNear(s.shading.n, {0, .6f, .8f});
+}
+
+}  // namespace
+}  // namespace pbrt

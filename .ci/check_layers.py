@@ -17,6 +17,7 @@ DOORS = [(re.compile(r"^(embree|rtcore)"), {"pbrt/accel"}),
          (re.compile(r"^(OpenImageIO|OpenEXR|Imath)/|^Im[a-z]+\.h"), {"pbrt/images"}),
          (re.compile(r"^tbb/|^oneapi/"), {"pbrt/core"}),
          (re.compile(r"^glm/"), {"pbrt/math"}),
+         (re.compile(r"^opensubdiv/"), {"pbrt/shapes"}),
          (re.compile(r"^CLI/"), {"pbrt/cmd"})]
 
 

@@ -3,6 +3,7 @@
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/cylinder.h"
 #include "pbrt/shapes/disk.h"
+#include "pbrt/shapes/loop_subdivision.h"
 #include "pbrt/shapes/ply.h"
 #include "pbrt/shapes/sphere.h"
 #include "pbrt/shapes/triangle_mesh.h"
@@ -102,6 +103,37 @@ Shapes MakeBilinearMesh(const Request &r) {
     return One<BilinearMesh>(r, ReadMesh(r, 4, false));
 }
 
+Shapes MakeLoopSubdivision(const Request &r) {
+    const ParamSet &params = r.params;
+    int levels = params.GetInt("levels", 3);
+    params.GetString("scheme", "loop");  // stock reads it and never uses it
+    // OpenSubdiv's limit is 15; 10 levels make a million triangles of each.
+    if (levels < 0 || levels > 10)
+        throw UserError(fmt::format("{}: \"levels\" is {}; it must be 0 to 10.", params.What(), levels),
+                        params.LocOf("levels"));
+    std::span<const int> indices = params.GetInts("indices");
+    std::vector<Point3> points = Triples(params.GetFloats("P", ParamType::Point3));
+    if (points.empty()) throw UserError(fmt::format("{}: \"point3 P\" is missing.", params.What()), params.Loc());
+    if (indices.empty())
+        throw UserError(fmt::format("{}: \"integer indices\" is missing.", params.What()), params.Loc());
+    std::vector<uint32_t> corners;
+    for (int i : indices.first(indices.size() - indices.size() % 3)) {
+        if (i < 0 || static_cast<size_t>(i) >= points.size())
+            throw UserError(
+                fmt::format("{}: index {} is out of range; there are {} points.", params.What(), i, points.size()),
+                params.LocOf("indices"));
+        corners.push_back(static_cast<uint32_t>(i));
+    }
+    if (corners.empty())
+        throw UserError(fmt::format("{}: no complete face is left.", params.What()), params.LocOf("indices"));
+    try {
+        return One<TriangleMesh>(r, LoopSubdivide(corners, points, levels));
+    } catch (const UserError &e) {
+        throw UserError(fmt::format("{}: {}", params.What(), e.Diagnostics().front().message),
+                        params.LocOf("indices"));
+    }
+}
+
 Shapes MakePlyMesh(const Request &r) {
     const ParamSet &params = r.params;
     std::string filename = params.GetString("filename", "");
@@ -185,6 +217,7 @@ struct Maker {
 };
 constexpr Maker kMakers[] = {
     {"bilinearmesh", MakeBilinearMesh}, {"cylinder", MakeCylinder}, {"disk", MakeDisk},
+    {"loopsubdiv", MakeLoopSubdivision},
     {"plymesh", MakePlyMesh},           {"sphere", MakeSphere},     {"trianglemesh", MakeTriangleMesh}};
 
 }  // namespace
@@ -211,7 +244,7 @@ const std::vector<std::string> &SupportedShapes() {
 }
 
 const std::vector<std::string> &UnsupportedShapes() {
-    static const std::vector<std::string> kNames = {"curve", "loopsubdiv"};
+    static const std::vector<std::string> kNames = {"curve"};
     return kNames;
 }
 

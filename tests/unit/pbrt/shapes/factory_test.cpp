@@ -129,7 +129,6 @@ TEST_F(ShapeFactory, QuadricParameters) {
 
 TEST_F(ShapeFactory, UnknownAndUnbuiltTypes) {
     EXPECT_NE(ErrorOf("curve").find("not supported yet"), std::string::npos);
-    EXPECT_NE(ErrorOf("loopsubdiv").find("not supported yet"), std::string::npos);
     std::string message = ErrorOf("spher");
     EXPECT_NE(message.find("did you mean \"sphere\""), std::string::npos);
     EXPECT_NE(message.find("bilinearmesh"), std::string::npos);

@@ -1,0 +1,148 @@
+#include "pbrt/shapes/loop_subdivision.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "pbrt/core/error.h"
+
+namespace pbrt {
+namespace {
+
+struct Control {
+    std::vector<uint32_t> indices;
+    std::vector<Point3> points;
+};
+
+/// n x n squares of two triangles each, counter-clockwise about +z; every inner vertex is regular.
+Control Grid(uint32_t n, Float (*height)(Float x, Float y)) {
+    Control c;
+    for (uint32_t y = 0; y <= n; ++y)
+        for (uint32_t x = 0; x <= n; ++x) {
+            auto fx = static_cast<Float>(x), fy = static_cast<Float>(y);
+            c.points.push_back({fx, fy, height(fx, fy)});
+        }
+    for (uint32_t y = 0; y < n; ++y)
+        for (uint32_t x = 0; x < n; ++x) {
+            uint32_t i = y * (n + 1) + x;
+            c.indices.insert(c.indices.end(), {i, i + 1, i + n + 2, i, i + n + 2, i + n + 1});
+        }
+    return c;
+}
+
+/// The cube of the conformance scene: valences 4 and 5, faces counter-clockwise from outside.
+Control Cube() {
+    return {{0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4, 3, 6, 2, 3, 7, 6, 1, 2, 6, 1, 6, 5, 0, 7, 3, 0, 4, 7},
+            {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}}};
+}
+
+bool InnerPart(const Point3 &p, Float n) { return p.x > 2.5f && p.y > 2.5f && p.x < n - 2.5f && p.y < n - 2.5f; }
+
+TEST(LoopSubdivision, LinesStayLinesAndPlanesStayPlanes) {
+    Control c = Grid(8, [](Float x, Float y) { return 0.5f * x - 0.25f * y + 3; });
+    MeshData m = LoopSubdivide(c.indices, c.points, 2);
+    for (size_t i = 0; i < m.p.size(); ++i) {
+        EXPECT_NEAR(m.p[i].z, 0.5f * m.p[i].x - 0.25f * m.p[i].y + 3, 1e-5f);
+        // From stock's side: faces are seen clockwise.
+        EXPECT_GT(Dot(Normalize(m.n[i]), Normalize(Normal3(0.5f, -0.25f, -1))), 0.9999f);
+    }
+}
+
+TEST(LoopSubdivision, RegularMeshesGiveTheBoxSplineOfAParabola) {
+    // The quartic box spline turns samples of x^2 on the grid into x^2 + 1/3 (second moment of the limit mask).
+    Control c = Grid(10, [](Float x, Float) { return x * x; });
+    for (int levels : {0, 1, 3}) {
+        MeshData m = LoopSubdivide(c.indices, c.points, levels);
+        EXPECT_EQ(m.indices.size(), c.indices.size() << (2 * levels));
+        int inner = 0;
+        for (size_t i = 0; i < m.p.size(); ++i) {
+            if (!InnerPart(m.p[i], 10)) continue;
+            ++inner;
+            EXPECT_NEAR(m.p[i].z, Sqr(m.p[i].x) + Float(1) / 3, 2e-4f) << levels;
+            Normal3 expected = Normalize(Normal3(2 * m.p[i].x, 0, -1));
+            EXPECT_GT(Dot(Normalize(m.n[i]), expected), 0.99999f);
+        }
+        EXPECT_GT(inner, 10);
+    }
+}
+
+TEST(LoopSubdivision, TheLimitDoesNotDependOnTheNumberOfLevels) {
+    // Closed surfaces only: on boundaries stock's limit mask does not fit its refinement mask.
+    Control c = Cube();
+    MeshData coarse = LoopSubdivide(c.indices, c.points, 1), fine = LoopSubdivide(c.indices, c.points, 4);
+    for (const Point3 &p : coarse.p) {
+        Float nearest = Infinity;
+        for (const Point3 &q : fine.p) nearest = std::min(nearest, Distance(p, q));
+        EXPECT_LT(nearest, 1e-5f);
+    }
+}
+
+TEST(LoopSubdivision, WarrensWeightsAtExtraordinaryVertices) {
+    // Corner 0 of the cube has valence 5, corner 1 valence 4: limits computed by hand from the control points.
+    Control c = Cube();
+    MeshData m = LoopSubdivide(c.indices, c.points, 0);
+    ASSERT_EQ(m.p.size(), 8u);
+    auto limit = [&](size_t v, std::vector<size_t> ring) {
+        auto n = static_cast<Float>(ring.size());
+        Float beta = 3 / (8 * n), gamma = 1 / (n + 3 / (8 * beta));
+        Point3 p = c.points[v] * (1 - n * gamma);
+        for (size_t i : ring) p += c.points[i] * gamma;
+        return p;
+    };
+    // Points are renumbered by first use; look the expected ones up by position.
+    for (const Point3 &expected : {limit(1, {0, 2, 5, 6}), limit(3, {0, 2, 6, 7}), limit(5, {0, 1, 4, 6})}) {
+        Float nearest = Infinity;
+        for (const Point3 &p : m.p) nearest = std::min(nearest, Distance(p, expected));
+        EXPECT_LT(nearest, 1e-6f);
+    }
+}
+
+TEST(LoopSubdivision, BoundariesAreCurvesOfTheirOwn) {
+    // Moving an inner point does not move the boundary.
+    Control c = Grid(3, [](Float, Float) { return 0.0f; });
+    MeshData flat = LoopSubdivide(c.indices, c.points, 2);
+    c.points[5].z += 4;  // (1, 1)
+    MeshData bumped = LoopSubdivide(c.indices, c.points, 2);
+    std::map<uint64_t, int> faces;
+    auto key = [](uint32_t a, uint32_t b) { return (uint64_t(std::min(a, b)) << 32) | std::max(a, b); };
+    for (size_t i = 0; i < flat.indices.size(); ++i)
+        ++faces[key(flat.indices[i], flat.indices[i % 3 == 2 ? i - 2 : i + 1])];
+    int boundary = 0;
+    for (const auto &[edge, count] : faces)
+        if (count == 1) {
+            ++boundary;
+            EXPECT_EQ(bumped.p[edge & 0xffffffff].z, 0);
+            EXPECT_EQ(bumped.p[edge >> 32].z, 0);
+        }
+    EXPECT_EQ(boundary, 4 * 3 * 4);
+    Float highest = 0;
+    for (const Point3 &p : bumped.p) highest = std::max(highest, p.z);
+    EXPECT_GT(highest, 1);
+}
+
+TEST(LoopSubdivision, WhatIsNoSurfaceIsAnError) {
+    std::vector<Point3> p = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}, {-1, 0, 0}};
+    auto refused = [&](std::vector<uint32_t> indices) {
+        try {
+            LoopSubdivide(indices, p, 1);
+        } catch (const UserError &) {
+            return true;
+        }
+        return false;
+    };
+    EXPECT_FALSE(refused({0, 1, 2, 1, 0, 3}));
+    EXPECT_TRUE(refused({0, 1, 1}));
+    EXPECT_TRUE(refused({0, 1, 2, 0, 1, 3})) << "turned differently";
+    EXPECT_TRUE(refused({0, 1, 2, 1, 0, 3, 0, 1, 4})) << "three faces at an edge";
+    EXPECT_TRUE(refused({0, 1, 2, 0, 3, 5})) << "two fans at a point";
+}
+
+TEST(LoopSubdivision, UnusedPointsAreDropped) {
+    std::vector<Point3> p = {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    MeshData m = LoopSubdivide(std::vector<uint32_t>{1, 2, 3}, p, 1);
+    EXPECT_EQ(m.p.size(), 6u);
+    EXPECT_EQ(m.indices.size(), 12u);
+}
+
+}  // namespace
+}  // namespace pbrt

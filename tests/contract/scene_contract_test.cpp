@@ -4,32 +4,21 @@
 
 #include <map>
 
-#include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/core/parallel.h"
-#include "plugins.h"
 #include "scene_fixtures.h"
 #include "support/sampler_laws.h"
 
 namespace pbrt::test {
 namespace {
 
-const LightSamplerRegistry &Registry() {
-    static const LightSamplerRegistry registry = [] {
-        LightSamplerRegistry r;
-        RegisterPlugins(r);
-        return r;
-    }();
-    return registry;
-}
-
 /// Every registered sampler; "name+meshlights" where grouping can be put under it; other parameters where they make
 /// another sampler of it.
 std::vector<std::string> SamplerLabels() {
     std::vector<std::string> labels;
-    for (const std::string &name : Registry().Names()) {
-        const LightSamplerRegistry::Entry &entry = Registry().Find(name);
+    for (const std::string &name : AllSamplers().Names()) {
+        const LightSamplerRegistry::Entry &entry = AllSamplers().Find(name);
         labels.push_back(name);
-        if (entry.makeOverCandidates && Registry().HasMeshGrouping()) labels.push_back(name + "+meshlights");
+        if (entry.makeOverCandidates && AllSamplers().HasMeshGrouping()) labels.push_back(name + "+meshlights");
         if (name == "octree") labels.insert(labels.end(), {"octree:leaves=64", "octree:meshlights=false"});
         if (name == "oracle") labels.insert(labels.end(), {"oracle:samples=2,floor=0.3,mis=false", "oracle:samples=4,meshlights=false"});
         if (name == "spatial") labels.push_back("spatial:voxels=4,samples=8,floor=0.1,meshlights=false");
@@ -38,23 +27,13 @@ std::vector<std::string> SamplerLabels() {
     return labels;
 }
 
-std::unique_ptr<LightSampler> MakePrepared(const std::string &label, const SceneFixture &fixture) {
-    size_t plus = label.find('+');
-    LightSamplerSpec spec =
-        ReadLightSamplerSpec(ParamSet(), label.substr(0, plus), plus != std::string::npos, Registry());
-    std::unique_ptr<LightSampler> sampler =
-        Registry().Make(*spec.entry, fixture.Lights(), spec.params, spec.meshLights);
-    fixture.Prepare(*sampler);
-    return sampler;
-}
-
 /// One sampler on one fixture. Made once per process.
 const SamplerSubject &SubjectOf(const std::string &fixtureName, const std::string &label) {
     static std::map<std::pair<std::string, std::string>, SamplerSubject> subjects;
     SamplerSubject &s = subjects[{fixtureName, label}];
     if (s.sampler) return s;
     const SceneFixture &fixture = SceneFixtureOf(fixtureName);
-    s = SamplerSubject(MakePrepared(label, fixture), fixture.queries, fixture.Lights().Size());
+    s = SamplerSubject(MakePreparedSampler(label, fixture), fixture.queries, fixture.Lights().Size());
     return s;
 }
 
@@ -84,11 +63,11 @@ TEST_P(SceneContract, PreparedTheSameByOneThreadAndByThree) {
     std::unique_ptr<LightSampler> one, three;
     {
         ThreadLimit limit(1);
-        one = MakePrepared(std::get<1>(GetParam()), Fixture());
+        one = MakePreparedSampler(std::get<1>(GetParam()), Fixture());
     }
     {
         ThreadLimit limit(3);
-        three = MakePrepared(std::get<1>(GetParam()), Fixture());
+        three = MakePreparedSampler(std::get<1>(GetParam()), Fixture());
     }
     CheckSame(*one, *three, Fixture().queries, Fixture().Lights().Size());
 }

@@ -5,9 +5,11 @@
 #include <functional>
 #include <map>
 
+#include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/integrators/path_common.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
+#include "plugins.h"
 
 namespace pbrt::test {
 
@@ -203,9 +205,9 @@ const SampledWavelengths &Wavelengths() {
     return lambda;
 }
 
-/// Camera hits, what a bounce finds from them, and points anywhere in the bounds; each also as a place in a medium.
-/// Every third hit says what scatters there; `bsdfs` keeps it.
-std::vector<LightQuery> Places(const BuiltScene &built, int count, std::deque<Bsdf> &bsdfs) {
+}  // namespace
+
+std::vector<LightQuery> Places(const BuiltScene &built, int count, int depth, int bsdfEvery, std::deque<Bsdf> &bsdfs) {
     std::vector<LightQuery> out;
     const Scene &scene = *built.scene;
     Rng rng(99);
@@ -216,12 +218,12 @@ std::vector<LightQuery> Places(const BuiltScene &built, int count, std::deque<Bs
         cs.pFilm = rng.Uniform2() * size;
         std::optional<CameraRay> start = built.camera->GenerateRay(cs, lambda);
         std::optional<SurfacePoint> point = start ? scene.Intersect(start->ray) : std::nullopt;
-        for (int bounce = 0; bounce < 2 && point; ++bounce) {
+        for (int bounce = 0; bounce < depth && point; ++bounce) {
             Bsdf bsdf = ComputeBsdf(scene, *point, lambda);
             if (!bsdf) break;
-            if (bounce == i % 2) {
+            if (bounce == i % depth) {
                 LightQuery q = LightQueryAt(*point, bsdf, lambda, bounce + 1);
-                q.bsdf = i % 3 == 0 ? &bsdfs.emplace_back(bsdf) : nullptr;
+                q.bsdf = i % bsdfEvery == 0 ? &bsdfs.emplace_back(bsdf) : nullptr;
                 q.lambda = q.bsdf ? &Wavelengths() : nullptr;
                 out.push_back(q);
                 ++i;
@@ -270,8 +272,6 @@ double Contribution(const Scene &scene, const LightQuery &q, const Light &light,
     return static_cast<double>(s->L.Average()) * static_cast<double>(std::abs(cosine)) / static_cast<double>(s->pdf);
 }
 
-}  // namespace
-
 namespace {
 template <class Plug>
 void PrepareIn(const BuiltScene &built, Plug &plug) {
@@ -284,6 +284,25 @@ void PrepareIn(const BuiltScene &built, Plug &plug) {
 
 void SceneFixture::Prepare(LightSampler &sampler) const { PrepareIn(built, sampler); }
 void SceneFixture::Prepare(ShadowRayGate &gate) const { PrepareIn(built, gate); }
+
+const LightSamplerRegistry &AllSamplers() {
+    static const LightSamplerRegistry registry = [] {
+        LightSamplerRegistry r;
+        RegisterPlugins(r);
+        return r;
+    }();
+    return registry;
+}
+
+std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture) {
+    size_t plus = label.find('+');
+    LightSamplerSpec spec =
+        ReadLightSamplerSpec(ParamSet(), label.substr(0, plus), plus != std::string::npos, AllSamplers());
+    std::unique_ptr<LightSampler> sampler =
+        AllSamplers().Make(*spec.entry, fixture.Lights(), spec.params, spec.meshLights);
+    fixture.Prepare(*sampler);
+    return sampler;
+}
 
 std::vector<std::string> SceneFixtureNames() {
     std::vector<std::string> names;
@@ -299,7 +318,7 @@ const SceneFixture &SceneFixtureOf(const std::string &name) {
     for (const Recipe &r : Recipes())
         if (r.name == name) {
             f.built = BuildText(r.text());
-            f.queries = Places(f.built, r.places, f.bsdfs);
+            f.queries = Places(f.built, r.places, 2, 3, f.bsdfs);
             f.dark = r.dark;
         }
     size_t lights = f.Lights().Size();

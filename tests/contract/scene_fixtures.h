@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pbrt/build/built_scene.h"
+#include "pbrt/lightsamplers/registry.h"
 #include "support/build_text.h"
 
 namespace pbrt::test {
@@ -22,6 +23,17 @@ struct SceneFixture {
     void Prepare(LightSampler &sampler) const;
     void Prepare(ShadowRayGate &gate) const;
 };
+
+/// Everything this build registers.
+const LightSamplerRegistry &AllSamplers();
+/// name[:key=value,...], "+meshlights" behind it to group meshes under it.
+std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture);
+
+/// `count` vertices of camera paths, the first `depth` of a path in turn, and as many points anywhere in the bounds; half
+/// of them also as places in a medium. Every `bsdfEvery`-th vertex says what scatters there; `bsdfs` keeps it.
+std::vector<LightQuery> Places(const BuiltScene &built, int count, int depth, int bsdfEvery, std::deque<Bsdf> &bsdfs);
+/// What next-event estimation finds with this light point: L V cos / p if the BSDF, where known, is not zero.
+double Contribution(const Scene &scene, const LightQuery &query, const Light &light, const Point2 &u);
 
 std::vector<std::string> SceneFixtureNames();
 /// Made once per process.

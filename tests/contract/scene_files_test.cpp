@@ -1,0 +1,156 @@
+// In every scene of scenes/ (whatever is there) the octree can choose each light that an exhaustive search finds to
+// contribute. The search goes where the law could break: to the lights whose PMF is zero.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "pbrt/math/rng.h"
+#include "scene_fixtures.h"
+
+namespace pbrt::test {
+namespace {
+
+/// What one sampler of one scene was found to do.
+struct Findings {
+    size_t zeros = 0;         ///< pairs of place and light whose PMF is zero
+    size_t searched = 0;      ///< of these, looked at
+    size_t contributing = 0;  ///< draws of the sampler that found light
+    std::vector<std::string> wrong;
+};
+
+/// Light points for all zero pairs of a sampler together, and for each of them.
+constexpr size_t kSearch = 3200000, kMostPoints = 512, kLeastPoints = 6;
+constexpr int kDraws = 32;
+
+/// The contribution of a light at a place, by `points` light points; stops at the first that finds any.
+double SearchLight(const SceneFixture &f, size_t place, LightId light, size_t points, uint64_t seed) {
+    Rng rng(Hash(place, light.value, seed));
+    for (size_t k = 0; k < points; ++k)
+        if (double c = Contribution(*f.built.scene, f.queries[place], f.Lights()[light], rng.Uniform2()); c > 0) return c;
+    return 0;
+}
+
+void SearchZeros(const SceneFixture &f, const LightSampler &sampler, uint64_t seed, Findings *out) {
+    std::vector<std::pair<size_t, LightId>> zeros;
+    for (size_t q = 0; q < f.queries.size(); ++q)
+        for (size_t l = 0; l < f.Lights().Size(); ++l)
+            if (!(sampler.PMF(f.queries[q], LightId(l)) > 0)) zeros.emplace_back(q, LightId(l));
+    out->zeros = zeros.size();
+    if (zeros.empty()) return;
+    const size_t points = std::clamp(kSearch / zeros.size(), kLeastPoints, kMostPoints);
+    const double share = static_cast<double>(kSearch) / static_cast<double>(points * zeros.size());
+    for (auto [q, light] : zeros) {
+        if (static_cast<double>(HashFloat(q, light.value, seed)) >= share) continue;
+        ++out->searched;
+        if (double c = SearchLight(f, q, light, points, seed); c > 0)
+            out->wrong.push_back(fmt::format("place {}: light {} contributes {} and has PMF 0", q, light.value, c));
+    }
+}
+
+void Draw(const SceneFixture &f, const LightSampler &sampler, Findings *out) {
+    Rng rng(5);
+    for (size_t q = 0; q < f.queries.size(); ++q)
+        for (int i = 0; i < kDraws; ++i) {
+            std::optional<SampledLight> s = sampler.Sample(f.queries[q], rng.Uniform());
+            if (!s) continue;
+            Float pmf = sampler.PMF(f.queries[q], s->light);
+            if (s->pmf != pmf || !(pmf > 0))
+                out->wrong.push_back(fmt::format("place {}: light {} drawn with {}, PMF {}", q, s->light.value, s->pmf, pmf));
+            const Light &light = f.Lights()[s->light];
+            out->contributing += Contribution(*f.built.scene, f.queries[q], light, rng.Uniform2()) > 0;
+        }
+}
+
+/// Different seeds look at other points.
+Findings Check(const SceneFixture &f, const LightSampler &sampler, uint64_t seed) {
+    Findings out;
+    Draw(f, sampler, &out);
+    SearchZeros(f, sampler, seed, &out);
+    return out;
+}
+
+/// Another sampler that never chooses one of the lights.
+class WithoutOneLight final : public LightSampler {
+  public:
+    WithoutOneLight(const LightSampler &sampler, LightId light) : sampler_(sampler), light_(light) {}
+    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override {
+        std::optional<SampledLight> s = sampler_.Sample(query, u);
+        return s && s->light.value != light_.value ? s : std::nullopt;
+    }
+    Float PMF(const LightQuery &query, LightId light) const override {
+        return light.value != light_.value ? sampler_.PMF(query, light) : 0;
+    }
+
+  private:
+    const LightSampler &sampler_;
+    LightId light_;
+};
+
+std::vector<std::string> SceneFiles() {
+    std::vector<std::string> files;
+    for (const auto &entry : std::filesystem::recursive_directory_iterator(std::string(PBRT_SOURCE_DIR) + "/scenes"))
+        if (entry.path().extension() == ".pbrt") files.push_back(entry.path().string());
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+/// A tiny picture of a scene, and places in it. One at a time is kept.
+const SceneFixture &Fixture(const std::string &file) {
+    static std::string current;
+    static SceneFixture fixture;
+    if (file == current) return fixture;
+    fixture = {};
+    BuildOptions options;
+    options.film.resolutionDivisor = 12;
+    options.lightSampler = "uniform";  // of the integrator, which nobody asks
+    fixture.built = BuildFile(file, options);
+    fixture.queries = Places(fixture.built, 40, 4, 1, fixture.bsdfs);
+    current = file;
+    return fixture;
+}
+
+std::string SceneName(const std::string &file) {
+    std::string name = std::filesystem::path(file).stem().string();
+    std::replace(name.begin(), name.end(), '-', '_');
+    return name;
+}
+
+class SceneFile : public testing::TestWithParam<std::string> {};
+
+TEST_P(SceneFile, OctreeCanChooseEveryLightThatContributes) {
+    const SceneFixture &f = Fixture(GetParam());
+    ASSERT_GT(f.Lights().Size(), 0u);
+    uint64_t seed = 0;
+    // Starved by its budget, well fed, and as published.
+    for (const char *label : {"octree", "octree:prepassspp=2", "octree:meshlights=false", "octree:model=paper"}) {
+        Findings found = Check(f, *MakePreparedSampler(label, f), ++seed);
+        for (size_t i = 0; i < std::min<size_t>(found.wrong.size(), 10); ++i) ADD_FAILURE() << label << ", " << found.wrong[i];
+        EXPECT_EQ(found.wrong.size(), 0u) << label;
+        EXPECT_GT(found.contributing, f.queries.size() / 4) << label << ": places that test nothing";
+        std::printf("%s: %zu lights, %zu places, PMF 0: %zu, of which searched %zu; draws that find light: %zu of %zu\n",
+                    label, f.Lights().Size(), f.queries.size(), found.zeros, found.searched, found.contributing,
+                    f.queries.size() * static_cast<size_t>(kDraws));
+    }
+}
+
+TEST_P(SceneFile, ALightLeftOutIsNoticed) {
+    const SceneFixture &f = Fixture(GetParam());
+    const std::unique_ptr<LightSampler> sampler = MakePreparedSampler("octree", f);
+    // Whatever finds light most often when it is drawn at all.
+    std::vector<int> found(f.Lights().Size(), 0);
+    Rng rng(3);
+    for (const LightQuery &q : f.queries)
+        for (int i = 0; i < kDraws; ++i)
+            if (std::optional<SampledLight> s = sampler->Sample(q, rng.Uniform()))
+                found[s->light.value] += Contribution(*f.built.scene, q, f.Lights()[s->light], rng.Uniform2()) > 0;
+    const LightId most(static_cast<uint32_t>(std::max_element(found.begin(), found.end()) - found.begin()));
+    EXPECT_GT(Check(f, WithoutOneLight(*sampler, most), 0).wrong.size(), 0u) << "light " << most.value;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, SceneFile, testing::ValuesIn(SceneFiles()), [](const auto &c) { return SceneName(c.param); });
+
+TEST(SceneFiles, AreFound) { EXPECT_GE(SceneFiles().size(), 14u); }
+
+}  // namespace
+}  // namespace pbrt::test

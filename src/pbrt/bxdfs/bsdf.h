@@ -6,6 +6,7 @@
 #include "pbrt/bxdfs/conductor.h"
 #include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/bxdfs/diffuse.h"
+#include "pbrt/bxdfs/hair.h"
 #include "pbrt/bxdfs/layered.h"
 #include "pbrt/math/frame.h"
 
@@ -16,7 +17,7 @@ namespace pbrt {
 class Bsdf {
   public:
     using Lobe = std::variant<std::monostate, DiffuseBxdf, DiffuseTransmissionBxdf, ConductorBxdf, DielectricBxdf,
-                              ThinDielectricBxdf, CoatedDiffuseBxdf, CoatedConductorBxdf>;
+                              ThinDielectricBxdf, CoatedDiffuseBxdf, CoatedConductorBxdf, HairBxdf>;
 
     Bsdf() = default;
     template <class L>

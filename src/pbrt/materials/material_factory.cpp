@@ -6,6 +6,7 @@
 #include "pbrt/materials/conductor_material.h"
 #include "pbrt/materials/dielectric_materials.h"
 #include "pbrt/materials/diffuse_materials.h"
+#include "pbrt/materials/hair_material.h"
 #include "pbrt/materials/mix_material.h"
 #include "pbrt/math/rng.h"
 
@@ -18,6 +19,7 @@ struct Request {
     const ParamSet &params;
     TextureLibrary &textures;
     const FileResolver &files;
+    DiagnosticSink &sink;
     const std::function<MaterialPtr(const std::string &)> &named;
 
     SpectrumInput Albedo(const std::string &name, Float defaultValue) const {
@@ -100,6 +102,37 @@ SurfacePtr MakeCoatedConductor(const Request &r) {
                                                      r.Roughness("conductor.", remap));
 }
 
+/// The first of the ways to say it that is there; the others have no effect.
+HairColor ReadHairColor(const Request &r) {
+    SpectrumTexturePtr sigmaA = r.textures.GetSpectrumOrNull(r.params, "sigma_a", SpectrumUse::Unbounded);
+    const char *reflectanceName = "reflectance";
+    SpectrumTexturePtr reflectance = r.textures.GetSpectrumOrNull(r.params, reflectanceName, SpectrumUse::Albedo);
+    if (!reflectance)
+        reflectance = r.textures.GetSpectrumOrNull(r.params, reflectanceName = "color", SpectrumUse::Albedo);
+    FloatTexturePtr eumelanin = r.textures.GetFloatOrNull(r.params, "eumelanin");
+    FloatTexturePtr pheomelanin = r.textures.GetFloatOrNull(r.params, "pheomelanin");
+    const char *used = sigmaA ? "sigma_a" : reflectance ? reflectanceName : nullptr;
+    auto ignore = [&](bool given, const char *name) {
+        if (used && given)
+            r.sink.Warning(r.params.LocOf(name),
+                           fmt::format("{}: \"{}\" has no effect beside \"{}\".", r.params.What(), name, used));
+    };
+    if (sigmaA) ignore(reflectance != nullptr, reflectanceName);
+    ignore(eumelanin != nullptr, "eumelanin");
+    ignore(pheomelanin != nullptr, "pheomelanin");
+
+    if (sigmaA) return HairColor::Absorption(SpectrumInput(sigmaA));
+    if (reflectance) return HairColor::Reflectance(SpectrumInput(reflectance));
+    const bool none = !eumelanin && !pheomelanin;
+    return HairColor::Pigments(eumelanin ? FloatInput(eumelanin) : FloatInput(none ? Float(1.3) : Float(0)),
+                               pheomelanin ? FloatInput(pheomelanin) : FloatInput(Float(0)));
+}
+
+SurfacePtr MakeHair(const Request &r) {
+    return std::make_shared<HairMaterial>(ReadHairColor(r), r.Number("eta", Float(1.55)), r.Number("beta_m", Float(0.3)),
+                                          r.Number("beta_n", Float(0.3)), r.Number("alpha", 2));
+}
+
 uint64_t HashText(const std::string &text) {
     uint64_t h = Hash(uint64_t(text.size()));
     for (char c : text) h = Hash(h, c);
@@ -134,6 +167,7 @@ MaterialPtr MakeMix(const Request &r) {
 struct SurfaceType {
     const char *name;
     SurfacePtr (*make)(const Request &);
+    bool hasRelief = true;  ///< takes normal maps and displacement
 };
 constexpr SurfaceType kSurfaceTypes[] = {
     {"diffuse", MakeDiffuse},
@@ -143,6 +177,7 @@ constexpr SurfaceType kSurfaceTypes[] = {
     {"dielectric", MakeDielectric},
     {"thindielectric", MakeThinDielectric},
     {"diffusetransmission", MakeDiffuseTransmission},
+    {"hair", MakeHair, false},
 };
 
 }  // namespace
@@ -158,21 +193,23 @@ const std::vector<std::string> &SupportedMaterials() {
 }
 
 const std::vector<std::string> &UnsupportedMaterials() {
-    static const std::vector<std::string> kNames = {"hair", "measured", "subsurface"};
+    static const std::vector<std::string> kNames = {"measured", "subsurface"};
     return kNames;
 }
 
 MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, TextureLibrary &textures,
                          const FileResolver &files, DiagnosticSink &sink,
                          const std::function<MaterialPtr(const std::string &)> &named) {
-    Request request{params, textures, files, named};
+    Request request{params, textures, files, sink, named};
     for (const SurfaceType &known : kSurfaceTypes) {
         if (type != known.name) continue;
         SurfacePtr material = known.make(request);
-        if (auto image = textures.GetLinearRgbImage(params, "normalmap"))
-            material->SetNormalMap(std::make_unique<NormalMap>(std::move(image)));
-        if (FloatTexturePtr height = textures.GetFloatOrNull(params, "displacement"))
-            material->SetBumpMap(BumpMap(std::move(height)));
+        if (known.hasRelief) {
+            if (auto image = textures.GetLinearRgbImage(params, "normalmap"))
+                material->SetNormalMap(std::make_unique<NormalMap>(std::move(image)));
+            if (FloatTexturePtr height = textures.GetFloatOrNull(params, "displacement"))
+                material->SetBumpMap(BumpMap(std::move(height)));
+        }
         params.ReportUnused(sink);
         return material;
     }

@@ -16,6 +16,7 @@ class FloatInput {
             texture_.reset();
         }
     }
+    explicit FloatInput(Float value) : value_(value) {}
     Float operator()(const SurfacePoint &point) const {
         return texture_ ? texture_->Evaluate(TextureContext(point)) : value_;
     }

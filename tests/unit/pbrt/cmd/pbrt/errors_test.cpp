@@ -128,7 +128,7 @@ LightSource "goniometric" "string filename" "g.exr"
 Texture "m" "spectrum" "marble"
 Material "diffuse" "texture reflectance" "m"
 Shape "sphere"
-Material "hair"
+Material "measured"
 Shape "loopsubdiv" "integer indices" [ 0 1 2 ] "point3 P" [ 0 0 0  1 0 0  0 1 0 ]
 MakeNamedMaterial "s" "string type" "subsurface"
 NamedMaterial "s"

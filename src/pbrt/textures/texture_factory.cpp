@@ -12,13 +12,13 @@
 namespace pbrt {
 
 const std::vector<std::string> &SupportedTextures() {
-    static const std::vector<std::string> kNames = {"bilerp", "checkerboard", "constant", "directionmix",
-                                                    "imagemap", "mix", "scale"};
+    static const std::vector<std::string> kNames = {"bilerp", "checkerboard", "constant", "directionmix", "dots", "fbm",
+                                                    "imagemap", "marble", "mix", "scale", "windy", "wrinkled"};
     return kNames;
 }
 
 const std::vector<std::string> &UnsupportedTextures() {
-    static const std::vector<std::string> kNames = {"dots", "fbm", "marble", "ptex", "windy", "wrinkled"};
+    static const std::vector<std::string> kNames = {"ptex"};
     return kNames;
 }
 
@@ -33,6 +33,13 @@ bool FamilyHasClass(bool isSpectrum, const std::string &textureClass) {
     if (textureClass == "marble") return isSpectrum;
     if (textureClass == "fbm" || textureClass == "wrinkled" || textureClass == "windy") return !isSpectrum;
     return true;
+}
+
+const char *WhyUnsupported(const std::string &textureClass) {
+    if (textureClass == "ptex")
+        return "no library that Debian packages reads Ptex files (its OpenImageIO is built without). Bake the texture "
+               "into an image and use class \"imagemap\".";
+    return "it is not built yet.";
 }
 
 const char *FamilyName(bool isSpectrum) { return isSpectrum ? "spectrum" : "float"; }
@@ -218,7 +225,9 @@ void TextureLibrary::Define(const std::string &name, bool isSpectrum, const std:
     impl_->indexOf[isSpectrum][name] = impl_->definitions.size();
     impl_->definitions.push_back(std::move(d));
     if (unsupported)
-        throw UserError(fmt::format("texture \"{}\": class \"{}\" is not supported yet.", name, textureClass), loc);
+        throw UserError(fmt::format("texture \"{}\": class \"{}\" is not supported: {}", name, textureClass,
+                                    WhyUnsupported(textureClass)),
+                        loc);
     if (!supported) {
         std::vector<std::string> choices;
         for (const auto *names : {&SupportedTextures(), &UnsupportedTextures()})

@@ -4,6 +4,7 @@
 
 #include "pbrt/textures/checkerboard_texture.h"
 #include "pbrt/textures/image_texture.h"
+#include "pbrt/textures/noise_textures.h"
 
 namespace pbrt {
 
@@ -96,16 +97,20 @@ typename Maker::Ptr MakeBilerp(const Maker &maker) {
     return std::make_shared<typename Maker::template Texture<BilerpTexture>>(std::move(mapping), std::move(corners));
 }
 
+PointMapping ReadPointMapping(const TextureRequest &r, const char *what) {
+    if (r.renderFromTexture.IsSingular())
+        throw UserError(fmt::format("{}: {} needs a transformation that can be inverted.", r.params.What(), what),
+                        r.params.Loc());
+    return PointMapping(r.renderFromTexture);
+}
+
 CheckerPattern ReadCheckerPattern(const TextureRequest &r) {
     int dimension = r.params.GetInt("dimension", 2);
     if (dimension == 2) return CheckerPattern(ReadTextureMapping2D(r.params, r.renderFromTexture, r.sink));
     if (dimension != 3)
         throw UserError(fmt::format("{}: \"dimension\" is {}; valid: 2, 3.", r.params.What(), dimension),
                         r.params.LocOf("dimension"));
-    if (r.renderFromTexture.IsSingular())
-        throw UserError(fmt::format("{}: dimension 3 needs a transformation that can be inverted.", r.params.What()),
-                        r.params.Loc());
-    return CheckerPattern(PointMapping(r.renderFromTexture));
+    return CheckerPattern(ReadPointMapping(r, "dimension 3"));
 }
 
 template <class Maker>
@@ -114,6 +119,34 @@ typename Maker::Ptr MakeCheckerboard(const Maker &maker) {
     auto first = maker.Operand("tex1", 1), second = maker.Operand("tex2", 0);
     return std::make_shared<typename Maker::template Texture<CheckerboardTexture>>(std::move(pattern), std::move(first),
                                                                                    std::move(second));
+}
+
+/// Stock pbrt-v4 shows "outside" in the dots and "inside" around them; scenes are made to look right there.
+template <class Maker>
+typename Maker::Ptr MakeDots(const Maker &maker) {
+    const TextureRequest &r = maker.request;
+    DotPattern pattern(ReadTextureMapping2D(r.params, r.renderFromTexture, r.sink));
+    auto inside = maker.Operand("inside", 1), outside = maker.Operand("outside", 0);
+    return std::make_shared<typename Maker::template Texture<DotsTexture>>(std::move(pattern), std::move(outside),
+                                                                           std::move(inside));
+}
+
+NoiseOctaves ReadNoiseOctaves(const ParamSet &params) {
+    NoiseOctaves octaves;
+    octaves.count = params.GetInt("octaves", 8);
+    if (octaves.count < 0)
+        throw UserError(fmt::format("{}: \"octaves\" is {}; it must not be negative.", params.What(), octaves.count),
+                        params.LocOf("octaves"));
+    octaves.roughness = params.GetFloat("roughness", Float(0.5));
+    return octaves;
+}
+
+MarbleSettings ReadMarbleSettings(const ParamSet &params) {
+    MarbleSettings settings;
+    settings.octaves = ReadNoiseOctaves(params);
+    settings.scale = params.GetFloat("scale", 1);
+    settings.variation = params.GetFloat("variation", Float(0.2));
+    return settings;
 }
 
 ImageOverlay ReadImageOverlay(const TextureRequest &r) {
@@ -142,6 +175,7 @@ typename Maker::Ptr MakeOfBothFamilies(const Maker &maker) {
     if (name == "directionmix") return MakeDirectionMix(maker);
     if (name == "bilerp") return MakeBilerp(maker);
     if (name == "checkerboard") return MakeCheckerboard(maker);
+    if (name == "dots") return MakeDots(maker);
     throw UserError(fmt::format("{}: there is no such class; {}.", maker.request.params.What(),
                                 ListChoices(name, SupportedTextures())),
                     maker.request.params.Loc());
@@ -172,12 +206,19 @@ MipMapKey ReadMipMapKey(const ParamSet &params, const FileResolver &files) {
 
 FloatTexturePtr MakeFloatTexture(const TextureRequest &request) {
     if (request.textureClass == "imagemap") return std::make_shared<ImageFloatTexture>(ReadImageOverlay(request));
+    if (request.textureClass == "windy") return std::make_shared<WindyTexture>(ReadPointMapping(request, "noise"));
+    if (request.textureClass == "fbm")
+        return std::make_shared<FbmTexture>(ReadPointMapping(request, "noise"), ReadNoiseOctaves(request.params));
+    if (request.textureClass == "wrinkled")
+        return std::make_shared<WrinkledTexture>(ReadPointMapping(request, "noise"), ReadNoiseOctaves(request.params));
     return MakeOfBothFamilies(FloatMaker{request});
 }
 
 SpectrumTexturePtr MakeSpectrumTexture(const TextureRequest &request, SpectrumUse use) {
     if (request.textureClass == "imagemap")
         return std::make_shared<ImageSpectrumTexture>(ReadImageOverlay(request), use);
+    if (request.textureClass == "marble")
+        return std::make_shared<MarbleTexture>(ReadPointMapping(request, "noise"), ReadMarbleSettings(request.params));
     return MakeOfBothFamilies(SpectrumMaker{request, use});
 }
 

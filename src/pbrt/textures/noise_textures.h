@@ -1,0 +1,87 @@
+#pragma once
+#include <utility>
+
+#include "pbrt/textures/noise.h"
+#include "pbrt/textures/texture_mapping.h"
+
+namespace pbrt {
+
+/// One dot of radius 0.35 in some four of ten unit cells around whole (s, t), moved about within its cell.
+class DotPattern {
+  public:
+    explicit DotPattern(TextureMapping2D mapping) : mapping_(std::move(mapping)) {}
+    bool InDot(const TextureContext &ctx) const;
+
+  private:
+    TextureMapping2D mapping_;
+};
+
+template <class Base, class V, class... Lambda>
+class DotsTexture final : public Base {
+  public:
+    using Ptr = std::shared_ptr<const Base>;
+    DotsTexture(DotPattern pattern, Ptr dot, Ptr ground)
+        : pattern_(std::move(pattern)), dot_(std::move(dot)), ground_(std::move(ground)) {}
+    V Evaluate(const TextureContext &ctx, const Lambda &...lambda) const override {
+        return (pattern_.InDot(ctx) ? dot_ : ground_)->Evaluate(ctx, lambda...);
+    }
+
+  private:
+    DotPattern pattern_;
+    Ptr dot_, ground_;
+};
+
+class FbmTexture final : public FloatTexture {
+  public:
+    FbmTexture(const PointMapping &mapping, const NoiseOctaves &octaves) : mapping_(mapping), octaves_(octaves) {}
+    Float Evaluate(const TextureContext &ctx) const override {
+        TexCoord3 c = mapping_.Map(ctx);
+        return octaves_.Signed(c.p, c.dpdx, c.dpdy);
+    }
+
+  private:
+    PointMapping mapping_;
+    NoiseOctaves octaves_;
+};
+
+class WrinkledTexture final : public FloatTexture {
+  public:
+    WrinkledTexture(const PointMapping &mapping, const NoiseOctaves &octaves) : mapping_(mapping), octaves_(octaves) {}
+    Float Evaluate(const TextureContext &ctx) const override {
+        TexCoord3 c = mapping_.Map(ctx);
+        return octaves_.Creased(c.p, c.dpdx, c.dpdy);
+    }
+
+  private:
+    PointMapping mapping_;
+    NoiseOctaves octaves_;
+};
+
+/// Waves whose height is modulated by broad gusts.
+class WindyTexture final : public FloatTexture {
+  public:
+    explicit WindyTexture(const PointMapping &mapping) : mapping_(mapping) {}
+    Float Evaluate(const TextureContext &ctx) const override;
+
+  private:
+    PointMapping mapping_;
+};
+
+struct MarbleSettings {
+    NoiseOctaves octaves;
+    Float scale = 1;                 ///< of texture space
+    Float variation = Float(0.2);    ///< how far noise bends the veins
+};
+
+/// Veins along texture-space y. A reflectance whatever it is used for.
+class MarbleTexture final : public SpectrumTexture {
+  public:
+    MarbleTexture(const PointMapping &mapping, const MarbleSettings &settings) : mapping_(mapping), settings_(settings) {}
+    SampledSpectrum Evaluate(const TextureContext &ctx, const SampledWavelengths &lambda) const override;
+
+  private:
+    PointMapping mapping_;
+    MarbleSettings settings_;
+};
+
+}  // namespace pbrt

@@ -69,7 +69,7 @@ SampledSpectrum PathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lamb
         std::optional<SurfacePoint> hit = scene.Intersect(path.ray);
         if (!hit) {
             for (LightId id : scene.Lights().Infinite()) {
-                SampledSpectrum Le = scene.Lights()[id].Le(path.ray.d, lambda);
+                SampledSpectrum Le = scene.Lights()[id].Le(path.ray.o, path.ray.d, lambda);
                 if (Le) L += beta * Le * misWeight(id, Point3(0), Normal3(0));
             }
             break;

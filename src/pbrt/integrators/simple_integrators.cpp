@@ -8,9 +8,9 @@
 namespace pbrt {
 
 namespace {
-SampledSpectrum Background(const Scene &scene, const Vector3 &d, const SampledWavelengths &lambda) {
+SampledSpectrum Background(const Scene &scene, const Ray &ray, const SampledWavelengths &lambda) {
     SampledSpectrum L(0);
-    for (LightId id : scene.Lights().Infinite()) L += scene.Lights()[id].Le(d, lambda);
+    for (LightId id : scene.Lights().Infinite()) L += scene.Lights()[id].Le(ray.o, ray.d, lambda);
     return L;
 }
 
@@ -46,7 +46,7 @@ SampledSpectrum SimplePathIntegrator::Li(CameraRay cameraRay, SampledWavelengths
         std::optional<SurfacePoint> hit = scene.Intersect(path.ray);
         bool countEmission = !sampleLights_ || specular;
         if (!hit) {
-            if (countEmission) L += beta * Background(scene, path.ray.d, lambda);
+            if (countEmission) L += beta * Background(scene, path.ray, lambda);
             break;
         }
         SurfacePoint &point = *hit;
@@ -111,7 +111,7 @@ SampledSpectrum RandomWalkIntegrator::Li(CameraRay cameraRay, SampledWavelengths
     for (int depth = 0; beta;) {
         std::optional<SurfacePoint> hit = scene.Intersect(path.ray);
         if (!hit) {
-            L += beta * Background(scene, path.ray.d, lambda);
+            L += beta * Background(scene, path.ray, lambda);
             break;
         }
         SurfacePoint &point = *hit;

@@ -14,7 +14,7 @@ SampledSpectrum UniformInfiniteLight::Phi(const SampledWavelengths &lambda) cons
     return scale_ * 4 * Pi * Pi * Sqr(sceneRadius_) * radiance_->Sample(lambda);
 }
 
-SampledSpectrum UniformInfiniteLight::Le(const Vector3 &, const SampledWavelengths &lambda) const {
+SampledSpectrum UniformInfiniteLight::Le(const Point3 &, const Vector3 &, const SampledWavelengths &lambda) const {
     return scale_ * radiance_->Sample(lambda);
 }
 
@@ -73,10 +73,7 @@ Point2 ImageInfiniteLight::SquareFromDirection(const Vector3 &d) const {
 }
 
 SampledSpectrum ImageInfiniteLight::Radiance(const Point2 &st, const SampledWavelengths &lambda) const {
-    Point2i n = image_.Resolution();
-    Point2i pixel(std::clamp(static_cast<int>(st.x * static_cast<Float>(n.x)), 0, n.x - 1),
-                  std::clamp(static_cast<int>(st.y * static_cast<Float>(n.y)), 0, n.y - 1));
-    return scale_ * RgbIlluminantSpectrum(*colorSpace_, LightPixel(image_, pixel)).Sample(lambda);
+    return scale_ * RgbIlluminantSpectrum(*colorSpace_, LightPixel(image_, PixelAt(st, image_.Resolution()))).Sample(lambda);
 }
 
 SampledSpectrum ImageInfiniteLight::Phi(const SampledWavelengths &lambda) const {
@@ -84,7 +81,7 @@ SampledSpectrum ImageInfiniteLight::Phi(const SampledWavelengths &lambda) const 
     return scale_ * 4 * Pi * Pi * Sqr(sceneRadius_) * AverageIlluminant(image_, *colorSpace_, lambda);
 }
 
-SampledSpectrum ImageInfiniteLight::Le(const Vector3 &d, const SampledWavelengths &lambda) const {
+SampledSpectrum ImageInfiniteLight::Le(const Point3 &, const Vector3 &d, const SampledWavelengths &lambda) const {
     return Radiance(SquareFromDirection(d), lambda);
 }
 

@@ -17,7 +17,7 @@ class UniformInfiniteLight final : public Light {
                                           const SampledWavelengths &lambda, bool allowIncompletePdfs) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs) const override;
-    SampledSpectrum Le(const Vector3 &d, const SampledWavelengths &lambda) const override;
+    SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;
     void Preprocess(const Point3 &sceneCenter, Float sceneRadius) override;
 
   private:
@@ -39,7 +39,7 @@ class ImageInfiniteLight final : public Light {
                                           const SampledWavelengths &lambda, bool allowIncompletePdfs) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs) const override;
-    SampledSpectrum Le(const Vector3 &d, const SampledWavelengths &lambda) const override;
+    SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;
     void Preprocess(const Point3 &sceneCenter, Float sceneRadius) override;
 
   private:

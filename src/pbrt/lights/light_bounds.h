@@ -1,5 +1,6 @@
 #pragma once
 #include "pbrt/math/bounds.h"
+#include "pbrt/math/transform.h"
 
 namespace pbrt {
 
@@ -33,6 +34,8 @@ struct LightBounds {
     /// transmissive surface may face away), as stock pbrt-v4. Not inlined: equal arguments give equal bits everywhere.
     Float Importance(const Point3 &p, const Normal3 &n) const;
 };
+/// True if lengths and angles keep their proportions: cones stay cones.
+bool IsSimilarity(const Transform &t);
 /// Empty bounds (phi 0) are neutral.
 LightBounds Union(const LightBounds &a, const LightBounds &b);
 

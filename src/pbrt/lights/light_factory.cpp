@@ -4,10 +4,13 @@
 
 #include "pbrt/lights/diffuse_area_light.h"
 #include "pbrt/lights/distant_light.h"
+#include "pbrt/lights/goniometric_light.h"
 #include "pbrt/lights/infinite_light.h"
 #include "pbrt/lights/light_image.h"
 #include "pbrt/lights/light_spectrum.h"
 #include "pbrt/lights/point_light.h"
+#include "pbrt/lights/portal_light.h"
+#include "pbrt/lights/projection_light.h"
 #include "pbrt/lights/spot_light.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/spectra/spectrum_params.h"
@@ -19,9 +22,10 @@ namespace {
 /// What the parameters of every light have in common.
 struct LightInput {
     const ParamSet &params;
-    const Transform &renderFromLight;
+    const Transform &renderFromLight, &renderFromWorld;
     const ColorSpace &colorSpace;
     const FileResolver &files;
+    DiagnosticSink &sink;
 
     SpectrumPtr Emission(const char *name) const {
         return GetSpectrum(params, name, colorSpace.IlluminantPtr(), SpectrumUse::Illuminant, files);
@@ -58,6 +62,16 @@ Float PhotometricScale(const LightInput &in, const Spectrum &emission, const cha
             in.params.LocOf(name));
     }
     return scale / photometric;
+}
+
+void RequireSquare(const LightInput &in, const LightImage &light) {
+    Point2i n = light.image.Resolution();
+    if (n.x != n.y)
+        throw UserError(
+            fmt::format("\"{}\" has {} x {} pixels; an image of directions must be square, in the equal-area octahedral "
+                        "layout (imgtool makeequiarea converts latitude-longitude images).",
+                        light.name, n.x, n.y),
+            in.params.LocOf("filename"));
 }
 
 std::unique_ptr<Light> MakePoint(const LightInput &in) {
@@ -100,6 +114,45 @@ std::unique_ptr<Light> MakeDistant(const LightInput &in) {
     return std::make_unique<DistantLight>(wi, InternSpectrum(*radiance), scale);
 }
 
+/// `power` over what the light would emit at scale 1.
+Float PowerFactor(const LightInput &in, Float power, Float emitted, const std::string &image) {
+    if (!(emitted > 0))
+        throw UserError(fmt::format("\"{}\" is black, so \"power\" cannot be reached.", image), in.params.LocOf("power"));
+    return power / emitted;
+}
+
+std::unique_ptr<Light> MakeGoniometric(const LightInput &in) {
+    SpectrumPtr intensity = in.Emission("I");
+    Float scale = PhotometricScale(in, *intensity, "I");
+    Float power = in.params.GetFloat("power", -1);
+    LightImage light;
+    if (in.params.GetString("filename", "").empty()) {
+        in.sink.Warning(in.params.LocOf(""), fmt::format("{}: no \"filename\", so the light is the same in all directions.", in.params.What()));
+        light.image = Image(PixelFormat::Float, {1, 1}, {"Y"});
+        light.image.Set({0, 0}, 0, 1);
+    } else {
+        light = ReadIntensityImage(in.params, "filename", in.files);
+        RequireSquare(in, light);
+    }
+    if (power > 0) scale *= PowerFactor(in, power, 4 * Pi * GoniometricLight::Mean(light.image), light.name);
+    return std::make_unique<GoniometricLight>(in.renderFromLight, InternSpectrum(*intensity), scale, std::move(light.image));
+}
+
+std::unique_ptr<Light> MakeProjection(const LightInput &in) {
+    Float fov = in.params.GetFloat("fov", 90), power = in.params.GetFloat("power", -1);
+    in.params.GetFloat("scale", 1);
+    if (!(fov > 0 && fov < 180))
+        throw UserError(fmt::format("{}: \"fov\" is {}; it must be above 0 and below 180 degrees.", in.params.What(), fov),
+                        in.params.LocOf("fov"));
+    if (in.params.GetString("filename", "").empty())
+        throw UserError(fmt::format("{}: \"filename\" is missing: the image to be projected.", in.params.What()),
+                        in.params.LocOf("filename"));
+    LightImage light = ReadLightImage(in.params, "filename", in.files);
+    Float scale = PhotometricScale(in, light.colorSpace->Illuminant(), "filename");
+    if (power > 0) scale *= PowerFactor(in, power, ProjectionLight::LuminancePower(light.image, *light.colorSpace, fov), light.name);
+    return std::make_unique<ProjectionLight>(in.renderFromLight, std::move(light.image), *light.colorSpace, scale, fov);
+}
+
 /// What stock pbrt-v4 takes for the illuminance of an environment on a surface that faces its +z. It counts 2 pi sr for
 /// the whole image, half of the sphere's 4 pi, so pictures come out twice as bright as asked; kept to match them.
 Float MeasureIlluminance(const LightImage &light) {
@@ -116,32 +169,70 @@ Float MeasureIlluminance(const LightImage &light) {
     return static_cast<Float>(sum * 2 * std::numbers::pi / (static_cast<double>(n.x) * static_cast<double>(n.y)));
 }
 
+/// The corners of "portal", if there is one.
+std::optional<std::array<Point3, 4>> GetPortal(const LightInput &in) {
+    std::span<const Float> v = in.params.GetFloats("portal", ParamType::Point3);
+    if (v.empty()) return {};
+    FileLoc loc = in.params.LocOf("portal");
+    if (v.size() != 12)
+        throw UserError(fmt::format("{}: \"portal\" takes the 4 corners of a rectangle, found {} points.", in.params.What(), v.size() / 3), loc);
+    std::array<Point3, 4> p;
+    for (size_t i = 0; i < 4; ++i) p[i] = {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
+    Vector3 x = p[3] - p[0], y = p[1] - p[0];
+    Float size2 = LengthSquared(x) * LengthSquared(y);
+    if (!(size2 > 0 && std::isfinite(size2) && LengthSquared(Cross(x, y)) > Float(1e-12) * size2))
+        throw UserError(fmt::format("{}: the corners of \"portal\" do not span a rectangle.", in.params.What()), loc);
+    if (!PortalLight::IsRectangle(p))
+        in.sink.Warning(loc, fmt::format("{}: \"portal\" is not a rectangle; the one nearest to its sides at the first corner is used.",
+                                         in.params.What()));
+    return p;
+}
+
+/// "L" as an image, for lights that need one; of luminance 1 unless it is an "rgb".
+LightImage ConstantImage(const LightInput &in, const Spectrum &radiance) {
+    LightImage light;
+    light.name.assign(1, 'L');
+    Rgb rgb(0);
+    if (dynamic_cast<const RgbIlluminantSpectrum *>(&radiance)) {
+        const Param &p = *in.params.Find("L", ParamType::Rgb);
+        rgb = {p.floats[0], p.floats[1], p.floats[2]};
+        light.colorSpace = ColorSpace::Find(p.colorSpace);
+    } else {
+        light.colorSpace = &in.colorSpace;
+        Xyz xyz = SpectrumToXyz(radiance);
+        if (xyz.y > 0) rgb = light.colorSpace->ToRgb(xyz / xyz.y);
+        in.sink.Warning(in.params.LocOf("L"), fmt::format("{}: with a portal \"L\" is taken as the colour it has: rgb {:.4g} {:.4g} {:.4g}.",
+                                                          in.params.What(), rgb.x, rgb.y, rgb.z));
+    }
+    // Many pixels, so that sampling knows how much of the sky each part of the portal shows.
+    light.image = Image(PixelFormat::Float, {32, 32}, {"R", "G", "B"});
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x)
+            for (int c = 0; c < 3; ++c) light.image.Set({x, y}, c, rgb[c]);
+    return light;
+}
+
 std::unique_ptr<Light> MakeInfinite(const LightInput &in) {
     const ParamSet &params = in.params;
     SpectrumPtr radiance = GetSpectrum(params, "L", nullptr, SpectrumUse::Illuminant, in.files);
     bool hasImage = !params.GetString("filename", "").empty();
     Float illuminance = params.GetFloat("illuminance", -1);
     params.GetFloat("scale", 1);
-    if (params.Find("portal", ParamType::Point3))
-        throw UserError(fmt::format("{}: \"portal\" is not supported yet.", params.What()), params.LocOf("portal"));
+    std::optional<std::array<Point3, 4>> portal = GetPortal(in);
     if (radiance && hasImage)
         throw UserError(fmt::format("{}: \"L\" and \"filename\" exclude each other.", params.What()),
                         params.LocOf("filename"));
-    if (!hasImage) {
+    if (portal && !radiance && !hasImage)
+        throw UserError(fmt::format("{}: a portal needs \"L\" or \"filename\".", params.What()), params.LocOf("portal"));
+    if (!hasImage && !portal) {
         if (!radiance) radiance = in.colorSpace.IlluminantPtr();
         Float scale = PhotometricScale(in, *radiance, "L");
         if (illuminance > 0) scale *= illuminance / Pi;
         return std::make_unique<UniformInfiniteLight>(InternSpectrum(*radiance), scale);
     }
 
-    LightImage light = ReadLightImage(params, "filename", in.files);
-    Point2i n = light.image.Resolution();
-    if (n.x != n.y)
-        throw UserError(
-            fmt::format("\"{}\" has {} x {} pixels; an environment must be square, in the equal-area octahedral "
-                        "layout (imgtool makeequiarea converts latitude-longitude images).",
-                        light.name, n.x, n.y),
-            params.LocOf("filename"));
+    LightImage light = hasImage ? ReadLightImage(params, "filename", in.files) : ConstantImage(in, *radiance);
+    if (hasImage) RequireSquare(in, light);
     Float scale = PhotometricScale(in, light.colorSpace->Illuminant(), "filename");
     if (illuminance > 0) {
         Float measured = MeasureIlluminance(light);
@@ -151,34 +242,30 @@ std::unique_ptr<Light> MakeInfinite(const LightInput &in) {
                 params.LocOf("illuminance"));
         scale *= illuminance / measured;
     }
+    if (portal)
+        return std::make_unique<PortalLight>(in.renderFromLight, light.image, *light.colorSpace, scale, *portal, in.renderFromWorld);
     return std::make_unique<ImageInfiniteLight>(in.renderFromLight, std::move(light.image), *light.colorSpace, scale);
 }
 
 }  // namespace
 
 const std::vector<std::string> &SupportedLights() {
-    static const std::vector<std::string> names = {"distant", "infinite", "point", "spot"};
-    return names;
-}
-
-const std::vector<std::string> &UnsupportedLights() {
-    static const std::vector<std::string> names = {"goniometric", "projection"};
+    static const std::vector<std::string> names = {"distant", "goniometric", "infinite", "point", "projection", "spot"};
     return names;
 }
 
 std::unique_ptr<Light> MakeLight(const std::string &type, const ParamSet &params, const Transform &renderFromLight,
-                                 const Transform &, const ColorSpace &colorSpace, const FileResolver &files,
-                                 DiagnosticSink &) {
-    LightInput in{params, renderFromLight, colorSpace, files};
+                                 const Transform &renderFromWorld, const ColorSpace &colorSpace,
+                                 const FileResolver &files, DiagnosticSink &sink) {
+    LightInput in{params, renderFromLight, renderFromWorld, colorSpace, files, sink};
     if (type == "point") return MakePoint(in);
     if (type == "spot") return MakeSpot(in);
     if (type == "distant") return MakeDistant(in);
     if (type == "infinite") return MakeInfinite(in);
+    if (type == "goniometric") return MakeGoniometric(in);
+    if (type == "projection") return MakeProjection(in);
 
     params.MarkAllUsed();
-    const std::vector<std::string> &later = UnsupportedLights();
-    if (std::find(later.begin(), later.end(), type) != later.end())
-        throw UserError(fmt::format("LightSource \"{}\" is not supported yet.", type), params.LocOf(""));
     throw UserError(fmt::format("\"{}\" is not a light source; {}.", type, ListChoices(type, SupportedLights())),
                     params.LocOf(""));
 }
@@ -188,7 +275,7 @@ struct AreaLightMaker::Impl {
 };
 
 AreaLightMaker::AreaLightMaker(const std::string &type, const ParamSet &params, const ColorSpace &colorSpace,
-                               const FileResolver &files, DiagnosticSink &)
+                               const FileResolver &files, DiagnosticSink &sink)
     : impl_(std::make_unique<Impl>()) {
     if (type != "diffuse") {
         params.MarkAllUsed();
@@ -196,7 +283,8 @@ AreaLightMaker::AreaLightMaker(const std::string &type, const ParamSet &params, 
                         params.LocOf(""));
     }
     auto emission = std::make_shared<AreaEmission>();
-    LightInput in{params, Transform(), colorSpace, files};
+    const Transform identity;
+    LightInput in{params, identity, identity, colorSpace, files, sink};
     SpectrumPtr radiance = GetSpectrum(params, "L", nullptr, SpectrumUse::Illuminant, files);
     bool hasImage = !params.GetString("filename", "").empty();
     emission->twoSided = params.GetBool("twosided", false);

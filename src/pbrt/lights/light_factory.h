@@ -31,6 +31,5 @@ class AreaLightMaker {
 };
 
 const std::vector<std::string> &SupportedLights();
-const std::vector<std::string> &UnsupportedLights();
 
 }  // namespace pbrt

@@ -4,17 +4,21 @@
 
 namespace pbrt {
 
-LightImage ReadLightImage(const ParamSet &params, const std::string &parameter, const FileResolver &files) {
+namespace {
+
+bool HasRgb(const Image &image) {
+    return image.FindChannel("R") >= 0 && image.FindChannel("G") >= 0 && image.FindChannel("B") >= 0;
+}
+
+/// `select` picks the channels; its complaints need no place.
+template <class Select>
+LightImage Read(const ParamSet &params, const std::string &parameter, const FileResolver &files, Select select) {
     LightImage result;
     FileLoc loc = params.LocOf(parameter);
     result.name = files.Resolve(params.GetString(parameter, ""));
     try {
         ImageFile file = ReadImage(result.name);
-        for (const char *channel : {"R", "G", "B"})
-            if (file.image.FindChannel(channel) < 0)
-                throw UserError(
-                    fmt::format("\"{}\": an image that emits light must have channels R, G and B.", result.name));
-        result.image = file.image.Select({"R", "G", "B"});
+        result.image = select(file.image, result.name);
         result.colorSpace = file.metadata.colorSpace ? file.metadata.colorSpace : &ColorSpace::SRGB();
     } catch (const UserError &e) {
         std::vector<Diagnostic> located = e.Diagnostics();
@@ -25,7 +29,7 @@ LightImage ReadLightImage(const ParamSet &params, const std::string &parameter, 
     Point2i n = result.image.Resolution();
     for (int y = 0; y < n.y; ++y)
         for (int x = 0; x < n.x; ++x)
-            for (int c = 0; c < 3; ++c)
+            for (int c = 0; c < result.image.ChannelCount(); ++c)
                 if (!std::isfinite(result.image.Get({x, y}, c)))
                     throw UserError(
                         fmt::format("\"{}\": pixel ({}, {}) is infinite or not a number; such an image cannot "
@@ -35,14 +39,41 @@ LightImage ReadLightImage(const ParamSet &params, const std::string &parameter, 
     return result;
 }
 
-SampledSpectrum AverageIlluminant(const Image &image, const ColorSpace &colorSpace, const SampledWavelengths &lambda) {
+}  // namespace
+
+LightImage ReadLightImage(const ParamSet &params, const std::string &parameter, const FileResolver &files) {
+    return Read(params, parameter, files, [](const Image &image, const std::string &name) {
+        if (!HasRgb(image))
+            throw UserError(fmt::format("\"{}\": an image that emits light must have channels R, G and B.", name));
+        return image.Select({"R", "G", "B"});
+    });
+}
+
+LightImage ReadIntensityImage(const ParamSet &params, const std::string &parameter, const FileResolver &files) {
+    return Read(params, parameter, files, [](const Image &image, const std::string &name) {
+        bool hasY = image.FindChannel("Y") >= 0;
+        if (HasRgb(image) == hasY)
+            throw UserError(fmt::format("\"{}\": an image of intensities must have either a channel Y or channels R, G and B.", name));
+        if (hasY) return image.Select({"Y"});
+        Image rgb = image.Select({"R", "G", "B"}), mean(PixelFormat::Float, rgb.Resolution(), {"Y"});
+        for (int y = 0; y < rgb.Resolution().y; ++y)
+            for (int x = 0; x < rgb.Resolution().x; ++x)
+                mean.Set({x, y}, 0, (rgb.Get({x, y}, 0) + rgb.Get({x, y}, 1) + rgb.Get({x, y}, 2)) / 3);
+        return mean;
+    });
+}
+
+SampledSpectrum AverageIlluminant(const Image &image, const ColorSpace &colorSpace, const SampledWavelengths &lambda,
+                                  const std::function<Float(int, int)> &weight) {
     Point2i n = image.Resolution();
     std::vector<SampledSpectrum> rows(static_cast<size_t>(n.y));
     ParallelFor(n.y, 8, [&](int64_t begin, int64_t end) {
         for (int64_t y = begin; y < end; ++y) {
             SampledSpectrum sum;
-            for (int x = 0; x < n.x; ++x)
-                sum += RgbIlluminantSpectrum(colorSpace, LightPixel(image, {x, static_cast<int>(y)})).Sample(lambda);
+            for (int x = 0; x < n.x; ++x) {
+                SampledSpectrum L = RgbIlluminantSpectrum(colorSpace, LightPixel(image, {x, static_cast<int>(y)})).Sample(lambda);
+                sum += weight ? weight(x, static_cast<int>(y)) * L : L;
+            }
             rows[static_cast<size_t>(y)] = sum / static_cast<Float>(n.x);
         }
     });

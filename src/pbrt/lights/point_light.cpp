@@ -1,5 +1,7 @@
 #include "pbrt/lights/point_light.h"
 
+#include "pbrt/lights/light_from_point.h"
+
 namespace pbrt {
 
 PointLight::PointLight(const Point3 &position, std::shared_ptr<const DenseSpectrum> intensity, Float scale)
@@ -11,16 +13,7 @@ SampledSpectrum PointLight::Phi(const SampledWavelengths &lambda) const {
 
 std::optional<LightLiSample> PointLight::SampleLi(const LightSampleContext &from, const Point2 &,
                                                   const SampledWavelengths &lambda, bool) const {
-    Vector3 d = position_ - from.p;
-    Float d2 = LengthSquared(d);
-    if (!(d2 > 0)) return {};
-    LightLiSample s;
-    s.L = intensity_->Sample(lambda) * (scale_ / d2);
-    if (!s.L) return {};
-    s.wi = d / std::sqrt(d2);
-    s.pdf = 1;
-    s.pLight = position_;
-    return s;
+    return SampleFromPoint(position_, from, [&](const Vector3 &) { return scale_ * intensity_->Sample(lambda); });
 }
 
 std::optional<LightBounds> PointLight::Bounds() const {

@@ -1,5 +1,7 @@
 #include "pbrt/lights/spot_light.h"
 
+#include "pbrt/lights/light_from_point.h"
+
 namespace pbrt {
 
 namespace {
@@ -9,14 +11,6 @@ Float SmoothStep(Float x, Float a, Float b) {
     if (a == b) return x < a ? Float(0) : Float(1);
     Float t = std::clamp((x - a) / (b - a), Float(0), Float(1));
     return t * t * (3 - 2 * t);
-}
-
-/// True if lengths and angles keep their proportions.
-bool IsSimilarity(const Transform &t) {
-    Vector3 x = t.Vector({1, 0, 0}), y = t.Vector({0, 1, 0}), z = t.Vector({0, 0, 1});
-    Float xx = LengthSquared(x), tolerance = 1e-4f * xx;
-    return std::abs(LengthSquared(y) - xx) <= tolerance && std::abs(LengthSquared(z) - xx) <= tolerance &&
-           AbsDot(x, y) <= tolerance && AbsDot(y, z) <= tolerance && AbsDot(z, x) <= tolerance;
 }
 
 }  // namespace
@@ -50,18 +44,7 @@ SampledSpectrum SpotLight::Phi(const SampledWavelengths &lambda) const {
 
 std::optional<LightLiSample> SpotLight::SampleLi(const LightSampleContext &from, const Point2 &,
                                                  const SampledWavelengths &lambda, bool) const {
-    Vector3 d = position_ - from.p;
-    Float d2 = LengthSquared(d);
-    if (!(d2 > 0)) return {};
-    Float falloff = Falloff(-d);
-    if (!(falloff > 0)) return {};
-    LightLiSample s;
-    s.L = intensity_->Sample(lambda) * (scale_ * falloff / d2);
-    if (!s.L) return {};
-    s.wi = d / std::sqrt(d2);
-    s.pdf = 1;
-    s.pLight = position_;
-    return s;
+    return SampleFromPoint(position_, from, [&](const Vector3 &w) { return scale_ * Falloff(w) * intensity_->Sample(lambda); });
 }
 
 std::optional<LightBounds> SpotLight::Bounds() const {

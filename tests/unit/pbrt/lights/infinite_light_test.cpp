@@ -16,7 +16,7 @@ TEST(UniformInfiniteLight, ScaleOneIsOneNitAndIlluminanceIsThatOfAHemisphere) {
     auto one = Make("infinite", Params());
     auto lit = Make("infinite", Params().Rgb("L", 1, 1, 1).Number("illuminance", 1.7f).Number("scale", 1.1f));
     auto nits = [](const Light &light) {
-        return Photometric([&](const SampledWavelengths &l) { return light.Le({0, 0, 1}, l); });
+        return Photometric([&](const SampledWavelengths &l) { return light.Le({}, {0, 0, 1}, l); });
     };
     EXPECT_NEAR(nits(*one), 1, 2e-3);
     EXPECT_NEAR(nits(*lit) * std::numbers::pi, 1.7 * 1.1, 1e-2);
@@ -64,7 +64,7 @@ TEST_P(ImageInfinite, DirectionsFollowTheDensity) {
             observed[cell(s->wi)] += 1;
             Float pdf = light->PdfLi(At({0, 0, 0}), s->wi, {}, {}, GetParam());
             EXPECT_NEAR(pdf / s->pdf, 1, 1e-3);
-            SampledSpectrum le = light->Le(s->wi, kLambda);
+            SampledSpectrum le = light->Le({}, s->wi, kLambda);
             EXPECT_NEAR(le.Average() / s->L.Average(), 1, 1e-3) << "radiance and density belong to the same pixel";
             if (HasFailure() && i > 10) break;
         }
@@ -109,8 +109,8 @@ TEST_F(ImageInfinite, ImageIsTurnedByTheTransform) {
     auto straight = MakeIt(Transform());
     Transform turn = Transform::Rotate(65, {1, 0, 2});
     auto turned = MakeIt(turn);
-    EXPECT_GT(straight->Le(sun, kLambda).Average(), 20 * straight->Le(-sun, kLambda).Average());
-    EXPECT_NEAR(turned->Le(turn.Vector(sun), kLambda).Average() / straight->Le(sun, kLambda).Average(), 1, 1e-5);
+    EXPECT_GT(straight->Le({}, sun, kLambda).Average(), 20 * straight->Le({}, -sun, kLambda).Average());
+    EXPECT_NEAR(turned->Le({}, turn.Vector(sun), kLambda).Average() / straight->Le({}, sun, kLambda).Average(), 1, 1e-5);
 }
 
 TEST_F(ImageInfinite, PhiIsTheMeanRadianceOverTheSphereTimesTheSceneDisk) {
@@ -119,7 +119,7 @@ TEST_F(ImageInfinite, PhiIsTheMeanRadianceOverTheSphereTimesTheSceneDisk) {
     constexpr int n = 300;
     for (int i = 0; i < n * n; ++i)
         sum += static_cast<double>(light
-                                       ->Le(SampleUniformSphere({(static_cast<Float>(i % n) + 0.5f) / n,
+                                       ->Le({}, SampleUniformSphere({(static_cast<Float>(i % n) + 0.5f) / n,
                                                                  (static_cast<Float>(i / n) + 0.5f) / n}),
                                             kLambda)
                                        .Average());
@@ -132,13 +132,13 @@ TEST_F(ImageInfinite, ConstantImageIsSampledUniformlyEvenWhenCompensated) {
     auto light = Make("infinite", Params().String("filename", grey.Path()));
     light->Preprocess({0, 0, 0}, 1);
     EXPECT_NEAR(light->PdfLi(At({0, 0, 0}), {0, 0.6f, 0.8f}, {}, {}, true), UniformSpherePdf(), 1e-6);
-    EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return light->Le({0, 0.6f, 0.8f}, l); }), 0.5, 2e-3);
+    EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return light->Le({}, {0, 0.6f, 0.8f}, l); }), 0.5, 2e-3);
 }
 
 TEST_F(ImageInfinite, IlluminanceIsMeasuredOverTheUpperHemisphereWithStocksFactorOfTwo) {
     TemporaryImage grey("even.exr", RgbImage({64, 64}, [](int, int) { return Rgb(0.25f, 0.25f, 0.25f); }));
     auto light = Make("infinite", Params().String("filename", grey.Path()).Number("illuminance", 3));
-    double nits = Photometric([&](const SampledWavelengths &l) { return light->Le({0, 0, 1}, l); });
+    double nits = Photometric([&](const SampledWavelengths &l) { return light->Le({}, {0, 0, 1}, l); });
     EXPECT_NEAR(nits * std::numbers::pi, 2 * 3, 0.02);
 }
 

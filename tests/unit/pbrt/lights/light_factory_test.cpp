@@ -29,14 +29,38 @@ TEST(LightFactory, UnknownLightListsTheKnownOnes) {
     ExpectComplaint("spott", Params(), 100, "infinite");
 }
 
-TEST(LightFactory, LightsOfTheFormatThatAreMissingAreSaidToBe) {
-    for (const std::string &type : UnsupportedLights()) ExpectComplaint(type, Params(), 100, "not supported yet");
+TEST(LightFactory, PortalsAreChecked) {
+    auto corners = [](std::vector<Float> v) { return Params().Rgb("L", 1, 1, 1).Floats(ParamType::Point3, "portal", std::move(v)); };
+    ExpectComplaint("infinite", corners(std::vector<Float>(9, 0)), 2, "4 corners");
+    ExpectComplaint("infinite", corners(std::vector<Float>(12, 0)), 2, "do not span");
+    ExpectComplaint("infinite", corners({0, 0, 0, 1, 0, 0, 1, 0, 0, 2, 0, 0}), 2, "do not span");
+    ExpectComplaint("infinite", Params().Floats(ParamType::Point3, "portal", {0, 0, 0, 0, 1, 0, 1, 1, 0, 1, 0, 0}), 1, "needs");
+    DiagnosticSink sink;
+    for (bool good : {true, false}) {
+        auto light = MakeLight("infinite", corners({0, 0, 0, 0, 1, 0, 1, 1, good ? Float(0) : Float(0.5), 1, 0, 0}), Transform(), Transform(),
+                               ColorSpace::SRGB(), FileResolver(), sink);
+        EXPECT_TRUE(light);
+        EXPECT_EQ(sink.All().size(), good ? 0u : 1u);
+        EXPECT_FALSE(sink.HasErrors());
+    }
+    EXPECT_NE(sink.All()[0].message.find("not a rectangle"), std::string::npos);
 }
 
-TEST(LightFactory, PortalIsLocated) {
-    ExpectComplaint("infinite",
-                    Params().Number("scale", 2).Floats(ParamType::Point3, "portal", std::vector<Float>(12, 0)), 2,
-                    "\"portal\" is not supported yet");
+TEST(LightFactory, ImagesOfLightsAreChecked) {
+    ExpectComplaint("projection", Params().Number("fov", 40), 100, "filename");
+    ExpectComplaint("projection", Params().String("filename", "/nowhere/slide.png"), 1, "slide.png");
+    ExpectComplaint("projection", Params().Number("fov", 180), 1, "fov");
+    TemporaryImage wide("wide2.exr", RgbImage({4, 2}, [](int, int) { return Rgb(1); }));
+    ExpectComplaint("goniometric", Params().String("filename", wide.Path()), 1, "square");
+    TemporaryImage black("black.exr", RgbImage({2, 2}, [](int, int) { return Rgb(0); }));
+    for (const char *type : {"goniometric", "projection"}) {
+        ExpectComplaint(type, Params().String("filename", black.Path()).Number("power", 5), 2, "black");
+        EXPECT_TRUE(Make(type, Params().String("filename", black.Path()))) << "black light is legal";
+    }
+    Image depth(PixelFormat::Float, {2, 2}, {"Z"});
+    TemporaryImage neither("neither.exr", depth);
+    ExpectComplaint("goniometric", Params().String("filename", neither.Path()), 1, "channel Y");
+    ExpectComplaint("projection", Params().String("filename", neither.Path()), 1, "R, G and B");
 }
 
 TEST(LightFactory, RadianceAndImageExcludeEachOther) {
@@ -78,6 +102,7 @@ TEST(LightFactory, UnknownAreaLight) {
 }
 
 TEST(LightFactory, EveryParameterOfALightIsAskedFor) {
+    TemporaryImage image("asked.exr", RgbImage({4, 4}, [](int, int) { return Rgb(1); }));
     struct Row {
         const char *type;
         Params params;
@@ -99,6 +124,13 @@ TEST(LightFactory, EveryParameterOfALightIsAskedFor) {
                         .Point("from", {0, 0, 0})
                         .Point("to", {1, 0, 0})},
         {"infinite", Params().Rgb("L", 1, 1, 1).Number("scale", 1).Number("illuminance", 1)},
+        {"infinite", Params()
+                         .String("filename", image.Path())
+                         .Number("scale", 1)
+                         .Number("illuminance", 1)
+                         .Floats(ParamType::Point3, "portal", {0, 0, 0, 0, 1, 0, 1, 1, 0, 1, 0, 0})},
+        {"goniometric", Params().Rgb("I", 1, 1, 1).Number("scale", 1).Number("power", 1).String("filename", image.Path())},
+        {"projection", Params().Number("fov", 50).Number("scale", 1).Number("power", 1).String("filename", image.Path())},
     };
     for (Row &row : rows) {
         EXPECT_TRUE(Make(row.type, row.params));

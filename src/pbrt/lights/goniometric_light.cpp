@@ -1,0 +1,51 @@
+#include "pbrt/lights/goniometric_light.h"
+
+#include "pbrt/core/error.h"
+#include "pbrt/lights/light_from_point.h"
+#include "pbrt/lights/light_image.h"
+#include "pbrt/math/warps.h"
+
+namespace pbrt {
+
+GoniometricLight::GoniometricLight(const Transform &renderFromLight, std::shared_ptr<const DenseSpectrum> intensity, Float scale,
+                                   Image image)
+    : Light(LightKind::DeltaPosition),
+      renderFromLight_(renderFromLight),
+      position_(renderFromLight.Point({0, 0, 0})),
+      intensity_(std::move(intensity)),
+      scale_(scale),
+      image_(std::move(image)),
+      mean_(Mean(image_)) {
+    PBRT_CHECK(image_.Resolution().x > 0 && image_.Resolution().x == image_.Resolution().y && image_.ChannelCount() == 1);
+}
+
+Float GoniometricLight::Mean(const Image &image) {
+    Point2i n = image.Resolution();
+    double sum = 0;
+    for (int y = 0; y < n.y; ++y)
+        for (int x = 0; x < n.x; ++x) sum += static_cast<double>(std::max(image.Get({x, y}, 0), Float(0)));
+    return static_cast<Float>(sum / (static_cast<double>(n.x) * static_cast<double>(n.y)));
+}
+
+Float GoniometricLight::Share(const Vector3 &w) const {
+    Vector3 l = Normalize(renderFromLight_.InverseVector(w));
+    return std::max(image_.Get(PixelAt(EqualAreaSphereToSquare({l.x, l.z, l.y}), image_.Resolution()), 0), Float(0));
+}
+
+SampledSpectrum GoniometricLight::Phi(const SampledWavelengths &lambda) const {
+    return 4 * Pi * mean_ * scale_ * intensity_->Sample(lambda);
+}
+
+std::optional<LightLiSample> GoniometricLight::SampleLi(const LightSampleContext &from, const Point2 &,
+                                                        const SampledWavelengths &lambda, bool) const {
+    return SampleFromPoint(position_, from, [&](const Vector3 &w) { return scale_ * Share(w) * intensity_->Sample(lambda); });
+}
+
+std::optional<LightBounds> GoniometricLight::Bounds() const {
+    // As a point light of the same power (stock pbrt-v4).
+    Float phi = 4 * Pi * mean_ * scale_ * intensity_->MaxValue();
+    if (!(phi > 0)) return {};
+    return LightBounds{Bounds3(position_), Vector3(0, 0, 1), phi, -1, 0, false};
+}
+
+}  // namespace pbrt

@@ -1,0 +1,54 @@
+#pragma once
+#include <array>
+
+#include "pbrt/images/image.h"
+#include "pbrt/lights/light.h"
+#include "pbrt/math/frame.h"
+#include "pbrt/math/transform.h"
+#include "pbrt/math/windowed_distribution.h"
+
+namespace pbrt {
+
+/// An environment that shines only through a rectangle, to one side of it (Bitterli, Wyman and Pharr 2015). The image is
+/// resampled once to a map in which the rectangle is, seen from anywhere, an axis-aligned window: the coordinates of a
+/// direction (x, y, z) in the rectangle's frame are the angles atan(x/z) and atan(y/z).
+class PortalLight final : public Light {
+  public:
+    /// `image`: as for ImageInfiniteLight. `portal`: corners in order around it, in the space `renderFromPortal` takes them
+    /// from; light travels against cross(p3 - p0, p1 - p0). The sides at p0 are not of length 0 and not parallel; what
+    /// else is not a rectangle becomes the one that p0, p2 and these directions span.
+    PortalLight(const Transform &renderFromLight, const Image &image, const ColorSpace &colorSpace, Float scale,
+                const std::array<Point3, 4> &portal, const Transform &renderFromPortal);
+    static bool IsRectangle(const std::array<Point3, 4> &portal);
+
+    /// What enters the scene: the integral of radiance and cosine over the rectangle and the half-space behind it.
+    SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
+    /// By the mean of R, G, B of the map's pixels within the window seen from the point.
+    std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs) const override;
+    Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
+                bool allowIncompletePdfs) const override;
+    SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;
+    std::optional<LightBounds> Opening() const override;
+    void Preprocess(const Point3 &sceneCenter, Float sceneRadius) override;
+
+  private:
+    std::optional<Point2> MapFromDirection(const Vector3 &d) const;
+    Vector3 DirectionFromMap(const Point2 &st) const;
+    /// Solid angle per area of the map at a unit direction of the frame.
+    static Float SolidAngleDensity(const Vector3 &local);
+    /// The rectangle as seen from p; empty behind it.
+    std::optional<Bounds2> Window(const Point3 &p) const;
+    SampledSpectrum Radiance(const Point2 &st, const SampledWavelengths &lambda) const;
+
+    Frame frame_;  ///< x, y along the sides, z to the outside; may be left-handed
+    Point3 corner_, opposite_;
+    Float area_;
+    Image map_;
+    const ColorSpace *colorSpace_;
+    Float scale_;
+    WindowedPiecewiseConstant2D distribution_;
+    Float sceneRadius_ = 0;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,84 @@
+#include "pbrt/lights/projection_light.h"
+
+#include "pbrt/core/error.h"
+#include "pbrt/lights/light_from_point.h"
+#include "pbrt/lights/light_image.h"
+
+namespace pbrt {
+
+namespace {
+
+Vector2 HalfSize(const Point2i &n, Float fov) {
+    auto aspect = static_cast<Float>(n.x) / static_cast<Float>(n.y);
+    return std::tan(Radians(fov) / 2) * (aspect > 1 ? Vector2(aspect, 1) : Vector2(1, 1 / aspect));
+}
+
+/// Solid angle of a pixel: the plane at distance 1 is seen under cos^3.
+Float PixelSolidAngle(int x, int y, const Point2i &n, const Vector2 &half) {
+    Vector2 size(2 * half.x / static_cast<Float>(n.x), 2 * half.y / static_cast<Float>(n.y));
+    Float px = (static_cast<Float>(x) + Float(0.5)) * size.x - half.x, py = (static_cast<Float>(y) + Float(0.5)) * size.y - half.y;
+    Float d2 = 1 + px * px + py * py;
+    return size.x * size.y / (d2 * std::sqrt(d2));
+}
+
+}  // namespace
+
+ProjectionLight::ProjectionLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace, Float scale, Float fov)
+    : Light(LightKind::DeltaPosition),
+      renderFromLight_(renderFromLight),
+      position_(renderFromLight.Point({0, 0, 0})),
+      image_(std::move(image)),
+      colorSpace_(&colorSpace),
+      scale_(scale),
+      half_(HalfSize(image_.Resolution(), fov)) {
+    PBRT_CHECK(image_.Resolution().x > 0 && image_.Resolution().y > 0 && image_.ChannelCount() == 3);
+}
+
+Float ProjectionLight::LuminancePower(const Image &image, const ColorSpace &colorSpace, Float fov) {
+    Point2i n = image.Resolution();
+    Vector2 half = HalfSize(n, fov);
+    Rgb weights = colorSpace.Luminance();
+    double sum = 0;
+    for (int y = 0; y < n.y; ++y)
+        for (int x = 0; x < n.x; ++x)
+            sum += static_cast<double>(glm::dot(LightPixel(image, {x, y}), weights) * PixelSolidAngle(x, y, n, half));
+    return static_cast<Float>(sum);
+}
+
+SampledSpectrum ProjectionLight::Intensity(const Vector3 &w, const SampledWavelengths &lambda) const {
+    Vector3 l = renderFromLight_.InverseVector(w);
+    if (!(l.z > 0)) return SampledSpectrum(0);
+    Point2 st((1 + l.x / (l.z * half_.x)) / 2, (1 - l.y / (l.z * half_.y)) / 2);
+    if (!(st.x >= 0 && st.x <= 1 && st.y >= 0 && st.y <= 1)) return SampledSpectrum(0);
+    return RgbIlluminantSpectrum(*colorSpace_, LightPixel(image_, PixelAt(st, image_.Resolution()))).Sample(lambda);
+}
+
+SampledSpectrum ProjectionLight::Phi(const SampledWavelengths &lambda) const {
+    Point2i n = image_.Resolution();
+    auto weight = [&](int x, int y) { return PixelSolidAngle(x, y, n, half_); };
+    return scale_ * static_cast<Float>(n.x) * static_cast<Float>(n.y) * AverageIlluminant(image_, *colorSpace_, lambda, weight);
+}
+
+std::optional<LightLiSample> ProjectionLight::SampleLi(const LightSampleContext &from, const Point2 &,
+                                                       const SampledWavelengths &lambda, bool) const {
+    return SampleFromPoint(position_, from, [&](const Vector3 &w) { return scale_ * Intensity(w, lambda); });
+}
+
+std::optional<LightBounds> ProjectionLight::Bounds() const {
+    Point2i n = image_.Resolution();
+    double sum = 0;
+    for (int y = 0; y < n.y; ++y)
+        for (int x = 0; x < n.x; ++x) {
+            Rgb rgb = LightPixel(image_, {x, y});
+            sum += static_cast<double>(std::max(std::max(rgb.x, rgb.y), rgb.z));
+        }
+    // No solid angle in it, as in stock pbrt-v4: the probabilities are to be stock's.
+    Float phi = scale_ * static_cast<Float>(sum / (static_cast<double>(n.x) * static_cast<double>(n.y)));
+    if (!(phi > 0)) return {};
+    Vector3 axis = Normalize(renderFromLight_.Vector({0, 0, 1}));
+    if (!IsSimilarity(renderFromLight_)) return LightBounds{Bounds3(position_), axis, phi, -1, 0, false};
+    Float cosCorner = 1 / std::sqrt(1 + Sqr(half_.x) + Sqr(half_.y));
+    return LightBounds{Bounds3(position_), axis, phi, 1, std::min(cosCorner, Float(0.999)), false};
+}
+
+}  // namespace pbrt

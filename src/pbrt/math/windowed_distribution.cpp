@@ -1,0 +1,99 @@
+#include "pbrt/math/windowed_distribution.h"
+
+#include <algorithm>
+
+#include "pbrt/core/error.h"
+
+namespace pbrt {
+
+namespace {
+
+/// Value at a real position of a function that is linear between whole numbers 0 ... n.
+template <class F>
+double Between(double x, int n, F atWhole) {
+    int i = std::min(static_cast<int>(x), n - 1);
+    double low = atWhole(i);
+    return low + (x - i) * (atWhole(i + 1) - low);
+}
+
+/// Where a non-decreasing function of that kind reaches the fraction u of its rise over [from, to]; `piece` gets the
+/// interval, one in which it rises. False if it does not rise.
+template <class F>
+bool Invert(double u, double from, double to, int n, F atWhole, double *x, int *piece) {
+    double start = Between(from, n, atWhole), rise = Between(to, n, atWhole) - start;
+    if (!(rise > 0)) return false;
+    double target = start + u * rise;
+    int low = std::min(static_cast<int>(from), n - 1), high = std::min(static_cast<int>(to), n - 1);
+    // The first interval whose end is beyond the target.
+    while (low < high) {
+        int middle = low + (high - low) / 2;
+        if (atWhole(middle + 1) > target) high = middle;
+        else low = middle + 1;
+    }
+    double a = atWhole(low), b = atWhole(low + 1);
+    if (!(b > a)) return false;
+    *piece = low;
+    *x = std::clamp(low + (target - a) / (b - a), std::max(from, static_cast<double>(low)), std::min(to, static_cast<double>(low) + 1));
+    return true;
+}
+
+}  // namespace
+
+WindowedPiecewiseConstant2D::WindowedPiecewiseConstant2D(std::span<const Float> f, int nx, int ny) : nx_(nx), ny_(ny), f_(f.begin(), f.end()) {
+    PBRT_CHECK(nx > 0 && ny > 0 && f.size() == static_cast<size_t>(nx) * static_cast<size_t>(ny));
+    const size_t stride = static_cast<size_t>(nx) + 1;
+    sums_.assign(stride * (static_cast<size_t>(ny) + 1), 0);
+    for (size_t j = 0; j < static_cast<size_t>(ny); ++j) {
+        double row = 0;
+        for (size_t i = 0; i < static_cast<size_t>(nx); ++i) {
+            Float &value = f_[j * static_cast<size_t>(nx) + i];
+            value = std::max(value, Float(0));
+            row += static_cast<double>(value);
+            sums_[(j + 1) * stride + i + 1] = sums_[j * stride + i + 1] + row;
+        }
+    }
+}
+
+WindowedPiecewiseConstant2D::Cells WindowedPiecewiseConstant2D::InCells(const Bounds2 &w) const {
+    auto scaled = [](Float v, int n) { return static_cast<double>(std::clamp(v, Float(0), Float(1))) * n; };
+    return {scaled(w.low.x, nx_), scaled(w.high.x, nx_), scaled(w.low.y, ny_), scaled(w.high.y, ny_)};
+}
+
+double WindowedPiecewiseConstant2D::LeftOf(int i, const Cells &w) const {
+    auto corner = [&](int j) { return Corner(i, j); };
+    return Between(w.y1, ny_, corner) - Between(w.y0, ny_, corner);
+}
+
+double WindowedPiecewiseConstant2D::Total(const Cells &w) const {
+    auto left = [&](int i) { return LeftOf(i, w); };
+    return std::max(Between(w.x1, nx_, left) - Between(w.x0, nx_, left), 0.0);
+}
+
+double WindowedPiecewiseConstant2D::Integral(const Bounds2 &window) const {
+    return Total(InCells(window)) / (static_cast<double>(nx_) * static_cast<double>(ny_));
+}
+
+std::optional<Point2> WindowedPiecewiseConstant2D::Sample(const Point2 &u, const Bounds2 &window, Float *pdf) const {
+    Cells w = InCells(window);
+    double x = 0, y = 0;
+    int column = 0, row = 0;
+    if (!Invert(static_cast<double>(u.x), w.x0, w.x1, nx_, [&](int i) { return LeftOf(i, w); }, &x, &column)) return {};
+    if (!Invert(static_cast<double>(u.y), w.y0, w.y1, ny_, [&](int j) { return Below(column, j); }, &y, &row)) return {};
+    // Rounding to Float may cross into the next cell; the density is that of the point returned.
+    Point2 p(std::clamp(static_cast<Float>(x / nx_), window.low.x, window.high.x),
+             std::clamp(static_cast<Float>(y / ny_), window.low.y, window.high.y));
+    *pdf = Pdf(p, window);
+    if (!(*pdf > 0)) return {};
+    return p;
+}
+
+Float WindowedPiecewiseConstant2D::Pdf(const Point2 &p, const Bounds2 &window) const {
+    if (!(p.x >= window.low.x && p.x <= window.high.x && p.y >= window.low.y && p.y <= window.high.y)) return 0;
+    double integral = Integral(window);
+    if (!(integral > 0)) return 0;
+    int i = std::clamp(static_cast<int>(p.x * static_cast<Float>(nx_)), 0, nx_ - 1);
+    int j = std::clamp(static_cast<int>(p.y * static_cast<Float>(ny_)), 0, ny_ - 1);
+    return static_cast<Float>(static_cast<double>(f_[static_cast<size_t>(j) * static_cast<size_t>(nx_) + static_cast<size_t>(i)]) / integral);
+}
+
+}  // namespace pbrt

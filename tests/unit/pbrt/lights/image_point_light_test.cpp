@@ -1,0 +1,162 @@
+// Lights that are a point and throw an image: goniometric and projection.
+#include <gtest/gtest.h>
+
+#include "light_test_support.h"
+#include "pbrt/lights/goniometric_light.h"
+#include "pbrt/lights/projection_light.h"
+
+namespace pbrt::test {
+namespace {
+
+const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
+
+Image GreyImage(int n, const std::function<Float(int, int)> &value) {
+    Image image(PixelFormat::Float, {n, n}, {"Y"});
+    for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x) image.Set({x, y}, 0, value(x, y));
+    return image;
+}
+
+/// Intensity along w (render space, unit) of a light at p, averaged over the wavelengths.
+double IntensityAlong(const Light &light, const Point3 &p, const Vector3 &w) {
+    auto s = light.SampleLi(At(p + w), {}, kLambda, false);
+    return s ? static_cast<double>(s->L.Average()) : 0;
+}
+
+/// Integral of f over the sphere by n * n equal cells.
+template <class F>
+double OverSphere(int n, F f) {
+    double sum = 0;
+    for (int i = 0; i < n * n; ++i)
+        sum += static_cast<double>(f(SampleUniformSphere({(static_cast<Float>(i % n) + 0.5f) / static_cast<Float>(n),
+                                                          (static_cast<Float>(i / n) + 0.5f) / static_cast<Float>(n)})));
+    return sum / (n * n) * 4 * std::numbers::pi;
+}
+
+class Goniometric : public testing::Test {
+  protected:
+    Goniometric() : file_("lobes.exr", GreyImage(8, [](int x, int y) { return 0.1f * static_cast<Float>(x + 2 * y) + (x == 2 ? 3.f : 0.f); })) {}
+    Params File() const { return Params().String("filename", file_.Path()); }
+    TemporaryImage file_;
+};
+
+TEST_F(Goniometric, PhiIsTheIntegralOfIntensity) {
+    auto light = Make("goniometric", File().Rgb("I", 3, 2, 1).Number("scale", 2), Transform::Rotate(50, {1, 2, 3}));
+    double phi = static_cast<double>(light->Phi(kLambda).Average());
+    EXPECT_NEAR(OverSphere(600, [&](const Vector3 &w) { return IntensityAlong(*light, Point3(0), w); }), phi, 1e-2 * phi);
+}
+
+TEST_F(Goniometric, PowerParameterIsTheFlux) {
+    auto light = Make("goniometric", File().Number("power", 12).Floats(ParamType::Blackbody, "I", {3000}));
+    EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return light->Phi(l); }), 12, 0.05);
+}
+
+TEST_F(Goniometric, ImageIsFoundByDirectionWithYAndZSwapped) {
+    Transform ctm = Transform::Translate({1, 2, 3}) * Transform::Rotate(35, {3, 1, 2}) * Transform::Scale(Vector3(2));
+    auto light = Make("goniometric", File(), ctm);
+    auto one = Make("point", Params(), ctm);
+    Rng rng(1);
+    for (int i = 0; i < 200; ++i) {
+        Point2 st((static_cast<Float>(rng.UniformInt(8)) + 0.5f) / 8, (static_cast<Float>(rng.UniformInt(8)) + 0.5f) / 8);
+        Vector3 inImage = EqualAreaSquareToSphere(st);
+        Vector3 w = Normalize(ctm.Vector({inImage.x, inImage.z, inImage.y}));
+        auto x = static_cast<int>(st.x * 8), y = static_cast<int>(st.y * 8);
+        double expected = 0.1 * (x + 2 * y) + (x == 2 ? 3 : 0);
+        EXPECT_NEAR(IntensityAlong(*light, {1, 2, 3}, w) / IntensityAlong(*one, {1, 2, 3}, w), expected, 2e-3 * expected + 1e-6);
+    }
+}
+
+TEST_F(Goniometric, RgbImagesCountByTheirMeanAndNegativeValuesAsNothing) {
+    TemporaryImage rgb("three.exr", RgbImage({4, 4}, [](int, int) { return Rgb(0.3f, 0.6f, 1.8f); }));
+    auto light = Make("goniometric", Params().String("filename", rgb.Path()));
+    auto one = Make("point", Params());
+    EXPECT_NEAR(IntensityAlong(*light, Point3(0), {0, 0.6f, 0.8f}) / IntensityAlong(*one, Point3(0), {0, 0.6f, 0.8f}), 0.9, 1e-3);
+    TemporaryImage negative("negative.exr", GreyImage(2, [](int, int) { return -1.f; }));
+    auto dark = Make("goniometric", Params().String("filename", negative.Path()));
+    EXPECT_FALSE(dark->SampleLi(At({1, 0, 0}), {}, kLambda, false));
+    EXPECT_FALSE(dark->Bounds());
+}
+
+TEST_F(Goniometric, WithoutAnImageItIsAPointLightAndSaysSo) {
+    DiagnosticSink sink;
+    auto light = MakeLight("goniometric", Params().Number("power", 7), Transform(), Transform(), ColorSpace::SRGB(), FileResolver(), sink);
+    EXPECT_EQ(sink.All().size(), 1u);
+    EXPECT_FALSE(sink.HasErrors());
+    EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return light->Phi(l); }), 7, 0.02);
+}
+
+class Projection : public testing::TestWithParam<Point2i> {
+  protected:
+    Projection() : file_("slide.exr", RgbImage(GetParam(), Slide)) {}
+    static Rgb Slide(int x, int y) { return {0.2f + 0.05f * static_cast<Float>(x), 0.3f, 0.1f + 0.02f * static_cast<Float>(y)}; }
+    Params File() const { return Params().String("filename", file_.Path()); }
+    TemporaryImage file_;
+};
+
+TEST_P(Projection, PhiIsTheIntegralOfIntensity) {
+    for (Float fov : {20.f, 90.f, 130.f}) {
+        auto light = Make("projection", File().Number("fov", fov).Number("scale", 2), Transform::Rotate(50, {1, 2, 3}));
+        double phi = static_cast<double>(light->Phi(kLambda).Average());
+        EXPECT_NEAR(OverSphere(600, [&](const Vector3 &w) { return IntensityAlong(*light, Point3(0), w); }), phi, 1.5e-2 * phi) << fov;
+    }
+}
+
+TEST_P(Projection, PowerParameterIsTheFlux) {
+    auto light = Make("projection", File().Number("power", 9).Number("fov", 40));
+    EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return light->Phi(l); }, 500), 9, 0.1);
+}
+
+TEST_P(Projection, TopIsUpRightIsRightAndTheShorterSideHasTheFov) {
+    Point2i n = GetParam();
+    auto light = Make("projection", File().Number("fov", 60));
+    Float t = std::tan(Radians(30)), aspect = static_cast<Float>(n.x) / static_cast<Float>(n.y);
+    Float hx = t * std::max(aspect, Float(1)), hy = t * std::max(1 / aspect, Float(1));
+    for (int y = 0; y < n.y; ++y)
+        for (int x = 0; x < n.x; ++x) {
+            Float u = (static_cast<Float>(x) + 0.5f) / static_cast<Float>(n.x), v = (static_cast<Float>(y) + 0.5f) / static_cast<Float>(n.y);
+            Vector3 w = Normalize(Vector3((2 * u - 1) * hx, (1 - 2 * v) * hy, 1));
+            auto s = light->SampleLi(At(w), {}, kLambda, false);
+            ASSERT_TRUE(s);
+            SampledSpectrum expected = RgbIlluminantSpectrum(ColorSpace::SRGB(), Slide(x, y)).Sample(kLambda) /
+                                       SpectrumToPhotometric(ColorSpace::SRGB().Illuminant());
+            EXPECT_NEAR(s->L.Average() / expected.Average(), 1, 1e-3) << x << " " << y;
+        }
+    for (Float side : {-1.f, 1.f}) {
+        EXPECT_TRUE(light->SampleLi(At({side * hx * 0.999f, 0, 1}), {}, kLambda, false));
+        EXPECT_FALSE(light->SampleLi(At({side * hx * 1.001f, 0, 1}), {}, kLambda, false));
+        EXPECT_TRUE(light->SampleLi(At({0, side * hy * 0.999f, 1}), {}, kLambda, false));
+        EXPECT_FALSE(light->SampleLi(At({0, side * hy * 1.001f, 1}), {}, kLambda, false));
+    }
+    EXPECT_FALSE(light->SampleLi(At({0, 0, -1}), {}, kLambda, false)) << "nothing goes backwards";
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, Projection, testing::Values(Point2i(48, 32), Point2i(40, 40), Point2i(27, 45)),
+                         [](const auto &c) { return std::to_string(c.param.x) + "x" + std::to_string(c.param.y); });
+
+TEST(ImageLightImportance, PositiveWhereTheyContribute) {
+    Rng rng(1);
+    TemporaryImage slide("dots.exr", RgbImage({5, 3}, [](int x, int y) { return (x + y) % 2 ? Rgb(1, 0.5f, 0) : Rgb(0); }));
+    TemporaryImage lobes("dots1.exr", GreyImage(4, [](int x, int y) { return (x + y) % 2 ? 1.f : 0.f; }));
+    int lit = 0;
+    for (int i = 0; i < 60; ++i) {
+        Transform ctm = Transform::Translate({5 * rng.Uniform(), 0, 0}) * Transform::Rotate(360 * rng.Uniform(), {1, 2, 3});
+        if (i % 4 == 0) ctm = ctm * Transform::Scale({1, 0.3f + 2 * rng.Uniform(), 1});
+        auto light = i % 3 ? Make("projection", Params().String("filename", slide.Path()).Number("fov", 1 + 175 * rng.Uniform()), ctm)
+                           : Make("goniometric", Params().String("filename", lobes.Path()), ctm);
+        LightBounds bounds = *light->Bounds();
+        for (int j = 0; j < 4000; ++j) {
+            // Half of the points near the axis.
+            Vector3 d = SampleUniformSphere(rng.Uniform2());
+            if (j % 2) d = Normalize(bounds.w + d * rng.Uniform());
+            Point3 p = bounds.bounds.low + d * (10 * rng.Uniform());
+            if (!light->SampleLi(At(p), {}, kLambda, false)) continue;
+            ++lit;
+            ASSERT_GT(bounds.Importance(p, Normal3(0)), 0);
+            ASSERT_GT(bounds.Importance(p, SampleUniformSphere(rng.Uniform2())), 0);
+        }
+    }
+    EXPECT_GT(lit, 10000);
+}
+
+}  // namespace
+}  // namespace pbrt::test

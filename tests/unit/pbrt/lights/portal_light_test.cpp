@@ -1,0 +1,219 @@
+#include <gtest/gtest.h>
+
+#include "light_test_support.h"
+#include "pbrt/lights/portal_light.h"
+
+namespace pbrt::test {
+namespace {
+
+const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
+
+Rgb Sky(int x, int y) {
+    if (x == 9 && y == 5) return {12, 9, 4};
+    return {0.1f * static_cast<Float>(x), 0.4f, 0.05f * static_cast<Float>(y)};
+}
+
+/// A window of 2 x 1 in the plane z = 1, seen from below (cross(p3 - p0, p1 - p0) is +z), then turned.
+const Transform kTurn = Transform::Translate({0.3f, -0.2f, 0.1f}) * Transform::Rotate(33, {1, 3, 2});
+std::vector<Float> Corners(const Transform &turn = kTurn) {
+    std::vector<Float> v;
+    for (Point3 p : {Point3(-1, -0.5f, 1), Point3(-1, 0.5f, 1), Point3(1, 0.5f, 1), Point3(1, -0.5f, 1)}) {
+        Point3 q = turn.Point(p);
+        v.insert(v.end(), {q.x, q.y, q.z});
+    }
+    return v;
+}
+
+class Portal : public testing::Test {
+  protected:
+    Portal() : file_("portal.exr", RgbImage({16, 16}, Sky)) {}
+    Params File() const { return Params().String("filename", file_.Path()).Floats(ParamType::Point3, "portal", Corners()); }
+    std::unique_ptr<Light> MakeIt() const {
+        auto light = Make("infinite", File().Number("scale", 0.8f), Transform::Rotate(40, {1, 2, 3}));
+        light->Preprocess({0, 0, 0}, 5);
+        return light;
+    }
+    /// True if the line from p along w goes through the window: slow and obviously right.
+    static bool ThroughWindow(const Point3 &p, const Vector3 &w, Float margin) {
+        Point3 o = kTurn.InversePoint(p);
+        Vector3 d = kTurn.InverseVector(w);
+        if (!(o.z < 1) || !(d.z > 0)) return false;
+        Point3 hit = o + d * ((1 - o.z) / d.z);
+        return std::abs(hit.x) < 1 + margin && std::abs(hit.y) < Float(0.5) + margin;
+    }
+    TemporaryImage file_;
+};
+
+const Point3 kPlaces[] = {Point3(0, 0, 0), Point3(0.2f, 0.1f, 0.9f), Point3(-2, 0.3f, -0.5f), Point3(3, 4, -12)};
+
+TEST_F(Portal, DirectionsFollowTheDensityOfThePointTheyAreSeenFrom) {
+    auto light = MakeIt();
+    for (const Point3 &place : kPlaces) {
+        Point3 p = kTurn.Point(place);
+        // Cells of the window itself, so that every place has as many that count. The expected counts: the density over
+        // solid angle, times the solid angle of small pieces of the window.
+        constexpr int kX = 12, kY = 8, kSub = 60, kSamples = 40000;
+        std::vector<double> observed(kX * kY), expected(kX * kY);
+        double total = 0;
+        for (int i = 0; i < kX * kSub; ++i)
+            for (int j = 0; j < kY * kSub; ++j) {
+                Point3 onWindow((static_cast<Float>(i) + 0.5f) / (kX * kSub) * 2 - 1, (static_cast<Float>(j) + 0.5f) / (kY * kSub) - 0.5f, 1);
+                Vector3 d = onWindow - place;
+                Float d2 = LengthSquared(d);
+                Vector3 w = Normalize(kTurn.Vector(d));
+                double solidAngle = static_cast<double>(d.z / (d2 * std::sqrt(d2))) * 2 / (kX * kSub * kY * kSub);
+                double mass = static_cast<double>(light->PdfLi(At(p), w, {}, {}, true)) * solidAngle;
+                expected[static_cast<size_t>(i / kSub * kY + j / kSub)] += mass;
+                total += mass;
+            }
+        EXPECT_NEAR(total, 1, 1e-2) << "seen from z " << place.z;
+        Rng rng(4);
+        int drawn = 0;
+        for (int k = 0; k < kSamples; ++k) {
+            auto s = light->SampleLi(At(p), rng.Uniform2(), kLambda, k % 2 == 0);
+            if (!s) continue;
+            ++drawn;
+            ASSERT_TRUE(ThroughWindow(p, s->wi, 1e-3f));
+            Vector3 d = kTurn.InverseVector(s->wi);
+            Point3 hit = place + d * ((1 - place.z) / d.z);
+            auto i = std::clamp(static_cast<int>((hit.x + 1) / 2 * kX), 0, kX - 1), j = std::clamp(static_cast<int>((hit.y + 0.5f) * kY), 0, kY - 1);
+            observed[static_cast<size_t>(i * kY + j)] += 1;
+        }
+        EXPECT_EQ(drawn, kSamples);
+        for (double &e : expected) e *= drawn / total;
+        EXPECT_GT(ChiSquareTest(observed, expected, 20), 1e-4) << place.z;
+    }
+}
+
+TEST_F(Portal, DensityAndRadianceOfASampleAreThoseOfItsDirection) {
+    auto light = MakeIt();
+    Rng rng(5);
+    int same = 0, all = 0;
+    for (int k = 0; k < 20000; ++k) {
+        Point3 p = kTurn.Point(Point3(6 * rng.Uniform() - 3, 6 * rng.Uniform() - 3, 0.9f - 3 * rng.Uniform()));
+        auto s = light->SampleLi(At(p), rng.Uniform2(), kLambda, true);
+        if (!s) continue;
+        ++all;
+        ASSERT_TRUE(std::isfinite(s->pdf) && s->pdf > 0);
+        EXPECT_GE(Length(s->pLight - p), 9.9f);
+        Float pdf = light->PdfLi(At(p), s->wi, {}, {}, true), L = light->Le(p, s->wi, kLambda).Average();
+        // Rounding moves a few across the border of a pixel or of the window.
+        same += std::abs(pdf / s->pdf - 1) < 2e-2f && std::abs(L / s->L.Average() - 1) < 1e-3f;
+    }
+    EXPECT_GT(all, 15000);
+    EXPECT_GT(same, 0.99 * all);
+}
+
+TEST_F(Portal, LightComesOnlyThroughTheWindowAndOnlyInwards) {
+    auto light = MakeIt();
+    Rng rng(6);
+    int through = 0;
+    for (int k = 0; k < 50000; ++k) {
+        Point3 place(6 * rng.Uniform() - 3, 6 * rng.Uniform() - 3, 4 * rng.Uniform() - 2), p = kTurn.Point(place);
+        Vector3 w = SampleUniformSphere(rng.Uniform2());
+        if (ThroughWindow(p, w, 1e-3f) != ThroughWindow(p, w, -1e-3f)) continue;
+        bool expected = ThroughWindow(p, w, 0);
+        through += expected;
+        ASSERT_EQ(static_cast<bool>(light->Le(p, w, kLambda)), expected);
+        ASSERT_EQ(light->PdfLi(At(p), w, {}, {}, true) > 0, expected);
+    }
+    EXPECT_GT(through, 500);
+    EXPECT_FALSE(light->SampleLi(At(kTurn.Point({0, 0, 1.1f})), {0.5f, 0.5f}, kLambda, true)) << "outside";
+    EXPECT_FALSE(light->SampleLi(At(kTurn.Point({5, 0, 1})), {0.5f, 0.5f}, kLambda, true)) << "in the plane";
+}
+
+TEST_F(Portal, WhatIsSeenThroughItIsTheSkyBeyond) {
+    // A smooth sky: resampling changes little.
+    TemporaryImage smooth("smooth.exr", RgbImage({64, 64}, [](int x, int y) {
+                              Vector3 w = EqualAreaSquareToSphere({(static_cast<Float>(x) + 0.5f) / 64, (static_cast<Float>(y) + 0.5f) / 64});
+                              return Rgb(1 + 0.5f * w.x, 1 + 0.5f * w.y, 1 + 0.5f * w.z);
+                          }));
+    Transform ctm = Transform::Rotate(70, {2, 1, 0});
+    auto open = Make("infinite", Params().String("filename", smooth.Path()), ctm);
+    auto portal = Make("infinite", Params().String("filename", smooth.Path()).Floats(ParamType::Point3, "portal", Corners()), ctm);
+    Rng rng(7);
+    int seen = 0;
+    for (int k = 0; k < 20000; ++k) {
+        Point3 p = kTurn.Point(Point3(2 * rng.Uniform() - 1, rng.Uniform() - 0.5f, 0.95f - rng.Uniform()));
+        Vector3 w = SampleUniformSphere(rng.Uniform2());
+        if (!ThroughWindow(p, w, -1e-3f)) continue;
+        ++seen;
+        ASSERT_NEAR(portal->Le(p, w, kLambda).Average() / open->Le(p, w, kLambda).Average(), 1, 0.06);
+    }
+    EXPECT_GT(seen, 3000);
+}
+
+TEST_F(Portal, PhiIsWhatComesThroughTheWindow) {
+    auto light = MakeIt();
+    // Radiance times cosine over the half-space, from just inside, times the area.
+    Rng rng(8);
+    RunningStatistics stats;
+    for (int k = 0; k < 200000; ++k) {
+        Vector3 w = SampleCosineHemisphere(rng.Uniform2());
+        Point3 p = kTurn.Point(Point3(0, 0, 0.9999f));
+        stats.Add(static_cast<double>(light->Le(p, Normalize(kTurn.Vector(w)), kLambda).Average()) * std::numbers::pi * 2);
+    }
+    double phi = static_cast<double>(light->Phi(kLambda).Average());
+    EXPECT_NEAR(stats.mean, phi, 4.5 * stats.StandardError() + 2e-2 * phi);
+}
+
+TEST_F(Portal, IsGivenInWorldSpaceAndStaysThereInAnyRenderingSpace) {
+    auto light = MakeIt();
+    DiagnosticSink sink;
+    for (Transform renderFromWorld : {Transform::Rotate(50, {1, 0, 1}) * Transform::Translate({1, 2, 3}), Transform::Scale({-1, 1, 1})}) {
+        auto moved = MakeLight("infinite", File().Number("scale", 0.8f), renderFromWorld * Transform::Rotate(40, {1, 2, 3}), renderFromWorld,
+                               ColorSpace::SRGB(), FileResolver(), sink);
+        Rng rng(9);
+        int seen = 0, same = 0;
+        for (int k = 0; k < 4000; ++k) {
+            Point3 p = kTurn.Point(Point3(2 * rng.Uniform() - 1, rng.Uniform() - 0.5f, 1.5f - 2 * rng.Uniform()));
+            Vector3 w = SampleUniformSphere(rng.Uniform2());
+            Float a = light->Le(p, w, kLambda).Average(), b = moved->Le(renderFromWorld.Point(p), renderFromWorld.Vector(w), kLambda).Average();
+            seen += a > 0;
+            same += std::abs(a - b) <= 1e-3f * a;
+        }
+        EXPECT_GT(seen, 100);
+        EXPECT_GT(same, 3980);
+    }
+}
+
+TEST_F(Portal, OpeningHoldsTheWindowAndPointsInwards) {
+    auto light = MakeIt();
+    EXPECT_FALSE(light->Bounds()) << "the samplers of the format know it as infinite";
+    auto opening = light->Opening();
+    ASSERT_TRUE(opening);
+    std::vector<Float> v = Corners();
+    for (size_t i = 0; i < 12; i += 3) {
+        Point3 p(v[i], v[i + 1], v[i + 2]);
+        EXPECT_LT(Distance(p, glm::clamp(p, opening->bounds.low, opening->bounds.high)), 1e-5f);
+    }
+    EXPECT_NEAR(Dot(opening->w, Normalize(kTurn.Vector({0, 0, -1}))), 1, 1e-5);
+    Rng rng(10);
+    int lit = 0;
+    for (int k = 0; k < 20000; ++k) {
+        Point3 p = kTurn.Point(Point3(6 * rng.Uniform() - 3, 6 * rng.Uniform() - 3, 1 - 3 * Sqr(rng.Uniform())));
+        auto s = light->SampleLi(At(p), rng.Uniform2(), kLambda, true);
+        if (!s) continue;
+        ++lit;
+        ASSERT_GT(opening->Importance(p, Normal3(0)), 0);
+    }
+    EXPECT_GT(lit, 15000);
+}
+
+TEST(PortalOfOneColour, KeepsTheUnitsOfTheLight) {
+    DiagnosticSink sink;
+    Vector3 w = Normalize(kTurn.Vector({0, 0, 1}));
+    auto nits = [&](Params params) {
+        params.Floats(ParamType::Point3, "portal", Corners());
+        auto light = MakeLight("infinite", params, Transform(), Transform(), ColorSpace::SRGB(), FileResolver(), sink);
+        return Photometric([&](const SampledWavelengths &l) { return light->Le(kTurn.Point({0, 0, 0}), w, l); });
+    };
+    EXPECT_NEAR(nits(Params().Rgb("L", 3, 3, 3).Number("scale", 2)), 6, 0.02);
+    EXPECT_TRUE(sink.All().empty());
+    EXPECT_NEAR(nits(Params().Floats(ParamType::Blackbody, "L", {4000}).Number("scale", 2)), 2, 0.02);
+    ASSERT_EQ(sink.All().size(), 1u);
+    EXPECT_NE(sink.All()[0].message.find("colour"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pbrt::test

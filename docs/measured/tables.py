@@ -1,0 +1,166 @@
+"""What the scripts of docs/measured share: scenes, campaigns of lightlab, figures with their standard errors, tables."""
+import json
+import math
+import pathlib
+import subprocess
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+OURS = ["three-lights", "lamp-like", "hotel", "white-room", "ajar", "many-rooms", "one-light", "all-visible", "thin-walls",
+        "slit", "glossy", "env-interior", "dollhouse"]
+REAL = ["lamp", "veach-ajar"]
+
+
+class Value:
+    """A figure with its standard error."""
+
+    def __init__(self, mean, error=0.0):
+        self.mean, self.error = mean, error or 0.0
+
+    def __truediv__(self, other):
+        ratio = self.mean / other.mean
+        return Value(ratio, abs(ratio) * math.hypot(self.error / self.mean, other.error / other.mean) if ratio else 0)
+
+    def __str__(self):
+        return f"{self.mean:.2f} +- {self.error:.2f}"
+
+
+def geometric_mean(values):
+    values = [v for v in values if v is not None]
+    if not values:
+        return None
+    mean = math.exp(sum(math.log(v.mean) for v in values) / len(values))
+    return Value(mean, mean * math.sqrt(sum((v.error / v.mean) ** 2 for v in values)) / len(values))
+
+
+def number(value, digits=3):
+    return "-" if value is None else f"{value:.{digits}g}"
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(r) + " |" for r in [head, *rows]]
+    lines.insert(1, "|" + "---|" * len(head))
+    return "\n".join(lines) + "\n"
+
+
+class Campaign:
+    """results.json of lightlab.
+
+    A sampler's relL2 holds the noise of the reference it is judged by; the samplers that made the references are judged by
+    a noisier one. So that noise is taken off, except where it is most of the figure."""
+
+    def __init__(self, file):
+        self.results = json.loads(pathlib.Path(file).read_text())
+        self.samplers = {s["label"]: s for s in self.results["samplers"]}
+
+    def summary(self, label):
+        return self.samplers[label]["summary"]
+
+    def error(self, label, metric="relL2"):
+        s = self.samplers[label]
+        m = s["summary"]["metrics"][metric]
+        reference = self.results["references"][s["reference"]]
+        noise = reference.get("noise") or 0
+        if metric == "relL2Trimmed":
+            # Not recorded for references: as much of their noise as of the error of the sampler that made them.
+            maker = self.samplers.get(reference["sampler"], s)["summary"]["metrics"]
+            noise *= maker["relL2Trimmed"]["mean"] / maker["relL2"]["mean"] if maker["relL2"]["mean"] > 0 else 1
+        return Value(m["mean"] - noise if noise < m["mean"] / 2 else m["mean"], m["standardError"])
+
+    def is_biased(self, label):
+        return self.summary(label)["bias"]["verdict"] == "biased"
+
+    def is_oracle(self, label):
+        return self.samplers[label]["isOracle"]
+
+    def best_other(self, own="octree", metric="relL2"):
+        """Label of the least error among all but `own`, the oracle and whatever is biased; None if nobody is left."""
+        others = [k for k in self.samplers if k != own and not self.is_oracle(k) and not self.is_biased(k)]
+        return min(others, key=lambda k: self.error(k, metric).mean, default=None)
+
+    def preparation(self, label):
+        overhead = self.summary(label)["overhead"]
+        return overhead["prepassSeconds"] + overhead["buildSeconds"]
+
+
+def add_arguments(parser, out, samples=None, scenes=None):
+    """`samples`: default for scripts that only know equal samples."""
+    parser.add_argument("--lightlab", default=str(ROOT / "build/release/src/pbrt/cmd/lightlab/lightlab"))
+    if samples:
+        parser.add_argument("--spp", type=int, default=samples, help=f"samples per pixel ({samples})")
+    parser.add_argument("--reference-spp", type=int, help="samples per pixel of references (as lightlab likes)")
+    parser.add_argument("--seeds", type=int, default=3, help="runs of every sampler (3)")
+    parser.add_argument("--divisor", type=int, default=2, help="divides the resolution (2)")
+    parser.add_argument("--threads", type=int, default=0, help="of lightlab (0: all cores)")
+    parser.add_argument("--only", help="scenes, comma list" + (f" ({','.join(scenes)})" if scenes else ""))
+    parser.add_argument("--out", default=str(ROOT / out), help=f"folder of the campaigns ({out})")
+    parser.add_argument("--table", help="write the table to this file as well")
+    parser.add_argument("--chart", help="write a chart (SVG) to this file")
+
+
+def scene_file(name):
+    own = ROOT / "scenes" / name / f"{name}.pbrt"
+    return own if own.exists() else ROOT.parent / "shared" / "scenes" / name / f"{name}.pbrt"
+
+
+def run_campaign(a, name, samplers, spp=None, seconds=None, direct=True, report=False):
+    """Runs lightlab on a scene, or goes on with what its folder holds. None, and a word about it, if that is not possible."""
+    scene = scene_file(name)
+    if not scene.exists():
+        print(f"*** SKIPPED: {name} is not there ({scene}) ***", flush=True)
+        return None
+    out = pathlib.Path(a.out) / name
+    out.parent.mkdir(parents=True, exist_ok=True)
+    command = [a.lightlab, scene, "--samplers", ",".join(samplers), "--seeds", a.seeds, "--divisor", a.divisor, "--nthreads", a.threads,
+               "--out", out, "--quiet"]
+    command += ["--spp", spp] if spp else ["--time", seconds]
+    if a.reference_spp:
+        command += ["--reference-spp", a.reference_spp]
+    if direct:
+        command += ["--direct"]
+    if not report:
+        command += ["--no-report"]
+    with open(f"{out}.txt", "w") as log:
+        status = subprocess.run([str(c) for c in command], stdout=log).returncode
+    if status != 0:
+        print(f"*** {name}: lightlab ended with status {status} ***", flush=True)
+        return None
+    return Campaign(out / "results.json")
+
+
+def finish(a, text):
+    print("\n" + text)
+    if a.table:
+        pathlib.Path(a.table).write_text(text)
+
+
+COLORS = {"uniform": "#999999", "power": "#8c6d31", "bvh": "#1f77b4", "bvh+mesh": "#6baed6", "spatial": "#9467bd", "neepp": "#2ca02c",
+          "octree:model=paper": "#ff9896", "octree": "#d62728", "oracle": "#000000"}
+
+
+def color_of(label, index=0):
+    return COLORS.get(label) or COLORS.get(label.split(":")[0] if "oracle" in label else "") or f"C{index % 10}"
+
+
+def new_chart(width, height, columns=1):
+    """matplotlib's pyplot, the figure and its axes: the same bytes for the same figures."""
+    import matplotlib
+    matplotlib.use("svg")
+    import matplotlib.pyplot as plt
+    plt.rcParams.update({"svg.hashsalt": "measured", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False})
+    figure, axes = plt.subplots(1, columns, figsize=(width, height), constrained_layout=True, squeeze=False)
+    for axis in axes[0]:
+        axis.grid(True, which="major", color="#dddddd", lw=.6)
+        axis.set_axisbelow(True)
+    return figure, axes[0]
+
+
+def plain_ticks(axis):
+    """Numbers, not powers of ten, on a logarithmic axis."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+    axis.set_major_locator(LogLocator(10, (1, 2, 5)))
+    axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def save_chart(figure, file):
+    figure.savefig(file, metadata={"Date": None})

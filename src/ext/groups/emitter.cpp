@@ -69,6 +69,13 @@ constexpr Float kMostArriving = 1e36f;
 
 Emitter MakeEmitter(const Light &first, const LightCandidate &candidate) {
     Emitter e;
+    if (std::optional<LightBounds> opening = first.Opening()) {
+        // What shines through it shines from it: power / pi is radiance times area, as for a flat area light.
+        e.bounds = opening;
+        e.isArea = true;
+        e.intensity = candidate.power * InvPi;
+        return e;
+    }
     if (candidate.infinite) {
         e.isFar = true;
         e.isDelta = first.Kind() == LightKind::DeltaDirection;

@@ -11,7 +11,7 @@ using namespace pbrt;
 
 /// A light, or several together, as far as its unoccluded contribution goes.
 struct Emitter {
-    std::optional<LightBounds> bounds;  ///< empty: at infinity, or dark
+    std::optional<LightBounds> bounds;  ///< of a portal if there is one; empty: at infinity, or dark
     bool isArea = false;
     /// Flat emitters seen head-on: radiance times area; points: intensity. Spectral values as means over the visible
     /// wavelengths, as for LightCandidate::power.
@@ -37,7 +37,8 @@ Emitter Union(const Emitter &a, const Emitter &b);
 /// point of the sphere can contribute. The receiver's side is the one it is seen from, both sides if the BSDF transmits,
 /// all directions in a medium. Inside the sphere both cosines count as 1/2. Closed emitters show a quarter of their surface.
 /// Far lights: the mean and the first moment of their radiance give E(n) = M0/4 + M1.n/2, at least M0/40; a single
-/// direction gives the clamped cosine. Lights that are never sampled (uniform skies are left to BSDF sampling) have G = 0.
+/// direction gives the clamped cosine. A sky behind a portal is a flat emitter in its place.
+/// Lights that are never sampled (uniform skies are left to BSDF sampling) have G = 0.
 /// Positive wherever SampleLi can give a contribution (tests/unit/ext/groups).
 ///
 /// Eight emitters side by side.

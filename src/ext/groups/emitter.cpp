@@ -1,5 +1,7 @@
 #include "ext/groups/emitter.h"
 
+#include "pbrt/lights/light_spectrum.h"
+
 namespace ext {
 
 namespace {
@@ -7,7 +9,7 @@ namespace {
 /// Moments of a light at infinity, as averages over its own samples.
 void FindMoments(const Light &light, Emitter *e) {
     constexpr int kSide = 32;
-    const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    const SampledWavelengths lambda = PowerWavelengths();
     LightSampleContext from{};
     double sum = 0;
     Vector3 first(0);
@@ -15,7 +17,7 @@ void FindMoments(const Light &light, Emitter *e) {
         Point2 u((static_cast<Float>(i % kSide) + 0.5f) / kSide, (static_cast<Float>(i / kSide) + 0.5f) / kSide);
         std::optional<LightLiSample> s = light.SampleLi(from, u, lambda, true);
         if (!s || !(s->pdf > 0)) continue;
-        Float value = SafeDivide(s->L, lambda.Pdf()).Average() / s->pdf;
+        Float value = RootMeanSquare(s->L) / s->pdf;
         if (!(value > 0) || !std::isfinite(value)) continue;
         sum += static_cast<double>(value);
         first += value * s->wi;
@@ -67,13 +69,19 @@ constexpr Float kMostArriving = 1e36f;
 
 }  // namespace
 
+Float RootMeanSquare(const SampledSpectrum &s) { return std::sqrt((s * s).Average()); }
+
 Emitter MakeEmitter(const Light &first, const LightCandidate &candidate) {
     Emitter e;
+    const SampledWavelengths lambda = PowerWavelengths();
+    const SampledSpectrum phi = first.Phi(lambda);
+    const Float mean = SafeDivide(phi, lambda.Pdf()).Average();
+    const Float power = mean > 0 ? candidate.power * (RootMeanSquare(phi) / mean) : candidate.power;
     if (std::optional<LightBounds> opening = first.Opening()) {
         // What shines through it shines from it: power / pi is radiance times area, as for a flat area light.
         e.bounds = opening;
         e.isArea = true;
-        e.intensity = candidate.power * InvPi;
+        e.intensity = power * InvPi;
         return e;
     }
     if (candidate.infinite) {
@@ -86,12 +94,12 @@ Emitter MakeEmitter(const Light &first, const LightCandidate &candidate) {
     e.bounds = candidate.bounds;
     e.isArea = first.Kind() == LightKind::Area;
     if (e.isArea) {
-        e.intensity = candidate.power * InvPi / (candidate.bounds->twoSided ? 2 : 1);
+        e.intensity = power * InvPi / (candidate.bounds->twoSided ? 2 : 1);
     } else {
         // Full strength within theta_o, half of it on average in the falloff.
         Float inner = SafeACos(candidate.bounds->cosTheta_o), outer = std::min(inner + SafeACos(candidate.bounds->cosTheta_e), Pi);
         Float solidAngle = Pi * ((1 - std::cos(inner)) + (1 - std::cos(outer)));
-        e.intensity = candidate.power / std::max(solidAngle, Float(1e-4));
+        e.intensity = power / std::max(solidAngle, Float(1e-4));
     }
     return e;
 }

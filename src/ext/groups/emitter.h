@@ -13,14 +13,17 @@ using namespace pbrt;
 struct Emitter {
     std::optional<LightBounds> bounds;  ///< of a portal if there is one; empty: at infinity, or dark
     bool isArea = false;
-    /// Flat emitters seen head-on: radiance times area; points: intensity. Spectral values as means over the visible
-    /// wavelengths, as for LightCandidate::power.
+    /// Flat emitters seen head-on: radiance times area; points: intensity. Spectral values by RootMeanSquare.
     Float intensity = 0;
 
     bool isFar = false, isDelta = false;
     Float m0 = 0;    ///< far: integral of the radiance over directions (delta: irradiance), as far as SampleLi finds it
     Vector3 m1{0};   ///< far: the same times the direction (delta: the direction)
 };
+
+/// One number for a spectrum at PowerWavelengths(). The root mean square, as errors are squared channel by channel: a saturated
+/// light counts for more than its mean.
+Float RootMeanSquare(const SampledSpectrum &s);
 
 /// The emitter of a candidate; `first` is its light, or one of them.
 Emitter MakeEmitter(const Light &first, const LightCandidate &candidate);

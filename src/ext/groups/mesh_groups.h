@@ -32,6 +32,13 @@ class MeshGroups {
     /// Uniform number for SampleLight from the one number of a selection: independent of which group that number chose,
     /// and fine enough for any number of triangles.
     static Float InnerNumber(Float u, const Point3 &p) { return HashFloat(u, p); }
+    /// The same where the group was chosen because u is in [begin, begin + share): its place in there, so that what is well spread
+    /// for u is well spread inside the group as well. Digits that u does not have come from a hash, all of them in small parts.
+    static Float InnerNumber(Float u, const Point3 &p, Float begin, Float share) {
+        constexpr Float kStep = 0x1p-24f, kSmall = 1e-3f;
+        if (share < kSmall) return InnerNumber(u, p);
+        return std::clamp((u - begin + kStep * HashFloat(u, p)) / share, Float(0), OneMinusEpsilon);
+    }
 
     size_t Bytes() const;
 

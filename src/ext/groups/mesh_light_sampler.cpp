@@ -8,7 +8,7 @@ MeshLightSampler::MeshLightSampler(const LightTable &lights, const LightSamplerR
 std::optional<SampledLight> MeshLightSampler::Sample(const LightQuery &query, Float u) const {
     std::optional<SampledLight> group = inner_->Sample(query, u);
     if (!group) return {};
-    LightId light = groups_.SampleLight(group->light.value, MeshGroups::InnerNumber(u, query.p));
+    LightId light = groups_.SampleLight(group->light.value, groups_.Size() == 1 ? u : MeshGroups::InnerNumber(u, query.p));
     return SampledLight{light, group->pmf * groups_.ShareOf(light)};
 }
 

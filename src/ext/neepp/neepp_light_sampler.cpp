@@ -29,17 +29,19 @@ std::optional<SampledLight> NeeppLightSampler::Sample(const LightQuery &query, F
     const size_t count = groups_.Size();
     if (count == 0) return {};
     uint32_t group = 0;
-    Float pmf = 1;
+    Float pmf = 1, begin = 0;
     if (prepared_) {
         std::span<const uint32_t> cdf = Cdf(query.p);
         group = SampleFixedCdf(cdf, u, query.p);
         pmf = FixedCdfPMF(cdf, group);
+        begin = FixedCdfBegin(cdf, group);
     } else if (count > 1) {
         pmf = 1 / static_cast<Float>(count);
         auto i = static_cast<size_t>(static_cast<double>(u) * static_cast<double>(count));
         group = static_cast<uint32_t>(std::min(i, count - 1));
+        begin = static_cast<Float>(group) * pmf;
     }
-    LightId light = groups_.SampleLight(group, MeshGroups::InnerNumber(u, query.p));
+    LightId light = groups_.SampleLight(group, MeshGroups::InnerNumber(u, query.p, begin, pmf));
     return SampledLight{light, pmf * groups_.ShareOf(light)};
 }
 

@@ -52,7 +52,7 @@ void PaperOctreeLightSampler::Prepare(PrepareContext &context) {
             Point2 u = rng.Uniform2();
             LightId light = groups_.SampleLight(g, uLight);
             if (Float share = groups_.ShareOf(light); share > 0)
-                sum[g] += static_cast<double>(VisibleContribution(context.scene, vertices[index], light, u) / share);
+                sum[g] += static_cast<double>(VisibleMean(VisibleContribution(context.scene, vertices[index], light, u)) / share);
         }
         if (index % 64 == 0) context.progress.Advance(64);
     });
@@ -70,8 +70,9 @@ Float PaperOctreeLightSampler::GroupPMF(const LightQuery &query, std::span<const
 std::optional<SampledLight> PaperOctreeLightSampler::Sample(const LightQuery &query, Float u) const {
     if (groups_.Size() == 0) return {};
     uint32_t group = 0;
-    Float pmf = 1;
+    Float pmf = 1, inner = u;
     if (groups_.Size() > 1) {
+        inner = MeshGroups::InnerNumber(u, query.p);
         if (!learned_) {
             std::optional<SampledLight> g = unoccluded_->Sample(query, u);
             if (!g) return {};
@@ -86,11 +87,13 @@ std::optional<SampledLight> PaperOctreeLightSampler::Sample(const LightQuery &qu
             } else {
                 Float v = std::min((u - floor_) / (1 - floor_), OneMinusEpsilon);
                 group = static_cast<uint32_t>(std::upper_bound(cdf.begin(), cdf.end(), v) - cdf.begin());
+                const Float begin = group > 0 ? cdf[group - 1] : 0;
+                inner = MeshGroups::InnerNumber(v, query.p, begin, cdf[group] - begin);
             }
             pmf = GroupPMF(query, cdf, group);
         }
     }
-    LightId light = groups_.SampleLight(group, MeshGroups::InnerNumber(u, query.p));
+    LightId light = groups_.SampleLight(group, inner);
     return SampledLight{light, pmf * groups_.ShareOf(light)};
 }
 

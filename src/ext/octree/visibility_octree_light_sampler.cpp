@@ -13,13 +13,6 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
 }
 
-/// Surfaces whose BSDF is worth following and cheap to ask: glossy ones without a diffuse part and without layers.
-bool IsWorthFollowing(const Bsdf *bsdf) {
-    if (!bsdf) return false;
-    BxdfFlags flags = bsdf->Flags();
-    return Has(flags, BxdfFlags::Glossy) && !Has(flags, BxdfFlags::Diffuse) && !bsdf->IsLayered();
-}
-
 }  // namespace
 
 VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
@@ -85,75 +78,84 @@ void VisibilityOctreeLightSampler::Weigh(const LightQuery &query, Choice *c) con
         c->count = groups_.Size();
         c->sumG = importance_.Evaluate(query, c->g);
     }
+    const Float *decode = VisibilityTree::Table().data();
     c->sumW = 0;
     for (size_t i = 0; i < c->count; ++i) {
-        c->w[i] = learned_ ? c->g[i] * VisibilityTree::Decode(row.codes[i]) : c->g[i];
+        c->w[i] = learned_ ? c->g[i] * decode[row.codes[i]] : c->g[i];
         c->sumW += c->w[i];
     }
-    if (params_.bsdf && IsWorthFollowing(query.bsdf)) FollowBsdf(query, c);
+    if (params_.bsdf && query.bsdf && query.bsdf->IsDirectional()) FollowBsdf(query, c);
+    // sumW is 0 only where sumG is.
+    c->perW = c->sumW > 0 ? (allLights_ ? 1 : 1 - floor_) / c->sumW : 0;
+    c->perG = c->sumW > 0 && !allLights_ ? floor_ / c->sumG : 0;
+    c->treeShare = !allLights_ ? 0 : c->sumW > 0 ? std::max(params_.treeshare, row.missing) : 1;
 }
 
 void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c) const {
     // The light's middle may lie beside the lobe while its rim is in it, so a tenth goes to all alike.
     constexpr Float kAlike = 0.1f;
-    Float f[kMost];
-    Float weighted = 0, weights = 0;
+    // What has so small a part in G is not worth a look, whatever the lobe.
+    const Float worthLooking = c->sumW * 1e-3f;
+    Vector3 wi[kMost];
+    uint8_t looked[kMost];
+    size_t count = 0;
     for (size_t i = 0; i < c->count; ++i) {
-        f[i] = -1;
-        if (!(c->w[i] > 0)) continue;
-        Vector3 wi = importance_.DirectionTo(query.p, c->lights.empty() ? static_cast<uint32_t>(i) : c->lights[i]);
-        if (wi == Vector3(0)) continue;
-        f[i] = query.bsdf->F(query.wo, wi).Average();
-        weighted += f[i] * c->w[i];
-        weights += c->w[i];
+        if (!(c->w[i] > worthLooking)) continue;
+        wi[count] = importance_.DirectionTo(query.p, c->lights.empty() ? static_cast<uint32_t>(i) : c->lights[i]);
+        if (wi[count] != Vector3(0)) looked[count++] = static_cast<uint8_t>(i);
+    }
+    Float f[kMost];
+    query.bsdf->ApproximateF(query.wo, {wi, count}, f);
+    Float weighted = 0, weights = 0;
+    for (size_t k = 0; k < count; ++k) {
+        weighted += f[k] * c->w[looked[k]];
+        weights += c->w[looked[k]];
     }
     const Float mean = weights > 0 ? weighted / weights : 0;
     if (!(mean > 0) || !std::isfinite(mean)) return;
+    // Relative to the lights that were not looked at, which keep their weights.
+    for (size_t k = 0; k < count; ++k) c->w[looked[k]] *= (f[k] / mean + kAlike) / (1 + kAlike);
     c->sumW = 0;
-    for (size_t i = 0; i < c->count; ++i) {
-        c->w[i] *= (f[i] < 0 ? mean : f[i]) / mean + kAlike;
-        c->sumW += c->w[i];
-    }
+    for (size_t i = 0; i < c->count; ++i) c->sumW += c->w[i];
 }
 
-Float VisibilityOctreeLightSampler::Share(const Choice &c, size_t i) const {
-    // sumW is 0 only where sumG is.
-    if (!(c.sumW > 0)) return 0;
-    if (allLights_) return c.w[i] / c.sumW;
-    return (1 - floor_) * (c.w[i] / c.sumW) + floor_ * (c.g[i] / c.sumG);
+Float VisibilityOctreeLightSampler::NamedPMF(const Choice &c, uint32_t group) const {
+    if (!allLights_) return c.Share(group);
+    auto it = std::lower_bound(c.lights.begin(), c.lights.end(), group);
+    return it != c.lights.end() && *it == group ? c.Share(static_cast<size_t>(it - c.lights.begin())) : 0;
+}
+
+Float VisibilityOctreeLightSampler::MixedPMF(const Choice &c, uint32_t group, Float fromTree) const {
+    return (1 - c.treeShare) * NamedPMF(c, group) + c.treeShare * fromTree;
 }
 
 Float VisibilityOctreeLightSampler::GroupPMF(const LightQuery &query, const Choice &c, uint32_t group) const {
-    if (!allLights_) return Share(c, group);
-    const Float fromTree = allLights_->PMF(query, group);
-    if (!(c.sumW > 0)) return fromTree;
-    auto it = std::lower_bound(c.lights.begin(), c.lights.end(), group);
-    Float named = it != c.lights.end() && *it == group ? Share(c, static_cast<size_t>(it - c.lights.begin())) : 0;
-    return (1 - params_.treeshare) * named + params_.treeshare * fromTree;
+    return allLights_ ? MixedPMF(c, group, allLights_->PMF(query, group)) : NamedPMF(c, group);
 }
 
-std::optional<SampledLight> VisibilityOctreeLightSampler::SampleGroup(const LightQuery &query, Float u) const {
+std::optional<SampledLight> VisibilityOctreeLightSampler::SampleGroup(const LightQuery &query, Float u, Float *inner) const {
     Choice c;
     Weigh(query, &c);
-    if (allLights_) {
-        const Float t = c.sumW > 0 ? params_.treeshare : Float(1);
-        if (u < t) {
-            std::optional<SampledLight> chosen = allLights_->Sample(query, std::min(u / t, OneMinusEpsilon));
-            if (chosen) chosen->pmf = GroupPMF(query, c, chosen->light.value);
-            return chosen;
-        }
-        u = std::min((u - t) / (1 - t), OneMinusEpsilon);
+    if (u < c.treeShare) {
+        std::optional<SampledLight> chosen = allLights_->Sample(query, std::min(u / c.treeShare, OneMinusEpsilon));
+        if (chosen) chosen->pmf = MixedPMF(c, chosen->light.value, chosen->pmf);
+        *inner = MeshGroups::InnerNumber(u, query.p);
+        return chosen;
     }
-    Float running = 0;
+    const Float named = 1 - c.treeShare;
+    Float v = std::min((u - c.treeShare) / named, OneMinusEpsilon);
+    Float running = 0, last = 0;
     std::optional<size_t> chosen;
     for (size_t i = 0; i < c.count; ++i) {
-        Float share = Share(c, i);
+        Float share = c.Share(i);
         if (!(share > 0)) continue;
         chosen = i;
+        last = share;
         running += share;
-        if (u < running) break;
+        if (v < running) break;
     }
     if (!chosen) return {};
+    *inner = MeshGroups::InnerNumber(v, query.p, running - last, last);
     const uint32_t group = c.lights.empty() ? static_cast<uint32_t>(*chosen) : c.lights[*chosen];
     return SampledLight{LightId(group), GroupPMF(query, c, group)};
 }
@@ -161,12 +163,13 @@ std::optional<SampledLight> VisibilityOctreeLightSampler::SampleGroup(const Ligh
 std::optional<SampledLight> VisibilityOctreeLightSampler::Sample(const LightQuery &query, Float u) const {
     if (groups_.Size() == 0) return {};
     SampledLight group{LightId(0u), 1};
+    Float inner = u;
     if (groups_.Size() > 1) {
-        std::optional<SampledLight> chosen = SampleGroup(query, u);
+        std::optional<SampledLight> chosen = SampleGroup(query, u, &inner);
         if (!chosen) return {};
         group = *chosen;
     }
-    std::optional<SampledLight> light = interior_.Sample(group.light.value, query, MeshGroups::InnerNumber(u, query.p));
+    std::optional<SampledLight> light = interior_.Sample(group.light.value, query, inner);
     if (light) light->pmf *= group.pmf;
     return light;
 }

@@ -18,8 +18,9 @@ namespace ext {
 /// the point's leaf, as root mean square of found over unoccluded (VisibilityTreeBuilder); b follows the BSDF towards the
 /// light's middle where the surface is glossy without a diffuse part, and is 1 elsewhere. Light l is a group; inside a mesh the
 /// primitive is chosen by MeshInterior.
-/// With more than 64 groups a leaf names the lights that matter most there; the rest, and the share `treeshare` of
-/// the probability, belongs to a tree over all (EmitterTree): P = (1 - t) (named lights as above) + t P_tree.
+/// With more than 64 groups a leaf names the lights that matter most there; the rest, and a share t of
+/// the probability, belongs to a tree over all (EmitterTree): P = (1 - t) (named lights as above) + t P_tree, t = `treeshare` or what the
+/// named lights are thought to miss in the leaf, whichever is more.
 class VisibilityOctreeLightSampler final : public LightSampler {
   public:
     VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
@@ -41,16 +42,21 @@ class VisibilityOctreeLightSampler final : public LightSampler {
     struct Choice {
         alignas(32) Float g[kMost], w[kMost];
         Float sumG = 0, sumW = 0;
+        Float perW = 0, perG = 0;  ///< P among the considered ones = w perW + g perG
+        Float treeShare = 0;       ///< of the tree over all lights
         std::span<const uint32_t> lights;  ///< empty: all, in order
         size_t count = 0;
+        Float Share(size_t i) const { return w[i] * perW + g[i] * perG; }
     };
     bool ScansAll() const { return tree_.RowCount() == 0 ? groups_.Size() <= kMost : !allLights_; }
     void Weigh(const LightQuery &query, Choice *choice) const;
     void FollowBsdf(const LightQuery &query, Choice *choice) const;
-    /// P of the i-th considered light among the considered ones.
-    Float Share(const Choice &choice, size_t i) const;
+    /// P among the considered lights.
+    Float NamedPMF(const Choice &choice, uint32_t group) const;
+    /// With the tree over all, which gives `fromTree`.
+    Float MixedPMF(const Choice &choice, uint32_t group, Float fromTree) const;
     Float GroupPMF(const LightQuery &query, const Choice &choice, uint32_t group) const;
-    std::optional<SampledLight> SampleGroup(const LightQuery &query, Float u) const;
+    std::optional<SampledLight> SampleGroup(const LightQuery &query, Float u, Float *inner) const;
     double PathsPerPixel(const PrepareContext &context) const;
 
     OctreeParams params_;

@@ -28,7 +28,7 @@ Float Look(const Scene &scene, const PrepassVertex &vertex, const LightQuery &qu
     Point2 u = rng.Uniform2();
     std::optional<SampledLight> light = interior.Sample(group, query, uLight);
     if (!light) return 0;
-    Float value = VisibleContribution(scene, vertex, light->light, u) / light->pmf;
+    Float value = RootMeanSquare(VisibleContribution(scene, vertex, light->light, u)) / light->pmf;
     return std::isfinite(value) ? value : 0;
 }
 

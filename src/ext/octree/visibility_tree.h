@@ -16,12 +16,14 @@ class VisibilityTree {
     struct Row {
         std::span<const uint32_t> lights;
         std::span<const uint8_t> codes;
+        Float missing = 0;  ///< share of the light that the named ones are thought to miss (0 with few lights)
     };
     Row RowAt(const Point3 &p) const { return GetRow(cells_.Row(p)); }
     Row GetRow(uint32_t row) const {
         const uint32_t begin = offset_[row], count = offset_[row + 1] - begin;
         return {lights_.empty() ? std::span<const uint32_t>() : std::span<const uint32_t>(lights_.data() + begin, count),
-                {codes_.data() + begin, count}};
+                {codes_.data() + begin, count},
+                missing_.empty() ? Float(0) : static_cast<Float>(missing_[row]) / 255};
     }
     /// The factor of a code: 2^((code - 192) / 8), 9 % apart; from 6e-8 to 235.
     static Float Decode(uint8_t code) { return Table()[code]; }
@@ -34,17 +36,19 @@ class VisibilityTree {
     size_t RowCount() const { return offset_.empty() ? 0 : offset_.size() - 1; }
     int Depth() const { return depth_; }  ///< levels below the whole box: 0 is one leaf
     size_t Bytes() const {
-        return cells_.Bytes() + offset_.capacity() * sizeof(uint32_t) + lights_.capacity() * sizeof(uint32_t) + codes_.capacity();
+        return cells_.Bytes() + offset_.capacity() * sizeof(uint32_t) + lights_.capacity() * sizeof(uint32_t) + codes_.capacity() + missing_.capacity();
     }
     bool operator==(const VisibilityTree &o) const = default;
 
+    static const std::array<Float, 256> &Table();  ///< Decode of every code
+
   private:
     friend class VisibilityTreeBuilder;
-    static const std::array<Float, 256> &Table();
     CellOctree cells_;
     std::vector<uint32_t> offset_;  ///< of row r in the two below; one more entry at the end
     std::vector<uint32_t> lights_;
     std::vector<uint8_t> codes_;
+    std::vector<uint8_t> missing_;  ///< per row, of 255; empty with few lights
     size_t leaves_ = 0;
     int depth_ = 0;
 };

@@ -111,21 +111,22 @@ const VisibilityTreeBuilder::Factor *VisibilityTreeBuilder::Find(const std::vect
     return it != factors.end() && it->light == light ? &*it : nullptr;
 }
 
-void VisibilityTreeBuilder::EstimateNode(Node &node, const std::vector<Factor> *parent) const {
+void VisibilityTreeBuilder::EstimateNode(Node &node, const Node *above) const {
+    const std::vector<Factor> *parent = above ? &above->factors : nullptr;
     const auto k = static_cast<double>(settings_.shrinkage);
     double records = 0;
     for (const Sum &s : node.sums) records += s.w;
     auto estimate = [&](uint32_t light, const Sum *s) {
-        const Factor *above = parent ? Find(*parent, light) : nullptr;
-        if (!above) above = &prior_;
-        const auto aboveA = static_cast<double>(above->a);
+        const Factor *before = parent ? Find(*parent, light) : nullptr;
+        if (!before) before = &prior_;
+        const auto aboveA = static_cast<double>(before->a);
         const double target = settings_.secondMoment ? aboveA * aboveA : aboveA;
         const double n = s ? s->w * s->w / s->w2 : 0, mean = s ? s->wr / s->w : 0;
         const double value = n + k > 0 ? (n * mean + k * target) / (n + k) : target;
         Factor f;
         f.light = light;
         f.a = static_cast<float>(settings_.secondMoment ? std::sqrt(value) : value);
-        f.mass = static_cast<float>(((s ? s->mass : 0) + k * static_cast<double>(above->mass)) / std::max(records + k, 1e-9));
+        f.mass = static_cast<float>(((s ? s->mass : 0) + k * static_cast<double>(before->mass)) / std::max(records + k, 1e-9));
         return f;
     };
     node.factors.clear();
@@ -147,9 +148,21 @@ void VisibilityTreeBuilder::EstimateNode(Node &node, const std::vector<Factor> *
             node.factors.push_back(estimate((*parent)[p++].light, nullptr));
         }
     }
-    double total = 0;
+    double total = 0, own = 0, metOnce = 0;
     for (const Factor &f : node.factors) total += static_cast<double>(f.mass);
+    for (const Sum &sum : node.sums) {
+        own += sum.mass;
+        if (sum.w * sum.w < 1.5 * sum.w2) metOnce += sum.mass;
+    }
     std::erase_if(node.factors, [&](const Factor &f) { return !(static_cast<double>(f.mass) > 1e-4 * total); });
+    auto findMissing = [&] {
+        double kept = 0;
+        for (const Factor &f : node.factors) kept += static_cast<double>(f.mass);
+        const double cut = total > 0 ? 1 - kept / total : 0, unmet = own > 0 ? metOnce / own : 1;
+        // What a parent met its children know.
+        node.unmet = std::min(above ? above->unmet : 1.f, static_cast<float>(unmet));
+        node.missing = std::clamp(static_cast<float>(cut) + node.unmet, 0.f, 1.f);
+    };
     const auto longest = static_cast<size_t>(settings_.longestRow);
     if (node.factors.size() > longest) {
         auto more = [](const Factor &a, const Factor &b) { return a.mass != b.mass ? a.mass > b.mass : a.light < b.light; };
@@ -157,6 +170,7 @@ void VisibilityTreeBuilder::EstimateNode(Node &node, const std::vector<Factor> *
         node.factors.resize(longest);
         std::sort(node.factors.begin(), node.factors.end(), [](const Factor &a, const Factor &b) { return a.light < b.light; });
     }
+    findMissing();
 }
 
 void VisibilityTreeBuilder::Estimate() {
@@ -168,7 +182,7 @@ void VisibilityTreeBuilder::Estimate() {
     const double mean = w > 0 && wr > 0 ? wr / w : 1;
     prior_.a = static_cast<float>(settings_.secondMoment ? std::sqrt(mean) : mean);
     // Parents come before their children.
-    for (size_t n = 0; n < nodes_.size(); ++n) EstimateNode(nodes_[n], n == 0 ? nullptr : &nodes_[nodes_[n].parent].factors);
+    for (size_t n = 0; n < nodes_.size(); ++n) EstimateNode(nodes_[n], n == 0 ? nullptr : &nodes_[nodes_[n].parent]);
 }
 
 double VisibilityTreeBuilder::Loss(const VisibilityRecord &record, const std::vector<Factor> &factors) const {
@@ -220,7 +234,7 @@ VisibilityTree VisibilityTreeBuilder::Freeze() {
     VisibilityTree tree;
     tree.cells_ = CellOctree(bounds_);
     tree.offset_.push_back(0);
-    std::map<std::pair<std::vector<uint32_t>, std::vector<uint8_t>>, uint32_t> known;
+    std::map<std::pair<std::vector<uint32_t>, std::vector<uint8_t>>, uint32_t> known;  // the last code: what is missing
     auto rowOf = [&](const Node &node) {
         // Only ratios within a row matter.
         float most = 0;
@@ -230,10 +244,15 @@ VisibilityTree VisibilityTreeBuilder::Freeze() {
             if (!fullRows_) row.first.push_back(f.light);
             row.second.push_back(VisibilityTree::Encode(most > 0 ? static_cast<double>(f.a) / static_cast<double>(most) : 1.0));
         }
+        if (!fullRows_) row.second.push_back(static_cast<uint8_t>(std::lround(255 * node.missing)));
         auto [it, isNew] = known.emplace(std::move(row), static_cast<uint32_t>(tree.RowCount()));
         if (isNew) {
             tree.lights_.insert(tree.lights_.end(), it->first.first.begin(), it->first.first.end());
             tree.codes_.insert(tree.codes_.end(), it->first.second.begin(), it->first.second.end());
+            if (!fullRows_) {
+                tree.missing_.push_back(tree.codes_.back());
+                tree.codes_.pop_back();
+            }
             tree.offset_.push_back(static_cast<uint32_t>(tree.codes_.size()));
         }
         return it->second;
@@ -272,6 +291,7 @@ VisibilityTree VisibilityTreeBuilder::Freeze() {
     tree.offset_.shrink_to_fit();
     tree.lights_.shrink_to_fit();
     tree.codes_.shrink_to_fit();
+    tree.missing_.shrink_to_fit();
     return tree;
 }
 

@@ -37,6 +37,8 @@ struct VisibilityBuildSettings {
 ///
 /// Estimate in a cell: a_l^2 = sum w r^2 / sum w over its tries of l, pulled towards the parent's by `shrinkage` pseudo-tries
 /// against n = (sum w)^2 / sum w^2 effective ones, from the root down. The root's is pulled towards the mean over all lights.
+/// A row that cannot name all lights tells what it misses: the share of those cut off, and for lights that no try met
+/// the share of those that only one try met (Good 1953).
 /// Size: cells are split while they hold more than 4 `records` records. Then one half of the records makes estimates and the
 /// other judges them by the second moment of the estimator, sum_l f_l^2 / p_l, relative to the unoccluded sum squared:
 /// children that do not lower it are merged, from the leaves up to the whole box. At last everything is estimated again
@@ -70,12 +72,14 @@ class VisibilityTreeBuilder {
         int depth = 0;
         std::vector<Sum> sums;
         std::vector<Factor> factors;  ///< sorted by light
+        float unmet = 0;    ///< thereof by lights that no try met, here or above
+        float missing = 0;            ///< share of the light found by lights that are not in `factors`
         bool pruned = false;          ///< children are not used
     };
     void Divide();
     void SumUp(int half);
     void Estimate();
-    void EstimateNode(Node &node, const std::vector<Factor> *parent) const;
+    void EstimateNode(Node &node, const Node *above) const;
     double Loss(const VisibilityRecord &record, const std::vector<Factor> &factors) const;
     void Prune();
     VisibilityTree Freeze();

@@ -128,7 +128,8 @@ void OracleLightSampler::Measure(const LightQuery &query, std::vector<Float> &cd
             const bool findable = params_.mis && !IsDelta(light.Kind());
             Scattered scattered = ScatteredTo(query, sample->wi, findable);
             const Float pLight = chosen->pmf * sample->pdf;
-            Float value = SafeDivide(sample->L * scattered.fCos, lambda.Pdf()).Average() / pLight;
+            // Squares are what counts: of the wavelengths as well (emitter.h).
+            Float value = RootMeanSquare(sample->L * scattered.fCos) / pLight;
             if (!(value > 0) || !std::isfinite(value) || scene_->Occluded(from, *sample)) continue;
             points[g * k + i] = {value, findable ? scattered.pdf / pLight : 0};
         }
@@ -167,11 +168,12 @@ Float OracleLightSampler::GroupPMF(const LightQuery &query, std::span<const Floa
     return (1 - params_.floor) * measured + params_.floor * unoccluded;
 }
 
-std::optional<SampledLight> OracleLightSampler::SampleGroup(const LightQuery &query, Float u) const {
+std::optional<SampledLight> OracleLightSampler::SampleGroup(const LightQuery &query, Float u, Float *inner) const {
     std::span<const Float> cdf;
     if (scene_) cdf = Distribution(query);
     const Float floor = cdf.empty() ? 1 : params_.floor;
     uint32_t group;
+    *inner = MeshGroups::InnerNumber(u, query.p);
     if (u < floor) {
         std::optional<SampledLight> g = unoccluded_.Sample(query, std::min(u / floor, OneMinusEpsilon));
         if (!g) return {};
@@ -179,6 +181,8 @@ std::optional<SampledLight> OracleLightSampler::SampleGroup(const LightQuery &qu
     } else {
         Float v = std::min((u - floor) / (1 - floor), OneMinusEpsilon);
         group = static_cast<uint32_t>(std::upper_bound(cdf.begin(), cdf.end(), v) - cdf.begin());
+        const Float begin = group > 0 ? cdf[group - 1] : 0;
+        *inner = MeshGroups::InnerNumber(v, query.p, begin, cdf[group] - begin);
     }
     return SampledLight{LightId(group), GroupPMF(query, cdf, group)};
 }
@@ -186,12 +190,13 @@ std::optional<SampledLight> OracleLightSampler::SampleGroup(const LightQuery &qu
 std::optional<SampledLight> OracleLightSampler::Sample(const LightQuery &query, Float u) const {
     if (groups_.Size() == 0) return {};
     SampledLight group{LightId(0u), 1};
+    Float inner = u;
     if (groups_.Size() > 1) {
-        std::optional<SampledLight> chosen = SampleGroup(query, u);
+        std::optional<SampledLight> chosen = SampleGroup(query, u, &inner);
         if (!chosen) return {};
         group = *chosen;
     }
-    std::optional<SampledLight> light = interior_.Sample(group.light.value, query, MeshGroups::InnerNumber(u, query.p));
+    std::optional<SampledLight> light = interior_.Sample(group.light.value, query, inner);
     if (light) light->pmf *= group.pmf;
     return light;
 }

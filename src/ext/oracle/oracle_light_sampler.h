@@ -44,7 +44,7 @@ class OracleLightSampler final : public LightSampler {
     std::span<const Float> Distribution(const LightQuery &query) const;
     void Measure(const LightQuery &query, std::vector<Float> &cdf) const;
     Float GroupPMF(const LightQuery &query, std::span<const Float> cdf, uint32_t group) const;
-    std::optional<SampledLight> SampleGroup(const LightQuery &query, Float u) const;
+    std::optional<SampledLight> SampleGroup(const LightQuery &query, Float u, Float *inner) const;
 
     OracleParams params_;
     MeshGroups groups_;

@@ -2,6 +2,7 @@
 
 #include "pbrt/core/parallel.h"
 #include "pbrt/films/filter.h"
+#include "pbrt/lights/light_spectrum.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/scene/footprint.h"
 #include "pbrt/scene/shading.h"
@@ -88,16 +89,18 @@ std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double sam
     return all;
 }
 
-Float VisibleContribution(const Scene &scene, const PrepassVertex &vertex, LightId light, const Point2 &u) {
-    static const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+SampledSpectrum VisibleContribution(const Scene &scene, const PrepassVertex &vertex, LightId light, const Point2 &u) {
+    static const SampledWavelengths lambda = PowerWavelengths();
     std::optional<LightLiSample> sample = scene.Lights()[light].SampleLi(vertex.at, u, lambda, true);
-    if (!sample || !sample->L || !(sample->pdf > 0)) return 0;
+    if (!sample || !sample->L || !(sample->pdf > 0)) return SampledSpectrum(0);
     Float cosine = Dot(sample->wi, vertex.at.ns);
-    if (!vertex.transmits && cosine * Dot(vertex.wo, vertex.at.ns) <= 0) return 0;
+    if (!vertex.transmits && cosine * Dot(vertex.wo, vertex.at.ns) <= 0) return SampledSpectrum(0);
     // Le G / p by area equals Le cos / p by solid angle.
-    Float value = SafeDivide(sample->L, lambda.Pdf()).Average() * std::abs(cosine) / sample->pdf;
-    if (!(value > 0) || !std::isfinite(value) || scene.Occluded(vertex.at, *sample)) return 0;
+    const SampledSpectrum value = sample->L * (std::abs(cosine) / sample->pdf);
+    if (!(value.Average() > 0) || !std::isfinite(value.Average()) || scene.Occluded(vertex.at, *sample)) return SampledSpectrum(0);
     return value;
 }
+
+Float VisibleMean(const SampledSpectrum &s) { return SafeDivide(s, PowerWavelengths().Pdf()).Average(); }
 
 }  // namespace ext

@@ -20,8 +20,9 @@ struct PrepassVertex {
 /// not on threads. One Progress phase, "prepass".
 std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double samplesPerPixel, int depth);
 
-/// The paper's Eq. 5 for one light: Le G V / p at a light point drawn with `u`, as the mean of the visible spectrum
-/// (four fixed wavelengths). Reflection on the far side of an opaque surface counts 0.
-Float VisibleContribution(const Scene &scene, const PrepassVertex &vertex, LightId light, const Point2 &u);
+/// The paper's Eq. 5 for one light: Le G V / p at a light point drawn with `u`, at PowerWavelengths(). Reflection on the far side of an opaque surface counts 0.
+SampledSpectrum VisibleContribution(const Scene &scene, const PrepassVertex &vertex, LightId light, const Point2 &u);
+/// Mean over the visible range of a spectrum at PowerWavelengths(), as LightCandidate::power.
+Float VisibleMean(const SampledSpectrum &s);
 
 }  // namespace ext

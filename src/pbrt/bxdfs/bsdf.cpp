@@ -30,6 +30,26 @@ BxdfFlags Bsdf::Flags() const {
     return Dispatch(lobe_, [](const auto &lobe) { return lobe.Flags(); });
 }
 
+bool Bsdf::IsDirectional() const {
+    return Dispatch(lobe_, [](const auto &lobe) {
+        if constexpr (requires { lobe.IsDirectional(); }) return lobe.IsDirectional();
+        else return Has(lobe.Flags(), BxdfFlags::Glossy);
+    });
+}
+
+void Bsdf::ApproximateF(const Vector3 &wo, std::span<const Vector3> wi, Float *f) const {
+    const Vector3 o = frame_.ToLocal(wo);
+    Dispatch(lobe_, [&](const auto &lobe) {
+        for (size_t k = 0; k < wi.size(); ++k) {
+            const Vector3 i = frame_.ToLocal(wi[k]);
+            if (o.z == 0 || i.z == 0) f[k] = 0;
+            else if constexpr (requires { lobe.Approximate(o, i); }) f[k] = lobe.Approximate(o, i);
+            else f[k] = lobe.F(o, i, TransportMode::Radiance).Average();
+        }
+        return true;
+    });
+}
+
 SampledSpectrum Bsdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
     Vector3 o = frame_.ToLocal(wo);
     if (o.z == 0) return SampledSpectrum(0);

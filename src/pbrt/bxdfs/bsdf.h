@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <span>
 #include <variant>
 
 #include "pbrt/bxdfs/bxdf.h"
@@ -25,10 +26,11 @@ class Bsdf {
 
     explicit operator bool() const { return !std::holds_alternative<std::monostate>(lobe_); }
     BxdfFlags Flags() const;
-    /// True for lobes that evaluate by random walks between layers.
-    bool IsLayered() const {
-        return std::holds_alternative<CoatedDiffuseBxdf>(lobe_) || std::holds_alternative<CoatedConductorBxdf>(lobe_);
-    }
+    /// True if F follows a glossy lobe, alone or as part of a coat: then the choice of a direction had better follow it too.
+    bool IsDirectional() const;
+    /// F up to a factor that hardly depends on wi, as a mean over wavelengths, cheap and deterministic (no random walks in layers,
+    /// no metal's Fresnel term): for choosing among directions, not for radiance.
+    void ApproximateF(const Vector3 &wo, std::span<const Vector3> wi, Float *f) const;
     /// f(wo, wi); 0 for specular lobes.
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode = TransportMode::Radiance) const;
     std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u,

@@ -24,6 +24,7 @@ class DielectricBxdf {
 
     /// True if F is 0 everywhere: a mirror-like boundary, or none at all (eta = 1).
     bool IsSmooth() const { return eta_ == 1 || facets_.EffectivelySmooth(); }
+    Float Eta() const { return eta_; }
 
   private:
     std::optional<BsdfSample> SampleSmooth(const Vector3 &wo, Float uc, TransportMode mode, ReflTransFlags which) const;

@@ -1,5 +1,6 @@
 #include "pbrt/bxdfs/layered.h"
 
+#include "pbrt/bxdfs/fresnel.h"
 #include "pbrt/bxdfs/henyey_greenstein.h"
 #include "pbrt/math/rng.h"
 
@@ -57,6 +58,20 @@ SampledSpectrum CoatedBxdf<Base>::F(const Vector3 &wo, const Vector3 &wi, Transp
 template <class Base>
 SampledSpectrum CoatedBxdf<Base>::FConsistent(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
     return Evaluate<ExitWeights::Consistent>(wo, wi, mode);
+}
+
+template <class Base>
+Float CoatedBxdf<Base>::Approximate(const Vector3 &wo, const Vector3 &wi) const {
+    if (!SameHemisphere(wo, wi)) return 0;
+    Float side = wo.z < 0 ? Float(-1) : Float(1);
+    const Vector3 o = wo * side, i = wi * side;
+    const Float mirrored = top_.F(o, i, TransportMode::Radiance)[0];
+    const Float eta = top_.Eta();
+    Vector3 oInside, iInside;
+    if (!Refract(o, Normal3(0, 0, 1), eta, nullptr, &oInside) || !Refract(i, Normal3(0, 0, 1), eta, nullptr, &iInside)) return mirrored;
+    const Float through = (1 - FresnelDielectric(o.z, eta)) * (1 - FresnelDielectric(i.z, eta)) / Sqr(eta) *
+                          Transmittance(thickness_, oInside) * Transmittance(thickness_, iInside);
+    return mirrored + bottom_.Approximate(-oInside, -iInside) * through;
 }
 
 template <class Base>

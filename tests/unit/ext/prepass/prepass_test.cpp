@@ -69,20 +69,20 @@ TEST(Prepass, ContributionIsEquation5) {
     v.at.pError = Vector3(1e-5f);
     v.at.n = v.at.ns = Normal3(0, 1, 0);
     v.wo = Vector3(0, 1, 0);
-    Float seen = VisibleContribution(*built.scene, v, LightId(0u), {0.5f, 0.5f});
+    Float seen = VisibleMean(VisibleContribution(*built.scene, v, LightId(0u), {0.5f, 0.5f}));
     EXPECT_GT(seen, 0);
-    EXPECT_EQ(VisibleContribution(*built.scene, v, LightId(1u), {0.5f, 0.5f}), 0.f);
+    EXPECT_EQ(VisibleMean(VisibleContribution(*built.scene, v, LightId(1u), {0.5f, 0.5f})), 0.f);
     // Point light: I cos / d^2, so a place at another distance and angle scales by exactly that.
     PrepassVertex w = v;
     w.at.p = Point3(3, -1, 4);
     auto geometry = [](Float x) { return 1.5f / std::pow(x * x + 1.5f * 1.5f, 1.5f); };
-    Float other = VisibleContribution(*built.scene, w, LightId(0u), {0.5f, 0.5f});
+    Float other = VisibleMean(VisibleContribution(*built.scene, w, LightId(0u), {0.5f, 0.5f}));
     EXPECT_NEAR(other / seen, geometry(3) / geometry(2), 1e-3f);
     // From below the floor's surface nothing is reflected, unless it transmits (then the sphere does not block either).
     v.wo = Vector3(0, -1, 0);
-    EXPECT_EQ(VisibleContribution(*built.scene, v, LightId(0u), {0.5f, 0.5f}), 0.f);
+    EXPECT_EQ(VisibleMean(VisibleContribution(*built.scene, v, LightId(0u), {0.5f, 0.5f})), 0.f);
     v.transmits = true;
-    EXPECT_GT(VisibleContribution(*built.scene, v, LightId(0u), {0.5f, 0.5f}), 0.f);
+    EXPECT_GT(VisibleMean(VisibleContribution(*built.scene, v, LightId(0u), {0.5f, 0.5f})), 0.f);
 }
 
 }  // namespace

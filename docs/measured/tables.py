@@ -48,7 +48,9 @@ class Campaign:
     A sampler's relL2 holds the noise of the reference it is judged by; the samplers that made the references are judged by
     a noisier one. So that noise is taken off, except where it is most of the figure."""
 
-    def __init__(self, file):
+    def __init__(self, file, noise=None):
+        """`noise`: of a reference that was given to lightlab as a file."""
+        self.noise = noise
         self.results = json.loads(pathlib.Path(file).read_text())
         self.samplers = {s["label"]: s for s in self.results["samplers"]}
 
@@ -59,10 +61,10 @@ class Campaign:
         s = self.samplers[label]
         m = s["summary"]["metrics"][metric]
         reference = self.results["references"][s["reference"]]
-        noise = reference.get("noise") or 0
+        noise = reference.get("noise") or self.noise or 0
         if metric == "relL2Trimmed":
             # Not recorded for references: as much of their noise as of the error of the sampler that made them.
-            maker = self.samplers.get(reference["sampler"], s)["summary"]["metrics"]
+            maker = self.samplers.get(reference.get("sampler"), s)["summary"]["metrics"]
             noise *= maker["relL2Trimmed"]["mean"] / maker["relL2"]["mean"] if maker["relL2"]["mean"] > 0 else 1
         return Value(m["mean"] - noise if noise < m["mean"] / 2 else m["mean"], m["standardError"])
 
@@ -102,29 +104,37 @@ def scene_file(name):
     return own if own.exists() else ROOT.parent / "shared" / "scenes" / name / f"{name}.pbrt"
 
 
-def run_campaign(a, name, samplers, spp=None, seconds=None, direct=True, report=False):
-    """Runs lightlab on a scene, or goes on with what its folder holds. None, and a word about it, if that is not possible."""
-    scene = scene_file(name)
+def run_lightlab(a, scene, out, samplers, more):
+    """results.json, or None and a word about it. Goes on with what the folder holds."""
+    command = [a.lightlab, scene, "--samplers", ",".join(samplers), "--divisor", a.divisor, "--nthreads", a.threads, "--out", out, "--quiet", *more]
+    out.parent.mkdir(parents=True, exist_ok=True)
+    with open(f"{out}.txt", "w") as log:
+        status = subprocess.run([str(c) for c in command], stdout=log).returncode
+    if status == 0:
+        return out / "results.json"
+    print(f"*** {out.name}: lightlab ended with status {status} ***", flush=True)
+    return None
+
+
+def run_campaign(a, name, samplers, spp=None, seconds=None, direct=True, report=False, judges=None):
+    """`judges`: two samplers, the better of which makes one reference for all; without, no sampler is judged by its own, and
+    so not all by the same. None, and a word about it, if the scene cannot be run."""
+    scene, out, noise = scene_file(name), pathlib.Path(a.out) / name, None
     if not scene.exists():
         print(f"*** SKIPPED: {name} is not there ({scene}) ***", flush=True)
         return None
-    out = pathlib.Path(a.out) / name
-    out.parent.mkdir(parents=True, exist_ok=True)
-    command = [a.lightlab, scene, "--samplers", ",".join(samplers), "--seeds", a.seeds, "--divisor", a.divisor, "--nthreads", a.threads,
-               "--out", out, "--quiet"]
-    command += ["--spp", spp] if spp else ["--time", seconds]
-    if a.reference_spp:
-        command += ["--reference-spp", a.reference_spp]
-    if direct:
-        command += ["--direct"]
-    if not report:
-        command += ["--no-report"]
-    with open(f"{out}.txt", "w") as log:
-        status = subprocess.run([str(c) for c in command], stdout=log).returncode
-    if status != 0:
-        print(f"*** {name}: lightlab ended with status {status} ***", flush=True)
-        return None
-    return Campaign(out / "results.json")
+    depth = ["--direct"] if direct else []
+    reference = ["--reference-spp", a.reference_spp] if a.reference_spp else []
+    if judges:
+        reference = reference or ["--reference-spp", max(512, 16 * spp)]
+        first = run_lightlab(a, scene, out.with_name(f"{name}-reference"), judges, ["--spp", 1, "--seeds", 1, "--no-report", *depth, *reference])
+        if not first:
+            return None
+        noise = json.loads(first.read_text())["references"][0].get("noise")
+        reference = ["--reference", first.parent / "reference-0.exr"]
+    more = ["--seeds", a.seeds, *(["--spp", spp] if spp else ["--time", seconds]), *depth, *reference]
+    results = run_lightlab(a, scene, out, samplers, more if report else [*more, "--no-report"])
+    return Campaign(results, noise) if results else None
 
 
 def finish(a, text):

@@ -43,6 +43,26 @@ class Builder {
     void AddSun(const Vector3 &to, Float irradiance) {
         AddLight("distant", {MakeParam(ParamType::Point3, "to", {to.x, to.y, to.z}), Scale(irradiance)});
     }
+    void AddImage(const std::string &type, const std::string &asset, std::vector<Param> params) {
+        Param file;
+        file.type = ParamType::String;
+        file.name = "filename";
+        file.strings = {PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets/" + asset};
+        params.push_back(std::move(file));
+        AddLight(type, std::move(params));
+    }
+    void AddGoniometric(Float intensity) { AddImage("goniometric", "gonio_lobes.png", {Scale(intensity)}); }
+    void AddProjection(Float fov, Float intensity) {
+        AddImage("projection", "slide.png", {Scale(intensity), MakeParam(ParamType::Float, "fov", {fov})});
+    }
+    void AddImageSky(Float radiance) { AddImage("infinite", "env_sky.exr", {Scale(radiance)}); }
+    /// The sky through the rectangle p, p + a, p + a + b, p + b; it shines against cross(b, a).
+    void AddPortal(const Point3 &p, const Vector3 &a, const Vector3 &b, Float radiance) {
+        std::vector<Float> v;
+        for (Point3 q : {p, p + a, p + a + b, p + b})
+            for (int i = 0; i < 3; ++i) v.push_back(q[i] * scale_);
+        AddImage("infinite", "env_sky.exr", {Scale(radiance), MakeParam(ParamType::Point3, "portal", std::move(v))});
+    }
     void AddMesh(MeshData mesh, bool twoSided, Float radiance) {
         AddShape(std::make_unique<TriangleMesh>(std::move(mesh), ctm_, false), twoSided, radiance);
     }
@@ -182,6 +202,24 @@ const std::vector<FixtureEntry> &ContractFixtures() {
              b.AddSky(1);
              b.AddSun({1, 1, 1}, 3);
              b.AddSky(Float(0.01));
+             return b.Finish();
+         }},
+        {"OnePortal",
+         [] {
+             Builder b;
+             b.AddPortal({-0.5f, -0.5f, 1}, {0, 1, 0}, {1, 0, 0}, 1);
+             return b.Finish();
+         }},
+        {"Images",
+         [] {
+             Builder b;
+             b.AddGoniometric(2);
+             b.AddProjection(70, 3);
+             b.AddPoint({0.5f, 0, 0}, 1);
+             b.AddPortal({-0.5f, -0.5f, 1}, {0, 1, 0}, {1, 0, 0}, 1);
+             b.AddPortal({1, -0.5f, -0.5f}, {0, 0, 1}, {0, 1, 0}, 2);
+             b.AddImageSky(Float(0.1));
+             b.AddTriangle({0, 0, 0.5f}, {1, 0, 0}, {0, 1, 0}, true, 1);
              return b.Finish();
          }},
         {"MeshOf10000",

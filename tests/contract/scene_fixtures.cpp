@@ -79,6 +79,24 @@ Scale {3} {3} {3}
             "LightSource \"distant\" \"point3 from\" [ {} {} {} ] \"point3 to\" [ 0 0 0 ] \"rgb L\" [ {} {} 0 ]",
             from.x, from.y, from.z, irradiance, irradiance));
     }
+    /// A light with an image, at a place; `before` turns it.
+    Text &ImageLight(const std::string &type, const std::string &asset, const Point3 &p, const std::string &before,
+                     double scale) {
+        return Add(fmt::format(
+            "AttributeBegin\nTranslate {} {} {}\n{}\nLightSource \"{}\" \"string filename\" \"{}/{}\" \"float scale\" "
+            "{}\n"
+            "AttributeEnd",
+            p.x, p.y, p.z, before, type, PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets", asset, scale));
+    }
+    /// The sky through the rectangle p, p + a, p + a + b, p + b; it shines against cross(b, a). Given in world space.
+    Text &Portal(const Point3 &p, const Vector3 &a, const Vector3 &b, double radiance) {
+        Point3 q = p + a, r = q + b, s = p + b;
+        return Add(
+            fmt::format("LightSource \"infinite\" \"string filename\" \"{}/env_sky.exr\" \"float scale\" {} "
+                        "\"point3 portal\" [ {} {} {}  {} {} {}  {} {} {}  {} {} {} ]",
+                        PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets", radiance, p.x, p.y, p.z, q.x, q.y,
+                        q.z, r.x, r.y, r.z, s.x, s.y, s.z));
+    }
     /// A bulb of 2 * rings * segments triangles.
     Text &Bulb(const Point3 &center, double radius, int rings, int segments, double radiance) {
         std::string points, indices;
@@ -154,6 +172,19 @@ const std::vector<Recipe> &Recipes() {
         {"InfiniteOnly",
          [] {
              return Text().Rooms().Sky(1).Sun({1, 2, -4}, 3).Sky(0.01).Finish();
+         }},
+        {"Images",
+         [] {
+             // The open side of the rooms, towards the camera, is a portal; another one is walled up.
+             return Text()
+                 .Rooms()
+                 .Portal({-3, 0, -3}, {6, 0, 0}, {0, 2.5f, 0}, 0.5)
+                 .Portal({-2.9f, 0.5f, 1}, {0, 1, 0}, {0, 0, 1}, 3)
+                 .ImageLight("goniometric", "gonio_lobes.png", {-1.5f, 2, 1}, "Rotate 30 1 0 1", 3)
+                 .ImageLight("projection", "slide.png", {1.5f, 1.5f, -1}, "Rotate 40 1 1 0", 20)
+                 .PointLight({2, 2, 2}, 1)
+                 .Quad({1, 2.4f, 1}, {1, 0, 0}, {0, 0, 1}, Text::Area(1))
+                 .Finish();
          }},
         {"MeshOf10000",
          [] {

@@ -7,8 +7,8 @@
 
 namespace pbrt {
 
-GoniometricLight::GoniometricLight(const Transform &renderFromLight, std::shared_ptr<const DenseSpectrum> intensity, Float scale,
-                                   Image image)
+GoniometricLight::GoniometricLight(const Transform &renderFromLight, std::shared_ptr<const DenseSpectrum> intensity,
+                                   Float scale, Image image)
     : Light(LightKind::DeltaPosition),
       renderFromLight_(renderFromLight),
       position_(renderFromLight.Point({0, 0, 0})),
@@ -16,7 +16,8 @@ GoniometricLight::GoniometricLight(const Transform &renderFromLight, std::shared
       scale_(scale),
       image_(std::move(image)),
       mean_(Mean(image_)) {
-    PBRT_CHECK(image_.Resolution().x > 0 && image_.Resolution().x == image_.Resolution().y && image_.ChannelCount() == 1);
+    PBRT_CHECK(image_.Resolution().x > 0 && image_.Resolution().x == image_.Resolution().y &&
+               image_.ChannelCount() == 1);
 }
 
 Float GoniometricLight::Mean(const Image &image) {
@@ -38,7 +39,8 @@ SampledSpectrum GoniometricLight::Phi(const SampledWavelengths &lambda) const {
 
 std::optional<LightLiSample> GoniometricLight::SampleLi(const LightSampleContext &from, const Point2 &,
                                                         const SampledWavelengths &lambda, bool) const {
-    return SampleFromPoint(position_, from, [&](const Vector3 &w) { return scale_ * Share(w) * intensity_->Sample(lambda); });
+    return SampleFromPoint(position_, from,
+                           [&](const Vector3 &w) { return scale_ * Share(w) * intensity_->Sample(lambda); });
 }
 
 std::optional<LightBounds> GoniometricLight::Bounds() const {

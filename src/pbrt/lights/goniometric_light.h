@@ -9,7 +9,8 @@ namespace pbrt {
 class GoniometricLight final : public Light {
   public:
     /// `image`: square, one channel, finite; negative values count as 0. Its +z is the light's +y.
-    GoniometricLight(const Transform &renderFromLight, std::shared_ptr<const DenseSpectrum> intensity, Float scale, Image image);
+    GoniometricLight(const Transform &renderFromLight, std::shared_ptr<const DenseSpectrum> intensity, Float scale,
+                     Image image);
 
     SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,

@@ -68,9 +68,10 @@ void RequireSquare(const LightInput &in, const LightImage &light) {
     Point2i n = light.image.Resolution();
     if (n.x != n.y)
         throw UserError(
-            fmt::format("\"{}\" has {} x {} pixels; an image of directions must be square, in the equal-area octahedral "
-                        "layout (imgtool makeequiarea converts latitude-longitude images).",
-                        light.name, n.x, n.y),
+            fmt::format(
+                "\"{}\" has {} x {} pixels; an image of directions must be square, in the equal-area octahedral "
+                "layout (imgtool makeequiarea converts latitude-longitude images).",
+                light.name, n.x, n.y),
             in.params.LocOf("filename"));
 }
 
@@ -117,7 +118,8 @@ std::unique_ptr<Light> MakeDistant(const LightInput &in) {
 /// `power` over what the light would emit at scale 1.
 Float PowerFactor(const LightInput &in, Float power, Float emitted, const std::string &image) {
     if (!(emitted > 0))
-        throw UserError(fmt::format("\"{}\" is black, so \"power\" cannot be reached.", image), in.params.LocOf("power"));
+        throw UserError(fmt::format("\"{}\" is black, so \"power\" cannot be reached.", image),
+                        in.params.LocOf("power"));
     return power / emitted;
 }
 
@@ -127,7 +129,9 @@ std::unique_ptr<Light> MakeGoniometric(const LightInput &in) {
     Float power = in.params.GetFloat("power", -1);
     LightImage light;
     if (in.params.GetString("filename", "").empty()) {
-        in.sink.Warning(in.params.LocOf(""), fmt::format("{}: no \"filename\", so the light is the same in all directions.", in.params.What()));
+        in.sink.Warning(
+            in.params.LocOf(""),
+            fmt::format("{}: no \"filename\", so the light is the same in all directions.", in.params.What()));
         light.image = Image(PixelFormat::Float, {1, 1}, {"Y"});
         light.image.Set({0, 0}, 0, 1);
     } else {
@@ -135,21 +139,25 @@ std::unique_ptr<Light> MakeGoniometric(const LightInput &in) {
         RequireSquare(in, light);
     }
     if (power > 0) scale *= PowerFactor(in, power, 4 * Pi * GoniometricLight::Mean(light.image), light.name);
-    return std::make_unique<GoniometricLight>(in.renderFromLight, InternSpectrum(*intensity), scale, std::move(light.image));
+    return std::make_unique<GoniometricLight>(in.renderFromLight, InternSpectrum(*intensity), scale,
+                                              std::move(light.image));
 }
 
 std::unique_ptr<Light> MakeProjection(const LightInput &in) {
     Float fov = in.params.GetFloat("fov", 90), power = in.params.GetFloat("power", -1);
     in.params.GetFloat("scale", 1);
     if (!(fov > 0 && fov < 180))
-        throw UserError(fmt::format("{}: \"fov\" is {}; it must be above 0 and below 180 degrees.", in.params.What(), fov),
-                        in.params.LocOf("fov"));
+        throw UserError(
+            fmt::format("{}: \"fov\" is {}; it must be above 0 and below 180 degrees.", in.params.What(), fov),
+            in.params.LocOf("fov"));
     if (in.params.GetString("filename", "").empty())
         throw UserError(fmt::format("{}: \"filename\" is missing: the image to be projected.", in.params.What()),
                         in.params.LocOf("filename"));
     LightImage light = ReadLightImage(in.params, "filename", in.files);
     Float scale = PhotometricScale(in, light.colorSpace->Illuminant(), "filename");
-    if (power > 0) scale *= PowerFactor(in, power, ProjectionLight::LuminancePower(light.image, *light.colorSpace, fov), light.name);
+    if (power > 0)
+        scale *=
+            PowerFactor(in, power, ProjectionLight::LuminancePower(light.image, *light.colorSpace, fov), light.name);
     return std::make_unique<ProjectionLight>(in.renderFromLight, std::move(light.image), *light.colorSpace, scale, fov);
 }
 
@@ -175,7 +183,9 @@ std::optional<std::array<Point3, 4>> GetPortal(const LightInput &in) {
     if (v.empty()) return {};
     FileLoc loc = in.params.LocOf("portal");
     if (v.size() != 12)
-        throw UserError(fmt::format("{}: \"portal\" takes the 4 corners of a rectangle, found {} points.", in.params.What(), v.size() / 3), loc);
+        throw UserError(fmt::format("{}: \"portal\" takes the 4 corners of a rectangle, found {} points.",
+                                    in.params.What(), v.size() / 3),
+                        loc);
     std::array<Point3, 4> p;
     for (size_t i = 0; i < 4; ++i) p[i] = {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
     Vector3 x = p[3] - p[0], y = p[1] - p[0];
@@ -183,8 +193,10 @@ std::optional<std::array<Point3, 4>> GetPortal(const LightInput &in) {
     if (!(size2 > 0 && std::isfinite(size2) && LengthSquared(Cross(x, y)) > Float(1e-12) * size2))
         throw UserError(fmt::format("{}: the corners of \"portal\" do not span a rectangle.", in.params.What()), loc);
     if (!PortalLight::IsRectangle(p))
-        in.sink.Warning(loc, fmt::format("{}: \"portal\" is not a rectangle; the one nearest to its sides at the first corner is used.",
-                                         in.params.What()));
+        in.sink.Warning(
+            loc,
+            fmt::format("{}: \"portal\" is not a rectangle; the one nearest to its sides at the first corner is used.",
+                        in.params.What()));
     return p;
 }
 
@@ -201,8 +213,9 @@ LightImage ConstantImage(const LightInput &in, const Spectrum &radiance) {
         light.colorSpace = &in.colorSpace;
         Xyz xyz = SpectrumToXyz(radiance);
         if (xyz.y > 0) rgb = light.colorSpace->ToRgb(xyz / xyz.y);
-        in.sink.Warning(in.params.LocOf("L"), fmt::format("{}: with a portal \"L\" is taken as the colour it has: rgb {:.4g} {:.4g} {:.4g}.",
-                                                          in.params.What(), rgb.x, rgb.y, rgb.z));
+        in.sink.Warning(in.params.LocOf("L"),
+                        fmt::format("{}: with a portal \"L\" is taken as the colour it has: rgb {:.4g} {:.4g} {:.4g}.",
+                                    in.params.What(), rgb.x, rgb.y, rgb.z));
     }
     // Many pixels, so that sampling knows how much of the sky each part of the portal shows.
     light.image = Image(PixelFormat::Float, {32, 32}, {"R", "G", "B"});
@@ -223,7 +236,8 @@ std::unique_ptr<Light> MakeInfinite(const LightInput &in) {
         throw UserError(fmt::format("{}: \"L\" and \"filename\" exclude each other.", params.What()),
                         params.LocOf("filename"));
     if (portal && !radiance && !hasImage)
-        throw UserError(fmt::format("{}: a portal needs \"L\" or \"filename\".", params.What()), params.LocOf("portal"));
+        throw UserError(fmt::format("{}: a portal needs \"L\" or \"filename\".", params.What()),
+                        params.LocOf("portal"));
     if (!hasImage && !portal) {
         if (!radiance) radiance = in.colorSpace.IlluminantPtr();
         Float scale = PhotometricScale(in, *radiance, "L");
@@ -243,7 +257,8 @@ std::unique_ptr<Light> MakeInfinite(const LightInput &in) {
         scale *= illuminance / measured;
     }
     if (portal)
-        return std::make_unique<PortalLight>(in.renderFromLight, light.image, *light.colorSpace, scale, *portal, in.renderFromWorld);
+        return std::make_unique<PortalLight>(in.renderFromLight, light.image, *light.colorSpace, scale, *portal,
+                                             in.renderFromWorld);
     return std::make_unique<ImageInfiniteLight>(in.renderFromLight, std::move(light.image), *light.colorSpace, scale);
 }
 

@@ -5,7 +5,8 @@ namespace pbrt {
 
 /// The one sample of a light that is a point. `intensity(w)`: what leaves along w (render space, not unit), any unit.
 template <class Intensity>
-std::optional<LightLiSample> SampleFromPoint(const Point3 &position, const LightSampleContext &from, Intensity intensity) {
+std::optional<LightLiSample> SampleFromPoint(const Point3 &position, const LightSampleContext &from,
+                                             Intensity intensity) {
     Vector3 d = position - from.p;
     Float d2 = LengthSquared(d);
     if (!(d2 > 0)) return {};

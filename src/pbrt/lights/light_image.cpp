@@ -53,7 +53,8 @@ LightImage ReadIntensityImage(const ParamSet &params, const std::string &paramet
     return Read(params, parameter, files, [](const Image &image, const std::string &name) {
         bool hasY = image.FindChannel("Y") >= 0;
         if (HasRgb(image) == hasY)
-            throw UserError(fmt::format("\"{}\": an image of intensities must have either a channel Y or channels R, G and B.", name));
+            throw UserError(fmt::format(
+                "\"{}\": an image of intensities must have either a channel Y or channels R, G and B.", name));
         if (hasY) return image.Select({"Y"});
         Image rgb = image.Select({"R", "G", "B"}), mean(PixelFormat::Float, rgb.Resolution(), {"Y"});
         for (int y = 0; y < rgb.Resolution().y; ++y)
@@ -71,7 +72,8 @@ SampledSpectrum AverageIlluminant(const Image &image, const ColorSpace &colorSpa
         for (int64_t y = begin; y < end; ++y) {
             SampledSpectrum sum;
             for (int x = 0; x < n.x; ++x) {
-                SampledSpectrum L = RgbIlluminantSpectrum(colorSpace, LightPixel(image, {x, static_cast<int>(y)})).Sample(lambda);
+                SampledSpectrum L =
+                    RgbIlluminantSpectrum(colorSpace, LightPixel(image, {x, static_cast<int>(y)})).Sample(lambda);
                 sum += weight ? weight(x, static_cast<int>(y)) * L : L;
             }
             rows[static_cast<size_t>(y)] = sum / static_cast<Float>(n.x);

@@ -10,7 +10,8 @@ namespace pbrt {
 namespace {
 
 Point2 PixelCenter(int x, int y, const Point2i &n) {
-    return {(static_cast<Float>(x) + Float(0.5)) / static_cast<Float>(n.x), (static_cast<Float>(y) + Float(0.5)) / static_cast<Float>(n.y)};
+    return {(static_cast<Float>(x) + Float(0.5)) / static_cast<Float>(n.x),
+            (static_cast<Float>(y) + Float(0.5)) / static_cast<Float>(n.y)};
 }
 
 /// The direction in the frame at a point of the map.
@@ -23,15 +24,18 @@ Vector3 LocalFromMap(const Point2 &st) {
 }  // namespace
 
 bool PortalLight::IsRectangle(const std::array<Point3, 4> &p) {
-    Vector3 x = Normalize(p[3] - p[0]), y = Normalize(p[1] - p[0]), x2 = Normalize(p[2] - p[1]), y2 = Normalize(p[2] - p[3]);
+    Vector3 x = Normalize(p[3] - p[0]), y = Normalize(p[1] - p[0]), x2 = Normalize(p[2] - p[1]),
+            y2 = Normalize(p[2] - p[3]);
     constexpr Float kTolerance = 1e-3f;  // stock pbrt-v4's
     auto parallel = [](const Vector3 &a, const Vector3 &b) { return std::abs(Dot(a, b) - 1) <= kTolerance; };
     return parallel(x, x2) && parallel(y, y2) && AbsDot(x, y) <= kTolerance;
 }
 
-PortalLight::PortalLight(const Transform &renderFromLight, const Image &image, const ColorSpace &colorSpace, Float scale,
-                         const std::array<Point3, 4> &portal, const Transform &renderFromPortal)
-    : Light(LightKind::Infinite), colorSpace_(&colorSpace), scale_(scale) {
+PortalLight::PortalLight(const Transform &renderFromLight, const Image &image, const ColorSpace &colorSpace,
+                         Float scale, const std::array<Point3, 4> &portal, const Transform &renderFromPortal)
+    : Light(LightKind::Infinite),
+      colorSpace_(&colorSpace),
+      scale_(scale) {
     Point2i n = image.Resolution();
     PBRT_CHECK(n.x == n.y && n.x > 0 && image.ChannelCount() == 3);
     std::array<Point3, 4> p;
@@ -66,14 +70,17 @@ void PortalLight::Preprocess(const Point3 &, Float sceneRadius) { sceneRadius_ =
 std::optional<Point2> PortalLight::MapFromDirection(const Vector3 &d) const {
     Vector3 w = frame_.ToLocal(d);
     if (!(w.z > 0)) return {};
-    auto fromAngle = [](Float tangent) { return std::clamp(std::atan(tangent) * InvPi + Float(0.5), Float(0), Float(1)); };
+    auto fromAngle = [](Float tangent) {
+        return std::clamp(std::atan(tangent) * InvPi + Float(0.5), Float(0), Float(1));
+    };
     return Point2(fromAngle(w.x / w.z), fromAngle(w.y / w.z));
 }
 
 Vector3 PortalLight::DirectionFromMap(const Point2 &st) const { return frame_.FromLocal(LocalFromMap(st)); }
 
 Float PortalLight::SolidAngleDensity(const Vector3 &w) {
-    // d(x/z) = pi / cos^2(a) ds with cos^2(a) = z^2 / (1 - y^2), likewise for t; a plane at distance 1 is seen under z^3.
+    // d(x/z) = pi / cos^2(a) ds with cos^2(a) = z^2 / (1 - y^2), likewise for t; a plane at distance 1 is seen under
+    // z^3.
     return Pi * Pi * (1 - Sqr(w.x)) * (1 - Sqr(w.y)) / w.z;
 }
 
@@ -84,20 +91,22 @@ std::optional<Bounds2> PortalLight::Window(const Point3 &p) const {
 }
 
 SampledSpectrum PortalLight::Radiance(const Point2 &st, const SampledWavelengths &lambda) const {
-    return scale_ * RgbIlluminantSpectrum(*colorSpace_, LightPixel(map_, PixelAt(st, map_.Resolution()))).Sample(lambda);
+    return scale_ *
+           RgbIlluminantSpectrum(*colorSpace_, LightPixel(map_, PixelAt(st, map_.Resolution()))).Sample(lambda);
 }
 
 SampledSpectrum PortalLight::Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const {
     std::optional<Point2> st = MapFromDirection(d);
     if (!st) return SampledSpectrum(0);
     std::optional<Bounds2> window = Window(o);
-    if (!window || !(st->x >= window->low.x && st->x <= window->high.x && st->y >= window->low.y && st->y <= window->high.y))
+    if (!window ||
+        !(st->x >= window->low.x && st->x <= window->high.x && st->y >= window->low.y && st->y <= window->high.y))
         return SampledSpectrum(0);
     return Radiance(*st, lambda);
 }
 
-std::optional<LightLiSample> PortalLight::SampleLi(const LightSampleContext &from, const Point2 &u, const SampledWavelengths &lambda,
-                                                   bool) const {
+std::optional<LightLiSample> PortalLight::SampleLi(const LightSampleContext &from, const Point2 &u,
+                                                   const SampledWavelengths &lambda, bool) const {
     std::optional<Bounds2> window = Window(from.p);
     if (!window) return {};
     Float pdfMap = 0;
@@ -115,7 +124,8 @@ std::optional<LightLiSample> PortalLight::SampleLi(const LightSampleContext &fro
     return s;
 }
 
-Float PortalLight::PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &, const Normal3 &, bool) const {
+Float PortalLight::PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &, const Normal3 &,
+                         bool) const {
     std::optional<Point2> st = MapFromDirection(wi);
     if (!st) return 0;
     std::optional<Bounds2> window = Window(from.p);
@@ -137,7 +147,8 @@ std::optional<LightBounds> PortalLight::Opening() const {
     Float phi = area_ * scale_ * static_cast<Float>(distribution_.Integral({{0, 0}, {1, 1}}));
     if (!(phi > 0)) return {};
     Bounds3 bounds(corner_);
-    for (const Point3 &p : {opposite_, corner_ + frame_.x * Dot(opposite_ - corner_, frame_.x), corner_ + frame_.y * Dot(opposite_ - corner_, frame_.y)})
+    for (const Point3 &p : {opposite_, corner_ + frame_.x * Dot(opposite_ - corner_, frame_.x),
+                            corner_ + frame_.y * Dot(opposite_ - corner_, frame_.y)})
         bounds = Union(bounds, p);
     return LightBounds{bounds, -frame_.z, phi, 1, 0, false};
 }

@@ -9,14 +9,14 @@
 
 namespace pbrt {
 
-/// An environment that shines only through a rectangle, to one side of it (Bitterli, Wyman and Pharr 2015). The image is
-/// resampled once to a map in which the rectangle is, seen from anywhere, an axis-aligned window: the coordinates of a
-/// direction (x, y, z) in the rectangle's frame are the angles atan(x/z) and atan(y/z).
+/// An environment that shines only through a rectangle, to one side of it (Bitterli, Wyman and Pharr 2015). The image
+/// is resampled once to a map in which the rectangle is, seen from anywhere, an axis-aligned window: the coordinates of
+/// a direction (x, y, z) in the rectangle's frame are the angles atan(x/z) and atan(y/z).
 class PortalLight final : public Light {
   public:
-    /// `image`: as for ImageInfiniteLight. `portal`: corners in order around it, in the space `renderFromPortal` takes them
-    /// from; light travels against cross(p3 - p0, p1 - p0). The sides at p0 are not of length 0 and not parallel; what
-    /// else is not a rectangle becomes the one that p0, p2 and these directions span.
+    /// `image`: as for ImageInfiniteLight. `portal`: corners in order around it, in the space `renderFromPortal` takes
+    /// them from; light travels against cross(p3 - p0, p1 - p0). The sides at p0 are not of length 0 and not parallel;
+    /// what else is not a rectangle becomes the one that p0, p2 and these directions span.
     PortalLight(const Transform &renderFromLight, const Image &image, const ColorSpace &colorSpace, Float scale,
                 const std::array<Point3, 4> &portal, const Transform &renderFromPortal);
     static bool IsRectangle(const std::array<Point3, 4> &portal);

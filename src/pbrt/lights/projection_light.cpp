@@ -16,14 +16,16 @@ Vector2 HalfSize(const Point2i &n, Float fov) {
 /// Solid angle of a pixel: the plane at distance 1 is seen under cos^3.
 Float PixelSolidAngle(int x, int y, const Point2i &n, const Vector2 &half) {
     Vector2 size(2 * half.x / static_cast<Float>(n.x), 2 * half.y / static_cast<Float>(n.y));
-    Float px = (static_cast<Float>(x) + Float(0.5)) * size.x - half.x, py = (static_cast<Float>(y) + Float(0.5)) * size.y - half.y;
+    Float px = (static_cast<Float>(x) + Float(0.5)) * size.x - half.x,
+          py = (static_cast<Float>(y) + Float(0.5)) * size.y - half.y;
     Float d2 = 1 + px * px + py * py;
     return size.x * size.y / (d2 * std::sqrt(d2));
 }
 
 }  // namespace
 
-ProjectionLight::ProjectionLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace, Float scale, Float fov)
+ProjectionLight::ProjectionLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace,
+                                 Float scale, Float fov)
     : Light(LightKind::DeltaPosition),
       renderFromLight_(renderFromLight),
       position_(renderFromLight.Point({0, 0, 0})),
@@ -56,7 +58,8 @@ SampledSpectrum ProjectionLight::Intensity(const Vector3 &w, const SampledWavele
 SampledSpectrum ProjectionLight::Phi(const SampledWavelengths &lambda) const {
     Point2i n = image_.Resolution();
     auto weight = [&](int x, int y) { return PixelSolidAngle(x, y, n, half_); };
-    return scale_ * static_cast<Float>(n.x) * static_cast<Float>(n.y) * AverageIlluminant(image_, *colorSpace_, lambda, weight);
+    return scale_ * static_cast<Float>(n.x) * static_cast<Float>(n.y) *
+           AverageIlluminant(image_, *colorSpace_, lambda, weight);
 }
 
 std::optional<LightLiSample> ProjectionLight::SampleLi(const LightSampleContext &from, const Point2 &,

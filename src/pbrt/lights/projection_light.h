@@ -9,7 +9,8 @@ namespace pbrt {
 class ProjectionLight final : public Light {
   public:
     /// `image`: channels R, G, B in this order, finite. `fov` in degrees, of the image's shorter side, below 180.
-    ProjectionLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace, Float scale, Float fov);
+    ProjectionLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace, Float scale,
+                    Float fov);
 
     SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,

@@ -33,13 +33,17 @@ bool Invert(double u, double from, double to, int n, F atWhole, double *x, int *
     double a = atWhole(low), b = atWhole(low + 1);
     if (!(b > a)) return false;
     *piece = low;
-    *x = std::clamp(low + (target - a) / (b - a), std::max(from, static_cast<double>(low)), std::min(to, static_cast<double>(low) + 1));
+    *x = std::clamp(low + (target - a) / (b - a), std::max(from, static_cast<double>(low)),
+                    std::min(to, static_cast<double>(low) + 1));
     return true;
 }
 
 }  // namespace
 
-WindowedPiecewiseConstant2D::WindowedPiecewiseConstant2D(std::span<const Float> f, int nx, int ny) : nx_(nx), ny_(ny), f_(f.begin(), f.end()) {
+WindowedPiecewiseConstant2D::WindowedPiecewiseConstant2D(std::span<const Float> f, int nx, int ny)
+    : nx_(nx),
+      ny_(ny),
+      f_(f.begin(), f.end()) {
     PBRT_CHECK(nx > 0 && ny > 0 && f.size() == static_cast<size_t>(nx) * static_cast<size_t>(ny));
     const size_t stride = static_cast<size_t>(nx) + 1;
     sums_.assign(stride * (static_cast<size_t>(ny) + 1), 0);
@@ -78,7 +82,9 @@ std::optional<Point2> WindowedPiecewiseConstant2D::Sample(const Point2 &u, const
     double x = 0, y = 0;
     int column = 0, row = 0;
     if (!Invert(static_cast<double>(u.x), w.x0, w.x1, nx_, [&](int i) { return LeftOf(i, w); }, &x, &column)) return {};
-    if (!Invert(static_cast<double>(u.y), w.y0, w.y1, ny_, [&](int j) { return Below(column, j); }, &y, &row)) return {};
+    if (!Invert(
+            static_cast<double>(u.y), w.y0, w.y1, ny_, [&](int j) { return Below(column, j); }, &y, &row))
+        return {};
     // Rounding to Float may cross into the next cell; the density is that of the point returned.
     Point2 p(std::clamp(static_cast<Float>(x / nx_), window.low.x, window.high.x),
              std::clamp(static_cast<Float>(y / ny_), window.low.y, window.high.y));
@@ -93,7 +99,8 @@ Float WindowedPiecewiseConstant2D::Pdf(const Point2 &p, const Bounds2 &window) c
     if (!(integral > 0)) return 0;
     int i = std::clamp(static_cast<int>(p.x * static_cast<Float>(nx_)), 0, nx_ - 1);
     int j = std::clamp(static_cast<int>(p.y * static_cast<Float>(ny_)), 0, ny_ - 1);
-    return static_cast<Float>(static_cast<double>(f_[static_cast<size_t>(j) * static_cast<size_t>(nx_) + static_cast<size_t>(i)]) / integral);
+    return static_cast<Float>(
+        static_cast<double>(f_[static_cast<size_t>(j) * static_cast<size_t>(nx_) + static_cast<size_t>(i)]) / integral);
 }
 
 }  // namespace pbrt

@@ -8,8 +8,9 @@
 namespace pbrt {
 
 /// Density on any axis-aligned window of the unit square, proportional to a function that is constant on nx * ny equal
-/// cells (row-major, x fastest, >= 0). A summed-area table makes the window free to change with every call: a sample costs
-/// two binary searches, a density four look-ups (Bitterli, Wyman and Pharr 2015, Portal-Masked Environment Map Sampling).
+/// cells (row-major, x fastest, >= 0). A summed-area table makes the window free to change with every call: a sample
+/// costs two binary searches, a density four look-ups (Bitterli, Wyman and Pharr 2015, Portal-Masked Environment Map
+/// Sampling).
 class WindowedPiecewiseConstant2D {
   public:
     WindowedPiecewiseConstant2D() = default;
@@ -29,7 +30,9 @@ class WindowedPiecewiseConstant2D {
         double x0, x1, y0, y1;
     };
     Cells InCells(const Bounds2 &window) const;
-    double Corner(int i, int j) const { return sums_[static_cast<size_t>(j) * static_cast<size_t>(nx_ + 1) + static_cast<size_t>(i)]; }
+    double Corner(int i, int j) const {
+        return sums_[static_cast<size_t>(j) * static_cast<size_t>(nx_ + 1) + static_cast<size_t>(i)];
+    }
     /// Sum of the cells left of column i between the heights y0 and y1.
     double LeftOf(int i, const Cells &w) const;
     /// Sum of the cells of column i below row j.

@@ -9,8 +9,10 @@ namespace {
 
 using namespace ext;
 
+const std::string kAssets = PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets/";
+
 /// One of every kind of light, some as meshes, and something for their rays to start from.
-const char *kLights = R"(
+const std::string kLights = R"(
 Camera "perspective"
 WorldBegin
 Shape "sphere" "float radius" 0.05
@@ -35,6 +37,20 @@ AttributeBegin
   AreaLightSource "diffuse" "rgb L" [ 9 2 2 ]
   Shape "trianglemesh" "point3 P" [ 0 0.2 1.5  0.2 0 1.5  0 -0.2 1.5  -0.2 0 1.5  0 0 1.7  0 0 1.3 ]
     "integer indices" [ 0 1 4 1 2 4 2 3 4 3 0 4 1 0 5 2 1 5 3 2 5 0 3 5 ]
+AttributeEnd
+LightSource "infinite" "string filename" ")" + kAssets + R"(env_sky.exr"
+  "point3 portal" [ -1 -0.5 -2.5  1.2 -0.5 -2.5  1.2 1 -2.5  -1 1 -2.5 ]
+LightSource "infinite" "rgb L" [ 1 1 1 ]
+  "point3 portal" [ -0.6 2 0.1  -0.6 2 -0.4  -0.2 2 -0.4  -0.2 2 0.1 ]
+AttributeBegin
+  Translate 0.5 1 -0.5
+  Rotate 30 1 1 0
+  LightSource "goniometric" "string filename" ")" + kAssets + R"(gonio_lobes.png" "rgb I" [ 3 2 1 ]
+AttributeEnd
+AttributeBegin
+  Translate -0.5 1 -1.5
+  Rotate 20 1 -1 0
+  LightSource "projection" "string filename" ")" + kAssets + R"(slide.png" "float fov" 50 "float scale" 5
 AttributeEnd
 )";
 
@@ -72,18 +88,22 @@ TEST_P(GroupImportanceOfEveryLight, IsPositiveWhereALightContributes) {
     GroupImportance importance(lights, groups);
     Rng rng(5);
     std::vector<Float> g(importance.Padded());
-    size_t found = 0;
+    std::vector<size_t> found(lights.Size());
     for (int i = 0; i < 4000; ++i) {
         LightQuery q = RandomQuery(rng);
         importance.Evaluate(q, g);
         for (uint32_t l = 0; l < lights.Size(); ++l)
             for (int k = 0; k < 4; ++k) {
                 if (!(Unoccluded(lights[LightId(l)], q, rng.Uniform2()) > 0)) continue;
-                ++found;
+                ++found[l];
                 EXPECT_GT(g[groups.GroupOf(LightId(l))], 0) << "light " << l << " query " << i;
             }
     }
-    EXPECT_GT(found, 20000u);
+    for (uint32_t l = 0; l < lights.Size(); ++l) {
+        // A sky of one colour is left to BSDF sampling.
+        bool never = lights[LightId(l)].Kind() == LightKind::Infinite && !lights[LightId(l)].Opening();
+        EXPECT_EQ(found[l] > 100, !never) << "light " << l;
+    }
 }
 INSTANTIATE_TEST_SUITE_P(GroupedOrNot, GroupImportanceOfEveryLight, testing::Bool());
 
@@ -144,7 +164,34 @@ TEST(GroupImportance, LightsThatAreNeverSampledHaveNone) {
     LightQuery q;
     q.n = q.ns = Normal3(0, 1, 0);
     q.wo = Vector3(0, 1, 0);
-    for (LightId sky : lights.Infinite()) EXPECT_EQ(importance.Of(q, groups.GroupOf(sky)), 0);
+    for (LightId sky : lights.Infinite())
+        if (!lights[sky].Opening()) {
+            EXPECT_EQ(importance.Of(q, groups.GroupOf(sky)), 0);
+        }
+}
+
+TEST(GroupImportance, APortalIsALightInItsPlace) {
+    BuiltScene built = pbrt::test::BuildText(kLights);
+    const LightTable &lights = built.scene->Lights();
+    MeshGroups groups(lights, true);
+    GroupImportance importance(lights, groups);
+    size_t portals = 0;
+    for (LightId sky : lights.Infinite()) {
+        auto opening = lights[sky].Opening();
+        if (!opening) continue;
+        ++portals;
+        const uint32_t group = groups.GroupOf(sky);
+        auto at = [&](Float distance) {
+            LightQuery q;
+            q.p = opening->Centroid() + opening->w * distance;
+            return importance.Of(q, group);
+        };
+        EXPECT_GT(at(3), 0);
+        EXPECT_NEAR(at(6) / at(3), 0.25f, 0.05f) << "as of any light at a place";
+        EXPECT_EQ(at(-5), 0) << "nothing goes out";
+        EXPECT_NEAR(Dot(importance.DirectionTo(opening->Centroid() + opening->w * Float(2), group), -opening->w), 1, 1e-5f);
+    }
+    EXPECT_EQ(portals, 2u);
 }
 
 }  // namespace

@@ -28,14 +28,18 @@ template <class F>
 double OverSphere(int n, F f) {
     double sum = 0;
     for (int i = 0; i < n * n; ++i)
-        sum += static_cast<double>(f(SampleUniformSphere({(static_cast<Float>(i % n) + 0.5f) / static_cast<Float>(n),
-                                                          (static_cast<Float>(i / n) + 0.5f) / static_cast<Float>(n)})));
+        sum +=
+            static_cast<double>(f(SampleUniformSphere({(static_cast<Float>(i % n) + 0.5f) / static_cast<Float>(n),
+                                                       (static_cast<Float>(i / n) + 0.5f) / static_cast<Float>(n)})));
     return sum / (n * n) * 4 * std::numbers::pi;
 }
 
 class Goniometric : public testing::Test {
   protected:
-    Goniometric() : file_("lobes.exr", GreyImage(8, [](int x, int y) { return 0.1f * static_cast<Float>(x + 2 * y) + (x == 2 ? 3.f : 0.f); })) {}
+    Goniometric()
+        : file_("lobes.exr", GreyImage(8, [](int x, int y) {
+                    return 0.1f * static_cast<Float>(x + 2 * y) + (x == 2 ? 3.f : 0.f);
+                })) {}
     Params File() const { return Params().String("filename", file_.Path()); }
     TemporaryImage file_;
 };
@@ -43,7 +47,8 @@ class Goniometric : public testing::Test {
 TEST_F(Goniometric, PhiIsTheIntegralOfIntensity) {
     auto light = Make("goniometric", File().Rgb("I", 3, 2, 1).Number("scale", 2), Transform::Rotate(50, {1, 2, 3}));
     double phi = static_cast<double>(light->Phi(kLambda).Average());
-    EXPECT_NEAR(OverSphere(600, [&](const Vector3 &w) { return IntensityAlong(*light, Point3(0), w); }), phi, 1e-2 * phi);
+    EXPECT_NEAR(OverSphere(600, [&](const Vector3 &w) { return IntensityAlong(*light, Point3(0), w); }), phi,
+                1e-2 * phi);
 }
 
 TEST_F(Goniometric, PowerParameterIsTheFlux) {
@@ -57,12 +62,14 @@ TEST_F(Goniometric, ImageIsFoundByDirectionWithYAndZSwapped) {
     auto one = Make("point", Params(), ctm);
     Rng rng(1);
     for (int i = 0; i < 200; ++i) {
-        Point2 st((static_cast<Float>(rng.UniformInt(8)) + 0.5f) / 8, (static_cast<Float>(rng.UniformInt(8)) + 0.5f) / 8);
+        Point2 st((static_cast<Float>(rng.UniformInt(8)) + 0.5f) / 8,
+                  (static_cast<Float>(rng.UniformInt(8)) + 0.5f) / 8);
         Vector3 inImage = EqualAreaSquareToSphere(st);
         Vector3 w = Normalize(ctm.Vector({inImage.x, inImage.z, inImage.y}));
         auto x = static_cast<int>(st.x * 8), y = static_cast<int>(st.y * 8);
         double expected = 0.1 * (x + 2 * y) + (x == 2 ? 3 : 0);
-        EXPECT_NEAR(IntensityAlong(*light, {1, 2, 3}, w) / IntensityAlong(*one, {1, 2, 3}, w), expected, 2e-3 * expected + 1e-6);
+        EXPECT_NEAR(IntensityAlong(*light, {1, 2, 3}, w) / IntensityAlong(*one, {1, 2, 3}, w), expected,
+                    2e-3 * expected + 1e-6);
     }
 }
 
@@ -70,7 +77,8 @@ TEST_F(Goniometric, RgbImagesCountByTheirMeanAndNegativeValuesAsNothing) {
     TemporaryImage rgb("three.exr", RgbImage({4, 4}, [](int, int) { return Rgb(0.3f, 0.6f, 1.8f); }));
     auto light = Make("goniometric", Params().String("filename", rgb.Path()));
     auto one = Make("point", Params());
-    EXPECT_NEAR(IntensityAlong(*light, Point3(0), {0, 0.6f, 0.8f}) / IntensityAlong(*one, Point3(0), {0, 0.6f, 0.8f}), 0.9, 1e-3);
+    EXPECT_NEAR(IntensityAlong(*light, Point3(0), {0, 0.6f, 0.8f}) / IntensityAlong(*one, Point3(0), {0, 0.6f, 0.8f}),
+                0.9, 1e-3);
     TemporaryImage negative("negative.exr", GreyImage(2, [](int, int) { return -1.f; }));
     auto dark = Make("goniometric", Params().String("filename", negative.Path()));
     EXPECT_FALSE(dark->SampleLi(At({1, 0, 0}), {}, kLambda, false));
@@ -79,7 +87,8 @@ TEST_F(Goniometric, RgbImagesCountByTheirMeanAndNegativeValuesAsNothing) {
 
 TEST_F(Goniometric, WithoutAnImageItIsAPointLightAndSaysSo) {
     DiagnosticSink sink;
-    auto light = MakeLight("goniometric", Params().Number("power", 7), Transform(), Transform(), ColorSpace::SRGB(), FileResolver(), sink);
+    auto light = MakeLight("goniometric", Params().Number("power", 7), Transform(), Transform(), ColorSpace::SRGB(),
+                           FileResolver(), sink);
     EXPECT_EQ(sink.All().size(), 1u);
     EXPECT_FALSE(sink.HasErrors());
     EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return light->Phi(l); }), 7, 0.02);
@@ -88,7 +97,9 @@ TEST_F(Goniometric, WithoutAnImageItIsAPointLightAndSaysSo) {
 class Projection : public testing::TestWithParam<Point2i> {
   protected:
     Projection() : file_("slide.exr", RgbImage(GetParam(), Slide)) {}
-    static Rgb Slide(int x, int y) { return {0.2f + 0.05f * static_cast<Float>(x), 0.3f, 0.1f + 0.02f * static_cast<Float>(y)}; }
+    static Rgb Slide(int x, int y) {
+        return {0.2f + 0.05f * static_cast<Float>(x), 0.3f, 0.1f + 0.02f * static_cast<Float>(y)};
+    }
     Params File() const { return Params().String("filename", file_.Path()); }
     TemporaryImage file_;
 };
@@ -97,7 +108,9 @@ TEST_P(Projection, PhiIsTheIntegralOfIntensity) {
     for (Float fov : {20.f, 90.f, 130.f}) {
         auto light = Make("projection", File().Number("fov", fov).Number("scale", 2), Transform::Rotate(50, {1, 2, 3}));
         double phi = static_cast<double>(light->Phi(kLambda).Average());
-        EXPECT_NEAR(OverSphere(600, [&](const Vector3 &w) { return IntensityAlong(*light, Point3(0), w); }), phi, 1.5e-2 * phi) << fov;
+        EXPECT_NEAR(OverSphere(600, [&](const Vector3 &w) { return IntensityAlong(*light, Point3(0), w); }), phi,
+                    1.5e-2 * phi)
+            << fov;
     }
 }
 
@@ -113,7 +126,8 @@ TEST_P(Projection, TopIsUpRightIsRightAndTheShorterSideHasTheFov) {
     Float hx = t * std::max(aspect, Float(1)), hy = t * std::max(1 / aspect, Float(1));
     for (int y = 0; y < n.y; ++y)
         for (int x = 0; x < n.x; ++x) {
-            Float u = (static_cast<Float>(x) + 0.5f) / static_cast<Float>(n.x), v = (static_cast<Float>(y) + 0.5f) / static_cast<Float>(n.y);
+            Float u = (static_cast<Float>(x) + 0.5f) / static_cast<Float>(n.x),
+                  v = (static_cast<Float>(y) + 0.5f) / static_cast<Float>(n.y);
             Vector3 w = Normalize(Vector3((2 * u - 1) * hx, (1 - 2 * v) * hy, 1));
             auto s = light->SampleLi(At(w), {}, kLambda, false);
             ASSERT_TRUE(s);
@@ -135,13 +149,16 @@ INSTANTIATE_TEST_SUITE_P(Formats, Projection, testing::Values(Point2i(48, 32), P
 
 TEST(ImageLightImportance, PositiveWhereTheyContribute) {
     Rng rng(1);
-    TemporaryImage slide("dots.exr", RgbImage({5, 3}, [](int x, int y) { return (x + y) % 2 ? Rgb(1, 0.5f, 0) : Rgb(0); }));
+    TemporaryImage slide("dots.exr",
+                         RgbImage({5, 3}, [](int x, int y) { return (x + y) % 2 ? Rgb(1, 0.5f, 0) : Rgb(0); }));
     TemporaryImage lobes("dots1.exr", GreyImage(4, [](int x, int y) { return (x + y) % 2 ? 1.f : 0.f; }));
     int lit = 0;
     for (int i = 0; i < 60; ++i) {
-        Transform ctm = Transform::Translate({5 * rng.Uniform(), 0, 0}) * Transform::Rotate(360 * rng.Uniform(), {1, 2, 3});
+        Transform ctm =
+            Transform::Translate({5 * rng.Uniform(), 0, 0}) * Transform::Rotate(360 * rng.Uniform(), {1, 2, 3});
         if (i % 4 == 0) ctm = ctm * Transform::Scale({1, 0.3f + 2 * rng.Uniform(), 1});
-        auto light = i % 3 ? Make("projection", Params().String("filename", slide.Path()).Number("fov", 1 + 175 * rng.Uniform()), ctm)
+        auto light = i % 3 ? Make("projection",
+                                  Params().String("filename", slide.Path()).Number("fov", 1 + 175 * rng.Uniform()), ctm)
                            : Make("goniometric", Params().String("filename", lobes.Path()), ctm);
         LightBounds bounds = *light->Bounds();
         for (int j = 0; j < 4000; ++j) {

@@ -30,15 +30,18 @@ TEST(LightFactory, UnknownLightListsTheKnownOnes) {
 }
 
 TEST(LightFactory, PortalsAreChecked) {
-    auto corners = [](std::vector<Float> v) { return Params().Rgb("L", 1, 1, 1).Floats(ParamType::Point3, "portal", std::move(v)); };
+    auto corners = [](std::vector<Float> v) {
+        return Params().Rgb("L", 1, 1, 1).Floats(ParamType::Point3, "portal", std::move(v));
+    };
     ExpectComplaint("infinite", corners(std::vector<Float>(9, 0)), 2, "4 corners");
     ExpectComplaint("infinite", corners(std::vector<Float>(12, 0)), 2, "do not span");
     ExpectComplaint("infinite", corners({0, 0, 0, 1, 0, 0, 1, 0, 0, 2, 0, 0}), 2, "do not span");
-    ExpectComplaint("infinite", Params().Floats(ParamType::Point3, "portal", {0, 0, 0, 0, 1, 0, 1, 1, 0, 1, 0, 0}), 1, "needs");
+    ExpectComplaint("infinite", Params().Floats(ParamType::Point3, "portal", {0, 0, 0, 0, 1, 0, 1, 1, 0, 1, 0, 0}), 1,
+                    "needs");
     DiagnosticSink sink;
     for (bool good : {true, false}) {
-        auto light = MakeLight("infinite", corners({0, 0, 0, 0, 1, 0, 1, 1, good ? Float(0) : Float(0.5), 1, 0, 0}), Transform(), Transform(),
-                               ColorSpace::SRGB(), FileResolver(), sink);
+        auto light = MakeLight("infinite", corners({0, 0, 0, 0, 1, 0, 1, 1, good ? Float(0) : Float(0.5), 1, 0, 0}),
+                               Transform(), Transform(), ColorSpace::SRGB(), FileResolver(), sink);
         EXPECT_TRUE(light);
         EXPECT_EQ(sink.All().size(), good ? 0u : 1u);
         EXPECT_FALSE(sink.HasErrors());
@@ -129,8 +132,10 @@ TEST(LightFactory, EveryParameterOfALightIsAskedFor) {
                          .Number("scale", 1)
                          .Number("illuminance", 1)
                          .Floats(ParamType::Point3, "portal", {0, 0, 0, 0, 1, 0, 1, 1, 0, 1, 0, 0})},
-        {"goniometric", Params().Rgb("I", 1, 1, 1).Number("scale", 1).Number("power", 1).String("filename", image.Path())},
-        {"projection", Params().Number("fov", 50).Number("scale", 1).Number("power", 1).String("filename", image.Path())},
+        {"goniometric",
+         Params().Rgb("I", 1, 1, 1).Number("scale", 1).Number("power", 1).String("filename", image.Path())},
+        {"projection",
+         Params().Number("fov", 50).Number("scale", 1).Number("power", 1).String("filename", image.Path())},
     };
     for (Row &row : rows) {
         EXPECT_TRUE(Make(row.type, row.params));

@@ -27,7 +27,9 @@ std::vector<Float> Corners(const Transform &turn = kTurn) {
 class Portal : public testing::Test {
   protected:
     Portal() : file_("portal.exr", RgbImage({16, 16}, Sky)) {}
-    Params File() const { return Params().String("filename", file_.Path()).Floats(ParamType::Point3, "portal", Corners()); }
+    Params File() const {
+        return Params().String("filename", file_.Path()).Floats(ParamType::Point3, "portal", Corners());
+    }
     std::unique_ptr<Light> MakeIt() const {
         auto light = Make("infinite", File().Number("scale", 0.8f), Transform::Rotate(40, {1, 2, 3}));
         light->Preprocess({0, 0, 0}, 5);
@@ -57,7 +59,8 @@ TEST_F(Portal, DirectionsFollowTheDensityOfThePointTheyAreSeenFrom) {
         double total = 0;
         for (int i = 0; i < kX * kSub; ++i)
             for (int j = 0; j < kY * kSub; ++j) {
-                Point3 onWindow((static_cast<Float>(i) + 0.5f) / (kX * kSub) * 2 - 1, (static_cast<Float>(j) + 0.5f) / (kY * kSub) - 0.5f, 1);
+                Point3 onWindow((static_cast<Float>(i) + 0.5f) / (kX * kSub) * 2 - 1,
+                                (static_cast<Float>(j) + 0.5f) / (kY * kSub) - 0.5f, 1);
                 Vector3 d = onWindow - place;
                 Float d2 = LengthSquared(d);
                 Vector3 w = Normalize(kTurn.Vector(d));
@@ -76,7 +79,8 @@ TEST_F(Portal, DirectionsFollowTheDensityOfThePointTheyAreSeenFrom) {
             ASSERT_TRUE(ThroughWindow(p, s->wi, 1e-3f));
             Vector3 d = kTurn.InverseVector(s->wi);
             Point3 hit = place + d * ((1 - place.z) / d.z);
-            auto i = std::clamp(static_cast<int>((hit.x + 1) / 2 * kX), 0, kX - 1), j = std::clamp(static_cast<int>((hit.y + 0.5f) * kY), 0, kY - 1);
+            auto i = std::clamp(static_cast<int>((hit.x + 1) / 2 * kX), 0, kX - 1),
+                 j = std::clamp(static_cast<int>((hit.y + 0.5f) * kY), 0, kY - 1);
             observed[static_cast<size_t>(i * kY + j)] += 1;
         }
         EXPECT_EQ(drawn, kSamples);
@@ -125,12 +129,14 @@ TEST_F(Portal, LightComesOnlyThroughTheWindowAndOnlyInwards) {
 TEST_F(Portal, WhatIsSeenThroughItIsTheSkyBeyond) {
     // A smooth sky: resampling changes little.
     TemporaryImage smooth("smooth.exr", RgbImage({64, 64}, [](int x, int y) {
-                              Vector3 w = EqualAreaSquareToSphere({(static_cast<Float>(x) + 0.5f) / 64, (static_cast<Float>(y) + 0.5f) / 64});
+                              Vector3 w = EqualAreaSquareToSphere(
+                                  {(static_cast<Float>(x) + 0.5f) / 64, (static_cast<Float>(y) + 0.5f) / 64});
                               return Rgb(1 + 0.5f * w.x, 1 + 0.5f * w.y, 1 + 0.5f * w.z);
                           }));
     Transform ctm = Transform::Rotate(70, {2, 1, 0});
     auto open = Make("infinite", Params().String("filename", smooth.Path()), ctm);
-    auto portal = Make("infinite", Params().String("filename", smooth.Path()).Floats(ParamType::Point3, "portal", Corners()), ctm);
+    auto portal = Make("infinite",
+                       Params().String("filename", smooth.Path()).Floats(ParamType::Point3, "portal", Corners()), ctm);
     Rng rng(7);
     int seen = 0;
     for (int k = 0; k < 20000; ++k) {
@@ -151,7 +157,8 @@ TEST_F(Portal, PhiIsWhatComesThroughTheWindow) {
     for (int k = 0; k < 200000; ++k) {
         Vector3 w = SampleCosineHemisphere(rng.Uniform2());
         Point3 p = kTurn.Point(Point3(0, 0, 0.9999f));
-        stats.Add(static_cast<double>(light->Le(p, Normalize(kTurn.Vector(w)), kLambda).Average()) * std::numbers::pi * 2);
+        stats.Add(static_cast<double>(light->Le(p, Normalize(kTurn.Vector(w)), kLambda).Average()) * std::numbers::pi *
+                  2);
     }
     double phi = static_cast<double>(light->Phi(kLambda).Average());
     EXPECT_NEAR(stats.mean, phi, 4.5 * stats.StandardError() + 2e-2 * phi);
@@ -160,15 +167,18 @@ TEST_F(Portal, PhiIsWhatComesThroughTheWindow) {
 TEST_F(Portal, IsGivenInWorldSpaceAndStaysThereInAnyRenderingSpace) {
     auto light = MakeIt();
     DiagnosticSink sink;
-    for (Transform renderFromWorld : {Transform::Rotate(50, {1, 0, 1}) * Transform::Translate({1, 2, 3}), Transform::Scale({-1, 1, 1})}) {
-        auto moved = MakeLight("infinite", File().Number("scale", 0.8f), renderFromWorld * Transform::Rotate(40, {1, 2, 3}), renderFromWorld,
-                               ColorSpace::SRGB(), FileResolver(), sink);
+    for (Transform renderFromWorld :
+         {Transform::Rotate(50, {1, 0, 1}) * Transform::Translate({1, 2, 3}), Transform::Scale({-1, 1, 1})}) {
+        auto moved =
+            MakeLight("infinite", File().Number("scale", 0.8f), renderFromWorld * Transform::Rotate(40, {1, 2, 3}),
+                      renderFromWorld, ColorSpace::SRGB(), FileResolver(), sink);
         Rng rng(9);
         int seen = 0, same = 0;
         for (int k = 0; k < 4000; ++k) {
             Point3 p = kTurn.Point(Point3(2 * rng.Uniform() - 1, rng.Uniform() - 0.5f, 1.5f - 2 * rng.Uniform()));
             Vector3 w = SampleUniformSphere(rng.Uniform2());
-            Float a = light->Le(p, w, kLambda).Average(), b = moved->Le(renderFromWorld.Point(p), renderFromWorld.Vector(w), kLambda).Average();
+            Float a = light->Le(p, w, kLambda).Average(),
+                  b = moved->Le(renderFromWorld.Point(p), renderFromWorld.Vector(w), kLambda).Average();
             seen += a > 0;
             same += std::abs(a - b) <= 1e-3f * a;
         }

@@ -14,7 +14,8 @@ struct Table {
     WindowedPiecewiseConstant2D distribution;
 
     Table(int x, int y, Rng &rng, bool sparse) : nx(x), ny(y) {
-        for (int i = 0; i < x * y; ++i) f.push_back(sparse && rng.Uniform() < 0.7f ? 0 : (rng.Uniform() < 0.05f ? 500 : 1) * rng.Uniform());
+        for (int i = 0; i < x * y; ++i)
+            f.push_back(sparse && rng.Uniform() < 0.7f ? 0 : (rng.Uniform() < 0.05f ? 500 : 1) * rng.Uniform());
         distribution = WindowedPiecewiseConstant2D(f, nx, ny);
     }
     /// Cell by cell.
@@ -25,7 +26,8 @@ struct Table {
                 auto overlap = [](double lo, double hi, int k, int n) {
                     return std::max(0.0, std::min(hi, (k + 1.0) / n) - std::max(lo, static_cast<double>(k) / n));
                 };
-                sum += static_cast<double>(f[static_cast<size_t>(j * nx + i)]) * overlap(static_cast<double>(w.low.x), static_cast<double>(w.high.x), i, nx) *
+                sum += static_cast<double>(f[static_cast<size_t>(j * nx + i)]) *
+                       overlap(static_cast<double>(w.low.x), static_cast<double>(w.high.x), i, nx) *
                        overlap(static_cast<double>(w.low.y), static_cast<double>(w.high.y), j, ny);
             }
         return sum;
@@ -80,12 +82,15 @@ TEST(WindowedDistribution, SamplesFollowTheDensity) {
             auto p = t.distribution.Sample(rng.Uniform2(), w, &pdf);
             ASSERT_TRUE(p);
             ASSERT_TRUE(p->x >= w.low.x && p->x <= w.high.x && p->y >= w.low.y && p->y <= w.high.y);
-            auto cell = [](Float x, int n) { return std::clamp(static_cast<int>(x * static_cast<Float>(n)), 0, n - 1); };
+            auto cell = [](Float x, int n) {
+                return std::clamp(static_cast<int>(x * static_cast<Float>(n)), 0, n - 1);
+            };
             double value = static_cast<double>(t.f[static_cast<size_t>(cell(p->y, t.ny) * t.nx + cell(p->x, t.nx))]);
             ASSERT_NEAR(static_cast<double>(pdf), value / integral, 1e-5 * value / integral);
             ASSERT_EQ(pdf, t.distribution.Pdf(*p, w));
             Point2 in = (*p - w.low) / size;
-            observed[static_cast<size_t>(std::clamp(static_cast<int>(in.y), 0, kSide - 1) * kSide + std::clamp(static_cast<int>(in.x), 0, kSide - 1))] += 1;
+            observed[static_cast<size_t>(std::clamp(static_cast<int>(in.y), 0, kSide - 1) * kSide +
+                                         std::clamp(static_cast<int>(in.x), 0, kSide - 1))] += 1;
         }
         // Cells of no weight may be hit by rounding at their border.
         for (size_t i = 0; i < expected.size(); ++i)

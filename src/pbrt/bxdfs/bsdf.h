@@ -9,6 +9,7 @@
 #include "pbrt/bxdfs/diffuse.h"
 #include "pbrt/bxdfs/hair.h"
 #include "pbrt/bxdfs/layered.h"
+#include "pbrt/bxdfs/measured.h"
 #include "pbrt/math/frame.h"
 
 namespace pbrt {
@@ -18,7 +19,7 @@ namespace pbrt {
 class Bsdf {
   public:
     using Lobe = std::variant<std::monostate, DiffuseBxdf, DiffuseTransmissionBxdf, ConductorBxdf, DielectricBxdf,
-                              ThinDielectricBxdf, CoatedDiffuseBxdf, CoatedConductorBxdf, HairBxdf>;
+                              ThinDielectricBxdf, CoatedDiffuseBxdf, CoatedConductorBxdf, HairBxdf, MeasuredBxdf>;
 
     Bsdf() = default;
     template <class L>

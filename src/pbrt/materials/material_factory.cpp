@@ -7,6 +7,7 @@
 #include "pbrt/materials/dielectric_materials.h"
 #include "pbrt/materials/diffuse_materials.h"
 #include "pbrt/materials/hair_material.h"
+#include "pbrt/materials/measured_material.h"
 #include "pbrt/materials/mix_material.h"
 #include "pbrt/math/rng.h"
 
@@ -133,6 +134,17 @@ SurfacePtr MakeHair(const Request &r) {
                                           r.Number("beta_n", Float(0.3)), r.Number("alpha", 2));
 }
 
+SurfacePtr MakeMeasured(const Request &r) {
+    const std::string file = r.params.GetString("filename", "");
+    if (file.empty())
+        throw UserError(fmt::format("{}: \"string filename\" is required.", r.params.What()), r.params.Loc());
+    try {
+        return std::make_shared<MeasuredMaterial>(ReadMeasuredBrdf(r.files.Resolve(file)));
+    } catch (const UserError &e) {
+        throw UserError(e.Diagnostics().front().message, r.params.LocOf("filename"));
+    }
+}
+
 uint64_t HashText(const std::string &text) {
     uint64_t h = Hash(uint64_t(text.size()));
     for (char c : text) h = Hash(h, c);
@@ -178,6 +190,7 @@ constexpr SurfaceType kSurfaceTypes[] = {
     {"thindielectric", MakeThinDielectric},
     {"diffusetransmission", MakeDiffuseTransmission},
     {"hair", MakeHair, false},
+    {"measured", MakeMeasured},
 };
 
 }  // namespace
@@ -193,7 +206,7 @@ const std::vector<std::string> &SupportedMaterials() {
 }
 
 const std::vector<std::string> &UnsupportedMaterials() {
-    static const std::vector<std::string> kNames = {"measured", "subsurface"};
+    static const std::vector<std::string> kNames = {"subsurface"};
     return kNames;
 }
 

@@ -119,7 +119,7 @@ Shape "sphere" "float radius" 2
 
 TEST_F(Errors, EverythingUnsupportedIsListedOnceBeforeRendering) {
     Write("scene.pbrt", R"(Camera "realistic" "string lensfile" "lens.dat"
-Film "spectral"
+Film "rgb"
 Sampler "pmj02bn"
 Integrator "bdpt"
 WorldBegin
@@ -128,7 +128,7 @@ LightSource "goniometric" "string filename" "g.exr"
 Texture "m" "spectrum" "marble"
 Material "diffuse" "texture reflectance" "m"
 Shape "sphere"
-Material "measured"
+Material "subsurface"
 Shape "loopsubdiv" "integer indices" [ 0 1 2 ] "point3 P" [ 0 0 0  1 0 0  0 1 0 ]
 MakeNamedMaterial "s" "string type" "subsurface"
 NamedMaterial "s"

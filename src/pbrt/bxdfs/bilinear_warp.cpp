@@ -1,0 +1,101 @@
+#include "pbrt/bxdfs/bilinear_warp.h"
+
+#include "pbrt/math/warps.h"
+
+namespace pbrt {
+
+namespace {
+
+struct Cell {
+    int index;
+    Float t;
+};
+
+/// Cell of an axis of n knots over [0, 1].
+Cell CellOf(Float x, int n) {
+    Float at = std::clamp(x, Float(0), Float(1)) * static_cast<Float>(n - 1);
+    int i = std::min(static_cast<int>(at), n - 2);
+    return {i, at - static_cast<Float>(i)};
+}
+
+/// Last i in [0, n - 2] with sum(i) <= u; sum grows.
+template <class Sum>
+int LastNotAbove(int n, Float u, Sum sum) {
+    int low = 0, high = n - 1;
+    while (high - low > 1) {
+        int middle = (low + high) / 2;
+        (sum(middle) <= u ? low : high) = middle;
+    }
+    return low;
+}
+
+/// Part of the mass of a linear density from a to b that lies below t, and its inverse.
+Float MassBelow(Float t, Float a, Float b) { return t * (a + (b - a) * t / 2); }
+
+Float WhereMassIs(Float mass, Float a, Float b) {
+    Float total = (a + b) / 2;
+    return total > 0 ? SampleLinear(std::clamp(mass / total, Float(0), OneMinusEpsilon), a, b) : 0;
+}
+
+}  // namespace
+
+Float GridSlices::Evaluate(const Point2 &p, size_t slice) const {
+    const Cell x = CellOf(p.x, nx_), y = CellOf(p.y, ny_);
+    return Lerp(y.t, Lerp(x.t, At(slice, x.index, y.index), At(slice, x.index + 1, y.index)),
+                Lerp(x.t, At(slice, x.index, y.index + 1), At(slice, x.index + 1, y.index + 1)));
+}
+
+BilinearWarp::BilinearWarp(const GridSlices &values) : nx_(values.Nx()), ny_(values.Ny()) {
+    const size_t perSlice = static_cast<size_t>(nx_ * ny_);
+    density_.resize(values.Count() * perSlice);
+    left_.resize(density_.size());
+    below_.resize(values.Count() * static_cast<size_t>(ny_));
+    std::vector<double> left(perSlice), below(static_cast<size_t>(ny_));
+    for (size_t s = 0; s < values.Count(); ++s) {
+        for (int y = 0; y < ny_; ++y) {
+            for (int x = 0; x < nx_; ++x)
+                left[Index(x, y)] = x == 0 ? 0 : left[Index(x - 1, y)] +
+                                                     (double(values.At(s, x - 1, y)) + double(values.At(s, x, y))) / 2;
+            below[static_cast<size_t>(y)] =
+                y == 0 ? 0 : below[static_cast<size_t>(y - 1)] + (left[Index(nx_ - 1, y - 1)] + left[Index(nx_ - 1, y)]) / 2;
+        }
+        const double total = below.back();
+        for (int y = 0; y < ny_; ++y) {
+            for (int x = 0; x < nx_; ++x) {
+                density_[s * perSlice + Index(x, y)] = static_cast<Float>(double(values.At(s, x, y)) / total);
+                left_[s * perSlice + Index(x, y)] = static_cast<Float>(left[Index(x, y)] / total);
+            }
+            below_[s * static_cast<size_t>(ny_) + static_cast<size_t>(y)] =
+                static_cast<Float>(below[static_cast<size_t>(y)] / total);
+        }
+    }
+}
+
+BilinearWarp::Mapped BilinearWarp::Sample(const Point2 &u, const SliceBlend &blend) const {
+    const int y = LastNotAbove(ny_, u.y, [&](int i) { return Below(blend, i); });
+    const Float row0 = Left(blend, nx_ - 1, y), row1 = Left(blend, nx_ - 1, y + 1);
+    const Float ty = WhereMassIs(u.y - Below(blend, y), row0, row1);
+
+    auto left = [&](int i) { return Lerp(ty, Left(blend, i, y), Left(blend, i, y + 1)); };
+    const Float mass = u.x * Lerp(ty, row0, row1);
+    const int x = LastNotAbove(nx_, mass, left);
+    const Float d0 = Lerp(ty, Density(blend, x, y), Density(blend, x, y + 1));
+    const Float d1 = Lerp(ty, Density(blend, x + 1, y), Density(blend, x + 1, y + 1));
+    const Float tx = WhereMassIs(mass - left(x), d0, d1);
+    return {{(static_cast<Float>(x) + tx) / static_cast<Float>(nx_ - 1), (static_cast<Float>(y) + ty) / static_cast<Float>(ny_ - 1)},
+            Lerp(tx, d0, d1) / CellArea()};
+}
+
+BilinearWarp::Mapped BilinearWarp::Invert(const Point2 &p, const SliceBlend &blend) const {
+    const Cell x = CellOf(p.x, nx_), y = CellOf(p.y, ny_);
+    const Float row0 = Left(blend, nx_ - 1, y.index), row1 = Left(blend, nx_ - 1, y.index + 1);
+    const Float d0 = Lerp(y.t, Density(blend, x.index, y.index), Density(blend, x.index, y.index + 1));
+    const Float d1 = Lerp(y.t, Density(blend, x.index + 1, y.index), Density(blend, x.index + 1, y.index + 1));
+    const Float row = Lerp(y.t, row0, row1);
+    const Float left = Lerp(y.t, Left(blend, x.index, y.index), Left(blend, x.index, y.index + 1)) + MassBelow(x.t, d0, d1);
+    return {{row > 0 ? std::clamp(left / row, Float(0), Float(1)) : 0,
+             std::clamp(Below(blend, y.index) + MassBelow(y.t, row0, row1), Float(0), Float(1))},
+            Lerp(x.t, d0, d1) / CellArea()};
+}
+
+}  // namespace pbrt

@@ -1,0 +1,128 @@
+#include "pbrt/bxdfs/measured.h"
+
+#include "pbrt/bxdfs/fresnel.h"
+#include "pbrt/math/frame.h"
+
+namespace pbrt {
+
+namespace {
+
+struct Knot {
+    size_t index, next;
+    Float t;
+};
+
+/// Place among increasing numbers; beyond them the ends.
+Knot Locate(const std::vector<Float> &axis, Float x) {
+    if (axis.size() < 2 || !(x > axis.front())) return {0, 0, 0};
+    if (x >= axis.back()) return {axis.size() - 1, axis.size() - 1, 0};
+    size_t i = static_cast<size_t>(std::upper_bound(axis.begin(), axis.end(), x) - axis.begin()) - 1;
+    return {i, i + 1, (x - axis[i]) / (axis[i + 1] - axis[i])};
+}
+
+Float Theta(const Vector3 &w) { return 2 * std::asin(std::min(Length(w - Vector3(0, 0, 1)) / 2, Float(1))); }
+Float Phi(const Vector3 &w) { return std::atan2(w.y, w.x); }
+Float SquareOfTheta(Float theta) { return std::sqrt(theta * (2 / Pi)); }
+Float SquareOfPhi(Float phi) { return phi * Inv2Pi + Float(0.5); }
+
+/// Solid angle by area of the square, at a half vector.
+Float SolidAngleByArea(Float x, Float sinTheta) { return std::max(2 * Sqr(Pi) * x * sinTheta, Float(1e-6)); }
+
+}  // namespace
+
+struct MeasuredBrdf::View {
+    Float phi;
+    Point2 square;
+    SliceBlend blend;
+    Vector3 wo;
+};
+
+MeasuredBrdf::MeasuredBrdf(Tables t)
+    : phi_(std::move(t.phi)), theta_(std::move(t.theta)), wavelengths_(std::move(t.wavelengths)), ndf_(std::move(t.ndf)),
+      sigma_(std::move(t.sigma)), spectra_(std::move(t.spectra)), visibleNormals_(t.visibleNormals), luminance_(t.luminance),
+      isotropic_(phi_.size() <= 2) {}
+
+MeasuredBrdf::View MeasuredBrdf::Look(const Vector3 &wo) const {
+    const Float theta = Theta(wo), phi = Phi(wo);
+    const Knot p = Locate(phi_, phi), t = Locate(theta_, theta);
+    const size_t n = theta_.size();
+    return {phi,
+            {SquareOfTheta(theta), SquareOfPhi(phi)},
+            {{p.index * n + t.index, p.index * n + t.next, p.next * n + t.index, p.next * n + t.next},
+             {(1 - p.t) * (1 - t.t), (1 - p.t) * t.t, p.t * (1 - t.t), p.t * t.t}},
+            wo};
+}
+
+Point2 MeasuredBrdf::SquareOfHalf(const View &view, const Vector3 &half) const {
+    const Float y = SquareOfPhi(isotropic_ ? Phi(half) - view.phi : Phi(half));
+    return {SquareOfTheta(Theta(half)), y - std::floor(y)};
+}
+
+SampledSpectrum MeasuredBrdf::Value(const View &view, const Point2 &measured, const Point2 &half, Float cosI,
+                                    const SampledWavelengths &lambda) const {
+    SampledSpectrum value;
+    for (int i = 0; i < SpectrumSamples; ++i) {
+        const Knot w = Locate(wavelengths_, lambda[i]);
+        Float sum = 0;
+        for (size_t k = 0; k < 4; ++k) {
+            if (view.blend.weight[k] == 0) continue;
+            const size_t first = view.blend.slice[k] * wavelengths_.size();
+            sum += view.blend.weight[k] *
+                   Lerp(w.t, spectra_.Evaluate(measured, first + w.index), spectra_.Evaluate(measured, first + w.next));
+        }
+        value[i] = std::max(sum, Float(0));
+    }
+    return value * (ndf_.Evaluate(half, 0) / (4 * sigma_.Evaluate(view.square, 0) * cosI));
+}
+
+SampledSpectrum MeasuredBrdf::F(const Vector3 &wo, const Vector3 &wi, const SampledWavelengths &lambda) const {
+    const View view = Look(wo);
+    const Point2 half = SquareOfHalf(view, Normalize(wo + wi));
+    return Value(view, visibleNormals_.Invert(half, view.blend).p, half, wi.z, lambda);
+}
+
+Float MeasuredBrdf::Pdf(const Vector3 &wo, const Vector3 &wi) const {
+    const View view = Look(wo);
+    const Vector3 halfVector = Normalize(wo + wi);
+    const Point2 half = SquareOfHalf(view, halfVector);
+    const BilinearWarp::Mapped measured = visibleNormals_.Invert(half, view.blend);
+    return measured.pdf * luminance_.Invert(measured.p, view.blend).pdf /
+           (4 * Dot(wo, halfVector) * SolidAngleByArea(half.x, SinTheta(halfVector)));
+}
+
+std::optional<MeasuredBrdf::Sampled> MeasuredBrdf::Sample(const Vector3 &wo, const Point2 &u,
+                                                          const SampledWavelengths &lambda) const {
+    const View view = Look(wo);
+    // The table's y grows with phi, its x with theta.
+    const BilinearWarp::Mapped measured = luminance_.Sample(u, view.blend);
+    const BilinearWarp::Mapped half = visibleNormals_.Sample(measured.p, view.blend);
+    const Float theta = Sqr(half.p.x) * (Pi / 2), phi = (2 * half.p.y - 1) * Pi + (isotropic_ ? view.phi : 0);
+    const Float sinTheta = std::sin(theta);
+    const Vector3 halfVector = SphericalDirection(sinTheta, std::cos(theta), phi);
+    const Vector3 wi = Reflect(wo, halfVector);
+    const Float cosHalf = Dot(wo, halfVector);
+    if (!(wi.z > 0) || !(cosHalf > 0)) return {};
+    return Sampled{Value(view, measured.p, half.p, wi.z, lambda), wi,
+                   measured.pdf * half.pdf / (4 * cosHalf * SolidAngleByArea(half.p.x, sinTheta))};
+}
+
+SampledSpectrum MeasuredBxdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
+    if (!SameHemisphere(wo, wi)) return SampledSpectrum(0);
+    return wo.z < 0 ? brdf_->F(-wo, -wi, lambda_) : brdf_->F(wo, wi, lambda_);
+}
+
+std::optional<BsdfSample> MeasuredBxdf::Sample(const Vector3 &wo, Float, const Point2 &u, TransportMode,
+                                               ReflTransFlags which) const {
+    if (!Has(which, ReflTransFlags::Reflection)) return {};
+    const Float side = wo.z < 0 ? Float(-1) : Float(1);
+    auto sample = brdf_->Sample(wo * side, u, lambda_);
+    if (!sample) return {};
+    return BsdfSample{sample->f, sample->wi * side, sample->pdf, Flags()};
+}
+
+Float MeasuredBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const {
+    if (!Has(which, ReflTransFlags::Reflection) || !SameHemisphere(wo, wi)) return 0;
+    return wo.z < 0 ? brdf_->Pdf(-wo, -wi) : brdf_->Pdf(wo, wi);
+}
+
+}  // namespace pbrt

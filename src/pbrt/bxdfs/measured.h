@@ -1,0 +1,64 @@
+#pragma once
+#include <optional>
+
+#include "pbrt/bxdfs/bilinear_warp.h"
+#include "pbrt/bxdfs/bxdf.h"
+
+namespace pbrt {
+
+/// A measured BRDF in the adaptive parameterization of Dupuy and Jakob 2018. Half vectors are points of the unit square:
+/// (sqrt(2 theta / Pi), phi / 2 Pi + 1/2), phi relative to the view's if isotropic. A warp by the visible normals takes the
+/// square of the measurements to them.
+class MeasuredBrdf {
+  public:
+    struct Tables {
+        std::vector<Float> phi, theta;    ///< of the views; one phi: isotropic
+        std::vector<Float> wavelengths;   ///< nm, increasing
+        GridSlices ndf, sigma;            ///< one slice each: normal distribution by half vector, projected area by view
+        GridSlices visibleNormals;        ///< slice by (phi, theta) of the view: density by half vector
+        GridSlices luminance;             ///< the same: density by the point measured
+        GridSlices spectra;               ///< slice by (phi, theta, wavelength): value at the point measured
+    };
+    explicit MeasuredBrdf(Tables tables);
+
+    /// Both directions above the surface.
+    SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, const SampledWavelengths &lambda) const;
+    Float Pdf(const Vector3 &wo, const Vector3 &wi) const;
+    struct Sampled {
+        SampledSpectrum f;
+        Vector3 wi;
+        Float pdf;
+    };
+    std::optional<Sampled> Sample(const Vector3 &wo, const Point2 &u, const SampledWavelengths &lambda) const;
+
+  private:
+    struct View;
+    View Look(const Vector3 &wo) const;
+    Point2 SquareOfHalf(const View &view, const Vector3 &half) const;
+    SampledSpectrum Value(const View &view, const Point2 &measured, const Point2 &half, Float cosI,
+                          const SampledWavelengths &lambda) const;
+
+    std::vector<Float> phi_, theta_, wavelengths_;
+    GridSlices ndf_, sigma_, spectra_;
+    BilinearWarp visibleNormals_, luminance_;
+    bool isotropic_;
+};
+
+/// A measured BRDF at the wavelengths of one path, on both sides alike. The BRDF must outlive it.
+class MeasuredBxdf {
+  public:
+    MeasuredBxdf(const MeasuredBrdf &brdf, const SampledWavelengths &lambda) : brdf_(&brdf), lambda_(lambda) {}
+
+    BxdfFlags Flags() const { return BxdfFlags::Glossy | BxdfFlags::Reflection; }
+    SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode) const;
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode,
+                                     ReflTransFlags which) const;
+    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const;
+    void Regularize() {}
+
+  private:
+    const MeasuredBrdf *brdf_;
+    SampledWavelengths lambda_;
+};
+
+}  // namespace pbrt

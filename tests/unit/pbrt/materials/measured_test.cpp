@@ -1,0 +1,240 @@
+#include "pbrt/materials/measured_material.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "../bxdfs/sphere_histogram.h"
+#include "material_test_support.h"
+#include "pbrt/bxdfs/fresnel.h"
+#include "pbrt/math/frame.h"
+#include "support/statistics.h"
+
+namespace pbrt {
+namespace {
+
+/// A tensor file as the database's, written byte by byte.
+class TensorWriter {
+  public:
+    void Add(const std::string &name, std::vector<uint64_t> shape, std::vector<float> values) {
+        fields_.push_back({name, std::move(shape), std::move(values)});
+    }
+    std::string Bytes() const {
+        size_t head = 18;
+        for (const Field &f : fields_) head += 2 + f.name.size() + 2 + 1 + 8 + 8 * f.shape.size();
+        std::string out("tensor_file\0", 12), body;
+        out += std::string("\1\0", 2);
+        Put<uint32_t>(out, static_cast<uint32_t>(fields_.size()));
+        for (const Field &f : fields_) {
+            Put<uint16_t>(out, static_cast<uint16_t>(f.name.size()));
+            out += f.name;
+            Put<uint16_t>(out, static_cast<uint16_t>(f.shape.size()));
+            Put<uint8_t>(out, 10);
+            Put<uint64_t>(out, head + body.size());
+            for (uint64_t n : f.shape) Put<uint64_t>(out, n);
+            body.append(reinterpret_cast<const char *>(f.values.data()), f.values.size() * sizeof(float));
+        }
+        return out + body;
+    }
+
+  private:
+    struct Field {
+        std::string name;
+        std::vector<uint64_t> shape;
+        std::vector<float> values;
+    };
+    template <class T>
+    static void Put(std::string &out, T v) {
+        out.append(reinterpret_cast<const char *>(&v), sizeof(T));
+    }
+    std::vector<Field> fields_;
+};
+
+constexpr Float kAlpha = 0.5f;
+const std::vector<float> kWavelengths = {360, 500, 830};
+/// Reflectance of the analytic surface: linear between the wavelengths of the table.
+Float Tint(Float lambda) { return lambda < 500 ? Lerp((lambda - 360) / 140, .2f, .8f) : Lerp((lambda - 500) / 330, .8f, .5f); }
+
+Float NormalDistribution(Float cosTheta) {
+    return Sqr(kAlpha) / (Pi * Sqr(Sqr(cosTheta) * (Sqr(kAlpha) - 1) + 1));
+}
+/// Projected area of the facets seen from theta (all that face the view, shadowed or not).
+Float ProjectedArea(Float cosTheta) { return (cosTheta + std::sqrt(Sqr(cosTheta) + Sqr(kAlpha) * (1 - Sqr(cosTheta)))) / 2; }
+/// Any function that is not quite simple would do.
+Float Analytic(const Vector3 &wo, const Vector3 &wi, Float lambda) {
+    Vector3 h = Normalize(wo + wi);
+    Float masking = wo.z * wi.z / (ProjectedArea(wo.z) * ProjectedArea(wi.z));
+    return Tint(lambda) * NormalDistribution(h.z) * masking / (4 * wo.z * wi.z);
+}
+
+Vector3 HalfAt(Float x, Float y) {
+    Float theta = Sqr(x) * Pi / 2;
+    return SphericalDirection(std::sin(theta), std::cos(theta), (2 * y - 1) * Pi);
+}
+
+/// Tables of the analytic surface, as its measurement would give them.
+std::string AnalyticFile(bool isotropic) {
+    constexpr int kThetas = 24, kHalf = 96, kMeasured = 64;
+    const int phis = isotropic ? 1 : 5;
+    TensorWriter file;
+    std::vector<float> theta, phi;
+    for (int i = 0; i < kThetas; ++i) theta.push_back(1.5f * static_cast<float>(i) / (kThetas - 1));
+    for (int i = 0; i < phis; ++i) phi.push_back(isotropic ? 0 : Pi * (2 * static_cast<float>(i) / static_cast<float>(phis - 1) - 1));
+    auto knot = [](int i, int n) { return static_cast<Float>(i) / static_cast<Float>(n - 1); };
+    std::vector<float> ndf, sigma, normals, luminance, spectra;
+    for (int y = 0; y < 2; ++y)
+        for (int x = 0; x < kHalf; ++x) {
+            Float cosTheta = HalfAt(knot(x, kHalf), 0).z;
+            ndf.push_back(NormalDistribution(cosTheta));
+            sigma.push_back(ProjectedArea(cosTheta));
+        }
+    for (float p : phi)
+        for (float t : theta) {
+            const Vector3 wo = SphericalDirection(std::sin(t), std::cos(t), p);
+            std::vector<float> slice;
+            for (int y = 0; y < kHalf; ++y)
+                for (int x = 0; x < kHalf; ++x) {
+                    Vector3 h = HalfAt(knot(x, kHalf), knot(y, kHalf));
+                    Float solidAngle = knot(x, kHalf) * std::sqrt(std::max(Float(0), 1 - Sqr(h.z)));
+                    slice.push_back(NormalDistribution(h.z) * std::max(Float(0), Dot(wo, h)) * solidAngle);
+                }
+            normals.insert(normals.end(), slice.begin(), slice.end());
+            BilinearWarp warp(GridSlices(slice, kHalf, kHalf));
+            const SliceBlend only{{0, 0, 0, 0}, {1, 0, 0, 0}};
+            for (float lambda : kWavelengths)
+                for (int y = 0; y < kMeasured; ++y)
+                    for (int x = 0; x < kMeasured; ++x) {
+                        Point2 at = warp.Sample({knot(x, kMeasured), knot(y, kMeasured)}, only).p;
+                        Vector3 h = HalfAt(at.x, at.y), wi = Reflect(wo, h);
+                        wi.z = std::max(wi.z, Float(1e-3));
+                        Float value = Analytic(wo, Normalize(wi), lambda) * 4 * ProjectedArea(wo.z) * wi.z /
+                                      NormalDistribution(Normalize(wo + wi).z);
+                        spectra.push_back(value);
+                        if (lambda == 500) luminance.push_back(value + 0.01f);
+                    }
+        }
+    const uint64_t p = phi.size(), t = theta.size(), n = kHalf, m = kMeasured;
+    file.Add("phi_i", {p}, phi);
+    file.Add("theta_i", {t}, theta);
+    file.Add("wavelengths", {kWavelengths.size()}, kWavelengths);
+    file.Add("ndf", {2, n}, ndf);
+    file.Add("sigma", {2, n}, sigma);
+    file.Add("vndf", {p, t, n, n}, normals);
+    file.Add("luminance", {p, t, m, m}, luminance);
+    file.Add("spectra", {p, t, kWavelengths.size(), m, m}, spectra);
+    return file.Bytes();
+}
+
+class Measured : public testing::Test {
+  protected:
+    ~Measured() override { std::filesystem::remove(path_); }
+    void Write(const std::string &bytes) { std::ofstream(path_, std::ios::binary) << bytes; }
+    std::string path_ = (std::filesystem::temp_directory_path() / ("pbrt_measured_test_" + std::to_string(getpid()))).string();
+};
+
+const std::vector<Vector3> &Views() {
+    static const std::vector<Vector3> views = {test::DirectionAt(2, 30), test::DirectionAt(35, 200), test::DirectionAt(60, 80),
+                                               test::DirectionAt(140, 10)};
+    return views;
+}
+
+/// Where the slices of the anisotropic table stand: between them the lobe would be a mixture of two.
+const std::vector<Vector3> &ViewsOfTheTable() {
+    static const std::vector<Vector3> views = {test::DirectionAt(2, 0), test::DirectionAt(35, 90), test::DirectionAt(60, 180),
+                                               test::DirectionAt(140, 270)};
+    return views;
+}
+
+TEST_F(Measured, TableOfAnAnalyticSurfaceGivesItBack) {
+    const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.4f);
+    for (bool isotropic : {true, false}) {
+        Write(AnalyticFile(isotropic));
+        auto brdf = ReadMeasuredBrdf(path_);
+        MeasuredBxdf lobe(*brdf, lambda);
+        Rng rng(1);
+        int compared = 0;
+        for (const Vector3 &wo : isotropic ? Views() : ViewsOfTheTable())
+            for (int i = 0; i < 500; ++i) {
+                Vector3 wi = SampleCosineHemisphere(rng.Uniform2());
+                if (wi.z < 0.2f) continue;
+                if (wo.z < 0) wi = -wi;
+                SampledSpectrum f = lobe.F(wo, wi, TransportMode::Radiance);
+                for (int k = 0; k < SpectrumSamples; ++k) {
+                    Float expected = wo.z > 0 ? Analytic(wo, wi, lambda[k]) : Analytic(-wo, -wi, lambda[k]);
+                    EXPECT_NEAR(f[k], expected, 0.06f * expected + 2e-3f) << isotropic << " " << wo.z << " " << wi.z;
+                }
+                ++compared;
+                EXPECT_FALSE(lobe.F(wo, -wi, TransportMode::Radiance));
+            }
+        EXPECT_GT(compared, 1000);
+    }
+}
+
+TEST_F(Measured, SamplesFollowTheirDensity) {
+    const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.4f);
+    for (bool isotropic : {true, false}) {
+        Write(AnalyticFile(isotropic));
+        auto brdf = ReadMeasuredBrdf(path_);
+        MeasuredBxdf lobe(*brdf, lambda);
+        for (const Vector3 &wo : Views()) {
+            double mass;
+            double p = test::DirectionTest(
+                [&](Rng &rng) -> std::optional<Vector3> {
+                    Float uc = rng.Uniform();
+                    auto s = lobe.Sample(wo, uc, rng.Uniform2(), TransportMode::Radiance, ReflTransFlags::All);
+                    if (!s) return {};
+                    return s->wi;
+                },
+                [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, TransportMode::Radiance, ReflTransFlags::All); }, 10000, 10,
+                &mass);
+            EXPECT_GT(p, test::SidakAlpha(1e-4, 8)) << isotropic << " " << wo.z;
+            EXPECT_LT(mass, 1.01);
+            EXPECT_GT(mass, 0.7);
+            Rng rng(2);
+            for (int i = 0; i < 300; ++i) {
+                auto s = lobe.Sample(wo, 0, rng.Uniform2(), TransportMode::Radiance, ReflTransFlags::All);
+                if (!s || std::abs(s->wi.z) < 0.05f) continue;
+                EXPECT_NEAR(lobe.Pdf(wo, s->wi, TransportMode::Radiance, ReflTransFlags::All), s->pdf, 0.02f * s->pdf + 1e-3f);
+                EXPECT_NEAR(lobe.F(wo, s->wi, TransportMode::Radiance)[1], s->f[1], 0.02f * s->f[1] + 1e-3f);
+            }
+        }
+    }
+}
+
+TEST_F(Measured, MaterialReadsItsFileAndErrorsNameIt) {
+    Write(AnalyticFile(true));
+    test::Workshop shop;
+    MaterialPtr m = shop.Make("measured", test::Params("m").S("filename", {path_}));
+    SurfacePoint s = test::TestPoint();
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.4f);
+    Vector3 wi = Normalize(s.n + s.wo);
+    Frame frame = Frame::FromXZ(s.shading.dpdu, s.shading.n);
+    EXPECT_NEAR(m->GetBsdf(s, lambda).F(s.wo, wi)[2], Analytic(frame.ToLocal(s.wo), frame.ToLocal(wi), lambda[2]), 0.03f);
+    EXPECT_TRUE(shop.sink.All().empty());
+
+    auto error = [&](const test::Params &params) { return test::Catch([&] { shop.Make("measured", params); }); };
+    EXPECT_TRUE(error(test::Params("m", 3)).Says("\"string filename\" is required"));
+    test::Params there = test::Params("m", 3).S("filename", {path_});
+    Write("tensor_file");
+    EXPECT_TRUE(error(there).Says("header is missing"));
+    EXPECT_EQ(error(there).line, 4);
+    std::string bytes = AnalyticFile(true);
+    Write(bytes.substr(0, bytes.size() - 1));
+    EXPECT_TRUE(error(there).Says("is cut off"));
+    for (size_t length = 0; length < 300; length += 7) {
+        Write(bytes.substr(0, length));
+        EXPECT_TRUE(error(there).Says("tensor file")) << length;
+    }
+    TensorWriter few;
+    few.Add("phi_i", {1}, {0});
+    Write(few.Bytes());
+    EXPECT_TRUE(error(there).Says("field \"theta_i\" is missing"));
+    few.Add("theta_i", {2}, {1, 0});
+    Write(few.Bytes());
+    EXPECT_TRUE(error(there).Says("must increase"));
+}
+
+}  // namespace
+}  // namespace pbrt

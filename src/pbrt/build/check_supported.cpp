@@ -52,6 +52,8 @@ void CheckSupported(const SceneDescription &d, const BuildOptions &options, Diag
     auto shape = [&](const ShapeEntity &s) {
         check.Type("Shape", s, UnsupportedShapes());
         check.Animated("shape", s.ctm, s.loc);
+        if (s.type == "curve" && s.areaLight >= 0)
+            sink.Error(s.loc, "Shape \"curve\" cannot be an area light (nor can it in stock pbrt-v4).");
         if (s.type == "plymesh") check.Parameter("Shape", s, "displacement");
         if (s.type == "bilinearmesh") check.Parameter("Shape", s, "emissionfilename");
     };

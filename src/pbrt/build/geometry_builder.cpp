@@ -2,6 +2,7 @@
 
 #include "pbrt/core/parallel.h"
 #include "pbrt/lights/light_factory.h"
+#include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/shape_factory.h"
 
 namespace pbrt {
@@ -79,6 +80,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
         }
         progress.Advance();
     });
+    MergeCurves();
     std::vector<std::vector<ShapeId>> objects(description_.objects.size());
     for (Work &w : work_) {
         for (const Diagnostic &d : w.sink.All())
@@ -87,6 +89,28 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
     }
     BuildInstances(objects);
     work_.clear();
+}
+
+void GeometryBuilder::MergeCurves() {
+    Work *previous = nullptr;
+    for (Work &w : work_) {
+        if (w.shapes.size() != 1 || w.shapes[0]->Kind() != ShapeKind::Curves || w.alpha || w.entity->areaLight >= 0) {
+            previous = nullptr;
+            continue;
+        }
+        const ShapeEntity &e = *w.entity;
+        if (previous) {
+            const ShapeEntity &p = *previous->entity;
+            if (previous->object == w.object && p.material.index == e.material.index &&
+                p.material.name == e.material.name && p.insideMedium == e.insideMedium &&
+                p.outsideMedium == e.outsideMedium && !p.ctm.IsAnimated() && !e.ctm.IsAnimated() &&
+                static_cast<Curves &>(*previous->shapes[0]).Append(static_cast<const Curves &>(*w.shapes[0]))) {
+                w.shapes.clear();
+                continue;
+            }
+        }
+        previous = &w;
+    }
 }
 
 void GeometryBuilder::Register(Work &w, std::vector<ShapeId> *object) {

@@ -33,6 +33,8 @@ class GeometryBuilder {
     };
 
     MaterialId ResolveMaterial(const ShapeEntity &entity);
+    /// Curves come as one directive per hair: neighbours that differ in nothing else become one shape.
+    void MergeCurves();
     void Register(Work &work, std::vector<ShapeId> *object);
     void BuildInstances(const std::vector<std::vector<ShapeId>> &objects);
 

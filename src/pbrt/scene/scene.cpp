@@ -14,7 +14,8 @@ std::optional<SurfacePoint> Scene::Intersect(const Ray &ray) const {
     std::optional<AccelHit> hit = parts_.accel->Intersect(ray);
     if (!hit) return {};
     const ShapeRecord &record = parts_.shapes[hit->shape.value];
-    SurfacePoint point = record.shape->Surface(hit->primitive, hit->hit);
+    SurfacePoint point = record.shape->FacesRay() ? SurfaceOnRay(*record.shape, *hit, ray)
+                                                  : record.shape->Surface(hit->primitive, hit->hit);
     if (hit->instance >= 0) point = TransformSurface(parts_.accel->InstanceTransform(hit->instance), point);
     // Embree's triangle test mixes the axes: a plane through the origin has no error along its own axis, yet rays that
     // leave it without an offset hit it again.
@@ -29,6 +30,12 @@ std::optional<SurfacePoint> Scene::Intersect(const Ray &ray) const {
     point.insideMedium = record.insideMedium;
     point.outsideMedium = record.outsideMedium;
     return point;
+}
+
+SurfacePoint Scene::SurfaceOnRay(const Shape &shape, const AccelHit &hit, const Ray &ray) const {
+    if (hit.instance < 0) return shape.SurfaceOnRay(hit.primitive, hit.hit, ray.o, ray.d);
+    const Transform &t = parts_.accel->InstanceTransform(hit.instance);
+    return shape.SurfaceOnRay(hit.primitive, hit.hit, t.InversePoint(ray.o), t.InverseVector(ray.d));
 }
 
 bool Scene::Occluded(const LightSampleContext &from, const LightLiSample &to) const {

@@ -46,6 +46,8 @@ class Scene {
     const Accel &Acceleration() const { return *parts_.accel; }
 
   private:
+    /// In the space of the shape: before its instance is placed.
+    SurfacePoint SurfaceOnRay(const Shape &shape, const AccelHit &hit, const Ray &ray) const;
     SceneParts parts_;
     Bounds3 bounds_;
 };

@@ -33,7 +33,7 @@ struct PrimitiveHit {
 };
 
 /// How the accelerator should trace a shape.
-enum class ShapeKind { TriangleMesh, BilinearMesh, Sphere, Disk, Cylinder };
+enum class ShapeKind { TriangleMesh, BilinearMesh, Sphere, Disk, Cylinder, Curves };
 
 /// A quadric (one primitive) or a mesh (many), in rendering space. Immutable.
 class Shape {
@@ -53,6 +53,11 @@ class Shape {
 
     /// Everything but ids, wo, time, t and footprints.
     virtual SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const = 0;
+    /// Curves turn towards the ray: their surface is known only together with it, in the shape's space.
+    bool FacesRay() const { return facesRay_; }
+    virtual SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &, const Vector3 &) const {
+        return Surface(primitive, hit);
+    }
     /// uv only (alpha tests).
     virtual Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const = 0;
 
@@ -65,6 +70,12 @@ class Shape {
     /// hit this primitive at pHit with normal nHit.
     virtual Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi,
                                 const Point3 &pHit, const Normal3 &nHit) const = 0;
+
+  protected:
+    explicit Shape(bool facesRay = false) : facesRay_(facesRay) {}
+
+  private:
+    bool facesRay_;
 };
 
 }  // namespace pbrt

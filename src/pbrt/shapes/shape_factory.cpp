@@ -1,6 +1,7 @@
 #include "pbrt/shapes/shape_factory.h"
 
 #include "pbrt/shapes/bilinear_mesh.h"
+#include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/cylinder.h"
 #include "pbrt/shapes/disk.h"
 #include "pbrt/shapes/loop_subdivision.h"
@@ -103,6 +104,64 @@ Shapes MakeBilinearMesh(const Request &r) {
     return One<BilinearMesh>(r, ReadMesh(r, 4, false));
 }
 
+/// Quadrics and curves are traced in object space, which a singular transform does not have.
+void CheckInvertible(const Request &r) {
+    if (r.renderFromObject.IsSingular())
+        throw UserError(
+            fmt::format("{}: the current transformation flattens it (its matrix is singular).", r.params.What()),
+            r.params.Loc());
+}
+
+Shapes MakeCurve(const Request &r) {
+    const ParamSet &params = r.params;
+    auto fail = [&](const char *name, const std::string &message) -> void {
+        throw UserError(fmt::format("{}: {}", params.What(), message), params.LocOf(name));
+    };
+    Float width = params.GetFloat("width", 1);
+    Float width0 = params.GetFloat("width0", width), width1 = params.GetFloat("width1", width);
+    if (!(width0 >= 0)) fail("width0", fmt::format("the width at the start is {}; it must not be negative.", width0));
+    if (!(width1 >= 0)) fail("width1", fmt::format("the width at the end is {}; it must not be negative.", width1));
+    int degree = params.GetInt("degree", 3);
+    if (degree != 2 && degree != 3) fail("degree", fmt::format("\"degree\" is {}; it must be 2 or 3.", degree));
+    std::string basisName = params.GetChoice("basis", "bezier", {"bezier", "bspline"});
+    std::string type = params.GetChoice("type", "flat", {"flat", "cylinder", "ribbon"});
+    Float splitDepth = params.GetFloat("splitdepth", static_cast<Float>(params.GetInt("splitdepth", 3)));
+    std::vector<Point3> points = Triples(params.GetFloats("P", ParamType::Point3));
+    std::vector<Normal3> normals = Triples(params.GetFloats("N", ParamType::Normal));
+
+    if (points.empty()) fail("P", "\"point3 P\" is missing.");
+    CurveBasis basis = basisName == "bezier" ? CurveBasis::Bezier : CurveBasis::BSpline;
+    size_t count = SegmentCount(points.size(), degree, basis);
+    if (count == 0)
+        fail("P", basis == CurveBasis::Bezier
+                      ? fmt::format("there are {} points; a bezier curve of degree {} needs {} + {} k.", points.size(),
+                                    degree, degree + 1, degree)
+                      : fmt::format("there are {} points; a bspline curve of degree {} needs at least {}.",
+                                    points.size(), degree, degree + 1));
+    CurveKind kind = type == "flat" ? CurveKind::Flat : type == "cylinder" ? CurveKind::Cylinder : CurveKind::Ribbon;
+    if (kind == CurveKind::Ribbon) {
+        if (normals.size() != count + 1)
+            fail("N", fmt::format("a ribbon of {} segments needs {} normals \"N\", and there are {}.", count, count + 1,
+                                  normals.size()));
+    } else if (!normals.empty()) {
+        r.sink.Warning(params.LocOf("N"), fmt::format("{}: \"N\" is used only for type \"ribbon\".", params.What()));
+        normals.clear();
+    }
+    std::vector<Curves::Segment> segments(count);
+    std::vector<Normal3> ends;
+    for (size_t i = 0; i < count; ++i) {
+        auto along = [&](size_t k) { return static_cast<Float>(k) / static_cast<Float>(count); };
+        segments[i] = {SegmentOf(points, i, degree, basis), Lerp(along(i), width0, width1),
+                       Lerp(along(i + 1), width0, width1), static_cast<int>(std::clamp(splitDepth, Float(0), Float(10)))};
+        if (!normals.empty()) ends.insert(ends.end(), {normals[i], normals[i + 1]});
+    }
+    CheckInvertible(r);
+    Shapes shapes;
+    shapes.push_back(std::make_unique<Curves>(kind, std::move(segments), std::move(ends), r.renderFromObject,
+                                              r.reverseOrientation));
+    return shapes;
+}
+
 Shapes MakeLoopSubdivision(const Request &r) {
     const ParamSet &params = r.params;
     int levels = params.GetInt("levels", 3);
@@ -176,14 +235,6 @@ Float Radius(const Request &r) {
     return radius;
 }
 
-/// A quadric is traced in object space, which a singular transform does not have.
-void CheckInvertible(const Request &r) {
-    if (r.renderFromObject.IsSingular())
-        throw UserError(
-            fmt::format("{}: the current transformation flattens it (its matrix is singular).", r.params.What()),
-            r.params.Loc());
-}
-
 Shapes MakeSphere(const Request &r) {
     Float radius = Radius(r), zMin = r.params.GetFloat("zmin", -radius), zMax = r.params.GetFloat("zmax", radius);
     Float phiMax = r.params.GetFloat("phimax", 360);
@@ -216,7 +267,7 @@ struct Maker {
     Shapes (*make)(const Request &);
 };
 constexpr Maker kMakers[] = {
-    {"bilinearmesh", MakeBilinearMesh}, {"cylinder", MakeCylinder}, {"disk", MakeDisk},
+    {"bilinearmesh", MakeBilinearMesh}, {"curve", MakeCurve}, {"cylinder", MakeCylinder}, {"disk", MakeDisk},
     {"loopsubdiv", MakeLoopSubdivision},
     {"plymesh", MakePlyMesh},           {"sphere", MakeSphere},     {"trianglemesh", MakeTriangleMesh}};
 
@@ -244,7 +295,7 @@ const std::vector<std::string> &SupportedShapes() {
 }
 
 const std::vector<std::string> &UnsupportedShapes() {
-    static const std::vector<std::string> kNames = {"curve"};
+    static const std::vector<std::string> kNames = {};
     return kNames;
 }
 

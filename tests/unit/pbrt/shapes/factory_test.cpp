@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "pbrt/shapes/bilinear_mesh.h"
+#include "pbrt/shapes/curves.h"
 
 namespace pbrt {
 namespace {
@@ -127,8 +128,29 @@ TEST_F(ShapeFactory, QuadricParameters) {
     EXPECT_NE(ErrorOf("disk").find("radius"), std::string::npos);
 }
 
-TEST_F(ShapeFactory, UnknownAndUnbuiltTypes) {
-    EXPECT_NE(ErrorOf("curve").find("not supported yet"), std::string::npos);
+TEST_F(ShapeFactory, CurvesAreCheckedAndWidthsRunAlongTheWholeCurve) {
+    EXPECT_NE(ErrorOf("curve").find("\"point3 P\""), std::string::npos);
+    Floats(ParamType::Point3, "P", {0, 0, 0, 1, 0, 0, 2, 1, 0, 3, 1, 0, 4, 0, 0});
+    EXPECT_NE(ErrorOf("curve").find("5 points"), std::string::npos);
+    Ints("degree", {2});
+    Floats(ParamType::Float, "width0", {1});
+    Floats(ParamType::Float, "width1", {3});
+    auto shapes = Make("curve");
+    const auto &curves = static_cast<const Curves &>(*shapes[0]);
+    ASSERT_EQ(curves.SegmentCount(), 2u);
+    EXPECT_FLOAT_EQ(curves.SegmentOfPrimitive(0).width1, 2);
+    String("type", "ribbon");
+    EXPECT_NE(ErrorOf("curve").find("3 normals"), std::string::npos);
+    Floats(ParamType::Normal, "N", {0, 0, 1, 0, 1, 0, 1, 0, 0});
+    EXPECT_EQ(static_cast<const Curves &>(*Make("curve")[0]).SegmentCount(), 2u);
+    Ints("splitdepth", {4});
+    Make("curve");
+    EXPECT_EQ(Unused(), 0u);
+    String("type", "tube");
+    EXPECT_NE(ErrorOf("curve").find("cylinder"), std::string::npos);
+}
+
+TEST_F(ShapeFactory, UnknownTypes) {
     std::string message = ErrorOf("spher");
     EXPECT_NE(message.find("did you mean \"sphere\""), std::string::npos);
     EXPECT_NE(message.find("bilinearmesh"), std::string::npos);

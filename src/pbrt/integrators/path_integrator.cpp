@@ -21,7 +21,13 @@ SampledSpectrum PathIntegrator::SampleDirect(const SurfacePoint &point, const Bs
     }
     const Light &light = context_.scene.Lights()[selected->light];
     LightSampleContext from = LightContextAt(point);
-    std::optional<LightLiSample> sample = light.SampleLi(from, uLight, lambda, true);
+    LightSampleContext seenFrom = from;
+    // Stock samples lights from the side of the surface that scatters. It matters only where error bounds are as large as
+    // a curve is wide.
+    if (context_.scene.ShapeOf(point.shape).FacesRay() &&
+        IsReflective(bsdf.Flags()) != IsTransmissive(bsdf.Flags()))
+        seenFrom.p = point.OffsetOrigin(IsReflective(bsdf.Flags()) ? point.wo : -point.wo);
+    std::optional<LightLiSample> sample = light.SampleLi(seenFrom, uLight, lambda, true);
     if (!sample || !sample->L || !(sample->pdf > 0)) return SampledSpectrum(0);
 
     SampledSpectrum f = bsdf.F(point.wo, sample->wi) * AbsDot(sample->wi, point.shading.n);

@@ -108,21 +108,21 @@ std::optional<MeasuredBrdf::Sampled> MeasuredBrdf::Sample(const Vector3 &wo, con
 
 SampledSpectrum MeasuredBxdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
     if (!SameHemisphere(wo, wi)) return SampledSpectrum(0);
-    return wo.z < 0 ? brdf_->F(-wo, -wi, lambda_) : brdf_->F(wo, wi, lambda_);
+    return wo.z < 0 ? Brdf().F(-wo, -wi, lambda_) : Brdf().F(wo, wi, lambda_);
 }
 
 std::optional<BsdfSample> MeasuredBxdf::Sample(const Vector3 &wo, Float, const Point2 &u, TransportMode,
                                                ReflTransFlags which) const {
     if (!Has(which, ReflTransFlags::Reflection)) return {};
     const Float side = wo.z < 0 ? Float(-1) : Float(1);
-    auto sample = brdf_->Sample(wo * side, u, lambda_);
+    auto sample = Brdf().Sample(wo * side, u, lambda_);
     if (!sample) return {};
     return BsdfSample{sample->f, sample->wi * side, sample->pdf, Flags()};
 }
 
 Float MeasuredBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const {
     if (!Has(which, ReflTransFlags::Reflection) || !SameHemisphere(wo, wi)) return 0;
-    return wo.z < 0 ? brdf_->Pdf(-wo, -wi) : brdf_->Pdf(wo, wi);
+    return wo.z < 0 ? Brdf().Pdf(-wo, -wi) : Brdf().Pdf(wo, wi);
 }
 
 }  // namespace pbrt

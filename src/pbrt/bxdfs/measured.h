@@ -1,4 +1,5 @@
 #pragma once
+#include <bit>
 #include <optional>
 
 #include "pbrt/bxdfs/bilinear_warp.h"
@@ -47,7 +48,8 @@ class MeasuredBrdf {
 /// A measured BRDF at the wavelengths of one path, on both sides alike. The BRDF must outlive it.
 class MeasuredBxdf {
   public:
-    MeasuredBxdf(const MeasuredBrdf &brdf, const SampledWavelengths &lambda) : brdf_(&brdf), lambda_(lambda) {}
+    MeasuredBxdf(const MeasuredBrdf &brdf, const SampledWavelengths &lambda)
+        : brdf_(std::bit_cast<Pointer>(&brdf)), lambda_(lambda) {}
 
     BxdfFlags Flags() const { return BxdfFlags::Glossy | BxdfFlags::Reflection; }
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode) const;
@@ -57,7 +59,11 @@ class MeasuredBxdf {
     void Regularize() {}
 
   private:
-    const MeasuredBrdf *brdf_;
+    const MeasuredBrdf &Brdf() const { return *std::bit_cast<const MeasuredBrdf *>(brdf_); }
+
+    /// In pieces, so that the lobe needs no wider alignment than a Float: every Bsdf would grow by it.
+    using Pointer = std::array<uint32_t, sizeof(void *) / sizeof(uint32_t)>;
+    Pointer brdf_;
     SampledWavelengths lambda_;
 };
 

@@ -67,27 +67,32 @@ constexpr Float kMostArriving = 1e36f;
     return Ops::Select(cosE == F(0), mean, cut);
 }
 
+/// The candidate's power, but as RootMeanSquare.
+Float Strength(const Light &first, const LightCandidate &candidate) {
+    const SampledWavelengths lambda = PowerWavelengths();
+    const SampledSpectrum phi = first.Phi(lambda);
+    const Float mean = SafeDivide(phi, lambda.Pdf()).Average();
+    return mean > 0 ? candidate.power * (RootMeanSquare(phi) / mean) : 0;
+}
+
 }  // namespace
 
 Float RootMeanSquare(const SampledSpectrum &s) { return std::sqrt((s * s).Average()); }
 
 Emitter MakeEmitter(const Light &first, const LightCandidate &candidate) {
     Emitter e;
-    const SampledWavelengths lambda = PowerWavelengths();
-    const SampledSpectrum phi = first.Phi(lambda);
-    const Float mean = SafeDivide(phi, lambda.Pdf()).Average();
-    const Float power = mean > 0 ? candidate.power * (RootMeanSquare(phi) / mean) : candidate.power;
+    if (candidate.infinite && !first.Opening()) {
+        e.isFar = true;
+        e.isDelta = first.Kind() == LightKind::DeltaDirection;
+        FindMoments(first, &e);
+        return e;
+    }
+    const Float power = Strength(first, candidate);
     if (std::optional<LightBounds> opening = first.Opening()) {
         // What shines through it shines from it: power / pi is radiance times area, as for a flat area light.
         e.bounds = opening;
         e.isArea = true;
         e.intensity = power * InvPi;
-        return e;
-    }
-    if (candidate.infinite) {
-        e.isFar = true;
-        e.isDelta = first.Kind() == LightKind::DeltaDirection;
-        FindMoments(first, &e);
         return e;
     }
     if (!candidate.bounds || !(candidate.bounds->phi > 0)) return e;

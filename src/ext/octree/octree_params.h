@@ -40,7 +40,7 @@ struct OctreeParams {
         v("secondmoment", secondmoment, "visibility: learn the root mean square of what is found; false: the mean");
         v("bsdf", bsdf, "visibility: follow the BSDF of glossy surfaces");
         v("interior", interior, "visibility: choose a mesh's primitive by importance at the point; false: by power");
-        v("treeshare", treeshare, Range<Float>{0.f, 1.f}, "visibility: share of the tree over all lights where there are more than 64 lights");
+        v("treeshare", treeshare, Range<Float>{0.f, 1.f}, "visibility: least share of the tree over all lights where there are more than 64 lights");
         v("meshlights", meshlights, "an emissive mesh is one light for selection");
     }
 };

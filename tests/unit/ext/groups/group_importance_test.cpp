@@ -76,7 +76,7 @@ Float Unoccluded(const Light &light, const LightQuery &q, const Point2 &u) {
     if (!s || !(s->pdf > 0)) return 0;
     Float cosine = q.ns == Normal3(0) ? Float(1) : AbsDot(s->wi, q.ns);
     if (q.ns != Normal3(0) && !q.transmits && Dot(s->wi, q.ns) * Dot(q.wo, q.ns) <= 0) return 0;
-    return SafeDivide(s->L, lambda.Pdf()).Average() * cosine / s->pdf;
+    return RootMeanSquare(s->L) * cosine / s->pdf;
 }
 
 class GroupImportanceOfEveryLight : public testing::TestWithParam<bool> {};

@@ -14,7 +14,7 @@ struct RenderRequest {
 };
 
 struct Rendered {
-    Image image;  ///< R, G, B
+    Image image;  ///< R, G, B first
     nlohmann::ordered_json lightReport;
     double seconds = 0;
     std::vector<Diagnostic> diagnostics;

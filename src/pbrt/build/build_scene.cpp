@@ -9,6 +9,7 @@
 #include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/integrators/visible_surface.h"
 #include "pbrt/lights/light_factory.h"
 #include "pbrt/math/rng.h"
 
@@ -118,9 +119,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
         d.filter.params.ReportUnused(sink);
     });
     Collect(sink, [&] {
-        if (std::find(SupportedFilms().begin(), SupportedFilms().end(), d.film.type) == SupportedFilms().end())
-            throw UserError(fmt::format("Film \"{}\" is unknown; {}.", d.film.type, ListChoices(d.film.type, SupportedFilms())), d.film.loc);
-        built.film = std::make_unique<RgbFilm>(d.film.params, SpaceOf(d.film), exposure, film, sink);
+        built.film = MakeFilm(d.film.type, d.film.params, SpaceOf(d.film), exposure, film, sink);
         d.film.params.ReportUnused(sink);
         built.makeFilm = [params = d.film.params, space = &SpaceOf(d.film), exposure, film] {
             DiagnosticSink ignored;
@@ -197,6 +196,14 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
         built.shadowGateName = made.shadowGateName;
         built.maxDepth = made.maxDepth;
     });
+    if (built.film->Kind() == FilmKind::GBuffer) {
+        auto &gbuffer = static_cast<GBufferFilm &>(*built.film);
+        const bool camera = gbuffer.Coordinates() == GBufferFilm::CoordinateSystem::Camera;
+        gbuffer.SetQuery([context, outputFromRender = camera ? built.camera->CameraFromRender() : renderFromWorld.Inverse()](
+                          const CameraRay &ray, const SampledWavelengths &lambda) {
+            return FindVisibleSurface(context, outputFromRender, ray, lambda);
+        });
+    }
     sink.ThrowIfErrors();
     built.makeIntegrator = [entity = d.integrator, options, &registry, context, &space](const LightChoice &choice) {
         BuildOptions chosen = options;

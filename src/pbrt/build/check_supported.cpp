@@ -35,14 +35,9 @@ void CheckSupported(const SceneDescription &d, const BuildOptions &options, Diag
     Checker check(sink);
     if (options.integrator.empty()) check.Type("Integrator", d.integrator, UnsupportedIntegrators());
     check.Type("Camera", d.camera, UnsupportedCameras());
-    check.Type("Film", d.film, UnsupportedFilms());
-    std::string sensor = d.film.params.GetString("sensor", "cie1931");
-    if (std::count(UnsupportedSensors().begin(), UnsupportedSensors().end(), sensor))
-        check.NotBuilt(d.film.params.LocOf("sensor"), fmt::format("sensor \"{}\"", sensor));
     check.Type("Sampler", d.sampler, UnsupportedSamplers());
     check.Animated("camera", d.camera.cameraFromWorld, d.camera.loc);
     for (const MediumEntity &m : d.media) check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));
-    for (const TextureEntity &t : d.textures) check.Type("Texture", t, UnsupportedTextures());
     for (const MaterialEntity &m : d.materials) check.Type("Material", m, UnsupportedMaterials());
     // volpath sees through interface surfaces when it looks for lights; path, which stands in for it, does not.
     if (options.integrator.empty() && d.integrator.type == "volpath")

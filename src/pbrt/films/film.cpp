@@ -10,7 +10,7 @@
 
 #include "pbrt/core/log.h"
 #include "pbrt/films/film_bounds.h"
-#include "pbrt/spectra/rgb_primaries.h"
+#include "pbrt/films/film_params.h"
 
 namespace pbrt {
 
@@ -18,21 +18,15 @@ namespace {
 
 constexpr Float kLargestHalf = 65504;
 
-Float GetAboveZero(const ParamSet &params, const char *name, Float defaultValue) {
-    Float v = params.GetFloat(name, defaultValue);
-    if (!(v > 0))
-        throw UserError(fmt::format("{}: \"{}\" is {}; it must be above 0.", params.What(), name, v),
-                        params.LocOf(name));
-    return v;
-}
-
 /// Said before the picture is rendered, not after.
-void CheckWritable(const std::string &filename, const FileLoc &loc) {
+void CheckWritable(FilmKind kind, const std::string &filename, const FileLoc &loc) {
     std::string extension = std::filesystem::path(filename).extension().string();
     for (char &c : extension)
         c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     if (extension != ".exr" && extension != ".png" && extension != ".pfm")
         throw UserError(fmt::format("\"{}\": pictures are written as .exr, .png or .pfm.", filename), loc);
+    if (kind != FilmKind::Rgb && extension != ".exr")
+        throw UserError(fmt::format("\"{}\": the channels of this film only fit into an .exr file.", filename), loc);
 }
 
 int GetExtent(const ParamSet &params, const char *name, int defaultValue, int divisor) {
@@ -45,83 +39,35 @@ int GetExtent(const ParamSet &params, const char *name, int defaultValue, int di
 
 }  // namespace
 
-const std::vector<std::string> &SupportedFilms() {
-    static const std::vector<std::string> names = {"rgb"};
-    return names;
-}
-const std::vector<std::string> &UnsupportedSensors() {
-    static const std::vector<std::string> names = {
-        "canon_eos_100d", "canon_eos_1dx_mkii", "canon_eos_200d",    "canon_eos_200d_mkii", "canon_eos_5d",
-        "canon_eos_5d_mkii", "canon_eos_5d_mkiii", "canon_eos_5d_mkiv", "canon_eos_5ds", "canon_eos_m",
-        "hasselblad_l1d_20c", "nikon_d810", "nikon_d850", "sony_ilce_6400", "sony_ilce_7m3", "sony_ilce_7rm3",
-        "sony_ilce_9"};
-    return names;
-}
-
-const std::vector<std::string> &UnsupportedFilms() {
-    static const std::vector<std::string> names = {"gbuffer", "spectral"};
-    return names;
-}
-
-RgbFilm::RgbFilm(const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime,
+RgbFilm::RgbFilm(FilmKind kind, const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime,
                  const FilmOverrides &overrides, DiagnosticSink &sink)
-    : space_(&outputSpace) {
+    : kind_(kind), space_(&outputSpace), sensor_(PixelSensor::Make(params, outputSpace, exposureTime)),
+      outputFromSensor_(outputSpace.RgbFromXyz() * sensor_.XyzFromSensor()) {
     fullResolution_ = {GetExtent(params, "xresolution", 1280, overrides.resolutionDivisor),
                        GetExtent(params, "yresolution", 720, overrides.resolutionDivisor)};
     pixelBounds_ = ChoosePixelBounds(params, fullResolution_, overrides, sink);
     filename_ = params.GetString("filename", "pbrt.exr");
     if (!overrides.filename.empty()) filename_ = overrides.filename;
-    CheckWritable(filename_, overrides.filename.empty() ? params.LocOf("filename") : FileLoc());
+    CheckWritable(kind, filename_, overrides.filename.empty() ? params.LocOf("filename") : FileLoc());
     diagonal_ = GetAboveZero(params, "diagonal", 35);
     maxComponent_ = GetAboveZero(params, "maxcomponentvalue", Infinity);
     half_ = params.GetBool("savefp16", true) && !overrides.fullFloat;
-
-    std::string sensor = params.GetString("sensor", "cie1931");
-    if (sensor != "cie1931") {
-        std::vector<std::string> known = UnsupportedSensors();
-        bool unsupported = std::find(known.begin(), known.end(), sensor) != known.end();
-        known.insert(known.begin(), "cie1931");
-        throw UserError(unsupported ? fmt::format("Sensor \"{}\" is not supported yet; \"cie1931\" is.", sensor)
-                                    : fmt::format("Sensor \"{}\" is unknown; {}.", sensor, ListChoices(sensor, known)),
-                        params.LocOf("sensor"));
-    }
-    imagingRatio_ = exposureTime * GetAboveZero(params, "iso", 100) / 100;
-    outputFromSensor_ = outputSpace.RgbFromXyz();
-    Float whiteBalance = params.GetFloat("whitebalance", 0);
-    if (whiteBalance < 0)
-        throw UserError(fmt::format("{}: \"whitebalance\" is {} K; it must be above 0, or 0 for none.", params.What(),
-                                    whiteBalance),
-                        params.LocOf("whitebalance"));
-    if (whiteBalance > 0) {
-        Point2 sceneWhite = Chromaticity(SpectrumToXyz(DaylightSpectrum(whiteBalance)));
-        outputFromSensor_ = outputFromSensor_ * WhiteBalanceMatrix(sceneWhite, outputSpace.White());
-    }
     pixels_.resize(static_cast<size_t>(pixelBounds_.Area()));
 }
 
 void RgbFilm::AddSample(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {
     PBRT_DCHECK(pixelBounds_.Contains(pixel));
-    SampledSpectrum flux = SafeDivide(L, lambda.Pdf());
-    Vector3 sensor((flux * CieX().Sample(lambda)).Average(), (flux * CieY().Sample(lambda)).Average(),
-                   (flux * CieZ().Sample(lambda)).Average());
-    sensor *= imagingRatio_;
-    if (!std::isfinite(sensor.x + sensor.y + sensor.z) || !std::isfinite(weight)) {
-        rejected_.fetch_add(1, std::memory_order_relaxed);
-        return;
-    }
-    Float largest = MaxComponent(sensor);
-    if (largest > maxComponent_) sensor *= maxComponent_ / largest;
-    Point2i p = pixel - pixelBounds_.low;
-    Pixel &sums =
-        pixels_[static_cast<size_t>(p.y) * static_cast<size_t>(pixelBounds_.Width()) + static_cast<size_t>(p.x)];
-    for (int c = 0; c < 3; ++c)
-        sums.sensor[c] += double(weight) * double(sensor[c]);
-    sums.weight += double(weight);
+    Vector3 sensor;
+    if (Measure(L, lambda, weight, &sensor)) AddToSums(IndexOf(pixel), sensor, weight);
 }
 
-Image RgbFilm::ToImage() const {
+Image RgbFilm::ToImage() const { return MakeImage({}); }
+
+Image RgbFilm::MakeImage(const std::vector<std::string> &furtherChannels) const {
+    std::vector<std::string> channels = {"R", "G", "B"};
+    channels.insert(channels.end(), furtherChannels.begin(), furtherChannels.end());
     Image image(half_ ? PixelFormat::Half : PixelFormat::Float, {pixelBounds_.Width(), pixelBounds_.Height()},
-                {"R", "G", "B"}, ColorEncoding{ColorEncoding::Kind::Linear});
+                channels, ColorEncoding{ColorEncoding::Kind::Linear});
     uint64_t clamped = 0;
     size_t i = 0;
     for (int y = 0; y < pixelBounds_.Height(); ++y)

@@ -4,6 +4,8 @@
 
 #include "pbrt/core/files.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/films/gbuffer_film.h"
+#include "pbrt/films/spectral_film.h"
 #include "pbrt/images/metrics.h"
 
 namespace pbrt {
@@ -34,7 +36,9 @@ class ReferenceLog {
     }
     std::optional<double> Log(int samples, const RgbFilm &film) {
         if (!reference_) return {};
-        double mse = ImageError(film.ToImage(), reference_, Metric::MSE);
+        Image image = film.ToImage();
+        if (image.ChannelCount() > 3) image = image.Select({"R", "G", "B"});
+        double mse = ImageError(image, reference_, Metric::MSE);
         std::fprintf(out_.get(), "%d, %.9g\n", samples, mse);
         std::fflush(out_.get());
         return mse;
@@ -60,10 +64,11 @@ WaveRenderer::WaveRenderer(const Integrator &integrator, const Camera &camera, c
       bounds_(film.PixelBounds()), tiles_((bounds_.high - bounds_.low + (kTileSize - 1)) / kTileSize),
       tileCount_(bounds_.IsEmpty() ? 0 : int64_t(tiles_.x) * tiles_.y), samplers_(static_cast<size_t>(ThreadCount())) {}
 
-void WaveRenderer::SamplePixel(Point2i pixel, int sampleIndex, Sampler &sampler) const {
+template <class Film>
+void WaveRenderer::SamplePixel(Film &film, Point2i pixel, int sampleIndex, Sampler &sampler) const {
     sampler.StartPixelSample(pixel, sampleIndex);
     Float uLambda = sampler.Get1D();
-    SampledWavelengths lambda = film_.SampleWavelengths(settings_.disableWavelengthJitter ? Float(0.5) : uLambda);
+    SampledWavelengths lambda = film.SampleWavelengths(settings_.disableWavelengthJitter ? Float(0.5) : uLambda);
     FilterSample offset = filter_.Sample(sampler.GetPixel2D());
     CameraSample cs;
     cs.pFilm = Point2(pixel) + Point2(0.5f, 0.5f) + offset.offset;
@@ -72,12 +77,24 @@ void WaveRenderer::SamplePixel(Point2i pixel, int sampleIndex, Sampler &sampler)
     cs.filterWeight = offset.weight;
     if (settings_.disablePixelJitter) cs = {Point2(pixel) + Point2(0.5f, 0.5f), {0.5f, 0.5f}, 0.5f, 1};
     SampledSpectrum L(0);
+    [[maybe_unused]] std::optional<VisibleSurface> visible;
     if (std::optional<CameraRay> ray = camera_.GenerateRay(cs, lambda)) {
         SampledSpectrum weight = ray->weight;
         ray->differential.Scale(ray->ray, differentialScale_);
+        if constexpr (std::is_same_v<Film, GBufferFilm>) visible = film.Look(*ray, lambda);
         L = weight * integrator_.Li(*ray, lambda, sampler);
     }
-    film_.AddSample(pixel, L, lambda, cs.filterWeight);
+    if constexpr (std::is_same_v<Film, GBufferFilm>) film.AddSample(pixel, L, lambda, cs.filterWeight, visible);
+    else film.AddSample(pixel, L, lambda, cs.filterWeight);
+}
+
+template <class Film>
+void WaveRenderer::RenderTile(Film &film, int64_t tile, int first, int size, Sampler &sampler) const {
+    Point2i low = bounds_.low + kTileSize * Point2i(static_cast<int>(tile % tiles_.x), static_cast<int>(tile / tiles_.x));
+    Point2i high = glm::min(low + kTileSize, bounds_.high);
+    for (int y = low.y; y < high.y; ++y)
+        for (int x = low.x; x < high.x; ++x)
+            for (int i = first; i < first + size; ++i) SamplePixel(film, {x, y}, i, sampler);
 }
 
 int WaveRenderer::Render(int count) {
@@ -92,11 +109,11 @@ int WaveRenderer::Render(int count) {
         if (progress_.Cancelled()) return;
         // Which thread takes which tile does not matter.
         Sampler &sampler = *samplers_[static_cast<size_t>(ThreadIndex())];
-        Point2i low = bounds_.low + kTileSize * Point2i(static_cast<int>(tile % tiles_.x), static_cast<int>(tile / tiles_.x));
-        Point2i high = glm::min(low + kTileSize, bounds_.high);
-        for (int y = low.y; y < high.y; ++y)
-            for (int x = low.x; x < high.x; ++x)
-                for (int i = first; i < first + size; ++i) SamplePixel({x, y}, i, sampler);
+        switch (film_.Kind()) {
+            case FilmKind::Rgb: RenderTile(film_, tile, first, size, sampler); break;
+            case FilmKind::GBuffer: RenderTile(static_cast<GBufferFilm &>(film_), tile, first, size, sampler); break;
+            case FilmKind::Spectral: RenderTile(static_cast<SpectralFilm &>(film_), tile, first, size, sampler); break;
+        }
         if (settings_.timeBudget <= 0) progress_.Advance(size);
     });
     if (progress_.Cancelled()) return 0;

@@ -45,7 +45,11 @@ class WaveRenderer {
     int64_t TileCount() const { return tileCount_; }
 
   private:
-    void SamplePixel(Point2i pixel, int sampleIndex, Sampler &sampler) const;
+    /// Written once for every kind of film, so that none pays for another.
+    template <class Film>
+    void SamplePixel(Film &film, Point2i pixel, int sampleIndex, Sampler &sampler) const;
+    template <class Film>
+    void RenderTile(Film &film, int64_t tile, int first, int size, Sampler &sampler) const;
     const Integrator &integrator_;
     const Camera &camera_;
     const Filter &filter_;

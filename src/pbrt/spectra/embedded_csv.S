@@ -12,5 +12,7 @@
     embed pbrt_csv_cie1931, cie1931_xyz_1nm.csv
     embed pbrt_csv_daylight, cie_daylight_components.csv
     embed pbrt_csv_named, named_spectra.csv
+    embed pbrt_csv_sensors, camera_sensors.csv
+    embed pbrt_csv_colorchecker, colorchecker_reflectances.csv
 
     .section .note.GNU-stack,"",%progbits

@@ -32,6 +32,8 @@ const std::map<std::string, SpectrumPtr> &Library() {
         std::map<std::string, SpectrumPtr> spectra;
         for (const TabulatedSpectrum &table : EmbeddedNamedSpectra())
             spectra[table.name] = Build(table);
+        for (const TabulatedSpectrum &table : EmbeddedSensorResponses())
+            spectra[table.name] = Build(table);
         return spectra;
     }();
     return library;
@@ -42,6 +44,23 @@ const std::map<std::string, SpectrumPtr> &Library() {
 SpectrumPtr NamedSpectrum(const std::string &name) {
     auto found = Library().find(name);
     return found != Library().end() ? found->second : nullptr;
+}
+
+const std::vector<SpectrumPtr> &ColorCheckerReflectances() {
+    static const std::vector<SpectrumPtr> patches = [] {
+        std::vector<SpectrumPtr> spectra;
+        for (const TabulatedSpectrum &table : EmbeddedColorChecker())
+            spectra.push_back(Build(table));
+        return spectra;
+    }();
+    return patches;
+}
+
+std::vector<std::string> CameraSensorNames() {
+    std::vector<std::string> names;
+    for (const TabulatedSpectrum &table : EmbeddedSensorResponses())
+        if (table.name.ends_with("_r")) names.push_back(table.name.substr(0, table.name.size() - 2));
+    return names;
 }
 
 std::vector<std::string> NamedSpectrumNames() {

@@ -9,6 +9,8 @@ extern "C" {
 extern const char pbrt_csv_cie1931[], pbrt_csv_cie1931_end[];
 extern const char pbrt_csv_daylight[], pbrt_csv_daylight_end[];
 extern const char pbrt_csv_named[], pbrt_csv_named_end[];
+extern const char pbrt_csv_sensors[], pbrt_csv_sensors_end[];
+extern const char pbrt_csv_colorchecker[], pbrt_csv_colorchecker_end[];
 }
 
 namespace pbrt {
@@ -51,11 +53,14 @@ ThreeColumnTable ParseThreeColumns(std::string_view text) {
     return table;
 }
 
-std::vector<TabulatedSpectrum> ParseNamedSpectra(std::string_view text) {
+/// The first `nameFields` columns, joined by "_", are the name.
+std::vector<TabulatedSpectrum> ParseNamedSpectra(std::string_view text, int nameFields = 1) {
     std::vector<TabulatedSpectrum> spectra;
     ForEachRow(text, [&](std::string_view line) {
-        std::string_view name = CutField(line, ',');
-        if (spectra.empty() || spectra.back().name != name) spectra.push_back({std::string(name), {}, {}});
+        std::string name(CutField(line, ','));
+        for (int i = 1; i < nameFields; ++i)
+            name.append("_").append(CutField(line, ','));
+        if (spectra.empty() || spectra.back().name != name) spectra.push_back({name, {}, {}});
         spectra.back().lambdas.push_back(ParseNumber(CutField(line, ',')));
         spectra.back().values.push_back(ParseNumber(CutField(line, ',')));
     });
@@ -66,6 +71,18 @@ std::vector<TabulatedSpectrum> ParseNamedSpectra(std::string_view text) {
 
 const std::vector<TabulatedSpectrum> &EmbeddedNamedSpectra() {
     static const std::vector<TabulatedSpectrum> spectra = ParseNamedSpectra({pbrt_csv_named, pbrt_csv_named_end});
+    return spectra;
+}
+
+const std::vector<TabulatedSpectrum> &EmbeddedSensorResponses() {
+    static const std::vector<TabulatedSpectrum> spectra =
+        ParseNamedSpectra({pbrt_csv_sensors, pbrt_csv_sensors_end}, 2);
+    return spectra;
+}
+
+const std::vector<TabulatedSpectrum> &EmbeddedColorChecker() {
+    static const std::vector<TabulatedSpectrum> spectra =
+        ParseNamedSpectra({pbrt_csv_colorchecker, pbrt_csv_colorchecker_end});
     return spectra;
 }
 

@@ -15,6 +15,10 @@ struct TabulatedSpectrum {
 };
 /// In the order of the file.
 const std::vector<TabulatedSpectrum> &EmbeddedNamedSpectra();
+/// Camera sensors, three rows each, named SENSOR_r, SENSOR_g, SENSOR_b.
+const std::vector<TabulatedSpectrum> &EmbeddedSensorResponses();
+/// Reflectances of the 24 patches of a colour checker.
+const std::vector<TabulatedSpectrum> &EmbeddedColorChecker();
 
 struct ThreeColumnTable {
     std::vector<Float> lambdas;  ///< nm

@@ -31,14 +31,14 @@ SampledWavelengths SampledWavelengths::SampleVisible(Float u) {
     return s;
 }
 
-SampledWavelengths SampledWavelengths::SampleUniform(Float u) {
-    constexpr Float kRange = LambdaMax - LambdaMin;
+SampledWavelengths SampledWavelengths::SampleUniform(Float u, Float low, Float high) {
+    const Float range = high - low;
     SampledWavelengths s;
     for (size_t i = 0; i < SpectrumSamples; ++i) {
         Float ui = u + static_cast<Float>(i) / SpectrumSamples;
         if (ui > 1) ui -= 1;
-        s.lambda_[i] = LambdaMin + ui * kRange;
-        s.pdf_[i] = 1 / kRange;
+        s.lambda_[i] = low + ui * range;
+        s.pdf_[i] = 1 / range;
     }
     return s;
 }

@@ -96,7 +96,7 @@ class SampledWavelengths {
     /// Stratified over the visible range, more where the eye is sensitive; density proportional to
     /// 1/cosh^2(0.0072 (lambda - 538)), as stock pbrt-v4.
     static SampledWavelengths SampleVisible(Float u);
-    static SampledWavelengths SampleUniform(Float u);
+    static SampledWavelengths SampleUniform(Float u, Float low = LambdaMin, Float high = LambdaMax);
 
     Float operator[](int i) const { return lambda_[static_cast<size_t>(i)]; }
     Float PdfAt(int i) const { return pdf_[static_cast<size_t>(i)]; }
@@ -193,9 +193,13 @@ Vector3 SpectrumToXyz(const Spectrum &s);
 /// the illuminant's part counts.
 Float SpectrumToPhotometric(const Spectrum &s);
 
-/// A spectrum of §16 by name ("glass-BK7", "metal-Ag-eta", "stdillum-D65", "illum-acesD60", ...); nullptr if unknown.
+/// A spectrum of §16 by name ("glass-BK7", "metal-Ag-eta", "stdillum-D65", "nikon_d850_r", ...); nullptr if unknown.
 /// Illuminants are scaled to Y = 1 (SpectrumToXyz().y == 1).
 SpectrumPtr NamedSpectrum(const std::string &name);
 std::vector<std::string> NamedSpectrumNames();
+/// Cameras of §16. The response of channel r, g or b is the named spectrum SENSOR_r, SENSOR_g or SENSOR_b.
+std::vector<std::string> CameraSensorNames();
+/// Reflectances of the 24 patches of a colour checker.
+const std::vector<SpectrumPtr> &ColorCheckerReflectances();
 
 }  // namespace pbrt

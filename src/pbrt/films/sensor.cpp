@@ -1,0 +1,82 @@
+#include "pbrt/films/sensor.h"
+
+#include <algorithm>
+
+#include "pbrt/films/film_params.h"
+#include "pbrt/spectra/rgb_primaries.h"
+
+namespace pbrt {
+
+namespace {
+
+/// Response of three sensitivities to a reflectance under an illuminant, relative to that of the second to the bare
+/// illuminant.
+Vector3 Project(const Spectrum &reflectance, const Spectrum &illuminant, const Spectrum &a, const Spectrum &b,
+                const Spectrum &c) {
+    glm::dvec3 sum(0);
+    double white = 0;
+    for (int nm = static_cast<int>(LambdaMin); nm <= static_cast<int>(LambdaMax); ++nm) {
+        const auto lambda = static_cast<Float>(nm);
+        const double light = double(illuminant(lambda)), reflected = light * double(reflectance(lambda));
+        sum += reflected * glm::dvec3(double(a(lambda)), double(b(lambda)), double(c(lambda)));
+        white += light * double(b(lambda));
+    }
+    return Vector3(sum / white);
+}
+
+/// Camera values of the colour checker under `light` to the XYZ of its patches under the output space's own white, so
+/// that a white in `light` becomes the output white. Scaled so that what has Y = 1 in `light` keeps it.
+glm::mat3 CalibrateCamera(const Spectrum &r, const Spectrum &g, const Spectrum &b, const Spectrum &light,
+                          const ColorSpace &outputSpace) {
+    const Float brightness = InnerProduct(light, CieY()) / InnerProduct(light, g);
+    std::vector<Vector3> camera, xyz;
+    for (const SpectrumPtr &patch : ColorCheckerReflectances()) {
+        camera.push_back(Project(*patch, light, r, g, b));
+        xyz.push_back(Project(*patch, outputSpace.Illuminant(), CieX(), CieY(), CieZ()) * brightness);
+    }
+    return FitLinearMap(camera, xyz);
+}
+
+}  // namespace
+
+glm::mat3 FitLinearMap(const std::vector<Vector3> &from, const std::vector<Vector3> &to) {
+    // Normal equations: m * sum(f f^T) = sum(t f^T).
+    glm::dmat3 ff(0), tf(0);
+    for (size_t i = 0; i < from.size(); ++i) {
+        ff += glm::outerProduct(glm::dvec3(from[i]), glm::dvec3(from[i]));
+        tf += glm::outerProduct(glm::dvec3(to[i]), glm::dvec3(from[i]));
+    }
+    return glm::mat3(tf * glm::inverse(ff));
+}
+
+std::vector<std::string> SupportedSensors() {
+    std::vector<std::string> names = CameraSensorNames();
+    names.insert(names.begin(), "cie1931");
+    return names;
+}
+
+PixelSensor PixelSensor::Make(const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime) {
+    const std::string name = params.GetString("sensor", "cie1931");
+    const std::vector<std::string> known = SupportedSensors();
+    if (std::find(known.begin(), known.end(), name) == known.end())
+        throw UserError(fmt::format("Sensor \"{}\" is unknown; {}.", name, ListChoices(name, known)),
+                        params.LocOf("sensor"));
+    const Float imagingRatio = exposureTime * GetAboveZero(params, "iso", 100) / 100;
+    Float whiteBalance = params.GetFloat("whitebalance", 0);
+    if (whiteBalance < 0)
+        throw UserError(fmt::format("{}: \"whitebalance\" is {} K; it must be above 0, or 0 for the default.",
+                                    params.What(), whiteBalance),
+                        params.LocOf("whitebalance"));
+    if (name == "cie1931") {
+        glm::mat3 balance(1);
+        if (whiteBalance > 0)
+            balance = WhiteBalanceMatrix(Chromaticity(SpectrumToXyz(DaylightSpectrum(whiteBalance))), outputSpace.White());
+        return {CieX(), CieY(), CieZ(), balance, imagingRatio};
+    }
+    constexpr Float kCameraWhiteBalance = 6500;
+    if (whiteBalance == 0) whiteBalance = kCameraWhiteBalance;
+    const DenseSpectrum r(*NamedSpectrum(name + "_r")), g(*NamedSpectrum(name + "_g")), b(*NamedSpectrum(name + "_b"));
+    return {r, g, b, CalibrateCamera(r, g, b, DaylightSpectrum(whiteBalance), outputSpace), imagingRatio};
+}
+
+}  // namespace pbrt

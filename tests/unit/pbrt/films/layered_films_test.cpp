@@ -1,0 +1,199 @@
+#include <gtest/gtest.h>
+
+#include "pbrt/films/gbuffer_film.h"
+#include "pbrt/films/spectral_film.h"
+
+namespace pbrt {
+namespace {
+
+ParamSet Params(std::vector<std::pair<std::string, Float>> floats = {}, int buckets = 0,
+                std::pair<std::string, std::string> text = {}) {
+    ParamSet params("Film", {});
+    auto integer = [&](const char *name, int value) {
+        Param p;
+        p.type = ParamType::Integer;
+        p.name = name;
+        p.ints = {value};
+        params.Add(p);
+    };
+    integer("xresolution", 2);
+    integer("yresolution", 1);
+    if (buckets) integer("nbuckets", buckets);
+    for (const auto &[name, value] : floats) {
+        Param p;
+        p.name = name;
+        p.floats = {value};
+        params.Add(p);
+    }
+    if (!text.first.empty()) {
+        Param p;
+        p.type = ParamType::String;
+        p.name = text.first;
+        p.strings = {text.second};
+        params.Add(p);
+    }
+    return params;
+}
+
+FilmOverrides Precise() {
+    FilmOverrides overrides;
+    overrides.fullFloat = true;
+    return overrides;
+}
+
+std::unique_ptr<RgbFilm> Make(const std::string &type, const ParamSet &params) {
+    DiagnosticSink sink;
+    return MakeFilm(type, params, ColorSpace::SRGB(), 1, Precise(), sink);
+}
+
+constexpr int kSamples = 4000;
+Float Step(int i) { return (static_cast<Float>(i) + Float(0.5)) / kSamples; }
+
+TEST(SpectralFilm, BucketsHoldTheMeanRadianceWithinThem) {
+    auto film = Make("spectral", Params({{"lambdamin", 400}, {"lambdamax", 700}}, 10));
+    auto &spectral = static_cast<SpectralFilm &>(*film);
+    // A line is its own mean at the centre of each bucket.
+    const PiecewiseLinearSpectrum line({300, 900}, {1, 7});
+    for (int i = 0; i < kSamples; ++i) {
+        const SampledWavelengths lambda = spectral.SampleWavelengths(Step(i));
+        spectral.AddSample({1, 0}, line.Sample(lambda) / CieYIntegral, lambda, Float(0.5) + Step(i));
+    }
+    const Image image = film->ToImage();
+    ASSERT_EQ(image.ChannelCount(), 13);
+    EXPECT_EQ(image.Channels()[3], "S0.415,000nm");
+    EXPECT_EQ(image.Channels()[12], "S0.685,000nm");
+    for (int b = 0; b < 10; ++b) {
+        EXPECT_NEAR(image.Get({1, 0}, 3 + b), line(415 + 30 * static_cast<Float>(b)), 0.01f);
+        EXPECT_EQ(image.Get({0, 0}, 3 + b), 0.0f);
+    }
+}
+
+TEST(SpectralFilm, OverTheWholeRangeRgbIsThatOfTheRgbFilm) {
+    auto film = Make("spectral", Params()), plain = Make("rgb", Params());
+    auto &spectral = static_cast<SpectralFilm &>(*film);
+    EXPECT_EQ(spectral.BucketCount(), 16);
+    const RgbIlluminantSpectrum color(ColorSpace::SRGB(), {0.8f, 0.4f, 0.2f});
+    for (int i = 0; i < kSamples; ++i) {
+        SampledWavelengths lambda = spectral.SampleWavelengths(Step(i));
+        spectral.AddSample({0, 0}, color.Sample(lambda), lambda, 1);
+        lambda = plain->SampleWavelengths(Step(i));
+        plain->AddSample({0, 0}, color.Sample(lambda), lambda, 1);
+    }
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(film->ToImage().Get({0, 0}, c) / plain->ToImage().Get({0, 0}, c), 1, 5e-3);
+}
+
+TEST(SpectralFilm, WavelengthsThatEndedDoNotCount) {
+    auto film = Make("spectral", Params({}, 4));
+    auto &spectral = static_cast<SpectralFilm &>(*film);
+    // Half of the paths lose three wavelengths, whose radiance is then meaningless.
+    for (int i = 0; i < kSamples; ++i) {
+        SampledWavelengths lambda = spectral.SampleWavelengths(Step(i));
+        SampledSpectrum L(i % 2 ? 1 : 3);
+        if (i % 2) {
+            lambda.TerminateSecondary();
+            for (int k = 1; k < SpectrumSamples; ++k) L[k] = 1000;
+        }
+        spectral.AddSample({0, 0}, L / CieYIntegral, lambda, 1);
+    }
+    for (int b = 0; b < 4; ++b) EXPECT_NEAR(film->ToImage().Get({0, 0}, 3 + b), 2, 0.02);
+}
+
+TEST(SpectralFilm, MetadataNamesTheLayout) {
+    const ImageMetadata m = Make("spectral", Params())->Metadata();
+    EXPECT_EQ(std::get<std::string>(m.attributes.at("spectralLayoutVersion")), "1.0");
+    EXPECT_EQ(std::get<std::string>(m.attributes.at("emissiveUnits")), "W.m^-2.sr^-1");
+}
+
+TEST(SpectralFilm, BadRangesAreErrors) {
+    EXPECT_THROW(Make("spectral", Params({{"lambdamin", 300}})), UserError);
+    EXPECT_THROW(Make("spectral", Params({{"lambdamax", 900}})), UserError);
+    EXPECT_THROW(Make("spectral", Params({{"lambdamin", 600}, {"lambdamax", 600}})), UserError);
+    EXPECT_THROW(Make("spectral", Params({}, -1)), UserError);
+}
+
+TEST(LayeredFilms, OnlyFitIntoExr) {
+    for (const char *type : {"gbuffer", "spectral"}) {
+        EXPECT_THROW(Make(type, Params({}, 0, {"filename", "a.png"})), UserError) << type;
+        EXPECT_NO_THROW(Make(type, Params({}, 0, {"filename", "a.exr"}))) << type;
+    }
+    EXPECT_THROW(Make("gbufer", Params()), UserError);
+}
+
+TEST(GBufferFilm, HoldsMeansOverTheSamplesThatSeeASurface) {
+    auto film = Make("gbuffer", Params());
+    auto &gbuffer = static_cast<GBufferFilm &>(*film);
+    VisibleSurface a, b;
+    a.p = {1, 2, 3};
+    b.p = {3, 0, 7};
+    a.n = a.ns = {1, 0, 0};
+    b.n = b.ns = {0, 1, 0};
+    a.uv = {0.2f, 0.4f};
+    b.uv = {0.6f, 0.8f};
+    a.dzdx = 2;
+    b.dzdy = 4;
+    for (int i = 0; i < kSamples; ++i) {
+        const SampledWavelengths lambda = gbuffer.SampleWavelengths(Step(i));
+        a.lambda = b.lambda = lambda;
+        a.albedo = b.albedo = SampledSpectrum(0.6f);
+        const SampledSpectrum L = ColorSpace::SRGB().Illuminant().Sample(lambda) / CieYIntegral;
+        gbuffer.AddSample({0, 0}, L, lambda, 1, a);
+        gbuffer.AddSample({0, 0}, L, lambda, 3, b);
+        gbuffer.AddSample({0, 0}, L, lambda, 4, std::nullopt);
+        gbuffer.AddSample({1, 0}, L, lambda, 1, std::nullopt);
+    }
+    const Image image = film->ToImage();
+    auto value = [&](const char *channel, int x = 0) {
+        const int c = image.FindChannel(channel);
+        EXPECT_GE(c, 0) << channel;
+        return image.Get({x, 0}, c);
+    };
+    EXPECT_NEAR(value("P.X"), 2.5f, 1e-4f);
+    EXPECT_NEAR(value("P.Y"), 0.5f, 1e-4f);
+    EXPECT_NEAR(value("P.Z"), 6, 1e-4f);
+    EXPECT_NEAR(value("u"), 0.5f, 1e-4f);
+    EXPECT_NEAR(value("v"), 0.7f, 1e-4f);
+    EXPECT_NEAR(value("dzdx"), 0.5f, 1e-4f);
+    EXPECT_NEAR(value("dzdy"), 3, 1e-4f);
+    EXPECT_NEAR(value("N.X"), 1 / std::sqrt(10.0f), 1e-4f);
+    EXPECT_NEAR(value("Ns.Y"), 3 / std::sqrt(10.0f), 1e-4f);
+    for (const char *channel : {"Albedo.R", "Albedo.G", "Albedo.B"})
+        EXPECT_NEAR(value(channel), 0.3f, 2e-3f);  // half of the weight sees black
+    for (const std::string &channel : image.Channels())
+        if (channel != "R" && channel != "G" && channel != "B") {
+            EXPECT_EQ(value(channel.c_str(), 1), 0) << channel;
+        }
+}
+
+TEST(GBufferFilm, VarianceIsThatOfTheSamplesThatSeeASurface) {
+    auto film = Make("gbuffer", Params());
+    auto &gbuffer = static_cast<GBufferFilm &>(*film);
+    const SampledWavelengths lambda = gbuffer.SampleWavelengths(0.3f);
+    const Vector3 unit((CieX().Sample(lambda) / lambda.Pdf()).Average(), (CieY().Sample(lambda) / lambda.Pdf()).Average(),
+                       (CieZ().Sample(lambda) / lambda.Pdf()).Average());
+    VisibleSurface surface;
+    surface.lambda = lambda;
+    for (Float L : {1.0f, 2.0f, 6.0f}) gbuffer.AddSample({0, 0}, SampledSpectrum(L), lambda, 1, surface);
+    gbuffer.AddSample({0, 0}, SampledSpectrum(50), lambda, 1, std::nullopt);
+    const Image image = film->ToImage();
+    // Mean 3, variance 7.
+    const char *channels[3] = {"R", "G", "B"};
+    for (int c = 0; c < 3; ++c) {
+        const Float variance = image.Get({0, 0}, image.FindChannel(std::string("Variance.") + channels[c]));
+        const Float relative = image.Get({0, 0}, image.FindChannel(std::string("RelativeVariance.") + channels[c]));
+        EXPECT_NEAR(variance / (7 * Sqr(unit[c])), 1, 1e-4f);
+        EXPECT_NEAR(relative / (7.0f / 3 * unit[c]), 1, 1e-4f);
+    }
+}
+
+TEST(GBufferFilm, CoordinateSystemsAreAClosedSet) {
+    auto coordinates = [](const char *name) {
+        return static_cast<GBufferFilm &>(*Make("gbuffer", Params({}, 0, {"coordinatesystem", name}))).Coordinates();
+    };
+    EXPECT_EQ(coordinates("camera"), GBufferFilm::CoordinateSystem::Camera);
+    EXPECT_EQ(coordinates("world"), GBufferFilm::CoordinateSystem::World);
+    EXPECT_THROW(coordinates("render"), UserError);
+}
+
+}  // namespace
+}  // namespace pbrt

@@ -54,10 +54,12 @@ BilinearWarp::BilinearWarp(const GridSlices &values) : nx_(values.Nx()), ny_(val
     for (size_t s = 0; s < values.Count(); ++s) {
         for (int y = 0; y < ny_; ++y) {
             for (int x = 0; x < nx_; ++x)
-                left[Index(x, y)] = x == 0 ? 0 : left[Index(x - 1, y)] +
-                                                     (double(values.At(s, x - 1, y)) + double(values.At(s, x, y))) / 2;
-            below[static_cast<size_t>(y)] =
-                y == 0 ? 0 : below[static_cast<size_t>(y - 1)] + (left[Index(nx_ - 1, y - 1)] + left[Index(nx_ - 1, y)]) / 2;
+                left[Index(x, y)] =
+                    x == 0 ? 0
+                           : left[Index(x - 1, y)] + (double(values.At(s, x - 1, y)) + double(values.At(s, x, y))) / 2;
+            below[static_cast<size_t>(y)] = y == 0 ? 0
+                                                   : below[static_cast<size_t>(y - 1)] +
+                                                         (left[Index(nx_ - 1, y - 1)] + left[Index(nx_ - 1, y)]) / 2;
         }
         const double total = below.back();
         for (int y = 0; y < ny_; ++y) {
@@ -82,7 +84,8 @@ BilinearWarp::Mapped BilinearWarp::Sample(const Point2 &u, const SliceBlend &ble
     const Float d0 = Lerp(ty, Density(blend, x, y), Density(blend, x, y + 1));
     const Float d1 = Lerp(ty, Density(blend, x + 1, y), Density(blend, x + 1, y + 1));
     const Float tx = WhereMassIs(mass - left(x), d0, d1);
-    return {{(static_cast<Float>(x) + tx) / static_cast<Float>(nx_ - 1), (static_cast<Float>(y) + ty) / static_cast<Float>(ny_ - 1)},
+    return {{(static_cast<Float>(x) + tx) / static_cast<Float>(nx_ - 1),
+             (static_cast<Float>(y) + ty) / static_cast<Float>(ny_ - 1)},
             Lerp(tx, d0, d1) / CellArea()};
 }
 
@@ -92,7 +95,8 @@ BilinearWarp::Mapped BilinearWarp::Invert(const Point2 &p, const SliceBlend &ble
     const Float d0 = Lerp(y.t, Density(blend, x.index, y.index), Density(blend, x.index, y.index + 1));
     const Float d1 = Lerp(y.t, Density(blend, x.index + 1, y.index), Density(blend, x.index + 1, y.index + 1));
     const Float row = Lerp(y.t, row0, row1);
-    const Float left = Lerp(y.t, Left(blend, x.index, y.index), Left(blend, x.index, y.index + 1)) + MassBelow(x.t, d0, d1);
+    const Float left =
+        Lerp(y.t, Left(blend, x.index, y.index), Left(blend, x.index, y.index + 1)) + MassBelow(x.t, d0, d1);
     return {{row > 0 ? std::clamp(left / row, Float(0), Float(1)) : 0,
              std::clamp(Below(blend, y.index) + MassBelow(y.t, row0, row1), Float(0), Float(1))},
             Lerp(x.t, d0, d1) / CellArea()};

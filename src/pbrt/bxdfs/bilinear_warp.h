@@ -7,7 +7,8 @@
 
 namespace pbrt {
 
-/// Values at the knots of an even grid over the unit square (row-major, x fastest, both ends included), several slices of it.
+/// Values at the knots of an even grid over the unit square (row-major, x fastest, both ends included), several slices
+/// of it.
 class GridSlices {
   public:
     GridSlices() = default;
@@ -35,8 +36,8 @@ struct SliceBlend {
     std::array<Float, 4> weight;
 };
 
-/// Densities over the unit square, each slice the bilinear interpolation of its values made to integrate to 1, and the map
-/// from the square to itself that draws from a blend of slices.
+/// Densities over the unit square, each slice the bilinear interpolation of its values made to integrate to 1, and the
+/// map from the square to itself that draws from a blend of slices.
 class BilinearWarp {
   public:
     struct Mapped {
@@ -52,15 +53,19 @@ class BilinearWarp {
     Mapped Invert(const Point2 &p, const SliceBlend &blend) const;
 
   private:
-    /// Integral of the density over rows below row y; of the line y from 0 to knot x; density at a knot (all in grid cells).
+    /// Integral of the density over rows below row y; of the line y from 0 to knot x; density at a knot (all in grid
+    /// cells).
     Float Below(const SliceBlend &blend, int y) const { return Blend(blend, below_, static_cast<size_t>(y), ny_); }
     Float Left(const SliceBlend &blend, int x, int y) const { return Blend(blend, left_, Index(x, y), ny_ * nx_); }
-    Float Density(const SliceBlend &blend, int x, int y) const { return Blend(blend, density_, Index(x, y), ny_ * nx_); }
+    Float Density(const SliceBlend &blend, int x, int y) const {
+        return Blend(blend, density_, Index(x, y), ny_ * nx_);
+    }
     size_t Index(int x, int y) const { return static_cast<size_t>(y * nx_ + x); }
     static Float Blend(const SliceBlend &blend, const std::vector<Float> &table, size_t at, int perSlice) {
         Float sum = 0;
         for (size_t k = 0; k < 4; ++k)
-            if (blend.weight[k] != 0) sum += blend.weight[k] * table[blend.slice[k] * static_cast<size_t>(perSlice) + at];
+            if (blend.weight[k] != 0)
+                sum += blend.weight[k] * table[blend.slice[k] * static_cast<size_t>(perSlice) + at];
         return sum;
     }
     Float CellArea() const { return Float(1) / static_cast<Float>((nx_ - 1) * (ny_ - 1)); }

@@ -11,12 +11,18 @@ namespace {
 Float ScaledBesselI0(Float x) {
     if (x < 3.75f) {
         Float t = Sqr(x / 3.75f);
-        Float i0 = 1 + t * (3.5156229f + t * (3.0899424f + t * (1.2067492f + t * (.2659732f + t * (.0360768f + t * .0045813f)))));
+        Float i0 = 1 + t * (3.5156229f +
+                            t * (3.0899424f + t * (1.2067492f + t * (.2659732f + t * (.0360768f + t * .0045813f)))));
         return i0 * std::exp(-x);
     }
     Float t = 3.75f / x;
-    return (.39894228f + t * (.01328592f + t * (.00225319f + t * (-.00157565f + t * (.00916281f +
-            t * (-.02057706f + t * (.02635537f + t * (-.01647633f + t * .00392377f)))))))) / std::sqrt(x);
+    return (.39894228f +
+            t * (.01328592f +
+                 t * (.00225319f +
+                      t * (-.00157565f +
+                           t * (.00916281f +
+                                t * (-.02057706f + t * (.02635537f + t * (-.01647633f + t * .00392377f)))))))) /
+           std::sqrt(x);
 }
 
 Float Power(Float x, int n) {
@@ -39,13 +45,14 @@ Float Logistic(Float x, Float scale) {
 
 }  // namespace
 
-// With a = cosI cosO / v and b = sinI sinO / v: I0(a) exp(-b) / (2 v sinh(1/v)), the exponentials gathered so that no factor
-// overflows however small v is (a - b <= 1/v).
+// With a = cosI cosO / v and b = sinI sinO / v: I0(a) exp(-b) / (2 v sinh(1/v)), the exponentials gathered so that no
+// factor overflows however small v is (a - b <= 1/v).
 Float LongitudinalDensity(Float sinI, Float cosI, Float sinO, Float cosO, Float variance) {
     Float inverse = 1 / variance;
     Float across = cosI * cosO;
     Float exponent = (across - sinI * sinO - 1) * inverse;
-    return ScaledBesselI0(across * inverse) * std::exp(std::min(exponent, Float(0))) * inverse / (1 - std::exp(-2 * inverse));
+    return ScaledBesselI0(across * inverse) * std::exp(std::min(exponent, Float(0))) * inverse /
+           (1 - std::exp(-2 * inverse));
 }
 
 Float LogisticMass(Float scale) { return std::tanh(Pi / (2 * scale)); }
@@ -57,17 +64,20 @@ Float SampleTrimmedLogistic(Float u, Float scale, Float mass) {
 }
 
 HairBxdf::HairBxdf(Float offset, Float eta, const SampledSpectrum &sigmaA, Float betaM, Float betaN, Float alphaDegrees)
-    : offset_(std::clamp(offset, Float(-1), Float(1))), eta_(eta),
+    : offset_(std::clamp(offset, Float(-1), Float(1))),
+      eta_(eta),
       variance_(Sqr(.726f * betaM + .812f * Sqr(betaM) + 3.7f * Power(betaM, 20))),
       scale_(std::sqrt(Pi / 8) * (.265f * betaN + 1.194f * Sqr(betaN) + 5.372f * Power(betaN, 22))),
-      scaleMass_(LogisticMass(scale_)), sinAlpha_(std::sin(Radians(alphaDegrees))), cosAlpha_(std::cos(Radians(alphaDegrees))),
+      scaleMass_(LogisticMass(scale_)),
+      sinAlpha_(std::sin(Radians(alphaDegrees))),
+      cosAlpha_(std::cos(Radians(alphaDegrees))),
       sigmaA_(sigmaA) {}
 
 struct HairBxdf::View {
-    Float phi;                                  ///< around the fibre
-    Float sinTheta[Lobes], cosTheta[Lobes];     ///< elevation, turned by the scales as each lobe needs
-    Float turn[Lobes - 1];                      ///< change of azimuth of the middle of each lobe
-    std::array<SampledSpectrum, Lobes> share;   ///< of the light, by lobe; add up to 1 without absorption
+    Float phi;                                 ///< around the fibre
+    Float sinTheta[Lobes], cosTheta[Lobes];    ///< elevation, turned by the scales as each lobe needs
+    Float turn[Lobes - 1];                     ///< change of azimuth of the middle of each lobe
+    std::array<SampledSpectrum, Lobes> share;  ///< of the light, by lobe; add up to 1 without absorption
 };
 
 HairBxdf::View HairBxdf::Look(const Vector3 &wo) const {
@@ -75,7 +85,8 @@ HairBxdf::View HairBxdf::Look(const Vector3 &wo) const {
     const Float sinO = std::clamp(wo.x, Float(-1), Float(1)), cosO = SafeSqrt(1 - Sqr(sinO));
     view.phi = std::atan2(wo.z, wo.y);
 
-    // Scales tilt R by -2 alpha, TT by alpha, TRT by 4 alpha (Marschner et al. 2003, halves of the elevation differences).
+    // Scales tilt R by -2 alpha, TT by alpha, TRT by 4 alpha (Marschner et al. 2003, halves of the elevation
+    // differences).
     auto turned = [&](int lobe, Float s, Float c) {
         view.sinTheta[lobe] = sinO * c + cosO * s;
         view.cosTheta[lobe] = std::abs(cosO * c - sinO * s);
@@ -89,9 +100,11 @@ HairBxdf::View HairBxdf::Look(const Vector3 &wo) const {
     // Inside: refracted along the fibre with eta, in the plane across it with Bravais' index.
     const Float cosT = SafeSqrt(1 - Sqr(sinO / eta_));
     const Float bravais = std::max(SafeSqrt(Sqr(eta_) - Sqr(sinO)) / std::max(cosO, Float(1e-6)), Float(1e-6));
-    const Float sinGammaT = std::clamp(offset_ / bravais, Float(-1), Float(1)), cosGammaT = SafeSqrt(1 - Sqr(sinGammaT));
+    const Float sinGammaT = std::clamp(offset_ / bravais, Float(-1), Float(1)),
+                cosGammaT = SafeSqrt(1 - Sqr(sinGammaT));
     const Float gammaO = std::asin(offset_), gammaT = std::asin(sinGammaT);
-    for (int p = 0; p < Lobes - 1; ++p) view.turn[p] = 2 * static_cast<Float>(p) * gammaT - 2 * gammaO + static_cast<Float>(p) * Pi;
+    for (int p = 0; p < Lobes - 1; ++p)
+        view.turn[p] = 2 * static_cast<Float>(p) * gammaT - 2 * gammaO + static_cast<Float>(p) * Pi;
 
     const Float crossing = 2 * cosGammaT / std::max(cosT, Float(1e-6));  // in radii
     const SampledSpectrum passed = sigmaA_.Map([&](Float s) { return std::exp(-s * crossing); });
@@ -165,11 +178,12 @@ std::optional<BsdfSample> HairBxdf::Sample(const Vector3 &wo, Float uc, const Po
     // About the mirrored cone: the angle from its direction, and the turn about that (d'Eon et al. 2013).
     const Float v = VarianceOf(static_cast<int>(p));
     const Float cosFromCone = std::clamp(1 + v * std::log(u.x + (1 - u.x) * std::exp(-2 / v)), Float(-1), Float(1));
-    const Float sinI = std::clamp(SafeSqrt(1 - Sqr(cosFromCone)) * std::cos(2 * Pi * u.y) * view.cosTheta[p] -
-                                      cosFromCone * view.sinTheta[p],
-                                  Float(-1), Float(1));
+    const Float sinI = std::clamp(
+        SafeSqrt(1 - Sqr(cosFromCone)) * std::cos(2 * Pi * u.y) * view.cosTheta[p] - cosFromCone * view.sinTheta[p],
+        Float(-1), Float(1));
     const Float cosI = SafeSqrt(1 - Sqr(sinI));
-    const Float turn = p < Lobes - 1 ? view.turn[p] + SampleTrimmedLogistic(within, scale_, scaleMass_) : 2 * Pi * within;
+    const Float turn =
+        p < Lobes - 1 ? view.turn[p] + SampleTrimmedLogistic(within, scale_, scaleMass_) : 2 * Pi * within;
     const Float phi = view.phi + turn;
     const Vector3 wi(sinI, cosI * std::cos(phi), cosI * std::sin(phi));
     if (wi.z == 0 || !Wanted(wo, wi, which)) return {};

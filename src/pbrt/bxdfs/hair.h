@@ -12,8 +12,8 @@ namespace pbrt {
 /// mirrored outside (R), through (TT), once mirrored inside (TRT), and all the longer ones in one lobe.
 class HairBxdf {
   public:
-    /// `offset`: where the ray meets the fibre's width, -1 to 1. `sigmaA` by radius of the fibre; roughnesses along and around
-    /// in (0, 1]; scales tilted by alpha degrees.
+    /// `offset`: where the ray meets the fibre's width, -1 to 1. `sigmaA` by radius of the fibre; roughnesses along and
+    /// around in (0, 1]; scales tilted by alpha degrees.
     HairBxdf(Float offset, Float eta, const SampledSpectrum &sigmaA, Float betaM, Float betaN, Float alphaDegrees);
 
     BxdfFlags Flags() const { return BxdfFlags::Glossy | BxdfFlags::Reflection | BxdfFlags::Transmission; }
@@ -24,7 +24,8 @@ class HairBxdf {
     Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const;
     void Regularize() {}
 
-    /// What `betaN` makes of the absorption whose fibres, many together, look like reflectance `c` (Chiang et al. 2016).
+    /// What `betaN` makes of the absorption whose fibres, many together, look like reflectance `c` (Chiang et al.
+    /// 2016).
     static SampledSpectrum AbsorptionOfReflectance(const SampledSpectrum &c, Float betaN);
 
     /// Lobes in the sum; the last one has all that is left, evenly around the fibre.
@@ -42,8 +43,8 @@ class HairBxdf {
     SampledSpectrum sigmaA_;
 };
 
-/// Density of the elevation angle's sine and cosine (by theta, with respect to cos(theta) d theta) of light scattered about the
-/// cone opposite to `o`; integrates to 1 (d'Eon et al. 2011). Exposed for tests.
+/// Density of the elevation angle's sine and cosine (by theta, with respect to cos(theta) d theta) of light scattered
+/// about the cone opposite to `o`; integrates to 1 (d'Eon et al. 2011). Exposed for tests.
 Float LongitudinalDensity(Float sinI, Float cosI, Float sinO, Float cosO, Float variance);
 
 /// Logistic density over [-Pi, Pi], cut there and normalised; `mass` is LogisticMass(scale). Exposed for tests.

@@ -7,18 +7,18 @@
 
 namespace pbrt {
 
-/// A measured BRDF in the adaptive parameterization of Dupuy and Jakob 2018. Half vectors are points of the unit square:
-/// (sqrt(2 theta / Pi), phi / 2 Pi + 1/2), phi relative to the view's if isotropic. A warp by the visible normals takes the
-/// square of the measurements to them.
+/// A measured BRDF in the adaptive parameterization of Dupuy and Jakob 2018. Half vectors are points of the unit
+/// square: (sqrt(2 theta / Pi), phi / 2 Pi + 1/2), phi relative to the view's if isotropic. A warp by the visible
+/// normals takes the square of the measurements to them.
 class MeasuredBrdf {
   public:
     struct Tables {
-        std::vector<Float> phi, theta;    ///< of the views; one phi: isotropic
-        std::vector<Float> wavelengths;   ///< nm, increasing
-        GridSlices ndf, sigma;            ///< one slice each: normal distribution by half vector, projected area by view
-        GridSlices visibleNormals;        ///< slice by (phi, theta) of the view: density by half vector
-        GridSlices luminance;             ///< the same: density by the point measured
-        GridSlices spectra;               ///< slice by (phi, theta, wavelength): value at the point measured
+        std::vector<Float> phi, theta;   ///< of the views; one phi: isotropic
+        std::vector<Float> wavelengths;  ///< nm, increasing
+        GridSlices ndf, sigma;           ///< one slice each: normal distribution by half vector, projected area by view
+        GridSlices visibleNormals;       ///< slice by (phi, theta) of the view: density by half vector
+        GridSlices luminance;            ///< the same: density by the point measured
+        GridSlices spectra;              ///< slice by (phi, theta, wavelength): value at the point measured
     };
     explicit MeasuredBrdf(Tables tables);
 

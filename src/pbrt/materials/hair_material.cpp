@@ -17,7 +17,8 @@ Rgb AbsorptionOfPigments(Float eumelanin, Float pheomelanin) {
 HairColor HairColor::Pigments(FloatInput eumelanin, FloatInput pheomelanin) {
     if (!eumelanin.IsConstant() || !pheomelanin.IsConstant())
         return HairColor(ByPigments{std::move(eumelanin), std::move(pheomelanin)});
-    auto same = std::make_shared<RgbUnboundedSpectrum>(ColorSpace::SRGB(), AbsorptionOfPigments(eumelanin({}), pheomelanin({})));
+    auto same = std::make_shared<RgbUnboundedSpectrum>(ColorSpace::SRGB(),
+                                                       AbsorptionOfPigments(eumelanin({}), pheomelanin({})));
     return Absorption(SpectrumInput(std::make_shared<ConstantSpectrumTexture>(std::move(same))));
 }
 
@@ -34,7 +35,8 @@ Bsdf HairMaterial::GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda
     // Smoother fibres than 0.01 are beyond single precision.
     const Float betaM = std::clamp(betaM_(point), Float(0.01), Float(1));
     const Float betaN = std::clamp(betaN_(point), Float(0.01), Float(1));
-    return MakeBsdf(point, HairBxdf(2 * point.uv.y - 1, eta_(point), color_(point, betaN, lambda), betaM, betaN, alpha_(point)));
+    return MakeBsdf(
+        point, HairBxdf(2 * point.uv.y - 1, eta_(point), color_(point, betaN, lambda), betaM, betaN, alpha_(point)));
 }
 
 }  // namespace pbrt

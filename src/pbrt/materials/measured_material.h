@@ -7,7 +7,8 @@
 
 namespace pbrt {
 
-/// Reads a BRDF of the RGL material database (isotropic, or anisotropic over the whole circle). Throws UserError (no location).
+/// Reads a BRDF of the RGL material database (isotropic, or anisotropic over the whole circle). Throws UserError (no
+/// location).
 std::shared_ptr<const MeasuredBrdf> ReadMeasuredBrdf(const std::string &path);
 
 class MeasuredMaterial final : public SurfaceMaterial {

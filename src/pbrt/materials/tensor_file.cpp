@@ -82,7 +82,8 @@ const TensorFile::Field &TensorFile::Get(const std::string &name, size_t dimensi
     for (const Field &field : fields_) {
         if (field.name != name) continue;
         if (field.shape.size() != dimensions || field.values.empty())
-            throw UserError(fmt::format("{}: field \"{}\" must be 32 bit floats in {} dimensions.", path_, name, dimensions));
+            throw UserError(
+                fmt::format("{}: field \"{}\" must be 32 bit floats in {} dimensions.", path_, name, dimensions));
         return field;
     }
     throw UserError(fmt::format("{}: field \"{}\" is missing.", path_, name));

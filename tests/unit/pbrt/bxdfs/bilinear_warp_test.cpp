@@ -12,7 +12,8 @@ namespace {
 GridSlices Grid() {
     return {{0, 1, 4, 2, 3, 0, 0, 5, 1, 1, 2, 0,  //
              7, 0, 0, 0, 1, 2, 3, 4, 0, 0, 9, 1},
-            4, 3};
+            4,
+            3};
 }
 const SliceBlend kBlends[] = {{{0, 0, 0, 0}, {1, 0, 0, 0}}, {{0, 1, 1, 0}, {.3f, .2f, .5f, 0}}};
 
@@ -62,7 +63,8 @@ TEST(BilinearWarp, SamplesFollowTheirDensityAndInvert) {
         double total = 0;
         for (int j = 0; j < kCells * kSub; ++j)
             for (int i = 0; i < kCells * kSub; ++i) {
-                Point2 p((static_cast<Float>(i) + .5f) / (kCells * kSub), (static_cast<Float>(j) + .5f) / (kCells * kSub));
+                Point2 p((static_cast<Float>(i) + .5f) / (kCells * kSub),
+                         (static_cast<Float>(j) + .5f) / (kCells * kSub));
                 double mass = double(warp.Invert(p, blend).pdf) / Sqr(kCells * kSub);
                 total += mass;
                 expected[static_cast<size_t>(j / kSub * kCells + i / kSub)] += mass * kSamples;

@@ -155,8 +155,8 @@ TEST(Hair, SampleAgreesWithFAndPdf) {
     });
 }
 
-/// White light from everywhere, nothing absorbed: every fibre is as bright as the light. By uniform directions (F alone) where
-/// the lobes are wide, and by its own samples, which then have weight 1 each.
+/// White light from everywhere, nothing absorbed: every fibre is as bright as the light. By uniform directions (F
+/// alone) where the lobes are wide, and by its own samples, which then have weight 1 each.
 TEST(Hair, WhiteFurnace) {
     Rng rng(4);
     ForEachHair({0.02f, 0.1f, 0.3f, 1.f}, [&](Float betaM, Float betaN, Float offset) {
@@ -188,7 +188,8 @@ TEST(Hair, AbsorptionTakesWhatTheCrossingsTake) {
         double cosT = std::sqrt(1 - sinO * sinO / double(eta * eta));
         double index = std::sqrt(double(eta * eta) - sinO * sinO) / cosO;
         double path = 2 * std::sqrt(1 - Sqr(double(offset) / index)) / cosT;
-        double fresnel = double(FresnelDielectric(static_cast<Float>(cosO * std::sqrt(1 - double(offset * offset))), eta));
+        double fresnel =
+            double(FresnelDielectric(static_cast<Float>(cosO * std::sqrt(1 - double(offset * offset))), eta));
         for (int k = 0; k < SpectrumSamples; ++k) {
             double inside = (1 - fresnel), out = fresnel;
             for (int crossing = 0; crossing < 100; ++crossing) {
@@ -205,8 +206,8 @@ TEST(Hair, AbsorptionTakesWhatTheCrossingsTake) {
     }
 }
 
-/// Two directions may change places between fibres hit on opposite sides of the middle, if they are equally steep and scales
-/// are not tilted. (Otherwise the model is not reciprocal: shares depend on the view's elevation only.)
+/// Two directions may change places between fibres hit on opposite sides of the middle, if they are equally steep and
+/// scales are not tilted. (Otherwise the model is not reciprocal: shares depend on the view's elevation only.)
 TEST(Hair, ReciprocalForEqualElevations) {
     Rng rng(6);
     for (int i = 0; i < 2000; ++i) {
@@ -251,7 +252,8 @@ TEST(Hair, ReflectanceBecomesAbsorptionAndExtremesStayFinite) {
     for (Float eta : {1.f, 1.3f, 2.5f, 0.7f})
         for (Float offset : {-1.f, 0.f, 1.f})
             for (const SampledSpectrum &s : {SampledSpectrum(0), SampledSpectrum(1e30f), SampledSpectrum(1)})
-                for (const Vector3 &wo : {Vector3(1, 0, 0), Vector3(0, 0, 1), Vector3(-0.8f, 0, 0.6f), Vector3(0, 1, 0)}) {
+                for (const Vector3 &wo :
+                     {Vector3(1, 0, 0), Vector3(0, 0, 1), Vector3(-0.8f, 0, 0.6f), Vector3(0, 1, 0)}) {
                     HairBxdf hair(offset, eta, s, 0.01f, 0.01f, 2);
                     auto sample = hair.Sample(wo, rng.Uniform(), rng.Uniform2(), kRadiance, ReflTransFlags::All);
                     if (sample) {

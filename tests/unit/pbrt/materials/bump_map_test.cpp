@@ -19,7 +19,9 @@ class Height final : public FloatTexture {
     std::function<Float(const TextureContext &)> f_;
 };
 
-BumpMap Bumps(std::function<Float(const TextureContext &)> f) { return BumpMap(std::make_shared<Height>(std::move(f))); }
+BumpMap Bumps(std::function<Float(const TextureContext &)> f) {
+    return BumpMap(std::make_shared<Height>(std::move(f)));
+}
 
 void ExpectNear(const Vector3 &a, const Vector3 &b, Float tolerance = 1e-3f) {
     EXPECT_LT(Distance(a, b), tolerance) << a.x << " " << a.y << " " << a.z << " against " << b.x << " " << b.y << " "
@@ -49,9 +51,7 @@ TEST(BumpMap, SlopeOfTheHeightTiltsTheNormal) {
     // Height by position and by (u, v) of the same slope: z = x / 2 - y.
     for (bool byPosition : {true, false}) {
         SurfacePoint s = FlatPoint();
-        Bumps([=](const TextureContext &c) {
-            return byPosition ? c.p.x / 2 - c.p.y : c.uv.x - 3 * c.uv.y;
-        }).Perturb(s);
+        Bumps([=](const TextureContext &c) { return byPosition ? c.p.x / 2 - c.p.y : c.uv.x - 3 * c.uv.y; }).Perturb(s);
         ExpectNear(s.shading.n, Normalize(Vector3(-.5f, 1, 1)));
         ExpectNear(s.shading.dpdu, {2, 0, 1}, 2e-3f);
         ExpectNear(s.shading.dpdv, {0, 3, -3}, 2e-3f);
@@ -108,8 +108,7 @@ TEST(BumpMap, NormalStaysOnTheGeometricSide) {
 
 TEST(BumpMap, MaterialsReadDisplacementButTheNormalMapWins) {
     test::Workshop shop;
-    shop.Define("slope", false, "bilerp",
-                test::Params().F("v00", 0).F("v01", 0).F("v10", 2).F("v11", 2));
+    shop.Define("slope", false, "bilerp", test::Params().F("v00", 0).F("v01", 0).F("v10", 2).F("v11", 2));
     for (const std::string &type : SupportedMaterials()) {
         if (type == "mix" || type == "interface" || type == "hair" || type == "measured") continue;
         SurfacePoint s = FlatPoint();

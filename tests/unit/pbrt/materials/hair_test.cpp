@@ -20,13 +20,15 @@ class Hair : public testing::Test {
         return shop_.Make("hair", params)->GetBsdf(point_, lambda);
     }
     Bsdf By(const SampledSpectrum &sigmaA, Float eta = 1.55f, Float betaM = .3f, Float betaN = .3f, Float alpha = 2) {
-        return Bsdf(point_.shading.n, point_.shading.dpdu, HairBxdf(2 * point_.uv.y - 1, eta, sigmaA, betaM, betaN, alpha));
+        return Bsdf(point_.shading.n, point_.shading.dpdu,
+                    HairBxdf(2 * point_.uv.y - 1, eta, sigmaA, betaM, betaN, alpha));
     }
     static SampledSpectrum Unbounded(Float r, Float g, Float b) {
         return RgbUnboundedSpectrum(ColorSpace::SRGB(), Rgb(r, g, b)).Sample(kLambda);
     }
     static SampledSpectrum Looking(Float r, Float g, Float b, Float betaN) {
-        return HairBxdf::AbsorptionOfReflectance(RgbAlbedoSpectrum(ColorSpace::SRGB(), Rgb(r, g, b)).Sample(kLambda), betaN);
+        return HairBxdf::AbsorptionOfReflectance(RgbAlbedoSpectrum(ColorSpace::SRGB(), Rgb(r, g, b)).Sample(kLambda),
+                                                 betaN);
     }
 
     test::Workshop shop_;
@@ -52,14 +54,14 @@ TEST_F(Hair, ShapeOfTheFibre) {
     ExpectSameScattering(Of(Params("m").Rgb("sigma_a", .1f, .1f, .1f).F("beta_m", 0).F("beta_n", 7)),
                          By(Unbounded(.1f, .1f, .1f), 1.55f, .01f, 1));
     shop_.Define("u", false, "bilerp", Params().F("v00", 0).F("v01", 0).F("v10", 1).F("v11", 1));
-    ExpectSameScattering(Of(Params("m").Tex("eumelanin", "u").Tex("beta_m", "u")),
-                         By(Unbounded(.419f * point_.uv.x, .697f * point_.uv.x, 1.37f * point_.uv.x), 1.55f, point_.uv.x));
+    ExpectSameScattering(
+        Of(Params("m").Tex("eumelanin", "u").Tex("beta_m", "u")),
+        By(Unbounded(.419f * point_.uv.x, .697f * point_.uv.x, 1.37f * point_.uv.x), 1.55f, point_.uv.x));
 }
 
 TEST_F(Hair, TheFirstWayCountsAndTheOthersAreWarnedOf) {
-    ExpectSameScattering(
-        Of(Params("m", 3).Rgb("sigma_a", .1f, .1f, .1f).Rgb("color", .5f, .5f, .5f).F("eumelanin", 1)),
-        By(Unbounded(.1f, .1f, .1f)));
+    ExpectSameScattering(Of(Params("m", 3).Rgb("sigma_a", .1f, .1f, .1f).Rgb("color", .5f, .5f, .5f).F("eumelanin", 1)),
+                         By(Unbounded(.1f, .1f, .1f)));
     ASSERT_EQ(shop_.sink.All().size(), 2u);
     EXPECT_EQ(shop_.Errors(), 0u);
     EXPECT_NE(shop_.sink.All()[0].message.find("\"color\" has no effect beside \"sigma_a\""), std::string::npos);

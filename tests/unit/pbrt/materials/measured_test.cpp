@@ -55,13 +55,15 @@ class TensorWriter {
 constexpr Float kAlpha = 0.5f;
 const std::vector<float> kWavelengths = {360, 500, 830};
 /// Reflectance of the analytic surface: linear between the wavelengths of the table.
-Float Tint(Float lambda) { return lambda < 500 ? Lerp((lambda - 360) / 140, .2f, .8f) : Lerp((lambda - 500) / 330, .8f, .5f); }
-
-Float NormalDistribution(Float cosTheta) {
-    return Sqr(kAlpha) / (Pi * Sqr(Sqr(cosTheta) * (Sqr(kAlpha) - 1) + 1));
+Float Tint(Float lambda) {
+    return lambda < 500 ? Lerp((lambda - 360) / 140, .2f, .8f) : Lerp((lambda - 500) / 330, .8f, .5f);
 }
+
+Float NormalDistribution(Float cosTheta) { return Sqr(kAlpha) / (Pi * Sqr(Sqr(cosTheta) * (Sqr(kAlpha) - 1) + 1)); }
 /// Projected area of the facets seen from theta (all that face the view, shadowed or not).
-Float ProjectedArea(Float cosTheta) { return (cosTheta + std::sqrt(Sqr(cosTheta) + Sqr(kAlpha) * (1 - Sqr(cosTheta)))) / 2; }
+Float ProjectedArea(Float cosTheta) {
+    return (cosTheta + std::sqrt(Sqr(cosTheta) + Sqr(kAlpha) * (1 - Sqr(cosTheta)))) / 2;
+}
 /// Any function that is not quite simple would do.
 Float Analytic(const Vector3 &wo, const Vector3 &wi, Float lambda) {
     Vector3 h = Normalize(wo + wi);
@@ -81,7 +83,8 @@ std::string AnalyticFile(bool isotropic) {
     TensorWriter file;
     std::vector<float> theta, phi;
     for (int i = 0; i < kThetas; ++i) theta.push_back(1.5f * static_cast<float>(i) / (kThetas - 1));
-    for (int i = 0; i < phis; ++i) phi.push_back(isotropic ? 0 : Pi * (2 * static_cast<float>(i) / static_cast<float>(phis - 1) - 1));
+    for (int i = 0; i < phis; ++i)
+        phi.push_back(isotropic ? 0 : Pi * (2 * static_cast<float>(i) / static_cast<float>(phis - 1) - 1));
     auto knot = [](int i, int n) { return static_cast<Float>(i) / static_cast<Float>(n - 1); };
     std::vector<float> ndf, sigma, normals, luminance, spectra;
     for (int y = 0; y < 2; ++y)
@@ -131,19 +134,20 @@ class Measured : public testing::Test {
   protected:
     ~Measured() override { std::filesystem::remove(path_); }
     void Write(const std::string &bytes) { std::ofstream(path_, std::ios::binary) << bytes; }
-    std::string path_ = (std::filesystem::temp_directory_path() / ("pbrt_measured_test_" + std::to_string(getpid()))).string();
+    std::string path_ =
+        (std::filesystem::temp_directory_path() / ("pbrt_measured_test_" + std::to_string(getpid()))).string();
 };
 
 const std::vector<Vector3> &Views() {
-    static const std::vector<Vector3> views = {test::DirectionAt(2, 30), test::DirectionAt(35, 200), test::DirectionAt(60, 80),
-                                               test::DirectionAt(140, 10)};
+    static const std::vector<Vector3> views = {test::DirectionAt(2, 30), test::DirectionAt(35, 200),
+                                               test::DirectionAt(60, 80), test::DirectionAt(140, 10)};
     return views;
 }
 
 /// Where the slices of the anisotropic table stand: between them the lobe would be a mixture of two.
 const std::vector<Vector3> &ViewsOfTheTable() {
-    static const std::vector<Vector3> views = {test::DirectionAt(2, 0), test::DirectionAt(35, 90), test::DirectionAt(60, 180),
-                                               test::DirectionAt(140, 270)};
+    static const std::vector<Vector3> views = {test::DirectionAt(2, 0), test::DirectionAt(35, 90),
+                                               test::DirectionAt(60, 180), test::DirectionAt(140, 270)};
     return views;
 }
 
@@ -187,8 +191,8 @@ TEST_F(Measured, SamplesFollowTheirDensity) {
                     if (!s) return {};
                     return s->wi;
                 },
-                [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, TransportMode::Radiance, ReflTransFlags::All); }, 10000, 10,
-                &mass);
+                [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, TransportMode::Radiance, ReflTransFlags::All); },
+                10000, 10, &mass);
             EXPECT_GT(p, test::SidakAlpha(1e-4, 8)) << isotropic << " " << wo.z;
             EXPECT_LT(mass, 1.01);
             EXPECT_GT(mass, 0.7);
@@ -196,7 +200,8 @@ TEST_F(Measured, SamplesFollowTheirDensity) {
             for (int i = 0; i < 300; ++i) {
                 auto s = lobe.Sample(wo, 0, rng.Uniform2(), TransportMode::Radiance, ReflTransFlags::All);
                 if (!s || std::abs(s->wi.z) < 0.05f) continue;
-                EXPECT_NEAR(lobe.Pdf(wo, s->wi, TransportMode::Radiance, ReflTransFlags::All), s->pdf, 0.02f * s->pdf + 1e-3f);
+                EXPECT_NEAR(lobe.Pdf(wo, s->wi, TransportMode::Radiance, ReflTransFlags::All), s->pdf,
+                            0.02f * s->pdf + 1e-3f);
                 EXPECT_NEAR(lobe.F(wo, s->wi, TransportMode::Radiance)[1], s->f[1], 0.02f * s->f[1] + 1e-3f);
             }
         }
@@ -211,7 +216,8 @@ TEST_F(Measured, MaterialReadsItsFileAndErrorsNameIt) {
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.4f);
     Vector3 wi = Normalize(s.n + s.wo);
     Frame frame = Frame::FromXZ(s.shading.dpdu, s.shading.n);
-    EXPECT_NEAR(m->GetBsdf(s, lambda).F(s.wo, wi)[2], Analytic(frame.ToLocal(s.wo), frame.ToLocal(wi), lambda[2]), 0.03f);
+    EXPECT_NEAR(m->GetBsdf(s, lambda).F(s.wo, wi)[2], Analytic(frame.ToLocal(s.wo), frame.ToLocal(wi), lambda[2]),
+                0.03f);
     EXPECT_TRUE(shop.sink.All().empty());
 
     auto error = [&](const test::Params &params) { return test::Catch([&] { shop.Make("measured", params); }); };

@@ -52,6 +52,10 @@ TEST(NamedSpectra, AllOfTheFormatExist) {
     for (const char *metal : {"Ag", "Al", "Au", "Cu", "CuZn", "MgO", "TiO2"})
         for (const char *part : {"-eta", "-k"})
             names.push_back(std::string("metal-") + metal + part);
+    EXPECT_EQ(CameraSensorNames().size(), 17u);
+    for (const std::string &sensor : CameraSensorNames())
+        for (const char *channel : {"_r", "_g", "_b"})
+            names.push_back(sensor + channel);
     std::vector<std::string> have = NamedSpectrumNames();
     for (const std::string &name : names) {
         EXPECT_TRUE(NamedSpectrum(name)) << name;

@@ -104,13 +104,13 @@ LightSource "point"
 Material "diffuse" "texture reflectance" "nosuch"
 Shape "sphere"
 Material "diffuse"
-Shape "curve" "point3 P" [ 0 0 0  1 0 0  1 1 0  0 1 0 ]
+Shape "bilinearmesh" "string emissionfilename" "e.png" "point3 P" [ 0 0 0  1 0 0  0 1 0  1 1 0 ]
 Shape "sphere" "float radiuss" 1
 Shape "sphere" "float radius" 2
 )");
     const Outcome o = Run("--quiet --outfile out.exr scene.pbrt");
     EXPECT_EQ(o.status, 1);
-    for (const char *place : {"4:0", "6:19", "9:0", "10:15"})
+    for (const char *place : {"4:0", "6:19", "9:21", "10:15"})
         EXPECT_TRUE(HasDiagnostic(o.err, std::string("Error: scene.pbrt:") + place + ": ")) << place << "\n" << o.err;
     EXPECT_EQ(Count(o.err, "Error: "), 4u) << o.err;
     EXPECT_TRUE(Has(o.err, "4 errors; nothing was rendered.")) << o.err;

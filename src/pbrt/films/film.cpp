@@ -111,7 +111,8 @@ void RgbFilm::SaveState(std::ostream &out) const {
     std::copy(bounds, bounds + 4, header.bounds);
     header.rejected = rejected_;
     out.write(reinterpret_cast<const char *>(&header), sizeof(header));
-    out.write(reinterpret_cast<const char *>(pixels_.data()), static_cast<std::streamsize>(pixels_.size() * sizeof(Pixel)));
+    out.write(reinterpret_cast<const char *>(pixels_.data()),
+              static_cast<std::streamsize>(pixels_.size() * sizeof(Pixel)));
 }
 
 void RgbFilm::LoadState(std::istream &in) {

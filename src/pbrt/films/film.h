@@ -47,14 +47,14 @@ class RgbFilm {
     /// Radiance L along one camera path into one pixel. Not-finite radiance is counted, reported and dropped.
     void AddSample(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight);
 
-    /// Linear RGB in the output space, over PixelBounds; R, G, B are the first channels of every film. Half precision if
-    /// savefp16.
+    /// Linear RGB in the output space, over PixelBounds; R, G, B are the first channels of every film. Half precision
+    /// if savefp16.
     virtual Image ToImage() const;
     virtual ImageMetadata Metadata() const;
     uint64_t RejectedSamples() const { return rejected_; }
 
-    /// The RGB sums themselves, bit by bit, in this machine's byte order: a render that goes on from them later ends with
-    /// the same image. LoadState throws UserError if the state is of other pixel bounds or incomplete.
+    /// The RGB sums themselves, bit by bit, in this machine's byte order: a render that goes on from them later ends
+    /// with the same image. LoadState throws UserError if the state is of other pixel bounds or incomplete.
     void SaveState(std::ostream &out) const;
     void LoadState(std::istream &in);
 
@@ -98,7 +98,8 @@ class RgbFilm {
     std::atomic<uint64_t> rejected_{0};
 };
 
-inline bool RgbFilm::Measure(const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight, Vector3 *sensor) {
+inline bool RgbFilm::Measure(const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight,
+                             Vector3 *sensor) {
     *sensor = sensor_.Expose(SafeDivide(L, lambda.Pdf()), lambda);
     if (!std::isfinite(sensor->x + sensor->y + sensor->z) || !std::isfinite(weight)) {
         rejected_.fetch_add(1, std::memory_order_relaxed);

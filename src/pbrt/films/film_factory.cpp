@@ -13,7 +13,8 @@ std::unique_ptr<RgbFilm> MakeFilm(const std::string &type, const ParamSet &param
     if (type == "rgb") return std::make_unique<RgbFilm>(params, outputSpace, exposureTime, overrides, sink);
     if (type == "gbuffer") return std::make_unique<GBufferFilm>(params, outputSpace, exposureTime, overrides, sink);
     if (type == "spectral") return std::make_unique<SpectralFilm>(params, outputSpace, exposureTime, overrides, sink);
-    throw UserError(fmt::format("Film \"{}\" is unknown; {}.", type, ListChoices(type, SupportedFilms())), params.Loc());
+    throw UserError(fmt::format("Film \"{}\" is unknown; {}.", type, ListChoices(type, SupportedFilms())),
+                    params.Loc());
 }
 
 }  // namespace pbrt

@@ -38,8 +38,8 @@ void GBufferFilm::AddSample(Point2i pixel, const SampledSpectrum &L, const Sampl
 }
 
 Image GBufferFilm::ToImage() const {
-    Image image = MakeImage({"Albedo.R", "Albedo.G", "Albedo.B", "P.X", "P.Y", "P.Z", "dzdx", "dzdy", "N.X", "N.Y", "N.Z",
-                             "Ns.X", "Ns.Y", "Ns.Z", "u", "v", "Variance.R", "Variance.G", "Variance.B",
+    Image image = MakeImage({"Albedo.R", "Albedo.G", "Albedo.B", "P.X", "P.Y", "P.Z", "dzdx", "dzdy", "N.X", "N.Y",
+                             "N.Z", "Ns.X", "Ns.Y", "Ns.Z", "u", "v", "Variance.R", "Variance.G", "Variance.B",
                              "RelativeVariance.R", "RelativeVariance.G", "RelativeVariance.B"});
     const Pixel *pixel = pixels_.data();
     size_t index = 0;

@@ -19,8 +19,8 @@ struct VisibleSurface {
 using VisibleSurfaceQuery =
     std::function<std::optional<VisibleSurface>(const CameraRay &ray, const SampledWavelengths &lambda)>;
 
-/// The `gbuffer` film: besides RGB, what the camera sees in every pixel (means over its samples) and the variance of the
-/// samples that see something.
+/// The `gbuffer` film: besides RGB, what the camera sees in every pixel (means over its samples) and the variance of
+/// the samples that see something.
 class GBufferFilm final : public RgbFilm {
   public:
     enum class CoordinateSystem { Camera, World };

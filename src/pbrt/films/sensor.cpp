@@ -70,7 +70,8 @@ PixelSensor PixelSensor::Make(const ParamSet &params, const ColorSpace &outputSp
     if (name == "cie1931") {
         glm::mat3 balance(1);
         if (whiteBalance > 0)
-            balance = WhiteBalanceMatrix(Chromaticity(SpectrumToXyz(DaylightSpectrum(whiteBalance))), outputSpace.White());
+            balance =
+                WhiteBalanceMatrix(Chromaticity(SpectrumToXyz(DaylightSpectrum(whiteBalance))), outputSpace.White());
         return {CieX(), CieY(), CieZ(), balance, imagingRatio};
     }
     constexpr Float kCameraWhiteBalance = 6500;

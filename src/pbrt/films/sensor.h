@@ -10,7 +10,8 @@ namespace pbrt {
 /// What turns the spectrum of one camera path into three numbers, and those into XYZ.
 class PixelSensor {
   public:
-    /// The film's `sensor`, `iso` and `whitebalance` (pbrt-v4-format §5.2). `exposureTime` in seconds. Throws UserError.
+    /// The film's `sensor`, `iso` and `whitebalance` (pbrt-v4-format §5.2). `exposureTime` in seconds. Throws
+    /// UserError.
     static PixelSensor Make(const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime);
 
     /// `flux`: radiance over the density of its wavelengths.
@@ -20,7 +21,6 @@ class PixelSensor {
                imagingRatio_;
     }
     const glm::mat3 &XyzFromSensor() const { return xyzFromSensor_; }
-    Float ImagingRatio() const { return imagingRatio_; }
 
   private:
     PixelSensor(const Spectrum &first, const Spectrum &second, const Spectrum &third, const glm::mat3 &xyzFromSensor,

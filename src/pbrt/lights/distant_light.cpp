@@ -3,9 +3,7 @@
 namespace pbrt {
 
 DistantLight::DistantLight(const Vector3 &wi, std::shared_ptr<const DenseSpectrum> irradiance, Float scale)
-    : Light(LightKind::DeltaDirection), wi_(wi), irradiance_(std::move(irradiance)), scale_(scale) {}
-
-void DistantLight::Preprocess(const Point3 &, Float sceneRadius) { sceneRadius_ = sceneRadius; }
+    : LightBeyondScene(LightKind::DeltaDirection), wi_(wi), irradiance_(std::move(irradiance)), scale_(scale) {}
 
 SampledSpectrum DistantLight::Phi(const SampledWavelengths &lambda) const {
     return scale_ * Pi * Sqr(sceneRadius_) * irradiance_->Sample(lambda);
@@ -18,7 +16,7 @@ std::optional<LightLiSample> DistantLight::SampleLi(const LightSampleContext &fr
     if (!s.L) return {};
     s.wi = wi_;
     s.pdf = 1;
-    s.pLight = from.p + wi_ * (2 * sceneRadius_);
+    s.pLight = Beyond(from.p, wi_);
     return s;
 }
 

@@ -1,10 +1,10 @@
 #pragma once
-#include "pbrt/lights/light.h"
+#include "pbrt/lights/light_beyond_scene.h"
 
 namespace pbrt {
 
 /// Parallel light from infinitely far away.
-class DistantLight final : public Light {
+class DistantLight final : public LightBeyondScene {
   public:
     /// `wi`: unit, from the scene towards the light. `irradiance` times scale falls on a surface that faces it.
     DistantLight(const Vector3 &wi, std::shared_ptr<const DenseSpectrum> irradiance, Float scale);
@@ -15,13 +15,11 @@ class DistantLight final : public Light {
     Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool) const override {
         return 0;
     }
-    void Preprocess(const Point3 &sceneCenter, Float sceneRadius) override;
 
   private:
     Vector3 wi_;
     std::shared_ptr<const DenseSpectrum> irradiance_;
     Float scale_;
-    Float sceneRadius_ = 0;
 };
 
 }  // namespace pbrt

@@ -1,7 +1,6 @@
 #include "pbrt/lights/goniometric_light.h"
 
 #include "pbrt/core/error.h"
-#include "pbrt/lights/light_from_point.h"
 #include "pbrt/lights/light_image.h"
 #include "pbrt/math/warps.h"
 
@@ -9,9 +8,8 @@ namespace pbrt {
 
 GoniometricLight::GoniometricLight(const Transform &renderFromLight, std::shared_ptr<const DenseSpectrum> intensity,
                                    Float scale, Image image)
-    : Light(LightKind::DeltaPosition),
+    : LightAtPoint(renderFromLight.Point({0, 0, 0})),
       renderFromLight_(renderFromLight),
-      position_(renderFromLight.Point({0, 0, 0})),
       intensity_(std::move(intensity)),
       scale_(scale),
       image_(std::move(image)),
@@ -37,17 +35,13 @@ SampledSpectrum GoniometricLight::Phi(const SampledWavelengths &lambda) const {
     return 4 * Pi * mean_ * scale_ * intensity_->Sample(lambda);
 }
 
-std::optional<LightLiSample> GoniometricLight::SampleLi(const LightSampleContext &from, const Point2 &,
-                                                        const SampledWavelengths &lambda, bool) const {
-    return SampleFromPoint(position_, from,
-                           [&](const Vector3 &w) { return scale_ * Share(w) * intensity_->Sample(lambda); });
+SampledSpectrum GoniometricLight::Intensity(const Vector3 &w, const SampledWavelengths &lambda) const {
+    return scale_ * Share(w) * intensity_->Sample(lambda);
 }
 
 std::optional<LightBounds> GoniometricLight::Bounds() const {
     // As a point light of the same power (stock pbrt-v4).
-    Float phi = 4 * Pi * mean_ * scale_ * intensity_->MaxValue();
-    if (!(phi > 0)) return {};
-    return LightBounds{Bounds3(position_), Vector3(0, 0, 1), phi, -1, 0, false};
+    return AllAround(4 * Pi * mean_ * scale_ * intensity_->MaxValue());
 }
 
 }  // namespace pbrt

@@ -6,9 +6,7 @@
 namespace pbrt {
 
 UniformInfiniteLight::UniformInfiniteLight(std::shared_ptr<const DenseSpectrum> radiance, Float scale)
-    : Light(LightKind::Infinite), radiance_(std::move(radiance)), scale_(scale) {}
-
-void UniformInfiniteLight::Preprocess(const Point3 &, Float sceneRadius) { sceneRadius_ = sceneRadius; }
+    : LightBeyondScene(LightKind::Infinite), radiance_(std::move(radiance)), scale_(scale) {}
 
 SampledSpectrum UniformInfiniteLight::Phi(const SampledWavelengths &lambda) const {
     return scale_ * 4 * Pi * Pi * Sqr(sceneRadius_) * radiance_->Sample(lambda);
@@ -27,7 +25,7 @@ std::optional<LightLiSample> UniformInfiniteLight::SampleLi(const LightSampleCon
     if (!s.L) return {};
     s.wi = SampleUniformSphere(u);
     s.pdf = UniformSpherePdf();
-    s.pLight = from.p + s.wi * (2 * sceneRadius_);
+    s.pLight = Beyond(from.p, s.wi);
     return s;
 }
 
@@ -38,7 +36,7 @@ Float UniformInfiniteLight::PdfLi(const LightSampleContext &, const Vector3 &, c
 
 ImageInfiniteLight::ImageInfiniteLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace,
                                        Float scale)
-    : Light(LightKind::Infinite),
+    : LightBeyondScene(LightKind::Infinite),
       renderFromLight_(renderFromLight),
       image_(std::move(image)),
       colorSpace_(&colorSpace),
@@ -66,14 +64,12 @@ ImageInfiniteLight::ImageInfiniteLight(const Transform &renderFromLight, Image i
     compensated_ = PiecewiseConstant2D(weights, n.x, n.y);
 }
 
-void ImageInfiniteLight::Preprocess(const Point3 &, Float sceneRadius) { sceneRadius_ = sceneRadius; }
-
 Point2 ImageInfiniteLight::SquareFromDirection(const Vector3 &d) const {
     return EqualAreaSphereToSquare(Normalize(renderFromLight_.InverseVector(d)));
 }
 
 SampledSpectrum ImageInfiniteLight::Radiance(const Point2 &st, const SampledWavelengths &lambda) const {
-    return scale_ * RgbIlluminantSpectrum(*colorSpace_, LightPixel(image_, PixelAt(st, image_.Resolution()))).Sample(lambda);
+    return scale_ * PixelIlluminant(image_, PixelAt(st, image_.Resolution()), *colorSpace_, lambda);
 }
 
 SampledSpectrum ImageInfiniteLight::Phi(const SampledWavelengths &lambda) const {
@@ -96,7 +92,7 @@ std::optional<LightLiSample> ImageInfiniteLight::SampleLi(const LightSampleConte
     if (!s.L) return {};
     s.wi = Normalize(renderFromLight_.Vector(EqualAreaSquareToSphere(st)));
     s.pdf = pdfSquare * Inv4Pi;
-    s.pLight = from.p + s.wi * (2 * sceneRadius_);
+    s.pLight = Beyond(from.p, s.wi);
     return s;
 }
 

@@ -1,13 +1,13 @@
 #pragma once
 #include "pbrt/images/image.h"
-#include "pbrt/lights/light.h"
+#include "pbrt/lights/light_beyond_scene.h"
 #include "pbrt/math/distributions.h"
 #include "pbrt/math/transform.h"
 
 namespace pbrt {
 
 /// The same radiance from everywhere.
-class UniformInfiniteLight final : public Light {
+class UniformInfiniteLight final : public LightBeyondScene {
   public:
     UniformInfiniteLight(std::shared_ptr<const DenseSpectrum> radiance, Float scale);
 
@@ -18,16 +18,14 @@ class UniformInfiniteLight final : public Light {
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs) const override;
     SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;
-    void Preprocess(const Point3 &sceneCenter, Float sceneRadius) override;
 
   private:
     std::shared_ptr<const DenseSpectrum> radiance_;
     Float scale_;
-    Float sceneRadius_ = 0;
 };
 
 /// Radiance from an RGB image in the equal-area octahedral layout, constant over each pixel.
-class ImageInfiniteLight final : public Light {
+class ImageInfiniteLight final : public LightBeyondScene {
   public:
     /// `image`: square, channels R, G, B in this order, finite.
     ImageInfiniteLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace, Float scale);
@@ -40,7 +38,6 @@ class ImageInfiniteLight final : public Light {
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs) const override;
     SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;
-    void Preprocess(const Point3 &sceneCenter, Float sceneRadius) override;
 
   private:
     SampledSpectrum Radiance(const Point2 &st, const SampledWavelengths &lambda) const;
@@ -51,7 +48,6 @@ class ImageInfiniteLight final : public Light {
     const ColorSpace *colorSpace_;
     Float scale_;
     PiecewiseConstant2D distribution_, compensated_;
-    Float sceneRadius_ = 0;
 };
 
 }  // namespace pbrt

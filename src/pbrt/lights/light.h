@@ -41,8 +41,8 @@ class Light {
     virtual std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
                                                   const SampledWavelengths &lambda, bool allowIncompletePdfs) const = 0;
 
-    /// Solid-angle density of SampleLi(from) for direction wi. Area lights: the ray from `from` along wi hits this light's
-    /// primitive at pHit with normal nHit; infinite lights ignore these. 0 for delta lights.
+    /// Solid-angle density of SampleLi(from) for direction wi. Area lights: the ray from `from` along wi hits this
+    /// light's primitive at pHit with normal nHit; infinite lights ignore these. 0 for delta lights.
     virtual Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                         bool allowIncompletePdfs) const = 0;
 
@@ -66,8 +66,8 @@ class Light {
 
     /// What a spatial light sampler needs; empty for infinite lights and lights without power.
     virtual std::optional<LightBounds> Bounds() const { return {}; }
-    /// Infinite lights that shine only through an opening: the opening, as if it were the light; else empty. The format's
-    /// samplers treat these lights as any infinite one.
+    /// Infinite lights that shine only through an opening: the opening, as if it were the light; else empty. The
+    /// format's samplers treat these lights as any infinite one.
     virtual std::optional<LightBounds> Opening() const { return {}; }
 
     /// Bounding sphere of the whole scene, once, before use.

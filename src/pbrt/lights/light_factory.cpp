@@ -169,9 +169,7 @@ Float MeasureIlluminance(const LightImage &light) {
     double sum = 0;
     for (int y = 0; y < n.y; ++y)
         for (int x = 0; x < n.x; ++x) {
-            Point2 st((static_cast<Float>(x) + Float(0.5)) / static_cast<Float>(n.x),
-                      (static_cast<Float>(y) + Float(0.5)) / static_cast<Float>(n.y));
-            Float cosTheta = EqualAreaSquareToSphere(st).z;
+            Float cosTheta = EqualAreaSquareToSphere(PixelCenter(x, y, n)).z;
             if (cosTheta > 0) sum += static_cast<double>(glm::dot(LightPixel(light.image, {x, y}), weights) * cosTheta);
         }
     return static_cast<Float>(sum * 2 * std::numbers::pi / (static_cast<double>(n.x) * static_cast<double>(n.y)));

@@ -12,17 +12,18 @@ namespace pbrt {
 /// A LightSource directive. `colorSpace` is the one in force (default spectra). `renderFromWorld` is only for
 /// parameters given in world space (portals).
 std::unique_ptr<Light> MakeLight(const std::string &type, const ParamSet &params, const Transform &renderFromLight,
-                                 const Transform &renderFromWorld, const ColorSpace &colorSpace, const FileResolver &files,
-                                 DiagnosticSink &sink);
+                                 const Transform &renderFromWorld, const ColorSpace &colorSpace,
+                                 const FileResolver &files, DiagnosticSink &sink);
 
 /// An AreaLightSource directive applied to one shape: parsed once, then one light per primitive.
 class AreaLightMaker {
   public:
-    AreaLightMaker(const std::string &type, const ParamSet &params, const ColorSpace &colorSpace, const FileResolver &files,
-                   DiagnosticSink &sink);
+    AreaLightMaker(const std::string &type, const ParamSet &params, const ColorSpace &colorSpace,
+                   const FileResolver &files, DiagnosticSink &sink);
     ~AreaLightMaker();
     AreaLightMaker(AreaLightMaker &&) noexcept;
-    /// `alpha` may be null; a constant alpha of 0 makes a light that only light sampling finds. `shape` must outlive it.
+    /// `alpha` may be null; a constant alpha of 0 makes a light that only light sampling finds. `shape` must outlive
+    /// it.
     std::unique_ptr<Light> Make(const Shape &shape, uint32_t primitive, const FloatTexture *alpha) const;
 
   private:

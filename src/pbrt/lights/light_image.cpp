@@ -72,8 +72,7 @@ SampledSpectrum AverageIlluminant(const Image &image, const ColorSpace &colorSpa
         for (int64_t y = begin; y < end; ++y) {
             SampledSpectrum sum;
             for (int x = 0; x < n.x; ++x) {
-                SampledSpectrum L =
-                    RgbIlluminantSpectrum(colorSpace, LightPixel(image, {x, static_cast<int>(y)})).Sample(lambda);
+                SampledSpectrum L = PixelIlluminant(image, {x, static_cast<int>(y)}, colorSpace, lambda);
                 sum += weight ? weight(x, static_cast<int>(y)) * L : L;
             }
             rows[static_cast<size_t>(y)] = sum / static_cast<Float>(n.x);

@@ -26,13 +26,24 @@ inline Point2i PixelAt(const Point2 &st, const Point2i &n) {
             std::clamp(static_cast<int>(st.y * static_cast<Float>(n.y)), 0, n.y - 1)};
 }
 
+/// The middle of a pixel in [0, 1]^2.
+inline Point2 PixelCenter(int x, int y, const Point2i &n) {
+    return {(static_cast<Float>(x) + Float(0.5)) / static_cast<Float>(n.x),
+            (static_cast<Float>(y) + Float(0.5)) / static_cast<Float>(n.y)};
+}
+
 /// A pixel of such an image; negative values count as 0.
 inline Rgb LightPixel(const Image &image, const Point2i &p) {
     return glm::max(Rgb(image.Get(p, 0), image.Get(p, 1), image.Get(p, 2)), Rgb(0));
 }
 
-/// Mean over the pixels (x, y) of the illuminant spectra their colours stand for, times weight(x, y) if there is one. Runs
-/// in parallel.
+/// The illuminant spectrum a pixel's colour stands for.
+inline SampledSpectrum PixelIlluminant(const Image &image, const Point2i &p, const ColorSpace &colorSpace,
+                                       const SampledWavelengths &lambda) {
+    return RgbIlluminantSpectrum(colorSpace, LightPixel(image, p)).Sample(lambda);
+}
+
+/// Mean of PixelIlluminant over the pixels (x, y), times weight(x, y) if there is one. Runs in parallel.
 SampledSpectrum AverageIlluminant(const Image &image, const ColorSpace &colorSpace, const SampledWavelengths &lambda,
                                   const std::function<Float(int, int)> &weight = {});
 

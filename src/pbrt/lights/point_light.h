@@ -1,23 +1,20 @@
 #pragma once
-#include "pbrt/lights/light.h"
+#include "pbrt/lights/light_at_point.h"
 
 namespace pbrt {
 
 /// Equal intensity in all directions.
-class PointLight final : public Light {
+class PointLight final : public LightAtPoint<PointLight> {
   public:
     PointLight(const Point3 &position, std::shared_ptr<const DenseSpectrum> intensity, Float scale);
 
     SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
-    std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
-                                          const SampledWavelengths &lambda, bool allowIncompletePdfs) const override;
-    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool) const override {
-        return 0;
+    SampledSpectrum Intensity(const Vector3 &, const SampledWavelengths &lambda) const {
+        return scale_ * intensity_->Sample(lambda);
     }
     std::optional<LightBounds> Bounds() const override;
 
   private:
-    Point3 position_;
     Float scale_;
     std::shared_ptr<const DenseSpectrum> intensity_;
 };

@@ -9,11 +9,6 @@ namespace pbrt {
 
 namespace {
 
-Point2 PixelCenter(int x, int y, const Point2i &n) {
-    return {(static_cast<Float>(x) + Float(0.5)) / static_cast<Float>(n.x),
-            (static_cast<Float>(y) + Float(0.5)) / static_cast<Float>(n.y)};
-}
-
 /// The direction in the frame at a point of the map.
 Vector3 LocalFromMap(const Point2 &st) {
     Float a = Pi * (st.x - Float(0.5)), b = Pi * (st.y - Float(0.5));
@@ -33,7 +28,7 @@ bool PortalLight::IsRectangle(const std::array<Point3, 4> &p) {
 
 PortalLight::PortalLight(const Transform &renderFromLight, const Image &image, const ColorSpace &colorSpace,
                          Float scale, const std::array<Point3, 4> &portal, const Transform &renderFromPortal)
-    : Light(LightKind::Infinite),
+    : LightBeyondScene(LightKind::Infinite),
       colorSpace_(&colorSpace),
       scale_(scale) {
     Point2i n = image.Resolution();
@@ -65,8 +60,6 @@ PortalLight::PortalLight(const Transform &renderFromLight, const Image &image, c
     distribution_ = WindowedPiecewiseConstant2D(weights, n.x, n.y);
 }
 
-void PortalLight::Preprocess(const Point3 &, Float sceneRadius) { sceneRadius_ = sceneRadius; }
-
 std::optional<Point2> PortalLight::MapFromDirection(const Vector3 &d) const {
     Vector3 w = frame_.ToLocal(d);
     if (!(w.z > 0)) return {};
@@ -75,8 +68,6 @@ std::optional<Point2> PortalLight::MapFromDirection(const Vector3 &d) const {
     };
     return Point2(fromAngle(w.x / w.z), fromAngle(w.y / w.z));
 }
-
-Vector3 PortalLight::DirectionFromMap(const Point2 &st) const { return frame_.FromLocal(LocalFromMap(st)); }
 
 Float PortalLight::SolidAngleDensity(const Vector3 &w) {
     // d(x/z) = pi / cos^2(a) ds with cos^2(a) = z^2 / (1 - y^2), likewise for t; a plane at distance 1 is seen under
@@ -91,8 +82,7 @@ std::optional<Bounds2> PortalLight::Window(const Point3 &p) const {
 }
 
 SampledSpectrum PortalLight::Radiance(const Point2 &st, const SampledWavelengths &lambda) const {
-    return scale_ *
-           RgbIlluminantSpectrum(*colorSpace_, LightPixel(map_, PixelAt(st, map_.Resolution()))).Sample(lambda);
+    return scale_ * PixelIlluminant(map_, PixelAt(st, map_.Resolution()), *colorSpace_, lambda);
 }
 
 SampledSpectrum PortalLight::Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const {
@@ -120,7 +110,7 @@ std::optional<LightLiSample> PortalLight::SampleLi(const LightSampleContext &fro
     if (!s.L) return {};
     s.wi = frame_.FromLocal(local);
     s.pdf = pdfMap / density;
-    s.pLight = from.p + s.wi * (2 * sceneRadius_);
+    s.pLight = Beyond(from.p, s.wi);
     return s;
 }
 

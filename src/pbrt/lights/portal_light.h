@@ -2,7 +2,7 @@
 #include <array>
 
 #include "pbrt/images/image.h"
-#include "pbrt/lights/light.h"
+#include "pbrt/lights/light_beyond_scene.h"
 #include "pbrt/math/frame.h"
 #include "pbrt/math/transform.h"
 #include "pbrt/math/windowed_distribution.h"
@@ -12,7 +12,7 @@ namespace pbrt {
 /// An environment that shines only through a rectangle, to one side of it (Bitterli, Wyman and Pharr 2015). The image
 /// is resampled once to a map in which the rectangle is, seen from anywhere, an axis-aligned window: the coordinates of
 /// a direction (x, y, z) in the rectangle's frame are the angles atan(x/z) and atan(y/z).
-class PortalLight final : public Light {
+class PortalLight final : public LightBeyondScene {
   public:
     /// `image`: as for ImageInfiniteLight. `portal`: corners in order around it, in the space `renderFromPortal` takes
     /// them from; light travels against cross(p3 - p0, p1 - p0). The sides at p0 are not of length 0 and not parallel;
@@ -30,11 +30,9 @@ class PortalLight final : public Light {
                 bool allowIncompletePdfs) const override;
     SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;
     std::optional<LightBounds> Opening() const override;
-    void Preprocess(const Point3 &sceneCenter, Float sceneRadius) override;
 
   private:
     std::optional<Point2> MapFromDirection(const Vector3 &d) const;
-    Vector3 DirectionFromMap(const Point2 &st) const;
     /// Solid angle per area of the map at a unit direction of the frame.
     static Float SolidAngleDensity(const Vector3 &local);
     /// The rectangle as seen from p; empty behind it.
@@ -48,7 +46,6 @@ class PortalLight final : public Light {
     const ColorSpace *colorSpace_;
     Float scale_;
     WindowedPiecewiseConstant2D distribution_;
-    Float sceneRadius_ = 0;
 };
 
 }  // namespace pbrt

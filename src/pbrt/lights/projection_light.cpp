@@ -1,7 +1,6 @@
 #include "pbrt/lights/projection_light.h"
 
 #include "pbrt/core/error.h"
-#include "pbrt/lights/light_from_point.h"
 #include "pbrt/lights/light_image.h"
 
 namespace pbrt {
@@ -26,9 +25,8 @@ Float PixelSolidAngle(int x, int y, const Point2i &n, const Vector2 &half) {
 
 ProjectionLight::ProjectionLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace,
                                  Float scale, Float fov)
-    : Light(LightKind::DeltaPosition),
+    : LightAtPoint(renderFromLight.Point({0, 0, 0})),
       renderFromLight_(renderFromLight),
-      position_(renderFromLight.Point({0, 0, 0})),
       image_(std::move(image)),
       colorSpace_(&colorSpace),
       scale_(scale),
@@ -52,7 +50,7 @@ SampledSpectrum ProjectionLight::Intensity(const Vector3 &w, const SampledWavele
     if (!(l.z > 0)) return SampledSpectrum(0);
     Point2 st((1 + l.x / (l.z * half_.x)) / 2, (1 - l.y / (l.z * half_.y)) / 2);
     if (!(st.x >= 0 && st.x <= 1 && st.y >= 0 && st.y <= 1)) return SampledSpectrum(0);
-    return RgbIlluminantSpectrum(*colorSpace_, LightPixel(image_, PixelAt(st, image_.Resolution()))).Sample(lambda);
+    return scale_ * PixelIlluminant(image_, PixelAt(st, image_.Resolution()), *colorSpace_, lambda);
 }
 
 SampledSpectrum ProjectionLight::Phi(const SampledWavelengths &lambda) const {
@@ -60,11 +58,6 @@ SampledSpectrum ProjectionLight::Phi(const SampledWavelengths &lambda) const {
     auto weight = [&](int x, int y) { return PixelSolidAngle(x, y, n, half_); };
     return scale_ * static_cast<Float>(n.x) * static_cast<Float>(n.y) *
            AverageIlluminant(image_, *colorSpace_, lambda, weight);
-}
-
-std::optional<LightLiSample> ProjectionLight::SampleLi(const LightSampleContext &from, const Point2 &,
-                                                       const SampledWavelengths &lambda, bool) const {
-    return SampleFromPoint(position_, from, [&](const Vector3 &w) { return scale_ * Intensity(w, lambda); });
 }
 
 std::optional<LightBounds> ProjectionLight::Bounds() const {

@@ -1,6 +1,5 @@
 #include "pbrt/lights/spot_light.h"
 
-#include "pbrt/lights/light_from_point.h"
 
 namespace pbrt {
 
@@ -17,9 +16,8 @@ Float SmoothStep(Float x, Float a, Float b) {
 
 SpotLight::SpotLight(const Transform &renderFromLight, const Point3 &from, const Vector3 &axis,
                      std::shared_ptr<const DenseSpectrum> intensity, Float scale, Float coneAngle, Float falloffStart)
-    : Light(LightKind::DeltaPosition),
+    : LightAtPoint(renderFromLight.Point(from)),
       renderFromLight_(renderFromLight),
-      position_(renderFromLight.Point(from)),
       axis_(axis),
       intensity_(std::move(intensity)),
       scale_(scale),
@@ -42,9 +40,8 @@ SampledSpectrum SpotLight::Phi(const SampledWavelengths &lambda) const {
     return scale_ * PowerPerIntensity(coneAngle_, falloffStart_) * intensity_->Sample(lambda);
 }
 
-std::optional<LightLiSample> SpotLight::SampleLi(const LightSampleContext &from, const Point2 &,
-                                                 const SampledWavelengths &lambda, bool) const {
-    return SampleFromPoint(position_, from, [&](const Vector3 &w) { return scale_ * Falloff(w) * intensity_->Sample(lambda); });
+SampledSpectrum SpotLight::Intensity(const Vector3 &w, const SampledWavelengths &lambda) const {
+    return scale_ * Falloff(w) * intensity_->Sample(lambda);
 }
 
 std::optional<LightBounds> SpotLight::Bounds() const {

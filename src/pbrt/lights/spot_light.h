@@ -1,23 +1,19 @@
 #pragma once
-#include "pbrt/lights/light.h"
+#include "pbrt/lights/light_at_point.h"
 #include "pbrt/math/transform.h"
 
 namespace pbrt {
 
 /// Full intensity inside a cone, smooth falloff to zero at its border. The cone is a cone in light space: a stretching
 /// transform deforms it, as in stock pbrt-v4.
-class SpotLight final : public Light {
+class SpotLight final : public LightAtPoint<SpotLight> {
   public:
     /// `from` and `axis` (unit) in light space; angles in degrees from the axis, falloffStart <= coneAngle.
     SpotLight(const Transform &renderFromLight, const Point3 &from, const Vector3 &axis,
               std::shared_ptr<const DenseSpectrum> intensity, Float scale, Float coneAngle, Float falloffStart);
 
     SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
-    std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
-                                          const SampledWavelengths &lambda, bool allowIncompletePdfs) const override;
-    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool) const override {
-        return 0;
-    }
+    SampledSpectrum Intensity(const Vector3 &w, const SampledWavelengths &lambda) const;
     std::optional<LightBounds> Bounds() const override;
 
     /// Power of a light of unit intensity on the axis.
@@ -27,7 +23,6 @@ class SpotLight final : public Light {
 
   private:
     Transform renderFromLight_;
-    Point3 position_;
     Vector3 axis_;
     std::shared_ptr<const DenseSpectrum> intensity_;
     Float scale_;

@@ -169,7 +169,8 @@ TEST(GBufferFilm, VarianceIsThatOfTheSamplesThatSeeASurface) {
     auto film = Make("gbuffer", Params());
     auto &gbuffer = static_cast<GBufferFilm &>(*film);
     const SampledWavelengths lambda = gbuffer.SampleWavelengths(0.3f);
-    const Vector3 unit((CieX().Sample(lambda) / lambda.Pdf()).Average(), (CieY().Sample(lambda) / lambda.Pdf()).Average(),
+    const Vector3 unit((CieX().Sample(lambda) / lambda.Pdf()).Average(),
+                       (CieY().Sample(lambda) / lambda.Pdf()).Average(),
                        (CieZ().Sample(lambda) / lambda.Pdf()).Average());
     VisibleSurface surface;
     surface.lambda = lambda;

@@ -115,7 +115,8 @@ TEST(PixelSensor, FitRecoversALinearMapAndMinimizesTheError) {
 
 TEST(PixelSensor, ResponsesAreNamedSpectra) {
     for (const std::string &name : CameraSensorNames())
-        for (const char *channel : {"_r", "_g", "_b"}) EXPECT_NE(NamedSpectrum(name + channel), nullptr) << name << channel;
+        for (const char *channel : {"_r", "_g", "_b"})
+            EXPECT_NE(NamedSpectrum(name + channel), nullptr) << name << channel;
     EXPECT_EQ(ColorCheckerReflectances().size(), 24u);
 }
 

@@ -110,7 +110,8 @@ TEST_F(ImageInfinite, ImageIsTurnedByTheTransform) {
     Transform turn = Transform::Rotate(65, {1, 0, 2});
     auto turned = MakeIt(turn);
     EXPECT_GT(straight->Le({}, sun, kLambda).Average(), 20 * straight->Le({}, -sun, kLambda).Average());
-    EXPECT_NEAR(turned->Le({}, turn.Vector(sun), kLambda).Average() / straight->Le({}, sun, kLambda).Average(), 1, 1e-5);
+    EXPECT_NEAR(turned->Le({}, turn.Vector(sun), kLambda).Average() / straight->Le({}, sun, kLambda).Average(), 1,
+                1e-5);
 }
 
 TEST_F(ImageInfinite, PhiIsTheMeanRadianceOverTheSphereTimesTheSceneDisk) {

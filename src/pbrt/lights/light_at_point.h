@@ -1,0 +1,41 @@
+#pragma once
+#include "pbrt/lights/light.h"
+
+namespace pbrt {
+
+/// What lights that are a point have in common. `Self` has a public
+///     SampledSpectrum Intensity(const Vector3 &w, const SampledWavelengths &lambda) const
+/// for what leaves along w (render space, any length but 0). Not virtual: it is hot.
+template <class Self>
+class LightAtPoint : public Light {
+  public:
+    std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &,
+                                          const SampledWavelengths &lambda, bool) const final {
+        Vector3 d = position_ - from.p;
+        Float d2 = LengthSquared(d);
+        if (!(d2 > 0)) return {};
+        LightLiSample s;
+        s.L = static_cast<const Self &>(*this).Intensity(-d, lambda) / d2;
+        if (!s.L) return {};
+        s.wi = d / std::sqrt(d2);
+        s.pdf = 1;
+        s.pLight = position_;
+        return s;
+    }
+    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool) const final {
+        return 0;
+    }
+
+  protected:
+    explicit LightAtPoint(const Point3 &position) : Light(LightKind::DeltaPosition), position_(position) {}
+
+    /// Bounds as if all directions got the same.
+    std::optional<LightBounds> AllAround(Float phi) const {
+        if (!(phi > 0)) return {};
+        return LightBounds{Bounds3(position_), Vector3(0, 0, 1), phi, -1, 0, false};
+    }
+
+    Point3 position_;
+};
+
+}  // namespace pbrt

@@ -24,6 +24,19 @@ auto Dispatch(Variant &lobes, Function f) {
     }
 }
 
+/// See Bsdf::ApproximateF; local directions.
+template <class L>
+auto ApproximationOf(const L &lobe, const Vector3 &wo) {
+    if constexpr (requires { typename L::Approximation; }) {
+        return typename L::Approximation(lobe, wo);
+    } else {
+        return [&lobe, wo](const Vector3 &wi) -> Float {
+            if constexpr (requires { lobe.Approximate(wo, wi); }) return lobe.Approximate(wo, wi);
+            else return lobe.F(wo, wi, TransportMode::Radiance).Average();
+        };
+    }
+}
+
 }  // namespace
 
 BxdfFlags Bsdf::Flags() const {
@@ -40,11 +53,10 @@ bool Bsdf::IsDirectional() const {
 void Bsdf::ApproximateF(const Vector3 &wo, std::span<const Vector3> wi, Float *f) const {
     const Vector3 o = frame_.ToLocal(wo);
     Dispatch(lobe_, [&](const auto &lobe) {
+        const auto approximation = ApproximationOf(lobe, o);
         for (size_t k = 0; k < wi.size(); ++k) {
             const Vector3 i = frame_.ToLocal(wi[k]);
-            if (o.z == 0 || i.z == 0) f[k] = 0;
-            else if constexpr (requires { lobe.Approximate(o, i); }) f[k] = lobe.Approximate(o, i);
-            else f[k] = lobe.F(o, i, TransportMode::Radiance).Average();
+            f[k] = o.z == 0 || i.z == 0 ? 0 : approximation(i);
         }
         return true;
     });

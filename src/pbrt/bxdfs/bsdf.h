@@ -27,10 +27,11 @@ class Bsdf {
 
     explicit operator bool() const { return !std::holds_alternative<std::monostate>(lobe_); }
     BxdfFlags Flags() const;
-    /// True if F follows a glossy lobe, alone or as part of a coat: then the choice of a direction had better follow it too.
+    /// True if F follows a glossy lobe, alone or as part of a coat: then the choice of a direction had better follow it
+    /// too.
     bool IsDirectional() const;
-    /// F up to a factor that hardly depends on wi, as a mean over wavelengths, cheap and deterministic (no random walks in layers,
-    /// no metal's Fresnel term): for choosing among directions, not for radiance.
+    /// F up to a factor that hardly depends on wi, as a mean over wavelengths, cheap and deterministic (no random walks
+    /// in layers, no metal's Fresnel term): for choosing among directions, not for radiance.
     void ApproximateF(const Vector3 &wo, std::span<const Vector3> wi, Float *f) const;
     /// f(wo, wi); 0 for specular lobes.
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode = TransportMode::Radiance) const;

@@ -32,7 +32,9 @@ class DiffuseBxdf {
         if (!Has(which, ReflTransFlags::Reflection) || !SameHemisphere(wo, wi)) return 0;
         return CosineHemispherePdf(AbsCosTheta(wi));
     }
-    Float Approximate(const Vector3 &wo, const Vector3 &wi) const { return SameHemisphere(wo, wi) ? reflectance_.Average() * InvPi : 0; }
+    Float Approximate(const Vector3 &wo, const Vector3 &wi) const {
+        return SameHemisphere(wo, wi) ? reflectance_.Average() * InvPi : 0;
+    }
     void Regularize() {}
 
   private:

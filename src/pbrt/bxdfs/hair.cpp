@@ -1,5 +1,7 @@
 #include "pbrt/bxdfs/hair.h"
 
+#include <numeric>
+
 #include "pbrt/bxdfs/fresnel.h"
 #include "pbrt/math/frame.h"
 
@@ -73,13 +75,6 @@ HairBxdf::HairBxdf(Float offset, Float eta, const SampledSpectrum &sigmaA, Float
       cosAlpha_(std::cos(Radians(alphaDegrees))),
       sigmaA_(sigmaA) {}
 
-struct HairBxdf::View {
-    Float phi;                                 ///< around the fibre
-    Float sinTheta[Lobes], cosTheta[Lobes];    ///< elevation, turned by the scales as each lobe needs
-    Float turn[Lobes - 1];                     ///< change of azimuth of the middle of each lobe
-    std::array<SampledSpectrum, Lobes> share;  ///< of the light, by lobe; add up to 1 without absorption
-};
-
 HairBxdf::View HairBxdf::Look(const Vector3 &wo) const {
     View view;
     const Float sinO = std::clamp(wo.x, Float(-1), Float(1)), cosO = SafeSqrt(1 - Sqr(sinO));
@@ -138,11 +133,16 @@ T WeightedSum(const std::array<T, HairBxdf::Lobes> &weights, const std::array<Fl
     return sum;
 }
 
+std::array<Float, HairBxdf::Lobes> Averages(const std::array<SampledSpectrum, HairBxdf::Lobes> &shares) {
+    std::array<Float, HairBxdf::Lobes> averages;
+    for (size_t i = 0; i < averages.size(); ++i) averages[i] = shares[i].Average();
+    return averages;
+}
+
 /// Chances of the lobes in sampling: by the mean of their shares.
 std::array<Float, HairBxdf::Lobes> Chances(const std::array<SampledSpectrum, HairBxdf::Lobes> &shares) {
-    std::array<Float, HairBxdf::Lobes> chances;
-    Float sum = 0;
-    for (size_t i = 0; i < chances.size(); ++i) sum += chances[i] = shares[i].Average();
+    std::array<Float, HairBxdf::Lobes> chances = Averages(shares);
+    const Float sum = std::accumulate(chances.begin(), chances.end(), Float(0));
     if (!(sum > 0)) return {1, 0, 0, 0};
     for (Float &c : chances) c /= sum;
     return chances;
@@ -158,6 +158,13 @@ SampledSpectrum HairBxdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode)
     if (wi.z == 0) return SampledSpectrum(0);
     const View view = Look(wo);
     return WeightedSum(view.share, Densities(view, wi)) / std::abs(wi.z);
+}
+
+HairBxdf::Approximation::Approximation(const HairBxdf &hair, const Vector3 &wo)
+    : hair_(hair), view_(hair.Look(wo)), shares_(Averages(view_.share)) {}
+
+Float HairBxdf::Approximation::operator()(const Vector3 &wi) const {
+    return WeightedSum(shares_, hair_.Densities(view_, wi)) / std::abs(wi.z);
 }
 
 Float HairBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const {

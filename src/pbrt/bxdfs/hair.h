@@ -33,7 +33,12 @@ class HairBxdf {
 
   private:
     /// All that depends on one direction and the offset only.
-    struct View;
+    struct View {
+        Float phi;                                 ///< around the fibre
+        Float sinTheta[Lobes], cosTheta[Lobes];    ///< elevation, turned by the scales as each lobe needs
+        Float turn[Lobes - 1];                     ///< change of azimuth of the middle of each lobe
+        std::array<SampledSpectrum, Lobes> share;  ///< of the light, by lobe; add up to 1 without absorption
+    };
     View Look(const Vector3 &wo) const;
     /// Densities of the lobes at wi, by solid angle.
     std::array<Float, Lobes> Densities(const View &view, const Vector3 &wi) const;
@@ -41,6 +46,19 @@ class HairBxdf {
 
     Float offset_, eta_, variance_, scale_, scaleMass_, sinAlpha_, cosAlpha_;
     SampledSpectrum sigmaA_;
+
+  public:
+    /// The mean of F(wo, .) over wavelengths, for many directions: what depends on wo is done once.
+    class Approximation {
+      public:
+        Approximation(const HairBxdf &hair, const Vector3 &wo);
+        Float operator()(const Vector3 &wi) const;
+
+      private:
+        const HairBxdf &hair_;
+        View view_;
+        std::array<Float, Lobes> shares_;
+    };
 };
 
 /// Density of the elevation angle's sine and cosine (by theta, with respect to cos(theta) d theta) of light scattered

@@ -68,7 +68,8 @@ Float CoatedBxdf<Base>::Approximate(const Vector3 &wo, const Vector3 &wi) const 
     const Float mirrored = top_.F(o, i, TransportMode::Radiance)[0];
     const Float eta = top_.Eta();
     Vector3 oInside, iInside;
-    if (!Refract(o, Normal3(0, 0, 1), eta, nullptr, &oInside) || !Refract(i, Normal3(0, 0, 1), eta, nullptr, &iInside)) return mirrored;
+    const Normal3 up(0, 0, 1);
+    if (!Refract(o, up, eta, nullptr, &oInside) || !Refract(i, up, eta, nullptr, &iInside)) return mirrored;
     const Float through = (1 - FresnelDielectric(o.z, eta)) * (1 - FresnelDielectric(i.z, eta)) / Sqr(eta) *
                           Transmittance(thickness_, oInside) * Transmittance(thickness_, iInside);
     return mirrored + bottom_.Approximate(-oInside, -iInside) * through;

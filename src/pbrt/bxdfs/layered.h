@@ -33,8 +33,8 @@ class CoatedBxdf {
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
     /// As F, with weights that add up to 1.
     SampledSpectrum FConsistent(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
-    /// A cheap stand-in for F without random walks: mirrored by the coat, plus once through it to the base and back along
-    /// the refracted directions (a metal's reflectance counts 1). For choosing among directions, not for radiance.
+    /// A cheap stand-in for F without random walks: mirrored by the coat, plus once through it to the base and back
+    /// along the refracted directions (a metal's reflectance counts 1).
     Float Approximate(const Vector3 &wo, const Vector3 &wi) const;
     /// True if F follows a glossy lobe, of the coat or of the base.
     bool IsDirectional() const { return !top_.IsSmooth() || (!scatters_ && Has(bottom_.Flags(), BxdfFlags::Glossy)); }

@@ -20,14 +20,8 @@ SampledSpectrum PathIntegrator::SampleDirect(const SurfacePoint &point, const Bs
         return SampledSpectrum(0);
     }
     const Light &light = context_.scene.Lights()[selected->light];
-    LightSampleContext from = LightContextAt(point);
-    LightSampleContext seenFrom = from;
-    // Stock samples lights from the side of the surface that scatters. It matters only where error bounds are as large as
-    // a curve is wide.
-    if (context_.scene.ShapeOf(point.shape).FacesRay() &&
-        IsReflective(bsdf.Flags()) != IsTransmissive(bsdf.Flags()))
-        seenFrom.p = point.OffsetOrigin(IsReflective(bsdf.Flags()) ? point.wo : -point.wo);
-    std::optional<LightLiSample> sample = light.SampleLi(seenFrom, uLight, lambda, true);
+    std::optional<LightLiSample> sample =
+        light.SampleLi(ScatteringContextAt(context_.scene, point, bsdf), uLight, lambda, true);
     if (!sample || !sample->L || !(sample->pdf > 0)) return SampledSpectrum(0);
 
     SampledSpectrum f = bsdf.F(point.wo, sample->wi) * AbsDot(sample->wi, point.shading.n);
@@ -37,7 +31,7 @@ SampledSpectrum PathIntegrator::SampleDirect(const SurfacePoint &point, const Bs
         traced = gate_->TraceProbability(query, selected->light, sample->pLight);
         if (uGate >= traced) return SampledSpectrum(0);
     }
-    if (context_.scene.Occluded(from, *sample)) return SampledSpectrum(0);
+    if (context_.scene.Occluded(LightContextAt(point), *sample)) return SampledSpectrum(0);
 
     Float pLight = selected->pmf * sample->pdf;  // solid angle
     if (IsDelta(light.Kind())) return sample->L * f / (pLight * traced);

@@ -64,11 +64,11 @@ SampledSpectrum SimplePathIntegrator::Li(CameraRay cameraRay, SampledWavelengths
             std::optional<SampledLight> selected = lights_->Sample(LightQueryAt(point, bsdf, lambda, depth), sampler.Get1D());
             Point2 uLight = sampler.Get2D();
             if (selected) {
-                LightSampleContext from = LightContextAt(point);
-                std::optional<LightLiSample> ls = scene.Lights()[selected->light].SampleLi(from, uLight, lambda, false);
+                std::optional<LightLiSample> ls = scene.Lights()[selected->light].SampleLi(
+                    ScatteringContextAt(scene, point, bsdf), uLight, lambda, false);
                 if (ls && ls->L && ls->pdf > 0) {
                     SampledSpectrum f = bsdf.F(point.wo, ls->wi) * AbsDot(ls->wi, point.shading.n);
-                    if (f && !scene.Occluded(from, *ls)) L += beta * f * ls->L / (selected->pmf * ls->pdf);
+                    if (f && !scene.Occluded(LightContextAt(point), *ls)) L += beta * f * ls->L / (selected->pmf * ls->pdf);
                 }
             }
         }

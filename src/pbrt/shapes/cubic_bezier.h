@@ -37,7 +37,8 @@ struct CubicBezier {
     }
     /// Largest component of the second differences: 6 times it bounds the second derivative.
     Float LargestSecondDifference() const {
-        return std::max(MaxComponent(Abs(p[0] - Float(2) * p[1] + p[2])), MaxComponent(Abs(p[1] - Float(2) * p[2] + p[3])));
+        return std::max(MaxComponent(Abs(p[0] - Float(2) * p[1] + p[2])),
+                        MaxComponent(Abs(p[1] - Float(2) * p[2] + p[3])));
     }
 };
 

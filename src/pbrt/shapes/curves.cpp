@@ -216,16 +216,16 @@ struct Curves::Search {
     }
 };
 
+std::pair<Point3, Vector3> Curves::RayToSegments(const Point3 &o, const Vector3 &d) const {
+    if (isPlaced_) return {o, d};
+    return {renderFromSegments_.InversePoint(o), renderFromSegments_.InverseVector(d)};
+}
+
 std::optional<PrimitiveHit> Curves::Intersect(uint32_t primitive, const Point3 &oRender, const Vector3 &dRender,
                                               Float tMin, Float tMax) const {
     const Piece &piece = pieces_[primitive];
     const Segment &segment = segments_[piece.segment];
-    Point3 o = oRender;
-    Vector3 d = dRender;
-    if (!isPlaced_) {
-        o = renderFromSegments_.InversePoint(o);
-        d = renderFromSegments_.InverseVector(d);
-    }
+    const auto [o, d] = RayToSegments(oRender, dRender);
     Float u0 = piece.U0(), u1 = piece.U1(), length = Length(d);
     CubicBezier c = piece.log2Count == 0 ? segment.curve : segment.curve.Part(u0, u1);
 
@@ -252,12 +252,7 @@ SurfacePoint Curves::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, c
                                   const Vector3 &dRender) const {
     const Piece &piece = pieces_[primitive];
     const Segment &segment = segments_[piece.segment];
-    Point3 o = oRender;
-    Vector3 d = dRender;
-    if (!isPlaced_) {
-        o = renderFromSegments_.InversePoint(o);
-        d = renderFromSegments_.InverseVector(d);
-    }
+    const auto [o, d] = RayToSegments(oRender, dRender);
     Vector3 dpdu = Tangent(segment.curve, hit.u), dpdv;
     Float width = WidthAt(segment, hit.u);
     if (kind_ == CurveKind::Ribbon) {

@@ -8,12 +8,14 @@ namespace pbrt {
 /// Ribbon is turned by normals and looks narrower from the side.
 enum class CurveKind { Flat, Cylinder, Ribbon };
 
-/// Many curve segments as strips that face the ray, as in stock pbrt-v4: a ray hits a segment where, seen along the ray,
-/// it passes the curve at less than half its width; the hit lies at the distance of the curve itself. u runs along each
-/// segment, v across (hits are (u, v)). The error bound is the width there: rays leave the strip by as much as stock's.
+/// Many curve segments as strips that face the ray, as in stock pbrt-v4: a ray hits a segment where, seen along the
+/// ray, it passes the curve at less than half its width; the hit lies at the distance of the curve itself. u runs along
+/// each segment, v across (hits are (u, v)). The error bound is the width there: rays leave the strip by as much as
+/// stock's.
 ///
 /// Segments are cut into parts that count as straight by stock's rule (to 5 % of the width, starting from 2^splitDepth
-/// parts): its errors in u and v show in pictures. Each segment is one or several primitives, so that bounds fit. Not sampled as a light (nor is it in stock).
+/// parts): its errors in u and v show in pictures. Each segment is one or several primitives, so that bounds fit. Not
+/// sampled as a light (nor is it in stock).
 class Curves final : public Shape {
   public:
     struct Segment {
@@ -22,8 +24,8 @@ class Curves final : public Shape {
         int splitDepth = 3;    ///< hits are sought on at least 2^splitDepth parts
     };
     /// In object space. `normals`: two per segment for ribbons, at u = 0 and 1; else empty.
-    Curves(CurveKind kind, std::vector<Segment> segments, std::vector<Normal3> normals, const Transform &renderFromObject,
-           bool reverseOrientation);
+    Curves(CurveKind kind, std::vector<Segment> segments, std::vector<Normal3> normals,
+           const Transform &renderFromObject, bool reverseOrientation);
 
     /// Takes over the segments of `other` if one shape can hold both; their primitives follow the own ones.
     bool Append(const Curves &other);
@@ -42,7 +44,9 @@ class Curves final : public Shape {
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
     Point2 Uv(uint32_t, const PrimitiveHit &hit) const override { return {hit.u, hit.v}; }
     std::optional<ShapeSample> SampleArea(uint32_t, const Point2 &) const override { return {}; }
-    std::optional<ShapeSample> Sample(uint32_t, const ShapeSampleContext &, const Point2 &) const override { return {}; }
+    std::optional<ShapeSample> Sample(uint32_t, const ShapeSampleContext &, const Point2 &) const override {
+        return {};
+    }
     Float PdfSolidAngle(uint32_t, const ShapeSampleContext &, const Vector3 &, const Point3 &,
                         const Normal3 &) const override {
         return 0;
@@ -65,6 +69,7 @@ class Curves final : public Shape {
     static void AddPieces(const Segment &segment, size_t index, std::vector<Piece> *pieces);
     static Bounds3 PieceBounds(const Segment &segment, Float u0, Float u1);
     Normal3 RibbonNormal(uint32_t segment, Float u) const;
+    std::pair<Point3, Vector3> RayToSegments(const Point3 &o, const Vector3 &d) const;
 
     CurveKind kind_;
     std::vector<Segment> segments_;

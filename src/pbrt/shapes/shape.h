@@ -55,7 +55,8 @@ class Shape {
     virtual SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const = 0;
     /// Curves turn towards the ray: their surface is known only together with it, in the shape's space.
     bool FacesRay() const { return facesRay_; }
-    virtual SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &, const Vector3 &) const {
+    virtual SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &,
+                                      const Vector3 &) const {
         return Surface(primitive, hit);
     }
     /// uv only (alpha tests).

@@ -152,7 +152,8 @@ Shapes MakeCurve(const Request &r) {
     for (size_t i = 0; i < count; ++i) {
         auto along = [&](size_t k) { return static_cast<Float>(k) / static_cast<Float>(count); };
         segments[i] = {SegmentOf(points, i, degree, basis), Lerp(along(i), width0, width1),
-                       Lerp(along(i + 1), width0, width1), static_cast<int>(std::clamp(splitDepth, Float(0), Float(10)))};
+                       Lerp(along(i + 1), width0, width1),
+                       static_cast<int>(std::clamp(splitDepth, Float(0), Float(10)))};
         if (!normals.empty()) ends.insert(ends.end(), {normals[i], normals[i + 1]});
     }
     CheckInvertible(r);

@@ -52,11 +52,6 @@ Float LatticePlane(const glm::ivec3 &cell, const Vector3 &d) {
 /// 0 to 1 with two vanishing derivatives at both ends.
 Float Fade(Float t) { return t * t * t * (t * (t * 6 - 15) + 10); }
 
-Float SmoothStep(Float low, Float high, Float x) {
-    Float t = std::clamp((x - low) / (high - low), Float(0), Float(1));
-    return t * t * (3 - 2 * t);
-}
-
 /// How many octaves the footprint can show, and how much of the next.
 struct VisibleOctaves {
     int whole;
@@ -67,7 +62,7 @@ struct VisibleOctaves {
         const Float squared = std::max(LengthSquared(dpdx), LengthSquared(dpdy));
         const Float n = std::clamp(-1 - std::log2(squared) / 2, Float(0), static_cast<Float>(count));
         whole = static_cast<int>(n);
-        part = SmoothStep(Float(0.3), Float(0.7), n - std::floor(n));
+        part = glm::smoothstep(Float(0.3), Float(0.7), n - std::floor(n));
     }
 };
 
@@ -87,7 +82,8 @@ Float GradientNoise(const Point3 &p) {
     const Vector3 w(Fade(d.x), Fade(d.y), Fade(d.z));
     Float y[2];
     for (int k = 0; k < 2; ++k)
-        y[k] = Lerp(w.y, Lerp(w.x, heights[4 * k], heights[4 * k + 1]), Lerp(w.x, heights[4 * k + 2], heights[4 * k + 3]));
+        y[k] = Lerp(w.y, Lerp(w.x, heights[4 * k], heights[4 * k + 1]),
+                    Lerp(w.x, heights[4 * k + 2], heights[4 * k + 3]));
     return Lerp(w.z, y[0], y[1]);
 }
 

@@ -34,7 +34,8 @@ bool DotPattern::InDot(const TextureContext &ctx) const {
     const Point2 st = Map(mapping_, ctx).st;
     const Point2 cell = glm::floor(st + Point2(Float(0.5)));
     if (!(PlaneNoise(cell + Point2(Float(0.5))) > 0)) return false;
-    const Vector2 shift(PlaneNoise(cell + Point2(Float(1.5), Float(2.8))), PlaneNoise(cell + Point2(Float(4.5), Float(9.8))));
+    const Vector2 shift(PlaneNoise(cell + Point2(Float(1.5), Float(2.8))),
+                        PlaneNoise(cell + Point2(Float(4.5), Float(9.8))));
     const Vector2 d = st - (cell + (Float(0.5) - kDotRadius) * shift);
     return Sqr(d.x) + Sqr(d.y) < Sqr(kDotRadius);
 }

@@ -31,31 +31,22 @@ class DotsTexture final : public Base {
     Ptr dot_, ground_;
 };
 
-class FbmTexture final : public FloatTexture {
+/// One of the sums of octaves, in texture space.
+template <Float (NoiseOctaves::*Sum)(const Point3 &, const Vector3 &, const Vector3 &) const>
+class OctavesTexture final : public FloatTexture {
   public:
-    FbmTexture(const PointMapping &mapping, const NoiseOctaves &octaves) : mapping_(mapping), octaves_(octaves) {}
+    OctavesTexture(const PointMapping &mapping, const NoiseOctaves &octaves) : mapping_(mapping), octaves_(octaves) {}
     Float Evaluate(const TextureContext &ctx) const override {
         TexCoord3 c = mapping_.Map(ctx);
-        return octaves_.Signed(c.p, c.dpdx, c.dpdy);
+        return (octaves_.*Sum)(c.p, c.dpdx, c.dpdy);
     }
 
   private:
     PointMapping mapping_;
     NoiseOctaves octaves_;
 };
-
-class WrinkledTexture final : public FloatTexture {
-  public:
-    WrinkledTexture(const PointMapping &mapping, const NoiseOctaves &octaves) : mapping_(mapping), octaves_(octaves) {}
-    Float Evaluate(const TextureContext &ctx) const override {
-        TexCoord3 c = mapping_.Map(ctx);
-        return octaves_.Creased(c.p, c.dpdx, c.dpdy);
-    }
-
-  private:
-    PointMapping mapping_;
-    NoiseOctaves octaves_;
-};
+using FbmTexture = OctavesTexture<&NoiseOctaves::Signed>;
+using WrinkledTexture = OctavesTexture<&NoiseOctaves::Creased>;
 
 /// Waves whose height is modulated by broad gusts.
 class WindyTexture final : public FloatTexture {
@@ -76,7 +67,8 @@ struct MarbleSettings {
 /// Veins along texture-space y. A reflectance whatever it is used for.
 class MarbleTexture final : public SpectrumTexture {
   public:
-    MarbleTexture(const PointMapping &mapping, const MarbleSettings &settings) : mapping_(mapping), settings_(settings) {}
+    MarbleTexture(const PointMapping &mapping, const MarbleSettings &settings)
+        : mapping_(mapping), settings_(settings) {}
     SampledSpectrum Evaluate(const TextureContext &ctx, const SampledWavelengths &lambda) const override;
 
   private:

@@ -35,12 +35,9 @@ bool FamilyHasClass(bool isSpectrum, const std::string &textureClass) {
     return true;
 }
 
-const char *WhyUnsupported(const std::string &textureClass) {
-    if (textureClass == "ptex")
-        return "no library that Debian packages reads Ptex files (its OpenImageIO is built without). Bake the texture "
-               "into an image and use class \"imagemap\".";
-    return "it is not built yet.";
-}
+constexpr const char *kWhyNoPtex =
+    "no library that Debian packages reads Ptex files (its OpenImageIO is built without). Bake the texture into an image "
+    "and use class \"imagemap\".";
 
 const char *FamilyName(bool isSpectrum) { return isSpectrum ? "spectrum" : "float"; }
 
@@ -225,8 +222,7 @@ void TextureLibrary::Define(const std::string &name, bool isSpectrum, const std:
     impl_->indexOf[isSpectrum][name] = impl_->definitions.size();
     impl_->definitions.push_back(std::move(d));
     if (unsupported)
-        throw UserError(fmt::format("texture \"{}\": class \"{}\" is not supported: {}", name, textureClass,
-                                    WhyUnsupported(textureClass)),
+        throw UserError(fmt::format("texture \"{}\": class \"{}\" is not supported: {}", name, textureClass, kWhyNoPtex),
                         loc);
     if (!supported) {
         std::vector<std::string> choices;

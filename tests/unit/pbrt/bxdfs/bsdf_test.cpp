@@ -76,6 +76,47 @@ TEST(Bsdf, EveryLobeIsDispatched) {
     EXPECT_EQ(flags(CoatedConductorBxdf(coat, metal, 0.01f, half, 0, 10, 1)), Specular | Diffuse | Reflection);
 }
 
+/// Over directions, F over its approximation stays within a factor: 1 where nothing is left out.
+TEST(Bsdf, ApproximateFFollowsF) {
+    SampledSpectrum colored(0.2f);
+    colored[0] = 0.8f;
+    const SampledSpectrum none(0);
+    const TrowbridgeReitz rough(0.3f, 0.5f);
+    const DiffuseBxdf paint(colored);
+    const ConductorBxdf metal(rough, SampledSpectrum(0.3f), SampledSpectrum(3.5f));
+    auto factorRange = [](const auto &lobe, Float largest, Float whereAbove) {
+        const Bsdf bsdf(kNormal, kTangent, lobe);
+        Rng rng(3);
+        Float low = Infinity, high = 0;
+        for (int i = 0; i < 100; ++i) {
+            Vector3 wo = SampleUniformSphere(rng.Uniform2()), wi[2];
+            for (Vector3 &w : wi) w = SampleUniformSphere(rng.Uniform2());
+            Float f[2];
+            bsdf.ApproximateF(wo, wi, f);
+            for (int k = 0; k < 2; ++k) {
+                Float expected = 0;
+                constexpr int kRuns = 100;  // F of layers is a random estimate
+                for (int r = 0; r < kRuns; ++r)
+                    expected += bsdf.F(wo, Normalize(wi[k] + Vector3(1e-6f * static_cast<Float>(r)))).Average() / kRuns;
+                EXPECT_GE(f[k], 0);
+                if (!(expected > whereAbove) || AbsDot(wi[k], kNormal) < 0.1f || AbsDot(wo, kNormal) < 0.1f) continue;
+                EXPECT_GT(f[k], 0);
+                low = std::min(low, expected / f[k]);
+                high = std::max(high, expected / f[k]);
+            }
+        }
+        EXPECT_GT(high, 0);
+        EXPECT_LT(high / low, largest);
+        return high;
+    };
+    EXPECT_NEAR(factorRange(paint, 1.001f, 0), 1, 1e-3f);
+    EXPECT_NEAR(factorRange(HairBxdf(0.3f, 1.55f, colored, 0.3f, 0.3f, 2), 1.01f, 1e-4f), 1, 0.01f);
+    EXPECT_NEAR(factorRange(DielectricBxdf(1.5f, rough), 1.01f, 1e-4f), 1, 0.01f);
+    EXPECT_LT(factorRange(metal, 1.3f, 1e-4f), 1);
+    factorRange(CoatedDiffuseBxdf(DielectricBxdf(1.5f, rough), paint, 0.01f, none, 0, 10, 1), 3, 0.01f);
+    factorRange(CoatedConductorBxdf(DielectricBxdf(1.5f, rough), metal, 0.01f, none, 0, 10, 1), 4, 0.05f);
+}
+
 TEST(Bsdf, RegularizeRoughensMirrors) {
     Bsdf mirror(Normal3(0, 0, 1), Vector3(1, 0, 0),
                 ConductorBxdf(TrowbridgeReitz(0, 0), SampledSpectrum(0.5f), SampledSpectrum(2)));

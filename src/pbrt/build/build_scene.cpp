@@ -128,10 +128,11 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
             return std::make_unique<RgbFilm>(params, *space, exposure, precise, ignored);
         };
     });
-    Point2i resolution = built.film ? built.film->FullResolution() : Point2i(16, 16);
+    const Point2i resolution = built.film ? built.film->FullResolution() : Point2i(16, 16);
+    const FilmFormat format{resolution, built.film ? built.film->DiagonalMm() : 35};
     Collect(sink, [&] {
         Transform renderFromCamera = renderFromWorld * d.camera.cameraFromWorld.start.Inverse();
-        built.camera = MakeCamera(d.camera.type, d.camera.params, renderFromCamera, resolution, sink);
+        built.camera = MakeCamera(d.camera.type, d.camera.params, renderFromCamera, format, d.files, sink);
     });
     int spp = options.quick ? 1 : options.samplesPerPixel;
     Collect(sink, [&] {

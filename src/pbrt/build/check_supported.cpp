@@ -34,7 +34,6 @@ class Checker {
 void CheckSupported(const SceneDescription &d, const BuildOptions &options, DiagnosticSink &sink) {
     Checker check(sink);
     if (options.integrator.empty()) check.Type("Integrator", d.integrator, UnsupportedIntegrators());
-    check.Type("Camera", d.camera, UnsupportedCameras());
     check.Type("Sampler", d.sampler, UnsupportedSamplers());
     check.Animated("camera", d.camera.cameraFromWorld, d.camera.loc);
     for (const MediumEntity &m : d.media) check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));

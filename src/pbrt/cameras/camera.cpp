@@ -3,17 +3,13 @@
 #include <algorithm>
 
 #include "pbrt/cameras/projective_cameras.h"
+#include "pbrt/cameras/realistic_camera.h"
 #include "pbrt/cameras/spherical_camera.h"
 
 namespace pbrt {
 
 const std::vector<std::string> &SupportedCameras() {
-    static const std::vector<std::string> names = {"perspective", "orthographic", "spherical"};
-    return names;
-}
-
-const std::vector<std::string> &UnsupportedCameras() {
-    static const std::vector<std::string> names = {"realistic"};
+    static const std::vector<std::string> names = {"perspective", "orthographic", "spherical", "realistic"};
     return names;
 }
 
@@ -85,19 +81,56 @@ std::unique_ptr<Camera> MakeSpherical(const ParamSet &params, const CameraFrame 
         frame, mapping == "equalarea" ? SphericalMapping::EqualArea : SphericalMapping::Equirectangular);
 }
 
+/// The lens with the stop's diameter and the focus that the parameters ask for.
+std::vector<LensElement> ReadLensElements(const ParamSet &params, const FileResolver &files, DiagnosticSink &sink) {
+    const std::string name = params.GetString("lensfile", "");
+    const Float diameter = params.GetFloat("aperturediameter", 1), distance = params.GetFloat("focusdistance", 10);
+    if (name.empty())
+        throw UserError(fmt::format("{}: \"lensfile\" is missing: the description of the lens.", params.What()),
+                        params.LocOf("lensfile"));
+    if (!(diameter > 0)) Complain(params, "aperturediameter", diameter, "it must be above 0");
+    std::vector<LensElement> elements;
+    try {
+        elements = ReadLensFile(files.Resolve(name));
+    } catch (const UserError &e) {
+        throw UserError(e.Diagnostics().front().message, params.LocOf("lensfile"));
+    }
+    for (LensElement &e : elements)
+        if (e.IsStop()) {
+            const Float radius = diameter / 2000;
+            if (radius > e.apertureRadius)
+                sink.Warning(params.LocOf("aperturediameter"),
+                             fmt::format("{}: \"aperturediameter\" is {} mm, but the stop opens to {} mm only: that is "
+                                         "used.",
+                                         params.What(), diameter, e.apertureRadius * 2000));
+            e.apertureRadius = std::min(e.apertureRadius, radius);
+        }
+    const std::optional<double> thickness = FocusedThickness(elements, double(distance));
+    if (!thickness)
+        throw UserError(fmt::format("{}: this lens cannot focus on a distance of {} m from the film.", params.What(),
+                                    distance),
+                        params.LocOf("focusdistance"));
+    elements.back().thickness = static_cast<Float>(*thickness);
+    return elements;
+}
+
+std::unique_ptr<Camera> MakeRealistic(const ParamSet &params, const CameraFrame &frame, Float filmDiagonalMm,
+                                      const FileResolver &files, DiagnosticSink &sink) {
+    ReadScreenWindow(params, frame.resolution);  // taken, without meaning
+    const ApertureImage aperture = ApertureImage::Read(params, "aperture", files);
+    return std::make_unique<RealisticCamera>(frame, filmDiagonalMm / 1000, ReadLensElements(params, files, sink),
+                                             aperture);
+}
+
 }  // namespace
 
-std::unique_ptr<Camera> MakeCamera(const std::string &type, const ParamSet &params, const Transform &renderFromCamera,
-                                   Point2i resolution, DiagnosticSink &sink) {
-    auto isIn = [&](const std::vector<std::string> &names) {
-        return std::find(names.begin(), names.end(), type) != names.end();
-    };
-    if (!isIn(SupportedCameras())) {
-        bool known = isIn(UnsupportedCameras());
-        throw UserError(fmt::format("Camera \"{}\" is {}; {}.", type, known ? "not supported yet" : "unknown",
-                                    ListChoices(known ? "" : type, SupportedCameras())),
+std::unique_ptr<Camera> MakeCamera(const std::string &type, const ParamSet &params,
+                                   const Transform &renderFromCamera, const FilmFormat &film,
+                                   const FileResolver &files, DiagnosticSink &sink) {
+    if (std::find(SupportedCameras().begin(), SupportedCameras().end(), type) == SupportedCameras().end())
+        throw UserError(fmt::format("Camera \"{}\" is unknown; {}.", type, ListChoices(type, SupportedCameras())),
                         params.Loc());
-    }
+    const Point2i resolution = film.resolution;
     std::unique_ptr<Camera> camera;
     CameraFrame frame = ReadFrame(params, renderFromCamera, resolution, sink);
     if (type == "perspective") {
@@ -107,6 +140,8 @@ std::unique_ptr<Camera> MakeCamera(const std::string &type, const ParamSet &para
     } else if (type == "orthographic") {
         ScreenWindow window = ReadScreenWindow(params, resolution);
         camera = std::make_unique<OrthographicCamera>(frame, window, ReadLens(params));
+    } else if (type == "realistic") {
+        camera = MakeRealistic(params, frame, film.diagonalMm, files, sink);
     } else
         camera = MakeSpherical(params, frame, resolution);
     params.ReportUnused(sink);

@@ -2,6 +2,7 @@
 #include <memory>
 #include <optional>
 
+#include "pbrt/core/files.h"
 #include "pbrt/core/params.h"
 #include "pbrt/math/ray.h"
 #include "pbrt/math/transform.h"
@@ -43,11 +44,16 @@ class Camera {
     Float shutterOpen_ = 0, shutterClose_ = 1;
 };
 
-/// `resolution`: full film resolution.
-std::unique_ptr<Camera> MakeCamera(const std::string &type, const ParamSet &params, const Transform &renderFromCamera,
-                                   Point2i resolution, DiagnosticSink &sink);
+/// What a camera must know of the film.
+struct FilmFormat {
+    Point2i resolution{1, 1};  ///< the full one
+    Float diagonalMm = 35;
+};
+
+std::unique_ptr<Camera> MakeCamera(const std::string &type, const ParamSet &params,
+                                   const Transform &renderFromCamera, const FilmFormat &film,
+                                   const FileResolver &files, DiagnosticSink &sink);
 
 const std::vector<std::string> &SupportedCameras();
-const std::vector<std::string> &UnsupportedCameras();
 
 }  // namespace pbrt

@@ -10,18 +10,23 @@ CameraSpaceCamera::CameraSpaceCamera(const CameraFrame &frame)
 
 void CameraSpaceCamera::FindFootprint() {
     smallest_ = FindSmallestDifferentials(resolution_, [this](const Point2 &film, Ray *ray, RayDifferential *d) {
-        GenerateInCameraSpace({film, {0.5f, 0.5f}, 0.5f, 1}, ray, d);
+        CameraRay c;
+        c.differential.valid = true;
+        bool seen = GenerateInCameraSpace({film, {0.5f, 0.5f}, 0.5f, 1}, &c) && c.differential.valid;
+        *ray = c.ray;
+        *d = c.differential;
+        return seen;
     });
 }
 
 std::optional<CameraRay> CameraSpaceCamera::GenerateRay(const CameraSample &sample, const SampledWavelengths &) const {
     CameraRay c;
-    GenerateInCameraSpace(sample, &c.ray, &c.differential);
+    c.differential.valid = true;
+    if (!GenerateInCameraSpace(sample, &c)) return {};
+    c.ray.time = Lerp(sample.time, shutterOpen_, shutterClose_);
     const Transform &t = renderFromCamera_;
     c.ray.o = t.Point(c.ray.o);
     c.ray.d = Normalize(t.Vector(c.ray.d));
-    c.ray.time = Lerp(sample.time, shutterOpen_, shutterClose_);
-    c.differential.valid = true;
     c.differential.rxOrigin = t.Point(c.differential.rxOrigin);
     c.differential.ryOrigin = t.Point(c.differential.ryOrigin);
     c.differential.rxDirection = Normalize(t.Vector(c.differential.rxDirection));

@@ -22,8 +22,9 @@ class CameraSpaceCamera : public Camera {
     Transform CameraFromRender() const final { return renderFromCamera_.Inverse(); }
 
   protected:
-    /// Fills origin, unit direction and differentials, in camera space.
-    virtual void GenerateInCameraSpace(const CameraSample &sample, Ray *ray, RayDifferential *differential) const = 0;
+    /// Fills origin, unit direction, differentials (valid unless said otherwise) and, if it is not 1, the weight, in
+    /// camera space. False: no light comes to this place on the film.
+    virtual bool GenerateInCameraSpace(const CameraSample &sample, CameraRay *ray) const = 0;
     void FindFootprint();
     Point2i Resolution() const { return resolution_; }
 

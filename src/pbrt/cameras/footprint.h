@@ -14,25 +14,27 @@ struct SmallestDifferentials {
 };
 
 /// Searches along the diagonal of the film. `generate(Point2 film, Ray *, RayDifferential *)` makes rays in camera
-/// space with unit directions for the middle of the lens.
+/// space with unit directions for the middle of the lens; false if there is none.
 template <class Generate>
 SmallestDifferentials FindSmallestDifferentials(Point2i resolution, const Generate &generate) {
     constexpr int kSteps = 512;
     SmallestDifferentials smallest;
-    auto keepShorter = [](Vector3 *shortest, const Vector3 &v, bool first) {
+    bool first = true;
+    auto keepShorter = [&](Vector3 *shortest, const Vector3 &v) {
         if (first || LengthSquared(v) < LengthSquared(*shortest)) *shortest = v;
     };
     for (int i = 0; i < kSteps; ++i) {
         Float t = static_cast<Float>(i) / (kSteps - 1);
         Ray ray;
         RayDifferential d;
-        generate(t * Point2(resolution), &ray, &d);
-        keepShorter(&smallest.positionX, d.rxOrigin - ray.o, i == 0);
-        keepShorter(&smallest.positionY, d.ryOrigin - ray.o, i == 0);
+        if (!generate(t * Point2(resolution), &ray, &d)) continue;
+        keepShorter(&smallest.positionX, d.rxOrigin - ray.o);
+        keepShorter(&smallest.positionY, d.ryOrigin - ray.o);
         Frame frame = Frame::FromZ(ray.d);
         Vector3 along = frame.ToLocal(ray.d);
-        keepShorter(&smallest.directionX, Normalize(frame.ToLocal(d.rxDirection)) - along, i == 0);
-        keepShorter(&smallest.directionY, Normalize(frame.ToLocal(d.ryDirection)) - along, i == 0);
+        keepShorter(&smallest.directionX, Normalize(frame.ToLocal(d.rxDirection)) - along);
+        keepShorter(&smallest.directionY, Normalize(frame.ToLocal(d.ryDirection)) - along);
+        first = false;
     }
     return smallest;
 }

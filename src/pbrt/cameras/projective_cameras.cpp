@@ -31,7 +31,9 @@ std::optional<Transform> PerspectiveCamera::NdcFromCamera() const {
     return NdcFromScreen() * Transform::Perspective(fovDegrees_, 1e-2f, 1000);
 }
 
-void PerspectiveCamera::GenerateInCameraSpace(const CameraSample &sample, Ray *ray, RayDifferential *d) const {
+bool PerspectiveCamera::GenerateInCameraSpace(const CameraSample &sample, CameraRay *c) const {
+    Ray *ray = &c->ray;
+    RayDifferential *d = &c->differential;
     // Points of the image on the plane z = 1, here and one pixel further.
     Point2 screen = screen_(sample.pFilm);
     Vector3 center(screen.x * tanHalfFov_, screen.y * tanHalfFov_, 1);
@@ -49,6 +51,7 @@ void PerspectiveCamera::GenerateInCameraSpace(const CameraSample &sample, Ray *r
     ray->d = Normalize(center);
     d->rxDirection = Normalize(right);
     d->ryDirection = Normalize(below);
+    return true;
 }
 
 OrthographicCamera::OrthographicCamera(const CameraFrame &frame, const ScreenWindow &window, const Lens &lens)
@@ -60,7 +63,9 @@ std::optional<Transform> OrthographicCamera::NdcFromCamera() const {
     return NdcFromScreen() * Transform::Orthographic(0, 1);
 }
 
-void OrthographicCamera::GenerateInCameraSpace(const CameraSample &sample, Ray *ray, RayDifferential *d) const {
+bool OrthographicCamera::GenerateInCameraSpace(const CameraSample &sample, CameraRay *c) const {
+    Ray *ray = &c->ray;
+    RayDifferential *d = &c->differential;
     Point3 center(screen_(sample.pFilm), 0);
     Vector3 right(screen_.StepX(), 0, 0), below(0, screen_.StepY(), 0);
     if (lens_.radius > 0) {
@@ -70,12 +75,13 @@ void OrthographicCamera::GenerateInCameraSpace(const CameraSample &sample, Ray *
         ray->d = Normalize(toFocus);
         d->rxDirection = Normalize(toFocus + right);
         d->ryDirection = Normalize(toFocus + below);
-        return;
+        return true;
     }
     ray->o = center;
     d->rxOrigin = center + right;
     d->ryOrigin = center + below;
     ray->d = d->rxDirection = d->ryDirection = {0, 0, 1};
+    return true;
 }
 
 }  // namespace pbrt

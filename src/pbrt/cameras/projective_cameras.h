@@ -35,7 +35,7 @@ class PerspectiveCamera final : public CameraSpaceCamera {
     std::optional<Transform> NdcFromCamera() const override;
 
   protected:
-    void GenerateInCameraSpace(const CameraSample &sample, Ray *ray, RayDifferential *differential) const override;
+    bool GenerateInCameraSpace(const CameraSample &sample, CameraRay *ray) const override;
 
   private:
     RasterToScreen screen_;
@@ -51,7 +51,7 @@ class OrthographicCamera final : public CameraSpaceCamera {
     std::optional<Transform> NdcFromCamera() const override;
 
   protected:
-    void GenerateInCameraSpace(const CameraSample &sample, Ray *ray, RayDifferential *differential) const override;
+    bool GenerateInCameraSpace(const CameraSample &sample, CameraRay *ray) const override;
 
   private:
     RasterToScreen screen_;

@@ -20,7 +20,9 @@ Vector3 SphericalCamera::Direction(const Point2 &film) const {
     return {zUp.x, zUp.z, zUp.y};
 }
 
-void SphericalCamera::GenerateInCameraSpace(const CameraSample &sample, Ray *ray, RayDifferential *d) const {
+bool SphericalCamera::GenerateInCameraSpace(const CameraSample &sample, CameraRay *c) const {
+    Ray *ray = &c->ray;
+    RayDifferential *d = &c->differential;
     // The maps bend: one-pixel differentials are extrapolated from a small step.
     constexpr Float kStep = 0.05f;
     auto differential = [&](const Vector2 &step) {
@@ -31,6 +33,7 @@ void SphericalCamera::GenerateInCameraSpace(const CameraSample &sample, Ray *ray
     ray->d = Direction(sample.pFilm);
     d->rxDirection = differential({1, 0});
     d->ryDirection = differential({0, 1});
+    return true;
 }
 
 }  // namespace pbrt

@@ -11,7 +11,7 @@ class SphericalCamera final : public CameraSpaceCamera {
     SphericalCamera(const CameraFrame &frame, SphericalMapping mapping);
 
   protected:
-    void GenerateInCameraSpace(const CameraSample &sample, Ray *ray, RayDifferential *differential) const override;
+    bool GenerateInCameraSpace(const CameraSample &sample, CameraRay *ray) const override;
 
   private:
     Vector3 Direction(const Point2 &film) const;

@@ -1,9 +1,7 @@
 #include "pbrt/spectra/spectrum_params.h"
 
-#include <cctype>
-#include <cstdlib>
-
 #include "pbrt/core/log.h"
+#include "pbrt/core/number_file.h"
 
 namespace pbrt {
 
@@ -90,34 +88,12 @@ SpectrumPtr FromSamples(std::span<const Float> samples, const std::string &where
     return std::make_shared<PiecewiseLinearSpectrum>(std::move(lambdas), std::move(values));
 }
 
-/// Numbers separated by white space; '#' to the end of the line is a comment (pbrt-v4-format §15).
 SpectrumPtr FromFile(const std::string &path, const FileLoc &loc) {
-    std::string text;
+    std::vector<Float> samples;
     try {
-        text = ReadFileContents(path);
+        samples = ReadNumberFile(path);
     } catch (const UserError &e) {
         throw UserError(e.Diagnostics().front().message, loc);
-    }
-    std::vector<Float> samples;
-    int line = 1;
-    const char *at = text.c_str(), *end = at + text.size();
-    while (at < end) {
-        if (*at == '\n') ++line;
-        if (std::isspace(static_cast<unsigned char>(*at))) {
-            ++at;
-        } else if (*at == '#') {
-            while (at < end && *at != '\n')
-                ++at;
-        } else {
-            char *after = nullptr;
-            Float value = std::strtof(at, &after);
-            bool separated =
-                after > at && (after >= end || std::isspace(static_cast<unsigned char>(*after)) || *after == '#');
-            if (!separated || !std::isfinite(value))
-                throw UserError(fmt::format("{}:{}: a spectrum file holds numbers only.", path, line), loc);
-            samples.push_back(value);
-            at = after;
-        }
     }
     return FromSamples(samples, path, loc);
 }

@@ -1,0 +1,31 @@
+#pragma once
+#include "pbrt/core/files.h"
+#include "pbrt/core/params.h"
+#include "pbrt/images/image.h"
+
+namespace pbrt {
+
+/// What share of light each part of an aperture stop lets pass, instead of all of a disk. Scaled so that it lets as much
+/// light pass as the disk.
+class ApertureImage {
+  public:
+    /// Empty: the stop is a disk.
+    ApertureImage() = default;
+    /// `image`: one channel, not negative, not all black; row 0 is the bottom (-y).
+    explicit ApertureImage(Image image);
+
+    /// From a parameter that names a built-in shape or a file; empty if it is "". Throws UserError.
+    static ApertureImage Read(const ParamSet &params, const char *parameter, const FileResolver &files);
+
+    explicit operator bool() const { return static_cast<bool>(image_); }
+    /// `p` in units of the stop's radius; 0 outside of [-1, 1]^2.
+    Float Lookup(const Point2 &p) const { return image_.Bilinear((p + Point2(1)) / Float(2), 0, WrapMode::Black); }
+    /// No light passes farther than this from the centre, in units of the stop's radius.
+    Float Reach() const { return reach_; }
+
+  private:
+    Image image_;
+    Float reach_ = 1;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,88 @@
+#include "pbrt/cameras/exit_pupil.h"
+
+#include <algorithm>
+#include <array>
+
+#include "pbrt/core/parallel.h"
+
+namespace pbrt {
+
+namespace {
+
+constexpr int kSteps = 64;  // stock pbrt-v4's, so that as many samples hit the pupil
+
+bool IsEmpty(const Bounds2 &b) { return !(b.low.x <= b.high.x); }
+
+Bounds2 Grow(const Bounds2 &b, const Vector2 &by) { return {b.low - by, b.high + by}; }
+
+/// Looks for the pupil of the film points between two distances from the axis. All is symmetric in y.
+class Search {
+  public:
+    Search(const LensSystem &lens, Float low, Float high)
+        : lens_(lens), film_{low, (low + high) / 2, high}, rear_(Float(1.5) * lens.RearRadius()) {}
+
+    Bounds2 Find() {
+        const Bounds2 whole{Point2(-rear_), Point2(rear_)};
+        // A small stop may hide between the points of a coarse grid.
+        for (int n = 32; IsEmpty(found_) && n <= 512; n *= 2) Cover(whole, n);
+        // Stock pbrt-v4 samples in vain then; so it does no harm to have missed a tiny pupil.
+        if (IsEmpty(found_)) return whole;
+        // What passes beyond the outermost points found is hardly farther than a grid step away.
+        for (int n : {48, 96, 192}) Cover(Grow(found_, Float(1.5) * step_), n);
+        return Grow(found_, Float(1.5) * step_);
+    }
+
+  private:
+    void Cover(const Bounds2 &area, int n) {
+        const Vector2 step((area.high.x - area.low.x) / static_cast<Float>(n), area.high.y / static_cast<Float>(n));
+        for (int j = 0; j < n; ++j)
+            for (int i = 0; i < n; ++i) {
+                const Point2 p = Point2(area.low.x, 0) + (Point2(i, j) + Point2(0.5f)) * step;
+                if (p.x >= found_.low.x && p.x <= found_.high.x && p.y <= found_.high.y) continue;
+                if (!Passes(p)) continue;
+                found_.low = glm::min(found_.low, Point2(p.x, -p.y));
+                found_.high = glm::max(found_.high, p);
+            }
+        step_ = step;
+    }
+    bool Passes(const Point2 &p) const {
+        for (Float x : film_) {
+            Ray ray;
+            ray.o = {x, 0, 0};
+            ray.d = Normalize(Point3(p, lens_.RearZ()) - ray.o);
+            if (lens_.Trace(&ray) > 0) return true;
+        }
+        return false;
+    }
+
+    const LensSystem &lens_;
+    std::array<Float, 3> film_;
+    Float rear_;
+    Bounds2 found_{Point2(Infinity), Point2(-Infinity)};
+    Vector2 step_{0};
+};
+
+}  // namespace
+
+ExitPupil::ExitPupil(const LensSystem &lens, Float filmRadius) : filmRadius_(filmRadius), bounds_(kSteps) {
+    ParallelForEach(kSteps, [&](int64_t i) {
+        auto distance = [&](int64_t step) { return static_cast<Float>(step) / kSteps * filmRadius; };
+        bounds_[static_cast<size_t>(i)] = Search(lens, distance(i), distance(i + 1)).Find();
+    });
+}
+
+const Bounds2 &ExitPupil::Bounds(Float distance) const {
+    const int step = static_cast<int>(distance / filmRadius_ * kSteps);
+    return bounds_[static_cast<size_t>(std::min(step, kSteps - 1))];
+}
+
+Point2 ExitPupil::Sample(const Point2 &film, const Point2 &u) const {
+    const Float distance = glm::length(film);
+    const Point2 p = Bounds(distance).Lerp(u);
+    if (!(distance > 0)) return p;
+    // Turned about the axis as the film point is.
+    const Vector2 direction = film / distance;
+    return {direction.x * p.x - direction.y * p.y, direction.y * p.x + direction.x * p.y};
+}
+
+}  // namespace pbrt

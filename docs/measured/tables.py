@@ -1,12 +1,14 @@
-"""What the scripts of docs/measured share: scenes, campaigns of lightlab, figures with their standard errors, tables."""
+"""What the scripts of docs/measured share: scenes, campaigns of lightlab, figures with their standard errors, tables,
+charts."""
 import json
 import math
+import os
 import pathlib
 import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-OURS = ["three-lights", "lamp-like", "hotel", "white-room", "ajar", "many-rooms", "one-light", "all-visible", "thin-walls",
-        "slit", "glossy", "env-interior", "dollhouse"]
+OURS = ["three-lights", "lamp-like", "hotel", "white-room", "ajar", "many-rooms", "one-light", "all-visible",
+        "thin-walls", "slit", "glossy", "env-interior", "dollhouse"]
 REAL = ["lamp", "veach-ajar"]
 
 
@@ -45,8 +47,8 @@ def table(head, rows):
 class Campaign:
     """results.json of lightlab.
 
-    A sampler's relL2 holds the noise of the reference it is judged by; the samplers that made the references are judged by
-    a noisier one. So that noise is taken off, except where it is most of the figure."""
+    A sampler's relL2 holds the noise of the reference it is judged by; the samplers that made the references are judged
+    by a noisier one. So that noise is taken off, except where it is most of the figure."""
 
     def __init__(self, file, noise=None):
         """`noise`: of a reference that was given to lightlab as a file."""
@@ -101,12 +103,14 @@ def add_arguments(parser, out, samples=None, scenes=None):
 
 def scene_file(name):
     own = ROOT / "scenes" / name / f"{name}.pbrt"
-    return own if own.exists() else ROOT.parent / "shared" / "scenes" / name / f"{name}.pbrt"
+    real = pathlib.Path(os.environ.get("PBRT_REAL_SCENES") or ROOT.parent / "shared/scenes")
+    return own if own.exists() else real / name / f"{name}.pbrt"
 
 
 def run_lightlab(a, scene, out, samplers, more):
     """results.json, or None and a word about it. Goes on with what the folder holds."""
-    command = [a.lightlab, scene, "--samplers", ",".join(samplers), "--divisor", a.divisor, "--nthreads", a.threads, "--out", out, "--quiet", *more]
+    command = [a.lightlab, scene, "--samplers", ",".join(samplers), "--divisor", a.divisor, "--nthreads", a.threads,
+               "--out", out, "--quiet", *more]
     out.parent.mkdir(parents=True, exist_ok=True)
     with open(f"{out}.txt", "w") as log:
         status = subprocess.run([str(c) for c in command], stdout=log).returncode
@@ -117,8 +121,8 @@ def run_lightlab(a, scene, out, samplers, more):
 
 
 def run_campaign(a, name, samplers, spp=None, seconds=None, direct=True, report=False, judges=None):
-    """`judges`: two samplers, the better of which makes one reference for all; without, no sampler is judged by its own, and
-    so not all by the same. None, and a word about it, if the scene cannot be run."""
+    """`judges`: two samplers, the better of which makes one reference for all; without, no sampler is judged by its
+    own, and so not all by the same. None, and a word about it, if the scene cannot be run."""
     scene, out, noise = scene_file(name), pathlib.Path(a.out) / name, None
     if not scene.exists():
         print(f"*** SKIPPED: {name} is not there ({scene}) ***", flush=True)
@@ -127,7 +131,8 @@ def run_campaign(a, name, samplers, spp=None, seconds=None, direct=True, report=
     reference = ["--reference-spp", a.reference_spp] if a.reference_spp else []
     if judges:
         reference = reference or ["--reference-spp", max(512, 16 * spp)]
-        first = run_lightlab(a, scene, out.with_name(f"{name}-reference"), judges, ["--spp", 1, "--seeds", 1, "--no-report", *depth, *reference])
+        first = run_lightlab(a, scene, out.with_name(f"{name}-reference"), judges,
+                             ["--spp", 1, "--seeds", 1, "--no-report", *depth, *reference])
         if not first:
             return None
         noise = json.loads(first.read_text())["references"][0].get("noise")
@@ -143,8 +148,8 @@ def finish(a, text):
         pathlib.Path(a.table).write_text(text)
 
 
-COLORS = {"uniform": "#999999", "power": "#8c6d31", "bvh": "#1f77b4", "bvh+mesh": "#6baed6", "spatial": "#9467bd", "neepp": "#2ca02c",
-          "octree:model=paper": "#ff9896", "octree": "#d62728", "oracle": "#000000"}
+COLORS = {"uniform": "#999999", "power": "#8c6d31", "bvh": "#1f77b4", "bvh+mesh": "#6baed6", "spatial": "#9467bd",
+          "neepp": "#2ca02c", "octree:model=paper": "#ff9896", "octree": "#d62728", "oracle": "#000000"}
 
 
 def color_of(label, index=0):
@@ -156,7 +161,8 @@ def new_chart(width, height, columns=1):
     import matplotlib
     matplotlib.use("svg")
     import matplotlib.pyplot as plt
-    plt.rcParams.update({"svg.hashsalt": "measured", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False})
+    plt.rcParams.update({"svg.hashsalt": "measured", "font.size": 9, "axes.spines.top": False,
+                         "axes.spines.right": False})
     figure, axes = plt.subplots(1, columns, figsize=(width, height), constrained_layout=True, squeeze=False)
     for axis in axes[0]:
         axis.grid(True, which="major", color="#dddddd", lw=.6)

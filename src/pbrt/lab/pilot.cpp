@@ -127,9 +127,7 @@ std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings
         entries.push_back(entry);
         const double perSample = MeanSecondsPerSample(entries);
         left = static_cast<double>(candidates.size() - entries.size()) * 2 * kSamples * perSample;
-        const ReferenceRule rule = ReferenceRule::For(settings);
-        const double reference = rule.samples > 0 ? rule.samples * perSample : rule.seconds;
-        display.SetAfter(2 * reference + EstimateRuns(settings, entries));
+        display.SetAfter(2 * ReferenceRule::For(settings).EstimateSeconds(perSample) + EstimateRuns(settings, entries));
         pictures.push_back(std::move(pair));
     }
     for (size_t i = 0; i < entries.size(); ++i) entries[i].variance = Variance(pictures[i][0], pictures[i][1], mean);

@@ -54,10 +54,6 @@ class ReferenceMaker {
         return reference;
     }
 
-    double EstimateSeconds(const PilotEntry &with) const {
-        return rule_.samples > 0 ? rule_.samples * with.secondsPerSample : rule_.seconds;
-    }
-
   private:
     /// By time: as many as fit by the pilot's measure, remembered so that a resumed campaign uses the same number.
     int SamplesPerPart(const PilotEntry &with, int index) const {
@@ -161,7 +157,8 @@ std::optional<References> MakeReferences(const CampaignSettings &settings, const
         const size_t wanted = isListed(makers.at(0).choice) && makers.size() > 1 ? 2 : 1;
         for (size_t i = 0; i < wanted; ++i) {
             double after = EstimateRuns(settings, *pilot);
-            for (size_t k = i + 1; k < wanted; ++k) after += maker.EstimateSeconds(makers[k]);
+            for (size_t k = i + 1; k < wanted; ++k)
+                after += ReferenceRule::For(settings).EstimateSeconds(makers[k].secondsPerSample);
             display.SetAfter(after);
             std::optional<Reference> made = maker.Make(makers[i], static_cast<int>(i));
             if (!made) return {};

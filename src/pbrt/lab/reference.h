@@ -23,6 +23,7 @@ struct ReferenceRule {
     /// --reference-spp; else 16 times the samples of a run, at least 512; else 10 times the time of a run.
     static ReferenceRule For(const CampaignSettings &settings);
     std::string Text() const;
+    double EstimateSeconds(double perSample) const { return samples > 0 ? samples * perSample : seconds; }
 };
 
 struct References {

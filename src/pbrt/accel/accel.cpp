@@ -110,7 +110,7 @@ bool CountMemory(void *counter, ssize_t bytes, bool) {
     return true;
 }
 
-RTCRay ToEmbree(const Ray &ray) {
+RTCRay ToEmbree(const Ray &ray, Float time) {
     RTCRay r{};
     r.org_x = ray.o.x;
     r.org_y = ray.o.y;
@@ -120,9 +120,41 @@ RTCRay ToEmbree(const Ray &ray) {
     r.dir_z = ray.d.z;
     r.tnear = 0;
     r.tfar = ray.tMax;
-    r.time = 0;
+    r.time = time;
     r.mask = 0xffffffffu;
     return r;
+}
+
+/// Embree interpolates rotations along great arcs too, but scales as the triangular factor of rotation * triangle, so
+/// motions that turn or shear are given in steps: with these, points of large motions are off by a few thousandths of
+/// the object's size at most.
+constexpr int kTurningSteps = 17, kTwofoldSteps = 65;
+
+/// Of an affine matrix that is not singular.
+RTCQuaternionDecomposition Decompose(const glm::dmat4 &m) {
+    glm::dmat3 axes(m), triangle(0);
+    for (int c = 0; c < 3; ++c) {
+        for (int k = 0; k < c; ++k) {
+            triangle[c][k] = glm::dot(axes[k], axes[c]);
+            axes[c] -= axes[k] * triangle[c][k];
+        }
+        triangle[c][c] = glm::length(axes[c]);
+        axes[c] /= triangle[c][c];
+    }
+    if (glm::determinant(axes) < 0) {
+        axes = -axes;
+        triangle = -triangle;
+    }
+    const glm::quat q(glm::normalize(glm::quat_cast(axes)));
+    const glm::mat3 s(triangle);
+    RTCQuaternionDecomposition d;
+    rtcInitQuaternionDecomposition(&d);
+    rtcQuaternionDecompositionSetQuaternion(&d, q.w, q.x, q.y, q.z);
+    rtcQuaternionDecompositionSetScale(&d, s[0][0], s[1][1], s[2][2]);
+    rtcQuaternionDecompositionSetSkew(&d, s[1][0], s[2][0], s[2][1]);
+    rtcQuaternionDecompositionSetTranslation(&d, static_cast<Float>(m[3].x), static_cast<Float>(m[3].y),
+                                             static_cast<Float>(m[3].z));
+    return d;
 }
 
 /// True if every patch can be an Embree quad: flat, and with the same (u, v).
@@ -141,9 +173,20 @@ struct Accel::Impl {
         std::vector<std::unique_ptr<Geometry>> geometries;  ///< by Embree geometry id; null for instances
         std::vector<int32_t> instances;                     ///< by Embree geometry id; -1 for shapes
     };
+    /// The product of both.
+    struct Motion {
+        AnimatedTransform outer, inner;
+        Transform At(Float time) const { return outer.At(time) * inner.At(time); }
+        int StepCount() const {
+            if (inner.IsAnimated()) return kTwofoldSteps;
+            return outer.KeepsAxes() ? 2 : kTurningSteps;
+        }
+    };
     struct Instance {
         int object;
-        Transform transform;
+        Transform transform;             ///< if it does not move
+        int32_t motion = -1;             ///< -1: it does not move
+        RTCGeometry geometry = nullptr;  ///< belongs to the scene
     };
 
     std::atomic<int64_t> bytes{0};
@@ -152,6 +195,9 @@ struct Accel::Impl {
     Group top;
     std::vector<Group> objects;
     std::vector<Instance> instances;
+    std::vector<Motion> motions;
+    bool anyMoves = false;
+    Float startTime = 0, endTime = 1;  ///< of all that moves
     bool committed = false;
 
     explicit Impl(const Options &o) : options(o) {
@@ -247,6 +293,29 @@ struct Accel::Impl {
         group.instances.push_back(instance);
     }
 
+    /// Embree's time, 0 to 1.
+    Float EmbreeTime(Float time) const {
+        if (!anyMoves || time <= startTime) return 0;
+        return time >= endTime ? 1 : (time - startTime) / (endTime - startTime);
+    }
+    void Place(const Instance &instance) const {
+        if (instance.motion < 0) {
+            rtcSetGeometryTimeStepCount(instance.geometry, 1);
+            rtcSetGeometryTransform(instance.geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR,
+                                    &instance.transform.Matrix()[0][0]);
+            return;
+        }
+        const Motion &motion = motions[static_cast<size_t>(instance.motion)];
+        const int steps = motion.StepCount();
+        rtcSetGeometryTimeStepCount(instance.geometry, static_cast<unsigned>(steps));
+        for (int i = 0; i < steps; ++i) {
+            const Float t = static_cast<Float>(i) / static_cast<Float>(steps - 1);
+            const Transform at = motion.At(Lerp(t, startTime, endTime));
+            const RTCQuaternionDecomposition d = Decompose(glm::dmat4(at.Matrix()));
+            rtcSetGeometryTransformQuaternion(instance.geometry, static_cast<unsigned>(i), &d);
+        }
+    }
+
     void CheckDevice() const {
         RTCError error = rtcGetDeviceError(device);
         if (error == RTC_ERROR_OUT_OF_MEMORY) throw UserError("Not enough memory for the ray acceleration structure.");
@@ -277,18 +346,34 @@ int Accel::AddInstance(int object, const Transform &renderFromObject) {
     return static_cast<int>(impl_->instances.size()) - 1;
 }
 
+int Accel::AddMovingInstance(int object, const AnimatedTransform &renderFromOuter,
+                             const AnimatedTransform &outerFromObject) {
+    for (const AnimatedTransform *t : {&renderFromOuter, &outerFromObject}) {
+        if (!t->IsAnimated()) continue;
+        if (!impl_->anyMoves) {
+            impl_->anyMoves = true;
+            impl_->startTime = t->StartTime();
+            impl_->endTime = t->EndTime();
+        }
+        PBRT_CHECK(t->StartTime() == impl_->startTime && t->EndTime() == impl_->endTime);
+    }
+    const int instance = AddInstance(object, Transform());
+    impl_->instances.back().motion = static_cast<int32_t>(impl_->motions.size());
+    impl_->motions.push_back({renderFromOuter, outerFromObject});
+    return instance;
+}
+
 void Accel::Commit() {
     PBRT_CHECK(!impl_->committed);
     for (Impl::Group &g : impl_->objects) rtcCommitScene(g.scene);
     for (size_t i = 0; i < impl_->instances.size(); ++i) {
-        const Impl::Instance &instance = impl_->instances[i];
+        Impl::Instance &instance = impl_->instances[i];
         const Impl::Group &object = impl_->objects[static_cast<size_t>(instance.object)];
         if (object.geometries.empty()) continue;
-        RTCGeometry g = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_INSTANCE);
-        rtcSetGeometryInstancedScene(g, object.scene);
-        rtcSetGeometryTimeStepCount(g, 1);
-        rtcSetGeometryTransform(g, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &instance.transform.Matrix()[0][0]);
-        Impl::Attach(impl_->top, g, nullptr, static_cast<int32_t>(i));
+        instance.geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(instance.geometry, object.scene);
+        impl_->Place(instance);
+        Impl::Attach(impl_->top, instance.geometry, nullptr, static_cast<int32_t>(i));
     }
     rtcCommitScene(impl_->top.scene);
     impl_->committed = true;
@@ -308,7 +393,7 @@ Bounds3 Accel::Bounds() const {
 std::optional<AccelHit> Accel::Intersect(const Ray &ray) const {
     QueryContext context(ray);
     RTCRayHit query{};
-    query.ray = ToEmbree(ray);
+    query.ray = ToEmbree(ray, impl_->EmbreeTime(ray.time));
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(impl_->top.scene, &context.base, &query);
@@ -327,13 +412,18 @@ std::optional<AccelHit> Accel::Intersect(const Ray &ray) const {
 
 bool Accel::Occluded(const Ray &ray) const {
     QueryContext context(ray);
-    RTCRay query = ToEmbree(ray);
+    RTCRay query = ToEmbree(ray, impl_->EmbreeTime(ray.time));
     rtcOccluded1(impl_->top.scene, &context.base, &query);
     return query.tfar < 0;
 }
 
-const Transform &Accel::InstanceTransform(int instance) const {
-    return impl_->instances[static_cast<size_t>(instance)].transform;
+Transform Accel::InstanceTransform(int instance, Float time) const {
+    const Impl::Instance &i = impl_->instances[static_cast<size_t>(instance)];
+    if (i.motion < 0) return i.transform;
+    // Embree's own, not Motion::At: what differs in the last digits would put surfaces behind their rays' origins.
+    glm::mat4 m;
+    rtcGetGeometryTransform(i.geometry, impl_->EmbreeTime(time), RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &m[0][0]);
+    return Transform(m);
 }
 
 size_t Accel::Bytes() const { return static_cast<size_t>(std::max<int64_t>(0, impl_->bytes.load())); }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "pbrt/core/ids.h"
-#include "pbrt/math/transform.h"
+#include "pbrt/math/animated_transform.h"
 #include "pbrt/shapes/shape.h"
 #include "pbrt/textures/texture.h"
 
@@ -42,13 +42,18 @@ class Accel {
                   const std::vector<const FloatTexture *> &alphas);
     /// Returns the instance index reported in AccelHit.
     int AddInstance(int object, const Transform &renderFromObject);
+    /// One that moves, placed by the product of both. All that move do so in the same interval of time.
+    int AddMovingInstance(int object, const AnimatedTransform &renderFromOuter,
+                          const AnimatedTransform &outerFromObject = {});
     void Commit();
 
+    /// Of all that moves: over the whole time.
     Bounds3 Bounds() const;
     std::optional<AccelHit> Intersect(const Ray &ray) const;
     /// True if anything lies strictly inside (0, ray.tMax).
     bool Occluded(const Ray &ray) const;
-    const Transform &InstanceTransform(int instance) const;
+    /// As rays of that time meet it.
+    Transform InstanceTransform(int instance, Float time) const;
     size_t Bytes() const;  ///< as counted by Embree's memory monitor
 
   private:

@@ -7,6 +7,7 @@
 #include "pbrt/build/geometry_builder.h"
 #include "pbrt/build/integrator_builder.h"
 #include "pbrt/build/light_sampler_spec.h"
+#include "pbrt/build/motion.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/integrators/visible_surface.h"
@@ -23,16 +24,18 @@ const ColorSpace &SpaceOf(const Entity &e) {
     return *space;
 }
 
-/// Rendering space is world space moved so that the camera sits at the origin (or as --render-coord-sys says).
-Transform RenderFromWorld(const SceneDescription &d, const BuildOptions &options) {
+/// Rendering space is world space moved so that the camera sits at the origin halfway between the transform times (or as
+/// --render-coord-sys says).
+Transform RenderFromWorld(const SceneDescription &d, const AnimatedTransform &worldFromCamera,
+                          const BuildOptions &options) {
     std::string which = !options.renderCoordSys.empty() ? options.renderCoordSys : d.options.renderCoordSys.value_or("cameraworld");
-    const Transform &cameraFromWorld = d.camera.cameraFromWorld.start;
-    if (which == "camera") return cameraFromWorld;
+    const Transform middle = worldFromCamera.At((d.camera.startTime + d.camera.endTime) / 2);
+    if (which == "camera") return middle.Inverse();
     if (which == "world") return {};
     if (which != "cameraworld")
         throw UserError(fmt::format("rendering coordinate system \"{}\" is unknown; {}.", which,
                                     ListChoices(which, {"camera", "cameraworld", "world"})));
-    return Transform::Translate(-cameraFromWorld.InversePoint(Point3(0)));
+    return Transform::Translate(-middle.Point(Point3(0)));
 }
 
 /// The acceleration structure is always Embree's; what the scene says about stock's own is only checked.
@@ -89,8 +92,12 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
 
     BuiltScene built;
     Transform renderFromWorld;
-    Collect(sink, [&] { renderFromWorld = RenderFromWorld(d, options); });
-    built.cameraFromWorld = d.camera.cameraFromWorld.start;
+    const auto &[cameraStart, cameraEnd] = d.camera.cameraFromWorld;
+    AnimatedTransform worldFromCamera;
+    Collect(sink, [&] {
+        worldFromCamera = MotionOf("Camera", d.camera, cameraStart.Inverse(), cameraEnd.Inverse());
+        renderFromWorld = RenderFromWorld(d, worldFromCamera, options);
+    });
     built.seed = options.seed.value_or(d.options.seed.value_or(0));
 
     const SceneOptions &o = d.options;
@@ -131,8 +138,10 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     const Point2i resolution = built.film ? built.film->FullResolution() : Point2i(16, 16);
     const FilmFormat format{resolution, built.film ? built.film->DiagonalMm() : 35};
     Collect(sink, [&] {
-        Transform renderFromCamera = renderFromWorld * d.camera.cameraFromWorld.start.Inverse();
+        AnimatedTransform renderFromCamera = MotionOf("Camera", d.camera, renderFromWorld * cameraStart.Inverse(),
+                                                      renderFromWorld * cameraEnd.Inverse());
         built.camera = MakeCamera(d.camera.type, d.camera.params, renderFromCamera, format, d.files, sink);
+        built.cameraFromWorld = worldFromCamera.At(built.camera->ShutterOpen()).Inverse();
     });
     int spp = options.quick ? 1 : options.samplesPerPixel;
     Collect(sink, [&] {
@@ -199,10 +208,11 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     });
     if (built.film->Kind() == FilmKind::GBuffer) {
         auto &gbuffer = static_cast<GBufferFilm &>(*built.film);
-        const bool camera = gbuffer.Coordinates() == GBufferFilm::CoordinateSystem::Camera;
-        gbuffer.SetQuery([context, outputFromRender = camera ? built.camera->CameraFromRender() : renderFromWorld.Inverse()](
+        const bool inCameraSpace = gbuffer.Coordinates() == GBufferFilm::CoordinateSystem::Camera;
+        gbuffer.SetQuery([context, inCameraSpace, worldFromRender = renderFromWorld.Inverse()](
                           const CameraRay &ray, const SampledWavelengths &lambda) {
-            return FindVisibleSurface(context, outputFromRender, ray, lambda);
+            return FindVisibleSurface(
+                context, inCameraSpace ? context.camera.CameraFromRender(ray.ray.time) : worldFromRender, ray, lambda);
         });
     }
     sink.ThrowIfErrors();

@@ -46,7 +46,7 @@ struct BuiltScene {
     int seed = 0;
     int maxDepth = 5;
     std::string integratorName, lightSamplerName, shadowGateName;  ///< the last two empty if there is none
-    Transform cameraFromWorld;                      ///< for image metadata
+    Transform cameraFromWorld;  ///< when the shutter opens; for image metadata
 };
 
 /// Turns a description into something that renders. Throws one UserError with everything that is wrong or not supported yet;

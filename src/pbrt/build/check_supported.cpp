@@ -20,9 +20,6 @@ class Checker {
     void Parameter(const char *directive, const Entity &e, const char *name) {
         if (e.params.Has(name)) NotBuilt(e.params.LocOf(name), fmt::format("parameter \"{}\" of {} \"{}\"", name, directive, e.type));
     }
-    void Animated(const char *what, const TransformPair &ctm, const FileLoc &loc) {
-        if (ctm.IsAnimated()) NotBuilt(loc, fmt::format("motion blur ({} with two transforms)", what));
-    }
     void NotBuilt(const FileLoc &loc, const std::string &what) { sink_.Error(loc, what + " is not supported yet."); }
 
   private:
@@ -35,7 +32,6 @@ void CheckSupported(const SceneDescription &d, const BuildOptions &options, Diag
     Checker check(sink);
     if (options.integrator.empty()) check.Type("Integrator", d.integrator, UnsupportedIntegrators());
     check.Type("Sampler", d.sampler, UnsupportedSamplers());
-    check.Animated("camera", d.camera.cameraFromWorld, d.camera.loc);
     for (const MediumEntity &m : d.media) check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));
     for (const MaterialEntity &m : d.materials) check.Type("Material", m, UnsupportedMaterials());
     // volpath sees through interface surfaces when it looks for lights; path, which stands in for it, does not.
@@ -45,7 +41,6 @@ void CheckSupported(const SceneDescription &d, const BuildOptions &options, Diag
                 check.NotBuilt(m.loc, "Integrator \"volpath\" with Material \"interface\"");
     auto shape = [&](const ShapeEntity &s) {
         check.Type("Shape", s, UnsupportedShapes());
-        check.Animated("shape", s.ctm, s.loc);
         if (s.type == "curve" && s.areaLight >= 0)
             sink.Error(s.loc, "Shape \"curve\" cannot be an area light (nor can it in stock pbrt-v4).");
         if (s.type == "plymesh") check.Parameter("Shape", s, "displacement");
@@ -54,7 +49,6 @@ void CheckSupported(const SceneDescription &d, const BuildOptions &options, Diag
     for (const ShapeEntity &s : d.shapes) shape(s);
     for (const ObjectEntity &o : d.objects)
         for (const ShapeEntity &s : o.shapes) shape(s);
-    for (const InstanceEntity &i : d.instances) check.Animated("instance", i.ctm, i.loc);
 }
 
 }  // namespace pbrt

@@ -1,5 +1,6 @@
 #include "pbrt/build/geometry_builder.h"
 
+#include "pbrt/build/motion.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/lights/light_factory.h"
 #include "pbrt/shapes/curves.h"
@@ -73,7 +74,13 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
         Work &w = work_[static_cast<size_t>(i)];
         const ShapeEntity &e = *w.entity;
         try {
-            w.shapes = MakeShapes(e.type, e.params, renderFromWorld_ * e.ctm.start, e.reverseOrientation, description_.files, w.sink);
+            Transform place = renderFromWorld_ * e.ctm.start;
+            if (e.ctm.IsAnimated()) {
+                w.motion = std::make_unique<const AnimatedTransform>(
+                    MotionOf("the shape", e, place, renderFromWorld_ * e.ctm.end));
+                place = Transform();
+            }
+            w.shapes = MakeShapes(e.type, e.params, place, e.reverseOrientation, description_.files, w.sink);
             e.params.ReportUnused(w.sink);
         } catch (const UserError &error) {
             w.sink.Add(error);
@@ -81,13 +88,13 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
         progress.Advance();
     });
     MergeCurves();
-    std::vector<std::vector<ShapeId>> objects(description_.objects.size());
+    std::vector<Definition> definitions(description_.objects.size());
     for (Work &w : work_) {
         for (const Diagnostic &d : w.sink.All())
             d.severity == Severity::Error ? sink_.Error(d.loc, d.message) : sink_.Warning(d.loc, d.message);
-        Register(w, w.object >= 0 ? &objects[static_cast<size_t>(w.object)] : nullptr);
+        Register(w, w.object >= 0 ? &definitions[static_cast<size_t>(w.object)] : nullptr);
     }
-    BuildInstances(objects);
+    BuildInstances(definitions);
     work_.clear();
 }
 
@@ -103,7 +110,8 @@ void GeometryBuilder::MergeCurves() {
             const ShapeEntity &p = *previous->entity;
             if (previous->object == w.object && p.material.index == e.material.index &&
                 p.material.name == e.material.name && p.insideMedium == e.insideMedium &&
-                p.outsideMedium == e.outsideMedium && !p.ctm.IsAnimated() && !e.ctm.IsAnimated() &&
+                p.outsideMedium == e.outsideMedium &&
+                (p.ctm == e.ctm || !(p.ctm.IsAnimated() || e.ctm.IsAnimated())) &&
                 static_cast<Curves &>(*previous->shapes[0]).Append(static_cast<const Curves &>(*w.shapes[0]))) {
                 w.shapes.clear();
                 continue;
@@ -113,7 +121,7 @@ void GeometryBuilder::MergeCurves() {
     }
 }
 
-void GeometryBuilder::Register(Work &w, std::vector<ShapeId> *object) {
+void GeometryBuilder::Register(Work &w, Definition *definition) {
     const ShapeEntity &e = *w.entity;
     MaterialId material = ResolveMaterial(e);
     bool interface = material && parts_.materials[material.value] && parts_.materials[material.value]->IsInterface();
@@ -123,7 +131,7 @@ void GeometryBuilder::Register(Work &w, std::vector<ShapeId> *object) {
         const Entity &light = description_.areaLights[index];
         if (interface) {
             sink_.Warning(e.loc, "the area light on a surface with material \"interface\" is ignored.");
-        } else if (object) {
+        } else if (definition) {
             sink_.Warning(e.loc, "area lights inside object definitions are not supported; this one is ignored.");
         } else {
             if (makerOf_[index] == -1) {
@@ -140,6 +148,7 @@ void GeometryBuilder::Register(Work &w, std::vector<ShapeId> *object) {
             if (makerOf_[index] >= 0) maker = &makers_[static_cast<size_t>(makerOf_[index])];
         }
     }
+    std::vector<ShapeId> moving;
     const ShapeId mesh(parts_.shapes.size());  // one for all shapes of the directive (a PLY of triangles and quads has two)
     for (std::unique_ptr<Shape> &shape : w.shapes) {
         ShapeRecord record;
@@ -155,35 +164,56 @@ void GeometryBuilder::Register(Work &w, std::vector<ShapeId> *object) {
         }
         parts_.shapes.push_back(std::move(record));
         const ShapeRecord &kept = parts_.shapes.back();
-        if (object) object->push_back(id);
+        if (w.motion) moving.push_back(id);
+        else if (definition) definition->still.push_back(id);
         else parts_.accel->AddShape(id, *kept.shape, kept.alpha.get());
     }
+    if (moving.empty()) return;
+    const int object = AddAccelObject(moving);
+    if (definition) definition->moving.push_back({object, *w.motion});
+    else parts_.accel->AddMovingInstance(object, *w.motion);
 }
 
-void GeometryBuilder::BuildInstances(const std::vector<std::vector<ShapeId>> &objects) {
-    std::map<std::string, int> objectIndex;  // name -> accel object, -1: empty
-    for (size_t o = 0; o < objects.size(); ++o) {
-        int index = -1;
-        if (!objects[o].empty()) {
-            std::vector<const Shape *> shapes;
-            std::vector<const FloatTexture *> alphas;
-            for (ShapeId id : objects[o]) {
-                shapes.push_back(parts_.shapes[id.value].shape.get());
-                alphas.push_back(parts_.shapes[id.value].alpha.get());
-            }
-            index = parts_.accel->AddObject(objects[o], shapes, alphas);
-        }
-        objectIndex[description_.objects[o].name] = index;
+int GeometryBuilder::AddAccelObject(const std::vector<ShapeId> &ids) {
+    std::vector<const Shape *> shapes;
+    std::vector<const FloatTexture *> alphas;
+    for (ShapeId id : ids) {
+        shapes.push_back(parts_.shapes[id.value].shape.get());
+        alphas.push_back(parts_.shapes[id.value].alpha.get());
     }
+    return parts_.accel->AddObject(ids, shapes, alphas);
+}
+
+void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions) {
+    struct Placeable {
+        const Definition *definition;
+        int still;  ///< accel object, -1: none
+    };
+    std::map<std::string, Placeable> byName;
+    for (size_t o = 0; o < definitions.size(); ++o) {
+        const Definition &d = definitions[o];
+        byName[description_.objects[o].name] = {&d, d.still.empty() ? -1 : AddAccelObject(d.still)};
+    }
+    // Shapes of a definition were placed in rendering space by the definition's CTM.
+    const Transform worldFromRender = renderFromWorld_.Inverse();
     for (const InstanceEntity &i : description_.instances) {
-        auto it = objectIndex.find(i.name);
-        if (it == objectIndex.end()) {
+        auto it = byName.find(i.name);
+        if (it == byName.end()) {
             sink_.Error(i.loc, fmt::format("object \"{}\" is not defined.", i.name));
             continue;
         }
-        if (it->second < 0) continue;
-        // Shapes of a definition were placed in rendering space by the definition's CTM.
-        parts_.accel->AddInstance(it->second, renderFromWorld_ * i.ctm.start * renderFromWorld_.Inverse());
+        try {
+            const AnimatedTransform motion = MotionOf("the instance", i, renderFromWorld_ * i.ctm.start * worldFromRender,
+                                                      renderFromWorld_ * i.ctm.end * worldFromRender);
+            if (it->second.still >= 0) {
+                if (motion.IsAnimated()) parts_.accel->AddMovingInstance(it->second.still, motion);
+                else parts_.accel->AddInstance(it->second.still, motion.Start());
+            }
+            for (const Definition::Moving &m : it->second.definition->moving)
+                parts_.accel->AddMovingInstance(m.object, motion, m.renderFromObject);
+        } catch (const UserError &e) {
+            sink_.Add(e);
+        }
     }
 }
 

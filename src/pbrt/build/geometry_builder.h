@@ -28,15 +28,28 @@ class GeometryBuilder {
         ShapeEntity *entity = nullptr;
         int object = -1;  ///< index into description.objects, -1: the scene itself
         FloatTexturePtr alpha;
-        std::vector<std::unique_ptr<Shape>> shapes;
+        std::vector<std::unique_ptr<Shape>> shapes;       ///< in rendering space, or in object space if they move
+        std::unique_ptr<const AnimatedTransform> motion;  ///< null: they do not move
         DiagnosticSink sink;
+    };
+
+    /// An object definition in terms of Accel's objects, placed in rendering space by the definition's CTM.
+    struct Definition {
+        std::vector<ShapeId> still;
+        struct Moving {
+            int object;
+            AnimatedTransform renderFromObject;
+        };
+        std::vector<Moving> moving;
     };
 
     MaterialId ResolveMaterial(const ShapeEntity &entity);
     /// Curves come as one directive per hair: neighbours that differ in nothing else become one shape.
     void MergeCurves();
-    void Register(Work &work, std::vector<ShapeId> *object);
-    void BuildInstances(const std::vector<std::vector<ShapeId>> &objects);
+    /// `definition`: null outside object definitions.
+    void Register(Work &work, Definition *definition);
+    int AddAccelObject(const std::vector<ShapeId> &shapes);
+    void BuildInstances(const std::vector<Definition> &definitions);
 
     SceneDescription &description_;
     Transform renderFromWorld_;

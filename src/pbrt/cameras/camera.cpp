@@ -19,7 +19,7 @@ namespace {
     throw UserError(fmt::format("{}: \"{}\" is {}; {}.", params.What(), name, value, rule), params.LocOf(name));
 }
 
-CameraFrame ReadFrame(const ParamSet &params, const Transform &renderFromCamera, Point2i resolution,
+CameraFrame ReadFrame(const ParamSet &params, const AnimatedTransform &renderFromCamera, Point2i resolution,
                       DiagnosticSink &sink) {
     CameraFrame frame;
     frame.renderFromCamera = renderFromCamera;
@@ -125,7 +125,7 @@ std::unique_ptr<Camera> MakeRealistic(const ParamSet &params, const CameraFrame 
 }  // namespace
 
 std::unique_ptr<Camera> MakeCamera(const std::string &type, const ParamSet &params,
-                                   const Transform &renderFromCamera, const FilmFormat &film,
+                                   const AnimatedTransform &renderFromCamera, const FilmFormat &film,
                                    const FileResolver &files, DiagnosticSink &sink) {
     if (std::find(SupportedCameras().begin(), SupportedCameras().end(), type) == SupportedCameras().end())
         throw UserError(fmt::format("Camera \"{}\" is unknown; {}.", type, ListChoices(type, SupportedCameras())),

@@ -4,8 +4,8 @@
 
 #include "pbrt/core/files.h"
 #include "pbrt/core/params.h"
+#include "pbrt/math/animated_transform.h"
 #include "pbrt/math/ray.h"
-#include "pbrt/math/transform.h"
 #include "pbrt/spectra/spectrum.h"
 
 namespace pbrt {
@@ -34,7 +34,7 @@ class Camera {
     /// the smallest differentials over the film. `p`, `n` in rendering space.
     virtual void ApproximateFootprint(const Point3 &p, const Normal3 &n, Float time, int samplesPerPixel, Vector3 *dpdx,
                                       Vector3 *dpdy) const = 0;
-    virtual Transform CameraFromRender() const = 0;
+    virtual Transform CameraFromRender(Float time) const = 0;
     /// Camera space to NDC [0,1]^3 for image metadata; nullopt for cameras without a projection.
     virtual std::optional<Transform> NdcFromCamera() const { return {}; }
     Float ShutterOpen() const { return shutterOpen_; }
@@ -51,7 +51,7 @@ struct FilmFormat {
 };
 
 std::unique_ptr<Camera> MakeCamera(const std::string &type, const ParamSet &params,
-                                   const Transform &renderFromCamera, const FilmFormat &film,
+                                   const AnimatedTransform &renderFromCamera, const FilmFormat &film,
                                    const FileResolver &files, DiagnosticSink &sink);
 
 const std::vector<std::string> &SupportedCameras();

@@ -24,7 +24,7 @@ std::optional<CameraRay> CameraSpaceCamera::GenerateRay(const CameraSample &samp
     c.differential.valid = true;
     if (!GenerateInCameraSpace(sample, &c)) return {};
     c.ray.time = Lerp(sample.time, shutterOpen_, shutterClose_);
-    const Transform &t = renderFromCamera_;
+    const Transform t = renderFromCamera_.At(c.ray.time);
     c.ray.o = t.Point(c.ray.o);
     c.ray.d = Normalize(t.Vector(c.ray.d));
     c.differential.rxOrigin = t.Point(c.differential.rxOrigin);
@@ -34,9 +34,9 @@ std::optional<CameraRay> CameraSpaceCamera::GenerateRay(const CameraSample &samp
     return c;
 }
 
-void CameraSpaceCamera::ApproximateFootprint(const Point3 &p, const Normal3 &n, Float, int samplesPerPixel,
+void CameraSpaceCamera::ApproximateFootprint(const Point3 &p, const Normal3 &n, Float time, int samplesPerPixel,
                                              Vector3 *dpdx, Vector3 *dpdy) const {
-    const Transform &t = renderFromCamera_;
+    const Transform t = renderFromCamera_.At(time);
     FootprintOnTangentPlane(smallest_, t.InversePoint(p), t.InverseNormal(n), dpdx, dpdy);
     Float scale = DifferentialScale(samplesPerPixel);
     *dpdx = t.Vector(*dpdx * scale);

@@ -6,7 +6,7 @@ namespace pbrt {
 
 /// What every camera is given.
 struct CameraFrame {
-    Transform renderFromCamera;
+    AnimatedTransform renderFromCamera;
     Point2i resolution{1, 1};
     Float shutterOpen = 0, shutterClose = 1;
 };
@@ -19,7 +19,7 @@ class CameraSpaceCamera : public Camera {
     std::optional<CameraRay> GenerateRay(const CameraSample &sample, const SampledWavelengths &lambda) const final;
     void ApproximateFootprint(const Point3 &p, const Normal3 &n, Float time, int samplesPerPixel, Vector3 *dpdx,
                               Vector3 *dpdy) const final;
-    Transform CameraFromRender() const final { return renderFromCamera_.Inverse(); }
+    Transform CameraFromRender(Float time) const final { return renderFromCamera_.At(time).Inverse(); }
 
   protected:
     /// Fills origin, unit direction, differentials (valid unless said otherwise) and, if it is not 1, the weight, in
@@ -29,7 +29,7 @@ class CameraSpaceCamera : public Camera {
     Point2i Resolution() const { return resolution_; }
 
   private:
-    Transform renderFromCamera_;
+    AnimatedTransform renderFromCamera_;
     Point2i resolution_;
     SmallestDifferentials smallest_;
 };

@@ -16,7 +16,7 @@ std::optional<SurfacePoint> Scene::Intersect(const Ray &ray) const {
     const ShapeRecord &record = parts_.shapes[hit->shape.value];
     SurfacePoint point = record.shape->FacesRay() ? SurfaceOnRay(*record.shape, *hit, ray)
                                                   : record.shape->Surface(hit->primitive, hit->hit);
-    if (hit->instance >= 0) point = TransformSurface(parts_.accel->InstanceTransform(hit->instance), point);
+    if (hit->instance >= 0) point = TransformSurface(parts_.accel->InstanceTransform(hit->instance, ray.time), point);
     // Embree's triangle test mixes the axes: a plane through the origin has no error along its own axis, yet rays that
     // leave it without an offset hit it again.
     point.pError = Vector3(MaxComponent(point.pError));
@@ -34,7 +34,7 @@ std::optional<SurfacePoint> Scene::Intersect(const Ray &ray) const {
 
 SurfacePoint Scene::SurfaceOnRay(const Shape &shape, const AccelHit &hit, const Ray &ray) const {
     if (hit.instance < 0) return shape.SurfaceOnRay(hit.primitive, hit.hit, ray.o, ray.d);
-    const Transform &t = parts_.accel->InstanceTransform(hit.instance);
+    const Transform t = parts_.accel->InstanceTransform(hit.instance, ray.time);
     return shape.SurfaceOnRay(hit.primitive, hit.hit, t.InversePoint(ray.o), t.InverseVector(ray.d));
 }
 

@@ -60,9 +60,11 @@ inline Vector3 RandomDirection(Rng &rng) {
     return SphericalDirection(SafeSqrt(1 - z * z), z, phi);
 }
 
+using Shapes = std::vector<std::unique_ptr<Shape>>;
+
 /// One of every kind that Accel treats differently.
-inline std::vector<std::unique_ptr<Shape>> EveryKind(const Transform &t) {
-    std::vector<std::unique_ptr<Shape>> s;
+inline Shapes EveryKind(const Transform &t) {
+    Shapes s;
     auto at = [&](Float x, Float y) {
         return t * Transform::Translate({x, y, 0}) * Transform::Rotate(50, {1, 1, 0.3f});
     };
@@ -73,6 +75,28 @@ inline std::vector<std::unique_ptr<Shape>> EveryKind(const Transform &t) {
     s.push_back(std::make_unique<Disk>(0.1f, 0.9f, 0.2f, 320.0f, at(0, 2), false));
     s.push_back(std::make_unique<Cylinder>(0.5f, -0.6f, 0.8f, 280.0f, at(2, 2), false));
     return s;
+}
+
+struct Placement {
+    int32_t instance;
+    Transform transform;
+};
+
+/// Every primitive of every placement, in double where Shape::Intersect is.
+inline std::optional<AccelHit> SlowIntersect(const Shapes &shapes, const std::vector<Placement> &placements, const Ray &ray) {
+    std::optional<AccelHit> best;
+    Float tMax = ray.tMax;
+    for (const Placement &p : placements) {
+        Point3 o = p.transform.InversePoint(ray.o);
+        Vector3 d = p.transform.InverseVector(ray.d);
+        for (size_t s = 0; s < shapes.size(); ++s)
+            for (uint32_t i = 0; i < shapes[s]->PrimitiveCount(); ++i)
+                if (auto hit = shapes[s]->Intersect(i, o, d, 0, tMax)) {
+                    best = AccelHit{ShapeId(s), i, *hit, p.instance};
+                    tMax = hit->t;
+                }
+    }
+    return best;
 }
 
 }  // namespace pbrt::test

@@ -36,11 +36,13 @@ Transform Place(const Setting &s) {
 struct Walk {
     int rays = 0, escaped = 0, samePrimitive = 0;
 };
-Walk RandomWalks(const Accel &accel, const std::vector<const Shape *> &shapes, const Point3 &center, int walks) {
+Walk RandomWalks(const Accel &accel, const std::vector<const Shape *> &shapes, const Point3 &center, int walks,
+                 Float time = 0) {
     Walk result;
     Rng rng(12);
     for (int w = 0; w < walks; ++w) {
         Ray ray;
+        ray.time = time;
         ray.o = center;
         ray.d = test::RandomDirection(rng);
         AccelHit previous{};
@@ -58,13 +60,14 @@ Walk RandomWalks(const Accel &accel, const std::vector<const Shape *> &shapes, c
                 ++result.samePrimitive;
             previous = *hit;
             SurfacePoint s = shape.Surface(hit->primitive, hit->hit);
-            if (hit->instance >= 0) s = TransformSurface(accel.InstanceTransform(hit->instance), s);
+            if (hit->instance >= 0) s = TransformSurface(accel.InstanceTransform(hit->instance, time), s);
             Vector3 in = FaceForward(s.n, -ray.d), d;
             // Many rays close to the surface: there rounding decides.
             d = test::RandomDirection(rng);
             d = FaceForward(d, in);
             if (bounce % 3 == 1) d = Normalize(d + in * (0.002f - Dot(d, in)));
             if (bounce % 3 == 2) d = Normalize(d + in * (0.05f - Dot(d, in)));
+            s.time = time;
             ray = s.SpawnRay(d);
         }
     }
@@ -95,6 +98,29 @@ TEST(SelfIntersection, ClosedShapesNeitherLeakNorHitThemselvesInInstances) {
             accel.AddInstance(object, place);
             accel.Commit();
             Walk w = RandomWalks(accel, {ball.shape.get()}, place.Point(Point3(0.5f, 2, -1)), 3000);
+            EXPECT_EQ(w.escaped, 0) << ball.name << " scale " << setting.scale << " of " << w.rays;
+            EXPECT_EQ(w.samePrimitive, 0) << ball.name << " scale " << setting.scale << " of " << w.rays;
+        }
+    }
+}
+
+TEST(SelfIntersection, ClosedShapesNeitherLeakNorHitThemselvesInMotion) {
+    for (const Setting &setting : kSettings) {
+        const Transform shift = Transform::Translate(setting.shift * setting.scale);
+        const Transform size = Transform::Scale(Vector3(setting.scale));
+        const AnimatedTransform motion(
+            shift * size, 0, shift * Transform::Rotate(140, {1, 2, 3}) * size * Transform::Scale({1, 0.6f, 2}), 1);
+        for (const Ball &ball : Balls(Transform())) {
+            Accel accel;
+            accel.AddMovingInstance(accel.AddObject({ShapeId(0u)}, {ball.shape.get()}, {nullptr}), motion);
+            accel.Commit();
+            Walk w;
+            for (Float time : {0.0f, 0.013f, 0.21f, 0.5f, 0.77f, 0.999f}) {
+                Walk part = RandomWalks(accel, {ball.shape.get()}, shift.Point(Point3(0)), 500, time);
+                w.rays += part.rays;
+                w.escaped += part.escaped;
+                w.samePrimitive += part.samePrimitive;
+            }
             EXPECT_EQ(w.escaped, 0) << ball.name << " scale " << setting.scale << " of " << w.rays;
             EXPECT_EQ(w.samePrimitive, 0) << ball.name << " scale " << setting.scale << " of " << w.rays;
         }

@@ -37,7 +37,7 @@ TEST(Footprint, LiesInTheTangentPlaneAndGrowsWithDistance) {
     for (int i = 0; i < 300; ++i) {
         Vector3 toward = Normalize(Vector3(rng.Uniform() - 0.5f, rng.Uniform() - 0.5f, rng.Uniform() - 0.5f));
         Normal3 n = Normalize(toward + 0.6f * Normalize(Vector3(rng.Uniform() - 0.5f, rng.Uniform() - 0.5f, 0.3f)));
-        Point3 eye = camera->CameraFromRender().InversePoint({0, 0, 0});
+        Point3 eye = camera->CameraFromRender(0).InversePoint({0, 0, 0});
         Vector3 x1, y1, x2, y2;
         camera->ApproximateFootprint(eye + 2.f * toward, n, 0, 1, &x1, &y1);
         camera->ApproximateFootprint(eye + 20.f * toward, n, 0, 1, &x2, &y2);

@@ -1,0 +1,161 @@
+// A moving picture against still ones: at every moment it is the still picture of that moment.
+#include <gtest/gtest.h>
+
+#include "pbrt/films/gbuffer_film.h"
+#include "support/build_text.h"
+
+namespace pbrt::test {
+namespace {
+
+constexpr Point2i kResolution(48, 32);
+
+/// Where things are at a moment: t from 0 (start) to 1.
+struct Pose {
+    Float t;
+    std::string Text(const char *format, Float a, Float b) const {
+        return fmt::format(fmt::runtime(format), Lerp(t, a, b));
+    }
+    /// CTMs of things that move straight, turn, grow and stretch.
+    std::string Ball() const {
+        return Text("Translate {} 0 0 ", -2, 0) + Text("Scale {0} 1 1\n", 1, 0.5f);
+    }
+    std::string Bar() const { return "Translate 1.5 0 0 " + Text("Rotate {} 0 0 1\n", 10, 100); }
+    std::string Camera() const {
+        return Text("Rotate {} 0 1 0 ", 0, -25) + Text("Translate {} 0 6\n", 0, 1.5f);
+    }
+};
+
+/// Two poses: moving between them.
+std::string Place(const std::function<std::string(const Pose &)> &text, const std::vector<Float> &poses) {
+    if (poses.size() == 1) return text({poses[0]});
+    return "ActiveTransform StartTime\n" + text({poses[0]}) + "ActiveTransform EndTime\n" + text({poses[1]}) +
+           "ActiveTransform All\n";
+}
+
+/// Moves from time 1 to 3; the shutter is open from 1.5 to 2.5.
+std::string Scene(const std::vector<Float> &poses, bool cameraMoves) {
+    const std::vector<Float> camera = cameraMoves ? poses : std::vector<Float>{0.0f};
+    const std::vector<Float> things = cameraMoves ? std::vector<Float>{0.0f} : poses;
+    return "TransformTimes 1 3\n" + Place(&Pose::Camera, camera) +
+           R"(Camera "perspective" "float fov" 40 "float shutteropen" 1.5 "float shutterclose" 2.5
+Film "gbuffer" "integer xresolution" 48 "integer yresolution" 32
+Sampler "independent" "integer pixelsamples" 1
+WorldBegin
+LightSource "infinite"
+AttributeBegin
+Translate 0 -1 0
+Rotate 90 1 0 0
+Shape "disk" "float radius" 4
+AttributeEnd
+AttributeBegin
+)" + Place(&Pose::Ball, things) + R"(Shape "sphere" "float radius" 0.7
+AttributeEnd
+ObjectBegin "bar"
+Shape "bilinearmesh" "point3 P" [ -0.3 -1 0  0.3 -1 0  -0.3 1 0.3  0.3 1 0.3 ]
+AttributeBegin
+)" + Place([](const Pose &p) { return p.Text("Translate 0 {} 0\n", 0.5f, 1); }, things) +
+           R"(Shape "sphere" "float radius" 0.4
+AttributeEnd
+ObjectEnd
+AttributeBegin
+)" + Place(&Pose::Bar, things) + R"(ObjectInstance "bar"
+AttributeEnd
+)";
+}
+
+BuiltScene Build(const std::vector<Float> &poses, bool cameraMoves) {
+    BuildOptions options;
+    options.renderCoordSys = "world";  // instances turn about its origin, as in stock pbrt-v4
+    return BuildText(Scene(poses, cameraMoves), options);
+}
+
+TEST(Motion, EveryMomentIsAStillPicture) {
+    constexpr int kMoments = 9;
+    const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    for (bool cameraMoves : {false, true}) {
+        const BuiltScene moving = Build({0, 1}, cameraMoves);
+        double coverage[2] = {}, difference = 0;
+        int hits = 0, silhouettes = 0;
+        for (int m = 0; m < kMoments; ++m) {
+            const Float u = (static_cast<Float>(m) + 0.5f) / kMoments;
+            const BuiltScene still = Build({0.25f + 0.5f * u}, cameraMoves);
+            for (int y = 0; y < kResolution.y; ++y)
+                for (int x = 0; x < kResolution.x; ++x) {
+                    CameraSample sample;
+                    sample.pFilm = Point2(x, y) + Point2(0.5f);
+                    sample.time = u;
+                    std::optional<VisibleSurface> seen[2];
+                    for (int k = 0; k < 2; ++k) {
+                        const BuiltScene &built = k == 0 ? moving : still;
+                        std::optional<CameraRay> ray = built.camera->GenerateRay(sample, lambda);
+                        ASSERT_TRUE(ray);
+                        EXPECT_FLOAT_EQ(ray->ray.time, 1.5f + u);
+                        // In camera space: so this sees the camera's place at that time, too.
+                        seen[k] = static_cast<const GBufferFilm &>(*built.film).Look(*ray, lambda);
+                        coverage[k] += seen[k].has_value();
+                    }
+                    hits += seen[0].has_value();
+                    if (seen[0].has_value() != seen[1].has_value() ||
+                        (seen[0] && Distance(seen[0]->p, seen[1]->p) > 0.02f))
+                        ++silhouettes;
+                    else if (seen[0]) difference = std::max(difference, double(Distance(seen[0]->n, seen[1]->n)));
+                }
+        }
+        EXPECT_GT(hits, kMoments * kResolution.x * kResolution.y / 8);
+        EXPECT_LE(silhouettes, hits / 200) << "of " << hits;
+        EXPECT_LT(difference, 0.02);
+        EXPECT_NEAR(coverage[0], coverage[1], 0.002 * coverage[1]);
+    }
+}
+
+/// Not the same moment twice: the test above would pass without motion if poses did not differ.
+TEST(Motion, MomentsDiffer) {
+    const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    for (bool cameraMoves : {false, true}) {
+        const BuiltScene moving = Build({0, 1}, cameraMoves);
+        int different = 0;
+        for (int i = 0; i < kResolution.x * kResolution.y; ++i) {
+            std::optional<SurfacePoint> seen[2];
+            for (int k = 0; k < 2; ++k) {
+                CameraSample sample;
+                sample.pFilm = Point2(i % kResolution.x, i / kResolution.x);
+                sample.time = static_cast<Float>(k);
+                seen[k] = moving.scene->Intersect(moving.camera->GenerateRay(sample, lambda)->ray);
+            }
+            different += seen[0].has_value() != seen[1].has_value();
+        }
+        EXPECT_GT(different, kResolution.x * kResolution.y / 20);
+    }
+}
+
+TEST(Motion, BoundsHoldTheWholeWay) {
+    const Bounds3 b = Build({0, 1}, false).scene->Bounds();
+    // The ball's left side at the start, its right one and the far end of the bar in between.
+    EXPECT_LE(b.low.x, -2.69f);
+    EXPECT_GE(b.high.x, 1.5f + 1.0f);
+    EXPECT_GE(b.high.y, 1.3f);
+}
+
+TEST(Motion, WhatCannotMoveIsAnError) {
+    auto message = [](const std::string &world, const std::string &camera) {
+        try {
+            BuildText(camera + "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\n" + world);
+        } catch (const UserError &e) {
+            return e.Diagnostics().front().message;
+        }
+        return std::string();
+    };
+    const std::string flat = "ActiveTransform EndTime Scale 1 1 0 ActiveTransform All\n";
+    const std::string mirrored = "ActiveTransform EndTime Scale 1 1 -1 ActiveTransform All\n";
+    for (const std::string &bad : {flat, mirrored}) {
+        EXPECT_NE(message(bad + "Shape \"sphere\"\n", "").find("the shape cannot move"), std::string::npos);
+        EXPECT_NE(message("ObjectBegin \"a\" Shape \"sphere\" ObjectEnd\n" + bad + "ObjectInstance \"a\"\n", "")
+                      .find("the instance cannot move"),
+                  std::string::npos);
+        EXPECT_NE(message("", bad).find("Camera cannot move"), std::string::npos);
+    }
+    EXPECT_EQ(message("ActiveTransform EndTime Translate 1 1 0 ActiveTransform All Shape \"sphere\"\n", ""), "");
+}
+
+}  // namespace
+}  // namespace pbrt::test

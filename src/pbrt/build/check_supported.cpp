@@ -31,7 +31,6 @@ class Checker {
 void CheckSupported(const SceneDescription &d, const BuildOptions &options, DiagnosticSink &sink) {
     Checker check(sink);
     if (options.integrator.empty()) check.Type("Integrator", d.integrator, UnsupportedIntegrators());
-    check.Type("Sampler", d.sampler, UnsupportedSamplers());
     for (const MediumEntity &m : d.media) check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));
     for (const MaterialEntity &m : d.materials) check.Type("Material", m, UnsupportedMaterials());
     // volpath sees through interface surfaces when it looks for lights; path, which stands in for it, does not.

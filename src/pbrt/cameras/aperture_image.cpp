@@ -68,7 +68,8 @@ Image Mono(const Image &image, const std::string &name) {
             Float sum = 0;
             for (int c = 0; c < source.ChannelCount(); ++c) sum += source.Get({x, y}, c);
             if (!(sum >= 0 && std::isfinite(sum)))
-                throw UserError(fmt::format("\"{}\": pixel ({}, {}) is negative, infinite or not a number.", name, x, y));
+                throw UserError(
+                    fmt::format("\"{}\": pixel ({}, {}) is negative, infinite or not a number.", name, x, y));
             largest = std::max(largest, sum);
             mono.Set({x, n.y - 1 - y}, 0, sum / static_cast<Float>(source.ChannelCount()));
         }

@@ -5,8 +5,8 @@
 
 namespace pbrt {
 
-/// What share of light each part of an aperture stop lets pass, instead of all of a disk. Scaled so that it lets as much
-/// light pass as the disk.
+/// What share of light each part of an aperture stop lets pass, instead of all of a disk. Scaled so that it lets as
+/// much light pass as the disk.
 class ApertureImage {
   public:
     /// Empty: the stop is a disk.

@@ -16,12 +16,12 @@ class LensSystem {
     /// takes the place of the stops' round holes.
     explicit LensSystem(std::span<const LensElement> elements, const ApertureImage &aperture = {});
 
-    Float RearZ() const { return surfaces_.front().z; }    ///< vertex of the element next to the film
-    Float FrontZ() const { return surfaces_.back().z; }    ///< vertex of the element next to the scene
+    Float RearZ() const { return surfaces_.front().z; }  ///< vertex of the element next to the film
+    Float FrontZ() const { return surfaces_.back().z; }  ///< vertex of the element next to the scene
     Float RearRadius() const { return surfaces_.front().apertureRadius; }
 
-    /// Takes a ray from behind the lens (d unit, towards +z) to where it leaves it. The share of light that passes; at 0
-    /// the ray means nothing.
+    /// Takes a ray from behind the lens (d unit, towards +z) to where it leaves it. The share of light that passes; at
+    /// 0 the ray means nothing.
     Float Trace(Ray *ray) const;
 
   private:

@@ -4,8 +4,8 @@
 
 namespace pbrt {
 
-/// A lens of real elements in front of a film at the camera's origin (Kolb, Mitchell and Hanrahan 1995). A unit of camera
-/// space is a metre. Rays have the weight that makes their mean the irradiance of the film.
+/// A lens of real elements in front of a film at the camera's origin (Kolb, Mitchell and Hanrahan 1995). A unit of
+/// camera space is a metre. Rays have the weight that makes their mean the irradiance of the film.
 class RealisticCamera final : public CameraSpaceCamera {
   public:
     /// `elements`: focused. `filmDiagonal` in metres.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pbrt/samplers/halton_sampler.h"
+#include "pbrt/samplers/pmj02bn_sampler.h"
 #include "pbrt/samplers/random_samplers.h"
 #include "pbrt/samplers/randomization.h"
 #include "pbrt/samplers/sobol_samplers.h"
@@ -10,13 +11,8 @@
 namespace pbrt {
 
 const std::vector<std::string> &SupportedSamplers() {
-    static const std::vector<std::string> names = {"independent", "stratified",  "halton",
-                                                   "sobol",       "paddedsobol", "zsobol"};
-    return names;
-}
-
-const std::vector<std::string> &UnsupportedSamplers() {
-    static const std::vector<std::string> names = {"pmj02bn"};
+    static const std::vector<std::string> names = {"independent", "stratified", "halton", "sobol",
+                                                   "paddedsobol", "zsobol",     "pmj02bn"};
     return names;
 }
 
@@ -71,6 +67,17 @@ std::unique_ptr<Sampler> MakeStratified(const ParamSet &params, int sppOverride,
     return std::make_unique<StratifiedSampler>(x, y, jitter, seed);
 }
 
+std::unique_ptr<Sampler> MakePmj02bnSampler(const ParamSet &params, int sppOverride, int seed, DiagnosticSink &sink) {
+    int samples = ReadSamples(params, 16, sppOverride);
+    auto n = static_cast<unsigned>(samples);
+    if (!std::has_single_bit(n) || std::countr_zero(n) % 2 != 0)
+        sink.Warning(params.LocOf("pixelsamples"),
+                     fmt::format(
+                         "{}: {} samples per pixel are not a power of four; this sampler is at its best with one.",
+                         params.What(), samples));
+    return std::make_unique<Pmj02bnSampler>(samples, seed);
+}
+
 std::unique_ptr<Sampler> MakeSobol(const std::string &type, const ParamSet &params, Point2i resolution, int sppOverride,
                                    int seed, DiagnosticSink &sink) {
     int samples = ReadSamples(params, 16, sppOverride);
@@ -89,11 +96,6 @@ std::unique_ptr<Sampler> MakeSobol(const std::string &type, const ParamSet &para
 
 std::unique_ptr<Sampler> MakeSampler(const std::string &type, const ParamSet &params, Point2i resolution,
                                      int sppOverride, int defaultSeed, DiagnosticSink &sink) {
-    const std::vector<std::string> &missing = UnsupportedSamplers();
-    if (std::find(missing.begin(), missing.end(), type) != missing.end())
-        throw UserError(
-            fmt::format("Sampler \"{}\" is not supported yet; {}.", type, ListChoices("", SupportedSamplers())),
-            params.Loc());
     std::unique_ptr<Sampler> sampler;
     int seed = params.GetInt("seed", defaultSeed);
     if (type == "independent")
@@ -106,6 +108,8 @@ std::unique_ptr<Sampler> MakeSampler(const std::string &type, const ParamSet &pa
         sampler = std::make_unique<HaltonSampler>(samples, resolution, randomization, seed);
     } else if (type == "sobol" || type == "paddedsobol" || type == "zsobol")
         sampler = MakeSobol(type, params, resolution, sppOverride, seed, sink);
+    else if (type == "pmj02bn")
+        sampler = MakePmj02bnSampler(params, sppOverride, seed, sink);
     else
         throw UserError(fmt::format("Sampler \"{}\" is unknown; {}.", type, ListChoices(type, SupportedSamplers())),
                         params.Loc());

@@ -28,6 +28,5 @@ std::unique_ptr<Sampler> MakeSampler(const std::string &type, const ParamSet &pa
                                      int sppOverride, int defaultSeed, DiagnosticSink &sink);
 
 const std::vector<std::string> &SupportedSamplers();
-const std::vector<std::string> &UnsupportedSamplers();
 
 }  // namespace pbrt

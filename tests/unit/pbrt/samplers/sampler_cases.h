@@ -51,7 +51,7 @@ struct SamplerCase {
 
 /// All that are random; "none" is left out.
 inline std::vector<SamplerCase> RandomizedSamplers() {
-    std::vector<SamplerCase> cases = {{"independent", "", true}, {"stratified", "", true}};
+    std::vector<SamplerCase> cases = {{"independent", "", true}, {"stratified", "", true}, {"pmj02bn", "", false}};
     for (const char *r : {"permutedigits", "owen"}) cases.push_back({"halton", r, false});
     for (const char *r : {"permutedigits", "owen", "fastowen"}) {
         cases.push_back({"sobol", r, false});

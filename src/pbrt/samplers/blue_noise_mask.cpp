@@ -1,0 +1,91 @@
+#include "pbrt/samplers/blue_noise_mask.h"
+
+#include <cmath>
+
+#include "pbrt/math/rng.h"
+
+namespace pbrt {
+
+namespace {
+
+constexpr int kSize = BlueNoiseMask::Size, kCount = kSize * kSize;
+
+/// Chosen pixels, and how near each pixel is to chosen ones.
+class Pattern {
+  public:
+    Pattern() : bell_(kCount), chosen_(kCount, 0), energy_(kCount, 0) {
+        constexpr float kSigma = 1.5f;  // pixels; Ulichney's
+        for (int y = 0; y < kSize; ++y)
+            for (int x = 0; x < kSize; ++x) {
+                const auto dx = static_cast<float>(std::min(x, kSize - x)),
+                           dy = static_cast<float>(std::min(y, kSize - y));
+                bell_[static_cast<size_t>(y * kSize + x)] = std::exp(-(dx * dx + dy * dy) / (2 * kSigma * kSigma));
+            }
+    }
+    bool IsChosen(int pixel) const { return chosen_[static_cast<size_t>(pixel)] != 0; }
+    void Toggle(int pixel) {
+        uint8_t &chosen = chosen_[static_cast<size_t>(pixel)];
+        const float sign = chosen ? -1.0f : 1.0f;
+        chosen ^= 1;
+        const int px = pixel % kSize, py = pixel / kSize;
+        for (int y = 0; y < kSize; ++y)
+            for (int x = 0; x < kSize; ++x)
+                energy_[static_cast<size_t>(y * kSize + x)] +=
+                    sign * bell_[static_cast<size_t>(((y - py) & (kSize - 1)) * kSize + ((x - px) & (kSize - 1)))];
+    }
+    /// The chosen pixel nearest to other chosen ones.
+    int TightestCluster() const {
+        int best = -1;
+        for (int i = 0; i < kCount; ++i)
+            if (IsChosen(i) && (best < 0 || Energy(i) > Energy(best))) best = i;
+        return best;
+    }
+    /// The pixel farthest from chosen ones.
+    int LargestVoid() const {
+        int best = -1;
+        for (int i = 0; i < kCount; ++i)
+            if (!IsChosen(i) && (best < 0 || Energy(i) < Energy(best))) best = i;
+        return best;
+    }
+
+  private:
+    float Energy(int pixel) const { return energy_[static_cast<size_t>(pixel)]; }
+    std::vector<float> bell_;
+    std::vector<uint8_t> chosen_;
+    std::vector<float> energy_;
+};
+
+}  // namespace
+
+BlueNoiseMask::BlueNoiseMask(uint64_t seed) : ranks_(kCount) {
+    Pattern pattern;
+    Rng rng(seed);
+    int count = 0;
+    while (count < kCount / 10) {
+        const auto pixel = static_cast<int>(rng.UniformInt(kCount));
+        if (pattern.IsChosen(pixel)) continue;
+        pattern.Toggle(pixel);
+        ++count;
+    }
+    // Spread the first ones evenly.
+    for (;;) {
+        const int cluster = pattern.TightestCluster();
+        pattern.Toggle(cluster);
+        const int hole = pattern.LargestVoid();
+        pattern.Toggle(hole);
+        if (hole == cluster) break;
+    }
+    Pattern fewer = pattern;
+    for (int rank = count - 1; rank >= 0; --rank) {
+        const int pixel = fewer.TightestCluster();
+        fewer.Toggle(pixel);
+        ranks_[static_cast<size_t>(pixel)] = static_cast<uint16_t>(rank);
+    }
+    for (int rank = count; rank < kCount; ++rank) {
+        const int pixel = pattern.LargestVoid();
+        pattern.Toggle(pixel);
+        ranks_[static_cast<size_t>(pixel)] = static_cast<uint16_t>(rank);
+    }
+}
+
+}  // namespace pbrt

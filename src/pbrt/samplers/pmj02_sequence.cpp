@@ -1,0 +1,141 @@
+#include "pbrt/samplers/pmj02_sequence.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "pbrt/core/error.h"
+#include "pbrt/math/sobol.h"
+
+namespace pbrt {
+
+namespace {
+
+constexpr size_t X = 0, Y = 1;
+
+/// The points with Sobol's own coordinates beside the flipped ones. A node of an axis is all points that share their
+/// first digits of Sobol's own coordinate.
+struct Sequence {
+    std::array<std::vector<uint32_t>, 2> sobol, flipped;
+
+    Sequence(uint32_t count, uint64_t seed) {
+        for (uint32_t i = 0; i < count; ++i)
+            for (size_t axis : {X, Y}) {
+                sobol[axis].push_back(ReverseBits32(axis == X ? SobolReversed0(i) : SobolReversed1(i)));
+                flipped[axis].push_back(OwenScramble(sobol[axis][i], Hash(seed, axis)));
+            }
+    }
+    uint32_t Node(uint32_t i, size_t axis, int digits) const { return sobol[axis][i] >> (32 - digits); }
+};
+
+/// The first 4^level points, one in each of 2^level x 2^level cells.
+class Prefix {
+  public:
+    Prefix(const Sequence &sequence, int level) : sequence_(&sequence), level_(level) {
+        const uint32_t count = uint32_t(1) << (2 * level);
+        cells_.resize(count);
+        for (size_t axis : {X, Y}) order_[axis].resize(count);
+        for (uint32_t i = 0; i < count; ++i) {
+            cells_[Row(sequence.flipped[Y][i]) << level | Row(sequence.flipped[X][i])] = i;
+            for (size_t axis : {X, Y}) order_[axis][sequence.Node(i, axis, 2 * level)] = i;
+        }
+    }
+
+    /// The prefix's points in a node; `digits` at most 2 * level.
+    std::span<const uint32_t> PointsIn(size_t axis, int digits, uint32_t node) const {
+        const size_t count = size_t(1) << (2 * level_ - digits);
+        return {order_[axis].data() + count * node, count};
+    }
+    int Level() const { return level_; }
+
+    /// How crowded the points of a node are, on average. Pairs within the node count once, as do pairs across its
+    /// border.
+    float Energy(size_t axis, int digits, uint32_t node) const {
+        float sum = 0;
+        std::span<const uint32_t> points = PointsIn(axis, digits, node);
+        for (uint32_t i : points)
+            ForNeighbors(i, [&](uint32_t neighbor, float energy) {
+                sum += sequence_->Node(neighbor, axis, digits) == node ? energy / 2 : energy;
+            });
+        return sum / static_cast<float>(points.size());
+    }
+
+  private:
+    uint32_t Row(uint32_t coordinate) const { return coordinate >> (32 - level_); }
+
+    template <class F>
+    void ForNeighbors(uint32_t i, const F &f) const {
+        const auto &[xs, ys] = sequence_->flipped;
+        const float scale = static_cast<float>(1u << level_) * 0x1p-32f;
+        const uint32_t mask = (1u << level_) - 1;
+        const uint32_t column = Row(xs[i]), row = Row(ys[i]);
+        for (uint32_t dy = 0; dy < 5; ++dy)
+            for (uint32_t dx = 0; dx < 5; ++dx) {
+                const uint32_t k = cells_[((row + dy - 2) & mask) << level_ | ((column + dx - 2) & mask)];
+                if (k == i) continue;
+                // Differences wrap around as the square does.
+                const float u = static_cast<float>(static_cast<int32_t>(xs[k] - xs[i])) * scale,
+                            v = static_cast<float>(static_cast<int32_t>(ys[k] - ys[i])) * scale;
+                // A bell that ends 1.6 cells from the point.
+                const float q = 1 - (u * u + v * v) / (1.6f * 1.6f);
+                if (q > 0) f(k, q * q * q * q);
+            }
+    }
+
+    const Sequence *sequence_;
+    int level_;
+    std::vector<uint32_t> cells_;
+    std::array<std::vector<uint32_t>, 2> order_;  ///< points by Sobol's own coordinates
+};
+
+/// Decides the flips of one digit, that of all nodes of `digits` digits. `prefixes`: largest first.
+void SearchFlips(Sequence &sequence, int digits, std::span<const Prefix *const> prefixes) {
+    const Prefix &largest = *prefixes.front();
+    const uint32_t bit = uint32_t(1) << (31 - digits);
+    constexpr int kSweeps = 3;
+    for (size_t axis : {X, Y}) {
+        std::vector<uint8_t> flips(size_t(1) << digits, 0);
+        for (int sweep = 0; sweep < kSweeps; ++sweep)
+            for (uint32_t node = 0; node < flips.size(); ++node) {
+                auto energy = [&] {
+                    float sum = 0;
+                    for (const Prefix *p : prefixes) sum += p->Energy(axis, digits, node);
+                    return sum;
+                };
+                auto flip = [&] {
+                    for (uint32_t i : largest.PointsIn(axis, digits, node)) sequence.flipped[axis][i] ^= bit;
+                };
+                const float before = energy();
+                flip();
+                if (energy() < before)
+                    flips[node] ^= 1;
+                else
+                    flip();
+            }
+        for (size_t i = size_t(1) << (2 * largest.Level()); i < sequence.flipped[axis].size(); ++i)
+            if (flips[sequence.Node(static_cast<uint32_t>(i), axis, digits)]) sequence.flipped[axis][i] ^= bit;
+    }
+}
+
+}  // namespace
+
+std::vector<BinaryPoint> MakePmj02bn(int log2Count, int blueLevels, uint64_t seed) {
+    PBRT_CHECK(log2Count <= 30 && 2 * blueLevels <= log2Count);
+    Sequence sequence(uint32_t(1) << log2Count, seed);
+    // The cells of a prefix stand when the digits before its own are decided. A digit moves the points of the prefix of
+    // its level by half a cell, those of the two before by a fourth and an eighth.
+    std::vector<Prefix> prefixes;
+    for (int digit = 2; digit <= blueLevels + 2; ++digit) {
+        if (digit <= blueLevels) prefixes.emplace_back(sequence, digit);
+        std::vector<const Prefix *> moved;
+        for (auto p = prefixes.rbegin(); p != prefixes.rend(); ++p)
+            if (p->Level() >= digit - 2 && 2 * p->Level() >= digit) moved.push_back(&*p);
+        if (!moved.empty()) SearchFlips(sequence, digit, moved);
+    }
+    std::vector<BinaryPoint> points;
+    for (size_t i = 0; i < sequence.flipped[X].size(); ++i)
+        points.push_back({sequence.flipped[X][i], sequence.flipped[Y][i]});
+    return points;
+}
+
+}  // namespace pbrt

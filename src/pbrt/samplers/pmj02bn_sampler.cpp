@@ -1,0 +1,108 @@
+#include "pbrt/samplers/pmj02bn_sampler.h"
+
+#include "pbrt/math/sobol.h"
+
+namespace pbrt {
+
+namespace {
+
+constexpr int kLog2Count = Pmj02bnSampler::SetLog2Count;
+
+const BlueNoiseMask &Mask() {
+    static const BlueNoiseMask mask(0);
+    return mask;
+}
+
+uint64_t AddDimension(uint64_t hash, int dimension) {
+    return MixBits(hash + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(dimension + 1));
+}
+
+}  // namespace
+
+const std::vector<BinaryPoint> &Pmj02bnSampler::Set(int index) {
+    using Sets = std::array<std::vector<BinaryPoint>, SetCount>;
+    static const Sets sets = [] {
+        Sets made;
+        // The first set covers tiles of pixels with all its points; of the others a pixel takes a beginning. Every
+        // level takes four times as long as the one before.
+        for (size_t i = 0; i < made.size(); ++i) made[i] = MakePmj02bn(kLog2Count, i == 0 ? 7 : 6, i);
+        return made;
+    }();
+    return sets[static_cast<size_t>(index)];
+}
+
+Pmj02bnSampler::Pmj02bnSampler(int samplesPerPixel, int seed)
+    : samplesPerPixel_(samplesPerPixel),
+      log2Samples_(std::bit_width(static_cast<unsigned>(samplesPerPixel - 1))),
+      seed_(Hash(seed)) {
+    log2PerPixel_ = std::min((log2Samples_ + 1) / 2 * 2, kLog2Count);
+    log2Tile_ = (kLog2Count - log2PerPixel_) / 2;
+    // In the order of the sequence every pixel gets a (0,2) sequence of its own.
+    auto sorted = std::make_shared<std::vector<BinaryPoint>>(size_t(1) << kLog2Count);
+    std::vector<uint32_t> found(size_t(1) << (2 * log2Tile_), 0);
+    auto place = [&](uint32_t v) { return static_cast<uint32_t>(uint64_t(v) >> (32 - log2Tile_)); };
+    for (const BinaryPoint &p : Set(0)) {
+        const uint32_t pixel = place(p.y) << log2Tile_ | place(p.x);
+        (*sorted)[pixel << log2PerPixel_ | found[pixel]++] = {p.x << log2Tile_, p.y << log2Tile_};
+    }
+    pixelPoints_ = std::move(sorted);
+    for (int i = 0; i < SetCount; ++i) sets_[static_cast<size_t>(i)] = Set(i).data();
+    mask_ = &Mask();
+}
+
+void Pmj02bnSampler::StartPixelSample(Point2i pixel, int sampleIndex, int dimension) {
+    pixel_ = pixel;
+    index_ = sampleIndex;
+    dimension_ = std::max(2, dimension);
+    // Where the sets end they are used again, moved and ordered differently.
+    setHash_ = Hash(seed_, sampleIndex >> kLog2Count);
+    pixelHash_ = Hash(pixel, setHash_);
+}
+
+BinaryPoint Pmj02bnSampler::PointFor(int dimension) const {
+    // Runs of 2^log2Samples_ points follow each other; within one the order is Owen's, which keeps shorter runs.
+    const uint32_t mask = (uint32_t(1) << std::min(log2Samples_, kLog2Count)) - 1;
+    const auto index = static_cast<uint32_t>(index_);
+    const uint32_t shuffled = FastOwenScramble(index & mask, AddDimension(pixelHash_, dimension)) & mask;
+    const uint32_t place = ((index & ~mask) | shuffled) & ((uint32_t(1) << kLog2Count) - 1);
+    return sets_[static_cast<size_t>(dimension % SetCount)][place];
+}
+
+uint32_t Pmj02bnSampler::ShiftFor(int dimension) const {
+    // Every dimension sees the mask from another place; multiples of the inverse of the plastic number and of its
+    // square (Roberts 2018) keep these apart.
+    const auto d = static_cast<uint32_t>(dimension);
+    const uint32_t x = (d * 0xc13fa9a9u) >> (32 - BlueNoiseMask::Log2Size),
+                   y = (d * 0x91e10da5u) >> (32 - BlueNoiseMask::Log2Size);
+    const uint32_t rank = mask_->Rank(static_cast<uint32_t>(pixel_.x) + x, static_cast<uint32_t>(pixel_.y) + y);
+    constexpr int kRankBits = 2 * BlueNoiseMask::Log2Size;
+    const uint64_t sameEverywhere = AddDimension(setHash_, dimension), fine = AddDimension(pixelHash_, ~dimension);
+    return (rank << (32 - kRankBits) | static_cast<uint32_t>(fine >> (32 + kRankBits))) +
+           static_cast<uint32_t>(sameEverywhere);
+}
+
+Float Pmj02bnSampler::Get1D() {
+    const int d = dimension_++;
+    return SobolToFloat(PointFor(d).x + ShiftFor(d));
+}
+
+Point2 Pmj02bnSampler::Get2D() {
+    const int d = dimension_;
+    dimension_ += 2;
+    const BinaryPoint p = PointFor(d);
+    return {SobolToFloat(p.x + ShiftFor(d)), SobolToFloat(p.y + ShiftFor(d + 1))};
+}
+
+Point2 Pmj02bnSampler::GetPixel2D() {
+    // Tiles are laid out from another pixel for every seed; further rounds through a tile's points flip their digits.
+    const uint32_t mask = (uint32_t(1) << log2Tile_) - 1;
+    const uint32_t x = (static_cast<uint32_t>(pixel_.x) + static_cast<uint32_t>(seed_)) & mask,
+                   y = (static_cast<uint32_t>(pixel_.y) + static_cast<uint32_t>(seed_ >> 32)) & mask;
+    const int round = index_ >> log2PerPixel_;
+    const uint32_t inPixel = static_cast<uint32_t>(index_) & ((uint32_t(1) << log2PerPixel_) - 1);
+    const BinaryPoint p = (*pixelPoints_)[(y << log2Tile_ | x) << log2PerPixel_ | inPixel];
+    const uint64_t flips = round > 0 ? Hash(seed_, round) : 0;
+    return {SobolToFloat(p.x ^ static_cast<uint32_t>(flips)), SobolToFloat(p.y ^ static_cast<uint32_t>(flips >> 32))};
+}
+
+}  // namespace pbrt

@@ -1,0 +1,45 @@
+#pragma once
+#include <array>
+
+#include "pbrt/samplers/blue_noise_mask.h"
+#include "pbrt/samplers/pmj02_sequence.h"
+#include "pbrt/samplers/sampler.h"
+
+namespace pbrt {
+
+/// Progressive multi-jittered (0,2) points with blue noise. The positions of all samples within a square of pixels are
+/// one such point set. Every other request of a pixel takes the points of one of a few fixed sets in an order of its
+/// own, moved around the unit torus by a mask that has blue noise over the image.
+class Pmj02bnSampler final : public Sampler {
+  public:
+    Pmj02bnSampler(int samplesPerPixel, int seed);
+    int SamplesPerPixel() const override { return samplesPerPixel_; }
+    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override;
+    Float Get1D() override;
+    Point2 Get2D() override;
+    Point2 GetPixel2D() override;
+    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<Pmj02bnSampler>(*this); }
+
+    /// The sets: 2^SetLog2Count points each. Made at the first call.
+    static constexpr int SetCount = 5, SetLog2Count = 16;
+    static const std::vector<BinaryPoint> &Set(int index);
+
+  private:
+    BinaryPoint PointFor(int dimension) const;
+    uint32_t ShiftFor(int dimension) const;
+
+    std::array<const BinaryPoint *, SetCount> sets_;
+    const BlueNoiseMask *mask_;
+    int samplesPerPixel_;
+    int log2Samples_;  ///< rounded up
+    uint64_t seed_;
+    int log2Tile_;      ///< pixels of a tile along each side
+    int log2PerPixel_;  ///< points of a tile in each of its pixels
+    std::shared_ptr<const std::vector<BinaryPoint>> pixelPoints_;  ///< of a tile, by pixel, as fractions of the pixel
+    Point2i pixel_{};
+    int index_ = 0;
+    int dimension_ = 0;
+    uint64_t pixelHash_ = 0, setHash_ = 0;
+};
+
+}  // namespace pbrt

@@ -390,10 +390,11 @@ Bounds3 Accel::Bounds() const {
     return bounds;
 }
 
-std::optional<AccelHit> Accel::Intersect(const Ray &ray) const {
+std::optional<AccelHit> Accel::Intersect(const Ray &ray, Float tMin) const {
     QueryContext context(ray);
     RTCRayHit query{};
     query.ray = ToEmbree(ray, impl_->EmbreeTime(ray.time));
+    query.ray.tnear = tMin;
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(impl_->top.scene, &context.base, &query);

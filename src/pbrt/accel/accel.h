@@ -49,7 +49,8 @@ class Accel {
 
     /// Of all that moves: over the whole time.
     Bounds3 Bounds() const;
-    std::optional<AccelHit> Intersect(const Ray &ray) const;
+    /// The nearest hit with tMin < t < ray.tMax.
+    std::optional<AccelHit> Intersect(const Ray &ray, Float tMin = 0) const;
     /// True if anything lies strictly inside (0, ray.tMax).
     bool Occluded(const Ray &ray) const;
     /// As rays of that time meet it.

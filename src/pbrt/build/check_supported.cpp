@@ -2,7 +2,6 @@
 
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/integrator_builder.h"
-#include "pbrt/materials/material_factory.h"
 #include "pbrt/shapes/shape_factory.h"
 
 namespace pbrt {
@@ -32,7 +31,6 @@ void CheckSupported(const SceneDescription &d, const BuildOptions &options, Diag
     Checker check(sink);
     if (options.integrator.empty()) check.Type("Integrator", d.integrator, UnsupportedIntegrators());
     for (const MediumEntity &m : d.media) check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));
-    for (const MaterialEntity &m : d.materials) check.Type("Material", m, UnsupportedMaterials());
     // volpath sees through interface surfaces when it looks for lights; path, which stands in for it, does not.
     if (options.integrator.empty() && d.integrator.type == "volpath")
         for (const MaterialEntity &m : d.materials)

@@ -39,6 +39,7 @@ BuiltIntegrator MakeIntegrator(const Entity &entity, const BuildOptions &options
         PathSettings settings;
         settings.maxDepth = depth();
         settings.regularize = params.GetBool("regularize", false);
+        settings.subsurface = type == "volpath" && context.scene.HasSubsurface();
         LightSamplerSpec spec = ReadLightSamplerSpec(params, options.lightSampler, options.meshLights, registry);
         built.lightSamplerName = spec.Label();
         ShadowGateSpec gate = ReadShadowGateSpec(params, options.shadowGate, registry);
@@ -66,6 +67,9 @@ BuiltIntegrator MakeIntegrator(const Entity &entity, const BuildOptions &options
     }
     if (built.lightSamplerName.empty() && (!options.lightSampler.empty() || options.meshLights || !options.shadowGate.empty()))
         sink.Warning({}, fmt::format("--lightsampler, --mesh-lights and --shadow-gate have no effect on integrator \"{}\".", type));
+    if (type != "volpath" && context.scene.HasSubsurface())
+        sink.Warning({}, fmt::format("subsurface materials are plain dielectrics to integrator \"{}\"; \"volpath\" scatters light "
+                                     "below their surfaces.", type));
     params.ReportUnused(sink);
     return built;
 }

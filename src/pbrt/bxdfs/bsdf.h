@@ -10,6 +10,7 @@
 #include "pbrt/bxdfs/hair.h"
 #include "pbrt/bxdfs/layered.h"
 #include "pbrt/bxdfs/measured.h"
+#include "pbrt/bxdfs/normalized_fresnel.h"
 #include "pbrt/math/frame.h"
 
 namespace pbrt {
@@ -19,7 +20,8 @@ namespace pbrt {
 class Bsdf {
   public:
     using Lobe = std::variant<std::monostate, DiffuseBxdf, DiffuseTransmissionBxdf, ConductorBxdf, DielectricBxdf,
-                              ThinDielectricBxdf, CoatedDiffuseBxdf, CoatedConductorBxdf, HairBxdf, MeasuredBxdf>;
+                              ThinDielectricBxdf, CoatedDiffuseBxdf, CoatedConductorBxdf, HairBxdf, MeasuredBxdf,
+                              NormalizedFresnelBxdf>;
 
     Bsdf() = default;
     template <class L>

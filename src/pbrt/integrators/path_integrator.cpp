@@ -4,6 +4,7 @@
 
 #include "pbrt/core/counters.h"
 #include "pbrt/integrators/path_common.h"
+#include "pbrt/integrators/subsurface_exit.h"
 #include "pbrt/math/warps.h"
 
 namespace pbrt {
@@ -109,6 +110,28 @@ SampledSpectrum PathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lamb
         }
         if (IsTransmissive(sample->flags)) etaScale *= Sqr(sample->eta);
         path.Scatter(point, *sample);
+
+        if (settings_.subsurface && IsTransmissive(sample->flags)) {
+            if (std::optional<Bssrdf> bssrdf = ComputeBssrdf(scene, point, lambda)) {
+                // The way below the surface and the exit are part of the same scattering event, as in stock.
+                std::optional<SubsurfaceExit> exit = SampleSubsurfaceExit(scene, point, *bssrdf, sampler);
+                if (!exit) break;
+                beta *= exit->weight;
+                bsdfs[current] = exit->bsdf;
+                LightQuery exitQuery = LightQueryAt(exit->point, bsdfs[current], lambda, depth);
+                L += beta * SampleDirect(exit->point, bsdfs[current], exitQuery, lambda, sampler);
+                Float uExit = sampler.Get1D();
+                sample = exit->bsdf.Sample(exit->point.wo, uExit, sampler.Get2D());
+                if (!sample) break;
+                beta *= sample->f * (AbsDot(sample->wi, exit->point.shading.n) / sample->pdf);
+                pBsdf = sample->pdf;
+                previous = LightContextAt(exit->point);
+                previousQuery = exitQuery;
+                current ^= 1;
+                lightCouldSample = anyNonSpecular = true;
+                path.Scatter(exit->point, *sample);
+            }
+        }
 
         // Russian roulette on the throughput without the radiance scaling of refraction.
         Float survive = (beta * etaScale).MaxComponent();

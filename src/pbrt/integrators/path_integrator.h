@@ -10,6 +10,7 @@ namespace pbrt {
 struct PathSettings {
     int maxDepth = 5;         ///< scattering events; 0: emission only, 1: direct light
     bool regularize = false;  ///< roughen specular lobes after the first non-specular bounce
+    bool subsurface = false;  ///< follow light below surfaces (volpath; to path they are clear dielectrics, as in stock)
 };
 
 /// Unidirectional path tracing with next-event estimation; BSDF and light sampling combined by the power heuristic.

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "pbrt/bxdfs/bsdf.h"
+#include "pbrt/bxdfs/bssrdf.h"
 #include "pbrt/shapes/surface_point.h"
 #include "pbrt/spectra/spectrum.h"
 
@@ -21,6 +22,11 @@ class Material {
     /// For mix: the material in force at this point (chosen by a hash of p, wo and the two); itself for all others.
     /// nullptr means "interface": nothing scatters.
     virtual const Material *Resolve(const SurfacePoint &) const { return this; }
+
+    /// True for materials that scatter light below their surface.
+    virtual bool HasBssrdf() const { return false; }
+    /// Where light that crosses the surface at this point comes out again; empty if it just goes on.
+    virtual std::optional<Bssrdf> GetBssrdf(const SurfacePoint &, const SampledWavelengths &) const { return {}; }
 
     /// True for interface.
     virtual bool IsInterface() const { return false; }

@@ -9,7 +9,10 @@
 #include "pbrt/materials/hair_material.h"
 #include "pbrt/materials/measured_material.h"
 #include "pbrt/materials/mix_material.h"
+#include "pbrt/materials/subsurface_material.h"
 #include "pbrt/math/rng.h"
+#include "pbrt/spectra/spectral_data.h"
+#include "pbrt/textures/basic_textures.h"
 
 namespace pbrt {
 
@@ -145,6 +148,61 @@ SurfacePtr MakeMeasured(const Request &r) {
     }
 }
 
+SpectrumInput ConstantSrgb(const std::array<Float, 3> &rgb) {
+    return SpectrumInput(std::make_shared<ConstantSpectrumTexture>(
+        std::make_shared<RgbUnboundedSpectrum>(ColorSpace::SRGB(), Rgb(rgb[0], rgb[1], rgb[2]))));
+}
+
+const ScatteringPreset &FindPreset(const Request &r, const std::string &name) {
+    std::vector<std::string> names;
+    for (const ScatteringPreset &preset : EmbeddedScatteringPresets()) {
+        if (preset.name == name) return preset;
+        names.push_back(preset.name);
+    }
+    throw UserError(fmt::format("{}: there is no medium \"{}\"; {}.", r.params.What(), name, ListChoices(name, names)),
+                    r.params.LocOf("name"));
+}
+
+/// By name, by coefficients, by what is seen from outside, or what stock takes if nothing is said.
+SubsurfaceMatter ReadSubsurfaceMatter(const Request &r) {
+    const std::string name = r.params.GetString("name", "");
+    if (!name.empty()) {
+        const ScatteringPreset &preset = FindPreset(r, name);
+        return SubsurfaceMatter::Coefficients(ConstantSrgb(preset.absorption), ConstantSrgb(preset.reducedScattering));
+    }
+    SpectrumTexturePtr sigmaA = r.textures.GetSpectrumOrNull(r.params, "sigma_a", SpectrumUse::Unbounded);
+    SpectrumTexturePtr sigmaS = r.textures.GetSpectrumOrNull(r.params, "sigma_s", SpectrumUse::Unbounded);
+    if (!sigmaA != !sigmaS)
+        throw UserError(fmt::format("{}: \"sigma_a\" and \"sigma_s\" must be given together.", r.params.What()),
+                        r.params.LocOf(sigmaA ? "sigma_a" : "sigma_s"));
+    if (sigmaA) return SubsurfaceMatter::Coefficients(SpectrumInput(sigmaA), SpectrumInput(sigmaS));
+    if (SpectrumTexturePtr reflectance = r.textures.GetSpectrumOrNull(r.params, "reflectance", SpectrumUse::Albedo))
+        return SubsurfaceMatter::Reflectance(
+            SpectrumInput(reflectance),
+            SpectrumInput(r.textures.GetSpectrum(r.params, "mfp", std::make_shared<ConstantSpectrum>(Float(1)),
+                                                 SpectrumUse::Unbounded)));
+    return SubsurfaceMatter::Coefficients(ConstantSrgb({Float(.0011), Float(.0024), Float(.014)}),
+                                          ConstantSrgb({Float(2.55), Float(3.21), Float(3.77)}));
+}
+
+SurfacePtr MakeSubsurface(const Request &r) {
+    SubsurfaceMatter matter = ReadSubsurfaceMatter(r);
+    Float g = r.params.GetFloat("g", 0);
+    if (!(std::abs(g) < 1))
+        throw UserError(fmt::format("{}: \"g\" is {}; it must be between -1 and 1.", r.params.What(), g),
+                        r.params.LocOf("g"));
+    if (g != 0 && !r.params.GetString("name", "").empty()) {
+        r.sink.Warning(r.params.LocOf("g"), fmt::format("{}: \"g\" has no effect beside \"name\".", r.params.What()));
+        g = 0;
+    }
+    const Float eta = r.params.GetFloat("eta", Float(1.33));
+    if (!(eta > 0))
+        throw UserError(fmt::format("{}: \"eta\" is {}; it must be positive.", r.params.What(), eta),
+                        r.params.LocOf("eta"));
+    return std::make_shared<SubsurfaceMaterial>(std::move(matter), r.params.GetFloat("scale", 1),
+                                                r.Roughness("", r.RemapRoughness()), SubsurfaceTable::Shared(g, eta));
+}
+
 uint64_t HashText(const std::string &text) {
     uint64_t h = Hash(uint64_t(text.size()));
     for (char c : text) h = Hash(h, c);
@@ -191,6 +249,7 @@ constexpr SurfaceType kSurfaceTypes[] = {
     {"diffusetransmission", MakeDiffuseTransmission},
     {"hair", MakeHair, false},
     {"measured", MakeMeasured},
+    {"subsurface", MakeSubsurface},
 };
 
 }  // namespace
@@ -202,11 +261,6 @@ const std::vector<std::string> &SupportedMaterials() {
         std::sort(names.begin(), names.end());
         return names;
     }();
-    return kNames;
-}
-
-const std::vector<std::string> &UnsupportedMaterials() {
-    static const std::vector<std::string> kNames = {"subsurface"};
     return kNames;
 }
 
@@ -237,12 +291,8 @@ MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, Textur
         params.ReportUnused(sink);
         return material;
     }
-    const std::vector<std::string> &later = UnsupportedMaterials();
-    if (std::find(later.begin(), later.end(), type) != later.end())
-        throw UserError(fmt::format("material \"{}\" is not supported yet.", type), params.Loc());
-    std::vector<std::string> choices = SupportedMaterials();
-    choices.insert(choices.end(), later.begin(), later.end());
-    throw UserError(fmt::format("there is no material \"{}\"; {}.", type, ListChoices(type, choices)), params.Loc());
+    throw UserError(fmt::format("there is no material \"{}\"; {}.", type, ListChoices(type, SupportedMaterials())),
+                    params.Loc());
 }
 
 }  // namespace pbrt

@@ -13,6 +13,5 @@ MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, Textur
                          const std::function<MaterialPtr(const std::string &)> &named);
 
 const std::vector<std::string> &SupportedMaterials();
-const std::vector<std::string> &UnsupportedMaterials();
 
 }  // namespace pbrt

@@ -7,26 +7,59 @@ namespace pbrt {
 
 Scene::Scene(SceneParts parts) : parts_(std::move(parts)), bounds_(parts_.accel->Bounds()) {
     PBRT_CHECK(parts_.lights != nullptr);
+    for (const MaterialPtr &m : parts_.materials) hasSubsurface_ |= m && m->HasBssrdf();
 }
 
 std::optional<SurfacePoint> Scene::Intersect(const Ray &ray) const {
     ++ThreadCounters().closestHitRays;
     std::optional<AccelHit> hit = parts_.accel->Intersect(ray);
     if (!hit) return {};
-    const ShapeRecord &record = parts_.shapes[hit->shape.value];
-    SurfacePoint point = record.shape->FacesRay() ? SurfaceOnRay(*record.shape, *hit, ray)
-                                                  : record.shape->Surface(hit->primitive, hit->hit);
-    if (hit->instance >= 0) point = TransformSurface(parts_.accel->InstanceTransform(hit->instance, ray.time), point);
+    return SurfaceAt(*hit, ray);
+}
+
+std::optional<Scene::Crossing> Scene::SampleCrossing(const Point3 &from, const Point3 &to, Float time,
+                                                     MaterialId material, Float u) const {
+    Ray segment;
+    segment.o = from;
+    segment.d = to - from;
+    segment.tMax = 1;
+    segment.time = time;
+    AccelHit chosen;
+    int count = 0;
+    for (Float tMin = 0;;) {
+        ++ThreadCounters().closestHitRays;
+        std::optional<AccelHit> hit = parts_.accel->Intersect(segment, tMin);
+        if (!hit) break;
+        tMin = std::nextafter(hit->hit.t, Infinity);
+        if (parts_.shapes[hit->shape.value].material != material) continue;
+        // The n-th takes the place of those before it with probability 1/n; what is left of u is uniform again.
+        const Float keep = 1 - 1 / static_cast<Float>(++count);
+        if (u >= keep) {
+            chosen = *hit;
+            u = std::min((u - keep) * static_cast<Float>(count), OneMinusEpsilon);
+        } else {
+            u /= keep;
+        }
+    }
+    if (count == 0) return {};
+    return Crossing{SurfaceAt(chosen, segment), count};
+}
+
+SurfacePoint Scene::SurfaceAt(const AccelHit &hit, const Ray &ray) const {
+    const ShapeRecord &record = parts_.shapes[hit.shape.value];
+    SurfacePoint point = record.shape->FacesRay() ? SurfaceOnRay(*record.shape, hit, ray)
+                                                  : record.shape->Surface(hit.primitive, hit.hit);
+    if (hit.instance >= 0) point = TransformSurface(parts_.accel->InstanceTransform(hit.instance, ray.time), point);
     // Embree's triangle test mixes the axes: a plane through the origin has no error along its own axis, yet rays that
     // leave it without an offset hit it again.
     point.pError = Vector3(MaxComponent(point.pError));
     point.wo = -Normalize(ray.d);
     point.time = ray.time;
-    point.t = hit->hit.t;
-    point.shape = hit->shape;
-    point.primitive = hit->primitive;
+    point.t = hit.hit.t;
+    point.shape = hit.shape;
+    point.primitive = hit.primitive;
     point.material = record.material;
-    if (record.firstLight && hit->instance < 0) point.light = LightId(record.firstLight.value + hit->primitive);
+    if (record.firstLight && hit.instance < 0) point.light = LightId(record.firstLight.value + hit.primitive);
     point.insideMedium = record.insideMedium;
     point.outsideMedium = record.outsideMedium;
     return point;

@@ -34,6 +34,13 @@ class Scene {
 
     /// Nearest surface along the ray, complete but for the filter footprint.
     std::optional<SurfacePoint> Intersect(const Ray &ray) const;
+    /// One of the crossings of a segment with surfaces of a material (as shapes name it), all equally likely.
+    struct Crossing {
+        SurfacePoint point;
+        int count = 1;  ///< of how many it was drawn
+    };
+    std::optional<Crossing> SampleCrossing(const Point3 &from, const Point3 &to, Float time, MaterialId material,
+                                           Float u) const;
     /// True if something lies between the points. Both ends are moved off their surfaces first.
     bool Occluded(const LightSampleContext &from, const LightLiSample &to) const;
     bool Occluded(const Ray &ray) const;
@@ -42,14 +49,18 @@ class Scene {
     const Material &MaterialOf(MaterialId id) const { return *parts_.materials[id.value]; }
     const Shape &ShapeOf(ShapeId id) const { return *parts_.shapes[id.value].shape; }
     size_t ShapeCount() const { return parts_.shapes.size(); }
+    /// True if some material scatters light below its surface.
+    bool HasSubsurface() const { return hasSubsurface_; }
     const Bounds3 &Bounds() const { return bounds_; }
     const Accel &Acceleration() const { return *parts_.accel; }
 
   private:
+    SurfacePoint SurfaceAt(const AccelHit &hit, const Ray &ray) const;
     /// In the space of the shape: before its instance is placed.
     SurfacePoint SurfaceOnRay(const Shape &shape, const AccelHit &hit, const Ray &ray) const;
     SceneParts parts_;
     Bounds3 bounds_;
+    bool hasSubsurface_ = false;
 };
 
 }  // namespace pbrt

@@ -13,6 +13,13 @@ inline Bsdf ComputeBsdf(const Scene &scene, SurfacePoint &point, SampledWaveleng
     return material->GetBsdf(point, lambda);
 }
 
+/// Where light that crosses the surface at a hit comes out again; empty if it just goes on.
+inline std::optional<Bssrdf> ComputeBssrdf(const Scene &scene, const SurfacePoint &point,
+                                           const SampledWavelengths &lambda) {
+    const Material *material = scene.MaterialOf(point.material).Resolve(point);
+    return material->GetBssrdf(point, lambda);
+}
+
 /// Radiance the surface emits back along the ray (area lights).
 inline SampledSpectrum EmittedRadiance(const Scene &scene, const SurfacePoint &point, const SampledWavelengths &lambda) {
     if (!point.light) return SampledSpectrum(0);

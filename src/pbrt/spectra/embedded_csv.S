@@ -14,5 +14,6 @@
     embed pbrt_csv_named, named_spectra.csv
     embed pbrt_csv_sensors, camera_sensors.csv
     embed pbrt_csv_colorchecker, colorchecker_reflectances.csv
+    embed pbrt_csv_scattering, scattering_presets.csv
 
     .section .note.GNU-stack,"",%progbits

@@ -11,6 +11,7 @@ extern const char pbrt_csv_daylight[], pbrt_csv_daylight_end[];
 extern const char pbrt_csv_named[], pbrt_csv_named_end[];
 extern const char pbrt_csv_sensors[], pbrt_csv_sensors_end[];
 extern const char pbrt_csv_colorchecker[], pbrt_csv_colorchecker_end[];
+extern const char pbrt_csv_scattering[], pbrt_csv_scattering_end[];
 }
 
 namespace pbrt {
@@ -84,6 +85,20 @@ const std::vector<TabulatedSpectrum> &EmbeddedColorChecker() {
     static const std::vector<TabulatedSpectrum> spectra =
         ParseNamedSpectra({pbrt_csv_colorchecker, pbrt_csv_colorchecker_end});
     return spectra;
+}
+
+const std::vector<ScatteringPreset> &EmbeddedScatteringPresets() {
+    static const std::vector<ScatteringPreset> presets = [] {
+        std::vector<ScatteringPreset> parsed;
+        ForEachRow({pbrt_csv_scattering, pbrt_csv_scattering_end}, [&](std::string_view line) {
+            ScatteringPreset &preset = parsed.emplace_back();
+            preset.name = CutField(line, ',');
+            for (auto *triple : {&preset.reducedScattering, &preset.absorption})
+                for (Float &v : *triple) v = ParseNumber(CutField(line, ','));
+        });
+        return parsed;
+    }();
+    return presets;
 }
 
 const ThreeColumnTable &EmbeddedCie1931() {

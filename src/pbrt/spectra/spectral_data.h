@@ -20,6 +20,13 @@ const std::vector<TabulatedSpectrum> &EmbeddedSensorResponses();
 /// Reflectances of the 24 patches of a colour checker.
 const std::vector<TabulatedSpectrum> &EmbeddedColorChecker();
 
+struct ScatteringPreset {
+    std::string name;
+    std::array<Float, 3> reducedScattering, absorption;  ///< 1/mm, linear sRGB
+};
+/// Media of pbrt-v4-format §16, in the order of the file.
+const std::vector<ScatteringPreset> &EmbeddedScatteringPresets();
+
 struct ThreeColumnTable {
     std::vector<Float> lambdas;  ///< nm
     std::array<std::vector<Float>, 3> columns;

@@ -17,15 +17,6 @@ TEST(MaterialFactory, UnknownTypeListsTheTypes) {
     EXPECT_TRUE(t.Says("did you mean \"diffuse\"") && t.Says("hair") && t.Says("coatedconductor")) << t.message;
 }
 
-TEST(MaterialFactory, UnbuiltTypesSaySo) {
-    for (const std::string &type : UnsupportedMaterials()) {
-        Workshop shop;
-        Thrown t = Catch([&] { shop.Make(type, Params("m", 7)); });
-        EXPECT_EQ(t.line, 7);
-        EXPECT_TRUE(t.Says(type) && t.Says("not supported yet")) << t.message;
-    }
-}
-
 TEST(MaterialFactory, SupportedTypesCanBeMade) {
     for (const std::string &type : SupportedMaterials()) {
         Workshop shop;

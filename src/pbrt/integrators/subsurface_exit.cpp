@@ -1,0 +1,26 @@
+#include "pbrt/integrators/subsurface_exit.h"
+
+namespace pbrt {
+
+std::optional<SubsurfaceExit> SampleSubsurfaceExit(const Scene &scene, const SurfacePoint &entry, const Bssrdf &bssrdf,
+                                                   Sampler &sampler) {
+    const Float uAxis = sampler.Get1D();
+    const Point2 uProbe = sampler.Get2D();
+    const Float uCrossing = sampler.Get1D();
+    const std::optional<Bssrdf::Probe> probe = bssrdf.SampleProbe(uAxis, uProbe);
+    if (!probe) return {};
+    std::optional<Scene::Crossing> crossing =
+        scene.SampleCrossing(probe->from, probe->to, entry.time, entry.material, uCrossing);
+    if (!crossing) return {};
+    SubsurfaceExit exit;
+    exit.point = crossing->point;
+    exit.point.wo = exit.point.shading.n;
+    const Float pdf = bssrdf.Pdf(exit.point.p, exit.point.n) / static_cast<Float>(crossing->count);  // area
+    if (!(pdf > 0)) return {};
+    exit.weight = bssrdf.Profile(Distance(entry.p, exit.point.p)) / pdf;
+    if (!exit.weight) return {};
+    exit.bsdf = Bsdf(exit.point.shading.n, exit.point.shading.dpdu, bssrdf.ExitLobe());
+    return exit;
+}
+
+}  // namespace pbrt

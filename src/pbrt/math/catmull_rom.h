@@ -1,0 +1,93 @@
+#pragma once
+#include <array>
+#include <optional>
+#include <span>
+
+#include "pbrt/math/vec.h"
+
+namespace pbrt {
+
+// Splines through (node, value) pairs: cubic Hermite pieces whose slope at a node is that of the chord between its
+// neighbours, at both ends that of the last chord. Nodes increase strictly; there are at least four.
+
+/// The spline's value at x is the sum of w[k] * value[first + k].
+struct SplineWeights {
+    int first = 0;
+    std::array<Float, 4> w{};
+};
+/// Empty if x is outside the nodes.
+std::optional<SplineWeights> CatmullRomWeights(std::span<const Float> nodes, Float x);
+
+/// One piece as a polynomial in t in [0, 1]; slopes by t.
+struct SplinePiece {
+    Float x = 0, width = 0;
+    Float c0 = 0, c1 = 0, c2 = 0, c3 = 0;
+
+    SplinePiece(Float x, Float width, Float f0, Float f1, Float slope0, Float slope1)
+        : x(x), width(width), c0(f0), c1(slope0), c2(3 * (f1 - f0) - 2 * slope0 - slope1),
+          c3(2 * (f0 - f1) + slope0 + slope1) {}
+    Float Value(Float t) const { return c0 + t * (c1 + t * (c2 + t * c3)); }
+    Float Slope(Float t) const { return c1 + t * (2 * c2 + t * 3 * c3); }
+    /// From 0 to t, with respect to x.
+    Float Integral(Float t) const { return width * t * (c0 + t * (c1 / 2 + t * (c2 / 3 + t * (c3 / 4)))); }
+};
+
+/// The piece between nodes i and i + 1 of the spline through value(k).
+template <class Value>
+SplinePiece CatmullRomPiece(std::span<const Float> nodes, int i, Value value) {
+    auto node = [&](int k) { return nodes[static_cast<size_t>(k)]; };
+    const int last = static_cast<int>(nodes.size()) - 1;
+    const Float width = node(i + 1) - node(i), f0 = value(i), f1 = value(i + 1);
+    const Float slope0 = i > 0 ? width * (f1 - value(i - 1)) / (node(i + 1) - node(i - 1)) : f1 - f0;
+    const Float slope1 = i + 2 <= last ? width * (value(i + 2) - f0) / (node(i + 2) - node(i)) : f1 - f0;
+    return SplinePiece(node(i), width, f0, f1, slope0, slope1);
+}
+
+/// t in [0, 1] where f(t) = y, for f that grows from f(0) <= y to f(1) >= y: Newton's steps, halving where they leave
+/// the bracket.
+template <class F, class Slope>
+Float SolveIncreasing(F f, Slope slope, Float y, Float tolerance) {
+    Float low = 0, high = 1, t = Float(0.5);
+    for (int i = 0; i < 64; ++i) {
+        const Float difference = f(t) - y;
+        if (std::abs(difference) <= tolerance || high - low < Float(1e-7)) break;
+        (difference < 0 ? low : high) = t;
+        const Float next = t - difference / slope(t);
+        t = next > low && next < high ? next : (low + high) / 2;
+    }
+    return t;
+}
+
+/// Largest i in [0, count - 2] with at(i) <= y; 0 if there is none. `at` must not decrease.
+template <class At>
+int FindPiece(int count, At at, Float y) {
+    int low = 0, high = count - 1;
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        (at(middle) <= y ? low : high) = middle;
+    }
+    return low;
+}
+
+/// Running integral of the spline at the nodes into `cdf`; returns the whole.
+Float IntegrateCatmullRom(std::span<const Float> nodes, std::span<const Float> values, std::span<Float> cdf);
+
+/// x where the spline has the value y; values must not decrease. The nearest end if y is outside their range.
+Float InvertCatmullRom(std::span<const Float> nodes, std::span<const Float> values, Float y);
+
+/// x with a density proportional to the spline through value(k) >= 0, whose running integral is cdf(k).
+template <class Value, class Cdf>
+Float SampleCatmullRom(std::span<const Float> nodes, Value value, Cdf cdf, Float u) {
+    const int n = static_cast<int>(nodes.size());
+    const Float whole = cdf(n - 1);
+    if (!(whole > 0)) return nodes[0];
+    const Float y = u * whole;
+    const int i = FindPiece(n, cdf, y);
+    const SplinePiece piece = CatmullRomPiece(nodes, i, value);
+    const Float t =
+        SolveIncreasing([&](Float s) { return piece.Integral(s); },
+                        [&](Float s) { return piece.width * piece.Value(s); }, y - cdf(i), Float(1e-6) * whole);
+    return piece.x + piece.width * t;
+}
+
+}  // namespace pbrt

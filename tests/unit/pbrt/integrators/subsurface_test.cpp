@@ -1,0 +1,149 @@
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include "pbrt/bxdfs/fresnel.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/math/rng.h"
+#include "support/build_text.h"
+#include "support/render_scene.h"
+#include "support/statistics.h"
+
+namespace pbrt::test {
+namespace {
+
+/// A view of `world` under an even sky of radiance 1.
+std::string Scene(const std::string &world, const std::string &integrator = "volpath", int samples = 64) {
+    return "LookAt 0 0 3  0 0 0  0 1 0\nCamera \"orthographic\" \"float screenwindow\" [-.5 .5 -.5 .5]\n"
+           "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\nPixelFilter \"box\"\n"
+           "Sampler \"independent\" \"integer pixelsamples\" " + std::to_string(samples) +
+           "\nIntegrator \"" + integrator + "\" \"integer maxdepth\" 20\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n" + world;
+}
+
+Rendered RenderText(const std::string &text) {
+    const std::filesystem::path file =
+        std::filesystem::path(testing::TempDir()) / ("subsurface_" + std::to_string(getpid()) + ".pbrt");
+    std::ofstream(file) << text;
+    RenderRequest request;
+    request.file = file;
+    Rendered rendered = RenderScene(request);
+    std::filesystem::remove(file);
+    return rendered;
+}
+
+/// Of the green channel over pixels.
+RunningStatistics Green(const Image &image) {
+    RunningStatistics s;
+    for (int y = 0; y < image.Resolution().y; ++y)
+        for (int x = 0; x < image.Resolution().x; ++x) s.Add(double(image.Get({x, y}, 1)));
+    return s;
+}
+
+TEST(Subsurface, ALargePlaneReflectsWhatItsMatterDoes) {
+    // Light in from everywhere, seen from above: Fresnel's share mirrored, and of the rest what the matter sends back.
+    for (double eta : {1.33, 1.6})
+        for (double reflectance : {.3, .8}) {
+            const std::string matter = fmt::format(
+                "Material \"subsurface\" \"spectrum reflectance\" [300 {0} 900 {0}] \"spectrum mfp\" [300 .05 900 .05]"
+                " \"float eta\" {1}\n",
+                reflectance, eta);
+            const RunningStatistics s = Green(RenderText(Scene(matter + "Shape \"disk\" \"float radius\" 20\n")).image);
+            const double fresnel = double(FresnelDielectric(1, static_cast<Float>(eta)));
+            const double expected = fresnel + (1 - fresnel) * reflectance;
+            EXPECT_LT(std::abs(s.mean - expected), 4 * s.StandardError() + .003 * expected)
+                << "eta " << eta << " reflectance " << reflectance << ": " << s.mean << " for " << expected;
+            EXPECT_LT(s.StandardError(), .01 * expected);
+        }
+}
+
+TEST(Subsurface, NothingReflectsMoreThanComesIn) {
+    for (const char *matter : {R"([300 .1 900 .1] "float eta" 1.05)",
+                               R"([300 .1 900 .1] "float eta" 1.8 "float roughness" .3)",
+                               R"([300 .05 900 .05] "float g" .8)", R"([300 .3 900 .3] "float g" -.7)"}) {
+        const std::string material = "Material \"subsurface\" \"spectrum reflectance\" [300 1 900 1] \"spectrum mfp\" ";
+        const RunningStatistics s = Green(RenderText(Scene(material + matter + "\nShape \"sphere\"\n")).image);
+        EXPECT_LT(s.mean, 1 + 4 * s.StandardError() + .001) << matter;
+        EXPECT_GT(s.mean, .6) << matter;  // a profile of planes loses some light on a ball
+    }
+}
+
+TEST(Subsurface, OtherIntegratorsSeeADielectricAndSaySo) {
+    const std::string light = "Translate 0 1.5 0 AreaLightSource \"diffuse\" Shape \"sphere\" \"float radius\" .3\n";
+    auto render = [&](const char *material, const char *integrator) {
+        return RenderText(Scene(std::string("Material ") + material + " Shape \"sphere\"\n" + light, integrator, 2));
+    };
+    const Rendered a = render(R"("subsurface" "float eta" 1.5 "float roughness" .1)", "path");
+    const Rendered b = render(R"("dielectric" "float eta" 1.5 "float roughness" .1)", "path");
+    EXPECT_EQ(std::memcmp(a.image.Data(), b.image.Data(), a.image.Bytes()), 0);
+    ASSERT_EQ(a.diagnostics.size(), 1u);
+    EXPECT_NE(a.diagnostics[0].message.find("\"volpath\""), std::string::npos);
+    EXPECT_TRUE(b.diagnostics.empty());
+    EXPECT_TRUE(render(R"("subsurface")", "volpath").diagnostics.empty());
+}
+
+TEST(Subsurface, OneThreadAndTwoGiveTheSameBits) {
+    const std::string text = Scene(R"(Material "subsurface" "float scale" 5 "float roughness" .2
+Shape "sphere" "float radius" .4
+AreaLightSource "diffuse" "rgb L" [ 9 5 1 ]
+Translate 0 1 0 Shape "sphere" "float radius" .2
+)", "volpath", 8);
+    auto render = [&](int threads) {
+        ThreadLimit limit(threads);
+        return RenderText(text).image;
+    };
+    const Image one = render(1), two = render(2);
+    EXPECT_EQ(std::memcmp(one.Data(), two.Data(), one.Bytes()), 0);
+}
+
+TEST(SampleCrossing, AllSurfacesOfTheMaterialAreEquallyLikely) {
+    // Along x: ball (its material), two panes of another material between, an instance of the first.
+    const BuiltScene built = BuildText(Scene(R"(
+MakeNamedMaterial "a" "string type" "subsurface"
+MakeNamedMaterial "b" "string type" "diffuse"
+NamedMaterial "a"
+Shape "sphere" "float radius" 1
+NamedMaterial "b"
+AttributeBegin
+Rotate 90 0 1 0
+Shape "disk" "float radius" 1
+AttributeEnd
+Shape "trianglemesh" "point3 P" [ 1.5 -3 -3  1.5 3 -3  1.5 3 3  1.5 -3 3 ] "integer indices" [ 0 1 2  0 2 3 ]
+NamedMaterial "a"
+ObjectBegin "o"
+Shape "trianglemesh" "point3 P" [ 0 -3 -3  0 3 -3  0 3 3  0 -3 3 ] "integer indices" [ 0 1 2  0 2 3 ]
+ObjectEnd
+Translate 2 0 0
+ObjectInstance "o"
+)"));
+    const pbrt::Scene &scene = *built.scene;
+    // Rendering space has the camera, which is at (0, 0, 3), as its origin.
+    auto at = [](Float x) { return Point3(x, .1f, .2f - 3); };
+    Ray ray;
+    ray.o = at(-5);
+    ray.d = Vector3(1, 0, 0);
+    const MaterialId a = scene.Intersect(ray)->material;
+    std::map<int, double> counts;
+    constexpr int n = 30000;
+    Rng rng(1);
+    for (int i = 0; i < n; ++i) {
+        std::optional<pbrt::Scene::Crossing> c = scene.SampleCrossing(at(-3), at(4), 0, a, rng.Uniform());
+        ASSERT_TRUE(c);
+        ASSERT_EQ(c->count, 3);
+        EXPECT_EQ(c->point.material, a);
+        ++counts[static_cast<int>(std::lround(c->point.p.x))];
+    }
+    std::vector<double> observed, expected(3, n / 3.);
+    for (auto [x, count] : counts) observed.push_back(count);
+    ASSERT_EQ(counts.size(), 3u);
+    EXPECT_TRUE(counts.contains(-1) && counts.contains(1) && counts.contains(2));
+    EXPECT_GT(ChiSquareTest(observed, expected), 1e-4);
+    // The ends cut off what lies beyond them.
+    EXPECT_EQ(scene.SampleCrossing(at(0), at(1.7f), 0, a, .3f)->count, 1);
+    EXPECT_FALSE(scene.SampleCrossing(at(1.2f), at(1.7f), 0, a, .3f));
+}
+
+}  // namespace
+}  // namespace pbrt::test

@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <filesystem>
-
 #include "pbrt/cmd/imgtool/commands.h"
 #include "pbrt/core/error.h"
 
@@ -12,27 +9,8 @@ struct Options {
     std::string prefix, outfile;
 };
 
-// Files whose path starts with the prefix, in name order.
-std::vector<std::string> FilesWithPrefix(const std::string &prefix, const std::string &except) {
-    namespace fs = std::filesystem;
-    const fs::path path(prefix);
-    const fs::path directory = path.has_parent_path() ? path.parent_path() : fs::path(".");
-    const std::string start = path.filename().string();
-    std::error_code code;
-    std::vector<std::string> files;
-    for (const fs::directory_entry &entry : fs::directory_iterator(directory, code)) {
-        if (!entry.is_regular_file() || !entry.path().filename().string().starts_with(start)) continue;
-        // A result of an earlier run is no input.
-        if (fs::equivalent(entry.path(), except, code)) continue;
-        files.push_back(path.has_parent_path() ? entry.path().string() : entry.path().filename().string());
-    }
-    std::sort(files.begin(), files.end());
-    return files;
-}
-
 int Average(const Options &o) {
-    const std::vector<std::string> paths = FilesWithPrefix(o.prefix, o.outfile);
-    if (paths.empty()) throw UserError(fmt::format("No file starts with \"{}\".", o.prefix));
+    const std::vector<std::string> paths = FilesWithPrefix(o.prefix, {o.outfile});
     ImageFile first = ReadAsFloat(paths[0]);
     const Point2i resolution = first.image.Resolution();
     std::vector<double> sums(first.image.ValueCount(), 0);

@@ -1,5 +1,10 @@
 #include "pbrt/cmd/imgtool/commands.h"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+
 #include "pbrt/core/error.h"
 
 namespace pbrt::imgtool {
@@ -9,6 +14,26 @@ std::vector<std::string> SplitChannels(const std::string &list) {
     for (const std::string &name : names)
         if (name.empty()) throw UserError(fmt::format("--channels {}: a channel name is empty.", list));
     return names;
+}
+
+std::array<int, 3> RgbChannels(const Image &image, const std::string &path) {
+    std::array<int, 3> channels{};
+    for (size_t c = 0; c < 3; ++c) {
+        const std::string name(1, "RGB"[c]);
+        channels[c] = image.FindChannel(name);
+        if (channels[c] < 0)
+            throw UserError(fmt::format("{}: has no channel {}; its channels are {}.", path, name,
+                                        fmt::join(image.Channels(), ", ")));
+    }
+    return channels;
+}
+
+std::string SizeText(const Image &image) {
+    return fmt::format("{} x {}", image.Resolution().x, image.Resolution().y);
+}
+
+const ColorSpace &SpaceOf(const ImageFile &file) {
+    return file.metadata.colorSpace ? *file.metadata.colorSpace : ColorSpace::SRGB();
 }
 
 Bounds2i CropBounds(const std::vector<int> &n, Point2i resolution, const std::string &path) {
@@ -39,10 +64,52 @@ CLI::Option *AddCropOption(CLI::App &command, std::vector<int> &numbers) {
         ->type_name("x0,x1,y0,y1");
 }
 
+CLI::Option *AddOutfileOption(CLI::App &command, std::string &path) {
+    return command.add_option("--outfile", path, "Result: .exr, .png or .pfm")->required()->type_name("FILE");
+}
+
+Metric ChosenMetric(const std::string &name) {
+    if (auto metric = ParseMetric(name)) return *metric;
+    throw UserError(fmt::format("--metric {}: unknown; {}", name, ListChoices(name, MetricNames())));
+}
+
+void CheckComparable(const ImageFile &a, const std::string &pathA, const ImageFile &b, const std::string &pathB,
+                     const std::string &hint) {
+    if (a.image.Resolution() != b.image.Resolution())
+        throw UserError(fmt::format("Different resolutions: {} has {}, {} has {}.", pathA, SizeText(a.image), pathB,
+                                    SizeText(b.image)));
+    if (&SpaceOf(a) != &SpaceOf(b))
+        throw UserError(fmt::format("Different colour spaces: {} has {}, {} has {}.", pathA, SpaceOf(a).Name(), pathB,
+                                    SpaceOf(b).Name()));
+    if (a.image.Channels() != b.image.Channels())
+        throw UserError(fmt::format("Different channels: {} has {}, {} has {}{}.", pathA,
+                                    fmt::join(a.image.Channels(), ","), pathB, fmt::join(b.image.Channels(), ","),
+                                    hint));
+}
+
 ImageFile ReadAsFloat(const std::string &path) {
     ImageFile file = ReadImage(path);
     file.image = file.image.ConvertTo(PixelFormat::Float);
     return file;
+}
+
+std::vector<std::string> FilesWithPrefix(const std::string &prefix, const std::vector<std::string> &except) {
+    namespace fs = std::filesystem;
+    const fs::path path(prefix);
+    const fs::path directory = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    const std::string start = path.filename().string();
+    std::error_code code;
+    std::vector<std::string> files;
+    for (const fs::directory_entry &entry : fs::directory_iterator(directory, code)) {
+        if (!entry.is_regular_file() || !entry.path().filename().string().starts_with(start)) continue;
+        if (std::any_of(except.begin(), except.end(),
+                        [&](const std::string &e) { return fs::equivalent(entry.path(), e, code); }))
+            continue;
+        files.push_back(path.has_parent_path() ? entry.path().string() : entry.path().filename().string());
+    }
+    if (files.empty()) throw UserError(fmt::format("No file starts with \"{}\".", prefix));
+    std::sort(files.begin(), files.end());
+    return files;
 }
 
 }  // namespace pbrt::imgtool

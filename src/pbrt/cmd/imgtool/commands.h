@@ -1,10 +1,12 @@
 #pragma once
 #include <CLI/CLI.hpp>
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "pbrt/images/image.h"
+#include "pbrt/images/metrics.h"
 
 namespace pbrt::imgtool {
 
@@ -15,11 +17,38 @@ using Action = std::function<int()>;
 void AddInfo(CLI::App &app, Action &action);
 void AddConvert(CLI::App &app, Action &action);
 void AddDiff(CLI::App &app, Action &action);
+void AddError(CLI::App &app, Action &action);
 void AddFalsecolor(CLI::App &app, Action &action);
 void AddAverage(CLI::App &app, Action &action);
+void AddAssemble(CLI::App &app, Action &action);
+void AddSplitn(CLI::App &app, Action &action);
+void AddBloom(CLI::App &app, Action &action);
+void AddWhitebalance(CLI::App &app, Action &action);
+void AddScalenormalmap(CLI::App &app, Action &action);
+void AddMakeequiarea(CLI::App &app, Action &action);
+void AddMakesky(CLI::App &app, Action &action);
 
 /// "R,G,B" -> the names. Throws UserError if a name is empty.
 std::vector<std::string> SplitChannels(const std::string &list);
+/// Indices of the channels R, G, B. Throws UserError if one is missing.
+std::array<int, 3> RgbChannels(const Image &image, const std::string &path);
+inline Rgb GetRgb(const Image &image, Point2i p, const std::array<int, 3> &channels) {
+    return {image.Get(p, channels[0]), image.Get(p, channels[1]), image.Get(p, channels[2])};
+}
+inline void SetRgb(Image &image, Point2i p, const std::array<int, 3> &channels, const Rgb &rgb) {
+    for (int c = 0; c < 3; ++c) image.Set(p, channels[static_cast<size_t>(c)], rgb[c]);
+}
+
+template <class F>
+void ForEachPixel(const Image &image, F &&f) {
+    for (int y = 0; y < image.Resolution().y; ++y)
+        for (int x = 0; x < image.Resolution().x; ++x) f(Point2i(x, y));
+}
+
+/// "640 x 480".
+std::string SizeText(const Image &image);
+/// sRGB where the file does not say.
+const ColorSpace &SpaceOf(const ImageFile &file);
 
 /// Four numbers x0,x1,y0,y1, half-open, of pixels stored in the file, inside `resolution`. Throws UserError.
 Bounds2i CropBounds(const std::vector<int> &numbers, Point2i resolution, const std::string &path);
@@ -28,8 +57,19 @@ void ApplyCrop(ImageFile &file, const std::vector<int> &numbers, const std::stri
 
 /// Adds --crop to a subcommand.
 CLI::Option *AddCropOption(CLI::App &command, std::vector<int> &numbers);
+/// Adds --outfile, of which the command cannot do without.
+CLI::Option *AddOutfileOption(CLI::App &command, std::string &path);
+
+/// The metric called `name`. Throws UserError with the choices.
+Metric ChosenMetric(const std::string &name);
+/// Resolution, colour space and channels must agree. Throws UserError; `hint` ends the sentence about channels.
+void CheckComparable(const ImageFile &a, const std::string &pathA, const ImageFile &b, const std::string &pathB,
+                     const std::string &hint = "");
 
 /// Reads an image; its pixels become float.
 ImageFile ReadAsFloat(const std::string &path);
+/// Files whose path starts with the prefix, in name order, without the files `except` (results of an earlier run are no
+/// input). Throws UserError if there is none.
+std::vector<std::string> FilesWithPrefix(const std::string &prefix, const std::vector<std::string> &except);
 
 }  // namespace pbrt::imgtool

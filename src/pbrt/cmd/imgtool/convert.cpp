@@ -26,12 +26,6 @@ std::vector<int> ColorChannels(const Image &image) {
 }
 
 template <class F>
-void ForEachPixel(const Image &image, F &&f) {
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x) f(Point2i(x, y));
-}
-
-template <class F>
 void MapColors(Image &image, F &&f) {
     const std::vector<int> colors = ColorChannels(image);
     ForEachPixel(image, [&](Point2i p) {
@@ -84,7 +78,7 @@ int Convert(const Options &o) {
     image = image.ConvertTo(PixelFormat::Float);
     ApplyCrop(file, o.crop, o.path);
     if (!o.channels.empty()) image = image.Select(SplitChannels(o.channels));
-    const ColorSpace &space = file.metadata.colorSpace ? *file.metadata.colorSpace : ColorSpace::SRGB();
+    const ColorSpace &space = SpaceOf(file);
     if (o.scale != 1) MapColors(image, [&](Float v) { return v * o.scale; });
     if (o.clamp) MapColors(image, [&](Float v) { return std::clamp(v, -*o.clamp, *o.clamp); });
     if (o.tonemap) Tonemap(image, o.maxLuminance, space);
@@ -113,7 +107,7 @@ void AddConvert(CLI::App &app, Action &action) {
     auto o = std::make_shared<Options>();
     CLI::App *command = app.add_subcommand("convert", "Change an image or its file format");
     command->add_option("file", o->path, "Image")->required();
-    command->add_option("--outfile", o->outfile, "Result: .exr, .png or .pfm")->required()->type_name("FILE");
+    AddOutfileOption(*command, o->outfile);
     AddCropOption(*command, o->crop);
     command->add_option("--channels", o->channels, "Keep only these channels, in this order")->type_name("R,G,B");
     command->add_option("--scale", o->scale, "Multiply colours by this")->capture_default_str();

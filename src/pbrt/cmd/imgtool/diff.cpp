@@ -1,11 +1,7 @@
-#include <fmt/ranges.h>
-
 #include <cmath>
 
 #include "pbrt/cmd/imgtool/commands.h"
 #include "pbrt/core/error.h"
-#include "pbrt/core/log.h"
-#include "pbrt/images/metrics.h"
 
 namespace pbrt::imgtool {
 
@@ -15,11 +11,6 @@ struct Options {
     std::string path, reference, channels, metric = "MSE", outfile;
     std::vector<int> crop;
 };
-
-Metric ChosenMetric(const std::string &name) {
-    if (auto metric = ParseMetric(name)) return *metric;
-    throw UserError(fmt::format("--metric {}: unknown; {}", name, ListChoices(name, MetricNames())));
-}
 
 // Of the finite values.
 double Mean(const Image &image) {
@@ -39,24 +30,12 @@ double Mean(const Image &image) {
 int Diff(const Options &o) {
     const Metric metric = ChosenMetric(o.metric);
     ImageFile image = ReadAsFloat(o.path), reference = ReadAsFloat(o.reference);
-    auto shown = [](const Image &i) { return fmt::format("{} x {}", i.Resolution().x, i.Resolution().y); };
-    if (image.image.Resolution() != reference.image.Resolution())
-        throw UserError(fmt::format("Different resolutions: {} has {}, {} has {}.", o.path, shown(image.image),
-                                    o.reference, shown(reference.image)));
-    auto space = [](const ImageFile &f) { return f.metadata.colorSpace ? f.metadata.colorSpace : &ColorSpace::SRGB(); };
-    if (space(image) != space(reference))
-        throw UserError(fmt::format("Different colour spaces: {} has {}, {} has {}.", o.path, space(image)->Name(),
-                                    o.reference, space(reference)->Name()));
-    if (o.channels.empty()) {
-        if (image.image.Channels() != reference.image.Channels())
-            throw UserError(fmt::format("Different channels: {} has {}, {} has {}; choose with --channels.", o.path,
-                                        fmt::join(image.image.Channels(), ","), o.reference,
-                                        fmt::join(reference.image.Channels(), ",")));
-    } else {
+    if (!o.channels.empty()) {
         const std::vector<std::string> names = SplitChannels(o.channels);
         image.image = image.image.Select(names);
         reference.image = reference.image.Select(names);
     }
+    CheckComparable(image, o.path, reference, o.reference, "; choose with --channels");
     ApplyCrop(image, o.crop, o.path);
     ApplyCrop(reference, o.crop, o.reference);
 

@@ -53,7 +53,7 @@ void AddFalsecolor(CLI::App &app, Action &action) {
     auto o = std::make_shared<Options>();
     CLI::App *command = app.add_subcommand("falsecolor", "Show the mean of each pixel's channels as a colour");
     command->add_option("file", o->path, "Image")->required();
-    command->add_option("--outfile", o->outfile, "Result: .exr, .png or .pfm")->required()->type_name("FILE");
+    AddOutfileOption(*command, o->outfile);
     command->add_option("--maxvalue", o->maxValue, "Value of the last colour (default: the image's largest)")
         ->check(CLI::PositiveNumber);
     command->add_flag("--plusminus", o->plusMinus, "Blue for negative, black for 0, red for positive");

@@ -89,8 +89,16 @@ int Run(int argc, char **argv) {
     AddInfo(app, action);
     AddConvert(app, action);
     AddDiff(app, action);
+    AddError(app, action);
     AddFalsecolor(app, action);
     AddAverage(app, action);
+    AddAssemble(app, action);
+    AddSplitn(app, action);
+    AddBloom(app, action);
+    AddWhitebalance(app, action);
+    AddScalenormalmap(app, action);
+    AddMakeequiarea(app, action);
+    AddMakesky(app, action);
     AddHelp(app, action);
 
     if (const std::string first = argc > 1 ? argv[1] : ""; !first.empty() && first[0] != '-') {

@@ -1,0 +1,72 @@
+#include <cmath>
+
+#include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/error.h"
+
+namespace pbrt::imgtool {
+
+namespace {
+
+struct Options {
+    std::string prefix, reference, metric = "MSE", errorfile;
+    std::vector<int> crop;
+};
+
+int Error(const Options &o) {
+    const Metric metric = ChosenMetric(o.metric);
+    const std::vector<std::string> paths = FilesWithPrefix(o.prefix, {o.reference, o.errorfile});
+    const ImageFile whole = ReadAsFloat(o.reference);
+    ImageFile reference = whole;
+    ApplyCrop(reference, o.crop, o.reference);
+
+    double sum = 0, squares = 0;
+    size_t skipped = 0;
+    Image terms;
+    std::vector<double> termSums;
+    for (const std::string &path : paths) {
+        ImageFile file = ReadAsFloat(path);
+        CheckComparable(file, path, whole, o.reference);
+        ApplyCrop(file, o.crop, path);
+        size_t skippedHere = 0;
+        const double error = ImageError(file.image, reference.image, metric, &terms, &skippedHere);
+        sum += error;
+        squares += error * error;
+        skipped += skippedHere;
+        termSums.resize(terms.ValueCount(), 0);
+        const auto *values = static_cast<const float *>(terms.Data());
+        for (size_t i = 0; i < termSums.size(); ++i) termSums[i] += static_cast<double>(values[i]);
+    }
+    const auto n = static_cast<double>(paths.size());
+    if (!o.errorfile.empty()) {
+        auto *values = static_cast<float *>(terms.Data());
+        for (size_t i = 0; i < termSums.size(); ++i) values[i] = static_cast<float>(termSums[i] / n);
+        WriteImage(o.errorfile, terms, reference.metadata);
+    }
+    fmt::print("{}: mean {:.6g}", o.metric, sum / n);
+    if (paths.size() > 1)
+        fmt::print(", standard deviation {:.3g}", std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1))));
+    fmt::print(", {} images\n", paths.size());
+    if (skipped) fmt::print("  {} values are not finite\n", skipped);
+    return 0;
+}
+
+}  // namespace
+
+void AddError(CLI::App &app, Action &action) {
+    auto o = std::make_shared<Options>();
+    CLI::App *command = app.add_subcommand("error", "Mean error of all images whose names start with a prefix");
+    command->add_option("prefix", o->prefix, "Start of the names, with the directory")->required();
+    command->add_option("--reference", o->reference, "Image to compare with (left out if it has the prefix itself)")
+        ->required()
+        ->type_name("FILE");
+    command->add_option("--metric", o->metric, "MAE, MSE, MRSE, relL2, SMAPE, FLIP or HDR-FLIP; see imgtool help diff")
+        ->capture_default_str()
+        ->type_name("NAME");
+    AddCropOption(*command, o->crop);
+    command->add_option("--errorfile", o->errorfile, "Write the mean error of every pixel and channel")
+        ->type_name("FILE");
+    command->footer("Example: imgtool error runs/seed --reference reference.exr --metric MRSE --errorfile error.exr");
+    command->callback([o, &action] { action = [o] { return Error(*o); }; });
+}
+
+}  // namespace pbrt::imgtool

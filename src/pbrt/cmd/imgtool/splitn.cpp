@@ -1,0 +1,105 @@
+#include <charconv>
+
+#include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/error.h"
+
+namespace pbrt::imgtool {
+
+namespace {
+
+struct Options {
+    std::vector<std::string> paths, crops;
+    std::string outfile;
+    int cropSize = 96;
+};
+
+constexpr int kGap = 4;  // pixels between the parts of the result
+
+Point2i ParseCorner(const std::string &text) {
+    Point2i p(0);
+    const char *end = text.data() + text.size();
+    auto [comma, codeX] = std::from_chars(text.data(), end, p.x);
+    if (codeX == std::errc() && comma < end && *comma == ',') {
+        auto [rest, codeY] = std::from_chars(comma + 1, end, p.y);
+        if (codeY == std::errc() && rest == end) return p;
+    }
+    throw UserError(fmt::format("--crop {}: two whole numbers x,y were expected.", text));
+}
+
+/// Where things go in the result: strips side by side in the size of the images; below them for every crop a row with
+/// the same square of each image, enlarged by a whole number.
+struct Layout {
+    Point2i picture;
+    int images, cropSize, zoom, step;
+
+    Layout(Point2i resolution, int imageCount, int size) : picture(resolution), images(imageCount), cropSize(size) {
+        zoom = std::max(1, (picture.x - kGap * (images - 1)) / (images * cropSize));
+        step = cropSize * zoom + kGap;
+    }
+    Point2i Size(int rows) const { return {std::max(picture.x, images * step - kGap), picture.y + rows * step}; }
+    int StripOf(int x) const { return static_cast<int>(static_cast<int64_t>(x) * images / picture.x); }
+    Point2i CropAt(int image, int row) const { return {image * step, picture.y + kGap + row * step}; }
+};
+
+int Splitn(const Options &o) {
+    if (o.paths.size() < 2) throw UserError("splitn needs at least two images.");
+    std::vector<Point2i> corners;
+    for (const std::string &text : o.crops) corners.push_back(ParseCorner(text));
+    std::vector<ImageFile> files;
+    for (const std::string &path : o.paths) {
+        files.push_back(ReadAsFloat(path));
+        CheckComparable(files[0], o.paths[0], files.back(), path);
+    }
+    const Point2i resolution = files[0].image.Resolution();
+    for (size_t i = 0; i < corners.size(); ++i)
+        if (corners[i].x < 0 || corners[i].y < 0 || corners[i].x + o.cropSize > resolution.x ||
+            corners[i].y + o.cropSize > resolution.y)
+            throw UserError(fmt::format("--crop {}: a square of {} pixels there reaches beyond the {} of the images.",
+                                        o.crops[i], o.cropSize, SizeText(files[0].image)));
+
+    const Layout layout(resolution, static_cast<int>(files.size()), o.cropSize);
+    Image result(PixelFormat::Float, layout.Size(static_cast<int>(corners.size())), files[0].image.Channels());
+    auto copy = [&](Point2i to, const Image &image, Point2i from) {
+        for (int c = 0; c < image.ChannelCount(); ++c) result.Set(to, c, image.Get(from, c));
+    };
+    std::fill_n(static_cast<float *>(result.Data()), result.ValueCount(), 1.f);
+    ForEachPixel(files[0].image, [&](Point2i p) {
+        const int strip = layout.StripOf(p.x);
+        const bool border = p.x + 1 < resolution.x && layout.StripOf(p.x + 1) != strip;
+        if (!border) copy(p, files[static_cast<size_t>(strip)].image, p);
+    });
+    for (size_t row = 0; row < corners.size(); ++row)
+        for (int i = 0; i < layout.images; ++i) {
+            const Point2i at = layout.CropAt(i, static_cast<int>(row));
+            for (int y = 0; y < layout.step - kGap; ++y)
+                for (int x = 0; x < layout.step - kGap; ++x)
+                    copy(at + Point2i(x, y), files[static_cast<size_t>(i)].image,
+                         corners[row] + Point2i(x, y) / layout.zoom);
+        }
+    ImageMetadata metadata;
+    metadata.colorSpace = files[0].metadata.colorSpace;
+    WriteImage(o.outfile, result, metadata);
+    return 0;
+}
+
+}  // namespace
+
+void AddSplitn(CLI::App &app, Action &action) {
+    auto o = std::make_shared<Options>();
+    CLI::App *command = app.add_subcommand("splitn", "One picture in strips of several images, with crops of each below");
+    command->add_option("files", o->paths, "Images of one size; the first gives the leftmost strip")->required();
+    AddOutfileOption(*command, o->outfile);
+    command
+        ->add_option("--crop", o->crops,
+                     "Upper left corner of a square that a row below shows of every image, enlarged if there is room; "
+                     "may be given several times")
+        ->allow_extra_args(false)
+        ->type_name("x,y");
+    command->add_option("--cropsize", o->cropSize, "Side of the squares in pixels")
+        ->check(CLI::Range(1, 1 << 16))
+        ->capture_default_str();
+    command->footer("Example: imgtool splitn bvh.exr octree.exr --crop 120,40 --cropsize 64 --outfile compare.png");
+    command->callback([o, &action] { action = [o] { return Splitn(*o); }; });
+}
+
+}  // namespace pbrt::imgtool

@@ -1,0 +1,82 @@
+#include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/error.h"
+
+namespace pbrt::imgtool {
+
+namespace {
+
+struct Options {
+    std::string path, outfile, illuminant;
+    std::vector<Float> primaries;
+    std::optional<Float> temperature;
+};
+
+Point2 Chromaticity(const Spectrum &s) {
+    const Xyz xyz = SpectrumToXyz(s);
+    return {xyz.x / (xyz.x + xyz.y + xyz.z), xyz.y / (xyz.x + xyz.y + xyz.z)};
+}
+
+/// stdillum-A can be called A.
+Point2 WhiteOfIlluminant(const std::string &name) {
+    std::vector<std::string> choices;
+    for (const std::string &known : NamedSpectrumNames())
+        if (known.starts_with("stdillum-") || known.starts_with("illum-")) {
+            choices.push_back(known);
+            if (name == known || name == known.substr(known.find('-') + 1)) return Chromaticity(*NamedSpectrum(known));
+        }
+    throw UserError(fmt::format("--illuminant {}: unknown; {}", name, ListChoices(name, choices)));
+}
+
+Point2 White(const Options &o) {
+    if (!o.illuminant.empty()) return WhiteOfIlluminant(o.illuminant);
+    if (o.temperature) return Chromaticity(DaylightSpectrum(*o.temperature));
+    if (o.primaries.empty()) throw UserError("One of --illuminant, --primaries and --temperature is needed.");
+    const Point2 white(o.primaries[0], o.primaries[1]);
+    if (!(white.x > 0 && white.y > 0 && white.x + white.y < 1))
+        throw UserError(fmt::format("--primaries {},{}: not the chromaticity of a white; x and y are above 0 and x + y "
+                                    "below 1.",
+                                    white.x, white.y));
+    return white;
+}
+
+int Whitebalance(const Options &o) {
+    const Point2 white = White(o);
+    ImageFile file = ReadAsFloat(o.path);
+    const std::array<int, 3> rgb = RgbChannels(file.image, o.path);
+    const ColorSpace &space = SpaceOf(file);
+    const glm::mat3 m = space.RgbFromXyz() * WhiteBalanceMatrix(white, space.White()) * space.XyzFromRgb();
+    ForEachPixel(file.image,
+                 [&](Point2i p) { SetRgb(file.image, p, rgb, m * GetRgb(file.image, p, rgb)); });
+    WriteImage(o.outfile, file.image, file.metadata);
+    return 0;
+}
+
+}  // namespace
+
+void AddWhitebalance(CLI::App &app, Action &action) {
+    auto o = std::make_shared<Options>();
+    CLI::App *command =
+        app.add_subcommand("whitebalance", "Make what is white in a light white in the image's colour space");
+    command->add_option("file", o->path, "Image with the channels R, G, B")->required();
+    AddOutfileOption(*command, o->outfile);
+    CLI::Option *illuminant =
+        command->add_option("--illuminant", o->illuminant, "The light: a standard illuminant, for instance A or D50")
+            ->type_name("NAME");
+    CLI::Option *primaries = command->add_option("--primaries", o->primaries, "The light: its chromaticity")
+                                 ->delimiter(',')
+                                 ->expected(2)
+                                 ->type_name("x,y");
+    CLI::Option *temperature =
+        command
+            ->add_option("--temperature", o->temperature,
+                         "The light: daylight of this temperature in kelvin, below 4000 a black body")
+            ->check(CLI::Range(1000, 25000));
+    illuminant->excludes(primaries)->excludes(temperature);
+    primaries->excludes(temperature);
+    command->footer(
+        "Adaptation after von Kries in Bradford's cone space.\n"
+        "Example: imgtool whitebalance lamp.exr --temperature 2800 --outfile white.exr");
+    command->callback([o, &action] { action = [o] { return Whitebalance(*o); }; });
+}
+
+}  // namespace pbrt::imgtool

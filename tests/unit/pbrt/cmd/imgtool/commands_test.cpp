@@ -1,0 +1,230 @@
+// The commands that make images from images.
+#include <cmath>
+
+#include "imgtool_program.h"
+#include "pbrt/math/warps.h"
+
+namespace pbrt {
+
+namespace {
+
+Image Constant(Point2i size, Float value) {
+    Image image(PixelFormat::Float, size, kRgb);
+    std::fill_n(static_cast<float *>(image.Data()), image.ValueCount(), value);
+    return image;
+}
+
+double Sum(const Image &image, int channel) {
+    double sum = 0;
+    for (int y = 0; y < image.Resolution().y; ++y)
+        for (int x = 0; x < image.Resolution().x; ++x) sum += static_cast<double>(image.Get({x, y}, channel));
+    return sum;
+}
+
+}  // namespace
+
+TEST_F(Imgtool, ErrorIsTheMeanOverAllFilesWithThePrefix) {
+    for (auto [name, value] : {std::pair("run1.exr", 3.f), std::pair("run2.exr", 4.f), std::pair("runref.exr", 2.f)})
+        WriteImage(Path(name), Constant({4, 3}, value));
+    const Outcome o = Run("error run --reference runref.exr --errorfile rune.exr");
+    EXPECT_EQ(o.status, 0) << o.err;
+    EXPECT_TRUE(Has(o.out, "MSE: mean 2.5, standard deviation 2.12, 2 images")) << o.out;
+    const Image errors = ReadImage(Path("rune.exr")).image;
+    EXPECT_EQ(errors.Get({3, 2}, 1), 2.5f);
+    EXPECT_TRUE(Has(Run("error run --reference runref.exr --errorfile rune.exr --metric MAE --crop 0,2,0,2").out,
+                    "MAE: mean 1.5,"));
+    EXPECT_EQ(ReadImage(Path("rune.exr")).image.Resolution(), Point2i(2, 2));
+    WriteImage(Path("other.exr"), Constant({3, 3}, 1));
+    ExpectErrors({{"error other --reference runref.exr", "3 x 3"},
+                  {"error none --reference runref.exr", "\"none\""},
+                  {"error run --reference runref.exr --metric PSNR", "relL2"},
+                  {"error run", "--reference"}});
+}
+
+TEST_F(Imgtool, AssembleUndoesCrops) {
+    const Image image = Write("a.exr", 6, 5, kRgb);
+    for (const char *crop : {"0,2,0,5 --outfile left.exr", "2,6,0,3 --outfile top.exr", "2,6,3,5 --outfile low.exr"})
+        ASSERT_EQ(Run(std::string("convert a.exr --crop ") + crop).status, 0);
+    Outcome o = Run("assemble left.exr low.exr top.exr --outfile b.exr");
+    EXPECT_EQ(o.status, 0) << o.err;
+    EXPECT_EQ(o.err, "");
+    EXPECT_EQ(Run("diff a.exr --reference b.exr").status, 0);
+    const ImageFile joined = ReadImage(Path("b.exr"));
+    EXPECT_EQ(joined.metadata.pixelBounds->low, Point2i(0, 0));
+    EXPECT_EQ(joined.metadata.pixelBounds->high, Point2i(6, 5));
+    EXPECT_TRUE(Has(Run("assemble left.exr top.exr --outfile c.exr").err, "8 of 30 pixels"));
+    EXPECT_EQ(ReadImage(Path("c.exr")).image.Get({5, 4}, 0), 0);
+    EXPECT_TRUE(Has(Run("assemble a.exr top.exr --outfile c.exr").err, "12 pixels are in more than one"));
+    Write("small.exr", 4, 4, kRgb);
+    Write("grey.exr", 6, 5, {"Y"});
+    WriteImage(Path("a.png"), Constant({6, 5}, 1));
+    ExpectErrors({{"assemble left.exr small.exr --outfile c.exr", "4 x 4"},
+                  {"assemble left.exr grey.exr --outfile c.exr", "channels"},
+                  {"assemble a.png --outfile c.exr", "a.png"},
+                  {"assemble --outfile c.exr", "files"}});
+}
+
+TEST_F(Imgtool, SplitnShowsStripsAndEnlargedCrops) {
+    // Red tells the image, green and blue the pixel.
+    for (int i = 0; i < 3; ++i) {
+        Image image(PixelFormat::Float, {48, 12}, kRgb);
+        for (int y = 0; y < 12; ++y)
+            for (int x = 0; x < 48; ++x) {
+                image.Set({x, y}, 0, static_cast<Float>(i));
+                image.Set({x, y}, 1, static_cast<Float>(x));
+                image.Set({x, y}, 2, static_cast<Float>(y));
+            }
+        WriteImage(Path("i" + std::to_string(i) + ".exr"), image);
+    }
+    ASSERT_EQ(Run("splitn i0.exr i1.exr i2.exr --crop 3,5 --crop 7,1 --cropsize 6 --outfile s.exr").status, 0);
+    const Image s = ReadImage(Path("s.exr")).image;
+    // (48 - 2 gaps of 4) / (3 * 6) = 2: crops are twice as large, rows are 12 + 4 pixels high.
+    ASSERT_EQ(s.Resolution(), Point2i(48, 12 + 2 * 16));
+    auto is = [&](Point2i p, int image, int x, int y) {
+        return s.Get(p, 0) == static_cast<Float>(image) && s.Get(p, 1) == static_cast<Float>(x) &&
+               s.Get(p, 2) == static_cast<Float>(y);
+    };
+    EXPECT_TRUE(is({0, 0}, 0, 0, 0));
+    EXPECT_TRUE(is({20, 11}, 1, 20, 11));
+    EXPECT_TRUE(is({47, 5}, 2, 47, 5));
+    EXPECT_TRUE(is({15, 3}, 1, 1, 1)) << "white line between strips";
+    EXPECT_TRUE(is({0, 16}, 0, 3, 5));
+    EXPECT_TRUE(is({16 + 3, 16 + 11}, 1, 4, 10));
+    EXPECT_TRUE(is({2 * 16 + 2, 2 * 16 + 5}, 2, 8, 3));
+    EXPECT_EQ(s.Get({13, 18}, 0), 1) << "gap";
+    ExpectErrors({{"splitn i0.exr --outfile s.exr", "two"},
+                  {"splitn i0.exr i1.exr --crop 3 --outfile s.exr", "x,y"},
+                  {"splitn i0.exr i1.exr --crop 0,7 --cropsize 6 --outfile s.exr", "48 x 12"}});
+}
+
+TEST_F(Imgtool, BloomSpreadsBrightPixelsAndKeepsTheirLight) {
+    Image image = Constant({41, 41}, 0.5f);
+    image.Set({20, 20}, 0, 8);
+    image.Set({20, 20}, 1, 4);
+    WriteImage(Path("a.exr"), image);
+    const Outcome o = Run("bloom a.exr --level 2 --width 7 --iterations 2 --scale 0.4 --outfile b.exr");
+    EXPECT_EQ(o.status, 0) << o.err;
+    EXPECT_TRUE(Has(o.out, "1 pixels")) << o.out;
+    const Image b = ReadImage(Path("b.exr")).image;
+    for (int c = 0; c < 3; ++c) {
+        const auto light = static_cast<double>(image.Get({20, 20}, c));
+        EXPECT_NEAR(Sum(b, c) - Sum(image, c), 0.4 * light, 1e-3);
+    }
+    // One and two passes of weights w[0..3] along both axes, by hand.
+    double w[4], sum = 0, twice = 0;
+    for (int i = 0; i < 4; ++i) sum += (i ? 2 : 1) * (w[i] = std::exp(-i * i / (2 * (7 / 6.) * (7 / 6.))));
+    for (int i = 0; i < 4; ++i) twice += (i ? 2 : 1) * (w[i] / sum) * (w[i] / sum);
+    EXPECT_NEAR(b.Get({20, 20}, 0), 8 + 0.2 * 8 * (w[0] * w[0] / (sum * sum) + twice * twice), 1e-4);
+    EXPECT_NEAR(double(b.Get({20 + 6, 20}, 0)) - 0.5, 0.2 * 8 * std::pow(w[3] / sum, 2) * twice, 1e-6);
+    EXPECT_EQ(b.Get({20 + 7, 20}, 0), 0.5f);
+
+    EXPECT_TRUE(Has(Run("bloom a.exr --outfile c.exr").err, "nothing blooms"));
+    EXPECT_EQ(Run("diff a.exr --reference c.exr").status, 0);
+    Write("grey.exr", 4, 4, {"Y"});
+    ExpectErrors({{"bloom a.exr --width 8 --outfile c.exr", "odd"}, {"bloom grey.exr --outfile c.exr", "no channel R"}});
+}
+
+TEST_F(Imgtool, WhitebalanceMakesTheLightsColourGrey) {
+    auto white = [&](const Spectrum &s, const ColorSpace &space) {
+        const Rgb rgb = space.ToRgb(SpectrumToXyz(s));
+        Image image(PixelFormat::Float, {2, 1}, kRgb);
+        for (int c = 0; c < 3; ++c) image.Set({1, 0}, c, rgb[c]);
+        ImageMetadata metadata;
+        metadata.colorSpace = &space;
+        WriteImage(Path("a.exr"), image, metadata);
+    };
+    auto balanced = [&](const std::string &how) {
+        const Outcome o = Run("whitebalance a.exr --outfile b.exr " + how);
+        EXPECT_EQ(o.status, 0) << how << o.err;
+        const Image b = ReadImage(Path("b.exr")).image;
+        return Rgb(b.Get({1, 0}, 0), b.Get({1, 0}, 1), b.Get({1, 0}, 2));
+    };
+    for (const char *space : {"srgb", "rec2020"}) {
+        white(*NamedSpectrum("stdillum-A"), *ColorSpace::Find(space));
+        for (const char *how : {"--illuminant A", "--illuminant stdillum-A", "--primaries 0.44757,0.40745"}) {
+            const Rgb rgb = balanced(how);
+            for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb[c], 1, 4e-3f) << space << how;
+        }
+        EXPECT_GT(balanced("--illuminant F7").x, 1.5f * balanced("--illuminant F7").z);
+        white(DaylightSpectrum(9000), *ColorSpace::Find(space));
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(balanced("--temperature 9000")[c], 1, 1e-3f);
+    }
+    white(*NamedSpectrum("stdillum-A"), ColorSpace::SRGB());
+    const Rgb same = balanced("--primaries 0.3127,0.329");
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(same[c], ReadImage(Path("a.exr")).image.Get({1, 0}, c), 1e-3f);
+    ExpectErrors({{"whitebalance a.exr --outfile b.exr", "One of"},
+                  {"whitebalance a.exr --outfile b.exr --illuminant D66", "stdillum-D65"},
+                  {"whitebalance a.exr --outfile b.exr --illuminant A --temperature 5000", "excludes"},
+                  {"whitebalance a.exr --outfile b.exr --primaries 0.5,0.5", "below 1"},
+                  {"whitebalance a.exr --outfile b.exr --temperature 10", "1000"}});
+}
+
+TEST_F(Imgtool, ScalenormalmapScalesSlopes) {
+    const Vector3 n = Normalize(Vector3(0.3f, -0.2f, 0.8f));
+    Image image(PixelFormat::Float, {2, 1}, kRgb);
+    for (int c = 0; c < 3; ++c) {
+        image.Set({0, 0}, c, (n[c] + 1) / 2);
+        image.Set({1, 0}, c, c == 2 ? 1 : 0.5f);
+    }
+    WriteImage(Path("a.exr"), image);
+    ASSERT_EQ(Run("scalenormalmap a.exr --scale 3 --outfile b.exr").status, 0);
+    const Image b = ReadImage(Path("b.exr")).image;
+    const Vector3 steep = Normalize(Vector3(0.9f, -0.6f, 0.8f));
+    for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(2 * b.Get({0, 0}, c) - 1, steep[c], 1e-5f);
+        EXPECT_EQ(b.Get({1, 0}, c), image.Get({1, 0}, c));
+    }
+    ASSERT_EQ(Run("scalenormalmap b.exr --scale 0.3333333 --outfile c.exr").status, 0);
+    EXPECT_NEAR(ReadImage(Path("c.exr")).image.Get({0, 0}, 1), image.Get({0, 0}, 1), 1e-5f);
+    // Bytes are values times 255, whatever sRGB would make of them.
+    ASSERT_EQ(Run("scalenormalmap a.exr --outfile d.png").status, 0);
+    ASSERT_EQ(Run("scalenormalmap d.png --outfile e.png").status, 0);
+    for (const char *file : {"d.png", "e.png"}) {
+        const Image png = ReadImage(Path(file), ColorEncoding{ColorEncoding::Kind::Linear}).image;
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(png.Get({0, 0}, c), image.Get({0, 0}, c), 0.6f / 255) << file;
+    }
+}
+
+TEST_F(Imgtool, MakeequiareaShowsEveryDirectionItsColour) {
+    constexpr int kWidth = 256;
+    Image map(PixelFormat::Float, {kWidth, kWidth / 2}, kRgb);
+    auto color = [](const Vector3 &w, int c) { return 1 + w[c] + 2 * w.x * w.y * w[c]; };
+    for (int y = 0; y < kWidth / 2; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+            const Float theta = (static_cast<Float>(y) + 0.5f) / (kWidth / 2) * Pi;
+            const Float phi = (static_cast<Float>(x) + 0.5f) / kWidth * 2 * Pi;
+            const Vector3 w(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
+            for (int c = 0; c < 3; ++c) map.Set({x, y}, c, color(w, c));
+        }
+    WriteImage(Path("a.exr"), map);
+    const Outcome o = Run("makeequiarea a.exr --outfile b.exr");
+    EXPECT_EQ(o.status, 0);
+    EXPECT_EQ(o.err, "");
+    ASSERT_EQ(Run("makeequiarea a.exr --resolution 37 --outfile small.exr").status, 0);
+    for (auto [file, size, tolerance] : {std::tuple("b.exr", kWidth, 0.003f), std::tuple("small.exr", 37, 0.05f)}) {
+        const Image b = ReadImage(Path(file)).image;
+        ASSERT_EQ(b.Resolution(), Point2i(size));
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x) {
+                const Vector3 w = EqualAreaSquareToSphere((Point2(x, y) + Point2(0.5f)) / static_cast<Float>(size));
+                for (int c = 0; c < 3; ++c) ASSERT_NEAR(b.Get({x, y}, c), color(w, c), tolerance) << x << " " << y;
+            }
+    }
+    Write("square.exr", 4, 4, kRgb);
+    EXPECT_TRUE(Has(Run("makeequiarea square.exr --outfile c.exr").err, "twice as wide"));
+}
+
+// Of a map with one bright pixel, pixels that were only looked at in their middle would miss it.
+TEST_F(Imgtool, MakeequiareaLosesNoLightInSmallMaps) {
+    constexpr int kWidth = 128;
+    Image map(PixelFormat::Float, {kWidth, kWidth / 2}, kRgb);
+    map.Set({101, 21}, 0, 1000);
+    WriteImage(Path("a.exr"), map);
+    ASSERT_EQ(Run("makeequiarea a.exr --resolution 8 --outfile b.exr").status, 0);
+    const double top = double(Pi) * 21 / (kWidth / 2), solidAngle = 2 * double(Pi) / kWidth *
+                       (std::cos(top) - std::cos(top + double(Pi) / (kWidth / 2)));
+    EXPECT_NEAR(Sum(ReadImage(Path("b.exr")).image, 0) * 4 * double(Pi) / 64, 1000 * solidAngle,
+                0.1 * 1000 * solidAngle);
+}
+
+}  // namespace pbrt

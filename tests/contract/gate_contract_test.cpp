@@ -8,26 +8,16 @@
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/math/rng.h"
-#include "plugins.h"
 #include "render/agreement_statistics.h"
 #include "scene_fixtures.h"
 
 namespace pbrt::test {
 namespace {
 
-const LightSamplerRegistry &Registry() {
-    static const LightSamplerRegistry registry = [] {
-        LightSamplerRegistry r;
-        RegisterPlugins(r);
-        return r;
-    }();
-    return registry;
-}
-
 /// Every registered gate; other parameters where they make another gate of it.
 std::vector<std::string> GateLabels() {
     std::vector<std::string> labels;
-    for (const std::string &name : Registry().GateNames()) {
+    for (const std::string &name : AllSamplers().GateNames()) {
         labels.push_back(name);
         if (name == "neepp") labels.push_back("neepp:voxels=4,samples=1,minimum=0.02");
     }
@@ -35,7 +25,7 @@ std::vector<std::string> GateLabels() {
 }
 
 std::unique_ptr<ShadowRayGate> MakeGate(const std::string &label, const SceneFixture &fixture) {
-    ShadowGateSpec spec = ReadShadowGateSpec(ParamSet(), label, Registry());
+    ShadowGateSpec spec = ReadShadowGateSpec(ParamSet(), label, AllSamplers());
     return spec.entry->make(fixture.Lights(), spec.params);
 }
 std::unique_ptr<ShadowRayGate> MakePrepared(const std::string &label, const SceneFixture &fixture) {
@@ -127,8 +117,8 @@ Image Render(const SceneFixture &fixture, std::unique_ptr<ShadowRayGate> gate, i
     IntegratorContext context{*built.scene, *built.camera, samplesPerPixel, true};
     PathSettings path;
     path.maxDepth = 2;
-    const LightSamplerRegistry::Entry &uniform = Registry().Find("uniform");
-    PathIntegrator integrator(context, path, Registry().Make(uniform, fixture.Lights(), ParamSet(), false),
+    const LightSamplerRegistry::Entry &uniform = AllSamplers().Find("uniform");
+    PathIntegrator integrator(context, path, AllSamplers().Make(uniform, fixture.Lights(), ParamSet(), false),
                               std::move(gate));
     Progress progress;
     PrepareContext prepare{*built.scene, *built.camera,   *built.filter, built.film->PixelBounds(),
@@ -184,7 +174,7 @@ TEST(GateContractPower, AGateThatIsTwoPercentOffIsNoticed) {
     EXPECT_TRUE(AgainstNoGate("OnePoint", [] { return std::make_unique<LyingGate>(Float(0.5)); }).Agrees());
 }
 
-TEST(GateContractPower, EveryRegisteredGateIsTested) { EXPECT_GE(GateLabels().size(), Registry().GateNames().size()); }
+TEST(GateContractPower, EveryRegisteredGateIsTested) { EXPECT_GE(GateLabels().size(), AllSamplers().GateNames().size()); }
 
 std::string Identifier(std::string s) {
     std::replace_if(

@@ -9,7 +9,6 @@
 #include "pbrt/integrators/path_common.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
-#include "plugins.h"
 
 namespace pbrt::test {
 
@@ -315,15 +314,6 @@ void PrepareIn(const BuiltScene &built, Plug &plug) {
 
 void SceneFixture::Prepare(LightSampler &sampler) const { PrepareIn(built, sampler); }
 void SceneFixture::Prepare(ShadowRayGate &gate) const { PrepareIn(built, gate); }
-
-const LightSamplerRegistry &AllSamplers() {
-    static const LightSamplerRegistry registry = [] {
-        LightSamplerRegistry r;
-        RegisterPlugins(r);
-        return r;
-    }();
-    return registry;
-}
 
 std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture) {
     size_t plus = label.find('+');

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "pbrt/build/built_scene.h"
-#include "pbrt/lightsamplers/registry.h"
 #include "support/build_text.h"
 
 namespace pbrt::test {
@@ -24,8 +23,6 @@ struct SceneFixture {
     void Prepare(ShadowRayGate &gate) const;
 };
 
-/// Everything this build registers.
-const LightSamplerRegistry &AllSamplers();
 /// name[:key=value,...], "+meshlights" behind it to group meshes under it.
 std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture);
 

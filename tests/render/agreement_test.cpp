@@ -13,7 +13,6 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/render_loop.h"
-#include "plugins.h"
 #include "support/build_text.h"
 #include "support/render_scene.h"
 #include "support/statistics.h"
@@ -23,22 +22,13 @@ namespace {
 
 constexpr double kAlpha = 1e-3;  ///< false alarm anywhere in one scene, if the seeds were not fixed
 
-const LightSamplerRegistry &Registry() {
-    static const LightSamplerRegistry registry = [] {
-        LightSamplerRegistry r;
-        RegisterPlugins(r);
-        return r;
-    }();
-    return registry;
-}
-
 /// All but the oracle, which would take most of the time (the contract suite has its one-light estimator).
 std::vector<std::string> Labels() {
-    std::vector<std::string> labels = Registry().Names();
+    std::vector<std::string> labels = AllSamplers().Names();
     std::erase(labels, "oracle");
     bool octree = std::count(labels.begin(), labels.end(), "octree") > 0;
     if (octree) labels.insert(labels.end(), {"octree:model=paper", "octree:model=paper,leaves=64", "octree:floor=0.5,tries=2"});
-    if (Registry().HasMeshGrouping()) labels.push_back("bvh+meshlights");
+    if (AllSamplers().HasMeshGrouping()) labels.push_back("bvh+meshlights");
     return labels;
 }
 
@@ -97,11 +87,11 @@ class View {
     PixelStatistics Render(const std::string &label, uint32_t firstSeed, const Wrap &wrap = {}) const {
         size_t plus = label.find('+');
         LightSamplerSpec spec =
-            ReadLightSamplerSpec(ParamSet(), label.substr(0, plus), plus != std::string::npos, Registry());
+            ReadLightSamplerSpec(ParamSet(), label.substr(0, plus), plus != std::string::npos, AllSamplers());
         PixelStatistics statistics;
         for (int run = 0; run < runs_; ++run) {
             std::unique_ptr<LightSampler> lights =
-                Registry().Make(*spec.entry, GetScene().Lights(), spec.params, spec.meshLights);
+                AllSamplers().Make(*spec.entry, GetScene().Lights(), spec.params, spec.meshLights);
             if (wrap) lights = wrap(std::move(lights), GetScene());
             statistics.Add(RenderOnce(std::move(lights), static_cast<int>(firstSeed) + run));
         }
@@ -215,7 +205,7 @@ const Wrap kNoFloor = Tamper([](const LightQuery &, LightId, Float pmf) { return
 constexpr const char *kLeastFloor = "octree:model=paper,floor=0.0001";
 
 bool HasOctree() {
-    std::vector<std::string> names = Registry().Names();
+    std::vector<std::string> names = AllSamplers().Names();
     return std::count(names.begin(), names.end(), "octree") > 0;
 }
 

@@ -8,12 +8,19 @@ namespace pbrt::test {
 namespace {
 BuiltScene Build(SceneDescription description, DiagnosticSink &sink, const BuildOptions &options) {
     sink.ThrowIfErrors();
-    LightSamplerRegistry registry;
-    RegisterPlugins(registry);
     Progress progress;
-    return BuildScene(description, options, registry, sink, progress);
+    return BuildScene(description, options, AllSamplers(), sink, progress);
 }
 }  // namespace
+
+const LightSamplerRegistry &AllSamplers() {
+    static const LightSamplerRegistry registry = [] {
+        LightSamplerRegistry r;
+        RegisterPlugins(r);
+        return r;
+    }();
+    return registry;
+}
 
 BuiltScene BuildText(const std::string &text, const BuildOptions &options) {
     DiagnosticSink sink;

@@ -2,8 +2,12 @@
 #include <string>
 
 #include "pbrt/build/built_scene.h"
+#include "pbrt/lightsamplers/registry.h"
 
 namespace pbrt::test {
+
+/// Everything this build registers.
+const LightSamplerRegistry &AllSamplers();
 
 /// A scene from text, ready to render; all light samplers of the build are registered. Throws UserError.
 BuiltScene BuildText(const std::string &text, const BuildOptions &options = {});

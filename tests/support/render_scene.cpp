@@ -6,7 +6,7 @@
 
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/scenefile/parser.h"
-#include "plugins.h"
+#include "support/build_text.h"
 
 namespace pbrt::test {
 
@@ -21,10 +21,8 @@ Rendered RenderScene(const RenderRequest &request) {
         p.bools = {0};
         description.film.params.Add(p);
     }
-    LightSamplerRegistry registry;
-    RegisterPlugins(registry);
     Progress progress;
-    BuiltScene built = BuildScene(description, request.build, registry, sink, progress);
+    BuiltScene built = BuildScene(description, request.build, AllSamplers(), sink, progress);
     PrepareContext prepare{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), built.seed,
                            built.samplesPerPixel, built.maxDepth, progress};
     built.integrator->Prepare(prepare);
@@ -32,7 +30,8 @@ Rendered RenderScene(const RenderRequest &request) {
     settings.samplesPerPixel = built.samplesPerPixel;
     settings.disablePixelJitter = built.disablePixelJitter;
     settings.disableWavelengthJitter = built.disableWavelengthJitter;
-    RenderResult result = RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
+    RenderResult result = RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler,
+                                      settings, progress);
     Rendered out;
     out.image = built.film->ToImage();
     out.seconds = result.seconds;

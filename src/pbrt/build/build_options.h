@@ -17,6 +17,7 @@ struct BuildOptions {
     std::string lightSampler;         ///< --lightsampler name[:key=value,...]; empty: the scene's
     bool meshLights = false;          ///< --mesh-lights
     std::string shadowGate;           ///< --shadow-gate name[:key=value,...] or none; empty: the scene's
+    std::optional<Float> displacementEdgeScale;  ///< --displacement-edge-scale; empty: the scene's or 1
     std::string renderCoordSys;       ///< camera, cameraworld, world; empty: the scene's or cameraworld
     bool disableTextureFiltering = false;
     bool disablePixelJitter = false, disableWavelengthJitter = false;

@@ -171,6 +171,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     for (TextureEntity &t : d.textures)
         Collect(sink, [&] { built.textures->Define(t.name, t.isSpectrum, t.type, t.params, renderFromWorld * t.ctm.start); });
 
+    if (options.displacementEdgeScale) d.options.displacementEdgeScale = options.displacementEdgeScale;
     GeometryBuilder geometry(d, renderFromWorld, *built.textures, sink);
     geometry.BuildMaterials();
     built.textures->CheckAll();

@@ -16,9 +16,6 @@ class Checker {
         if (std::find(unsupported.begin(), unsupported.end(), e.type) != unsupported.end())
             NotBuilt(e.loc, fmt::format("{} \"{}\"", directive, e.type));
     }
-    void Parameter(const char *directive, const Entity &e, const char *name) {
-        if (e.params.Has(name)) NotBuilt(e.params.LocOf(name), fmt::format("parameter \"{}\" of {} \"{}\"", name, directive, e.type));
-    }
     void NotBuilt(const FileLoc &loc, const std::string &what) { sink_.Error(loc, what + " is not supported yet."); }
 
   private:
@@ -40,8 +37,6 @@ void CheckSupported(const SceneDescription &d, const BuildOptions &options, Diag
         check.Type("Shape", s, UnsupportedShapes());
         if (s.type == "curve" && s.areaLight >= 0)
             sink.Error(s.loc, "Shape \"curve\" cannot be an area light (nor can it in stock pbrt-v4).");
-        if (s.type == "plymesh") check.Parameter("Shape", s, "displacement");
-        if (s.type == "bilinearmesh") check.Parameter("Shape", s, "emissionfilename");
     };
     for (const ShapeEntity &s : d.shapes) shape(s);
     for (const ObjectEntity &o : d.objects)

@@ -8,6 +8,21 @@
 
 namespace pbrt {
 
+namespace {
+
+Displacement MakeDisplacement(const FloatTexturePtr &height, Float edgeScale) {
+    return {[height](const Point3 &p, const Normal3 &n, const Point2 &uv) {
+                TextureContext ctx;
+                ctx.p = p;
+                ctx.n = n;
+                ctx.uv = uv;
+                return height->Evaluate(ctx);
+            },
+            edgeScale};
+}
+
+}  // namespace
+
 GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, TextureLibrary &textures,
                                  DiagnosticSink &sink)
     : description_(description), renderFromWorld_(renderFromWorld), textures_(textures), sink_(sink) {
@@ -66,6 +81,9 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
         try {
             w.alpha = textures_.GetFloatOrNull(w.entity->params, "alpha");
             if (w.alpha && w.alpha->Constant() && *w.alpha->Constant() >= 1) w.alpha = nullptr;
+            if (w.entity->type == "plymesh")
+                if (FloatTexturePtr height = textures_.GetFloatOrNull(w.entity->params, "displacement"))
+                    w.displacement = MakeDisplacement(height, description_.options.displacementEdgeScale.value_or(1));
         } catch (const UserError &e) {
             w.sink.Add(e);
         }
@@ -80,7 +98,8 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
                     MotionOf("the shape", e, place, renderFromWorld_ * e.ctm.end));
                 place = Transform();
             }
-            w.shapes = MakeShapes(e.type, e.params, place, e.reverseOrientation, description_.files, w.sink);
+            w.shapes = MakeShapes(e.type, e.params, place, e.reverseOrientation, description_.files, w.sink,
+                                  w.displacement ? &*w.displacement : nullptr);
             e.params.ReportUnused(w.sink);
         } catch (const UserError &error) {
             w.sink.Add(error);

@@ -7,6 +7,7 @@
 #include "pbrt/materials/material_factory.h"
 #include "pbrt/scene/scene.h"
 #include "pbrt/scenefile/scene_description.h"
+#include "pbrt/shapes/displacement.h"
 
 namespace pbrt {
 
@@ -28,6 +29,7 @@ class GeometryBuilder {
         ShapeEntity *entity = nullptr;
         int object = -1;  ///< index into description.objects, -1: the scene itself
         FloatTexturePtr alpha;
+        std::optional<Displacement> displacement;
         std::vector<std::unique_ptr<Shape>> shapes;       ///< in rendering space, or in object space if they move
         std::unique_ptr<const AnimatedTransform> motion;  ///< null: they do not move
         DiagnosticSink sink;

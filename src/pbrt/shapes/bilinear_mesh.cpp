@@ -71,10 +71,12 @@ void BilinearMesh::Corners::AreaWeights(Float w[4]) const {
     for (int i = 0; i < 4; ++i) w[i] = Length(Cross(DpDu(static_cast<Float>(i >> 1)), DpDv(static_cast<Float>(i & 1))));
 }
 
-BilinearMesh::BilinearMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation)
+BilinearMesh::BilinearMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation,
+                           std::shared_ptr<const PiecewiseConstant2D> emission)
     : mesh_(std::move(data)),
+      emission_(std::move(emission)),
       flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
-    PBRT_CHECK(mesh_.indices.size() % 4 == 0);
+    PBRT_CHECK(mesh_.indices.size() % 4 == 0 && !(emission_ && !mesh_.uv.empty()));
     for (uint32_t i : mesh_.indices) PBRT_CHECK_MSG(i < mesh_.p.size(), "index {} of {}", i, mesh_.p.size());
     PlaceMesh(mesh_, renderFromObject, reverseOrientation);
     isRectangle_.resize(mesh_.indices.size() / 4);
@@ -277,7 +279,9 @@ Point2 BilinearMesh::Parameters(const Corners &c, const Point3 &p, const Normal3
 
 Float BilinearMesh::PdfArea(uint32_t primitive, const Corners &c, const Point2 &uv) const {
     Float density = 1;
-    if (!IsRectangle(primitive)) {
+    if (emission_) {
+        density = emission_->Pdf(uv);
+    } else if (!IsRectangle(primitive)) {
         Float w[4];
         c.AreaWeights(w);
         density = BilinearPdf(uv, w);
@@ -297,7 +301,10 @@ ShapeSample BilinearMesh::SampleAt(uint32_t primitive, const Corners &c, const P
 std::optional<ShapeSample> BilinearMesh::SampleArea(uint32_t primitive, const Point2 &u) const {
     Corners c = CornersOf(primitive);
     Point2 uv = u;
-    if (!IsRectangle(primitive)) {
+    if (emission_) {
+        Float ofSquare;
+        uv = emission_->Sample(u, &ofSquare);
+    } else if (!IsRectangle(primitive)) {
         Float w[4];
         c.AreaWeights(w);
         if (!(w[0] + w[1] + w[2] + w[3] > 0)) return {};
@@ -312,7 +319,7 @@ std::optional<ShapeSample> BilinearMesh::SampleArea(uint32_t primitive, const Po
 std::optional<ShapeSample> BilinearMesh::Sample(uint32_t primitive, const ShapeSampleContext &from,
                                                 const Point2 &u) const {
     Corners c = CornersOf(primitive);
-    if (IsRectangle(primitive)) {
+    if (IsRectangle(primitive) && !emission_) {
         SphericalRectangle rectangle(from.p, c.p00, c.p10 - c.p00, c.p01 - c.p00);
         if (rectangle.SolidAngle() > kMinSolidAngle) {
             Point2 square = u;
@@ -334,7 +341,7 @@ std::optional<ShapeSample> BilinearMesh::Sample(uint32_t primitive, const ShapeS
 Float BilinearMesh::PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi,
                                   const Point3 &pHit, const Normal3 &nHit) const {
     Corners c = CornersOf(primitive);
-    if (IsRectangle(primitive)) {
+    if (IsRectangle(primitive) && !emission_) {
         SphericalRectangle rectangle(from.p, c.p00, c.p10 - c.p00, c.p01 - c.p00);
         if (rectangle.SolidAngle() > kMinSolidAngle) {
             Float pdf = 1 / rectangle.SolidAngle();

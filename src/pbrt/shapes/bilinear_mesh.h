@@ -1,12 +1,18 @@
 #pragma once
+#include <memory>
+
+#include "pbrt/math/distributions.h"
 #include "pbrt/shapes/triangle_mesh.h"
 
 namespace pbrt {
 
-/// Bilinear patches in rendering space; rectangles among them are sampled by solid angle.
+/// Bilinear patches in rendering space; rectangles among them are sampled by solid angle, unless an image says where on
+/// every patch the light is.
 class BilinearMesh final : public Shape {
   public:
-    BilinearMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation);
+    /// `emission`: density over (u, v), or null; only for meshes without texture coordinates.
+    BilinearMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation,
+                 std::shared_ptr<const PiecewiseConstant2D> emission = nullptr);
 
     ShapeKind Kind() const override { return ShapeKind::BilinearMesh; }
     uint32_t PrimitiveCount() const override { return static_cast<uint32_t>(mesh_.indices.size() / 4); }
@@ -51,6 +57,7 @@ class BilinearMesh final : public Shape {
 
     MeshData mesh_;
     std::vector<uint8_t> isRectangle_;
+    std::shared_ptr<const PiecewiseConstant2D> emission_;
     bool flipNormal_;
 };
 

@@ -1,5 +1,6 @@
 #include "pbrt/shapes/shape_factory.h"
 
+#include "pbrt/images/image.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/cylinder.h"
@@ -22,6 +23,7 @@ struct Request {
     bool reverseOrientation;
     const FileResolver &files;
     DiagnosticSink &sink;
+    const Displacement *displacement;  ///< null: none
 };
 
 template <class Mesh>
@@ -97,11 +99,51 @@ MeshData ReadMesh(const Request &r, size_t corners, bool readTangents) {
 
 Shapes MakeTriangleMesh(const Request &r) { return One<TriangleMesh>(r, ReadMesh(r, 3, true)); }
 
+/// Where an image over (u, v), v upwards, is bright; null, with a warning, if it is black. A cell gets the mean of what
+/// bilinear look-ups inside it give, so that nothing that shines has density 0.
+std::shared_ptr<const PiecewiseConstant2D> EmissionDensity(const Request &r, const std::string &filename) {
+    const Image image = ReadImage(r.files.Resolve(filename)).image;
+    const Point2i n = image.Resolution();
+    constexpr Float kWeights[3] = {Float(1) / 8, Float(3) / 4, Float(1) / 8};
+    std::vector<Float> f;
+    Float sum = 0;
+    for (int y = n.y - 1; y >= 0; --y)
+        for (int x = 0; x < n.x; ++x) {
+            Float cell = 0;
+            for (int j = -1; j <= 1; ++j)
+                for (int i = -1; i <= 1; ++i)
+                    for (int c = 0; c < std::min(image.ChannelCount(), 3); ++c)
+                        cell += kWeights[i + 1] * kWeights[j + 1] *
+                                std::max(Float(0), image.Get({x + i, y + j}, c, WrapMode::Clamp));
+            f.push_back(cell);
+            sum += cell;
+        }
+    if (sum > 0) return std::make_shared<PiecewiseConstant2D>(f, n.x, n.y);
+    r.sink.Warning(r.params.LocOf("emissionfilename"),
+                   fmt::format("{}: {} is black; it is ignored.", r.params.What(), filename));
+    return nullptr;
+}
+
 Shapes MakeBilinearMesh(const Request &r) {
-    if (!r.params.GetString("emissionfilename", "").empty())
-        throw UserError(fmt::format("{}: \"emissionfilename\" is not supported yet.", r.params.What()),
-                        r.params.LocOf("emissionfilename"));
-    return One<BilinearMesh>(r, ReadMesh(r, 4, false));
+    const std::string filename = r.params.GetString("emissionfilename", "");
+    MeshData mesh = ReadMesh(r, 4, false);
+    std::shared_ptr<const PiecewiseConstant2D> emission;
+    if (!filename.empty() && !mesh.uv.empty()) {
+        r.sink.Warning(r.params.LocOf("emissionfilename"),
+                       fmt::format("{}: \"emissionfilename\" is ignored, because there are \"uv\" (as in stock).",
+                                   r.params.What()));
+    } else if (!filename.empty()) {
+        try {
+            emission = EmissionDensity(r, filename);
+        } catch (const UserError &e) {
+            throw UserError(fmt::format("{}: {}", r.params.What(), e.Diagnostics().front().message),
+                            r.params.LocOf("emissionfilename"));
+        }
+    }
+    Shapes shapes;
+    shapes.push_back(std::make_unique<BilinearMesh>(std::move(mesh), r.renderFromObject, r.reverseOrientation,
+                                                    std::move(emission)));
+    return shapes;
 }
 
 /// Quadrics and curves are traced in object space, which a singular transform does not have.
@@ -197,13 +239,10 @@ Shapes MakeLoopSubdivision(const Request &r) {
 Shapes MakePlyMesh(const Request &r) {
     const ParamSet &params = r.params;
     std::string filename = params.GetString("filename", "");
-    // Asked for by both types so that neither is reported as unused as well.
-    const Param *displacement = params.Find("displacement", ParamType::Texture);
-    if (!displacement) displacement = params.Find("displacement", ParamType::Float);
-    if (displacement)
-        throw UserError(fmt::format("{}: \"displacement\" (tessellation) is not supported yet.", params.What()),
-                        displacement->loc);
-    params.GetFloat("edgelength", 1);  // has a meaning only together with displacement
+    const Float edgeLength = params.GetFloat("edgelength", 1);  // has a meaning only together with displacement
+    if (!(edgeLength > 0))
+        throw UserError(fmt::format("{}: \"edgelength\" is {}; it must be above 0.", params.What(), edgeLength),
+                        params.LocOf("edgelength"));
     if (filename.empty())
         throw UserError(fmt::format("{}: \"string filename\" is missing.", params.What()), params.Loc());
     PlyMesh ply;
@@ -218,6 +257,14 @@ Shapes MakePlyMesh(const Request &r) {
         r.sink.Warning(params.LocOf("filename"),
                        fmt::format("{}: {}: {} faces have neither 3 nor 4 corners and are ignored.", params.What(),
                                    filename, ply.ignoredFaces));
+    if (r.displacement) {
+        try {
+            return One<TriangleMesh>(r, DisplaceMesh(ply, r.renderFromObject, edgeLength, *r.displacement));
+        } catch (const UserError &e) {
+            throw UserError(fmt::format("{}: {}: {}", params.What(), filename, e.Diagnostics().front().message),
+                            params.LocOf("displacement"));
+        }
+    }
     Shapes shapes;
     if (!ply.triangles.indices.empty())
         shapes.push_back(
@@ -276,9 +323,11 @@ constexpr Maker kMakers[] = {
 
 std::vector<std::unique_ptr<Shape>> MakeShapes(const std::string &type, const ParamSet &params,
                                                const Transform &renderFromObject, bool reverseOrientation,
-                                               const FileResolver &files, DiagnosticSink &sink) {
+                                               const FileResolver &files, DiagnosticSink &sink,
+                                               const Displacement *displacement) {
     for (const Maker &maker : kMakers)
-        if (type == maker.type) return maker.make({params, renderFromObject, reverseOrientation, files, sink});
+        if (type == maker.type)
+            return maker.make({params, renderFromObject, reverseOrientation, files, sink, displacement});
     for (const std::string &later : UnsupportedShapes())
         if (type == later) throw UserError(fmt::format("Shape \"{}\" is not supported yet.", type), params.Loc());
     std::vector<std::string> choices = SupportedShapes();

@@ -5,16 +5,17 @@
 
 #include "pbrt/core/files.h"
 #include "pbrt/core/params.h"
-#include "pbrt/shapes/shape.h"
+#include "pbrt/shapes/displacement.h"
 
 namespace pbrt {
 
-/// Builds the shapes of one Shape directive. A plymesh with triangles and quads yields two. The `alpha` parameter and
-/// anything about materials is read by build/. Throws UserError; what stock pbrt-v4 reports and survives goes to
+/// Builds the shapes of one Shape directive. A plymesh with triangles and quads yields two, unless it is displaced. The
+/// parameters `alpha` and `displacement` and anything about materials are read by build/. Throws UserError; what stock pbrt-v4 reports and survives goes to
 /// `sink`.
 std::vector<std::unique_ptr<Shape>> MakeShapes(const std::string &type, const ParamSet &params,
                                                const Transform &renderFromObject, bool reverseOrientation,
-                                               const FileResolver &files, DiagnosticSink &sink);
+                                               const FileResolver &files, DiagnosticSink &sink,
+                                               const Displacement *displacement = nullptr);
 
 /// Types MakeShapes builds, and those of the format that it does not build yet.
 const std::vector<std::string> &SupportedShapes();

@@ -1,11 +1,14 @@
 #include "pbrt/shapes/shape_factory.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <filesystem>
 #include <fstream>
 
+#include "pbrt/images/image.h"
+#include "pbrt/math/rng.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/curves.h"
 
@@ -102,13 +105,53 @@ TEST_F(ShapeFactory, BadMeshesAreErrors) {
     EXPECT_NE(ErrorOf("trianglemesh").find("-1"), std::string::npos);
 }
 
-TEST_F(ShapeFactory, PatchesDoNotReadTangentsNorEmissionImages) {
+TEST_F(ShapeFactory, PatchesDoNotReadTangents) {
     Floats(ParamType::Point3, "P", square);
     Floats(ParamType::Vector3, "S", square);
     Make("bilinearmesh");
     EXPECT_EQ(Unused(), 1u);
-    String("emissionfilename", "x.exr");
-    EXPECT_NE(ErrorOf("bilinearmesh").find("not supported yet"), std::string::npos);
+    String("emissionfilename", "/nonexistent/x.exr");
+    EXPECT_NE(ErrorOf("bilinearmesh").find("/nonexistent/x.exr"), std::string::npos);
+}
+
+// One bright pixel of 4 x 2: lower row, second column. Bilinear look-ups carry its light half a pixel further.
+TEST_F(ShapeFactory, EmissionImagesSayWhereOnAPatchToSample) {
+    const std::string file = (std::filesystem::temp_directory_path() / fmt::format("emission{}.exr", getpid())).string();
+    Image image(PixelFormat::Float, {4, 2}, {"R", "G", "B"});
+    image.Set({1, 1}, 1, 8);
+    WriteImage(file, image);
+    Floats(ParamType::Point3, "P", square);
+    String("emissionfilename", file);
+    auto shapes = Make("bilinearmesh");
+    EXPECT_EQ(Unused(), 0u);
+    int inside = 0, near = 0;
+    constexpr int kSamples = 4000;
+    Rng rng(4);
+    for (int i = 0; i < kSamples; ++i) {
+        auto s = shapes[0]->SampleArea(0, rng.Uniform2());
+        ASSERT_TRUE(s && s->pdf > 0);
+        inside += s->p.x > 0.25f && s->p.x < 0.5f && s->p.y < 0.5f;
+        near += s->p.x < 0.75f;
+    }
+    EXPECT_EQ(near, kSamples);
+    // Clamped at the lower edge: the row keeps 7/8 of what it is given, the column 3/4.
+    EXPECT_NEAR(inside / double(kSamples), 0.75 * 7 / 8, 0.03);
+    image.Set({1, 1}, 1, 0);
+    WriteImage(file, image);
+    Make("bilinearmesh");
+    ASSERT_EQ(sink.All().size(), 1u);
+    EXPECT_NE(sink.All()[0].message.find("black"), std::string::npos);
+    std::filesystem::remove(file);
+}
+
+TEST_F(ShapeFactory, EmissionImagesAreIgnoredOnMeshesWithUv) {
+    Floats(ParamType::Point3, "P", square);
+    Floats(ParamType::Point2, "uv", {0, 0, 1, 0, 0, 1, 1, 1});
+    String("emissionfilename", "/nonexistent/x.exr");
+    Make("bilinearmesh");
+    ASSERT_EQ(sink.All().size(), 1u);
+    EXPECT_NE(sink.All()[0].message.find("ignored"), std::string::npos);
+    EXPECT_EQ(Unused(), 0u);
 }
 
 TEST_F(ShapeFactory, QuadricParameters) {
@@ -191,8 +234,8 @@ TEST_F(ShapeFactory, PlyMistakes) {
     EXPECT_NE(ErrorOf("plymesh").find("filename"), std::string::npos);
     String("filename", "/nonexistent/file.ply");
     EXPECT_NE(ErrorOf("plymesh").find("/nonexistent/file.ply"), std::string::npos);
-    String("displacement", "bumps", ParamType::Texture);
-    EXPECT_NE(ErrorOf("plymesh").find("not supported yet"), std::string::npos);
+    Floats(ParamType::Float, "edgelength", {0});
+    EXPECT_NE(ErrorOf("plymesh").find("edgelength"), std::string::npos);
 }
 
 TEST_F(ShapeFactory, ConformanceMeshesAreRead) {

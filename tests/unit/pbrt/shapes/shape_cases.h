@@ -47,6 +47,10 @@ inline std::vector<ShapeCase> ShapeCases() {
     cases.push_back({"Rectangle", std::make_shared<BilinearMesh>(rectangle, turn, false)});
     cases.push_back({"Trapezoid", std::make_shared<BilinearMesh>(trapezoid, turn, false)});
     cases.push_back({"Saddle", std::make_shared<BilinearMesh>(saddle, turn, false)});
+    const std::vector<Float> glow = {1, 2, 0.5f, 1, 1, 3, 0.2f, 1, 1, 1, 4, 0.3f};
+    auto emission = std::make_shared<PiecewiseConstant2D>(glow, 3, 4);
+    cases.push_back({"GlowingRectangle", std::make_shared<BilinearMesh>(rectangle, turn, false, emission)});
+    cases.push_back({"GlowingSaddle", std::make_shared<BilinearMesh>(saddle, turn, false, emission)});
     cases.push_back({"Sphere", std::make_shared<Sphere>(0.6f, -1.0f, 1.0f, 360.0f, turn, false), true});
     cases.push_back({"ScaledSphere", std::make_shared<Sphere>(0.4f, -1.0f, 1.0f, 360.0f, twice, false), true});
     cases.push_back({"Ellipsoid", std::make_shared<Sphere>(0.6f, -1.0f, 1.0f, 360.0f, stretch, false)});

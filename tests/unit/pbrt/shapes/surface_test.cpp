@@ -69,7 +69,7 @@ TEST_P(ShapeSurface, DerivativesMatchFiniteDifferences) {
 
 TEST_P(ShapeSurface, RaysThatLeaveDoNotHitTheSurfaceAgain) {
     const Shape &shape = *GetParam().shape;
-    bool convex = GetParam().name != "Saddle";
+    bool convex = GetParam().name.find("Saddle") == std::string::npos;
     Rng rng(6);
     int checked = 0;
     ForHits(shape, 4000, [&](const Point3 &, const Vector3 &, const PrimitiveHit &hit) {

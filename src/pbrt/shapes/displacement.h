@@ -1,0 +1,24 @@
+#pragma once
+#include <functional>
+
+#include "pbrt/shapes/ply.h"
+
+namespace pbrt {
+
+/// How a mesh is displaced.
+struct Displacement {
+    /// Object units along the normal; the position and the (unit) normal are given in rendering space.
+    std::function<Float(const Point3 &p, const Normal3 &n, const Point2 &uv)> height;
+    Float edgeScale = 1;  ///< multiplies "edgelength"
+};
+
+/// Splits triangles and quads at the middle of their longest edges until all edges are shorter than `maxEdge` in
+/// rendering space, then moves the vertices along their normals and gives them new normals, on the side of the old ones.
+/// Faces that share vertices keep doing so: no cracks. The result is in object space. Throws UserError (no location) if
+/// texture coordinates or normals are missing, or there would be more than kMostDisplacedTriangles.
+MeshData DisplaceMesh(const PlyMesh &mesh, const Transform &renderFromObject, Float maxEdge,
+                      const Displacement &displacement);
+
+inline constexpr size_t kMostDisplacedTriangles = size_t(1) << 27;
+
+}  // namespace pbrt

@@ -1,0 +1,133 @@
+#include "pbrt/shapes/displacement.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "pbrt/core/error.h"
+
+namespace pbrt {
+namespace {
+
+/// A unit square at z = 0 as a quad, and a narrow triangle beyond its side x = 1, sharing the vertices there.
+PlyMesh QuadAndTriangle() {
+    PlyMesh ply;
+    MeshData vertices;
+    vertices.p = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1.3f, 0.5f, 0}};
+    vertices.n.assign(5, Normal3(0, 0, 2));
+    for (const Point3 &p : vertices.p) vertices.uv.emplace_back(p.x, p.y);
+    ply.triangles = ply.quads = vertices;
+    ply.triangles.indices = {1, 4, 3};
+    ply.triangles.faceIndices = {7};
+    ply.quads.indices = {0, 1, 2, 3};
+    ply.quads.faceIndices = {9};
+    return ply;
+}
+
+Displacement By(std::function<Float(const Point3 &, const Normal3 &, const Point2 &)> height) {
+    return {std::move(height), 1};
+}
+
+double Area(const MeshData &m) {
+    double area = 0;
+    for (size_t i = 0; i < m.indices.size(); i += 3)
+        area += static_cast<double>(Length(Cross(m.p[m.indices[i + 1]] - m.p[m.indices[i]],
+                                                 m.p[m.indices[i + 2]] - m.p[m.indices[i]]))) / 2;
+    return area;
+}
+
+Float LongestEdge(const MeshData &m, const Transform &t) {
+    Float longest = 0;
+    for (size_t i = 0; i < m.indices.size(); ++i) {
+        const size_t next = i % 3 == 2 ? i - 2 : i + 1;
+        longest = std::max(longest, Distance(t.Point(m.p[m.indices[i]]), t.Point(m.p[m.indices[next]])));
+    }
+    return longest;
+}
+
+TEST(Displacement, SplitsUntilEdgesAreShortAfterTheTransformation) {
+    const Transform twice = Transform::Scale({2, 2, 2});
+    for (Float edge : {5.f, 0.5f, 0.11f}) {
+        const MeshData m = DisplaceMesh(QuadAndTriangle(), twice, edge, By([](auto...) { return Float(0); }));
+        EXPECT_LT(LongestEdge(m, twice), edge);
+        EXPECT_GT(LongestEdge(m, twice), edge > 4 ? 1 : edge / 2.1f) << "no needless splits";
+        EXPECT_NEAR(Area(m), 1.15, 1e-4);
+    }
+    Displacement coarse = By([](auto...) { return Float(0); });
+    coarse.edgeScale = 10;
+    EXPECT_EQ(DisplaceMesh(QuadAndTriangle(), twice, 0.5f, coarse).indices.size(), 3u * 3);
+}
+
+TEST(Displacement, LeavesNoCracks) {
+    const MeshData m = DisplaceMesh(QuadAndTriangle(), Transform(), 0.07f, By([](auto...) { return Float(0); }));
+    std::map<std::pair<uint32_t, uint32_t>, int> uses;
+    for (size_t i = 0; i < m.indices.size(); ++i) {
+        const size_t next = i % 3 == 2 ? i - 2 : i + 1;
+        ++uses[std::minmax(m.indices[i], m.indices[next])];
+    }
+    auto onBorder = [](const Point3 &p) {
+        const Float beyond = p.x - 1;
+        return p.x == 0 || (p.x <= 1 && (p.y == 0 || p.y == 1)) ||
+               std::abs(std::abs(p.y - 0.5f) - 0.5f * (1 - beyond / 0.3f)) < 1e-5f;
+    };
+    for (const auto &[edge, count] : uses) {
+        if (count == 2) continue;
+        ASSERT_EQ(count, 1);
+        EXPECT_TRUE(onBorder(m.p[edge.first]) && onBorder(m.p[edge.second]));
+    }
+}
+
+TEST(Displacement, MovesAlongTheNormalByObjectUnitsAndRenewsNormals) {
+    const Transform place = Transform::Translate({5, 0, 0}) * Transform::Scale({2, 2, 2});
+    auto height = [](const Point3 &p, const Normal3 &n, const Point2 &uv) {
+        EXPECT_NEAR(p.x, 5 + 2 * uv.x, 1e-5f) << "rendering space";
+        EXPECT_NEAR(n.z, 1, 1e-6f);
+        return Float(0.1) * std::sin(4 * uv.x);
+    };
+    const MeshData m = DisplaceMesh(QuadAndTriangle(), place, 0.05f, By(height));
+    for (size_t i = 0; i < m.p.size(); ++i) {
+        EXPECT_NEAR(m.p[i].z, 0.1f * std::sin(4 * m.uv[i].x), 1e-6f);
+        EXPECT_NEAR(m.p[i].x, m.uv[i].x, 1e-6f);
+        if (m.p[i].x < 0.05f || m.p[i].x > 0.95f) continue;
+        EXPECT_GT(Dot(m.n[i], Normalize(Vector3(-0.4f * std::cos(4 * m.p[i].x), 0, 1))), 0.998f);
+    }
+    const MeshData down = [] {
+        PlyMesh ply = QuadAndTriangle();
+        for (MeshData *data : {&ply.triangles, &ply.quads})
+            for (Normal3 &n : data->n) n = Normal3(0, 0, -1);
+        return DisplaceMesh(ply, Transform(), 0.3f, By([](auto...) { return Float(0.25); }));
+    }();
+    for (size_t i = 0; i < down.p.size(); ++i) {
+        EXPECT_EQ(down.p[i].z, -0.25f);
+        EXPECT_EQ(down.n[i], Normal3(0, 0, -1)) << "the side of the old normals";
+    }
+}
+
+TEST(Displacement, TrianglesInheritFaceIndices) {
+    const MeshData m = DisplaceMesh(QuadAndTriangle(), Transform(), 0.2f, By([](auto...) { return Float(0); }));
+    ASSERT_EQ(m.faceIndices.size(), m.indices.size() / 3);
+    for (size_t f = 0; f < m.faceIndices.size(); ++f) {
+        const Float x = (m.p[m.indices[3 * f]].x + m.p[m.indices[3 * f + 1]].x + m.p[m.indices[3 * f + 2]].x) / 3;
+        EXPECT_EQ(m.faceIndices[f], x > 1 ? 7 : 9);
+    }
+}
+
+TEST(Displacement, NeedsTextureCoordinatesAndNormals) {
+    const Displacement none = By([](auto...) { return Float(0); });
+    for (bool noUv : {true, false}) {
+        PlyMesh ply = QuadAndTriangle();
+        for (MeshData *data : {&ply.triangles, &ply.quads}) noUv ? data->uv.clear() : data->n.clear();
+        EXPECT_THROW(DisplaceMesh(ply, Transform(), 1, none), UserError);
+    }
+}
+
+TEST(Displacement, EndsWhereFloatsEnd) {
+    PlyMesh ply = QuadAndTriangle();
+    for (MeshData *data : {&ply.triangles, &ply.quads})
+        for (Point3 &p : data->p) p = Point3(1e6f) + p * Float(0.25);
+    const MeshData m = DisplaceMesh(ply, Transform(), 1e-4f, By([](auto...) { return Float(0); }));
+    EXPECT_LT(m.indices.size(), 3000u);
+}
+
+}  // namespace
+}  // namespace pbrt

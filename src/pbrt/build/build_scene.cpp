@@ -167,7 +167,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
         };
     });
 
-    built.textures = std::make_unique<TextureLibrary>(d.files, sink);
+    built.textures = std::make_unique<TextureLibrary>(d.files, sink, options.textureCacheMb);
     for (TextureEntity &t : d.textures)
         Collect(sink, [&] { built.textures->Define(t.name, t.isSpectrum, t.type, t.params, renderFromWorld * t.ctm.start); });
 

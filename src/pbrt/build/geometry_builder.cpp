@@ -101,6 +101,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
             w.shapes = MakeShapes(e.type, e.params, place, e.reverseOrientation, description_.files, w.sink,
                                   w.displacement ? &*w.displacement : nullptr);
             e.params.ReportUnused(w.sink);
+            w.entity->params = {};  // big meshes as text need not be kept twice
         } catch (const UserError &error) {
             w.sink.Add(error);
         }

@@ -3,6 +3,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <memory>
@@ -26,15 +27,18 @@ std::string ReadFileContents(const std::string &path) {
     errno = 0;
     std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
     if (!file) throw UserError(fmt::format("{}: {}.", path, std::strerror(errno ? errno : ENOMEM)));
-    gzbuffer(file.get(), 1 << 18);
-    std::string content;
+    // Scenes have thousands of small files: no more memory is touched than they need.
+    constexpr size_t kMost = 1 << 18, kLeast = 1 << 12;
     uintmax_t size = std::filesystem::file_size(path, code);
-    if (!code) content.reserve(size + 1);
-    constexpr size_t kChunk = 1 << 18;
+    if (code) size = kMost;
+    gzbuffer(file.get(), static_cast<unsigned>(std::clamp<uintmax_t>(size, kLeast, kMost)));
+    std::string content;
+    content.reserve(size + kLeast);
     for (;;) {
         size_t old = content.size();
-        content.resize(old + kChunk);
-        int got = gzread(file.get(), content.data() + old, kChunk);
+        const size_t chunk = std::clamp<size_t>(content.capacity() - old, kLeast, kMost);
+        content.resize(old + chunk);
+        int got = gzread(file.get(), content.data() + old, static_cast<unsigned>(chunk));
         if (got < 0) {
             int error = 0;
             throw UserError(fmt::format("{}: {}.", path, gzerror(file.get(), &error)));

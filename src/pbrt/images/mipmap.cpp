@@ -51,7 +51,7 @@ int FloorLog2(Float v) { return static_cast<int>(std::bit_cast<uint32_t>(v) >> 2
 int ToPixel(Float v) { return static_cast<int>(std::clamp(v, Float(-1e9), Float(1e9))); }
 
 // Look-ups of N successive channels from `first` on, in one storage format.
-template <PixelFormat Format, int N>
+template <PixelFormat Format, int N, bool Tiled>
 class Reader {
   public:
     Reader(const MipMap::View &view, size_t first) : view_(view), first_(first) {}
@@ -73,22 +73,30 @@ class Reader {
     }
 
   private:
-    Texel<N> Load(const MipMap::LevelView &level, int x, int y) const {
-        const size_t i =
-            (static_cast<size_t>(y) * static_cast<size_t>(level.width) + static_cast<size_t>(x)) * view_.channels +
-            first_;
+    Texel<N> Decode(const void *texels, size_t i) const {
         Texel<N> t;
         if constexpr (Format == PixelFormat::U8) {
-            const auto *data = static_cast<const uint8_t *>(level.texels) + i;
+            const auto *data = static_cast<const uint8_t *>(texels) + i;
             for (size_t c = 0; c < N; ++c) t.v[c] = view_.decode[data[c]];
         } else if constexpr (Format == PixelFormat::Half) {
-            const auto *data = static_cast<const uint16_t *>(level.texels) + i;
+            const auto *data = static_cast<const uint16_t *>(texels) + i;
             for (size_t c = 0; c < N; ++c) t.v[c] = imath_half_to_float(data[c]);
         } else {
-            const auto *data = static_cast<const float *>(level.texels) + i;
+            const auto *data = static_cast<const float *>(texels) + i;
             for (size_t c = 0; c < N; ++c) t.v[c] = data[c];
         }
         return t;
+    }
+
+    Texel<N> Load(const MipMap::LevelView &level, int x, int y) const {
+        if constexpr (Tiled) {
+            if (!level.texels)
+                return Decode(view_.tiles->At(static_cast<size_t>(&level - view_.levels.data()), x, y).Data(), first_);
+        }
+        const size_t i =
+            (static_cast<size_t>(y) * static_cast<size_t>(level.width) + static_cast<size_t>(x)) * view_.channels +
+            first_;
+        return Decode(level.texels, i);
     }
 
     Texel<N> At(const MipMap::LevelView &level, Point2i p) const {
@@ -193,15 +201,24 @@ class Reader {
     size_t first_;
 };
 
-template <int N>
-Texel<N> Read(const MipMap::View &view, size_t first, Point2 st, Vector2 dst0, Vector2 dst1) {
+template <int N, bool Tiled>
+Texel<N> ReadFrom(const MipMap::View &view, size_t first, Point2 st, Vector2 dst0, Vector2 dst1) {
     switch (view.format) {
-        case PixelFormat::U8: return Reader<PixelFormat::U8, N>(view, first).Filter(st, dst0, dst1);
-        case PixelFormat::Half: return Reader<PixelFormat::Half, N>(view, first).Filter(st, dst0, dst1);
-        case PixelFormat::Float: return Reader<PixelFormat::Float, N>(view, first).Filter(st, dst0, dst1);
+        case PixelFormat::U8: return Reader<PixelFormat::U8, N, Tiled>(view, first).Filter(st, dst0, dst1);
+        case PixelFormat::Half: return Reader<PixelFormat::Half, N, Tiled>(view, first).Filter(st, dst0, dst1);
+        case PixelFormat::Float: return Reader<PixelFormat::Float, N, Tiled>(view, first).Filter(st, dst0, dst1);
     }
     return {};
 }
+
+template <int N>
+Texel<N> Read(const MipMap::View &view, size_t first, Point2 st, Vector2 dst0, Vector2 dst1) {
+    if (view.tiles) return ReadFrom<N, true>(view, first, st, dst0, dst1);
+    return ReadFrom<N, false>(view, first, st, dst0, dst1);
+}
+
+/// Smaller levels are not worth a place on disk.
+constexpr size_t kLeastStoredBytes = 1 << 16;
 
 Image KeepColor(Image image) {
     if (image.ChannelCount() == 1) return image;
@@ -226,17 +243,38 @@ std::optional<TextureFilter> ParseTextureFilter(const std::string &name) {
     return {};
 }
 
-MipMap::MipMap(Image image, const ColorSpace *colorSpace, TextureFilter filter, WrapMode wrap, Float maxAnisotropy)
-    : pyramid_(BuildPyramid(KeepColor(std::move(image)), wrap)),
-      colorSpace_(colorSpace ? colorSpace : &ColorSpace::SRGB()) {
-    const Image &base = pyramid_[0];
-    for (const Image &level : pyramid_)
-        view_.levels.push_back({level.Data(), level.Resolution().x, level.Resolution().y});
+MipMap::MipMap(Image image, const ColorSpace *colorSpace, TextureFilter filter, WrapMode wrap, Float maxAnisotropy,
+               TileCache *tiles)
+    : colorSpace_(colorSpace ? colorSpace : &ColorSpace::SRGB()) {
+    auto pixels = std::make_shared<Pixels>();
+    pixels->levels = BuildPyramid(KeepColor(std::move(image)), wrap);
+    const Image &base = pixels->levels[0];
     view_.format = base.Format();
     view_.channels = static_cast<size_t>(base.ChannelCount());
     view_.decode = base.Format() == PixelFormat::U8 ? ByteCode::Of(base.Encoding()).DecodeTable() : nullptr;
     view_.filter = filter;
     view_.wrap = wrap;
+    view_.maxAnisotropy = std::max(maxAnisotropy, Float(1));
+    for (const Image &level : pixels->levels)
+        view_.levels.push_back({level.Data(), level.Resolution().x, level.Resolution().y});
+    size_t big = 0;
+    while (tiles && big < pixels->levels.size() && pixels->levels[big].Bytes() > kLeastStoredBytes) ++big;
+    if (big > 0) {
+        std::vector<Image> stored;
+        for (size_t i = 0; i < big; ++i) {
+            stored.push_back(std::move(pixels->levels[i]));
+            pixels->levels[i] = Image();
+            view_.levels[i].texels = nullptr;
+        }
+        pixels->tiles = tiles->Store(stored);
+        view_.tiles = pixels->tiles.get();
+    }
+    pixels_ = std::move(pixels);
+}
+
+MipMap::MipMap(const MipMap &image, TextureFilter filter, Float maxAnisotropy)
+    : pixels_(image.pixels_), colorSpace_(image.colorSpace_), view_(image.view_) {
+    view_.filter = filter;
     view_.maxAnisotropy = std::max(maxAnisotropy, Float(1));
 }
 
@@ -259,7 +297,7 @@ Rgb MipMap::LookupRgb(Point2 st, Vector2 dst0, Vector2 dst1) const {
 
 size_t MipMap::Bytes() const {
     size_t bytes = 0;
-    for (const Image &level : pyramid_) bytes += level.Bytes();
+    for (const Image &level : pixels_->levels) bytes += level.Bytes();
     return bytes;
 }
 

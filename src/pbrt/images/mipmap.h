@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "pbrt/images/image.h"
+#include "pbrt/images/tile_cache.h"
 
 namespace pbrt {
 
@@ -18,7 +19,11 @@ class MipMap {
   public:
     /// Images of several channels need R, G, B, else UserError (which does not know the file's name); A is kept unless
     /// it is 1 everywhere; other channels are dropped. `colorSpace` may be null.
-    MipMap(Image image, const ColorSpace *colorSpace, TextureFilter filter, WrapMode wrap, Float maxAnisotropy);
+    /// With a tile cache, which must outlive the map, big levels go to disk.
+    MipMap(Image image, const ColorSpace *colorSpace, TextureFilter filter, WrapMode wrap, Float maxAnisotropy,
+           TileCache *tiles = nullptr);
+    /// The same image, filtered in another way.
+    MipMap(const MipMap &image, TextureFilter filter, Float maxAnisotropy);
     MipMap(const MipMap &) = delete;
     MipMap &operator=(const MipMap &) = delete;
 
@@ -28,16 +33,18 @@ class MipMap {
     Float LookupFloat(Point2 st, Vector2 dst0, Vector2 dst1) const;
     Rgb LookupRgb(Point2 st, Vector2 dst0, Vector2 dst1) const;
 
-    int Levels() const { return static_cast<int>(pyramid_.size()); }
-    const Image &Level(int i) const { return pyramid_[static_cast<size_t>(i)]; }
+    int Levels() const { return static_cast<int>(view_.levels.size()); }
+    /// Without a tile cache.
+    const Image &Level(int i) const { return pixels_->levels[static_cast<size_t>(i)]; }
     /// The image's own space (from EXR chromaticities), sRGB if not stated.
     const ColorSpace &Space() const { return *colorSpace_; }
-    bool HasAlpha() const { return pyramid_[0].ChannelCount() == 4; }
+    bool HasAlpha() const { return view_.channels == 4; }
+    /// In memory, without tiles; counted by each of the maps of one image.
     size_t Bytes() const;
 
     /// One level as the look-ups see it. Width and height are powers of two.
     struct LevelView {
-        const void *texels;
+        const void *texels;  ///< null: on disk
         int width, height;
     };
     /// What the look-ups need, apart from the images.
@@ -46,13 +53,19 @@ class MipMap {
         PixelFormat format = PixelFormat::Float;
         size_t channels = 1;
         const float *decode = nullptr;  ///< of bytes
+        const TileCache::Stored *tiles = nullptr;  ///< the first levels, if they are on disk
         TextureFilter filter = TextureFilter::Bilinear;
         WrapMode wrap = WrapMode::Repeat;
         Float maxAnisotropy = 8;
     };
 
   private:
-    std::vector<Image> pyramid_;
+    /// Levels that are on disk are empty images.
+    struct Pixels {
+        std::vector<Image> levels;
+        std::unique_ptr<const TileCache::Stored> tiles;
+    };
+    std::shared_ptr<const Pixels> pixels_;
     const ColorSpace *colorSpace_;
     View view_;
 };

@@ -1,5 +1,7 @@
 #include "pbrt/textures/image_cache.h"
 
+#include <algorithm>
+
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 
@@ -15,11 +17,11 @@ void RequireRgb(const Image &image, const std::string &path) {
             throw UserError(fmt::format("{}: the image has no channel {}; R, G and B are needed.", path, channel));
 }
 
-std::shared_ptr<const MipMap> ReadMipMap(const MipMapKey &key) {
+std::shared_ptr<const MipMap> ReadMipMap(const MipMapKey &key, TileCache *tiles) {
     ImageFile file = ReadImage(key.path, key.encoding);
     if (file.image.ChannelCount() != 1) RequireRgb(file.image, key.path);
     return std::make_shared<MipMap>(std::move(file.image), file.metadata.colorSpace, key.filter, key.wrap,
-                                    key.maxAnisotropy);
+                                    key.maxAnisotropy, tiles);
 }
 
 std::shared_ptr<const Image> ReadLinearRgb(const std::string &path) {
@@ -41,9 +43,27 @@ void Fill(Entry &entry, Read &&read) {
 
 }  // namespace
 
+const ImageCache::Entry<MipMap> *ImageCache::SamePixels(const MipMapKey &key) const {
+    MipMapKey first;  // keys are sorted by path; this one is the least
+    first.path = key.path;
+    first.filter = TextureFilter::Point;
+    first.maxAnisotropy = -Infinity;
+    for (auto it = mipMaps_.lower_bound(first); it != mipMaps_.end() && it->first.path == key.path; ++it)
+        if (it->first.HasPixelsOf(key) && (it->second.value || !it->second.error.empty())) return &it->second;
+    return nullptr;
+}
+
 std::shared_ptr<const MipMap> ImageCache::GetMipMap(const MipMapKey &key) {
     auto [it, isNew] = mipMaps_.try_emplace(key);
-    if (isNew) Fill(it->second, [&] { return ReadMipMap(key); });
+    if (isNew) {
+        const Entry<MipMap> *same = SamePixels(key);
+        if (!same)
+            Fill(it->second, [&] { return ReadMipMap(key, tiles_.get()); });
+        else if (same->value)
+            it->second.value = std::make_shared<MipMap>(*same->value, key.filter, key.maxAnisotropy);
+        else
+            it->second.error = same->error;
+    }
     if (!it->second.value) throw UserError(it->second.error);
     return it->second.value;
 }
@@ -58,12 +78,15 @@ std::shared_ptr<const Image> ImageCache::GetLinearRgb(const std::string &path) {
 void ImageCache::Preload(const std::vector<MipMapKey> &keys) {
     std::vector<std::pair<const MipMapKey *, Entry<MipMap> *>> missing;
     for (const MipMapKey &key : keys) {
+        auto sameFile = [&](const auto &m) { return m.first->HasPixelsOf(key); };
+        if (mipMaps_.contains(key) || SamePixels(key)) continue;
+        if (std::any_of(missing.begin(), missing.end(), sameFile)) continue;
         auto [it, isNew] = mipMaps_.try_emplace(key);
-        if (isNew) missing.emplace_back(&it->first, &it->second);
+        missing.emplace_back(&it->first, &it->second);
     }
     ParallelForEach(static_cast<int64_t>(missing.size()), [&](int64_t i) {
         auto [key, entry] = missing[static_cast<size_t>(i)];
-        Fill(*entry, [&, key = key] { return ReadMipMap(*key); });
+        Fill(*entry, [&, key = key] { return ReadMipMap(*key, tiles_.get()); });
     });
 }
 

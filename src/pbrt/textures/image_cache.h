@@ -22,11 +22,15 @@ struct MipMapKey {
                                encoding ? static_cast<int>(encoding->kind) : -1, encoding ? encoding->gamma : Float(0));
     }
     bool operator<(const MipMapKey &o) const { return Order() < o.Order(); }
+    bool HasPixelsOf(const MipMapKey &o) const { return path == o.path && wrap == o.wrap && encoding == o.encoding; }
 };
 
-/// Images of one scene, read once each. Reading errors are UserErrors without location, thrown again on every look-up.
+/// Images of one scene, read once each, however they are filtered. Reading errors are UserErrors without location,
+/// thrown again on every look-up.
 class ImageCache {
   public:
+    /// `megabytes` > 0: big images are kept on disk, and of them as much in memory.
+    explicit ImageCache(int megabytes = 0) : tiles_(megabytes > 0 ? std::make_unique<TileCache>(megabytes) : nullptr) {}
     std::shared_ptr<const MipMap> GetMipMap(const MipMapKey &key);
     /// R, G and B of a file whose 8 or 16 bits are plain numbers.
     std::shared_ptr<const Image> GetLinearRgb(const std::string &path);
@@ -39,6 +43,9 @@ class ImageCache {
         std::shared_ptr<const T> value;
         std::string error;
     };
+    /// What another key knows of the same pixels; null if nothing.
+    const Entry<MipMap> *SamePixels(const MipMapKey &key) const;
+    std::unique_ptr<TileCache> tiles_;
     std::map<MipMapKey, Entry<MipMap>> mipMaps_;
     std::map<std::string, Entry<Image>> linear_;
 };

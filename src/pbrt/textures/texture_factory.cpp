@@ -199,8 +199,8 @@ struct TextureLibrary::Impl {
     }
 };
 
-TextureLibrary::TextureLibrary(const FileResolver &files, DiagnosticSink &sink)
-    : impl_(new Impl{files, sink, missingImages_, {}, false, {}, {}}) {}
+TextureLibrary::TextureLibrary(const FileResolver &files, DiagnosticSink &sink, int cacheMegabytes)
+    : impl_(new Impl{files, sink, missingImages_, ImageCache(cacheMegabytes), false, {}, {}}) {}
 
 TextureLibrary::~TextureLibrary() = default;
 

@@ -17,7 +17,8 @@ namespace pbrt {
 /// image map is made, the files of all image maps defined so far are read at once, on all threads.
 class TextureLibrary {
   public:
-    TextureLibrary(const FileResolver &files, DiagnosticSink &sink);
+    /// `cacheMegabytes` > 0: the memory for big images, the rest of which is kept on disk.
+    TextureLibrary(const FileResolver &files, DiagnosticSink &sink, int cacheMegabytes = 0);
     ~TextureLibrary();
 
     /// A Texture directive. Throws UserError on an unknown class; errors in parameters come from CheckAll or first use.

@@ -1,0 +1,66 @@
+#include "pbrt/textures/image_cache.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "pbrt/core/error.h"
+
+namespace pbrt {
+namespace {
+
+class ImageCacheTest : public testing::Test {
+  protected:
+    void SetUp() override {
+        Image image(PixelFormat::U8, {256, 256}, {"R", "G", "B"});
+        for (int y = 0; y < 256; ++y)
+            for (int x = 0; x < 256; ++x)
+                for (int c = 0; c < 3; ++c) image.Set({x, y}, c, static_cast<Float>((x * 7 + y * 13 + c * 50) % 256) / 256);
+        WriteImage(key_.path, image);
+    }
+    void TearDown() override { std::filesystem::remove(key_.path); }
+    MipMapKey With(TextureFilter filter, Float maxAnisotropy = 8) const {
+        MipMapKey key = key_;
+        key.filter = filter;
+        key.maxAnisotropy = maxAnisotropy;
+        return key;
+    }
+    MipMapKey key_{(std::filesystem::temp_directory_path() / ("pbrt_image_cache_" + std::to_string(getpid()) + ".png")).string()};
+};
+
+TEST_F(ImageCacheTest, FiltersShareThePixels) {
+    for (bool preload : {false, true}) {
+        ImageCache cache;
+        const std::vector<MipMapKey> keys = {With(TextureFilter::Ewa), With(TextureFilter::Bilinear),
+                                             With(TextureFilter::Point), With(TextureFilter::Ewa, 2)};
+        if (preload) cache.Preload(keys);
+        for (const MipMapKey &key : keys)
+            EXPECT_EQ(cache.GetMipMap(key)->Level(0).Data(), cache.GetMipMap(keys[0])->Level(0).Data());
+        EXPECT_EQ(cache.GetMipMap(keys[1]), cache.GetMipMap(keys[1]));
+        MipMapKey wrapped = keys[0], decoded = keys[0];
+        wrapped.wrap = WrapMode::Clamp;
+        decoded.encoding = ColorEncoding{ColorEncoding::Kind::Linear};
+        EXPECT_NE(cache.GetMipMap(wrapped)->Level(0).Data(), cache.GetMipMap(keys[0])->Level(0).Data());
+        EXPECT_NE(cache.GetMipMap(decoded)->Level(0).Data(), cache.GetMipMap(keys[0])->Level(0).Data());
+    }
+}
+
+TEST_F(ImageCacheTest, TheLimitChangesWhereTexelsAreAndNotWhatTheyAre) {
+    ImageCache memory, disk(1);
+    const auto a = memory.GetMipMap(With(TextureFilter::Ewa)), b = disk.GetMipMap(With(TextureFilter::Ewa));
+    EXPECT_LT(b->Bytes() * 2, a->Bytes());
+    for (Float x = 0; x < 1; x += .07f)
+        EXPECT_EQ(a->LookupRgb({x, .4f}, {.01f, 0}, {0, .02f}), b->LookupRgb({x, .4f}, {.01f, 0}, {0, .02f}));
+}
+
+TEST_F(ImageCacheTest, AMissingFileFailsForEveryFilter) {
+    ImageCache cache;
+    key_.path += ".none";
+    EXPECT_THROW(cache.GetMipMap(With(TextureFilter::Ewa)), UserError);
+    EXPECT_THROW(cache.GetMipMap(With(TextureFilter::Point)), UserError);
+    EXPECT_THROW(cache.GetMipMap(With(TextureFilter::Point)), UserError);
+}
+
+}  // namespace
+}  // namespace pbrt

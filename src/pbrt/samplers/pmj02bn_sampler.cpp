@@ -17,15 +17,29 @@ uint64_t AddDimension(uint64_t hash, int dimension) {
     return MixBits(hash + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(dimension + 1));
 }
 
+/// Permutes the numbers of `bits` bits so that every aligned run of 4, 16, ... stays together: the four parts of every
+/// run go in a random order of their own.
+uint32_t ShuffleRuns(uint32_t index, int bits, uint64_t seed) {
+    uint32_t shuffled = 0;
+    for (int shift = 0; shift < bits; shift += 2) {
+        const uint64_t hash = MixBits(seed ^ (uint64_t(shift) << 32 | index >> (shift + 2)));
+        const auto part = static_cast<uint32_t>(index >> shift & 3);
+        // A lone highest bit is flipped or not.
+        shuffled |= (shift + 1 == bits ? part ^ static_cast<uint32_t>(hash >> 63) : PermutationElement(part, 4, hash))
+                    << shift;
+    }
+    return shuffled;
+}
+
 }  // namespace
 
 const std::vector<BinaryPoint> &Pmj02bnSampler::Set(int index) {
     using Sets = std::array<std::vector<BinaryPoint>, SetCount>;
     static const Sets sets = [] {
         Sets made;
-        // The first set covers tiles of pixels with all its points; of the others a pixel takes a beginning. Every
-        // level takes four times as long as the one before.
-        for (size_t i = 0; i < made.size(); ++i) made[i] = MakePmj02bn(kLog2Count, i == 0 ? 7 : 6, i);
+        // Flipped digits would undo blue noise, so only positions get it; in the other sets its regular spacing only
+        // costs: a pixel's error was seen to be larger with it.
+        for (size_t i = 0; i < made.size(); ++i) made[i] = MakePmj02bn(kLog2Count, i == 0 ? 7 : 0, i);
         return made;
     }();
     return sets[static_cast<size_t>(index)];
@@ -54,21 +68,22 @@ void Pmj02bnSampler::StartPixelSample(Point2i pixel, int sampleIndex, int dimens
     pixel_ = pixel;
     index_ = sampleIndex;
     dimension_ = std::max(2, dimension);
-    // Where the sets end they are used again, moved and ordered differently.
+    // Where the sets end they are used again, flipped and ordered differently.
     setHash_ = Hash(seed_, sampleIndex >> kLog2Count);
     pixelHash_ = Hash(pixel, setHash_);
 }
 
 BinaryPoint Pmj02bnSampler::PointFor(int dimension) const {
-    // Runs of 2^log2Samples_ points follow each other; within one the order is Owen's, which keeps shorter runs.
-    const uint32_t mask = (uint32_t(1) << std::min(log2Samples_, kLog2Count)) - 1;
+    // Runs of 2^log2Samples_ points follow each other.
+    const int bits = std::min(log2Samples_, kLog2Count);
+    const uint32_t mask = (uint32_t(1) << bits) - 1;
     const auto index = static_cast<uint32_t>(index_);
-    const uint32_t shuffled = FastOwenScramble(index & mask, AddDimension(pixelHash_, dimension)) & mask;
+    const uint32_t shuffled = ShuffleRuns(index & mask, bits, AddDimension(pixelHash_, dimension));
     const uint32_t place = ((index & ~mask) | shuffled) & ((uint32_t(1) << kLog2Count) - 1);
-    return sets_[static_cast<size_t>(dimension % SetCount)][place];
+    return sets_[static_cast<size_t>(1 + dimension % (SetCount - 1))][place];
 }
 
-uint32_t Pmj02bnSampler::ShiftFor(int dimension) const {
+uint32_t Pmj02bnSampler::FlipsFor(int dimension) const {
     // Every dimension sees the mask from another place; multiples of the inverse of the plastic number and of its
     // square (Roberts 2018) keep these apart.
     const auto d = static_cast<uint32_t>(dimension);
@@ -77,20 +92,20 @@ uint32_t Pmj02bnSampler::ShiftFor(int dimension) const {
     const uint32_t rank = mask_->Rank(static_cast<uint32_t>(pixel_.x) + x, static_cast<uint32_t>(pixel_.y) + y);
     constexpr int kRankBits = 2 * BlueNoiseMask::Log2Size;
     const uint64_t sameEverywhere = AddDimension(setHash_, dimension), fine = AddDimension(pixelHash_, ~dimension);
-    return (rank << (32 - kRankBits) | static_cast<uint32_t>(fine >> (32 + kRankBits))) +
+    return (rank << (32 - kRankBits) | static_cast<uint32_t>(fine >> (32 + kRankBits))) ^
            static_cast<uint32_t>(sameEverywhere);
 }
 
 Float Pmj02bnSampler::Get1D() {
     const int d = dimension_++;
-    return SobolToFloat(PointFor(d).x + ShiftFor(d));
+    return SobolToFloat(PointFor(d).x ^ FlipsFor(d));
 }
 
 Point2 Pmj02bnSampler::Get2D() {
     const int d = dimension_;
     dimension_ += 2;
     const BinaryPoint p = PointFor(d);
-    return {SobolToFloat(p.x + ShiftFor(d)), SobolToFloat(p.y + ShiftFor(d + 1))};
+    return {SobolToFloat(p.x ^ FlipsFor(d)), SobolToFloat(p.y ^ FlipsFor(d + 1))};
 }
 
 Point2 Pmj02bnSampler::GetPixel2D() {

@@ -7,9 +7,10 @@
 
 namespace pbrt {
 
-/// Progressive multi-jittered (0,2) points with blue noise. The positions of all samples within a square of pixels are
-/// one such point set. Every other request of a pixel takes the points of one of a few fixed sets in an order of its
-/// own, moved around the unit torus by a mask that has blue noise over the image.
+/// Progressive multi-jittered (0,2) points. The positions of all samples within a square of pixels are one point set
+/// with blue noise. Every other request of a pixel takes the points of one of a few fixed sets in an order of its own
+/// that keeps runs of 4, 16, ... samples together; their digits are flipped by masks that have blue noise over the
+/// image, which keeps them (0,2) points.
 class Pmj02bnSampler final : public Sampler {
   public:
     Pmj02bnSampler(int samplesPerPixel, int seed);
@@ -20,13 +21,13 @@ class Pmj02bnSampler final : public Sampler {
     Point2 GetPixel2D() override;
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<Pmj02bnSampler>(*this); }
 
-    /// The sets: 2^SetLog2Count points each. Made at the first call.
-    static constexpr int SetCount = 5, SetLog2Count = 16;
+    /// The sets: 2^SetLog2Count points each; the first one is for positions. Made at the first call.
+    static constexpr int SetCount = 6, SetLog2Count = 16;
     static const std::vector<BinaryPoint> &Set(int index);
 
   private:
     BinaryPoint PointFor(int dimension) const;
-    uint32_t ShiftFor(int dimension) const;
+    uint32_t FlipsFor(int dimension) const;
 
     std::array<const BinaryPoint *, SetCount> sets_;
     const BlueNoiseMask *mask_;

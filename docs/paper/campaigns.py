@@ -96,11 +96,13 @@ def command(campaign, options):
     """The lightlab command of a campaign."""
     effort = campaign.full if options.full else campaign.quick
     budget = effort.budget * options.scale
+    # Fewer pixels leave time for more samples in the reference, up to what the effort wants.
+    referenceSpp = effort.referenceSpp * min(max(1, options.scale), options.scale * options.divisor**2)
     budget = f"{budget:g}" if campaign.timed else str(max(1, round(budget)))
     arguments = [str(options.lightlab), str(campaign.scene.file()), "--samplers", ",".join(campaign.samplers),
                  "--time" if campaign.timed else "--spp", budget, "--seeds", str(effort.seeds),
-                 "--divisor", str(effort.divisor),
-                 "--reference-spp", str(max(1, round(effort.referenceSpp * options.scale))),
+                 "--divisor", str(effort.divisor * options.divisor),
+                 "--reference-spp", str(max(1, round(referenceSpp))),
                  "--out", str(options.out / campaign.name)]
     if campaign.direct:
         arguments.append("--direct")

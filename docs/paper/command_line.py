@@ -27,6 +27,7 @@ def parse(pieces):
     parser.add_argument("--lightlab", metavar="PATH", help="the program (build/release, built if absent)")
     parser.add_argument("--out", metavar="FOLDER", type=pathlib.Path, help="build/paper/quick or build/paper/full")
     parser.add_argument("--scale", type=float, default=1, help="factor of all times and sample counts (1)")
+    parser.add_argument("--divisor", type=int, default=1, help="of the resolution, beyond that of the effort (1)")
     parser.add_argument("--nthreads", type=int, default=0, help="of lightlab (0: all cores)")
     parser.add_argument("--restart", action="store_true", help="forget what the folder holds")
     parser.add_argument("--tables-only", dest="tablesOnly", action="store_true",
@@ -36,6 +37,8 @@ def parse(pieces):
     options = parser.parse_args()
     if options.scale <= 0:
         parser.error("--scale must be positive.")
+    if options.divisor < 1:
+        parser.error("--divisor must be at least 1.")
     wanted = names
     if len(pieces) > 1 and options.only is not None:
         wanted = [n.strip() for n in options.only.split(",")]

@@ -153,10 +153,10 @@ def effort_text(outcomes):
     done = [o for o in outcomes if o.results]
     if not done:
         return "Nothing was run."
-    reduced = any((o.results.data.get("settings") or {}).get("divisor", 1) > 1 for o in done)
-    quick = ("Made with `--quick`: small pictures, short times, two seeds. Preparation weighs far more than in the "
-             "paper, trees have few records a leaf, close samplers may change places.\n\n")
-    return (quick if reduced else "") + (
+    divisor = max((o.results.data.get("settings") or {}).get("divisor", 1) for o in done)
+    reduced = (f"The scene's resolution divided by {divisor}: fewer records a leaf than in the paper. Where times are "
+               "short, preparation weighs more than in the paper, and close samplers may change places.\n\n")
+    return (reduced if divisor > 1 else "") + (
         "± is the standard error over seeds; \"within noise\" means less than two of them apart. Bias check \"unknown\": "
         "too few data to see a bias of 3 %. (over): preparation and the first sample alone took longer than allowed.")
 

@@ -28,7 +28,8 @@ for name, text in {
         "car-paint": '"string type" "coatedconductor" "spectrum conductor.eta" "metal-Cu-eta" '
                      '"spectrum conductor.k" "metal-Cu-k" '
                      '"float conductor.roughness" .12 "float interface.roughness" .01',
-        "wall-dark": diffuse(.2, .13, .1), "wire": diffuse(.05, .05, .05)}.items():
+        "wall-dark": diffuse(.2, .13, .1), "wire": diffuse(.05, .05, .05),
+        "shade": diffuse(.5, .46, .4)}.items():
     scene.material(name, text)
 
 
@@ -125,6 +126,8 @@ SHELVES = (1.5, 1.84, 2.18)
 shelves = Piece()
 for z in SHELVES:
     shelves.add("bar-front", beveled_box((.3, DEPTH - .23, z), (WIDTH - .3, DEPTH + .01, z + .028), .004))
+    if z == SHELVES[0]:  # hides the lamps under it
+        shelves.add("bar-front", box((.3, DEPTH - .236, z - .055), (WIDTH - .3, DEPTH - .2305, z + .02)))
     for x in (.6, 1.4, 2.2, 3.0):
         shelves.add("brass-fine", box((x - .008, DEPTH - .2, z - .025), (x + .008, DEPTH + .005, z + .002)),
                     box((x - .008, DEPTH - .012, z - .12), (x + .008, DEPTH + .005, z - .02)))
@@ -173,6 +176,14 @@ COLOURS = {"warm": (1, .55, .2), "red": (1, .012, .006), "amber": (1, .3, .008),
 ORDER = ["warm", "red", "warm", "blue", "amber", "warm", "green", "violet"]
 
 
+# Shades keep the camera from seeing the bulbs: the edges of bright bulbs as small as a pixel give noise that no choice
+# of lights can help.
+def shade(radius, at):
+    """A half bowl around a bulb, open towards the bar and down."""
+    profile = [(radius * r, radius * z) for r, z in ((0, -1.5), (.55, -1.45), (1.25, -1), (1.6, -.3), (1.7, .5))]
+    return lathe(profile + [(.97 * r, z + .04 * radius) for r, z in reversed(profile)], 20).turn(-125, "x").at(*at)
+
+
 def lamp(position, watts, colour, radius, label):
     """A small round bulb of 80 triangles."""
     rgb_light(scene, sphere(radius, 1, smooth=False).at(*position), watts, COLOURS[colour], f"{label}, {colour}")
@@ -188,8 +199,9 @@ for row, (y, z, sag, count) in enumerate([(DEPTH - .55, 1.78, .16, 16), (DEPTH -
     for k, ((xa, ya, za), (xb, yb, zb)) in enumerate(zip(points, points[1:])):
         p = ((xa + xb) / 2, (ya + yb) / 2, (za + zb) / 2)
         colour = ORDER[(k * 3 + row * 2) % len(ORDER)]
+        fittings.add("shade", shade(.025, (p[0], p[1], p[2] - .055)))
         fittings.add("wire", cylinder(.009, p[2] - .03, p[2] + .002, 8).at(p[0], p[1]))
-        lamp((p[0], p[1], p[2] - .055), 2.8 if colour == "warm" else 2.6, colour, .025, f"string {row + 1}")
+        lamp((p[0], p[1], p[2] - .055), 4.2 if colour == "warm" else 3.9, colour, .025, f"string {row + 1}")
 for k in range(16):  # under the lowest shelf, behind its edge
     x = .42 + k * .184
     colour = ("amber", "warm", "blue", "warm", "red", "warm", "violet", "green")[k % 8]

@@ -50,9 +50,16 @@ def split_triangles(triangles):
     return max(1, round(triangles / each)), each
 
 
+def hood(scene, at, radius):
+    """Keeps the camera from seeing a bulb: bulbs as small as a pixel would give noise that no choice of lights can
+    help."""
+    if scene.lights == 1:
+        define(scene, "hood", Piece(("paint-black", cylinder(1.7, 1.2, 1.25, 16).turn(28, "x").turn(-4))))
+    place(scene, "hood", *at, 0, radius)
+
+
 class SharedBulb:
-    """One PLY file that all lamps place. A hood keeps the camera from seeing the bulb: bulbs as small as a pixel would
-    give noise that no choice of lights can help."""
+    """One PLY file that all lamps place."""
 
     def __init__(self, triangles):
         self.mesh, self.triangles = bulb_of(triangles), triangles
@@ -62,9 +69,7 @@ class SharedBulb:
         scene._use("bulb-glass")
         scene.lights += 1
         file = f"{scene.name}-bulb-{self.triangles}.ply"
-        if scene.lights == 1:
-            define(scene, "hood", Piece(("paint-black", cylinder(1.7, 1.2, 1.25, 16).turn(28, "x").turn(-4))))
-        place(scene, "hood", *at, 0, radius)
+        hood(scene, at, radius)
         if file not in scene.files:
             scene.files[file] = ply(self.mesh)
         scene.raw(f'AttributeBegin Translate {numbers(at)} Scale {numbers((radius,) * 3)} # {label}\n'
@@ -383,6 +388,7 @@ def lamp(scene, random, room, tops, used, bulb):
         bulb.light(scene, radius, at, watts, kelvin, name)
     else:
         scene.light(bulb_mesh(radius, mesh_kind).at(*at), watts, kelvin, name)
+        hood(scene, at, radius)
 
 
 def fit_camera(scene, maze, fov, aspect):
@@ -427,7 +433,8 @@ def make(lights, bulb=None):
     """`bulb`: what all lamps place; none: a mesh of its own for every lamp."""
     random = Random(2023)
     scene = Scene("many-rooms", f"A maze of furnished rooms without roofs, {lights} small lamps of "
-                  f"{bulb.triangles if bulb else '8, 20 or 80'} triangles: walls hide nearly every lamp from nearly every point.",
+                  f"{bulb.triangles if bulb else '8, 20 or 80'} triangles: walls hide nearly every lamp from nearly every"
+                  " point.",
                   maxdepth=5, iso=320, whitebalance=3700)
     for name, text in {"water": coated(.3, .45, .5, .01), "paint-cream": diffuse(.72, .66, .52),
                        "worktop": coated(.12, .12, .13, .1),

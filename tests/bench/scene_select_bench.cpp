@@ -22,18 +22,6 @@ double Now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-LightQuery QueryAt(const ext::PrepassVertex &v) {
-    LightQuery q;
-    q.p = v.at.p;
-    q.wo = v.wo;
-    q.n = v.at.n;
-    q.ns = v.at.ns;
-    q.transmits = v.transmits;
-    q.time = v.at.time;
-    q.pError = v.at.pError;
-    return q;
-}
-
 /// The fastest of passes over all queries that together take about a third of a second, at least three.
 template <class Body>
 double NanosecondsPerQuery(size_t queries, Body &&body) {
@@ -115,7 +103,7 @@ int Run(int argc, char **argv) {
     const auto pixels = static_cast<double>(built.film->PixelBounds().Area());
     std::vector<LightQuery> queries;
     for (const ext::PrepassVertex &v : ext::TracePrepassPaths(context, std::min(1.0, kPaths / pixels), 3))
-        queries.push_back(QueryAt(v));
+        queries.push_back(ext::QueryAt(v));
     out["queries"] = queries.size();
     for (int i = 2; i < argc; ++i) out["samplers"][argv[i]] = Measure(built, argv[i], queries);
     std::printf("%s\n", out.dump(2).c_str());

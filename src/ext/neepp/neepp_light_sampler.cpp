@@ -5,7 +5,7 @@
 namespace ext {
 
 NeeppLightSampler::NeeppLightSampler(const LightTable &lights, const NeeppParams &params)
-    : params_(params), groups_(lights, params.meshlights), map_(params.map) {}
+    : GroupLightSampler(lights, params.meshlights, false), params_(params), map_(params.map) {}
 
 void NeeppLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
@@ -25,39 +25,21 @@ std::span<const uint32_t> NeeppLightSampler::Cdf(const Point3 &p) const {
     });
 }
 
-std::optional<SampledLight> NeeppLightSampler::Sample(const LightQuery &query, Float u) const {
-    const size_t count = groups_.Size();
-    if (count == 0) return {};
-    uint32_t group = 0;
-    Float pmf = 1, begin = 0;
-    if (prepared_) {
-        std::span<const uint32_t> cdf = Cdf(query.p);
-        group = SampleFixedCdf(cdf, u, query.p);
-        pmf = FixedCdfPMF(cdf, group);
-        begin = FixedCdfBegin(cdf, group);
-    } else if (count > 1) {
-        pmf = 1 / static_cast<Float>(count);
-        auto i = static_cast<size_t>(static_cast<double>(u) * static_cast<double>(count));
-        group = static_cast<uint32_t>(std::min(i, count - 1));
-        begin = static_cast<Float>(group) * pmf;
-    }
-    LightId light = groups_.SampleLight(group, MeshGroups::InnerNumber(u, query.p, begin, pmf));
-    return SampledLight{light, pmf * groups_.ShareOf(light)};
+std::optional<GroupLightSampler::ChosenGroup> NeeppLightSampler::SampleGroup(const LightQuery &query, Float u) const {
+    if (!prepared_) return SampleUniformly(query, u);
+    std::span<const uint32_t> cdf = Cdf(query.p);
+    const uint32_t group = SampleFixedCdf(cdf, u, query.p);
+    const Float pmf = FixedCdfPMF(cdf, group);
+    return ChosenGroup{group, pmf, MeshGroups::InnerNumber(u, query.p, FixedCdfBegin(cdf, group), pmf)};
 }
 
-Float NeeppLightSampler::PMF(const LightQuery &query, LightId light) const {
-    Float pmf = 1;
-    if (prepared_)
-        pmf = FixedCdfPMF(Cdf(query.p), groups_.GroupOf(light));
-    else if (groups_.Size() > 1)
-        pmf = 1 / static_cast<Float>(groups_.Size());
-    return pmf * groups_.ShareOf(light);
+Float NeeppLightSampler::GroupPMF(const LightQuery &query, uint32_t group) const {
+    return prepared_ ? FixedCdfPMF(Cdf(query.p), group) : 1 / static_cast<Float>(groups_.Size());
 }
 
 void NeeppLightSampler::Report(nlohmann::ordered_json &report) const {
     report["parameters"] = EffectiveParams(params_).dump();
-    report["groups"] = groups_.Size();
-    report["lights"] = groups_.LightCount();
+    GroupLightSampler::Report(report);
     map_.Report(report);
     report["bytes"] = report["bytes"].get<size_t>() + cdfs_.Bytes();
 }

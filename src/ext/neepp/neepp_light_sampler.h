@@ -1,4 +1,5 @@
 #pragma once
+#include "ext/groups/group_light_sampler.h"
 #include "ext/neepp/visibility_map.h"
 
 namespace ext {
@@ -6,26 +7,24 @@ namespace ext {
 /// NEE++ (Guo et al. 2020, as Noh, Choi and Moon 2023 describe it): lights in proportion to the stored visibility
 /// between the point's voxel and the lights' voxels. Nothing else counts, neither power nor distance. Visibility below
 /// the floor counts as the floor, so every light can be chosen. Before Prepare all groups have the same share.
-class NeeppLightSampler final : public LightSampler {
+class NeeppLightSampler final : public GroupLightSampler {
   public:
     NeeppLightSampler(const LightTable &lights, const NeeppParams &params);
 
     void Prepare(PrepareContext &context) override;
-    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override;
-    Float PMF(const LightQuery &query, LightId light) const override;
     void Report(nlohmann::ordered_json &report) const override;
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
     std::string DescribeStructure() const override;
 
-    const MeshGroups &Groups() const { return groups_; }
     const VisibilityMap &Map() const { return map_; }
 
   private:
+    std::optional<ChosenGroup> SampleGroup(const LightQuery &query, Float u) const override;
+    Float GroupPMF(const LightQuery &query, uint32_t group) const override;
     /// Fixed-point running sums over groups; filled now if need be.
     std::span<const uint32_t> Cdf(const Point3 &p) const;
 
     NeeppParams params_;
-    MeshGroups groups_;
     VisibilityMap map_;
     LazyRows<uint32_t> cdfs_;  ///< per voxel
     bool prepared_ = false;    ///< false: one group or none, or Prepare was not called

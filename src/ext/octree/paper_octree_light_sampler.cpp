@@ -20,7 +20,7 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
 }  // namespace
 
 PaperOctreeLightSampler::PaperOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
-    : params_(params), floor_(params.floor > 0 ? params.floor : kPaperFloor), groups_(lights, params.meshlights) {
+    : GroupLightSampler(lights, params.meshlights, false), params_(params), floor_(params.floor > 0 ? params.floor : kPaperFloor) {
     if (groups_.Size() <= kLargestScan) unoccluded_ = std::make_unique<ExhaustiveLightSampler>(groups_.Candidates());
     else unoccluded_ = std::make_unique<BVHLightSampler>(groups_.Candidates());
 }
@@ -62,53 +62,34 @@ void PaperOctreeLightSampler::Prepare(PrepareContext &context) {
     context.progress.EndPhase();
 }
 
-Float PaperOctreeLightSampler::GroupPMF(const LightQuery &query, std::span<const Float> cdf, uint32_t group) const {
-    Float leaf = cdf[group] - (group > 0 ? cdf[group - 1] : 0);
-    return (1 - floor_) * leaf + floor_ * unoccluded_->PMF(query, LightId(group));
-}
-
-std::optional<SampledLight> PaperOctreeLightSampler::Sample(const LightQuery &query, Float u) const {
-    if (groups_.Size() == 0) return {};
-    uint32_t group = 0;
-    Float pmf = 1, inner = u;
-    if (groups_.Size() > 1) {
-        inner = MeshGroups::InnerNumber(u, query.p);
-        if (!learned_) {
-            std::optional<SampledLight> g = unoccluded_->Sample(query, u);
-            if (!g) return {};
-            group = g->light.value;
-            pmf = g->pmf;
-        } else {
-            std::span<const Float> cdf = tree_.Cdf(tree_.Row(query.p));
-            if (u < floor_) {
-                std::optional<SampledLight> g = unoccluded_->Sample(query, std::min(u / floor_, OneMinusEpsilon));
-                if (!g) return {};
-                group = g->light.value;
-            } else {
-                Float v = std::min((u - floor_) / (1 - floor_), OneMinusEpsilon);
-                group = static_cast<uint32_t>(std::upper_bound(cdf.begin(), cdf.end(), v) - cdf.begin());
-                const Float begin = group > 0 ? cdf[group - 1] : 0;
-                inner = MeshGroups::InnerNumber(v, query.p, begin, cdf[group] - begin);
-            }
-            pmf = GroupPMF(query, cdf, group);
-        }
+std::optional<GroupLightSampler::ChosenGroup> PaperOctreeLightSampler::SampleGroup(const LightQuery &query, Float u) const {
+    std::span<const Float> cdf;
+    if (learned_) cdf = tree_.Cdf(tree_.Row(query.p));
+    const Float floor = learned_ ? floor_ : 1;
+    ChosenGroup chosen;
+    if (u < floor) {
+        std::optional<SampledLight> g = unoccluded_->Sample(query, std::min(u / floor, OneMinusEpsilon));
+        if (!g) return {};
+        chosen = {g->light.value, g->pmf, MeshGroups::InnerNumber(u, query.p)};
+    } else {
+        chosen = SampleCdf(cdf, query, std::min((u - floor) / (1 - floor), OneMinusEpsilon));
     }
-    LightId light = groups_.SampleLight(group, inner);
-    return SampledLight{light, pmf * groups_.ShareOf(light)};
+    if (learned_) chosen.pmf = GroupPMF(query, cdf, chosen.group);
+    return chosen;
 }
 
-Float PaperOctreeLightSampler::PMF(const LightQuery &query, LightId light) const {
-    Float share = groups_.ShareOf(light);
-    if (groups_.Size() <= 1) return share;
-    uint32_t group = groups_.GroupOf(light);
-    if (!learned_) return unoccluded_->PMF(query, LightId(group)) * share;
-    return GroupPMF(query, tree_.Cdf(tree_.Row(query.p)), group) * share;
+Float PaperOctreeLightSampler::GroupPMF(const LightQuery &query, uint32_t group) const {
+    if (!learned_) return unoccluded_->PMF(query, LightId(group));
+    return GroupPMF(query, tree_.Cdf(tree_.Row(query.p)), group);
+}
+
+Float PaperOctreeLightSampler::GroupPMF(const LightQuery &query, std::span<const Float> cdf, uint32_t group) const {
+    return (1 - floor_) * CdfPMF(cdf, group) + floor_ * unoccluded_->PMF(query, LightId(group));
 }
 
 void PaperOctreeLightSampler::Report(nlohmann::ordered_json &report) const {
     report["parameters"] = EffectiveParams(params_).dump();
-    report["groups"] = groups_.Size();
-    report["lights"] = groups_.LightCount();
+    GroupLightSampler::Report(report);
     report["prepassVertices"] = vertices_;
     report["prepassSeconds"] = prepassSeconds_;
     report["octreeBuildSeconds"] = buildSeconds_;

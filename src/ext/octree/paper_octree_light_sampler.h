@@ -1,10 +1,9 @@
 #pragma once
 #include <memory>
 
-#include "ext/groups/mesh_groups.h"
+#include "ext/groups/group_light_sampler.h"
 #include "ext/octree/light_octree.h"
 #include "ext/octree/octree_params.h"
-#include "pbrt/lightsamplers/light_sampler.h"
 
 namespace ext {
 
@@ -17,29 +16,27 @@ namespace ext {
 ///   saw would have probability 0 and the image a bias. importance is the unoccluded estimate of stock pbrt-v4's
 ///   samplers at the point itself: the exhaustive one up to 64 groups, the light BVH above.
 /// - A cell without vertices, or whose vertices saw no light, uses the nearest ancestor's distribution.
-class PaperOctreeLightSampler final : public LightSampler {
+class PaperOctreeLightSampler final : public GroupLightSampler {
   public:
     PaperOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
     ~PaperOctreeLightSampler() override;
 
     void Prepare(PrepareContext &context) override;
-    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override;
-    Float PMF(const LightQuery &query, LightId light) const override;
     void Report(nlohmann::ordered_json &report) const override;
     /// Leaf, records in it, its depth.
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
     std::string DescribeStructure() const override;
 
     const LightOctree &Tree() const { return tree_; }
-    const MeshGroups &Groups() const { return groups_; }
 
   private:
-    /// P(group | query) given the leaf's distribution.
+    std::optional<ChosenGroup> SampleGroup(const LightQuery &query, Float u) const override;
+    Float GroupPMF(const LightQuery &query, uint32_t group) const override;
+    /// Given the leaf's distribution.
     Float GroupPMF(const LightQuery &query, std::span<const Float> cdf, uint32_t group) const;
 
     OctreeParams params_;
     Float floor_;
-    MeshGroups groups_;
     std::unique_ptr<LightSampler> unoccluded_;  ///< over groups
     LightOctree tree_;
     std::vector<uint32_t> recordsPerNode_;  ///< for Inspect and DescribeStructure only

@@ -16,8 +16,8 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
 }  // namespace
 
 VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
-    : params_(params), floor_(params.floor > 0 ? params.floor : kVisibilityFloor), groups_(lights, params.meshlights),
-      importance_(lights, groups_), interior_(lights, groups_, params.interior) {
+    : GroupLightSampler(lights, params.meshlights, params.interior), params_(params),
+      floor_(params.floor > 0 ? params.floor : kVisibilityFloor), importance_(lights, groups_) {
     if (groups_.Size() > kMost) allLights_ = std::make_unique<EmitterTree>(GroupImportance::EmittersOf(lights, groups_));
 }
 
@@ -133,17 +133,16 @@ Float VisibilityOctreeLightSampler::GroupPMF(const LightQuery &query, const Choi
     return allLights_ ? MixedPMF(c, group, allLights_->PMF(query, group)) : NamedPMF(c, group);
 }
 
-std::optional<SampledLight> VisibilityOctreeLightSampler::SampleGroup(const LightQuery &query, Float u, Float *inner) const {
+std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::SampleGroup(const LightQuery &query, Float u) const {
     Choice c;
     Weigh(query, &c);
     if (u < c.treeShare) {
         std::optional<SampledLight> chosen = allLights_->Sample(query, std::min(u / c.treeShare, OneMinusEpsilon));
-        if (chosen) chosen->pmf = MixedPMF(c, chosen->light.value, chosen->pmf);
-        *inner = MeshGroups::InnerNumber(u, query.p);
-        return chosen;
+        if (!chosen) return {};
+        const uint32_t group = chosen->light.value;
+        return ChosenGroup{group, MixedPMF(c, group, chosen->pmf), MeshGroups::InnerNumber(u, query.p)};
     }
-    const Float named = 1 - c.treeShare;
-    Float v = std::min((u - c.treeShare) / named, OneMinusEpsilon);
+    const Float v = std::min((u - c.treeShare) / (1 - c.treeShare), OneMinusEpsilon);
     Float running = 0, last = 0;
     std::optional<size_t> chosen;
     for (size_t i = 0; i < c.count; ++i) {
@@ -155,37 +154,19 @@ std::optional<SampledLight> VisibilityOctreeLightSampler::SampleGroup(const Ligh
         if (v < running) break;
     }
     if (!chosen) return {};
-    *inner = MeshGroups::InnerNumber(v, query.p, running - last, last);
     const uint32_t group = c.lights.empty() ? static_cast<uint32_t>(*chosen) : c.lights[*chosen];
-    return SampledLight{LightId(group), GroupPMF(query, c, group)};
+    return ChosenGroup{group, GroupPMF(query, c, group), MeshGroups::InnerNumber(v, query.p, running - last, last)};
 }
 
-std::optional<SampledLight> VisibilityOctreeLightSampler::Sample(const LightQuery &query, Float u) const {
-    if (groups_.Size() == 0) return {};
-    SampledLight group{LightId(0u), 1};
-    Float inner = u;
-    if (groups_.Size() > 1) {
-        std::optional<SampledLight> chosen = SampleGroup(query, u, &inner);
-        if (!chosen) return {};
-        group = *chosen;
-    }
-    std::optional<SampledLight> light = interior_.Sample(group.light.value, query, inner);
-    if (light) light->pmf *= group.pmf;
-    return light;
-}
-
-Float VisibilityOctreeLightSampler::PMF(const LightQuery &query, LightId light) const {
-    const Float inner = interior_.PMF(query, light);
-    if (groups_.Size() <= 1 || !(inner > 0)) return inner;
+Float VisibilityOctreeLightSampler::GroupPMF(const LightQuery &query, uint32_t group) const {
     Choice c;
     Weigh(query, &c);
-    return inner * GroupPMF(query, c, groups_.GroupOf(light));
+    return GroupPMF(query, c, group);
 }
 
 void VisibilityOctreeLightSampler::Report(nlohmann::ordered_json &report) const {
     report["parameters"] = EffectiveParams(params_).dump();
-    report["groups"] = groups_.Size();
-    report["lights"] = groups_.LightCount();
+    GroupLightSampler::Report(report);
     report["prepassVertices"] = records_;
     report["prepassShadowRays"] = tries_;
     report["prepassSeconds"] = prepassSeconds_;

@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "ext/groups/group_importance.h"
-#include "ext/groups/mesh_interior.h"
+#include "ext/groups/group_light_sampler.h"
 #include "ext/octree/octree_params.h"
 #include "ext/octree/structure_text.h"
 #include "ext/octree/visibility_tree.h"
@@ -21,20 +21,17 @@ namespace ext {
 /// With more than 64 groups a leaf names the lights that matter most there; the rest, and a share t of
 /// the probability, belongs to a tree over all (EmitterTree): P = (1 - t) (named lights as above) + t P_tree, t = `treeshare` or what the
 /// named lights are thought to miss in the leaf, whichever is more.
-class VisibilityOctreeLightSampler final : public LightSampler {
+class VisibilityOctreeLightSampler final : public GroupLightSampler {
   public:
     VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
     ~VisibilityOctreeLightSampler() override;
 
     void Prepare(PrepareContext &context) override;
-    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override;
-    Float PMF(const LightQuery &query, LightId light) const override;
     void Report(nlohmann::ordered_json &report) const override;
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
     std::string DescribeStructure() const override;
 
     const VisibilityTree &Tree() const { return tree_; }
-    const MeshGroups &Groups() const { return groups_; }
 
   private:
     static constexpr size_t kMost = 64;
@@ -56,14 +53,13 @@ class VisibilityOctreeLightSampler final : public LightSampler {
     /// With the tree over all, which gives `fromTree`.
     Float MixedPMF(const Choice &choice, uint32_t group, Float fromTree) const;
     Float GroupPMF(const LightQuery &query, const Choice &choice, uint32_t group) const;
-    std::optional<SampledLight> SampleGroup(const LightQuery &query, Float u, Float *inner) const;
+    std::optional<ChosenGroup> SampleGroup(const LightQuery &query, Float u) const override;
+    Float GroupPMF(const LightQuery &query, uint32_t group) const override;
     double PathsPerPixel(const PrepareContext &context) const;
 
     OctreeParams params_;
     Float floor_;
-    MeshGroups groups_;
     GroupImportance importance_;
-    MeshInterior interior_;
     std::unique_ptr<EmitterTree> allLights_;  ///< more groups than are scanned
     VisibilityTree tree_;
     bool learned_ = false;

@@ -10,18 +10,6 @@ namespace {
 constexpr size_t kMostScanned = 64;
 constexpr int64_t kChunk = 256;
 
-LightQuery QueryAt(const PrepassVertex &v) {
-    LightQuery q;
-    q.p = v.at.p;
-    q.wo = v.wo;
-    q.n = v.at.n;
-    q.ns = v.at.ns;
-    q.transmits = v.transmits;
-    q.time = v.at.time;
-    q.pError = v.at.pError;
-    return q;
-}
-
 /// What one shadow ray to a group finds, as one light sample of the render would.
 Float Look(const Scene &scene, const PrepassVertex &vertex, const LightQuery &query, const MeshInterior &interior, uint32_t group, Rng &rng) {
     Float uLight = rng.Uniform();

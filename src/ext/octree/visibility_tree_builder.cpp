@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 #include <numeric>
 
 #include "pbrt/core/parallel.h"
@@ -155,14 +156,6 @@ void VisibilityTreeBuilder::EstimateNode(Node &node, const Node *above) const {
         if (sum.w * sum.w < 1.5 * sum.w2) metOnce += sum.mass;
     }
     std::erase_if(node.factors, [&](const Factor &f) { return !(static_cast<double>(f.mass) > 1e-4 * total); });
-    auto findMissing = [&] {
-        double kept = 0;
-        for (const Factor &f : node.factors) kept += static_cast<double>(f.mass);
-        const double cut = total > 0 ? 1 - kept / total : 0, unmet = own > 0 ? metOnce / own : 1;
-        // What a parent met its children know.
-        node.unmet = std::min(above ? above->unmet : 1.f, static_cast<float>(unmet));
-        node.missing = std::clamp(static_cast<float>(cut) + node.unmet, 0.f, 1.f);
-    };
     const auto longest = static_cast<size_t>(settings_.longestRow);
     if (node.factors.size() > longest) {
         auto more = [](const Factor &a, const Factor &b) { return a.mass != b.mass ? a.mass > b.mass : a.light < b.light; };
@@ -170,7 +163,13 @@ void VisibilityTreeBuilder::EstimateNode(Node &node, const Node *above) const {
         node.factors.resize(longest);
         std::sort(node.factors.begin(), node.factors.end(), [](const Factor &a, const Factor &b) { return a.light < b.light; });
     }
-    findMissing();
+
+    double kept = 0;
+    for (const Factor &f : node.factors) kept += static_cast<double>(f.mass);
+    const double cut = total > 0 ? 1 - kept / total : 0, unmet = own > 0 ? metOnce / own : 1;
+    // What a parent met its children know.
+    node.unmet = std::min(above ? above->unmet : 1.f, static_cast<float>(unmet));
+    node.missing = std::clamp(static_cast<float>(cut) + node.unmet, 0.f, 1.f);
 }
 
 void VisibilityTreeBuilder::Estimate() {
@@ -234,25 +233,24 @@ VisibilityTree VisibilityTreeBuilder::Freeze() {
     VisibilityTree tree;
     tree.cells_ = CellOctree(bounds_);
     tree.offset_.push_back(0);
-    std::map<std::pair<std::vector<uint32_t>, std::vector<uint8_t>>, uint32_t> known;  // the last code: what is missing
+    using Row = std::tuple<std::vector<uint32_t>, std::vector<uint8_t>, uint8_t>;  // lights, codes, what is missing
+    std::map<Row, uint32_t> known;
     auto rowOf = [&](const Node &node) {
         // Only ratios within a row matter.
         float most = 0;
         for (const Factor &f : node.factors) most = std::max(most, f.a);
-        std::pair<std::vector<uint32_t>, std::vector<uint8_t>> row;
+        Row row;
+        auto &[lights, codes, missing] = row;
         for (const Factor &f : node.factors) {
-            if (!fullRows_) row.first.push_back(f.light);
-            row.second.push_back(VisibilityTree::Encode(most > 0 ? static_cast<double>(f.a) / static_cast<double>(most) : 1.0));
+            if (!fullRows_) lights.push_back(f.light);
+            codes.push_back(VisibilityTree::Encode(most > 0 ? static_cast<double>(f.a) / static_cast<double>(most) : 1.0));
         }
-        if (!fullRows_) row.second.push_back(static_cast<uint8_t>(std::lround(255 * node.missing)));
-        auto [it, isNew] = known.emplace(std::move(row), static_cast<uint32_t>(tree.RowCount()));
+        missing = fullRows_ ? uint8_t(0) : static_cast<uint8_t>(std::lround(255 * node.missing));
+        auto [it, isNew] = known.emplace(row, static_cast<uint32_t>(tree.RowCount()));
         if (isNew) {
-            tree.lights_.insert(tree.lights_.end(), it->first.first.begin(), it->first.first.end());
-            tree.codes_.insert(tree.codes_.end(), it->first.second.begin(), it->first.second.end());
-            if (!fullRows_) {
-                tree.missing_.push_back(tree.codes_.back());
-                tree.codes_.pop_back();
-            }
+            tree.lights_.insert(tree.lights_.end(), lights.begin(), lights.end());
+            tree.codes_.insert(tree.codes_.end(), codes.begin(), codes.end());
+            if (!fullRows_) tree.missing_.push_back(missing);
             tree.offset_.push_back(static_cast<uint32_t>(tree.codes_.size()));
         }
         return it->second;

@@ -82,9 +82,8 @@ Float Fraction(double v) { return std::min(static_cast<Float>(v - std::floor(v))
 }  // namespace
 
 OracleLightSampler::OracleLightSampler(const LightTable &lights, const OracleParams &params)
-    : params_(params),
-      groups_(lights, params.meshlights),
-      interior_(lights, groups_, params.interior),
+    : GroupLightSampler(lights, params.meshlights, params.interior),
+      params_(params),
       unoccluded_(GroupImportance::EmittersOf(lights, groups_)),
       instance_(NextInstance()) {}
 
@@ -161,52 +160,27 @@ std::span<const Float> OracleLightSampler::Distribution(const LightQuery &query)
     return cdf;
 }
 
-Float OracleLightSampler::GroupPMF(const LightQuery &query, std::span<const Float> cdf, uint32_t group) const {
-    Float unoccluded = unoccluded_.PMF(query, group);
-    if (cdf.empty()) return unoccluded;
-    Float measured = cdf[group] - (group > 0 ? cdf[group - 1] : 0);
-    return (1 - params_.floor) * measured + params_.floor * unoccluded;
-}
-
-std::optional<SampledLight> OracleLightSampler::SampleGroup(const LightQuery &query, Float u, Float *inner) const {
+std::optional<GroupLightSampler::ChosenGroup> OracleLightSampler::SampleGroup(const LightQuery &query, Float u) const {
     std::span<const Float> cdf;
     if (scene_) cdf = Distribution(query);
     const Float floor = cdf.empty() ? 1 : params_.floor;
-    uint32_t group;
-    *inner = MeshGroups::InnerNumber(u, query.p);
+    ChosenGroup chosen;
     if (u < floor) {
         std::optional<SampledLight> g = unoccluded_.Sample(query, std::min(u / floor, OneMinusEpsilon));
         if (!g) return {};
-        group = g->light.value;
+        chosen = {.group = g->light.value, .inner = MeshGroups::InnerNumber(u, query.p)};
     } else {
-        Float v = std::min((u - floor) / (1 - floor), OneMinusEpsilon);
-        group = static_cast<uint32_t>(std::upper_bound(cdf.begin(), cdf.end(), v) - cdf.begin());
-        const Float begin = group > 0 ? cdf[group - 1] : 0;
-        *inner = MeshGroups::InnerNumber(v, query.p, begin, cdf[group] - begin);
+        chosen = SampleCdf(cdf, query, std::min((u - floor) / (1 - floor), OneMinusEpsilon));
     }
-    return SampledLight{LightId(group), GroupPMF(query, cdf, group)};
+    chosen.pmf = GroupPMF(query, chosen.group);
+    return chosen;
 }
 
-std::optional<SampledLight> OracleLightSampler::Sample(const LightQuery &query, Float u) const {
-    if (groups_.Size() == 0) return {};
-    SampledLight group{LightId(0u), 1};
-    Float inner = u;
-    if (groups_.Size() > 1) {
-        std::optional<SampledLight> chosen = SampleGroup(query, u, &inner);
-        if (!chosen) return {};
-        group = *chosen;
-    }
-    std::optional<SampledLight> light = interior_.Sample(group.light.value, query, inner);
-    if (light) light->pmf *= group.pmf;
-    return light;
-}
-
-Float OracleLightSampler::PMF(const LightQuery &query, LightId light) const {
-    const Float inner = interior_.PMF(query, light);
-    if (groups_.Size() <= 1 || !(inner > 0)) return inner;
+Float OracleLightSampler::GroupPMF(const LightQuery &query, uint32_t group) const {
+    const Float unoccluded = unoccluded_.PMF(query, group);
     std::span<const Float> cdf;
     if (scene_) cdf = Distribution(query);
-    return inner * GroupPMF(query, cdf, groups_.GroupOf(light));
+    return cdf.empty() ? unoccluded : (1 - params_.floor) * CdfPMF(cdf, group) + params_.floor * unoccluded;
 }
 
 void OracleLightSampler::Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const {
@@ -225,8 +199,7 @@ void OracleLightSampler::Report(nlohmann::ordered_json &report) const {
     const uint64_t measured = measured_, rays = rays_;
     report["parameters"] = EffectiveParams(params_).dump();
     report["note"] = "a measuring instrument: its time says nothing";
-    report["groups"] = groups_.Size();
-    report["lights"] = groups_.LightCount();
+    GroupLightSampler::Report(report);
     report["mostShadowRaysPerVertex"] = scene_ ? groups_.Size() * static_cast<size_t>(params_.samples) : 0;
     report["ownShadowRays"] = rays;
     report["ownShadowRaysPerVertex"] = measured ? static_cast<double>(rays) / static_cast<double>(measured) : 0.0;

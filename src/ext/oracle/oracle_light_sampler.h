@@ -1,9 +1,9 @@
 #pragma once
 #include <atomic>
 
-#include "ext/groups/mesh_interior.h"
+#include "ext/groups/emitter_tree.h"
+#include "ext/groups/group_light_sampler.h"
 #include "ext/oracle/oracle_params.h"
-#include "pbrt/lightsamplers/light_sampler.h"
 
 namespace ext {
 
@@ -28,27 +28,23 @@ namespace ext {
 /// Without a BSDF in the query the surface is a white diffuse one, of both sides if it transmits; in a medium
 /// scattering is uniform. Random numbers depend on the seed and the query's position and direction only, so Sample and
 /// PMF see the same probabilities.
-class OracleLightSampler final : public LightSampler {
+class OracleLightSampler final : public GroupLightSampler {
   public:
     OracleLightSampler(const LightTable &lights, const OracleParams &params);
 
     /// The scene of the context must live as long as the sampler is used.
     void Prepare(PrepareContext &context) override;
-    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override;
-    Float PMF(const LightQuery &query, LightId light) const override;
     void Report(nlohmann::ordered_json &report) const override;
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
 
   private:
+    std::optional<ChosenGroup> SampleGroup(const LightQuery &query, Float u) const override;
+    Float GroupPMF(const LightQuery &query, uint32_t group) const override;
     /// Running sums over groups; empty if nothing was seen. Kept per thread for the last query; valid until the next.
     std::span<const Float> Distribution(const LightQuery &query) const;
     void Measure(const LightQuery &query, std::vector<Float> &cdf) const;
-    Float GroupPMF(const LightQuery &query, std::span<const Float> cdf, uint32_t group) const;
-    std::optional<SampledLight> SampleGroup(const LightQuery &query, Float u, Float *inner) const;
 
     OracleParams params_;
-    MeshGroups groups_;
-    MeshInterior interior_;
     EmitterTree unoccluded_;        ///< over groups
     const Scene *scene_ = nullptr;  ///< null: not prepared, or at most one group: unoccluded_ alone
     int seed_ = 0;

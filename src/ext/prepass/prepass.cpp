@@ -60,6 +60,18 @@ int PathsOf(Point2i pixel, double samplesPerPixel) {
 
 }  // namespace
 
+LightQuery QueryAt(const PrepassVertex &vertex) {
+    LightQuery query;
+    query.p = vertex.at.p;
+    query.wo = vertex.wo;
+    query.n = vertex.at.n;
+    query.ns = vertex.at.ns;
+    query.transmits = vertex.transmits;
+    query.time = vertex.at.time;
+    query.pError = vertex.at.pError;
+    return query;
+}
+
 std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double samplesPerPixel, int depth) {
     const Bounds2i &bounds = context.pixelBounds;
     Vector2i tiles = (bounds.high - bounds.low + (kTileSize - 1)) / kTileSize;

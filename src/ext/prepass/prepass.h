@@ -14,6 +14,9 @@ struct PrepassVertex {
     bool transmits = false;  ///< light from the other side counts too
 };
 
+/// What a render would ask a light sampler there; without the BSDF.
+LightQuery QueryAt(const PrepassVertex &vertex);
+
 /// The paper's path pass (section 4.1): `samplesPerPixel` camera paths through every pixel that will be rendered (a fraction: through
 /// that share of the pixels, spread by a hash), at most `depth` vertices each, continued by BSDF sampling without light sampling or roulette. Vertices with only specular
 /// scattering are passed but not recorded: no light is ever sampled there. Order and content depend on the seed only,

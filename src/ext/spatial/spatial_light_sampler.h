@@ -1,5 +1,5 @@
 #pragma once
-#include "ext/groups/mesh_groups.h"
+#include "ext/groups/group_light_sampler.h"
 #include "ext/spatial/spatial_params.h"
 #include "ext/voxels/lazy_rows.h"
 #include "ext/voxels/voxel_grid.h"
@@ -14,23 +14,22 @@ namespace ext {
 ///
 /// A voxel's distribution is made when a path first asks for it and depends on the voxel and the seed only. Before
 /// Prepare there is no grid and all groups have the same share.
-class SpatialLightSampler final : public LightSampler {
+class SpatialLightSampler final : public GroupLightSampler {
   public:
     SpatialLightSampler(const LightTable &lights, const SpatialParams &params);
 
     void Prepare(PrepareContext &context) override;
-    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override;
-    Float PMF(const LightQuery &query, LightId light) const override;
     void Report(nlohmann::ordered_json &report) const override;
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
     std::string DescribeStructure() const override;
 
-    const MeshGroups &Groups() const { return groups_; }
     const VoxelGrid &Grid() const { return grid_; }
     /// Eq. 3 for every group, without the floor.
     std::vector<double> UnshadowedContributions(uint32_t voxel) const;
 
   private:
+    std::optional<ChosenGroup> SampleGroup(const LightQuery &query, Float u) const override;
+    Float GroupPMF(const LightQuery &query, uint32_t group) const override;
     /// One low-discrepancy point: where in the voxel, and the numbers for the light sample.
     struct VoxelPoint {
         Vector3 place{};
@@ -42,7 +41,6 @@ class SpatialLightSampler final : public LightSampler {
 
     const LightTable &lights_;
     SpatialParams params_;
-    MeshGroups groups_;
     VoxelGrid grid_;
     std::vector<VoxelPoint> points_;
     LazyRows<uint32_t> cdfs_;  ///< per voxel

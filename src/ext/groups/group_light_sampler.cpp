@@ -1,0 +1,45 @@
+#include "ext/groups/group_light_sampler.h"
+
+#include <algorithm>
+
+namespace ext {
+
+std::optional<SampledLight> GroupLightSampler::Sample(const LightQuery &query, Float u) const {
+    if (groups_.Size() == 0) return {};
+    ChosenGroup chosen{.inner = u};
+    if (groups_.Size() > 1) {
+        std::optional<ChosenGroup> group = SampleGroup(query, u);
+        if (!group) return {};
+        chosen = *group;
+    }
+    std::optional<SampledLight> light = interior_.Sample(chosen.group, query, chosen.inner);
+    if (light) light->pmf *= chosen.pmf;
+    return light;
+}
+
+Float GroupLightSampler::PMF(const LightQuery &query, LightId light) const {
+    const Float inner = interior_.PMF(query, light);
+    if (groups_.Size() <= 1 || !(inner > 0)) return inner;
+    return inner * GroupPMF(query, groups_.GroupOf(light));
+}
+
+void GroupLightSampler::Report(nlohmann::ordered_json &report) const {
+    report["groups"] = groups_.Size();
+    report["lights"] = groups_.LightCount();
+}
+
+GroupLightSampler::ChosenGroup GroupLightSampler::SampleUniformly(const LightQuery &query, Float u) const {
+    const size_t count = groups_.Size();
+    const Float pmf = 1 / static_cast<Float>(count);
+    const auto i = static_cast<size_t>(static_cast<double>(u) * static_cast<double>(count));
+    const auto group = static_cast<uint32_t>(std::min(i, count - 1));
+    return {group, pmf, MeshGroups::InnerNumber(u, query.p, static_cast<Float>(group) * pmf, pmf)};
+}
+
+GroupLightSampler::ChosenGroup GroupLightSampler::SampleCdf(std::span<const Float> cdf, const LightQuery &query, Float u) {
+    const auto group = static_cast<uint32_t>(std::upper_bound(cdf.begin(), cdf.end(), u) - cdf.begin());
+    const Float share = CdfPMF(cdf, group);
+    return {group, share, MeshGroups::InnerNumber(u, query.p, cdf[group] - share, share)};
+}
+
+}  // namespace ext

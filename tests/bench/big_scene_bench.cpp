@@ -37,7 +37,9 @@ double PeakBytes() { return static_cast<double>(Usage().ru_maxrss) * 1024; }
 /// Of all threads: what a wall clock would say on one core that nobody else uses.
 double CpuSeconds() {
     const rusage usage = Usage();
-    auto seconds = [](const timeval &t) { return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_usec) * 1e-6; };
+    auto seconds = [](const timeval &t) {
+        return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_usec) * 1e-6;
+    };
     return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 

@@ -1,4 +1,5 @@
-// Look-ups of one image by our pyramid and by OpenImageIO's texture system, one thread, random positions.
+// Look-ups of one image by our pyramid, in memory and in the tile cache, and by OpenImageIO's texture system, one thread,
+// random positions.
 #include <OpenImageIO/imageio.h>
 #include <OpenImageIO/texture.h>
 #include <benchmark/benchmark.h>
@@ -69,8 +70,9 @@ std::vector<Query> Queries(Float texels, bool coherent) {
     return queries;
 }
 
-void OurLookup(benchmark::State &state, TextureFilter filter) {
-    const MipMap map(ReadImage(Picture().Path()).image, nullptr, filter, WrapMode::Repeat, 8);
+void OurLookup(benchmark::State &state, TextureFilter filter, bool tiled = false) {
+    TileCache tiles(1024);
+    const MipMap map(ReadImage(Picture().Path()).image, nullptr, filter, WrapMode::Repeat, 8, tiled ? &tiles : nullptr);
     const std::vector<Query> queries = Queries(static_cast<Float>(state.range(0)) / 4, state.range(1) != 0);
     size_t i = 0;
     for (auto _ : state) {
@@ -117,12 +119,17 @@ void Footprints(benchmark::internal::Benchmark *b) {
     b->ArgNames({"quarter_texels", "coherent"});
 }
 
+void TiledLookup(benchmark::State &state, TextureFilter filter) { OurLookup(state, filter, true); }
+
 using Opt = OIIO::TextureOpt;
 BENCHMARK_CAPTURE(OurLookup, bilinear, TextureFilter::Bilinear)->Apply(Footprints);
+BENCHMARK_CAPTURE(TiledLookup, bilinear, TextureFilter::Bilinear)->Apply(Footprints);
 BENCHMARK_CAPTURE(OiioLookup, bilinear, Opt::InterpBilinear, Opt::MipModeOneLevel)->Apply(Footprints);
 BENCHMARK_CAPTURE(OurLookup, trilinear, TextureFilter::Trilinear)->Apply(Footprints);
+BENCHMARK_CAPTURE(TiledLookup, trilinear, TextureFilter::Trilinear)->Apply(Footprints);
 BENCHMARK_CAPTURE(OiioLookup, trilinear, Opt::InterpBilinear, Opt::MipModeTrilinear)->Apply(Footprints);
 BENCHMARK_CAPTURE(OurLookup, ewa, TextureFilter::Ewa)->Apply(Footprints);
+BENCHMARK_CAPTURE(TiledLookup, ewa, TextureFilter::Ewa)->Apply(Footprints);
 BENCHMARK_CAPTURE(OiioLookup, anisotropic, Opt::InterpBilinear, Opt::MipModeAniso)->Apply(Footprints);
 
 }  // namespace

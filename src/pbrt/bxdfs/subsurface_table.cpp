@@ -98,12 +98,12 @@ SubsurfaceTable::SubsurfaceTable(Float g, Float eta)
         const auto i = static_cast<size_t>(index);
         const double albedo = static_cast<double>(albedos_[i]);
         const MultipleScattering multiple{albedo, static_cast<double>(g), moment1, moment2};
+        auto single = [&](double r) { return SingleScattering(albedo, static_cast<double>(g), eta, r); };
         const std::span<Float> profile = std::span(profile_).subspan(i * kRadii, kRadii);
         for (size_t j = 0; j < kRadii; ++j) {
             const double r = static_cast<double>(radii_[j]);
             if (r > 0)
-                profile[j] = static_cast<Float>(
-                    2 * std::numbers::pi * r * (SingleScattering(albedo, static_cast<double>(g), eta, r) + multiple(r)));
+                profile[j] = static_cast<Float>(2 * std::numbers::pi * r * (single(r) + multiple(r)));
         }
         reflectances_[i] = IntegrateCatmullRom(radii_, profile, std::span(cdf_).subspan(i * kRadii, kRadii));
     });

@@ -16,7 +16,8 @@ class ImageCacheTest : public testing::Test {
         Image image(PixelFormat::U8, {256, 256}, {"R", "G", "B"});
         for (int y = 0; y < 256; ++y)
             for (int x = 0; x < 256; ++x)
-                for (int c = 0; c < 3; ++c) image.Set({x, y}, c, static_cast<Float>((x * 7 + y * 13 + c * 50) % 256) / 256);
+                for (int c = 0; c < 3; ++c)
+                    image.Set({x, y}, c, static_cast<Float>((x * 7 + y * 13 + c * 50) % 256) / 256);
         WriteImage(key_.path, image);
     }
     void TearDown() override { std::filesystem::remove(key_.path); }
@@ -26,7 +27,7 @@ class ImageCacheTest : public testing::Test {
         key.maxAnisotropy = maxAnisotropy;
         return key;
     }
-    MipMapKey key_{(std::filesystem::temp_directory_path() / ("pbrt_image_cache_" + std::to_string(getpid()) + ".png")).string()};
+    MipMapKey key_{std::filesystem::temp_directory_path() / ("pbrt_image_cache_" + std::to_string(getpid()) + ".png")};
 };
 
 TEST_F(ImageCacheTest, FiltersShareThePixels) {

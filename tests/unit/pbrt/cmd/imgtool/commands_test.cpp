@@ -1,4 +1,6 @@
 // The commands that make images from images.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "imgtool_program.h"
@@ -74,7 +76,7 @@ TEST_F(Imgtool, SplitnShowsStripsAndEnlargedCrops) {
                 image.Set({x, y}, 1, static_cast<Float>(x));
                 image.Set({x, y}, 2, static_cast<Float>(y));
             }
-        WriteImage(Path("i" + std::to_string(i) + ".exr"), image);
+        WriteImage(Path(fmt::format("i{}.exr", i)), image);
     }
     ASSERT_EQ(Run("splitn i0.exr i1.exr i2.exr --crop 3,5 --crop 7,1 --cropsize 6 --outfile s.exr").status, 0);
     const Image s = ReadImage(Path("s.exr")).image;

@@ -57,6 +57,36 @@ TEST_F(Images, HeaderMatricesMapTheWorldIntoThePicture) {
     EXPECT_NEAR(right.y, 0.5f, 1e-5f);
 }
 
+// A square at z = 5 that faces the camera; every corner has height 0, every other field between them height 2.
+TEST_F(Images, DisplacedMeshesAreSplitAsTheEdgeLengthSays) {
+    Write("square.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                        "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n"
+                        "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                        "-1 -1 5 0 0 -1 0 0\n1 -1 5 0 0 -1 1 0\n1 1 5 0 0 -1 1 1\n-1 1 5 0 0 -1 0 1\n4 0 1 2 3\n");
+    Write("relief.pbrt", R"(Camera "perspective" "float fov" 15
+Film "gbuffer" "integer xresolution" 32 "integer yresolution" 32 "string coordinatesystem" "world" "bool savefp16" false
+Sampler "independent" "integer pixelsamples" 1
+WorldBegin
+LightSource "point"
+Texture "fields" "float" "checkerboard" "float uscale" 4 "float vscale" 2 "float tex1" 0 "float tex2" 2
+Shape "plymesh" "string filename" "square.ply" "texture displacement" "fields" "float edgelength" 0.05
+)");
+    auto depths = [&](const std::string &flags) {
+        const Image image = Render(flags + " relief.pbrt").image;
+        std::pair<int, int> counts(0, 0);  // of z = 5 and z = 3
+        for (int i = 0; i < 32 * 32; ++i) {
+            const Float z = image.Get({i % 32, i / 32}, image.FindChannel("P.Z"));
+            counts.first += std::abs(z - 5) < 1e-4f;
+            counts.second += std::abs(z - 3) < 1e-4f;
+        }
+        return counts;
+    };
+    auto [low, high] = depths("");
+    EXPECT_GT(low, 100);
+    EXPECT_GT(high, 100);
+    EXPECT_EQ(depths("--displacement-edge-scale 1000"), std::pair(32 * 32, 0));
+}
+
 TEST_F(Images, ErrorAgainstAReferenceFallsWaveByWave) {
     Render("--spp 400 --seed 99 scene.pbrt", "reference.exr");
     const ImageFile file =

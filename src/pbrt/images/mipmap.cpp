@@ -5,6 +5,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <type_traits>
+#include <variant>
 
 #include "pbrt/core/error.h"
 
@@ -90,8 +92,11 @@ class Reader {
 
     Texel<N> Load(const MipMap::LevelView &level, int x, int y) const {
         if constexpr (Tiled) {
-            if (!level.texels)
-                return Decode(view_.tiles->At(static_cast<size_t>(&level - view_.levels.data()), x, y).Data(), first_);
+            if (!level.texels) {
+                const auto index = static_cast<size_t>(&level - view_.levels.data());
+                if (!tile_.Holds(index, x, y)) view_.tiles->Get(index, x, y, tile_);
+                return Decode(tile_.Texel(x, y), first_);
+            }
         }
         const size_t i =
             (static_cast<size_t>(y) * static_cast<size_t>(level.width) + static_cast<size_t>(x)) * view_.channels +
@@ -199,6 +204,8 @@ class Reader {
 
     const MipMap::View &view_;
     size_t first_;
+    /// The one looked at last: most texels of a look-up lie in one tile.
+    [[no_unique_address]] mutable std::conditional_t<Tiled, TileCache::Stored::Tile, std::monostate> tile_;
 };
 
 template <int N, bool Tiled>

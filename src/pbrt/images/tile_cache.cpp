@@ -13,8 +13,6 @@ namespace pbrt {
 
 namespace {
 
-constexpr int kTile = 64;
-
 OIIO::TypeDesc TypeOf(PixelFormat format) {
     switch (format) {
     case PixelFormat::U8: return OIIO::TypeDesc::UINT8;
@@ -26,7 +24,7 @@ OIIO::TypeDesc TypeOf(PixelFormat format) {
 
 OIIO::ImageSpec SpecOf(const Image &image) {
     OIIO::ImageSpec spec(image.Resolution().x, image.Resolution().y, image.ChannelCount(), TypeOf(image.Format()));
-    spec.tile_width = spec.tile_height = kTile;
+    spec.tile_width = spec.tile_height = TileCache::kSize;
     spec.alpha_channel = -1;  // values are to come back as they are
     spec["compression"] = "none";
     return spec;
@@ -88,17 +86,25 @@ size_t TileCache::Bytes() const {
     return static_cast<size_t>(bytes);
 }
 
-TileCache::Stored::Texel TileCache::Stored::At(size_t image, int x, int y) const {
+void TileCache::Stored::Get(size_t image, int x, int y, Tile &tile) const {
+    tile.Release();
     OIIO::ImageCache *cache = CacheOf(cache_);
-    OIIO::ImageCache::Tile *tile = cache->get_tile(static_cast<OIIO::ImageCache::ImageHandle *>(file_), nullptr,
-                                                   static_cast<int>(image), 0, x, y, 0);
-    PBRT_CHECK_MSG(tile != nullptr, "a texture tile cannot be read: {}", cache->geterror());
+    OIIO::ImageCache::Tile *found = cache->get_tile(static_cast<OIIO::ImageCache::ImageHandle *>(file_), nullptr,
+                                                    static_cast<int>(image), 0, x, y, 0);
+    PBRT_CHECK_MSG(found != nullptr, "a texture tile cannot be read: {}", cache->geterror());
     OIIO::TypeDesc format;
-    const auto *data = static_cast<const char *>(cache->tile_pixels(tile, format));
-    const size_t texel = static_cast<size_t>(y % kTile) * kTile + static_cast<size_t>(x % kTile);
-    return Texel(cache, tile, data + texel * texelBytes_);
+    tile.cache_ = cache_;
+    tile.tile_ = found;
+    tile.data_ = static_cast<const char *>(cache->tile_pixels(found, format));
+    tile.texelBytes_ = texelBytes_;
+    tile.image_ = image;
+    tile.x_ = x / kSize;
+    tile.y_ = y / kSize;
 }
 
-TileCache::Stored::Texel::~Texel() { CacheOf(cache_)->release_tile(static_cast<OIIO::ImageCache::Tile *>(tile_)); }
+void TileCache::Stored::Tile::Release() {
+    if (tile_) CacheOf(cache_)->release_tile(static_cast<OIIO::ImageCache::Tile *>(tile_));
+    tile_ = nullptr;
+}
 
 }  // namespace pbrt

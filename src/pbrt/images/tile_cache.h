@@ -10,6 +10,7 @@ namespace pbrt {
 /// memory are kept, by OpenImageIO's cache. The folder goes with the object.
 class TileCache {
   public:
+    static constexpr int kSize = 64;  ///< of tiles
     explicit TileCache(int megabytes);
     ~TileCache();
     TileCache(const TileCache &) = delete;
@@ -18,23 +19,31 @@ class TileCache {
     /// Several images of one format and number of channels in one file. The cache must outlive it.
     class Stored {
       public:
-        /// Keeps a tile in memory while it lives.
-        class Texel {
+        /// A piece of an image, kept in memory while this lives.
+        class Tile {
           public:
-            ~Texel();
-            Texel(const Texel &) = delete;
-            Texel &operator=(const Texel &) = delete;
-            /// The first channel of the texel, in the image's format.
-            const void *Data() const { return data_; }
+            Tile() = default;
+            ~Tile() { Release(); }
+            Tile(const Tile &) = delete;
+            Tile &operator=(const Tile &) = delete;
+            bool Holds(size_t image, int x, int y) const {
+                return tile_ && image == image_ && x / kSize == x_ && y / kSize == y_;
+            }
+            /// The first channel of a texel it holds, in the image's format.
+            const void *Texel(int x, int y) const {
+                return data_ + static_cast<size_t>(y % kSize * kSize + x % kSize) * texelBytes_;
+            }
 
           private:
             friend class Stored;
-            Texel(void *cache, void *tile, const void *data) : cache_(cache), tile_(tile), data_(data) {}
-            void *cache_, *tile_;
-            const void *data_;
+            void Release();
+            void *cache_ = nullptr, *tile_ = nullptr;
+            const char *data_ = nullptr;
+            size_t texelBytes_ = 0, image_ = 0;
+            int x_ = 0, y_ = 0;  ///< in tiles
         };
-        /// (x, y) inside the image.
-        Texel At(size_t image, int x, int y) const;
+        /// Makes `tile` the one that holds (x, y), which is inside the image.
+        void Get(size_t image, int x, int y, Tile &tile) const;
 
       private:
         friend class TileCache;

@@ -310,7 +310,9 @@ struct Accel::Impl {
         rtcSetGeometryTimeStepCount(instance.geometry, static_cast<unsigned>(steps));
         for (int i = 0; i < steps; ++i) {
             const Float t = static_cast<Float>(i) / static_cast<Float>(steps - 1);
-            const Transform at = motion.At(Lerp(t, startTime, endTime));
+            // The ends also where both times are the same.
+            const Float time = i == 0 ? -Infinity : i == steps - 1 ? Infinity : Lerp(t, startTime, endTime);
+            const Transform at = motion.At(time);
             const RTCQuaternionDecomposition d = Decompose(glm::dmat4(at.Matrix()));
             rtcSetGeometryTransformQuaternion(instance.geometry, static_cast<unsigned>(i), &d);
         }

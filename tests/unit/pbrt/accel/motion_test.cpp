@@ -113,6 +113,20 @@ TEST(Motion, AgreesWithTheSlowTwinAtEveryTime) {
     EXPECT_LT(different, kRays / 100) << "of " << hits;
 }
 
+TEST(Motion, JumpsIfBothTimesAreTheSame) {
+    const Sphere ball(1, -1, 1, 360, Transform(), false);
+    Accel accel;
+    const int object = accel.AddObject({ShapeId(0u)}, {&ball}, {nullptr});
+    accel.AddMovingInstance(object, AnimatedTransform({}, 1, Transform::Translate({9, 0, 0}), 1));
+    accel.Commit();
+    for (Float time : {0.0f, 1.0f, 1.1f}) {
+        Ray ray;
+        ray.o = {time > 1 ? 9.0f : 0.0f, 0, -5};
+        ray.time = time;
+        EXPECT_TRUE(accel.Occluded(ray)) << time;
+    }
+}
+
 TEST(Motion, BoundsHoldTheWholeWay) {
     const Sphere ball(1, -1, 1, 360, Transform(), false);
     Accel accel;

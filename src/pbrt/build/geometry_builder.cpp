@@ -223,8 +223,9 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
             continue;
         }
         try {
-            const AnimatedTransform motion = MotionOf("the instance", i, renderFromWorld_ * i.ctm.start * worldFromRender,
-                                                      renderFromWorld_ * i.ctm.end * worldFromRender);
+            const AnimatedTransform motion =
+                MotionOf("the instance", i, renderFromWorld_ * i.ctm.start * worldFromRender,
+                         renderFromWorld_ * i.ctm.end * worldFromRender);
             if (it->second.still >= 0) {
                 if (motion.IsAnimated()) parts_.accel->AddMovingInstance(it->second.still, motion);
                 else parts_.accel->AddInstance(it->second.still, motion.Start());

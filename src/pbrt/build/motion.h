@@ -11,8 +11,8 @@ template <class Entity>
 AnimatedTransform MotionOf(const char *what, const Entity &entity, const Transform &start, const Transform &end) {
     if (start == end) return start;
     if (!AnimatedTransform::CanInterpolate(start, end))
-        throw UserError(fmt::format("{} cannot move from its start to its end transformation: one of them flattens it, or "
-                                    "only one of them mirrors it.",
+        throw UserError(fmt::format("{} cannot move from its start to its end transformation: one of them flattens it, "
+                                    "or only one of them mirrors it.",
                                     what),
                         entity.loc);
     return {start, entity.startTime, end, entity.endTime};

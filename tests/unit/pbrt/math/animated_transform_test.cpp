@@ -46,7 +46,8 @@ TEST(AnimatedTransform, MovesByItsParts) {
 }
 
 TEST(AnimatedTransform, StandsStillOutsideItsTimes) {
-    const Transform a = Transform::Translate({1, 2, 3}) * Transform::Scale({1, 2, 3}), b = Transform::Rotate(50, {1, 2, 3});
+    const Transform a = Transform::Translate({1, 2, 3}) * Transform::Scale({1, 2, 3});
+    const Transform b = Transform::Rotate(50, {1, 2, 3});
     const AnimatedTransform motion(a, 0.25f, b, 0.75f);
     EXPECT_TRUE(motion.IsAnimated());
     for (Float time : {-3.0f, 0.0f, 0.25f}) EXPECT_EQ(motion.At(time), a);

@@ -317,6 +317,13 @@ TEST(Layered, WhiteBaseUnderClearCoatReflectsEverything) {
     auto c = Albedo(rough, wo, 20000);
     EXPECT_LT(c.mean, 1 + 4 * c.StandardError());
     EXPECT_GT(c.mean, 0.9);
+    // Metal's limit: a mirror that takes nothing, under smooth coats of any index.
+    for (Float eta : {1.2f, 1.5f, 2.f}) {
+        ConductorBxdf mirror(TrowbridgeReitz(0, 0), SampledSpectrum(1), SampledSpectrum(1e6f));
+        CoatedConductorBxdf coated(Coat(eta, 0, 0), mirror, 1e-6f, SampledSpectrum(0), 0, 2000, 1);
+        auto d = Albedo(coated, wo, 20000);
+        EXPECT_LT(std::abs(d.mean - 1), 4 * d.StandardError() + 1e-3) << eta;
+    }
 }
 
 TEST(Layered, MoreSamplesSameMeanLessNoise) {

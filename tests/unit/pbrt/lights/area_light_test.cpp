@@ -4,6 +4,7 @@
 #include "pbrt/lights/diffuse_area_light.h"
 #include "pbrt/shapes/shape_factory.h"
 #include "pbrt/shapes/triangle_mesh.h"
+#include "unit/pbrt/shapes/shape_cases.h"
 
 namespace pbrt::test {
 namespace {
@@ -41,8 +42,10 @@ std::unique_ptr<Shape> Triangle(const Transform &ctm = {}) {
 
 struct Case {
     std::string name;
-    std::function<std::unique_ptr<Shape>()> make;
+    std::function<std::shared_ptr<Shape>()> make;
 };
+
+void PrintTo(const Case &c, std::ostream *out) { *out << c.name; }
 
 class AreaLightShapes : public testing::TestWithParam<Case> {};
 
@@ -123,7 +126,9 @@ TEST_P(AreaLightShapes, PhiIsTheIntegralOfEmittedRadiance) {
             stats.Add(static_cast<double>(L.Average() * std::abs(w.z) / (pdf * point->pdf)));
         }
         double phi = static_cast<double>(light->Phi(kLambda).Average());
-        EXPECT_LT(std::abs(stats.mean - phi), 4.5 * stats.StandardError() + 1e-3 * phi) << twoSided;
+        // Stock's area of curved patches is an approximation.
+        double areaError = GetParam().name.ends_with("Saddle") ? 1e-2 : 1e-3;
+        EXPECT_LT(std::abs(stats.mean - phi), 4.5 * stats.StandardError() + areaError * phi) << twoSided;
     }
 }
 
@@ -149,6 +154,17 @@ TEST_P(AreaLightShapes, ImportanceIsPositiveWhereLightArrives) {
     EXPECT_GT(lit, 5000);
 }
 
+/// Patches and what a transform stretches. (Of the open cylinder some places see too little for the slow twin.)
+std::vector<Case> OtherShapes() {
+    std::vector<Case> cases;
+    for (const ShapeCase &c : ShapeCases())
+        if (c.name != "Triangle" && c.name != "Sphere" && c.name != "StretchedCylinder")
+            cases.push_back({c.name, [shape = c.shape] { return shape; }});
+    return cases;
+}
+
+INSTANTIATE_TEST_SUITE_P(Others, AreaLightShapes, testing::ValuesIn(OtherShapes()),
+                         [](const auto &c) { return c.param.name; });
 INSTANTIATE_TEST_SUITE_P(Shapes, AreaLightShapes,
                          testing::Values(Case{"triangle", [] { return Triangle(); }},
                                          Case{"turnedTriangle",

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "light_test_support.h"
+#include "unit/pbrt/bxdfs/sphere_histogram.h"
 
 namespace pbrt::test {
 namespace {
@@ -34,6 +35,41 @@ TEST(UniformInfiniteLight, LeavesSamplingToTheBsdfIfPdfsMayBeIncomplete) {
     double L = static_cast<double>(s->L.Average());
     EXPECT_NEAR(static_cast<double>(light->Phi(kLambda).Average()), L * 4 * std::numbers::pi * std::numbers::pi * 16,
                 1e-2 * L);
+}
+
+TEST(InfiniteLight, DirectionsFollowTheDensity) {
+    // Skies by transforms; of image lights the density jumps at pixels, so that it is known to a per cent per cell.
+    struct Case {
+        const char *name;
+        std::function<Rgb(int, int)> color;  // empty: one colour
+        int resolution;
+    };
+    const Case cases[] = {{"one colour", nullptr, 0},
+                          {"half black", [](int, int y) { return Rgb(y < 8 ? 0.f : 1.f); }, 16},
+                          {"checks", [](int x, int y) { return Rgb((x + y) % 2 ? 0.2f : 1.f); }, 4},
+                          {"one pixel", [](int, int) { return Rgb(0.3f, 0.5f, 0.1f); }, 1}};
+    const Transform transforms[] = {Transform(), Transform::Rotate(70, {1, -2, 1}), Transform::Scale({1, -1, 1})};
+    for (const Case &c : cases)
+        for (const Transform &ctm : transforms) {
+            Params params;
+            std::optional<TemporaryImage> file;
+            if (c.color) {
+                file.emplace("grid.exr", RgbImage(Point2i(c.resolution), c.color));
+                params.String("filename", file->Path());
+            }
+            auto light = Make("infinite", params, ctm);
+            light->Preprocess({0, 0, 0}, 2);
+            double mass;
+            double p = DirectionTest(
+                [&](Rng &rng) -> std::optional<Vector3> {
+                    auto s = light->SampleLi(At({0, 0, 0}), rng.Uniform2(), kLambda, false);
+                    if (!s) return {};
+                    return s->wi;
+                },
+                [&](const Vector3 &w) { return light->PdfLi(At({0, 0, 0}), w, {}, {}, false); }, 20000, 24, &mass);
+            EXPECT_NEAR(mass, 1, 5e-3) << c.name;
+            EXPECT_GT(p, SidakAlpha(1e-4, std::size(cases) * std::size(transforms))) << c.name;
+        }
 }
 
 class ImageInfinite : public testing::TestWithParam<bool> {

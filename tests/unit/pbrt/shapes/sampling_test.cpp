@@ -79,12 +79,9 @@ std::array<size_t, 2> DirectionSquare::Cell(const Vector3 &w) const {
             std::min(size_t(phi / (2 * double(Pi)) * kGridY), size_t(kGridY - 1))};
 }
 
-/// Share of each cell of the direction square: PdfSolidAngle integrated over the surface itself, which needs neither
-/// the sampler nor intersections and has no singularity at silhouettes.
-std::vector<double> CellProbabilities(const Case &c, const DirectionSquare &square) {
-    std::vector<double> cells(size_t(kGridX) * kGridY);
-    ShapeSampleContext from = ContextOf(c.receiver);
-    const Shape &shape = *c.shape.shape;
+/// Cuts the first primitive into small pieces; calls visit(point, area).
+template <class Visit>
+void ForEachPiece(const Shape &shape, Visit visit) {
     bool triangle = shape.Kind() == ShapeKind::TriangleMesh;
     constexpr int n = 300;
     for (int i = 0; i < n; ++i)
@@ -96,13 +93,24 @@ std::vector<double> CellProbabilities(const Case &c, const DirectionSquare &squa
             }
             SurfacePoint s = shape.Surface(0, {0, Float(u), Float(v)});
             if (!triangle) area = double(Length(Cross(s.dpdu, s.dpdv)));
-            Vector3 wi = Normalize(s.p - from.p);
-            if (c.shape.drawsNearSideOnly && !c.receiver.inside && Dot(wi, s.n) > 0) continue;
-            double pdf = double(shape.PdfSolidAngle(0, from, wi, s.p, s.n));
-            std::array<size_t, 2> at = square.Cell(wi);
-            cells[at[0] * kGridY + at[1]] +=
-                pdf * double(AbsDot(wi, s.n)) / double(DistanceSquared(s.p, from.p)) * area / (double(n) * n);
+            visit(s, area / (double(n) * n));
         }
+}
+
+/// Share of each cell of the direction square: PdfSolidAngle integrated over the surface itself, which needs neither
+/// the sampler nor intersections and has no singularity at silhouettes.
+std::vector<double> CellProbabilities(const Case &c, const DirectionSquare &square) {
+    std::vector<double> cells(size_t(kGridX) * kGridY);
+    ShapeSampleContext from = ContextOf(c.receiver);
+    const Shape &shape = *c.shape.shape;
+    ForEachPiece(shape, [&](const SurfacePoint &s, double area) {
+        Vector3 wi = Normalize(s.p - from.p);
+        if (c.shape.drawsNearSideOnly && !c.receiver.inside && Dot(wi, s.n) > 0) return;
+        double pdf = double(shape.PdfSolidAngle(0, from, wi, s.p, s.n));
+        std::array<size_t, 2> at = square.Cell(wi);
+        cells[at[0] * kGridY + at[1]] +=
+            pdf * double(AbsDot(wi, s.n)) / double(DistanceSquared(s.p, from.p)) * area;
+    });
     return cells;
 }
 
@@ -203,6 +211,39 @@ TEST_P(ShapeArea, SamplesLieInBoundsAndConeAndAddUpToTheArea) {
     // Stock's area of curved patches is an approximation.
     double tolerance = 4.5 * area.StandardError() + (GetParam().name == "Saddle" ? 0.01 : 2e-4) * area.mean;
     EXPECT_NEAR(area.mean, double(shape.Area(0)), tolerance);
+}
+
+/// Samples in a part of the surface, each counted 1 / pdf, estimate the part's area.
+TEST_P(ShapeArea, AreaSamplesFollowTheirDensity) {
+    const Shape &shape = *GetParam().shape;
+    constexpr int kCells = 10, kSamples = 100000;
+    auto cell = [](const Point2 &uv) {
+        auto at = [](Float x) { return std::clamp(int(x * kCells), 0, kCells - 1); };
+        return size_t(at(uv.x) * kCells + at(uv.y));
+    };
+    std::vector<double> expected(kCells * kCells), sum(expected.size()), squares(expected.size()), count(sum);
+    ForEachPiece(shape, [&](const SurfacePoint &s, double area) { expected[cell(s.uv)] += area; });
+    Rng rng(15);
+    for (int i = 0; i < kSamples; ++i) {
+        auto s = shape.SampleArea(0, rng.Uniform2());
+        ASSERT_TRUE(s);
+        double weight = 1 / double(s->pdf);
+        size_t c = cell(s->uv);
+        sum[c] += weight / kSamples;
+        squares[c] += weight * weight / kSamples;
+        ++count[c];
+    }
+    double statistic = 0;
+    int cells = 0;
+    for (size_t c = 0; c < sum.size(); ++c) {
+        if (count[c] < 20) continue;
+        ++cells;
+        // Pieces of a triangle are cut along its border: a cell's area is known to a part in a thousand.
+        double variance = (squares[c] - sum[c] * sum[c]) / kSamples + Sqr(1e-3 * expected[c]);
+        statistic += Sqr(sum[c] - expected[c]) / variance;
+    }
+    EXPECT_GT(cells, 20);
+    EXPECT_GT(test::ChiSquareTail(statistic, cells), test::SidakAlpha(1e-3, test::ShapeCases().size()));
 }
 
 TEST_P(ShapeArea, AreaSamplesLieOnTheSurface) {

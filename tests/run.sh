@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs all tests: installs what is missing, checks include directions, builds without extensions and tests that, builds
-# everything and tests that. Last line: "N passed, M failed".
+# Runs all tests: installs what is missing, checks include directions, builds without extensions and tests what that
+# changes, builds everything and tests that, runs some unit programs with sanitizers. Last line: "N passed, M failed".
 set -uo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
 cd "$top"
@@ -36,6 +36,14 @@ run_ctest() { # run_ctest NAME FOLDER [ctest options]: adds ctest's own counts
   grep -E "SKIPPED|\(Skipped\)" "$log" | sort -u | head -10
 }
 
+# Names (as those of ctest's tests begin) of the unit programs that do not depend on which light samplers are built.
+extension_free_units() {
+  local program
+  for program in $(ninja -C "$1" -t targets all | sed -n 's|^tests/unit/.*/unit_\([a-z_]*\): CXX_EXECUTABLE.*|\1|p'); do
+    ninja -C "$1" -t inputs "unit_$program" | grep -q pbrt_plugins || echo "$program"
+  done
+}
+
 bash .ci/install || exit 1
 python3 .ci/check_layers.py
 count "include directions" $?
@@ -43,7 +51,9 @@ count "include directions" $?
 # One build folder serves both: switching PBRT_EXT recompiles only what depends on it.
 echo "Building without extensions (build/release.log)"
 if bash .ci/build "$top/build/release" -DPBRT_EXT=OFF -DPBRT_WERROR=ON; then
-  run_ctest core build/release -L "unit|contract"
+  # Programs that no extension can change run below.
+  same=$(extension_free_units build/release | paste -sd "|")
+  run_ctest core build/release -L "unit|contract" -E "^(${same:-none})\\."
 else
   count "build without extensions" 1
 fi
@@ -57,6 +67,26 @@ if bash .ci/build "$top/build/release" -DPBRT_EXT=ON -DPBRT_WERROR=ON; then
   count "docs/lightsamplers.md is the output of pbrt --list-lightsamplers" $?
 else
   count "build" 1
+fi
+
+# Samplers and their densities, which is where indices and roundings are: in one process each, as loading libraries
+# costs more than most tests.
+echo "Building unit programs with sanitizers (build/asan.log)"
+sanitized=(math shapes bxdfs lights)
+if bash .ci/build "$top/build/asan" -DPBRT_SANITIZE=address,undefined -DPBRT_BENCH=OFF -- "${sanitized[@]/#/unit_}"; then
+  run_sanitized() { # run_sanitized NAME: its log ends with a line "status N"
+    { UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 build/asan/tests/unit/pbrt/"$1"/unit_"$1"; echo "status $?"; } > "build/asan/$1.log" 2>&1
+  }
+  export -f run_sanitized
+  printf '%s\n' "${sanitized[@]}" | xargs -P 2 -I {} bash -c 'run_sanitized {}'
+  for name in "${sanitized[@]}"; do
+    [ "$(tail -1 "build/asan/$name.log")" = "status 0" ]
+    status=$?
+    count "unit_$name with sanitizers" $status
+    [ $status -eq 0 ] || tail -60 "build/asan/$name.log"
+  done
+else
+  count "build with sanitizers" 1
 fi
 echo
 for f in "${failures[@]+"${failures[@]}"}"; do echo "failed: $f"; done

@@ -30,8 +30,10 @@ double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context
     const double tries = static_cast<double>(TriesPerRecord(groups_.Size(), params_.tries));
     const double depth = std::min(params_.depth, std::max(1, context.maxDepth));
     const double byBudget = static_cast<double>(params_.budget) * context.samplesPerPixel * 2 / (1 + tries);
-    constexpr double kFewest = 2000, kMostTries = 4e6;
-    return std::clamp(byBudget, kFewest / (pixels * depth), std::max(kMostTries / (pixels * depth * tries), 1e-9));
+    // Short renders may spend some more, as far as that is needed to know anything.
+    constexpr double kFewest = 2000, kLargestFactor = 3, kMostTries = 4e6;
+    const double fewest = std::min(kFewest / (pixels * depth), kLargestFactor * byBudget);
+    return std::clamp(byBudget, fewest, std::max(kMostTries / (pixels * depth * tries), 1e-9));
 }
 
 void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {

@@ -114,7 +114,9 @@ TEST_F(Subsurface, AllPresetsAreThere) {
 TEST_F(Subsurface, NoFreePathStaysFinite) {
     const Bssrdf dense = Of(Params("m").Rgb("reflectance", 1, 1, 1).Rgb("mfp", 0, 0, 0));
     auto probe = dense.SampleProbe(.7f, {.4f, .2f});
-    if (probe) EXPECT_FALSE(std::isnan(probe->from.x) || std::isnan(probe->to.x));
+    if (probe) {
+        EXPECT_FALSE(std::isnan(probe->from.x) || std::isnan(probe->to.x));
+    }
     EXPECT_FALSE(dense.Profile(.1f).HasNaN());
 }
 

@@ -12,11 +12,13 @@ class Checker {
   public:
     explicit Checker(DiagnosticSink &sink) : sink_(sink) {}
 
-    void Type(const char *directive, const Entity &e, const std::vector<std::string> &unsupported) {
+    void Type(const char *directive, const Entity &e, const std::vector<std::string> &unsupported, const std::string &advice = "") {
         if (std::find(unsupported.begin(), unsupported.end(), e.type) != unsupported.end())
-            NotBuilt(e.loc, fmt::format("{} \"{}\"", directive, e.type));
+            NotBuilt(e.loc, fmt::format("{} \"{}\"", directive, e.type), advice);
     }
-    void NotBuilt(const FileLoc &loc, const std::string &what) { sink_.Error(loc, what + " is not supported yet."); }
+    void NotBuilt(const FileLoc &loc, const std::string &what, const std::string &advice = "") {
+        sink_.Error(loc, what + " is not supported yet." + advice);
+    }
 
   private:
     DiagnosticSink &sink_;
@@ -26,7 +28,8 @@ class Checker {
 
 void CheckSupported(const SceneDescription &d, const BuildOptions &options, DiagnosticSink &sink) {
     Checker check(sink);
-    if (options.integrator.empty()) check.Type("Integrator", d.integrator, UnsupportedIntegrators());
+    if (options.integrator.empty())
+        check.Type("Integrator", d.integrator, UnsupportedIntegrators(), " --integrator path renders the scene by path tracing.");
     for (const MediumEntity &m : d.media) check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));
     // volpath sees through interface surfaces when it looks for lights; path, which stands in for it, does not.
     if (options.integrator.empty() && d.integrator.type == "volpath")

@@ -133,6 +133,7 @@ Shape "sphere"
         EXPECT_EQ(Count(o.err, "Error: scene.pbrt:" + std::to_string(line) + ":"), 1u) << line << "\n" << o.err;
     EXPECT_EQ(Count(o.err, "Error: "), 3u) << o.err;
     EXPECT_EQ(Count(o.err, "not supported yet"), 3u) << o.err;
+    EXPECT_EQ(Count(o.err, "--integrator path"), 1u) << o.err;
     EXPECT_EQ(Files(), std::vector<std::string>{"scene.pbrt"});
 }
 

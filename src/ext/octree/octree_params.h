@@ -23,7 +23,7 @@ struct OctreeParams {
     bool secondmoment = true;
     bool bsdf = true;
     bool interior = true;
-    Float treeshare = 0.2f;
+    Float treeshare = 0.5f;
 
     template <class V>
     void Describe(V &&v) {

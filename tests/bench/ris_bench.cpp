@@ -7,12 +7,9 @@
 #include <chrono>
 #include <cstdio>
 
-#include "ext/prepass/prepass.h"
-#include "pbrt/build/built_scene.h"
 #include "pbrt/core/error.h"
 #include "pbrt/math/rng.h"
-#include "pbrt/scenefile/parser.h"
-#include "plugins.h"
+#include "bench_scene.h"
 
 namespace pbrt {
 namespace {
@@ -73,13 +70,11 @@ struct Bench {
     }
 };
 
-std::unique_ptr<Integrator> Make(const BuiltScene &built, bool learn) {
+std::unique_ptr<Integrator> Make(BenchScene &scene, bool learn) {
     LightChoice choice;
     choice.lightSampler = "octree:bsdf=false";
-    BuiltIntegrator made = built.makeIntegrator(choice);
-    Progress progress;
-    PrepareContext context{*built.scene, *built.camera,         *built.filter,  built.film->PixelBounds(),
-                           built.seed,   built.samplesPerPixel, built.maxDepth, progress};
+    BuiltIntegrator made = scene.built.makeIntegrator(choice);
+    PrepareContext context = scene.Context();
     if (learn) made.integrator->Prepare(context);
     return std::move(made.integrator);
 }
@@ -93,23 +88,11 @@ int Run(int argc, char **argv) {
     for (int i = 2; i < argc; ++i) numbers.push_back(std::atoi(argv[i]));
     if (numbers.size() == 1) numbers = {1, 2, 4, 8};
 
-    DiagnosticSink sink;
-    SceneDescription description = ParseSceneFiles({argv[1]}, sink);
-    sink.ThrowIfErrors();
-    LightSamplerRegistry registry;
-    RegisterPlugins(registry);
-    BuildOptions options;
-    options.film.filename = "bench.exr";  // never written
-    options.lightSampler = "uniform";
-    Progress progress;
-    BuiltScene built = BuildScene(description, options, registry, sink, progress);
-    std::unique_ptr<Integrator> learned = Make(built, true), unlearned = Make(built, false);
+    BenchScene file(argv[1]);
+    const BuiltScene &built = file.built;
+    std::unique_ptr<Integrator> learned = Make(file, true), unlearned = Make(file, false);
     Bench bench{*built.scene, *learned->Lights(), *unlearned->Lights(), SampledWavelengths::SampleVisible(0.5f)};
-
-    PrepareContext context{*built.scene, *built.camera, *built.filter,  built.film->PixelBounds(),
-                           12345,        1,             built.maxDepth, progress};
-    const auto pixels = static_cast<double>(built.film->PixelBounds().Area());
-    std::vector<ext::PrepassVertex> vertices = ext::TracePrepassPaths(context, std::min(1.0, 4000 / pixels), 3);
+    const std::vector<ext::PrepassVertex> vertices = file.Vertices(4000);
 
     std::vector<std::vector<double>> first(numbers.size()), second(numbers.size());
     std::vector<double> seconds(numbers.size());

@@ -8,12 +8,9 @@
 #include <chrono>
 #include <cstdio>
 
-#include "ext/prepass/prepass.h"
-#include "pbrt/build/built_scene.h"
 #include "pbrt/core/error.h"
 #include "pbrt/math/rng.h"
-#include "pbrt/scenefile/parser.h"
-#include "plugins.h"
+#include "bench_scene.h"
 
 namespace pbrt {
 namespace {
@@ -36,16 +33,14 @@ double NanosecondsPerQuery(size_t queries, Body &&body) {
     return best / static_cast<double>(queries) * 1e9;
 }
 
-nlohmann::ordered_json Measure(const BuiltScene &built, const std::string &name, std::span<const LightQuery> queries) {
+nlohmann::ordered_json Measure(BenchScene &scene, const std::string &name, std::span<const LightQuery> queries) {
     nlohmann::ordered_json out;
     LightChoice choice;
     choice.lightSampler = name;
     const double start = Now();
-    BuiltIntegrator made = built.makeIntegrator(choice);
+    BuiltIntegrator made = scene.built.makeIntegrator(choice);
     const double madeAt = Now();
-    Progress progress;
-    PrepareContext context{*built.scene,   *built.camera,         *built.filter,  built.film->PixelBounds(),
-                           built.seed,     built.samplesPerPixel, built.maxDepth, progress};
+    PrepareContext context = scene.Context();
     made.integrator->Prepare(context);
     out["makeSeconds"] = madeAt - start;
     out["prepareSeconds"] = Now() - madeAt;
@@ -82,30 +77,16 @@ int Run(int argc, char **argv) {
         std::fprintf(stderr, "bench_scene_select scene.pbrt sampler [sampler ...]\n");
         return 1;
     }
-    DiagnosticSink sink;
-    SceneDescription description = ParseSceneFiles({argv[1]}, sink);
-    sink.ThrowIfErrors();
-    LightSamplerRegistry registry;
-    RegisterPlugins(registry);
-    BuildOptions options;
-    options.film.filename = "bench.exr";  // never written
-    options.lightSampler = "uniform";
-    Progress progress;
     const double start = Now();
-    BuiltScene built = BuildScene(description, options, registry, sink, progress);
+    BenchScene scene(argv[1]);
     nlohmann::ordered_json out;
     out["sceneSeconds"] = Now() - start;
-    out["lights"] = built.scene->Lights().Size();
+    out["lights"] = scene.built.scene->Lights().Size();
 
-    PrepareContext context{*built.scene, *built.camera, *built.filter,  built.film->PixelBounds(),
-                           12345,        1,             built.maxDepth, progress};
-    constexpr double kPaths = 10000;
-    const auto pixels = static_cast<double>(built.film->PixelBounds().Area());
     std::vector<LightQuery> queries;
-    for (const ext::PrepassVertex &v : ext::TracePrepassPaths(context, std::min(1.0, kPaths / pixels), 3))
-        queries.push_back(ext::QueryAt(v));
+    for (const ext::PrepassVertex &v : scene.Vertices(10000)) queries.push_back(ext::QueryAt(v));
     out["queries"] = queries.size();
-    for (int i = 2; i < argc; ++i) out["samplers"][argv[i]] = Measure(built, argv[i], queries);
+    for (int i = 2; i < argc; ++i) out["samplers"][argv[i]] = Measure(scene, argv[i], queries);
     std::printf("%s\n", out.dump(2).c_str());
     return 0;
 }

@@ -1,0 +1,48 @@
+#pragma once
+#include "ext/prepass/prepass.h"
+#include "pbrt/build/built_scene.h"
+#include "pbrt/scenefile/parser.h"
+#include "plugins.h"
+
+namespace pbrt {
+
+/// A scene read from a file for measuring light samplers in it; nothing is rendered.
+class BenchScene {
+  public:
+    explicit BenchScene(const char *file)
+        : description_(ParseSceneFiles({file}, sink_)), built(BuildScene(description_, Options(), Registry(), sink_, progress_)) {}
+
+    /// What a render would hand to LightSampler::Prepare.
+    PrepareContext Context() { return Context(built.seed, built.samplesPerPixel); }
+    /// Vertices of about so many camera paths, at most one a pixel; other paths than those of Context().
+    std::vector<ext::PrepassVertex> Vertices(double paths) {
+        PrepareContext context = Context(12345, 1);
+        const auto pixels = static_cast<double>(built.film->PixelBounds().Area());
+        return ext::TracePrepassPaths(context, std::min(1.0, paths / pixels), 3);
+    }
+
+  private:
+    PrepareContext Context(int seed, int samplesPerPixel) {
+        return {*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), seed, samplesPerPixel, built.maxDepth, progress_};
+    }
+    const BuildOptions &Options() {
+        sink_.ThrowIfErrors();
+        options_.film.filename = "bench.exr";  // never written
+        options_.lightSampler = "uniform";
+        return options_;
+    }
+    const LightSamplerRegistry &Registry() {
+        RegisterPlugins(registry_);
+        return registry_;
+    }
+    DiagnosticSink sink_;
+    SceneDescription description_;
+    BuildOptions options_;
+    LightSamplerRegistry registry_;
+    Progress progress_;
+
+  public:
+    BuiltScene built;
+};
+
+}  // namespace pbrt

@@ -167,8 +167,8 @@ void VisibilityTreeBuilder::EstimateNode(Node &node, const Node *above) const {
     double kept = 0;
     for (const Factor &f : node.factors) kept += static_cast<double>(f.mass);
     const double cut = total > 0 ? 1 - kept / total : 0, unmet = own > 0 ? metOnce / own : 1;
-    // What a parent met its children know.
-    node.unmet = std::min(above ? above->unmet : 1.f, static_cast<float>(unmet));
+    // What is in a parent's row its children know.
+    node.unmet = std::min(above ? above->missing : 1.f, static_cast<float>(unmet));
     node.missing = std::clamp(static_cast<float>(cut) + node.unmet, 0.f, 1.f);
 }
 

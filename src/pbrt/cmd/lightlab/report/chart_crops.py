@@ -9,6 +9,7 @@ import lab_results as lab
 from chart_style import INK, PAPER, SOFT, name_of
 
 FRAME = "#ffb000"
+LEAST_WIDTH = 4.5  # inches: title and colour scale side by side
 
 
 def load(results, name):
@@ -36,7 +37,7 @@ def draw(results):
     ratio = max((c["y1"] - c["y0"]) / max(c["x1"] - c["x0"], 1) for c in crops)
     rows = 2 * len(crops)
     lines = max(1 + (len(re.findall("[:,].", c[0])) if len(c[0]) > 16 else 0) for c in columns)
-    width, height = size * len(columns) + 0.5, size * min(ratio, 1.6) * rows + 1.13 + 0.12 * lines
+    width, height = max(size * len(columns) + 0.5, LEAST_WIDTH), size * min(ratio, 1.6) * rows + 1.13 + 0.12 * lines
     figure, grid = plt.subplots(rows, len(columns), figsize=(width, height), squeeze=False)
     figure.subplots_adjust(left=0.36 / width, right=1 - 0.12 / width, bottom=0.42 / height,
                            top=1 - (0.66 + 0.12 * lines) / height, wspace=0.05, hspace=0.05)
@@ -60,8 +61,8 @@ def draw(results):
         overview(grid[2 * k + 1][0], columns[0][2], crop)
         grid[2 * k][0].set_ylabel(f"crop {crop.get('name', k + 1)}", fontsize=8.6, color=SOFT)
         grid[2 * k + 1][0].set_ylabel("error", fontsize=8.6, color=SOFT)
-    figure.text(0.12 / width, 1 - 0.28 / height, "Crops, and the error of every pixel in false colour", fontsize=11.5,
-                fontweight="bold")
+    figure.text(0.12 / width, 1 - 0.28 / height, "Crops and their errors", fontsize=11.5, fontweight="bold")
+    figure.text(0.12 / width, 1 - 0.46 / height, f"error: {lab.ERROR_MEASURE}", fontsize=8, color=SOFT)
     figure.text(0.12 / width, 0.1 / height, fontsize=8, color=SOFT,
                 s=f"relL2: whole image, mean of {results.seeds_text()}. Pictures: first seed.")
     draw_scale(figure, results, width, height)
@@ -80,8 +81,6 @@ def draw_scale(figure, results, width, height):
               cmap=LinearSegmentedColormap.from_list("error", lab.ERROR_RAMP))
     figure.text((right - long) / width, (y - 0.04) / height, "0", ha="left", va="top", fontsize=8)
     figure.text(right / width, (y - 0.04) / height, f"{lab.figures(most)}  and more", ha="right", va="top", fontsize=8)
-    figure.text((right - long - 0.08) / width, (y + 0.05) / height, lab.ERROR_MEASURE, ha="right", va="center",
-                fontsize=8, color=SOFT)
 
 
 def empty_axes(ax):

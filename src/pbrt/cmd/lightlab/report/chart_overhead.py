@@ -8,6 +8,14 @@ PARTS = [("prepassSeconds", "prepass", "#30363f"), ("buildSeconds", "build", "#8
          ("renderSeconds", "render", "#d3d8de")]
 
 
+def text_of(parts, limit):
+    """What stands beside a bar."""
+    whole = sum(parts)
+    share = 100 * (whole - parts[2]) / whole
+    said = f"preparation {share:.2g} %" if share >= 0.1 else "preparation < 0.1 %" if share > 0 else "no preparation"
+    return f"{whole:.3g} s, {said}" + (" (bar cut off)" if whole > limit * 1.001 else "")
+
+
 def draw(results):
     rows = [(s, [s.get("overhead", key) or 0.0 for key, *_ in PARTS]) for s in results.samplers]
     rows = [(s, parts) for s, parts in rows if sum(parts) > 0]
@@ -16,21 +24,18 @@ def draw(results):
     others = [sum(parts) for s, parts in rows if not s.isOracle]
     longest = max(sum(parts) for _, parts in rows)
     limit = max(others) if others and longest > 1.5 * max(others) else longest
-    height = 1.35 + 0.36 * len(rows)
-    figure, ax = plt.subplots(figsize=(6.6, height))
-    figure.subplots_adjust(left=0.02 + 0.0118 * max(len(name_of(s)) for s, _ in rows) + 0.03, right=0.66,
+    texts = [text_of(parts, limit) for _, parts in rows]
+    width, height = 6.6, 1.35 + 0.36 * len(rows)
+    figure, ax = plt.subplots(figsize=(width, height))
+    figure.subplots_adjust(left=0.02 + 0.0118 * max(len(name_of(s)) for s, _ in rows) + 0.03,
+                           right=1 - (0.2 + 0.07 * max(len(t) for t in texts)) / width,
                            top=1 - 0.72 / height, bottom=0.46 / height)
-    for y, (s, parts) in enumerate(rows):
+    for y, ((s, parts), text) in enumerate(zip(rows, texts)):
         left = 0.0
         for (_, name, colour), seconds in zip(PARTS, parts):
             ax.barh(y, seconds, left=left, height=0.62, color=colour, linewidth=0,
                     label=name if y == 0 else None, gid=f"{name}-{s.index}")
             left += seconds
-        share = 100 * (left - parts[2]) / left
-        said = f"preparation {share:.2g} %" if share >= 0.1 else "preparation < 0.1 %" if share > 0 else "no preparation"
-        text = f"{left:.3g} s, {said}"
-        if left > limit * 1.001:
-            text += " (bar cut off)"
         ax.annotate(text, (min(left, limit), y), (6, 0), textcoords="offset points", va="center", fontsize=8.6,
                     color=INK, annotation_clip=False)
     ax.set_yticks(range(len(rows)), [name_of(s) for s, _ in rows], color=INK)

@@ -15,6 +15,8 @@ def title_of(name):
         return TITLES[name]
     if name.startswith("visibility."):
         return f"measured visibility, light {name.partition('.')[2]}"
+    if name.startswith("sampler.found_"):
+        return f"found of light group {name.rpartition('_')[2]}"
     return re.sub(r"^sampler\.", "", name).replace("_", " ")
 
 

@@ -324,6 +324,7 @@ double MeanOf(std::span<const TileMeans> pictures) {
 
 std::string Percent(double v) {
     if (!std::isfinite(v)) return "any size";
+    if (v > 10) return "more than 1000 %";
     return std::abs(v) < 0.995 ? fmt::format("{:.2g} %", 100 * v) : fmt::format("{:.0f} %", 100 * v);
 }
 

@@ -326,6 +326,19 @@ void CheckCrops(const CampaignSettings &settings, const LabScene &scene) {
                                         c.low.y, c.high.x, c.high.y, resolution.x, resolution.y));
 }
 
+/// Makes each once: a parameter out of range is found here and not after hours.
+void CheckSamplers(const CampaignSettings &settings, const LabScene &scene) {
+    DiagnosticSink sink;
+    for (const SamplerChoice &choice : settings.samplers) {
+        try {
+            scene.MakeIntegrator(choice);
+        } catch (const UserError &e) {
+            sink.Add(e);
+        }
+    }
+    sink.ThrowIfErrors();
+}
+
 }  // namespace
 
 std::vector<Checkpoint> Checkpoints(const CampaignSettings &settings) {
@@ -343,6 +356,7 @@ std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, con
                                            Progress &cancel, ProgressSink *sink) {
     const LabScene scene = LoadLabScene(settings, registry, cancel);
     CheckCrops(settings, scene);
+    CheckSamplers(settings, scene);
     if (!settings.referenceFile.empty()) ReadReference(settings.referenceFile, scene);  // it fits, or we stop here
     const Json identity = IdentityOf(settings, scene.hash, ThreadCount());
     const RecordFolder records(settings.outFolder + "/records");

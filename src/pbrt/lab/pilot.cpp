@@ -5,6 +5,7 @@
 
 #include "pbrt/lab/reference.h"
 #include "pbrt/lab/sampler_run.h"
+#include "pbrt/lab/tile_statistics.h"
 
 namespace pbrt::lab {
 
@@ -12,9 +13,8 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr int kSamples = 4;         // per picture; two pictures a candidate
+constexpr int kFewestSamples = 4, kMostSamples = 16;  // per picture; two pictures a candidate
 constexpr int kFirstSeed = 700001;  // far from the seeds of the runs
-constexpr double kTrimmed = 0.001;
 
 std::vector<SamplerChoice> Candidates(const CampaignSettings &settings, const LabScene &scene,
                                       const LightSamplerRegistry &registry) {
@@ -30,25 +30,47 @@ std::vector<SamplerChoice> Candidates(const CampaignSettings &settings, const La
     return candidates;
 }
 
-/// Variance of one sample, relative as in relL2, from two pictures of kSamples samples.
-double Variance(const Image &a, const Image &b, const std::vector<double> &mean) {
-    const Point2i resolution = a.Resolution();
-    std::vector<double> terms;
-    size_t i = 0;
-    for (int y = 0; y < resolution.y; ++y)
-        for (int x = 0; x < resolution.x; ++x) {
-            double sum = 0;
-            for (int c = 0; c < 3; ++c, ++i) {
-                const double d = double(a.Get({x, y}, c)) - double(b.Get({x, y}, c));
-                sum += d * d / 2 / (mean[i] * mean[i] + 0.01);
-            }
-            terms.push_back(sum / 3);
-        }
-    std::sort(terms.begin(), terms.end());
-    terms.resize(terms.size() - static_cast<size_t>(std::ceil(kTrimmed * static_cast<double>(terms.size()))));
+/// More where there are more lights than pixels: a light that nobody chose leaves no trace.
+int SamplesPerPicture(const LabScene &scene) {
+    const double wanted = 8 * static_cast<double>(scene.built.scene->Lights().Size()) /
+                          static_cast<double>(std::max<int64_t>(1, scene.Pixels().Area()));
+    return static_cast<int>(std::clamp<double>(wanted, kFewestSamples, kMostSamples));
+}
+
+/// Two pictures of a candidate and their common tile means.
+struct Pilot {
+    std::array<Image, 2> pictures;
+    TileMeans tiles;
+
+    explicit Pilot(std::array<Image, 2> pair) : pictures(std::move(pair)) {
+        tiles = ComputeTileMeans(pictures[0]);
+        const TileMeans second = ComputeTileMeans(pictures[1]);
+        for (size_t i = 0; i < tiles.values.size(); ++i) tiles.values[i] = (tiles.values[i] + second.values[i]) / 2;
+    }
+};
+
+/// Variance of one sample, relative as in relL2; the denominators are tile means of the other candidates' pictures: a
+/// rare bright hit must not enlarge what it is divided by, or the sampler with the rarest hits looks best.
+double Variance(const std::vector<Pilot> &pilots, size_t which, int samples) {
+    const auto &[a, b] = pilots[which].pictures;
+    const TileGrid &grid = pilots[which].tiles.grid;
     double sum = 0;
-    for (double t : terms) sum += t;
-    return terms.empty() ? 0 : kSamples * sum / static_cast<double>(terms.size());
+    for (int ty = 0; ty < grid.tilesY; ++ty)
+        for (int tx = 0; tx < grid.tilesX; ++tx)
+            for (int c = 0; c < 3; ++c) {
+                double others = 0, squares = 0;
+                for (size_t k = 0; k < pilots.size(); ++k)
+                    if (k != which) others += pilots[k].tiles(grid.Index(tx, ty), c);
+                others /= static_cast<double>(pilots.size() - 1);
+                const Bounds2i pixels = grid.Pixels(tx, ty);
+                for (int y = pixels.low.y; y < pixels.high.y; ++y)
+                    for (int x = pixels.low.x; x < pixels.high.x; ++x) {
+                        const double d = double(a.Get({x, y}, c)) - double(b.Get({x, y}, c));
+                        if (std::isfinite(d)) squares += d * d / 2;
+                    }
+                sum += squares / (others * others + 0.01);
+            }
+    return samples * sum / (3 * static_cast<double>(a.Resolution().x) * static_cast<double>(a.Resolution().y));
 }
 
 Json ToJson(const std::vector<PilotEntry> &entries) {
@@ -103,34 +125,28 @@ std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings
         return known;
 
     display.SetPhase("pilot");
+    const int samples = SamplesPerPicture(scene);
     std::vector<PilotEntry> entries;
     double left = -1;  // the first candidate tells how fast the machine is
-    std::vector<std::array<Image, 2>> pictures;
-    std::vector<double> mean(3 * static_cast<size_t>(scene.Pixels().Area()), 0.0);
+    std::vector<Pilot> pilots;
     const int expected = settings.Timed() ? scene.Batch() : settings.samplesPerPixel;
     for (const SamplerChoice &candidate : candidates) {
         PilotEntry entry{candidate, 0, 1e30};
         std::array<Image, 2> pair;
         for (int k = 0; k < 2; ++k) {
             SamplerRun run(scene, candidate, kFirstSeed + k, expected, cancel);
-            if (!run.Prepare() || !run.RenderTo({kSamples, 0}, [&] { display.Show(left); })) return {};
+            if (!run.Prepare() || !run.RenderTo({samples, 0}, [&] { display.Show(left); })) return {};
             const double seconds = run.Spent().wall - run.Record().prepare.wall;
-            entry.secondsPerSample = std::min(entry.secondsPerSample, seconds / kSamples);
+            entry.secondsPerSample = std::min(entry.secondsPerSample, seconds / samples);
             pair[static_cast<size_t>(k)] = run.Picture();
         }
-        size_t i = 0;
-        for (int y = 0; y < pair[0].Resolution().y; ++y)
-            for (int x = 0; x < pair[0].Resolution().x; ++x)
-                for (int c = 0; c < 3; ++c, ++i)
-                    mean[i] += (double(pair[0].Get({x, y}, c)) + double(pair[1].Get({x, y}, c))) /
-                               (2 * static_cast<double>(candidates.size()));
         entries.push_back(entry);
         const double perSample = MeanSecondsPerSample(entries);
-        left = static_cast<double>(candidates.size() - entries.size()) * 2 * kSamples * perSample;
+        left = static_cast<double>(candidates.size() - entries.size()) * 2 * samples * perSample;
         display.SetAfter(2 * ReferenceRule::For(settings).EstimateSeconds(perSample) + EstimateRuns(settings, entries));
-        pictures.push_back(std::move(pair));
+        pilots.emplace_back(std::move(pair));
     }
-    for (size_t i = 0; i < entries.size(); ++i) entries[i].variance = Variance(pictures[i][0], pictures[i][1], mean);
+    for (size_t i = 0; i < entries.size(); ++i) entries[i].variance = Variance(pilots, i, samples);
     std::stable_sort(entries.begin(), entries.end(),
                      [](const PilotEntry &a, const PilotEntry &b) { return a.variance < b.variance; });
     records.SaveNote("pilot.json", ToJson(entries));

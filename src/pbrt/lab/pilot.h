@@ -10,13 +10,12 @@ namespace pbrt::lab {
 /// A sampler that could make a reference, and what a few samples tell of it.
 struct PilotEntry {
     SamplerChoice choice;
-    double variance = 0;          ///< relL2 of one sample per pixel, worst 0.1 % of the pixels left out
+    double variance = 0;          ///< of one sample per pixel, relative to the brightness around (other candidates' 8x8 tiles)
     double secondsPerSample = 0;  ///< per pixel, of the whole picture
 };
 
 /// Ranks the samplers of the campaign (oracles left out) and stock's bvh and uniform over single lights: least variance
-/// per sample first. The pictures of all candidates together serve as the denominator. Remembers its result in
-/// `records`. Nothing: cancelled.
+/// per sample first. Remembers its result in `records`. Nothing: cancelled.
 std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings, const LabScene &scene,
                                                 const LightSamplerRegistry &registry, const RecordFolder &records,
                                                 Progress &cancel, CampaignDisplay &display);

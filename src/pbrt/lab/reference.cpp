@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "pbrt/images/metrics.h"
 #include "pbrt/lab/bias_check.h"
 #include "pbrt/lab/reference_cache.h"
 #include "pbrt/lab/sampler_run.h"
@@ -16,6 +17,7 @@ constexpr int kParts = 4;           // seeds of a reference; their scatter tells
 constexpr int kFirstSeed = 800001;  // far from the seeds of the runs and of the pilot
 constexpr int kSeedStep = 1000;     // between references
 constexpr int kLeastSamples = 64;   // by time
+constexpr double kDisagree = 2;     // times the relL2 that the noise of two references explains
 
 /// Renders one reference, or finds it.
 class ReferenceMaker {
@@ -111,6 +113,18 @@ bool Contradict(const Reference &a, const Reference &b) {
     return CheckBias(means(a), BiasReference{means(b), {}}).verdict == BiasVerdict::Biased;
 }
 
+/// How far two references are from each other, if that is much more than their noise explains: one of them was made by
+/// a sampler that meets some light so rarely that few samples do not show it.
+std::optional<std::string> Disagreement(const Reference &a, const Reference &b) {
+    const double apart = std::max(ImageError(a.image, b.image, Metric::RelL2), ImageError(b.image, a.image, Metric::RelL2));
+    const double expected = a.noise.value_or(0) + b.noise.value_or(0);
+    if (!(apart > kDisagree * expected)) return {};
+    return fmt::format(
+        "the references of \"{}\" and \"{}\" differ by relL2 {:.3g}; their noise explains {:.3g}. The second judges "
+        "\"{}\" only. More --reference-spp is needed to trust its error.",
+        a.sampler, b.sampler, apart, expected, a.sampler);
+}
+
 References GivenReference(const CampaignSettings &settings, const LabScene &scene) {
     References references;
     references.all.push_back(ReadReference(settings.referenceFile, scene));
@@ -172,6 +186,9 @@ std::optional<References> MakeReferences(const CampaignSettings &settings, const
             "the references instead.",
             makers[0].choice.label, makers[1].choice.label));
     }
+    if (references.all.size() > 1)
+        if (std::optional<std::string> note = Disagreement(references.all[0], references.all[1]))
+            references.notes.push_back(*note);
     for (const SamplerChoice &s : settings.samplers)
         references.ofSampler.push_back(s.label == references.all[0].sampler && references.all.size() > 1 ? 1 : 0);
     return references;

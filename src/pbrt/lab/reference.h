@@ -34,7 +34,8 @@ struct References {
 
 /// The user's file; or, ranked by a pilot run, pictures rendered with the best sampler and, if that one is in the
 /// campaign, with the second best, which then judges it: no sampler is judged by its own samples. Two references that
-/// contradict each other (bias check) are replaced by ones of stock's samplers. Rendered ones are kept in a file
+/// contradict each other (bias check) are replaced by ones of stock's samplers; two that differ more than their noise
+/// explains are named in the notes. Rendered ones are kept in a file
 /// <scene>.reference-<hash>.exr beside the scene (in the output folder if that is not writable) and found there again.
 /// Finished parts survive an interruption. Nothing: cancelled. Throws UserError.
 std::optional<References> MakeReferences(const CampaignSettings &settings, const LabScene &scene,

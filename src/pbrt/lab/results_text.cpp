@@ -166,42 +166,37 @@ void AddToJson(const CampaignResults &results, Json *json) {
 }
 
 std::string SummaryCsv(const CampaignResults &results) {
-    std::string text =
-        "sampler,samples,seconds,cpuSeconds,relL2,relL2StandardError,relL2Trimmed,MSE,MRSE,MAE,SMAPE,FLIP,efficiency,"
-        "speedUp,speedUpAgainst,ratioToOracle,prepassSeconds,buildSeconds,renderSeconds,preparationShare,"
+    std::string text = "sampler,samples,seconds,cpuSeconds";
+    for (const char *name : MeasureNames) text += fmt::format(",{0},{0}StandardError", name);
+    text +=
+        ",efficiency,speedUp,speedUpAgainst,ratioToOracle,prepassSeconds,buildSeconds,renderSeconds,preparationShare,"
         "cpuSecondsPerSample,relativeCost,leaves,bytes,shadowRays,blockedShare,biasVerdict,biasPValue\n";
     auto number = [](const std::optional<double> &v) { return v ? fmt::format("{:.9g}", *v) : std::string(); };
     for (const SamplerResult &s : results.samplers) {
         const Overhead o = OverheadOf(s);
-        auto mean = [&](Measure m) { return number(Of(s, m).mean); };
-        const std::vector<std::string> fields = {Quoted(s.choice.label),
-                                                 number(s.samples),
-                                                 number(s.seconds),
-                                                 number(s.cpuSeconds),
-                                                 mean(Measure::RelL2),
-                                                 number(Of(s, Measure::RelL2).standardError),
-                                                 mean(Measure::RelL2Trimmed),
-                                                 mean(Measure::MSE),
-                                                 mean(Measure::MRSE),
-                                                 mean(Measure::MAE),
-                                                 mean(Measure::SMAPE),
-                                                 mean(Measure::FLIP),
-                                                 number(s.efficiency),
-                                                 number(s.speedUp),
-                                                 Quoted(s.speedUpAgainst),
-                                                 number(s.ratioToOracle),
-                                                 number(o.prepass),
-                                                 number(o.build),
-                                                 number(o.render),
-                                                 number(s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0),
-                                                 number(s.cpuPerSample),
-                                                 number(s.relativeCost),
-                                                 number(ReportMean(s, {"leaves"})),
-                                                 number(ReportMean(s, {"bytes"})),
-                                                 number(s.shadowRays),
-                                                 number(s.blockedShare),
-                                                 BiasVerdictName(s.bias.verdict),
-                                                 number(s.bias.pValue)};
+        std::vector<std::string> fields = {Quoted(s.choice.label), number(s.samples), number(s.seconds),
+                                           number(s.cpuSeconds)};
+        for (const Summary &m : s.measures) {
+            fields.push_back(number(m.mean));
+            fields.push_back(m.count > 1 ? number(m.standardError) : std::string());
+        }
+        for (const std::string &field : {number(s.efficiency),
+                                         number(s.speedUp),
+                                         Quoted(s.speedUpAgainst),
+                                         number(s.ratioToOracle),
+                                         number(o.prepass),
+                                         number(o.build),
+                                         number(o.render),
+                                         number(s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0),
+                                         number(s.cpuPerSample),
+                                         number(s.relativeCost),
+                                         number(ReportMean(s, {"leaves"})),
+                                         number(ReportMean(s, {"bytes"})),
+                                         number(s.shadowRays),
+                                         number(s.blockedShare),
+                                         std::string(BiasVerdictName(s.bias.verdict)),
+                                         number(s.bias.pValue)})
+            fields.push_back(field);
         text += fmt::format("{}\n", fmt::join(fields, ","));
     }
     return text;

@@ -45,7 +45,7 @@ SamplerChoice ParseOne(const std::string &text, const LightSamplerRegistry &regi
                             text, suffix));
         at = end;
     }
-    ReadLightSamplerSpec(ParamSet(), choice.lightSampler, choice.meshLights, registry);
+    ReadLightSamplerSpec(ParamSet(), choice.lightSampler, choice.meshLights, registry, "--samplers");
     if (!choice.gate.empty()) ReadShadowGateSpec(ParamSet(), choice.gate, registry);
     return choice;
 }

@@ -410,6 +410,25 @@ TEST_F(Campaign, BiasedSamplerIsFoundAndNeverWins) {
     EXPECT_EQ(outcome->results.at("notes").size(), 1u);
 }
 
+// Power and bvh spend half of their samples on a lamp behind the wall. Uniform meets a lamp that matters twice in 4,002
+// samples: in most pixels never, and its few hits are thousands of times too bright.
+TEST_F(Campaign, SamplerOfRareHitsIsNotTakenForAQuietOne) {
+    std::string scene = kScene;
+    scene.resize(scene.find("LightSource"));
+    for (const char *x : {"-1", "1"})
+        scene += fmt::format("LightSource \"point\" \"point3 from\" [ {} 0 0 ] \"rgb I\" [ 4 4 4 ]\n", x);
+    for (int i = 0; i < 4000; ++i)
+        scene += fmt::format("LightSource \"point\" \"point3 from\" [ 0 9 {} ] \"rgb I\" [ 1e-6 1e-6 1e-6 ]\n", i);
+    scene += "Shape \"bilinearmesh\" \"point3 P\" [ 0 -2 -9  0 -2 9  0 2 -9  0 2 9 ]\n"
+             "Shape \"bilinearmesh\" \"point3 P\" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]\n";
+    std::ofstream(folder_ / "scene.pbrt") << scene;
+    ASSERT_TRUE(Run(Settings("out", {"uniform", "power"})));
+    const Json pilot = ReadJson(folder_ / "out/records/pilot.json");
+    ASSERT_EQ(pilot.size(), 3u);
+    EXPECT_EQ(pilot.at(2).at("sampler"), "uniform") << pilot.dump();
+    EXPECT_GT(pilot.at(2).at("variance").get<double>(), 10 * pilot.at(1).at("variance").get<double>());
+}
+
 TEST_F(Campaign, MistakesAreFoundBeforeAnythingIsRendered) {
     EXPECT_THROW(ParseSamplerChoices({"uniform", "uniform"}, registry_), UserError);
     try {

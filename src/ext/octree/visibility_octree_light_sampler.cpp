@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "ext/octree/prepass_effort.h"
 #include "ext/octree/visibility_records.h"
 #include "pbrt/bxdfs/bsdf.h"
 
@@ -25,15 +26,14 @@ VisibilityOctreeLightSampler::~VisibilityOctreeLightSampler() = default;
 
 double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context) const {
     if (params_.prepassspp > 0) return params_.prepassspp;
-    // A render's sample costs about two rays a vertex, a prepass vertex one ray and its tries.
-    const auto pixels = static_cast<double>(std::max<int64_t>(1, context.pixelBounds.Area()));
-    const double tries = static_cast<double>(TriesPerRecord(groups_.Size(), params_.tries));
-    const double depth = std::min(params_.depth, std::max(1, context.maxDepth));
-    const double byBudget = static_cast<double>(params_.budget) * context.samplesPerPixel * 2 / (1 + tries);
-    // Short renders may spend some more, as far as that is needed to know anything.
-    constexpr double kFewest = 2000, kLargestFactor = 3, kMostTries = 4e6;
-    const double fewest = std::min(kFewest / (pixels * depth), kLargestFactor * byBudget);
-    return std::clamp(byBudget, fewest, std::max(kMostTries / (pixels * depth * tries), 1e-9));
+    PrepassEffort effort;
+    effort.lights = groups_.Size();
+    effort.triesPerVertex = TriesPerRecord(groups_.Size(), params_.tries);
+    effort.depth = std::min(params_.depth, std::max(1, context.maxDepth));
+    effort.pixels = static_cast<double>(std::max<int64_t>(1, context.pixelBounds.Area()));
+    effort.samplesPerPixel = context.samplesPerPixel;
+    effort.budget = static_cast<double>(params_.budget);
+    return effort.PathsPerPixel();
 }
 
 void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {

@@ -93,14 +93,14 @@ void TakeParams(const ParamSet &integrator, const std::string &name, const std::
 }  // namespace
 
 LightSamplerSpec ReadLightSamplerSpec(const ParamSet &integrator, const std::string &commandLine, bool meshLightsFlag,
-                                      const LightSamplerRegistry &registry) {
+                                      const LightSamplerRegistry &registry, const char *flag) {
     LightSamplerSpec spec;
     std::string name = integrator.GetString("lightsampler", "bvh");
     spec.entry = &registry.Find(name, integrator.LocOf("lightsampler"));
     spec.meshLights = registry.HasMeshGrouping() && integrator.GetBool("meshlights", false);
     ParamSet added;
     auto find = [&](const std::string &n, const FileLoc &loc) -> const auto & { return registry.Find(n, loc); };
-    if (!commandLine.empty()) spec.entry = &CommandLineSpec("--lightsampler", commandLine).Read(find, &added);
+    if (!commandLine.empty()) spec.entry = &CommandLineSpec(flag, commandLine).Read(find, &added);
 
     spec.params = ParamSet(fmt::format("light sampler \"{}\"", spec.entry->name), integrator.LocOf("lightsampler"));
     // Keys of samplers that are registered but not chosen are accepted, so that --lightsampler can switch.

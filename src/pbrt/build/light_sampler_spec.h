@@ -24,9 +24,9 @@ struct ShadowGateSpec {
 
 /// Reads `"string lightsampler"`, `"bool meshlights"` and `name.key` parameters of an integrator. `commandLine` is
 /// "name[:key=value,...]" or empty; it beats the scene: its name replaces the scene's, its keys are added to the scene's
-/// keys for the same sampler. Unknown names, keys and unreadable values: UserError.
+/// keys for the same sampler. Unknown names, keys and unreadable values: UserError, at `flag`.
 LightSamplerSpec ReadLightSamplerSpec(const ParamSet &integrator, const std::string &commandLine, bool meshLightsFlag,
-                                      const LightSamplerRegistry &registry);
+                                      const LightSamplerRegistry &registry, const char *flag = "--lightsampler");
 
 /// The same for `"string shadowgate"` and --shadow-gate; "none" is no gate.
 ShadowGateSpec ReadShadowGateSpec(const ParamSet &integrator, const std::string &commandLine, const LightSamplerRegistry &registry);

@@ -6,6 +6,8 @@
 #include <iostream>
 #include <sstream>
 
+#include "pbrt/cmd/number_checks.h"
+
 namespace pbrt {
 
 namespace {
@@ -85,14 +87,14 @@ LightlabCommandLine ParseInspect(int argc, const char *const *argv) {
     app.add_flag("--mesh", inspect.build.meshLights, "an emissive mesh is one light");
     app.add_option("--out", inspect.outFolder, "folder (inspect-<sampler>)");
     app.add_option("--divisor", inspect.build.film.resolutionDivisor, "divides the resolution")
-        ->check(CLI::PositiveNumber);
-    CLI::Option *depth = app.add_option("--maxdepth", maxDepth, "of the paths")->check(CLI::NonNegativeNumber);
+        ->check(PositiveNumber);
+    CLI::Option *depth = app.add_option("--maxdepth", maxDepth, "of the paths")->check(NonNegativeNumber);
     CLI::Option *seedOption = app.add_option("--seed", seed, "of the preparation");
     app.add_option("--samples", inspect.settings.samples, "light samples per light and pixel (32)")
-        ->check(CLI::PositiveNumber);
+        ->check(PositiveNumber);
     app.add_option("--lights", inspect.settings.shownLights, "pictures of measured visibility (16)")
-        ->check(CLI::NonNegativeNumber);
-    app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(CLI::NonNegativeNumber);
+        ->check(NonNegativeNumber);
+    app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(NonNegativeNumber);
     app.add_flag("--quiet", o.quiet, "no progress and no warnings");
     parser.Parse(argc - 2, argv + 2, [] {});
     if (*depth) inspect.build.maxDepth = maxDepth;
@@ -167,24 +169,24 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
     const char *effort = "Effort";
     CLI::Option *time =
         app.add_option("--time", c.timeBudget, "seconds for every sampler and seed, preparation included")
-            ->check(CLI::PositiveNumber)
+            ->check(PositiveNumber)
             ->group(effort);
     CLI::Option *spp = app.add_option("--spp", c.samplesPerPixel, "samples per pixel for every sampler and seed (64)")
-                           ->check(CLI::PositiveNumber)
+                           ->check(PositiveNumber)
                            ->group(effort);
     CLI::Option *seedsOption = app.add_option("--seeds", c.seeds, "independent runs of every sampler (3)")
-                                   ->check(CLI::PositiveNumber)
+                                   ->check(PositiveNumber)
                                    ->group(effort);
-    app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(CLI::NonNegativeNumber)->group(effort);
+    app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(NonNegativeNumber)->group(effort);
     time->excludes(spp);
 
     const char *scene = "Scene";
     CLI::Option *depth = app.add_option("--maxdepth", maxDepth, "scattering events per path (the scene's)")
-                             ->check(CLI::NonNegativeNumber)
+                             ->check(NonNegativeNumber)
                              ->group(scene);
     app.add_flag("--direct", direct, "direct light only: --maxdepth 1")->group(scene)->excludes(depth);
     CLI::Option *divisorOption = app.add_option("--divisor", c.resolutionDivisor, "divides the resolution (1)")
-                                     ->check(CLI::PositiveNumber)
+                                     ->check(PositiveNumber)
                                      ->group(scene);
 
     const char *reference = "Reference";
@@ -192,7 +194,7 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
         app.add_option("--reference", c.referenceFile, "picture to compare with instead of rendering one")
             ->group(reference);
     app.add_option("--reference-spp", c.referenceSamples, "samples per pixel of a rendered reference")
-        ->check(CLI::PositiveNumber)
+        ->check(PositiveNumber)
         ->group(reference)
         ->excludes(file);
 

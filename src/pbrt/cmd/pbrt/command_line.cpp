@@ -5,6 +5,8 @@
 #include <iostream>
 #include <map>
 
+#include "pbrt/cmd/number_checks.h"
+
 namespace pbrt {
 
 namespace {
@@ -69,10 +71,10 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     app.add_option("--mse-reference-out", o.build.mseReferenceOut, "file for the \"spp, mse\" lines of that comparison")->group(image);
 
     const char *effort = "Effort";
-    CLI::Option *sppOption = app.add_option("--spp", spp, "samples per pixel; beats the scene's sampler")->check(CLI::PositiveNumber)->group(effort);
-    app.add_option("--time", o.timeBudget, "render for this many seconds, preprocessing included, whatever --spp says")->check(CLI::PositiveNumber)->group(effort);
+    CLI::Option *sppOption = app.add_option("--spp", spp, "samples per pixel; beats the scene's sampler")->check(PositiveNumber)->group(effort);
+    app.add_option("--time", o.timeBudget, "render for this many seconds, preprocessing included, whatever --spp says")->check(PositiveNumber)->group(effort);
     CLI::Option *seedOption = app.add_option("--seed", seed, "seed of the pixel sampler (0)")->group(effort);
-    app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(CLI::NonNegativeNumber)->group(effort);
+    app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(NonNegativeNumber)->group(effort);
     app.add_flag("--quick", o.build.quick, "a quarter of the resolution, one sample per pixel")->group(effort);
 
     const char *lights = "Light selection";
@@ -83,12 +85,12 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
 
     const char *method = "Method";
     app.add_option("--integrator", o.build.integrator, "use this integrator instead of the scene's (path, simplepath, ...)")->group(method);
-    CLI::Option *depthOption = app.add_option("--maxdepth", maxDepth, "scattering events per path; 1: direct light only")->check(CLI::NonNegativeNumber)->group(method);
+    CLI::Option *depthOption = app.add_option("--maxdepth", maxDepth, "scattering events per path; 1: direct light only")->check(NonNegativeNumber)->group(method);
     app.add_flag("--disable-pixel-jitter", o.build.disablePixelJitter, "sample pixel centres only")->group(method);
     app.add_flag("--disable-wavelength-jitter", o.build.disableWavelengthJitter, "the same wavelengths for every sample")->group(method);
     app.add_flag("--disable-texture-filtering", o.build.disableTextureFiltering, "point-sample all textures")->group(method);
-    app.add_option("--displacement-edge-scale", o.build.displacementEdgeScale, "multiplies the \"edgelength\" of displaced meshes")->check(CLI::PositiveNumber)->group(method);
-    app.add_option("--texture-cache-mb", o.build.textureCacheMb, "memory for image textures; the rest is kept in a temporary folder (0: all in memory)")->check(CLI::NonNegativeNumber)->group(effort);
+    app.add_option("--displacement-edge-scale", o.build.displacementEdgeScale, "multiplies the \"edgelength\" of displaced meshes")->check(PositiveNumber)->group(method);
+    app.add_option("--texture-cache-mb", o.build.textureCacheMb, "memory for image textures; the rest is kept in a temporary folder (0: all in memory)")->check(NonNegativeNumber)->group(effort);
     app.add_option("--render-coord-sys", o.build.renderCoordSys, "camera, cameraworld (default) or world")->check(CLI::IsMember({"camera", "cameraworld", "world"}))->group(method);
 
     const char *messages = "Messages";

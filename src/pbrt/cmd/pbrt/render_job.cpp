@@ -172,8 +172,6 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
         };
     result = RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
     write();
-    if (built.film->RejectedSamples() > 0)
-        LogWarning(fmt::format("{} samples were not finite and were dropped.", built.film->RejectedSamples()));
     if (result.cancelled) LogInfo("Interrupted: the image holds what was rendered.");
     LogInfo(fmt::format("Wrote {} ({} samples per pixel, {:.2f} s).", filename, result.samplesTaken, result.seconds));
     if (options.stats) PrintStatistics(built, result, timings);

@@ -1,6 +1,7 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "../pbrt/program.h"
@@ -90,13 +91,17 @@ TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
          {"scene.pbrt --samplers bvh,bvh", {"bvh", "twice"}},
          {"scene.pbrt --samplers bvh+mush", {"+mush", "+mesh"}},
          {"scene.pbrt --time 1 --spp 2", {"--time", "--spp"}},
-         {"scene.pbrt --spp 0", {"--spp", "--help"}},
+         {"scene.pbrt --spp 0", {"--spp: 0 is not more than 0", "--help"}},
+         {"scene.pbrt --seeds two", {"--seeds", "two"}},
+         {"scene.pbrt --nthreads -1", {"--nthreads: -1 is less than 0"}},
+         {"scene.pbrt --samplers uniform,octree:leaves=0", {"octree.leaves", "64 to"}},
          {"scene.pbrt --crops 1,2,3", {"--crops", "1,2,3"}},
          {"scene.pbrt --crops 0,0,99,9 --samplers bvh", {"--crops", "32 x 24"}},
          {"scene.pbrt --reference none.exr --samplers bvh", {"none.exr"}},
          {"scene.pbrt --samples-from sweep.txt", {"sweep.txt", "results.json"}},
          {"nosuch.pbrt --samplers bvh", {"nosuch.pbrt"}},
          {"", {"scene"}}});
+    EXPECT_FALSE(std::filesystem::exists(Path("scene-lab")));
 }
 
 TEST_F(Lightlab, HelpNamesEveryFlag) {

@@ -10,11 +10,11 @@
 
 namespace pbrt::test {
 
-Rendered RenderScene(const RenderRequest &request) {
-    DiagnosticSink sink;
-    SceneDescription description = ParseSceneFiles({request.file}, sink);
+namespace {
+
+Rendered Render(SceneDescription description, const BuildOptions &options, bool floatFilm, DiagnosticSink &sink) {
     sink.ThrowIfErrors();
-    if (request.floatFilm) {
+    if (floatFilm) {
         Param p;
         p.type = ParamType::Bool;
         p.name = "savefp16";
@@ -22,7 +22,7 @@ Rendered RenderScene(const RenderRequest &request) {
         description.film.params.Add(p);
     }
     Progress progress;
-    BuiltScene built = BuildScene(description, request.build, AllSamplers(), sink, progress);
+    BuiltScene built = BuildScene(description, options, AllSamplers(), sink, progress);
     PrepareContext prepare{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), built.seed,
                            built.samplesPerPixel, built.maxDepth, progress};
     built.integrator->Prepare(prepare);
@@ -38,6 +38,20 @@ Rendered RenderScene(const RenderRequest &request) {
     out.diagnostics = sink.All();
     if (built.integrator->Lights()) built.integrator->Lights()->Report(out.lightReport);
     return out;
+}
+
+}  // namespace
+
+Rendered RenderScene(const RenderRequest &request) {
+    DiagnosticSink sink;
+    SceneDescription description = ParseSceneFiles({request.file}, sink);
+    return Render(std::move(description), request.build, request.floatFilm, sink);
+}
+
+Rendered RenderText(const std::string &text, const BuildOptions &options) {
+    DiagnosticSink sink;
+    SceneDescription description = ParseSceneText(text, sink);
+    return Render(std::move(description), options, true, sink);
 }
 
 std::vector<double> TileMeans(const Image &image, int size) {

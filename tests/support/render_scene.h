@@ -23,6 +23,9 @@ struct Rendered {
 /// Reads, builds and renders in this process; throws UserError. All light samplers of the build are registered.
 Rendered RenderScene(const RenderRequest &request);
 
+/// The same of a scene as text.
+Rendered RenderText(const std::string &text, const BuildOptions &options = {});
+
 /// Means over tiles of `size` pixels (the last ones may be smaller), R, G, B interleaved, row-major.
 std::vector<double> TileMeans(const Image &image, int size);
 

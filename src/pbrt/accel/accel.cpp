@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <bit>
+#include <set>
 
 #include "pbrt/core/error.h"
 #include "pbrt/math/rng.h"
@@ -61,6 +62,8 @@ void AlphaFilter(const RTCFilterFunctionNArguments *args) {
     if (!StopsRay(g, args->context, ray, hit.primID, {ray.tfar, hit.u, hit.v})) args->valid[0] = 0;
 }
 
+void IgnoreHit(const RTCFilterFunctionNArguments *args) { args->valid[0] = 0; }
+
 /// Nearest hit that stops the ray, through Shape::Intersect.
 std::optional<PrimitiveHit> NearestHit(const Geometry &g, const RTCIntersectContext *context, const RTCRay &ray,
                                        uint32_t primitive) {
@@ -104,6 +107,8 @@ void UserOccluded(const RTCOccludedFunctionNArguments *args) {
     RTCRay &ray = *reinterpret_cast<RTCRay *>(args->ray);
     if (NearestHit(g, args->context, ray, args->primID)) ray.tfar = -Infinity;
 }
+
+void NeverOccluded(const RTCOccludedFunctionNArguments *) {}
 
 bool CountMemory(void *counter, ssize_t bytes, bool) {
     static_cast<std::atomic<int64_t> *>(counter)->fetch_add(bytes, std::memory_order_relaxed);
@@ -196,6 +201,7 @@ struct Accel::Impl {
     std::vector<Group> objects;
     std::vector<Instance> instances;
     std::vector<Motion> motions;
+    std::set<uint32_t> shadowless;  ///< ids of shapes
     bool anyMoves = false;
     Float startTime = 0, endTime = 1;  ///< of all that moves
     bool committed = false;
@@ -260,6 +266,7 @@ struct Accel::Impl {
         if (!(geometry->constantAlpha && *geometry->constantAlpha >= 1)) geometry->alpha = alpha;
         if (shape.PrimitiveCount() == 0) return;
 
+        const bool casts = !shadowless.contains(id.value);
         RTCGeometry g = nullptr;
         if (shape.Kind() == ShapeKind::TriangleMesh) {
             g = NewTriangles(static_cast<const TriangleMesh &>(shape));
@@ -274,12 +281,13 @@ struct Accel::Impl {
             rtcSetGeometryBoundsFunction(
                 g, [](const RTCBoundsFunctionArguments *a) { UserBounds(a); }, nullptr);
             rtcSetGeometryIntersectFunction(g, UserIntersect);
-            rtcSetGeometryOccludedFunction(g, UserOccluded);
+            rtcSetGeometryOccludedFunction(g, casts ? UserOccluded : NeverOccluded);
         }
         rtcSetGeometryUserData(g, geometry.get());
-        if (geometry->alpha && geometry->hitsOnce) {
-            rtcSetGeometryIntersectFilterFunction(g, AlphaFilter);
-            rtcSetGeometryOccludedFilterFunction(g, AlphaFilter);
+        if (geometry->hitsOnce) {
+            if (geometry->alpha) rtcSetGeometryIntersectFilterFunction(g, AlphaFilter);
+            if (!casts) rtcSetGeometryOccludedFilterFunction(g, IgnoreHit);
+            else if (geometry->alpha) rtcSetGeometryOccludedFilterFunction(g, AlphaFilter);
         }
         Attach(group, g, std::move(geometry), -1);
     }
@@ -327,6 +335,8 @@ struct Accel::Impl {
 
 Accel::Accel(const Options &options) : impl_(std::make_unique<Impl>(options)) {}
 Accel::~Accel() = default;
+
+void Accel::LetShadowRaysThrough(ShapeId id) { impl_->shadowless.insert(id.value); }
 
 void Accel::AddShape(ShapeId id, const Shape &shape, const FloatTexture *alpha) {
     impl_->Add(impl_->top, id, shape, alpha);

@@ -35,6 +35,8 @@ class Accel {
     Accel(const Accel &) = delete;
     Accel &operator=(const Accel &) = delete;
 
+    /// Before the shape is added: Occluded will not see it, Intersect will.
+    void LetShadowRaysThrough(ShapeId id);
     /// Before Commit. `alpha` may be null. Shapes and textures must outlive the Accel.
     void AddShape(ShapeId id, const Shape &shape, const FloatTexture *alpha);
     /// Shapes of an object definition; returns its index.

@@ -172,7 +172,8 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
         Collect(sink, [&] { built.textures->Define(t.name, t.isSpectrum, t.type, t.params, renderFromWorld * t.ctm.start); });
 
     if (options.displacementEdgeScale) d.options.displacementEdgeScale = options.displacementEdgeScale;
-    GeometryBuilder geometry(d, renderFromWorld, *built.textures, sink);
+    GeometryBuilder geometry(d, renderFromWorld, !SeesThroughInterfaces(IntegratorType(d.integrator, options)),
+                             *built.textures, sink);
     geometry.BuildMaterials();
     built.textures->CheckAll();
 

@@ -31,11 +31,6 @@ void CheckSupported(const SceneDescription &d, const BuildOptions &options, Diag
     if (options.integrator.empty())
         check.Type("Integrator", d.integrator, UnsupportedIntegrators(), " --integrator path renders the scene by path tracing.");
     for (const MediumEntity &m : d.media) check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));
-    // volpath sees through interface surfaces when it looks for lights; path, which stands in for it, does not.
-    if (options.integrator.empty() && d.integrator.type == "volpath")
-        for (const MaterialEntity &m : d.materials)
-            if (m.type == "interface" || m.type.empty() || m.type == "none")
-                check.NotBuilt(m.loc, "Integrator \"volpath\" with Material \"interface\"");
     auto shape = [&](const ShapeEntity &s) {
         check.Type("Shape", s, UnsupportedShapes());
         if (s.type == "curve" && s.areaLight >= 0)

@@ -23,9 +23,10 @@ Displacement MakeDisplacement(const FloatTexturePtr &height, Float edgeScale) {
 
 }  // namespace
 
-GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, TextureLibrary &textures,
-                                 DiagnosticSink &sink)
-    : description_(description), renderFromWorld_(renderFromWorld), textures_(textures), sink_(sink) {
+GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld,
+                                 bool interfacesBlock, TextureLibrary &textures, DiagnosticSink &sink)
+    : description_(description), renderFromWorld_(renderFromWorld), interfacesBlock_(interfacesBlock),
+      textures_(textures), sink_(sink) {
     parts_.accel = std::make_unique<Accel>();
     parts_.lights = std::make_unique<LightTable>();
     work_.reserve(description_.shapes.size());
@@ -182,6 +183,7 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
                 if (i == 0) record.firstLight = light;
             }
         }
+        if (interface && !interfacesBlock_) parts_.accel->LetShadowRaysThrough(id);
         parts_.shapes.push_back(std::move(record));
         const ShapeRecord &kept = parts_.shapes.back();
         if (w.motion) moving.push_back(id);

@@ -14,7 +14,9 @@ namespace pbrt {
 /// Materials, shapes, area lights, objects and instances of a description. Mistakes are collected in the sink.
 class GeometryBuilder {
   public:
-    GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, TextureLibrary &textures, DiagnosticSink &sink);
+    /// `interfacesBlock`: interface surfaces stop shadow rays.
+    GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, bool interfacesBlock,
+                    TextureLibrary &textures, DiagnosticSink &sink);
 
     void BuildMaterials();
     /// Reads and transforms all shapes (in parallel), then registers them in file order.
@@ -55,6 +57,7 @@ class GeometryBuilder {
 
     SceneDescription &description_;
     Transform renderFromWorld_;
+    bool interfacesBlock_;
     TextureLibrary &textures_;
     DiagnosticSink &sink_;
     SceneParts parts_;

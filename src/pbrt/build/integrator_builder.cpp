@@ -18,14 +18,20 @@ const std::vector<std::string> &UnsupportedIntegrators() {
     return names;
 }
 
+const std::string &IntegratorType(const Entity &entity, const BuildOptions &options) {
+    return options.integrator.empty() ? entity.type : options.integrator;
+}
+
+bool SeesThroughInterfaces(const std::string &integrator) { return integrator == "volpath"; }
+
 BuiltIntegrator MakeIntegrator(const Entity &entity, const BuildOptions &options, const LightSamplerRegistry &registry,
                                const IntegratorContext &context, const ColorSpace &filmSpace, DiagnosticSink &sink) {
     BuiltIntegrator built;
     // --integrator leaves the scene's integrator parameters aside: they belong to another integrator.
     ParamSet fresh(fmt::format("Integrator \"{}\"", options.integrator), {});
-    const bool overridden = !options.integrator.empty() && options.integrator != entity.type;
+    const std::string &type = IntegratorType(entity, options);
+    const bool overridden = type != entity.type;
     const ParamSet &params = overridden ? fresh : entity.params;
-    const std::string &type = overridden ? options.integrator : entity.type;
     built.name = type;
 
     auto depth = [&] {
@@ -34,11 +40,12 @@ BuiltIntegrator MakeIntegrator(const Entity &entity, const BuildOptions &options
         if (maxDepth < 0) throw UserError(fmt::format("\"maxdepth\" is {}; it must not be negative.", maxDepth), params.LocOf("maxdepth"));
         return built.maxDepth = options.maxDepth.value_or(maxDepth);
     };
-    // volpath in a scene without media (which are not supported yet) is path.
+    // Without media (which are not supported yet) volpath is path that looks below and through surfaces.
     if (type == "path" || type == "volpath") {
         PathSettings settings;
         settings.maxDepth = depth();
         settings.regularize = params.GetBool("regularize", false);
+        settings.seesThroughInterfaces = SeesThroughInterfaces(type);
         settings.subsurface = type == "volpath" && context.scene.HasSubsurface();
         LightSamplerSpec spec = ReadLightSamplerSpec(params, options.lightSampler, options.meshLights, registry);
         built.lightSamplerName = spec.Label();

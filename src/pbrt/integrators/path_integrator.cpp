@@ -83,7 +83,7 @@ SampledSpectrum PathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lamb
         Bsdf &bsdf = bsdfs[current];
         bsdf = ComputeBsdf(scene, point, lambda);
         if (!bsdf) {
-            lightCouldSample = false;
+            if (!settings_.seesThroughInterfaces) lightCouldSample = false;
             path.PassThrough(point);
             continue;
         }

@@ -11,6 +11,9 @@ struct PathSettings {
     int maxDepth = 5;         ///< scattering events; 0: emission only, 1: direct light
     bool regularize = false;  ///< roughen specular lobes after the first non-specular bounce
     bool subsurface = false;  ///< follow light below surfaces (volpath; to path they are clear dielectrics, as in stock)
+    /// Light sampling looks through interface surfaces (volpath, over a scene whose shadow rays pass them; to path they
+    /// block shadow rays, as in stock).
+    bool seesThroughInterfaces = false;
 };
 
 /// Unidirectional path tracing with next-event estimation; BSDF and light sampling combined by the power heuristic.

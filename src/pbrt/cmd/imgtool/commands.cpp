@@ -10,9 +10,14 @@
 namespace pbrt::imgtool {
 
 std::vector<std::string> SplitChannels(const std::string &list) {
-    std::vector<std::string> names = CLI::detail::split(list, ',');
-    for (const std::string &name : names)
-        if (name.empty()) throw UserError(fmt::format("--channels {}: a channel name is empty.", list));
+    std::vector<std::string> names;
+    auto digit = [](char c) { return c >= '0' && c <= '9'; };
+    for (const std::string &part : CLI::detail::split(list, ',')) {
+        if (part.empty()) throw UserError(fmt::format("--channels {}: a channel name is empty.", list));
+        // A comma between digits belongs to a wavelength of the spectral film.
+        if (!names.empty() && digit(names.back().back()) && digit(part[0])) names.back() += ',' + part;
+        else names.push_back(part);
+    }
     return names;
 }
 

@@ -28,7 +28,7 @@ void AddScalenormalmap(CLI::App &app, Action &action);
 void AddMakeequiarea(CLI::App &app, Action &action);
 void AddMakesky(CLI::App &app, Action &action);
 
-/// "R,G,B" -> the names. Throws UserError if a name is empty.
+/// "R,G,B" -> the names, of which those with a wavelength may hold a comma. Throws UserError if a name is empty.
 std::vector<std::string> SplitChannels(const std::string &list);
 /// Indices of the channels R, G, B. Throws UserError if one is missing.
 std::array<int, 3> RgbChannels(const Image &image, const std::string &path);

@@ -50,6 +50,42 @@ int CompareOnRandomRays(const Accel &accel, const Shapes &shapes, const std::vec
     return hits;
 }
 
+TEST(Accel, ShadowRaysPassWhatTheyAreLetThrough) {
+    Shapes shapes = test::EveryKind(Transform());
+    const auto last = static_cast<uint32_t>(shapes.size() - 1);
+    Accel direct, instanced;
+    std::vector<ShapeId> ids;
+    std::vector<const Shape *> pointers;
+    for (uint32_t i = 0; i <= last; ++i) {
+        for (Accel *a : {&direct, &instanced})
+            if (i != last) a->LetShadowRaysThrough(ShapeId(i));
+        ids.emplace_back(i);
+        pointers.push_back(shapes[i].get());
+        direct.AddShape(ids[i], *pointers[i], nullptr);
+    }
+    const int object = instanced.AddObject(ids, pointers, std::vector<const FloatTexture *>(ids.size()));
+    instanced.AddInstance(object, Transform());
+    const Accel *accels[] = {&direct, &instanced};
+    direct.Commit();
+    instanced.Commit();
+    Shapes blocking;
+    blocking.push_back(std::move(shapes[last]));
+    Rng rng(5);
+    const Bounds3 b = direct.Bounds();
+    std::vector<int> met(last + 1);
+    for (int i = 0; i < 4000; ++i) {
+        Ray ray;
+        for (int k = 0; k < 3; ++k) ray.o[k] = Lerp(2 * rng.Uniform() - .5f, b.low[k], b.high[k]);
+        for (int k = 0; k < 3; ++k) ray.d[k] = Lerp(rng.Uniform(), b.low[k], b.high[k]) - ray.o[k];
+        const bool blocked = test::SlowIntersect(blocking, {{-1, Transform()}}, ray).has_value();
+        for (const Accel *accel : accels) {
+            EXPECT_EQ(accel->Occluded(ray), blocked) << i;
+            if (auto hit = accel->Intersect(ray)) ++met[hit->shape.value];
+        }
+    }
+    for (int count : met) EXPECT_GT(count, 100);
+}
+
 TEST(Accel, AgreesWithTheSlowTwinForEveryKind) {
     Shapes shapes = test::EveryKind(Transform());
     Accel accel;

@@ -1,8 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <map>
 
 #include "pbrt/bxdfs/fresnel.h"
@@ -21,17 +19,6 @@ std::string Scene(const std::string &world, const std::string &integrator = "vol
            "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\nPixelFilter \"box\"\n"
            "Sampler \"independent\" \"integer pixelsamples\" " + std::to_string(samples) +
            "\nIntegrator \"" + integrator + "\" \"integer maxdepth\" 20\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n" + world;
-}
-
-Rendered RenderText(const std::string &text) {
-    const std::filesystem::path file =
-        std::filesystem::path(testing::TempDir()) / ("subsurface_" + std::to_string(getpid()) + ".pbrt");
-    std::ofstream(file) << text;
-    RenderRequest request;
-    request.file = file;
-    Rendered rendered = RenderScene(request);
-    std::filesystem::remove(file);
-    return rendered;
 }
 
 /// Of the green channel over pixels.

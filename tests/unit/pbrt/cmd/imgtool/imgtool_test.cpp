@@ -175,6 +175,9 @@ TEST_F(Imgtool, ConvertChangesColours) {
     const Image blueRed = converted("--channels B,R");
     EXPECT_EQ(blueRed.ChannelCount(), 2);
     EXPECT_EQ(blueRed.Get(p, blueRed.FindChannel("B")), image.Get(p, 2));
+    Write("spectral.exr", 2, 2, {"S0.450,000nm", "S0.550,000nm", "S0.650,000nm"});
+    ASSERT_EQ(Run("convert spectral.exr --outfile s.exr --channels S0.650,000nm,S0.450,000nm").status, 0);
+    EXPECT_EQ(ReadImage(Path("s.exr")).image.ChannelCount(), 2);
     const Image grey = converted("--bw");
     EXPECT_EQ(grey.ChannelCount(), 1);
     EXPECT_FLOAT_EQ(grey.Get(p, 0), (image.Get(p, 0) + image.Get(p, 1) + image.Get(p, 2)) / 3);

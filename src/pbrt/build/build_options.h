@@ -20,6 +20,7 @@ struct BuildOptions {
     std::optional<Float> displacementEdgeScale;  ///< --displacement-edge-scale; empty: the scene's or 1
     std::string renderCoordSys;       ///< camera, cameraworld, world; empty: the scene's or cameraworld
     bool disableTextureFiltering = false;
+    bool forceDiffuse = false;        ///< --force-diffuse
     int textureCacheMb = 0;           ///< --texture-cache-mb; 0: all images in memory
     bool disablePixelJitter = false, disableWavelengthJitter = false;
     std::string mseReferenceImage, mseReferenceOut;  ///< empty: the scene's Option, if any

@@ -43,7 +43,9 @@ void CheckAccelerator(const Entity &accelerator, DiagnosticSink &sink) {
     const ParamSet &p = accelerator.params;
     if (accelerator.type == "bvh") {
         p.GetInt("maxnodeprims", 4);
-        p.GetString("splitmethod", "sah");
+        static const std::vector<std::string> kMethods = {"sah", "hlbvh", "middle", "equal"};
+        if (std::string m = p.GetString("splitmethod", "sah"); std::find(kMethods.begin(), kMethods.end(), m) == kMethods.end())
+            sink.Warning(p.LocOf("splitmethod"), fmt::format("split method \"{}\" is unknown; {}.", m, ListChoices(m, kMethods)));
     } else if (accelerator.type == "kdtree") {
         for (const char *name : {"intersectcost", "traversalcost", "maxprims", "maxdepth"}) p.GetInt(name, 0);
         p.GetFloat("emptybonus", 0.5f);
@@ -171,6 +173,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     for (TextureEntity &t : d.textures)
         Collect(sink, [&] { built.textures->Define(t.name, t.isSpectrum, t.type, t.params, renderFromWorld * t.ctm.start); });
 
+    if (options.forceDiffuse) d.options.forceDiffuse = true;
     if (options.displacementEdgeScale) d.options.displacementEdgeScale = options.displacementEdgeScale;
     GeometryBuilder geometry(d, renderFromWorld, !SeesThroughInterfaces(IntegratorType(d.integrator, options)),
                              *built.textures, sink);
@@ -194,8 +197,9 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     Float radius = 0;
     parts.accel->Bounds().BoundingSphere(&center, &radius);
     parts.lights->Finish(center, radius);
-    bool needsFootprints = !d.textures.empty() && !options.disableTextureFiltering && !d.options.disableTextureFiltering.value_or(false);
+    bool needsFootprints = !options.disableTextureFiltering && !d.options.disableTextureFiltering.value_or(false);
     built.scene = std::make_unique<Scene>(std::move(parts));
+    needsFootprints &= built.scene->NeedsFootprints();
     progress.EndPhase();
 
     IntegratorContext context{*built.scene, *built.camera, built.samplesPerPixel, needsFootprints};

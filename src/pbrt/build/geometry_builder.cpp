@@ -3,6 +3,7 @@
 #include "pbrt/build/motion.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/lights/light_factory.h"
+#include "pbrt/materials/forced_diffuse.h"
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/shape_factory.h"
 
@@ -44,6 +45,7 @@ GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform 
 
 void GeometryBuilder::BuildMaterials() {
     auto add = [&](MaterialPtr m) {
+        if (m && description_.options.forceDiffuse.value_or(false)) m = ForceDiffuse(std::move(m));
         parts_.materials.push_back(std::move(m));
         return MaterialId(parts_.materials.size() - 1);
     };

@@ -253,6 +253,8 @@ void DirectiveReader::SetOption(const std::string &name, const Token &token) {
         {"wavefront", &SceneOptions::wavefront}};
     if (auto found = kSwitches.find(name); found != kSwitches.end()) {
         options.*found->second = arguments_.ReadBool("a value of this option");
+        if (name == "pixelstats" && *options.pixelStats)
+            builder_.Sink().Warning(tokens_.Loc(token), "no images of statistics per pixel are written.");
     } else if (name == "displacementedgescale") {
         options.displacementEdgeScale = arguments_.ReadFloat("a number");
     } else if (name == "seed") {

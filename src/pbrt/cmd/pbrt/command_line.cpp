@@ -89,6 +89,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     app.add_flag("--disable-pixel-jitter", o.build.disablePixelJitter, "sample pixel centres only")->group(method);
     app.add_flag("--disable-wavelength-jitter", o.build.disableWavelengthJitter, "the same wavelengths for every sample")->group(method);
     app.add_flag("--disable-texture-filtering", o.build.disableTextureFiltering, "point-sample all textures")->group(method);
+    app.add_flag("--force-diffuse", o.build.forceDiffuse, "every surface is diffuse, with the reflectance that it has")->group(method);
     app.add_option("--displacement-edge-scale", o.build.displacementEdgeScale, "multiplies the \"edgelength\" of displaced meshes")->check(PositiveNumber)->group(method);
     app.add_option("--texture-cache-mb", o.build.textureCacheMb, "memory for image textures; the rest is kept in a temporary folder (0: all in memory)")->check(NonNegativeNumber)->group(effort);
     app.add_option("--render-coord-sys", o.build.renderCoordSys, "camera, cameraworld (default) or world")->check(CLI::IsMember({"camera", "cameraworld", "world"}))->group(method);

@@ -61,6 +61,7 @@ TEST_F(Flags, HelpNamesEveryFlagAndRendersNothing) {
                                  "--disable-pixel-jitter",
                                  "--disable-wavelength-jitter",
                                  "--disable-texture-filtering",
+                                 "--force-diffuse",
                                  "--render-coord-sys",
                                  "--quiet",
                                  "--stats"})

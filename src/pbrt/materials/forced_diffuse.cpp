@@ -1,0 +1,33 @@
+#include "pbrt/materials/forced_diffuse.h"
+
+#include "pbrt/bxdfs/albedo.h"
+#include "pbrt/materials/mix_material.h"
+
+namespace pbrt {
+
+namespace {
+
+class ForcedDiffuseMaterial final : public Material {
+  public:
+    explicit ForcedDiffuseMaterial(MaterialPtr original) : original_(std::move(original)) {}
+
+    Bsdf GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda) const override {
+        const Bsdf bsdf = original_->GetBsdf(point, lambda);
+        if (!bsdf) return bsdf;
+        const SampledSpectrum albedo = Clamp(EstimateAlbedo(bsdf, point.wo), 0, 1);
+        return Bsdf(point.shading.n, point.shading.dpdu, DiffuseBxdf(albedo));
+    }
+    void PerturbShading(SurfacePoint &point) const override { original_->PerturbShading(point); }
+
+  private:
+    MaterialPtr original_;
+};
+
+}  // namespace
+
+MaterialPtr ForceDiffuse(MaterialPtr material) {
+    if (material->IsInterface() || dynamic_cast<const MixMaterial *>(material.get())) return material;
+    return std::make_shared<ForcedDiffuseMaterial>(std::move(material));
+}
+
+}  // namespace pbrt

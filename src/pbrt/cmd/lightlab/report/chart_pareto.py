@@ -5,16 +5,30 @@ from matplotlib import pyplot as plt
 
 from chart_style import INK, PAPER, SOFT, log_ticks, name_of
 
+LAGGARD = 1 / 4  # of the median number of samples: who made fewer does not decide where all are compared
+
+
+def last_samples(s):
+    return max((c[-1][0] for c in s.curves("samples")), default=None)
+
 
 def points_of(results):
-    """(N, [(sampler, seconds, error)]) after N samples per pixel, N the most that each but the oracle made."""
-    last = [max((c[-1][0] for c in s.curves("samples")), default=None) for s in results.samplers]
-    reached = [n for s, n in zip(results.samplers, last) if n is not None and not s.isOracle]
+    """(N, [(sampler, seconds, error)]) after N samples per pixel, N the most that each but the oracle and laggards
+    made. Laggards stand where they ended."""
+    reached = sorted(n for n in (last_samples(s) for s in results.samplers if not s.isOracle) if n is not None)
     if not reached:
         return None, []
-    common = min(reached)
-    found = [(s, s.time_at(common), s.error_at("samples", common)) for s in results.samplers]
-    return common, [(s, t, e) for s, t, e in found if t and e]
+    common = next(n for n in reached if n >= LAGGARD * reached[len(reached) // 2])
+    points = []
+    for s in results.samplers:
+        n = last_samples(s)
+        at = common if n is None or n >= common or s.isOracle else n
+        points.append((s, s.time_at(at), s.error_at("samples", at)))
+    return common, [(s, t, e) for s, t, e in points if t and e]
+
+
+def samples_text(n):
+    return "1 sample" if n == 1 else f"{n:.4g} samples"
 
 
 def front_of(points):
@@ -54,11 +68,11 @@ def draw(results):
         ax.plot([t], [e], marker=s.marker, markersize=12 if s.marker == "*" else 9.5, linestyle="none",
                 markerfacecolor=s.colour if s.mayWin else PAPER, markeredgecolor=PAPER if s.mayWin else s.colour,
                 markeredgewidth=1.0 if s.mayWin else 1.8, zorder=4, gid=f"point-{s.index}")
-    place_names(figure, ax, points, list(zip(x, y)) if front else [])
-    ax.set_xlabel(f"wall seconds for {common:.4g} samples per pixel, preparation included")
+    place_names(figure, ax, points, list(zip(x, y)) if front else [], common)
+    ax.set_xlabel(f"wall seconds for {samples_text(common)} per pixel, preparation included")
     figure.text(0.02, 0.945, "Speed against accuracy", fontsize=11.5, fontweight="bold")
     figure.text(0.02, 0.897, fontsize=8.8, color=SOFT,
-                s=f"relL2 after {common:.4g} samples per pixel. Line: Pareto front. Dotted: equal error × time.")
+                s=f"relL2 after {samples_text(common)} per pixel. Line: Pareto front. Dotted: equal error × time.")
     return figure
 
 
@@ -73,7 +87,7 @@ def draw_diagonals(ax, limits):
                 zorder=1)
 
 
-def place_names(figure, ax, points, front):
+def place_names(figure, ax, points, front, common):
     """Beside the point, on the first of several sides where the name hits neither a point nor another name."""
     figure.canvas.draw()
     renderer = figure.canvas.get_renderer()
@@ -89,6 +103,8 @@ def place_names(figure, ax, points, front):
              (9, 15, "left", "bottom"), (9, -15, "left", "top")]
     for (s, t, e), mine in zip(points, list(boxes)):
         name = name_of(s) + (" (a floor, no competitor)" if s.isOracle else "")
+        if last_samples(s) < common:
+            name += f" (after {samples_text(last_samples(s))})"
         best = None
         for dx, dy, ha, va in sides:
             text = ax.annotate(name, (t, e), (dx, dy), textcoords="offset points", ha=ha, va=va, fontsize=9, color=INK,

@@ -184,6 +184,22 @@ class Reading(WithFolder):
             beaten = any(t2 < t and e2 < e for o, t2, e2 in points if o.mayWin)
             self.assertFalse(beaten and s.label in names, s.label)
 
+    def test_LaggardDoesNotDecideWhereAllAreCompared(self):
+        import chart_pareto
+        results = self.load()
+        bvh = next(s for s in results.samplers if s.label == "bvh")
+        for run_ in bvh.entry["runs"]:
+            del run_["rounds"][2:]
+        common, points = chart_pareto.points_of(results)
+        self.assertEqual(common, 64)
+        _, seconds, error = next(p for p in points if p[0] is bvh)
+        self.assertEqual((seconds, error), (bvh.time_at(2), bvh.error_at("samples", 2)))
+        uniform = next(s for s in results.samplers if s.label == "uniform")
+        for s in results.samplers:
+            for run_ in s.entry["runs"] if s is not uniform else []:
+                del run_["rounds"][5:]
+        self.assertEqual(chart_pareto.points_of(results)[0], 16)
+
     def test_LabelsNeverOverlapAndKeepTheirOrder(self):
         import chart_style
         for wanted in ([0.5, 0.5, 0.5, 0.52], [0.0, 0.01, 0.99, 1.0], [0.9] * 9, [0.3, 0.1]):

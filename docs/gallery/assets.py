@@ -1,5 +1,6 @@
-"""Files that the scenes of the gallery read: meshes, images, a lens. Written from formulas."""
+"""Files that the scenes of the gallery read: meshes, images, a BRDF, a lens. Written from formulas."""
 import math
+import struct
 
 
 def write_ply(file, vertices, faces):
@@ -101,6 +102,41 @@ def lobes(x, y):
     return (value,) * 3
 
 
+def write_tensors(file, fields):
+    """A tensor file as the database of measured BRDFs has it, of 32-bit floats."""
+    head = 18 + sum(2 + len(name) + 2 + 1 + 8 + 8 * a.ndim for name, a in fields)
+    out, body = b"tensor_file\0\1\0" + struct.pack("<I", len(fields)), b""
+    for name, a in fields:
+        out += struct.pack(f"<H{len(name)}sHBQ{a.ndim}Q", len(name), name.encode(), a.ndim, 10, head + len(body),
+                           *a.shape)
+        body += a.astype("<f4").tobytes()
+    file.write_bytes(out + body)
+
+
+def film_brdf():
+    """A rough metal under a film of 0.5 micrometres whose two reflections interfere, as if it had been measured. Half
+    vectors stand on an even grid of the square (`vndf` is 1), and `ndf` and `sigma` are such that `spectra` is the BRDF
+    times the cosine."""
+    import numpy as np
+    theta, wavelengths = np.linspace(0, 1.55, 16), np.linspace(360, 830, 48)
+    x, y = np.linspace(0, 1, 48)[None, None, :], np.linspace(0, 1, 24)[None, :, None]
+    t, half, phi = theta[:, None, None], x ** 2 * math.pi / 2, (2 * y - 1) * math.pi
+    h = np.stack(np.broadcast_arrays(np.sin(half) * np.cos(phi), np.sin(half) * np.sin(phi), np.cos(half)))
+    wo = np.stack(np.broadcast_arrays(np.sin(t), 0 * t, np.cos(t)))
+    cos_half = np.maximum((wo * h).sum(0), 0)
+    cos_in = np.maximum(2 * cos_half * h[2] - wo[2], 0)
+    alpha, index, thickness = .3, 1.4, 500
+    facets = alpha ** 2 / (math.pi * (h[2] ** 2 * (alpha ** 2 - 1) + 1) ** 2)
+    way = 2 * thickness * np.sqrt(index ** 2 - 1 + cos_half ** 2)
+    film = .03 + .9 * np.sin(math.pi * way[:, None] / wavelengths[None, :, None, None]) ** 2
+    value = film * (facets * cos_in / (4 * np.maximum(np.maximum(cos_in, wo[2]), 1e-3)))[:, None]
+    # Density of the sampled points: value by area of the square.
+    luminance = value.mean(1) * cos_half * x * np.sin(half) + 1e-5
+    return [("phi_i", np.zeros(1)), ("theta_i", theta), ("wavelengths", wavelengths), ("ndf", np.ones((2, 2))),
+            ("sigma", np.full((2, 2), .25)), ("vndf", np.ones((1, len(theta), 2, 2))), ("luminance", luminance[None]),
+            ("spectra", value[None])]
+
+
 LENS = """# A biconvex lens of 35 mm behind a stop: curvature radius, thickness, index, aperture diameter (mm)
 0 3 0 14
 36 6 1.517 20
@@ -115,4 +151,5 @@ def write_all(folder):
     for name, size, f in (("card", (128, 128), card), ("slide", (160, 120), slide), ("pillows", (256, 256), pillows),
                           ("lobes", (128, 128), lobes)):
         Image.fromarray(image(size, f), "RGB").save(folder / f"{name}.png")
+    write_tensors(folder / "film.bsdf", film_brdf())
     (folder / "lens.dat").write_text(LENS)

@@ -35,7 +35,7 @@ struct Alphas {
     Float x, y;
 };
 constexpr Alphas kAlphas[] = {{0.15f, 0.15f}, {0.2f, 0.7f}, {0.5f, 0.5f}, {1, 1}};
-constexpr Float kIndices[] = {1 / 2.4f, 1 / 1.5f, 1.3f, 1.5f, 2.4f};
+constexpr Float kIndices[] = {1 / 2.4f, 1 / 1.5f, 1.1f, 1.3f, 1.5f, 2.4f};
 
 /// Calls check(name, lobe) for every lobe that is not specular, over a grid of parameters.
 template <class Check>
@@ -68,10 +68,11 @@ TEST(Lobes, SamplesFollowTheirDensity) {
                     return s->wi;
                 };
                 auto pdf = [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, kRadiance, which); };
-                // Refraction at grazing angles has ridges that only a fine quadrature gets right.
-                double p = 0, mass = 0;
-                for (int quadrature : {16, 80})
-                    if (!(p > level)) p = test::DirectionTest(draw, pdf, 20000, quadrature, &mass);
+                // Refraction at grazing angles has ridges that only a fine quadrature gets right; the finest is for index
+                // 1.1, where all facets send light almost straight on.
+                double p = 0, mass = 2;
+                for (int quadrature : {16, 80, 320})
+                    if (!(p > level && mass <= 1.01)) p = test::DirectionTest(draw, pdf, 20000, quadrature, &mass);
                 EXPECT_GT(p, level) << name << " theta " << Degrees(SafeACos(wo.z)) << " sides " << int(which);
                 EXPECT_LE(mass, 1.01) << name;
             }

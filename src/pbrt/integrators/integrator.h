@@ -14,7 +14,7 @@ struct IntegratorContext {
     const Scene &scene;
     const Camera &camera;
     int samplesPerPixel = 1;     ///< for texture footprints
-    bool needsFootprints = true; ///< some texture of the scene filters
+    bool needsFootprints = true; ///< some material looks at filter footprints
 };
 
 /// Radiance along camera rays. Const while rendering.

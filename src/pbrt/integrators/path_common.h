@@ -32,6 +32,13 @@ struct PathRay {
     }
 };
 
+/// Fills the footprint where somebody looks at it: the point's material, or the next surface on a specular path.
+inline void FindFootprint(const IntegratorContext &context, SurfacePoint &point, PathRay &path) {
+    if (!context.needsFootprints) path.differential.valid = false;
+    else if (path.differential.valid || context.scene.NeedsFootprintAt(point))
+        ComputeFootprint(point, path.differential, context.camera, context.samplesPerPixel);
+}
+
 inline LightSampleContext LightContextAt(const SurfacePoint &point) {
     return {point.p, point.pError, point.n, point.shading.n, point.time};
 }

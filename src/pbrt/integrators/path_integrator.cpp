@@ -78,8 +78,7 @@ SampledSpectrum PathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lamb
         SurfacePoint &point = *hit;
         if (SampledSpectrum Le = EmittedRadiance(scene, point, lambda)) L += beta * Le * misWeight(point.light, point.p, point.n);
 
-        if (context_.needsFootprints) ComputeFootprint(point, path.differential, context_.camera, context_.samplesPerPixel);
-        else path.differential.valid = false;
+        FindFootprint(context_, point, path);
         Bsdf &bsdf = bsdfs[current];
         bsdf = ComputeBsdf(scene, point, lambda);
         if (!bsdf) {

@@ -23,10 +23,6 @@ BsdfSample UniformSample(const Vector3 &wi, Float pdf) {
     return sample;
 }
 
-void Footprint(const IntegratorContext &context, SurfacePoint &point, PathRay &path) {
-    if (context.needsFootprints) ComputeFootprint(point, path.differential, context.camera, context.samplesPerPixel);
-    else path.differential.valid = false;
-}
 }  // namespace
 
 SimplePathIntegrator::SimplePathIntegrator(const IntegratorContext &context, int maxDepth, bool sampleLights, bool sampleBsdf)
@@ -52,7 +48,7 @@ SampledSpectrum SimplePathIntegrator::Li(CameraRay cameraRay, SampledWavelengths
         SurfacePoint &point = *hit;
         if (countEmission) L += beta * EmittedRadiance(scene, point, lambda);
         if (depth++ == maxDepth_) break;
-        Footprint(context_, point, path);
+        FindFootprint(context_, point, path);
         Bsdf bsdf = ComputeBsdf(scene, point, lambda);
         if (!bsdf) {
             specular = true;
@@ -117,7 +113,7 @@ SampledSpectrum RandomWalkIntegrator::Li(CameraRay cameraRay, SampledWavelengths
         SurfacePoint &point = *hit;
         L += beta * EmittedRadiance(scene, point, lambda);
         if (depth == maxDepth_) break;
-        Footprint(context_, point, path);
+        FindFootprint(context_, point, path);
         Bsdf bsdf = ComputeBsdf(scene, point, lambda);
         if (!bsdf) {
             path.PassThrough(point);
@@ -147,7 +143,7 @@ SampledSpectrum AmbientOcclusionIntegrator::Li(CameraRay cameraRay, SampledWavel
         std::optional<SurfacePoint> hit = context_.scene.Intersect(path.ray);
         if (!hit) return SampledSpectrum(0);
         SurfacePoint &point = *hit;
-        Footprint(context_, point, path);
+        FindFootprint(context_, point, path);
         if (!ComputeBsdf(context_.scene, point, lambda)) {
             path.PassThrough(point);
             continue;

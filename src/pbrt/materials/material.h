@@ -30,6 +30,13 @@ class Material {
 
     /// True for interface.
     virtual bool IsInterface() const { return false; }
+
+    /// Whether some texture of the material, or of those it mixes, looks at the point's filter footprint.
+    bool NeedsFootprint() const { return needsFootprint_; }
+    void SetNeedsFootprint(bool needs) { needsFootprint_ = needs; }
+
+  private:
+    bool needsFootprint_ = false;
 };
 using MaterialPtr = std::shared_ptr<const Material>;
 

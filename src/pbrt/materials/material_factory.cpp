@@ -230,8 +230,13 @@ MaterialPtr MakeMix(const Request &r) {
             throw UserError(
                 fmt::format("{}: \"{}\" is an interface, which cannot be mixed.", r.params.What(), names[i]), loc);
     }
-    return std::make_shared<MixMaterial>(std::move(materials), r.Number("amount", Float(0.5)),
-                                         Hash(HashText(names[0]), HashText(names[1])));
+    const size_t footprintUses = r.textures.FootprintUses();
+    const FloatInput amount = r.Number("amount", Float(0.5));
+    const bool needsFootprint = r.textures.FootprintUses() > footprintUses || materials[0]->NeedsFootprint() ||
+                                materials[1]->NeedsFootprint();
+    auto mix = std::make_shared<MixMaterial>(std::move(materials), amount, Hash(HashText(names[0]), HashText(names[1])));
+    mix->SetNeedsFootprint(needsFootprint);
+    return mix;
 }
 
 struct SurfaceType {
@@ -268,15 +273,20 @@ MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, Textur
                          const FileResolver &files, DiagnosticSink &sink,
                          const std::function<MaterialPtr(const std::string &)> &named) {
     Request request{params, textures, files, sink, named};
+    const size_t footprintUses = textures.FootprintUses();
     for (const SurfaceType &known : kSurfaceTypes) {
         if (type != known.name) continue;
         SurfacePtr material = known.make(request);
+        bool hasBumps = false;
         if (known.hasRelief) {
             if (auto image = textures.GetLinearRgbImage(params, "normalmap"))
                 material->SetNormalMap(std::make_unique<NormalMap>(std::move(image)));
-            if (FloatTexturePtr height = textures.GetFloatOrNull(params, "displacement"))
+            if (FloatTexturePtr height = textures.GetFloatOrNull(params, "displacement")) {
                 material->SetBumpMap(BumpMap(std::move(height)));
+                hasBumps = true;  // steps by half the footprint
+            }
         }
+        material->SetNeedsFootprint(hasBumps || textures.FootprintUses() > footprintUses);
         params.ReportUnused(sink);
         return material;
     }

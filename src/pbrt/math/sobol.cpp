@@ -33,11 +33,23 @@ std::vector<uint32_t> MakeSobolMatrices() {
     return matrices;
 }
 
+std::vector<uint32_t> MakeSobolTables() {
+    std::vector<uint32_t> tables(static_cast<size_t>(SobolDimensions) * SobolTableStride);
+    const uint32_t *columns = SobolMatrices();  // 52 a dimension, so that each four make one table
+    for (size_t t = 0; t < tables.size(); ++t) tables[t] = SobolBits(columns + t / 16 * 4, t % 16);
+    return tables;
+}
+
 }  // namespace
 
 const uint32_t *SobolMatrices() {
     static const std::vector<uint32_t> matrices = MakeSobolMatrices();
     return matrices.data();
+}
+
+const uint32_t *SobolTables() {
+    static const std::vector<uint32_t> tables = MakeSobolTables();
+    return tables.data();
 }
 
 SobolPixelIndex::SobolPixelIndex(int log2Resolution) : log2Resolution_(log2Resolution) {

@@ -38,7 +38,7 @@ SobolSampler::SobolSampler(int samplesPerPixel, Point2i resolution, Randomizatio
       seed_(Hash(seed)),
       log2Resolution_(Log2RoundedUp(std::max(resolution.x, resolution.y))),
       pixelIndex_(std::make_shared<const SobolPixelIndex>(log2Resolution_)),
-      matrices_(SobolMatrices()) {}
+      tables_(SobolTables()) {}
 
 void SobolSampler::StartPixelSample(Point2i pixel, int sampleIndex, int dimension) {
     uint32_t mask = (1u << log2Resolution_) - 1;
@@ -49,15 +49,15 @@ void SobolSampler::StartPixelSample(Point2i pixel, int sampleIndex, int dimensio
 
 Point2 SobolSampler::GetPixel2D() {
     // What is left of each coordinate after the digits that name the pixel.
-    return {SobolToFloat(SobolBits(matrices_, index_) << log2Resolution_),
-            SobolToFloat(SobolBits(matrices_ + SobolIndexBits, index_) << log2Resolution_)};
+    return {SobolToFloat(SobolBitsByTable(tables_, index_) << log2Resolution_),
+            SobolToFloat(SobolBitsByTable(tables_ + SobolTableStride, index_) << log2Resolution_)};
 }
 
 Float SobolSampler::Dimension(int dimension) const {
     uint64_t seed = AddDimension(seed_, dimension);
     if (dimension >= SobolDimensions) return HashToFloat(MixBits(seed ^ MixBits(index_)));
-    return Randomized(SobolBits(matrices_ + static_cast<size_t>(dimension) * SobolIndexBits, index_), randomization_,
-                      seed);
+    return Randomized(SobolBitsByTable(tables_ + static_cast<size_t>(dimension) * SobolTableStride, index_),
+                      randomization_, seed);
 }
 
 // ---- Padded

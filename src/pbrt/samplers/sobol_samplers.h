@@ -30,7 +30,7 @@ class SobolSampler final : public Sampler {
     uint64_t seed_;
     int log2Resolution_;
     std::shared_ptr<const SobolPixelIndex> pixelIndex_;
-    const uint32_t *matrices_;
+    const uint32_t *tables_;
     uint64_t index_ = 0;
     int dimension_ = 0;
 };

@@ -7,7 +7,11 @@ namespace pbrt {
 
 Scene::Scene(SceneParts parts) : parts_(std::move(parts)), bounds_(parts_.accel->Bounds()) {
     PBRT_CHECK(parts_.lights != nullptr);
-    for (const MaterialPtr &m : parts_.materials) hasSubsurface_ |= m && m->HasBssrdf();
+    for (const MaterialPtr &m : parts_.materials) {
+        if (!m) continue;
+        hasSubsurface_ |= m->HasBssrdf();
+        needsFootprints_ |= m->NeedsFootprint();
+    }
 }
 
 std::optional<SurfacePoint> Scene::Intersect(const Ray &ray) const {

@@ -51,6 +51,11 @@ class Scene {
     size_t ShapeCount() const { return parts_.shapes.size(); }
     /// True if some material scatters light below its surface.
     bool HasSubsurface() const { return hasSubsurface_; }
+    /// True if some material looks at filter footprints.
+    bool NeedsFootprints() const { return needsFootprints_; }
+    bool NeedsFootprintAt(const SurfacePoint &point) const {
+        return point.material && parts_.materials[point.material.value] && parts_.materials[point.material.value]->NeedsFootprint();
+    }
     const Bounds3 &Bounds() const { return bounds_; }
     const Accel &Acceleration() const { return *parts_.accel; }
 
@@ -60,7 +65,7 @@ class Scene {
     SurfacePoint SurfaceOnRay(const Shape &shape, const AccelHit &hit, const Ray &ray) const;
     SceneParts parts_;
     Bounds3 bounds_;
-    bool hasSubsurface_ = false;
+    bool hasSubsurface_ = false, needsFootprints_ = false;
 };
 
 }  // namespace pbrt

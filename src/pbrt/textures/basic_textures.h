@@ -53,6 +53,7 @@ class ScaleTexture final : public Base {
         if (s == 0) return V(Float(0));
         return texture_->Evaluate(ctx, lambda...) * s;
     }
+    bool UsesFootprint() const override { return texture_->UsesFootprint() || scale_->UsesFootprint(); }
 
   private:
     Ptr texture_;
@@ -67,6 +68,9 @@ class MixTexture final : public Base {
         : first_(std::move(first)), second_(std::move(second)), amount_(std::move(amount)) {}
     V Evaluate(const TextureContext &ctx, const Lambda &...lambda) const override {
         return BlendTextures<V>(amount_->Evaluate(ctx), *first_, *second_, ctx, lambda...);
+    }
+    bool UsesFootprint() const override {
+        return first_->UsesFootprint() || second_->UsesFootprint() || amount_->UsesFootprint();
     }
 
   private:
@@ -84,6 +88,7 @@ class DirectionMixTexture final : public Base {
     V Evaluate(const TextureContext &ctx, const Lambda &...lambda) const override {
         return BlendTextures<V>(AbsDot(ctx.n, direction_), *second_, *first_, ctx, lambda...);
     }
+    bool UsesFootprint() const override { return first_->UsesFootprint() || second_->UsesFootprint(); }
 
   private:
     Ptr first_, second_;

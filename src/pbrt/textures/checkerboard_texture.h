@@ -28,6 +28,7 @@ class CheckerboardTexture final : public Base {
     V Evaluate(const TextureContext &ctx, const Lambda &...lambda) const override {
         return BlendTextures<V>(pattern_.SecondWeight(ctx), *first_, *second_, ctx, lambda...);
     }
+    bool UsesFootprint() const override { return true; }
 
   private:
     CheckerPattern pattern_;

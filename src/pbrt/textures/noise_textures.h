@@ -25,6 +25,7 @@ class DotsTexture final : public Base {
     V Evaluate(const TextureContext &ctx, const Lambda &...lambda) const override {
         return (pattern_.InDot(ctx) ? dot_ : ground_)->Evaluate(ctx, lambda...);
     }
+    bool UsesFootprint() const override { return dot_->UsesFootprint() || ground_->UsesFootprint(); }
 
   private:
     DotPattern pattern_;
@@ -40,6 +41,7 @@ class OctavesTexture final : public FloatTexture {
         TexCoord3 c = mapping_.Map(ctx);
         return (octaves_.*Sum)(c.p, c.dpdx, c.dpdy);
     }
+    bool UsesFootprint() const override { return true; }
 
   private:
     PointMapping mapping_;
@@ -53,6 +55,7 @@ class WindyTexture final : public FloatTexture {
   public:
     explicit WindyTexture(const PointMapping &mapping) : mapping_(mapping) {}
     Float Evaluate(const TextureContext &ctx) const override;
+    bool UsesFootprint() const override { return true; }
 
   private:
     PointMapping mapping_;
@@ -70,6 +73,7 @@ class MarbleTexture final : public SpectrumTexture {
     MarbleTexture(const PointMapping &mapping, const MarbleSettings &settings)
         : mapping_(mapping), settings_(settings) {}
     SampledSpectrum Evaluate(const TextureContext &ctx, const SampledWavelengths &lambda) const override;
+    bool UsesFootprint() const override { return true; }
 
   private:
     PointMapping mapping_;

@@ -27,6 +27,8 @@ class FloatTexture {
     virtual Float Evaluate(const TextureContext &ctx) const = 0;
     /// The value if it is the same everywhere.
     virtual std::optional<Float> Constant() const { return {}; }
+    /// Whether Evaluate looks at the filter footprint.
+    virtual bool UsesFootprint() const { return false; }
 };
 using FloatTexturePtr = std::shared_ptr<const FloatTexture>;
 
@@ -37,6 +39,8 @@ class SpectrumTexture {
     virtual SampledSpectrum Evaluate(const TextureContext &ctx, const SampledWavelengths &lambda) const = 0;
     /// The spectrum if it is the same everywhere.
     virtual const Spectrum *Constant() const { return nullptr; }
+    /// Whether Evaluate looks at the filter footprint.
+    virtual bool UsesFootprint() const { return false; }
 };
 using SpectrumTexturePtr = std::shared_ptr<const SpectrumTexture>;
 

@@ -249,20 +249,20 @@ void TextureLibrary::CheckAll() {
 }
 
 FloatTexturePtr TextureLibrary::GetFloat(const ParamSet &params, const std::string &name, Float defaultValue) {
-    return impl_->FindFloat(params, name, defaultValue, impl_->definitions.size());
+    return GiveOut(impl_->FindFloat(params, name, defaultValue, impl_->definitions.size()));
 }
 
 FloatTexturePtr TextureLibrary::GetFloatOrNull(const ParamSet &params, const std::string &name) {
-    return impl_->FindFloat(params, name, std::nullopt, impl_->definitions.size());
+    return GiveOut(impl_->FindFloat(params, name, std::nullopt, impl_->definitions.size()));
 }
 
 SpectrumTexturePtr TextureLibrary::GetSpectrum(const ParamSet &params, const std::string &name,
                                                SpectrumPtr defaultValue, SpectrumUse use) {
-    return impl_->FindSpectrum(params, name, std::move(defaultValue), use, impl_->definitions.size());
+    return GiveOut(impl_->FindSpectrum(params, name, std::move(defaultValue), use, impl_->definitions.size()));
 }
 
 SpectrumTexturePtr TextureLibrary::GetSpectrumOrNull(const ParamSet &params, const std::string &name, SpectrumUse use) {
-    return impl_->FindSpectrum(params, name, nullptr, use, impl_->definitions.size());
+    return GiveOut(impl_->FindSpectrum(params, name, nullptr, use, impl_->definitions.size()));
 }
 
 std::shared_ptr<const Image> TextureLibrary::GetLinearRgbImage(const ParamSet &params, const std::string &name) {

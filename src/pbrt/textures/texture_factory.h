@@ -36,6 +36,9 @@ class TextureLibrary {
                                    SpectrumUse use);
     SpectrumTexturePtr GetSpectrumOrNull(const ParamSet &params, const std::string &name, SpectrumUse use);
 
+    /// How many textures that look at the filter footprint were given out so far.
+    size_t FootprintUses() const { return footprintUses_; }
+
     /// The image file a string parameter names, as R, G, B without decoding (normal maps); nullptr if absent. Each file
     /// is read once. Throws UserError.
     std::shared_ptr<const Image> GetLinearRgbImage(const ParamSet &params, const std::string &name);
@@ -44,9 +47,14 @@ class TextureLibrary {
     size_t MissingImages() const { return missingImages_; }
 
   private:
+    template <class Ptr>
+    Ptr GiveOut(Ptr texture) {
+        if (texture && texture->UsesFootprint()) ++footprintUses_;
+        return texture;
+    }
     struct Impl;
     std::unique_ptr<Impl> impl_;
-    size_t missingImages_ = 0;
+    size_t missingImages_ = 0, footprintUses_ = 0;
 };
 
 const std::vector<std::string> &SupportedTextures();

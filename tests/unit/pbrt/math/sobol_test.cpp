@@ -57,6 +57,17 @@ TEST(Sobol, EveryDimensionIsAPermutationOfTheFirstPoints) {
     }
 }
 
+TEST(Sobol, TablesOfFourBitsEqualTheMatrices) {
+    Rng rng(2);
+    for (int i = 0; i < 20000; ++i) {
+        uint64_t index = (uint64_t(rng.Next()) << 32 | rng.Next()) >> (12 + rng.UniformInt(50));
+        auto d = static_cast<size_t>(rng.UniformInt(SobolDimensions));
+        ASSERT_EQ(SobolBitsByTable(SobolTables() + d * SobolTableStride, index),
+                  SobolBits(SobolMatrices() + d * SobolIndexBits, index))
+            << d << " " << index;
+    }
+}
+
 TEST(Sobol, ShortcutsForTheFirstTwoDimensionsEqualTheMatrices) {
     const uint32_t *m = SobolMatrices();
     Rng rng(1);

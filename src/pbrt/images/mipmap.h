@@ -38,8 +38,6 @@ class MipMap {
     const Image &Level(int i) const { return pixels_->levels[static_cast<size_t>(i)]; }
     /// The image's own space (from EXR chromaticities), sRGB if not stated.
     const ColorSpace &Space() const { return *colorSpace_; }
-    /// Whether look-ups depend on the footprint axes.
-    bool UsesFootprint() const { return view_.filter == TextureFilter::Trilinear || view_.filter == TextureFilter::Ewa; }
     bool HasAlpha() const { return view_.channels == 4; }
     /// In memory, without tiles; counted by each of the maps of one image.
     size_t Bytes() const;

@@ -9,7 +9,9 @@ namespace {
 
 class ForcedDiffuseMaterial final : public Material {
   public:
-    explicit ForcedDiffuseMaterial(MaterialPtr original) : original_(std::move(original)) {}
+    explicit ForcedDiffuseMaterial(MaterialPtr original) : original_(std::move(original)) {
+        SetNeedsFootprint(original_->NeedsFootprint());
+    }
 
     Bsdf GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda) const override {
         const Bsdf bsdf = original_->GetBsdf(point, lambda);

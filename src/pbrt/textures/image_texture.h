@@ -17,7 +17,7 @@ class ImageFloatTexture final : public FloatTexture {
   public:
     explicit ImageFloatTexture(ImageOverlay overlay) : overlay_(std::move(overlay)) {}
     Float Evaluate(const TextureContext &ctx) const override;
-    bool UsesFootprint() const override { return overlay_.image->UsesFootprint(); }
+    bool UsesFootprint() const override { return true; }  // every filter chooses a level of the pyramid
     /// The same with `factor` multiplied into the scale, that is before the inversion.
     std::shared_ptr<const ImageFloatTexture> Scaled(Float factor) const;
 
@@ -30,7 +30,7 @@ class ImageSpectrumTexture final : public SpectrumTexture {
   public:
     ImageSpectrumTexture(ImageOverlay overlay, SpectrumUse use) : overlay_(std::move(overlay)), use_(use) {}
     SampledSpectrum Evaluate(const TextureContext &ctx, const SampledWavelengths &lambda) const override;
-    bool UsesFootprint() const override { return overlay_.image->UsesFootprint(); }
+    bool UsesFootprint() const override { return true; }  // every filter chooses a level of the pyramid
     std::shared_ptr<const ImageSpectrumTexture> Scaled(Float factor) const;
 
   private:

@@ -1,0 +1,107 @@
+#include <filesystem>
+
+#include "material_test_support.h"
+#include "pbrt/images/image.h"
+#include "pbrt/materials/forced_diffuse.h"
+
+namespace pbrt {
+namespace {
+
+using test::Params;
+
+struct FootprintShop : test::Workshop {
+    FootprintShop() : image((std::filesystem::temp_directory_path() / "pbrt_footprint_test.exr").string()) {
+        Image noise(PixelFormat::Float, {64, 64}, {"R", "G", "B"});
+        for (int y = 0; y < 64; ++y)
+            for (int x = 0; x < 64; ++x)
+                for (int c = 0; c < 3; ++c) noise.Set({x, y}, c, static_cast<Float>((x * 7 + y * 13 + c * 5) % 17) / 17);
+        WriteImage(image, noise);
+    }
+    ~FootprintShop() { std::filesystem::remove(image); }
+
+    void Define(const std::string &name, const std::string &textureClass, const Params &params, bool isSpectrum = true) {
+        textures.Define(name, isSpectrum, textureClass, params, Transform());
+    }
+    Params Map(const std::string &filter) { return Params("texture").S("filename", {image}).S("filter", {filter}); }
+    MaterialPtr Diffuse(const std::string &texture) {
+        return Make("diffuse", Params("material").Tex("reflectance", texture));
+    }
+    std::string image;
+};
+
+/// What a material scatters at a point with or without a footprint.
+SampledSpectrum Scattered(const Material &material, bool footprint) {
+    SurfacePoint s = test::TestPoint();
+    if (footprint) {
+        s.dpdx = Vector3(0.7f, 0, 0.2f);
+        s.dpdy = Vector3(0, 0.4f, 0.1f);
+        s.dudx = 0.3f;
+        s.dvdy = 0.4f;
+    }
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.4f);
+    const Material *resolved = material.Resolve(s);
+    resolved->PerturbShading(s);
+    const Vector3 wi = Normalize(s.n + 0.2f * s.wo);
+    return resolved->GetBsdf(s, lambda).F(s.wo, wi) * AbsDot(wi, s.shading.n);
+}
+
+// The flag is right if it is set exactly where the footprint changes what is scattered.
+void ExpectFlagIsRight(const MaterialPtr &material, bool needs, const std::string &what) {
+    EXPECT_EQ(material->NeedsFootprint(), needs) << what;
+    const SampledSpectrum without = Scattered(*material, false), with = Scattered(*material, true);
+    bool differs = false;
+    for (int i = 0; i < SpectrumSamples; ++i) differs |= without[i] != with[i];
+    EXPECT_EQ(differs, needs) << what;
+}
+
+TEST(Footprint, IsNeededExactlyWhereItChangesWhatIsScattered) {
+    FootprintShop shop;
+    ExpectFlagIsRight(shop.Make("diffuse"), false, "constant");
+    shop.Define("plain", "scale", Params("texture").Rgb("tex", 0.3f, 0.4f, 0.5f).F("scale", 0.5f));
+    ExpectFlagIsRight(shop.Diffuse("plain"), false, "scaled constant");
+    shop.Define("corners", "bilerp", Params("texture").Rgb("v00", 0.3f, 0.4f, 0.5f));
+    ExpectFlagIsRight(shop.Diffuse("corners"), false, "bilerp");
+    shop.Define("dots", "dots", Params("texture").Rgb("inside", 0.3f, 0.4f, 0.5f).Rgb("outside", 0.5f, 0.3f, 0.1f));
+    ExpectFlagIsRight(shop.Diffuse("dots"), false, "dots");
+    // Also the filters that do not filter choose a level by the footprint, as in stock pbrt-v4.
+    for (const char *filter : {"point", "bilinear", "trilinear", "EWA"}) {
+        shop.Define(filter, "imagemap", shop.Map(filter));
+        ExpectFlagIsRight(shop.Diffuse(filter), true, filter);
+        const std::string scaled = std::string("scaled ") + filter;
+        shop.Define(scaled, "scale", Params("texture").Tex("tex", filter).F("scale", 0.5f));
+        ExpectFlagIsRight(shop.Diffuse(scaled), true, scaled);
+        const std::string mixed = std::string("mixed ") + filter;
+        shop.Define(mixed, "mix", Params("texture").Tex("tex1", "plain").Tex("tex2", filter).F("amount", 0.5f));
+        ExpectFlagIsRight(shop.Diffuse(mixed), true, mixed);
+    }
+    shop.Define("checks", "checkerboard", Params("texture"));
+    ExpectFlagIsRight(shop.Diffuse("checks"), true, "checkerboard");
+    shop.Define("marble", "marble", Params("texture").F("scale", 3));
+    ExpectFlagIsRight(shop.Diffuse("marble"), true, "marble");
+    for (const char *octaves : {"fbm", "wrinkled", "windy"}) {
+        shop.Define(octaves, octaves, Params("texture"), false);
+        const std::string scaled = std::string("scaled by ") + octaves;
+        shop.Define(scaled, "scale", Params("texture").Rgb("tex", 0.3f, 0.4f, 0.5f).Tex("scale", octaves));
+        ExpectFlagIsRight(shop.Diffuse(scaled), true, scaled);
+    }
+}
+
+TEST(Footprint, IsNeededByBumpsAndByWhatAMixtureOrAStandInIsMadeOf) {
+    FootprintShop shop;
+    shop.Define("sharp", "dots", Params("texture"));
+    shop.Define("soft", "imagemap", shop.Map("trilinear"));
+    // A height that looks at no footprint itself, at a slope that changes with the step.
+    shop.Define("slope", "bilerp", Params("texture").F("v11", 4), false);
+    shop.Define("bent", "scale", Params("texture").Tex("tex", "slope").Tex("scale", "slope"), false);
+    ExpectFlagIsRight(shop.Make("diffuse", Params("material").Tex("displacement", "bent")), true, "bump map");
+
+    shop.named = {{"sharp", shop.Diffuse("sharp")}, {"soft", shop.Diffuse("soft")}};
+    auto mix = [&](const char *other) { return shop.Make("mix", Params("mix").S("materials", {"sharp", other})); };
+    EXPECT_FALSE(mix("sharp")->NeedsFootprint());
+    EXPECT_TRUE(mix("soft")->NeedsFootprint());
+    EXPECT_FALSE(ForceDiffuse(shop.named["sharp"])->NeedsFootprint());
+    EXPECT_TRUE(ForceDiffuse(shop.named["soft"])->NeedsFootprint());
+}
+
+}  // namespace
+}  // namespace pbrt

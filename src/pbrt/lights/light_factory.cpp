@@ -53,6 +53,9 @@ struct LightInput {
 /// `scale` so that an emission of scale 1 is one photometric unit.
 Float PhotometricScale(const LightInput &in, const Spectrum &emission, const char *name) {
     Float scale = in.params.GetFloat("scale", 1), photometric = SpectrumToPhotometric(emission);
+    if (!(scale >= 0))
+        throw UserError(fmt::format("{}: \"scale\" is {}; it must be at least 0.", in.params.What(), scale),
+                        in.params.LocOf("scale"));
     if (!(photometric > 0)) {
         // Black light is legal; anything else that has no luminous part cannot be brought to photometric units.
         if (!(emission.MaxValue() > 0)) return 0;

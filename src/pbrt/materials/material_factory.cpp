@@ -33,9 +33,25 @@ struct Request {
     FloatInput Number(const std::string &name, Float defaultValue) const {
         return FloatInput(textures.GetFloat(params, name, defaultValue));
     }
+    /// A dielectric's index of refraction is positive. Tables are 0 beyond their ends, where stock takes 1.
+    void CheckIndex(const std::string &name, const Spectrum &eta, bool isMetal = false) const {
+        Float low = Infinity, high = -Infinity;
+        for (Float nm = LambdaMin; nm <= LambdaMax; ++nm) {
+            low = std::min(low, eta(nm));
+            high = std::max(high, eta(nm));
+        }
+        if (low >= 0 && (isMetal || high > 0)) return;
+        throw UserError(fmt::format("{}: \"{}\" {} {}; it must {}.", params.What(), name,
+                                    low == high ? "is" : "goes down to", low,
+                                    isMetal ? "not be negative" : "be positive"),
+                        params.LocOf(name));
+    }
+    void CheckIndex(const std::string &name, Float eta) const { CheckIndex(name, ConstantSpectrum(eta)); }
     IndexInput Index(const std::string &name) const {
-        return IndexInput(GetSpectrumOrFloat(params, name, std::make_shared<ConstantSpectrum>(Float(1.5)),
-                                             SpectrumUse::Unbounded, files));
+        SpectrumPtr eta = GetSpectrumOrFloat(params, name, std::make_shared<ConstantSpectrum>(Float(1.5)),
+                                             SpectrumUse::Unbounded, files);
+        CheckIndex(name, *eta);
+        return IndexInput(std::move(eta));
     }
     RoughnessInput Roughness(const std::string &prefix, bool remap) const {
         return RoughnessInput(params, textures, prefix, remap);
@@ -53,6 +69,7 @@ struct Request {
                             params.LocOf("reflectance"));
         if (reflectance) return MetalInput(SpectrumInput(reflectance));
         auto orCopper = [&](const SpectrumTexturePtr &given, const std::string &name) {
+            if (given && given->Constant()) CheckIndex(prefix + name, *given->Constant(), true);
             return SpectrumInput(given ? given
                                        : textures.GetSpectrum(params, prefix + name, NamedSpectrum("metal-Cu-" + name),
                                                               SpectrumUse::Unbounded));
@@ -133,7 +150,9 @@ HairColor ReadHairColor(const Request &r) {
 }
 
 SurfacePtr MakeHair(const Request &r) {
-    return std::make_shared<HairMaterial>(ReadHairColor(r), r.Number("eta", Float(1.55)), r.Number("beta_m", Float(0.3)),
+    FloatTexturePtr eta = r.textures.GetFloat(r.params, "eta", Float(1.55));
+    if (auto constant = eta->Constant()) r.CheckIndex("eta", *constant);
+    return std::make_shared<HairMaterial>(ReadHairColor(r), FloatInput(std::move(eta)), r.Number("beta_m", Float(0.3)),
                                           r.Number("beta_n", Float(0.3)), r.Number("alpha", 2));
 }
 
@@ -196,9 +215,7 @@ SurfacePtr MakeSubsurface(const Request &r) {
         g = 0;
     }
     const Float eta = r.params.GetFloat("eta", Float(1.33));
-    if (!(eta > 0))
-        throw UserError(fmt::format("{}: \"eta\" is {}; it must be positive.", r.params.What(), eta),
-                        r.params.LocOf("eta"));
+    r.CheckIndex("eta", eta);
     return std::make_shared<SubsurfaceMaterial>(std::move(matter), r.params.GetFloat("scale", 1),
                                                 r.Roughness("", r.RemapRoughness()), SubsurfaceTable::Shared(g, eta));
 }

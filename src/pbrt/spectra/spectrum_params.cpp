@@ -64,7 +64,7 @@ SpectrumPtr FromBlackbody(const Param &p) {
 }
 
 /// `where` begins the messages: the parameter or the file.
-SpectrumPtr FromSamples(std::span<const Float> samples, const std::string &where, const FileLoc &loc) {
+SpectrumPtr FromSamples(std::span<const Float> samples, SpectrumUse use, const std::string &where, const FileLoc &loc) {
     if (samples.empty())
         throw UserError(fmt::format("{}: no samples; wavelength and value pairs are wanted.", where), loc);
     if (samples.size() % 2 != 0)
@@ -77,6 +77,10 @@ SpectrumPtr FromSamples(std::span<const Float> samples, const std::string &where
             throw UserError(fmt::format("{}: wavelengths must increase, but {} nm follows {} nm (pair {}).", where,
                                         samples[i], lambdas.back(), i / 2 + 1),
                             loc);
+        if (use == SpectrumUse::Illuminant && !(samples[i + 1] >= 0))
+            throw UserError(fmt::format("{}: the value at {} nm is {}; no light emits less than 0.", where, samples[i],
+                                        samples[i + 1]),
+                            loc);
         lambdas.push_back(samples[i]);
         values.push_back(samples[i + 1]);
     }
@@ -88,18 +92,18 @@ SpectrumPtr FromSamples(std::span<const Float> samples, const std::string &where
     return std::make_shared<PiecewiseLinearSpectrum>(std::move(lambdas), std::move(values));
 }
 
-SpectrumPtr FromFile(const std::string &path, const FileLoc &loc) {
+SpectrumPtr FromFile(const std::string &path, SpectrumUse use, const FileLoc &loc) {
     std::vector<Float> samples;
     try {
         samples = ReadNumberFile(path);
     } catch (const UserError &e) {
         throw UserError(e.Diagnostics().front().message, loc);
     }
-    return FromSamples(samples, path, loc);
+    return FromSamples(samples, use, path, loc);
 }
 
-SpectrumPtr FromSpectrum(const Param &p, const FileResolver &files) {
-    if (p.strings.empty()) return FromSamples(p.floats, fmt::format("\"spectrum {}\"", p.name), p.loc);
+SpectrumPtr FromSpectrum(const Param &p, SpectrumUse use, const FileResolver &files) {
+    if (p.strings.empty()) return FromSamples(p.floats, use, fmt::format("\"spectrum {}\"", p.name), p.loc);
     RequireCount(p, p.strings.size(), 1);
     const std::string &name = p.strings[0];
     if (SpectrumPtr named = NamedSpectrum(name)) return named;
@@ -109,7 +113,7 @@ SpectrumPtr FromSpectrum(const Param &p, const FileResolver &files) {
         throw UserError(fmt::format("\"spectrum {}\": \"{}\" is neither a file nor a built-in spectrum; {}.", p.name,
                                     name, ListChoices(name, NamedSpectrumNames())),
                         p.loc);
-    return FromFile(path, p.loc);
+    return FromFile(path, use, p.loc);
 }
 
 SpectrumPtr FromParam(const Param &p, SpectrumUse use, const FileResolver &files) {
@@ -117,7 +121,7 @@ SpectrumPtr FromParam(const Param &p, SpectrumUse use, const FileResolver &files
     case ParamType::Rgb: return FromRgb(p, use);
     case ParamType::Blackbody: return FromBlackbody(p);
     case ParamType::Float: RequireCount(p, p.floats.size(), 1); return std::make_shared<ConstantSpectrum>(p.floats[0]);
-    default: return FromSpectrum(p, files);
+    default: return FromSpectrum(p, use, files);
     }
 }
 

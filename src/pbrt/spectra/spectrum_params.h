@@ -9,7 +9,7 @@ namespace pbrt {
 enum class SpectrumUse { Albedo, Unbounded, Illuminant };
 
 /// Reads a spectrum-valued parameter in any of its forms: rgb, blackbody, spectrum (inline samples, name, file).
-/// `defaultValue` (may be null) if absent. Errors: negative rgb, albedo above 1, odd or unsorted samples, unknown name
+/// `defaultValue` (may be null) if absent. Errors: negative rgb, albedo above 1, negative illuminant, odd or unsorted samples, unknown name
 /// or unreadable file, several values where one is meant.
 SpectrumPtr GetSpectrum(const ParamSet &params, std::string_view name, SpectrumPtr defaultValue, SpectrumUse use,
                         const FileResolver &files);

@@ -86,6 +86,14 @@ TEST(LightFactory, EnvironmentMustBeSquareFiniteRgb) {
     ExpectComplaint("infinite", Params().String("filename", mono.Path()), 1, "R, G and B");
 }
 
+TEST(LightFactory, NothingEmitsLessThanNothing) {
+    for (const char *type : {"point", "infinite"}) {
+        ExpectComplaint(type, Params().Number("scale", -1), 1, "at least 0");
+        ExpectComplaint(type, Params().Floats(ParamType::Spectrum, type == std::string("point") ? "I" : "L", {400, -1, 700, 1}),
+                        1, "400 nm is -1");
+    }
+}
+
 TEST(LightFactory, DirectionNeedsTwoPoints) {
     ExpectComplaint("distant", Params().Point("from", {0, 0, 1}), 1, "same point");
     ExpectComplaint("spot", Params().Point("from", {1, 2, 3}).Point("to", {1, 2, 3}), 2, "same point");

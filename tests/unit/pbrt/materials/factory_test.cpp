@@ -69,6 +69,19 @@ TEST(MaterialFactory, BadValuesAreLocated) {
     EXPECT_EQ(Catch([&] { shop.Make("diffuse", Params("m", 3).S("normalmap", {"/none.png"})); }).line, 4);
 }
 
+TEST(MaterialFactory, IndicesOfRefractionArePositive) {
+    const std::pair<const char *, const char *> kIndices[] = {
+        {"dielectric", "eta"}, {"thindielectric", "eta"},           {"coateddiffuse", "eta"},
+        {"hair", "eta"},       {"coatedconductor", "interface.eta"}, {"subsurface", "eta"}};
+    for (auto [type, name] : kIndices)
+        for (Float eta : {0.f, -1.5f}) {
+            Workshop shop;
+            Thrown t = Catch([&] { shop.Make(type, Params("m", 3).F(name, eta)); });
+            EXPECT_EQ(t.line, 4) << type;
+            EXPECT_TRUE(t.Says(name) && t.Says("positive")) << t.message;
+        }
+}
+
 TEST(MaterialFactory, InterfaceScattersNothing) {
     Workshop shop;
     MaterialPtr m = shop.Make("interface");

@@ -86,6 +86,12 @@ TEST_F(SpectrumParams, NegativeRgbIsAnError) {
     EXPECT_HAS(Failure(SpectrumUse::Illuminant), "negative");
 }
 
+TEST_F(SpectrumParams, NegativeSamplesAreAnErrorForIlluminants) {
+    AddFloats(ParamType::Spectrum, {400, 0, 500, -1, 700, 1});
+    EXPECT_TRUE(Get(SpectrumUse::Unbounded));
+    EXPECT_HAS(Failure(SpectrumUse::Illuminant), "the value at 500 nm is -1");
+}
+
 TEST_F(SpectrumParams, AlbedoAboveOneIsAnErrorForAlbedosOnly) {
     AddFloats(ParamType::Rgb, {1.2f, 0.5f, 0.5f});
     EXPECT_TRUE(Get(SpectrumUse::Unbounded));

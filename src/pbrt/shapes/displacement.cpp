@@ -13,10 +13,23 @@ namespace pbrt {
 
 namespace {
 
+[[noreturn]] void RefuseSplit(const SplitSize &size, Float maxEdge, Float edgeScale) {
+    const double wanted = std::max(0.6 * kMostDisplacedTriangles, 1.1 * size.faces);
+    double fitting = double(maxEdge);
+    while (size.Triangles(fitting) > wanted) fitting *= 1.02;
+    throw UserError(fmt::format("\"edgelength\" {:g}{} would take about {:.3g} million triangles; at most {} million are "
+                                "made of one shape. {:.2g} would fit.",
+                                maxEdge / edgeScale,
+                                edgeScale == 1 ? "" : fmt::format(" (times displacement edge scale {:g})", edgeScale),
+                                std::max(size.Triangles(double(maxEdge)), double(kMostDisplacedTriangles)) / 1e6,
+                                kMostDisplacedTriangles / 1000000, fitting * 1.05 / double(edgeScale)));
+}
+
 class Splitter {
   public:
-    Splitter(const MeshData &vertices, const Transform &renderFromObject, Float maxEdge)
-        : renderFromObject_(renderFromObject), maxEdge_(maxEdge) {
+    Splitter(const MeshData &vertices, const Transform &renderFromObject, Float maxEdge,
+             std::function<void()> refuse)
+        : renderFromObject_(renderFromObject), maxEdge_(maxEdge), refuse_(std::move(refuse)) {
         mesh_.p = vertices.p;
         mesh_.n = vertices.n;
         mesh_.uv = vertices.uv;
@@ -61,10 +74,8 @@ class Splitter {
             middles_.erase(it);
             return {};
         }
-        // A vertex belongs to two triangles of a surface, or more.
-        if (mesh_.p.size() >= kMostDisplacedTriangles / 2)
-            throw UserError(fmt::format("\"edgelength\" {} makes more than {} triangles.", maxEdge_,
-                                        kMostDisplacedTriangles));
+        // A new vertex makes two triangles of a surface, or one at its border.
+        if (mesh_.p.size() >= kMostDisplacedTriangles / 2) refuse_();
         const Normal3 n = mesh_.n[a] + mesh_.n[b];
         mesh_.p.push_back(p);
         mesh_.n.push_back(LengthSquared(n) > 0 ? Normalize(n) : mesh_.n[a]);
@@ -75,6 +86,7 @@ class Splitter {
 
     const Transform &renderFromObject_;
     Float maxEdge_;
+    std::function<void()> refuse_;  ///< throws
     MeshData mesh_;
     std::vector<Point3> placed_;  ///< vertices in rendering space
     std::unordered_map<uint64_t, uint32_t> middles_;
@@ -105,21 +117,46 @@ void RenewNormals(MeshData &mesh) {
         if (LengthSquared(sums[i]) > 0) mesh.n[i] = Normalize(sums[i]);
 }
 
+template <class F>
+void ForEachTriangle(const PlyMesh &ply, F f) {
+    auto faceIndex = [](const MeshData &m, size_t face) { return m.faceIndices.empty() ? -1 : m.faceIndices[face]; };
+    const std::vector<uint32_t> &t = ply.triangles.indices, &q = ply.quads.indices;
+    for (size_t i = 0; i < t.size(); i += 3) f(t[i], t[i + 1], t[i + 2], faceIndex(ply.triangles, i / 3));
+    for (size_t i = 0; i < q.size(); i += 4) {
+        f(q[i], q[i + 1], q[i + 3], faceIndex(ply.quads, i / 4));
+        f(q[i], q[i + 3], q[i + 2], faceIndex(ply.quads, i / 4));
+    }
+}
+
 }  // namespace
+
+// Halving longest edges makes similar triangles whose area is from 1/9 to 1/4 of the square of the longest edge allowed;
+// a triangle narrower than that is cut across only.
+double SplitSize::Triangles(double maxEdge) const { return faces + 6 * area / (maxEdge * maxEdge) + edges / maxEdge; }
+
+SplitSize MeasureSplit(const PlyMesh &ply, const Transform &renderFromObject) {
+    const std::vector<Point3> &p = ply.triangles.indices.empty() ? ply.quads.p : ply.triangles.p;
+    SplitSize size;
+    ForEachTriangle(ply, [&](uint32_t a, uint32_t b, uint32_t c, int) {
+        const Vector3 u = renderFromObject.Vector(p[b] - p[a]), v = renderFromObject.Vector(p[c] - p[a]);
+        ++size.faces;
+        size.area += double(Length(Cross(u, v))) / 2;
+        size.edges += double(std::max({Length(u), Length(v), Distance(u, v)}));
+    });
+    return size;
+}
 
 MeshData DisplaceMesh(const PlyMesh &ply, const Transform &renderFromObject, Float maxEdge,
                       const Displacement &displacement) {
     const MeshData &vertices = ply.triangles.indices.empty() ? ply.quads : ply.triangles;
     if (vertices.uv.empty()) throw UserError("a mesh without texture coordinates cannot be displaced.");
     if (vertices.n.empty()) throw UserError("a mesh without normals cannot be displaced.");
-    Splitter splitter(vertices, renderFromObject, maxEdge * displacement.edgeScale);
-    auto faceIndex = [](const MeshData &m, size_t face) { return m.faceIndices.empty() ? -1 : m.faceIndices[face]; };
-    const std::vector<uint32_t> &t = ply.triangles.indices, &q = ply.quads.indices;
-    for (size_t i = 0; i < t.size(); i += 3) splitter.Split(t[i], t[i + 1], t[i + 2], faceIndex(ply.triangles, i / 3));
-    for (size_t i = 0; i < q.size(); i += 4) {
-        splitter.Split(q[i], q[i + 1], q[i + 3], faceIndex(ply.quads, i / 4));
-        splitter.Split(q[i], q[i + 3], q[i + 2], faceIndex(ply.quads, i / 4));
-    }
+    maxEdge *= displacement.edgeScale;
+    const SplitSize size = MeasureSplit(ply, renderFromObject);
+    auto refuse = [&] { RefuseSplit(size, maxEdge, displacement.edgeScale); };
+    if (size.Triangles(double(maxEdge)) > kMostDisplacedTriangles) refuse();
+    Splitter splitter(vertices, renderFromObject, maxEdge, refuse);
+    ForEachTriangle(ply, [&](uint32_t a, uint32_t b, uint32_t c, int face) { splitter.Split(a, b, c, face); });
     MeshData mesh = splitter.Take();
     MoveVertices(mesh, renderFromObject, displacement);
     RenewNormals(mesh);

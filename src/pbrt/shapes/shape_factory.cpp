@@ -261,8 +261,9 @@ Shapes MakePlyMesh(const Request &r) {
         try {
             return One<TriangleMesh>(r, DisplaceMesh(ply, r.renderFromObject, edgeLength, *r.displacement));
         } catch (const UserError &e) {
-            throw UserError(fmt::format("{}: {}: {}", params.What(), filename, e.Diagnostics().front().message),
-                            params.LocOf("displacement"));
+            const std::string &message = e.Diagnostics().front().message;
+            const char *name = message.starts_with("\"edgelength\"") ? "edgelength" : "displacement";
+            throw UserError(fmt::format("{}: {}: {}", params.What(), filename, message), params.LocOf(name));
         }
     }
     Shapes shapes;

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
+#include <string>
 
 #include "pbrt/core/error.h"
 
@@ -121,11 +123,39 @@ TEST(Displacement, NeedsTextureCoordinatesAndNormals) {
     }
 }
 
+TEST(Displacement, TheNumberOfTrianglesIsKnownBefore) {
+    const Transform place = Transform::Scale({3, 3, 3});
+    const SplitSize size = MeasureSplit(QuadAndTriangle(), place);
+    EXPECT_EQ(size.faces, 3);
+    EXPECT_NEAR(size.area, 9 * 1.15, 1e-4);
+    for (Float edge : {100.f, 1.5f, 0.4f, 0.1f, 0.07f, 0.05f}) {
+        const MeshData m = DisplaceMesh(QuadAndTriangle(), place, edge, By([](auto...) { return Float(0); }));
+        const double made = static_cast<double>(m.indices.size()) / 3;
+        EXPECT_NEAR(std::log2(size.Triangles(static_cast<double>(edge)) / made), 0, 0.8) << edge << ' ' << made;
+    }
+}
+
+TEST(Displacement, TooManyTrianglesAreRefusedBeforeTheyAreMade) {
+    try {
+        Displacement half = By([](auto...) { return Float(0); });
+        half.edgeScale = 0.5f;
+        DisplaceMesh(QuadAndTriangle(), Transform(), 2e-6f, half);
+        FAIL();
+    } catch (const UserError &e) {
+        const std::string message = e.what();
+        for (const char *part : {"\"edgelength\" 2e-06", "scale 0.5", "million", "would fit"})
+            EXPECT_NE(message.find(part), std::string::npos) << message;
+        const double fitting = std::stod(message.substr(message.find("shape. ") + 7)) / 2;
+        EXPECT_LT(MeasureSplit(QuadAndTriangle(), Transform()).Triangles(fitting), 0.6 * kMostDisplacedTriangles);
+        EXPECT_GT(MeasureSplit(QuadAndTriangle(), Transform()).Triangles(fitting), 0.3 * kMostDisplacedTriangles);
+    }
+}
+
 TEST(Displacement, EndsWhereFloatsEnd) {
     PlyMesh ply = QuadAndTriangle();
     for (MeshData *data : {&ply.triangles, &ply.quads})
         for (Point3 &p : data->p) p = Point3(1e6f) + p * Float(0.25);
-    const MeshData m = DisplaceMesh(ply, Transform(), 1e-4f, By([](auto...) { return Float(0); }));
+    const MeshData m = DisplaceMesh(ply, Transform(), 1e-3f, By([](auto...) { return Float(0); }));
     EXPECT_LT(m.indices.size(), 3000u);
 }
 

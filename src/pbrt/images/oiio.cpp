@@ -63,7 +63,13 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
     OIIO::ImageSpec request;
     request["oiio:UnassociatedAlpha"] = 1;
     std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(path, &request);
-    if (!in) throw UserError(fmt::format("{}: {}.", path, OIIO::geterror()));
+    if (!in) {
+        const std::string reason = OIIO::geterror();
+        if (reason.find("could not find a format reader") == std::string::npos)
+            throw UserError(fmt::format("{}: {}.", path, reason));
+        throw UserError(fmt::format("{}: not an image of a known format; PNG, EXR, PFM, HDR, JPEG, TGA, BMP, GIF, PNM, "
+                                    "PSD and TIFF files can be read.", path));
+    }
     const OIIO::ImageSpec &spec = in->spec();
     if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || spec.deep)
         throw UserError(fmt::format("{}: not a plain two-dimensional image.", path));

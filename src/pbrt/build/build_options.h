@@ -17,6 +17,8 @@ struct BuildOptions {
     std::string lightSampler;         ///< --lightsampler name[:key=value,...]; empty: the scene's
     bool meshLights = false;          ///< --mesh-lights
     std::string shadowGate;           ///< --shadow-gate name[:key=value,...] or none; empty: the scene's
+    /// The flags that said so, for messages.
+    const char *lightSamplerFlag = "--lightsampler", *shadowGateFlag = "--shadow-gate";
     std::optional<Float> displacementEdgeScale;  ///< --displacement-edge-scale; empty: the scene's or 1
     std::string renderCoordSys;       ///< camera, cameraworld, world; empty: the scene's or cameraworld
     bool disableTextureFiltering = false;

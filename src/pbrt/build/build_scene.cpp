@@ -120,8 +120,9 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     Collect(sink, [&] { CheckAccelerator(d.accelerator, sink); });
     if (d.integrator.type == "path" || d.integrator.type == "volpath")
         Collect(sink, [&] {
-            ReadLightSamplerSpec(d.integrator.params, options.lightSampler, options.meshLights, registry);
-            ReadShadowGateSpec(d.integrator.params, options.shadowGate, registry);
+            ReadLightSamplerSpec(d.integrator.params, options.lightSampler, options.meshLights, registry,
+                                 options.lightSamplerFlag);
+            ReadShadowGateSpec(d.integrator.params, options.shadowGate, registry, options.shadowGateFlag);
         });
     Collect(sink, [&] {
         built.filter = MakeFilter(d.filter.type, d.filter.params);
@@ -226,7 +227,10 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
         BuildOptions chosen = options;
         if (!choice.lightSampler.empty()) chosen.lightSampler = choice.lightSampler;
         chosen.meshLights = choice.meshLights;
-        if (!choice.shadowGate.empty()) chosen.shadowGate = choice.shadowGate;
+        if (!choice.shadowGate.empty()) {
+            chosen.shadowGate = choice.shadowGate;
+            chosen.shadowGateFlag = options.lightSamplerFlag;  // said together with the sampler
+        }
         if (choice.maxDepth) chosen.maxDepth = choice.maxDepth;
         DiagnosticSink ignored;
         return MakeIntegrator(entity, chosen, registry, context, space, ignored);

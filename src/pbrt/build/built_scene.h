@@ -14,7 +14,7 @@ namespace pbrt {
 struct LightChoice {
     std::string lightSampler;    ///< name[:key=value,...]; empty: the scene's
     bool meshLights = false;
-    std::string shadowGate;      ///< name[:key=value,...]; empty: the scene's
+    std::string shadowGate;      ///< name[:key=value,...]; empty: the BuildOptions'
     std::optional<int> maxDepth; ///< empty: the scene's
 };
 

@@ -47,9 +47,10 @@ BuiltIntegrator MakeIntegrator(const Entity &entity, const BuildOptions &options
         settings.regularize = params.GetBool("regularize", false);
         settings.seesThroughInterfaces = SeesThroughInterfaces(type);
         settings.subsurface = type == "volpath" && context.scene.HasSubsurface();
-        LightSamplerSpec spec = ReadLightSamplerSpec(params, options.lightSampler, options.meshLights, registry);
+        LightSamplerSpec spec = ReadLightSamplerSpec(params, options.lightSampler, options.meshLights, registry,
+                                                     options.lightSamplerFlag);
         built.lightSamplerName = spec.Label();
-        ShadowGateSpec gate = ReadShadowGateSpec(params, options.shadowGate, registry);
+        ShadowGateSpec gate = ReadShadowGateSpec(params, options.shadowGate, registry, options.shadowGateFlag);
         built.shadowGateName = gate.entry ? gate.entry->name : "";
         built.integrator = std::make_unique<PathIntegrator>(
             context, settings, registry.Make(*spec.entry, context.scene.Lights(), spec.params, spec.meshLights),

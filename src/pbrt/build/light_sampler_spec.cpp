@@ -119,14 +119,15 @@ LightSamplerSpec ReadLightSamplerSpec(const ParamSet &integrator, const std::str
     return spec;
 }
 
-ShadowGateSpec ReadShadowGateSpec(const ParamSet &integrator, const std::string &commandLine, const LightSamplerRegistry &registry) {
+ShadowGateSpec ReadShadowGateSpec(const ParamSet &integrator, const std::string &commandLine,
+                                  const LightSamplerRegistry &registry, const char *flag) {
     ShadowGateSpec spec;
     std::string name = integrator.GetString("shadowgate", "none");
     if (name != "none") spec.entry = &registry.FindGate(name, integrator.LocOf("shadowgate"));
     ParamSet added;
     auto find = [&](const std::string &n, const FileLoc &loc) -> const auto & { return registry.FindGate(n, loc); };
     if (commandLine == "none") spec.entry = nullptr;
-    else if (!commandLine.empty()) spec.entry = &CommandLineSpec("--shadow-gate", commandLine).Read(find, &added);
+    else if (!commandLine.empty()) spec.entry = &CommandLineSpec(flag, commandLine).Read(find, &added);
     if (spec.entry) spec.params = ParamSet(fmt::format("shadow-ray gate \"{}\"", spec.entry->name), integrator.LocOf("shadowgate"));
     for (const std::string &known : registry.GateNames()) {
         const LightSamplerRegistry::GateEntry &entry = registry.FindGate(known);

@@ -28,7 +28,8 @@ struct ShadowGateSpec {
 LightSamplerSpec ReadLightSamplerSpec(const ParamSet &integrator, const std::string &commandLine, bool meshLightsFlag,
                                       const LightSamplerRegistry &registry, const char *flag = "--lightsampler");
 
-/// The same for `"string shadowgate"` and --shadow-gate; "none" is no gate.
-ShadowGateSpec ReadShadowGateSpec(const ParamSet &integrator, const std::string &commandLine, const LightSamplerRegistry &registry);
+/// The same for `"string shadowgate"`; "none" is no gate.
+ShadowGateSpec ReadShadowGateSpec(const ParamSet &integrator, const std::string &commandLine,
+                                  const LightSamplerRegistry &registry, const char *flag = "--shadow-gate");
 
 }  // namespace pbrt

@@ -10,7 +10,7 @@ std::unique_ptr<Integrator> LabScene::MakeIntegrator(const SamplerChoice &choice
     LightChoice light;
     light.lightSampler = choice.lightSampler;
     light.meshLights = choice.meshLights;
-    light.shadowGate = choice.gate.empty() ? shadowGate : choice.gate;
+    light.shadowGate = choice.gate;
     return built.makeIntegrator(light).integrator;
 }
 
@@ -29,6 +29,7 @@ LabScene LoadLabScene(const CampaignSettings &settings, const LightSamplerRegist
     options.samplesPerPixel = settings.Timed() ? 0 : settings.samplesPerPixel;
     options.maxDepth = settings.maxDepth;
     options.shadowGate = settings.shadowGate;
+    options.lightSamplerFlag = kSamplersFlag;
     options.lightSampler = "uniform";  // of the integrator that nobody uses here: nothing to build
     scene.built = BuildScene(description, options, registry, sink, progress);
     printWarnings();
@@ -37,7 +38,6 @@ LabScene LoadLabScene(const CampaignSettings &settings, const LightSamplerRegist
                                     settings.scene, scene.built.integratorName));
     if (scene.built.scene->Lights().Size() == 0) throw UserError(fmt::format("{}: has no lights.", settings.scene));
     scene.hash = SceneHash(settings.scene);
-    scene.shadowGate = settings.shadowGate;
     return scene;
 }
 

@@ -8,7 +8,6 @@ namespace pbrt::lab {
 struct LabScene {
     BuiltScene built;
     std::string hash;        ///< of its files
-    std::string shadowGate;  ///< of samplers without a gate of their own
     Point2i FullResolution() const { return built.film->FullResolution(); }
     const Bounds2i &Pixels() const { return built.film->PixelBounds(); }
     Point2i Resolution() const { return Pixels().high - Pixels().low; }

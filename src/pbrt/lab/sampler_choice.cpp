@@ -45,8 +45,8 @@ SamplerChoice ParseOne(const std::string &text, const LightSamplerRegistry &regi
                             text, suffix));
         at = end;
     }
-    ReadLightSamplerSpec(ParamSet(), choice.lightSampler, choice.meshLights, registry, "--samplers");
-    if (!choice.gate.empty()) ReadShadowGateSpec(ParamSet(), choice.gate, registry);
+    ReadLightSamplerSpec(ParamSet(), choice.lightSampler, choice.meshLights, registry, kSamplersFlag);
+    if (!choice.gate.empty()) ReadShadowGateSpec(ParamSet(), choice.gate, registry, kSamplersFlag);
     return choice;
 }
 

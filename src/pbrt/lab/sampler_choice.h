@@ -6,6 +6,9 @@
 
 namespace pbrt::lab {
 
+/// Where messages say that a choice was made.
+inline constexpr const char *kSamplersFlag = "--samplers";
+
 /// One competitor: name[:key=value,...][+mesh][+gate=name[:key=value,...]].
 struct SamplerChoice {
     std::string label;         ///< as the user wrote it

@@ -83,6 +83,7 @@ LightlabCommandLine ParseInspect(int argc, const char *const *argv) {
     int maxDepth = 0, seed = 0;
     CLI::App &app = parser.app;
     app.add_option("scene", inspect.sceneFiles, "scene file")->required();
+    inspect.build.lightSamplerFlag = "--sampler";
     app.add_option("--sampler", inspect.build.lightSampler, "name[:key=value,...]; the scene's if left out");
     app.add_flag("--mesh", inspect.build.meshLights, "an emissive mesh is one light");
     app.add_option("--out", inspect.outFolder, "folder (inspect-<sampler>)");

@@ -94,13 +94,16 @@ TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
          {"scene.pbrt --spp 0", {"--spp: 0 is not more than 0", "--help"}},
          {"scene.pbrt --seeds two", {"--seeds", "two"}},
          {"scene.pbrt --nthreads -1", {"--nthreads: -1 is less than 0"}},
-         {"scene.pbrt --samplers uniform,octree:leaves=0", {"octree.leaves", "64 to"}},
+         {"scene.pbrt --samplers uniform,octree:leaves=0", {"--samplers:1:7", "octree.leaves", "64 to"}},
+         {"scene.pbrt --samplers uniform+gate=neepp:voxels=-1", {"--samplers:1:6", "neepp.voxels"}},
          {"scene.pbrt --crops 1,2,3", {"--crops", "1,2,3"}},
          {"scene.pbrt --crops 0,0,99,9 --samplers bvh", {"--crops", "32 x 24"}},
          {"scene.pbrt --reference none.exr --samplers bvh", {"none.exr"}},
          {"scene.pbrt --samples-from sweep.txt", {"sweep.txt", "results.json"}},
          {"nosuch.pbrt --samplers bvh", {"nosuch.pbrt"}},
          {"", {"scene"}}});
+    for (const char *sampler : {"octre", "octree:leaves=-4"})
+        EXPECT_TRUE(Has(Run(std::string("inspect scene.pbrt --sampler ") + sampler).err, "Error: --sampler:1:"));
     EXPECT_FALSE(std::filesystem::exists(Path("scene-lab")));
 }
 

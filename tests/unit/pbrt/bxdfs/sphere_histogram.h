@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -30,28 +31,43 @@ class SphereHistogram {
     template <class F>
     std::vector<double> Integrate(F f, int n) const {
         std::vector<double> cells(counts_.size());
-        double dTheta = M_PI / (nTheta_ * n), dPhi = 2 * M_PI / (nPhi_ * n);
-        for (int i = 0; i < nTheta_ * n; ++i) {
-            double theta = (i + 0.5) * dTheta;
-            double area = (std::cos(i * dTheta) - std::cos((i + 1) * dTheta)) * dPhi;
-            for (int j = 0; j < nPhi_ * n; ++j) {
-                double phi = (j + 0.5) * dPhi, s = std::sin(theta);
-                Vector3 w(s * std::cos(phi), s * std::sin(phi), std::cos(theta));
-                cells[static_cast<size_t>(i / n * nPhi_ + j / n)] += double(f(w)) * area;
-            }
-        }
+        for (size_t cell = 0; cell < cells.size(); ++cell) cells[cell] = IntegrateCell(f, n, static_cast<int>(cell));
+        return cells;
+    }
+
+    /// As Integrate with n; then the cells that hold more than 1/400 of the whole with `fine`.
+    template <class F>
+    std::vector<double> IntegratePeaks(F f, int n, int fine) const {
+        std::vector<double> cells = Integrate(f, n);
+        const double few = std::accumulate(cells.begin(), cells.end(), 0.0) / 400;
+        for (size_t cell = 0; cell < cells.size(); ++cell)
+            if (cells[cell] > few) cells[cell] = IntegrateCell(f, fine, static_cast<int>(cell));
         return cells;
     }
 
   private:
+    template <class F>
+    double IntegrateCell(F f, int n, int cell) const {
+        double dTheta = M_PI / (nTheta_ * n), dPhi = 2 * M_PI / (nPhi_ * n), sum = 0;
+        for (int i = cell / nPhi_ * n, endI = i + n; i < endI; ++i) {
+            double theta = (i + 0.5) * dTheta, s = std::sin(theta), c = std::cos(theta), ring = 0;
+            for (int j = cell % nPhi_ * n, endJ = j + n; j < endJ; ++j) {
+                double phi = (j + 0.5) * dPhi;
+                ring += double(f(Vector3(s * std::cos(phi), s * std::sin(phi), c)));
+            }
+            sum += ring * (std::cos(i * dTheta) - std::cos((i + 1) * dTheta)) * dPhi;
+        }
+        return sum;
+    }
+
     int nTheta_, nPhi_;
     std::vector<double> counts_;
 };
 
 /// p-value of "draw(u...) has density pdf(w)": `draw(Rng &)` gives an optional direction; what is not drawn must be the
-/// mass that pdf leaves. `mass` (may be null) gets the integral of pdf.
+/// mass that pdf leaves. `mass` (may be null) gets the integral of pdf. `fine`: points per side of a cell with a peak.
 template <class Draw, class Pdf>
-double DirectionTest(Draw draw, Pdf pdf, int samples, int quadrature, double *mass) {
+double DirectionTest(Draw draw, Pdf pdf, int samples, int quadrature, double *mass, int fine = 0) {
     SphereHistogram histogram(20, 20);
     Rng rng(12345);
     double lost = 0;
@@ -60,7 +76,9 @@ double DirectionTest(Draw draw, Pdf pdf, int samples, int quadrature, double *ma
         if (w) histogram.Add(*w);
         else ++lost;
     }
-    std::vector<double> observed = histogram.Counts(), expected = histogram.Integrate(pdf, quadrature);
+    std::vector<double> observed = histogram.Counts();
+    std::vector<double> expected =
+        fine ? histogram.IntegratePeaks(pdf, quadrature, fine) : histogram.Integrate(pdf, quadrature);
     double sum = 0;
     for (double &e : expected) {
         sum += e;

@@ -97,6 +97,7 @@ def add_arguments(parser, out, samples=None, scenes=None):
     parser.add_argument("--threads", type=int, default=0, help="of lightlab (0: all cores)")
     parser.add_argument("--only", help="scenes, comma list" + (f" ({','.join(scenes)})" if scenes else ""))
     parser.add_argument("--out", default=str(ROOT / out), help=f"folder of the campaigns ({out})")
+    parser.add_argument("--tables-only", action="store_true", help="measure nothing: read the campaigns in --out")
     parser.add_argument("--table", help="write the table to this file as well")
     parser.add_argument("--chart", help="write a chart (SVG) to this file")
 
@@ -124,6 +125,11 @@ def run_campaign(a, name, samplers, spp=None, seconds=None, direct=True, report=
     """`judges`: two samplers, the better of which makes one reference for all; without, no sampler is judged by its
     own, and so not all by the same. None, and a word about it, if the scene cannot be run."""
     scene, out, noise = scene_file(name), pathlib.Path(a.out) / name, None
+    first = out.with_name(f"{name}-reference") / "results.json"
+    if a.tables_only:
+        if judges and first.exists():
+            noise = json.loads(first.read_text())["references"][0].get("noise")
+        return Campaign(out / "results.json", noise) if (out / "results.json").exists() else None
     if not scene.exists():
         print(f"*** SKIPPED: {name} is not there ({scene}) ***", flush=True)
         return None

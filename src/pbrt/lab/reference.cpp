@@ -13,7 +13,7 @@ namespace pbrt::lab {
 
 namespace {
 
-constexpr int kParts = 4;           // seeds of a reference; their scatter tells its noise
+constexpr int kParts = 8;           // seeds of a reference; their scatter tells its noise (7 degrees of freedom)
 constexpr int kFirstSeed = 800001;  // far from the seeds of the runs and of the pilot
 constexpr int kSeedStep = 1000;     // between references
 constexpr int kLeastSamples = 64;   // by time

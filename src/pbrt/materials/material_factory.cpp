@@ -40,7 +40,8 @@ struct Request {
             low = std::min(low, eta(nm));
             high = std::max(high, eta(nm));
         }
-        if (low >= 0 && (isMetal || high > 0)) return;
+        const bool isTable = !dynamic_cast<const ConstantSpectrum *>(&eta);
+        if (low >= 0 && (isMetal || isTable || high > 0)) return;
         throw UserError(fmt::format("{}: \"{}\" {} {}; it must {}.", params.What(), name,
                                     low == high ? "is" : "goes down to", low,
                                     isMetal ? "not be negative" : "be positive"),

@@ -129,7 +129,10 @@ def run_campaign(a, name, samplers, spp=None, seconds=None, direct=True, report=
     if a.tables_only:
         if judges and first.exists():
             noise = json.loads(first.read_text())["references"][0].get("noise")
-        return Campaign(out / "results.json", noise) if (out / "results.json").exists() else None
+        if (out / "results.json").exists():
+            return Campaign(out / "results.json", noise)
+        print(f"*** SKIPPED: no campaign of {name} in {a.out} ***", flush=True)
+        return None
     if not scene.exists():
         print(f"*** SKIPPED: {name} is not there ({scene}) ***", flush=True)
         return None

@@ -541,10 +541,11 @@ def pendant(drop=0.8, shade="paint-teal", radius=0.2, height=0.16, cord="paint-b
     return piece, (0.0, 0.0, z + 0.022)
 
 
-def globe_pendant(drop=0.9, radius=0.1, metal="brass", cord="paint-black"):
-    """An opal globe on a cord; the globe itself is the light (bulb(radius, 2) at the position returned)."""
+def globe_pendant(drop=0.9, radius=0.1, metal="brass", cord="paint-black", brim=.62):
+    """An opal globe on a cord; the globe itself is the light (bulb(radius, 2) at the position returned). The cap's brim
+    has `brim` times the globe's radius: above .54 it leaves a gap that glows, .52 grips the globe."""
     z = radius - drop
-    cap = lathe([(radius * .62, z + radius * .84), (radius * .6, z + radius * .96), (.03, z + radius * 1.12),
+    cap = lathe([(radius * brim, z + radius * .84), (radius * (brim - .02), z + radius * .96), (.03, z + radius * 1.12),
                  (.02, z + radius * 1.5), (0, z + radius * 1.5)], 28)
     piece = Piece((metal, cap), (cord, tube((0, 0, z + radius * 1.49), (0, 0, -.02), .004, 6)))
     return piece.add(cord, lathe([(0, -.03), (.045, -.025), (.05, .002)], 20)), (0.0, 0.0, z)

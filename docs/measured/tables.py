@@ -4,6 +4,7 @@ import json
 import math
 import os
 import pathlib
+import statistics
 import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
@@ -69,6 +70,29 @@ class Campaign:
             maker = self.samplers.get(reference.get("sampler"), s)["summary"]["metrics"]
             noise *= maker["relL2Trimmed"]["mean"] / maker["relL2"]["mean"] if maker["relL2"]["mean"] > 0 else 1
         return Value(m["mean"] - noise if noise < m["mean"] / 2 else m["mean"], m["standardError"])
+
+    def spread(self, weights, metric="relL2"):
+        """Standard error of the sum of weight * error over samplers, and its degrees of freedom. Runs of a seed share
+        the camera's random numbers: from five seeds on they are compared one by one; fewer are taken for independent
+        (Welch), as lightlab does (src/pbrt/lab/summary.h)."""
+        runs = {k: [r["rounds"][-1]["metrics"][metric] for r in self.samplers[k]["runs"]] for k in weights}
+        seeds = min(len(r) for r in runs.values())
+        if seeds < 2:
+            return 0.0, 0
+        if self.is_paired():
+            sums = [sum(w * runs[k][i] for k, w in weights.items()) for i in range(seeds)]
+            return statistics.stdev(sums) / math.sqrt(seeds), seeds - 1
+        variances = [w * w * statistics.variance(runs[k]) / seeds for k, w in weights.items()]
+        fourth = sum(v * v for v in variances)
+        return math.sqrt(sum(variances)), (seeds - 1) * sum(variances) ** 2 / fourth if fourth else 0
+
+    def is_paired(self):
+        return self.results["seeds"] >= 5
+
+    def ratio(self, own, other):
+        """Of two samplers' relL2."""
+        a, b = self.error(own).mean, self.error(other).mean
+        return Value(a / b, a / b * self.spread({own: 1 / a, other: -1 / b})[0])
 
     def is_biased(self, label):
         return self.summary(label)["bias"]["verdict"] == "biased"

@@ -53,6 +53,13 @@ double CpuPerSample(const std::vector<RunRecord> &runs) {
     return samples > 0 ? cpu / samples : 0;
 }
 
+/// Of every run, at its end.
+std::vector<double> ErrorsOf(const std::vector<RunRecord> &runs, size_t measure) {
+    std::vector<double> errors;
+    for (const RunRecord &run : runs) errors.push_back(run.rounds.back().measures[measure]);
+    return errors;
+}
+
 void SummarizeOne(SamplerResult *s) {
     const auto last = [](const RunRecord &run) -> const RoundRecord & { return run.rounds.back(); };
     s->samples = MeanOver(s->runs, [&](const RunRecord &r) { return double(last(r).samples); });
@@ -60,11 +67,7 @@ void SummarizeOne(SamplerResult *s) {
     s->cpuSeconds = MeanOver(s->runs, [&](const RunRecord &r) { return last(r).spent.cpu; });
     s->prepareSeconds = MeanOver(s->runs, [](const RunRecord &r) { return r.prepare.wall; });
     s->prepareCpuSeconds = MeanOver(s->runs, [](const RunRecord &r) { return r.prepare.cpu; });
-    for (size_t m = 0; m < MeasureCount; ++m) {
-        std::vector<double> values;
-        for (const RunRecord &r : s->runs) values.push_back(last(r).measures[m]);
-        s->measures[m] = Summarize(values);
-    }
+    for (size_t m = 0; m < MeasureCount; ++m) s->measures[m] = Summarize(ErrorsOf(s->runs, m));
     const double error = s->measures[static_cast<size_t>(Measure::RelL2)].mean;
     s->firefliesDecide = FirefliesDecide(error, s->measures[static_cast<size_t>(Measure::RelL2Trimmed)].mean);
     s->efficiency = Efficiency(error, s->seconds);
@@ -136,7 +139,7 @@ CampaignResults Summarize(const CampaignSettings &settings, const References &re
     CompareSamplers(&results.samplers);
     std::vector<Contender> contenders;
     for (const SamplerResult &s : results.samplers)
-        contenders.push_back({s.measures[static_cast<size_t>(Measure::RelL2)],
+        contenders.push_back({ErrorsOf(s.runs, static_cast<size_t>(Measure::RelL2)),
                               !s.choice.IsOracle() && s.bias.verdict != BiasVerdict::Biased});
     if (std::optional<Winner> winner = FindWinner(contenders)) {
         results.winner = winner->index;

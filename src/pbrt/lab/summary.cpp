@@ -19,33 +19,50 @@ Summary Summarize(std::span<const double> values) {
 
 bool FirefliesDecide(double relL2, double trimmedRelL2, double factor) { return relL2 > factor * trimmedRelL2; }
 
-bool LowerBeyondNoise(const Summary &a, const Summary &b, double level) {
-    if (a.count < 2 || b.count < 2 || !(a.mean < b.mean)) return false;
-    // Errors vary by factors, so their logarithms are what is nearly normal.
-    auto logVariance = [](const Summary &s) {
-        const double relative = s.mean > 0 ? s.standardError / s.mean : 0;
-        return relative * relative;
-    };
+namespace {
+
+/// P-value of `mean of b > mean of a` for pairs.
+double PairedP(std::span<const double> a, std::span<const double> b) {
+    RunningMoments difference;
+    for (size_t i = 0; i < a.size(); ++i) difference.Add(b[i] - a[i]);
+    if (difference.Variance() == 0) return 0;
+    const double n = static_cast<double>(a.size());
+    return StudentTwoSidedP(difference.Mean() / std::sqrt(difference.Variance() / n), n - 1) / 2;
+}
+
+/// The same for independent runs. Errors vary by factors, so their logarithms are what is nearly normal.
+double WelchP(const Summary &a, const Summary &b) {
+    auto logVariance = [](const Summary &s) { return s.standardError * s.standardError / (s.mean * s.mean); };
     const double va = logVariance(a), vb = logVariance(b), variance = va + vb;
-    if (variance == 0 || a.mean <= 0) return true;
+    if (variance == 0) return 0;
     const double dof =
         variance * variance / (va * va / static_cast<double>(a.count - 1) + vb * vb / static_cast<double>(b.count - 1));
-    const double t = std::log(b.mean / a.mean) / std::sqrt(variance);
-    return StudentTwoSidedP(t, dof) / 2 < level;
+    return StudentTwoSidedP(std::log(b.mean / a.mean) / std::sqrt(variance), dof) / 2;
+}
+
+}  // namespace
+
+bool LowerBeyondNoise(std::span<const double> a, std::span<const double> b, double level) {
+    const Summary sa = Summarize(a), sb = Summarize(b);
+    if (sa.count < 2 || sb.count < 2 || !(sa.mean < sb.mean)) return false;
+    if (sa.mean <= 0) return true;
+    const bool paired = sa.count == sb.count && sa.count >= kSeedsToPair;
+    return (paired ? PairedP(a, b) : WelchP(sa, sb)) < level;
 }
 
 std::optional<Winner> FindWinner(std::span<const Contender> contenders) {
-    std::optional<Winner> winner;
+    std::vector<double> means;
+    for (const Contender &c : contenders) means.push_back(Summarize(c.errors).mean);
     auto takesPart = [&](size_t i) {
-        return contenders[i].eligible && contenders[i].error.count > 0 && std::isfinite(contenders[i].error.mean);
+        return contenders[i].eligible && !contenders[i].errors.empty() && std::isfinite(means[i]);
     };
+    std::optional<Winner> winner;
     for (size_t i = 0; i < contenders.size(); ++i)
-        if (takesPart(i) && (!winner || contenders[i].error.mean < contenders[winner->index].error.mean))
-            winner = Winner{i, true};
+        if (takesPart(i) && (!winner || means[i] < means[winner->index])) winner = Winner{i, true};
     if (!winner) return {};
     for (size_t i = 0; i < contenders.size(); ++i)
         if (i != winner->index && takesPart(i))
-            winner->beyondNoise &= LowerBeyondNoise(contenders[winner->index].error, contenders[i].error);
+            winner->beyondNoise &= LowerBeyondNoise(contenders[winner->index].errors, contenders[i].errors);
     return winner;
 }
 

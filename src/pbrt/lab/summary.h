@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace pbrt::lab {
 
@@ -17,14 +18,17 @@ Summary Summarize(std::span<const double> values);
 /// Fireflies decide an error if leaving out the worst 0.1 % of the pixels divides the mean relL2 by more than `factor`.
 bool FirefliesDecide(double relL2, double trimmedRelL2, double factor = 2);
 
-/// Is the mean of `a` lower than that of `b` beyond noise? Welch's t-test of the logarithms' first-order spread
-/// (standardError / mean), one-sided at `level`. Never if either has fewer than two runs.
-bool LowerBeyondNoise(const Summary &a, const Summary &b, double level = 0.05);
+/// Is the mean of `a` lower than that of `b` beyond noise? One-sided t-test at `level`. Both have one value a seed, and
+/// runs of a seed share the camera's random numbers: from `kSeedsToPair` seeds on, equal in number, the differences of
+/// the seeds are tested. Fewer are taken for independent, which is on the safe side (Welch, of the logarithms'
+/// first-order spread). Never if either has fewer than two values.
+bool LowerBeyondNoise(std::span<const double> a, std::span<const double> b, double level = 0.05);
+inline constexpr size_t kSeedsToPair = 5;
 
 /// Who has the lowest mean error.
 struct Contender {
-    Summary error;
-    bool eligible = true;  ///< false: biased, or the oracle
+    std::vector<double> errors;  ///< one of each seed
+    bool eligible = true;        ///< false: biased, or the oracle
 };
 struct Winner {
     size_t index = 0;

@@ -40,8 +40,8 @@ TEST(LowerBeyondNoise, KeepsItsLevel) {
             b.push_back(noise(rng));
             far.push_back(2 * noise(rng));
         }
-        alarms += LowerBeyondNoise(Summarize(a), Summarize(b));
-        found += LowerBeyondNoise(Summarize(a), Summarize(far));
+        alarms += LowerBeyondNoise(a, b);
+        found += LowerBeyondNoise(a, far);
     }
     EXPECT_LE(alarms, 0.06 * trials);
     EXPECT_GE(alarms, 0.02 * trials);
@@ -49,14 +49,38 @@ TEST(LowerBeyondNoise, KeepsItsLevel) {
 }
 
 TEST(LowerBeyondNoise, NeedsTwoRunsOfEach) {
-    const Summary one = Summarize(std::vector<double>{1}), two = Summarize(std::vector<double>{9, 9.1});
+    const std::vector<double> one = {1}, two = {9, 9.1}, low = {1, 1.1};
     EXPECT_FALSE(LowerBeyondNoise(one, two));
-    EXPECT_TRUE(LowerBeyondNoise(Summarize(std::vector<double>{1, 1.1}), two));
-    EXPECT_FALSE(LowerBeyondNoise(two, Summarize(std::vector<double>{1, 1.1})));
+    EXPECT_TRUE(LowerBeyondNoise(low, two));
+    EXPECT_FALSE(LowerBeyondNoise(two, low));
+}
+
+// Errors that both samplers owe to the same fireflies of a seed cancel in the pairs; the level is kept all the same.
+TEST(LowerBeyondNoise, ComparesSeedBySeed) {
+    Rng rng(9, 8);
+    const test::Noise shared = test::Lognormal(0.6), own = test::Lognormal(0.05);
+    int alarms = 0, found = 0, foundOfUnequalNumber = 0;
+    const int trials = 4000;
+    for (int i = 0; i < trials; ++i) {
+        std::vector<double> a, b, far;
+        for (size_t k = 0; k < kSeedsToPair; ++k) {
+            const double firefly = shared(rng);
+            a.push_back(firefly * own(rng));
+            b.push_back(firefly * own(rng));
+            far.push_back(1.2 * firefly * own(rng));
+        }
+        alarms += LowerBeyondNoise(a, b);
+        found += LowerBeyondNoise(a, far);
+        foundOfUnequalNumber += LowerBeyondNoise(a, std::span(far).first(kSeedsToPair - 1));
+    }
+    EXPECT_LE(alarms, 0.06 * trials);
+    EXPECT_GE(alarms, 0.02 * trials);
+    EXPECT_GE(found, 0.9 * trials);
+    EXPECT_LE(foundOfUnequalNumber, 0.3 * trials);
 }
 
 TEST(FindWinner, TakesTheLowestOfTheEligible) {
-    auto of = [](double a, double b) { return Summarize(std::vector<double>{a, b}); };
+    auto of = [](double a, double b) { return std::vector<double>{a, b}; };
     std::vector<Contender> all = {{of(3, 3.1), true}, {of(1, 1.02), false}, {of(2, 2.05), true}, {of(9, 9.9), true}};
     auto winner = FindWinner(all);
     ASSERT_TRUE(winner);

@@ -14,7 +14,8 @@ for line in (root / ".ci/layers").read_text().splitlines():
         ranks[words[1]] = words[0]
 HIGHEST_FOR_EXT = 16
 DOORS = [(re.compile(r"^(embree|rtcore)"), {"pbrt/accel"}),
-         (re.compile(r"^(OpenImageIO|OpenEXR|Imath)/|^Im[a-z]+\.h"), {"pbrt/images"}),
+         (re.compile(r"^(OpenEXR|Imath)/|^Im[a-z]+\.h"), {"pbrt/images"}),
+         (re.compile(r"^OpenImageIO/"), {"pbrt/images/oiio_module.cpp"}),  # loaded when it is needed
          (re.compile(r"^tbb/|^oneapi/"), {"pbrt/core"}),
          (re.compile(r"^glm/"), {"pbrt/math"}),
          (re.compile(r"^opensubdiv/"), {"pbrt/shapes"}),
@@ -59,7 +60,7 @@ for file in sorted((root / "src").rglob("*")):
             if target not in ranks or not allowed(source, target):
                 problems.append(f"src/{relative}:{number}: {source} ({ranks[source]}) may not include {target} ({ranks.get(target)})")
         for pattern, doors in DOORS:
-            if pattern.search(include) and source not in doors:
+            if pattern.search(include) and source not in doors and relative not in doors:
                 problems.append(f"src/{relative}:{number}: <{include}> belongs behind {', '.join(sorted(doors))}")
 print("\n".join(problems))
 print(f"layers: {checked} includes checked, {len(problems)} violations")

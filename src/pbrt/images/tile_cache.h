@@ -6,6 +6,10 @@
 
 namespace pbrt {
 
+namespace oiio {
+class TileStore;
+}
+
 /// Images that live on disk: written to tiled files in a temporary folder, of whose tiles as many as fit a limit of
 /// memory are kept, by OpenImageIO's cache. The folder goes with the object.
 class TileCache {
@@ -37,7 +41,8 @@ class TileCache {
           private:
             friend class Stored;
             void Release();
-            void *cache_ = nullptr, *tile_ = nullptr;
+            oiio::TileStore *tiles_ = nullptr;
+            void *tile_ = nullptr;
             const char *data_ = nullptr;
             size_t texelBytes_ = 0, image_ = 0;
             int x_ = 0, y_ = 0;  ///< in tiles
@@ -47,8 +52,10 @@ class TileCache {
 
       private:
         friend class TileCache;
-        Stored(void *cache, void *file, size_t texelBytes) : cache_(cache), file_(file), texelBytes_(texelBytes) {}
-        void *cache_, *file_;
+        Stored(oiio::TileStore *tiles, void *file, size_t texelBytes)
+            : tiles_(tiles), file_(file), texelBytes_(texelBytes) {}
+        oiio::TileStore *tiles_;
+        void *file_;
         size_t texelBytes_;
     };
     /// Thread-safe. Throws UserError if the folder cannot be written.

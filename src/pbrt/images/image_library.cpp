@@ -1,0 +1,26 @@
+#include "pbrt/images/image_library.h"
+
+#include <dlfcn.h>
+
+#include <stdexcept>
+
+namespace pbrt::oiio {
+
+namespace {
+
+const ImageLibrary &Load() {
+    // Found by the programs' run path. Never unloaded: images outlive every scope that could do it.
+    void *module = dlopen(PBRT_OIIO_MODULE, RTLD_NOW | RTLD_LOCAL);
+    void *entry = module ? dlsym(module, "PbrtImageLibrary") : nullptr;
+    if (!entry) throw std::runtime_error(dlerror());
+    return *reinterpret_cast<const ImageLibrary *(*)()>(entry)();
+}
+
+}  // namespace
+
+const ImageLibrary &Library() {
+    static const ImageLibrary &library = Load();
+    return library;
+}
+
+}  // namespace pbrt::oiio

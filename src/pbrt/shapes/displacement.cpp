@@ -6,7 +6,6 @@
 #include <tuple>
 #include <unordered_map>
 
-#include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
@@ -17,12 +16,14 @@ namespace {
     const double wanted = std::max(0.6 * kMostDisplacedTriangles, 1.1 * size.faces);
     double fitting = double(maxEdge);
     while (size.Triangles(fitting) > wanted) fitting *= 1.02;
-    throw UserError(fmt::format("\"edgelength\" {:g}{} would take about {:.3g} million triangles; at most {} million are "
-                                "made of one shape. {:.2g} would fit.",
-                                maxEdge / edgeScale,
-                                edgeScale == 1 ? "" : fmt::format(" (times displacement edge scale {:g})", edgeScale),
-                                std::max(size.Triangles(double(maxEdge)), double(kMostDisplacedTriangles)) / 1e6,
-                                kMostDisplacedTriangles / 1000000, fitting * 1.05 / double(edgeScale)));
+    throw DisplacementError(
+        "edgelength",
+        fmt::format("\"edgelength\" {:g}{} would take about {:.3g} million triangles; at most {} million are made of one "
+                    "shape. {:.2g} would fit.",
+                    maxEdge / edgeScale,
+                    edgeScale == 1 ? "" : fmt::format(" (times displacement edge scale {:g})", edgeScale),
+                    std::max(size.Triangles(double(maxEdge)), double(kMostDisplacedTriangles)) / 1e6,
+                    kMostDisplacedTriangles / 1000000, fitting * 1.05 / double(edgeScale)));
 }
 
 class Splitter {
@@ -149,8 +150,8 @@ SplitSize MeasureSplit(const PlyMesh &ply, const Transform &renderFromObject) {
 MeshData DisplaceMesh(const PlyMesh &ply, const Transform &renderFromObject, Float maxEdge,
                       const Displacement &displacement) {
     const MeshData &vertices = ply.triangles.indices.empty() ? ply.quads : ply.triangles;
-    if (vertices.uv.empty()) throw UserError("a mesh without texture coordinates cannot be displaced.");
-    if (vertices.n.empty()) throw UserError("a mesh without normals cannot be displaced.");
+    if (vertices.uv.empty()) throw DisplacementError("displacement", "a mesh without texture coordinates cannot be displaced.");
+    if (vertices.n.empty()) throw DisplacementError("displacement", "a mesh without normals cannot be displaced.");
     maxEdge *= displacement.edgeScale;
     const SplitSize size = MeasureSplit(ply, renderFromObject);
     auto refuse = [&] { RefuseSplit(size, maxEdge, displacement.edgeScale); };

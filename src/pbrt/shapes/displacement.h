@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 
+#include "pbrt/core/error.h"
 #include "pbrt/shapes/ply.h"
 
 namespace pbrt {
@@ -12,9 +13,20 @@ struct Displacement {
     Float edgeScale = 1;  ///< multiplies "edgelength"
 };
 
+/// A mesh that cannot be displaced (no location), and which parameter of the shape is to blame.
+class DisplacementError : public UserError {
+  public:
+    DisplacementError(const char *parameter, std::string message)
+        : UserError(std::move(message)), parameter_(parameter) {}
+    const char *Parameter() const { return parameter_; }
+
+  private:
+    const char *parameter_;  ///< "displacement" or "edgelength"
+};
+
 /// Splits triangles and quads at the middle of their longest edges until all edges are shorter than `maxEdge` in
 /// rendering space, then moves the vertices along their normals and gives them new normals, on the side of the old ones.
-/// Faces that share vertices keep doing so: no cracks. The result is in object space. Throws UserError (no location) if
+/// Faces that share vertices keep doing so: no cracks. The result is in object space. Throws DisplacementError if
 /// texture coordinates or normals are missing, or there would be more than kMostDisplacedTriangles; nearly always before
 /// the work is done.
 MeshData DisplaceMesh(const PlyMesh &mesh, const Transform &renderFromObject, Float maxEdge,

@@ -260,10 +260,9 @@ Shapes MakePlyMesh(const Request &r) {
     if (r.displacement) {
         try {
             return One<TriangleMesh>(r, DisplaceMesh(ply, r.renderFromObject, edgeLength, *r.displacement));
-        } catch (const UserError &e) {
-            const std::string &message = e.Diagnostics().front().message;
-            const char *name = message.starts_with("\"edgelength\"") ? "edgelength" : "displacement";
-            throw UserError(fmt::format("{}: {}: {}", params.What(), filename, message), params.LocOf(name));
+        } catch (const DisplacementError &e) {
+            throw UserError(fmt::format("{}: {}: {}", params.What(), filename, e.Diagnostics().front().message),
+                            params.LocOf(e.Parameter()));
         }
     }
     Shapes shapes;

@@ -119,7 +119,12 @@ TEST(Displacement, NeedsTextureCoordinatesAndNormals) {
     for (bool noUv : {true, false}) {
         PlyMesh ply = QuadAndTriangle();
         for (MeshData *data : {&ply.triangles, &ply.quads}) noUv ? data->uv.clear() : data->n.clear();
-        EXPECT_THROW(DisplaceMesh(ply, Transform(), 1, none), UserError);
+        try {
+            DisplaceMesh(ply, Transform(), 1, none);
+            FAIL();
+        } catch (const DisplacementError &e) {
+            EXPECT_STREQ(e.Parameter(), "displacement");
+        }
     }
 }
 
@@ -141,7 +146,8 @@ TEST(Displacement, TooManyTrianglesAreRefusedBeforeTheyAreMade) {
         half.edgeScale = 0.5f;
         DisplaceMesh(QuadAndTriangle(), Transform(), 2e-6f, half);
         FAIL();
-    } catch (const UserError &e) {
+    } catch (const DisplacementError &e) {
+        EXPECT_STREQ(e.Parameter(), "edgelength");
         const std::string message = e.what();
         for (const char *part : {"\"edgelength\" 2e-06", "scale 0.5", "million", "would fit"})
             EXPECT_NE(message.find(part), std::string::npos) << message;

@@ -11,6 +11,7 @@
 #include "pbrt/math/rng.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/curves.h"
+#include "pbrt/shapes/displacement.h"
 
 namespace pbrt {
 namespace {
@@ -236,6 +237,44 @@ TEST_F(ShapeFactory, PlyMistakes) {
     EXPECT_NE(ErrorOf("plymesh").find("/nonexistent/file.ply"), std::string::npos);
     Floats(ParamType::Float, "edgelength", {0});
     EXPECT_NE(ErrorOf("plymesh").find("edgelength"), std::string::npos);
+}
+
+TEST_F(ShapeFactory, DisplacementErrorsPointAtTheParameterToBlame) {
+    const auto file = std::filesystem::temp_directory_path() / "pbrt_displacement_place_test.ply";
+    auto lineOf = [&](bool withUv) {
+        std::ofstream(file) << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                               "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+                            << (withUv ? "property float u\nproperty float v\n" : "")
+                            << "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                            << (withUv ? "0 0 0 0 0 1 0 0\n1 0 0 0 0 1 1 0\n0 1 0 0 0 1 0 1\n"
+                                       : "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n")
+                            << "3 0 1 2\n";
+        const auto source = std::make_shared<SourceFile>(SourceFile{"scene.pbrt", ""});
+        ParamSet p("Shape \"plymesh\"", FileLoc{source, 1, 0});
+        Param filename, edge, height;
+        filename.type = ParamType::String;
+        filename.name = "filename";
+        filename.strings = {file};
+        edge.type = ParamType::Float;
+        edge.name = "edgelength";
+        edge.floats = {1e-6f};
+        edge.loc = {source, 2, 0};
+        height.type = ParamType::Texture;
+        height.name = "displacement";
+        height.strings = {"bumps"};
+        height.loc = {source, 3, 0};
+        for (const Param &param : {filename, edge, height}) p.Add(param);
+        const Displacement flat{[](auto &...) { return Float(0); }, 1};
+        try {
+            MakeShapes("plymesh", p, Transform(), false, FileResolver(), sink, &flat);
+        } catch (const UserError &e) {
+            return e.Diagnostics().front().loc.line;
+        }
+        return 0;
+    };
+    EXPECT_EQ(lineOf(true), 2);
+    EXPECT_EQ(lineOf(false), 3);
+    std::filesystem::remove(file);
 }
 
 TEST_F(ShapeFactory, ConformanceMeshesAreRead) {

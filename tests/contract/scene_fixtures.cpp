@@ -185,6 +185,29 @@ const std::vector<Recipe> &Recipes() {
                  .Quad({1, 2.4f, 1}, {1, 0, 0}, {0, 0, 1}, Text::Area(1))
                  .Finish();
          }},
+        {"AreaLights",
+         [] {
+             // Emission and alpha that vary over the surface, lights that rays do not see, and every shape that emits.
+             const std::string assets = PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets";
+             const std::string image =
+                 fmt::format("AreaLightSource \"diffuse\" \"string filename\" \"{}/panel.png\" \"float scale\" 3", assets);
+             const Vector3 right(0.8f, 0, 0), back(0, 0, 0.8f);
+             return Text()
+                 .Rooms()
+                 .Add("Texture \"holes\" \"float\" \"checkerboard\" \"float uscale\" 3 \"float vscale\" 3")
+                 .Quad({-2.5f, 2.4f, 1}, right, back, image)
+                 .Quad({-2.5f, 2.4f, -1}, right, back,
+                       image + fmt::format("\nAttribute \"shape\" \"string emissionfilename\" \"{}/panel.png\"", assets))
+                 .Quad({1, 2.4f, 1}, right, back, Text::Area(2) + "\nAttribute \"shape\" \"texture alpha\" \"holes\"")
+                 .Quad({1, 2, -1}, right, back, Text::Area(2) + "\nAttribute \"shape\" \"float alpha\" 0")
+                 .Sphere({-0.5f, 1.8f, -1}, 0.2f, Text::Area(3) + "\nAttribute \"shape\" \"float alpha\" 0")
+                 .Sphere({2.5f, 1.8f, 2}, 0.2f, Text::Area(3) + "\nAttribute \"shape\" \"float zmax\" 0.05")
+                 .Add("AttributeBegin\n" + Text::Area(2) +
+                      "\nTranslate -2 1 2\nRotate 70 1 1 0\nShape \"cylinder\" \"float radius\" 0.1\nAttributeEnd")
+                 .Add("AttributeBegin\n" + Text::Area(2, true) +
+                      "\nTranslate 0.6 1.2 2\nRotate 50 1 1 0\nShape \"disk\" \"float radius\" 0.3\nAttributeEnd")
+                 .Finish();
+         }},
         {"MeshOf10000",
          [] {
              return Text().Rooms().Bulb({-1.5f, 1.5f, 1.5f}, 0.5, 50, 100, 1).PointLight({2, 2, 2}, 1).Finish();

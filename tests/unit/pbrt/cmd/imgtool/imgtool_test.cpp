@@ -1,5 +1,7 @@
 #include <cmath>
+#include <map>
 #include <regex>
+#include <set>
 
 #include "imgtool_program.h"
 
@@ -20,6 +22,34 @@ TEST_F(Imgtool, HelpListsCommandsAndExplainsEach) {
         EXPECT_TRUE(Has(o.out, "Example: imgtool ")) << o.out;
     }
     for (const std::string &command : commands) EXPECT_TRUE(Has(outcomes[0].out, command)) << command;
+}
+
+TEST_F(Imgtool, OptionsAreThoseOfTheDocument) {
+    std::ifstream document(PBRT_SOURCE_DIR "/docs/compatibility.md");
+    static const std::regex kRow(R"(\| `(\w+)` \| (.*?) ?\|.*)"), kOption("--[a-z0-9]+");
+    auto options = [](const std::string &text) {
+        std::set<std::string> found;
+        for (std::sregex_iterator i(text.begin(), text.end(), kOption), end; i != end; ++i) found.insert(i->str());
+        found.erase("--help");
+        return found;
+    };
+    std::map<std::string, std::set<std::string>> documented;
+    bool here = false;
+    for (std::string line; std::getline(document, line);) {
+        if (line.starts_with("## ")) here = line == "## imgtool";
+        std::smatch cells;
+        if (here && std::regex_match(line, cells, kRow)) documented[cells[1]] = options(cells[2]);
+    }
+    EXPECT_EQ(documented.size(), 14u);
+    for (const auto &[command, known] : documented) {
+        const Outcome o = Run("help " + command);
+        EXPECT_EQ(o.status, 0) << command;
+        // Options stand at the beginnings of lines; further text may name those of others.
+        std::string list;
+        static const std::regex kLine("\n  (?:-\\w,)?(--[a-z0-9]+)");
+        for (std::sregex_iterator i(o.out.begin(), o.out.end(), kLine), end; i != end; ++i) list += i->str(1) + ' ';
+        EXPECT_EQ(known, options(list)) << command;
+    }
 }
 
 TEST_F(Imgtool, UsageErrorsListTheChoices) {

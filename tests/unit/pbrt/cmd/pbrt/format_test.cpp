@@ -1,0 +1,145 @@
+// docs/compatibility.md against the program: a parameter that nobody knows makes it list those that it does.
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "program.h"
+
+namespace pbrt::test {
+
+namespace {
+
+using Names = std::set<std::string>;
+
+std::string Document() {
+    std::ifstream in(PBRT_SOURCE_DIR "/docs/compatibility.md");
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// What stands between backticks.
+std::vector<std::string> Quoted(const std::string &text) {
+    static const std::regex kQuoted("`([^`]+)`");
+    std::vector<std::string> out;
+    for (std::sregex_iterator i(text.begin(), text.end(), kQuoted), end; i != end; ++i) out.push_back((*i)[1]);
+    return out;
+}
+
+/// Names, without types, of the rows whose first cell has entities such as `Shape "sphere"`.
+std::map<std::string, Names> DocumentedParameters() {
+    std::map<std::string, Names> out;
+    Names mapping;
+    std::istringstream lines(Document());
+    for (std::string line; std::getline(lines, line);) {
+        static const std::regex kRow(R"(\| (.*?) \| (.*?) ?\|.*)");
+        std::smatch cells;
+        if (!std::regex_match(line, cells, kRow)) continue;
+        Names names;
+        for (const std::string &p : Quoted(cells[2])) names.insert(p.substr(p.rfind(' ') + 1));
+        if (line.starts_with("| 2D mappings")) mapping = names;
+        for (const std::string &entity : Quoted(cells[1]))
+            if (entity.ends_with('"')) out[entity] = names;
+    }
+    for (const char *type : {"bilerp", "checkerboard", "dots", "imagemap"})
+        out["Texture \"" + std::string(type) + "\""].insert(mapping.begin(), mapping.end());
+    return out;
+}
+
+/// Parameters without which an entity is not made far enough to complain.
+std::string Needed(const std::string &entity) {
+    static const std::string assets = PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets/";
+    static const std::map<std::string, std::string> kNeeded = {
+        {"Camera \"realistic\"", "\"string lensfile\" \"" + assets + "lens_symmetric.dat\""},
+        {"Shape \"trianglemesh\"", "\"point3 P\" [ 0 0 0 1 0 0 0 1 0 ]"},
+        {"Shape \"loopsubdiv\"", "\"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"integer indices\" [ 0 1 2 ]"},
+        {"Shape \"bilinearmesh\"", "\"point3 P\" [ 0 0 0 1 0 0 0 1 0 1 1 0 ]"},
+        {"Shape \"curve\"", "\"point3 P\" [ 0 0 0 1 0 0 0 1 0 1 1 0 ]"},
+        {"Shape \"plymesh\"", "\"string filename\" \"" + assets + "vase_ascii.ply\""},
+        {"Material \"subsurface\"", "\"rgb reflectance\" [ 0.5 0.5 0.5 ]"},
+        {"Material \"mix\"", "\"string materials\" [ \"a\" \"a\" ]"},
+        {"Texture \"imagemap\"", "\"string filename\" \"" + assets + "card_srgb8.png\""},
+        {"LightSource \"projection\"", "\"string filename\" \"" + assets + "slide.png\""}};
+    auto it = kNeeded.find(entity);
+    return it == kNeeded.end() ? "" : it->second;
+}
+
+std::map<std::string, Names> ParametersThatErrorsList(const std::string &messages) {
+    static const std::regex kError(R"rx("float nosuch": unused parameter of (\w+ "\w*")[^\n]*valid: ([^\n]*)\.\n)rx");
+    std::map<std::string, Names> out;
+    for (std::sregex_iterator i(messages.begin(), messages.end(), kError), end; i != end; ++i) {
+        std::string list = (*i)[2];
+        std::replace(list.begin(), list.end(), ',', ' ');
+        std::istringstream words(list);
+        for (std::string name; words >> name;) out[(*i)[1]].insert(name);
+    }
+    return out;
+}
+
+}  // namespace
+
+class Format : public Program {
+  protected:
+    std::map<std::string, Names> Listed() const {
+        std::string world = "MakeNamedMaterial \"a\" \"string type\" \"diffuse\"\n";
+        std::map<std::string, Names> out;
+        for (const auto &[entity, names] : DocumentedParameters()) {
+            const std::string directive = entity.substr(0, entity.find(' '));
+            const std::string type = entity.substr(entity.find(' '));
+            const std::string parameters = Needed(entity) + " \"float nosuch\" 1\n";
+            if (directive == "Texture") {
+                const bool isFloat = type == " \"fbm\"" || type == " \"wrinkled\"" || type == " \"windy\"";
+                const std::string rest = (isFloat ? " \"float\"" : " \"spectrum\"") + type + ' ';
+                world += "Texture \"a" + type.substr(2) + rest + parameters;
+                if (names.contains("mapping"))
+                    world += "Texture \"b" + type.substr(2) + rest + "\"string mapping\" \"planar\" " + parameters;
+            } else if (directive == "Shape" || directive == "Material" || directive == "LightSource") {
+                world += entity + ' ' + parameters;
+            } else if (directive == "AreaLightSource") {
+                world += entity + ' ' + parameters + "Shape \"disk\"\n";
+            } else {  // only the last of its kind counts
+                Write("one.pbrt", entity + ' ' + parameters + "WorldBegin\n");
+                out.merge(ParametersThatErrorsList(Run("--quiet --outfile out.exr one.pbrt").err));
+            }
+        }
+        Write("world.pbrt", "WorldBegin\n" + world);
+        out.merge(ParametersThatErrorsList(Run("--quiet --outfile out.exr world.pbrt").err));
+        return out;
+    }
+};
+
+TEST_F(Format, ParametersAreThoseOfTheDocument) {
+    std::map<std::string, Names> listed = Listed();
+    size_t compared = 0;
+    for (const auto &[entity, documented] : DocumentedParameters()) {
+        // It needs a file of tables.
+        if (entity == "Material \"measured\"") continue;
+        const Names &known = listed[entity];
+        for (const std::string &name : known)
+            EXPECT_TRUE(documented.contains(name) || name.find('.') != std::string::npos)
+                << entity << " knows \"" << name << "\", which docs/compatibility.md does not tell";
+        for (const std::string &name : documented) {
+            ++compared;
+            EXPECT_TRUE(known.contains(name))
+                << entity << " has no \"" << name << "\", which docs/compatibility.md tells";
+        }
+    }
+    EXPECT_GT(compared, 200u);
+}
+
+TEST_F(Format, FlagsAreThoseOfTheDocument) {
+    const std::string document = Document();
+    const size_t begin = document.find("\n## pbrt\n"), end = document.find("\n## ", begin + 1);
+    ASSERT_NE(end, std::string::npos);
+    Names documented, known;
+    for (const std::string &flag : Quoted(document.substr(begin, end - begin)))
+        if (flag.starts_with("--") && flag.find_first_of(" =") == std::string::npos) documented.insert(flag);
+    const std::string help = Run("--help").out;
+    static const std::regex kFlag(R"(\n  (?:-\w,)?(--[a-z-]+))");
+    for (std::sregex_iterator i(help.begin(), help.end(), kFlag), last; i != last; ++i) known.insert((*i)[1]);
+    EXPECT_GT(known.size(), 25u);
+    EXPECT_EQ(documented, known);
+}
+
+}  // namespace pbrt::test

@@ -189,15 +189,15 @@ const std::vector<Recipe> &Recipes() {
          [] {
              // Emission and alpha that vary over the surface, lights that rays do not see, and every shape that emits.
              const std::string assets = PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets";
-             const std::string image =
-                 fmt::format("AreaLightSource \"diffuse\" \"string filename\" \"{}/panel.png\" \"float scale\" 3", assets);
+             const std::string file = fmt::format("\"{}/panel.png\"", assets);
+             const std::string image = "AreaLightSource \"diffuse\" \"float scale\" 3 \"string filename\" " + file;
              const Vector3 right(0.8f, 0, 0), back(0, 0, 0.8f);
              return Text()
                  .Rooms()
                  .Add("Texture \"holes\" \"float\" \"checkerboard\" \"float uscale\" 3 \"float vscale\" 3")
                  .Quad({-2.5f, 2.4f, 1}, right, back, image)
                  .Quad({-2.5f, 2.4f, -1}, right, back,
-                       image + fmt::format("\nAttribute \"shape\" \"string emissionfilename\" \"{}/panel.png\"", assets))
+                       image + "\nAttribute \"shape\" \"string emissionfilename\" " + file)
                  .Quad({1, 2.4f, 1}, right, back, Text::Area(2) + "\nAttribute \"shape\" \"texture alpha\" \"holes\"")
                  .Quad({1, 2, -1}, right, back, Text::Area(2) + "\nAttribute \"shape\" \"float alpha\" 0")
                  .Sphere({-0.5f, 1.8f, -1}, 0.2f, Text::Area(3) + "\nAttribute \"shape\" \"float alpha\" 0")

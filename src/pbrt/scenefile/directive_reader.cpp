@@ -256,7 +256,10 @@ void DirectiveReader::SetOption(const std::string &name, const Token &token) {
         if (name == "pixelstats" && *options.pixelStats)
             builder_.Sink().Warning(tokens_.Loc(token), "no images of statistics per pixel are written.");
     } else if (name == "displacementedgescale") {
-        options.displacementEdgeScale = arguments_.ReadFloat("a number");
+        const Float scale = arguments_.ReadFloat("a number");
+        options.displacementEdgeScale = scale;
+        if (!(scale > 0))
+            builder_.Sink().Error(tokens_.Loc(token), fmt::format("\"{}\" is {}; it must be above 0.", token.text, scale));
     } else if (name == "seed") {
         options.seed = arguments_.ReadInt("a seed");
     } else if (name == "msereferenceimage") {

@@ -57,6 +57,37 @@ TEST_F(Images, HeaderMatricesMapTheWorldIntoThePicture) {
     EXPECT_NEAR(right.y, 0.5f, 1e-5f);
 }
 
+// A ball around (1, 2, 3), seen through a turned and mirrored camera.
+TEST_F(Images, GBufferIsInTheSpaceThatIsAskedFor) {
+    auto render = [&](const std::string &space) {
+        Write("ball.pbrt", R"(Scale -1 1 1
+LookAt 3 4 -2  1 2 3  0 1 0
+Camera "perspective" "float fov" 25
+Film "gbuffer" "integer xresolution" 16 "integer yresolution" 12 "bool savefp16" false "string coordinatesystem" ")" +
+                               space + "\"\nWorldBegin\nLightSource \"infinite\"\nTranslate 1 2 3\nShape \"sphere\"\n");
+        return Render("--spp 1 --disable-pixel-jitter ball.pbrt");
+    };
+    const ImageFile world = render("world"), camera = render("camera");
+    const auto cameraFromWorld = std::get<glm::mat4>(world.metadata.attributes.at("worldToCamera"));
+    auto read = [](const Image &image, Point2i pixel, const char *name) {
+        const int first = image.FindChannel(std::string(name) + ".X");
+        return Vector3(image.Get(pixel, first), image.Get(pixel, first + 1), image.Get(pixel, first + 2));
+    };
+    int seen = 0;
+    for (int i = 0; i < 16 * 12; ++i) {
+        const Point2i pixel(i % 16, i / 16);
+        const Point3 p = read(world.image, pixel, "P");
+        const Normal3 n = read(world.image, pixel, "N");
+        if (LengthSquared(n) == 0) continue;
+        ++seen;
+        EXPECT_NEAR(Distance(p, Point3(1, 2, 3) + n), 0, 1e-4f);
+        EXPECT_LT(Distance(Vector3(cameraFromWorld * glm::vec4(p, 1)), read(camera.image, pixel, "P")), 1e-4f);
+        EXPECT_LT(Distance(Vector3(cameraFromWorld * glm::vec4(n, 0)), read(camera.image, pixel, "N")), 1e-4f);
+    }
+    EXPECT_GT(seen, 30);
+    EXPECT_LT(seen, 150);
+}
+
 // A square at z = 5 that faces the camera; every corner has height 0, every other field between them height 2.
 TEST_F(Images, DisplacedMeshesAreSplitAsTheEdgeLengthSays) {
     Write("square.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"

@@ -133,6 +133,12 @@ SHAPES = [
                 'ObjectInstance "knot" AttributeEnd' for x in (-1.2, -.4, .4, 1.2) for y in (-.6, .3, 1.2))),
     Picture("motion", "moving shape", f'{CLAY}\nActiveTransform EndTime\nTranslate .8 0 0\nActiveTransform All\n'
             f'Translate -.4 0 .9 Rotate 80 1 0 0 {MESH}'),
+    Picture("moving-instance", "turning instances", f'{CLAY}\nObjectBegin "bars"\nScale .9 .9 .9\n'
+            'Shape "trianglemesh" "point3 P" [ -1 0 -.15  1 0 -.15  1 0 .15  -1 0 .15 ] "integer indices" '
+            '[ 0 1 2 0 2 3 ]\nShape "sphere" "float radius" .25\nObjectEnd\n'
+            + "\n".join(f'AttributeBegin Translate {x} 0 1\nRotate 20 0 1 0\nActiveTransform EndTime\n'
+                        f'Rotate {turn} 0 1 0\nActiveTransform All\nObjectInstance "bars" AttributeEnd'
+                        for x, turn in ((-1.05, 15), (1.05, 70)))),
 ]
 
 MATERIALS = [
@@ -146,6 +152,8 @@ MATERIALS = [
     material("thindielectric", "thindielectric", '"thindielectric"', times=2),
     material("coateddiffuse", "coateddiffuse",
              '"coateddiffuse" "rgb reflectance" [ .55 .08 .06 ] "float roughness" .05'),
+    material("coat-medium", "coateddiffuse, thickness, albedo, g", '"coateddiffuse" "rgb reflectance" [ .7 .7 .7 ] '
+             '"float thickness" .5 "rgb albedo" [ .95 .6 .25 ] "float g" .3 "integer maxdepth" 40', times=2),
     material("coatedconductor", "coatedconductor", '"coatedconductor" "spectrum conductor.eta" "metal-Al-eta" '
              '"spectrum conductor.k" "metal-Al-k" "float conductor.roughness" .3 "float interface.roughness" .02 '
              '"float thickness" .1 "rgb albedo" [ .2 .5 .8 ]'),
@@ -170,6 +178,9 @@ MATERIALS = [
     Picture("roughness-texture", "textured roughness",
             'Texture "r" "float" "checkerboard" "float uscale" 12 "float vscale" 8 "float tex1" .01 "float tex2" .3\n'
             f'Material "conductor" "texture roughness" "r"\n{BALL}'),
+    Picture("interface", "interface: the ball around the knot is not seen", 'AttributeBegin Material "interface" '
+            f'Translate 0 0 1 Shape "sphere" "float radius" 1.3 AttributeEnd\nMaterial "conductor" {GOLD}\n{KNOT}',
+            integrator='Integrator "volpath" "integer maxdepth" 8'),
 ]
 
 TEXTURES = [

@@ -3,7 +3,6 @@
 // manifest), --write folder (EXRs of what was rendered).
 #include <fmt/format.h>
 
-#include <cstring>
 #include <fstream>
 #include <map>
 #include <set>
@@ -185,11 +184,16 @@ std::string CompareFurtherChannels(const Record &record, const Image &a, const I
 int main(int argc, char **argv) {
     std::string group, only, write;
     double scale = 0.25;
-    for (int i = 1; i + 1 < argc; i += 2) {
-        if (!std::strcmp(argv[i], "--group")) group = argv[i + 1];
-        if (!std::strcmp(argv[i], "--name")) only = argv[i + 1];
-        if (!std::strcmp(argv[i], "--scale")) scale = std::atof(argv[i + 1]);
-        if (!std::strcmp(argv[i], "--write")) write = argv[i + 1];
+    for (int i = 1; i < argc; i += 2) {
+        const std::string flag = i + 1 < argc ? argv[i] : "";
+        if (flag == "--group") group = argv[i + 1];
+        else if (flag == "--name") only = argv[i + 1];
+        else if (flag == "--scale") scale = std::atof(argv[i + 1]);
+        else if (flag == "--write") write = argv[i + 1];
+        else {
+            fmt::print(stderr, "usage: conformance [--group g] [--name n] [--scale s] [--write folder]\n");
+            return 2;
+        }
     }
     ThreadLimit threads(0);
     nlohmann::json manifest = nlohmann::json::parse(std::ifstream(kSuite + "manifest.json"));

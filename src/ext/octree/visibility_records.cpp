@@ -37,7 +37,7 @@ std::optional<SampledLight> DrawByImportance(const GroupImportance &importance, 
 
 size_t TriesPerRecord(size_t groups, int wanted) {
     if (wanted > 0) return std::min(groups, static_cast<size_t>(wanted));
-    return groups <= kMostScanned ? groups : 16;
+    return groups <= kMostScanned ? groups : 8;
 }
 
 VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices, const MeshGroups &groups,

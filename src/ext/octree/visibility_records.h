@@ -12,7 +12,7 @@ struct VisibilityRecords {
     std::vector<VisibilityTry> tries;
 };
 
-/// Shadow rays a vertex: one to each of `groups` lights up to 64 of them (`wanted` 0), else 16 drawn ones, or as wanted.
+/// Shadow rays a vertex: one to each of `groups` lights up to 64 of them (`wanted` 0), else 8 drawn ones, or as wanted.
 size_t TriesPerRecord(size_t groups, int wanted);
 
 struct TrySettings {

@@ -89,10 +89,10 @@ class Campaign:
     def is_paired(self):
         return self.results["seeds"] >= 5
 
-    def ratio(self, own, other):
-        """Of two samplers' relL2."""
-        a, b = self.error(own).mean, self.error(other).mean
-        return Value(a / b, a / b * self.spread({own: 1 / a, other: -1 / b})[0])
+    def ratio(self, own, other, metric="relL2"):
+        """Of two samplers' errors."""
+        a, b = self.error(own, metric).mean, self.error(other, metric).mean
+        return Value(a / b, a / b * self.spread({own: 1 / a, other: -1 / b}, metric)[0])
 
     def is_biased(self, label):
         return self.summary(label)["bias"]["verdict"] == "biased"

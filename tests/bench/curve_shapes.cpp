@@ -115,6 +115,7 @@ int main() {
     std::printf("%-20s %8s %9s %9s %10s %10s %10s %9s\n", "curve (length 1)", "rays", "ours", "Embree", "one only",
                 "u > 0.01", "v > 0.05", "depth/w");
     const pbrt::Looks all[] = {{"straight, thin", 0.1f, 0.01f, 3},
+                               {"straight, thin, near", 0.1f, 0.01f, 0},
                                {"bent, thin", 0.8f, 0.01f, 3},
                                {"bent, wide", 0.8f, 0.1f, 3},
                                {"bent, thin, near", 0.8f, 0.01f, 0},

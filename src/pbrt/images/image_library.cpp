@@ -2,7 +2,7 @@
 
 #include <dlfcn.h>
 
-#include <stdexcept>
+#include "pbrt/core/error.h"
 
 namespace pbrt::oiio {
 
@@ -12,7 +12,7 @@ const ImageLibrary &Load() {
     // Found by the programs' run path. Never unloaded: images outlive every scope that could do it.
     void *module = dlopen(PBRT_OIIO_MODULE, RTLD_NOW | RTLD_LOCAL);
     void *entry = module ? dlsym(module, "PbrtImageLibrary") : nullptr;
-    if (!entry) throw std::runtime_error(dlerror());
+    if (!entry) throw UserError(fmt::format("{} cannot be loaded: {}.", PBRT_OIIO_MODULE, dlerror()));
     return *reinterpret_cast<const ImageLibrary *(*)()>(entry)();
 }
 

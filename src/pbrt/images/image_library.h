@@ -54,7 +54,7 @@ class ImageLibrary {
     virtual std::unique_ptr<TileStore> MakeTileStore(int megabytes, int tileSize) const = 0;
 };
 
-/// Loads it at the first call. Throws std::runtime_error if it is not there. Thread-safe.
+/// Loads it at the first call. Throws UserError if it is not there. Thread-safe.
 const ImageLibrary &Library();
 
 }  // namespace pbrt::oiio

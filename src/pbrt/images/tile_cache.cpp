@@ -30,12 +30,12 @@ struct TileCache::Impl {
 };
 
 TileCache::TileCache(int megabytes) : impl_(std::make_unique<Impl>()) {
+    impl_->tiles = oiio::Library().MakeTileStore(megabytes, kSize);
     static std::atomic<int> caches{0};
     impl_->folder = std::filesystem::temp_directory_path() / fmt::format("pbrt_textures_{}_{}", getpid(), caches++);
     std::error_code failed;
     std::filesystem::create_directories(impl_->folder, failed);
     if (failed) throw UserError(fmt::format("{}: {}.", impl_->folder.string(), failed.message()));
-    impl_->tiles = oiio::Library().MakeTileStore(megabytes, kSize);
 }
 
 TileCache::~TileCache() {

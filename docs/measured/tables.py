@@ -97,6 +97,15 @@ class Campaign:
     def is_biased(self, label):
         return self.summary(label)["bias"]["verdict"] == "biased"
 
+    def bias(self, label):
+        """clean, biased, or the least that would have been seen in the whole picture and in a sixteenth of it."""
+        b = self.summary(label)["bias"]
+        if b["verdict"] != "unknown":
+            return b["verdict"]
+        size = [f"{100 * v:.2g} %" if v is not None and v < 1 else "-" for v in (b["visibleImage"],
+                                                                               b["visibleSixteenth"])]
+        return " / ".join(size)
+
     def is_oracle(self, label):
         return self.samplers[label]["isOracle"]
 
@@ -110,20 +119,21 @@ class Campaign:
         return overhead["prepassSeconds"] + overhead["buildSeconds"]
 
 
-def add_arguments(parser, out, samples=None, scenes=None):
+def add_arguments(parser, out, samples=None, scenes=None, seeds=3, divisor=2, chart=True):
     """`samples`: default for scripts that only know equal samples."""
     parser.add_argument("--lightlab", default=str(ROOT / "build/release/src/pbrt/cmd/lightlab/lightlab"))
     if samples:
         parser.add_argument("--spp", type=int, default=samples, help=f"samples per pixel ({samples})")
     parser.add_argument("--reference-spp", type=int, help="samples per pixel of references (as lightlab likes)")
-    parser.add_argument("--seeds", type=int, default=3, help="runs of every sampler (3)")
-    parser.add_argument("--divisor", type=int, default=2, help="divides the resolution (2)")
+    parser.add_argument("--seeds", type=int, default=seeds, help=f"runs of every sampler ({seeds})")
+    parser.add_argument("--divisor", type=int, default=divisor, help=f"divides the resolution ({divisor})")
     parser.add_argument("--threads", type=int, default=0, help="of lightlab (0: all cores)")
     parser.add_argument("--only", help="scenes, comma list" + (f" ({','.join(scenes)})" if scenes else ""))
     parser.add_argument("--out", default=str(ROOT / out), help=f"folder of the campaigns ({out})")
     parser.add_argument("--tables-only", action="store_true", help="measure nothing: read the campaigns in --out")
     parser.add_argument("--table", help="write the table to this file as well")
-    parser.add_argument("--chart", help="write a chart (SVG) to this file")
+    if chart:
+        parser.add_argument("--chart", help="write a chart (SVG) to this file")
 
 
 def scene_file(name):
@@ -145,9 +155,10 @@ def run_lightlab(a, scene, out, samplers, more):
     return None
 
 
-def run_campaign(a, name, samplers, spp=None, seconds=None, direct=True, report=False, judges=None):
+def run_campaign(a, name, samplers, spp=None, seconds=None, direct=True, report=False, judges=None, seeds=None):
     """`judges`: two samplers, the better of which makes one reference for all; without, no sampler is judged by its
-    own, and so not all by the same. None, and a word about it, if the scene cannot be run."""
+    own, and so not all by the same. `seeds`: others than a.seeds. None, and a word about it, if the scene cannot be
+    run."""
     scene, out, noise = scene_file(name), pathlib.Path(a.out) / name, None
     first = out.with_name(f"{name}-reference") / "results.json"
     if a.tables_only:
@@ -170,7 +181,7 @@ def run_campaign(a, name, samplers, spp=None, seconds=None, direct=True, report=
             return None
         noise = json.loads(first.read_text())["references"][0].get("noise")
         reference = ["--reference", first.parent / "reference-0.exr"]
-    more = ["--seeds", a.seeds, *(["--spp", spp] if spp else ["--time", seconds]), *depth, *reference]
+    more = ["--seeds", seeds or a.seeds, *(["--spp", spp] if spp else ["--time", seconds]), *depth, *reference]
     results = run_lightlab(a, scene, out, samplers, more if report else [*more, "--no-report"])
     return Campaign(results, noise) if results else None
 

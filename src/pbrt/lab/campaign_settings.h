@@ -29,9 +29,10 @@ struct CampaignSettings {
     bool Timed() const { return timeBudget > 0; }
 };
 
-/// What fixes the pictures and times of a campaign. Two campaigns in one folder must agree in all of it.
+/// What fixes the pictures and times of a campaign. Two campaigns in one folder must agree in all of it but the number of
+/// seeds.
 nlohmann::ordered_json IdentityOf(const CampaignSettings &settings, const std::string &sceneHash, int threads);
-/// The keys in which two identities differ, with both values, for people; empty if they are equal.
+/// The keys in which two identities differ, but for the number of seeds, with both values, for people; empty if none.
 std::vector<std::string> Differences(const nlohmann::ordered_json &old, const nlohmann::ordered_json &now);
 
 /// Sample counts of a finished campaign: what --samples-from replays.

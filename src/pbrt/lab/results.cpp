@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pbrt/lab/convergence.h"
+#include "pbrt/math/statistics.h"
 
 namespace pbrt::lab {
 
@@ -77,14 +78,17 @@ void SummarizeOne(SamplerResult *s) {
     s->blockedShare = s->shadowRays > 0 ? blocked / s->shadowRays : 0;
 }
 
-BiasReport JudgeBias(const std::vector<Image> &pictures, const Reference &reference) {
+/// The chance of a false alarm is that of the campaign: one of so many verdicts.
+BiasReport JudgeBias(const std::vector<Image> &pictures, const Reference &reference, size_t verdicts) {
     std::vector<TileMeans> runs;
     for (const Image &picture : pictures) runs.push_back(ComputeTileMeans(picture));
     BiasReference judge;
     for (const Image &part : reference.parts) judge.parts.push_back(ComputeTileMeans(part));
     if (judge.parts.empty()) judge.parts.push_back(ComputeTileMeans(reference.image));
     judge.relL2 = reference.noise;
-    return CheckBias(runs, judge);
+    BiasSettings settings;
+    settings.level = SidakLevel(settings.level, verdicts);
+    return CheckBias(runs, judge, settings);
 }
 
 void CompareSamplers(std::vector<SamplerResult> *samplers) {
@@ -133,7 +137,7 @@ CampaignResults Summarize(const CampaignSettings &settings, const References &re
         s.runs = std::move(runs[i]);
         for (RunRecord &run : s.runs) DropEmptyRounds(&run);
         SummarizeOne(&s);
-        s.bias = JudgeBias(pictures[i], references.all[s.reference]);
+        s.bias = JudgeBias(pictures[i], references.all[s.reference], settings.samplers.size());
         results.samplers.push_back(std::move(s));
     }
     CompareSamplers(&results.samplers);

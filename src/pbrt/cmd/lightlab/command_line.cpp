@@ -21,7 +21,7 @@ const char *const kAbout =
     "  lightlab scene.pbrt --samplers bvh,octree,octree:leaves=512,floor=0.2,bvh+gate=neepp\n"
     "  lightlab inspect scene.pbrt --sampler octree     pictures of what a sampler knows (see lightlab inspect "
     "--help)\n\n"
-    "Ctrl-C keeps what is finished; the same command goes on from there.";
+    "Ctrl-C keeps what is finished; the same command goes on from there, with more --seeds as well.";
 
 const char *const kFooter =
     "A sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]]: +mesh takes every emissive mesh as\n"

@@ -26,7 +26,7 @@ class PaperScripts(unittest.TestCase):
         self.out, self.kept, self.log = self.top / "out", self.top / "kept", self.top / "log"
 
     def run_script(self, *arguments, script="run", real="absent", **environment):
-        command = [str(TOP / "docs/paper" / script), "--lightlab", str(HERE / "stand_in_lightlab.py"), "--out",
+        command = [str(TOP / "docs/paper" / script), "--lightlab", str(HERE.parent / "stand_in_lightlab.py"), "--out",
                    str(self.out), "--results", str(self.kept), *arguments]
         settings = {"PBRT_REAL_SCENES": str(self.top / real), "STAND_IN_LOG": str(self.log), **environment}
         return subprocess.run(command, capture_output=True, text=True, env={**os.environ, **settings})
@@ -120,7 +120,7 @@ class PaperScripts(unittest.TestCase):
 
     def test_an_interrupt_reaches_lightlab_and_ends_the_run(self):
         waits = self.top / "waits"
-        command = [str(TOP / "docs/paper/run"), "--lightlab", str(HERE / "stand_in_lightlab.py"), "--out", str(self.out)]
+        command = [str(TOP / "docs/paper/run"), "--lightlab", str(HERE.parent / "stand_in_lightlab.py"), "--out", str(self.out)]
         process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
                                    env={**os.environ, "STAND_IN_LOG": str(self.log), "STAND_IN_WAIT": str(waits)})
         for _ in range(500):

@@ -355,6 +355,28 @@ TEST_F(Campaign, InterruptedOnesEndAsIfNothingHadHappened) {
     EXPECT_EQ(fs::last_write_time(folder_ / "parts/honest/seed1.exr"), time);
 }
 
+TEST_F(Campaign, MoreSeedsGoOnAndFewerAreAPart) {
+    CampaignSettings settings = Settings("out", {"uniform"});
+    settings.seeds = 2;
+    ASSERT_TRUE(Run(settings));
+    const auto time = fs::last_write_time(folder_ / "out/uniform/seed1.exr");
+    settings.seeds = 3;
+    const std::optional<CampaignOutcome> more = Run(settings);
+    ASSERT_TRUE(more);
+    EXPECT_EQ(fs::last_write_time(folder_ / "out/uniform/seed1.exr"), time);
+    CampaignSettings afresh = settings;
+    afresh.outFolder = (folder_ / "afresh").string();
+    const std::optional<CampaignOutcome> whole = Run(afresh);
+    ASSERT_TRUE(whole);
+    const auto errors = [](const CampaignOutcome &o) { return o.results.at("samplers").at(0).at("summary").at("metrics"); };
+    EXPECT_EQ(errors(*more), errors(*whole));
+    settings.seeds = 1;
+    const std::optional<CampaignOutcome> fewer = Run(settings);
+    ASSERT_TRUE(fewer);
+    EXPECT_EQ(fewer->results.at("seeds"), 1);
+    EXPECT_EQ(fewer->results.at("samplers").at(0).at("runs").size(), 1u);
+}
+
 TEST_F(Campaign, OtherSettingsInTheSameFolderAreRefusedUntilRestart) {
     CampaignSettings settings = Settings("out", {"uniform"});
     ASSERT_TRUE(Run(settings));

@@ -61,18 +61,26 @@ SampledSpectrum CoatedBxdf<Base>::FConsistent(const Vector3 &wo, const Vector3 &
 }
 
 template <class Base>
-Float CoatedBxdf<Base>::Approximate(const Vector3 &wo, const Vector3 &wi) const {
-    if (!SameHemisphere(wo, wi)) return 0;
-    Float side = wo.z < 0 ? Float(-1) : Float(1);
-    const Vector3 o = wo * side, i = wi * side;
-    const Float mirrored = top_.F(o, i, TransportMode::Radiance)[0];
-    const Float eta = top_.Eta();
-    Vector3 oInside, iInside;
-    const Normal3 up(0, 0, 1);
-    if (!Refract(o, up, eta, nullptr, &oInside) || !Refract(i, up, eta, nullptr, &iInside)) return mirrored;
-    const Float through = (1 - FresnelDielectric(o.z, eta)) * (1 - FresnelDielectric(i.z, eta)) / Sqr(eta) *
-                          Transmittance(thickness_, oInside) * Transmittance(thickness_, iInside);
-    return mirrored + bottom_.Approximate(-oInside, -iInside) * through;
+typename CoatedBxdf<Base>::Passage CoatedBxdf<Base>::Through(const Vector3 &w) const {
+    Passage passage;
+    if (Refract(w, Normal3(0, 0, 1), top_.Eta(), nullptr, &passage.inside))
+        passage.share = (1 - FresnelDielectric(w.z, top_.Eta())) * Transmittance(thickness_, passage.inside);
+    return passage;
+}
+
+template <class Base>
+CoatedBxdf<Base>::Approximation::Approximation(const CoatedBxdf &coated, const Vector3 &wo)
+    : coated_(coated), side_(wo.z < 0 ? Float(-1) : Float(1)), wo_(wo * side_), in_(coated.Through(wo_)) {}
+
+template <class Base>
+Float CoatedBxdf<Base>::Approximation::operator()(const Vector3 &wi) const {
+    const Vector3 i = wi * side_;
+    if (!SameHemisphere(wo_, i)) return 0;
+    const Float mirrored = coated_.top_.F(wo_, i, TransportMode::Radiance)[0];
+    const Passage out = coated_.Through(i);
+    const Float share = in_.share * out.share / Sqr(coated_.top_.Eta());
+    if (!(share > 0)) return mirrored;
+    return mirrored + coated_.bottom_.Approximate(-in_.inside, -out.inside) * share;
 }
 
 template <class Base>

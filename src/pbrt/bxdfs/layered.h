@@ -33,9 +33,6 @@ class CoatedBxdf {
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
     /// As F, with weights that add up to 1.
     SampledSpectrum FConsistent(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
-    /// A cheap stand-in for F without random walks: mirrored by the coat, plus once through it to the base and back
-    /// along the refracted directions (a metal's reflectance counts 1).
-    Float Approximate(const Vector3 &wo, const Vector3 &wi) const;
     /// True if F follows a glossy lobe, of the coat or of the base.
     bool IsDirectional() const { return !top_.IsSmooth() || (!scatters_ && Has(bottom_.Flags(), BxdfFlags::Glossy)); }
     std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
@@ -47,7 +44,32 @@ class CoatedBxdf {
     }
 
   private:
+    /// Straight through coat and medium.
+    struct Passage {
+        Vector3 inside;   ///< direction of travel below the coat, of light that comes from the other end
+        Float share = 0;  ///< of the light; 0 where none passes
+    };
+
+  public:
+    /// A cheap stand-in for F(wo, .) without random walks: mirrored by the coat, plus once through it to the base and
+    /// back along the refracted directions (a metal's reflectance counts 1). What depends on wo is done once.
+    class Approximation {
+      public:
+        Approximation(const CoatedBxdf &coated, const Vector3 &wo);
+        Float operator()(const Vector3 &wi) const;
+
+      private:
+        const CoatedBxdf &coated_;
+        Float side_;
+        Vector3 wo_;  ///< above the coat
+        Passage in_;
+    };
+
+  private:
     enum class ExitWeights { Stock, Consistent };
+
+    /// w above the coat.
+    Passage Through(const Vector3 &w) const;
 
     template <ExitWeights Weights>
     SampledSpectrum Evaluate(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;

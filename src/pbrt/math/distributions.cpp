@@ -20,9 +20,14 @@ PiecewiseConstant1D::PiecewiseConstant1D(std::span<const Float> f, Float low, Fl
 }
 
 PiecewiseConstant1D::Sampled PiecewiseConstant1D::Sample(Float u) const {
-    // Last piece whose lower end is <= u; pieces of zero width can never be chosen.
-    auto it = std::upper_bound(cdf_.begin() + 1, cdf_.end() - 1, u);
-    auto i = static_cast<size_t>(it - cdf_.begin() - 1);
+    // Last piece whose lower end is <= u; pieces of zero width can never be chosen. No branches: u is random, so half
+    // of them would be mispredicted.
+    size_t i = 0;
+    for (size_t left = f_.size(); left > 1;) {
+        const size_t half = left / 2;
+        i = cdf_[i + half] <= u ? i + half : i;
+        left -= half;
+    }
     Float width = cdf_[i + 1] - cdf_[i];
     Float t = width > 0 ? std::min((u - cdf_[i]) / width, OneMinusEpsilon) : 0;
     auto n = static_cast<Float>(f_.size());

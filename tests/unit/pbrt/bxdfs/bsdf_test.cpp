@@ -126,5 +126,58 @@ TEST(Bsdf, RegularizeRoughensMirrors) {
     EXPECT_TRUE(mirror.F(Vector3(0, 0, 1), Vector3(0, 0, 1)));
 }
 
+/// What ApproximateF says towards random directions, over the mean of F over wavelengths there; both 0 is left out.
+std::vector<Float> ApproximateOverF(const Bsdf &bsdf, bool alsoBelow) {
+    Rng rng(7);
+    std::vector<Float> ratios;
+    for (int t = 0; t < 20; ++t) {
+        const Vector3 wo = SampleUniformHemisphere(rng.Uniform2());
+        std::vector<Vector3> wi(10);
+        for (Vector3 &w : wi) {
+            const Point2 u = rng.Uniform2();
+            w = alsoBelow ? SampleUniformSphere(u) : SampleUniformHemisphere(u);
+        }
+        std::vector<Float> f(wi.size());
+        bsdf.ApproximateF(wo, wi, f.data());
+        for (size_t k = 0; k < wi.size(); ++k) {
+            const Float exact = bsdf.F(wo, wi[k]).Average();
+            EXPECT_EQ(f[k] > 0, exact > 0);
+            if (exact > 0) ratios.push_back(f[k] / exact);
+        }
+    }
+    return ratios;
+}
+
+TEST(Bsdf, ApproximationIsFWhereThatIsCheap) {
+    const Bsdf glass(Normal3(0, 0, 1), Vector3(1, 0, 0), DielectricBxdf(1.5f, TrowbridgeReitz(0.3f, 0.3f)));
+    const std::vector<Float> ratios = ApproximateOverF(glass, true);
+    EXPECT_GT(ratios.size(), 100u);
+    for (Float r : ratios) EXPECT_NEAR(r, 1, 1e-4);
+}
+
+TEST(Bsdf, ApproximationOfAMetalLacksItsReflectance) {
+    const Bsdf metal(Normal3(0, 0, 1), Vector3(1, 0, 0),
+                     ConductorBxdf(TrowbridgeReitz(0.3f, 0.3f), SampledSpectrum(0.2f), SampledSpectrum(3.9f)));
+    Float least = 1;
+    for (int i = 0; i <= 1000; ++i) least = std::min(least, FresnelConductor(static_cast<Float>(i) / 1000, 0.2f, 3.9f));
+    EXPECT_GT(least, 0.9f);
+    for (Float r : ApproximateOverF(metal, false)) {
+        EXPECT_GT(r, 0.9999f);
+        EXPECT_LT(r, 1.0001f / least);
+    }
+}
+
+TEST(Bsdf, ApproximationUnderASmoothCoatIsTheFirstBounce) {
+    // A dark base: what bounces more often is 3 % at most. Smooth, so F has no noise but that of later bounces.
+    const CoatedDiffuseBxdf coated(DielectricBxdf(1.5f, TrowbridgeReitz(0, 0)), DiffuseBxdf(SampledSpectrum(0.04f)),
+                                   0.1f, SampledSpectrum(0), 0, 10, 64);
+    const std::vector<Float> ratios = ApproximateOverF(Bsdf(Normal3(0, 0, 1), Vector3(1, 0, 0), coated), false);
+    EXPECT_GT(ratios.size(), 100u);
+    for (Float r : ratios) {
+        EXPECT_GT(r, 0.94f);
+        EXPECT_LT(r, 1.001f);
+    }
+}
+
 }  // namespace
 }  // namespace pbrt

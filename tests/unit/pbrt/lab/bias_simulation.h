@@ -41,6 +41,8 @@ struct Campaign {
     int parts = 4, partLength = 4;  ///< the reference: `parts` pictures, each the mean of `partLength` runs
     Noise noise = Lognormal(0.5);
     Noise referenceNoise;  ///< default: `noise`
+    /// Where these noises are; elsewhere it is a little lognormal one.
+    std::function<bool(int, int)> noisy = [](int, int) { return true; };
     std::function<double(int, int)> truth = [](int x, int y) { return x < 40 ? 0.2 : 1.5 + 0.01 * y; };
     std::function<double(int, int)> bias = [](int, int) { return 0.0; };  ///< relative
     /// Every pixel gets this part of the noise of its right and lower neighbours, as wide filters do.
@@ -49,11 +51,13 @@ struct Campaign {
 
 inline TileMeans Render(const Campaign &c, const Noise &noise, int length, bool biased, Rng &rng) {
     const size_t width = static_cast<size_t>(c.resolution.x) + 1;
+    const Noise calm = Lognormal(0.3);
     std::vector<double> relative(width * (static_cast<size_t>(c.resolution.y) + 1));
-    for (double &v : relative) {
+    for (size_t k = 0; k < relative.size(); ++k) {
+        const Noise &here = c.noisy(static_cast<int>(k % width), static_cast<int>(k / width)) ? noise : calm;
         double sum = 0;
-        for (int i = 0; i < length; ++i) sum += noise(rng);
-        v = sum / length;
+        for (int i = 0; i < length; ++i) sum += here(rng);
+        relative[k] = sum / length;
     }
     Image image(PixelFormat::Float, c.resolution, {"Y"});
     for (int y = 0; y < c.resolution.y; ++y)

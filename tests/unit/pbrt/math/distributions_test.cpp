@@ -65,6 +65,33 @@ TEST(PiecewiseConstant1D, NothingEmptyIsEverSampled) {
     }
 }
 
+TEST(PiecewiseConstant1D, FindsThePieceThatASearchFromTheLeftFinds) {
+    Rng rng(5);
+    for (int t = 0; t < 200; ++t) {
+        // Powers of two add up without rounding: u can be the very end of a piece.
+        std::vector<Float> f(1 + rng.UniformInt(67));
+        double sum = 0;
+        for (Float &v : f) {
+            v = rng.Uniform() < 0.4f ? 0 : static_cast<Float>(1u << rng.UniformInt(4));
+            sum += double(v);
+        }
+        if (!(sum > 0)) continue;
+        PiecewiseConstant1D d(f);
+        double running = 0;
+        for (size_t k = 0; k < f.size(); ++k, running += double(f[k - 1])) {
+            const Float u = static_cast<Float>(running / sum);
+            if (u >= 1) break;
+            double end = 0;
+            size_t expected = 0;
+            for (size_t i = 0; i < f.size(); ++i) {
+                if (static_cast<Float>(end / sum) <= u) expected = i;
+                end += double(f[i]);
+            }
+            EXPECT_EQ(d.Sample(u).index, static_cast<int>(expected)) << "u " << u << ", pieces " << f.size();
+        }
+    }
+}
+
 TEST(PiecewiseConstant1D, PdfIntegratesToOneAndVanishesOutside) {
     std::vector<Float> f = {2, 0, 3, 1};
     PiecewiseConstant1D d(f, 2, 4);

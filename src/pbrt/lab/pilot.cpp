@@ -14,6 +14,7 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr int kFewestSamples = 4, kMostSamples = 16;  // per picture; two pictures a candidate
+constexpr int kShareOfReference = 128;                // all candidates together take some 6 % of two references
 constexpr int kFirstSeed = 700001;  // far from the seeds of the runs
 
 std::vector<SamplerChoice> Candidates(const CampaignSettings &settings, const LabScene &scene,
@@ -30,11 +31,12 @@ std::vector<SamplerChoice> Candidates(const CampaignSettings &settings, const La
     return candidates;
 }
 
-/// More where there are more lights than pixels: a light that nobody chose leaves no trace.
-int SamplesPerPicture(const LabScene &scene) {
-    const double wanted = 8 * static_cast<double>(scene.built.scene->Lights().Size()) /
-                          static_cast<double>(std::max<int64_t>(1, scene.Pixels().Area()));
-    return static_cast<int>(std::clamp<double>(wanted, kFewestSamples, kMostSamples));
+/// More where there are more lights than pixels (a light that nobody chose leaves no trace), and for long references.
+int SamplesPerPicture(const CampaignSettings &settings, const LabScene &scene) {
+    const double lights = static_cast<double>(scene.built.scene->Lights().Size());
+    const double pixels = static_cast<double>(std::max<int64_t>(1, scene.Pixels().Area()));
+    const int forReference = ReferenceRule::For(settings).samples / kShareOfReference;
+    return std::clamp(std::max(static_cast<int>(8 * lights / pixels), forReference), kFewestSamples, kMostSamples);
 }
 
 /// Two pictures of a candidate and their common tile means.
@@ -49,9 +51,10 @@ struct Pilot {
     }
 };
 
-/// Variance of one sample, relative as in relL2; the denominators are tile means of the other candidates' pictures: a
-/// rare bright hit must not enlarge what it is divided by, or the sampler with the rarest hits looks best.
-double Variance(const std::vector<Pilot> &pilots, size_t which, int samples) {
+/// Variance of one sample, relative as in relL2, by the differences of the candidate's two pictures. The denominators are
+/// tile means of the other candidates' pictures: a rare bright hit must not enlarge what it is divided by, or the sampler
+/// with the rarest hits looks best.
+double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, int samples) {
     const auto &[a, b] = pilots[which].pictures;
     const TileGrid &grid = pilots[which].tiles.grid;
     double sum = 0;
@@ -71,6 +74,34 @@ double Variance(const std::vector<Pilot> &pilots, size_t which, int samples) {
                 sum += squares / (others * others + 0.01);
             }
     return samples * sum / (3 * static_cast<double>(a.Resolution().x) * static_cast<double>(a.Resolution().y));
+}
+
+/// The same by what the candidate's tiles lack or have too much of against the others', whose own noise is taken off:
+/// light that is found so rarely that it is in neither picture shows here. `between`: VarianceBetweenPictures of all.
+double VarianceAgainstOthers(const std::vector<Pilot> &pilots, size_t which, int samples,
+                             const std::vector<double> &between) {
+    // Noisy ones count less; none more than the middle one, as who finds nothing looks quiet.
+    std::vector<double> sorted = between, weights(between.size(), 0);
+    std::sort(sorted.begin(), sorted.end());
+    double total = 0, noise = 0;
+    for (size_t k = 0; k < pilots.size(); ++k)
+        if (k != which) total += weights[k] = 1 / std::max({between[k], sorted[sorted.size() / 2], 1e-9});
+    for (size_t k = 0; k < pilots.size(); ++k) noise += between[k] * weights[k] * weights[k] / (total * total);
+
+    const TileGrid &grid = pilots[which].tiles.grid;
+    double sum = 0, area = 0;
+    for (int ty = 0; ty < grid.tilesY; ++ty)
+        for (int tx = 0; tx < grid.tilesX; ++tx)
+            for (int c = 0; c < 3; ++c) {
+                const int tile = grid.Index(tx, ty);
+                double others = 0;
+                for (size_t k = 0; k < pilots.size(); ++k) others += weights[k] / total * pilots[k].tiles(tile, c);
+                const double d = pilots[which].tiles(tile, c) - others;
+                const auto pixels = static_cast<double>(grid.Pixels(tx, ty).Area());
+                sum += pixels * pixels * d * d / (others * others + 0.01);
+                area += pixels;
+            }
+    return 2 * samples * sum / area - noise;
 }
 
 Json ToJson(const std::vector<PilotEntry> &entries) {
@@ -125,7 +156,7 @@ std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings
         return known;
 
     display.SetPhase("pilot");
-    const int samples = SamplesPerPicture(scene);
+    const int samples = SamplesPerPicture(settings, scene);
     std::vector<PilotEntry> entries;
     double left = -1;  // the first candidate tells how fast the machine is
     std::vector<Pilot> pilots;
@@ -146,7 +177,10 @@ std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings
         display.SetAfter(2 * ReferenceRule::For(settings).EstimateSeconds(perSample) + EstimateRuns(settings, entries));
         pilots.emplace_back(std::move(pair));
     }
-    for (size_t i = 0; i < entries.size(); ++i) entries[i].variance = Variance(pilots, i, samples);
+    std::vector<double> between;
+    for (size_t i = 0; i < pilots.size(); ++i) between.push_back(VarianceBetweenPictures(pilots, i, samples));
+    for (size_t i = 0; i < pilots.size(); ++i)
+        entries[i].variance = std::max(between[i], VarianceAgainstOthers(pilots, i, samples, between));
     std::stable_sort(entries.begin(), entries.end(),
                      [](const PilotEntry &a, const PilotEntry &b) { return a.variance < b.variance; });
     records.SaveNote("pilot.json", ToJson(entries));

@@ -10,7 +10,9 @@ namespace pbrt::lab {
 /// A sampler that could make a reference, and what a few samples tell of it.
 struct PilotEntry {
     SamplerChoice choice;
-    double variance = 0;          ///< of one sample per pixel, relative to the brightness around (other candidates' 8x8 tiles)
+    /// Of one sample per pixel, relative to the brightness around (other candidates' 8x8 tiles): by the candidate's own
+    /// pictures, or by what they lack against the others' if that is more.
+    double variance = 0;
     double secondsPerSample = 0;  ///< per pixel, of the whole picture
 };
 

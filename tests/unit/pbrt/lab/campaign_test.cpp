@@ -417,19 +417,36 @@ TEST_F(Campaign, BiasedSamplerIsFoundAndNeverWins) {
     settings.samplesPerPixel = 32;
     settings.seeds = 4;
     settings.referenceSamples = 1024;
+    auto verdict = [](const CampaignOutcome &outcome, size_t i) {
+        return outcome.results.at("samplers").at(i).at("summary").at("bias").at("verdict").get<std::string>();
+    };
     const std::optional<CampaignOutcome> outcome = Run(settings);
     ASSERT_TRUE(outcome);
-    auto verdict = [&](size_t i) {
-        return outcome->results.at("samplers").at(i).at("summary").at("bias").at("verdict").get<std::string>();
-    };
-    EXPECT_NE(verdict(0), "biased");
-    EXPECT_EQ(verdict(1), "biased");
-    EXPECT_NE(verdict(2), "biased");
+    EXPECT_NE(verdict(*outcome, 0), "biased");
+    EXPECT_EQ(verdict(*outcome, 1), "biased");
+    EXPECT_NE(verdict(*outcome, 2), "biased");
     EXPECT_NE(outcome->results.at("winner"), "blind");
-    // It has the least variance, yet made no reference that is used.
-    EXPECT_EQ(ReadJson(folder_ / "out/records/pilot.json").at(0).at("sampler"), "blind");
-    for (const Json &r : outcome->results.at("references")) EXPECT_NE(r.at("sampler"), "blind");
-    EXPECT_EQ(outcome->results.at("notes").size(), 1u);
+    // It has the least noise, but the pilot sees what it lacks.
+    EXPECT_NE(ReadJson(folder_ / "out/records/pilot.json").at(0).at("sampler"), "blind");
+    EXPECT_EQ(outcome->results.at("notes").size(), 0u);
+
+    // Lamps under the floor make noise for all but one, which leaves out a weak lamp as well: so little that the pilot
+    // cannot see it. The references contradict each other.
+    std::string scene = kScene;
+    scene.replace(scene.find("[ 4 4 3 ]"), 9, "[ .4 .4 .4 ]");
+    for (int i = 0; i < 20; ++i)
+        scene += fmt::format("LightSource \"point\" \"point3 from\" [ {} -2 0 ] \"rgb I\" [ 4 4 4 ]\n", i % 4 - 2);
+    std::ofstream(folder_ / "scene.pbrt") << scene;
+    AddSampler("clever", 21);
+    settings.samplers = ParseSamplerChoices({"uniform", "clever", "honest"}, registry_);
+    settings.outFolder = (folder_ / "little").string();
+    const std::optional<CampaignOutcome> little = Run(settings);
+    ASSERT_TRUE(little);
+    EXPECT_EQ(ReadJson(folder_ / "little/records/pilot.json").at(0).at("sampler"), "clever");
+    for (const Json &r : little->results.at("references")) EXPECT_NE(r.at("sampler"), "clever");
+    EXPECT_EQ(little->results.at("notes").size(), 1u);
+    EXPECT_EQ(verdict(*little, 1), "biased");
+    EXPECT_NE(little->results.at("winner"), "clever");
 }
 
 // Power and bvh spend half of their samples on a lamp behind the wall. Uniform meets a lamp that matters twice in 4,002

@@ -31,9 +31,9 @@
 // strongest one seen in the region, around it, or in the reference there (what sticks out of the ordinary noise of
 // tiles); and an allowance. c is half of -log(level of one test): such a difference must pass the t-test as well.
 // Noise that is decided by a handful of samples never gives "biased", and the smallest visible bias says so. False
-// alarms and power are measured in bias_check_test.cpp. Of 5460 simulated campaigns without bias (lognormal, Pareto,
-// fireflies, everywhere or in a part of the picture; 2, 3, 8 and 24 runs) 10 were called biased, where the level would
-// allow 27; with the whole -log it were 4, with a third of it 25.
+// alarms and power are measured in bias_check_test.cpp. In a run of that simulation with 5460 campaigns without bias
+// (lognormal, Pareto, fireflies, everywhere or in a part of the picture; 2, 3, 8 and 24 runs) 10 were called biased,
+// where the level would allow 27; with the whole -log it were 4, with a third of it 25.
 
 namespace pbrt::lab {
 

@@ -120,7 +120,8 @@ class PaperScripts(unittest.TestCase):
 
     def test_an_interrupt_reaches_lightlab_and_ends_the_run(self):
         waits = self.top / "waits"
-        command = [str(TOP / "docs/paper/run"), "--lightlab", str(HERE.parent / "stand_in_lightlab.py"), "--out", str(self.out)]
+        command = [str(TOP / "docs/paper/run"), "--lightlab", str(HERE.parent / "stand_in_lightlab.py"), "--out",
+                   str(self.out)]
         process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
                                    env={**os.environ, "STAND_IN_LOG": str(self.log), "STAND_IN_WAIT": str(waits)})
         for _ in range(500):

@@ -128,6 +128,8 @@ def add_arguments(parser, out, samples=None, scenes=None, seeds=3, divisor=2, ch
     parser.add_argument("--seeds", type=int, default=seeds, help=f"runs of every sampler ({seeds})")
     parser.add_argument("--divisor", type=int, default=divisor, help=f"divides the resolution ({divisor})")
     parser.add_argument("--threads", type=int, default=0, help="of lightlab (0: all cores)")
+    parser.add_argument("--sampled-light", action="store_true",
+                        help="lightlab's --sampled-light: without lamps that the camera sees, and caustics")
     parser.add_argument("--only", help="scenes, comma list" + (f" ({','.join(scenes)})" if scenes else ""))
     parser.add_argument("--out", default=str(ROOT / out), help=f"folder of the campaigns ({out})")
     parser.add_argument("--tables-only", action="store_true", help="measure nothing: read the campaigns in --out")
@@ -171,7 +173,7 @@ def run_campaign(a, name, samplers, spp=None, seconds=None, direct=True, report=
     if not scene.exists():
         print(f"*** SKIPPED: {name} is not there ({scene}) ***", flush=True)
         return None
-    depth = ["--direct"] if direct else []
+    depth = (["--direct"] if direct else []) + (["--sampled-light"] if a.sampled_light else [])
     reference = ["--reference-spp", a.reference_spp] if a.reference_spp else []
     if judges:
         reference = reference or ["--reference-spp", max(512, 16 * spp)]

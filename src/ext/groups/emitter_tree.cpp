@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "ext/groups/emitter_feature.h"
 #include "pbrt/core/parallel.h"
 
 namespace ext {
@@ -12,49 +13,19 @@ namespace {
 /// From this many emitters on, the children of a node are built as tasks of their own.
 constexpr size_t kManyItems = 4096;
 
-/// Place and direction as one vector: places relative to the cloud's size, directions weighted so that opposite ones are
-/// as different as opposite ends.
-using Feature = std::array<Float, 6>;
-Feature FeatureOf(const Emitter &e, const Point3 &center, Float invSize) {
-    Vector3 place = (e.bounds->Centroid() - center) * invSize;
-    Float direction = e.isArea && !e.bounds->twoSided ? Float(0.35) * (1 + e.bounds->cosTheta_o) / 2 : 0;
-    Vector3 w = e.bounds->w * direction;
-    return {place.x, place.y, place.z, w.x, w.y, w.z};
-}
-
 }  // namespace
-
-struct EmitterTree::Item {
-    uint32_t emitter = 0;
-    Float weight = 0;
-    Feature feature{};
-};
 
 struct EmitterTree::Cluster {
     size_t begin = 0, end = 0;
-    double spread = 0;  ///< sum of weighted squared distances from the mean, along the widest axis; negative: one emitter
+    double spread = 0;  ///< along the widest axis; negative: one emitter
     size_t axis = 0;
 
-    void Measure(std::span<const Item> items) {
+    void Measure(std::span<const EmitterItem> items) {
         spread = -1;
         if (end - begin <= 1) return;
-        double mean[6] = {}, square[6] = {}, weight = 0;
-        for (const Item &item : items.subspan(begin, end - begin)) {
-            auto w = static_cast<double>(item.weight);
-            weight += w;
-            for (size_t a = 0; a < 6; ++a) {
-                mean[a] += w * static_cast<double>(item.feature[a]);
-                square[a] += w * static_cast<double>(item.feature[a] * item.feature[a]);
-            }
-        }
-        spread = 0;
-        for (size_t a = 0; a < 6; ++a) {
-            double v = weight > 0 ? square[a] - mean[a] * mean[a] / weight : 0;
-            if (v > spread) {
-                spread = v;
-                axis = a;
-            }
-        }
+        const Widest widest(items.subspan(begin, end - begin));
+        spread = widest.spread;
+        axis = widest.axis;
     }
 };
 
@@ -66,20 +37,14 @@ struct EmitterTree::Part {
     int depth = 0;
 
     /// Adds a node over these items, and all below it; returns its index.
-    uint32_t Add(std::span<Item> items, std::span<const Emitter> emitters, const Emitter &whole, int level);
+    uint32_t Add(std::span<EmitterItem> items, std::span<const Emitter> emitters, const Emitter &whole, int level);
     uint32_t Append(const Part &part);
-    static std::vector<Cluster> Divide(std::span<Item> items, std::span<const Emitter> emitters);
+    static std::vector<Cluster> Divide(std::span<EmitterItem> items, std::span<const Emitter> emitters);
 };
 
 /// Sorts the items so that each cluster is a range of them.
-std::vector<EmitterTree::Cluster> EmitterTree::Part::Divide(std::span<Item> items, std::span<const Emitter> emitters) {
-    Bounds3 cloud;
-    for (const Item &item : items) cloud = Union(cloud, emitters[item.emitter].bounds->Centroid());
-    const Point3 center = items.empty() ? Point3(0) : cloud.Center();
-    const Float size = items.empty() ? Float(1) : Length(cloud.Diagonal());
-    const Float invSize = size > 0 ? 1 / size : 1;
-    for (Item &item : items) item.feature = FeatureOf(emitters[item.emitter], center, invSize);
-
+std::vector<EmitterTree::Cluster> EmitterTree::Part::Divide(std::span<EmitterItem> items, std::span<const Emitter> emitters) {
+    FindFeatures(items, emitters);
     std::vector<Cluster> clusters;
     if (items.empty()) return clusters;
     clusters.reserve(kWidth);
@@ -91,11 +56,8 @@ std::vector<EmitterTree::Cluster> EmitterTree::Part::Divide(std::span<Item> item
         // Half of the emitters to each side.
         Cluster left = *widest, right = *widest;
         left.end = right.begin = (widest->begin + widest->end) / 2;
-        auto less = [axis = widest->axis](const Item &a, const Item &b) {
-            return a.feature[axis] != b.feature[axis] ? a.feature[axis] < b.feature[axis] : a.emitter < b.emitter;
-        };
         auto at = [&](size_t i) { return items.begin() + static_cast<std::ptrdiff_t>(i); };
-        std::nth_element(at(left.begin), at(left.end), at(right.end), less);
+        std::nth_element(at(left.begin), at(left.end), at(right.end), LessAlong{widest->axis});
         left.Measure(items);
         right.Measure(items);
         *widest = left;
@@ -104,7 +66,7 @@ std::vector<EmitterTree::Cluster> EmitterTree::Part::Divide(std::span<Item> item
     return clusters;
 }
 
-uint32_t EmitterTree::Part::Add(std::span<Item> items, std::span<const Emitter> emitters, const Emitter &whole, int level) {
+uint32_t EmitterTree::Part::Add(std::span<EmitterItem> items, std::span<const Emitter> emitters, const Emitter &whole, int level) {
     const auto index = static_cast<uint32_t>(nodes.size()), firstChild = static_cast<uint32_t>(children.size());
     depth = std::max(depth, level + 1);
     const std::vector<Cluster> clusters = Divide(items, emitters);
@@ -115,10 +77,10 @@ uint32_t EmitterTree::Part::Add(std::span<Item> items, std::span<const Emitter> 
     const bool asTasks = items.size() >= kManyItems;
     std::vector<Part> parts(asTasks ? clusters.size() : 0);
     auto build = [&](size_t c) {
-        std::span<Item> below = items.subspan(clusters[c].begin, clusters[c].end - clusters[c].begin);
+        std::span<EmitterItem> below = items.subspan(clusters[c].begin, clusters[c].end - clusters[c].begin);
         if (below.size() == 1) return kLeaf | below[0].emitter;
         Emitter all;
-        for (const Item &item : below) all = Union(all, emitters[item.emitter]);
+        for (const EmitterItem &item : below) all = Union(all, emitters[item.emitter]);
         return (asTasks ? parts[c] : *this).Add(below, emitters, all, level + 1);
     };
     if (asTasks) ParallelForEach(static_cast<int64_t>(clusters.size()), [&](int64_t c) { children[firstChild + static_cast<size_t>(c)] = build(static_cast<size_t>(c)); });
@@ -148,7 +110,7 @@ uint32_t EmitterTree::Part::Append(const Part &part) {
 }
 
 EmitterTree::EmitterTree(std::span<const Emitter> emitters) : places_(emitters.size()) {
-    std::vector<Item> items;
+    std::vector<EmitterItem> items;
     for (uint32_t i = 0; i < emitters.size(); ++i) {
         if (emitters[i].isFar) far_.push_back({i, emitters[i]});
         else if (emitters[i].bounds) items.push_back({i, emitters[i].intensity, {}});

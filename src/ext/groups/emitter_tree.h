@@ -36,7 +36,6 @@ class EmitterTree {
     struct Place {
         uint32_t node = 0, slot = kLeaf;
     };
-    struct Item;
     struct Cluster;
     struct Part;
     struct Far {

@@ -39,7 +39,7 @@ void VisibilityOctreeLightSampler::Inspect(const LightQuery &query, std::vector<
     values.push_back({"leaf", static_cast<double>(cell.row), true});
     values.push_back({"leaf records", records, false});
     values.push_back({"leaf depth", static_cast<double>(cell.depth), false});
-    if (allLights_) return;
+    if (lightTree_) return;
     // What the leaf says is found of each light, relative to the one that is found best.
     for (size_t i = 0; i < std::min<size_t>(groups_.Size(), 16); ++i)
         values.push_back({fmt::format("found {}", i), learned_ ? static_cast<double>(VisibilityTree::Decode(tree_.GetRow(cell.row).codes[i])) : 1.0,

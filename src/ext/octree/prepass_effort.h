@@ -3,22 +3,19 @@
 
 namespace ext {
 
-/// How long the prepass of the visibility model is, by what the render that follows is worth.
-///
-/// Of a render of N rays, a share b spent on looking for light leaves an error of about (1 + K / (b N)) times the least
-/// possible one, in a time of 1 + b: least at b = sqrt(K / N). K is how many rays it takes to know the scene's lights. Where
-/// every vertex tries every light it is so small that `budget` lies on the flat bottom; where tries are drawn, K = 55
-/// rays a light (measured with 200 and 1,000 lights, docs/measured). So short renders of many lights spend more, at most 15 %.
+/// How long the prepass of the visibility model is, by what the render that follows is worth: `budget` of its rays, which
+/// takes about as much of its time. Where every vertex tries every light, 1 % lies on the flat bottom of error times time; where tries are drawn
+/// among many lights, a short render would gain by more (measured: docs/measured, "How long a prepass").
 struct PrepassEffort {
     size_t lights = 0;           ///< groups to choose from
     size_t triesPerVertex = 0;   ///< shadow rays; fewer than `lights`: they are drawn
     int depth = 1;               ///< vertices a path
     double pixels = 1;
     int samplesPerPixel = 1;     ///< of the render
-    double budget = 0.01;        ///< share of the render's rays that a long render spends
+    double budget = 0.01;        ///< share of the render's rays
 
-    /// As a share of the render's rays: two a vertex there; one and its tries in the prepass. Any render spends up to three
-    /// times the budget for its first 2,000 vertices; none traces more than four million tries.
+    /// As a share of the render's rays: two a vertex there; one and its tries in the prepass. Where all lights are tried, whose rays are the
+    /// cheaper ones, a short render spends up to 1.75 times the budget for its first 2,000 vertices. None traces more than four million tries.
     double Share() const;
     double PathsPerPixel() const;
 };

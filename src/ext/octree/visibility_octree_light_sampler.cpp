@@ -19,7 +19,7 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
 VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
     : GroupLightSampler(lights, params.meshlights, params.interior), params_(params),
       floor_(params.floor > 0 ? params.floor : kVisibilityFloor), importance_(lights, groups_) {
-    if (groups_.Size() > kMost) allLights_ = std::make_unique<EmitterTree>(GroupImportance::EmittersOf(lights, groups_));
+    if (groups_.Size() > kMost) lightTree_ = std::make_unique<LightTree>(GroupImportance::EmittersOf(lights, groups_));
 }
 
 VisibilityOctreeLightSampler::~VisibilityOctreeLightSampler() = default;
@@ -42,8 +42,8 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     const int depth = std::min(params_.depth, std::max(1, context.maxDepth));
     std::vector<PrepassVertex> vertices = TracePrepassPaths(context, PathsPerPixel(context), depth);
     if (context.progress.Cancelled()) return;
-    VisibilityRecords records = TraceVisibility(context, vertices, groups_, importance_, interior_, allLights_.get(),
-                                                {TriesPerRecord(groups_.Size(), params_.tries), floor_});
+    VisibilityRecords records = TraceVisibility(context, vertices, groups_, importance_, interior_, lightTree_.get(),
+                                                TriesPerRecord(groups_.Size(), params_.tries));
     records_ = records.records.size();
     tries_ = records.tries.size();
     prepassSeconds_ = SecondsSince(start);
@@ -53,12 +53,13 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     context.progress.BeginPhase("octree", 0);
     VisibilityBuildSettings settings;
     settings.lightCount = static_cast<int>(groups_.Size());
-    settings.largestFullRow = static_cast<int>(kMost);
+    settings.lights = lightTree_.get();
+    settings.cut = params_.cut;
     settings.records = params_.records;
     settings.shrinkage = params_.shrinkage;
     settings.pruneGain = params_.prunegain;
     settings.secondMoment = params_.secondmoment;
-    settings.floor = allLights_ ? params_.treeshare : floor_;
+    settings.floor = floor_;
     VisibilityTreeBuilder builder(context.scene.Bounds(), records.records, records.tries, settings);
     leavesBefore_ = builder.LeavesBeforePruning();
     tree_ = builder.Build();
@@ -72,10 +73,10 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
 void VisibilityOctreeLightSampler::Weigh(const LightQuery &query, Choice *c) const {
     VisibilityTree::Row row;
     if (learned_) row = tree_.RowAt(query.p);
-    if (allLights_) {
-        c->lights = row.lights;
-        c->count = row.lights.size();
-        c->sumG = importance_.EvaluateSome(query, c->lights, c->g);
+    if (lightTree_) {
+        c->nodes = learned_ ? row.nodes : lightTree_->BaseCut();
+        c->count = c->nodes.size();
+        c->sumG = lightTree_->Evaluate(query, c->nodes, c->g);
     } else {
         c->count = groups_.Size();
         c->sumG = importance_.Evaluate(query, c->g);
@@ -88,9 +89,8 @@ void VisibilityOctreeLightSampler::Weigh(const LightQuery &query, Choice *c) con
     }
     if (params_.bsdf && query.bsdf && query.bsdf->IsDirectional()) FollowBsdf(query, c);
     // sumW is 0 only where sumG is.
-    c->perW = c->sumW > 0 ? (allLights_ ? 1 : 1 - floor_) / c->sumW : 0;
-    c->perG = c->sumW > 0 && !allLights_ ? floor_ / c->sumG : 0;
-    c->treeShare = !allLights_ ? 0 : c->sumW > 0 ? std::max(params_.treeshare, row.missing) : 1;
+    c->perW = c->sumW > 0 ? (1 - floor_) / c->sumW : 0;
+    c->perG = c->sumW > 0 ? floor_ / c->sumG : 0;
 }
 
 void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c) const {
@@ -103,7 +103,9 @@ void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c
     size_t count = 0;
     for (size_t i = 0; i < c->count; ++i) {
         if (!(c->w[i] > worthLooking)) continue;
-        wi[count] = importance_.DirectionTo(query.p, c->lights.empty() ? static_cast<uint32_t>(i) : c->lights[i]);
+        // Of several lights together the middle tells little.
+        if (lightTree_ && !lightTree_->IsLight(c->nodes[i])) continue;
+        wi[count] = importance_.DirectionTo(query.p, lightTree_ ? lightTree_->LightAt(lightTree_->At(c->nodes[i]).begin) : static_cast<uint32_t>(i));
         if (wi[count] != Vector3(0)) looked[count++] = static_cast<uint8_t>(i);
     }
     Float f[kMost];
@@ -121,30 +123,9 @@ void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c
     for (size_t i = 0; i < c->count; ++i) c->sumW += c->w[i];
 }
 
-Float VisibilityOctreeLightSampler::NamedPMF(const Choice &c, uint32_t group) const {
-    if (!allLights_) return c.Share(group);
-    auto it = std::lower_bound(c.lights.begin(), c.lights.end(), group);
-    return it != c.lights.end() && *it == group ? c.Share(static_cast<size_t>(it - c.lights.begin())) : 0;
-}
-
-Float VisibilityOctreeLightSampler::MixedPMF(const Choice &c, uint32_t group, Float fromTree) const {
-    return (1 - c.treeShare) * NamedPMF(c, group) + c.treeShare * fromTree;
-}
-
-Float VisibilityOctreeLightSampler::GroupPMF(const LightQuery &query, const Choice &c, uint32_t group) const {
-    return allLights_ ? MixedPMF(c, group, allLights_->PMF(query, group)) : NamedPMF(c, group);
-}
-
 std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::SampleGroup(const LightQuery &query, Float u) const {
     Choice c;
     Weigh(query, &c);
-    if (u < c.treeShare) {
-        std::optional<SampledLight> chosen = allLights_->Sample(query, std::min(u / c.treeShare, OneMinusEpsilon));
-        if (!chosen) return {};
-        const uint32_t group = chosen->light.value;
-        return ChosenGroup{group, MixedPMF(c, group, chosen->pmf), MeshGroups::InnerNumber(u, query.p)};
-    }
-    const Float v = std::min((u - c.treeShare) / (1 - c.treeShare), OneMinusEpsilon);
     Float running = 0, last = 0;
     std::optional<size_t> chosen;
     for (size_t i = 0; i < c.count; ++i) {
@@ -153,17 +134,28 @@ std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::Samp
         chosen = i;
         last = share;
         running += share;
-        if (v < running) break;
+        if (u < running) break;
     }
     if (!chosen) return {};
-    const uint32_t group = c.lights.empty() ? static_cast<uint32_t>(*chosen) : c.lights[*chosen];
-    return ChosenGroup{group, GroupPMF(query, c, group), MeshGroups::InnerNumber(v, query.p, running - last, last)};
+    const Float inside = MeshGroups::InnerNumber(u, query.p, running - last, last);
+    if (!lightTree_) return ChosenGroup{static_cast<uint32_t>(*chosen), last, inside};
+    const uint32_t node = c.nodes[*chosen];
+    if (lightTree_->IsLight(node)) return ChosenGroup{lightTree_->LightAt(lightTree_->At(node).begin), last, inside};
+    std::optional<SampledLight> light = lightTree_->SampleWithin(node, query, inside);
+    if (!light) return {};
+    return ChosenGroup{light->light.value, last * light->pmf, MeshGroups::InnerNumber(u, query.p)};
 }
 
 Float VisibilityOctreeLightSampler::GroupPMF(const LightQuery &query, uint32_t group) const {
+    if (lightTree_ && lightTree_->PositionOf(group) == LightTree::kNowhere) return 0;
     Choice c;
     Weigh(query, &c);
-    return GroupPMF(query, c, group);
+    if (!lightTree_) return c.Share(group);
+    const uint32_t position = lightTree_->PositionOf(group);
+    const size_t i = lightTree_->Holder(c.nodes, position);
+    const Float share = c.Share(i);
+    if (!(share > 0)) return 0;
+    return lightTree_->IsLight(c.nodes[i]) ? share : share * lightTree_->PMFWithin(c.nodes[i], query, position);
 }
 
 void VisibilityOctreeLightSampler::Report(nlohmann::ordered_json &report) const {
@@ -177,7 +169,7 @@ void VisibilityOctreeLightSampler::Report(nlohmann::ordered_json &report) const 
     report["leaves"] = tree_.LeafCount();
     report["rows"] = tree_.RowCount();
     report["depth"] = tree_.Depth();
-    report["bytes"] = tree_.Bytes() + importance_.Bytes() + interior_.Bytes() + (allLights_ ? allLights_->Bytes() : 0);
+    report["bytes"] = tree_.Bytes() + importance_.Bytes() + interior_.Bytes() + (lightTree_ ? lightTree_->Bytes() : 0);
 }
 
 }  // namespace ext

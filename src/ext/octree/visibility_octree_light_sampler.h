@@ -3,6 +3,7 @@
 
 #include "ext/groups/group_importance.h"
 #include "ext/groups/group_light_sampler.h"
+#include "ext/groups/light_tree.h"
 #include "ext/octree/octree_params.h"
 #include "ext/octree/structure_text.h"
 #include "ext/octree/visibility_tree.h"
@@ -18,9 +19,8 @@ namespace ext {
 /// the point's leaf, as root mean square of found over unoccluded (VisibilityTreeBuilder); b follows the BSDF towards the
 /// light's middle where the surface is glossy without a diffuse part, and is 1 elsewhere. Light l is a group; inside a mesh the
 /// primitive is chosen by MeshInterior.
-/// With more than 64 groups a leaf names the lights that matter most there; the rest, and a share t of
-/// the probability, belongs to a tree over all (EmitterTree): P = (1 - t) (named lights as above) + t P_tree, t = `treeshare` or what the
-/// named lights are thought to miss in the leaf, whichever is more.
+/// With more than 64 groups l is a node of a cut through a tree over them (LightTree); every leaf has its own cut, fine where its
+/// light comes from, coarse elsewhere, and below a node lights are chosen level by level by G.
 class VisibilityOctreeLightSampler final : public GroupLightSampler {
   public:
     VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
@@ -39,20 +39,13 @@ class VisibilityOctreeLightSampler final : public GroupLightSampler {
     struct Choice {
         alignas(32) Float g[kMost], w[kMost];
         Float sumG = 0, sumW = 0;
-        Float perW = 0, perG = 0;  ///< P among the considered ones = w perW + g perG
-        Float treeShare = 0;       ///< of the tree over all lights
-        std::span<const uint32_t> lights;  ///< empty: all, in order
+        Float perW = 0, perG = 0;          ///< P = w perW + g perG
+        std::span<const uint32_t> nodes;  ///< of the light tree; empty: all lights, in order
         size_t count = 0;
         Float Share(size_t i) const { return w[i] * perW + g[i] * perG; }
     };
-    bool ScansAll() const { return tree_.RowCount() == 0 ? groups_.Size() <= kMost : !allLights_; }
     void Weigh(const LightQuery &query, Choice *choice) const;
     void FollowBsdf(const LightQuery &query, Choice *choice) const;
-    /// P among the considered lights.
-    Float NamedPMF(const Choice &choice, uint32_t group) const;
-    /// With the tree over all, which gives `fromTree`.
-    Float MixedPMF(const Choice &choice, uint32_t group, Float fromTree) const;
-    Float GroupPMF(const LightQuery &query, const Choice &choice, uint32_t group) const;
     std::optional<ChosenGroup> SampleGroup(const LightQuery &query, Float u) const override;
     Float GroupPMF(const LightQuery &query, uint32_t group) const override;
     double PathsPerPixel(const PrepareContext &context) const;
@@ -60,7 +53,7 @@ class VisibilityOctreeLightSampler final : public GroupLightSampler {
     OctreeParams params_;
     Float floor_;
     GroupImportance importance_;
-    std::unique_ptr<EmitterTree> allLights_;  ///< more groups than are scanned
+    std::unique_ptr<LightTree> lightTree_;  ///< where there are more groups than are scanned
     VisibilityTree tree_;
     bool learned_ = false;
     std::vector<LeafSize> leaves_;          ///< these two for Inspect and DescribeStructure only

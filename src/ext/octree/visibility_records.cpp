@@ -20,18 +20,40 @@ Float Look(const Scene &scene, const PrepassVertex &vertex, const LightQuery &qu
     return std::isfinite(value) ? value : 0;
 }
 
-std::optional<SampledLight> DrawByImportance(const GroupImportance &importance, const LightQuery &query, Float u) {
-    Float g[kMostScanned];
-    const Float sum = importance.Evaluate(query, g);
-    std::optional<SampledLight> chosen;
-    Float running = 0;
-    for (uint32_t i = 0; i < importance.Size() && !(u * sum < running); ++i) {
-        if (!(g[i] > 0)) continue;
-        chosen = SampledLight{LightId(i), g[i] / sum};
-        running += g[i];
+/// Draws lights at one point by G.
+class Draws {
+  public:
+    Draws(const GroupImportance &importance, const LightTree *tree, const LightQuery &query) : tree_(tree), query_(query) {
+        if (tree) nodes_ = tree->BaseCut();
+        count_ = tree ? nodes_.size() : importance.Size();
+        sum_ = tree ? tree->Evaluate(query, nodes_, g_) : importance.Evaluate(query, g_);
     }
-    return chosen;
-}
+    std::optional<SampledLight> Draw(Float u) const {
+        Float running = 0, before = 0;
+        std::optional<uint32_t> chosen;
+        for (uint32_t i = 0; i < count_ && !(u * sum_ < running); ++i) {
+            if (!(g_[i] > 0)) continue;
+            chosen = i;
+            before = running;
+            running += g_[i];
+        }
+        if (!chosen) return {};
+        const Float g = g_[*chosen];
+        if (!tree_) return SampledLight{LightId(*chosen), g / sum_};
+        std::optional<SampledLight> light = tree_->SampleWithin(nodes_[*chosen], query_, std::clamp((u * sum_ - before) / g, Float(0), OneMinusEpsilon));
+        if (light) light->pmf *= g / sum_;
+        return light;
+    }
+
+  private:
+    const LightTree *tree_;
+    const LightQuery &query_;
+    std::span<const uint32_t> nodes_;
+    alignas(32) Float g_[kMostScanned];
+    size_t count_ = 0;
+    Float sum_ = 0;
+};
+static_assert(LightTree::kBaseNodes + LightTree::kFarNodes <= kMostScanned);
 
 }  // namespace
 
@@ -41,12 +63,12 @@ size_t TriesPerRecord(size_t groups, int wanted) {
 }
 
 VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices, const MeshGroups &groups,
-                                  const GroupImportance &importance, const MeshInterior &interior, const EmitterTree *tree,
-                                  const TrySettings &settings) {
+                                  const GroupImportance &importance, const MeshInterior &interior, const LightTree *tree,
+                                  size_t perRecord) {
     const auto count = static_cast<int64_t>(vertices.size());
     std::vector<VisibilityRecords> chunks(static_cast<size_t>((count + kChunk - 1) / kChunk));
     context.progress.BeginPhase("looking for lights", static_cast<int64_t>(chunks.size()));
-    const bool all = settings.perRecord >= groups.Size();
+    const bool all = perRecord >= groups.Size();
 
     auto lookAtAll = [&](const PrepassVertex &vertex, const LightQuery &query, std::vector<Float> &g, Rng &rng, VisibilityRecords &out) {
         const Float sum = importance.Evaluate(query, g);
@@ -54,23 +76,26 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
         for (uint32_t i = 0; i < groups.Size(); ++i) {
             if (!(g[i] > 0)) continue;
             Float share = g[i] / sum;
-            out.tries.push_back({i, share, share, share, Look(context.scene, vertex, query, interior, i, rng) / g[i]});
+            out.tries.push_back({i, share, share, Look(context.scene, vertex, query, interior, i, rng) / g[i]});
         }
     };
     auto lookAtSome = [&](const PrepassVertex &vertex, const LightQuery &query, Rng &rng, VisibilityRecords &out) {
         const size_t first = out.tries.size();
+        const Draws draws(importance, tree, query);
         double total = 0;
-        for (size_t k = 0; k < settings.perRecord; ++k) {
-            std::optional<SampledLight> drawn = tree ? tree->Sample(query, rng.Uniform()) : DrawByImportance(importance, query, rng.Uniform());
+        for (size_t k = 0; k < perRecord; ++k) {
+            // One draw in each of as many parts.
+            const Float u = (static_cast<Float>(k) + rng.Uniform()) / static_cast<Float>(perRecord);
+            std::optional<SampledLight> drawn = draws.Draw(std::min(u, OneMinusEpsilon));
             if (!drawn) continue;
             const Float g = importance.Of(query, drawn->light.value);
             Float found = g > 0 ? Look(context.scene, vertex, query, interior, drawn->light.value, rng) / g : 0;
             if (!(g > 0)) continue;
             total += static_cast<double>(g / drawn->pmf);
-            out.tries.push_back({drawn->light.value, g, g / drawn->pmf, drawn->pmf, found});
+            out.tries.push_back({drawn->light.value, g, g / drawn->pmf, found});
         }
         // The unoccluded sum is estimated from the draws.
-        const double unoccluded = total / static_cast<double>(settings.perRecord);
+        const double unoccluded = total / static_cast<double>(perRecord);
         for (size_t t = first; t < out.tries.size(); ++t) {
             out.tries[t].share = static_cast<Float>(static_cast<double>(out.tries[t].share) / unoccluded);
             out.tries[t].weight = static_cast<Float>(static_cast<double>(out.tries[t].weight) / total);

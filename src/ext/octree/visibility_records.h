@@ -1,5 +1,6 @@
 #pragma once
 #include "ext/groups/group_importance.h"
+#include "ext/groups/light_tree.h"
 #include "ext/groups/mesh_interior.h"
 #include "ext/octree/visibility_tree_builder.h"
 #include "ext/prepass/prepass.h"
@@ -15,16 +16,11 @@ struct VisibilityRecords {
 /// Shadow rays a vertex: one to each of `groups` lights up to 64 of them (`wanted` 0), else 8 drawn ones, or as wanted.
 size_t TriesPerRecord(size_t groups, int wanted);
 
-struct TrySettings {
-    size_t perRecord = 0;
-    Float floor = 0;
-};
-
 /// One shadow ray to lights of every vertex: to all that could contribute if there are no more than `perRecord`, else to
-/// that many drawn by `tree` (or by importance, where there is no tree). Records without any light to look at are left out.
+/// that many drawn by G, through `tree` where there is one. Records without any light to look at are left out.
 /// The same for any number of threads.
 VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices, const MeshGroups &groups,
-                                  const GroupImportance &importance, const MeshInterior &interior, const EmitterTree *tree,
-                                  const TrySettings &settings);
+                                  const GroupImportance &importance, const MeshInterior &interior, const LightTree *tree,
+                                  size_t perRecord);
 
 }  // namespace ext

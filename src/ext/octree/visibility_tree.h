@@ -9,21 +9,19 @@
 namespace ext {
 
 /// The frozen structure of the visibility model: a tree of cells, each with a row of correction factors a(leaf, l) for the
-/// lights worth keeping there. 8 bits a factor, on a logarithmic scale; equal rows are stored once.
+/// lights, or, where there are many, for the nodes of a cut through the light tree. 8 bits a factor, on a logarithmic scale; equal rows are stored once.
 class VisibilityTree {
   public:
-    /// A row: `lights` (sorted) and `codes` side by side. With few lights every row names all of them and `lights` is empty.
+    /// A row: `nodes` (rising) and `codes` side by side. With few lights every row names all of them and `nodes` is empty.
     struct Row {
-        std::span<const uint32_t> lights;
+        std::span<const uint32_t> nodes;
         std::span<const uint8_t> codes;
-        Float missing = 0;  ///< share of the light that the named ones are thought to miss (0 with few lights)
     };
     Row RowAt(const Point3 &p) const { return GetRow(cells_.Row(p)); }
     Row GetRow(uint32_t row) const {
         const uint32_t begin = offset_[row], count = offset_[row + 1] - begin;
-        return {lights_.empty() ? std::span<const uint32_t>() : std::span<const uint32_t>(lights_.data() + begin, count),
-                {codes_.data() + begin, count},
-                missing_.empty() ? Float(0) : static_cast<Float>(missing_[row]) / 255};
+        return {nodes_.empty() ? std::span<const uint32_t>() : std::span<const uint32_t>(nodes_.data() + begin, count),
+                {codes_.data() + begin, count}};
     }
     /// The factor of a code: 2^((code - 192) / 8), 9 % apart; from 6e-8 to 235.
     static Float Decode(uint8_t code) { return Table()[code]; }
@@ -36,7 +34,7 @@ class VisibilityTree {
     size_t RowCount() const { return offset_.empty() ? 0 : offset_.size() - 1; }
     int Depth() const { return depth_; }  ///< levels below the whole box: 0 is one leaf
     size_t Bytes() const {
-        return cells_.Bytes() + offset_.capacity() * sizeof(uint32_t) + lights_.capacity() * sizeof(uint32_t) + codes_.capacity() + missing_.capacity();
+        return cells_.Bytes() + offset_.capacity() * sizeof(uint32_t) + nodes_.capacity() * sizeof(uint32_t) + codes_.capacity();
     }
     bool operator==(const VisibilityTree &o) const = default;
 
@@ -46,9 +44,8 @@ class VisibilityTree {
     friend class VisibilityTreeBuilder;
     CellOctree cells_;
     std::vector<uint32_t> offset_;  ///< of row r in the two below; one more entry at the end
-    std::vector<uint32_t> lights_;
+    std::vector<uint32_t> nodes_;
     std::vector<uint8_t> codes_;
-    std::vector<uint8_t> missing_;  ///< per row, of 255; empty with few lights
     size_t leaves_ = 0;
     int depth_ = 0;
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <tuple>
 #include <numeric>
 
 #include "pbrt/core/parallel.h"
@@ -18,8 +17,7 @@ int HalfOf(uint32_t record) { return static_cast<int>(MixBits(record) & 1); }
 
 VisibilityTreeBuilder::VisibilityTreeBuilder(const Bounds3 &bounds, std::span<const VisibilityRecord> records,
                                              std::span<const VisibilityTry> tries, const VisibilityBuildSettings &settings)
-    : bounds_(bounds), records_(records), tries_(tries), settings_(settings),
-      fullRows_(settings.lightCount <= settings.largestFullRow), cells_(bounds) {
+    : bounds_(bounds), records_(records), tries_(tries), settings_(settings), cells_(bounds) {
     Divide();
 }
 
@@ -53,45 +51,40 @@ void VisibilityTreeBuilder::Divide() {
 }
 
 void VisibilityTreeBuilder::SumUp(int half) {
-    auto add = [](Sum &into, const Sum &s) {
-        into.wr += s.wr;
-        into.w += s.w;
-        into.w2 += s.w2;
-        into.mass += s.mass;
-    };
     /// Sorted by light, one entry each.
-    auto compress = [&](std::vector<Sum> &sums) {
-        std::stable_sort(sums.begin(), sums.end(), [](const Sum &a, const Sum &b) { return a.light < b.light; });
+    auto compress = [&](std::vector<TrySums> &sums) {
+        std::stable_sort(sums.begin(), sums.end(), [](const TrySums &a, const TrySums &b) { return a.light < b.light; });
         size_t kept = 0;
         for (size_t i = 0; i < sums.size(); ++i) {
-            if (kept > 0 && sums[kept - 1].light == sums[i].light) add(sums[kept - 1], sums[i]);
+            if (kept > 0 && sums[kept - 1].light == sums[i].light) sums[kept - 1] += sums[i];
             else sums[kept++] = sums[i];
         }
         sums.resize(kept);
         sums.shrink_to_fit();
     };
+    const bool all = settings_.lights == nullptr;
     ParallelFor(static_cast<int64_t>(nodes_.size()), 16, [&](int64_t first, int64_t last) {
         for (auto n = static_cast<size_t>(first); n < static_cast<size_t>(last); ++n) {
             Node &node = nodes_[n];
             node.sums.clear();
             if (node.firstChild != 0) continue;
-            if (fullRows_) node.sums.resize(static_cast<size_t>(settings_.lightCount));
+            if (all) node.sums.resize(static_cast<size_t>(settings_.lightCount));
             for (uint32_t i = node.begin; i < node.end; ++i) {
                 if (half != kAllRecords && HalfOf(order_[i]) != half) continue;
                 const VisibilityRecord &record = records_[order_[i]];
                 for (uint32_t t = record.firstTry; t < record.firstTry + record.tryCount; ++t) {
                     const VisibilityTry &v = tries_[t];
                     const auto w = static_cast<double>(v.weight), r = static_cast<double>(v.ratio);
-                    Sum s{v.light, w * (settings_.secondMoment ? r * r : r), w, w * w, w * r};
-                    if (fullRows_) {
+                    const TrySums s{NameOf(v.light), w * (settings_.secondMoment ? r * r : r), w, w * w};
+                    if (all) {
                         node.sums[v.light].light = v.light;
-                        add(node.sums[v.light], s);
+                        node.sums[v.light] += s;
                     } else {
                         node.sums.push_back(s);
                     }
                 }
             }
-            if (fullRows_) std::erase_if(node.sums, [](const Sum &s) { return !(s.w > 0); });
+            if (all) std::erase_if(node.sums, [](const TrySums &s) { return !(s.w > 0); });
             else compress(node.sums);
         }
     });
@@ -99,104 +92,60 @@ void VisibilityTreeBuilder::SumUp(int half) {
         Node &node = nodes_[n];
         if (node.firstChild == 0) continue;
         for (uint32_t c = 0; c < 8; ++c) {
-            const std::vector<Sum> &child = nodes_[node.firstChild + c].sums;
+            const std::vector<TrySums> &child = nodes_[node.firstChild + c].sums;
             node.sums.insert(node.sums.end(), child.begin(), child.end());
         }
         compress(node.sums);
     }
 }
 
-const VisibilityTreeBuilder::Factor *VisibilityTreeBuilder::Find(const std::vector<Factor> &factors, uint32_t light) const {
-    if (fullRows_) return &factors[light];
-    auto it = std::lower_bound(factors.begin(), factors.end(), light, [](const Factor &f, uint32_t l) { return f.light < l; });
-    return it != factors.end() && it->light == light ? &*it : nullptr;
-}
-
 void VisibilityTreeBuilder::EstimateNode(Node &node, const Node *above) const {
-    const std::vector<Factor> *parent = above ? &above->factors : nullptr;
-    const auto k = static_cast<double>(settings_.shrinkage);
-    double records = 0;
-    for (const Sum &s : node.sums) records += s.w;
-    auto estimate = [&](uint32_t light, const Sum *s) {
-        const Factor *before = parent ? Find(*parent, light) : nullptr;
-        if (!before) before = &prior_;
-        const auto aboveA = static_cast<double>(before->a);
-        const double target = settings_.secondMoment ? aboveA * aboveA : aboveA;
-        const double n = s ? s->w * s->w / s->w2 : 0, mean = s ? s->wr / s->w : 0;
-        const double value = n + k > 0 ? (n * mean + k * target) / (n + k) : target;
-        Factor f;
-        f.light = light;
-        f.a = static_cast<float>(settings_.secondMoment ? std::sqrt(value) : value);
-        f.mass = static_cast<float>(((s ? s->mass : 0) + k * static_cast<double>(before->mass)) / std::max(records + k, 1e-9));
-        return f;
-    };
     node.factors.clear();
-    if (fullRows_) {
-        std::vector<const Sum *> of(static_cast<size_t>(settings_.lightCount), nullptr);
-        for (const Sum &s : node.sums) of[s.light] = &s;
-        for (uint32_t l = 0; l < of.size(); ++l) node.factors.push_back(estimate(l, of[l]));
+    const auto k = static_cast<double>(settings_.shrinkage);
+    if (settings_.lights) {
+        double weight = 0;
+        for (const TrySums &s : node.sums) weight += s.w;
+        // Twice as much, as what it is pulled towards knows more: the cell above and the light's neighbours.
+        node.cut = CellCut(*settings_.lights, node.sums, weight, above ? &above->cut : nullptr,
+                           {2 * k, settings_.secondMoment, static_cast<size_t>(settings_.cut)});
         return;
     }
-    // The cell's own lights and what its parent kept, in order of light; then the longestRow with most to give.
-    size_t s = 0, p = 0;
-    const size_t parents = parent ? parent->size() : 0;
-    while (s < node.sums.size() || p < parents) {
-        if (p == parents || (s < node.sums.size() && node.sums[s].light <= (*parent)[p].light)) {
-            if (p < parents && (*parent)[p].light == node.sums[s].light) ++p;
-            node.factors.push_back(estimate(node.sums[s].light, &node.sums[s]));
-            ++s;
-        } else {
-            node.factors.push_back(estimate((*parent)[p++].light, nullptr));
-        }
+    std::vector<const TrySums *> of(static_cast<size_t>(settings_.lightCount), nullptr);
+    for (const TrySums &s : node.sums) of[s.light] = &s;
+    for (uint32_t l = 0; l < of.size(); ++l) {
+        const TrySums *s = of[l];
+        const double before = above ? static_cast<double>(above->factors[l]) : prior_;
+        const double target = settings_.secondMoment ? before * before : before;
+        const double n = s ? s->w * s->w / s->w2 : 0, mean = s ? s->wm / s->w : 0;
+        const double value = n + k > 0 ? (n * mean + k * target) / (n + k) : target;
+        node.factors.push_back(static_cast<float>(settings_.secondMoment ? std::sqrt(value) : value));
     }
-    double total = 0, own = 0, metOnce = 0;
-    for (const Factor &f : node.factors) total += static_cast<double>(f.mass);
-    for (const Sum &sum : node.sums) {
-        own += sum.mass;
-        if (sum.w * sum.w < 1.5 * sum.w2) metOnce += sum.mass;
-    }
-    std::erase_if(node.factors, [&](const Factor &f) { return !(static_cast<double>(f.mass) > 1e-4 * total); });
-    const auto longest = static_cast<size_t>(settings_.longestRow);
-    if (node.factors.size() > longest) {
-        auto more = [](const Factor &a, const Factor &b) { return a.mass != b.mass ? a.mass > b.mass : a.light < b.light; };
-        std::nth_element(node.factors.begin(), node.factors.begin() + static_cast<std::ptrdiff_t>(longest), node.factors.end(), more);
-        node.factors.resize(longest);
-        std::sort(node.factors.begin(), node.factors.end(), [](const Factor &a, const Factor &b) { return a.light < b.light; });
-    }
-
-    double kept = 0;
-    for (const Factor &f : node.factors) kept += static_cast<double>(f.mass);
-    const double cut = total > 0 ? 1 - kept / total : 0, unmet = own > 0 ? metOnce / own : 1;
-    // What is in a parent's row its children know.
-    node.unmet = std::min(above ? above->missing : 1.f, static_cast<float>(unmet));
-    node.missing = std::clamp(static_cast<float>(cut) + node.unmet, 0.f, 1.f);
 }
 
 void VisibilityTreeBuilder::Estimate() {
-    double wr = 0, w = 0;
-    for (const Sum &s : nodes_[0].sums) {
-        wr += s.wr;
+    double wm = 0, w = 0;
+    for (const TrySums &s : nodes_[0].sums) {
+        wm += s.wm;
         w += s.w;
     }
-    const double mean = w > 0 && wr > 0 ? wr / w : 1;
-    prior_.a = static_cast<float>(settings_.secondMoment ? std::sqrt(mean) : mean);
+    const double mean = w > 0 && wm > 0 ? wm / w : 1;
+    prior_ = settings_.secondMoment ? std::sqrt(mean) : mean;
     // Parents come before their children.
     for (size_t n = 0; n < nodes_.size(); ++n) EstimateNode(nodes_[n], n == 0 ? nullptr : &nodes_[nodes_[n].parent]);
 }
 
-double VisibilityTreeBuilder::Loss(const VisibilityRecord &record, const std::vector<Factor> &factors) const {
+double VisibilityTreeBuilder::Loss(const VisibilityRecord &record, const std::vector<float> &factors) const {
     double sum = 0;
     for (uint32_t t = record.firstTry; t < record.firstTry + record.tryCount; ++t)
-        if (const Factor *f = Find(factors, tries_[t].light)) sum += static_cast<double>(tries_[t].weight) * static_cast<double>(f->a);
+        sum += static_cast<double>(tries_[t].weight) * static_cast<double>(factors[tries_[t].light]);
     double loss = 0;
     const auto e = static_cast<double>(settings_.floor);
     for (uint32_t t = record.firstTry; t < record.firstTry + record.tryCount; ++t) {
         const VisibilityTry &v = tries_[t];
         if (!(v.ratio > 0)) continue;
-        const Factor *f = Find(factors, v.light);
         const double share = static_cast<double>(v.share);
-        double p = e * static_cast<double>(v.floorPmf);
-        if (f && sum > 0) p += (1 - e) * static_cast<double>(f->a) * share / sum;
+        double p = e * share;
+        if (sum > 0) p += (1 - e) * static_cast<double>(factors[v.light]) * share / sum;
         if (p > 0) loss += static_cast<double>(v.weight) * share * static_cast<double>(v.ratio) * static_cast<double>(v.ratio) / p;
     }
     return loss;
@@ -233,24 +182,20 @@ VisibilityTree VisibilityTreeBuilder::Freeze() {
     VisibilityTree tree;
     tree.cells_ = CellOctree(bounds_);
     tree.offset_.push_back(0);
-    using Row = std::tuple<std::vector<uint32_t>, std::vector<uint8_t>, uint8_t>;  // lights, codes, what is missing
+    using Row = std::pair<std::vector<uint32_t>, std::vector<uint8_t>>;  // nodes, codes
     std::map<Row, uint32_t> known;
     auto rowOf = [&](const Node &node) {
         // Only ratios within a row matter.
-        float most = 0;
-        for (const Factor &f : node.factors) most = std::max(most, f.a);
+        const std::span<const float> factors = settings_.lights ? node.cut.Factors() : node.factors;
+        const float most = factors.empty() ? 0 : *std::max_element(factors.begin(), factors.end());
         Row row;
-        auto &[lights, codes, missing] = row;
-        for (const Factor &f : node.factors) {
-            if (!fullRows_) lights.push_back(f.light);
-            codes.push_back(VisibilityTree::Encode(most > 0 ? static_cast<double>(f.a) / static_cast<double>(most) : 1.0));
-        }
-        missing = fullRows_ ? uint8_t(0) : static_cast<uint8_t>(std::lround(255 * node.missing));
+        auto &[names, codes] = row;
+        if (settings_.lights) names.assign(node.cut.Nodes().begin(), node.cut.Nodes().end());
+        for (float f : factors) codes.push_back(VisibilityTree::Encode(most > 0 ? static_cast<double>(f) / static_cast<double>(most) : 1.0));
         auto [it, isNew] = known.emplace(row, static_cast<uint32_t>(tree.RowCount()));
         if (isNew) {
-            tree.lights_.insert(tree.lights_.end(), lights.begin(), lights.end());
+            tree.nodes_.insert(tree.nodes_.end(), names.begin(), names.end());
             tree.codes_.insert(tree.codes_.end(), codes.begin(), codes.end());
-            if (!fullRows_) tree.missing_.push_back(missing);
             tree.offset_.push_back(static_cast<uint32_t>(tree.codes_.size()));
         }
         return it->second;
@@ -287,14 +232,13 @@ VisibilityTree VisibilityTreeBuilder::Freeze() {
     }
     tree.cells_.ShrinkToFit();
     tree.offset_.shrink_to_fit();
-    tree.lights_.shrink_to_fit();
+    tree.nodes_.shrink_to_fit();
     tree.codes_.shrink_to_fit();
-    tree.missing_.shrink_to_fit();
     return tree;
 }
 
 VisibilityTree VisibilityTreeBuilder::Build() {
-    if (settings_.pruneGain > 0) {
+    if (settings_.pruneGain > 0 && !settings_.lights) {
         SumUp(0);
         Estimate();
         Prune();

@@ -14,6 +14,7 @@ struct BuildOptions {
     bool quick = false;               ///< a quarter of the resolution, one sample
     std::string integrator;           ///< --integrator name; empty: the scene's
     std::optional<int> maxDepth;      ///< --maxdepth
+    bool sampledLightOnly = false;    ///< PathSettings::sampledLightOnly (path, volpath)
     std::string lightSampler;         ///< --lightsampler name[:key=value,...]; empty: the scene's
     bool meshLights = false;          ///< --mesh-lights
     std::string shadowGate;           ///< --shadow-gate name[:key=value,...] or none; empty: the scene's

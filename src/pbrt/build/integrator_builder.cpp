@@ -47,6 +47,7 @@ BuiltIntegrator MakeIntegrator(const Entity &entity, const BuildOptions &options
         settings.regularize = params.GetBool("regularize", false);
         settings.seesThroughInterfaces = SeesThroughInterfaces(type);
         settings.subsurface = type == "volpath" && context.scene.HasSubsurface();
+        settings.sampledLightOnly = options.sampledLightOnly;
         LightSamplerSpec spec = ReadLightSamplerSpec(params, options.lightSampler, options.meshLights, registry,
                                                      options.lightSamplerFlag);
         built.lightSamplerName = spec.Label();

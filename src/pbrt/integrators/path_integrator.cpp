@@ -59,7 +59,7 @@ SampledSpectrum PathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lamb
     Float pBsdf = 0;  // solid angle
 
     auto misWeight = [&](LightId id, const Point3 &p, const Normal3 &n) -> Float {
-        if (!lightCouldSample) return 1;
+        if (!lightCouldSample) return settings_.sampledLightOnly ? Float(0) : Float(1);
         Float pmf = lights_->PMF(previousQuery, id);
         if (!(pmf > 0)) return 1;
         Float pLight = pmf * scene.Lights()[id].PdfLi(previous, path.ray.d, p, n, true);

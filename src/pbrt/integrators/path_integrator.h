@@ -14,6 +14,9 @@ struct PathSettings {
     /// Light sampling looks through interface surfaces (volpath, over a scene whose shadow rays pass them; to path they
     /// block shadow rays, as in stock).
     bool seesThroughInterfaces = false;
+    /// Leaves out what only the path itself can find: lamps that the camera or a mirror shows, caustics. No choice of
+    /// lights changes these; without them a measurement of light samplers is free of their noise.
+    bool sampledLightOnly = false;
 };
 
 /// Unidirectional path tracing with next-event estimation; BSDF and light sampling combined by the power heuristic.

@@ -40,6 +40,7 @@ namespace pbrt::lab {
 namespace {
 
 constexpr int kMinimumData = 32;                ///< tile means (seeds x tiles) in a block
+constexpr int kFewestRegions = 4;               ///< that pass for "about 1/16 of the picture"
 constexpr double kDark = 0.05;                  ///< of the image mean, added to every block's mean
 constexpr double kDeviationPerMedian = 1.4826;  ///< normal deviates: standard deviation over median size
 constexpr double kManyDof = 1e9;
@@ -53,18 +54,22 @@ struct Rectangle {
 /// One level of regions: the tiles, cut as evenly as possible.
 struct Cut {
     int countX = 1, countY = 1, tilesX = 1, tilesY = 1;
+    int Count() const { return countX * countY; }
     Rectangle At(int x, int y) const {
         return {x * tilesX / countX, y * tilesY / countY, (x + 1) * tilesX / countX, (y + 1) * tilesY / countY};
     }
 };
 
 std::vector<Cut> Levels(const TileGrid &grid, int runs) {
+    auto cut = [&](int side) {
+        auto parts = [side](int tiles) { return std::max(1, (tiles + side / 2) / side); };
+        return Cut{parts(grid.tilesX), parts(grid.tilesY), grid.tilesX, grid.tilesY};
+    };
     int side = 2;
     while (side * side * runs < kMinimumData) side *= 2;
     std::vector<Cut> levels;
     for (;; side *= 2) {
-        auto parts = [side](int tiles) { return std::max(1, (tiles + side / 2) / side); };
-        levels.push_back({parts(grid.tilesX), parts(grid.tilesY), grid.tilesX, grid.tilesY});
+        levels.push_back(cut(side));
         if (levels.back().countX == 1 && levels.back().countY == 1) return levels;
     }
 }
@@ -332,8 +337,8 @@ std::string Percent(double v) {
 
 std::string Explain(const BiasReport &report, const BiasSettings &settings) {
     const std::string visible = fmt::format(
-        "{} in the whole image, {} in regions of 1/16 of it, {} in regions of {} pixels", Percent(report.visibleImage),
-        Percent(report.visibleSixteenth), Percent(report.visibleSmallest), report.smallestSide);
+        "{} in the whole image, {} in regions of 1/{} of it, {} in regions of {} pixels", Percent(report.visibleImage),
+        Percent(report.visibleSixteenth), report.sixteenthRegions, Percent(report.visibleSmallest), report.smallestSide);
     const RegionTest &w = report.worst;
     switch (report.verdict) {
         case BiasVerdict::Clean:
@@ -375,7 +380,7 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
     const double total = MeanOf(reference.parts);
     if (total != 0) report.meanDifference = MeanOf(runs) / total - 1;
 
-    for (const Cut &cut : levels) report.tests += cut.countX * cut.countY * runs[0].channels;
+    for (const Cut &cut : levels) report.tests += cut.Count() * runs[0].channels;
     const double level = SidakLevel(settings.level, static_cast<size_t>(report.tests));
     const double unseen = -std::log(level) / 2;
     std::vector<RegionTest> tests;
@@ -400,10 +405,11 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
     const double imageArea = static_cast<double>(grid.resolution.x) * grid.resolution.y;
     // The level whose regions are nearest to 1/16 of the image.
     size_t sixteenth = 0;
-    auto offSixteenth = [&](size_t l) { return std::abs(std::log(levels[l].countX * levels[l].countY / 16.0)); };
+    auto offSixteenth = [&](size_t l) { return std::abs(std::log(levels[l].Count() / 16.0)); };
     for (size_t l = 1; l < levels.size(); ++l)
         if (offSixteenth(l) < offSixteenth(sixteenth)) sixteenth = l;
 
+    report.sixteenthRegions = levels[sixteenth].Count();
     std::vector<double> visibleWhole, visibleSixteenth, visibleSmallest;
     bool anyBiased = false;
     for (RegionTest &t : tests) {
@@ -441,7 +447,8 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
 
     if (anyBiased)
         report.verdict = BiasVerdict::Biased;
-    else if (imageArea > 0 && report.visibleImage <= settings.interest && report.visibleSixteenth <= settings.interest)
+    else if (imageArea > 0 && report.visibleImage <= settings.interest && report.visibleSixteenth <= settings.interest &&
+             report.sixteenthRegions >= kFewestRegions)
         report.verdict = BiasVerdict::Clean;
     report.text = Explain(report, settings);
     return report;

@@ -55,7 +55,7 @@ struct BiasReport {
     /// Smallest bias that could have been seen in the whole image, in half of the regions of about 1/16 of the image,
     /// and in half of the smallest regions (side in pixels). Infinity: none.
     double visibleImage = 0, visibleSixteenth = 0, visibleSmallest = 0;
-    int smallestSide = 0;
+    int smallestSide = 0, sixteenthRegions = 0;  ///< how many of "about 1/16" there are; fewer than 4 (small pictures, few runs) are never "clean"
     std::string text;  ///< one or two sentences for people
 };
 

@@ -387,6 +387,9 @@ std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, con
                 fmt::format("\"{}\" took {:.1f} samples per pixel only: ratios to it are rough. "
                             "--spp gives it as many as the others.",
                             s.choice.label, s.samples));
+    if (settings.sampledLightOnly)
+        references->notes.push_back("--sampled-light: without lamps that the camera or a mirror shows, and caustics; no "
+                                    "choice of lights changes these.");
     outcome.results["notes"] = references->notes;
     outcome.text = TableText(results, *references);
     WriteText(settings.outFolder + "/results.csv", SummaryCsv(results));

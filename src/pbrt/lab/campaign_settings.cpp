@@ -20,6 +20,7 @@ Json IdentityOf(const CampaignSettings &settings, const std::string &sceneHash, 
         id["spp"] = settings.samplesPerPixel;
     id["seeds"] = settings.seeds;
     id["maxdepth"] = settings.maxDepth ? Json(*settings.maxDepth) : Json("the scene's");
+    if (settings.sampledLightOnly) id["sampled-light"] = true;
     id["divisor"] = settings.resolutionDivisor;
     id["shadow-gate"] = settings.shadowGate.empty() ? "the scene's" : settings.shadowGate;
     id["reference"] = settings.referenceFile;

@@ -16,6 +16,7 @@ struct CampaignSettings {
     int samplesPerPixel = 64;
     int seeds = 3;
     std::optional<int> maxDepth;  ///< empty: the scene's
+    bool sampledLightOnly = false;  ///< PathSettings::sampledLightOnly
     int resolutionDivisor = 1;
     std::string shadowGate;       ///< of samplers without a gate of their own; empty: the scene's
     std::string referenceFile;    ///< empty: one is rendered

@@ -28,6 +28,7 @@ LabScene LoadLabScene(const CampaignSettings &settings, const LightSamplerRegist
     options.film.filename = "lightlab.exr";  // never written; the scene's own may be one we cannot write
     options.samplesPerPixel = settings.Timed() ? 0 : settings.samplesPerPixel;
     options.maxDepth = settings.maxDepth;
+    options.sampledLightOnly = settings.sampledLightOnly;
     options.shadowGate = settings.shadowGate;
     options.lightSamplerFlag = kSamplersFlag;
     options.lightSampler = "uniform";  // of the integrator that nobody uses here: nothing to build

@@ -44,6 +44,7 @@ ReferenceCache::ReferenceCache(const CampaignSettings &settings, const LabScene 
                          scene.hash, scene.FullResolution().x, scene.FullResolution().y, pixels.low.x, pixels.low.y,
                          pixels.high.x, pixels.high.y, scene.built.maxDepth, scene.Batch(),
                          scene.built.disablePixelJitter, scene.built.disableWavelengthJitter, what));
+    if (settings.sampledLightOnly) hash.Add("sampled light");
     key_ = hash.Hex();
     const std::filesystem::path path(settings.scene);
     const std::string name = fmt::format("{}.reference-{}.exr", path.stem().string(), key_);

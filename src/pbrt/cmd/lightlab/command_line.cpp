@@ -105,7 +105,7 @@ LightlabCommandLine ParseInspect(int argc, const char *const *argv) {
 }
 
 /// Everything that was not said on the command line comes from the campaign that is replayed.
-void TakeFromResults(LightlabOptions *o, bool samplers, bool seeds, bool depth, bool divisor, bool gate, bool spp) {
+void TakeFromResults(LightlabOptions *o, bool samplers, bool seeds, bool depth, bool sampledLight, bool divisor, bool gate, bool spp) {
     lab::CampaignSettings &c = o->campaign;
     const nlohmann::ordered_json results = lab::ReadResults(c.samplesFrom);
     const nlohmann::ordered_json &settings = results.at("settings");
@@ -116,6 +116,7 @@ void TakeFromResults(LightlabOptions *o, bool samplers, bool seeds, bool depth, 
     if (!samplers) o->samplers = settings.at("samplers").get<std::vector<std::string>>();
     if (!seeds) c.seeds = settings.value("seeds", c.seeds);
     if (!depth && settings.at("maxdepth").is_number()) c.maxDepth = settings.at("maxdepth").get<int>();
+    if (!sampledLight) c.sampledLightOnly = settings.value("sampled-light", false);
     if (!divisor) c.resolutionDivisor = settings.value("divisor", 1);
     const std::string usedGate = settings.value("shadow-gate", "");
     if (!gate && usedGate != "the scene's") c.shadowGate = usedGate;
@@ -186,6 +187,10 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
                              ->check(NonNegativeNumber)
                              ->group(scene);
     app.add_flag("--direct", direct, "direct light only: --maxdepth 1")->group(scene)->excludes(depth);
+    CLI::Option *sampledLight =
+        app.add_flag("--sampled-light", c.sampledLightOnly,
+                     "without lamps that the camera or a mirror shows, and caustics: no choice of lights changes these")
+            ->group(scene);
     CLI::Option *divisorOption = app.add_option("--divisor", c.resolutionDivisor, "divides the resolution (1)")
                                      ->check(PositiveNumber)
                                      ->group(scene);
@@ -223,7 +228,7 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
         for (const std::string &s : lab::ReadSamplerFile(samplersFile)) o.samplers.push_back(s);
     if (!c.samplesFrom.empty())
         TakeFromResults(&o, *samplersOption || *fileOption, bool(*seedsOption), c.maxDepth.has_value(),
-                        bool(*divisorOption), bool(*gateOption), bool(*spp));
+                        bool(*sampledLight), bool(*divisorOption), bool(*gateOption), bool(*spp));
     if (o.samplers.empty() && !*samplersOption) o.samplers = lab::SplitSamplerList(DefaultSamplers(registered));
     if (c.outFolder.empty()) c.outFolder = std::filesystem::path(c.scene).stem().string() + "-lab";
     return parser.result;

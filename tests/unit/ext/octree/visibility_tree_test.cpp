@@ -24,7 +24,7 @@ struct Prepass {
             records.push_back({p, static_cast<uint32_t>(tries.size()), lights});
             for (uint32_t l = 0; l < lights; ++l) {
                 Float share = 1 / static_cast<Float>(lights);
-                tries.push_back({l, share, share, share, found(p, l, rng.Uniform())});
+                tries.push_back({l, share, share, found(p, l, rng.Uniform())});
             }
         }
     }
@@ -41,10 +41,7 @@ VisibilityBuildSettings Settings(int lights) {
 
 Float FactorAt(const VisibilityTree &tree, const Point3 &p, uint32_t light) {
     VisibilityTree::Row row = tree.RowAt(p);
-    if (row.lights.empty()) return VisibilityTree::Decode(row.codes[light]);
-    for (size_t i = 0; i < row.lights.size(); ++i)
-        if (row.lights[i] == light) return VisibilityTree::Decode(row.codes[i]);
-    return 0;
+    return VisibilityTree::Decode(row.codes[light]);
 }
 
 TEST(VisibilityTree, CodesKeepFactorsWithinAFewPercent) {
@@ -110,40 +107,77 @@ TEST(VisibilityTree, ShrinkageKeepsUnseenLightsAlive) {
     EXPECT_LT(lost, 1e-4f);
 }
 
-TEST(VisibilityTree, ManyLightsNameOnlyThoseThatMatter) {
-    // 500 lights; near p only those with index close to 500 x are seen.
-    const uint32_t lights = 500;
-    Rng rng(3);
+/// 500 lights along x; near p only those at the same place are seen.
+struct ManyLights {
+    static constexpr uint32_t kLights = 500;
+    LightTree tree;
     std::vector<VisibilityRecord> records;
     std::vector<VisibilityTry> tries;
-    for (int i = 0; i < 20000; ++i) {
-        Point3 p(rng.Uniform(), rng.Uniform(), rng.Uniform());
-        records.push_back({p, static_cast<uint32_t>(tries.size()), 16});
-        for (int k = 0; k < 16; ++k) {
-            uint32_t l = rng.UniformInt(lights);
-            bool seen = std::abs(static_cast<Float>(l) / lights - p.x) < 0.02f;
-            tries.push_back({l, 1.f / lights, 1.f / 16, 1.f / lights, seen ? Float(1) : Float(0)});
+
+    ManyLights() {
+        std::vector<Emitter> emitters(kLights);
+        for (uint32_t l = 0; l < kLights; ++l) {
+            const Point3 p(PlaceOf(l), 0.5f, 0.5f);
+            emitters[l].bounds = LightBounds{.bounds = Bounds3(p, p), .w = Vector3(0, 0, 1), .phi = 1, .cosTheta_o = -1, .cosTheta_e = 0};
+            emitters[l].intensity = 1;
+        }
+        tree = LightTree(emitters);
+        Rng rng(3);
+        for (int i = 0; i < 20000; ++i) {
+            Point3 p(rng.Uniform(), rng.Uniform(), rng.Uniform());
+            records.push_back({p, static_cast<uint32_t>(tries.size()), 16});
+            for (int k = 0; k < 16; ++k) {
+                const uint32_t l = rng.UniformInt(kLights);
+                tries.push_back({l, 1.f / kLights, 1.f / 16, std::abs(PlaceOf(l) - p.x) < 0.02f ? Float(1) : Float(0)});
+            }
         }
     }
-    VisibilityBuildSettings settings = Settings(lights);
-    VisibilityTree tree = VisibilityTreeBuilder(kBounds, records, tries, settings).Build();
-    size_t named = 0;
+    static Float PlaceOf(uint32_t light) { return static_cast<Float>(light) / kLights; }
+    VisibilityTree Build() const {
+        VisibilityBuildSettings settings = Settings(kLights);
+        settings.lights = &tree;
+        return VisibilityTreeBuilder(kBounds, records, tries, settings).Build();
+    }
+};
+
+TEST(VisibilityTree, ManyLightsAreToldApartWhereTheyMatter) {
+    const ManyLights lights;
+    const VisibilityTree tree = lights.Build();
     for (uint32_t r = 0; r < tree.RowCount(); ++r) {
-        VisibilityTree::Row row = tree.GetRow(r);
-        ASSERT_EQ(row.lights.size(), row.codes.size());
-        EXPECT_LE(row.lights.size(), 48u);
-        EXPECT_TRUE(std::is_sorted(row.lights.begin(), row.lights.end()));
-        named += row.lights.size();
+        const VisibilityTree::Row row = tree.GetRow(r);
+        ASSERT_EQ(row.nodes.size(), row.codes.size());
+        EXPECT_LE(row.nodes.size(), 48u);
+        // A cut: every light once.
+        uint32_t next = 0;
+        for (uint32_t node : row.nodes) {
+            EXPECT_EQ(lights.tree.At(node).begin, next);
+            next = lights.tree.At(node).end;
+        }
+        EXPECT_EQ(next, ManyLights::kLights);
     }
-    EXPECT_GT(named, 0u);
-    // What a leaf names is what is seen there.
+    // With G the same for all, a light's probability is its node's factor, over all.
     for (Float x : {0.2f, 0.5f, 0.8f}) {
-        VisibilityTree::Row row = tree.RowAt(Point3(x, 0.5f, 0.5f));
-        ASSERT_FALSE(row.lights.empty());
-        size_t near = 0;
-        for (uint32_t l : row.lights) near += std::abs(static_cast<Float>(l) / lights - x) < 0.25f;
-        EXPECT_GT(near, row.lights.size() * 3 / 4);
+        const VisibilityTree::Row row = tree.RowAt(Point3(x, 0.5f, 0.5f));
+        double near = 0, all = 0;
+        for (uint32_t l = 0; l < ManyLights::kLights; ++l) {
+            const size_t i = lights.tree.Holder(row.nodes, lights.tree.PositionOf(l));
+            const auto a = static_cast<double>(VisibilityTree::Decode(row.codes[i]));
+            all += a;
+            if (std::abs(ManyLights::PlaceOf(l) - x) < 0.25f) near += a;  // cells are an eighth to a quarter wide
+        }
+        EXPECT_GT(near, 0.9 * all) << x;
     }
+}
+
+TEST(VisibilityTree, ManyLightsDoNotDependOnThreads) {
+    const ManyLights lights;
+    VisibilityTree built[2];
+    for (int k = 0; k < 2; ++k) {
+        ThreadLimit limit(1 + 3 * k);
+        built[k] = lights.Build();
+    }
+    EXPECT_TRUE(built[0] == built[1]);
+    EXPECT_GT(built[0].LeafCount(), 1u);
 }
 
 TEST(VisibilityTree, ThreadsDoNotMatter) {

@@ -1,0 +1,68 @@
+#pragma once
+#include <array>
+
+#include "ext/groups/emitter.h"
+
+namespace ext {
+
+/// Place and direction of an emitter as one vector, for trees that put like to like: places relative to the cloud's
+/// size, directions weighted so that opposite ones are as different as opposite ends.
+using EmitterFeature = std::array<Float, 6>;
+inline EmitterFeature FeatureOf(const Emitter &e, const Point3 &center, Float invSize) {
+    Vector3 place = (e.bounds->Centroid() - center) * invSize;
+    Float direction = e.isArea && !e.bounds->twoSided ? Float(0.35) * (1 + e.bounds->cosTheta_o) / 2 : 0;
+    Vector3 w = e.bounds->w * direction;
+    return {place.x, place.y, place.z, w.x, w.y, w.z};
+}
+
+/// An emitter while a tree is built.
+struct EmitterItem {
+    uint32_t emitter = 0;
+    Float weight = 0;
+    EmitterFeature feature{};
+};
+
+/// Fills the features of all items, relative to their own cloud.
+inline void FindFeatures(std::span<EmitterItem> items, std::span<const Emitter> emitters) {
+    Bounds3 cloud;
+    for (const EmitterItem &item : items) cloud = Union(cloud, emitters[item.emitter].bounds->Centroid());
+    const Point3 center = items.empty() ? Point3(0) : cloud.Center();
+    const Float size = items.empty() ? Float(1) : Length(cloud.Diagonal());
+    const Float invSize = size > 0 ? 1 / size : 1;
+    for (EmitterItem &item : items) item.feature = FeatureOf(emitters[item.emitter], center, invSize);
+}
+
+/// The axis along which a list of items differs most.
+struct Widest {
+    double spread = 0;  ///< sum of weighted squared distances from the mean
+    size_t axis = 0;
+
+    explicit Widest(std::span<const EmitterItem> items) {
+        double mean[6] = {}, square[6] = {}, weight = 0;
+        for (const EmitterItem &item : items) {
+            auto w = static_cast<double>(item.weight);
+            weight += w;
+            for (size_t a = 0; a < 6; ++a) {
+                mean[a] += w * static_cast<double>(item.feature[a]);
+                square[a] += w * static_cast<double>(item.feature[a] * item.feature[a]);
+            }
+        }
+        for (size_t a = 0; a < 6; ++a) {
+            double v = weight > 0 ? square[a] - mean[a] * mean[a] / weight : 0;
+            if (v > spread) {
+                spread = v;
+                axis = a;
+            }
+        }
+    }
+};
+
+/// By one coordinate; ties by index, so that the order does not depend on how it was before.
+struct LessAlong {
+    size_t axis = 0;
+    bool operator()(const EmitterItem &a, const EmitterItem &b) const {
+        return a.feature[axis] != b.feature[axis] ? a.feature[axis] < b.feature[axis] : a.emitter < b.emitter;
+    }
+};
+
+}  // namespace ext

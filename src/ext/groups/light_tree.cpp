@@ -1,0 +1,256 @@
+#include "ext/groups/light_tree.h"
+
+#include <algorithm>
+#include <queue>
+
+#include "ext/groups/emitter_feature.h"
+#include "pbrt/core/parallel.h"
+
+namespace ext {
+
+namespace {
+
+/// From this many lights on a node is halved, its children are built at once.
+constexpr uint32_t kManyItems = 4096;
+/// No child has less than this part of its node's lights, so that the depth stays logarithmic.
+constexpr uint32_t kLeastPart = 8;
+
+/// Where to part items that are sorted along `axis`: least weighted spread on both sides together.
+uint32_t BestSplit(std::span<const EmitterItem> items, size_t axis) {
+    double weight = 0, sum = 0;
+    for (const EmitterItem &item : items) {
+        weight += static_cast<double>(item.weight);
+        sum += static_cast<double>(item.weight * item.feature[axis]);
+    }
+    const auto count = static_cast<uint32_t>(items.size()), least = std::max(1u, count / kLeastPart);
+    uint32_t best = count / 2;
+    double most = -1, left = 0, leftSum = 0;
+    for (uint32_t i = 0; i + least < count; ++i) {
+        left += static_cast<double>(items[i].weight);
+        leftSum += static_cast<double>(items[i].weight * items[i].feature[axis]);
+        if (i + 1 < least || !(left > 0) || !(weight > left)) continue;
+        // The spread between the two sides is what the sides have less of.
+        const double rest = sum - leftSum, between = leftSum * leftSum / left + rest * rest / (weight - left);
+        if (between > most) {
+            most = between;
+            best = i + 1;
+        }
+    }
+    return best;
+}
+
+}  // namespace
+
+class LightTree::Builder {
+  public:
+    Builder(LightTree &tree, std::span<const Emitter> emitters, std::vector<EmitterItem> items)
+        : tree_(tree), emitters_(emitters), items_(std::move(items)), spread_(2 * items_.size(), 0) {
+        Add(0, 0, static_cast<uint32_t>(items_.size()));
+        for (uint32_t i = 0; i < items_.size(); ++i) tree_.order_[i] = items_[i].emitter;
+    }
+    /// Per node: radius of the sphere around its lights times their intensity.
+    std::span<const Float> Spread() const { return spread_; }
+
+  private:
+    Emitter Add(uint32_t node, uint32_t begin, uint32_t end) {
+        tree_.ranges_[node] = {begin, end};
+        Emitter whole;
+        if (end - begin == 1) {
+            whole = emitters_[items_[begin].emitter];
+        } else {
+            const uint32_t middle = Split(begin, end);
+            Emitter first, second;
+            auto addFirst = [&] { first = Add(node + 1, begin, middle); };
+            auto addSecond = [&] { second = Add(node + 2 * (middle - begin), middle, end); };
+            if (end - begin >= kManyItems) {
+                ParallelInvoke(addFirst, addSecond);
+            } else {
+                addFirst();
+                addSecond();
+            }
+            whole = Union(first, second);
+        }
+        EmitterPacket packet;
+        packet.Set(0, whole);
+        tree_.rows_[node] = EmitterRow(packet, 0);
+        spread_[node] = std::sqrt(packet.radius2[0]) * packet.intensity[0];
+        return whole;
+    }
+
+    uint32_t Split(uint32_t begin, uint32_t end) {
+        const std::span<EmitterItem> items(items_.data() + begin, end - begin);
+        FindFeatures(items, emitters_);
+        const size_t axis = Widest(items).axis;
+        if (items.size() >= kManyItems) {
+            const size_t middle = items.size() / 2;
+            std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(), LessAlong{axis});
+            return begin + static_cast<uint32_t>(middle);
+        }
+        std::sort(items.begin(), items.end(), LessAlong{axis});
+        return begin + BestSplit(items, axis);
+    }
+
+    LightTree &tree_;
+    std::span<const Emitter> emitters_;
+    std::vector<EmitterItem> items_;
+    std::vector<Float> spread_;
+};
+
+LightTree::LightTree(std::span<const Emitter> emitters) : position_(emitters.size(), kNowhere) {
+    std::vector<EmitterItem> items;
+    std::vector<uint32_t> far;
+    for (uint32_t i = 0; i < emitters.size(); ++i) {
+        if (emitters[i].isFar) far.push_back(i);
+        else if (emitters[i].bounds) items.push_back({i, emitters[i].intensity, {}});
+    }
+    const auto near = static_cast<uint32_t>(items.size());
+    nearNodes_ = near > 0 ? 2 * near - 1 : 0;
+    ranges_.resize(nearNodes_);
+    rows_.resize(nearNodes_);
+    order_.resize(near);
+    if (near > 0) {
+        const Builder builder(*this, emitters, std::move(items));
+        roots_.push_back(0);
+        ChooseBaseCut(builder.Spread());
+    }
+    const size_t farNodes = std::min(far.size(), kFarNodes);
+    for (size_t n = 0; n < farNodes; ++n) {
+        const auto first = static_cast<uint32_t>(n * far.size() / farNodes), last = static_cast<uint32_t>((n + 1) * far.size() / farNodes);
+        roots_.push_back(static_cast<uint32_t>(ranges_.size()));
+        base_.push_back(roots_.back());
+        ranges_.push_back({near + first, near + last});
+    }
+    for (uint32_t light : far) {
+        far_.push_back(emitters[light]);
+        order_.push_back(light);
+    }
+    for (uint32_t i = 0; i < order_.size(); ++i) position_[order_[i]] = i;
+}
+
+void LightTree::ChooseBaseCut(std::span<const Float> spread) {
+    std::priority_queue<std::pair<Float, uint32_t>> open;
+    auto add = [&](uint32_t node) {
+        if (HasChildren(node)) open.push({spread[node], node});
+        else base_.push_back(node);
+    };
+    add(0);
+    while (!open.empty() && base_.size() + open.size() < kBaseNodes) {
+        const uint32_t node = open.top().second;
+        open.pop();
+        add(First(node));
+        add(Second(node));
+    }
+    for (; !open.empty(); open.pop()) base_.push_back(open.top().second);
+    std::sort(base_.begin(), base_.end());
+}
+
+Float LightTree::EvaluateFarNode(uint32_t node, const LightQuery &query) const {
+    const size_t near = order_.size() - far_.size();
+    Float sum = 0;
+    for (uint32_t i = ranges_[node].begin; i < ranges_[node].end; ++i) sum += EvaluateFar(far_[i - near], query);
+    return sum;
+}
+
+Float LightTree::Evaluate(const LightQuery &query, std::span<const uint32_t> nodes, std::span<Float> out) const {
+    size_t near = nodes.size();
+    while (near > 0 && nodes[near - 1] >= nearNodes_) --near;
+    Float sum = 0;
+    for (size_t begin = 0; begin < near; begin += kLanes) {
+        const size_t count = std::min<size_t>(kLanes, near - begin);
+        EmitterPacket gathered;
+        Gather(rows_.data(), nodes.data() + begin, count, &gathered);
+        Float g[kLanes];
+        sum += EmitterPacket::EvaluateAll(&gathered, 1, query, g);
+        std::copy(g, g + count, out.begin() + static_cast<std::ptrdiff_t>(begin));
+    }
+    for (size_t i = near; i < nodes.size(); ++i) sum += out[i] = EvaluateFarNode(nodes[i], query);
+    return sum;
+}
+
+void LightTree::LookBelow(uint32_t node, const LightQuery &query, Below *below) const {
+    uint32_t level[kLanes] = {node};
+    size_t count = 1;
+    for (int round = 0; round < 3; ++round) {
+        uint32_t next[kLanes];
+        size_t nextCount = 0;
+        for (size_t i = 0; i < count; ++i) {
+            if (!HasChildren(level[i])) {
+                next[nextCount++] = level[i];
+                continue;
+            }
+            next[nextCount++] = First(level[i]);
+            next[nextCount++] = Second(level[i]);
+        }
+        std::copy(next, next + nextCount, level);
+        count = nextCount;
+    }
+    std::copy(level, level + count, below->nodes);
+    below->count = count;
+    below->sum = Evaluate(query, {below->nodes, count}, below->g);
+}
+
+std::optional<SampledLight> LightTree::SampleWithin(uint32_t node, const LightQuery &query, Float u) const {
+    auto rest = static_cast<double>(u);
+    Float pmf = 1;
+    while (HasChildren(node)) {
+        Below below;
+        LookBelow(node, query, &below);
+        const double target = rest * static_cast<double>(below.sum);
+        double before = 0, chosenBefore = 0;
+        std::optional<size_t> chosen;
+        for (size_t i = 0; i < below.count; ++i) {
+            if (!(below.g[i] > 0)) continue;
+            chosen = i;
+            chosenBefore = before;
+            before += static_cast<double>(below.g[i]);
+            if (target < before) break;
+        }
+        if (!chosen) return {};
+        pmf *= below.g[*chosen] / below.sum;
+        rest = std::clamp((target - chosenBefore) / static_cast<double>(below.g[*chosen]), 0.0, 0x1.fffffffffffffp-1);
+        node = below.nodes[*chosen];
+    }
+    const Range range = ranges_[node];
+    if (range.Size() == 1) return SampledLight{LightId(order_[range.begin]), pmf};
+    const size_t near = order_.size() - far_.size();
+    const Float sum = EvaluateFarNode(node, query);
+    Float before = 0, g = 0;
+    std::optional<uint32_t> chosen;
+    for (uint32_t i = range.begin; i < range.end && !(static_cast<Float>(rest) * sum < before); ++i) {
+        const Float value = EvaluateFar(far_[i - near], query);
+        if (!(value > 0)) continue;
+        chosen = i;
+        g = value;
+        before += value;
+    }
+    if (!chosen) return {};
+    return SampledLight{LightId(order_[*chosen]), pmf * (g / sum)};
+}
+
+Float LightTree::PMFWithin(uint32_t node, const LightQuery &query, uint32_t position) const {
+    Float pmf = 1;
+    while (HasChildren(node)) {
+        Below below;
+        LookBelow(node, query, &below);
+        const size_t i = Holder({below.nodes, below.count}, position);
+        if (!(below.g[i] > 0)) return 0;
+        pmf *= below.g[i] / below.sum;
+        node = below.nodes[i];
+    }
+    if (IsLight(node)) return pmf;
+    const size_t near = order_.size() - far_.size();
+    const Float value = EvaluateFar(far_[position - near], query);
+    return value > 0 ? pmf * (value / EvaluateFarNode(node, query)) : Float(0);
+}
+
+size_t LightTree::Holder(std::span<const uint32_t> cut, uint32_t position) const {
+    auto after = std::upper_bound(cut.begin(), cut.end(), position, [&](uint32_t p, uint32_t node) { return p < ranges_[node].begin; });
+    return static_cast<size_t>(after - cut.begin()) - 1;
+}
+
+size_t LightTree::Bytes() const {
+    return ranges_.capacity() * sizeof(Range) + rows_.capacity() * sizeof(EmitterRow) + far_.capacity() * sizeof(Emitter) +
+           (order_.capacity() + position_.capacity() + roots_.capacity() + base_.capacity()) * sizeof(uint32_t);
+}
+
+}  // namespace ext

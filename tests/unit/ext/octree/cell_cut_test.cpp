@@ -1,0 +1,96 @@
+#include "ext/octree/cell_cut.h"
+
+#include <gtest/gtest.h>
+
+#include "pbrt/math/rng.h"
+
+namespace {
+
+using namespace ext;
+
+/// Four clouds of 16 lamps; lamp i is in cloud i / 16.
+LightTree Clouds() {
+    Rng rng(7);
+    std::vector<Emitter> emitters(64);
+    for (uint32_t i = 0; i < emitters.size(); ++i) {
+        const Point3 p = Point3(static_cast<Float>(i / 16) * 10, 0, 0) + Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform());
+        emitters[i].bounds = LightBounds{.bounds = Bounds3(p, p), .phi = 1, .cosTheta_o = -1};
+        emitters[i].intensity = 1;
+    }
+    return LightTree(emitters);
+}
+
+/// Tries of lamps, by position; `found(lamp)` is found over unoccluded, negative: not looked at.
+template <class Found>
+std::vector<TrySums> Tries(const LightTree &tree, int each, Found &&found) {
+    std::vector<TrySums> sums;
+    for (uint32_t position = 0; position < tree.LightCount(); ++position) {
+        const double r = found(tree.LightAt(position)), n = each;
+        if (r >= 0) sums.push_back({position, n * r * r / 8, n / 8, n / 64});
+    }
+    return sums;
+}
+
+CellCut Cut(const LightTree &tree, const std::vector<TrySums> &sums, const CellCut *above = nullptr, size_t nodes = 64) {
+    double weight = 0;
+    for (const TrySums &s : sums) weight += s.w;
+    return CellCut(tree, sums, weight, above, {.shrinkage = 4, .nodes = nodes});
+}
+
+double FactorOf(const LightTree &tree, const CellCut &cut, uint32_t lamp) {
+    return static_cast<double>(cut.Factors()[tree.Holder(cut.Nodes(), tree.PositionOf(lamp))]);
+}
+
+TEST(CellCut, WithoutTriesAllLightsAreAlike) {
+    const LightTree tree = Clouds();
+    const CellCut cut = Cut(tree, {});
+    for (uint32_t lamp = 0; lamp < 64; ++lamp) EXPECT_NEAR(FactorOf(tree, cut, lamp), 1, 1e-6) << lamp;
+}
+
+TEST(CellCut, NeighboursLearnFromEachOther) {
+    // A third of the lamps was looked at: cloud 2 is seen, the others are not.
+    const LightTree tree = Clouds();
+    const CellCut cut = Cut(tree, Tries(tree, 20, [](uint32_t lamp) { return lamp % 3 ? -1.0 : lamp / 16 == 2 ? 1.0 : 0.0; }));
+    for (uint32_t lamp = 0; lamp < 64; ++lamp) {
+        EXPECT_EQ(FactorOf(tree, cut, lamp) > 0.7, lamp / 16 == 2) << lamp;
+        EXPECT_EQ(FactorOf(tree, cut, lamp) < 0.3, lamp / 16 != 2) << lamp;
+    }
+}
+
+TEST(CellCut, ManyTriesOutweighTheNeighbours) {
+    // In cloud 0 one lamp is seen, in cloud 1 one is not.
+    const LightTree tree = Clouds();
+    const CellCut cut = Cut(tree, Tries(tree, 500, [](uint32_t lamp) { return lamp == 5 || (lamp / 16 == 1 && lamp != 20) ? 1.0 : 0.0; }));
+    EXPECT_NEAR(FactorOf(tree, cut, 5), 1, 0.05);
+    EXPECT_LT(FactorOf(tree, cut, 6), 0.1);
+    EXPECT_NEAR(FactorOf(tree, cut, 21), 1, 0.05);
+    EXPECT_LT(FactorOf(tree, cut, 20), 0.15);
+}
+
+TEST(CellCut, WhatWasNotLookedAtComesFromTheCellAbove) {
+    const LightTree tree = Clouds();
+    const CellCut above = Cut(tree, Tries(tree, 500, [](uint32_t lamp) { return lamp % 2 ? 1.0 : 0.05; }));
+    // Nothing new: the same. Cloud 3 half as bright as it was: all of it, in the same proportions.
+    const CellCut same = Cut(tree, {}, &above);
+    const CellCut dimmer = Cut(tree, Tries(tree, 500, [](uint32_t lamp) { return lamp / 16 < 3 ? -1.0 : lamp % 4 == 3 ? 0.5 : lamp % 4 == 2 ? 0.025 : -1.0; }), &above);
+    for (uint32_t lamp = 0; lamp < 64; ++lamp) {
+        EXPECT_NEAR(FactorOf(tree, same, lamp) / FactorOf(tree, above, lamp), 1, 0.01) << lamp;
+        if (lamp / 16 < 3) continue;
+        EXPECT_NEAR(FactorOf(tree, dimmer, lamp) / FactorOf(tree, above, lamp), 0.5, 0.2) << lamp;
+    }
+}
+
+TEST(CellCut, SpendsItsNodesWhereTheLightIs) {
+    // Cloud 1 lights the cell, every lamp of it another way; the rest is dark.
+    const LightTree tree = Clouds();
+    const std::vector<TrySums> sums = Tries(tree, 100, [](uint32_t lamp) { return lamp / 16 == 1 ? 0.2 + 0.1 * (lamp % 16) : 0.0; });
+    const CellCut cut = Cut(tree, sums, nullptr, 20);
+    EXPECT_LE(cut.Nodes().size(), 20u);
+    for (uint32_t lamp = 0; lamp < 64; ++lamp) {
+        const LightTree::Range range = tree.At(cut.Nodes()[tree.Holder(cut.Nodes(), tree.PositionOf(lamp))]);
+        if (lamp / 16 != 1) continue;
+        EXPECT_LE(range.Size(), 2u) << lamp;
+    }
+}
+
+}  // namespace

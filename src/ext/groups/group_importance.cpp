@@ -1,7 +1,5 @@
 #include "ext/groups/group_importance.h"
 
-#include <algorithm>
-
 namespace ext {
 
 GroupImportance::GroupImportance(std::span<const Emitter> emitters) : packets_((emitters.size() + kLanes - 1) / kLanes), size_(emitters.size()) {
@@ -9,8 +7,6 @@ GroupImportance::GroupImportance(std::span<const Emitter> emitters) : packets_((
         if (emitters[i].isFar) far_.push_back({i, emitters[i]});
         else packets_[i / kLanes].Set(i % kLanes, emitters[i]);
     }
-    rows_.reserve(size_);
-    for (size_t i = 0; i < size_; ++i) rows_.emplace_back(packets_[i / kLanes], i % kLanes);
 }
 
 std::vector<Emitter> GroupImportance::EmittersOf(const LightTable &lights, const MeshGroups &groups) {
@@ -35,23 +31,6 @@ const GroupImportance::FarLight *GroupImportance::FindFar(uint32_t emitter) cons
 Float GroupImportance::Evaluate(const LightQuery &query, std::span<Float> out) const {
     Float sum = EmitterPacket::EvaluateAll(packets_.data(), packets_.size(), query, out.data());
     for (const FarLight &far : far_) sum += out[far.index] = EvaluateFar(far.emitter, query);
-    return sum;
-}
-
-Float GroupImportance::EvaluateSome(const LightQuery &query, std::span<const uint32_t> names, std::span<Float> out) const {
-    Float sum = 0;
-    for (size_t begin = 0; begin < names.size(); begin += kLanes) {
-        const size_t count = std::min<size_t>(kLanes, names.size() - begin);
-        EmitterPacket gathered;
-        Gather(rows_.data(), names.data() + begin, count, &gathered);
-        Float g[kLanes];
-        sum += EmitterPacket::EvaluateAll(&gathered, 1, query, g);
-        std::copy(g, g + count, out.begin() + static_cast<std::ptrdiff_t>(begin));
-    }
-    for (const FarLight &far : far_) {
-        auto it = std::lower_bound(names.begin(), names.end(), far.index);
-        if (it != names.end() && *it == far.index) sum += out[static_cast<size_t>(it - names.begin())] = EvaluateFar(far.emitter, query);
-    }
     return sum;
 }
 

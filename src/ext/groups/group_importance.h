@@ -25,13 +25,11 @@ class GroupImportance {
 
     /// G of every emitter into out[0, Padded()); returns the sum.
     Float Evaluate(const LightQuery &query, std::span<Float> out) const;
-    /// G of the named emitters (sorted) into out[0, names.size()); returns the sum. The same numbers as Evaluate's.
-    Float EvaluateSome(const LightQuery &query, std::span<const uint32_t> names, std::span<Float> out) const;
     Float Of(const LightQuery &query, uint32_t emitter) const;
     /// Unit vector to the middle of an emitter; zero for lights without one (skies).
     Vector3 DirectionTo(const Point3 &p, uint32_t emitter) const;
     size_t Bytes() const {
-        return packets_.capacity() * sizeof(EmitterPacket) + rows_.capacity() * sizeof(EmitterRow) + far_.capacity() * sizeof(FarLight);
+        return packets_.capacity() * sizeof(EmitterPacket) + far_.capacity() * sizeof(FarLight);
     }
 
   private:
@@ -42,7 +40,6 @@ class GroupImportance {
     const FarLight *FindFar(uint32_t emitter) const;
 
     std::vector<EmitterPacket> packets_;
-    std::vector<EmitterRow> rows_;  ///< the same, for EvaluateSome: a named emitter is one cache line
     std::vector<FarLight> far_;
     size_t size_ = 0;
 };

@@ -147,7 +147,8 @@ def details_html(results):
         ("commit", f"<code>{esc(d.get('commit'))}</code>"), ("date", esc(d.get("date"))),
         ("budget", esc(results.budget_text())), ("seeds", esc(d.get("seeds"))),
         ("resolution", esc(size)),
-        ("depth", esc(d.get("maxDepth")) + (" (direct light only)" if d.get("direct") else "")),
+        ("depth", esc(d.get("maxDepth")) + (" (direct light only)" if d.get("direct") else "") +
+         (", --sampled-light" if (d.get("settings") or {}).get("sampled-light") else "")),
         ("processor", esc(machine.get("cpu"))), ("threads", esc(machine.get("threads"))),
         ("memory", f"{memory:g} GB" if memory is not None else ""), ("system", esc(machine.get("os")))])
     references = "".join(

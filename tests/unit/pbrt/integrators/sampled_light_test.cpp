@@ -1,0 +1,52 @@
+#include <gtest/gtest.h>
+
+#include "support/render_scene.h"
+
+namespace pbrt::test {
+namespace {
+
+/// A floor under a lamp that the camera sees, directly and in a mirror.
+std::string Scene(const std::string &integrator) {
+    return "LookAt 0 -6 1.5  0 0 1.2  0 0 1 Camera \"perspective\" \"float fov\" 40\n"
+           "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 24 PixelFilter \"box\"\n"
+           "Sampler \"independent\" \"integer pixelsamples\" 16\nIntegrator \"" + integrator + "\" \"integer maxdepth\" 3\nWorldBegin\n"
+           "Shape \"trianglemesh\" \"point3 P\" [ -4 -4 0  4 -4 0  4 4 0  -4 4 0 ] \"integer indices\" [ 0 1 2  0 2 3 ]\n"
+           "AttributeBegin Material \"conductor\" \"float roughness\" 0\n"
+           "Shape \"trianglemesh\" \"point3 P\" [ .2 -.8 .01  4 -.8 .01  4 -.8 3  .2 -.8 3 ] \"integer indices\" [ 0 1 2  0 2 3 ] AttributeEnd\n"
+           "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [9 9 9] \"bool twosided\" true Translate .8 -2 2.4\n"
+           "Shape \"disk\" \"float radius\" .3 AttributeEnd\n";
+}
+
+class SampledLight : public testing::TestWithParam<const char *> {};
+INSTANTIATE_TEST_SUITE_P(Integrators, SampledLight, testing::Values("path", "volpath"));
+
+TEST_P(SampledLight, LeavesOutWhatNoChoiceOfLightsChanges) {
+    auto render = [&](int depth, bool sampledLightOnly) {
+        BuildOptions options;
+        options.maxDepth = depth;
+        options.sampledLightOnly = sampledLightOnly;
+        return RenderText(Scene(GetParam()), options).image;
+    };
+    // Emission alone: what the camera sees, also of the lamp in the mirror (one bounce).
+    const Image lamps = render(0, false), nothing = render(0, true);
+    const Image direct = render(1, false), sampled = render(1, true), deep = render(3, false), deepSampled = render(3, true);
+    double seen = 0, inMirror = 0, caustics = 0;
+    for (int y = 0; y < 24; ++y)
+        for (int x = 0; x < 24; ++x) {
+            const auto at = [&](const Image &image) { return double(image.Get({x, y}, 1)); };
+            EXPECT_EQ(at(nothing), 0);
+            seen += at(lamps);
+            // Depth 1: the same random numbers, so the difference is just that.
+            const double left = at(direct) - at(sampled) - at(lamps);
+            EXPECT_GE(left, -1e-4 * (1 + at(direct)));
+            inMirror += left;
+            EXPECT_GE(at(deep) - at(deepSampled), -1e-3 * (1 + at(deep)));
+            caustics += at(deep) - at(deepSampled) - at(lamps) - left;
+        }
+    EXPECT_GT(seen, 1);
+    EXPECT_GT(inMirror, 1);
+    EXPECT_GT(caustics, 0.01);  // lamp, mirror, floor
+}
+
+}  // namespace
+}  // namespace pbrt::test

@@ -34,7 +34,7 @@ struct OctreeParams {
         v("leaves", leaves, Range<int>{64, 1 << 24}, "paper: its T: a cell is split while it holds more than 4N/T of the N prepass vertices");
         v("budget", budget, Range<Float>{1e-4f, 1.f}, "visibility: rays of the prepass as share of the render's; with more than 64 lights, 0.1 can pay in renders of seconds");
         v("tries", tries, Range<int>{0, 4096}, "visibility: lights looked at from a vertex; 0: all up to 64 lights, else 8 drawn by unoccluded importance");
-        v("records", records, Range<int>{1, 1 << 20}, "visibility: vertices a leaf wants; a cell is split while it holds more than 4 times as many");
+        v("records", records, Range<int>{1, 1 << 20}, "visibility: vertices a leaf wants; a cell is split while it holds more than 4 times as many (with more than 64 lights: more)");
         v("shrinkage", shrinkage, Range<Float>{0.f, 1e6f}, "visibility: how many tries the parent cell's estimate counts for");
         v("prunegain", prunegain, Range<Float>{0.f, 1.f}, "visibility: a split must lower the held-out second moment by this share; 0, and with more than 64 lights: keep all splits");
         v("secondmoment", secondmoment, "visibility: learn the root mean square of what is found; false: the mean");

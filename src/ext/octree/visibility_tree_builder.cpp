@@ -28,7 +28,7 @@ void VisibilityTreeBuilder::Divide() {
     std::iota(order_.begin(), order_.end(), 0u);
     nodes_.resize(1);
     nodes_[0].end = static_cast<uint32_t>(order_.size());
-    const auto splitAbove = static_cast<uint32_t>(4 * settings_.records);
+    const auto splitAbove = static_cast<uint32_t>((settings_.lights ? 1 : 4) * settings_.records);
     for (uint32_t n = 0; n < nodes_.size(); ++n) {
         const uint32_t begin = nodes_[n].begin, end = nodes_[n].end;
         const int depth = nodes_[n].depth, bit = CellOctree::MaxDepth - 1 - depth;

@@ -41,8 +41,8 @@ struct VisibilityBuildSettings {
 /// Size: cells are split while they hold more than 4 `records` records. Then one half of the records makes estimates and the
 /// other judges them by the second moment of the estimator, sum_l f_l^2 / p_l, relative to the unoccluded sum squared:
 /// children that do not lower it are merged, from the leaves up to the whole box. At last everything is estimated again
-/// from all records. Where there is a light tree nothing is merged: a few drawn tries a record judge too badly, and small cells
-/// are harmless, as they only adjust what the cell above says.
+/// from all records. Where there is a light tree cells are split while they hold more than `records`, and nothing is merged: a few drawn
+/// tries a record judge too badly, and small cells are harmless, as they only adjust what the cell above says.
 class VisibilityTreeBuilder {
   public:
     VisibilityTreeBuilder(const Bounds3 &bounds, std::span<const VisibilityRecord> records, std::span<const VisibilityTry> tries,

@@ -177,7 +177,8 @@ TEST(VisibilityTree, ManyLightsDoNotDependOnThreads) {
         built[k] = lights.Build();
     }
     EXPECT_TRUE(built[0] == built[1]);
-    EXPECT_GT(built[0].LeafCount(), 1u);
+    // 20,000 records, no more than 50 in a leaf.
+    EXPECT_GT(built[0].LeafCount(), 400u);
 }
 
 TEST(VisibilityTree, ThreadsDoNotMatter) {

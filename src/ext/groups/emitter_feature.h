@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <span>
 
 #include "ext/groups/emitter.h"
 

@@ -29,11 +29,13 @@
 // Heavy tails. Where c strong samples were expected, none is seen with probability exp(-c); then the mean is low and so
 // is the estimated noise. So a difference must also exceed what c unseen samples would make, each as strong as the
 // strongest one seen in the region, around it, or in the reference there (what sticks out of the ordinary noise of
-// tiles); and an allowance. c is 0.35 of -log(level of one test): such a difference must pass the t-test as well.
+// tiles); and an allowance. c is half of -log(level of one test): such a difference must pass the t-test as well.
 // Noise that is decided by a handful of samples never gives "biased", and the smallest visible bias says so. False
 // alarms and power are measured in bias_check_test.cpp. In a run of that simulation with 5460 campaigns without bias
-// (lognormal, Pareto, fireflies, everywhere or in a part of the picture; 2, 3, 8 and 24 runs) 25 were called biased,
-// where the level allows 27; with a half of -log it were 10, with the whole 4, with a quarter 57.
+// (lognormal, Pareto, fireflies, everywhere or in a part of the picture; 2, 3, 8 and 24 runs) 10 were called biased,
+// where the level would allow 27; with the whole -log it were 4, with 0.35 of it 25. Renders can be
+// worse: where the reference's sampler finds in many weak samples what another finds in few strong ones, which its few
+// runs have missed, neither shows how strong they are (docs/measured, many-rooms).
 
 namespace pbrt::lab {
 
@@ -41,7 +43,7 @@ namespace {
 
 constexpr int kMinimumData = 32;                ///< tile means (seeds x tiles) in a block
 constexpr int kFewestRegions = 4;               ///< that pass for "about 1/16 of the picture"
-constexpr double kUnseen = 0.35;                ///< strong samples that may have been missed, times -log(level)
+constexpr double kUnseen = 0.5;                 ///< strong samples that may have been missed, times -log(level)
 constexpr double kDark = 0.05;                  ///< of the image mean, added to every block's mean
 constexpr double kDeviationPerMedian = 1.4826;  ///< normal deviates: standard deviation over median size
 constexpr double kManyDof = 1e9;

@@ -45,6 +45,10 @@ def table(head, rows):
     return "\n".join(lines) + "\n"
 
 
+def percent(share):
+    return f"{100 * share:.2g} %" if share is not None and share < 1 else "-"
+
+
 class Campaign:
     """results.json of lightlab.
 
@@ -102,9 +106,14 @@ class Campaign:
         b = self.summary(label)["bias"]
         if b["verdict"] != "unknown":
             return b["verdict"]
-        size = [f"{100 * v:.2g} %" if v is not None and v < 1 else "-" for v in (b["visibleImage"],
-                                                                               b["visibleSixteenth"])]
-        return " / ".join(size)
+        return " / ".join(map(percent, (b["visibleImage"], b["visibleSixteenth"])))
+
+    def bias_in_detail(self, label):
+        """The verdict, and the least bias in a sixteenth of the picture that would have been seen: in the pictures, at
+        vertices of paths."""
+        b = self.summary(label)["bias"]
+        sizes = b.get("visibleSixteenth"), b.get("selection", {}).get("visibleSixteenth")
+        return f'{b["verdict"]} ({" / ".join(map(percent, sizes))})'
 
     def is_oracle(self, label):
         return self.samplers[label]["isOracle"]
@@ -183,6 +192,8 @@ def run_campaign(a, name, samplers, spp=None, seconds=None, direct=True, report=
             return None
         noise = json.loads(first.read_text())["references"][0].get("noise")
         reference = ["--reference", first.parent / "reference-0.exr"]
+    if getattr(a, "selection_work", None):
+        depth += ["--selection-work", a.selection_work]
     more = ["--seeds", seeds or a.seeds, *(["--spp", spp] if spp else ["--time", seconds]), *depth, *reference]
     results = run_lightlab(a, scene, out, samplers, more if report else [*more, "--no-report"])
     return Campaign(results, noise) if results else None

@@ -5,20 +5,24 @@
 namespace ext {
 
 namespace {
-constexpr double kFewestVertices = 2000, kLargestFactor = 1.75, kMostTries = 4e6;
+constexpr double kFewestVertices = 2000, kLargestFactor = 1.5, kMostTries = 4e6;
+/// What a drawn try costs in the building of the tree, in rays.
+constexpr double kBuildPerTry = 0.1;
 }  // namespace
 
 double PrepassEffort::Share() const {
     const double renderRays = 2 * pixels * depth * samplesPerPixel;
     const auto tries = static_cast<double>(triesPerVertex);
-    const double raysPerVertex = 1 + tries;
+    const double raysPerVertex = RaysPerVertex();
     double share = budget;
-    if (triesPerVertex >= lights) share = std::max(budget, std::min(kFewestVertices * raysPerVertex / renderRays, kLargestFactor * budget));
+    if (!IsDrawn()) share = std::max(budget, std::min(kFewestVertices * raysPerVertex / renderRays, kLargestFactor * budget));
     return std::min(share, kMostTries / tries * raysPerVertex / renderRays);
 }
 
-double PrepassEffort::PathsPerPixel() const {
-    return Share() * 2 * samplesPerPixel / (1 + static_cast<double>(triesPerVertex));
+double PrepassEffort::RaysPerVertex() const {
+    return 1 + static_cast<double>(triesPerVertex) * (IsDrawn() ? 1 + kBuildPerTry : 1);
 }
+
+double PrepassEffort::PathsPerPixel() const { return Share() * 2 * samplesPerPixel / RaysPerVertex(); }
 
 }  // namespace ext

@@ -16,6 +16,7 @@
 #include "pbrt/lab/reference_cache.h"
 #include "pbrt/lab/results.h"
 #include "pbrt/lab/sampler_run.h"
+#include "pbrt/math/statistics.h"
 #include "version.h"
 
 namespace pbrt::lab {
@@ -28,6 +29,8 @@ namespace {
 constexpr int kWarmUpSeed = 700003;
 constexpr double kFewOracleSamples = 8;
 constexpr int kTellingSamples = 4;
+
+std::string SelectionNote(const SamplerChoice &choice) { return choice.folder + "/selection.json"; }
 
 /// Makes the folders; takes up or refuses what is there.
 void OpenFolder(const CampaignSettings &settings, const Json &identity, const RecordFolder &records) {
@@ -84,7 +87,7 @@ class Rounds {
         for (int seed = 0; seed < settings_.seeds; ++seed)
             if (!RenderSeed(seed)) return false;
         for (size_t i = 0; i < settings_.samplers.size(); ++i)
-            if (!Look(i, nullptr)) return false;
+            if (!Look(i, nullptr) || !Check(i, nullptr)) return false;
         return true;
     }
     std::vector<std::vector<RunRecord>> TakeRecords() { return std::move(recordsOf_); }
@@ -102,7 +105,7 @@ class Rounds {
                 record = runs[i]->Record();
                 if (c + 1 < checkpoints_.size()) continue;
                 // Not before: samplers that learn while they render would learn from the look.
-                if (seed == 0 && !Look(i, runs[i].get())) return false;
+                if (seed == 0 && (!Look(i, runs[i].get()) || !Check(i, runs[i].get()))) return false;
                 runs[i].reset();
             }
         return true;
@@ -113,15 +116,39 @@ class Rounds {
         const SamplerChoice &choice = settings_.samplers[i];
         if (!settings_.views || records_.LoadNote(ViewsNote(choice)).is_object()) return true;
         std::unique_ptr<SamplerRun> again;
-        if (!run) {
-            again = std::make_unique<SamplerRun>(scene_, choice, 0, expected_[i], cancel_);
-            if (!again->Prepare()) return false;
-            run = again.get();
-        }
+        if (!run && !(run = PrepareAgain(i, &again))) return false;
         const Json views = WriteViews(settings_, scene_, i, *run->Lights(), cancel_);
         if (views.is_null()) return false;
         records_.SaveNote(ViewsNote(choice), views);
         return true;
+    }
+
+    /// The same for its selection of lights. The oracle would take hours, and competes with nobody.
+    bool Check(size_t i, SamplerRun *run) {
+        const SamplerChoice &choice = settings_.samplers[i];
+        if (!(settings_.selectionWork > 0) || choice.IsOracle()) return true;
+        // What was done with less effort is done again if it said nothing.
+        if (const Json note = records_.LoadNote(SelectionNote(choice));
+            note.is_object() && (note.at("verdict") != BiasVerdictName(BiasVerdict::Unknown) || note.at("work") >= settings_.selectionWork))
+            return true;
+        std::unique_ptr<SamplerRun> again;
+        if (!run && !(run = PrepareAgain(i, &again))) return false;
+        SelectionSettings how;
+        how.mostWork = settings_.selectionWork;
+        how.bias.level = SidakLevel(how.bias.level, settings_.samplers.size());
+        if (!vertices_) vertices_.emplace(scene_.built, how.seed, cancel_);
+        if (cancel_.Cancelled()) return false;
+        const std::optional<SelectionReport> report = CheckSelection(*vertices_, *run->Lights(), run->Gate(), how, cancel_);
+        if (!report) return false;
+        Json note = ToJson(*report);
+        note["work"] = how.mostWork;
+        records_.SaveNote(SelectionNote(choice), note);
+        return true;
+    }
+
+    SamplerRun *PrepareAgain(size_t i, std::unique_ptr<SamplerRun> *run) {
+        *run = std::make_unique<SamplerRun>(scene_, settings_.samplers[i], 0, expected_[i], cancel_);
+        return (*run)->Prepare() ? run->get() : nullptr;
     }
 
     std::unique_ptr<SamplerRun> Start(size_t i, int seed, const RunRecord &record) {
@@ -247,6 +274,7 @@ class Rounds {
     std::vector<int> expected_;
     bool hasPilot_ = false;
     std::vector<std::vector<RunRecord>> recordsOf_;
+    std::optional<SelectionVertices> vertices_;  ///< where selection was checked
 };
 
 /// References, results and errors as pictures; the crops.
@@ -375,10 +403,14 @@ std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, con
             pictures[i].push_back(
                 ReadImage(fmt::format("{}/{}/seed{}.exr", settings.outFolder, settings.samplers[i].folder, seed))
                     .image.Select({"R", "G", "B"}));
+    std::vector<std::optional<SelectionReport>> selections(settings.samplers.size());
+    for (size_t i = 0; i < selections.size(); ++i)
+        if (const Json note = records.LoadNote(SelectionNote(settings.samplers[i])); settings.selectionWork > 0 && note.is_object())
+            selections[i] = SelectionFromJson(note);
     CampaignOutcome outcome;
     outcome.results = Header(settings, scene, identity, rounds.CheckpointCount());
     WritePictures(settings, scene, *references, pictures, &outcome.results);
-    const CampaignResults results = Summarize(settings, *references, rounds.TakeRecords(), pictures);
+    const CampaignResults results = Summarize(settings, *references, rounds.TakeRecords(), pictures, selections);
     AddToJson(results, &outcome.results);
     AddViews(settings, records, &outcome.results);
     for (const SamplerResult &s : results.samplers)

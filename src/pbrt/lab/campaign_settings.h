@@ -24,6 +24,7 @@ struct CampaignSettings {
     std::string samplesFrom;      ///< results.json whose sample counts are replayed instead of measuring time
     std::vector<Bounds2i> crops;  ///< empty: chosen where the samplers differ most
     bool views = true;            ///< a look inside every sampler, see campaign_views.h
+    double selectionWork = 1e8;   ///< of the check of light selection, SelectionSettings::mostWork; 0: none
     std::string outFolder;
     bool restart = false;  ///< forget what the folder holds of a campaign
     std::string commandLine;

@@ -128,7 +128,8 @@ std::optional<double> ReportNumber(const nlohmann::ordered_json &report, std::in
 }
 
 CampaignResults Summarize(const CampaignSettings &settings, const References &references,
-                          std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures) {
+                          std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures,
+                          const std::vector<std::optional<SelectionReport>> &selections) {
     CampaignResults results;
     for (size_t i = 0; i < settings.samplers.size(); ++i) {
         SamplerResult s;
@@ -138,6 +139,8 @@ CampaignResults Summarize(const CampaignSettings &settings, const References &re
         for (RunRecord &run : s.runs) DropEmptyRounds(&run);
         SummarizeOne(&s);
         s.bias = JudgeBias(pictures[i], references.all[s.reference], settings.samplers.size());
+        s.selection = selections[i];
+        if (s.selection) AddSelection(*s.selection, &s.bias);
         results.samplers.push_back(std::move(s));
     }
     CompareSamplers(&results.samplers);

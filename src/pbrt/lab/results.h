@@ -2,6 +2,7 @@
 #include "pbrt/lab/bias_check.h"
 #include "pbrt/lab/reference.h"
 #include "pbrt/lab/run_record.h"
+#include "pbrt/lab/selection_check.h"
 #include "pbrt/lab/summary.h"
 
 namespace pbrt::lab {
@@ -24,7 +25,8 @@ struct SamplerResult {
     double cpuPerSample = 0;                  ///< of rendering, without the first sample where there are more
     double relativeCost = 0;                  ///< cpuPerSample over that of the first sampler
     double shadowRays = 0, blockedShare = 0;  ///< per run
-    BiasReport bias;
+    BiasReport bias;  ///< both checks together
+    std::optional<SelectionReport> selection;
 };
 
 struct CampaignResults {
@@ -33,9 +35,10 @@ struct CampaignResults {
     bool winnerBeyondNoise = false;
 };
 
-/// `pictures`: last pictures of the runs, per sampler and seed.
+/// `pictures`: last pictures of the runs, per sampler and seed. `selections`: per sampler, where the check was made.
 CampaignResults Summarize(const CampaignSettings &settings, const References &references,
-                          std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures);
+                          std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures,
+                          const std::vector<std::optional<SelectionReport>> &selections);
 
 /// A table for people, and the verdicts.
 std::string TableText(const CampaignResults &results, const References &references);

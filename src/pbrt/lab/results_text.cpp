@@ -114,6 +114,7 @@ Json SummaryJson(const SamplerResult &s) {
     json["shadowRays"] = s.shadowRays;
     json["blockedShare"] = s.blockedShare;
     json["bias"] = BiasJson(s.bias);
+    if (s.selection) json["bias"]["selection"] = ToJson(*s.selection);
     return json;
 }
 

@@ -33,6 +33,7 @@ class SamplerRun {
     double SecondsPerSample() const { return secondsPerSample_; }
     const RunRecord &Record() const { return record_; }
     const LightSampler *Lights() const { return integrator_->Lights(); }
+    const ShadowRayGate *Gate() const { return integrator_->Gate(); }
     Image Picture() const { return film_->ToImage(); }
     ImageMetadata Metadata() const;
     void SaveFilm(const std::string &path) const;

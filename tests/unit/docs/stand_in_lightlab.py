@@ -18,8 +18,10 @@ def bias(label, seeds):
     if label == os.environ.get("STAND_IN_BIASED"):
         return {"verdict": "biased"}
     if seeds < int(os.environ.get("STAND_IN_CLEAN_FROM", 0)):
-        return {"verdict": "unknown", "visibleImage": 0.2 / seeds, "visibleSixteenth": 2.0 / seeds}
-    return {"verdict": "clean"}
+        return {"verdict": "unknown", "visibleImage": 0.2 / seeds, "visibleSixteenth": 2.0 / seeds,
+                "selection": {"visibleSixteenth": 0.05}}
+    return {"verdict": "clean", "visibleImage": 0.2 / seeds, "visibleSixteenth": 2.0 / seeds,
+            "selection": {"visibleSixteenth": 0.007}}
 
 
 def sampler(label, seconds, samples, seeds):

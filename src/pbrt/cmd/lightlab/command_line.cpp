@@ -204,6 +204,12 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
         ->group(reference)
         ->excludes(file);
 
+    app.add_option("--selection-work", c.selectionWork,
+                   "bias check of light selection at vertices of paths: lights drawn, at most, for every sampler (1e8, some 10 to 50 s; "
+                   "0: bias is looked for in pictures only)")
+        ->check(NonNegativeNumber)
+        ->group(effort);
+
     const char *output = "Output";
     app.add_option("--out", c.outFolder, "folder (<scene name>-lab)")->group(output);
     app.add_option("--crops", crops, "parts shown enlarged, x0,y0,x1,y1;... in pixels (where samplers differ most)")

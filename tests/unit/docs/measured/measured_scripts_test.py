@@ -171,13 +171,13 @@ class Scripts(Folder):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual([c.split("--seeds ")[1].split()[0] for c in self.commands()], ["12", "24", "48"])
         self.assertTrue(all("--direct" in c and "--spp 256" in c and "--divisor 8" in c for c in self.commands()))
-        self.assertEqual(self.rows()[1], ["hotel", "48", "clean", "clean", "clean"])
+        self.assertEqual(self.rows()[1], ["hotel", "48"] + ["clean (4.2 % / 0.7 %)"] * 3)
 
     def test_bias_ends_at_most_seeds_and_says_what_could_have_been_seen(self):
         self.run_script("bias", "--only", "hotel", "--most-seeds", "24", STAND_IN_CLEAN_FROM="40",
                         STAND_IN_BIASED="bvh")
         self.assertEqual(len(self.commands()), 2)
-        self.assertEqual(self.rows()[1], ["hotel", "24", "biased", "0.83 % / 8.3 %", "0.83 % / 8.3 %"])
+        self.assertEqual(self.rows()[1], ["hotel", "24", "biased (- / -)"] + ["unknown (8.3 % / 5 %)"] * 2)
 
     def test_a_failed_campaign_is_told(self):
         done = self.run_script("bias", "--only", "hotel", STAND_IN_FAIL="hotel")

@@ -113,6 +113,7 @@ class Campaign : public ::testing::Test {
         s.samplesPerPixel = 4;
         s.seeds = 2;
         s.referenceSamples = 32;
+        s.selectionWork = 1e5;
         s.outFolder = (folder_ / out).string();
         return s;
     }

@@ -1,0 +1,200 @@
+#include "pbrt/lab/selection_check.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/lightsamplers/simple_light_samplers.h"
+#include "pbrt/math/rng.h"
+#include "support/build_text.h"
+
+namespace pbrt::lab {
+namespace {
+
+/// A floor under three points, behind each other a wall, a mirror ball, a glossy ball and a lamp of two triangles.
+const char *kScene = R"(LookAt 0 -6 4  0 0 0.5  0 0 1
+Camera "perspective" "float fov" 45
+Film "rgb" "integer xresolution" 32 "integer yresolution" 32
+Integrator "path" "integer maxdepth" 3
+WorldBegin
+LightSource "point" "point3 from" [ -2 0 2 ] "rgb I" [ 4 4 4 ]
+LightSource "point" "point3 from" [ 2 0 2 ] "rgb I" [ 3 3 4 ]
+LightSource "point" "point3 from" [ 0 2 3 ] "rgb I" [ 1 .5 .2 ]
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 3 3 3 ]
+Shape "trianglemesh" "point3 P" [ -1 -1 3  -1 1 3  1 1 3  1 -1 3 ] "integer indices" [ 0 1 2  0 2 3 ]
+AttributeEnd
+Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
+Shape "bilinearmesh" "point3 P" [ -4 -4 0  4 -4 0  -4 4 0  4 4 0 ]
+Shape "bilinearmesh" "point3 P" [ 0 -1 0  0 4 0  0 -1 1.5  0 4 1.5 ]
+Material "conductor" "float roughness" 0
+AttributeBegin
+Translate 1 -1 0.5
+Shape "sphere" "float radius" 0.5
+AttributeEnd
+Material "conductor" "float roughness" 0.2
+AttributeBegin
+Translate -1 -1 0.5
+Shape "sphere" "float radius" 0.5
+AttributeEnd
+)";
+
+/// Uniform over the lights, but for what a test spoils.
+class Spoilt final : public LightSampler {
+  public:
+    explicit Spoilt(size_t lights) : count_(lights) {}
+    std::optional<SampledLight> Sample(const LightQuery &q, Float u) const override {
+        auto i = std::min(static_cast<size_t>(u * static_cast<Float>(count_)), count_ - 1);
+        if (blindTo && i == *blindTo && where(q)) return {};
+        // Every eighth part of the first light's draws goes elsewhere, unsaid.
+        if (takesElsewhere && i == 0 && u * static_cast<Float>(count_) < 0.125f) i = 1;
+        return SampledLight{LightId(i), 1 / static_cast<Float>(count_) * (i == 0 ? claims : 1)};
+    }
+    Float PMF(const LightQuery &q, LightId light) const override {
+        if (blindTo && light.value == *blindTo && where(q)) return 0;
+        return 1 / static_cast<Float>(count_) * pmfSays;
+    }
+    std::optional<size_t> blindTo;
+    std::function<bool(const LightQuery &)> where = [](const LightQuery &) { return true; };
+    bool takesElsewhere = false;
+    Float claims = 1, pmfSays = 1;
+
+  private:
+    size_t count_;
+};
+
+class SelectionCheck : public testing::Test {
+  protected:
+    SelectionCheck() : built_(test::BuildText(kScene)), spoilt_(built_.scene->Lights().Size()) {}
+    SelectionReport Check(const LightSampler &lights) {
+        Progress progress;
+        return *CheckSelection(SelectionVertices(built_, 0, progress), lights, nullptr, settings_, progress);
+    }
+    /// The numbers of the lights of a kind.
+    std::vector<size_t> LightsOf(bool delta) const {
+        std::vector<size_t> list;
+        for (size_t l = 0; l < built_.scene->Lights().Size(); ++l)
+            if (IsDelta(built_.scene->Lights()[LightId(l)].Kind()) == delta) list.push_back(l);
+        return list;
+    }
+    BuiltScene built_;
+    Spoilt spoilt_;
+    SelectionSettings settings_;
+};
+
+TEST_F(SelectionCheck, HonestSamplersAreClean) {
+    const SelectionReport own = Check(spoilt_);
+    EXPECT_EQ(own.verdict, BiasVerdict::Clean) << own.text;
+    EXPECT_GT(own.vertices, 1000);
+    EXPECT_LE(own.visibleSixteenth, settings_.bias.interest);
+    EXPECT_LT(own.visibleImage, own.visibleSixteenth);
+    const SelectionReport power = Check(PowerLightSampler(built_.scene->Lights().Candidates()));
+    EXPECT_EQ(power.verdict, BiasVerdict::Clean) << power.text;
+}
+
+TEST_F(SelectionCheck, ALightThatIsNeverChosenIsMissed) {
+    spoilt_.blindTo = LightsOf(true).back();
+    EXPECT_EQ(Check(spoilt_).verdict, BiasVerdict::Biased);
+    EXPECT_LT(Check(spoilt_).difference, -0.005);
+}
+
+TEST_F(SelectionCheck, AlsoIfItIsMissedInACornerOnly) {
+    spoilt_.blindTo = LightsOf(true).front();
+    spoilt_.where = [](const LightQuery &q) { return q.p.x < -1 && q.p.y > 1.5f; };
+    const SelectionReport report = Check(spoilt_);
+    EXPECT_EQ(report.verdict, BiasVerdict::Biased) << report.text;
+    EXPECT_GE(report.worstRegion, 0) << report.text;
+    EXPECT_LT(report.worstDifference, -0.05);
+}
+
+TEST_F(SelectionCheck, ALampThatBsdfSamplingFindsIsNotLost) {
+    // The integrator weights a hit by 1 where the PMF is 0.
+    spoilt_.blindTo = LightsOf(false).front();
+    EXPECT_EQ(Check(spoilt_).verdict, BiasVerdict::Clean) << Check(spoilt_).text;
+}
+
+TEST_F(SelectionCheck, ProbabilitiesThatDoNotAgreeAreSeen) {
+    spoilt_.claims = 1.2f;
+    EXPECT_EQ(Check(spoilt_).verdict, BiasVerdict::Biased) << Check(spoilt_).text;
+    spoilt_.claims = 1;
+    spoilt_.takesElsewhere = true;
+    EXPECT_EQ(Check(spoilt_).verdict, BiasVerdict::Biased) << Check(spoilt_).text;
+    spoilt_.takesElsewhere = false;
+    // What Sample says is right, but hits of the lamp are weighted by something else.
+    spoilt_.pmfSays = 0.5f;
+    EXPECT_EQ(Check(spoilt_).verdict, BiasVerdict::Biased) << Check(spoilt_).text;
+}
+
+TEST_F(SelectionCheck, ThreadsDoNotMatter) {
+    std::vector<std::string> texts;
+    for (int threads : {1, 2}) {
+        ThreadLimit limit(threads);
+        texts.push_back(ToJson(Check(spoilt_)).dump());
+    }
+    EXPECT_EQ(texts[0], texts[1]);
+}
+
+TEST_F(SelectionCheck, JsonKeepsWhatIsReported) {
+    const SelectionReport report = Check(spoilt_);
+    EXPECT_EQ(ToJson(SelectionFromJson(ToJson(report))), ToJson(report));
+    SelectionReport nothing;
+    nothing.visibleImage = nothing.visibleSixteenth = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(ToJson(SelectionFromJson(ToJson(nothing))), ToJson(nothing));
+}
+
+TEST_F(SelectionCheck, BothChecksTogether) {
+    auto together = [](BiasVerdict pictures, BiasVerdict vertices) {
+        BiasReport report;
+        report.verdict = pictures;
+        SelectionReport selection;
+        selection.verdict = vertices;
+        AddSelection(selection, &report);
+        return report.verdict;
+    };
+    using enum BiasVerdict;
+    EXPECT_EQ(together(Unknown, Clean), Clean);
+    EXPECT_EQ(together(Unknown, Unknown), Unknown);
+    EXPECT_EQ(together(Clean, Unknown), Clean);
+    EXPECT_EQ(together(Clean, Biased), Biased);
+    EXPECT_EQ(together(Biased, Clean), Biased);
+}
+
+/// Sixteen regions of paths of two vertices. Light varies by factors of a thousand; one draw in `1 / probability` finds it.
+std::vector<std::vector<VertexFinding>> Simulate(Rng &rng, int paths, double probability, double lost, int lostIn) {
+    std::vector<std::vector<VertexFinding>> regions(16);
+    for (int r = 0; r < 16; ++r)
+        for (int i = 0; i < paths; ++i)
+            for (int v = 0; v < 2; ++v) {
+                VertexFinding f;
+                f.light = std::exp(6.9f * rng.Uniform());
+                double found = 0;
+                constexpr int kDraws = 64;
+                for (int d = 0; d < kDraws; ++d) found += static_cast<double>(rng.Uniform()) < probability ? 1 / probability / kDraws : 0;
+                if (r == lostIn) found *= 1 - lost;
+                f.excess = f.light * static_cast<float>(found - 1);
+                f.endsPath = v == 1;
+                regions[static_cast<size_t>(r)].push_back(f);
+            }
+    return regions;
+}
+
+TEST(SelectionVerdict, FalseAlarmsAreRareAndBiasIsSeen) {
+    Rng rng(5);
+    int alarms = 0, seen = 0, tooMuch = 0;
+    constexpr int kChecks = 400;
+    for (int i = 0; i < kChecks; ++i) {
+        // The rarest draws that a check lets count fully move a vertex by a half.
+        alarms += JudgeSelection(Simulate(rng, 256, 1. / 32, 0, -1), {}).verdict == BiasVerdict::Biased;
+        if (i % 4 != 0) continue;
+        const SelectionReport clean = JudgeSelection(Simulate(rng, 256, 1. / 4, 0, -1), {});
+        seen += JudgeSelection(Simulate(rng, 256, 1. / 4, clean.visibleSixteenth, 5), {}).verdict == BiasVerdict::Biased;
+        tooMuch += JudgeSelection(Simulate(rng, 256, 1. / 4, clean.visibleSixteenth / 3, 5), {}).verdict == BiasVerdict::Biased;
+    }
+    EXPECT_LE(alarms, 7);  // 2 expected at the level of 0.5 %
+    EXPECT_GE(seen, 80);   // of 100; the smallest visible bias is seen in nine of ten
+    EXPECT_LE(tooMuch, 20);
+}
+
+}  // namespace
+}  // namespace pbrt::lab

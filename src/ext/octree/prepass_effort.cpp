@@ -5,9 +5,9 @@
 namespace ext {
 
 namespace {
-constexpr double kFewestVertices = 2000, kLargestFactor = 1.5, kMostTries = 4e6;
+constexpr double kFewestVertices = 2000, kLargestFactor = 1.25, kMostTries = 4e6;
 /// What a drawn try costs in the building of the tree, in rays.
-constexpr double kBuildPerTry = 0.1;
+constexpr double kBuildPerTry = 0.3;
 }  // namespace
 
 double PrepassEffort::Share() const {

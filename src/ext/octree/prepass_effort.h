@@ -15,7 +15,7 @@ struct PrepassEffort {
     double budget = 0.01;        ///< share of the render's rays
 
     /// As a share of the render's rays: two a vertex there; one and its tries in the prepass. Where all lights are tried, whose rays are the
-    /// cheaper ones, a short render spends up to 1.5 times the budget for its first 2,000 vertices. None traces more than four million tries.
+    /// cheaper ones, a short render spends up to 1.25 times the budget for its first 2,000 vertices. None traces more than four million tries.
     double Share() const;
     double PathsPerPixel() const;
 

@@ -26,7 +26,7 @@
 // Statistic: over the paths of a region sum of excess over sum of light, its noise from path to path.
 // Heavy tails: a light of share s chosen with probability p moves a vertex by s / (p draws). Where that is more than
 // kLargestStep, the light counts with less weight, on both sides; what is left out is reported and added to the smallest
-// visible bias. A vertex with more than kLargestVertex times the region's mean light per path counts as that much. Weights depend on what was
+// visible bias. A vertex with more than kLargestVertex times the region's mean light per path (of those that have light) counts as that much. Weights depend on what was
 // measured, not on what was drawn, so the means stay 0. So no path decides, and sums of hundreds are normal.
 // A light that is never chosen keeps its whole weight.
 //
@@ -40,8 +40,9 @@ namespace {
 constexpr uint64_t kStream = 0x73656c656374ull;
 constexpr int kSide = 4;                    ///< regions along a side of the picture
 constexpr int kRegions = kSide * kSide;
-constexpr int kPaths = 256;                 ///< of a region
+constexpr int kFewestPaths = 256, kMostPaths = 4096;  ///< of a region
 constexpr int kBlock = 16;                  ///< paths of one task
+constexpr double kEnoughEffective = 60;     ///< paths that carry light in half of the regions end the tracing
 constexpr size_t kMostMeasured = 2048;      ///< lights at a vertex
 constexpr int kFewestDraws = 64, kMostDraws = 1 << 16;
 constexpr double kLargestStep = 0.5;
@@ -64,9 +65,7 @@ class Measurer {
         cs.pLens = rng.Uniform2();
         SampledWavelengths lambda = SampledWavelengths::SampleVisible(rng.Uniform());
         if (std::optional<CameraRay> start = built_.camera->GenerateRay(cs, lambda)) Walk(*start, lambda, rng, out);
-        // A path without a vertex counts too.
-        if (out.size() == before) out.emplace_back();
-        out.back().endsPath = true;
+        if (out.size() > before) out.back().endsPath = true;
     }
 
   private:
@@ -86,10 +85,12 @@ class Measurer {
             }
             ++depth;
             if (IsNonSpecular(bsdf.Flags())) {
-                out.push_back({LightQueryAt(*point, bsdf, lambda, depth), bsdf, lambda, {}, false});
-                out.back().query.bsdf = nullptr;
-                out.back().query.lambda = nullptr;
-                Measure(*point, bsdf, beta, lambda, rng, out.back().lights);
+                Measure(*point, bsdf, beta, lambda, rng);
+                if (!lights_.empty()) {
+                    out.push_back({LightQueryAt(*point, bsdf, lambda, depth), bsdf, lambda, lights_, false});
+                    out.back().query.bsdf = nullptr;
+                    out.back().query.lambda = nullptr;
+                }
             }
             const Float uc = rng.Uniform();
             std::optional<BsdfSample> sample = bsdf.Sample(point->wo, uc, rng.Uniform2());
@@ -106,8 +107,8 @@ class Measurer {
         }
     }
 
-    void Measure(const SurfacePoint &point, const Bsdf &bsdf, const SampledSpectrum &beta, const SampledWavelengths &lambda, Rng &rng,
-                 std::vector<SelectionVertices::MeasuredLight> &out) {
+    void Measure(const SurfacePoint &point, const Bsdf &bsdf, const SampledSpectrum &beta, const SampledWavelengths &lambda, Rng &rng) {
+        lights_.clear();
         const LightSampleContext from = ScatteringContextAt(scene_, point, bsdf);
         const LightTable &table = scene_.Lights();
         for (auto l = static_cast<size_t>(rng.Uniform() * static_cast<Float>(stride_)); l < table.Size(); l += stride_) {
@@ -119,14 +120,14 @@ class Measurer {
             if (!f) continue;
             const Float c = SafeDivide(beta * f * sample->L, lambda.Pdf()).Average() / sample->pdf;
             if (!(c > 0) || !std::isfinite(c) || scene_.Occluded(LightContextAt(point), *sample)) continue;
-            out.push_back({static_cast<uint32_t>(l), c, sample->pdf, bsdf.Pdf(point.wo, sample->wi), IsDelta(light.Kind()), sample->pLight});
+            lights_.push_back({static_cast<uint32_t>(l), c, sample->pdf, bsdf.Pdf(point.wo, sample->wi), IsDelta(light.Kind()), sample->pLight});
         }
-        out.shrink_to_fit();
     }
 
     const BuiltScene &built_;
     const Scene &scene_;
     size_t stride_;
+    std::vector<SelectionVertices::MeasuredLight> lights_;
 };
 
 /// Asks a sampler at vertices.
@@ -138,7 +139,6 @@ class Asker {
     VertexFinding Ask(const SelectionVertices::Vertex &vertex, Rng rng) {
         VertexFinding finding;
         finding.endsPath = vertex.endsPath;
-        if (vertex.lights.empty()) return finding;
         LightQuery query = vertex.query;
         query.bsdf = &vertex.bsdf;
         query.lambda = &vertex.lambda;
@@ -196,7 +196,8 @@ struct Sums {
     double Difference() const { return light > 0 ? excess / light : 0; }
     /// Excess has mean 0 if there is no bias, so its squares are its variance.
     double StandardError() const { return light > 0 ? std::sqrt(squares) / light : kInfinity; }
-    bool IsEnough() const { return lightSquares > 0 && light * light / lightSquares >= kFewestEffective; }
+    /// As many paths of equal light would be as good.
+    double Paths() const { return lightSquares > 0 ? light * light / lightSquares : 0; }
     double Unjudged() const { return light > 0 ? unjudged / light : 0; }
     Sums &operator+=(const Sums &o) {
         light += o.light;
@@ -233,6 +234,21 @@ Sums SumUp(const std::vector<VertexFinding> &region) {
     return sums;
 }
 
+/// Do half of the regions that have light have paths enough?
+bool HaveEnough(std::span<const std::vector<SelectionVertices::Vertex>> regions) {
+    int lit = 0, enough = 0;
+    for (const auto &region : regions) {
+        std::vector<VertexFinding> light;
+        for (const auto &v : region) {
+            light.push_back({.endsPath = v.endsPath});
+            for (const auto &m : v.lights) light.back().light += m.c;
+        }
+        lit += !light.empty();
+        enough += SumUp(light).Paths() >= kEnoughEffective;
+    }
+    return 2 * enough >= lit && lit > 0;
+}
+
 std::string Percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
 
 }  // namespace
@@ -255,13 +271,11 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
         report.text = "no light was met at any vertex";
         return report;
     }
-    const double critical = NormalCritical(SidakLevel(settings.bias.level, withLight + 1)), power = NormalCritical(0.2);
-    auto visible = [&](const Sums &s, double allowance) {
-        return s.IsEnough() ? std::max(allowance, (critical + power) * s.StandardError()) + s.Unjudged() : kInfinity;
-    };
-    auto isBiased = [&](const Sums &s, double allowance) {
-        return s.IsEnough() && std::abs(s.Difference()) > std::max(allowance, critical * s.StandardError());
-    };
+    const double level = SidakLevel(settings.bias.level, withLight + 1);
+    // Student's: of what varies from path to path.
+    auto deviates = [&](const Sums &s, double p) { return s.Paths() >= kFewestEffective ? StudentCritical(p, s.Paths() - 1) * s.StandardError() : kInfinity; };
+    auto visible = [&](const Sums &s, double allowance) { return std::max(allowance, deviates(s, level) + deviates(s, 0.2)) + s.Unjudged(); };
+    auto isBiased = [&](const Sums &s, double allowance) { return std::abs(s.Difference()) > std::max(allowance, deviates(s, level)); };
     report.visibleImage = visible(whole, settings.bias.allowanceImage);
     std::vector<double> ofRegions;
     bool biased = isBiased(whole, settings.bias.allowanceImage);
@@ -296,23 +310,24 @@ SelectionVertices::SelectionVertices(const BuiltScene &built, int seed, Progress
     const Bounds2i pixels = built.film->PixelBounds();
     const Vector2i size = pixels.high - pixels.low;
     auto corner = [&](int x, int y) { return pixels.low + Point2i(x * size.x / kSide, y * size.y / kSide); };
-    constexpr int kBlocks = kPaths / kBlock;
-    std::vector<std::vector<Vertex>> found(kRegions * kBlocks);
-    progress.BeginPhase("measuring lights", static_cast<int64_t>(found.size()));
-    ParallelForEach(static_cast<int64_t>(found.size()), [&](int64_t task) {
-        if (progress.Cancelled()) return;
-        Measurer measurer(built);
-        const int region = static_cast<int>(task) / kBlocks, first = static_cast<int>(task) % kBlocks * kBlock;
-        const int x = region % kSide, y = region / kSide;
-        for (int i = first; i < first + kBlock; ++i)
-            measurer.Follow(corner(x, y), corner(x + 1, y + 1), Hash(kStream, seed, region, i), found[static_cast<size_t>(task)]);
-        progress.Advance();
-    });
-    progress.EndPhase();
-    if (progress.Cancelled()) return;
     regions_.resize(kRegions);
-    for (size_t t = 0; t < found.size(); ++t)
-        std::move(found[t].begin(), found[t].end(), std::back_inserter(regions_[t / kBlocks]));
+    progress.BeginPhase("measuring lights", 0);
+    for (int done = 0, target = kFewestPaths; target <= kMostPaths && !progress.Cancelled(); done = target, target *= 2) {
+        const int blocks = (target - done) / kBlock;
+        std::vector<std::vector<Vertex>> found(static_cast<size_t>(kRegions * blocks));
+        ParallelForEach(static_cast<int64_t>(found.size()), [&](int64_t task) {
+            if (progress.Cancelled()) return;
+            Measurer measurer(built);
+            const int region = static_cast<int>(task) / blocks, first = done + static_cast<int>(task) % blocks * kBlock;
+            const int x = region % kSide, y = region / kSide;
+            for (int i = first; i < first + kBlock; ++i)
+                measurer.Follow(corner(x, y), corner(x + 1, y + 1), Hash(kStream, seed, region, i), found[static_cast<size_t>(task)]);
+        });
+        for (size_t t = 0; t < found.size(); ++t)
+            std::move(found[t].begin(), found[t].end(), std::back_inserter(regions_[t / static_cast<size_t>(blocks)]));
+        if (HaveEnough(regions_)) break;
+    }
+    progress.EndPhase();
 }
 
 size_t SelectionVertices::VertexCount() const {

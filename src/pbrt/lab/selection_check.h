@@ -16,7 +16,8 @@ struct SelectionSettings {
     int seed = 0;
 };
 
-/// Vertices of paths through sixteen regions of the picture, and what every light gives there. The same for any number of threads.
+/// Vertices that have light, of paths through sixteen regions of the picture, and what every light gives there. The same for any
+/// number of threads.
 class SelectionVertices {
   public:
     struct MeasuredLight {
@@ -33,7 +34,7 @@ class SelectionVertices {
         std::vector<MeasuredLight> lights;
         bool endsPath = false;
     };
-    /// Empty if cancelled.
+    /// Incomplete if cancelled.
     SelectionVertices(const BuiltScene &built, int seed, Progress &progress);
     const std::vector<Vertex> &OfRegion(size_t region) const { return regions_[region]; }
     size_t RegionCount() const { return regions_.size(); }
@@ -66,7 +67,7 @@ struct SelectionReport {
     std::string text;             ///< a sentence for people
 };
 
-/// `regions`: vertices of whole paths, in order; every region had the same number of paths.
+/// `regions`: vertices of whole paths, in order. Paths without light need not be there.
 SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regions, const SelectionSettings &settings);
 
 /// `lights`, and `gate` if there is one, are prepared. The same for any number of threads. Nothing: cancelled.

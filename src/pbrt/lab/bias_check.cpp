@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <utility>
 
 #include "pbrt/core/error.h"
+#include "pbrt/lab/tile_noise.h"
 #include "pbrt/math/statistics.h"
 
 // The method. Few seeds (often 3) and rare strong samples are the difficulty: a t-test of one tile over 3 seeds has two
@@ -27,38 +30,39 @@
 // differences over the region's tiles, which holds both noises.
 //
 // Heavy tails. Where c strong samples were expected, none is seen with probability exp(-c); then the mean is low and so
-// is the estimated noise. So a difference must also exceed what c unseen samples would make, each as strong as the
-// strongest one seen in the region, around it, or in the reference there (what sticks out of the ordinary noise of
-// tiles); and an allowance. c is half of -log(level of one test): such a difference must pass the t-test as well.
-// Noise that is decided by a handful of samples never gives "biased", and the smallest visible bias says so. False
-// alarms and power are measured in bias_check_test.cpp. In a run of that simulation with 5460 campaigns without bias
-// (lognormal, Pareto, fireflies, everywhere or in a part of the picture; 2, 3, 8 and 24 runs) 10 were called biased,
-// where the level would allow 27; with the whole -log it were 4, with 0.35 of it 25. Renders can be
-// worse: where the reference's sampler finds in many weak samples what another finds in few strong ones, which its few
-// runs have missed, neither shows how strong they are (docs/measured, many-rooms).
+// is the estimated noise. So a difference d must exceed what unseen samples would make. If each of them moves the
+// region's mean by s, d stands for d / s unseen ones, which add s |d| to the variance. The bound
+// d^2 = t^2 variance + c s |d| with c = -log(level of one test) is c s where nothing was seen, as it must be. c is 0.7 of
+// that (kUnseen): the simulations' false alarms keep their level and noisy samplers' biases are seen better. Noise that
+// is decided by a handful of samples never gives "biased", and the smallest visible bias says so.
+//
+// How strong unseen samples are, is asked of those who meet the same ones: a lack in the runs may be samples as strong
+// as the strongest of the runs and of their kin, a surplus what the reference lacks, so its parts and its sampler's
+// kin are asked. Another sampler tells nothing: where it finds a light in many weak samples, this one may find the same
+// light in few strong ones, and the other way round; what a noisy sampler meets would hide every bias of a calm one.
+// Looked at are the region, those around it, and what is usual in the picture: light that walls hide from a sampler
+// is hidden in many places. "Strong" is what sticks out of the ordinary noise of tiles.
+//
+// What remains. A sampler whose strong samples nobody of its kin has met here, nor itself in many other places, looks
+// like one that never chooses a light. False alarms and power are measured in bias_check_test.cpp and bias_kin_test.cpp.
 
 namespace pbrt::lab {
 
 namespace {
 
-constexpr int kMinimumData = 32;                ///< tile means (seeds x tiles) in a block
-constexpr int kFewestRegions = 4;               ///< that pass for "about 1/16 of the picture"
-constexpr double kUnseen = 0.5;                 ///< strong samples that may have been missed, times -log(level)
-constexpr double kDark = 0.05;                  ///< of the image mean, added to every block's mean
-constexpr double kDeviationPerMedian = 1.4826;  ///< normal deviates: standard deviation over median size
+constexpr int kMinimumData = 32;   ///< tile means (seeds x tiles) in a block
+constexpr int kFewestRegions = 4;  ///< that pass for "about 1/16 of the picture"
+constexpr double kUnseen = 0.7;    ///< strong samples that may have been missed, times -log(level)
+constexpr size_t kUsual = 6;       ///< one of so many blocks has a sample at least as strong as the usual one
+constexpr double kDark = 0.05;     ///< of the image mean, added to every block's mean
 constexpr double kManyDof = 1e9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// A rectangle of tiles, half-open.
-struct Rectangle {
-    int x0, y0, x1, y1;
-};
 
 /// One level of regions: the tiles, cut as evenly as possible.
 struct Cut {
     int countX = 1, countY = 1, tilesX = 1, tilesY = 1;
     int Count() const { return countX * countY; }
-    Rectangle At(int x, int y) const {
+    TileRectangle At(int x, int y) const {
         return {x * tilesX / countX, y * tilesY / countY, (x + 1) * tilesX / countX, (y + 1) * tilesY / countY};
     }
 };
@@ -77,110 +81,64 @@ std::vector<Cut> Levels(const TileGrid &grid, int runs) {
     }
 }
 
-double Median(std::vector<double> values) {
-    if (values.empty()) return kInfinity;
-    auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
-/// Weighted values of equally good pictures, one channel.
-class Group {
+/// How strong a single sample can be, by the pictures of one kind of sampler.
+class StrongSamples {
   public:
-    Group(std::span<const TileMeans> pictures, int channel, const std::vector<double> &weights) {
-        const TileGrid &grid = pictures[0].grid;
-        grid_ = grid;
-        n_ = pictures.size();
-        const auto tiles = static_cast<size_t>(grid.Count());
-        mean_.assign(tiles, 0);
-        residual_.resize(n_ * tiles);
-        for (size_t t = 0; t < tiles; ++t) {
-            for (size_t i = 0; i < n_; ++i) {
-                residual_[i * tiles + t] = weights[t] * pictures[i](static_cast<int>(t), channel);
-                mean_[t] += residual_[i * tiles + t] / static_cast<double>(n_);
-            }
-            for (size_t i = 0; i < n_; ++i) residual_[i * tiles + t] -= mean_[t];
+    explicit StrongSamples(const Cut &blocks) : blocks_(blocks) {}
+
+    /// `sampleRatio`: as of BiasKin.
+    void Add(const TileNoise &pictures, double sampleRatio) {
+        if (pictures.Pictures() < 2) return;
+        std::vector<double> ofBlocks;
+        for (int y = 0; y < blocks_.countY; ++y)
+            for (int x = 0; x < blocks_.countX; ++x)
+                ofBlocks.push_back(sampleRatio * pictures.Strongest(blocks_.At(x, y)));
+        const size_t usual = std::max<size_t>(1, ofBlocks.size() / kUsual);
+        if (usual < ofBlocks.size()) {
+            std::nth_element(ofBlocks.begin(), ofBlocks.begin() + static_cast<ptrdiff_t>(usual), ofBlocks.end(),
+                             std::greater<>());
+            usual_ = std::max(usual_, ofBlocks[usual]);
         }
+        groups_.push_back({pictures, sampleRatio});
     }
+    bool Known() const { return !groups_.empty(); }
 
-    double Mean(size_t tile) const { return mean_[tile]; }
-
-    struct Noise {
-        double variance = 0, dof = 0;
-    };
-    /// Of the mean over a region; needs two pictures.
-    Noise Of(const Rectangle &r) const {
-        const auto n = static_cast<double>(n_);
-        double own = 0, ownSquared = 0, neighbours = 0, between = 0;
-        int tiles = 0;
-        for (size_t i = 0; i < n_; ++i) {
-            double total = 0;
-            for (int y = r.y0; y < r.y1; ++y)
-                for (int x = r.x0; x < r.x1; ++x) {
-                    const double e = Residual(i, x, y);
-                    total += e;
-                    // Each pair once; the other half is the factor 2 below.
-                    if (x + 1 < r.x1) neighbours += e * Residual(i, x + 1, y);
-                    if (y + 1 < r.y1) {
-                        neighbours += e * Residual(i, x, y + 1);
-                        if (x + 1 < r.x1) neighbours += e * Residual(i, x + 1, y + 1);
-                        if (x > r.x0) neighbours += e * Residual(i, x - 1, y + 1);
-                    }
-                }
-            between += total * total;
-        }
-        for (int y = r.y0; y < r.y1; ++y)
-            for (int x = r.x0; x < r.x1; ++x, ++tiles) {
-                double squares = 0;
-                for (size_t i = 0; i < n_; ++i) squares += Residual(i, x, y) * Residual(i, x, y);
-                own += squares;
-                ownSquared += squares * squares;
-            }
-        Noise noise;
-        const double sum = std::max(own + std::max(0.0, 2 * neighbours), between);
-        noise.variance = sum / (n * (n - 1) * tiles * tiles);
-        // Satterthwaite's estimate from squares that are too large by (n + 1) / (n - 1), being estimates themselves;
-        // right for equal tiles ((n - 1) tiles - 2) and if one tile has all the noise (n - 1).
-        if (ownSquared > 0) noise.dof = std::min((n + 1) * own * own / ownSquared - 2, (n - 1) * tiles);
-        return noise;
+    /// What it adds to the mean of one tile of one run.
+    double Around(const TileRectangle &r) const {
+        double strongest = usual_;
+        for (const auto &[pictures, ratio] : groups_) strongest = std::max(strongest, ratio * pictures.Strongest(r));
+        return strongest;
     }
-
-    /// How far the strongest tile of one picture within `r` rises above what ordinary noise explains there (three
-    /// robust standard deviations); needs two pictures.
-    double Strongest(const Rectangle &r) const {
-        double largest = 0;
-        std::vector<double> sizes;
-        for (size_t i = 0; i < n_; ++i)
-            for (int y = r.y0; y < r.y1; ++y)
-                for (int x = r.x0; x < r.x1; ++x) {
-                    largest = std::max(largest, Residual(i, x, y));
-                    sizes.push_back(std::abs(Residual(i, x, y)));
-                }
-        // The picture itself pulled the mean up.
-        const double scale = static_cast<double>(n_) / static_cast<double>(n_ - 1);
-        return scale * std::max(0.0, largest - 3 * kDeviationPerMedian * Median(std::move(sizes)));
-    }
-
-    size_t Count() const { return n_; }
 
   private:
-    double Residual(size_t picture, int x, int y) const {
-        return residual_[picture * mean_.size() + static_cast<size_t>(grid_.Index(x, y))];
-    }
-    TileGrid grid_;
-    size_t n_ = 0;
-    std::vector<double> mean_, residual_;
+    Cut blocks_;
+    double usual_ = 0;
+    std::vector<std::pair<TileNoise, double>> groups_;
 };
 
 /// One channel of the whole check.
 class Channel {
   public:
-    Channel(std::span<const TileMeans> runs, const BiasReference &reference, int channel, const Cut &blocks)
+    Channel(std::span<const TileMeans> runs, std::span<const BiasKin> kin, const BiasReference &reference, int channel,
+            const Cut &blocks)
         : grid_(runs[0].grid),
           weights_(Weights(reference, channel, blocks)),
           runs_(runs, channel, weights_),
           parts_(reference.parts, channel, weights_),
-          sampleRatio_(reference.sampleRatio) {
+          sampleRatio_(reference.sampleRatio),
+          ofRuns_(blocks),
+          ofReference_(blocks) {
+        auto add = [&](std::span<const BiasKin> pictures, StrongSamples *to) {
+            for (const BiasKin &k : pictures)
+                if (!k.pictures.empty()) to->Add(TileNoise(k.pictures, channel, weights_), k.sampleRatio);
+        };
+        ofRuns_.Add(runs_, 1);
+        add(kin, &ofRuns_);
+        ofReference_.Add(parts_, sampleRatio_);
+        add(reference.kin, &ofReference_);
+        // Better than nothing.
+        if (!ofRuns_.Known()) ofRuns_.Add(parts_, sampleRatio_);
+        if (!ofReference_.Known()) ofReference_.Add(runs_, 1);
         if (reference.parts.size() == 1 && reference.relL2 && runs.size() > 1) {
             // Pixel filters make neighbouring pixels alike: a tile's mean has about twice the variance.
             for (int t = 0; t < grid_.Count(); ++t) {
@@ -193,54 +151,69 @@ class Channel {
         }
     }
 
-    RegionTest Test(const Rectangle &r, const Rectangle &around, double allowance, double unseen) const {
+    /// `level`: of this test.
+    RegionTest Test(const TileRectangle &r, const TileRectangle &around, double allowance, double level) const {
         RegionTest test;
         test.pixels = Bounds2i(grid_.Pixels(r.x0, r.y0).low, grid_.Pixels(r.x1 - 1, r.y1 - 1).high);
-        const double tiles = (r.x1 - r.x0) * (r.y1 - r.y0);
-        double level = 0;  // what the reference is in the units of the weights
+        const double tiles = r.Count();
+        double unit = 0;  // what the reference is in the units of the weights
         for (int y = r.y0; y < r.y1; ++y)
             for (int x = r.x0; x < r.x1; ++x) {
                 test.difference += Difference(x, y) / tiles;
-                level += parts_.Mean(static_cast<size_t>(grid_.Index(x, y))) / tiles;
+                unit += parts_.Mean(static_cast<size_t>(grid_.Index(x, y))) / tiles;
             }
         // A region of ordinary brightness: 0.95 or so. Nearly black ones are not blown up.
-        level = std::max(level, 0.5);
+        unit = std::max(unit, 0.5);
 
-        const auto runs = static_cast<double>(runs_.Count()), parts = static_cast<double>(parts_.Count());
-        double variance = 0, squared = 0, firefly = 0;
-        auto add = [&](const Group::Noise &noise) {
+        const auto runs = static_cast<double>(runs_.Pictures()), parts = static_cast<double>(parts_.Pictures());
+        double variance = 0, squared = 0;
+        auto add = [&](const TileNoise::Estimate &noise) {
             variance += noise.variance;
             if (noise.dof > 0) squared += noise.variance * noise.variance / noise.dof;
         };
-        if (runs > 1) {
-            add(runs_.Of(r));
-            firefly = runs_.Strongest(around) / (runs * tiles);
-        }
+        if (runs > 1) add(runs_.Of(r));
         if (parts > 1) {
             add(parts_.Of(r));
-            // Missed by the reference, or by the runs.
-            firefly = std::max(firefly, parts_.Strongest(around) * std::max(1 / parts, sampleRatio_ / runs) / tiles);
         } else if (!known_.empty()) {
             for (int y = r.y0; y < r.y1; ++y)
                 for (int x = r.x0; x < r.x1; ++x)
                     variance += known_[static_cast<size_t>(grid_.Index(x, y))] / (tiles * tiles);
         }
         test.dof = squared > 0 ? variance * variance / squared : kManyDof;
+        double lack = ofRuns_.Around(around) / (runs * tiles);
+        double surplus = ofReference_.Around(around) / (sampleRatio_ * parts * tiles);
         if (runs < 2 || (parts < 2 && known_.empty())) {
-            const Group::Noise scatter = Scatter(r, test.difference);
+            const TileNoise::Estimate scatter = Scatter(r, test.difference);
             if (scatter.variance >= variance) {
                 variance = scatter.variance;
                 test.dof = scatter.dof;
             }
-            if (runs < 2) firefly = std::max(firefly, StrongestDifference(around) / tiles);
+            if (runs < 2) {
+                const double strongest = StrongestDifference(around) / tiles;
+                lack = std::max(lack, strongest);
+                surplus = std::max(surplus, strongest);
+            }
         }
-        test.difference /= level;
-        test.standardError = std::sqrt(variance) / level;
-        test.floor = std::max(allowance, unseen * firefly / level);
+        test.difference /= unit;
+        test.standardError = std::sqrt(variance) / unit;
         if (test.standardError > 0)
             test.p = StudentTwoSidedP(test.difference / test.standardError, test.dof);
         else
             test.p = test.difference == 0 ? 1 : 0;
+
+        const double critical = StudentCritical(level, test.dof);
+        const double noise = test.standardError > 0 ? critical * test.standardError : 0;
+        auto floorWith = [&](double strongest) {
+            const double half = -kUnseen * std::log(level) * strongest / unit / 2;
+            return std::max(allowance, half + std::hypot(half, noise));
+        };
+        test.floor = floorWith(test.difference < 0 ? lack : surplus);
+        test.biased = test.p < level && std::abs(test.difference) > test.floor;
+        test.visible = floorWith(std::max(lack, surplus));
+        // 10 % on one side; the estimated noise varies too.
+        if (test.standardError > 0 && test.dof > 0)
+            test.visible +=
+                std::sqrt(1 + critical * critical / (2 * test.dof)) * NormalCritical(0.2) * test.standardError;
         return test;
     }
 
@@ -256,7 +229,7 @@ class Channel {
         }
         for (int by = 0; by < blocks.countY; ++by)
             for (int bx = 0; bx < blocks.countX; ++bx) {
-                const Rectangle r = blocks.At(bx, by);
+                const TileRectangle r = blocks.At(bx, by);
                 double sum = 0;
                 for (int y = r.y0; y < r.y1; ++y)
                     for (int x = r.x0; x < r.x1; ++x) sum += value[static_cast<size_t>(grid.Index(x, y))];
@@ -273,19 +246,15 @@ class Channel {
         return runs_.Mean(t) - parts_.Mean(t);
     }
 
-    /// As Group::Strongest, if there is one run.
-    double StrongestDifference(const Rectangle &r) const {
-        double largest = 0;
-        std::vector<double> sizes;
+    /// As TileNoise::Strongest, if there is one run.
+    double StrongestDifference(const TileRectangle &r) const {
+        std::vector<double> values;
         for (int y = r.y0; y < r.y1; ++y)
-            for (int x = r.x0; x < r.x1; ++x) {
-                largest = std::max(largest, Difference(x, y));
-                sizes.push_back(std::abs(Difference(x, y)));
-            }
-        return std::max(0.0, largest - 3 * kDeviationPerMedian * Median(std::move(sizes)));
+            for (int x = r.x0; x < r.x1; ++x) values.push_back(Difference(x, y));
+        return Excess(values);
     }
 
-    Group::Noise Scatter(const Rectangle &r, double mean) const {
+    TileNoise::Estimate Scatter(const TileRectangle &r, double mean) const {
         double own = 0, ownSquared = 0, neighbours = 0;
         const double tiles = (r.x1 - r.x0) * (r.y1 - r.y0);
         if (tiles < 2) return {kInfinity, 0};
@@ -298,26 +267,33 @@ class Channel {
                 if (x + 1 < r.x1) neighbours += d * off(x + 1, y);
                 if (y + 1 < r.y1) neighbours += d * off(x, y + 1);
             }
-        Group::Noise noise;
+        TileNoise::Estimate noise;
         noise.variance = (own + std::max(0.0, 2 * neighbours)) / (tiles * (tiles - 1));
-        // As Group::Of: a squared normal deviate has mean square 3.
+        // As TileNoise::Of: a squared normal deviate has mean square 3.
         if (ownSquared > 0) noise.dof = std::min(3 * own * own / ownSquared - 2, tiles - 1);
         return noise;
     }
 
     TileGrid grid_;
     std::vector<double> weights_;
-    Group runs_, parts_;
+    TileNoise runs_, parts_;
     double sampleRatio_;
+    StrongSamples ofRuns_, ofReference_;
     std::vector<double> known_;  ///< variance of the reference's weighted tile means, if that is all there is
 };
 
-void CheckInput(std::span<const TileMeans> runs, const BiasReference &reference) {
+void CheckInput(std::span<const TileMeans> runs, std::span<const BiasKin> kin, const BiasReference &reference) {
     if (runs.empty() || reference.parts.empty()) throw UserError("The bias check needs runs and a reference.");
     const TileMeans &first = runs[0];
-    auto matches = [&](const TileMeans &m) { return m.grid == first.grid && m.channels == first.channels; };
-    if (!std::all_of(runs.begin(), runs.end(), matches) ||
-        !std::all_of(reference.parts.begin(), reference.parts.end(), matches))
+    auto allMatch = [&](std::span<const TileMeans> pictures) {
+        return std::all_of(pictures.begin(), pictures.end(), [&](const TileMeans &m) {
+            return m.grid == first.grid && m.channels == first.channels;
+        });
+    };
+    auto kinMatches = [&](std::span<const BiasKin> list) {
+        return std::all_of(list.begin(), list.end(), [&](const BiasKin &k) { return allMatch(k.pictures); });
+    };
+    if (!allMatch(runs) || !allMatch(reference.parts) || !kinMatches(kin) || !kinMatches(reference.kin))
         throw UserError("Runs and reference of the bias check differ in resolution, tiles or channels.");
 }
 
@@ -371,8 +347,9 @@ const char *BiasVerdictName(BiasVerdict verdict) {
     return "unknown";
 }
 
-BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference, const BiasSettings &settings) {
-    CheckInput(runs, reference);
+BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference, const BiasSettings &settings,
+                     std::span<const BiasKin> kin) {
+    CheckInput(runs, kin, reference);
     const TileGrid &grid = runs[0].grid;
     const std::vector<Cut> levels = Levels(grid, static_cast<int>(runs.size()));
 
@@ -385,19 +362,18 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
 
     for (const Cut &cut : levels) report.tests += cut.Count() * runs[0].channels;
     const double level = SidakLevel(settings.level, static_cast<size_t>(report.tests));
-    const double unseen = -kUnseen * std::log(level);
     std::vector<RegionTest> tests;
     for (int c = 0; c < runs[0].channels; ++c) {
-        const Channel channel(runs, reference, c, levels[0]);
+        const Channel channel(runs, kin, reference, c, levels[0]);
         for (size_t l = 0; l < levels.size(); ++l) {
             const Cut &cut = levels[l];
             const bool whole = l + 1 == levels.size();
             const double allowance = whole ? settings.allowanceImage : settings.allowanceRegion;
             for (int y = 0; y < cut.countY; ++y)
                 for (int x = 0; x < cut.countX; ++x) {
-                    const Rectangle low = cut.At(std::max(x - 1, 0), std::max(y - 1, 0));
-                    const Rectangle high = cut.At(std::min(x + 1, cut.countX - 1), std::min(y + 1, cut.countY - 1));
-                    RegionTest test = channel.Test(cut.At(x, y), {low.x0, low.y0, high.x1, high.y1}, allowance, unseen);
+                    const TileRectangle low = cut.At(std::max(x - 1, 0), std::max(y - 1, 0));
+                    const TileRectangle high = cut.At(std::min(x + 1, cut.countX - 1), std::min(y + 1, cut.countY - 1));
+                    RegionTest test = channel.Test(cut.At(x, y), {low.x0, low.y0, high.x1, high.y1}, allowance, level);
                     test.level = static_cast<int>(l);
                     test.channel = c;
                     tests.push_back(test);
@@ -415,16 +391,7 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
     report.sixteenthRegions = levels[sixteenth].Count();
     std::vector<double> visibleWhole, visibleSixteenth, visibleSmallest;
     bool anyBiased = false;
-    for (RegionTest &t : tests) {
-        const double critical = StudentCritical(level, t.dof);
-        t.visible = t.floor;
-        if (t.standardError > 0) {
-            // 10 % on one side; the estimated noise varies too.
-            const double margin =
-                t.dof > 0 ? std::sqrt(1 + critical * critical / (2 * t.dof)) * NormalCritical(0.2) : 0;
-            t.visible = std::max(t.floor, critical * t.standardError) + margin * t.standardError;
-        }
-        t.biased = t.p < level && std::abs(t.difference) > t.floor;
+    for (const RegionTest &t : tests) {
         anyBiased |= t.biased;
         if (t.level + 1 == static_cast<int>(levels.size())) visibleWhole.push_back(t.visible);
         if (t.level == static_cast<int>(sixteenth)) visibleSixteenth.push_back(t.visible);

@@ -20,15 +20,22 @@ struct BiasSettings {
 enum class BiasVerdict { Clean, Biased, Unknown };
 const char *BiasVerdictName(BiasVerdict verdict);  ///< clean, biased, unknown
 
+/// Pictures of the same scene by the sampler in question, or by one that chooses lights in the same way, which are
+/// neither the runs nor the reference: they tell how strong single samples can be where the runs met none. Their mean
+/// is not looked at.
+struct BiasKin {
+    std::vector<TileMeans> pictures;  ///< of equal weight; a single one tells nothing
+    double sampleRatio = 1;           ///< samples per pixel of one of them over those of one run
+};
+
 /// What the runs are compared with: at least one picture. Several of equal weight (2 to 8 parts of the samples) tell
 /// the noise of their mean. With one only, `relL2` (its expected one against the truth) does; if that is missing too,
 /// the noise is taken from the scatter of the differences.
 struct BiasReference {
     std::vector<TileMeans> parts;
     std::optional<double> relL2;
-    /// Samples per pixel of one part over those of one run. A strong sample that the runs have missed would show in a
-    /// run this many times as large as in a part.
-    double sampleRatio = 1;
+    double sampleRatio = 1;    ///< samples per pixel of one part over those of one run
+    std::vector<BiasKin> kin;  ///< of the sampler that made it
 };
 
 /// One part of the picture and one channel.
@@ -39,7 +46,7 @@ struct RegionTest {
     double difference = 0;  ///< relative: (runs - reference) / reference, mean over the smallest regions inside
     double standardError = 0, dof = 0;
     double p = 1;        ///< two-sided, of this test alone
-    double floor = 0;    ///< largest |difference| that the allowance and unseen fireflies explain
+    double floor = 0;    ///< largest |difference| that allowance, noise and unseen strong samples explain
     double visible = 0;  ///< smallest |difference| that would have been called a bias in 9 of 10 campaigns
     bool biased = false;
 };
@@ -60,8 +67,8 @@ struct BiasReport {
 };
 
 /// `runs`: pictures of one sampler with different seeds, equal sample counts. All must have the grid and channels of
-/// the reference (throws UserError). The seeds of the reference must be others.
+/// the reference (throws UserError). The seeds of the reference must be others. `kin`: of the runs, in any order.
 BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference,
-                     const BiasSettings &settings = {});
+                     const BiasSettings &settings = {}, std::span<const BiasKin> kin = {});
 
 }  // namespace pbrt::lab

@@ -78,18 +78,66 @@ void SummarizeOne(SamplerResult *s) {
     s->blockedShare = s->shadowRays > 0 ? blocked / s->shadowRays : 0;
 }
 
-/// The chance of a false alarm is that of the campaign: one of so many verdicts.
-BiasReport JudgeBias(const std::vector<Image> &pictures, const Reference &reference, size_t verdicts) {
-    std::vector<TileMeans> runs;
-    for (const Image &picture : pictures) runs.push_back(ComputeTileMeans(picture));
-    BiasReference judge;
-    for (const Image &part : reference.parts) judge.parts.push_back(ComputeTileMeans(part));
-    if (judge.parts.empty()) judge.parts.push_back(ComputeTileMeans(reference.image));
-    judge.relL2 = reference.noise;
-    BiasSettings settings;
-    settings.level = SidakLevel(settings.level, verdicts);
-    return CheckBias(runs, judge, settings);
+std::vector<TileMeans> TilesOf(const std::vector<Image> &pictures) {
+    std::vector<TileMeans> tiles;
+    for (const Image &picture : pictures) tiles.push_back(ComputeTileMeans(picture));
+    return tiles;
 }
+
+/// Samplers that choose lights in the same way have one name here: with meshes as single lights or without.
+std::string KinName(const std::string &label) {
+    const std::string mesh = "+mesh";
+    const size_t at = label.find(mesh);
+    return at == std::string::npos ? label : label.substr(0, at) + label.substr(at + mesh.size());
+}
+
+/// The bias verdicts of a campaign.
+class BiasJudge {
+  public:
+    BiasJudge(const References &references, const std::vector<std::vector<Image>> &pictures) {
+        for (const Reference &r : references.all) {
+            Pictures p{KinName(r.sampler), TilesOf(r.parts), static_cast<double>(r.samples)};
+            if (p.tiles.empty()) p.tiles.push_back(ComputeTileMeans(r.image));
+            p.samples /= static_cast<double>(p.tiles.size());
+            references_.push_back(std::move(p));
+            noise_.push_back(r.noise);
+        }
+        for (const std::vector<Image> &runs : pictures) runs_.push_back({"", TilesOf(runs), 0});
+    }
+
+    /// To be called for every sampler before the first verdict.
+    void Describe(size_t sampler, const std::string &label, double samples) {
+        runs_[sampler].name = KinName(label);
+        runs_[sampler].samples = samples;
+    }
+
+    BiasReport Judge(size_t sampler, size_t reference) const {
+        const Pictures &runs = runs_[sampler], &judge = references_[reference];
+        auto ratio = [&](const Pictures &p) { return p.samples > 0 && runs.samples > 0 ? p.samples / runs.samples : 1; };
+        auto kinOf = [&](const std::string &name) {
+            std::vector<BiasKin> kin;
+            for (const std::vector<Pictures> *list : {&runs_, &references_})
+                for (const Pictures &p : *list)
+                    if (&p != &runs && &p != &judge && !name.empty() && p.name == name)
+                        kin.push_back({p.tiles, ratio(p)});
+            return kin;
+        };
+        const BiasReference against{judge.tiles, noise_[reference], ratio(judge), kinOf(judge.name)};
+        // The chance of a false alarm is that of the campaign: one of so many verdicts.
+        BiasSettings settings;
+        settings.level = SidakLevel(settings.level, runs_.size());
+        return CheckBias(runs.tiles, against, settings, kinOf(runs.name));
+    }
+
+  private:
+    struct Pictures {
+        std::string name;
+        std::vector<TileMeans> tiles;
+        double samples = 0;  ///< per pixel of one; 0: not known
+    };
+    std::vector<Pictures> runs_, references_;
+    std::vector<std::optional<double>> noise_;
+};
 
 void CompareSamplers(std::vector<SamplerResult> *samplers) {
     std::vector<ErrorCurve> bySeconds, bySamples;
@@ -131,6 +179,7 @@ CampaignResults Summarize(const CampaignSettings &settings, const References &re
                           std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures,
                           const std::vector<std::optional<SelectionReport>> &selections) {
     CampaignResults results;
+    BiasJudge judge(references, pictures);
     for (size_t i = 0; i < settings.samplers.size(); ++i) {
         SamplerResult s;
         s.choice = settings.samplers[i];
@@ -138,10 +187,14 @@ CampaignResults Summarize(const CampaignSettings &settings, const References &re
         s.runs = std::move(runs[i]);
         for (RunRecord &run : s.runs) DropEmptyRounds(&run);
         SummarizeOne(&s);
-        s.bias = JudgeBias(pictures[i], references.all[s.reference], settings.samplers.size());
         s.selection = selections[i];
-        if (s.selection) AddSelection(*s.selection, &s.bias);
+        judge.Describe(i, s.choice.label, s.samples);
         results.samplers.push_back(std::move(s));
+    }
+    for (size_t i = 0; i < results.samplers.size(); ++i) {
+        SamplerResult &s = results.samplers[i];
+        s.bias = judge.Judge(i, s.reference);
+        if (s.selection) AddSelection(*s.selection, &s.bias);
     }
     CompareSamplers(&results.samplers);
     std::vector<Contender> contenders;

@@ -1,10 +1,12 @@
 #pragma once
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "pbrt/lab/bias_check.h"
 #include "pbrt/math/rng.h"
+#include "pbrt/math/statistics.h"
 
 namespace pbrt::lab::test {
 
@@ -26,11 +28,13 @@ inline Noise Pareto(double alpha) {
         return (alpha - 1) / alpha * std::pow(u, -1 / alpha);
     };
 }
-/// A smooth part, and with `probability` a firefly; `share` of the light comes from fireflies.
-inline Noise Fireflies(double probability, double share, double sigma) {
-    return [=, smooth = Lognormal(sigma)](Rng &rng) {
+/// A smooth part, and with `probability` a firefly; `share` of the light comes from fireflies, whose strengths scatter
+/// by Lognormal(spread).
+inline Noise Fireflies(double probability, double share, double sigma, double spread = 0) {
+    return [=, smooth = Lognormal(sigma), strength = Lognormal(spread)](Rng &rng) {
         double v = (1 - share) * smooth(rng);
-        if (static_cast<double>(rng.Uniform()) < probability) v += share / probability;
+        if (static_cast<double>(rng.Uniform()) < probability)
+            v += share / probability * (spread > 0 ? strength(rng) : 1);
         return v;
     };
 }
@@ -81,6 +85,60 @@ inline BiasReport Simulate(const Campaign &c, uint64_t seed, const BiasSettings 
     else
         for (int i = 0; i < c.parts; ++i) reference.parts.push_back(Render(c, of, c.partLength, false, rng));
     return CheckBias(runs, reference, settings);
+}
+
+/// A campaign of several samplers, each with its own noise where `common.noisy` says so. The best makes the reference;
+/// with `second` another one makes the reference that judges the best.
+struct Contest {
+    Campaign common;
+    struct Sampler {
+        Noise noise;
+        int kin = 0;          ///< equal: chooses lights in the same way
+        bool biased = false;  ///< by common.bias
+    };
+    std::vector<Sampler> samplers;
+    size_t best = 0;
+    std::optional<size_t> second;
+    bool useKin = true;  ///< false: every verdict knows the runs and its reference only
+};
+
+/// Verdicts on all samplers, as the lab asks for them.
+inline std::vector<BiasVerdict> Simulate(const Contest &contest, uint64_t seed) {
+    Rng rng(seed, 23);
+    const Campaign &c = contest.common;
+    const size_t count = contest.samplers.size();
+    auto render = [&](size_t sampler, int pictures, int length) {
+        const Contest::Sampler &s = contest.samplers[sampler];
+        std::vector<TileMeans> list;
+        for (int i = 0; i < pictures; ++i) list.push_back(Render(c, s.noise, length, s.biased, rng));
+        return list;
+    };
+    std::vector<std::vector<TileMeans>> runs, references;
+    for (size_t i = 0; i < count; ++i) runs.push_back(render(i, c.runs, 1));
+    std::vector<size_t> makers = {contest.best};
+    if (contest.second) makers.push_back(*contest.second);
+    for (size_t maker : makers) references.push_back(render(maker, c.parts, c.partLength));
+
+    std::vector<BiasVerdict> verdicts;
+    for (size_t i = 0; i < count; ++i) {
+        const size_t judge = i == contest.best && contest.second ? 1 : 0;
+        auto kinOf = [&](size_t sampler) {
+            std::vector<BiasKin> kin;
+            auto isKin = [&](size_t other) {
+                return contest.useKin && contest.samplers[other].kin == contest.samplers[sampler].kin;
+            };
+            for (size_t k = 0; k < count; ++k)
+                if (k != i && isKin(k)) kin.push_back({runs[k], 1});
+            for (size_t r = 0; r < makers.size(); ++r)
+                if (r != judge && isKin(makers[r])) kin.push_back({references[r], double(c.partLength)});
+            return kin;
+        };
+        BiasReference reference{references[judge], {}, double(c.partLength), kinOf(makers[judge])};
+        BiasSettings settings;
+        settings.level = SidakLevel(settings.level, count);
+        verdicts.push_back(CheckBias(runs[i], reference, settings, kinOf(i)).verdict);
+    }
+    return verdicts;
 }
 
 }  // namespace pbrt::lab::test

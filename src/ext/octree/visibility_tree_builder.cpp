@@ -105,9 +105,9 @@ void VisibilityTreeBuilder::EstimateNode(Node &node, const Node *above) const {
     if (settings_.lights) {
         double weight = 0;
         for (const TrySums &s : node.sums) weight += s.w;
-        // Twice as much, as what it is pulled towards knows more: the cell above and the light's neighbours.
+        // More, as what it is pulled towards knows more: the cell above and the light's neighbours.
         node.cut = CellCut(*settings_.lights, node.sums, weight, above ? &above->cut : nullptr,
-                           {2 * k, settings_.secondMoment, static_cast<size_t>(settings_.cut)});
+                           {4 * k, settings_.secondMoment, static_cast<size_t>(settings_.cut)});
         return;
     }
     std::vector<const TrySums *> of(static_cast<size_t>(settings_.lightCount), nullptr);

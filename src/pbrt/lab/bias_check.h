@@ -35,7 +35,7 @@ struct BiasReference {
     std::vector<TileMeans> parts;
     std::optional<double> relL2;
     double sampleRatio = 1;    ///< samples per pixel of one part over those of one run
-    std::vector<BiasKin> kin;  ///< of the sampler that made it
+    std::vector<BiasKin> kin{};  ///< of the sampler that made it
 };
 
 /// One part of the picture and one channel.

@@ -184,7 +184,7 @@ class Rounds {
         return true;
     }
 
-    /// How many samples every sampler will take: by time an estimate, to the next power of two, from the pilot or else
+    /// How many samples every sampler will take: by time an estimate, to the next quarter of a power of two, from the pilot or else
     /// from a run of two samples that warms up the machine as well. Part of the records: it may decide pictures.
     bool FindExpectedSamples() {
         Json note = records_.LoadNote("expected-samples.json");
@@ -202,7 +202,7 @@ class Rounds {
                     cost_[i] = perSample = run.SecondsPerSample();
                 }
                 const double fit = std::clamp(settings_.timeBudget / std::max(perSample, 1e-9), 1.0, 1e6);
-                expected = 1 << static_cast<int>(std::lround(std::log2(fit)));
+                expected = static_cast<int>(std::lround(std::exp2(std::round(4 * std::log2(fit)) / 4)));
             }
             note[label] = expected;
             expected_.push_back(expected);

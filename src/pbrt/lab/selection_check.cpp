@@ -13,48 +13,51 @@
 #include "pbrt/math/statistics.h"
 #include "pbrt/math/warps.h"
 
-// The method. Samplers differ in one thing only, which light is chosen with which probability; all else of a picture is common to them.
-// So the question "is the picture right?" is asked where they differ: at the vertices of paths, as the render makes them.
+// The method. Samplers differ in one thing only, which light is chosen with which probability; all else of a picture is
+// common to them. So the question "is the picture right?" is asked where they differ: at the vertices of paths, as the
+// render makes them.
 //
-// At a vertex every light (of very many, every n-th, from a random one on) is measured once, by a point on it and a shadow ray: c_l. The
-// sampler is then asked many times, with random numbers spread over [0, 1). For every measured light stands what next-event estimation
-// would have made of c_l, weighted against BSDF sampling, by the probabilities that came with the draws; against it what BSDF sampling
-// leaves to it, by the PMF that the integrator asks for when a ray hits the light. `excess` is the difference. Its mean is 0 at every vertex if and
-// only if draws, their probabilities and the PMF agree and no light is left out: points and visibility of the lights, the path and its
+// At a vertex every light (of very many, every n-th, from a random one on) is measured once, by a point on it and a
+// shadow ray: c_l. The sampler is then asked many times, with random numbers spread over [0, 1). For every measured
+// light stands what next-event estimation would have made of c_l, weighted against BSDF sampling, by the probabilities
+// that came with the draws; against it what BSDF sampling leaves to it, by the PMF that the integrator asks for when a
+// ray hits the light. `excess` is the difference. Its mean is 0 at every vertex if and only if draws, their
+// probabilities and the PMF agree and no light is left out: points and visibility of the lights, the path and its
 // weight are the same on both sides, and their noise with them. Draws need no rays, so there can be thousands a vertex.
 //
 // Statistic: over the paths of a region sum of excess over sum of light, its noise from path to path.
 // Heavy tails: a light of share s chosen with probability p moves a vertex by s / (p draws). Where that is more than
-// kLargestStep, the light counts with less weight, on both sides; what is left out is reported and added to the smallest
-// visible bias. A vertex with more than kLargestVertex times the region's mean light per path (of those that have light) counts as that much. Weights depend on what was
-// measured, not on what was drawn, so the means stay 0. So no path decides, and sums of hundreds are normal.
-// A light that is never chosen keeps its whole weight.
+// kLargestStep, the light counts with less weight, on both sides; what is left out is reported and added to the
+// smallest visible bias. A vertex with more than kLargestVertex times the region's mean light per path (of those that
+// have light) counts as that much. Weights depend on what was measured, not on what was drawn, so the means stay 0. So
+// no path decides, and sums of hundreds are normal. A light that is never chosen keeps its whole weight.
 //
-// Rounds: four times the draws at the same vertices, until a bias of interest would be seen. Only the last round counts. When to stop
-// depends on the noise, not on the differences, so there is one test, not one a round.
+// Rounds: four times the draws at the same vertices, until a bias of interest would be seen. Only the last round
+// counts. When to stop depends on the noise, not on the differences, so there is one test, not one a round.
 
 namespace pbrt::lab {
 
 namespace {
 
 constexpr uint64_t kStream = 0x73656c656374ull;
-constexpr int kSide = 4;                    ///< regions along a side of the picture
+constexpr int kSide = 4;  ///< regions along a side of the picture
 constexpr int kRegions = kSide * kSide;
 constexpr int kFewestPaths = 256, kMostPaths = 4096;  ///< of a region
-constexpr int kBlock = 16;                  ///< paths of one task
-constexpr double kEnoughEffective = 60;     ///< paths that carry light in half of the regions end the tracing
-constexpr size_t kMostMeasured = 2048;      ///< lights at a vertex
+constexpr int kBlock = 16;                            ///< paths of one task
+constexpr double kEnoughEffective = 60;               ///< paths that carry light in half of the regions end the tracing
+constexpr size_t kMostMeasured = 2048;                ///< lights at a vertex
 constexpr int kFewestDraws = 64, kMostDraws = 1 << 16;
 constexpr double kLargestStep = 0.5;
 constexpr double kLargestVertex = 8;
-constexpr double kFewestEffective = 20;     ///< paths that carry light
-constexpr int kMostPassed = 64;             ///< surfaces that do not scatter
+constexpr double kFewestEffective = 20;  ///< paths that carry light
+constexpr int kMostPassed = 64;          ///< surfaces that do not scatter
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Follows paths as the render makes them and measures the lights at their vertices.
 class Measurer {
   public:
-    Measurer(const BuiltScene &built) : built_(built), scene_(*built.scene), stride_((scene_.Lights().Size() + kMostMeasured - 1) / kMostMeasured) {}
+    Measurer(const BuiltScene &built)
+        : built_(built), scene_(*built.scene), stride_((scene_.Lights().Size() + kMostMeasured - 1) / kMostMeasured) {}
 
     void Follow(Point2i low, Point2i high, uint64_t stream, std::vector<SelectionVertices::Vertex> &out) {
         Rng rng(stream);
@@ -69,7 +72,8 @@ class Measurer {
     }
 
   private:
-    void Walk(const CameraRay &start, SampledWavelengths &lambda, Rng &rng, std::vector<SelectionVertices::Vertex> &out) {
+    void Walk(const CameraRay &start, SampledWavelengths &lambda, Rng &rng,
+              std::vector<SelectionVertices::Vertex> &out) {
         PathRay path{start.ray, start.differential};
         SampledSpectrum beta = start.weight;
         Float etaScale = 1;
@@ -107,11 +111,13 @@ class Measurer {
         }
     }
 
-    void Measure(const SurfacePoint &point, const Bsdf &bsdf, const SampledSpectrum &beta, const SampledWavelengths &lambda, Rng &rng) {
+    void Measure(const SurfacePoint &point, const Bsdf &bsdf, const SampledSpectrum &beta,
+                 const SampledWavelengths &lambda, Rng &rng) {
         lights_.clear();
         const LightSampleContext from = ScatteringContextAt(scene_, point, bsdf);
         const LightTable &table = scene_.Lights();
-        for (auto l = static_cast<size_t>(rng.Uniform() * static_cast<Float>(stride_)); l < table.Size(); l += stride_) {
+        for (auto l = static_cast<size_t>(rng.Uniform() * static_cast<Float>(stride_)); l < table.Size();
+             l += stride_) {
             const Light &light = table[LightId(l)];
             const Point2 u = rng.Uniform2();
             std::optional<LightLiSample> sample = light.SampleLi(from, u, lambda, true);
@@ -120,7 +126,8 @@ class Measurer {
             if (!f) continue;
             const Float c = SafeDivide(beta * f * sample->L, lambda.Pdf()).Average() / sample->pdf;
             if (!(c > 0) || !std::isfinite(c) || scene_.Occluded(LightContextAt(point), *sample)) continue;
-            lights_.push_back({static_cast<uint32_t>(l), c, sample->pdf, bsdf.Pdf(point.wo, sample->wi), IsDelta(light.Kind()), sample->pLight});
+            lights_.push_back({static_cast<uint32_t>(l), c, sample->pdf, bsdf.Pdf(point.wo, sample->wi),
+                               IsDelta(light.Kind()), sample->pLight});
         }
     }
 
@@ -155,7 +162,8 @@ class Asker {
             if (gate_ && got > 0 && !(gate_->TraceProbability(query, LightId(m.light), m.pLight) > 0)) got = 0;
             const double c = static_cast<double>(m.c);
             double counts = 1;
-            if (pmf > 0 && due > 0) counts = std::min(1.0, kLargestStep * light * static_cast<double>(pmf) * draws_ / (c * due));
+            if (pmf > 0 && due > 0)
+                counts = std::min(1.0, kLargestStep * light * static_cast<double>(pmf) * draws_ / (c * due));
             excess += counts * c * (got - due);
             unjudged += (1 - counts) * c * due;
         }
@@ -167,18 +175,22 @@ class Asker {
 
   private:
     static constexpr uint32_t kNowhere = ~0u;
-    static Float Weight(const SelectionVertices::MeasuredLight &m, Float pmf) { return m.isDelta ? Float(1) : PowerHeuristic(pmf * m.pdf, m.pBsdf); }
+    static Float Weight(const SelectionVertices::MeasuredLight &m, Float pmf) {
+        return m.isDelta ? Float(1) : PowerHeuristic(pmf * m.pdf, m.pBsdf);
+    }
 
     /// got_: per measured light, sum over draws.
     void Draw(const SelectionVertices::Vertex &vertex, const LightQuery &query, Rng &rng) {
         got_.assign(vertex.lights.size(), 0);
         for (size_t i = 0; i < vertex.lights.size(); ++i) place_[vertex.lights[i].light] = static_cast<uint32_t>(i);
         for (int k = 0; k < draws_; ++k) {
-            const Float u = std::min((static_cast<Float>(k) + rng.Uniform()) / static_cast<Float>(draws_), OneMinusEpsilon);
+            const Float u =
+                std::min((static_cast<Float>(k) + rng.Uniform()) / static_cast<Float>(draws_), OneMinusEpsilon);
             std::optional<SampledLight> light = lights_.Sample(query, u);
             if (!light || !(light->pmf > 0)) continue;
             const uint32_t place = place_[light->light.value];
-            if (place != kNowhere) got_[place] += static_cast<double>(Weight(vertex.lights[place], light->pmf) / light->pmf);
+            if (place != kNowhere)
+                got_[place] += static_cast<double>(Weight(vertex.lights[place], light->pmf) / light->pmf);
         }
         for (const auto &m : vertex.lights) place_[m.light] = kNowhere;
     }
@@ -259,7 +271,8 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
     std::vector<Sums> sums;
     size_t withLight = 0;
     for (const auto &region : regions) {
-        report.vertices += std::count_if(region.begin(), region.end(), [](const VertexFinding &v) { return v.light > 0; });
+        report.vertices +=
+            std::count_if(region.begin(), region.end(), [](const VertexFinding &v) { return v.light > 0; });
         sums.push_back(SumUp(region));
         whole += sums.back();
         withLight += sums.back().light > 0;
@@ -273,9 +286,15 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
     }
     const double level = SidakLevel(settings.bias.level, withLight + 1);
     // Student's: of what varies from path to path.
-    auto deviates = [&](const Sums &s, double p) { return s.Paths() >= kFewestEffective ? StudentCritical(p, s.Paths() - 1) * s.StandardError() : kInfinity; };
-    auto visible = [&](const Sums &s, double allowance) { return std::max(allowance, deviates(s, level) + deviates(s, 0.2)) + s.Unjudged(); };
-    auto isBiased = [&](const Sums &s, double allowance) { return std::abs(s.Difference()) > std::max(allowance, deviates(s, level)); };
+    auto deviates = [&](const Sums &s, double p) {
+        return s.Paths() >= kFewestEffective ? StudentCritical(p, s.Paths() - 1) * s.StandardError() : kInfinity;
+    };
+    auto visible = [&](const Sums &s, double allowance) {
+        return std::max(allowance, deviates(s, level) + deviates(s, 0.2)) + s.Unjudged();
+    };
+    auto isBiased = [&](const Sums &s, double allowance) {
+        return std::abs(s.Difference()) > std::max(allowance, deviates(s, level));
+    };
     report.visibleImage = visible(whole, settings.bias.allowanceImage);
     std::vector<double> ofRegions;
     bool biased = isBiased(whole, settings.bias.allowanceImage);
@@ -293,26 +312,31 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
     const auto middle = ofRegions.begin() + static_cast<std::ptrdiff_t>((ofRegions.size() - 1) / 2);
     std::nth_element(ofRegions.begin(), middle, ofRegions.end());
     report.visibleSixteenth = *middle;
-    report.verdict = biased ? BiasVerdict::Biased : report.visibleSixteenth <= settings.bias.interest ? BiasVerdict::Clean : BiasVerdict::Unknown;
-    report.text = fmt::format("at {} vertices of paths light selection is off by {:+.2g} +- {:.1g} %", report.vertices, 100 * report.difference,
-                              100 * report.standardError);
+    report.verdict = biased                                              ? BiasVerdict::Biased
+                     : report.visibleSixteenth <= settings.bias.interest ? BiasVerdict::Clean
+                                                                         : BiasVerdict::Unknown;
+    report.text = fmt::format("at {} vertices of paths light selection is off by {:+.2g} +- {:.1g} %", report.vertices,
+                              100 * report.difference, 100 * report.standardError);
     if (biased && report.worstRegion >= 0)
-        report.text += fmt::format(", by {:+.2g} % in row {}, column {} of 4 x 4 regions", 100 * report.worstDifference, report.worstRegion / kSide + 1,
-                                   report.worstRegion % kSide + 1);
+        report.text += fmt::format(", by {:+.2g} % in row {}, column {} of 4 x 4 regions", 100 * report.worstDifference,
+                                   report.worstRegion / kSide + 1, report.worstRegion % kSide + 1);
     if (std::isfinite(report.visibleSixteenth))
-        report.text += fmt::format("; {} of the whole, {} in a sixteenth would have been seen", Percent(report.visibleImage), Percent(report.visibleSixteenth));
+        report.text += fmt::format("; {} of the whole, {} in a sixteenth would have been seen",
+                                   Percent(report.visibleImage), Percent(report.visibleSixteenth));
     else
         report.text += "; too few of them have light for more";
     return report;
 }
 
-SelectionVertices::SelectionVertices(const BuiltScene &built, int seed, Progress &progress) : lightCount_(built.scene->Lights().Size()) {
+SelectionVertices::SelectionVertices(const BuiltScene &built, int seed, Progress &progress)
+    : lightCount_(built.scene->Lights().Size()) {
     const Bounds2i pixels = built.film->PixelBounds();
     const Vector2i size = pixels.high - pixels.low;
     auto corner = [&](int x, int y) { return pixels.low + Point2i(x * size.x / kSide, y * size.y / kSide); };
     regions_.resize(kRegions);
     progress.BeginPhase("measuring lights", 0);
-    for (int done = 0, target = kFewestPaths; target <= kMostPaths && !progress.Cancelled(); done = target, target *= 2) {
+    for (int done = 0, target = kFewestPaths; target <= kMostPaths && !progress.Cancelled();
+         done = target, target *= 2) {
         const int blocks = (target - done) / kBlock;
         std::vector<std::vector<Vertex>> found(static_cast<size_t>(kRegions * blocks));
         ParallelForEach(static_cast<int64_t>(found.size()), [&](int64_t task) {
@@ -321,7 +345,8 @@ SelectionVertices::SelectionVertices(const BuiltScene &built, int seed, Progress
             const int region = static_cast<int>(task) / blocks, first = done + static_cast<int>(task) % blocks * kBlock;
             const int x = region % kSide, y = region / kSide;
             for (int i = first; i < first + kBlock; ++i)
-                measurer.Follow(corner(x, y), corner(x + 1, y + 1), Hash(kStream, seed, region, i), found[static_cast<size_t>(task)]);
+                measurer.Follow(corner(x, y), corner(x + 1, y + 1), Hash(kStream, seed, region, i),
+                                found[static_cast<size_t>(task)]);
         });
         for (size_t t = 0; t < found.size(); ++t)
             std::move(found[t].begin(), found[t].end(), std::back_inserter(regions_[t / static_cast<size_t>(blocks)]));
@@ -336,8 +361,9 @@ size_t SelectionVertices::VertexCount() const {
     return count;
 }
 
-std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices, const LightSampler &lights, const ShadowRayGate *gate,
-                                              const SelectionSettings &settings, Progress &progress) {
+std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices, const LightSampler &lights,
+                                              const ShadowRayGate *gate, const SelectionSettings &settings,
+                                              Progress &progress) {
     SelectionReport report;
     const double count = static_cast<double>(vertices.VertexCount());
     for (int draws = kFewestDraws; draws <= kMostDraws; draws *= 4) {
@@ -347,7 +373,8 @@ std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices,
             Asker asker(lights, gate, draws, vertices.LightCount());
             const auto &region = vertices.OfRegion(static_cast<size_t>(r));
             for (size_t v = 0; v < region.size() && !progress.Cancelled(); ++v)
-                regions[static_cast<size_t>(r)].push_back(asker.Ask(region[v], Rng(Hash(kStream, settings.seed, draws, r, v))));
+                regions[static_cast<size_t>(r)].push_back(
+                    asker.Ask(region[v], Rng(Hash(kStream, settings.seed, draws, r, v))));
             progress.Advance();
         });
         progress.EndPhase();
@@ -391,7 +418,8 @@ SelectionReport SelectionFromJson(const nlohmann::ordered_json &json) {
 void AddSelection(const SelectionReport &selection, BiasReport *report) {
     report->text += " Vertex by vertex: " + selection.text + ".";
     if (selection.verdict == BiasVerdict::Biased) report->verdict = BiasVerdict::Biased;
-    if (selection.verdict == BiasVerdict::Clean && report->verdict == BiasVerdict::Unknown) report->verdict = BiasVerdict::Clean;
+    if (selection.verdict == BiasVerdict::Clean && report->verdict == BiasVerdict::Unknown)
+        report->verdict = BiasVerdict::Clean;
 }
 
 }  // namespace pbrt::lab

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <fstream>
@@ -184,7 +185,7 @@ AttributeEnd
 
 TEST(LightTargets, ADirectiveThatMakesTwoShapesHasItsLightsOnBoth) {
     // A PLY file of a triangle and a quad becomes a triangle mesh and a bilinear one, both with primitives from 0.
-    std::string file = testing::TempDir() + "light_targets_two_shapes.ply";
+    std::string file = testing::TempDir() + std::to_string(getpid()) + "_light_targets_two_shapes.ply";
     std::ofstream(file)
         << "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty float z\n"
            "element face 2\nproperty list uchar int vertex_indices\nend_header\n"

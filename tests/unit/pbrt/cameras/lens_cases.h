@@ -1,8 +1,11 @@
 #pragma once
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <cstdio>
 #include <fstream>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -33,8 +36,16 @@ inline std::vector<LensElement> ThinLens(Float focalLength, Float apertureRadius
     return {{radius, thickness, 1.5f, apertureRadius}, {-radius, 0.05f, 1, apertureRadius}};
 }
 
+/// Of this process alone; removed when it ends.
 inline std::string WriteFile(const std::string &name, const std::string &text) {
-    const std::string path = testing::TempDir() + name;
+    struct Files : std::set<std::string> {
+        ~Files() {
+            for (const std::string &path : *this) std::remove(path.c_str());
+        }
+    };
+    static Files files;
+    const std::string path = testing::TempDir() + std::to_string(getpid()) + "_" + name;
+    files.insert(path);
     std::ofstream(path) << text;
     return path;
 }

@@ -160,7 +160,8 @@ TEST_F(SelectionCheck, BothChecksTogether) {
     EXPECT_EQ(together(Biased, Clean), Biased);
 }
 
-/// Sixteen regions of paths of two vertices. Light varies by factors of a thousand; one draw in `1 / probability` finds it.
+/// Sixteen regions of paths of two vertices. Light varies by factors of a thousand; one draw in `1 / probability` finds
+/// it.
 std::vector<std::vector<VertexFinding>> Simulate(Rng &rng, int paths, double probability, double lost, int lostIn) {
     std::vector<std::vector<VertexFinding>> regions(16);
     for (int r = 0; r < 16; ++r)
@@ -170,7 +171,8 @@ std::vector<std::vector<VertexFinding>> Simulate(Rng &rng, int paths, double pro
                 f.light = std::exp(6.9f * rng.Uniform());
                 double found = 0;
                 constexpr int kDraws = 64;
-                for (int d = 0; d < kDraws; ++d) found += static_cast<double>(rng.Uniform()) < probability ? 1 / probability / kDraws : 0;
+                for (int d = 0; d < kDraws; ++d)
+                    found += static_cast<double>(rng.Uniform()) < probability ? 1 / probability / kDraws : 0;
                 if (r == lostIn) found *= 1 - lost;
                 f.excess = f.light * static_cast<float>(found - 1);
                 f.endsPath = v == 1;
@@ -188,8 +190,10 @@ TEST(SelectionVerdict, FalseAlarmsAreRareAndBiasIsSeen) {
         alarms += JudgeSelection(Simulate(rng, 256, 1. / 32, 0, -1), {}).verdict == BiasVerdict::Biased;
         if (i % 4 != 0) continue;
         const SelectionReport clean = JudgeSelection(Simulate(rng, 256, 1. / 4, 0, -1), {});
-        seen += JudgeSelection(Simulate(rng, 256, 1. / 4, clean.visibleSixteenth, 5), {}).verdict == BiasVerdict::Biased;
-        tooMuch += JudgeSelection(Simulate(rng, 256, 1. / 4, clean.visibleSixteenth / 3, 5), {}).verdict == BiasVerdict::Biased;
+        seen +=
+            JudgeSelection(Simulate(rng, 256, 1. / 4, clean.visibleSixteenth, 5), {}).verdict == BiasVerdict::Biased;
+        tooMuch += JudgeSelection(Simulate(rng, 256, 1. / 4, clean.visibleSixteenth / 3, 5), {}).verdict ==
+                   BiasVerdict::Biased;
     }
     EXPECT_LE(alarms, 7);  // 2 expected at the level of 0.5 %
     EXPECT_GE(seen, 80);   // of 100; the smallest visible bias is seen in nine of ten

@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <filesystem>
 
 #include "material_test_support.h"
@@ -10,7 +12,8 @@ namespace {
 using test::Params;
 
 struct FootprintShop : test::Workshop {
-    FootprintShop() : image((std::filesystem::temp_directory_path() / "pbrt_footprint_test.exr").string()) {
+    FootprintShop() {
+        image = std::filesystem::temp_directory_path() / ("pbrt_footprint_test_" + std::to_string(getpid()) + ".exr");
         Image noise(PixelFormat::Float, {64, 64}, {"R", "G", "B"});
         for (int y = 0; y < 64; ++y)
             for (int x = 0; x < 64; ++x)

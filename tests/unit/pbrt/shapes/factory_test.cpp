@@ -206,7 +206,7 @@ TEST_F(ShapeFactory, PlyFilesPlainAndGzipWithTrianglesAndQuads) {
         "3\n"
         "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 2 2\n4 0 1 2 3\n3 1 2 4\n"
         "5 0 1 2 3 4\n";
-    auto folder = std::filesystem::temp_directory_path() / "pbrt_shape_factory_test";
+    auto folder = std::filesystem::temp_directory_path() / ("pbrt_shape_factory_test_" + std::to_string(getpid()));
     std::filesystem::create_directories(folder);
     std::ofstream(folder / "plain.ply") << text;
     gzFile gz = gzopen((folder / "named_plain.ply").c_str(), "wb");  // gzip by content, not by name
@@ -240,7 +240,7 @@ TEST_F(ShapeFactory, PlyMistakes) {
 }
 
 TEST_F(ShapeFactory, DisplacementErrorsPointAtTheParameterToBlame) {
-    const auto file = std::filesystem::temp_directory_path() / "pbrt_displacement_place_test.ply";
+    const auto file = std::filesystem::temp_directory_path() / ("pbrt_displacement_place_test_" + std::to_string(getpid()) + ".ply");
     auto lineOf = [&](bool withUv) {
         std::ofstream(file) << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
                                "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"

@@ -73,14 +73,12 @@ for x0, x1 in ((0, 0.3), (W - 0.3, W)):
 
 # Corridor: two ceiling lights of opal glass, pictures, a table at the end with a lamp.
 for k, y in enumerate((3.1, 7.6)):
-    rim = lathe([(0.17, -0.07), (0.18, -0.07), (0.18, 0.001)], 32)
-    scene.add(rim.at(W / 2, y, H), f"rim {k}", "brass")
-    dome = lathe([(0, -0.11), (0.08, -0.1), (0.14, -0.075), (0.165, -0.05)], 16)
+    dome = lathe([(0, -0.12), (0.1, -0.11), (0.17, -0.08), (0.205, -0.035), (0.215, 0)], 24)
     scene.light(dome.at(W / 2, y, H), 5, 2900, f"corridor ceiling, {'near' if k == 0 else 'far'}")
 for x, y, turn, seed in ((0, 4.3, 90, 3), (0, 7.4, 90, 9), (W, 3.75, -90, 12), (W, 6.9, -90, 4), (W, 1.1, -90, 21)):
     scene.add(picture(0.5, 0.62, "brass", seed=seed).turn(turn).at(x, y, 1.62), f"picture {seed}")
 scene.add(table(0.95, 0.36, 0.8, "walnut", 0.045).at(W / 2, LENGTH - 0.2), "hall table")
-lamp, at = globe_lamp(0.42, 0.08)
+lamp, at = globe_lamp(0.42, 0.08, "paint-black")
 scene.add(lamp.at(W / 2, LENGTH - 0.2, 0.8005), "hall lamp")
 scene.light(bulb(0.08, 2).at(W / 2, LENGTH - 0.2, 0.8005 + at[2]), 9, 2700, "hall lamp")
 scene.add(picture(0.9, 0.6, "brass", seed=30).at(W / 2, LENGTH, 1.75), "picture at the end")
@@ -101,7 +99,7 @@ for side in "we":
         if (side, k) == ("e", 0):
             scene.add(bed(1.5, 2.0, "walnut", blanket).at(3.75, y1 - 1.07), f"bed of {name}")
             scene.add(cupboard(0.45, 0.4, 0.5, "walnut", 1, 1).at(2.62, y1 - 0.21), f"night table of {name}")
-            lamp, at = globe_lamp(0.4, 0.07)
+            lamp, at = globe_lamp(0.4, 0.07, "paint-black")
             scene.add(lamp.at(2.62, y1 - 0.22, 0.5005), f"lamp of {name}")
             scene.light(bulb(0.07, 2).at(2.62, y1 - 0.22, 0.5005 + at[2]), 14, 2700, f"{name}, night table")
             scene.add(picture(1.0, 0.6, "oak", seed=5).at(3.75, y1, 1.65), f"picture of {name}")
@@ -119,7 +117,7 @@ for side in "we":
             scene.add(picture(0.9, 0.6, "oak", seed=11 + k).turn(90 * -out).at(far, (y0 + y1) / 2, 1.65),
                       f"picture of {name}")
             if side == "e":
-                lamp, at = globe_lamp(1.5, 0.1)
+                lamp, at = globe_lamp(1.5, 0.1, "paint-black")
                 x, y = far - 0.35, y1 - 0.55
                 scene.add(lamp.at(x, y), f"lamp of {name}")
                 scene.light(bulb(0.1, 2).at(x, y, at[2]), 18, 2700, f"{name}, floor lamp")

@@ -1,0 +1,158 @@
+#include "pbrt/lab/selection_vertices.h"
+
+#include <cmath>
+#include <iterator>
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/integrators/path_common.h"
+#include "pbrt/lab/selection_verdict.h"
+#include "pbrt/math/rng.h"
+#include "pbrt/math/warps.h"
+
+namespace pbrt::lab {
+
+namespace {
+
+constexpr uint64_t kStream = 0x73656c656374ull;
+constexpr int kRegions = kSelectionSide * kSelectionSide;
+constexpr int kFewestPaths = 256, kMostPaths = 4096;  ///< of a region
+constexpr int kBlock = 16;                            ///< paths of one task
+constexpr double kEnoughEffective = 60;               ///< paths that carry light in half of the regions end the tracing
+constexpr size_t kMostMeasured = 2048;                ///< lights at a vertex
+constexpr int kMostPassed = 64;                       ///< surfaces that do not scatter
+
+/// Follows paths as the render makes them and measures the lights at their vertices.
+class Measurer {
+  public:
+    Measurer(const BuiltScene &built)
+        : built_(built), scene_(*built.scene), stride_((scene_.Lights().Size() + kMostMeasured - 1) / kMostMeasured) {}
+
+    void Follow(Point2i low, Point2i high, uint64_t stream, std::vector<SelectionVertices::Vertex> &out) {
+        Rng rng(stream);
+        const size_t before = out.size();
+        CameraSample cs;
+        cs.pFilm = Point2(low) + Point2(high - low) * rng.Uniform2();
+        cs.time = rng.Uniform();
+        cs.pLens = rng.Uniform2();
+        SampledWavelengths lambda = SampledWavelengths::SampleVisible(rng.Uniform());
+        if (std::optional<CameraRay> start = built_.camera->GenerateRay(cs, lambda)) Walk(*start, lambda, rng, out);
+        if (out.size() > before) out.back().endsPath = true;
+    }
+
+  private:
+    void Walk(const CameraRay &start, SampledWavelengths &lambda, Rng &rng,
+              std::vector<SelectionVertices::Vertex> &out) {
+        PathRay path{start.ray, start.differential};
+        SampledSpectrum beta = start.weight;
+        Float etaScale = 1;
+        for (int depth = 0, passed = 0; depth < built_.maxDepth && passed < kMostPassed;) {
+            std::optional<SurfacePoint> point = scene_.Intersect(path.ray);
+            if (!point) return;
+            ComputeFootprint(*point, path.differential, *built_.camera, built_.samplesPerPixel);
+            const Bsdf bsdf = ComputeBsdf(scene_, *point, lambda);
+            if (!bsdf) {
+                path.PassThrough(*point);
+                ++passed;
+                continue;
+            }
+            ++depth;
+            if (IsNonSpecular(bsdf.Flags())) {
+                Measure(*point, bsdf, beta, lambda, rng);
+                if (!lights_.empty()) {
+                    out.push_back({LightQueryAt(*point, bsdf, lambda, depth), bsdf, lambda, lights_, false});
+                    out.back().query.bsdf = nullptr;
+                    out.back().query.lambda = nullptr;
+                }
+            }
+            const Float uc = rng.Uniform();
+            std::optional<BsdfSample> sample = bsdf.Sample(point->wo, uc, rng.Uniform2());
+            if (!sample) return;
+            beta *= sample->f * (AbsDot(sample->wi, point->shading.n) / sample->pdf);
+            if (!beta) return;
+            if (IsTransmissive(sample->flags)) etaScale *= Sqr(sample->eta);
+            path.Scatter(*point, *sample);
+            const Float survive = (beta * etaScale).MaxComponent();
+            if (survive < 1 && depth > 1) {
+                if (rng.Uniform() >= survive) return;
+                beta /= survive;
+            }
+        }
+    }
+
+    void Measure(const SurfacePoint &point, const Bsdf &bsdf, const SampledSpectrum &beta,
+                 const SampledWavelengths &lambda, Rng &rng) {
+        lights_.clear();
+        const LightSampleContext from = ScatteringContextAt(scene_, point, bsdf);
+        const LightTable &table = scene_.Lights();
+        for (auto l = static_cast<size_t>(rng.Uniform() * static_cast<Float>(stride_)); l < table.Size();
+             l += stride_) {
+            const Light &light = table[LightId(l)];
+            const Point2 u = rng.Uniform2();
+            std::optional<LightLiSample> sample = light.SampleLi(from, u, lambda, true);
+            if (!sample || !sample->L || !(sample->pdf > 0)) continue;
+            const SampledSpectrum f = bsdf.F(point.wo, sample->wi) * AbsDot(sample->wi, point.shading.n);
+            if (!f) continue;
+            const Float c = SafeDivide(beta * f * sample->L, lambda.Pdf()).Average() / sample->pdf;
+            if (!(c > 0) || !std::isfinite(c) || scene_.Occluded(LightContextAt(point), *sample)) continue;
+            lights_.push_back({static_cast<uint32_t>(l), c, sample->pdf, bsdf.Pdf(point.wo, sample->wi),
+                               IsDelta(light.Kind()), sample->pLight});
+        }
+    }
+
+    const BuiltScene &built_;
+    const Scene &scene_;
+    size_t stride_;
+    std::vector<SelectionVertices::MeasuredLight> lights_;
+};
+
+/// Do half of the regions that have light have paths enough?
+bool HaveEnough(std::span<const std::vector<SelectionVertices::Vertex>> regions) {
+    int lit = 0, enough = 0;
+    for (const auto &region : regions) {
+        std::vector<VertexFinding> light;
+        for (const auto &v : region) {
+            light.push_back({.endsPath = v.endsPath});
+            for (const auto &m : v.lights) light.back().light += m.c;
+        }
+        lit += !light.empty();
+        enough += EffectivePaths(light) >= kEnoughEffective;
+    }
+    return 2 * enough >= lit && lit > 0;
+}
+
+}  // namespace
+
+SelectionVertices::SelectionVertices(const BuiltScene &built, int seed, Progress &progress)
+    : lightCount_(built.scene->Lights().Size()) {
+    const Bounds2i pixels = built.film->PixelBounds();
+    const Vector2i size = pixels.high - pixels.low;
+    auto corner = [&](int x, int y) { return pixels.low + Point2i(x * size.x / kSelectionSide, y * size.y / kSelectionSide); };
+    regions_.resize(kRegions);
+    progress.BeginPhase("measuring lights", 0);
+    for (int done = 0, target = kFewestPaths; target <= kMostPaths && !progress.Cancelled();
+         done = target, target *= 2) {
+        const int blocks = (target - done) / kBlock;
+        std::vector<std::vector<Vertex>> found(static_cast<size_t>(kRegions * blocks));
+        ParallelForEach(static_cast<int64_t>(found.size()), [&](int64_t task) {
+            if (progress.Cancelled()) return;
+            Measurer measurer(built);
+            const int region = static_cast<int>(task) / blocks, first = done + static_cast<int>(task) % blocks * kBlock;
+            const int x = region % kSelectionSide, y = region / kSelectionSide;
+            for (int i = first; i < first + kBlock; ++i)
+                measurer.Follow(corner(x, y), corner(x + 1, y + 1), Hash(kStream, seed, region, i),
+                                found[static_cast<size_t>(task)]);
+        });
+        for (size_t t = 0; t < found.size(); ++t)
+            std::move(found[t].begin(), found[t].end(), std::back_inserter(regions_[t / static_cast<size_t>(blocks)]));
+        if (HaveEnough(regions_)) break;
+    }
+    progress.EndPhase();
+}
+
+size_t SelectionVertices::VertexCount() const {
+    size_t count = 0;
+    for (const auto &region : regions_) count += region.size();
+    return count;
+}
+
+}  // namespace pbrt::lab

@@ -1,0 +1,39 @@
+#pragma once
+#include <vector>
+
+#include "pbrt/build/built_scene.h"
+#include "pbrt/bxdfs/bsdf.h"
+
+namespace pbrt::lab {
+
+/// Vertices that have light, of paths through sixteen regions of the picture, and what every light gives there. The
+/// same for any number of threads.
+class SelectionVertices {
+  public:
+    struct MeasuredLight {
+        uint32_t light = 0;
+        Float c = 0;  ///< its contribution by one point on it, times the path's weight; 0 ones are left out
+        Float pdf = 0, pBsdf = 0;  ///< of that point, and of BSDF sampling; solid angle
+        bool isDelta = false;
+        Point3 pLight{};
+    };
+    struct Vertex {
+        LightQuery query;  ///< without BSDF and wavelengths, which are below
+        Bsdf bsdf;
+        SampledWavelengths lambda;
+        std::vector<MeasuredLight> lights;
+        bool endsPath = false;
+    };
+    /// Incomplete if cancelled.
+    SelectionVertices(const BuiltScene &built, int seed, Progress &progress);
+    const std::vector<Vertex> &OfRegion(size_t region) const { return regions_[region]; }
+    size_t RegionCount() const { return regions_.size(); }
+    size_t LightCount() const { return lightCount_; }  ///< of the scene
+    size_t VertexCount() const;
+
+  private:
+    std::vector<std::vector<Vertex>> regions_;
+    size_t lightCount_ = 0;
+};
+
+}  // namespace pbrt::lab

@@ -159,6 +159,22 @@ class Scripts(Folder):
         self.assertIn("octree / bvh (without the worst 0.1 % of the pixels): hotel 0.16 +- 0.00 (0.16)", done.stdout)
         self.assertIn("hotel", chart.read_text())
 
+    def test_run_redraws_the_chart_of_a_page(self):
+        samplers = ("--samplers", "bvh;octree")
+        page, chart = self.top / "page.md", self.top / "chart.svg"
+        row = "| {} | 0.5! | {} | none seen | 0.20 +- 0.01 (bvh) | 0.20 | better |\n"
+        head = "| scene | bvh | octree | bias | octree against the best other | trimmed | verdict |\n|---|---|\n"
+        page.write_text("# Page\n\n" + head + row.format("hotel", "0.1") + row.format("slit", "0.05") + "\nText.\n")
+        redraw = ("--redraw", str(page), "--chart", str(chart), *samplers)
+        done = self.run_script("run", "--direct", *redraw)
+        self.assertEqual((done.returncode, self.commands()), (0, []), done.stderr)
+        self.assertIn("slit", chart.read_text())
+        second = self.run_script("run", *redraw)
+        self.assertEqual(second.returncode, 1)
+        self.assertIn("no table 2", second.stderr)
+        ratios = measured.ratios_on(page, 0, ["bvh", "octree"], "bvh")
+        self.assertEqual({name: round(r["octree"].mean, 3) for name, r in ratios.items()}, {"hotel": 0.2, "slit": 0.1})
+
     def test_run_names_what_is_biased_and_does_not_compare_with_it(self):
         self.run_script("run", "--only", "hotel", "--samplers", "bvh;octree:model=paper;octree", "--time", "1",
                         STAND_IN_BIASED="octree:model=paper")

@@ -171,7 +171,13 @@ class Channel {
             variance += noise.variance;
             if (noise.dof > 0) squared += noise.variance * noise.variance / noise.dof;
         };
-        if (runs > 1) add(runs_.Of(r));
+        double mostDof = kManyDof;
+        if (runs > 1) {
+            const TileNoise::Estimate noise = runs_.Of(r);
+            add(noise);
+            // Where few runs agree by chance, the reference's noise seems to be all, and its parts seem to be sure of it.
+            if (runs_.Pictures() < TileNoise::kFew && noise.dof > 0) mostDof = noise.dof;
+        }
         if (parts > 1) {
             add(parts_.Of(r));
         } else if (!known_.empty()) {
@@ -179,7 +185,7 @@ class Channel {
                 for (int x = r.x0; x < r.x1; ++x)
                     variance += known_[static_cast<size_t>(grid_.Index(x, y))] / (tiles * tiles);
         }
-        test.dof = squared > 0 ? variance * variance / squared : kManyDof;
+        test.dof = squared > 0 ? std::min(variance * variance / squared, mostDof) : kManyDof;
         double lack = ofRuns_.Around(around) / (runs * tiles);
         double surplus = ofReference_.Around(around) / (sampleRatio_ * parts * tiles);
         if (runs < 2 || (parts < 2 && known_.empty())) {

@@ -165,10 +165,11 @@ std::optional<References> MakeReferences(const CampaignSettings &settings, const
     ReferenceMaker maker(settings, scene, records, cancel, display);
     References references;
     std::vector<PilotEntry> makers = *pilot;
-    for (bool trustedOnly : {false, true}) {
-        if (trustedOnly) std::erase_if(makers, [&](const PilotEntry &e) { return !IsTrusted(e.choice, scene); });
+    bool areStocks = false;
+    for (bool stockOnly : {false, true}) {
+        if (stockOnly) std::erase_if(makers, [&](const PilotEntry &e) { return !IsTrusted(e.choice, scene); });
         references.all.clear();
-        const size_t wanted = isListed(makers.at(0).choice) && makers.size() > 1 ? 2 : 1;
+        const size_t wanted = (stockOnly || isListed(makers.at(0).choice)) && makers.size() > 1 ? 2 : 1;
         for (size_t i = 0; i < wanted; ++i) {
             double after = EstimateRuns(settings, *pilot);
             for (size_t k = i + 1; k < wanted; ++k)
@@ -178,17 +179,25 @@ std::optional<References> MakeReferences(const CampaignSettings &settings, const
             if (!made) return {};
             references.all.push_back(std::move(*made));
         }
-        const bool sure = std::all_of(makers.begin(), makers.begin() + static_cast<ptrdiff_t>(wanted),
-                                      [&](const PilotEntry &e) { return IsTrusted(e.choice, scene); });
-        if (trustedOnly || wanted < 2 || sure || !Contradict(references.all[0], references.all[1])) break;
+        areStocks = std::all_of(makers.begin(), makers.begin() + static_cast<ptrdiff_t>(wanted),
+                                [&](const PilotEntry &e) { return IsTrusted(e.choice, scene); });
+        if (wanted < 2 || areStocks || !Contradict(references.all[0], references.all[1])) break;
         references.notes.push_back(fmt::format(
             "the references of \"{}\" and \"{}\" contradict each other: one is biased. Stock's samplers made "
             "the references instead.",
             makers[0].choice.label, makers[1].choice.label));
     }
-    if (references.all.size() > 1)
-        if (std::optional<std::string> note = Disagreement(references.all[0], references.all[1]))
+    if (references.all.size() > 1) {
+        const Reference &a = references.all[0], &b = references.all[1];
+        references.areDoubtful = areStocks && (Contradict(a, b) || Contradict(b, a));
+        if (references.areDoubtful)
+            references.notes.push_back(fmt::format(
+                "the references of stock's samplers \"{}\" and \"{}\" contradict each other: one lacks light that it "
+                "meets rarely. They prove no bias; more --reference-spp is needed.",
+                a.sampler, b.sampler));
+        else if (std::optional<std::string> note = Disagreement(a, b))
             references.notes.push_back(*note);
+    }
     for (const SamplerChoice &s : settings.samplers)
         references.ofSampler.push_back(s.label == references.all[0].sampler && references.all.size() > 1 ? 1 : 0);
     return references;

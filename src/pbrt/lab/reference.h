@@ -30,12 +30,13 @@ struct References {
     std::vector<Reference> all;
     std::vector<size_t> ofSampler;   ///< index into `all`, for every sampler of the campaign
     std::vector<std::string> notes;  ///< what people should know about them
+    bool areDoubtful = false;        ///< they lack light that is met rarely: no proof of a bias
 };
 
 /// The user's file; or, ranked by a pilot run, pictures rendered with the best sampler and, if that one is in the
 /// campaign, with the second best, which then judges it: no sampler is judged by its own samples. Two references that
-/// contradict each other (bias check) are replaced by ones of stock's samplers; two that differ more than their noise
-/// explains are named in the notes. Rendered ones are kept in a file
+/// contradict each other (bias check) are replaced by two of stock's samplers, which are doubtful if they do so too; two
+/// that differ more than their noise explains are named in the notes. Rendered ones are kept in a file
 /// <scene>.reference-<hash>.exr beside the scene (in the output folder if that is not writable) and found there again.
 /// Finished parts survive an interruption. Nothing: cancelled. Throws UserError.
 std::optional<References> MakeReferences(const CampaignSettings &settings, const LabScene &scene,

@@ -194,6 +194,10 @@ CampaignResults Summarize(const CampaignSettings &settings, const References &re
     for (size_t i = 0; i < results.samplers.size(); ++i) {
         SamplerResult &s = results.samplers[i];
         s.bias = judge.Judge(i, s.reference);
+        if (references.areDoubtful && s.bias.verdict == BiasVerdict::Biased) {
+            s.bias.verdict = BiasVerdict::Unknown;
+            s.bias.text += " The references contradict each other, so this proves nothing.";
+        }
         if (s.selection) AddSelection(*s.selection, &s.bias);
     }
     CompareSamplers(&results.samplers);

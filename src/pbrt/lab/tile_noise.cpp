@@ -60,12 +60,16 @@ TileNoise::Estimate TileNoise::Of(const TileRectangle &r) const {
             }
         between += total * total;
     }
+    double bright = 0, brightSquared = 0;
     for (int y = r.y0; y < r.y1; ++y)
         for (int x = r.x0; x < r.x1; ++x) {
             double squares = 0;
             for (size_t i = 0; i < n_; ++i) squares += Residual(i, x, y) * Residual(i, x, y);
             own += squares;
             ownSquared += squares * squares;
+            const double mean = Mean(static_cast<size_t>(grid_.Index(x, y))), expected = mean * mean;
+            bright += expected;
+            brightSquared += expected * expected;
         }
     Estimate noise;
     const double tiles = r.Count();
@@ -74,6 +78,9 @@ TileNoise::Estimate TileNoise::Of(const TileRectangle &r) const {
     // Satterthwaite's estimate from squares that are too large by (n + 1) / (n - 1), being estimates themselves;
     // right for equal tiles ((n - 1) tiles - 2) and if one tile has all the noise (n - 1).
     if (ownSquared > 0) noise.dof = std::min((n + 1) * own * own / ownSquared - 2, (n - 1) * tiles);
+    // Few pictures often agree by chance just where most of the noise is; then many quiet tiles seem to vouch for the
+    // region. So it has no more degrees of freedom than if the noise went with the brightness.
+    if (n_ < kFew && brightSquared > 0) noise.dof = std::min(noise.dof, (n - 1) * bright * bright / brightSquared);
     return noise;
 }
 

@@ -25,6 +25,9 @@ class TileNoise {
   public:
     TileNoise(std::span<const TileMeans> pictures, int channel, const std::vector<double> &weights);
 
+    /// Fewer pictures agree by chance now and then.
+    static constexpr size_t kFew = 4;
+
     size_t Pictures() const { return n_; }
     double Mean(size_t tile) const { return mean_[tile]; }
 

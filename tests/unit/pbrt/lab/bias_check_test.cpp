@@ -78,6 +78,21 @@ TEST(BiasCheck, HeavyTailsGiveFewerThanOneFalseAlarmInHundred) {
     EXPECT_LE(alarms, 4);
 }
 
+// A bright tile has most of a region's noise, and two runs agree there by chance: then the region looks quiet.
+TEST(BiasCheck, FewRunsThatAgreeInABrightTileGiveNoFalseAlarms) {
+    int alarms = 0;
+    for (double sigma : {0.5, 1.0, 1.5})
+        for (int runs : {2, 3}) {
+            Campaign c = With(Lognormal(sigma), runs);
+            c.parts = c.partLength = 8;
+            auto isBright = [](int x, int y) { return x % 32 < 8 && y % 32 < 8; };
+            c.truth = [=](int x, int y) { return isBright(x, y) ? 8.0 : 1.0; };
+            c.noisy = isBright;
+            alarms += Verdicts(c, 60, 77).biased;
+        }
+    EXPECT_LE(alarms, 2);
+}
+
 // Fireflies in one part of the picture do not blind the check elsewhere, where it has seen enough.
 TEST(BiasCheck, FirefliesInACornerHideABiasThereOnly) {
     Campaign c = With(Fireflies(1e-3, 0.3, 0.1), 24);

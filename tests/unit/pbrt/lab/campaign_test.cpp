@@ -469,6 +469,37 @@ TEST_F(Campaign, SamplerOfRareHitsIsNotTakenForAQuietOne) {
     EXPECT_GT(pilot.at(2).at("variance").get<double>(), 10 * pilot.at(1).at("variance").get<double>());
 }
 
+// Uniform meets the lamp once in 20,000 samples and finds the ceiling by its BSDF rays: quiet pictures that lack a light.
+// References are short. No stock sampler may be called biased for that.
+TEST_F(Campaign, ReferencesOfStockThatContradictEachOtherProveNothing) {
+    std::string scene = kScene;
+    scene.resize(scene.find("LightSource"));
+    scene += "LightSource \"point\" \"point3 from\" [ 0 2 0 ] \"rgb I\" [ 4 4 4 ]\n";
+    for (int i = 0; i < 20000; ++i)
+        scene += fmt::format("LightSource \"point\" \"point3 from\" [ 0 9 {} ] \"rgb I\" [ 1e-6 1e-6 1e-6 ]\n", i);
+    scene += "Shape \"bilinearmesh\" \"point3 P\" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]\n"
+             "AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\n"
+             "Shape \"bilinearmesh\" \"point3 P\" [ -9 4 -9  -9 4 9  9 4 -9  9 4 9 ]\n";
+    std::ofstream(folder_ / "scene.pbrt") << scene;
+    CampaignSettings settings = Settings("out", {"uniform", "bvh"});
+    settings.samplesPerPixel = 4;
+    settings.seeds = 4;
+    settings.referenceSamples = 16;
+    settings.selectionWork = 0;
+    const std::optional<CampaignOutcome> outcome = Run(settings);
+    ASSERT_TRUE(outcome);
+    bool wouldHaveBeen = false;
+    for (const Json &s : outcome->results.at("samplers")) {
+        const Json &bias = s.at("summary").at("bias");
+        EXPECT_NE(bias.at("verdict"), "biased") << bias.dump();
+        wouldHaveBeen = wouldHaveBeen || bias.at("text").get<std::string>().find("proves nothing") != std::string::npos;
+    }
+    EXPECT_TRUE(wouldHaveBeen);
+    ASSERT_EQ(outcome->results.at("notes").size(), 1u) << outcome->results.at("notes").dump();
+    EXPECT_NE(outcome->results.at("notes").at(0).get<std::string>().find("prove no bias"), std::string::npos)
+        << outcome->results.at("notes").dump() << outcome->results.at("samplers").at(0).at("summary").at("bias").dump();
+}
+
 TEST_F(Campaign, MistakesAreFoundBeforeAnythingIsRendered) {
     EXPECT_THROW(ParseSamplerChoices({"uniform", "uniform"}, registry_), UserError);
     try {

@@ -13,8 +13,8 @@ std::optional<SampledLight> GroupLightSampler::Sample(const LightQuery &query, F
         chosen = *group;
     }
     std::optional<SampledLight> light = interior_.Sample(chosen.group, query, chosen.inner);
-    if (light) light->pmf *= chosen.pmf;
-    return light;
+    if (!light) return {};
+    return SampledLight{light->light, light->pmf * chosen.pmf, light->pmf * chosen.unoccluded, chosen.weight};
 }
 
 Float GroupLightSampler::PMF(const LightQuery &query, LightId light) const {

@@ -18,10 +18,11 @@ class GroupLightSampler : public LightSampler {
     const MeshGroups &Groups() const { return groups_; }
 
   protected:
-    /// `pmf`: of the group. `inner`: the uniform number for the choice inside.
+    /// `pmf`: of the group. `inner`: the uniform number for the choice inside. `unoccluded`, `weight`: of the group, as in SampledLight.
     struct ChosenGroup {
         uint32_t group = 0;
         Float pmf = 1, inner = 0;
+        Float unoccluded = 0, weight = 0;
     };
     GroupLightSampler(const LightTable &lights, bool meshlights, bool interiorByImportance)
         : groups_(lights, meshlights), interior_(lights, groups_, interiorByImportance) {}

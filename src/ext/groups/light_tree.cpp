@@ -191,7 +191,7 @@ void LightTree::LookBelow(uint32_t node, const LightQuery &query, Below *below) 
 
 std::optional<SampledLight> LightTree::SampleWithin(uint32_t node, const LightQuery &query, Float u) const {
     auto rest = static_cast<double>(u);
-    Float pmf = 1;
+    Float pmf = 1, gLight = 0;
     while (HasChildren(node)) {
         Below below;
         LookBelow(node, query, &below);
@@ -206,12 +206,13 @@ std::optional<SampledLight> LightTree::SampleWithin(uint32_t node, const LightQu
             if (target < before) break;
         }
         if (!chosen) return {};
-        pmf *= below.g[*chosen] / below.sum;
+        gLight = below.g[*chosen];
+        pmf *= gLight / below.sum;
         rest = std::clamp((target - chosenBefore) / static_cast<double>(below.g[*chosen]), 0.0, 0x1.fffffffffffffp-1);
         node = below.nodes[*chosen];
     }
     const Range range = ranges_[node];
-    if (range.Size() == 1) return SampledLight{LightId(order_[range.begin]), pmf};
+    if (range.Size() == 1) return SampledLight{LightId(order_[range.begin]), pmf, gLight};
     const size_t near = order_.size() - far_.size();
     const Float sum = EvaluateFarNode(node, query);
     Float before = 0, g = 0;
@@ -224,7 +225,7 @@ std::optional<SampledLight> LightTree::SampleWithin(uint32_t node, const LightQu
         before += value;
     }
     if (!chosen) return {};
-    return SampledLight{LightId(order_[*chosen]), pmf * (g / sum)};
+    return SampledLight{LightId(order_[*chosen]), pmf * (g / sum), g};
 }
 
 Float LightTree::PMFWithin(uint32_t node, const LightQuery &query, uint32_t position) const {

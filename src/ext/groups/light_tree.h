@@ -46,7 +46,7 @@ class LightTree {
 
     /// G of nodes in rising order into out[0, nodes.size()); returns the sum.
     Float Evaluate(const LightQuery &query, std::span<const uint32_t> nodes, std::span<Float> out) const;
-    /// A light below a node, chosen level by level by G, and its probability given the node. None if no light there can contribute.
+    /// A light below a node, chosen level by level by G, its probability given the node, and its G as `unoccluded`. None if no light there can contribute.
     std::optional<SampledLight> SampleWithin(uint32_t node, const LightQuery &query, Float u) const;
     /// Of a light at a position in the node's range.
     Float PMFWithin(uint32_t node, const LightQuery &query, uint32_t position) const;

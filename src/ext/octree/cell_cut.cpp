@@ -2,18 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
-#include <queue>
 
 namespace ext {
 
 namespace {
 /// Nodes that a cell's children inherit, times those of a cut.
-constexpr size_t kInherited = 4;
+constexpr size_t kInherited = 2;
 /// A node that is no single light is chosen less well than its factor says.
 constexpr double kInnerCost = 1.1;
 /// Siblings are joined if that costs less than this part of the whole.
 constexpr double kNoCost = 1e-4;
+constexpr double kNever = -std::numeric_limits<double>::infinity();
 /// How much more or less than the cell above said.
 constexpr double kLeastRatio = 1e-4, kMostRatio = 1e4;
 }  // namespace
@@ -26,11 +27,13 @@ struct CellCut::Merger {
     const CellCut *above;
     const Settings &settings;
     struct Item {
-        uint32_t node = 0, parent = 0, next = 0, second = 0;  ///< `second`: its second child; 0: none, it is in the cut
-        double moment = 0, share = 0, cost = 0;
+        uint32_t node = 0, next = 0, second = 0;  ///< `second`: its second child; 0: none, it is in the cut
+        double moment = 0, share = 0;
+        double cost = 0;  ///< of it in the cut
+        double key = 0;   ///< of joining all below it: the most that one of the joins costs
     };
-    std::vector<Item> items;
-    std::vector<double> w, w2, wm, expected;  ///< running sums, one more entry; `expected`: of wm, by the cell above
+    std::vector<Item> items = {};
+    std::vector<double> w = {}, w2 = {}, wm = {}, expected = {};  ///< running sums, one more entry; `expected`: of wm, by the cell above
 
     void SumUp() {
         for (std::vector<double> *v : {&w, &w2, &wm, &expected}) v->assign(1, 0);
@@ -47,14 +50,15 @@ struct CellCut::Merger {
 
     /// `knownAbove`: the node in the cell above; none if that does not tell it apart, then `momentAbove` is of a node that
     /// holds it. `ratioBefore`: how this cell compares with the one above, over the node's parent.
-    void Add(uint32_t node, uint32_t parent, size_t begin, size_t end, std::optional<size_t> knownAbove, double momentAbove, double ratioBefore,
+    void Add(uint32_t node, size_t begin, size_t end, std::optional<size_t> knownAbove, double momentAbove, double ratioBefore,
              double shareBefore) {
         const double sw = w[end] - w[begin], sw2 = w2[end] - w2[begin], se = expected[end] - expected[begin], k = settings.shrinkage;
         const double tries = begin < end && sw2 > 0 && se > 0 ? sw * sw / sw2 : 0, found = tries > 0 ? (wm[end] - wm[begin]) / se : 0;
         const double ratio = tries + k > 0 ? std::clamp((tries * found + k * ratioBefore) / (tries + k), kLeastRatio, kMostRatio) : ratioBefore;
-        Item item{.node = node, .parent = parent};
+        Item item{.node = node};
         item.moment = ratio * momentAbove;
         item.share = (sw + k * shareBefore) / std::max(weight + k, 1e-9);
+        item.cost = CostOf(item);
         const auto index = static_cast<uint32_t>(items.size());
         items.push_back(item);
         const bool toldApart = knownAbove && above->IsInner(*knownAbove);
@@ -77,9 +81,14 @@ struct CellCut::Merger {
             }
             const double total = shareA + shareB;
             shareA = total > 0 ? item.share * shareA / total : item.share / 2;
-            Add(first, index, begin, middle, a, momentA, ratio, shareA);
+            Add(first, begin, middle, a, momentA, ratio, shareA);
             items[index].second = static_cast<uint32_t>(items.size());
-            Add(second, index, middle, end, b, momentB, ratio, item.share - shareA);
+            Add(second, middle, end, b, momentB, ratio, item.share - shareA);
+            const Item &one = items[index + 1], &other = items[items[index].second];
+            items[index].key = std::max({item.cost - one.cost - other.cost, IsInner(index + 1) ? one.key : kNever, other.second != 0 ? other.key : kNever});
+        } else {
+            ++nodes;
+            total += item.cost;
         }
         items[index].next = static_cast<uint32_t>(items.size());
     }
@@ -90,33 +99,24 @@ struct CellCut::Merger {
     }
     bool IsInner(size_t i) const { return items[i].second != 0; }
 
-    std::priority_queue<std::pair<double, uint32_t>, std::vector<std::pair<double, uint32_t>>, std::greater<>> queue;
-    size_t nodes = 0;
-    double total = 0;
-    void Offer(uint32_t i) {
-        const Item &item = items[i];
-        if (IsInner(i + 1) || IsInner(item.second)) return;
-        queue.push({item.cost - items[i + 1].cost - items[item.second].cost, i});
-    }
-    void BeginJoining() {
-        for (uint32_t i = 0; i < items.size(); ++i) {
-            items[i].cost = CostOf(items[i]);
-            if (IsInner(i)) continue;
-            total += items[i].cost;
-            ++nodes;
-        }
-        for (uint32_t i = 0; i < items.size(); ++i)
-            if (IsInner(i)) Offer(i);
-    }
+    size_t nodes = 0;  ///< of the cut
+    double total = 0;  ///< cost of the finest cut
+    std::vector<std::pair<double, uint32_t>> joins = {};  ///< keys and items
+    /// Joins siblings, the cheapest first: what costs next to nothing, and until there are no more than `most` nodes.
+    /// A node's key is no less than those below it, so that what is below it is joined before.
     void JoinDownTo(size_t most) {
-        while (!queue.empty() && (nodes > most || queue.top().first < kNoCost * total)) {
-            const auto [cost, i] = queue.top();
-            queue.pop();
-            items[i].second = 0;
-            total += cost;
-            --nodes;
-            if (i != items[i].parent && IsInner(items[i].parent)) Offer(items[i].parent);
+        joins.clear();
+        size_t free = 0;
+        for (uint32_t i = 0; i < items.size(); i = IsInner(i) ? i + 1 : items[i].next) {
+            if (!IsInner(i)) continue;
+            // Among equals those below first.
+            joins.push_back({items[i].key, ~i});
+            free += items[i].key < kNoCost * total;
         }
+        const size_t count = std::min(joins.size(), std::max(free, nodes > most ? nodes - most : 0));
+        if (count < joins.size()) std::nth_element(joins.begin(), joins.begin() + static_cast<std::ptrdiff_t>(count), joins.end());
+        for (size_t k = 0; k < count; ++k) items[~joins[k].second].second = 0;
+        nodes -= count;
     }
     /// In preorder, what is left.
     template <class Visit>
@@ -126,7 +126,7 @@ struct CellCut::Merger {
 };
 
 CellCut::CellCut(const LightTree &lights, std::span<const TrySums> sums, double weight, const CellCut *above, const Settings &settings) {
-    Merger merger{lights, sums, weight, above, settings, {}, {}, {}, {}, {}, {}};
+    Merger merger{lights, sums, weight, above, settings};
     merger.SumUp();
     const double all = merger.w.back() > 0 ? merger.wm.back() / merger.w.back() : 0, prior = all > 0 ? all : 1;
     size_t begin = 0, knownAbove = 0;
@@ -134,18 +134,16 @@ CellCut::CellCut(const LightTree &lights, std::span<const TrySums> sums, double 
     for (uint32_t root : roots) {
         const size_t end = static_cast<size_t>(std::partition_point(sums.begin() + static_cast<std::ptrdiff_t>(begin), sums.end(),
                                                                     [&](const TrySums &s) { return s.light < lights.At(root).end; }) - sums.begin());
-        const auto self = static_cast<uint32_t>(merger.items.size());
         if (above) {
             const Known &known = above->known_[knownAbove];
-            merger.Add(root, self, begin, end, knownAbove, static_cast<double>(known.moment), 1, static_cast<double>(known.share));
+            merger.Add(root, begin, end, knownAbove, static_cast<double>(known.moment), 1, static_cast<double>(known.share));
             knownAbove = known.next;
         } else {
-            merger.Add(root, self, begin, end, {}, 1, prior, 1 / static_cast<double>(roots.size()));
+            merger.Add(root, begin, end, {}, 1, prior, 1 / static_cast<double>(roots.size()));
         }
         begin = end;
     }
     const size_t far = lights.FarNodeCount();
-    merger.BeginJoining();
     merger.JoinDownTo(kInherited * settings.nodes + far);
     merger.ForEach([&](const Merger::Item &item, bool) {
         known_.push_back({item.node, 0, static_cast<float>(item.moment), static_cast<float>(item.share)});

@@ -49,7 +49,7 @@ void VisibilityOctreeLightSampler::Inspect(const LightQuery &query, std::vector<
 std::string VisibilityOctreeLightSampler::DescribeStructure() const {
     if (!learned_) return fmt::format("octree: none, there is nothing to choose ({} lights)\n", groups_.Size());
     return fmt::format("octree: {} leaves ({} before pruning), {} different rows over {} lights, {} records, {} shadow rays\nbytes: {}\n",
-                       tree_.LeafCount(), leavesBefore_, tree_.RowCount(), groups_.Size(), records_, tries_, tree_.Bytes()) +
+                       tree_.LeafCount(), leavesBefore_, tree_.RowCount(), groups_.Size(), prepassRecords_, prepassTries_, tree_.Bytes()) +
            DescribeLeaves(leaves_);
 }
 

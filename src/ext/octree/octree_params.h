@@ -24,6 +24,7 @@ struct OctreeParams {
     bool bsdf = true;
     bool interior = true;
     int cut = 48;
+    bool learn = true;
 
     template <class V>
     void Describe(V &&v) {
@@ -41,6 +42,7 @@ struct OctreeParams {
         v("bsdf", bsdf, "visibility: follow the BSDF of glossy surfaces");
         v("interior", interior, "visibility: choose a mesh's primitive by importance at the point; false: by power");
         v("cut", cut, Range<int>{2, 48}, "visibility: nodes of the light tree that a leaf tells apart where there are more than 64 lights");
+        v("learn", learn, "visibility: with more than 64 lights, go on learning from the shadow rays of the render");
         v("meshlights", meshlights, "an emissive mesh is one light for selection");
     }
 };

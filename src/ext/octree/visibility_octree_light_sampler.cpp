@@ -14,6 +14,11 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
 }
 
+/// Samples per pixel after which the render's shadow rays are looked at, if at least as many are to come.
+constexpr int kLearnAfter[] = {1, 4, 16, 64};
+/// Of them, between two lookings.
+constexpr size_t kMostFound = 400000;
+
 }  // namespace
 
 VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
@@ -28,7 +33,7 @@ double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context
     if (params_.prepassspp > 0) return params_.prepassspp;
     PrepassEffort effort;
     effort.lights = groups_.Size();
-    effort.triesPerVertex = TriesPerRecord(groups_.Size(), params_.tries);
+    effort.triesPerVertex = Tries();
     effort.depth = std::min(params_.depth, std::max(1, context.maxDepth));
     effort.pixels = static_cast<double>(std::max<int64_t>(1, context.pixelBounds.Area()));
     effort.samplesPerPixel = context.samplesPerPixel;
@@ -39,35 +44,70 @@ double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context
 void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
     auto start = std::chrono::steady_clock::now();
-    const int depth = std::min(params_.depth, std::max(1, context.maxDepth));
-    std::vector<PrepassVertex> vertices = TracePrepassPaths(context, PathsPerPixel(context), depth);
+    depth_ = std::min(params_.depth, std::max(1, context.maxDepth));
+    sceneBounds_ = context.scene.Bounds();
+    pixels_ = context.pixelBounds;
+    samplesPerPixel_ = context.samplesPerPixel;
+    std::vector<PrepassVertex> vertices = TracePrepassPaths(context, PathsPerPixel(context), depth_);
     if (context.progress.Cancelled()) return;
-    VisibilityRecords records = TraceVisibility(context, vertices, groups_, importance_, interior_, lightTree_.get(),
-                                                TriesPerRecord(groups_.Size(), params_.tries));
-    records_ = records.records.size();
-    tries_ = records.tries.size();
+    known_ = TraceVisibility(context, vertices, groups_, importance_, interior_, lightTree_.get(), Tries());
+    prepassRecords_ = known_.records.size();
+    prepassTries_ = known_.tries.size();
     prepassSeconds_ = SecondsSince(start);
     if (context.progress.Cancelled()) return;
 
     start = std::chrono::steady_clock::now();
     context.progress.BeginPhase("octree", 0);
+    Build(params_.records);
+    BeginLearning(0);
+    buildSeconds_ = SecondsSince(start);
+    context.progress.EndPhase();
+}
+
+void VisibilityOctreeLightSampler::Build(int records) {
     VisibilityBuildSettings settings;
     settings.lightCount = static_cast<int>(groups_.Size());
     settings.lights = lightTree_.get();
     settings.cut = params_.cut;
-    settings.records = params_.records;
+    settings.records = records;
+    settings.triesPerRecord = static_cast<int>(Tries());
     settings.shrinkage = params_.shrinkage;
     settings.pruneGain = params_.prunegain;
     settings.secondMoment = params_.secondmoment;
     settings.floor = floor_;
-    VisibilityTreeBuilder builder(context.scene.Bounds(), records.records, records.tries, settings);
+    VisibilityTreeBuilder builder(sceneBounds_, known_.records, known_.tries, settings);
     leavesBefore_ = builder.LeavesBeforePruning();
     tree_ = builder.Build();
     leaves_ = builder.Leaves();
     recordsPerNode_ = builder.RecordsPerNode();
     learned_ = true;
-    buildSeconds_ = SecondsSince(start);
-    context.progress.EndPhase();
+}
+
+void VisibilityOctreeLightSampler::BeginLearning(int first) {
+    const auto *next = std::upper_bound(std::begin(kLearnAfter), std::end(kLearnAfter), first);
+    nextLearning_ = Learner() && next != std::end(kLearnAfter) && 2 * *next <= samplesPerPixel_ ? *next : 0;
+    if (nextLearning_ > 0) {
+        found_.Begin(pixels_, first, nextLearning_, depth_, kMostFound);
+    } else {
+        found_.End();
+        known_ = {};
+    }
+}
+
+void VisibilityOctreeLightSampler::Found(const LightQuery &query, const SampledLight &light, const SampledSpectrum &found) {
+    if (!(light.unoccluded > 0)) return;
+    const Float ratio = RootMeanSquare(found) / light.unoccluded, weight = light.weight / static_cast<Float>(Tries());
+    if (!std::isfinite(ratio) || !std::isfinite(weight)) return;
+    found_.Add(query.p, {groups_.GroupOf(light.light), weight, weight, ratio});
+}
+
+void VisibilityOctreeLightSampler::Learn() {
+    const auto start = std::chrono::steady_clock::now();
+    found_.AppendTo(&known_);
+    // Four times as large as the first cells could be: as good, and built in half the time.
+    Build(4 * params_.records);
+    BeginLearning(nextLearning_);
+    learningSeconds_ += SecondsSince(start);
 }
 
 void VisibilityOctreeLightSampler::Weigh(const LightQuery &query, Choice *c) const {
@@ -138,12 +178,13 @@ std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::Samp
     }
     if (!chosen) return {};
     const Float inside = MeshGroups::InnerNumber(u, query.p, running - last, last);
-    if (!lightTree_) return ChosenGroup{static_cast<uint32_t>(*chosen), last, inside};
+    auto choose = [&](uint32_t group, Float pmf, Float inner, Float g) { return ChosenGroup{group, pmf, inner, g, g / (c.sumG * pmf)}; };
+    if (!lightTree_) return choose(static_cast<uint32_t>(*chosen), last, inside, c.g[*chosen]);
     const uint32_t node = c.nodes[*chosen];
-    if (lightTree_->IsLight(node)) return ChosenGroup{lightTree_->LightAt(lightTree_->At(node).begin), last, inside};
+    if (lightTree_->IsLight(node)) return choose(lightTree_->LightAt(lightTree_->At(node).begin), last, inside, c.g[*chosen]);
     std::optional<SampledLight> light = lightTree_->SampleWithin(node, query, inside);
     if (!light) return {};
-    return ChosenGroup{light->light.value, last * light->pmf, MeshGroups::InnerNumber(u, query.p)};
+    return choose(light->light.value, last * light->pmf, MeshGroups::InnerNumber(u, query.p), light->unoccluded);
 }
 
 Float VisibilityOctreeLightSampler::GroupPMF(const LightQuery &query, uint32_t group) const {
@@ -161,10 +202,11 @@ Float VisibilityOctreeLightSampler::GroupPMF(const LightQuery &query, uint32_t g
 void VisibilityOctreeLightSampler::Report(nlohmann::ordered_json &report) const {
     report["parameters"] = EffectiveParams(params_).dump();
     GroupLightSampler::Report(report);
-    report["prepassVertices"] = records_;
-    report["prepassShadowRays"] = tries_;
+    report["prepassVertices"] = prepassRecords_;
+    report["prepassShadowRays"] = prepassTries_;
     report["prepassSeconds"] = prepassSeconds_;
     report["octreeBuildSeconds"] = buildSeconds_;
+    if (learningSeconds_ > 0) report["learningSeconds"] = learningSeconds_;
     report["leavesBeforePruning"] = leavesBefore_;
     report["leaves"] = tree_.LeafCount();
     report["rows"] = tree_.RowCount();

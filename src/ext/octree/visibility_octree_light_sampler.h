@@ -5,9 +5,11 @@
 #include "ext/groups/group_light_sampler.h"
 #include "ext/groups/light_tree.h"
 #include "ext/octree/octree_params.h"
+#include "ext/octree/render_records.h"
 #include "ext/octree/structure_text.h"
 #include "ext/octree/visibility_tree.h"
 #include "ext/prepass/prepass.h"
+#include "pbrt/lightsamplers/light_learner.h"
 
 namespace ext {
 
@@ -20,13 +22,15 @@ namespace ext {
 /// light's middle where the surface is glossy without a diffuse part, and is 1 elsewhere. Light l is a group; inside a mesh the
 /// primitive is chosen by MeshInterior.
 /// With more than 64 groups l is a node of a cut through a tree over them (LightTree); every leaf has its own cut, fine where its
-/// light comes from, coarse elsewhere, and below a node lights are chosen level by level by G.
-class VisibilityOctreeLightSampler final : public GroupLightSampler {
+/// light comes from, coarse elsewhere, and below a node lights are chosen level by level by G. Such a sampler goes on learning from the
+/// render's shadow rays: after 1, 4, 16 and 64 samples a pixel it builds its tree anew from all that was found until then.
+class VisibilityOctreeLightSampler final : public GroupLightSampler, private LightLearner {
   public:
     VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
     ~VisibilityOctreeLightSampler() override;
 
     void Prepare(PrepareContext &context) override;
+    LightLearner *Learner() override { return lightTree_ && params_.learn ? this : nullptr; }
     void Report(nlohmann::ordered_json &report) const override;
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
     std::string DescribeStructure() const override;
@@ -49,6 +53,14 @@ class VisibilityOctreeLightSampler final : public GroupLightSampler {
     std::optional<ChosenGroup> SampleGroup(const LightQuery &query, Float u) const override;
     Float GroupPMF(const LightQuery &query, uint32_t group) const override;
     double PathsPerPixel(const PrepareContext &context) const;
+    size_t Tries() const { return TriesPerRecord(groups_.Size(), params_.tries); }
+    void Build(int records);
+
+    int NextLearning() const override { return nextLearning_; }
+    void BeginPath(Point2i pixel, int sample) override { found_.BeginPath(pixel, sample); }
+    void Found(const LightQuery &query, const SampledLight &light, const SampledSpectrum &found) override;
+    void Learn() override;
+    void BeginLearning(int first);
 
     OctreeParams params_;
     Float floor_;
@@ -58,8 +70,14 @@ class VisibilityOctreeLightSampler final : public GroupLightSampler {
     bool learned_ = false;
     std::vector<LeafSize> leaves_;          ///< these two for Inspect and DescribeStructure only
     std::vector<uint32_t> recordsPerNode_;
-    size_t records_ = 0, tries_ = 0, leavesBefore_ = 0;
-    double prepassSeconds_ = 0, buildSeconds_ = 0;
+    size_t prepassRecords_ = 0, prepassTries_ = 0, leavesBefore_ = 0;
+    double prepassSeconds_ = 0, buildSeconds_ = 0, learningSeconds_ = 0;
+
+    VisibilityRecords known_;  ///< all of them until now, while more are to come
+    RenderRecords found_;
+    Bounds3 sceneBounds_;
+    Bounds2i pixels_;
+    int nextLearning_ = 0, samplesPerPixel_ = 0, depth_ = 0;
 };
 
 }  // namespace ext

@@ -28,11 +28,17 @@ void VisibilityTreeBuilder::Divide() {
     std::iota(order_.begin(), order_.end(), 0u);
     nodes_.resize(1);
     nodes_[0].end = static_cast<uint32_t>(order_.size());
-    const auto splitAbove = static_cast<uint32_t>((settings_.lights ? 1 : 4) * settings_.records);
+    const auto splitAbove = static_cast<size_t>(settings_.records) * static_cast<size_t>(settings_.lights ? settings_.triesPerRecord : 4);
+    auto sizeOf = [&](uint32_t begin, uint32_t end) {
+        if (!settings_.lights) return size_t(end - begin);
+        size_t tries = 0;
+        for (uint32_t i = begin; i < end; ++i) tries += records_[order_[i]].tryCount;
+        return tries;
+    };
     for (uint32_t n = 0; n < nodes_.size(); ++n) {
         const uint32_t begin = nodes_[n].begin, end = nodes_[n].end;
         const int depth = nodes_[n].depth, bit = CellOctree::MaxDepth - 1 - depth;
-        if (end - begin <= splitAbove || bit < 0) {
+        if (sizeOf(begin, end) <= splitAbove || bit < 0) {
             ++leavesBefore_;
             continue;
         }
@@ -51,15 +57,19 @@ void VisibilityTreeBuilder::Divide() {
 }
 
 void VisibilityTreeBuilder::SumUp(int half) {
-    /// Sorted by light, one entry each.
-    auto compress = [&](std::vector<TrySums> &sums) {
-        std::stable_sort(sums.begin(), sums.end(), [](const TrySums &a, const TrySums &b) { return a.light < b.light; });
-        size_t kept = 0;
-        for (size_t i = 0; i < sums.size(); ++i) {
-            if (kept > 0 && sums[kept - 1].light == sums[i].light) sums[kept - 1] += sums[i];
-            else sums[kept++] = sums[i];
+    /// Sorted by light, one entry each. Of the same light in the same order as before.
+    auto compress = [](std::vector<TrySums> &sums) {
+        std::vector<uint64_t> order(sums.size());
+        for (size_t i = 0; i < sums.size(); ++i) order[i] = uint64_t(sums[i].light) << 32 | i;
+        std::sort(order.begin(), order.end());
+        std::vector<TrySums> sorted;
+        sorted.reserve(sums.size());
+        for (uint64_t o : order) {
+            const TrySums &s = sums[o & 0xffffffffu];
+            if (!sorted.empty() && sorted.back().light == s.light) sorted.back() += s;
+            else sorted.push_back(s);
         }
-        sums.resize(kept);
+        sums.assign(sorted.begin(), sorted.end());
         sums.shrink_to_fit();
     };
     const bool all = settings_.lights == nullptr;
@@ -130,8 +140,14 @@ void VisibilityTreeBuilder::Estimate() {
     }
     const double mean = w > 0 && wm > 0 ? wm / w : 1;
     prior_ = settings_.secondMoment ? std::sqrt(mean) : mean;
-    // Parents come before their children.
-    for (size_t n = 0; n < nodes_.size(); ++n) EstimateNode(nodes_[n], n == 0 ? nullptr : &nodes_[nodes_[n].parent]);
+    // Parents come before their children. Nodes of a depth follow each other, as they are made breadth first.
+    for (size_t begin = 0, end = 0; begin < nodes_.size(); begin = end) {
+        while (end < nodes_.size() && nodes_[end].depth == nodes_[begin].depth) ++end;
+        ParallelFor(static_cast<int64_t>(end - begin), 8, [&](int64_t first, int64_t last) {
+            for (size_t n = begin + static_cast<size_t>(first); n < begin + static_cast<size_t>(last); ++n)
+                EstimateNode(nodes_[n], n == 0 ? nullptr : &nodes_[nodes_[n].parent]);
+        });
+    }
 }
 
 double VisibilityTreeBuilder::Loss(const VisibilityRecord &record, const std::vector<float> &factors) const {

@@ -27,6 +27,7 @@ struct VisibilityBuildSettings {
     const LightTree *lights = nullptr;  ///< rows are cuts through it; null: rows name all lights
     int cut = 48;               ///< nodes of such a row, far lights not counted
     int records = 50;           ///< a leaf wants about this many
+    int triesPerRecord = 1;     ///< of a record as meant there, where tries are drawn (with a light tree)
     Float shrinkage = 4;        ///< pseudo-tries of the parent's estimate
     Float pruneGain = 0.01f;    ///< a split must lower the held-out second moment by this share; 0 keeps every split
     bool secondMoment = true;   ///< a^2 = mean of ratio^2; false: a = mean of ratio

@@ -24,6 +24,8 @@ class Integrator {
     /// Before the first wave; the light sampler's prepass happens here.
     virtual void Prepare(PrepareContext &) {}
     virtual SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler) const = 0;
+    /// What has to be told of every path, and between waves; null if nothing.
+    virtual LightLearner *Learner() { return nullptr; }
     /// The light sampler in use; null if the integrator has none.
     virtual const LightSampler *Lights() const { return nullptr; }
     /// The shadow-ray gate in use, or null.

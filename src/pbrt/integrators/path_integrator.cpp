@@ -20,19 +20,25 @@ SampledSpectrum PathIntegrator::SampleDirect(const SurfacePoint &point, const Bs
         ++ThreadCounters().zeroLightSamples;
         return SampledSpectrum(0);
     }
+    auto nothingFound = [&] {
+        if (learner_) learner_->Found(query, *selected, SampledSpectrum(0));
+        return SampledSpectrum(0);
+    };
     const Light &light = context_.scene.Lights()[selected->light];
     std::optional<LightLiSample> sample =
         light.SampleLi(ScatteringContextAt(context_.scene, point, bsdf), uLight, lambda, true);
-    if (!sample || !sample->L || !(sample->pdf > 0)) return SampledSpectrum(0);
+    if (!sample || !sample->L || !(sample->pdf > 0)) return nothingFound();
 
-    SampledSpectrum f = bsdf.F(point.wo, sample->wi) * AbsDot(sample->wi, point.shading.n);
-    if (!f) return SampledSpectrum(0);
+    const Float cosine = AbsDot(sample->wi, point.shading.n);
+    SampledSpectrum f = bsdf.F(point.wo, sample->wi) * cosine;
+    if (!f) return nothingFound();
     Float traced = 1;
     if (gate_) {
         traced = gate_->TraceProbability(query, selected->light, sample->pLight);
         if (uGate >= traced) return SampledSpectrum(0);
     }
-    if (context_.scene.Occluded(LightContextAt(point), *sample)) return SampledSpectrum(0);
+    if (context_.scene.Occluded(LightContextAt(point), *sample)) return nothingFound();
+    if (learner_) learner_->Found(query, *selected, sample->L * (cosine / sample->pdf));
 
     Float pLight = selected->pmf * sample->pdf;  // solid angle
     if (IsDelta(light.Kind())) return sample->L * f / (pLight * traced);

@@ -3,6 +3,7 @@
 
 #include "pbrt/bxdfs/bsdf.h"
 #include "pbrt/integrators/integrator.h"
+#include "pbrt/lightsamplers/light_learner.h"
 #include "pbrt/lightsamplers/shadow_ray_gate.h"
 
 namespace pbrt {
@@ -26,13 +27,14 @@ class PathIntegrator final : public Integrator {
   public:
     PathIntegrator(const IntegratorContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
                    std::unique_ptr<ShadowRayGate> gate = nullptr)
-        : context_(context), settings_(settings), lights_(std::move(lights)), gate_(std::move(gate)) {}
+        : context_(context), settings_(settings), lights_(std::move(lights)), gate_(std::move(gate)), learner_(lights_->Learner()) {}
 
     void Prepare(PrepareContext &prepare) override {
         lights_->Prepare(prepare);
         if (gate_) gate_->Prepare(prepare);
     }
     SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler) const override;
+    LightLearner *Learner() override { return learner_; }
     const LightSampler *Lights() const override { return lights_.get(); }
     const ShadowRayGate *Gate() const override { return gate_.get(); }
 
@@ -43,6 +45,7 @@ class PathIntegrator final : public Integrator {
     PathSettings settings_;
     std::unique_ptr<LightSampler> lights_;
     std::unique_ptr<ShadowRayGate> gate_;
+    LightLearner *learner_;
 };
 
 }  // namespace pbrt

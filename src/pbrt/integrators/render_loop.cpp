@@ -7,6 +7,7 @@
 #include "pbrt/films/gbuffer_film.h"
 #include "pbrt/films/spectral_film.h"
 #include "pbrt/images/metrics.h"
+#include "pbrt/lightsamplers/light_learner.h"
 
 namespace pbrt {
 
@@ -54,9 +55,9 @@ class ReferenceLog {
 
 }  // namespace
 
-WaveRenderer::WaveRenderer(const Integrator &integrator, const Camera &camera, const Filter &filter, RgbFilm &film,
+WaveRenderer::WaveRenderer(Integrator &integrator, const Camera &camera, const Filter &filter, RgbFilm &film,
                            SamplerFactory makeSampler, const RenderSettings &settings, Progress &progress)
-    : integrator_(integrator), camera_(camera), filter_(filter), film_(film), makeSampler_(std::move(makeSampler)),
+    : integrator_(integrator), learner_(integrator.Learner()), camera_(camera), filter_(filter), film_(film), makeSampler_(std::move(makeSampler)),
       settings_(settings), progress_(progress),
       differentialScale_(settings.disablePixelJitter
                              ? Float(1)
@@ -67,6 +68,7 @@ WaveRenderer::WaveRenderer(const Integrator &integrator, const Camera &camera, c
 template <class Film>
 void WaveRenderer::SamplePixel(Film &film, Point2i pixel, int sampleIndex, Sampler &sampler) const {
     sampler.StartPixelSample(pixel, sampleIndex);
+    if (learner_) learner_->BeginPath(pixel, round_ * settings_.samplesPerPixel + sampleIndex);
     Float uLambda = sampler.Get1D();
     SampledWavelengths lambda = film.SampleWavelengths(settings_.disableWavelengthJitter ? Float(0.5) : uLambda);
     FilterSample offset = filter_.Sample(sampler.GetPixel2D());
@@ -84,6 +86,7 @@ void WaveRenderer::SamplePixel(Film &film, Point2i pixel, int sampleIndex, Sampl
         if constexpr (std::is_same_v<Film, GBufferFilm>) visible = film.Look(*ray, lambda);
         L = weight * integrator_.Li(*ray, lambda, sampler);
     }
+    if (isRepeating_) return;
     if constexpr (std::is_same_v<Film, GBufferFilm>) film.AddSample(pixel, L, lambda, cs.filterWeight, visible);
     else film.AddSample(pixel, L, lambda, cs.filterWeight);
 }
@@ -104,7 +107,11 @@ int WaveRenderer::Render(int count) {
         for (std::unique_ptr<Sampler> &s : samplers_) s = prototype->Clone();
     }
     const int first = done_ - round_ * settings_.samplesPerPixel;
-    const int size = std::min(count, settings_.samplesPerPixel - first);
+    int size = std::min(count, settings_.samplesPerPixel - first);
+    if (learner_ && learner_->NextLearning() > 0) {
+        if (done_ == learner_->NextLearning()) learner_->Learn();
+        if (const int next = learner_->NextLearning(); next > 0) size = std::min(size, next - done_);
+    }
     ParallelForEach(tileCount_, [&](int64_t tile) {
         if (progress_.Cancelled()) return;
         // Which thread takes which tile does not matter.
@@ -121,7 +128,15 @@ int WaveRenderer::Render(int count) {
     return size;
 }
 
-RenderResult RenderWaves(const Integrator &integrator, const Camera &camera, const Filter &filter, RgbFilm &film,
+void WaveRenderer::ContinueFrom(int samples) {
+    isRepeating_ = true;
+    while (learner_ && learner_->NextLearning() > 0 && done_ < samples)
+        if (Render(samples - done_) == 0) break;
+    isRepeating_ = false;
+    done_ = samples;
+}
+
+RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Filter &filter, RgbFilm &film,
                          const SamplerFactory &makeSampler, const RenderSettings &settings, Progress &progress) {
     RenderResult result;
     ReferenceLog reference(settings, film);

@@ -30,18 +30,19 @@ struct RenderResult {
 /// Makes the sampler of the round-th batch of RenderSettings::samplesPerPixel samples.
 using SamplerFactory = std::function<std::unique_ptr<Sampler>(int round)>;
 
-/// Adds samples to a film, a number per pixel at a time, over tiles. Every sample is a function of pixel and sample index
-/// only, so any number of threads, and any split into calls, gives the same image.
+/// Adds samples to a film, a number per pixel at a time, over tiles. Every sample is a function of pixel and sample index,
+/// and of what the integrator's LightLearner learned from fixed samples before it, so any number of threads, and any split into calls, gives the same image.
 class WaveRenderer {
   public:
-    WaveRenderer(const Integrator &integrator, const Camera &camera, const Filter &filter, RgbFilm &film,
+    WaveRenderer(Integrator &integrator, const Camera &camera, const Filter &filter, RgbFilm &film,
                  SamplerFactory makeSampler, const RenderSettings &settings, Progress &progress);
 
     /// Renders up to `count` more samples per pixel, not beyond the end of the batch. Returns how many; 0 when cancelled.
     int Render(int count);
     int Done() const { return done_; }
-    /// The film already holds the first `samples` samples (RgbFilm::LoadState): go on after them.
-    void ContinueFrom(int samples) { done_ = samples; }
+    /// The film already holds the first `samples` samples (RgbFilm::LoadState): go on after them. Those that the
+    /// integrator learns from are traced again.
+    void ContinueFrom(int samples);
     int64_t TileCount() const { return tileCount_; }
 
   private:
@@ -50,7 +51,8 @@ class WaveRenderer {
     void SamplePixel(Film &film, Point2i pixel, int sampleIndex, Sampler &sampler) const;
     template <class Film>
     void RenderTile(Film &film, int64_t tile, int first, int size, Sampler &sampler) const;
-    const Integrator &integrator_;
+    Integrator &integrator_;
+    LightLearner *const learner_;
     const Camera &camera_;
     const Filter &filter_;
     RgbFilm &film_;
@@ -63,10 +65,11 @@ class WaveRenderer {
     int64_t tileCount_;
     std::vector<std::unique_ptr<Sampler>> samplers_;  ///< one a thread
     int round_ = -1, done_ = 0;
+    bool isRepeating_ = false;  ///< the film has these samples
 };
 
 /// Renders waves of 1, 1, 2, 4, ... up to 64 samples per pixel until samplesPerPixel or the time budget is reached.
-RenderResult RenderWaves(const Integrator &integrator, const Camera &camera, const Filter &filter, RgbFilm &film,
+RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Filter &filter, RgbFilm &film,
                          const SamplerFactory &makeSampler, const RenderSettings &settings, Progress &progress);
 
 }  // namespace pbrt

@@ -16,6 +16,7 @@ class Bsdf;
 class Camera;
 class Filter;
 class SampledWavelengths;
+class LightLearner;
 
 /// All that is known at the vertex; grows without changing signatures.
 struct LightQuery {
@@ -42,6 +43,9 @@ struct InspectedValue {
 struct SampledLight {
     LightId light{};
     Float pmf = 0;  ///< discrete probability
+    /// Of samplers that learn (LightLearner): what they think the light contributes unoccluded, and the share of that
+    /// in all lights, over the probability of choosing it.
+    Float unoccluded = 0, weight = 0;
 };
 
 /// What a sampler may use before the first wave.
@@ -56,7 +60,7 @@ struct PrepareContext {
     Progress &progress;
 };
 
-/// Chooses the light that gets the shadow ray. Contract (house.md §4, tests/contract): const after Prepare; Sample's pmf
+/// Chooses the light that gets the shadow ray. Contract (house.md §4, tests/contract): const after Prepare but for its learner, if any; Sample's pmf
 /// equals PMF exactly; the pmf sums to 1 (or less, when Sample may return nothing); positive wherever a light
 /// contributes; one random number.
 class LightSampler {
@@ -65,6 +69,8 @@ class LightSampler {
     virtual void Prepare(PrepareContext &) {}
     virtual std::optional<SampledLight> Sample(const LightQuery &query, Float u) const = 0;
     virtual Float PMF(const LightQuery &query, LightId light) const = 0;
+    /// Null if nothing is learned after Prepare.
+    virtual LightLearner *Learner() { return nullptr; }
     /// Sizes, seconds, counts: for --stats and image metadata.
     virtual void Report(nlohmann::ordered_json &) const {}
     /// What the sampler knows at a point (cell, records, ...): the same names in the same order for every query. For

@@ -1,0 +1,58 @@
+#include "ext/octree/render_records.h"
+
+#include "pbrt/core/parallel.h"
+
+namespace ext {
+
+namespace {
+/// Rows begin with another pixel each, so that the pixels taken are no columns.
+constexpr int kRowShift = 7;
+}  // namespace
+
+void RenderRecords::Begin(const Bounds2i &pixels, int first, int end, int vertices, size_t most) {
+    pixels_ = pixels;
+    first_ = first;
+    end_ = end;
+    vertices_ = static_cast<size_t>(vertices);
+    const Vector2i size = pixels.IsEmpty() ? Vector2i(0) : pixels.high - pixels.low;
+    const size_t perPixel = static_cast<size_t>(end - first) * vertices_;
+    size_t count = 0;
+    for (stride_ = 1;; ++stride_) {
+        placesPerRow_ = static_cast<size_t>((size.x + stride_ - 1) / stride_);
+        count = placesPerRow_ * static_cast<size_t>(size.y) * perPixel;
+        if (count <= most || stride_ >= size.x) break;
+    }
+    places_.assign(count, {});
+    cursors_.assign(static_cast<size_t>(ThreadCount()), {});
+}
+
+void RenderRecords::End() { *this = {}; }
+
+void RenderRecords::BeginPath(Point2i pixel, int sample) {
+    if (cursors_.empty()) return;
+    Cursor &cursor = cursors_[static_cast<size_t>(ThreadIndex())];
+    const Vector2i at = pixel - pixels_.low;
+    if (sample < first_ || sample >= end_ || (at.x + kRowShift * at.y) % stride_ != 0) {
+        cursor = {};
+        return;
+    }
+    const size_t ofPixel = static_cast<size_t>(at.y) * placesPerRow_ + static_cast<size_t>(at.x / stride_);
+    cursor.next = (ofPixel * static_cast<size_t>(end_ - first_) + static_cast<size_t>(sample - first_)) * vertices_;
+    cursor.end = cursor.next + vertices_;
+}
+
+void RenderRecords::Add(const Point3 &p, const VisibilityTry &found) {
+    if (cursors_.empty()) return;
+    Cursor &cursor = cursors_[static_cast<size_t>(ThreadIndex())];
+    if (cursor.next < cursor.end) places_[cursor.next++] = {p, found};
+}
+
+void RenderRecords::AppendTo(VisibilityRecords *records) const {
+    for (const Place &place : places_) {
+        if (!(place.found.weight > 0)) continue;
+        records->records.push_back({place.p, static_cast<uint32_t>(records->tries.size()), 1});
+        records->tries.push_back(place.found);
+    }
+}
+
+}  // namespace ext

@@ -1,0 +1,24 @@
+#pragma once
+#include "pbrt/lightsamplers/light_sampler.h"
+
+namespace pbrt {
+
+class SampledSpectrum;
+
+/// A light sampler that goes on learning from the shadow rays of the render. What it samples by changes in Learn only: between waves,
+/// after fixed numbers of samples per pixel. So every sample is chosen by what other samples found, which keeps the picture
+/// unbiased; and as neither the order of calls nor the thread may matter, it is the same for any number of threads and any split into waves.
+class LightLearner {
+  public:
+    virtual ~LightLearner() = default;
+    /// Samples per pixel after which Learn must be called; 0: never again, and nothing need be told.
+    virtual int NextLearning() const = 0;
+    /// The calling thread begins the path of a sample.
+    virtual void BeginPath(Point2i pixel, int sample) = 0;
+    /// What the shadow ray to a chosen light found at a vertex of that path: radiance times cosine over the density of the point on
+    /// the light (solid angle), without BSDF and `light.pmf`; 0 where it was blocked or nothing arrives.
+    virtual void Found(const LightQuery &query, const SampledLight &light, const SampledSpectrum &found) = 0;
+    virtual void Learn() = 0;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,167 @@
+// The octree sampler goes on learning while it renders: same picture however the work is divided, valid probabilities, no bias.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <sstream>
+
+#include "agreement_statistics.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/integrators/render_loop.h"
+#include "support/build_text.h"
+
+namespace pbrt::test {
+namespace {
+
+constexpr int kSamples = 16;  ///< learned from after 1 and 4
+constexpr uint32_t kLampsPerRoom = 48;
+
+/// Two rooms side by side without ceilings, with a wall between them at x = 0; the camera looks down on the left one. Lamps
+/// of the left room come first.
+std::string TwoRooms(const std::string &sampler) {
+    std::string text = R"(Option "rendercoordsys" "world"
+LookAt -2 6 0  -2 0 0  0 0 1
+Camera "perspective" "float fov" 40
+Film "rgb" "integer xresolution" 40 "integer yresolution" 40 "bool savefp16" false
+Sampler "independent" "integer pixelsamples" 16
+Integrator "path" "integer maxdepth" 2 )" + sampler + R"(
+WorldBegin
+)";
+    for (uint32_t i = 0; i < 2 * kLampsPerRoom; ++i) {
+        const uint32_t room = i / kLampsPerRoom, k = i % kLampsPerRoom;
+        text += fmt::format("LightSource \"point\" \"point3 from\" [ {} {} {} ] \"rgb I\" [ {} 1 1 ]\n",
+                            (room == 0 ? -3.7 : 0.2) + 0.5 * (k % 8), 0.6 + 0.1 * (k % 3), -1.5 + 0.6 * (k / 8), 0.5 + 0.1 * (k % 5));
+    }
+    return text + R"(Material "diffuse"
+Shape "bilinearmesh" "point3 P" [ -4 0 -3  4 0 -3  -4 0 3  4 0 3 ]
+Shape "bilinearmesh" "point3 P" [ 0 0 -3  0 0 3  0 2 -3  0 2 3 ]
+)";
+}
+
+BuiltScene Build(const std::string &parameters = "") { return BuildText(TwoRooms("\"string lightsampler\" \"octree\" " + parameters)); }
+
+void Prepare(BuiltScene &built, Progress &progress) {
+    PrepareContext context{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), built.seed, kSamples, built.maxDepth, progress};
+    built.integrator->Prepare(context);
+}
+
+/// Renders in calls of these sizes, the last one again and again.
+Image Render(BuiltScene &built, std::vector<int> sizes) {
+    Progress progress;
+    Prepare(built, progress);
+    RenderSettings settings;
+    settings.samplesPerPixel = kSamples;
+    WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
+    for (size_t i = 0; renderer.Done() < kSamples; ++i) renderer.Render(sizes[std::min(i, sizes.size() - 1)]);
+    return built.film->ToImage();
+}
+
+bool SameBits(const Image &a, const Image &b) { return a.Bytes() == b.Bytes() && std::memcmp(a.Data(), b.Data(), a.Bytes()) == 0; }
+
+TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePicture) {
+    auto render = [](int threads, std::vector<int> sizes, const std::string &parameters = "") {
+        ThreadLimit limit(threads);
+        BuiltScene built = Build(parameters);
+        return Render(built, std::move(sizes));
+    };
+    const Image whole = render(1, {kSamples});
+    EXPECT_TRUE(SameBits(whole, render(3, {kSamples})));
+    EXPECT_TRUE(SameBits(whole, render(2, {1})));
+    EXPECT_TRUE(SameBits(whole, render(1, {3, 2, 7, 1})));
+    EXPECT_FALSE(SameBits(whole, render(1, {kSamples}, "\"bool octree.learn\" false"))) << "nothing was learned";
+}
+
+TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSame) {
+    BuiltScene uninterrupted = Build();
+    const Image whole = Render(uninterrupted, {kSamples});
+    for (int stop : {1, 3, 4, 6}) {
+        Progress progress;
+        RenderSettings settings;
+        settings.samplesPerPixel = kSamples;
+        std::stringstream state;
+        {
+            BuiltScene built = Build();
+            Prepare(built, progress);
+            WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
+            while (renderer.Done() < stop) renderer.Render(stop - renderer.Done());
+            built.film->SaveState(state);
+        }
+        BuiltScene built = Build();
+        Prepare(built, progress);
+        built.film->LoadState(state);
+        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
+        renderer.ContinueFrom(stop);
+        while (renderer.Done() < kSamples) renderer.Render(kSamples);
+        EXPECT_TRUE(SameBits(whole, built.film->ToImage())) << "stopped after " << stop;
+    }
+}
+
+/// Points on the floor of the left room.
+std::vector<LightQuery> Floor() {
+    std::vector<LightQuery> queries;
+    for (int i = 0; i < 100; ++i) {
+        LightQuery q;
+        q.p = Point3(-3.8f + 0.4f * static_cast<Float>(i % 10), 0, -1.9f + 0.4f * static_cast<Float>(i / 10));
+        q.wo = q.n = q.ns = Normal3(0, 1, 0);
+        queries.push_back(q);
+    }
+    return queries;
+}
+
+TEST(LearningWhileRendering, LampsBehindTheWallAreHardlyChosen) {
+    auto hidden = [](const LightSampler &lights) {
+        Float sum = 0;
+        for (const LightQuery &q : Floor())
+            for (uint32_t l = kLampsPerRoom; l < 2 * kLampsPerRoom; ++l) sum += lights.PMF(q, LightId(l));
+        return sum / 100;
+    };
+    // A prepass that knows next to nothing.
+    BuiltScene built = Build("\"float octree.budget\" 0.0001");
+    Progress progress;
+    Prepare(built, progress);
+    const Float before = hidden(*built.integrator->Lights());
+    Render(built, {kSamples});
+    const Float after = hidden(*built.integrator->Lights());
+    EXPECT_GT(before, 0.1f);
+    EXPECT_LT(after, before / 10);
+}
+
+TEST(LearningWhileRendering, ProbabilitiesAreValidAfterwards) {
+    BuiltScene built = Build();
+    Render(built, {kSamples});
+    const LightSampler &lights = *built.integrator->Lights();
+    for (const LightQuery &q : Floor()) {
+        double sum = 0;
+        for (uint32_t l = 0; l < 2 * kLampsPerRoom; ++l) {
+            const Float pmf = lights.PMF(q, LightId(l));
+            EXPECT_GT(pmf, 0);
+            sum += static_cast<double>(pmf);
+        }
+        EXPECT_NEAR(sum, 1, 1e-5);
+        for (Float u : {0.f, 0.01f, 0.3f, 0.77f, OneMinusEpsilon}) {
+            const std::optional<SampledLight> light = lights.Sample(q, u);
+            ASSERT_TRUE(light);
+            EXPECT_EQ(light->pmf, lights.PMF(q, light->light));
+        }
+    }
+}
+
+TEST(LearningWhileRendering, ThePictureIsTheSameInTheMean) {
+    auto statistics = [](const std::string &sampler, int firstSeed) {
+        PixelStatistics s;
+        for (int run = 0; run < 12; ++run) {
+            BuildOptions options;
+            options.seed = firstSeed + run;
+            BuiltScene built = BuildText(TwoRooms(sampler), options);
+            s.Add(Render(built, {kSamples}));
+        }
+        return s;
+    };
+    const PixelStatistics uniform = statistics("\"string lightsampler\" \"uniform\"", 1000), bvh = statistics("\"string lightsampler\" \"bvh\"", 2000);
+    const PixelStatistics octree = statistics("\"string lightsampler\" \"octree\"", 3000);
+    const Agreement a = Compare(octree, {&uniform, &bvh}, 1, 1e-3);
+    EXPECT_TRUE(a.Agrees()) << "p " << a.worstP << " at " << a.worst;
+    EXPECT_LT(a.error, 0.01) << "too noisy to tell";
+}
+
+}  // namespace
+}  // namespace pbrt::test

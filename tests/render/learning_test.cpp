@@ -137,6 +137,15 @@ TEST(LearningWhileRendering, ProbabilitiesAreValidAfterwards) {
             sum += static_cast<double>(pmf);
         }
         EXPECT_NEAR(sum, 1, 1e-5);
+        // Weights stand for all unoccluded light together, estimated by nodes of the light tree.
+        double weights = 0;
+        for (int i = 0; i < 500; ++i) {
+            const std::optional<SampledLight> light = lights.Sample(q, (static_cast<Float>(i) + 0.5f) / 500);
+            ASSERT_TRUE(light);
+            EXPECT_GT(light->unoccluded, 0);
+            weights += static_cast<double>(light->weight) / 500;
+        }
+        EXPECT_NEAR(weights, 1, 0.3);
         for (Float u : {0.f, 0.01f, 0.3f, 0.77f, OneMinusEpsilon}) {
             const std::optional<SampledLight> light = lights.Sample(q, u);
             ASSERT_TRUE(light);

@@ -93,4 +93,21 @@ TEST(CellCut, SpendsItsNodesWhereTheLightIs) {
     }
 }
 
+TEST(CellCut, FewerNodesAreJoinsOfMore) {
+    const LightTree tree = Clouds();
+    Rng rng(3);
+    const std::vector<TrySums> sums = Tries(tree, 40, [&](uint32_t) { return static_cast<double>(rng.Uniform()); });
+    CellCut finer = Cut(tree, sums, nullptr, 64);
+    EXPECT_EQ(finer.Nodes().size(), 64u);
+    for (size_t nodes : {33u, 12u, 5u, 1u}) {
+        const CellCut coarser = Cut(tree, sums, nullptr, nodes);
+        EXPECT_EQ(coarser.Nodes().size(), nodes);
+        for (uint32_t node : finer.Nodes()) {
+            const LightTree::Range inner = tree.At(node), outer = tree.At(coarser.Nodes()[tree.Holder(coarser.Nodes(), inner.begin)]);
+            EXPECT_TRUE(outer.begin <= inner.begin && inner.end <= outer.end);
+        }
+        finer = coarser;
+    }
+}
+
 }  // namespace

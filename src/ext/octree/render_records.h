@@ -4,7 +4,7 @@
 namespace ext {
 
 /// What shadow rays of the render found, as records of one try each. Every sample has a place of its own, so that the
-/// order in which threads come by does not matter.
+/// order in which threads come by does not matter. All calls under the same ThreadLimit.
 class RenderRecords {
   public:
     /// For samples [first, end) of these pixels and up to `vertices` vertices of their paths. At most `most` places: where there are more

@@ -104,6 +104,7 @@ void VisibilityOctreeLightSampler::Found(const LightQuery &query, const SampledL
 void VisibilityOctreeLightSampler::Learn() {
     const auto start = std::chrono::steady_clock::now();
     found_.AppendTo(&known_);
+    learnedTries_ = known_.tries.size() - prepassTries_;
     // Four times as large as the first cells could be: as good, and built in half the time.
     Build(4 * params_.records);
     BeginLearning(nextLearning_);
@@ -206,7 +207,10 @@ void VisibilityOctreeLightSampler::Report(nlohmann::ordered_json &report) const 
     report["prepassShadowRays"] = prepassTries_;
     report["prepassSeconds"] = prepassSeconds_;
     report["octreeBuildSeconds"] = buildSeconds_;
-    if (learningSeconds_ > 0) report["learningSeconds"] = learningSeconds_;
+    if (learnedTries_ > 0) {
+        report["learnedFromShadowRays"] = learnedTries_;
+        report["learningSeconds"] = learningSeconds_;
+    }
     report["leavesBeforePruning"] = leavesBefore_;
     report["leaves"] = tree_.LeafCount();
     report["rows"] = tree_.RowCount();

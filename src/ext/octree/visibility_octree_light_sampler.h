@@ -70,7 +70,7 @@ class VisibilityOctreeLightSampler final : public GroupLightSampler, private Lig
     bool learned_ = false;
     std::vector<LeafSize> leaves_;          ///< these two for Inspect and DescribeStructure only
     std::vector<uint32_t> recordsPerNode_;
-    size_t prepassRecords_ = 0, prepassTries_ = 0, leavesBefore_ = 0;
+    size_t prepassRecords_ = 0, prepassTries_ = 0, learnedTries_ = 0, leavesBefore_ = 0;
     double prepassSeconds_ = 0, buildSeconds_ = 0, learningSeconds_ = 0;
 
     VisibilityRecords known_;  ///< all of them until now, while more are to come

@@ -14,7 +14,7 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
 }
 
-/// Samples per pixel after which the render's shadow rays are looked at, if at least as many are to come.
+/// Samples per pixel after which the render's shadow rays are looked at, if three times as many are to come.
 constexpr int kLearnAfter[] = {1, 4, 16, 64};
 /// Of them, between two lookings.
 constexpr size_t kMostFound = 400000;
@@ -85,7 +85,7 @@ void VisibilityOctreeLightSampler::Build(int records) {
 
 void VisibilityOctreeLightSampler::BeginLearning(int first) {
     const auto *next = std::upper_bound(std::begin(kLearnAfter), std::end(kLearnAfter), first);
-    nextLearning_ = Learner() && next != std::end(kLearnAfter) && 2 * *next <= samplesPerPixel_ ? *next : 0;
+    nextLearning_ = Learner() && next != std::end(kLearnAfter) && 4 * *next <= samplesPerPixel_ ? *next : 0;
     if (nextLearning_ > 0) {
         found_.Begin(pixels_, first, nextLearning_, depth_, kMostFound);
     } else {

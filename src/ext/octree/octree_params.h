@@ -33,7 +33,7 @@ struct OctreeParams {
         v("depth", depth, Range<int>{1, 64}, "vertices of a prepass path");
         v("floor", floor, Range<Float>{0.f, 1.f}, "share of the probability handed out by unoccluded importance, whatever the prepass saw; 0: 0.05 (paper: 0.1)");
         v("leaves", leaves, Range<int>{64, 1 << 24}, "paper: its T: a cell is split while it holds more than 4N/T of the N prepass vertices");
-        v("budget", budget, Range<Float>{1e-4f, 1.f}, "visibility: rays of the prepass as share of the render's; with more than 64 lights, 0.1 can pay in renders of seconds");
+        v("budget", budget, Range<Float>{1e-4f, 1.f}, "visibility: rays of the prepass as share of the render's; with more than 64 lights, 0.1 can pay in renders of less than a second");
         v("tries", tries, Range<int>{0, 4096}, "visibility: lights looked at from a vertex; 0: all up to 64 lights, else 8 drawn by unoccluded importance");
         v("records", records, Range<int>{1, 1 << 20}, "visibility: vertices a leaf wants; a cell is split while it holds more than 4 times as many (with more than 64 lights: more)");
         v("shrinkage", shrinkage, Range<Float>{0.f, 1e6f}, "visibility: how many tries the parent cell's estimate counts for");

@@ -1,5 +1,7 @@
 #include "pbrt/core/files.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -20,18 +22,52 @@ std::string FileResolver::Resolve(const std::string &name) const {
     return std::filesystem::exists(beside, ignored) ? beside.string() : name;
 }
 
-std::string ReadFileContents(const std::string &path) {
-    std::error_code code;
-    if (std::filesystem::is_directory(path, code)) throw UserError(fmt::format("{}: is a directory.", path));
+std::string LowerExtension(const std::string &path) {
+    std::string extension = std::filesystem::path(path).extension().string();
+    for (char &c : extension)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return extension;
+}
+
+namespace {
+
+// An open file whose content ends somewhere, as far as its kind tells.
+int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
+    // Without O_NONBLOCK, opening a pipe waits for a writer, perhaps for ever.
+    const int flags = from == ReadFrom::Files ? O_RDONLY | O_CLOEXEC | O_NONBLOCK : O_RDONLY | O_CLOEXEC;
+    const int file = open(path.c_str(), flags);
+    if (file < 0) throw UserError(fmt::format("{}: {}.", path, std::strerror(errno)));
+    struct stat status {};
+    const bool known = fstat(file, &status) == 0;
+    const bool pipe = S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode) || isatty(file) == 1;
+    const char *refusal = nullptr;
+    if (!known) refusal = "its kind cannot be found out";
+    else if (S_ISDIR(status.st_mode)) refusal = "is a directory";
+    else if (pipe && from == ReadFrom::Files) refusal = "is a pipe or a terminal, not a file";
+    else if (!pipe && !S_ISREG(status.st_mode)) refusal = "is a device, not a file";
+    if (refusal) {
+        close(file);
+        throw UserError(fmt::format("{}: {}.", path, refusal));
+    }
+    *size = S_ISREG(status.st_mode) ? static_cast<size_t>(status.st_size) : 0;
+    return file;
+}
+
+}  // namespace
+
+std::string ReadFileContents(const std::string &path, ReadFrom from) {
+    size_t size = 0;
+    const int descriptor = OpenForReading(path, from, &size);
     // gzread passes plain content through unchanged.
-    errno = 0;
-    std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
-    if (!file) throw UserError(fmt::format("{}: {}.", path, std::strerror(errno ? errno : ENOMEM)));
+    std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzdopen(descriptor, "rb"), gzclose);
+    if (!file) {
+        close(descriptor);
+        throw UserError(fmt::format("{}: {}.", path, std::strerror(ENOMEM)));
+    }
     // Scenes have thousands of small files: no more memory is touched than they need.
     constexpr size_t kMost = 1 << 18, kLeast = 1 << 12;
-    uintmax_t size = std::filesystem::file_size(path, code);
-    if (code) size = kMost;
-    gzbuffer(file.get(), static_cast<unsigned>(std::clamp<uintmax_t>(size, kLeast, kMost)));
+    if (size == 0) size = kMost;  // a pipe, or a file that the kernel makes up
+    gzbuffer(file.get(), static_cast<unsigned>(std::clamp(size, kLeast, kMost)));
     std::string content;
     content.reserve(size + kLeast);
     for (;;) {
@@ -49,12 +85,6 @@ std::string ReadFileContents(const std::string &path) {
     int closed = gzclose(file.release());
     if (closed == Z_BUF_ERROR) throw UserError(fmt::format("{}: the compressed data ends too early.", path));
     return content;
-}
-
-std::string TemporaryNameFor(const std::string &path) {
-    std::filesystem::path p(path);
-    std::filesystem::path name = p.parent_path() / fmt::format(".{}.{}{}", p.stem().string(), getpid(), p.extension().string());
-    return name.string();
 }
 
 }  // namespace pbrt

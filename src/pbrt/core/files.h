@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace pbrt {
 
@@ -16,28 +17,24 @@ class FileResolver {
     std::filesystem::path directory_;
 };
 
+/// ".exr" of "a/B.EXR": the extension in small letters.
+std::string LowerExtension(const std::string &path);
+
+/// Whether something that is not a regular file may be read, too. A device such as /dev/zero never may: it has no end.
+enum class ReadFrom { Files, FilesAndPipes };
+
 /// The whole content; gzip content is decompressed whatever the name. Throws UserError (no location) if unreadable.
-std::string ReadFileContents(const std::string &path);
+std::string ReadFileContents(const std::string &path, ReadFrom from = ReadFrom::Files);
 
-/// Writes to a temporary name beside `path` and renames, so that a finished file is never lost to a half-written one.
-/// `write` gets the temporary name (same extension as `path`); if it throws, the temporary file is removed.
-template <class F>
-void WriteThenRename(const std::string &path, F &&write);
+/// Everything the programs write goes through this function. Afterwards the file holds `content` and is on the disk; if
+/// anything goes wrong, UserError (no location) is thrown and the file is as it was before. For that the content goes
+/// to a temporary file in the same folder, which is flushed to the disk and then takes the file's name.
+/// A symbolic link stays and what it leads to is replaced; an existing file's permissions stay. A pipe or device is
+/// written to directly.
+void WriteFile(const std::string &path, std::string_view content);
 
-/// Temporary name used by WriteThenRename.
-std::string TemporaryNameFor(const std::string &path);
-
-template <class F>
-void WriteThenRename(const std::string &path, F &&write) {
-    std::string temporary = TemporaryNameFor(path);
-    try {
-        write(temporary);
-        std::filesystem::rename(temporary, path);
-    } catch (...) {
-        std::error_code ignored;
-        std::filesystem::remove(temporary, ignored);
-        throw;
-    }
-}
+/// Throws the UserError that WriteFile(path, ...) would throw now, as far as that can be known before writing: the
+/// folder is missing or read-only, the name is too long, is that of a folder, ... Leaves nothing behind.
+void CheckWritable(const std::string &path);
 
 }  // namespace pbrt

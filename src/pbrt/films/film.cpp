@@ -1,16 +1,15 @@
 #include "pbrt/films/film.h"
 
 #include <algorithm>
-
-#include <cctype>
 #include <cstring>
-#include <filesystem>
 #include <istream>
 #include <ostream>
 
+#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/films/film_bounds.h"
 #include "pbrt/films/film_params.h"
+#include "pbrt/images/picture_name.h"
 
 namespace pbrt {
 
@@ -19,13 +18,9 @@ namespace {
 constexpr Float kLargestHalf = 65504;
 
 /// Said before the picture is rendered, not after.
-void CheckWritable(FilmKind kind, const std::string &filename, const FileLoc &loc) {
-    std::string extension = std::filesystem::path(filename).extension().string();
-    for (char &c : extension)
-        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    if (extension != ".exr" && extension != ".png" && extension != ".pfm")
-        throw UserError(fmt::format("\"{}\": pictures are written as .exr, .png or .pfm.", filename), loc);
-    if (kind != FilmKind::Rgb && extension != ".exr")
+void CheckFilename(FilmKind kind, const std::string &filename, const FileLoc &loc) {
+    CheckPictureName(filename, loc);
+    if (kind != FilmKind::Rgb && LowerExtension(filename) != ".exr")
         throw UserError(fmt::format("\"{}\": the channels of this film only fit into an .exr file.", filename), loc);
 }
 
@@ -48,7 +43,7 @@ RgbFilm::RgbFilm(FilmKind kind, const ParamSet &params, const ColorSpace &output
     pixelBounds_ = ChoosePixelBounds(params, fullResolution_, overrides, sink);
     filename_ = params.GetString("filename", "pbrt.exr");
     if (!overrides.filename.empty()) filename_ = overrides.filename;
-    CheckWritable(kind, filename_, overrides.filename.empty() ? params.LocOf("filename") : FileLoc());
+    CheckFilename(kind, filename_, overrides.filename.empty() ? params.LocOf("filename") : FileLoc());
     diagonal_ = GetAboveZero(params, "diagonal", 35);
     maxComponent_ = GetAboveZero(params, "maxcomponentvalue", Infinity);
     half_ = params.GetBool("savefp16", true) && !overrides.fullFloat;

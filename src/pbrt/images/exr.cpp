@@ -4,6 +4,7 @@
 #include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfMatrixAttribute.h>
@@ -12,6 +13,7 @@
 #include <OpenEXR/ImfStringAttribute.h>
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -122,6 +124,42 @@ Imf::FrameBuffer Bind(const std::vector<std::string> &names, Imf::PixelType type
     return buffer;
 }
 
+constexpr int64_t kMaxOffset = 1 << 28;  // of a window from the origin
+
+int64_t Extent(int low, int high) { return static_cast<int64_t>(high) - low + 1; }
+
+/// How many bytes of pixels a byte of the file can stand for.
+double MaxExpansion(Imf::Compression compression) {
+    switch (compression) {
+        case Imf::NO_COMPRESSION: return 2;  // mixed files become float
+        // Run lengths, and what deflate can do with constants.
+        case Imf::RLE_COMPRESSION:
+        case Imf::ZIPS_COMPRESSION:
+        case Imf::ZIP_COMPRESSION:
+        case Imf::PXR24_COMPRESSION: return 4000;
+        default: return Infinity;
+    }
+}
+
+/// A file in memory: OpenEXR cannot tell of errors when a file is closed.
+class MemoryStream final : public Imf::OStream {
+  public:
+    explicit MemoryStream(const std::string &name) : OStream(name.c_str()) {}
+    void write(const char bytes[], int count) override {
+        const auto size = static_cast<size_t>(count);
+        if (at_ + size > content_.size()) content_.resize(at_ + size);
+        std::copy_n(bytes, size, content_.begin() + static_cast<std::ptrdiff_t>(at_));
+        at_ += size;
+    }
+    uint64_t tellp() override { return at_; }
+    void seekp(uint64_t position) override { at_ = position; }
+    std::string Take() { return std::move(content_); }
+
+  private:
+    std::string content_;
+    size_t at_ = 0;
+};
+
 size_t CountAtHalfLimit(const Image &image) {
     size_t count = 0;
     for (int y = 0; y < image.Resolution().y; ++y)
@@ -133,6 +171,12 @@ size_t CountAtHalfLimit(const Image &image) {
 }  // namespace
 
 ImageFile ReadExr(const std::string &path) {
+    // The largest width and height of the library must be set before it reads a header: it allocates by them.
+    static const bool limited = [] {
+        Imf::Header::setMaxImageSize(1 << 20, 1 << 20);
+        return true;
+    }();
+    static_cast<void>(limited);
     Imf::InputFile file(path.c_str());
     const Imf::Header &header = file.header();
     const Imath::Box2i data = header.dataWindow(), display = header.displayWindow();
@@ -146,6 +190,16 @@ ImageFile ReadExr(const std::string &path) {
                 fmt::format("{}: channel \"{}\" holds integers; only half and float are supported.", path, it.name()));
         allHalf = allHalf && channel.type == Imf::HALF;
     }
+    std::vector<std::string> names = OrderedNames(header.channels());
+    if (names.empty()) throw UserError(fmt::format("{}: the image has no channels.", path));
+    CheckSize(path, Extent(data.min.x, data.max.x), Extent(data.min.y, data.max.y), static_cast<int64_t>(names.size()),
+              allHalf ? 2 : 4, MaxExpansion(header.compression()));
+    if (Extent(display.min.x, display.max.x) > INT_MAX || Extent(display.min.y, display.max.y) > INT_MAX)
+        throw UserError(fmt::format("{}: the display window is impossibly large.", path));
+    for (int corner : {data.min.x, data.min.y, display.min.x, display.min.y})
+        if (std::abs(static_cast<int64_t>(corner)) > kMaxOffset)
+            throw UserError(fmt::format("{}: a window begins at {}; at most {} from the origin are supported.", path, corner,
+                                        kMaxOffset));
     ImageFile result;
     ImageMetadata &metadata = result.metadata;
     metadata.pixelBounds = Bounds2i{{data.min.x - display.min.x, data.min.y - display.min.y},
@@ -154,8 +208,6 @@ ImageFile ReadExr(const std::string &path) {
     metadata.colorSpace = FindSpace(header, path);
     ReadAttributes(header, metadata);
 
-    std::vector<std::string> names = OrderedNames(header.channels());
-    if (names.empty()) throw UserError(fmt::format("{}: the image has no channels.", path));
     // Mixed files become float, which holds both exactly.
     result.image = Image(allHalf ? PixelFormat::Half : PixelFormat::Float,
                          {metadata.pixelBounds->Width(), metadata.pixelBounds->Height()}, names);
@@ -164,8 +216,7 @@ ImageFile ReadExr(const std::string &path) {
     return result;
 }
 
-void WriteExr(const std::string &path, const std::string &shownPath, const Image &image,
-              const ImageMetadata &metadata) {
+std::string EncodeExr(const std::string &path, const Image &image, const ImageMetadata &metadata) {
     Bounds2i bounds = metadata.pixelBounds.value_or(Bounds2i{{0, 0}, image.Resolution()});
     PBRT_CHECK_MSG(bounds.Width() == image.Resolution().x && bounds.Height() == image.Resolution().y,
                    "data window {} x {}, image {} x {}", bounds.Width(), bounds.Height(), image.Resolution().x,
@@ -187,14 +238,19 @@ void WriteExr(const std::string &path, const std::string &shownPath, const Image
     const bool asFloat = image.Format() == PixelFormat::Float;
     const Image pixels = asFloat ? image : image.ConvertTo(PixelFormat::Half);
     if (size_t clamped = asFloat ? 0 : CountAtHalfLimit(pixels))
-        LogWarning(fmt::format("{}: {} values are at or beyond {}, the largest in half precision.", shownPath, clamped,
+        LogWarning(fmt::format("{}: {} values are at or beyond {}, the largest in half precision.", path, clamped,
                                LargestHalf));
     Imf::PixelType type = asFloat ? Imf::FLOAT : Imf::HALF;
     for (const std::string &name : image.Channels()) header.channels().insert(name, Imf::Channel(type));
-    Imf::OutputFile file(path.c_str(), header);
-    // OpenEXR only reads through the frame buffer of an output file.
-    file.setFrameBuffer(Bind(image.Channels(), type, static_cast<char *>(const_cast<void *>(pixels.Data())), data));
-    file.writePixels(data.max.y - data.min.y + 1);
+    MemoryStream stream(path);
+    {
+        // Its end completes the content.
+        Imf::OutputFile file(stream, header);
+        // OpenEXR only reads through the frame buffer of an output file.
+        file.setFrameBuffer(Bind(image.Channels(), type, static_cast<char *>(const_cast<void *>(pixels.Data())), data));
+        file.writePixels(data.max.y - data.min.y + 1);
+    }
+    return stream.Take();
 }
 
 }  // namespace pbrt::formats

@@ -1,22 +1,17 @@
-#include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <new>
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
+#include "pbrt/core/memory.h"
 #include "pbrt/images/image_formats.h"
+#include "pbrt/images/picture_name.h"
 
 namespace pbrt {
 
 namespace {
-
-std::string Extension(const std::string &path) {
-    std::string extension = std::filesystem::path(path).extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension;
-}
 
 // The message of a library without a final full stop or line end.
 std::string Sentence(const std::exception &e) {
@@ -35,7 +30,7 @@ Image ForPlainFormat(const std::string &path, const Image &image, const ImageMet
     } else if (hasRgb) {
         if (image.ChannelCount() > 3)
             LogWarning(fmt::format("{}: only the channels R, G, B of {} are written; {} files hold no more.", path,
-                                   image.ChannelCount(), Extension(path)));
+                                   image.ChannelCount(), LowerExtension(path)));
         result = image.Extract({"R", "G", "B"});
     } else if (image.ChannelCount() != 1 && image.ChannelCount() != 3) {
         throw UserError(fmt::format("{}: an image of {} channels without R, G and B can only be written as .exr.", path,
@@ -53,14 +48,42 @@ Image ForPlainFormat(const std::string &path, const Image &image, const ImageMet
     return result;
 }
 
+constexpr int64_t kMaxExtent = 1 << 20;  // of an image that is read, in pixels
+
 }  // namespace
+
+namespace formats {
+
+void CheckSize(const std::string &path, int64_t width, int64_t height, int64_t channels, int bytesPerValue,
+               double maxExpansion) {
+    if (width < 1 || height < 1 || channels < 1)
+        throw UserError(fmt::format("{}: the header says {} x {} pixels of {} channels, which is no image.", path, width,
+                                    height, channels));
+    if (width > kMaxExtent || height > kMaxExtent)
+        throw UserError(fmt::format("{}: the header says {} x {} pixels; images have at most {} in each direction.", path,
+                                    width, height, kMaxExtent));
+    const double bytes = static_cast<double>(width) * static_cast<double>(height) * static_cast<double>(channels) *
+                         static_cast<double>(bytesPerValue);
+    const std::string what = fmt::format("{}: the header says {} x {} pixels of {} channels, which", path, width, height,
+                                         channels);
+    RequireMemory(bytes, what, {});
+    std::error_code failed;
+    const auto stored = static_cast<double>(std::filesystem::file_size(path, failed));
+    if (!failed && bytes > stored * maxExpansion)
+        throw UserError(fmt::format("{} take {}; the file has {} bytes, which cannot hold them.", what, BytesText(bytes),
+                                    stored));
+}
+
+}  // namespace formats
 
 ImageFile ReadImage(const std::string &path, std::optional<ColorEncoding> encoding) {
     std::error_code code;
     const auto status = std::filesystem::status(path, code);
     if (!std::filesystem::exists(status)) throw UserError(fmt::format("{}: No such image file.", path));
     if (std::filesystem::is_directory(status)) throw UserError(fmt::format("{}: is a directory, not an image.", path));
-    const std::string extension = Extension(path);
+    if (!std::filesystem::is_regular_file(status))
+        throw UserError(fmt::format("{}: is a pipe or a device, not an image file.", path));
+    const std::string extension = LowerExtension(path);
     try {
         if (extension == ".exr") return formats::ReadExr(path);
         if (extension == ".pfm") return formats::ReadPfm(path);
@@ -69,30 +92,41 @@ ImageFile ReadImage(const std::string &path, std::optional<ColorEncoding> encodi
         return formats::ReadOther(path, encoding);
     } catch (const UserError &) {
         throw;
+    } catch (const std::bad_alloc &) {
+        throw UserError(fmt::format("{}: there is not enough memory for this image.", path));
     } catch (const std::exception &e) {
         throw UserError(fmt::format("{}: {}.", path, Sentence(e)));
     }
 }
 
+void CheckPictureName(const std::string &path, const FileLoc &loc) {
+    const std::string extension = LowerExtension(path);
+    if (extension != ".exr" && extension != ".png" && extension != ".pfm")
+        throw UserError(fmt::format("\"{}\": pictures are written as .exr, .png or .pfm.", path), loc);
+}
+
 void WriteImage(const std::string &path, const Image &image, const ImageMetadata &metadata) {
     PBRT_CHECK(image);
-    const std::string extension = Extension(path);
-    if (extension != ".exr" && extension != ".png" && extension != ".pfm")
-        throw UserError(fmt::format("{}: images can be written as .exr, .png or .pfm only.", path));
+    const std::string extension = LowerExtension(path);
+    const bool jpeg = extension == ".jpg" || extension == ".jpeg";
+    if (!jpeg && extension != ".exr" && extension != ".png" && extension != ".pfm")
+        throw UserError(fmt::format("{}: images can be written as .exr, .png, .pfm or .jpg only.", path));
+    std::string content;
     try {
-        WriteThenRename(path, [&](const std::string &temporary) {
-            if (extension == ".exr")
-                formats::WriteExr(temporary, path, image, metadata);
-            else if (extension == ".png")
-                formats::WritePng(temporary, path, ForPlainFormat(path, image, metadata, true));
-            else
-                formats::WritePfm(temporary, ForPlainFormat(path, image, metadata, false));
-        });
+        if (extension == ".exr")
+            content = formats::EncodeExr(path, image, metadata);
+        else if (extension == ".pfm")
+            content = formats::EncodePfm(ForPlainFormat(path, image, metadata, false));
+        else
+            content = formats::EncodeBytes(jpeg ? "jpeg" : "png", path, ForPlainFormat(path, image, metadata, !jpeg));
     } catch (const UserError &) {
         throw;
+    } catch (const std::bad_alloc &) {
+        throw UserError(fmt::format("{}: there is not enough memory to write this image.", path));
     } catch (const std::exception &e) {
         throw UserError(fmt::format("{}: {}.", path, Sentence(e)));
     }
+    WriteFile(path, content);
 }
 
 }  // namespace pbrt

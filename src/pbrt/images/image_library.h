@@ -14,19 +14,24 @@ namespace pbrt::oiio {
 
 enum class ValueType { U8, U16, Half, Float };
 
-/// An image as it is in a file: rows from the top, channels interleaved.
+/// An image in memory: rows from the top, channels interleaved.
 struct Pixels {
     int width = 0, height = 0, channels = 0;
     ValueType type = ValueType::U8;
     const void *data = nullptr;
 };
 
-/// What was read. Alpha is not multiplied into the other channels. `format` is OpenImageIO's name.
-struct File {
-    Pixels pixels;  ///< of type U8, U16 (PNG only) or Float; the data are `values`
-    std::vector<std::byte> values;
-    std::string format;
-    int orientation = 1;  ///< EXIF numbering
+/// An image file of which the header was read.
+class OpenFile {
+  public:
+    virtual ~OpenFile() = default;
+    /// Reads all pixels as `type`, `channels` of them each. Alpha is not multiplied into the other channels.
+    virtual void Read(void *pixels) = 0;
+
+    int width = 0, height = 0, channels = 0;  ///< channels are those to be read, of perhaps more in the file
+    ValueType type = ValueType::U8;           ///< U8, U16 (PNG only) or Float
+    std::string format;                       ///< OpenImageIO's name
+    int orientation = 1;                      ///< EXIF numbering
 };
 
 /// Tiled files on disk, of whose tiles as many are in memory as fit a limit.
@@ -48,9 +53,10 @@ class TileStore {
 class ImageLibrary {
   public:
     virtual ~ImageLibrary() = default;
-    virtual File Read(const std::string &path) const = 0;
-    /// 1, 3 or 4 channels of type U8, encoded as sRGB.
-    virtual void WritePng(const std::string &path, const Pixels &pixels) const = 0;
+    /// Thread-safe, and so is reading the pixels of different files.
+    virtual std::unique_ptr<OpenFile> Open(const std::string &path) const = 0;
+    /// The bytes of a file in the format "png" or "jpeg"; the pixels are of type U8, encoded as sRGB.
+    virtual std::vector<unsigned char> Encode(const std::string &format, const Pixels &pixels) const = 0;
     virtual std::unique_ptr<TileStore> MakeTileStore(int megabytes, int tileSize) const = 0;
 };
 

@@ -1,10 +1,13 @@
 // The one file that calls OpenImageIO; a shared library of its own, see image_library.h.
 #include <OpenImageIO/imagecache.h>
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <fstream>
+#include <mutex>
 #include <stdexcept>
 
 #include "pbrt/images/image_library.h"
@@ -69,6 +72,14 @@ class CachedTiles final : public TileStore {
             Check(out->write_image(specs[i].format, images[i].data), out.get());
         }
         Check(out->close(), out.get());
+        out.reset();
+        // The library does not tell when the disk was full at the end of the file. Tiles are stored as they are.
+        uintmax_t expected = 0;
+        for (const OIIO::ImageSpec &spec : specs) expected += spec.image_bytes();
+        OIIO::ImageSpec last;
+        if (std::filesystem::file_size(path) < expected ||
+            !cache_->get_imagespec(OIIO::ustring(path), last, static_cast<int>(specs.size()) - 1))
+            throw std::runtime_error("the tiles of a texture could not be written; is the disk full?");
         void *file = cache_->get_image_handle(OIIO::ustring(path));
         Check(file != nullptr, cache_);
         return file;
@@ -94,44 +105,70 @@ class CachedTiles final : public TileStore {
     int tileSize_;
 };
 
+class OpenInput final : public OpenFile {
+  public:
+    OpenInput(const std::string &path, std::unique_ptr<OIIO::ImageInput> input) : input_(std::move(input)) {
+        const OIIO::ImageSpec &spec = input_->spec();
+        if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || spec.deep)
+            throw std::runtime_error("not a plain two-dimensional image");
+        width = spec.width;
+        height = spec.height;
+        format = input_->format_name();
+        orientation = spec.get_int_attribute("Orientation", 1);
+        const bool png = format == "png";
+        channels = std::min(spec.nchannels, png ? PngChannels(path) : spec.nchannels >= 3 ? 3 : 1);
+        // What is neither float nor a deep PNG counts as 8 bit.
+        type = spec.format.is_floating_point()         ? ValueType::Float
+               : png && spec.format.basesize() > 1 ? ValueType::U16
+                                                       : ValueType::U8;
+    }
+    void Read(void *pixels) override { Check(input_->read_image(0, 0, 0, channels, TypeOf(type), pixels), input_.get()); }
+
+  private:
+    std::unique_ptr<OIIO::ImageInput> input_;
+};
+
 class OpenImageIO final : public ImageLibrary {
   public:
-    File Read(const std::string &path) const override {
+    std::unique_ptr<OpenFile> Open(const std::string &path) const override {
         OIIO::ImageSpec request;
         request["oiio:UnassociatedAlpha"] = 1;
-        std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(path, &request);
+        std::unique_ptr<OIIO::ImageInput> in;
+        {
+            // Up to OpenImageIO 2.4.7 the headers of two files must not be read at once: the names of the tags of colour
+            // profiles are looked up in a table that grows by every unknown tag, which no lock guards. Two threads
+            // there crash, loop for ever, or leave a table that crashes when the program ends.
+            static std::mutex opening;
+            const std::lock_guard lock(opening);
+            in = OIIO::ImageInput::open(path, &request);
+        }
         if (!in) {
             const std::string reason = OIIO::geterror();
             if (reason.find("could not find a format reader") == std::string::npos) throw std::runtime_error(reason);
             throw std::runtime_error("not an image of a known format; PNG, EXR, PFM, HDR, JPEG, TGA, BMP, GIF, PNM, "
                                      "PSD and TIFF files can be read");
         }
-        const OIIO::ImageSpec &spec = in->spec();
-        if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || spec.deep)
-            throw std::runtime_error("not a plain two-dimensional image");
-        File file;
-        file.format = in->format_name();
-        file.orientation = spec.get_int_attribute("Orientation", 1);
-        const bool png = file.format == "png";
-        const int kept = std::min(spec.nchannels, png ? PngChannels(path) : spec.nchannels >= 3 ? 3 : 1);
-        // What is neither float nor a deep PNG counts as 8 bit.
-        const ValueType type = spec.format.is_floating_point()         ? ValueType::Float
-                               : png && spec.format.basesize() > 1 ? ValueType::U16
-                                                                       : ValueType::U8;
-        file.values.resize(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height) *
-                           static_cast<size_t>(kept) * TypeOf(type).size());
-        Check(in->read_image(0, 0, 0, kept, TypeOf(type), file.values.data()), in.get());
-        file.pixels = {spec.width, spec.height, kept, type, file.values.data()};
-        return file;
+        return std::make_unique<OpenInput>(path, std::move(in));
     }
 
-    void WritePng(const std::string &path, const Pixels &pixels) const override {
+    std::vector<unsigned char> Encode(const std::string &format, const Pixels &pixels) const override {
         OIIO::ImageSpec spec = SpecOf(pixels);
         spec["oiio:ColorSpace"] = "sRGB";
         spec["oiio:UnassociatedAlpha"] = 1;
-        std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create("png");
+        if (format == "jpeg") {
+            spec["compression"] = "jpeg:95";
+            spec["jpeg:subsampling"] = "4:4:4";
+        }
+        // To memory: the library does not tell when a disk is full.
+        std::vector<unsigned char> bytes;
+        OIIO::Filesystem::IOVecOutput memory(bytes);
+        std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(format);
         Check(out != nullptr, out.get());
-        Check(out->open(path, spec) && out->write_image(spec.format, pixels.data) && out->close(), out.get());
+        Check(out->set_ioproxy(&memory), out.get());
+        // The name tells nothing but must be there.
+        Check(out->open("image." + format, spec) && out->write_image(spec.format, pixels.data) && out->close(),
+              out.get());
+        return bytes;
     }
 
     std::unique_ptr<TileStore> MakeTileStore(int megabytes, int tileSize) const override {

@@ -1,6 +1,7 @@
 #include <Imath/half.h>
 
 #include "pbrt/core/error.h"
+#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/images/image_formats.h"
 #include "pbrt/images/image_library.h"
@@ -13,11 +14,6 @@ std::vector<std::string> NamesFor(int channels) {
     static const std::vector<std::string> rgba = {"R", "G", "B", "A"};
     if (channels == 1) return {"Y"};
     return {rgba.begin(), rgba.begin() + channels};
-}
-
-template <class T>
-std::span<const T> ValuesOf(const oiio::File &file) {
-    return {static_cast<const T *>(file.pixels.data), file.values.size() / sizeof(T)};
 }
 
 // Undoes a stored orientation (EXIF numbering), as far as it only mirrors or turns by 180 degrees.
@@ -33,31 +29,52 @@ Image Upright(const Image &image, int orientation) {
     return result;
 }
 
+/// How many bytes of pixels a byte of the file can stand for: what deflate, run lengths, LZW or a Huffman code of one bit a
+/// block can do with constants, times up to 24 for pixels of one bit. TIFF files of white pages have no such limit.
+double MaxExpansion(const std::string &format) {
+    for (const char *limited : {"png", "jpeg", "bmp", "targa", "pnm", "hdr", "psd", "gif"})
+        if (format == limited) return 25000;
+    return Infinity;
+}
+
+/// The JPEG library fills up what is missing with grey and does not say so.
+void CheckJpegEnd(const std::string &path) {
+    // Inside the pixel data a byte 0xff is always followed by 0 or the number of a restart.
+    const std::string content = ReadFileContents(path);
+    const size_t pixels = content.rfind("\xff\xda"), end = content.rfind("\xff\xd9");
+    if (end == std::string::npos || (pixels != std::string::npos && end < pixels))
+        throw UserError(fmt::format("{}: the pixels end too early.", path));
+}
+
 }  // namespace
 
 ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encoding) {
-    const oiio::File file = oiio::Library().Read(path);
-    const Point2i resolution(file.pixels.width, file.pixels.height);
-    const std::vector<std::string> names = NamesFor(file.pixels.channels);
-    const ColorEncoding bytes = file.format == "png" ? encoding.value_or(ColorEncoding{}) : ColorEncoding{};
+    const std::unique_ptr<oiio::OpenFile> file = oiio::Library().Open(path);
+    const Point2i resolution(file->width, file->height);
+    const std::vector<std::string> names = NamesFor(file->channels);
+    const ColorEncoding bytes = file->format == "png" ? encoding.value_or(ColorEncoding{}) : ColorEncoding{};
+    const bool isFloat = file->type == oiio::ValueType::Float, isDeep = file->type == oiio::ValueType::U16;
+    CheckSize(path, resolution.x, resolution.y, file->channels, isFloat ? 4 : isDeep ? 2 : 1, MaxExpansion(file->format));
     ImageFile result;
     Image &image = result.image;
-    if (file.pixels.type == oiio::ValueType::U16) {
+    if (isDeep) {
         image = Image(PixelFormat::Half, resolution, names, bytes);
-        auto *out = static_cast<uint16_t *>(image.Data());
-        for (uint16_t v : ValuesOf<uint16_t>(file))
-            *out++ = imath_float_to_half(bytes.ToLinear(static_cast<Float>(v) / 65535));
+        // The values take each other's place: both have two bytes.
+        auto *values = static_cast<uint16_t *>(image.Data());
+        file->Read(values);
+        for (size_t i = 0; i < image.ValueCount(); ++i)
+            values[i] = imath_float_to_half(bytes.ToLinear(static_cast<Float>(values[i]) / 65535));
     } else {
-        const bool isFloat = file.pixels.type == oiio::ValueType::Float;
         image = isFloat ? Image(PixelFormat::Float, resolution, names) : Image(PixelFormat::U8, resolution, names, bytes);
-        std::copy(file.values.begin(), file.values.end(), static_cast<std::byte *>(image.Data()));
+        file->Read(image.Data());
     }
+    if (file->format == "jpeg") CheckJpegEnd(path);
     // Photographs keep their rows: stock pbrt-v4 does not look at EXIF.
-    if (file.format == "targa" || file.format == "hdr") image = Upright(image, file.orientation);
+    if (file->format == "targa" || file->format == "hdr") image = Upright(image, file->orientation);
     return result;
 }
 
-void WritePng(const std::string &path, const std::string &shownPath, const Image &image) {
+std::string EncodeBytes(const std::string &format, const std::string &path, const Image &image) {
     const ColorEncoding sRGB{};
     const size_t values = image.ValueCount();
     std::vector<uint8_t> bytes(values);
@@ -77,10 +94,11 @@ void WritePng(const std::string &path, const std::string &shownPath, const Image
                 }
     }
     if (clamped)
-        LogWarning(
-            fmt::format("{}: {} of {} channel values were outside [0, 1] and clamped.", shownPath, clamped, values));
-    oiio::Library().WritePng(path, {image.Resolution().x, image.Resolution().y, image.ChannelCount(),
-                                    oiio::ValueType::U8, bytes.data()});
+        LogWarning(fmt::format("{}: {} of {} channel values were outside [0, 1] and clamped.", path, clamped, values));
+    const std::vector<unsigned char> file =
+        oiio::Library().Encode(format, {image.Resolution().x, image.Resolution().y, image.ChannelCount(),
+                                        oiio::ValueType::U8, bytes.data()});
+    return {file.begin(), file.end()};
 }
 
 }  // namespace pbrt::formats

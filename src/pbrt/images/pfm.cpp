@@ -1,10 +1,8 @@
 #include <algorithm>
 #include <bit>
 #include <cctype>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
@@ -58,10 +56,10 @@ ImageFile ReadPfm(const std::string &path) {
     } catch (const std::exception &) {
         throw UserError(fmt::format("{}: the PFM header is malformed.", path));
     }
-    constexpr double largest = 1 << 20;
-    auto isSize = [](double v) { return v >= 1 && v <= largest && v == std::floor(v); };
+    auto isSize = [](double v) { return v >= 1 && v <= 1e9 && v == std::floor(v); };
     if (!isSize(width) || !isSize(height) || scale == 0 || !std::isfinite(scale))
         throw UserError(fmt::format("{}: impossible PFM header: {} x {}, scale {}.", path, width, height, scale));
+    CheckSize(path, static_cast<int64_t>(width), static_cast<int64_t>(height), color ? 3 : 1, sizeof(float), Infinity);
     Point2i resolution(static_cast<int>(width), static_cast<int>(height));
     size_t rowValues = static_cast<size_t>(resolution.x) * (color ? 3 : 1);
     size_t expected = rowValues * static_cast<size_t>(resolution.y) * sizeof(float);
@@ -82,18 +80,15 @@ ImageFile ReadPfm(const std::string &path) {
     return result;
 }
 
-void WritePfm(const std::string &path, const Image &image) {
-    std::ofstream out(path, std::ios::binary);
-    out << (image.ChannelCount() == 3 ? "PF" : "Pf") << "\n"
-        << image.Resolution().x << " " << image.Resolution().y << "\n-1\n";
+std::string EncodePfm(const Image &image) {
     const Image pixels = image.ConvertTo(PixelFormat::Float);
-    const float *data = static_cast<const float *>(pixels.Data());
-    size_t rowValues = static_cast<size_t>(image.Resolution().x) * static_cast<size_t>(image.ChannelCount());
-    for (int y = image.Resolution().y - 1; y >= 0; --y)
-        out.write(reinterpret_cast<const char *>(data + static_cast<size_t>(y) * rowValues),
-                  static_cast<std::streamsize>(rowValues * sizeof(float)));
-    out.close();
-    if (!out) throw std::runtime_error(std::strerror(errno));
+    const char *data = static_cast<const char *>(pixels.Data());
+    const size_t rowBytes = pixels.Bytes() / static_cast<size_t>(image.Resolution().y);
+    std::string content = fmt::format("{}\n{} {}\n-1\n", image.ChannelCount() == 3 ? "PF" : "Pf", image.Resolution().x,
+                                      image.Resolution().y);
+    content.reserve(content.size() + pixels.Bytes());
+    for (int y = image.Resolution().y - 1; y >= 0; --y) content.append(data + static_cast<size_t>(y) * rowBytes, rowBytes);
+    return content;
 }
 
 }  // namespace pbrt::formats

@@ -1,8 +1,8 @@
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 
 #include "pbrt/core/error.h"
+#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/images/false_color.h"
 #include "pbrt/lab/inspect.h"
@@ -14,12 +14,6 @@ namespace pbrt::lab {
 namespace {
 
 constexpr int kLegendRows = 12;
-
-void WriteText(const std::filesystem::path &path, const std::string &text) {
-    std::ofstream file(path);
-    file << text;
-    if (!file.flush()) throw UserError(fmt::format("{}: cannot be written.", path.string()));
-}
 
 void MakeFolder(const std::string &folder) {
     std::error_code failed;
@@ -79,8 +73,8 @@ void WriteInspection(const Inspection &inspection, const std::string &folder, co
 
     WriteImage((out / "inspect.exr").string(), inspection.image);
     json["layers"] = WriteLayers(inspection, folder, kLegendRows, [](const InspectedLayer &) { return true; });
-    WriteText(out / "inspect.json", json.dump(2) + "\n");
-    WriteText(out / "structure.txt", inspection.structure.empty() ? "no learned structure\n" : inspection.structure);
+    WriteFile((out / "inspect.json").string(), json.dump(2) + "\n");
+    WriteFile((out / "structure.txt").string(), inspection.structure.empty() ? "no learned structure\n" : inspection.structure);
 }
 
 int RunInspect(const InspectOptions &options, const LightSamplerRegistry &registry, Progress &progress) {

@@ -24,14 +24,7 @@ Json ReadJson(const std::string &path) {
 
 }  // namespace
 
-void WriteText(const std::string &path, const std::string &text) {
-    WriteThenRename(path, [&](const std::string &temporary) {
-        std::ofstream out(temporary, std::ios::binary);
-        out << text;
-        out.close();
-        if (!out) throw UserError(fmt::format("{}: cannot be written.", path));
-    });
-}
+void WriteText(const std::string &path, const std::string &text) { WriteFile(path, text); }
 
 std::string RecordFolder::RoundFile(const std::string &sampler, int seed, int checkpoint) const {
     return fmt::format("{}/{}/seed{}-round{:02}.json", folder_, sampler, seed, checkpoint);

@@ -50,7 +50,7 @@ class RecordFolder {
     std::string folder_;
 };
 
-/// Text into a file, through a temporary name. Throws UserError.
+/// Text into a file, as WriteFile does it.
 void WriteText(const std::string &path, const std::string &text);
 
 }  // namespace pbrt::lab

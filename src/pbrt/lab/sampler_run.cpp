@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "pbrt/core/counters.h"
 #include "pbrt/core/files.h"
@@ -125,12 +126,9 @@ ImageMetadata SamplerRun::Metadata() const {
 }
 
 void SamplerRun::SaveFilm(const std::string &path) const {
-    WriteThenRename(path, [&](const std::string &temporary) {
-        std::ofstream out(temporary, std::ios::binary);
-        film_->SaveState(out);
-        out.close();
-        if (!out) throw UserError(fmt::format("{}: cannot be written.", path));
-    });
+    std::ostringstream out;
+    film_->SaveState(out);
+    WriteFile(path, out.view());
 }
 
 }  // namespace pbrt::lab

@@ -440,8 +440,8 @@ std::string SceneFileKey(const std::string &path) {
     return ignored || path == "-" ? path : key.string();
 }
 
-std::shared_ptr<const SourceFile> OpenSceneFile(const std::string &path) {
-    if (path != "-") return std::make_shared<SourceFile>(SourceFile{path, ReadFileContents(path)});
+std::shared_ptr<const SourceFile> OpenSceneFile(const std::string &path, ReadFrom from) {
+    if (path != "-") return std::make_shared<SourceFile>(SourceFile{path, ReadFileContents(path, from)});
     std::string text;
     std::array<char, 1 << 16> buffer;
     for (;;) {

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "pbrt/core/files.h"
 #include "pbrt/scenefile/description_builder.h"
 #include "pbrt/scenefile/parameter_reader.h"
 
@@ -85,7 +86,7 @@ class DirectiveReader {
 };
 
 /// Reads a file, or standard input for "-"; throws UserError (no location) if that fails.
-std::shared_ptr<const SourceFile> OpenSceneFile(const std::string &path);
+std::shared_ptr<const SourceFile> OpenSceneFile(const std::string &path, ReadFrom from = ReadFrom::Files);
 /// The same for every way to write the file's name.
 std::string SceneFileKey(const std::string &path);
 

@@ -37,7 +37,7 @@ SceneDescription ParseSceneFiles(const std::vector<std::string> &paths, Diagnost
         const std::string &path = paths[i];
         files = path == "-" ? FileResolver() : FileResolver(std::filesystem::path(path).parent_path());
         try {
-            auto file = OpenSceneFile(path);
+            auto file = OpenSceneFile(path, ReadFrom::FilesAndPipes);
             where = {file, 0, 0};
             complete = ParseFile(std::move(file), SceneFileKey(path), files, builder);
         } catch (const UserError &e) {

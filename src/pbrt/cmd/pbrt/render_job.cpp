@@ -3,10 +3,10 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <filesystem>
 
 #include "pbrt/build/built_scene.h"
 #include "pbrt/core/counters.h"
+#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/integrators/render_loop.h"
@@ -22,21 +22,6 @@ void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
     const std::vector<Diagnostic> &all = sink.All();
     for (; *printed < all.size(); ++*printed)
         if (all[*printed].severity == Severity::Warning) LogInfo(Format(all[*printed], color));
-}
-
-/// Finds out before rendering, not after, that the image cannot be written.
-void CheckWritable(const std::string &filename) {
-    std::filesystem::path path(filename);
-    std::string extension = path.extension().string();
-    const std::vector<std::string> known = {".exr", ".png", ".pfm"};
-    if (std::find(known.begin(), known.end(), extension) == known.end())
-        throw UserError(fmt::format("{}: images are written as .exr, .png or .pfm, not as \"{}\".", filename, extension));
-    if (std::filesystem::is_directory(path)) throw UserError(fmt::format("{}: is a folder.", filename));
-    std::filesystem::path directory = path.parent_path().empty() ? "." : path.parent_path();
-    if (!std::filesystem::is_directory(directory))
-        throw UserError(fmt::format("{}: the folder {} does not exist.", filename, directory.string()));
-    if (access(directory.c_str(), W_OK) != 0)
-        throw UserError(fmt::format("{}: the folder {} is not writable.", filename, directory.string()));
 }
 
 struct Timings {
@@ -142,6 +127,7 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     timings.build = std::chrono::duration<double>(std::chrono::steady_clock::now() - buildStart).count();
     const std::string filename = built.film->Filename();
     CheckWritable(filename);
+    if (!built.mseReferenceOut.empty()) CheckWritable(built.mseReferenceOut);
 
     RenderSettings settings;
     settings.samplesPerPixel = built.samplesPerPixel;

@@ -1,6 +1,5 @@
 // Writes the table of one colour space: fit_rgb_tables <space> <file>. Layout in rgb_table.h.
 #include <cstdio>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -58,13 +57,7 @@ int main(int argc, char **argv) try {
         for (size_t x = 0; x < kRes; ++x)
             FitColumn(fit, slab, y, x, table);
     });
-    WriteThenRename(argv[2], [&](const std::string &temporary) {
-        std::ofstream file(temporary, std::ios::binary);
-        file.write(reinterpret_cast<const char *>(table.data()),
-                   static_cast<std::streamsize>(table.size() * sizeof(float)));
-        file.close();
-        if (!file) throw UserError(fmt::format("{}: cannot write.", temporary));
-    });
+    WriteFile(argv[2], {reinterpret_cast<const char *>(table.data()), table.size() * sizeof(float)});
     return 0;
 } catch (const UserError &e) {
     std::fprintf(stderr, "fit_rgb_tables: %s\n", e.what());

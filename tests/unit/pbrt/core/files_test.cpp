@@ -1,31 +1,19 @@
 #include "pbrt/core/files.h"
 
-#include <gtest/gtest.h>
 #include <zlib.h>
 
-#include <fstream>
+#include <thread>
 
-#include "pbrt/core/error.h"
+#include "folder_test.h"
 
 namespace pbrt {
 namespace {
 
 namespace fs = std::filesystem;
+using test::Contains, test::Reason;
 
-class Files : public ::testing::Test {
+class Files : public test::FolderTest {
   protected:
-    Files() {
-        std::string name = (fs::temp_directory_path() / "pbrt_core_XXXXXX").string();
-        folder_ = mkdtemp(name.data());
-    }
-    ~Files() override {
-        std::error_code ignored;
-        fs::remove_all(folder_, ignored);
-    }
-    std::string Write(const std::string &name, const std::string &text) {
-        std::ofstream(folder_ / name, std::ios::binary) << text;
-        return (folder_ / name).string();
-    }
     std::string Gzip(const std::string &name, const std::string &text) {
         std::string path = (folder_ / name).string();
         gzFile f = gzopen(path.c_str(), "wb");
@@ -33,7 +21,6 @@ class Files : public ::testing::Test {
         gzclose(f);
         return path;
     }
-    fs::path folder_;
 };
 
 std::string LongText() {
@@ -51,14 +38,7 @@ TEST_F(Files, PlainAndCompressedContentsAreTheSame) {
 }
 
 TEST_F(Files, UnreadableFilesSayWhy) {
-    auto reason = [](const std::string &path) -> std::string {
-        try {
-            ReadFileContents(path);
-            return "";
-        } catch (const UserError &e) {
-            return e.what();
-        }
-    };
+    auto reason = [](const std::string &path) { return Reason([&] { ReadFileContents(path); }); };
     EXPECT_NE(reason((folder_ / "none").string()).find("No such file"), std::string::npos);
     EXPECT_NE(reason(folder_.string()).find("is a directory"), std::string::npos);
     std::string path = Gzip("cut.gz", LongText());
@@ -75,22 +55,21 @@ TEST_F(Files, NamesAreLookedForBesideTheSceneFirst) {
     EXPECT_EQ(FileResolver().Resolve("x.png"), "x.png");
 }
 
-TEST_F(Files, WriteThenRenameReplacesOrLeavesAlone) {
-    std::string path = Write("out.exr", "old");
-    WriteThenRename(path, [&](const std::string &name) {
-        EXPECT_EQ(fs::path(name).extension(), ".exr");
-        std::ofstream(name) << "new";
-        EXPECT_EQ(ReadFileContents(path), "old");
-    });
-    EXPECT_EQ(ReadFileContents(path), "new");
-    EXPECT_THROW(WriteThenRename(path,
-                                 [&](const std::string &name) {
-                                     std::ofstream(name) << "half";
-                                     throw UserError("disk full");
-                                 }),
-                 UserError);
-    EXPECT_EQ(ReadFileContents(path), "new");
-    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1) << "nothing left behind";
+// Nothing must wait for ever, and nothing without an end be read.
+TEST_F(Files, PipesAndDevicesAreNoFiles) {
+    const std::string pipe = (folder_ / "pipe").string();
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    EXPECT_TRUE(Contains(Reason([&] { ReadFileContents(pipe); }), "is a pipe"));
+    for (ReadFrom from : {ReadFrom::Files, ReadFrom::FilesAndPipes})
+        EXPECT_TRUE(Contains(Reason([&] { ReadFileContents("/dev/zero", from); }), "is a device"));
+    std::thread writer([&] { std::ofstream(pipe) << LongText(); });
+    EXPECT_EQ(ReadFileContents(pipe, ReadFrom::FilesAndPipes), LongText());
+    writer.join();
+}
+
+TEST_F(Files, ExtensionsAreComparedInSmallLetters) {
+    EXPECT_EQ(LowerExtension("A/B.C/D.EXR"), ".exr");
+    EXPECT_EQ(LowerExtension("x.y/z"), "");
 }
 
 }  // namespace

@@ -1,0 +1,164 @@
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+
+#include "pbrt/core/error.h"
+#include "pbrt/core/files.h"
+
+namespace pbrt {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void Fail(const std::string &path, int error) {
+    throw UserError(fmt::format("{}: cannot be written: {}.", path, std::strerror(error)));
+}
+
+/// What a name leads to, after all symbolic links.
+struct Target {
+    std::string shown;  ///< the name the user gave, for messages
+    fs::path path;
+    bool exists = false;
+    bool inPlace = false;  ///< a pipe, a device or an open file of this process: nothing can take its name
+    struct stat status {};  ///< of an existing file
+};
+
+Target FindTarget(const std::string &name) {
+    Target target{.shown = name, .path = name};
+    if (target.path.filename().empty()) throw UserError(fmt::format("\"{}\": is no name of a file.", name));
+    target.exists = stat(name.c_str(), &target.status) == 0;
+    if (!target.exists && errno != ENOENT) Fail(name, errno);
+    if (target.exists) {
+        if (S_ISDIR(target.status.st_mode)) throw UserError(fmt::format("{}: is a folder.", name));
+        // As root, or in a folder of one's own, a write-protected file could be replaced all the same.
+        if ((target.status.st_mode & 0222) == 0 || faccessat(AT_FDCWD, name.c_str(), W_OK, AT_EACCESS) != 0)
+            throw UserError(fmt::format("{}: is write-protected.", name));
+        target.inPlace = !S_ISREG(target.status.st_mode);
+    }
+    std::error_code failed;
+    for (int links = 0; !target.inPlace && fs::is_symlink(target.path, failed); ++links) {
+        if (links == 40) Fail(name, ELOOP);
+        // The kernel's links to open files: /dev/stdout leads there.
+        if (target.path.string().starts_with("/proc/")) {
+            target.inPlace = true;
+            target.path = name;
+            break;
+        }
+        const fs::path next = fs::read_symlink(target.path, failed);
+        if (failed) Fail(name, failed.value());
+        target.path = target.path.parent_path() / next;
+    }
+    return target;
+}
+
+void WriteAll(int file, std::string_view content, const std::string &shown) {
+    while (!content.empty()) {
+        const ssize_t written = write(file, content.data(), content.size());
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) Fail(shown, errno);
+        content.remove_prefix(static_cast<size_t>(written));
+    }
+}
+
+void WriteInPlace(const Target &target, std::string_view content) {
+    const int file = open(target.path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | O_NOCTTY);
+    if (file < 0) Fail(target.shown, errno);
+    try {
+        WriteAll(file, content, target.shown);
+    } catch (...) {
+        close(file);
+        throw;
+    }
+    if (close(file) != 0) Fail(target.shown, errno);
+}
+
+/// A file beside the target that is to take its place, and that vanishes otherwise.
+class TemporaryFile {
+  public:
+    explicit TemporaryFile(const Target &target) : target_(target) {
+        folder_ = target.path.parent_path();
+        if (folder_.empty()) folder_ = ".";
+        std::error_code ignored;
+        if (!fs::is_directory(folder_, ignored))
+            throw UserError(fmt::format("{}: the folder {} does not exist.", target.shown, folder_.string()));
+        // A name of its own, so that it fits where the target's fits, and threads do not meet.
+        static std::atomic<unsigned> count{0};
+        do {
+            path_ = folder_ / fmt::format(".pbrt-{}-{}.tmp", getpid(), count++);
+            file_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        } while (file_ < 0 && errno == EEXIST);
+        if (file_ < 0 && (errno == EACCES || errno == EROFS || errno == EPERM))
+            throw UserError(fmt::format("{}: the folder {} is not writable.", target.shown, folder_.string()));
+        if (file_ < 0) Fail(target.shown, errno);
+    }
+    ~TemporaryFile() {
+        if (file_ >= 0) close(file_);
+        if (!renamed_) unlink(path_.c_str());
+    }
+    TemporaryFile(const TemporaryFile &) = delete;
+    TemporaryFile &operator=(const TemporaryFile &) = delete;
+
+    void Write(std::string_view content) {
+        WriteAll(file_, content, target_.shown);
+        if (target_.exists) {
+            // Only root can give files away, so the owner need not stay; nor can every file system keep permissions.
+            [[maybe_unused]] int kept = fchown(file_, target_.status.st_uid, target_.status.st_gid);
+            kept = fchmod(file_, target_.status.st_mode & 0777);
+        }
+        int done = 0;
+        do done = fsync(file_);
+        while (done != 0 && errno == EINTR);
+        // A few file systems cannot: they say so with EINVAL.
+        if (done != 0 && errno != EINVAL && errno != ENOTSUP) Fail(target_.shown, errno);
+        struct stat status {};
+        if (fstat(file_, &status) != 0) Fail(target_.shown, errno);
+        if (static_cast<size_t>(status.st_size) != content.size())
+            throw UserError(fmt::format("{}: {} of {} bytes were written.", target_.shown, status.st_size,
+                                        content.size()));
+        const int closed = close(file_);
+        file_ = -1;
+        if (closed != 0) Fail(target_.shown, errno);
+    }
+
+    void TakePlace() {
+        if (rename(path_.c_str(), target_.path.c_str()) != 0) Fail(target_.shown, errno);
+        renamed_ = true;
+        // The new name must reach the disk, too. Where folders cannot be flushed nothing is lost but that certainty.
+        const int folder = open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+        if (folder < 0) return;
+        const int error = fsync(folder) == 0 ? 0 : errno;
+        close(folder);
+        if (error == EIO) Fail(target_.shown, error);
+    }
+
+  private:
+    const Target &target_;
+    fs::path folder_, path_;
+    int file_ = -1;
+    bool renamed_ = false;
+};
+
+}  // namespace
+
+void WriteFile(const std::string &path, std::string_view content) {
+    // A limit on file sizes and a pipe without reader are errors with a message, not the end of the process.
+    for (int number : {SIGXFSZ, SIGPIPE}) signal(number, SIG_IGN);
+    const Target target = FindTarget(path);
+    if (target.inPlace) return WriteInPlace(target, content);
+    TemporaryFile file(target);
+    file.Write(content);
+    file.TakePlace();
+}
+
+void CheckWritable(const std::string &path) {
+    const Target target = FindTarget(path);
+    if (!target.inPlace) TemporaryFile file(target);
+}
+
+}  // namespace pbrt

@@ -1,0 +1,51 @@
+#pragma once
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <string>
+
+#include "pbrt/core/error.h"
+#include "pbrt/core/files.h"
+
+namespace pbrt::test {
+
+/// A folder of its own for every test.
+class FolderTest : public ::testing::Test {
+  protected:
+    FolderTest() {
+        std::string name = (std::filesystem::temp_directory_path() / "pbrt_core_XXXXXX").string();
+        folder_ = mkdtemp(name.data());
+    }
+    ~FolderTest() override {
+        std::error_code ignored;
+        std::filesystem::permissions(folder_, std::filesystem::perms::owner_all, ignored);
+        std::filesystem::remove_all(folder_, ignored);
+    }
+    std::string Path(const std::string &name) const { return (folder_ / name).string(); }
+    std::string Write(const std::string &name, const std::string &text) const {
+        std::ofstream(folder_ / name, std::ios::binary) << text;
+        return Path(name);
+    }
+    std::ptrdiff_t FileCount() const {
+        return std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator());
+    }
+    std::filesystem::path folder_;
+};
+
+inline bool Contains(const std::string &text, const std::string &part) { return text.find(part) != std::string::npos; }
+
+/// The message of the UserError that `f` throws; empty if it throws none.
+inline std::string Reason(const std::function<void()> &f) {
+    try {
+        f();
+    } catch (const UserError &e) {
+        return e.what();
+    }
+    return "";
+}
+
+}  // namespace pbrt::test

@@ -1,3 +1,5 @@
+#include <fmt/ranges.h>
+
 #include "pbrt/cmd/imgtool/commands.h"
 #include "pbrt/core/error.h"
 
@@ -6,11 +8,12 @@ namespace pbrt::imgtool {
 namespace {
 
 struct Options {
-    std::string prefix, outfile;
+    std::vector<std::string> names;
+    std::string outfile;
 };
 
 int Average(const Options &o) {
-    const std::vector<std::string> paths = FilesWithPrefix(o.prefix, {o.outfile});
+    const std::vector<std::string> paths = FindImages(o.names, {o.outfile});
     ImageFile first = ReadAsFloat(paths[0]);
     const Point2i resolution = first.image.Resolution();
     std::vector<double> sums(first.image.ValueCount(), 0);
@@ -25,7 +28,7 @@ int Average(const Options &o) {
     for (size_t i = 0; i < sums.size(); ++i)
         values[i] = static_cast<float>(sums[i] / static_cast<double>(paths.size()));
     WriteImage(o.outfile, first.image, first.metadata);
-    fmt::print("{}: mean of {} images\n", o.outfile, paths.size());
+    fmt::print("{}: mean of {} images: {}\n", o.outfile, paths.size(), fmt::join(paths, ", "));
     return 0;
 }
 
@@ -33,9 +36,9 @@ int Average(const Options &o) {
 
 void AddAverage(CLI::App &app, Action &action) {
     auto o = std::make_shared<Options>();
-    CLI::App *command = app.add_subcommand("average", "Mean of all images whose names start with a prefix");
-    command->add_option("prefix", o->prefix, "Start of the names, with the directory")->required();
-    command->add_option("--outfile", o->outfile, "Result (left out if it has the prefix itself)")
+    CLI::App *command = app.add_subcommand("average", "Mean of several images");
+    command->add_option("images", o->names, kImagesHelp)->required();
+    command->add_option("--outfile", o->outfile, "Result (left out if a pattern or a start fits it)")
         ->required()
         ->type_name("FILE");
     command->footer("Example: imgtool average runs/seed --outfile mean.exr");

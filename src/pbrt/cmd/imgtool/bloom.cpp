@@ -80,7 +80,7 @@ void AddBloom(CLI::App &app, Action &action) {
     auto o = std::make_shared<Options>();
     CLI::App *command = app.add_subcommand("bloom", "Let bright pixels shine into their surroundings");
     command->add_option("file", o->path, "Image with the channels R, G, B")->required();
-    AddOutfileOption(*command, o->outfile);
+    AddOutfileOption(*command, o->outfile, true);
     command->add_option("--level", o->level, "Pixels bloom if R, G or B is above this")->capture_default_str();
     command->add_option("--width", o->width, "Width of the blur in pixels (odd); its standard deviation is a sixth")
         ->check(CLI::Range(1, 1 << 12))

@@ -1,11 +1,13 @@
 #include "pbrt/cmd/imgtool/commands.h"
 
 #include <fmt/ranges.h>
+#include <fnmatch.h>
 
 #include <algorithm>
 #include <filesystem>
 
 #include "pbrt/core/error.h"
+#include "pbrt/core/files.h"
 
 namespace pbrt::imgtool {
 
@@ -69,8 +71,10 @@ CLI::Option *AddCropOption(CLI::App &command, std::vector<int> &numbers) {
         ->type_name("x0,x1,y0,y1");
 }
 
-CLI::Option *AddOutfileOption(CLI::App &command, std::string &path) {
-    return command.add_option("--outfile", path, "Result: .exr, .png or .pfm")->required()->type_name("FILE");
+CLI::Option *AddOutfileOption(CLI::App &command, std::string &path, bool isPositional) {
+    return command.add_option(isPositional ? "outfile,--outfile" : "--outfile", path, "Result: .exr, .png, .pfm or .jpg")
+        ->required()
+        ->type_name("FILE");
 }
 
 Metric ChosenMetric(const std::string &name) {
@@ -92,28 +96,57 @@ void CheckComparable(const ImageFile &a, const std::string &pathA, const ImageFi
                                     hint));
 }
 
+double ShortNumber(Float v) { return std::stod(fmt::format("{}", v)); }
+
 ImageFile ReadAsFloat(const std::string &path) {
     ImageFile file = ReadImage(path);
     file.image = file.image.ConvertTo(PixelFormat::Float);
     return file;
 }
 
-std::vector<std::string> FilesWithPrefix(const std::string &prefix, const std::vector<std::string> &except) {
+namespace {
+
+bool IsImageName(const std::string &name) {
+    const std::vector<std::string> known = {".exr", ".png", ".pfm", ".hdr", ".jpg", ".jpeg", ".tga", ".bmp", ".gif",
+                                            ".tif", ".tiff", ".ppm", ".pgm", ".pnm", ".psd", ".qoi"};
+    return std::find(known.begin(), known.end(), LowerExtension(name)) != known.end();
+}
+
+}  // namespace
+
+std::vector<std::string> FindImages(const std::vector<std::string> &names, const std::vector<std::string> &except) {
     namespace fs = std::filesystem;
-    const fs::path path(prefix);
-    const fs::path directory = path.has_parent_path() ? path.parent_path() : fs::path(".");
-    const std::string start = path.filename().string();
     std::error_code code;
     std::vector<std::string> files;
-    for (const fs::directory_entry &entry : fs::directory_iterator(directory, code)) {
-        if (!entry.is_regular_file() || !entry.path().filename().string().starts_with(start)) continue;
-        if (std::any_of(except.begin(), except.end(),
-                        [&](const std::string &e) { return fs::equivalent(entry.path(), e, code); }))
+    auto add = [&](const std::string &file) {
+        if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
+    };
+    for (const std::string &name : names) {
+        if (fs::is_regular_file(name, code)) {
+            add(name);
             continue;
-        files.push_back(path.has_parent_path() ? entry.path().string() : entry.path().filename().string());
+        }
+        const fs::path path(name);
+        const std::string last = path.filename().string();
+        const bool isPattern = last.find_first_of("*?") != std::string::npos;
+        std::vector<std::string> found;
+        for (const fs::directory_entry &entry :
+             fs::directory_iterator(path.has_parent_path() ? path.parent_path() : fs::path("."), code)) {
+            const std::string here = entry.path().filename().string();
+            const bool fits = isPattern ? fnmatch(last.c_str(), here.c_str(), FNM_PERIOD) == 0
+                                        : here.starts_with(last) && IsImageName(here);
+            if (!fits || !entry.is_regular_file(code)) continue;
+            if (std::any_of(except.begin(), except.end(),
+                            [&](const std::string &e) { return fs::equivalent(entry.path(), e, code); }))
+                continue;
+            found.push_back(path.has_parent_path() ? entry.path().string() : here);
+        }
+        if (found.empty())
+            throw UserError(isPattern ? fmt::format("No file fits \"{}\".", name)
+                                      : fmt::format("No file is called \"{}\", and no image's name starts so.", name));
+        std::sort(found.begin(), found.end());
+        for (const std::string &file : found) add(file);
     }
-    if (files.empty()) throw UserError(fmt::format("No file starts with \"{}\".", prefix));
-    std::sort(files.begin(), files.end());
     return files;
 }
 

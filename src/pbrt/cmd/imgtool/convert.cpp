@@ -11,7 +11,7 @@ namespace {
 struct Options {
     std::string path, outfile, channels;
     std::vector<int> crop;
-    Float scale = 1, gamma = 1, maxLuminance = 1;
+    Float scale = 1, exposure = 0, gamma = 1, maxLuminance = 1;
     std::optional<Float> clamp;
     bool tonemap = false, blackAndWhite = false, flipY = false, half = false;
     int repeat = 1;
@@ -79,7 +79,8 @@ int Convert(const Options &o) {
     ApplyCrop(file, o.crop, o.path);
     if (!o.channels.empty()) image = image.Select(SplitChannels(o.channels));
     const ColorSpace &space = SpaceOf(file);
-    if (o.scale != 1) MapColors(image, [&](Float v) { return v * o.scale; });
+    if (const Float scale = o.scale * std::exp2(o.exposure); scale != 1)
+        MapColors(image, [&](Float v) { return v * scale; });
     if (o.clamp) MapColors(image, [&](Float v) { return std::clamp(v, -*o.clamp, *o.clamp); });
     if (o.tonemap) Tonemap(image, o.maxLuminance, space);
     if (o.gamma != 1) MapColors(image, [&](Float v) { return std::pow(std::max(v, Float(0)), o.gamma); });
@@ -107,10 +108,13 @@ void AddConvert(CLI::App &app, Action &action) {
     auto o = std::make_shared<Options>();
     CLI::App *command = app.add_subcommand("convert", "Change an image or its file format");
     command->add_option("file", o->path, "Image")->required();
-    AddOutfileOption(*command, o->outfile);
+    AddOutfileOption(*command, o->outfile, true);
     AddCropOption(*command, o->crop);
     command->add_option("--channels", o->channels, "Keep only these channels, in this order")->type_name("R,G,B");
     command->add_option("--scale", o->scale, "Multiply colours by this")->capture_default_str();
+    command->add_option("--exposure", o->exposure, "Brighter by so many stops: multiply colours by 2 to this power")
+        ->check(CLI::Range(-100, 100))
+        ->capture_default_str();
     command->add_option("--clamp", o->clamp, "Limit colours to -v .. v")->check(CLI::NonNegativeNumber);
     command->add_flag("--tonemap", o->tonemap, "Reinhard's tone mapping; see --maxluminance");
     command->add_option("--maxluminance", o->maxLuminance, "Luminance that --tonemap maps to 1")
@@ -127,7 +131,7 @@ void AddConvert(CLI::App &app, Action &action) {
     command->add_flag("--fp16", o->half, "Write half precision (otherwise the precision of the input stays)");
     command->footer(
         "The changes happen in the order listed.\n"
-        "Example: imgtool convert render.exr --crop 0,200,0,100 --scale 2 --tonemap --outfile view.png");
+        "Example: imgtool convert render.exr view.png --crop 0,200,0,100 --exposure 1.5 --tonemap");
     command->callback([o, &action] { action = [o] { return Convert(*o); }; });
 }
 

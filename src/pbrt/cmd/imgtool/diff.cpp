@@ -1,4 +1,5 @@
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "pbrt/cmd/imgtool/commands.h"
 #include "pbrt/core/error.h"
@@ -10,6 +11,7 @@ namespace {
 struct Options {
     std::string path, reference, channels, metric = "MSE", outfile;
     std::vector<int> crop;
+    bool json = false;
 };
 
 // Of the finite values.
@@ -43,7 +45,19 @@ int Diff(const Options &o) {
     size_t skipped = 0;
     const double error = ImageError(image.image, reference.image, metric, &errors, &skipped);
     if (!o.outfile.empty()) WriteImage(o.outfile, errors, image.metadata);
-    if (error == 0 && skipped == 0) return 0;
+    const int status = error == 0 && skipped == 0 ? 0 : 1;
+    if (o.json) {
+        const nlohmann::ordered_json json = {{"file", o.path},
+                                             {"reference", o.reference},
+                                             {"metric", o.metric},
+                                             {"error", error},
+                                             {"mean", Mean(image.image)},
+                                             {"referenceMean", Mean(reference.image)},
+                                             {"notFinite", skipped}};
+        fmt::print("{}\n", json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+        return status;
+    }
+    if (status == 0) return 0;
     const double ours = Mean(image.image), theirs = Mean(reference.image);
     fmt::print("Images differ: {} and {}\n", o.path, o.reference);
     fmt::print("  averages: {:.6g} and {:.6g}", ours, theirs);
@@ -73,6 +87,7 @@ void AddDiff(CLI::App &app, Action &action) {
     AddCropOption(*command, o->crop);
     command->add_option("--outfile", o->outfile, "Write the error of every pixel and channel; FLIP: of every pixel")
         ->type_name("FILE");
+    command->add_flag("--json", o->json, "Print a JSON object, also if the images are equal");
     command->footer(
         "Prints nothing and exits with 0 only if the error is exactly 0; else exits with 1.\n"
         "Example: imgtool diff render.exr --reference reference.exr --metric relL2 --outfile error.exr");

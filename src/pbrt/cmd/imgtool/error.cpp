@@ -8,13 +8,14 @@ namespace pbrt::imgtool {
 namespace {
 
 struct Options {
-    std::string prefix, reference, metric = "MSE", errorfile;
+    std::vector<std::string> names;
+    std::string reference, metric = "MSE", errorfile;
     std::vector<int> crop;
 };
 
 int Error(const Options &o) {
     const Metric metric = ChosenMetric(o.metric);
-    const std::vector<std::string> paths = FilesWithPrefix(o.prefix, {o.reference, o.errorfile});
+    const std::vector<std::string> paths = FindImages(o.names, {o.reference, o.errorfile});
     const ImageFile whole = ReadAsFloat(o.reference);
     ImageFile reference = whole;
     ApplyCrop(reference, o.crop, o.reference);
@@ -29,6 +30,7 @@ int Error(const Options &o) {
         ApplyCrop(file, o.crop, path);
         size_t skippedHere = 0;
         const double error = ImageError(file.image, reference.image, metric, &terms, &skippedHere);
+        if (paths.size() > 1) fmt::print("{}: {:.6g}\n", path, error);
         sum += error;
         squares += error * error;
         skipped += skippedHere;
@@ -45,7 +47,7 @@ int Error(const Options &o) {
     fmt::print("{}: mean {:.6g}", o.metric, sum / n);
     if (paths.size() > 1)
         fmt::print(", standard deviation {:.3g}", std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1))));
-    fmt::print(", {} images\n", paths.size());
+    fmt::print(", {}\n", paths.size() == 1 ? paths[0] : fmt::format("{} images", paths.size()));
     if (skipped) fmt::print("  {} values are not finite\n", skipped);
     return 0;
 }
@@ -54,9 +56,9 @@ int Error(const Options &o) {
 
 void AddError(CLI::App &app, Action &action) {
     auto o = std::make_shared<Options>();
-    CLI::App *command = app.add_subcommand("error", "Mean error of all images whose names start with a prefix");
-    command->add_option("prefix", o->prefix, "Start of the names, with the directory")->required();
-    command->add_option("--reference", o->reference, "Image to compare with (left out if it has the prefix itself)")
+    CLI::App *command = app.add_subcommand("error", "Errors of several images, and their mean");
+    command->add_option("images", o->names, kImagesHelp)->required();
+    command->add_option("--reference", o->reference, "Image to compare with (left out if a pattern or a start fits it)")
         ->required()
         ->type_name("FILE");
     command->add_option("--metric", o->metric, "MAE, MSE, MRSE, relL2, SMAPE, FLIP or HDR-FLIP; see imgtool help diff")

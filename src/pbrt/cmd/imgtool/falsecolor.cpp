@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "pbrt/cmd/imgtool/commands.h"
@@ -27,23 +28,44 @@ Float ColorMean(const Image &image, Point2i p) {
     return count ? sum / static_cast<Float>(count) : 0;
 }
 
+constexpr int kShown = 99;  // percent of the pixels that the default range holds
+
+struct Range {
+    Float most = 1, largest = 0;
+};
+
+// A few bright pixels would make all others black.
+Range ChooseRange(std::vector<Float> values) {
+    Range range;
+    if (values.empty()) return range;
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() * kShown + 99) / 100 - 1);
+    std::nth_element(values.begin(), at, values.end());
+    range.largest = *std::max_element(at, values.end());
+    range.most = *at > 0 ? *at : range.largest > 0 ? range.largest : 1;
+    return range;
+}
+
 int Falsecolor(const Options &o) {
     const Image image = ReadAsFloat(o.path).image;
     const Point2i resolution = image.Resolution();
     Image mean(PixelFormat::Float, resolution, {"Y"});
-    Float most = 0;
+    std::vector<Float> sizes;
     for (int y = 0; y < resolution.y; ++y)
         for (int x = 0; x < resolution.x; ++x) {
             const Float v = ColorMean(image, {x, y});
             mean.Set({x, y}, 0, v);
-            if (std::isfinite(v)) most = std::max(most, o.plusMinus ? std::abs(v) : v);
+            if (std::isfinite(v)) sizes.push_back(o.plusMinus ? std::abs(v) : v);
         }
     FalseColorStyle style;
     style.scale = o.plusMinus ? FalseColorStyle::Scale::Signed : FalseColorStyle::Scale::Ramp;
-    style.most = o.maxValue.value_or(most > 0 ? most : 1);
+    const Range range = ChooseRange(std::move(sizes));
+    style.most = o.maxValue.value_or(range.most);
     style.legendRows = o.ramp ? LegendRows : 0;
     WriteImage(o.outfile, FalseColor(mean, 0, style));
-    fmt::print("{}: {} to {}\n", o.outfile, o.plusMinus ? -style.most : 0, style.most);
+    fmt::print("{}: {} to {}", o.outfile, o.plusMinus ? -style.most : 0, style.most);
+    if (!o.maxValue && range.largest > style.most)
+        fmt::print(", which {} % of the pixels do not exceed; the largest value is {}", kShown, range.largest);
+    fmt::print("\n");
     return 0;
 }
 
@@ -53,14 +75,14 @@ void AddFalsecolor(CLI::App &app, Action &action) {
     auto o = std::make_shared<Options>();
     CLI::App *command = app.add_subcommand("falsecolor", "Show the mean of each pixel's channels as a colour");
     command->add_option("file", o->path, "Image")->required();
-    AddOutfileOption(*command, o->outfile);
-    command->add_option("--maxvalue", o->maxValue, "Value of the last colour (default: the image's largest)")
+    AddOutfileOption(*command, o->outfile, true);
+    command->add_option("--maxvalue", o->maxValue, "Value of the last colour (default: 99 % of the pixels have no larger one)")
         ->check(CLI::PositiveNumber);
     command->add_flag("--plusminus", o->plusMinus, "Blue for negative, black for 0, red for positive");
     command->add_flag("--ramp", o->ramp, "Add a bar of all colours below the image");
     command->footer(
         "Values that are not finite become magenta.\n"
-        "Example: imgtool falsecolor error.exr --maxvalue 0.5 --ramp --outfile error.png");
+        "Example: imgtool falsecolor error.exr error.png --maxvalue 0.5 --ramp");
     command->callback([o, &action] { action = [o] { return Falsecolor(*o); }; });
 }
 

@@ -81,7 +81,7 @@ void AddHelp(CLI::App &app, Action &action) {
 
 int Run(int argc, char **argv) {
     CLI::App app(
-        "Looks at, changes and compares images: .exr, .png, .pfm and, for reading, .hdr, .tga, .jpg and others.",
+        "Looks at, changes and compares images: .exr, .png, .pfm, .jpg and, for reading, .hdr, .tga and others.",
         "imgtool");
     app.require_subcommand(1);
     app.footer("Example: imgtool info render.exr");

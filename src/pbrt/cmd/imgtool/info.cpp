@@ -1,5 +1,6 @@
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "pbrt/cmd/imgtool/commands.h"
 #include "pbrt/core/error.h"
@@ -7,6 +8,8 @@
 namespace pbrt::imgtool {
 
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 struct ChannelStatistics {
     Float low = Infinity, high = -Infinity;
@@ -42,6 +45,19 @@ const char *FormatName(PixelFormat format) {
     return "";
 }
 
+struct AttributeJson {
+    Json operator()(int v) const { return v; }
+    Json operator()(float v) const { return ShortNumber(v); }
+    Json operator()(const std::string &v) const { return v; }
+    /// Row by row.
+    Json operator()(const glm::mat4 &m) const {
+        Json rows = Json::array();
+        for (int row = 0; row < 4; ++row)
+            rows.push_back({ShortNumber(m[0][row]), ShortNumber(m[1][row]), ShortNumber(m[2][row]), ShortNumber(m[3][row])});
+        return rows;
+    }
+};
+
 void PrintAttribute(const std::string &name, const ImageMetadata::Value &value) {
     fmt::print("  {}: ", name);
     if (auto *m = std::get_if<glm::mat4>(&value)) {
@@ -56,6 +72,37 @@ void PrintAttribute(const std::string &name, const ImageMetadata::Value &value) 
     } else {
         fmt::print("{}\n", std::get<float>(value));
     }
+}
+
+/// nlohmann::json writes what is not finite as null.
+Json InfoJson(const std::string &path) {
+    const ImageFile file = ReadImage(path);
+    const ImageMetadata &metadata = file.metadata;
+    Json json = {{"file", path},
+                 {"width", file.image.Resolution().x},
+                 {"height", file.image.Resolution().y},
+                 {"format", FormatName(file.image.Format())},
+                 {"colorSpace", metadata.colorSpace ? Json(metadata.colorSpace->Name()) : Json()}};
+    if (metadata.fullResolution && metadata.pixelBounds) {
+        const Bounds2i &b = *metadata.pixelBounds;
+        json["window"] = {{"x0", b.low.x}, {"x1", b.high.x}, {"y0", b.low.y}, {"y1", b.high.y}};
+        json["fullWidth"] = metadata.fullResolution->x;
+        json["fullHeight"] = metadata.fullResolution->y;
+    }
+    json["attributes"] = Json::object();
+    for (const auto &[name, value] : metadata.attributes) json["attributes"][name] = std::visit(AttributeJson{}, value);
+    json["channels"] = Json::array();
+    for (int c = 0; c < file.image.ChannelCount(); ++c) {
+        const ChannelStatistics s = Statistics(file.image, c);
+        Json channel = {{"name", file.image.Channels()[static_cast<size_t>(c)]}};
+        channel["min"] = s.count ? Json(ShortNumber(s.low)) : Json();
+        channel["mean"] = s.count ? Json(s.sum / static_cast<double>(s.count)) : Json();
+        channel["max"] = s.count ? Json(ShortNumber(s.high)) : Json();
+        channel["nan"] = s.nan;
+        channel["infinite"] = s.infinite;
+        json["channels"].push_back(std::move(channel));
+    }
+    return json;
 }
 
 void PrintInfo(const std::string &path) {
@@ -89,14 +136,22 @@ void PrintInfo(const std::string &path) {
 void AddInfo(CLI::App &app, Action &action) {
     struct Options {
         std::vector<std::string> paths;
+        bool json = false;
     };
     auto o = std::make_shared<Options>();
     CLI::App *command = app.add_subcommand("info", "Print resolution, colour space, metadata and channel statistics");
     command->add_option("files", o->paths, "Images")->required();
+    command->add_flag("--json", o->json, "Print a JSON array with an object for each image");
     command->footer("Example: imgtool info render.exr");
     command->callback([o, &action] {
         action = [o] {
-            for (const std::string &path : o->paths) PrintInfo(path);
+            if (!o->json) {
+                for (const std::string &path : o->paths) PrintInfo(path);
+                return 0;
+            }
+            Json all = Json::array();
+            for (const std::string &path : o->paths) all.push_back(InfoJson(path));
+            fmt::print("{}\n", all.dump(1, ' ', false, Json::error_handler_t::replace));
             return 0;
         };
     });

@@ -77,7 +77,7 @@ void AddMakeequiarea(CLI::App &app, Action &action) {
     CLI::App *command = app.add_subcommand(
         "makeequiarea", "Turn a latitude-longitude environment map into the equal-area square of pbrt-v4");
     command->add_option("file", o->path, "Latitude-longitude image, up in the first row")->required();
-    AddOutfileOption(*command, o->outfile);
+    AddOutfileOption(*command, o->outfile, true);
     command->add_option("--resolution", o->resolution, "Side of the result in pixels (default: width of the input)")
         ->check(CLI::Range(1, 1 << 15));
     command->footer("Example: imgtool makeequiarea meadow.hdr --resolution 1024 --outfile meadow.exr");

@@ -58,7 +58,7 @@ void AddWhitebalance(CLI::App &app, Action &action) {
     CLI::App *command =
         app.add_subcommand("whitebalance", "Make what is white in a light white in the image's colour space");
     command->add_option("file", o->path, "Image with the channels R, G, B")->required();
-    AddOutfileOption(*command, o->outfile);
+    AddOutfileOption(*command, o->outfile, true);
     CLI::Option *illuminant =
         command->add_option("--illuminant", o->illuminant, "The light: a standard illuminant, for instance A or D50")
             ->type_name("NAME");

@@ -1,17 +1,17 @@
 #include <fcntl.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <thread>
 #include <vector>
 
 #include "folder_test.h"
+#include "support/small_files.h"
 
 namespace pbrt {
 namespace {
 
 namespace fs = std::filesystem;
-using test::Contains, test::Reason;
+using test::Contains, test::Reason, test::SmallFilesOnly;
 
 class WriteFileTest : public test::FolderTest {};
 
@@ -20,20 +20,6 @@ mode_t ModeOf(const std::string &path) {
     EXPECT_EQ(stat(path.c_str(), &status), 0) << path;
     return status.st_mode & 0777;
 }
-
-/// What a full disk does to a write in the middle of a file, for the time it lives.
-class SmallFilesOnly {
-  public:
-    explicit SmallFilesOnly(rlim_t bytes) {
-        getrlimit(RLIMIT_FSIZE, &before_);
-        const rlimit limit{bytes, before_.rlim_max};
-        EXPECT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
-    }
-    ~SmallFilesOnly() { setrlimit(RLIMIT_FSIZE, &before_); }
-
-  private:
-    rlimit before_{};
-};
 
 TEST_F(WriteFileTest, ReplacesTheContentAndLeavesNothingElse) {
     const std::string path = Write("out.exr", "an old and longer content"), content("new\0\n", 5);

@@ -3,10 +3,15 @@
 #include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfStandardAttributes.h>
 
+#include <signal.h>
+
 #include <cmath>
 
 #include "image_fixtures.h"
 #include "pbrt/core/error.h"
+#include "pbrt/core/files.h"
+#include "pbrt/images/tile_cache.h"
+#include "support/small_files.h"
 
 namespace pbrt {
 
@@ -157,6 +162,7 @@ TEST_F(WriteImageFile, PlainFormatsKeepRgbOfLargerImages) {
 TEST_F(WriteImageFile, FailuresLeaveNothingBehind) {
     const Image image = NoiseImage(PixelFormat::Half, {4, 4}, {"R", "G", "B"});
     EXPECT_THROW(WriteImage(Path("a.tiff"), image), UserError);
+    EXPECT_THROW(WriteImage(Path("exr"), image), UserError);
     EXPECT_THROW(WriteImage(Path("no/such/folder/a.exr"), image), UserError);
     EXPECT_THROW(WriteImage(Path("no/such/folder/a.png"), image), UserError);
     EXPECT_THROW(WriteImage(Path("no/such/folder/a.pfm"), image), UserError);
@@ -165,6 +171,60 @@ TEST_F(WriteImageFile, FailuresLeaveNothingBehind) {
     size_t files = 0;
     for (const auto &entry : std::filesystem::directory_iterator(directory_)) files += entry.is_regular_file();
     EXPECT_EQ(files, 0u);
+}
+
+TEST_F(WriteImageFile, AFullDiskIsAnErrorAndKeepsTheOldFile) {
+    const Image old = NoiseImage(PixelFormat::Float, {2, 2}, {"R", "G", "B"});
+    const Image image = NoiseImage(PixelFormat::Float, {64, 64}, {"R", "G", "B"});
+    for (const char *name : {"a.exr", "a.png", "a.pfm", "a.jpg"}) {
+        WriteImage(Path(name), old);
+        const std::string before = ReadFileContents(Path(name));
+        {
+            const test::SmallFilesOnly limit(4096);
+            EXPECT_THROW(WriteImage(Path(name), image), UserError) << name;
+        }
+        EXPECT_EQ(ReadFileContents(Path(name)), before) << name;
+        WriteImage(Path(name), image);
+        EXPECT_GT(ReadFileContents(Path(name)).size(), 4096u) << name << " was too small to show anything";
+        std::filesystem::remove(Path(name));
+        std::filesystem::create_symlink("/dev/full", Path(name));
+        EXPECT_THROW(WriteImage(Path(name), image), UserError) << name;
+        std::filesystem::remove(Path(name));
+    }
+    EXPECT_TRUE(std::filesystem::is_empty(directory_));
+}
+
+TEST_F(WriteImageFile, TilesOnAFullDiskAreAnError) {
+    TileCache tiles(8);
+    const std::vector<Image> images = {NoiseImage(PixelFormat::Float, {256, 256}, {"R", "G", "B"})};
+    // The library writes the description of a file at its end: a limit just below the whole takes only that.
+    for (rlim_t limit : {5000, 400000, 786432 + 100}) {
+        const test::SmallFilesOnly small(limit);
+        signal(SIGXFSZ, SIG_IGN);
+        EXPECT_THROW(tiles.Store(images), UserError) << limit;
+    }
+    EXPECT_TRUE(tiles.Store(images));
+}
+
+TEST_F(WriteImageFile, ExtensionsMayBeInAnyLetterCase) {
+    const Image image = NoiseImage(PixelFormat::Half, {4, 4}, {"R", "G", "B"});
+    for (const char *name : {"A.EXR", "b.Png", "c.PFM", "d.JPG"}) {
+        WriteImage(Path(name), image);
+        EXPECT_EQ(ReadImage(Path(name)).image.Resolution(), Point2i(4, 4)) << name;
+    }
+}
+
+TEST_F(WriteImageFile, JpegIsSrgbOfHighQuality) {
+    Image image(PixelFormat::Float, {32, 32}, {"R", "G", "B", "A"});
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x)
+            for (int c = 0; c < 4; ++c) image.Set({x, y}, c, static_cast<Float>(c == 0 ? x : c == 1 ? y : 16) / 32);
+    WriteImage(Path("a.jpg"), image);
+    const Image read = ReadImage(Path("a.jpg")).image;
+    ASSERT_EQ(read.ChannelCount(), 3);
+    for (int y = 4; y < 32; ++y)
+        for (int x = 4; x < 32; ++x)
+            for (int c = 0; c < 3; ++c) EXPECT_NEAR(read.Get({x, y}, c), image.Get({x, y}, c), 0.04f);
 }
 
 TEST_F(WriteImageFile, WarnsOfValuesTooLargeForHalf) {

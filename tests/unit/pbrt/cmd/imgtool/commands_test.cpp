@@ -5,6 +5,7 @@
 
 #include "imgtool_program.h"
 #include "pbrt/math/warps.h"
+#include "support/small_files.h"
 
 namespace pbrt {
 
@@ -30,7 +31,7 @@ TEST_F(Imgtool, ErrorIsTheMeanOverAllFilesWithThePrefix) {
         WriteImage(Path(name), Constant({4, 3}, value));
     const Outcome o = Run("error run --reference runref.exr --errorfile rune.exr");
     EXPECT_EQ(o.status, 0) << o.err;
-    EXPECT_TRUE(Has(o.out, "MSE: mean 2.5, standard deviation 2.12, 2 images")) << o.out;
+    EXPECT_TRUE(Has(o.out, "run1.exr: 1\nrun2.exr: 4\nMSE: mean 2.5, standard deviation 2.12, 2 images")) << o.out;
     const Image errors = ReadImage(Path("rune.exr")).image;
     EXPECT_EQ(errors.Get({3, 2}, 1), 2.5f);
     EXPECT_TRUE(Has(Run("error run --reference runref.exr --errorfile rune.exr --metric MAE --crop 0,2,0,2").out,
@@ -41,6 +42,65 @@ TEST_F(Imgtool, ErrorIsTheMeanOverAllFilesWithThePrefix) {
                   {"error none --reference runref.exr", "\"none\""},
                   {"error run --reference runref.exr --metric PSNR", "relL2"},
                   {"error run", "--reference"}});
+}
+
+TEST_F(Imgtool, ErrorTakesNamesAndPatternsAndSaysWhatItCompared) {
+    for (auto [name, value] : {std::pair("run1.exr", 3.f), std::pair("run10.exr", 4.f), std::pair("run1.exr.old.exr", 5.f),
+                               std::pair("ref.exr", 2.f)})
+        WriteImage(Path(name), Constant({4, 3}, value));
+    std::ofstream(Path("run1.log")) << "no image";
+    auto compared = [&](const std::string &names) { return Run("error " + names + " --reference ref.exr").out; };
+    EXPECT_EQ(compared("run1.exr"), "MSE: mean 1, run1.exr\n");
+    EXPECT_EQ(compared("'run1?.exr'"), "MSE: mean 4, run10.exr\n");
+    EXPECT_EQ(compared("'run*0.exr' run1.exr run1.exr"),
+              "run10.exr: 4\nrun1.exr: 1\nMSE: mean 2.5, standard deviation 2.12, 2 images\n");
+    // A start of names finds images only.
+    EXPECT_TRUE(Has(compared("run1"), "run1.exr: 1\nrun1.exr.old.exr: 9\nrun10.exr: 4\n")) << compared("run1");
+    EXPECT_TRUE(Has(Run("average 'run1*.exr' --outfile mean.exr").out, "3 images: run1.exr, run1.exr.old.exr, run10.exr"));
+    ExpectErrors({{"error 'x*' --reference ref.exr", "No file fits \"x*\""},
+                  {"error run1.exr x --reference ref.exr", "\"x\""}});
+}
+
+TEST_F(Imgtool, AFullDiskIsAnErrorAndKeepsTheOldFile) {
+    Write("big.exr", 64, 64, kRgb, -30);
+    Write("big2.exr", 64, 64, kRgb, -31);
+    WriteImage(Path("noise.exr"), Constant({64, 64}, 0.3f));
+    for (const char *command : {"convert big.exr out.exr", "convert big.exr out.pfm", "convert big.exr --repeatpix 9 out.png",
+                                "convert big.exr --repeatpix 9 out.jpg", "average big.exr big2.exr --outfile out.pfm",
+                                "diff big.exr --reference noise.exr --outfile out.pfm",
+                                "error big.exr --reference noise.exr --errorfile out.pfm", "bloom big.exr out.pfm",
+                                "splitn big.exr big2.exr --outfile out.pfm", "assemble big.exr --outfile out.exr",
+                                "makesky --resolution 128 --outfile out.exr"}) {
+        std::string name = command;
+        name = name.substr(name.rfind(' ') + 1);
+        const std::string old = FileText(Path("noise.exr"));
+        std::ofstream(Path(name), std::ios::binary) << old;
+        Outcome o;
+        {
+            const test::SmallFilesOnly limit(1000);
+            o = Run(command);
+        }
+        EXPECT_EQ(o.status, 1) << command;
+        EXPECT_TRUE(Has(o.err, name + ": cannot be written: File too large")) << command << "\n" << o.err;
+        EXPECT_EQ(FileText(Path(name)), old) << command;
+        std::filesystem::remove(Path(name));
+        for (const auto &entry : std::filesystem::directory_iterator(directory_))
+            EXPECT_FALSE(entry.path().extension() == ".tmp") << command << " left " << entry.path();
+    }
+}
+
+TEST_F(Imgtool, OutputGoesThroughLinksAndPipes) {
+    Write("a.exr", 4, 3, kRgb);
+    std::filesystem::create_symlink("real.png", Path("link.png"));
+    EXPECT_EQ(Run("convert a.exr link.png").status, 0);
+    EXPECT_TRUE(std::filesystem::is_symlink(Path("link.png")));
+    EXPECT_TRUE(std::filesystem::is_regular_file(Path("real.png")));
+    EXPECT_EQ(Run("convert a.exr b.pfm").status, 0);
+    std::filesystem::create_symlink("/dev/stdout", Path("stdout.pfm"));
+    EXPECT_EQ(Run("convert a.exr stdout.pfm").out, FileText(Path("b.pfm")));
+    EXPECT_EQ(Run("convert a.exr stdout.pfm | cat").out, FileText(Path("b.pfm")));
+    std::filesystem::create_symlink("/dev/full", Path("full.png"));
+    ExpectErrors({{"convert a.exr full.png", "full.png: cannot be written: No space left"}});
 }
 
 TEST_F(Imgtool, AssembleUndoesCrops) {

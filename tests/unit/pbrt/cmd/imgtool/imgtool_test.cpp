@@ -1,5 +1,6 @@
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
 
@@ -92,6 +93,42 @@ TEST_F(Imgtool, InfoShowsWindowsSpaceMetadataAndStatistics) {
     EXPECT_TRUE(std::regex_search(o.out, std::regex("1 +0 +0 +42\n"))) << o.out;
     EXPECT_TRUE(std::regex_search(o.out, std::regex("R +0\\.5 +1 +1\\.5 +0 +0\n"))) << o.out;
     EXPECT_TRUE(std::regex_search(o.out, std::regex("G +0 +0 +0 +1 +0\n"))) << o.out;
+}
+
+TEST_F(Imgtool, InfoAndDiffSpeakJson) {
+    Image image(PixelFormat::Float, {2, 1}, kRgb);
+    image.Set({0, 0}, 0, 0.01f);
+    image.Set({1, 0}, 0, 0.03f);
+    image.Set({0, 0}, 1, NAN);
+    ImageMetadata metadata;
+    metadata.colorSpace = ColorSpace::Find("rec2020");
+    metadata.attributes["samplesPerPixel"] = 64;
+    metadata.attributes["seconds"] = 0.1f;
+    metadata.attributes["text"] = std::string("a \"b\"");
+    WriteImage(Path("a.exr"), image, metadata);
+    const Outcome o = Run("info a.exr a.exr --json");
+    EXPECT_EQ(o.status, 0) << o.err;
+    const auto json = nlohmann::json::parse(o.out);
+    ASSERT_EQ(json.size(), 2u);
+    EXPECT_EQ(json[0], json[1]);
+    EXPECT_EQ(json[0]["width"], 2);
+    EXPECT_EQ(json[0]["colorSpace"], "rec2020");
+    EXPECT_EQ(json[0]["window"]["x1"], 2);
+    EXPECT_EQ(json[0]["attributes"]["samplesPerPixel"], 64);
+    EXPECT_EQ(json[0]["attributes"]["text"], "a \"b\"");
+    EXPECT_EQ(json[0]["channels"][0]["name"], "R");
+    EXPECT_EQ(json[0]["channels"][1]["nan"], 1);
+    EXPECT_TRUE(Has(o.out, "\"seconds\": 0.1,") && Has(o.out, "\"min\": 0.01,")) << "no digits of doubles: " << o.out;
+
+    image.Set({0, 0}, 1, 0);
+    WriteImage(Path("a.exr"), image, metadata);
+    image.Set({0, 0}, 1, 1);
+    WriteImage(Path("b.exr"), image, metadata);
+    const Outcome differ = Run("diff a.exr --reference b.exr --metric MAE --json"), equal = Run("diff a.exr --reference a.exr --json");
+    EXPECT_EQ(differ.status, 1);
+    EXPECT_NEAR(nlohmann::json::parse(differ.out)["error"].get<double>(), 1 / 6., 1e-6);
+    EXPECT_EQ(equal.status, 0);
+    EXPECT_EQ(nlohmann::json::parse(equal.out)["error"], 0.0);
 }
 
 TEST_F(Imgtool, DiffOfEqualImagesIsSilent) {
@@ -199,6 +236,8 @@ TEST_F(Imgtool, ConvertChangesColours) {
     EXPECT_FLOAT_EQ(scaled.Get(p, 0), 2 * image.Get(p, 0));
     EXPECT_FLOAT_EQ(scaled.Get(p, 3), image.Get(p, 3));
     EXPECT_FLOAT_EQ(converted("--scale=-2 --clamp 0.5").Get(p, 1), -0.5f);
+    EXPECT_FLOAT_EQ(converted("--exposure 1.5").Get(p, 1), std::exp2(1.5f) * image.Get(p, 1));
+    EXPECT_FLOAT_EQ(converted("--exposure -2 --scale 8").Get(p, 1), 2 * image.Get(p, 1));
     EXPECT_FLOAT_EQ(converted("--gamma 2").Get(p, 1), Sqr(image.Get(p, 1)));
     EXPECT_FLOAT_EQ(converted("--flipy").Get({1, 0}, 2), image.Get({1, 1}, 2));
     EXPECT_EQ(converted("--fp16").Format(), PixelFormat::Half);
@@ -239,7 +278,10 @@ TEST_F(Imgtool, ConvertWritesEveryFormatAndNoOther) {
     EXPECT_NEAR(ReadImage(Path("a.png")).image.Get({2, 0}, 1), image.Get({2, 0}, 1), 0.005f);
     ASSERT_EQ(Run("convert a.png --outfile b.exr").status, 0);
     EXPECT_EQ(ReadImage(Path("b.exr")).image.Format(), PixelFormat::Half);
-    ExpectErrors({{"convert a.exr --outfile a.jpg", ".png"}});
+    ASSERT_EQ(Run("convert a.exr a.jpg").status, 0);
+    EXPECT_NEAR(ReadImage(Path("a.jpg")).image.Get({2, 0}, 1), image.Get({2, 0}, 1), 0.03f);
+    ASSERT_EQ(Run("convert a.exr B.EXR").status, 0);
+    ExpectErrors({{"convert a.exr --outfile a.tiff", ".png"}, {"convert a.exr b.exr c.exr", "c.exr"}});
 }
 
 TEST_F(Imgtool, FalsecolorOrdersValuesAndMarksInvalidOnes) {
@@ -263,6 +305,24 @@ TEST_F(Imgtool, FalsecolorOrdersValuesAndMarksInvalidOnes) {
     EXPECT_EQ(Run("falsecolor a.exr --outfile g.png").status, 0);
     EXPECT_EQ(ReadImage(Path("g.png")).image.Resolution(), Point2i(4, 1));
     EXPECT_TRUE(Has(Run("falsecolor a.exr --maxvalue 8 --outfile h.png").out, "0 to 8"));
+}
+
+// One lamp must not make the room black.
+TEST_F(Imgtool, FalsecolorShowsTheImageAndNotItsBrightestPixels) {
+    Image image(PixelFormat::Float, {50, 40}, {"Y"});
+    for (int y = 0; y < 40; ++y)
+        for (int x = 0; x < 50; ++x) image.Set({x, y}, 0, static_cast<Float>(x + 1) / 50);
+    for (int x = 0; x < 15; ++x) image.Set({x, 0}, 0, 1000);
+    WriteImage(Path("a.exr"), image);
+    const Outcome o = Run("falsecolor a.exr f.png");
+    EXPECT_TRUE(Has(o.out, "f.png: 0 to 1, which 99 % of the pixels do not exceed; the largest value is 1000")) << o.out;
+    const Image shown = ReadImage(Path("f.png")).image;
+    EXPECT_GT(shown.Get({40, 20}, 0), shown.Get({5, 20}, 0) + 0.2f);
+    // Mostly 0: what is not stays visible.
+    for (int y = 0; y < 40; ++y)
+        for (int x = 0; x < 50; ++x) image.Set({x, y}, 0, y == 0 && x < 3 ? 5 : 0);
+    WriteImage(Path("b.exr"), image);
+    EXPECT_TRUE(Has(Run("falsecolor b.exr f.png").out, "0 to 5\n"));
 }
 
 TEST_F(Imgtool, FalsecolorPlusMinusIsBlueBelowAndRedAboveZero) {

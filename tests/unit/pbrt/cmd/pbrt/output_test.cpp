@@ -1,0 +1,81 @@
+// Where the picture goes, and what happens if it cannot.
+#include <sys/stat.h>
+
+#include <chrono>
+
+#include "program.h"
+#include "support/small_files.h"
+
+namespace pbrt::test {
+
+class Output : public Program {
+  protected:
+    void SetUp() override {
+        Program::SetUp();
+        Write("scene.pbrt", SmallScene());
+    }
+};
+
+TEST_F(Output, AFullDiskIsAnErrorAndKeepsTheOldPicture) {
+    for (const char *name : {"out.exr", "out.png", "out.pfm"}) {
+        Write(name, "an old picture");
+        const std::vector<std::string> before = Files();
+        Outcome o;
+        {
+            const SmallFilesOnly limit(1000);
+            o = Run("--quiet --spp 1 --outfile " + std::string(name) + " scene.pbrt");
+        }
+        EXPECT_EQ(o.status, 1) << name;
+        EXPECT_TRUE(Has(o.err, std::string(name) + ": cannot be written: File too large")) << o.err;
+        EXPECT_EQ(Read(name), "an old picture");
+        EXPECT_EQ(Files(), before);
+        RunWell("--spp 1 --outfile " + std::string(name) + " scene.pbrt");
+        EXPECT_GT(Read(name).size(), 1000u) << "too small to show anything";
+    }
+}
+
+TEST_F(Output, NamesMayBeLongAndInCapitals) {
+    for (const std::string &name : {std::string(248, 'n') + ".exr", std::string("OUT.EXR"), std::string("out.Png")}) {
+        RunWell("--spp 1 --outfile " + name + " scene.pbrt");
+        EXPECT_EQ(ReadImage(Path(name)).image.Resolution(), Point2i(32, 24)) << name;
+    }
+    // Before rendering, which would take hours.
+    ExpectErrors({{"--spp 100000000 --outfile " + std::string(252, 'n') + ".exr scene.pbrt", {"File name too long"}}});
+}
+
+TEST_F(Output, LinksStay) {
+    std::filesystem::create_symlink("real.exr", Path("link.exr"));
+    RunWell("--spp 1 --outfile link.exr scene.pbrt");
+    EXPECT_TRUE(std::filesystem::is_symlink(Path("link.exr")));
+    EXPECT_EQ(ReadImage(Path("real.exr")).image.Resolution(), Point2i(32, 24));
+}
+
+TEST_F(Output, GoesIntoPipes) {
+    ASSERT_EQ(mkfifo(Path("pipe.pfm").c_str(), 0600), 0);
+    const pid_t pid = Start("--quiet --spp 1 --outfile pipe.pfm scene.pbrt");
+    const std::string bytes = Read("pipe.pfm");
+    EXPECT_EQ(Wait(pid).status, 0);
+    EXPECT_TRUE(std::filesystem::is_fifo(Path("pipe.pfm")));
+    EXPECT_TRUE(bytes.starts_with("PF\n32 24\n")) << bytes.size();
+    EXPECT_EQ(bytes.size(), 13u + 32 * 24 * 12);
+}
+
+// None of these may be waited for, or read for ever.
+TEST_F(Output, PipesAndDevicesAreNoAssets) {
+    ASSERT_EQ(mkfifo(Path("pipe.png").c_str(), 0600), 0);
+    std::filesystem::create_symlink("/dev/zero", Path("zero.exr"));
+    Write("include.pbrt", "Include \"pipe.png\"\n");
+    Write("zero.pbrt", "WorldBegin\nInclude \"/dev/zero\"\n");
+    Write("texture.pbrt", "WorldBegin\nTexture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"pipe.png\"\n"
+                          "Texture \"u\" \"spectrum\" \"imagemap\" \"string filename\" \"zero.exr\"\n"
+                          "Material \"diffuse\" \"texture reflectance\" \"t\"\nShape \"sphere\"\n"
+                          "Material \"diffuse\" \"texture reflectance\" \"u\"\nShape \"sphere\"\n");
+    Write("ply.pbrt", "WorldBegin\nShape \"plymesh\" \"string filename\" \"pipe.png\"\n");
+    ExpectErrors({{"include.pbrt", {"include.pbrt:1", "is a pipe"}},
+                  {"zero.pbrt", {"zero.pbrt:2", "/dev/zero: is a device"}},
+                  {"texture.pbrt", {"pipe.png: is a pipe"}},
+                  {"ply.pbrt", {"pipe.png: is a pipe"}},
+                  {"/dev/zero", {"is a device"}}});
+}
+
+}  // namespace pbrt::test

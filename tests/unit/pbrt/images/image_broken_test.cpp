@@ -1,0 +1,167 @@
+// Files that lie about their content, end too early, or are no files.
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenImageIO/deepdata.h>
+#include <OpenImageIO/imageio.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <cstring>
+
+#include "image_fixtures.h"
+#include "pbrt/core/error.h"
+#include "pbrt/core/files.h"
+
+namespace pbrt {
+
+namespace {
+
+std::string Message(const std::string &path) {
+    try {
+        ReadImage(path);
+    } catch (const UserError &e) {
+        return e.what();
+    }
+    return "no error";
+}
+
+bool Has(const std::string &text, const std::string &part) { return text.find(part) != std::string::npos; }
+
+std::string BigEndian(uint32_t v) {
+    return test::Bytes({static_cast<int>(v >> 24), static_cast<int>(v >> 16 & 255), static_cast<int>(v >> 8 & 255),
+                        static_cast<int>(v & 255)});
+}
+
+}  // namespace
+
+class BrokenImage : public test::FileTest {
+  protected:
+    /// Pixels without any pattern, so that no compression makes the file small.
+    std::string WriteNoise(const std::string &name, OIIO::TypeDesc type, const std::string &compression = "") {
+        OIIO::ImageSpec spec(64, 48, 3, type);
+        if (!compression.empty()) spec["compression"] = compression;
+        std::vector<float> values(64 * 48 * 3);
+        uint32_t state = 1;
+        for (float &v : values) v = static_cast<float>((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f;
+        auto out = OIIO::ImageOutput::create(Path(name));
+        EXPECT_TRUE(out && out->open(Path(name), spec) && out->write_image(OIIO::TypeDesc::FLOAT, values.data()) &&
+                    out->close())
+            << name;
+        return ReadFileContents(Path(name));
+    }
+    /// An EXR of one half channel of 8 x 8 pixels, of which `change` changes bytes.
+    std::string ExrWith(const std::string &attribute, const std::array<int32_t, 4> &box, Imf::Compression compression) {
+        Imf::Header header(8, 8);
+        header.compression() = compression;
+        header.channels().insert("Y", Imf::Channel(Imf::HALF));
+        std::vector<char> pixels(8 * 8 * 2);
+        {
+            Imf::OutputFile file(Path("small.exr").c_str(), header);
+            Imf::FrameBuffer buffer;
+            buffer.insert("Y", Imf::Slice(Imf::HALF, pixels.data(), 2, 16));
+            file.setFrameBuffer(buffer);
+            file.writePixels(8);
+        }
+        std::string content = ReadFileContents(Path("small.exr"));
+        const std::string name = attribute + std::string("\0box2i\0", 7);
+        const size_t at = content.find(name);
+        EXPECT_NE(at, std::string::npos);
+        std::memcpy(content.data() + at + name.size() + 4, box.data(), sizeof box);
+        return WriteBytes("lie.exr", content);
+    }
+};
+
+TEST_F(BrokenImage, AnEarlyEndIsAnErrorInEveryFormat) {
+    const OIIO::TypeDesc byte = OIIO::TypeDesc::UINT8, half = OIIO::TypeDesc::HALF, real = OIIO::TypeDesc::FLOAT;
+    struct Case {
+        const char *name;
+        OIIO::TypeDesc type;
+        const char *compression;
+    };
+    const std::vector<Case> cases = {
+        {"a.png", byte, ""},         {"deep.png", OIIO::TypeDesc::UINT16, ""},
+        {"a.jpg", byte, "jpeg:90"},  {"a.bmp", byte, ""},
+        {"a.tga", byte, "none"},     {"runs.tga", byte, "rle"},
+        {"a.ppm", byte, ""},         {"a.hdr", real, ""},
+        {"a.tif", byte, "none"},     {"zip.tif", byte, "zip"},
+        {"a.gif", byte, ""},         {"none.exr", half, "none"},
+        {"zip.exr", half, "zip"},    {"zips.exr", real, "zips"},
+        {"rle.exr", half, "rle"},    {"piz.exr", half, "piz"},
+        {"pxr24.exr", real, "pxr24"}, {"b44.exr", half, "b44"},
+        {"dwaa.exr", half, "dwaa"},
+    };
+    for (const Case &c : cases) {
+        const std::string whole = WriteNoise(c.name, c.type, c.compression);
+        EXPECT_EQ(Message(Path(c.name)), "no error") << c.name;
+        for (double part : {0.02, 0.2, 0.5, 0.8, 0.95}) {
+            const std::string path = WriteBytes(std::string("cut_") + c.name,
+                                                whole.substr(0, static_cast<size_t>(part * static_cast<double>(whole.size()))));
+            EXPECT_TRUE(Has(Message(path), path)) << c.name << " cut to " << part << ": " << Message(path);
+        }
+    }
+    WriteImage(Path("a.pfm"), test::NoiseImage(PixelFormat::Float, {16, 8}, {"R", "G", "B"}));
+    const std::string whole = ReadFileContents(Path("a.pfm"));
+    for (size_t size : {size_t(3), size_t(9), whole.size() - 1})
+        EXPECT_TRUE(Has(Message(WriteBytes("cut.pfm", whole.substr(0, size))), "cut.pfm")) << size;
+}
+
+TEST_F(BrokenImage, SizesAreCheckedBeforeMemoryIsAllocated) {
+    // Should one of these be believed, the test's process may not grow by more than 4 GB.
+    rlimit before{};
+    getrlimit(RLIMIT_AS, &before);
+    WriteNoise("load.png", OIIO::TypeDesc::UINT8);
+    ReadImage(Path("load.png"));
+
+    auto png = [](uint32_t width, uint32_t height) {
+        return test::Bytes({0x89, 'P', 'N', 'G', 13, 10, 26, 10}) + BigEndian(13) + "IHDR" + BigEndian(width) +
+               BigEndian(height) + test::Bytes({8, 2, 0, 0, 0});
+    };
+    for (const char *size : {"100000 100000", "1048577 1", "1e9 1e9", "2147483648 4", "-1 4", "0 4", "4 0", "nan 1"}) {
+        const std::string path = WriteBytes("lie.pfm", std::string("PF\n") + size + "\n-1\nshort");
+        EXPECT_TRUE(Has(Message(path), "lie.pfm")) << size << ": " << Message(path);
+    }
+    EXPECT_TRUE(Has(Message(WriteBytes("lie.pfm", "PF\n100000 100000\n-1\n")), "needs about 120 GB of memory"));
+    // The checksums are missing, but sizes are judged first, or the header is refused as a whole.
+    for (auto [width, height] : {std::pair(100000u, 100000u), {0u, 5u}, {5u, 0u}, {1u << 31, 1u}, {0x7fffffffu, 0x7fffffffu}}) {
+        const std::string path = WriteBytes("lie.png", png(width, height));
+        EXPECT_TRUE(Has(Message(path), "lie.png")) << width << " x " << height << ": " << Message(path);
+    }
+    for (Imf::Compression compression : {Imf::NO_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION, Imf::DWAA_COMPRESSION})
+        for (std::array<int32_t, 4> box :
+             {std::array<int32_t, 4>{0, 0, 99999, 99999}, {0, 0, 7, 1 << 30}, {0, 0, 1 << 30, 7}, {5, 5, 3, 3},
+              {INT32_MIN, INT32_MIN, INT32_MAX, INT32_MAX}, {INT32_MIN, 0, INT32_MIN + 7, 7}, {0, INT32_MAX - 7, 7, INT32_MAX}}) {
+            const std::string path = ExrWith("dataWindow", box, compression);
+            EXPECT_TRUE(Has(Message(path), "lie.exr")) << compression << ": " << Message(path);
+            if (box[2] == box[0] + 7 && box[3] == box[1] + 7) continue;
+            Message(ExrWith("displayWindow", box, compression));  // may be an image; must not crash
+        }
+    EXPECT_TRUE(Has(Message(ExrWith("dataWindow", {0, 0, 59999, 29999}, Imf::ZIP_COMPRESSION)), "60000 x 30000 pixels"));
+    // Targa, 65535 x 65535 in 20 bytes.
+    const std::string tga = WriteBytes("lie.tga", test::Bytes({0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 255, 255, 255, 24, 0, 1, 2}));
+    EXPECT_TRUE(Has(Message(tga), "cannot hold")) << Message(tga);
+    setrlimit(RLIMIT_AS, &before);
+}
+
+TEST_F(BrokenImage, DeepPixelsAreRefused) {
+    OIIO::ImageSpec spec(2, 2, 2, OIIO::TypeDesc::FLOAT);
+    spec.deep = true;
+    spec.channelnames = {"Z", "A"};
+    OIIO::DeepData deep(spec);
+    for (int p = 0; p < 4; ++p) deep.set_samples(p, 1);
+    auto out = OIIO::ImageOutput::create(Path("deep.exr"));
+    ASSERT_TRUE(out && out->open(Path("deep.exr"), spec) && out->write_deep_image(deep) && out->close());
+    EXPECT_TRUE(Has(Message(Path("deep.exr")), "deep.exr")) << Message(Path("deep.exr"));
+}
+
+TEST_F(BrokenImage, OnlyFilesAreImages) {
+    for (const char *name : {"pipe.png", "pipe.exr", "pipe.pfm"}) {
+        ASSERT_EQ(mkfifo(Path(name).c_str(), 0600), 0);
+        EXPECT_TRUE(Has(Message(Path(name)), "is a pipe or a device")) << Message(Path(name));
+    }
+    std::filesystem::create_symlink("/dev/zero", Path("zero.png"));
+    EXPECT_TRUE(Has(Message(Path("zero.png")), "is a pipe or a device"));
+}
+
+}  // namespace pbrt

@@ -1,0 +1,91 @@
+#include <OpenImageIO/imageio.h>
+#include <unistd.h>
+
+#include <barrier>
+#include <cstring>
+#include <thread>
+
+#include "image_fixtures.h"
+
+namespace pbrt {
+
+namespace {
+
+/// A colour profile of a monitor by "IEC ", model "sRGB", with tags that no program knows, each a text.
+std::vector<uint8_t> Profile(int number, int tags) {
+    std::vector<uint8_t> bytes;
+    auto word = [&](size_t at, uint32_t value) {
+        if (bytes.size() < at + 4) bytes.resize(at + 4);
+        for (size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<uint8_t>(value >> (24 - 8 * i));
+    };
+    auto text = [&](size_t at, const char *four) {
+        word(at, 0);
+        std::memcpy(&bytes[at], four, 4);
+    };
+    const size_t textAt = 132 + 12 * static_cast<size_t>(tags), size = textAt + 16;
+    text(textAt, "text");
+    text(textAt + 8, "test");
+    word(textAt + 12, 0);
+    word(0, static_cast<uint32_t>(size));
+    word(8, 0x02100000);
+    for (auto [at, four] : {std::pair<size_t, const char *>(12, "mntr"), {16, "RGB "}, {20, "XYZ "}, {36, "acsp"}, {48, "IEC "},
+                            {52, "sRGB"}})
+        text(at, four);
+    for (auto [at, value] : {std::pair<size_t, uint32_t>(68, 0xf6d6), {72, 0x10000}, {76, 0xd32d}}) word(at, value);
+    word(128, static_cast<uint32_t>(tags));
+    for (int i = 0; i < tags; ++i) {
+        const size_t at = 132 + 12 * static_cast<size_t>(i);
+        word(at, 0x61000000u + static_cast<uint32_t>(number * tags + i));
+        word(at + 4, static_cast<uint32_t>(textAt));
+        word(at + 8, 16);
+    }
+    return bytes;
+}
+
+}  // namespace
+
+class ImageThreads : public test::FileTest {
+  protected:
+    std::string WritePng(int number, int tags) {
+        const std::string path = Path(std::to_string(number) + ".png");
+        const std::vector<uint8_t> profile = Profile(number, tags);
+        OIIO::ImageSpec spec(1 + number % 5, 1 + number % 3, 3, OIIO::TypeDesc::UINT8);
+        spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())), profile.data());
+        const std::vector<uint8_t> pixels(spec.image_pixels() * 3, 100);
+        auto out = OIIO::ImageOutput::create(path);
+        EXPECT_TRUE(out && out->open(path, spec) && out->write_image(OIIO::TypeDesc::UINT8, pixels.data()) && out->close());
+        return path;
+    }
+};
+
+// Threads that read the headers of such files at once crashed, or looped for ever. In a process of its own, which is to
+// end by itself within a minute.
+TEST_F(ImageThreads, ReadPngsWithColorProfilesAtOnce) {
+    constexpr int kFiles = 64, kTags = 96, kThreads = 8;
+    std::vector<std::string> paths;
+    for (int i = 0; i < kFiles; ++i) paths.push_back(WritePng(i, kTags));
+    // The profile is one that the library decodes: else this test would show nothing.
+    auto probe = OIIO::ImageInput::open(WritePng(kFiles, 1));
+    ASSERT_TRUE(probe);
+    EXPECT_EQ(probe->spec().get_string_attribute("ICCProfile:model"), "73524742");
+    EXPECT_EQ(probe->spec().get_int_attribute("ICCProfile:profile_size"), 160);
+
+    auto readAll = [&] {
+        alarm(60);
+        std::barrier start(kThreads);
+        std::vector<std::jthread> threads;
+        for (int t = 0; t < kThreads; ++t)
+            threads.emplace_back([&, t] {
+                start.arrive_and_wait();
+                for (int i = 0; i < kFiles; ++i) {
+                    const auto at = static_cast<size_t>((i + t * kFiles / kThreads) % kFiles);
+                    if (ReadImage(paths[at]).image.ChannelCount() != 3) _exit(2);
+                }
+            });
+        threads.clear();
+        std::exit(0);  // with the exit handlers of the library
+    };
+    for (int repeat = 0; repeat < 3; ++repeat) EXPECT_EXIT(readAll(), ::testing::ExitedWithCode(0), "");
+}
+
+}  // namespace pbrt

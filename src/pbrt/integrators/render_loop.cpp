@@ -1,6 +1,8 @@
 #include "pbrt/integrators/render_loop.h"
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 
 #include "pbrt/core/files.h"
 #include "pbrt/core/parallel.h"
@@ -32,24 +34,31 @@ class ReferenceLog {
                                         settings.mseReferenceImage, have.low.x, have.high.x, have.low.y, have.high.y,
                                         wanted.low.x, wanted.high.x, wanted.low.y, wanted.high.y));
         reference_ = file.image.Select({"R", "G", "B"}).Crop({wanted.low - have.low, wanted.high - have.low});
-        out_.reset(std::fopen(settings.mseReferenceOut.c_str(), "w"));
-        if (!out_) throw UserError(fmt::format("{}: cannot be written.", settings.mseReferenceOut));
+        name_ = settings.mseReferenceOut;
+        out_.reset(std::fopen(name_.c_str(), "w"));
+        if (!out_) throw UserError(fmt::format("{}: cannot be written: {}.", name_, std::strerror(errno)));
     }
     std::optional<double> Log(int samples, const RgbFilm &film) {
         if (!reference_) return {};
         Image image = film.ToImage();
         if (image.ChannelCount() > 3) image = image.Select({"R", "G", "B"});
         double mse = ImageError(image, reference_, Metric::MSE);
-        std::fprintf(out_.get(), "%d, %.9g\n", samples, mse);
-        std::fflush(out_.get());
+        // The render is worth more than its log: it goes on without it.
+        if (out_ && (std::fprintf(out_.get(), "%d, %.9g\n", samples, mse) < 0 || std::fflush(out_.get()) != 0)) {
+            failure_ = fmt::format("{}: cannot be written: {}.", name_, std::strerror(errno));
+            out_.reset();
+        }
         return mse;
     }
+    /// Why the log is not complete; empty if it is.
+    const std::string &Failure() const { return failure_; }
 
   private:
     struct Close {
         void operator()(std::FILE *f) const { std::fclose(f); }
     };
     Image reference_;
+    std::string name_, failure_;
     std::unique_ptr<std::FILE, Close> out_;
 };
 
@@ -161,6 +170,7 @@ RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Fil
         if (taken == 0) break;
         secondsPerSample = SecondsSince(waveStart) / taken;
         result.mse = reference.Log(renderer.Done(), film);
+        result.mseFailure = reference.Failure();
         if (timed) {
             double spent = SecondsSince(settings.start);
             progress.SetFraction(spent / settings.timeBudget, settings.timeBudget - spent);

@@ -25,6 +25,7 @@ struct RenderResult {
     double seconds = 0;    ///< rendering only
     bool cancelled = false;
     std::optional<double> mse;  ///< against the reference, of the last wave
+    std::string mseFailure;     ///< why RenderSettings::mseReferenceOut is not complete, if it is not
 };
 
 /// Makes the sampler of the round-th batch of RenderSettings::samplesPerPixel samples.

@@ -161,6 +161,7 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     if (result.cancelled) LogInfo("Interrupted: the image holds what was rendered.");
     LogInfo(fmt::format("Wrote {} ({} samples per pixel, {:.2f} s).", filename, result.samplesTaken, result.seconds));
     if (options.stats) PrintStatistics(built, result, timings);
+    if (!result.mseFailure.empty()) throw UserError(result.mseFailure);
     return result.cancelled ? 130 : 0;
 }
 

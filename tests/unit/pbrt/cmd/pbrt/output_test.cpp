@@ -34,6 +34,15 @@ TEST_F(Output, AFullDiskIsAnErrorAndKeepsTheOldPicture) {
     }
 }
 
+// The picture is worth more than the log of its errors.
+TEST_F(Output, ALogOnAFullDiskIsAnErrorAfterThePicture) {
+    RunWell("--spp 1 --outfile ref.exr scene.pbrt");
+    const Outcome o = Run("--quiet --spp 2 --mse-reference-image ref.exr --mse-reference-out /dev/full scene.pbrt");
+    EXPECT_EQ(o.status, 1);
+    EXPECT_TRUE(Has(o.err, "/dev/full: cannot be written: No space left on device")) << o.err;
+    EXPECT_EQ(ReadImage(Path("scene.exr")).image.Resolution(), Point2i(32, 24));
+}
+
 TEST_F(Output, NamesMayBeLongAndInCapitals) {
     for (const std::string &name : {std::string(248, 'n') + ".exr", std::string("OUT.EXR"), std::string("out.Png")}) {
         RunWell("--spp 1 --outfile " + name + " scene.pbrt");

@@ -19,22 +19,16 @@ namespace {
     throw UserError(fmt::format("{}: \"{}\" is {}; {}.", params.What(), name, value, rule), params.LocOf(name));
 }
 
-CameraFrame ReadFrame(const ParamSet &params, const AnimatedTransform &renderFromCamera, Point2i resolution,
-                      DiagnosticSink &sink) {
+CameraFrame ReadFrame(const ParamSet &params, const AnimatedTransform &renderFromCamera, Point2i resolution) {
     CameraFrame frame;
     frame.renderFromCamera = renderFromCamera;
     frame.resolution = resolution;
     frame.shutterOpen = params.GetFloat("shutteropen", 0);
     frame.shutterClose = params.GetFloat("shutterclose", 1);
-    if (frame.shutterClose < frame.shutterOpen) {
-        sink.Warning(params.LocOf("shutterclose"),
-                     fmt::format("{}: the shutter closes ({}) before it opens ({}): exchanged.", params.What(),
-                                 frame.shutterClose, frame.shutterOpen));
-        std::swap(frame.shutterClose, frame.shutterOpen);
-    }
     if (!(frame.shutterClose > frame.shutterOpen))
-        Complain(params, "shutterclose", frame.shutterClose,
-                 "the exposure time, shutterclose - shutteropen, must be above 0");
+        throw UserError(fmt::format("{}: the shutter opens at {} and closes at {}; it must close after it opens.",
+                                    params.What(), frame.shutterOpen, frame.shutterClose),
+                        params.LocOf(params.Has("shutterclose") ? "shutterclose" : "shutteropen"));
     return frame;
 }
 
@@ -132,7 +126,7 @@ std::unique_ptr<Camera> MakeCamera(const std::string &type, const ParamSet &para
                         params.Loc());
     const Point2i resolution = film.resolution;
     std::unique_ptr<Camera> camera;
-    CameraFrame frame = ReadFrame(params, renderFromCamera, resolution, sink);
+    CameraFrame frame = ReadFrame(params, renderFromCamera, resolution);
     if (type == "perspective") {
         ScreenWindow window = ReadScreenWindow(params, resolution);
         Lens lens = ReadLens(params);

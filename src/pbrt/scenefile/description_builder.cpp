@@ -72,7 +72,11 @@ ParamSet DescriptionBuilder::MakeParams(std::string what, Params params, const F
     ParamSet set(std::move(what), loc);
     if (target)
         if (const auto &defaults = units_.back().state.attributes[static_cast<size_t>(*target)])
-            for (const Param &p : *defaults) set.AddDefault(p);
+            for (Param p : *defaults) {
+                // Stock pbrt-v4 reads all parameters of an entity in the colour space in force at the entity.
+                p.colorSpace = units_.back().state.colorSpace;
+                set.AddDefault(std::move(p));
+            }
     for (Param &p : params) set.Add(std::move(p));
     return set;
 }

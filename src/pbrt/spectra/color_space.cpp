@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <limits>
 
 #include "pbrt/core/error.h"
 #include "pbrt/spectra/rgb_primaries.h"
@@ -32,14 +33,43 @@ const std::vector<ColorSpace> &AllSpaces() {
     return spaces;
 }
 
-/// The cell of the scale axis that holds z. Six steps without branches: z is as good as random.
-size_t ScaleCell(Float z) {
-    static_assert(RgbTableResolution == 64);
-    size_t cell = 0;
-    for (size_t step = 32; step > 0; step /= 2)
-        cell += kScales[cell + step] <= z ? step : 0;
-    return std::min(cell, RgbTableResolution - 2);
+/// A place on an axis of a table: `fraction` of the way from `node` to the next node.
+struct AxisPlace {
+    size_t node;
+    Float fraction;
+};
+
+/// `ratio` in [0, 1], on equally spaced nodes.
+AxisPlace PlaceOfRatio(Float ratio) {
+    Float nodes = ratio * static_cast<Float>(RgbTableResolution - 1);
+    size_t node = std::min(static_cast<size_t>(nodes), RgbTableResolution - 2);
+    return {node, nodes - static_cast<Float>(node)};
 }
+
+/// `scale` in [0, 1], on the nodes of RgbTableScales. Six steps without branches: the scale is as good as random.
+AxisPlace PlaceOfScale(Float scale) {
+    static_assert(RgbTableResolution == 64);
+    size_t node = 0;
+    for (size_t step = 32; step > 0; step /= 2)
+        node += kScales[node + step] <= scale ? step : 0;
+    node = std::min(node, RgbTableResolution - 2);
+    return {node, (scale - kScales[node]) / (kScales[node + 1] - kScales[node])};
+}
+
+/// Every component in [0, bound]; what is not a number becomes 0. The order of arguments decides about the latter.
+Rgb Bounded(const Rgb &rgb, Float bound) {
+    auto component = [bound](Float v) { return std::min(std::max(Float(0), v), bound); };
+    return {component(rgb.x), component(rgb.y), component(rgb.z)};
+}
+
+/// Which component is the largest; the last of equal ones.
+size_t LargestComponent(const Rgb &rgb) {
+    size_t largest = rgb.y >= rgb.x ? 1 : 0;
+    return rgb.z >= std::max(rgb.x, rgb.y) ? 2 : largest;
+}
+
+/// Nothing is divided by numbers below this: quotients would overflow, or be 0 / 0 where denormal numbers count as 0.
+constexpr Float kTiny = std::numeric_limits<Float>::min();
 
 bool NearlyEqual(const Point2 &a, const Point2 &b) {
     auto near = [](Float x, Float y) { return x == y || std::abs(x - y) < Float(1e-3) * std::abs(y); };
@@ -91,28 +121,25 @@ ColorSpace::ColorSpace(std::string name, Point2 r, Point2 g, Point2 b, SpectrumP
 }
 
 SigmoidPolynomial ColorSpace::ToPolynomial(const Rgb &rgb) const {
-    PBRT_DCHECK(!std::isnan(rgb.x + rgb.y + rgb.z));
-    Rgb c = glm::clamp(rgb, Rgb(0), Rgb(1));
-    // Greys are flat: the sigmoid of a constant, solved for it. Infinite for black and white.
-    if (c.x == c.y && c.y == c.z) return {0, 0, (c.x - Float(0.5)) / std::sqrt(c.x * (1 - c.x))};
+    const Rgb color = Bounded(rgb, 1);
+    const size_t slab = LargestComponent(color);
+    const Float largest = color[static_cast<int>(slab)];
+    const Float next = color[static_cast<int>((slab + 1) % 3)], afterNext = color[static_cast<int>((slab + 2) % 3)];
+    // A grey g has a flat spectrum, s(0, 0, c2) = g, which is solved for c2: infinite for black and white.
+    if ((next == largest && afterNext == largest) || largest < kTiny)
+        return {0, 0, (largest - Float(0.5)) / std::sqrt(largest * (1 - largest))};
 
-    constexpr int kLast = static_cast<int>(RgbTableResolution) - 1;
-    int m = c.x > c.y ? (c.x > c.z ? 0 : 2) : (c.y > c.z ? 1 : 2);
-    Float z = c[m], toGrid = static_cast<Float>(kLast) / z;
-    Float x = c[(m + 1) % 3] * toGrid, y = c[(m + 2) % 3] * toGrid;
-
-    int xi = std::min(static_cast<int>(x), kLast - 1), yi = std::min(static_cast<int>(y), kLast - 1);
-    size_t zi = ScaleCell(z);
-    Float dx = x - static_cast<Float>(xi), dy = y - static_cast<Float>(yi);
-    Float dz = (z - kScales[zi]) / (kScales[zi + 1] - kScales[zi]);
-
-    constexpr size_t kRow = 3 * RgbTableResolution, kPlane = kRow * RgbTableResolution;
-    const float *corner =
-        table_ + RgbTableIndex(static_cast<size_t>(m), zi, static_cast<size_t>(yi), static_cast<size_t>(xi));
-    auto alongX = [&](const float *p) { return glm::mix(Vector3(p[0], p[1], p[2]), Vector3(p[3], p[4], p[5]), dx); };
-    auto plane = [&](const float *p) { return glm::mix(alongX(p), alongX(p + kRow), dy); };
-    Vector3 v = glm::mix(plane(corner), plane(corner + kPlane), dz);
-    return {v.x, v.y, v.z};
+    // Linear interpolation of the coefficients along the three axes in turn, from the 8 nodes around the colour.
+    const AxisPlace x = PlaceOfRatio(next / largest), y = PlaceOfRatio(afterNext / largest);
+    const AxisPlace scale = PlaceOfScale(largest);
+    auto node = [&](size_t above, size_t up, size_t right) {
+        const float *c = table_ + RgbTableIndex(slab, scale.node + above, y.node + up, x.node + right);
+        return Vector3(c[0], c[1], c[2]);
+    };
+    auto row = [&](size_t above, size_t up) { return Lerp(x.fraction, node(above, up, 0), node(above, up, 1)); };
+    auto plane = [&](size_t above) { return Lerp(y.fraction, row(above, 0), row(above, 1)); };
+    const Vector3 c = Lerp(scale.fraction, plane(0), plane(1));
+    return {c.x, c.y, c.z};
 }
 
 glm::mat3 ConvertRgbMatrix(const ColorSpace &from, const ColorSpace &to) {
@@ -121,16 +148,26 @@ glm::mat3 ConvertRgbMatrix(const ColorSpace &from, const ColorSpace &to) {
 }
 
 namespace {
-/// The polynomial reaches at most 1, so colours are halved relative to their largest component: smoother fits.
-Float UnboundedScale(const Rgb &rgb) { return 2 * std::max({rgb.x, rgb.y, rgb.z}); }
-Rgb Unscaled(const Rgb &rgb, Float scale) { return scale != 0 ? rgb / scale : Rgb(0); }
+
+/// No product of this and an illuminant overflows.
+constexpr Float kBrightest = 1e37f;
+
+/// A polynomial reaches at most 1, and tables are smooth around 1/2: brighter colours are that colour times a scale.
+Float ScaleOf(const Rgb &rgb) {
+    const Rgb bounded = Bounded(rgb, kBrightest);
+    const Float largest = std::max({bounded.x, bounded.y, bounded.z});
+    return largest < kTiny ? 0 : 2 * largest;
+}
+
+Rgb RelativeTo(Float scale, const Rgb &rgb) { return scale > 0 ? Bounded(rgb, kBrightest) / scale : Rgb(0); }
+
 }  // namespace
 
 RgbUnboundedSpectrum::RgbUnboundedSpectrum(const ColorSpace &cs, const Rgb &rgb)
-    : scale_(UnboundedScale(rgb)), poly_(cs.ToPolynomial(Unscaled(rgb, scale_))) {}
+    : scale_(ScaleOf(rgb)), poly_(cs.ToPolynomial(RelativeTo(scale_, rgb))) {}
 
 RgbIlluminantSpectrum::RgbIlluminantSpectrum(const ColorSpace &cs, const Rgb &rgb)
-    : scale_(UnboundedScale(rgb)), poly_(cs.ToPolynomial(Unscaled(rgb, scale_))), illuminant_(&cs.Illuminant()) {}
+    : scale_(ScaleOf(rgb)), poly_(cs.ToPolynomial(RelativeTo(scale_, rgb))), illuminant_(&cs.Illuminant()) {}
 
 Float SpectrumToPhotometric(const Spectrum &s) {
     if (auto *rgb = dynamic_cast<const RgbIlluminantSpectrum *>(&s)) return InnerProduct(CieY(), rgb->Illuminant());

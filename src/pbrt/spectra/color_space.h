@@ -49,7 +49,7 @@ class ColorSpace {
     Point2 B() const { return b_; }
     Point2 White() const { return w_; }
 
-    /// Uplift of an RGB in [0, 1]^3.
+    /// Uplift of an RGB in [0, 1]^3. Components outside count as the nearest bound, what is not a number as 0.
     SigmoidPolynomial ToPolynomial(const Rgb &rgb) const;
 
     /// Use Find(). Table data are embedded at build time.
@@ -67,6 +67,8 @@ class ColorSpace {
 glm::mat3 ConvertRgbMatrix(const ColorSpace &from, const ColorSpace &to);
 
 /// An RGB uplifted for its use (pbrt-v4-format §4). All sample without allocation and are cheap to make on the stack.
+/// They are finite and not negative for every RGB: components below 0 and what is not a number count as 0, components
+/// above 1 (albedo) or 1e37 (the others) as that bound.
 class RgbAlbedoSpectrum final : public Spectrum {
   public:
     RgbAlbedoSpectrum(const ColorSpace &cs, const Rgb &rgb) : poly_(cs.ToPolynomial(rgb)) {}

@@ -42,6 +42,8 @@ SpectrumPtr FromRgb(const Param &p, SpectrumUse use) {
         throw UserError(fmt::format("\"rgb {}\" [ {} {} {} ]: {}.", p.name, rgb.x, rgb.y, rgb.z, what), p.loc);
     };
     if (rgb.x < 0 || rgb.y < 0 || rgb.z < 0) complain("a component is negative");
+    if (!std::isfinite(rgb.x) || !std::isfinite(rgb.y) || !std::isfinite(rgb.z))
+        complain("a component is infinite or not a number");
     const ColorSpace *space = ColorSpace::Find(p.colorSpace);
     PBRT_CHECK_MSG(space, "colour space \"{}\"", p.colorSpace);
     switch (use) {

@@ -1,4 +1,5 @@
 // Writes the table of one colour space: fit_rgb_tables <space> <file>. Layout in rgb_table.h.
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -26,7 +27,9 @@ void FitColumn(const SigmoidFit &fit, size_t slab, size_t yIndex, size_t xIndex,
         rgb[(slab + 1) % 3] = x * b;
         rgb[(slab + 2) % 3] = y * b;
         fit.Fit(rgb, c);
-        SigmoidFit::ToNanometres(c, &table[RgbTableIndex(slab, scale, yIndex, xIndex)]);
+        float *entry = &table[RgbTableIndex(slab, scale, yIndex, xIndex)];
+        SigmoidFit::ToNanometres(c, entry);
+        PBRT_CHECK_MSG(std::isfinite(entry[0] + entry[1] + entry[2]), "rgb {} {} {}", rgb[0], rgb[1], rgb[2]);
     };
     double c[3] = {0, 0, 0};
     fitOne(kStart, c);

@@ -40,8 +40,6 @@ double AtTableStep(const Spectrum &s, double position) {
     return at(i) * (1 - t) + at(i + 1) * t;
 }
 
-double Largest(const double c[3]) { return std::max({std::abs(c[0]), std::abs(c[1]), std::abs(c[2])}); }
-
 }  // namespace
 
 SigmoidFit::SigmoidFit(const RgbPrimaries &space) {
@@ -123,7 +121,8 @@ double SigmoidFit::Fit(const double rgb[3], double c[3]) const {
         if (!std::isfinite(step[0] + step[1] + step[2])) break;
         for (int j = 0; j < 3; ++j)
             c[j] += step[j];
-        if (double largest = Largest(c); largest > kMaxCoefficient)
+        // With its sign: negative coefficients are not bounded.
+        if (double largest = std::max({c[0], c[1], c[2]}); largest > kMaxCoefficient)
             for (int j = 0; j < 3; ++j)
                 c[j] *= kMaxCoefficient / largest;
     }

@@ -229,14 +229,23 @@ TEST(Attribute, OwnParametersWinThenTheLatestStatement) {
     }
 }
 
-TEST(Attribute, DefaultsAreNeverUnusedAndKeepTheirColorSpace) {
-    SceneDescription scene = ParseWorld(
-        "ColorSpace \"rec2020\" Attribute \"material\" \"rgb reflectance\" [ 1 0 0 ]\n"
-        "ColorSpace \"srgb\" Material \"diffuse\"");
+TEST(Attribute, DefaultsAreNeverUnused) {
+    SceneDescription scene = ParseWorld("Attribute \"material\" \"float roughness\" 1 Material \"diffuse\"");
     DiagnosticSink sink;
     scene.materials[0].params.ReportUnused(sink);
     EXPECT_FALSE(sink.HasErrors());
-    EXPECT_EQ(scene.materials[0].params.Find("reflectance", ParamType::Rgb)->colorSpace, "rec2020");
+}
+
+TEST(Attribute, DefaultsAreReadInTheColorSpaceOfTheEntity) {
+    SceneDescription scene = ParseWorld(
+        "ColorSpace \"rec2020\" Attribute \"material\" \"rgb reflectance\" [ 1 0 0 ]\n"
+        "Attribute \"light\" \"rgb L\" [ 1 0 0 ]\n"
+        "Material \"diffuse\" ColorSpace \"dci-p3\" Material \"diffuse\" LightSource \"infinite\"\n"
+        "AttributeBegin ColorSpace \"srgb\" Material \"diffuse\" AttributeEnd Material \"diffuse\"");
+    auto space = [](const Entity &e, const char *name) { return e.params.Find(name, ParamType::Rgb)->colorSpace; };
+    const char *expected[] = {"rec2020", "dci-p3", "srgb", "dci-p3"};
+    for (size_t i = 0; i < 4; ++i) EXPECT_EQ(space(scene.materials[i], "reflectance"), expected[i]) << i;
+    EXPECT_EQ(space(scene.lights[0], "L"), "dci-p3");
 }
 
 TEST(Attribute, DoesNotReachWhatIsInForceAlready) {

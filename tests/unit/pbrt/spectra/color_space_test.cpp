@@ -1,6 +1,13 @@
 #include "pbrt/spectra/color_space.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#ifdef __SSE__
+#include <xmmintrin.h>
+#endif
+
+#include <functional>
+#include <limits>
 
 #include "pbrt/math/rng.h"
 #include "pbrt/spectra/rgb_primaries.h"
@@ -174,6 +181,88 @@ TEST(RgbSpectra, UnboundedAndIlluminantReproduceBrightColors) {
     }
     EXPECT_EQ(RgbUnboundedSpectrum(space, Rgb(0))(500), 0.0f);
     EXPECT_EQ(RgbIlluminantSpectrum(space, Rgb(0))(500), 0.0f);
+}
+
+// Every component a float can hold: zeros, denormal numbers, the ends of the normal ones, bounds, beyond, no numbers.
+const Float kExtremes[] = {0.0f,    -0.0f,  1e-45f,     1e-40f, 1e-38f,  1.18e-38f, 1e-37f, 1e-36f,  1e-20f,
+                           1e-7f,   0.3f,   0.9999999f, 1.0f,   1.0001f, 250.0f,    1e20f,  9.9e36f, 3.4e38f,
+                           -1e-40f, -0.5f,  -3e38f,     std::numeric_limits<Float>::infinity(),
+                           -std::numeric_limits<Float>::infinity(), std::numeric_limits<Float>::quiet_NaN()};
+
+/// `check` for all triples of kExtremes in every space.
+void ForExtremeColors(const std::function<void(const ColorSpace &, const Rgb &)> &check) {
+    for (const std::string &name : ColorSpace::Names())
+        for (Float r : kExtremes)
+            for (Float g : kExtremes)
+                for (Float b : kExtremes) check(*ColorSpace::Find(name), {r, g, b});
+}
+
+void ExpectDefined(const Spectrum &s, Float bound, const ColorSpace &space, const Rgb &rgb) {
+    const Float max = s.MaxValue();
+    auto where = [&] { return fmt::format("{} {} {} {}", space.Name(), rgb.x, rgb.y, rgb.z); };
+    ASSERT_TRUE(max >= 0 && max <= bound) << where() << ": " << max;
+    for (Float lambda : {LambdaMin, Float(441), Float(555), Float(623), LambdaMax}) {
+        const Float value = s(lambda);
+        ASSERT_TRUE(value >= 0 && value <= max * Float(1.0001) + Float(1e-4) * bound) << where() << ": " << value;
+    }
+}
+
+TEST(RgbSpectra, AreDefinedForEveryRgb) {
+    ForExtremeColors([](const ColorSpace &space, const Rgb &rgb) {
+        const Float largest = std::max({Float(0), rgb.x, rgb.y, rgb.z});
+        const Float bright = std::min(largest, Float(1e37));
+        ExpectDefined(RgbAlbedoSpectrum(space, rgb), 1, space, rgb);
+        ExpectDefined(RgbUnboundedSpectrum(space, rgb), 2 * bright, space, rgb);
+        ExpectDefined(RgbIlluminantSpectrum(space, rgb), 2 * bright * space.Illuminant().MaxValue(), space, rgb);
+        // What counts as 0 and what lies beyond the bounds gives the same spectrum as 0 and the bound.
+        auto counted = [](Float v, Float bound) { return v > 0 ? std::min(v, bound) : Float(0); };
+        auto all = [&](Float bound) { return Rgb(counted(rgb.x, bound), counted(rgb.y, bound), counted(rgb.z, bound)); };
+        ASSERT_EQ(RgbAlbedoSpectrum(space, rgb)(500), RgbAlbedoSpectrum(space, all(1))(500));
+        ASSERT_EQ(RgbUnboundedSpectrum(space, rgb)(500), RgbUnboundedSpectrum(space, all(1e37f))(500));
+        ASSERT_EQ(RgbIlluminantSpectrum(space, rgb)(500), RgbIlluminantSpectrum(space, all(1e37f))(500));
+    });
+}
+
+TEST(RgbSpectra, AreDefinedWhereDenormalNumbersCountAsZero) {
+#ifdef __SSE__
+    const unsigned before = _mm_getcsr();
+    _mm_setcsr(before | 0x8040);  // results and operands
+    ForExtremeColors([](const ColorSpace &space, const Rgb &rgb) {
+        for (Float lambda : {Float(441), Float(623)}) {
+            ASSERT_TRUE(std::isfinite(RgbAlbedoSpectrum(space, rgb)(lambda)));
+            ASSERT_TRUE(std::isfinite(RgbUnboundedSpectrum(space, rgb)(lambda)));
+            ASSERT_TRUE(std::isfinite(RgbIlluminantSpectrum(space, rgb)(lambda)));
+        }
+    });
+    _mm_setcsr(before);
+#else
+    GTEST_SKIP() << "NOT TESTED: no such mode";
+#endif
+}
+
+TEST(RgbSpectra, TinyReflectancesAreBlack) {
+    for (const std::string &name : ColorSpace::Names())
+        for (Float tiny : {1e-45f, 1e-40f, 1e-37f, 1e-36f, 1e-20f})
+            for (const Rgb &rgb : {Rgb(tiny, 0, 0), Rgb(0, tiny, 0), Rgb(0, 0, tiny), Rgb(tiny, tiny, 0), Rgb(tiny)}) {
+                // At the ends of the visible range, which nobody sees, the fitted spectra of black are not 0.
+                const ColorSpace &space = *ColorSpace::Find(name);
+                const Rgb seen = glm::abs(ReflectedRgb(space, RgbAlbedoSpectrum(space, rgb)));
+                EXPECT_LT(std::max({seen.x, seen.y, seen.z}), 1e-3) << name << " " << tiny;
+            }
+}
+
+TEST(RgbSpectra, UnboundedAndIlluminantScaleWithTheirColor) {
+    for (const std::string &name : ColorSpace::Names()) {
+        const ColorSpace &space = *ColorSpace::Find(name);
+        const Rgb rgb(0.4f, 0.7f, 0.1f);
+        for (Float factor : {1e-36f, 1e-20f, 1e-3f, 1e3f, 1e20f, 1e37f})
+            for (Float lambda : {Float(441), Float(555), Float(623)}) {
+                EXPECT_NEAR(RgbUnboundedSpectrum(space, factor * rgb)(lambda) / factor,
+                            RgbUnboundedSpectrum(space, rgb)(lambda), 1e-4f);
+                EXPECT_NEAR(RgbIlluminantSpectrum(space, factor * rgb)(lambda) / factor,
+                            RgbIlluminantSpectrum(space, rgb)(lambda), 1e-4f);
+            }
+    }
 }
 
 TEST(SpectrumToPhotometric, CountsTheIlluminantOnly) {

@@ -101,8 +101,10 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
                     MotionOf("the shape", e, place, renderFromWorld_ * e.ctm.end));
                 place = Transform();
             }
+            // A constant alpha of 0 makes a light that shines as if it were opaque.
+            const bool opaque = !w.alpha || w.alpha->Constant() == Float(0);
             w.shapes = MakeShapes(e.type, e.params, place, e.reverseOrientation, description_.files, w.sink,
-                                  w.displacement ? &*w.displacement : nullptr);
+                                  w.displacement ? &*w.displacement : nullptr, opaque);
             e.params.ReportUnused(w.sink);
             w.entity->params = {};  // big meshes as text need not be kept twice
         } catch (const UserError &error) {

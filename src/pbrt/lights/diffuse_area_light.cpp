@@ -2,7 +2,6 @@
 
 #include "pbrt/lights/light_image.h"
 #include "pbrt/lights/light_spectrum.h"
-#include "pbrt/math/rng.h"
 
 namespace pbrt {
 
@@ -64,16 +63,12 @@ DiffuseAreaLight::DiffuseAreaLight(std::shared_ptr<const AreaEmission> emission,
     }
 }
 
-bool DiffuseAreaLight::Masked(const Point3 &p, const Normal3 &n, const Point2 &uv) const {
-    if (!alpha_) return false;
-    TextureContext ctx;
-    ctx.p = p;
-    ctx.n = n;
-    ctx.uv = uv;
-    Float a = alpha_->Evaluate(ctx);
-    if (a >= 1) return false;
-    if (a <= 0) return true;
-    return HashFloat(p) > a;
+Float DiffuseAreaLight::Coverage(const Point3 &p, const Point2 &uv) const {
+    if (!alpha_) return 1;
+    TextureContext at;  // what a ray's alpha test fills in
+    at.p = p;
+    at.uv = uv;
+    return std::clamp(alpha_->Evaluate(at), Float(0), Float(1));
 }
 
 SampledSpectrum DiffuseAreaLight::Phi(const SampledWavelengths &lambda) const {
@@ -92,9 +87,11 @@ std::optional<LightLiSample> DiffuseAreaLight::SampleLi(const LightSampleContext
     Float d2 = LengthSquared(d);
     if (!(d2 > 0)) return {};
     Vector3 wi = d / std::sqrt(d2);
-    if (!EmitsTowards(point->n, -wi) || Masked(point->p, point->n, point->uv)) return {};
+    if (!EmitsTowards(point->n, -wi)) return {};
+    Float coverage = Coverage(point->p, point->uv);
+    if (!(coverage > 0)) return {};
     LightLiSample s;
-    s.L = scale_ * emission_->Radiance(point->uv, lambda);
+    s.L = (scale_ * coverage) * emission_->Radiance(point->uv, lambda);
     if (!s.L) return {};
     s.wi = wi;
     s.pdf = point->pdf;
@@ -110,9 +107,9 @@ Float DiffuseAreaLight::PdfLi(const LightSampleContext &from, const Vector3 &wi,
     return shape_->PdfSolidAngle(primitive_, from, wi, pHit, nHit);
 }
 
-SampledSpectrum DiffuseAreaLight::L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,
+SampledSpectrum DiffuseAreaLight::L(const Point3 &, const Normal3 &n, const Point2 &uv, const Vector3 &w,
                                     const SampledWavelengths &lambda) const {
-    if (!EmitsTowards(n, w) || Masked(p, n, uv)) return SampledSpectrum(0);
+    if (!EmitsTowards(n, w)) return SampledSpectrum(0);
     return scale_ * emission_->Radiance(uv, lambda);
 }
 

@@ -38,13 +38,15 @@ class DiffuseAreaLight final : public Light {
                                           const SampledWavelengths &lambda, bool allowIncompletePdfs) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs) const override;
+    /// Of a point that a ray has met: the alpha texture has had its say when it stopped the ray.
     SampledSpectrum L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,
                       const SampledWavelengths &lambda) const override;
     std::optional<LightBounds> Bounds() const override;
 
   private:
-    /// True where the alpha texture cuts the light away (by a hash of the point, as stock pbrt-v4).
-    bool Masked(const Point3 &p, const Normal3 &n, const Point2 &uv) const;
+    /// The share of rays that the surface stops at a point. Samples are weighted by it; rays have it in how often they
+    /// are stopped (Accel), so that both mean the same.
+    Float Coverage(const Point3 &p, const Point2 &uv) const;
     bool EmitsTowards(const Normal3 &n, const Vector3 &w) const { return emission_->twoSided || !(Dot(n, w) < 0); }
 
     std::shared_ptr<const AreaEmission> emission_;

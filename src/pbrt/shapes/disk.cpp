@@ -9,7 +9,7 @@ Disk::Disk(Float height, Float radius, Float innerRadius, Float phiMax, const Tr
     : Quadric(renderFromObject, reverseOrientation),
       height_(height),
       radius_(radius),
-      innerRadius_(innerRadius),
+      innerRadius_(std::max(innerRadius, Float(0))),
       phiMax_(Radians(std::clamp(phiMax, Float(0), Float(360)))) {
     SetArea(phiMax_ / 2 * (radius_ * radius_ - innerRadius_ * innerRadius_));
 }
@@ -42,12 +42,20 @@ Quadric::ObjectPoint Disk::PointAt(const Point2 &uv) const {
 }
 
 Quadric::ObjectSample Disk::SampleObject(const Point2 &u) const {
-    Point2 d = SampleUniformDiskConcentric(u) * radius_;
     ObjectSample at;
-    at.p = {d.x, d.y, height_};
     at.n = {0, 0, 1};
-    Float r = std::sqrt(d.x * d.x + d.y * d.y);
-    at.uv = {Azimuth(d.x, d.y) / phiMax_, (radius_ - r) / (radius_ - innerRadius_)};
+    Float r, phi;
+    if (innerRadius_ == 0 && IsFullTurn(phiMax_)) {
+        Point2 d = SampleUniformDiskConcentric(u) * radius_;
+        at.p = {d.x, d.y, height_};
+        r = std::sqrt(d.x * d.x + d.y * d.y);
+        phi = Azimuth(d.x, d.y);
+    } else {
+        r = std::sqrt(Lerp(u.x, innerRadius_ * innerRadius_, radius_ * radius_));
+        phi = u.y * phiMax_;
+        at.p = {r * std::cos(phi), r * std::sin(phi), height_};
+    }
+    at.uv = {phi / phiMax_, (radius_ - r) / (radius_ - innerRadius_)};
     return at;
 }
 

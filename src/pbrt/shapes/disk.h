@@ -11,7 +11,7 @@ class Disk final : public Quadric {
          bool reverseOrientation);
 
     ShapeKind Kind() const override { return ShapeKind::Disk; }
-    DirectionCone NormalBounds(uint32_t) const override { return {SampleNormal({0, 0, 1}), 1}; }
+    DirectionCone NormalBounds(uint32_t) const override { return {RenderNormal({0, 0, 1}), 1}; }
 
   protected:
     Bounds3 ObjectBounds() const override;

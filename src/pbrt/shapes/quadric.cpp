@@ -6,8 +6,7 @@ namespace pbrt {
 
 Quadric::Quadric(const Transform &renderFromObject, bool reverseOrientation)
     : renderFromObject_(renderFromObject),
-      flipHitNormal_(reverseOrientation != renderFromObject.SwapsHandedness()),
-      flipSampleNormal_(reverseOrientation) {
+      flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
     // In double from the forward matrix, so that rays meet the surface where Surface() puts its points.
     glm::dmat3 m(renderFromObject.Matrix());
     toObject_ = glm::inverse(m);
@@ -76,8 +75,8 @@ SurfacePoint Quadric::Surface(uint32_t primitive, const PrimitiveHit &hit) const
     s.p = renderFromObject_.Point(at.p);
     s.pError = renderFromObject_.PointError(at.p, at.pError);
     s.uv = {hit.u, hit.v};
-    Float side = flipHitNormal_ ? Float(-1) : Float(1);
-    s.n = side * Normalize(renderFromObject_.Normal(at.n));
+    Float side = flipNormal_ ? Float(-1) : Float(1);
+    s.n = RenderNormal(at.n);
     s.dpdu = renderFromObject_.Vector(at.dpdu);
     s.dpdv = renderFromObject_.Vector(at.dpdv);
     s.dndu = side * renderFromObject_.Normal(at.dndu);
@@ -86,9 +85,9 @@ SurfacePoint Quadric::Surface(uint32_t primitive, const PrimitiveHit &hit) const
     return s;
 }
 
-Normal3 Quadric::SampleNormal(const Normal3 &objectNormal) const {
+Normal3 Quadric::RenderNormal(const Normal3 &objectNormal) const {
     Normal3 n = Normalize(renderFromObject_.Normal(objectNormal));
-    return flipSampleNormal_ ? -n : n;
+    return flipNormal_ ? -n : n;
 }
 
 std::optional<ShapeSample> Quadric::SampleArea(uint32_t, const Point2 &u) const {
@@ -97,7 +96,7 @@ std::optional<ShapeSample> Quadric::SampleArea(uint32_t, const Point2 &u) const 
     ShapeSample s;
     s.p = renderFromObject_.Point(at.p);
     s.pError = renderFromObject_.PointError(at.p, at.pError);
-    s.n = SampleNormal(at.n);
+    s.n = RenderNormal(at.n);
     s.uv = at.uv;
     s.pdf = PdfAreaAt(at.n);
     return s;

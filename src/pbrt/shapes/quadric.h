@@ -6,10 +6,9 @@ namespace pbrt {
 /// What sphere, disk and cylinder share: one primitive, described in object space, placed by an affine transform.
 /// Derived classes speak object space only.
 ///
-/// Two facts of stock pbrt-v4 show in pictures and are kept: hits turn the normal over when the transform mirrors (or
-/// ReverseOrientation is on, not both), samples only for ReverseOrientation; and samples are drawn from the whole
-/// sphere or disk but with the density of the part that zmin, zmax, phimax and innerradius leave. Unlike stock, areas
-/// and densities include the scale of the transform.
+/// Hits and samples have one normal: it turns over when the transform mirrors or ReverseOrientation is on, not both.
+/// Samples are drawn from the part that zmin, zmax, phimax and innerradius leave, and areas and densities include the
+/// scale of the transform. (Stock pbrt-v4 differs in all of this: docs/compatibility.md, "Area lights".)
 class Quadric : public Shape {
   public:
     uint32_t PrimitiveCount() const final { return 1; }
@@ -55,6 +54,7 @@ class Quadric : public Shape {
     /// (u, v) of a point of the unclipped surface; nullopt if it is clipped away.
     virtual std::optional<Point2> Clip(const glm::dvec3 &p) const = 0;
     virtual ObjectPoint PointAt(const Point2 &uv) const = 0;
+    /// Uniform by object-space area over the clipped surface.
     virtual ObjectSample SampleObject(const Point2 &u) const = 0;
     /// Outward normal of an object-space point on the surface, any length.
     virtual Normal3 NormalAt(const Point3 &p) const = 0;
@@ -62,8 +62,8 @@ class Quadric : public Shape {
     const Transform &RenderFromObject() const { return renderFromObject_; }
     bool IsSimilarity() const { return isSimilarity_; }
     Float Scale() const { return scale_; }  ///< of a similarity
-    /// Unit normal, in rendering space, on the side that samples report.
-    Normal3 SampleNormal(const Normal3 &objectNormal) const;
+    /// Unit normal in rendering space, turned over where the surface is.
+    Normal3 RenderNormal(const Normal3 &objectNormal) const;
 
   private:
     /// Rendering-space area per object-space area where the unit object normal is n.
@@ -77,11 +77,13 @@ class Quadric : public Shape {
     Float scale_;
     Float objectArea_ = 0, area_ = 0;
     bool isSimilarity_;
-    bool flipHitNormal_, flipSampleNormal_;
+    bool flipNormal_;
 };
 
+/// True if a sweep up to phiMax is the whole circle.
+inline bool IsFullTurn(Float phiMax) { return phiMax >= Float(6.28318); }
 /// True if a sweep up to phiMax leaves out the azimuth phi.
-inline bool CutsAzimuth(Float phiMax, double phi) { return phiMax < Float(6.28318) && phi > double(phiMax); }
+inline bool CutsAzimuth(Float phiMax, double phi) { return !IsFullTurn(phiMax) && phi > double(phiMax); }
 
 /// Azimuth in [0, 2 Pi).
 template <class T>

@@ -24,6 +24,7 @@ struct Request {
     const FileResolver &files;
     DiagnosticSink &sink;
     const Displacement *displacement;  ///< null: none
+    bool opaque;
 };
 
 template <class Mesh>
@@ -288,7 +289,8 @@ Shapes MakeSphere(const Request &r) {
     Float phiMax = r.params.GetFloat("phimax", 360);
     CheckInvertible(r);
     Shapes shapes;
-    shapes.push_back(std::make_unique<Sphere>(radius, zMin, zMax, phiMax, r.renderFromObject, r.reverseOrientation));
+    shapes.push_back(std::make_unique<Sphere>(radius, zMin, zMax, phiMax, r.renderFromObject, r.reverseOrientation,
+                                              r.opaque));
     return shapes;
 }
 
@@ -324,10 +326,10 @@ constexpr Maker kMakers[] = {
 std::vector<std::unique_ptr<Shape>> MakeShapes(const std::string &type, const ParamSet &params,
                                                const Transform &renderFromObject, bool reverseOrientation,
                                                const FileResolver &files, DiagnosticSink &sink,
-                                               const Displacement *displacement) {
+                                               const Displacement *displacement, bool opaque) {
     for (const Maker &maker : kMakers)
         if (type == maker.type)
-            return maker.make({params, renderFromObject, reverseOrientation, files, sink, displacement});
+            return maker.make({params, renderFromObject, reverseOrientation, files, sink, displacement, opaque});
     for (const std::string &later : UnsupportedShapes())
         if (type == later) throw UserError(fmt::format("Shape \"{}\" is not supported yet.", type), params.Loc());
     std::vector<std::string> choices = SupportedShapes();

@@ -1,15 +1,15 @@
 #include "pbrt/shapes/sphere.h"
 
 #include "pbrt/math/frame.h"
-#include "pbrt/math/warps.h"
 #include "pbrt/shapes/weingarten.h"
 
 namespace pbrt {
 
 Sphere::Sphere(Float radius, Float zMin, Float zMax, Float phiMax, const Transform &renderFromObject,
-               bool reverseOrientation)
+               bool reverseOrientation, bool opaque)
     : Quadric(renderFromObject, reverseOrientation),
-      radius_(radius) {
+      radius_(radius),
+      opaque_(opaque) {
     zMin_ = std::clamp(std::min(zMin, zMax), -radius, radius);
     zMax_ = std::clamp(std::max(zMin, zMax), -radius, radius);
     thetaZMin_ = SafeACos(zMin_ / radius);
@@ -18,6 +18,9 @@ Sphere::Sphere(Float radius, Float zMin, Float zMax, Float phiMax, const Transfo
     center_ = renderFromObject.Point(Point3(0));
     renderRadius_ = radius * Scale();
     SetArea(phiMax_ * radius_ * (zMax_ - zMin_));
+    const bool whole = !(zMin_ > -radius_) && !(zMax_ < radius_) && IsFullTurn(phiMax_);
+    Float part = whole ? 1 : (zMax_ - zMin_) / (2 * radius_) * (phiMax_ / (2 * Pi));
+    coneShare_ = opaque ? part : part / 2;
 }
 
 Bounds3 Sphere::ObjectBounds() const { return {Point3(-radius_, -radius_, zMin_), Point3(radius_, radius_, zMax_)}; }
@@ -70,11 +73,13 @@ Quadric::ObjectPoint Sphere::PointAt(const Point2 &uv) const {
 }
 
 Quadric::ObjectSample Sphere::SampleObject(const Point2 &u) const {
+    // Slices of equal height have equal areas.
+    Float z = Lerp(u.x, zMax_, zMin_), phi = u.y * phiMax_, ring = SafeSqrt(radius_ * radius_ - z * z);
     ObjectSample at;
-    at.n = SampleUniformSphere(u);
-    at.p = at.n * (radius_ / Length(at.n));
+    at.n = Normalize(Vector3(ring * std::cos(phi), ring * std::sin(phi), z));
+    at.p = at.n * radius_;
     at.pError = Gamma(5) * Abs(at.p);
-    at.uv = UvOf(glm::dvec3(at.p));
+    at.uv = {u.y, UvOf(glm::dvec3(at.p)).y};
     return at;
 }
 
@@ -90,17 +95,15 @@ std::optional<Sphere::Cone> Sphere::ConeFrom(const ShapeSampleContext &from) con
     return Cone{distance, sinMax, sin2Max / (1 + SafeSqrt(1 - sin2Max))};
 }
 
-std::optional<ShapeSample> Sphere::Sample(uint32_t primitive, const ShapeSampleContext &from, const Point2 &u) const {
-    std::optional<Cone> cone = ConeFrom(from);
-    if (!cone) return Quadric::Sample(primitive, from, u);
+ShapeSample Sphere::SampleNearSide(const Cone &cone, const ShapeSampleContext &from, const Point2 &u) const {
     // theta: angle of the direction from the axis, seen from the point. alpha: angle of the hit from the axis, seen
     // from the centre; both follow from the triangle point - centre - hit.
-    Float h = u.x * cone->oneMinusCosThetaMax;  // 1 - cos(theta)
+    Float h = u.x * cone.oneMinusCosThetaMax;  // 1 - cos(theta)
     Float sin2Theta = h * (2 - h), cosTheta = 1 - h;
-    Float sin2Ratio = std::min(Float(1), sin2Theta / (cone->sinThetaMax * cone->sinThetaMax));
-    Float cosAlpha = sin2Theta / cone->sinThetaMax + cosTheta * SafeSqrt(1 - sin2Ratio);
+    Float sin2Ratio = std::min(Float(1), sin2Theta / (cone.sinThetaMax * cone.sinThetaMax));
+    Float cosAlpha = sin2Theta / cone.sinThetaMax + cosTheta * SafeSqrt(1 - sin2Ratio);
     Float sinAlpha = SafeSqrt(1 - cosAlpha * cosAlpha);
-    Frame frame = Frame::FromZ((from.p - center_) / cone->distance);
+    Frame frame = Frame::FromZ((from.p - center_) / cone.distance);
     Normal3 n = Normalize(frame.FromLocal(SphericalDirection(sinAlpha, cosAlpha, 2 * Pi * u.y)));
 
     ShapeSample s;
@@ -108,8 +111,44 @@ std::optional<ShapeSample> Sphere::Sample(uint32_t primitive, const ShapeSampleC
     s.pError = Gamma(5) * (Abs(center_) + Abs(n * renderRadius_));
     Point3 objectPoint = RenderFromObject().InverseVector(n);
     s.uv = UvOf(glm::dvec3(objectPoint));
-    s.n = SampleNormal(objectPoint);
-    s.pdf = 1 / (2 * Pi * cone->oneMinusCosThetaMax);
+    s.n = RenderNormal(objectPoint);
+    s.pdf = cone.Pdf();
+    return s;
+}
+
+std::optional<ShapeSample> Sphere::SampleFirstHit(const Cone &cone, const ShapeSampleContext &from,
+                                                  const Point2 &u) const {
+    Float h = u.x * cone.oneMinusCosThetaMax;  // 1 - cos(theta)
+    Frame frame = Frame::FromZ((center_ - from.p) / cone.distance);
+    Vector3 wi = frame.FromLocal(SphericalDirection(SafeSqrt(h * (2 - h)), 1 - h, 2 * Pi * u.y));
+    std::optional<PrimitiveHit> hit = Intersect(0, from.p, wi, 0, Infinity);
+    if (!hit) return {};
+    SurfacePoint at = Surface(0, *hit);
+    return ShapeSample{at.p, at.pError, at.n, at.uv, 0};
+}
+
+bool Sphere::IsMetFirst(const ShapeSampleContext &from, const Vector3 &wi, const Point3 &p) const {
+    Float middle = Dot(center_ - from.p, wi);  // of the chord
+    if (Dot(p - from.p, wi) <= middle) return true;
+    std::optional<PrimitiveHit> hit = Intersect(0, from.p, wi, 0, Infinity);
+    return hit && hit->t > middle;
+}
+
+std::optional<ShapeSample> Sphere::Sample(uint32_t primitive, const ShapeSampleContext &from, const Point2 &u) const {
+    std::optional<Cone> cone = ConeFrom(from);
+    if (!cone) return Quadric::Sample(primitive, from, u);
+    if (coneShare_ == 1) return SampleNearSide(*cone, from, u);
+
+    const bool byCone = u.x < coneShare_;
+    Float rest = byCone ? u.x / coneShare_ : (u.x - coneShare_) / (1 - coneShare_);
+    Point2 v(std::min(rest, OneMinusEpsilon), u.y);
+    std::optional<ShapeSample> s = byCone ? SampleFirstHit(*cone, from, v) : SampleArea(primitive, v);
+    if (!s) return {};
+    Vector3 wi = Normalize(s->p - from.p);
+    const bool metFirst = byCone || IsMetFirst(from, wi, s->p);
+    if (opaque_ && !metFirst) return {};  // the surface hides it
+    s->pdf = (1 - coneShare_) * Quadric::PdfSolidAngle(primitive, from, wi, s->p, s->n);
+    if (metFirst) s->pdf += coneShare_ * cone->Pdf();
     return s;
 }
 
@@ -117,7 +156,10 @@ Float Sphere::PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, 
                             const Normal3 &nHit) const {
     std::optional<Cone> cone = ConeFrom(from);
     if (!cone) return Quadric::PdfSolidAngle(primitive, from, wi, pHit, nHit);
-    return 1 / (2 * Pi * cone->oneMinusCosThetaMax);
+    if (coneShare_ == 1) return cone->Pdf();
+    Float pdf = (1 - coneShare_) * Quadric::PdfSolidAngle(primitive, from, wi, pHit, nHit);
+    if (opaque_ || IsMetFirst(from, wi, pHit)) pdf += coneShare_ * cone->Pdf();
+    return pdf;
 }
 
 }  // namespace pbrt

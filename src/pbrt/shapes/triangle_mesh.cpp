@@ -106,7 +106,12 @@ Float TriangleMesh::Area(uint32_t primitive) const {
 }
 
 DirectionCone TriangleMesh::NormalBounds(uint32_t primitive) const {
-    return {OrientedNormal(primitive, CornersOf(primitive), Vector3(Float(1) / 3)), 1};
+    Corners c = CornersOf(primitive);
+    Normal3 n = OrientedNormal(primitive, c, Vector3(1, 0, 0));
+    // Vertex normals on both sides of the face: so are its own.
+    for (Vector3 corner : {Vector3(0, 1, 0), Vector3(0, 0, 1)})
+        if (Dot(OrientedNormal(primitive, c, corner), n) < 0) return DirectionCone::EntireSphere();
+    return {n, 1};
 }
 
 Float TriangleMesh::SolidAngle(uint32_t primitive, const Point3 &p) const {

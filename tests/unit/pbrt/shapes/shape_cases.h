@@ -15,8 +15,10 @@ namespace pbrt::test {
 struct ShapeCase {
     std::string name;
     std::shared_ptr<Shape> shape;
-    /// Seen from outside only the side that faces the receiver is drawn (cone sampling); else every point is.
-    bool drawsNearSideOnly = false;
+    /// Points that the shape itself hides from the receiver are not drawn; else every point is.
+    bool drawsVisibleOnly = false;
+    /// Some random numbers yield no point.
+    bool mayDrawNothing = false;
 };
 
 inline MeshData OnePrimitive(std::vector<Point3> p) {
@@ -31,8 +33,7 @@ inline Transform SomeRotation() {
 }
 inline Transform Stretch() { return SomeRotation() * Transform::Scale({1.5f, 0.6f, 0.9f}); }
 
-/// One or more of every kind, about 1 across, near the origin. Whole shapes only: for parts the stated density is not
-/// the one of the draws (see Quadric).
+/// One or more of every kind, about 1 across, near the origin. Whole shapes, facing as they are.
 inline std::vector<ShapeCase> ShapeCases() {
     Transform id, turn = SomeRotation(), stretch = Stretch();
     Transform twice = turn * Transform::Scale({1.4f, 1.4f, 1.4f});
@@ -58,6 +59,54 @@ inline std::vector<ShapeCase> ShapeCases() {
     cases.push_back({"StretchedDisk", std::make_shared<Disk>(0.1f, 0.6f, 0.0f, 360.0f, stretch, false)});
     cases.push_back({"Cylinder", std::make_shared<Cylinder>(0.3f, -0.6f, 0.5f, 360.0f, turn, false)});
     cases.push_back({"StretchedCylinder", std::make_shared<Cylinder>(0.3f, -0.6f, 0.5f, 250.0f, stretch, false)});
+    return cases;
+}
+
+/// Parts of quadrics, mirrored, reversed, stretched and with holes, and a triangle whose vertex normals lie on both sides.
+inline std::vector<ShapeCase> PartCases() {
+    Transform turn = SomeRotation(), stretch = Stretch();
+    Transform mirror = turn * Transform::Scale({1, -1, 1}), shrink = turn * Transform::Scale({-1.3f, 1.3f, 1.3f});
+    std::vector<ShapeCase> cases;
+    auto sphere = [&](const char *name, Float zMin, Float zMax, Float phiMax, const Transform &t, bool reverse,
+                      bool opaque = true) {
+        bool whole = zMin <= -0.6f && zMax >= 0.6f && phiMax == 360;
+        bool byCone = &t != &stretch;  // what is stretched is sampled by area
+        cases.push_back({name, std::make_shared<Sphere>(0.6f, zMin, zMax, phiMax, t, reverse, opaque), byCone && opaque,
+                         byCone && !whole});
+    };
+    sphere("MirroredSphere", -1, 1, 360, mirror, false);
+    sphere("ReversedSphere", -1, 1, 360, turn, true);
+    sphere("Bowl", -0.6f, 0.1f, 360, turn, false);
+    sphere("BowlReversed", -0.6f, 0.1f, 360, turn, true);
+    sphere("BowlMirroredScaled", -0.6f, 0.1f, 360, shrink, true);
+    sphere("Slice", -0.6f, 0.6f, 150, turn, false);
+    sphere("Wedge", -0.6f, 0.6f, 40, mirror, false);
+    sphere("Cap", 0.55f, 0.6f, 360, turn, false);
+    sphere("BandPart", -0.3f, 0.4f, 250, turn, true);
+    sphere("EllipsoidPart", -0.5f, 0.3f, 200, stretch, false);
+    sphere("SphereWithHoles", -1, 1, 360, turn, false, false);
+    sphere("BowlWithHoles", -0.6f, 0.1f, 300, turn, false, false);
+    auto disk = [&](const char *name, Float inner, Float phiMax, const Transform &t, bool reverse) {
+        cases.push_back({name, std::make_shared<Disk>(0.1f, 0.6f, inner, phiMax, t, reverse)});
+    };
+    disk("Ring", 0.35f, 360, turn, false);
+    disk("Fan", 0, 230, mirror, false);
+    disk("RingPartReversed", 0.2f, 100, turn, true);
+    disk("StretchedRing", 0.3f, 270, stretch, false);
+    auto cylinder = [&](const char *name, Float phiMax, const Transform &t, bool reverse) {
+        cases.push_back({name, std::make_shared<Cylinder>(0.3f, -0.6f, 0.5f, phiMax, t, reverse)});
+    };
+    cylinder("Trough", 170, turn, true);
+    cylinder("TroughMirrored", 200, mirror, false);
+    auto bent = OnePrimitive({{-0.6f, -0.5f, 0.1f}, {0.7f, -0.4f, -0.2f}, {0.1f, 0.8f, 0.3f}});
+    bent.n = {{0.2f, 0, 1}, {0.1f, 0, 0.9f}, {0, -0.3f, -1}};
+    cases.push_back({"TriangleOfTwoSides", std::make_shared<TriangleMesh>(bent, mirror, false)});
+    return cases;
+}
+
+inline std::vector<ShapeCase> WholeAndPartCases() {
+    std::vector<ShapeCase> cases = ShapeCases();
+    for (ShapeCase &c : PartCases()) cases.push_back(std::move(c));
     return cases;
 }
 

@@ -1,0 +1,168 @@
+#include "emitter_kinds.h"
+
+namespace pbrt::test {
+
+namespace {
+
+const std::string kOneSided = "AreaLightSource \"diffuse\" \"spectrum L\" [ 300 1 900 1 ]\n";
+const std::string kTwoSided = "AreaLightSource \"diffuse\" \"spectrum L\" [ 300 1 900 1 ] \"bool twosided\" true\n";
+const std::string kPanel = std::string(PBRT_SOURCE_DIR) + "/tests/conformance/suite/scenes/assets/panel.png";
+const std::string kImage =
+    "AreaLightSource \"diffuse\" \"string filename\" \"" + kPanel + "\" \"float scale\" 1.5 \"bool twosided\" true\n";
+/// Alpha textures: holes, and two greys.
+const std::string kHoles =
+    "Texture \"holes\" \"float\" \"checkerboard\" \"float uscale\" 6 \"float vscale\" 4 \"float tex1\" 1 \"float tex2\" 0\n";
+const std::string kGreys =
+    "Texture \"greys\" \"float\" \"checkerboard\" \"float uscale\" 4 \"float vscale\" 4 \"float tex1\" 0.8 \"float tex2\" 0.2\n";
+
+const std::string kReverse = "ReverseOrientation\n";
+/// Opens bowls and troughs to the camera and the floor.
+const std::string kTowardsCamera = "Rotate -50 1 0 0\n", kDownwards = "Rotate 75 1 0.2 0\n";
+
+std::string Shape(const std::string &type, const std::string &parameters) {
+    return "Shape \"" + type + "\" " + parameters + "\n";
+}
+std::string Sphere(const std::string &parameters) { return Shape("sphere", parameters); }
+std::string Disk(const std::string &parameters) { return Shape("disk", "\"float radius\" 0.65 " + parameters); }
+std::string Cylinder(const std::string &parameters) {
+    return Shape("cylinder", "\"float radius\" 0.45 \"float zmin\" -0.6 \"float zmax\" 0.5 " + parameters);
+}
+/// Half a sphere.
+const std::string kBowl = "\"float radius\" 0.6 \"float zmin\" -0.6 \"float zmax\" 0.05 ";
+const std::string kTwoTriangles =
+    "\"point3 P\" [ -0.6 -0.6 0.1  0.6 -0.5 0  0.6 0.6 -0.1  -0.5 0.6 0.2 ] \"integer indices\" [ 0 1 2 0 2 3 ] "
+    "\"point2 uv\" [ 0 0 1 0 1 1 0 1 ] ";
+/// Of the second triangle some vertex normals lie on the other side.
+const std::string kBentNormals = "\"normal N\" [ 0 0 1  0.1 0 1  0 0.1 1  0.2 0 -1 ] ";
+const std::string kBall =
+    "\"integer levels\" 2 \"point3 P\" [ 1 0 0  -1 0 0  0 1 0  0 -1 0  0 0 1  0 0 -1 ] "
+    "\"integer indices\" [ 0 2 4  2 1 4  1 3 4  3 0 4  2 0 5  1 2 5  3 1 5  0 3 5 ] ";
+const std::string kRectangle = "\"point3 P\" [ -0.6 -0.5 0  0.6 -0.5 0  -0.6 0.5 0  0.6 0.5 0 ] ";
+const std::string kTrapezoid = "\"point3 P\" [ -0.6 -0.5 0  0.6 -0.5 0  -0.2 0.5 0  0.3 0.6 0 ] ";
+const std::string kSaddle = "\"point3 P\" [ -0.5 -0.5 0.4  0.5 -0.5 -0.4  -0.5 0.5 -0.4  0.5 0.5 0.4 ] ";
+
+}  // namespace
+
+std::vector<EmitterKind> EmitterKinds() {
+    std::vector<EmitterKind> kinds;
+    auto add = [&](const std::string &name, const std::string &text) { kinds.push_back({name, text}); };
+    auto addWithin = [&](const std::string &name, const std::string &text) {
+        kinds.push_back({name, text, Place::Within});
+    };
+    auto addMesh = [&](const std::string &name, const std::string &text) {
+        kinds.push_back({name, text, Place::Around, true});
+    };
+    const std::string whole = "\"float radius\" 0.6 ";
+    add("sphere", kOneSided + Sphere(whole));
+    add("sphere, scaled", kOneSided + "Scale 2 2 2\n" + Sphere("\"float radius\" 0.3"));
+    add("sphere, mirrored and reversed", kOneSided + "Scale -1 1 1\n" + kReverse + Sphere(whole));
+    add("sphere, two-sided, image", kImage + Sphere(whole));
+    add("sphere, two-sided, alpha 0.5", kTwoSided + Sphere(whole + "\"float alpha\" 0.5"));
+    add("sphere, two-sided, grey texture", kGreys + kTwoSided + Sphere(whole + "\"texture alpha\" \"greys\""));
+    add("sphere, reversed, holes", kHoles + kReverse + kOneSided + Sphere(whole + "\"texture alpha\" \"holes\""));
+    add("ellipsoid", kOneSided + "Scale 1 0.4 0.8\n" + Sphere(whole));
+    add("ellipsoid, mirrored and reversed", kOneSided + "Scale 1 -0.5 0.8\n" + kReverse + Sphere(whole));
+    add("ellipsoid, two-sided, alpha 0.3", kTwoSided + "Scale 1 0.6 1\n" + Sphere(whole + "\"float alpha\" 0.3"));
+    add("bowl", kOneSided + kTowardsCamera + Sphere(kBowl));
+    add("bowl, reversed", kReverse + kOneSided + kTowardsCamera + Sphere(kBowl));
+    add("bowl, two-sided", kTwoSided + kDownwards + Sphere(kBowl));
+    add("bowl, mirrored, scaled",
+        kOneSided + kTowardsCamera + "Scale -1.5 1.5 1.5\n" +
+            Sphere("\"float radius\" 0.4 \"float zmin\" -0.4 \"float zmax\" 0"));
+    add("bowl, two-sided, stretched", kTwoSided + kTowardsCamera + "Scale 1 0.6 1.1\n" + Sphere(kBowl));
+    add("bowl, two-sided, alpha 0.4", kTwoSided + kTowardsCamera + Sphere(kBowl + "\"float alpha\" 0.4"));
+    add("bowl, two-sided, image", kImage + kTowardsCamera + Sphere(kBowl));
+    add("bowl, reversed, holes",
+        kHoles + kReverse + kOneSided + kTowardsCamera + Sphere(kBowl + "\"texture alpha\" \"holes\""));
+    add("cap, two-sided", kTwoSided + kDownwards + Sphere("\"float radius\" 0.7 \"float zmin\" 0.5 \"float zmax\" 0.7"));
+    add("band in part, two-sided",
+        kTwoSided + kDownwards + Sphere(whole + "\"float zmin\" -0.3 \"float zmax\" 0.4 \"float phimax\" 220"));
+    add("slice, two-sided", kTwoSided + "Rotate 70 0 0 1\n" + Sphere(whole + "\"float phimax\" 150"));
+
+    add("disk", kOneSided + kDownwards + Disk(""));
+    add("disk, mirrored", kOneSided + kDownwards + "Scale 1 1 -1\n" + Disk(""));
+    add("ring, two-sided", kTwoSided + kDownwards + Disk("\"float innerradius\" 0.4"));
+    add("fan, mirrored", kReverse + kOneSided + kDownwards + "Scale -1 1 1\n" + Disk("\"float phimax\" 230"));
+    add("ring in part, stretched",
+        kOneSided + kDownwards + "Scale 1 0.5 1\n" + Disk("\"float innerradius\" 0.2 \"float phimax\" 290"));
+    add("disk, alpha 0.5", kOneSided + kDownwards + Disk("\"float alpha\" 0.5"));
+    add("disk, alpha 0 and 1", kHoles + kTwoSided + kDownwards + Disk("\"texture alpha\" \"holes\""));
+    add("ring, image", kImage + kDownwards + Disk("\"float innerradius\" 0.2"));
+
+    add("cylinder", kOneSided + "Rotate 60 1 1 0\n" + Cylinder(""));
+    add("cylinder, two-sided, stretched", kTwoSided + "Rotate 60 1 1 0\nScale 1 0.5 1\n" + Cylinder(""));
+    add("trough, reversed", kReverse + kOneSided + "Rotate 80 1 0 0\nRotate 200 0 0 1\n" + Cylinder("\"float phimax\" 170"));
+    add("trough, mirrored", kOneSided + "Rotate 80 1 0 0\nScale -1 1 1\n" + Cylinder("\"float phimax\" 200"));
+    add("trough, two-sided, grey texture",
+        kGreys + kTwoSided + "Rotate 80 1 0 0\n" + Cylinder("\"float phimax\" 200 \"texture alpha\" \"greys\""));
+    add("trough, image", kImage + "Rotate 80 1 0 0\nRotate 200 0 0 1\n" + Cylinder("\"float phimax\" 200"));
+
+    addMesh("triangles", kOneSided + kDownwards + Shape("trianglemesh", kTwoTriangles));
+    addMesh("triangles, mirrored and reversed",
+            kOneSided + kDownwards + "Scale 1 1 -1.2\n" + kReverse + Shape("trianglemesh", kTwoTriangles));
+    addMesh("triangles, normals on both sides", kOneSided + kDownwards + Shape("trianglemesh", kTwoTriangles + kBentNormals));
+    addMesh("triangles, two-sided, alpha 0.5", kTwoSided + kDownwards + Shape("trianglemesh", kTwoTriangles + "\"float alpha\" 0.5"));
+    addMesh("triangles, two-sided, holes",
+            kHoles + kTwoSided + kDownwards + Shape("trianglemesh", kTwoTriangles + "\"texture alpha\" \"holes\""));
+    addMesh("triangles, image", kImage + kDownwards + Shape("trianglemesh", kTwoTriangles));
+    addMesh("ball of triangles", kOneSided + "Scale 0.9 0.9 0.9\n" + Shape("loopsubdiv", kBall));
+    addMesh("ball of triangles, two-sided, alpha 0.6",
+            kTwoSided + "Scale -0.9 0.7 0.9\n" + Shape("loopsubdiv", kBall + "\"float alpha\" 0.6"));
+
+    add("rectangle", kOneSided + kDownwards + Shape("bilinearmesh", kRectangle));
+    add("rectangle, mirrored, two-sided", kTwoSided + kDownwards + "Scale -1 1 1\n" + Shape("bilinearmesh", kRectangle));
+    add("rectangle, grey texture", kGreys + kOneSided + kDownwards + Shape("bilinearmesh", kRectangle + "\"texture alpha\" \"greys\""));
+    add("rectangle, image", kImage + kDownwards + Shape("bilinearmesh", kRectangle));
+    add("rectangle, image sampled",
+        kImage + kDownwards + Shape("bilinearmesh", kRectangle + "\"string emissionfilename\" \"" + kPanel + "\""));
+    add("trapezoid, reversed", kReverse + kOneSided + "Rotate 180 0 1 0\n" + kDownwards + Shape("bilinearmesh", kTrapezoid));
+    add("saddle, two-sided", kTwoSided + kDownwards + Shape("bilinearmesh", kSaddle));
+    add("saddle, mirrored", kOneSided + kDownwards + "Scale 1 1 -1\n" + Shape("bilinearmesh", kSaddle));
+    add("saddle, two-sided, alpha 0.5", kTwoSided + kDownwards + Shape("bilinearmesh", kSaddle + "\"float alpha\" 0.5"));
+
+    addWithin("sphere, reversed, within", kReverse + kOneSided + Sphere(""));
+    addWithin("sphere, mirrored, within", kOneSided + "Scale -1 1 1\n" + Sphere(""));
+    addWithin("sphere, two-sided, grey, within", kGreys + kTwoSided + Sphere("\"texture alpha\" \"greys\""));
+    addWithin("ellipsoid, two-sided, within", kTwoSided + "Scale 1.2 0.9 1\n" + Sphere(""));
+    addWithin("bowl, two-sided, within", kTwoSided + kDownwards + Sphere("\"float zmax\" 0.4"));
+    addWithin("cylinder, reversed, within", kReverse + kOneSided + Shape("cylinder", "\"float radius\" 0.9"));
+    addWithin("trough, stretched, within",
+              kTwoSided + "Scale 1 1.2 1\n" + Shape("cylinder", "\"float radius\" 0.9 \"float phimax\" 300"));
+
+    for (const auto &[name, shape] : {std::pair<std::string, std::string>{"sphere, alpha 0", Sphere(whole + "\"float alpha\" 0")},
+                                      {"bowl, alpha 0", kDownwards + Sphere(kBowl + "\"float alpha\" 0")}}) {
+        add(name, kOneSided + shape);
+        kinds.back().isSeen = false;
+    }
+    return kinds;
+}
+
+std::string SceneText(const EmitterKind &kind) {
+    const bool within = kind.place == Place::Within;
+    std::string text = within ? "LookAt 0 0.15 -0.6  0 0 0.2  0 1 0\nCamera \"perspective\" \"float fov\" 70\n"
+                              : "LookAt 0 0.7 -3.4  0 -0.1 0  0 1 0\nCamera \"perspective\" \"float fov\" 42\n";
+    text += R"(Film "rgb" "integer xresolution" 32 "integer yresolution" 32
+PixelFilter "box"
+Integrator "path" "integer maxdepth" 1
+WorldBegin
+Material "diffuse" "spectrum reflectance" [ 300 0.5 900 0.5 ]
+AttributeBegin
+AreaLightSource "diffuse" "spectrum L" [ 300 1 900 1 ] "bool twosided" true
+)";
+    text += within ? Shape("bilinearmesh", "\"point3 P\" [ -0.2 0.5 -0.2  0.2 0.5 -0.2  -0.2 0.5 0.2  0.2 0.5 0.2 ]")
+                   : Shape("bilinearmesh", "\"point3 P\" [ 0.7 0.8 0.1  1.1 0.8 0.1  0.7 0.8 0.5  1.1 0.8 0.5 ]");
+    text += "AttributeEnd\n";
+    if (within) {
+        text += Shape("bilinearmesh", "\"point3 P\" [ -0.45 -0.35 0.4  0.45 -0.35 0.4  -0.45 0.4 0.2  0.45 0.4 0.2 ]");
+        text += Shape("bilinearmesh", "\"point3 P\" [ -0.45 -0.35 -0.4  0.45 -0.35 -0.4  -0.45 -0.35 0.4  0.45 -0.35 0.4 ]");
+    } else {
+        text += Shape("bilinearmesh", "\"point3 P\" [ -1.2 -1 -1.4  1.2 -1 -1.4  -1.2 -1 1.2  1.2 -1 1.2 ]");
+        text += Shape("bilinearmesh", "\"point3 P\" [ -1.2 -1 1.2  1.2 -1 1.2  -1.2 1.2 1.2  1.2 1.2 1.2 ]");
+        text += Shape("bilinearmesh", "\"point3 P\" [ -1.2 -1 -1.4  -1.2 -1 1.2  -1.2 1.2 -1.4  -1.2 1.2 1.2 ]");
+        const bool isHollow = kind.text.find("\"sphere\"") != std::string::npos || kind.text.find("\"cylinder\"") != std::string::npos;
+        if (isHollow) text += Shape("bilinearmesh", "\"point3 P\" [ -.12 -.06 -.12  .12 -.06 -.12  -.12 .08 .12  .12 .08 .12 ]");
+    }
+    return text + "AttributeBegin\n" + kind.text + "AttributeEnd\n";
+}
+
+}  // namespace pbrt::test

@@ -184,10 +184,12 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     progress.BeginPhase("building", geometry.ShapeEntityCount());
     geometry.BuildShapes(progress);
     SceneParts parts = geometry.TakeParts();
+    built.lightNames = geometry.TakeLightNames();
 
     for (const LightEntity &l : d.lights)
         Collect(sink, [&] {
             parts.lights->Add(MakeLight(l.type, l.params, renderFromWorld * l.ctm.start, renderFromWorld, SpaceOf(l), d.files, sink));
+            built.lightNames.Add(1, fmt::format("LightSource \"{}\"", l.type), l.loc);
             l.params.ReportUnused(sink);
         });
     ThrowIfErrors(sink, checked);

@@ -4,6 +4,7 @@
 
 #include "pbrt/build/build_options.h"
 #include "pbrt/integrators/integrator.h"
+#include "pbrt/lights/light_names.h"
 #include "pbrt/lightsamplers/registry.h"
 #include "pbrt/scenefile/scene_description.h"
 #include "pbrt/textures/texture_factory.h"
@@ -31,6 +32,7 @@ struct BuiltScene {
     std::unique_ptr<RgbFilm> film;
     std::unique_ptr<Camera> camera;
     std::unique_ptr<Scene> scene;
+    LightNames lightNames;  ///< of the scene's lights, for people
     std::unique_ptr<Integrator> integrator;
     /// Sampler of the round-th batch of samplesPerPixel samples.
     std::function<std::unique_ptr<Sampler>(int round)> makeSampler;

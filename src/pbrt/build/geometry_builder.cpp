@@ -22,6 +22,19 @@ Displacement MakeDisplacement(const FloatTexturePtr &height, Float edgeScale) {
             edgeScale};
 }
 
+/// What people call one primitive of a shape.
+const char *PrimitiveName(ShapeKind kind) {
+    switch (kind) {
+        case ShapeKind::TriangleMesh: return "triangle";
+        case ShapeKind::BilinearMesh: return "patch";
+        case ShapeKind::Sphere: return "sphere";
+        case ShapeKind::Disk: return "disk";
+        case ShapeKind::Cylinder: return "cylinder";
+        case ShapeKind::Curves: return "curve";
+    }
+    return "primitive";
+}
+
 }  // namespace
 
 GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld,
@@ -175,6 +188,9 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
     }
     std::vector<ShapeId> moving;
     const ShapeId mesh(parts_.shapes.size());  // one for all shapes of the directive (a PLY of triangles and quads has two)
+    size_t emitters = 0;
+    const char *primitive = w.shapes.empty() ? "" : PrimitiveName(w.shapes.front()->Kind());
+    if (w.shapes.size() > 1) primitive = "face";
     for (std::unique_ptr<Shape> &shape : w.shapes) {
         ShapeRecord record;
         ShapeId id(parts_.shapes.size());
@@ -186,6 +202,7 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
                 LightId light = parts_.lights->Add(maker->Make(*record.shape, i, record.alpha.get()), mesh, i);
                 if (i == 0) record.firstLight = light;
             }
+            emitters += record.shape->PrimitiveCount();
         }
         if (interface && !interfacesBlock_) parts_.accel->LetShadowRaysThrough(id);
         parts_.shapes.push_back(std::move(record));
@@ -193,6 +210,10 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
         if (w.motion) moving.push_back(id);
         else if (definition) definition->still.push_back(id);
         else parts_.accel->AddShape(id, *kept.shape, kept.alpha.get());
+    }
+    if (maker) {
+        const Entity &light = description_.areaLights[static_cast<size_t>(e.areaLight)];
+        lightNames_.Add(emitters, fmt::format("AreaLightSource \"{}\"", light.type), light.loc, e.loc, primitive);
     }
     if (moving.empty()) return;
     const int object = AddAccelObject(moving);

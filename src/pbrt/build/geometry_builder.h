@@ -4,6 +4,7 @@
 
 #include "pbrt/core/progress.h"
 #include "pbrt/lights/light_factory.h"
+#include "pbrt/lights/light_names.h"
 #include "pbrt/materials/material_factory.h"
 #include "pbrt/scene/scene.h"
 #include "pbrt/scenefile/scene_description.h"
@@ -24,6 +25,8 @@ class GeometryBuilder {
     int64_t ShapeEntityCount() const { return static_cast<int64_t>(work_.size()); }
     /// Accel not committed, lights not finished.
     SceneParts TakeParts() { return std::move(parts_); }
+    /// Of all lights so far.
+    LightNames TakeLightNames() { return std::move(lightNames_); }
 
   private:
     /// One Shape directive on its way to becoming shapes.
@@ -61,6 +64,7 @@ class GeometryBuilder {
     TextureLibrary &textures_;
     DiagnosticSink &sink_;
     SceneParts parts_;
+    LightNames lightNames_;
     std::vector<Work> work_;
     std::map<std::string, MaterialId> named_;
     std::vector<MaterialId> byIndex_;

@@ -16,6 +16,7 @@
 #include "pbrt/lab/reference_cache.h"
 #include "pbrt/lab/results.h"
 #include "pbrt/lab/sampler_run.h"
+#include "pbrt/lab/take_up.h"
 #include "pbrt/math/statistics.h"
 #include "version.h"
 
@@ -27,7 +28,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kWarmUpSeed = 700003;
-constexpr double kFewOracleSamples = 8;
 constexpr int kTellingSamples = 4;
 
 std::string SelectionNote(const SamplerChoice &choice) { return choice.folder + "/selection.json"; }
@@ -37,8 +37,10 @@ void OpenFolder(const CampaignSettings &settings, const Json &identity, const Re
     const std::string &out = settings.outFolder;
     if (fs::exists(out) && !fs::is_directory(out)) throw UserError(fmt::format("{}: is a file, not a folder.", out));
     if (settings.restart) fs::remove_all(records.Folder());
-    const Json old = records.LoadNote("settings.json");
-    if (old.is_object()) {
+    const Json old = records.LoadSettings();
+    if (old.is_discarded()) {
+        LogWarning(fmt::format("{}: cannot be read; what belongs to these settings is taken up.", records.File("settings.json")));
+    } else if (old.is_object()) {
         if (std::vector<std::string> differences = Differences(old, identity); !differences.empty())
             throw UserError(
                 fmt::format("{} holds a campaign with other settings ({}). Choose another --out, or "
@@ -52,7 +54,7 @@ void OpenFolder(const CampaignSettings &settings, const Json &identity, const Re
         if (!error) fs::create_directories(fs::path(out) / s.folder, error);
         if (error) throw UserError(fmt::format("{}: cannot be made: {}.", out, error.message()));
     }
-    records.SaveNote("settings.json", identity);
+    records.SaveSettings(identity);
 }
 
 /// The rendering of all runs.
@@ -79,7 +81,8 @@ class Rounds {
         recordsOf_.assign(settings_.samplers.size(), {});
         for (size_t i = 0; i < settings_.samplers.size(); ++i)
             for (int seed = 0; seed < settings_.seeds; ++seed) {
-                recordsOf_[i].push_back(records_.LoadRun(settings_.samplers[i].folder, seed));
+                recordsOf_[i].push_back(TakeUpRun(records_, scene_, settings_.samplers[i].folder, seed, checkpoints_.size(),
+                                                  PictureFile(i, seed)));
                 LearnCost(i, recordsOf_[i].back());
             }
         display_.SetPhase("rendering");
@@ -114,7 +117,7 @@ class Rounds {
     /// Once per sampler: what it knows in its first run. `run`: that, or null where an earlier session ended it.
     bool Look(size_t i, SamplerRun *run) {
         const SamplerChoice &choice = settings_.samplers[i];
-        if (!settings_.views || records_.LoadNote(ViewsNote(choice)).is_object()) return true;
+        if (!settings_.views || ViewsAreWhole(settings_, records_.LoadNote(ViewsNote(choice)))) return true;
         std::unique_ptr<SamplerRun> again;
         if (!run && !(run = PrepareAgain(i, &again))) return false;
         const Json views = WriteViews(settings_, scene_, i, *run->Lights(), cancel_);
@@ -153,7 +156,8 @@ class Rounds {
 
     std::unique_ptr<SamplerRun> Start(size_t i, int seed, const RunRecord &record) {
         const SamplerChoice &choice = settings_.samplers[i];
-        auto run = std::make_unique<SamplerRun>(scene_, choice, seed, expected_[i], cancel_);
+        const int expected = record.rounds.empty() ? expected_[i] : record.expectedSamples;
+        auto run = std::make_unique<SamplerRun>(scene_, choice, seed, expected, cancel_);
         if (!run->Prepare()) return nullptr;
         if (!record.rounds.empty())
             run->Resume(record, records_.FilmFile(choice.folder, seed, record.rounds.back().checkpoint));
@@ -176,7 +180,7 @@ class Rounds {
         // The record comes last: a round without it has not happened.
         const bool last = checkpoint + 1 == checkpoints_.size();
         if (last)
-            WriteImage(fmt::format("{}/{}/seed{}.exr", settings_.outFolder, folder, seed), picture, run.Metadata());
+            WriteImage(PictureFile(i, seed), picture, run.Metadata());
         else
             run.SaveFilm(records_.FilmFile(folder, seed, c));
         records_.SaveLastRound(folder, run.Record());
@@ -215,6 +219,10 @@ class Rounds {
         if (replay_) return {replay_->At(settings_.samplers[i].label, seed, static_cast<int>(checkpoint)), 0};
         const Checkpoint &c = checkpoints_[checkpoint];
         return {c.samples, c.seconds};
+    }
+
+    std::string PictureFile(size_t i, int seed) const {
+        return fmt::format("{}/{}/seed{}.exr", settings_.outFolder, settings_.samplers[i].folder, seed);
     }
 
     bool BySamples() const { return replay_ || !settings_.Timed(); }
@@ -292,8 +300,10 @@ void WritePictures(const CampaignSettings &settings, const LabScene &scene, cons
         metadata.attributes["samplesPerPixel"] = r.samples;
         WriteImage(fmt::format("{}/{}.exr", settings.outFolder, name), r.image, metadata);
         WritePicture(fmt::format("{}/{}.png", settings.outFolder, name), r.image, exposure);
+        WriteRangePicture(fmt::format("{}/{}.hdr", settings.outFolder, name), r.image);
         (*json)["references"].push_back({{"file", name + ".exr"},
                                          {"picture", name + ".png"},
+                                         {"pictureRange", name + ".hdr"},
                                          {"sampler", r.sampler.empty() ? Json() : Json(r.sampler)},
                                          {"samples", r.samples ? Json(r.samples) : Json()},
                                          {"seconds", r.seconds > 0 ? Json(r.seconds) : Json()},
@@ -309,6 +319,7 @@ void WritePictures(const CampaignSettings &settings, const LabScene &scene, cons
     for (size_t i = 0; i < settings.samplers.size(); ++i) {
         const std::string folder = settings.outFolder + "/" + settings.samplers[i].folder;
         WritePicture(folder + "/result.png", pictures[i].front(), exposure);
+        WriteRangePicture(folder + "/result.hdr", pictures[i].front());
         WriteErrorPicture(folder + "/error.png", maps[i], resolution, scale);
     }
     (*json)["exposure"] = exposure;
@@ -325,7 +336,7 @@ void WritePictures(const CampaignSettings &settings, const LabScene &scene, cons
 
 Json Header(const CampaignSettings &settings, const LabScene &scene, const Json &identity, size_t checkpoints) {
     Json json;
-    json["schema"] = 1;
+    json["schema"] = kResultsSchema;
     json["scene"] = settings.scene;
     json["sceneName"] = fs::path(settings.scene).stem().string();
     json["sceneHash"] = scene.hash;
@@ -387,7 +398,7 @@ std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, con
     CheckSamplers(settings, scene);
     if (!settings.referenceFile.empty()) ReadReference(settings.referenceFile, scene);  // it fits, or we stop here
     const Json identity = IdentityOf(settings, scene.hash, ThreadCount());
-    const RecordFolder records(settings.outFolder + "/records");
+    const RecordFolder records(settings.outFolder + "/records", CampaignKey(identity));
     OpenFolder(settings, identity, records);
 
     CampaignDisplay display(sink);
@@ -413,16 +424,7 @@ std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, con
     const CampaignResults results = Summarize(settings, *references, rounds.TakeRecords(), pictures, selections);
     AddToJson(results, &outcome.results);
     AddViews(settings, records, &outcome.results);
-    for (const SamplerResult &s : results.samplers)
-        if (s.choice.IsOracle() && s.samples < kFewOracleSamples)
-            references->notes.push_back(
-                fmt::format("\"{}\" took {:.1f} samples per pixel only: ratios to it are rough. "
-                            "--spp gives it as many as the others.",
-                            s.choice.label, s.samples));
-    if (settings.sampledLightOnly)
-        references->notes.push_back("--sampled-light: without lamps that the camera or a mirror shows, and caustics; no "
-                                    "choice of lights changes these.");
-    outcome.results["notes"] = references->notes;
+    ShortenFloats(&outcome.results);
     outcome.text = TableText(results, *references);
     WriteText(settings.outFolder + "/results.csv", SummaryCsv(results));
     WriteText(settings.outFolder + "/rounds.csv", RoundsCsv(results));

@@ -35,6 +35,13 @@ Json IdentityOf(const CampaignSettings &settings, const std::string &sceneHash, 
     return id;
 }
 
+std::string CampaignKey(Json identity) {
+    identity.erase("seeds");
+    ContentHash hash;
+    hash.Add("records 2 " + identity.dump());
+    return hash.Hex();
+}
+
 std::vector<std::string> Differences(const Json &old, const Json &now) {
     std::vector<std::string> list;
     auto text = [](const Json &json, const std::string &key) {
@@ -51,7 +58,7 @@ std::vector<std::string> Differences(const Json &old, const Json &now) {
 
 Json ReadResults(const std::string &path) {
     Json json = Json::parse(ReadFileContents(path), nullptr, false);
-    if (!json.is_object() || json.value("schema", 0) != 1 || !json.contains("samplers") || !json.contains("settings"))
+    if (!json.is_object() || (json.value("schema", 0) != 1 && json.value("schema", 0) != kResultsSchema) || !json.contains("samplers") || !json.contains("settings"))
         throw UserError(fmt::format("{}: is not a results.json of lightlab.", path));
     return json;
 }

@@ -26,6 +26,7 @@ struct CampaignSettings {
     bool views = true;            ///< a look inside every sampler, see campaign_views.h
     double selectionWork = 1e8;   ///< of the check of light selection, SelectionSettings::mostWork; 0: none
     std::string outFolder;
+    std::string cacheFolder;  ///< where rendered references are kept for other campaigns; empty: nowhere
     bool restart = false;  ///< forget what the folder holds of a campaign
     std::string commandLine;
     bool Timed() const { return timeBudget > 0; }
@@ -34,6 +35,8 @@ struct CampaignSettings {
 /// What fixes the pictures and times of a campaign. Two campaigns in one folder must agree in all of it but the number of
 /// seeds.
 nlohmann::ordered_json IdentityOf(const CampaignSettings &settings, const std::string &sceneHash, int threads);
+/// A hash of an identity without the number of seeds: what records say they belong to.
+std::string CampaignKey(nlohmann::ordered_json identity);
 /// The keys in which two identities differ, but for the number of seeds, with both values, for people; empty if none.
 std::vector<std::string> Differences(const nlohmann::ordered_json &old, const nlohmann::ordered_json &now);
 
@@ -56,6 +59,8 @@ class SampleCounts {
     std::string hash_;
 };
 
+/// "schema" of results.json; docs/lightlab.md describes it.
+inline constexpr int kResultsSchema = 2;
 /// The part of a results.json that a replay takes its settings from. Throws UserError.
 nlohmann::ordered_json ReadResults(const std::string &path);
 

@@ -1,10 +1,13 @@
 #include "pbrt/lab/campaign_views.h"
 
+#include <filesystem>
+
 #include "pbrt/lab/inspect.h"
 
 namespace pbrt::lab {
 
 using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -20,7 +23,8 @@ InspectSettings ViewSettings() {
 }
 
 Json WithFolder(Json layers, const std::string &folder) {
-    for (Json &layer : layers) layer["file"] = folder + "/" + layer["file"].get<std::string>();
+    for (Json &layer : layers)
+        if (layer["file"].is_string()) layer["file"] = folder + "/" + layer["file"].get<std::string>();
     return layers;
 }
 
@@ -46,7 +50,22 @@ Json WriteViews(const CampaignSettings &settings, const LabScene &scene, size_t 
     views["samplesPerLight"] = how.samples;
     views["layers"] = write(settings.samplers[sampler].folder + "/" + kFolder, false);
     if (sampler == 0) views["layersOfScene"] = write(kFolder, true);
+    views["bytes"] = Json::object();
+    for (const char *part : {"layers", "layersOfScene"})
+        for (const Json &layer : views.value(part, Json::array()))
+            if (layer.at("file").is_string()) {
+                const std::string file = layer.at("file").get<std::string>();
+                views["bytes"][file] = fs::file_size(fs::path(settings.outFolder) / file);
+            }
     return views;
+}
+
+bool ViewsAreWhole(const CampaignSettings &settings, const Json &note) {
+    if (!note.is_object()) return false;
+    std::error_code error;
+    for (const auto &[file, bytes] : note.at("bytes").items())
+        if (fs::file_size(fs::path(settings.outFolder) / file, error) != bytes || error) return false;
+    return true;
 }
 
 void AddViews(const CampaignSettings &settings, const RecordFolder &records, Json *results) {

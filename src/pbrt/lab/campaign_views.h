@@ -12,6 +12,8 @@ nlohmann::ordered_json WriteViews(const CampaignSettings &settings, const LabSce
 
 /// Where the records keep what WriteViews returned.
 std::string ViewsNote(const SamplerChoice &choice);
+/// Are all the pictures there that the note names, with the sizes they had?
+bool ViewsAreWhole(const CampaignSettings &settings, const nlohmann::ordered_json &note);
 
 /// "views" of results.json, for the scene and for every sampler that was looked at.
 void AddViews(const CampaignSettings &settings, const RecordFolder &records, nlohmann::ordered_json *results);

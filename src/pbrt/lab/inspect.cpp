@@ -32,7 +32,7 @@ struct Group {
     }
 };
 
-std::vector<Group> MakeGroups(const LightTable &lights) {
+std::vector<Group> MakeGroups(const LightTable &lights, const LightNames &names) {
     std::vector<Group> groups;
     for (size_t i = 0, end = 0; i < lights.Size(); i = end) {
         end = i + 1;
@@ -44,10 +44,8 @@ std::vector<Group> MakeGroups(const LightTable &lights) {
         double power = 0;
         for (size_t l = i; l < end; ++l) power += static_cast<double>(lights.Candidates()[l].power);
         g.light.power = static_cast<Float>(power);
-        const char *kinds[] = {"point or spot", "distant", "area", "infinite"};
-        g.light.label = g.light.count > 1
-                            ? fmt::format("lights {} to {}: mesh of {}", i, end - 1, g.light.count)
-                            : fmt::format("light {}: {}", i, kinds[static_cast<size_t>(lights[LightId(i)].Kind())]);
+        g.light.label = names.NameOf(g.light.first, g.light.count);
+        if (g.light.label.empty()) g.light.label = fmt::format("light {}", i);
         if (g.light.count > 1) {
             double running = 0;
             for (size_t l = i; l < end; ++l) {
@@ -109,7 +107,7 @@ struct Measured {
 class Inspector {
   public:
     Inspector(const BuiltScene &built, const LightSampler &sampler, const InspectSettings &settings)
-        : built_(built), sampler_(sampler), settings_(settings), groups_(MakeGroups(built.scene->Lights())) {}
+        : built_(built), sampler_(sampler), settings_(settings), groups_(MakeGroups(built.scene->Lights(), built.lightNames)) {}
 
     Inspection Run(Progress &progress);
 
@@ -160,10 +158,12 @@ void Inspector::MakeLayers(Inspection &out) {
         "second moment of the one-light estimator over the least that other probabilities of the lights can reach (the "
         "choice inside a mesh as it is), log10; without MIS; magenta: none contributes, or one that does has probability 0",
         0, 2);
-    for (size_t g : shown_)
-        add(fmt::format("visibility.{}", groups_[g].light.first.value),
-            fmt::format("share of up to {} shadow rays that arrive; {}", settings_.samples, groups_[g].light.label), 0,
-            1, false, true);
+    for (size_t g : shown_) {
+        const InspectedLight &light = groups_[g].light;
+        add(fmt::format("visibility.{}", light.first.value),
+            fmt::format("share of up to {} shadow rays that arrive from {}", settings_.samples, light.label), 0, 1, false, true);
+        out.layers.back().light = light.label;
+    }
 }
 
 Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from, const Group &group, Rng &rng,
@@ -287,13 +287,21 @@ Inspection Inspector::Run(Progress &progress) {
         for (int y = 0; y < resolution.y; ++y)
             for (int x = 0; x < resolution.x; ++x) {
                 auto v = static_cast<double>(out.image.Get({x, y}, static_cast<int>(c)));
-                if (out.image.Get({x, y}, 0) == 0 || !std::isfinite(v)) continue;
+                if (c > 0 && out.image.Get({x, y}, 0) == 0) continue;
+                if (!std::isfinite(v)) {
+                    ++layer.unknown;
+                    continue;
+                }
                 layer.least = count ? std::min(layer.least, v) : v;
                 layer.most = count ? std::max(layer.most, v) : v;
                 sum += v;
                 ++count;
             }
+        layer.values = count;
         layer.mean = count ? sum / static_cast<double>(count) : 0;
+        if (layer.name == "brightest" && layer.IsFlat() && count > 0)
+            for (const InspectedLight &light : out.lights)
+                if (light.first.value == static_cast<uint32_t>(layer.least)) layer.light = light.label;
         if (layer.shownMost <= layer.shownLeast)
             layer.shownMost = layer.most > layer.shownLeast ? layer.most : layer.shownLeast + 1;
     }

@@ -23,7 +23,11 @@ struct InspectedLayer {
     bool isId = false;                     ///< to be shown as colours without order
     bool ofScene = false;                  ///< the same for every sampler
     double shownLeast = 0, shownMost = 1;  ///< ends of the colour scale
-    double least = 0, most = 0, mean = 0;  ///< finite values, over pixels that hit something
+    double least = 0, most = 0, mean = 0;  ///< finite values, over pixels that hit something ("hit": all)
+    size_t values = 0, unknown = 0;        ///< how many these are, and how many are not finite
+    std::string light;                     ///< name of the light it is about; empty: about none
+    /// The same everywhere, or nowhere known: words say that better than a blank picture.
+    bool IsFlat() const { return values == 0 || (least == most && unknown == 0); }
 };
 
 /// What counts as one light: a light, or all primitives of an emissive mesh.
@@ -31,7 +35,7 @@ struct InspectedLight {
     LightId first{};
     size_t count = 1;  ///< lights of the table, contiguous
     Float power = 0;
-    std::string label;  ///< "light 7", "mesh of 12 lights from 7"
+    std::string label;  ///< where it stands in the scene file: LightNames
 };
 
 struct Inspection {
@@ -51,13 +55,14 @@ struct Inspection {
 Inspection InspectLights(const BuiltScene &built, const LightSampler &sampler, const InspectSettings &settings,
                          Progress &progress);
 
-/// One false-colour PNG per layer that is `wanted` into `folder`, which is made if need be; `legendRows`: height of the
-/// bar of colours below. Returns what each shows: name, file (inside `folder`), meaning, ends of the colour scale, range.
+/// One false-colour PNG per layer that is `wanted` and not flat into `folder`, which is made if need be; `legendRows`:
+/// height of the bar of colours below. Returns what each shows: name, file (inside `folder`; null if flat), meaning, ends of
+/// the colour scale, range.
 nlohmann::ordered_json WriteLayers(const Inspection &inspection, const std::string &folder, int legendRows,
                                    const std::function<bool(const InspectedLayer &)> &wanted);
 
-/// Writes inspect.exr (all layers), one false-colour PNG per layer, inspect.json (what each shows and its range) and
-/// structure.txt into `folder`, which is made if need be.
+/// Writes inspect.exr (all layers), one false-colour PNG per layer that is not flat, inspect.json (what each shows and its
+/// range), index.html (all of it to look at) and structure.txt into `folder`, which is made if need be.
 void WriteInspection(const Inspection &inspection, const std::string &folder, const nlohmann::ordered_json &about);
 
 /// The whole command: `lightlab inspect scene.pbrt --sampler octree`.

@@ -6,10 +6,15 @@
 #include "pbrt/core/log.h"
 #include "pbrt/images/false_color.h"
 #include "pbrt/lab/inspect.h"
+#include "pbrt/lab/inspect_page.h"
+#include "pbrt/lab/results.h"
+#include "pbrt/lab/run_record.h"
 #include "pbrt/scenefile/parser.h"
 #include "version.h"
 
 namespace pbrt::lab {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -17,22 +22,26 @@ constexpr int kLegendRows = 12;
 
 void MakeFolder(const std::string &folder) {
     std::error_code failed;
-    std::filesystem::create_directories(folder, failed);
+    fs::create_directories(folder, failed);
     if (failed) throw UserError(fmt::format("{}: {}.", folder, failed.message()));
 }
 
 nlohmann::ordered_json LayerJson(const InspectedLayer &layer, const std::string &file) {
     nlohmann::ordered_json json;
     json["name"] = layer.name;
-    json["file"] = file;
+    json["file"] = layer.IsFlat() ? nlohmann::ordered_json() : nlohmann::ordered_json(file);
     json["meaning"] = layer.meaning;
     if (layer.isId)
         json["colours"] = "one per number, without order";
     else
         json["colours"] = {{"darkest", layer.shownLeast}, {"brightest", layer.shownMost}};
-    json["least"] = layer.least;
-    json["most"] = layer.most;
-    json["mean"] = layer.mean;
+    if (!layer.light.empty()) json["light"] = layer.light;
+    json["isFlat"] = layer.IsFlat();
+    if (layer.values > 0) {
+        json["least"] = layer.least;
+        json["most"] = layer.most;
+        json["mean"] = layer.mean;
+    }
     return json;
 }
 
@@ -52,7 +61,10 @@ nlohmann::ordered_json WriteLayers(const Inspection &inspection, const std::stri
         style.most = static_cast<Float>(layer.shownMost);
         style.legendRows = legendRows;
         const std::string file = layer.name + ".png";
-        WriteImage(folder + "/" + file, FalseColor(inspection.image, static_cast<int>(c), style, &hit));
+        if (layer.IsFlat())
+            fs::remove(fs::path(folder) / file);  // one of an earlier look must not pass for one of this
+        else
+            WriteImage(folder + "/" + file, FalseColor(inspection.image, static_cast<int>(c), style, &hit));
         json.push_back(LayerJson(layer, file));
     }
     return json;
@@ -60,7 +72,7 @@ nlohmann::ordered_json WriteLayers(const Inspection &inspection, const std::stri
 
 void WriteInspection(const Inspection &inspection, const std::string &folder, const nlohmann::ordered_json &about) {
     MakeFolder(folder);
-    const std::filesystem::path out(folder);
+    const fs::path out(folder);
     nlohmann::ordered_json json = about;
     json["note"] =
         "Dark grey: the camera sees nothing there. Magenta: not finite. The bar below a picture runs from the "
@@ -73,8 +85,10 @@ void WriteInspection(const Inspection &inspection, const std::string &folder, co
 
     WriteImage((out / "inspect.exr").string(), inspection.image);
     json["layers"] = WriteLayers(inspection, folder, kLegendRows, [](const InspectedLayer &) { return true; });
+    ShortenFloats(&json);
     WriteFile((out / "inspect.json").string(), json.dump(2) + "\n");
     WriteFile((out / "structure.txt").string(), inspection.structure.empty() ? "no learned structure\n" : inspection.structure);
+    WriteFile((out / "index.html").string(), InspectPage(json, inspection.structure));
 }
 
 int RunInspect(const InspectOptions &options, const LightSamplerRegistry &registry, Progress &progress) {
@@ -120,7 +134,7 @@ int RunInspect(const InspectOptions &options, const LightSamplerRegistry &regist
     if (inspection.stride > 1)
         std::printf("%zu lights are many: only every %d-th pixel of rows and columns was looked at.\n",
                     inspection.lights.size(), inspection.stride);
-    std::printf("Wrote %s\n", folder.c_str());
+    std::printf("Wrote %s; index.html shows it.\n", folder.c_str());
     return 0;
 }
 

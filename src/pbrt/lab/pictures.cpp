@@ -1,9 +1,12 @@
 #include "pbrt/lab/pictures.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "pbrt/images/false_color.h"
+#include "pbrt/lab/run_record.h"
 
 namespace pbrt::lab {
 
@@ -26,10 +29,11 @@ double ChooseExposure(const Image &reference) {
         for (int x = 0; x < reference.Resolution().x; ++x) {
             Float l = 0;
             for (int c = 0; c < 3; ++c) l += weights[c] * reference.Get({x, y}, c);
-            if (std::isfinite(l)) luminances.push_back(l);
+            if (std::isfinite(l) && l > 0) luminances.push_back(l);
         }
-    const double bright = Percentile(std::move(luminances), 0.98);
-    return bright > 0 ? 0.9 / bright : 1;
+    if (luminances.empty()) return 1;
+    const double middle = Percentile(luminances, 0.5), high = Percentile(luminances, 0.75), bright = Percentile(luminances, 0.98);
+    return std::max(0.9 / bright, std::min(0.18 / middle, 0.9 / high));
 }
 
 void WritePicture(const std::string &path, const Image &image, double exposure) {
@@ -40,6 +44,30 @@ void WritePicture(const std::string &path, const Image &image, double exposure) 
                 shown.Set({x, y}, c,
                           std::clamp(image.Get({x, y}, c) * static_cast<Float>(exposure), Float(0), Float(1)));
     WriteImage(path, shown);
+}
+
+void WriteRangePicture(const std::string &path, const Image &image) {
+    const Point2i resolution = image.Resolution();
+    std::string text = fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", resolution.y, resolution.x);
+    for (int y = 0; y < resolution.y; ++y)
+        for (int x = 0; x < resolution.x; ++x) {
+            double color[3], brightest = 0;
+            for (int c = 0; c < 3; ++c) {
+                const auto v = static_cast<double>(image.Get({x, y}, c));
+                color[c] = std::isfinite(v) ? std::max(v, 0.0) : 0;
+                brightest = std::max(brightest, color[c]);
+            }
+            int exponent = 0;
+            std::frexp(brightest, &exponent);
+            const bool isBlack = !(brightest > 0) || exponent < -127;
+            const int stored = std::min(exponent, 127) + 128;
+            for (double v : color) {
+                const double byte = isBlack ? 0 : std::min(std::floor(std::ldexp(v, 8 - (stored - 128))), 255.0);
+                text += static_cast<char>(static_cast<uint8_t>(byte));
+            }
+            text += static_cast<char>(static_cast<uint8_t>(isBlack ? 0 : stored));
+        }
+    WriteText(path, text);
 }
 
 std::vector<float> ErrorMap(const Image &image, const Image &reference) {

@@ -8,6 +8,7 @@
 #include "pbrt/lab/bias_check.h"
 #include "pbrt/lab/reference_cache.h"
 #include "pbrt/lab/sampler_run.h"
+#include "pbrt/lab/take_up.h"
 
 namespace pbrt::lab {
 
@@ -76,8 +77,8 @@ class ReferenceMaker {
 
     bool RenderPart(const SamplerChoice &choice, int seed, int samples, int partsAfter, const std::string &file,
                     Reference *reference) {
-        if (std::filesystem::exists(file)) {
-            ImageFile known = ReadImage(file);
+        if (IsWholePicture(file, scene_.Resolution())) {
+            const ImageFile known = ReadImage(file);
             reference->seconds += double(std::get<float>(known.metadata.attributes.at("renderTimeSeconds")));
             reference->parts.push_back(known.image.Select({"R", "G", "B"}));
             return true;
@@ -113,18 +114,6 @@ bool Contradict(const Reference &a, const Reference &b) {
     return CheckBias(means(a), BiasReference{means(b), {}}).verdict == BiasVerdict::Biased;
 }
 
-/// How far two references are from each other, if that is much more than their noise explains: one of them was made by
-/// a sampler that meets some light so rarely that few samples do not show it.
-std::optional<std::string> Disagreement(const Reference &a, const Reference &b) {
-    const double apart = std::max(ImageError(a.image, b.image, Metric::RelL2), ImageError(b.image, a.image, Metric::RelL2));
-    const double expected = a.noise.value_or(0) + b.noise.value_or(0);
-    if (!(apart > kDisagree * expected)) return {};
-    return fmt::format(
-        "the references of \"{}\" and \"{}\" differ by relL2 {:.3g}; their noise explains {:.3g}. The second judges "
-        "\"{}\" only. More --reference-spp is needed to trust its error.",
-        a.sampler, b.sampler, apart, expected, a.sampler);
-}
-
 References GivenReference(const CampaignSettings &settings, const LabScene &scene) {
     References references;
     references.all.push_back(ReadReference(settings.referenceFile, scene));
@@ -132,14 +121,31 @@ References GivenReference(const CampaignSettings &settings, const LabScene &scen
     const std::string &maker = references.all[0].sampler;
     for (const SamplerChoice &s : settings.samplers)
         if (!maker.empty() && s.label == maker)
-            references.notes.push_back(
-                fmt::format("{} was rendered with \"{}\", which is compared here: its own errors "
-                            "are partly in the reference.",
-                            settings.referenceFile, maker));
+            references.doubts.push_back({fmt::format("{} was rendered with \"{}\", which is compared here: its own errors are partly in the "
+                                                     "reference, so its error looks lower than it is.",
+                                                     settings.referenceFile, maker),
+                                         s.label});
     return references;
 }
 
 }  // namespace
+
+std::optional<Doubt> Disagreement(const Reference &a, const Reference &b, bool areStocks, bool *proveNoBias) {
+    *proveNoBias = areStocks && (Contradict(a, b) || Contradict(b, a));
+    const double apart = std::max(ImageError(a.image, b.image, Metric::RelL2), ImageError(b.image, a.image, Metric::RelL2));
+    const double expected = a.noise.value_or(0) + b.noise.value_or(0);
+    const std::string both = fmt::format("the references of \"{}\" and \"{}\"", a.sampler, b.sampler);
+    if (*proveNoBias)
+        return Doubt{fmt::format("Of {} one lacks light that its sampler meets rarely: they contradict each other, so they prove no bias "
+                                 "and rank nobody. More --reference-spp is needed.",
+                                 both),
+                     ""};
+    if (!(apart > kDisagree * expected)) return {};
+    return Doubt{fmt::format("The samplers are not judged alike: {} differ by relL2 {:.3g}, and their noise explains {:.3g}. The second "
+                             "judges \"{}\" only. More --reference-spp is needed.",
+                             both, apart, expected, a.sampler),
+                 ""};
+}
 
 ReferenceRule ReferenceRule::For(const CampaignSettings &settings) {
     if (settings.referenceSamples > 0) return {settings.referenceSamples, 0};
@@ -182,21 +188,15 @@ std::optional<References> MakeReferences(const CampaignSettings &settings, const
         areStocks = std::all_of(makers.begin(), makers.begin() + static_cast<ptrdiff_t>(wanted),
                                 [&](const PilotEntry &e) { return IsTrusted(e.choice, scene); });
         if (wanted < 2 || areStocks || !Contradict(references.all[0], references.all[1])) break;
-        references.notes.push_back(fmt::format(
-            "the references of \"{}\" and \"{}\" contradict each other: one is biased. Stock's samplers made "
+        references.remarks.push_back(fmt::format(
+            "The references of \"{}\" and \"{}\" contradict each other: one is biased. Stock's samplers made "
             "the references instead.",
             makers[0].choice.label, makers[1].choice.label));
     }
     if (references.all.size() > 1) {
-        const Reference &a = references.all[0], &b = references.all[1];
-        references.areDoubtful = areStocks && (Contradict(a, b) || Contradict(b, a));
-        if (references.areDoubtful)
-            references.notes.push_back(fmt::format(
-                "the references of stock's samplers \"{}\" and \"{}\" contradict each other: one lacks light that it "
-                "meets rarely. They prove no bias; more --reference-spp is needed.",
-                a.sampler, b.sampler));
-        else if (std::optional<std::string> note = Disagreement(a, b))
-            references.notes.push_back(*note);
+        if (std::optional<Doubt> doubt =
+                Disagreement(references.all[0], references.all[1], areStocks, &references.areDoubtful))
+            references.doubts.push_back(*doubt);
     }
     for (const SamplerChoice &s : settings.samplers)
         references.ofSampler.push_back(s.label == references.all[0].sampler && references.all.size() > 1 ? 1 : 0);

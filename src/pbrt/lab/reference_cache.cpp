@@ -1,10 +1,10 @@
 #include "pbrt/lab/reference_cache.h"
 
-#include <unistd.h>
-
+#include <cstdlib>
 #include <filesystem>
 
 #include "pbrt/core/error.h"
+#include "pbrt/core/log.h"
 #include "pbrt/lab/content_hash.h"
 #include "pbrt/lab/machine.h"
 #include "pbrt/lab/tile_statistics.h"
@@ -12,21 +12,13 @@
 
 namespace pbrt::lab {
 
+namespace fs = std::filesystem;
+
 namespace {
 
 constexpr const char *kColors[3] = {"R", "G", "B"};
 
 std::string PartChannel(size_t part, int color) { return fmt::format("part{}.{}", part + 1, kColors[color]); }
-
-/// A folder without any write permission stays as it is, even for root, whom the system would let in.
-bool IsWritable(std::filesystem::path folder) {
-    if (folder.empty()) folder = ".";
-    using std::filesystem::perms;
-    constexpr perms writers = perms::owner_write | perms::group_write | perms::others_write;
-    std::error_code error;
-    const perms permissions = std::filesystem::status(folder, error).permissions();
-    return !error && (permissions & writers) != perms::none && access(folder.c_str(), W_OK) == 0;
-}
 
 template <class T>
 T Attribute(const ImageMetadata &m, const std::string &name, T otherwise) {
@@ -35,9 +27,31 @@ T Attribute(const ImageMetadata &m, const std::string &name, T otherwise) {
     return std::get<T>(it->second);
 }
 
+std::optional<Reference> ReadCached(const std::string &path, Point2i resolution) {
+    const ImageFile file = ReadImage(path);
+    Reference reference;
+    const int parts = Attribute(file.metadata, "lightlab.parts", 0);
+    if (parts < 1 || file.image.Resolution() != resolution) return {};
+    for (size_t part = 0; part < static_cast<size_t>(parts); ++part) {
+        Image colors = file.image.Select({PartChannel(part, 0), PartChannel(part, 1), PartChannel(part, 2)});
+        Image image(PixelFormat::Float, colors.Resolution(), {"R", "G", "B"});
+        for (int y = 0; y < colors.Resolution().y; ++y)
+            for (int x = 0; x < colors.Resolution().x; ++x)
+                for (int c = 0; c < 3; ++c) image.Set({x, y}, c, colors.Get({x, y}, c));
+        reference.parts.push_back(std::move(image));
+    }
+    AverageParts(&reference);
+    reference.sampler = Attribute<std::string>(file.metadata, "lightlab.sampler", "");
+    reference.samples = Attribute(file.metadata, "samplesPerPixel", 0);
+    reference.seconds = double(Attribute(file.metadata, "renderTimeSeconds", 0.f));
+    reference.source = path;
+    return reference;
+}
+
 }  // namespace
 
-ReferenceCache::ReferenceCache(const CampaignSettings &settings, const LabScene &scene, const std::string &what) {
+ReferenceCache::ReferenceCache(const CampaignSettings &settings, const LabScene &scene, const std::string &what)
+    : resolution_(scene.Resolution()) {
     const Bounds2i &pixels = scene.Pixels();
     ContentHash hash;
     hash.Add(fmt::format("reference 1; scene {}; {}x{}, pixels {} {} {} {}; depth {}; batch {}; jitter {} {}; {}",
@@ -46,33 +60,21 @@ ReferenceCache::ReferenceCache(const CampaignSettings &settings, const LabScene 
                          scene.built.disablePixelJitter, scene.built.disableWavelengthJitter, what));
     if (settings.sampledLightOnly) hash.Add("sampled light");
     key_ = hash.Hex();
-    const std::filesystem::path path(settings.scene);
-    const std::string name = fmt::format("{}.reference-{}.exr", path.stem().string(), key_);
-    besideScene_ = (path.parent_path() / name).string();
-    inOutput_ = settings.outFolder + "/" + name;
+    const std::string name = fmt::format("{}.reference-{}.exr", fs::path(settings.scene).stem().string(), key_);
+    if (!settings.cacheFolder.empty()) files_.push_back((fs::path(settings.cacheFolder) / name).string());
+    files_.push_back((fs::path(settings.outFolder) / name).string());
 }
 
 std::optional<Reference> ReferenceCache::Find() const {
-    for (const std::string &path : {besideScene_, inOutput_}) {
-        if (!std::filesystem::exists(path)) continue;
-        const ImageFile file = ReadImage(path);
-        Reference reference;
-        const int parts = Attribute(file.metadata, "lightlab.parts", 0);
-        for (size_t part = 0; part < static_cast<size_t>(parts); ++part) {
-            Image colors = file.image.Select({PartChannel(part, 0), PartChannel(part, 1), PartChannel(part, 2)});
-            Image image(PixelFormat::Float, colors.Resolution(), {"R", "G", "B"});
-            for (int y = 0; y < colors.Resolution().y; ++y)
-                for (int x = 0; x < colors.Resolution().x; ++x)
-                    for (int c = 0; c < 3; ++c) image.Set({x, y}, c, colors.Get({x, y}, c));
-            reference.parts.push_back(std::move(image));
+    for (const std::string &path : files_) {
+        std::error_code ignored;
+        if (!fs::exists(path, ignored)) continue;
+        try {
+            if (std::optional<Reference> found = ReadCached(path, resolution_)) return found;
+            LogWarning(fmt::format("{}: is not the reference that belongs there; it is rendered again.", path));
+        } catch (const UserError &e) {
+            LogWarning(fmt::format("{} The reference is rendered again.", e.what()));
         }
-        if (parts < 1) continue;
-        AverageParts(&reference);
-        reference.sampler = Attribute<std::string>(file.metadata, "lightlab.sampler", "");
-        reference.samples = Attribute(file.metadata, "samplesPerPixel", 0);
-        reference.seconds = double(Attribute(file.metadata, "renderTimeSeconds", 0.f));
-        reference.source = path;
-        return reference;
     }
     return {};
 }
@@ -102,8 +104,32 @@ void ReferenceCache::Store(const LabScene &scene, const std::string &about, Refe
     m.attributes["pbrt.version"] = std::string(PBRT_VERSION_TEXT);
     m.attributes["pbrt.integrator"] = scene.built.integratorName;
     m.attributes["pbrt.maxDepth"] = scene.built.maxDepth;
-    reference->source = IsWritable(std::filesystem::path(besideScene_).parent_path()) ? besideScene_ : inOutput_;
-    WriteImage(reference->source, all, m);
+    for (const std::string &path : files_) {
+        const bool isLast = &path == &files_.back();
+        try {
+            std::error_code error;
+            fs::create_directories(fs::path(path).parent_path(), error);
+            WriteImage(path, all, m);
+            reference->source = path;
+            return;
+        } catch (const std::exception &e) {
+            if (isLast) throw;
+            LogWarning(fmt::format("{}: the reference cannot be kept there ({}); it is kept in the output folder. --cache DIR chooses "
+                                   "another place.",
+                                   path, e.what()));
+        }
+    }
+}
+
+std::string UserCacheFolder() {
+    auto variable = [](const char *name) {
+        const char *value = std::getenv(name);
+        return fs::path(value ? value : "");
+    };
+    // The standard for these folders says that a relative path is to be ignored.
+    if (const fs::path cache = variable("XDG_CACHE_HOME"); cache.is_absolute()) return (cache / "pbrt_octree").string();
+    if (const fs::path home = variable("HOME"); home.is_absolute()) return (home / ".cache" / "pbrt_octree").string();
+    return {};
 }
 
 void AverageParts(Reference *reference) {

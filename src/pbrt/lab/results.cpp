@@ -10,6 +10,8 @@ namespace pbrt::lab {
 
 namespace {
 
+constexpr double kFewOracleSamples = 8;
+
 /// Leaves out rounds in which a run took no new sample.
 void DropEmptyRounds(RunRecord *run) {
     std::vector<RoundRecord> kept;
@@ -167,6 +169,21 @@ void CompareSamplers(std::vector<SamplerResult> *samplers) {
     }
 }
 
+/// What people should know besides.
+std::vector<std::string> RemarksOn(const CampaignSettings &settings, const References &references,
+                                   const std::vector<SamplerResult> &samplers) {
+    std::vector<std::string> remarks = references.remarks;
+    for (const SamplerResult &s : samplers)
+        if (s.choice.IsOracle() && s.samples < kFewOracleSamples)
+            remarks.push_back(fmt::format("\"{}\" took {:.1f} samples per pixel only: ratios to it are rough. --spp gives it as many as "
+                                          "the others.",
+                                          s.choice.label, s.samples));
+    if (settings.sampledLightOnly)
+        remarks.push_back("--sampled-light: without lamps that the camera or a mirror shows, and caustics; no choice of lights changes "
+                          "these.");
+    return remarks;
+}
+
 }  // namespace
 
 std::optional<double> ReportNumber(const nlohmann::ordered_json &report, std::initializer_list<const char *> names) {
@@ -201,14 +218,12 @@ CampaignResults Summarize(const CampaignSettings &settings, const References &re
         if (s.selection) AddSelection(*s.selection, &s.bias);
     }
     CompareSamplers(&results.samplers);
-    std::vector<Contender> contenders;
     for (const SamplerResult &s : results.samplers)
-        contenders.push_back({ErrorsOf(s.runs, static_cast<size_t>(Measure::RelL2)),
-                              !s.choice.IsOracle() && s.bias.verdict != BiasVerdict::Biased});
-    if (std::optional<Winner> winner = FindWinner(contenders)) {
-        results.winner = winner->index;
-        results.winnerBeyondNoise = winner->beyondNoise;
-    }
+        results.contenders.push_back({s.choice.label, ErrorsOf(s.runs, static_cast<size_t>(Measure::RelL2)),
+                                      ErrorsOf(s.runs, static_cast<size_t>(Measure::RelL2Trimmed)), s.bias.verdict, s.choice.IsOracle(),
+                                      s.firefliesDecide, s.speedUp, s.speedUpAgainst});
+    results.conclusion =
+        Conclude(results.contenders, references.doubts, RemarksOn(settings, references, results.samplers), settings.Timed());
     return results;
 }
 

@@ -1,5 +1,4 @@
 #pragma once
-#include "pbrt/lab/bias_check.h"
 #include "pbrt/lab/reference.h"
 #include "pbrt/lab/run_record.h"
 #include "pbrt/lab/selection_check.h"
@@ -31,8 +30,8 @@ struct SamplerResult {
 
 struct CampaignResults {
     std::vector<SamplerResult> samplers;
-    std::optional<size_t> winner;
-    bool winnerBeyondNoise = false;
+    std::vector<Contender> contenders;  ///< in the order of `samplers`
+    Conclusion conclusion;
 };
 
 /// `pictures`: last pictures of the runs, per sampler and seed. `selections`: per sampler, where the check was made.
@@ -40,13 +39,16 @@ CampaignResults Summarize(const CampaignSettings &settings, const References &re
                           std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures,
                           const std::vector<std::optional<SelectionReport>> &selections);
 
-/// A table for people, and the verdicts.
+/// The table for people, the verdicts, and the conclusion.
 std::string TableText(const CampaignResults &results, const References &references);
 /// One line per sampler; one line per sampler, seed and round.
 std::string SummaryCsv(const CampaignResults &results);
 std::string RoundsCsv(const CampaignResults &results);
-/// "samplers", "winner" and "winnerBeyondNoise" of results.json.
+/// "samplers" and "conclusion" of results.json.
 void AddToJson(const CampaignResults &results, nlohmann::ordered_json *json);
+
+/// Numbers that were single precision in their shortest form: 0.01, not 0.009999999776482582.
+void ShortenFloats(nlohmann::ordered_json *json);
 
 /// A number of LightSampler::Report by any of several names.
 std::optional<double> ReportNumber(const nlohmann::ordered_json &report, std::initializer_list<const char *> names);

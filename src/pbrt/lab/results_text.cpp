@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -46,11 +47,7 @@ Json ParametersOf(const RunRecord &run) {
     if (!run.report.contains("parameters")) return Json::object();
     Json p = run.report["parameters"];
     if (p.is_string()) p = Json::parse(p.get<std::string>(), nullptr, false);
-    if (!p.is_object()) return run.report["parameters"];
-    // Parameters are single precision: 0.01, not 0.009999999776482582.
-    for (auto &[key, value] : p.items())
-        if (value.is_number_float()) value = std::stod(fmt::format("{}", static_cast<float>(value.get<double>())));
-    return p;
+    return p.is_object() ? p : run.report["parameters"];
 }
 
 Json RunJson(const SamplerResult &s, const RunRecord &run) {
@@ -140,6 +137,16 @@ std::string Quoted(const std::string &text) {
 
 }  // namespace
 
+void ShortenFloats(Json *json) {
+    if (json->is_structured()) {
+        for (auto &entry : json->items()) ShortenFloats(&entry.value());
+    } else if (json->is_number_float()) {
+        const double value = json->get<double>();
+        const auto single = static_cast<float>(value);
+        if (std::isfinite(single) && static_cast<double>(single) == value) *json = std::stod(fmt::format("{}", single));
+    }
+}
+
 void AddToJson(const CampaignResults &results, Json *json) {
     (*json)["samplers"] = Json::array();
     for (const SamplerResult &s : results.samplers) {
@@ -148,22 +155,24 @@ void AddToJson(const CampaignResults &results, Json *json) {
         entry["label"] = s.choice.label;
         entry["lightSampler"] = s.choice.name;
         entry["parameters"] = ParametersOf(first);
+        Json report = first.report;
+        report.erase("parameters");
         entry["meshLights"] = s.choice.meshLights;
         entry["gate"] = s.choice.gate;
         entry["isOracle"] = s.choice.IsOracle();
         entry["reference"] = s.reference;
-        entry["report"] = first.report;
+        entry["report"] = report;
         entry["gateReport"] = first.gateReport;
         entry["structure"] = first.structure;
         entry["picture"] = s.choice.folder + "/result.png";
+        entry["pictureRange"] = s.choice.folder + "/result.hdr";
         entry["errorPicture"] = s.choice.folder + "/error.png";
         entry["runs"] = Json::array();
         for (const RunRecord &run : s.runs) entry["runs"].push_back(RunJson(s, run));
         entry["summary"] = SummaryJson(s);
         (*json)["samplers"].push_back(std::move(entry));
     }
-    (*json)["winner"] = results.winner ? Json(results.samplers[*results.winner].choice.label) : Json();
-    (*json)["winnerBeyondNoise"] = results.winnerBeyondNoise;
+    (*json)["conclusion"] = ToJson(results.conclusion, results.contenders);
 }
 
 std::string SummaryCsv(const CampaignResults &results) {
@@ -250,12 +259,10 @@ std::string TableText(const CampaignResults &results, const References &referenc
                             r.samples ? fmt::format(", {} samples per pixel", r.samples) : "",
                             r.noise ? fmt::format(", relL2 of its own noise {:.3g}", *r.noise) : "", r.source);
     }
-    for (const std::string &note : references.notes) text += "note: " + note + "\n";
     text += "\n";
-    for (const SamplerResult &s : results.samplers) text += fmt::format("{}: {}\n", s.choice.label, s.bias.text);
-    if (results.winner)
-        text += fmt::format("\nleast error: {}{}\n", results.samplers[*results.winner].choice.label,
-                            results.winnerBeyondNoise ? "" : ", but not beyond noise");
+    for (const SamplerResult &s : results.samplers)
+        text += fmt::format("{}: {}. {}\n", s.choice.label, BiasVerdictName(s.bias.verdict), s.bias.text);
+    text += fmt::format("\n{}\n", fmt::join(results.conclusion.Sentences(), "\n"));
     return text;
 }
 

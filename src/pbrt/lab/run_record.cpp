@@ -34,13 +34,14 @@ std::string RecordFolder::FilmFile(const std::string &sampler, int seed, int che
     return fmt::format("{}/{}/seed{}-round{:02}.film", folder_, sampler, seed, checkpoint);
 }
 
-RunRecord RecordFolder::LoadRun(const std::string &sampler, int seed) const {
+RunRecord RecordFolder::LoadRun(const std::string &sampler, int seed, int most) const {
     RunRecord run;
     run.seed = seed;
-    for (int checkpoint = 0;; ++checkpoint) {
-        const Json json = ReadJson(RoundFile(sampler, seed, checkpoint));
+    for (int checkpoint = 0; checkpoint < most; ++checkpoint) {
+        const Json json = LoadOwn(RoundFile(sampler, seed, checkpoint));
         if (!json.is_object()) break;
         try {
+            if (json.at("checkpoint") != checkpoint || json.at("seed") != seed) break;
             RoundRecord round;
             round.checkpoint = checkpoint;
             round.samples = json.at("samples").get<int>();
@@ -48,13 +49,15 @@ RunRecord RecordFolder::LoadRun(const std::string &sampler, int seed) const {
             round.shadowRays = json.at("shadowRays").get<uint64_t>();
             round.shadowRaysBlocked = json.at("shadowRaysBlocked").get<uint64_t>();
             round.measures = MeasuresFromJson(json.at("metrics"));
-            run.expectedSamples = json.at("expectedSamples").get<int>();
-            run.prepare = TimeFromJson(json.at("prepare"));
-            run.prepareShadowRays = json.at("prepareShadowRays").get<uint64_t>();
-            run.report = json.at("report");
-            run.gateReport = json.at("gateReport");
-            run.structure = json.at("structure").get<std::string>();
-            run.rounds.push_back(round);
+            RunRecord upToHere = run;
+            upToHere.expectedSamples = json.at("expectedSamples").get<int>();
+            upToHere.prepare = TimeFromJson(json.at("prepare"));
+            upToHere.prepareShadowRays = json.at("prepareShadowRays").get<uint64_t>();
+            upToHere.report = json.at("report");
+            upToHere.gateReport = json.at("gateReport");
+            upToHere.structure = json.at("structure").get<std::string>();
+            upToHere.rounds.push_back(round);
+            run = std::move(upToHere);
         } catch (const Json::exception &) {
             break;
         }
@@ -65,6 +68,7 @@ RunRecord RecordFolder::LoadRun(const std::string &sampler, int seed) const {
 void RecordFolder::SaveLastRound(const std::string &sampler, const RunRecord &run) const {
     const RoundRecord &round = run.rounds.back();
     Json json;
+    json["campaign"] = campaign_;
     json["seed"] = run.seed;
     json["checkpoint"] = round.checkpoint;
     json["samples"] = round.samples;
@@ -81,13 +85,35 @@ void RecordFolder::SaveLastRound(const std::string &sampler, const RunRecord &ru
     WriteText(RoundFile(sampler, run.seed, round.checkpoint), json.dump(1) + "\n");
 }
 
+size_t RecordFolder::CountRounds(const std::string &sampler, int seed, size_t checkpoints) const {
+    size_t rounds = checkpoints;
+    while (rounds > 0 && !std::filesystem::exists(RoundFile(sampler, seed, static_cast<int>(rounds) - 1))) --rounds;
+    return rounds;
+}
+
+void RecordFolder::RemoveRounds(const std::string &sampler, int seed, size_t kept, size_t checkpoints) const {
+    for (size_t c = 0; c < checkpoints; ++c) {
+        const int checkpoint = static_cast<int>(c);
+        if (c >= kept) std::filesystem::remove(RoundFile(sampler, seed, checkpoint));
+        if (c + 1 != kept) std::filesystem::remove(FilmFile(sampler, seed, checkpoint));
+    }
+}
+
+Json RecordFolder::LoadOwn(const std::string &path) const {
+    Json json = ReadJson(path);
+    return json.is_object() && json.contains("campaign") && json["campaign"] == campaign_ ? json : Json();
+}
+
+Json RecordFolder::LoadSettings() const { return ReadJson(File("settings.json")); }
+void RecordFolder::SaveSettings(const Json &settings) const { WriteText(File("settings.json"), settings.dump(1) + "\n"); }
+
 Json RecordFolder::LoadNote(const std::string &name) const {
-    Json json = ReadJson(File(name));
-    return json.is_discarded() ? Json() : json;
+    const Json json = LoadOwn(File(name));
+    return json.is_object() ? json.value("note", Json()) : Json();
 }
 
 void RecordFolder::SaveNote(const std::string &name, const Json &note) const {
-    WriteText(File(name), note.dump(1) + "\n");
+    WriteText(File(name), Json{{"campaign", campaign_}, {"note", note}}.dump(1) + "\n");
 }
 
 }  // namespace pbrt::lab

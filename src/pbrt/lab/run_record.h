@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,24 +31,34 @@ struct RunRecord {
 };
 
 /// The records of a campaign on disk: a JSON file per sampler, seed and checkpoint, and the film's sums of every run
-/// that is not finished. Every file is complete or absent.
+/// that is not finished. All but the settings name the campaign they belong to; what names another one, another version of
+/// this program, or cannot be read, is as good as absent.
 class RecordFolder {
   public:
-    explicit RecordFolder(std::string folder) : folder_(std::move(folder)) {}
+    /// `campaign`: CampaignKey of the settings.
+    RecordFolder(std::string folder, std::string campaign) : folder_(std::move(folder)), campaign_(std::move(campaign)) {}
     const std::string &Folder() const { return folder_; }
-    /// All rounds of a run from the first on without a gap.
-    RunRecord LoadRun(const std::string &sampler, int seed) const;
+    /// The rounds of a run from the first on without a gap, at most so many.
+    RunRecord LoadRun(const std::string &sampler, int seed, int most = std::numeric_limits<int>::max()) const;
     void SaveLastRound(const std::string &sampler, const RunRecord &run) const;
     std::string FilmFile(const std::string &sampler, int seed, int checkpoint) const;
+    /// One more than the last round that has a file, whatever is in it.
+    size_t CountRounds(const std::string &sampler, int seed, size_t checkpoints) const;
+    /// Files of the rounds from `kept` on, and all films but that of the round before.
+    void RemoveRounds(const std::string &sampler, int seed, size_t kept, size_t checkpoints) const;
 
-    /// Other notes by name (settings, pilot): null if absent or unreadable.
+    /// The settings of the campaign that the folder holds, whichever it is: null if there is none, discarded if unreadable.
+    nlohmann::ordered_json LoadSettings() const;
+    void SaveSettings(const nlohmann::ordered_json &settings) const;
+    /// Other notes by name (pilot, views): null if absent, unreadable or of another campaign.
     nlohmann::ordered_json LoadNote(const std::string &name) const;
     void SaveNote(const std::string &name, const nlohmann::ordered_json &note) const;
     std::string File(const std::string &name) const { return folder_ + "/" + name; }
 
   private:
     std::string RoundFile(const std::string &sampler, int seed, int checkpoint) const;
-    std::string folder_;
+    nlohmann::ordered_json LoadOwn(const std::string &path) const;
+    std::string folder_, campaign_;
 };
 
 /// Text into a file, as WriteFile does it.

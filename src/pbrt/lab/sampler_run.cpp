@@ -57,12 +57,8 @@ bool SamplerRun::Prepare() {
 
 void SamplerRun::Resume(const RunRecord &record, const std::string &filmFile) {
     std::ifstream in(filmFile, std::ios::binary);
-    if (!in) throw UserError(fmt::format("{}: cannot be read; --restart begins again.", filmFile));
-    try {
-        film_->LoadState(in);
-    } catch (const UserError &e) {
-        throw UserError(fmt::format("{}: {} --restart begins again.", filmFile, e.what()));
-    }
+    if (!in) throw UserError(fmt::format("{}: cannot be read.", filmFile));
+    film_->LoadState(in);
     record_ = record;
     const RoundRecord &last = record.rounds.back();
     renderer_.ContinueFrom(last.samples);

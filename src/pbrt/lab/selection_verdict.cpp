@@ -168,10 +168,21 @@ SelectionReport SelectionFromJson(const nlohmann::ordered_json &json) {
 }
 
 void AddSelection(const SelectionReport &selection, BiasReport *report) {
-    report->text += " Vertex by vertex: " + selection.text + ".";
-    if (selection.verdict == BiasVerdict::Biased) report->verdict = BiasVerdict::Biased;
-    if (selection.verdict == BiasVerdict::Clean && report->verdict == BiasVerdict::Unknown)
+    const std::string atVertices = " Vertex by vertex: " + selection.text + ".";
+    const bool picturesShowNothing = !report->worst.biased;
+    if (selection.verdict == BiasVerdict::Clean && report->verdict == BiasVerdict::Unknown && picturesShowNothing) {
+        // Not "too few data": there are enough of them at vertices.
         report->verdict = BiasVerdict::Clean;
+        auto size = [](double v) { return std::isfinite(v) ? "one of " + Percent(v) : std::string("none"); };
+        report->text = fmt::format("No bias seen, and at vertices of paths it would have been; pictures alone show {} in the whole image and "
+                                   "{} in regions of 1/{} of it.",
+                                   size(report->visibleImage), size(report->visibleSixteenth), report->sixteenthRegions);
+    }
+    if (selection.verdict == BiasVerdict::Biased && report->verdict != BiasVerdict::Biased) {
+        report->verdict = BiasVerdict::Biased;
+        report->text = "Pictures alone do not show it.";
+    }
+    report->text += atVertices;
 }
 
 }  // namespace pbrt::lab

@@ -41,7 +41,7 @@ nlohmann::ordered_json ToJson(const SelectionReport &report);
 SelectionReport SelectionFromJson(const nlohmann::ordered_json &json);
 
 /// What both checks together say: biased if either does; clean if the pictures show nothing and either could have seen
-/// a bias of interest. Adds to the text.
+/// a bias of interest; the text says the same.
 void AddSelection(const SelectionReport &selection, BiasReport *report);
 
 }  // namespace pbrt::lab

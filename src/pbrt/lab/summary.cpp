@@ -50,20 +50,4 @@ bool LowerBeyondNoise(std::span<const double> a, std::span<const double> b, doub
     return (paired ? PairedP(a, b) : WelchP(sa, sb)) < level;
 }
 
-std::optional<Winner> FindWinner(std::span<const Contender> contenders) {
-    std::vector<double> means;
-    for (const Contender &c : contenders) means.push_back(Summarize(c.errors).mean);
-    auto takesPart = [&](size_t i) {
-        return contenders[i].eligible && !contenders[i].errors.empty() && std::isfinite(means[i]);
-    };
-    std::optional<Winner> winner;
-    for (size_t i = 0; i < contenders.size(); ++i)
-        if (takesPart(i) && (!winner || means[i] < means[winner->index])) winner = Winner{i, true};
-    if (!winner) return {};
-    for (size_t i = 0; i < contenders.size(); ++i)
-        if (i != winner->index && takesPart(i))
-            winner->beyondNoise &= LowerBeyondNoise(contenders[winner->index].errors, contenders[i].errors);
-    return winner;
-}
-
 }  // namespace pbrt::lab

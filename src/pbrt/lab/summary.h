@@ -25,15 +25,4 @@ bool FirefliesDecide(double relL2, double trimmedRelL2, double factor = 2);
 bool LowerBeyondNoise(std::span<const double> a, std::span<const double> b, double level = 0.05);
 inline constexpr size_t kSeedsToPair = 5;
 
-/// Who has the lowest mean error.
-struct Contender {
-    std::vector<double> errors;  ///< one of each seed
-    bool eligible = true;        ///< false: biased, or the oracle
-};
-struct Winner {
-    size_t index = 0;
-    bool beyondNoise = false;  ///< LowerBeyondNoise against every other eligible contender
-};
-std::optional<Winner> FindWinner(std::span<const Contender> contenders);
-
 }  // namespace pbrt::lab

@@ -73,7 +73,7 @@ timed = "--time" in sys.argv
 seeds = int(option("--seeds"))
 budget = float(option("--time") or option("--spp"))
 (out / "results.json").write_text(json.dumps({
-    "schema": 1, "scene": sys.argv[1], "sceneName": pathlib.Path(sys.argv[1]).stem, "commit": "abc1234",
+    "schema": 2, "scene": sys.argv[1], "sceneName": pathlib.Path(sys.argv[1]).stem, "commit": "abc1234",
     "machine": {"cpu": "Example CPU", "threads": 2}, "mode": "time" if timed else "samples", "budget": budget,
     "seeds": seeds, "resolution": [96, 72], "maxDepth": 5, "direct": "--direct" in sys.argv,
     "settings": {"divisor": int(option("--divisor"))}, "references": [{"samples": 512, "noise": 0.001}],

@@ -142,6 +142,16 @@ TEST_F(Inspect, SameForAnyNumberOfThreads) {
     EXPECT_EQ(std::memcmp(looks[0].image.Data(), looks[1].image.Data(), looks[0].image.Bytes()), 0);
 }
 
+TEST_F(Inspect, LightsAreNamedByTheirPlaceInTheSceneFile) {
+    Inspection look = Look();
+    EXPECT_NE(look.lights[0].label.find("AreaLightSource \"diffuse\" at "), std::string::npos) << look.lights[0].label;
+    EXPECT_TRUE(look.lights[0].label.ends_with(":10, shape at :11, 2 triangles")) << look.lights[0].label;
+    EXPECT_TRUE(look.lights[1].label.starts_with("LightSource \"point\" at ")) << look.lights[1].label;
+    EXPECT_TRUE(look.lights[1].label.ends_with(":7")) << look.lights[1].label;
+    EXPECT_EQ(built_.lightNames.Size(), built_.scene->Lights().Size());
+    EXPECT_TRUE(built_.lightNames.NameOf(LightId(1u)).ends_with("triangle 2 of 2"));
+}
+
 TEST_F(Inspect, TooMuchWorkMeansFewerPixels) {
     InspectSettings settings;
     settings.maxWork = 32 * 32 * (4 + 3 * 4) / 4;
@@ -171,12 +181,29 @@ TEST_F(Inspect, WritesEveryLayerAndSaysWhatItShows) {
         int channel = layers.FindChannel(name);
         ASSERT_GE(channel, 0) << name;
         EXPECT_EQ(layers.Get({10, 12}, channel), look.image.Get({10, 12}, look.image.FindChannel(name)));
-        Image picture = ReadImage((folder / layer["file"].get<std::string>()).string()).image;
-        EXPECT_EQ(picture.Resolution().x, 32);
+        EXPECT_EQ(layer["file"].is_null(), layer["isFlat"].get<bool>()) << name;
+        if (!layer["isFlat"]) {
+            Image picture = ReadImage((folder / layer["file"].get<std::string>()).string()).image;
+            EXPECT_EQ(picture.Resolution().x, 32);
+        }
         EXPECT_FALSE(layer["meaning"].get<std::string>().empty());
         EXPECT_TRUE(layer["colours"].is_string() || layer["colours"]["brightest"] > layer["colours"]["darkest"])
             << name;
     }
+    // The page shows every picture, says the rest in words and names the lights.
+    std::ifstream pageFile(folder / "index.html");
+    const std::string page((std::istreambuf_iterator<char>(pageFile)), {});
+    const size_t flat = page.find("<p id=\"flat\">");
+    ASSERT_NE(flat, std::string::npos);
+    for (const auto &layer : json["layers"]) {
+        const std::string name = layer["name"];
+        EXPECT_EQ(page.find("src=\"" + name + ".png\"") != std::string::npos, layer["file"].is_string()) << name;
+        EXPECT_EQ(std::filesystem::exists(folder / (name + ".png")), layer["file"].is_string()) << name;
+    }
+    EXPECT_EQ(json["layers"][0]["isFlat"], false);
+    // The mesh faces away from everything, the point is seen from everywhere, uniform is uniform.
+    for (const char *part : {"The same everywhere: ", "entropy 1.5", "2 triangles 0;", "2 triangles</td>"})
+        EXPECT_NE(page.find(part), std::string::npos) << part << "\n" << page;
     std::filesystem::remove_all(folder);
 }
 

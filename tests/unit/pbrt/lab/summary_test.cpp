@@ -79,19 +79,4 @@ TEST(LowerBeyondNoise, ComparesSeedBySeed) {
     EXPECT_LE(foundOfUnequalNumber, 0.3 * trials);
 }
 
-TEST(FindWinner, TakesTheLowestOfTheEligible) {
-    auto of = [](double a, double b) { return std::vector<double>{a, b}; };
-    std::vector<Contender> all = {{of(3, 3.1), true}, {of(1, 1.02), false}, {of(2, 2.05), true}, {of(9, 9.9), true}};
-    auto winner = FindWinner(all);
-    ASSERT_TRUE(winner);
-    EXPECT_EQ(winner->index, 2u);
-    EXPECT_TRUE(winner->beyondNoise);
-    all.push_back({of(2.1, 2.0), true});
-    winner = FindWinner(all);
-    EXPECT_EQ(winner->index, 2u);
-    EXPECT_FALSE(winner->beyondNoise);
-    for (Contender &c : all) c.eligible = false;
-    EXPECT_FALSE(FindWinner(all));
-}
-
 }  // namespace pbrt::lab

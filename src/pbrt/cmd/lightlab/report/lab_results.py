@@ -1,4 +1,4 @@
-"""Reads OUT/results.json of lightlab (schema 1) and answers what charts, page and table all need: the colour of a
+"""Reads OUT/results.json of lightlab (schema 2) and answers what charts, page and table all need: the colour of a
 sampler, its curves, who may win. Standard library only."""
 import json
 import math
@@ -6,7 +6,7 @@ import pathlib
 import sys
 import zlib
 
-SCHEMA = 1
+SCHEMA = 2
 INK = "#1b1f24"  # oracle and text: the page replaces it by its own text colour
 
 # Colour-blind safe (Okabe and Ito 2008, without the yellow that white paper swallows). A name has the same colour in
@@ -189,12 +189,18 @@ class Results:
         """Samplers by final relL2, lowest first, those without one last."""
         return sorted(self.samplers, key=lambda s: (s.error() is None, s.error() or 0.0, s.index))
 
-    def winner(self):
-        """The sampler results.json names as winner, if it may be one: never a biased one, never the oracle."""
-        for s in self.samplers:
-            if s.label == self.data.get("winner") and s.mayWin:
-                return s
-        return None
+    @property
+    def conclusion(self):
+        """What lightlab concluded: pbrt/lab/conclusion.h has the rules. Shown as it is, never judged again."""
+        return self.data.get("conclusion") or {}
+
+    def sentences(self):
+        """The conclusion, headline first."""
+        return [str(s) for s in self.conclusion.get("sentences") or ["Undecided: results.json holds no conclusion."]]
+
+    def named(self, key):
+        """The sampler that the conclusion names as "winner" or "lowestError", or None."""
+        return next((s for s in self.samplers if s.label == self.conclusion.get(key)), None)
 
     def budget_text(self):
         budget = number(self.data.get("budget"))

@@ -10,11 +10,12 @@ TITLES = {"entropy": "entropy of the probabilities, bits",
           "brightest": "strongest light"}
 
 
-def title_of(name):
+def title_of(layer):
+    name = layer["name"]
     if name in TITLES:
         return TITLES[name]
     if name.startswith("visibility."):
-        return f"measured visibility, light {name.partition('.')[2]}"
+        return f"measured visibility, {layer.get('light') or 'light ' + name.partition('.')[2]}"
     if name.startswith("sampler.found_"):
         return f"found of light group {name.rpartition('_')[2]}"
     return re.sub(r"^sampler\.", "", name).replace("_", " ")
@@ -42,14 +43,32 @@ def views_of(entry, embed):
     views = []
     layers = [v for v in (entry or {}).get("layers") or [] if v.get("name")]
     for layer in sorted(chosen(layers), key=lambda v: v["name"] not in TITLES):
-        file = embed(layer.get("file"))
+        file = None if layer.get("isFlat") else embed(layer.get("file"))
         if not file:
             continue
         colours = layer.get("colours") if isinstance(layer.get("colours"), dict) else {}
-        views.append({"name": layer["name"], "title": title_of(layer["name"]), "meaning": layer.get("meaning") or "",
+        views.append({"name": layer["name"], "title": title_of(layer), "meaning": layer.get("meaning") or "",
                       "file": file, "least": lab.number(colours.get("darkest")),
                       "most": lab.number(colours.get("brightest"))})
     return views
+
+
+def flat_sentences(entry):
+    """In words what is the same everywhere: a picture of it would be blank."""
+    layers = [v for v in (entry or {}).get("layers") or [] if v.get("name") and v.get("isFlat")]
+    sentences = []
+    if any(v["name"] == "sampler.leaf" for v in layers):
+        sentences.append("One leaf knows all that the camera sees.")
+    sentences += [f"One light contributes most everywhere: {v['light']}." for v in layers
+                  if v["name"] == "brightest" and v.get("light")]
+    same = [f"{title_of(v)} {lab.figures(lab.number(v.get('least')))}" for v in layers
+            if v["name"] not in ("sampler.leaf", "brightest") and lab.number(v.get("least")) is not None]
+    unknown = [title_of(v) for v in layers if lab.number(v.get("least")) is None]
+    if same:
+        sentences.append(f"The same everywhere: {'; '.join(same)}.")
+    if unknown:
+        sentences.append(f"No value anywhere: {'; '.join(unknown)}.")
+    return " ".join(sentences)
 
 
 def stride_sentence(results):

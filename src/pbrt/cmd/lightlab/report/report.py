@@ -7,6 +7,7 @@ import json
 import pathlib
 import re
 import sys
+import zlib
 
 sys.dont_write_bytecode = True
 import lab_results as lab  # noqa: E402
@@ -27,6 +28,11 @@ def esc(value):
 
 def data_uri(file):
     return "data:image/png;base64," + base64.b64encode(file.read_bytes()).decode()
+
+
+def packed(file):
+    """For the page's DecompressionStream."""
+    return base64.b64encode(zlib.compress(file.read_bytes(), 9)).decode()
 
 
 def inline_svg(file, prefix, title):
@@ -50,12 +56,12 @@ def mark(s):
     return f'<span class="swatch{" hollow" if not s.mayWin else ""}" style="--c:{s.colour_css}"></span>'
 
 
-def tags(s, winner, results):
+def tags(s, results):
     found = []
-    if s is winner:
-        within = ", within noise" if results.data.get("winnerBeyondNoise") is False else ""
-        sure = "" if s.verdict == "clean" else ", bias not decided"
-        found.append(f'<span class="tag{"" if sure else " win"}">lowest error{within}{sure}</span>')
+    if s is results.named("winner"):
+        found.append('<span class="tag win">lowest error</span>')
+    elif s is results.named("lowestError"):
+        found.append('<span class="tag">lowest mean, undecided</span>')
     if s.isOracle:
         found.append('<span class="tag">measuring instrument</span>')
     return "".join(found)
@@ -63,7 +69,7 @@ def tags(s, winner, results):
 
 def table_html(results):
     columns = [c for c in table.COLUMNS if c.main or any(c.value(s) is not None for s in results.samplers)]
-    winner = results.winner()
+    winner = results.named("winner")
     groups, heads, rows = [], [], []
     for c in columns:
         if groups and groups[-1][0] == c.group:
@@ -87,7 +93,7 @@ def table_html(results):
             attribute = "" if value is None else f' data-value="{esc(value)}"'
             start, hidden = first[c.key + "/start"], f' data-main="{int(c.main)}"'
             if c.key == "label":
-                cells.append(f'<th scope="row"{attribute}>{mark(s)}{esc(s.label)}{tags(s, winner, results)}</th>')
+                cells.append(f'<th scope="row"{attribute}>{mark(s)}{esc(s.label)}{tags(s, results)}</th>')
             elif c.key == "verdict":
                 why = esc((s.summary.get("bias") or {}).get("text") or "")
                 cells.append(f'<td class="verdict{start}"{attribute}{hidden}>'
@@ -187,19 +193,22 @@ def pictures_of(results):
         file = results.folder / str(name) if name else None
         if file is None or not file.is_file():
             return None
-        pictures.setdefault(str(name), data_uri(file))
+        if str(name) not in pictures:
+            pictures[str(name)] = packed(file) if file.suffix == ".hdr" else data_uri(file)
         return str(name)
     for i, r in enumerate(results.references):
         label = "reference" if len(results.references) == 1 else f"reference {i} ({r.get('sampler') or 'given'})"
-        items.append({"kind": "reference", "label": label, "result": embed(r.get("picture")), "error": None,
+        items.append({"kind": "reference", "label": label, "result": embed(r.get("pictureRange")), "error": None,
                       "colour": "", "note": "", "biased": False, "reference": i,
-                      "views": looks.views_of(results.data.get("views"), embed) if i == 0 else []})
+                      "views": looks.views_of(results.data.get("views"), embed) if i == 0 else [],
+                      "flat": looks.flat_sentences(results.data.get("views")) if i == 0 else ""})
     for s in results.samplers:
-        items.append({"kind": "sampler", "label": s.label, "result": embed(s.entry.get("picture")),
+        items.append({"kind": "sampler", "label": s.label, "result": embed(s.entry.get("pictureRange")),
                       "error": embed(s.entry.get("errorPicture")), "colour": s.colour_css,
                       "note": f"relL2 {lab.figures(s.error())}" if s.error() is not None else "",
                       "biased": s.biased, "reference": s.entry.get("reference") or 0,
-                      "views": looks.views_of(s.entry.get("views"), embed)})
+                      "views": looks.views_of(s.entry.get("views"), embed),
+                      "flat": looks.flat_sentences(s.entry.get("views"))})
     return items, pictures
 
 
@@ -224,7 +233,7 @@ def inside_html(results, items):
     """A row of pictures per sampler, the scene's own first. The script puts the pictures in: the page has each once."""
     rows = []
     for i, item in enumerate(items):
-        if not item["views"]:
+        if not item["views"] and not item["flat"]:
             continue
         name, figures = "the scene" if item["kind"] == "reference" else item["label"], []
         for view in item["views"]:
@@ -236,7 +245,8 @@ def inside_html(results, items):
                 '</figure>')
         swatch = f'<span class="swatch" style="--c:{item["colour"]}"></span>' if item["colour"] else ""
         rows.append(f'<div class="look" data-label="{esc(name)}"><h3>{swatch}{esc(name)}</h3>'
-                    f'<div class="strip">{"".join(figures)}</div></div>')
+                    + (f'<p class="note flat">{esc(item["flat"])}</p>' if item["flat"] else "")
+                    + (f'<div class="strip">{"".join(figures)}</div>' if figures else "") + '</div>')
     if not rows:
         return ""
     return ('<section id="inside" aria-labelledby="h-inside"><h2 id="h-inside">A look inside</h2>'
@@ -263,16 +273,15 @@ def page(results):
         if file.is_file():
             charts.append(f'<figure class="chart" id="{name}">{inline_svg(file, f"c{k}", title)}</figure>')
     missing = '<p class="note">There are no charts: charts.py was not run or drew nothing.</p>' if not charts else ""
-    winner = results.winner()
-    first, *rest = table.verdict_sentences(results)
+    first, *rest = results.sentences()
     size = d.get("resolution") or [0, 0]
     facts = [results.budget_text(), results.seeds_text(), f"{size[0]} × {size[1]} pixels",
              "direct light only" if d.get("direct") else f"depth {d.get('maxDepth')}",
              re.sub(r"^(\S+)T(\d+:\d+)(:\d+)?Z$", r"\1 \2 UTC", str(d.get("date") or "")),
              f"commit {d.get('commit') or 'unknown'}"]
-    start = winner or results.ranked()[0]
+    start = results.named("winner") or results.named("lowestError") or results.ranked()[0]
     others = [s for s in results.ranked() if s is not start and not s.isOracle]
-    data = {"items": items, "size": size, "crops": results.crops, "pictures": pictures,
+    data = {"items": items, "size": size, "exposure": lab.number(d.get("exposure")), "crops": results.crops, "pictures": pictures,
             "left": next((i for i, v in enumerate(items) if others and v["label"] == others[-1].label), 0),
             "right": next(i for i, v in enumerate(items) if v["kind"] == "sampler" and v["label"] == start.label)}
     fill = {
@@ -282,11 +291,11 @@ def page(results):
     raw = {
         "verdict": f'<p class="answer">{esc(first)}</p>' + "".join(f"<p>{esc(s)}</p>" for s in rest),
         "scale": scale_html(results), "inside": inside_html(results, items),
-        "insidelink": '<a href="#inside">A look inside</a>' if any(v["views"] for v in items) else "",
+        "insidelink": '<a href="#inside">A look inside</a>' if any(v["views"] or v["flat"] for v in items) else "",
         "charts": f'<div class="charts">{"".join(charts)}</div>{missing}', "table": table_html(results),
         "details": details_html(results), "data": script_json(data),
         "style": (HERE / "report.css").read_text(encoding="utf-8"),
-        "script": "\n".join((HERE / f).read_text(encoding="utf-8") for f in ("report_viewer.js", "report_page.js"))}
+        "script": "\n".join((HERE / f).read_text(encoding="utf-8") for f in ("report_exposure.js", "report_viewer.js", "report_page.js"))}
     values = {**{k: esc(v) for k, v in fill.items()}, **raw}
     template = (HERE / "report_template.html").read_text(encoding="utf-8")
     # One pass: what was filled in is never searched again.

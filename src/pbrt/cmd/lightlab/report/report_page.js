@@ -58,7 +58,8 @@
           button.append(canvas);
           button.addEventListener("click", () => viewer.showCrop(crop, i, kind));
           grid.append(button);
-          load(v[kind]).then((image) => image && canvas.getContext("2d").drawImage(image, -crop.x0, -crop.y0));
+          if (exposure.isRange(v[kind])) exposure.show(canvas, v[kind], crop.x0, crop.y0);
+          else load(v[kind]).then((image) => image && canvas.getContext("2d").drawImage(image, -crop.x0, -crop.y0));
         }
       }
     });

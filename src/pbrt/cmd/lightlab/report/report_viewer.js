@@ -1,7 +1,6 @@
 "use strict";
 // Two pictures under one transform, a wipe between them. Sides: {item, kind, previous}; kind: "result", "error" or the
 // name of a look inside. What an item does not have is shown as its result.
-const data = JSON.parse(document.getElementById("data").textContent);
 const viewer = (() => {
   const $ = (id) => document.getElementById(id);
   const stage = $("stage"), wipeBar = $("wipe");
@@ -26,23 +25,28 @@ const viewer = (() => {
       pick.add(new Option((v.kind === "reference" ? "r  " : place < 9 ? `${place + 1}  ` : "") + v.label, i));
     });
     pick.addEventListener("change", () => show(name, Number(pick.value)));
-    sides[name] = { item: data[name], previous: data[name], kind: "result", layer, plane, images, none, pick };
+    sides[name] = { item: data[name], previous: data[name], kind: "result", layer, plane, images, refresh: {}, none, pick };
     // Decoded before they are asked for: switching does not flicker. Looks inside are many and wait.
     for (const v of items) for (const file of [v.result, v.error]) imageOf(sides[name], file);
   }
 
   function imageOf(side, file) {
     if (!file || side.images[file]) return;
-    const image = new Image();
-    image.src = pictures[file];
-    image.alt = "";
-    image.draggable = false;
+    const hasRange = exposure.isRange(file), image = hasRange ? document.createElement("canvas") : new Image();
+    if (hasRange) {
+      [image.width, image.height] = [width, height];
+    } else {
+      image.src = pictures[file];
+      image.alt = "";
+      image.draggable = false;
+      image.decode().catch(() => {});
+    }
     image.style.width = width + "px";
     image.style.height = height + "px";
     image.dataset.file = file;
-    image.decode().catch(() => {});
     side.plane.append(image);
     side.images[file] = image;
+    if (hasRange) side.refresh[file] = exposure.show(image, file);
   }
 
   const viewOf = (v, kind) => v.views.find((view) => view.name === kind);
@@ -62,6 +66,7 @@ const viewer = (() => {
     const file = view ? view.file : isError ? v.error : v.result;
     imageOf(side, file);
     for (const key of Object.keys(side.images)) side.images[key].classList.toggle("shown", key === file);
+    side.refresh[file]?.();
     side.none.hidden = Boolean(file);
     side.layer.dataset.shown = v.label + "/" + (view ? view.name : isError ? "error" : "result");
     side.pick.value = String(side.item);
@@ -190,7 +195,9 @@ const viewer = (() => {
   }
 
   function key(e) {
-    if (e.ctrlKey || e.metaKey || e.altKey || e.target.closest("select, input, textarea, details, .scroll")) return;
+    if (e.ctrlKey || e.metaKey || e.altKey || e.target.closest("select, input:not([type=range]), textarea, details, .scroll")) return;
+    // Arrows on the slider move it, not the choice of pictures.
+    if (e.target.closest("input") && /^(Arrow|Page|Home|End)/.test(e.key)) return;
     const name = e.shiftKey ? "left" : "right";
     const digit = /^(Digit|Numpad)([1-9])$/.exec(e.code);
     if (digit) {
@@ -202,6 +209,9 @@ const viewer = (() => {
     else if (e.key === "v" || e.key === "V") nextView(e.shiftKey);
     else if (e.key === "r" || e.key === "R") reference(name);
     else if (e.key === "x") swap();
+    else if (e.key === "b") exposure.change(0.5);
+    else if (e.key === "d") exposure.change(-0.5);
+    else if (e.key === "n") exposure.reset();
     else if (e.key === "+" || e.key === "=") zoom(1.25);
     else if (e.key === "-") zoom(0.8);
     else if (e.key === "0") fit();

@@ -114,44 +114,12 @@ def best_of(column, samplers):
     return [s for v, s in found if v == best]
 
 
-def verdict_sentences(results):
-    """What the run says, in plain sentences. The first names the winner or says why there is none."""
-    winner = results.winner()
-    sentences = []
-    if winner:
-        error = winner.error("relL2", "standardError")
-        spread = f" ± {figures(error, 2)}" if error is not None else ""
-        beyond = results.data.get("winnerBeyondNoise")
-        text = f"{winner.label} has the lowest error: relL2 {figures(winner.error())}{spread}"
-        if winner.get("speedUp") is not None and winner.summary.get("speedUpAgainst"):
-            text += (f"; {winner.summary['speedUpAgainst']} needs {figures(winner.get('speedUp'))} times its time "
-                     "for that error")
-        sentences.append(text + ".")
-        if winner.verdict != "clean":
-            sentences.append(f"Whether {winner.label} is biased is not decided: more seeds or time would tell.")
-        if beyond is False:
-            sentences.append("The lead is within the noise of the runs: more seeds or time may change the order.")
-    else:
-        sentences.append("No winner: no sampler that may win has a measured error.")
-    biased = [s.label for s in results.samplers if s.biased]
-    if biased:
-        sentences.append(f"Biased, so no competitor{'s' if len(biased) > 1 else ''}: {', '.join(biased)}.")
-    unknown = [s.label for s in results.samplers if s.verdict == "unknown" and not s.isOracle and s is not winner]
-    if unknown:
-        sentences.append(f"Bias {'also ' if winner and winner.verdict != 'clean' else ''}not decided: "
-                         f"{', '.join(unknown)}.")
-    flies = [s.label for s in results.samplers if s.summary.get("firefliesDecide")]
-    if flies:
-        sentences.append(f"A few fireflies decide the relL2 of {', '.join(flies)}: see the trimmed relL2.")
-    return sentences
-
-
 def markdown(results):
     columns = [c for c in COLUMNS if c.main and any(c.value(s) is not None for s in results.samplers)]
-    winner = results.winner()
+    winner = results.named("winner")
     lines = [f"**{escape(str(results.data.get('sceneName') or results.data.get('scene') or 'scene'))}**, "
              f"{results.budget_text()}, {results.seeds_text()}, commit {results.data.get('commit') or 'unknown'}.", "",
-             *(escape(s) for s in verdict_sentences(results)), "",
+             *(line for s in results.sentences() for line in (escape(s), "")),
              "| " + " | ".join(c.name for c in columns) + " |",
              "|" + "|".join("---" if c.key in ("label", "verdict") else "---:" for c in columns) + "|"]
     for s in results.ranked():

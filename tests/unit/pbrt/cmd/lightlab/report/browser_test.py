@@ -2,6 +2,7 @@
 with SKIPPED when they are absent."""
 import base64
 import json
+import math
 import os
 import pathlib
 import shutil
@@ -29,6 +30,7 @@ try:
     from selenium.webdriver.chrome.service import Service
     from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
     from selenium.webdriver.common.by import By
+    from selenium.webdriver.support.ui import WebDriverWait
 except ImportError:
     skip("python3-selenium")
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
@@ -59,12 +61,15 @@ class Page(unittest.TestCase):
         self.driver.get_log("browser")
         self.driver.get_log("performance")
         self.driver.get((self.out / "report.html").as_uri())
+        self.stops = 0
         self.stage = self.find("#stage")
         # Wholly in sight: WebDriver measures from the middle of what is in sight.
         self.js("arguments[0].scrollIntoView({block: 'center'})", self.stage)
 
     def tearDown(self):
-        bad = [e for e in self.driver.get_log("browser") if e["level"] in ("SEVERE", "WARNING")]
+        # Reading pixels back, which the browser advises about, is done by these tests only.
+        bad = [e for e in self.driver.get_log("browser")
+               if e["level"] in ("SEVERE", "WARNING") and "willReadFrequently" not in e["message"]]
         self.assertEqual(bad, [], "console errors")
         urls = []
         for entry in self.driver.get_log("performance"):
@@ -101,18 +106,37 @@ class Page(unittest.TestCase):
         entry = (self.results if label == "reference" else
                  next(s for s in self.results["samplers"] if s["label"] == label))
         visible = self.js("[...document.querySelectorAll(arguments[0])].filter("
-                          "(e) => getComputedStyle(e).visibility === 'visible').map((e) => e.src)",
-                          f"#layer-{side} img")
+                          "(e) => getComputedStyle(e).visibility === 'visible').map((e) => [e.tagName, e.dataset.file])",
+                          f"#layer-{side} .plane > *")
         if kind not in ("result", "error"):
             file = next(v["file"] for v in entry["views"]["layers"] if v["name"] == kind)
         elif label == "reference":
-            file = self.results["references"][0]["picture"]
+            file = self.results["references"][0]["pictureRange"]
         else:
-            file = entry["picture" if kind == "result" else "errorPicture"]
-        expected = base64.b64encode((self.out / file).read_bytes()).decode()
-        self.assertEqual(visible, ["data:image/png;base64," + expected])
+            file = entry["pictureRange" if kind == "result" else "errorPicture"]
+        self.assertEqual(visible, [["CANVAS" if file.endswith(".hdr") else "IMG", file]])
+        if file.endswith(".hdr"):
+            self.check_pixels(f'#layer-{side} canvas[data-file="{file}"]', file, self.stops)
+        else:
+            expected = base64.b64encode((self.out / file).read_bytes()).decode()
+            self.assertEqual(self.js("document.querySelector(arguments[0]).src", f'#layer-{side} img[data-file="{file}"]'),
+                             "data:image/png;base64," + expected)
         self.assertIn(label, self.find(f"#name-{side}").text)
         return name
+
+    def check_pixels(self, selector, file, stops, x0=0, y0=0):
+        """The canvas shows the file's pixels, brighter by so many stops, to a step of 8 bits."""
+        WebDriverWait(self.driver, 10).until(
+            lambda _: self.js("document.querySelector(arguments[0]).dataset.painted", selector) == f"{stops:g}")
+        bytes_ = (self.out / file).read_bytes()
+        start = len(bytes_) - 4 * synthetic.WIDTH * synthetic.HEIGHT
+        for x, y in ((1, 1), (9, 3), (20, 17)):
+            at = start + 4 * ((y + y0) * synthetic.WIDTH + x + x0)
+            scale = synthetic.EXPOSURE * 2 ** stops * 2.0 ** (bytes_[at + 3] - 136)
+            expected = [encoded(scale * (v + 0.5)) if bytes_[at + 3] else 0 for v in bytes_[at:at + 3]]
+            shown = self.js("[...document.querySelector(arguments[0]).getContext('2d').getImageData("
+                            "arguments[1], arguments[2], 1, 1).data]", selector, x, y)
+            self.assertEqual(shown, [*expected, 255], (file, x, y))
 
     def press(self, *keys):
         chain = ActionChains(self.driver)
@@ -136,6 +160,11 @@ class Page(unittest.TestCase):
         image = plt.imread(file)
         return [round(255 * float(v)) for v in image[image.shape[0] // 4, int(image.shape[1] * fraction)][:3]]
 
+    def assert_colour(self, fraction, expected):
+        """Of red and green; one exponent a pixel costs a step or two."""
+        for shown, value in zip(self.colour_at(fraction), expected):
+            self.assertAlmostEqual(shown, value, delta=3)
+
     def drag(self, element, dx, dy, x=0, y=0):
         chain = ActionChains(self.driver, duration=20).move_to_element_with_offset(element, x, y).click_and_hold()
         for _ in range(4):
@@ -157,10 +186,11 @@ class Page(unittest.TestCase):
         self.press("1")
         self.press_code("Digit2", shift=True)
         red, green = (200, 30), (30, 160)
-        self.assertEqual(tuple(self.colour_at(0.70)[:2]), red)
-        self.assertEqual(tuple(self.colour_at(0.30)[:2]), green)
+        self.assertEqual((self.shown("right"), self.shown("left")), ("uniform/result", "power/result"))
+        self.assert_colour(0.70, red)
+        self.assert_colour(0.30, green)
         self.drag(self.find("#wipe"), self.stage.size["width"] // 4, 0)
-        self.assertEqual(tuple(self.colour_at(0.70)[:2]), green)
+        self.assert_colour(0.70, green)
 
     def test_WipeMovesByKeyboard(self):
         wipe = self.find("#wipe")
@@ -247,9 +277,56 @@ class Page(unittest.TestCase):
         middle = [(size["width"] / 2 - left[1]) / left[0], (size["height"] / 2 - left[2]) / left[0]]
         self.assertAlmostEqual(middle[0], 72, delta=1)
         self.assertAlmostEqual(middle[1], 42, delta=1)
-        pixel = self.js("[...document.querySelector(arguments[0]).getContext('2d').getImageData(1, 1, 1, 1).data]",
-                        '#crops button[aria-label^="crop b, power, result"] canvas')
-        self.assertEqual(pixel[:2], [30, 160])
+        self.check_pixels('#crops button[aria-label^="crop b, power, result"] canvas', "power/result.hdr", 0, 60, 30)
+
+    def set_exposure(self, stops):
+        self.stops = stops
+        self.js("(e => { e.value = arguments[1]; e.dispatchEvent(new Event('input')); })(arguments[0])",
+                self.find("#exposure"), str(stops))
+
+    def test_ExposureIsTheSameForAllPicturesAndCrops(self):
+        crop = '#crops button[aria-label^="crop a, bvh, result"] canvas'
+        self.press("3")
+        self.check_pixels(crop, "bvh/result.hdr", 0, 10, 20)
+        before = self.colour_at(0.7)
+        self.set_exposure(-2)
+        self.assertEqual(self.shown("right"), "bvh/result")
+        self.shown("left")
+        self.check_pixels(crop, "bvh/result.hdr", -2, 10, 20)
+        self.assertIn("2 stops", self.find("#stops").text)
+        self.assertLess(self.colour_at(0.7)[2], 0.7 * before[2])
+        # One that was hidden meanwhile as well; errors have no exposure.
+        self.press("2")
+        self.assertEqual(self.shown("right"), "power/result")
+        self.press("e")
+        self.assertEqual(self.shown("right"), "power/error")
+        self.set_exposure(3)
+        self.press("e")
+        self.assertEqual(self.shown("right"), "power/result")
+
+    def test_ExposureByKeys(self):
+        self.press("b")
+        self.press("b")
+        self.press("b")
+        self.press("d")
+        self.stops = 1
+        self.assertEqual(self.find("#stops").text, "+1 stops")
+        self.assertEqual(self.find("#exposure").get_attribute("value"), "1")
+        self.shown("right")
+        self.press("n")
+        self.stops = 0
+        self.shown("right")
+        # The slider's own keys move it and leave the pictures alone; other keys work from there as well.
+        right = self.shown("right")
+        slider = self.find("#exposure")
+        slider.send_keys(Keys.ARROW_RIGHT)
+        self.stops = 0.5
+        self.assertEqual(self.shown("right"), right)
+        slider.send_keys("3")
+        self.assertEqual(self.shown("right"), "bvh/result")
+        for _ in range(30):
+            slider.send_keys("d")
+        self.assertEqual(self.find("#stops").text, "\u221212 stops")
 
     def looks(self, label):
         """Names of the looks in a row of "A look inside", after checking that each shows its file's pixels."""
@@ -273,6 +350,13 @@ class Page(unittest.TestCase):
         self.assertEqual(rows, ["the scene", *synthetic.SAMPLERS])
         self.assertEqual(self.looks("the scene"), ["brightest", "visibility.12"])
         self.assertEqual(self.looks("bvh"), ["entropy", "brightest_probability"])
+        self.assertIn('measured visibility, LightSource "point" at hotel.pbrt:88',
+                      self.find('#inside .look[data-label="the scene"]').text)
+        # One leaf: words instead of blank panels.
+        self.assertEqual(self.looks("neepp"), [])
+        text = self.find('#inside .look[data-label="neepp"] .flat').text
+        self.assertEqual(text, "One leaf knows all that the camera sees. The same everywhere: entropy of the probabilities, bits "
+                         "1.50; leaf records 1234. No value anywhere: excess second moment, log10.")
         self.assertEqual(self.looks("octree"), ["entropy", "brightest_probability", "sampler.leaf", "sampler.found_3",
                                                 "sampler.found_4", "sampler.found_5", "sampler.found_6"])
         text = self.find('#inside .look[data-label="octree"]').text
@@ -361,7 +445,9 @@ class Page(unittest.TestCase):
         self.assertEqual(self.find('#summary th[data-key="MSE"]').get_attribute("aria-sort"), "ascending")
 
     def test_VerdictsAreMarked(self):
-        self.assertIn("octree has the lowest error", self.find(".outcome").text)
+        outcome = self.find(".outcome").text
+        for sentence in self.results["conclusion"]["sentences"]:
+            self.assertIn(sentence, outcome)
         row = self.find('#summary tr[data-label="neepp"]')
         self.assertIn("biased", row.text)
         self.assertEqual(row.find_elements(By.CSS_SELECTOR, ".win, .best"), [])
@@ -389,6 +475,11 @@ class Page(unittest.TestCase):
         lit = self.js("[...document.querySelectorAll('.chart svg .lit')].map((e) => e.id)")
         self.assertIn("c0-line-4", lit)
         self.assertTrue(all(i.endswith("-4") for i in lit), lit)
+
+
+def encoded(v):
+    v = min(1, v)
+    return math.floor(255 * (12.92 * v if v <= 0.0031308 else 1.055 * v ** (1 / 2.4) - 0.055) + 0.5)
 
 
 def luminance(colour):

@@ -1,4 +1,5 @@
 """What charts.py and report.py write into a synthetic output folder, and how they fail."""
+import html
 import json
 import os
 import pathlib
@@ -77,7 +78,7 @@ class Files(WithFolder):
 
     def test_MissingOrForeignResultsAreOneSentence(self):
         self.out.mkdir()
-        for text in (None, "{", "[]", '{"schema": 2}', '{"schema": 1, "samplers": []}'):
+        for text in (None, "{", "[]", '{"schema": 1}', '{"schema": 2, "samplers": []}'):
             if text is not None:
                 (self.out / "results.json").write_text(text)
             for script in ("charts.py", "report.py"):
@@ -93,6 +94,7 @@ class Files(WithFolder):
         octree["runs"][0]["rounds"][0]["metrics"]["relL2"] = None
         results.update(machine=None, references=[], crops=[])
         (self.out / octree["errorPicture"]).unlink()
+        (self.out / octree["pictureRange"]).unlink()
         (self.out / "results.json").write_text(json.dumps(results))
         done = run("charts.py", self.out)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
@@ -109,20 +111,31 @@ class Files(WithFolder):
         self.assertNotIn("<img src=x", page)
         self.assertEqual(page.count("</script>"), 2)
 
-    def test_BiasedSamplerIsNeverTheWinner(self):
-        synthetic.make(self.out, winner="neepp")
-        page = self.page()
-        self.assertNotIn("neepp has the lowest error", page)
-        self.assertNotIn('class="tag win"', page)
-        self.assertIn("No winner", page)
-        self.assertNotIn("neepp has", (self.out / "table.md").read_text())
+    def test_ConclusionIsShownWordByWordAndNothingElseIsConcluded(self):
+        for winner in ("octree", None):
+            results = synthetic.make(self.out, winner=winner)
+            page, text = self.page(), (self.out / "table.md").read_text()
+            for sentence in results["conclusion"]["sentences"]:
+                self.assertIn(html.escape(sentence), page)
+                self.assertIn(table.escape(sentence), text)
+            outcome = page[page.index('class="outcome"'):page.index("</section>")]
+            self.assertEqual(outcome.count("<p"), len(results["conclusion"]["sentences"]))
 
-    def test_WinnerOfUnknownBiasSaysSo(self):
-        results = synthetic.make(self.out, ["uniform", "octree"])
-        results["samplers"][1]["summary"]["bias"]["verdict"] = "unknown"
+    def test_UndecidedHasNoWinnerAnywhere(self):
+        synthetic.make(self.out, winner=None)
+        page, text = self.page(), (self.out / "table.md").read_text()
+        for part in ("has the lowest error", 'class="tag win"', 'class="winner"'):
+            self.assertNotIn(part, page)
+        self.assertIn("lowest mean, undecided", page)
+        self.assertNotIn("has the lowest error", text)
+        self.assertNotIn("**octree**", text)
+
+    def test_ResultsWithoutConclusionAreUndecided(self):
+        results = synthetic.make(self.out)
+        del results["conclusion"]
         (self.out / "results.json").write_text(json.dumps(results))
         page = self.page()
-        self.assertIn("Whether octree is biased is not decided", page)
+        self.assertIn("Undecided", page)
         self.assertNotIn('class="tag win"', page)
 
     def test_MarkdownHasOneRowPerSamplerByError(self):

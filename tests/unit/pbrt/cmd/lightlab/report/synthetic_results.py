@@ -1,12 +1,14 @@
-"""A made-up output folder of lightlab: results.json (schema 1) and small PNGs of known colours. python3
+"""A made-up output folder of lightlab: results.json (schema 2) and small pictures of known colours. python3
 synthetic_results.py OUT writes one to look at."""
 import json
+import math
 import pathlib
 import struct
 import sys
 import zlib
 
 WIDTH, HEIGHT = 96, 72
+EXPOSURE = 0.5  # what the pictures are multiplied with
 # label: (relL2 of one sample, seconds per sample, verdict, solid colour of result.png, preparation seconds)
 SAMPLERS = {
     "uniform": (4.0, 0.10, "clean", (200, 30, 30), 0.0),
@@ -28,6 +30,34 @@ def write_png(path, pixel, width=WIDTH, height=HEIGHT):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
                      + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def linear(byte):
+    v = byte / 255
+    return v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4
+
+
+def rgbe(colour):
+    """Four bytes of a Radiance file; colour: linear values."""
+    most = max(colour)
+    if most <= 0:
+        return bytes(4)
+    exponent = math.frexp(most)[1]
+    return bytes([*(int(v * 2.0 ** (8 - exponent)) for v in colour), exponent + 128])
+
+
+def write_hdr(path, pixel, width=WIDTH, height=HEIGHT):
+    """As lightlab writes it; pixel(x, y) gives the colour at the default exposure as sRGB bytes."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    known = {}
+    rows = bytearray()
+    for y in range(height):
+        for x in range(width):
+            colour = pixel(x, y)
+            if colour not in known:
+                known[colour] = rgbe([linear(v) / EXPOSURE for v in colour])
+            rows += known[colour]
+    path.write_bytes(f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n".encode() + rows)
 
 
 def wobble(*key):
@@ -69,7 +99,7 @@ def sampler_entry(label, seeds, rounds):
         "report": {"parameters": "{\"leaves\":4096}", "records": 270000,
                    "cells": {"full": 5100, "empty": 235}} if octree else {},
         "views": views_of(folder, kind), "structure": "depth  leaves\n    2      12\n    3    5323\n" if octree else "",
-        "picture": f"{folder}/result.png", "errorPicture": f"{folder}/error.png", "runs": runs,
+        "picture": f"{folder}/result.png", "pictureRange": f"{folder}/result.hdr", "errorPicture": f"{folder}/error.png", "runs": runs,
         "summary": {
             "samples": final[0]["samples"], "seconds": seconds, "cpuSeconds": 2 * seconds, "metrics": spread,
             "firefliesDecide": kind == "power", "efficiency": 1 / (mean * seconds),
@@ -87,8 +117,15 @@ def sampler_entry(label, seeds, rounds):
 
 def layer(file, name, most=None, mean=0.5):
     """Of a look inside; most None: colours without order."""
-    return {"name": name, "file": file, "meaning": f"what {name} is", "least": 0, "most": most or 7, "mean": mean,
+    return {"name": name, "file": file, "meaning": f"what {name} is", "isFlat": False, "least": 0, "most": most or 7, "mean": mean,
             "colours": "one per number, without order" if most is None else {"darkest": 0, "brightest": most}}
+
+
+def flat(name, value=None, **more):
+    """A layer without a picture; value None: no finite one."""
+    known = {} if value is None else {"least": value, "most": value, "mean": value}
+    return {"name": name, "file": None, "meaning": f"what {name} is", "isFlat": True, "colours": {"darkest": 0, "brightest": 1},
+            **known, **more}
 
 
 def views_of(folder, kind):
@@ -96,8 +133,21 @@ def views_of(folder, kind):
     # Seven of a kind: the page shows the four of the largest mean.
     names += [(f"sampler.found_{i}", 1, i / 10) for i in range(7)] if kind == "octree" else []
     names += [("entropy", 3.25, 1), ("brightest_probability", 1, 0.5)]
+    if kind == "neepp":  # what one leaf says
+        return {"everyNthPixel": 1, "samplesPerLight": 8,
+                "layers": [flat("sampler.leaf", 0), flat("sampler.leaf_records", 1234), flat("entropy", 1.5), flat("log10_excess")]}
     return {"everyNthPixel": 2 if kind == "octree" else 1, "samplesPerLight": 8,
             "layers": [layer(f"{folder}/views/{n}.png", n, most, mean) for n, most, mean in names]}
+
+
+def conclusion_of(winner):
+    """As lightlab writes it; without a winner the octree has the lowest mean error."""
+    headline = f"{winner} has the lowest error at equal samples." if winner else "Undecided. Mean relL2: octree 0.01."
+    reasons = [] if winner else ["Its lead over bvh is within the noise of the runs (level 5 %)."]
+    doubts, remarks = ["The references <differ> by relL2 25."], ["Biased, so no competitor: neepp."]
+    return {"winner": winner, "lowestError": winner or "octree", "level": 0.05, "headline": headline, "reasons": reasons,
+            "doubts": doubts, "remarks": remarks,
+            "sentences": [headline, *reasons, *(f"Doubt: {d}" for d in doubts), *(f"Note: {r}" for r in remarks)]}
 
 
 def make(folder, labels=None, seeds=3, rounds=7, winner="octree"):
@@ -106,26 +156,29 @@ def make(folder, labels=None, seeds=3, rounds=7, winner="octree"):
     folder.mkdir(parents=True, exist_ok=True)
     labels = list(SAMPLERS) if labels is None else labels
     results = {
-        "schema": 1, "scene": "scenes/hotel/hotel.pbrt", "sceneName": "hotel", "sceneHash": "0123456789abcdef",
+        "schema": 2, "scene": "scenes/hotel/hotel.pbrt", "sceneName": "hotel", "sceneHash": "0123456789abcdef",
         "commit": "abc1234", "commandLine": "lightlab scenes/hotel/hotel.pbrt --spp 64 --seeds 3",
-        "date": "2026-11-21T03:00:00Z", "errorScale": 1.25,
+        "date": "2026-11-21T03:00:00Z", "errorScale": 1.25, "exposure": EXPOSURE,
         "machine": {"cpu": "Example CPU <2 GHz> & more", "threads": 2, "memoryGB": 24.0, "os": "Debian 12"},
         "mode": "samples", "budget": 64, "seeds": seeds, "resolution": [WIDTH, HEIGHT], "maxDepth": 5, "direct": False,
-        "references": [{"file": "reference-0.exr", "picture": "reference-0.png", "sampler": "bvh", "samples": 1024,
+        "references": [{"file": "reference-0.exr", "picture": "reference-0.png", "pictureRange": "reference-0.hdr", "sampler": "bvh", "samples": 1024,
                         "seconds": 80.1, "noise": 0.0003}],
         "crops": [{"name": "a", "x0": 10, "y0": 20, "x1": 34, "y1": 44},
                   {"name": "b", "x0": 60, "y0": 30, "x1": 84, "y1": 54}],
         "views": {"everyNthPixel": 1, "samplesPerLight": 8, "layers": [
-            layer("views/brightest.png", "brightest"), layer("views/visibility.12.png", "visibility.12", 1)]},
+            layer("views/brightest.png", "brightest"),
+            {**layer("views/visibility.12.png", "visibility.12", 1), "light": 'LightSource "point" at hotel.pbrt:88'}]},
         "samplers": [sampler_entry(label, seeds, rounds) for label in labels],
-        "winner": winner, "winnerBeyondNoise": True}
-    write_png(folder / "reference-0.png", lambda x, y: (x * 2, y * 3, 128))
+        "conclusion": conclusion_of(winner)}
+    for write, suffix in ((write_png, "png"), (write_hdr, "hdr")):
+        write(folder / f"reference-0.{suffix}", lambda x, y: (x * 2, y * 3, 128))
     for entry in results["samplers"]:
         r, g, b = SAMPLERS[entry["label"]][3]
-        write_png(folder / entry["picture"], lambda x, y: (r, g, (b + 40 * ((x // 8 + y // 8) % 2)) % 256))
+        for write, file in ((write_png, entry["picture"]), (write_hdr, entry["pictureRange"])):
+            write(folder / file, lambda x, y: (r, g, (b + 40 * ((x // 8 + y // 8) % 2)) % 256))
         write_png(folder / entry["errorPicture"], lambda x, y: (r // 4, g // 4, 255 if (x + y) % 16 < 8 else b // 4))
     looks = [results["views"], *(entry["views"] for entry in results["samplers"])]
-    for k, v in enumerate(v for look in looks for v in look["layers"]):
+    for k, v in enumerate(v for look in looks for v in look["layers"] if v["file"]):
         write_png(folder / v["file"], lambda x, y: (5 * k % 256, 100 + x % 50, 90 + y % 50))
     (folder / "results.json").write_text(json.dumps(results, indent=1))
     return results

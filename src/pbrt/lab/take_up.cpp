@@ -1,0 +1,54 @@
+#include "pbrt/lab/take_up.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include "pbrt/core/log.h"
+
+namespace pbrt::lab {
+
+namespace {
+
+bool IsWholeFilm(const std::string &file, const LabScene &scene) {
+    std::ifstream in(file, std::ios::binary);
+    if (!in) return false;
+    try {
+        scene.built.makeFilm()->LoadState(in);
+        return true;
+    } catch (const UserError &) {
+        return false;
+    }
+}
+
+}  // namespace
+
+bool IsWholePicture(const std::string &file, Point2i resolution) {
+    if (!std::filesystem::exists(file)) return false;
+    try {
+        return ReadImage(file).image.Select({"R", "G", "B"}).Resolution() == resolution;
+    } catch (const UserError &) {
+        return false;
+    }
+}
+
+RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const std::string &sampler, int seed,
+                    size_t checkpoints, const std::string &picture) {
+    RunRecord run = records.LoadRun(sampler, seed);
+    const size_t recorded = records.CountRounds(sampler, seed, checkpoints);
+    auto canGoOn = [&](size_t rounds) {
+        if (rounds == checkpoints) return IsWholePicture(picture, scene.Resolution());
+        return IsWholeFilm(records.FilmFile(sampler, seed, static_cast<int>(rounds) - 1), scene);
+    };
+    size_t kept = std::min(run.rounds.size(), checkpoints);
+    while (kept > 0 && !canGoOn(kept)) --kept;
+    if (recorded > kept)
+        LogWarning(fmt::format("{}/{}: records of seed {} are damaged or missing; {}.", records.Folder(), sampler, seed,
+                               kept > 0 ? fmt::format("going on from {} samples per pixel", run.rounds[kept - 1].samples)
+                                        : "this run begins anew"));
+    // Reports and structure are those of the last record.
+    if (kept < run.rounds.size()) run = records.LoadRun(sampler, seed, static_cast<int>(kept));
+    records.RemoveRounds(sampler, seed, kept, checkpoints);
+    return run;
+}
+
+}  // namespace pbrt::lab

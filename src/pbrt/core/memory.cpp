@@ -1,0 +1,56 @@
+#include "pbrt/core/memory.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+
+namespace pbrt {
+
+namespace {
+
+/// The limit of the control group (version 2) that a container sees as its own; the maximum if there is none.
+double ControlGroupLimit(double none) {
+    std::ifstream file("/sys/fs/cgroup/memory.max");
+    double limit = 0;
+    return file >> limit ? limit : none;  // "max" is no number
+}
+
+}  // namespace
+
+double UsableMemory() {
+    double bytes = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    for (auto resource : {RLIMIT_AS, RLIMIT_DATA}) {
+        rlimit limit{};
+        if (getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+            bytes = std::min(bytes, static_cast<double>(limit.rlim_cur));
+    }
+    return std::min(bytes, ControlGroupLimit(bytes));
+}
+
+std::string BytesText(double bytes) {
+    const char *unit = "MB";
+    double value = bytes / 1e6;
+    for (const char *larger : {"GB", "TB", "PB"}) {
+        if (value < 999.5) break;
+        value /= 1000;
+        unit = larger;
+    }
+    return value < 9.95 ? fmt::format("{:.1f} {}", value, unit) : fmt::format("{:.0f} {}", value, unit);
+}
+
+void RequireMemory(double bytes, const std::string &what, const FileLoc &loc) {
+    const double usable = UsableMemory();
+    if (bytes > usable)
+        throw UserError(fmt::format("{} needs about {} of memory, but this process can use {}.", what,
+                                    BytesText(bytes), BytesText(usable)),
+                        loc);
+}
+
+std::string OutOfMemoryText(const std::string &phase) {
+    return fmt::format("there is not enough memory{}{}: this process can use {}.", phase.empty() ? "" : " for ", phase,
+                       BytesText(UsableMemory()));
+}
+
+}  // namespace pbrt

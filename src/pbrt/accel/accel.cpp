@@ -7,12 +7,16 @@
 #include <set>
 
 #include "pbrt/core/error.h"
+#include "pbrt/core/memory.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 
 namespace pbrt {
 
 namespace {
+
+/// Embree's own bound on coordinates of vertices, ray origins and directions (its FLT_LARGE).
+constexpr Float kEmbreeReach = 1.844e18f;
 
 /// What Embree's callbacks know about a geometry.
 struct Geometry {
@@ -205,23 +209,35 @@ struct Accel::Impl {
     bool anyMoves = false;
     Float startTime = 0, endTime = 1;  ///< of all that moves
     bool committed = false;
+    /// What the origin and the direction of a ray may measure along an axis, so that it is a ray to Embree in every
+    /// instance.
+    Float maxOrigin = kEmbreeReach, maxDirection = kEmbreeReach;
 
     explicit Impl(const Options &o) : options(o) {
         device = rtcNewDevice(nullptr);
-        PBRT_CHECK_MSG(device != nullptr, "Embree error {}", static_cast<int>(rtcGetDeviceError(nullptr)));
+        if (!device) {
+            // With its threads and tables, Embree is the first to feel a limit.
+            const RTCError error = rtcGetDeviceError(nullptr);
+            throw UserError(error == RTC_ERROR_UNSUPPORTED_CPU
+                                ? std::string("Embree, which traces the rays, does not support this processor.")
+                                : fmt::format("Embree, which traces the rays, cannot start; most likely there is not "
+                                              "enough memory (this process can use {}; Embree's error {}).",
+                                              BytesText(UsableMemory()), static_cast<int>(error)));
+        }
         rtcSetDeviceMemoryMonitorFunction(device, CountMemory, &bytes);
         top.scene = NewScene();
     }
     ~Impl() {
-        rtcReleaseScene(top.scene);
+        if (top.scene) rtcReleaseScene(top.scene);
         for (Group &g : objects) rtcReleaseScene(g.scene);
-        rtcReleaseDevice(device);
+        if (device) rtcReleaseDevice(device);
     }
     Impl(const Impl &) = delete;
     Impl &operator=(const Impl &) = delete;
 
     RTCScene NewScene() {
         RTCScene scene = rtcNewScene(device);
+        if (!scene) CheckDevice();
         rtcSetSceneFlags(scene, options.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
         rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
         return scene;
@@ -241,7 +257,7 @@ struct Accel::Impl {
         ShareVertices(g, data);
         auto *corners = static_cast<uint32_t *>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
                                                                         4 * sizeof(uint32_t), mesh.PrimitiveCount()));
-        PBRT_CHECK(corners != nullptr);
+        if (!corners) CheckDevice();
         for (size_t i = 0; i < data.indices.size(); i += 4) {  // Embree goes around the quad
             corners[i] = data.indices[i];
             corners[i + 1] = data.indices[i + 1];
@@ -306,11 +322,12 @@ struct Accel::Impl {
         if (!anyMoves || time <= startTime) return 0;
         return time >= endTime ? 1 : (time - startTime) / (endTime - startTime);
     }
-    void Place(const Instance &instance) const {
+    void Place(const Instance &instance) {
         if (instance.motion < 0) {
             rtcSetGeometryTimeStepCount(instance.geometry, 1);
             rtcSetGeometryTransform(instance.geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR,
                                     &instance.transform.Matrix()[0][0]);
+            NarrowReach(instance.transform);
             return;
         }
         const Motion &motion = motions[static_cast<size_t>(instance.motion)];
@@ -321,14 +338,44 @@ struct Accel::Impl {
             // The ends also where both times are the same.
             const Float time = i == 0 ? -Infinity : i == steps - 1 ? Infinity : Lerp(t, startTime, endTime);
             const Transform at = motion.At(time);
+            NarrowReach(at);
             const RTCQuaternionDecomposition d = Decompose(glm::dmat4(at.Matrix()));
             rtcSetGeometryTransformQuaternion(instance.geometry, static_cast<unsigned>(i), &d);
         }
     }
 
+    /// Rays that an instance would turn into something that is no ray to Embree are not for it: with `inverse` to its
+    /// space they must begin and point within Embree's reach there too.
+    void NarrowReach(const Transform &place) {
+        const glm::mat4 &inverse = place.InverseMatrix();
+        double factor = 0, shift = 0;
+        for (int row = 0; row < 3; ++row) {
+            double sum = 0;
+            for (int c = 0; c < 3; ++c) sum += std::abs(double(inverse[c][row]));
+            factor = std::max(factor, sum);
+            shift = std::max(shift, std::abs(double(inverse[3][row])));
+        }
+        // One part in eight for what Embree's own inverse and its interpolation in time do otherwise.
+        const double reach = double(kEmbreeReach) / 1.125;
+        auto within = [&](double limit, Float old) {
+            return limit > 0 ? static_cast<Float>(std::min(double(old), limit)) : Float(0);  // also not a number
+        };
+        maxOrigin = within((reach - shift) / factor, maxOrigin);
+        maxDirection = within(reach / factor, maxDirection);
+    }
+    /// Embree asserts that rays are as its documentation wants them.
+    bool IsRay(const Ray &ray) const {
+        return std::abs(ray.o.x) <= maxOrigin && std::abs(ray.o.y) <= maxOrigin && std::abs(ray.o.z) <= maxOrigin &&
+               std::abs(ray.d.x) <= maxDirection && std::abs(ray.d.y) <= maxDirection &&
+               std::abs(ray.d.z) <= maxDirection && ray.tMax > 0;
+    }
+
     void CheckDevice() const {
         RTCError error = rtcGetDeviceError(device);
-        if (error == RTC_ERROR_OUT_OF_MEMORY) throw UserError("Not enough memory for the ray acceleration structure.");
+        if (error == RTC_ERROR_OUT_OF_MEMORY)
+            throw UserError(fmt::format("There is not enough memory for the ray acceleration structure (this process can "
+                                        "use {}).",
+                                        BytesText(UsableMemory())));
         PBRT_CHECK_MSG(error == RTC_ERROR_NONE, "Embree error {}", static_cast<int>(error));
     }
 };
@@ -390,6 +437,12 @@ void Accel::Commit() {
     rtcCommitScene(impl_->top.scene);
     impl_->committed = true;
     impl_->CheckDevice();
+    const Bounds3 bounds = Bounds();
+    if (!bounds.IsEmpty() && !(MaxComponent(Max(Abs(bounds.low), Abs(bounds.high))) <= impl_->maxOrigin))
+        throw UserError(fmt::format(
+            "The scene reaches too far for its smallest object instance: rays that start beyond {:.2g} cannot be traced "
+            "in that instance's own coordinates. Scale the object itself instead of its instance.",
+            impl_->maxOrigin));
 }
 
 Bounds3 Accel::Bounds() const {
@@ -403,6 +456,7 @@ Bounds3 Accel::Bounds() const {
 }
 
 std::optional<AccelHit> Accel::Intersect(const Ray &ray, Float tMin) const {
+    if (!impl_->IsRay(ray)) [[unlikely]] return {};
     QueryContext context(ray);
     RTCRayHit query{};
     query.ray = ToEmbree(ray, impl_->EmbreeTime(ray.time));
@@ -424,6 +478,7 @@ std::optional<AccelHit> Accel::Intersect(const Ray &ray, Float tMin) const {
 }
 
 bool Accel::Occluded(const Ray &ray) const {
+    if (!impl_->IsRay(ray)) [[unlikely]] return true;
     QueryContext context(ray);
     RTCRay query = ToEmbree(ray, impl_->EmbreeTime(ray.time));
     rtcOccluded1(impl_->top.scene, &context.base, &query);

@@ -47,13 +47,15 @@ class Accel {
     /// One that moves, placed by the product of both. All that move do so in the same interval of time.
     int AddMovingInstance(int object, const AnimatedTransform &renderFromOuter,
                           const AnimatedTransform &outerFromObject = {});
+    /// Throws UserError if memory is short, or if an instance is so small that rays from the other end of the scene have
+    /// no finite coordinates in its space.
     void Commit();
 
     /// Of all that moves: over the whole time.
     Bounds3 Bounds() const;
-    /// The nearest hit with tMin < t < ray.tMax.
+    /// The nearest hit with tMin < t < ray.tMax. None for rays that are none: not-a-number, or too far away for Embree.
     std::optional<AccelHit> Intersect(const Ray &ray, Float tMin = 0) const;
-    /// True if anything lies strictly inside (0, ray.tMax).
+    /// True if anything lies strictly inside (0, ray.tMax), or if the ray is none.
     bool Occluded(const Ray &ray) const;
     /// As rays of that time meet it.
     Transform InstanceTransform(int instance, Float time) const;

@@ -13,6 +13,7 @@
 #include "pbrt/integrators/visible_surface.h"
 #include "pbrt/lights/light_factory.h"
 #include "pbrt/math/rng.h"
+#include "pbrt/shapes/extent.h"
 
 namespace pbrt {
 
@@ -81,7 +82,7 @@ void ThrowIfErrors(const DiagnosticSink &sink, size_t checked) {
         if (i < checked) known.insert(place(d));
         if (i < checked || !d.loc || !known.contains(place(d))) errors.push_back(d);
     }
-    throw UserError(std::move(errors));
+    throw UserError(std::move(errors), sink.Omitted());
 }
 
 }  // namespace
@@ -97,7 +98,12 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     const auto &[cameraStart, cameraEnd] = d.camera.cameraFromWorld;
     AnimatedTransform worldFromCamera;
     Collect(sink, [&] {
+        for (const Transform &t : {cameraStart, cameraEnd})
+            if (t.IsSingular() || !t.Inverse().IsFinite())
+                throw UserError("Camera: the current transformation cannot be inverted, so nothing can be seen.",
+                                d.camera.loc);
         worldFromCamera = MotionOf("Camera", d.camera, cameraStart.Inverse(), cameraEnd.Inverse());
+        RequireReach("Camera", worldFromCamera, Bounds3(Point3(0)), d.camera.loc);
         renderFromWorld = RenderFromWorld(d, worldFromCamera, options);
     });
     built.seed = options.seed.value_or(d.options.seed.value_or(0));

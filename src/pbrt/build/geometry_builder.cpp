@@ -5,6 +5,7 @@
 #include "pbrt/lights/light_factory.h"
 #include "pbrt/materials/forced_diffuse.h"
 #include "pbrt/shapes/curves.h"
+#include "pbrt/shapes/extent.h"
 #include "pbrt/shapes/shape_factory.h"
 
 namespace pbrt {
@@ -118,6 +119,9 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
             const bool opaque = !w.alpha || w.alpha->Constant() == Float(0);
             w.shapes = MakeShapes(e.type, e.params, place, e.reverseOrientation, description_.files, w.sink,
                                   w.displacement ? &*w.displacement : nullptr, opaque);
+            if (w.motion)
+                for (const auto &shape : w.shapes)
+                    RequireReach(e.params.What(), *w.motion, BoundsOf(*shape), e.loc);
             e.params.ReportUnused(w.sink);
             w.entity->params = {};  // big meshes as text need not be kept twice
         } catch (const UserError &error) {
@@ -128,8 +132,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
     MergeCurves();
     std::vector<Definition> definitions(description_.objects.size());
     for (Work &w : work_) {
-        for (const Diagnostic &d : w.sink.All())
-            d.severity == Severity::Error ? sink_.Error(d.loc, d.message) : sink_.Warning(d.loc, d.message);
+        sink_.Add(w.sink);
         Register(w, w.object >= 0 ? &definitions[static_cast<size_t>(w.object)] : nullptr);
     }
     BuildInstances(definitions);
@@ -217,8 +220,15 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
     }
     if (moving.empty()) return;
     const int object = AddAccelObject(moving);
-    if (definition) definition->moving.push_back({object, *w.motion});
-    else parts_.accel->AddMovingInstance(object, *w.motion);
+    if (definition) {
+        Bounds3 bounds;
+        for (ShapeId id : moving)
+            for (const Transform &t : {w.motion->Start(), w.motion->At(w.motion->EndTime())})
+                bounds = Union(bounds, TransformBounds(t, BoundsOf(*parts_.shapes[id.value].shape)));
+        definition->moving.push_back({object, *w.motion, bounds});
+    } else {
+        parts_.accel->AddMovingInstance(object, *w.motion);
+    }
 }
 
 int GeometryBuilder::AddAccelObject(const std::vector<ShapeId> &ids) {
@@ -234,12 +244,16 @@ int GeometryBuilder::AddAccelObject(const std::vector<ShapeId> &ids) {
 void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions) {
     struct Placeable {
         const Definition *definition;
-        int still;  ///< accel object, -1: none
+        int still;       ///< accel object, -1: none
+        Bounds3 bounds;  ///< of all its shapes
     };
     std::map<std::string, Placeable> byName;
     for (size_t o = 0; o < definitions.size(); ++o) {
         const Definition &d = definitions[o];
-        byName[description_.objects[o].name] = {&d, d.still.empty() ? -1 : AddAccelObject(d.still)};
+        Bounds3 bounds;
+        for (ShapeId id : d.still) bounds = Union(bounds, BoundsOf(*parts_.shapes[id.value].shape));
+        for (const Definition::Moving &m : d.moving) bounds = Union(bounds, m.bounds);
+        byName[description_.objects[o].name] = {&d, d.still.empty() ? -1 : AddAccelObject(d.still), bounds};
     }
     // Shapes of a definition were placed in rendering space by the definition's CTM.
     const Transform worldFromRender = renderFromWorld_.Inverse();
@@ -253,6 +267,13 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
             const AnimatedTransform motion =
                 MotionOf("the instance", i, renderFromWorld_ * i.ctm.start * worldFromRender,
                          renderFromWorld_ * i.ctm.end * worldFromRender);
+            RequireReach(fmt::format("the instance of \"{}\"", Abbreviate(i.name)), motion, it->second.bounds, i.loc);
+            if (motion.Start().IsSingular()) {  // as scenes hide things, and as in stock
+                sink_.Warning(i.loc, fmt::format("the instance of \"{}\" cannot be seen: the current transformation "
+                                                 "flattens it.",
+                                                 Abbreviate(i.name)));
+                continue;
+            }
             if (it->second.still >= 0) {
                 if (motion.IsAnimated()) parts_.accel->AddMovingInstance(it->second.still, motion);
                 else parts_.accel->AddInstance(it->second.still, motion.Start());

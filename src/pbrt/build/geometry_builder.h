@@ -46,6 +46,7 @@ class GeometryBuilder {
         struct Moving {
             int object;
             AnimatedTransform renderFromObject;
+            Bounds3 bounds;  ///< at the start and the end of the motion
         };
         std::vector<Moving> moving;
     };

@@ -1,6 +1,7 @@
 #include "pbrt/build/integrator_builder.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/integrators/path_integrator.h"
@@ -35,9 +36,8 @@ BuiltIntegrator MakeIntegrator(const Entity &entity, const BuildOptions &options
     built.name = type;
 
     auto depth = [&] {
-        int maxDepth = params.GetInt("maxdepth", 5);
-        if (overridden) maxDepth = entity.params.GetInt("maxdepth", 5);
-        if (maxDepth < 0) throw UserError(fmt::format("\"maxdepth\" is {}; it must not be negative.", maxDepth), params.LocOf("maxdepth"));
+        params.GetInt("maxdepth", 5);
+        const int maxDepth = entity.params.GetInt("maxdepth", 5, {0, std::numeric_limits<int>::max()});
         return built.maxDepth = options.maxDepth.value_or(maxDepth);
     };
     // Without media (which are not supported yet) volpath is path that looks below and through surfaces.
@@ -65,7 +65,8 @@ BuiltIntegrator MakeIntegrator(const Entity &entity, const BuildOptions &options
     } else if (type == "ambientocclusion") {
         bool cosine = params.GetBool("cossample", true);
         built.integrator =
-            std::make_unique<AmbientOcclusionIntegrator>(context, cosine, params.GetFloat("maxdistance", Infinity), filmSpace);
+            std::make_unique<AmbientOcclusionIntegrator>(context, cosine, 
+            params.GetFloat("maxdistance", Infinity, Positive(std::numeric_limits<Float>::max())), filmSpace);
     } else {
         std::vector<std::string> all = SupportedIntegrators();
         throw UserError(fmt::format("Integrator \"{}\" is {}; {}.", type,

@@ -1,10 +1,12 @@
 #include "pbrt/cameras/camera.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "pbrt/cameras/projective_cameras.h"
 #include "pbrt/cameras/realistic_camera.h"
 #include "pbrt/cameras/spherical_camera.h"
+#include "pbrt/core/limits.h"
 
 namespace pbrt {
 
@@ -34,9 +36,10 @@ CameraFrame ReadFrame(const ParamSet &params, const AnimatedTransform &renderFro
 
 ScreenWindow ReadScreenWindow(const ParamSet &params, Point2i resolution) {
     Float aspect =
-        params.GetFloat("frameaspectratio", static_cast<Float>(resolution.x) / static_cast<Float>(resolution.y));
-    if (!(aspect > 0)) Complain(params, "frameaspectratio", aspect, "it must be above 0");
+        params.GetFloat("frameaspectratio", static_cast<Float>(resolution.x) / static_cast<Float>(resolution.y),
+                        {1e-6f, 1e6f});
     std::span<const Float> given = params.GetFloats("screenwindow");
+    for (Float edge : given) params.Require<Float>("screenwindow", edge, {-1e9f, 1e9f});
     if (given.empty()) {
         if (aspect > 1) return {-aspect, aspect, -1, 1};
         return {-1, 1, -1 / aspect, 1 / aspect};
@@ -52,17 +55,16 @@ ScreenWindow ReadScreenWindow(const ParamSet &params, Point2i resolution) {
 
 Lens ReadLens(const ParamSet &params) {
     Lens lens;
-    lens.radius = params.GetFloat("lensradius", lens.radius);
-    lens.focalDistance = params.GetFloat("focaldistance", lens.focalDistance);
-    if (!(lens.radius >= 0)) Complain(params, "lensradius", lens.radius, "it must not be negative");
-    if (!(lens.focalDistance > 0)) Complain(params, "focaldistance", lens.focalDistance, "it must be above 0");
+    lens.radius = params.GetFloat("lensradius", lens.radius, {0, 1e15f});
+    lens.focalDistance =
+        params.GetFloat("focaldistance", lens.focalDistance, Positive(std::numeric_limits<Float>::max()));
+    // Where it counts, the distance is squared.
+    if (lens.radius > 0) params.Require<Float>("focaldistance", lens.focalDistance, {1e-15f, 1e15f});
     return lens;
 }
 
 Float ReadFov(const ParamSet &params) {
-    Float fov = params.GetFloat("fov", 90);
-    if (!(fov > 0 && fov < 180)) Complain(params, "fov", fov, "it must lie between 0 and 180 degrees");
-    return fov;
+    return params.GetFloat("fov", 90, {0, 180, true, true});
 }
 
 std::unique_ptr<Camera> MakeSpherical(const ParamSet &params, const CameraFrame &frame, Point2i resolution) {
@@ -78,11 +80,11 @@ std::unique_ptr<Camera> MakeSpherical(const ParamSet &params, const CameraFrame 
 /// The lens with the stop's diameter and the focus that the parameters ask for.
 std::vector<LensElement> ReadLensElements(const ParamSet &params, const FileResolver &files, DiagnosticSink &sink) {
     const std::string name = params.GetString("lensfile", "");
-    const Float diameter = params.GetFloat("aperturediameter", 1), distance = params.GetFloat("focusdistance", 10);
+    const Float diameter = params.GetFloat("aperturediameter", 1, Positive(1e6f));
+    const Float distance = params.GetFloat("focusdistance", 10, kLengthRange);
     if (name.empty())
         throw UserError(fmt::format("{}: \"lensfile\" is missing: the description of the lens.", params.What()),
                         params.LocOf("lensfile"));
-    if (!(diameter > 0)) Complain(params, "aperturediameter", diameter, "it must be above 0");
     std::vector<LensElement> elements;
     try {
         elements = ReadLensFile(files.Resolve(name));

@@ -11,12 +11,6 @@
 
 namespace pbrt {
 
-/// Inclusive range of a numeric parameter.
-template <class T>
-struct Range {
-    T low, high;
-};
-
 /// The values a text parameter may have.
 using Choices = std::vector<std::string>;
 

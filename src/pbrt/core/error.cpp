@@ -3,10 +3,35 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 
 namespace pbrt {
 
 namespace {
+
+/// Finds lines of files; every file is searched for its line ends once, however many lines are asked for.
+class LineFinder {
+  public:
+    /// Without its end; empty if there is no such line.
+    std::string_view Line(const FileLoc &loc) {
+        const std::string_view text = loc.file->text;
+        auto [found, isNew] = begins_.try_emplace(loc.file.get());
+        std::vector<size_t> &begins = found->second;
+        if (isNew) {
+            begins.push_back(0);
+            for (size_t at = text.find('\n'); at != text.npos; at = text.find('\n', at + 1)) begins.push_back(at + 1);
+            begins.push_back(text.size() + 1);
+        }
+        const auto line = static_cast<size_t>(loc.line);
+        if (line >= begins.size()) return {};
+        std::string_view line_text = text.substr(begins[line - 1], begins[line] - begins[line - 1] - 1);
+        if (line_text.ends_with('\r')) line_text.remove_suffix(1);
+        return line_text;
+    }
+
+  private:
+    std::map<const SourceFile *, std::vector<size_t>> begins_;
+};
 
 struct Excerpt {
     std::string text;
@@ -14,33 +39,44 @@ struct Excerpt {
 };
 
 /// The line `loc` points into, tabs as single blanks, cut to about 100 characters around the column.
-Excerpt QuoteLine(const FileLoc &loc) {
-    const std::string &text = loc.file->text;
-    size_t begin = 0;
-    for (int line = 1; line < loc.line; ++line) {
-        size_t newline = text.find('\n', begin);
-        if (newline == std::string::npos) return {};
-        begin = newline + 1;
-    }
-    size_t end = text.find('\n', begin);
-    std::string line = text.substr(begin, end == std::string::npos ? end : end - begin);
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    for (char &c : line)
-        if (static_cast<unsigned char>(c) < 32) c = ' ';
-    size_t caret = std::min(static_cast<size_t>(std::max(0, loc.column)), line.size());
+Excerpt QuoteLine(const FileLoc &loc, LineFinder &lines) {
     constexpr size_t kWidth = 100;
-    if (line.size() > kWidth) {
-        size_t from = caret > kWidth / 2 ? std::min(caret - kWidth / 2, line.size() - kWidth) : 0;
-        std::string cut = line.substr(from, kWidth);
-        caret -= from;
-        if (from > 0) {
-            cut = "..." + cut;
-            caret += 3;
-        }
-        if (from + kWidth < line.size()) cut += "...";
-        line = cut;
+    const std::string_view line = lines.Line(loc);
+    size_t caret = std::min(static_cast<size_t>(std::max(0, loc.column)), line.size()), from = 0;
+    if (line.size() > kWidth && caret > kWidth / 2) from = std::min(caret - kWidth / 2, line.size() - kWidth);
+    std::string text(line.substr(from, kWidth));
+    for (char &c : text)
+        if (static_cast<unsigned char>(c) < 32) c = ' ';
+    caret -= from;
+    if (from > 0) {
+        text.insert(0, "...");
+        caret += 3;
     }
-    return {line, caret};
+    if (from + kWidth < line.size()) text += "...";
+    return {std::move(text), caret};
+}
+
+std::string Format(const Diagnostic &d, bool color, LineFinder &lines) {
+    const char *word = d.severity == Severity::Error ? "Error" : "Warning";
+    std::string out = color ? fmt::format("\033[1;31m{}\033[0m: ", word) : fmt::format("{}: ", word);
+    if (d.loc.file) {
+        out += d.loc.file->name;
+        if (d.loc.line > 0) out += fmt::format(":{}:{}", d.loc.line, d.loc.column);
+        out += ": ";
+    }
+    out += d.message;
+    if (d.loc) {
+        Excerpt e = QuoteLine(d.loc, lines);
+        if (!e.text.empty()) out += fmt::format("\n    {}\n    {}^", e.text, std::string(e.caret, ' '));
+    }
+    return out;
+}
+
+/// No message grows with what it quotes: the middle of a monstrous one goes.
+std::string CutMonster(std::string message) {
+    constexpr size_t kMax = 4000, kTail = 1000;
+    if (message.size() > kMax) message.replace(kMax - kTail, message.size() - kMax, " ... ");
+    return message;
 }
 
 size_t EditDistance(std::string_view a, std::string_view b) {
@@ -58,53 +94,69 @@ size_t EditDistance(std::string_view a, std::string_view b) {
     return row[b.size()];
 }
 
-std::string Summarize(const std::vector<Diagnostic> &diagnostics) {
-    std::string all;
-    for (const Diagnostic &d : diagnostics) {
-        if (!all.empty()) all += '\n';
-        all += Format(d);
-    }
-    return all;
+std::string Summarize(const std::vector<Diagnostic> &diagnostics, size_t omitted) {
+    if (diagnostics.empty()) return {};
+    const size_t others = diagnostics.size() - 1 + omitted;
+    std::string first = Format(diagnostics.front());
+    return others > 0 ? fmt::format("{}\n({} more error{})", first, others, others == 1 ? "" : "s") : first;
 }
 
 }  // namespace
 
 std::string Format(const Diagnostic &d, bool color) {
-    const char *word = d.severity == Severity::Error ? "Error" : "Warning";
-    std::string out = color ? fmt::format("\033[1;31m{}\033[0m: ", word) : fmt::format("{}: ", word);
-    if (d.loc.file) {
-        out += d.loc.file->name;
-        if (d.loc.line > 0) out += fmt::format(":{}:{}", d.loc.line, d.loc.column);
-        out += ": ";
-    }
-    out += d.message;
-    if (d.loc) {
-        Excerpt e = QuoteLine(d.loc);
-        if (!e.text.empty()) out += fmt::format("\n    {}\n    {}^", e.text, std::string(e.caret, ' '));
-    }
+    LineFinder lines;
+    return Format(d, color, lines);
+}
+
+std::string FormatAll(const UserError &e, bool color) {
+    LineFinder lines;
+    std::string out;
+    for (const Diagnostic &d : e.Diagnostics()) out += Format(d, color, lines) + '\n';
+    if (e.Omitted() > 0)
+        out += fmt::format("... and {} more error{} not shown.\n", e.Omitted(), e.Omitted() == 1 ? "" : "s");
     return out;
 }
 
-UserError::UserError(std::string message, FileLoc loc)
-    : UserError(std::vector<Diagnostic>{{Severity::Error, std::move(loc), std::move(message)}}) {}
+std::string Abbreviate(std::string_view text, size_t maxBytes) {
+    std::string shown(text.substr(0, maxBytes));
+    if (text.size() > maxBytes) {
+        // Not inside a UTF-8 sequence.
+        while (!shown.empty() && (static_cast<unsigned char>(text[shown.size()]) & 0xc0) == 0x80) shown.pop_back();
+        shown += "...";
+    }
+    for (char &c : shown)
+        if (static_cast<unsigned char>(c) < 32) c = ' ';
+    return shown;
+}
 
-UserError::UserError(std::vector<Diagnostic> diagnostics)
-    : std::runtime_error(Summarize(diagnostics)), diagnostics_(std::move(diagnostics)) {}
+UserError::UserError(std::string message, FileLoc loc)
+    : UserError(std::vector<Diagnostic>{{Severity::Error, std::move(loc), CutMonster(std::move(message))}}) {}
+
+UserError::UserError(std::vector<Diagnostic> diagnostics, size_t omitted)
+    : std::runtime_error(Summarize(diagnostics, omitted)), diagnostics_(std::move(diagnostics)), omitted_(omitted) {}
 
 void DiagnosticSink::Error(const FileLoc &loc, std::string message) {
-    diagnostics_.push_back({Severity::Error, loc, std::move(message)});
-    ++errorCount_;
+    if (errorCount_++ < kMaxDiagnostics)
+        diagnostics_.push_back({Severity::Error, loc, CutMonster(std::move(message))});
 }
 
 void DiagnosticSink::Warning(const FileLoc &loc, std::string message) {
-    diagnostics_.push_back({Severity::Warning, loc, std::move(message)});
+    if (++warningCount_ <= kMaxDiagnostics)
+        diagnostics_.push_back({Severity::Warning, loc, CutMonster(std::move(message))});
+    else if (warningCount_ == kMaxDiagnostics + 1)
+        diagnostics_.push_back({Severity::Warning, {}, "there are more warnings, which are not shown."});
 }
 
 void DiagnosticSink::Add(const UserError &e) {
-    for (const Diagnostic &d : e.Diagnostics()) {
-        diagnostics_.push_back(d);
-        if (d.severity == Severity::Error) ++errorCount_;
-    }
+    for (const Diagnostic &d : e.Diagnostics())
+        d.severity == Severity::Error ? Error(d.loc, d.message) : Warning(d.loc, d.message);
+    errorCount_ += e.Omitted();
+}
+
+void DiagnosticSink::Add(const DiagnosticSink &other) {
+    for (const Diagnostic &d : other.diagnostics_)
+        d.severity == Severity::Error ? Error(d.loc, d.message) : Warning(d.loc, d.message);
+    errorCount_ += other.Omitted();
 }
 
 void DiagnosticSink::ThrowIfErrors() const {
@@ -112,14 +164,18 @@ void DiagnosticSink::ThrowIfErrors() const {
     std::vector<Diagnostic> errors;
     std::copy_if(diagnostics_.begin(), diagnostics_.end(), std::back_inserter(errors),
                  [](const Diagnostic &d) { return d.severity == Severity::Error; });
-    throw UserError(std::move(errors));
+    const size_t omitted = errorCount_ - errors.size();
+    throw UserError(std::move(errors), omitted);
 }
 
 std::string ListChoices(std::string_view given, const std::vector<std::string> &choices) {
     if (choices.empty()) return "it takes none";
     std::string nearest;
     size_t best = std::max<size_t>(1, given.size() / 3) + 1;
+    constexpr size_t kMaxCompared = 100;  // bytes; longer names are no slips of the finger
     for (const std::string &c : choices) {
+        if (given.size() > kMaxCompared) break;
+        if (std::max(given.size(), c.size()) - std::min(given.size(), c.size()) >= best) continue;
         size_t d = EditDistance(given, c);
         if (d < best) {
             best = d;
@@ -127,9 +183,12 @@ std::string ListChoices(std::string_view given, const std::vector<std::string> &
         }
     }
     std::string out;
-    if (!nearest.empty()) out = fmt::format("did you mean \"{}\"? ", nearest);
+    if (!nearest.empty()) out = fmt::format("did you mean \"{}\"? ", Abbreviate(nearest));
     out += "valid: ";
-    for (size_t i = 0; i < choices.size(); ++i) out += (i ? ", " : "") + choices[i];
+    constexpr size_t kMaxListed = 100;
+    const size_t listed = choices.size() <= kMaxListed + 1 ? choices.size() : kMaxListed;
+    for (size_t i = 0; i < listed; ++i) out += (i ? ", " : "") + Abbreviate(choices[i]);
+    if (listed < choices.size()) out += fmt::format(" and {} more", choices.size() - listed);
     return out;
 }
 

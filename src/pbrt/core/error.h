@@ -35,18 +35,33 @@ struct Diagnostic {
 /// cut around the column. No trailing newline.
 std::string Format(const Diagnostic &d, bool color = false);
 
+/// How many errors, and how many warnings, are kept and shown; more are only counted.
+inline constexpr size_t kMaxDiagnostics = 100;
+
 /// The user's mistake. Thrown anywhere below cmd/, caught once in cmd/ (or in build/, which collects many).
 class UserError : public std::runtime_error {
   public:
     explicit UserError(std::string message, FileLoc loc = {});
-    explicit UserError(std::vector<Diagnostic> diagnostics);
+    /// `omitted`: errors beside these that were counted but not kept.
+    explicit UserError(std::vector<Diagnostic> diagnostics, size_t omitted = 0);
     const std::vector<Diagnostic> &Diagnostics() const { return diagnostics_; }
+    size_t Omitted() const { return omitted_; }
+    size_t Count() const { return diagnostics_.size() + omitted_; }
 
   private:
     std::vector<Diagnostic> diagnostics_;
+    size_t omitted_ = 0;
 };
 
-/// Collects everything wrong with a scene so that the user sees all of it at once.
+/// Everything the error says, one after the other, in time that is linear in the files it quotes; then how many errors
+/// are not shown. Ends with a newline.
+std::string FormatAll(const UserError &e, bool color = false);
+
+/// `text` as messages quote what a user wrote: cut to `maxBytes`, with "..." where it was cut, in one line.
+std::string Abbreviate(std::string_view text, size_t maxBytes = 60);
+
+/// Collects everything wrong with a scene so that the user sees all of it at once: the first kMaxDiagnostics errors and
+/// as many warnings, and the number of the other errors.
 class DiagnosticSink {
   public:
     void Error(const FileLoc &loc, std::string message);
@@ -54,19 +69,26 @@ class DiagnosticSink {
     void Warning(const FileLoc &loc, std::string message);
     /// Takes over what an exception carries.
     void Add(const UserError &e);
+    /// Takes over what another sink collected.
+    void Add(const DiagnosticSink &other);
 
     bool HasErrors() const { return errorCount_ > 0; }
     size_t ErrorCount() const { return errorCount_; }
+    /// True if a further error would only be counted: its message need not be composed with care.
+    bool IsFull() const { return errorCount_ >= kMaxDiagnostics; }
+    /// Errors that were counted but not kept.
+    size_t Omitted() const { return IsFull() ? errorCount_ - kMaxDiagnostics : 0; }
     const std::vector<Diagnostic> &All() const { return diagnostics_; }
     /// Throws one UserError with every error collected so far, if there is any. Warnings stay in the sink.
     void ThrowIfErrors() const;
 
   private:
     std::vector<Diagnostic> diagnostics_;
-    size_t errorCount_ = 0;
+    size_t errorCount_ = 0, warningCount_ = 0;
 };
 
-/// "did you mean 'x'?" helper: the valid choices as text, nearest one first named when it is near.
+/// "did you mean 'x'?" helper: the valid choices as text (some of them if they are many), nearest one first named when
+/// it is near.
 std::string ListChoices(std::string_view given, const std::vector<std::string> &choices);
 
 [[noreturn]] void CheckFailed(const char *expression, const char *file, int line, const std::string &values);

@@ -48,4 +48,9 @@ void RequireMemory(double bytes, const std::string &what, const FileLoc &loc) {
                         loc);
 }
 
+std::string OutOfMemoryText(const std::string &phase) {
+    return fmt::format("there is not enough memory{}{}: this process can use {}.", phase.empty() ? "" : " for ", phase,
+                       BytesText(UsableMemory()));
+}
+
 }  // namespace pbrt

@@ -16,4 +16,7 @@ std::string BytesText(double bytes);
 /// memory is allocated for something whose size the user chose.
 void RequireMemory(double bytes, const std::string &what, const FileLoc &loc);
 
+/// What to say of a std::bad_alloc during `phase` ("" if that is not known).
+std::string OutOfMemoryText(const std::string &phase);
+
 }  // namespace pbrt

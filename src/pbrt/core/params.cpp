@@ -68,6 +68,22 @@ Float ParamSet::GetFloat(std::string_view name, Float defaultValue) const {
     return p ? Single(*p, p->floats, what_) : defaultValue;
 }
 
+int ParamSet::GetInt(std::string_view name, int defaultValue, const Range<int> &range) const {
+    const Param *p = FindAndNote(name, ParamType::Integer);
+    if (!p) return defaultValue;
+    const int value = Single(*p, p->ints, what_);
+    Require(name, value, range);
+    return value;
+}
+
+Float ParamSet::GetFloat(std::string_view name, Float defaultValue, const Range<Float> &range) const {
+    const Param *p = FindAndNote(name, ParamType::Float);
+    if (!p) return defaultValue;
+    const Float value = Single(*p, p->floats, what_);
+    Require(name, value, range);
+    return value;
+}
+
 bool ParamSet::GetBool(std::string_view name, bool defaultValue) const {
     const Param *p = FindAndNote(name, ParamType::Bool);
     return p ? Single(*p, p->bools, what_) != 0 : defaultValue;
@@ -82,7 +98,7 @@ std::string ParamSet::GetChoice(std::string_view name, std::string_view defaultV
                                 const std::vector<std::string> &choices) const {
     std::string value = GetString(name, defaultValue);
     if (std::find(choices.begin(), choices.end(), value) == choices.end())
-        throw UserError(fmt::format("{}: \"{}\" is not a choice for \"{}\"; {}.", what_, value, name,
+        throw UserError(fmt::format("{}: \"{}\" is not a choice for \"{}\"; {}.", what_, Abbreviate(value), name,
                                     ListChoices(value, choices)),
                         LocOf(name));
     return value;
@@ -121,17 +137,21 @@ FileLoc ParamSet::LocOf(std::string_view name) const {
 void ParamSet::ReportUnused(DiagnosticSink &sink) const {
     for (const Param &p : params_) {
         if (p.used) continue;
+        if (sink.IsFull()) {
+            sink.Error(p.loc, "unused parameter.");
+            continue;
+        }
         auto asked = asked_.find(p.name);
         if (asked != asked_.end()) {
             std::string types;
             for (ParamType type : asked->second)
                 types += fmt::format("{}\"{} {}\"", types.empty() ? "" : " or ", Name(type), p.name);
-            sink.Error(p.loc, fmt::format("\"{} {}\": unused parameter: {} takes {}.", Name(p.type), p.name, what_, types));
+            sink.Error(p.loc, fmt::format("\"{} {}\": unused parameter: {} takes {}.", Name(p.type), Abbreviate(p.name), what_, types));
             continue;
         }
         std::vector<std::string> names;
         for (const auto &[name, types] : asked_) names.push_back(name);
-        sink.Error(p.loc, fmt::format("\"{} {}\": unused parameter of {}; {}.", Name(p.type), p.name, what_,
+        sink.Error(p.loc, fmt::format("\"{} {}\": unused parameter of {}; {}.", Name(p.type), Abbreviate(p.name), what_,
                                       ListChoices(p.name, names)));
     }
 }

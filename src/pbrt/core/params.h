@@ -19,6 +19,25 @@ enum class ParamType {
 /// "integer", "float", ...
 const char *Name(ParamType type);
 
+/// The values a number may have; the ends count unless they are open.
+template <class T>
+struct Range {
+    T low, high;
+    bool openLow = false, openHigh = false;
+    bool Contains(T v) const {  // false for not-a-number
+        return (openLow ? v > low : v >= low) && (openHigh ? v < high : v <= high);
+    }
+};
+/// Above 0 and at most `high`.
+constexpr Range<Float> Positive(Float high) { return {0, high, true, false}; }
+
+/// "at least 0 and below 180"
+template <class T>
+std::string Text(const Range<T> &range) {
+    return fmt::format("{} {} and {} {}", range.openLow ? "above" : "at least", range.low,
+                       range.openHigh ? "below" : "at most", range.high);
+}
+
 /// One parsed parameter. Exactly one of the value lists is filled: integers for Integer; bools for Bool; strings
 /// for String, Texture and named/file Spectrum; floats for everything else. Point/vector/rgb values are flattened.
 struct Param {
@@ -63,6 +82,9 @@ class ParamSet {
 
     int GetInt(std::string_view name, int defaultValue) const;
     Float GetFloat(std::string_view name, Float defaultValue) const;
+    /// A value that is given must lie in the range; the default is the caller's affair.
+    int GetInt(std::string_view name, int defaultValue, const Range<int> &range) const;
+    Float GetFloat(std::string_view name, Float defaultValue, const Range<Float> &range) const;
     bool GetBool(std::string_view name, bool defaultValue) const;
     std::string GetString(std::string_view name, std::string_view defaultValue) const;
     /// A string out of a closed set; anything else is an error that lists the choices.
@@ -74,6 +96,14 @@ class ParamSet {
     std::span<const Float> GetFloats(std::string_view name, ParamType type = ParamType::Float) const;
     std::span<const int> GetInts(std::string_view name) const;
     std::span<const std::string> GetStrings(std::string_view name) const;
+
+    /// An error for `name` if the value is outside the range.
+    template <class T>
+    void Require(std::string_view name, T value, const Range<T> &range) const {
+        if (!range.Contains(value))
+            throw UserError(fmt::format("{}: \"{}\" is {}; it must be {}.", what_, name, value, Text(range)),
+                            LocOf(name));
+    }
 
     /// Where to point at when complaining about `name`: its declaration if given, else the directive.
     FileLoc LocOf(std::string_view name) const;

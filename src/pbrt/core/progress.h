@@ -31,6 +31,8 @@ class Progress {
     void SetFraction(double fraction, double remainingSeconds);
     /// Returns the seconds the phase took.
     double EndPhase();
+    /// What is being done, or was done last.
+    const std::string &PhaseName() const { return phase_; }
 
     /// Asks all work to stop at the next safe point (Ctrl-C). Async-signal-safe.
     void Cancel() { cancelled_.store(true, std::memory_order_relaxed); }

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cstring>
 #include <istream>
+#include <limits>
 #include <ostream>
 
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
+#include "pbrt/core/memory.h"
 #include "pbrt/films/film_bounds.h"
-#include "pbrt/films/film_params.h"
 #include "pbrt/images/picture_name.h"
 
 namespace pbrt {
@@ -25,17 +26,13 @@ void CheckFilename(FilmKind kind, const std::string &filename, const FileLoc &lo
 }
 
 int GetExtent(const ParamSet &params, const char *name, int defaultValue, int divisor) {
-    int v = params.GetInt(name, defaultValue);
-    if (v < 1)
-        throw UserError(fmt::format("{}: \"{}\" is {}; it must be at least 1.", params.What(), name, v),
-                        params.LocOf(name));
-    return std::max(1, v / divisor);
+    return std::max(1, params.GetInt(name, defaultValue, {1, 1 << 20}) / divisor);
 }
 
 }  // namespace
 
 RgbFilm::RgbFilm(FilmKind kind, const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime,
-                 const FilmOverrides &overrides, DiagnosticSink &sink)
+                 const FilmOverrides &overrides, DiagnosticSink &sink, double furtherBytes)
     : kind_(kind), space_(&outputSpace), sensor_(PixelSensor::Make(params, outputSpace, exposureTime)),
       outputFromSensor_(outputSpace.RgbFromXyz() * sensor_.XyzFromSensor()) {
     fullResolution_ = {GetExtent(params, "xresolution", 1280, overrides.resolutionDivisor),
@@ -44,9 +41,16 @@ RgbFilm::RgbFilm(FilmKind kind, const ParamSet &params, const ColorSpace &output
     filename_ = params.GetString("filename", "pbrt.exr");
     if (!overrides.filename.empty()) filename_ = overrides.filename;
     CheckFilename(kind, filename_, overrides.filename.empty() ? params.LocOf("filename") : FileLoc());
-    diagonal_ = GetAboveZero(params, "diagonal", 35);
-    maxComponent_ = GetAboveZero(params, "maxcomponentvalue", Infinity);
+    diagonal_ = params.GetFloat("diagonal", 35, Positive(1e6f));
+    maxComponent_ =
+        params.GetFloat("maxcomponentvalue", Infinity, Positive(std::numeric_limits<Float>::max()));
     half_ = params.GetBool("savefp16", true) && !overrides.fullFloat;
+    // The sums, and the picture that is made of them when it is written.
+    const double bytes = static_cast<double>(sizeof(Pixel) + 3 * sizeof(float)) + furtherBytes;
+    RequireMemory(static_cast<double>(pixelBounds_.Area()) * bytes,
+                  fmt::format("{}: a picture of {} x {} pixels", params.What(), pixelBounds_.Width(),
+                              pixelBounds_.Height()),
+                  params.LocOf("xresolution"));
     pixels_.resize(static_cast<size_t>(pixelBounds_.Area()));
 }
 

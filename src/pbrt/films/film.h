@@ -33,7 +33,7 @@ class RgbFilm {
   public:
     RgbFilm(const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime, const FilmOverrides &overrides,
             DiagnosticSink &sink)
-        : RgbFilm(FilmKind::Rgb, params, outputSpace, exposureTime, overrides, sink) {}
+        : RgbFilm(FilmKind::Rgb, params, outputSpace, exposureTime, overrides, sink, 0) {}
     virtual ~RgbFilm() = default;
 
     FilmKind Kind() const { return kind_; }
@@ -59,8 +59,9 @@ class RgbFilm {
     void LoadState(std::istream &in);
 
   protected:
+    /// `furtherBytes`: of memory that the derived film needs for a pixel.
     RgbFilm(FilmKind kind, const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime,
-            const FilmOverrides &overrides, DiagnosticSink &sink);
+            const FilmOverrides &overrides, DiagnosticSink &sink, double furtherBytes);
 
     size_t IndexOf(Point2i pixel) const {
         Point2i p = pixel - pixelBounds_.low;

@@ -122,13 +122,9 @@ struct WindowedSincProfile {
     }
 };
 
-Float GetPositive(const ParamSet &params, const char *name, Float defaultValue) {
-    Float v = params.GetFloat(name, defaultValue);
-    if (!(v > 0) || !std::isfinite(v))
-        throw UserError(fmt::format("{}: \"{}\" is {}; it must be above 0.", params.What(), name, v),
-                        params.LocOf(name));
-    return v;
-}
+/// Of radii, in pixels: tables have 32 cells a pixel.
+constexpr Range<Float> kRadiusRange = Positive(1000);
+constexpr Range<Float> kWidthRange = Positive(1e6f), kSharpnessRange{-1000, 1000};
 
 template <class Profile>
 std::unique_ptr<Filter> Tabulate(const ParamSet &params, const Vector2 &radius, const Profile &x, const Profile &y) {
@@ -148,24 +144,25 @@ const std::vector<std::string> &SupportedFilters() {
 
 std::unique_ptr<Filter> MakeFilter(const std::string &type, const ParamSet &params) {
     auto radius = [&](Float defaultValue) {
-        Float x = GetPositive(params, "xradius", defaultValue);
-        return Vector2(x, GetPositive(params, "yradius", defaultValue));
+        return Vector2(params.GetFloat("xradius", defaultValue, kRadiusRange),
+                       params.GetFloat("yradius", defaultValue, kRadiusRange));
     };
     if (type == "box") return std::make_unique<BoxFilter>(radius(Float(0.5)));
     if (type == "triangle") return std::make_unique<TriangleFilter>(radius(2));
     if (type == "gaussian") {
         Vector2 r = radius(Float(1.5));
-        Float sigma = GetPositive(params, "sigma", Float(0.5));
+        Float sigma = params.GetFloat("sigma", Float(0.5), kWidthRange);
         return Tabulate(params, r, GaussianProfile{r.x, sigma}, GaussianProfile{r.y, sigma});
     }
     if (type == "mitchell") {
         Vector2 r = radius(2);
-        Float b = params.GetFloat("B", Float(1) / 3), c = params.GetFloat("C", Float(1) / 3);
+        Float b = params.GetFloat("B", Float(1) / 3, kSharpnessRange);
+        Float c = params.GetFloat("C", Float(1) / 3, kSharpnessRange);
         return Tabulate(params, r, MitchellProfile{r.x, b, c}, MitchellProfile{r.y, b, c});
     }
     if (type == "sinc") {
         Vector2 r = radius(4);
-        Float tau = GetPositive(params, "tau", 3);
+        Float tau = params.GetFloat("tau", 3, kWidthRange);
         return Tabulate(params, r, WindowedSincProfile{r.x, tau}, WindowedSincProfile{r.y, tau});
     }
     throw UserError(fmt::format("PixelFilter \"{}\" is unknown; {}.", type, ListChoices(type, SupportedFilters())),

@@ -1,10 +1,22 @@
 #include "pbrt/films/gbuffer_film.h"
 
+#include <array>
+
 namespace pbrt {
+
+namespace {
+
+constexpr std::array<const char *, 22> kFurtherChannels = {
+    "Albedo.R", "Albedo.G", "Albedo.B", "P.X",  "P.Y",  "P.Z", "dzdx", "dzdy", "N.X", "N.Y", "N.Z", "Ns.X", "Ns.Y",
+    "Ns.Z", "u", "v", "Variance.R", "Variance.G", "Variance.B", "RelativeVariance.R", "RelativeVariance.G",
+    "RelativeVariance.B"};
+
+}  // namespace
 
 GBufferFilm::GBufferFilm(const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime,
                          const FilmOverrides &overrides, DiagnosticSink &sink)
-    : RgbFilm(FilmKind::GBuffer, params, outputSpace, exposureTime, overrides, sink),
+    : RgbFilm(FilmKind::GBuffer, params, outputSpace, exposureTime, overrides, sink,
+              static_cast<double>(sizeof(Pixel) + kFurtherChannels.size() * sizeof(float))),
       coordinates_(params.GetChoice("coordinatesystem", "camera", {"camera", "world"}) == "camera"
                        ? CoordinateSystem::Camera
                        : CoordinateSystem::World),
@@ -38,9 +50,7 @@ void GBufferFilm::AddSample(Point2i pixel, const SampledSpectrum &L, const Sampl
 }
 
 Image GBufferFilm::ToImage() const {
-    Image image = MakeImage({"Albedo.R", "Albedo.G", "Albedo.B", "P.X", "P.Y", "P.Z", "dzdx", "dzdy", "N.X", "N.Y",
-                             "N.Z", "Ns.X", "Ns.Y", "Ns.Z", "u", "v", "Variance.R", "Variance.G", "Variance.B",
-                             "RelativeVariance.R", "RelativeVariance.G", "RelativeVariance.B"});
+    Image image = MakeImage({kFurtherChannels.begin(), kFurtherChannels.end()});
     const Pixel *pixel = pixels_.data();
     size_t index = 0;
     for (int y = 0; y < image.Resolution().y; ++y)

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "pbrt/films/film_params.h"
 #include "pbrt/spectra/rgb_primaries.h"
 
 namespace pbrt {
@@ -61,12 +60,8 @@ PixelSensor PixelSensor::Make(const ParamSet &params, const ColorSpace &outputSp
     if (std::find(known.begin(), known.end(), name) == known.end())
         throw UserError(fmt::format("Sensor \"{}\" is unknown; {}.", name, ListChoices(name, known)),
                         params.LocOf("sensor"));
-    const Float imagingRatio = exposureTime * GetAboveZero(params, "iso", 100) / 100;
-    Float whiteBalance = params.GetFloat("whitebalance", 0);
-    if (whiteBalance < 0)
-        throw UserError(fmt::format("{}: \"whitebalance\" is {} K; it must be above 0, or 0 for the default.",
-                                    params.What(), whiteBalance),
-                        params.LocOf("whitebalance"));
+    const Float imagingRatio = exposureTime * params.GetFloat("iso", 100, Positive(1e9f)) / 100;
+    Float whiteBalance = params.GetFloat("whitebalance", 0, {0, 1e6f});  // K; 0: the default
     if (name == "cie1931") {
         glm::mat3 balance(1);
         if (whiteBalance > 0)

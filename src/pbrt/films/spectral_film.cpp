@@ -2,27 +2,22 @@
 
 #include <algorithm>
 
-#include "pbrt/films/film_params.h"
-
 namespace pbrt {
+
+namespace {
+
+int ReadBucketCount(const ParamSet &params) { return params.GetInt("nbuckets", 16, {1, 1 << 16}); }
+
+}  // namespace
 
 SpectralFilm::SpectralFilm(const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime,
                            const FilmOverrides &overrides, DiagnosticSink &sink)
-    : RgbFilm(FilmKind::Spectral, params, outputSpace, exposureTime, overrides, sink) {
-    bucketCount_ = params.GetInt("nbuckets", 16);
-    if (bucketCount_ < 1)
-        throw UserError(fmt::format("{}: \"nbuckets\" is {}; it must be at least 1.", params.What(), bucketCount_),
-                        params.LocOf("nbuckets"));
-    auto wavelength = [&](const char *name, Float defaultValue) {
-        Float v = params.GetFloat(name, defaultValue);
-        if (!(v >= LambdaMin && v <= LambdaMax))
-            throw UserError(fmt::format("{}: \"{}\" is {} nm; it must be within {} to {} nm.", params.What(), name, v,
-                                        LambdaMin, LambdaMax),
-                            params.LocOf(name));
-        return v;
-    };
-    low_ = wavelength("lambdamin", LambdaMin);
-    high_ = wavelength("lambdamax", LambdaMax);
+    : RgbFilm(FilmKind::Spectral, params, outputSpace, exposureTime, overrides, sink,
+              ReadBucketCount(params) * static_cast<double>(sizeof(Bucket) + sizeof(float))) {
+    bucketCount_ = ReadBucketCount(params);
+    constexpr Range<Float> kVisible{LambdaMin, LambdaMax};  // nm
+    low_ = params.GetFloat("lambdamin", LambdaMin, kVisible);
+    high_ = params.GetFloat("lambdamax", LambdaMax, kVisible);
     if (!(low_ < high_))
         throw UserError(fmt::format("{}: \"lambdamin\" is {} nm, \"lambdamax\" {} nm; the range is empty.",
                                     params.What(), low_, high_),

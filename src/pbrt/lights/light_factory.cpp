@@ -13,6 +13,7 @@
 #include "pbrt/lights/projection_light.h"
 #include "pbrt/lights/spot_light.h"
 #include "pbrt/math/warps.h"
+#include "pbrt/shapes/extent.h"
 #include "pbrt/spectra/spectrum_params.h"
 
 namespace pbrt {
@@ -37,7 +38,12 @@ struct LightInput {
             throw UserError(
                 fmt::format("{}: expected one point for \"point3 {}\", found {}.", params.What(), name, v.size() / 3),
                 params.LocOf(name));
+        for (Float coordinate : v) params.Require(name, coordinate, kCoordinateRange);
         return {v[0], v[1], v[2]};
+    }
+    /// An error if the light is too far away.
+    void RequirePosition(const Point3 &p) const {
+        RequireReach(params.What(), renderFromLight, Bounds3(p), params.Loc());
     }
     /// Unit vector between the points "from" and "to".
     Vector3 FromTo(const Point3 &from, const Point3 &to) const {
@@ -52,10 +58,7 @@ struct LightInput {
 
 /// `scale` so that an emission of scale 1 is one photometric unit.
 Float PhotometricScale(const LightInput &in, const Spectrum &emission, const char *name) {
-    Float scale = in.params.GetFloat("scale", 1), photometric = SpectrumToPhotometric(emission);
-    if (!(scale >= 0))
-        throw UserError(fmt::format("{}: \"scale\" is {}; it must be at least 0.", in.params.What(), scale),
-                        in.params.LocOf("scale"));
+    Float scale = in.params.GetFloat("scale", 1, kBrightnessRange), photometric = SpectrumToPhotometric(emission);
     if (!(photometric > 0)) {
         // Black light is legal; anything else that has no luminous part cannot be brought to photometric units.
         if (!(emission.MaxValue() > 0)) return 0;
@@ -81,26 +84,24 @@ void RequireSquare(const LightInput &in, const LightImage &light) {
 std::unique_ptr<Light> MakePoint(const LightInput &in) {
     SpectrumPtr intensity = in.Emission("I");
     Float scale = PhotometricScale(in, *intensity, "I");
-    Float power = in.params.GetFloat("power", -1);
+    Float power = in.params.GetFloat("power", -1, kPowerRange);
     if (power > 0) scale *= power / (4 * Pi);
     Point3 from = in.GetPoint("from", {0, 0, 0});
+    in.RequirePosition(from);
     return std::make_unique<PointLight>(in.renderFromLight.Point(from), InternSpectrum(*intensity), scale);
 }
 
 std::unique_ptr<Light> MakeSpot(const LightInput &in) {
     SpectrumPtr intensity = in.Emission("I");
     Float scale = PhotometricScale(in, *intensity, "I");
-    Float coneAngle = in.params.GetFloat("coneangle", 30), delta = in.params.GetFloat("conedeltaangle", 5);
-    Float power = in.params.GetFloat("power", -1);
+    Float coneAngle = in.params.GetFloat("coneangle", 30, Positive(180)), delta = in.params.GetFloat("conedeltaangle", 5);
+    Float power = in.params.GetFloat("power", -1, kPowerRange);
     Point3 from = in.GetPoint("from", {0, 0, 0}), to = in.GetPoint("to", {0, 0, 1});
-    if (!(coneAngle > 0 && coneAngle <= 180))
-        throw UserError(fmt::format("{}: \"coneangle\" is {}; it must be above 0 and at most 180 degrees.",
-                                    in.params.What(), coneAngle),
-                        in.params.LocOf("coneangle"));
     if (!(delta >= 0 && delta <= 2 * coneAngle))
         throw UserError(fmt::format("{}: \"conedeltaangle\" is {}; it must be from 0 to twice the cone angle ({}).",
                                     in.params.What(), delta, 2 * coneAngle),
                         in.params.LocOf("conedeltaangle"));
+    in.RequirePosition(from);
     // A falloff wider than the cone starts on the other side of the axis; only its cosine counts.
     Float falloffStart = std::abs(coneAngle - delta);
     if (power > 0) scale *= power / SpotLight::PowerPerIntensity(coneAngle, falloffStart);
@@ -111,7 +112,7 @@ std::unique_ptr<Light> MakeSpot(const LightInput &in) {
 std::unique_ptr<Light> MakeDistant(const LightInput &in) {
     SpectrumPtr radiance = in.Emission("L");
     Float scale = PhotometricScale(in, *radiance, "L");
-    Float illuminance = in.params.GetFloat("illuminance", -1);
+    Float illuminance = in.params.GetFloat("illuminance", -1, kPowerRange);
     Point3 from = in.GetPoint("from", {0, 0, 0}), to = in.GetPoint("to", {0, 0, 1});
     if (illuminance > 0) scale *= illuminance;
     Vector3 wi = Normalize(in.renderFromLight.Vector(-in.FromTo(from, to)));
@@ -129,7 +130,8 @@ Float PowerFactor(const LightInput &in, Float power, Float emitted, const std::s
 std::unique_ptr<Light> MakeGoniometric(const LightInput &in) {
     SpectrumPtr intensity = in.Emission("I");
     Float scale = PhotometricScale(in, *intensity, "I");
-    Float power = in.params.GetFloat("power", -1);
+    Float power = in.params.GetFloat("power", -1, kPowerRange);
+    in.RequirePosition({0, 0, 0});
     LightImage light;
     if (in.params.GetString("filename", "").empty()) {
         in.sink.Warning(
@@ -147,15 +149,12 @@ std::unique_ptr<Light> MakeGoniometric(const LightInput &in) {
 }
 
 std::unique_ptr<Light> MakeProjection(const LightInput &in) {
-    Float fov = in.params.GetFloat("fov", 90), power = in.params.GetFloat("power", -1);
+    Float fov = in.params.GetFloat("fov", 90, {0, 180, true, true}), power = in.params.GetFloat("power", -1, kPowerRange);
     in.params.GetFloat("scale", 1);
-    if (!(fov > 0 && fov < 180))
-        throw UserError(
-            fmt::format("{}: \"fov\" is {}; it must be above 0 and below 180 degrees.", in.params.What(), fov),
-            in.params.LocOf("fov"));
     if (in.params.GetString("filename", "").empty())
         throw UserError(fmt::format("{}: \"filename\" is missing: the image to be projected.", in.params.What()),
                         in.params.LocOf("filename"));
+    in.RequirePosition({0, 0, 0});
     LightImage light = ReadLightImage(in.params, "filename", in.files);
     Float scale = PhotometricScale(in, light.colorSpace->Illuminant(), "filename");
     if (power > 0)
@@ -187,6 +186,7 @@ std::optional<std::array<Point3, 4>> GetPortal(const LightInput &in) {
         throw UserError(fmt::format("{}: \"portal\" takes the 4 corners of a rectangle, found {} points.",
                                     in.params.What(), v.size() / 3),
                         loc);
+    for (Float coordinate : v) in.params.Require("portal", coordinate, kCoordinateRange);
     std::array<Point3, 4> p;
     for (size_t i = 0; i < 4; ++i) p[i] = {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
     Vector3 x = p[3] - p[0], y = p[1] - p[0];
@@ -230,7 +230,7 @@ std::unique_ptr<Light> MakeInfinite(const LightInput &in) {
     const ParamSet &params = in.params;
     SpectrumPtr radiance = GetSpectrum(params, "L", nullptr, SpectrumUse::Illuminant, in.files);
     bool hasImage = !params.GetString("filename", "").empty();
-    Float illuminance = params.GetFloat("illuminance", -1);
+    Float illuminance = params.GetFloat("illuminance", -1, kPowerRange);
     params.GetFloat("scale", 1);
     std::optional<std::array<Point3, 4>> portal = GetPortal(in);
     if (radiance && hasImage)
@@ -274,6 +274,9 @@ std::unique_ptr<Light> MakeLight(const std::string &type, const ParamSet &params
                                  const Transform &renderFromWorld, const ColorSpace &colorSpace,
                                  const FileResolver &files, DiagnosticSink &sink) {
     LightInput in{params, renderFromLight, renderFromWorld, colorSpace, files, sink};
+    if (type != "point" && renderFromLight.IsSingular())  // the others have a direction
+        throw UserError(fmt::format("{}: the current transformation flattens it (its matrix is singular).", params.What()),
+                        params.Loc());
     if (type == "point") return MakePoint(in);
     if (type == "spot") return MakeSpot(in);
     if (type == "distant") return MakeDistant(in);
@@ -304,7 +307,7 @@ AreaLightMaker::AreaLightMaker(const std::string &type, const ParamSet &params, 
     SpectrumPtr radiance = GetSpectrum(params, "L", nullptr, SpectrumUse::Illuminant, files);
     bool hasImage = !params.GetString("filename", "").empty();
     emission->twoSided = params.GetBool("twosided", false);
-    emission->power = params.GetFloat("power", -1);
+    emission->power = params.GetFloat("power", -1, kPowerRange);
     params.GetFloat("scale", 1);
     if (radiance && hasImage)
         throw UserError(fmt::format("{}: \"L\" and \"filename\" exclude each other.", params.What()),

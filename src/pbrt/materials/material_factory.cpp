@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "pbrt/core/limits.h"
 #include "pbrt/materials/coated_materials.h"
 #include "pbrt/materials/conductor_material.h"
 #include "pbrt/materials/dielectric_materials.h"
@@ -33,7 +34,8 @@ struct Request {
     FloatInput Number(const std::string &name, Float defaultValue) const {
         return FloatInput(textures.GetFloat(params, name, defaultValue));
     }
-    /// A dielectric's index of refraction is positive. Tables are 0 beyond their ends, where stock takes 1.
+    /// A dielectric's index of refraction is positive; no index is above kMaxIndex, whose square is finite. Tables are 0
+    /// beyond their ends, where stock takes 1.
     void CheckIndex(const std::string &name, const Spectrum &eta, bool isMetal = false) const {
         Float low = Infinity, high = -Infinity;
         for (Float nm = LambdaMin; nm <= LambdaMax; ++nm) {
@@ -41,6 +43,10 @@ struct Request {
             high = std::max(high, eta(nm));
         }
         const bool isTable = !dynamic_cast<const ConstantSpectrum *>(&eta);
+        constexpr Float kMaxIndex = 1e6f;
+        if (high > kMaxIndex)
+            throw UserError(fmt::format("{}: \"{}\" is {}; it must be at most {}.", params.What(), name, high, kMaxIndex),
+                            params.LocOf(name));
         if (low >= 0 && (isMetal || isTable || high > 0)) return;
         throw UserError(fmt::format("{}: \"{}\" {} {}; it must {}.", params.What(), name,
                                     low == high ? "is" : "goes down to", low,
@@ -81,14 +87,8 @@ struct Request {
     /// `prefix` applies to the coat's roughness and index only.
     CoatInput Coat(const std::string &prefix, bool remap) const {
         return {Roughness(prefix, remap), Index(prefix + "eta"), Number("thickness", Float(0.01)), Albedo("albedo", 0),
-                Number("g", 0), AtLeast("maxdepth", 10, 0), AtLeast("nsamples", 1, 1)};
-    }
-    int AtLeast(const std::string &name, int defaultValue, int low) const {
-        int v = params.GetInt(name, defaultValue);
-        if (v < low)
-            throw UserError(fmt::format("{}: \"{}\" is {}; it must be at least {}.", params.What(), name, v, low),
-                            params.LocOf(name));
-        return v;
+                Number("g", 0), params.GetInt("maxdepth", 10, {0, 1 << 16}),
+                params.GetInt("nsamples", 1, {1, 1 << 16})};
     }
 };
 
@@ -207,10 +207,7 @@ SubsurfaceMatter ReadSubsurfaceMatter(const Request &r) {
 
 SurfacePtr MakeSubsurface(const Request &r) {
     SubsurfaceMatter matter = ReadSubsurfaceMatter(r);
-    Float g = r.params.GetFloat("g", 0);
-    if (!(std::abs(g) < 1))
-        throw UserError(fmt::format("{}: \"g\" is {}; it must be between -1 and 1.", r.params.What(), g),
-                        r.params.LocOf("g"));
+    Float g = r.params.GetFloat("g", 0, {-1, 1, true, true});
     if (g != 0 && !r.params.GetString("name", "").empty()) {
         r.sink.Warning(r.params.LocOf("g"), fmt::format("{}: \"g\" has no effect beside \"name\".", r.params.What()));
         g = 0;
@@ -243,7 +240,7 @@ MaterialPtr MakeMix(const Request &r) {
             throw UserError(e.Diagnostics().front().message, loc);
         }
         if (!materials[i])
-            throw UserError(fmt::format("{}: there is no material \"{}\" here.", r.params.What(), names[i]), loc);
+            throw UserError(fmt::format("{}: there is no material \"{}\" here.", r.params.What(), Abbreviate(names[i])), loc);
         if (materials[i]->IsInterface())
             throw UserError(
                 fmt::format("{}: \"{}\" is an interface, which cannot be mixed.", r.params.What(), names[i]), loc);
@@ -254,6 +251,8 @@ MaterialPtr MakeMix(const Request &r) {
                                 materials[1]->NeedsFootprint();
     auto mix = std::make_shared<MixMaterial>(std::move(materials), amount, Hash(HashText(names[0]), HashText(names[1])));
     mix->SetNeedsFootprint(needsFootprint);
+    if (mix->Depth() > kMaxNesting)
+        throw UserError(fmt::format("{}: mixes are nested more than {} deep here.", r.params.What(), kMaxNesting), loc);
     return mix;
 }
 

@@ -6,8 +6,11 @@ namespace {
 
 FloatInput ReadDirection(const ParamSet &params, TextureLibrary &textures, const std::string &prefix,
                          const std::string &name) {
-    FloatTexturePtr own = textures.GetFloatOrNull(params, prefix + name);
-    return FloatInput(own ? own : textures.GetFloat(params, prefix + "roughness", 0));
+    std::string given = prefix + name;
+    FloatTexturePtr texture = textures.GetFloatOrNull(params, given);
+    if (!texture) texture = textures.GetFloat(params, given = prefix + "roughness", 0);
+    if (auto constant = texture->Constant()) params.Require<Float>(given, *constant, {0, 1e6f});
+    return FloatInput(std::move(texture));
 }
 
 }  // namespace

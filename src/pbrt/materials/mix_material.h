@@ -25,6 +25,8 @@ class MixMaterial final : public Material {
     }
     void PerturbShading(SurfacePoint &point) const override { Resolve(point)->PerturbShading(point); }
     const Material *Resolve(const SurfacePoint &point) const override;
+    /// How many mixes lie one inside the other.
+    int Depth() const { return depth_; }
 
   private:
     size_t Choose(const SurfacePoint &point) const;
@@ -33,6 +35,7 @@ class MixMaterial final : public Material {
     std::array<const MixMaterial *, 2> mixes_;  ///< the operands that are mixes themselves, else null
     FloatInput amount_;
     uint64_t pairId_;
+    int depth_ = 1;
 };
 
 }  // namespace pbrt

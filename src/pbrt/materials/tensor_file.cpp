@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "pbrt/core/error.h"
@@ -59,6 +60,7 @@ TensorFile TensorFile::Read(const std::string &path) {
     TensorFile file;
     file.path_ = path;
     const uint32_t count = bytes.Next<uint32_t>();
+    uint64_t total = 0;
     for (uint32_t i = 0; i < count; ++i) {
         Field field;
         field.name = bytes.Text(bytes.Next<uint16_t>());
@@ -72,7 +74,11 @@ TensorFile TensorFile::Read(const std::string &path) {
             size *= extent;
             field.shape.push_back(extent);
         }
-        if (type == kFloat32) field.values = bytes.FloatsAt(offset, size);
+        if (type == kFloat32) {
+            total += size;
+            if (total > bytes.Size() / sizeof(float)) bytes.Fail("has fields that overlap");
+            field.values = bytes.FloatsAt(offset, size);
+        }
         file.fields_.push_back(std::move(field));
     }
     return file;
@@ -84,6 +90,10 @@ const TensorFile::Field &TensorFile::Get(const std::string &name, size_t dimensi
         if (field.shape.size() != dimensions || field.values.empty())
             throw UserError(
                 fmt::format("{}: field \"{}\" must be 32 bit floats in {} dimensions.", path_, name, dimensions));
+        for (size_t i = 0; i < field.values.size(); ++i)
+            if (!std::isfinite(field.values[i]))
+                throw UserError(fmt::format("{}: field \"{}\": value {} is {}; all must be finite.", path_, name, i,
+                                            field.values[i]));
         return field;
     }
     throw UserError(fmt::format("{}: field \"{}\" is missing.", path_, name));

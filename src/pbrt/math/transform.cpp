@@ -14,6 +14,13 @@ glm::mat4 Transform::InverseOf(const glm::mat4 &m) {
     return inverse;
 }
 
+bool Transform::IsFinite() const {
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 4; ++r)
+            if (!std::isfinite(m_[c][r])) return false;
+    return true;
+}
+
 Transform Transform::FromFile(const std::array<Float, 16> &v) { return Transform(glm::make_mat4(v.data())); }
 
 Transform Transform::Translate(const Vector3 &t) {

@@ -34,7 +34,10 @@ class Transform {
     bool IsIdentity() const { return m_ == glm::mat4(1); }
     /// True if the upper 3x3 part mirrors.
     bool SwapsHandedness() const { return Determinant3() < 0; }
-    bool IsSingular() const { return !(std::abs(Determinant3()) > 0); }
+    /// True if it flattens, or nearly so: the inverse has no finite elements.
+    bool IsSingular() const { return !(std::abs(Determinant3()) > 0) || !Transform(inverse_, m_).IsFinite(); }
+    /// False if an element (not of the inverse) is infinite or not a number.
+    bool IsFinite() const;
 
     /// Points; the homogeneous divide happens only for projective matrices.
     Point3 Point(const Point3 &p) const { return Apply(m_, p); }

@@ -38,16 +38,12 @@ Randomization ReadRandomization(const ParamSet &params, Randomization defaultVal
 
 namespace {
 
-int CheckedPositive(const ParamSet &params, const char *name, int value) {
-    if (value < 1)
-        throw UserError(fmt::format("{}: \"{}\" is {}; it must be at least 1.", params.What(), name, value),
-                        params.LocOf(name));
-    return value;
-}
+constexpr Range<int> kSampleRange{1, 1 << 30};
 
 int ReadSamples(const ParamSet &params, int defaultValue, int sppOverride) {
-    int samples = params.GetInt("pixelsamples", defaultValue);
-    return sppOverride > 0 ? sppOverride : CheckedPositive(params, "pixelsamples", samples);
+    if (sppOverride <= 0) return params.GetInt("pixelsamples", defaultValue, kSampleRange);
+    params.GetInt("pixelsamples", defaultValue);
+    return sppOverride;
 }
 
 std::unique_ptr<Sampler> MakeStratified(const ParamSet &params, int sppOverride, int seed) {
@@ -58,8 +54,8 @@ std::unique_ptr<Sampler> MakeStratified(const ParamSet &params, int sppOverride,
         for (y = static_cast<int>(std::sqrt(double(sppOverride)) + 0.5); y > 1 && sppOverride % y != 0;) --y;
         x = sppOverride / y;
     } else {
-        CheckedPositive(params, "xsamples", x);
-        CheckedPositive(params, "ysamples", y);
+        params.Require("xsamples", x, kSampleRange);
+        params.Require("ysamples", y, kSampleRange);
         if (int64_t(x) * y > (1 << 30))
             throw UserError(fmt::format("{}: {} x {} samples are too many.", params.What(), x, y),
                             params.LocOf("xsamples"));

@@ -36,10 +36,15 @@ void DescriptionBuilder::WrongBlock(std::string_view word, const FileLoc &loc) {
 
 // Transformations
 
-void DescriptionBuilder::Concat(const Transform &t) {
+void DescriptionBuilder::Concat(const Transform &t, const FileLoc &loc) {
     GraphicsState &s = State();
-    if (s.startActive) s.ctm.start = s.ctm.start * t;
-    if (s.endActive) s.ctm.end = s.ctm.end * t;
+    TransformPair next = s.ctm;
+    if (s.startActive) next.start = next.start * t;
+    if (s.endActive) next.end = next.end * t;
+    if (next.start.IsFinite() && next.end.IsFinite())
+        s.ctm = next;
+    else
+        sink_.Error(loc, "With this the current transformation has elements beyond the largest 32-bit float, 3.4e+38.");
 }
 
 void DescriptionBuilder::SetTransform(const Transform &t) {
@@ -86,7 +91,7 @@ void DescriptionBuilder::Fill(Entity &entity, const std::string &type, const cha
     entity.type = type;
     entity.loc = loc;
     entity.colorSpace = units_.back().state.colorSpace;
-    entity.params = MakeParams(fmt::format("{} \"{}\"", directive, type), std::move(params), loc, target);
+    entity.params = MakeParams(fmt::format("{} \"{}\"", directive, Abbreviate(type)), std::move(params), loc, target);
 }
 
 void DescriptionBuilder::SetCamera(const std::string &type, Params params, const FileLoc &loc) {
@@ -135,12 +140,23 @@ void DescriptionBuilder::WorldBegin() {
     units_.back().coordinateSystems["world"] = s.ctm;
 }
 
+void DescriptionBuilder::CountFile(const FileLoc &loc) {
+    constexpr size_t kMaxFiles = 20'000;
+    if (++fileCount_ > kMaxFiles)
+        throw UserError(fmt::format("More than {} files are included or imported.", kMaxFiles), loc);
+}
+
 // Blocks
 
-void DescriptionBuilder::BeginAttributes(const FileLoc &loc) {
+void DescriptionBuilder::OpenBlockAt(const FileLoc &loc, BlockKind kind) {
+    constexpr size_t kMaxBlocks = size_t(1) << 17;
     Unit &unit = units_.back();
-    unit.blocks.push_back({BlockKind::Attributes, loc, unit.state, unit.object});
+    if (unit.blocks.size() >= kMaxBlocks)
+        throw UserError(fmt::format("Blocks are nested more than {} deep.", kMaxBlocks), loc);
+    unit.blocks.push_back({kind, loc, unit.state, unit.object});
 }
+
+void DescriptionBuilder::BeginAttributes(const FileLoc &loc) { OpenBlockAt(loc, BlockKind::Attributes); }
 
 void DescriptionBuilder::EndAttributes(const FileLoc &loc) { CloseBlock(BlockKind::Attributes, loc); }
 
@@ -194,7 +210,7 @@ void DescriptionBuilder::BeginObject(const std::string &name, const FileLoc &loc
         object = static_cast<int>(index->second);
         scene_.objects[index->second] = {name, loc, {}};
     }
-    unit.blocks.push_back({BlockKind::Object, loc, unit.state, unit.object});
+    OpenBlockAt(loc, BlockKind::Object);
     unit.object = object;
 }
 
@@ -390,6 +406,13 @@ void DescriptionBuilder::FillDefaults(const FileLoc &where) {
     fill(scene_.accelerator, hasAccelerator_, "bvh", "Accelerator");
 }
 
+/// ListChoices, or `none`. It takes time, which a message that is not kept is not worth: there may be as many messages
+/// as there are names.
+std::string DescriptionBuilder::ListNames(const std::string &given, const std::vector<std::string> &names,
+                                          const char *none) const {
+    return names.empty() || sink_.IsFull() ? none : ListChoices(given, names);
+}
+
 void DescriptionBuilder::CheckMaterials() {
     struct Missing {
         FileLoc firstUse;
@@ -408,8 +431,9 @@ void DescriptionBuilder::CheckMaterials() {
     for (const auto &[name, loc] : materialNames_) names.push_back(name);
     for (const auto &[name, m] : missing)
         sink_.Error(m.firstUse, fmt::format("This shape uses the named material \"{}\", which is not defined{}; {}.",
-                                            name, m.shapes > 1 ? fmt::format(" (so do {} others)", m.shapes - 1) : "",
-                                            names.empty() ? "no material is" : ListChoices(name, names)));
+                                            Abbreviate(name),
+                                            m.shapes > 1 ? fmt::format(" (so do {} others)", m.shapes - 1) : "",
+                                            ListNames(name, names, "no material is")));
 }
 
 void DescriptionBuilder::CheckMedia() {
@@ -418,8 +442,8 @@ void DescriptionBuilder::CheckMedia() {
     for (const MediumEntity &m : scene_.media) names.push_back(m.name);
     auto check = [&](const std::string &name, const FileLoc &loc) {
         if (name.empty() || mediumIndex_.contains(name) || !reported.insert(name).second) return;
-        sink_.Error(loc, fmt::format("Medium \"{}\" is used here but not defined; {}.", name,
-                                     names.empty() ? "no medium is" : ListChoices(name, names)));
+        sink_.Error(loc, fmt::format("Medium \"{}\" is used here but not defined; {}.", Abbreviate(name),
+                                     ListNames(name, names, "no medium is")));
     };
     check(scene_.camera.medium, scene_.camera.loc);
     for (const LightEntity &light : scene_.lights) check(light.medium, light.loc);
@@ -440,9 +464,9 @@ void DescriptionBuilder::ResolveInstances() {
     std::erase_if(scene_.instances, [&](const InstanceEntity &instance) {
         auto found = objectIndex_.find(instance.name);
         if (found != objectIndex_.end()) return scene_.objects[found->second].shapes.empty();
-        if (reported.insert(instance.name).second)
-            sink_.Error(instance.loc, fmt::format("Object \"{}\" is not defined; {}.", instance.name,
-                                                  names.empty() ? "no object is" : ListChoices(instance.name, names)));
+        if (!reported.insert(instance.name).second) return true;
+        sink_.Error(instance.loc, fmt::format("Object \"{}\" is not defined; {}.", Abbreviate(instance.name),
+                                              ListNames(instance.name, names, "no object is")));
         return true;
     });
     std::erase_if(scene_.objects, [](const ObjectEntity &object) { return object.shapes.empty(); });

@@ -29,7 +29,7 @@ class DescriptionBuilder {
     void WrongBlock(std::string_view word, const FileLoc &loc);
 
     // Transformations.
-    void Concat(const Transform &t);
+    void Concat(const Transform &t, const FileLoc &loc);
     void SetTransform(const Transform &t);
     void DefineCoordinateSystem(const std::string &name);
     void UseCoordinateSystem(const std::string &name, const FileLoc &loc);
@@ -43,6 +43,10 @@ class DescriptionBuilder {
     void SetIntegrator(const std::string &type, Params params, const FileLoc &loc);
     void SetAccelerator(const std::string &type, Params params, const FileLoc &loc);
     void WorldBegin();
+
+    /// Another file is read at `loc`. Throws UserError when there were so many that they must multiply by including each
+    /// other.
+    void CountFile(const FileLoc &loc);
 
     // Blocks.
     void BeginAttributes(const FileLoc &loc);
@@ -98,9 +102,11 @@ class DescriptionBuilder {
     void TakeTypeParameter(Entity &entity, const char *directive);
     /// The CTM pair for something that cannot move: the start transform, with a warning if the two differ.
     TransformPair Unmoving(const char *what, const FileLoc &loc);
+    void OpenBlockAt(const FileLoc &loc, BlockKind kind);
     void CloseBlock(BlockKind kind, const FileLoc &loc);
     void ReportOpenBlocks();
     void FillDefaults(const FileLoc &where);
+    std::string ListNames(const std::string &given, const std::vector<std::string> &names, const char *none) const;
     void CheckMaterials();
     void CheckMedia();
     void ResolveInstances();
@@ -108,6 +114,7 @@ class DescriptionBuilder {
     DiagnosticSink &sink_;
     SceneDescription scene_;
     std::vector<Unit> units_;
+    size_t fileCount_ = 0;
     bool inWorld_ = false, warnedTransformBlock_ = false;
     bool hasCamera_ = false, hasFilm_ = false, hasSampler_ = false, hasFilter_ = false, hasIntegrator_ = false,
          hasAccelerator_ = false;

@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "pbrt/core/limits.h"
+
 namespace pbrt {
 
 struct DirectiveReader::Directive {
@@ -74,7 +76,7 @@ void DirectiveReader::Run() {
         bool isNumber = word.text.find_first_of("0123456789+-.") == 0;
         if (word.kind != TokenKind::Word || isNumber)
             arguments_.Fail(word, fmt::format("Expected a directive, found {0}{1}{0}{2}.",
-                                              word.kind == TokenKind::String ? "\"" : "", word.text,
+                                              word.kind == TokenKind::String ? "\"" : "", Abbreviate(word.text),
                                               isNumber ? " (several values need [ ] around them)" : ""));
         auto found = Directives().find(word.text);
         if (found == Directives().end()) {
@@ -108,7 +110,7 @@ void DirectiveReader::Unknown(const Token &word) {
     std::vector<std::string> words;
     for (const auto &[known, directive] : Directives()) words.emplace_back(known);
     std::sort(words.begin(), words.end());
-    std::string shown(word.text.substr(0, 60));
+    const std::string shown = Abbreviate(word.text);
     std::string message = fmt::format("Unknown directive: {}; {}.", shown, ListChoices(shown, words));
     constexpr int kMost = 5;
     if (++unknownWords_ == kMost) arguments_.Fail(word, message + " Too many unknown directives: giving up here.");
@@ -146,21 +148,22 @@ Transform DirectiveReader::ReadMatrix() {
 
 void DirectiveReader::ReadIdentity() { builder_.SetTransform(Transform()); }
 void DirectiveReader::ReadTransform() { builder_.SetTransform(ReadMatrix()); }
-void DirectiveReader::ReadConcatTransform() { builder_.Concat(ReadMatrix()); }
-void DirectiveReader::ReadTranslate() { builder_.Concat(Transform::Translate(ReadVector())); }
+void DirectiveReader::ReadConcatTransform() { builder_.Concat(ReadMatrix(), here_); }
+void DirectiveReader::ReadTranslate() { builder_.Concat(Transform::Translate(ReadVector()), here_); }
 
 void DirectiveReader::ReadScale() {
     Vector3 s = ReadVector();
     if (s.x == 0 || s.y == 0 || s.z == 0)
         builder_.Sink().Warning(here_, "A scale of 0 cannot be inverted: it flattens what it transforms.");
-    builder_.Concat(Transform::Scale(s));
+    builder_.Concat(Transform::Scale(s), here_);
 }
 
 void DirectiveReader::ReadRotate() {
     Float degrees = arguments_.ReadFloat("an angle in degrees");
     Vector3 axis = ReadVector();
-    if (LengthSquared(axis) > 0)
-        builder_.Concat(Transform::Rotate(degrees, axis));
+    const Float size = MaxComponent(Abs(axis));
+    if (size > 0)  // the length of a very long or short axis has no square
+        builder_.Concat(Transform::Rotate(degrees, axis / size), here_);
     else
         builder_.Sink().Error(here_, "Rotate: the axis has length zero.");
 }
@@ -169,7 +172,7 @@ void DirectiveReader::ReadLookAt() {
     Point3 eye = ReadVector(), look = ReadVector();
     Vector3 up = ReadVector();
     if (auto view = Transform::LookAt(eye, look, up))
-        builder_.Concat(*view);
+        builder_.Concat(*view, here_);
     else
         builder_.Sink().Error(here_,
                               "LookAt: the eye and the point looked at are the same, or up is parallel to the view.");
@@ -189,7 +192,7 @@ void DirectiveReader::ReadActiveTransform() {
     Token word = arguments_.ReadWord("All, StartTime or EndTime");
     bool all = word.text == "All";
     if (!all && word.text != "StartTime" && word.text != "EndTime")
-        arguments_.Fail(word, fmt::format("Unknown word \"{}\" after ActiveTransform; {}.", word.text,
+        arguments_.Fail(word, fmt::format("Unknown word \"{}\" after ActiveTransform; {}.", Abbreviate(word.text),
                                           ListChoices(word.text, {"All", "StartTime", "EndTime"})));
     builder_.State().startActive = all || word.text == "StartTime";
     builder_.State().endActive = all || word.text == "EndTime";
@@ -273,13 +276,13 @@ void DirectiveReader::SetOption(const std::string &name, const Token &token) {
             options.renderCoordSys = value.text;
         else
             builder_.Sink().Error(tokens_.Loc(value), fmt::format("Unknown rendering coordinate system \"{}\"; {}.",
-                                                                  value.text, ListChoices(value.text, kSystems)));
+                                                                  Abbreviate(value.text), ListChoices(value.text, kSystems)));
     } else {
         std::vector<std::string> names = {"displacementedgescale", "msereferenceimage", "msereferenceout",
                                           "rendercoordsys", "seed"};
         for (const auto &[switchName, member] : kSwitches) names.push_back(switchName);
         builder_.Sink().Error(tokens_.Loc(token),
-                              fmt::format("Unknown option \"{}\"; {}.", token.text, ListChoices(name, names)));
+                              fmt::format("Unknown option \"{}\"; {}.", Abbreviate(token.text), ListChoices(name, names)));
         SkipToNextDirective();
     }
 }
@@ -307,7 +310,7 @@ void DirectiveReader::ReadAttribute() {
     if (found != kTargets.end())
         builder_.AddAttributes(static_cast<AttributeTarget>(found - kTargets.begin()), std::move(params));
     else
-        builder_.Sink().Error(tokens_.Loc(target), fmt::format("Unknown attribute target \"{}\"; {}.", target.text,
+        builder_.Sink().Error(tokens_.Loc(target), fmt::format("Unknown attribute target \"{}\"; {}.", Abbreviate(target.text),
                                                                ListChoices(target.text, kTargets)));
 }
 
@@ -365,7 +368,7 @@ void DirectiveReader::ReadTexture() {
     if (family.text == "float" || family.text == "spectrum")
         builder_.AddTexture(name, family.text == "spectrum", type, std::move(params), here_, loc);
     else
-        builder_.Sink().Error(tokens_.Loc(family), fmt::format("Unknown kind of texture \"{}\"; {}.", family.text,
+        builder_.Sink().Error(tokens_.Loc(family), fmt::format("Unknown kind of texture \"{}\"; {}.", Abbreviate(family.text),
                                                                ListChoices(family.text, {"float", "spectrum"})));
 }
 
@@ -400,6 +403,9 @@ std::shared_ptr<const SourceFile> DirectiveReader::ReadFile(std::string *key) {
     FileLoc loc = tokens_.Loc(token);
     std::string name(token.text);
     std::string path = name == "-" ? name : files_.Resolve(name);
+    builder_.CountFile(loc);
+    if (tokens_.Depth() >= kMaxNesting)
+        throw UserError(fmt::format("{}: files are nested more than {} deep.", Abbreviate(path), kMaxNesting), loc);
     try {
         std::string wanted = SceneFileKey(path);
         if (tokens_.IsOpen(wanted)) throw UserError(fmt::format("{}: the file reads itself.", path));

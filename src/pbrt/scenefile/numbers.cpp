@@ -32,7 +32,10 @@ const char *ScanFloat(const char *begin, const char *end, Float *value, bool *ov
     if (error == std::errc::invalid_argument) return begin;
     if (error == std::errc::result_out_of_range) {
         magnitude = std::strtof(std::string(p, after).c_str(), nullptr);
-        *overflow = magnitude > 1;
+        if (magnitude > 1) {
+            *overflow = true;
+            return after;
+        }
     }
     *value = negative ? -magnitude : magnitude;
     return after;

@@ -51,8 +51,7 @@ const char *ExpectedValues(ParamType type) {
 
 /// A token as messages quote it.
 std::string Quote(const Token &token) {
-    if (token.kind == TokenKind::String) return fmt::format("the string \"{}\"", token.text);
-    return fmt::format("\"{}\"", token.text);
+    return fmt::format("{}\"{}\"", token.kind == TokenKind::String ? "the string " : "", Abbreviate(token.text));
 }
 
 }  // namespace
@@ -95,12 +94,16 @@ Float ParameterReader::ToFloat(const Token &token) const {
     const char *end = token.text.data() + token.text.size();
     if (token.kind != TokenKind::Word || ScanFloat(token.text.data(), end, &value, &overflow) != end)
         Fail(token, fmt::format("Expected a number, found {}.", Quote(token)));
-    if (overflow) WarnOverflow(token);
+    if (overflow) ReportOverflow(token, ParamType::Float);
     return value;
 }
 
-void ParameterReader::WarnOverflow(const Token &token) const {
-    sink_.Warning(tokens_.Loc(token), fmt::format("{} does not fit a 32-bit float; it becomes infinite.", token.text));
+/// Reading goes on with the value 0, so that all such numbers are found in one run.
+void ParameterReader::ReportOverflow(const Token &token, ParamType type) const {
+    std::string rule = "a number must lie between -3.4028235e+38 and 3.4028235e+38 (32-bit float)";
+    if (type == ParamType::Integer)
+        rule = "it does not fit a 32-bit integer, which lies between -2147483648 and 2147483647";
+    sink_.Error(tokens_.Loc(token), fmt::format("{} is too large: {}.", Abbreviate(token.text), rule));
 }
 
 Float ParameterReader::ReadFloat(const char *what) {
@@ -115,7 +118,10 @@ int ParameterReader::ReadInt(const char *what) {
     const char *end = token.text.data() + token.text.size();
     if (token.kind != TokenKind::Word || ScanInt(token.text.data(), end, &value, &overflow) != end)
         Fail(token, fmt::format("Expected {} (an integer), found {}.", what, Quote(token)));
-    if (overflow) Fail(token, fmt::format("{} does not fit a 32-bit integer.", token.text));
+    if (overflow) {
+        ReportOverflow(token, ParamType::Integer);
+        return 0;
+    }
     return value;
 }
 
@@ -128,7 +134,7 @@ bool ParameterReader::ReadBool(const char *what) {
 
 std::string ParameterReader::NameOf(const Token &token) const {
     if (auto bad = FindInvalidUtf8(token.text))
-        Fail(token, fmt::format("The name \"{}\\x{:02x}...\" is not valid UTF-8.", token.text.substr(0, *bad),
+        Fail(token, fmt::format("The name \"{}\\x{:02x}...\" is not valid UTF-8.", Abbreviate(token.text.substr(0, *bad)),
                                 static_cast<unsigned char>(token.text[*bad])));
     return ComposeUtf8(token.text);
 }
@@ -157,7 +163,7 @@ Param ParameterReader::ReadDeclaration(const Token &token, bool *known) {
     std::string_view text = token.text;
     std::string_view typeWord = TakeWord(text), name = TakeWord(text);
     if (typeWord.empty() || name.empty())
-        Fail(token, fmt::format("Expected a parameter declaration \"type name\", found \"{}\".", token.text));
+        Fail(token, fmt::format("Expected a parameter declaration \"type name\", found \"{}\".", Abbreviate(token.text)));
     Param param;
     param.loc = tokens_.Loc(token);
     param.name = name;
@@ -166,8 +172,8 @@ Param ParameterReader::ReadDeclaration(const Token &token, bool *known) {
     if (type)
         param.type = *type;
     else
-        sink_.Error(param.loc, fmt::format("\"{}\": unknown parameter type \"{}\"; {}.", token.text, typeWord,
-                                           ListTypes(typeWord)));
+        sink_.Error(param.loc, fmt::format("\"{}\": unknown parameter type \"{}\"; {}.", Abbreviate(token.text),
+                                           Abbreviate(typeWord), ListTypes(typeWord)));
     return param;
 }
 
@@ -186,9 +192,9 @@ ParameterReader::Kind ParameterReader::ReadValue(const Token &token, const Param
     bool overflow = false;
     if (ScanFloat(begin, end, &number, &overflow) != end)
         Fail(token, fmt::format("Expected {} for \"{}\", found {}{}.", known ? ExpectedValues(param.type) : "a value",
-                                param.name, Quote(token), bracketed ? "; is ] missing before it?" : ""));
+                                Abbreviate(param.name), Quote(token), bracketed ? "; is ] missing before it?" : ""));
     if (!known || param.type != ParamType::Integer) {
-        if (overflow) WarnOverflow(token);
+        if (overflow) ReportOverflow(token, ParamType::Float);
         floats_.push_back(number);
         return Kind::Number;
     }
@@ -196,9 +202,10 @@ ParameterReader::Kind ParameterReader::ReadValue(const Token &token, const Param
     overflow = false;
     if (ScanInt(begin, end, &integer, &overflow) != end)
         sink_.Error(tokens_.Loc(token),
-                    fmt::format("Expected an integer for \"{}\", found {}.", param.name, token.text));
+                    fmt::format("Expected an integer for \"{}\", found {}.", Abbreviate(param.name),
+                                Abbreviate(token.text)));
     else if (overflow)
-        sink_.Error(tokens_.Loc(token), fmt::format("{} does not fit a 32-bit integer.", token.text));
+        ReportOverflow(token, ParamType::Integer);
     ints_.push_back(integer);
     return Kind::Number;
 }
@@ -234,7 +241,7 @@ void ParameterReader::ReadValues(const Param &param, bool known, Values &values)
         } else if (values.kind != kind) {
             Fail(token, fmt::format("{} among other kinds of values of \"{}\": all must be numbers, all strings or all "
                                     "true/false.",
-                                    Quote(token), param.name));
+                                    Quote(token), Abbreviate(param.name)));
         }
     } while (bracketed);
 }
@@ -247,7 +254,7 @@ void ParameterReader::CheckKind(const Param &param, const Values &values) {
     if (param.type == ParamType::Spectrum) fits = values.kind != Kind::Bool;
     if (!fits)
         sink_.Error(tokens_.Loc(values.first),
-                    fmt::format("\"{} {}\" takes {}, found {}.", Name(param.type), param.name,
+                    fmt::format("\"{} {}\" takes {}, found {}.", Name(param.type), Abbreviate(param.name),
                                 ExpectedValues(param.type), Quote(values.first)));
 }
 

@@ -38,7 +38,7 @@ class ParameterReader {
     Kind ReadValue(const Token &token, const Param &param, bool known, bool bracketed, Values &values);
     void CheckKind(const Param &param, const Values &values);
     Float ToFloat(const Token &token) const;
-    void WarnOverflow(const Token &token) const;
+    void ReportOverflow(const Token &token, ParamType type) const;
 
     Tokenizer &tokens_;
     DiagnosticSink &sink_;

@@ -35,6 +35,8 @@ class Tokenizer {
     void Push(std::shared_ptr<const SourceFile> file, std::string key);
     /// True if that file is being read here or further out.
     bool IsOpen(const std::string &key) const;
+    /// How many files are being read, one inside the other, here and further out.
+    size_t Depth() const { return stack_.size() + (outer_ ? outer_->Depth() : 0); }
 
     Token Next();
     const Token &Peek();

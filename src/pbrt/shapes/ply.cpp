@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <charconv>
+#include <cstdlib>
 #include <cstring>
 #include <string_view>
 
@@ -214,12 +215,18 @@ class BodyReader {
         T value{};
         auto [stop, code] = std::from_chars(at_, end_, value);
         bool ended = stop == end_ || *stop == ' ' || *stop == '\t' || *stop == '\r' || *stop == '\n';
-        // A value beyond double's range is 0 or infinite for us; from_chars leaves it untouched.
+        // from_chars leaves a value beyond double's range untouched, be it too large or too small.
         if (!ended || (code != std::errc() && code != std::errc::result_out_of_range)) {
             const char *word = start;
             while (word != end_ && *word != ' ' && *word != '\t' && *word != '\r' && *word != '\n') ++word;
             Fail(fmt::format("\"{}\" is not a valid {}", std::string_view(start, std::min<size_t>(word - start, 40)),
                              kind));
+        }
+        if (code == std::errc::result_out_of_range) {
+            if constexpr (std::is_floating_point_v<T>)
+                value = std::strtod(std::string(start, stop).c_str(), nullptr);
+            else
+                Fail(fmt::format("\"{}\" is too large", std::string_view(start, std::min<size_t>(stop - start, 40))));
         }
         at_ = stop;
         return value;
@@ -268,7 +275,20 @@ void CheckCount(const BodyReader &body, const Element &e) {
         body.Fail(fmt::format("the file ends too early for {} items of element \"{}\"", e.count, e.name));
 }
 
-void ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
+/// Zero for what is infinite or not a number: renderers ignore such a normal.
+template <class T>
+T Sanitized(T v, size_t *broken) {
+    for (int i = 0; i < T::length(); ++i)
+        if (!std::isfinite(v[i])) {
+            ++*broken;
+            return T(0);
+        }
+    return v;
+}
+
+/// Positions must be finite; returns how many normals and uv were not.
+size_t ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
+    size_t broken = 0;
     std::vector<int> slots;
     std::array<bool, 8> has{};
     for (const Property &p : e.properties) {
@@ -288,10 +308,15 @@ void ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
             if (slots[k] < 0) SkipProperty(body, e.properties[k]);
             else v[static_cast<size_t>(slots[k])] = static_cast<Float>(body.Number(e.properties[k].type));
         }
+        for (size_t k = 0; k < 3; ++k)
+            if (!std::isfinite(v[k]))
+                body.Fail(fmt::format("{} is {}; positions must be finite 32-bit floats", std::string_view("xyz").substr(k, 1),
+                                      v[k]));
         mesh.p[i] = {v[0], v[1], v[2]};
-        if (hasNormals) mesh.n[i] = {v[3], v[4], v[5]};
-        if (hasUv) mesh.uv[i] = {v[6], v[7]};
+        if (hasNormals) mesh.n[i] = Sanitized(Normal3(v[3], v[4], v[5]), &broken);
+        if (hasUv) mesh.uv[i] = Sanitized(Point2(v[6], v[7]), &broken);
     }
+    return broken;
 }
 
 void ReadFaces(BodyReader &body, const Element &e, uint64_t vertexCount, PlyMesh &mesh) {
@@ -356,10 +381,10 @@ PlyMesh ParsePly(const std::string &content, const std::string &name) {
         body.SetItem(&e.name, 0);
         CheckCount(body, e);
         if (e.name == "vertex") {
-            ReadVertices(body, e, vertices);
+            mesh.brokenAttributes = ReadVertices(body, e, vertices);
         } else if (e.name == "face") {
             ReadFaces(body, e, vertexCount, mesh);
-        } else {
+        } else if (!e.properties.empty()) {
             for (uint64_t i = 0; i < e.count; ++i) {
                 body.SetItem(&e.name, i);
                 for (const Property &p : e.properties) SkipProperty(body, p);

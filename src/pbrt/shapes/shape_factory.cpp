@@ -1,10 +1,12 @@
 #include "pbrt/shapes/shape_factory.h"
 
+#include "pbrt/core/memory.h"
 #include "pbrt/images/image.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/cylinder.h"
 #include "pbrt/shapes/disk.h"
+#include "pbrt/shapes/extent.h"
 #include "pbrt/shapes/loop_subdivision.h"
 #include "pbrt/shapes/ply.h"
 #include "pbrt/shapes/sphere.h"
@@ -160,12 +162,11 @@ Shapes MakeCurve(const Request &r) {
     auto fail = [&](const char *name, const std::string &message) -> void {
         throw UserError(fmt::format("{}: {}", params.What(), message), params.LocOf(name));
     };
-    Float width = params.GetFloat("width", 1);
-    Float width0 = params.GetFloat("width0", width), width1 = params.GetFloat("width1", width);
-    if (!(width0 >= 0)) fail("width0", fmt::format("the width at the start is {}; it must not be negative.", width0));
-    if (!(width1 >= 0)) fail("width1", fmt::format("the width at the end is {}; it must not be negative.", width1));
-    int degree = params.GetInt("degree", 3);
-    if (degree != 2 && degree != 3) fail("degree", fmt::format("\"degree\" is {}; it must be 2 or 3.", degree));
+    constexpr Range<Float> kWidthRange{0, kMaxCoordinate};
+    Float width = params.GetFloat("width", 1, kWidthRange);
+    Float width0 = params.GetFloat("width0", width, kWidthRange);
+    Float width1 = params.GetFloat("width1", width, kWidthRange);
+    int degree = params.GetInt("degree", 3, {2, 3});
     std::string basisName = params.GetChoice("basis", "bezier", {"bezier", "bspline"});
     std::string type = params.GetChoice("type", "flat", {"flat", "cylinder", "ribbon"});
     Float splitDepth = params.GetFloat("splitdepth", static_cast<Float>(params.GetInt("splitdepth", 3)));
@@ -208,12 +209,9 @@ Shapes MakeCurve(const Request &r) {
 
 Shapes MakeLoopSubdivision(const Request &r) {
     const ParamSet &params = r.params;
-    int levels = params.GetInt("levels", 3);
-    params.GetString("scheme", "loop");  // stock reads it and never uses it
     // OpenSubdiv's limit is 15; 10 levels make a million triangles of each.
-    if (levels < 0 || levels > 10)
-        throw UserError(fmt::format("{}: \"levels\" is {}; it must be 0 to 10.", params.What(), levels),
-                        params.LocOf("levels"));
+    int levels = params.GetInt("levels", 3, {0, 10});
+    params.GetString("scheme", "loop");  // stock reads it and never uses it
     std::span<const int> indices = params.GetInts("indices");
     std::vector<Point3> points = Triples(params.GetFloats("P", ParamType::Point3));
     if (points.empty()) throw UserError(fmt::format("{}: \"point3 P\" is missing.", params.What()), params.Loc());
@@ -229,6 +227,11 @@ Shapes MakeLoopSubdivision(const Request &r) {
     }
     if (corners.empty())
         throw UserError(fmt::format("{}: no complete face is left.", params.What()), params.LocOf("indices"));
+    // The last level with its topology, and three quarters less of every level before it.
+    constexpr double kBytesPerTriangle = 400;
+    const double triangles = static_cast<double>(corners.size() / 3) * std::pow(4.0, levels);
+    RequireMemory(triangles * kBytesPerTriangle,
+                  fmt::format("{}: a mesh of {:.2g} triangles", params.What(), triangles), params.LocOf("levels"));
     try {
         return One<TriangleMesh>(r, LoopSubdivide(corners, points, levels));
     } catch (const UserError &e) {
@@ -240,10 +243,8 @@ Shapes MakeLoopSubdivision(const Request &r) {
 Shapes MakePlyMesh(const Request &r) {
     const ParamSet &params = r.params;
     std::string filename = params.GetString("filename", "");
-    const Float edgeLength = params.GetFloat("edgelength", 1);  // has a meaning only together with displacement
-    if (!(edgeLength > 0))
-        throw UserError(fmt::format("{}: \"edgelength\" is {}; it must be above 0.", params.What(), edgeLength),
-                        params.LocOf("edgelength"));
+    // Has a meaning only together with displacement.
+    const Float edgeLength = params.GetFloat("edgelength", 1, kLengthRange);
     if (filename.empty())
         throw UserError(fmt::format("{}: \"string filename\" is missing.", params.What()), params.Loc());
     PlyMesh ply;
@@ -258,6 +259,10 @@ Shapes MakePlyMesh(const Request &r) {
         r.sink.Warning(params.LocOf("filename"),
                        fmt::format("{}: {}: {} faces have neither 3 nor 4 corners and are ignored.", params.What(),
                                    filename, ply.ignoredFaces));
+    if (ply.brokenAttributes > 0)
+        r.sink.Warning(params.LocOf("filename"),
+                       fmt::format("{}: {}: {} normals or uv are infinite or not a number; they are taken as 0.",
+                                   params.What(), filename, ply.brokenAttributes));
     if (r.displacement) {
         try {
             return One<TriangleMesh>(r, DisplaceMesh(ply, r.renderFromObject, edgeLength, *r.displacement));
@@ -276,16 +281,13 @@ Shapes MakePlyMesh(const Request &r) {
     return shapes;
 }
 
-Float Radius(const Request &r) {
-    Float radius = r.params.GetFloat("radius", 1);
-    if (!(radius > 0))
-        throw UserError(fmt::format("{}: \"radius\" is {}; it must be above 0.", r.params.What(), radius),
-                        r.params.LocOf("radius"));
-    return radius;
+Float Radius(const Request &r) { return r.params.GetFloat("radius", 1, kLengthRange); }
+Float Height(const Request &r, const char *name, Float defaultValue) {
+    return r.params.GetFloat(name, defaultValue, kCoordinateRange);
 }
 
 Shapes MakeSphere(const Request &r) {
-    Float radius = Radius(r), zMin = r.params.GetFloat("zmin", -radius), zMax = r.params.GetFloat("zmax", radius);
+    Float radius = Radius(r), zMin = Height(r, "zmin", -radius), zMax = Height(r, "zmax", radius);
     Float phiMax = r.params.GetFloat("phimax", 360);
     CheckInvertible(r);
     Shapes shapes;
@@ -295,7 +297,7 @@ Shapes MakeSphere(const Request &r) {
 }
 
 Shapes MakeDisk(const Request &r) {
-    Float height = r.params.GetFloat("height", 0), radius = Radius(r), inner = r.params.GetFloat("innerradius", 0);
+    Float height = Height(r, "height", 0), radius = Radius(r), inner = Height(r, "innerradius", 0);
     Float phiMax = r.params.GetFloat("phimax", 360);
     CheckInvertible(r);
     Shapes shapes;
@@ -304,7 +306,7 @@ Shapes MakeDisk(const Request &r) {
 }
 
 Shapes MakeCylinder(const Request &r) {
-    Float radius = Radius(r), zMin = r.params.GetFloat("zmin", -1), zMax = r.params.GetFloat("zmax", 1);
+    Float radius = Radius(r), zMin = Height(r, "zmin", -1), zMax = Height(r, "zmax", 1);
     Float phiMax = r.params.GetFloat("phimax", 360);
     CheckInvertible(r);
     Shapes shapes;
@@ -327,9 +329,12 @@ std::vector<std::unique_ptr<Shape>> MakeShapes(const std::string &type, const Pa
                                                const Transform &renderFromObject, bool reverseOrientation,
                                                const FileResolver &files, DiagnosticSink &sink,
                                                const Displacement *displacement, bool opaque) {
-    for (const Maker &maker : kMakers)
-        if (type == maker.type)
-            return maker.make({params, renderFromObject, reverseOrientation, files, sink, displacement, opaque});
+    for (const Maker &maker : kMakers) {
+        if (type != maker.type) continue;
+        Shapes shapes = maker.make({params, renderFromObject, reverseOrientation, files, sink, displacement, opaque});
+        for (const auto &shape : shapes) RequireReach(params.What(), *shape, params.Loc());
+        return shapes;
+    }
     for (const std::string &later : UnsupportedShapes())
         if (type == later) throw UserError(fmt::format("Shape \"{}\" is not supported yet.", type), params.Loc());
     std::vector<std::string> choices = SupportedShapes();

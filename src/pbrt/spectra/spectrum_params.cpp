@@ -1,5 +1,6 @@
 #include "pbrt/spectra/spectrum_params.h"
 
+#include "pbrt/core/limits.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/number_file.h"
 
@@ -44,6 +45,7 @@ SpectrumPtr FromRgb(const Param &p, SpectrumUse use) {
     if (rgb.x < 0 || rgb.y < 0 || rgb.z < 0) complain("a component is negative");
     if (!std::isfinite(rgb.x) || !std::isfinite(rgb.y) || !std::isfinite(rgb.z))
         complain("a component is infinite or not a number");
+    if (MaxComponent(rgb) > kMaxBrightness) complain("a component is above 1e+30");
     const ColorSpace *space = ColorSpace::Find(p.colorSpace);
     PBRT_CHECK_MSG(space, "colour space \"{}\"", p.colorSpace);
     switch (use) {
@@ -59,8 +61,10 @@ SpectrumPtr FromRgb(const Param &p, SpectrumUse use) {
 
 SpectrumPtr FromBlackbody(const Param &p) {
     RequireCount(p, p.floats.size(), 1);
-    if (!(p.floats[0] > 0))
-        throw UserError(fmt::format("\"blackbody {}\": {} K; the temperature must be above 0.", p.name, p.floats[0]),
+    constexpr Range<Float> kTemperatures = Positive(1e9f);
+    if (!kTemperatures.Contains(p.floats[0]))
+        throw UserError(fmt::format("\"blackbody {}\": {} K; the temperature must be {}.", p.name, p.floats[0],
+                                    Text(kTemperatures)),
                         p.loc);
     return std::make_shared<BlackbodySpectrum>(p.floats[0]);
 }

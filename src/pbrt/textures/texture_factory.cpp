@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <vector>
 
+#include "pbrt/core/limits.h"
 #include "pbrt/textures/basic_textures.h"
 #include "pbrt/textures/texture_makers.h"
 
@@ -65,6 +66,28 @@ const Param *FindReference(const ParamSet &params, const std::string &name, Para
 
 }  // namespace
 
+namespace {
+
+/// What a look-up of a texture costs at most: how deep it calls other textures, and how many evaluations that makes
+/// (which double with every level where both operands are the same).
+struct LookupCost {
+    int depth = 1;
+    double evaluations = 1;
+    void AddOperand(const LookupCost &operand) {
+        depth = std::max(depth, operand.depth + 1);
+        evaluations += operand.evaluations;
+    }
+};
+constexpr double kMaxEvaluations = 1 << 16;
+
+template <class Ptr>
+struct Made {
+    Ptr texture;
+    LookupCost cost;
+};
+
+}  // namespace
+
 struct TextureLibrary::Impl {
     struct Definition {
         std::string name, textureClass;
@@ -74,8 +97,8 @@ struct TextureLibrary::Impl {
         bool failed = false;
         ParamSet params;
         Transform renderFromTexture;
-        FloatTexturePtr asFloat;
-        std::array<SpectrumTexturePtr, 3> asSpectrum;  ///< by SpectrumUse
+        Made<FloatTexturePtr> asFloat;
+        std::array<Made<SpectrumTexturePtr>, 3> asSpectrum;  ///< by SpectrumUse
     };
 
     FileResolver files;
@@ -83,6 +106,7 @@ struct TextureLibrary::Impl {
     size_t &missingImages;
     ImageCache images;
     bool imagesPreloaded = false;
+    int nesting = 0;  ///< of textures being made
     std::vector<std::unique_ptr<Definition>> definitions;  ///< in file order
     std::map<std::string, size_t> indexOf[2];              ///< by family: float, spectrum
 
@@ -103,36 +127,56 @@ struct TextureLibrary::Impl {
             if (found->second < limit || d.textureClass == "imagemap") return d;
         }
         std::string problem = fmt::format("{}: \"{}\": there is no {} texture \"{}\"", params.What(), reference.name,
-                                          FamilyName(isSpectrum), name);
+                                          FamilyName(isSpectrum), Abbreviate(name));
         if (found != indexOf[isSpectrum].end())
             problem += " yet (a texture must be defined before another one uses it)";
         else if (indexOf[!isSpectrum].contains(name))
             problem += fmt::format(" (\"{}\" is a {} texture)", name, FamilyName(!isSpectrum));
-        std::vector<std::string> names = Names(isSpectrum, limit);
+        // The list takes time, which an error that is only counted is not worth.
+        std::vector<std::string> names = sink.IsFull() ? std::vector<std::string>() : Names(isSpectrum, limit);
         problem += names.empty() ? fmt::format("; no {} texture is defined.", FamilyName(isSpectrum))
                                  : "; " + ListChoices(name, names) + ".";
         throw UserError(problem, reference.loc);
     }
 
+    /// `user`: of the texture that the parameter belongs to; null for materials and shapes.
     FloatTexturePtr FindFloat(const ParamSet &params, const std::string &name, std::optional<Float> defaultValue,
-                              size_t limit) {
+                              size_t limit, LookupCost *user = nullptr) {
         if (const Param *p = FindReference(params, name, {ParamType::Float, ParamType::Texture}))
-            return MakeFloat(Resolve(params, *p, false, limit));
+            return Use(MakeFloat(Resolve(params, *p, false, limit), p->loc), user, *p);
         const Param *p = params.Find(name, ParamType::Float);
         if (!p && !defaultValue) return nullptr;
         return std::make_shared<ConstantFloatTexture>(params.GetFloat(name, defaultValue.value_or(0)));
     }
 
     SpectrumTexturePtr FindSpectrum(const ParamSet &params, const std::string &name, SpectrumPtr defaultValue,
-                                    SpectrumUse use, size_t limit) {
+                                    SpectrumUse use, size_t limit, LookupCost *user = nullptr) {
         const ParamTypes types = {ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum, ParamType::Texture};
         if (const Param *p = FindReference(params, name, types))
-            return MakeSpectrum(Resolve(params, *p, true, limit), use);
+            return Use(MakeSpectrum(Resolve(params, *p, true, limit), use, p->loc), user, *p);
         SpectrumPtr value = pbrt::GetSpectrum(params, name, std::move(defaultValue), use, files);
         return value ? std::make_shared<ConstantSpectrumTexture>(std::move(value)) : nullptr;
     }
 
-    TextureRequest Request(Definition &d, SpectrumUse use) {
+    /// The texture as an operand. Throws UserError if a look-up of its user would call too many textures.
+    template <class Ptr>
+    static Ptr Use(const Made<Ptr> &made, LookupCost *user, const Param &reference) {
+        if (!user) return made.texture;
+        user->AddOperand(made.cost);
+        if (user->depth > kMaxNesting)
+            throw UserError(fmt::format("\"texture {}\": textures are nested more than {} deep here.", reference.name,
+                                        kMaxNesting),
+                            reference.loc);
+        if (user->evaluations > kMaxEvaluations)
+            throw UserError(
+                fmt::format("\"texture {}\": with this operand one look-up evaluates {:.2g} textures; at most {} are "
+                            "allowed. The number doubles with every texture whose two operands use the same ones.",
+                            reference.name, user->evaluations, kMaxEvaluations),
+                reference.loc);
+        return made.texture;
+    }
+
+    TextureRequest Request(Definition &d, SpectrumUse use, LookupCost *cost) {
         size_t limit = indexOf[d.isSpectrum].at(d.name);
         return {d.textureClass,
                 d.params,
@@ -140,9 +184,11 @@ struct TextureLibrary::Impl {
                 files,
                 images,
                 sink,
-                [=, this, &d](const std::string &name, Float value) { return FindFloat(d.params, name, value, limit); },
+                [=, this, &d](const std::string &name, Float value) {
+                    return FindFloat(d.params, name, value, limit, cost);
+                },
                 [=, this, &d](const std::string &name, SpectrumPtr value) {
-                    return FindSpectrum(d.params, name, std::move(value), use, limit);
+                    return FindSpectrum(d.params, name, std::move(value), use, limit, cost);
                 }};
     }
 
@@ -161,9 +207,19 @@ struct TextureLibrary::Impl {
         images.Preload(keys);
     }
 
-    /// Runs `make`; a mistake is reported once and nullptr returned.
+    /// Runs `make`; a mistake is reported once and nullptr returned. `user`: where the texture is used.
     template <class Make>
-    auto Try(Definition &d, Make &&make) -> decltype(make()) {
+    auto Try(Definition &d, const FileLoc &user, Make &&make) -> decltype(make()) {
+        // Operands are made first, so making nests as deep as looking up; here before the stack is used up.
+        if (nesting >= kMaxNesting)
+            throw UserError(fmt::format("texture \"{}\": textures are nested more than {} deep here.",
+                                        Abbreviate(d.name), kMaxNesting),
+                            user);
+        struct Level {
+            int &depth;
+            explicit Level(int &n) : depth(++n) {}
+            ~Level() { --depth; }
+        } level(nesting);
         d.made = true;
         if (d.textureClass == "imagemap" && !imagesPreloaded) PreloadImages();
         try {
@@ -182,25 +238,27 @@ struct TextureLibrary::Impl {
         d.failed = true;
     }
 
-    FloatTexturePtr MakeFloat(Definition &d) {
-        if (!d.asFloat && !d.broken)
-            d.asFloat = Try(d, [&] { return MakeFloatTexture(Request(d, SpectrumUse::Unbounded)); });
-        if (!d.asFloat) d.asFloat = std::make_shared<ConstantFloatTexture>(Float(0.5));
-        return d.asFloat;
+    const Made<FloatTexturePtr> &MakeFloat(Definition &d, const FileLoc &user = {}) {
+        Made<FloatTexturePtr> &made = d.asFloat;
+        if (!made.texture && !d.broken)
+            made.texture =
+                Try(d, user, [&] { return MakeFloatTexture(Request(d, SpectrumUse::Unbounded, &made.cost)); });
+        if (!made.texture) made = {std::make_shared<ConstantFloatTexture>(Float(0.5)), {}};
+        return made;
     }
 
-    SpectrumTexturePtr MakeSpectrum(Definition &d, SpectrumUse use) {
-        SpectrumTexturePtr &texture = d.asSpectrum[static_cast<size_t>(use)];
-        if (!texture && !d.broken)
-            texture = Try(d, [&] { return MakeSpectrumTexture(Request(d, use), use); });
-        if (!texture)
-            texture = std::make_shared<ConstantSpectrumTexture>(std::make_shared<ConstantSpectrum>(Float(0.5)));
-        return texture;
+    const Made<SpectrumTexturePtr> &MakeSpectrum(Definition &d, SpectrumUse use, const FileLoc &user = {}) {
+        Made<SpectrumTexturePtr> &made = d.asSpectrum[static_cast<size_t>(use)];
+        if (!made.texture && !d.broken)
+            made.texture = Try(d, user, [&] { return MakeSpectrumTexture(Request(d, use, &made.cost), use); });
+        if (!made.texture)
+            made = {std::make_shared<ConstantSpectrumTexture>(std::make_shared<ConstantSpectrum>(Float(0.5))), {}};
+        return made;
     }
 };
 
 TextureLibrary::TextureLibrary(const FileResolver &files, DiagnosticSink &sink, int cacheMegabytes)
-    : impl_(new Impl{files, sink, missingImages_, ImageCache(cacheMegabytes), false, {}, {}}) {}
+    : impl_(new Impl{files, sink, missingImages_, ImageCache(cacheMegabytes), false, 0, {}, {}}) {}
 
 TextureLibrary::~TextureLibrary() = default;
 

@@ -133,10 +133,7 @@ typename Maker::Ptr MakeDots(const Maker &maker) {
 
 NoiseOctaves ReadNoiseOctaves(const ParamSet &params) {
     NoiseOctaves octaves;
-    octaves.count = params.GetInt("octaves", 8);
-    if (octaves.count < 0)
-        throw UserError(fmt::format("{}: \"octaves\" is {}; it must not be negative.", params.What(), octaves.count),
-                        params.LocOf("octaves"));
+    octaves.count = params.GetInt("octaves", 8, {0, 64});  // each has nearly twice the frequency of the one before
     octaves.roughness = params.GetFloat("roughness", Float(0.5));
     return octaves;
 }
@@ -191,7 +188,7 @@ MipMapKey ReadMipMapKey(const ParamSet &params, const FileResolver &files) {
     key.path = files.Resolve(file);
     key.filter = *ParseTextureFilter(
         params.GetChoice("filter", "bilinear", {"point", "bilinear", "trilinear", "ewa", "EWA"}));
-    key.maxAnisotropy = params.GetFloat("maxanisotropy", 8);
+    key.maxAnisotropy = params.GetFloat("maxanisotropy", 8, Positive(1e6f));
     key.wrap = *ParseWrapMode(params.GetChoice("wrap", "repeat", {"repeat", "black", "clamp", "octahedralsphere"}));
     std::string encoding = params.GetString("encoding", "");
     if (params.Has("encoding")) {

@@ -3,10 +3,13 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <new>
+#include <stdexcept>
 
 #include "pbrt/cmd/lightlab/command_line.h"
 #include "pbrt/cmd/lightlab/report_scripts.h"
 #include "pbrt/core/log.h"
+#include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/lab/campaign.h"
 #include "plugins.h"
@@ -73,10 +76,14 @@ int main(int argc, char **argv) {
         ThreadLimit threads(parsed.options.threads);
         return parsed.options.inspect ? Inspect(parsed.options, registry) : Compare(parsed.options, registry);
     } catch (const UserError &e) {
-        const bool color = isatty(STDERR_FILENO) != 0;
-        for (const Diagnostic &d : e.Diagnostics()) std::fprintf(stderr, "%s\n", Format(d, color).c_str());
-        if (e.Diagnostics().size() > 1)
-            std::fprintf(stderr, "%zu errors; nothing was rendered.\n", e.Diagnostics().size());
+        std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
+        if (e.Count() > 1) std::fprintf(stderr, "%zu errors; nothing was rendered.\n", e.Count());
+        return 1;
+    } catch (const std::bad_alloc &) {
+        std::fprintf(stderr, "Error: %s\n", OutOfMemoryText("").c_str());
+        return 1;
+    } catch (const std::length_error &) {
+        std::fprintf(stderr, "Error: %s\n", OutOfMemoryText("").c_str());
         return 1;
     } catch (const std::exception &e) {
         std::fprintf(stderr, "Error: %s\n", e.what());

@@ -1,12 +1,15 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <new>
+#include <stdexcept>
 
 #include <unistd.h>
 
 #include "pbrt/cmd/pbrt/command_line.h"
 #include "pbrt/cmd/pbrt/render_job.h"
 #include "pbrt/core/log.h"
+#include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
 #include "plugins.h"
 
@@ -28,6 +31,8 @@ int main(int argc, char **argv) {
     if (parsed.done) return parsed.status;
     const CommandLine &options = parsed.options;
     if (options.quiet) SetLogLevel(LogLevel::Error);
+    std::unique_ptr<ProgressSink> sink = MakeTerminalProgress(options.quiet);
+    Progress progress(sink.get());
     try {
         LightSamplerRegistry registry;
         RegisterPlugins(registry);
@@ -36,16 +41,19 @@ int main(int argc, char **argv) {
             return 0;
         }
         ThreadLimit threads(options.threads);
-        std::unique_ptr<ProgressSink> sink = MakeTerminalProgress(options.quiet);
-        Progress progress(sink.get());
         progressToCancel = &progress;
         std::signal(SIGINT, OnInterrupt);
         std::signal(SIGTERM, OnInterrupt);
         return RunRenderJob(options, registry, progress);
     } catch (const UserError &e) {
-        bool color = isatty(STDERR_FILENO) != 0;
-        for (const Diagnostic &d : e.Diagnostics()) std::fprintf(stderr, "%s\n", Format(d, color).c_str());
-        if (e.Diagnostics().size() > 1) std::fprintf(stderr, "%zu errors; nothing was rendered.\n", e.Diagnostics().size());
+        std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
+        if (e.Count() > 1) std::fprintf(stderr, "%zu errors; nothing was rendered.\n", e.Count());
+        return 1;
+    } catch (const std::bad_alloc &) {
+        std::fprintf(stderr, "Error: %s\n", OutOfMemoryText(progress.PhaseName()).c_str());
+        return 1;
+    } catch (const std::length_error &) {  // a container that would be larger than any memory
+        std::fprintf(stderr, "Error: %s\n", OutOfMemoryText(progress.PhaseName()).c_str());
         return 1;
     } catch (const std::exception &e) {
         std::fprintf(stderr, "Error: %s\n", e.what());

@@ -170,5 +170,57 @@ TEST(Accel, SegmentsEndBeforeTheirTarget) {
     EXPECT_FALSE(accel.Occluded(ray));
 }
 
+TEST(Accel, WhatIsNoRayHitsNothingAndSeesNoLight) {
+    Shapes shapes = test::EveryKind(Transform());
+    Accel accel;
+    for (size_t i = 0; i < shapes.size(); ++i) accel.AddShape(ShapeId(i), *shapes[i], nullptr);
+    accel.Commit();
+    constexpr Float kNan = std::numeric_limits<Float>::quiet_NaN();
+    Ray good;
+    good.o = {0, 0, 5};
+    good.d = Normalize(Vector3(-2, 0, -5));
+    ASSERT_TRUE(accel.Intersect(good));
+    for (Float bad : {kNan, Infinity, -Infinity, 1e30f, -2e18f})
+        for (int k = 0; k < 3; ++k) {
+            Ray ray = good;
+            ray.o[k] = bad;
+            EXPECT_FALSE(accel.Intersect(ray)) << bad;
+            EXPECT_TRUE(accel.Occluded(ray)) << bad;
+            ray = good;
+            ray.d[k] = bad;
+            EXPECT_FALSE(accel.Intersect(ray)) << bad;
+            EXPECT_TRUE(accel.Occluded(ray)) << bad;
+        }
+    for (Float end : {kNan, -1.f}) {
+        Ray ray = good;
+        ray.tMax = end;
+        EXPECT_FALSE(accel.Intersect(ray));
+    }
+}
+
+TEST(Accel, RaysStayRaysInSmallInstances) {
+    Shapes shapes = test::EveryKind(Transform());
+    auto build = [&](Float scale, Float extent) {
+        auto accel = std::make_unique<Accel>();
+        const int object = accel->AddObject({ShapeId(0)}, {shapes[0].get()}, {nullptr});
+        accel->AddInstance(object, Transform::Scale(Vector3(scale)));
+        accel->AddInstance(object, Transform::Translate({extent, 0, 0}));
+        accel->Commit();
+        return accel;
+    };
+    // Embree asserts that rays are rays also in the instance's space, which is 1e10 times larger.
+    auto accel = build(1e-10f, 1e7f);
+    int hits = 0;
+    for (Float far : {1e3f, 1e7f, 1e9f, 1e16f, 1e18f}) {
+        Ray ray;
+        ray.o = {-2e-10f, 0, far};
+        ray.d = {0, 0, -1};
+        hits += accel->Intersect(ray).has_value();
+        accel->Occluded(ray);
+    }
+    EXPECT_GE(hits, 1);
+    EXPECT_THROW(build(1e-13f, 1e7f), UserError);
+}
+
 }  // namespace
 }  // namespace pbrt

@@ -64,5 +64,19 @@ TEST(MakeCamera, UnusedParametersAreErrors) {
     EXPECT_EQ(sink.ErrorCount(), 2u);
 }
 
+TEST(MakeCamera, NumbersOutsideTheirRangesAreErrors) {
+    const auto says = [](const std::string &type, const char *name, std::vector<Float> v, const char *part) {
+        const std::string error = ErrorOf(type, {FloatParam(name, v)});
+        EXPECT_NE(error.find(part), std::string::npos) << name << ": " << error;
+    };
+    says("perspective", "fov", {180}, "\"fov\" is 180; it must be above 0 and below 180");
+    says("perspective", "lensradius", {1e30f}, "at least 0 and at most 1e+15");
+    says("perspective", "frameaspectratio", {1e30f}, "at most 1e+06");
+    says("orthographic", "screenwindow", {-1, 1e30f, -1, 1}, "\"screenwindow\" is 1e+30");
+    // The distance counts only with a lens; without one, any is good.
+    EXPECT_EQ(ErrorOf("perspective", {FloatParam("focaldistance", {1e30f})}), "");
+    EXPECT_NE(ErrorOf("perspective", {FloatParam("focaldistance", {1e30f}), FloatParam("lensradius", {0.1f})}), "");
+}
+
 }  // namespace
 }  // namespace pbrt

@@ -44,8 +44,70 @@ TEST(DiagnosticSink, CollectsAndThrowsErrorsOnly) {
         FAIL();
     } catch (const UserError &e) {
         EXPECT_EQ(e.Diagnostics().size(), 2u);
-        EXPECT_STREQ(e.what(), "Error: one\nError: two");
+        EXPECT_STREQ(e.what(), "Error: one\n(1 more error)");
+        EXPECT_EQ(FormatAll(e), "Error: one\nError: two\n");
     }
+}
+
+TEST(DiagnosticSink, KeepsTheFirstErrorsAndCountsTheRest) {
+    DiagnosticSink sink, other;
+    for (int i = 0; i < 39'990; ++i) sink.Error({}, fmt::format("mistake {}", i));
+    EXPECT_TRUE(sink.IsFull());
+    for (int i = 0; i < 10; ++i) other.Error({}, "late");
+    sink.Add(other);
+    EXPECT_EQ(sink.All().size(), kMaxDiagnostics);
+    EXPECT_EQ(sink.ErrorCount(), 40'000u);
+    EXPECT_EQ(sink.Omitted(), 39'900u);
+    try {
+        sink.ThrowIfErrors();
+        FAIL();
+    } catch (const UserError &e) {
+        EXPECT_EQ(e.Diagnostics().size(), kMaxDiagnostics);
+        EXPECT_EQ(e.Count(), 40'000u);
+        const std::string all = FormatAll(e);
+        EXPECT_TRUE(all.ends_with("Error: mistake 99\n... and 39900 more errors not shown.\n")) << all;
+        EXPECT_LT(std::string(e.what()).size(), 100u);
+        // What was only counted stays counted on the way through other sinks.
+        DiagnosticSink outer;
+        outer.Warning({}, "careful");
+        outer.Add(e);
+        EXPECT_EQ(outer.ErrorCount(), 40'000u);
+        EXPECT_EQ(outer.All().size(), kMaxDiagnostics + 1);
+    }
+}
+
+TEST(DiagnosticSink, ErrorsAreKeptHoweverManyWarningsThereWere) {
+    DiagnosticSink sink;
+    for (int i = 0; i < 1000; ++i) sink.Warning({}, "careful");
+    EXPECT_EQ(sink.All().size(), kMaxDiagnostics + 1);
+    EXPECT_NE(sink.All().back().message.find("more warnings"), std::string::npos);
+    sink.Error({}, "bad");
+    EXPECT_EQ(sink.All().back().message, "bad");
+}
+
+TEST(FormatAll, QuotesEveryFileItNames) {
+    std::string text;
+    for (int i = 1; i <= 1000; ++i) text += fmt::format("line {}\r\n", i);
+    const FileLoc first = At(text, 1000, 2), second = At("other", 1, 0);
+    FileLoc again = first;
+    again.line = 7;
+    const UserError e({{Severity::Error, first, "a"}, {Severity::Error, second, "b"}, {Severity::Error, again, "c"}});
+    EXPECT_EQ(FormatAll(e), "Error: f.pbrt:1000:2: a\n    line 1000\n      ^\nError: f.pbrt:1:0: b\n    other\n    ^\n"
+                            "Error: f.pbrt:7:2: c\n    line 7\n      ^\n");
+}
+
+TEST(UserError, AMonstrousMessageIsCut) {
+    const UserError e("begin " + std::string(10'000'000, 'x') + " end");
+    const std::string &message = e.Diagnostics().front().message;
+    EXPECT_LT(message.size(), 5000u);
+    EXPECT_TRUE(message.starts_with("begin ") && message.ends_with(" end"));
+}
+
+TEST(Abbreviate, CutsLongTextBetweenCharacters) {
+    EXPECT_EQ(Abbreviate("short"), "short");
+    EXPECT_EQ(Abbreviate(std::string(100, 'a')), std::string(60, 'a') + "...");
+    EXPECT_EQ(Abbreviate("abc\xc3\xa9", 4), "abc...");  // not half of an e with an accent
+    EXPECT_EQ(Abbreviate("two\nlines"), "two lines");
 }
 
 TEST(ListChoices, NamesANearOneFirst) {
@@ -53,6 +115,13 @@ TEST(ListChoices, NamesANearOneFirst) {
     EXPECT_EQ(ListChoices("SPHERE", {"disk", "sphere"}), "did you mean \"sphere\"? valid: disk, sphere");
     EXPECT_EQ(ListChoices("torus", {"disk", "sphere"}), "valid: disk, sphere");
     EXPECT_EQ(ListChoices("x", {}), "it takes none");
+    std::vector<std::string> many;
+    for (int i = 0; i < 5000; ++i) many.push_back(fmt::format("name{:04}", i));
+    const std::string list = ListChoices("name49999", many);
+    EXPECT_TRUE(list.starts_with("did you mean \"name4999\"? valid: name0000, ")) << list;
+    EXPECT_TRUE(list.ends_with("name0099 and 4900 more")) << list;
+    // A distance to such a name would take years.
+    EXPECT_LT(ListChoices(std::string(10'000'000, 'x'), {std::string(10'000'000, 'y'), "a"}).size(), 200u);
 }
 
 TEST(CheckDeathTest, PrintsTheExpressionAndTheValues) {

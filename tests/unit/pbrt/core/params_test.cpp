@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace pbrt {
 namespace {
 
@@ -128,6 +130,31 @@ TEST(ParamType, NamesAreThoseOfTheFormat) {
     EXPECT_STREQ(Name(ParamType::Bool), "bool");
     EXPECT_STREQ(Name(ParamType::Rgb), "rgb");
     EXPECT_STREQ(Name(ParamType::Texture), "texture");
+}
+
+TEST(ParamSet, RangesAreCheckedWhereAValueIsGiven) {
+    ParamSet set("Shape \"s\"", {});
+    set.Add(Floats("radius", {-1}));
+    set.Add(Floats("fov", {180}));
+    set.Add(Ints("levels", {11}));
+    auto message = [](auto &&get) -> std::string {
+        try {
+            get();
+        } catch (const UserError &e) {
+            return e.Diagnostics().front().message;
+        }
+        return "";
+    };
+    EXPECT_EQ(message([&] { set.GetFloat("radius", 1, Positive(1e18f)); }),
+              "Shape \"s\": \"radius\" is -1; it must be above 0 and at most 1e+18.");
+    EXPECT_EQ(message([&] { set.GetFloat("fov", 1, {0, 180, true, true}); }),
+              "Shape \"s\": \"fov\" is 180; it must be above 0 and below 180.");
+    EXPECT_EQ(message([&] { set.GetInt("levels", 1, {0, 10}); }),
+              "Shape \"s\": \"levels\" is 11; it must be at least 0 and at most 10.");
+    EXPECT_EQ(set.GetFloat("fov", 1, {0, 180}), 180);
+    EXPECT_EQ(set.GetFloat("absent", -7, {0, 1}), -7) << "the default is the caller's affair";
+    EXPECT_FALSE((Range<Float>{0, 1}.Contains(std::nanf(""))));
+    EXPECT_EQ(Unused(set), "");
 }
 
 }  // namespace

@@ -316,5 +316,35 @@ TEST_F(FilmTest, StateOfAnotherFilmIsRefused) {
     EXPECT_THROW(Make()->LoadState(other), UserError);
 }
 
+TEST_F(FilmTest, APictureThatDoesNotFitIsNotAllocated) {
+    Resolution(100'000, 1'000'000);
+    try {
+        Make();
+        FAIL();
+    } catch (const UserError &e) {
+        EXPECT_NE(std::string(e.what()).find("Film \"rgb\": a picture of 100000 x 1000000 pixels needs about 4.4 TB of "
+                                             "memory, but this process can use "),
+                  std::string::npos)
+            << e.what();
+    }
+    for (const char *type : {"gbuffer", "spectral"}) EXPECT_THROW(MakeFilm(type, params_, ColorSpace::SRGB(), 1, {}, sink_), UserError);
+    Ints("pixelbounds", {500, 516, 999'000, 999'016});  // a small part of it does
+    EXPECT_EQ(Make()->PixelBounds().Area(), 256);
+    Resolution(100'000, 2'000'000);
+    EXPECT_THROW(Make(), UserError);
+}
+
+TEST_F(FilmTest, RangesAreNamed) {
+    Floats("diagonal", {1e38f});
+    try {
+        Make();
+        FAIL();
+    } catch (const UserError &e) {
+        EXPECT_NE(std::string(e.what()).find("\"diagonal\" is 1e+38; it must be above 0 and at most 1e+06"),
+                  std::string::npos)
+            << e.what();
+    }
+}
+
 }  // namespace
 }  // namespace pbrt

@@ -188,5 +188,22 @@ TEST(Filter, BadParametersAreErrors) {
     EXPECT_THROW(MakeFilter("gaussian", MakeParams({{"sigma", 1e-3f}})), UserError);  // falls between all table nodes
 }
 
+TEST(Filter, NumbersOutsideTheirRangesAreErrors) {
+    const std::vector<Setup> bad = {{"box", {{"yradius", 1e38f}}, "yradius"},      {"triangle", {{"xradius", 1001}}, "xradius"},
+                                    {"gaussian", {{"xradius", 1e9f}}, "xradius"},  {"gaussian", {{"sigma", 1e30f}}, "sigma"},
+                                    {"mitchell", {{"B", 1e30f}}, "B"},             {"mitchell", {{"C", -1e30f}}, "C"},
+                                    {"sinc", {{"tau", 1e30f}}, "tau"}};
+    for (const Setup &s : bad) {
+        try {
+            MakeFilter(s.type, MakeParams(s.values));
+            ADD_FAILURE() << s.name;
+        } catch (const UserError &e) {
+            EXPECT_NE(std::string(e.what()).find("\"" + s.name + "\" is "), std::string::npos) << e.what();
+            EXPECT_NE(std::string(e.what()).find("at most"), std::string::npos) << e.what();
+        }
+    }
+    EXPECT_TRUE(MakeFilter("gaussian", MakeParams({{"xradius", 1000}, {"yradius", 1000}, {"sigma", 300}})));
+}
+
 }  // namespace
 }  // namespace pbrt

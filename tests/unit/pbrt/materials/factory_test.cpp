@@ -106,5 +106,22 @@ TEST(MaterialFactory, OthersResolveToThemselves) {
     EXPECT_FALSE(m->IsInterface());
 }
 
+TEST(MaterialRanges, NumbersOutsideAreLocatedErrors) {
+    test::Workshop shop;
+    const std::vector<std::pair<const char *, test::Params>> bad = {
+        {"conductor", test::Params("m", 4).F("roughness", -0.1f)},
+        {"dielectric", test::Params("m", 4).F("vroughness", 1e30f)},
+        {"dielectric", test::Params("m", 4).F("eta", 1e30f)},
+        {"coateddiffuse", test::Params("m", 4).I("nsamples", 0)},
+        {"coateddiffuse", test::Params("m", 4).I("nsamples", 2'000'000'000)},
+        {"coatedconductor", test::Params("m", 4).I("maxdepth", -1)},
+        {"subsurface", test::Params("m", 4).F("g", 1)}};
+    for (const auto &[type, params] : bad) {
+        const test::Thrown t = test::Catch([&] { shop.Make(type, params); });
+        EXPECT_EQ(t.line, 5) << type;
+        EXPECT_TRUE(t.Says("it must be ")) << t.message;
+    }
+}
+
 }  // namespace
 }  // namespace pbrt

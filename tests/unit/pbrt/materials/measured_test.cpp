@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include "../bxdfs/sphere_histogram.h"
 #include "material_test_support.h"
@@ -240,6 +242,18 @@ TEST_F(Measured, MaterialReadsItsFileAndErrorsNameIt) {
     few.Add("theta_i", {2}, {1, 0});
     Write(few.Bytes());
     EXPECT_TRUE(error(there).Says("must increase"));
+    TensorWriter infinite;
+    infinite.Add("phi_i", {1}, {std::numeric_limits<float>::infinity()});
+    Write(infinite.Bytes());
+    EXPECT_TRUE(error(there).Says("field \"phi_i\": value 0 is inf; all must be finite"));
+    // Two fields on the same bytes, as files have that are small and want much memory.
+    std::string shared = few.Bytes();
+    const size_t second = shared.find("theta_i") + 7 + 2 + 1, first = shared.find("phi_i") + 5 + 2 + 1;
+    uint64_t size = shared.size() / 4;
+    for (size_t field : {first, second}) std::memcpy(shared.data() + field, std::string(8, '\0').data(), 8);
+    for (size_t field : {first, second}) std::memcpy(shared.data() + field + 8, &size, 8);
+    Write(shared);
+    EXPECT_TRUE(error(there).Says("has fields that overlap"));
 }
 
 }  // namespace

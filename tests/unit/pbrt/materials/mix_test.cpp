@@ -134,5 +134,19 @@ TEST(MixMaterial, BadOperandsAreLocated) {
     EXPECT_EQ(Catch([&] { shop.Make("mix", Params("mix", 5)); }).line, 5);
 }
 
+TEST(MixMaterial, NestingHasALimit) {
+    MixShop shop;
+    shop.named["m0"] = shop.Mix("a", "b", 0.5f);
+    Thrown t;
+    int depth = 1;
+    for (; depth < 1000 && t.line < 0; ++depth)
+        t = Catch([&] {
+            shop.named[fmt::format("m{}", depth)] = shop.Mix(fmt::format("m{}", depth - 1), "a", 0.5f);
+        });
+    EXPECT_EQ(depth - 1, 256) << "the mixes before it are good";
+    EXPECT_TRUE(t.Says("nested more than 256 deep")) << t.message;
+    EXPECT_EQ(t.line, 2);
+}
+
 }  // namespace
 }  // namespace pbrt

@@ -73,7 +73,7 @@ TEST(Option, Errors) {
     ExpectError("Option \"forcedifuse\" true\nWorldBegin", 1, 7, "did you mean \"forcediffuse\"");
     ExpectError("Option \"forcediffuse\" \"true\"", 1, 22, "without quotes");
     ExpectError("Option \"seed\" 1.5", 1, 14, "integer");
-    ExpectError("Option \"seed\" 99999999999", 1, 14, "32-bit");
+    ExpectError("Option \"seed\" 99999999999 WorldBegin", 1, 14, "32-bit");
     ExpectError("Option \"rendercoordsys\" \"eye\"\nWorldBegin", 1, 24, "valid: camera, cameraworld, world");
     ExpectError("Option \"displacementedgescale\" 0\nWorldBegin", 1, 7, "must be above 0");
     ExpectError("Option \"msereferenceout\" x", 1, 25, "in quotes");

@@ -166,5 +166,58 @@ TEST(Collection, ASyntaxErrorEndsTheParseWithoutFollowUps) {
     ExpectWorldError("AttributeBegin ObjectInstance \"o\"\nShape \"s", 3, 6, "Unterminated");
 }
 
+TEST(Transformations, ProductsBeyondFloatAreErrorsAtTheDirective) {
+    ExpectWorldError("Scale 1e30 1 1\n Scale 1e30 1 1", 3, 1, "beyond the largest 32-bit float");
+    ExpectWorldError("Translate 3e38 0 0 Translate 3e38 0 0", 2, 19, "beyond the largest 32-bit float");
+    ExpectWorldError("ActiveTransform EndTime Scale 1e30 1 1 Scale 1e30 1 1", 2, 39, "beyond the largest");
+    // It has no effect: what follows is not reported again.
+    EXPECT_EQ(Parse("WorldBegin Scale 1e30 1 1 Scale 1e30 1 1 Translate 1 2 3 Shape \"s\"").sink.ErrorCount(), 1u);
+    EXPECT_EQ(ParseWorld("Scale 1e30 1e-30 1 Scale 1e-30 1e30 1 Shape \"s\"").shapes[0].ctm.start.Matrix()[0][0], 1);
+    // The length of this axis has no finite square.
+    const Transform t = ParseWorld("Rotate 90 0 0 1e30 Shape \"s\"").shapes[0].ctm.start;
+    EXPECT_NEAR(t.Vector({1, 0, 0}).y, 1, 1e-6);
+}
+
+TEST(Collection, ManyErrorsAreCountedAndAMistakeOfMegabytesIsCut) {
+    std::string text = "WorldBegin";
+    for (int i = 0; i < 20'000; ++i) text += " AttributeBegin";
+    for (int i = 0; i < 20'000; ++i) text += "\nShape \"s\" \"float a\" 1e400";
+    const Parsed many = Parse(text);
+    EXPECT_EQ(many.sink.ErrorCount(), 40'000u);
+    EXPECT_EQ(many.sink.All().size(), kMaxDiagnostics);
+
+    const std::string monster(5'000'000, 'x');
+    for (const std::string &bad :
+         {"Shape \"" + monster + "\" \"float a\" [ \"" + monster + "\" ]", "Shape \"s\" \"" + monster + " a\" 1", monster,
+          "\"" + monster + "\"", "Shape \"s\" \"float " + monster + "\" true", "Option \"" + monster + "\" 1",
+          "Shape \"s\" \"float a\" " + monster, "ObjectInstance \"" + monster + "\"",
+          "NamedMaterial \"" + monster + "\" Shape \"s\"", "MediumInterface \"" + monster + "\" Shape \"s\"",
+          "CoordSysTransform \"" + monster + "\"", "Translate " + monster, "ColorSpace \"" + monster + "\"",
+          "Include \"" + monster + "\""}) {
+        const Parsed parsed = Parse("WorldBegin\n" + bad);
+        ASSERT_GE(parsed.sink.All().size(), 1u) << bad.substr(0, 40);
+        EXPECT_LT(Messages(parsed.sink).size(), 6000u) << bad.substr(0, 40);
+    }
+}
+
+TEST(Collection, ALackOfManyNamesListsOnlySomeOfThem) {
+    std::string text = "WorldBegin";
+    for (int i = 0; i < 3000; ++i) text += fmt::format("\nMakeNamedMaterial \"m{0}\" \"string type\" \"d\"", i);
+    for (int i = 0; i < 3000; ++i) text += fmt::format("\nNamedMaterial \"n{0}\" Shape \"s\" ObjectInstance \"o{0}\"", i);
+    const Parsed parsed = Parse(text);
+    EXPECT_EQ(parsed.sink.ErrorCount(), 6000u);
+    EXPECT_LT(Messages(parsed.sink).size(), 100'000u);
+}
+
+TEST(Blocks, NestingHasALimit) {
+    const size_t most = size_t(1) << 17;
+    std::string text;
+    for (size_t i = 0; i <= most; ++i) text += "AttributeBegin\n";
+    const Parsed parsed = Parse("WorldBegin\n" + text);
+    ASSERT_EQ(parsed.sink.All().size(), 1u);
+    EXPECT_EQ(parsed.sink.All()[0].loc.line, static_cast<int>(most) + 2);
+    EXPECT_NE(parsed.sink.All()[0].message.find("more than 131072 deep"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace pbrt::test

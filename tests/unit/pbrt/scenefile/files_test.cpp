@@ -243,5 +243,34 @@ TEST_F(SceneFiles, EveryLocationOfAFileSharesOneSource) {
     EXPECT_EQ(scene.shapes[0].loc.file, scene.shapes[0].params.Own()[0].loc.file);
 }
 
+TEST_F(SceneFiles, NestingHasALimit) {
+    for (const char *directive : {"Include", "Import"}) {
+        for (int i = 0; i < 300; ++i)
+            folder_.Write(fmt::format("{}.pbrt", i), fmt::format("\n  {} \"{}.pbrt\"\n", directive, i + 1));
+        folder_.Write("300.pbrt", "Shape \"s\"\n");
+        ParseMain(fmt::format("WorldBegin\n{} \"0.pbrt\"\n", directive));
+        ASSERT_EQ(sink_.All().size(), 1u) << Messages(sink_);
+        const Diagnostic &d = sink_.All()[0];
+        EXPECT_NE(d.message.find("nested more than 256 deep"), std::string::npos) << d.message;
+        EXPECT_TRUE(d.loc.file->name.ends_with("/254.pbrt")) << d.loc.file->name;  // the 256th, with main.pbrt
+        EXPECT_EQ(d.loc.line, 2);
+        folder_.Write("200.pbrt", "Shape \"s\"\n");
+        EXPECT_EQ(ParseMainClean(fmt::format("WorldBegin\n{} \"0.pbrt\"\n", directive)).shapes.size(), 1u);
+    }
+}
+
+TEST_F(SceneFiles, FilesThatMultiplyAreStopped) {
+    // Every level twice: 2^30 files.
+    for (const char *directive : {"Include", "Import"}) {
+        for (int i = 0; i < 30; ++i)
+            folder_.Write(fmt::format("{}.pbrt", i), fmt::format("{0} \"{1}.pbrt\" {0} \"{1}.pbrt\"", directive, i + 1));
+        folder_.Write("30.pbrt", "");
+        ParseMain(fmt::format("WorldBegin {} \"0.pbrt\"", directive));
+        ASSERT_GE(sink_.All().size(), 1u);
+        EXPECT_NE(sink_.All()[0].message.find("More than 20000 files"), std::string::npos) << Messages(sink_);
+        EXPECT_LE(sink_.ErrorCount(), 31u);
+    }
+}
+
 }  // namespace
 }  // namespace pbrt::test

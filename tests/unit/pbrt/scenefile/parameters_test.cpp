@@ -121,7 +121,9 @@ TEST(ParameterErrors, BadNumbers) {
     ExpectWorldError("Shape \"s\" \"integer a\" 2147483648", 2, 22, "32-bit");
     ExpectWorldError("Shape \"s\" \"string a\" x", 2, 21, "quoted");
     ExpectWorldError("Shape \"s\" \"bool a\" True", 2, 19, "true or false");
-    ExpectWorldWarning("Shape \"s\" \"float a\" [ 1 1e39 ]", 2, 24, "infinite");
+    ExpectWorldError("Shape \"s\" \"float a\" [ 1 1e39 ]", 2, 24, "1e39 is too large: a number must lie between");
+    ExpectWorldError("Shape \"s\" \"float a\" -1e400", 2, 20, "-1e400 is too large");
+    ExpectWorldError("Translate 0 1e400 0", 2, 12, "1e400 is too large");
 }
 
 TEST(ParameterErrors, Brackets) {

@@ -293,5 +293,41 @@ TEST_F(ShapeFactory, ConformanceMeshesAreRead) {
     EXPECT_TRUE(sink.All().empty());
 }
 
+TEST_F(ShapeFactory, WhatEmbreeIsGivenLiesWithinItsReach) {
+    const auto errorAt = [&](const char *type, const Transform &t) -> std::string {
+        try {
+            MakeShapes(type, params, t, false, FileResolver(), sink);
+        } catch (const UserError &e) {
+            return e.Diagnostics().front().message;
+        }
+        return "";
+    };
+    for (const char *type : {"sphere", "disk", "cylinder"}) {
+        EXPECT_NE(errorAt(type, Transform::Scale({1e20f, 1e20f, 1e20f})).find("coordinates must be"), std::string::npos) << type;
+        EXPECT_EQ(errorAt(type, Transform::Scale({1e17f, 1e17f, 1e17f})), "") << type;
+    }
+    Floats(ParamType::Point3, "P", {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 3, 0});
+    Ints("indices", {0, 1, 2});
+    EXPECT_EQ(errorAt("trianglemesh", Transform::Scale({1e17f, 1e17f, 1})), "");
+    const std::string far = errorAt("trianglemesh", Transform::Scale({1, 4e17f, 1}));
+    EXPECT_NE(far.find("vertex 3 lies at (0, 1.2e+18, 0) after the transformation"), std::string::npos) << far;
+    EXPECT_NE(far.find("at least -1e+18 and at most 1e+18"), std::string::npos) << far;
+    EXPECT_NE(errorAt("curve", Transform::Scale({1e18f, 1e18f, 1})).find("coordinates must be"), std::string::npos);
+    Floats(ParamType::Float, "radius", {1e38f});
+    EXPECT_NE(ErrorOf("sphere").find("\"radius\" is 1e+38; it must be above 0 and at most 1e+18"), std::string::npos);
+}
+
+TEST_F(ShapeFactory, ASubdivisionThatDoesNotFitIsNotBegun) {
+    std::vector<int> indices;
+    for (int i = 0; i < 100'000; ++i) indices.insert(indices.end(), {0, 1, 2});
+    Ints("indices", indices);
+    Floats(ParamType::Point3, "P", {0, 0, 0, 1, 0, 0, 0, 1, 0});
+    Ints("levels", {10});
+    const std::string message = ErrorOf("loopsubdiv");
+    EXPECT_NE(message.find("a mesh of 1e+11 triangles needs about 42 TB of memory, but this process can use"),
+              std::string::npos)
+        << message;
+}
+
 }  // namespace
 }  // namespace pbrt

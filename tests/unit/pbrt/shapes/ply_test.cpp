@@ -4,6 +4,7 @@
 
 #include <bit>
 #include <cstring>
+#include <limits>
 
 #include "pbrt/core/error.h"
 
@@ -128,6 +129,39 @@ TEST(Ply, EveryTruncationIsAnError) {
             std::string cut = whole.substr(0, n);
             EXPECT_NE(ErrorOf(cut), "") << n;
         }
+}
+
+TEST(Ply, PositionsMustBeFiniteFloats) {
+    for (const char *bad : {"1e400", "-1e39", "inf", "nan"}) {
+        const std::string message = ErrorOf(Replaced(Ascii(), "-2.5e-1", bad));
+        EXPECT_NE(message.find("line 23 (vertex 3): z is "), std::string::npos) << bad << ": " << message;
+        EXPECT_NE(message.find("finite"), std::string::npos) << message;
+    }
+    EXPECT_EQ(ErrorOf(Replaced(Ascii(), "-2.5e-1", "1e-400")), "") << "too small is 0";
+    EXPECT_EQ(ParsePly(Replaced(Ascii(), "-2.5e-1", "1e-400"), "x").triangles.p[3].z, 0);
+    for (bool big : {false, true}) {
+        std::string infinity, whole = Binary(big), z;
+        Put(z, -0.25f, big);
+        Put(infinity, std::numeric_limits<float>::infinity(), big);
+        EXPECT_NE(ErrorOf(Replaced(whole, z, infinity)).find("vertex 3: z is inf"), std::string::npos);
+    }
+    EXPECT_NE(ErrorOf(Replaced(Ascii(), "3 0 1 2 7", "3 0 1 99999999999999999999 7")).find("too large"), std::string::npos);
+}
+
+TEST(Ply, NormalsAndUvThatAreNotFiniteAreZeroAndCounted) {
+    const PlyMesh mesh =
+        ParsePly(Replaced(Replaced(Ascii(), "0 0 0 0 0 1 0 0 255", "0 0 0 nan 0 1 0 0 255"), "0 0 1 1 1 1", "0 0 1 inf 1 1"),
+                 "x.ply");
+    EXPECT_EQ(mesh.brokenAttributes, 2u);
+    EXPECT_EQ(mesh.triangles.n[0], Normal3(0));
+    EXPECT_EQ(mesh.triangles.uv[2], Point2(0));
+    EXPECT_EQ(mesh.triangles.n[1], Normal3(0, 0, 1));
+}
+
+TEST(Ply, AnElementOfNothingTakesNoTime) {
+    // Elements without properties have no size: any number of them fits into the file.
+    const std::string text = Replaced(Ascii(), "element edge 1\nproperty int vertex1\n", "element edge 18000000000000000000\n");
+    EXPECT_EQ(ParsePly(text.substr(0, text.size() - 2), "x.ply").triangles.indices.size(), 3u);
 }
 
 }  // namespace

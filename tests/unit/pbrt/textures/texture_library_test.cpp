@@ -145,5 +145,54 @@ TEST(TextureLibrary, OwnTextureBeatsAttributeValue) {
     EXPECT_EQ(b.textures.GetFloat(attribute, "roughness", 0)->Constant(), 0.9f);
 }
 
+TEST(TextureLibrary, ALongChainIsAnErrorAndNeverRecursesDeeply) {
+    for (bool fromTheTop : {true, false}) {
+        Bench b;
+        b.Define("t0", false, "fbm", Params("t0"));
+        for (int i = 1; i < 30'000; ++i)
+            b.Define(fmt::format("t{}", i), false, "scale",
+                     Params(fmt::format("t{}", i), i % 150).Tex("tex", fmt::format("t{}", i - 1)).Tex("scale", "t0"));
+        if (fromTheTop) b.FloatTex("t29999");
+        b.textures.CheckAll();
+        ASSERT_GE(b.Errors(), 1u);
+        EXPECT_NE(b.sink.All()[0].message.find("nested more than 256 deep"), std::string::npos) << b.sink.All()[0].message;
+        EXPECT_GT(b.sink.All()[0].loc.line, 0);
+        if (!fromTheTop) {  // t0 is the first of 256
+            EXPECT_EQ(b.sink.All()[0].loc.line, 256 % 150 + 1);
+        }
+    }
+}
+
+TEST(TextureLibrary, AsDeepAsTheLimitIsFine) {
+    Bench b;
+    b.Define("t1", true, "marble", Params());
+    for (int i = 2; i <= 256; ++i)
+        b.Define(fmt::format("t{}", i), true, "mix",
+                 Params().Tex("tex1", fmt::format("t{}", i - 1)).Rgb("tex2", 0, 0, 0).F("amount", 0.25f));
+    TextureContext at;
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    EXPECT_GT(b.SpectrumTex("t20")->Evaluate(at, lambda)[0], 0);
+    b.SpectrumTex("t256")->Evaluate(at, lambda);
+    EXPECT_EQ(b.Errors(), 0u);
+}
+
+TEST(TextureLibrary, MixesOfMixesOfTheSameMustNotDoubleForEver) {
+    for (const char *kind : {"mix", "checkerboard"}) {
+        Bench b;
+        b.Define("t0", true, "marble", Params());
+        const char *second = "tex2";
+        for (int i = 1; i <= 60; ++i) {
+            const std::string below = fmt::format("t{}", i - 1);
+            b.Define(fmt::format("t{}", i), true, kind, Params("texture", i).Tex("tex1", below).Tex(second, below));
+        }
+        b.SpectrumTex("t60");
+        ASSERT_GE(b.Errors(), 1u);
+        // 2^16 - 1 evaluations are allowed, twice as many and one are not: at the second operand of the 16th.
+        EXPECT_EQ(b.sink.All()[0].loc.line, 16 + 2) << b.sink.All()[0].message;
+        EXPECT_NE(b.sink.All()[0].message.find("one look-up evaluates 1.3e+05 textures; at most 65536"), std::string::npos)
+            << b.sink.All()[0].message;
+    }
+}
+
 }  // namespace
 }  // namespace pbrt

@@ -50,13 +50,13 @@ std::vector<std::string> Program::Files() const {
     return names;
 }
 
-pid_t Program::Start(const std::string &arguments) const {
+pid_t Program::Start(const std::string &arguments, const std::string &before) const {
     const pid_t pid = fork();
     if (pid != 0) return pid;
     alarm(60);  // survives exec: a program that hangs dies, and the test with it
     const std::string log = (logs_ / std::to_string(getpid())).string();
-    const std::string command = "cd '" + directory_.string() + "' && exec '" + PBRT_PROGRAM + "' " + arguments + " > " +
-                                log + ".out 2> " + log + ".err";
+    const std::string command = "cd '" + directory_.string() + "' && " + before + " && exec '" + PBRT_PROGRAM + "' " +
+                                arguments + " > " + log + ".out 2> " + log + ".err";
     execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     _exit(127);
 }

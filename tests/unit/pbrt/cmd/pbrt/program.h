@@ -41,7 +41,8 @@ class Program : public ::testing::Test {
     /// Renders to `name` and reads it back.
     ImageFile Render(const std::string &arguments, const std::string &name = "out.exr") const;
 
-    pid_t Start(const std::string &arguments) const;
+    /// `before`: shell commands that set the stage, such as limits.
+    pid_t Start(const std::string &arguments, const std::string &before = "true") const;
     Outcome Wait(pid_t pid) const;
     /// Polls until the condition holds; false after half a minute.
     static bool WaitUntil(const std::function<bool()> &condition);

@@ -1,0 +1,22 @@
+#pragma once
+#include "pbrt/core/params.h"
+
+/// Ranges that several parameters share. docs/compatibility.md lists all limits.
+namespace pbrt {
+
+/// Embree drops vertices beyond sqrt(largest float) / 10 = 1.844e18 and refuses rays that start there. With this bound on
+/// every coordinate, what an instance turns by any angle stays below, and squared distances stay finite.
+inline constexpr Float kMaxCoordinate = 1e18f;
+inline constexpr Range<Float> kCoordinateRange{-kMaxCoordinate, kMaxCoordinate};
+inline constexpr Range<Float> kLengthRange = Positive(kMaxCoordinate);
+
+/// Radiance, intensity, and their factors.
+inline constexpr Float kMaxBrightness = 1e30f;
+inline constexpr Range<Float> kBrightnessRange{0, kMaxBrightness};
+/// Power or illuminance that a light is scaled to; 0 and below mean that it is not.
+inline constexpr Range<Float> kPowerRange{-kMaxBrightness, kMaxBrightness};
+
+/// How deep textures, mixes of materials and included files may be nested.
+inline constexpr int kMaxNesting = 256;
+
+}  // namespace pbrt

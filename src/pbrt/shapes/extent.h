@@ -1,0 +1,27 @@
+#pragma once
+#include <string>
+
+#include "pbrt/core/limits.h"
+#include "pbrt/math/animated_transform.h"
+#include "pbrt/shapes/shape.h"
+
+namespace pbrt {
+
+inline bool IsWithinReach(const Point3 &p) {
+    return kCoordinateRange.Contains(p.x) && kCoordinateRange.Contains(p.y) && kCoordinateRange.Contains(p.z);
+}
+inline bool IsWithinReach(const Bounds3 &b) { return b.IsEmpty() || (IsWithinReach(b.low) && IsWithinReach(b.high)); }
+
+/// The box around a transformed box.
+Bounds3 TransformBounds(const Transform &t, const Bounds3 &b);
+/// Around all primitives.
+Bounds3 BoundsOf(const Shape &shape);
+
+/// Throws UserError "`what` reaches from ... to ...; coordinates must be ..." unless the box, where `place` puts it at the
+/// start and at the end of its motion, lies within kMaxCoordinate.
+void RequireReach(const std::string &what, const AnimatedTransform &place, const Bounds3 &b, const FileLoc &loc);
+
+/// The same for a shape in the space it is in. Meshes name the first vertex that is too far away.
+void RequireReach(const std::string &what, const Shape &shape, const FileLoc &loc);
+
+}  // namespace pbrt

@@ -1,0 +1,48 @@
+#include "pbrt/core/memory.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <cstdlib>
+
+namespace pbrt {
+namespace {
+
+TEST(BytesText, HasTwoOrThreeDigits) {
+    EXPECT_EQ(BytesText(240e9), "240 GB");
+    EXPECT_EQ(BytesText(1.26e6), "1.3 MB");
+    EXPECT_EQ(BytesText(999.6e6), "1.0 GB");
+    EXPECT_EQ(BytesText(23.4e12), "23 TB");
+    EXPECT_EQ(BytesText(4e18), "4000 PB");
+    EXPECT_EQ(BytesText(0), "0.0 MB");
+}
+
+TEST(RequireMemory, ComparesWithWhatThisProcessCanUse) {
+    const double usable = UsableMemory();
+    EXPECT_GT(usable, 1e8);
+    EXPECT_NO_THROW(RequireMemory(usable, "a film", {}));
+    try {
+        RequireMemory(usable * 1.01, "a film", {});
+        FAIL();
+    } catch (const UserError &e) {
+        EXPECT_EQ(e.Diagnostics().front().message,
+                  fmt::format("a film needs about {} of memory, but this process can use {}.",
+                              BytesText(usable * 1.01), BytesText(usable)));
+    }
+}
+
+TEST(UsableMemoryDeathTest, ObeysTheLimitOfTheProcess) {
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    EXPECT_EXIT(
+        {
+            rlimit limit{};  // what is mapped already stays
+            limit.rlim_cur = 50'000'000;
+            limit.rlim_max = RLIM_INFINITY;
+            setrlimit(RLIMIT_AS, &limit);
+            std::_Exit(UsableMemory() == 50e6 ? 7 : 8);
+        },
+        testing::ExitedWithCode(7), "");
+}
+
+}  // namespace
+}  // namespace pbrt

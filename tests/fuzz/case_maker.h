@@ -1,0 +1,37 @@
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "fuzz/corpus.h"
+#include "fuzz/fuzz_case.h"
+#include "fuzz/scene_mutators.h"
+
+namespace pbrt::fuzz {
+
+/// Makes cases: everything about one follows from (seed, number) and the corpus.
+class CaseMaker {
+  public:
+    explicit CaseMaker(Corpus corpus);
+
+    /// All kinds of mutations, sorted.
+    const std::vector<std::string> &Kinds() const { return kinds_; }
+    /// A case of one of `kinds`.
+    FuzzCase Make(uint64_t seed, uint64_t number, const std::vector<std::string> &kinds) const;
+    /// A scene of the corpus as it is.
+    FuzzCase Unchanged(const SeedScene &scene) const;
+    const Corpus &Seeds() const { return corpus_; }
+
+  private:
+    struct Use {
+        const SeedScene *scene;
+        const CaseFile *asset;
+    };
+    void AddArguments(FuzzCase &made, Dice &dice) const;
+    Corpus corpus_;
+    SceneWords words_;
+    std::map<std::string, std::vector<Use>> uses_;  ///< of assets, by kind
+    std::vector<std::string> kinds_;
+};
+
+}  // namespace pbrt::fuzz

@@ -1,0 +1,75 @@
+#pragma once
+#include <sys/types.h>
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace pbrt::fuzz {
+
+struct Limits {
+    double seconds = 4;         ///< of CPU until the child is asked to stop (SIGTERM); eight times as long by the clock
+    double graceSeconds = 1.5;  ///< of CPU that it then has to do so; eight times as long by the clock
+    size_t memoryMb = 2048;     ///< address space beyond the parent's (resident memory under AddressSanitizer)
+    size_t fileMb = 64;         ///< of any file written, messages too
+};
+
+/// What the child found out about its own picture.
+struct PictureReport {
+    enum class State { NotLooked, Good, Missing, Unreadable, NotFinite, WrongSize };
+    State state = State::NotLooked;
+    std::array<char, 200> text{};
+};
+
+/// How a child ended.
+struct ChildResult {
+    int status = -1;         ///< exit status; -1 if a signal ended it
+    int signal = 0;          ///< the signal that ended it, or that its handler saw
+    bool askedToStop = false;
+    bool hung = false;       ///< it had to be killed
+    std::vector<void *> frames;  ///< innermost first, of the signal or of where it hung
+    std::string messages;    ///< standard output and error, the first 64 KB
+    size_t messageBytes = 0;
+    double seconds = 0;      ///< of CPU
+    PictureReport picture;
+};
+
+/// What a child does: returns the exit status and fills the report.
+using ChildBody = std::function<int(PictureReport &)>;
+
+/// A child process that runs one case under limits: forked from this process, so what this process has loaded and set up
+/// need not be set up again. This process must not have threads.
+class Child {
+  public:
+    Child();
+    ~Child();
+    Child(const Child &) = delete;
+    Child &operator=(const Child &) = delete;
+
+    /// Runs `body` in a new process with `folder` as its working folder.
+    void Start(const std::string &folder, const ChildBody &body, const Limits &limits);
+    bool Running() const { return pid_ > 0; }
+    /// Can be polled for the end of the child.
+    int EndDescriptor() const { return endFd_; }
+    /// Asks and forces it to stop when its time is over. True when it has ended: the result can be taken.
+    bool Poll();
+    ChildResult Take();
+
+  private:
+    struct Shared;
+    void EnforceTime();
+    Shared *shared_;
+    pid_t pid_ = -1;
+    int endFd_ = -1, messagesFd_ = -1;
+    clockid_t clock_{};
+    double startWall_ = 0, stopWall_ = 0, stopCpu_ = 0, killWall_ = 0;
+    enum class Stage { Running, AskedToStop, AskedWhere } stage_ = Stage::Running;
+    Limits limits_;
+    ChildResult result_;
+};
+
+/// Runs a child to its end.
+ChildResult RunChild(const std::string &folder, const ChildBody &body, const Limits &limits);
+
+}  // namespace pbrt::fuzz

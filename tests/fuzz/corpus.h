@@ -1,0 +1,24 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "fuzz/fuzz_case.h"
+
+namespace pbrt::fuzz {
+
+struct SeedScene {
+    std::string name, text;
+    std::vector<std::string> assets;  ///< names of the files in ../assets that it names
+};
+
+/// What is mutated: the scenes of tests/fuzz/seeds and of the conformance suite, the latter with films of 12 x 8 pixels,
+/// and the assets they name. All assets are also written to `assetFolder`.
+struct Corpus {
+    std::vector<SeedScene> scenes;
+    std::vector<CaseFile> assets;
+
+    static Corpus Load(const std::string &assetFolder);
+    const CaseFile *Asset(const std::string &name) const;
+};
+
+}  // namespace pbrt::fuzz

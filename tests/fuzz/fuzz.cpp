@@ -1,0 +1,207 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include <poll.h>
+#include <unistd.h>
+
+#include "fuzz/case_maker.h"
+#include "fuzz/program.h"
+#include "fuzz/report.h"
+#include "fuzz/shrink.h"
+#include "fuzz/workplace.h"
+#include "version.h"
+
+#ifdef __SANITIZE_ADDRESS__
+// Findings end a case; memory is limited by what is used, as the address space cannot be.
+extern "C" const char *__asan_default_options() {
+    return "abort_on_error=0:detect_leaks=0:allocator_may_return_null=0:hard_rss_limit_mb=3000:max_allocation_size_mb=3000:"
+           "detect_stack_use_after_return=0:exitcode=99";
+}
+extern "C" const char *__ubsan_default_options() { return "halt_on_error=1:print_stacktrace=1:exitcode=99"; }
+#endif
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace pbrt::fuzz;
+
+struct Settings {
+    uint64_t seed = 1, cases = 1000, from = 0;
+    int jobs = 1, shrinkTries = 400;
+    double minutes = 0;
+    std::vector<std::string> only;
+    std::string out, replay;
+    bool seedsOnly = false, verbose = false;
+    Limits limits;
+};
+
+/// Temporary folder of this run: memory if there is a file system in it.
+class Scratch {
+  public:
+    Scratch() {
+        const fs::path base = fs::exists("/dev/shm") && access("/dev/shm", W_OK) == 0 ? "/dev/shm" : fs::temp_directory_path();
+        folder_ = base / ("pbrt-fuzz-" + std::to_string(getpid()));
+        fs::create_directories(folder_ / "assets");
+    }
+    ~Scratch() {
+        std::error_code ignored;
+        if (getpid() == owner_) fs::remove_all(folder_, ignored);
+    }
+    Scratch(const Scratch &) = delete;
+    Scratch &operator=(const Scratch &) = delete;
+    std::string Path(const std::string &name) const { return (folder_ / name).string(); }
+
+  private:
+    fs::path folder_;
+    pid_t owner_ = getpid();
+};
+
+double Now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void Print(uint64_t number, const FuzzCase &fuzzCase, const CaseResult &result) {
+    std::printf("%llu %s of %s: %s %s (%.3f s)\n%s", static_cast<unsigned long long>(number), fuzzCase.kind.c_str(), fuzzCase.seed.c_str(),
+                Name(result.verdict.outcome), result.verdict.cause.c_str(), result.run.seconds, result.run.messages.c_str());
+}
+
+/// Runs cases, several at once if asked, until all are done or the time is over.
+Tally RunCases(const Settings &s, const CaseMaker &maker, const Scratch &scratch) {
+    struct Seat {
+        std::unique_ptr<Workplace> place;
+        uint64_t number = 0;
+        FuzzCase fuzzCase;
+    };
+    std::vector<Seat> seats(static_cast<size_t>(s.jobs));
+    for (size_t i = 0; i < seats.size(); ++i) seats[i].place = std::make_unique<Workplace>(scratch.Path("job" + std::to_string(i)));
+    const std::vector<std::string> &kinds = s.only.empty() ? maker.Kinds() : s.only;
+    const auto &scenes = maker.Seeds().scenes;
+    const uint64_t end = s.seedsOnly ? scenes.size() : s.from + s.cases;
+
+    Tally tally;
+    tally.seed = s.seed;
+    tally.from = s.from;
+    tally.version = PBRT_VERSION_TEXT;
+    const double start = Now();
+    double shown = start;
+    uint64_t next = s.seedsOnly ? 0 : s.from;
+    for (bool busy = true; busy;) {
+        busy = false;
+        const bool isTimeOver = s.minutes > 0 && Now() - start > 60 * s.minutes;
+        std::vector<pollfd> ends;
+        for (Seat &seat : seats) {
+            if (seat.place->Running())
+                if (auto result = seat.place->Poll()) {
+                    tally.Add(seat.number, seat.fuzzCase, result->verdict);
+                    if (s.verbose) Print(seat.number, seat.fuzzCase, *result);
+                }
+            if (!seat.place->Running() && next < end && !isTimeOver) {
+                seat.number = next++;
+                seat.fuzzCase = s.seedsOnly ? maker.Unchanged(scenes[seat.number]) : maker.Make(s.seed, seat.number, kinds);
+                seat.place->Start(seat.fuzzCase, s.limits);
+            }
+            if (!seat.place->Running()) continue;
+            busy = true;
+            ends.push_back({seat.place->EndDescriptor(), POLLIN, 0});
+        }
+        if (!ends.empty()) poll(ends.data(), ends.size(), 20);
+        if (Now() - shown > 10) {
+            shown = Now();
+            std::fprintf(stderr, "%llu cases, %.1f ms each, %llu failures of %zu causes\n", static_cast<unsigned long long>(tally.cases),
+                         1000 * (shown - start) / static_cast<double>(tally.cases), static_cast<unsigned long long>(tally.Failures()),
+                         tally.causes.size());
+        }
+    }
+    tally.seconds = Now() - start;
+    return tally;
+}
+
+/// Saves one case of every cause, as it was and made smaller.
+void SaveFailures(const Settings &s, const CaseMaker &maker, const Scratch &scratch, Tally &tally) {
+    const std::vector<std::string> &kinds = s.only.empty() ? maker.Kinds() : s.only;
+    const fs::path failures = fs::path(s.out) / "failures";
+    fs::remove_all(failures);
+    fs::create_directories(failures);
+    fs::copy(scratch.Path("assets"), failures / "assets", fs::copy_options::recursive);
+    Workplace place(scratch.Path("shrink"));
+    int index = 0;
+    for (auto &[name, cause] : tally.causes) {
+        const FuzzCase original = s.seedsOnly ? maker.Unchanged(maker.Seeds().scenes[cause.firstNumber])
+                                              : maker.Make(s.seed, cause.firstNumber, kinds);
+        const CaseResult first = place.Run(original, s.limits);
+        const bool isSlow = first.run.askedToStop;
+        const FuzzCase small = Shrink(
+            original,
+            [&](const FuzzCase &candidate) {
+                const CaseResult again = place.Run(candidate, s.limits);
+                return again.verdict.outcome == first.verdict.outcome && again.verdict.cause == first.verdict.cause;
+            },
+            isSlow ? std::min(s.shrinkTries, 30) : s.shrinkTries);
+        cause.folder = (failures / fmt::format("{:03}", index++)).string();
+        const CaseResult last = place.Run(small, s.limits);
+        SaveCase(cause.folder, small, last.verdict, last.run.messages);
+        std::printf("%s\n    %llu times, first in case %llu of %s; replay: fuzz --replay %s/case.json\n", name.c_str(),
+                    static_cast<unsigned long long>(cause.count), static_cast<unsigned long long>(cause.firstNumber),
+                    original.seed.c_str(), cause.folder.c_str());
+    }
+}
+
+int Replay(const Settings &s, const Scratch &scratch) {
+    const FuzzCase fuzzCase = ReadCase(s.replay);
+    Workplace place(scratch.Path("replay"));
+    const CaseResult result = place.Run(fuzzCase, s.limits);
+    std::printf("%s%s: %s (exit status %d, signal %d, %.2f s)\n", result.run.messages.c_str(), Name(result.verdict.outcome),
+                result.verdict.cause.c_str(), result.run.status, result.run.signal, result.run.seconds);
+    for (const std::string &function : OurFunctions(result.run.frames))
+        if (!function.empty()) std::printf("    %s\n", function.c_str());
+    return IsFailure(result.verdict.outcome) ? 1 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char **argv) {
+    Settings s;
+    CLI::App app("Runs pbrt on mutated scenes and files, a child process each, and sorts what happens.\n"
+                 "Exit status 1 if any case failed. docs/fuzzing.md tells more.", "fuzz");
+    app.add_option("--seed", s.seed, "of all mutations (1)");
+    app.add_option("--cases", s.cases, "how many (1000)");
+    app.add_option("--from", s.from, "number of the first case (0)");
+    app.add_option("--jobs", s.jobs, "cases at the same time (1)")->check(CLI::Range(1, 256));
+    app.add_option("--minutes", s.minutes, "stop after so long (0: never)");
+    app.add_option("--only", s.only, "kinds of mutations, comma between them (all)")->delimiter(',');
+    app.add_option("--out", s.out, "folder for report.md, report.json and the failures, made smaller");
+    app.add_option("--replay", s.replay, "run one saved case (its case.json)");
+    app.add_flag("--seeds", s.seedsOnly, "run the scenes as they are, without mutations");
+    app.add_flag("--verbose", s.verbose, "print every case with its messages");
+    app.add_option("--seconds", s.limits.seconds, "of CPU for a case (4)");
+    app.add_option("--memory-mb", s.limits.memoryMb, "for a case (2048)");
+    app.add_option("--shrink-tries", s.shrinkTries, "runs to make a failing case smaller (400)");
+    CLI11_PARSE(app, argc, argv);
+    try {
+        const Scratch scratch;
+        PrepareProgram(scratch.Path("assets"));
+        const CaseMaker maker(Corpus::Load(scratch.Path("assets")));
+        for (const std::string &kind : s.only)
+            if (std::find(maker.Kinds().begin(), maker.Kinds().end(), kind) == maker.Kinds().end()) {
+                std::string known;
+                for (const std::string &k : maker.Kinds()) known += ' ' + k;
+                throw std::runtime_error("there is no mutation \"" + kind + "\"; there are:" + known);
+            }
+        if (!s.replay.empty()) return Replay(s, scratch);
+        Tally tally = RunCases(s, maker, scratch);
+        if (!s.out.empty()) {
+            SaveFailures(s, maker, scratch, tally);
+            std::ofstream(fs::path(s.out) / "report.md") << Markdown(tally);
+            std::ofstream(fs::path(s.out) / "report.json") << Json(tally);
+        }
+        std::printf("%s", Markdown(tally).c_str());
+        return tally.causes.empty() ? 0 : 1;
+    } catch (const std::exception &e) {
+        std::fprintf(stderr, "Error: %s\n", e.what());
+        return 2;
+    }
+}

@@ -1,0 +1,173 @@
+#include "fuzz/outcome.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <regex>
+#include <sstream>
+
+namespace pbrt::fuzz {
+
+namespace {
+
+std::string FirstLineOf(const std::string &command) {
+    std::unique_ptr<FILE, int (*)(FILE *)> pipe(popen(command.c_str(), "r"), pclose);
+    std::array<char, 4096> line{};
+    if (!pipe || !std::fgets(line.data(), static_cast<int>(line.size()), pipe.get())) return "";
+    std::string text = line.data();
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    return text;
+}
+
+/// Without parameters, template arguments and the inner namespace's name.
+std::string ShortName(std::string name) {
+    int depth = 0;
+    std::string kept;
+    for (size_t i = 0; i < name.size(); ++i) {
+        if (name.compare(i, 21, "(anonymous namespace)") == 0) {
+            i += 22;  // and "::"
+            continue;
+        }
+        if (name[i] == '(' || name[i] == '<') ++depth;
+        if (depth == 0) kept += name[i];
+        if (name[i] == ')' || name[i] == '>') --depth;
+    }
+    size_t blank = kept.rfind(' ');
+    if (blank != std::string::npos && blank + 1 < kept.size()) kept.erase(0, blank + 1);
+    return kept.substr(0, 100);
+}
+
+const std::string &FunctionAt(void *address) {
+    static std::map<void *, std::string> known;
+    auto [it, isNew] = known.try_emplace(address);
+    if (!isNew) return it->second;
+    Dl_info info{};
+    if (!dladdr(address, &info) || !info.dli_fname) return it->second;
+    const std::string own = std::filesystem::read_symlink("/proc/self/exe").string();
+    std::error_code ignored;
+    const std::string file = std::filesystem::canonical(info.dli_fname, ignored).string();
+    const auto offset = static_cast<char *>(address) - static_cast<char *>(info.dli_fbase) - 1;
+    if (file == own)
+        it->second = ShortName(FirstLineOf(fmt::format("addr2line -Cfe '{}' {:#x}", own, offset)));
+    else if (file.find("libc.") == std::string::npos && file.find("libstdc++") == std::string::npos)
+        it->second = std::filesystem::path(file).stem().stem().string();
+    return it->second;
+}
+
+/// The innermost three different functions or libraries: deep recursion is one of them many times.
+std::string Where(const std::vector<void *> &frames) {
+    std::vector<std::string> seen;
+    for (const std::string &name : OurFunctions(frames)) {
+        if (name.empty() || name.find("fuzz::") != std::string::npos || name == "??") continue;
+        if (std::find(seen.begin(), seen.end(), name) == seen.end()) seen.push_back(name);
+        if (seen.size() == 3) break;
+    }
+    std::string text;
+    for (const std::string &name : seen) text += (text.empty() ? "" : " < ") + name;
+    return text;
+}
+
+/// A message without what differs from case to case.
+std::string WithoutDetails(const std::string &message) {
+    static const std::regex kQuoted("\"[^\"]*\""), kNumber(R"([-+]?\d[\d.,]*(e[-+]?\d+)?|\b-?(nan|inf)\b)"),
+        kFile(R"((\S*/)?[\w.]*\.(pbrt|ply|png|exr|pfm|hdr|tga|bsdf|dat|spd|gz)\b)"), kOther("[^\\x20-\\x7e]+");
+    std::string text = message.substr(0, 400);
+    text = std::regex_replace(text, kOther, "?");
+    text = std::regex_replace(text, kQuoted, "\"\"");
+    text = std::regex_replace(text, kFile, "FILE");
+    text = std::regex_replace(text, kNumber, "N");
+    return text.substr(0, 160);
+}
+
+std::vector<std::string> ErrorLines(const std::string &messages) {
+    std::vector<std::string> errors;
+    std::istringstream lines(messages);
+    for (std::string line; std::getline(lines, line);)
+        if (line.starts_with("Error: ")) errors.push_back(line.substr(7));
+    return errors;
+}
+
+/// "file:line:column: ", or a file that the message is about.
+bool HasPlace(const std::string &error) {
+    static const std::regex kPlace(R"(^[^:]*:\d+:\d+: )"), kFile(R"(^[^:]*[^:\s]: )");
+    return std::regex_search(error, kPlace) || std::regex_search(error, kFile);
+}
+
+bool IsLibrarysMessage(const std::string &error) {
+    for (const char *words : {"std::", "vector::", "basic_string", "_M_", "bad_", "map::at", "terminate called", "Internal error",
+                              "stoi", "unordered_map", "filesystem error", "invalid string position"})
+        if (error.find(words) != std::string::npos) return true;
+    return false;
+}
+
+std::string SanitizersFinding(const std::string &messages) {
+    static const std::regex kRuntime(R"(([^\s/]+):\d+:\d+: runtime error: ([^\n]*))"),
+        kSummary(R"(SUMMARY: (\w+Sanitizer): ([^\n]*))"), kPath(R"(\S*/|0x[0-9a-f]+)");
+    std::smatch found;
+    if (std::regex_search(messages, found, kRuntime)) return found[1].str() + ": " + WithoutDetails(found[2]);
+    if (std::regex_search(messages, found, kSummary))
+        return WithoutDetails(std::regex_replace(found[2].str(), kPath, ""));
+    return "";
+}
+
+}  // namespace
+
+const char *Name(Outcome outcome) {
+    static constexpr std::array<const char *, kOutcomeCount> kNames = {
+        "rendered", "warned", "refused", "stopped", "signal", "sanitizer", "hang", "memory", "message", "silent", "picture"};
+    return kNames[static_cast<size_t>(outcome)];
+}
+
+std::vector<std::string> OurFunctions(const std::vector<void *> &frames) {
+    std::vector<std::string> names;
+    for (void *frame : frames) names.push_back(FunctionAt(frame));
+    return names;
+}
+
+Verdict Judge(const ChildResult &r, const FuzzCase &fuzzCase, const std::vector<std::string> &left) {
+    const std::string sanitizer = SanitizersFinding(r.messages);
+    if (!sanitizer.empty()) return {Outcome::Sanitizer, sanitizer};
+    if (r.hung) return {Outcome::Hang, Where(r.frames)};
+    if (r.signal != 0) {
+        if (r.askedToStop && r.signal == SIGTERM) return {Outcome::Stopped, ""};
+        const bool memory = r.messages.find("bad_alloc") != std::string::npos;
+        return {memory ? Outcome::Memory : Outcome::Signal, fmt::format("{} {}", strsignal(r.signal), Where(r.frames))};
+    }
+    if (r.messageBytes > (1 << 20)) return {Outcome::Message, "more than a megabyte of messages"};
+    const bool isThere = std::find(left.begin(), left.end(), fuzzCase.output) != left.end();
+    for (const std::string &name : left)
+        if (name != fuzzCase.output) return {Outcome::Picture, "left a file: " + WithoutDetails(name)};
+    if (r.askedToStop) return {Outcome::Stopped, ""};
+
+    if (r.status == 0) {
+        switch (r.picture.state) {
+        case PictureReport::State::Good: break;
+        case PictureReport::State::NotLooked:
+        case PictureReport::State::Missing: return {Outcome::Silent, "no picture in spite of success"};
+        case PictureReport::State::Unreadable: return {Outcome::Picture, "unreadable: " + WithoutDetails(r.picture.text.data())};
+        case PictureReport::State::NotFinite: return {Outcome::Picture, std::string("not finite: ") + r.picture.text.data()};
+        case PictureReport::State::WrongSize: return {Outcome::Picture, std::string("size: ") + r.picture.text.data()};
+        }
+        return {r.messages.find("Warning: ") == std::string::npos ? Outcome::Rendered : Outcome::Warned, ""};
+    }
+    if (r.status != 1) return {Outcome::Silent, fmt::format("exit status {}", r.status)};
+    if (isThere) return {Outcome::Picture, "a picture in spite of an error"};
+    const std::vector<std::string> errors = ErrorLines(r.messages);
+    if (errors.empty()) return {Outcome::Silent, "exit status 1 without an error message"};
+    for (const std::string &error : errors) {
+        if (error.find("bad_alloc") != std::string::npos) return {Outcome::Memory, WithoutDetails(error)};
+        if (IsLibrarysMessage(error)) return {Outcome::Message, WithoutDetails(error)};
+    }
+    for (const std::string &error : errors)
+        if (!HasPlace(error)) return {Outcome::Message, "no place: " + WithoutDetails(error)};
+    return {Outcome::Refused, ""};
+}
+
+}  // namespace pbrt::fuzz

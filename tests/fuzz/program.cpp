@@ -1,0 +1,64 @@
+#include "fuzz/program.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "pbrt/core/error.h"
+#include "pbrt/images/image.h"
+
+/// main of cmd/pbrt, renamed by tests/fuzz/CMakeLists.txt: what the user runs, flags and error printing included.
+int PbrtMain(int argc, char **argv);
+
+namespace pbrt::fuzz {
+
+namespace {
+
+void Say(PictureReport &report, PictureReport::State state, const std::string &text = "") {
+    report.state = state;
+    std::snprintf(report.text.data(), report.text.size(), "%s", text.c_str());
+}
+
+}  // namespace
+
+void LookAtPicture(const std::string &path, PictureReport &report) {
+    using State = PictureReport::State;
+    if (!std::filesystem::exists(path)) return Say(report, State::Missing);
+    try {
+        const ImageFile file = ReadImage(path);
+        const Point2i size = file.image.Resolution();
+        if (size.x < 1 || size.y < 1) return Say(report, State::WrongSize, fmt::format("{} x {}", size.x, size.y));
+        for (int y = 0; y < size.y; ++y)
+            for (int x = 0; x < size.x; ++x)
+                for (int c = 0; c < file.image.ChannelCount(); ++c)
+                    if (!std::isfinite(file.image.Get({x, y}, c)))
+                        return Say(report, State::NotFinite, file.image.Channels()[static_cast<size_t>(c)]);
+        Say(report, State::Good, fmt::format("{} x {}", size.x, size.y));
+    } catch (const UserError &e) {
+        Say(report, State::Unreadable, e.what());
+    }
+}
+
+int RunProgram(const FuzzCase &fuzzCase, PictureReport &report) {
+    std::vector<std::string> arguments = {"pbrt"};
+    arguments.insert(arguments.end(), fuzzCase.arguments.begin(), fuzzCase.arguments.end());
+    arguments.insert(arguments.end(), {"--outfile", fuzzCase.output, fuzzCase.files.front().name});
+    std::vector<char *> argv;
+    for (std::string &a : arguments) argv.push_back(a.data());
+    argv.push_back(nullptr);
+    const int status = PbrtMain(static_cast<int>(arguments.size()), argv.data());
+    if (status == 0) LookAtPicture(fuzzCase.output, report);
+    return status;
+}
+
+void PrepareProgram(const std::string &folder) {
+    // The module of OpenImageIO, which has 260 libraries, and the colour tables.
+    const std::string path = (std::filesystem::path(folder) / "prepare.png").string();
+    WriteImage(path, Image(PixelFormat::U8, {2, 2}, {"R", "G", "B"}));
+    ReadImage(path);
+    std::filesystem::remove(path);
+    for (const char *space : {"srgb", "dci-p3", "rec2020", "aces2065-1"}) ColorSpace::Find(space);
+}
+
+}  // namespace pbrt::fuzz

@@ -176,9 +176,9 @@ Float MeasureIlluminance(const LightImage &light, const Rgb &weights) {
     return static_cast<Float>(sum * 2 * std::numbers::pi / (static_cast<double>(n.x) * static_cast<double>(n.y)));
 }
 
-/// What stock pbrt-v4 multiplies R, G and B by when it measures an illuminance. Behind a portal it takes the channels in
-/// the order of the file, and EXR files hold them as B, G, R; its picture of conformance scene lights/portal_illuminance
-/// shows these weights to five digits.
+/// What stock pbrt-v4 multiplies R, G and B by when it measures an illuminance. Behind a portal it takes the channels
+/// in the order of the file, and EXR files hold them as B, G, R; its picture of conformance scene
+/// lights/portal_illuminance shows these weights to five digits.
 Rgb IlluminanceWeights(const LightImage &light, bool hasPortal) {
     const Rgb luminance = light.colorSpace->Luminance();
     const bool exr = light.name.ends_with(".exr") || light.name.ends_with(".EXR");

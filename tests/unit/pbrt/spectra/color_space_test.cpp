@@ -216,7 +216,9 @@ TEST(RgbSpectra, AreDefinedForEveryRgb) {
         ExpectDefined(RgbIlluminantSpectrum(space, rgb), 2 * bright * space.Illuminant().MaxValue(), space, rgb);
         // What counts as 0 and what lies beyond the bounds gives the same spectrum as 0 and the bound.
         auto counted = [](Float v, Float bound) { return v > 0 ? std::min(v, bound) : Float(0); };
-        auto all = [&](Float bound) { return Rgb(counted(rgb.x, bound), counted(rgb.y, bound), counted(rgb.z, bound)); };
+        auto all = [&](Float bound) {
+            return Rgb(counted(rgb.x, bound), counted(rgb.y, bound), counted(rgb.z, bound));
+        };
         ASSERT_EQ(RgbAlbedoSpectrum(space, rgb)(500), RgbAlbedoSpectrum(space, all(1))(500));
         ASSERT_EQ(RgbUnboundedSpectrum(space, rgb)(500), RgbUnboundedSpectrum(space, all(1e37f))(500));
         ASSERT_EQ(RgbIlluminantSpectrum(space, rgb)(500), RgbIlluminantSpectrum(space, all(1e37f))(500));

@@ -3,8 +3,8 @@
 #include "pbrt/spectra/color_space.h"
 
 // Colours of diffuse patches under stdillum-D65, measured in stock pbrt-v4's pictures of the conformance scenes
-// color/colorspace_reflectance (output srgb), color/film_rec2020_output and color/saturated_*, divided by the irradiance that their grey
-// patches show. They pin the whole chain: table, illuminant, matching functions, matrices.
+// color/colorspace_reflectance (output srgb), color/film_rec2020_output and color/saturated_*, divided by the
+// irradiance that their grey patches show. They pin the whole chain: table, illuminant, matching functions, matrices.
 
 namespace pbrt {
 namespace {

@@ -67,7 +67,7 @@ Verdict Compare(const Record &record, const std::vector<double> &a, const std::v
     const size_t all = a.size(), n = all - 3 * leftOut.size();
     const int tilesY = static_cast<int>(all) / 3 / tilesX;
     auto counts = [&](size_t i) { return !leftOut.count(static_cast<int>(i / 3)); };
-    double meanReference[3] = {}, meanCandidate[3] = {}, errorOfMean[3] = {};
+    double meanReference[3] = {}, meanCandidate[3] = {}, errorOfMean[3] = {}, magnitude[3] = {};
     std::vector<double> variance(all), r(all), c(all);
     double overall = 0;
     for (size_t i = 0; i < all; ++i) {
@@ -76,6 +76,7 @@ Verdict Compare(const Record &record, const std::vector<double> &a, const std::v
         variance[i] = (a[i] - b[i]) * (a[i] - b[i]) / 4 + (c1[i] - c2[i]) * (c1[i] - c2[i]) / 4;
         if (!counts(i)) continue;
         meanReference[i % 3] += r[i];
+        magnitude[i % 3] += std::abs(r[i]);  // what the channel's difference is relative to: colours outside sRGB cancel
         meanCandidate[i % 3] += c[i];
         errorOfMean[i % 3] += variance[i];
         overall += r[i] / static_cast<double>(n);
@@ -110,8 +111,8 @@ Verdict Compare(const Record &record, const std::vector<double> &a, const std::v
         v.why += (v.why.empty() ? "" : "; ") + why;
     };
     for (int k = 0; k < 3; ++k) {
-        double relative = (meanCandidate[k] - meanReference[k]) / meanReference[k];
-        double error = std::sqrt(errorOfMean[k]) / meanReference[k];
+        double relative = (meanCandidate[k] - meanReference[k]) / magnitude[k];
+        double error = std::sqrt(errorOfMean[k]) / magnitude[k];
         if (std::abs(relative) > std::abs(v.mean)) v.mean = relative;
         if (std::abs(relative) > 0.01) fail(fmt::format("mean of channel {} off by {:.2f} %", k, 100 * relative));
         else if (record.compare != "loose" && std::abs(relative) > std::max(4 * error, 0.003))

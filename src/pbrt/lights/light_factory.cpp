@@ -165,9 +165,8 @@ std::unique_ptr<Light> MakeProjection(const LightInput &in) {
 
 /// What stock pbrt-v4 takes for the illuminance of an environment on a surface that faces its +z. It counts 2 pi sr for
 /// the whole image, half of the sphere's 4 pi, so pictures come out twice as bright as asked; kept to match them.
-Float MeasureIlluminance(const LightImage &light) {
+Float MeasureIlluminance(const LightImage &light, const Rgb &weights) {
     Point2i n = light.image.Resolution();
-    Rgb weights = light.colorSpace->Luminance();
     double sum = 0;
     for (int y = 0; y < n.y; ++y)
         for (int x = 0; x < n.x; ++x) {
@@ -175,6 +174,15 @@ Float MeasureIlluminance(const LightImage &light) {
             if (cosTheta > 0) sum += static_cast<double>(glm::dot(LightPixel(light.image, {x, y}), weights) * cosTheta);
         }
     return static_cast<Float>(sum * 2 * std::numbers::pi / (static_cast<double>(n.x) * static_cast<double>(n.y)));
+}
+
+/// What stock pbrt-v4 multiplies R, G and B by when it measures an illuminance. Behind a portal it takes the channels
+/// in the order of the file, and EXR files hold them as B, G, R; its picture of conformance scene
+/// lights/portal_illuminance shows these weights to five digits.
+Rgb IlluminanceWeights(const LightImage &light, bool hasPortal) {
+    const Rgb luminance = light.colorSpace->Luminance();
+    const bool exr = light.name.ends_with(".exr") || light.name.ends_with(".EXR");
+    return hasPortal && exr ? Rgb(luminance.z, luminance.y, luminance.x) : luminance;
 }
 
 /// The corners of "portal", if there is one.
@@ -250,7 +258,7 @@ std::unique_ptr<Light> MakeInfinite(const LightInput &in) {
     if (hasImage) RequireSquare(in, light);
     Float scale = PhotometricScale(in, light.colorSpace->Illuminant(), "filename");
     if (illuminance > 0) {
-        Float measured = MeasureIlluminance(light);
+        Float measured = MeasureIlluminance(light, IlluminanceWeights(light, portal.has_value()));
         if (!(measured > 0))
             throw UserError(
                 fmt::format("\"{}\" is black above the horizon, so \"illuminance\" cannot be reached.", light.name),

@@ -210,6 +210,31 @@ TEST_F(Portal, OpeningHoldsTheWindowAndPointsInwards) {
     EXPECT_GT(lit, 15000);
 }
 
+TEST(PortalIlluminance, IsMeasuredInTheOrderOfTheChannelsInTheFile) {
+    const Rgb sky(0.2f, 0.5f, 1.1f), weights = ColorSpace::SRGB().Luminance();
+    const Rgb reversed(weights.z, weights.y, weights.x);
+    const Image image = RgbImage({64, 64}, [&](int, int) { return sky; });
+    TemporaryImage exr("sky.exr", image), pfm("sky.pfm", image);
+    auto nits = [](Params params) {
+        auto light = Make("infinite", params.Number("illuminance", 3));
+        const Point3 p = kTurn.Point({0, 0, 0});
+        const Vector3 w = Normalize(kTurn.Vector({0, 0, 1}));
+        return Photometric([&](const SampledWavelengths &l) { return light->Le(p, w, l); });
+    };
+    auto behindPortal = [&](const TemporaryImage &file) {
+        return nits(Params().String("filename", file.Path()).Floats(ParamType::Point3, "portal", Corners()));
+    };
+    // Stock's factor of two as without a portal: an even sky of luminance 1 counts as pi / 2.
+    auto expected = [&](const Rgb &counted) {
+        const Float luminance = Dot(weights, sky), measured = Dot(counted, sky) * Pi / 2;
+        return static_cast<double>(luminance * 3 / measured);
+    };
+    EXPECT_NEAR(behindPortal(exr), expected(reversed), 3e-3 * expected(reversed));
+    EXPECT_NEAR(behindPortal(pfm), expected(weights), 3e-3 * expected(weights));
+    EXPECT_NEAR(nits(Params().String("filename", exr.Path())), expected(weights), 3e-3 * expected(weights));
+    EXPECT_GT(expected(weights) / expected(reversed), 1.2);
+}
+
 TEST(PortalOfOneColour, KeepsTheUnitsOfTheLight) {
     DiagnosticSink sink;
     Vector3 w = Normalize(kTurn.Vector({0, 0, 1}));

@@ -86,6 +86,12 @@ TEST_F(SpectrumParams, NegativeRgbIsAnError) {
     EXPECT_HAS(Failure(SpectrumUse::Illuminant), "negative");
 }
 
+TEST_F(SpectrumParams, InfiniteRgbIsAnError) {
+    AddFloats(ParamType::Rgb, {1, 0, Infinity});
+    for (SpectrumUse use : {SpectrumUse::Albedo, SpectrumUse::Unbounded, SpectrumUse::Illuminant})
+        EXPECT_HAS(Failure(use), "infinite or not a number");
+}
+
 TEST_F(SpectrumParams, NegativeSamplesAreAnErrorForIlluminants) {
     AddFloats(ParamType::Spectrum, {400, 0, 500, -1, 700, 1});
     EXPECT_TRUE(Get(SpectrumUse::Unbounded));

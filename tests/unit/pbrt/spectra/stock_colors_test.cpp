@@ -3,8 +3,8 @@
 #include "pbrt/spectra/color_space.h"
 
 // Colours of diffuse patches under stdillum-D65, measured in stock pbrt-v4's pictures of the conformance scenes
-// color/colorspace_reflectance (output srgb) and color/film_rec2020_output, divided by the irradiance that their grey
-// patches show. They pin the whole chain: table, illuminant, matching functions, matrices.
+// color/colorspace_reflectance (output srgb), color/film_rec2020_output and color/saturated_*, divided by the
+// irradiance that their grey patches show. They pin the whole chain: table, illuminant, matching functions, matrices.
 
 namespace pbrt {
 namespace {
@@ -37,6 +37,16 @@ const Patch kPatches[] = {
     {"srgb", {0.1f, 0.25f, 0.6f}, "rec2020", {0.1709f, 0.2434f, 0.5612f}},
     {"srgb", {0.7f, 0.2f, 0.2f}, "rec2020", {0.5137f, 0.2344f, 0.2081f}},
     {"srgb", {0.2f, 0.55f, 0.25f}, "rec2020", {0.3173f, 0.5226f, 0.2755f}},
+    // Their fits end where the bound on coefficients says; some have coefficients of -400.
+    {"dci-p3", {0.05f, 0.9f, 0.05f}, "srgb", {-0.1420f, 0.9357f, -0.0178f}},
+    {"rec2020", {0.05f, 0.9f, 0.05f}, "srgb", {-0.3046f, 0.8594f, 0.0226f}},
+    {"rec2020", {0.05f, 0.9f, 0.9f}, "srgb", {-0.3673f, 0.8886f, 0.7706f}},
+    {"rec2020", {0.9f, 0.05f, 0.05f}, "srgb", {1.3065f, 0.0950f, 0.1783f}},
+    {"aces2065-1", {0.05f, 0.9f, 0.05f}, "srgb", {-0.3931f, 0.7440f, 0.0975f}},
+    {"aces2065-1", {0.05f, 0.05f, 0.9f}, "srgb", {-0.1090f, 0.0813f, 0.4695f}},
+    {"aces2065-1", {0.05f, 0.9f, 0.9f}, "srgb", {-0.4356f, 0.6217f, 0.5307f}},
+    {"aces2065-1", {0.1f, 0.6f, 0.1f}, "srgb", {-0.3695f, 0.7110f, 0.0590f}},
+    {"aces2065-1", {0.05f, 0.1f, 0.6f}, "srgb", {-0.1603f, 0.1369f, 0.4765f}},
 };
 
 TEST(StockColors, DiffusePatchesAgree) {

@@ -1,0 +1,114 @@
+#include "estimators.h"
+
+#include "pbrt/build/light_sampler_spec.h"
+#include "pbrt/integrators/path_common.h"
+#include "pbrt/integrators/path_integrator.h"
+#include "pbrt/integrators/render_loop.h"
+#include "pbrt/integrators/simple_integrators.h"
+#include "support/build_text.h"
+
+namespace pbrt::test {
+
+namespace {
+
+/// A light sampler whose probabilities are off for all lights but the first.
+class SpoiltSampler final : public LightSampler {
+  public:
+    SpoiltSampler(std::unique_ptr<LightSampler> inner, const Spoilt &spoilt) : inner_(std::move(inner)), spoilt_(spoilt) {}
+    void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
+    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override {
+        std::optional<SampledLight> s = inner_->Sample(query, u);
+        if (s && s->light.value > 0) s->pmf *= spoilt_.ofSamples;
+        return s;
+    }
+    Float PMF(const LightQuery &query, LightId light) const override {
+        return inner_->PMF(query, light) * (light.value > 0 ? spoilt_.ofRays : 1);
+    }
+
+  private:
+    std::unique_ptr<LightSampler> inner_;
+    Spoilt spoilt_;
+};
+
+/// Direct light by light sampling alone.
+class LightSamplingOnly final : public Integrator {
+  public:
+    LightSamplingOnly(const Scene &scene, std::unique_ptr<LightSampler> lights) : scene_(scene), lights_(std::move(lights)) {}
+    void Prepare(PrepareContext &context) override { lights_->Prepare(context); }
+    SampledSpectrum Li(CameraRay camera, SampledWavelengths &lambda, Sampler &sampler) const override {
+        std::optional<SurfacePoint> point = scene_.Intersect(camera.ray);
+        if (!point) return SampledSpectrum(0);
+        SampledSpectrum L = EmittedRadiance(scene_, *point, lambda);
+        Bsdf bsdf = ComputeBsdf(scene_, *point, lambda);
+        Float uSelect = sampler.Get1D();
+        Point2 uLight = sampler.Get2D();
+        std::optional<SampledLight> light = lights_->Sample(LightQueryAt(*point, bsdf, lambda, 1), uSelect);
+        if (!light) return L;
+        LightSampleContext from = LightContextAt(*point);
+        std::optional<LightLiSample> s = scene_.Lights()[light->light].SampleLi(from, uLight, lambda, false);
+        if (!s || !s->L || !(s->pdf > 0)) return L;
+        SampledSpectrum f = bsdf.F(point->wo, s->wi) * AbsDot(s->wi, point->shading.n);
+        if (f && !scene_.Occluded(from, *s)) L += f * s->L / (light->pmf * s->pdf);
+        return L;
+    }
+
+  private:
+    const Scene &scene_;
+    std::unique_ptr<LightSampler> lights_;
+};
+
+std::unique_ptr<LightSampler> MakeLights(const Scene &scene, const std::string &label, const Spoilt &spoilt) {
+    const size_t plus = label.find('+');
+    LightSamplerSpec spec =
+        ReadLightSamplerSpec(ParamSet(), label.substr(0, plus), plus != std::string::npos, AllSamplers());
+    std::unique_ptr<LightSampler> lights =
+        AllSamplers().Make(*spec.entry, scene.Lights(), spec.params, spec.meshLights);
+    if (spoilt.ofSamples == 1 && spoilt.ofRays == 1) return lights;
+    return std::make_unique<SpoiltSampler>(std::move(lights), spoilt);
+}
+
+}  // namespace
+
+PixelStatistics Studio::Render(Estimator estimator, const std::string &lightSampler, int samplesPerPixel, int runs,
+                               int firstSeed, const Spoilt &spoilt) const {
+    const Scene &scene = *built_.scene;
+    const IntegratorContext context{scene, *built_.camera, samplesPerPixel, true};
+    PixelStatistics statistics;
+    for (int seed = firstSeed; seed < firstSeed + runs; ++seed) {
+        std::unique_ptr<Integrator> integrator;
+        if (estimator == Estimator::Bsdf || estimator == Estimator::Lights) {
+            integrator = std::make_unique<SimplePathIntegrator>(context, built_.maxDepth, estimator == Estimator::Lights, true);
+        } else if (estimator == Estimator::Chosen) {
+            PBRT_CHECK(built_.maxDepth == 1);
+            integrator = std::make_unique<LightSamplingOnly>(scene, MakeLights(scene, lightSampler, spoilt));
+        } else {
+            PathSettings path;
+            path.maxDepth = built_.maxDepth;
+            integrator = std::make_unique<PathIntegrator>(context, path, MakeLights(scene, lightSampler, spoilt));
+        }
+        Progress progress;
+        PrepareContext prepare{scene, *built_.camera,  *built_.filter,  built_.film->PixelBounds(),
+                               seed,  samplesPerPixel, built_.maxDepth, progress};
+        integrator->Prepare(prepare);
+        std::unique_ptr<RgbFilm> film = built_.makeFilm();
+        RenderSettings settings;
+        settings.samplesPerPixel = samplesPerPixel;
+        DiagnosticSink sink;
+        // Independent samples: pixels are, and tiles' variances are known.
+        auto makeSampler = [&](int) {
+            return MakeSampler("independent", ParamSet(), film->FullResolution(), samplesPerPixel, seed, sink);
+        };
+        RenderWaves(*integrator, *built_.camera, *built_.filter, *film, makeSampler, settings, progress);
+        statistics.Add(film->ToImage());
+    }
+    return statistics;
+}
+
+std::vector<std::string> SamplerLabels(bool meshes) {
+    std::vector<std::string> labels = AllSamplers().Names();
+    if (meshes && AllSamplers().HasMeshGrouping())
+        for (const char *stock : {"uniform", "power", "bvh", "exhaustive"}) labels.push_back(stock + std::string("+meshlights"));
+    return labels;
+}
+
+}  // namespace pbrt::test

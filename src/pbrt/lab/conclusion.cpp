@@ -14,6 +14,8 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
+constexpr size_t kMostNamed = 4;  ///< in a headline
+
 bool Competes(const Contender &c) {
     return !c.isOracle && c.bias != BiasVerdict::Biased && !c.errors.empty() && std::isfinite(Summarize(c.errors).mean);
 }
@@ -51,17 +53,17 @@ std::vector<std::string> Objections(const Contender &leader, const std::vector<c
                                   return o->errors.size() > 1;
                               });
     if (others.empty()) {
-        reasons.push_back("There is no other sampler to compare it with.");
+        reasons.push_back(fmt::format("There is no other sampler to compare {} with.", leader.label));
     } else if (!noiseIsKnown) {
         reasons.push_back("One run of a sampler does not tell how much its error varies; --seeds 3 or more does.");
     } else if (const std::vector<std::string> tied = NotBeaten(leader, others, false); !tied.empty()) {
-        reasons.push_back(fmt::format("Its lead over {} is within the noise of the runs (level {:g} %): more seeds or time would tell.",
-                                      Listed(tied), 100 * kWinnerLevel));
+        reasons.push_back(fmt::format("The lead of {} over {} is within the noise of the runs (level {:g} %): more seeds or time would tell.",
+                                      leader.label, Listed(tied), 100 * kWinnerLevel));
     } else if (leader.firefliesDecide) {
         if (const std::vector<std::string> near = NotBeaten(leader, others, true); !near.empty())
-            reasons.push_back(fmt::format("A few fireflies decide its error, and without the worst 0.1 % of the pixels its lead over {} is "
-                                          "not beyond noise.",
-                                          Listed(near)));
+            reasons.push_back(fmt::format("A few fireflies decide the error of {}, and without the worst 0.1 % of the pixels its lead over "
+                                          "{} is not beyond noise.",
+                                          leader.label, Listed(near)));
     }
     if (leader.bias != BiasVerdict::Clean)
         reasons.push_back(fmt::format("Whether {} is biased is not known: more seeds or time would tell.", leader.label));
@@ -82,10 +84,12 @@ std::string WinnerHeadline(const Contender &leader, const Contender &next, bool 
     return text;
 }
 
-std::string UndecidedHeadline(const Contender &leader, const std::vector<const Contender *> &others) {
-    std::vector<std::string> errors = {leader.label + " " + ErrorText(leader)};
-    for (const Contender *other : others) errors.push_back(other->label + " " + ErrorText(*other));
-    return fmt::format("Undecided. Mean relL2: {}.", fmt::join(errors, ", "));
+std::string UndecidedHeadline(const std::vector<const Contender *> &competing) {
+    std::vector<std::string> errors;
+    for (size_t i = 0; i < std::min(competing.size(), kMostNamed); ++i)
+        errors.push_back(competing[i]->label + " " + ErrorText(*competing[i]));
+    const size_t more = competing.size() - errors.size();
+    return fmt::format("Undecided. Mean relL2: {}{}.", fmt::join(errors, ", "), more ? fmt::format(" and {} more", more) : "");
 }
 
 }  // namespace
@@ -111,7 +115,7 @@ Conclusion Conclude(const std::vector<Contender> &contenders, const std::vector<
         out.lowest = static_cast<size_t>(&leader - contenders.data());
         out.reasons = Objections(leader, others, doubts, equalTime);
         if (out.reasons.empty()) out.winner = out.lowest;
-        out.headline = out.winner ? WinnerHeadline(leader, *others.front(), equalTime) : UndecidedHeadline(leader, others);
+        out.headline = out.winner ? WinnerHeadline(leader, *others.front(), equalTime) : UndecidedHeadline(competing);
         if (!equalTime && leader.speedUp && *leader.speedUp < 1)
             out.remarks.push_back(fmt::format("At equal time it is another: {} comes to the error of {} in {:.3g} times its time.",
                                               leader.speedUpAgainst, leader.label, *leader.speedUp));

@@ -64,7 +64,9 @@ Sums SumUp(std::span<const VertexFinding> region) {
     return sums;
 }
 
-std::string Percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
+std::string Percent(double share) {
+    return std::abs(share) < 0.995 ? fmt::format("{:.2g} %", 100 * share) : fmt::format("{:.0f} %", 100 * share);
+}
 
 }  // namespace
 

@@ -63,7 +63,7 @@ TEST(Conclusion, LeadWithinNoiseDecidesNothing) {
     std::vector<Contender> all = {Clean("bvh", {7.9, 3.5, 12}), Clean("octree", {8.3, 8.2, 8.4}), Clean("uniform", {90, 91, 89})};
     const Conclusion c = Conclude(all, {}, {}, false);
     EXPECT_EQ(c.lowest, 0u);
-    ExpectUndecided(c, "Its lead over octree is within the noise");
+    ExpectUndecided(c, "The lead of bvh over octree is within the noise");
     EXPECT_TRUE(Says(c, "level 5 %"));
     EXPECT_EQ(c.headline, "Undecided. Mean relL2: bvh 7.8 +- 2.5, octree 8.3 +- 0.058, uniform 90 +- 0.58.");
     EXPECT_TRUE(ToJson(c, all).at("winner").is_null());

@@ -42,13 +42,15 @@ TEST(ChooseExposure, PictureWithoutHighlightsIsAsBrightAsItCanBe) {
 
 TEST(RangePicture, KeepsEveryBrightness) {
     Image image(PixelFormat::Float, {5, 2}, {"R", "G", "B"});
-    const Float values[] = {1e-9f, 0.0123f, 0.5f, 1, 255.9f, 65504, 3e30f, 0, -1, std::numeric_limits<Float>::infinity()};
+    const Float values[] = {1e-9f, 0.0123f, 0.5f, 1,  255.9f,
+                            65504, 3e30f,   0,    -1, std::numeric_limits<Float>::infinity()};
     for (int i = 0; i < 10; ++i) {
         image.Set({i % 5, i / 5}, 0, values[i]);
         image.Set({i % 5, i / 5}, 1, values[i] / 2);
         image.Set({i % 5, i / 5}, 2, 0);
     }
-    const std::filesystem::path path = std::filesystem::temp_directory_path() / ("pbrt_range_" + std::to_string(getpid()) + ".hdr");
+    const std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("pbrt_range_" + std::to_string(getpid()) + ".hdr");
     WriteRangePicture(path.string(), image);
     std::ifstream in(path, std::ios::binary);
     const std::string text((std::istreambuf_iterator<char>(in)), {});
@@ -62,13 +64,18 @@ TEST(RangePicture, KeepsEveryBrightness) {
         const char *pixel = text.data() + at + size.size() + 4 * i;
         const int exponent = static_cast<uint8_t>(pixel[3]);
         for (int c = 0; c < 3; ++c) {
-            const double stored = image.Get({i % 5, i / 5}, c) > 0 && std::isfinite(values[i]) ? double(image.Get({i % 5, i / 5}, c)) : 0;
-            const double shown = exponent ? (static_cast<uint8_t>(pixel[c]) + 0.5) * std::ldexp(1.0, exponent - 136) : 0;
+            const double stored =
+                image.Get({i % 5, i / 5}, c) > 0 && std::isfinite(values[i]) ? double(image.Get({i % 5, i / 5}, c)) : 0;
+            const double shown =
+                exponent ? (static_cast<uint8_t>(pixel[c]) + 0.5) * std::ldexp(1.0, exponent - 136) : 0;
             // Half a step of the pixel's brightest colour.
             const double step = exponent ? std::ldexp(1.0, exponent - 136) : 0;
             EXPECT_NEAR(shown, stored, 0.5001 * step) << i << " " << c;
         }
-        if (values[i] > 0 && std::isfinite(values[i])) EXPECT_LE(std::ldexp(1.0, exponent - 136), static_cast<double>(values[i]) / 128 * 1.0001);
+        const double value = static_cast<double>(values[i]);
+        if (value > 0 && std::isfinite(value)) {
+            EXPECT_LE(std::ldexp(1.0, exponent - 136), value / 128 * 1.0001);
+        }
     }
 }
 

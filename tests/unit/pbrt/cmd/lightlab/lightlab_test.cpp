@@ -22,7 +22,8 @@ class Lightlab : public Program {
         std::vector<std::string> names;
         if (std::filesystem::exists(Path(folder)))
             for (const auto &entry : std::filesystem::directory_iterator(Path(folder)))
-                if (Has(entry.path().filename().string(), ".reference-")) names.push_back(entry.path().filename().string());
+                if (Has(entry.path().filename().string(), ".reference-"))
+                    names.push_back(entry.path().filename().string());
         return names;
     }
     nlohmann::json Results(const std::string &folder) const {

@@ -110,7 +110,8 @@ class Page(unittest.TestCase):
         entry = (self.results if label == "reference" else
                  next(s for s in self.results["samplers"] if s["label"] == label))
         visible = self.js("[...document.querySelectorAll(arguments[0])].filter("
-                          "(e) => getComputedStyle(e).visibility === 'visible').map((e) => [e.tagName, e.dataset.file])",
+                          "(e) => getComputedStyle(e).visibility === 'visible')"
+                          ".map((e) => [e.tagName, e.dataset.file])",
                           f"#layer-{side} .plane > *")
         if kind not in ("result", "error"):
             file = next(v["file"] for v in entry["views"]["layers"] if v["name"] == kind)
@@ -123,7 +124,8 @@ class Page(unittest.TestCase):
             self.check_pixels(f'#layer-{side} canvas[data-file="{file}"]', file, self.stops)
         else:
             expected = base64.b64encode((self.out / file).read_bytes()).decode()
-            self.assertEqual(self.js("document.querySelector(arguments[0]).src", f'#layer-{side} img[data-file="{file}"]'),
+            self.assertEqual(self.js("document.querySelector(arguments[0]).src",
+                                     f'#layer-{side} img[data-file="{file}"]'),
                              "data:image/png;base64," + expected)
         self.assertIn(label, self.find(f"#name-{side}").text)
         return name
@@ -359,8 +361,9 @@ class Page(unittest.TestCase):
         # One leaf: words instead of blank panels.
         self.assertEqual(self.looks("neepp"), [])
         text = self.find('#inside .look[data-label="neepp"] .flat').text
-        self.assertEqual(text, "One leaf knows all that the camera sees. The same everywhere: entropy of the probabilities, bits "
-                         "1.50; leaf records 1234. No value anywhere: excess second moment, log10.")
+        self.assertEqual(text, "One leaf knows all that the camera sees. The same everywhere: "
+                         "entropy of the probabilities, bits 1.50; leaf records 1234. "
+                         "No value anywhere: excess second moment, log10.")
         self.assertEqual(self.looks("octree"), ["entropy", "brightest_probability", "sampler.leaf", "sampler.found_3",
                                                 "sampler.found_4", "sampler.found_5", "sampler.found_6"])
         text = self.find('#inside .look[data-label="octree"]').text
@@ -511,8 +514,10 @@ class Program(unittest.TestCase):
         cls.addClassCleanup(cls.driver.quit)
 
     def lightlab(self, *arguments):
-        environment = {**os.environ, "XDG_CACHE_HOME": str(self.folder / "cache"), "LIGHTLAB_REPORT_SCRIPTS": str(SCRIPTS)}
-        done = subprocess.run([os.environ["LIGHTLAB"], *arguments], cwd=self.folder, env=environment, capture_output=True, text=True)
+        environment = {**os.environ, "XDG_CACHE_HOME": str(self.folder / "cache"),
+                       "LIGHTLAB_REPORT_SCRIPTS": str(SCRIPTS)}
+        done = subprocess.run([os.environ["LIGHTLAB"], *arguments], cwd=self.folder, env=environment,
+                              capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
 
     def open(self, page):
@@ -520,12 +525,13 @@ class Program(unittest.TestCase):
         self.assertEqual([e for e in self.driver.get_log("browser") if e["level"] in ("SEVERE", "WARNING")], [])
 
     def test_ReportShowsTheRoomAndNotItsWindow(self):
-        self.lightlab("room.pbrt", "--samplers", "uniform,power", "--spp", "4", "--seeds", "2", "--reference-spp", "64", "--out", "out")
+        self.lightlab("room.pbrt", "--samplers", "uniform,power", "--spp", "4", "--seeds", "2", "--reference-spp", "64",
+                      "--out", "out")
         self.open("out/report.html")
         canvas = '#layer-left canvas.shown'
         WebDriverWait(self.driver, 10).until(
             lambda d: d.execute_script("return document.querySelector(arguments[0])?.dataset.painted", canvas) == "0")
-        at = ("return document.querySelector(arguments[0]).getContext('2d').getImageData(24, arguments[1], 1, 1).data[1]")
+        at = "return document.querySelector(arguments[0]).getContext('2d').getImageData(24, arguments[1], 1, 1).data[1]"
         window, wall = (self.driver.execute_script(at, canvas, y) for y in (4, 30))
         self.assertEqual(window, 255)
         self.assertGreater(wall, 60)

@@ -39,7 +39,8 @@ void OpenFolder(const CampaignSettings &settings, const Json &identity, const Re
     if (settings.restart) fs::remove_all(records.Folder());
     const Json old = records.LoadSettings();
     if (old.is_discarded()) {
-        LogWarning(fmt::format("{}: cannot be read; what belongs to these settings is taken up.", records.File("settings.json")));
+        LogWarning(fmt::format("{}: cannot be read; what belongs to these settings is taken up.",
+                               records.File("settings.json")));
     } else if (old.is_object()) {
         if (std::vector<std::string> differences = Differences(old, identity); !differences.empty())
             throw UserError(
@@ -81,8 +82,8 @@ class Rounds {
         recordsOf_.assign(settings_.samplers.size(), {});
         for (size_t i = 0; i < settings_.samplers.size(); ++i)
             for (int seed = 0; seed < settings_.seeds; ++seed) {
-                recordsOf_[i].push_back(TakeUpRun(records_, scene_, settings_.samplers[i].folder, seed, checkpoints_.size(),
-                                                  PictureFile(i, seed)));
+                recordsOf_[i].push_back(TakeUpRun(records_, scene_, settings_.samplers[i].folder, seed,
+                                                  checkpoints_.size(), PictureFile(i, seed)));
                 LearnCost(i, recordsOf_[i].back());
             }
         display_.SetPhase("rendering");

@@ -58,7 +58,8 @@ std::vector<std::string> Differences(const Json &old, const Json &now) {
 
 Json ReadResults(const std::string &path) {
     Json json = Json::parse(ReadFileContents(path), nullptr, false);
-    if (!json.is_object() || (json.value("schema", 0) != 1 && json.value("schema", 0) != kResultsSchema) || !json.contains("samplers") || !json.contains("settings"))
+    if (!json.is_object() || (json.value("schema", 0) != 1 && json.value("schema", 0) != kResultsSchema) ||
+        !json.contains("samplers") || !json.contains("settings"))
         throw UserError(fmt::format("{}: is not a results.json of lightlab.", path));
     return json;
 }

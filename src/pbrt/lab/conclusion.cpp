@@ -14,6 +14,8 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
+constexpr size_t kMostNamed = 4;  ///< in a headline
+
 bool Competes(const Contender &c) {
     return !c.isOracle && c.bias != BiasVerdict::Biased && !c.errors.empty() && std::isfinite(Summarize(c.errors).mean);
 }
@@ -35,7 +37,8 @@ bool Leads(const std::vector<double> &mine, const std::vector<double> &other) {
 }
 
 /// Those over which the leader's lead may be chance.
-std::vector<std::string> NotBeaten(const Contender &leader, const std::vector<const Contender *> &others, bool trimmed) {
+std::vector<std::string> NotBeaten(const Contender &leader, const std::vector<const Contender *> &others,
+                                   bool trimmed) {
     std::vector<std::string> names;
     for (const Contender *other : others)
         if (!Leads(trimmed ? leader.trimmedErrors : leader.errors, trimmed ? other->trimmedErrors : other->errors))
@@ -47,30 +50,34 @@ std::vector<std::string> NotBeaten(const Contender &leader, const std::vector<co
 std::vector<std::string> Objections(const Contender &leader, const std::vector<const Contender *> &others,
                                     const std::vector<Doubt> &doubts, bool equalTime) {
     std::vector<std::string> reasons;
-    const bool noiseIsKnown = leader.errors.size() > 1 && std::all_of(others.begin(), others.end(), [](const Contender *o) {
-                                  return o->errors.size() > 1;
-                              });
+    const bool noiseIsKnown =
+        leader.errors.size() > 1 &&
+        std::all_of(others.begin(), others.end(), [](const Contender *o) { return o->errors.size() > 1; });
     if (others.empty()) {
-        reasons.push_back("There is no other sampler to compare it with.");
+        reasons.push_back(fmt::format("There is no other sampler to compare {} with.", leader.label));
     } else if (!noiseIsKnown) {
         reasons.push_back("One run of a sampler does not tell how much its error varies; --seeds 3 or more does.");
     } else if (const std::vector<std::string> tied = NotBeaten(leader, others, false); !tied.empty()) {
-        reasons.push_back(fmt::format("Its lead over {} is within the noise of the runs (level {:g} %): more seeds or time would tell.",
-                                      Listed(tied), 100 * kWinnerLevel));
+        reasons.push_back(fmt::format(
+            "The lead of {} over {} is within the noise of the runs (level {:g} %): more seeds or time would tell.",
+            leader.label, Listed(tied), 100 * kWinnerLevel));
     } else if (leader.firefliesDecide) {
         if (const std::vector<std::string> near = NotBeaten(leader, others, true); !near.empty())
-            reasons.push_back(fmt::format("A few fireflies decide its error, and without the worst 0.1 % of the pixels its lead over {} is "
-                                          "not beyond noise.",
-                                          Listed(near)));
+            reasons.push_back(fmt::format(
+                "A few fireflies decide the error of {}, and without the worst 0.1 % of the pixels its lead over "
+                "{} is not beyond noise.",
+                leader.label, Listed(near)));
     }
     if (leader.bias != BiasVerdict::Clean)
-        reasons.push_back(fmt::format("Whether {} is biased is not known: more seeds or time would tell.", leader.label));
+        reasons.push_back(
+            fmt::format("Whether {} is biased is not known: more seeds or time would tell.", leader.label));
     for (const Doubt &d : doubts)
         if (d.sampler.empty() || d.sampler == leader.label) reasons.push_back(d.text);
     if (equalTime && leader.speedUp && *leader.speedUp < 1)
-        reasons.push_back(fmt::format("The curves of error against time contradict the final errors: {} came to the same error in {:.3g} "
-                                      "times the time.",
-                                      leader.speedUpAgainst, *leader.speedUp));
+        reasons.push_back(fmt::format(
+            "The curves of error against time contradict the final errors: {} came to the same error in {:.3g} "
+            "times the time.",
+            leader.speedUpAgainst, *leader.speedUp));
     return reasons;
 }
 
@@ -78,14 +85,18 @@ std::string WinnerHeadline(const Contender &leader, const Contender &next, bool 
     std::string text = fmt::format("{} has the lowest error at equal {}: relL2 {}; next is {} with {}.", leader.label,
                                    equalTime ? "time" : "samples", ErrorText(leader), next.label, ErrorText(next));
     if (leader.speedUp && *leader.speedUp >= 1)
-        text += fmt::format(" {} needs {:.3g} times its time for the same error.", leader.speedUpAgainst, *leader.speedUp);
+        text +=
+            fmt::format(" {} needs {:.3g} times its time for the same error.", leader.speedUpAgainst, *leader.speedUp);
     return text;
 }
 
-std::string UndecidedHeadline(const Contender &leader, const std::vector<const Contender *> &others) {
-    std::vector<std::string> errors = {leader.label + " " + ErrorText(leader)};
-    for (const Contender *other : others) errors.push_back(other->label + " " + ErrorText(*other));
-    return fmt::format("Undecided. Mean relL2: {}.", fmt::join(errors, ", "));
+std::string UndecidedHeadline(const std::vector<const Contender *> &competing) {
+    std::vector<std::string> errors;
+    for (size_t i = 0; i < std::min(competing.size(), kMostNamed); ++i)
+        errors.push_back(competing[i]->label + " " + ErrorText(*competing[i]));
+    const size_t more = competing.size() - errors.size();
+    return fmt::format("Undecided. Mean relL2: {}{}.", fmt::join(errors, ", "),
+                       more ? fmt::format(" and {} more", more) : "");
 }
 
 }  // namespace
@@ -111,10 +122,11 @@ Conclusion Conclude(const std::vector<Contender> &contenders, const std::vector<
         out.lowest = static_cast<size_t>(&leader - contenders.data());
         out.reasons = Objections(leader, others, doubts, equalTime);
         if (out.reasons.empty()) out.winner = out.lowest;
-        out.headline = out.winner ? WinnerHeadline(leader, *others.front(), equalTime) : UndecidedHeadline(leader, others);
+        out.headline = out.winner ? WinnerHeadline(leader, *others.front(), equalTime) : UndecidedHeadline(competing);
         if (!equalTime && leader.speedUp && *leader.speedUp < 1)
-            out.remarks.push_back(fmt::format("At equal time it is another: {} comes to the error of {} in {:.3g} times its time.",
-                                              leader.speedUpAgainst, leader.label, *leader.speedUp));
+            out.remarks.push_back(
+                fmt::format("At equal time it is another: {} comes to the error of {} in {:.3g} times its time.",
+                            leader.speedUpAgainst, leader.label, *leader.speedUp));
     }
 
     std::vector<std::string> biased, unknown, flies;
@@ -128,7 +140,8 @@ Conclusion Conclude(const std::vector<Contender> &contenders, const std::vector<
     if (!biased.empty()) out.remarks.push_back(fmt::format("Biased, so no competitor: {}.", Listed(biased)));
     if (!unknown.empty()) out.remarks.push_back(fmt::format("Bias not known: {}.", Listed(unknown)));
     if (!flies.empty())
-        out.remarks.push_back(fmt::format("A few fireflies decide the relL2 of {}: see the trimmed relL2.", Listed(flies)));
+        out.remarks.push_back(
+            fmt::format("A few fireflies decide the relL2 of {}: see the trimmed relL2.", Listed(flies)));
     return out;
 }
 
@@ -143,9 +156,10 @@ std::vector<std::string> Conclusion::Sentences() const {
 
 Json ToJson(const Conclusion &conclusion, const std::vector<Contender> &contenders) {
     auto label = [&](const std::optional<size_t> &i) { return i ? Json(contenders[*i].label) : Json(); };
-    return {{"winner", label(conclusion.winner)}, {"lowestError", label(conclusion.lowest)}, {"level", kWinnerLevel},
-            {"headline", conclusion.headline},    {"reasons", conclusion.reasons},           {"doubts", conclusion.doubts},
-            {"remarks", conclusion.remarks},      {"sentences", conclusion.Sentences()}};
+    return {
+        {"winner", label(conclusion.winner)}, {"lowestError", label(conclusion.lowest)}, {"level", kWinnerLevel},
+        {"headline", conclusion.headline},    {"reasons", conclusion.reasons},           {"doubts", conclusion.doubts},
+        {"remarks", conclusion.remarks},      {"sentences", conclusion.Sentences()}};
 }
 
 }  // namespace pbrt::lab

@@ -107,7 +107,10 @@ struct Measured {
 class Inspector {
   public:
     Inspector(const BuiltScene &built, const LightSampler &sampler, const InspectSettings &settings)
-        : built_(built), sampler_(sampler), settings_(settings), groups_(MakeGroups(built.scene->Lights(), built.lightNames)) {}
+        : built_(built),
+          sampler_(sampler),
+          settings_(settings),
+          groups_(MakeGroups(built.scene->Lights(), built.lightNames)) {}
 
     Inspection Run(Progress &progress);
 
@@ -161,7 +164,8 @@ void Inspector::MakeLayers(Inspection &out) {
     for (size_t g : shown_) {
         const InspectedLight &light = groups_[g].light;
         add(fmt::format("visibility.{}", light.first.value),
-            fmt::format("share of up to {} shadow rays that arrive from {}", settings_.samples, light.label), 0, 1, false, true);
+            fmt::format("share of up to {} shadow rays that arrive from {}", settings_.samples, light.label), 0, 1,
+            false, true);
         out.layers.back().light = light.label;
     }
 }

@@ -56,13 +56,13 @@ Inspection InspectLights(const BuiltScene &built, const LightSampler &sampler, c
                          Progress &progress);
 
 /// One false-colour PNG per layer that is `wanted` and not flat into `folder`, which is made if need be; `legendRows`:
-/// height of the bar of colours below. Returns what each shows: name, file (inside `folder`; null if flat), meaning, ends of
-/// the colour scale, range.
+/// height of the bar of colours below. Returns what each shows: name, file (inside `folder`; null if flat), meaning,
+/// ends of the colour scale, range.
 nlohmann::ordered_json WriteLayers(const Inspection &inspection, const std::string &folder, int legendRows,
                                    const std::function<bool(const InspectedLayer &)> &wanted);
 
-/// Writes inspect.exr (all layers), one false-colour PNG per layer that is not flat, inspect.json (what each shows and its
-/// range), index.html (all of it to look at) and structure.txt into `folder`, which is made if need be.
+/// Writes inspect.exr (all layers), one false-colour PNG per layer that is not flat, inspect.json (what each shows and
+/// its range), index.html (all of it to look at) and structure.txt into `folder`, which is made if need be.
 void WriteInspection(const Inspection &inspection, const std::string &folder, const nlohmann::ordered_json &about);
 
 /// The whole command: `lightlab inspect scene.pbrt --sampler octree`.

@@ -35,28 +35,41 @@ pre { overflow: auto; font-size: 13px; }
 std::string Escaped(const std::string &text) {
     std::string out;
     for (char c : text) switch (c) {
-            case '&': out += "&amp;"; break;
-            case '<': out += "&lt;"; break;
-            case '>': out += "&gt;"; break;
-            case '"': out += "&quot;"; break;
-            default: out += c;
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            default:
+                out += c;
         }
     return out;
 }
 
-std::string Number(const Json &value) { return value.is_number() ? fmt::format("{:.4g}", value.get<double>()) : "unknown"; }
+std::string Number(const Json &value) {
+    return value.is_number() ? fmt::format("{:.4g}", value.get<double>()) : "unknown";
+}
 
 std::string Figure(const Json &layer) {
     const Json &colours = layer.at("colours");
-    const std::string range = colours.is_object()
-                                  ? fmt::format("colours from {} to {}; here {} to {}, mean {}", Number(colours.at("darkest")),
-                                                Number(colours.at("brightest")), Number(layer.at("least")), Number(layer.at("most")),
-                                                Number(layer.at("mean")))
-                                  : std::string("a colour for each");
+    const std::string range =
+        colours.is_object() ? fmt::format("colours from {} to {}; here {} to {}, mean {}",
+                                          Number(colours.at("darkest")), Number(colours.at("brightest")),
+                                          Number(layer.at("least")), Number(layer.at("most")), Number(layer.at("mean")))
+                            : std::string("a colour for each");
     const std::string name = Escaped(layer.at("name")), file = Escaped(layer.at("file"));
-    return fmt::format("<figure id=\"{0}\"><a href=\"{1}\"><img src=\"{1}\" alt=\"{0}\"></a><figcaption><b>{0}</b>{2}; {3}.</figcaption>"
-                       "</figure>\n",
-                       name, file, Escaped(layer.at("meaning")), range);
+    return fmt::format(
+        "<figure id=\"{0}\"><a href=\"{1}\"><img src=\"{1}\" alt=\"{0}\"></a><figcaption><b>{0}</b>{2}; "
+        "{3}.</figcaption>"
+        "</figure>\n",
+        name, file, Escaped(layer.at("meaning")), range);
 }
 
 /// What has no picture.
@@ -65,7 +78,8 @@ std::string FlatText(const Json &layers) {
     for (const Json &layer : layers) {
         if (!layer.at("isFlat")) continue;
         const std::string name = layer.at("name");
-        const std::string subject = layer.contains("light") ? "visibility of " + layer.at("light").get<std::string>() : name;
+        const std::string subject =
+            layer.contains("light") ? "visibility of " + layer.at("light").get<std::string>() : name;
         if (!layer.contains("least"))
             unknown += (unknown.empty() ? "" : "; ") + subject;
         else if (name == "sampler.leaf")
@@ -83,12 +97,14 @@ std::string FlatText(const Json &layers) {
 std::string LightRows(const Json &lights) {
     std::vector<const Json *> sorted;
     for (const Json &light : lights) sorted.push_back(&light);
-    std::stable_sort(sorted.begin(), sorted.end(),
-                     [](const Json *a, const Json *b) { return a->at("power").get<double>() > b->at("power").get<double>(); });
+    std::stable_sort(sorted.begin(), sorted.end(), [](const Json *a, const Json *b) {
+        return a->at("power").get<double>() > b->at("power").get<double>();
+    });
     std::string rows;
     for (size_t i = 0; i < std::min(sorted.size(), kMostLights); ++i)
         rows += fmt::format("<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td></tr>\n",
-                            Escaped(sorted[i]->at("label")), Number(sorted[i]->at("first")), Number(sorted[i]->at("power")));
+                            Escaped(sorted[i]->at("label")), Number(sorted[i]->at("first")),
+                            Number(sorted[i]->at("power")));
     return rows;
 }
 
@@ -96,19 +112,26 @@ std::string LightRows(const Json &lights) {
 
 std::string InspectPage(const Json &inspection, const std::string &structure) {
     const Json &layers = inspection.at("layers"), &lights = inspection.at("lights");
-    const std::string sampler = Escaped(inspection.value("sampler", "")), scene = Escaped(inspection.value("scene", Json::array()).dump());
+    const std::string sampler = Escaped(inspection.value("sampler", "")),
+                      scene = Escaped(inspection.value("scene", Json::array()).dump());
     std::string page = kHead;
     page += fmt::format("<title>{} · lightlab inspect</title>\n</head>\n<body>\n<h1>{}</h1>\n", sampler, sampler);
-    page += fmt::format("<p>What the light sampler knows where the camera first meets a surface that is not purely specular. Scene: {}. "
-                        "{}</p>\n",
-                        scene, Escaped(inspection.value("note", "")));
+    page += fmt::format(
+        "<p>What the light sampler knows where the camera first meets a surface that is not purely specular. Scene: "
+        "{}. "
+        "{}</p>\n",
+        scene, Escaped(inspection.value("note", "")));
     page += FlatText(layers) + "<div class=\"pictures\">\n";
     for (const Json &layer : layers)
         if (layer.at("file").is_string()) page += Figure(layer);
-    page += fmt::format("</div>\n<h2>Lights</h2>\n<p>{} lights or emissive meshes{}. \"first\" is the number that the pictures' names use.</p>\n",
-                        lights.size(), lights.size() > kMostLights ? fmt::format("; the {} of most power", kMostLights) : "");
-    page += "<table id=\"lights\"><tr><th>place in the scene file</th><th>first</th><th>power</th></tr>\n" + LightRows(lights) + "</table>\n";
-    page += "<h2>Structure</h2>\n<pre>" + Escaped(structure.empty() ? "no learned structure" : structure) + "</pre>\n</body>\n</html>\n";
+    page += fmt::format(
+        "</div>\n<h2>Lights</h2>\n<p>{} lights or emissive meshes{}. \"first\" is the number that the pictures' names "
+        "use.</p>\n",
+        lights.size(), lights.size() > kMostLights ? fmt::format("; the {} of most power", kMostLights) : "");
+    page += "<table id=\"lights\"><tr><th>place in the scene file</th><th>first</th><th>power</th></tr>\n" +
+            LightRows(lights) + "</table>\n";
+    page += "<h2>Structure</h2>\n<pre>" + Escaped(structure.empty() ? "no learned structure" : structure) +
+            "</pre>\n</body>\n</html>\n";
     return page;
 }
 

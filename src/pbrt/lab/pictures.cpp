@@ -32,7 +32,8 @@ double ChooseExposure(const Image &reference) {
             if (std::isfinite(l) && l > 0) luminances.push_back(l);
         }
     if (luminances.empty()) return 1;
-    const double middle = Percentile(luminances, 0.5), high = Percentile(luminances, 0.75), bright = Percentile(luminances, 0.98);
+    const double middle = Percentile(luminances, 0.5), high = Percentile(luminances, 0.75),
+                 bright = Percentile(luminances, 0.98);
     return std::max(0.9 / bright, std::min(0.18 / middle, 0.9 / high));
 }
 

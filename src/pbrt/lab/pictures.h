@@ -8,10 +8,10 @@
 
 namespace pbrt::lab {
 
-/// What linear values are multiplied with before the PNG's sRGB curve cuts them at 1, from the luminances of the reference.
-/// The median (of what is not black) becomes mid grey, 0.18, so that a room is seen and not its windows; but where most of
-/// the picture is dark, three quarters of it stay below 0.9. Never darker than with the 98th percentile at 0.9. Every
-/// picture of a campaign is shown with the same one.
+/// What linear values are multiplied with before the PNG's sRGB curve cuts them at 1, from the luminances of the
+/// reference. The median (of what is not black) becomes mid grey, 0.18, so that a room is seen and not its windows; but
+/// where most of the picture is dark, three quarters of it stay below 0.9. Never darker than with the 98th percentile
+/// at 0.9. Every picture of a campaign is shown with the same one.
 double ChooseExposure(const Image &reference);
 void WritePicture(const std::string &path, const Image &image, double exposure);
 /// R, G, B with their range as a Radiance file: one exponent a pixel, 8 bits a colour, not run-length coded. The page

@@ -121,10 +121,11 @@ References GivenReference(const CampaignSettings &settings, const LabScene &scen
     const std::string &maker = references.all[0].sampler;
     for (const SamplerChoice &s : settings.samplers)
         if (!maker.empty() && s.label == maker)
-            references.doubts.push_back({fmt::format("{} was rendered with \"{}\", which is compared here: its own errors are partly in the "
-                                                     "reference, so its error looks lower than it is.",
-                                                     settings.referenceFile, maker),
-                                         s.label});
+            references.doubts.push_back(
+                {fmt::format("{} was rendered with \"{}\", which is compared here: its own errors are partly in the "
+                             "reference, so its error looks lower than it is.",
+                             settings.referenceFile, maker),
+                 s.label});
     return references;
 }
 
@@ -132,19 +133,23 @@ References GivenReference(const CampaignSettings &settings, const LabScene &scen
 
 std::optional<Doubt> Disagreement(const Reference &a, const Reference &b, bool areStocks, bool *proveNoBias) {
     *proveNoBias = areStocks && (Contradict(a, b) || Contradict(b, a));
-    const double apart = std::max(ImageError(a.image, b.image, Metric::RelL2), ImageError(b.image, a.image, Metric::RelL2));
+    const double apart =
+        std::max(ImageError(a.image, b.image, Metric::RelL2), ImageError(b.image, a.image, Metric::RelL2));
     const double expected = a.noise.value_or(0) + b.noise.value_or(0);
     const std::string both = fmt::format("the references of \"{}\" and \"{}\"", a.sampler, b.sampler);
     if (*proveNoBias)
-        return Doubt{fmt::format("Of {} one lacks light that its sampler meets rarely: they contradict each other, so they prove no bias "
+        return Doubt{fmt::format("Of {} one lacks light that its sampler meets rarely: they contradict each other, so "
+                                 "they prove no bias "
                                  "and rank nobody. More --reference-spp is needed.",
                                  both),
                      ""};
     if (!(apart > kDisagree * expected)) return {};
-    return Doubt{fmt::format("The samplers are not judged alike: {} differ by relL2 {:.3g}, and their noise explains {:.3g}. The second "
-                             "judges \"{}\" only. More --reference-spp is needed.",
-                             both, apart, expected, a.sampler),
-                 ""};
+    return Doubt{
+        fmt::format(
+            "The samplers are not judged alike: {} differ by relL2 {:.3g}, and their noise explains {:.3g}. The second "
+            "judges \"{}\" only. More --reference-spp is needed.",
+            both, apart, expected, a.sampler),
+        ""};
 }
 
 ReferenceRule ReferenceRule::For(const CampaignSettings &settings) {

@@ -36,15 +36,16 @@ struct References {
 };
 
 /// Why two references cannot both be right, if that is so: both were made by samplers that are known to be free of bias
-/// (`areStocks`) and contradict each other, or they differ much more than their noise explains, because one lacks light that
-/// its sampler meets rarely. Sets `*proveNoBias` in the first case.
+/// (`areStocks`) and contradict each other, or they differ much more than their noise explains, because one lacks light
+/// that its sampler meets rarely. Sets `*proveNoBias` in the first case.
 std::optional<Doubt> Disagreement(const Reference &a, const Reference &b, bool areStocks, bool *proveNoBias);
 
 /// The user's file; or, ranked by a pilot run, pictures rendered with the best sampler and, if that one is in the
 /// campaign, with the second best, which then judges it: no sampler is judged by its own samples. Two references that
-/// contradict each other (bias check) are replaced by two of stock's samplers, which are doubtful if they do so too; two
-/// that differ more than their noise explains are a doubt. Rendered ones are kept in the cache folder (reference_cache.h) and
-/// found there again. Finished parts survive an interruption. Nothing: cancelled. Throws UserError.
+/// contradict each other (bias check) are replaced by two of stock's samplers, which are doubtful if they do so too;
+/// two that differ more than their noise explains are a doubt. Rendered ones are kept in the cache folder
+/// (reference_cache.h) and found there again. Finished parts survive an interruption. Nothing: cancelled. Throws
+/// UserError.
 std::optional<References> MakeReferences(const CampaignSettings &settings, const LabScene &scene,
                                          const LightSamplerRegistry &registry, const RecordFolder &records,
                                          Progress &cancel, CampaignDisplay &display);

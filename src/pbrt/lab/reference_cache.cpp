@@ -114,9 +114,10 @@ void ReferenceCache::Store(const LabScene &scene, const std::string &about, Refe
             return;
         } catch (const std::exception &e) {
             if (isLast) throw;
-            LogWarning(fmt::format("{}: the reference cannot be kept there ({}); it is kept in the output folder. --cache DIR chooses "
-                                   "another place.",
-                                   path, e.what()));
+            LogWarning(fmt::format(
+                "{}: the reference cannot be kept there ({}); it is kept in the output folder. --cache DIR chooses "
+                "another place.",
+                path, e.what()));
         }
     }
 }

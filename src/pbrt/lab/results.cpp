@@ -175,12 +175,15 @@ std::vector<std::string> RemarksOn(const CampaignSettings &settings, const Refer
     std::vector<std::string> remarks = references.remarks;
     for (const SamplerResult &s : samplers)
         if (s.choice.IsOracle() && s.samples < kFewOracleSamples)
-            remarks.push_back(fmt::format("\"{}\" took {:.1f} samples per pixel only: ratios to it are rough. --spp gives it as many as "
-                                          "the others.",
-                                          s.choice.label, s.samples));
+            remarks.push_back(fmt::format(
+                "\"{}\" took {:.1f} samples per pixel only: ratios to it are rough. --spp gives it as many as "
+                "the others.",
+                s.choice.label, s.samples));
     if (settings.sampledLightOnly)
-        remarks.push_back("--sampled-light: without lamps that the camera or a mirror shows, and caustics; no choice of lights changes "
-                          "these.");
+        remarks.push_back(
+            "--sampled-light: without lamps that the camera or a mirror shows, and caustics; no choice of lights "
+            "changes "
+            "these.");
     return remarks;
 }
 
@@ -220,10 +223,10 @@ CampaignResults Summarize(const CampaignSettings &settings, const References &re
     CompareSamplers(&results.samplers);
     for (const SamplerResult &s : results.samplers)
         results.contenders.push_back({s.choice.label, ErrorsOf(s.runs, static_cast<size_t>(Measure::RelL2)),
-                                      ErrorsOf(s.runs, static_cast<size_t>(Measure::RelL2Trimmed)), s.bias.verdict, s.choice.IsOracle(),
-                                      s.firefliesDecide, s.speedUp, s.speedUpAgainst});
-    results.conclusion =
-        Conclude(results.contenders, references.doubts, RemarksOn(settings, references, results.samplers), settings.Timed());
+                                      ErrorsOf(s.runs, static_cast<size_t>(Measure::RelL2Trimmed)), s.bias.verdict,
+                                      s.choice.IsOracle(), s.firefliesDecide, s.speedUp, s.speedUpAgainst});
+    results.conclusion = Conclude(results.contenders, references.doubts,
+                                  RemarksOn(settings, references, results.samplers), settings.Timed());
     return results;
 }
 

@@ -105,7 +105,9 @@ Json RecordFolder::LoadOwn(const std::string &path) const {
 }
 
 Json RecordFolder::LoadSettings() const { return ReadJson(File("settings.json")); }
-void RecordFolder::SaveSettings(const Json &settings) const { WriteText(File("settings.json"), settings.dump(1) + "\n"); }
+void RecordFolder::SaveSettings(const Json &settings) const {
+    WriteText(File("settings.json"), settings.dump(1) + "\n");
+}
 
 Json RecordFolder::LoadNote(const std::string &name) const {
     const Json json = LoadOwn(File(name));

@@ -31,12 +31,13 @@ struct RunRecord {
 };
 
 /// The records of a campaign on disk: a JSON file per sampler, seed and checkpoint, and the film's sums of every run
-/// that is not finished. All but the settings name the campaign they belong to; what names another one, another version of
-/// this program, or cannot be read, is as good as absent.
+/// that is not finished. All but the settings name the campaign they belong to; what names another one, another version
+/// of this program, or cannot be read, is as good as absent.
 class RecordFolder {
   public:
     /// `campaign`: CampaignKey of the settings.
-    RecordFolder(std::string folder, std::string campaign) : folder_(std::move(folder)), campaign_(std::move(campaign)) {}
+    RecordFolder(std::string folder, std::string campaign)
+        : folder_(std::move(folder)), campaign_(std::move(campaign)) {}
     const std::string &Folder() const { return folder_; }
     /// The rounds of a run from the first on without a gap, at most so many.
     RunRecord LoadRun(const std::string &sampler, int seed, int most = std::numeric_limits<int>::max()) const;
@@ -47,7 +48,8 @@ class RecordFolder {
     /// Files of the rounds from `kept` on, and all films but that of the round before.
     void RemoveRounds(const std::string &sampler, int seed, size_t kept, size_t checkpoints) const;
 
-    /// The settings of the campaign that the folder holds, whichever it is: null if there is none, discarded if unreadable.
+    /// The settings of the campaign that the folder holds, whichever it is: null if there is none, discarded if
+    /// unreadable.
     nlohmann::ordered_json LoadSettings() const;
     void SaveSettings(const nlohmann::ordered_json &settings) const;
     /// Other notes by name (pilot, views): null if absent, unreadable or of another campaign.

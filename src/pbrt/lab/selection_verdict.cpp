@@ -64,7 +64,9 @@ Sums SumUp(std::span<const VertexFinding> region) {
     return sums;
 }
 
-std::string Percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
+std::string Percent(double share) {
+    return std::abs(share) < 0.995 ? fmt::format("{:.2g} %", 100 * share) : fmt::format("{:.0f} %", 100 * share);
+}
 
 }  // namespace
 
@@ -174,9 +176,10 @@ void AddSelection(const SelectionReport &selection, BiasReport *report) {
         // Not "too few data": there are enough of them at vertices.
         report->verdict = BiasVerdict::Clean;
         auto size = [](double v) { return std::isfinite(v) ? "one of " + Percent(v) : std::string("none"); };
-        report->text = fmt::format("No bias seen, and at vertices of paths it would have been; pictures alone show {} in the whole image and "
-                                   "{} in regions of 1/{} of it.",
-                                   size(report->visibleImage), size(report->visibleSixteenth), report->sixteenthRegions);
+        report->text = fmt::format(
+            "No bias seen, and at vertices of paths it would have been; pictures alone show {} in the whole image and "
+            "{} in regions of 1/{} of it.",
+            size(report->visibleImage), size(report->visibleSixteenth), report->sixteenthRegions);
     }
     if (selection.verdict == BiasVerdict::Biased && report->verdict != BiasVerdict::Biased) {
         report->verdict = BiasVerdict::Biased;

@@ -43,8 +43,9 @@ RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const st
     while (kept > 0 && !canGoOn(kept)) --kept;
     if (recorded > kept)
         LogWarning(fmt::format("{}/{}: records of seed {} are damaged or missing; {}.", records.Folder(), sampler, seed,
-                               kept > 0 ? fmt::format("going on from {} samples per pixel", run.rounds[kept - 1].samples)
-                                        : "this run begins anew"));
+                               kept > 0
+                                   ? fmt::format("going on from {} samples per pixel", run.rounds[kept - 1].samples)
+                                   : "this run begins anew"));
     // Reports and structure are those of the last record.
     if (kept < run.rounds.size()) run = records.LoadRun(sampler, seed, static_cast<int>(kept));
     records.RemoveRounds(sampler, seed, kept, checkpoints);

@@ -1,6 +1,7 @@
 #include "pbrt/lights/light_names.h"
 
 #include <algorithm>
+#include <filesystem>
 
 namespace pbrt {
 
@@ -12,12 +13,15 @@ uint32_t LightNames::IndexOf(const std::string &text) {
     return static_cast<uint32_t>(texts_.size() - 1);
 }
 
-LightNames::Place LightNames::PlaceOf(const FileLoc &loc) { return loc ? Place{IndexOf(loc.file->name), loc.line} : Place{}; }
+LightNames::Place LightNames::PlaceOf(const FileLoc &loc) {
+    return loc ? Place{IndexOf(std::filesystem::path(loc.file->name).filename().string()), loc.line} : Place{};
+}
 
 void LightNames::Add(size_t count, const std::string &what, const FileLoc &light, const FileLoc &shape,
                      const std::string &primitive) {
     if (count == 0) return;
-    entries_.push_back({static_cast<uint32_t>(end_), IndexOf(what), IndexOf(primitive), PlaceOf(light), PlaceOf(shape)});
+    entries_.push_back(
+        {static_cast<uint32_t>(end_), IndexOf(what), IndexOf(primitive), PlaceOf(light), PlaceOf(shape)});
     end_ += count;
 }
 

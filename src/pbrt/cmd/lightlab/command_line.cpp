@@ -29,7 +29,8 @@ const char *const kFooter =
     "one light, +gate skips some shadow rays at random. pbrt --list-lightsamplers names all with their parameters.\n\n"
     "The reference is rendered with the sampler that has the least variance in a short pilot run, and a second one "
     "with\n"
-    "the next best, which judges the first. They are kept in the cache folder as <scene>.reference-<hash>.exr; the hash\n"
+    "the next best, which judges the first. They are kept in the cache folder as <scene>.reference-<hash>.exr; the "
+    "hash\n"
     "changes with anything the scene says. --spp n: 16 n samples, at least 512. --time t: about 10 t seconds.\n\n"
     "Environment: LIGHTLAB_REPORT_SCRIPTS, the folder of charts.py and report.py; LIGHTLAB_PYTHON (/usr/bin/python3).";
 
@@ -205,10 +206,11 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
         ->group(reference)
         ->excludes(file);
 
-    CLI::Option *cache = app.add_option("--cache", c.cacheFolder,
-                                        "folder that keeps rendered references for later campaigns ($XDG_CACHE_HOME/pbrt_octree or "
-                                        "~/.cache/pbrt_octree); \"\": the output folder")
-                             ->group(reference);
+    CLI::Option *cache =
+        app.add_option("--cache", c.cacheFolder,
+                       "folder that keeps rendered references for later campaigns ($XDG_CACHE_HOME/pbrt_octree or "
+                       "~/.cache/pbrt_octree); \"\": the output folder")
+            ->group(reference);
 
     app.add_option("--selection-work", c.selectionWork,
                    "bias check of light selection at vertices of paths: lights drawn, at most, for every sampler (1e8, some 10 to 50 s; "

@@ -274,9 +274,8 @@ TEST_F(Campaign, LooksInsideEverySampler) {
     for (const Json &layer : outcome->results.at("views").at("layers"))
         if (layer.contains("light")) lights.push_back(layer.at("light"));
     std::sort(lights.begin(), lights.end());
-    const std::string scene = (folder_ / "scene.pbrt").string();
-    EXPECT_EQ(lights, (Names{"LightSource \"point\" at " + scene + ":7", "LightSource \"point\" at " + scene + ":8",
-                             "LightSource \"point\" at " + scene + ":9"}));
+    EXPECT_EQ(lights, (Names{"LightSource \"point\" at scene.pbrt:7", "LightSource \"point\" at scene.pbrt:8",
+                             "LightSource \"point\" at scene.pbrt:9"}));
     EXPECT_FALSE(fs::exists(folder_ / "out/uniform/views/sampler.side.png"));
 }
 
@@ -362,7 +361,8 @@ TEST_F(Campaign, CacheThatCannotBeWrittenCostsTheCacheOnly) {
 TEST(ReferenceCache, DefaultFolderIsTheUsers) {
     const char *const names[] = {"XDG_CACHE_HOME", "HOME"};
     std::vector<std::optional<std::string>> before;
-    for (const char *name : names) before.emplace_back(std::getenv(name) ? std::optional<std::string>(std::getenv(name)) : std::nullopt);
+    for (const char *name : names)
+        before.emplace_back(std::getenv(name) ? std::optional<std::string>(std::getenv(name)) : std::nullopt);
     setenv("XDG_CACHE_HOME", "/somewhere/cache", 1);
     setenv("HOME", "/home/me", 1);
     EXPECT_EQ(UserCacheFolder(), "/somewhere/cache/pbrt_octree");
@@ -426,14 +426,16 @@ TEST_F(Campaign, GoesOnWhateverFileWasCutShort) {
     for (const std::string campaign : {"whole", "stopped"}) {
         std::vector<std::string> files;
         for (const auto &entry : fs::recursive_directory_iterator(folder_ / campaign))
-            if (entry.is_regular_file() && (campaign == "whole" || entry.path().string().find("/records/") != std::string::npos))
+            if (entry.is_regular_file() &&
+                (campaign == "whole" || entry.path().string().find("/records/") != std::string::npos))
                 files.push_back(fs::relative(entry.path(), folder_ / campaign).string());
         for (const std::string &file : files) {
             const bool decides = file.find("records") == 0 || file.find("seed") != std::string::npos;
             films += file.ends_with(".film");
             const auto size = static_cast<int64_t>(fs::file_size(folder_ / campaign / file));
             // -1: the file is gone.
-            for (const int64_t length : decides ? std::vector<int64_t>{-1, 0, size / 2, size - 3} : std::vector<int64_t>{size / 2}) {
+            for (const int64_t length :
+                 decides ? std::vector<int64_t>{-1, 0, size / 2, size - 3} : std::vector<int64_t>{size / 2}) {
                 fs::remove_all(folder_ / "cut");
                 fs::copy(folder_ / campaign, folder_ / "cut", fs::copy_options::recursive);
                 if (length < 0)
@@ -446,14 +448,16 @@ TEST_F(Campaign, GoesOnWhateverFileWasCutShort) {
                 ExpectSamePictures("whole", "cut", samplers, 2);
                 for (size_t i = 0; i < samplers.size(); ++i) {
                     const Json &a = whole->results.at("samplers").at(i), &b = outcome->results.at("samplers").at(i);
-                    EXPECT_EQ(a.at("summary").at("metrics"), b.at("summary").at("metrics")) << campaign << " " << file << " " << length;
+                    EXPECT_EQ(a.at("summary").at("metrics"), b.at("summary").at("metrics"))
+                        << campaign << " " << file << " " << length;
                     for (size_t seed = 0; seed < 2; ++seed) {
                         const Json &x = a.at("runs").at(seed).at("rounds"), &y = b.at("runs").at(seed).at("rounds");
                         ASSERT_EQ(x.size(), y.size()) << campaign << " " << file << " " << length;
                         for (size_t r = 0; r < x.size(); ++r) EXPECT_EQ(x.at(r).at("metrics"), y.at(r).at("metrics"));
                     }
                     for (const Json &layer : b.at("views").at("layers")) {
-                        const std::string picture = layer.at("file").is_string() ? layer.at("file") : "views/brightest.png";
+                        const std::string picture =
+                            layer.at("file").is_string() ? layer.at("file") : "views/brightest.png";
                         EXPECT_NO_THROW(ReadImage((folder_ / "cut" / picture).string())) << file << " " << length;
                     }
                 }
@@ -481,7 +485,8 @@ TEST_F(Campaign, RecordsOfAnotherCampaignOrVersionAreNotTakenUp) {
     json["metrics"]["relL2"] = 0;
     std::ofstream(record) << json;
     ASSERT_TRUE(Run(Settings("out", {"uniform"})));
-    EXPECT_EQ(ReadJson(record).at("metrics"), ReadJson(folder_ / "whole/records/uniform/seed1-round02.json").at("metrics"));
+    EXPECT_EQ(ReadJson(record).at("metrics"),
+              ReadJson(folder_ / "whole/records/uniform/seed1-round02.json").at("metrics"));
 }
 
 TEST_F(Campaign, MoreSeedsGoOnAndFewerAreAPart) {
@@ -627,7 +632,8 @@ TEST_F(Campaign, ReferencesOfStockThatContradictEachOtherProveNothing) {
     EXPECT_TRUE(wouldHaveBeen);
     const Json &conclusion = outcome->results.at("conclusion");
     ASSERT_EQ(conclusion.at("doubts").size(), 1u) << conclusion.dump();
-    EXPECT_NE(conclusion.at("doubts").at(0).get<std::string>().find("prove no bias"), std::string::npos) << conclusion.dump();
+    EXPECT_NE(conclusion.at("doubts").at(0).get<std::string>().find("prove no bias"), std::string::npos)
+        << conclusion.dump();
     // Whoever seems to lead: such references rank nobody, and the terminal says so too.
     EXPECT_TRUE(conclusion.at("winner").is_null()) << conclusion.dump();
     EXPECT_NE(outcome->text.find("prove no bias"), std::string::npos) << outcome->text;

@@ -53,17 +53,19 @@ TEST(Conclusion, WhoLeadsBeyondNoiseWins) {
     EXPECT_EQ(c.lowest, 1u);
     EXPECT_TRUE(c.reasons.empty());
     EXPECT_EQ(c.headline,
-              "octree has the lowest error at equal time: relL2 1 +- 0.012; next is bvh with 3 +- 0.058. bvh needs 3 times its time "
+              "octree has the lowest error at equal time: relL2 1 +- 0.012; next is bvh with 3 +- 0.058. bvh needs 3 "
+              "times its time "
               "for the same error.");
     EXPECT_EQ(ToJson(c, all).at("winner"), "octree");
     EXPECT_EQ(ToJson(c, all).at("sentences").at(0), c.headline);
 }
 
 TEST(Conclusion, LeadWithinNoiseDecidesNothing) {
-    std::vector<Contender> all = {Clean("bvh", {7.9, 3.5, 12}), Clean("octree", {8.3, 8.2, 8.4}), Clean("uniform", {90, 91, 89})};
+    std::vector<Contender> all = {Clean("bvh", {7.9, 3.5, 12}), Clean("octree", {8.3, 8.2, 8.4}),
+                                  Clean("uniform", {90, 91, 89})};
     const Conclusion c = Conclude(all, {}, {}, false);
     EXPECT_EQ(c.lowest, 0u);
-    ExpectUndecided(c, "Its lead over octree is within the noise");
+    ExpectUndecided(c, "The lead of bvh over octree is within the noise");
     EXPECT_TRUE(Says(c, "level 5 %"));
     EXPECT_EQ(c.headline, "Undecided. Mean relL2: bvh 7.8 +- 2.5, octree 8.3 +- 0.058, uniform 90 +- 0.58.");
     EXPECT_TRUE(ToJson(c, all).at("winner").is_null());
@@ -71,7 +73,8 @@ TEST(Conclusion, LeadWithinNoiseDecidesNothing) {
 }
 
 TEST(Conclusion, TieDecidesNothing) {
-    ExpectUndecided(Conclude({Clean("bvh", {2, 2.1, 2.2}), Clean("octree", {2, 2.1, 2.2})}, {}, {}, true), "within the noise");
+    ExpectUndecided(Conclude({Clean("bvh", {2, 2.1, 2.2}), Clean("octree", {2, 2.1, 2.2})}, {}, {}, true),
+                    "within the noise");
     ExpectUndecided(Conclude({Clean("bvh", {2, 2, 2}), Clean("octree", {2, 2, 2})}, {}, {}, true), "within the noise");
 }
 
@@ -90,8 +93,9 @@ TEST(Conclusion, OneSamplerOnlyIsComparedWithNothing) {
 }
 
 TEST(Conclusion, NothingMeasuredIsUndecided) {
-    for (const std::vector<Contender> &all :
-         {std::vector<Contender>{}, {Clean("bvh", {})}, {Clean("bvh", {std::numeric_limits<double>::quiet_NaN(), 1})}}) {
+    for (const std::vector<Contender> &all : {std::vector<Contender>{},
+                                              {Clean("bvh", {})},
+                                              {Clean("bvh", {std::numeric_limits<double>::quiet_NaN(), 1})}}) {
         const Conclusion c = Conclude(all, {}, {}, true);
         EXPECT_FALSE(c.lowest);
         ExpectUndecided(c, "Nothing was measured");
@@ -157,10 +161,12 @@ TEST(Conclusion, CurvesThatContradictTheErrorsForbidAWinner) {
     const Conclusion c = Conclude(all, {}, {}, false);
     EXPECT_EQ(c.winner, 1u);
     EXPECT_EQ(c.headline.find("0.424"), std::string::npos);
-    EXPECT_TRUE(Says(c, "Note: At equal time it is another: bvh comes to the error of octree in 0.424 times its time."));
+    EXPECT_TRUE(
+        Says(c, "Note: At equal time it is another: bvh comes to the error of octree in 0.424 times its time."));
 }
 
-// Where samplers are equally good, a winner is named in kWinnerLevel of the campaigns at most; a lead of 2 is mostly found.
+// Where samplers are equally good, a winner is named in kWinnerLevel of the campaigns at most; a lead of 2 is mostly
+// found.
 TEST(Conclusion, KeepsItsLevel) {
     Rng rng(11, 8);
     const test::Noise noise = test::Lognormal(0.2);

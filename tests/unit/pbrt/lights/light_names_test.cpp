@@ -8,7 +8,8 @@ namespace {
 FileLoc At(const std::shared_ptr<SourceFile> &file, int line) { return {file, line, 0}; }
 
 TEST(LightNames, AreWhereTheLightStands) {
-    auto room = std::make_shared<SourceFile>(SourceFile{"room.pbrt", "text"}), lamp = std::make_shared<SourceFile>(SourceFile{"lamp.pbrt", ""});
+    auto room = std::make_shared<SourceFile>(SourceFile{"scenes/house/room.pbrt", "text"}),
+         lamp = std::make_shared<SourceFile>(SourceFile{"lamp.pbrt", ""});
     LightNames names;
     names.Add(12, "AreaLightSource \"diffuse\"", At(room, 123), At(room, 125), "triangle");
     names.Add(1, "AreaLightSource \"diffuse\"", At(room, 123), At(lamp, 7), "sphere");
@@ -16,9 +17,12 @@ TEST(LightNames, AreWhereTheLightStands) {
     names.Add(2, "AreaLightSource \"diffuse\"", At(lamp, 3), At(lamp, 4), "patch");
     names.Add(1, "LightSource \"point\"", At(room, 200));
     EXPECT_EQ(names.Size(), 16u);
-    EXPECT_EQ(names.NameOf(LightId(0u)), "AreaLightSource \"diffuse\" at room.pbrt:123, shape at :125, triangle 1 of 12");
-    EXPECT_EQ(names.NameOf(LightId(11u)), "AreaLightSource \"diffuse\" at room.pbrt:123, shape at :125, triangle 12 of 12");
-    EXPECT_EQ(names.NameOf(LightId(0u), 12), "AreaLightSource \"diffuse\" at room.pbrt:123, shape at :125, 12 triangles");
+    EXPECT_EQ(names.NameOf(LightId(0u)),
+              "AreaLightSource \"diffuse\" at room.pbrt:123, shape at :125, triangle 1 of 12");
+    EXPECT_EQ(names.NameOf(LightId(11u)),
+              "AreaLightSource \"diffuse\" at room.pbrt:123, shape at :125, triangle 12 of 12");
+    EXPECT_EQ(names.NameOf(LightId(0u), 12),
+              "AreaLightSource \"diffuse\" at room.pbrt:123, shape at :125, 12 triangles");
     EXPECT_EQ(names.NameOf(LightId(12u)), "AreaLightSource \"diffuse\" at room.pbrt:123, shape at lamp.pbrt:7");
     EXPECT_EQ(names.NameOf(LightId(13u), 2), "AreaLightSource \"diffuse\" at lamp.pbrt:3, shape at :4, 2 patches");
     EXPECT_EQ(names.NameOf(LightId(15u)), "LightSource \"point\" at room.pbrt:200");
@@ -34,7 +38,8 @@ TEST(LightNames, ManyLightsOfOneDirectiveAreOneEntry) {
     LightNames names;
     names.Add(1000000, "AreaLightSource \"diffuse\"", At(file, 1), At(file, 2), "triangle");
     EXPECT_EQ(names.EntryCount(), 1u);
-    EXPECT_EQ(names.NameOf(LightId(999999u)), "AreaLightSource \"diffuse\" at many.pbrt:1, shape at :2, triangle 1000000 of 1000000");
+    EXPECT_EQ(names.NameOf(LightId(999999u)),
+              "AreaLightSource \"diffuse\" at many.pbrt:1, shape at :2, triangle 1000000 of 1000000");
 }
 
 }  // namespace

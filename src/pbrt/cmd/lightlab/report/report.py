@@ -17,6 +17,7 @@ import table  # noqa: E402
 HERE = pathlib.Path(__file__).resolve().parent
 CHARTS = [("chart-error-time", "Error against time"), ("chart-error-samples", "Error against samples"),
           ("chart-speed-accuracy", "Speed against accuracy"), ("chart-overhead", "Where the time goes")]
+SCRIPTS = ("report_exposure.js", "report_viewer.js", "report_page.js")  # in this order
 # Greys of chart_style.py and chart_overhead.py -> colours of the page, which follow light and dark.
 PAGE_COLOURS = {"#1b1f24": "--ink", "#5b636e": "--soft", "#e3e6ea": "--grid", "#ffffff": "--paper",
                 "#30363f": "--bar-a", "#8b939e": "--bar-b", "#d3d8de": "--bar-c"}
@@ -281,7 +282,8 @@ def page(results):
              f"commit {d.get('commit') or 'unknown'}"]
     start = results.named("winner") or results.named("lowestError") or results.ranked()[0]
     others = [s for s in results.ranked() if s is not start and not s.isOracle]
-    data = {"items": items, "size": size, "exposure": lab.number(d.get("exposure")), "crops": results.crops, "pictures": pictures,
+    data = {"items": items, "size": size, "exposure": lab.number(d.get("exposure")),
+            "crops": results.crops, "pictures": pictures,
             "left": next((i for i, v in enumerate(items) if others and v["label"] == others[-1].label), 0),
             "right": next(i for i, v in enumerate(items) if v["kind"] == "sampler" and v["label"] == start.label)}
     fill = {
@@ -295,7 +297,7 @@ def page(results):
         "charts": f'<div class="charts">{"".join(charts)}</div>{missing}', "table": table_html(results),
         "details": details_html(results), "data": script_json(data),
         "style": (HERE / "report.css").read_text(encoding="utf-8"),
-        "script": "\n".join((HERE / f).read_text(encoding="utf-8") for f in ("report_exposure.js", "report_viewer.js", "report_page.js"))}
+        "script": "\n".join((HERE / f).read_text(encoding="utf-8") for f in SCRIPTS)}
     values = {**{k: esc(v) for k, v in fill.items()}, **raw}
     template = (HERE / "report_template.html").read_text(encoding="utf-8")
     # One pass: what was filled in is never searched again.

@@ -25,7 +25,8 @@ const viewer = (() => {
       pick.add(new Option((v.kind === "reference" ? "r  " : place < 9 ? `${place + 1}  ` : "") + v.label, i));
     });
     pick.addEventListener("change", () => show(name, Number(pick.value)));
-    sides[name] = { item: data[name], previous: data[name], kind: "result", layer, plane, images, refresh: {}, none, pick };
+    sides[name] = { item: data[name], previous: data[name], kind: "result", layer, plane, images, refresh: {}, none,
+      pick };
     // Decoded before they are asked for: switching does not flicker. Looks inside are many and wait.
     for (const v of items) for (const file of [v.result, v.error]) imageOf(sides[name], file);
   }
@@ -195,7 +196,8 @@ const viewer = (() => {
   }
 
   function key(e) {
-    if (e.ctrlKey || e.metaKey || e.altKey || e.target.closest("select, input:not([type=range]), textarea, details, .scroll")) return;
+    const typing = "select, input:not([type=range]), textarea, details, .scroll";
+    if (e.ctrlKey || e.metaKey || e.altKey || e.target.closest(typing)) return;
     // Arrows on the slider move it, not the choice of pictures.
     if (e.target.closest("input") && /^(Arrow|Page|Home|End)/.test(e.key)) return;
     const name = e.shiftKey ? "left" : "right";

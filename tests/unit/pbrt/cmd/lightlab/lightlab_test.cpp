@@ -15,6 +15,16 @@ class Lightlab : public Program {
     void SetUp() override {
         Program::SetUp();
         Write("scene.pbrt", SmallScene());
+        setenv("XDG_CACHE_HOME", Path("cache").c_str(), 1);  // not the one of whoever runs this
+    }
+    /// Names of the references in a folder.
+    std::vector<std::string> ReferencesIn(const std::string &folder) const {
+        std::vector<std::string> names;
+        if (std::filesystem::exists(Path(folder)))
+            for (const auto &entry : std::filesystem::directory_iterator(Path(folder)))
+                if (Has(entry.path().filename().string(), ".reference-"))
+                    names.push_back(entry.path().filename().string());
+        return names;
     }
     nlohmann::json Results(const std::string &folder) const {
         return nlohmann::json::parse(Read(folder + "/results.json"));
@@ -51,6 +61,21 @@ TEST_F(Lightlab, QuietPrintsTheTableOnly) {
     EXPECT_EQ(o.status, 0);
     EXPECT_EQ(o.err, "");
     EXPECT_TRUE(Has(o.out, "uniform"));
+}
+
+TEST_F(Lightlab, ReferencesAreKeptWhereTheUserSays) {
+    RunWell("scene.pbrt --out one " + kSmall);
+    EXPECT_EQ(ReferencesIn("cache/pbrt_octree").size(), 2u);
+    EXPECT_TRUE(ReferencesIn(".").empty());
+    RunWell("scene.pbrt --out two --cache mine " + kSmall);
+    EXPECT_EQ(ReferencesIn("mine"), ReferencesIn("cache/pbrt_octree"));
+    EXPECT_TRUE(Has(Results("two").at("references").at(0).at("source"), "mine/scene.reference-"));
+    RunWell("scene.pbrt --out three --cache \"\" " + kSmall);
+    EXPECT_EQ(ReferencesIn("three").size(), 2u);
+    const Outcome o = Run("scene.pbrt --out four --cache scene.pbrt " + kSmall);
+    EXPECT_EQ(o.status, 0);
+    EXPECT_TRUE(Has(o.err, "cannot be kept there")) << o.err;
+    EXPECT_EQ(ReferencesIn("four").size(), 2u);
 }
 
 TEST_F(Lightlab, KilledCampaignEndsAsIfNothingHadHappened) {
@@ -119,7 +144,7 @@ TEST_F(Lightlab, HelpNamesEveryFlag) {
     const Outcome o = Run("--help");
     EXPECT_EQ(o.status, 0);
     for (const char *name : {"--samplers", "--samplers-file", "--shadow-gate", "--time", "--spp", "--seeds", "--direct",
-                             "--maxdepth", "--divisor", "--reference", "--reference-spp", "--out", "--crops",
+                             "--maxdepth", "--divisor", "--reference", "--reference-spp", "--cache", "--out", "--crops",
                              "--restart", "--samples-from", "--nthreads", "--quiet", "inspect"})
         EXPECT_TRUE(Has(o.out, name)) << name;
     EXPECT_EQ(Run("inspect --help").status, 0);
@@ -145,9 +170,19 @@ TEST_F(Lightlab, MissingScriptsCostTheReportOnly) {
 TEST_F(Lightlab, ReportIsMade) {
     if (std::system("/usr/bin/python3 -c 'import matplotlib' 2> /dev/null") != 0)
         GTEST_SKIP() << "NOT TESTED: /usr/bin/python3 has no matplotlib";
-    RunWell("scene.pbrt --samplers uniform,power --spp 2 --seeds 2 --reference-spp 16 --out out");
+    const Outcome o = Run("scene.pbrt --samplers uniform,power --spp 2 --seeds 2 --reference-spp 16 --out out");
+    ASSERT_EQ(o.status, 0) << o.err;
     EXPECT_TRUE(Exists("out/report.html"));
     EXPECT_TRUE(Exists("out/chart-error-time.svg"));
+    // What the terminal says the page and the table say, word by word.
+    const std::string page = Read("out/report.html"), table = Read("out/table.md");
+    for (const std::string sentence : Results("out").at("conclusion").at("sentences")) {
+        EXPECT_TRUE(Has(o.out, sentence)) << sentence << "\n" << o.out;
+        std::string escaped;
+        for (char c : sentence) escaped += c == '"' ? "&quot;" : std::string(1, c);
+        EXPECT_TRUE(Has(page, escaped)) << sentence;
+        EXPECT_TRUE(Has(table, sentence)) << sentence;
+    }
 }
 
 }  // namespace pbrt::test

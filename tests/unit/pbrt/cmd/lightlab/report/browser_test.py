@@ -38,6 +38,16 @@ if not BROWSER or not DRIVER:
     skip("chromium" if not BROWSER else "chromedriver")
 
 
+def start_browser(profile):
+    options = webdriver.ChromeOptions()
+    options.binary_location = BROWSER
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
+                     "--window-size=1300,1400", f"--user-data-dir={profile}"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    return webdriver.Chrome(service=Service(DRIVER), options=options)
+
+
 class Page(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -47,13 +57,7 @@ class Page(unittest.TestCase):
         cls.results = synthetic.make(cls.out)
         for script in ("charts.py", "report.py"):
             subprocess.run([sys.executable, SCRIPTS / script, cls.out], check=True, stdout=subprocess.DEVNULL)
-        options = webdriver.ChromeOptions()
-        options.binary_location = BROWSER
-        for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-                         "--window-size=1300,1400", f"--user-data-dir={holder.name}/profile"):
-            options.add_argument(argument)
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-        cls.driver = webdriver.Chrome(service=Service(DRIVER), options=options)
+        cls.driver = start_browser(f"{holder.name}/profile")
         cls.addClassCleanup(cls.driver.quit)
 
     def setUp(self):
@@ -106,7 +110,8 @@ class Page(unittest.TestCase):
         entry = (self.results if label == "reference" else
                  next(s for s in self.results["samplers"] if s["label"] == label))
         visible = self.js("[...document.querySelectorAll(arguments[0])].filter("
-                          "(e) => getComputedStyle(e).visibility === 'visible').map((e) => [e.tagName, e.dataset.file])",
+                          "(e) => getComputedStyle(e).visibility === 'visible')"
+                          ".map((e) => [e.tagName, e.dataset.file])",
                           f"#layer-{side} .plane > *")
         if kind not in ("result", "error"):
             file = next(v["file"] for v in entry["views"]["layers"] if v["name"] == kind)
@@ -119,7 +124,8 @@ class Page(unittest.TestCase):
             self.check_pixels(f'#layer-{side} canvas[data-file="{file}"]', file, self.stops)
         else:
             expected = base64.b64encode((self.out / file).read_bytes()).decode()
-            self.assertEqual(self.js("document.querySelector(arguments[0]).src", f'#layer-{side} img[data-file="{file}"]'),
+            self.assertEqual(self.js("document.querySelector(arguments[0]).src",
+                                     f'#layer-{side} img[data-file="{file}"]'),
                              "data:image/png;base64," + expected)
         self.assertIn(label, self.find(f"#name-{side}").text)
         return name
@@ -355,8 +361,9 @@ class Page(unittest.TestCase):
         # One leaf: words instead of blank panels.
         self.assertEqual(self.looks("neepp"), [])
         text = self.find('#inside .look[data-label="neepp"] .flat').text
-        self.assertEqual(text, "One leaf knows all that the camera sees. The same everywhere: entropy of the probabilities, bits "
-                         "1.50; leaf records 1234. No value anywhere: excess second moment, log10.")
+        self.assertEqual(text, "One leaf knows all that the camera sees. The same everywhere: "
+                         "entropy of the probabilities, bits 1.50; leaf records 1234. "
+                         "No value anywhere: excess second moment, log10.")
         self.assertEqual(self.looks("octree"), ["entropy", "brightest_probability", "sampler.leaf", "sampler.found_3",
                                                 "sampler.found_4", "sampler.found_5", "sampler.found_6"])
         text = self.find('#inside .look[data-label="octree"]').text
@@ -475,6 +482,76 @@ class Page(unittest.TestCase):
         lit = self.js("[...document.querySelectorAll('.chart svg .lit')].map((e) => e.id)")
         self.assertIn("c0-line-4", lit)
         self.assertTrue(all(i.endswith("-4") for i in lit), lit)
+
+
+# A floor and a wall in dim light, and a bright window over the upper quarter of the picture.
+ROOM = """LookAt 0 1 -4  0 1 0  0 1 0
+Camera "perspective" "float fov" 53.13
+Film "rgb" "integer xresolution" 48 "integer yresolution" 48
+Sampler "independent" "integer pixelsamples" 4
+Integrator "path" "integer maxdepth" 1
+WorldBegin
+LightSource "point" "point3 from" [ 0 1.5 -3 ] "rgb I" [ .02 .02 .02 ]
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 40 40 40 ]
+Shape "bilinearmesh" "point3 P" [ 3 2 0  -3 2 0  3 4 0  -3 4 0 ]
+AttributeEnd
+Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
+Shape "bilinearmesh" "point3 P" [ -3 -3 .01  3 -3 .01  -3 4 .01  3 4 .01 ]
+"""
+
+
+@unittest.skipUnless(os.environ.get("LIGHTLAB"), "LIGHTLAB does not name the program")
+class Program(unittest.TestCase):
+    """Pages of a real run."""
+    @classmethod
+    def setUpClass(cls):
+        holder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(holder.cleanup)
+        cls.folder = pathlib.Path(holder.name)
+        (cls.folder / "room.pbrt").write_text(ROOM)
+        cls.driver = start_browser(f"{holder.name}/profile")
+        cls.addClassCleanup(cls.driver.quit)
+
+    def lightlab(self, *arguments):
+        environment = {**os.environ, "XDG_CACHE_HOME": str(self.folder / "cache"),
+                       "LIGHTLAB_REPORT_SCRIPTS": str(SCRIPTS)}
+        done = subprocess.run([os.environ["LIGHTLAB"], *arguments], cwd=self.folder, env=environment,
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def open(self, page):
+        self.driver.get((self.folder / page).as_uri())
+        self.assertEqual([e for e in self.driver.get_log("browser") if e["level"] in ("SEVERE", "WARNING")], [])
+
+    def test_ReportShowsTheRoomAndNotItsWindow(self):
+        self.lightlab("room.pbrt", "--samplers", "uniform,power", "--spp", "4", "--seeds", "2", "--reference-spp", "64",
+                      "--out", "out")
+        self.open("out/report.html")
+        canvas = '#layer-left canvas.shown'
+        WebDriverWait(self.driver, 10).until(
+            lambda d: d.execute_script("return document.querySelector(arguments[0])?.dataset.painted", canvas) == "0")
+        at = "return document.querySelector(arguments[0]).getContext('2d').getImageData(24, arguments[1], 1, 1).data[1]"
+        window, wall = (self.driver.execute_script(at, canvas, y) for y in (4, 30))
+        self.assertEqual(window, 255)
+        self.assertGreater(wall, 60)
+        self.assertLess(wall, 230)
+
+    def test_InspectHasAPageOfItsPictures(self):
+        self.lightlab("inspect", "room.pbrt", "--sampler", "power", "--out", "look")
+        self.open("look/index.html")
+        images = self.driver.find_elements(By.CSS_SELECTOR, "figure img")
+        self.assertGreaterEqual(len(images), 2)
+        for image in images:
+            self.assertGreaterEqual(self.driver.execute_script("return arguments[0].naturalWidth", image), 48)
+            self.assertTrue(image.is_displayed())
+        names = [f.get_attribute("id") for f in self.driver.find_elements(By.CSS_SELECTOR, "figure")]
+        self.assertEqual(len(names), len({p.name for p in (self.folder / "look").glob("*.png")}))
+        self.assertNotIn("entropy", names)
+        self.assertIn("The same everywhere: entropy", self.driver.find_element(By.ID, "flat").text)
+        lights = self.driver.find_element(By.ID, "lights").text
+        self.assertIn('AreaLightSource "diffuse" at room.pbrt:9, shape at :10', lights)
+        self.assertIn('LightSource "point" at room.pbrt:7', lights)
 
 
 def encoded(v):

@@ -99,7 +99,8 @@ def sampler_entry(label, seeds, rounds):
         "report": {"parameters": "{\"leaves\":4096}", "records": 270000,
                    "cells": {"full": 5100, "empty": 235}} if octree else {},
         "views": views_of(folder, kind), "structure": "depth  leaves\n    2      12\n    3    5323\n" if octree else "",
-        "picture": f"{folder}/result.png", "pictureRange": f"{folder}/result.hdr", "errorPicture": f"{folder}/error.png", "runs": runs,
+        "picture": f"{folder}/result.png", "pictureRange": f"{folder}/result.hdr",
+        "errorPicture": f"{folder}/error.png", "runs": runs,
         "summary": {
             "samples": final[0]["samples"], "seconds": seconds, "cpuSeconds": 2 * seconds, "metrics": spread,
             "firefliesDecide": kind == "power", "efficiency": 1 / (mean * seconds),
@@ -117,15 +118,16 @@ def sampler_entry(label, seeds, rounds):
 
 def layer(file, name, most=None, mean=0.5):
     """Of a look inside; most None: colours without order."""
-    return {"name": name, "file": file, "meaning": f"what {name} is", "isFlat": False, "least": 0, "most": most or 7, "mean": mean,
+    return {"name": name, "file": file, "meaning": f"what {name} is", "isFlat": False, "least": 0,
+            "most": most or 7, "mean": mean,
             "colours": "one per number, without order" if most is None else {"darkest": 0, "brightest": most}}
 
 
 def flat(name, value=None, **more):
     """A layer without a picture; value None: no finite one."""
     known = {} if value is None else {"least": value, "most": value, "mean": value}
-    return {"name": name, "file": None, "meaning": f"what {name} is", "isFlat": True, "colours": {"darkest": 0, "brightest": 1},
-            **known, **more}
+    return {"name": name, "file": None, "meaning": f"what {name} is", "isFlat": True,
+            "colours": {"darkest": 0, "brightest": 1}, **known, **more}
 
 
 def views_of(folder, kind):
@@ -135,7 +137,8 @@ def views_of(folder, kind):
     names += [("entropy", 3.25, 1), ("brightest_probability", 1, 0.5)]
     if kind == "neepp":  # what one leaf says
         return {"everyNthPixel": 1, "samplesPerLight": 8,
-                "layers": [flat("sampler.leaf", 0), flat("sampler.leaf_records", 1234), flat("entropy", 1.5), flat("log10_excess")]}
+                "layers": [flat("sampler.leaf", 0), flat("sampler.leaf_records", 1234), flat("entropy", 1.5),
+                           flat("log10_excess")]}
     return {"everyNthPixel": 2 if kind == "octree" else 1, "samplesPerLight": 8,
             "layers": [layer(f"{folder}/views/{n}.png", n, most, mean) for n, most, mean in names]}
 
@@ -145,8 +148,8 @@ def conclusion_of(winner):
     headline = f"{winner} has the lowest error at equal samples." if winner else "Undecided. Mean relL2: octree 0.01."
     reasons = [] if winner else ["Its lead over bvh is within the noise of the runs (level 5 %)."]
     doubts, remarks = ["The references <differ> by relL2 25."], ["Biased, so no competitor: neepp."]
-    return {"winner": winner, "lowestError": winner or "octree", "level": 0.05, "headline": headline, "reasons": reasons,
-            "doubts": doubts, "remarks": remarks,
+    return {"winner": winner, "lowestError": winner or "octree", "level": 0.05, "headline": headline,
+            "reasons": reasons, "doubts": doubts, "remarks": remarks,
             "sentences": [headline, *reasons, *(f"Doubt: {d}" for d in doubts), *(f"Note: {r}" for r in remarks)]}
 
 
@@ -161,7 +164,8 @@ def make(folder, labels=None, seeds=3, rounds=7, winner="octree"):
         "date": "2026-11-21T03:00:00Z", "errorScale": 1.25, "exposure": EXPOSURE,
         "machine": {"cpu": "Example CPU <2 GHz> & more", "threads": 2, "memoryGB": 24.0, "os": "Debian 12"},
         "mode": "samples", "budget": 64, "seeds": seeds, "resolution": [WIDTH, HEIGHT], "maxDepth": 5, "direct": False,
-        "references": [{"file": "reference-0.exr", "picture": "reference-0.png", "pictureRange": "reference-0.hdr", "sampler": "bvh", "samples": 1024,
+        "references": [{"file": "reference-0.exr", "picture": "reference-0.png", "pictureRange": "reference-0.hdr",
+                        "sampler": "bvh", "samples": 1024,
                         "seconds": 80.1, "noise": 0.0003}],
         "crops": [{"name": "a", "x0": 10, "y0": 20, "x1": 34, "y1": 44},
                   {"name": "b", "x0": 60, "y0": 30, "x1": 84, "y1": 54}],

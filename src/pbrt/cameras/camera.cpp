@@ -17,10 +17,6 @@ const std::vector<std::string> &SupportedCameras() {
 
 namespace {
 
-[[noreturn]] void Complain(const ParamSet &params, const char *name, Float value, const char *rule) {
-    throw UserError(fmt::format("{}: \"{}\" is {}; {}.", params.What(), name, value, rule), params.LocOf(name));
-}
-
 CameraFrame ReadFrame(const ParamSet &params, const AnimatedTransform &renderFromCamera, Point2i resolution) {
     CameraFrame frame;
     frame.renderFromCamera = renderFromCamera;

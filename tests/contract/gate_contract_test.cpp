@@ -25,7 +25,7 @@ std::vector<std::string> GateLabels() {
 }
 
 std::unique_ptr<ShadowRayGate> MakeGate(const std::string &label, const SceneFixture &fixture) {
-    ShadowGateSpec spec = ReadShadowGateSpec(ParamSet(), label, AllSamplers());
+    ShadowGateSpec spec = ReadLightSelection("uniform+gate=" + label, AllSamplers()).gate;
     return spec.entry->make(fixture.Lights(), spec.params);
 }
 std::unique_ptr<ShadowRayGate> MakePrepared(const std::string &label, const SceneFixture &fixture) {

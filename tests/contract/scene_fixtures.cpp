@@ -340,8 +340,8 @@ void SceneFixture::Prepare(ShadowRayGate &gate) const { PrepareIn(built, gate); 
 
 std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture) {
     size_t plus = label.find('+');
-    LightSamplerSpec spec =
-        ReadLightSamplerSpec(ParamSet(), label.substr(0, plus), plus != std::string::npos, AllSamplers());
+    const LightSamplerSpec spec =
+        ReadLightSelection(label.substr(0, plus) + (plus != std::string::npos ? "+mesh" : ""), AllSamplers()).sampler;
     std::unique_ptr<LightSampler> sampler =
         AllSamplers().Make(*spec.entry, fixture.Lights(), spec.params, spec.meshLights);
     fixture.Prepare(*sampler);

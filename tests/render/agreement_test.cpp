@@ -86,8 +86,8 @@ class View {
 
     PixelStatistics Render(const std::string &label, uint32_t firstSeed, const Wrap &wrap = {}) const {
         size_t plus = label.find('+');
-        LightSamplerSpec spec =
-            ReadLightSamplerSpec(ParamSet(), label.substr(0, plus), plus != std::string::npos, AllSamplers());
+        const LightSamplerSpec spec =
+            ReadLightSelection(label.substr(0, plus) + (plus != std::string::npos ? "+mesh" : ""), AllSamplers()).sampler;
         PixelStatistics statistics;
         for (int run = 0; run < runs_; ++run) {
             std::unique_ptr<LightSampler> lights =

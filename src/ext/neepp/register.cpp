@@ -8,6 +8,7 @@ void register_neepp(pbrt::LightSamplerRegistry &registry) {
     entry.name = "neepp";
     entry.summary = "visibility between voxels (NEE++, Guo et al. 2020); neither power nor distance counts";
     entry.params = DocumentParams<NeeppParams>();
+    entry.check = ParamsCheck<NeeppParams>("neepp");
     entry.make = [](const LightTable &lights, const ParamSet &params) -> std::unique_ptr<LightSampler> {
         NeeppParams p;
         ReadParams(p, params, "neepp");
@@ -19,6 +20,7 @@ void register_neepp(pbrt::LightSamplerRegistry &registry) {
     gate.name = "neepp";
     gate.summary = "skips shadow rays between voxels that do not see each other (NEE++, Guo et al. 2020)";
     gate.params = DocumentParams<NeeppGateParams>();
+    gate.check = ParamsCheck<NeeppGateParams>("neepp");
     gate.make = [](const LightTable &lights, const ParamSet &params) -> std::unique_ptr<ShadowRayGate> {
         NeeppGateParams p;
         ReadParams(p, params, "neepp");

@@ -9,6 +9,7 @@ void register_octree(pbrt::LightSamplerRegistry &registry) {
     entry.name = "octree";
     entry.summary = "Learns in a prepass which lights each region sees (after Noh, Choi, Moon 2023).";
     entry.params = DocumentParams<OctreeParams>();
+    entry.check = ParamsCheck<OctreeParams>("octree");
     entry.make = [](const LightTable &lights, const ParamSet &params) -> std::unique_ptr<LightSampler> {
         OctreeParams p;
         ReadParams(p, params, "octree");

@@ -8,6 +8,7 @@ void register_oracle(pbrt::LightSamplerRegistry &registry) {
     entry.summary =
         "measuring instrument, slow: shadow rays to every light at every point give the least noisy choice there is";
     entry.params = DocumentParams<OracleParams>();
+    entry.check = ParamsCheck<OracleParams>("oracle");
     entry.make = [](const LightTable &lights, const ParamSet &params) -> std::unique_ptr<LightSampler> {
         OracleParams p;
         ReadParams(p, params, "oracle");

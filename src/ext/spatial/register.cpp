@@ -7,6 +7,7 @@ void register_spatial(pbrt::LightSamplerRegistry &registry) {
     entry.name = "spatial";
     entry.summary = "unshadowed contribution per voxel, as pbrt-v3 (Noh, Choi, Moon 2023, Eq. 3)";
     entry.params = DocumentParams<SpatialParams>();
+    entry.check = ParamsCheck<SpatialParams>("spatial");
     entry.make = [](const LightTable &lights, const ParamSet &params) -> std::unique_ptr<LightSampler> {
         SpatialParams p;
         ReadParams(p, params, "spatial");

@@ -11,11 +11,13 @@ struct BuildOptions {
     FilmOverrides film;
     int samplesPerPixel = 0;          ///< --spp; 0: the scene's
     std::optional<int> seed;          ///< --seed
-    bool quick = false;               ///< a quarter of the resolution, one sample
+    bool quick = false;               ///< a quarter of the resolution, one sample unless samplesPerPixel says otherwise
+    bool ignoreMedia = false, ignoreUnsupported = false;  ///< leave out what is not built, with warnings
+    bool checksOutput = false;        ///< the film's file will be written: an error before building if it cannot be
     std::string integrator;           ///< --integrator name; empty: the scene's
     std::optional<int> maxDepth;      ///< --maxdepth
     bool sampledLightOnly = false;    ///< PathSettings::sampledLightOnly (path, volpath)
-    std::string lightSampler;         ///< --lightsampler name[:key=value,...]; empty: the scene's
+    std::string lightSampler;         ///< --lightsampler, see LightFlags; empty: the scene's
     bool meshLights = false;          ///< --mesh-lights
     std::string shadowGate;           ///< --shadow-gate name[:key=value,...] or none; empty: the scene's
     /// The flags that said so, for messages.

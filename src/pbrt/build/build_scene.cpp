@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <set>
 #include <tuple>
@@ -6,9 +7,9 @@
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/geometry_builder.h"
 #include "pbrt/build/integrator_builder.h"
-#include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/build/motion.h"
 #include "pbrt/core/counters.h"
+#include "pbrt/core/files.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/integrators/visible_surface.h"
 #include "pbrt/lights/light_factory.h"
@@ -37,6 +38,12 @@ Transform RenderFromWorld(const SceneDescription &d, const AnimatedTransform &wo
         throw UserError(fmt::format("rendering coordinate system \"{}\" is unknown; {}.", which,
                                     ListChoices(which, {"camera", "cameraworld", "world"})));
     return Transform::Translate(-middle.Point(Point3(0)));
+}
+
+/// "out-more.exr" for "out.exr" and "-more".
+std::string WithSuffix(const std::string &name, const char *suffix) {
+    const std::filesystem::path path(name);
+    return (path.parent_path() / (path.stem().string() + suffix + path.extension().string())).string();
 }
 
 /// The acceleration structure is always Embree's; what the scene says about stock's own is only checked.
@@ -85,15 +92,22 @@ void ThrowIfErrors(const DiagnosticSink &sink, size_t checked) {
     throw UserError(std::move(errors), sink.Omitted());
 }
 
+/// The command line says it, or what it names is missing: no scene can be rendered with it.
+bool IsOfCommandLine(const Diagnostic &d) {
+    return d.severity == Severity::Error && (!d.loc.file || d.loc.file->name.starts_with("--"));
+}
+
 }  // namespace
 
-BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const LightSamplerRegistry &registry,
+BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const LightSamplerRegistry &registry,
                       DiagnosticSink &sink, Progress &progress) {
     // What is not supported is not built, yet everything else is looked at, so that one run reports all mistakes.
-    CheckSupported(d, options, sink);
+    progress.BeginPhase("building", 0);
+    BuiltScene built;
+    BuildOptions options = given;
+    built.leftOut = CheckSupported(d, options, sink);
     const size_t checked = sink.All().size();
 
-    BuiltScene built;
     Transform renderFromWorld;
     const auto &[cameraStart, cameraEnd] = d.camera.cameraFromWorld;
     AnimatedTransform worldFromCamera;
@@ -124,12 +138,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
         exposure = std::abs(d.camera.params.GetFloat("shutterclose", 1) - d.camera.params.GetFloat("shutteropen", 0));
     });
     Collect(sink, [&] { CheckAccelerator(d.accelerator, sink); });
-    if (d.integrator.type == "path" || d.integrator.type == "volpath")
-        Collect(sink, [&] {
-            ReadLightSamplerSpec(d.integrator.params, options.lightSampler, options.meshLights, registry,
-                                 options.lightSamplerFlag);
-            ReadShadowGateSpec(d.integrator.params, options.shadowGate, registry, options.shadowGateFlag);
-        });
+    const IntegratorSettings integrator = ReadIntegrator(d.integrator, options, registry, sink);
     Collect(sink, [&] {
         built.filter = MakeFilter(d.filter.type, d.filter.params);
         d.filter.params.ReportUnused(sink);
@@ -144,6 +153,17 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
             return std::make_unique<RgbFilm>(params, *space, exposure, precise, ignored);
         };
     });
+    // Without a film (its mistake is told already) the flag's name alone is known.
+    built.filename = built.film ? built.film->Filename() : options.film.filename;
+    if (!built.leftOut.empty() && !built.filename.empty() && options.film.filename.empty())
+        built.filename = WithSuffix(built.filename, options.ignoreUnsupported ? "-incomplete" : "-without-media");
+    if (options.checksOutput) {
+        if (!built.filename.empty()) Collect(sink, [&] { CheckWritable(built.filename); });
+        std::error_code none;
+        if (!built.mseReferenceImage.empty() && !std::filesystem::exists(built.mseReferenceImage, none))
+            sink.Error({}, fmt::format("{}: the reference image does not exist.", built.mseReferenceImage));
+        if (!built.mseReferenceOut.empty()) Collect(sink, [&] { CheckWritable(built.mseReferenceOut); });
+    }
     const Point2i resolution = built.film ? built.film->FullResolution() : Point2i(16, 16);
     const FilmFormat format{resolution, built.film ? built.film->DiagonalMm() : 35};
     Collect(sink, [&] {
@@ -152,7 +172,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
         built.camera = MakeCamera(d.camera.type, d.camera.params, renderFromCamera, format, d.files, sink);
         built.cameraFromWorld = worldFromCamera.At(built.camera->ShutterOpen()).Inverse();
     });
-    int spp = options.quick ? 1 : options.samplesPerPixel;
+    const int spp = options.quick && options.samplesPerPixel == 0 ? 1 : options.samplesPerPixel;
     Collect(sink, [&] {
         std::unique_ptr<Sampler> prototype = MakeSampler(d.sampler.type, d.sampler.params, resolution, spp, built.seed, sink);
         built.samplesPerPixel = prototype->SamplesPerPixel();
@@ -176,6 +196,10 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
         };
     });
 
+    // What is wrong with the scene so far may not be all, so its shapes are looked at, too. But nobody waits for big ones
+    // to be told of a flag.
+    if (std::any_of(sink.All().begin(), sink.All().end(), IsOfCommandLine)) ThrowIfErrors(sink, checked);
+
     built.textures = std::make_unique<TextureLibrary>(d.files, sink, options.textureCacheMb);
     for (TextureEntity &t : d.textures)
         Collect(sink, [&] { built.textures->Define(t.name, t.isSpectrum, t.type, t.params, renderFromWorld * t.ctm.start); });
@@ -187,7 +211,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     geometry.BuildMaterials();
     built.textures->CheckAll();
 
-    progress.BeginPhase("building", geometry.ShapeEntityCount());
+    progress.SetTotal(geometry.ShapeEntityCount());
     geometry.BuildShapes(progress);
     SceneParts parts = geometry.TakeParts();
     built.lightNames = geometry.TakeLightNames();
@@ -209,12 +233,11 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
     bool needsFootprints = !options.disableTextureFiltering && !d.options.disableTextureFiltering.value_or(false);
     built.scene = std::make_unique<Scene>(std::move(parts));
     needsFootprints &= built.scene->NeedsFootprints();
-    progress.EndPhase();
 
     IntegratorContext context{*built.scene, *built.camera, built.samplesPerPixel, needsFootprints};
     const ColorSpace &space = built.film->OutputSpace();
     Collect(sink, [&] {
-        BuiltIntegrator made = MakeIntegrator(d.integrator, options, registry, context, space, sink);
+        BuiltIntegrator made = MakeIntegrator(integrator, registry, context, space, sink);
         built.integrator = std::move(made.integrator);
         built.integratorName = made.name;
         built.lightSamplerName = made.lightSamplerName;
@@ -231,6 +254,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
         });
     }
     sink.ThrowIfErrors();
+    progress.EndPhase();
     built.makeIntegrator = [entity = d.integrator, options, &registry, context, &space](const LightChoice &choice) {
         BuildOptions chosen = options;
         if (!choice.lightSampler.empty()) chosen.lightSampler = choice.lightSampler;
@@ -240,8 +264,10 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &options, const Li
             chosen.shadowGateFlag = options.lightSamplerFlag;  // said together with the sampler
         }
         if (choice.maxDepth) chosen.maxDepth = choice.maxDepth;
-        DiagnosticSink ignored;
-        return MakeIntegrator(entity, chosen, registry, context, space, ignored);
+        DiagnosticSink again;  // its warnings were given before
+        const IntegratorSettings settings = ReadIntegrator(entity, chosen, registry, again);
+        again.ThrowIfErrors();
+        return MakeIntegrator(settings, registry, context, space, again);
     };
     return built;
 }

@@ -1,6 +1,8 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "pbrt/build/build_options.h"
 #include "pbrt/integrators/integrator.h"
@@ -48,6 +50,8 @@ struct BuiltScene {
     int seed = 0;
     int maxDepth = 5;
     std::string integratorName, lightSamplerName, shadowGateName;  ///< the last two empty if there is none
+    std::string filename;              ///< where the picture goes; says so if something was left out, unless a flag named it
+    std::vector<std::string> leftOut;  ///< what --ignore-media or --ignore-unsupported left out, with places
     Transform cameraFromWorld;  ///< when the shutter opens; for image metadata
 };
 
@@ -56,7 +60,9 @@ struct BuiltScene {
 BuiltScene BuildScene(SceneDescription &description, const BuildOptions &options, const LightSamplerRegistry &registry,
                       DiagnosticSink &sink, Progress &progress);
 
-/// Lists everything the description uses that the format has but this renderer does not build, into the sink.
-void CheckSupported(const SceneDescription &description, const BuildOptions &options, DiagnosticSink &sink);
+/// Lists everything the description uses that the format has but this renderer does not build, into the sink: as errors,
+/// or as warnings where the options say to leave it out. The latter is returned, a line each, and replaced in
+/// `description` and `options` by what is built instead.
+std::vector<std::string> CheckSupported(SceneDescription &description, BuildOptions &options, DiagnosticSink &sink);
 
 }  // namespace pbrt

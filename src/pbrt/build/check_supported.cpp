@@ -8,17 +8,26 @@ namespace pbrt {
 
 namespace {
 
+bool Contains(const std::vector<std::string> &names, const std::string &name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 class Checker {
   public:
     explicit Checker(DiagnosticSink &sink) : sink_(sink) {}
 
-    void Type(const char *directive, const Entity &e, const std::vector<std::string> &unsupported, const std::string &advice = "") {
-        if (std::find(unsupported.begin(), unsupported.end(), e.type) != unsupported.end())
-            NotBuilt(e.loc, fmt::format("{} \"{}\"", directive, e.type), advice);
+    /// `wayOut`: a flag that leaves it out; `isGiven`: it was given. `instead`: what is rendered then, for the list.
+    void NotBuilt(const FileLoc &loc, const std::string &what, bool isGiven, const std::string &wayOut, const std::string &instead = "") {
+        if (!isGiven) {
+            sink_.Error(loc, fmt::format("{} is not supported yet.{}", what, wayOut));
+            return;
+        }
+        const std::string left = what + (instead.empty() ? " is left out" : " is left out, " + instead + " instead");
+        sink_.Warning(loc, left + ": the picture is not the scene's.");
+        leftOut.push_back(loc ? fmt::format("{}:{}: {}", loc.file->name, loc.line, left) : left);
     }
-    void NotBuilt(const FileLoc &loc, const std::string &what, const std::string &advice = "") {
-        sink_.Error(loc, what + " is not supported yet." + advice);
-    }
+
+    std::vector<std::string> leftOut;
 
   private:
     DiagnosticSink &sink_;
@@ -26,19 +35,37 @@ class Checker {
 
 }  // namespace
 
-void CheckSupported(const SceneDescription &d, const BuildOptions &options, DiagnosticSink &sink) {
+std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &options, DiagnosticSink &sink) {
     Checker check(sink);
-    if (options.integrator.empty())
-        check.Type("Integrator", d.integrator, UnsupportedIntegrators(), " --integrator path renders the scene by path tracing.");
-    for (const MediumEntity &m : d.media) check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));
+    if (options.integrator.empty() && Contains(UnsupportedIntegrators(), d.integrator.type)) {
+        check.NotBuilt(d.integrator.loc, fmt::format("Integrator \"{}\"", d.integrator.type), options.ignoreUnsupported,
+                       " --integrator path renders the scene by path tracing.", "path");
+        if (options.ignoreUnsupported) options.integrator = "path";
+    }
+    for (const MediumEntity &m : d.media)
+        check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name), options.ignoreMedia || options.ignoreUnsupported,
+                       " --ignore-media renders the scene without its media.");
+    for (TextureEntity &t : d.textures) {
+        // Without the flag the texture's own error says more.
+        if (!options.ignoreUnsupported || !Contains(UnsupportedTextures(), t.type)) continue;
+        check.NotBuilt(t.loc, fmt::format("Texture \"{}\" of class {}", t.name, t.type), true, "", "a constant 0.5");
+        Param half;
+        half.name = "value";
+        half.type = t.isSpectrum ? ParamType::Rgb : ParamType::Float;
+        half.floats.assign(t.isSpectrum ? 3 : 1, 0.5f);
+        t.type = "constant";
+        t.params = ParamSet("Texture \"constant\"", t.loc);
+        t.params.Add(std::move(half));
+    }
     auto shape = [&](const ShapeEntity &s) {
-        check.Type("Shape", s, UnsupportedShapes());
+        if (Contains(UnsupportedShapes(), s.type)) check.NotBuilt(s.loc, fmt::format("Shape \"{}\"", s.type), false, "");
         if (s.type == "curve" && s.areaLight >= 0)
             sink.Error(s.loc, "Shape \"curve\" cannot be an area light (nor can it in stock pbrt-v4).");
     };
     for (const ShapeEntity &s : d.shapes) shape(s);
     for (const ObjectEntity &o : d.objects)
         for (const ShapeEntity &s : o.shapes) shape(s);
+    return std::move(check.leftOut);
 }
 
 }  // namespace pbrt

@@ -1,10 +1,29 @@
 #pragma once
+#include <optional>
+
 #include "pbrt/build/built_scene.h"
+#include "pbrt/build/light_sampler_spec.h"
 
 namespace pbrt {
 
-/// Reads integrator and light-sampler parameters and makes both. Unused parameters are reported to the sink.
-BuiltIntegrator MakeIntegrator(const Entity &entity, const BuildOptions &options, const LightSamplerRegistry &registry,
+/// The parameters of an integrator.
+struct IntegratorSettings {
+    std::string type;
+    int maxDepth = 5;
+    std::optional<LightSelection> lights;                 ///< path, volpath
+    bool regularize = false, sampledLightOnly = false;    ///< path, volpath
+    bool sampleLights = true, sampleBsdf = true;          ///< simplepath
+    bool cosineSample = true;                             ///< ambientocclusion
+    Float maxDistance = Infinity;                         ///< ambientocclusion
+};
+
+/// Reads the parameters of the integrator that the scene or --integrator names, and of its light sampler. Everything wrong
+/// with them goes to the sink, before anything is built.
+IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options, const LightSamplerRegistry &registry,
+                                  DiagnosticSink &sink);
+
+/// Makes it, from settings without errors.
+BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const LightSamplerRegistry &registry,
                                const IntegratorContext &context, const ColorSpace &filmSpace, DiagnosticSink &sink);
 
 /// The one to be used: of the scene's entity, or what --integrator names.

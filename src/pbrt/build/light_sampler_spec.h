@@ -1,6 +1,6 @@
 #pragma once
-#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "pbrt/lightsamplers/registry.h"
@@ -22,14 +22,38 @@ struct ShadowGateSpec {
     ParamSet params;
 };
 
-/// Reads `"string lightsampler"`, `"bool meshlights"` and `name.key` parameters of an integrator. `commandLine` is
-/// "name[:key=value,...]" or empty; it beats the scene: its name replaces the scene's, its keys are added to the scene's
-/// keys for the same sampler. Unknown names, keys and unreadable values: UserError, at `flag`.
-LightSamplerSpec ReadLightSamplerSpec(const ParamSet &integrator, const std::string &commandLine, bool meshLightsFlag,
-                                      const LightSamplerRegistry &registry, const char *flag = "--lightsampler");
+/// What flags say about light selection; empty where they say nothing. All programs write a choice in one language:
+///   name[:key=value,...][+mesh][+gate=name[:key=value,...]]
+struct LightFlags {
+    std::string choice;
+    bool meshLights = false;  ///< as "+mesh"
+    std::string gate;         ///< name[:key=value,...] or none; as "+gate=", which beats it
+    /// The flags' names, for messages.
+    const char *choiceFlag = "--lightsampler", *gateFlag = "--shadow-gate";
+};
 
-/// The same for `"string shadowgate"`; "none" is no gate.
-ShadowGateSpec ReadShadowGateSpec(const ParamSet &integrator, const std::string &commandLine,
-                                  const LightSamplerRegistry &registry, const char *flag = "--shadow-gate");
+/// The parts of a choice, without the words "mesh" and "gate=".
+struct LightChoiceParts {
+    std::string sampler;
+    bool mesh = false;
+    std::optional<std::string> gate;
+};
+/// Throws UserError, at the flag, where something else follows a "+". Names and parameters are not looked at.
+LightChoiceParts SplitLightChoice(const std::string &choice, const char *flag);
+
+struct LightSelection {
+    LightSamplerSpec sampler;
+    ShadowGateSpec gate;
+};
+
+/// Reads `"string lightsampler"`, `"bool meshlights"`, `"string shadowgate"` and the `name.key` parameters of an
+/// integrator, and what flags say, which beats the scene: a name replaces the scene's, keys are added to the scene's keys
+/// for the same sampler. Unknown names and keys, unreadable values and values out of range go to the sink as errors at
+/// their place (nothing is returned then), parameters that have no effect as warnings.
+std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, const LightFlags &flags,
+                                                 const LightSamplerRegistry &registry, DiagnosticSink &sink);
+
+/// The same of a choice alone, without a scene. Throws UserError.
+LightSelection ReadLightSelection(const std::string &choice, const LightSamplerRegistry &registry);
 
 }  // namespace pbrt

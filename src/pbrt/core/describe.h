@@ -21,6 +21,9 @@ using Choices = std::vector<std::string>;
 ///       template <class V> void Describe(V &&v) { v("leaves", leaves, Range{1, 1 << 20}, "what it does"); }
 ///   };
 ///
+/// A help text that begins with a value of a text parameter and a colon ("paper: ...") says that the parameter has an
+/// effect only with that value; giving it with another is a warning.
+///
 /// The visitors below read it from a scene or from key=value text, print it, and document it. Supported member types:
 /// int, Float, bool, and std::string with Choices.
 struct ParamDoc {
@@ -110,6 +113,15 @@ void ReadParams(P &p, const ParamSet &set, const std::string &prefix) {
         }
     };
     p.Describe(Visitor{set, prefix});
+}
+
+/// A function that reads a P and forgets it: for errors before anything is made.
+template <class P>
+auto ParamsCheck(std::string prefix) {
+    return [prefix = std::move(prefix)](const ParamSet &set) {
+        P p;
+        ReadParams(p, set, prefix);
+    };
 }
 
 }  // namespace pbrt

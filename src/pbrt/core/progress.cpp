@@ -63,23 +63,23 @@ std::unique_ptr<ProgressSink> MakeTerminalProgress(bool quiet) {
 }
 
 void Progress::BeginPhase(std::string name, int64_t total) {
-    phase_ = std::move(name);
-    total_ = total;
+    phase_.done = done_;
+    if (!phase_.name.empty()) outer_.push_back(std::move(phase_));
+    phase_ = {std::move(name), total, 0, Clock::now()};
     done_ = 0;
-    begin_ = Clock::now();
     nextShowMs_ = 100;
 }
 
 void Progress::Advance(int64_t amount) {
     int64_t done = done_.fetch_add(amount, std::memory_order_relaxed) + amount;
-    if (!sink_ || total_ <= 0) return;
+    if (!sink_ || phase_.total <= 0) return;
     double elapsed = Elapsed();
     auto ms = static_cast<int64_t>(elapsed * 1000);
     int64_t next = nextShowMs_.load(std::memory_order_relaxed);
     if (ms < next || !nextShowMs_.compare_exchange_strong(next, ms + 200)) return;
-    double fraction = static_cast<double>(done) / static_cast<double>(total_);
+    double fraction = static_cast<double>(done) / static_cast<double>(phase_.total);
     std::lock_guard lock(showMutex_);
-    sink_->Show(phase_, std::min(1.0, fraction), elapsed, fraction > 0 ? elapsed * (1 - fraction) / fraction : -1);
+    sink_->Show(phase_.name, std::min(1.0, fraction), elapsed, fraction > 0 ? elapsed * (1 - fraction) / fraction : -1);
 }
 
 void Progress::SetFraction(double fraction, double remainingSeconds) {
@@ -89,12 +89,20 @@ void Progress::SetFraction(double fraction, double remainingSeconds) {
     int64_t next = nextShowMs_.load(std::memory_order_relaxed);
     if (ms < next || !nextShowMs_.compare_exchange_strong(next, ms + 200)) return;
     std::lock_guard lock(showMutex_);
-    sink_->Show(phase_, std::min(1.0, fraction), elapsed, remainingSeconds);
+    sink_->Show(phase_.name, std::min(1.0, fraction), elapsed, remainingSeconds);
 }
 
 double Progress::EndPhase() {
     double elapsed = Elapsed();
-    if (sink_) sink_->PhaseDone(phase_, elapsed);
+    if (sink_) sink_->PhaseDone(std::string(2 * outer_.size(), ' ') + phase_.name, elapsed);
+    last_ = std::move(phase_.name);
+    phase_ = {};
+    if (!outer_.empty()) {
+        phase_ = std::move(outer_.back());
+        outer_.pop_back();
+    }
+    done_ = phase_.done;
+    nextShowMs_ = static_cast<int64_t>(Elapsed() * 1000) + 100;
     return elapsed;
 }
 

@@ -6,9 +6,11 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
+#include "pbrt/core/temporaries.h"
 
 namespace pbrt {
 
@@ -96,6 +98,7 @@ class TemporaryFile {
         if (file_ < 0 && (errno == EACCES || errno == EROFS || errno == EPERM))
             throw UserError(fmt::format("{}: the folder {} is not writable.", target.shown, folder_.string()));
         if (file_ < 0) Fail(target.shown, errno);
+        registered_.emplace(path_.string());
     }
     ~TemporaryFile() {
         if (file_ >= 0) close(file_);
@@ -140,6 +143,7 @@ class TemporaryFile {
   private:
     const Target &target_;
     fs::path folder_, path_;
+    std::optional<Temporary> registered_;  ///< path_
     int file_ = -1;
     bool renamed_ = false;
 };

@@ -4,8 +4,10 @@
 
 #include <atomic>
 #include <filesystem>
+#include <optional>
 
 #include "pbrt/core/error.h"
+#include "pbrt/core/temporaries.h"
 #include "pbrt/images/image_library.h"
 
 namespace pbrt {
@@ -26,6 +28,7 @@ oiio::ValueType TypeOf(PixelFormat format) {
 struct TileCache::Impl {
     std::unique_ptr<oiio::TileStore> tiles;
     std::filesystem::path folder;
+    std::optional<Temporary> registered;  ///< the folder
     std::atomic<int> files{0};
 };
 
@@ -33,6 +36,7 @@ TileCache::TileCache(int megabytes) : impl_(std::make_unique<Impl>()) {
     impl_->tiles = oiio::Library().MakeTileStore(megabytes, kSize);
     static std::atomic<int> caches{0};
     impl_->folder = std::filesystem::temp_directory_path() / fmt::format("pbrt_textures_{}_{}", getpid(), caches++);
+    impl_->registered.emplace(impl_->folder.string());
     std::error_code failed;
     std::filesystem::create_directories(impl_->folder, failed);
     if (failed) throw UserError(fmt::format("{}: {}.", impl_->folder.string(), failed.message()));

@@ -101,12 +101,17 @@ void WaveRenderer::SamplePixel(Film &film, Point2i pixel, int sampleIndex, Sampl
 }
 
 template <class Film>
-void WaveRenderer::RenderTile(Film &film, int64_t tile, int first, int size, Sampler &sampler) const {
+bool WaveRenderer::RenderTile(Film &film, int64_t tile, int first, int size, Sampler &sampler) const {
     Point2i low = bounds_.low + kTileSize * Point2i(static_cast<int>(tile % tiles_.x), static_cast<int>(tile / tiles_.x));
     Point2i high = glm::min(low + kTileSize, bounds_.high);
     for (int y = low.y; y < high.y; ++y)
         for (int x = low.x; x < high.x; ++x)
-            for (int i = first; i < first + size; ++i) SamplePixel(film, {x, y}, i, sampler);
+            for (int i = first; i < first + size; ++i) {
+                // Asked before every sample: one alone may take a tenth of a second.
+                if (progress_.Cancelled()) return false;
+                SamplePixel(film, {x, y}, i, sampler);
+            }
+    return true;
 }
 
 int WaveRenderer::Render(int count) {
@@ -121,18 +126,21 @@ int WaveRenderer::Render(int count) {
         if (done_ == learner_->NextLearning()) learner_->Learn();
         if (const int next = learner_->NextLearning(); next > 0) size = std::min(size, next - done_);
     }
+    if (progress_.Cancelled()) return 0;
+    std::atomic<bool> isWhole = true;
     ParallelForEach(tileCount_, [&](int64_t tile) {
-        if (progress_.Cancelled()) return;
+        bool finished = false;
         // Which thread takes which tile does not matter.
         Sampler &sampler = *samplers_[static_cast<size_t>(ThreadIndex())];
         switch (film_.Kind()) {
-            case FilmKind::Rgb: RenderTile(film_, tile, first, size, sampler); break;
-            case FilmKind::GBuffer: RenderTile(static_cast<GBufferFilm &>(film_), tile, first, size, sampler); break;
-            case FilmKind::Spectral: RenderTile(static_cast<SpectralFilm &>(film_), tile, first, size, sampler); break;
+            case FilmKind::Rgb: finished = RenderTile(film_, tile, first, size, sampler); break;
+            case FilmKind::GBuffer: finished = RenderTile(static_cast<GBufferFilm &>(film_), tile, first, size, sampler); break;
+            case FilmKind::Spectral: finished = RenderTile(static_cast<SpectralFilm &>(film_), tile, first, size, sampler); break;
         }
-        if (settings_.timeBudget <= 0) progress_.Advance(size);
+        if (!finished) isWhole.store(false, std::memory_order_relaxed);
+        else if (settings_.timeBudget <= 0) progress_.Advance(size);
     });
-    if (progress_.Cancelled()) return 0;
+    if (!isWhole) return 0;
     done_ += size;
     return size;
 }
@@ -179,7 +187,7 @@ RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Fil
         if (renderer.Done() > 1) wave = std::min(2 * wave, kLargestWave);
     }
     result.samplesTaken = renderer.Done();
-    result.cancelled = progress.Cancelled();
+    result.cancelled = progress.Cancelled() && (timed || renderer.Done() < settings.samplesPerPixel);
     result.seconds = SecondsSince(renderStart);
     progress.EndPhase();
     return result;

@@ -21,9 +21,9 @@ struct RenderSettings {
 };
 
 struct RenderResult {
-    int samplesTaken = 0;  ///< per pixel; on cancel some pixels have more
-    double seconds = 0;    ///< rendering only
-    bool cancelled = false;
+    int samplesTaken = 0;    ///< of every pixel; on cancel some pixels have more
+    double seconds = 0;      ///< rendering only
+    bool cancelled = false;  ///< before all samples were taken
     std::optional<double> mse;  ///< against the reference, of the last wave
     std::string mseFailure;     ///< why RenderSettings::mseReferenceOut is not complete, if it is not
 };
@@ -50,8 +50,9 @@ class WaveRenderer {
     /// Written once for every kind of film, so that none pays for another.
     template <class Film>
     void SamplePixel(Film &film, Point2i pixel, int sampleIndex, Sampler &sampler) const;
+    /// False: cancelled; some pixels of the tile have not got all samples.
     template <class Film>
-    void RenderTile(Film &film, int64_t tile, int first, int size, Sampler &sampler) const;
+    bool RenderTile(Film &film, int64_t tile, int first, int size, Sampler &sampler) const;
     Integrator &integrator_;
     LightLearner *const learner_;
     const Camera &camera_;

@@ -6,6 +6,7 @@
 
 #include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/core/files.h"
+#include "pbrt/core/log.h"
 
 namespace pbrt::lab {
 
@@ -17,36 +18,19 @@ std::string Trim(const std::string &text) {
     return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
 }
 
-/// Where "+mesh", "+gate=" or another "+word" starts; numbers such as 1e+4 do not.
-size_t FindSuffix(const std::string &text, size_t from) {
-    for (size_t at = text.find('+', from); at != std::string::npos; at = text.find('+', at + 1))
-        if (at + 1 < text.size() && std::isalpha(static_cast<unsigned char>(text[at + 1]))) return at;
-    return std::string::npos;
-}
-
-SamplerChoice ParseOne(const std::string &text, const LightSamplerRegistry &registry) {
+SamplerChoice ParseOne(const std::string &text, const LightSamplerRegistry &registry, DiagnosticSink &sink) {
+    const LightChoiceParts parts = SplitLightChoice(text, kSamplersFlag);
     SamplerChoice choice;
     choice.label = text;
     choice.folder = SafeFileName(text);
-    size_t at = FindSuffix(text, 0);
-    choice.lightSampler = text.substr(0, at);
-    choice.name = choice.lightSampler.substr(0, choice.lightSampler.find(':'));
-    while (at != std::string::npos) {
-        size_t end = FindSuffix(text, at + 1);
-        std::string suffix = text.substr(at + 1, end == std::string::npos ? end : end - at - 1);
-        if (suffix == "mesh")
-            choice.meshLights = true;
-        else if (suffix.starts_with("gate="))
-            choice.gate = suffix.substr(5);
-        else
-            throw UserError(
-                fmt::format("\"{}\": \"+{}\" is unknown; a sampler is written "
-                            "name[:key=value,...][+mesh][+gate=name[:key=value,...]].",
-                            text, suffix));
-        at = end;
-    }
-    ReadLightSamplerSpec(ParamSet(), choice.lightSampler, choice.meshLights, registry, kSamplersFlag);
-    if (!choice.gate.empty()) ReadShadowGateSpec(ParamSet(), choice.gate, registry, kSamplersFlag);
+    choice.lightSampler = parts.sampler;
+    choice.name = parts.sampler.substr(0, parts.sampler.find(':'));
+    choice.meshLights = parts.mesh;
+    choice.gate = parts.gate.value_or("");
+    LightFlags flags;
+    flags.choice = text;
+    flags.choiceFlag = kSamplersFlag;
+    ReadLightSelection(ParamSet(), flags, registry, sink);
     return choice;
 }
 
@@ -61,13 +45,17 @@ std::string SafeFileName(const std::string &text) {
 
 std::vector<std::string> SplitSamplerList(const std::string &text) {
     std::vector<std::string> list;
-    std::istringstream in(text);
-    for (std::string piece; std::getline(in, piece, ',');) {
-        size_t stop = piece.find_first_of("=:+");
-        if (stop != std::string::npos && piece[stop] == '=' && !list.empty())
-            list.back().append(",").append(Trim(piece));
-        else
-            list.push_back(Trim(piece));
+    std::istringstream groups(text);
+    for (std::string group; std::getline(groups, group, ';');) {
+        const size_t first = list.size();
+        std::istringstream in(group);
+        for (std::string piece; std::getline(in, piece, ',');) {
+            size_t stop = piece.find_first_of("=:+");
+            if (stop != std::string::npos && piece[stop] == '=' && list.size() > first)
+                list.back().append(",").append(Trim(piece));
+            else
+                list.push_back(Trim(piece));
+        }
     }
     return list;
 }
@@ -90,7 +78,7 @@ std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &t
     for (const std::string &text : texts) {
         try {
             if (text.empty()) throw UserError("the list of samplers has an empty entry.");
-            SamplerChoice choice = ParseOne(text, registry);
+            SamplerChoice choice = ParseOne(text, registry, sink);
             if (!labels.insert(choice.label).second)
                 throw UserError(fmt::format("sampler \"{}\" is listed twice.", text));
             while (!folders.insert(choice.folder).second) choice.folder += "_";
@@ -100,6 +88,7 @@ std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &t
         }
     }
     sink.ThrowIfErrors();
+    for (const Diagnostic &warning : sink.All()) LogInfo(Format(warning));
     return choices;
 }
 

@@ -69,8 +69,8 @@ std::string LightSamplerRegistry::Listing() const {
     for (const auto &[name, entry] : entries_) list(entry);
     if (meshGrouping_)
         out += "\n    Every sampler without a parameter \"meshlights\" of its own takes \"bool meshlights\" of the integrator\n"
-               "    (--mesh-lights): an emissive mesh is one light; inside it a triangle is chosen by its share of the power.\n";
-    if (!gates_.empty()) out += "\nShadow-ray gates (\"string shadowgate\" of the integrator, --shadow-gate), for every sampler:\n";
+               "    (\"+mesh\" in flags): an emissive mesh is one light; inside it a triangle is chosen by its share of the power.\n";
+    if (!gates_.empty()) out += "\nShadow-ray gates (\"string shadowgate\" of the integrator, \"+gate=\" in flags), for every sampler:\n";
     for (const auto &[name, entry] : gates_) list(entry);
     return out;
 }

@@ -24,6 +24,8 @@ class LightSamplerRegistry {
         std::string name, summary;
         std::vector<ParamDoc> params;   ///< names without the sampler's prefix
         Factory make;
+        /// Throws UserError if a parameter is out of range, as `make` would; may be left out.
+        std::function<void(const ParamSet &)> check;
         /// Set for samplers that select among candidates and can therefore run on mesh groups too.
         CandidateFactory makeOverCandidates;
     };
@@ -32,6 +34,7 @@ class LightSamplerRegistry {
         std::string name, summary;
         std::vector<ParamDoc> params;   ///< names without the gate's prefix
         std::function<std::unique_ptr<ShadowRayGate>(const LightTable &, const ParamSet &)> make;
+        std::function<void(const ParamSet &)> check;  ///< as a sampler's
     };
 
     void Add(Entry entry);  ///< a name used twice is our error

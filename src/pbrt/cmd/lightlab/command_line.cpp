@@ -8,6 +8,7 @@
 
 #include "pbrt/cmd/number_checks.h"
 #include "pbrt/lab/reference_cache.h"
+#include "version.h"
 
 namespace pbrt {
 
@@ -19,14 +20,15 @@ const char *const kAbout =
     "charts and one page, report.html, into a folder.\n\n"
     "  lightlab scene.pbrt --time 20                    20 s for every sampler and seed, preparation included\n"
     "  lightlab scene.pbrt --spp 64 --seeds 5           64 samples per pixel for every sampler and seed\n"
-    "  lightlab scene.pbrt --samplers bvh,octree,octree:leaves=512,floor=0.2,bvh+gate=neepp\n"
+    "  lightlab scene.pbrt --samplers bvh,octree,octree:budget=0.02,floor=0.2,bvh+gate=neepp\n"
     "  lightlab inspect scene.pbrt --sampler octree     pictures of what a sampler knows (see lightlab inspect "
     "--help)\n\n"
     "Ctrl-C keeps what is finished; the same command goes on from there, with more --seeds as well.";
 
 const char *const kFooter =
-    "A sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]]: +mesh takes every emissive mesh as\n"
-    "one light, +gate skips some shadow rays at random. pbrt --list-lightsamplers names all with their parameters.\n\n"
+    "A sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]], as in pbrt: +mesh takes every emissive\n"
+    "mesh as one light, +gate skips some shadow rays at random. pbrt --list-lightsamplers names all with their\n"
+    "parameters. Commas or semicolons part samplers; a comma followed by key=value goes on with the same one.\n\n"
     "The reference is rendered with the sampler that has the least variance in a short pilot run, and a second one "
     "with\n"
     "the next best, which judges the first. They are kept in the cache folder as <scene>.reference-<hash>.exr; the "
@@ -50,6 +52,8 @@ struct Parser {
             return true;
         } catch (const CLI::CallForHelp &) {
             std::cout << app.help();
+        } catch (const CLI::CallForVersion &) {
+            std::cout << PBRT_VERSION_TEXT << "\n";
         } catch (const CLI::ParseError &e) {
             std::cerr << "Error: " << e.what() << "\nRun with --help for all options.\n";
             result.status = 1;
@@ -86,8 +90,8 @@ LightlabCommandLine ParseInspect(int argc, const char *const *argv) {
     CLI::App &app = parser.app;
     app.add_option("scene", inspect.sceneFiles, "scene file")->required();
     inspect.build.lightSamplerFlag = "--sampler";
-    app.add_option("--sampler", inspect.build.lightSampler, "name[:key=value,...]; the scene's if left out");
-    app.add_flag("--mesh", inspect.build.meshLights, "an emissive mesh is one light");
+    app.add_option("--sampler", inspect.build.lightSampler, "name[:key=value,...][+mesh][+gate=...]; the scene's if left out");
+    app.add_flag("--mesh", inspect.build.meshLights, "the same as +mesh: an emissive mesh is one light");
     app.add_option("--out", inspect.outFolder, "folder (inspect-<sampler>)");
     app.add_option("--divisor", inspect.build.film.resolutionDivisor, "divides the resolution")
         ->check(PositiveNumber);
@@ -158,11 +162,12 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
     bool direct = false, noReport = false;
     CLI::App &app = parser.app;
     app.footer(kFooter);
+    app.set_version_flag("--version", PBRT_VERSION_TEXT, "print the version, and stop");
     app.add_option("scene", c.scene, "scene file")->required();
 
     const char *what = "What is compared";
     CLI::Option *samplersOption =
-        app.add_option("--samplers", samplers, "comma list (" + DefaultSamplers(registered) + ")")->group(what);
+        app.add_option("--samplers", samplers, "list of samplers (" + DefaultSamplers(registered) + ")")->group(what);
     CLI::Option *fileOption =
         app.add_option("--samplers-file", samplersFile, "one sampler a line, # comments; after --samplers if both")
             ->group(what);

@@ -1,6 +1,5 @@
 #include <unistd.h>
 
-#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -11,56 +10,50 @@
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/signal_watch.h"
 #include "pbrt/lab/campaign.h"
 #include "plugins.h"
 
 namespace {
 
-pbrt::Progress *progressToCancel = nullptr;
-
-/// First Ctrl-C: stop at the next tile. Second: at once. Whatever is on disk is complete either way.
-void OnInterrupt(int) {
-    if (progressToCancel && !progressToCancel->Cancelled())
-        progressToCancel->Cancel();
-    else
-        _exit(130);
-}
-
-void HandleSignals(pbrt::Progress *progress) {
-    progressToCancel = progress;
-    std::signal(SIGINT, OnInterrupt);
-    std::signal(SIGTERM, OnInterrupt);
-}
+/// Records and pictures are complete at any time, so there is nothing to wait for; but most work ends within this time
+/// by itself, and leaves nothing half done.
+constexpr double kGraceSeconds = 0.4;
 
 int Compare(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegistry &registry) {
     using namespace pbrt;
     lab::CampaignSettings settings = options.campaign;
     settings.samplers = lab::ParseSamplerChoices(options.samplers, registry);
     std::unique_ptr<ProgressSink> display = MakeTerminalProgress(options.quiet);
+    const std::string goesOn = fmt::format("\nInterrupted. The same command goes on from what {} holds.", settings.outFolder);
     Progress cancel;
-    HandleSignals(&cancel);
+    SignalWatch signals(cancel, goesOn);
+    signals.Cancel("", goesOn, kGraceSeconds);
     const std::optional<lab::CampaignOutcome> outcome = lab::RunCampaign(settings, registry, cancel, display.get());
     if (!outcome) {
-        LogInfo(fmt::format("\nInterrupted. The same command goes on from what {} holds.", settings.outFolder));
-        return 130;
+        LogInfo(goesOn);
+        return signals.Status();
     }
     std::printf("%s\n", outcome->text.c_str());
     std::fflush(stdout);
-    std::signal(SIGINT, SIG_DFL);
-    std::signal(SIGTERM, SIG_DFL);
+    signals.EndAtOnce(fmt::format("Interrupted: {} has no report yet. The same command makes it.", settings.outFolder));
     if (options.report)
         if (std::string problem = RunReportScripts(settings.outFolder, options.quiet); !problem.empty())
             LogWarning(problem);
     LogInfo(fmt::format("Wrote {}.", settings.outFolder));
-    return 0;
+    return signals.Status();
 }
 
 int Inspect(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegistry &registry) {
     using namespace pbrt;
     std::unique_ptr<ProgressSink> display = MakeTerminalProgress(options.quiet);
     Progress progress(display.get());
-    HandleSignals(&progress);
-    return lab::RunInspect(*options.inspect, registry, progress);
+    SignalWatch signals(progress, "");
+    signals.Cancel("", "Interrupted.", kGraceSeconds);
+    const int status = lab::RunInspect(*options.inspect, registry, progress);
+    if (signals.Status() == 0) return status;
+    LogInfo("Interrupted.");
+    return signals.Status();
 }
 
 }  // namespace

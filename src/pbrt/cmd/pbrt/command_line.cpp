@@ -6,6 +6,7 @@
 #include <map>
 
 #include "pbrt/cmd/number_checks.h"
+#include "version.h"
 
 namespace pbrt {
 
@@ -54,8 +55,17 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
                  "choosing the right light at every shading point.\n\n"
                  "  pbrt scene.pbrt                              as the scene says\n"
                  "  pbrt --lightsampler octree scene.pbrt        lights chosen by the visibility octree\n"
-                 "  pbrt --lightsampler octree:leaves=1024 --spp 64 --outfile out.exr scene.pbrt\n",
+                 "  pbrt --lightsampler octree:budget=0.02,floor=0.1 --spp 64 --outfile out.exr scene.pbrt\n"
+                 "  pbrt --lightsampler bvh+mesh+gate=neepp scene.pbrt\n"
+                 "  pbrt --quick --spp 16 scene.pbrt             a small picture, soon\n\n"
+                 "Ctrl-C, SIGTERM and SIGHUP save what was rendered and end with status 130, 143 and 129; a second one ends\n"
+                 "at once. A file that holds more samples of the same scene is kept: the interrupted picture is then\n"
+                 "written beside it, as out-unfinished.exr.",
                  "pbrt");
+    app.footer("A light sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]], here, in lightlab and in\n"
+               "lightlab inspect: +mesh takes every emissive mesh as one light, +gate skips some shadow rays at random, without\n"
+               "bias. --list-lightsamplers names all with their parameters.");
+    app.set_version_flag("--version", PBRT_VERSION_TEXT, "print the version, and stop");
     std::vector<Float> crop;
     std::vector<int> bounds, pixel;
     int spp = 0, seed = 0, maxDepth = 0;
@@ -75,12 +85,12 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     app.add_option("--time", o.timeBudget, "render for this many seconds, preprocessing included, whatever --spp says")->check(PositiveNumber)->group(effort);
     CLI::Option *seedOption = app.add_option("--seed", seed, "seed of the pixel sampler (0)")->group(effort);
     app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(NonNegativeNumber)->group(effort);
-    app.add_flag("--quick", o.build.quick, "a quarter of the resolution, one sample per pixel")->group(effort);
+    app.add_flag("--quick", o.build.quick, "a quarter of the resolution, one sample per pixel unless --spp says otherwise")->group(effort);
 
     const char *lights = "Light selection";
-    app.add_option("--lightsampler", o.build.lightSampler, "name[:key=value,...]: which light gets the shadow ray; beats the scene")->group(lights);
-    app.add_flag("--mesh-lights", o.build.meshLights, "an emissive mesh is one light, for every light sampler")->group(lights);
-    app.add_option("--shadow-gate", o.build.shadowGate, "name[:key=value,...]: skips some shadow rays at random, without bias; or none")->group(lights);
+    app.add_option("--lightsampler", o.build.lightSampler, "which light gets the shadow ray, see below; beats the scene")->group(lights);
+    app.add_flag("--mesh-lights", o.build.meshLights, "the same as +mesh: an emissive mesh is one light")->group(lights);
+    app.add_option("--shadow-gate", o.build.shadowGate, "name[:key=value,...], the same as +gate=; none: no gate whatever the scene says")->group(lights);
     app.add_flag("--list-lightsamplers", o.listLightSamplers, "print all light samplers with their parameters, and stop")->group(lights);
 
     const char *method = "Method";
@@ -92,6 +102,8 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     app.add_flag("--force-diffuse", o.build.forceDiffuse, "every surface is diffuse, with the reflectance that it has")->group(method);
     app.add_option("--displacement-edge-scale", o.build.displacementEdgeScale, "multiplies the \"edgelength\" of displaced meshes")->check(PositiveNumber)->group(method);
     app.add_option("--texture-cache-mb", o.build.textureCacheMb, "memory for image textures; the rest is kept in a temporary folder (0: all in memory)")->check(NonNegativeNumber)->group(effort);
+    app.add_flag("--ignore-media", o.build.ignoreMedia, "leave out media, which are not supported yet; the image is called ...-without-media")->group(method);
+    app.add_flag("--ignore-unsupported", o.build.ignoreUnsupported, "leave out all that is not supported; the image is called ...-incomplete")->group(method);
     app.add_option("--render-coord-sys", o.build.renderCoordSys, "camera, cameraworld (default) or world")->check(CLI::IsMember({"camera", "cameraworld", "world"}))->group(method);
 
     const char *messages = "Messages";
@@ -108,12 +120,17 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
         std::cout << app.help();
         result.done = true;
         return result;
+    } catch (const CLI::CallForVersion &) {
+        std::cout << PBRT_VERSION_TEXT << "\n";
+        result.done = true;
+        return result;
     } catch (const CLI::ParseError &e) {
         std::cerr << "Error: " << e.what() << "\nRun with --help for all options.\n";
         result.done = true;
         result.status = 1;
         return result;
     }
+    o.build.checksOutput = true;
     if (*sppOption) o.build.samplesPerPixel = spp;
     if (*seedOption) o.build.seed = seed;
     if (*depthOption) o.build.maxDepth = maxDepth;

@@ -17,6 +17,11 @@ struct CommandLine {
     std::string text;  ///< as typed, for image metadata
 };
 
+/// The scene files named on the command line, or standard input.
+inline std::vector<std::string> SceneFilesOf(const CommandLine &options) {
+    return options.sceneFiles.empty() ? std::vector<std::string>{"-"} : options.sceneFiles;
+}
+
 /// What to do after parsing the arguments.
 struct CommandLineResult {
     CommandLine options;

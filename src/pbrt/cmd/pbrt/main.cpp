@@ -1,4 +1,3 @@
-#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -12,18 +11,6 @@
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
 #include "plugins.h"
-
-namespace {
-
-pbrt::Progress *progressToCancel = nullptr;
-
-/// First Ctrl-C: stop at the next tile and save. Second: at once.
-void OnInterrupt(int) {
-    if (progressToCancel && !progressToCancel->Cancelled()) progressToCancel->Cancel();
-    else _exit(130);
-}
-
-}  // namespace
 
 int main(int argc, char **argv) {
     using namespace pbrt;
@@ -41,10 +28,8 @@ int main(int argc, char **argv) {
             return 0;
         }
         ThreadLimit threads(options.threads);
-        progressToCancel = &progress;
-        std::signal(SIGINT, OnInterrupt);
-        std::signal(SIGTERM, OnInterrupt);
-        return RunRenderJob(options, registry, progress);
+        SignalWatch signals(progress, "Interrupted: no image was written.");
+        return RunRenderJob(options, registry, progress, signals);
     } catch (const UserError &e) {
         std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
         if (e.Count() > 1) std::fprintf(stderr, "%zu errors; nothing was rendered.\n", e.Count());

@@ -5,17 +5,20 @@
 #include <cstdio>
 
 #include "pbrt/build/built_scene.h"
+#include "pbrt/cmd/pbrt/image_output.h"
+#include "pbrt/cmd/pbrt/run_report.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
-#include "pbrt/core/parallel.h"
-#include "pbrt/integrators/render_loop.h"
 #include "pbrt/scenefile/parser.h"
-#include "version.h"
 
 namespace pbrt {
 
 namespace {
+
+/// A signal that comes while a picture is being written lets it be finished if that takes no longer. Longer than any
+/// disk takes, shorter than schedulers wait before they kill.
+constexpr double kWritingSeconds = 10;
 
 void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
     bool color = isatty(STDERR_FILENO) != 0;
@@ -24,95 +27,81 @@ void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
         if (all[*printed].severity == Severity::Warning) LogInfo(Format(all[*printed], color));
 }
 
-struct Timings {
-    double read = 0, build = 0, prepare = 0;
+std::string NothingWritten(const std::string &phase) { return fmt::format("Interrupted while {}: no image was written.", phase); }
+
+/// The picture of one render on its way to its file.
+class PictureWriter {
+  public:
+    PictureWriter(const CommandLine &options, const BuiltScene &built, const Timings &timings, SignalWatch &signals)
+        : options_(options), built_(built), timings_(timings), signals_(signals), output_(built.filename) {}
+
+    /// After a wave, while the render goes on. A failure costs this picture only: the last one is what counts.
+    void WritePartial(const RenderResult &result) {
+        try {
+            SayWriting(output_.Filename());
+            output_.WriteUnfinished(built_.film->ToImage(), Describe(result));
+        } catch (const UserError &e) {
+            LogWarning(fmt::format("the image after {} samples per pixel was not written; rendering goes on. {}",
+                                   result.samplesTaken, e.Diagnostics()[0].message));
+        }
+        SayRendering();
+    }
+
+    /// At the end. False: there is nothing to write.
+    bool Write(const RenderResult &result) {
+        if (result.cancelled && result.samplesTaken == 0) {
+            LogInfo("Interrupted before every pixel had a sample: no image was written.");
+            return false;
+        }
+        SayWriting(output_.Filename());
+        std::string name = output_.Filename();
+        if (result.cancelled) name = output_.WriteUnfinished(built_.film->ToImage(), Describe(result));
+        else output_.WriteFinished(built_.film->ToImage(), Describe(result));
+        if (result.cancelled) LogInfo("Interrupted: the image holds what was rendered.");
+        if (name != output_.Filename())
+            LogInfo(fmt::format("{} is kept: it has more samples of this scene, or nobody knows how many.", output_.Filename()));
+        written_ = name;
+        return true;
+    }
+    const std::string &Written() const { return written_; }
+
+    void SayRendering() const {
+        signals_.Cancel("Interrupted; what was rendered is being saved. A second signal ends at once.",
+                        "Interrupted again: the last samples were not saved.", SignalWatch::kForever);
+    }
+
+  private:
+    void SayWriting(const std::string &name) const {
+        signals_.Cancel(fmt::format("Interrupted; writing {} is finished first. A second signal ends at once.", name),
+                        fmt::format("Interrupted while writing: {} was not written.", name), kWritingSeconds);
+    }
+    ImageMetadata Describe(const RenderResult &result) const { return DescribeImage(options_, built_, result, timings_); }
+
+    const CommandLine &options_;
+    const BuiltScene &built_;
+    const Timings &timings_;
+    SignalWatch &signals_;
+    ImageOutput output_;
+    std::string written_;
 };
-
-/// Whatever a sampler or gate reports, as attributes.
-template <class Reporter>
-void AddReport(const Reporter &reporter, const std::string &prefix, ImageMetadata *m) {
-    nlohmann::ordered_json report = nlohmann::ordered_json::object();
-    reporter.Report(report);
-    for (const auto &[key, value] : report.items()) {
-        std::string name = prefix + key;
-        if (value.is_number_integer()) m->attributes[name] = value.template get<int>();
-        else if (value.is_number()) m->attributes[name] = value.template get<float>();
-        else if (value.is_string()) m->attributes[name] = value.template get<std::string>();
-        else m->attributes[name] = value.dump();
-    }
-}
-
-ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built, const RenderResult &result, const Timings &timings) {
-    ImageMetadata m = built.film->Metadata();
-    m.attributes["renderTimeSeconds"] = static_cast<float>(result.seconds);
-    m.attributes["samplesPerPixel"] = result.samplesTaken;
-    m.attributes["worldToCamera"] = built.cameraFromWorld.Matrix();
-    if (std::optional<Transform> ndc = built.camera->NdcFromCamera())
-        m.attributes["worldToNDC"] = (*ndc * built.cameraFromWorld).Matrix();
-    if (result.mse) m.attributes["MSE"] = static_cast<float>(*result.mse);
-    m.attributes["pbrt.commandLine"] = options.text;
-    m.attributes["pbrt.version"] = std::string(PBRT_VERSION_TEXT);
-    m.attributes["pbrt.seed"] = built.seed;
-    m.attributes["pbrt.integrator"] = built.integratorName;
-    m.attributes["pbrt.maxDepth"] = built.maxDepth;
-    m.attributes["pbrt.readSeconds"] = static_cast<float>(timings.read);
-    m.attributes["pbrt.buildSeconds"] = static_cast<float>(timings.build);
-    m.attributes["pbrt.prepareSeconds"] = static_cast<float>(timings.prepare);
-    if (result.cancelled) m.attributes["pbrt.interrupted"] = 1;
-    if (const LightSampler *lights = built.integrator->Lights()) {
-        m.attributes["lightSampler"] = built.lightSamplerName;
-        AddReport(*lights, "lightSampler.", &m);
-    }
-    if (const ShadowRayGate *gate = built.integrator->Gate()) {
-        m.attributes["shadowGate"] = built.shadowGateName;
-        AddReport(*gate, "shadowGate.", &m);
-    }
-    return m;
-}
-
-void PrintStatistics(const BuiltScene &built, const RenderResult &result, const Timings &timings) {
-    RenderCounters c = SumCounters();
-    auto line = [](const char *what, const std::string &value) { std::printf("  %-34s %s\n", what, value.c_str()); };
-    auto share = [](uint64_t part, uint64_t whole) { return whole ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0; };
-    std::printf("Statistics\n");
-    line("reading, building (s)", fmt::format("{:.3f}, {:.3f}", timings.read, timings.build));
-    line("preparing lights (s)", fmt::format("{:.3f}", timings.prepare));
-    line("rendering (s)", fmt::format("{:.3f}", result.seconds));
-    line("samples per pixel", fmt::format("{}", result.samplesTaken));
-    line("shapes, lights", fmt::format("{}, {}", built.scene->ShapeCount(), built.scene->Lights().Size()));
-    line("acceleration structure (MB)", fmt::format("{:.1f}", static_cast<double>(built.scene->Acceleration().Bytes()) / 1e6));
-    line("camera paths", fmt::format("{}", c.cameraPaths));
-    line("path vertices", fmt::format("{} ({:.2f} a path)", c.pathVertices, c.cameraPaths ? static_cast<double>(c.pathVertices) / static_cast<double>(c.cameraPaths) : 0.0));
-    line("closest-hit rays", fmt::format("{}", c.closestHitRays));
-    line("shadow rays", fmt::format("{} ({:.1f} % blocked)", c.shadowRays, share(c.shadowRaysBlocked, c.shadowRays)));
-    line("rays per second (million)", fmt::format("{:.2f}", static_cast<double>(c.closestHitRays + c.shadowRays) / std::max(1e-9, result.seconds) / 1e6));
-    if (built.film->RejectedSamples()) line("samples dropped (not finite)", fmt::format("{}", built.film->RejectedSamples()));
-    auto list = [&](const char *what, const std::string &name, const auto &reporter) {
-        nlohmann::ordered_json report = nlohmann::ordered_json::object();
-        reporter.Report(report);
-        line(what, name);
-        for (const auto &[key, value] : report.items()) line(("  " + key).c_str(), value.is_string() ? value.template get<std::string>() : value.dump());
-    };
-    if (const LightSampler *lights = built.integrator->Lights()) list("light sampler", built.lightSamplerName, *lights);
-    if (const ShadowRayGate *gate = built.integrator->Gate()) list("shadow-ray gate", built.shadowGateName, *gate);
-}
 
 }  // namespace
 
-int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Progress &progress) {
+int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Progress &progress, SignalWatch &signals) {
     const auto start = std::chrono::steady_clock::now();
     Timings timings;
+    timings.startUp = SecondsSinceProcessStart();
     DiagnosticSink sink;
     size_t printed = 0;
 
+    signals.EndAtOnce(NothingWritten("reading"));
     progress.BeginPhase("reading", 0);
-    std::vector<std::string> files = options.sceneFiles;
-    if (files.empty()) files = {"-"};
-    SceneDescription description = ParseSceneFiles(files, sink);
+    SceneDescription description = ParseSceneFiles(SceneFilesOf(options), sink);
     PrintWarnings(sink, &printed);
     sink.ThrowIfErrors();
     timings.read = progress.EndPhase();
 
+    signals.EndAtOnce(NothingWritten("building"));
     const auto buildStart = std::chrono::steady_clock::now();
     BuiltScene built = [&] {
         try {
@@ -125,9 +114,10 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     description.shapes.clear();
     PrintWarnings(sink, &printed);
     timings.build = std::chrono::duration<double>(std::chrono::steady_clock::now() - buildStart).count();
-    const std::string filename = built.film->Filename();
-    CheckWritable(filename);
-    if (!built.mseReferenceOut.empty()) CheckWritable(built.mseReferenceOut);
+
+    if (options.build.quick)
+        LogInfo(fmt::format("--quick: {} x {} pixels, {} samples per pixel.", built.film->FullResolution().x,
+                            built.film->FullResolution().y, built.samplesPerPixel));
 
     RenderSettings settings;
     settings.samplesPerPixel = built.samplesPerPixel;
@@ -138,31 +128,39 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     settings.mseReferenceImage = built.mseReferenceImage;
     settings.mseReferenceOut = built.mseReferenceOut;
 
+    signals.EndAtOnce(NothingWritten("preparing lights"));
+    progress.BeginPhase("preparing lights", 0);
     PrepareContext prepare{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), built.seed,
                            built.samplesPerPixel, built.maxDepth, progress};
-    const auto prepareStart = std::chrono::steady_clock::now();
     built.integrator->Prepare(prepare);
-    timings.prepare = std::chrono::duration<double>(std::chrono::steady_clock::now() - prepareStart).count();
+    timings.prepare = progress.EndPhase();
     ResetCounters();
-    if (progress.Cancelled()) {
-        LogInfo("Interrupted before rendering: no image was written.");
-        return 130;
-    }
 
     RenderResult result;
-    auto write = [&] { WriteImage(filename, built.film->ToImage(), DescribeImage(options, built, result, timings)); };
+    PictureWriter writer(options, built, timings, signals);
     if (options.writePartialImages)
         settings.afterWave = [&](int samples) {
+            // The last picture comes with the end of the render.
+            if (options.timeBudget <= 0 && samples == settings.samplesPerPixel) return;
             result.samplesTaken = samples;
-            write();
+            writer.WritePartial(result);
         };
+    writer.SayRendering();
     result = RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
-    write();
-    if (result.cancelled) LogInfo("Interrupted: the image holds what was rendered.");
-    LogInfo(fmt::format("Wrote {} ({} samples per pixel, {:.2f} s).", filename, result.samplesTaken, result.seconds));
+    timings.render = result.seconds;
+    progress.BeginPhase("writing", 0);
+    const bool isWritten = writer.Write(result);
+    timings.write = progress.EndPhase();
+    if (isWritten)
+        LogInfo(fmt::format("Wrote {} ({} samples per pixel, {:.2f} s; {:.2f} s since the start).", writer.Written(),
+                            result.samplesTaken, result.seconds, timings.Total()));
     if (options.stats) PrintStatistics(built, result, timings);
+    std::fflush(stdout);
+    // The picture is written all the same.
     if (!result.mseFailure.empty()) throw UserError(result.mseFailure);
-    return result.cancelled ? 130 : 0;
+    // What is left is to free memory.
+    signals.EndAtOnce("");
+    return signals.Status();
 }
 
 }  // namespace pbrt

@@ -1,12 +1,12 @@
 #pragma once
 #include "pbrt/cmd/pbrt/command_line.h"
-#include "pbrt/core/progress.h"
+#include "pbrt/core/signal_watch.h"
 #include "pbrt/lightsamplers/registry.h"
 
 namespace pbrt {
 
-/// Reads, builds, renders and writes one image. Throws UserError. Returns the exit status: 0, or 130 after Ctrl-C (what
-/// was rendered is saved).
-int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Progress &progress);
+/// Reads, builds, renders and writes one image. Throws UserError. Returns the exit status: 0, or 128 + the signal's number
+/// after one came in time to be answered (what was rendered is saved).
+int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Progress &progress, SignalWatch &signals);
 
 }  // namespace pbrt

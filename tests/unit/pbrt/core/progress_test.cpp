@@ -48,6 +48,29 @@ TEST(Progress, WorksWithoutASinkAndCancels) {
     EXPECT_TRUE(progress.Cancelled());
 }
 
+TEST(Progress, APhaseInsideAnotherIsAPartOfIt) {
+    RecordingSink sink;
+    Progress progress(&sink);
+    progress.BeginPhase("preparing", 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    progress.BeginPhase("prepass", 10);
+    progress.BeginPhase("tiles", 10);
+    EXPECT_LT(progress.EndPhase(), 0.02);
+    EXPECT_LT(progress.EndPhase(), 0.02);
+    progress.SetTotal(100);
+    progress.Advance(50);
+    std::this_thread::sleep_for(std::chrono::milliseconds(120));
+    progress.Advance(25);
+    ASSERT_EQ(sink.shown.size(), 1u);
+    EXPECT_EQ(sink.shown[0].phase, "preparing");
+    EXPECT_NEAR(sink.shown[0].fraction, 0.75, 1e-9) << "what was done before the part counts as well";
+    EXPECT_GE(progress.EndPhase(), 0.14);
+    EXPECT_EQ(sink.done, (std::vector<std::string>{"    tiles", "  prepass", "preparing"}));
+    progress.BeginPhase("rendering", 10);
+    EXPECT_LT(progress.EndPhase(), 0.02);
+    EXPECT_EQ(sink.done.back(), "rendering");
+}
+
 TEST(Progress, QuietHasNoSink) { EXPECT_EQ(MakeTerminalProgress(true), nullptr); }
 
 }  // namespace

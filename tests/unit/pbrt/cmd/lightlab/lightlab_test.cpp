@@ -1,8 +1,12 @@
 #include <signal.h>
+#include <sys/stat.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
 
 #include "../pbrt/program.h"
 
@@ -97,6 +101,53 @@ TEST_F(Lightlab, KilledCampaignEndsAsIfNothingHadHappened) {
     }
 }
 
+TEST_F(Lightlab, EverySignalEndsItSoonWithItsStatus) {
+    ASSERT_EQ(mkfifo(Path("pipe").c_str(), 0600), 0);
+    for (int signal : {SIGINT, SIGTERM, SIGHUP})
+        for (const char *arguments : {"pipe --no-report --samplers uniform", "inspect pipe --sampler uniform",
+                                      "scene.pbrt --no-report --samplers uniform --spp 100000000 --seeds 1 --reference-spp 100000000 --out long",
+                                      "inspect scene.pbrt --sampler uniform --samples 1000000"}) {
+            const pid_t pid = Start(arguments);
+            EXPECT_TRUE(WaitUntil([&] { return CatchesInterrupt(pid); }));
+            std::this_thread::sleep_for(std::chrono::milliseconds(300));
+            const auto start = std::chrono::steady_clock::now();
+            kill(pid, signal);
+            const Outcome o = Wait(pid);
+            EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 5) << arguments;
+            EXPECT_EQ(o.status, 128 + signal) << arguments << "\n" << o.err;
+            EXPECT_TRUE(Has(o.err, "Interrupted")) << arguments << "\n" << o.err;
+            for (const auto &entry : std::filesystem::recursive_directory_iterator(Path(".")))
+                EXPECT_FALSE(entry.path().filename().string().starts_with(".")) << entry.path() << ": a temporary file";
+        }
+}
+
+TEST_F(Lightlab, SamplersMayBePartedBySemicolons) {
+    PBRT_SKIP_WITHOUT_EXT();
+    RunWell("scene.pbrt --samplers 'bvh+mesh;octree:budget=0.02,floor=0.2;bvh+gate=neepp:samples=3,voxels=9,uniform' --spp 1 --seeds 1 "
+            "--reference-spp 8 --no-report --selection-work 0 --out out");
+    const nlohmann::json results = Results("out");
+    std::vector<std::string> labels;
+    for (const nlohmann::json &s : results.at("samplers")) labels.push_back(s.at("label"));
+    EXPECT_EQ(labels, (std::vector<std::string>{"bvh+mesh", "octree:budget=0.02,floor=0.2", "bvh+gate=neepp:samples=3,voxels=9", "uniform"}));
+}
+
+TEST_F(Lightlab, ExamplesOfTheHelpAreRight) {
+    PBRT_SKIP_WITHOUT_EXT();
+    int examples = 0;
+    for (const char *page : {"--help", "inspect --help"}) {
+        std::istringstream help(Run(page).out);
+        for (std::string line; std::getline(help, line);) {
+            if (!line.starts_with("  lightlab ")) continue;
+            std::string command = line.substr(11, line.find("   ", 11) - 11);
+            if (const size_t time = command.find("--time 20"); time != std::string::npos) command.replace(time, 9, "--time 0.2 --seeds 1");
+            if (!Has(command, "inspect")) command += " --no-report --divisor 4 --reference-spp 8 --selection-work 0 --restart --out out";
+            EXPECT_FALSE(Has(RunWell(command), "no effect")) << command;
+            ++examples;
+        }
+    }
+    EXPECT_GE(examples, 4);
+}
+
 TEST_F(Lightlab, SamplesOfATimedCampaignCanBeReplayed) {
     RunWell("scene.pbrt --samplers uniform,power --time 0.2 --seeds 2 --reference-spp 32 --no-report --out timed");
     const nlohmann::json timed = Results("timed");
@@ -136,7 +187,7 @@ TEST_F(Lightlab, NumbersOutOfRangeAreShownWhereTheyWereWritten) {
     EXPECT_EQ(inspect.status, 1);
     EXPECT_TRUE(Has(inspect.err, "--sampler:1:7")) << inspect.err;
     ExpectErrors({{"scene.pbrt --samplers uniform,octree:leaves=0", {"--samplers:1:7", "octree.leaves", "64 to"}},
-                  {"scene.pbrt --samplers uniform+gate=neepp:voxels=-1", {"--samplers:1:6", "neepp.voxels"}}});
+                  {"scene.pbrt --samplers uniform+gate=neepp:voxels=-1", {"--samplers:1:13", "neepp.voxels"}}});
     EXPECT_FALSE(std::filesystem::exists(Path("scene-lab")));
 }
 
@@ -148,6 +199,7 @@ TEST_F(Lightlab, HelpNamesEveryFlag) {
                              "--restart", "--samples-from", "--nthreads", "--quiet", "inspect"})
         EXPECT_TRUE(Has(o.out, name)) << name;
     EXPECT_EQ(Run("inspect --help").status, 0);
+    EXPECT_TRUE(Run("--version").out.starts_with("pbrt_octree "));
 }
 
 TEST_F(Lightlab, MissingScriptsCostTheReportOnly) {

@@ -1,6 +1,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -115,6 +116,45 @@ Shape "sphere" "float radius" 2
     EXPECT_EQ(Count(o.err, "Error: "), 4u) << o.err;
     EXPECT_TRUE(Has(o.err, "4 errors; nothing was rendered.")) << o.err;
     EXPECT_EQ(Files(), std::vector<std::string>{"scene.pbrt"});
+}
+
+TEST_F(Errors, EverythingBeforeTheWorldIsCheckedInOneRun) {
+    const std::string world = "WorldBegin\nLightSource \"point\"\nShape \"sphere\"\n";
+    Write("names.pbrt", R"(Film "rgbb"
+Camera "perspektive"
+Sampler "sobl"
+PixelFilter "gauss"
+Integrator "pat"
+Accelerator "bhv"
+)" + world);
+    Write("parameters.pbrt", R"(Film "rgb" "integer xres" 4
+Camera "perspective" "float fow" 1
+Sampler "sobol" "integer samples" 1
+PixelFilter "box" "float radius" 1
+Integrator "path" "integer maxdepht" 1 "string lightsampler" "bhv"
+Accelerator "bvh" "integer prims" 1
+)" + world);
+    for (const char *scene : {"names.pbrt", "parameters.pbrt"}) {
+        const Outcome o = Run(std::string("--quiet --outfile nowhere/out.exr ") + scene);
+        EXPECT_EQ(o.status, 1);
+        for (int line = 1; line <= 6; ++line)
+            EXPECT_TRUE(HasDiagnostic(o.err, "Error: " + std::string(scene) + ":" + std::to_string(line) + ":")) << line << "\n" << o.err;
+        EXPECT_TRUE(Has(o.err, "the folder nowhere does not exist")) << o.err;
+        EXPECT_EQ(Count(o.err, "Error: "), scene == std::string("names.pbrt") ? 7u : 8u) << o.err;
+    }
+}
+
+TEST_F(Errors, WhatCannotBeWrittenIsFoundBeforeTheSceneIsBuilt) {
+    // Seconds to build; the errors must not come after that.
+    Write("big.pbrt", "Film \"rgb\"\nWorldBegin\nShape \"loopsubdiv\" \"integer levels\" 10 \"integer indices\" [ 0 1 2  0 2 3  0 3 1  1 3 2 ] "
+                      "\"point3 P\" [ 0 3 0  1 2 0  -1 2 1  -1 2 -1 ]\n");
+    const auto start = std::chrono::steady_clock::now();
+    ExpectErrors({{"--outfile nowhere/out.exr big.pbrt", {"the folder nowhere does not exist"}},
+                  {"--outfile out.bmp big.pbrt", {".exr, .png or .pfm"}},
+                  {"--lightsampler bvh:x=1 big.pbrt", {"it takes none"}},
+                  {"--mse-reference-image none.exr --mse-reference-out mse.txt big.pbrt", {"none.exr"}}});
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    EXPECT_LT(seconds, 1.5);
 }
 
 TEST_F(Errors, EverythingUnsupportedIsListedOnceBeforeRendering) {

@@ -1,3 +1,8 @@
+#include <algorithm>
+#include <chrono>
+#include <regex>
+#include <sstream>
+
 #include "program.h"
 
 namespace pbrt::test {
@@ -106,6 +111,119 @@ TEST_F(Flags, QuickIsAQuarterOfTheResolutionAndOneSample) {
     const ImageFile quick = Render("--quick scene.pbrt");
     EXPECT_EQ(quick.image.Resolution(), Point2i(8, 6));
     EXPECT_EQ(IntOf(quick, "samplesPerPixel"), 1);
+    const std::string messages = RunWell("--quick --spp 16 --outfile out.exr scene.pbrt");
+    EXPECT_TRUE(Has(messages, "--quick: 8 x 6 pixels, 16 samples per pixel.")) << messages;
+    EXPECT_EQ(IntOf(ReadImage(Path("out.exr")), "samplesPerPixel"), 16);
+}
+
+TEST_F(Flags, VersionIsOneLine) {
+    const Outcome o = Run("--version");
+    EXPECT_EQ(o.status, 0);
+    EXPECT_EQ(o.err, "");
+    EXPECT_TRUE(o.out.starts_with("pbrt_octree ")) << o.out;
+    EXPECT_EQ(std::count(o.out.begin(), o.out.end(), '\n'), 1);
+}
+
+TEST_F(Flags, ExamplesOfTheHelpRenderWithoutAWarning) {
+    PBRT_SKIP_WITHOUT_EXT();
+    std::istringstream help(Run("--help").out);
+    int examples = 0;
+    for (std::string line; std::getline(help, line);) {
+        if (!line.starts_with("  pbrt ")) continue;
+        const std::string command = line.substr(7, line.find("scene.pbrt") + 10 - 7);
+        EXPECT_FALSE(Has(RunWell("--quick " + command), "Warning")) << command;
+        ++examples;
+    }
+    EXPECT_GE(examples, 4);
+}
+
+TEST_F(Flags, PrintedPhasesAddUpToTheWallTime) {
+    // Heavy enough in reading, building, preparing and writing that what is left out would show.
+    std::string text = SmallScene();
+    text.replace(text.find("32"), 2, "900");
+    text.replace(text.find("24"), 2, "900");
+    for (int i = 0; i < 60000; ++i) text += "Shape \"disk\" \"float radius\" 0.0001\n";
+    text += "Shape \"loopsubdiv\" \"integer levels\" 8 \"integer indices\" [ 0 1 2 ] \"point3 P\" [ 9 9 9  9 9 8  9 8 9 ]\n";
+    Write("heavy.pbrt", text);
+    const bool ext = Has(LightSamplerListing(), "\noctree\n");
+    const auto start = std::chrono::steady_clock::now();
+    const Outcome o = Run(std::string("--stats --spp 1 --outfile out.exr --lightsampler ") + (ext ? "octree" : "bvh") + " heavy.pbrt");
+    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    ASSERT_EQ(o.status, 0) << o.err;
+    // The same names in the progress lines and in the statistics; the lines of parts are indented.
+    double lines = 0, statistics = 0;
+    for (const std::string phase : {"start-up", "reading", "building", "preparing lights", "rendering", "writing"}) {
+        static const std::regex kNumber("[0-9.]+");
+        std::smatch number;
+        const size_t at = o.out.find("\n  " + phase + " (s) ");
+        ASSERT_NE(at, std::string::npos) << phase << "\n" << o.out;
+        const std::string rest = o.out.substr(at + 7 + phase.size(), 60);
+        ASSERT_TRUE(std::regex_search(rest, number, kNumber)) << phase;
+        const double seconds = std::stod(number[0]);
+        statistics += seconds;
+        if (phase == "start-up") continue;
+        const std::string done = "\n" + phase + ": done in ", text2 = "\n" + o.err;
+        ASSERT_TRUE(Has(text2, done)) << phase << "\n" << o.err;
+        const double line = std::stod(text2.substr(text2.find(done) + done.size()));
+        EXPECT_NEAR(line, seconds, 0.02) << phase;
+        lines += line;
+    }
+    EXPECT_GT(wall, 0.5) << "too short to see anything";
+    EXPECT_GT(statistics, 0.93 * wall - 0.1) << o.err << o.out;
+    EXPECT_LT(statistics, 1.02 * wall + 0.05) << o.err << o.out;
+    EXPECT_GT(lines, 0.9 * wall - 0.15) << o.err;
+}
+
+class Unsupported : public Program {
+  protected:
+    void SetUp() override {
+        Program::SetUp();
+        Write("scene.pbrt", R"(Camera "perspective"
+Film "rgb" "integer xresolution" 16 "integer yresolution" 16 "string filename" "fog.exr"
+Integrator "bdpt" "integer maxdepth" 2
+MakeNamedMedium "fog" "string type" "homogeneous"
+MediumInterface "" "fog"
+Camera "perspective"
+WorldBegin
+LightSource "infinite"
+Texture "skin" "spectrum" "ptex" "string filename" "none.ptx"
+Material "diffuse" "texture reflectance" "skin"
+MediumInterface "fog" ""
+Translate 0 0 3
+Shape "sphere"
+)");
+    }
+};
+
+TEST_F(Unsupported, IsLeftOutLoudlyWhenAskedFor) {
+    const std::string messages = RunWell("--spp 1 --ignore-unsupported scene.pbrt");
+    for (const char *part : {"Warning: scene.pbrt:3:0: Integrator \"bdpt\" is left out, path instead",
+                             "Warning: scene.pbrt:4:0: MakeNamedMedium \"fog\" is left out", "Warning: scene.pbrt:9:0: Texture \"skin\"",
+                             "Wrote fog-incomplete.exr"})
+        EXPECT_TRUE(Has(messages, part)) << part << "\n" << messages;
+    const ImageFile file = ReadImage(Path("fog-incomplete.exr"));
+    EXPECT_EQ(TextOf(file, "pbrt.integrator"), "path");
+    EXPECT_EQ(IntOf(file, "pbrt.maxDepth"), 2);
+    for (const char *part : {"scene.pbrt:3: Integrator \"bdpt\"", "scene.pbrt:4: MakeNamedMedium \"fog\"", "scene.pbrt:9: Texture \"skin\""})
+        EXPECT_TRUE(Has(TextOf(file, "pbrt.ignored"), part)) << TextOf(file, "pbrt.ignored");
+    EXPECT_NEAR(file.image.Get({8, 8}, 0), 0.5f, 0.05f) << "a sphere of reflectance 0.5 under a sky of 1";
+    EXPECT_EQ(Files(), (std::vector<std::string>{"fog-incomplete.exr", "scene.pbrt"}));
+}
+
+TEST_F(Unsupported, NamesTheWayOut) {
+    ExpectErrors({{"scene.pbrt", {"--integrator path", "--ignore-media", "ptex"}},
+                  {"--ignore-media scene.pbrt", {"--integrator path", "ptex"}}});
+}
+
+TEST_F(Unsupported, MediaAloneCanBeLeftOut) {
+    Write("fog.pbrt", SmallScene() + "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\n");
+    RunWell("--spp 1 --ignore-media fog.pbrt");
+    EXPECT_TRUE(Has(TextOf(ReadImage(Path("scene-without-media.exr")), "pbrt.ignored"), "MakeNamedMedium"));
+    // A name given by hand stays, and what there is nothing of is not said to be left out.
+    EXPECT_TRUE(Has(TextOf(Render("--spp 1 --ignore-media fog.pbrt"), "pbrt.ignored"), "MakeNamedMedium"));
+    Write("plain.pbrt", SmallScene());
+    RunWell("--spp 1 --ignore-unsupported plain.pbrt");
+    EXPECT_FALSE(ReadImage(Path("scene.exr")).metadata.attributes.contains("pbrt.ignored"));
 }
 
 TEST_F(Flags, FilmFilenameIsUsedUnlessOutfileIsGiven) {

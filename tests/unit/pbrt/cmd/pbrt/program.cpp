@@ -69,6 +69,8 @@ Outcome Program::Wait(pid_t pid) const {
             FileText(logs_ / (log + ".err"))};
 }
 
+std::string Program::Messages(pid_t pid) const { return FileText(logs_ / (std::to_string(pid) + ".err")); }
+
 std::string Program::RunWell(const std::string &arguments) const {
     const Outcome o = Run(arguments);
     EXPECT_EQ(o.status, 0) << arguments << "\n" << o.err;
@@ -94,6 +96,15 @@ void Program::ExpectErrors(const std::vector<ErrorCase> &cases) const {
 ImageFile Program::Render(const std::string &arguments, const std::string &name) const {
     RunWell("--outfile " + name + " " + arguments);
     return ReadImage(Path(name));
+}
+
+bool Program::CatchesInterrupt(pid_t pid) {
+    std::error_code gone;
+    if (std::filesystem::read_symlink("/proc/" + std::to_string(pid) + "/exe", gone) != std::filesystem::canonical(PBRT_PROGRAM)) return false;
+    std::ifstream status("/proc/" + std::to_string(pid) + "/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("SigCgt:")) return (std::stoull(line.substr(7), nullptr, 16) >> (SIGINT - 1)) & 1;
+    return false;
 }
 
 bool Program::WaitUntil(const std::function<bool()> &condition) {

@@ -44,6 +44,10 @@ class Program : public ::testing::Test {
     /// `before`: shell commands that set the stage, such as limits.
     pid_t Start(const std::string &arguments, const std::string &before = "true") const;
     Outcome Wait(pid_t pid) const;
+    /// What a started process has written to standard error so far.
+    std::string Messages(pid_t pid) const;
+    /// The process runs the program (no longer the shell) and has its own handler for the interrupt signal.
+    static bool CatchesInterrupt(pid_t pid);
     /// Polls until the condition holds; false after half a minute.
     static bool WaitUntil(const std::function<bool()> &condition);
 

@@ -1,7 +1,3 @@
-#include <signal.h>
-#include <sys/stat.h>
-
-#include <algorithm>
 #include <chrono>
 #include <fstream>
 
@@ -19,16 +15,6 @@ std::string DollhouseWith(const std::string &sampler) {
     const size_t at = text.find(old);
     EXPECT_NE(at, std::string::npos);
     return text.replace(at, old.size(), "Sampler \"" + sampler + "\"");
-}
-
-/// The process runs pbrt (no longer the shell) and has its own handler for the interrupt signal.
-bool CatchesInterrupt(pid_t pid) {
-    std::error_code gone;
-    if (std::filesystem::read_symlink("/proc/" + std::to_string(pid) + "/exe", gone).filename() != "pbrt") return false;
-    std::ifstream status("/proc/" + std::to_string(pid) + "/status");
-    for (std::string line; std::getline(status, line);)
-        if (line.starts_with("SigCgt:")) return (std::stoull(line.substr(7), nullptr, 16) >> (SIGINT - 1)) & 1;
-    return false;
 }
 
 }  // namespace
@@ -71,51 +57,6 @@ TEST_F(Budget, TimedRunsEndAndCountThePrepass) {
         EXPECT_GT(preparing, 0);
     }
     EXPECT_LT(preparing + NumberOf(file, "renderTimeSeconds"), 5);
-}
-
-class Interrupt : public Program {};
-
-TEST_F(Interrupt, SavesWhatWasRendered) {
-    Write("scene.pbrt", SmallScene());
-    Render("--spp 1 scene.pbrt", "reference.exr");
-    for (int signal : {SIGINT, SIGTERM}) {
-        // The log's first line says that rendering is under way.
-        const pid_t pid = Start(
-            "--spp 100000000 --outfile out.exr --mse-reference-image reference.exr "
-            "--mse-reference-out mse.txt scene.pbrt");
-        EXPECT_TRUE(WaitUntil([&] { return !Read("mse.txt").empty(); }));
-        EXPECT_FALSE(Exists("out.exr"));
-        kill(pid, signal);
-        const Outcome o = Wait(pid);
-        EXPECT_EQ(o.status, 130);
-        EXPECT_TRUE(Has(o.err, "Interrupted")) << o.err;
-        ASSERT_TRUE(Exists("out.exr"));
-        const ImageFile file = ReadImage(Path("out.exr"));
-        EXPECT_EQ(IntOf(file, "pbrt.interrupted"), 1);
-        EXPECT_GE(IntOf(file, "samplesPerPixel"), 1);
-        Float brightest = 0;
-        for (int x = 0; x < 32; ++x) brightest = std::max(brightest, file.image.Get({x, 20}, 0));
-        EXPECT_GT(brightest, 0);
-        for (const char *name : {"out.exr", "mse.txt"}) std::filesystem::remove(Path(name));
-        EXPECT_EQ(Files(), (std::vector<std::string>{"reference.exr", "scene.pbrt"}));
-    }
-}
-
-TEST_F(Interrupt, BeforeRenderingKeepsTheOldImage) {
-    const std::string scene = SmallScene();
-    Write("scene.pbrt", scene);
-    const ImageFile old = Render("--spp 1 scene.pbrt");
-    ASSERT_EQ(mkfifo(Path("pipe").c_str(), 0600), 0);
-    const pid_t pid = Start("--outfile out.exr - < pipe");
-    std::ofstream pipe(Path("pipe"));  // opens when the program does
-    EXPECT_TRUE(WaitUntil([&] { return CatchesInterrupt(pid); }));
-    kill(pid, SIGINT);
-    pipe << scene;
-    pipe.close();
-    const Outcome o = Wait(pid);
-    EXPECT_EQ(o.status, 130) << o.err;
-    EXPECT_TRUE(Has(o.err, "Interrupted")) << o.err;
-    EXPECT_TRUE(SamePixels(ReadImage(Path("out.exr")), old));
 }
 
 }  // namespace pbrt::test

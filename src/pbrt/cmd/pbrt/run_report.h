@@ -1,0 +1,34 @@
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pbrt/build/built_scene.h"
+#include "pbrt/cmd/pbrt/command_line.h"
+#include "pbrt/integrators/render_loop.h"
+
+namespace pbrt {
+
+/// Seconds of the phases of a run, one after the other: what the progress lines, the last line and --stats say.
+struct Timings {
+    double startUp = 0;  ///< from the start of the process to reading
+    double read = 0, build = 0, prepare = 0, render = 0, write = 0;
+
+    std::vector<std::pair<std::string, double>> Phases() const {
+        return {{"start-up", startUp},           {"reading", read},     {"building", build},
+                {"preparing lights", prepare}, {"rendering", render}, {"writing", write}};
+    }
+    double Total() const { return startUp + read + build + prepare + render + write; }
+};
+
+/// Since the process was started; in steps of the kernel's clock (10 ms).
+double SecondsSinceProcessStart();
+
+/// What decided a picture and what it cost, for the file's header.
+ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built, const RenderResult &result,
+                            const Timings &timings);
+
+/// The text of --stats, to standard output.
+void PrintStatistics(const BuiltScene &built, const RenderResult &result, const Timings &timings);
+
+}  // namespace pbrt

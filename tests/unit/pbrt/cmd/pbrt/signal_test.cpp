@@ -1,0 +1,250 @@
+// What Ctrl-C, SIGTERM and SIGHUP do in every phase of a render, and what they leave.
+#include <signal.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+#include "program.h"
+
+namespace pbrt::test {
+
+namespace {
+
+/// A quarter of a million emitting triangles, among which light sampling by "exhaustive" takes many milliseconds a
+/// sample: the first wave of 256 x 256 pixels would take a quarter of an hour, a single tile of it seconds.
+std::string SlowScene() {
+    return R"(LookAt 0 1 -5  0 0 0  0 1 0
+Camera "perspective" "float fov" 40
+Film "rgb" "integer xresolution" 256 "integer yresolution" 256 "string filename" "out.exr"
+Integrator "path" "integer maxdepth" 5 "string lightsampler" "exhaustive"
+WorldBegin
+Shape "bilinearmesh" "point3 P" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]
+AreaLightSource "diffuse"
+Shape "loopsubdiv" "integer levels" 8 "integer indices" [ 0 1 2  0 2 3  0 3 1  1 3 2 ]
+    "point3 P" [ 0 3 0  1 2 0  -1 2 1  -1 2 -1 ]
+)";
+}
+
+constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
+
+}  // namespace
+
+class Signals : public Program {
+  protected:
+    void SetUp() override {
+        Program::SetUp();
+        Write("scene.pbrt", SmallScene());
+    }
+
+    /// Sends the signal and expects the end within seconds, where the program's work would take minutes or for ever.
+    Outcome End(pid_t pid, int signal) const {
+        const auto start = std::chrono::steady_clock::now();
+        kill(pid, signal);
+        const Outcome o = Wait(pid);
+        EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 5);
+        EXPECT_EQ(o.status, 128 + signal) << o.err;
+        EXPECT_TRUE(Has(o.err, "Interrupted")) << o.err;
+        EXPECT_FALSE(Has(o.err, "Error")) << o.err;
+        return o;
+    }
+
+    /// Starts the program, waits until `message` is there, sends the signal.
+    Outcome EndAfter(const std::string &message, const std::string &arguments, int signal) const {
+        const pid_t pid = Start(arguments);
+        EXPECT_TRUE(WaitUntil([&] { return Has(Messages(pid), message); })) << Messages(pid);
+        return End(pid, signal);
+    }
+
+    /// A render that goes on for ever, interrupted after its first wave.
+    Outcome EndWhileRendering(const std::string &arguments, int signal) const {
+        if (!Exists("logged/reference.exr")) {
+            std::filesystem::create_directory(Path("logged"));
+            Render("--spp 1 scene.pbrt", "logged/reference.exr");
+        }
+        std::filesystem::remove(Path("logged/mse.txt"));
+        const pid_t pid = Start("--spp 100000000 --mse-reference-image logged/reference.exr --mse-reference-out logged/mse.txt " + arguments);
+        // The log's first line says that a wave is done.
+        EXPECT_TRUE(WaitUntil([&] { return !Read("logged/mse.txt").empty(); })) << Messages(pid);
+        return End(pid, signal);
+    }
+
+    /// A picture with this in its header, whose pixels nothing here renders.
+    ImageFile WriteOld(const std::string &name, int samples, const std::string &scene) const {
+        ImageFile old{Image(PixelFormat::Float, {32, 24}, {"R", "G", "B"}), {}};
+        old.image.Set({3, 3}, 1, 1234);
+        old.metadata.attributes["samplesPerPixel"] = samples;
+        old.metadata.attributes["pbrt.scene"] = scene;
+        old.metadata.attributes["pbrt.integrator"] = std::string("path");
+        WriteImage(Path(name), old.image, old.metadata);
+        return old;
+    }
+};
+
+TEST_F(Signals, WhileASceneIsAwaited) {
+    ASSERT_EQ(mkfifo(Path("pipe").c_str(), 0600), 0);
+    for (int signal : kSignals) {
+        // A pipe that nobody writes to, by name; and one that is open and silent, as standard input.
+        for (const char *arguments : {"--outfile out.exr pipe", "--outfile out.exr - <> pipe"}) {
+            const pid_t pid = Start(arguments);
+            EXPECT_TRUE(WaitUntil([&] { return CatchesInterrupt(pid); }));
+            const Outcome o = End(pid, signal);
+            EXPECT_TRUE(Has(o.err, "no image was written")) << o.err;
+        }
+    }
+    EXPECT_EQ(Files(), (std::vector<std::string>{"pipe", "scene.pbrt"}));
+}
+
+TEST_F(Signals, WhileBuilding) {
+    // Some eight million triangles to divide.
+    Write("big.pbrt", "Film \"rgb\"\nWorldBegin\nShape \"loopsubdiv\" \"integer levels\" 10 \"integer indices\" [ 0 1 2  0 2 3  0 3 1  1 3 2  "
+                      "4 5 6  4 6 7 ] \"point3 P\" [ 0 3 0  1 2 0  -1 2 1  -1 2 -1  9 3 0  9 2 0  9 2 1  8 2 -1 ]\n");
+    for (int signal : kSignals) {
+        const Outcome o = EndAfter("reading: done", "--outfile out.exr big.pbrt", signal);
+        EXPECT_TRUE(Has(o.err, "Interrupted while building: no image was written.")) << o.err;
+    }
+    EXPECT_EQ(Files(), (std::vector<std::string>{"big.pbrt", "scene.pbrt"}));
+}
+
+TEST_F(Signals, WhilePreparingLights) {
+    PBRT_SKIP_WITHOUT_EXT();
+    for (int signal : kSignals) {
+        const Outcome o = EndAfter("building: done",
+                                   "--lightsampler octree:prepassspp=1024,depth=64 --maxdepth 64 --outfile out.exr "
+                                   PBRT_SOURCE_DIR "/scenes/dollhouse/dollhouse.pbrt", signal);
+        EXPECT_TRUE(Has(o.err, "Interrupted while preparing lights: no image was written.")) << o.err;
+    }
+    EXPECT_EQ(Files(), (std::vector<std::string>{"scene.pbrt"}));
+}
+
+TEST_F(Signals, InTheFirstWaveNothingIsWrittenAndTheOldImageStays) {
+    Write("slow.pbrt", SlowScene());
+    WriteOld("out.exr", 1, "another.pbrt");
+    const std::string before = Read("out.exr");
+    for (int signal : kSignals) {
+        const Outcome o = EndAfter("preparing lights: done", "slow.pbrt", signal);
+        EXPECT_TRUE(Has(o.err, "no image was written")) << o.err;
+        EXPECT_FALSE(Has(o.err, "Wrote")) << o.err;
+    }
+    EXPECT_EQ(Read("out.exr"), before);
+    EXPECT_EQ(Files(), (std::vector<std::string>{"out.exr", "scene.pbrt", "slow.pbrt"}));
+}
+
+TEST_F(Signals, WhileRenderingSaveWhatWasRendered) {
+    for (int signal : kSignals) {
+        const Outcome o = EndWhileRendering("--outfile out.exr scene.pbrt", signal);
+        EXPECT_TRUE(Has(o.err, "Wrote out.exr")) << o.err;
+        ASSERT_TRUE(Exists("out.exr"));
+        const ImageFile file = ReadImage(Path("out.exr"));
+        EXPECT_EQ(IntOf(file, "pbrt.interrupted"), 1);
+        EXPECT_GE(IntOf(file, "samplesPerPixel"), 1);
+        Float brightest = 0;
+        for (int x = 0; x < 32; ++x) brightest = std::max(brightest, file.image.Get({x, 20}, 0));
+        EXPECT_GT(brightest, 0);
+        std::filesystem::remove(Path("out.exr"));
+        EXPECT_EQ(Files(), (std::vector<std::string>{"logged", "scene.pbrt"}));
+    }
+}
+
+TEST_F(Signals, WhatIsSavedIsAnUnbiasedPictureInEveryFilm) {
+    for (const char *film : {"rgb", "gbuffer", "spectral"}) {
+        std::string text = SmallScene();
+        text.replace(text.find("\"rgb\""), 5, '"' + std::string(film) + '"');
+        Write("scene.pbrt", text);
+        const ImageFile whole = Render("--spp 256 scene.pbrt", "whole.exr");
+        std::filesystem::remove_all(Path("logged"));
+        EndWhileRendering("--outfile out.exr scene.pbrt", SIGINT);
+        const ImageFile part = ReadImage(Path("out.exr"));
+        EXPECT_EQ(part.image.Channels(), whole.image.Channels());
+        double sum = 0, expected = 0;
+        for (int y = 0; y < 24; ++y)
+            for (int x = 0; x < 32; ++x)
+                for (int c = 0; c < 3; ++c) {
+                    sum += static_cast<double>(part.image.Get({x, y}, c));
+                    expected += static_cast<double>(whole.image.Get({x, y}, c));
+                }
+        // One sample a pixel has 2 % of noise in this mean; pixels divided by samples they never got would lose half.
+        EXPECT_NEAR(sum / expected, 1, 0.15) << film;
+        std::filesystem::remove(Path("out.exr"));
+    }
+}
+
+TEST_F(Signals, ABetterPictureOfTheSceneIsKept) {
+    WriteOld("out.exr", 2000000000, "scene.pbrt");
+    const std::string before = Read("out.exr");
+    const Outcome o = EndWhileRendering("--outfile out.exr scene.pbrt", SIGTERM);
+    EXPECT_TRUE(Has(o.err, "Wrote out-unfinished.exr")) << o.err;
+    EXPECT_TRUE(Has(o.err, "out.exr is kept")) << o.err;
+    EXPECT_EQ(Read("out.exr"), before);
+    EXPECT_EQ(IntOf(ReadImage(Path("out-unfinished.exr")), "pbrt.interrupted"), 1);
+    EXPECT_EQ(Files(), (std::vector<std::string>{"logged", "out-unfinished.exr", "out.exr", "scene.pbrt"}));
+}
+
+TEST_F(Signals, AWorsePictureOrOneOfAnotherSceneIsReplaced) {
+    for (auto [samples, scene] : {std::pair(0, "scene.pbrt"), std::pair(2000000000, "another.pbrt")}) {
+        WriteOld("out.exr", samples, scene);
+        EndWhileRendering("--outfile out.exr scene.pbrt", SIGINT);
+        EXPECT_EQ(IntOf(ReadImage(Path("out.exr")), "pbrt.interrupted"), 1) << scene;
+        EXPECT_EQ(Files(), (std::vector<std::string>{"logged", "out.exr", "scene.pbrt"})) << scene;
+    }
+}
+
+TEST_F(Signals, APictureThatSaysNothingOfItsSamplesIsKept) {
+    for (const std::string extension : {".png", ".pfm"}) {
+        Render("--spp 2 scene.pbrt", "out" + extension);
+        const std::string before = Read("out" + extension);
+        EndWhileRendering("--outfile out" + extension + " scene.pbrt", SIGINT);
+        EXPECT_EQ(Read("out" + extension), before);
+        EXPECT_TRUE(Exists("out-unfinished" + extension));
+    }
+}
+
+TEST_F(Signals, AFinishedRenderReplacesWhateverThereWas) {
+    WriteOld("out.exr", 2000000000, "scene.pbrt");
+    // The pictures after waves do not, but they leave nothing behind.
+    EXPECT_EQ(IntOf(Render("--spp 16 --write-partial-images scene.pbrt"), "samplesPerPixel"), 16);
+    EXPECT_EQ(Files(), (std::vector<std::string>{"out.exr", "scene.pbrt"}));
+}
+
+TEST_F(Signals, PartialPicturesLeaveABetterOneAlone) {
+    WriteOld("out.exr", 2000000000, "scene.pbrt");
+    const std::string before = Read("out.exr");
+    const pid_t pid = Start("--spp 100000000 --write-partial-images --outfile out.exr scene.pbrt");
+    EXPECT_TRUE(WaitUntil([&] { return Exists("out-unfinished.exr"); })) << Messages(pid);
+    EXPECT_EQ(Read("out.exr"), before);
+    End(pid, SIGINT);
+    EXPECT_EQ(Read("out.exr"), before);
+}
+
+TEST_F(Signals, APartialPictureThatCannotBeWrittenEndsNothing) {
+    std::filesystem::create_directory(Path("folder"));
+    const pid_t pid = Start("--spp 100000000 --write-partial-images --outfile folder/out.exr scene.pbrt");
+    EXPECT_TRUE(WaitUntil([&] { return Exists("folder/out.exr"); })) << Messages(pid);
+    std::filesystem::rename(Path("folder"), Path("away"));
+    EXPECT_TRUE(WaitUntil([&] { return Has(Messages(pid), "was not written; rendering goes on."); })) << Messages(pid);
+    std::filesystem::rename(Path("away"), Path("folder"));
+    const Outcome o = End(pid, SIGINT);
+    EXPECT_TRUE(Has(o.err, "Wrote folder/out.exr")) << o.err;
+}
+
+TEST_F(Signals, ASignalThatComesTwiceAtOnceStillSaves) {
+    // As `timeout -s INT` sends it.
+    std::filesystem::create_directory(Path("logged"));
+    Render("--spp 1 scene.pbrt", "logged/reference.exr");
+    const pid_t pid = Start("--spp 100000000 --outfile out.exr --mse-reference-image logged/reference.exr --mse-reference-out logged/mse.txt scene.pbrt");
+    EXPECT_TRUE(WaitUntil([&] { return !Read("logged/mse.txt").empty(); })) << Messages(pid);
+    kill(pid, SIGINT);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const Outcome o = End(pid, SIGINT);
+    EXPECT_TRUE(Has(o.err, "Wrote out.exr")) << o.err;
+}
+
+TEST_F(Signals, AClosedPipeEndsNoRender) {
+    const Outcome o = Run("--spp 2 --stats --outfile out.exr scene.pbrt 2>&1 | true");
+    EXPECT_EQ(o.status, 0);
+    EXPECT_TRUE(WaitUntil([&] { return Exists("out.exr"); }));
+}
+
+}  // namespace pbrt::test

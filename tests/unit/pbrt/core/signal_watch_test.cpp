@@ -1,0 +1,164 @@
+#include "pbrt/core/signal_watch.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "pbrt/core/temporaries.h"
+
+namespace pbrt {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// What a test does in a process of its own ends by itself after this, with a status that no test expects.
+[[noreturn]] void Hang() {
+    std::this_thread::sleep_for(std::chrono::seconds(20));
+    _exit(77);
+}
+
+/// Every test runs what it tests in a process of its own.
+class SignalWatchTest : public ::testing::Test {
+  protected:
+    void SetUp() override { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
+};
+
+using ::testing::ExitedWithCode;
+
+TEST_F(SignalWatchTest, EndsAtOnceWhereNothingIsToBeSaved) {
+    for (int signal : {SIGINT, SIGTERM, SIGHUP})
+        EXPECT_EXIT(
+            {
+                Progress progress;
+                SignalWatch watch(progress, "Interrupted while reading");
+                kill(getpid(), signal);
+                Hang();
+            },
+            ExitedWithCode(128 + signal), "Interrupted while reading");
+}
+
+TEST_F(SignalWatchTest, LetsWorkEndThatPollsProgress) {
+    EXPECT_EXIT(
+        {
+            Progress progress;
+            SignalWatch watch(progress, "at once");
+            watch.Cancel("saving", "never said", SignalWatch::kForever);
+            kill(getpid(), SIGTERM);
+            while (!progress.Cancelled()) std::this_thread::sleep_for(milliseconds(1));
+            std::this_thread::sleep_for(milliseconds(500));
+            _exit(watch.Status() == 143 ? 5 : 6);
+        },
+        ExitedWithCode(5), "^saving\n$");
+}
+
+TEST_F(SignalWatchTest, GivesWorkNoMoreThanItsTime) {
+    EXPECT_EXIT(
+        {
+            Progress progress;
+            SignalWatch watch(progress, "at once");
+            watch.Cancel("finishing", "given up", 0.1);
+            kill(getpid(), SIGINT);
+            Hang();
+        },
+        ExitedWithCode(130), "^finishing\ngiven up\n$");
+}
+
+TEST_F(SignalWatchTest, ASignalHoldsForTheNextPhase) {
+    EXPECT_EXIT(
+        {
+            Progress progress;
+            SignalWatch watch(progress, "at once");
+            watch.Cancel("", "first", SignalWatch::kForever);
+            kill(getpid(), SIGHUP);
+            while (!progress.Cancelled()) std::this_thread::sleep_for(milliseconds(1));
+            watch.EndAtOnce("second");
+            Hang();
+        },
+        ExitedWithCode(129), "^second\n$");
+}
+
+TEST_F(SignalWatchTest, ASecondSignalEndsAtOnceButNotARepeatedOne) {
+    auto twice = [](milliseconds between) {
+        Progress progress;
+        SignalWatch watch(progress, "at once");
+        watch.Cancel("saving", "again", SignalWatch::kForever);
+        kill(getpid(), SIGINT);
+        std::this_thread::sleep_for(between);
+        kill(getpid(), SIGTERM);
+        std::this_thread::sleep_for(milliseconds(1500));
+        _exit(watch.Status() == 130 ? 5 : 6);
+    };
+    EXPECT_EXIT(twice(milliseconds(0)), ExitedWithCode(5), "^saving\n$");
+    EXPECT_EXIT(twice(SignalWatch::kRepeat + milliseconds(200)), ExitedWithCode(130), "^saving\nagain\n$");
+}
+
+TEST_F(SignalWatchTest, RemovesTemporariesAndNothingElse) {
+    const std::filesystem::path top = std::filesystem::path(::testing::TempDir()) / "signal_watch_test";
+    std::filesystem::remove_all(top);
+    std::filesystem::create_directories(top / "folder/inside");
+    for (const char *name : {"half", "whole", "folder/inside/tiles"}) std::ofstream(top / name) << "x";
+    EXPECT_EXIT(
+        {
+            Progress progress;
+            SignalWatch watch(progress, "");
+            const Temporary half((top / "half").string());
+            const Temporary folder((top / "folder").string());
+            { const Temporary done((top / "whole").string()); }
+            kill(getpid(), SIGTERM);
+            Hang();
+        },
+        ExitedWithCode(143), "");
+    EXPECT_FALSE(std::filesystem::exists(top / "half"));
+    EXPECT_FALSE(std::filesystem::exists(top / "folder"));
+    EXPECT_TRUE(std::filesystem::exists(top / "whole"));
+    std::filesystem::remove_all(top);
+}
+
+TEST_F(SignalWatchTest, HangUpStaysIgnoredUnderNohup) {
+    EXPECT_EXIT(
+        {
+            std::signal(SIGHUP, SIG_IGN);
+            Progress progress;
+            SignalWatch watch(progress, "");
+            kill(getpid(), SIGHUP);
+            std::this_thread::sleep_for(milliseconds(300));
+            _exit(watch.Status() == 0 && !progress.Cancelled() ? 5 : 6);
+        },
+        ExitedWithCode(5), "");
+}
+
+TEST_F(SignalWatchTest, NobodyReadingTheMessageHoldsUpNothing) {
+    EXPECT_EXIT(
+        {
+            int ends[2];
+            if (pipe(ends) != 0) _exit(6);
+            close(ends[0]);
+            dup2(ends[1], STDERR_FILENO);
+            Progress progress;
+            SignalWatch watch(progress, "");
+            watch.Cancel("nobody reads this", "nor this", 0.1);
+            kill(getpid(), SIGTERM);
+            Hang();
+        },
+        ExitedWithCode(143), "");
+}
+
+TEST_F(SignalWatchTest, AfterwardsSignalsDoWhatTheyDidBefore) {
+    EXPECT_EXIT(
+        {
+            {
+                Progress progress;
+                SignalWatch watch(progress, "");
+            }
+            kill(getpid(), SIGTERM);
+            Hang();
+        },
+        ::testing::KilledBySignal(SIGTERM), "");
+}
+
+}  // namespace
+}  // namespace pbrt

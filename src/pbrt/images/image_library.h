@@ -32,6 +32,7 @@ class OpenFile {
     ValueType type = ValueType::U8;           ///< U8, U16 (PNG only) or Float
     std::string format;                       ///< OpenImageIO's name
     int orientation = 1;                      ///< EXIF numbering
+    uint64_t minFileBytes = 0;                ///< a shorter file has lost pixels; 0: not known
 };
 
 /// Tiled files on disk, of whose tiles as many are in memory as fit a limit.

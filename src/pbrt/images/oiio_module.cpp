@@ -117,6 +117,11 @@ class OpenInput final : public OpenFile {
         orientation = spec.get_int_attribute("Orientation", 1);
         const bool png = format == "png";
         channels = std::min(spec.nchannels, png ? PngChannels(path) : spec.nchannels >= 3 ? 3 : 1);
+        // What uncompressed TIFF files lack the library takes as 0.
+        const int bits = static_cast<int>(spec.format.basesize()) * 8;
+        if (format == "tiff" && spec.get_string_attribute("compression") == "none" &&
+            spec.get_int_attribute("oiio:BitsPerSample", bits) == bits)
+            minFileBytes = spec.image_bytes(true);
         // What is neither float nor a deep PNG counts as 8 bit.
         type = spec.format.is_floating_point()         ? ValueType::Float
                : png && spec.format.basesize() > 1 ? ValueType::U16

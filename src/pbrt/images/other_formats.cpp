@@ -55,6 +55,9 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
     const ColorEncoding bytes = file->format == "png" ? encoding.value_or(ColorEncoding{}) : ColorEncoding{};
     const bool isFloat = file->type == oiio::ValueType::Float, isDeep = file->type == oiio::ValueType::U16;
     CheckSize(path, resolution.x, resolution.y, file->channels, isFloat ? 4 : isDeep ? 2 : 1, MaxExpansion(file->format));
+    std::error_code failed;
+    if (std::filesystem::file_size(path, failed) < file->minFileBytes)
+        throw UserError(fmt::format("{}: the pixels end too early.", path));
     ImageFile result;
     Image &image = result.image;
     if (isDeep) {

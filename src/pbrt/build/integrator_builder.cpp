@@ -64,9 +64,9 @@ BuiltIntegrator MakeIntegrator(const Entity &entity, const BuildOptions &options
         built.integrator = std::make_unique<RandomWalkIntegrator>(context, depth());
     } else if (type == "ambientocclusion") {
         bool cosine = params.GetBool("cossample", true);
-        built.integrator =
-            std::make_unique<AmbientOcclusionIntegrator>(context, cosine, 
-            params.GetFloat("maxdistance", Infinity, Positive(std::numeric_limits<Float>::max())), filmSpace);
+        built.integrator = std::make_unique<AmbientOcclusionIntegrator>(
+            context, cosine, params.GetFloat("maxdistance", Infinity, Positive(std::numeric_limits<Float>::max())),
+            filmSpace);
     } else {
         std::vector<std::string> all = SupportedIntegrators();
         throw UserError(fmt::format("Integrator \"{}\" is {}; {}.", type,

@@ -263,8 +263,9 @@ int main(int argc, char **argv) {
             }
         } catch (const UserError &e) {
             // The whole message is printed only when it surprises.
-            good = unsupported.count(label) && std::string(e.what()).find("not supported yet") != std::string::npos;
-            verdict = good ? "ok (refused: not supported yet)" : fmt::format("FAIL:\n{}", e.what());
+            const std::string message = FormatAll(e);
+            good = unsupported.count(label) && message.find("not supported yet") != std::string::npos;
+            verdict = good ? "ok (refused: not supported yet)" : fmt::format("FAIL:\n{}", message);
         }
         if (!verdict.empty()) fmt::print("{:<44} {:>10} {:>9} {:>9} {:>7}  {}\n", label, "-", "-", "-", "-", verdict);
         std::fflush(stdout);

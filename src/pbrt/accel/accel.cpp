@@ -373,9 +373,9 @@ struct Accel::Impl {
     void CheckDevice() const {
         RTCError error = rtcGetDeviceError(device);
         if (error == RTC_ERROR_OUT_OF_MEMORY)
-            throw UserError(fmt::format("There is not enough memory for the ray acceleration structure (this process can "
-                                        "use {}).",
-                                        BytesText(UsableMemory())));
+            throw UserError(
+                fmt::format("There is not enough memory for the ray acceleration structure (this process can use {}).",
+                            BytesText(UsableMemory())));
         PBRT_CHECK_MSG(error == RTC_ERROR_NONE, "Embree error {}", static_cast<int>(error));
     }
 };
@@ -439,10 +439,11 @@ void Accel::Commit() {
     impl_->CheckDevice();
     const Bounds3 bounds = Bounds();
     if (!bounds.IsEmpty() && !(MaxComponent(Max(Abs(bounds.low), Abs(bounds.high))) <= impl_->maxOrigin))
-        throw UserError(fmt::format(
-            "The scene reaches too far for its smallest object instance: rays that start beyond {:.2g} cannot be traced "
-            "in that instance's own coordinates. Scale the object itself instead of its instance.",
-            impl_->maxOrigin));
+        throw UserError(
+            fmt::format("The scene reaches too far for its smallest object instance: rays that start beyond {:.2g} "
+                        "cannot be traced in that instance's own coordinates. Scale the object itself instead of its "
+                        "instance.",
+                        impl_->maxOrigin));
 }
 
 Bounds3 Accel::Bounds() const {

@@ -47,8 +47,8 @@ class Accel {
     /// One that moves, placed by the product of both. All that move do so in the same interval of time.
     int AddMovingInstance(int object, const AnimatedTransform &renderFromOuter,
                           const AnimatedTransform &outerFromObject = {});
-    /// Throws UserError if memory is short, or if an instance is so small that rays from the other end of the scene have
-    /// no finite coordinates in its space.
+    /// Throws UserError if memory is short, or if an instance is so small that rays from the other end of the scene
+    /// have no finite coordinates in its space.
     void Commit();
 
     /// Of all that moves: over the whole time.

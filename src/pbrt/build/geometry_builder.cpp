@@ -120,8 +120,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
             w.shapes = MakeShapes(e.type, e.params, place, e.reverseOrientation, description_.files, w.sink,
                                   w.displacement ? &*w.displacement : nullptr, opaque);
             if (w.motion)
-                for (const auto &shape : w.shapes)
-                    RequireReach(e.params.What(), *w.motion, BoundsOf(*shape), e.loc);
+                for (const auto &shape : w.shapes) RequireReach(e.params.What(), *w.motion, BoundsOf(*shape), e.loc);
             e.params.ReportUnused(w.sink);
             w.entity->params = {};  // big meshes as text need not be kept twice
         } catch (const UserError &error) {

@@ -31,9 +31,8 @@ CameraFrame ReadFrame(const ParamSet &params, const AnimatedTransform &renderFro
 }
 
 ScreenWindow ReadScreenWindow(const ParamSet &params, Point2i resolution) {
-    Float aspect =
-        params.GetFloat("frameaspectratio", static_cast<Float>(resolution.x) / static_cast<Float>(resolution.y),
-                        {1e-6f, 1e6f});
+    Float aspect = params.GetFloat("frameaspectratio",
+                                   static_cast<Float>(resolution.x) / static_cast<Float>(resolution.y), {1e-6f, 1e6f});
     std::span<const Float> given = params.GetFloats("screenwindow");
     for (Float edge : given) params.Require<Float>("screenwindow", edge, {-1e9f, 1e9f});
     if (given.empty()) {
@@ -59,9 +58,7 @@ Lens ReadLens(const ParamSet &params) {
     return lens;
 }
 
-Float ReadFov(const ParamSet &params) {
-    return params.GetFloat("fov", 90, {0, 180, true, true});
-}
+Float ReadFov(const ParamSet &params) { return params.GetFloat("fov", 90, {0, 180, true, true}); }
 
 std::unique_ptr<Camera> MakeSpherical(const ParamSet &params, const CameraFrame &frame, Point2i resolution) {
     // Taken for the sake of a common parameter list; without meaning here, as in stock pbrt-v4.

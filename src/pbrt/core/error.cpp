@@ -136,8 +136,7 @@ UserError::UserError(std::vector<Diagnostic> diagnostics, size_t omitted)
     : std::runtime_error(Summarize(diagnostics, omitted)), diagnostics_(std::move(diagnostics)), omitted_(omitted) {}
 
 void DiagnosticSink::Error(const FileLoc &loc, std::string message) {
-    if (errorCount_++ < kMaxDiagnostics)
-        diagnostics_.push_back({Severity::Error, loc, CutMonster(std::move(message))});
+    if (errorCount_++ < kMaxDiagnostics) diagnostics_.push_back({Severity::Error, loc, CutMonster(std::move(message))});
 }
 
 void DiagnosticSink::Warning(const FileLoc &loc, std::string message) {

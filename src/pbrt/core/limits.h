@@ -4,8 +4,8 @@
 /// Ranges that several parameters share. docs/compatibility.md lists all limits.
 namespace pbrt {
 
-/// Embree drops vertices beyond sqrt(largest float) / 10 = 1.844e18 and refuses rays that start there. With this bound on
-/// every coordinate, what an instance turns by any angle stays below, and squared distances stay finite.
+/// Embree drops vertices beyond sqrt(largest float) / 10 = 1.844e18 and refuses rays that start there. With this bound
+/// on every coordinate, what an instance turns by any angle stays below, and squared distances stay finite.
 inline constexpr Float kMaxCoordinate = 1e18f;
 inline constexpr Range<Float> kCoordinateRange{-kMaxCoordinate, kMaxCoordinate};
 inline constexpr Range<Float> kLengthRange = Positive(kMaxCoordinate);

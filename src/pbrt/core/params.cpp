@@ -146,7 +146,8 @@ void ParamSet::ReportUnused(DiagnosticSink &sink) const {
             std::string types;
             for (ParamType type : asked->second)
                 types += fmt::format("{}\"{} {}\"", types.empty() ? "" : " or ", Name(type), p.name);
-            sink.Error(p.loc, fmt::format("\"{} {}\": unused parameter: {} takes {}.", Name(p.type), Abbreviate(p.name), what_, types));
+            sink.Error(p.loc, fmt::format("\"{} {}\": unused parameter: {} takes {}.", Name(p.type), Abbreviate(p.name),
+                                          what_, types));
             continue;
         }
         std::vector<std::string> names;

@@ -33,7 +33,9 @@ int GetExtent(const ParamSet &params, const char *name, int defaultValue, int di
 
 RgbFilm::RgbFilm(FilmKind kind, const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime,
                  const FilmOverrides &overrides, DiagnosticSink &sink, double furtherBytes)
-    : kind_(kind), space_(&outputSpace), sensor_(PixelSensor::Make(params, outputSpace, exposureTime)),
+    : kind_(kind),
+      space_(&outputSpace),
+      sensor_(PixelSensor::Make(params, outputSpace, exposureTime)),
       outputFromSensor_(outputSpace.RgbFromXyz() * sensor_.XyzFromSensor()) {
     fullResolution_ = {GetExtent(params, "xresolution", 1280, overrides.resolutionDivisor),
                        GetExtent(params, "yresolution", 720, overrides.resolutionDivisor)};
@@ -42,15 +44,14 @@ RgbFilm::RgbFilm(FilmKind kind, const ParamSet &params, const ColorSpace &output
     if (!overrides.filename.empty()) filename_ = overrides.filename;
     CheckFilename(kind, filename_, overrides.filename.empty() ? params.LocOf("filename") : FileLoc());
     diagonal_ = params.GetFloat("diagonal", 35, Positive(1e6f));
-    maxComponent_ =
-        params.GetFloat("maxcomponentvalue", Infinity, Positive(std::numeric_limits<Float>::max()));
+    maxComponent_ = params.GetFloat("maxcomponentvalue", Infinity, Positive(std::numeric_limits<Float>::max()));
     half_ = params.GetBool("savefp16", true) && !overrides.fullFloat;
     // The sums, and the picture that is made of them when it is written.
     const double bytes = static_cast<double>(sizeof(Pixel) + 3 * sizeof(float)) + furtherBytes;
-    RequireMemory(static_cast<double>(pixelBounds_.Area()) * bytes,
-                  fmt::format("{}: a picture of {} x {} pixels", params.What(), pixelBounds_.Width(),
-                              pixelBounds_.Height()),
-                  params.LocOf("xresolution"));
+    RequireMemory(
+        static_cast<double>(pixelBounds_.Area()) * bytes,
+        fmt::format("{}: a picture of {} x {} pixels", params.What(), pixelBounds_.Width(), pixelBounds_.Height()),
+        params.LocOf("xresolution"));
     pixels_.resize(static_cast<size_t>(pixelBounds_.Area()));
 }
 

@@ -6,10 +6,12 @@ namespace pbrt {
 
 namespace {
 
+// clang-format off
 constexpr std::array<const char *, 22> kFurtherChannels = {
-    "Albedo.R", "Albedo.G", "Albedo.B", "P.X",  "P.Y",  "P.Z", "dzdx", "dzdy", "N.X", "N.Y", "N.Z", "Ns.X", "Ns.Y",
+    "Albedo.R", "Albedo.G", "Albedo.B", "P.X", "P.Y", "P.Z", "dzdx", "dzdy", "N.X", "N.Y", "N.Z", "Ns.X", "Ns.Y",
     "Ns.Z", "u", "v", "Variance.R", "Variance.G", "Variance.B", "RelativeVariance.R", "RelativeVariance.G",
     "RelativeVariance.B"};
+// clang-format on
 
 }  // namespace
 

@@ -94,7 +94,8 @@ std::unique_ptr<Light> MakePoint(const LightInput &in) {
 std::unique_ptr<Light> MakeSpot(const LightInput &in) {
     SpectrumPtr intensity = in.Emission("I");
     Float scale = PhotometricScale(in, *intensity, "I");
-    Float coneAngle = in.params.GetFloat("coneangle", 30, Positive(180)), delta = in.params.GetFloat("conedeltaangle", 5);
+    Float coneAngle = in.params.GetFloat("coneangle", 30, Positive(180)),
+          delta = in.params.GetFloat("conedeltaangle", 5);
     Float power = in.params.GetFloat("power", -1, kPowerRange);
     Point3 from = in.GetPoint("from", {0, 0, 0}), to = in.GetPoint("to", {0, 0, 1});
     if (!(delta >= 0 && delta <= 2 * coneAngle))
@@ -149,7 +150,8 @@ std::unique_ptr<Light> MakeGoniometric(const LightInput &in) {
 }
 
 std::unique_ptr<Light> MakeProjection(const LightInput &in) {
-    Float fov = in.params.GetFloat("fov", 90, {0, 180, true, true}), power = in.params.GetFloat("power", -1, kPowerRange);
+    Float fov = in.params.GetFloat("fov", 90, {0, 180, true, true}),
+          power = in.params.GetFloat("power", -1, kPowerRange);
     in.params.GetFloat("scale", 1);
     if (in.params.GetString("filename", "").empty())
         throw UserError(fmt::format("{}: \"filename\" is missing: the image to be projected.", in.params.What()),
@@ -283,8 +285,9 @@ std::unique_ptr<Light> MakeLight(const std::string &type, const ParamSet &params
                                  const FileResolver &files, DiagnosticSink &sink) {
     LightInput in{params, renderFromLight, renderFromWorld, colorSpace, files, sink};
     if (type != "point" && renderFromLight.IsSingular())  // the others have a direction
-        throw UserError(fmt::format("{}: the current transformation flattens it (its matrix is singular).", params.What()),
-                        params.Loc());
+        throw UserError(
+            fmt::format("{}: the current transformation flattens it (its matrix is singular).", params.What()),
+            params.Loc());
     if (type == "point") return MakePoint(in);
     if (type == "spot") return MakeSpot(in);
     if (type == "distant") return MakeDistant(in);

@@ -34,7 +34,7 @@ struct Request {
     FloatInput Number(const std::string &name, Float defaultValue) const {
         return FloatInput(textures.GetFloat(params, name, defaultValue));
     }
-    /// A dielectric's index of refraction is positive; no index is above kMaxIndex, whose square is finite. Tables are 0
+    /// A dielectric's index of refraction is positive; none is above kMaxIndex, whose square is finite. Tables are 0
     /// beyond their ends, where stock takes 1.
     void CheckIndex(const std::string &name, const Spectrum &eta, bool isMetal = false) const {
         Float low = Infinity, high = -Infinity;
@@ -45,8 +45,9 @@ struct Request {
         const bool isTable = !dynamic_cast<const ConstantSpectrum *>(&eta);
         constexpr Float kMaxIndex = 1e6f;
         if (high > kMaxIndex)
-            throw UserError(fmt::format("{}: \"{}\" is {}; it must be at most {}.", params.What(), name, high, kMaxIndex),
-                            params.LocOf(name));
+            throw UserError(
+                fmt::format("{}: \"{}\" is {}; it must be at most {}.", params.What(), name, high, kMaxIndex),
+                params.LocOf(name));
         if (low >= 0 && (isMetal || isTable || high > 0)) return;
         throw UserError(fmt::format("{}: \"{}\" {} {}; it must {}.", params.What(), name,
                                     low == high ? "is" : "goes down to", low,
@@ -86,8 +87,12 @@ struct Request {
 
     /// `prefix` applies to the coat's roughness and index only.
     CoatInput Coat(const std::string &prefix, bool remap) const {
-        return {Roughness(prefix, remap), Index(prefix + "eta"), Number("thickness", Float(0.01)), Albedo("albedo", 0),
-                Number("g", 0), params.GetInt("maxdepth", 10, {0, 1 << 16}),
+        return {Roughness(prefix, remap),
+                Index(prefix + "eta"),
+                Number("thickness", Float(0.01)),
+                Albedo("albedo", 0),
+                Number("g", 0),
+                params.GetInt("maxdepth", 10, {0, 1 << 16}),
                 params.GetInt("nsamples", 1, {1, 1 << 16})};
     }
 };
@@ -240,7 +245,8 @@ MaterialPtr MakeMix(const Request &r) {
             throw UserError(e.Diagnostics().front().message, loc);
         }
         if (!materials[i])
-            throw UserError(fmt::format("{}: there is no material \"{}\" here.", r.params.What(), Abbreviate(names[i])), loc);
+            throw UserError(fmt::format("{}: there is no material \"{}\" here.", r.params.What(), Abbreviate(names[i])),
+                            loc);
         if (materials[i]->IsInterface())
             throw UserError(
                 fmt::format("{}: \"{}\" is an interface, which cannot be mixed.", r.params.What(), names[i]), loc);

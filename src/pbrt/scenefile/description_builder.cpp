@@ -430,10 +430,10 @@ void DescriptionBuilder::CheckMaterials() {
     std::vector<std::string> names;
     for (const auto &[name, loc] : materialNames_) names.push_back(name);
     for (const auto &[name, m] : missing)
-        sink_.Error(m.firstUse, fmt::format("This shape uses the named material \"{}\", which is not defined{}; {}.",
-                                            Abbreviate(name),
-                                            m.shapes > 1 ? fmt::format(" (so do {} others)", m.shapes - 1) : "",
-                                            ListNames(name, names, "no material is")));
+        sink_.Error(m.firstUse,
+                    fmt::format("This shape uses the named material \"{}\", which is not defined{}; {}.",
+                                Abbreviate(name), m.shapes > 1 ? fmt::format(" (so do {} others)", m.shapes - 1) : "",
+                                ListNames(name, names, "no material is")));
 }
 
 void DescriptionBuilder::CheckMedia() {

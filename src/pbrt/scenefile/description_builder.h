@@ -44,8 +44,8 @@ class DescriptionBuilder {
     void SetAccelerator(const std::string &type, Params params, const FileLoc &loc);
     void WorldBegin();
 
-    /// Another file is read at `loc`. Throws UserError when there were so many that they must multiply by including each
-    /// other.
+    /// Another file is read at `loc`. Throws UserError when there were so many that they must multiply by including
+    /// each other.
     void CountFile(const FileLoc &loc);
 
     // Blocks.

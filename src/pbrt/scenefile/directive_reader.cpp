@@ -275,14 +275,15 @@ void DirectiveReader::SetOption(const std::string &name, const Token &token) {
         if (std::find(kSystems.begin(), kSystems.end(), value.text) != kSystems.end())
             options.renderCoordSys = value.text;
         else
-            builder_.Sink().Error(tokens_.Loc(value), fmt::format("Unknown rendering coordinate system \"{}\"; {}.",
-                                                                  Abbreviate(value.text), ListChoices(value.text, kSystems)));
+            builder_.Sink().Error(tokens_.Loc(value),
+                                  fmt::format("Unknown rendering coordinate system \"{}\"; {}.", Abbreviate(value.text),
+                                              ListChoices(value.text, kSystems)));
     } else {
         std::vector<std::string> names = {"displacementedgescale", "msereferenceimage", "msereferenceout",
                                           "rendercoordsys", "seed"};
         for (const auto &[switchName, member] : kSwitches) names.push_back(switchName);
-        builder_.Sink().Error(tokens_.Loc(token),
-                              fmt::format("Unknown option \"{}\"; {}.", Abbreviate(token.text), ListChoices(name, names)));
+        builder_.Sink().Error(tokens_.Loc(token), fmt::format("Unknown option \"{}\"; {}.", Abbreviate(token.text),
+                                                              ListChoices(name, names)));
         SkipToNextDirective();
     }
 }
@@ -310,8 +311,9 @@ void DirectiveReader::ReadAttribute() {
     if (found != kTargets.end())
         builder_.AddAttributes(static_cast<AttributeTarget>(found - kTargets.begin()), std::move(params));
     else
-        builder_.Sink().Error(tokens_.Loc(target), fmt::format("Unknown attribute target \"{}\"; {}.", Abbreviate(target.text),
-                                                               ListChoices(target.text, kTargets)));
+        builder_.Sink().Error(tokens_.Loc(target),
+                              fmt::format("Unknown attribute target \"{}\"; {}.", Abbreviate(target.text),
+                                          ListChoices(target.text, kTargets)));
 }
 
 void DirectiveReader::ReadColorSpace() {
@@ -368,8 +370,9 @@ void DirectiveReader::ReadTexture() {
     if (family.text == "float" || family.text == "spectrum")
         builder_.AddTexture(name, family.text == "spectrum", type, std::move(params), here_, loc);
     else
-        builder_.Sink().Error(tokens_.Loc(family), fmt::format("Unknown kind of texture \"{}\"; {}.", Abbreviate(family.text),
-                                                               ListChoices(family.text, {"float", "spectrum"})));
+        builder_.Sink().Error(tokens_.Loc(family),
+                              fmt::format("Unknown kind of texture \"{}\"; {}.", Abbreviate(family.text),
+                                          ListChoices(family.text, {"float", "spectrum"})));
 }
 
 void DirectiveReader::ReadLightSource() {

@@ -134,8 +134,8 @@ bool ParameterReader::ReadBool(const char *what) {
 
 std::string ParameterReader::NameOf(const Token &token) const {
     if (auto bad = FindInvalidUtf8(token.text))
-        Fail(token, fmt::format("The name \"{}\\x{:02x}...\" is not valid UTF-8.", Abbreviate(token.text.substr(0, *bad)),
-                                static_cast<unsigned char>(token.text[*bad])));
+        Fail(token, fmt::format("The name \"{}\\x{:02x}...\" is not valid UTF-8.",
+                                Abbreviate(token.text.substr(0, *bad)), static_cast<unsigned char>(token.text[*bad])));
     return ComposeUtf8(token.text);
 }
 
@@ -163,7 +163,8 @@ Param ParameterReader::ReadDeclaration(const Token &token, bool *known) {
     std::string_view text = token.text;
     std::string_view typeWord = TakeWord(text), name = TakeWord(text);
     if (typeWord.empty() || name.empty())
-        Fail(token, fmt::format("Expected a parameter declaration \"type name\", found \"{}\".", Abbreviate(token.text)));
+        Fail(token,
+             fmt::format("Expected a parameter declaration \"type name\", found \"{}\".", Abbreviate(token.text)));
     Param param;
     param.loc = tokens_.Loc(token);
     param.name = name;
@@ -201,9 +202,8 @@ ParameterReader::Kind ParameterReader::ReadValue(const Token &token, const Param
     int integer = 0;
     overflow = false;
     if (ScanInt(begin, end, &integer, &overflow) != end)
-        sink_.Error(tokens_.Loc(token),
-                    fmt::format("Expected an integer for \"{}\", found {}.", Abbreviate(param.name),
-                                Abbreviate(token.text)));
+        sink_.Error(tokens_.Loc(token), fmt::format("Expected an integer for \"{}\", found {}.", Abbreviate(param.name),
+                                                    Abbreviate(token.text)));
     else if (overflow)
         ReportOverflow(token, ParamType::Integer);
     ints_.push_back(integer);

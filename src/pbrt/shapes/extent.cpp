@@ -54,7 +54,8 @@ void RequireReach(const std::string &what, const Shape &shape, const FileLoc &lo
                     loc);
         return;
     }
-    for (uint32_t i = 0; i < shape.PrimitiveCount(); ++i) RequireReach(what, Transform(), shape.PrimitiveBounds(i), loc);
+    for (uint32_t i = 0; i < shape.PrimitiveCount(); ++i)
+        RequireReach(what, Transform(), shape.PrimitiveBounds(i), loc);
 }
 
 }  // namespace pbrt

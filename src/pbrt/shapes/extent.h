@@ -17,8 +17,8 @@ Bounds3 TransformBounds(const Transform &t, const Bounds3 &b);
 /// Around all primitives.
 Bounds3 BoundsOf(const Shape &shape);
 
-/// Throws UserError "`what` reaches from ... to ...; coordinates must be ..." unless the box, where `place` puts it at the
-/// start and at the end of its motion, lies within kMaxCoordinate.
+/// Throws UserError "`what` reaches to ...; coordinates must be ..." unless the box, where `place` puts it at the start
+/// and at the end of its motion, lies within kMaxCoordinate.
 void RequireReach(const std::string &what, const AnimatedTransform &place, const Bounds3 &b, const FileLoc &loc);
 
 /// The same for a shape in the space it is in. Meshes name the first vertex that is too far away.

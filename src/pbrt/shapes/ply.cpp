@@ -310,8 +310,8 @@ size_t ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
         }
         for (size_t k = 0; k < 3; ++k)
             if (!std::isfinite(v[k]))
-                body.Fail(fmt::format("{} is {}; positions must be finite 32-bit floats", std::string_view("xyz").substr(k, 1),
-                                      v[k]));
+                body.Fail(fmt::format("{} is {}; positions must be finite 32-bit floats",
+                                      std::string_view("xyz").substr(k, 1), v[k]));
         mesh.p[i] = {v[0], v[1], v[2]};
         if (hasNormals) mesh.n[i] = Sanitized(Normal3(v[3], v[4], v[5]), &broken);
         if (hasUv) mesh.uv[i] = Sanitized(Point2(v[6], v[7]), &broken);

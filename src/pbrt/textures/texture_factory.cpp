@@ -106,7 +106,7 @@ struct TextureLibrary::Impl {
     size_t &missingImages;
     ImageCache images;
     bool imagesPreloaded = false;
-    int nesting = 0;  ///< of textures being made
+    int nesting = 0;                                       ///< of textures being made
     std::vector<std::unique_ptr<Definition>> definitions;  ///< in file order
     std::map<std::string, size_t> indexOf[2];              ///< by family: float, spectrum
 
@@ -164,9 +164,9 @@ struct TextureLibrary::Impl {
         if (!user) return made.texture;
         user->AddOperand(made.cost);
         if (user->depth > kMaxNesting)
-            throw UserError(fmt::format("\"texture {}\": textures are nested more than {} deep here.", reference.name,
-                                        kMaxNesting),
-                            reference.loc);
+            throw UserError(
+                fmt::format("\"texture {}\": textures are nested more than {} deep here.", reference.name, kMaxNesting),
+                reference.loc);
         if (user->evaluations > kMaxEvaluations)
             throw UserError(
                 fmt::format("\"texture {}\": with this operand one look-up evaluates {:.2g} textures; at most {} are "

@@ -92,8 +92,9 @@ TEST(FormatAll, QuotesEveryFileItNames) {
     FileLoc again = first;
     again.line = 7;
     const UserError e({{Severity::Error, first, "a"}, {Severity::Error, second, "b"}, {Severity::Error, again, "c"}});
-    EXPECT_EQ(FormatAll(e), "Error: f.pbrt:1000:2: a\n    line 1000\n      ^\nError: f.pbrt:1:0: b\n    other\n    ^\n"
-                            "Error: f.pbrt:7:2: c\n    line 7\n      ^\n");
+    EXPECT_EQ(FormatAll(e),
+              "Error: f.pbrt:1000:2: a\n    line 1000\n      ^\nError: f.pbrt:1:0: b\n    other\n    ^\n"
+              "Error: f.pbrt:7:2: c\n    line 7\n      ^\n");
 }
 
 TEST(UserError, AMonstrousMessageIsCut) {

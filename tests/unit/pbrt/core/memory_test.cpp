@@ -26,8 +26,8 @@ TEST(RequireMemory, ComparesWithWhatThisProcessCanUse) {
         FAIL();
     } catch (const UserError &e) {
         EXPECT_EQ(e.Diagnostics().front().message,
-                  fmt::format("a film needs about {} of memory, but this process can use {}.",
-                              BytesText(usable * 1.01), BytesText(usable)));
+                  fmt::format("a film needs about {} of memory, but this process can use {}.", BytesText(usable * 1.01),
+                              BytesText(usable)));
     }
 }
 

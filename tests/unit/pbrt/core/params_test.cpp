@@ -147,9 +147,13 @@ TEST(ParamSet, RangesAreCheckedWhereAValueIsGiven) {
     };
     EXPECT_EQ(message([&] { set.GetFloat("radius", 1, Positive(1e18f)); }),
               "Shape \"s\": \"radius\" is -1; it must be above 0 and at most 1e+18.");
-    EXPECT_EQ(message([&] { set.GetFloat("fov", 1, {0, 180, true, true}); }),
+    EXPECT_EQ(message([&] {
+                  set.GetFloat("fov", 1, {0, 180, true, true});
+              }),
               "Shape \"s\": \"fov\" is 180; it must be above 0 and below 180.");
-    EXPECT_EQ(message([&] { set.GetInt("levels", 1, {0, 10}); }),
+    EXPECT_EQ(message([&] {
+                  set.GetInt("levels", 1, {0, 10});
+              }),
               "Shape \"s\": \"levels\" is 11; it must be at least 0 and at most 10.");
     EXPECT_EQ(set.GetFloat("fov", 1, {0, 180}), 180);
     EXPECT_EQ(set.GetFloat("absent", -7, {0, 1}), -7) << "the default is the caller's affair";

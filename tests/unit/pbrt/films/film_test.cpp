@@ -327,7 +327,8 @@ TEST_F(FilmTest, APictureThatDoesNotFitIsNotAllocated) {
                   std::string::npos)
             << e.what();
     }
-    for (const char *type : {"gbuffer", "spectral"}) EXPECT_THROW(MakeFilm(type, params_, ColorSpace::SRGB(), 1, {}, sink_), UserError);
+    for (const char *type : {"gbuffer", "spectral"})
+        EXPECT_THROW(MakeFilm(type, params_, ColorSpace::SRGB(), 1, {}, sink_), UserError);
     Ints("pixelbounds", {500, 516, 999'000, 999'016});  // a small part of it does
     EXPECT_EQ(Make()->PixelBounds().Area(), 256);
     Resolution(100'000, 2'000'000);

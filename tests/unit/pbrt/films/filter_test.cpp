@@ -189,9 +189,12 @@ TEST(Filter, BadParametersAreErrors) {
 }
 
 TEST(Filter, NumbersOutsideTheirRangesAreErrors) {
-    const std::vector<Setup> bad = {{"box", {{"yradius", 1e38f}}, "yradius"},      {"triangle", {{"xradius", 1001}}, "xradius"},
-                                    {"gaussian", {{"xradius", 1e9f}}, "xradius"},  {"gaussian", {{"sigma", 1e30f}}, "sigma"},
-                                    {"mitchell", {{"B", 1e30f}}, "B"},             {"mitchell", {{"C", -1e30f}}, "C"},
+    const std::vector<Setup> bad = {{"box", {{"yradius", 1e38f}}, "yradius"},
+                                    {"triangle", {{"xradius", 1001}}, "xradius"},
+                                    {"gaussian", {{"xradius", 1e9f}}, "xradius"},
+                                    {"gaussian", {{"sigma", 1e30f}}, "sigma"},
+                                    {"mitchell", {{"B", 1e30f}}, "B"},
+                                    {"mitchell", {{"C", -1e30f}}, "C"},
                                     {"sinc", {{"tau", 1e30f}}, "tau"}};
     for (const Setup &s : bad) {
         try {

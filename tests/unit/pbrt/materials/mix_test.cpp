@@ -140,9 +140,7 @@ TEST(MixMaterial, NestingHasALimit) {
     Thrown t;
     int depth = 1;
     for (; depth < 1000 && t.line < 0; ++depth)
-        t = Catch([&] {
-            shop.named[fmt::format("m{}", depth)] = shop.Mix(fmt::format("m{}", depth - 1), "a", 0.5f);
-        });
+        t = Catch([&] { shop.named[fmt::format("m{}", depth)] = shop.Mix(fmt::format("m{}", depth - 1), "a", 0.5f); });
     EXPECT_EQ(depth - 1, 256) << "the mixes before it are good";
     EXPECT_TRUE(t.Says("nested more than 256 deep")) << t.message;
     EXPECT_EQ(t.line, 2);

@@ -188,8 +188,8 @@ TEST(Collection, ManyErrorsAreCountedAndAMistakeOfMegabytesIsCut) {
 
     const std::string monster(5'000'000, 'x');
     for (const std::string &bad :
-         {"Shape \"" + monster + "\" \"float a\" [ \"" + monster + "\" ]", "Shape \"s\" \"" + monster + " a\" 1", monster,
-          "\"" + monster + "\"", "Shape \"s\" \"float " + monster + "\" true", "Option \"" + monster + "\" 1",
+         {"Shape \"" + monster + "\" \"float a\" [ \"" + monster + "\" ]", "Shape \"s\" \"" + monster + " a\" 1",
+          monster, "\"" + monster + "\"", "Shape \"s\" \"float " + monster + "\" true", "Option \"" + monster + "\" 1",
           "Shape \"s\" \"float a\" " + monster, "ObjectInstance \"" + monster + "\"",
           "NamedMaterial \"" + monster + "\" Shape \"s\"", "MediumInterface \"" + monster + "\" Shape \"s\"",
           "CoordSysTransform \"" + monster + "\"", "Translate " + monster, "ColorSpace \"" + monster + "\"",
@@ -203,7 +203,8 @@ TEST(Collection, ManyErrorsAreCountedAndAMistakeOfMegabytesIsCut) {
 TEST(Collection, ALackOfManyNamesListsOnlySomeOfThem) {
     std::string text = "WorldBegin";
     for (int i = 0; i < 3000; ++i) text += fmt::format("\nMakeNamedMaterial \"m{0}\" \"string type\" \"d\"", i);
-    for (int i = 0; i < 3000; ++i) text += fmt::format("\nNamedMaterial \"n{0}\" Shape \"s\" ObjectInstance \"o{0}\"", i);
+    for (int i = 0; i < 3000; ++i)
+        text += fmt::format("\nNamedMaterial \"n{0}\" Shape \"s\" ObjectInstance \"o{0}\"", i);
     const Parsed parsed = Parse(text);
     EXPECT_EQ(parsed.sink.ErrorCount(), 6000u);
     EXPECT_LT(Messages(parsed.sink).size(), 100'000u);

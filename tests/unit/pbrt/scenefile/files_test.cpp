@@ -263,7 +263,8 @@ TEST_F(SceneFiles, FilesThatMultiplyAreStopped) {
     // Every level twice: 2^30 files.
     for (const char *directive : {"Include", "Import"}) {
         for (int i = 0; i < 30; ++i)
-            folder_.Write(fmt::format("{}.pbrt", i), fmt::format("{0} \"{1}.pbrt\" {0} \"{1}.pbrt\"", directive, i + 1));
+            folder_.Write(fmt::format("{}.pbrt", i),
+                          fmt::format("{0} \"{1}.pbrt\" {0} \"{1}.pbrt\"", directive, i + 1));
         folder_.Write("30.pbrt", "");
         ParseMain(fmt::format("WorldBegin {} \"0.pbrt\"", directive));
         ASSERT_GE(sink_.All().size(), 1u);

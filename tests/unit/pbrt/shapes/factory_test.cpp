@@ -303,7 +303,8 @@ TEST_F(ShapeFactory, WhatEmbreeIsGivenLiesWithinItsReach) {
         return "";
     };
     for (const char *type : {"sphere", "disk", "cylinder"}) {
-        EXPECT_NE(errorAt(type, Transform::Scale({1e20f, 1e20f, 1e20f})).find("coordinates must be"), std::string::npos) << type;
+        EXPECT_NE(errorAt(type, Transform::Scale({1e20f, 1e20f, 1e20f})).find("coordinates must be"), std::string::npos)
+            << type;
         EXPECT_EQ(errorAt(type, Transform::Scale({1e17f, 1e17f, 1e17f})), "") << type;
     }
     Floats(ParamType::Point3, "P", {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 3, 0});

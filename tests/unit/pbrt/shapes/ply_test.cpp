@@ -145,13 +145,14 @@ TEST(Ply, PositionsMustBeFiniteFloats) {
         Put(infinity, std::numeric_limits<float>::infinity(), big);
         EXPECT_NE(ErrorOf(Replaced(whole, z, infinity)).find("vertex 3: z is inf"), std::string::npos);
     }
-    EXPECT_NE(ErrorOf(Replaced(Ascii(), "3 0 1 2 7", "3 0 1 99999999999999999999 7")).find("too large"), std::string::npos);
+    EXPECT_NE(ErrorOf(Replaced(Ascii(), "3 0 1 2 7", "3 0 1 99999999999999999999 7")).find("too large"),
+              std::string::npos);
 }
 
 TEST(Ply, NormalsAndUvThatAreNotFiniteAreZeroAndCounted) {
-    const PlyMesh mesh =
-        ParsePly(Replaced(Replaced(Ascii(), "0 0 0 0 0 1 0 0 255", "0 0 0 nan 0 1 0 0 255"), "0 0 1 1 1 1", "0 0 1 inf 1 1"),
-                 "x.ply");
+    const PlyMesh mesh = ParsePly(
+        Replaced(Replaced(Ascii(), "0 0 0 0 0 1 0 0 255", "0 0 0 nan 0 1 0 0 255"), "0 0 1 1 1 1", "0 0 1 inf 1 1"),
+        "x.ply");
     EXPECT_EQ(mesh.brokenAttributes, 2u);
     EXPECT_EQ(mesh.triangles.n[0], Normal3(0));
     EXPECT_EQ(mesh.triangles.uv[2], Point2(0));
@@ -160,7 +161,8 @@ TEST(Ply, NormalsAndUvThatAreNotFiniteAreZeroAndCounted) {
 
 TEST(Ply, AnElementOfNothingTakesNoTime) {
     // Elements without properties have no size: any number of them fits into the file.
-    const std::string text = Replaced(Ascii(), "element edge 1\nproperty int vertex1\n", "element edge 18000000000000000000\n");
+    const std::string text =
+        Replaced(Ascii(), "element edge 1\nproperty int vertex1\n", "element edge 18000000000000000000\n");
     EXPECT_EQ(ParsePly(text.substr(0, text.size() - 2), "x.ply").triangles.indices.size(), 3u);
 }
 

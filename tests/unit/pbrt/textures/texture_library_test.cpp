@@ -155,7 +155,8 @@ TEST(TextureLibrary, ALongChainIsAnErrorAndNeverRecursesDeeply) {
         if (fromTheTop) b.FloatTex("t29999");
         b.textures.CheckAll();
         ASSERT_GE(b.Errors(), 1u);
-        EXPECT_NE(b.sink.All()[0].message.find("nested more than 256 deep"), std::string::npos) << b.sink.All()[0].message;
+        EXPECT_NE(b.sink.All()[0].message.find("nested more than 256 deep"), std::string::npos)
+            << b.sink.All()[0].message;
         EXPECT_GT(b.sink.All()[0].loc.line, 0);
         if (!fromTheTop) {  // t0 is the first of 256
             EXPECT_EQ(b.sink.All()[0].loc.line, 256 % 150 + 1);
@@ -189,7 +190,8 @@ TEST(TextureLibrary, MixesOfMixesOfTheSameMustNotDoubleForEver) {
         ASSERT_GE(b.Errors(), 1u);
         // 2^16 - 1 evaluations are allowed, twice as many and one are not: at the second operand of the 16th.
         EXPECT_EQ(b.sink.All()[0].loc.line, 16 + 2) << b.sink.All()[0].message;
-        EXPECT_NE(b.sink.All()[0].message.find("one look-up evaluates 1.3e+05 textures; at most 65536"), std::string::npos)
+        EXPECT_NE(b.sink.All()[0].message.find("one look-up evaluates 1.3e+05 textures; at most 65536"),
+                  std::string::npos)
             << b.sink.All()[0].message;
     }
 }

@@ -17,11 +17,14 @@ std::vector<std::string> TextsOf(const Corpus &corpus) {
 }  // namespace
 
 CaseMaker::CaseMaker(Corpus corpus) : corpus_(std::move(corpus)), words_(TextsOf(corpus_)), kinds_(SceneKinds()) {
-    for (const SeedScene &scene : corpus_.scenes)
+    for (const SeedScene &scene : corpus_.scenes) {
+        if (!scene.isRendered) continue;
+        rendered_.push_back(&scene);
         for (const std::string &name : scene.assets) {
             const CaseFile *asset = corpus_.Asset(name);
             uses_[AssetKind(*asset)].push_back({&scene, asset});
         }
+    }
     for (const auto &[kind, uses] : uses_) kinds_.push_back(kind);
     std::sort(kinds_.begin(), kinds_.end());
 }
@@ -57,7 +60,7 @@ FuzzCase CaseMaker::Make(uint64_t seed, uint64_t number, const std::vector<std::
     std::string kind = dice.Pick(kinds);
     if (kind == "lens" && !dice.OneIn(4)) kind = dice.Pick(kinds);
     size_t changes = 1;
-    while (changes < 6 && dice.OneIn(2)) ++changes;
+    while (changes < 6 && dice.OneIn(3)) ++changes;
 
     FuzzCase made;
     made.kind = kind;
@@ -73,7 +76,7 @@ FuzzCase CaseMaker::Make(uint64_t seed, uint64_t number, const std::vector<std::
         for (size_t at = text.find(shared); at != std::string::npos; at = text.find(shared, at)) text.replace(at, shared.size(), own);
         made.files = {{"scene.pbrt", text}, asset};
     } else {
-        const SeedScene &scene = dice.Pick(corpus_.scenes);
+        const SeedScene &scene = *dice.Pick(rendered_);
         made.seed = scene.name;
         std::string text = scene.text;
         for (size_t i = 0; i < changes; ++i) MutateScene(text, kind, words_, dice);

@@ -30,6 +30,7 @@ class CaseMaker {
     void AddArguments(FuzzCase &made, Dice &dice) const;
     Corpus corpus_;
     SceneWords words_;
+    std::vector<const SeedScene *> rendered_;
     std::map<std::string, std::vector<Use>> uses_;  ///< of assets, by kind
     std::vector<std::string> kinds_;
 };

@@ -71,6 +71,9 @@ void RecordAndDie(int signal) {
     raise(signal);
 }
 
+/// An exception that nobody catches must end the child, not continue in a copy of the parent.
+int RunToTheEnd(const ChildBody &body, PictureReport &report) noexcept { return body(report); }
+
 void HandleSignals() {
     // A stack of its own: the usual cause of a fault is a stack that overflowed.
     static std::array<char, 1 << 16> stack;
@@ -137,7 +140,7 @@ void Child::Start(const std::string &folder, const ChildBody &body, const Limits
         sharedFrames = shared_->frames.data();
         HandleSignals();
         if (chdir(folder.c_str()) != 0) _exit(126);
-        const int status = body(shared_->picture);
+        const int status = RunToTheEnd(body, shared_->picture);
         std::fflush(nullptr);
         // Without what runs at exit: OpenImageIO's libraries would wait there for threads that were not forked.
         _exit(status);

@@ -9,6 +9,7 @@ namespace pbrt::fuzz {
 struct SeedScene {
     std::string name, text;
     std::vector<std::string> assets;  ///< names of the files in ../assets that it names
+    bool isRendered = true;           ///< false: refused as it is, so that only its words are of use
 };
 
 /// What is mutated: the scenes of tests/fuzz/seeds and of the conformance suite, the latter with films of 12 x 8 pixels,

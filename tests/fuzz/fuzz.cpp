@@ -65,7 +65,7 @@ double Now() {
 }
 
 void Print(uint64_t number, const FuzzCase &fuzzCase, const CaseResult &result) {
-    std::printf("%llu %s of %s: %s %s (%.3f s)\n%s", static_cast<unsigned long long>(number), fuzzCase.kind.c_str(), fuzzCase.seed.c_str(),
+    std::printf("%llu: %s of %s: %s %s (%.3f s)\n%s", static_cast<unsigned long long>(number), fuzzCase.kind.c_str(), fuzzCase.seed.c_str(),
                 Name(result.verdict.outcome), result.verdict.cause.c_str(), result.run.seconds, result.run.messages.c_str());
 }
 

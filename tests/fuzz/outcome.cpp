@@ -94,10 +94,10 @@ std::vector<std::string> ErrorLines(const std::string &messages) {
     return errors;
 }
 
-/// "file:line:column: ", or a file that the message is about.
+/// Begins with a file, with or without line and column, that the message is about; or says in which phase memory ran out.
 bool HasPlace(const std::string &error) {
-    static const std::regex kPlace(R"(^[^:]*:\d+:\d+: )"), kFile(R"(^[^:]*[^:\s]: )");
-    return std::regex_search(error, kPlace) || std::regex_search(error, kFile);
+    static const std::regex kFile(R"(^\S*[./]\S*: )");
+    return std::regex_search(error, kFile) || error.starts_with("there is not enough memory for ");
 }
 
 bool IsLibrarysMessage(const std::string &error) {

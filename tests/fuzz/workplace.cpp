@@ -6,8 +6,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "fuzz/program.h"
-
 namespace pbrt::fuzz {
 
 namespace fs = std::filesystem;
@@ -17,7 +15,7 @@ void WriteFiles(const FuzzCase &fuzzCase, const std::string &folder) {
         std::ofstream(fs::path(folder) / file.name, std::ios::binary).write(file.bytes.data(), static_cast<std::streamsize>(file.bytes.size()));
 }
 
-Workplace::Workplace(std::string folder) : folder_(std::move(folder)) {
+Workplace::Workplace(std::string folder, Program program) : folder_(std::move(folder)), program_(std::move(program)) {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
 }
@@ -25,7 +23,7 @@ Workplace::Workplace(std::string folder) : folder_(std::move(folder)) {
 void Workplace::Start(const FuzzCase &fuzzCase, const Limits &limits) {
     case_ = fuzzCase;
     WriteFiles(case_, folder_);
-    child_.Start(folder_, [this](PictureReport &report) { return RunProgram(case_, report); }, limits);
+    child_.Start(folder_, [this](PictureReport &report) { return program_(case_, report); }, limits);
 }
 
 std::optional<CaseResult> Workplace::Poll() {

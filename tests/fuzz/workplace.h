@@ -1,10 +1,12 @@
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 
 #include "fuzz/child.h"
 #include "fuzz/fuzz_case.h"
 #include "fuzz/outcome.h"
+#include "fuzz/program.h"
 
 namespace pbrt::fuzz {
 
@@ -16,8 +18,10 @@ struct CaseResult {
 /// A folder in which one case at a time runs.
 class Workplace {
   public:
+    /// What is run in the child: RunProgram, or something that fails in a known way.
+    using Program = std::function<int(const FuzzCase &, PictureReport &)>;
     /// The folder is emptied.
-    explicit Workplace(std::string folder);
+    explicit Workplace(std::string folder, Program program = RunProgram);
 
     void Start(const FuzzCase &fuzzCase, const Limits &limits);
     bool Running() const { return child_.Running(); }
@@ -29,6 +33,7 @@ class Workplace {
 
   private:
     std::string folder_;
+    Program program_;
     FuzzCase case_;
     Child child_;
 };

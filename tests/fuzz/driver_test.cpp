@@ -1,0 +1,267 @@
+// The driver itself: does it see every way to fail, does it make failing cases smaller, are its cases what they should be?
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <set>
+
+#include "fuzz/asset_mutators.h"
+#include "fuzz/assets.h"
+#include "fuzz/case_maker.h"
+#include "fuzz/report.h"
+#include "fuzz/shrink.h"
+#include "fuzz/workplace.h"
+#include "pbrt/images/image.h"
+
+namespace pbrt::fuzz {
+namespace {
+
+class Driver : public ::testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        folder_ = std::filesystem::temp_directory_path() / ("pbrt_fuzz_test_" + std::to_string(getpid()));
+        std::filesystem::create_directories(folder_ / "assets");
+        PrepareProgram((folder_ / "assets").string());
+        maker_ = std::make_unique<CaseMaker>(Corpus::Load((folder_ / "assets").string()));
+    }
+    static void TearDownTestSuite() {
+        maker_.reset();
+        std::filesystem::remove_all(folder_);
+    }
+    static std::string Folder(const char *name) { return (folder_ / name).string(); }
+
+    /// What the driver says of a program that does this.
+    static Verdict VerdictOn(const std::function<int(PictureReport &)> &program) {
+        Limits limits;
+        limits.seconds = limits.graceSeconds = 0.3;
+        limits.memoryMb = 300;
+        Workplace place(Folder("job"), [&](const FuzzCase &, PictureReport &report) { return program(report); });
+        return place.Run({"none", "none", {{"scene.pbrt", "WorldBegin\n"}}, {}}, limits).verdict;
+    }
+    static Outcome Of(const std::function<int(PictureReport &)> &program) { return VerdictOn(program).outcome; }
+    /// As pbrt after an error with this message.
+    static Verdict AfterError(const std::string &message) {
+        return VerdictOn([&](PictureReport &) {
+            std::fprintf(stderr, "Error: %s\n", message.c_str());
+            return 1;
+        });
+    }
+    /// As pbrt after success.
+    static Verdict AfterWriting(Float value) {
+        return VerdictOn([&](PictureReport &report) {
+            Image image(PixelFormat::Float, {4, 3}, {"R", "G", "B"});
+            image.Set({1, 2}, 1, value);
+            WriteImage("out.exr", image);
+            LookAtPicture("out.exr", report);
+            return 0;
+        });
+    }
+    static const CaseMaker &Maker() { return *maker_; }
+
+  private:
+    static inline std::filesystem::path folder_;
+    static inline std::unique_ptr<CaseMaker> maker_;
+};
+
+[[gnu::noinline]] void WriteToNull() {
+    volatile int *nowhere = nullptr;
+    *nowhere = 1;
+}
+[[gnu::noinline]] int RecurseForEver(int n) {
+    volatile char room[1000];
+    room[n % 1000] = static_cast<char>(n);
+    return RecurseForEver(n + 1) + room[n % 500];
+}
+
+TEST_F(Driver, SeesCrashesAndNamesTheirPlace) {
+    const Verdict fault = VerdictOn([](PictureReport &) { WriteToNull(); return 0; });
+    EXPECT_EQ(fault.outcome, Outcome::Signal);
+    EXPECT_TRUE(fault.cause.find("Segmentation fault") != std::string::npos) << fault.cause;
+    EXPECT_EQ(Of([](PictureReport &) { return RecurseForEver(0); }), Outcome::Signal);
+    const Verdict aborted = VerdictOn([](PictureReport &) { std::abort(); return 0; });
+    EXPECT_EQ(aborted.outcome, Outcome::Signal);
+    EXPECT_NE(aborted.cause, fault.cause);
+}
+
+TEST_F(Driver, TellsHangsFromThoseThatStopWhenAsked) {
+    EXPECT_EQ(Of([](PictureReport &) {
+        std::signal(SIGTERM, SIG_IGN);
+        for (volatile int i = 0;; i = i + 1) {}
+        return 0;
+    }), Outcome::Hang);
+    EXPECT_EQ(Of([](PictureReport &) {
+        std::signal(SIGTERM, SIG_IGN);
+        for (;;) pause();  // without using the processor
+        return 0;
+    }), Outcome::Hang);
+    EXPECT_EQ(Of([](PictureReport &) {
+        std::signal(SIGTERM, [](int) { _exit(143); });
+        for (volatile int i = 0;; i = i + 1) {}
+        return 0;
+    }), Outcome::Stopped);
+}
+
+TEST_F(Driver, SeesMemoryThatNobodySpeaksOf) {
+    auto allocate = [] {
+        std::vector<std::unique_ptr<std::string>> all;
+        for (;;) all.push_back(std::make_unique<std::string>(10 << 20, 'x'));
+    };
+    EXPECT_EQ(Of([&](PictureReport &) { allocate(); return 0; }), Outcome::Memory);
+    EXPECT_EQ(Of([&](PictureReport &) {
+        try {
+            allocate();
+        } catch (const std::exception &e) {
+            std::fprintf(stderr, "Error: %s\n", e.what());
+        }
+        return 1;
+    }), Outcome::Memory);
+    EXPECT_EQ(AfterError("scene.pbrt:3:4: std::bad_alloc").outcome, Outcome::Memory);
+}
+
+TEST_F(Driver, JudgesMessages) {
+    EXPECT_EQ(AfterError("scene.pbrt:12:3: \"float fov\" must be less than 180.").outcome, Outcome::Refused);
+    EXPECT_EQ(AfterError("mutated.ply: line 3: \"x\" is not a count.").outcome, Outcome::Refused);
+    EXPECT_EQ(AfterError("the number is too large.").outcome, Outcome::Message);
+    EXPECT_EQ(AfterError("scene.pbrt:1:2: vector::_M_default_append").outcome, Outcome::Message);
+    EXPECT_EQ(AfterError("Internal error: no device").outcome, Outcome::Message);
+    EXPECT_EQ(Of([](PictureReport &) { return 1; }), Outcome::Silent);
+    EXPECT_EQ(Of([](PictureReport &) { return 3; }), Outcome::Silent);
+    EXPECT_EQ(Of([](PictureReport &) {
+        for (int i = 0; i < 30000; ++i) std::fprintf(stderr, "Error: scene.pbrt:%d:0: the same again, and again, and again\n", i);
+        return 1;
+    }), Outcome::Message);
+    // The same mistake at another place and with other values has the same cause.
+    EXPECT_EQ(AfterError("value 12.5e3 of \"radius\" is odd").cause, AfterError("value -7 of \"zmin\" is odd").cause);
+    EXPECT_NE(AfterError("value 12.5e3 of \"radius\" is odd").cause, AfterError("value 3 of \"radius\" is even").cause);
+}
+
+TEST_F(Driver, SeesFindingsOfSanitizers) {
+    const Verdict address = VerdictOn([](PictureReport &) {
+        std::fprintf(stderr, "==7==ERROR: AddressSanitizer: heap-buffer-overflow on address 0x60\n"
+                             "SUMMARY: AddressSanitizer: heap-buffer-overflow /x/ply.cpp:12 in pbrt::ParsePly\n");
+        return 99;
+    });
+    EXPECT_EQ(address.outcome, Outcome::Sanitizer);
+    EXPECT_EQ(Of([](PictureReport &) {
+        std::fprintf(stderr, "/x/film.cpp:12:7: runtime error: signed integer overflow: 2147483647 + 1\n");
+        return 0;
+    }), Outcome::Sanitizer);
+}
+
+TEST_F(Driver, LooksAtPictures) {
+    EXPECT_EQ(AfterWriting(2).outcome, Outcome::Rendered);
+    EXPECT_EQ(AfterWriting(std::numeric_limits<Float>::quiet_NaN()).outcome, Outcome::Picture);
+    EXPECT_EQ(AfterWriting(std::numeric_limits<Float>::infinity()).outcome, Outcome::Picture);
+    EXPECT_EQ(Of([](PictureReport &report) {
+        LookAtPicture("out.exr", report);
+        return 0;
+    }), Outcome::Silent);
+    EXPECT_EQ(Of([](PictureReport &report) {
+        std::ofstream("out.exr") << "not a picture";
+        LookAtPicture("out.exr", report);
+        return 0;
+    }), Outcome::Picture);
+    auto errorAndFile = [](const char *name) {
+        return Of([&](PictureReport &) {
+            std::ofstream{name} << "half of it";
+            std::fprintf(stderr, "Error: scene.pbrt:1:0: something is wrong\n");
+            return 1;
+        });
+    };
+    EXPECT_EQ(errorAndFile("out.exr"), Outcome::Picture);
+    EXPECT_EQ(errorAndFile("out.tmp123.exr"), Outcome::Picture);
+}
+
+TEST_F(Driver, ShrinksWhatFailsForTheSameReason) {
+    // Fails where both words are, in any order, of which one is in the second file.
+    auto program = [](const FuzzCase &fuzzCase, PictureReport &) {
+        const bool both = fuzzCase.files[0].bytes.find("alpha") != std::string::npos && fuzzCase.files[1].bytes.find('\x7f') != std::string::npos;
+        if (both) WriteToNull();
+        std::fprintf(stderr, "Error: scene.pbrt:1:0: something is wrong\n");
+        return 1;
+    };
+    FuzzCase big{"none", "none", {{"scene.pbrt", ""}, {"mutated.ply", std::string(5000, '\0')}}, {"--a", "--b"}};
+    for (int i = 0; i < 200; ++i) big.files[0].bytes += "line " + std::to_string(i) + (i == 77 ? " alpha and more\n" : " of many\n");
+    big.files[1].bytes[1234] = '\x7f';
+    Workplace place(Folder("job"), program);
+    const Verdict first = place.Run(big, {}).verdict;
+    ASSERT_EQ(first.outcome, Outcome::Signal);
+    int tries = 0;
+    auto fails = [&](const FuzzCase &c) {
+        ++tries;
+        return place.Run(c, {}).verdict.cause == first.cause;
+    };
+    const FuzzCase small = Shrink(big, fails, 300);
+    EXPECT_EQ(small.files[0].bytes, "alpha ");
+    EXPECT_LT(small.files[1].bytes.size(), 100u);
+    EXPECT_NE(small.files[1].bytes.find('\x7f'), std::string::npos);
+    EXPECT_TRUE(small.arguments.empty());
+    tries = 0;
+    EXPECT_EQ(place.Run(Shrink(big, fails, 5), {}).verdict.cause, first.cause);
+    EXPECT_LE(tries, 6);
+}
+
+TEST_F(Driver, SavedCasesAreReadBack) {
+    FuzzCase original = Maker().Make(1, 5, {"exr"});
+    SaveCase(Folder("saved"), original, {Outcome::Signal, "somewhere"}, "messages");
+    const FuzzCase again = ReadCase(Folder("saved") + "/case.json");
+    ASSERT_EQ(again.files.size(), original.files.size());
+    for (size_t i = 0; i < again.files.size(); ++i) {
+        EXPECT_EQ(again.files[i].name, original.files[i].name);
+        EXPECT_EQ(again.files[i].bytes, original.files[i].bytes);
+    }
+    EXPECT_EQ(again.arguments, original.arguments);
+    EXPECT_EQ(again.output, original.output);
+}
+
+TEST_F(Driver, CasesFollowFromSeedAndNumberAndDiffer) {
+    for (const std::string &kind : Maker().Kinds()) {
+        std::set<std::string> contents;
+        for (uint64_t n = 0; n < 20; ++n) {
+            const FuzzCase a = Maker().Make(3, n, {kind}), b = Maker().Make(3, n, {kind});
+            EXPECT_EQ(a.kind, kind);
+            std::string one, other;
+            for (const CaseFile &f : a.files) one += f.bytes;
+            for (const CaseFile &f : b.files) other += f.bytes;
+            ASSERT_EQ(one, other);
+            EXPECT_EQ(a.arguments, b.arguments);
+            contents.insert(one);
+        }
+        EXPECT_GE(contents.size(), 15u) << kind;
+    }
+}
+
+TEST_F(Driver, KindsCoverEveryFormat) {
+    const std::vector<std::string> &kinds = Maker().Kinds();
+    for (const char *kind : {"bsdf", "exr", "hdr", "include", "include-gz", "lens", "pfm", "ply-ascii", "ply-binary", "ply-gz", "png",
+                             "spectrum", "tga", "scene-bytes", "scene-names", "scene-nesting", "scene-numbers", "scene-parameters",
+                             "scene-splice", "scene-statements", "scene-types"})
+        EXPECT_NE(std::find(kinds.begin(), kinds.end(), kind), kinds.end()) << kind;
+}
+
+TEST_F(Driver, SeedsRenderUnchanged) {
+    size_t rendered = 0;
+    Workplace place(Folder("job"));
+    for (const SeedScene &scene : Maker().Seeds().scenes) {
+        if (!scene.isRendered) continue;
+        const CaseResult result = place.Run(Maker().Unchanged(scene), {});
+        EXPECT_LE(result.verdict.outcome, Outcome::Warned) << scene.name << ": " << result.run.messages;
+        ++rendered;
+    }
+    EXPECT_GT(rendered, 80u);
+}
+
+TEST_F(Driver, EveryAssetIsNamedByASeed) {
+    std::set<std::string> named;
+    for (const SeedScene &scene : Maker().Seeds().scenes)
+        if (scene.isRendered) named.insert(scene.assets.begin(), scene.assets.end());
+    for (const CaseFile &asset : MakeAssets(Folder("assets"))) EXPECT_TRUE(named.contains(asset.name)) << asset.name;
+}
+
+}  // namespace
+}  // namespace pbrt::fuzz

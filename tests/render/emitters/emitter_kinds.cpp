@@ -105,7 +105,8 @@ std::vector<EmitterKind> EmitterKinds() {
     addMesh("triangles, two-sided, holes",
             kHoles + kTwoSided + kDownwards + Shape("trianglemesh", kTwoTriangles + "\"texture alpha\" \"holes\""));
     addMesh("triangles, image", kImage + kDownwards + Shape("trianglemesh", kTwoTriangles));
-    addMesh("ball of triangles", kOneSided + "Scale 0.9 0.9 0.9\n" + Shape("loopsubdiv", kBall));
+    // The normals of "loopsubdiv" point inwards here.
+    addMesh("ball of triangles, reversed", kReverse + kOneSided + "Scale 0.9 0.9 0.9\n" + Shape("loopsubdiv", kBall));
     addMesh("ball of triangles, two-sided, alpha 0.6",
             kTwoSided + "Scale -0.9 0.7 0.9\n" + Shape("loopsubdiv", kBall + "\"float alpha\" 0.6"));
 
@@ -147,7 +148,7 @@ Integrator "path" "integer maxdepth" 1
 WorldBegin
 Material "diffuse" "spectrum reflectance" [ 300 0.5 900 0.5 ]
 AttributeBegin
-AreaLightSource "diffuse" "spectrum L" [ 300 1 900 1 ] "bool twosided" true
+AreaLightSource "diffuse" "spectrum L" [ 300 1 900 1 ] "bool twosided" true "float scale" 0.3
 )";
     text += within ? Shape("bilinearmesh", "\"point3 P\" [ -0.2 0.5 -0.2  0.2 0.5 -0.2  -0.2 0.5 0.2  0.2 0.5 0.2 ]")
                    : Shape("bilinearmesh", "\"point3 P\" [ 0.7 0.8 0.1  1.1 0.8 0.1  0.7 0.8 0.5  1.1 0.8 0.5 ]");

@@ -30,7 +30,7 @@ class SpoiltSampler final : public LightSampler {
     Spoilt spoilt_;
 };
 
-/// Direct light by light sampling alone.
+/// Direct light by light sampling alone, without lamps that the camera sees.
 class LightSamplingOnly final : public Integrator {
   public:
     LightSamplingOnly(const Scene &scene, std::unique_ptr<LightSampler> lights) : scene_(scene), lights_(std::move(lights)) {}
@@ -38,7 +38,7 @@ class LightSamplingOnly final : public Integrator {
     SampledSpectrum Li(CameraRay camera, SampledWavelengths &lambda, Sampler &sampler) const override {
         std::optional<SurfacePoint> point = scene_.Intersect(camera.ray);
         if (!point) return SampledSpectrum(0);
-        SampledSpectrum L = EmittedRadiance(scene_, *point, lambda);
+        SampledSpectrum L(0);
         Bsdf bsdf = ComputeBsdf(scene_, *point, lambda);
         Float uSelect = sampler.Get1D();
         Point2 uLight = sampler.Get2D();
@@ -55,6 +55,23 @@ class LightSamplingOnly final : public Integrator {
   private:
     const Scene &scene_;
     std::unique_ptr<LightSampler> lights_;
+};
+
+/// Black where the camera sees a lamp itself: that is the same to all estimators and hides what they find.
+class WithoutSeenLamps final : public Integrator {
+  public:
+    WithoutSeenLamps(const Scene &scene, std::unique_ptr<Integrator> inner) : scene_(scene), inner_(std::move(inner)) {}
+    void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
+    LightLearner *Learner() override { return inner_->Learner(); }
+    SampledSpectrum Li(CameraRay camera, SampledWavelengths &lambda, Sampler &sampler) const override {
+        std::optional<SurfacePoint> point = scene_.Intersect(camera.ray);
+        if (point && point->light) return SampledSpectrum(0);
+        return inner_->Li(camera, lambda, sampler);
+    }
+
+  private:
+    const Scene &scene_;
+    std::unique_ptr<Integrator> inner_;
 };
 
 std::unique_ptr<LightSampler> MakeLights(const Scene &scene, const std::string &label, const Spoilt &spoilt) {
@@ -86,6 +103,7 @@ PixelStatistics Studio::Render(Estimator estimator, const std::string &lightSamp
             path.maxDepth = built_.maxDepth;
             integrator = std::make_unique<PathIntegrator>(context, path, MakeLights(scene, lightSampler, spoilt));
         }
+        if (built_.maxDepth == 1) integrator = std::make_unique<WithoutSeenLamps>(scene, std::move(integrator));
         Progress progress;
         PrepareContext prepare{scene, *built_.camera,  *built_.filter,  built_.film->PixelBounds(),
                                seed,  samplesPerPixel, built_.maxDepth, progress};
@@ -102,13 +120,6 @@ PixelStatistics Studio::Render(Estimator estimator, const std::string &lightSamp
         statistics.Add(film->ToImage());
     }
     return statistics;
-}
-
-std::vector<std::string> SamplerLabels(bool meshes) {
-    std::vector<std::string> labels = AllSamplers().Names();
-    if (meshes && AllSamplers().HasMeshGrouping())
-        for (const char *stock : {"uniform", "power", "bvh", "exhaustive"}) labels.push_back(stock + std::string("+meshlights"));
-    return labels;
 }
 
 }  // namespace pbrt::test

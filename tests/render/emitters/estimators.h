@@ -21,7 +21,8 @@ struct Spoilt {
     Float ofRays = 1;     ///< what the weight of a ray that hits the light is made of
 };
 
-/// Renders of one built scene. The film's size and the depth are the scene's.
+/// Renders of one built scene. The film's size and the depth are the scene's. Of scenes of direct light alone (depth 1) the lamps
+/// that the camera sees are left out.
 class Studio {
   public:
     explicit Studio(BuiltScene built) : built_(std::move(built)) {}
@@ -33,8 +34,5 @@ class Studio {
   private:
     BuiltScene built_;
 };
-
-/// Every registered light sampler, and those of stock over mesh groups as well if `meshes`.
-std::vector<std::string> SamplerLabels(bool meshes);
 
 }  // namespace pbrt::test

@@ -362,7 +362,7 @@ class Page(unittest.TestCase):
         self.assertEqual(self.looks("neepp"), [])
         text = self.find('#inside .look[data-label="neepp"] .flat').text
         self.assertEqual(text, "One leaf knows all that the camera sees. The same everywhere: "
-                         "entropy of the probabilities, bits 1.50; leaf records 1234. "
+                         "leaf records 1234; entropy of the probabilities, bits 1.50. "
                          "No value anywhere: excess second moment, log10.")
         self.assertEqual(self.looks("octree"), ["entropy", "brightest_probability", "sampler.leaf", "sampler.found_3",
                                                 "sampler.found_4", "sampler.found_5", "sampler.found_6"])

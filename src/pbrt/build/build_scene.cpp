@@ -111,7 +111,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     Transform renderFromWorld;
     const auto &[cameraStart, cameraEnd] = d.camera.cameraFromWorld;
     AnimatedTransform worldFromCamera;
-    Collect(sink, [&] {
+    const bool placed = Collect(sink, [&] {
         for (const Transform &t : {cameraStart, cameraEnd})
             if (t.IsSingular() || !t.Inverse().IsFinite())
                 throw UserError("Camera: the current transformation cannot be inverted, so nothing can be seen.",
@@ -167,8 +167,10 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     const Point2i resolution = built.film ? built.film->FullResolution() : Point2i(16, 16);
     const FilmFormat format{resolution, built.film ? built.film->DiagonalMm() : 35};
     Collect(sink, [&] {
-        AnimatedTransform renderFromCamera = MotionOf("Camera", d.camera, renderFromWorld * cameraStart.Inverse(),
-                                                      renderFromWorld * cameraEnd.Inverse());
+        AnimatedTransform renderFromCamera;  // its parameters are looked at wherever it stands
+        if (placed)
+            renderFromCamera = MotionOf("Camera", d.camera, renderFromWorld * cameraStart.Inverse(),
+                                        renderFromWorld * cameraEnd.Inverse());
         built.camera = MakeCamera(d.camera.type, d.camera.params, renderFromCamera, format, d.files, sink);
         built.cameraFromWorld = worldFromCamera.At(built.camera->ShutterOpen()).Inverse();
     });

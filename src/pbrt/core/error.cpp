@@ -56,7 +56,8 @@ Excerpt QuoteLine(const FileLoc &loc, LineFinder &lines) {
     return {std::move(text), caret};
 }
 
-std::string Format(const Diagnostic &d, bool color, LineFinder &lines) {
+/// Without the quoted line.
+std::string Heading(const Diagnostic &d, bool color) {
     const char *word = d.severity == Severity::Error ? "Error" : "Warning";
     std::string out = color ? fmt::format("\033[1;31m{}\033[0m: ", word) : fmt::format("{}: ", word);
     if (d.loc.file) {
@@ -64,7 +65,11 @@ std::string Format(const Diagnostic &d, bool color, LineFinder &lines) {
         if (d.loc.line > 0) out += fmt::format(":{}:{}", d.loc.line, d.loc.column);
         out += ": ";
     }
-    out += d.message;
+    return out + d.message;
+}
+
+std::string Format(const Diagnostic &d, bool color, LineFinder &lines) {
+    std::string out = Heading(d, color);
     if (d.loc) {
         Excerpt e = QuoteLine(d.loc, lines);
         if (!e.text.empty()) out += fmt::format("\n    {}\n    {}^", e.text, std::string(e.caret, ' '));
@@ -94,10 +99,11 @@ size_t EditDistance(std::string_view a, std::string_view b) {
     return row[b.size()];
 }
 
+/// In a time that does not depend on the files: thousands of these may be thrown and caught.
 std::string Summarize(const std::vector<Diagnostic> &diagnostics, size_t omitted) {
     if (diagnostics.empty()) return {};
     const size_t others = diagnostics.size() - 1 + omitted;
-    std::string first = Format(diagnostics.front());
+    std::string first = Heading(diagnostics.front(), false);
     return others > 0 ? fmt::format("{}\n({} more error{})", first, others, others == 1 ? "" : "s") : first;
 }
 

@@ -70,8 +70,8 @@ TEST(MakeCamera, NumbersOutsideTheirRangesAreErrors) {
         EXPECT_NE(error.find(part), std::string::npos) << name << ": " << error;
     };
     says("perspective", "fov", {180}, "\"fov\" is 180; it must be above 0 and below 180");
-    says("perspective", "lensradius", {1e30f}, "at least 0 and at most 1e+15");
-    says("perspective", "frameaspectratio", {1e30f}, "at most 1e+06");
+    says("perspective", "lensradius", {1e30f}, "\"lensradius\" is 1e+30; it must be at least 0");
+    says("perspective", "frameaspectratio", {1e30f}, "at most 1000000");
     says("orthographic", "screenwindow", {-1, 1e30f, -1, 1}, "\"screenwindow\" is 1e+30");
     // The distance counts only with a lens; without one, any is good.
     EXPECT_EQ(ErrorOf("perspective", {FloatParam("focaldistance", {1e30f})}), "");

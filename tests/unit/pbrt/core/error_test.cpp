@@ -97,6 +97,13 @@ TEST(FormatAll, QuotesEveryFileItNames) {
               "Error: f.pbrt:7:2: c\n    line 7\n      ^\n");
 }
 
+TEST(UserError, WhatNeedsNotTheFile) {
+    // As many are thrown as a scene has mistakes: none may look through the file.
+    const UserError e("Bad.", At(std::string(1000, '\n') + "quoted", 1001, 3));
+    EXPECT_STREQ(e.what(), "Error: f.pbrt:1001:3: Bad.");
+    EXPECT_EQ(FormatAll(e), "Error: f.pbrt:1001:3: Bad.\n    quoted\n       ^\n");
+}
+
 TEST(UserError, AMonstrousMessageIsCut) {
     const UserError e("begin " + std::string(10'000'000, 'x') + " end");
     const std::string &message = e.Diagnostics().front().message;

@@ -66,7 +66,7 @@ TEST_F(Limits, RaysOfEmbree) {
     ExpectAll({{"diagonal",
                 "Film \"rgb\" \"float diagonal\" 1e38 Camera \"realistic\" \"string lensfile\" \"lens.dat\"",
                 "Shape \"sphere\"",
-                {"\"diagonal\" is 1e+38", "at most 1e+06"}}});
+                {"\"diagonal\" is 1e+38", "at most 1000000"}}});
 }
 
 TEST_F(Limits, WhatDoesNotFitIntoMemory) {

@@ -31,6 +31,12 @@ uint32_t PermuteDigit(uint32_t digit, uint32_t base, int position, uint64_t seed
     return PermutationElement(digit, base, seed + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(position));
 }
 
+uint32_t AffineDigit(uint32_t digit, uint32_t base, uint32_t multiplier, int position, uint64_t seed) {
+    const uint64_t hash = MixBits(seed + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(position + 1));
+    const uint64_t shift = (hash >> 32) * base >> 32;
+    return static_cast<uint32_t>((uint64_t(multiplier) * digit + shift) % base);
+}
+
 }  // namespace
 
 constinit const std::array<uint16_t, PrimeCount> Primes = FirstPrimes();
@@ -80,18 +86,30 @@ Float OwenScrambledRadicalInverse(uint32_t base, uint64_t a, uint64_t seed) {
     return ToUnitInterval(value);
 }
 
-DigitPermutations::DigitPermutations(int dimensions, uint64_t seed) {
-    PBRT_CHECK(dimensions >= 0 && dimensions <= PrimeCount);
-    for (int d = 0; d < dimensions; ++d) {
+Float AffineRadicalInverse(uint32_t base, uint64_t a, uint32_t multiplier, uint64_t seed) {
+    double scale = 1 / double(base), weight = scale, value = 0;
+    const int digits = DigitsOf(base);
+    for (int k = 0; k < digits; ++k) {
+        value += double(AffineDigit(static_cast<uint32_t>(a % base), base, multiplier, k, seed)) * weight;
+        weight *= scale;
+        a /= base;
+    }
+    return ToUnitInterval(value);
+}
+
+DigitPermutations::DigitPermutations(std::span<const uint32_t> multipliers, uint64_t seed) {
+    PBRT_CHECK(multipliers.size() <= size_t(PrimeCount));
+    for (size_t d = 0; d < multipliers.size(); ++d) {
         Base b;
-        b.base = Primes[static_cast<size_t>(d)];
+        b.base = Primes[d];
+        PBRT_CHECK(multipliers[d] > 0 && multipliers[d] < b.base);
         b.digits = DigitsOf(b.base);
         b.first = permutations_.size();
         b.firstTail = tails_.size();
-        uint64_t baseSeed = SeedOf(seed, d);
+        const uint64_t baseSeed = SeedOf(seed, static_cast<int>(d));
         for (int k = 0; k < b.digits; ++k)
             for (uint32_t digit = 0; digit < b.base; ++digit)
-                permutations_.push_back(static_cast<uint16_t>(PermuteDigit(digit, b.base, k, baseSeed)));
+                permutations_.push_back(static_cast<uint16_t>(AffineDigit(digit, b.base, multipliers[d], k, baseSeed)));
         tails_.resize(b.firstTail + static_cast<size_t>(b.digits) + 1, 0);
         for (int k = b.digits - 1; k >= 0; --k) {
             size_t at = b.firstTail + static_cast<size_t>(k);

@@ -2,6 +2,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pbrt/math/rng.h"
@@ -72,11 +73,15 @@ Float PermutedRadicalInverse(uint32_t base, uint64_t a, uint64_t seed);
 /// Owen scrambling: the permutation of a digit depends also on all digits before it.
 Float OwenScrambledRadicalInverse(uint32_t base, uint64_t a, uint64_t seed);
 
-/// PermutedRadicalInverse for the first prime bases with the permutations in tables: same values, quicker.
+/// Radical inverse whose k-th digit d becomes multiplier * d + r_k modulo `base`, with a random r_k for every digit; so
+/// do the zeros that follow the last digit of a, down to 2^-32. 0 < multiplier < base, and base is prime.
+Float AffineRadicalInverse(uint32_t base, uint64_t a, uint32_t multiplier, uint64_t seed);
+
+/// AffineRadicalInverse for the first prime bases with the permutations in tables: same values, quicker.
 class DigitPermutations {
   public:
-    /// Bases Primes[0] ... Primes[dimensions - 1]; dimension d uses SeedOf(seed, d).
-    DigitPermutations(int dimensions, uint64_t seed);
+    /// Dimension d has the base Primes[d], multipliers[d] and the seed SeedOf(seed, d).
+    DigitPermutations(std::span<const uint32_t> multipliers, uint64_t seed);
     static uint64_t SeedOf(uint64_t seed, int dimension) { return Hash(seed, dimension); }
     int Dimensions() const { return static_cast<int>(bases_.size()); }
     Float RadicalInverse(int dimension, uint64_t a) const;

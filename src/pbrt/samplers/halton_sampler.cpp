@@ -4,6 +4,12 @@ namespace pbrt {
 
 namespace {
 
+/// Steps from sample to sample of a pixel in the first digit of each dimension, see HaltonSampler::Step.
+constexpr std::array<uint16_t, HaltonSampler::StepCount> kSteps = {
+    1, 1, 2, 3, 3, 3, 3, 6, 3, 6, 13, 10, 16, 10, 15, 5, 28, 26, 18, 28, 17, 28, 9, 43, 42, 15, 32, 25, 39, 11,
+    61, 35, 20, 55, 34, 52, 15, 77, 46, 28, 71, 41, 66, 19, 93, 54, 34, 90, 52, 79, 23, 113, 66, 40, 104, 60,
+    93, 28, 131, 77, 43, 119, 70, 107};
+
 /// x < modulus with a * x = 1 (mod modulus); 0 if modulus is 1.
 uint64_t InverseModulo(uint64_t a, uint64_t modulus) {
     for (uint64_t x = 1; x < modulus; ++x)
@@ -17,8 +23,6 @@ int Wrap(int v, int n) { return (v % n + n) % n; }
 
 HaltonSampler::HaltonSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed)
     : samplesPerPixel_(samplesPerPixel), randomization_(randomization), seed_(Hash(seed)) {
-    if (randomization == Randomization::PermuteDigits)
-        permutations_ = std::make_shared<const DigitPermutations>(kTabulated, seed_);
     for (int axis = 0; axis < 2; ++axis) {
         int base = axis == 0 ? 2 : 3;
         while (scale_[axis] < std::min(resolution[axis], kTile)) {
@@ -30,6 +34,13 @@ HaltonSampler::HaltonSampler(int samplesPerPixel, Point2i resolution, Randomizat
     stride_ = sx * sy;
     xStep_ = sy * InverseModulo(sy, sx);
     yStep_ = sx * InverseModulo(sx, sy);
+    if (randomization == Randomization::PermuteDigits) {
+        // The permutations of dimensions 0 and 1 are not used. No other base divides the stride.
+        std::array<uint32_t, kSteps.size()> multipliers{1, 1};
+        for (size_t d = 2; d < kSteps.size(); ++d)
+            multipliers[d] = static_cast<uint32_t>(kSteps[d] * InverseModulo(stride_ % Primes[d], Primes[d]) % Primes[d]);
+        permutations_ = std::make_shared<const DigitPermutations>(multipliers, seed_);
+    }
 }
 
 void HaltonSampler::StartPixelSample(Point2i pixel, int sampleIndex, int dimension) {
@@ -47,13 +58,15 @@ Point2 HaltonSampler::GetPixel2D() {
             RadicalInverse(3, index_ / static_cast<uint64_t>(scale_.y))};
 }
 
+int HaltonSampler::Step(int dimension) { return kSteps[static_cast<size_t>(dimension)]; }
+
 Float HaltonSampler::Dimension(int dimension) const {
     if (dimension >= PrimeCount) return HashFloat(index_, dimension, seed_);
     uint32_t base = Primes[static_cast<size_t>(dimension)];
     switch (randomization_) {
     case Randomization::None: return RadicalInverse(base, index_);
     case Randomization::PermuteDigits:
-        if (dimension < kTabulated) return permutations_->RadicalInverse(dimension, index_);
+        if (dimension < StepCount) return permutations_->RadicalInverse(dimension, index_);
         return PermutedRadicalInverse(base, index_, DigitPermutations::SeedOf(seed_, dimension));
     default: return OwenScrambledRadicalInverse(base, index_, DigitPermutations::SeedOf(seed_, dimension));
     }

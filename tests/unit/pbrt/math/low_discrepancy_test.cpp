@@ -107,6 +107,8 @@ TEST(RadicalInverse, ScramblingsKeepTheStratification) {
                     IsStratified(base, k, 3 * n, [&](uint64_t a) { return PermutedRadicalInverse(base, a, seed); }));
                 EXPECT_TRUE(IsStratified(base, k, 3 * n,
                                          [&](uint64_t a) { return OwenScrambledRadicalInverse(base, a, seed); }));
+                EXPECT_TRUE(IsStratified(base, k, 3 * n,
+                                         [&](uint64_t a) { return AffineRadicalInverse(base, a, base / 2, seed); }));
             }
 }
 
@@ -115,15 +117,18 @@ TEST(RadicalInverse, ScrambledPointsAreUniformOverSeeds) {
     std::vector<double> expected(kCells, double(kSeeds) / kCells);
     for (uint32_t base : {2u, 5u, 7u, 101u})
         for (uint64_t a : {0ull, 1ull, 12345678ull}) {
-            std::vector<double> permuted(kCells, 0), owen(kCells, 0);
+            std::vector<double> permuted(kCells, 0), owen(kCells, 0), affine(kCells, 0);
             for (int s = 0; s < kSeeds; ++s) {
                 Float p = PermutedRadicalInverse(base, a, MixBits(static_cast<uint64_t>(s)));
                 Float o = OwenScrambledRadicalInverse(base, a, MixBits(static_cast<uint64_t>(s)));
-                ASSERT_TRUE(p >= 0 && p < 1 && o >= 0 && o < 1);
+                Float q = AffineRadicalInverse(base, a, base - 1, MixBits(static_cast<uint64_t>(s)));
+                ASSERT_TRUE(p >= 0 && p < 1 && o >= 0 && o < 1 && q >= 0 && q < 1);
+                ++affine[static_cast<size_t>(q * kCells)];
                 ++permuted[static_cast<size_t>(p * kCells)];
                 ++owen[static_cast<size_t>(o * kCells)];
             }
-            double alpha = test::SidakAlpha(1e-3, 24);
+            double alpha = test::SidakAlpha(1e-3, 36);
+            EXPECT_GT(test::ChiSquareTest(affine, expected), alpha) << base << " " << a;
             EXPECT_GT(test::ChiSquareTest(permuted, expected), alpha) << base << " " << a;
             EXPECT_GT(test::ChiSquareTest(owen, expected), alpha) << base << " " << a;
         }
@@ -144,12 +149,15 @@ TEST(RadicalInverse, OwenChoosesTheSecondDigitByTheFirst) {
 }
 
 TEST(DigitPermutations, TablesEqualTheSlowTwin) {
-    DigitPermutations tables(40, 5);
+    std::vector<uint32_t> multipliers(40);
+    for (size_t d = 0; d < multipliers.size(); ++d) multipliers[d] = 1 + static_cast<uint32_t>(Hash(d) % (Primes[d] - 1));
+    DigitPermutations tables(multipliers, 5);
     Rng rng(2);
     for (int d = 0; d < tables.Dimensions(); ++d)
         for (int i = 0; i < 50; ++i) {
             uint64_t a = i < 5 ? static_cast<uint64_t>(i) : uint64_t(rng.Next()) << (i % 20);
-            Float slow = PermutedRadicalInverse(Primes[static_cast<size_t>(d)], a, DigitPermutations::SeedOf(5, d));
+            const auto dimension = static_cast<size_t>(d);
+            Float slow = AffineRadicalInverse(Primes[dimension], a, multipliers[dimension], DigitPermutations::SeedOf(5, d));
             EXPECT_NEAR(tables.RadicalInverse(d, a), slow, 1.2e-7f) << d << " " << a;
         }
 }

@@ -37,8 +37,10 @@ HaltonSampler::HaltonSampler(int samplesPerPixel, Point2i resolution, Randomizat
     if (randomization == Randomization::PermuteDigits) {
         // The permutations of dimensions 0 and 1 are not used. No other base divides the stride.
         std::array<uint32_t, kSteps.size()> multipliers{1, 1};
-        for (size_t d = 2; d < kSteps.size(); ++d)
-            multipliers[d] = static_cast<uint32_t>(kSteps[d] * InverseModulo(stride_ % Primes[d], Primes[d]) % Primes[d]);
+        for (size_t d = 2; d < kSteps.size(); ++d) {
+            const uint64_t base = Primes[d];
+            multipliers[d] = static_cast<uint32_t>(kSteps[d] * InverseModulo(stride_ % base, base) % base);
+        }
         permutations_ = std::make_shared<const DigitPermutations>(multipliers, seed_);
     }
 }

@@ -24,8 +24,8 @@ class HaltonSampler final : public Sampler {
     uint64_t Index() const { return index_; }
     Point2i TileScale() const { return scale_; }
 
-    /// With permuted digits the first dimensions, those of the film aside, have affine permutations: they keep what a
-    /// random permutation of a large base loses, that the few samples of a pixel spread over the whole interval. From one
+    /// With permuted digits the first dimensions, those of the film aside, have affine permutations: in a large base
+    /// they keep the few samples of a pixel spread over the whole interval, as random permutations do not. From one
     /// sample of a pixel to the next the first digit goes on by Step(dimension), modulo the base. Only the shifts are
     /// random. Later dimensions have random permutations.
     static constexpr int StepCount = 64;

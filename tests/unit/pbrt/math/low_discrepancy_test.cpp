@@ -150,14 +150,16 @@ TEST(RadicalInverse, OwenChoosesTheSecondDigitByTheFirst) {
 
 TEST(DigitPermutations, TablesEqualTheSlowTwin) {
     std::vector<uint32_t> multipliers(40);
-    for (size_t d = 0; d < multipliers.size(); ++d) multipliers[d] = 1 + static_cast<uint32_t>(Hash(d) % (Primes[d] - 1));
+    for (size_t d = 0; d < multipliers.size(); ++d)
+        multipliers[d] = 1 + static_cast<uint32_t>(Hash(d) % (Primes[d] - 1));
     DigitPermutations tables(multipliers, 5);
     Rng rng(2);
     for (int d = 0; d < tables.Dimensions(); ++d)
         for (int i = 0; i < 50; ++i) {
             uint64_t a = i < 5 ? static_cast<uint64_t>(i) : uint64_t(rng.Next()) << (i % 20);
             const auto dimension = static_cast<size_t>(d);
-            Float slow = AffineRadicalInverse(Primes[dimension], a, multipliers[dimension], DigitPermutations::SeedOf(5, d));
+            Float slow =
+                AffineRadicalInverse(Primes[dimension], a, multipliers[dimension], DigitPermutations::SeedOf(5, d));
             EXPECT_NEAR(tables.RadicalInverse(d, a), slow, 1.2e-7f) << d << " " << a;
         }
 }

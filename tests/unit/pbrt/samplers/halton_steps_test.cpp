@@ -24,8 +24,8 @@ uint32_t MultiplierFor(int dimension, uint32_t step) {
 
 // ---- Where the steps come from
 
-/// The steps are chosen one after the other, each the best beside those before. The measure is the mean squared error of
-/// the mean of n samples over the functions of a reproducing kernel space: the sum of a product kernel over all pairs.
+/// The steps are chosen one after the other, each the best beside those before. The measure is the mean squared error
+/// of the mean of n samples over the functions of a reproducing kernel space: the sum of a product kernel over all pairs.
 /// It has the last six dimensions and, as long as they matter, the two of the film. The logarithms for all
 /// n = 4, 8, ... 64 are added: a share gained counts the same for few samples and for many.
 class StepSearch {
@@ -47,7 +47,9 @@ class StepSearch {
         for (uint32_t step = 1; step <= BaseOf(d) / 2; ++step) costs.push_back(CostOf(KernelOf(d, step)));
         return costs;
     }
-    void Choose(int step) { kernels_.push_back(KernelOf(static_cast<int>(kernels_.size()), static_cast<uint32_t>(step))); }
+    void Choose(int step) {
+        kernels_.push_back(KernelOf(static_cast<int>(kernels_.size()), static_cast<uint32_t>(step)));
+    }
 
   private:
     static constexpr int kSamples = 64;
@@ -151,8 +153,8 @@ struct VertexNumbers {
     Point2 direction;
 };
 
-/// A plane of directions with four disks of light of the same power, each a tenth to seven tenths of the lobe wide, seen
-/// in a glossy lobe: one is chosen and sampled, the lobe is sampled, and the power heuristic combines both.
+/// A plane of directions with four disks of light of different size and the same power, seen in a glossy lobe: one disk
+/// is chosen and sampled, the lobe is sampled, and the power heuristic combines both.
 class Plates {
   public:
     explicit Plates(Float width) : width_(width) {}
@@ -176,7 +178,8 @@ class Plates {
         Point2 centre;
         Float radius;
     };
-    static constexpr Disk kDisks[4] = {{{-1.2f, 0.3f}, 0.1f}, {{-0.2f, 0.5f}, 0.2f}, {{0.6f, -0.6f}, 0.4f}, {{2, 0.8f}, 0.7f}};
+    static constexpr Disk kDisks[4] = {
+        {{-1.2f, 0.3f}, 0.1f}, {{-0.2f, 0.5f}, 0.2f}, {{0.6f, -0.6f}, 0.4f}, {{2, 0.8f}, 0.7f}};
 
     static Float Distance2(const Point2 &a, const Point2 &b) { return Sqr(a.x - b.x) + Sqr(a.y - b.y); }
     static Float Density(const Disk &disk) { return 1 / (4 * Pi * Sqr(disk.radius)); }

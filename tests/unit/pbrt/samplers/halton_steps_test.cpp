@@ -25,7 +25,8 @@ uint32_t MultiplierFor(int dimension, uint32_t step) {
 // ---- Where the steps come from
 
 /// The steps are chosen one after the other, each the best beside those before. The measure is the mean squared error
-/// of the mean of n samples over the functions of a reproducing kernel space: the sum of a product kernel over all pairs.
+/// of the mean of n samples over the functions of a reproducing kernel space: the sum of a product kernel over all
+/// pairs.
 /// It has the last six dimensions and, as long as they matter, the two of the film. The logarithms for all
 /// n = 4, 8, ... 64 are added: a share gained counts the same for few samples and for many.
 class StepSearch {

@@ -8,7 +8,7 @@
 namespace pbrt {
 namespace {
 
-struct Setup {
+struct Wrong {
     std::string type;
     std::vector<std::pair<std::string, Float>> values;
     std::string name;
@@ -25,7 +25,7 @@ ParamSet MakeParams(const std::vector<std::pair<std::string, Float>> &values) {
     return params;
 }
 
-class FilterTest : public ::testing::TestWithParam<Setup> {
+class FilterTest : public ::testing::TestWithParam<Wrong> {
   protected:
     FilterTest() : filter_(MakeFilter(GetParam().type, MakeParams(GetParam().values))) {}
     /// Calls f(position, area) for a fine grid over the support.
@@ -141,15 +141,15 @@ TEST_P(FilterTest, ZeroOutsideTheRadius) {
 // Defaults, and the radii of the conformance scenes.
 INSTANTIATE_TEST_SUITE_P(
     All, FilterTest,
-    ::testing::Values(Setup{"box", {}, "box"}, Setup{"box", {{"xradius", 1.3f}, {"yradius", 0.8f}}, "box_wide"},
-                      Setup{"gaussian", {}, "gaussian"},
-                      Setup{"gaussian", {{"xradius", 2.2f}, {"yradius", 1.6f}, {"sigma", 0.8f}}, "gaussian_wide"},
-                      Setup{"mitchell", {}, "mitchell"},
-                      Setup{"mitchell", {{"xradius", 2.5f}, {"B", 0.2f}, {"C", 0.5f}}, "mitchell_sharp"},
-                      Setup{"sinc", {}, "sinc"},
-                      Setup{"sinc", {{"xradius", 3}, {"yradius", 3.5f}, {"tau", 2.5f}}, "sinc_narrow"},
-                      Setup{"triangle", {}, "triangle"},
-                      Setup{"triangle", {{"xradius", 1.5f}, {"yradius", 2.4f}}, "triangle_tall"}),
+    ::testing::Values(Wrong{"box", {}, "box"}, Wrong{"box", {{"xradius", 1.3f}, {"yradius", 0.8f}}, "box_wide"},
+                      Wrong{"gaussian", {}, "gaussian"},
+                      Wrong{"gaussian", {{"xradius", 2.2f}, {"yradius", 1.6f}, {"sigma", 0.8f}}, "gaussian_wide"},
+                      Wrong{"mitchell", {}, "mitchell"},
+                      Wrong{"mitchell", {{"xradius", 2.5f}, {"B", 0.2f}, {"C", 0.5f}}, "mitchell_sharp"},
+                      Wrong{"sinc", {}, "sinc"},
+                      Wrong{"sinc", {{"xradius", 3}, {"yradius", 3.5f}, {"tau", 2.5f}}, "sinc_narrow"},
+                      Wrong{"triangle", {}, "triangle"},
+                      Wrong{"triangle", {{"xradius", 1.5f}, {"yradius", 2.4f}}, "triangle_tall"}),
     [](const auto &setup) { return setup.param.name; });
 
 TEST(Filter, PositiveFiltersHaveUnitWeights) {
@@ -189,14 +189,14 @@ TEST(Filter, BadParametersAreErrors) {
 }
 
 TEST(Filter, NumbersOutsideTheirRangesAreErrors) {
-    const std::vector<Setup> bad = {{"box", {{"yradius", 1e38f}}, "yradius"},
+    const std::vector<Wrong> bad = {{"box", {{"yradius", 1e38f}}, "yradius"},
                                     {"triangle", {{"xradius", 1001}}, "xradius"},
                                     {"gaussian", {{"xradius", 1e9f}}, "xradius"},
                                     {"gaussian", {{"sigma", 1e30f}}, "sigma"},
                                     {"mitchell", {{"B", 1e30f}}, "B"},
                                     {"mitchell", {{"C", -1e30f}}, "C"},
                                     {"sinc", {{"tau", 1e30f}}, "tau"}};
-    for (const Setup &s : bad) {
+    for (const Wrong &s : bad) {
         try {
             MakeFilter(s.type, MakeParams(s.values));
             ADD_FAILURE() << s.name;

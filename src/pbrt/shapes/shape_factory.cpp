@@ -121,7 +121,12 @@ std::shared_ptr<const PiecewiseConstant2D> EmissionDensity(const Request &r, con
             f.push_back(cell);
             sum += cell;
         }
-    if (sum > 0) return std::make_shared<PiecewiseConstant2D>(f, n.x, n.y);
+    if (sum > 0) {
+        // A hundredth goes everywhere: the light may shine where this image is black.
+        const Float everywhere = sum / static_cast<Float>(f.size()) / 100;
+        for (Float &cell : f) cell += everywhere;
+        return std::make_shared<PiecewiseConstant2D>(f, n.x, n.y);
+    }
     r.sink.Warning(r.params.LocOf("emissionfilename"),
                    fmt::format("{}: {} is black; it is ignored.", r.params.What(), filename));
     return nullptr;

@@ -116,6 +116,8 @@ std::vector<EmitterKind> EmitterKinds() {
     add("rectangle, image", kImage + kDownwards + Shape("bilinearmesh", kRectangle));
     add("rectangle, image sampled",
         kImage + kDownwards + Shape("bilinearmesh", kRectangle + "\"string emissionfilename\" \"" + kPanel + "\""));
+    add("rectangle, another image sampled",
+        kTwoSided + kDownwards + Shape("bilinearmesh", kRectangle + "\"string emissionfilename\" \"" + kPanel + "\""));
     add("trapezoid, reversed", kReverse + kOneSided + "Rotate 180 0 1 0\n" + kDownwards + Shape("bilinearmesh", kTrapezoid));
     add("saddle, two-sided", kTwoSided + kDownwards + Shape("bilinearmesh", kSaddle));
     add("saddle, mirrored", kOneSided + kDownwards + "Scale 1 1 -1\n" + Shape("bilinearmesh", kSaddle));

@@ -134,7 +134,9 @@ TEST_F(ShapeFactory, EmissionImagesSayWhereOnAPatchToSample) {
         inside += s->p.x > 0.25f && s->p.x < 0.5f && s->p.y < 0.5f;
         near += s->p.x < 0.75f;
     }
-    EXPECT_EQ(near, kSamples);
+    // A hundredth goes everywhere, where the light may shine though this image is black.
+    EXPECT_NEAR(near / double(kSamples), 0.99 + 0.01 * 0.75, 3e-3);
+    EXPECT_LT(near, kSamples);
     // Clamped at the lower edge: the row keeps 7/8 of what it is given, the column 3/4.
     EXPECT_NEAR(inside / double(kSamples), 0.75 * 7 / 8, 0.03);
     image.Set({1, 1}, 1, 0);

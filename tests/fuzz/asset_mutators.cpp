@@ -31,21 +31,31 @@ void ReplaceWord(std::string &text, size_t end, const std::vector<std::string> &
 }
 
 void MutatePly(std::string &bytes, Dice &dice) {
-    static const std::vector<std::string> kWords = {
-        "ascii", "binary_little_endian", "binary_big_endian", "char", "uchar", "short", "ushort", "int", "uint", "float", "double", "list",
-        "int8", "float64", "vertex", "face", "vertex_indices", "x", "y", "z", "nx", "u", "v", "s", "red", "property", "element", "1.0"};
+    static const std::vector<std::string> kWords = WordsOf(
+        "ascii binary_little_endian binary_big_endian char uchar short ushort int uint float double list int8 "
+        "float64 vertex face vertex_indices x y z nx u v s red property element 1.0");
     const size_t header = TextHeaderSize(bytes, "end_header\n");
     const bool isText = bytes.find("format ascii") != std::string::npos;
     switch (dice.Below(5)) {
-    case 0: MutateNumberInText(bytes, 0, header, dice); break;
-    case 1: ReplaceWord(bytes, header, kWords, dice); break;
-    case 2: MutateLines(bytes, 0, header, dice); break;
-    case 3:
-        if (!isText) MutateBytes(bytes, header, dice);
-        else if (dice.OneIn(2)) MutateNumberInText(bytes, header, bytes.size(), dice);
-        else MutateLines(bytes, header, bytes.size(), dice);
-        break;
-    default: MutateBytes(bytes, header, dice);
+        case 0:
+            MutateNumberInText(bytes, 0, header, dice);
+            break;
+        case 1:
+            ReplaceWord(bytes, header, kWords, dice);
+            break;
+        case 2:
+            MutateLines(bytes, 0, header, dice);
+            break;
+        case 3:
+            if (!isText)
+                MutateBytes(bytes, header, dice);
+            else if (dice.OneIn(2))
+                MutateNumberInText(bytes, header, bytes.size(), dice);
+            else
+                MutateLines(bytes, header, bytes.size(), dice);
+            break;
+        default:
+            MutateBytes(bytes, header, dice);
     }
 }
 
@@ -77,16 +87,22 @@ void MutateExrAttribute(std::string &bytes, Dice &dice) {
         bytes.replace(at, std::min({word.size(), end - at, bytes.size() - at}), word.substr(0, end - at));
     };
     switch (dice.Below(8)) {
-    case 0: overwrite(a.size, a.value); break;
-    case 1: bytes.erase(a.name, a.end - a.name); break;
-    case 2: bytes.insert(a.name, bytes.substr(a.name, a.end - a.name)); break;
-    case 3: {
-        const Attribute &b = dice.Pick(attributes);
-        bytes.replace(a.type, a.size - a.type, bytes.substr(b.type, b.size - b.type));
-        break;
-    }
-    default:
-        if (a.end > a.value) overwrite(a.value + dice.Below(a.end - a.value), a.end);
+        case 0:
+            overwrite(a.size, a.value);
+            break;
+        case 1:
+            bytes.erase(a.name, a.end - a.name);
+            break;
+        case 2:
+            bytes.insert(a.name, bytes.substr(a.name, a.end - a.name));
+            break;
+        case 3: {
+            const Attribute &b = dice.Pick(attributes);
+            bytes.replace(a.type, a.size - a.type, bytes.substr(b.type, b.size - b.type));
+            break;
+        }
+        default:
+            if (a.end > a.value) overwrite(a.value + dice.Below(a.end - a.value), a.end);
     }
 }
 
@@ -110,22 +126,28 @@ void MutatePngChunk(std::string &bytes, Dice &dice) {
     if (chunks.empty()) return MutateBytes(bytes, 64, dice);
     const size_t i = dice.OneIn(2) ? 0 : dice.Below(chunks.size());
     switch (dice.Below(7)) {
-    case 0: chunks.erase(chunks.begin() + static_cast<std::ptrdiff_t>(i)); break;
-    case 1: chunks.insert(chunks.begin() + static_cast<std::ptrdiff_t>(dice.Below(chunks.size())), Chunk(chunks[i])); break;
-    case 2: {
-        static const std::vector<std::string> kTypes = {"PLTE", "tRNS", "gAMA", "cHRM", "iCCP", "sBIT", "bKGD", "pHYs", "tIME", "sRGB", "IDAT", "zTXt"};
-        std::string data(dice.Below(40), '\0');
-        for (char &c : data) c = static_cast<char>(dice.Next());
-        chunks.insert(chunks.begin() + static_cast<std::ptrdiff_t>(std::min<size_t>(1, i)), {dice.Pick(kTypes), data});
-        break;
-    }
-    default: {
-        std::string &data = chunks[i].data;
-        if (data.empty()) break;
-        const std::string word = ExtremeWord(dice);
-        const size_t at = dice.Below(data.size());
-        data.replace(at, std::min(word.size(), data.size() - at), word);
-    }
+        case 0:
+            chunks.erase(chunks.begin() + static_cast<std::ptrdiff_t>(i));
+            break;
+        case 1:
+            chunks.insert(chunks.begin() + static_cast<std::ptrdiff_t>(dice.Below(chunks.size())), Chunk(chunks[i]));
+            break;
+        case 2: {
+            static const std::vector<std::string> kTypes =
+                WordsOf("PLTE tRNS gAMA cHRM iCCP sBIT bKGD pHYs tIME sRGB IDAT zTXt");
+            std::string data(dice.Below(40), '\0');
+            for (char &c : data) c = static_cast<char>(dice.Next());
+            chunks.insert(chunks.begin() + static_cast<std::ptrdiff_t>(std::min<size_t>(1, i)),
+                          {dice.Pick(kTypes), data});
+            break;
+        }
+        default: {
+            std::string &data = chunks[i].data;
+            if (data.empty()) break;
+            const std::string word = ExtremeWord(dice);
+            const size_t at = dice.Below(data.size());
+            data.replace(at, std::min(word.size(), data.size() - at), word);
+        }
     }
     auto put = [](std::string &out, uint32_t v) {
         for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>(v >> shift);
@@ -135,7 +157,8 @@ void MutatePngChunk(std::string &bytes, Dice &dice) {
         put(out, static_cast<uint32_t>(c.data.size()));
         const std::string body = c.type + c.data;
         out += body;
-        put(out, static_cast<uint32_t>(crc32(0, reinterpret_cast<const Bytef *>(body.data()), static_cast<uInt>(body.size()))));
+        put(out, static_cast<uint32_t>(
+                     crc32(0, reinterpret_cast<const Bytef *>(body.data()), static_cast<uInt>(body.size()))));
     }
     bytes = std::move(out);
 }
@@ -143,18 +166,28 @@ void MutatePngChunk(std::string &bytes, Dice &dice) {
 void MutateGzip(CaseFile &asset, Dice &dice) {
     CaseFile inner{asset.name.substr(0, asset.name.size() - 3), Uncompress(asset.bytes)};
     switch (dice.Below(8)) {
-    case 0: MutateBytes(asset.bytes, 10, dice); break;
-    case 1: asset.bytes.resize(dice.Below(asset.bytes.size())); break;
-    case 2: asset.bytes += asset.bytes; break;
-    case 3: asset.bytes += "what follows the end"; break;
-    case 4:
-        // Little that becomes much.
-        if (dice.OneIn(100)) asset.bytes = Compress(inner.bytes + std::string(size_t(64) << 20, ' '));
-        else asset.bytes = Compress(Compress(inner.bytes));
-        break;
-    default:
-        MutateAsset(inner, dice);
-        asset.bytes = Compress(inner.bytes);
+        case 0:
+            MutateBytes(asset.bytes, 10, dice);
+            break;
+        case 1:
+            asset.bytes.resize(dice.Below(asset.bytes.size()));
+            break;
+        case 2:
+            asset.bytes += asset.bytes;
+            break;
+        case 3:
+            asset.bytes += "what follows the end";
+            break;
+        case 4:
+            // Little that becomes much.
+            if (dice.OneIn(100))
+                asset.bytes = Compress(inner.bytes + std::string(size_t(64) << 20, ' '));
+            else
+                asset.bytes = Compress(Compress(inner.bytes));
+            break;
+        default:
+            MutateAsset(inner, dice);
+            asset.bytes = Compress(inner.bytes);
     }
 }
 
@@ -183,16 +216,24 @@ void MutateAsset(CaseFile &asset, Dice &dice) {
     if (kind.starts_with("ply")) return MutatePly(bytes, dice);
     if (kind == "include") return MutateSceneText(bytes, dice);
     if (kind == "lens" || kind == "spectrum") {
-        if (dice.OneIn(2)) MutateNumberInText(bytes, 0, bytes.size(), dice);
-        else if (dice.OneIn(2)) MutateLines(bytes, 0, bytes.size(), dice);
-        else MutateBytes(bytes, bytes.size(), dice);
+        if (dice.OneIn(2))
+            MutateNumberInText(bytes, 0, bytes.size(), dice);
+        else if (dice.OneIn(2))
+            MutateLines(bytes, 0, bytes.size(), dice);
+        else
+            MutateBytes(bytes, bytes.size(), dice);
         return;
     }
     if (kind == "exr" && !dice.OneIn(3)) return MutateExrAttribute(bytes, dice);
     if (kind == "png" && !dice.OneIn(3)) return MutatePngChunk(bytes, dice);
-    const size_t head = kind == "pfm" ? TextHeaderSize(bytes, "1.0\n") : kind == "hdr" ? TextHeaderSize(bytes, "+X 8\n") : kind == "tga" ? 18 : 200;
-    if ((kind == "pfm" || kind == "hdr") && dice.OneIn(2)) MutateNumberInText(bytes, 0, std::min(head, bytes.size()), dice);
-    else MutateBytes(bytes, head, dice);
+    const size_t head = kind == "pfm"   ? TextHeaderSize(bytes, "1.0\n")
+                        : kind == "hdr" ? TextHeaderSize(bytes, "+X 8\n")
+                        : kind == "tga" ? 18
+                                        : 200;
+    if ((kind == "pfm" || kind == "hdr") && dice.OneIn(2))
+        MutateNumberInText(bytes, 0, std::min(head, bytes.size()), dice);
+    else
+        MutateBytes(bytes, head, dice);
 }
 
 }  // namespace pbrt::fuzz

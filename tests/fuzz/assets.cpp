@@ -58,7 +58,8 @@ std::string OtherExr(const std::string &folder, Imf::Compression compression, bo
     Imf::Header header(kSize, kSize);
     header.compression() = compression;
     Imf::FrameBuffer buffer;
-    char *pixels = type == Imf::HALF ? reinterpret_cast<char *>(halves.data()) : reinterpret_cast<char *>(floats.data());
+    char *pixels =
+        type == Imf::HALF ? reinterpret_cast<char *>(halves.data()) : reinterpret_cast<char *>(floats.data());
     const size_t bytes = type == Imf::HALF ? 2 : 4;
     for (int c = 0; c < 3; ++c) {
         const std::string name(1, "RGB"[c]);
@@ -104,7 +105,9 @@ std::string Targa(bool runLength) {
 /// A sheet of 3 x 3 vertices with two quads, three triangles and a face of five corners.
 enum class PlyKind { Ascii, Little, Big };
 std::string Ply(PlyKind kind) {
-    std::string format = kind == PlyKind::Ascii ? "ascii" : kind == PlyKind::Little ? "binary_little_endian" : "binary_big_endian";
+    std::string format = kind == PlyKind::Ascii    ? "ascii"
+                         : kind == PlyKind::Little ? "binary_little_endian"
+                                                   : "binary_big_endian";
     std::string out = fmt::format("ply\nformat {} 1.0\ncomment made for tests\nelement vertex 9\n", format);
     for (const char *name : {"x", "y", "z", "nx", "ny", "nz"}) out += fmt::format("property float {}\n", name);
     out += "property double u\nproperty double v\nproperty uchar red\n";
@@ -119,16 +122,21 @@ std::string Ply(PlyKind kind) {
         if (kind == PlyKind::Big) std::reverse(raw.begin(), raw.end());
         out.append(raw.data(), raw.size());
     };
-    auto line = [&] { if (kind == PlyKind::Ascii) out += '\n'; };
+    auto line = [&] {
+        if (kind == PlyKind::Ascii) out += '\n';
+    };
     for (int y = 0; y < 3; ++y)
         for (int x = 0; x < 3; ++x) {
-            for (float v : {static_cast<float>(x) / 2, static_cast<float>(y) / 2, 0.1f * static_cast<float>(x * y), 0.f, 0.f, -1.f}) put(v);
+            for (float v : {static_cast<float>(x) / 2, static_cast<float>(y) / 2, 0.1f * static_cast<float>(x * y), 0.f,
+                            0.f, -1.f})
+                put(v);
             put(static_cast<double>(x) / 2);
             put(static_cast<double>(y) / 2);
             put(static_cast<uint8_t>(200));
             line();
         }
-    const std::vector<std::vector<int>> faces = {{0, 1, 4, 3}, {1, 2, 5, 4}, {3, 4, 6}, {4, 7, 6}, {4, 5, 7}, {4, 5, 8, 7, 6}};
+    const std::vector<std::vector<int>> faces = {{0, 1, 4, 3}, {1, 2, 5, 4}, {3, 4, 6},
+                                                 {4, 7, 6},    {4, 5, 7},    {4, 5, 8, 7, 6}};
     for (size_t f = 0; f < faces.size(); ++f) {
         put(static_cast<uint8_t>(faces[f].size()));
         for (int v : faces[f]) put(static_cast<int32_t>(v));
@@ -233,10 +241,12 @@ std::vector<CaseFile> MakeAssets(const std::string &folder) {
         {"plain.tga", Targa(false)},
         {"packed.tga", Targa(true)},
         {"tables.bsdf", MeasuredBsdf()},
-        {"lens.dat", "# radius thickness index diameter (mm)\n22 4 1.6 20\n-40 3 1 20\n0 3 0 12\n40 4 1.6 20\n-22 30 1 20\n"},
+        {"lens.dat",
+         "# radius thickness index diameter (mm)\n22 4 1.6 20\n-40 3 1 20\n0 3 0 12\n40 4 1.6 20\n-22 30 1 20\n"},
         {"curve.spd", "# nm value\n380 0.2\n450.5 0.4\n550 0.7\n650 3e-1\n760 .1\n"},
         {"part.pbrt", "Material \"diffuse\" \"rgb reflectance\" [ .2 .4 .3 ]\nShape \"sphere\" \"float radius\" .4\n"},
-        {"part.pbrt.gz", Compress("AttributeBegin\n  Translate 0 .1 .2\n  Shape \"disk\" \"float radius\" .3\nAttributeEnd\n")}};
+        {"part.pbrt.gz",
+         Compress("AttributeBegin\n  Translate 0 .1 .2\n  Shape \"disk\" \"float radius\" .3\nAttributeEnd\n")}};
 }
 
 }  // namespace pbrt::fuzz

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "fuzz/asset_mutators.h"
+#include "fuzz/byte_mutators.h"
 
 namespace pbrt::fuzz {
 
@@ -40,22 +41,22 @@ void CaseMaker::AddArguments(FuzzCase &made, Dice &dice) const {
     if (!dice.OneIn(12)) a.push_back("--pixelbounds=2,8,1,6");
     if (!dice.OneIn(12)) a.push_back("--spp=1");
     if (!dice.OneIn(12)) a.push_back("--maxdepth=3");
-    static const std::vector<std::string> kRare = {
-        "--lightsampler=uniform", "--lightsampler=power", "--lightsampler=bvh", "--lightsampler=exhaustive", "--lightsampler=octree",
-        "--lightsampler=octree:model=paper", "--lightsampler=spatial:voxels=2,samples=2", "--lightsampler=neepp:voxels=2,samples=2",
-        "--lightsampler=oracle:samples=1", "--shadow-gate=neepp:voxels=2,samples=2", "--mesh-lights", "--integrator=path",
-        "--integrator=volpath", "--integrator=simplepath", "--integrator=ambientocclusion", "--integrator=randomwalk",
-        "--force-diffuse", "--render-coord-sys=world", "--render-coord-sys=camera", "--texture-cache-mb=1", "--write-partial-images",
-        "--disable-pixel-jitter", "--disable-wavelength-jitter", "--disable-texture-filtering", "--quick", "--stats", "--seed=7",
-        "--displacement-edge-scale=.5", "--cropwindow=.2,.7,.3,.8"};
+    static const std::vector<std::string> kRare = WordsOf(
+        "--lightsampler=uniform --lightsampler=power --lightsampler=bvh --lightsampler=exhaustive "
+        "--lightsampler=octree --lightsampler=octree:model=paper --lightsampler=spatial:voxels=2,samples=2 "
+        "--lightsampler=neepp:voxels=2,samples=2 --lightsampler=oracle:samples=1 "
+        "--shadow-gate=neepp:voxels=2,samples=2 --mesh-lights --integrator=path --integrator=volpath "
+        "--integrator=simplepath --integrator=ambientocclusion --integrator=randomwalk --force-diffuse "
+        "--render-coord-sys=world --render-coord-sys=camera --texture-cache-mb=1 --write-partial-images "
+        "--disable-pixel-jitter --disable-wavelength-jitter --disable-texture-filtering --quick --stats "
+        "--seed=7 --displacement-edge-scale=.5 --cropwindow=.2,.7,.3,.8");
     if (dice.OneIn(3)) a.push_back(dice.Pick(kRare));
     const size_t format = dice.Below(6);
     made.output = format == 0 ? "out.png" : format == 1 ? "out.pfm" : "out.exr";
 }
 
 FuzzCase CaseMaker::Make(uint64_t seed, uint64_t number, const std::vector<std::string> &kinds) const {
-    Dice dice(seed * 0x9e3779b97f4a7c15ull + number);
-    dice.Next();
+    Dice dice(Dice(seed).Next() + number * 0xd1342543de82ef95ull);
     // Lenses take ten times as long as all else.
     std::string kind = dice.Pick(kinds);
     if (kind == "lens" && !dice.OneIn(4)) kind = dice.Pick(kinds);
@@ -73,7 +74,8 @@ FuzzCase CaseMaker::Make(uint64_t seed, uint64_t number, const std::vector<std::
         const std::string shared = "\"../assets/" + asset.name + '"';
         asset.name = "mutated" + asset.name.substr(asset.name.find('.', asset.name.rfind('/') + 1));
         const std::string own = '"' + asset.name + '"';
-        for (size_t at = text.find(shared); at != std::string::npos; at = text.find(shared, at)) text.replace(at, shared.size(), own);
+        for (size_t at = text.find(shared); at != std::string::npos; at = text.find(shared, at))
+            text.replace(at, shared.size(), own);
         made.files = {{"scene.pbrt", text}, asset};
     } else {
         const SeedScene &scene = *dice.Pick(rendered_);

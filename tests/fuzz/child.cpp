@@ -30,8 +30,8 @@ constexpr bool kAddressSanitizer = false;
 
 constexpr int kMaxFrames = 64;
 constexpr size_t kKeptMessages = 1 << 16;
-const int kWhereSignal = SIGRTMIN + 3; // "say where you are, and end"
-constexpr double kWallPerCpu = 8;           // the machine may be busy
+const int kWhereSignal = SIGRTMIN + 3;  // "say where you are, and end"
+constexpr double kWallPerCpu = 8;       // the machine may be busy
 
 double Seconds(clockid_t clock) {
     timespec t{};
@@ -154,31 +154,32 @@ void Child::Start(const std::string &folder, const ChildBody &body, const Limits
 void Child::EnforceTime() {
     const double wall = Seconds(CLOCK_MONOTONIC), cpu = Seconds(clock_);
     switch (stage_) {
-    case Stage::Running:
-        if (cpu < limits_.seconds && wall - startWall_ < kWallPerCpu * limits_.seconds) return;
-        result_.askedToStop = true;
-        stopWall_ = wall;
-        stopCpu_ = cpu;
-        stage_ = Stage::AskedToStop;
-        kill(pid_, SIGTERM);
-        return;
-    case Stage::AskedToStop:
-        if (cpu - stopCpu_ < limits_.graceSeconds && wall - stopWall_ < kWallPerCpu * limits_.graceSeconds) return;
-        result_.hung = true;
-        killWall_ = wall;
-        stage_ = Stage::AskedWhere;
-        kill(pid_, kWhereSignal);
-        return;
-    case Stage::AskedWhere:
-        if (wall - killWall_ > 1) kill(pid_, SIGKILL);
-        return;
+        case Stage::Running:
+            if (cpu < limits_.seconds && wall - startWall_ < kWallPerCpu * limits_.seconds) return;
+            result_.askedToStop = true;
+            stopWall_ = wall;
+            stopCpu_ = cpu;
+            stage_ = Stage::AskedToStop;
+            kill(pid_, SIGTERM);
+            return;
+        case Stage::AskedToStop:
+            if (cpu - stopCpu_ < limits_.graceSeconds && wall - stopWall_ < kWallPerCpu * limits_.graceSeconds) return;
+            result_.hung = true;
+            killWall_ = wall;
+            stage_ = Stage::AskedWhere;
+            kill(pid_, kWhereSignal);
+            return;
+        case Stage::AskedWhere:
+            if (wall - killWall_ > 1) kill(pid_, SIGKILL);
+            return;
     }
 }
 
 bool Child::Poll() {
     siginfo_t info{};
     rusage usage{};
-    if (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0) throw std::runtime_error("wait");
+    if (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0)
+        throw std::runtime_error("wait");
     if (info.si_pid == 0) {
         EnforceTime();
         return false;
@@ -191,9 +192,12 @@ bool Child::Poll() {
     if (WIFSIGNALED(status)) result_.signal = WTERMSIG(status);
     // A sanitizer ends with a status of its own after a signal.
     if (shared_->signal != 0 && shared_->signal != kWhereSignal) result_.signal = shared_->signal;
-    auto seconds = [](const timeval &t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+    auto seconds = [](const timeval &t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
     result_.seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
-    result_.frames.assign(shared_->frames.begin(), shared_->frames.begin() + std::clamp(shared_->frameCount, 0, kMaxFrames));
+    result_.frames.assign(shared_->frames.begin(),
+                          shared_->frames.begin() + std::clamp(shared_->frameCount, 0, kMaxFrames));
     result_.picture = shared_->picture;
     result_.messageBytes = static_cast<size_t>(std::max<off_t>(0, lseek(messagesFd_, 0, SEEK_END)));
     result_.messages.resize(std::min(result_.messageBytes, kKeptMessages));

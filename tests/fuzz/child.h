@@ -24,22 +24,22 @@ struct PictureReport {
 
 /// How a child ended.
 struct ChildResult {
-    int status = -1;         ///< exit status; -1 if a signal ended it
-    int signal = 0;          ///< the signal that ended it, or that its handler saw
+    int status = -1;  ///< exit status; -1 if a signal ended it
+    int signal = 0;   ///< the signal that ended it, or that its handler saw
     bool askedToStop = false;
-    bool hung = false;       ///< it had to be killed
+    bool hung = false;           ///< it had to be killed
     std::vector<void *> frames;  ///< innermost first, of the signal or of where it hung
-    std::string messages;    ///< standard output and error, the first 64 KB
+    std::string messages;        ///< standard output and error, the first 64 KB
     size_t messageBytes = 0;
-    double seconds = 0;      ///< of CPU
+    double seconds = 0;  ///< of CPU
     PictureReport picture;
 };
 
 /// What a child does: returns the exit status and fills the report.
 using ChildBody = std::function<int(PictureReport &)>;
 
-/// A child process that runs one case under limits: forked from this process, so what this process has loaded and set up
-/// need not be set up again. This process must not have threads.
+/// A child process that runs one case under limits: forked from this process, so what this process has loaded and set
+/// up need not be set up again. This process must not have threads.
 class Child {
   public:
     Child();

@@ -12,8 +12,8 @@ struct SeedScene {
     bool isRendered = true;           ///< false: refused as it is, so that only its words are of use
 };
 
-/// What is mutated: the scenes of tests/fuzz/seeds and of the conformance suite, the latter with films of 12 x 8 pixels,
-/// and the assets they name. All assets are also written to `assetFolder`.
+/// What is mutated: the scenes of tests/fuzz/seeds and of the conformance suite, the latter with films of 12 x 8
+/// pixels, and the assets they name. All assets are also written to `assetFolder`.
 struct Corpus {
     std::vector<SeedScene> scenes;
     std::vector<CaseFile> assets;

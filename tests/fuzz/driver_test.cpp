@@ -1,4 +1,5 @@
-// The driver itself: does it see every way to fail, does it make failing cases smaller, are its cases what they should be?
+// The driver itself: does it see every way to fail, does it make failing cases smaller, are its cases what they should
+// be?
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -79,31 +80,42 @@ class Driver : public ::testing::Test {
 }
 
 TEST_F(Driver, SeesCrashesAndNamesTheirPlace) {
-    const Verdict fault = VerdictOn([](PictureReport &) { WriteToNull(); return 0; });
+    const Verdict fault = VerdictOn([](PictureReport &) {
+        WriteToNull();
+        return 0;
+    });
     EXPECT_EQ(fault.outcome, Outcome::Signal);
     EXPECT_TRUE(fault.cause.find("Segmentation fault") != std::string::npos) << fault.cause;
     EXPECT_EQ(Of([](PictureReport &) { return RecurseForEver(0); }), Outcome::Signal);
-    const Verdict aborted = VerdictOn([](PictureReport &) { std::abort(); return 0; });
+    const Verdict aborted = VerdictOn([](PictureReport &) {
+        std::abort();
+        return 0;
+    });
     EXPECT_EQ(aborted.outcome, Outcome::Signal);
     EXPECT_NE(aborted.cause, fault.cause);
 }
 
 TEST_F(Driver, TellsHangsFromThoseThatStopWhenAsked) {
     EXPECT_EQ(Of([](PictureReport &) {
-        std::signal(SIGTERM, SIG_IGN);
-        for (volatile int i = 0;; i = i + 1) {}
-        return 0;
-    }), Outcome::Hang);
+                  std::signal(SIGTERM, SIG_IGN);
+                  for (volatile int i = 0;; i = i + 1) {
+                  }
+                  return 0;
+              }),
+              Outcome::Hang);
     EXPECT_EQ(Of([](PictureReport &) {
-        std::signal(SIGTERM, SIG_IGN);
-        for (;;) pause();  // without using the processor
-        return 0;
-    }), Outcome::Hang);
+                  std::signal(SIGTERM, SIG_IGN);
+                  for (;;) pause();  // without using the processor
+                  return 0;
+              }),
+              Outcome::Hang);
     EXPECT_EQ(Of([](PictureReport &) {
-        std::signal(SIGTERM, [](int) { _exit(143); });
-        for (volatile int i = 0;; i = i + 1) {}
-        return 0;
-    }), Outcome::Stopped);
+                  std::signal(SIGTERM, [](int) { _exit(143); });
+                  for (volatile int i = 0;; i = i + 1) {
+                  }
+                  return 0;
+              }),
+              Outcome::Stopped);
 }
 
 TEST_F(Driver, SeesMemoryThatNobodySpeaksOf) {
@@ -111,15 +123,20 @@ TEST_F(Driver, SeesMemoryThatNobodySpeaksOf) {
         std::vector<std::unique_ptr<std::string>> all;
         for (;;) all.push_back(std::make_unique<std::string>(10 << 20, 'x'));
     };
-    EXPECT_EQ(Of([&](PictureReport &) { allocate(); return 0; }), Outcome::Memory);
     EXPECT_EQ(Of([&](PictureReport &) {
-        try {
-            allocate();
-        } catch (const std::exception &e) {
-            std::fprintf(stderr, "Error: %s\n", e.what());
-        }
-        return 1;
-    }), Outcome::Memory);
+                  allocate();
+                  return 0;
+              }),
+              Outcome::Memory);
+    EXPECT_EQ(Of([&](PictureReport &) {
+                  try {
+                      allocate();
+                  } catch (const std::exception &e) {
+                      std::fprintf(stderr, "Error: %s\n", e.what());
+                  }
+                  return 1;
+              }),
+              Outcome::Memory);
     EXPECT_EQ(AfterError("scene.pbrt:3:4: std::bad_alloc").outcome, Outcome::Memory);
 }
 
@@ -132,9 +149,11 @@ TEST_F(Driver, JudgesMessages) {
     EXPECT_EQ(Of([](PictureReport &) { return 1; }), Outcome::Silent);
     EXPECT_EQ(Of([](PictureReport &) { return 3; }), Outcome::Silent);
     EXPECT_EQ(Of([](PictureReport &) {
-        for (int i = 0; i < 30000; ++i) std::fprintf(stderr, "Error: scene.pbrt:%d:0: the same again, and again, and again\n", i);
-        return 1;
-    }), Outcome::Message);
+                  for (int i = 0; i < 30000; ++i)
+                      std::fprintf(stderr, "Error: scene.pbrt:%d:0: the same again, and again, and again\n", i);
+                  return 1;
+              }),
+              Outcome::Message);
     // The same mistake at another place and with other values has the same cause.
     EXPECT_EQ(AfterError("value 12.5e3 of \"radius\" is odd").cause, AfterError("value -7 of \"zmin\" is odd").cause);
     EXPECT_NE(AfterError("value 12.5e3 of \"radius\" is odd").cause, AfterError("value 3 of \"radius\" is even").cause);
@@ -142,15 +161,17 @@ TEST_F(Driver, JudgesMessages) {
 
 TEST_F(Driver, SeesFindingsOfSanitizers) {
     const Verdict address = VerdictOn([](PictureReport &) {
-        std::fprintf(stderr, "==7==ERROR: AddressSanitizer: heap-buffer-overflow on address 0x60\n"
-                             "SUMMARY: AddressSanitizer: heap-buffer-overflow /x/ply.cpp:12 in pbrt::ParsePly\n");
+        std::fprintf(stderr,
+                     "==7==ERROR: AddressSanitizer: heap-buffer-overflow on address 0x60\n"
+                     "SUMMARY: AddressSanitizer: heap-buffer-overflow /x/ply.cpp:12 in pbrt::ParsePly\n");
         return 99;
     });
     EXPECT_EQ(address.outcome, Outcome::Sanitizer);
     EXPECT_EQ(Of([](PictureReport &) {
-        std::fprintf(stderr, "/x/film.cpp:12:7: runtime error: signed integer overflow: 2147483647 + 1\n");
-        return 0;
-    }), Outcome::Sanitizer);
+                  std::fprintf(stderr, "/x/film.cpp:12:7: runtime error: signed integer overflow: 2147483647 + 1\n");
+                  return 0;
+              }),
+              Outcome::Sanitizer);
 }
 
 TEST_F(Driver, LooksAtPictures) {
@@ -158,14 +179,16 @@ TEST_F(Driver, LooksAtPictures) {
     EXPECT_EQ(AfterWriting(std::numeric_limits<Float>::quiet_NaN()).outcome, Outcome::Picture);
     EXPECT_EQ(AfterWriting(std::numeric_limits<Float>::infinity()).outcome, Outcome::Picture);
     EXPECT_EQ(Of([](PictureReport &report) {
-        LookAtPicture("out.exr", report);
-        return 0;
-    }), Outcome::Silent);
+                  LookAtPicture("out.exr", report);
+                  return 0;
+              }),
+              Outcome::Silent);
     EXPECT_EQ(Of([](PictureReport &report) {
-        std::ofstream("out.exr") << "not a picture";
-        LookAtPicture("out.exr", report);
-        return 0;
-    }), Outcome::Picture);
+                  std::ofstream("out.exr") << "not a picture";
+                  LookAtPicture("out.exr", report);
+                  return 0;
+              }),
+              Outcome::Picture);
     auto errorAndFile = [](const char *name) {
         return Of([&](PictureReport &) {
             std::ofstream{name} << "half of it";
@@ -180,13 +203,15 @@ TEST_F(Driver, LooksAtPictures) {
 TEST_F(Driver, ShrinksWhatFailsForTheSameReason) {
     // Fails where both words are, in any order, of which one is in the second file.
     auto program = [](const FuzzCase &fuzzCase, PictureReport &) {
-        const bool both = fuzzCase.files[0].bytes.find("alpha") != std::string::npos && fuzzCase.files[1].bytes.find('\x7f') != std::string::npos;
+        const bool both = fuzzCase.files[0].bytes.find("alpha") != std::string::npos &&
+                          fuzzCase.files[1].bytes.find('\x7f') != std::string::npos;
         if (both) WriteToNull();
         std::fprintf(stderr, "Error: scene.pbrt:1:0: something is wrong\n");
         return 1;
     };
     FuzzCase big{"none", "none", {{"scene.pbrt", ""}, {"mutated.ply", std::string(5000, '\0')}}, {"--a", "--b"}};
-    for (int i = 0; i < 200; ++i) big.files[0].bytes += "line " + std::to_string(i) + (i == 77 ? " alpha and more\n" : " of many\n");
+    for (int i = 0; i < 200; ++i)
+        big.files[0].bytes += "line " + std::to_string(i) + (i == 77 ? " alpha and more\n" : " of many\n");
     big.files[1].bytes[1234] = '\x7f';
     Workplace place(Folder("job"), program);
     const Verdict first = place.Run(big, {}).verdict;
@@ -238,9 +263,17 @@ TEST_F(Driver, CasesFollowFromSeedAndNumberAndDiffer) {
 
 TEST_F(Driver, KindsCoverEveryFormat) {
     const std::vector<std::string> &kinds = Maker().Kinds();
-    for (const char *kind : {"bsdf", "exr", "hdr", "include", "include-gz", "lens", "pfm", "ply-ascii", "ply-binary", "ply-gz", "png",
-                             "spectrum", "tga", "scene-bytes", "scene-names", "scene-nesting", "scene-numbers", "scene-parameters",
-                             "scene-splice", "scene-statements", "scene-types"})
+    for (const char *kind : {"bsdf",          "exr",
+                             "hdr",           "include",
+                             "include-gz",    "lens",
+                             "pfm",           "ply-ascii",
+                             "ply-binary",    "ply-gz",
+                             "png",           "spectrum",
+                             "tga",           "scene-bytes",
+                             "scene-names",   "scene-nesting",
+                             "scene-numbers", "scene-parameters",
+                             "scene-splice",  "scene-statements",
+                             "scene-types"})
         EXPECT_NE(std::find(kinds.begin(), kinds.end(), kind), kinds.end()) << kind;
 }
 

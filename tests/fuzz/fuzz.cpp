@@ -1,5 +1,5 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -18,7 +18,8 @@
 #ifdef __SANITIZE_ADDRESS__
 // Findings end a case; memory is limited by what is used, as the address space cannot be.
 extern "C" const char *__asan_default_options() {
-    return "abort_on_error=0:detect_leaks=0:allocator_may_return_null=0:hard_rss_limit_mb=3000:max_allocation_size_mb=3000:"
+    return "abort_on_error=0:detect_leaks=0:allocator_may_return_null=0:hard_rss_limit_mb=3000:max_allocation_size_mb="
+           "3000:"
            "detect_stack_use_after_return=0:exitcode=99";
 }
 extern "C" const char *__ubsan_default_options() { return "halt_on_error=1:print_stacktrace=1:exitcode=99"; }
@@ -43,7 +44,8 @@ struct Settings {
 class Scratch {
   public:
     Scratch() {
-        const fs::path base = fs::exists("/dev/shm") && access("/dev/shm", W_OK) == 0 ? "/dev/shm" : fs::temp_directory_path();
+        const fs::path base =
+            fs::exists("/dev/shm") && access("/dev/shm", W_OK) == 0 ? "/dev/shm" : fs::temp_directory_path();
         folder_ = base / ("pbrt-fuzz-" + std::to_string(getpid()));
         fs::create_directories(folder_ / "assets");
     }
@@ -60,13 +62,12 @@ class Scratch {
     pid_t owner_ = getpid();
 };
 
-double Now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 void Print(uint64_t number, const FuzzCase &fuzzCase, const CaseResult &result) {
-    std::printf("%llu: %s of %s: %s %s (%.3f s)\n%s", static_cast<unsigned long long>(number), fuzzCase.kind.c_str(), fuzzCase.seed.c_str(),
-                Name(result.verdict.outcome), result.verdict.cause.c_str(), result.run.seconds, result.run.messages.c_str());
+    std::printf("%llu: %s of %s: %s %s (%.3f s)\n%s", static_cast<unsigned long long>(number), fuzzCase.kind.c_str(),
+                fuzzCase.seed.c_str(), Name(result.verdict.outcome), result.verdict.cause.c_str(), result.run.seconds,
+                result.run.messages.c_str());
 }
 
 /// Runs cases, several at once if asked, until all are done or the time is over.
@@ -77,7 +78,8 @@ Tally RunCases(const Settings &s, const CaseMaker &maker, const Scratch &scratch
         FuzzCase fuzzCase;
     };
     std::vector<Seat> seats(static_cast<size_t>(s.jobs));
-    for (size_t i = 0; i < seats.size(); ++i) seats[i].place = std::make_unique<Workplace>(scratch.Path("job" + std::to_string(i)));
+    for (size_t i = 0; i < seats.size(); ++i)
+        seats[i].place = std::make_unique<Workplace>(scratch.Path("job" + std::to_string(i)));
     const std::vector<std::string> &kinds = s.only.empty() ? maker.Kinds() : s.only;
     const auto &scenes = maker.Seeds().scenes;
     const uint64_t end = s.seedsOnly ? scenes.size() : s.from + s.cases;
@@ -101,7 +103,8 @@ Tally RunCases(const Settings &s, const CaseMaker &maker, const Scratch &scratch
                 }
             if (!seat.place->Running() && next < end && !isTimeOver) {
                 seat.number = next++;
-                seat.fuzzCase = s.seedsOnly ? maker.Unchanged(scenes[seat.number]) : maker.Make(s.seed, seat.number, kinds);
+                seat.fuzzCase =
+                    s.seedsOnly ? maker.Unchanged(scenes[seat.number]) : maker.Make(s.seed, seat.number, kinds);
                 seat.place->Start(seat.fuzzCase, s.limits);
             }
             if (!seat.place->Running()) continue;
@@ -111,9 +114,10 @@ Tally RunCases(const Settings &s, const CaseMaker &maker, const Scratch &scratch
         if (!ends.empty()) poll(ends.data(), ends.size(), 20);
         if (Now() - shown > 10) {
             shown = Now();
-            std::fprintf(stderr, "%llu cases, %.1f ms each, %llu failures of %zu causes\n", static_cast<unsigned long long>(tally.cases),
-                         1000 * (shown - start) / static_cast<double>(tally.cases), static_cast<unsigned long long>(tally.Failures()),
-                         tally.causes.size());
+            std::fprintf(stderr, "%llu cases, %.1f ms each, %llu failures of %zu causes\n",
+                         static_cast<unsigned long long>(tally.cases),
+                         1000 * (shown - start) / static_cast<double>(tally.cases),
+                         static_cast<unsigned long long>(tally.Failures()), tally.causes.size());
         }
     }
     tally.seconds = Now() - start;
@@ -154,8 +158,9 @@ int Replay(const Settings &s, const Scratch &scratch) {
     const FuzzCase fuzzCase = ReadCase(s.replay);
     Workplace place(scratch.Path("replay"));
     const CaseResult result = place.Run(fuzzCase, s.limits);
-    std::printf("%s%s: %s (exit status %d, signal %d, %.2f s)\n", result.run.messages.c_str(), Name(result.verdict.outcome),
-                result.verdict.cause.c_str(), result.run.status, result.run.signal, result.run.seconds);
+    std::printf("%s%s: %s (exit status %d, signal %d, %.2f s)\n", result.run.messages.c_str(),
+                Name(result.verdict.outcome), result.verdict.cause.c_str(), result.run.status, result.run.signal,
+                result.run.seconds);
     for (const std::string &function : OurFunctions(result.run.frames))
         if (!function.empty()) std::printf("    %s\n", function.c_str());
     return IsFailure(result.verdict.outcome) ? 1 : 0;
@@ -165,8 +170,10 @@ int Replay(const Settings &s, const Scratch &scratch) {
 
 int main(int argc, char **argv) {
     Settings s;
-    CLI::App app("Runs pbrt on mutated scenes and files, a child process each, and sorts what happens.\n"
-                 "Exit status 1 if any case failed. docs/fuzzing.md tells more.", "fuzz");
+    CLI::App app(
+        "Runs pbrt on mutated scenes and files, a child process each, and sorts what happens.\n"
+        "Exit status 1 if any case failed. docs/fuzzing.md tells more.",
+        "fuzz");
     app.add_option("--seed", s.seed, "of all mutations (1)");
     app.add_option("--cases", s.cases, "how many (1000)");
     app.add_option("--from", s.from, "number of the first case (0)");

@@ -94,15 +94,16 @@ std::vector<std::string> ErrorLines(const std::string &messages) {
     return errors;
 }
 
-/// Begins with a file, with or without line and column, that the message is about; or says in which phase memory ran out.
+/// Begins with a file, with or without line and column, that the message is about; or says in which phase memory ran
+/// out.
 bool HasPlace(const std::string &error) {
     static const std::regex kFile(R"(^\S*[./]\S*: )");
     return std::regex_search(error, kFile) || error.starts_with("there is not enough memory for ");
 }
 
 bool IsLibrarysMessage(const std::string &error) {
-    for (const char *words : {"std::", "vector::", "basic_string", "_M_", "bad_", "map::at", "terminate called", "Internal error",
-                              "stoi", "unordered_map", "filesystem error", "invalid string position"})
+    for (const char *words : {"std::", "vector::", "basic_string", "_M_", "bad_", "map::at", "terminate called",
+                              "Internal error", "stoi", "unordered_map", "filesystem error", "invalid string position"})
         if (error.find(words) != std::string::npos) return true;
     return false;
 }
@@ -120,8 +121,9 @@ std::string SanitizersFinding(const std::string &messages) {
 }  // namespace
 
 const char *Name(Outcome outcome) {
-    static constexpr std::array<const char *, kOutcomeCount> kNames = {
-        "rendered", "warned", "refused", "stopped", "signal", "sanitizer", "hang", "memory", "message", "silent", "picture"};
+    static constexpr std::array<const char *, kOutcomeCount> kNames = {"rendered", "warned",    "refused", "stopped",
+                                                                       "signal",   "sanitizer", "hang",    "memory",
+                                                                       "message",  "silent",    "picture"};
     return kNames[static_cast<size_t>(outcome)];
 }
 
@@ -148,12 +150,17 @@ Verdict Judge(const ChildResult &r, const FuzzCase &fuzzCase, const std::vector<
 
     if (r.status == 0) {
         switch (r.picture.state) {
-        case PictureReport::State::Good: break;
-        case PictureReport::State::NotLooked:
-        case PictureReport::State::Missing: return {Outcome::Silent, "no picture in spite of success"};
-        case PictureReport::State::Unreadable: return {Outcome::Picture, "unreadable: " + WithoutDetails(r.picture.text.data())};
-        case PictureReport::State::NotFinite: return {Outcome::Picture, std::string("not finite: ") + r.picture.text.data()};
-        case PictureReport::State::WrongSize: return {Outcome::Picture, std::string("size: ") + r.picture.text.data()};
+            case PictureReport::State::Good:
+                break;
+            case PictureReport::State::NotLooked:
+            case PictureReport::State::Missing:
+                return {Outcome::Silent, "no picture in spite of success"};
+            case PictureReport::State::Unreadable:
+                return {Outcome::Picture, "unreadable: " + WithoutDetails(r.picture.text.data())};
+            case PictureReport::State::NotFinite:
+                return {Outcome::Picture, std::string("not finite: ") + r.picture.text.data()};
+            case PictureReport::State::WrongSize:
+                return {Outcome::Picture, std::string("size: ") + r.picture.text.data()};
         }
         return {r.messages.find("Warning: ") == std::string::npos ? Outcome::Rendered : Outcome::Warned, ""};
     }

@@ -8,11 +8,11 @@
 namespace pbrt::fuzz {
 
 enum class Outcome {
-    Rendered,  ///< exit 0, a picture of finite values, no warning
-    Warned,    ///< the same with warnings
-    Refused,   ///< exit 1, no picture, every error names its place or file
-    Stopped,   ///< too slow; ended when asked to
-    Signal,    ///< a crash
+    Rendered,   ///< exit 0, a picture of finite values, no warning
+    Warned,     ///< the same with warnings
+    Refused,    ///< exit 1, no picture, every error names its place or file
+    Stopped,    ///< too slow; ended when asked to
+    Signal,     ///< a crash
     Sanitizer,  ///< a report of AddressSanitizer or UndefinedBehaviorSanitizer
     Hang,       ///< too slow, and deaf to SIGTERM
     Memory,     ///< memory ran out and nobody said what wanted it

@@ -31,8 +31,9 @@ uint64_t Tally::Failures() const {
 }
 
 std::string Markdown(const Tally &tally) {
-    std::string out = fmt::format("{} cases (seed {}, from case {}) in {:.0f} s by {}: {} failures of {} causes.\n\n| mutation | cases |", tally.cases,
-                                  tally.seed, tally.from, tally.seconds, tally.version, tally.Failures(), tally.causes.size());
+    std::string out = fmt::format(
+        "{} cases (seed {}, from case {}) in {:.0f} s by {}: {} failures of {} causes.\n\n| mutation | cases |",
+        tally.cases, tally.seed, tally.from, tally.seconds, tally.version, tally.Failures(), tally.causes.size());
     std::string line = "\n|---|---|";
     for (int o = 0; o < kOutcomeCount; ++o) {
         out += fmt::format(" {} |", Name(static_cast<Outcome>(o)));
@@ -55,7 +56,8 @@ std::string Markdown(const Tally &tally) {
     }
     row("all", all);
     if (!tally.causes.empty()) out += "\n| failures | first case | cause |\n|---|---|---|\n";
-    for (const auto &[name, cause] : tally.causes) out += fmt::format("| {} | {} | {} |\n", cause.count, cause.firstNumber, name);
+    for (const auto &[name, cause] : tally.causes)
+        out += fmt::format("| {} | {} | {} |\n", cause.count, cause.firstNumber, name);
     return out;
 }
 
@@ -68,14 +70,17 @@ std::string Json(const Tally &tally) {
     j["version"] = tally.version;
     j["failures"] = tally.Failures();
     for (const auto &[kind, counts] : tally.counts)
-        for (int o = 0; o < kOutcomeCount; ++o) j["mutations"][kind][Name(static_cast<Outcome>(o))] = counts[static_cast<size_t>(o)];
+        for (int o = 0; o < kOutcomeCount; ++o)
+            j["mutations"][kind][Name(static_cast<Outcome>(o))] = counts[static_cast<size_t>(o)];
     j["causes"] = Record::array();
     for (const auto &[name, cause] : tally.causes)
-        j["causes"].push_back({{"cause", name}, {"count", cause.count}, {"firstCase", cause.firstNumber}, {"folder", cause.folder}});
+        j["causes"].push_back(
+            {{"cause", name}, {"count", cause.count}, {"firstCase", cause.firstNumber}, {"folder", cause.folder}});
     return j.dump(2, ' ', true, Record::error_handler_t::replace) + '\n';
 }
 
-void SaveCase(const std::string &folder, const FuzzCase &fuzzCase, const Verdict &verdict, const std::string &messages) {
+void SaveCase(const std::string &folder, const FuzzCase &fuzzCase, const Verdict &verdict,
+              const std::string &messages) {
     fs::create_directories(folder);
     WriteFiles(fuzzCase, folder);
     Record j;

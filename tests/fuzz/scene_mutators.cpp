@@ -38,7 +38,9 @@ std::vector<Token> Tokens(const std::string &text) {
             end = std::min(text.find('"', end), text.size() - 1) + 1;
             kind = TokenKind::String;
         } else if (c != '[' && c != ']') {
-            while (end < text.size() && !std::isspace(static_cast<unsigned char>(text[end])) && !std::strchr("\"[]#", text[end])) ++end;
+            while (end < text.size() && !std::isspace(static_cast<unsigned char>(text[end])) &&
+                   !std::strchr("\"[]#", text[end]))
+                ++end;
             kind = std::isalpha(c) ? TokenKind::Word : TokenKind::Number;
         }
         tokens.push_back({kind, i, end});
@@ -59,8 +61,10 @@ bool IsDirective(const std::string &text, const Token &t) {
 std::vector<Span> Statements(const std::string &text, const std::vector<Token> &tokens) {
     std::vector<Span> spans;
     for (const Token &t : tokens) {
-        if (IsDirective(text, t)) spans.push_back({t.begin, t.end});
-        else if (!spans.empty()) spans.back().end = t.end;
+        if (IsDirective(text, t))
+            spans.push_back({t.begin, t.end});
+        else if (!spans.empty())
+            spans.back().end = t.end;
     }
     return spans;
 }
@@ -110,30 +114,34 @@ void MutateNumbers(std::string &text, const SceneWords &, Dice &dice) {
 
 void MutateNames(std::string &text, const SceneWords &words, Dice &dice) {
     const std::vector<Token> tokens = Tokens(text);
-    static const std::vector<std::string> kOdd = {"\"\"", "\"\\\"", "\"../assets\"", "\"scene.pbrt\"", "\".\"", "\"/dev/null\"", "\"/dev/zero\"",
-                                                  "\"none\"", "\"float\"", "\"\xff\xfe\"", "\"\xc3\xa4\"", "true", "7"};
+    static const std::vector<std::string> kOdd = {"\"\"",      "\"\\\"",        "\"../assets\"", "\"scene.pbrt\"",
+                                                  "\".\"",     "\"/dev/null\"", "\"/dev/zero\"", "\"none\"",
+                                                  "\"float\"", "\"\xff\xfe\"",  "\"\xc3\xa4\"",  "true",
+                                                  "7"};
     const std::vector<Span> strings = Of(tokens, TokenKind::String), names = Of(tokens, TokenKind::Word);
     switch (dice.Below(6)) {
-    case 0:
-        if (!names.empty()) Replace(text, dice.Pick(names), Cut(text, dice.Pick(names)));
-        break;
-    case 1:
-        if (!strings.empty()) Replace(text, dice.Pick(strings), dice.Pick(kOdd));
-        break;
-    case 2:
-        if (!strings.empty()) Replace(text, dice.Pick(strings), Cut(text, dice.Pick(strings)));
-        break;
-    case 3:
-        if (!strings.empty() && dice.OneIn(5)) Replace(text, dice.Pick(strings), '"' + std::string(1 + dice.Below(20000), 'x') + '"');
-        break;
-    default:
-        if (!strings.empty()) Replace(text, dice.Pick(strings), dice.Pick(words.strings));
+        case 0:
+            if (!names.empty()) Replace(text, dice.Pick(names), Cut(text, dice.Pick(names)));
+            break;
+        case 1:
+            if (!strings.empty()) Replace(text, dice.Pick(strings), dice.Pick(kOdd));
+            break;
+        case 2:
+            if (!strings.empty()) Replace(text, dice.Pick(strings), Cut(text, dice.Pick(strings)));
+            break;
+        case 3:
+            if (!strings.empty() && dice.OneIn(5))
+                Replace(text, dice.Pick(strings), '"' + std::string(1 + dice.Below(20000), 'x') + '"');
+            break;
+        default:
+            if (!strings.empty()) Replace(text, dice.Pick(strings), dice.Pick(words.strings));
     }
 }
 
 void MutateTypes(std::string &text, const SceneWords &, Dice &dice) {
-    static const std::vector<std::string> kTypes = {"float", "integer", "bool", "string", "rgb", "spectrum", "blackbody", "texture", "point3",
-                                                    "point2", "vector3", "vector2", "normal", "point", "color", "float[]"};
+    static const std::vector<std::string> kTypes = WordsOf(
+        "float integer bool string rgb spectrum blackbody texture point3 point2 vector3 vector2 normal point "
+        "color float[]");
     const std::vector<Span> parameters = Parameters(text, Tokens(text));
     if (parameters.empty()) return;
     const size_t begin = dice.Pick(parameters).begin + 1, end = std::min(text.find_first_of(" \"", begin), text.size());
@@ -157,22 +165,29 @@ void MutateArray(std::string &text, Dice &dice) {
     values = text.substr(begin, end - begin);
     std::vector<Token> inner = Tokens(values);
     switch (dice.Below(7)) {
-    case 0: values.clear(); break;
-    case 1: values += values; break;
-    case 2: values = Repeat(values + ' ', HowMany(dice) / std::max<size_t>(1, values.size() / 10) + 1); break;
-    case 3:
-        if (!inner.empty()) values.erase(dice.Pick(inner).begin);
-        break;
-    case 4:
-        if (!inner.empty()) {
-            const Token &t = dice.Pick(inner);
-            values.erase(t.begin, t.end - t.begin);
-        }
-        break;
-    case 5:
-        if (!inner.empty()) values.insert(dice.Pick(inner).begin, ExtremeNumber(dice) + ' ');
-        break;
-    default: values += ' ' + ExtremeNumber(dice);
+        case 0:
+            values.clear();
+            break;
+        case 1:
+            values += values;
+            break;
+        case 2:
+            values = Repeat(values + ' ', HowMany(dice) / std::max<size_t>(1, values.size() / 10) + 1);
+            break;
+        case 3:
+            if (!inner.empty()) values.erase(dice.Pick(inner).begin);
+            break;
+        case 4:
+            if (!inner.empty()) {
+                const Token &t = dice.Pick(inner);
+                values.erase(t.begin, t.end - t.begin);
+            }
+            break;
+        case 5:
+            if (!inner.empty()) values.insert(dice.Pick(inner).begin, ExtremeNumber(dice) + ' ');
+            break;
+        default:
+            values += ' ' + ExtremeNumber(dice);
     }
     if (open >= s.end) values = " [ " + values + " ]";
     text.replace(begin, end - begin, values);
@@ -183,19 +198,30 @@ void MutateParameters(std::string &text, const SceneWords &words, Dice &dice) {
     if (parameters.empty()) return;
     const Span a = dice.Pick(parameters), b = dice.Pick(parameters);
     switch (dice.Below(8)) {
-    case 0: text.erase(a.begin, a.end - a.begin); break;
-    case 1: text.insert(a.end, ' ' + Cut(text, a)); break;
-    case 2:
-        if (a.end <= b.begin) {
-            const std::string one = Cut(text, a), other = Cut(text, b);
-            Replace(text, b, one);
-            Replace(text, a, other);
-        }
-        break;
-    case 3: text.insert(a.end, ' ' + Cut(text, b)); break;
-    case 4: text.insert(a.end, ' ' + dice.Pick(words.parameters)); break;
-    case 5: Replace(text, a, dice.Pick(words.parameters)); break;
-    default: MutateArray(text, dice);
+        case 0:
+            text.erase(a.begin, a.end - a.begin);
+            break;
+        case 1:
+            text.insert(a.end, ' ' + Cut(text, a));
+            break;
+        case 2:
+            if (a.end <= b.begin) {
+                const std::string one = Cut(text, a), other = Cut(text, b);
+                Replace(text, b, one);
+                Replace(text, a, other);
+            }
+            break;
+        case 3:
+            text.insert(a.end, ' ' + Cut(text, b));
+            break;
+        case 4:
+            text.insert(a.end, ' ' + dice.Pick(words.parameters));
+            break;
+        case 5:
+            Replace(text, a, dice.Pick(words.parameters));
+            break;
+        default:
+            MutateArray(text, dice);
     }
 }
 
@@ -205,20 +231,29 @@ void MutateStatements(std::string &text, const SceneWords &words, Dice &dice) {
     const Span a = dice.Pick(statements), b = dice.Pick(statements);
     const std::string one = Cut(text, a), other = Cut(text, b);
     switch (dice.Below(7)) {
-    case 0: text.erase(a.begin, a.end - a.begin); break;
-    case 1: text.insert(b.begin, one + '\n'); break;
-    case 2:
-        if (a.end <= b.begin) {
-            Replace(text, b, one);
-            Replace(text, a, other);
-        }
-        break;
-    case 3: text.insert(b.begin, dice.Pick(words.statements) + '\n'); break;
-    case 4: Replace(text, a, dice.Pick(words.statements)); break;
-    case 5:
-        if (a.begin < b.begin) text.erase(a.begin, b.begin - a.begin);
-        break;
-    default: text.insert(a.begin, Repeat(one + '\n', HowMany(dice) / (1 + one.size() / 40) + 1));
+        case 0:
+            text.erase(a.begin, a.end - a.begin);
+            break;
+        case 1:
+            text.insert(b.begin, one + '\n');
+            break;
+        case 2:
+            if (a.end <= b.begin) {
+                Replace(text, b, one);
+                Replace(text, a, other);
+            }
+            break;
+        case 3:
+            text.insert(b.begin, dice.Pick(words.statements) + '\n');
+            break;
+        case 4:
+            Replace(text, a, dice.Pick(words.statements));
+            break;
+        case 5:
+            if (a.begin < b.begin) text.erase(a.begin, b.begin - a.begin);
+            break;
+        default:
+            text.insert(a.begin, Repeat(one + '\n', HowMany(dice) / (1 + one.size() / 40) + 1));
     }
 }
 
@@ -231,36 +266,57 @@ void MutateNesting(std::string &text, const SceneWords &, Dice &dice) {
     const size_t world = std::min(text.find("WorldBegin"), text.size() - 10) + 10;
     std::string chain;
     switch (dice.Below(12)) {
-    case 0: Replace(text, s, Repeat("AttributeBegin ", n) + Cut(text, s) + Repeat(" AttributeEnd", n)); break;
-    case 1: text.insert(s.begin, Repeat("AttributeBegin ", n)); break;
-    case 2: text.insert(s.begin, Repeat("AttributeEnd ", n)); break;
-    case 3: text.insert(s.begin, Repeat("TransformBegin ", n)); break;
-    case 4: text.insert(s.begin, Repeat("ObjectBegin \"x\" ", n)); break;
-    case 5: text.insert(s.end, Repeat(" [", n)); break;
-    case 6: text.insert(s.begin, "Include \"scene.pbrt\"\n"); break;
-    case 7:
-        for (size_t i = 0; i < n; ++i) {
-            const char *kind = i % 2 ? "scale" : "mix";
-            chain += "Texture \"t" + std::to_string(i) + "\" \"spectrum\" \"" + kind + "\" \"texture tex1\" \"t" +
-                     std::to_string(i - 1) + "\" \"texture tex\" \"t" + std::to_string(i - 1) + "\"\n";
-            if (i == 0) chain = "Texture \"t0\" \"spectrum\" \"constant\" \"rgb value\" [ .5 .5 .5 ]\n";
-        }
-        text.insert(world, '\n' + chain + "Material \"diffuse\" \"texture reflectance\" \"t" + std::to_string(n - 1) + "\" Shape \"sphere\" \"float radius\" 50\n");
-        break;
-    case 8:
-        for (size_t i = 0; i < n; ++i)
-            chain += "MakeNamedMaterial \"m" + std::to_string(i) + "\" \"string type\" \"mix\" \"string materials\" [ \"m" +
-                     std::to_string(i ? i - 1 : n) + "\" \"m" + std::to_string(i ? i / 2 : 0) + "\" ]\n";
-        text.insert(world, "\nMakeNamedMaterial \"m" + std::to_string(n) + "\" \"string type\" \"diffuse\"\n" + chain + "NamedMaterial \"m" +
-                               std::to_string(n - 1) + "\" Shape \"sphere\" \"float radius\" 50\n");
-        break;
-    case 9:
-        for (size_t i = 0; i < n; ++i)
-            chain += "ObjectBegin \"o" + std::to_string(i) + "\" ObjectInstance \"o" + std::to_string(i ? i - 1 : n - 1) + "\" ObjectEnd\n";
-        text.insert(world, '\n' + chain + "ObjectInstance \"o" + std::to_string(n - 1) + "\"\n");
-        break;
-    case 10: Replace(text, s, "ObjectBegin \"x\" " + Cut(text, s) + " ObjectEnd " + Repeat("ObjectInstance \"x\" ", n)); break;
-    default: Replace(text, s, Repeat("Scale 2 2 .5 Rotate 30 1 0 0 ", std::min<size_t>(n, 1100)) + Cut(text, s));
+        case 0:
+            Replace(text, s, Repeat("AttributeBegin ", n) + Cut(text, s) + Repeat(" AttributeEnd", n));
+            break;
+        case 1:
+            text.insert(s.begin, Repeat("AttributeBegin ", n));
+            break;
+        case 2:
+            text.insert(s.begin, Repeat("AttributeEnd ", n));
+            break;
+        case 3:
+            text.insert(s.begin, Repeat("TransformBegin ", n));
+            break;
+        case 4:
+            text.insert(s.begin, Repeat("ObjectBegin \"x\" ", n));
+            break;
+        case 5:
+            text.insert(s.end, Repeat(" [", n));
+            break;
+        case 6:
+            text.insert(s.begin, "Include \"scene.pbrt\"\n");
+            break;
+        case 7:
+            for (size_t i = 0; i < n; ++i) {
+                const char *kind = i % 2 ? "scale" : "mix";
+                chain += "Texture \"t" + std::to_string(i) + "\" \"spectrum\" \"" + kind + "\" \"texture tex1\" \"t" +
+                         std::to_string(i - 1) + "\" \"texture tex\" \"t" + std::to_string(i - 1) + "\"\n";
+                if (i == 0) chain = "Texture \"t0\" \"spectrum\" \"constant\" \"rgb value\" [ .5 .5 .5 ]\n";
+            }
+            text.insert(world, '\n' + chain + "Material \"diffuse\" \"texture reflectance\" \"t" +
+                                   std::to_string(n - 1) + "\" Shape \"sphere\" \"float radius\" 50\n");
+            break;
+        case 8:
+            for (size_t i = 0; i < n; ++i)
+                chain += "MakeNamedMaterial \"m" + std::to_string(i) +
+                         "\" \"string type\" \"mix\" \"string materials\" [ \"m" + std::to_string(i ? i - 1 : n) +
+                         "\" \"m" + std::to_string(i ? i / 2 : 0) + "\" ]\n";
+            text.insert(world, "\nMakeNamedMaterial \"m" + std::to_string(n) + "\" \"string type\" \"diffuse\"\n" +
+                                   chain + "NamedMaterial \"m" + std::to_string(n - 1) +
+                                   "\" Shape \"sphere\" \"float radius\" 50\n");
+            break;
+        case 9:
+            for (size_t i = 0; i < n; ++i)
+                chain += "ObjectBegin \"o" + std::to_string(i) + "\" ObjectInstance \"o" +
+                         std::to_string(i ? i - 1 : n - 1) + "\" ObjectEnd\n";
+            text.insert(world, '\n' + chain + "ObjectInstance \"o" + std::to_string(n - 1) + "\"\n");
+            break;
+        case 10:
+            Replace(text, s, "ObjectBegin \"x\" " + Cut(text, s) + " ObjectEnd " + Repeat("ObjectInstance \"x\" ", n));
+            break;
+        default:
+            Replace(text, s, Repeat("Scale 2 2 .5 Rotate 30 1 0 0 ", std::min<size_t>(n, 1100)) + Cut(text, s));
     }
 }
 
@@ -278,8 +334,9 @@ void MutateSceneBytes(std::string &text, const SceneWords &, Dice &dice) { Mutat
 
 using SceneMutator = void (*)(std::string &, const SceneWords &, Dice &);
 const std::map<std::string, SceneMutator> kMutators = {
-    {"scene-bytes", MutateSceneBytes},   {"scene-names", MutateNames},           {"scene-nesting", MutateNesting},
-    {"scene-numbers", MutateNumbers},    {"scene-parameters", MutateParameters}, {"scene-splice", MutateSplice},
+    {"scene-bytes", MutateSceneBytes},      {"scene-names", MutateNames},
+    {"scene-nesting", MutateNesting},       {"scene-numbers", MutateNumbers},
+    {"scene-parameters", MutateParameters}, {"scene-splice", MutateSplice},
     {"scene-statements", MutateStatements}, {"scene-types", MutateTypes}};
 
 }  // namespace
@@ -312,9 +369,14 @@ void MutateScene(std::string &text, const std::string &kind, const SceneWords &w
 
 void MutateSceneText(std::string &text, Dice &dice) {
     switch (dice.Below(3)) {
-    case 0: MutateBytes(text, text.size(), dice); break;
-    case 1: MutateNumberInText(text, 0, text.size(), dice); break;
-    default: MutateLines(text, 0, text.size(), dice);
+        case 0:
+            MutateBytes(text, text.size(), dice);
+            break;
+        case 1:
+            MutateNumberInText(text, 0, text.size(), dice);
+            break;
+        default:
+            MutateLines(text, 0, text.size(), dice);
     }
 }
 

@@ -44,14 +44,17 @@ std::vector<std::string> Chunks(const std::string &bytes) {
 }
 
 /// Leaves out runs of pieces, half of all at first, then ever shorter ones, while `isGood` with what is left.
-std::vector<std::string> LeaveOut(std::vector<std::string> pieces, const std::function<bool(const std::vector<std::string> &)> &isGood) {
+std::vector<std::string> LeaveOut(std::vector<std::string> pieces,
+                                  const std::function<bool(const std::vector<std::string> &)> &isGood) {
     for (size_t run = std::max<size_t>(1, pieces.size() / 2);; run /= 2) {
         for (size_t at = 0; at < pieces.size();) {
             std::vector<std::string> fewer(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(at));
             const size_t end = std::min(at + run, pieces.size());
             fewer.insert(fewer.end(), pieces.begin() + static_cast<std::ptrdiff_t>(end), pieces.end());
-            if (isGood(fewer)) pieces = std::move(fewer);
-            else at += run;
+            if (isGood(fewer))
+                pieces = std::move(fewer);
+            else
+                at += run;
         }
         if (run <= 1) return pieces;
     }
@@ -72,10 +75,11 @@ FuzzCase Shrink(FuzzCase failing, const std::function<bool(const FuzzCase &)> &s
         const bool isText = original.find('\0') == std::string::npos;
         auto split = [&](std::vector<std::string> (*into)(const std::string &)) {
             FuzzCase candidate = failing;
-            failing.files[i].bytes = Join(LeaveOut(into(failing.files[i].bytes), [&](const std::vector<std::string> &pieces) {
-                candidate.files[i].bytes = Join(pieces);
-                return fails(candidate);
-            }));
+            failing.files[i].bytes =
+                Join(LeaveOut(into(failing.files[i].bytes), [&](const std::vector<std::string> &pieces) {
+                    candidate.files[i].bytes = Join(pieces);
+                    return fails(candidate);
+                }));
         };
         if (isText) {
             split(Lines);

@@ -12,7 +12,8 @@ namespace fs = std::filesystem;
 
 void WriteFiles(const FuzzCase &fuzzCase, const std::string &folder) {
     for (const CaseFile &file : fuzzCase.files)
-        std::ofstream(fs::path(folder) / file.name, std::ios::binary).write(file.bytes.data(), static_cast<std::streamsize>(file.bytes.size()));
+        std::ofstream(fs::path(folder) / file.name, std::ios::binary)
+            .write(file.bytes.data(), static_cast<std::streamsize>(file.bytes.size()));
 }
 
 Workplace::Workplace(std::string folder, Program program) : folder_(std::move(folder)), program_(std::move(program)) {
@@ -23,7 +24,8 @@ Workplace::Workplace(std::string folder, Program program) : folder_(std::move(fo
 void Workplace::Start(const FuzzCase &fuzzCase, const Limits &limits) {
     case_ = fuzzCase;
     WriteFiles(case_, folder_);
-    child_.Start(folder_, [this](PictureReport &report) { return program_(case_, report); }, limits);
+    child_.Start(
+        folder_, [this](PictureReport &report) { return program_(case_, report); }, limits);
 }
 
 std::optional<CaseResult> Workplace::Poll() {

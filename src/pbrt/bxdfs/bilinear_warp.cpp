@@ -11,9 +11,9 @@ struct Cell {
     Float t;
 };
 
-/// Cell of an axis of n knots over [0, 1].
+/// Cell of an axis of n knots over [0, 1]; the first for what is not a number.
 Cell CellOf(Float x, int n) {
-    Float at = std::clamp(x, Float(0), Float(1)) * static_cast<Float>(n - 1);
+    Float at = (x > 0 ? std::min(x, Float(1)) : Float(0)) * static_cast<Float>(n - 1);
     int i = std::min(static_cast<int>(at), n - 2);
     return {i, at - static_cast<Float>(i)};
 }

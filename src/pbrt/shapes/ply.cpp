@@ -111,6 +111,8 @@ class HeaderReader {
         e.name = std::string(w[1]);
         auto [end, code] = std::from_chars(w[2].data(), w[2].data() + w[2].size(), e.count);
         if (code != std::errc() || end != w[2].data() + w[2].size()) Fail(fmt::format("\"{}\" is not a count", w[2]));
+        for (const Element &other : header_.elements)
+            if (other.name == e.name) Fail(fmt::format("a second element \"{}\"", e.name));
         header_.elements.push_back(std::move(e));
     }
     void ReadProperty(const std::vector<std::string_view> &w) {

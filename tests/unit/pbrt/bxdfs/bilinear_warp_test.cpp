@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "pbrt/math/rng.h"
 #include "support/statistics.h"
 
@@ -37,6 +39,9 @@ TEST(GridSlices, IsBilinearAndHoldsAtTheEdges) {
     EXPECT_FLOAT_EQ(grid.Evaluate({.5f, .25f}, 0), (1 + 4 + 0 + 0) / 4.f);
     EXPECT_FLOAT_EQ(grid.Evaluate({1, 1}, 1), 1);
     EXPECT_FLOAT_EQ(grid.Evaluate({2, -1}, 0), 2);
+    // What a vanishing half vector gives: no index can be made of it.
+    const Float nan = std::numeric_limits<Float>::quiet_NaN();
+    EXPECT_FLOAT_EQ(grid.Evaluate({nan, nan}, 1), 7);
 }
 
 TEST(BilinearWarp, SamplesFollowTheirDensityAndInvert) {

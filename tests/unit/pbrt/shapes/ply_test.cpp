@@ -123,6 +123,16 @@ TEST(Ply, MistakesAreNamedWithTheirPlace) {
     EXPECT_NE(ErrorOf(Replaced(Ascii(), "vertex 4", "vertex 99999999999")).find("too early"), std::string::npos);
 }
 
+TEST(Ply, AnElementThatComesTwiceIsAnError) {
+    // Three vertices with normals, then four without: normals of the fourth would be read behind the end.
+    const std::string twice =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float nx\nproperty float ny\nproperty float nz\nelement vertex 4\nproperty float x\n"
+        "property float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 1 2 3\n";
+    EXPECT_NE(ErrorOf(twice).find("line 10: a second element \"vertex\""), std::string::npos) << ErrorOf(twice);
+}
+
 TEST(Ply, EveryTruncationIsAnError) {
     for (const std::string &whole : {Ascii(), Binary(false), Binary(true)})
         for (size_t n = 0; n + 2 < whole.size(); ++n) {

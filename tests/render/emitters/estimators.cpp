@@ -75,9 +75,7 @@ class WithoutSeenLamps final : public Integrator {
 };
 
 std::unique_ptr<LightSampler> MakeLights(const Scene &scene, const std::string &label, const Spoilt &spoilt) {
-    const size_t plus = label.find('+');
-    LightSamplerSpec spec =
-        ReadLightSamplerSpec(ParamSet(), label.substr(0, plus), plus != std::string::npos, AllSamplers());
+    const LightSamplerSpec spec = ReadLightSelection(label, AllSamplers()).sampler;
     std::unique_ptr<LightSampler> lights =
         AllSamplers().Make(*spec.entry, scene.Lights(), spec.params, spec.meshLights);
     if (spoilt.ofSamples == 1 && spoilt.ofRays == 1) return lights;

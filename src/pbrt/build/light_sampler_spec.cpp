@@ -171,7 +171,7 @@ void WarnOfParamsWithoutEffect(const Entry &entry, const ParamSet &params, Diagn
         const std::string chosen = params.GetString(entry.name + "." + choice.name, choice.defaultValue);
         for (const std::string &other : SplitChoices(choice.range))
             for (const ParamDoc &doc : entry.params)
-                if (other != chosen && doc.help.starts_with(other + ": "))
+                if (other != chosen && doc.name != choice.name && doc.help.starts_with(other + ": "))
                     if (const Param *p = params.Find(entry.name + "." + doc.name, TypeOf(doc)))
                         sink.Warning(p->loc, fmt::format("\"{}\" has no effect: it belongs to {}={}, and {} is \"{}\" here.",
                                                          doc.name, choice.name, other, choice.name, chosen));

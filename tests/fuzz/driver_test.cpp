@@ -71,7 +71,7 @@ class Driver : public ::testing::Test {
 };
 
 [[gnu::noinline]] void WriteToNull() {
-    volatile int *nowhere = nullptr;
+    int *volatile nowhere = nullptr;  // not a constant for the compiler
     *nowhere = 1;
 }
 int RecurseForEver(int n);

@@ -149,7 +149,7 @@ TEST_P(EmittersKeepTheLaw, WithEveryLightSampler) {
     for (int i = 0; i < 3; ++i) grouped.Skip();
     for (const std::string &s : SamplerLabels())
         for (Estimator e : {Estimator::Chosen, Estimator::Both}) {
-            if (kGroupable.count(s)) grouped.Add((e == Estimator::Both ? "b " : "l ") + s, WithReference(Render(e, s + "+meshlights", kSamples)));
+            if (kGroupable.count(s)) grouped.Add((e == Estimator::Both ? "b " : "l ") + s, WithReference(Render(e, s + "+mesh", kSamples)));
             else grouped.Skip();
         }
     Finish(grouped);

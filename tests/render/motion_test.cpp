@@ -152,8 +152,9 @@ TEST(Motion, WhatCannotMoveIsAnError) {
         EXPECT_NE(message("ObjectBegin \"a\" Shape \"sphere\" ObjectEnd\n" + bad + "ObjectInstance \"a\"\n", "")
                       .find("the instance cannot move"),
                   std::string::npos);
-        EXPECT_NE(message("", bad).find("Camera cannot move"), std::string::npos);
     }
+    EXPECT_NE(message("", flat).find("Camera: the current transformation cannot be inverted"), std::string::npos);
+    EXPECT_NE(message("", mirrored).find("Camera cannot move"), std::string::npos);
     EXPECT_EQ(message("ActiveTransform EndTime Translate 1 1 0 ActiveTransform All Shape \"sphere\"\n", ""), "");
 }
 

@@ -484,17 +484,18 @@ class Page(unittest.TestCase):
         self.assertTrue(all(i.endswith("-4") for i in lit), lit)
 
 
-# A floor and a wall in dim light, and a bright window over the upper quarter of the picture.
+# A wall in the dim light of two lamps, and a bright window over the upper seventh of the picture.
 ROOM = """LookAt 0 1 -4  0 1 0  0 1 0
 Camera "perspective" "float fov" 53.13
 Film "rgb" "integer xresolution" 48 "integer yresolution" 48
 Sampler "independent" "integer pixelsamples" 4
 Integrator "path" "integer maxdepth" 1
 WorldBegin
-LightSource "point" "point3 from" [ 0 1.5 -3 ] "rgb I" [ .02 .02 .02 ]
+LightSource "point" "point3 from" [ -1 1 -1 ] "rgb I" [ .02 .02 .02 ]
+LightSource "point" "point3 from" [ 1 1 -1 ] "rgb I" [ .015 .015 .015 ]
 AttributeBegin
 AreaLightSource "diffuse" "rgb L" [ 40 40 40 ]
-Shape "bilinearmesh" "point3 P" [ 3 2 0  -3 2 0  3 4 0  -3 4 0 ]
+Shape "bilinearmesh" "point3 P" [ 3 2.4 0  -3 2.4 0  3 4 0  -3 4 0 ]
 AttributeEnd
 Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
 Shape "bilinearmesh" "point3 P" [ -3 -3 .01  3 -3 .01  -3 4 .01  3 4 .01 ]
@@ -550,7 +551,7 @@ class Program(unittest.TestCase):
         self.assertNotIn("entropy", names)
         self.assertIn("The same everywhere: entropy", self.driver.find_element(By.ID, "flat").text)
         lights = self.driver.find_element(By.ID, "lights").text
-        self.assertIn('AreaLightSource "diffuse" at room.pbrt:9, shape at :10', lights)
+        self.assertIn('AreaLightSource "diffuse" at room.pbrt:10, shape at :11', lights)
         self.assertIn('LightSource "point" at room.pbrt:7', lights)
 
 

@@ -70,7 +70,7 @@ void AddWhitebalance(CLI::App &app, Action &action) {
         command
             ->add_option("--temperature", o->temperature,
                          "The light: daylight of this temperature in kelvin, below 4000 a black body")
-            ->check(CLI::Range(1000, 25000));
+            ->check(CLI::Range(1000.0, 25000.0));
     illuminant->excludes(primaries)->excludes(temperature);
     primaries->excludes(temperature);
     command->footer(

@@ -2,6 +2,7 @@
 #include <exception>
 #include <new>
 #include <stdexcept>
+#include <system_error>
 
 #include <unistd.h>
 
@@ -39,6 +40,9 @@ int main(int argc, char **argv) {
         return 1;
     } catch (const std::length_error &) {  // a container that would be larger than any memory
         std::fprintf(stderr, "Error: %s\n", OutOfMemoryText(progress.PhaseName()).c_str());
+        return 1;
+    } catch (const std::system_error &e) {  // most likely a thread that got no memory for its stack
+        std::fprintf(stderr, "Error: %s; most likely %s\n", e.what(), OutOfMemoryText(progress.PhaseName()).c_str());
         return 1;
     } catch (const std::exception &e) {
         std::fprintf(stderr, "Error: %s\n", e.what());

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "accel_scenes.h"
+#include "pbrt/core/error.h"
 
 namespace pbrt {
 namespace {
@@ -202,7 +203,7 @@ TEST(Accel, RaysStayRaysInSmallInstances) {
     Shapes shapes = test::EveryKind(Transform());
     auto build = [&](Float scale, Float extent) {
         auto accel = std::make_unique<Accel>();
-        const int object = accel->AddObject({ShapeId(0)}, {shapes[0].get()}, {nullptr});
+        const int object = accel->AddObject({ShapeId(0u)}, {shapes[0].get()}, {nullptr});
         accel->AddInstance(object, Transform::Scale(Vector3(scale)));
         accel->AddInstance(object, Transform::Translate({extent, 0, 0}));
         accel->Commit();

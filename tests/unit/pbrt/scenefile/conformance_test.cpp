@@ -89,7 +89,8 @@ TEST_F(Conformance, EverySceneWithAPictureParsesWithoutErrors) {
         ++scenes;
         Parsed parsed = ParseScene(record["scene"]);
         EXPECT_FALSE(parsed.sink.HasErrors()) << record["name"] << "\n" << Messages(parsed.sink);
-        EXPECT_FALSE(parsed.scene.shapes.empty() && parsed.scene.instances.empty()) << record["name"];
+        const SceneDescription &scene = parsed.scene;
+        EXPECT_FALSE(scene.shapes.empty() && scene.instances.empty() && scene.lights.empty()) << record["name"];
     }
     EXPECT_GT(scenes, 50u);
 }

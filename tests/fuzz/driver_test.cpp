@@ -71,7 +71,7 @@ class Driver : public ::testing::Test {
 };
 
 [[gnu::noinline]] void WriteToNull() {
-    volatile int *nowhere = nullptr;
+    volatile int *volatile nowhere = nullptr;  // else the compiler leaves it out
     *nowhere = 1;
 }
 int RecurseForEver(int n);

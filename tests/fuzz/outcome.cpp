@@ -98,7 +98,8 @@ std::vector<std::string> ErrorLines(const std::string &messages) {
 /// out.
 bool HasPlace(const std::string &error) {
     static const std::regex kFile(R"(^\S*[./]\S*: )");
-    return std::regex_search(error, kFile) || error.starts_with("there is not enough memory for ");
+    return std::regex_search(error, kFile) || error.starts_with("command line: ") ||
+           error.starts_with("there is not enough memory for ");
 }
 
 bool IsLibrarysMessage(const std::string &error) {
@@ -172,8 +173,8 @@ Verdict Judge(const ChildResult &r, const FuzzCase &fuzzCase, const std::vector<
         if (error.find("bad_alloc") != std::string::npos) return {Outcome::Memory, WithoutDetails(error)};
         if (IsLibrarysMessage(error)) return {Outcome::Message, WithoutDetails(error)};
     }
-    for (const std::string &error : errors)
-        if (!HasPlace(error)) return {Outcome::Message, "no place: " + WithoutDetails(error)};
+    // Later ones may sum up.
+    if (!HasPlace(errors.front())) return {Outcome::Message, "no place: " + WithoutDetails(errors.front())};
     return {Outcome::Refused, ""};
 }
 

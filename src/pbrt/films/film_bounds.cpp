@@ -66,8 +66,9 @@ Bounds2i ChoosePixelBounds(const ParamSet &params, Point2i fullResolution, const
     }
     if (bounds.IsEmpty())
         throw UserError(
-            fmt::format("No pixel is left to render: pixel bounds x {} to {}, y {} to {} of {} x {} pixels.",
-                        bounds.low.x, bounds.high.x, bounds.low.y, bounds.high.y, fullResolution.x, fullResolution.y),
+            fmt::format("{}No pixel is left to render: pixel bounds x {} to {}, y {} to {} of {} x {} pixels.",
+                        overrides.cropWindow || overrides.pixelBounds ? "command line: " : "", bounds.low.x,
+                        bounds.high.x, bounds.low.y, bounds.high.y, fullResolution.x, fullResolution.y),
             loc);
     return bounds;
 }

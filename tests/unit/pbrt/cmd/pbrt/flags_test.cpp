@@ -37,7 +37,7 @@ TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
                   {"--render-coord-sys moon scene.pbrt", {"--render-coord-sys", "cameraworld"}},
                   {"--mse-reference-out mse.txt scene.pbrt", {"--mse-reference-image"}},
                   {"--integrator pahtt scene.pbrt", {"\"pahtt\"", "simplepath"}},
-                  {"--cropwindow 0.5,0.5,0,1 scene.pbrt", {"No pixel is left"}}});
+                  {"--cropwindow 0.5,0.5,0,1 scene.pbrt", {"command line: No pixel is left"}}});
 }
 
 TEST_F(Flags, HelpNamesEveryFlagAndRendersNothing) {

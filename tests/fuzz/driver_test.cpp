@@ -71,7 +71,7 @@ class Driver : public ::testing::Test {
 };
 
 [[gnu::noinline]] void WriteToNull() {
-    int *volatile nowhere = nullptr;  // not a constant for the compiler
+    volatile int *volatile nowhere = nullptr;  // else the compiler leaves it out
     *nowhere = 1;
 }
 int RecurseForEver(int n);

@@ -484,7 +484,7 @@ class Page(unittest.TestCase):
         self.assertTrue(all(i.endswith("-4") for i in lit), lit)
 
 
-# A wall in the dim light of two lamps, and a bright window over the upper seventh of the picture.
+# A wall that glows dimly, two lamps, and a bright window over the upper seventh of the picture.
 ROOM = """LookAt 0 1 -4  0 1 0  0 1 0
 Camera "perspective" "float fov" 53.13
 Film "rgb" "integer xresolution" 48 "integer yresolution" 48
@@ -497,8 +497,8 @@ AttributeBegin
 AreaLightSource "diffuse" "rgb L" [ 40 40 40 ]
 Shape "bilinearmesh" "point3 P" [ 3 2.4 0  -3 2.4 0  3 4 0  -3 4 0 ]
 AttributeEnd
-Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
-Shape "bilinearmesh" "point3 P" [ -3 -3 .01  3 -3 .01  -3 4 .01  3 4 .01 ]
+AreaLightSource "diffuse" "rgb L" [ .01 .01 .01 ]
+Shape "bilinearmesh" "point3 P" [ 3 -3 .01  -3 -3 .01  3 4 .01  -3 4 .01 ]
 """
 
 
@@ -549,7 +549,7 @@ class Program(unittest.TestCase):
         names = [f.get_attribute("id") for f in self.driver.find_elements(By.CSS_SELECTOR, "figure")]
         self.assertEqual(len(names), len({p.name for p in (self.folder / "look").glob("*.png")}))
         self.assertNotIn("entropy", names)
-        self.assertIn("The same everywhere: entropy", self.driver.find_element(By.ID, "flat").text)
+        self.assertRegex(self.driver.find_element(By.ID, "flat").text, "^The same everywhere: .*entropy ")
         lights = self.driver.find_element(By.ID, "lights").text
         self.assertIn('AreaLightSource "diffuse" at room.pbrt:10, shape at :11', lights)
         self.assertIn('LightSource "point" at room.pbrt:7', lights)

@@ -20,6 +20,18 @@
 #include "fuzz/workplace.h"
 #include "pbrt/images/image.h"
 
+/// A fault three functions deep. Outside the driver's namespace, whose functions no cause names, so that
+/// the cause is the same whoever calls it.
+namespace fault {
+[[gnu::noinline]] int InnerWriteToNull() {
+    volatile int *volatile nowhere = nullptr;  // else the compiler leaves it out
+    *nowhere = 1;
+    return *nowhere;
+}
+[[gnu::noinline]] int MiddleWriteToNull() { return InnerWriteToNull() + 1; }
+[[gnu::noinline]] int WriteToNull() { return MiddleWriteToNull() + 1; }
+}  // namespace fault
+
 namespace pbrt::fuzz {
 namespace {
 
@@ -70,10 +82,6 @@ class Driver : public ::testing::Test {
     static inline std::unique_ptr<CaseMaker> maker_;
 };
 
-[[gnu::noinline]] void WriteToNull() {
-    volatile int *volatile nowhere = nullptr;  // else the compiler leaves it out
-    *nowhere = 1;
-}
 int RecurseForEver(int n);
 /// Read anew at every call, so that the compiler does not see that the recursion has no end.
 int (*volatile recurse)(int) = RecurseForEver;
@@ -88,7 +96,7 @@ void KeepBusy() {
 
 TEST_F(Driver, SeesCrashesAndNamesTheirPlace) {
     const Verdict fault = VerdictOn([](PictureReport &) {
-        WriteToNull();
+        ::fault::WriteToNull();
         return 0;
     });
     EXPECT_EQ(fault.outcome, Outcome::Signal);
@@ -210,7 +218,7 @@ TEST_F(Driver, ShrinksWhatFailsForTheSameReason) {
     auto program = [](const FuzzCase &fuzzCase, PictureReport &) {
         const bool both = fuzzCase.files[0].bytes.find("alpha") != std::string::npos &&
                           fuzzCase.files[1].bytes.find('\x7f') != std::string::npos;
-        if (both) WriteToNull();
+        if (both) ::fault::WriteToNull();
         std::fprintf(stderr, "Error: scene.pbrt:1:0: something is wrong\n");
         return 1;
     };

@@ -161,6 +161,7 @@ TEST_P(EmittersKeepTheLaw, WithEveryLightSampler) {
         }
     Finish(grouped);
 }
+
 std::string NameOf(const testing::TestParamInfo<EmitterKind> &info) {
     std::string name;
     for (char letter : info.param.name) name += std::isalnum(static_cast<unsigned char>(letter)) ? letter : '_';

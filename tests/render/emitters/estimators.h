@@ -27,7 +27,7 @@ class Studio {
   public:
     explicit Studio(BuiltScene built) : built_(std::move(built)) {}
 
-    /// `lightSampler` ("name", "name:key=value" or either with "+meshlights"): for Chosen and Both.
+    /// `lightSampler` ("name", "name:key=value" or either with "+mesh"): for Chosen and Both.
     PixelStatistics Render(Estimator estimator, const std::string &lightSampler, int samplesPerPixel, int runs,
                            int firstSeed, const Spoilt &spoilt = {}) const;
 

@@ -11,9 +11,11 @@ const std::string kImage =
     "AreaLightSource \"diffuse\" \"string filename\" \"" + kPanel + "\" \"float scale\" 1.5 \"bool twosided\" true\n";
 /// Alpha textures: holes, and two greys.
 const std::string kHoles =
-    "Texture \"holes\" \"float\" \"checkerboard\" \"float uscale\" 6 \"float vscale\" 4 \"float tex1\" 1 \"float tex2\" 0\n";
+    "Texture \"holes\" \"float\" \"checkerboard\" \"float uscale\" 6 \"float vscale\" 4 \"float tex1\" 1 \"float "
+    "tex2\" 0\n";
 const std::string kGreys =
-    "Texture \"greys\" \"float\" \"checkerboard\" \"float uscale\" 4 \"float vscale\" 4 \"float tex1\" 0.8 \"float tex2\" 0.2\n";
+    "Texture \"greys\" \"float\" \"checkerboard\" \"float uscale\" 4 \"float vscale\" 4 \"float tex1\" 0.8 \"float "
+    "tex2\" 0.2\n";
 
 const std::string kReverse = "ReverseOrientation\n";
 /// Opens bowls and troughs to the camera and the floor.
@@ -66,15 +68,15 @@ std::vector<EmitterKind> EmitterKinds() {
     add("bowl", kOneSided + kTowardsCamera + Sphere(kBowl));
     add("bowl, reversed", kReverse + kOneSided + kTowardsCamera + Sphere(kBowl));
     add("bowl, two-sided", kTwoSided + kDownwards + Sphere(kBowl));
-    add("bowl, mirrored, scaled",
-        kOneSided + kTowardsCamera + "Scale -1.5 1.5 1.5\n" +
-            Sphere("\"float radius\" 0.4 \"float zmin\" -0.4 \"float zmax\" 0"));
+    add("bowl, mirrored, scaled", kOneSided + kTowardsCamera + "Scale -1.5 1.5 1.5\n" +
+                                      Sphere("\"float radius\" 0.4 \"float zmin\" -0.4 \"float zmax\" 0"));
     add("bowl, two-sided, stretched", kTwoSided + kTowardsCamera + "Scale 1 0.6 1.1\n" + Sphere(kBowl));
     add("bowl, two-sided, alpha 0.4", kTwoSided + kTowardsCamera + Sphere(kBowl + "\"float alpha\" 0.4"));
     add("bowl, two-sided, image", kImage + kTowardsCamera + Sphere(kBowl));
     add("bowl, reversed, holes",
         kHoles + kReverse + kOneSided + kTowardsCamera + Sphere(kBowl + "\"texture alpha\" \"holes\""));
-    add("cap, two-sided", kTwoSided + kDownwards + Sphere("\"float radius\" 0.7 \"float zmin\" 0.5 \"float zmax\" 0.7"));
+    add("cap, two-sided",
+        kTwoSided + kDownwards + Sphere("\"float radius\" 0.7 \"float zmin\" 0.5 \"float zmax\" 0.7"));
     add("band in part, two-sided",
         kTwoSided + kDownwards + Sphere(whole + "\"float zmin\" -0.3 \"float zmax\" 0.4 \"float phimax\" 220"));
     add("slice, two-sided", kTwoSided + "Rotate 70 0 0 1\n" + Sphere(whole + "\"float phimax\" 150"));
@@ -91,7 +93,8 @@ std::vector<EmitterKind> EmitterKinds() {
 
     add("cylinder", kOneSided + "Rotate 60 1 1 0\n" + Cylinder(""));
     add("cylinder, two-sided, stretched", kTwoSided + "Rotate 60 1 1 0\nScale 1 0.5 1\n" + Cylinder(""));
-    add("trough, reversed", kReverse + kOneSided + "Rotate 80 1 0 0\nRotate 200 0 0 1\n" + Cylinder("\"float phimax\" 170"));
+    add("trough, reversed",
+        kReverse + kOneSided + "Rotate 80 1 0 0\nRotate 200 0 0 1\n" + Cylinder("\"float phimax\" 170"));
     add("trough, mirrored", kOneSided + "Rotate 80 1 0 0\nScale -1 1 1\n" + Cylinder("\"float phimax\" 200"));
     add("trough, two-sided, grey texture",
         kGreys + kTwoSided + "Rotate 80 1 0 0\n" + Cylinder("\"float phimax\" 200 \"texture alpha\" \"greys\""));
@@ -100,8 +103,10 @@ std::vector<EmitterKind> EmitterKinds() {
     addMesh("triangles", kOneSided + kDownwards + Shape("trianglemesh", kTwoTriangles));
     addMesh("triangles, mirrored and reversed",
             kOneSided + kDownwards + "Scale 1 1 -1.2\n" + kReverse + Shape("trianglemesh", kTwoTriangles));
-    addMesh("triangles, normals on both sides", kOneSided + kDownwards + Shape("trianglemesh", kTwoTriangles + kBentNormals));
-    addMesh("triangles, two-sided, alpha 0.5", kTwoSided + kDownwards + Shape("trianglemesh", kTwoTriangles + "\"float alpha\" 0.5"));
+    addMesh("triangles, normals on both sides",
+            kOneSided + kDownwards + Shape("trianglemesh", kTwoTriangles + kBentNormals));
+    addMesh("triangles, two-sided, alpha 0.5",
+            kTwoSided + kDownwards + Shape("trianglemesh", kTwoTriangles + "\"float alpha\" 0.5"));
     addMesh("triangles, two-sided, holes",
             kHoles + kTwoSided + kDownwards + Shape("trianglemesh", kTwoTriangles + "\"texture alpha\" \"holes\""));
     addMesh("triangles, image", kImage + kDownwards + Shape("trianglemesh", kTwoTriangles));
@@ -111,17 +116,21 @@ std::vector<EmitterKind> EmitterKinds() {
             kTwoSided + "Scale -0.9 0.7 0.9\n" + Shape("loopsubdiv", kBall + "\"float alpha\" 0.6"));
 
     add("rectangle", kOneSided + kDownwards + Shape("bilinearmesh", kRectangle));
-    add("rectangle, mirrored, two-sided", kTwoSided + kDownwards + "Scale -1 1 1\n" + Shape("bilinearmesh", kRectangle));
-    add("rectangle, grey texture", kGreys + kOneSided + kDownwards + Shape("bilinearmesh", kRectangle + "\"texture alpha\" \"greys\""));
+    add("rectangle, mirrored, two-sided",
+        kTwoSided + kDownwards + "Scale -1 1 1\n" + Shape("bilinearmesh", kRectangle));
+    add("rectangle, grey texture",
+        kGreys + kOneSided + kDownwards + Shape("bilinearmesh", kRectangle + "\"texture alpha\" \"greys\""));
     add("rectangle, image", kImage + kDownwards + Shape("bilinearmesh", kRectangle));
     add("rectangle, image sampled",
         kImage + kDownwards + Shape("bilinearmesh", kRectangle + "\"string emissionfilename\" \"" + kPanel + "\""));
     add("rectangle, another image sampled",
         kTwoSided + kDownwards + Shape("bilinearmesh", kRectangle + "\"string emissionfilename\" \"" + kPanel + "\""));
-    add("trapezoid, reversed", kReverse + kOneSided + "Rotate 180 0 1 0\n" + kDownwards + Shape("bilinearmesh", kTrapezoid));
+    add("trapezoid, reversed",
+        kReverse + kOneSided + "Rotate 180 0 1 0\n" + kDownwards + Shape("bilinearmesh", kTrapezoid));
     add("saddle, two-sided", kTwoSided + kDownwards + Shape("bilinearmesh", kSaddle));
     add("saddle, mirrored", kOneSided + kDownwards + "Scale 1 1 -1\n" + Shape("bilinearmesh", kSaddle));
-    add("saddle, two-sided, alpha 0.5", kTwoSided + kDownwards + Shape("bilinearmesh", kSaddle + "\"float alpha\" 0.5"));
+    add("saddle, two-sided, alpha 0.5",
+        kTwoSided + kDownwards + Shape("bilinearmesh", kSaddle + "\"float alpha\" 0.5"));
 
     addWithin("sphere, reversed, within", kReverse + kOneSided + Sphere(""));
     addWithin("sphere, mirrored, within", kOneSided + "Scale -1 1 1\n" + Sphere(""));
@@ -132,8 +141,9 @@ std::vector<EmitterKind> EmitterKinds() {
     addWithin("trough, stretched, within",
               kTwoSided + "Scale 1 1.2 1\n" + Shape("cylinder", "\"float radius\" 0.9 \"float phimax\" 300"));
 
-    for (const auto &[name, shape] : {std::pair<std::string, std::string>{"sphere, alpha 0", Sphere(whole + "\"float alpha\" 0")},
-                                      {"bowl, alpha 0", kDownwards + Sphere(kBowl + "\"float alpha\" 0")}}) {
+    for (const auto &[name, shape] :
+         {std::pair<std::string, std::string>{"sphere, alpha 0", Sphere(whole + "\"float alpha\" 0")},
+          {"bowl, alpha 0", kDownwards + Sphere(kBowl + "\"float alpha\" 0")}}) {
         add(name, kOneSided + shape);
         kinds.back().isSeen = false;
     }
@@ -157,13 +167,16 @@ AreaLightSource "diffuse" "spectrum L" [ 300 1 900 1 ] "bool twosided" true "flo
     text += "AttributeEnd\n";
     if (within) {
         text += Shape("bilinearmesh", "\"point3 P\" [ -0.45 -0.35 0.4  0.45 -0.35 0.4  -0.45 0.4 0.2  0.45 0.4 0.2 ]");
-        text += Shape("bilinearmesh", "\"point3 P\" [ -0.45 -0.35 -0.4  0.45 -0.35 -0.4  -0.45 -0.35 0.4  0.45 -0.35 0.4 ]");
+        text += Shape("bilinearmesh",
+                      "\"point3 P\" [ -0.45 -0.35 -0.4  0.45 -0.35 -0.4  -0.45 -0.35 0.4  0.45 -0.35 0.4 ]");
     } else {
         text += Shape("bilinearmesh", "\"point3 P\" [ -1.2 -1 -1.4  1.2 -1 -1.4  -1.2 -1 1.2  1.2 -1 1.2 ]");
         text += Shape("bilinearmesh", "\"point3 P\" [ -1.2 -1 1.2  1.2 -1 1.2  -1.2 1.2 1.2  1.2 1.2 1.2 ]");
         text += Shape("bilinearmesh", "\"point3 P\" [ -1.2 -1 -1.4  -1.2 -1 1.2  -1.2 1.2 -1.4  -1.2 1.2 1.2 ]");
-        const bool isHollow = kind.text.find("\"sphere\"") != std::string::npos || kind.text.find("\"cylinder\"") != std::string::npos;
-        if (isHollow) text += Shape("bilinearmesh", "\"point3 P\" [ -.12 -.06 -.12  .12 -.06 -.12  -.12 .08 .12  .12 .08 .12 ]");
+        const bool isHollow =
+            kind.text.find("\"sphere\"") != std::string::npos || kind.text.find("\"cylinder\"") != std::string::npos;
+        if (isHollow)
+            text += Shape("bilinearmesh", "\"point3 P\" [ -.12 -.06 -.12  .12 -.06 -.12  -.12 .08 .12  .12 .08 .12 ]");
     }
     return text + "AttributeBegin\n" + kind.text + "AttributeEnd\n";
 }

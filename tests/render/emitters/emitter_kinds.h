@@ -12,8 +12,8 @@ struct EmitterKind {
     std::string name;
     std::string text;
     Place place = Place::Around;
-    bool isMesh = false;   ///< of several primitives, which "meshlights" groups
-    bool isSeen = true;    ///< false: rays pass it (alpha of 0)
+    bool isMesh = false;  ///< of several primitives, which "meshlights" groups
+    bool isSeen = true;   ///< false: rays pass it (alpha of 0)
 };
 
 /// Every shape, whole and in part, plain, reversed, mirrored, scaled, stretched, one-sided and two-sided, with alpha,

@@ -27,7 +27,8 @@ const std::vector<std::string> &SamplerLabels() {
     static const std::vector<std::string> kLabels = [] {
         std::vector<std::string> labels = AllSamplers().Names();
         for (std::string &s : labels)
-            for (const char *cheap : {"oracle:samples=8,floor=0.3", "neepp:voxels=4,samples=8", "spatial:voxels=4,samples=32"})
+            for (const char *cheap :
+                 {"oracle:samples=8,floor=0.3", "neepp:voxels=4,samples=8", "spatial:voxels=4,samples=32"})
                 if (std::string_view(cheap).starts_with(s + ":")) s = cheap;
         return labels;
     }();
@@ -87,7 +88,8 @@ std::string Header(const std::string &what, const std::vector<std::string> &colu
 }
 
 /// The pool of several sets of renders over a reference.
-Agreement PoolOverReference(const std::vector<PixelStatistics> &pool, const PixelStatistics &reference, size_t comparisons) {
+Agreement PoolOverReference(const std::vector<PixelStatistics> &pool, const PixelStatistics &reference,
+                            size_t comparisons) {
     std::vector<const PixelStatistics *> all;
     for (const PixelStatistics &s : pool) all.push_back(&s);
     Agreement a = Compare(reference, all, comparisons, kAlpha);
@@ -102,13 +104,15 @@ class EmittersKeepTheLaw : public testing::TestWithParam<EmitterKind> {
         std::vector<std::string> columns = {"simple", "l all", "b all"};
         for (const std::string &s : SamplerLabels())
             for (const char *way : {"l ", "b "}) columns.push_back(way + s.substr(0, s.find(':')));
-        Tables::Line("Means of light sampling alone (l) and of both together (b), per light sampler, over the mean of "
-                     "BSDF sampling alone; +- is the largest standard error of a line");
+        Tables::Line(
+            "Means of light sampling alone (l) and of both together (b), per light sampler, over the mean of "
+            "BSDF sampling alone; +- is the largest standard error of a line");
         Tables::Line(Header("emitter", columns));
     }
     static size_t Comparisons() {
         size_t n = 0;
-        for (const EmitterKind &kind : EmitterKinds()) n += 1 + 2 * SamplerLabels().size() + (kind.isMesh ? 2 * kGroupable.size() : 0);
+        for (const EmitterKind &kind : EmitterKinds())
+            n += 1 + 2 * SamplerLabels().size() + (kind.isMesh ? 2 * kGroupable.size() : 0);
         return n;
     }
     static size_t PoolComparisons() { return 2 * EmitterKinds().size(); }
@@ -129,7 +133,8 @@ class EmittersKeepTheLaw : public testing::TestWithParam<EmitterKind> {
 TEST_P(EmittersKeepTheLaw, WithEveryLightSampler) {
     const EmitterKind &kind = GetParam();
     // Rays do not see a light of alpha 0: then the samples of "simplepath" are what the others are compared with.
-    reference_ = Render(kind.isSeen ? Estimator::Bsdf : Estimator::Lights, "", kind.isSeen ? kReferenceSamples : 2 * kSamples);
+    reference_ =
+        Render(kind.isSeen ? Estimator::Bsdf : Estimator::Lights, "", kind.isSeen ? kReferenceSamples : 2 * kSamples);
     Row row(kind.name);
     row.Add("simple", WithReference(Render(Estimator::Lights, "", kSamples)));
     std::vector<PixelStatistics> alone, both;
@@ -149,11 +154,14 @@ TEST_P(EmittersKeepTheLaw, WithEveryLightSampler) {
     for (int i = 0; i < 3; ++i) grouped.Skip();
     for (const std::string &s : SamplerLabels())
         for (Estimator e : {Estimator::Chosen, Estimator::Both}) {
-            if (kGroupable.count(s)) grouped.Add((e == Estimator::Both ? "b " : "l ") + s, WithReference(Render(e, s + "+mesh", kSamples)));
+            if (kGroupable.count(s))
+                grouped.Add((e == Estimator::Both ? "b " : "l ") + s,
+                            WithReference(Render(e, s + "+mesh", kSamples)));
             else grouped.Skip();
         }
     Finish(grouped);
 }
+
 std::string NameOf(const testing::TestParamInfo<EmitterKind> &info) {
     std::string name;
     for (char letter : info.param.name) name += std::isalnum(static_cast<unsigned char>(letter)) ? letter : '_';
@@ -161,8 +169,9 @@ std::string NameOf(const testing::TestParamInfo<EmitterKind> &info) {
 }
 INSTANTIATE_TEST_SUITE_P(Kinds, EmittersKeepTheLaw, testing::ValuesIn(EmitterKinds()), NameOf);
 
-/// The law can be broken: one density a tenth off must be noticed, with the samples and at the level of the table. (That of rays
-/// alone, which is a weight only, moves the mean by 1 %: that it is the samples' is tested in tests/unit/pbrt/shapes.)
+/// The law can be broken: one density a tenth off must be noticed, with the samples and at the level of the table.
+/// (That of rays alone, which is a weight only, moves the mean by 1 %: that it is the samples' is tested in
+/// tests/unit/pbrt/shapes.)
 class SpoiltDensities : public EmittersKeepTheLaw {};
 
 TEST_P(SpoiltDensities, AreNoticed) {
@@ -179,16 +188,16 @@ TEST_P(SpoiltDensities, AreNoticed) {
         for (const std::string &s : SamplerLabels())
             pool.push_back(Render(c.estimator, s, IsSlow(s) ? kSlowSamples : kSamples, c.spoilt));
         Agreement a = PoolOverReference(pool, reference_, PoolComparisons());
-        Tables::Line(fmt::format("{:<44}{:<42}{:>8.3f} {:>7.3f}  {} (p {:.1e})", GetParam().name, c.what, 1 + a.difference, a.error,
-                                 a.Agrees() ? "NOT NOTICED" : "noticed", a.worstP));
+        Tables::Line(fmt::format("{:<44}{:<42}{:>8.3f} {:>7.3f}  {} (p {:.1e})", GetParam().name, c.what,
+                                 1 + a.difference, a.error, a.Agrees() ? "NOT NOTICED" : "noticed", a.worstP));
         EXPECT_FALSE(a.Agrees()) << c.what;
     }
 }
 INSTANTIATE_TEST_SUITE_P(Kinds, SpoiltDensities, testing::ValuesIn([] {
                              std::vector<EmitterKind> kinds = EmitterKinds();
                              std::erase_if(kinds, [](const EmitterKind &k) {
-                                 return k.name != "sphere" && k.name != "bowl, two-sided" && k.name != "disk, alpha 0.5" &&
-                                        k.name != "trough, image";
+                                 return k.name != "sphere" && k.name != "bowl, two-sided" &&
+                                        k.name != "disk, alpha 0.5" && k.name != "trough, image";
                              });
                              return kinds;
                          }()),
@@ -197,8 +206,9 @@ INSTANTIATE_TEST_SUITE_P(Kinds, SpoiltDensities, testing::ValuesIn([] {
 /// The pictures that stock makes with rays alone (tests/conformance/suite), with every light sampler.
 TEST(EmittersOfTheSuite, AreTheReferencesWithEveryLightSampler) {
     const std::string suite = std::string(PBRT_SOURCE_DIR) + "/tests/conformance/suite/";
-    const std::vector<std::string> names = {"bowl_from_inside", "bowl_two_sided",  "slice_two_sided", "trough_from_inside",
-                                            "squashed_sphere",  "ring_and_fan",    "cut_out_card",    "cut_out_triangles"};
+    const std::vector<std::string> names = {"bowl_from_inside",   "bowl_two_sided",   "slice_two_sided",
+                                            "trough_from_inside", "squashed_sphere",  "ring_and_fan",
+                                            "cut_out_card",       "cut_out_triangles"};
     std::vector<std::string> columns = {"all"};
     for (const std::string &s : SamplerLabels()) columns.push_back(s);
     Tables::Line(Header("mean over that of stock's rays", columns));
@@ -211,7 +221,8 @@ TEST(EmittersOfTheSuite, AreTheReferencesWithEveryLightSampler) {
         const size_t comparisons = names.size() * (1 + SamplerLabels().size());
         std::vector<PixelStatistics> pool;
         for (const std::string &s : SamplerLabels())
-            pool.push_back(studio.Render(Estimator::Both, s, IsSlow(s) ? kSlowSamples : kSamples, kRuns, std::exchange(seed, seed + kRuns)));
+            pool.push_back(studio.Render(Estimator::Both, s, IsSlow(s) ? kSlowSamples : kSamples, kRuns,
+                                         std::exchange(seed, seed + kRuns)));
         Row row(name);
         row.Add("all", PoolOverReference(pool, reference, comparisons));
         for (size_t i = 0; i < pool.size(); ++i)
@@ -222,7 +233,8 @@ TEST(EmittersOfTheSuite, AreTheReferencesWithEveryLightSampler) {
 }
 
 TEST(Emitters, CurvesAreRefused) {
-    const std::string text = SceneText({"curve", "AreaLightSource \"diffuse\"\nShape \"curve\" \"point3 P\" [ 0 0 0  1 0 0  1 1 0  0 1 0 ]\n"});
+    const std::string text = SceneText(
+        {"curve", "AreaLightSource \"diffuse\"\nShape \"curve\" \"point3 P\" [ 0 0 0  1 0 0  1 1 0  0 1 0 ]\n"});
     try {
         BuildText(text);
         ADD_FAILURE() << "a curve became a light";

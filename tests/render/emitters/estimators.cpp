@@ -14,7 +14,8 @@ namespace {
 /// A light sampler whose probabilities are off for all lights but the first.
 class SpoiltSampler final : public LightSampler {
   public:
-    SpoiltSampler(std::unique_ptr<LightSampler> inner, const Spoilt &spoilt) : inner_(std::move(inner)), spoilt_(spoilt) {}
+    SpoiltSampler(std::unique_ptr<LightSampler> inner, const Spoilt &spoilt)
+        : inner_(std::move(inner)), spoilt_(spoilt) {}
     void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
     std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override {
         std::optional<SampledLight> s = inner_->Sample(query, u);
@@ -33,7 +34,8 @@ class SpoiltSampler final : public LightSampler {
 /// Direct light by light sampling alone, without lamps that the camera sees.
 class LightSamplingOnly final : public Integrator {
   public:
-    LightSamplingOnly(const Scene &scene, std::unique_ptr<LightSampler> lights) : scene_(scene), lights_(std::move(lights)) {}
+    LightSamplingOnly(const Scene &scene, std::unique_ptr<LightSampler> lights)
+        : scene_(scene), lights_(std::move(lights)) {}
     void Prepare(PrepareContext &context) override { lights_->Prepare(context); }
     SampledSpectrum Li(CameraRay camera, SampledWavelengths &lambda, Sampler &sampler) const override {
         std::optional<SurfacePoint> point = scene_.Intersect(camera.ray);
@@ -92,7 +94,8 @@ PixelStatistics Studio::Render(Estimator estimator, const std::string &lightSamp
     for (int seed = firstSeed; seed < firstSeed + runs; ++seed) {
         std::unique_ptr<Integrator> integrator;
         if (estimator == Estimator::Bsdf || estimator == Estimator::Lights) {
-            integrator = std::make_unique<SimplePathIntegrator>(context, built_.maxDepth, estimator == Estimator::Lights, true);
+            integrator =
+                std::make_unique<SimplePathIntegrator>(context, built_.maxDepth, estimator == Estimator::Lights, true);
         } else if (estimator == Estimator::Chosen) {
             PBRT_CHECK(built_.maxDepth == 1);
             integrator = std::make_unique<LightSamplingOnly>(scene, MakeLights(scene, lightSampler, spoilt));

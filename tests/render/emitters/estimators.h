@@ -21,13 +21,13 @@ struct Spoilt {
     Float ofRays = 1;     ///< what the weight of a ray that hits the light is made of
 };
 
-/// Renders of one built scene. The film's size and the depth are the scene's. Of scenes of direct light alone (depth 1) the lamps
-/// that the camera sees are left out.
+/// Renders of one built scene. The film's size and the depth are the scene's. Of scenes of direct light alone (depth 1)
+/// the lamps that the camera sees are left out.
 class Studio {
   public:
     explicit Studio(BuiltScene built) : built_(std::move(built)) {}
 
-    /// `lightSampler` ("name", "name:key=value" or either with "+meshlights"): for Chosen and Both.
+    /// `lightSampler` ("name", "name:key=value" or either with "+mesh"): for Chosen and Both.
     PixelStatistics Render(Estimator estimator, const std::string &lightSampler, int samplesPerPixel, int runs,
                            int firstSeed, const Spoilt &spoilt = {}) const;
 

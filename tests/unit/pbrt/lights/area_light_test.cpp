@@ -75,7 +75,8 @@ TEST_P(AreaLightShapes, SamplingFindsTheLightThatRaysFind) {
     auto shape = GetParam().make();
     for (bool twoSided : {false, true}) {
         auto light = MakeAreaMaker(Params().Bool("twosided", twoSided)).Make(*shape, 0, nullptr);
-        for (Point3 p : {Point3(0.5f, 0.3f, 2.5f), Point3(-2, 1, -1.5f), Point3(4, -3, 6), Point3(0.25f, -0.05f, 0.32f)}) {
+        for (Point3 p :
+             {Point3(0.5f, 0.3f, 2.5f), Point3(-2, 1, -1.5f), Point3(4, -3, 6), Point3(0.25f, -0.05f, 0.32f)}) {
             auto irradiance = [](const SampledSpectrum &L, const Vector3 &w) {
                 return static_cast<double>(L.Average() * std::abs(w.z));
             };
@@ -276,7 +277,8 @@ TEST(DiffuseAreaLight, AlphaWeighsSamplesAndLeavesTheRadianceOfHits) {
     Rng rng(2);
     for (int i = 0; i < 2000; ++i) {
         Point2 u = rng.Uniform2();
-        auto whole = plain->SampleLi(At({0, 0, 2}), u, kLambda, false), part = grey->SampleLi(At({0, 0, 2}), u, kLambda, false);
+        auto whole = plain->SampleLi(At({0, 0, 2}), u, kLambda, false);
+        auto part = grey->SampleLi(At({0, 0, 2}), u, kLambda, false);
         ASSERT_TRUE(whole && part);
         EXPECT_EQ(part->pdf, whole->pdf);
         EXPECT_NEAR(part->L[0], 0.3f * whole->L[0], 1e-6f * whole->L[0]);

@@ -62,7 +62,8 @@ inline std::vector<ShapeCase> ShapeCases() {
     return cases;
 }
 
-/// Parts of quadrics, mirrored, reversed, stretched and with holes, and a triangle whose vertex normals lie on both sides.
+/// Parts of quadrics, mirrored, reversed, stretched and with holes, and a triangle whose vertex normals lie on both
+/// sides.
 inline std::vector<ShapeCase> PartCases() {
     Transform turn = SomeRotation(), stretch = Stretch();
     Transform mirror = turn * Transform::Scale({1, -1, 1}), shrink = turn * Transform::Scale({-1.3f, 1.3f, 1.3f});

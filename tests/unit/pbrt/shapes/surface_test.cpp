@@ -132,7 +132,8 @@ TEST(Orientation, MeshesFlipByFlagXorHandednessInHitsAndSamples) {
 }
 
 TEST(Orientation, QuadricsFlipByFlagXorHandednessInHitsAndSamples) {
-    // Hits as in stock pbrt-v4 (conformance scene shapes/orientation_and_mirroring); its samples flip by the flag alone.
+    // Hits as in stock pbrt-v4 (conformance scene shapes/orientation_and_mirroring); its samples flip by the flag
+    // alone.
     auto disk = [](const Transform &t, bool reverse) -> std::unique_ptr<Shape> {
         return std::make_unique<Disk>(0.0f, 1.0f, 0.0f, 360.0f, t, reverse);
     };

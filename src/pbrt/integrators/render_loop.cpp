@@ -123,7 +123,7 @@ int WaveRenderer::Render(int count) {
     const int first = done_ - round_ * settings_.samplesPerPixel;
     int size = std::min(count, settings_.samplesPerPixel - first);
     if (learner_ && learner_->NextLearning() > 0) {
-        if (done_ == learner_->NextLearning()) learner_->Learn();
+        if (done_ == learner_->NextLearning()) learner_->Learn(progress_);
         if (const int next = learner_->NextLearning(); next > 0) size = std::min(size, next - done_);
     }
     if (progress_.Cancelled()) return 0;

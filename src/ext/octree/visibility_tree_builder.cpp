@@ -151,7 +151,8 @@ void VisibilityTreeBuilder::Estimate() {
     for (size_t begin = 0, end = 0; begin < nodes_.size(); begin = end) {
         while (end < nodes_.size() && nodes_[end].depth == nodes_[begin].depth) ++end;
         ParallelFor(static_cast<int64_t>(end - begin), 8, [&](int64_t first, int64_t last) {
-            for (size_t n = begin + static_cast<size_t>(first); n < begin + static_cast<size_t>(last) && !Stopped(); ++n)
+            const size_t stop = begin + static_cast<size_t>(last);
+            for (size_t n = begin + static_cast<size_t>(first); n < stop && !Stopped(); ++n)
                 EstimateNode(nodes_[n], n == 0 ? nullptr : &nodes_[nodes_[n].parent]);
         });
     }

@@ -25,8 +25,8 @@ std::string LowerExtension(const std::string &path);
 /// Whether something that is not a regular file may be read, too. A device such as /dev/zero never may: it has no end.
 enum class ReadFrom { Files, FilesAndPipes };
 
-/// The whole content; gzip content is decompressed whatever the name. Throws UserError (no location) if unreadable, or if
-/// it is larger than the memory that `available` says is left; a small file may be decompressed to any size.
+/// The whole content; gzip content is decompressed whatever the name. Throws UserError (no location) if unreadable, or
+/// if it is larger than the memory that `available` says is left; a small file may be decompressed to any size.
 std::string ReadFileContents(const std::string &path, ReadFrom from = ReadFrom::Files,
                              double (*available)() = AvailableMemory);
 

@@ -51,7 +51,9 @@ struct ScriptResult {
 };
 ScriptResult RunScript(const std::string &python, const std::string &script, const std::string &folder) {
     const char *arguments[] = {python.c_str(), script.c_str(), folder.c_str(), nullptr};
-    auto notStarted = [](int reason) { return ScriptResult{-1, fmt::format("not started: {}", std::strerror(reason))}; };
+    auto notStarted = [](int reason) {
+        return ScriptResult{-1, fmt::format("not started: {}", std::strerror(reason))};
+    };
     int failures[2];  // closed by a successful start
     if (pipe2(failures, O_CLOEXEC) != 0) return notStarted(errno);
     sigset_t all, before;

@@ -7,6 +7,7 @@
 #include "agreement_statistics.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/integrators/render_loop.h"
+#include "pbrt/lightsamplers/light_learner.h"
 #include "support/build_text.h"
 
 namespace pbrt::test {
@@ -123,6 +124,48 @@ TEST(LearningWhileRendering, LampsBehindTheWallAreHardlyChosen) {
     const Float after = hidden(*built.integrator->Lights());
     EXPECT_GT(before, 0.1f);
     EXPECT_LT(after, before / 10);
+}
+
+TEST(LearningWhileRendering, CancelledLearningLeavesEverythingAsItWas) {
+    auto probabilities = [](const BuiltScene &built) {
+        std::vector<Float> all;
+        for (const LightQuery &q : Floor())
+            for (uint32_t l = 0; l < 2 * kLampsPerRoom; ++l) all.push_back(built.integrator->Lights()->PMF(q, LightId(l)));
+        return all;
+    };
+    auto takeOneSample = [](BuiltScene &built, Progress &progress, int wanted) {
+        RenderSettings settings;
+        settings.samplesPerPixel = kSamples;
+        Prepare(built, progress);
+        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
+        EXPECT_EQ(renderer.Render(1), 1);
+        progress.Cancel();
+        EXPECT_EQ(renderer.Render(1), wanted);
+        return renderer.Done();
+    };
+    BuiltScene stopped = Build();
+    Progress cancelled;
+    EXPECT_EQ(takeOneSample(stopped, cancelled, 0), 1);
+    LightLearner &learner = *stopped.integrator->Learner();
+    EXPECT_EQ(learner.NextLearning(), 1) << "it said that it had learned";
+    BuiltScene prepared = Build();
+    Progress never;
+    Prepare(prepared, never);
+    const std::vector<Float> before = probabilities(prepared);
+    EXPECT_EQ(probabilities(stopped), before);
+    for (int again = 0; again < 2; ++again) learner.Learn(cancelled);
+    EXPECT_EQ(probabilities(stopped), before);
+    EXPECT_EQ(learner.NextLearning(), 1);
+
+    // What the sample found is still there, and once only: later it learns what it would have learned then.
+    learner.Learn(never);
+    EXPECT_EQ(learner.NextLearning(), 4);
+    BuiltScene whole = Build();
+    Progress other;
+    takeOneSample(whole, other, 0);
+    whole.integrator->Learner()->Learn(never);
+    EXPECT_EQ(probabilities(stopped), probabilities(whole));
+    EXPECT_NE(probabilities(stopped), before) << "nothing was learned";
 }
 
 TEST(LearningWhileRendering, ProbabilitiesAreValidAfterwards) {

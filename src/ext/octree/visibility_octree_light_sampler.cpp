@@ -58,13 +58,12 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
 
     start = std::chrono::steady_clock::now();
     context.progress.BeginPhase("octree", 0);
-    Build(params_.records);
-    BeginLearning(0);
+    if (Build(params_.records, context.progress)) BeginLearning(0);
     buildSeconds_ = SecondsSince(start);
     context.progress.EndPhase();
 }
 
-void VisibilityOctreeLightSampler::Build(int records) {
+bool VisibilityOctreeLightSampler::Build(int records, const Progress &progress) {
     VisibilityBuildSettings settings;
     settings.lightCount = static_cast<int>(groups_.Size());
     settings.lights = lightTree_.get();
@@ -76,11 +75,14 @@ void VisibilityOctreeLightSampler::Build(int records) {
     settings.secondMoment = params_.secondmoment;
     settings.floor = floor_;
     VisibilityTreeBuilder builder(sceneBounds_, known_.records, known_.tries, settings);
+    std::optional<VisibilityTree> tree = builder.Build([&] { return progress.Cancelled(); });
+    if (!tree) return false;
+    tree_ = std::move(*tree);
     leavesBefore_ = builder.LeavesBeforePruning();
-    tree_ = builder.Build();
     leaves_ = builder.Leaves();
     recordsPerNode_ = builder.RecordsPerNode();
     learned_ = true;
+    return true;
 }
 
 void VisibilityOctreeLightSampler::BeginLearning(int first) {
@@ -101,12 +103,17 @@ void VisibilityOctreeLightSampler::Found(const LightQuery &query, const SampledL
     found_.Add(query.p, {groups_.GroupOf(light.light), weight, weight, ratio});
 }
 
-void VisibilityOctreeLightSampler::Learn() {
+void VisibilityOctreeLightSampler::Learn(const Progress &progress) {
     const auto start = std::chrono::steady_clock::now();
+    const size_t recordsBefore = known_.records.size(), triesBefore = known_.tries.size();
     found_.AppendTo(&known_);
-    learnedTries_ = known_.tries.size() - prepassTries_;
     // Four times as large as the first cells could be: as good, and built in half the time.
-    Build(4 * params_.records);
+    if (!Build(4 * params_.records, progress)) {
+        known_.records.resize(recordsBefore);
+        known_.tries.resize(triesBefore);
+        return;
+    }
+    learnedTries_ = known_.tries.size() - prepassTries_;
     BeginLearning(nextLearning_);
     learningSeconds_ += SecondsSince(start);
 }

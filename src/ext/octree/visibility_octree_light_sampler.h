@@ -54,12 +54,13 @@ class VisibilityOctreeLightSampler final : public GroupLightSampler, private Lig
     Float GroupPMF(const LightQuery &query, uint32_t group) const override;
     double PathsPerPixel(const PrepareContext &context) const;
     size_t Tries() const { return TriesPerRecord(groups_.Size(), params_.tries); }
-    void Build(int records);
+    /// False: stopped by `progress`; the tree is the one before.
+    bool Build(int records, const Progress &progress);
 
     int NextLearning() const override { return nextLearning_; }
     void BeginPath(Point2i pixel, int sample) override { found_.BeginPath(pixel, sample); }
     void Found(const LightQuery &query, const SampledLight &light, const SampledSpectrum &found) override;
-    void Learn() override;
+    void Learn(const Progress &progress) override;
     void BeginLearning(int first);
 
     OctreeParams params_;

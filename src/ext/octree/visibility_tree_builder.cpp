@@ -17,8 +17,14 @@ int HalfOf(uint32_t record) { return static_cast<int>(MixBits(record) & 1); }
 
 VisibilityTreeBuilder::VisibilityTreeBuilder(const Bounds3 &bounds, std::span<const VisibilityRecord> records,
                                              std::span<const VisibilityTry> tries, const VisibilityBuildSettings &settings)
-    : bounds_(bounds), records_(records), tries_(tries), settings_(settings), cells_(bounds) {
-    Divide();
+    : bounds_(bounds), records_(records), tries_(tries), settings_(settings), cells_(bounds) {}
+
+/// True for ever after `stop` was true once, so that no step goes on with what another left undone.
+bool VisibilityTreeBuilder::Stopped() const {
+    if (stopped_.load(std::memory_order_relaxed)) return true;
+    if (!*stop_ || !(*stop_)()) return false;
+    stopped_.store(true, std::memory_order_relaxed);
+    return true;
 }
 
 void VisibilityTreeBuilder::Divide() {
@@ -35,7 +41,7 @@ void VisibilityTreeBuilder::Divide() {
         for (uint32_t i = begin; i < end; ++i) tries += records_[order_[i]].tryCount;
         return tries;
     };
-    for (uint32_t n = 0; n < nodes_.size(); ++n) {
+    for (uint32_t n = 0; n < nodes_.size() && !Stopped(); ++n) {
         const uint32_t begin = nodes_[n].begin, end = nodes_[n].end;
         const int depth = nodes_[n].depth, bit = CellOctree::MaxDepth - 1 - depth;
         if (sizeOf(begin, end) <= splitAbove || bit < 0) {
@@ -75,6 +81,7 @@ void VisibilityTreeBuilder::SumUp(int half) {
     const bool all = settings_.lights == nullptr;
     ParallelFor(static_cast<int64_t>(nodes_.size()), 16, [&](int64_t first, int64_t last) {
         for (auto n = static_cast<size_t>(first); n < static_cast<size_t>(last); ++n) {
+            if (Stopped()) return;
             Node &node = nodes_[n];
             node.sums.clear();
             if (node.firstChild != 0) continue;
@@ -98,7 +105,7 @@ void VisibilityTreeBuilder::SumUp(int half) {
             else compress(node.sums);
         }
     });
-    for (size_t n = nodes_.size(); n-- > 0;) {
+    for (size_t n = nodes_.size(); n-- > 0 && !Stopped();) {
         Node &node = nodes_[n];
         if (node.firstChild == 0) continue;
         for (uint32_t c = 0; c < 8; ++c) {
@@ -144,7 +151,8 @@ void VisibilityTreeBuilder::Estimate() {
     for (size_t begin = 0, end = 0; begin < nodes_.size(); begin = end) {
         while (end < nodes_.size() && nodes_[end].depth == nodes_[begin].depth) ++end;
         ParallelFor(static_cast<int64_t>(end - begin), 8, [&](int64_t first, int64_t last) {
-            for (size_t n = begin + static_cast<size_t>(first); n < begin + static_cast<size_t>(last); ++n)
+            const size_t stop = begin + static_cast<size_t>(last);
+            for (size_t n = begin + static_cast<size_t>(first); n < stop && !Stopped(); ++n)
                 EstimateNode(nodes_[n], n == 0 ? nullptr : &nodes_[nodes_[n].parent]);
         });
     }
@@ -175,6 +183,7 @@ void VisibilityTreeBuilder::Prune() {
     for (uint32_t n = 0; n < nodes_.size(); ++n) levels[static_cast<size_t>(nodes_[n].depth)].push_back(n);
     for (size_t level = levels.size(); level-- > 0;)
         ParallelForEach(static_cast<int64_t>(levels[level].size()), [&](int64_t index) {
+            if (Stopped()) return;
             Node &node = nodes_[levels[level][static_cast<size_t>(index)]];
             double here = 0, below = 0, squares = 0;
             std::vector<double> loss(node.end - node.begin, 0);
@@ -217,7 +226,7 @@ VisibilityTree VisibilityTreeBuilder::Freeze() {
         return it->second;
     };
     std::vector<uint32_t> rows(nodes_.size(), 0);
-    for (size_t n = 0; n < nodes_.size(); ++n) {
+    for (size_t n = 0; n < nodes_.size() && !Stopped(); ++n) {
         const Node &node = nodes_[n];
         bool used = IsLeaf(node);
         for (const Node *up = &node; used && up != &nodes_[0];) {
@@ -253,7 +262,9 @@ VisibilityTree VisibilityTreeBuilder::Freeze() {
     return tree;
 }
 
-VisibilityTree VisibilityTreeBuilder::Build() {
+std::optional<VisibilityTree> VisibilityTreeBuilder::Build(const std::function<bool()> &stop) {
+    stop_ = &stop;
+    Divide();
     if (settings_.pruneGain > 0 && !settings_.lights) {
         SumUp(0);
         Estimate();
@@ -261,7 +272,10 @@ VisibilityTree VisibilityTreeBuilder::Build() {
     }
     SumUp(kAllRecords);
     Estimate();
-    return Freeze();
+    if (Stopped()) return {};
+    VisibilityTree tree = Freeze();
+    if (Stopped()) return {};
+    return tree;
 }
 
 }  // namespace ext

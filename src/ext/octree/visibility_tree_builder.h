@@ -1,4 +1,7 @@
 #pragma once
+#include <atomic>
+#include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -48,8 +51,10 @@ class VisibilityTreeBuilder {
   public:
     VisibilityTreeBuilder(const Bounds3 &bounds, std::span<const VisibilityRecord> records, std::span<const VisibilityTry> tries,
                           const VisibilityBuildSettings &settings);
-    VisibilityTree Build();
+    /// Nothing if `stop` became true meanwhile; it is asked often, by several threads. Once per builder.
+    std::optional<VisibilityTree> Build(const std::function<bool()> &stop = {});
 
+    /// After Build.
     size_t LeavesBeforePruning() const { return leavesBefore_; }
     /// After Build, for views: the leaves, and for every node of the frozen cells the records of its leaf.
     const std::vector<LeafSize> &Leaves() const { return leaves_; }
@@ -66,6 +71,7 @@ class VisibilityTreeBuilder {
         CellCut cut;                 ///< instead, where there is a light tree
         bool pruned = false;          ///< children are not used
     };
+    bool Stopped() const;
     void Divide();
     void SumUp(int half);
     void Estimate();
@@ -80,6 +86,8 @@ class VisibilityTreeBuilder {
     std::span<const VisibilityRecord> records_;
     std::span<const VisibilityTry> tries_;
     VisibilityBuildSettings settings_;
+    const std::function<bool()> *stop_ = nullptr;
+    mutable std::atomic<bool> stopped_ = false;
     CellOctree cells_;
     std::vector<glm::uvec3> quantized_;
     std::vector<uint32_t> order_;  ///< records, cell by cell

@@ -232,6 +232,12 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     Float radius = 0;
     parts.accel->Bounds().BoundingSphere(&center, &radius);
     parts.lights->Finish(center, radius);
+    if (const std::span<const LightId> lights = parts.lights->Overflowed(); !lights.empty())
+        sink.Warning({}, fmt::format("The power of {}{} is larger than the largest number, {:.4g}: it counts as 0, so "
+                                     "light samplers may leave it out.",
+                                     built.lightNames.NameOf(lights[0]),
+                                     lights.size() > 1 ? fmt::format(" (and of {} more)", lights.size() - 1) : "",
+                                     std::numeric_limits<Float>::max()));
     bool needsFootprints = !options.disableTextureFiltering && !d.options.disableTextureFiltering.value_or(false);
     built.scene = std::make_unique<Scene>(std::move(parts));
     needsFootprints &= built.scene->NeedsFootprints();

@@ -17,12 +17,15 @@ const std::vector<std::string> &SupportedCameras() {
 
 namespace {
 
+/// Of times in seconds; a picture's brightness goes with their difference.
+constexpr Range<Float> kShutterRange{-1e9f, 1e9f};
+
 CameraFrame ReadFrame(const ParamSet &params, const AnimatedTransform &renderFromCamera, Point2i resolution) {
     CameraFrame frame;
     frame.renderFromCamera = renderFromCamera;
     frame.resolution = resolution;
-    frame.shutterOpen = params.GetFloat("shutteropen", 0);
-    frame.shutterClose = params.GetFloat("shutterclose", 1);
+    frame.shutterOpen = params.GetFloat("shutteropen", 0, kShutterRange);
+    frame.shutterClose = params.GetFloat("shutterclose", 1, kShutterRange);
     if (!(frame.shutterClose > frame.shutterOpen))
         throw UserError(fmt::format("{}: the shutter opens at {} and closes at {}; it must close after it opens.",
                                     params.What(), frame.shutterOpen, frame.shutterClose),

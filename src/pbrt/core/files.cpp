@@ -53,9 +53,21 @@ int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
     return file;
 }
 
+// Makes room for `bytes` if there is memory for them besides what `content` has until they are moved.
+void Grow(std::string &content, size_t bytes, const std::string &path, double (*available)()) {
+    // Not worth the question, which is put to the kernel.
+    constexpr size_t kSmall = 1 << 24;
+    if (const double left = bytes > kSmall ? available() : 0; bytes > kSmall && static_cast<double>(bytes) > left)
+        throw UserError(fmt::format("{}: too large to read: there is more than {} of content, and to go on takes {} of "
+                                    "memory, but {} are left for this process.",
+                                    path, BytesText(static_cast<double>(content.size())),
+                                    BytesText(static_cast<double>(bytes)), BytesText(left)));
+    content.reserve(bytes);
+}
+
 }  // namespace
 
-std::string ReadFileContents(const std::string &path, ReadFrom from) {
+std::string ReadFileContents(const std::string &path, ReadFrom from, double (*available)()) {
     size_t size = 0;
     const int descriptor = OpenForReading(path, from, &size);
     // gzread passes plain content through unchanged.
@@ -69,10 +81,11 @@ std::string ReadFileContents(const std::string &path, ReadFrom from) {
     if (size == 0) size = kMost;  // a pipe, or a file that the kernel makes up
     gzbuffer(file.get(), static_cast<unsigned>(std::clamp(size, kLeast, kMost)));
     std::string content;
-    content.reserve(size + kLeast);
+    Grow(content, size + kLeast, path, available);
     for (;;) {
         size_t old = content.size();
-        const size_t chunk = std::clamp<size_t>(content.capacity() - old, kLeast, kMost);
+        if (content.capacity() == old) Grow(content, 2 * old, path, available);
+        const size_t chunk = std::min(content.capacity() - old, kMost);
         content.resize(old + chunk);
         int got = gzread(file.get(), content.data() + old, static_cast<unsigned>(chunk));
         if (got < 0) {

@@ -3,6 +3,8 @@
 #include <string>
 #include <string_view>
 
+#include "pbrt/core/memory.h"
+
 namespace pbrt {
 
 /// Finds the files a scene names: absolute paths as they are; else relative to the directory of the top-level scene
@@ -23,8 +25,10 @@ std::string LowerExtension(const std::string &path);
 /// Whether something that is not a regular file may be read, too. A device such as /dev/zero never may: it has no end.
 enum class ReadFrom { Files, FilesAndPipes };
 
-/// The whole content; gzip content is decompressed whatever the name. Throws UserError (no location) if unreadable.
-std::string ReadFileContents(const std::string &path, ReadFrom from = ReadFrom::Files);
+/// The whole content; gzip content is decompressed whatever the name. Throws UserError (no location) if unreadable, or
+/// if it is larger than the memory that `available` says is left; a small file may be decompressed to any size.
+std::string ReadFileContents(const std::string &path, ReadFrom from = ReadFrom::Files,
+                             double (*available)() = AvailableMemory);
 
 /// Everything the programs write goes through this function. Afterwards the file holds `content` and is on the disk; if
 /// anything goes wrong, UserError (no location) is thrown and the file is as it was before. For that the content goes

@@ -4,7 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
+#include <limits>
+#include <utility>
 
 namespace pbrt {
 
@@ -27,6 +30,24 @@ double UsableMemory() {
             bytes = std::min(bytes, static_cast<double>(limit.rlim_cur));
     }
     return std::min(bytes, ControlGroupLimit(bytes));
+}
+
+double AvailableMemory() {
+    // Of "/proc/self/statm", in pages: all, resident, shared, code, 0, data and stack.
+    double all = 0, resident = 0, shared = 0, code = 0, none = 0, data = 0;
+    std::ifstream("/proc/self/statm") >> all >> resident >> shared >> code >> none >> data;
+    const auto page = static_cast<double>(sysconf(_SC_PAGESIZE));
+    double bytes = UsableMemory();
+    std::ifstream machine("/proc/meminfo");
+    for (std::string name, line; machine >> name && std::getline(machine, line);)
+        if (name == "MemAvailable:") bytes = std::min(bytes, 1024 * std::strtod(line.c_str(), nullptr));
+    bytes = std::min(bytes, ControlGroupLimit(std::numeric_limits<double>::infinity()) - page * resident);
+    for (auto [resource, pages] : {std::pair(RLIMIT_AS, all), std::pair(RLIMIT_DATA, data)}) {
+        rlimit limit{};
+        if (getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+            bytes = std::min(bytes, static_cast<double>(limit.rlim_cur) - page * pages);
+    }
+    return std::max(0.0, bytes);
 }
 
 std::string BytesText(double bytes) {

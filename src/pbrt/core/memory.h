@@ -9,6 +9,9 @@ namespace pbrt {
 /// is limited.
 double UsableMemory();
 
+/// Bytes this process could take now in addition to what it has: what the machine has left, and what its limits leave.
+double AvailableMemory();
+
 /// "240 MB", "23 GB": two digits.
 std::string BytesText(double bytes);
 

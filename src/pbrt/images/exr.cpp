@@ -8,9 +8,11 @@
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfMatrixAttribute.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfVersion.h>
 
 #include <algorithm>
 #include <climits>
@@ -168,6 +170,21 @@ size_t CountAtHalfLimit(const Image &image) {
     return count;
 }
 
+/// Says which of a file's parts is read.
+void WarnOfParts(const std::string &path) {
+    constexpr int kMostNames = 8;
+    const Imf::MultiPartInputFile file(path.c_str());
+    const int count = file.parts();
+    if (count < 2) return;
+    std::string names;
+    for (int i = 0; i < std::min(count, kMostNames); ++i) {
+        const Imf::Header &header = file.header(i);
+        names += fmt::format("{}\"{}\"", i ? ", " : "", header.hasName() ? Abbreviate(header.name()) : "");
+    }
+    LogWarning(fmt::format("{}: the image has {} parts ({}{}); only the first is read.", path, count, names,
+                           count > kMostNames ? ", ..." : ""));
+}
+
 }  // namespace
 
 ImageFile ReadExr(const std::string &path) {
@@ -178,6 +195,7 @@ ImageFile ReadExr(const std::string &path) {
     }();
     static_cast<void>(limited);
     Imf::InputFile file(path.c_str());
+    if (Imf::isMultiPart(file.version())) WarnOfParts(path);
     const Imf::Header &header = file.header();
     const Imath::Box2i data = header.dataWindow(), display = header.displayWindow();
     bool allHalf = true;

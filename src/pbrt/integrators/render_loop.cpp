@@ -45,18 +45,23 @@ class ReferenceLog {
         double mse = ImageError(image, reference_, Metric::MSE);
         // The render is worth more than its log: it goes on without it.
         if (out_ && (std::fprintf(out_.get(), "%d, %.9g\n", samples, mse) < 0 || std::fflush(out_.get()) != 0)) {
-            failure_ = fmt::format("{}: cannot be written: {}.", name_, std::strerror(errno));
+            Fail();
             out_.reset();
         }
         return mse;
     }
-    /// Why the log is not complete; empty if it is.
-    const std::string &Failure() const { return failure_; }
+    /// Closes the file. Why it is not complete; empty if it is.
+    const std::string &Finish() {
+        // Some file systems tell only now.
+        if (out_ && std::fclose(out_.release()) != 0) Fail();
+        return failure_;
+    }
 
   private:
     struct Close {
         void operator()(std::FILE *f) const { std::fclose(f); }
     };
+    void Fail() { failure_ = fmt::format("{}: cannot be written: {}.", name_, std::strerror(errno)); }
     Image reference_;
     std::string name_, failure_;
     std::unique_ptr<std::FILE, Close> out_;
@@ -123,7 +128,7 @@ int WaveRenderer::Render(int count) {
     const int first = done_ - round_ * settings_.samplesPerPixel;
     int size = std::min(count, settings_.samplesPerPixel - first);
     if (learner_ && learner_->NextLearning() > 0) {
-        if (done_ == learner_->NextLearning()) learner_->Learn();
+        if (done_ == learner_->NextLearning()) learner_->Learn(progress_);
         if (const int next = learner_->NextLearning(); next > 0) size = std::min(size, next - done_);
     }
     if (progress_.Cancelled()) return 0;
@@ -178,7 +183,6 @@ RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Fil
         if (taken == 0) break;
         secondsPerSample = SecondsSince(waveStart) / taken;
         result.mse = reference.Log(renderer.Done(), film);
-        result.mseFailure = reference.Failure();
         if (timed) {
             double spent = SecondsSince(settings.start);
             progress.SetFraction(spent / settings.timeBudget, settings.timeBudget - spent);
@@ -186,6 +190,7 @@ RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Fil
         if (settings.afterWave) settings.afterWave(renderer.Done());
         if (renderer.Done() > 1) wave = std::min(2 * wave, kLargestWave);
     }
+    result.mseFailure = reference.Finish();
     result.samplesTaken = renderer.Done();
     result.cancelled = progress.Cancelled() && (timed || renderer.Done() < settings.samplesPerPixel);
     result.seconds = SecondsSince(renderStart);

@@ -1,6 +1,8 @@
 #include "pbrt/lights/light_factory.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "pbrt/lights/diffuse_area_light.h"
 #include "pbrt/lights/distant_light.h"
@@ -56,6 +58,15 @@ struct LightInput {
     }
 };
 
+/// An error if an emission so scaled is too bright for single precision.
+Float RequireFinite(const LightInput &in, Float scale, const Spectrum &emission, const char *name) {
+    if (!std::isfinite(scale) || !std::isfinite(scale * emission.MaxValue()))
+        throw UserError(fmt::format("{}: \"{}\" times all that scales it is larger than the largest number, {:.4g}.",
+                                    in.params.What(), name, std::numeric_limits<Float>::max()),
+                        in.params.LocOf(in.params.Has("scale") ? "scale" : name));
+    return scale;
+}
+
 /// `scale` so that an emission of scale 1 is one photometric unit.
 Float PhotometricScale(const LightInput &in, const Spectrum &emission, const char *name) {
     Float scale = in.params.GetFloat("scale", 1, kBrightnessRange), photometric = SpectrumToPhotometric(emission);
@@ -86,6 +97,7 @@ std::unique_ptr<Light> MakePoint(const LightInput &in) {
     Float scale = PhotometricScale(in, *intensity, "I");
     Float power = in.params.GetFloat("power", -1, kPowerRange);
     if (power > 0) scale *= power / (4 * Pi);
+    RequireFinite(in, scale, *intensity, "I");
     Point3 from = in.GetPoint("from", {0, 0, 0});
     in.RequirePosition(from);
     return std::make_unique<PointLight>(in.renderFromLight.Point(from), InternSpectrum(*intensity), scale);
@@ -106,6 +118,7 @@ std::unique_ptr<Light> MakeSpot(const LightInput &in) {
     // A falloff wider than the cone starts on the other side of the axis; only its cosine counts.
     Float falloffStart = std::abs(coneAngle - delta);
     if (power > 0) scale *= power / SpotLight::PowerPerIntensity(coneAngle, falloffStart);
+    RequireFinite(in, scale, *intensity, "I");
     return std::make_unique<SpotLight>(in.renderFromLight, from, in.FromTo(from, to), InternSpectrum(*intensity), scale,
                                        coneAngle, falloffStart);
 }
@@ -116,6 +129,7 @@ std::unique_ptr<Light> MakeDistant(const LightInput &in) {
     Float illuminance = in.params.GetFloat("illuminance", -1, kPowerRange);
     Point3 from = in.GetPoint("from", {0, 0, 0}), to = in.GetPoint("to", {0, 0, 1});
     if (illuminance > 0) scale *= illuminance;
+    RequireFinite(in, scale, *radiance, "L");
     Vector3 wi = Normalize(in.renderFromLight.Vector(-in.FromTo(from, to)));
     return std::make_unique<DistantLight>(wi, InternSpectrum(*radiance), scale);
 }
@@ -145,6 +159,7 @@ std::unique_ptr<Light> MakeGoniometric(const LightInput &in) {
         RequireSquare(in, light);
     }
     if (power > 0) scale *= PowerFactor(in, power, 4 * Pi * GoniometricLight::Mean(light.image), light.name);
+    RequireFinite(in, scale, *intensity, "I");
     return std::make_unique<GoniometricLight>(in.renderFromLight, InternSpectrum(*intensity), scale,
                                               std::move(light.image));
 }
@@ -162,6 +177,7 @@ std::unique_ptr<Light> MakeProjection(const LightInput &in) {
     if (power > 0)
         scale *=
             PowerFactor(in, power, ProjectionLight::LuminancePower(light.image, *light.colorSpace, fov), light.name);
+    RequireFinite(in, scale, light.colorSpace->Illuminant(), "filename");
     return std::make_unique<ProjectionLight>(in.renderFromLight, std::move(light.image), *light.colorSpace, scale, fov);
 }
 
@@ -253,6 +269,7 @@ std::unique_ptr<Light> MakeInfinite(const LightInput &in) {
         if (!radiance) radiance = in.colorSpace.IlluminantPtr();
         Float scale = PhotometricScale(in, *radiance, "L");
         if (illuminance > 0) scale *= illuminance / Pi;
+        RequireFinite(in, scale, *radiance, "L");
         return std::make_unique<UniformInfiniteLight>(InternSpectrum(*radiance), scale);
     }
 
@@ -267,6 +284,7 @@ std::unique_ptr<Light> MakeInfinite(const LightInput &in) {
                 params.LocOf("illuminance"));
         scale *= illuminance / measured;
     }
+    RequireFinite(in, scale, light.colorSpace->Illuminant(), "filename");
     if (portal)
         return std::make_unique<PortalLight>(in.renderFromLight, light.image, *light.colorSpace, scale, *portal,
                                              in.renderFromWorld);
@@ -324,7 +342,7 @@ AreaLightMaker::AreaLightMaker(const std::string &type, const ParamSet &params, 
         throw UserError(fmt::format("{}: \"L\" and \"filename\" exclude each other.", params.What()),
                         params.LocOf("filename"));
     if (!radiance) radiance = colorSpace.IlluminantPtr();
-    emission->scale = PhotometricScale(in, *radiance, "L");
+    emission->scale = RequireFinite(in, PhotometricScale(in, *radiance, "L"), *radiance, "L");
     if (hasImage) {
         LightImage light = ReadLightImage(params, "filename", files);
         emission->image = std::move(light.image);

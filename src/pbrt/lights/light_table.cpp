@@ -24,6 +24,7 @@ void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
         LightCandidate c;
         Float power = SafeDivide(light->Phi(lambda), lambda.Pdf()).Average();
         c.power = power > 0 && std::isfinite(power) ? power : 0;
+        if (!std::isfinite(power)) overflowed_.emplace_back(candidates_.size());
         c.infinite = light->Kind() == LightKind::Infinite || light->Kind() == LightKind::DeltaDirection;
         c.bounds = light->Bounds();
         candidates_.push_back(std::move(c));

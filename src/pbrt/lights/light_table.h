@@ -30,10 +30,13 @@ class LightTable {
     uint32_t PrimitiveOf(LightId id) const { return primitives_[id.value]; }
     /// Infinite lights, those that rays leaving the scene must ask.
     std::span<const LightId> Infinite() const { return infinite_; }
+    /// Lights whose power is beyond single precision; as candidates they have none.
+    std::span<const LightId> Overflowed() const { return overflowed_; }
     /// One per light.
     std::span<const LightCandidate> Candidates() const { return candidates_; }
 
   private:
+    std::vector<LightId> overflowed_;
     std::vector<std::unique_ptr<Light>> lights_;
     std::vector<ShapeId> meshes_;
     std::vector<uint32_t> primitives_;

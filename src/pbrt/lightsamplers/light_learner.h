@@ -3,6 +3,7 @@
 
 namespace pbrt {
 
+class Progress;
 class SampledSpectrum;
 
 /// A light sampler that goes on learning from the shadow rays of the render. What it samples by changes in Learn only: between waves,
@@ -18,7 +19,8 @@ class LightLearner {
     /// What the shadow ray to a chosen light found at a vertex of that path: radiance times cosine over the density of the point on
     /// the light (solid angle), without BSDF and `light.pmf`; 0 where it was blocked or nothing arrives.
     virtual void Found(const LightQuery &query, const SampledLight &light, const SampledSpectrum &found) = 0;
-    virtual void Learn() = 0;
+    /// May take seconds. If `progress` is cancelled meanwhile, it gives up soon and leaves everything as it was before.
+    virtual void Learn(const Progress &progress) = 0;
 };
 
 }  // namespace pbrt

@@ -248,9 +248,10 @@ void DescriptionBuilder::ReportOpenBlocks() {
 
 void DescriptionBuilder::AddAttributes(AttributeTarget target, Params params) {
     auto &list = State().attributes[static_cast<size_t>(target)];
-    auto grown = list ? std::make_shared<Params>(*list) : std::make_shared<Params>();
-    std::move(params.begin(), params.end(), std::back_inserter(*grown));
-    list = std::move(grown);
+    // Copied at most once per scope, so that many directives in one take time by their number, not by its square.
+    if (!list) list = std::make_shared<Params>();
+    else if (list.use_count() > 1) list = std::make_shared<Params>(*list);
+    std::move(params.begin(), params.end(), std::back_inserter(*list));
 }
 
 void DescriptionBuilder::SetColorSpace(const std::string &name, const FileLoc &loc) {

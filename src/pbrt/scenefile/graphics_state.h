@@ -29,8 +29,9 @@ struct GraphicsState {
     std::shared_ptr<PendingAreaLight> areaLight;
     std::string insideMedium, outsideMedium;
     std::string colorSpace = "srgb";
-    /// Parameters of Attribute directives, one list per target. Shared by all states until one of them adds to it.
-    std::array<std::shared_ptr<const std::vector<Param>>, AttributeTargetCount> attributes;
+    /// Parameters of Attribute directives, one list per target. Shared by the states of several scopes; whoever alone
+    /// has one may add to it (files are read by one thread).
+    std::array<std::shared_ptr<std::vector<Param>>, AttributeTargetCount> attributes;
 };
 
 }  // namespace pbrt

@@ -2,14 +2,15 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
-
-extern char **environ;
 
 namespace pbrt {
 
@@ -20,22 +21,57 @@ std::string Environment(const char *name, const char *otherwise) {
     return value && *value ? value : otherwise;
 }
 
-/// Exit status of `python script folder`; -1 if it could not be started. Its standard output is dropped: that is the
-/// command's own table.
-int RunScript(const std::string &python, const std::string &script, const std::string &folder) {
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+/// In the child: becomes the program. Nothing but calls that are allowed after a fork among threads.
+[[noreturn]] void Become(const char *const *arguments, pid_t parent, const sigset_t &mask, int failures) {
+    // The signals' handlers tell the parent; here they end the process, or stay ignored.
+    for (int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        struct sigaction action = {};
+        if (sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN) continue;
+        action = {};
+        action.sa_handler = SIG_DFL;
+        sigaction(signal, &action, nullptr);
+    }
+    pthread_sigmask(SIG_SETMASK, &mask, nullptr);
+    // However the parent ends, this process ends with it.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() == parent) {
+        if (const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC); nowhere >= 0) dup2(nowhere, STDOUT_FILENO);
+        execvp(arguments[0], const_cast<char *const *>(arguments));
+    }
+    const int reason = errno;
+    [[maybe_unused]] const ssize_t ignored = write(failures, &reason, sizeof(reason));
+    _exit(127);
+}
+
+/// Exit status of `python script folder`, or why it has none. Its standard output is dropped: that is the command's own
+/// table. To be called by a thread that lives as long as the process.
+struct ScriptResult {
+    int status = -1;
+    std::string failure;
+};
+ScriptResult RunScript(const std::string &python, const std::string &script, const std::string &folder) {
     const char *arguments[] = {python.c_str(), script.c_str(), folder.c_str(), nullptr};
-    pid_t pid = 0;
-    const int failed =
-        posix_spawnp(&pid, python.c_str(), &actions, nullptr, const_cast<char *const *>(arguments), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (failed) return -1;
+    auto notStarted = [](int reason) {
+        return ScriptResult{-1, fmt::format("not started: {}", std::strerror(reason))};
+    };
+    int failures[2];  // closed by a successful start
+    if (pipe2(failures, O_CLOEXEC) != 0) return notStarted(errno);
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const pid_t parent = getpid(), pid = fork();
+    if (pid == 0) Become(arguments, parent, before, failures[1]);
+    int reason = errno;
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    close(failures[1]);
+    const bool started = pid > 0 && read(failures[0], &reason, sizeof(reason)) <= 0;
+    close(failures[0]);
     int status = 0;
-    while (waitpid(pid, &status, 0) < 0)
-        if (errno != EINTR) return -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    while (pid > 0 && waitpid(pid, &status, 0) < 0)
+        if (errno != EINTR) return notStarted(errno);
+    if (!started) return notStarted(reason);
+    if (WIFSIGNALED(status)) return {-1, fmt::format("ended by signal {}", WTERMSIG(status))};
+    return {WEXITSTATUS(status), WEXITSTATUS(status) ? fmt::format("exit status {}", WEXITSTATUS(status)) : ""};
 }
 
 }  // namespace
@@ -49,11 +85,10 @@ std::string RunReportScripts(const std::string &outFolder, bool quiet) {
         if (!std::filesystem::exists(script))
             return fmt::format("{} is missing: no {}; the results are in {}.", script,
                                name == std::string("charts.py") ? "charts" : "report.html", outFolder);
-        const int status = RunScript(python, script, outFolder);
-        if (status != 0)
+        const ScriptResult result = RunScript(python, script, outFolder);
+        if (result.status != 0)
             return fmt::format("{} {} {} failed ({}): charts or report.html are missing; the results are in {}.",
-                               python, script, outFolder,
-                               status < 0 ? "not started" : fmt::format("exit status {}", status), outFolder);
+                               python, script, outFolder, result.failure, outFolder);
     }
     return {};
 }

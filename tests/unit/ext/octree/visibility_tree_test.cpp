@@ -29,7 +29,7 @@ struct Prepass {
         }
     }
     VisibilityTree Build(VisibilityBuildSettings settings) const {
-        return VisibilityTreeBuilder(kBounds, records, tries, settings).Build();
+        return VisibilityTreeBuilder(kBounds, records, tries, settings).Build().value();
     }
 };
 
@@ -81,7 +81,7 @@ TEST(VisibilityTree, KeepsAllSplitsWithoutPruningAndHoldsFewRecordsPerLeaf) {
     VisibilityBuildSettings settings = Settings(2);
     settings.pruneGain = 0;
     VisibilityTreeBuilder builder(kBounds, prepass.records, prepass.tries, settings);
-    VisibilityTree tree = builder.Build();
+    VisibilityTree tree = builder.Build().value();
     EXPECT_EQ(tree.LeafCount(), builder.LeavesBeforePruning());
     EXPECT_GT(tree.LeafCount(), 50u);
     uint32_t total = 0;
@@ -136,7 +136,7 @@ struct ManyLights {
     VisibilityTree Build() const {
         VisibilityBuildSettings settings = Settings(kLights);
         settings.lights = &tree;
-        return VisibilityTreeBuilder(kBounds, records, tries, settings).Build();
+        return VisibilityTreeBuilder(kBounds, records, tries, settings).Build().value();
     }
 };
 
@@ -197,9 +197,38 @@ TEST(VisibilityTree, ThreadsDoNotMatter) {
 }
 
 TEST(VisibilityTree, NoRecordsAreFine) {
-    VisibilityTree tree = VisibilityTreeBuilder(kBounds, {}, {}, Settings(3)).Build();
+    VisibilityTree tree = VisibilityTreeBuilder(kBounds, {}, {}, Settings(3)).Build().value();
     EXPECT_EQ(tree.LeafCount(), 1u);
     EXPECT_GT(FactorAt(tree, Point3(0.5f), 1), 0);
+}
+
+/// Builds again and again, and stops later each time. What was not stopped is as if it had not been asked.
+template <class MakeBuilder>
+void ExpectStopsEverywhere(MakeBuilder &&make) {
+    int questions = 0;
+    const VisibilityTree whole = make()->Build([&] { return ++questions == 0; }).value();
+    ASSERT_GT(questions, 100);
+    for (int step = 0; step <= 20; ++step) {
+        const int last = std::max(1, questions * step / 20);
+        int asked = 0;
+        // True once only: what was stopped must stay so.
+        const std::optional<VisibilityTree> stopped = make()->Build([&] { return ++asked == last; });
+        EXPECT_FALSE(stopped) << "at question " << last << " of " << questions;
+        EXPECT_EQ(asked, last) << "went on asking";
+    }
+    const std::optional<VisibilityTree> built = make()->Build([] { return false; });
+    ASSERT_TRUE(built);
+    EXPECT_TRUE(*built == whole);
+}
+
+TEST(VisibilityTree, BuildingStopsAtOnceAtEveryStep) {
+    ThreadLimit limit(1);
+    const Prepass prepass(20000, 3, [](const Point3 &p, uint32_t l, Float) { return (l == 0) == (p.x < 0.3f) ? Float(1) : Float(0); });
+    ExpectStopsEverywhere([&] { return std::make_unique<VisibilityTreeBuilder>(kBounds, prepass.records, prepass.tries, Settings(3)); });
+    const ManyLights many;
+    VisibilityBuildSettings settings = Settings(ManyLights::kLights);
+    settings.lights = &many.tree;
+    ExpectStopsEverywhere([&] { return std::make_unique<VisibilityTreeBuilder>(kBounds, many.records, many.tries, settings); });
 }
 
 }  // namespace

@@ -72,6 +72,12 @@ TEST(MakeCamera, NumbersOutsideTheirRangesAreErrors) {
     says("perspective", "fov", {180}, "\"fov\" is 180; it must be above 0 and below 180");
     says("perspective", "lensradius", {1e30f}, "\"lensradius\" is 1e+30; it must be at least 0");
     says("perspective", "frameaspectratio", {1e30f}, "at most 1000000");
+    for (const char *type : {"perspective", "orthographic", "spherical", "realistic"}) {
+        says(type, "shutterclose", {2e9f}, "\"shutterclose\" is 2000000000; it must be at least -1000000000 and at most 1000000000");
+        says(type, "shutteropen", {-2e9f}, "\"shutteropen\" is -2000000000");
+        says(type, "shutterclose", {Infinity}, "\"shutterclose\" is inf");
+        says(type, "shutteropen", {std::nanf("")}, "\"shutteropen\" is nan");
+    }
     says("orthographic", "screenwindow", {-1, 1e30f, -1, 1}, "\"screenwindow\" is 1e+30");
     // The distance counts only with a lens; without one, any is good.
     EXPECT_EQ(ErrorOf("perspective", {FloatParam("focaldistance", {1e30f})}), "");

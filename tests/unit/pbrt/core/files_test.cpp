@@ -55,6 +55,21 @@ TEST_F(Files, NamesAreLookedForBesideTheSceneFirst) {
     EXPECT_EQ(FileResolver().Resolve("x.png"), "x.png");
 }
 
+// A gzip bomb: some kilobytes that stand for any number of them.
+TEST_F(Files, WhatDoesNotFitIntoMemoryIsRefusedBeforeItIsRead) {
+    const std::string large(100 << 20, 'x');
+    auto little = [] { return 50e6; };
+    for (const std::string &path : {Gzip("bomb.gz", large), Write("plain", large)}) {
+        const std::string reason = Reason([&] { ReadFileContents(path, ReadFrom::Files, little); });
+        EXPECT_TRUE(Contains(reason, path + ": too large to read")) << reason;
+        EXPECT_TRUE(Contains(reason, "but 50 MB are left")) << reason;
+        EXPECT_TRUE(ReadFileContents(path, ReadFrom::Files, [] { return 500e6; }) == large);
+    }
+    EXPECT_LT(fs::file_size(folder_ / "bomb.gz"), 1u << 18);
+    EXPECT_EQ(ReadFileContents(Gzip("small.gz", LongText()), ReadFrom::Files, little), LongText());
+    EXPECT_EQ(ReadFileContents(Gzip("small.gz", LongText()), ReadFrom::Files, [] { return 0.0; }), LongText());
+}
+
 // Nothing must wait for ever, and nothing without an end be read.
 TEST_F(Files, PipesAndDevicesAreNoFiles) {
     const std::string pipe = (folder_ / "pipe").string();

@@ -31,6 +31,28 @@ TEST(RequireMemory, ComparesWithWhatThisProcessCanUse) {
     }
 }
 
+TEST(AvailableMemory, IsLessByWhatThisProcessHas) {
+    EXPECT_GT(AvailableMemory(), 1e7);
+    EXPECT_LT(AvailableMemory(), UsableMemory());
+}
+
+TEST(AvailableMemoryDeathTest, ObeysTheLimitOfTheProcess) {
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    EXPECT_EXIT(
+        {
+            // What is mapped already is more than this limit; of a larger one some is left.
+            rlimit limit{};
+            limit.rlim_cur = 1'000'000;
+            limit.rlim_max = RLIM_INFINITY;
+            setrlimit(RLIMIT_AS, &limit);
+            const bool none = AvailableMemory() == 0;
+            limit.rlim_cur = 20'000'000'000;
+            setrlimit(RLIMIT_AS, &limit);
+            std::_Exit(none && AvailableMemory() > 0 && AvailableMemory() < 20e9 ? 7 : 8);
+        },
+        testing::ExitedWithCode(7), "");
+}
+
 TEST(UsableMemoryDeathTest, ObeysTheLimitOfTheProcess) {
     GTEST_FLAG_SET(death_test_style, "threadsafe");
     EXPECT_EXIT(

@@ -1,10 +1,14 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
+#include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "image_fixtures.h"
@@ -227,6 +231,43 @@ TEST_F(ReadImageFile, ErrorsNameTheFile) {
     const std::string content((std::istreambuf_iterator<char>(in)), {});
     const std::string cut = WriteBytes("cut.png", content.substr(0, content.size() / 2));
     EXPECT_NE(Message([&] { ReadImage(cut); }).find("cut.png"), std::string::npos);
+}
+
+TEST_F(ReadImageFile, OfSeveralPartsTheFirstIsReadWithAWarning) {
+    const std::vector<std::string> names = {"beauty", "depth", "a name\nof two lines"};
+    for (size_t parts = 1; parts <= names.size(); ++parts) {
+        const std::string path = Path(std::to_string(parts) + ".exr");
+        {
+            std::vector<Imf::Header> headers;
+            for (size_t i = 0; i < parts; ++i) {
+                headers.emplace_back(2, 1);
+                headers.back().setName(names[i]);
+                headers.back().setType(Imf::SCANLINEIMAGE);
+                headers.back().channels().insert("Y", Imf::Channel(Imf::FLOAT));
+            }
+            Imf::MultiPartOutputFile file(path.c_str(), headers.data(), static_cast<int>(parts));
+            for (size_t i = 0; i < parts; ++i) {
+                const float values[] = {static_cast<float>(i) + 1, 7};
+                Imf::FrameBuffer buffer;
+                buffer.insert("Y", Imf::Slice(Imf::FLOAT, reinterpret_cast<char *>(const_cast<float *>(values)), 4, 8));
+                Imf::OutputPart part(file, static_cast<int>(i));
+                part.setFrameBuffer(buffer);
+                part.writePixels(1);
+            }
+        }
+        ::testing::internal::CaptureStderr();
+        const Image image = ReadImage(path).image;
+        const std::string said = ::testing::internal::GetCapturedStderr();
+        EXPECT_EQ(image.Get({0, 0}, 0), 1);
+        EXPECT_EQ(image.Get({1, 0}, 0), 7);
+        if (parts == 1) {
+            EXPECT_EQ(said, "");
+            continue;
+        }
+        EXPECT_NE(said.find(path + ": the image has " + std::to_string(parts) + " parts (\"beauty\", \"depth\""), std::string::npos) << said;
+        EXPECT_NE(said.find("only the first is read"), std::string::npos) << said;
+        EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+    }
 }
 
 }  // namespace pbrt

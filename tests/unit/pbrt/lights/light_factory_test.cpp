@@ -66,6 +66,20 @@ TEST(LightFactory, ImagesOfLightsAreChecked) {
     ExpectComplaint("projection", Params().String("filename", neither.Path()), 1, "R, G and B");
 }
 
+TEST(LightFactory, WhatIsTooBrightForSinglePrecisionIsAnError) {
+    for (const char *type : {"point", "spot", "distant", "goniometric", "infinite"}) {
+        const std::string name = std::string(type) == "distant" || std::string(type) == "infinite" ? "L" : "I";
+        ExpectComplaint(type, Params().Rgb(name, 1e25f, 1, 1).Number("scale", 1e30f), 2, "larger than the largest number");
+        EXPECT_TRUE(Make(type, Params().Rgb(name, 1, 1, 1).Number("scale", 1e30f))) << type;
+    }
+    for (const char *type : {"point", "spot", "goniometric"})
+        ExpectComplaint(type, Params().Number("scale", 1e30f).Number("power", 1e30f), 1, "larger than the largest number");
+    for (const char *type : {"distant", "infinite"})
+        ExpectComplaint(type, Params().Number("scale", 1e30f).Number("illuminance", 1e30f), 1, "larger than the largest number");
+    const Diagnostic d = Complaint([] { MakeAreaMaker(Params().Rgb("L", 1e25f, 1, 1).Number("scale", 1e30f)); });
+    EXPECT_NE(d.message.find("larger than the largest number"), std::string::npos) << d.message;
+}
+
 TEST(LightFactory, RadianceAndImageExcludeEachOther) {
     ExpectComplaint("infinite", Params().Rgb("L", 1, 1, 1).String("filename", "x.exr"), 2, "exclude");
     Diagnostic d = Complaint([] { MakeAreaMaker(Params().Rgb("L", 1, 1, 1).String("filename", "x.exr")); });

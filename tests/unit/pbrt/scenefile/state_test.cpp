@@ -217,6 +217,34 @@ TEST(Attribute, GivesDefaultsToItsKindOnly) {
     EXPECT_EQ(x(scene.media[0]), 5);
 }
 
+// If every directive copied those before it, this would be five billion copies a scope, which takes minutes.
+TEST(Attribute, ManyDirectivesTakeTimeByTheirNumber) {
+    constexpr int kCount = 100000;
+    std::string text, inner;
+    for (int i = 0; i < kCount; ++i) text += fmt::format("Attribute \"shape\" \"float a{}\" {}\n", i % 1000, i);
+    for (int i = 0; i < kCount; ++i) inner += fmt::format("Attribute \"shape\" \"float b{}\" {}\n", i % 1000, i);
+    SceneDescription scene =
+        ParseWorld(text + "Shape \"s\"\nAttributeBegin\n" + inner + "Shape \"s\"\nAttributeEnd\nShape \"s\"");
+    ASSERT_EQ(scene.shapes.size(), 3u);
+    for (size_t s = 0; s < 3; ++s) {
+        const ParamSet &params = scene.shapes[s].params;
+        for (int i : {0, 1, 500, 999}) {
+            EXPECT_EQ(params.GetFloat(fmt::format("a{}", i), -1), kCount - 1000 + i) << s;
+            EXPECT_EQ(params.GetFloat(fmt::format("b{}", i), -1), s == 1 ? kCount - 1000 + i : -1) << s;
+        }
+    }
+}
+
+// The outer scope shares its list with the inner one until one of them adds to it.
+TEST(Attribute, ScopesAddToListsOfTheirOwn) {
+    SceneDescription scene = ParseWorld(
+        "Attribute \"shape\" \"float a\" 1\nAttributeBegin Shape \"s\" Attribute \"shape\" \"float a\" 2 Shape \"s\"\n"
+        "AttributeBegin AttributeBegin Attribute \"shape\" \"float a\" 3 AttributeEnd Shape \"s\" AttributeEnd AttributeEnd\n"
+        "Shape \"s\" Attribute \"shape\" \"float a\" 4 Shape \"s\"");
+    const Float expected[] = {1, 2, 2, 1, 4};
+    for (size_t i = 0; i < 5; ++i) EXPECT_EQ(scene.shapes[i].params.GetFloat("a", 0), expected[i]) << i;
+}
+
 TEST(Attribute, OwnParametersWinThenTheLatestStatement) {
     SceneDescription scene = ParseWorld(
         "Attribute \"shape\" \"float r\" 1 \"float q\" 1\nAttribute \"shape\" \"float r\" 2\n"

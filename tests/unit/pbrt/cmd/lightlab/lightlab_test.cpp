@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <thread>
@@ -220,6 +221,31 @@ TEST_F(Lightlab, MissingScriptsCostTheReportOnly) {
     EXPECT_TRUE(Has(p.err, "/nonexistent/python")) << p.err;
     EXPECT_TRUE(Has(p.err, "not started")) << p.err;
     EXPECT_TRUE(Exists("two/results.json"));
+}
+
+TEST_F(Lightlab, AScriptEndsWithIt) {
+    // In place of Python: something that says who it is, and goes on for a minute.
+    Write("script.sh", "#!/bin/sh\necho $$ > id.tmp\nmv id.tmp id\nexec sleep 60\n");
+    std::filesystem::permissions(Path("script.sh"), std::filesystem::perms::owner_all);
+    auto runs = [](pid_t pid) {
+        std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
+        std::string id, name, state;
+        return stat >> id >> name >> state && state != "Z";  // Z: ended, and nobody has asked how
+    };
+    for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGKILL}) {
+        std::filesystem::remove(Path("id"));
+        setenv("LIGHTLAB_PYTHON", Path("script.sh").c_str(), 1);
+        const pid_t pid = Start("scene.pbrt --samplers uniform --spp 1 --seeds 1 --reference-spp 8 --out out");
+        unsetenv("LIGHTLAB_PYTHON");
+        EXPECT_TRUE(WaitUntil([&] { return Exists("id"); })) << Messages(pid);
+        const pid_t script = std::stoi(Read("id"));
+        EXPECT_TRUE(runs(script));
+        kill(pid, signal);
+        const Outcome o = Wait(pid);
+        EXPECT_EQ(o.status, signal == SIGKILL ? -SIGKILL : 128 + signal) << o.err;
+        EXPECT_EQ(Has(o.err, "has no report yet"), signal != SIGKILL) << o.err;
+        EXPECT_TRUE(WaitUntil([&] { return !runs(script); })) << "after signal " << signal;
+    }
 }
 
 TEST_F(Lightlab, ReportIsMade) {

@@ -22,6 +22,11 @@ std::string FileResolver::Resolve(const std::string &name) const {
     return std::filesystem::exists(beside, ignored) ? beside.string() : name;
 }
 
+bool FileExists(const std::string &path) {
+    std::error_code none;
+    return std::filesystem::exists(path, none);
+}
+
 std::string LowerExtension(const std::string &path) {
     std::string extension = std::filesystem::path(path).extension().string();
     for (char &c : extension)

@@ -19,6 +19,9 @@ class FileResolver {
     std::filesystem::path directory_;
 };
 
+/// Whether there is anything of that name that can be asked about; false for names that no file can have.
+bool FileExists(const std::string &path);
+
 /// ".exr" of "a/B.EXR": the extension in small letters.
 std::string LowerExtension(const std::string &path);
 

@@ -62,6 +62,8 @@ PixelSensor PixelSensor::Make(const ParamSet &params, const ColorSpace &outputSp
                         params.LocOf("sensor"));
     const Float imagingRatio = exposureTime * params.GetFloat("iso", 100, Positive(1e9f)) / 100;
     Float whiteBalance = params.GetFloat("whitebalance", 0, {0, 1e6f});  // K; 0: the default
+    // The formula for daylight, made for 4000 K and more, has poles below 1000 K.
+    if (whiteBalance > 0) params.Require<Float>("whitebalance", whiteBalance, {1000, 1e6f});
     if (name == "cie1931") {
         glm::mat3 balance(1);
         if (whiteBalance > 0)

@@ -77,7 +77,9 @@ class CachedTiles final : public TileStore {
         uintmax_t expected = 0;
         for (const OIIO::ImageSpec &spec : specs) expected += spec.image_bytes();
         OIIO::ImageSpec last;
-        if (std::filesystem::file_size(path) < expected ||
+        std::error_code unknown;
+        const uintmax_t written = std::filesystem::file_size(path, unknown);
+        if (unknown || written < expected ||
             !cache_->get_imagespec(OIIO::ustring(path), last, static_cast<int>(specs.size()) - 1))
             throw std::runtime_error("the tiles of a texture could not be written; is the disk full?");
         void *file = cache_->get_image_handle(OIIO::ustring(path));

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <initializer_list>
 #include <vector>
 
+#include "pbrt/core/files.h"
 #include "pbrt/core/limits.h"
 #include "pbrt/textures/basic_textures.h"
 #include "pbrt/textures/texture_makers.h"
@@ -200,7 +200,7 @@ struct TextureLibrary::Impl {
             if (d->broken || d->textureClass != "imagemap") continue;
             try {
                 MipMapKey key = ReadMipMapKey(d->params, files);
-                if (std::filesystem::exists(key.path)) keys.push_back(std::move(key));
+                if (FileExists(key.path)) keys.push_back(std::move(key));
             } catch (const UserError &) {
             }
         }
@@ -327,7 +327,7 @@ std::shared_ptr<const Image> TextureLibrary::GetLinearRgbImage(const ParamSet &p
     std::string file = params.GetString(name, "");
     if (file.empty()) return nullptr;
     std::string path = impl_->files.Resolve(file);
-    if (!std::filesystem::exists(path)) throw UserError(fmt::format("{}: file not found.", file), params.LocOf(name));
+    if (!FileExists(path)) throw UserError(fmt::format("{}: file not found.", file), params.LocOf(name));
     try {
         return impl_->images.GetLinearRgb(path);
     } catch (const UserError &e) {

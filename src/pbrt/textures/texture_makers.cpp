@@ -1,7 +1,6 @@
 #include "pbrt/textures/texture_makers.h"
 
-#include <filesystem>
-
+#include "pbrt/core/files.h"
 #include "pbrt/textures/checkerboard_texture.h"
 #include "pbrt/textures/image_texture.h"
 #include "pbrt/textures/noise_textures.h"
@@ -153,7 +152,7 @@ ImageOverlay ReadImageOverlay(const TextureRequest &r) {
     overlay.invert = r.params.GetBool("invert", false);
     MipMapKey key = ReadMipMapKey(r.params, r.files);
     FileLoc loc = r.params.LocOf("filename");
-    if (!std::filesystem::exists(key.path))
+    if (!FileExists(key.path))
         throw MissingImageError(fmt::format("{}: file not found.", r.params.GetString("filename", "")), loc);
     try {
         overlay.image = r.images.GetMipMap(key);

@@ -131,7 +131,7 @@ TEST_F(FilmTest, BadParametersAreErrors) {
         std::vector<Float> values;
     };
     for (const Case &c : {Case{"cropwindow", {0, 1, 0}}, Case{"cropwindow", {0.5f, 0.5f, 0, 1}}, Case{"iso", {0}},
-                          Case{"whitebalance", {-1}}, Case{"maxcomponentvalue", {0}}, Case{"diagonal", {0}}}) {
+                          Case{"whitebalance", {-1}}, Case{"whitebalance", {1e-37f}}, Case{"whitebalance", {999}}, Case{"maxcomponentvalue", {0}}, Case{"diagonal", {0}}}) {
         ParamSet good = params_;
         Floats(c.name, c.values);
         EXPECT_THROW(Make(), UserError) << c.name;

@@ -126,6 +126,15 @@ TEST_F(ImageTexture, MissingFileIsReportedOnceAndCounted) {
     EXPECT_NE(b.Last().message.find("1 missing texture"), std::string::npos);
 }
 
+TEST_F(ImageTexture, ANameThatNoFileCanHaveIsAMissingFile) {
+    Bench b;
+    b.Define("t", true, "imagemap", Params("Texture \"t\"", 5).F("scale", 1).S("filename", {std::string(5000, 'x')}));
+    b.SpectrumTex("t");
+    ASSERT_EQ(b.Errors(), 1u);
+    EXPECT_EQ(b.Last().loc.line, 7);
+    EXPECT_NE(b.Last().message.find("file not found"), std::string::npos);
+}
+
 TEST_F(ImageTexture, UnreadableFileIsLocated) {
     std::ofstream(File("broken.png")) << "no image";
     Bench b;

@@ -2,18 +2,6 @@
 
 namespace pbrt {
 
-namespace {
-
-/// The point or vector with the signs of another.
-Point2 WithSigns(const Point2 &p, const Vector3 &signs) {
-    return {std::copysign(p.x, signs.x), std::copysign(p.y, signs.y)};
-}
-Vector3 WithSigns(const Vector3 &v, const Vector3 &signs) {
-    return {std::copysign(v.x, signs.x), std::copysign(v.y, signs.y), std::copysign(v.z, signs.z)};
-}
-
-}  // namespace
-
 // The equal-area octahedral map (Clarberg, "Fast equal-area mapping of the (hemi)sphere using SIMD", 2008), derived for
 // the square [-1, 1]^2 and one octant; the signs of the coordinates choose the octant.
 //
@@ -26,35 +14,37 @@ Vector3 WithSigns(const Vector3 &v, const Vector3 &signs) {
 // That keeps |y| - |x| and turns the distance from the edge, 1 - |x| - |y|, into its negative.
 
 Vector3 EqualAreaSquareToSphere(const Point2 &p) {
-    const Point2 at = Float(2) * p - Float(1), octant = glm::abs(at);
-    const Float fromEquator = 1 - (octant.x + octant.y);  // negative in the lower hemisphere
+    const Float x = 2 * p.x - 1, y = 2 * p.y - 1;
+    const Float absX = std::abs(x), absY = std::abs(y);
+    const Float fromEquator = 1 - (absX + absY);  // negative in the lower hemisphere
     const Float r = 1 - std::abs(fromEquator);
-    const Float along = r != 0 ? (octant.y - octant.x) / r : 0;  // -1 to 1; the pole has every azimuth
+    const Float along = r != 0 ? (absY - absX) / r : 0;  // -1 to 1; the pole has every azimuth
     const Float azimuth = (along + 1) * Pi / 4;
     const Float cosTheta = 1 - r * r, sinTheta = r * SafeSqrt(2 - r * r);
-    const Vector3 w(sinTheta * std::cos(azimuth), sinTheta * std::sin(azimuth), cosTheta);
-    return WithSigns(w, Vector3(at, fromEquator));
+    return {sinTheta * std::copysign(std::cos(azimuth), x), sinTheta * std::copysign(std::sin(azimuth), y),
+            std::copysign(cosTheta, fromEquator)};
 }
 
 Point2 EqualAreaSphereToSquare(const Vector3 &w) {
-    const Vector3 octant = Abs(w);
-    const Float r = SafeSqrt(1 - octant.z);
+    const Float r = SafeSqrt(1 - std::abs(w.z));
     // The edge of the diamond runs from (r, 0) to (0, r) while the azimuth goes from 0 to Pi / 2.
-    const Float y = std::atan2(octant.y, octant.x) * 2 * InvPi * r, x = r - y;
-    const Point2 at = w.z < 0 ? Point2(1 - y, 1 - x) : Point2(x, y);
-    return (WithSigns(at, w) + Float(1)) / Float(2);
+    const Float y = std::atan2(std::abs(w.y), std::abs(w.x)) * 2 * InvPi * r, x = r - y;
+    const bool lower = w.z < 0;
+    const Float absX = lower ? 1 - y : x, absY = lower ? 1 - x : y;
+    return {(std::copysign(absX, w.x) + 1) / 2, (std::copysign(absY, w.y) + 1) / 2};
 }
 
 // Each half of an edge of the square shows the same directions as the other half, in reverse order. Crossing an edge is
 // therefore half a turn about the middle of that edge.
 Point2 WrapEqualAreaSquare(Point2 p) {
-    for (int across : {0, 1}) {
-        const int along = 1 - across;
-        const Float edge = std::clamp(p[across], Float(0), Float(1));
-        if (p[across] == edge) continue;
-        p[across] = 2 * edge - p[across];
-        p[along] = 1 - p[along];
-    }
+    auto cross = [](Float &across, Float &along) {
+        const Float edge = across < 0 ? Float(0) : Float(1);
+        if (across >= 0 && across <= 1) return;
+        across = 2 * edge - across;
+        along = 1 - along;
+    };
+    cross(p.x, p.y);
+    cross(p.y, p.x);
     return p;
 }
 

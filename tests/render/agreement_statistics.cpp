@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "pbrt/math/statistics.h"
 #include "support/statistics.h"
 
 namespace pbrt::test {
@@ -12,34 +13,7 @@ namespace {
 constexpr double kTileAllowance = 0.01;  ///< relative; the whole image has none
 }  // namespace
 
-double StudentTail(double t, double dof) {
-    if (!std::isfinite(t)) return 0;
-    // Regularised incomplete beta I_x(a, b), continued fraction by Lentz's method.
-    double x = dof / (dof + t * t), a = dof / 2, b = 0.5;
-    auto fraction = [](double y, double p, double q) {
-        constexpr double kTiny = 1e-300;
-        double c = 1, d = 1 - (p + q) * y / (p + 1);
-        d = 1 / (std::abs(d) < kTiny ? kTiny : d);
-        double h = d;
-        for (int m = 1; m < 500; ++m) {
-            for (double numerator : {m * (q - m) * y / ((p + 2 * m - 1) * (p + 2 * m)),
-                                     -(p + m) * (p + q + m) * y / ((p + 2 * m) * (p + 2 * m + 1))}) {
-                d = 1 + numerator * d;
-                c = 1 + numerator / c;
-                if (std::abs(d) < kTiny) d = kTiny;
-                if (std::abs(c) < kTiny) c = kTiny;
-                d = 1 / d;
-                h *= c * d;
-            }
-            if (std::abs(c * d - 1) < 1e-14) break;
-        }
-        return h;
-    };
-    double front =
-        std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x));
-    if (x <= 0 || x >= 1) return x >= 1 ? 1 : 0;
-    return x < (a + 1) / (a + b + 2) ? front * fraction(x, a, b) / a : 1 - front * fraction(1 - x, b, a) / b;
-}
+double StudentTail(double t, double dof) { return std::isfinite(t) ? StudentTwoSidedP(t, dof) : 0; }
 
 void PixelStatistics::Add(const Image &image) {
     resolution_ = image.Resolution();

@@ -8,36 +8,8 @@
 /// Statistics for tests. All p-values are for the null hypothesis "the code is right"; compare with SidakAlpha.
 namespace pbrt::test {
 
-/// Regularised upper incomplete gamma Q(a, x).
-inline double GammaQ(double a, double x) {
-    if (x <= 0) return 1;
-    if (x < a + 1) {
-        double term = 1 / a, sum = term;
-        for (int n = 1; n < 10000; ++n) {
-            term *= x / (a + n);
-            sum += term;
-            if (term < sum * 1e-15) break;
-        }
-        return 1 - sum * std::exp(-x + a * std::log(x) - std::lgamma(a));
-    }
-    double tiny = 1e-300, b = x + 1 - a, c = 1 / tiny, d = 1 / b, h = d;
-    for (int i = 1; i < 10000; ++i) {
-        double an = -i * (i - a);
-        b += 2;
-        d = an * d + b;
-        if (std::abs(d) < tiny) d = tiny;
-        c = b + an / c;
-        if (std::abs(c) < tiny) c = tiny;
-        d = 1 / d;
-        double delta = d * c;
-        h *= delta;
-        if (std::abs(delta - 1) < 1e-15) break;
-    }
-    return std::exp(-x + a * std::log(x) - std::lgamma(a)) * h;
-}
-
 /// Probability that a chi-square variable with `dof` degrees of freedom exceeds `statistic`.
-inline double ChiSquareTail(double statistic, int dof) { return dof > 0 ? GammaQ(dof / 2.0, statistic / 2) : 1; }
+double ChiSquareTail(double statistic, int dof);
 
 /// p-value of observed counts against expected ones (same total). Cells expected below 5 are pooled; a count in a cell
 /// expected 0 gives p = 0.

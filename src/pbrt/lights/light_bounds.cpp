@@ -12,17 +12,16 @@ bool IsSimilarity(const Transform &t) {
 }
 
 LightBounds Union(const LightBounds &a, const LightBounds &b) {
-    if (!(a.phi > 0)) return b;
-    if (!(b.phi > 0)) return a;
-    DirectionCone cone = Union(DirectionCone{a.w, a.cosTheta_o}, DirectionCone{b.w, b.cosTheta_o});
-    LightBounds u;
-    u.bounds = Union(a.bounds, b.bounds);
-    u.w = cone.w;
-    u.phi = a.phi + b.phi;
-    u.cosTheta_o = cone.cosTheta;
-    u.cosTheta_e = std::min(a.cosTheta_e, b.cosTheta_e);
-    u.twoSided = a.twoSided || b.twoSided;
-    return u;
+    const bool neutralA = !(a.phi > 0), neutralB = !(b.phi > 0);
+    if (neutralA || neutralB) return neutralA ? b : a;
+    auto normals = [](const LightBounds &light) { return DirectionCone{light.w, light.cosTheta_o}; };
+    const DirectionCone joint = Union(normals(a), normals(b));
+    return {.bounds = Union(a.bounds, b.bounds),
+            .w = joint.w,
+            .phi = a.phi + b.phi,
+            .cosTheta_o = joint.cosTheta,
+            .cosTheta_e = std::min(a.cosTheta_e, b.cosTheta_e),  // the wider falloff
+            .twoSided = a.twoSided || b.twoSided};
 }
 
 }  // namespace pbrt

@@ -1,18 +1,6 @@
 #include "pbrt/lights/spot_light.h"
 
-
 namespace pbrt {
-
-namespace {
-
-/// 0 below a, 1 above b, cubic between.
-Float SmoothStep(Float x, Float a, Float b) {
-    if (a == b) return x < a ? Float(0) : Float(1);
-    Float t = std::clamp((x - a) / (b - a), Float(0), Float(1));
-    return t * t * (3 - 2 * t);
-}
-
-}  // namespace
 
 SpotLight::SpotLight(const Transform &renderFromLight, const Point3 &from, const Vector3 &axis,
                      std::shared_ptr<const DenseSpectrum> intensity, Float scale, Float coneAngle, Float falloffStart)
@@ -33,7 +21,12 @@ Float SpotLight::PowerPerIntensity(Float coneAngle, Float falloffStart) {
 }
 
 Float SpotLight::Falloff(const Vector3 &w) const {
-    return SmoothStep(Dot(Normalize(renderFromLight_.InverseVector(w)), axis_), cosEnd_, cosStart_);
+    const Float cosine = Dot(Normalize(renderFromLight_.InverseVector(w)), axis_);
+    const Float width = cosStart_ - cosEnd_;
+    if (width == 0) return cosine >= cosEnd_ ? Float(1) : Float(0);
+    // The cubic p with p(0) = 0, p(1) = 1 and p'(0) = p'(1) = 0 is 3 h^2 - 2 h^3.
+    const Float h = std::clamp((cosine - cosEnd_) / width, Float(0), Float(1));
+    return (3 - 2 * h) * Sqr(h);
 }
 
 SampledSpectrum SpotLight::Phi(const SampledWavelengths &lambda) const {

@@ -83,22 +83,21 @@ struct DirectionCone {
     bool IsEmpty() const { return cosTheta == Infinity; }
 };
 
-/// Smallest-effort cone that holds both.
+/// The smallest cone that holds both (Conty and Kulla 2018, section 4.1). In the plane of the two axes, with angles
+/// counted from a's axis towards b's, the cones are the arcs [-alpha, alpha] and [apart - beta, apart + beta]. Unless
+/// one holds the other, both fit exactly into the arc [-alpha, apart + beta].
 inline DirectionCone Union(const DirectionCone &a, const DirectionCone &b) {
-    if (a.IsEmpty()) return b;
-    if (b.IsEmpty()) return a;
-    Float ta = SafeACos(a.cosTheta), tb = SafeACos(b.cosTheta), between = AngleBetween(a.w, b.w);
-    if (std::min(between + tb, Pi) <= ta) return a;
-    if (std::min(between + ta, Pi) <= tb) return b;
-    Float half = (ta + between + tb) / 2;
-    if (half >= Pi) return DirectionCone::EntireSphere();
-    Vector3 axis = Cross(a.w, b.w);
-    if (!(LengthSquared(axis) > 0)) return DirectionCone::EntireSphere();
-    // Turn a's axis towards b's by the part of the joint cone that a does not cover.
-    axis = Normalize(axis);
-    Float turn = half - ta;
-    Vector3 w = a.w * std::cos(turn) + Cross(axis, a.w) * std::sin(turn);
-    return {Normalize(w), std::cos(half)};
+    if (a.IsEmpty() || b.IsEmpty()) return a.IsEmpty() ? b : a;
+    const Float alpha = SafeACos(a.cosTheta), beta = SafeACos(b.cosTheta), apart = AngleBetween(a.w, b.w);
+    auto holds = [apart](Float outer, Float inner) { return outer >= std::min(apart + inner, Pi); };
+    if (holds(alpha, beta)) return a;
+    if (holds(beta, alpha)) return b;
+    const Float halfArc = (alpha + apart + beta) / 2, middle = halfArc - alpha;
+    const Vector3 across = Cross(a.w, b.w);
+    const bool hasPlane = LengthSquared(across) > 0;  // opposite axes have none
+    if (!hasPlane || halfArc >= Pi) return DirectionCone::EntireSphere();
+    const Vector3 &x = a.w, y = Cross(Normalize(across), a.w);  // unit vectors of the plane
+    return {Normalize(x * std::cos(middle) + y * std::sin(middle)), std::cos(halfArc)};
 }
 
 }  // namespace pbrt

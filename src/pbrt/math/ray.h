@@ -28,17 +28,17 @@ struct RayDifferential {
 };
 
 /// Moves a point off its surface along the geometric normal n, to the side w points to, far enough that rounding
-/// (|error| <= pError per component) cannot leave it on the other side.
+/// (|error| <= pError per component) cannot leave it on the other side. Derivation: the true point is p + e, and its
+/// height over the plane through p is e . n, at most the sum of pError_i |n_i|. A step of that length along n clears
+/// the plane; the sum p + step is rounded once more, which one unit in the last place away from the surface makes up
+/// for.
 inline Point3 OffsetRayOrigin(const Point3 &p, const Vector3 &pError, const Normal3 &n, const Vector3 &w) {
-    Float d = Dot(Abs(n), pError);
-    Vector3 offset = n * d;
-    if (Dot(w, n) < 0) offset = -offset;
-    Point3 po = p + offset;
-    for (int i = 0; i < 3; ++i) {
-        if (offset[i] > 0) po[i] = std::nextafter(po[i], Infinity);
-        else if (offset[i] < 0) po[i] = std::nextafter(po[i], -Infinity);
-    }
-    return po;
+    const Vector3 step = FaceForward(n, w) * Dot(Abs(n), pError);
+    auto roundedAway = [](Float from, Float by) {
+        const Float sum = from + by;
+        return by == 0 ? sum : std::nextafter(sum, std::copysign(Infinity, by));
+    };
+    return {roundedAway(p.x, step.x), roundedAway(p.y, step.y), roundedAway(p.z, step.z)};
 }
 
 /// Segment ends this fraction short of its target, so that the target itself does not block it.

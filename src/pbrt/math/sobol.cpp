@@ -1,6 +1,6 @@
 #include "pbrt/math/sobol.h"
 
-#include <boost/random/detail/sobol_table.hpp>
+#include <boost/random/sobol.hpp>
 #include <vector>
 
 #include "pbrt/core/error.h"
@@ -9,26 +9,16 @@ namespace pbrt {
 
 namespace {
 
+/// Boost's engine makes the points in Gray code order: the n-th has the index n ^ (n >> 1), so that the point of the index
+/// 2^c is the one of n = 2^(c+1) - 1, in its own count, which leaves out the origin, one less. Fractions of 64 digits
+/// give it 64 columns; we keep 32 digits of 52 columns.
 std::vector<uint32_t> MakeSobolMatrices() {
-    using Table = boost::random::detail::qrng_tables::sobol;
-    std::vector<uint32_t> matrices(static_cast<size_t>(SobolDimensions) * SobolIndexBits, 0);
-    for (int c = 0; c < 32; ++c) matrices[static_cast<size_t>(c)] = 0x80000000u >> c;
-    for (size_t d = 1; d < SobolDimensions; ++d) {
-        uint32_t *column = &matrices[d * SobolIndexBits];
-        // Table row d - 1: the primitive polynomial (bit k = coefficient of x^k) and the initial odd integers m.
-        uint32_t polynomial = Table::polynomial(d - 1);
-        int degree = std::bit_width(polynomial) - 1;
-        for (int c = 0; c < SobolIndexBits; ++c) {
-            if (c < degree) {
-                column[c] = uint32_t(Table::minit(d - 1, static_cast<size_t>(c))) << (31 - c);
-                continue;
-            }
-            // As binary fractions v_c = m_c / 2^(c+1): the recurrence shifts only the term `degree` places back.
-            uint32_t v = column[c - degree] ^ (column[c - degree] >> degree);
-            for (int k = 1; k < degree; ++k)
-                if (polynomial >> (degree - k) & 1) v ^= column[c - k];
-            column[c] = v;
-        }
+    boost::random::sobol_engine<uint64_t, 64> engine(SobolDimensions);
+    std::vector<uint32_t> matrices(static_cast<size_t>(SobolDimensions) * SobolIndexBits);
+    for (int c = 0; c < SobolIndexBits; ++c) {
+        engine.seed((uint64_t(2) << c) - 2);
+        for (size_t d = 0; d < SobolDimensions; ++d)
+            matrices[d * SobolIndexBits + static_cast<size_t>(c)] = static_cast<uint32_t>(engine() >> 32);
     }
     return matrices;
 }

@@ -68,10 +68,14 @@ inline Float MaxComponent(const Vector3 &v) { return std::max({v.x, v.y, v.z}); 
 inline Point3 Min(const Point3 &a, const Point3 &b) { return glm::min(a, b); }
 inline Point3 Max(const Point3 &a, const Point3 &b) { return glm::max(a, b); }
 
-/// Angle in radians between unit vectors, accurate when they are nearly (anti)parallel.
+/// Angle in radians between unit vectors, accurate when they are nearly (anti)parallel. Two unit vectors at the angle t
+/// are the legs of an isosceles triangle with the base 2 sin(t / 2). Beyond a right angle the triangle of a and -b is
+/// used, whose angle is Pi - t, because there the arcsine amplifies rounding less.
 inline Float AngleBetween(const Vector3 &a, const Vector3 &b) {
-    if (Dot(a, b) < 0) return Pi - 2 * SafeASin(Length(a + b) / 2);
-    return 2 * SafeASin(Length(b - a) / 2);
+    const bool obtuse = Dot(a, b) < 0;
+    const Float base = Length(obtuse ? a + b : a - b);
+    const Float apex = 2 * SafeASin(base / 2);
+    return obtuse ? Pi - apex : apex;
 }
 
 /// Two unit vectors that complete the unit vector v to a right-handed orthonormal basis (Duff et al. 2017).

@@ -2,41 +2,49 @@
 
 namespace pbrt {
 
-// The square is folded like an octahedron: distance from the diagonals gives the latitude so that equal areas map to
-// equal solid angles, position along the fold gives the azimuth inside a quadrant.
+// The equal-area octahedral map (Clarberg, "Fast equal-area mapping of the (hemi)sphere using SIMD", 2008), derived for
+// the square [-1, 1]^2 and one octant; the signs of the coordinates choose the octant.
+//
+// Latitude. The diamond |x| + |y| <= 1 is the upper hemisphere. The diamond |x| + |y| <= r has the area 2 r^2 out of 2,
+// the cap above the height z the solid angle 2 Pi (1 - z) out of 2 Pi. Equal shares mean z = 1 - r^2, and hence
+// sin(theta) = sqrt(1 - z^2) = r sqrt(2 - r^2).
+// Azimuth. Along an edge of the diamond both area and solid angle grow evenly, so that the azimuth of an octant is
+// linear in |y| - |x|, which goes from -r to r while the azimuth goes from 0 to Pi / 2.
+// Lower hemisphere. The corners of the square mirror the diamond at its edges: in an octant (x, y) -> (1 - y, 1 - x).
+// That keeps |y| - |x| and turns the distance from the edge, 1 - |x| - |y|, into its negative.
+
 Vector3 EqualAreaSquareToSphere(const Point2 &p) {
-    Float u = 2 * p.x - 1, v = 2 * p.y - 1;
-    Float au = std::abs(u), av = std::abs(v);
-    Float signedDistance = 1 - (au + av);
-    Float d = std::abs(signedDistance);
-    Float r = 1 - d;
-    Float phi = (r == 0 ? 1 : (av - au) / r + 1) * Pi / 4;
-    Float z = std::copysign(1 - r * r, signedDistance);
-    Float radius = r * SafeSqrt(2 - r * r);
-    return {std::copysign(std::cos(phi), u) * radius, std::copysign(std::sin(phi), v) * radius, z};
+    const Float x = 2 * p.x - 1, y = 2 * p.y - 1;
+    const Float absX = std::abs(x), absY = std::abs(y);
+    const Float fromEquator = 1 - (absX + absY);  // negative in the lower hemisphere
+    const Float r = 1 - std::abs(fromEquator);
+    const Float along = r != 0 ? (absY - absX) / r : 0;  // -1 to 1; the pole has every azimuth
+    const Float azimuth = (along + 1) * Pi / 4;
+    const Float cosTheta = 1 - r * r, sinTheta = r * SafeSqrt(2 - r * r);
+    return {sinTheta * std::copysign(std::cos(azimuth), x), sinTheta * std::copysign(std::sin(azimuth), y),
+            std::copysign(cosTheta, fromEquator)};
 }
 
 Point2 EqualAreaSphereToSquare(const Vector3 &w) {
-    Float x = std::abs(w.x), y = std::abs(w.y), z = std::abs(w.z);
-    Float r = SafeSqrt(1 - z);
-    Float phi = x == 0 && y == 0 ? 0 : std::atan2(y, x) * 2 * InvPi;  // 0..1 over the quadrant
-    Float v = phi * r;
-    Float u = r - v;
-    if (w.z < 0) {
-        std::swap(u, v);
-        u = 1 - u;
-        v = 1 - v;
-    }
-    u = std::copysign(u, w.x);
-    v = std::copysign(v, w.y);
-    return {(u + 1) / 2, (v + 1) / 2};
+    const Float r = SafeSqrt(1 - std::abs(w.z));
+    // The edge of the diamond runs from (r, 0) to (0, r) while the azimuth goes from 0 to Pi / 2.
+    const Float y = std::atan2(std::abs(w.y), std::abs(w.x)) * 2 * InvPi * r, x = r - y;
+    const bool lower = w.z < 0;
+    const Float absX = lower ? 1 - y : x, absY = lower ? 1 - x : y;
+    return {(std::copysign(absX, w.x) + 1) / 2, (std::copysign(absY, w.y) + 1) / 2};
 }
 
+// Each half of an edge of the square shows the same directions as the other half, in reverse order. Crossing an edge is
+// therefore half a turn about the middle of that edge.
 Point2 WrapEqualAreaSquare(Point2 p) {
-    if (p.x < 0) p = {-p.x, 1 - p.y};
-    else if (p.x > 1) p = {2 - p.x, 1 - p.y};
-    if (p.y < 0) p = {1 - p.x, -p.y};
-    else if (p.y > 1) p = {1 - p.x, 2 - p.y};
+    auto cross = [](Float &across, Float &along) {
+        const Float edge = across < 0 ? Float(0) : Float(1);
+        if (across >= 0 && across <= 1) return;
+        across = 2 * edge - across;
+        along = 1 - along;
+    };
+    cross(p.x, p.y);
+    cross(p.y, p.x);
     return p;
 }
 

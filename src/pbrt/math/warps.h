@@ -5,19 +5,17 @@ namespace pbrt {
 
 // Maps from the unit square and their densities, side by side. Directions have z up.
 
-/// Unit disk, area-preserving and low in distortion (Shirley and Chiu 1997). Density 1/Pi by area.
+/// Unit disk, area-preserving and low in distortion (Shirley and Chiu 1997): the square around the origin with half the
+/// side |r| becomes the circle of radius |r|, every side of it a quarter of the circle, evenly. Where on its side a
+/// point is, from -1 to 1, times Pi / 4 is thus the angle from the middle of the side. A negative r makes the opposite
+/// side. Density 1/Pi by area.
 inline Point2 SampleUniformDiskConcentric(const Point2 &u) {
-    Point2 o = u * Float(2) - Point2(1, 1);
-    if (o.x == 0 && o.y == 0) return {0, 0};
-    Float r, theta;
-    if (std::abs(o.x) > std::abs(o.y)) {
-        r = o.x;
-        theta = Pi / 4 * (o.y / o.x);
-    } else {
-        r = o.y;
-        theta = Pi / 2 - Pi / 4 * (o.x / o.y);
-    }
-    return r * Point2(std::cos(theta), std::sin(theta));
+    const Point2 at = Float(2) * u - Float(1);
+    const bool onVerticalSide = std::abs(at.x) > std::abs(at.y);
+    const Float r = onVerticalSide ? at.x : at.y;
+    if (r == 0) return {0, 0};
+    const Float angle = onVerticalSide ? (Pi / 4) * (at.y / r) : Pi / 2 - (Pi / 4) * (at.x / r);
+    return {r * std::cos(angle), r * std::sin(angle)};
 }
 
 /// Unit disk by polar coordinates. Density 1/Pi by area.
@@ -82,21 +80,26 @@ inline Float InvertLinearSample(Float x, Float a, Float b) {
 }
 
 /// Point of the unit square with density proportional to the bilinear interpolation of the corner values
-/// w = {w00, w10, w01, w11} (x first).
+/// w = {w00, w10, w01, w11} (x first). Integrated over x the density is linear in y, between half the sums of the lower
+/// and the upper corners; for a given y it is linear in x, between the values on the left and the right edge.
 inline Point2 SampleBilinear(const Point2 &u, const Float w[4]) {
-    Float y = SampleLinear(u.y, w[0] + w[1], w[2] + w[3]);
-    Float x = SampleLinear(u.x, Lerp(y, w[0], w[2]), Lerp(y, w[1], w[3]));
-    return {x, y};
+    const Float y = SampleLinear(u.y, w[0] + w[1], w[2] + w[3]);
+    return {SampleLinear(u.x, Lerp(y, w[0], w[2]), Lerp(y, w[1], w[3])), y};
 }
+/// The interpolated value over the mean of the corners, which is the integral.
 inline Float BilinearPdf(const Point2 &p, const Float w[4]) {
-    if (p.x < 0 || p.x > 1 || p.y < 0 || p.y > 1) return 0;
-    Float sum = w[0] + w[1] + w[2] + w[3];
+    const bool inside = p.x >= 0 && p.x <= 1 && p.y >= 0 && p.y <= 1;
+    if (!inside) return 0;
+    const Float sum = w[0] + w[1] + w[2] + w[3];
     if (sum == 0) return 1;
-    return 4 * Lerp(p.y, Lerp(p.x, w[0], w[1]), Lerp(p.x, w[2], w[3])) / sum;
+    const Float lower = Lerp(p.x, w[0], w[1]), upper = Lerp(p.x, w[2], w[3]);
+    return 4 * Lerp(p.y, lower, upper) / sum;
 }
+/// The u of SampleBilinear: both distribution functions at p.
 inline Point2 InvertBilinearSample(const Point2 &p, const Float w[4]) {
-    return {InvertLinearSample(p.x, Lerp(p.y, w[0], w[2]), Lerp(p.y, w[1], w[3])),
-            InvertLinearSample(p.y, w[0] + w[1], w[2] + w[3])};
+    const Float left = Lerp(p.y, w[0], w[2]), right = Lerp(p.y, w[1], w[3]);
+    const Float lower = w[0] + w[1], upper = w[2] + w[3];
+    return {InvertLinearSample(p.x, left, right), InvertLinearSample(p.y, lower, upper)};
 }
 
 /// MIS weights for one sample from each of two densities (Veach).

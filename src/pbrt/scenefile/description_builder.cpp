@@ -376,7 +376,7 @@ void DescriptionBuilder::AddShape(const std::string &type, Params params, const 
         if (!std::exchange(s.areaLight->warnedInObject, true))
             sink_.Warning(loc, "Area lights are not supported inside object definitions: shapes here do not emit.");
     } else if (s.areaLight) {
-        if (shape.ctm.IsAnimated()) sink_.Error(loc, "Animated area lights are not supported.");
+        if (shape.ctm.IsAnimated()) sink_.Error(loc, "A shape that emits light cannot move.");
         PendingAreaLight &light = *s.areaLight;
         if (light.index < 0) {
             light.index = static_cast<int>(scene_.areaLights.size());

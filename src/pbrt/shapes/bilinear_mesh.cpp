@@ -20,6 +20,28 @@ T Bilerp(const Point2 &uv, const T &f00, const T &f10, const T &f01, const T &f1
     return (1 - uv.y) * ((1 - uv.x) * f00 + uv.x * f10) + uv.y * ((1 - uv.x) * f01 + uv.x * f11);
 }
 
+/// Texture coordinates (s, t) at a point of a patch and how its parameters (u, v) change with them.
+struct TextureCoordinates {
+    Point2 value{};
+    Vector2 uvPerS{1, 0}, uvPerT{0, 1};
+
+    /// From the coordinates at the corners. The derivatives should be the inverse of the matrix d(s, t)/d(u, v). Stock
+    /// pbrt-v4 takes the reciprocal of each entry, and so do we: that is exact where s depends on u only and t on v
+    /// only (or the other way round), as nearly always.
+    static TextureCoordinates At(const Point2 &uv, const Point2 &st00, const Point2 &st10, const Point2 &st01,
+                                 const Point2 &st11) {
+        const Vector2 perU = Lerp(uv.y, st10, st11) - Lerp(uv.y, st00, st01);
+        const Vector2 perV = Lerp(uv.x, st01, st11) - Lerp(uv.x, st00, st10);
+        auto inverse = [](Float rate) { return std::abs(rate) < Float(1e-8) ? 0 : 1 / rate; };
+        return {Bilerp(uv, st00, st10, st01, st11),
+                {inverse(perU.x), inverse(perV.x)},
+                {inverse(perU.y), inverse(perV.y)}};
+    }
+    /// The chain rule, for something with the derivatives perU and perV.
+    Vector3 AlongS(const Vector3 &perU, const Vector3 &perV) const { return perU * uvPerS.x + perV * uvPerS.y; }
+    Vector3 AlongT(const Vector3 &perU, const Vector3 &perV) const { return perU * uvPerT.x + perV * uvPerT.y; }
+};
+
 /// Real roots of a + b x + c x^2; returns how many.
 int SolveQuadratic(double a, double b, double c, std::array<double, 2> &x) {
     double discriminant = b * b - 4 * a * c;
@@ -195,27 +217,19 @@ SurfacePoint BilinearMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
     s.dpdu = c.DpDu(uv.y);
     s.dpdv = c.DpDv(uv.x);
 
-    // Given texture coordinates (s, t) replace (u, v). As stock pbrt-v4: the derivatives of (u, v) are the reciprocals
-    // of those of (s, t), which is exact only where each of s and t depends on one of u and v.
-    Float duds = 1, dudt = 0, dvds = 0, dvdt = 1;
-    Vector3 dpdu = s.dpdu, dpdv = s.dpdv;
+    // Given texture coordinates (s, t) replace (u, v), unless they do not span the tangent plane.
+    TextureCoordinates st;
+    Vector3 tangents[2] = {s.dpdu, s.dpdv};
     if (!mesh_.uv.empty()) {
         const uint32_t *v = &mesh_.indices[4 * size_t(primitive)];
-        const Point2 &t00 = mesh_.uv[v[0]], &t10 = mesh_.uv[v[1]], &t01 = mesh_.uv[v[2]], &t11 = mesh_.uv[v[3]];
-        s.uv = Bilerp(uv, t00, t10, t01, t11);
-        Vector2 dstdu = Lerp(uv.y, t10, t11) - Lerp(uv.y, t00, t01);
-        Vector2 dstdv = Lerp(uv.x, t01, t11) - Lerp(uv.x, t00, t10);
-        auto reciprocal = [](Float x) { return std::abs(x) < Float(1e-8) ? 0 : 1 / x; };
-        duds = reciprocal(dstdu.x);
-        dvds = reciprocal(dstdv.x);
-        dudt = reciprocal(dstdu.y);
-        dvdt = reciprocal(dstdv.y);
-        Vector3 dpds = s.dpdu * duds + s.dpdv * dvds, dpdt = s.dpdu * dudt + s.dpdv * dvdt;
-        Vector3 across = Cross(dpds, dpdt);
-        if (across != Vector3(0)) {
-            if (Dot(Cross(s.dpdu, s.dpdv), across) < 0) dpdt = -dpdt;
-            dpdu = dpds;
-            dpdv = dpdt;
+        st = TextureCoordinates::At(uv, mesh_.uv[v[0]], mesh_.uv[v[1]], mesh_.uv[v[2]], mesh_.uv[v[3]]);
+        s.uv = st.value;
+        const Vector3 alongS = st.AlongS(s.dpdu, s.dpdv), alongT = st.AlongT(s.dpdu, s.dpdv);
+        const Vector3 normal = Cross(alongS, alongT);
+        const bool mirrored = Dot(Cross(s.dpdu, s.dpdv), normal) < 0;
+        if (normal != Vector3(0)) {
+            tangents[0] = alongS;
+            tangents[1] = mirrored ? -alongT : alongT;
         }
     }
     Normal3 face = Cross(s.dpdu, s.dpdv);
@@ -224,10 +238,10 @@ SurfacePoint BilinearMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
     Vector3 twist = (c.p00 - c.p01) + (c.p11 - c.p10);
     Normal3 dndu, dndv;
     NormalDerivatives(s.dpdu, s.dpdv, Vector3(0), twist, Vector3(0), face, &dndu, &dndv);
-    s.dndu = dndu * duds + dndv * dvds;
-    s.dndv = dndu * dudt + dndv * dvdt;
-    s.dpdu = dpdu;
-    s.dpdv = dpdv;
+    s.dndu = st.AlongS(dndu, dndv);
+    s.dndv = st.AlongT(dndu, dndv);
+    s.dpdu = tangents[0];
+    s.dpdv = tangents[1];
     s.n = flipNormal_ ? -face : face;
     s.shading = {s.n, s.dpdu, s.dpdv, s.dndu, s.dndv};
     if (mesh_.n.empty()) return s;
@@ -239,8 +253,8 @@ SurfacePoint BilinearMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
     ns = Normalize(ns);
     dndu = Lerp(uv.y, n10, n11) - Lerp(uv.y, n00, n01);
     dndv = Lerp(uv.x, n01, n11) - Lerp(uv.x, n00, n10);
-    s.shading.dndu = dndu * duds + dndv * dvds;
-    s.shading.dndv = dndu * dudt + dndv * dvdt;
+    s.shading.dndu = st.AlongS(dndu, dndv);
+    s.shading.dndv = st.AlongT(dndu, dndv);
     s.shading.dpdu = RotateFromTo(s.n, ns, s.dpdu);
     s.shading.dpdv = RotateFromTo(s.n, ns, s.dpdv);
     s.shading.n = ns;

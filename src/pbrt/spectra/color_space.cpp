@@ -79,10 +79,10 @@ bool NearlyEqual(const Point2 &a, const Point2 &b) {
 }  // namespace
 
 Float SigmoidPolynomial::MaxValue() const {
-    Float result = std::max((*this)(LambdaMin), (*this)(LambdaMax));
-    Float extremum = -c1 / (2 * c0);
-    if (extremum >= LambdaMin && extremum <= LambdaMax) result = std::max(result, (*this)(extremum));
-    return result;
+    // The sigmoid increases, so that it is largest where the parabola is: at an end of the range, or at the vertex if
+    // the parabola opens downwards.
+    const Float vertex = c0 < 0 ? std::clamp(-c1 / (2 * c0), LambdaMin, LambdaMax) : LambdaMin;
+    return std::max({(*this)(LambdaMin), (*this)(vertex), (*this)(LambdaMax)});
 }
 
 const ColorSpace *ColorSpace::Find(const std::string &name) {

@@ -11,7 +11,7 @@ constexpr Float kDotRadius = Float(0.35);
 /// Noise over a plane halfway between lattice planes, where it is strongest.
 Float PlaneNoise(const Point2 &p) { return GradientNoise({p.x, p.y, Float(0.5)}); }
 
-// Marble colours (sRGB) that one period of the vein pattern runs through, before brightening.
+// Marble colours (sRGB, pbrt-v4's) that one period of the vein pattern runs through, before brightening.
 constexpr int kMarbleColors = 9;
 constexpr Float kBrightening = Float(1.5);
 const Rgb kMarble[kMarbleColors] = {{.58f, .58f, .6f},  {.58f, .58f, .6f}, {.58f, .58f, .6f},

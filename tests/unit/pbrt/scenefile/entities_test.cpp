@@ -107,7 +107,7 @@ TEST(World, OnlyShapesMove) {
     ExpectWorldWarning(move + "LightSource \"point\"", 3, 0, "cannot be animated");
     ExpectWorldWarning(move + "Texture \"t\" \"float\" \"constant\"", 3, 0, "cannot be animated");
     ExpectWorldWarning(move + "MakeNamedMedium \"m\" \"string type\" \"cloud\"", 3, 0, "cannot be animated");
-    ExpectWorldError(move + "AreaLightSource \"diffuse\" Shape \"s\"", 3, 26, "Animated area lights");
+    ExpectWorldError(move + "AreaLightSource \"diffuse\" Shape \"s\"", 3, 26, "emits light cannot move");
     SceneDescription scene = Parse("WorldBegin " + move + "LightSource \"point\"").scene;
     EXPECT_FALSE(scene.lights[0].ctm.IsAnimated());
     EXPECT_TRUE(scene.lights[0].ctm.start.IsIdentity());

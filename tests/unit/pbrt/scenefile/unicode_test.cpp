@@ -47,6 +47,11 @@ TEST(ComposeUtf8, SingletonsAndExclusions) {
     EXPECT_EQ(ComposeUtf8("\u212b"), "\u00c5");        // Angstrom sign
     EXPECT_EQ(ComposeUtf8("\u2126"), "\u03a9");        // Ohm sign
     EXPECT_EQ(ComposeUtf8("\u0958"), "\u0915\u093c");  // excluded from composition
+    EXPECT_EQ(ComposeUtf8("\uf900"), "\u8c48");        // CJK compatibility ideograph
+}
+
+TEST(ComposeUtf8, LeavesInvalidTextAlone) {
+    for (const char *text : {"m\xe9tal", "e\u0301 \xff", "\xed\xa0\x80"}) EXPECT_EQ(ComposeUtf8(text), text);
 }
 
 TEST(ComposeUtf8, LeavesComposedTextAlone) {

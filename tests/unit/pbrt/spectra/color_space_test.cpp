@@ -153,6 +153,18 @@ TEST(SigmoidPolynomial, IsContinuousAcrossSlabsAndCells) {
     }
 }
 
+TEST(SigmoidPolynomial, MaxValueIsAtTheVertexOnlyIfThatIsAMaximumInside) {
+    const Float middle = 600;
+    auto parabola = [](Float curvature, Float vertex, Float value) {
+        return SigmoidPolynomial{curvature, -2 * curvature * vertex, curvature * vertex * vertex + value};
+    };
+    EXPECT_NEAR(parabola(-1e-4f, middle, 0.7f).MaxValue(), parabola(0, 0, 0.7f)(middle), 1e-4f);
+    for (const SigmoidPolynomial &s : {parabola(1e-4f, middle, -0.7f), parabola(-1e-4f, 300, 0.7f),
+                                       parabola(-1e-4f, 900, 0.7f), SigmoidPolynomial{0, 0.01f, -6}})
+        EXPECT_EQ(s.MaxValue(), std::max(s(LambdaMin), s(LambdaMax)));
+    EXPECT_LT(parabola(-1e-4f, 900, 0.7f).MaxValue(), parabola(0, 0, 0.7f)(middle));
+}
+
 TEST(SigmoidPolynomial, MaxValueBoundsAllAndSampleAgrees) {
     Rng rng(2);
     for (int i = 0; i < 500; ++i) {

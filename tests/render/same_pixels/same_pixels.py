@@ -7,7 +7,7 @@ For changes of structure that must not change pictures:
 
 OLD_BUILD and NEW_BUILD are build folders of two versions for the same processor (bits may differ from one processor to
 another, so none are stored). Every line is rendered with one thread by the old build and with three by the new one.
-Lines that begin with "exr: " are written as EXR, all others as PFM, which keeps all bits of a number.
+Films keep single precision. Lines that begin with "exr: " are written as EXR, all others as PFM.
 Scenes are those of this checkout. Exit status 1 if any picture differs or was not rendered by both; what differs is
 printed with the number of pixels and the largest difference relative to the mean.
 """
@@ -15,6 +15,7 @@ import argparse
 import array
 import concurrent.futures
 import os
+import re
 import shlex
 import struct
 import subprocess
@@ -25,7 +26,7 @@ TOP = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", "..", "..")
 
 
 def program(build, name):
-    path = os.path.join(build, "src/pbrt/cmd", name, name)
+    path = os.path.join(os.path.abspath(build), "src/pbrt/cmd", name, name)
     if not os.path.isfile(path):
         sys.exit(f"{path} is missing: build the target {name} first.")
     return path
@@ -51,11 +52,23 @@ def exr_pixels(path):
     return data[first_chunk:]
 
 
+def with_all_bits(scene):
+    """The scene's text, its film told to keep single precision."""
+    with open(scene, encoding="utf-8") as file:
+        text = file.read()
+    if "savefp16" in text:
+        return text
+    text, films = re.subn(r'^(\s*Film\s+"\w+")', r'\1 "bool savefp16" false', text, count=1, flags=re.MULTILINE)
+    return text if films else 'Film "rgb" "bool savefp16" false\n' + text
+
+
 def render(build, line, threads, path):
     """A text: why there is no picture; else its bytes without what may differ."""
     scene, *flags = shlex.split(line)
-    done = subprocess.run([program(build, "pbrt"), os.path.join(TOP, scene), "--quiet", "--outfile", path, "--nthreads",
-                           str(threads), *flags], capture_output=True, text=True, check=False)
+    scene = os.path.join(TOP, scene)
+    done = subprocess.run([program(build, "pbrt"), "-", "--quiet", "--outfile", path, "--nthreads", str(threads), *flags],
+                          input=with_all_bits(scene), cwd=os.path.dirname(scene), capture_output=True, text=True,
+                          check=False)
     if done.returncode != 0:
         return f"exit status {done.returncode}: {done.stderr.strip().splitlines()[0] if done.stderr.strip() else ''}"
     if path.endswith(".exr"):

@@ -159,6 +159,7 @@ TEST_F(Driver, JudgesMessages) {
     EXPECT_EQ(AfterError("the number is too large.").outcome, Outcome::Message);
     EXPECT_EQ(AfterError("scene.pbrt:1:2: vector::_M_default_append").outcome, Outcome::Message);
     EXPECT_EQ(AfterError("Internal error: no device").outcome, Outcome::Message);
+    EXPECT_EQ(AfterError("scene.pbrt:1:2: expected numbers, found \"bad_index\".").outcome, Outcome::Refused);
     EXPECT_EQ(Of([](PictureReport &) { return 1; }), Outcome::Silent);
     EXPECT_EQ(Of([](PictureReport &) { return 3; }), Outcome::Silent);
     EXPECT_EQ(Of([](PictureReport &) {

@@ -102,7 +102,10 @@ bool HasPlace(const std::string &error) {
            error.starts_with("there is not enough memory for ");
 }
 
-bool IsLibrarysMessage(const std::string &error) {
+bool IsLibrarysMessage(const std::string &message) {
+    // What is quoted are the user's own words.
+    static const std::regex kQuoted(R"("[^"]*")");
+    const std::string error = std::regex_replace(message, kQuoted, "");
     for (const char *words : {"std::", "vector::", "basic_string", "_M_", "bad_", "map::at", "terminate called",
                               "Internal error", "stoi", "unordered_map", "filesystem error", "invalid string position"})
         if (error.find(words) != std::string::npos) return true;

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "pbrt/core/error.h"
+#include "pbrt/accel/reach_error.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/shapes/bilinear_mesh.h"
@@ -441,7 +442,7 @@ void Accel::Commit() {
     impl_->CheckDevice();
     const Bounds3 bounds = Bounds();
     if (!bounds.IsEmpty() && !(MaxComponent(Max(Abs(bounds.low), Abs(bounds.high))) <= impl_->maxOrigin))
-        throw UserError(
+        throw ReachError(
             fmt::format("The scene reaches too far for its smallest object instance: rays that start beyond {:.2g} "
                         "cannot be traced in that instance's own coordinates. Scale the object itself instead of its "
                         "instance.",

@@ -4,6 +4,7 @@
 #include <set>
 #include <tuple>
 
+#include "pbrt/accel/reach_error.h"
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/geometry_builder.h"
 #include "pbrt/build/integrator_builder.h"
@@ -38,6 +39,26 @@ Transform RenderFromWorld(const SceneDescription &d, const AnimatedTransform &wo
         throw UserError(fmt::format("rendering coordinate system \"{}\" is unknown; {}.", which,
                                     ListChoices(which, {"camera", "cameraworld", "world"})));
     return Transform::Translate(-middle.Point(Point3(0)));
+}
+
+/// Where the instance or moving shape stands in whose own coordinates distances grow most.
+FileLoc SmallestPlaced(const SceneDescription &d) {
+    FileLoc smallest;
+    double mostGrowth = -1;
+    auto look = [&](const TransformPair &ctm, const FileLoc &loc) {
+        for (const Transform *t : {&ctm.start, &ctm.end})
+            for (int row = 0; row < 3; ++row) {
+                double growth = 0;
+                for (int c = 0; c < 3; ++c) growth += std::abs(static_cast<double>(t->InverseMatrix()[c][row]));
+                if (!(growth > mostGrowth)) continue;
+                mostGrowth = growth;
+                smallest = loc;
+            }
+    };
+    for (const InstanceEntity &i : d.instances) look(i.ctm, i.loc);
+    for (const ShapeEntity &s : d.shapes)
+        if (s.ctm.start.Matrix() != s.ctm.end.Matrix()) look(s.ctm, s.loc);
+    return smallest;
 }
 
 /// "out-more.exr" for "out.exr" and "-more".
@@ -227,7 +248,11 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     ThrowIfErrors(sink, checked);
     if (parts.lights->Size() == 0) sink.Warning({}, "the scene has no lights: the image will be black.");
 
-    parts.accel->Commit();
+    try {
+        parts.accel->Commit();
+    } catch (const ReachError &e) {
+        throw UserError(e.Diagnostics()[0].message, SmallestPlaced(d));
+    }
     Point3 center(0);
     Float radius = 0;
     parts.accel->Bounds().BoundingSphere(&center, &radius);

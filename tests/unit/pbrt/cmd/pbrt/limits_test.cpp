@@ -70,6 +70,11 @@ TEST_F(Limits, RaysOfEmbree) {
                 "",
                 "ObjectBegin \"o\" Shape \"cylinder\" ObjectEnd Scale 1 1 1e20 ObjectInstance \"o\"",
                 {"the instance of \"o\" reaches to"}},
+               {"reach",
+                "",
+                "ObjectBegin \"o\" Shape \"disk\" ObjectEnd ObjectInstance \"o\"\n"
+                "ConcatTransform [ 1 0 4294967295 0  0 1 0 0  0 0 1 0  -1 1 0 1 ] ObjectInstance \"o\"",
+                {"Error: reach.pbrt:5:", "The scene reaches too far", "^"}},
                {"camera",
                 "Scale 1e-30 1e-30 1e-30 Translate 0 0 -1e30 Camera \"perspective\"",
                 "Shape \"sphere\"",

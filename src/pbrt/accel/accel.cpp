@@ -6,8 +6,8 @@
 #include <bit>
 #include <set>
 
-#include "pbrt/core/error.h"
 #include "pbrt/accel/reach_error.h"
+#include "pbrt/core/error.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/shapes/bilinear_mesh.h"

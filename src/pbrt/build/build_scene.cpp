@@ -46,7 +46,8 @@ FileLoc SmallestPlaced(const SceneDescription &d) {
     FileLoc smallest;
     double mostGrowth = -1;
     auto look = [&](const TransformPair &ctm, const FileLoc &loc) {
-        for (const Transform *t : {&ctm.start, &ctm.end})
+        for (const Transform *t : {&ctm.start, &ctm.end}) {
+            if (t->IsSingular()) continue;  // not placed
             for (int row = 0; row < 3; ++row) {
                 double growth = 0;
                 for (int c = 0; c < 3; ++c) growth += std::abs(static_cast<double>(t->InverseMatrix()[c][row]));
@@ -54,6 +55,7 @@ FileLoc SmallestPlaced(const SceneDescription &d) {
                 mostGrowth = growth;
                 smallest = loc;
             }
+        }
     };
     for (const InstanceEntity &i : d.instances) look(i.ctm, i.loc);
     for (const ShapeEntity &s : d.shapes)

@@ -73,8 +73,9 @@ TEST_F(Limits, RaysOfEmbree) {
                {"reach",
                 "",
                 "ObjectBegin \"o\" Shape \"disk\" ObjectEnd ObjectInstance \"o\"\n"
+                "AttributeBegin Scale 1 1 0 ObjectInstance \"o\" AttributeEnd\n"
                 "ConcatTransform [ 1 0 4294967295 0  0 1 0 0  0 0 1 0  -1 1 0 1 ] ObjectInstance \"o\"",
-                {"Error: reach.pbrt:5:", "The scene reaches too far", "^"}},
+                {"Error: reach.pbrt:6:", "The scene reaches too far", "^"}},
                {"camera",
                 "Scale 1e-30 1e-30 1e-30 Translate 0 0 -1e30 Camera \"perspective\"",
                 "Shape \"sphere\"",

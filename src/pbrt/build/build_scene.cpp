@@ -269,7 +269,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     built.scene = std::make_unique<Scene>(std::move(parts));
     needsFootprints &= built.scene->NeedsFootprints();
 
-    IntegratorContext context{*built.scene, *built.camera, built.samplesPerPixel, needsFootprints};
+    PathContext context{*built.scene, *built.camera, built.samplesPerPixel, needsFootprints};
     const ColorSpace &space = built.film->OutputSpace();
     Collect(sink, [&] {
         BuiltIntegrator made = MakeIntegrator(integrator, registry, context, space, sink);

@@ -82,7 +82,6 @@ WaveRenderer::WaveRenderer(Integrator &integrator, const Camera &camera, const F
 template <class Film>
 void WaveRenderer::SamplePixel(Film &film, Point2i pixel, int sampleIndex, Sampler &sampler) const {
     sampler.StartPixelSample(pixel, sampleIndex);
-    if (learner_) learner_->BeginPath(pixel, round_ * settings_.samplesPerPixel + sampleIndex);
     Float uLambda = sampler.Get1D();
     SampledWavelengths lambda = film.SampleWavelengths(settings_.disableWavelengthJitter ? Float(0.5) : uLambda);
     FilterSample offset = filter_.Sample(sampler.GetPixel2D());
@@ -98,7 +97,7 @@ void WaveRenderer::SamplePixel(Film &film, Point2i pixel, int sampleIndex, Sampl
         SampledSpectrum weight = ray->weight;
         ray->differential.Scale(ray->ray, differentialScale_);
         if constexpr (std::is_same_v<Film, GBufferFilm>) visible = film.Look(*ray, lambda);
-        L = weight * integrator_.Li(*ray, lambda, sampler);
+        L = weight * integrator_.Li({*ray, pixel, round_ * settings_.samplesPerPixel + sampleIndex}, lambda, sampler);
     }
     if (isRepeating_) return;
     if constexpr (std::is_same_v<Film, GBufferFilm>) film.AddSample(pixel, L, lambda, cs.filterWeight, visible);

@@ -1,23 +1,20 @@
 #include "pbrt/integrators/visible_surface.h"
 
 #include "pbrt/bxdfs/albedo.h"
-#include "pbrt/integrators/path_common.h"
+#include "pbrt/paths/path_walk.h"
 
 namespace pbrt {
 
-std::optional<VisibleSurface> FindVisibleSurface(const IntegratorContext &context, const Transform &outputFromRender,
+std::optional<VisibleSurface> FindVisibleSurface(const PathContext &context, const Transform &outputFromRender,
                                                  const CameraRay &ray, const SampledWavelengths &lambda) {
-    PathRay path{ray.ray, ray.differential};
-    while (std::optional<SurfacePoint> hit = context.scene.Intersect(path.ray)) {
-        SurfacePoint &point = *hit;
-        ComputeFootprint(point, path.differential, context.camera, context.samplesPerPixel);
-        VisibleSurface visible;
-        visible.lambda = lambda;
-        const Bsdf bsdf = ComputeBsdf(context.scene, point, visible.lambda);
-        if (!bsdf) {
-            path.PassThrough(point);
-            continue;
-        }
+    PathContext always = context;
+    always.needsFootprints = true;
+    PathWalk walk(always, ray);
+    VisibleSurface visible;
+    visible.lambda = lambda;
+    while (walk.Next() == PathWalk::Met::Surface) {
+        if (!walk.FindScattering(visible.lambda)) continue;
+        const auto &[point, bsdf] = walk.Vertex();
         visible.p = outputFromRender.Point(point.p);
         visible.n = Normalize(outputFromRender.Normal(FaceForward(point.n, point.wo)));
         visible.ns = Normalize(outputFromRender.Normal(FaceForward(point.shading.n, point.wo)));

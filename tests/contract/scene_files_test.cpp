@@ -7,6 +7,7 @@
 
 #include "pbrt/math/rng.h"
 #include "scene_fixtures.h"
+#include "support/wrapped_sampler.h"
 
 namespace pbrt::test {
 namespace {

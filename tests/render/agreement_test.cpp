@@ -16,6 +16,7 @@
 #include "support/build_text.h"
 #include "support/render_scene.h"
 #include "support/statistics.h"
+#include "support/wrapped_sampler.h"
 
 namespace pbrt::test {
 namespace {

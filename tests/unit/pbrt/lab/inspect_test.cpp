@@ -8,6 +8,7 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "support/build_text.h"
+#include "support/wrapped_sampler.h"
 
 namespace pbrt::lab {
 namespace {

@@ -149,7 +149,7 @@ TEST(PathWalk, DifferentialsSurviveAMirrorAndEndAtADiffuseSurface) {
         const SurfacePoint &point = walker.walk.Vertex().point;
         BsdfSample sample;
         sample.wi = Normalize(Vector3(0.1f, 0, -1));
-        sample.flags = material == kDiffuse ? BxdfFlags::DiffuseReflection : BxdfFlags::SpecularReflection;
+        sample.flags = material == kDiffuse ? BxdfFlags::Diffuse | BxdfFlags::Reflection : BxdfFlags::Specular | BxdfFlags::Reflection;
         EXPECT_NEAR(point.p.z, 5, 1e-4);
         walker.walk.Scatter(sample);
         walker.GoToVertex(&met);

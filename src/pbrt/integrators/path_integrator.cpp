@@ -46,7 +46,7 @@ SampledSpectrum PathIntegrator::SampleDirect(const PathVertex &vertex, const Lig
         found(SampledSpectrum(0));
         return SampledSpectrum(0);
     };
-    const Light &light = context_.scene.Lights()[selected->light];
+    const LightPart light = context_.scene.Lights()[selected->light];
     std::optional<LightLiSample> sample =
         light.SampleLi(ScatteringContextAt(context_.scene, point, bsdf), uLight, lambda, true);
     if (!sample || !sample->L || !(sample->pdf > 0)) return nothingFound();

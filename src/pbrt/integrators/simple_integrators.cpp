@@ -46,7 +46,7 @@ SimplePathIntegrator::SimplePathIntegrator(const PathContext &context, int maxDe
       maxDepth_(maxDepth),
       sampleLights_(sampleLights),
       sampleBsdf_(sampleBsdf),
-      lights_(std::make_unique<UniformLightSampler>(context.scene.Lights().Candidates())) {}
+      lights_(std::make_unique<UniformLightSampler>(context.scene.Lights().Parts())) {}
 
 SampledSpectrum SimplePathIntegrator::SampleDirect(const PathVertex &vertex, const SampledWavelengths &lambda, int depth,
                                                    Sampler &sampler) const {
@@ -54,7 +54,7 @@ SampledSpectrum SimplePathIntegrator::SampleDirect(const PathVertex &vertex, con
     const std::optional<SampledLight> chosen = lights_->Sample(LightQueryAt(vertex, lambda, depth), sampler.Get1D());
     const Point2 uLight = sampler.Get2D();
     if (!chosen) return SampledSpectrum(0);
-    const Light &light = context_.scene.Lights()[chosen->light];
+    const LightPart light = context_.scene.Lights()[chosen->light];
     const auto arriving = light.SampleLi(ScatteringContextAt(context_.scene, point, bsdf), uLight, lambda, false);
     if (!arriving || !arriving->L || !(arriving->pdf > 0)) return SampledSpectrum(0);
     const SampledSpectrum f = bsdf.F(point.wo, arriving->wi) * AbsDot(arriving->wi, point.shading.n);

@@ -67,8 +67,9 @@ void PathWalk::ForEachEmission(const SampledWavelengths &lambda, Visit &&visit) 
     const Scene &scene = context_.scene;
     const SurfacePoint &point = vertex_.point;
     if (left_) {
-        for (LightId id : scene.Lights().Infinite())
-            if (SampledSpectrum Le = scene.Lights()[id].Le(ray_.o, ray_.d, lambda)) visit(Le, id, Point3(0), Normal3(0));
+        scene.Lights().ForEachBeyond(ray_.o, ray_.d, lambda, [&](const SampledSpectrum &Le, LightId id) {
+            visit(Le, id, Point3(0), Normal3(0));
+        });
     } else if (SampledSpectrum Le = EmittedRadiance(scene, point, lambda)) {
         visit(Le, point.light, point.p, point.n);
     }

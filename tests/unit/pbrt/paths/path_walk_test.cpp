@@ -103,7 +103,7 @@ TEST(PathWalk, MeetsTheLightOfASurfaceOrOfTheSkyButNotBoth) {
     using Lights = std::vector<std::pair<uint32_t, Float>>;
     EXPECT_EQ(met(""), (Lights{{0, 0}, {1, 0}}));
     EXPECT_EQ(met(Disk(5, kDiffuse)), Lights{});
-    EXPECT_EQ(met(Disk(5, kGlow)), (Lights{{2, 5}}));
+    EXPECT_EQ(met(Disk(5, kGlow)), (Lights{{0, 5}}));
     EXPECT_EQ(met(Disk(5, "AreaLightSource \"diffuse\"")), Lights{}) << "it shines to the other side";
 }
 

@@ -13,6 +13,10 @@ namespace pbrt {
 /// through, those of one light one after the other.
 class LightTable {
   public:
+    LightTable() = default;
+    LightTable(const LightTable &) = delete;  // groups refer to their table
+    LightTable &operator=(const LightTable &) = delete;
+
     /// The id of the light's first part.
     LightId Add(std::unique_ptr<Light> light);
     /// Gives every light the scene's bounding sphere and makes the groups. Once.

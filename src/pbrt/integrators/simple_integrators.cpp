@@ -48,8 +48,8 @@ SimplePathIntegrator::SimplePathIntegrator(const PathContext &context, int maxDe
       sampleBsdf_(sampleBsdf),
       lights_(std::make_unique<UniformLightSampler>(context.scene.Lights().Parts())) {}
 
-SampledSpectrum SimplePathIntegrator::SampleDirect(const PathVertex &vertex, const SampledWavelengths &lambda, int depth,
-                                                   Sampler &sampler) const {
+SampledSpectrum SimplePathIntegrator::SampleDirect(const PathVertex &vertex, const SampledSpectrum &beta,
+                                                   const SampledWavelengths &lambda, int depth, Sampler &sampler) const {
     const auto &[point, bsdf] = vertex;
     const std::optional<SampledLight> chosen = lights_->Sample(LightQueryAt(vertex, lambda, depth), sampler.Get1D());
     const Point2 uLight = sampler.Get2D();
@@ -59,7 +59,7 @@ SampledSpectrum SimplePathIntegrator::SampleDirect(const PathVertex &vertex, con
     if (!arriving || !arriving->L || !(arriving->pdf > 0)) return SampledSpectrum(0);
     const SampledSpectrum f = bsdf.F(point.wo, arriving->wi) * AbsDot(arriving->wi, point.shading.n);
     if (!f || context_.scene.Occluded(LightContextAt(point), *arriving)) return SampledSpectrum(0);
-    return f * arriving->L / (chosen->pmf * arriving->pdf);
+    return beta * f * arriving->L / (chosen->pmf * arriving->pdf);
 }
 
 SampledSpectrum SimplePathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
@@ -78,7 +78,7 @@ SampledSpectrum SimplePathIntegrator::Li(const PathStart &start, SampledWaveleng
         if (!walk.FindScattering(lambda)) continue;
         ++ThreadCounters().pathVertices;
         const auto &[point, bsdf] = walk.Vertex();
-        if (sampleLights_) L += beta * SampleDirect(walk.Vertex(), lambda, depth + 1, sampler);
+        if (sampleLights_) L += SampleDirect(walk.Vertex(), beta, lambda, depth + 1, sampler);
         if (sampleBsdf_) {
             const Float uComponent = sampler.Get1D();
             const std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uComponent, sampler.Get2D());

@@ -1,6 +1,6 @@
 #pragma once
 #include "pbrt/bxdfs/bsdf.h"
-#include "pbrt/integrators/integrator.h"
+#include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/scene/footprint.h"
 #include "pbrt/scene/shading.h"
 
@@ -15,10 +15,8 @@ struct PathRay {
     void PassThrough(const SurfacePoint &point) {
         Vector3 d = ray.d;
         ray = point.SpawnRay(d);
-        if (differential.valid) {
-            differential.rxOrigin += d * point.t;
-            differential.ryOrigin += d * point.t;
-        }
+        differential.rxOrigin += d * point.t;
+        differential.ryOrigin += d * point.t;
     }
 
     /// Leaves the surface by a BSDF sample; differentials survive specular bounces only.

@@ -5,6 +5,7 @@
 #include "pbrt/core/counters.h"
 #include "pbrt/integrators/path_common.h"
 #include "pbrt/integrators/subsurface_exit.h"
+#include "pbrt/integrators/visible_surface.h"
 #include "pbrt/math/warps.h"
 
 namespace pbrt {
@@ -46,9 +47,11 @@ SampledSpectrum PathIntegrator::SampleDirect(const SurfacePoint &point, const Bs
     return sample->L * f * (PowerHeuristic(pLight, pBsdf) / (pLight * traced));
 }
 
-SampledSpectrum PathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lambda, Sampler &sampler) const {
+SampledSpectrum PathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lambda, Sampler &sampler,
+                                   std::optional<VisibleSurface> *visible) const {
     const Scene &scene = context_.scene;
     PathRay path{cameraRay.ray, cameraRay.differential};
+    const VisibleSurfaceReport report(context_, cameraRay, visible);
     SampledSpectrum L(0), beta(1);
     bool anyNonSpecular = false;
     Float etaScale = 1;
@@ -92,6 +95,7 @@ SampledSpectrum PathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lamb
             path.PassThrough(point);
             continue;
         }
+        report.See(point, bsdf, path, lambda);
         if (settings_.regularize && anyNonSpecular) bsdf.Regularize();
         if (depth++ == settings_.maxDepth) break;
         ++ThreadCounters().pathVertices;

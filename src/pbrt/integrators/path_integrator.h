@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "pbrt/bxdfs/bsdf.h"
-#include "pbrt/integrators/integrator.h"
+#include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/lightsamplers/light_learner.h"
 #include "pbrt/lightsamplers/shadow_ray_gate.h"
 
@@ -23,7 +23,7 @@ struct PathSettings {
 /// Unidirectional path tracing with next-event estimation; BSDF and light sampling combined by the power heuristic.
 /// Both sides of the combination use the light sampler's PMF at the same vertex. A shadow-ray gate, if there is one, may
 /// skip shadow rays; it draws one more random number per light sample.
-class PathIntegrator final : public Integrator {
+class PathIntegrator final : public PixelIntegrator {
   public:
     PathIntegrator(const IntegratorContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
                    std::unique_ptr<ShadowRayGate> gate = nullptr)
@@ -33,7 +33,8 @@ class PathIntegrator final : public Integrator {
         lights_->Prepare(prepare);
         if (gate_) gate_->Prepare(prepare);
     }
-    SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler) const override;
+    SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler,
+                       std::optional<VisibleSurface> *visible) const override;
     LightLearner *Learner() override { return learner_; }
     const LightSampler *Lights() const override { return lights_.get(); }
     const ShadowRayGate *Gate() const override { return gate_.get(); }

@@ -2,6 +2,7 @@
 
 #include "pbrt/core/counters.h"
 #include "pbrt/integrators/path_common.h"
+#include "pbrt/integrators/visible_surface.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "pbrt/math/warps.h"
 
@@ -32,9 +33,11 @@ SimplePathIntegrator::SimplePathIntegrator(const IntegratorContext &context, int
       sampleBsdf_(sampleBsdf),
       lights_(std::make_unique<UniformLightSampler>(context.scene.Lights().Candidates())) {}
 
-SampledSpectrum SimplePathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lambda, Sampler &sampler) const {
+SampledSpectrum SimplePathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lambda, Sampler &sampler,
+                                         std::optional<VisibleSurface> *visible) const {
     const Scene &scene = context_.scene;
     PathRay path{cameraRay.ray, cameraRay.differential};
+    const VisibleSurfaceReport report(context_, cameraRay, visible);
     SampledSpectrum L(0), beta(1);
     bool specular = true;  // emission is counted where light sampling could not have found it
     ++ThreadCounters().cameraPaths;
@@ -47,7 +50,10 @@ SampledSpectrum SimplePathIntegrator::Li(CameraRay cameraRay, SampledWavelengths
         }
         SurfacePoint &point = *hit;
         if (countEmission) L += beta * EmittedRadiance(scene, point, lambda);
-        if (depth++ == maxDepth_) break;
+        if (depth++ == maxDepth_) {
+            report.LookOn(point, path, lambda);
+            break;
+        }
         FindFootprint(context_, point, path);
         Bsdf bsdf = ComputeBsdf(scene, point, lambda);
         if (!bsdf) {
@@ -55,6 +61,7 @@ SampledSpectrum SimplePathIntegrator::Li(CameraRay cameraRay, SampledWavelengths
             path.PassThrough(point);
             continue;
         }
+        report.See(point, bsdf, path, lambda);
         ++ThreadCounters().pathVertices;
         if (sampleLights_) {
             std::optional<SampledLight> selected = lights_->Sample(LightQueryAt(point, bsdf, lambda, depth), sampler.Get1D());
@@ -99,9 +106,11 @@ SampledSpectrum SimplePathIntegrator::Li(CameraRay cameraRay, SampledWavelengths
     return L;
 }
 
-SampledSpectrum RandomWalkIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lambda, Sampler &sampler) const {
+SampledSpectrum RandomWalkIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lambda, Sampler &sampler,
+                                         std::optional<VisibleSurface> *visible) const {
     const Scene &scene = context_.scene;
     PathRay path{cameraRay.ray, cameraRay.differential};
+    const VisibleSurfaceReport report(context_, cameraRay, visible);
     SampledSpectrum L(0), beta(1);
     ++ThreadCounters().cameraPaths;
     for (int depth = 0; beta;) {
@@ -112,7 +121,10 @@ SampledSpectrum RandomWalkIntegrator::Li(CameraRay cameraRay, SampledWavelengths
         }
         SurfacePoint &point = *hit;
         L += beta * EmittedRadiance(scene, point, lambda);
-        if (depth == maxDepth_) break;
+        if (depth == maxDepth_) {
+            report.LookOn(point, path, lambda);
+            break;
+        }
         FindFootprint(context_, point, path);
         Bsdf bsdf = ComputeBsdf(scene, point, lambda);
         if (!bsdf) {
@@ -120,6 +132,7 @@ SampledSpectrum RandomWalkIntegrator::Li(CameraRay cameraRay, SampledWavelengths
             continue;
         }
         ++depth;
+        report.See(point, bsdf, path, lambda);
         ++ThreadCounters().pathVertices;
         Vector3 wi = SampleUniformSphere(sampler.Get2D());
         beta *= bsdf.F(point.wo, wi) * (AbsDot(wi, point.shading.n) / UniformSpherePdf());
@@ -136,18 +149,22 @@ AmbientOcclusionIntegrator::AmbientOcclusionIntegrator(const IntegratorContext &
       illuminant_(space.IlluminantPtr()),
       scale_(1 / SpectrumToPhotometric(*illuminant_)) {}
 
-SampledSpectrum AmbientOcclusionIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lambda, Sampler &sampler) const {
+SampledSpectrum AmbientOcclusionIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lambda, Sampler &sampler,
+                                               std::optional<VisibleSurface> *visible) const {
     PathRay path{cameraRay.ray, cameraRay.differential};
+    const VisibleSurfaceReport report(context_, cameraRay, visible);
     ++ThreadCounters().cameraPaths;
     while (true) {
         std::optional<SurfacePoint> hit = context_.scene.Intersect(path.ray);
         if (!hit) return SampledSpectrum(0);
         SurfacePoint &point = *hit;
         FindFootprint(context_, point, path);
-        if (!ComputeBsdf(context_.scene, point, lambda)) {
+        const Bsdf bsdf = ComputeBsdf(context_.scene, point, lambda);
+        if (!bsdf) {
             path.PassThrough(point);
             continue;
         }
+        report.See(point, bsdf, path, lambda);
         Normal3 n = FaceForward(point.n, point.wo);
         Point2 u = sampler.Get2D();
         Vector3 local = cosineSample_ ? SampleCosineHemisphere(u) : SampleUniformHemisphere(u);

@@ -1,14 +1,15 @@
 #pragma once
-#include "pbrt/integrators/integrator.h"
+#include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/spectra/color_space.h"
 
 namespace pbrt {
 
 /// Path tracing without MIS: light sampling (uniform over the lights) and BSDF sampling can be switched off.
-class SimplePathIntegrator final : public Integrator {
+class SimplePathIntegrator final : public PixelIntegrator {
   public:
     SimplePathIntegrator(const IntegratorContext &context, int maxDepth, bool sampleLights, bool sampleBsdf);
-    SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler) const override;
+    SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler,
+                       std::optional<VisibleSurface> *visible) const override;
 
   private:
     IntegratorContext context_;
@@ -18,10 +19,11 @@ class SimplePathIntegrator final : public Integrator {
 };
 
 /// Scatters into uniformly distributed directions and looks for emission: the slow, plainly right twin of the others.
-class RandomWalkIntegrator final : public Integrator {
+class RandomWalkIntegrator final : public PixelIntegrator {
   public:
     RandomWalkIntegrator(const IntegratorContext &context, int maxDepth) : context_(context), maxDepth_(maxDepth) {}
-    SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler) const override;
+    SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler,
+                       std::optional<VisibleSurface> *visible) const override;
 
   private:
     IntegratorContext context_;
@@ -29,11 +31,12 @@ class RandomWalkIntegrator final : public Integrator {
 };
 
 /// Cosine-weighted fraction of the hemisphere that is free up to maxDistance, times a unit illuminant.
-class AmbientOcclusionIntegrator final : public Integrator {
+class AmbientOcclusionIntegrator final : public PixelIntegrator {
   public:
     AmbientOcclusionIntegrator(const IntegratorContext &context, bool cosineSample, Float maxDistance,
                                const ColorSpace &space);
-    SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler) const override;
+    SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler,
+                       std::optional<VisibleSurface> *visible) const override;
 
   private:
     IntegratorContext context_;

@@ -1,5 +1,5 @@
 #pragma once
-#include "pbrt/integrators/integrator.h"
+#include "pbrt/integrators/pixel_integrator.h"
 
 namespace pbrt {
 

@@ -32,12 +32,13 @@ class SpoiltSampler final : public LightSampler {
 };
 
 /// Direct light by light sampling alone, without lamps that the camera sees.
-class LightSamplingOnly final : public Integrator {
+class LightSamplingOnly final : public PixelIntegrator {
   public:
     LightSamplingOnly(const Scene &scene, std::unique_ptr<LightSampler> lights)
         : scene_(scene), lights_(std::move(lights)) {}
     void Prepare(PrepareContext &context) override { lights_->Prepare(context); }
-    SampledSpectrum Li(CameraRay camera, SampledWavelengths &lambda, Sampler &sampler) const override {
+    SampledSpectrum Li(CameraRay camera, SampledWavelengths &lambda, Sampler &sampler,
+                       std::optional<VisibleSurface> *) const override {
         std::optional<SurfacePoint> point = scene_.Intersect(camera.ray);
         if (!point) return SampledSpectrum(0);
         SampledSpectrum L(0);
@@ -60,20 +61,21 @@ class LightSamplingOnly final : public Integrator {
 };
 
 /// Black where the camera sees a lamp itself: that is the same to all estimators and hides what they find.
-class WithoutSeenLamps final : public Integrator {
+class WithoutSeenLamps final : public PixelIntegrator {
   public:
-    WithoutSeenLamps(const Scene &scene, std::unique_ptr<Integrator> inner) : scene_(scene), inner_(std::move(inner)) {}
+    WithoutSeenLamps(const Scene &scene, std::unique_ptr<PixelIntegrator> inner) : scene_(scene), inner_(std::move(inner)) {}
     void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
     LightLearner *Learner() override { return inner_->Learner(); }
-    SampledSpectrum Li(CameraRay camera, SampledWavelengths &lambda, Sampler &sampler) const override {
+    SampledSpectrum Li(CameraRay camera, SampledWavelengths &lambda, Sampler &sampler,
+                       std::optional<VisibleSurface> *visible) const override {
         std::optional<SurfacePoint> point = scene_.Intersect(camera.ray);
         if (point && point->light) return SampledSpectrum(0);
-        return inner_->Li(camera, lambda, sampler);
+        return inner_->Li(camera, lambda, sampler, visible);
     }
 
   private:
     const Scene &scene_;
-    std::unique_ptr<Integrator> inner_;
+    std::unique_ptr<PixelIntegrator> inner_;
 };
 
 std::unique_ptr<LightSampler> MakeLights(const Scene &scene, const std::string &label, const Spoilt &spoilt) {
@@ -92,7 +94,7 @@ PixelStatistics Studio::Render(Estimator estimator, const std::string &lightSamp
     const IntegratorContext context{scene, *built_.camera, samplesPerPixel, true};
     PixelStatistics statistics;
     for (int seed = firstSeed; seed < firstSeed + runs; ++seed) {
-        std::unique_ptr<Integrator> integrator;
+        std::unique_ptr<PixelIntegrator> integrator;
         if (estimator == Estimator::Bsdf || estimator == Estimator::Lights) {
             integrator =
                 std::make_unique<SimplePathIntegrator>(context, built_.maxDepth, estimator == Estimator::Lights, true);
@@ -109,7 +111,7 @@ PixelStatistics Studio::Render(Estimator estimator, const std::string &lightSamp
         PrepareContext prepare{scene, *built_.camera,  *built_.filter,  built_.film->PixelBounds(),
                                seed,  samplesPerPixel, built_.maxDepth, progress};
         integrator->Prepare(prepare);
-        std::unique_ptr<RgbFilm> film = built_.makeFilm();
+        std::unique_ptr<Film> film = built_.makeFilm();
         RenderSettings settings;
         settings.samplesPerPixel = samplesPerPixel;
         DiagnosticSink sink;

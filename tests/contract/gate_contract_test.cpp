@@ -125,7 +125,7 @@ Image Render(const SceneFixture &fixture, std::unique_ptr<ShadowRayGate> gate, i
                            seed,         samplesPerPixel, path.maxDepth, progress};
     integrator.Prepare(prepare);
     DiagnosticSink sink;
-    std::unique_ptr<RgbFilm> film = built.makeFilm();
+    std::unique_ptr<Film> film = built.makeFilm();
     RenderSettings settings;
     settings.samplesPerPixel = samplesPerPixel;
     auto makeSampler = [&](int) {

@@ -11,6 +11,7 @@
 #include "agreement_statistics.h"
 #include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/films/rgb_film.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/render_loop.h"
 #include "support/build_text.h"
@@ -126,7 +127,7 @@ class View {
         add(ParamType::Integer, "xresolution", resolution.x);
         add(ParamType::Integer, "yresolution", resolution.y);
         add(ParamType::Bool, "savefp16", 0);
-        RgbFilm image(film, built_.film->OutputSpace(), 1, {}, sink);
+        RgbFilm image(film, {.outputSpace = built_.film->OutputSpace()}, sink);
         RenderSettings settings;
         settings.samplesPerPixel = samplesPerPixel_;
         auto makeSampler = [&](int) {

@@ -12,7 +12,6 @@
 #include "pbrt/core/counters.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/integrators/visible_surface.h"
 #include "pbrt/lights/light_factory.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/shapes/extent.h"
@@ -166,14 +165,21 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
         built.filter = MakeFilter(d.filter.type, d.filter.params);
         d.filter.params.ReportUnused(sink);
     });
+    AnimatedTransform renderFromCamera;  // the camera's parameters are looked at wherever it stands
+    if (placed)
+        Collect(sink, [&] {
+            renderFromCamera = MotionOf("Camera", d.camera, renderFromWorld * cameraStart.Inverse(),
+                                        renderFromWorld * cameraEnd.Inverse());
+        });
     Collect(sink, [&] {
-        built.film = MakeFilm(d.film.type, d.film.params, SpaceOf(d.film), exposure, film, sink);
+        const FilmContext context{SpaceOf(d.film), exposure, film, renderFromCamera, renderFromWorld};
+        built.film = MakeFilm(d.film.type, d.film.params, context, sink);
         d.film.params.ReportUnused(sink);
-        built.makeFilm = [params = d.film.params, space = &SpaceOf(d.film), exposure, film] {
+        built.makeFilm = [params = d.film.params, context] {
             DiagnosticSink ignored;
-            FilmOverrides precise = film;
-            precise.fullFloat = true;
-            return std::make_unique<RgbFilm>(params, *space, exposure, precise, ignored);
+            FilmContext precise = context;
+            precise.overrides.fullFloat = true;
+            return MakeFilm("rgb", params, precise, ignored);
         };
     });
     // Without a film (its mistake is told already) the flag's name alone is known.
@@ -190,10 +196,6 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     const Point2i resolution = built.film ? built.film->FullResolution() : Point2i(16, 16);
     const FilmFormat format{resolution, built.film ? built.film->DiagonalMm() : 35};
     Collect(sink, [&] {
-        AnimatedTransform renderFromCamera;  // its parameters are looked at wherever it stands
-        if (placed)
-            renderFromCamera = MotionOf("Camera", d.camera, renderFromWorld * cameraStart.Inverse(),
-                                        renderFromWorld * cameraEnd.Inverse());
         built.camera = MakeCamera(d.camera.type, d.camera.params, renderFromCamera, format, d.files, sink);
         built.cameraFromWorld = worldFromCamera.At(built.camera->ShutterOpen()).Inverse();
     });
@@ -279,15 +281,6 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
         built.shadowGateName = made.shadowGateName;
         built.maxDepth = made.maxDepth;
     });
-    if (built.film->Kind() == FilmKind::GBuffer) {
-        auto &gbuffer = static_cast<GBufferFilm &>(*built.film);
-        const bool inCameraSpace = gbuffer.Coordinates() == GBufferFilm::CoordinateSystem::Camera;
-        gbuffer.SetQuery([context, inCameraSpace, worldFromRender = renderFromWorld.Inverse()](
-                          const CameraRay &ray, const SampledWavelengths &lambda) {
-            return FindVisibleSurface(
-                context, inCameraSpace ? context.camera.CameraFromRender(ray.ray.time) : worldFromRender, ray, lambda);
-        });
-    }
     sink.ThrowIfErrors();
     progress.EndPhase();
     built.makeIntegrator = [entity = d.integrator, options, &registry, context, &space](const LightChoice &choice) {

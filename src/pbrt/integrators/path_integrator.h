@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "pbrt/integrators/integrator.h"
+#include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/lightsamplers/light_learner.h"
 
 namespace pbrt {
@@ -21,7 +21,7 @@ struct PathSettings {
 /// Unidirectional path tracing with next-event estimation; BSDF and light sampling combined by the power heuristic.
 /// Both sides of the combination use the light sampler's distribution of the same vertex. A shadow-ray gate, if there is one, may
 /// skip shadow rays; it draws one more random number per light sample.
-class PathIntegrator final : public Integrator {
+class PathIntegrator final : public PixelIntegrator {
   public:
     PathIntegrator(const PathContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
                    std::unique_ptr<ShadowRayGate> gate = nullptr)

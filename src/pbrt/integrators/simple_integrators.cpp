@@ -1,6 +1,7 @@
 #include "pbrt/integrators/simple_integrators.h"
 
 #include "pbrt/core/counters.h"
+#include "pbrt/integrators/visible_surface.h"
 #include "pbrt/lightsamplers/light_query.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "pbrt/math/warps.h"
@@ -64,6 +65,7 @@ SampledSpectrum SimplePathIntegrator::SampleDirect(const PathVertex &vertex, con
 
 SampledSpectrum SimplePathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     PathWalk walk(context_, start.ray);
+    const VisibleSurfaceReport report(context_, start.ray, start.visible);
     SampledSpectrum L(0), beta(1);
     ++ThreadCounters().cameraPaths;
     // Without weights, every way light takes must be found by one technique only: where lights are sampled, emission
@@ -73,9 +75,14 @@ SampledSpectrum SimplePathIntegrator::Li(const PathStart &start, SampledWaveleng
         const PathWalk::Met met = walk.Next();
         if (met == PathWalk::Met::TooManyInterfaces) break;
         if (!foundBySampling) L += beta * Arriving(walk, lambda);
-        if (met == PathWalk::Met::Nothing || depth == maxDepth_) break;
+        if (met == PathWalk::Met::Nothing) break;
+        if (depth == maxDepth_) {
+            report.LookOn(walk, lambda);
+            break;
+        }
         foundBySampling = false;
         if (!walk.FindScattering(lambda)) continue;
+        report.See(walk, lambda);
         ++ThreadCounters().pathVertices;
         const auto &[point, bsdf] = walk.Vertex();
         if (sampleLights_) L += SampleDirect(walk.Vertex(), beta, lambda, depth + 1, sampler);
@@ -98,14 +105,20 @@ SampledSpectrum SimplePathIntegrator::Li(const PathStart &start, SampledWaveleng
 
 SampledSpectrum RandomWalkIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     PathWalk walk(context_, start.ray);
+    const VisibleSurfaceReport report(context_, start.ray, start.visible);
     SampledSpectrum L(0), beta(1);
     ++ThreadCounters().cameraPaths;
     for (int depth = 0; beta;) {
         const PathWalk::Met met = walk.Next();
         if (met == PathWalk::Met::TooManyInterfaces) break;
         L += beta * Arriving(walk, lambda);
-        if (met == PathWalk::Met::Nothing || depth == maxDepth_) break;
+        if (met == PathWalk::Met::Nothing) break;
+        if (depth == maxDepth_) {
+            report.LookOn(walk, lambda);
+            break;
+        }
         if (!walk.FindScattering(lambda)) continue;
+        report.See(walk, lambda);
         ++depth;
         ++ThreadCounters().pathVertices;
         const Direction to{SampleUniformSphere(sampler.Get2D()), UniformSpherePdf()};
@@ -125,10 +138,12 @@ AmbientOcclusionIntegrator::AmbientOcclusionIntegrator(const PathContext &contex
 
 SampledSpectrum AmbientOcclusionIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     PathWalk walk(context_, start.ray);
+    const VisibleSurfaceReport report(context_, start.ray, start.visible);
     ++ThreadCounters().cameraPaths;
     do {
         if (walk.Next() != PathWalk::Met::Surface) return SampledSpectrum(0);
     } while (!walk.FindScattering(lambda));
+    report.See(walk, lambda);
     const SurfacePoint &point = walk.Vertex().point;
     const Normal3 n = FaceForward(point.n, point.wo);
     const Point2 u = sampler.Get2D();

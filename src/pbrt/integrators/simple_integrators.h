@@ -1,12 +1,12 @@
 #pragma once
 #include "pbrt/bxdfs/bsdf.h"
-#include "pbrt/integrators/integrator.h"
+#include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/spectra/color_space.h"
 
 namespace pbrt {
 
 /// Path tracing without MIS: light sampling (uniform over the lights) and BSDF sampling can be switched off.
-class SimplePathIntegrator final : public Integrator {
+class SimplePathIntegrator final : public PixelIntegrator {
   public:
     SimplePathIntegrator(const PathContext &context, int maxDepth, bool sampleLights, bool sampleBsdf);
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
@@ -22,7 +22,7 @@ class SimplePathIntegrator final : public Integrator {
 };
 
 /// Scatters into uniformly distributed directions and looks for emission: the slow, plainly right twin of the others.
-class RandomWalkIntegrator final : public Integrator {
+class RandomWalkIntegrator final : public PixelIntegrator {
   public:
     RandomWalkIntegrator(const PathContext &context, int maxDepth) : context_(context), maxDepth_(maxDepth) {}
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
@@ -33,7 +33,7 @@ class RandomWalkIntegrator final : public Integrator {
 };
 
 /// Cosine-weighted fraction of the hemisphere that is free up to maxDistance, times a unit illuminant.
-class AmbientOcclusionIntegrator final : public Integrator {
+class AmbientOcclusionIntegrator final : public PixelIntegrator {
   public:
     AmbientOcclusionIntegrator(const PathContext &context, bool cosineSample, Float maxDistance,
                                const ColorSpace &space);

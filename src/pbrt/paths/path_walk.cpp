@@ -19,10 +19,8 @@ bool PathWalk::FindScattering(SampledWavelengths &lambda) {
     ++passed_;
     const Vector3 d = ray_.d;
     ray_ = point.SpawnRay(d);
-    if (differential_.valid) {
-        differential_.rxOrigin += d * point.t;
-        differential_.ryOrigin += d * point.t;
-    }
+    differential_.rxOrigin += d * point.t;
+    differential_.ryOrigin += d * point.t;
     return false;
 }
 

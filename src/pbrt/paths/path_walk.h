@@ -50,6 +50,7 @@ class PathWalk {
 
     const PathVertex &Vertex() const { return vertex_; }
     const Ray &GetRay() const { return ray_; }
+    const RayDifferential &Differential() const { return differential_; }
 
   private:
     void FindFootprint();

@@ -34,7 +34,7 @@ class SpoiltSampler final : public WrappedSampler {
 };
 
 /// Direct light by light sampling alone, without lamps that the camera sees.
-class LightSamplingOnly final : public Integrator {
+class LightSamplingOnly final : public PixelIntegrator {
   public:
     LightSamplingOnly(const Scene &scene, std::unique_ptr<LightSampler> lights)
         : scene_(scene), lights_(std::move(lights)) {}
@@ -63,9 +63,9 @@ class LightSamplingOnly final : public Integrator {
 };
 
 /// Black where the camera sees a lamp itself: that is the same to all estimators and hides what they find.
-class WithoutSeenLamps final : public Integrator {
+class WithoutSeenLamps final : public PixelIntegrator {
   public:
-    WithoutSeenLamps(const Scene &scene, std::unique_ptr<Integrator> inner) : scene_(scene), inner_(std::move(inner)) {}
+    WithoutSeenLamps(const Scene &scene, std::unique_ptr<PixelIntegrator> inner) : scene_(scene), inner_(std::move(inner)) {}
     void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
     LightLearner *Learner() override { return inner_->Learner(); }
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override {
@@ -76,7 +76,7 @@ class WithoutSeenLamps final : public Integrator {
 
   private:
     const Scene &scene_;
-    std::unique_ptr<Integrator> inner_;
+    std::unique_ptr<PixelIntegrator> inner_;
 };
 
 std::unique_ptr<LightSampler> MakeLights(const Scene &scene, const std::string &label, const Spoilt &spoilt) {
@@ -95,7 +95,7 @@ PixelStatistics Studio::Render(Estimator estimator, const std::string &lightSamp
     const PathContext context{scene, *built_.camera, samplesPerPixel, true};
     PixelStatistics statistics;
     for (int seed = firstSeed; seed < firstSeed + runs; ++seed) {
-        std::unique_ptr<Integrator> integrator;
+        std::unique_ptr<PixelIntegrator> integrator;
         if (estimator == Estimator::Bsdf || estimator == Estimator::Lights) {
             integrator =
                 std::make_unique<SimplePathIntegrator>(context, built_.maxDepth, estimator == Estimator::Lights, true);
@@ -112,7 +112,7 @@ PixelStatistics Studio::Render(Estimator estimator, const std::string &lightSamp
         PrepareContext prepare{scene, *built_.camera,  *built_.filter,  built_.film->PixelBounds(),
                                seed,  samplesPerPixel, built_.maxDepth, progress};
         integrator->Prepare(prepare);
-        std::unique_ptr<RgbFilm> film = built_.makeFilm();
+        std::unique_ptr<Film> film = built_.makeFilm();
         RenderSettings settings;
         settings.samplesPerPixel = samplesPerPixel;
         DiagnosticSink sink;

@@ -8,6 +8,9 @@
 #ifdef PBRT_CONTRACT_PLUGINS
 #include "plugins.h"
 #endif
+#ifdef PBRT_CONTRACT_HEADER  // of one sampler that is tried alone
+#include PBRT_CONTRACT_HEADER
+#endif
 
 namespace pbrt::test {
 namespace {
@@ -15,7 +18,9 @@ namespace {
 const LightSamplerRegistry &Registry() {
     static const LightSamplerRegistry registry = [] {
         LightSamplerRegistry r;
-#ifdef PBRT_CONTRACT_PLUGINS
+#if defined PBRT_CONTRACT_HEADER
+        PBRT_CONTRACT_REGISTER(r);
+#elif defined PBRT_CONTRACT_PLUGINS
         RegisterPlugins(r);
 #else
         RegisterStockLightSamplers(r);

@@ -5,6 +5,7 @@
 
 #include "ext/groups/emitter_feature.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {
 
@@ -31,7 +32,7 @@ struct EmitterTree::Cluster {
 
 /// A tree or a part of one, without its packets.
 struct EmitterTree::Part {
-    std::vector<Node> nodes;        ///< [0] is the topmost
+    std::vector<Branch> nodes;        ///< [0] is the topmost
     std::vector<Emitter> wholes;    ///< per node, all below it together
     std::vector<uint32_t> children;
     int depth = 0;
@@ -98,7 +99,7 @@ uint32_t EmitterTree::Part::Add(std::span<EmitterItem> items, std::span<const Em
 
 uint32_t EmitterTree::Part::Append(const Part &part) {
     const auto firstNode = static_cast<uint32_t>(nodes.size()), firstChild = static_cast<uint32_t>(children.size());
-    for (Node node : part.nodes) {
+    for (Branch node : part.nodes) {
         node.parent += firstNode;
         node.firstChild += firstChild;
         nodes.push_back(node);
@@ -136,14 +137,14 @@ EmitterTree::EmitterTree(std::span<const Emitter> emitters) : places_(emitters.s
 void EmitterTree::MakePackets(std::span<const Emitter> emitters, std::span<const Emitter> wholes) {
     constexpr size_t kLanes = EmitterPacket::kLanes;
     size_t begin = 0;  // of the free lanes
-    for (Node &node : nodes_) {
+    for (Branch &node : nodes_) {
         if (begin % kLanes + node.count > kLanes) begin = (begin + kLanes - 1) / kLanes * kLanes;
         node.firstPacket = static_cast<uint32_t>(begin / kLanes);
         node.firstLane = static_cast<uint8_t>(begin % kLanes);
         begin += node.count;
     }
     packets_.resize((begin + kLanes - 1) / kLanes);
-    for (const Node &node : nodes_)
+    for (const Branch &node : nodes_)
         for (size_t c = 0; c < node.count; ++c) {
             const uint32_t child = children_[node.firstChild + c];
             const size_t lane = node.firstLane + c;
@@ -151,74 +152,43 @@ void EmitterTree::MakePackets(std::span<const Emitter> emitters, std::span<const
         }
 }
 
-Float EmitterTree::Evaluate(uint32_t n, const LightQuery &query, Values *values) const {
-    const Node &node = nodes_[n];
-    Float sum = 0;
+void EmitterTree::Look(Node n, const LightQuery &query, Level *level) const {
+    const Branch &node = nodes_[n];
     for (size_t i = 0; i < node.count; i += EmitterPacket::kLanes)
-        packets_[node.firstPacket + i / EmitterPacket::kLanes].Evaluate(query, values->buffer + i);
-    values->g = values->buffer + node.firstLane;
-    for (size_t i = 0; i < node.count; ++i) sum += values->g[i];
-    if (n == 0)
-        for (const Far &far : far_) sum += EvaluateFar(far.emitter, query);
-    return sum;
+        packets_[node.firstPacket + i / EmitterPacket::kLanes].Evaluate(query, level->buffer + i);
+    level->g = level->buffer + node.firstLane;
+    level->children = children_.data() + node.firstChild;
+    level->tree = this;
+    level->query = &query;
+    level->near = level->count = node.count;
+    for (size_t i = 0; i < node.count; ++i) level->sum += level->g[i];
+    if (n != 0) return;
+    level->count += static_cast<uint32_t>(far_.size());
+    for (const Far &far : far_) level->sum += EvaluateFar(far.emitter, query);
 }
 
 std::optional<SampledLight> EmitterTree::Sample(const LightQuery &query, Float u) const {
     if (nodes_.empty()) return {};
-    auto rest = static_cast<double>(u);
-    Float pmf = 1;
-    for (uint32_t n = 0;;) {
-        const Node &node = nodes_[n];
-        Values values;
-        const Float sum = Evaluate(n, query, &values);
-        if (!(sum > 0)) return {};
-        double target = rest * static_cast<double>(sum), before = 0;
-        std::optional<uint32_t> chosen;
-        double chosenBefore = 0;
-        Float chosenG = 0;
-        for (uint32_t i = 0, end = node.count + FarCount(n); i < end; ++i) {
-            Float value = i < node.count ? values.g[i] : EvaluateFar(far_[i - node.count].emitter, query);
-            if (!(value > 0)) continue;
-            chosen = i;
-            chosenG = value;
-            chosenBefore = before;
-            before += static_cast<double>(value);
-            if (target < before) break;
-        }
-        pmf *= chosenG / sum;
-        if (*chosen >= node.count) return SampledLight{LightId(far_[*chosen - node.count].index), pmf};
-        const uint32_t child = children_[node.firstChild + *chosen];
-        if (child & kLeaf) return SampledLight{LightId(child & ~kLeaf), pmf};
-        rest = std::clamp((target - chosenBefore) / static_cast<double>(chosenG), 0.0, 0x1.fffffffffffffp-1);
-        n = child;
-    }
+    const auto end = WalkDown(*this, Node(0), query, static_cast<double>(u));
+    if (!end) return {};
+    return SampledLight{LightId(end->node & ~kLeaf), end->pmf};
 }
 
 Float EmitterTree::PMF(const LightQuery &query, uint32_t emitter) const {
     Place place = places_[emitter];
     if (place.slot == kLeaf) return 0;
-    // From the root down, so that the product is Sample's to the last bit.
-    std::array<Place, 32> way;  // a child has at most half of its node's emitters (rounded up)
-    size_t length = 0;
+    std::array<uint32_t, 32> slots;  // from below; a child has at most half of its node's emitters (rounded up)
+    size_t depth = 0;
     for (;; place = {nodes_[place.node].parent, nodes_[place.node].slot}) {
-        way[length++] = place;
+        slots[depth++] = place.slot;
         if (place.node == 0) break;
     }
-    Float pmf = 1;
-    while (length-- > 0) {
-        const auto [n, slot] = way[length];
-        Values values;
-        const Float sum = Evaluate(n, query, &values);
-        const Node &node = nodes_[n];
-        Float value = slot < node.count ? values.g[slot] : EvaluateFar(far_[slot - node.count].emitter, query);
-        if (!(value > 0)) return 0;
-        pmf *= value / sum;
-    }
-    return pmf;
+    Node node = 0;
+    return WalkProbability(*this, &node, query, [&](Node, const Level &) { return slots[--depth]; });
 }
 
 size_t EmitterTree::Bytes() const {
-    return nodes_.capacity() * sizeof(Node) + packets_.capacity() * sizeof(EmitterPacket) + children_.capacity() * sizeof(uint32_t) +
+    return nodes_.capacity() * sizeof(Branch) + packets_.capacity() * sizeof(EmitterPacket) + children_.capacity() * sizeof(uint32_t) +
            far_.capacity() * sizeof(Far) + places_.capacity() * sizeof(Place);
 }
 

@@ -20,14 +20,30 @@ class EmitterTree {
     std::optional<SampledLight> Sample(const LightQuery &query, Float u) const;
     Float PMF(const LightQuery &query, uint32_t emitter) const;
 
+    /// For WalkDown (weighted_choice.h): a node, or kLeaf | emitter. Far lights are the last nodes below the root.
+    static constexpr size_t kWidth = 32;
+    static constexpr uint32_t kLeaf = 0x80000000u;
+    using Node = uint32_t;
+    struct Level {
+        alignas(32) Float buffer[kWidth];
+        const Float *g;              ///< of the children without far lights
+        const uint32_t *children;
+        const EmitterTree *tree;
+        const LightQuery *query;
+        uint32_t near = 0, count = 0;
+        Float sum = 0;
+        Float WeightAt(uint32_t i) const { return i < near ? g[i] : EvaluateFar(tree->far_[i - near].emitter, *query); }
+        Node At(uint32_t i) const { return i < near ? children[i] : kLeaf | tree->far_[i - near].index; }
+    };
+    static bool IsLeaf(Node node) { return (node & kLeaf) != 0; }
+    void Look(Node node, const LightQuery &query, Level *level) const;
+
     int Depth() const { return depth_; }
     size_t NodeCount() const { return nodes_.size(); }
     size_t Bytes() const;
 
   private:
-    static constexpr size_t kWidth = 32;
-    static constexpr uint32_t kLeaf = 0x80000000u;
-    struct Node {
+    struct Branch {
         uint32_t firstPacket = 0, firstChild = 0, parent = 0;
         uint8_t firstLane = 0;  ///< in the first packet: small nodes share packets
         uint8_t count = 0;      ///< children, without far lights
@@ -43,15 +59,8 @@ class EmitterTree {
         Emitter emitter;
     };
     void MakePackets(std::span<const Emitter> emitters, std::span<const Emitter> wholes);
-    /// G of a node's children; returns the sum, with far lights.
-    struct Values {
-        alignas(32) Float buffer[kWidth];
-        const Float *g;
-    };
-    Float Evaluate(uint32_t node, const LightQuery &query, Values *values) const;
-    uint32_t FarCount(uint32_t node) const { return node == 0 ? static_cast<uint32_t>(far_.size()) : 0; }
 
-    std::vector<Node> nodes_;
+    std::vector<Branch> nodes_;
     std::vector<EmitterPacket> packets_;
     std::vector<uint32_t> children_;  ///< kLeaf | emitter, or node
     std::vector<Far> far_;            ///< more children of the root, after the others

@@ -5,6 +5,7 @@
 
 #include "ext/groups/emitter_feature.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {
 
@@ -167,78 +168,45 @@ Float LightTree::Evaluate(const LightQuery &query, std::span<const uint32_t> nod
     return sum;
 }
 
-void LightTree::LookBelow(uint32_t node, const LightQuery &query, Below *below) const {
-    uint32_t level[kLanes] = {node};
-    size_t count = 1;
+void LightTree::Look(Node node, const LightQuery &query, Level *level) const {
+    uint32_t *nodes = level->nodes;
+    nodes[0] = node;
+    level->count = 1;
     for (int round = 0; round < 3; ++round) {
         uint32_t next[kLanes];
-        size_t nextCount = 0;
-        for (size_t i = 0; i < count; ++i) {
-            if (!HasChildren(level[i])) {
-                next[nextCount++] = level[i];
+        uint32_t nextCount = 0;
+        for (uint32_t i = 0; i < level->count; ++i) {
+            if (!HasChildren(nodes[i])) {
+                next[nextCount++] = nodes[i];
                 continue;
             }
-            next[nextCount++] = First(level[i]);
-            next[nextCount++] = Second(level[i]);
+            next[nextCount++] = First(nodes[i]);
+            next[nextCount++] = Second(nodes[i]);
         }
-        std::copy(next, next + nextCount, level);
-        count = nextCount;
+        std::copy(next, next + nextCount, nodes);
+        level->count = nextCount;
     }
-    std::copy(level, level + count, below->nodes);
-    below->count = count;
-    below->sum = Evaluate(query, {below->nodes, count}, below->g);
+    level->sum = Evaluate(query, {nodes, level->count}, level->g);
 }
 
 std::optional<SampledLight> LightTree::SampleWithin(uint32_t node, const LightQuery &query, Float u) const {
-    auto rest = static_cast<double>(u);
-    Float pmf = 1, gLight = 0;
-    while (HasChildren(node)) {
-        Below below;
-        LookBelow(node, query, &below);
-        const double target = rest * static_cast<double>(below.sum);
-        double before = 0, chosenBefore = 0;
-        std::optional<size_t> chosen;
-        for (size_t i = 0; i < below.count; ++i) {
-            if (!(below.g[i] > 0)) continue;
-            chosen = i;
-            chosenBefore = before;
-            before += static_cast<double>(below.g[i]);
-            if (target < before) break;
-        }
-        if (!chosen) return {};
-        gLight = below.g[*chosen];
-        pmf *= gLight / below.sum;
-        rest = std::clamp((target - chosenBefore) / static_cast<double>(below.g[*chosen]), 0.0, 0x1.fffffffffffffp-1);
-        node = below.nodes[*chosen];
-    }
-    const Range range = ranges_[node];
-    if (range.Size() == 1) return SampledLight{LightId(order_[range.begin]), pmf, gLight};
+    const auto end = WalkDown(*this, node, query, static_cast<double>(u));
+    if (!end) return {};
+    const Range range = ranges_[end->node];
+    if (range.Size() == 1) return SampledLight{LightId(order_[range.begin]), end->pmf, end->weight};
     const size_t near = order_.size() - far_.size();
-    const Float sum = EvaluateFarNode(node, query);
-    Float before = 0, g = 0;
-    std::optional<uint32_t> chosen;
-    for (uint32_t i = range.begin; i < range.end && !(static_cast<Float>(rest) * sum < before); ++i) {
-        const Float value = EvaluateFar(far_[i - near], query);
-        if (!(value > 0)) continue;
-        chosen = i;
-        g = value;
-        before += value;
-    }
+    const Float sum = EvaluateFarNode(end->node, query);
+    const auto chosen = ChooseByWeight<Float>(range.Size(), static_cast<Float>(end->rest) * sum,
+                                              [&](uint32_t i) { return EvaluateFar(far_[range.begin + i - near], query); });
     if (!chosen) return {};
-    return SampledLight{LightId(order_[*chosen]), pmf * (g / sum), g};
+    return SampledLight{LightId(order_[range.begin + chosen->index]), end->pmf * (chosen->weight / sum), chosen->weight};
 }
 
 Float LightTree::PMFWithin(uint32_t node, const LightQuery &query, uint32_t position) const {
-    Float pmf = 1;
-    while (HasChildren(node)) {
-        Below below;
-        LookBelow(node, query, &below);
-        const size_t i = Holder({below.nodes, below.count}, position);
-        if (!(below.g[i] > 0)) return 0;
-        pmf *= below.g[i] / below.sum;
-        node = below.nodes[i];
-    }
-    if (IsLight(node)) return pmf;
+    const Float pmf = WalkProbability(*this, &node, query, [&](Node, const Level &level) {
+        return static_cast<uint32_t>(Holder({level.nodes, level.count}, position));
+    });
+    if (!(pmf > 0) || IsLight(node)) return pmf;
     const size_t near = order_.size() - far_.size();
     const Float value = EvaluateFar(far_[position - near], query);
     return value > 0 ? pmf * (value / EvaluateFarNode(node, query)) : Float(0);

@@ -53,20 +53,25 @@ class LightTree {
     /// The node of a cut (rising) that holds a position, by its place in the cut.
     size_t Holder(std::span<const uint32_t> cut, uint32_t position) const;
 
+    /// For WalkDown (weighted_choice.h): up to eight nodes, in order, that hold the lights of a node with children.
+    static constexpr int kLanes = EmitterPacket::kLanes;
+    using Node = uint32_t;
+    struct Level {
+        uint32_t nodes[kLanes];
+        Float g[kLanes];
+        uint32_t count = 0;
+        Float sum = 0;
+        Float WeightAt(uint32_t i) const { return g[i]; }
+        Node At(uint32_t i) const { return nodes[i]; }
+    };
+    bool IsLeaf(Node node) const { return !HasChildren(node); }
+    void Look(Node node, const LightQuery &query, Level *level) const;
+
     size_t Bytes() const;
 
   private:
     static constexpr size_t kIntensity = 7;  ///< in EmitterRow
-    static constexpr int kLanes = EmitterPacket::kLanes;
     class Builder;
-    /// Up to eight nodes, in order, that hold the lights of a node with children.
-    struct Below {
-        uint32_t nodes[kLanes];
-        Float g[kLanes];
-        size_t count = 0;
-        Float sum = 0;
-    };
-    void LookBelow(uint32_t node, const LightQuery &query, Below *below) const;
     Float EvaluateFarNode(uint32_t node, const LightQuery &query) const;
     void ChooseBaseCut(std::span<const Float> spread);
 

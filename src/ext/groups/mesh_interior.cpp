@@ -1,6 +1,7 @@
 #include "ext/groups/mesh_interior.h"
 
 #include "pbrt/core/parallel.h"
+#include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {
 
@@ -34,15 +35,9 @@ std::optional<SampledLight> MeshInterior::Sample(uint32_t group, const LightQuer
     Float g[kLargestScan];
     Float sum = inner.scan->Evaluate(query, g);
     if (!(sum > 0)) return {};
-    Float target = u * sum, running = 0;
-    uint32_t chosen = 0;
-    for (uint32_t i = 0; i < inner.scan->Size(); ++i) {
-        if (!(g[i] > 0)) continue;
-        chosen = i;
-        running += g[i];
-        if (target < running) break;
-    }
-    return SampledLight{LightId(first + chosen), g[chosen] / sum};
+    const auto chosen = ChooseByWeight<Float>(inner.scan->Size(), u * sum, [&](uint32_t i) { return g[i]; });
+    if (!chosen) return {};
+    return SampledLight{LightId(first + chosen->index), chosen->weight / sum};
 }
 
 Float MeshInterior::PMF(const LightQuery &query, LightId light) const {

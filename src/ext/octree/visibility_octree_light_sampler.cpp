@@ -5,6 +5,7 @@
 #include "ext/octree/prepass_effort.h"
 #include "ext/octree/visibility_records.h"
 #include "pbrt/bxdfs/bsdf.h"
+#include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {
 
@@ -177,25 +178,19 @@ void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c
 std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::ChooseGroup(const LightQuery &query, const void *weights,
                                                                                         Float u) const {
     const Choice &c = *static_cast<const Choice *>(weights);
-    Float running = 0, last = 0;
-    std::optional<size_t> chosen;
-    for (size_t i = 0; i < c.count; ++i) {
-        Float share = c.Share(i);
-        if (!(share > 0)) continue;
-        chosen = i;
-        last = share;
-        running += share;
-        if (u < running) break;
-    }
+    const auto chosen = ChooseByWeight<Float>(c.count, u, [&](uint32_t i) { return c.Share(i); });
     if (!chosen) return {};
-    const Float inside = LightGroups::InnerNumber(u, query.p, running - last, last);
-    auto choose = [&](uint32_t group, Float pmf, Float inner, Float g) { return ChosenGroup{group, pmf, inner, g, g / (c.sumG * pmf)}; };
-    if (!lightTree_) return choose(static_cast<uint32_t>(*chosen), last, inside, c.g[*chosen]);
-    const uint32_t node = c.nodes[*chosen];
-    if (lightTree_->IsLight(node)) return choose(lightTree_->LightAt(lightTree_->At(node).begin), last, inside, c.g[*chosen]);
+    const Float share = chosen->weight, g = c.g[chosen->index];
+    const Float inside = LightGroups::InnerNumber(u, query.p, (chosen->before + share) - share, share);
+    auto choose = [&](uint32_t group, Float pmf, Float inner, Float unoccluded) {
+        return ChosenGroup{group, pmf, inner, unoccluded, unoccluded / (c.sumG * pmf)};
+    };
+    if (!lightTree_) return choose(chosen->index, share, inside, g);
+    const uint32_t node = c.nodes[chosen->index];
+    if (lightTree_->IsLight(node)) return choose(lightTree_->LightAt(lightTree_->At(node).begin), share, inside, g);
     std::optional<SampledLight> light = lightTree_->SampleWithin(node, query, inside);
     if (!light) return {};
-    return choose(light->light.value, last * light->pmf, LightGroups::InnerNumber(u, query.p), light->unoccluded);
+    return choose(light->light.value, share * light->pmf, LightGroups::InnerNumber(u, query.p), light->unoccluded);
 }
 
 Float VisibilityOctreeLightSampler::GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const {

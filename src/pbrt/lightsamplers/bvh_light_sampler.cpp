@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pbrt/lightsamplers/weighted_choice.h"
+
 namespace pbrt {
 
 BVHLightSampler::BVHLightSampler(const LightGroups &groups) : GroupLightSampler(groups, true), isInfinite_(groups.Size()) {
@@ -20,46 +22,30 @@ std::optional<GroupLightSampler::ChosenGroup> BVHLightSampler::ChooseGroup(const
     if (!(infinite_.Pmf() > 0)) return {};
     uint32_t infinite;
     if (!infinite_.ChooseBounded(rest, &infinite)) return ChosenGroup{infinite, infinite_.Pmf(), InnerNumber(query, u)};
-    const LightBvhNode *node = &tree_.Root();
-    if (node->IsLeaf() && !(node->Sphere().Importance(query.p, query.ns) > 0)) return {};
-    Float pmf = infinite_.Pmf();
-    while (!node->IsLeaf()) {
-        const LightBvhPair &pair = tree_.Pair(node->Link());
-        Float w[2];
-        pair.Importances(query.p, query.ns, w);
-        Float sum = w[0] + w[1];
-        if (!(sum > 0)) return {};
-        double target = rest * static_cast<double>(sum);
-        auto first = static_cast<double>(w[0]);
-        int i = target < first ? 0 : 1;
-        // `sum` is rounded: it may exceed the first weight although the second is 0, and what is left may exceed 1.
-        if (!(w[i] > 0)) i = 1 - i;
-        rest = std::clamp((i == 0 ? target : target - first) / static_cast<double>(w[i]), 0.0, 1.0);
-        pmf *= w[i] / sum;
-        node = &pair.child[i];
-    }
+    if (!Reaches(query)) return {};
+    const auto end = WalkDown(tree_, &tree_.Root(), query, rest);
+    if (!end) return {};
+    const Float pmf = infinite_.Pmf() * end->pmf;
     if (!(pmf > 0)) return {};
-    return ChosenGroup{node->Link(), pmf, InnerNumber(query, u)};
+    return ChosenGroup{end->node->Link(), pmf, InnerNumber(query, u)};
+}
+
+bool BVHLightSampler::Reaches(const LightQuery &query) const {
+    return !tree_.Root().IsLeaf() || tree_.Root().Sphere().Importance(query.p, query.ns) > 0;
 }
 
 Float BVHLightSampler::GroupProbability(const LightQuery &query, const void *, uint32_t group) const {
     if (isInfinite_[group]) return infinite_.Pmf();
     uint64_t trail = tree_.Trail(group);
     if (trail == LightBvh::NotInTree) return 0;
-    const LightBvhNode *node = &tree_.Root();
-    if (node->IsLeaf() && !(node->Sphere().Importance(query.p, query.ns) > 0)) return 0;
-    Float pmf = infinite_.Pmf();
-    for (; !node->IsLeaf(); trail >>= 1) {
-        const LightBvhPair &pair = tree_.Pair(node->Link());
-        Float w[2];
-        pair.Importances(query.p, query.ns, w);
-        auto i = static_cast<size_t>(trail & 1);
-        if (!(w[i] > 0)) return 0;
-        Float sum = w[0] + w[1];
-        pmf *= w[i] / sum;
-        node = &pair.child[i];
-    }
-    return pmf;
+    if (!Reaches(query)) return 0;
+    LightBvh::Node node = &tree_.Root();
+    const Float pmf = WalkProbability(tree_, &node, query, [&](LightBvh::Node, const LightBvh::Level &) {
+        const auto i = static_cast<uint32_t>(trail & 1);
+        trail >>= 1;
+        return i;
+    });
+    return infinite_.Pmf() * pmf;
 }
 
 void BVHLightSampler::Report(nlohmann::ordered_json &json) const {

@@ -17,6 +17,9 @@ class BVHLightSampler final : public GroupLightSampler {
     const LightBvh &Tree() const { return tree_; }
 
   private:
+    /// False where a tree of one light only has nothing to give.
+    bool Reaches(const LightQuery &query) const;
+
     LightBvh tree_;
     InfiniteShare infinite_;
     std::vector<bool> isInfinite_;

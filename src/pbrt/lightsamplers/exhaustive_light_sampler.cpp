@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pbrt/lightsamplers/weighted_choice.h"
+
 namespace pbrt {
 
 ExhaustiveLightSampler::ExhaustiveLightSampler(const LightGroups &groups)
@@ -58,34 +60,26 @@ std::optional<GroupLightSampler::ChosenGroup> ExhaustiveLightSampler::ChooseGrou
     if (!infinite_.ChooseBounded(rest, &infinite)) return ChosenGroup{infinite, infinite_.Pmf(), InnerNumber(query, u)};
     if (!(sums.total > 0)) return {};
 
-    // First the block, then the light in it; the last one that has any importance takes what rounding leaves over.
-    double target = rest * sums.total, before = 0, beforeBlock = 0;
-    size_t blocks = (packets_.size() + blockSize_ - 1) / blockSize_, chosenBlock = 0;
-    for (size_t b = 0; b < blocks; ++b) {
-        if (!(sums.block[b] > 0)) continue;
-        chosenBlock = b;
-        beforeBlock = before;
-        before += sums.block[b];
-        if (target < before) break;
-    }
-    size_t chosen = 0;
-    Float weight = 0;
-    before = beforeBlock;
-    bool found = false;
-    for (size_t i = chosenBlock * blockSize_, end = std::min(i + blockSize_, packets_.size()); i < end && !found; ++i) {
-        Float scratch[kLanes];
-        const Float *w = Lanes(i, query, sums, scratch);
-        for (size_t lane = 0; lane < kLanes && !found; ++lane) {
-            if (!(w[lane] > 0)) continue;
-            chosen = i * kLanes + lane;
-            weight = w[lane];
-            before += static_cast<double>(weight);
-            found = target < before;
-        }
-    }
+    // First the block, then the light in it.
+    const double target = rest * sums.total;
+    const size_t blocks = (packets_.size() + blockSize_ - 1) / blockSize_;
+    const auto block = ChooseByWeight<double>(blocks, target, [&](uint32_t b) { return sums.block[b]; });
+    if (!block) return {};
+    const size_t first = block->index * blockSize_, end = std::min(first + blockSize_, packets_.size());
+    Float scratch[kLanes];
+    const Float *lanes = nullptr;
+    const auto chosen = ChooseByWeight<double>(
+        (end - first) * kLanes, target,
+        [&](uint32_t i) {
+            if (i % kLanes == 0) lanes = Lanes(first + i / kLanes, query, sums, scratch);
+            return lanes[i % kLanes];
+        },
+        block->before);
+    if (!chosen) return {};
+    const Float weight = chosen->weight;
     Float pmf = infinite_.Pmf() * static_cast<Float>(static_cast<double>(weight) / sums.total);
     if (!(pmf > 0)) return {};
-    return ChosenGroup{lights_[chosen], pmf, InnerNumber(query, u)};
+    return ChosenGroup{lights_[first * kLanes + chosen->index], pmf, InnerNumber(query, u)};
 }
 
 Float ExhaustiveLightSampler::GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const {

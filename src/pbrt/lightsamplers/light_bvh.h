@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pbrt/lights/light_table.h"
+#include "pbrt/lightsamplers/light_sampler.h"
 
 namespace pbrt {
 
@@ -52,6 +53,23 @@ class LightBvh {
     /// The way from the root to a candidate: bit d says which child is taken at depth d. NotInTree for others.
     static constexpr uint64_t NotInTree = ~uint64_t(0);
     uint64_t Trail(uint32_t candidate) const { return trails_[candidate]; }
+
+    /// For WalkDown (weighted_choice.h), with the shading normal.
+    using Node = const LightBvhNode *;
+    struct Level {
+        static constexpr uint32_t count = 2;
+        const LightBvhPair *pair;
+        Float weights[2];
+        Float sum;
+        Float WeightAt(uint32_t i) const { return weights[i]; }
+        Node At(uint32_t i) const { return &pair->child[i]; }
+    };
+    static bool IsLeaf(Node node) { return node->IsLeaf(); }
+    void Look(Node node, const LightQuery &query, Level *level) const {
+        level->pair = &pairs_[node->Link()];
+        level->pair->Importances(query.p, query.ns, level->weights);
+        level->sum = level->weights[0] + level->weights[1];
+    }
 
     size_t PairCount() const { return pairs_.size(); }
     int Depth() const { return depth_; }

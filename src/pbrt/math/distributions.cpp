@@ -114,29 +114,4 @@ AliasTable::Sampled AliasTable::Sample(Float u) const {
     return {bin.alias, bins_[static_cast<size_t>(bin.alias)].p, std::min((up - bin.q) / (1 - bin.q), OneMinusEpsilon)};
 }
 
-int SampleDiscrete(std::span<const Float> weights, Float u, Float *pmf, Float *uRemapped) {
-    Float sum = 0;
-    for (Float w : weights) sum += w;
-    if (!(sum > 0)) {
-        *pmf = 0;
-        return -1;
-    }
-    Float target = u * sum;
-    if (target >= sum) target = std::nextafter(sum, Float(0));
-    Float before = 0;
-    int chosen = -1;
-    for (size_t i = 0; i < weights.size(); ++i) {
-        if (weights[i] > 0) {
-            chosen = static_cast<int>(i);
-            if (before + weights[i] > target) break;
-        }
-        before += weights[i];
-    }
-    Float w = weights[static_cast<size_t>(chosen)];
-    if (before + w <= target) before = sum - w;  // rounding: the last positive weight takes the rest
-    *pmf = w / sum;
-    if (uRemapped) *uRemapped = std::clamp((target - before) / w, Float(0), OneMinusEpsilon);
-    return chosen;
-}
-
 }  // namespace pbrt

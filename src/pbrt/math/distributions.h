@@ -71,8 +71,4 @@ class AliasTable {
     std::vector<Bin> bins_;
 };
 
-/// Index drawn from unnormalised weights with one pass and one number; -1 if all are 0. `pmf` gets weight / sum,
-/// `uRemapped` (may be null) a fresh uniform number.
-int SampleDiscrete(std::span<const Float> weights, Float u, Float *pmf, Float *uRemapped = nullptr);
-
 }  // namespace pbrt

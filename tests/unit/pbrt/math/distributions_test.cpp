@@ -193,52 +193,5 @@ TEST(AliasTable, AllZeroIsUniform) {
     }
 }
 
-TEST(SampleDiscrete, SharesOfUAreThePmf) {
-    Rng rng(4);
-    for (size_t n : {size_t(1), size_t(2), size_t(7), size_t(100)}) {
-        std::vector<Float> w = RandomWeights(rng, n);
-        double sum = 0;
-        for (Float v : w) sum += double(v);
-        std::vector<double> share(n, 0);
-        std::vector<test::RunningStatistics> remapped(n);
-        for (int i = 0; i < kGrid; ++i) {
-            Float pmf, u;
-            int k = SampleDiscrete(w, GridU(i), &pmf, &u);
-            ASSERT_GE(k, 0);
-            ASSERT_NEAR(double(pmf), double(w[static_cast<size_t>(k)]) / sum, 1e-5);
-            ASSERT_GT(pmf, 0);
-            ASSERT_TRUE(u >= 0 && u < 1);
-            ++share[static_cast<size_t>(k)];
-            remapped[static_cast<size_t>(k)].Add(double(u));
-        }
-        for (size_t i = 0; i < n; ++i) {
-            EXPECT_NEAR(share[i] / kGrid, double(w[i]) / sum, 1e-5 + 2.0 / kGrid);
-            if (share[i] > 5000) {
-                EXPECT_NEAR(remapped[i].mean, 0.5, 0.01);
-            }
-        }
-    }
-}
-
-TEST(SampleDiscrete, EndsOfUAndEmptySets) {
-    Float pmf = -1, u = -1;
-    std::vector<Float> zero = {0, 0}, gaps = {0, 2, 0, 6, 0};
-    EXPECT_EQ(SampleDiscrete(zero, 0.5f, &pmf), -1);
-    EXPECT_EQ(pmf, 0);
-    EXPECT_EQ(SampleDiscrete({}, 0.5f, &pmf), -1);
-    EXPECT_EQ(SampleDiscrete(gaps, 0, &pmf, &u), 1);
-    EXPECT_EQ(pmf, 0.25f);
-    EXPECT_EQ(u, 0);
-    EXPECT_EQ(SampleDiscrete(gaps, OneMinusEpsilon, &pmf, &u), 3);
-    EXPECT_LT(u, 1);
-    EXPECT_GT(u, 0.999f);
-    Rng rng(5);
-    for (int t = 0; t < 2000; ++t) {
-        std::vector<Float> w = RandomWeights(rng, 1 + rng.UniformInt(60));
-        int k = SampleDiscrete(w, OneMinusEpsilon, &pmf);
-        ASSERT_GT(w[static_cast<size_t>(k)], 0);
-    }
-}
-
 }  // namespace
 }  // namespace pbrt

@@ -85,12 +85,11 @@ TEST(VisibleSurface, AskingForItLeavesTheRadianceAlone) {
 /// Writes down which samples it was asked for.
 class Census final : public PixelIntegrator {
   public:
-    SampledSpectrum Li(CameraRay ray, SampledWavelengths &, Sampler &sampler,
-                       std::optional<VisibleSurface> *visible) const override {
+    SampledSpectrum Li(const PathStart &start, SampledWavelengths &, Sampler &sampler) const override {
         const std::lock_guard lock(mutex);
         ++calls;
-        asksForSurface |= visible != nullptr;
-        times.insert(ray.ray.time);
+        asksForSurface |= start.visible != nullptr;
+        times.insert(start.ray.ray.time);
         return SampledSpectrum(1 + sampler.Get1D());
     }
     mutable std::mutex mutex;

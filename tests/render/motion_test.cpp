@@ -94,7 +94,7 @@ TEST(Motion, EveryMomentIsAStillPicture) {
                         SampledWavelengths used = lambda;
                         const Transform cameraFromRender = built.camera->CameraFromRender(ray->ray.time);
                         dynamic_cast<const PixelIntegrator &>(*built.integrator)
-                            .Li(*ray, used, *built.makeSampler(0), &seen[k]);
+                            .Li(*ray, used, *built.sampler->Clone(), &seen[k]);
                         if (seen[k]) {
                             seen[k]->p = cameraFromRender.Point(seen[k]->p);
                             seen[k]->n = Normalize(cameraFromRender.Normal(seen[k]->n));

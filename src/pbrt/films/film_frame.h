@@ -26,6 +26,11 @@ struct FilmFrame {
     bool half = true;  ///< the picture has half precision
     const ColorSpace *outputSpace = nullptr;
 
+    FilmFrame WithFullFloat() const {
+        FilmFrame frame = *this;
+        frame.half = false;
+        return frame;
+    }
     size_t PixelCount() const { return static_cast<size_t>(pixelBounds.Area()); }
     size_t IndexOf(Point2i pixel) const {
         PBRT_DCHECK(pixelBounds.Contains(pixel));

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "pbrt/films/rgb_film.h"
+
 namespace pbrt {
 
 namespace {
@@ -75,6 +77,8 @@ void GBufferFilm::Pixel::operator+=(const Pixel &other) {
     for (int c = 0; c < 3; ++c)
         moments[c] += other.moments[c];
 }
+
+std::unique_ptr<Film> GBufferFilm::MakeRgbFilm() const { return std::make_unique<RgbFilm>(Frame(), sums_); }
 
 std::vector<StateBlock> GBufferFilm::Blocks() {
     std::vector<StateBlock> blocks = {MakeStateBlock("surfaces", std::span(pixels_))};

@@ -13,13 +13,18 @@ constexpr Float kLargestHalf = 65504;
 }  // namespace
 
 SensorSums::SensorSums(const ParamSet &params, const FilmFrame &frame, Float exposureTime)
+    : SensorSums(frame, params.GetFloat("maxcomponentvalue", Infinity, Positive(std::numeric_limits<Float>::max())),
+                 PixelSensor::Make(params, *frame.outputSpace, exposureTime)) {}
+
+SensorSums::SensorSums(const FilmFrame &frame, Float maxComponent, const PixelSensor &sensor)
     : resolution_(frame.pixelBounds.high - frame.pixelBounds.low),
       half_(frame.half),
-      maxComponent_(
-          params.GetFloat("maxcomponentvalue", Infinity, Positive(std::numeric_limits<Float>::max()))),
-      sensor_(PixelSensor::Make(params, *frame.outputSpace, exposureTime)),
+      maxComponent_(maxComponent),
+      sensor_(sensor),
       outputFromSensor_(frame.outputSpace->RgbFromXyz() * sensor_.XyzFromSensor()),
       pixels_(frame.PixelCount()) {}
+
+SensorSums SensorSums::MakeEmpty(const FilmFrame &frame) const { return {frame, maxComponent_, sensor_}; }
 
 bool SensorSums::AddSplat(size_t pixel, const Vector3 &sensor, Float weight) {
     for (int c = 0; c < 3; ++c)

@@ -16,6 +16,8 @@ namespace pbrt {
 class SensorSums {
   public:
     SensorSums(const ParamSet &params, const FilmFrame &frame, Float exposureTime);
+    /// The same sensor without sums.
+    SensorSums MakeEmpty(const FilmFrame &frame) const;
     /// Of memory for a pixel and its red, green and blue in the picture.
     static constexpr double kBytesPerPixel = 4 * sizeof(double) + 3 * sizeof(float);
 
@@ -45,6 +47,7 @@ class SensorSums {
     void AppendBlocks(std::vector<StateBlock> &blocks);
 
   private:
+    SensorSums(const FilmFrame &frame, Float maxComponent, const PixelSensor &sensor);
     struct Pixel {
         double sensor[3] = {0, 0, 0};  ///< sum of weight * XYZ or camera RGB
         double weight = 0;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "pbrt/films/rgb_film.h"
+
 namespace pbrt {
 
 SpectralFilm::Buckets SpectralFilm::ReadBuckets(const ParamSet &params) {
@@ -90,6 +92,8 @@ void SpectralFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const Sampl
     for (int i = 0; i < SpectrumSamples; ++i)
         if (parts[i] != 0) splats_.Add(FirstSumOf(index) + static_cast<size_t>(BucketOf(lambda[i])), parts[i]);
 }
+
+std::unique_ptr<Film> SpectralFilm::MakeRgbFilm() const { return std::make_unique<RgbFilm>(Frame(), sensor_); }
 
 std::vector<StateBlock> SpectralFilm::Blocks() {
     std::vector<StateBlock> blocks = {MakeStateBlock("buckets", std::span(sums_)), splats_.Block("bucket splats")};

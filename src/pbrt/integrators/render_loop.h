@@ -32,15 +32,13 @@ struct RenderResult {
 /// Samples per pixel of the largest wave.
 constexpr int kLargestWave = 64;
 
-/// Makes the sampler of the round-th batch of RenderSettings::samplesPerPixel samples.
-using SamplerFactory = std::function<std::unique_ptr<Sampler>(int round)>;
-
 /// Has an integrator render one pass after another, in batches of samplers; between passes the integrator's LightLearner
 /// learns after the numbers of samples that it names. Any split into calls gives the same image.
 class WaveRenderer {
   public:
+    /// `sampler`: of the first batch of RenderSettings::samplesPerPixel samples.
     WaveRenderer(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film,
-                 SamplerFactory makeSampler, const RenderSettings &settings, Progress &progress);
+                 const Sampler &sampler, const RenderSettings &settings, Progress &progress);
 
     /// Renders up to `count` more samples per pixel, not beyond the end of the batch. Returns how many; 0 when cancelled.
     int Render(int count);
@@ -57,7 +55,7 @@ class WaveRenderer {
     const Camera &camera_;
     const Filter &filter_;
     Film &film_;
-    SamplerFactory makeSampler_;
+    const Sampler &sampler_;
     const RenderSettings &settings_;
     Progress &progress_;
     std::vector<std::unique_ptr<Sampler>> samplers_;  ///< one a thread
@@ -67,6 +65,6 @@ class WaveRenderer {
 
 /// Renders waves of 1, 1, 2, 4, ... up to kLargestWave samples per pixel until samplesPerPixel or the time budget is reached.
 RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film,
-                         const SamplerFactory &makeSampler, const RenderSettings &settings, Progress &progress);
+                         const Sampler &sampler, const RenderSettings &settings, Progress &progress);
 
 }  // namespace pbrt

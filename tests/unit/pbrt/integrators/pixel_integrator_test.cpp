@@ -105,7 +105,7 @@ class PixelPass : public ::testing::Test {
         if (!built_.film || film != kind_) built_ = BuildText(Scene(film, "path", 1));
         kind_ = film;
         std::vector<std::unique_ptr<Sampler>> samplers;
-        for (int i = 0; i < ThreadCount(); ++i) samplers.push_back(built_.makeSampler(0));
+        for (int i = 0; i < ThreadCount(); ++i) samplers.push_back(built_.sampler->Clone());
         return census_.Render({.camera = *built_.camera,
                                .filter = *built_.filter,
                                .film = *built_.film,

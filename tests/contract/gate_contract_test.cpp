@@ -114,7 +114,7 @@ TEST_P(GateContract, PreparedTheSameByOneThreadAndByThree) {
 
 Image Render(const SceneFixture &fixture, std::unique_ptr<ShadowRayGate> gate, int samplesPerPixel, int seed) {
     const BuiltScene &built = fixture.built;
-    IntegratorContext context{*built.scene, *built.camera, samplesPerPixel, true};
+    PathContext context{*built.scene, *built.camera, samplesPerPixel, true};
     PathSettings path;
     path.maxDepth = 2;
     const LightSamplerRegistry::Entry &uniform = AllSamplers().Find("uniform");

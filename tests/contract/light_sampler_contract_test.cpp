@@ -94,6 +94,7 @@ TEST_P(LightSamplerContract, EveryLightThatContributesCanBeChosen) {
     EXPECT_EQ(contributing == 0, dark) << "a fixture that tests nothing";
 }
 TEST_P(LightSamplerContract, SameAnswerFromAnyThread) { CheckSameFromAnyThread(S()); }
+TEST_P(LightSamplerContract, DistributionsOfTwoVerticesKeepApart) { CheckDistributionsKeepApart(S()); }
 TEST_P(LightSamplerContract, OneLightEstimatorHasTheSumOverAllLightsAsItsMean) {
     CheckOneLightEstimator(S(), Contributed());
 }

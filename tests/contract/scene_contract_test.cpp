@@ -58,6 +58,7 @@ TEST_P(SceneContract, OneLightEstimatorHasTheSumOverAllLightsAsItsMean) {
     CheckOneLightEstimator(S(), Fixture().contribution);
 }
 TEST_P(SceneContract, SameAnswerFromAnyThread) { CheckSameFromAnyThread(S()); }
+TEST_P(SceneContract, DistributionsOfTwoVerticesKeepApart) { CheckDistributionsKeepApart(S()); }
 TEST_P(SceneContract, OneNumberReachesEveryLight) { CheckOneNumberReachesEveryLight(S()); }
 TEST_P(SceneContract, PreparedTheSameByOneThreadAndByThree) {
     std::unique_ptr<LightSampler> one, three;

@@ -7,6 +7,7 @@
 
 #include "pbrt/math/rng.h"
 #include "scene_fixtures.h"
+#include "support/wrapped_sampler.h"
 
 namespace pbrt::test {
 namespace {
@@ -71,19 +72,19 @@ Findings Check(const SceneFixture &f, const LightSampler &sampler, uint64_t seed
 }
 
 /// Another sampler that never chooses one of the lights.
-class WithoutOneLight final : public LightSampler {
+class WithoutOneLight final : public WrappedSampler {
   public:
-    WithoutOneLight(const LightSampler &sampler, LightId light) : sampler_(sampler), light_(light) {}
-    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override {
-        std::optional<SampledLight> s = sampler_.Sample(query, u);
-        return s && s->light.value != light_.value ? s : std::nullopt;
-    }
-    Float PMF(const LightQuery &query, LightId light) const override {
-        return light.value != light_.value ? sampler_.PMF(query, light) : 0;
-    }
+    WithoutOneLight(const LightSampler &sampler, LightId light) : WrappedSampler(sampler), light_(light) {}
 
   private:
-    const LightSampler &sampler_;
+    std::optional<SampledLight> Choose(const LightQuery &, const void *weights, Float u) const override {
+        std::optional<SampledLight> s = Inner(weights).Sample(u);
+        return s && s->light.value != light_.value ? s : std::nullopt;
+    }
+    Float Probability(const LightQuery &, const void *weights, LightId light) const override {
+        return light.value != light_.value ? Inner(weights).PMF(light) : 0;
+    }
+
     LightId light_;
 };
 

@@ -17,6 +17,7 @@
 #include "support/build_text.h"
 #include "support/render_scene.h"
 #include "support/statistics.h"
+#include "support/wrapped_sampler.h"
 
 namespace pbrt::test {
 namespace {
@@ -101,7 +102,7 @@ class View {
 
   private:
     Image RenderOnce(std::unique_ptr<LightSampler> lights, int seed) const {
-        IntegratorContext context{GetScene(), *built_.camera, samplesPerPixel_, true};
+        PathContext context{GetScene(), *built_.camera, samplesPerPixel_, true};
         PathSettings path;
         path.maxDepth = built_.maxDepth;
         PathIntegrator integrator(context, path, std::move(lights));
@@ -177,20 +178,23 @@ void ExpectNoticed(const std::string &name, const std::string &what, const View 
 }
 
 /// A sampler whose probabilities are tampered with; Sample and PMF stay consistent.
-class Tampered final : public LightSampler {
+class Tampered final : public WrappedSampler {
   public:
     using Change = std::function<Float(const LightQuery &, LightId, Float)>;
     Tampered(std::unique_ptr<LightSampler> inner, Change change)
-        : inner_(std::move(inner)), change_(std::move(change)) {}
+        : WrappedSampler(*inner), inner_(std::move(inner)), change_(std::move(change)) {}
     void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
-    std::optional<SampledLight> Sample(const LightQuery &q, Float u) const override {
-        std::optional<SampledLight> s = inner_->Sample(q, u);
+
+  private:
+    std::optional<SampledLight> Choose(const LightQuery &q, const void *weights, Float u) const override {
+        std::optional<SampledLight> s = Inner(weights).Sample(u);
         if (s) s->pmf = change_(q, s->light, s->pmf);
         return s && s->pmf > 0 ? s : std::nullopt;
     }
-    Float PMF(const LightQuery &q, LightId light) const override { return change_(q, light, inner_->PMF(q, light)); }
+    Float Probability(const LightQuery &q, const void *weights, LightId light) const override {
+        return change_(q, light, Inner(weights).PMF(light));
+    }
 
-  private:
     std::unique_ptr<LightSampler> inner_;
     Change change_;
 };

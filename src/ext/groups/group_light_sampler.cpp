@@ -1,14 +1,15 @@
 #include "ext/groups/group_light_sampler.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace ext {
 
-std::optional<SampledLight> GroupLightSampler::Sample(const LightQuery &query, Float u) const {
+std::optional<SampledLight> GroupLightSampler::Choose(const LightQuery &query, const void *weights, Float u) const {
     if (groups_.Size() == 0) return {};
     ChosenGroup chosen{.inner = u};
     if (groups_.Size() > 1) {
-        std::optional<ChosenGroup> group = SampleGroup(query, u);
+        std::optional<ChosenGroup> group = ChooseGroup(query, weights, u);
         if (!group) return {};
         chosen = *group;
     }
@@ -17,10 +18,10 @@ std::optional<SampledLight> GroupLightSampler::Sample(const LightQuery &query, F
     return SampledLight{light->light, light->pmf * chosen.pmf, light->pmf * chosen.unoccluded, chosen.weight};
 }
 
-Float GroupLightSampler::PMF(const LightQuery &query, LightId light) const {
+Float GroupLightSampler::Probability(const LightQuery &query, const void *weights, LightId light) const {
     const Float inner = interior_.PMF(query, light);
     if (groups_.Size() <= 1 || !(inner > 0)) return inner;
-    return inner * GroupPMF(query, groups_.GroupOf(light));
+    return inner * GroupProbability(query, weights, groups_.GroupOf(light));
 }
 
 void GroupLightSampler::Report(nlohmann::ordered_json &report) const {

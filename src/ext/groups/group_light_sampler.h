@@ -10,8 +10,6 @@ namespace ext {
 /// P(light) = P(group) P(light | group). Derived classes choose the group; a single group needs no choice.
 class GroupLightSampler : public LightSampler {
   public:
-    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const final;
-    Float PMF(const LightQuery &query, LightId light) const final;
     /// The numbers of groups and lights.
     void Report(nlohmann::ordered_json &report) const override;
 
@@ -27,9 +25,11 @@ class GroupLightSampler : public LightSampler {
     GroupLightSampler(const LightTable &lights, bool meshlights, bool interiorByImportance)
         : groups_(lights, meshlights), interior_(lights, groups_, interiorByImportance) {}
 
-    /// With two groups or more; none if no group can contribute.
-    virtual std::optional<ChosenGroup> SampleGroup(const LightQuery &query, Float u) const = 0;
-    virtual Float GroupPMF(const LightQuery &query, uint32_t group) const = 0;
+    /// As LightSampler's Weigh, Choose and Probability, for groups; only asked where there are two or more. No group is
+    /// chosen if none can contribute.
+    virtual const void *WeighGroups(const LightQuery &query, LightMemory &memory) const = 0;
+    virtual std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const = 0;
+    virtual Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const = 0;
 
     /// All groups alike; the pmf is 1 / number.
     ChosenGroup SampleUniformly(const LightQuery &query, Float u) const;
@@ -39,6 +39,13 @@ class GroupLightSampler : public LightSampler {
 
     MeshGroups groups_;
     MeshInterior interior_;
+
+  private:
+    const void *Weigh(const LightQuery &query, LightMemory &memory) const final {
+        return groups_.Size() > 1 ? WeighGroups(query, memory) : nullptr;
+    }
+    std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const final;
+    Float Probability(const LightQuery &query, const void *weights, LightId light) const final;
 };
 
 }  // namespace ext

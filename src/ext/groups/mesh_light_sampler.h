@@ -12,13 +12,15 @@ class MeshLightSampler final : public LightSampler {
     MeshLightSampler(const LightTable &lights, const LightSamplerRegistry::CandidateFactory &makeInner);
 
     void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
-    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override;
-    Float PMF(const LightQuery &query, LightId light) const override;
     void Report(nlohmann::ordered_json &report) const override;
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override { inner_->Inspect(query, values); }
     std::string DescribeStructure() const override { return inner_->DescribeStructure(); }
 
   private:
+    const void *Weigh(const LightQuery &query, LightMemory &memory) const override;
+    std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const override;
+    Float Probability(const LightQuery &query, const void *weights, LightId light) const override;
+
     MeshGroups groups_;
     std::unique_ptr<LightSampler> inner_;
 };

@@ -30,10 +30,14 @@ class PaperOctreeLightSampler final : public GroupLightSampler {
     const LightOctree &Tree() const { return tree_; }
 
   private:
-    std::optional<ChosenGroup> SampleGroup(const LightQuery &query, Float u) const override;
-    Float GroupPMF(const LightQuery &query, uint32_t group) const override;
-    /// Given the leaf's distribution.
-    Float GroupPMF(const LightQuery &query, std::span<const Float> cdf, uint32_t group) const;
+    const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
+    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
+    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
+    /// What is known of a query: its leaf's distribution (null: nothing was learned) and the unoccluded one.
+    struct Weights {
+        const Float *cdf = nullptr;
+        LightDistribution unoccluded;
+    };
 
     OctreeParams params_;
     Float floor_;

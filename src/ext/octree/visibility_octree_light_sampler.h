@@ -48,18 +48,18 @@ class VisibilityOctreeLightSampler final : public GroupLightSampler, private Lig
         size_t count = 0;
         Float Share(size_t i) const { return w[i] * perW + g[i] * perG; }
     };
-    void Weigh(const LightQuery &query, Choice *choice) const;
     void FollowBsdf(const LightQuery &query, Choice *choice) const;
-    std::optional<ChosenGroup> SampleGroup(const LightQuery &query, Float u) const override;
-    Float GroupPMF(const LightQuery &query, uint32_t group) const override;
+    const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
+    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
+    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
     double PathsPerPixel(const PrepareContext &context) const;
     size_t Tries() const { return TriesPerRecord(groups_.Size(), params_.tries); }
     /// False: stopped by `progress`; the tree is the one before.
     bool Build(int records, const Progress &progress);
 
     int NextLearning() const override { return nextLearning_; }
-    void BeginPath(Point2i pixel, int sample) override { found_.BeginPath(pixel, sample); }
-    void Found(const LightQuery &query, const SampledLight &light, const SampledSpectrum &found) override;
+    PathPlaces BeginPath(Point2i pixel, int sample) const override { return found_.BeginPath(pixel, sample); }
+    void Found(PathPlaces &path, const LightQuery &query, const SampledLight &light, const SampledSpectrum &found) override;
     void Learn(const Progress &progress) override;
     void BeginLearning(int first);
 

@@ -87,16 +87,21 @@ std::span<const uint32_t> SpatialLightSampler::Cdf(const Point3 &p) const {
     });
 }
 
-std::optional<GroupLightSampler::ChosenGroup> SpatialLightSampler::SampleGroup(const LightQuery &query, Float u) const {
-    if (!prepared_) return SampleUniformly(query, u);
-    std::span<const uint32_t> cdf = Cdf(query.p);
+const void *SpatialLightSampler::WeighGroups(const LightQuery &query, LightMemory &) const {
+    return prepared_ ? Cdf(query.p).data() : nullptr;
+}
+
+std::optional<GroupLightSampler::ChosenGroup> SpatialLightSampler::ChooseGroup(const LightQuery &query, const void *weights, Float u) const {
+    if (!weights) return SampleUniformly(query, u);
+    const std::span<const uint32_t> cdf(static_cast<const uint32_t *>(weights), groups_.Size());
     const uint32_t group = SampleFixedCdf(cdf, u, query.p);
     const Float pmf = FixedCdfPMF(cdf, group);
     return ChosenGroup{group, pmf, MeshGroups::InnerNumber(u, query.p, FixedCdfBegin(cdf, group), pmf)};
 }
 
-Float SpatialLightSampler::GroupPMF(const LightQuery &query, uint32_t group) const {
-    return prepared_ ? FixedCdfPMF(Cdf(query.p), group) : 1 / static_cast<Float>(groups_.Size());
+Float SpatialLightSampler::GroupProbability(const LightQuery &, const void *weights, uint32_t group) const {
+    if (!weights) return 1 / static_cast<Float>(groups_.Size());
+    return FixedCdfPMF({static_cast<const uint32_t *>(weights), groups_.Size()}, group);
 }
 
 void SpatialLightSampler::Report(nlohmann::ordered_json &report) const {

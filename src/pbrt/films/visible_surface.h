@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+
 #include "pbrt/math/vec.h"
 #include "pbrt/spectra/spectrum.h"
 

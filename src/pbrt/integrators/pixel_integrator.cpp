@@ -1,7 +1,6 @@
 #include "pbrt/integrators/pixel_integrator.h"
 
 #include "pbrt/core/parallel.h"
-#include "pbrt/lightsamplers/light_learner.h"
 
 namespace pbrt {
 
@@ -12,9 +11,8 @@ constexpr int kTileSize = 16;
 /// Traces the samples of a pass.
 class PassRenderer {
   public:
-    PassRenderer(const PixelIntegrator &integrator, LightLearner *learner, const RenderPass &pass)
+    PassRenderer(const PixelIntegrator &integrator, const RenderPass &pass)
         : integrator_(integrator),
-          learner_(learner),
           pass_(pass),
           wantsVisible_(pass.film.WantsVisibleSurface()),
           differentialScale_(
@@ -38,7 +36,6 @@ class PassRenderer {
         FilmSample sample;
         sample.pixel = pixel;
         sampler.StartPixelSample(pixel, index);
-        if (learner_) learner_->BeginPath(pixel, pass_.batchFirst + index);
         const Float uLambda = sampler.Get1D();
         sample.lambda = pass_.film.SampleWavelengths(pass_.jittersWavelengths ? uLambda : Float(0.5));
         const FilterSample offset = pass_.filter.Sample(sampler.GetPixel2D());
@@ -52,13 +49,13 @@ class PassRenderer {
         if (std::optional<CameraRay> ray = pass_.camera.GenerateRay(cs, sample.lambda)) {
             const SampledSpectrum weight = ray->weight;
             ray->differential.Scale(ray->ray, differentialScale_);
-            sample.L = weight * integrator_.Li(*ray, sample.lambda, sampler, wantsVisible_ ? &sample.visible : nullptr);
+            const PathStart start{*ray, pixel, pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr};
+            sample.L = weight * integrator_.Li(start, sample.lambda, sampler);
         }
         if (pass_.keepsSamples) pass_.film.AddSample(sample);
     }
 
     const PixelIntegrator &integrator_;
-    LightLearner *const learner_;
     const RenderPass &pass_;
     const bool wantsVisible_;
     const Float differentialScale_;
@@ -67,7 +64,7 @@ class PassRenderer {
 }  // namespace
 
 bool PixelIntegrator::Render(const RenderPass &pass) {
-    const PassRenderer renderer(*this, Learner(), pass);
+    const PassRenderer renderer(*this, pass);
     const Bounds2i &bounds = pass.film.PixelBounds();
     const Vector2i tiles = (bounds.high - bounds.low + (kTileSize - 1)) / kTileSize;
     std::atomic<bool> isWhole = true;

@@ -5,15 +5,16 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/integrators/path_common.h"
+#include "pbrt/lightsamplers/light_query.h"
 #include "pbrt/math/rng.h"
+#include "pbrt/paths/path_walk.h"
 
 namespace pbrt::lab {
 
 namespace {
 
 constexpr uint64_t kStream = 0x696e7370656374ull;
-constexpr int kMostSpecular = 64;
+constexpr int kMaxSpecular = 64;
 
 /// One light of the table, or all primitives of an emissive mesh, with a choice among them by power.
 struct Group {
@@ -63,8 +64,7 @@ std::vector<Group> MakeGroups(const LightTable &lights, const LightNames &names)
 /// Where the camera's ray through the middle of a pixel first meets something that is not purely specular. At smooth
 /// glass the ray takes the likelier way.
 struct FirstHit {
-    SurfacePoint point;
-    Bsdf bsdf;
+    PathVertex vertex;
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     int depth = 0;
 };
@@ -77,22 +77,17 @@ std::optional<FirstHit> FindFirstHit(const BuiltScene &built, Point2i pixel) {
     cs.time = 0.5f;
     std::optional<CameraRay> start = built.camera->GenerateRay(cs, hit.lambda);
     if (!start) return {};
-    PathRay path{start->ray, start->differential};
-    for (int step = 0; step < kMostSpecular; ++step) {
-        std::optional<SurfacePoint> point = built.scene->Intersect(path.ray);
-        if (!point) return {};
-        hit.point = *point;
-        ComputeFootprint(hit.point, path.differential, *built.camera, built.samplesPerPixel);
-        hit.bsdf = ComputeBsdf(*built.scene, hit.point, hit.lambda);
-        if (!hit.bsdf) {
-            path.PassThrough(hit.point);
-            continue;
-        }
+    const PathContext context{*built.scene, *built.camera, built.samplesPerPixel, true};
+    PathWalk walk(context, *start);
+    while (hit.depth < kMaxSpecular && walk.Next() == PathWalk::Met::Surface) {
+        if (!walk.FindScattering(hit.lambda)) continue;
         ++hit.depth;
-        if (IsNonSpecular(hit.bsdf.Flags())) return hit;
-        std::optional<BsdfSample> sample = hit.bsdf.Sample(hit.point.wo, 0.5f, {0.5f, 0.5f});
+        hit.vertex = walk.Vertex();
+        const auto &[point, bsdf] = hit.vertex;
+        if (IsNonSpecular(bsdf.Flags())) return hit;
+        std::optional<BsdfSample> sample = bsdf.Sample(point.wo, 0.5f, {0.5f, 0.5f});
         if (!sample || !sample->f) return {};
-        path.Scatter(hit.point, *sample);
+        walk.Scatter(*sample);
     }
     return {};
 }
@@ -191,7 +186,7 @@ Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from,
         ++traced;
         if (scene.Occluded(from, *s)) continue;
         ++m.visible;
-        SampledSpectrum f = hit.bsdf.F(hit.point.wo, s->wi) * AbsDot(s->wi, hit.point.shading.n);
+        SampledSpectrum f = hit.vertex.bsdf.F(hit.vertex.point.wo, s->wi) * AbsDot(s->wi, hit.vertex.point.shading.n);
         double value = static_cast<double>(SafeDivide(s->L * f, hit.lambda.Pdf()).Average()) /
                        (share * static_cast<double>(s->pdf));
         if (!(value > 0)) continue;
@@ -204,8 +199,8 @@ Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from,
 }
 
 void Inspector::LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &values) const {
-    const LightQuery query = LightQueryAt(hit.point, hit.bsdf, hit.lambda, hit.depth);
-    const LightSampleContext from = LightContextAt(hit.point);
+    const LightQuery query = LightQueryAt(hit.vertex, hit.lambda, hit.depth);
+    const LightSampleContext from = LightContextAt(hit.vertex.point);
     values.push_back(1);
 
     std::vector<InspectedValue> own;
@@ -214,7 +209,9 @@ void Inspector::LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &
     for (const InspectedValue &v : own) values.push_back(v.value);
 
     std::vector<Float> pmf(built_.scene->Lights().Size());
-    for (size_t l = 0; l < pmf.size(); ++l) pmf[l] = sampler_.PMF(query, LightId(l));
+    LightMemory memory;
+    const LightDistribution lights = sampler_.At(query, memory);
+    for (size_t l = 0; l < pmf.size(); ++l) pmf[l] = lights.PMF(LightId(l));
 
     double entropy = 0, greatest = 0, probability = 0, second = 0, root = 0;
     const Group *brightest = nullptr;

@@ -1,5 +1,7 @@
 #include "pbrt/lightsamplers/bvh_light_sampler.h"
 
+#include <nlohmann/json.hpp>
+
 namespace pbrt {
 
 BVHLightSampler::BVHLightSampler(std::span<const LightCandidate> candidates)
@@ -12,7 +14,7 @@ BVHLightSampler::BVHLightSampler(std::span<const LightCandidate> candidates)
     infinite_ = InfiniteShare(std::move(infinite), !tree_.IsEmpty());
 }
 
-std::optional<SampledLight> BVHLightSampler::Sample(const LightQuery &query, Float u) const {
+std::optional<SampledLight> BVHLightSampler::Choose(const LightQuery &query, const void *, Float u) const {
     auto rest = static_cast<double>(u);
     LightId light;
     if (!infinite_.ChooseBounded(rest, light)) {
@@ -41,7 +43,7 @@ std::optional<SampledLight> BVHLightSampler::Sample(const LightQuery &query, Flo
     return SampledLight{LightId(node->Link()), pmf};
 }
 
-Float BVHLightSampler::PMF(const LightQuery &query, LightId light) const {
+Float BVHLightSampler::Probability(const LightQuery &query, const void *, LightId light) const {
     if (light.value >= isInfinite_.size()) return 0;
     if (isInfinite_[light.value]) return infinite_.Pmf();
     uint64_t trail = tree_.Trail(light);

@@ -9,13 +9,13 @@ namespace pbrt {
 class BVHLightSampler final : public LightSampler {
   public:
     explicit BVHLightSampler(std::span<const LightCandidate> candidates);
-    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override;
-    Float PMF(const LightQuery &query, LightId light) const override;
     void Report(nlohmann::ordered_json &json) const override;
 
     const LightBvh &Tree() const { return tree_; }
 
   private:
+    std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const override;
+    Float Probability(const LightQuery &query, const void *weights, LightId light) const override;
     LightBvh tree_;
     InfiniteShare infinite_;
     std::vector<bool> isInfinite_;

@@ -1,5 +1,7 @@
 #include "pbrt/lightsamplers/exhaustive_light_sampler.h"
 
+#include <nlohmann/json.hpp>
+
 namespace pbrt {
 
 ExhaustiveLightSampler::ExhaustiveLightSampler(std::span<const LightCandidate> candidates)
@@ -41,15 +43,20 @@ void ExhaustiveLightSampler::AddUp(const LightQuery &query, Sums *sums) const {
     }
 }
 
-std::optional<SampledLight> ExhaustiveLightSampler::Sample(const LightQuery &query, Float u) const {
+const void *ExhaustiveLightSampler::Weigh(const LightQuery &query, LightMemory &memory) const {
+    auto *sums = memory.Make<Sums>();
+    AddUp(query, sums);
+    return sums;
+}
+
+std::optional<SampledLight> ExhaustiveLightSampler::Choose(const LightQuery &query, const void *weights, Float u) const {
+    const Sums &sums = *static_cast<const Sums *>(weights);
     auto rest = static_cast<double>(u);
     LightId light;
     if (!infinite_.ChooseBounded(rest, light)) {
         if (!light) return {};
         return SampledLight{light, infinite_.Pmf()};
     }
-    Sums sums;
-    AddUp(query, &sums);
     if (!(sums.total > 0)) return {};
 
     // First the block, then the light in it; the last one that has any importance takes what rounding leaves over.
@@ -82,12 +89,11 @@ std::optional<SampledLight> ExhaustiveLightSampler::Sample(const LightQuery &que
     return SampledLight{LightId(lights_[chosen]), pmf};
 }
 
-Float ExhaustiveLightSampler::PMF(const LightQuery &query, LightId light) const {
+Float ExhaustiveLightSampler::Probability(const LightQuery &query, const void *weights, LightId light) const {
+    const Sums &sums = *static_cast<const Sums *>(weights);
     if (light.value >= position_.size() || position_[light.value] == kNever) return 0;
     size_t position = position_[light.value];
     if (position == kInfinite) return infinite_.Pmf();
-    Sums sums;
-    AddUp(query, &sums);
     Float scratch[kLanes];
     Float weight = Lanes(position / kLanes, query, sums, scratch)[position % kLanes];
     if (!(weight > 0)) return 0;

@@ -9,14 +9,15 @@ namespace pbrt {
 class ExhaustiveLightSampler final : public LightSampler {
   public:
     explicit ExhaustiveLightSampler(std::span<const LightCandidate> candidates);
-    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override;
-    Float PMF(const LightQuery &query, LightId light) const override;
     void Report(nlohmann::ordered_json &json) const override;
 
   private:
+    const void *Weigh(const LightQuery &query, LightMemory &memory) const override;
+    std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const override;
+    Float Probability(const LightQuery &query, const void *weights, LightId light) const override;
     static constexpr size_t kLanes = 8;
     static constexpr size_t kBlocks = 64;
-    /// Sums of importance over consecutive blocks of packets and over all. On the stack: no allocation per sample.
+    /// Sums of importance over consecutive blocks of packets and over all.
     struct Sums {
         double block[kBlocks];
         double total;

@@ -9,10 +9,10 @@ namespace pbrt {
 class UniformLightSampler final : public LightSampler {
   public:
     explicit UniformLightSampler(std::span<const LightCandidate> candidates);
-    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override;
-    Float PMF(const LightQuery &query, LightId light) const override;
 
   private:
+    std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const override;
+    Float Probability(const LightQuery &query, const void *weights, LightId light) const override;
     uint32_t count_;
     Float pmf_;
 };
@@ -21,11 +21,11 @@ class UniformLightSampler final : public LightSampler {
 class PowerLightSampler final : public LightSampler {
   public:
     explicit PowerLightSampler(std::span<const LightCandidate> candidates);
-    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override;
-    Float PMF(const LightQuery &query, LightId light) const override;
     void Report(nlohmann::ordered_json &json) const override;
 
   private:
+    std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const override;
+    Float Probability(const LightQuery &query, const void *weights, LightId light) const override;
     AliasTable table_;
 };
 

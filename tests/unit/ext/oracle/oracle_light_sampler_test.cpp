@@ -5,7 +5,7 @@
 #include "ext/oracle/least_variance.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/log.h"
-#include "pbrt/integrators/path_common.h"
+#include "pbrt/lightsamplers/light_query.h"
 #include "plugins.h"
 #include "support/build_text.h"
 
@@ -195,10 +195,7 @@ TEST(Oracle, WhatScattersDecidesEvenInTheSamePlaceOfMemory) {
 }
 
 /// What a camera sees, with its BSDF.
-struct Place {
-    SurfacePoint point;
-    Bsdf bsdf;
-};
+using Place = PathVertex;
 std::vector<Place> CameraHits(const World &world, int count) {
     std::vector<Place> places;
     Rng rng(8);
@@ -255,7 +252,7 @@ TEST_P(OracleAgainst, NoOtherSamplerHasALowerSecondMoment) {
         int seen = 0;
         for (const Place &place : places) {
             std::vector<LightPoint> points = ManyPoints(world, place, 512, mis);
-            LightQuery q = LightQueryAt(place.point, place.bsdf, Wavelengths(), 1);
+            LightQuery q = LightQueryAt(place, Wavelengths(), 1);
             std::vector<double> ofOracle, ofOther, least(world.Lights().Size());
             for (uint32_t l = 0; l < world.Lights().Size(); ++l) {
                 ofOracle.push_back(static_cast<double>(oracle->PMF(q, LightId(l))));

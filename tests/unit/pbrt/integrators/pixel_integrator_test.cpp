@@ -85,18 +85,19 @@ TEST(VisibleSurface, AskingForItLeavesTheRadianceAlone) {
 /// Writes down which samples it was asked for.
 class Census final : public PixelIntegrator {
   public:
-    SampledSpectrum Li(CameraRay ray, SampledWavelengths &, Sampler &sampler,
-                       std::optional<VisibleSurface> *visible) const override {
+    SampledSpectrum Li(const PathStart &start, SampledWavelengths &, Sampler &sampler) const override {
         const std::lock_guard lock(mutex);
         ++calls;
-        asksForSurface |= visible != nullptr;
-        times.insert(ray.ray.time);
+        asksForSurface |= start.visible != nullptr;
+        times.insert(start.ray.ray.time);
+        samples.insert({start.pixel.x, start.pixel.y, start.sampleIndex});
         return SampledSpectrum(1 + sampler.Get1D());
     }
     mutable std::mutex mutex;
     mutable int calls = 0;
     mutable bool asksForSurface = false;
     mutable std::set<Float> times;
+    mutable std::set<std::tuple<int, int, int>> samples;
 };
 
 class PixelPass : public ::testing::Test {
@@ -141,6 +142,7 @@ TEST_F(PixelPass, ThreadsAndSplitsMakeNoDifference) {
     for (int i = 0; i < 8; ++i) EXPECT_TRUE(Render("rgb", i, 1));
     EXPECT_EQ(State(), expected);
     EXPECT_EQ(census_.calls, 4 * 8 * 24 * 20);
+    EXPECT_EQ(census_.samples.size(), 8u * 24 * 20);
 }
 
 TEST_F(PixelPass, OnlyFilmsThatWantItAskForTheSurface) {

@@ -22,8 +22,8 @@ class ListedLearner final : public LightLearner {
   public:
     explicit ListedLearner(std::vector<int> at) : at_(std::move(at)) {}
     int NextLearning() const override { return next_ < at_.size() ? at_[next_] : 0; }
-    void BeginPath(Point2i, int) override {}
-    void Found(const LightQuery &, const SampledLight &, const SampledSpectrum &) override {}
+    PathPlaces BeginPath(Point2i, int) const override { return {}; }
+    void Found(PathPlaces &, const LightQuery &, const SampledLight &, const SampledSpectrum &) override {}
     void Learn(const Progress &) override { ++next_; }
 
   private:

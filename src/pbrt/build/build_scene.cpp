@@ -52,20 +52,23 @@ void CheckAccelerator(const Entity &accelerator, DiagnosticSink &sink) {
     if (accelerator.type == "bvh") {
         p.GetInt("maxnodeprims", 4);
         static const std::vector<std::string> kMethods = {"sah", "hlbvh", "middle", "equal"};
-        if (std::string m = p.GetString("splitmethod", "sah"); std::find(kMethods.begin(), kMethods.end(), m) == kMethods.end())
-            sink.Warning(p.LocOf("splitmethod"), fmt::format("split method \"{}\" is unknown; {}.", m, ListChoices(m, kMethods)));
+        if (std::string m = p.GetString("splitmethod", "sah");
+            std::find(kMethods.begin(), kMethods.end(), m) == kMethods.end())
+            sink.Warning(p.LocOf("splitmethod"),
+                         fmt::format("split method \"{}\" is unknown; {}.", m, ListChoices(m, kMethods)));
     } else if (accelerator.type == "kdtree") {
         for (const char *name : {"intersectcost", "traversalcost", "maxprims", "maxdepth"}) p.GetInt(name, 0);
         p.GetFloat("emptybonus", 0.5f);
     } else {
-        throw UserError(fmt::format("Accelerator \"{}\" is unknown; {}.", accelerator.type, ListChoices(accelerator.type, {"bvh", "kdtree"})),
+        throw UserError(fmt::format("Accelerator \"{}\" is unknown; {}.", accelerator.type,
+                                    ListChoices(accelerator.type, {"bvh", "kdtree"})),
                         accelerator.loc);
     }
     p.ReportUnused(sink);
 }
 
-/// Throws all errors. The first `checked` diagnostics are of CheckSupported: a later error at one of their places is the
-/// factory saying the same again, and is left out.
+/// Throws all errors. The first `checked` diagnostics are of CheckSupported: a later error at one of their places is
+/// the factory saying the same again, and is left out.
 void ThrowIfErrors(const DiagnosticSink &sink, size_t checked) {
     if (!sink.HasErrors()) return;
     auto place = [](const Diagnostic &d) { return std::tuple(d.loc.file.get(), d.loc.line, d.loc.column); };
@@ -86,8 +89,11 @@ bool IsOfCommandLine(const Diagnostic &d) {
 }
 
 /// The command line beats the scene.
-void ChooseRenderOptions(const SceneOptions &scene, const BuildOptions &options, BuiltScene &built, DiagnosticSink &sink) {
-    auto name = [](const std::string &flag, const std::optional<std::string> &o) { return !flag.empty() ? flag : o.value_or(""); };
+void ChooseRenderOptions(const SceneOptions &scene, const BuildOptions &options, BuiltScene &built,
+                         DiagnosticSink &sink) {
+    auto name = [](const std::string &flag, const std::optional<std::string> &o) {
+        return !flag.empty() ? flag : o.value_or("");
+    };
     built.seed = options.seed.value_or(scene.seed.value_or(0));
     built.disablePixelJitter = options.disablePixelJitter || scene.disablePixelJitter.value_or(false);
     built.disableWavelengthJitter = options.disableWavelengthJitter || scene.disableWavelengthJitter.value_or(false);
@@ -133,8 +139,8 @@ std::unique_ptr<TextureLibrary> MakeTextures(SceneDescription &d, const BuildOpt
 /// Materials, shapes and lights, not ready for rays yet.
 SceneParts MakeParts(SceneDescription &d, const BuildOptions &options, const Transform &renderFromWorld,
                      TextureLibrary &textures, LightNames &lightNames, DiagnosticSink &sink, Progress &progress) {
-    GeometryBuilder geometry(d, renderFromWorld, !SeesThroughInterfaces(IntegratorType(d.integrator, options)), textures,
-                             sink);
+    GeometryBuilder geometry(d, renderFromWorld, !SeesThroughInterfaces(IntegratorType(d.integrator, options)),
+                             textures, sink);
     geometry.BuildMaterials();
     textures.CheckAll();
     progress.SetTotal(geometry.ShapeEntityCount());
@@ -143,7 +149,8 @@ SceneParts MakeParts(SceneDescription &d, const BuildOptions &options, const Tra
     lightNames = geometry.TakeLightNames();
     for (const LightEntity &l : d.lights)
         Collect(sink, [&] {
-            parts.lights->Add(MakeLight(l.type, l.params, renderFromWorld * l.ctm.start, renderFromWorld, SpaceOf(l), d.files, sink));
+            parts.lights->Add(
+                MakeLight(l.type, l.params, renderFromWorld * l.ctm.start, renderFromWorld, SpaceOf(l), d.files, sink));
             lightNames.Add(1, fmt::format("LightSource \"{}\"", l.type), l.loc);
             l.params.ReportUnused(sink);
         });
@@ -217,14 +224,15 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     TakeView(MakeView(d, options, placement, built.seed, sink), placement, built);
     built.filename = OutputName(built, options);
     if (options.checksOutput) CheckOutput(built, sink);
-    // What is wrong with the scene so far may not be all, so its shapes are looked at, too. But nobody waits for big ones
-    // to be told of a flag.
+    // What is wrong with the scene so far may not be all, so its shapes are looked at, too. But nobody waits for big
+    // ones to be told of a flag.
     if (std::any_of(sink.All().begin(), sink.All().end(), IsOfCommandLine)) ThrowIfErrors(sink, checked);
 
     if (options.forceDiffuse) d.options.forceDiffuse = true;
     if (options.displacementEdgeScale) d.options.displacementEdgeScale = options.displacementEdgeScale;
     built.textures = MakeTextures(d, options, placement.renderFromWorld, sink);
-    SceneParts parts = MakeParts(d, options, placement.renderFromWorld, *built.textures, built.lightNames, sink, progress);
+    SceneParts parts =
+        MakeParts(d, options, placement.renderFromWorld, *built.textures, built.lightNames, sink, progress);
     ThrowIfErrors(sink, checked);
     built.scene = MakeScene(std::move(parts), d, built.lightNames, sink);
 

@@ -15,10 +15,10 @@ namespace pbrt {
 
 /// Which lights get the shadow rays: what can be varied over one built scene.
 struct LightChoice {
-    std::string lightSampler;    ///< name[:key=value,...]; empty: the scene's
+    std::string lightSampler;  ///< name[:key=value,...]; empty: the scene's
     bool meshLights = false;
-    std::string shadowGate;      ///< name[:key=value,...]; empty: the BuildOptions'
-    std::optional<int> maxDepth; ///< empty: the scene's
+    std::string shadowGate;       ///< name[:key=value,...]; empty: the BuildOptions'
+    std::optional<int> maxDepth;  ///< empty: the scene's
 };
 
 struct BuiltIntegrator {
@@ -52,9 +52,9 @@ struct BuiltScene {
     int seed = 0;
     int maxDepth = 5;
     std::string integratorName, lightSamplerName, shadowGateName;  ///< the last two empty if there is none
-    std::string filename;              ///< where the picture goes; says so if something was left out, unless a flag named it
+    std::string filename;  ///< where the picture goes; says so if something was left out, unless a flag named it
     std::vector<std::string> leftOut;  ///< what --ignore-media or --ignore-unsupported left out, with places
-    Transform cameraFromWorld;  ///< when the shutter opens; for image metadata
+    Transform cameraFromWorld;         ///< when the shutter opens; for image metadata
 
     /// As the scene and the command line want the render.
     RenderSettings Settings() const;
@@ -71,13 +71,13 @@ struct BuiltScene {
 /// UserError.
 BuiltIntegrator MakeIntegrator(const BuiltScene &built, const LightChoice &choice);
 
-/// Turns a description into something that renders. Throws one UserError with everything that is wrong or not supported yet;
-/// warnings stay in the sink. `description` may be dropped afterwards.
+/// Turns a description into something that renders. Throws one UserError with everything that is wrong or not supported
+/// yet; warnings stay in the sink. `description` may be dropped afterwards.
 BuiltScene BuildScene(SceneDescription &description, const BuildOptions &options, const LightSamplerRegistry &registry,
                       DiagnosticSink &sink, Progress &progress);
 
-/// Lists everything the description uses that the format has but this renderer does not build, into the sink: as errors,
-/// or as warnings where the options say to leave it out. The latter is returned, a line each, and replaced in
+/// Lists everything the description uses that the format has but this renderer does not build, into the sink: as
+/// errors, or as warnings where the options say to leave it out. The latter is returned, a line each, and replaced in
 /// `description` and `options` by what is built instead.
 std::vector<std::string> CheckSupported(SceneDescription &description, BuildOptions &options, DiagnosticSink &sink);
 

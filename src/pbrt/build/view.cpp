@@ -8,11 +8,13 @@ namespace pbrt {
 
 namespace {
 
-/// Rendering space is world space moved so that the camera sits at the origin halfway between the transform times (or as
+/// Rendering space is world space moved so that the camera sits at the origin halfway between the transform times (or
+/// as
 /// --render-coord-sys says).
 Transform RenderFromWorld(const SceneDescription &d, const AnimatedTransform &worldFromCamera,
                           const BuildOptions &options) {
-    std::string which = !options.renderCoordSys.empty() ? options.renderCoordSys : d.options.renderCoordSys.value_or("cameraworld");
+    std::string which =
+        !options.renderCoordSys.empty() ? options.renderCoordSys : d.options.renderCoordSys.value_or("cameraworld");
     const Transform middle = worldFromCamera.At((d.camera.startTime + d.camera.endTime) / 2);
     if (which == "camera") return middle.Inverse();
     if (which == "world") return {};
@@ -36,7 +38,8 @@ Placement PlaceCamera(const SceneDescription &d, const BuildOptions &options, Di
         p.worldFromCamera = MotionOf("Camera", d.camera, start.Inverse(), end.Inverse());
         RequireReach("Camera", p.worldFromCamera, Bounds3(Point3(0)), d.camera.loc);
         p.renderFromWorld = RenderFromWorld(d, p.worldFromCamera, options);
-        p.renderFromCamera = MotionOf("Camera", d.camera, p.renderFromWorld * start.Inverse(), p.renderFromWorld * end.Inverse());
+        p.renderFromCamera =
+            MotionOf("Camera", d.camera, p.renderFromWorld * start.Inverse(), p.renderFromWorld * end.Inverse());
         p.isKnown = true;
         placement = p;
     });
@@ -57,9 +60,9 @@ View MakeView(SceneDescription &d, const BuildOptions &options, const Placement 
     Collect(sink, [&] {
         FilmOverrides overrides = options.film;
         if (options.quick) overrides.resolutionDivisor = 4;
-        view.film = MakeFilm(d.film.type, d.film.params,
-                             {SpaceOf(d.film), exposure, overrides, placement.renderFromCamera, placement.renderFromWorld},
-                             sink);
+        view.film = MakeFilm(
+            d.film.type, d.film.params,
+            {SpaceOf(d.film), exposure, overrides, placement.renderFromCamera, placement.renderFromWorld}, sink);
         d.film.params.ReportUnused(sink);
     });
     const Point2i resolution = view.film ? view.film->FullResolution() : Point2i(16, 16);
@@ -68,9 +71,8 @@ View MakeView(SceneDescription &d, const BuildOptions &options, const Placement 
         view.camera = MakeCamera(d.camera.type, d.camera.params, placement.renderFromCamera, format, d.files, sink);
     });
     const int samples = options.quick && options.samplesPerPixel == 0 ? 1 : options.samplesPerPixel;
-    Collect(sink, [&] {
-        view.sampler = MakeSampler(d.sampler.type, d.sampler.params, resolution, samples, seed, sink);
-    });
+    Collect(sink,
+            [&] { view.sampler = MakeSampler(d.sampler.type, d.sampler.params, resolution, samples, seed, sink); });
     return view;
 }
 

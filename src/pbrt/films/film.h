@@ -19,7 +19,7 @@ struct FilmSample {
     Point2i pixel{};
     SampledSpectrum L;  ///< radiance at `lambda`
     SampledWavelengths lambda;
-    Float weight = 1;   ///< of the filter
+    Float weight = 1;                       ///< of the filter
     std::optional<VisibleSurface> visible;  ///< only for films that want it; empty: no surface is seen
 };
 

@@ -10,11 +10,11 @@ namespace pbrt {
 
 /// Command line settings that beat the scene's film parameters.
 struct FilmOverrides {
-    std::optional<Bounds2> cropWindow;       ///< fractions
+    std::optional<Bounds2> cropWindow;  ///< fractions
     std::optional<Bounds2i> pixelBounds;
-    std::string filename;                    ///< empty: the scene's
-    int resolutionDivisor = 1;               ///< 4 with --quick
-    bool fullFloat = false;                  ///< float precision whatever savefp16 says
+    std::string filename;       ///< empty: the scene's
+    int resolutionDivisor = 1;  ///< 4 with --quick
+    bool fullFloat = false;     ///< float precision whatever savefp16 says
 };
 
 /// What every film is told in the same words: its size, and how its picture is written.

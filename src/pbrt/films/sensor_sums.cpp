@@ -32,8 +32,7 @@ bool SensorSums::AddSplat(size_t pixel, const Vector3 &sensor, Float weight) {
             Reject();
             return false;
         }
-    for (int c = 0; c < 3; ++c)
-        splats_.Add(3 * pixel + static_cast<size_t>(c), double(weight) * double(sensor[c]));
+    for (int c = 0; c < 3; ++c) splats_.Add(3 * pixel + static_cast<size_t>(c), double(weight) * double(sensor[c]));
     return true;
 }
 
@@ -69,8 +68,7 @@ Image SensorSums::MakeImage(const std::vector<std::string> &furtherChannels) con
                         "\"bool savefp16\" false keeps them.",
                         clamped, kLargestHalf));
     if (counts_.rejected > 0)
-        LogWarning(
-            fmt::format("{} samples had infinite or not-a-number radiance and were dropped.", counts_.rejected));
+        LogWarning(fmt::format("{} samples had infinite or not-a-number radiance and were dropped.", counts_.rejected));
     return image;
 }
 

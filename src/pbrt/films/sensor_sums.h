@@ -25,8 +25,7 @@ class SensorSums {
     std::optional<Vector3> Measure(const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight);
     void Add(size_t pixel, const Vector3 &sensor, Float weight) {
         Pixel &sums = pixels_[pixel];
-        for (int c = 0; c < 3; ++c)
-            sums.sensor[c] += double(weight) * double(sensor[c]);
+        for (int c = 0; c < 3; ++c) sums.sensor[c] += double(weight) * double(sensor[c]);
         sums.weight += double(weight);
     }
     double WeightOf(size_t pixel) const { return pixels_[pixel].weight; }
@@ -52,8 +51,7 @@ class SensorSums {
         double sensor[3] = {0, 0, 0};  ///< sum of weight * XYZ or camera RGB
         double weight = 0;
         void operator+=(const Pixel &p) {
-            for (int c = 0; c < 3; ++c)
-                sensor[c] += p.sensor[c];
+            for (int c = 0; c < 3; ++c) sensor[c] += p.sensor[c];
             weight += p.weight;
         }
     };

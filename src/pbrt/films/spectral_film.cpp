@@ -40,7 +40,8 @@ Float SpectralFilm::BucketCenter(int bucket) const {
 }
 
 int SpectralFilm::BucketOf(Float lambda) const {
-    const Float position = (lambda - buckets_.low) / (buckets_.high - buckets_.low) * static_cast<Float>(buckets_.count);
+    const Float position =
+        (lambda - buckets_.low) / (buckets_.high - buckets_.low) * static_cast<Float>(buckets_.count);
     return std::clamp(static_cast<int>(position), 0, buckets_.count - 1);
 }
 

@@ -8,7 +8,7 @@ namespace pbrt {
 struct PathStart {
     CameraRay ray;
     Point2i pixel{};
-    int sampleIndex = 0;  ///< of the pixel
+    int sampleIndex = 0;                               ///< of the pixel
     std::optional<VisibleSurface> *visible = nullptr;  ///< where PathWalk says what the camera sees, if somebody asks
 };
 

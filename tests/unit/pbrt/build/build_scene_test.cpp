@@ -59,7 +59,10 @@ TEST(BuildScene, TakesSeedAndJitterFromTheSceneUnlessFlagsSaySo) {
 }
 
 TEST(BuildScene, PreparationNamesTheScenesOwnParts) {
-    const BuiltScene built = BuildText(Text("Integrator \"path\" \"integer maxdepth\" 7 Sampler \"independent\" \"integer pixelsamples\" 12 Option \"integer seed\" 4", kLamp));
+    const BuiltScene built =
+        BuildText(Text("Integrator \"path\" \"integer maxdepth\" 7 Sampler \"independent\" \"integer pixelsamples\" 12 "
+                       "Option \"integer seed\" 4",
+                       kLamp));
     Progress progress;
     const PrepareContext context = built.Preparation(progress);
     EXPECT_EQ(&context.scene, built.scene.get());
@@ -94,8 +97,10 @@ TEST(BuildScene, MoreIntegratorsOverOneScene) {
 }
 
 TEST(BuildScene, MoreRgbFilmsLikeTheScenes) {
-    const BuiltScene built = BuildText("Film \"gbuffer\" \"integer xresolution\" 8 \"integer yresolution\" 6 "
-                                       "\"float iso\" 200 \"float cropwindow\" [0 .5 0 1]\nWorldBegin\n" + std::string(kLamp));
+    const BuiltScene built = BuildText(
+        "Film \"gbuffer\" \"integer xresolution\" 8 \"integer yresolution\" 6 "
+        "\"float iso\" 200 \"float cropwindow\" [0 .5 0 1]\nWorldBegin\n" +
+        std::string(kLamp));
     const std::unique_ptr<Film> film = built.film->MakeRgbFilm();
     EXPECT_EQ(film->PixelBounds().high, Point2i(4, 6));
     EXPECT_EQ(film->FullResolution(), Point2i(8, 6));
@@ -166,12 +171,14 @@ TEST(BuildScene, AnOutputThatCannotBeWrittenIsToldFirst) {
 TEST(BuildScene, ThreadsMakeNoDifference) {
     std::string world = kLamp;
     for (int i = 0; i < 40; ++i)
-        world += fmt::format("AttributeBegin Translate {} 0 9 Shape \"{}\" AttributeEnd\n", 3 * i, i % 3 ? "sphere" : "disk");
+        world += fmt::format("AttributeBegin Translate {} 0 9 Shape \"{}\" AttributeEnd\n", 3 * i,
+                             i % 3 ? "sphere" : "disk");
     auto shapes = [&](int threads) {
         const ThreadLimit limit(threads);
         const BuiltScene built = BuildText(Text("", world));
         std::vector<Float> areas;
-        for (uint32_t i = 0; i < built.scene->ShapeCount(); ++i) areas.push_back(built.scene->ShapeOf(ShapeId(i)).PrimitiveBounds(0).SurfaceArea());
+        for (uint32_t i = 0; i < built.scene->ShapeCount(); ++i)
+            areas.push_back(built.scene->ShapeOf(ShapeId(i)).PrimitiveBounds(0).SurfaceArea());
         return areas;
     };
     EXPECT_EQ(shapes(1).size(), 40u);

@@ -22,7 +22,9 @@ std::vector<std::string> Errors(const DiagnosticSink &sink) {
     return errors;
 }
 
-void ExpectPoint(const Point3 &p, const Point3 &expected) { EXPECT_LT(Distance(p, expected), 1e-5f) << p.x << " " << p.y << " " << p.z; }
+void ExpectPoint(const Point3 &p, const Point3 &expected) {
+    EXPECT_LT(Distance(p, expected), 1e-5f) << p.x << " " << p.y << " " << p.z;
+}
 
 TEST(PlaceCamera, RenderingSpaceIsWhereTheCameraIs) {
     const SceneDescription d = Parse("LookAt 3 2 1  3 2 5  0 1 0");
@@ -61,7 +63,8 @@ TEST(PlaceCamera, TheSceneNamesTheSpaceUnlessAFlagDoes) {
 }
 
 TEST(PlaceCamera, AMovingCameraIsAtTheOriginHalfway) {
-    const SceneDescription d = Parse("ActiveTransform EndTime Translate -4 0 0 ActiveTransform All\nCamera \"perspective\"");
+    const SceneDescription d =
+        Parse("ActiveTransform EndTime Translate -4 0 0 ActiveTransform All\nCamera \"perspective\"");
     DiagnosticSink sink;
     const Placement placement = PlaceCamera(d, {}, sink);
     ASSERT_TRUE(placement.isKnown);
@@ -98,8 +101,9 @@ TEST(MakeView, TakesWhatTheSceneSays) {
 }
 
 TEST(MakeView, QuickMeansAQuarterOfTheResolutionAndOneSample) {
-    SceneDescription d = Parse("Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 30\n"
-                               "Sampler \"independent\" \"integer pixelsamples\" 7");
+    SceneDescription d = Parse(
+        "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 30\n"
+        "Sampler \"independent\" \"integer pixelsamples\" 7");
     DiagnosticSink sink;
     BuildOptions options;
     options.quick = true;
@@ -112,8 +116,10 @@ TEST(MakeView, QuickMeansAQuarterOfTheResolutionAndOneSample) {
 
 TEST(MakeView, TheShutterTimeIsTheExposure) {
     auto brightness = [](const char *shutter) {
-        SceneDescription d = Parse("Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\n"
-                                   "Camera \"perspective\" " + std::string(shutter));
+        SceneDescription d = Parse(
+            "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\n"
+            "Camera \"perspective\" " +
+            std::string(shutter));
         DiagnosticSink sink;
         const View view = MakeView(d, {}, {}, 0, sink);
         FilmSample sample;
@@ -145,8 +151,9 @@ TEST(MakeView, TheSamplersOwnSeedBeatsTheOthers) {
 }
 
 TEST(MakeView, OneMistakeDoesNotHideAnother) {
-    SceneDescription d = Parse("Film \"rgb\" \"integer xresolution\" -1\nPixelFilter \"boxx\"\n"
-                               "Sampler \"independent\" \"integer pixelsamples\" 0\nCamera \"perspective\" \"float fov\" 500");
+    SceneDescription d = Parse(
+        "Film \"rgb\" \"integer xresolution\" -1\nPixelFilter \"boxx\"\n"
+        "Sampler \"independent\" \"integer pixelsamples\" 0\nCamera \"perspective\" \"float fov\" 500");
     DiagnosticSink sink;
     const View view = MakeView(d, {}, {}, 0, sink);
     EXPECT_EQ(Errors(sink).size(), 4u);

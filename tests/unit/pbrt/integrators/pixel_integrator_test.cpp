@@ -18,9 +18,13 @@ namespace {
 
 /// A textured floor behind something that does not scatter, seen from above.
 std::string Scene(const std::string &film, const std::string &integrator, int maxDepth) {
-    return "Option \"rendercoordsys\" \"world\" LookAt 0 0 4  0.3 0.1 0  0 1 0 Camera \"perspective\" \"float fov\" 40\n"
-           "Film \"" + film + "\" \"integer xresolution\" 24 \"integer yresolution\" 20 \"bool savefp16\" false\n"
-           "Sampler \"independent\" \"integer pixelsamples\" 2\nIntegrator \"" + integrator + "\"" +
+    return "Option \"rendercoordsys\" \"world\" LookAt 0 0 4  0.3 0.1 0  0 1 0 Camera \"perspective\" \"float fov\" "
+           "40\n"
+           "Film \"" +
+           film +
+           "\" \"integer xresolution\" 24 \"integer yresolution\" 20 \"bool savefp16\" false\n"
+           "Sampler \"independent\" \"integer pixelsamples\" 2\nIntegrator \"" +
+           integrator + "\"" +
            (integrator == "ambientocclusion" ? "" : " \"integer maxdepth\" " + std::to_string(maxDepth)) + R"(
 WorldBegin
 LightSource "infinite"

@@ -69,7 +69,8 @@ class Recorder final : public Integrator {
             pass.progress.Cancel();
             return false;
         }
-        if (secondsPerSample > 0) std::this_thread::sleep_for(std::chrono::duration<double>(secondsPerSample * pass.count));
+        if (secondsPerSample > 0)
+            std::this_thread::sleep_for(std::chrono::duration<double>(secondsPerSample * pass.count));
         FilmSample sample;
         for (int i = 0; i < pass.count; ++i) {
             sample.lambda = pass.film.SampleWavelengths(0.5f);
@@ -115,9 +116,7 @@ class RenderLoop : public ::testing::Test {
     WaveRenderer Renderer() {
         return WaveRenderer(integrator_, *camera_, *filter_, *film_, sampler_, settings_, progress_);
     }
-    RenderResult Run() {
-        return RenderWaves(integrator_, *camera_, *filter_, *film_, sampler_, settings_, progress_);
-    }
+    RenderResult Run() { return RenderWaves(integrator_, *camera_, *filter_, *film_, sampler_, settings_, progress_); }
     std::string File(const char *name) const { return (folder_ / name).string(); }
     std::string WriteReference(int size, Float value) const {
         Image image(PixelFormat::Float, {size, size}, {"R", "G", "B"}, ColorEncoding{ColorEncoding::Kind::Linear});
@@ -191,7 +190,8 @@ TEST_F(RenderLoop, GoingOnRepeatsOnlyWhatIsLearnedFrom) {
     renderer.ContinueFrom(10);
     EXPECT_EQ(renderer.Done(), 10);
     EXPECT_EQ(renderer.Render(5), 5);
-    EXPECT_EQ(integrator_.passes, (std::vector<Pass>{{0, 0, 1, false}, {0, 1, 5, false}, {0, 6, 4, false}, {0, 10, 5}}));
+    EXPECT_EQ(integrator_.passes,
+              (std::vector<Pass>{{0, 0, 1, false}, {0, 1, 5, false}, {0, 6, 4, false}, {0, 10, 5}}));
 
     integrator_.learner = nullptr;
     integrator_.passes.clear();

@@ -31,7 +31,8 @@ void ExpectNear(const Vector3 &a, const Vector3 &b, Float error = 1e-5f) {
 constexpr const char *kQuad = "Shape \"bilinearmesh\" \"point3 P\" [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]\n";
 
 TEST(Scene, IntersectCompletesThePoint) {
-    const BuiltScene built = Build("Translate 2 0 5 Material \"conductor\"\n" + std::string(kQuad) + "Material \"diffuse\" Translate 0 0 9\n" + kQuad);
+    const BuiltScene built = Build("Translate 2 0 5 Material \"conductor\"\n" + std::string(kQuad) +
+                                   "Material \"diffuse\" Translate 0 0 9\n" + kQuad);
     const std::optional<SurfacePoint> hit = built.scene->Intersect(MakeRay({2.5f, -0.5f, 1}, {0, 0, 2}, 0.75f));
     ASSERT_TRUE(hit);
     ExpectNear(hit->p, {2.5f, -0.5f, 5});
@@ -53,8 +54,9 @@ TEST(Scene, IntersectCompletesThePoint) {
 }
 
 TEST(Scene, PrimitivesOfAnEmissiveMeshAreLightsOfTheirOwn) {
-    const BuiltScene built = Build("LightSource \"point\" AreaLightSource \"diffuse\"\n"
-                                   "Shape \"trianglemesh\" \"point3 P\" [ 0 0 5  2 0 5  2 2 5  0 2 5 ] \"integer indices\" [ 0 1 2  0 2 3 ]");
+    const BuiltScene built = Build(
+        "LightSource \"point\" AreaLightSource \"diffuse\"\n"
+        "Shape \"trianglemesh\" \"point3 P\" [ 0 0 5  2 0 5  2 2 5  0 2 5 ] \"integer indices\" [ 0 1 2  0 2 3 ]");
     const std::optional<SurfacePoint> first = built.scene->Intersect(MakeRay({1.5f, 0.5f, 0}, {0, 0, 1})),
                                       second = built.scene->Intersect(MakeRay({0.5f, 1.5f, 0}, {0, 0, 1}));
     ASSERT_TRUE(first && second);
@@ -64,7 +66,8 @@ TEST(Scene, PrimitivesOfAnEmissiveMeshAreLightsOfTheirOwn) {
 }
 
 TEST(Scene, InstancesAreSeenWhereTheyArePlaced) {
-    const BuiltScene built = Build("ObjectBegin \"o\"\n" + std::string(kQuad) + "ObjectEnd\n"
+    const BuiltScene built = Build("ObjectBegin \"o\"\n" + std::string(kQuad) +
+                                   "ObjectEnd\n"
                                    "AttributeBegin Translate 10 0 0 Rotate 90 0 1 0 ObjectInstance \"o\" AttributeEnd\n"
                                    "AttributeBegin Translate -10 0 0 Scale 3 3 3 ObjectInstance \"o\" AttributeEnd");
     const std::optional<SurfacePoint> turned = built.scene->Intersect(MakeRay({0, 0, 0.5f}, {1, 0, 0}));
@@ -80,8 +83,11 @@ TEST(Scene, InstancesAreSeenWhereTheyArePlaced) {
 }
 
 TEST(Scene, MovingThingsAreSeenWhereTheyAreThen) {
-    const BuiltScene built = Build("ActiveTransform EndTime Translate 8 0 0 ActiveTransform All\n" + std::string(kQuad));
-    auto sees = [&](Float x, Float time) { return built.scene->Intersect(MakeRay({x, 0, 3}, {0, 0, -1}, time)).has_value(); };
+    const BuiltScene built =
+        Build("ActiveTransform EndTime Translate 8 0 0 ActiveTransform All\n" + std::string(kQuad));
+    auto sees = [&](Float x, Float time) {
+        return built.scene->Intersect(MakeRay({x, 0, 3}, {0, 0, -1}, time)).has_value();
+    };
     EXPECT_TRUE(sees(0, 0) && sees(4, 0.5f) && sees(8, 1));
     EXPECT_FALSE(sees(4, 0) || sees(0, 0.5f) || sees(0, 1));
 }
@@ -125,7 +131,8 @@ TEST(Scene, OnlyWhatIsBetweenTwoPointsOccludes) {
 }
 
 TEST(Scene, ShadowRaysPassInterfacesForVolpathOnly) {
-    const std::string world = "Material \"interface\" Translate 0 0 2\n" + std::string(kQuad) + "Material \"diffuse\" Translate 5 0 0\n" + kQuad;
+    const std::string world = "Material \"interface\" Translate 0 0 2\n" + std::string(kQuad) +
+                              "Material \"diffuse\" Translate 5 0 0\n" + kQuad;
     for (const char *integrator : {"path", "volpath"}) {
         const BuiltScene built = Build(world, integrator);
         const LightSampleContext from = From({0, 0, 0}, {0, 0, 1});
@@ -138,9 +145,11 @@ TEST(Scene, ShadowRaysPassInterfacesForVolpathOnly) {
 
 TEST(Scene, CrossingsAreThoseOfOneMaterialAndEquallyLikely) {
     // Along z: material a at 1, 3, 5, 7 and material b at 2, 4.
-    std::string world = "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" MakeNamedMaterial \"b\" \"string type\" \"diffuse\"\n";
+    std::string world =
+        "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" MakeNamedMaterial \"b\" \"string type\" \"diffuse\"\n";
     for (auto [z, material] : {std::pair(1, "a"), {2, "b"}, {3, "a"}, {4, "b"}, {5, "a"}, {7, "a"}})
-        world += fmt::format("AttributeBegin NamedMaterial \"{}\" Translate 0 0 {}\n{}AttributeEnd\n", material, z, kQuad);
+        world +=
+            fmt::format("AttributeBegin NamedMaterial \"{}\" Translate 0 0 {}\n{}AttributeEnd\n", material, z, kQuad);
     const BuiltScene built = Build(world);
     const MaterialId a = built.scene->Intersect(MakeRay({0.1f, 0.1f, 0}, {0, 0, 1}))->material;
     std::map<int, int> found;
@@ -159,7 +168,8 @@ TEST(Scene, CrossingsAreThoseOfOneMaterialAndEquallyLikely) {
 }
 
 TEST(Scene, KnowsWhatItsMaterialsNeed) {
-    const std::string checks = "Texture \"t\" \"spectrum\" \"checkerboard\" Material \"diffuse\" \"texture reflectance\" \"t\"\n";
+    const std::string checks =
+        "Texture \"t\" \"spectrum\" \"checkerboard\" Material \"diffuse\" \"texture reflectance\" \"t\"\n";
     EXPECT_FALSE(Build(kQuad).scene->NeedsFootprints());
     EXPECT_FALSE(Build(kQuad).scene->HasSubsurface());
     EXPECT_TRUE(Build("Material \"subsurface\"\n" + std::string(kQuad)).scene->HasSubsurface());

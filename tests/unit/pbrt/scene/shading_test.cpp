@@ -12,8 +12,10 @@ namespace {
 const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
 
 BuiltScene Build(const std::string &world) {
-    return BuildText("Option \"rendercoordsys\" \"world\" LookAt 0 0 4  0 0 0  0 1 0 Camera \"perspective\" \"float fov\" 60\n"
-                     "Film \"rgb\" \"integer xresolution\" 100 \"integer yresolution\" 100\nWorldBegin\n" + world);
+    return BuildText(
+        "Option \"rendercoordsys\" \"world\" LookAt 0 0 4  0 0 0  0 1 0 Camera \"perspective\" \"float fov\" 60\n"
+        "Film \"rgb\" \"integer xresolution\" 100 \"integer yresolution\" 100\nWorldBegin\n" +
+        world);
 }
 
 /// What is seen from z = 4 down the z axis at (x, y).
@@ -58,15 +60,18 @@ TEST(Shading, DispersionEndsTheOtherWavelengths) {
 }
 
 TEST(Shading, MixturesTakeOneOfTheirMaterialsPerPoint) {
-    const BuiltScene built = Build("MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"float reflectance\" 0.2\n"
-                                   "MakeNamedMaterial \"b\" \"string type\" \"diffuse\" \"float reflectance\" 0.8\n"
-                                   "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" 0.25\n" + std::string(kQuad));
+    const BuiltScene built = Build(
+        "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"float reflectance\" 0.2\n"
+        "MakeNamedMaterial \"b\" \"string type\" \"diffuse\" \"float reflectance\" 0.8\n"
+        "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" 0.25\n" +
+        std::string(kQuad));
     int light = 0;
     constexpr int kPoints = 2000;
     for (int i = 0; i < kPoints; ++i) {
         SurfacePoint point = PointAt(built, -0.9f + 1.8f * static_cast<Float>(i) / kPoints, 0.3f);
         SampledWavelengths lambda = kLambda;
-        const Float albedo = Pi * Mean(ComputeBsdf(*built.scene, point, lambda).F(point.wo, Normalize(Vector3(1, 0, 1))));
+        const Float albedo =
+            Pi * Mean(ComputeBsdf(*built.scene, point, lambda).F(point.wo, Normalize(Vector3(1, 0, 1))));
         EXPECT_TRUE(std::abs(albedo - 0.2f) < 1e-4f || std::abs(albedo - 0.8f) < 1e-4f) << albedo;
         light += albedo > 0.5f;
     }
@@ -75,19 +80,24 @@ TEST(Shading, MixturesTakeOneOfTheirMaterialsPerPoint) {
 
 TEST(Shading, LampsEmitFromTheirFrontUnlessTwosided) {
     for (const char *sides : {"", "\"bool twosided\" true"}) {
-        const BuiltScene built = Build("AreaLightSource \"diffuse\" \"rgb L\" [3 3 3] " + std::string(sides) + "\n" + kQuad);
+        const BuiltScene built =
+            Build("AreaLightSource \"diffuse\" \"rgb L\" [3 3 3] " + std::string(sides) + "\n" + kQuad);
         const SurfacePoint above = PointAt(built), below = PointAt(built, 0.2f, 0.1f, -4, 1);
-        const Float up = Mean(EmittedRadiance(*built.scene, above, kLambda)), down = Mean(EmittedRadiance(*built.scene, below, kLambda));
+        const Float up = Mean(EmittedRadiance(*built.scene, above, kLambda)),
+                    down = Mean(EmittedRadiance(*built.scene, below, kLambda));
         EXPECT_GT(std::max(up, down), 0);
-        if (*sides) EXPECT_EQ(up, down);
-        else EXPECT_EQ(std::min(up, down), 0);
+        if (*sides)
+            EXPECT_EQ(up, down);
+        else
+            EXPECT_EQ(std::min(up, down), 0);
     }
     const BuiltScene dark = Build(kQuad);
     EXPECT_EQ(Mean(EmittedRadiance(*dark.scene, PointAt(dark), kLambda)), 0);
 }
 
 TEST(Shading, OnlySubsurfaceMaterialsLetLightComeOutElsewhere) {
-    const BuiltScene wax = Build("Material \"subsurface\"\n" + std::string(kQuad)), glass = Build("Material \"dielectric\"\n" + std::string(kQuad));
+    const BuiltScene wax = Build("Material \"subsurface\"\n" + std::string(kQuad)),
+                     glass = Build("Material \"dielectric\"\n" + std::string(kQuad));
     EXPECT_TRUE(ComputeBssrdf(*wax.scene, PointAt(wax), kLambda));
     EXPECT_FALSE(ComputeBssrdf(*glass.scene, PointAt(glass), kLambda));
 }

@@ -3,6 +3,7 @@
 
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/light_sampler_spec.h"
+#include "pbrt/integrators/pixel_integrator.h"
 
 namespace pbrt {
 

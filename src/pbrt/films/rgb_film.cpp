@@ -7,6 +7,9 @@ RgbFilm::RgbFilm(const ParamSet &params, const FilmContext &context, DiagnosticS
                                 {.onlyExr = false, .bytesPerPixel = SensorSums::kBytesPerPixel}, sink)),
       sums_(params, Frame(), context.exposureTime) {}
 
+RgbFilm::RgbFilm(const FilmFrame &frame, const SensorSums &like)
+    : Film("rgb", frame.WithFullFloat()), sums_(like.MakeEmpty(Frame())) {}
+
 void RgbFilm::AddSample(const FilmSample &sample) {
     if (std::optional<Vector3> sensor = sums_.Measure(sample.L, sample.lambda, sample.weight))
         sums_.Add(Frame().IndexOf(sample.pixel), *sensor, sample.weight);

@@ -1,7 +1,6 @@
 #include "pbrt/integrators/simple_integrators.h"
 
 #include "pbrt/core/counters.h"
-#include "pbrt/integrators/visible_surface.h"
 #include "pbrt/lightsamplers/light_query.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "pbrt/math/warps.h"
@@ -64,8 +63,7 @@ SampledSpectrum SimplePathIntegrator::SampleDirect(const PathVertex &vertex, con
 }
 
 SampledSpectrum SimplePathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
-    PathWalk walk(context_, start.ray);
-    const VisibleSurfaceReport report(context_, start.ray, start.visible);
+    PathWalk walk(context_, start.ray, start.visible);
     SampledSpectrum L(0), beta(1);
     ++ThreadCounters().cameraPaths;
     // Without weights, every way light takes must be found by one technique only: where lights are sampled, emission
@@ -77,12 +75,11 @@ SampledSpectrum SimplePathIntegrator::Li(const PathStart &start, SampledWaveleng
         if (!foundBySampling) L += beta * Arriving(walk, lambda);
         if (met == PathWalk::Met::Nothing) break;
         if (depth == maxDepth_) {
-            report.LookOn(walk, lambda);
+            walk.End(lambda);
             break;
         }
         foundBySampling = false;
         if (!walk.FindScattering(lambda)) continue;
-        report.See(walk, lambda);
         ++ThreadCounters().pathVertices;
         const auto &[point, bsdf] = walk.Vertex();
         if (sampleLights_) L += SampleDirect(walk.Vertex(), beta, lambda, depth + 1, sampler);
@@ -104,8 +101,7 @@ SampledSpectrum SimplePathIntegrator::Li(const PathStart &start, SampledWaveleng
 }
 
 SampledSpectrum RandomWalkIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
-    PathWalk walk(context_, start.ray);
-    const VisibleSurfaceReport report(context_, start.ray, start.visible);
+    PathWalk walk(context_, start.ray, start.visible);
     SampledSpectrum L(0), beta(1);
     ++ThreadCounters().cameraPaths;
     for (int depth = 0; beta;) {
@@ -114,11 +110,10 @@ SampledSpectrum RandomWalkIntegrator::Li(const PathStart &start, SampledWaveleng
         L += beta * Arriving(walk, lambda);
         if (met == PathWalk::Met::Nothing) break;
         if (depth == maxDepth_) {
-            report.LookOn(walk, lambda);
+            walk.End(lambda);
             break;
         }
         if (!walk.FindScattering(lambda)) continue;
-        report.See(walk, lambda);
         ++depth;
         ++ThreadCounters().pathVertices;
         const Direction to{SampleUniformSphere(sampler.Get2D()), UniformSpherePdf()};
@@ -137,13 +132,11 @@ AmbientOcclusionIntegrator::AmbientOcclusionIntegrator(const PathContext &contex
       scale_(1 / SpectrumToPhotometric(*illuminant_)) {}
 
 SampledSpectrum AmbientOcclusionIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
-    PathWalk walk(context_, start.ray);
-    const VisibleSurfaceReport report(context_, start.ray, start.visible);
+    PathWalk walk(context_, start.ray, start.visible);
     ++ThreadCounters().cameraPaths;
     do {
         if (walk.Next() != PathWalk::Met::Surface) return SampledSpectrum(0);
     } while (!walk.FindScattering(lambda));
-    report.See(walk, lambda);
     const SurfacePoint &point = walk.Vertex().point;
     const Normal3 n = FaceForward(point.n, point.wo);
     const Point2 u = sampler.Get2D();

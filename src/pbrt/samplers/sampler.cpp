@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "pbrt/math/rng.h"
 #include "pbrt/samplers/halton_sampler.h"
 #include "pbrt/samplers/pmj02bn_sampler.h"
 #include "pbrt/samplers/random_samplers.h"
@@ -9,6 +10,11 @@
 #include "pbrt/samplers/sobol_samplers.h"
 
 namespace pbrt {
+
+std::unique_ptr<Sampler> Sampler::ForBatch(int index) const {
+    if (index == 0) return Clone();
+    return WithSeed(static_cast<int>(MixBits(static_cast<uint64_t>(givenSeed_) * 0x10001 + static_cast<uint64_t>(index)) & 0x7fffffff));
+}
 
 const std::vector<std::string> &SupportedSamplers() {
     static const std::vector<std::string> names = {"independent", "stratified", "halton", "sobol",

@@ -129,7 +129,8 @@ Image Render(const SceneFixture &fixture, std::unique_ptr<ShadowRayGate> gate, i
     RenderSettings settings;
     settings.samplesPerPixel = samplesPerPixel;
     auto makeSampler = [&](int) {
-        return MakeSampler("independent", ParamSet(), film->FullResolution(), samplesPerPixel, seed, sink);
+        return Samplers().Make("independent", ParamSet(),
+                               SamplerContext{film->FullResolution(), samplesPerPixel, seed, sink});
     };
     RenderWaves(integrator, *built.camera, *built.filter, *film, makeSampler, settings, progress);
     return film->ToImage();

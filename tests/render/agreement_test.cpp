@@ -129,7 +129,7 @@ class View {
         RenderSettings settings;
         settings.samplesPerPixel = samplesPerPixel_;
         auto makeSampler = [&](int) {
-            return MakeSampler("independent", ParamSet(), resolution, samplesPerPixel_, seed, sink);
+            return Samplers().Make("independent", ParamSet(), SamplerContext{resolution, samplesPerPixel_, seed, sink});
         };
         RenderWaves(integrator, *built_.camera, *built_.filter, image, makeSampler, settings, progress);
         return image.ToImage();

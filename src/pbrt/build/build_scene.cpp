@@ -163,8 +163,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     Collect(sink, [&] { CheckAccelerator(d.accelerator, sink); });
     const IntegratorSettings integrator = ReadIntegrator(d.integrator, options, registry, sink);
     Collect(sink, [&] {
-        built.filter = MakeFilter(d.filter.type, d.filter.params);
-        d.filter.params.ReportUnused(sink);
+        built.filter = Filters().Make(d.filter.type, d.filter.params, FilterContext{sink});
     });
     Collect(sink, [&] {
         built.film = MakeFilm(d.film.type, d.film.params, SpaceOf(d.film), exposure, film, sink);
@@ -188,18 +187,20 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
         if (!built.mseReferenceOut.empty()) Collect(sink, [&] { CheckWritable(built.mseReferenceOut); });
     }
     const Point2i resolution = built.film ? built.film->FullResolution() : Point2i(16, 16);
-    const FilmFormat format{resolution, built.film ? built.film->DiagonalMm() : 35};
     Collect(sink, [&] {
         AnimatedTransform renderFromCamera;  // its parameters are looked at wherever it stands
         if (placed)
             renderFromCamera = MotionOf("Camera", d.camera, renderFromWorld * cameraStart.Inverse(),
                                         renderFromWorld * cameraEnd.Inverse());
-        built.camera = MakeCamera(d.camera.type, d.camera.params, renderFromCamera, format, d.files, sink);
+        const Float diagonal = built.film ? built.film->DiagonalMm() : 35;
+        built.camera = Cameras().Make(d.camera.type, d.camera.params,
+                                      CameraContext{renderFromCamera, resolution, diagonal, d.files, sink});
         built.cameraFromWorld = worldFromCamera.At(built.camera->ShutterOpen()).Inverse();
     });
     const int spp = options.quick && options.samplesPerPixel == 0 ? 1 : options.samplesPerPixel;
     Collect(sink, [&] {
-        std::unique_ptr<Sampler> prototype = MakeSampler(d.sampler.type, d.sampler.params, resolution, spp, built.seed, sink);
+        std::unique_ptr<Sampler> prototype =
+            Samplers().Make(d.sampler.type, d.sampler.params, SamplerContext{resolution, spp, built.seed, sink});
         built.samplesPerPixel = prototype->SamplesPerPixel();
         std::shared_ptr<Sampler> first = std::move(prototype);
         // Later rounds (time budgets only) are fresh samplers with seeds of their own.
@@ -214,7 +215,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
             p.name = "seed";
             p.ints = {seed};
             again.params.Add(p);
-            return MakeSampler(again.type, again.params, resolution, spp, 0, ignored);
+            return Samplers().Make(again.type, again.params, SamplerContext{resolution, spp, 0, ignored});
         };
         built.makeSampler = [first, ownSeed, seeded = built.makeSeededSampler](int round) {
             return round == 0 ? first->Clone() : seeded(ownSeed, round);
@@ -243,9 +244,10 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
 
     for (const LightEntity &l : d.lights)
         Collect(sink, [&] {
-            parts.lights->Add(MakeLight(l.type, l.params, renderFromWorld * l.ctm.start, renderFromWorld, SpaceOf(l), d.files, sink));
+            const Transform renderFromLight = renderFromWorld * l.ctm.start;
+            parts.lights->Add(Lights().Make(l.type, l.params,
+                                            LightContext{renderFromLight, renderFromWorld, SpaceOf(l), d.files, sink}));
             built.lightNames.Add(1, fmt::format("LightSource \"{}\"", l.type), l.loc);
-            l.params.ReportUnused(sink);
         });
     ThrowIfErrors(sink, checked);
     if (parts.lights->Size() == 0) sink.Warning({}, "the scene has no lights: the image will be black.");

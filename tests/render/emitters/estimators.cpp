@@ -115,7 +115,8 @@ PixelStatistics Studio::Render(Estimator estimator, const std::string &lightSamp
         DiagnosticSink sink;
         // Independent samples: pixels are, and tiles' variances are known.
         auto makeSampler = [&](int) {
-            return MakeSampler("independent", ParamSet(), film->FullResolution(), samplesPerPixel, seed, sink);
+            return Samplers().Make("independent", ParamSet(),
+                               SamplerContext{film->FullResolution(), samplesPerPixel, seed, sink});
         };
         RenderWaves(*integrator, *built_.camera, *built_.filter, *film, makeSampler, settings, progress);
         statistics.Add(film->ToImage());

@@ -179,11 +179,7 @@ TEST(ExitPupil, TinyStopsAreFound) {
 
 Param ApertureParam(const std::string &name) { return test::StringParam("aperture", name); }
 
-ApertureImage ReadAperture(const std::string &name) {
-    ParamSet params("Camera \"realistic\"", {});
-    params.Add(ApertureParam(name));
-    return ApertureImage::Read(params, "aperture", FileResolver());
-}
+ApertureImage ReadAperture(const std::string &name) { return ApertureImage::Read(name, FileResolver()); }
 
 TEST(ApertureImage, LetsAsMuchLightPassAsTheDisk) {
     EXPECT_FALSE(ReadAperture(""));

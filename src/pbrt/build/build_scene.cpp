@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "pbrt/accel/reach_error.h"
+#include "pbrt/build/accelerators.h"
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/geometry_builder.h"
 #include "pbrt/build/integrator_builder.h"
@@ -67,24 +68,6 @@ FileLoc SmallestPlaced(const SceneDescription &d) {
 std::string WithSuffix(const std::string &name, const char *suffix) {
     const std::filesystem::path path(name);
     return (path.parent_path() / (path.stem().string() + suffix + path.extension().string())).string();
-}
-
-/// The acceleration structure is always Embree's; what the scene says about stock's own is only checked.
-void CheckAccelerator(const Entity &accelerator, DiagnosticSink &sink) {
-    const ParamSet &p = accelerator.params;
-    if (accelerator.type == "bvh") {
-        p.GetInt("maxnodeprims", 4);
-        static const std::vector<std::string> kMethods = {"sah", "hlbvh", "middle", "equal"};
-        if (std::string m = p.GetString("splitmethod", "sah"); std::find(kMethods.begin(), kMethods.end(), m) == kMethods.end())
-            sink.Warning(p.LocOf("splitmethod"), fmt::format("split method \"{}\" is unknown; {}.", m, ListChoices(m, kMethods)));
-    } else if (accelerator.type == "kdtree") {
-        for (const char *name : {"intersectcost", "traversalcost", "maxprims", "maxdepth"}) p.GetInt(name, 0);
-        p.GetFloat("emptybonus", 0.5f);
-    } else {
-        throw UserError(fmt::format("Accelerator \"{}\" is unknown; {}.", accelerator.type, ListChoices(accelerator.type, {"bvh", "kdtree"})),
-                        accelerator.loc);
-    }
-    p.ReportUnused(sink);
 }
 
 /// Runs `make`, turning its UserError into collected diagnostics. True if it succeeded.
@@ -160,7 +143,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     Collect(sink, [&] {  // a reversed interval is swapped by the camera, with a warning
         exposure = std::abs(d.camera.params.GetFloat("shutterclose", 1) - d.camera.params.GetFloat("shutteropen", 0));
     });
-    Collect(sink, [&] { CheckAccelerator(d.accelerator, sink); });
+    Collect(sink, [&] { Accelerators().Make(d.accelerator.type, d.accelerator.params, AcceleratorContext{sink}); });
     const IntegratorSettings integrator = ReadIntegrator(d.integrator, options, registry, sink);
     Collect(sink, [&] {
         built.filter = Filters().Make(d.filter.type, d.filter.params, FilterContext{sink});

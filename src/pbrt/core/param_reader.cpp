@@ -49,9 +49,10 @@ void ThrowMissing(const ParamSet &set, const std::string &name, ParamType type) 
     throw set.Error(name, fmt::format("\"{} {}\" is missing.", Name(type), name));
 }
 
-void ThrowNoChoice(const ParamSet &set, const std::string &name, const std::string &given, const Choices &choices) {
-    throw set.Error(name, fmt::format("\"{}\" is not a choice for \"{}\"; {}.", Abbreviate(given), name,
-                                      ListChoices(given, choices)));
+void ThrowNoChoice(const ParamSet &set, const Param &p, const Choices &choices) {
+    throw UserError(fmt::format("{}: \"{}\" is not a choice for \"{}\"; {}.", set.What(), Abbreviate(p.strings[0]), p.name,
+                                ListChoices(p.strings[0], choices)),
+                    p.loc);
 }
 
 }  // namespace detail

@@ -79,58 +79,59 @@ const auto &ValuesOf(const Param &p) {
 }
 /// A UserError unless the parameter has that many numbers (or texts).
 void RequireCount(const ParamSet &set, const Param &p, size_t found, size_t wanted);
+/// A UserError unless its numbers make whole items.
 void RequireItems(const ParamSet &set, const Param &p);
-[[noreturn]] void ThrowMissing(const ParamSet &set, const std::string &name, ParamType type);
-[[noreturn]] void ThrowNoChoice(const ParamSet &set, const std::string &name, const std::string &given,
-                                const Choices &choices);
-}  // namespace detail
-
-/// The single value of a parameter; null if it is absent. (Of a bool: its byte.)
 template <class T>
-const auto *TakeOne(ParamReader &reader, const std::string &name) {
-    const Param *p = reader.Take(name, detail::TypeOf<T>());
-    if (!p) return static_cast<decltype(detail::ValuesOf<T>(*p).data())>(nullptr);
-    const auto &values = detail::ValuesOf<T>(*p);
-    detail::RequireCount(reader.Set(), *p, values.size(), 1);
-    return values.data();
+void RequireRange(const ParamSet &set, const Param &p, T value, const Range<T> &range) {
+    if (!range.Contains(value))
+        throw UserError(fmt::format("{}: \"{}\" is {}; it must be {}.", set.What(), p.name, value, Text(range)), p.loc);
 }
+[[noreturn]] void ThrowMissing(const ParamSet &set, const std::string &name, ParamType type);
+[[noreturn]] void ThrowNoChoice(const ParamSet &set, const Param &p, const Choices &choices);
+/// The parameter if it is there; it must have one value.
+template <class T>
+const Param *TakeOne(ParamReader &reader, const std::string &name) {
+    const Param *p = reader.Take(name, TypeOf<T>());
+    if (p) RequireCount(reader.Set(), *p, ValuesOf<T>(*p).size(), 1);
+    return p;
+}
+}  // namespace detail
 
 template <class T>
 void ReadParam(ParamReader &reader, const std::string &name, T &value) {
-    if (const auto *given = TakeOne<T>(reader, name)) value = *given;
+    if (const Param *p = detail::TakeOne<T>(reader, name)) value = detail::ValuesOf<T>(*p)[0];
 }
 template <class T>
 void ReadParam(ParamReader &reader, const std::string &name, std::optional<T> &value) {
-    if (const auto *given = TakeOne<T>(reader, name)) value = *given;
+    if (const Param *p = detail::TakeOne<T>(reader, name)) value = detail::ValuesOf<T>(*p)[0];
 }
 template <class T, class U>
 void ReadParam(ParamReader &reader, const std::string &name, T &value, const Range<U> &range) {
-    if (const U *given = TakeOne<U>(reader, name)) {
-        reader.Set().Require(name, *given, range);
-        value = *given;
-    }
+    const Param *p = detail::TakeOne<U>(reader, name);
+    if (!p) return;
+    detail::RequireRange(reader.Set(), *p, detail::ValuesOf<U>(*p)[0], range);
+    value = detail::ValuesOf<U>(*p)[0];
 }
-template <class T>
-void ReadParam(ParamReader &reader, const std::string &name, T &value, const Choices &choices) {
-    if (const std::string *given = TakeOne<std::string>(reader, name)) {
-        if (std::find(choices.begin(), choices.end(), *given) == choices.end())
-            detail::ThrowNoChoice(reader.Set(), name, *given, choices);
-        value = *given;
-    }
+inline void ReadParam(ParamReader &reader, const std::string &name, std::string &value, const Choices &choices) {
+    const Param *p = detail::TakeOne<std::string>(reader, name);
+    if (!p) return;
+    if (std::find(choices.begin(), choices.end(), p->strings[0]) == choices.end())
+        detail::ThrowNoChoice(reader.Set(), *p, choices);
+    value = p->strings[0];
 }
 template <class E, size_t N>
 void ReadParam(ParamReader &reader, const std::string &name, E &value, const NamedValue<E> (&values)[N]) {
-    const std::string *given = TakeOne<std::string>(reader, name);
-    if (!given) return;
+    const Param *p = detail::TakeOne<std::string>(reader, name);
+    if (!p) return;
     Choices names;
     for (const NamedValue<E> &v : values) {
-        if (*given == v.name) {
+        if (p->strings[0] == v.name) {
             value = v.value;
             return;
         }
         names.push_back(v.name);
     }
-    detail::ThrowNoChoice(reader.Set(), name, *given, names);
+    detail::ThrowNoChoice(reader.Set(), *p, names);
 }
 inline void ReadParam(ParamReader &reader, const std::string &name, std::string &value, Required) {
     ReadParam(reader, name, value);
@@ -160,7 +161,7 @@ void ReadParam(ParamReader &reader, const std::string &name, std::optional<std::
                const Range<U> &range) {
     ReadParam(reader, name, values);
     if (values)
-        for (T v : *values) reader.Set().Require(name, v, range);
+        for (T v : *values) detail::RequireRange(reader.Set(), *reader.Set().Find(name, detail::TypeOf<T>()), v, range);
 }
 
 /// Items are copied number by number: T is a point, a colour ...
@@ -172,7 +173,7 @@ void ReadParam(ParamReader &reader, const std::string &name, std::vector<T> &val
     if (!p) return;
     detail::RequireItems(reader.Set(), *p);
     if (items.range.low > AnyFloat().low)
-        for (Float v : p->floats) reader.Set().Require(name, v, items.range);
+        for (Float v : p->floats) detail::RequireRange(reader.Set(), *p, v, items.range);
     values.resize(p->floats.size() * sizeof(Float) / sizeof(T));
     if (!values.empty()) std::memcpy(static_cast<void *>(values.data()), p->floats.data(), values.size() * sizeof(T));
 }

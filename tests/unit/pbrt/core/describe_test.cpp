@@ -179,7 +179,7 @@ TEST(Describe, AllThatIsWrongIsToldAtOnceAndInItsPlace) {
     EXPECT_EQ(Wrong(given),
               "1 Thing \"x\": \"leaves\" is 0; it must be at least 1 and at most 10000.\n"
               "2 Thing \"x\": \"angle\" is 180; it must be above 0 and below 180 degrees.\n"
-              "3 Thing \"x\": \"c\" is not a choice for \"mode\"; valid: a, b.\n"
+              "3 Thing \"x\": \"c\" is not a choice for \"mode\"; did you mean \"a\"? valid: a, b.\n"
               "4 Thing \"x\": \"string mesh\" is missing.\n"
               "5 Thing \"x\": \"blak\" is not a choice for \"wrap\"; did you mean \"black\"? valid: repeat, black.\n"
               "6 Thing \"x\": \"width\" is 0; it must be above 0 and at most 10.\n"

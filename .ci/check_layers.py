@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Checks every #include under src/ against .ci/layers (docs/architecture.md): a file may include its own folder and
-folders of lower rank; ext B may use A and pbrt ranks up to 16; src/pbrt never names ext; third-party libraries stay
+folders of lower rank; ext B may use A and pbrt ranks up to 17; src/pbrt never names ext; third-party libraries stay
 behind their door. Prints each violation and a closing count."""
 import pathlib
 import re
@@ -12,7 +12,7 @@ for line in (root / ".ci/layers").read_text().splitlines():
     words = line.split("#")[0].split()
     if len(words) == 2:
         ranks[words[1]] = words[0]
-HIGHEST_FOR_EXT = 16
+HIGHEST_FOR_EXT = 17
 DOORS = [(re.compile(r"^(embree|rtcore)"), {"pbrt/accel"}),
          (re.compile(r"^(OpenEXR|Imath)/|^Im[a-z]+\.h"), {"pbrt/images"}),
          (re.compile(r"^OpenImageIO/"), {"pbrt/images/oiio_module.cpp"}),  # loaded when it is needed

@@ -1,5 +1,5 @@
 // Cost of choosing a light in a real scene: seconds and bytes to build each sampler, nanoseconds per Sample() and per
-// PMF() of the light it chose, on one thread, over the vertices of camera paths in the order a render meets them.
+// PMF() of the light it chose, each alone and both from one distribution, on one thread, over the vertices of camera paths in the order a render meets them.
 //
 //   bench_scene_select scene.pbrt sampler [sampler ...]      sampler: name[:key=value,...]
 //
@@ -65,6 +65,13 @@ nlohmann::ordered_json Measure(BenchScene &scene, const std::string &name, std::
             wrong += lights->PMF(queries[k], chosen[k].light) == chosen[k].pmf ? 0 : 1;
         });
     out["pmfDiffers"] = wrong;
+    LightMemory memory;
+    Float sum = 0;
+    out["sampleAndPmfNanoseconds"] = NanosecondsPerQuery(queries.size(), [&](size_t i) {
+        const LightDistribution at = lights->At(queries[i], memory);
+        if (std::optional<SampledLight> light = at.Sample(numbers[i])) sum += at.PMF(light->light) - light->pmf;
+    });
+    out["pmfDiffers"] = wrong + static_cast<double>(sum != 0);
     out["chosenShare"] = static_cast<double>(some.size()) / static_cast<double>(std::max<size_t>(1, queries.size()));
     nlohmann::ordered_json report;
     lights->Report(report);

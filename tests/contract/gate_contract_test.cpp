@@ -114,7 +114,7 @@ TEST_P(GateContract, PreparedTheSameByOneThreadAndByThree) {
 
 Image Render(const SceneFixture &fixture, std::unique_ptr<ShadowRayGate> gate, int samplesPerPixel, int seed) {
     const BuiltScene &built = fixture.built;
-    IntegratorContext context{*built.scene, *built.camera, samplesPerPixel, true};
+    PathContext context{*built.scene, *built.camera, samplesPerPixel, true};
     PathSettings path;
     path.maxDepth = 2;
     const LightSamplerRegistry::Entry &uniform = AllSamplers().Find("uniform");
@@ -125,7 +125,7 @@ Image Render(const SceneFixture &fixture, std::unique_ptr<ShadowRayGate> gate, i
                            seed,         samplesPerPixel, path.maxDepth, progress};
     integrator.Prepare(prepare);
     DiagnosticSink sink;
-    std::unique_ptr<RgbFilm> film = built.makeFilm();
+    std::unique_ptr<Film> film = built.makeFilm();
     RenderSettings settings;
     settings.samplesPerPixel = samplesPerPixel;
     auto makeSampler = [&](int) {

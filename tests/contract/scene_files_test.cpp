@@ -7,6 +7,7 @@
 
 #include "pbrt/math/rng.h"
 #include "scene_fixtures.h"
+#include "support/wrapped_sampler.h"
 
 namespace pbrt::test {
 namespace {
@@ -57,7 +58,7 @@ void Draw(const SceneFixture &f, const LightSampler &sampler, Findings *out) {
             Float pmf = sampler.PMF(f.queries[q], s->light);
             if (s->pmf != pmf || !(pmf > 0))
                 out->wrong.push_back(fmt::format("place {}: light {} drawn with {}, PMF {}", q, s->light.value, s->pmf, pmf));
-            const Light &light = f.Lights()[s->light];
+            const LightPart light = f.Lights()[s->light];
             out->contributing += Contribution(*f.built.scene, f.queries[q], light, rng.Uniform2()) > 0;
         }
 }
@@ -71,19 +72,19 @@ Findings Check(const SceneFixture &f, const LightSampler &sampler, uint64_t seed
 }
 
 /// Another sampler that never chooses one of the lights.
-class WithoutOneLight final : public LightSampler {
+class WithoutOneLight final : public WrappedSampler {
   public:
-    WithoutOneLight(const LightSampler &sampler, LightId light) : sampler_(sampler), light_(light) {}
-    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override {
-        std::optional<SampledLight> s = sampler_.Sample(query, u);
-        return s && s->light.value != light_.value ? s : std::nullopt;
-    }
-    Float PMF(const LightQuery &query, LightId light) const override {
-        return light.value != light_.value ? sampler_.PMF(query, light) : 0;
-    }
+    WithoutOneLight(const LightSampler &sampler, LightId light) : WrappedSampler(sampler), light_(light) {}
 
   private:
-    const LightSampler &sampler_;
+    std::optional<SampledLight> Choose(const LightQuery &, const void *weights, Float u) const override {
+        std::optional<SampledLight> s = Inner(weights).Sample(u);
+        return s && s->light.value != light_.value ? s : std::nullopt;
+    }
+    Float Probability(const LightQuery &, const void *weights, LightId light) const override {
+        return light.value != light_.value ? Inner(weights).PMF(light) : 0;
+    }
+
     LightId light_;
 };
 

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "pbrt/build/light_sampler_spec.h"
-#include "pbrt/integrators/path_common.h"
+#include "pbrt/lightsamplers/light_query.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
 
@@ -275,7 +275,7 @@ std::vector<LightQuery> Places(const BuiltScene &built, int count, int depth, in
             Bsdf bsdf = ComputeBsdf(scene, *point, lambda);
             if (!bsdf) break;
             if (bounce == i % depth) {
-                LightQuery q = LightQueryAt(*point, bsdf, lambda, bounce + 1);
+                LightQuery q = LightQueryAt({*point, bsdf}, lambda, bounce + 1);
                 q.bsdf = i % bsdfEvery == 0 ? &bsdfs.emplace_back(bsdf) : nullptr;
                 q.lambda = q.bsdf ? &Wavelengths() : nullptr;
                 out.push_back(q);
@@ -309,7 +309,7 @@ std::vector<LightQuery> Places(const BuiltScene &built, int count, int depth, in
     return out;
 }
 
-double Contribution(const Scene &scene, const LightQuery &q, const Light &light, const Point2 &u) {
+double Contribution(const Scene &scene, const LightQuery &q, const LightPart &light, const Point2 &u) {
     LightSampleContext from{q.p, q.pError, q.n, q.ns, q.time};
     std::optional<LightLiSample> s = light.SampleLi(from, u, Wavelengths(), true);
     if (!s || !s->L || !(s->pdf > 0)) return 0;

@@ -11,11 +11,13 @@
 #include "agreement_statistics.h"
 #include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/films/rgb_film.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/render_loop.h"
 #include "support/build_text.h"
 #include "support/render_scene.h"
 #include "support/statistics.h"
+#include "support/wrapped_sampler.h"
 
 namespace pbrt::test {
 namespace {
@@ -28,7 +30,7 @@ std::vector<std::string> Labels() {
     std::erase(labels, "oracle");
     bool octree = std::count(labels.begin(), labels.end(), "octree") > 0;
     if (octree) labels.insert(labels.end(), {"octree:model=paper", "octree:model=paper,leaves=64", "octree:floor=0.5,tries=2"});
-    if (AllSamplers().HasMeshGrouping()) labels.push_back("bvh+meshlights");
+    labels.push_back("bvh+meshlights");
     return labels;
 }
 
@@ -79,7 +81,7 @@ class View {
         LightId weakest;
         for (uint32_t i = 0; i < lights.Size(); ++i)
             if (IsDelta(lights[LightId(i)].Kind()) &&
-                (!weakest || lights.Candidates()[i].power < lights.Candidates()[weakest.value].power))
+                (!weakest || lights.Candidate(LightId(i)).power < lights.Candidate(weakest).power))
                 weakest = LightId(i);
         return weakest;
     }
@@ -100,7 +102,7 @@ class View {
 
   private:
     Image RenderOnce(std::unique_ptr<LightSampler> lights, int seed) const {
-        IntegratorContext context{GetScene(), *built_.camera, samplesPerPixel_, true};
+        PathContext context{GetScene(), *built_.camera, samplesPerPixel_, true};
         PathSettings path;
         path.maxDepth = built_.maxDepth;
         PathIntegrator integrator(context, path, std::move(lights));
@@ -125,7 +127,7 @@ class View {
         add(ParamType::Integer, "xresolution", resolution.x);
         add(ParamType::Integer, "yresolution", resolution.y);
         add(ParamType::Bool, "savefp16", 0);
-        RgbFilm image(film, built_.film->OutputSpace(), 1, {}, sink);
+        RgbFilm image(film, {.outputSpace = built_.film->OutputSpace()}, sink);
         RenderSettings settings;
         settings.samplesPerPixel = samplesPerPixel_;
         auto makeSampler = [&](int) {
@@ -176,20 +178,23 @@ void ExpectNoticed(const std::string &name, const std::string &what, const View 
 }
 
 /// A sampler whose probabilities are tampered with; Sample and PMF stay consistent.
-class Tampered final : public LightSampler {
+class Tampered final : public WrappedSampler {
   public:
     using Change = std::function<Float(const LightQuery &, LightId, Float)>;
     Tampered(std::unique_ptr<LightSampler> inner, Change change)
-        : inner_(std::move(inner)), change_(std::move(change)) {}
+        : WrappedSampler(*inner), inner_(std::move(inner)), change_(std::move(change)) {}
     void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
-    std::optional<SampledLight> Sample(const LightQuery &q, Float u) const override {
-        std::optional<SampledLight> s = inner_->Sample(q, u);
+
+  private:
+    std::optional<SampledLight> Choose(const LightQuery &q, const void *weights, Float u) const override {
+        std::optional<SampledLight> s = Inner(weights).Sample(u);
         if (s) s->pmf = change_(q, s->light, s->pmf);
         return s && s->pmf > 0 ? s : std::nullopt;
     }
-    Float PMF(const LightQuery &q, LightId light) const override { return change_(q, light, inner_->PMF(q, light)); }
+    Float Probability(const LightQuery &q, const void *weights, LightId light) const override {
+        return change_(q, light, Inner(weights).PMF(light));
+    }
 
-  private:
     std::unique_ptr<LightSampler> inner_;
     Change change_;
 };

@@ -84,11 +84,11 @@ TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSame) {
             Prepare(built, progress);
             WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
             while (renderer.Done() < stop) renderer.Render(stop - renderer.Done());
-            built.film->SaveState(state);
+            built.film->Save(state);
         }
         BuiltScene built = Build();
         Prepare(built, progress);
-        built.film->LoadState(state);
+        built.film->Load(state);
         WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
         renderer.ContinueFrom(stop);
         while (renderer.Done() < kSamples) renderer.Render(kSamples);

@@ -1,7 +1,6 @@
 // A moving picture against still ones: at every moment it is the still picture of that moment.
 #include <gtest/gtest.h>
 
-#include "pbrt/films/gbuffer_film.h"
 #include "support/build_text.h"
 
 namespace pbrt::test {
@@ -40,6 +39,7 @@ std::string Scene(const std::vector<Float> &poses, bool cameraMoves) {
            R"(Camera "perspective" "float fov" 40 "float shutteropen" 1.5 "float shutterclose" 2.5
 Film "gbuffer" "integer xresolution" 48 "integer yresolution" 32
 Sampler "independent" "integer pixelsamples" 1
+Integrator "path" "integer maxdepth" 0
 WorldBegin
 LightSource "infinite"
 AttributeBegin
@@ -91,7 +91,14 @@ TEST(Motion, EveryMomentIsAStillPicture) {
                         ASSERT_TRUE(ray);
                         EXPECT_FLOAT_EQ(ray->ray.time, 1.5f + u);
                         // In camera space: so this sees the camera's place at that time, too.
-                        seen[k] = static_cast<const GBufferFilm &>(*built.film).Look(*ray, lambda);
+                        SampledWavelengths used = lambda;
+                        const Transform cameraFromRender = built.camera->CameraFromRender(ray->ray.time);
+                        dynamic_cast<const PixelIntegrator &>(*built.integrator)
+                            .Li(*ray, used, *built.makeSampler(0), &seen[k]);
+                        if (seen[k]) {
+                            seen[k]->p = cameraFromRender.Point(seen[k]->p);
+                            seen[k]->n = Normalize(cameraFromRender.Normal(seen[k]->n));
+                        }
                         coverage[k] += seen[k].has_value();
                     }
                     hits += seen[0].has_value();

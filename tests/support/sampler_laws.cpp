@@ -17,8 +17,8 @@ struct Answer {
     friend std::ostream &operator<<(std::ostream &out, const Answer &a) { return out << a.light << ": " << a.pmf; }
 };
 
-Answer Ask(const LightSampler &sampler, const LightQuery &query, Float u) {
-    std::optional<SampledLight> sample = sampler.Sample(query, u);
+Answer Ask(const LightDistribution &lights, Float u) {
+    std::optional<SampledLight> sample = lights.Sample(u);
     return sample ? Answer{sample->light.value, sample->pmf} : Answer{};
 }
 
@@ -38,8 +38,10 @@ SamplerSubject::SamplerSubject(std::unique_ptr<LightSampler> made, std::span<con
     for (const LightQuery &q : queries) {
         std::vector<Float> &row = pmf.emplace_back();
         double &total = sum.emplace_back(0);
+        LightMemory memory;
+        const LightDistribution at = sampler->At(q, memory);
         for (size_t i = 0; i < lights; ++i) {
-            row.push_back(sampler->PMF(q, LightId(i)));
+            row.push_back(at.PMF(LightId(i)));
             total += static_cast<double>(row.back());
         }
     }
@@ -53,22 +55,29 @@ int SamplerSubject::Calls(int most) const {
 void CheckPmfOfSamples(const SamplerSubject &s) {
     Rng rng(1);
     int n = s.Calls(500);
-    for (size_t q = 0; q < s.queries.size(); ++q)
+    LightMemory memory, other;
+    for (size_t q = 0; q < s.queries.size(); ++q) {
+        const LightDistribution at = s.sampler->At(s.queries[q], memory);
         for (int i = 0; i < n; ++i) {
             Float u = i == 0 ? 0 : i == 1 ? OneMinusEpsilon : rng.Uniform();
-            std::optional<SampledLight> sample = s.sampler->Sample(s.queries[q], u);
+            std::optional<SampledLight> sample = at.Sample(u);
             if (!sample) continue;
             ASSERT_LT(sample->light.value, s.lights);
             ASSERT_GT(sample->pmf, 0);
-            ASSERT_EQ(sample->pmf, s.sampler->PMF(s.queries[q], sample->light))
-                << "query " << q << " u " << u << " light " << sample->light.value;
+            ASSERT_EQ(sample->pmf, at.PMF(sample->light)) << "query " << q << " u " << u << " light " << sample->light.value;
+            // Weighed anew it is the same.
+            if (i < 20) {
+                ASSERT_EQ(sample->pmf, s.sampler->At(s.queries[q], other).PMF(sample->light)) << "query " << q << " u " << u;
+            }
         }
+    }
 }
 
 void CheckPmfSums(const SamplerSubject &s) {
     // A sum this near to 1 may be 1.
     constexpr double kRounding = 2e-6;
     int n = s.Calls(4096);
+    LightMemory memory;
     double alpha = SidakAlpha(1e-5, std::max<size_t>(s.queries.size(), 1));
     for (size_t q = 0; q < s.queries.size(); ++q) {
         for (Float p : s.pmf[q]) {
@@ -76,8 +85,9 @@ void CheckPmfSums(const SamplerSubject &s) {
             ASSERT_LE(p, 1.00001f) << "query " << q;
         }
         ASSERT_LT(s.sum[q], 1 + 1e-4) << "query " << q;
+        const LightDistribution at = s.sampler->At(s.queries[q], memory);
         int empty = 0;
-        for (int i = 0; i < n; ++i) empty += !s.sampler->Sample(s.queries[q], Even(i, n));
+        for (int i = 0; i < n; ++i) empty += !at.Sample(Even(i, n));
         const double missing = std::max(0.0, 1 - s.sum[q]);
         if (missing < kRounding) {
             EXPECT_EQ(empty, 0) << "query " << q;
@@ -95,9 +105,11 @@ void CheckFrequencies(const SamplerSubject &s) {
     double alpha = SidakAlpha(1e-5, std::max<size_t>(s.queries.size(), 1));
     for (size_t q = 0; q < s.queries.size(); ++q) {
         Rng rng(17 + q);
+        LightMemory memory;
+        const LightDistribution at = s.sampler->At(s.queries[q], memory);
         std::vector<double> observed(cells + 1), expected(cells + 1);
         for (int i = 0; i < n; ++i) {
-            std::optional<SampledLight> sample = s.sampler->Sample(s.queries[q], rng.Uniform());
+            std::optional<SampledLight> sample = at.Sample(rng.Uniform());
             observed[sample ? sample->light.value / cell : cells] += 1;
         }
         for (size_t i = 0; i < s.lights; ++i) expected[i / cell] += static_cast<double>(s.pmf[q][i]) * n;
@@ -138,9 +150,11 @@ void CheckOneLightEstimator(const SamplerSubject &s, const Contributions &contri
         }
         if (!(total > 0)) continue;
         Rng rng(31 + q);
+        LightMemory memory;
+        const LightDistribution at = s.sampler->At(s.queries[q], memory);
         double sum = 0;
         for (int i = 0; i < n; ++i)
-            if (std::optional<SampledLight> sample = s.sampler->Sample(s.queries[q], rng.Uniform()))
+            if (std::optional<SampledLight> sample = at.Sample(rng.Uniform()))
                 sum += c[sample->light.value] / static_cast<double>(sample->pmf);
         double off = std::max(0.0, std::abs(sum / n - total) - 1e-5 * total);  // float rounding of the PMF
         double variance = std::max(0.0, second - total * total);
@@ -157,12 +171,11 @@ void CheckSameFromAnyThread(const SamplerSubject &s) {
     const int n = std::max(5, s.Calls(200) * 5 / static_cast<int>(tasks));
     auto answers = [&](size_t task) {
         std::vector<Answer> out;
+        LightMemory memory;
+        const LightDistribution at = s.sampler->At(s.queries[task / kTasksPerQuery], memory);
         for (int i = 0; i < n; ++i) {
-            const size_t q = task / kTasksPerQuery;
-            out.push_back(Ask(*s.sampler, s.queries[q], HashFloat(static_cast<uint64_t>(task), i)));
-            // Also what was never asked before on this thread.
-            if (s.lights > 0)
-                out.push_back({0, s.sampler->PMF(s.queries[q], LightId(static_cast<size_t>(i) % s.lights))});
+            out.push_back(Ask(at, HashFloat(static_cast<uint64_t>(task), i)));
+            if (s.lights > 0) out.push_back({0, at.PMF(LightId(static_cast<size_t>(i) % s.lights))});
         }
         return out;
     };
@@ -177,14 +190,41 @@ void CheckSameFromAnyThread(const SamplerSubject &s) {
             ASSERT_EQ(s.sampler->PMF(s.queries[q], LightId(i)), s.pmf[q][i]) << "query " << q << " light " << i;
 }
 
+void CheckDistributionsKeepApart(const SamplerSubject &s) {
+    // A path asks the distribution of its last vertex after that of the next one was made.
+    const int n = std::min(s.Calls(64), 64);
+    auto ask = [&](const LightDistribution &lights, size_t q) {
+        std::vector<Answer> out;
+        for (int i = 0; i < n; ++i) {
+            out.push_back(Ask(lights, HashFloat(static_cast<uint64_t>(q), i)));
+            if (s.lights > 0) out.push_back({0, lights.PMF(LightId((q + static_cast<size_t>(i)) % s.lights))});
+        }
+        return out;
+    };
+    LightMemory memory[2], alone;
+    LightDistribution at[2];
+    std::vector<Answer> expected[2];
+    for (size_t q = 0; q < s.queries.size(); ++q) {
+        const size_t now = q & 1, before = now ^ 1;
+        at[now] = s.sampler->At(s.queries[q], memory[now]);
+        expected[now] = ask(s.sampler->At(s.queries[q], alone), q);
+        if (q > 0) {
+            ASSERT_EQ(ask(at[before], q - 1), expected[before]) << "query " << q - 1;
+        }
+        ASSERT_EQ(ask(at[now], q), expected[now]) << "query " << q;
+    }
+}
+
 void CheckOneNumberReachesEveryLight(const SamplerSubject &s) {
-    static_assert(std::is_same_v<decltype(&LightSampler::Sample),
-                                 std::optional<SampledLight> (LightSampler::*)(const LightQuery &, Float) const>);
+    static_assert(std::is_same_v<decltype(&LightDistribution::Sample),
+                                 std::optional<SampledLight> (LightDistribution::*)(Float) const>);
+    LightMemory memory;
     int n = s.Calls(16384);
     for (size_t q = 0; q < s.queries.size(); ++q) {
         std::vector<bool> met(s.lights);
+        const LightDistribution at = s.sampler->At(s.queries[q], memory);
         for (int i = 0; i < n; ++i)
-            if (std::optional<SampledLight> sample = s.sampler->Sample(s.queries[q], Even(i, n)))
+            if (std::optional<SampledLight> sample = at.Sample(Even(i, n)))
                 met[sample->light.value] = true;
         for (size_t i = 0; i < s.lights; ++i)
             if (static_cast<double>(s.pmf[q][i]) * n > 20) {
@@ -198,9 +238,10 @@ void CheckSame(const LightSampler &a, const LightSampler &b, std::span<const Lig
     for (size_t q = 0; q < queries.size(); ++q) {
         auto answers = [&](const LightSampler &sampler) {
             std::vector<Answer> out;
-            for (size_t i = q % step; i < lights; i += step)
-                out.push_back({static_cast<uint32_t>(i), sampler.PMF(queries[q], LightId(i))});
-            for (uint64_t i = 0; i < 20; ++i) out.push_back(Ask(sampler, queries[q], HashFloat(i)));
+            LightMemory memory;
+            const LightDistribution at = sampler.At(queries[q], memory);
+            for (size_t i = q % step; i < lights; i += step) out.push_back({static_cast<uint32_t>(i), at.PMF(LightId(i))});
+            for (uint64_t i = 0; i < 20; ++i) out.push_back(Ask(at, HashFloat(i)));
             return out;
         };
         ASSERT_EQ(answers(a), answers(b)) << "query " << q;

@@ -26,8 +26,6 @@ struct SamplerSubject {
     int Calls(int most) const;
 };
 
-// All ask query by query, so that a sampler that remembers its last query can.
-
 /// The pmf that comes with a sample is the sampler's PMF of that light, to the last bit; also for the least and the
 /// greatest number.
 void CheckPmfOfSamples(const SamplerSubject &subject);
@@ -41,6 +39,8 @@ size_t CheckContributingCanBeChosen(const SamplerSubject &subject, const Contrib
 void CheckOneLightEstimator(const SamplerSubject &subject, const Contributions &contributions);
 /// The same answers from several threads at once as from one.
 void CheckSameFromAnyThread(const SamplerSubject &subject);
+/// The distributions of two vertices, each in its memory, answer as if the other one were not there.
+void CheckDistributionsKeepApart(const SamplerSubject &subject);
 /// Walking the number through the unit interval meets every likely light: there is no other source of randomness.
 void CheckOneNumberReachesEveryLight(const SamplerSubject &subject);
 /// Two samplers that should not differ in anything.

@@ -5,7 +5,7 @@
 namespace ext {
 
 NeeppLightSampler::NeeppLightSampler(const LightTable &lights, const NeeppParams &params)
-    : GroupLightSampler(lights, params.meshlights, false), params_(params), map_(params.map) {}
+    : GroupLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()), params_(params), map_(params.map) {}
 
 void NeeppLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
@@ -25,16 +25,21 @@ std::span<const uint32_t> NeeppLightSampler::Cdf(const Point3 &p) const {
     });
 }
 
-std::optional<GroupLightSampler::ChosenGroup> NeeppLightSampler::SampleGroup(const LightQuery &query, Float u) const {
-    if (!prepared_) return SampleUniformly(query, u);
-    std::span<const uint32_t> cdf = Cdf(query.p);
-    const uint32_t group = SampleFixedCdf(cdf, u, query.p);
-    const Float pmf = FixedCdfPMF(cdf, group);
-    return ChosenGroup{group, pmf, MeshGroups::InnerNumber(u, query.p, FixedCdfBegin(cdf, group), pmf)};
+const void *NeeppLightSampler::WeighGroups(const LightQuery &query, LightMemory &) const {
+    return prepared_ ? Cdf(query.p).data() : nullptr;
 }
 
-Float NeeppLightSampler::GroupPMF(const LightQuery &query, uint32_t group) const {
-    return prepared_ ? FixedCdfPMF(Cdf(query.p), group) : 1 / static_cast<Float>(groups_.Size());
+std::optional<GroupLightSampler::ChosenGroup> NeeppLightSampler::ChooseGroup(const LightQuery &query, const void *weights, Float u) const {
+    if (!weights) return SampleUniformly(query, u);
+    const std::span<const uint32_t> cdf(static_cast<const uint32_t *>(weights), groups_.Size());
+    const uint32_t group = SampleFixedCdf(cdf, u, query.p);
+    const Float pmf = FixedCdfPMF(cdf, group);
+    return ChosenGroup{group, pmf, LightGroups::InnerNumber(u, query.p, FixedCdfBegin(cdf, group), pmf)};
+}
+
+Float NeeppLightSampler::GroupProbability(const LightQuery &, const void *weights, uint32_t group) const {
+    if (!weights) return 1 / static_cast<Float>(groups_.Size());
+    return FixedCdfPMF({static_cast<const uint32_t *>(weights), groups_.Size()}, group);
 }
 
 void NeeppLightSampler::Report(nlohmann::ordered_json &report) const {

@@ -1,5 +1,5 @@
 #pragma once
-#include "ext/groups/group_light_sampler.h"
+#include "pbrt/lightsamplers/group_light_sampler.h"
 #include "ext/neepp/visibility_map.h"
 
 namespace ext {
@@ -19,8 +19,9 @@ class NeeppLightSampler final : public GroupLightSampler {
     const VisibilityMap &Map() const { return map_; }
 
   private:
-    std::optional<ChosenGroup> SampleGroup(const LightQuery &query, Float u) const override;
-    Float GroupPMF(const LightQuery &query, uint32_t group) const override;
+    const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
+    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
+    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
     /// Fixed-point running sums over groups; filled now if need be.
     std::span<const uint32_t> Cdf(const Point3 &p) const;
 

@@ -20,9 +20,9 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
 }  // namespace
 
 PaperOctreeLightSampler::PaperOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
-    : GroupLightSampler(lights, params.meshlights, false), params_(params), floor_(params.floor > 0 ? params.floor : kPaperFloor) {
-    if (groups_.Size() <= kLargestScan) unoccluded_ = std::make_unique<ExhaustiveLightSampler>(groups_.Candidates());
-    else unoccluded_ = std::make_unique<BVHLightSampler>(groups_.Candidates());
+    : GroupLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()), params_(params), floor_(params.floor > 0 ? params.floor : kPaperFloor) {
+    if (groups_.Size() <= kLargestScan) unoccluded_ = std::make_unique<ExhaustiveLightSampler>(groups_);
+    else unoccluded_ = std::make_unique<BVHLightSampler>(groups_);
 }
 
 PaperOctreeLightSampler::~PaperOctreeLightSampler() = default;
@@ -62,29 +62,33 @@ void PaperOctreeLightSampler::Prepare(PrepareContext &context) {
     context.progress.EndPhase();
 }
 
-std::optional<GroupLightSampler::ChosenGroup> PaperOctreeLightSampler::SampleGroup(const LightQuery &query, Float u) const {
-    std::span<const Float> cdf;
-    if (learned_) cdf = tree_.Cdf(tree_.Row(query.p));
-    const Float floor = learned_ ? floor_ : 1;
+const void *PaperOctreeLightSampler::WeighGroups(const LightQuery &query, LightMemory &memory) const {
+    auto *weights = memory.Make<Weights>();
+    if (learned_) weights->cdf = tree_.Cdf(tree_.Row(query.p)).data();
+    weights->unoccluded = unoccluded_->WeighGroups(query, memory);
+    return weights;
+}
+
+std::optional<GroupLightSampler::ChosenGroup> PaperOctreeLightSampler::ChooseGroup(const LightQuery &query, const void *weights,
+                                                                                   Float u) const {
+    const auto &[cdf, unoccluded] = *static_cast<const Weights *>(weights);
+    const Float floor = cdf ? floor_ : 1;
     ChosenGroup chosen;
     if (u < floor) {
-        std::optional<SampledLight> g = unoccluded_->Sample(query, std::min(u / floor, OneMinusEpsilon));
+        std::optional<ChosenGroup> g = unoccluded_->ChooseGroup(query, unoccluded, std::min(u / floor, OneMinusEpsilon));
         if (!g) return {};
-        chosen = {g->light.value, g->pmf, MeshGroups::InnerNumber(u, query.p)};
+        chosen = {g->group, g->pmf, LightGroups::InnerNumber(u, query.p)};
     } else {
-        chosen = SampleCdf(cdf, query, std::min((u - floor) / (1 - floor), OneMinusEpsilon));
+        chosen = SampleCdf({cdf, groups_.Size()}, query, std::min((u - floor) / (1 - floor), OneMinusEpsilon));
     }
-    if (learned_) chosen.pmf = GroupPMF(query, cdf, chosen.group);
+    if (cdf) chosen.pmf = GroupProbability(query, weights, chosen.group);
     return chosen;
 }
 
-Float PaperOctreeLightSampler::GroupPMF(const LightQuery &query, uint32_t group) const {
-    if (!learned_) return unoccluded_->PMF(query, LightId(group));
-    return GroupPMF(query, tree_.Cdf(tree_.Row(query.p)), group);
-}
-
-Float PaperOctreeLightSampler::GroupPMF(const LightQuery &query, std::span<const Float> cdf, uint32_t group) const {
-    return (1 - floor_) * CdfPMF(cdf, group) + floor_ * unoccluded_->PMF(query, LightId(group));
+Float PaperOctreeLightSampler::GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const {
+    const auto &[cdf, unoccluded] = *static_cast<const Weights *>(weights);
+    const Float importance = unoccluded_->GroupProbability(query, unoccluded, group);
+    return cdf ? (1 - floor_) * CdfPMF({cdf, groups_.Size()}, group) + floor_ * importance : importance;
 }
 
 void PaperOctreeLightSampler::Report(nlohmann::ordered_json &report) const {

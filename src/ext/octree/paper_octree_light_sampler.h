@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "ext/groups/group_light_sampler.h"
+#include "pbrt/lightsamplers/group_light_sampler.h"
 #include "ext/octree/light_octree.h"
 #include "ext/octree/octree_params.h"
 
@@ -30,14 +30,18 @@ class PaperOctreeLightSampler final : public GroupLightSampler {
     const LightOctree &Tree() const { return tree_; }
 
   private:
-    std::optional<ChosenGroup> SampleGroup(const LightQuery &query, Float u) const override;
-    Float GroupPMF(const LightQuery &query, uint32_t group) const override;
-    /// Given the leaf's distribution.
-    Float GroupPMF(const LightQuery &query, std::span<const Float> cdf, uint32_t group) const;
+    const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
+    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
+    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
+    /// What is known of a query: its leaf's distribution (null: nothing was learned) and the unoccluded one.
+    struct Weights {
+        const Float *cdf = nullptr;
+        const void *unoccluded = nullptr;
+    };
 
     OctreeParams params_;
     Float floor_;
-    std::unique_ptr<LightSampler> unoccluded_;  ///< over groups
+    std::unique_ptr<GroupLightSampler> unoccluded_;  ///< over groups
     LightOctree tree_;
     std::vector<uint32_t> recordsPerNode_;  ///< for Inspect and DescribeStructure only
     bool learned_ = false;  ///< false: one group or none, or Prepare was not called: unoccluded_ alone

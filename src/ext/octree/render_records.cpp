@@ -1,7 +1,5 @@
 #include "ext/octree/render_records.h"
 
-#include "pbrt/core/parallel.h"
-
 namespace ext {
 
 namespace {
@@ -23,28 +21,16 @@ void RenderRecords::Begin(const Bounds2i &pixels, int first, int end, int vertic
         if (count <= most || stride_ >= size.x) break;
     }
     places_.assign(count, {});
-    cursors_.assign(static_cast<size_t>(ThreadCount()), {});
 }
 
 void RenderRecords::End() { *this = {}; }
 
-void RenderRecords::BeginPath(Point2i pixel, int sample) {
-    if (cursors_.empty()) return;
-    Cursor &cursor = cursors_[static_cast<size_t>(ThreadIndex())];
+LightLearner::PathPlaces RenderRecords::BeginPath(Point2i pixel, int sample) const {
     const Vector2i at = pixel - pixels_.low;
-    if (sample < first_ || sample >= end_ || (at.x + kRowShift * at.y) % stride_ != 0) {
-        cursor = {};
-        return;
-    }
+    if (places_.empty() || sample < first_ || sample >= end_ || (at.x + kRowShift * at.y) % stride_ != 0) return {};
     const size_t ofPixel = static_cast<size_t>(at.y) * placesPerRow_ + static_cast<size_t>(at.x / stride_);
-    cursor.next = (ofPixel * static_cast<size_t>(end_ - first_) + static_cast<size_t>(sample - first_)) * vertices_;
-    cursor.end = cursor.next + vertices_;
-}
-
-void RenderRecords::Add(const Point3 &p, const VisibilityTry &found) {
-    if (cursors_.empty()) return;
-    Cursor &cursor = cursors_[static_cast<size_t>(ThreadIndex())];
-    if (cursor.next < cursor.end) places_[cursor.next++] = {p, found};
+    const size_t next = (ofPixel * static_cast<size_t>(end_ - first_) + static_cast<size_t>(sample - first_)) * vertices_;
+    return {next, next + vertices_};
 }
 
 void RenderRecords::AppendTo(VisibilityRecords *records) const {

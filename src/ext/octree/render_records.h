@@ -1,10 +1,11 @@
 #pragma once
 #include "ext/octree/visibility_records.h"
+#include "pbrt/lightsamplers/light_learner.h"
 
 namespace ext {
 
 /// What shadow rays of the render found, as records of one try each. Every sample has a place of its own, so that the
-/// order in which threads come by does not matter. All calls under the same ThreadLimit.
+/// order in which threads come by does not matter.
 class RenderRecords {
   public:
     /// For samples [first, end) of these pixels and up to `vertices` vertices of their paths. At most `most` places: where there are more
@@ -13,9 +14,11 @@ class RenderRecords {
     /// Forgets all, and takes no more.
     void End();
 
-    void BeginPath(Point2i pixel, int sample);
-    /// At the next vertex of the calling thread's path. `weight`: see VisibilityTry.
-    void Add(const Point3 &p, const VisibilityTry &found);
+    LightLearner::PathPlaces BeginPath(Point2i pixel, int sample) const;
+    /// At the next vertex of a path. `weight`: see VisibilityTry.
+    void Add(LightLearner::PathPlaces &path, const Point3 &p, const VisibilityTry &found) {
+        if (path.next < path.end) places_[path.next++] = {p, found};
+    }
     void AppendTo(VisibilityRecords *records) const;
 
   private:
@@ -23,14 +26,10 @@ class RenderRecords {
         Point3 p{};
         VisibilityTry found;
     };
-    struct alignas(64) Cursor {
-        size_t next = 0, end = 0;
-    };
     Bounds2i pixels_;
     int first_ = 0, end_ = 0, stride_ = 1;
     size_t vertices_ = 0, placesPerRow_ = 0;
-    std::vector<Place> places_;    ///< weight 0: empty
-    std::vector<Cursor> cursors_;  ///< one a thread
+    std::vector<Place> places_;  ///< weight 0: empty
 };
 
 }  // namespace ext

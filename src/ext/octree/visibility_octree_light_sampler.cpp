@@ -22,9 +22,9 @@ constexpr size_t kMostFound = 400000;
 }  // namespace
 
 VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
-    : GroupLightSampler(lights, params.meshlights, params.interior), params_(params),
-      floor_(params.floor > 0 ? params.floor : kVisibilityFloor), importance_(lights, groups_) {
-    if (groups_.Size() > kMost) lightTree_ = std::make_unique<LightTree>(GroupImportance::EmittersOf(lights, groups_));
+    : InteriorLightSampler(lights, params.meshlights, params.interior), params_(params),
+      floor_(params.floor > 0 ? params.floor : kVisibilityFloor), importance_(groups_) {
+    if (groups_.Size() > kMost) lightTree_ = std::make_unique<LightTree>(GroupImportance::EmittersOf(groups_));
 }
 
 VisibilityOctreeLightSampler::~VisibilityOctreeLightSampler() = default;
@@ -96,11 +96,12 @@ void VisibilityOctreeLightSampler::BeginLearning(int first) {
     }
 }
 
-void VisibilityOctreeLightSampler::Found(const LightQuery &query, const SampledLight &light, const SampledSpectrum &found) {
+void VisibilityOctreeLightSampler::Found(PathPlaces &path, const LightQuery &query, const SampledLight &light,
+                                         const SampledSpectrum &found) {
     if (!(light.unoccluded > 0)) return;
     const Float ratio = RootMeanSquare(found) / light.unoccluded, weight = light.weight / static_cast<Float>(Tries());
     if (!std::isfinite(ratio) || !std::isfinite(weight)) return;
-    found_.Add(query.p, {groups_.GroupOf(light.light), weight, weight, ratio});
+    found_.Add(path, query.p, {groups_.GroupOf(light.light), weight, weight, ratio});
 }
 
 void VisibilityOctreeLightSampler::Learn(const Progress &progress) {
@@ -118,7 +119,8 @@ void VisibilityOctreeLightSampler::Learn(const Progress &progress) {
     learningSeconds_ += SecondsSince(start);
 }
 
-void VisibilityOctreeLightSampler::Weigh(const LightQuery &query, Choice *c) const {
+const void *VisibilityOctreeLightSampler::WeighGroups(const LightQuery &query, LightMemory &memory) const {
+    auto *c = memory.Make<Choice>();
     VisibilityTree::Row row;
     if (learned_) row = tree_.RowAt(query.p);
     if (lightTree_) {
@@ -139,6 +141,7 @@ void VisibilityOctreeLightSampler::Weigh(const LightQuery &query, Choice *c) con
     // sumW is 0 only where sumG is.
     c->perW = c->sumW > 0 ? (1 - floor_) / c->sumW : 0;
     c->perG = c->sumW > 0 ? floor_ / c->sumG : 0;
+    return c;
 }
 
 void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c) const {
@@ -171,9 +174,9 @@ void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c
     for (size_t i = 0; i < c->count; ++i) c->sumW += c->w[i];
 }
 
-std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::SampleGroup(const LightQuery &query, Float u) const {
-    Choice c;
-    Weigh(query, &c);
+std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::ChooseGroup(const LightQuery &query, const void *weights,
+                                                                                        Float u) const {
+    const Choice &c = *static_cast<const Choice *>(weights);
     Float running = 0, last = 0;
     std::optional<size_t> chosen;
     for (size_t i = 0; i < c.count; ++i) {
@@ -185,20 +188,19 @@ std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::Samp
         if (u < running) break;
     }
     if (!chosen) return {};
-    const Float inside = MeshGroups::InnerNumber(u, query.p, running - last, last);
+    const Float inside = LightGroups::InnerNumber(u, query.p, running - last, last);
     auto choose = [&](uint32_t group, Float pmf, Float inner, Float g) { return ChosenGroup{group, pmf, inner, g, g / (c.sumG * pmf)}; };
     if (!lightTree_) return choose(static_cast<uint32_t>(*chosen), last, inside, c.g[*chosen]);
     const uint32_t node = c.nodes[*chosen];
     if (lightTree_->IsLight(node)) return choose(lightTree_->LightAt(lightTree_->At(node).begin), last, inside, c.g[*chosen]);
     std::optional<SampledLight> light = lightTree_->SampleWithin(node, query, inside);
     if (!light) return {};
-    return choose(light->light.value, last * light->pmf, MeshGroups::InnerNumber(u, query.p), light->unoccluded);
+    return choose(light->light.value, last * light->pmf, LightGroups::InnerNumber(u, query.p), light->unoccluded);
 }
 
-Float VisibilityOctreeLightSampler::GroupPMF(const LightQuery &query, uint32_t group) const {
+Float VisibilityOctreeLightSampler::GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const {
     if (lightTree_ && lightTree_->PositionOf(group) == LightTree::kNowhere) return 0;
-    Choice c;
-    Weigh(query, &c);
+    const Choice &c = *static_cast<const Choice *>(weights);
     if (!lightTree_) return c.Share(group);
     const uint32_t position = lightTree_->PositionOf(group);
     const size_t i = lightTree_->Holder(c.nodes, position);

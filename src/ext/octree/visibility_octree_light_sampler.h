@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "ext/groups/group_importance.h"
-#include "ext/groups/group_light_sampler.h"
+#include "ext/groups/interior_light_sampler.h"
 #include "ext/groups/light_tree.h"
 #include "ext/octree/octree_params.h"
 #include "ext/octree/render_records.h"
@@ -24,7 +24,7 @@ namespace ext {
 /// With more than 64 groups l is a node of a cut through a tree over them (LightTree); every leaf has its own cut, fine where its
 /// light comes from, coarse elsewhere, and below a node lights are chosen level by level by G. Such a sampler goes on learning from the
 /// render's shadow rays: after 1, 4, 16 and 64 samples a pixel it builds its tree anew from all that was found until then.
-class VisibilityOctreeLightSampler final : public GroupLightSampler, private LightLearner {
+class VisibilityOctreeLightSampler final : public InteriorLightSampler, private LightLearner {
   public:
     VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
     ~VisibilityOctreeLightSampler() override;
@@ -48,18 +48,18 @@ class VisibilityOctreeLightSampler final : public GroupLightSampler, private Lig
         size_t count = 0;
         Float Share(size_t i) const { return w[i] * perW + g[i] * perG; }
     };
-    void Weigh(const LightQuery &query, Choice *choice) const;
     void FollowBsdf(const LightQuery &query, Choice *choice) const;
-    std::optional<ChosenGroup> SampleGroup(const LightQuery &query, Float u) const override;
-    Float GroupPMF(const LightQuery &query, uint32_t group) const override;
+    const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
+    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
+    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
     double PathsPerPixel(const PrepareContext &context) const;
     size_t Tries() const { return TriesPerRecord(groups_.Size(), params_.tries); }
     /// False: stopped by `progress`; the tree is the one before.
     bool Build(int records, const Progress &progress);
 
     int NextLearning() const override { return nextLearning_; }
-    void BeginPath(Point2i pixel, int sample) override { found_.BeginPath(pixel, sample); }
-    void Found(const LightQuery &query, const SampledLight &light, const SampledSpectrum &found) override;
+    PathPlaces BeginPath(Point2i pixel, int sample) const override { return found_.BeginPath(pixel, sample); }
+    void Found(PathPlaces &path, const LightQuery &query, const SampledLight &light, const SampledSpectrum &found) override;
     void Learn(const Progress &progress) override;
     void BeginLearning(int first);
 

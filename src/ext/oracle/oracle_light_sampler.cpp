@@ -1,7 +1,7 @@
 #include "ext/oracle/oracle_light_sampler.h"
 
 #include <algorithm>
-#include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "ext/oracle/least_variance.h"
 #include "pbrt/core/counters.h"
@@ -14,45 +14,6 @@ namespace {
 
 /// Keeps these random numbers apart from every other use of the seed.
 constexpr uint64_t kStream = 0x6f7261636c65ull;
-
-/// Everything the probabilities of a query depend on, to the last bit.
-struct QueryKey {
-    uint64_t instance = 0;
-    Point3 p{};
-    Vector3 wo{}, pError{};
-    Normal3 n{}, ns{};
-    bool transmits = false, hasBsdf = false;
-    Float time = 0;
-    /// Of the BSDF and the wavelengths, as they lie in memory. Bytes between the members may differ between copies of
-    /// one BSDF: then the work is done again, with the same outcome.
-    std::array<std::byte, sizeof(Bsdf)> bsdf;
-    std::array<std::byte, sizeof(SampledWavelengths)> lambda;
-
-    bool Matches(uint64_t owner, const LightQuery &q) const {
-        bool scatters = q.bsdf && q.lambda;
-        if (instance != owner || p != q.p || wo != q.wo || pError != q.pError || n != q.n || ns != q.ns ||
-            transmits != q.transmits || time != q.time || hasBsdf != scatters)
-            return false;
-        return !scatters ||
-               (std::memcmp(bsdf.data(), static_cast<const void *>(q.bsdf), sizeof(Bsdf)) == 0 &&
-                std::memcmp(lambda.data(), static_cast<const void *>(q.lambda), sizeof(SampledWavelengths)) == 0);
-    }
-    void Set(uint64_t owner, const LightQuery &q) {
-        instance = owner;
-        p = q.p;
-        wo = q.wo;
-        pError = q.pError;
-        n = q.n;
-        ns = q.ns;
-        transmits = q.transmits;
-        time = q.time;
-        hasBsdf = q.bsdf && q.lambda;
-        if (!hasBsdf) return;
-        std::memcpy(bsdf.data(), static_cast<const void *>(q.bsdf), sizeof(Bsdf));
-        std::memcpy(lambda.data(), static_cast<const void *>(q.lambda), sizeof(SampledWavelengths));
-    }
-};
-static_assert(std::is_trivially_copyable_v<Bsdf> && std::is_trivially_copyable_v<SampledWavelengths>);
 
 /// f cos and BSDF sampling's density towards wi.
 struct Scattered {
@@ -72,20 +33,14 @@ Scattered ScatteredTo(const LightQuery &q, const Vector3 &wi, bool needsPdf) {
     return {SampledSpectrum(std::abs(cosine) / Pi), std::abs(cosine) / Pi};
 }
 
-uint64_t NextInstance() {
-    static std::atomic<uint64_t> last{0};
-    return ++last;
-}
-
 Float Fraction(double v) { return std::min(static_cast<Float>(v - std::floor(v)), OneMinusEpsilon); }
 
 }  // namespace
 
 OracleLightSampler::OracleLightSampler(const LightTable &lights, const OracleParams &params)
-    : GroupLightSampler(lights, params.meshlights, params.interior),
+    : InteriorLightSampler(lights, params.meshlights, params.interior),
       params_(params),
-      unoccluded_(GroupImportance::EmittersOf(lights, groups_)),
-      instance_(NextInstance()) {}
+      unoccluded_(GroupImportance::EmittersOf(groups_)) {}
 
 void OracleLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
@@ -96,7 +51,7 @@ void OracleLightSampler::Prepare(PrepareContext &context) {
         groups_.Size(), params_.samples, groups_.Size() * static_cast<size_t>(params_.samples)));
 }
 
-void OracleLightSampler::Measure(const LightQuery &query, std::vector<Float> &cdf) const {
+const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &memory) const {
     static const SampledWavelengths middle = SampledWavelengths::SampleVisible(0.5f);
     const SampledWavelengths &lambda = query.bsdf && query.lambda ? *query.lambda : middle;
     const LightSampleContext from{query.p, query.pError, query.n, query.ns, query.time};
@@ -120,7 +75,7 @@ void OracleLightSampler::Measure(const LightQuery &query, std::vector<Float> &cd
             std::optional<SampledLight> chosen =
                 interior_.Sample(g, query, Fraction(shift[0] + at * 0.5497004779019703));
             if (!chosen) continue;
-            const Light &light = scene_->Lights()[chosen->light];
+            const LightPart light = scene_->Lights()[chosen->light];
             Point2 u(Fraction(shift[1] + at * 0.8191725133961645), Fraction(shift[2] + at * 0.6710436067037893));
             std::optional<LightLiSample> sample = light.SampleLi(from, u, lambda, true);
             if (!sample || !sample->L || !(sample->pdf > 0)) continue;
@@ -137,61 +92,51 @@ void OracleLightSampler::Measure(const LightQuery &query, std::vector<Float> &cd
     measured_.fetch_add(1, std::memory_order_relaxed);
     counters = before;
 
-    cdf.clear();
-    if (!LeastVariancePmf(points, pmf)) return;
+    if (!LeastVariancePmf(points, pmf)) return nullptr;
+    auto *cdf = memory.Make<Float>(groupCount);
     double running = 0;
     size_t last = 0;
     for (size_t g = 0; g < groupCount; ++g) {
         running += pmf[g];
         if (pmf[g] > 0) last = g;
-        cdf.push_back(static_cast<Float>(std::min(running, 1.0)));
+        cdf[g] = static_cast<Float>(std::min(running, 1.0));
     }
-    std::fill(cdf.begin() + static_cast<std::ptrdiff_t>(last), cdf.end(), Float(1));
-}
-
-std::span<const Float> OracleLightSampler::Distribution(const LightQuery &query) const {
-    // Sample and PMF of one vertex come one after the other on the same thread: the last answer is enough.
-    thread_local QueryKey key;
-    thread_local std::vector<Float> cdf;
-    if (!key.Matches(instance_, query)) {
-        Measure(query, cdf);
-        key.Set(instance_, query);
-    }
+    std::fill(cdf + last, cdf + groupCount, Float(1));
     return cdf;
 }
 
-std::optional<GroupLightSampler::ChosenGroup> OracleLightSampler::SampleGroup(const LightQuery &query, Float u) const {
-    std::span<const Float> cdf;
-    if (scene_) cdf = Distribution(query);
-    const Float floor = cdf.empty() ? 1 : params_.floor;
+const void *OracleLightSampler::WeighGroups(const LightQuery &query, LightMemory &memory) const {
+    return scene_ ? Measure(query, memory) : nullptr;
+}
+
+std::optional<GroupLightSampler::ChosenGroup> OracleLightSampler::ChooseGroup(const LightQuery &query, const void *weights,
+                                                                              Float u) const {
+    const auto *cdf = static_cast<const Float *>(weights);
+    const Float floor = cdf ? params_.floor : 1;
     ChosenGroup chosen;
     if (u < floor) {
         std::optional<SampledLight> g = unoccluded_.Sample(query, std::min(u / floor, OneMinusEpsilon));
         if (!g) return {};
-        chosen = {.group = g->light.value, .inner = MeshGroups::InnerNumber(u, query.p)};
+        chosen = {.group = g->light.value, .inner = LightGroups::InnerNumber(u, query.p)};
     } else {
-        chosen = SampleCdf(cdf, query, std::min((u - floor) / (1 - floor), OneMinusEpsilon));
+        chosen = SampleCdf({cdf, groups_.Size()}, query, std::min((u - floor) / (1 - floor), OneMinusEpsilon));
     }
-    chosen.pmf = GroupPMF(query, chosen.group);
+    chosen.pmf = GroupProbability(query, weights, chosen.group);
     return chosen;
 }
 
-Float OracleLightSampler::GroupPMF(const LightQuery &query, uint32_t group) const {
+Float OracleLightSampler::GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const {
+    const auto *cdf = static_cast<const Float *>(weights);
     const Float unoccluded = unoccluded_.PMF(query, group);
-    std::span<const Float> cdf;
-    if (scene_) cdf = Distribution(query);
-    return cdf.empty() ? unoccluded : (1 - params_.floor) * CdfPMF(cdf, group) + params_.floor * unoccluded;
+    if (!cdf) return unoccluded;
+    return (1 - params_.floor) * CdfPMF({cdf, groups_.Size()}, group) + params_.floor * unoccluded;
 }
 
 void OracleLightSampler::Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const {
     size_t seen = 0;
-    if (scene_) {
-        Float before = 0;
-        for (Float c : Distribution(query)) {
-            seen += c > before;
-            before = c;
-        }
-    }
+    LightMemory memory;
+    const Float *cdf = scene_ && groups_.Size() > 1 ? Measure(query, memory) : nullptr;
+    for (uint32_t g = 0; cdf && g < groups_.Size(); ++g) seen += CdfPMF({cdf, groups_.Size()}, g) > 0;
     values.push_back({"lights seen", static_cast<double>(seen), false});
 }
 

@@ -2,7 +2,7 @@
 #include <atomic>
 
 #include "ext/groups/emitter_tree.h"
-#include "ext/groups/group_light_sampler.h"
+#include "ext/groups/interior_light_sampler.h"
 #include "ext/oracle/oracle_params.h"
 
 namespace ext {
@@ -26,9 +26,8 @@ namespace ext {
 /// weighs wavelengths; and noise in a pixel comes from the rest of the path as well.
 ///
 /// Without a BSDF in the query the surface is a white diffuse one, of both sides if it transmits; in a medium
-/// scattering is uniform. Random numbers depend on the seed and the query's position and direction only, so Sample and
-/// PMF see the same probabilities.
-class OracleLightSampler final : public GroupLightSampler {
+/// scattering is uniform. Random numbers depend on the seed and the query's position and direction only.
+class OracleLightSampler final : public InteriorLightSampler {
   public:
     OracleLightSampler(const LightTable &lights, const OracleParams &params);
 
@@ -38,17 +37,16 @@ class OracleLightSampler final : public GroupLightSampler {
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
 
   private:
-    std::optional<ChosenGroup> SampleGroup(const LightQuery &query, Float u) const override;
-    Float GroupPMF(const LightQuery &query, uint32_t group) const override;
-    /// Running sums over groups; empty if nothing was seen. Kept per thread for the last query; valid until the next.
-    std::span<const Float> Distribution(const LightQuery &query) const;
-    void Measure(const LightQuery &query, std::vector<Float> &cdf) const;
+    const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
+    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
+    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
+    /// Running sums over groups, in the memory; null if nothing was seen.
+    const Float *Measure(const LightQuery &query, LightMemory &memory) const;
 
     OracleParams params_;
     EmitterTree unoccluded_;        ///< over groups
     const Scene *scene_ = nullptr;  ///< null: not prepared, or at most one group: unoccluded_ alone
     int seed_ = 0;
-    uint64_t instance_;  ///< tells the threads' memories of different samplers apart
     /// For Report only.
     mutable std::atomic<uint64_t> measured_{0}, rays_{0};
 };

@@ -4,8 +4,7 @@
 #include "pbrt/films/filter.h"
 #include "pbrt/lights/light_spectrum.h"
 #include "pbrt/math/rng.h"
-#include "pbrt/scene/footprint.h"
-#include "pbrt/scene/shading.h"
+#include "pbrt/paths/path_walk.h"
 
 namespace ext {
 
@@ -17,7 +16,6 @@ constexpr uint64_t kStream = 0x70726570617373ull;
 
 /// Appends the vertices of one camera path.
 void TracePath(const PrepareContext &context, Point2i pixel, int sampleIndex, int depth, std::vector<PrepassVertex> &out) {
-    const Scene &scene = context.scene;
     Rng rng(Hash(kStream, context.seed, pixel, sampleIndex));
     CameraSample cs;
     cs.pFilm = Point2(pixel) + Point2(0.5f, 0.5f) + context.filter.Sample(rng.Uniform2()).offset;
@@ -26,28 +24,18 @@ void TracePath(const PrepareContext &context, Point2i pixel, int sampleIndex, in
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(rng.Uniform());
     std::optional<CameraRay> start = context.camera.GenerateRay(cs, lambda);
     if (!start) return;
-    Ray ray = start->ray;
-    RayDifferential differential = start->differential;
-    constexpr int kMostPassed = 64;  // surfaces that do not scatter
-    for (int vertex = 0, passed = 0; vertex < depth && passed < kMostPassed;) {
-        std::optional<SurfacePoint> point = scene.Intersect(ray);
-        if (!point) return;
-        ComputeFootprint(*point, differential, context.camera, context.samplesPerPixel);
-        differential.valid = false;
-        Bsdf bsdf = ComputeBsdf(scene, *point, lambda);
-        if (!bsdf) {
-            ray = point->SpawnRay(ray.d);
-            ++passed;
-            continue;
-        }
+    const PathContext paths{context.scene, context.camera, context.samplesPerPixel, context.scene.NeedsFootprints()};
+    PathWalk walk(paths, *start);
+    for (int vertex = 0; vertex < depth && walk.Next() == PathWalk::Met::Surface;) {
+        if (!walk.FindScattering(lambda)) continue;
         ++vertex;
-        BxdfFlags flags = bsdf.Flags();
-        if (IsNonSpecular(flags))
-            out.push_back({{point->p, point->pError, point->n, point->shading.n, point->time}, point->wo, IsTransmissive(flags)});
-        Float uc = rng.Uniform();
-        std::optional<BsdfSample> sample = bsdf.Sample(point->wo, uc, rng.Uniform2());
+        const auto &[point, bsdf] = walk.Vertex();
+        const BxdfFlags flags = bsdf.Flags();
+        if (IsNonSpecular(flags)) out.push_back({LightContextAt(point), point.wo, IsTransmissive(flags)});
+        const Float uc = rng.Uniform();
+        const std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uc, rng.Uniform2());
         if (!sample || !sample->f) return;
-        ray = point->SpawnRay(sample->wi);
+        walk.Scatter(*sample);
     }
 }
 

@@ -24,7 +24,7 @@ Float Shifted(Float u, Float shift) {
 }  // namespace
 
 SpatialLightSampler::SpatialLightSampler(const LightTable &lights, const SpatialParams &params)
-    : GroupLightSampler(lights, params.meshlights, false), lights_(lights), params_(params) {
+    : GroupLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()), lights_(lights), params_(params) {
     points_.resize(static_cast<size_t>(params.samples));
     for (size_t i = 0; i < points_.size(); ++i) {
         points_[i].place = {RadicalInverse(2, i), RadicalInverse(3, i), RadicalInverse(5, i)};
@@ -87,16 +87,21 @@ std::span<const uint32_t> SpatialLightSampler::Cdf(const Point3 &p) const {
     });
 }
 
-std::optional<GroupLightSampler::ChosenGroup> SpatialLightSampler::SampleGroup(const LightQuery &query, Float u) const {
-    if (!prepared_) return SampleUniformly(query, u);
-    std::span<const uint32_t> cdf = Cdf(query.p);
-    const uint32_t group = SampleFixedCdf(cdf, u, query.p);
-    const Float pmf = FixedCdfPMF(cdf, group);
-    return ChosenGroup{group, pmf, MeshGroups::InnerNumber(u, query.p, FixedCdfBegin(cdf, group), pmf)};
+const void *SpatialLightSampler::WeighGroups(const LightQuery &query, LightMemory &) const {
+    return prepared_ ? Cdf(query.p).data() : nullptr;
 }
 
-Float SpatialLightSampler::GroupPMF(const LightQuery &query, uint32_t group) const {
-    return prepared_ ? FixedCdfPMF(Cdf(query.p), group) : 1 / static_cast<Float>(groups_.Size());
+std::optional<GroupLightSampler::ChosenGroup> SpatialLightSampler::ChooseGroup(const LightQuery &query, const void *weights, Float u) const {
+    if (!weights) return SampleUniformly(query, u);
+    const std::span<const uint32_t> cdf(static_cast<const uint32_t *>(weights), groups_.Size());
+    const uint32_t group = SampleFixedCdf(cdf, u, query.p);
+    const Float pmf = FixedCdfPMF(cdf, group);
+    return ChosenGroup{group, pmf, LightGroups::InnerNumber(u, query.p, FixedCdfBegin(cdf, group), pmf)};
+}
+
+Float SpatialLightSampler::GroupProbability(const LightQuery &, const void *weights, uint32_t group) const {
+    if (!weights) return 1 / static_cast<Float>(groups_.Size());
+    return FixedCdfPMF({static_cast<const uint32_t *>(weights), groups_.Size()}, group);
 }
 
 void SpatialLightSampler::Report(nlohmann::ordered_json &report) const {

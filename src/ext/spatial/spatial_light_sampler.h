@@ -1,5 +1,5 @@
 #pragma once
-#include "ext/groups/group_light_sampler.h"
+#include "pbrt/lightsamplers/group_light_sampler.h"
 #include "ext/spatial/spatial_params.h"
 #include "ext/voxels/lazy_rows.h"
 #include "ext/voxels/voxel_grid.h"
@@ -28,8 +28,9 @@ class SpatialLightSampler final : public GroupLightSampler {
     std::vector<double> UnshadowedContributions(uint32_t voxel) const;
 
   private:
-    std::optional<ChosenGroup> SampleGroup(const LightQuery &query, Float u) const override;
-    Float GroupPMF(const LightQuery &query, uint32_t group) const override;
+    const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
+    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
+    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
     /// One low-discrepancy point: where in the voxel, and the numbers for the light sample.
     struct VoxelPoint {
         Vector3 place{};

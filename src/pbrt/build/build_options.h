@@ -2,7 +2,7 @@
 #include <optional>
 #include <string>
 
-#include "pbrt/films/film.h"
+#include "pbrt/films/film_frame.h"
 
 namespace pbrt {
 

@@ -13,7 +13,6 @@
 #include "pbrt/core/counters.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/integrators/visible_surface.h"
 #include "pbrt/lights/light_factory.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/shapes/extent.h"
@@ -148,14 +147,21 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     Collect(sink, [&] {
         built.filter = Filters().Make(d.filter.type, d.filter.params, FilterContext{sink});
     });
+    AnimatedTransform renderFromCamera;  // the camera's parameters are looked at wherever it stands
+    if (placed)
+        Collect(sink, [&] {
+            renderFromCamera = MotionOf("Camera", d.camera, renderFromWorld * cameraStart.Inverse(),
+                                        renderFromWorld * cameraEnd.Inverse());
+        });
     Collect(sink, [&] {
-        built.film = MakeFilm(d.film.type, d.film.params, SpaceOf(d.film), exposure, film, sink);
+        const FilmContext context{SpaceOf(d.film), exposure, film, renderFromCamera, renderFromWorld};
+        built.film = MakeFilm(d.film.type, d.film.params, context, sink);
         d.film.params.ReportUnused(sink);
-        built.makeFilm = [params = d.film.params, space = &SpaceOf(d.film), exposure, film] {
+        built.makeFilm = [params = d.film.params, context] {
             DiagnosticSink ignored;
-            FilmOverrides precise = film;
-            precise.fullFloat = true;
-            return std::make_unique<RgbFilm>(params, *space, exposure, precise, ignored);
+            FilmContext precise = context;
+            precise.overrides.fullFloat = true;
+            return MakeFilm("rgb", params, precise, ignored);
         };
     });
     // Without a film (its mistake is told already) the flag's name alone is known.
@@ -171,10 +177,6 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     }
     const Point2i resolution = built.film ? built.film->FullResolution() : Point2i(16, 16);
     Collect(sink, [&] {
-        AnimatedTransform renderFromCamera;  // its parameters are looked at wherever it stands
-        if (placed)
-            renderFromCamera = MotionOf("Camera", d.camera, renderFromWorld * cameraStart.Inverse(),
-                                        renderFromWorld * cameraEnd.Inverse());
         const Float diagonal = built.film ? built.film->DiagonalMm() : 35;
         built.camera = Cameras().Make(d.camera.type, d.camera.params,
                                       CameraContext{renderFromCamera, resolution, diagonal, d.files, sink});
@@ -254,7 +256,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     built.scene = std::make_unique<Scene>(std::move(parts));
     needsFootprints &= built.scene->NeedsFootprints();
 
-    IntegratorContext context{*built.scene, *built.camera, built.samplesPerPixel, needsFootprints};
+    PathContext context{*built.scene, *built.camera, built.samplesPerPixel, needsFootprints};
     const ColorSpace &space = built.film->OutputSpace();
     Collect(sink, [&] {
         BuiltIntegrator made = MakeIntegrator(integrator, registry, context, space, sink);
@@ -264,15 +266,6 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
         built.shadowGateName = made.shadowGateName;
         built.maxDepth = made.maxDepth;
     });
-    if (built.film->Kind() == FilmKind::GBuffer) {
-        auto &gbuffer = static_cast<GBufferFilm &>(*built.film);
-        const bool inCameraSpace = gbuffer.Coordinates() == GBufferFilm::CoordinateSystem::Camera;
-        gbuffer.SetQuery([context, inCameraSpace, worldFromRender = renderFromWorld.Inverse()](
-                          const CameraRay &ray, const SampledWavelengths &lambda) {
-            return FindVisibleSurface(
-                context, inCameraSpace ? context.camera.CameraFromRender(ray.ray.time) : worldFromRender, ray, lambda);
-        });
-    }
     sink.ThrowIfErrors();
     progress.EndPhase();
     built.makeIntegrator = [entity = d.integrator, options, &registry, context, &space](const LightChoice &choice) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "pbrt/build/build_options.h"
-#include "pbrt/integrators/integrator.h"
+#include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/lights/light_names.h"
 #include "pbrt/lightsamplers/registry.h"
 #include "pbrt/scenefile/scene_description.h"
@@ -31,7 +31,7 @@ struct BuiltIntegrator {
 struct BuiltScene {
     std::unique_ptr<TextureLibrary> textures;
     std::unique_ptr<Filter> filter;
-    std::unique_ptr<RgbFilm> film;
+    std::unique_ptr<Film> film;
     std::unique_ptr<Camera> camera;
     std::unique_ptr<Scene> scene;
     LightNames lightNames;  ///< of the scene's lights, for people
@@ -40,10 +40,10 @@ struct BuiltScene {
     std::function<std::unique_ptr<Sampler>(int round)> makeSampler;
     /// The same with another seed than `seed`.
     std::function<std::unique_ptr<Sampler>(int seed, int round)> makeSeededSampler;
-    /// More integrators over the same scene, camera and registry, and more films like `film`, in float precision. The
+    /// More integrators over the same scene, camera and registry, and more rgb films like `film`, in float precision. The
     /// registry handed to BuildScene must still live. Throws UserError.
     std::function<BuiltIntegrator(const LightChoice &)> makeIntegrator;
-    std::function<std::unique_ptr<RgbFilm>()> makeFilm;
+    std::function<std::unique_ptr<Film>()> makeFilm;
     int samplesPerPixel = 16;
     bool disablePixelJitter = false, disableWavelengthJitter = false;
     std::string mseReferenceImage, mseReferenceOut;

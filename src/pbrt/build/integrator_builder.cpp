@@ -76,7 +76,7 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
 }
 
 BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const LightSamplerRegistry &registry,
-                               const IntegratorContext &context, const ColorSpace &filmSpace, DiagnosticSink &sink) {
+                               const PathContext &context, const ColorSpace &filmSpace, DiagnosticSink &sink) {
     const std::string &type = settings.type;
     BuiltIntegrator built;
     built.name = type;

@@ -24,7 +24,7 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
 
 /// Makes it, from settings without errors.
 BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const LightSamplerRegistry &registry,
-                               const IntegratorContext &context, const ColorSpace &filmSpace, DiagnosticSink &sink);
+                               const PathContext &context, const ColorSpace &filmSpace, DiagnosticSink &sink);
 
 /// The one to be used: of the scene's entity, or what --integrator names.
 const std::string &IntegratorType(const Entity &entity, const BuildOptions &options);

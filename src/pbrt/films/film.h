@@ -1,5 +1,4 @@
 #pragma once
-#include <atomic>
 #include <iosfwd>
 #include <memory>
 #include <optional>
@@ -7,113 +6,92 @@
 #include <vector>
 
 #include "pbrt/core/params.h"
-#include "pbrt/films/filter.h"
-#include "pbrt/films/sensor.h"
+#include "pbrt/films/film_frame.h"
+#include "pbrt/films/film_state.h"
+#include "pbrt/films/visible_surface.h"
 #include "pbrt/images/image.h"
-#include "pbrt/math/bounds.h"
-#include "pbrt/spectra/color_space.h"
+#include "pbrt/math/animated_transform.h"
 
 namespace pbrt {
 
-/// Command line settings that beat the scene's film parameters.
-struct FilmOverrides {
-    std::optional<Bounds2> cropWindow;       ///< fractions
-    std::optional<Bounds2i> pixelBounds;
-    std::string filename;                    ///< empty: the scene's
-    int resolutionDivisor = 1;               ///< 4 with --quick
-    bool fullFloat = false;                  ///< float precision whatever savefp16 says
+/// What came of one camera path.
+struct FilmSample {
+    Point2i pixel{};
+    SampledSpectrum L;  ///< radiance at `lambda`
+    SampledWavelengths lambda;
+    Float weight = 1;   ///< of the filter
+    std::optional<VisibleSurface> visible;  ///< only for films that want it; empty: no surface is seen
 };
 
-enum class FilmKind { Rgb, GBuffer, Spectral };
-
-/// The `rgb` film: weighted sums per pixel in double precision, so that the order of samples of different pixels never
-/// matters. Samples of one pixel are added by one thread at a time. The other films are this and more; adding samples
-/// is not virtual: the render loop asks Kind() and calls that film's own SampleWavelengths and AddSample.
-class RgbFilm {
+/// What is measured in every pixel, and the picture made of it. Sums are kept in double precision per pixel, so that
+/// the order of samples of different pixels never matters.
+class Film {
   public:
-    RgbFilm(const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime, const FilmOverrides &overrides,
-            DiagnosticSink &sink)
-        : RgbFilm(FilmKind::Rgb, params, outputSpace, exposureTime, overrides, sink, 0) {}
-    virtual ~RgbFilm() = default;
+    virtual ~Film() = default;
 
-    FilmKind Kind() const { return kind_; }
-    Point2i FullResolution() const { return fullResolution_; }
-    const Bounds2i &PixelBounds() const { return pixelBounds_; }
-    const std::string &Filename() const { return filename_; }
-    Float DiagonalMm() const { return diagonal_; }
-    const ColorSpace &OutputSpace() const { return *space_; }
+    Point2i FullResolution() const { return frame_.fullResolution; }
+    const Bounds2i &PixelBounds() const { return frame_.pixelBounds; }
+    const std::string &Filename() const { return frame_.filename; }
+    Float DiagonalMm() const { return frame_.diagonalMm; }
+    const ColorSpace &OutputSpace() const { return *frame_.outputSpace; }
 
-    SampledWavelengths SampleWavelengths(Float u) const { return SampledWavelengths::SampleVisible(u); }
-    /// Radiance L along one camera path into one pixel. Not-finite radiance is counted, reported and dropped.
-    void AddSample(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight);
+    virtual SampledWavelengths SampleWavelengths(Float u) const { return SampledWavelengths::SampleVisible(u); }
+    /// True if samples shall say what the camera sees.
+    virtual bool WantsVisibleSurface() const { return false; }
+    /// Samples of one pixel are added by one thread at a time, in an order that does not depend on the threads.
+    /// Not-finite radiance is counted, reported and dropped.
+    virtual void AddSample(const FilmSample &sample) = 0;
 
-    /// Linear RGB in the output space, over PixelBounds; R, G, B are the first channels of every film. Half precision
+    /// Makes room for splats. To be called on one thread before the first.
+    virtual void ExpectSplats() = 0;
+    /// Light that reached a pixel by any path: `weight` times the radiance is added. From any thread; the sum is the
+    /// same to the bit in any order (FixedSum). Outside PixelBounds() nothing happens. What is not finite, or larger
+    /// than FixedSum holds, is counted, reported and dropped.
+    virtual void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) = 0;
+    /// The splats so far are the sum over that many more samples per pixel: the picture gets their mean.
+    virtual void AddSplatSamples(uint64_t perPixel) = 0;
+
+    /// Linear RGB in the output space, over PixelBounds(); R, G, B are the first channels of every film. Half precision
     /// if savefp16.
-    virtual Image ToImage() const;
+    virtual Image ToImage() const = 0;
     virtual ImageMetadata Metadata() const;
-    uint64_t RejectedSamples() const { return rejected_; }
+    virtual uint64_t RejectedSamples() const = 0;
 
-    /// The RGB sums themselves, bit by bit, in this machine's byte order: a render that goes on from them later ends
-    /// with the same image. LoadState throws UserError if the state is of other pixel bounds or incomplete.
-    void SaveState(std::ostream &out) const;
-    void LoadState(std::istream &in);
+    /// Everything that was added, bit by bit, in this machine's byte order. A film that loads it goes on as this one
+    /// would. Merge adds it to what the film holds, as if the samples of both had been added to one film: splats to the
+    /// bit, sums of samples but for the rounding of one addition. Load and Merge throw UserError, and leave the film as
+    /// it was, if the state is incomplete or not of a film of this kind and these pixels.
+    void Save(std::ostream &out) const;
+    void Load(std::istream &in);
+    void Merge(std::istream &in);
 
   protected:
-    /// `furtherBytes`: of memory that the derived film needs for a pixel.
-    RgbFilm(FilmKind kind, const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime,
-            const FilmOverrides &overrides, DiagnosticSink &sink, double furtherBytes);
-
-    size_t IndexOf(Point2i pixel) const {
-        Point2i p = pixel - pixelBounds_.low;
-        return static_cast<size_t>(p.y) * static_cast<size_t>(pixelBounds_.Width()) + static_cast<size_t>(p.x);
-    }
-    size_t PixelCount() const { return pixels_.size(); }
-    /// What the sensor reads, cut to maxcomponentvalue. False: not finite; the sample is counted as rejected.
-    bool Measure(const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight, Vector3 *sensor);
-    void AddToSums(size_t index, const Vector3 &sensor, Float weight) {
-        Pixel &sums = pixels_[index];
-        for (int c = 0; c < 3; ++c)
-            sums.sensor[c] += double(weight) * double(sensor[c]);
-        sums.weight += double(weight);
-    }
-    Float MaxComponentValue() const { return maxComponent_; }
-    double WeightOf(size_t index) const { return pixels_[index].weight; }
-    /// An image with R, G, B filled and further channels for the derived film to fill; reports what was cut or dropped.
-    Image MakeImage(const std::vector<std::string> &furtherChannels) const;
+    /// `kind`: the name of the film in the scene.
+    Film(std::string kind, FilmFrame frame) : kind_(std::move(kind)), frame_(std::move(frame)) {}
+    const FilmFrame &Frame() const { return frame_; }
 
   private:
-    struct Pixel {
-        double sensor[3] = {0, 0, 0};  ///< sum of weight * XYZ or camera RGB
-        double weight = 0;
-    };
-    FilmKind kind_;
-    Point2i fullResolution_{};
-    Bounds2i pixelBounds_{};
-    std::string filename_;
-    Float diagonal_ = 35, maxComponent_ = Infinity;
-    bool half_ = true;
-    const ColorSpace *space_;
-    PixelSensor sensor_;
-    glm::mat3 outputFromSensor_{1};
-    std::vector<Pixel> pixels_;
-    std::atomic<uint64_t> rejected_{0};
+    /// Views of all sums.
+    virtual std::vector<StateBlock> Blocks() = 0;
+    /// Throws if it does not fit.
+    void Add(std::istream &in, bool forgetsFirst);
+    std::string kind_;
+    FilmFrame frame_;
 };
 
-inline bool RgbFilm::Measure(const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight,
-                             Vector3 *sensor) {
-    *sensor = sensor_.Expose(SafeDivide(L, lambda.Pdf()), lambda);
-    if (!std::isfinite(sensor->x + sensor->y + sensor->z) || !std::isfinite(weight)) {
-        rejected_.fetch_add(1, std::memory_order_relaxed);
-        return false;
-    }
-    Float largest = MaxComponent(*sensor);
-    if (largest > maxComponent_) *sensor *= maxComponent_ / largest;
-    return true;
-}
+/// What a film is made of beside its parameters.
+struct FilmContext {
+    const ColorSpace &outputSpace;
+    Float exposureTime = 1;  ///< seconds
+    FilmOverrides overrides{};
+    /// For films that say where things are.
+    AnimatedTransform renderFromCamera{};
+    Transform renderFromWorld{};
+};
 
 /// By type name (pbrt-v4-format §5.2). Throws UserError.
-std::unique_ptr<RgbFilm> MakeFilm(const std::string &type, const ParamSet &params, const ColorSpace &outputSpace,
-                                  Float exposureTime, const FilmOverrides &overrides, DiagnosticSink &sink);
+std::unique_ptr<Film> MakeFilm(const std::string &type, const ParamSet &params, const FilmContext &context,
+                               DiagnosticSink &sink);
 const std::vector<std::string> &SupportedFilms();
 
 }  // namespace pbrt

@@ -13,46 +13,77 @@ constexpr std::array<const char *, 22> kFurtherChannels = {
     "RelativeVariance.B"};
 // clang-format on
 
+constexpr double kBytesPerPixel = SensorSums::kBytesPerPixel + kFurtherChannels.size() * sizeof(float);
+
+AnimatedTransform ReadCoordinates(const ParamSet &params, const FilmContext &context) {
+    if (params.GetChoice("coordinatesystem", "camera", {"camera", "world"}) == "camera") return context.renderFromCamera;
+    return context.renderFromWorld;
+}
+
 }  // namespace
 
-GBufferFilm::GBufferFilm(const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime,
-                         const FilmOverrides &overrides, DiagnosticSink &sink)
-    : RgbFilm(FilmKind::GBuffer, params, outputSpace, exposureTime, overrides, sink,
-              static_cast<double>(sizeof(Pixel) + kFurtherChannels.size() * sizeof(float))),
-      coordinates_(params.GetChoice("coordinatesystem", "camera", {"camera", "world"}) == "camera"
-                       ? CoordinateSystem::Camera
-                       : CoordinateSystem::World),
-      pixels_(PixelCount()) {}
+GBufferFilm::GBufferFilm(const ParamSet &params, const FilmContext &context, DiagnosticSink &sink)
+    : Film("gbuffer", ReadFilmFrame(params, context.outputSpace, context.overrides,
+                                    {.onlyExr = true, .bytesPerPixel = kBytesPerPixel + double{sizeof(Pixel)}}, sink)),
+      renderFromOutput_(ReadCoordinates(params, context)),
+      sums_(params, Frame(), context.exposureTime),
+      pixels_(Frame().PixelCount()) {}
 
-void GBufferFilm::AddSample(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight,
-                            const std::optional<VisibleSurface> &visible) {
-    PBRT_DCHECK(PixelBounds().Contains(pixel));
-    Vector3 sensor;
-    if (!Measure(L, lambda, weight, &sensor)) return;
-    const size_t index = IndexOf(pixel);
-    AddToSums(index, sensor, weight);
-    if (!visible) return;
+void GBufferFilm::AddSample(const FilmSample &sample) {
+    const std::optional<Vector3> sensor = sums_.Measure(sample.L, sample.lambda, sample.weight);
+    if (!sensor) return;
+    const size_t index = Frame().IndexOf(sample.pixel);
+    sums_.Add(index, *sensor, sample.weight);
+    if (!sample.visible) return;
+    const VisibleSurface &visible = *sample.visible;
+    const Transform outputFromRender = renderFromOutput_.At(visible.time).Inverse();
+    auto output = [&](const Normal3 &n) { return glm::dvec3(Normalize(outputFromRender.Normal(n))); };
+    auto depth = [&](const Vector3 &v) { return double(std::abs(outputFromRender.Vector(v).z)); };
     Pixel &sums = pixels_[index];
     for (int c = 0; c < 3; ++c)
-        sums.moments[c].Add(double(sensor[c]));
-    const double w = double(weight);
+        sums.moments[c].Add(double((*sensor)[c]));
+    const double w = double(sample.weight);
     sums.weight += w;
-    sums.p += w * glm::dvec3(visible->p);
-    sums.n += w * glm::dvec3(visible->n);
-    sums.ns += w * glm::dvec3(visible->ns);
-    sums.uv += w * glm::dvec2(visible->uv);
-    sums.dz += w * glm::dvec2(double(visible->dzdx), double(visible->dzdy));
+    sums.p += w * glm::dvec3(outputFromRender.Point(visible.p));
+    sums.n += w * output(visible.n);
+    sums.ns += w * output(visible.ns);
+    sums.uv += w * glm::dvec2(visible.uv);
+    sums.dz += w * glm::dvec2(depth(visible.dpdx), depth(visible.dpdy));
     // The colour that a white light of the output space has after one reflection.
+    const SampledWavelengths &lambda = visible.lambda;
     const SampledSpectrum reflected =
-        SafeDivide(visible->albedo * OutputSpace().Illuminant().Sample(visible->lambda), visible->lambda.Pdf());
-    const Xyz xyz((reflected * CieX().Sample(visible->lambda)).Average(),
-                  (reflected * CieY().Sample(visible->lambda)).Average(),
-                  (reflected * CieZ().Sample(visible->lambda)).Average());
+        SafeDivide(visible.albedo * OutputSpace().Illuminant().Sample(lambda), lambda.Pdf());
+    const Xyz xyz((reflected * CieX().Sample(lambda)).Average(), (reflected * CieY().Sample(lambda)).Average(),
+                  (reflected * CieZ().Sample(lambda)).Average());
     sums.albedo += w * glm::dvec3(OutputSpace().ToRgb(xyz / CieYIntegral));
 }
 
+void GBufferFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {
+    if (!PixelBounds().Contains(pixel)) return;
+    if (std::optional<Vector3> sensor = sums_.Measure(L, lambda, weight))
+        sums_.AddSplat(Frame().IndexOf(pixel), *sensor, weight);
+}
+
+void GBufferFilm::Pixel::operator+=(const Pixel &other) {
+    p += other.p;
+    n += other.n;
+    ns += other.ns;
+    albedo += other.albedo;
+    uv += other.uv;
+    dz += other.dz;
+    weight += other.weight;
+    for (int c = 0; c < 3; ++c)
+        moments[c] += other.moments[c];
+}
+
+std::vector<StateBlock> GBufferFilm::Blocks() {
+    std::vector<StateBlock> blocks = {MakeStateBlock("surfaces", std::span(pixels_))};
+    sums_.AppendBlocks(blocks);
+    return blocks;
+}
+
 Image GBufferFilm::ToImage() const {
-    Image image = MakeImage({kFurtherChannels.begin(), kFurtherChannels.end()});
+    Image image = sums_.MakeImage({kFurtherChannels.begin(), kFurtherChannels.end()});
     const Pixel *pixel = pixels_.data();
     size_t index = 0;
     for (int y = 0; y < image.Resolution().y; ++y)
@@ -64,7 +95,7 @@ Image GBufferFilm::ToImage() const {
             };
             auto unit = [](const glm::dvec3 &v) { return glm::dot(v, v) > 0 ? glm::normalize(v) : glm::dvec3(0); };
             const double seen = pixel->weight != 0 ? 1 / pixel->weight : 0;
-            const double weight = WeightOf(index);
+            const double weight = sums_.WeightOf(index);
             // Albedo counts samples that see nothing as black; the geometry leaves them out.
             put3(weight != 0 ? pixel->albedo / weight : glm::dvec3(0));
             put3(pixel->p * seen);

@@ -4,72 +4,121 @@
 
 namespace pbrt {
 
-namespace {
-
-int ReadBucketCount(const ParamSet &params) { return params.GetInt("nbuckets", 16, {1, 1 << 16}); }
-
-}  // namespace
-
-SpectralFilm::SpectralFilm(const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime,
-                           const FilmOverrides &overrides, DiagnosticSink &sink)
-    : RgbFilm(FilmKind::Spectral, params, outputSpace, exposureTime, overrides, sink,
-              ReadBucketCount(params) * static_cast<double>(sizeof(Bucket) + sizeof(float))) {
-    bucketCount_ = ReadBucketCount(params);
+SpectralFilm::Buckets SpectralFilm::ReadBuckets(const ParamSet &params) {
+    Buckets buckets;
+    buckets.count = params.GetInt("nbuckets", 16, {1, 1 << 16});
     constexpr Range<Float> kVisible{LambdaMin, LambdaMax};  // nm
-    low_ = params.GetFloat("lambdamin", LambdaMin, kVisible);
-    high_ = params.GetFloat("lambdamax", LambdaMax, kVisible);
-    if (!(low_ < high_))
+    buckets.low = params.GetFloat("lambdamin", LambdaMin, kVisible);
+    buckets.high = params.GetFloat("lambdamax", LambdaMax, kVisible);
+    if (!(buckets.low < buckets.high))
         throw UserError(fmt::format("{}: \"lambdamin\" is {} nm, \"lambdamax\" {} nm; the range is empty.",
-                                    params.What(), low_, high_),
+                                    params.What(), buckets.low, buckets.high),
                         params.LocOf("lambdamin"));
-    buckets_.resize(PixelCount() * static_cast<size_t>(bucketCount_));
+    return buckets;
 }
+
+SpectralFilm::SpectralFilm(const ParamSet &params, const FilmContext &context, DiagnosticSink &sink)
+    : SpectralFilm(ReadBuckets(params), params, context, sink) {}
+
+SpectralFilm::SpectralFilm(const Buckets &buckets, const ParamSet &params, const FilmContext &context,
+                           DiagnosticSink &sink)
+    : Film(fmt::format("spectral {} {}", buckets.low, buckets.high),
+           ReadFilmFrame(params, context.outputSpace, context.overrides,
+                         {.onlyExr = true,
+                          .bytesPerPixel = SensorSums::kBytesPerPixel +
+                                           buckets.count * static_cast<double>(sizeof(Sums) + sizeof(float))},
+                         sink)),
+      buckets_(buckets),
+      sensor_(params, Frame(), context.exposureTime),
+      sums_(FirstSumOf(Frame().PixelCount())) {}
 
 Float SpectralFilm::BucketCenter(int bucket) const {
-    return Lerp((static_cast<Float>(bucket) + Float(0.5)) / static_cast<Float>(bucketCount_), low_, high_);
+    return Lerp((static_cast<Float>(bucket) + Float(0.5)) / static_cast<Float>(buckets_.count), buckets_.low,
+                buckets_.high);
 }
 
-void SpectralFilm::AddSample(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {
-    PBRT_DCHECK(PixelBounds().Contains(pixel));
-    Vector3 sensor;
-    if (!Measure(L, lambda, weight, &sensor)) return;
-    const size_t index = IndexOf(pixel);
-    AddToSums(index, sensor, weight);
+int SpectralFilm::BucketOf(Float lambda) const {
+    const Float position = (lambda - buckets_.low) / (buckets_.high - buckets_.low) * static_cast<Float>(buckets_.count);
+    return std::clamp(static_cast<int>(position), 0, buckets_.count - 1);
+}
+
+Float SpectralFilm::ScaleOf(const SampledSpectrum &L) const {
     // Emission is in photometric units, where a radiance is divided by the integral of y-bar.
     Float scale = CieYIntegral;
-    if (Float largest = L.MaxComponent(); largest > MaxComponentValue()) scale *= MaxComponentValue() / largest;
-    Bucket *buckets = buckets_.data() + index * static_cast<size_t>(bucketCount_);
-    const Float range = high_ - low_;
+    if (Float max = L.MaxComponent(); max > sensor_.MaxComponentValue()) scale *= sensor_.MaxComponentValue() / max;
+    return scale;
+}
+
+void SpectralFilm::AddSample(const FilmSample &sample) {
+    const std::optional<Vector3> sensor = sensor_.Measure(sample.L, sample.lambda, sample.weight);
+    if (!sensor) return;
+    const size_t index = Frame().IndexOf(sample.pixel);
+    sensor_.Add(index, *sensor, sample.weight);
+    const Float scale = ScaleOf(sample.L);
+    Sums *sums = sums_.data() + FirstSumOf(index);
+    const Float range = buckets_.high - buckets_.low;
+    for (int i = 0; i < SpectrumSamples; ++i) {
+        const Float pdf = sample.lambda.PdfAt(i);
+        if (pdf == 0) continue;
+        // A wavelength that goes on alone stands for those that ended: its density is that much smaller.
+        const double w = double(sample.weight) / double(pdf * range);
+        Sums &bucket = sums[BucketOf(sample.lambda[i])];
+        bucket.radiance += w * double(sample.L[i] * scale);
+        bucket.weight += w;
+    }
+}
+
+void SpectralFilm::ExpectSplats() {
+    sensor_.ExpectSplats();
+    splats_.Expect(sums_.size());
+}
+
+void SpectralFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {
+    if (!PixelBounds().Contains(pixel)) return;
+    const std::optional<Vector3> sensor = sensor_.Measure(L, lambda, weight);
+    if (!sensor) return;
+    const size_t index = Frame().IndexOf(pixel);
+    // Each wavelength estimates the integral over a bucket; the mean is that over the bucket's width.
+    const double width = double(buckets_.high - buckets_.low) / buckets_.count;
+    double parts[SpectrumSamples] = {};
     for (int i = 0; i < SpectrumSamples; ++i) {
         if (lambda.PdfAt(i) == 0) continue;
-        // A wavelength that goes on alone stands for those that ended: its density is that much smaller.
-        const double w = double(weight) / double(lambda.PdfAt(i) * range);
-        const Float position = (lambda[i] - low_) / range * static_cast<Float>(bucketCount_);
-        Bucket &b = buckets[std::clamp(static_cast<int>(position), 0, bucketCount_ - 1)];
-        b.sum += w * double(L[i] * scale);
-        b.weight += w;
+        parts[i] = double(weight) * double(L[i] * ScaleOf(L)) / (SpectrumSamples * double(lambda.PdfAt(i)) * width);
+        if (!FixedSum::Holds(parts[i])) return sensor_.Reject();
     }
+    if (!sensor_.AddSplat(index, *sensor, weight)) return;
+    for (int i = 0; i < SpectrumSamples; ++i)
+        if (parts[i] != 0) splats_.Add(FirstSumOf(index) + static_cast<size_t>(BucketOf(lambda[i])), parts[i]);
+}
+
+std::vector<StateBlock> SpectralFilm::Blocks() {
+    std::vector<StateBlock> blocks = {MakeStateBlock("buckets", std::span(sums_)), splats_.Block("bucket splats")};
+    sensor_.AppendBlocks(blocks);
+    return blocks;
 }
 
 Image SpectralFilm::ToImage() const {
     std::vector<std::string> names;
-    for (int b = 0; b < bucketCount_; ++b) {
+    for (int b = 0; b < buckets_.count; ++b) {
         // The layout standard (Fichet et al. 2021) wants a comma in the number.
         std::string name = fmt::format("S0.{:.3f}nm", BucketCenter(b));
         name[name.find('.', 3)] = ',';
         names.push_back(name);
     }
-    Image image = MakeImage(names);
-    const Bucket *bucket = buckets_.data();
+    Image image = sensor_.MakeImage(names);
+    size_t i = 0;
     for (int y = 0; y < image.Resolution().y; ++y)
         for (int x = 0; x < image.Resolution().x; ++x)
-            for (int b = 0; b < bucketCount_; ++b, ++bucket)
-                image.Set({x, y}, 3 + b, bucket->weight != 0 ? static_cast<Float>(bucket->sum / bucket->weight) : 0);
+            for (int b = 0; b < buckets_.count; ++b, ++i) {
+                double mean = sums_[i].weight != 0 ? sums_[i].radiance / sums_[i].weight : 0;
+                if (splats_.AreExpected()) mean += splats_.Sum(i) * sensor_.SplatScale();
+                image.Set({x, y}, 3 + b, static_cast<Float>(mean));
+            }
     return image;
 }
 
 ImageMetadata SpectralFilm::Metadata() const {
-    ImageMetadata metadata = RgbFilm::Metadata();
+    ImageMetadata metadata = Film::Metadata();
     metadata.attributes["spectralLayoutVersion"] = std::string("1.0");
     metadata.attributes["emissiveUnits"] = std::string("W.m^-2.sr^-1");
     return metadata;

@@ -1,32 +1,55 @@
 #pragma once
 #include "pbrt/films/film.h"
+#include "pbrt/films/sensor_sums.h"
 
 namespace pbrt {
 
 /// The `spectral` film: besides RGB the mean radiance within equal buckets of wavelength. Wavelengths are sampled
 /// uniformly over the range of the buckets, so RGB knows nothing beyond it, as in stock pbrt-v4.
-class SpectralFilm final : public RgbFilm {
+class SpectralFilm final : public Film {
   public:
-    SpectralFilm(const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime,
-                 const FilmOverrides &overrides, DiagnosticSink &sink);
+    SpectralFilm(const ParamSet &params, const FilmContext &context, DiagnosticSink &sink);
 
-    int BucketCount() const { return bucketCount_; }
+    int BucketCount() const { return buckets_.count; }
     Float BucketCenter(int bucket) const;  ///< nm
 
-    SampledWavelengths SampleWavelengths(Float u) const { return SampledWavelengths::SampleUniform(u, low_, high_); }
-    void AddSample(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight);
+    SampledWavelengths SampleWavelengths(Float u) const override {
+        return SampledWavelengths::SampleUniform(u, buckets_.low, buckets_.high);
+    }
+    void AddSample(const FilmSample &sample) override;
+    void ExpectSplats() override;
+    void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) override;
+    void AddSplatSamples(uint64_t perPixel) override { sensor_.AddSplatSamples(perPixel); }
 
     /// R, G, B, then S0.<centre>nm per bucket.
     Image ToImage() const override;
     ImageMetadata Metadata() const override;
+    uint64_t RejectedSamples() const override { return sensor_.Rejected(); }
 
   private:
-    struct Bucket {
-        double sum = 0, weight = 0;
+    struct Buckets {
+        int count = 16;
+        Float low = LambdaMin, high = LambdaMax;  ///< nm
     };
-    int bucketCount_;
-    Float low_, high_;  ///< nm
-    std::vector<Bucket> buckets_;
+    struct Sums {
+        double radiance = 0, weight = 0;
+        void operator+=(const Sums &s) {
+            radiance += s.radiance;
+            weight += s.weight;
+        }
+    };
+    static Buckets ReadBuckets(const ParamSet &params);
+    SpectralFilm(const Buckets &buckets, const ParamSet &params, const FilmContext &context, DiagnosticSink &sink);
+    std::vector<StateBlock> Blocks() override;
+    int BucketOf(Float lambda) const;
+    /// Factor of a radiance: cut as maxcomponentvalue says, in the units of the picture.
+    Float ScaleOf(const SampledSpectrum &L) const;
+    size_t FirstSumOf(size_t pixel) const { return pixel * static_cast<size_t>(buckets_.count); }
+
+    Buckets buckets_;
+    SensorSums sensor_;
+    std::vector<Sums> sums_;
+    Splats splats_;
 };
 
 }  // namespace pbrt

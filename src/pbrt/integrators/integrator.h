@@ -1,30 +1,41 @@
 #pragma once
-#include <nlohmann/json.hpp>
+#include <span>
 
 #include "pbrt/cameras/camera.h"
+#include "pbrt/films/film.h"
+#include "pbrt/films/filter.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 #include "pbrt/lightsamplers/shadow_ray_gate.h"
 #include "pbrt/samplers/sampler.h"
-#include "pbrt/scene/scene.h"
 
 namespace pbrt {
 
-/// What every integrator may use.
-struct IntegratorContext {
-    const Scene &scene;
+/// A part of a render: some samples of every pixel of the film.
+struct RenderPass {
     const Camera &camera;
-    int samplesPerPixel = 1;     ///< for texture footprints
-    bool needsFootprints = true; ///< some material looks at filter footprints
+    const Filter &filter;
+    Film &film;
+    std::span<const std::unique_ptr<Sampler>> samplers;  ///< one per thread, by ThreadIndex()
+    int samplesPerPixel = 1;   ///< of the samplers: their batch
+    int batchFirst = 0;        ///< number of the samples before the samplers' batch
+    int first = 0, count = 1;  ///< which samples of the batch
+    bool jittersPixels = true; ///< false: sample pixel centres, lens centre, mid-shutter; full texture footprints
+    bool jittersWavelengths = true;
+    bool keepsSamples = true;  ///< false: the film holds these samples already; only learn from them
+    bool isCounted = true;     ///< tell `progress` of every pixel's sample
+    Progress &progress;
 };
 
-/// Radiance along camera rays. Const while rendering.
+/// Adds samples to a film. Every sample is a function of pixel and sample index, and of what the LightLearner learned
+/// from fixed samples before it, so that any number of threads, and any split into passes, gives the same image.
 class Integrator {
   public:
     virtual ~Integrator() = default;
-    /// Before the first wave; the light sampler's prepass happens here.
+    /// Before the first pass; the light sampler's prepass happens here.
     virtual void Prepare(PrepareContext &) {}
-    virtual SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler) const = 0;
-    /// What has to be told of every path, and between waves; null if nothing.
+    /// False: cancelled; some of the film have not got all samples of the pass.
+    virtual bool Render(const RenderPass &pass) = 0;
+    /// What has to be told of every path, and between passes; null if nothing.
     virtual LightLearner *Learner() { return nullptr; }
     /// The light sampler in use; null if the integrator has none.
     virtual const LightSampler *Lights() const { return nullptr; }

@@ -1,30 +1,53 @@
 #include "pbrt/integrators/path_integrator.h"
 
-#include <array>
-
 #include "pbrt/core/counters.h"
-#include "pbrt/integrators/path_common.h"
-#include "pbrt/integrators/subsurface_exit.h"
+#include "pbrt/integrators/visible_surface.h"
+#include "pbrt/lightsamplers/light_query.h"
 #include "pbrt/math/warps.h"
+#include "pbrt/paths/subsurface_exit.h"
 
 namespace pbrt {
 
-SampledSpectrum PathIntegrator::SampleDirect(const SurfacePoint &point, const Bsdf &bsdf, const LightQuery &query,
-                                             const SampledWavelengths &lambda, Sampler &sampler) const {
+namespace {
+
+/// A vertex as light selection sees it. It outlives the step to the next vertex, whose emission is weighted by how
+/// likely the lights were chosen here.
+struct Selection {
+    LightQuery query;
+    LightSampleContext from;
+    LightMemory memory;
+    LightDistribution lights;
+
+    void Prepare(const LightSampler &sampler, const PathVertex &vertex, const SampledWavelengths &lambda, int depth) {
+        query = LightQueryAt(vertex, lambda, depth);
+        from = LightContextAt(vertex.point);
+        lights = sampler.At(query, memory);
+    }
+};
+
+}  // namespace
+
+SampledSpectrum PathIntegrator::SampleDirect(const PathVertex &vertex, const LightDistribution &lights,
+                                             const SampledWavelengths &lambda, Sampler &sampler,
+                                             LightLearner::PathPlaces &places) const {
+    const auto &[point, bsdf] = vertex;
     // Both random inputs are drawn whatever happens, so that dimensions stay aligned between samples.
     Float uSelect = sampler.Get1D();
     Point2 uLight = sampler.Get2D();
     Float uGate = gate_ ? sampler.Get1D() : 0;
-    std::optional<SampledLight> selected = lights_->Sample(query, uSelect);
+    std::optional<SampledLight> selected = lights.Sample(uSelect);
     if (!selected) {
         ++ThreadCounters().zeroLightSamples;
         return SampledSpectrum(0);
     }
+    auto found = [&](const SampledSpectrum &irradiance) {
+        if (learner_) learner_->Found(places, lights.Query(), *selected, irradiance);
+    };
     auto nothingFound = [&] {
-        if (learner_) learner_->Found(query, *selected, SampledSpectrum(0));
+        found(SampledSpectrum(0));
         return SampledSpectrum(0);
     };
-    const Light &light = context_.scene.Lights()[selected->light];
+    const LightPart light = context_.scene.Lights()[selected->light];
     std::optional<LightLiSample> sample =
         light.SampleLi(ScatteringContextAt(context_.scene, point, bsdf), uLight, lambda, true);
     if (!sample || !sample->L || !(sample->pdf > 0)) return nothingFound();
@@ -34,11 +57,11 @@ SampledSpectrum PathIntegrator::SampleDirect(const SurfacePoint &point, const Bs
     if (!f) return nothingFound();
     Float traced = 1;
     if (gate_) {
-        traced = gate_->TraceProbability(query, selected->light, sample->pLight);
+        traced = gate_->TraceProbability(lights.Query(), selected->light, sample->pLight);
         if (uGate >= traced) return SampledSpectrum(0);
     }
     if (context_.scene.Occluded(LightContextAt(point), *sample)) return nothingFound();
-    if (learner_) learner_->Found(query, *selected, sample->L * (cosine / sample->pdf));
+    found(sample->L * (cosine / sample->pdf));
 
     Float pLight = selected->pmf * sample->pdf;  // solid angle
     if (IsDelta(light.Kind())) return sample->L * f / (pLight * traced);
@@ -46,75 +69,67 @@ SampledSpectrum PathIntegrator::SampleDirect(const SurfacePoint &point, const Bs
     return sample->L * f * (PowerHeuristic(pLight, pBsdf) / (pLight * traced));
 }
 
-SampledSpectrum PathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lambda, Sampler &sampler) const {
+SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     const Scene &scene = context_.scene;
-    PathRay path{cameraRay.ray, cameraRay.differential};
+    PathWalk walk(context_, start.ray);
+    const VisibleSurfaceReport report(context_, start.ray, start.visible);
+    LightLearner::PathPlaces places;
+    if (learner_) places = learner_->BeginPath(start.pixel, start.sample);
     SampledSpectrum L(0), beta(1);
     bool anyNonSpecular = false;
     Float etaScale = 1;
     int depth = 0;
 
-    // The vertex the last scattering happened at, for the light-sampling density of what the ray hits. Set unless the
-    // last scattering was specular or there was none: then light sampling could not have found it.
+    // `previous` is where the last scattering happened, for the light-sampling density of what the ray hits. It counts
+    // unless that scattering was specular or there was none: then light sampling could not have found it.
+    Selection selections[2];
+    Selection *current = &selections[0], *previous = &selections[1];
     bool lightCouldSample = false;
-    LightSampleContext previous;
-    LightQuery previousQuery;
-    // Two places for the BSDF, so that the one of the previous vertex lives on for its query.
-    std::array<Bsdf, 2> bsdfs;
-    unsigned current = 0;
     Float pBsdf = 0;  // solid angle
-
+    auto scatteredFromCurrent = [&](Float pdf) {
+        std::swap(current, previous);
+        pBsdf = pdf;
+        lightCouldSample = anyNonSpecular = true;
+    };
     auto misWeight = [&](LightId id, const Point3 &p, const Normal3 &n) -> Float {
         if (!lightCouldSample) return settings_.sampledLightOnly ? Float(0) : Float(1);
-        Float pmf = lights_->PMF(previousQuery, id);
+        Float pmf = previous->lights.PMF(id);
         if (!(pmf > 0)) return 1;
-        Float pLight = pmf * scene.Lights()[id].PdfLi(previous, path.ray.d, p, n, true);
+        Float pLight = pmf * scene.Lights()[id].PdfLi(previous->from, walk.GetRay().d, p, n, true);
         return PowerHeuristic(pBsdf, pLight);
     };
 
-    while (true) {
-        std::optional<SurfacePoint> hit = scene.Intersect(path.ray);
-        if (!hit) {
-            for (LightId id : scene.Lights().Infinite()) {
-                SampledSpectrum Le = scene.Lights()[id].Le(path.ray.o, path.ray.d, lambda);
-                if (Le) L += beta * Le * misWeight(id, Point3(0), Normal3(0));
-            }
-            break;
-        }
-        SurfacePoint &point = *hit;
-        if (SampledSpectrum Le = EmittedRadiance(scene, point, lambda)) L += beta * Le * misWeight(point.light, point.p, point.n);
-
-        FindFootprint(context_, point, path);
-        Bsdf &bsdf = bsdfs[current];
-        bsdf = ComputeBsdf(scene, point, lambda);
-        if (!bsdf) {
+    for (;;) {
+        const PathWalk::Met met = walk.Next();
+        if (met == PathWalk::Met::TooManyInterfaces) break;
+        walk.ForEachEmission(lambda, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
+            L += beta * Le * misWeight(id, p, n);
+        });
+        if (met == PathWalk::Met::Nothing) break;
+        if (!walk.FindScattering(lambda)) {
             if (!settings_.seesThroughInterfaces) lightCouldSample = false;
-            path.PassThrough(point);
             continue;
         }
-        if (settings_.regularize && anyNonSpecular) bsdf.Regularize();
+        report.See(walk, lambda);
+        if (settings_.regularize && anyNonSpecular) walk.Regularize();
+        const auto &[point, bsdf] = walk.Vertex();
         if (depth++ == settings_.maxDepth) break;
         ++ThreadCounters().pathVertices;
 
-        LightQuery query = LightQueryAt(point, bsdf, lambda, depth);
-        if (IsNonSpecular(bsdf.Flags())) L += beta * SampleDirect(point, bsdf, query, lambda, sampler);
+        if (IsNonSpecular(bsdf.Flags())) {
+            current->Prepare(*lights_, walk.Vertex(), lambda, depth);
+            L += beta * SampleDirect(walk.Vertex(), current->lights, lambda, sampler, places);
+        }
 
         Float uComponent = sampler.Get1D();
         std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uComponent, sampler.Get2D());
         if (!sample) break;
         beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
         if (!beta) break;
-        bool specular = IsSpecular(sample->flags);
-        lightCouldSample = !specular;
-        if (!specular) {
-            pBsdf = sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf;
-            previous = LightContextAt(point);
-            previousQuery = query;
-            current ^= 1;
-            anyNonSpecular = true;
-        }
+        if (IsSpecular(sample->flags)) lightCouldSample = false;
+        else scatteredFromCurrent(sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf);
         if (IsTransmissive(sample->flags)) etaScale *= Sqr(sample->eta);
-        path.Scatter(point, *sample);
+        walk.Scatter(*sample);
 
         if (settings_.subsurface && IsTransmissive(sample->flags)) {
             if (std::optional<Bssrdf> bssrdf = ComputeBssrdf(scene, point, lambda)) {
@@ -122,19 +137,15 @@ SampledSpectrum PathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lamb
                 std::optional<SubsurfaceExit> exit = SampleSubsurfaceExit(scene, point, *bssrdf, sampler);
                 if (!exit) break;
                 beta *= exit->weight;
-                bsdfs[current] = exit->bsdf;
-                LightQuery exitQuery = LightQueryAt(exit->point, bsdfs[current], lambda, depth);
-                L += beta * SampleDirect(exit->point, bsdfs[current], exitQuery, lambda, sampler);
+                walk.MoveTo(exit->vertex);
+                current->Prepare(*lights_, walk.Vertex(), lambda, depth);
+                L += beta * SampleDirect(walk.Vertex(), current->lights, lambda, sampler, places);
                 Float uExit = sampler.Get1D();
-                sample = exit->bsdf.Sample(exit->point.wo, uExit, sampler.Get2D());
+                sample = bsdf.Sample(point.wo, uExit, sampler.Get2D());
                 if (!sample) break;
-                beta *= sample->f * (AbsDot(sample->wi, exit->point.shading.n) / sample->pdf);
-                pBsdf = sample->pdf;
-                previous = LightContextAt(exit->point);
-                previousQuery = exitQuery;
-                current ^= 1;
-                lightCouldSample = anyNonSpecular = true;
-                path.Scatter(exit->point, *sample);
+                beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
+                scatteredFromCurrent(sample->pdf);
+                walk.Scatter(*sample);
             }
         }
 

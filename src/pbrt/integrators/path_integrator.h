@@ -1,10 +1,8 @@
 #pragma once
 #include <memory>
 
-#include "pbrt/bxdfs/bsdf.h"
-#include "pbrt/integrators/integrator.h"
+#include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/lightsamplers/light_learner.h"
-#include "pbrt/lightsamplers/shadow_ray_gate.h"
 
 namespace pbrt {
 
@@ -21,11 +19,11 @@ struct PathSettings {
 };
 
 /// Unidirectional path tracing with next-event estimation; BSDF and light sampling combined by the power heuristic.
-/// Both sides of the combination use the light sampler's PMF at the same vertex. A shadow-ray gate, if there is one, may
+/// Both sides of the combination use the light sampler's distribution of the same vertex. A shadow-ray gate, if there is one, may
 /// skip shadow rays; it draws one more random number per light sample.
-class PathIntegrator final : public Integrator {
+class PathIntegrator final : public PixelIntegrator {
   public:
-    PathIntegrator(const IntegratorContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
+    PathIntegrator(const PathContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
                    std::unique_ptr<ShadowRayGate> gate = nullptr)
         : context_(context), settings_(settings), lights_(std::move(lights)), gate_(std::move(gate)), learner_(lights_->Learner()) {}
 
@@ -33,15 +31,15 @@ class PathIntegrator final : public Integrator {
         lights_->Prepare(prepare);
         if (gate_) gate_->Prepare(prepare);
     }
-    SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler) const override;
+    SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
     LightLearner *Learner() override { return learner_; }
     const LightSampler *Lights() const override { return lights_.get(); }
     const ShadowRayGate *Gate() const override { return gate_.get(); }
 
   private:
-    SampledSpectrum SampleDirect(const SurfacePoint &point, const Bsdf &bsdf, const LightQuery &query,
-                                 const SampledWavelengths &lambda, Sampler &sampler) const;
-    IntegratorContext context_;
+    SampledSpectrum SampleDirect(const PathVertex &vertex, const LightDistribution &lights, const SampledWavelengths &lambda,
+                                 Sampler &sampler, LightLearner::PathPlaces &places) const;
+    PathContext context_;
     PathSettings settings_;
     std::unique_ptr<LightSampler> lights_;
     std::unique_ptr<ShadowRayGate> gate_;

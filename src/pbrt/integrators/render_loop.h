@@ -1,4 +1,5 @@
 #pragma once
+#include <chrono>
 #include <functional>
 #include <optional>
 #include <string>
@@ -28,50 +29,44 @@ struct RenderResult {
     std::string mseFailure;     ///< why RenderSettings::mseReferenceOut is not complete, if it is not
 };
 
+/// Samples per pixel of the largest wave.
+constexpr int kLargestWave = 64;
+
 /// Makes the sampler of the round-th batch of RenderSettings::samplesPerPixel samples.
 using SamplerFactory = std::function<std::unique_ptr<Sampler>(int round)>;
 
-/// Adds samples to a film, a number per pixel at a time, over tiles. Every sample is a function of pixel and sample index,
-/// and of what the integrator's LightLearner learned from fixed samples before it, so any number of threads, and any split into calls, gives the same image.
+/// Has an integrator render one pass after another, in batches of samplers; between passes the integrator's LightLearner
+/// learns after the numbers of samples that it names. Any split into calls gives the same image.
 class WaveRenderer {
   public:
-    WaveRenderer(Integrator &integrator, const Camera &camera, const Filter &filter, RgbFilm &film,
+    WaveRenderer(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film,
                  SamplerFactory makeSampler, const RenderSettings &settings, Progress &progress);
 
     /// Renders up to `count` more samples per pixel, not beyond the end of the batch. Returns how many; 0 when cancelled.
     int Render(int count);
+    /// Has the learner learn now what it must know before the next sample, if anything; Render does so else.
+    void LearnIfDue();
     int Done() const { return done_; }
-    /// The film already holds the first `samples` samples (RgbFilm::LoadState): go on after them. Those that the
-    /// integrator learns from are traced again.
+    /// The film already holds the first `samples` samples (Film::Load): go on after them. Those that the integrator
+    /// learns from are traced again.
     void ContinueFrom(int samples);
-    int64_t TileCount() const { return tileCount_; }
 
   private:
-    /// Written once for every kind of film, so that none pays for another.
-    template <class Film>
-    void SamplePixel(Film &film, Point2i pixel, int sampleIndex, Sampler &sampler) const;
-    /// False: cancelled; some pixels of the tile have not got all samples.
-    template <class Film>
-    bool RenderTile(Film &film, int64_t tile, int first, int size, Sampler &sampler) const;
     Integrator &integrator_;
     LightLearner *const learner_;
     const Camera &camera_;
     const Filter &filter_;
-    RgbFilm &film_;
+    Film &film_;
     SamplerFactory makeSampler_;
     const RenderSettings &settings_;
     Progress &progress_;
-    Float differentialScale_;
-    Bounds2i bounds_;
-    Vector2i tiles_;
-    int64_t tileCount_;
     std::vector<std::unique_ptr<Sampler>> samplers_;  ///< one a thread
     int round_ = -1, done_ = 0;
     bool isRepeating_ = false;  ///< the film has these samples
 };
 
-/// Renders waves of 1, 1, 2, 4, ... up to 64 samples per pixel until samplesPerPixel or the time budget is reached.
-RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Filter &filter, RgbFilm &film,
+/// Renders waves of 1, 1, 2, 4, ... up to kLargestWave samples per pixel until samplesPerPixel or the time budget is reached.
+RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film,
                          const SamplerFactory &makeSampler, const RenderSettings &settings, Progress &progress);
 
 }  // namespace pbrt

@@ -1,134 +1,134 @@
 #include "pbrt/integrators/simple_integrators.h"
 
 #include "pbrt/core/counters.h"
-#include "pbrt/integrators/path_common.h"
+#include "pbrt/integrators/visible_surface.h"
+#include "pbrt/lightsamplers/light_query.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "pbrt/math/warps.h"
 
 namespace pbrt {
 
 namespace {
-SampledSpectrum Background(const Scene &scene, const Ray &ray, const SampledWavelengths &lambda) {
-    SampledSpectrum L(0);
-    for (LightId id : scene.Lights().Infinite()) L += scene.Lights()[id].Le(ray.o, ray.d, lambda);
-    return L;
+
+/// All the light that arrives from what the walk has just met.
+SampledSpectrum Arriving(const PathWalk &walk, const SampledWavelengths &lambda) {
+    SampledSpectrum sum(0);
+    walk.ForEachEmission(lambda, [&](const SampledSpectrum &Le, LightId, const Point3 &, const Normal3 &) { sum += Le; });
+    return sum;
 }
 
-/// A direction that did not come from the BSDF, in the form PathRay takes.
-BsdfSample UniformSample(const Vector3 &wi, Float pdf) {
-    BsdfSample sample;
-    sample.wi = wi;
-    sample.pdf = pdf;
-    sample.flags = BxdfFlags::Glossy;
-    return sample;
+struct Direction {
+    Vector3 wi{};
+    Float pdf = 0;  ///< solid angle
+};
+
+/// Evenly distributed over the directions into which a vertex can scatter: the half-space on the viewer's side, the one
+/// behind the surface, or both.
+Direction SampleEvenly(const PathVertex &vertex, const Point2 &u) {
+    const auto &[point, bsdf] = vertex;
+    const BxdfFlags flags = bsdf.Flags();
+    const bool reflects = IsReflective(flags);
+    if (reflects && IsTransmissive(flags)) return {SampleUniformSphere(u), UniformSpherePdf()};
+    const Vector3 aroundNormal = Frame::FromZ(point.n).FromLocal(SampleUniformHemisphere(u));
+    const bool viewerSide = (Dot(point.wo, point.n) > 0) == (Dot(aroundNormal, point.n) > 0);
+    return {viewerSide == reflects ? aroundNormal : -aroundNormal, UniformHemispherePdf()};
+}
+
+/// The throughput of one scattering event into a direction of our own.
+SampledSpectrum Throughput(const PathVertex &vertex, const Direction &to) {
+    const auto &[point, bsdf] = vertex;
+    return bsdf.F(point.wo, to.wi) * (AbsDot(to.wi, point.shading.n) / to.pdf);
 }
 
 }  // namespace
 
-SimplePathIntegrator::SimplePathIntegrator(const IntegratorContext &context, int maxDepth, bool sampleLights, bool sampleBsdf)
+SimplePathIntegrator::SimplePathIntegrator(const PathContext &context, int maxDepth, bool sampleLights, bool sampleBsdf)
     : context_(context),
       maxDepth_(maxDepth),
       sampleLights_(sampleLights),
       sampleBsdf_(sampleBsdf),
-      lights_(std::make_unique<UniformLightSampler>(context.scene.Lights().Candidates())) {}
+      lights_(std::make_unique<UniformLightSampler>(context.scene.Lights().Parts())) {}
 
-SampledSpectrum SimplePathIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lambda, Sampler &sampler) const {
-    const Scene &scene = context_.scene;
-    PathRay path{cameraRay.ray, cameraRay.differential};
+SampledSpectrum SimplePathIntegrator::SampleDirect(const PathVertex &vertex, const SampledSpectrum &beta,
+                                                   const SampledWavelengths &lambda, int depth, Sampler &sampler) const {
+    const auto &[point, bsdf] = vertex;
+    const std::optional<SampledLight> chosen = lights_->Sample(LightQueryAt(vertex, lambda, depth), sampler.Get1D());
+    const Point2 uLight = sampler.Get2D();
+    if (!chosen) return SampledSpectrum(0);
+    const LightPart light = context_.scene.Lights()[chosen->light];
+    const auto arriving = light.SampleLi(ScatteringContextAt(context_.scene, point, bsdf), uLight, lambda, false);
+    if (!arriving || !arriving->L || !(arriving->pdf > 0)) return SampledSpectrum(0);
+    const SampledSpectrum f = bsdf.F(point.wo, arriving->wi) * AbsDot(arriving->wi, point.shading.n);
+    if (!f || context_.scene.Occluded(LightContextAt(point), *arriving)) return SampledSpectrum(0);
+    return beta * f * arriving->L / (chosen->pmf * arriving->pdf);
+}
+
+SampledSpectrum SimplePathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
+    PathWalk walk(context_, start.ray);
+    const VisibleSurfaceReport report(context_, start.ray, start.visible);
     SampledSpectrum L(0), beta(1);
-    bool specular = true;  // emission is counted where light sampling could not have found it
     ++ThreadCounters().cameraPaths;
-    for (int depth = 0; beta;) {
-        std::optional<SurfacePoint> hit = scene.Intersect(path.ray);
-        bool countEmission = !sampleLights_ || specular;
-        if (!hit) {
-            if (countEmission) L += beta * Background(scene, path.ray, lambda);
+    // Without weights, every way light takes must be found by one technique only: where lights are sampled, emission
+    // that is met counts only if that could not have found it.
+    bool foundBySampling = false;
+    for (int depth = 0; beta; ++depth) {
+        const PathWalk::Met met = walk.Next();
+        if (met == PathWalk::Met::TooManyInterfaces) break;
+        if (!foundBySampling) L += beta * Arriving(walk, lambda);
+        if (met == PathWalk::Met::Nothing) break;
+        if (depth == maxDepth_) {
+            report.LookOn(walk, lambda);
             break;
         }
-        SurfacePoint &point = *hit;
-        if (countEmission) L += beta * EmittedRadiance(scene, point, lambda);
-        if (depth++ == maxDepth_) break;
-        FindFootprint(context_, point, path);
-        Bsdf bsdf = ComputeBsdf(scene, point, lambda);
-        if (!bsdf) {
-            specular = true;
-            path.PassThrough(point);
-            continue;
-        }
+        foundBySampling = false;
+        if (!walk.FindScattering(lambda)) continue;
+        report.See(walk, lambda);
         ++ThreadCounters().pathVertices;
-        if (sampleLights_) {
-            std::optional<SampledLight> selected = lights_->Sample(LightQueryAt(point, bsdf, lambda, depth), sampler.Get1D());
-            Point2 uLight = sampler.Get2D();
-            if (selected) {
-                std::optional<LightLiSample> ls = scene.Lights()[selected->light].SampleLi(
-                    ScatteringContextAt(scene, point, bsdf), uLight, lambda, false);
-                if (ls && ls->L && ls->pdf > 0) {
-                    SampledSpectrum f = bsdf.F(point.wo, ls->wi) * AbsDot(ls->wi, point.shading.n);
-                    if (f && !scene.Occluded(LightContextAt(point), *ls)) L += beta * f * ls->L / (selected->pmf * ls->pdf);
-                }
-            }
-        }
+        const auto &[point, bsdf] = walk.Vertex();
+        if (sampleLights_) L += SampleDirect(walk.Vertex(), beta, lambda, depth + 1, sampler);
         if (sampleBsdf_) {
-            Float uComponent = sampler.Get1D();
-            std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uComponent, sampler.Get2D());
+            const Float uComponent = sampler.Get1D();
+            const std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uComponent, sampler.Get2D());
             if (!sample) break;
             beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
-            specular = IsSpecular(sample->flags);
-            path.Scatter(point, *sample);
+            foundBySampling = sampleLights_ && !IsSpecular(sample->flags);
+            walk.Scatter(*sample);
         } else {
-            // Uniform over every side the BSDF can send light to.
-            Vector3 wi;
-            Float pdf;
-            BxdfFlags flags = bsdf.Flags();
-            if (IsReflective(flags) && IsTransmissive(flags)) {
-                wi = SampleUniformSphere(sampler.Get2D());
-                pdf = UniformSpherePdf();
-            } else {
-                wi = SampleUniformHemisphere(sampler.Get2D());
-                pdf = UniformHemispherePdf();
-                bool wantSameSide = IsReflective(flags);
-                wi = Frame::FromZ(point.n).FromLocal(wi);
-                bool sameSide = Dot(point.wo, point.n) * Dot(wi, point.n) > 0;
-                if (sameSide != wantSameSide) wi = -wi;
-            }
-            beta *= bsdf.F(point.wo, wi) * (AbsDot(wi, point.shading.n) / pdf);
-            specular = false;
-            path.Scatter(point, UniformSample(wi, pdf));
+            const Direction to = SampleEvenly(walk.Vertex(), sampler.Get2D());
+            beta *= Throughput(walk.Vertex(), to);
+            foundBySampling = sampleLights_;
+            walk.Leave(to.wi);
         }
     }
     return L;
 }
 
-SampledSpectrum RandomWalkIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lambda, Sampler &sampler) const {
-    const Scene &scene = context_.scene;
-    PathRay path{cameraRay.ray, cameraRay.differential};
+SampledSpectrum RandomWalkIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
+    PathWalk walk(context_, start.ray);
+    const VisibleSurfaceReport report(context_, start.ray, start.visible);
     SampledSpectrum L(0), beta(1);
     ++ThreadCounters().cameraPaths;
     for (int depth = 0; beta;) {
-        std::optional<SurfacePoint> hit = scene.Intersect(path.ray);
-        if (!hit) {
-            L += beta * Background(scene, path.ray, lambda);
+        const PathWalk::Met met = walk.Next();
+        if (met == PathWalk::Met::TooManyInterfaces) break;
+        L += beta * Arriving(walk, lambda);
+        if (met == PathWalk::Met::Nothing) break;
+        if (depth == maxDepth_) {
+            report.LookOn(walk, lambda);
             break;
         }
-        SurfacePoint &point = *hit;
-        L += beta * EmittedRadiance(scene, point, lambda);
-        if (depth == maxDepth_) break;
-        FindFootprint(context_, point, path);
-        Bsdf bsdf = ComputeBsdf(scene, point, lambda);
-        if (!bsdf) {
-            path.PassThrough(point);
-            continue;
-        }
+        if (!walk.FindScattering(lambda)) continue;
+        report.See(walk, lambda);
         ++depth;
         ++ThreadCounters().pathVertices;
-        Vector3 wi = SampleUniformSphere(sampler.Get2D());
-        beta *= bsdf.F(point.wo, wi) * (AbsDot(wi, point.shading.n) / UniformSpherePdf());
-        path.Scatter(point, UniformSample(wi, UniformSpherePdf()));
+        const Direction to{SampleUniformSphere(sampler.Get2D()), UniformSpherePdf()};
+        beta *= Throughput(walk.Vertex(), to);
+        walk.Leave(to.wi);
     }
     return L;
 }
 
-AmbientOcclusionIntegrator::AmbientOcclusionIntegrator(const IntegratorContext &context, bool cosineSample,
+AmbientOcclusionIntegrator::AmbientOcclusionIntegrator(const PathContext &context, bool cosineSample,
                                                        Float maxDistance, const ColorSpace &space)
     : context_(context),
       cosineSample_(cosineSample),
@@ -136,28 +136,24 @@ AmbientOcclusionIntegrator::AmbientOcclusionIntegrator(const IntegratorContext &
       illuminant_(space.IlluminantPtr()),
       scale_(1 / SpectrumToPhotometric(*illuminant_)) {}
 
-SampledSpectrum AmbientOcclusionIntegrator::Li(CameraRay cameraRay, SampledWavelengths &lambda, Sampler &sampler) const {
-    PathRay path{cameraRay.ray, cameraRay.differential};
+SampledSpectrum AmbientOcclusionIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
+    PathWalk walk(context_, start.ray);
+    const VisibleSurfaceReport report(context_, start.ray, start.visible);
     ++ThreadCounters().cameraPaths;
-    while (true) {
-        std::optional<SurfacePoint> hit = context_.scene.Intersect(path.ray);
-        if (!hit) return SampledSpectrum(0);
-        SurfacePoint &point = *hit;
-        FindFootprint(context_, point, path);
-        if (!ComputeBsdf(context_.scene, point, lambda)) {
-            path.PassThrough(point);
-            continue;
-        }
-        Normal3 n = FaceForward(point.n, point.wo);
-        Point2 u = sampler.Get2D();
-        Vector3 local = cosineSample_ ? SampleCosineHemisphere(u) : SampleUniformHemisphere(u);
-        Float pdf = cosineSample_ ? CosineHemispherePdf(local.z) : UniformHemispherePdf();  // solid angle
-        if (!(pdf > 0)) return SampledSpectrum(0);
-        Ray ray = point.SpawnRay(Frame::FromZ(n).FromLocal(local));
-        ray.tMax = maxDistance_;
-        if (context_.scene.Occluded(ray)) return SampledSpectrum(0);
-        return illuminant_->Sample(lambda) * (scale_ * local.z * InvPi / pdf);
-    }
+    do {
+        if (walk.Next() != PathWalk::Met::Surface) return SampledSpectrum(0);
+    } while (!walk.FindScattering(lambda));
+    report.See(walk, lambda);
+    const SurfacePoint &point = walk.Vertex().point;
+    const Normal3 n = FaceForward(point.n, point.wo);
+    const Point2 u = sampler.Get2D();
+    const Vector3 local = cosineSample_ ? SampleCosineHemisphere(u) : SampleUniformHemisphere(u);
+    const Float pdf = cosineSample_ ? CosineHemispherePdf(local.z) : UniformHemispherePdf();  // solid angle
+    if (!(pdf > 0)) return SampledSpectrum(0);
+    Ray ray = point.SpawnRay(Frame::FromZ(n).FromLocal(local));
+    ray.tMax = maxDistance_;
+    if (context_.scene.Occluded(ray)) return SampledSpectrum(0);
+    return illuminant_->Sample(lambda) * (scale_ * local.z * InvPi / pdf);
 }
 
 }  // namespace pbrt

@@ -1,42 +1,46 @@
 #pragma once
-#include "pbrt/integrators/integrator.h"
+#include "pbrt/bxdfs/bsdf.h"
+#include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/spectra/color_space.h"
 
 namespace pbrt {
 
 /// Path tracing without MIS: light sampling (uniform over the lights) and BSDF sampling can be switched off.
-class SimplePathIntegrator final : public Integrator {
+class SimplePathIntegrator final : public PixelIntegrator {
   public:
-    SimplePathIntegrator(const IntegratorContext &context, int maxDepth, bool sampleLights, bool sampleBsdf);
-    SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler) const override;
+    SimplePathIntegrator(const PathContext &context, int maxDepth, bool sampleLights, bool sampleBsdf);
+    SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
 
   private:
-    IntegratorContext context_;
+    /// Direct light by one point on one light, unweighted, times the path's throughput.
+    SampledSpectrum SampleDirect(const PathVertex &vertex, const SampledSpectrum &beta, const SampledWavelengths &lambda,
+                                 int depth, Sampler &sampler) const;
+    PathContext context_;
     int maxDepth_;
     bool sampleLights_, sampleBsdf_;
     std::unique_ptr<LightSampler> lights_;
 };
 
 /// Scatters into uniformly distributed directions and looks for emission: the slow, plainly right twin of the others.
-class RandomWalkIntegrator final : public Integrator {
+class RandomWalkIntegrator final : public PixelIntegrator {
   public:
-    RandomWalkIntegrator(const IntegratorContext &context, int maxDepth) : context_(context), maxDepth_(maxDepth) {}
-    SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler) const override;
+    RandomWalkIntegrator(const PathContext &context, int maxDepth) : context_(context), maxDepth_(maxDepth) {}
+    SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
 
   private:
-    IntegratorContext context_;
+    PathContext context_;
     int maxDepth_;
 };
 
 /// Cosine-weighted fraction of the hemisphere that is free up to maxDistance, times a unit illuminant.
-class AmbientOcclusionIntegrator final : public Integrator {
+class AmbientOcclusionIntegrator final : public PixelIntegrator {
   public:
-    AmbientOcclusionIntegrator(const IntegratorContext &context, bool cosineSample, Float maxDistance,
+    AmbientOcclusionIntegrator(const PathContext &context, bool cosineSample, Float maxDistance,
                                const ColorSpace &space);
-    SampledSpectrum Li(CameraRay ray, SampledWavelengths &lambda, Sampler &sampler) const override;
+    SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
 
   private:
-    IntegratorContext context_;
+    PathContext context_;
     bool cosineSample_;
     Float maxDistance_;
     SpectrumPtr illuminant_;

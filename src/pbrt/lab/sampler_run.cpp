@@ -13,7 +13,6 @@ namespace pbrt::lab {
 
 namespace {
 
-constexpr int kLargestWave = 64;
 constexpr double kLongestWave = 1;  ///< seconds, so that the clock and the progress are looked at
 
 RenderSettings SettingsFor(const LabScene &scene) {
@@ -58,7 +57,7 @@ bool SamplerRun::Prepare() {
 void SamplerRun::Resume(const RunRecord &record, const std::string &filmFile) {
     std::ifstream in(filmFile, std::ios::binary);
     if (!in) throw UserError(fmt::format("{}: cannot be read.", filmFile));
-    film_->LoadState(in);
+    film_->Load(in);
     record_ = record;
     const RoundRecord &last = record.rounds.back();
     renderer_.ContinueFrom(last.samples);
@@ -123,7 +122,7 @@ ImageMetadata SamplerRun::Metadata() const {
 
 void SamplerRun::SaveFilm(const std::string &path) const {
     std::ostringstream out;
-    film_->SaveState(out);
+    film_->Save(out);
     WriteFile(path, out.view());
 }
 

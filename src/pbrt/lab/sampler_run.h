@@ -43,7 +43,7 @@ class SamplerRun {
     SamplerChoice choice_;
     Progress &cancel_;
     std::unique_ptr<Integrator> integrator_;
-    std::unique_ptr<RgbFilm> film_;
+    std::unique_ptr<Film> film_;
     RenderSettings settings_;
     WaveRenderer renderer_;
     RunRecord record_;

@@ -46,12 +46,13 @@ class Asker {
         LightQuery query = vertex.query;
         query.bsdf = &vertex.bsdf;
         query.lambda = &vertex.lambda;
-        Draw(vertex, query, rng);
+        const LightDistribution lights = lights_.At(query, memory_);
+        Draw(vertex, lights, rng);
         double light = 0, excess = 0, unjudged = 0;
         for (const auto &m : vertex.lights) light += static_cast<double>(m.c);
         for (size_t i = 0; i < vertex.lights.size(); ++i) {
             const auto &m = vertex.lights[i];
-            const Float pmf = lights_.PMF(query, LightId(m.light));
+            const Float pmf = lights.PMF(LightId(m.light));
             // What BSDF sampling leaves to the light sampler. It never finds lights without extent.
             const double due = m.isDelta ? 1 : pmf > 0 ? static_cast<double>(Weight(m, pmf)) : 0;
             double got = got_[i] / draws_;
@@ -77,13 +78,13 @@ class Asker {
     }
 
     /// got_: per measured light, sum over draws.
-    void Draw(const SelectionVertices::Vertex &vertex, const LightQuery &query, Rng &rng) {
+    void Draw(const SelectionVertices::Vertex &vertex, const LightDistribution &lights, Rng &rng) {
         got_.assign(vertex.lights.size(), 0);
         for (size_t i = 0; i < vertex.lights.size(); ++i) place_[vertex.lights[i].light] = static_cast<uint32_t>(i);
         for (int k = 0; k < draws_; ++k) {
             const Float u =
                 std::min((static_cast<Float>(k) + rng.Uniform()) / static_cast<Float>(draws_), OneMinusEpsilon);
-            std::optional<SampledLight> light = lights_.Sample(query, u);
+            std::optional<SampledLight> light = lights.Sample(u);
             if (!light || !(light->pmf > 0)) continue;
             const uint32_t place = place_[light->light.value];
             if (place != kNowhere)
@@ -95,6 +96,7 @@ class Asker {
     const LightSampler &lights_;
     const ShadowRayGate *gate_;
     int draws_;
+    LightMemory memory_;
     std::vector<double> got_;
     std::vector<uint32_t> place_;  ///< among the vertex's lights, of every light of the scene
 };

@@ -4,10 +4,11 @@
 #include <iterator>
 
 #include "pbrt/core/parallel.h"
-#include "pbrt/integrators/path_common.h"
 #include "pbrt/lab/selection_verdict.h"
+#include "pbrt/lightsamplers/light_query.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
+#include "pbrt/paths/path_walk.h"
 
 namespace pbrt::lab {
 
@@ -19,13 +20,13 @@ constexpr int kFewestPaths = 256, kMostPaths = 4096;  ///< of a region
 constexpr int kBlock = 16;                            ///< paths of one task
 constexpr double kEnoughEffective = 60;               ///< paths that carry light in half of the regions end the tracing
 constexpr size_t kMostMeasured = 2048;                ///< lights at a vertex
-constexpr int kMostPassed = 64;                       ///< surfaces that do not scatter
 
 /// Follows paths as the render makes them and measures the lights at their vertices.
 class Measurer {
   public:
     Measurer(const BuiltScene &built)
-        : built_(built), scene_(*built.scene), stride_((scene_.Lights().Size() + kMostMeasured - 1) / kMostMeasured) {}
+        : built_(built), scene_(*built.scene), context_{*built.scene, *built.camera, built.samplesPerPixel, true},
+          stride_((scene_.Lights().Size() + kMostMeasured - 1) / kMostMeasured) {}
 
     void Follow(Point2i low, Point2i high, uint64_t stream, std::vector<SelectionVertices::Vertex> &out) {
         Rng rng(stream);
@@ -42,35 +43,28 @@ class Measurer {
   private:
     void Walk(const CameraRay &start, SampledWavelengths &lambda, Rng &rng,
               std::vector<SelectionVertices::Vertex> &out) {
-        PathRay path{start.ray, start.differential};
+        PathWalk walk(context_, start);
         SampledSpectrum beta = start.weight;
         Float etaScale = 1;
-        for (int depth = 0, passed = 0; depth < built_.maxDepth && passed < kMostPassed;) {
-            std::optional<SurfacePoint> point = scene_.Intersect(path.ray);
-            if (!point) return;
-            ComputeFootprint(*point, path.differential, *built_.camera, built_.samplesPerPixel);
-            const Bsdf bsdf = ComputeBsdf(scene_, *point, lambda);
-            if (!bsdf) {
-                path.PassThrough(*point);
-                ++passed;
-                continue;
-            }
+        for (int depth = 0; depth < built_.maxDepth && walk.Next() == PathWalk::Met::Surface;) {
+            if (!walk.FindScattering(lambda)) continue;
             ++depth;
+            const auto &[point, bsdf] = walk.Vertex();
             if (IsNonSpecular(bsdf.Flags())) {
-                Measure(*point, bsdf, beta, lambda, rng);
+                Measure(walk.Vertex(), beta, lambda, rng);
                 if (!lights_.empty()) {
-                    out.push_back({LightQueryAt(*point, bsdf, lambda, depth), bsdf, lambda, lights_, false});
+                    out.push_back({LightQueryAt(walk.Vertex(), lambda, depth), bsdf, lambda, lights_, false});
                     out.back().query.bsdf = nullptr;
                     out.back().query.lambda = nullptr;
                 }
             }
             const Float uc = rng.Uniform();
-            std::optional<BsdfSample> sample = bsdf.Sample(point->wo, uc, rng.Uniform2());
+            std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uc, rng.Uniform2());
             if (!sample) return;
-            beta *= sample->f * (AbsDot(sample->wi, point->shading.n) / sample->pdf);
+            beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
             if (!beta) return;
             if (IsTransmissive(sample->flags)) etaScale *= Sqr(sample->eta);
-            path.Scatter(*point, *sample);
+            walk.Scatter(*sample);
             const Float survive = (beta * etaScale).MaxComponent();
             if (survive < 1 && depth > 1) {
                 if (rng.Uniform() >= survive) return;
@@ -79,14 +73,14 @@ class Measurer {
         }
     }
 
-    void Measure(const SurfacePoint &point, const Bsdf &bsdf, const SampledSpectrum &beta,
-                 const SampledWavelengths &lambda, Rng &rng) {
+    void Measure(const PathVertex &vertex, const SampledSpectrum &beta, const SampledWavelengths &lambda, Rng &rng) {
+        const auto &[point, bsdf] = vertex;
         lights_.clear();
         const LightSampleContext from = ScatteringContextAt(scene_, point, bsdf);
         const LightTable &table = scene_.Lights();
         for (auto l = static_cast<size_t>(rng.Uniform() * static_cast<Float>(stride_)); l < table.Size();
              l += stride_) {
-            const Light &light = table[LightId(l)];
+            const LightPart light = table[LightId(l)];
             const Point2 u = rng.Uniform2();
             std::optional<LightLiSample> sample = light.SampleLi(from, u, lambda, true);
             if (!sample || !sample->L || !(sample->pdf > 0)) continue;
@@ -101,6 +95,7 @@ class Measurer {
 
     const BuiltScene &built_;
     const Scene &scene_;
+    PathContext context_;
     size_t stride_;
     std::vector<SelectionVertices::MeasuredLight> lights_;
 };

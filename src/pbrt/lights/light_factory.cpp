@@ -408,8 +408,8 @@ const AreaLightFactories &AreaLights() {
     return table;
 }
 
-std::unique_ptr<Light> AreaLightMaker::Make(const Shape &shape, uint32_t primitive, const FloatTexture *alpha) const {
-    return std::make_unique<DiffuseAreaLight>(emission_, shape, primitive, alpha);
+std::unique_ptr<Light> AreaLightMaker::Make(std::span<const Shape *const> shapes, const FloatTexture *alpha) const {
+    return std::make_unique<DiffuseAreaLight>(emission_, shapes, alpha);
 }
 
 }  // namespace pbrt

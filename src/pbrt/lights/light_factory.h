@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <span>
 
 #include "pbrt/core/factory_table.h"
 #include "pbrt/core/files.h"
@@ -24,13 +25,13 @@ const LightFactories &Lights();
 
 struct AreaEmission;
 
-/// An AreaLightSource directive, read once: makes one light for each primitive of the shapes that it applies to.
+/// An AreaLightSource directive, read once: makes one light for every Shape directive.
 class AreaLightMaker {
   public:
     explicit AreaLightMaker(std::shared_ptr<const AreaEmission> emission) : emission_(std::move(emission)) {}
-    /// `alpha` may be null; a constant alpha of 0 makes a light that only light sampling finds. `shape` must outlive
-    /// it.
-    std::unique_ptr<Light> Make(const Shape &shape, uint32_t primitive, const FloatTexture *alpha) const;
+    /// `alpha` may be null; a constant alpha of 0 makes a light that only light sampling finds. The shapes must outlive
+    /// it; its parts are their primitives.
+    std::unique_ptr<Light> Make(std::span<const Shape *const> shapes, const FloatTexture *alpha) const;
 
   private:
     std::shared_ptr<const AreaEmission> emission_;

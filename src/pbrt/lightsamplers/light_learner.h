@@ -14,11 +14,15 @@ class LightLearner {
     virtual ~LightLearner() = default;
     /// Samples per pixel after which Learn must be called; 0: never again, and nothing need be told.
     virtual int NextLearning() const = 0;
-    /// The calling thread begins the path of a sample.
-    virtual void BeginPath(Point2i pixel, int sample) = 0;
+    /// What a path carries along: the places that it may fill, one at a time.
+    struct PathPlaces {
+        size_t next = 0, end = 0;
+    };
+    /// For the path of a sample of a pixel.
+    virtual PathPlaces BeginPath(Point2i pixel, int sample) const = 0;
     /// What the shadow ray to a chosen light found at a vertex of that path: radiance times cosine over the density of the point on
     /// the light (solid angle), without BSDF and `light.pmf`; 0 where it was blocked or nothing arrives.
-    virtual void Found(const LightQuery &query, const SampledLight &light, const SampledSpectrum &found) = 0;
+    virtual void Found(PathPlaces &path, const LightQuery &query, const SampledLight &light, const SampledSpectrum &found) = 0;
     /// May take seconds. If `progress` is cancelled meanwhile, it gives up soon and leaves everything as it was before.
     virtual void Learn(const Progress &progress) = 0;
 };

@@ -1,11 +1,12 @@
 #pragma once
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "pbrt/core/ids.h"
 #include "pbrt/core/progress.h"
+#include "pbrt/lightsamplers/light_memory.h"
 #include "pbrt/math/bounds.h"
 #include "pbrt/math/vec.h"
 
@@ -27,7 +28,7 @@ struct LightQuery {
     MediumId medium{};
     Float time = 0;
     int depth = 0;
-    /// What scatters at p and at which wavelengths; null where the asker has none. Valid during the call only.
+    /// What scatters at p and at which wavelengths; null where the asker has none. Read by LightSampler::At only.
     const Bsdf *bsdf = nullptr;
     const SampledWavelengths *lambda = nullptr;
     Vector3 pError{};  ///< of p: rays that leave it start this far off (LightSampleContext)
@@ -60,15 +61,55 @@ struct PrepareContext {
     Progress &progress;
 };
 
-/// Chooses the light that gets the shadow ray. Contract (house.md §4, tests/contract): const after Prepare but for its learner, if any; Sample's pmf
-/// equals PMF exactly; the pmf sums to 1 (or less, when Sample may return nothing); positive wherever a light
-/// contributes; one random number.
+class LightSampler;
+
+/// The probabilities of all lights at one vertex, weighed once by LightSampler::At. A small value that points to the
+/// sampler, the query and the memory it was made from; all three must stay as they are while it is asked. Of the query's
+/// `bsdf` and `lambda` it makes no more use.
+class LightDistribution {
+  public:
+    LightDistribution() = default;
+    /// A light and its probability, from one uniform number; none where no light can contribute.
+    std::optional<SampledLight> Sample(Float u) const;
+    /// Discrete probability of a light, equal to the bit to what comes with a sample of it.
+    Float PMF(LightId light) const;
+    const LightQuery &Query() const { return *query_; }
+
+  private:
+    friend class LightSampler;
+    LightDistribution(const LightSampler &sampler, const LightQuery &query, const void *weights)
+        : sampler_(&sampler), query_(&query), weights_(weights) {}
+    const LightSampler *sampler_ = nullptr;
+    const LightQuery *query_ = nullptr;
+    const void *weights_ = nullptr;
+};
+
+/// Chooses the light that gets the shadow ray. Contract (house.md section 4, tests/contract): const after Prepare but
+/// for its learner, if any; Sample's probability equals PMF exactly; probabilities sum to 1 (or less, when Sample may
+/// return nothing); they are positive wherever a light contributes; a choice takes one random number.
 class LightSampler {
   public:
     virtual ~LightSampler() = default;
     virtual void Prepare(PrepareContext &) {}
-    virtual std::optional<SampledLight> Sample(const LightQuery &query, Float u) const = 0;
-    virtual Float PMF(const LightQuery &query, LightId light) const = 0;
+    /// Weighs the lights at a vertex, in the caller's memory: without allocation, unless more than that memory has is
+    /// needed. What was made in the memory before becomes invalid.
+    LightDistribution At(const LightQuery &query, LightMemory &memory) const {
+        memory.Clear();
+        return Within(query, memory);
+    }
+    /// At, for a sampler that asks another one: what is in the memory stays valid.
+    LightDistribution Within(const LightQuery &query, LightMemory &memory) const {
+        return {*this, query, Weigh(query, memory)};
+    }
+    /// At and one question. Whoever asks twice about one vertex asks At.
+    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const {
+        LightMemory memory;
+        return At(query, memory).Sample(u);
+    }
+    Float PMF(const LightQuery &query, LightId light) const {
+        LightMemory memory;
+        return At(query, memory).PMF(light);
+    }
     /// Null if nothing is learned after Prepare.
     virtual LightLearner *Learner() { return nullptr; }
     /// Sizes, seconds, counts: for --stats and image metadata.
@@ -78,6 +119,17 @@ class LightSampler {
     virtual void Inspect(const LightQuery &, std::vector<InspectedValue> &) const {}
     /// The learned structure in words and numbers, several lines; empty if there is none.
     virtual std::string DescribeStructure() const { return {}; }
+
+  protected:
+    friend class LightDistribution;
+    /// What both questions below need, made in the memory; null if that is nothing.
+    virtual const void *Weigh(const LightQuery &, LightMemory &) const { return nullptr; }
+    /// See LightDistribution::Sample and PMF. `weights`: what Weigh returned for the query.
+    virtual std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const = 0;
+    virtual Float Probability(const LightQuery &query, const void *weights, LightId light) const = 0;
 };
+
+inline std::optional<SampledLight> LightDistribution::Sample(Float u) const { return sampler_->Choose(*query_, weights_, u); }
+inline Float LightDistribution::PMF(LightId light) const { return sampler_->Probability(*query_, weights_, light); }
 
 }  // namespace pbrt

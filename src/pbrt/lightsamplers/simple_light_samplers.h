@@ -1,28 +1,26 @@
 #pragma once
-#include "pbrt/lights/light_table.h"
-#include "pbrt/lightsamplers/light_sampler.h"
+#include "pbrt/lightsamplers/group_light_sampler.h"
 #include "pbrt/math/distributions.h"
 
 namespace pbrt {
 
-/// Every light is as likely as any other.
-class UniformLightSampler final : public LightSampler {
+/// Every group is as likely as any other.
+class UniformLightSampler final : public GroupLightSampler {
   public:
-    explicit UniformLightSampler(std::span<const LightCandidate> candidates);
-    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override;
-    Float PMF(const LightQuery &query, LightId light) const override;
+    explicit UniformLightSampler(const LightGroups &groups);
+    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
+    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
 
   private:
-    uint32_t count_;
     Float pmf_;
 };
 
-/// In proportion to LightCandidate::power; uniform if no light has any.
-class PowerLightSampler final : public LightSampler {
+/// In proportion to LightCandidate::power; uniform if none has any.
+class PowerLightSampler final : public GroupLightSampler {
   public:
-    explicit PowerLightSampler(std::span<const LightCandidate> candidates);
-    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override;
-    Float PMF(const LightQuery &query, LightId light) const override;
+    explicit PowerLightSampler(const LightGroups &groups);
+    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
+    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
     void Report(nlohmann::ordered_json &json) const override;
 
   private:

@@ -24,6 +24,18 @@ class RunningMoments {
         mean_ += d / static_cast<double>(count_);
         squares_ += d * (x - mean_);
     }
+    /// As if the other's numbers had come, too (Chan, Golub and LeVeque 1979). No numbers and others are the others.
+    void operator+=(const RunningMoments &other) {
+        if (other.count_ == 0) return;
+        if (count_ == 0) {
+            *this = other;
+            return;
+        }
+        const double a = static_cast<double>(count_), b = static_cast<double>(other.count_), d = other.mean_ - mean_;
+        count_ += other.count_;
+        mean_ += d * (b / (a + b));
+        squares_ += other.squares_ + d * d * (a * b / (a + b));
+    }
     size_t Count() const { return count_; }
     double Mean() const { return mean_; }
     /// Of the sample (divided by n - 1); 0 for fewer than two numbers.

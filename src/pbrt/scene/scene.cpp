@@ -15,10 +15,16 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)), bounds_(parts_.accel-
 }
 
 std::optional<SurfacePoint> Scene::Intersect(const Ray &ray) const {
+    SurfacePoint point;
+    if (!Intersect(ray, &point)) return {};
+    return point;
+}
+
+bool Scene::Intersect(const Ray &ray, SurfacePoint *point) const {
     ++ThreadCounters().closestHitRays;
     std::optional<AccelHit> hit = parts_.accel->Intersect(ray);
-    if (!hit) return {};
-    return SurfaceAt(*hit, ray);
+    if (hit) *point = SurfaceAt(*hit, ray);
+    return hit.has_value();
 }
 
 std::optional<Scene::Crossing> Scene::SampleCrossing(const Point3 &from, const Point3 &to, Float time,

@@ -34,6 +34,8 @@ class Scene {
 
     /// Nearest surface along the ray, complete but for the filter footprint.
     std::optional<SurfacePoint> Intersect(const Ray &ray) const;
+    /// The same in a place of the caller's; false if there is none.
+    bool Intersect(const Ray &ray, SurfacePoint *point) const;
     /// One of the crossings of a segment with surfaces of a material (as shapes name it), all equally likely.
     struct Crossing {
         SurfacePoint point;

@@ -1,55 +1,58 @@
 #include "estimators.h"
 
 #include "pbrt/build/light_sampler_spec.h"
-#include "pbrt/integrators/path_common.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/integrators/simple_integrators.h"
+#include "pbrt/lightsamplers/light_query.h"
 #include "support/build_text.h"
+#include "support/wrapped_sampler.h"
 
 namespace pbrt::test {
 
 namespace {
 
 /// A light sampler whose probabilities are off for all lights but the first.
-class SpoiltSampler final : public LightSampler {
+class SpoiltSampler final : public WrappedSampler {
   public:
     SpoiltSampler(std::unique_ptr<LightSampler> inner, const Spoilt &spoilt)
-        : inner_(std::move(inner)), spoilt_(spoilt) {}
+        : WrappedSampler(*inner), inner_(std::move(inner)), spoilt_(spoilt) {}
     void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
-    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const override {
-        std::optional<SampledLight> s = inner_->Sample(query, u);
+
+  private:
+    std::optional<SampledLight> Choose(const LightQuery &, const void *weights, Float u) const override {
+        std::optional<SampledLight> s = Inner(weights).Sample(u);
         if (s && s->light.value > 0) s->pmf *= spoilt_.ofSamples;
         return s;
     }
-    Float PMF(const LightQuery &query, LightId light) const override {
-        return inner_->PMF(query, light) * (light.value > 0 ? spoilt_.ofRays : 1);
+    Float Probability(const LightQuery &, const void *weights, LightId light) const override {
+        return Inner(weights).PMF(light) * (light.value > 0 ? spoilt_.ofRays : 1);
     }
 
-  private:
     std::unique_ptr<LightSampler> inner_;
     Spoilt spoilt_;
 };
 
 /// Direct light by light sampling alone, without lamps that the camera sees.
-class LightSamplingOnly final : public Integrator {
+class LightSamplingOnly final : public PixelIntegrator {
   public:
     LightSamplingOnly(const Scene &scene, std::unique_ptr<LightSampler> lights)
         : scene_(scene), lights_(std::move(lights)) {}
     void Prepare(PrepareContext &context) override { lights_->Prepare(context); }
-    SampledSpectrum Li(CameraRay camera, SampledWavelengths &lambda, Sampler &sampler) const override {
-        std::optional<SurfacePoint> point = scene_.Intersect(camera.ray);
-        if (!point) return SampledSpectrum(0);
+    SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override {
+        PathVertex vertex;
+        auto &[point, bsdf] = vertex;
+        if (!scene_.Intersect(start.ray.ray, &point)) return SampledSpectrum(0);
         SampledSpectrum L(0);
-        Bsdf bsdf = ComputeBsdf(scene_, *point, lambda);
+        bsdf = ComputeBsdf(scene_, point, lambda);
         Float uSelect = sampler.Get1D();
         Point2 uLight = sampler.Get2D();
-        std::optional<SampledLight> light = lights_->Sample(LightQueryAt(*point, bsdf, lambda, 1), uSelect);
+        std::optional<SampledLight> light = lights_->Sample(LightQueryAt(vertex, lambda, 1), uSelect);
         if (!light) return L;
-        LightSampleContext from = LightContextAt(*point);
+        LightSampleContext from = LightContextAt(point);
         std::optional<LightLiSample> s = scene_.Lights()[light->light].SampleLi(from, uLight, lambda, false);
         if (!s || !s->L || !(s->pdf > 0)) return L;
-        SampledSpectrum f = bsdf.F(point->wo, s->wi) * AbsDot(s->wi, point->shading.n);
+        SampledSpectrum f = bsdf.F(point.wo, s->wi) * AbsDot(s->wi, point.shading.n);
         if (f && !scene_.Occluded(from, *s)) L += f * s->L / (light->pmf * s->pdf);
         return L;
     }
@@ -60,20 +63,20 @@ class LightSamplingOnly final : public Integrator {
 };
 
 /// Black where the camera sees a lamp itself: that is the same to all estimators and hides what they find.
-class WithoutSeenLamps final : public Integrator {
+class WithoutSeenLamps final : public PixelIntegrator {
   public:
-    WithoutSeenLamps(const Scene &scene, std::unique_ptr<Integrator> inner) : scene_(scene), inner_(std::move(inner)) {}
+    WithoutSeenLamps(const Scene &scene, std::unique_ptr<PixelIntegrator> inner) : scene_(scene), inner_(std::move(inner)) {}
     void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
     LightLearner *Learner() override { return inner_->Learner(); }
-    SampledSpectrum Li(CameraRay camera, SampledWavelengths &lambda, Sampler &sampler) const override {
-        std::optional<SurfacePoint> point = scene_.Intersect(camera.ray);
+    SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override {
+        std::optional<SurfacePoint> point = scene_.Intersect(start.ray.ray);
         if (point && point->light) return SampledSpectrum(0);
-        return inner_->Li(camera, lambda, sampler);
+        return inner_->Li(start, lambda, sampler);
     }
 
   private:
     const Scene &scene_;
-    std::unique_ptr<Integrator> inner_;
+    std::unique_ptr<PixelIntegrator> inner_;
 };
 
 std::unique_ptr<LightSampler> MakeLights(const Scene &scene, const std::string &label, const Spoilt &spoilt) {
@@ -89,10 +92,10 @@ std::unique_ptr<LightSampler> MakeLights(const Scene &scene, const std::string &
 PixelStatistics Studio::Render(Estimator estimator, const std::string &lightSampler, int samplesPerPixel, int runs,
                                int firstSeed, const Spoilt &spoilt) const {
     const Scene &scene = *built_.scene;
-    const IntegratorContext context{scene, *built_.camera, samplesPerPixel, true};
+    const PathContext context{scene, *built_.camera, samplesPerPixel, true};
     PixelStatistics statistics;
     for (int seed = firstSeed; seed < firstSeed + runs; ++seed) {
-        std::unique_ptr<Integrator> integrator;
+        std::unique_ptr<PixelIntegrator> integrator;
         if (estimator == Estimator::Bsdf || estimator == Estimator::Lights) {
             integrator =
                 std::make_unique<SimplePathIntegrator>(context, built_.maxDepth, estimator == Estimator::Lights, true);
@@ -109,7 +112,7 @@ PixelStatistics Studio::Render(Estimator estimator, const std::string &lightSamp
         PrepareContext prepare{scene, *built_.camera,  *built_.filter,  built_.film->PixelBounds(),
                                seed,  samplesPerPixel, built_.maxDepth, progress};
         integrator->Prepare(prepare);
-        std::unique_ptr<RgbFilm> film = built_.makeFilm();
+        std::unique_ptr<Film> film = built_.makeFilm();
         RenderSettings settings;
         settings.samplesPerPixel = samplesPerPixel;
         DiagnosticSink sink;

@@ -5,7 +5,7 @@
 #include "ext/oracle/least_variance.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/log.h"
-#include "pbrt/integrators/path_common.h"
+#include "pbrt/lightsamplers/light_query.h"
 #include "plugins.h"
 #include "support/build_text.h"
 
@@ -43,7 +43,7 @@ struct World {
     std::unique_ptr<LightSampler> Named(const std::string &name) const {
         LightSamplerRegistry registry;
         RegisterPlugins(registry);
-        std::unique_ptr<LightSampler> sampler = registry.Find(name).make(Lights(), ParamSet());
+        std::unique_ptr<LightSampler> sampler = registry.Find(name).make(Lights().Parts(), ParamSet());
         Prepare(*sampler);
         return sampler;
     }
@@ -89,8 +89,8 @@ LightQuery OnFloor(Float x = 0, Float y = 0) {
 
 /// The floor's share of a light.
 Float FloorOf(const World &world, const OracleParams &params, const LightQuery &q, uint32_t light) {
-    MeshGroups groups(world.Lights(), params.meshlights);
-    return params.floor * EmitterTree(GroupImportance::EmittersOf(world.Lights(), groups)).PMF(q, light);
+    const LightGroups &groups = params.meshlights ? world.Lights().Wholes() : world.Lights().Parts();
+    return params.floor * EmitterTree(GroupImportance::EmittersOf(groups)).PMF(q, light);
 }
 
 TEST(Oracle, PointLightsAreChosenByWhatTheySend) {
@@ -193,10 +193,7 @@ TEST(Oracle, WhatScattersDecidesEvenInTheSamePlaceOfMemory) {
 }
 
 /// What a camera sees, with its BSDF.
-struct Place {
-    SurfacePoint point;
-    Bsdf bsdf;
-};
+using Place = PathVertex;
 std::vector<Place> CameraHits(const World &world, int count) {
     std::vector<Place> places;
     Rng rng(8);
@@ -221,7 +218,7 @@ std::vector<LightPoint> ManyPoints(const World &world, const Place &place, int p
     for (uint32_t l = 0; l < world.Lights().Size(); ++l)
         for (int i = 0; i < perLight; ++i) {
             LightPoint &y = points.emplace_back();
-            const Light &light = world.Lights()[LightId(l)];
+            const LightPart light = world.Lights()[LightId(l)];
             std::optional<LightLiSample> s = light.SampleLi(from, rng.Uniform2(), Wavelengths(), true);
             if (!s || !s->L || !(s->pdf > 0) || world.built.scene->Occluded(from, *s)) continue;
             SampledSpectrum f = place.bsdf.F(place.point.wo, s->wi) * AbsDot(s->wi, place.point.shading.n);
@@ -253,7 +250,7 @@ TEST_P(OracleAgainst, NoOtherSamplerHasALowerSecondMoment) {
         int seen = 0;
         for (const Place &place : places) {
             std::vector<LightPoint> points = ManyPoints(world, place, 512, mis);
-            LightQuery q = LightQueryAt(place.point, place.bsdf, Wavelengths(), 1);
+            LightQuery q = LightQueryAt(place, Wavelengths(), 1);
             std::vector<double> ofOracle, ofOther, least(world.Lights().Size());
             for (uint32_t l = 0; l < world.Lights().Size(); ++l) {
                 ofOracle.push_back(static_cast<double>(oracle->PMF(q, LightId(l))));

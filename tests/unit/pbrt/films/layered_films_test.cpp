@@ -41,9 +41,10 @@ FilmOverrides Precise() {
     return overrides;
 }
 
-std::unique_ptr<RgbFilm> Make(const std::string &type, const ParamSet &params) {
+std::unique_ptr<Film> Make(const std::string &type, const ParamSet &params, const AnimatedTransform &camera = {},
+                           const Transform &world = {}) {
     DiagnosticSink sink;
-    return MakeFilm(type, params, ColorSpace::SRGB(), 1, Precise(), sink);
+    return MakeFilm(type, params, {ColorSpace::SRGB(), 1, Precise(), camera, world}, sink);
 }
 
 constexpr int kSamples = 4000;
@@ -51,12 +52,11 @@ Float Step(int i) { return (static_cast<Float>(i) + Float(0.5)) / kSamples; }
 
 TEST(SpectralFilm, BucketsHoldTheMeanRadianceWithinThem) {
     auto film = Make("spectral", Params({{"lambdamin", 400}, {"lambdamax", 700}}, 10));
-    auto &spectral = static_cast<SpectralFilm &>(*film);
     // A line is its own mean at the centre of each bucket.
     const PiecewiseLinearSpectrum line({300, 900}, {1, 7});
     for (int i = 0; i < kSamples; ++i) {
-        const SampledWavelengths lambda = spectral.SampleWavelengths(Step(i));
-        spectral.AddSample({1, 0}, line.Sample(lambda) / CieYIntegral, lambda, Float(0.5) + Step(i));
+        const SampledWavelengths lambda = film->SampleWavelengths(Step(i));
+        film->AddSample({{1, 0}, line.Sample(lambda) / CieYIntegral, lambda, Float(0.5) + Step(i), {}});
     }
     const Image image = film->ToImage();
     ASSERT_EQ(image.ChannelCount(), 13);
@@ -70,14 +70,13 @@ TEST(SpectralFilm, BucketsHoldTheMeanRadianceWithinThem) {
 
 TEST(SpectralFilm, OverTheWholeRangeRgbIsThatOfTheRgbFilm) {
     auto film = Make("spectral", Params()), plain = Make("rgb", Params());
-    auto &spectral = static_cast<SpectralFilm &>(*film);
-    EXPECT_EQ(spectral.BucketCount(), 16);
+    EXPECT_EQ(static_cast<SpectralFilm &>(*film).BucketCount(), 16);
     const RgbIlluminantSpectrum color(ColorSpace::SRGB(), {0.8f, 0.4f, 0.2f});
     for (int i = 0; i < kSamples; ++i) {
-        SampledWavelengths lambda = spectral.SampleWavelengths(Step(i));
-        spectral.AddSample({0, 0}, color.Sample(lambda), lambda, 1);
+        SampledWavelengths lambda = film->SampleWavelengths(Step(i));
+        film->AddSample({{0, 0}, color.Sample(lambda), lambda, 1, {}});
         lambda = plain->SampleWavelengths(Step(i));
-        plain->AddSample({0, 0}, color.Sample(lambda), lambda, 1);
+        plain->AddSample({{0, 0}, color.Sample(lambda), lambda, 1, {}});
     }
     for (int c = 0; c < 3; ++c)
         EXPECT_NEAR(film->ToImage().Get({0, 0}, c) / plain->ToImage().Get({0, 0}, c), 1, 5e-3);
@@ -85,16 +84,15 @@ TEST(SpectralFilm, OverTheWholeRangeRgbIsThatOfTheRgbFilm) {
 
 TEST(SpectralFilm, WavelengthsThatEndedDoNotCount) {
     auto film = Make("spectral", Params({}, 4));
-    auto &spectral = static_cast<SpectralFilm &>(*film);
     // Half of the paths lose three wavelengths, whose radiance is then meaningless.
     for (int i = 0; i < kSamples; ++i) {
-        SampledWavelengths lambda = spectral.SampleWavelengths(Step(i));
+        SampledWavelengths lambda = film->SampleWavelengths(Step(i));
         SampledSpectrum L(i % 2 ? 1 : 3);
         if (i % 2) {
             lambda.TerminateSecondary();
             for (int k = 1; k < SpectrumSamples; ++k) L[k] = 1000;
         }
-        spectral.AddSample({0, 0}, L / CieYIntegral, lambda, 1);
+        film->AddSample({{0, 0}, L / CieYIntegral, lambda, 1, {}});
     }
     for (int b = 0; b < 4; ++b) EXPECT_NEAR(film->ToImage().Get({0, 0}, 3 + b), 2, 0.02);
 }
@@ -122,7 +120,6 @@ TEST(LayeredFilms, OnlyFitIntoExr) {
 
 TEST(GBufferFilm, HoldsMeansOverTheSamplesThatSeeASurface) {
     auto film = Make("gbuffer", Params());
-    auto &gbuffer = static_cast<GBufferFilm &>(*film);
     VisibleSurface a, b;
     a.p = {1, 2, 3};
     b.p = {3, 0, 7};
@@ -130,17 +127,17 @@ TEST(GBufferFilm, HoldsMeansOverTheSamplesThatSeeASurface) {
     b.n = b.ns = {0, 1, 0};
     a.uv = {0.2f, 0.4f};
     b.uv = {0.6f, 0.8f};
-    a.dzdx = 2;
-    b.dzdy = 4;
+    a.dpdx = {7, 5, -2};
+    b.dpdy = {1, 1, 4};
     for (int i = 0; i < kSamples; ++i) {
-        const SampledWavelengths lambda = gbuffer.SampleWavelengths(Step(i));
+        const SampledWavelengths lambda = film->SampleWavelengths(Step(i));
         a.lambda = b.lambda = lambda;
         a.albedo = b.albedo = SampledSpectrum(0.6f);
         const SampledSpectrum L = ColorSpace::SRGB().Illuminant().Sample(lambda) / CieYIntegral;
-        gbuffer.AddSample({0, 0}, L, lambda, 1, a);
-        gbuffer.AddSample({0, 0}, L, lambda, 3, b);
-        gbuffer.AddSample({0, 0}, L, lambda, 4, std::nullopt);
-        gbuffer.AddSample({1, 0}, L, lambda, 1, std::nullopt);
+        film->AddSample({{0, 0}, L, lambda, 1, a});
+        film->AddSample({{0, 0}, L, lambda, 3, b});
+        film->AddSample({{0, 0}, L, lambda, 4, {}});
+        film->AddSample({{1, 0}, L, lambda, 1, {}});
     }
     const Image image = film->ToImage();
     auto value = [&](const char *channel, int x = 0) {
@@ -167,15 +164,14 @@ TEST(GBufferFilm, HoldsMeansOverTheSamplesThatSeeASurface) {
 
 TEST(GBufferFilm, VarianceIsThatOfTheSamplesThatSeeASurface) {
     auto film = Make("gbuffer", Params());
-    auto &gbuffer = static_cast<GBufferFilm &>(*film);
-    const SampledWavelengths lambda = gbuffer.SampleWavelengths(0.3f);
+    const SampledWavelengths lambda = film->SampleWavelengths(0.3f);
     const Vector3 unit((CieX().Sample(lambda) / lambda.Pdf()).Average(),
                        (CieY().Sample(lambda) / lambda.Pdf()).Average(),
                        (CieZ().Sample(lambda) / lambda.Pdf()).Average());
     VisibleSurface surface;
     surface.lambda = lambda;
-    for (Float L : {1.0f, 2.0f, 6.0f}) gbuffer.AddSample({0, 0}, SampledSpectrum(L), lambda, 1, surface);
-    gbuffer.AddSample({0, 0}, SampledSpectrum(50), lambda, 1, std::nullopt);
+    for (Float L : {1.0f, 2.0f, 6.0f}) film->AddSample({{0, 0}, SampledSpectrum(L), lambda, 1, surface});
+    film->AddSample({{0, 0}, SampledSpectrum(50), lambda, 1, {}});
     const Image image = film->ToImage();
     // Mean 3, variance 7.
     const char *channels[3] = {"R", "G", "B"};
@@ -187,13 +183,30 @@ TEST(GBufferFilm, VarianceIsThatOfTheSamplesThatSeeASurface) {
     }
 }
 
-TEST(GBufferFilm, CoordinateSystemsAreAClosedSet) {
-    auto coordinates = [](const char *name) {
-        return static_cast<GBufferFilm &>(*Make("gbuffer", Params({}, 0, {"coordinatesystem", name}))).Coordinates();
+TEST(GBufferFilm, PlacesAreInTheChosenCoordinates) {
+    // The camera moves from x = 0 to x = 8 and looks along +x; the world is rendering space moved up.
+    const Transform turn = Transform::Rotate(90, {0, 1, 0});
+    const AnimatedTransform camera(turn, 0, Transform::Translate({8, 0, 0}) * turn, 1);
+    const Transform world = Transform::Translate({0, 100, 0});
+    VisibleSurface surface;
+    surface.p = {5, 0, 0};
+    surface.n = surface.ns = {-1, 0, 0};
+    surface.dpdx = {-3, 0, 0};
+    surface.dpdy = {0, 0, 2};
+    surface.time = 0.25f;
+    surface.lambda = SampledWavelengths::SampleVisible(0.5f);
+    auto pixel = [&](const char *system, const std::vector<const char *> &channels) {
+        auto film = Make("gbuffer", Params({}, 0, {"coordinatesystem", system}), camera, world);
+        film->AddSample({{0, 0}, SampledSpectrum(1), surface.lambda, 1, surface});
+        const Image image = film->ToImage();
+        std::vector<Float> values;
+        for (const char *c : channels) values.push_back(std::round(image.Get({0, 0}, image.FindChannel(c)) * 1e4f) / 1e4f);
+        return values;
     };
-    EXPECT_EQ(coordinates("camera"), GBufferFilm::CoordinateSystem::Camera);
-    EXPECT_EQ(coordinates("world"), GBufferFilm::CoordinateSystem::World);
-    EXPECT_THROW(coordinates("render"), UserError);
+    const std::vector<const char *> channels = {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "dzdx", "dzdy"};
+    EXPECT_EQ(pixel("camera", channels), (std::vector<Float>{0, 0, 3, 0, 0, -1, 3, 0}));
+    EXPECT_EQ(pixel("world", channels), (std::vector<Float>{5, -100, 0, -1, 0, 0, 0, 2}));
+    EXPECT_THROW(Make("gbuffer", Params({}, 0, {"coordinatesystem", "render"})), UserError);
 }
 
 }  // namespace

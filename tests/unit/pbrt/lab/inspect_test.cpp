@@ -8,6 +8,7 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "support/build_text.h"
+#include "support/wrapped_sampler.h"
 
 namespace pbrt::lab {
 namespace {
@@ -33,11 +34,9 @@ Shape "bilinearmesh" "point3 P" [ 0 -9 0  0 9 0  0 -9 1  0 9 1 ]
 )";
 
 /// Uniform, and says where it was asked.
-class Telltale final : public LightSampler {
+class Telltale final : public test::WrappedSampler {
   public:
-    explicit Telltale(const LightTable &lights) : uniform_(lights.Candidates()) {}
-    std::optional<SampledLight> Sample(const LightQuery &q, Float u) const override { return uniform_.Sample(q, u); }
-    Float PMF(const LightQuery &q, LightId light) const override { return uniform_.PMF(q, light); }
+    explicit Telltale(const LightTable &lights) : WrappedSampler(uniform_), uniform_(lights.Parts()) {}
     void Inspect(const LightQuery &q, std::vector<InspectedValue> &values) const override {
         values.push_back({"x place", static_cast<double>(q.p.x), false});
         values.push_back({"cell", q.p.y > 0 ? 7.0 : 3.0, true});
@@ -45,6 +44,10 @@ class Telltale final : public LightSampler {
     std::string DescribeStructure() const override { return "two cells\n"; }
 
   private:
+    std::optional<SampledLight> Choose(const LightQuery &, const void *weights, Float u) const override {
+        return Inner(weights).Sample(u);
+    }
+    Float Probability(const LightQuery &, const void *weights, LightId light) const override { return Inner(weights).PMF(light); }
     UniformLightSampler uniform_;
 };
 

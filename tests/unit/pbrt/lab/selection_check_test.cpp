@@ -44,14 +44,14 @@ AttributeEnd
 class Spoilt final : public LightSampler {
   public:
     explicit Spoilt(size_t lights) : count_(lights) {}
-    std::optional<SampledLight> Sample(const LightQuery &q, Float u) const override {
+    std::optional<SampledLight> Choose(const LightQuery &q, const void *, Float u) const override {
         auto i = std::min(static_cast<size_t>(u * static_cast<Float>(count_)), count_ - 1);
         if (blindTo && i == *blindTo && where(q)) return {};
         // Every eighth part of the first light's draws goes elsewhere, unsaid.
         if (takesElsewhere && i == 0 && u * static_cast<Float>(count_) < 0.125f) i = 1;
         return SampledLight{LightId(i), 1 / static_cast<Float>(count_) * (i == 0 ? claims : 1)};
     }
-    Float PMF(const LightQuery &q, LightId light) const override {
+    Float Probability(const LightQuery &q, const void *, LightId light) const override {
         if (blindTo && light.value == *blindTo && where(q)) return 0;
         return 1 / static_cast<Float>(count_) * pmfSays;
     }
@@ -89,7 +89,7 @@ TEST_F(SelectionCheck, HonestSamplersAreClean) {
     EXPECT_GT(own.vertices, 1000);
     EXPECT_LE(own.visibleSixteenth, settings_.bias.interest);
     EXPECT_LT(own.visibleImage, own.visibleSixteenth);
-    const SelectionReport power = Check(PowerLightSampler(built_.scene->Lights().Candidates()));
+    const SelectionReport power = Check(PowerLightSampler(built_.scene->Lights().Parts()));
     EXPECT_EQ(power.verdict, BiasVerdict::Clean) << power.text;
 }
 

@@ -1,6 +1,11 @@
-#include "pbrt/films/film_bounds.h"
+#include "pbrt/films/film_frame.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "pbrt/core/files.h"
+#include "pbrt/core/memory.h"
+#include "pbrt/images/picture_name.h"
 
 namespace pbrt {
 
@@ -34,8 +39,9 @@ Bounds2i FromCropWindow(const Bounds2 &window, Point2i resolution) {
             {pixel(high.x, resolution.x), pixel(high.y, resolution.y)}};
 }
 
-}  // namespace
-
+/// Which pixels are rendered. The command line beats the scene; on either, a crop window beats pixel bounds.
+/// Bounds that stick out of the image are cut with a warning; an empty result is an error. Pixel bounds of the scene
+/// are meant for the scene's resolution: they shrink with it under --quick.
 Bounds2i ChoosePixelBounds(const ParamSet &params, Point2i fullResolution, const FilmOverrides &overrides,
                            DiagnosticSink &sink) {
     std::optional<Bounds2> sceneCrop = SceneCropWindow(params);
@@ -71,6 +77,38 @@ Bounds2i ChoosePixelBounds(const ParamSet &params, Point2i fullResolution, const
                         bounds.high.x, bounds.low.y, bounds.high.y, fullResolution.x, fullResolution.y),
             loc);
     return bounds;
+}
+
+/// Called before the picture is rendered, not after.
+void CheckFilename(const std::string &filename, bool onlyExr, const FileLoc &loc) {
+    CheckPictureName(filename, loc);
+    if (onlyExr && LowerExtension(filename) != ".exr")
+        throw UserError(fmt::format("\"{}\": the channels of this film only fit into an .exr file.", filename), loc);
+}
+
+int GetExtent(const ParamSet &params, const char *name, int defaultValue, int divisor) {
+    return std::max(1, params.GetInt(name, defaultValue, {1, 1 << 20}) / divisor);
+}
+
+}  // namespace
+
+FilmFrame ReadFilmFrame(const ParamSet &params, const ColorSpace &outputSpace, const FilmOverrides &overrides,
+                        const FrameNeeds &needs, DiagnosticSink &sink) {
+    FilmFrame frame;
+    frame.outputSpace = &outputSpace;
+    frame.fullResolution = {GetExtent(params, "xresolution", 1280, overrides.resolutionDivisor),
+                            GetExtent(params, "yresolution", 720, overrides.resolutionDivisor)};
+    frame.pixelBounds = ChoosePixelBounds(params, frame.fullResolution, overrides, sink);
+    frame.filename = params.GetString("filename", "pbrt.exr");
+    if (!overrides.filename.empty()) frame.filename = overrides.filename;
+    CheckFilename(frame.filename, needs.onlyExr, overrides.filename.empty() ? params.LocOf("filename") : FileLoc());
+    frame.diagonalMm = params.GetFloat("diagonal", 35, Positive(1e6f));
+    frame.half = params.GetBool("savefp16", true) && !overrides.fullFloat;
+    const Bounds2i &bounds = frame.pixelBounds;
+    RequireMemory(static_cast<double>(bounds.Area()) * needs.bytesPerPixel,
+                  fmt::format("{}: a picture of {} x {} pixels", params.What(), bounds.Width(), bounds.Height()),
+                  params.LocOf("xresolution"));
+    return frame;
 }
 
 }  // namespace pbrt

@@ -1,12 +1,12 @@
 #pragma once
-#include "pbrt/integrators/integrator.h"
+#include "pbrt/paths/vertex.h"
+#include "pbrt/samplers/sampler.h"
 
 namespace pbrt {
 
-/// Where light that went below a surface leaves it again.
+/// Where light that went below a surface leaves it again, and by what factor.
 struct SubsurfaceExit {
-    SurfacePoint point;      ///< wo: its shading normal, the side it leaves to
-    Bsdf bsdf;               ///< the exit lobe
+    PathVertex vertex;       ///< wo: its shading normal, the side it leaves to; the BSDF is the exit lobe
     SampledSpectrum weight;  ///< profile over density
 };
 

@@ -1,4 +1,4 @@
-#include "pbrt/integrators/subsurface_exit.h"
+#include "pbrt/paths/subsurface_exit.h"
 
 namespace pbrt {
 
@@ -13,13 +13,14 @@ std::optional<SubsurfaceExit> SampleSubsurfaceExit(const Scene &scene, const Sur
         scene.SampleCrossing(probe->from, probe->to, entry.time, entry.material, uCrossing);
     if (!crossing) return {};
     SubsurfaceExit exit;
-    exit.point = crossing->point;
-    exit.point.wo = exit.point.shading.n;
-    const Float pdf = bssrdf.Pdf(exit.point.p, exit.point.n) / static_cast<Float>(crossing->count);  // area
+    auto &[point, bsdf] = exit.vertex;
+    point = crossing->point;
+    point.wo = point.shading.n;
+    const Float pdf = bssrdf.Pdf(point.p, point.n) / static_cast<Float>(crossing->count);  // area
     if (!(pdf > 0)) return {};
-    exit.weight = bssrdf.Profile(Distance(entry.p, exit.point.p)) / pdf;
+    exit.weight = bssrdf.Profile(Distance(entry.p, point.p)) / pdf;
     if (!exit.weight) return {};
-    exit.bsdf = Bsdf(exit.point.shading.n, exit.point.shading.dpdu, bssrdf.ExitLobe());
+    bsdf = Bsdf(point.shading.n, point.shading.dpdu, bssrdf.ExitLobe());
     return exit;
 }
 

@@ -1,0 +1,47 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "pbrt/core/params.h"
+#include "pbrt/math/bounds.h"
+#include "pbrt/spectra/color_space.h"
+
+namespace pbrt {
+
+/// Command line settings that beat the scene's film parameters.
+struct FilmOverrides {
+    std::optional<Bounds2> cropWindow;       ///< fractions
+    std::optional<Bounds2i> pixelBounds;
+    std::string filename;                    ///< empty: the scene's
+    int resolutionDivisor = 1;               ///< 4 with --quick
+    bool fullFloat = false;                  ///< float precision whatever savefp16 says
+};
+
+/// What every film is told in the same words: its size, and how its picture is written.
+struct FilmFrame {
+    Point2i fullResolution{};
+    Bounds2i pixelBounds{};  ///< the pixels that are rendered
+    std::string filename;
+    Float diagonalMm = 35;
+    bool half = true;  ///< the picture has half precision
+    const ColorSpace *outputSpace = nullptr;
+
+    size_t PixelCount() const { return static_cast<size_t>(pixelBounds.Area()); }
+    size_t IndexOf(Point2i pixel) const {
+        PBRT_DCHECK(pixelBounds.Contains(pixel));
+        const Point2i p = pixel - pixelBounds.low;
+        return static_cast<size_t>(p.y) * static_cast<size_t>(pixelBounds.Width()) + static_cast<size_t>(p.x);
+    }
+};
+
+/// What a film of one kind needs of its frame.
+struct FrameNeeds {
+    bool onlyExr = false;      ///< its channels fit into no other file
+    double bytesPerPixel = 0;  ///< of the sums, and of the picture that is made of them when it is written
+};
+
+/// Throws UserError, also if the machine has not enough memory.
+FilmFrame ReadFilmFrame(const ParamSet &params, const ColorSpace &outputSpace, const FilmOverrides &overrides,
+                        const FrameNeeds &needs, DiagnosticSink &sink);
+
+}  // namespace pbrt

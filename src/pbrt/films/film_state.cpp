@@ -1,0 +1,97 @@
+#include "pbrt/films/film_state.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <istream>
+#include <ostream>
+
+#include "pbrt/core/error.h"
+
+namespace pbrt {
+
+namespace {
+
+constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 'f', 'l', 'm', '1'};
+constexpr uint64_t kLongestName = 64, kMostBlocks = 64;
+
+template <class T>
+void WriteValue(std::ostream &out, const T &value) {
+    out.write(reinterpret_cast<const char *>(&value), sizeof(value));
+}
+
+[[noreturn]] void RefuseFile() { throw UserError("the saved state of a film is not of this film."); }
+
+void ReadBytes(std::istream &in, void *to, size_t bytes) {
+    if (!in.read(static_cast<char *>(to), static_cast<std::streamsize>(bytes)))
+        throw UserError("the saved state of a film ends too early.");
+}
+
+template <class T>
+T ReadValue(std::istream &in) {
+    T value;
+    ReadBytes(in, &value, sizeof(value));
+    return value;
+}
+
+void WriteName(std::ostream &out, const std::string &name) {
+    WriteValue(out, uint64_t{name.size()});
+    out.write(name.data(), static_cast<std::streamsize>(name.size()));
+}
+
+std::string ReadName(std::istream &in) {
+    const auto length = ReadValue<uint64_t>(in);
+    if (length > kLongestName) RefuseFile();
+    std::string name(length, ' ');
+    ReadBytes(in, name.data(), length);
+    return name;
+}
+
+/// Memory grows with what is really there, not with what a damaged file announces.
+std::vector<std::byte> ReadData(std::istream &in, uint64_t bytes) {
+    constexpr uint64_t kPiece = 1 << 24;
+    std::vector<std::byte> data;
+    while (data.size() < bytes) {
+        const size_t have = data.size();
+        data.resize(have + std::min(kPiece, bytes - have));
+        ReadBytes(in, data.data() + have, data.size() - have);
+    }
+    return data;
+}
+
+}  // namespace
+
+const SavedState::Block *SavedState::Find(const std::string &name) const {
+    auto found = std::find_if(blocks.begin(), blocks.end(), [&](const Block &b) { return b.name == name; });
+    return found != blocks.end() ? &*found : nullptr;
+}
+
+void WriteState(std::ostream &out, const std::string &kind, const Bounds2i &pixelBounds,
+                const std::vector<StateBlock> &blocks) {
+    WriteValue(out, kMagic);
+    WriteName(out, kind);
+    WriteValue(out, pixelBounds);
+    WriteValue(out, uint64_t{blocks.size()});
+    for (const StateBlock &block : blocks) {
+        WriteName(out, block.name);
+        WriteValue(out, uint64_t{block.bytes});
+        out.write(reinterpret_cast<const char *>(block.data), static_cast<std::streamsize>(block.bytes));
+    }
+}
+
+SavedState ReadState(std::istream &in) {
+    SavedState state;
+    if (ReadValue<std::array<char, 8>>(in) != kMagic) RefuseFile();
+    state.kind = ReadName(in);
+    state.pixelBounds = ReadValue<Bounds2i>(in);
+    const auto count = ReadValue<uint64_t>(in);
+    if (count > kMostBlocks) RefuseFile();
+    for (uint64_t i = 0; i < count; ++i) {
+        SavedState::Block &block = state.blocks.emplace_back();
+        block.name = ReadName(in);
+        block.data = ReadData(in, ReadValue<uint64_t>(in));
+    }
+    return state;
+}
+
+}  // namespace pbrt

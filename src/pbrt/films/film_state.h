@@ -1,0 +1,67 @@
+#pragma once
+#include <cstddef>
+#include <cstring>
+#include <iosfwd>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "pbrt/math/bounds.h"
+
+namespace pbrt {
+
+/// Sums of a film of one type, as plain memory: what a state holds, and how it is added to other sums.
+struct StateBlock {
+    std::string name;
+    std::byte *data = nullptr;
+    size_t bytes = 0;
+    bool isOfSplats = false;  ///< has no bytes in a film that expects none
+    void (*add)(std::byte *to, const std::byte *from, size_t bytes) = nullptr;
+    void (*clear)(std::byte *data, size_t bytes) = nullptr;
+};
+
+/// T is plain memory, T() is an empty sum and T += T adds sums up. An empty sum plus another is the other to the bit.
+template <class T>
+StateBlock MakeStateBlock(const char *name, std::span<T> sums) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    StateBlock block;
+    block.name = name;
+    block.data = reinterpret_cast<std::byte *>(sums.data());
+    block.bytes = sums.size_bytes();
+    block.add = [](std::byte *to, const std::byte *from, size_t bytes) {
+        for (size_t at = 0; at < bytes; at += sizeof(T)) {
+            T sum, other;
+            std::memcpy(&sum, to + at, sizeof(T));
+            std::memcpy(&other, from + at, sizeof(T));
+            sum += other;
+            std::memcpy(to + at, &sum, sizeof(T));
+        }
+    };
+    block.clear = [](std::byte *data, size_t bytes) {
+        const T empty{};
+        for (size_t at = 0; at < bytes; at += sizeof(T)) std::memcpy(data + at, &empty, sizeof(T));
+    };
+    return block;
+}
+
+/// What was read of a state: its words stand for the type of the film and its pixels.
+struct SavedState {
+    std::string kind;
+    Bounds2i pixelBounds{};
+    struct Block {
+        std::string name;
+        std::vector<std::byte> data;
+    };
+    std::vector<Block> blocks;
+
+    const Block *Find(const std::string &name) const;
+};
+
+/// Bit by bit, in this machine's byte order.
+void WriteState(std::ostream &out, const std::string &kind, const Bounds2i &pixelBounds,
+                const std::vector<StateBlock> &blocks);
+/// Throws UserError if the stream ends too early or holds something else.
+SavedState ReadState(std::istream &in);
+
+}  // namespace pbrt

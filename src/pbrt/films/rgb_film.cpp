@@ -1,0 +1,27 @@
+#include "pbrt/films/rgb_film.h"
+
+namespace pbrt {
+
+RgbFilm::RgbFilm(const ParamSet &params, const FilmContext &context, DiagnosticSink &sink)
+    : Film("rgb", ReadFilmFrame(params, context.outputSpace, context.overrides,
+                                {.onlyExr = false, .bytesPerPixel = SensorSums::kBytesPerPixel}, sink)),
+      sums_(params, Frame(), context.exposureTime) {}
+
+void RgbFilm::AddSample(const FilmSample &sample) {
+    if (std::optional<Vector3> sensor = sums_.Measure(sample.L, sample.lambda, sample.weight))
+        sums_.Add(Frame().IndexOf(sample.pixel), *sensor, sample.weight);
+}
+
+void RgbFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {
+    if (!PixelBounds().Contains(pixel)) return;
+    if (std::optional<Vector3> sensor = sums_.Measure(L, lambda, weight))
+        sums_.AddSplat(Frame().IndexOf(pixel), *sensor, weight);
+}
+
+std::vector<StateBlock> RgbFilm::Blocks() {
+    std::vector<StateBlock> blocks;
+    sums_.AppendBlocks(blocks);
+    return blocks;
+}
+
+}  // namespace pbrt

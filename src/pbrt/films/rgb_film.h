@@ -1,0 +1,24 @@
+#pragma once
+#include "pbrt/films/film.h"
+#include "pbrt/films/sensor_sums.h"
+
+namespace pbrt {
+
+/// The `rgb` film: what the sensor reads.
+class RgbFilm final : public Film {
+  public:
+    RgbFilm(const ParamSet &params, const FilmContext &context, DiagnosticSink &sink);
+
+    void AddSample(const FilmSample &sample) override;
+    void ExpectSplats() override { sums_.ExpectSplats(); }
+    void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) override;
+    void AddSplatSamples(uint64_t perPixel) override { sums_.AddSplatSamples(perPixel); }
+    Image ToImage() const override { return sums_.MakeImage({}); }
+    uint64_t RejectedSamples() const override { return sums_.Rejected(); }
+
+  private:
+    std::vector<StateBlock> Blocks() override;
+    SensorSums sums_;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,78 @@
+#include "pbrt/films/sensor_sums.h"
+
+#include <limits>
+
+#include "pbrt/core/log.h"
+
+namespace pbrt {
+
+namespace {
+
+constexpr Float kLargestHalf = 65504;
+
+}  // namespace
+
+SensorSums::SensorSums(const ParamSet &params, const FilmFrame &frame, Float exposureTime)
+    : resolution_(frame.pixelBounds.high - frame.pixelBounds.low),
+      half_(frame.half),
+      maxComponent_(
+          params.GetFloat("maxcomponentvalue", Infinity, Positive(std::numeric_limits<Float>::max()))),
+      sensor_(PixelSensor::Make(params, *frame.outputSpace, exposureTime)),
+      outputFromSensor_(frame.outputSpace->RgbFromXyz() * sensor_.XyzFromSensor()),
+      pixels_(frame.PixelCount()) {}
+
+bool SensorSums::AddSplat(size_t pixel, const Vector3 &sensor, Float weight) {
+    for (int c = 0; c < 3; ++c)
+        if (!FixedSum::Holds(double(weight) * double(sensor[c]))) {
+            Reject();
+            return false;
+        }
+    for (int c = 0; c < 3; ++c)
+        splats_.Add(3 * pixel + static_cast<size_t>(c), double(weight) * double(sensor[c]));
+    return true;
+}
+
+Image SensorSums::MakeImage(const std::vector<std::string> &furtherChannels) const {
+    std::vector<std::string> channels = {"R", "G", "B"};
+    channels.insert(channels.end(), furtherChannels.begin(), furtherChannels.end());
+    Image image(half_ ? PixelFormat::Half : PixelFormat::Float, resolution_, channels,
+                ColorEncoding{ColorEncoding::Kind::Linear});
+    uint64_t clamped = 0;
+    size_t i = 0;
+    for (int y = 0; y < resolution_.y; ++y)
+        for (int x = 0; x < resolution_.x; ++x, ++i) {
+            const Pixel &sums = pixels_[i];
+            const double scale = sums.weight != 0 ? 1 / sums.weight : 0;
+            Vector3 sensor;
+            for (int c = 0; c < 3; ++c) {
+                double mean = sums.sensor[c] * scale;
+                if (splats_.AreExpected()) mean += splats_.Sum(3 * i + static_cast<size_t>(c)) * SplatScale();
+                sensor[c] = static_cast<Float>(mean);
+            }
+            Rgb rgb = outputFromSensor_ * sensor;
+            for (int c = 0; c < 3; ++c) {
+                if (half_ && rgb[c] > kLargestHalf) {
+                    rgb[c] = kLargestHalf;
+                    ++clamped;
+                }
+                image.Set({x, y}, c, rgb[c]);
+            }
+        }
+    if (clamped > 0)
+        LogWarning(
+            fmt::format("{} pixel values are above {}, the largest of half precision, and are cut to it; "
+                        "\"bool savefp16\" false keeps them.",
+                        clamped, kLargestHalf));
+    if (counts_.rejected > 0)
+        LogWarning(
+            fmt::format("{} samples had infinite or not-a-number radiance and were dropped.", counts_.rejected));
+    return image;
+}
+
+void SensorSums::AppendBlocks(std::vector<StateBlock> &blocks) {
+    blocks.push_back(MakeStateBlock("sensor", std::span(pixels_)));
+    blocks.push_back(splats_.Block("sensor splats"));
+    blocks.push_back(MakeStateBlock("counts", std::span(&counts_, 1)));
+}
+
+}  // namespace pbrt

@@ -1,0 +1,86 @@
+#pragma once
+#include <atomic>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pbrt/films/film_frame.h"
+#include "pbrt/films/film_state.h"
+#include "pbrt/films/sensor.h"
+#include "pbrt/films/splats.h"
+#include "pbrt/images/image.h"
+
+namespace pbrt {
+
+/// What the sensor reads in every pixel: the part that all films have. Weighted sums of samples and sums of splats.
+class SensorSums {
+  public:
+    SensorSums(const ParamSet &params, const FilmFrame &frame, Float exposureTime);
+    /// Of memory for a pixel and its red, green and blue in the picture.
+    static constexpr double kBytesPerPixel = 4 * sizeof(double) + 3 * sizeof(float);
+
+    /// What the sensor reads, cut to maxcomponentvalue. Empty: not finite; it is counted as rejected.
+    std::optional<Vector3> Measure(const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight);
+    void Add(size_t pixel, const Vector3 &sensor, Float weight) {
+        Pixel &sums = pixels_[pixel];
+        for (int c = 0; c < 3; ++c)
+            sums.sensor[c] += double(weight) * double(sensor[c]);
+        sums.weight += double(weight);
+    }
+    double WeightOf(size_t pixel) const { return pixels_[pixel].weight; }
+
+    void ExpectSplats() { splats_.Expect(3 * pixels_.size()); }
+    /// False: it is larger than a sum of splats holds, and counted as rejected.
+    bool AddSplat(size_t pixel, const Vector3 &sensor, Float weight);
+    void AddSplatSamples(uint64_t perPixel) { counts_.splatSamples += perPixel; }
+    /// Factor that turns a sum of splats into their mean.
+    double SplatScale() const { return counts_.splatSamples ? 1 / static_cast<double>(counts_.splatSamples) : 0; }
+
+    Float MaxComponentValue() const { return maxComponent_; }
+    /// Counts something that was dropped; from any thread.
+    void Reject() { std::atomic_ref(counts_.rejected).fetch_add(1, std::memory_order_relaxed); }
+    uint64_t Rejected() const { return counts_.rejected; }
+    /// An image with R, G, B filled and further channels for the film to fill; reports what was cut or dropped.
+    Image MakeImage(const std::vector<std::string> &furtherChannels) const;
+    void AppendBlocks(std::vector<StateBlock> &blocks);
+
+  private:
+    struct Pixel {
+        double sensor[3] = {0, 0, 0};  ///< sum of weight * XYZ or camera RGB
+        double weight = 0;
+        void operator+=(const Pixel &p) {
+            for (int c = 0; c < 3; ++c)
+                sensor[c] += p.sensor[c];
+            weight += p.weight;
+        }
+    };
+    struct Counts {
+        uint64_t rejected = 0, splatSamples = 0;
+        void operator+=(const Counts &c) {
+            rejected += c.rejected;
+            splatSamples += c.splatSamples;
+        }
+    };
+    Point2i resolution_;
+    bool half_;
+    Float maxComponent_;
+    PixelSensor sensor_;
+    glm::mat3 outputFromSensor_{1};
+    std::vector<Pixel> pixels_;
+    Splats splats_;
+    Counts counts_;
+};
+
+inline std::optional<Vector3> SensorSums::Measure(const SampledSpectrum &L, const SampledWavelengths &lambda,
+                                                  Float weight) {
+    Vector3 sensor = sensor_.Expose(SafeDivide(L, lambda.Pdf()), lambda);
+    if (!std::isfinite(sensor.x + sensor.y + sensor.z) || !std::isfinite(weight)) {
+        Reject();
+        return {};
+    }
+    Float largest = MaxComponent(sensor);
+    if (largest > maxComponent_) sensor *= maxComponent_ / largest;
+    return sensor;
+}
+
+}  // namespace pbrt

@@ -1,0 +1,31 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "pbrt/films/film_state.h"
+#include "pbrt/films/fixed_sum.h"
+
+namespace pbrt {
+
+/// Sums of splats: some numbers per pixel, to which any thread may add at any time.
+class Splats {
+  public:
+    /// Makes room for `count` sums, once.
+    void Expect(size_t count) {
+        if (sums_.empty()) sums_.resize(count);
+    }
+    bool AreExpected() const { return !sums_.empty(); }
+    void Add(size_t index, double x) { sums_[index].Add(x); }
+    double Sum(size_t index) const { return sums_[index].Value(); }
+
+    StateBlock Block(const char *name) {
+        StateBlock block = MakeStateBlock(name, std::span(sums_));
+        block.isOfSplats = true;
+        return block;
+    }
+
+  private:
+    std::vector<FixedSum> sums_;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,83 @@
+#include "pbrt/integrators/pixel_integrator.h"
+
+#include "pbrt/core/parallel.h"
+
+namespace pbrt {
+
+namespace {
+
+constexpr int kTileSize = 16;
+
+/// Traces the samples of a pass.
+class PassRenderer {
+  public:
+    PassRenderer(const PixelIntegrator &integrator, const RenderPass &pass)
+        : integrator_(integrator),
+          pass_(pass),
+          wantsVisible_(pass.film.WantsVisibleSurface()),
+          differentialScale_(
+              pass.jittersPixels ? std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(pass.samplesPerPixel)))
+                                 : Float(1)) {}
+
+    /// False: cancelled.
+    bool RenderTile(const Bounds2i &tile, Sampler &sampler) const {
+        for (int y = tile.low.y; y < tile.high.y; ++y)
+            for (int x = tile.low.x; x < tile.high.x; ++x)
+                for (int i = pass_.first; i < pass_.first + pass_.count; ++i) {
+                    // Asked before every sample: one alone may take a tenth of a second.
+                    if (pass_.progress.Cancelled()) return false;
+                    TraceSample({x, y}, i, sampler);
+                }
+        return true;
+    }
+
+  private:
+    void TraceSample(Point2i pixel, int index, Sampler &sampler) const {
+        FilmSample sample;
+        sample.pixel = pixel;
+        sampler.StartPixelSample(pixel, index);
+        const Float uLambda = sampler.Get1D();
+        sample.lambda = pass_.film.SampleWavelengths(pass_.jittersWavelengths ? uLambda : Float(0.5));
+        const FilterSample offset = pass_.filter.Sample(sampler.GetPixel2D());
+        CameraSample cs;
+        cs.pFilm = Point2(pixel) + Point2(0.5f, 0.5f) + offset.offset;
+        cs.time = sampler.Get1D();
+        cs.pLens = sampler.Get2D();
+        cs.filterWeight = offset.weight;
+        if (!pass_.jittersPixels) cs = {Point2(pixel) + Point2(0.5f, 0.5f), {0.5f, 0.5f}, 0.5f, 1};
+        sample.weight = cs.filterWeight;
+        if (std::optional<CameraRay> ray = pass_.camera.GenerateRay(cs, sample.lambda)) {
+            const SampledSpectrum weight = ray->weight;
+            ray->differential.Scale(ray->ray, differentialScale_);
+            const PathStart start{*ray, pixel, pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr};
+            sample.L = weight * integrator_.Li(start, sample.lambda, sampler);
+        }
+        if (pass_.keepsSamples) pass_.film.AddSample(sample);
+    }
+
+    const PixelIntegrator &integrator_;
+    const RenderPass &pass_;
+    const bool wantsVisible_;
+    const Float differentialScale_;
+};
+
+}  // namespace
+
+bool PixelIntegrator::Render(const RenderPass &pass) {
+    const PassRenderer renderer(*this, pass);
+    const Bounds2i &bounds = pass.film.PixelBounds();
+    const Vector2i tiles = (bounds.high - bounds.low + (kTileSize - 1)) / kTileSize;
+    std::atomic<bool> isWhole = true;
+    ParallelForEach(bounds.IsEmpty() ? 0 : int64_t{tiles.x} * tiles.y, [&](int64_t i) {
+        const Point2i at(static_cast<int>(i % tiles.x), static_cast<int>(i / tiles.x));
+        const Point2i low = bounds.low + kTileSize * at;
+        const Bounds2i tile{low, glm::min(low + kTileSize, bounds.high)};
+        // Which thread takes which tile does not matter.
+        if (!renderer.RenderTile(tile, *pass.samplers[static_cast<size_t>(ThreadIndex())]))
+            isWhole.store(false, std::memory_order_relaxed);
+        else if (pass.isCounted) pass.progress.Advance(int64_t{tile.Area()} * pass.count);
+    });
+    return isWhole;
+}
+
+}  // namespace pbrt

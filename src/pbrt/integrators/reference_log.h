@@ -1,0 +1,30 @@
+#pragma once
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "pbrt/films/film.h"
+
+namespace pbrt {
+
+/// A reference image and the file that gets one line "samples, mean squared error" per wave.
+class ReferenceLog {
+  public:
+    /// No names: does nothing. Throws UserError if the reference does not cover the film or a file cannot be opened.
+    ReferenceLog(const std::string &referenceImage, const std::string &outFile, const Film &film);
+    std::optional<double> Log(int samples, const Film &film);
+    /// Closes the file. Why it is not complete; empty if it is.
+    const std::string &Finish();
+
+  private:
+    struct Close {
+        void operator()(std::FILE *f) const { std::fclose(f); }
+    };
+    void Fail();
+    Image reference_;
+    std::string name_, failure_;
+    std::unique_ptr<std::FILE, Close> out_;
+};
+
+}  // namespace pbrt

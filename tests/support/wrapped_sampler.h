@@ -1,0 +1,23 @@
+#pragma once
+#include "pbrt/lightsamplers/light_sampler.h"
+
+namespace pbrt::test {
+
+/// For light samplers that change the answers of another one.
+class WrappedSampler : public LightSampler {
+  protected:
+    /// `inner` must live as long.
+    explicit WrappedSampler(const LightSampler &inner) : inner_(inner) {}
+    /// What the other sampler answers, from what Choose and Probability are given.
+    static const LightDistribution &Inner(const void *weights) { return *static_cast<const LightDistribution *>(weights); }
+
+  private:
+    const void *Weigh(const LightQuery &query, LightMemory &memory) const final {
+        auto *inner = memory.Make<LightDistribution>();
+        *inner = inner_.Within(query, memory);
+        return inner;
+    }
+    const LightSampler &inner_;
+};
+
+}  // namespace pbrt::test

@@ -1,0 +1,253 @@
+// What films add up: saved, loaded, merged, and splatted from many threads.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <sstream>
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/films/film.h"
+#include "pbrt/films/fixed_sum.h"
+#include "pbrt/math/rng.h"
+
+namespace pbrt {
+namespace {
+
+ParamSet Params(int width = 5, int height = 3) {
+    ParamSet params("Film", {});
+    for (auto [name, value] : {std::pair("xresolution", width), std::pair("yresolution", height)}) {
+        Param p;
+        p.type = ParamType::Integer;
+        p.name = name;
+        p.ints = {value};
+        params.Add(p);
+    }
+    return params;
+}
+
+std::unique_ptr<Film> Make(const std::string &type, const ParamSet &params = Params()) {
+    DiagnosticSink sink;
+    FilmContext context{.outputSpace = ColorSpace::SRGB()};
+    context.overrides.fullFloat = true;
+    return MakeFilm(type, params, context, sink);
+}
+
+/// A number in [0, 1) that belongs to `key`.
+Float Hash(uint64_t key) { return static_cast<Float>(MixBits(key) >> 40) / static_cast<Float>(1 << 24); }
+
+/// Adds the samples [first, last) of every pixel.
+void AddSamples(Film &film, uint64_t first, uint64_t last) {
+    for (uint64_t i = first; i < last; ++i)
+        for (int y = 0; y < 3; ++y)
+            for (int x = 0; x < 5; ++x) {
+                const Float u = Hash(100 * i + static_cast<uint64_t>(10 * y + x));
+                FilmSample sample;
+                sample.pixel = {x, y};
+                sample.L = SampledSpectrum(u);
+                sample.lambda = film.SampleWavelengths(Hash(7 + i));
+                sample.weight = u - Float(0.1);
+                if (film.WantsVisibleSurface() && u < Float(0.8)) {
+                    VisibleSurface &visible = sample.visible.emplace();
+                    visible.p = {u, 1 - u, 3 * u};
+                    visible.n = visible.ns = Normalize(Normal3(u, 1, 1));
+                    visible.uv = {u, u * u};
+                    visible.dpdx = visible.dpdy = {0, 0, u};
+                    visible.albedo = SampledSpectrum(u);
+                    visible.lambda = sample.lambda;
+                }
+                film.AddSample(sample);
+            }
+}
+
+/// Adds the splats [first, last), each to a pixel of its own choice, from `threads` threads.
+void AddSplats(Film &film, int64_t first, int64_t last, int threads) {
+    const ThreadLimit limit(threads);
+    ParallelFor(last - first, 16, [&](int64_t begin, int64_t end) {
+        for (int64_t i = first + begin; i < first + end; ++i) {
+            const auto key = static_cast<uint64_t>(i);
+            const Point2i pixel(static_cast<int>(key % 6), static_cast<int>(key % 3));  // x = 5 is outside
+            const Float u = Hash(key);
+            film.AddSplat(pixel, SampledSpectrum(std::exp(20 * u - 10)), film.SampleWavelengths(u), Float(0.3) - u);
+        }
+    });
+}
+
+std::string Saved(const Film &film) {
+    std::ostringstream out;
+    film.Save(out);
+    return out.str();
+}
+
+void Load(Film &film, const std::string &state) {
+    std::istringstream in(state);
+    film.Load(in);
+}
+
+void Merge(Film &film, const std::string &state) {
+    std::istringstream in(state);
+    film.Merge(in);
+}
+
+std::vector<Float> Values(const Film &film) {
+    const Image image = film.ToImage();
+    std::vector<Float> values(image.ValueCount());
+    EXPECT_EQ(image.Bytes(), values.size() * sizeof(Float));
+    std::memcpy(values.data(), image.Data(), image.Bytes());
+    return values;
+}
+
+class EveryFilm : public ::testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Films, EveryFilm, ::testing::ValuesIn(SupportedFilms()), [](const auto &i) { return i.param; });
+
+TEST_P(EveryFilm, SavedSumsGoOnBitByBit) {
+    auto whole = Make(GetParam()), first = Make(GetParam()), second = Make(GetParam());
+    AddSamples(*whole, 0, 20);
+    AddSamples(*first, 0, 7);
+    FilmSample bad;
+    bad.L = SampledSpectrum(Infinity);
+    bad.lambda = first->SampleWavelengths(0.5f);
+    first->AddSample(bad);
+    AddSamples(*second, 50, 60);  // forgotten by loading
+    Load(*second, Saved(*first));
+    EXPECT_EQ(second->RejectedSamples(), 1u);
+    EXPECT_EQ(Saved(*second), Saved(*first));
+    AddSamples(*second, 7, 20);
+    EXPECT_EQ(Values(*whole), Values(*second));
+    EXPECT_NE(Values(*whole), Values(*first));
+}
+
+TEST_P(EveryFilm, MergedFilmsHaveTheSamplesOfBoth) {
+    auto whole = Make(GetParam()), first = Make(GetParam()), second = Make(GetParam());
+    AddSamples(*whole, 0, 20);
+    AddSamples(*first, 0, 7);
+    AddSamples(*second, 7, 20);
+    Merge(*first, Saved(*second));
+    const std::vector<Float> expected = Values(*whole), merged = Values(*first);
+    ASSERT_EQ(merged.size(), expected.size());
+    for (size_t i = 0; i < merged.size(); ++i)
+        EXPECT_NEAR(merged[i], expected[i], 1e-5f * std::max(Float(1), std::abs(expected[i]))) << i;
+    // A film without samples takes over the other to the bit.
+    auto empty = Make(GetParam());
+    Merge(*empty, Saved(*whole));
+    EXPECT_EQ(Saved(*empty), Saved(*whole));
+    Merge(*whole, Saved(*Make(GetParam())));
+    EXPECT_EQ(Saved(*empty), Saved(*whole));
+}
+
+TEST_P(EveryFilm, StateOfAnotherFilmIsRefusedAndChangesNothing) {
+    auto film = Make(GetParam());
+    AddSamples(*film, 0, 3);
+    const std::string state = Saved(*film);
+    auto refuses = [&](const std::string &bad) {
+        EXPECT_THROW(Load(*film, bad), UserError);
+        EXPECT_THROW(Merge(*film, bad), UserError);
+        EXPECT_EQ(Saved(*film), state);
+    };
+    refuses("");
+    refuses("rgbfilm1");
+    refuses(state.substr(0, state.size() - 1));
+    refuses(state.substr(0, state.size() / 2));
+    refuses(Saved(*Make(GetParam(), Params(3, 5))));
+    for (const std::string &other : SupportedFilms())
+        if (other != GetParam()) refuses(Saved(*Make(other)));
+    EXPECT_NO_THROW(Load(*film, state));
+}
+
+TEST_P(EveryFilm, SplatsAreTheSameForAnyNumberOfThreads) {
+    std::string expected;
+    for (int threads : {1, 2, 7}) {
+        auto film = Make(GetParam());
+        film->ExpectSplats();
+        AddSplats(*film, 0, 6000, threads);
+        film->AddSplatSamples(16);
+        if (expected.empty()) expected = Saved(*film);
+        EXPECT_EQ(Saved(*film), expected) << threads;
+    }
+    // In parts, saved and merged in any order, together with samples.
+    auto whole = Make(GetParam()), first = Make(GetParam()), second = Make(GetParam()), onlySamples = Make(GetParam());
+    AddSamples(*whole, 0, 4);
+    AddSamples(*onlySamples, 0, 4);
+    Load(*whole, expected);
+    EXPECT_EQ(Saved(*whole), expected);
+    for (Film *film : {first.get(), second.get()}) film->ExpectSplats();
+    AddSplats(*first, 0, 2500, 2);
+    first->AddSplatSamples(6);
+    AddSplats(*second, 2500, 6000, 3);
+    second->AddSplatSamples(10);
+    Merge(*first, Saved(*second));
+    EXPECT_EQ(Saved(*first), expected);
+    Merge(*onlySamples, expected);
+    Merge(*second, Saved(*onlySamples));
+    EXPECT_GT(Saved(*onlySamples).size(), Saved(*Make(GetParam())).size());
+}
+
+TEST_P(EveryFilm, ThePictureHasTheMeanOfSplatsBesideThatOfSamples) {
+    auto film = Make(GetParam()), twice = Make(GetParam());
+    film->ExpectSplats();
+    twice->ExpectSplats();
+    constexpr int kSamples = 400;
+    for (int i = 0; i < kSamples; ++i) {
+        FilmSample sample;
+        sample.pixel = {1, 1};
+        sample.lambda = film->SampleWavelengths((static_cast<Float>(i) + Float(0.5)) / kSamples);
+        sample.L = ColorSpace::SRGB().Illuminant().Sample(sample.lambda) / CieYIntegral;
+        film->AddSample(sample);
+        twice->AddSample(sample);
+        // Four splats of half the radiance to each of two samples per pixel: as much again.
+        for (int k = 0; k < 2; ++k) twice->AddSplat({1, 1}, sample.L * 2.0f, sample.lambda, Float(0.5));
+        film->AddSplat({2, 1}, sample.L, sample.lambda, 1);
+    }
+    twice->AddSplatSamples(kSamples);
+    film->AddSplatSamples(kSamples);
+    const Image one = film->ToImage(), three = twice->ToImage();
+    for (int c = 0; c < one.ChannelCount(); ++c) {
+        const std::string &name = one.Channels()[static_cast<size_t>(c)];
+        if (name != "R" && name != "G" && name != "B" && !name.starts_with("S0")) continue;
+        EXPECT_GT(one.Get({1, 1}, c), 0.01f) << name;
+        EXPECT_NEAR(three.Get({1, 1}, c) / one.Get({1, 1}, c), 3, 1e-2f) << name;
+        EXPECT_NEAR(one.Get({2, 1}, c) / one.Get({1, 1}, c), 1, 1e-2f) << name;
+        EXPECT_EQ(one.Get({3, 1}, c), 0) << name;
+    }
+}
+
+TEST_P(EveryFilm, SplatsThatCannotBeAddedAreDroppedAndCounted) {
+    auto film = Make(GetParam());
+    film->ExpectSplats();
+    const std::string before = Saved(*film);
+    const SampledWavelengths lambda = film->SampleWavelengths(0.4f);
+    film->AddSplat({-1, 0}, SampledSpectrum(1), lambda, 1);  // outside: nothing to count
+    EXPECT_EQ(Saved(*film), before);
+    film->AddSplat({0, 0}, SampledSpectrum(Infinity), lambda, 1);
+    film->AddSplat({0, 0}, SampledSpectrum(1e30f), lambda, 1);
+    film->AddSplat({0, 0}, SampledSpectrum(1), lambda, std::numeric_limits<Float>::quiet_NaN());
+    EXPECT_EQ(film->RejectedSamples(), 3u);
+    film->AddSplatSamples(1);
+    EXPECT_EQ(film->ToImage().Get({0, 0}, 0), 0);
+}
+
+TEST(FixedSum, HoldsItsRangeToItsPrecision) {
+    const double most = FixedSum::kLargestAddend;
+    for (double x : {0.0, 1.0, -1.0, 1e-15, -1e-15, 3.7e-17, 0.1, -12345.678, 1e15, -1e15, most, -most}) {
+        ASSERT_TRUE(FixedSum::Holds(x));
+        FixedSum sum;
+        sum.Add(x);
+        EXPECT_NEAR(sum.Value(), x, 7e-18 + 1e-16 * std::abs(x));
+        sum.Add(-x);
+        EXPECT_EQ(sum, FixedSum()) << x;
+    }
+    EXPECT_FALSE(FixedSum::Holds(2 * most));
+    EXPECT_FALSE(FixedSum::Holds(double{Infinity}));
+    EXPECT_FALSE(FixedSum::Holds(std::numeric_limits<double>::quiet_NaN()));
+    // Carries from word to word, both ways: in doubles the small number would be lost.
+    FixedSum sum, other;
+    for (int i = 0; i < 1000; ++i) sum.Add(most);
+    sum.Add(-3e-16);
+    for (int i = 0; i < 999; ++i) sum.Add(-most);
+    other.Add(-most);
+    sum += other;
+    EXPECT_NEAR(sum.Value(), -3e-16, 7e-18);
+    for (int i = 0; i < (1 << 20); ++i) sum.Add(most);
+    EXPECT_DOUBLE_EQ(sum.Value(), most * (1 << 20));
+}
+
+}  // namespace
+}  // namespace pbrt

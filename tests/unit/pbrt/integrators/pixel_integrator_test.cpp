@@ -1,0 +1,176 @@
+// What integrators that work by pixels do with a pass, and what they say of the first surface.
+#include "pbrt/integrators/pixel_integrator.h"
+
+#include <gtest/gtest.h>
+
+#include <mutex>
+#include <set>
+#include <sstream>
+
+#include "pbrt/core/counters.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/integrators/render_loop.h"
+#include "support/build_text.h"
+#include "support/render_scene.h"
+
+namespace pbrt::test {
+namespace {
+
+/// A textured floor behind something that does not scatter, seen from above.
+std::string Scene(const std::string &film, const std::string &integrator, int maxDepth) {
+    return "Option \"rendercoordsys\" \"world\" LookAt 0 0 4  0.3 0.1 0  0 1 0 Camera \"perspective\" \"float fov\" 40\n"
+           "Film \"" + film + "\" \"integer xresolution\" 24 \"integer yresolution\" 20 \"bool savefp16\" false\n"
+           "Sampler \"independent\" \"integer pixelsamples\" 2\nIntegrator \"" + integrator + "\"" +
+           (integrator == "ambientocclusion" ? "" : " \"integer maxdepth\" " + std::to_string(maxDepth)) + R"(
+WorldBegin
+LightSource "infinite"
+Texture "t" "spectrum" "checkerboard" "float uscale" 3 "float vscale" 3
+    "rgb tex1" [.2 .4 .6] "rgb tex2" [.8 .3 .1]
+AttributeBegin
+Material "interface"
+Shape "sphere" "float radius" 1
+AttributeEnd
+Material "diffuse" "texture reflectance" "t"
+Shape "bilinearmesh" "point3 P" [ -1 -1 -.5  1 -1 -.7  -1 1 -.5  1 1 -.5 ]
+)";
+}
+
+struct Seen {
+    Image image;
+    uint64_t rays = 0;
+};
+
+Seen Render(const std::string &film, const std::string &integrator, int maxDepth = 3) {
+    ResetCounters();
+    Seen seen;
+    seen.image = RenderText(Scene(film, integrator, maxDepth)).image;
+    seen.rays = SumCounters().closestHitRays;
+    return seen;
+}
+
+const std::vector<std::string> kIntegrators = {"path", "volpath", "simplepath", "randomwalk", "ambientocclusion"};
+
+TEST(VisibleSurface, EveryIntegratorSeesTheSame) {
+    const Image expected = Render("gbuffer", "path").image;
+    for (const std::string &integrator : kIntegrators)
+        for (int maxDepth : {0, 3}) {
+            const Image image = Render("gbuffer", integrator, maxDepth).image;
+            int seen = 0;
+            for (int y = 0; y < image.Resolution().y; ++y)
+                for (int x = 0; x < image.Resolution().x; ++x)
+                    for (int c = 3; c < image.ChannelCount(); ++c) {
+                        if (image.Channels()[static_cast<size_t>(c)].find("Variance") != std::string::npos) continue;
+                        ASSERT_EQ(image.Get({x, y}, c), expected.Get({x, y}, c))
+                            << integrator << " " << maxDepth << " " << image.Channels()[static_cast<size_t>(c)];
+                        seen += image.Get({x, y}, c) != 0;
+                    }
+            EXPECT_GT(seen, 2000) << integrator;
+        }
+}
+
+TEST(VisibleSurface, TheFirstHitIsTracedOnce) {
+    for (const std::string &integrator : kIntegrators)
+        EXPECT_EQ(Render("gbuffer", integrator).rays, Render("rgb", integrator).rays) << integrator;
+}
+
+TEST(VisibleSurface, AskingForItLeavesTheRadianceAlone) {
+    for (const std::string &integrator : kIntegrators) {
+        const Image a = Render("gbuffer", integrator).image, b = Render("rgb", integrator).image;
+        for (int y = 0; y < b.Resolution().y; ++y)
+            for (int x = 0; x < b.Resolution().x; ++x)
+                for (int c = 0; c < 3; ++c) ASSERT_EQ(a.Get({x, y}, c), b.Get({x, y}, c)) << integrator;
+    }
+}
+
+/// Writes down which samples it was asked for.
+class Census final : public PixelIntegrator {
+  public:
+    SampledSpectrum Li(const PathStart &start, SampledWavelengths &, Sampler &sampler) const override {
+        const std::lock_guard lock(mutex);
+        ++calls;
+        asksForSurface |= start.visible != nullptr;
+        times.insert(start.ray.ray.time);
+        return SampledSpectrum(1 + sampler.Get1D());
+    }
+    mutable std::mutex mutex;
+    mutable int calls = 0;
+    mutable bool asksForSurface = false;
+    mutable std::set<Float> times;
+};
+
+class PixelPass : public ::testing::Test {
+  protected:
+    bool Render(const std::string &film, int first, int count, bool jitters = true, bool keepsSamples = true) {
+        if (!built_.film || film != kind_) built_ = BuildText(Scene(film, "path", 1));
+        kind_ = film;
+        std::vector<std::unique_ptr<Sampler>> samplers;
+        for (int i = 0; i < ThreadCount(); ++i) samplers.push_back(built_.makeSampler(0));
+        return census_.Render({.camera = *built_.camera,
+                               .filter = *built_.filter,
+                               .film = *built_.film,
+                               .samplers = samplers,
+                               .samplesPerPixel = 8,
+                               .first = first,
+                               .count = count,
+                               .jittersPixels = jitters,
+                               .keepsSamples = keepsSamples,
+                               .progress = progress_});
+    }
+    std::string State() const {
+        std::ostringstream out;
+        built_.film->Save(out);
+        return out.str();
+    }
+    BuiltScene built_;
+    std::string kind_;
+    Census census_;
+    Progress progress_;
+};
+
+TEST_F(PixelPass, ThreadsAndSplitsMakeNoDifference) {
+    std::string expected;
+    for (int threads : {1, 2, 7}) {
+        const ThreadLimit limit(threads);
+        built_ = {};
+        EXPECT_TRUE(Render("rgb", 0, 8));
+        if (expected.empty()) expected = State();
+        EXPECT_EQ(State(), expected);
+    }
+    built_ = {};
+    for (int i = 0; i < 8; ++i) EXPECT_TRUE(Render("rgb", i, 1));
+    EXPECT_EQ(State(), expected);
+    EXPECT_EQ(census_.calls, 4 * 8 * 24 * 20);
+}
+
+TEST_F(PixelPass, OnlyFilmsThatWantItAskForTheSurface) {
+    Render("rgb", 0, 1);
+    Render("spectral", 0, 1);
+    EXPECT_FALSE(census_.asksForSurface);
+    Render("gbuffer", 0, 1);
+    EXPECT_TRUE(census_.asksForSurface);
+}
+
+TEST_F(PixelPass, WithoutJitterAllRaysHaveOneTime) {
+    Render("rgb", 0, 2, false);
+    EXPECT_EQ(census_.times.size(), 1u);
+    Render("rgb", 0, 2, true);
+    EXPECT_GT(census_.times.size(), 100u);
+}
+
+TEST_F(PixelPass, SamplesThatTheFilmHasAreTracedButNotAdded) {
+    Render("rgb", 0, 1);
+    const std::string before = State();
+    const int calls = census_.calls;
+    EXPECT_TRUE(Render("rgb", 1, 1, true, false));
+    EXPECT_EQ(census_.calls, 2 * calls);
+    EXPECT_EQ(State(), before);
+}
+
+TEST_F(PixelPass, CancelledIsSaid) {
+    progress_.Cancel();
+    EXPECT_FALSE(Render("rgb", 0, 1));
+    EXPECT_EQ(census_.calls, 0);
+}
+
+}  // namespace
+}  // namespace pbrt::test

@@ -1,0 +1,273 @@
+// The wave loop, with an integrator that only writes down what it is asked for.
+#include "pbrt/integrators/render_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "pbrt/lightsamplers/light_learner.h"
+#include "pbrt/math/transform.h"
+#include "support/small_files.h"
+
+namespace pbrt::test {
+namespace {
+
+/// Learns after the numbers of samples that it is given.
+class ListedLearner final : public LightLearner {
+  public:
+    explicit ListedLearner(std::vector<int> at) : at_(std::move(at)) {}
+    int NextLearning() const override { return next_ < at_.size() ? at_[next_] : 0; }
+    PathPlaces BeginPath(Point2i, int) const override { return {}; }
+    void Found(PathPlaces &, const LightQuery &, const SampledLight &, const SampledSpectrum &) override {}
+    void Learn(const Progress &) override { ++next_; }
+
+  private:
+    std::vector<int> at_;
+    size_t next_ = 0;
+};
+
+struct Pass {
+    int round = 0, firstOfAll = 0, count = 0;
+    bool keepsSamples = true, isCounted = true;
+    bool operator==(const Pass &) const = default;
+};
+
+/// Every sample is 1 at every wavelength.
+class Recorder final : public Integrator {
+  public:
+    bool Render(const RenderPass &pass) override {
+        passes.push_back({pass.batchFirst / pass.samplesPerPixel, pass.batchFirst + pass.first, pass.count,
+                          pass.keepsSamples, pass.isCounted});
+        EXPECT_EQ(pass.samplers[0]->SamplesPerPixel(), 1000 + passes.back().round);
+        if (passes.size() == cancelsIn) {
+            pass.progress.Cancel();
+            return false;
+        }
+        if (secondsPerSample > 0) std::this_thread::sleep_for(std::chrono::duration<double>(secondsPerSample * pass.count));
+        FilmSample sample;
+        for (int i = 0; i < pass.count; ++i) {
+            sample.lambda = pass.film.SampleWavelengths(0.5f);
+            sample.L = SampledSpectrum(1);
+            pass.film.AddSample(sample);
+        }
+        return true;
+    }
+    LightLearner *Learner() override { return learner.get(); }
+    std::vector<int> Counts() const {
+        std::vector<int> counts;
+        for (const Pass &p : passes) counts.push_back(p.count);
+        return counts;
+    }
+
+    std::vector<Pass> passes;
+    std::unique_ptr<ListedLearner> learner;
+    size_t cancelsIn = 0;  ///< which pass, from 1
+    double secondsPerSample = 0;
+};
+
+class RenderLoop : public ::testing::Test {
+  protected:
+    RenderLoop() {
+        DiagnosticSink sink;
+        ParamSet params("Film", {});
+        for (const char *name : {"xresolution", "yresolution"}) {
+            Param p;
+            p.type = ParamType::Integer;
+            p.name = name;
+            p.ints = {1};
+            params.Add(p);
+        }
+        FilmContext context{.outputSpace = ColorSpace::SRGB()};
+        context.overrides.fullFloat = true;
+        film_ = MakeFilm("rgb", params, context, sink);
+        filter_ = Filters().Make("box", ParamSet(), FilterContext{sink});
+        camera_ = Cameras().Make("orthographic", ParamSet(), CameraContext{Transform(), {}, 35, {}, sink});
+        folder_ = std::filesystem::path(::testing::TempDir()) / "render_loop_test";
+        std::filesystem::create_directories(folder_);
+    }
+    /// The number of samples tells which round it is for.
+    SamplerFactory MakeSamplers() {
+        return [this](int round) {
+            rounds_.push_back(round);
+            DiagnosticSink sink;
+            return Samplers().Make("independent", ParamSet(), SamplerContext{{1, 1}, 1000 + round, 0, sink});
+        };
+    }
+    WaveRenderer Renderer() {
+        return WaveRenderer(integrator_, *camera_, *filter_, *film_, MakeSamplers(), settings_, progress_);
+    }
+    RenderResult Run() {
+        return RenderWaves(integrator_, *camera_, *filter_, *film_, MakeSamplers(), settings_, progress_);
+    }
+    std::string File(const char *name) const { return (folder_ / name).string(); }
+    std::string WriteReference(int size, Float value) const {
+        Image image(PixelFormat::Float, {size, size}, {"R", "G", "B"}, ColorEncoding{ColorEncoding::Kind::Linear});
+        for (int i = 0; i < 3 * size * size; ++i) image.Set({i / 3 % size, i / 3 / size}, i % 3, value);
+        WriteImage(File("reference.exr"), image);
+        return File("reference.exr");
+    }
+
+    std::unique_ptr<Film> film_;
+    std::unique_ptr<Filter> filter_;
+    std::unique_ptr<Camera> camera_;
+    std::filesystem::path folder_;
+    Recorder integrator_;
+    RenderSettings settings_;
+    Progress progress_;
+    std::vector<int> rounds_;
+};
+
+TEST_F(RenderLoop, WavesDoubleUpToTheLargest) {
+    settings_.samplesPerPixel = 300;
+    std::vector<int> seen;
+    settings_.afterWave = [&](int samples) { seen.push_back(samples); };
+    const RenderResult result = Run();
+    EXPECT_EQ(integrator_.Counts(), (std::vector<int>{1, 1, 2, 4, 8, 16, 32, 64, 64, 64, 44}));
+    EXPECT_EQ(seen, (std::vector<int>{1, 2, 4, 8, 16, 32, 64, 128, 192, 256, 300}));
+    EXPECT_EQ(result.samplesTaken, 300);
+    EXPECT_FALSE(result.cancelled);
+    EXPECT_EQ(rounds_, std::vector<int>{0});
+    for (const Pass &p : integrator_.passes) EXPECT_TRUE(p.keepsSamples && p.isCounted);
+}
+
+TEST_F(RenderLoop, NoPassCrossesTheEndOfABatch) {
+    settings_.samplesPerPixel = 4;
+    WaveRenderer renderer = Renderer();
+    std::vector<int> taken;
+    for (int i = 0; i < 4; ++i) taken.push_back(renderer.Render(3));
+    EXPECT_EQ(taken, (std::vector<int>{3, 1, 3, 1}));
+    EXPECT_EQ(integrator_.passes, (std::vector<Pass>{{0, 0, 3}, {0, 3, 1}, {1, 4, 3}, {1, 7, 1}}));
+    EXPECT_EQ(rounds_, (std::vector<int>{0, 1}));
+    EXPECT_EQ(renderer.Done(), 8);
+}
+
+TEST_F(RenderLoop, LearningHappensAfterTheSamplesThatTheLearnerNames) {
+    settings_.samplesPerPixel = 20;
+    integrator_.learner = std::make_unique<ListedLearner>(std::vector<int>{1, 6, 7});
+    Run();
+    EXPECT_EQ(integrator_.Counts(), (std::vector<int>{1, 1, 2, 2, 1, 13}));
+    EXPECT_EQ(integrator_.learner->NextLearning(), 0);
+}
+
+TEST_F(RenderLoop, LearningBeforeAWaveIsDoneOnce) {
+    settings_.samplesPerPixel = 20;
+    integrator_.learner = std::make_unique<ListedLearner>(std::vector<int>{2, 5});
+    WaveRenderer renderer = Renderer();
+    renderer.LearnIfDue();
+    EXPECT_EQ(integrator_.learner->NextLearning(), 2);
+    EXPECT_EQ(renderer.Render(9), 2);
+    EXPECT_EQ(integrator_.learner->NextLearning(), 2);
+    renderer.LearnIfDue();
+    renderer.LearnIfDue();
+    EXPECT_EQ(integrator_.learner->NextLearning(), 5);
+    EXPECT_EQ(renderer.Render(9), 3);
+}
+
+TEST_F(RenderLoop, GoingOnRepeatsOnlyWhatIsLearnedFrom) {
+    settings_.samplesPerPixel = 32;
+    integrator_.learner = std::make_unique<ListedLearner>(std::vector<int>{1, 6});
+    WaveRenderer renderer = Renderer();
+    renderer.ContinueFrom(10);
+    EXPECT_EQ(renderer.Done(), 10);
+    EXPECT_EQ(renderer.Render(5), 5);
+    EXPECT_EQ(integrator_.passes, (std::vector<Pass>{{0, 0, 1, false}, {0, 1, 5, false}, {0, 6, 4, false}, {0, 10, 5}}));
+
+    integrator_.learner = nullptr;
+    integrator_.passes.clear();
+    WaveRenderer unlearned = Renderer();
+    unlearned.ContinueFrom(70);
+    unlearned.Render(1);
+    EXPECT_EQ(integrator_.passes, (std::vector<Pass>{{2, 70, 1}}));
+}
+
+TEST_F(RenderLoop, ACancelledPassIsNotCounted) {
+    settings_.samplesPerPixel = 16;
+    int waves = 0;
+    settings_.afterWave = [&](int) { ++waves; };
+    integrator_.cancelsIn = 3;
+    const RenderResult result = Run();
+    EXPECT_TRUE(result.cancelled);
+    EXPECT_EQ(result.samplesTaken, 2);
+    EXPECT_EQ(waves, 2);
+    // Nothing more is asked for.
+    const RenderResult again = Run();
+    EXPECT_TRUE(again.cancelled);
+    EXPECT_EQ(again.samplesTaken, 0);
+    EXPECT_EQ(integrator_.passes.size(), 3u);
+}
+
+TEST_F(RenderLoop, ATimeBudgetEndsTheRenderAndItsLastWaveFits) {
+    settings_.samplesPerPixel = 4;
+    settings_.timeBudget = 0.5;
+    settings_.start = std::chrono::steady_clock::now();
+    integrator_.secondsPerSample = 0.01;
+    const RenderResult result = Run();
+    EXPECT_FALSE(result.cancelled);
+    EXPECT_GT(result.samplesTaken, 10);
+    EXPECT_LE(result.samplesTaken, 51);
+    EXPECT_GT(rounds_.size(), 2u);
+    for (const Pass &p : integrator_.passes) EXPECT_FALSE(p.isCounted);
+    // A budget that is over gives one sample all the same.
+    integrator_.passes.clear();
+    EXPECT_EQ(Run().samplesTaken, 1);
+}
+
+TEST_F(RenderLoop, EveryWaveIsComparedWithTheReference) {
+    settings_.samplesPerPixel = 4;
+    settings_.mseReferenceImage = WriteReference(2, 0.25f);
+    settings_.mseReferenceOut = File("errors.txt");
+    const RenderResult result = Run();
+    EXPECT_EQ(result.mseFailure, "");
+    const Image image = film_->ToImage();
+    double expected = 0;
+    for (int c = 0; c < 3; ++c) expected += Sqr(double(image.Get({0, 0}, c)) - 0.25) / 3;
+    ASSERT_TRUE(result.mse);
+    EXPECT_NEAR(*result.mse, expected, 1e-6 * expected);
+    std::ifstream in(settings_.mseReferenceOut);
+    std::vector<int> samples;
+    for (std::string line; std::getline(in, line);) {
+        std::istringstream words(line);
+        int n = 0;
+        char comma = 0;
+        double mse = 0;
+        words >> n >> comma >> mse;
+        EXPECT_NEAR(mse, expected, 1e-6 * expected) << line;
+        samples.push_back(n);
+    }
+    EXPECT_EQ(samples, (std::vector<int>{1, 2, 4}));
+}
+
+TEST_F(RenderLoop, AFullDiskCostsTheErrorsButNotTheRender) {
+    settings_.samplesPerPixel = 4;
+    settings_.mseReferenceImage = WriteReference(1, 1);
+    settings_.mseReferenceOut = File("errors.txt");
+    // Else writing beyond the limit ends the process.
+    const auto before = std::signal(SIGXFSZ, SIG_IGN);
+    const RenderResult result = [&] {
+        const SmallFilesOnly full(5);
+        return Run();
+    }();
+    std::signal(SIGXFSZ, before);
+    EXPECT_EQ(result.samplesTaken, 4);
+    EXPECT_TRUE(result.mse);
+    EXPECT_NE(result.mseFailure.find("errors.txt: cannot be written"), std::string::npos) << result.mseFailure;
+}
+
+TEST_F(RenderLoop, AReferenceMustCoverTheFilm) {
+    settings_.mseReferenceImage = WriteReference(1, 1);
+    settings_.mseReferenceOut = File("nowhere/errors.txt");
+    EXPECT_THROW(Run(), UserError);
+    settings_.mseReferenceOut = File("errors.txt");
+    EXPECT_NO_THROW(Run());
+    ImageMetadata elsewhere;
+    elsewhere.pixelBounds = Bounds2i{{1, 0}, {2, 1}};
+    WriteImage(File("reference.exr"), ReadImage(File("reference.exr")).image, elsewhere);
+    EXPECT_THROW(Run(), UserError);
+}
+
+}  // namespace
+}  // namespace pbrt::test

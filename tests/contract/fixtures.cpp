@@ -28,7 +28,7 @@ class Builder {
     void AddLight(const std::string &type, std::vector<Param> params) {
         ParamSet set("LightSource \"" + type + "\"", {});
         for (Param &p : params) set.Add(std::move(p));
-        fixture_->owned->Add(MakeLight(type, set, ctm_, Transform(), ColorSpace::SRGB(), FileResolver(), sink_));
+        fixture_->owned->Add(Lights().Make(type, set, Context()));
     }
     void AddPoint(const Point3 &p, Float intensity) {
         AddLight("point", {MakeParam(ParamType::Point3, "from", {p.x, p.y, p.z}), Scale(intensity)});
@@ -74,7 +74,8 @@ class Builder {
     }
     void AddQuadric(const std::string &type, const Transform &place, bool twoSided, Float radiance) {
         ParamSet none("Shape \"" + type + "\"", {});
-        for (auto &shape : MakeShapes(type, none, ctm_ * place, false, FileResolver(), sink_))
+        const Transform there = ctm_ * place;
+        for (auto &shape : Shapes().Make(type, none, ShapeContext{there, false, files_, sink_, ParamReader(none)}))
             AddShape(std::move(shape), twoSided, radiance);
     }
 
@@ -105,6 +106,7 @@ class Builder {
     }
 
   private:
+    LightContext Context() { return {ctm_, ctm_, ColorSpace::SRGB(), files_, sink_}; }
     static Param Scale(Float v) { return MakeParam(ParamType::Float, "scale", {v}); }
     void AddShape(std::unique_ptr<Shape> shape, bool twoSided, Float radiance) {
         ParamSet set("AreaLightSource \"diffuse\"", {});
@@ -114,13 +116,14 @@ class Builder {
         sides.name = "twosided";
         sides.bools = {static_cast<uint8_t>(twoSided)};
         set.Add(std::move(sides));
-        AreaLightMaker maker("diffuse", set, ColorSpace::SRGB(), FileResolver(), sink_);
+        const AreaLightMaker maker = AreaLights().Make("diffuse", set, Context());
         const Shape *const shapes[] = {shape.get()};
         fixture_->owned->Add(maker.Make(shapes, nullptr));
         fixture_->shapes.push_back(std::move(shape));
     }
 
     std::unique_ptr<ContractFixture> fixture_ = std::make_unique<ContractFixture>();
+    FileResolver files_;
     DiagnosticSink sink_;
     Transform ctm_;
     Float scale_;

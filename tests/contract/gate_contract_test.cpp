@@ -131,7 +131,7 @@ Image Render(const SceneFixture &fixture, std::unique_ptr<ShadowRayGate> gate, i
     RenderSettings settings;
     settings.samplesPerPixel = samplesPerPixel;
     const std::unique_ptr<Sampler> sampler =
-        MakeSampler("independent", ParamSet(), film->FullResolution(), samplesPerPixel, seed, sink);
+        Samplers().Make("independent", ParamSet(), SamplerContext{film->FullResolution(), samplesPerPixel, seed, sink});
     RenderWaves(integrator, *built.camera, *built.filter, *film, *sampler, settings, progress);
     return film->ToImage();
 }

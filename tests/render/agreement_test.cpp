@@ -132,7 +132,7 @@ class View {
         RenderSettings settings;
         settings.samplesPerPixel = samplesPerPixel_;
         const std::unique_ptr<Sampler> sampler =
-            MakeSampler("independent", ParamSet(), resolution, samplesPerPixel_, seed, sink);
+            Samplers().Make("independent", ParamSet(), SamplerContext{resolution, samplesPerPixel_, seed, sink});
         RenderWaves(integrator, *built_.camera, *built_.filter, image, *sampler, settings, progress);
         return image.ToImage();
     }

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "pbrt/accel/reach_error.h"
+#include "pbrt/build/accelerators.h"
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/collect.h"
 #include "pbrt/build/geometry_builder.h"
@@ -44,27 +45,6 @@ FileLoc SmallestPlaced(const SceneDescription &d) {
 std::string WithSuffix(const std::string &name, const char *suffix) {
     const std::filesystem::path path(name);
     return (path.parent_path() / (path.stem().string() + suffix + path.extension().string())).string();
-}
-
-/// The acceleration structure is always Embree's; what the scene says about stock's own is only checked.
-void CheckAccelerator(const Entity &accelerator, DiagnosticSink &sink) {
-    const ParamSet &p = accelerator.params;
-    if (accelerator.type == "bvh") {
-        p.GetInt("maxnodeprims", 4);
-        static const std::vector<std::string> kMethods = {"sah", "hlbvh", "middle", "equal"};
-        if (std::string m = p.GetString("splitmethod", "sah");
-            std::find(kMethods.begin(), kMethods.end(), m) == kMethods.end())
-            sink.Warning(p.LocOf("splitmethod"),
-                         fmt::format("split method \"{}\" is unknown; {}.", m, ListChoices(m, kMethods)));
-    } else if (accelerator.type == "kdtree") {
-        for (const char *name : {"intersectcost", "traversalcost", "maxprims", "maxdepth"}) p.GetInt(name, 0);
-        p.GetFloat("emptybonus", 0.5f);
-    } else {
-        throw UserError(fmt::format("Accelerator \"{}\" is unknown; {}.", accelerator.type,
-                                    ListChoices(accelerator.type, {"bvh", "kdtree"})),
-                        accelerator.loc);
-    }
-    p.ReportUnused(sink);
 }
 
 /// Throws all errors. The first `checked` diagnostics are of CheckSupported: a later error at one of their places is
@@ -149,10 +129,10 @@ SceneParts MakeParts(SceneDescription &d, const BuildOptions &options, const Tra
     lightNames = geometry.TakeLightNames();
     for (const LightEntity &l : d.lights)
         Collect(sink, [&] {
-            parts.lights->Add(
-                MakeLight(l.type, l.params, renderFromWorld * l.ctm.start, renderFromWorld, SpaceOf(l), d.files, sink));
+            const Transform renderFromLight = renderFromWorld * l.ctm.start;
+            parts.lights->Add(Lights().Make(l.type, l.params,
+                                            LightContext{renderFromLight, renderFromWorld, SpaceOf(l), d.files, sink}));
             lightNames.Add(1, fmt::format("LightSource \"{}\"", l.type), l.loc);
-            l.params.ReportUnused(sink);
         });
     return parts;
 }
@@ -219,7 +199,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
 
     const Placement placement = PlaceCamera(d, options, sink);
     ChooseRenderOptions(d.options, options, built, sink);
-    Collect(sink, [&] { CheckAccelerator(d.accelerator, sink); });
+    Collect(sink, [&] { Accelerators().Make(d.accelerator.type, d.accelerator.params, AcceleratorContext{sink}); });
     const IntegratorSettings integrator = ReadIntegrator(d.integrator, options, registry, sink);
     TakeView(MakeView(d, options, placement, built.seed, sink), placement, built);
     built.filename = OutputName(built, options);

@@ -2,7 +2,7 @@
 
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/integrator_builder.h"
-#include "pbrt/shapes/shape_factory.h"
+#include "pbrt/textures/texture_factory.h"
 
 namespace pbrt {
 
@@ -58,7 +58,6 @@ std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &optio
         t.params.Add(std::move(half));
     }
     auto shape = [&](const ShapeEntity &s) {
-        if (Contains(UnsupportedShapes(), s.type)) check.NotBuilt(s.loc, fmt::format("Shape \"{}\"", s.type), false, "");
         if (s.type == "curve" && s.areaLight >= 0)
             sink.Error(s.loc, "Shape \"curve\" cannot be an area light (nor can it in stock pbrt-v4).");
     };

@@ -23,6 +23,17 @@ Displacement MakeDisplacement(const FloatTexturePtr &height, Float edgeScale) {
             edgeScale};
 }
 
+/// What the textures of a shape say, which are made here because textures lie above shapes.
+struct ShapeTextureParams {
+    bool isPly = true;
+    FloatTextureParam alpha{}, displacement{};
+    template <class V>
+    void Describe(V &&v) {
+        v("alpha", alpha, "share of rays that hit it");
+        if (isPly) v("displacement", displacement, "heights that a mesh with normals and uv is moved by");
+    }
+};
+
 /// What people call one primitive of a shape.
 const char *PrimitiveName(ShapeKind kind) {
     switch (kind) {
@@ -37,6 +48,15 @@ const char *PrimitiveName(ShapeKind kind) {
 }
 
 }  // namespace
+
+FamilyDoc DocumentShapes() {
+    FamilyDoc doc = Shapes().Document("shapes");
+    for (FactoryDoc &shape : doc.makers) {
+        std::vector<ParamDoc> textures = DocumentParams(ShapeTextureParams{shape.name == "plymesh"});
+        shape.params.insert(shape.params.end(), textures.begin(), textures.end());
+    }
+    return doc;
+}
 
 GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld,
                                  bool interfacesBlock, TextureLibrary &textures, DiagnosticSink &sink)
@@ -67,17 +87,18 @@ void GeometryBuilder::BuildMaterials() {
         auto it = named_.find(name);
         return it == named_.end() || !it->second ? nullptr : parts_.materials[it->second.value];
     };
+    MaterialContext context{textures_, description_.files, sink_, byName};
     for (MaterialEntity &m : description_.materials) {
         MaterialId id{};
         try {
-            id = add(MakeMaterial(m.type, m.params, textures_, description_.files, sink_, byName));
+            id = add(MakeMaterial(m.type, m.params, context));
         } catch (const UserError &e) {
             sink_.Add(e);
         }
         byIndex_.push_back(id);
         if (!m.name.empty()) named_.emplace(m.name, id);
     }
-    defaultMaterial_ = add(MakeMaterial("diffuse", ParamSet("Material \"diffuse\"", {}), textures_, description_.files, sink_, byName));
+    defaultMaterial_ = add(MakeMaterial("diffuse", ParamSet("Material \"diffuse\"", {}), context));
 }
 
 MaterialId GeometryBuilder::ResolveMaterial(const ShapeEntity &entity) {
@@ -96,11 +117,14 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
     // Textures are made on one thread: the library is not locked.
     for (Work &w : work_) {
         try {
-            w.alpha = textures_.GetFloatOrNull(w.entity->params, "alpha");
+            ShapeTextureParams p{w.entity->type == "plymesh"};
+            ParamReader reader(w.entity->params);
+            p.Describe(reader);
+            reader.ThrowIfErrors();
+            w.alpha = textures_.Get(p.alpha);
             if (w.alpha && w.alpha->Constant() && *w.alpha->Constant() >= 1) w.alpha = nullptr;
-            if (w.entity->type == "plymesh")
-                if (FloatTexturePtr height = textures_.GetFloatOrNull(w.entity->params, "displacement"))
-                    w.displacement = MakeDisplacement(height, description_.options.displacementEdgeScale.value_or(1));
+            if (FloatTexturePtr height = textures_.Get(p.displacement))
+                w.displacement = MakeDisplacement(height, description_.options.displacementEdgeScale.value_or(1));
         } catch (const UserError &e) {
             w.sink.Add(e);
         }
@@ -117,11 +141,14 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
             }
             // A constant alpha of 0 makes a light that shines as if it were opaque.
             const bool opaque = !w.alpha || w.alpha->Constant() == Float(0);
-            w.shapes = MakeShapes(e.type, e.params, place, e.reverseOrientation, description_.files, w.sink,
-                                  w.displacement ? &*w.displacement : nullptr, opaque);
+            ShapeTextureParams made{e.type == "plymesh"};  // above
+            ParamReader before(e.params);
+            made.Describe(before);
+            const ShapeContext context{place, e.reverseOrientation, description_.files, w.sink, before,
+                                       w.displacement ? &*w.displacement : nullptr, opaque};
+            w.shapes = Shapes().Make(e.type, e.params, context);
             if (w.motion)
                 for (const auto &shape : w.shapes) RequireReach(e.params.What(), *w.motion, BoundsOf(*shape), e.loc);
-            e.params.ReportUnused(w.sink);
             w.entity->params = {};  // big meshes as text need not be kept twice
         } catch (const UserError &error) {
             w.sink.Add(error);
@@ -178,9 +205,10 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
                 makerOf_[index] = -2;
                 try {
                     const ColorSpace *space = ColorSpace::Find(light.colorSpace);
-                    makers_.emplace_back(light.type, light.params, *space, description_.files, sink_);
+                    const Transform none;
+                    makers_.push_back(AreaLights().Make(light.type, light.params,
+                                                        LightContext{none, none, *space, description_.files, sink_}));
                     makerOf_[index] = static_cast<int>(makers_.size()) - 1;
-                    light.params.ReportUnused(sink_);
                 } catch (const UserError &error) {
                     sink_.Add(error);
                 }

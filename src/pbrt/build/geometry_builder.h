@@ -12,6 +12,9 @@
 
 namespace pbrt {
 
+/// Shapes with all their parameters, for people.
+FamilyDoc DocumentShapes();
+
 /// Materials, shapes, area lights, objects and instances of a description. Mistakes are collected in the sink.
 class GeometryBuilder {
   public:

@@ -2,18 +2,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <sstream>
 
 namespace pbrt {
 
 namespace {
-
-ParamType TypeOf(const ParamDoc &doc) {
-    return doc.type == "integer"  ? ParamType::Integer
-           : doc.type == "bool"   ? ParamType::Bool
-           : doc.type == "string" ? ParamType::String
-                                  : ParamType::Float;
-}
 
 /// What a flag says, for errors that show it.
 class FlagText {
@@ -82,7 +74,7 @@ Param ReadOne(const FlagText &flag, const std::string &owner, const std::vector<
     Param p;
     p.name = owner + "." + key;
     p.loc = flag.At(piece.begin);
-    p.type = TypeOf(*doc);
+    p.type = doc->types.front();
     bool good = false;
     auto number = [&](auto &out) {
         auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), out);
@@ -100,7 +92,7 @@ Param ReadOne(const FlagText &flag, const std::string &owner, const std::vector<
         good = number(p.floats.emplace_back());
     }
     if (!good)
-        throw UserError(fmt::format("\"{}\" is not a value of type {}.", value, doc->type), flag.At(piece.begin + equals + 1));
+        throw UserError(fmt::format("\"{}\" is not a value of type {}.", value, doc->TypeText()), flag.At(piece.begin + equals + 1));
     return p;
 }
 
@@ -132,7 +124,7 @@ auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, Param
 /// Marks the parameters "name.key" of an entry as known; those of the chosen one are copied.
 void TakeParams(const ParamSet &integrator, const std::string &name, const std::vector<ParamDoc> &docs, ParamSet *chosen) {
     for (const ParamDoc &doc : docs) {
-        const Param *p = integrator.Find(name + "." + doc.name, TypeOf(doc));
+        const Param *p = integrator.Find(name + "." + doc.name, doc.types.front());
         if (p && chosen) chosen->Add(*p);
     }
 }
@@ -152,27 +144,17 @@ ParamSet ChosenParams(const Entry &entry, const std::string &what, const ParamSe
     return params;
 }
 
-std::vector<std::string> SplitChoices(const std::string &range) {
-    std::vector<std::string> choices;
-    std::istringstream in(range);
-    for (std::string choice; in >> choice;) {
-        if (choice.ends_with(',')) choice.pop_back();
-        choices.push_back(choice);
-    }
-    return choices;
-}
-
 /// Warns of parameters that belong to another value of a choice such as "model": their help says so by beginning
 /// with it, "paper: ...".
 template <class Entry>
 void WarnOfParamsWithoutEffect(const Entry &entry, const ParamSet &params, DiagnosticSink &sink) {
     for (const ParamDoc &choice : entry.params) {
-        if (choice.type != "string") continue;
+        if (choice.choices.empty()) continue;
         const std::string chosen = params.GetString(entry.name + "." + choice.name, choice.defaultValue);
-        for (const std::string &other : SplitChoices(choice.range))
+        for (const std::string &other : choice.choices)
             for (const ParamDoc &doc : entry.params)
                 if (other != chosen && doc.name != choice.name && doc.help.starts_with(other + ": "))
-                    if (const Param *p = params.Find(entry.name + "." + doc.name, TypeOf(doc)))
+                    if (const Param *p = params.Find(entry.name + "." + doc.name, doc.types.front()))
                         sink.Warning(p->loc, fmt::format("\"{}\" has no effect: it belongs to {}={}, and {} is \"{}\" here.",
                                                          doc.name, choice.name, other, choice.name, chosen));
     }

@@ -8,9 +8,8 @@ namespace pbrt {
 
 namespace {
 
-/// Rendering space is world space moved so that the camera sits at the origin halfway between the transform times (or
-/// as
-/// --render-coord-sys says).
+/// Rendering space is world space moved so that the camera sits at the origin halfway between the transform times, or as
+/// --render-coord-sys says.
 Transform RenderFromWorld(const SceneDescription &d, const AnimatedTransform &worldFromCamera,
                           const BuildOptions &options) {
     std::string which =
@@ -50,8 +49,7 @@ View MakeView(SceneDescription &d, const BuildOptions &options, const Placement 
               DiagnosticSink &sink) {
     View view;
     Collect(sink, [&] {
-        view.filter = MakeFilter(d.filter.type, d.filter.params);
-        d.filter.params.ReportUnused(sink);
+        view.filter = Filters().Make(d.filter.type, d.filter.params, FilterContext{sink});
     });
     Float exposure = 1;
     Collect(sink, [&] {  // a reversed interval is swapped by the camera, with a warning
@@ -66,13 +64,16 @@ View MakeView(SceneDescription &d, const BuildOptions &options, const Placement 
         d.film.params.ReportUnused(sink);
     });
     const Point2i resolution = view.film ? view.film->FullResolution() : Point2i(16, 16);
-    const FilmFormat format{resolution, view.film ? view.film->DiagonalMm() : 35};
+    const Float diagonal = view.film ? view.film->DiagonalMm() : 35;
     Collect(sink, [&] {  // its parameters are looked at wherever it stands
-        view.camera = MakeCamera(d.camera.type, d.camera.params, placement.renderFromCamera, format, d.files, sink);
+        view.camera = Cameras().Make(d.camera.type, d.camera.params,
+                                     CameraContext{placement.renderFromCamera, resolution, diagonal, d.files, sink});
     });
     const int samples = options.quick && options.samplesPerPixel == 0 ? 1 : options.samplesPerPixel;
-    Collect(sink,
-            [&] { view.sampler = MakeSampler(d.sampler.type, d.sampler.params, resolution, samples, seed, sink); });
+    Collect(sink, [&] {
+        view.sampler =
+            Samplers().Make(d.sampler.type, d.sampler.params, SamplerContext{resolution, samples, seed, sink});
+    });
     return view;
 }
 

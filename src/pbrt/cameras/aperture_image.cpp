@@ -101,20 +101,15 @@ ApertureImage::ApertureImage(Image image) : image_(std::move(image)) {
             image_.Set({x, y}, 0, static_cast<Float>(double(image_.Get({x, y}, 0)) / mean * double(Pi / 4)));
 }
 
-ApertureImage ApertureImage::Read(const ParamSet &params, const char *parameter, const FileResolver &files) {
-    const std::string name = params.GetString(parameter, "");
+ApertureImage ApertureImage::Read(const std::string &name, const FileResolver &files) {
     if (name.empty()) return {};
     if (std::find(kShapes.begin(), kShapes.end(), name) != kShapes.end()) return ApertureImage(DrawShape(name));
     const std::string path = files.Resolve(name);
-    try {
-        std::error_code ignored;
-        if (!std::filesystem::exists(path, ignored))
-            throw UserError(fmt::format("{}: \"{}\" \"{}\" is neither a file nor a built-in shape; {}.", params.What(),
-                                        parameter, name, ListChoices(name, kShapes)));
-        return ApertureImage(Mono(ReadImage(path).image, path));
-    } catch (const UserError &e) {
-        throw UserError(e.Diagnostics().front().message, params.LocOf(parameter));
-    }
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored))
+        throw UserError(fmt::format("\"aperture\" \"{}\" is neither a file nor a built-in shape; {}.", name,
+                                    ListChoices(name, kShapes)));
+    return ApertureImage(Mono(ReadImage(path).image, path));
 }
 
 }  // namespace pbrt

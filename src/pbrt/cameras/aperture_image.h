@@ -1,6 +1,5 @@
 #pragma once
 #include "pbrt/core/files.h"
-#include "pbrt/core/params.h"
 #include "pbrt/images/image.h"
 
 namespace pbrt {
@@ -14,8 +13,8 @@ class ApertureImage {
     /// `image`: one channel, not negative, not all black; row 0 is the bottom (-y).
     explicit ApertureImage(Image image);
 
-    /// From a parameter that names a built-in shape or a file; empty if it is "". Throws UserError.
-    static ApertureImage Read(const ParamSet &params, const char *parameter, const FileResolver &files);
+    /// A built-in shape or a file; empty if the name is. Throws UserError (no location).
+    static ApertureImage Read(const std::string &name, const FileResolver &files);
 
     explicit operator bool() const { return static_cast<bool>(image_); }
     /// `p` in units of the stop's radius; 0 outside of [-1, 1]^2.

@@ -10,134 +10,142 @@
 
 namespace pbrt {
 
-const std::vector<std::string> &SupportedCameras() {
-    static const std::vector<std::string> names = {"perspective", "orthographic", "spherical", "realistic"};
-    return names;
-}
-
 namespace {
 
-/// Of times in seconds; a picture's brightness goes with their difference.
-constexpr Range<Float> kShutterRange{-1e9f, 1e9f};
+/// What every camera takes, with or without a meaning for it, as in stock pbrt-v4.
+struct CameraParams {
+    Float shutterOpen = 0, shutterClose = 1;
+    std::optional<Float> frameAspectRatio;
+    std::optional<std::array<Float, 4>> screenWindow;
 
-CameraFrame ReadFrame(const ParamSet &params, const AnimatedTransform &renderFromCamera, Point2i resolution) {
-    CameraFrame frame;
-    frame.renderFromCamera = renderFromCamera;
-    frame.resolution = resolution;
-    frame.shutterOpen = params.GetFloat("shutteropen", 0, kShutterRange);
-    frame.shutterClose = params.GetFloat("shutterclose", 1, kShutterRange);
-    if (!(frame.shutterClose > frame.shutterOpen))
-        throw UserError(fmt::format("{}: the shutter opens at {} and closes at {}; it must close after it opens.",
-                                    params.What(), frame.shutterOpen, frame.shutterClose),
-                        params.LocOf(params.Has("shutterclose") ? "shutterclose" : "shutteropen"));
-    return frame;
-}
-
-ScreenWindow ReadScreenWindow(const ParamSet &params, Point2i resolution) {
-    Float aspect = params.GetFloat("frameaspectratio",
-                                   static_cast<Float>(resolution.x) / static_cast<Float>(resolution.y), {1e-6f, 1e6f});
-    std::span<const Float> given = params.GetFloats("screenwindow");
-    for (Float edge : given) params.Require<Float>("screenwindow", edge, {-1e9f, 1e9f});
-    if (given.empty()) {
+    template <class V>
+    void Describe(V &&v) {
+        constexpr Range<Float> kShutterRange{-1e9f, 1e9f, false, false, "s"};
+        v("shutteropen", shutterOpen, kShutterRange, "when the shutter opens");
+        v("shutterclose", shutterClose, kShutterRange, "when it closes; the brightness goes with the time between");
+        v("frameaspectratio", frameAspectRatio, Range<Float>{1e-6f, 1e6f}, "width over height; that of the film");
+        v("screenwindow", screenWindow, Range<Float>{-1e9f, 1e9f},
+          "xmin xmax ymin ymax on the screen; the shorter side is -1 to 1");
+    }
+    CameraFrame Frame(const ParamSet &set, const CameraContext &context) const {
+        if (!(shutterClose > shutterOpen))
+            throw set.Error(set.Has("shutterclose") ? "shutterclose" : "shutteropen",
+                            fmt::format("the shutter opens at {} and closes at {}; it must close after it opens.",
+                                        shutterOpen, shutterClose));
+        if (const auto &w = screenWindow; w && ((*w)[0] == (*w)[1] || (*w)[2] == (*w)[3]))
+            throw set.Error("screenwindow", "\"screenwindow\" is empty.");
+        return {context.renderFromCamera, context.resolution, shutterOpen, shutterClose};
+    }
+    ScreenWindow Window(Point2i resolution) const {
+        if (const auto &w = screenWindow) return {(*w)[0], (*w)[1], (*w)[2], (*w)[3]};
+        const Float aspect =
+            frameAspectRatio.value_or(static_cast<Float>(resolution.x) / static_cast<Float>(resolution.y));
         if (aspect > 1) return {-aspect, aspect, -1, 1};
         return {-1, 1, -1 / aspect, 1 / aspect};
     }
-    if (given.size() != 4)
-        throw UserError(fmt::format("{}: \"screenwindow\" takes four values (xmin xmax ymin ymax), found {}.",
-                                    params.What(), given.size()),
-                        params.LocOf("screenwindow"));
-    if (given[0] == given[1] || given[2] == given[3])
-        throw UserError(fmt::format("{}: \"screenwindow\" is empty.", params.What()), params.LocOf("screenwindow"));
-    return {given[0], given[1], given[2], given[3]};
-}
+};
 
-Lens ReadLens(const ParamSet &params) {
+struct LensParams : CameraParams {
     Lens lens;
-    lens.radius = params.GetFloat("lensradius", lens.radius, {0, 1e15f});
-    lens.focalDistance =
-        params.GetFloat("focaldistance", lens.focalDistance, Positive(std::numeric_limits<Float>::max()));
-    // Where it counts, the distance is squared.
-    if (lens.radius > 0) params.Require<Float>("focaldistance", lens.focalDistance, {1e-15f, 1e15f});
-    return lens;
-}
+    template <class V>
+    void Describe(V &&v) {
+        CameraParams::Describe(v);
+        v("lensradius", lens.radius, Range<Float>{0, 1e15f}, "of a thin lens; 0: a pinhole");
+        v("focaldistance", lens.focalDistance, Positive(std::numeric_limits<Float>::max()), "of the plane that is sharp");
+    }
+    CameraFrame Frame(const ParamSet &set, const CameraContext &context) const {
+        // Where it counts, the distance is squared.
+        if (lens.radius > 0) set.Require<Float>("focaldistance", lens.focalDistance, {1e-15f, 1e15f});
+        return CameraParams::Frame(set, context);
+    }
+};
 
-Float ReadFov(const ParamSet &params) { return params.GetFloat("fov", 90, {0, 180, true, true}); }
+struct PerspectiveParams : LensParams {
+    Float fov = 90;
+    template <class V>
+    void Describe(V &&v) {
+        LensParams::Describe(v);
+        v("fov", fov, Range<Float>{0, 180, true, true, "degrees"}, "field of view along the shorter side");
+    }
+};
 
-std::unique_ptr<Camera> MakeSpherical(const ParamSet &params, const CameraFrame &frame, Point2i resolution) {
-    // Taken for the sake of a common parameter list; without meaning here, as in stock pbrt-v4.
-    params.GetFloat("lensradius", 0);
-    params.GetFloat("focaldistance", 1e30f);
-    ReadScreenWindow(params, resolution);
-    std::string mapping = params.GetChoice("mapping", "equalarea", {"equalarea", "equirectangular"});
-    return std::make_unique<SphericalCamera>(
-        frame, mapping == "equalarea" ? SphericalMapping::EqualArea : SphericalMapping::Equirectangular);
-}
+constexpr NamedValue<SphericalMapping> kMappings[] = {{"equalarea", SphericalMapping::EqualArea},
+                                                      {"equirectangular", SphericalMapping::Equirectangular}};
+
+struct SphericalParams : CameraParams {
+    SphericalMapping mapping = SphericalMapping::EqualArea;
+    Float lensRadius = 0, focalDistance = 1e30f;
+    template <class V>
+    void Describe(V &&v) {
+        CameraParams::Describe(v);
+        v("mapping", mapping, kMappings, "of directions to the picture");
+        v("lensradius", lensRadius, "without effect, as in stock");
+        v("focaldistance", focalDistance, "without effect, as in stock");
+    }
+};
+
+struct RealisticParams : CameraParams {
+    std::string lensFile, aperture;
+    Float diameter = 1, distance = 10;
+    template <class V>
+    void Describe(V &&v) {
+        CameraParams::Describe(v);
+        v("lensfile", lensFile, Required(), "the description of the lens");
+        v("aperturediameter", diameter, Positive(1e6f, "mm"), "how far the stop opens");
+        v("focusdistance", distance, kLengthRange, "from the film to what is sharp, in metres");
+        v("aperture", aperture, "an image or a built-in shape of the stop; a disk");
+    }
+};
 
 /// The lens with the stop's diameter and the focus that the parameters ask for.
-std::vector<LensElement> ReadLensElements(const ParamSet &params, const FileResolver &files, DiagnosticSink &sink) {
-    const std::string name = params.GetString("lensfile", "");
-    const Float diameter = params.GetFloat("aperturediameter", 1, Positive(1e6f));
-    const Float distance = params.GetFloat("focusdistance", 10, kLengthRange);
-    if (name.empty())
-        throw UserError(fmt::format("{}: \"lensfile\" is missing: the description of the lens.", params.What()),
-                        params.LocOf("lensfile"));
-    std::vector<LensElement> elements;
-    try {
-        elements = ReadLensFile(files.Resolve(name));
-    } catch (const UserError &e) {
-        throw UserError(e.Diagnostics().front().message, params.LocOf("lensfile"));
-    }
+std::vector<LensElement> ReadLens(const RealisticParams &p, const ParamSet &set, const CameraContext &context) {
+    std::vector<LensElement> elements =
+        set.At("lensfile", [&] { return ReadLensFile(context.files.Resolve(p.lensFile)); });
     for (LensElement &e : elements)
         if (e.IsStop()) {
-            const Float radius = diameter / 2000;
+            const Float radius = p.diameter / 2000;
             if (radius > e.apertureRadius)
-                sink.Warning(params.LocOf("aperturediameter"),
-                             fmt::format("{}: \"aperturediameter\" is {} mm, but the stop opens to {} mm only: that is "
-                                         "used.",
-                                         params.What(), diameter, e.apertureRadius * 2000));
+                set.Warn(context.sink, "aperturediameter",
+                         fmt::format("\"aperturediameter\" is {} mm, but the stop opens to {} mm only: that is used.",
+                                     p.diameter, e.apertureRadius * 2000));
             e.apertureRadius = std::min(e.apertureRadius, radius);
         }
-    const std::optional<double> thickness = FocusedThickness(elements, double(distance));
+    const std::optional<double> thickness = FocusedThickness(elements, double(p.distance));
     if (!thickness)
-        throw UserError(fmt::format("{}: this lens cannot focus on a distance of {} m from the film.", params.What(),
-                                    distance),
-                        params.LocOf("focusdistance"));
+        throw set.Error("focusdistance", fmt::format("this lens cannot focus on a distance of {} m from the film.",
+                                                     p.distance));
     elements.back().thickness = static_cast<Float>(*thickness);
     return elements;
 }
 
-std::unique_ptr<Camera> MakeRealistic(const ParamSet &params, const CameraFrame &frame, Float filmDiagonalMm,
-                                      const FileResolver &files, DiagnosticSink &sink) {
-    ReadScreenWindow(params, frame.resolution);  // taken, without meaning
-    const ApertureImage aperture = ApertureImage::Read(params, "aperture", files);
-    return std::make_unique<RealisticCamera>(frame, filmDiagonalMm / 1000, ReadLensElements(params, files, sink),
-                                             aperture);
-}
-
 }  // namespace
 
-std::unique_ptr<Camera> MakeCamera(const std::string &type, const ParamSet &params,
-                                   const AnimatedTransform &renderFromCamera, const FilmFormat &film,
-                                   const FileResolver &files, DiagnosticSink &sink) {
-    if (std::find(SupportedCameras().begin(), SupportedCameras().end(), type) == SupportedCameras().end())
-        throw UserError(fmt::format("Camera \"{}\" is unknown; {}.", type, ListChoices(type, SupportedCameras())),
-                        params.Loc());
-    const Point2i resolution = film.resolution;
-    std::unique_ptr<Camera> camera;
-    CameraFrame frame = ReadFrame(params, renderFromCamera, resolution);
-    if (type == "perspective") {
-        ScreenWindow window = ReadScreenWindow(params, resolution);
-        Lens lens = ReadLens(params);
-        camera = std::make_unique<PerspectiveCamera>(frame, window, ReadFov(params), lens);
-    } else if (type == "orthographic") {
-        ScreenWindow window = ReadScreenWindow(params, resolution);
-        camera = std::make_unique<OrthographicCamera>(frame, window, ReadLens(params));
-    } else if (type == "realistic") {
-        camera = MakeRealistic(params, frame, film.diagonalMm, files, sink);
-    } else
-        camera = MakeSpherical(params, frame, resolution);
-    params.ReportUnused(sink);
-    return camera;
+const CameraTable &Cameras() {
+    static const CameraTable table = [] {
+        using Context = const CameraContext;
+        CameraTable t("Camera");
+        t.Add<PerspectiveParams>("perspective", "may move, as all cameras",
+                                 [](const auto &p, const ParamSet &set, Context &c) {
+                                     return std::make_unique<PerspectiveCamera>(p.Frame(set, c), p.Window(c.resolution),
+                                                                                p.fov, p.lens);
+                                 });
+        t.Add<LensParams>("orthographic", "", [](const auto &p, const ParamSet &set, Context &c) {
+            return std::make_unique<OrthographicCamera>(p.Frame(set, c), p.Window(c.resolution), p.lens);
+        });
+        t.Add<SphericalParams>("spherical", "", [](const auto &p, const ParamSet &set, Context &c) {
+            return std::make_unique<SphericalCamera>(p.Frame(set, c), p.mapping);
+        });
+        t.Add<RealisticParams>("realistic", "**differs** with an aperture image, see below",
+                               [](const auto &p, const ParamSet &set, Context &c) {
+                                   const CameraFrame frame = p.Frame(set, c);
+                                   const ApertureImage aperture =
+                                       set.At("aperture", [&] { return ApertureImage::Read(p.aperture, c.files); });
+                                   return std::make_unique<RealisticCamera>(frame, c.filmDiagonalMm / 1000,
+                                                                            ReadLens(p, set, c), aperture);
+                               });
+        return t;
+    }();
+    return table;
 }
 
 }  // namespace pbrt

@@ -2,8 +2,8 @@
 #include <memory>
 #include <optional>
 
+#include "pbrt/core/factory_table.h"
 #include "pbrt/core/files.h"
-#include "pbrt/core/params.h"
 #include "pbrt/math/animated_transform.h"
 #include "pbrt/math/ray.h"
 #include "pbrt/spectra/spectrum.h"
@@ -44,16 +44,16 @@ class Camera {
     Float shutterOpen_ = 0, shutterClose_ = 1;
 };
 
-/// What a camera must know of the film.
-struct FilmFormat {
-    Point2i resolution{1, 1};  ///< the full one
-    Float diagonalMm = 35;
+/// What a camera is made for.
+struct CameraContext {
+    const AnimatedTransform &renderFromCamera;
+    Point2i resolution{1, 1};  ///< of the full film
+    Float filmDiagonalMm = 35;
+    const FileResolver &files;
+    DiagnosticSink &sink;
 };
 
-std::unique_ptr<Camera> MakeCamera(const std::string &type, const ParamSet &params,
-                                   const AnimatedTransform &renderFromCamera, const FilmFormat &film,
-                                   const FileResolver &files, DiagnosticSink &sink);
-
-const std::vector<std::string> &SupportedCameras();
+using CameraTable = FactoryTable<std::unique_ptr<Camera>, const CameraContext>;
+const CameraTable &Cameras();
 
 }  // namespace pbrt

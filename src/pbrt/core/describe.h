@@ -1,127 +1,248 @@
 #pragma once
-#include <nlohmann/json.hpp>
+#include <array>
+#include <optional>
+#include <span>
 #include <string>
-#include <string_view>
 #include <type_traits>
 #include <vector>
 
 #include <fmt/ranges.h>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "pbrt/core/params.h"
 
-namespace pbrt {
-
-/// The values a text parameter may have.
-using Choices = std::vector<std::string>;
-
-/// A parameter struct lists each of its parameters exactly once:
+/// A parameter struct lists each of its parameters exactly once, with its name in a scene, what values it may have, and
+/// a line of help; the member's initial value is the default:
 ///
 ///   struct OctreeParams {
 ///       int leaves = 4096;
 ///       template <class V> void Describe(V &&v) { v("leaves", leaves, Range{1, 1 << 20}, "what it does"); }
 ///   };
 ///
-/// A help text that begins with a value of a text parameter and a colon ("paper: ...") says that the parameter has an
-/// effect only with that value; giving it with another is a warning.
+/// Visitors read it (ParamReader), document it (DocumentParams) and print it (EffectiveParams). Parameters are visited
+/// in order, so one that has a meaning only together with the values of others stands in `if (v.When(condition))`:
+/// where the condition does not hold it is an unused parameter. A help text that begins with a value of a text
+/// parameter and a colon ("paper: ...") says that the parameter has an effect only with that value; giving it with
+/// another is a warning.
 ///
-/// The visitors below read it from a scene or from key=value text, print it, and document it. Supported member types:
-/// int, Float, bool, and std::string with Choices.
-struct ParamDoc {
-    std::string name, type, defaultValue, range, help;
+/// The types of members are open: a folder adds one by overloads of ReadParam and DocumentParam, which are found by
+/// argument-dependent lookup. Here are int, Float, bool, std::string, std::optional of these, enumerations with names,
+/// items of several numbers (points, colours ...), and lists of these. Behind the value stands what is asked of it, if anything:
+/// Range, Choices, an array of NamedValue, Items, Required.
+namespace pbrt {
+
+/// The values a text parameter may have.
+using Choices = std::vector<std::string>;
+
+/// A value that a scene calls by name. A parameter takes a constexpr array of them.
+template <class E>
+struct NamedValue {
+    const char *name;
+    E value;
 };
+
+/// Values of several numbers each; `type` says which word of the format they have. Each number must lie in the range.
+struct Items {
+    ParamType type;
+    Range<Float> range = AnyFloat();
+};
+
+/// A parameter that has no default.
+struct Required {};
+struct RequiredItems : Items {};
+
+/// One parameter for people and for flags.
+struct ParamDoc {
+    std::string name;
+    std::vector<ParamType> types;  ///< one of them
+    bool isList = false;
+    std::string defaultValue;      ///< empty: none, or the help says
+    std::string range;
+    Choices choices;
+    std::string help;
+
+    std::string TypeText() const;   ///< "integer", "spectrum texture", ...
+    std::string ShortType() const;  ///< "i", "st", ...
+};
+
+/// What a parameter asks of its values, for tables: "1 to 10", "above 0", "at least 0 mm".
+template <class T>
+std::string ShortText(const Range<T> &r) {
+    constexpr T kMax = std::numeric_limits<T>::max();
+    const bool hasLow = r.low > std::numeric_limits<T>::lowest(), hasHigh = r.high < kMax;
+    std::string text;
+    if (!hasLow && !hasHigh) return r.unit;
+    if (hasLow && hasHigh && !r.openHigh)
+        text = fmt::format("{}{} to {}", r.openLow ? "above " : "", r.low, r.high);
+    else if (hasLow && hasHigh)
+        text = fmt::format("{} {}, below {}", r.openLow ? "above" : "from", r.low, r.high);
+    else if (hasLow)
+        text = fmt::format("{} {}", r.openLow ? "above" : "at least", r.low);
+    else
+        text = fmt::format("{} {}", r.openHigh ? "below" : "at most", r.high);
+    return *r.unit ? text + ' ' + r.unit : text;
+}
 
 namespace detail {
 template <class T>
-constexpr const char *TypeWord() {
-    if constexpr (std::is_same_v<T, int>) return "integer";
-    else if constexpr (std::is_same_v<T, bool>) return "bool";
-    else if constexpr (std::is_same_v<T, std::string>) return "string";
-    else return "float";
+constexpr ParamType TypeOf() {
+    if constexpr (std::is_same_v<T, int>) return ParamType::Integer;
+    else if constexpr (std::is_same_v<T, bool>) return ParamType::Bool;
+    else if constexpr (std::is_same_v<T, Float>) return ParamType::Float;
+    else {
+        static_assert(std::is_same_v<T, std::string>);
+        return ParamType::String;
+    }
 }
 template <class T>
-std::string ValueText(T v) {
+std::string ValueText(const T &v) {
     if constexpr (std::is_same_v<T, bool>) return v ? "true" : "false";
     else return fmt::format("{}", v);
 }
-template <class T>
-void CheckRange(const ParamSet &set, const std::string &key, T v, Range<T> r) {
-    if (!(v >= r.low && v <= r.high))
-        throw UserError(fmt::format("\"{}\" is {}; it must be from {} to {}.", key, v, r.low, r.high), set.LocOf(key));
-}
 }  // namespace detail
 
-/// One row per parameter, with the defaults of a fresh P.
-template <class P>
-std::vector<ParamDoc> DocumentParams() {
-    std::vector<ParamDoc> docs;
-    P p;
-    auto row = [&](const char *name, auto &value, std::string range, const char *help) {
-        using T = std::remove_reference_t<decltype(value)>;
-        docs.push_back({name, detail::TypeWord<T>(), detail::ValueText(value), std::move(range), help});
-    };
-    struct Visitor {
-        decltype(row) &emit;
-        void operator()(const char *name, int &v, Range<int> r, const char *help) const {
-            emit(name, v, fmt::format("{} to {}", r.low, r.high), help);
-        }
-        void operator()(const char *name, Float &v, Range<Float> r, const char *help) const {
-            emit(name, v, fmt::format("{} to {}", r.low, r.high), help);
-        }
-        void operator()(const char *name, bool &v, const char *help) const { emit(name, v, "", help); }
-        void operator()(const char *name, std::string &v, const Choices &choices, const char *help) const {
-            emit(name, v, fmt::format("{}", fmt::join(choices, ", ")), help);
-        }
-    };
-    p.Describe(Visitor{row});
-    return docs;
+// Values that are one of the basic types, given or not.
+
+template <class T>
+void DocumentParam(ParamDoc &doc, const T &value) {
+    doc.types = {detail::TypeOf<T>()};
+    doc.defaultValue = detail::ValueText(value);
 }
+template <class T>
+void DocumentParam(ParamDoc &doc, const std::optional<T> &value) {
+    doc.types = {detail::TypeOf<T>()};
+    if (value) doc.defaultValue = detail::ValueText(*value);
+}
+template <class T, class U>
+void DocumentParam(ParamDoc &doc, const T &value, const Range<U> &range) {
+    DocumentParam(doc, value);
+    doc.range = ShortText(range);
+}
+template <class T>
+void DocumentParam(ParamDoc &doc, const T &value, const Choices &choices) {
+    DocumentParam(doc, value);
+    doc.choices = choices;
+    doc.range = fmt::format("{}", fmt::join(choices, ", "));
+}
+template <class E, size_t N>
+void DocumentParam(ParamDoc &doc, const E &value, const NamedValue<E> (&values)[N]) {
+    doc.types = {ParamType::String};
+    for (const NamedValue<E> &v : values) {
+        doc.choices.push_back(v.name);
+        if (v.value == value) doc.defaultValue = v.name;
+    }
+    doc.range = fmt::format("{}", fmt::join(doc.choices, ", "));
+}
+template <class T>
+void DocumentParam(ParamDoc &doc, const T &value, Required) {
+    DocumentParam(doc, value);
+    doc.defaultValue.clear();
+    doc.range = "required";
+}
+
+// Lists, and items of several numbers.
+
+template <class T>
+void DocumentParam(ParamDoc &doc, const std::span<const T> &) {
+    doc.types = {detail::TypeOf<T>()};
+    doc.isList = true;
+}
+template <class T>
+void DocumentParam(ParamDoc &doc, const std::span<const T> &values, Required) {
+    DocumentParam(doc, values);
+    doc.range = "required";
+}
+template <class T, size_t N>
+void DocumentParam(ParamDoc &doc, const std::optional<std::array<T, N>> &) {
+    DocumentParam(doc, std::span<const T>());
+    doc.range = fmt::format("{} values", N);
+}
+template <class T, size_t N, class U>
+void DocumentParam(ParamDoc &doc, const std::optional<std::array<T, N>> &value, const Range<U> &range) {
+    DocumentParam(doc, value);
+    doc.range += ", each " + ShortText(range);
+}
+template <class T>
+void DocumentParam(ParamDoc &doc, const std::vector<T> &, const Items &items) {
+    doc.types = {items.type};
+    doc.isList = true;
+}
+template <class T>
+void DocumentParam(ParamDoc &doc, const std::vector<T> &value, const RequiredItems &items) {
+    DocumentParam(doc, value, static_cast<const Items &>(items));
+    doc.range = "required";
+}
+template <class T>
+void DocumentParam(ParamDoc &doc, const T &value, const Items &items) {
+    doc.types = {items.type};
+    for (int i = 0; i < static_cast<int>(sizeof(T) / sizeof(Float)); ++i)
+        doc.defaultValue += fmt::format("{}{}", i ? " " : "", value[i]);
+}
+
+/// The visitor that documents.
+class ParamDocumenter {
+  public:
+    std::vector<ParamDoc> docs;
+
+    bool When(bool) const { return true; }
+    template <class T>
+    void operator()(const std::string &name, T &value, const char *help) {
+        Add(name, help);
+        DocumentParam(docs.back(), value);
+    }
+    template <class T, class Asked>
+    void operator()(const std::string &name, T &value, const Asked &asked, const char *help) {
+        Add(name, help);
+        DocumentParam(docs.back(), value, asked);
+    }
+
+  private:
+    void Add(const std::string &name, const char *help) {
+        ParamDoc &doc = docs.emplace_back();
+        doc.name = name;
+        doc.help = help;
+    }
+};
+
+/// One row per parameter, with the values of `p` as the defaults.
+template <class P>
+std::vector<ParamDoc> DocumentParams(P p = P()) {
+    ParamDocumenter documenter;
+    p.Describe(documenter);
+    return std::move(documenter.docs);
+}
+
+/// The visitor that prints, see EffectiveParams.
+template <class Json>
+class ParamPrinter {
+  public:
+    Json json = Json::object();
+    bool When(bool applies) const { return applies; }
+    template <class T, class... AskedAndHelp>
+    void operator()(const std::string &name, T &value, const AskedAndHelp &...asked) {
+        if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
+            json[name] = value;
+        } else {  // the text that documents a default
+            ParamDocumenter documenter;
+            documenter(name, value, asked...);
+            json[name] = documenter.docs.front().defaultValue;
+        }
+    }
+};
 
 /// "name value" pairs as they are in force, for metadata and statistics.
-template <class P>
-nlohmann::ordered_json EffectiveParams(P p) {
-    nlohmann::ordered_json json = nlohmann::ordered_json::object();
-    struct Visitor {
-        nlohmann::ordered_json &json;
-        void operator()(const char *name, int &v, Range<int>, const char *) const { json[name] = v; }
-        void operator()(const char *name, Float &v, Range<Float>, const char *) const { json[name] = v; }
-        void operator()(const char *name, bool &v, const char *) const { json[name] = v; }
-        void operator()(const char *name, std::string &v, const Choices &, const char *) const { json[name] = v; }
-    };
-    p.Describe(Visitor{json});
-    return json;
+template <class P, class Json = nlohmann::ordered_json>
+Json EffectiveParams(P p) {
+    ParamPrinter<Json> printer;
+    p.Describe(printer);
+    return std::move(printer.json);
 }
 
-/// Reads `prefix`.name parameters from a scene's ParamSet; out-of-range values are located errors.
-template <class P>
-void ReadParams(P &p, const ParamSet &set, const std::string &prefix) {
-    struct Visitor {
-        const ParamSet &set;
-        const std::string &prefix;
-        void operator()(const char *name, int &v, Range<int> r, const char *) const {
-            std::string key = prefix + "." + name;
-            v = set.GetInt(key, v);
-            detail::CheckRange(set, key, v, r);
-        }
-        void operator()(const char *name, Float &v, Range<Float> r, const char *) const {
-            std::string key = prefix + "." + name;
-            v = set.GetFloat(key, v);
-            detail::CheckRange(set, key, v, r);
-        }
-        void operator()(const char *name, bool &v, const char *) const { v = set.GetBool(prefix + "." + name, v); }
-        void operator()(const char *name, std::string &v, const Choices &choices, const char *) const {
-            v = set.GetChoice(prefix + "." + name, v, choices);
-        }
-    };
-    p.Describe(Visitor{set, prefix});
-}
-
-/// A function that reads a P and forgets it: for errors before anything is made.
-template <class P>
-auto ParamsCheck(std::string prefix) {
-    return [prefix = std::move(prefix)](const ParamSet &set) {
-        P p;
-        ReadParams(p, set, prefix);
-    };
-}
+/// For makers without parameters.
+struct NoParams {
+    template <class V>
+    void Describe(V &&) {}
+};
 
 }  // namespace pbrt

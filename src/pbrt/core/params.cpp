@@ -5,8 +5,6 @@
 
 namespace pbrt {
 
-namespace {
-
 size_t ItemSize(ParamType type) {
     switch (type) {
     case ParamType::Point2:
@@ -18,6 +16,8 @@ size_t ItemSize(ParamType type) {
     default: return 1;
     }
 }
+
+namespace {
 
 template <class T>
 const T &Single(const Param &p, const std::vector<T> &values, const std::string &what) {
@@ -125,6 +125,14 @@ std::span<const std::string> ParamSet::GetStrings(std::string_view name) const {
     const Param *p = FindAndNote(name, ParamType::String);
     if (!p) return {};
     return p->strings;
+}
+
+UserError ParamSet::Error(std::string_view name, std::string_view message) const {
+    return UserError(fmt::format("{}: {}", what_, message), LocOf(name));
+}
+
+void ParamSet::Warn(DiagnosticSink &sink, std::string_view name, std::string_view message) const {
+    sink.Warning(LocOf(name), fmt::format("{}: {}", what_, message));
 }
 
 FileLoc ParamSet::LocOf(std::string_view name) const {

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <span>
 #include <string>
@@ -18,24 +19,30 @@ enum class ParamType {
 
 /// "integer", "float", ...
 const char *Name(ParamType type);
+/// How many numbers make one value of it: 2 or 3 for points, vectors, normals and rgb, else 1.
+size_t ItemSize(ParamType type);
 
 /// The values a number may have; the ends count unless they are open.
 template <class T>
 struct Range {
     T low, high;
     bool openLow = false, openHigh = false;
+    const char *unit = "";  ///< for people
     bool Contains(T v) const {  // false for not-a-number
         return (openLow ? v > low : v >= low) && (openHigh ? v < high : v <= high);
     }
 };
 /// Above 0 and at most `high`.
-constexpr Range<Float> Positive(Float high) { return {0, high, true, false}; }
+constexpr Range<Float> Positive(Float high, const char *unit = "") { return {0, high, true, false, unit}; }
+constexpr Range<Float> AnyFloat(const char *unit = "") {
+    return {std::numeric_limits<Float>::lowest(), std::numeric_limits<Float>::max(), false, false, unit};
+}
 
-/// "at least 0 and below 180"
+/// "at least 0 and below 180 degrees"
 template <class T>
 std::string Text(const Range<T> &range) {
-    return fmt::format("{} {} and {} {}", range.openLow ? "above" : "at least", range.low,
-                       range.openHigh ? "below" : "at most", range.high);
+    return fmt::format("{} {} and {} {}{}{}", range.openLow ? "above" : "at least", range.low,
+                       range.openHigh ? "below" : "at most", range.high, *range.unit ? " " : "", range.unit);
 }
 
 /// One parsed parameter. Exactly one of the value lists is filled: integers for Integer; bools for Bool; strings
@@ -103,6 +110,20 @@ class ParamSet {
         if (!range.Contains(value))
             throw UserError(fmt::format("{}: \"{}\" is {}; it must be {}.", what_, name, value, Text(range)),
                             LocOf(name));
+    }
+
+    /// What is wrong, with the name of the entity before it, at the place of the parameter `name`.
+    UserError Error(std::string_view name, std::string_view message) const;
+    void Warn(DiagnosticSink &sink, std::string_view name, std::string_view message) const;
+    /// Runs `read`, whose errors have no place, and gives them that of the parameter `name`.
+    template <class F>
+    auto At(std::string_view name, F &&read) const {
+        try {
+            return read();
+        } catch (const UserError &e) {
+            if (e.Diagnostics().front().loc) throw;
+            throw Error(name, e.Diagnostics().front().message);
+        }
     }
 
     /// Where to point at when complaining about `name`: its declaration if given, else the directive.

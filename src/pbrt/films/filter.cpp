@@ -122,51 +122,90 @@ struct WindowedSincProfile {
     }
 };
 
-/// Of radii, in pixels: tables have 32 cells a pixel.
-constexpr Range<Float> kRadiusRange = Positive(1000);
 constexpr Range<Float> kWidthRange = Positive(1e6f), kSharpnessRange{-1000, 1000};
 
-template <class Profile>
-std::unique_ptr<Filter> Tabulate(const ParamSet &params, const Vector2 &radius, const Profile &x, const Profile &y) {
-    auto filter = std::make_unique<TabulatedFilter<Profile>>(radius, x, y);
-    if (!filter->HasPositiveIntegral())
-        throw UserError(fmt::format("{}: these parameters make a filter whose integral is not above 0.", params.What()),
-                        params.Loc());
-    return filter;
+struct RadiusParams {
+    Float x, y;
+    explicit RadiusParams(Float radius) : x(radius), y(radius) {}
+    template <class V>
+    void Describe(V &&v) {
+        const Range<Float> range = Positive(1000, "pixels");  // tables have 32 cells a pixel
+        v("xradius", x, range, "half of the width");
+        v("yradius", y, range, "half of the height");
+    }
+    Vector2 Radius() const { return {x, y}; }
+};
+
+struct BoxParams : RadiusParams {
+    BoxParams() : RadiusParams(Float(0.5)) {}
+};
+
+struct TriangleParams : RadiusParams {
+    TriangleParams() : RadiusParams(2) {}
+};
+
+struct GaussianParams : RadiusParams {
+    Float sigma = Float(0.5);
+    GaussianParams() : RadiusParams(Float(1.5)) {}
+    template <class V>
+    void Describe(V &&v) {
+        RadiusParams::Describe(v);
+        v("sigma", sigma, kWidthRange, "standard deviation");
+    }
+    GaussianProfile Profile(Float radius) const { return {radius, sigma}; }
+};
+
+struct MitchellParams : RadiusParams {
+    Float b = Float(1) / 3, c = Float(1) / 3;
+    MitchellParams() : RadiusParams(2) {}
+    template <class V>
+    void Describe(V &&v) {
+        RadiusParams::Describe(v);
+        v("B", b, kSharpnessRange, "blur");
+        v("C", c, kSharpnessRange, "ringing");
+    }
+    MitchellProfile Profile(Float radius) const { return {radius, b, c}; }
+};
+
+struct SincParams : RadiusParams {
+    Float tau = 3;
+    SincParams() : RadiusParams(4) {}
+    template <class V>
+    void Describe(V &&v) {
+        RadiusParams::Describe(v);
+        v("tau", tau, kWidthRange, "lobes of the window");
+    }
+    WindowedSincProfile Profile(Float radius) const { return {radius, tau}; }
+};
+
+template <class P>
+void AddTabulated(FilterTable &table, const char *name) {
+    table.Add<P>(name, "", [](const P &p, const ParamSet &set, const FilterContext &) {
+        using Tabulated = TabulatedFilter<decltype(p.Profile(0))>;
+        auto filter = std::make_unique<Tabulated>(p.Radius(), p.Profile(p.x), p.Profile(p.y));
+        if (!filter->HasPositiveIntegral())
+            throw set.Error("", "these parameters make a filter whose integral is not above 0.");
+        return filter;
+    });
 }
 
 }  // namespace
 
-const std::vector<std::string> &SupportedFilters() {
-    static const std::vector<std::string> names = {"box", "gaussian", "mitchell", "sinc", "triangle"};
-    return names;
-}
-
-std::unique_ptr<Filter> MakeFilter(const std::string &type, const ParamSet &params) {
-    auto radius = [&](Float defaultValue) {
-        return Vector2(params.GetFloat("xradius", defaultValue, kRadiusRange),
-                       params.GetFloat("yradius", defaultValue, kRadiusRange));
-    };
-    if (type == "box") return std::make_unique<BoxFilter>(radius(Float(0.5)));
-    if (type == "triangle") return std::make_unique<TriangleFilter>(radius(2));
-    if (type == "gaussian") {
-        Vector2 r = radius(Float(1.5));
-        Float sigma = params.GetFloat("sigma", Float(0.5), kWidthRange);
-        return Tabulate(params, r, GaussianProfile{r.x, sigma}, GaussianProfile{r.y, sigma});
-    }
-    if (type == "mitchell") {
-        Vector2 r = radius(2);
-        Float b = params.GetFloat("B", Float(1) / 3, kSharpnessRange);
-        Float c = params.GetFloat("C", Float(1) / 3, kSharpnessRange);
-        return Tabulate(params, r, MitchellProfile{r.x, b, c}, MitchellProfile{r.y, b, c});
-    }
-    if (type == "sinc") {
-        Vector2 r = radius(4);
-        Float tau = params.GetFloat("tau", 3, kWidthRange);
-        return Tabulate(params, r, WindowedSincProfile{r.x, tau}, WindowedSincProfile{r.y, tau});
-    }
-    throw UserError(fmt::format("PixelFilter \"{}\" is unknown; {}.", type, ListChoices(type, SupportedFilters())),
-                    params.Loc());
+const FilterTable &Filters() {
+    static const FilterTable table = [] {
+        FilterTable t("PixelFilter");
+        t.Add<BoxParams>("box", "", [](const auto &p, const ParamSet &, const FilterContext &) {
+            return std::make_unique<BoxFilter>(p.Radius());
+        });
+        t.Add<TriangleParams>("triangle", "", [](const auto &p, const ParamSet &, const FilterContext &) {
+            return std::make_unique<TriangleFilter>(p.Radius());
+        });
+        AddTabulated<GaussianParams>(t, "gaussian");
+        AddTabulated<MitchellParams>(t, "mitchell");
+        AddTabulated<SincParams>(t, "sinc");
+        return t;
+    }();
+    return table;
 }
 
 }  // namespace pbrt

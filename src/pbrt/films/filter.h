@@ -1,9 +1,7 @@
 #pragma once
 #include <memory>
-#include <string>
-#include <vector>
 
-#include "pbrt/core/params.h"
+#include "pbrt/core/factory_table.h"
 #include "pbrt/math/bounds.h"
 
 namespace pbrt {
@@ -31,7 +29,10 @@ class Filter {
     Vector2 radius_;
 };
 
-std::unique_ptr<Filter> MakeFilter(const std::string &type, const ParamSet &params);
-const std::vector<std::string> &SupportedFilters();
+struct FilterContext {
+    DiagnosticSink &sink;
+};
+using FilterTable = FactoryTable<std::unique_ptr<Filter>, const FilterContext>;
+const FilterTable &Filters();
 
 }  // namespace pbrt

@@ -1,5 +1,6 @@
 #include "pbrt/lights/infinite_light.h"
 
+#include "pbrt/core/error.h"
 #include "pbrt/lights/light_image.h"
 #include "pbrt/math/warps.h"
 

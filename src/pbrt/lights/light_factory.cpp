@@ -16,169 +16,209 @@
 #include "pbrt/lights/spot_light.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/shapes/extent.h"
+#include "pbrt/core/limits.h"
 #include "pbrt/spectra/spectrum_params.h"
 
 namespace pbrt {
 
 namespace {
 
-/// What the parameters of every light have in common.
-struct LightInput {
-    const ParamSet &params;
-    const Transform &renderFromLight, &renderFromWorld;
-    const ColorSpace &colorSpace;
-    const FileResolver &files;
-    DiagnosticSink &sink;
-
-    SpectrumPtr Emission(const char *name) const {
-        return GetSpectrum(params, name, colorSpace.IlluminantPtr(), SpectrumUse::Illuminant, files);
-    }
-    Point3 GetPoint(const char *name, const Point3 &defaultValue) const {
-        std::span<const Float> v = params.GetFloats(name, ParamType::Point3);
-        if (v.empty()) return defaultValue;
-        if (v.size() != 3)
-            throw UserError(
-                fmt::format("{}: expected one point for \"point3 {}\", found {}.", params.What(), name, v.size() / 3),
-                params.LocOf(name));
-        for (Float coordinate : v) params.Require(name, coordinate, kCoordinateRange);
-        return {v[0], v[1], v[2]};
-    }
-    /// An error if the light is too far away.
-    void RequirePosition(const Point3 &p) const {
-        RequireReach(params.What(), renderFromLight, Bounds3(p), params.Loc());
-    }
-    /// Unit vector between the points "from" and "to".
-    Vector3 FromTo(const Point3 &from, const Point3 &to) const {
-        Vector3 d = to - from;
-        if (!(LengthSquared(d) > 0))
-            throw UserError(fmt::format("{}: \"from\" and \"to\" are the same point, so the light has no direction.",
-                                        params.What()),
-                            params.LocOf(params.Has("to") ? "to" : "from"));
-        return Normalize(d);
-    }
-};
+/// An error if the light is too far away.
+void RequirePosition(const ParamSet &set, const LightContext &context, const Point3 &p) {
+    RequireReach(set.What(), context.renderFromLight, Bounds3(p), set.Loc());
+}
 
 /// An error if an emission so scaled is too bright for single precision.
-Float RequireFinite(const LightInput &in, Float scale, const Spectrum &emission, const char *name) {
+Float RequireFinite(const ParamSet &set, Float scale, const Spectrum &emission, const char *name) {
     if (!std::isfinite(scale) || !std::isfinite(scale * emission.MaxValue()))
-        throw UserError(fmt::format("{}: \"{}\" times all that scales it is larger than the largest number, {:.4g}.",
-                                    in.params.What(), name, std::numeric_limits<Float>::max()),
-                        in.params.LocOf(in.params.Has("scale") ? "scale" : name));
+        throw set.Error(set.Has("scale") ? "scale" : name,
+                        fmt::format("\"{}\" times all that scales it is larger than the largest number, {:.4g}.", name,
+                                    std::numeric_limits<Float>::max()));
     return scale;
 }
 
 /// `scale` so that an emission of scale 1 is one photometric unit.
-Float PhotometricScale(const LightInput &in, const Spectrum &emission, const char *name) {
-    Float scale = in.params.GetFloat("scale", 1, kBrightnessRange), photometric = SpectrumToPhotometric(emission);
-    if (!(photometric > 0)) {
-        // Black light is legal; anything else that has no luminous part cannot be brought to photometric units.
-        if (!(emission.MaxValue() > 0)) return 0;
-        throw UserError(
-            fmt::format("{}: \"{}\" emits nothing that the eye can see, so it cannot be scaled to photometric units.",
-                        in.params.What(), name),
-            in.params.LocOf(name));
-    }
-    return scale / photometric;
+Float PhotometricScale(const ParamSet &set, Float scale, const Spectrum &emission, const char *name) {
+    const Float photometric = SpectrumToPhotometric(emission);
+    if (photometric > 0) return scale / photometric;
+    // Black light is legal; anything else that has no luminous part cannot be brought to photometric units.
+    if (!(emission.MaxValue() > 0)) return 0;
+    throw set.Error(name, fmt::format("\"{}\" emits nothing that the eye can see, so it cannot be scaled to "
+                                      "photometric units.", name));
 }
 
-void RequireSquare(const LightInput &in, const LightImage &light) {
+void RequireSquare(const ParamSet &set, const LightImage &light) {
     Point2i n = light.image.Resolution();
     if (n.x != n.y)
-        throw UserError(
-            fmt::format(
-                "\"{}\" has {} x {} pixels; an image of directions must be square, in the equal-area octahedral "
-                "layout (imgtool makeequiarea converts latitude-longitude images).",
-                light.name, n.x, n.y),
-            in.params.LocOf("filename"));
+        throw set.Error("filename",
+                        fmt::format("\"{}\" has {} x {} pixels; an image of directions must be square, in the "
+                                    "equal-area octahedral layout (imgtool makeequiarea converts latitude-longitude "
+                                    "images).",
+                                    light.name, n.x, n.y));
 }
 
-std::unique_ptr<Light> MakePoint(const LightInput &in) {
-    SpectrumPtr intensity = in.Emission("I");
-    Float scale = PhotometricScale(in, *intensity, "I");
-    Float power = in.params.GetFloat("power", -1, kPowerRange);
-    if (power > 0) scale *= power / (4 * Pi);
-    RequireFinite(in, scale, *intensity, "I");
-    Point3 from = in.GetPoint("from", {0, 0, 0});
-    in.RequirePosition(from);
-    return std::make_unique<PointLight>(in.renderFromLight.Point(from), InternSpectrum(*intensity), scale);
+SpectrumPtr OrIlluminant(const SpectrumParam &given, const LightContext &context) {
+    return given ? given.Make(context.files) : context.colorSpace.IlluminantPtr();
 }
 
-std::unique_ptr<Light> MakeSpot(const LightInput &in) {
-    SpectrumPtr intensity = in.Emission("I");
-    Float scale = PhotometricScale(in, *intensity, "I");
-    Float coneAngle = in.params.GetFloat("coneangle", 30, Positive(180)),
-          delta = in.params.GetFloat("conedeltaangle", 5);
-    Float power = in.params.GetFloat("power", -1, kPowerRange);
-    Point3 from = in.GetPoint("from", {0, 0, 0}), to = in.GetPoint("to", {0, 0, 1});
-    if (!(delta >= 0 && delta <= 2 * coneAngle))
-        throw UserError(fmt::format("{}: \"conedeltaangle\" is {}; it must be from 0 to twice the cone angle ({}).",
-                                    in.params.What(), delta, 2 * coneAngle),
-                        in.params.LocOf("conedeltaangle"));
-    in.RequirePosition(from);
+constexpr SpectrumParam kEmission{SpectrumUse::Illuminant};
+constexpr Items kPosition{ParamType::Point3, kCoordinateRange};
+constexpr const char *kScaleHelp = "factor", *kPowerHelp = "if above 0, what all is scaled to, in watts";
+constexpr const char *kIlluminanceHelp = "if above 0, what all is scaled to, in lux";
+
+struct IntensityParams {
+    SpectrumParam intensity = kEmission;
+    Float scale = 1, power = -1;
+    template <class V>
+    void Describe(V &&v) {
+        v("I", intensity, "intensity; the illuminant of the colour space");
+        v("scale", scale, kBrightnessRange, kScaleHelp);
+        v("power", power, kPowerRange, kPowerHelp);
+    }
+};
+
+/// Where a light stands and where it shines.
+struct DirectionParams {
+    Point3 from{0, 0, 0}, to{0, 0, 1};
+    template <class V>
+    void Describe(V &&v) {
+        v("from", from, kPosition, "where the light comes from");
+        v("to", to, kPosition, "a point that it shines to");
+    }
+    Vector3 UnitVector(const ParamSet &set) const {
+        const Vector3 d = to - from;
+        if (!(LengthSquared(d) > 0))
+            throw set.Error(set.Has("to") ? "to" : "from",
+                            "\"from\" and \"to\" are the same point, so the light has no direction.");
+        return Normalize(d);
+    }
+};
+
+struct PointParams : IntensityParams {
+    Point3 from{0, 0, 0};
+    template <class V>
+    void Describe(V &&v) {
+        IntensityParams::Describe(v);
+        v("from", from, kPosition, "where the light stands");
+    }
+};
+
+std::unique_ptr<Light> MakePoint(const PointParams &p, const ParamSet &set, const LightContext &context) {
+    SpectrumPtr intensity = OrIlluminant(p.intensity, context);
+    Float scale = PhotometricScale(set, p.scale, *intensity, "I");
+    if (p.power > 0) scale *= p.power / (4 * Pi);
+    RequireFinite(set, scale, *intensity, "I");
+    RequirePosition(set, context, p.from);
+    return std::make_unique<PointLight>(context.renderFromLight.Point(p.from), InternSpectrum(*intensity), scale);
+}
+
+struct SpotParams : IntensityParams {
+    DirectionParams direction;
+    Float coneAngle = 30, delta = 5;
+    template <class V>
+    void Describe(V &&v) {
+        IntensityParams::Describe(v);
+        direction.Describe(v);
+        v("coneangle", coneAngle, Positive(180, "degrees"), "between the axis and the border of the cone");
+        v("conedeltaangle", delta, AnyFloat("degrees"), "inside of the border, where the light falls off");
+    }
+};
+
+std::unique_ptr<Light> MakeSpot(const SpotParams &p, const ParamSet &set, const LightContext &context) {
+    SpectrumPtr intensity = OrIlluminant(p.intensity, context);
+    Float scale = PhotometricScale(set, p.scale, *intensity, "I");
+    if (!(p.delta >= 0 && p.delta <= 2 * p.coneAngle))
+        throw set.Error("conedeltaangle",
+                        fmt::format("\"conedeltaangle\" is {}; it must be from 0 to twice the cone angle ({}).",
+                                    p.delta, 2 * p.coneAngle));
+    RequirePosition(set, context, p.direction.from);
     // A falloff wider than the cone starts on the other side of the axis; only its cosine counts.
-    Float falloffStart = std::abs(coneAngle - delta);
-    if (power > 0) scale *= power / SpotLight::PowerPerIntensity(coneAngle, falloffStart);
-    RequireFinite(in, scale, *intensity, "I");
-    return std::make_unique<SpotLight>(in.renderFromLight, from, in.FromTo(from, to), InternSpectrum(*intensity), scale,
-                                       coneAngle, falloffStart);
+    Float falloffStart = std::abs(p.coneAngle - p.delta);
+    if (p.power > 0) scale *= p.power / SpotLight::PowerPerIntensity(p.coneAngle, falloffStart);
+    RequireFinite(set, scale, *intensity, "I");
+    return std::make_unique<SpotLight>(context.renderFromLight, p.direction.from, p.direction.UnitVector(set),
+                                       InternSpectrum(*intensity), scale, p.coneAngle, falloffStart);
 }
 
-std::unique_ptr<Light> MakeDistant(const LightInput &in) {
-    SpectrumPtr radiance = in.Emission("L");
-    Float scale = PhotometricScale(in, *radiance, "L");
-    Float illuminance = in.params.GetFloat("illuminance", -1, kPowerRange);
-    Point3 from = in.GetPoint("from", {0, 0, 0}), to = in.GetPoint("to", {0, 0, 1});
-    if (illuminance > 0) scale *= illuminance;
-    RequireFinite(in, scale, *radiance, "L");
-    Vector3 wi = Normalize(in.renderFromLight.Vector(-in.FromTo(from, to)));
+struct DistantParams {
+    SpectrumParam radiance = kEmission;
+    Float scale = 1, illuminance = -1;
+    DirectionParams direction;
+    template <class V>
+    void Describe(V &&v) {
+        v("L", radiance, "radiance; the illuminant of the colour space");
+        v("scale", scale, kBrightnessRange, kScaleHelp);
+        v("illuminance", illuminance, kPowerRange, kIlluminanceHelp);
+        direction.Describe(v);
+    }
+};
+
+std::unique_ptr<Light> MakeDistant(const DistantParams &p, const ParamSet &set, const LightContext &context) {
+    SpectrumPtr radiance = OrIlluminant(p.radiance, context);
+    Float scale = PhotometricScale(set, p.scale, *radiance, "L");
+    if (p.illuminance > 0) scale *= p.illuminance;
+    RequireFinite(set, scale, *radiance, "L");
+    Vector3 wi = Normalize(context.renderFromLight.Vector(-p.direction.UnitVector(set)));
     return std::make_unique<DistantLight>(wi, InternSpectrum(*radiance), scale);
 }
 
 /// `power` over what the light would emit at scale 1.
-Float PowerFactor(const LightInput &in, Float power, Float emitted, const std::string &image) {
-    if (!(emitted > 0))
-        throw UserError(fmt::format("\"{}\" is black, so \"power\" cannot be reached.", image),
-                        in.params.LocOf("power"));
+Float PowerFactor(const ParamSet &set, Float power, Float emitted, const std::string &image) {
+    if (!(emitted > 0)) throw set.Error("power", fmt::format("\"{}\" is black, so \"power\" cannot be reached.", image));
     return power / emitted;
 }
 
-std::unique_ptr<Light> MakeGoniometric(const LightInput &in) {
-    SpectrumPtr intensity = in.Emission("I");
-    Float scale = PhotometricScale(in, *intensity, "I");
-    Float power = in.params.GetFloat("power", -1, kPowerRange);
-    in.RequirePosition({0, 0, 0});
+struct GoniometricParams : IntensityParams {
+    std::string filename;
+    template <class V>
+    void Describe(V &&v) {
+        IntensityParams::Describe(v);
+        v("filename", filename, "a square image that says what part of the intensity each direction gets");
+    }
+};
+
+std::unique_ptr<Light> MakeGoniometric(const GoniometricParams &p, const ParamSet &set, const LightContext &context) {
+    SpectrumPtr intensity = OrIlluminant(p.intensity, context);
+    Float scale = PhotometricScale(set, p.scale, *intensity, "I");
+    RequirePosition(set, context, {0, 0, 0});
     LightImage light;
-    if (in.params.GetString("filename", "").empty()) {
-        in.sink.Warning(
-            in.params.LocOf(""),
-            fmt::format("{}: no \"filename\", so the light is the same in all directions.", in.params.What()));
+    if (p.filename.empty()) {
+        set.Warn(context.sink, "", "no \"filename\", so the light is the same in all directions.");
         light.image = Image(PixelFormat::Float, {1, 1}, {"Y"});
         light.image.Set({0, 0}, 0, 1);
     } else {
-        light = ReadIntensityImage(in.params, "filename", in.files);
-        RequireSquare(in, light);
+        light = set.At("filename", [&] { return ReadIntensityImage(context.files.Resolve(p.filename)); });
+        RequireSquare(set, light);
     }
-    if (power > 0) scale *= PowerFactor(in, power, 4 * Pi * GoniometricLight::Mean(light.image), light.name);
-    RequireFinite(in, scale, *intensity, "I");
-    return std::make_unique<GoniometricLight>(in.renderFromLight, InternSpectrum(*intensity), scale,
+    if (p.power > 0) scale *= PowerFactor(set, p.power, 4 * Pi * GoniometricLight::Mean(light.image), light.name);
+    RequireFinite(set, scale, *intensity, "I");
+    return std::make_unique<GoniometricLight>(context.renderFromLight, InternSpectrum(*intensity), scale,
                                               std::move(light.image));
 }
 
-std::unique_ptr<Light> MakeProjection(const LightInput &in) {
-    Float fov = in.params.GetFloat("fov", 90, {0, 180, true, true}),
-          power = in.params.GetFloat("power", -1, kPowerRange);
-    in.params.GetFloat("scale", 1);
-    if (in.params.GetString("filename", "").empty())
-        throw UserError(fmt::format("{}: \"filename\" is missing: the image to be projected.", in.params.What()),
-                        in.params.LocOf("filename"));
-    in.RequirePosition({0, 0, 0});
-    LightImage light = ReadLightImage(in.params, "filename", in.files);
-    Float scale = PhotometricScale(in, light.colorSpace->Illuminant(), "filename");
-    if (power > 0)
-        scale *=
-            PowerFactor(in, power, ProjectionLight::LuminancePower(light.image, *light.colorSpace, fov), light.name);
-    RequireFinite(in, scale, light.colorSpace->Illuminant(), "filename");
-    return std::make_unique<ProjectionLight>(in.renderFromLight, std::move(light.image), *light.colorSpace, scale, fov);
+struct ProjectionParams {
+    std::string filename;
+    Float fov = 90, scale = 1, power = -1;
+    template <class V>
+    void Describe(V &&v) {
+        v("filename", filename, Required(), "the image to be projected");
+        v("fov", fov, Range<Float>{0, 180, true, true, "degrees"}, "along the shorter side of the image");
+        v("scale", scale, kBrightnessRange, kScaleHelp);
+        v("power", power, kPowerRange, kPowerHelp);
+    }
+};
+
+std::unique_ptr<Light> MakeProjection(const ProjectionParams &p, const ParamSet &set, const LightContext &context) {
+    RequirePosition(set, context, {0, 0, 0});
+    LightImage light = set.At("filename", [&] { return ReadLightImage(context.files.Resolve(p.filename)); });
+    const Spectrum &illuminant = light.colorSpace->Illuminant();
+    Float scale = PhotometricScale(set, p.scale, illuminant, "filename");
+    if (p.power > 0)
+        scale *= PowerFactor(set, p.power, ProjectionLight::LuminancePower(light.image, *light.colorSpace, p.fov),
+                             light.name);
+    RequireFinite(set, scale, illuminant, "filename");
+    return std::make_unique<ProjectionLight>(context.renderFromLight, std::move(light.image), *light.colorSpace, scale,
+                                             p.fov);
 }
 
 /// What stock pbrt-v4 takes for the illuminance of an environment on a surface that faces its +z. It counts 2 pi sr for
@@ -203,46 +243,56 @@ Rgb IlluminanceWeights(const LightImage &light, bool hasPortal) {
     return hasPortal && exr ? Rgb(luminance.z, luminance.y, luminance.x) : luminance;
 }
 
+struct InfiniteParams {
+    SpectrumParam radiance = kEmission;
+    std::string filename;
+    Float scale = 1, illuminance = -1;
+    std::vector<Point3> portal;
+    template <class V>
+    void Describe(V &&v) {
+        v("L", radiance, "radiance; the illuminant of the colour space unless there is an image");
+        v("filename", filename, "a square image of the sky, in the equal-area octahedral layout");
+        v("scale", scale, kBrightnessRange, kScaleHelp);
+        v("illuminance", illuminance, kPowerRange, kIlluminanceHelp);
+        v("portal", portal, kPosition, "the corners of a rectangle through which alone the light comes, in world space");
+    }
+};
+
 /// The corners of "portal", if there is one.
-std::optional<std::array<Point3, 4>> GetPortal(const LightInput &in) {
-    std::span<const Float> v = in.params.GetFloats("portal", ParamType::Point3);
-    if (v.empty()) return {};
-    FileLoc loc = in.params.LocOf("portal");
-    if (v.size() != 12)
-        throw UserError(fmt::format("{}: \"portal\" takes the 4 corners of a rectangle, found {} points.",
-                                    in.params.What(), v.size() / 3),
-                        loc);
-    for (Float coordinate : v) in.params.Require("portal", coordinate, kCoordinateRange);
+std::optional<std::array<Point3, 4>> GetPortal(const std::vector<Point3> &given, const ParamSet &set,
+                                               const LightContext &context) {
+    if (given.empty()) return {};
+    if (given.size() != 4)
+        throw set.Error("portal", fmt::format("\"portal\" takes the 4 corners of a rectangle, found {} points.",
+                                              given.size()));
     std::array<Point3, 4> p;
-    for (size_t i = 0; i < 4; ++i) p[i] = {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
+    std::copy(given.begin(), given.end(), p.begin());
     Vector3 x = p[3] - p[0], y = p[1] - p[0];
     Float size2 = LengthSquared(x) * LengthSquared(y);
     if (!(size2 > 0 && std::isfinite(size2) && LengthSquared(Cross(x, y)) > Float(1e-12) * size2))
-        throw UserError(fmt::format("{}: the corners of \"portal\" do not span a rectangle.", in.params.What()), loc);
+        throw set.Error("portal", "the corners of \"portal\" do not span a rectangle.");
     if (!PortalLight::IsRectangle(p))
-        in.sink.Warning(
-            loc,
-            fmt::format("{}: \"portal\" is not a rectangle; the one nearest to its sides at the first corner is used.",
-                        in.params.What()));
+        set.Warn(context.sink, "portal",
+                 "\"portal\" is not a rectangle; the one nearest to its sides at the first corner is used.");
     return p;
 }
 
 /// "L" as an image, for lights that need one; of luminance 1 unless it is an "rgb".
-LightImage ConstantImage(const LightInput &in, const Spectrum &radiance) {
+LightImage ConstantImage(const SpectrumParam &L, const ParamSet &set, const LightContext &context) {
     LightImage light;
     light.name.assign(1, 'L');
     Rgb rgb(0);
-    if (dynamic_cast<const RgbIlluminantSpectrum *>(&radiance)) {
-        const Param &p = *in.params.Find("L", ParamType::Rgb);
-        rgb = {p.floats[0], p.floats[1], p.floats[2]};
-        light.colorSpace = ColorSpace::Find(p.colorSpace);
+    const SpectrumPtr radiance = L.Make(context.files);
+    if (L.given->type == ParamType::Rgb) {
+        rgb = {L.given->floats[0], L.given->floats[1], L.given->floats[2]};
+        light.colorSpace = ColorSpace::Find(L.given->colorSpace);
     } else {
-        light.colorSpace = &in.colorSpace;
-        Xyz xyz = SpectrumToXyz(radiance);
+        light.colorSpace = &context.colorSpace;
+        Xyz xyz = SpectrumToXyz(*radiance);
         if (xyz.y > 0) rgb = light.colorSpace->ToRgb(xyz / xyz.y);
-        in.sink.Warning(in.params.LocOf("L"),
-                        fmt::format("{}: with a portal \"L\" is taken as the colour it has: rgb {:.4g} {:.4g} {:.4g}.",
-                                    in.params.What(), rgb.x, rgb.y, rgb.z));
+        set.Warn(context.sink, "L",
+                 fmt::format("with a portal \"L\" is taken as the colour it has: rgb {:.4g} {:.4g} {:.4g}.", rgb.x,
+                             rgb.y, rgb.z));
     }
     // Many pixels, so that sampling knows how much of the sky each part of the portal shows.
     light.image = Image(PixelFormat::Float, {32, 32}, {"R", "G", "B"});
@@ -252,113 +302,114 @@ LightImage ConstantImage(const LightInput &in, const Spectrum &radiance) {
     return light;
 }
 
-std::unique_ptr<Light> MakeInfinite(const LightInput &in) {
-    const ParamSet &params = in.params;
-    SpectrumPtr radiance = GetSpectrum(params, "L", nullptr, SpectrumUse::Illuminant, in.files);
-    bool hasImage = !params.GetString("filename", "").empty();
-    Float illuminance = params.GetFloat("illuminance", -1, kPowerRange);
-    params.GetFloat("scale", 1);
-    std::optional<std::array<Point3, 4>> portal = GetPortal(in);
-    if (radiance && hasImage)
-        throw UserError(fmt::format("{}: \"L\" and \"filename\" exclude each other.", params.What()),
-                        params.LocOf("filename"));
-    if (portal && !radiance && !hasImage)
-        throw UserError(fmt::format("{}: a portal needs \"L\" or \"filename\".", params.What()),
-                        params.LocOf("portal"));
+/// An error if both "L" and "filename" are given.
+void RequireOneEmission(const SpectrumParam &L, const std::string &filename, const ParamSet &set) {
+    if (L && !filename.empty()) throw set.Error("filename", "\"L\" and \"filename\" exclude each other.");
+}
+
+std::unique_ptr<Light> MakeInfinite(const InfiniteParams &p, const ParamSet &set, const LightContext &context) {
+    const bool hasImage = !p.filename.empty();
+    std::optional<std::array<Point3, 4>> portal = GetPortal(p.portal, set, context);
+    RequireOneEmission(p.radiance, p.filename, set);
+    if (portal && !p.radiance && !hasImage) throw set.Error("portal", "a portal needs \"L\" or \"filename\".");
     if (!hasImage && !portal) {
-        if (!radiance) radiance = in.colorSpace.IlluminantPtr();
-        Float scale = PhotometricScale(in, *radiance, "L");
-        if (illuminance > 0) scale *= illuminance / Pi;
-        RequireFinite(in, scale, *radiance, "L");
+        SpectrumPtr radiance = OrIlluminant(p.radiance, context);
+        Float scale = PhotometricScale(set, p.scale, *radiance, "L");
+        if (p.illuminance > 0) scale *= p.illuminance / Pi;
+        RequireFinite(set, scale, *radiance, "L");
         return std::make_unique<UniformInfiniteLight>(InternSpectrum(*radiance), scale);
     }
 
-    LightImage light = hasImage ? ReadLightImage(params, "filename", in.files) : ConstantImage(in, *radiance);
-    if (hasImage) RequireSquare(in, light);
-    Float scale = PhotometricScale(in, light.colorSpace->Illuminant(), "filename");
-    if (illuminance > 0) {
+    LightImage light = hasImage ? set.At("filename", [&] { return ReadLightImage(context.files.Resolve(p.filename)); })
+                                : ConstantImage(p.radiance, set, context);
+    if (hasImage) RequireSquare(set, light);
+    const Spectrum &illuminant = light.colorSpace->Illuminant();
+    Float scale = PhotometricScale(set, p.scale, illuminant, "filename");
+    if (p.illuminance > 0) {
         Float measured = MeasureIlluminance(light, IlluminanceWeights(light, portal.has_value()));
         if (!(measured > 0))
-            throw UserError(
-                fmt::format("\"{}\" is black above the horizon, so \"illuminance\" cannot be reached.", light.name),
-                params.LocOf("illuminance"));
-        scale *= illuminance / measured;
+            throw set.Error("illuminance", fmt::format("\"{}\" is black above the horizon, so \"illuminance\" cannot "
+                                                       "be reached.", light.name));
+        scale *= p.illuminance / measured;
     }
-    RequireFinite(in, scale, light.colorSpace->Illuminant(), "filename");
+    RequireFinite(set, scale, illuminant, "filename");
     if (portal)
-        return std::make_unique<PortalLight>(in.renderFromLight, light.image, *light.colorSpace, scale, *portal,
-                                             in.renderFromWorld);
-    return std::make_unique<ImageInfiniteLight>(in.renderFromLight, std::move(light.image), *light.colorSpace, scale);
+        return std::make_unique<PortalLight>(context.renderFromLight, light.image, *light.colorSpace, scale, *portal,
+                                             context.renderFromWorld);
+    return std::make_unique<ImageInfiniteLight>(context.renderFromLight, std::move(light.image), *light.colorSpace,
+                                                scale);
+}
+
+struct DiffuseAreaParams {
+    SpectrumParam radiance = kEmission;
+    std::string filename;
+    Float scale = 1, power = -1;
+    bool twoSided = false;
+    template <class V>
+    void Describe(V &&v) {
+        v("L", radiance, "radiance; the illuminant of the colour space unless there is an image");
+        v("filename", filename, "an image over (u, v), v upwards");
+        v("scale", scale, kBrightnessRange, kScaleHelp);
+        v("twosided", twoSided, "shines to both sides");
+        v("power", power, kPowerRange, "if above 0, what each primitive is scaled to, in watts");
+    }
+};
+
+AreaLightMaker MakeDiffuseArea(const DiffuseAreaParams &p, const ParamSet &set, const LightContext &context) {
+    RequireOneEmission(p.radiance, p.filename, set);
+    auto emission = std::make_shared<AreaEmission>();
+    emission->twoSided = p.twoSided;
+    emission->power = p.power;
+    const SpectrumPtr radiance = OrIlluminant(p.radiance, context);
+    emission->scale = RequireFinite(set, PhotometricScale(set, p.scale, *radiance, "L"), *radiance, "L");
+    if (p.filename.empty()) {
+        emission->spectrum = InternSpectrum(*radiance);
+    } else {
+        LightImage light = set.At("filename", [&] { return ReadLightImage(context.files.Resolve(p.filename)); });
+        emission->image = std::move(light.image);
+        emission->colorSpace = light.colorSpace;
+    }
+    emission->Summarise();
+    return AreaLightMaker(std::move(emission));
+}
+
+/// A light that has a direction.
+template <class P, class F>
+void AddDirected(LightFactories &table, const char *name, F make) {
+    table.Add<P>(name, "", [make](const P &p, const ParamSet &set, const LightContext &context) {
+        if (context.renderFromLight.IsSingular())
+            throw set.Error("", "the current transformation flattens it (its matrix is singular).");
+        return make(p, set, context);
+    });
 }
 
 }  // namespace
 
-const std::vector<std::string> &SupportedLights() {
-    static const std::vector<std::string> names = {"distant", "goniometric", "infinite", "point", "projection", "spot"};
-    return names;
+const LightFactories &Lights() {
+    static const LightFactories table = [] {
+        LightFactories t("LightSource");
+        t.Add<PointParams>("point", "", MakePoint);
+        AddDirected<SpotParams>(t, "spot", MakeSpot);
+        AddDirected<DistantParams>(t, "distant", MakeDistant);
+        AddDirected<GoniometricParams>(t, "goniometric", MakeGoniometric);
+        AddDirected<ProjectionParams>(t, "projection", MakeProjection);
+        AddDirected<InfiniteParams>(t, "infinite", MakeInfinite);
+        return t;
+    }();
+    return table;
 }
 
-std::unique_ptr<Light> MakeLight(const std::string &type, const ParamSet &params, const Transform &renderFromLight,
-                                 const Transform &renderFromWorld, const ColorSpace &colorSpace,
-                                 const FileResolver &files, DiagnosticSink &sink) {
-    LightInput in{params, renderFromLight, renderFromWorld, colorSpace, files, sink};
-    if (type != "point" && renderFromLight.IsSingular())  // the others have a direction
-        throw UserError(
-            fmt::format("{}: the current transformation flattens it (its matrix is singular).", params.What()),
-            params.Loc());
-    if (type == "point") return MakePoint(in);
-    if (type == "spot") return MakeSpot(in);
-    if (type == "distant") return MakeDistant(in);
-    if (type == "infinite") return MakeInfinite(in);
-    if (type == "goniometric") return MakeGoniometric(in);
-    if (type == "projection") return MakeProjection(in);
-
-    params.MarkAllUsed();
-    throw UserError(fmt::format("\"{}\" is not a light source; {}.", type, ListChoices(type, SupportedLights())),
-                    params.LocOf(""));
+const AreaLightFactories &AreaLights() {
+    static const AreaLightFactories table = [] {
+        AreaLightFactories t("AreaLightSource");
+        t.Add<DiffuseAreaParams>("diffuse", "", MakeDiffuseArea);
+        return t;
+    }();
+    return table;
 }
-
-struct AreaLightMaker::Impl {
-    std::shared_ptr<const AreaEmission> emission;
-};
-
-AreaLightMaker::AreaLightMaker(const std::string &type, const ParamSet &params, const ColorSpace &colorSpace,
-                               const FileResolver &files, DiagnosticSink &sink)
-    : impl_(std::make_unique<Impl>()) {
-    if (type != "diffuse") {
-        params.MarkAllUsed();
-        throw UserError(fmt::format("\"{}\" is not an area light source; {}.", type, ListChoices(type, {"diffuse"})),
-                        params.LocOf(""));
-    }
-    auto emission = std::make_shared<AreaEmission>();
-    const Transform identity;
-    LightInput in{params, identity, identity, colorSpace, files, sink};
-    SpectrumPtr radiance = GetSpectrum(params, "L", nullptr, SpectrumUse::Illuminant, files);
-    bool hasImage = !params.GetString("filename", "").empty();
-    emission->twoSided = params.GetBool("twosided", false);
-    emission->power = params.GetFloat("power", -1, kPowerRange);
-    params.GetFloat("scale", 1);
-    if (radiance && hasImage)
-        throw UserError(fmt::format("{}: \"L\" and \"filename\" exclude each other.", params.What()),
-                        params.LocOf("filename"));
-    if (!radiance) radiance = colorSpace.IlluminantPtr();
-    emission->scale = RequireFinite(in, PhotometricScale(in, *radiance, "L"), *radiance, "L");
-    if (hasImage) {
-        LightImage light = ReadLightImage(params, "filename", files);
-        emission->image = std::move(light.image);
-        emission->colorSpace = light.colorSpace;
-    } else {
-        emission->spectrum = InternSpectrum(*radiance);
-    }
-    emission->Summarise();
-    impl_->emission = std::move(emission);
-}
-
-AreaLightMaker::~AreaLightMaker() = default;
-AreaLightMaker::AreaLightMaker(AreaLightMaker &&) noexcept = default;
 
 std::unique_ptr<Light> AreaLightMaker::Make(std::span<const Shape *const> shapes, const FloatTexture *alpha) const {
-    return std::make_unique<DiffuseAreaLight>(impl_->emission, shapes, alpha);
+    return std::make_unique<DiffuseAreaLight>(emission_, shapes, alpha);
 }
 
 }  // namespace pbrt

@@ -1,37 +1,44 @@
 #pragma once
+#include <memory>
 #include <span>
-#include <string>
 
+#include "pbrt/core/factory_table.h"
 #include "pbrt/core/files.h"
-#include "pbrt/core/params.h"
 #include "pbrt/lights/light.h"
 #include "pbrt/spectra/color_space.h"
 #include "pbrt/textures/texture.h"
 
 namespace pbrt {
 
-/// A LightSource directive. `colorSpace` is the one in force (default spectra). `renderFromWorld` is only for
-/// parameters given in world space (portals).
-std::unique_ptr<Light> MakeLight(const std::string &type, const ParamSet &params, const Transform &renderFromLight,
-                                 const Transform &renderFromWorld, const ColorSpace &colorSpace,
-                                 const FileResolver &files, DiagnosticSink &sink);
+/// What a light is made for.
+struct LightContext {
+    const Transform &renderFromLight;
+    const Transform &renderFromWorld;  ///< only for what is given in world space (portals)
+    const ColorSpace &colorSpace;      ///< the one in force: of spectra that are not given
+    const FileResolver &files;
+    DiagnosticSink &sink;
+};
 
-/// An AreaLightSource directive parsed once, then one light for every Shape directive.
+/// LightSource directives.
+using LightFactories = FactoryTable<std::unique_ptr<Light>, const LightContext>;
+const LightFactories &Lights();
+
+struct AreaEmission;
+
+/// An AreaLightSource directive, read once: makes one light for every Shape directive.
 class AreaLightMaker {
   public:
-    AreaLightMaker(const std::string &type, const ParamSet &params, const ColorSpace &colorSpace,
-                   const FileResolver &files, DiagnosticSink &sink);
-    ~AreaLightMaker();
-    AreaLightMaker(AreaLightMaker &&) noexcept;
+    explicit AreaLightMaker(std::shared_ptr<const AreaEmission> emission) : emission_(std::move(emission)) {}
     /// `alpha` may be null; a constant alpha of 0 makes a light that only light sampling finds. The shapes must outlive
     /// it; its parts are their primitives.
     std::unique_ptr<Light> Make(std::span<const Shape *const> shapes, const FloatTexture *alpha) const;
 
   private:
-    struct Impl;
-    std::unique_ptr<Impl> impl_;
+    std::shared_ptr<const AreaEmission> emission_;
 };
 
-const std::vector<std::string> &SupportedLights();
+/// AreaLightSource directives. The transformations of the context do not count.
+using AreaLightFactories = FactoryTable<AreaLightMaker, const LightContext>;
+const AreaLightFactories &AreaLights();
 
 }  // namespace pbrt

@@ -1,5 +1,6 @@
 #include "pbrt/lights/light_image.h"
 
+#include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
@@ -10,51 +11,38 @@ bool HasRgb(const Image &image) {
     return image.FindChannel("R") >= 0 && image.FindChannel("G") >= 0 && image.FindChannel("B") >= 0;
 }
 
-/// `select` picks the channels; its complaints need no place.
+/// `select` picks the channels.
 template <class Select>
-LightImage Read(const ParamSet &params, const std::string &parameter, const FileResolver &files, Select select) {
-    LightImage result;
-    FileLoc loc = params.LocOf(parameter);
-    result.name = files.Resolve(params.GetString(parameter, ""));
-    try {
-        ImageFile file = ReadImage(result.name);
-        result.image = select(file.image, result.name);
-        result.colorSpace = file.metadata.colorSpace ? file.metadata.colorSpace : &ColorSpace::SRGB();
-    } catch (const UserError &e) {
-        std::vector<Diagnostic> located = e.Diagnostics();
-        for (Diagnostic &d : located)
-            if (!d.loc) d.loc = loc;
-        throw UserError(std::move(located));
-    }
+LightImage Read(const std::string &path, Select select) {
+    ImageFile file = ReadImage(path);
+    LightImage result{select(file.image), file.metadata.colorSpace ? file.metadata.colorSpace : &ColorSpace::SRGB(), path};
     Point2i n = result.image.Resolution();
     for (int y = 0; y < n.y; ++y)
         for (int x = 0; x < n.x; ++x)
             for (int c = 0; c < result.image.ChannelCount(); ++c)
                 if (!std::isfinite(result.image.Get({x, y}, c)))
-                    throw UserError(
-                        fmt::format("\"{}\": pixel ({}, {}) is infinite or not a number; such an image cannot "
-                                    "emit light.",
-                                    result.name, x, y),
-                        loc);
+                    throw UserError(fmt::format("\"{}\": pixel ({}, {}) is infinite or not a number; such an image "
+                                                "cannot emit light.",
+                                                path, x, y));
     return result;
 }
 
 }  // namespace
 
-LightImage ReadLightImage(const ParamSet &params, const std::string &parameter, const FileResolver &files) {
-    return Read(params, parameter, files, [](const Image &image, const std::string &name) {
+LightImage ReadLightImage(const std::string &path) {
+    return Read(path, [&](const Image &image) {
         if (!HasRgb(image))
-            throw UserError(fmt::format("\"{}\": an image that emits light must have channels R, G and B.", name));
+            throw UserError(fmt::format("\"{}\": an image that emits light must have channels R, G and B.", path));
         return image.Select({"R", "G", "B"});
     });
 }
 
-LightImage ReadIntensityImage(const ParamSet &params, const std::string &parameter, const FileResolver &files) {
-    return Read(params, parameter, files, [](const Image &image, const std::string &name) {
+LightImage ReadIntensityImage(const std::string &path) {
+    return Read(path, [&](const Image &image) {
         bool hasY = image.FindChannel("Y") >= 0;
         if (HasRgb(image) == hasY)
             throw UserError(fmt::format(
-                "\"{}\": an image of intensities must have either a channel Y or channels R, G and B.", name));
+                "\"{}\": an image of intensities must have either a channel Y or channels R, G and B.", path));
         if (hasY) return image.Select({"Y"});
         Image rgb = image.Select({"R", "G", "B"}), mean(PixelFormat::Float, rgb.Resolution(), {"Y"});
         for (int y = 0; y < rgb.Resolution().y; ++y)

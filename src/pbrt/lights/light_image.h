@@ -1,8 +1,6 @@
 #pragma once
 #include <functional>
 
-#include "pbrt/core/files.h"
-#include "pbrt/core/params.h"
 #include "pbrt/images/image.h"
 
 namespace pbrt {
@@ -14,11 +12,11 @@ struct LightImage {
     std::string name;
 };
 
-/// Reads the file named by `parameter`. All complaints are located UserErrors.
-LightImage ReadLightImage(const ParamSet &params, const std::string &parameter, const FileResolver &files);
+/// Reads a file. Throws UserError (no location).
+LightImage ReadLightImage(const std::string &path);
 
 /// The same for an image that scales an intensity: one channel, Y or the mean of R, G, B.
-LightImage ReadIntensityImage(const ParamSet &params, const std::string &parameter, const FileResolver &files);
+LightImage ReadIntensityImage(const std::string &path);
 
 /// The pixel at st in [0, 1]^2.
 inline Point2i PixelAt(const Point2 &st, const Point2i &n) {

@@ -62,7 +62,7 @@ std::string LightSamplerRegistry::Listing() const {
         out += fmt::format("{}{}\n    {}\n", out.empty() ? "" : "\n", entry.name, entry.summary);
         if (entry.params.empty()) out += "    No parameters.\n";
         for (const ParamDoc &p : entry.params)
-            out += fmt::format("    {} {}.{} = {}{}\n        {}\n", p.type, entry.name, p.name, p.defaultValue,
+            out += fmt::format("    {} {}.{} = {}{}\n        {}\n", p.TypeText(), entry.name, p.name, p.defaultValue,
                                p.range.empty() ? "" : fmt::format(" ({})", p.range), p.help);
     };
     for (const auto &[name, entry] : entries_) list(entry);

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "pbrt/core/describe.h"
+#include "pbrt/core/param_reader.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 #include "pbrt/lightsamplers/shadow_ray_gate.h"
 #include "pbrt/lights/light_table.h"

@@ -19,209 +19,348 @@ namespace pbrt {
 
 namespace {
 
-/// Everything a maker may ask.
-struct Request {
-    const ParamSet &params;
-    TextureLibrary &textures;
-    const FileResolver &files;
-    DiagnosticSink &sink;
-    const std::function<MaterialPtr(const std::string &)> &named;
-
-    SpectrumInput Albedo(const std::string &name, Float defaultValue) const {
-        return SpectrumInput(
-            textures.GetSpectrum(params, name, std::make_shared<ConstantSpectrum>(defaultValue), SpectrumUse::Albedo));
-    }
-    FloatInput Number(const std::string &name, Float defaultValue) const {
-        return FloatInput(textures.GetFloat(params, name, defaultValue));
-    }
-    /// A dielectric's index of refraction is positive; none is above kMaxIndex, whose square is finite. Tables are 0
-    /// beyond their ends, where stock takes 1.
-    void CheckIndex(const std::string &name, const Spectrum &eta, bool isMetal = false) const {
-        Float low = Infinity, high = -Infinity;
-        for (Float nm = LambdaMin; nm <= LambdaMax; ++nm) {
-            low = std::min(low, eta(nm));
-            high = std::max(high, eta(nm));
-        }
-        const bool isTable = !dynamic_cast<const ConstantSpectrum *>(&eta);
-        constexpr Float kMaxIndex = 1e6f;
-        if (high > kMaxIndex)
-            throw UserError(
-                fmt::format("{}: \"{}\" is {}; it must be at most {}.", params.What(), name, high, kMaxIndex),
-                params.LocOf(name));
-        if (low >= 0 && (isMetal || isTable || high > 0)) return;
-        throw UserError(fmt::format("{}: \"{}\" {} {}; it must {}.", params.What(), name,
-                                    low == high ? "is" : "goes down to", low,
-                                    isMetal ? "not be negative" : "be positive"),
-                        params.LocOf(name));
-    }
-    void CheckIndex(const std::string &name, Float eta) const { CheckIndex(name, ConstantSpectrum(eta)); }
-    IndexInput Index(const std::string &name) const {
-        SpectrumPtr eta = GetSpectrumOrFloat(params, name, std::make_shared<ConstantSpectrum>(Float(1.5)),
-                                             SpectrumUse::Unbounded, files);
-        CheckIndex(name, *eta);
-        return IndexInput(std::move(eta));
-    }
-    RoughnessInput Roughness(const std::string &prefix, bool remap) const {
-        return RoughnessInput(params, textures, prefix, remap);
-    }
-    bool RemapRoughness() const { return params.GetBool("remaproughness", true); }
-
-    /// `reflectance`, or `eta` and `k` (with a prefix), which are copper's by default.
-    MetalInput Metal(const std::string &prefix) const {
-        SpectrumTexturePtr eta = textures.GetSpectrumOrNull(params, prefix + "eta", SpectrumUse::Unbounded);
-        SpectrumTexturePtr k = textures.GetSpectrumOrNull(params, prefix + "k", SpectrumUse::Unbounded);
-        SpectrumTexturePtr reflectance = textures.GetSpectrumOrNull(params, "reflectance", SpectrumUse::Albedo);
-        if (reflectance && (eta || k))
-            throw UserError(fmt::format("{}: \"reflectance\" and \"{}{}\" cannot both be given.", params.What(), prefix,
-                                        eta ? "eta" : "k"),
-                            params.LocOf("reflectance"));
-        if (reflectance) return MetalInput(SpectrumInput(reflectance));
-        auto orCopper = [&](const SpectrumTexturePtr &given, const std::string &name) {
-            if (given && given->Constant()) CheckIndex(prefix + name, *given->Constant(), true);
-            return SpectrumInput(given ? given
-                                       : textures.GetSpectrum(params, prefix + name, NamedSpectrum("metal-Cu-" + name),
-                                                              SpectrumUse::Unbounded));
-        };
-        return MetalInput(orCopper(eta, "eta"), orCopper(k, "k"));
+/// The textures of one material.
+class Inputs {
+  public:
+    explicit Inputs(MaterialContext &context) : context_(context) {}
+    FloatInput operator()(const FloatTextureParam &p) { return FloatInput(Note(context_.textures.Get(p))); }
+    SpectrumInput operator()(const SpectrumTextureParam &p) { return SpectrumInput(Note(context_.textures.Get(p))); }
+    template <class Ptr>
+    Ptr Note(Ptr texture) {
+        context_.usesFootprint |= texture->UsesFootprint();
+        return texture;
     }
 
-    /// `prefix` applies to the coat's roughness and index only.
-    CoatInput Coat(const std::string &prefix, bool remap) const {
-        return {Roughness(prefix, remap),
-                Index(prefix + "eta"),
-                Number("thickness", Float(0.01)),
-                Albedo("albedo", 0),
-                Number("g", 0),
-                params.GetInt("maxdepth", 10, {0, 1 << 16}),
-                params.GetInt("nsamples", 1, {1, 1 << 16})};
+  private:
+    MaterialContext &context_;
+};
+
+SpectrumTextureParam Albedo(std::optional<Float> value = {}) { return {{SpectrumUse::Albedo, value}}; }
+SpectrumTextureParam Unbounded(std::optional<Float> value = {}, const char *named = nullptr) {
+    return {{SpectrumUse::Unbounded, value, named}};
+}
+
+/// A dielectric's index of refraction is positive; none is above kMaxIndex, whose square is finite. Tables are 0
+/// beyond their ends, where stock takes 1.
+void CheckIndex(const ParamSet &set, const std::string &name, const Spectrum &eta, bool isMetal = false) {
+    Float low = Infinity, high = -Infinity;
+    for (Float nm = LambdaMin; nm <= LambdaMax; ++nm) {
+        low = std::min(low, eta(nm));
+        high = std::max(high, eta(nm));
+    }
+    const bool isTable = !dynamic_cast<const ConstantSpectrum *>(&eta);
+    constexpr Float kMaxIndex = 1e6f;
+    if (high > kMaxIndex)
+        throw set.Error(name, fmt::format("\"{}\" is {}; it must be at most {}.", name, high, kMaxIndex));
+    if (low >= 0 && (isMetal || isTable || high > 0)) return;
+    throw set.Error(name, fmt::format("\"{}\" {} {}; it must {}.", name, low == high ? "is" : "goes down to", low,
+                                      isMetal ? "not be negative" : "be positive"));
+}
+
+struct IndexParams {
+    SpectrumParam eta{SpectrumUse::Unbounded, Float(1.5), nullptr, true};
+    std::string name = "eta";
+    template <class V>
+    void Describe(V &&v) {
+        v(name, eta, "index of refraction");
+    }
+    IndexInput Make(const ParamSet &set, const MaterialContext &context) const {
+        SpectrumPtr spectrum = eta.Make(context.files);
+        CheckIndex(set, name, *spectrum);
+        return IndexInput(std::move(spectrum));
     }
 };
 
-using SurfacePtr = std::shared_ptr<SurfaceMaterial>;
-
-SurfacePtr MakeDiffuse(const Request &r) {
-    return std::make_shared<DiffuseMaterial>(r.Albedo("reflectance", Float(0.5)));
-}
-
-SurfacePtr MakeDiffuseTransmission(const Request &r) {
-    return std::make_shared<DiffuseTransmissionMaterial>(r.Albedo("reflectance", Float(0.25)),
-                                                         r.Albedo("transmittance", Float(0.25)),
-                                                         r.params.GetFloat("scale", 1));
-}
-
-SurfacePtr MakeConductor(const Request &r) {
-    return std::make_shared<ConductorMaterial>(r.Metal(""), r.Roughness("", r.RemapRoughness()));
-}
-
-SurfacePtr MakeDielectric(const Request &r) {
-    return std::make_shared<DielectricMaterial>(r.Index("eta"), r.Roughness("", r.RemapRoughness()));
-}
-
-SurfacePtr MakeThinDielectric(const Request &r) { return std::make_shared<ThinDielectricMaterial>(r.Index("eta")); }
-
-SurfacePtr MakeCoatedDiffuse(const Request &r) {
-    return std::make_shared<CoatedDiffuseMaterial>(r.Coat("", r.RemapRoughness()), r.Albedo("reflectance", Float(0.5)));
-}
-
-SurfacePtr MakeCoatedConductor(const Request &r) {
-    bool remap = r.RemapRoughness();
-    return std::make_shared<CoatedConductorMaterial>(r.Coat("interface.", remap), r.Metal("conductor."),
-                                                     r.Roughness("conductor.", remap));
-}
-
-/// The first of the ways to say it that is there; the others have no effect.
-HairColor ReadHairColor(const Request &r) {
-    SpectrumTexturePtr sigmaA = r.textures.GetSpectrumOrNull(r.params, "sigma_a", SpectrumUse::Unbounded);
-    const char *reflectanceName = "reflectance";
-    SpectrumTexturePtr reflectance = r.textures.GetSpectrumOrNull(r.params, reflectanceName, SpectrumUse::Albedo);
-    if (!reflectance)
-        reflectance = r.textures.GetSpectrumOrNull(r.params, reflectanceName = "color", SpectrumUse::Albedo);
-    FloatTexturePtr eumelanin = r.textures.GetFloatOrNull(r.params, "eumelanin");
-    FloatTexturePtr pheomelanin = r.textures.GetFloatOrNull(r.params, "pheomelanin");
-    const char *used = sigmaA ? "sigma_a" : reflectance ? reflectanceName : nullptr;
-    auto ignore = [&](bool given, const char *name) {
-        if (used && given)
-            r.sink.Warning(r.params.LocOf(name),
-                           fmt::format("{}: \"{}\" has no effect beside \"{}\".", r.params.What(), name, used));
-    };
-    if (sigmaA) ignore(reflectance != nullptr, reflectanceName);
-    ignore(eumelanin != nullptr, "eumelanin");
-    ignore(pheomelanin != nullptr, "pheomelanin");
-
-    if (sigmaA) return HairColor::Absorption(SpectrumInput(sigmaA));
-    if (reflectance) return HairColor::Reflectance(SpectrumInput(reflectance));
-    const bool none = !eumelanin && !pheomelanin;
-    return HairColor::Pigments(eumelanin ? FloatInput(eumelanin) : FloatInput(none ? Float(1.3) : Float(0)),
-                               pheomelanin ? FloatInput(pheomelanin) : FloatInput(Float(0)));
-}
-
-SurfacePtr MakeHair(const Request &r) {
-    FloatTexturePtr eta = r.textures.GetFloat(r.params, "eta", Float(1.55));
-    if (auto constant = eta->Constant()) r.CheckIndex("eta", *constant);
-    return std::make_shared<HairMaterial>(ReadHairColor(r), FloatInput(std::move(eta)), r.Number("beta_m", Float(0.3)),
-                                          r.Number("beta_n", Float(0.3)), r.Number("alpha", 2));
-}
-
-SurfacePtr MakeMeasured(const Request &r) {
-    const std::string file = r.params.GetString("filename", "");
-    if (file.empty())
-        throw UserError(fmt::format("{}: \"string filename\" is required.", r.params.What()), r.params.Loc());
-    try {
-        return std::make_shared<MeasuredMaterial>(ReadMeasuredBrdf(r.files.Resolve(file)));
-    } catch (const UserError &e) {
-        throw UserError(e.Diagnostics().front().message, r.params.LocOf("filename"));
+struct RoughnessParams {
+    std::string prefix{};
+    FloatTextureParam both{0}, u{}, v{};
+    template <class V>
+    void Describe(V &&visit) {
+        constexpr Range<Float> kRange{0, 1e6f};
+        visit(prefix + "uroughness", u, kRange, "roughness along u");
+        visit(prefix + "vroughness", v, kRange, "roughness along v");
+        if (visit.When(!u || !v)) visit(prefix + "roughness", both, kRange, "roughness of the directions without one");
     }
+    RoughnessInput Make(MaterialContext &context, bool remap) const {
+        Inputs in(context);
+        return {in(u ? u : both), in(v ? v : both), remap};
+    }
+};
+
+struct RemapParams {
+    bool remap = true;
+    template <class V>
+    void Describe(V &&v) {
+        v("remaproughness", remap, "roughness is a scale from 0 to 1; false: it is the distribution's own parameter");
+    }
+};
+
+/// `reflectance`, or `eta` and `k` (with a prefix).
+struct MetalParams {
+    std::string prefix{};
+    SpectrumTextureParam eta = Unbounded({}, "metal-Cu-eta"), k = Unbounded({}, "metal-Cu-k"), reflectance = Albedo();
+    template <class V>
+    void Describe(V &&v) {
+        v(prefix + "eta", eta, "index of refraction");
+        v(prefix + "k", k, "its imaginary part: absorption");
+        v("reflectance", reflectance, "of the metal, instead of both");
+    }
+    MetalInput Make(const ParamSet &set, MaterialContext &context) const {
+        Inputs in(context);
+        if (reflectance && (eta || k))
+            throw set.Error("reflectance", fmt::format("\"reflectance\" and \"{}{}\" cannot both be given.", prefix,
+                                                       eta ? "eta" : "k"));
+        if (reflectance) return MetalInput(in(reflectance));
+        auto checked = [&](const SpectrumTextureParam &p, const char *name) {
+            SpectrumTexturePtr texture = in.Note(context.textures.Get(p));
+            if (p && texture->Constant()) CheckIndex(set, prefix + name, *texture->Constant(), true);
+            return SpectrumInput(std::move(texture));
+        };
+        SpectrumInput first = checked(eta, "eta");
+        return MetalInput(std::move(first), checked(k, "k"));
+    }
+};
+
+/// What all materials take that scatter at a surface, but hair.
+struct ReliefParams {
+    std::string normalMap;
+    FloatTextureParam displacement{};
+    template <class V>
+    void Describe(V &&v) {
+        v("displacement", displacement, "heights of a bump map, in world units");
+        v("normalmap", normalMap, "an image of normals; beats displacement");
+    }
+};
+
+struct DiffuseParams : ReliefParams {
+    SpectrumTextureParam reflectance = Albedo(Float(0.5));
+    template <class V>
+    void Describe(V &&v) {
+        v("reflectance", reflectance, "albedo");
+        ReliefParams::Describe(v);
+    }
+};
+
+/// `prefix` applies to the coat's roughness and index only.
+struct CoatParams : RemapParams, ReliefParams {
+    RoughnessParams roughness;
+    IndexParams index;
+    FloatTextureParam thickness{Float(0.01)}, g{0};
+    SpectrumTextureParam albedo = Albedo(0);
+    int maxDepth = 10, samples = 1;
+    explicit CoatParams(const std::string &prefix) : roughness{prefix} { index.name = prefix + "eta"; }
+    template <class V>
+    void Describe(V &&v) {
+        roughness.Describe(v);
+        index.Describe(v);
+        v("thickness", thickness, "of the coat");
+        v("albedo", albedo, "of the medium in the coat; 0: there is none");
+        v("g", g, "asymmetry of the medium's scattering");
+        v("maxdepth", maxDepth, Range<int>{0, 1 << 16}, "scattering events in the coat");
+        v("nsamples", samples, Range<int>{1, 1 << 16}, "random walks for each evaluation");
+        RemapParams::Describe(v);
+        ReliefParams::Describe(v);
+    }
+    CoatInput Coat(const ParamSet &set, MaterialContext &context) const {
+        Inputs in(context);
+        return {roughness.Make(context, remap), index.Make(set, context), in(thickness), in(albedo), in(g), maxDepth,
+                samples};
+    }
+};
+
+struct CoatedDiffuseParams : CoatParams {
+    SpectrumTextureParam reflectance = Albedo(Float(0.5));
+    CoatedDiffuseParams() : CoatParams("") {}
+    template <class V>
+    void Describe(V &&v) {
+        v("reflectance", reflectance, "albedo below the coat");
+        CoatParams::Describe(v);
+    }
+};
+
+struct CoatedConductorParams : CoatParams {
+    MetalParams metal{"conductor."};
+    RoughnessParams metalRoughness{"conductor."};
+    CoatedConductorParams() : CoatParams("interface.") {}
+    template <class V>
+    void Describe(V &&v) {
+        metal.Describe(v);
+        metalRoughness.Describe(v);
+        CoatParams::Describe(v);
+    }
+};
+
+struct ConductorParams : RemapParams, ReliefParams {
+    MetalParams metal;
+    RoughnessParams roughness;
+    template <class V>
+    void Describe(V &&v) {
+        metal.Describe(v);
+        roughness.Describe(v);
+        RemapParams::Describe(v);
+        ReliefParams::Describe(v);
+    }
+};
+
+struct DielectricParams : RemapParams, ReliefParams {
+    IndexParams index;
+    RoughnessParams roughness;
+    template <class V>
+    void Describe(V &&v) {
+        index.Describe(v);
+        roughness.Describe(v);
+        RemapParams::Describe(v);
+        ReliefParams::Describe(v);
+    }
+};
+
+struct ThinDielectricParams : ReliefParams {
+    IndexParams index;
+    template <class V>
+    void Describe(V &&v) {
+        index.Describe(v);
+        ReliefParams::Describe(v);
+    }
+};
+
+struct DiffuseTransmissionParams : ReliefParams {
+    SpectrumTextureParam reflectance = Albedo(Float(0.25)), transmittance = Albedo(Float(0.25));
+    Float scale = 1;
+    template <class V>
+    void Describe(V &&v) {
+        v("reflectance", reflectance, "share that comes back");
+        v("transmittance", transmittance, "share that goes through");
+        v("scale", scale, "of both");
+        ReliefParams::Describe(v);
+    }
+};
+
+struct HairParams {
+    SpectrumTextureParam sigmaA = Unbounded(), reflectance = Albedo(), color = Albedo();
+    FloatTextureParam eumelanin{}, pheomelanin{};
+    FloatTextureParam eta{Float(1.55)}, betaM{Float(0.3)}, betaN{Float(0.3)}, alpha{2};
+    template <class V>
+    void Describe(V &&v) {
+        v("sigma_a", sigmaA, "absorption");
+        v("reflectance", reflectance, "of a mass of hair; counts if there is no sigma_a");
+        if (v.When(!reflectance)) v("color", color, "the same as reflectance");
+        v("eumelanin", eumelanin, "concentration of the dark pigment, if there is no colour; 1.3 if there is neither");
+        v("pheomelanin", pheomelanin, "concentration of the red pigment");
+        v("eta", eta, "index of refraction");
+        v("beta_m", betaM, "roughness along the fibre, 0 to 1");
+        v("beta_n", betaN, "roughness around the fibre, 0 to 1");
+        v("alpha", alpha, "angle of the scales, in degrees");
+    }
+};
+
+/// Of the ways to say the colour the first that is given counts; the others have no effect.
+HairColor MakeHairColor(const HairParams &p, const ParamSet &set, MaterialContext &context) {
+    Inputs in(context);
+    const SpectrumTextureParam &reflectance = p.reflectance ? p.reflectance : p.color;
+    const char *reflectanceName = p.reflectance ? "reflectance" : "color";
+    const char *used = p.sigmaA ? "sigma_a" : reflectance ? reflectanceName : nullptr;
+    auto ignore = [&](bool given, const char *name) {
+        if (used && given) set.Warn(context.sink, name, fmt::format("\"{}\" has no effect beside \"{}\".", name, used));
+    };
+    if (p.sigmaA) ignore(static_cast<bool>(reflectance), reflectanceName);
+    ignore(static_cast<bool>(p.eumelanin), "eumelanin");
+    ignore(static_cast<bool>(p.pheomelanin), "pheomelanin");
+
+    if (p.sigmaA) return HairColor::Absorption(in(p.sigmaA));
+    if (reflectance) return HairColor::Reflectance(in(reflectance));
+    const bool none = !p.eumelanin && !p.pheomelanin;
+    return HairColor::Pigments(p.eumelanin ? in(p.eumelanin) : FloatInput(none ? Float(1.3) : Float(0)),
+                               p.pheomelanin ? in(p.pheomelanin) : FloatInput(Float(0)));
 }
+
+struct MeasuredParams : ReliefParams {
+    std::string filename;
+    template <class V>
+    void Describe(V &&v) {
+        v("filename", filename, Required(), "a file of the RGL database");
+        ReliefParams::Describe(v);
+    }
+};
 
 SpectrumInput ConstantSrgb(const std::array<Float, 3> &rgb) {
     return SpectrumInput(std::make_shared<ConstantSpectrumTexture>(
         std::make_shared<RgbUnboundedSpectrum>(ColorSpace::SRGB(), Rgb(rgb[0], rgb[1], rgb[2]))));
 }
 
-const ScatteringPreset &FindPreset(const Request &r, const std::string &name) {
+struct SubsurfaceParams : RemapParams, ReliefParams {
+    std::string name;
+    SpectrumTextureParam sigmaA = Unbounded(), sigmaS = Unbounded(), reflectance = Albedo(), mfp = Unbounded(1);
+    Float scale = 1, g = 0, eta = Float(1.33);
+    RoughnessParams roughness;
+    template <class V>
+    void Describe(V &&v) {
+        v("name", name, "a known medium, which says absorption and scattering");
+        if (v.When(name.empty())) {
+            v("sigma_a", sigmaA, "absorption, if there is no name");
+            v("sigma_s", sigmaS, "reduced scattering; goes together with sigma_a");
+            if (v.When(!sigmaA && !sigmaS)) v("reflectance", reflectance, "what is seen from outside, if there is neither");
+            if (v.When(static_cast<bool>(reflectance))) v("mfp", mfp, "mean free path; goes together with reflectance");
+        }
+        v("scale", scale, "of absorption and scattering, or of the mean free path");
+        v("g", g, Range<Float>{-1, 1, true, true}, "asymmetry of the scattering");
+        v("eta", eta, "index of refraction");
+        roughness.Describe(v);
+        RemapParams::Describe(v);
+        ReliefParams::Describe(v);
+    }
+};
+
+const ScatteringPreset &FindPreset(const ParamSet &set, const std::string &name) {
     std::vector<std::string> names;
     for (const ScatteringPreset &preset : EmbeddedScatteringPresets()) {
         if (preset.name == name) return preset;
         names.push_back(preset.name);
     }
-    throw UserError(fmt::format("{}: there is no medium \"{}\"; {}.", r.params.What(), name, ListChoices(name, names)),
-                    r.params.LocOf("name"));
+    throw set.Error("name", fmt::format("there is no medium \"{}\"; {}.", Abbreviate(name), ListChoices(name, names)));
 }
 
 /// By name, by coefficients, by what is seen from outside, or what stock takes if nothing is said.
-SubsurfaceMatter ReadSubsurfaceMatter(const Request &r) {
-    const std::string name = r.params.GetString("name", "");
-    if (!name.empty()) {
-        const ScatteringPreset &preset = FindPreset(r, name);
+SubsurfaceMatter MakeSubsurfaceMatter(const SubsurfaceParams &p, const ParamSet &set, MaterialContext &context) {
+    Inputs in(context);
+    if (!p.name.empty()) {
+        const ScatteringPreset &preset = FindPreset(set, p.name);
         return SubsurfaceMatter::Coefficients(ConstantSrgb(preset.absorption), ConstantSrgb(preset.reducedScattering));
     }
-    SpectrumTexturePtr sigmaA = r.textures.GetSpectrumOrNull(r.params, "sigma_a", SpectrumUse::Unbounded);
-    SpectrumTexturePtr sigmaS = r.textures.GetSpectrumOrNull(r.params, "sigma_s", SpectrumUse::Unbounded);
-    if (!sigmaA != !sigmaS)
-        throw UserError(fmt::format("{}: \"sigma_a\" and \"sigma_s\" must be given together.", r.params.What()),
-                        r.params.LocOf(sigmaA ? "sigma_a" : "sigma_s"));
-    if (sigmaA) return SubsurfaceMatter::Coefficients(SpectrumInput(sigmaA), SpectrumInput(sigmaS));
-    if (SpectrumTexturePtr reflectance = r.textures.GetSpectrumOrNull(r.params, "reflectance", SpectrumUse::Albedo))
-        return SubsurfaceMatter::Reflectance(
-            SpectrumInput(reflectance),
-            SpectrumInput(r.textures.GetSpectrum(r.params, "mfp", std::make_shared<ConstantSpectrum>(Float(1)),
-                                                 SpectrumUse::Unbounded)));
+    if (!p.sigmaA != !p.sigmaS)
+        throw set.Error(p.sigmaA ? "sigma_a" : "sigma_s", "\"sigma_a\" and \"sigma_s\" must be given together.");
+    if (p.sigmaA) {
+        SpectrumInput sigmaA = in(p.sigmaA);
+        return SubsurfaceMatter::Coefficients(std::move(sigmaA), in(p.sigmaS));
+    }
+    if (p.reflectance) {
+        SpectrumInput reflectance = in(p.reflectance);
+        return SubsurfaceMatter::Reflectance(std::move(reflectance), in(p.mfp));
+    }
     return SubsurfaceMatter::Coefficients(ConstantSrgb({Float(.0011), Float(.0024), Float(.014)}),
                                           ConstantSrgb({Float(2.55), Float(3.21), Float(3.77)}));
 }
 
-SurfacePtr MakeSubsurface(const Request &r) {
-    SubsurfaceMatter matter = ReadSubsurfaceMatter(r);
-    Float g = r.params.GetFloat("g", 0, {-1, 1, true, true});
-    if (g != 0 && !r.params.GetString("name", "").empty()) {
-        r.sink.Warning(r.params.LocOf("g"), fmt::format("{}: \"g\" has no effect beside \"name\".", r.params.What()));
+std::shared_ptr<SurfaceMaterial> MakeSubsurface(const SubsurfaceParams &p, const ParamSet &set, MaterialContext &context) {
+    SubsurfaceMatter matter = MakeSubsurfaceMatter(p, set, context);
+    Float g = p.g;
+    if (g != 0 && !p.name.empty()) {
+        set.Warn(context.sink, "g", "\"g\" has no effect beside \"name\".");
         g = 0;
     }
-    const Float eta = r.params.GetFloat("eta", Float(1.33));
-    r.CheckIndex("eta", eta);
-    return std::make_shared<SubsurfaceMaterial>(std::move(matter), r.params.GetFloat("scale", 1),
-                                                r.Roughness("", r.RemapRoughness()), SubsurfaceTable::Shared(g, eta));
+    CheckIndex(set, "eta", ConstantSpectrum(p.eta));
+    return std::make_shared<SubsurfaceMaterial>(std::move(matter), p.scale, p.roughness.Make(context, p.remap),
+                                                SubsurfaceTable::Shared(g, p.eta));
 }
+
+struct MixParams {
+    std::span<const std::string> materials;
+    FloatTextureParam amount{Float(0.5)};
+    template <class V>
+    void Describe(V &&v) {
+        v("materials", materials, "two names of materials");
+        v("amount", amount, "share of the second");
+    }
+};
 
 uint64_t HashText(const std::string &text) {
     uint64_t h = Hash(uint64_t(text.size()));
@@ -229,103 +368,117 @@ uint64_t HashText(const std::string &text) {
     return h;
 }
 
-MaterialPtr MakeMix(const Request &r) {
-    std::span<const std::string> names = r.params.GetStrings("materials");
-    FileLoc loc = r.params.LocOf("materials");
+MaterialPtr MakeMix(const MixParams &p, const ParamSet &set, MaterialContext &context) {
+    const std::span<const std::string> names = p.materials;
     if (names.size() != 2)
-        throw UserError(fmt::format("{}: \"string materials\" takes two names of materials, found {}.", r.params.What(),
-                                    names.size()),
-                        loc);
+        throw set.Error("materials",
+                        fmt::format("\"string materials\" takes two names of materials, found {}.", names.size()));
     std::array<MaterialPtr, 2> materials;
     for (size_t i = 0; i < 2; ++i) {
-        try {
-            materials[i] = r.named(names[i]);
-        } catch (const UserError &e) {
-            if (e.Diagnostics().front().loc) throw;
-            throw UserError(e.Diagnostics().front().message, loc);
-        }
+        materials[i] = set.At("materials", [&] { return context.named(names[i]); });
         if (!materials[i])
-            throw UserError(fmt::format("{}: there is no material \"{}\" here.", r.params.What(), Abbreviate(names[i])),
-                            loc);
+            throw set.Error("materials", fmt::format("there is no material \"{}\" here.", Abbreviate(names[i])));
         if (materials[i]->IsInterface())
-            throw UserError(
-                fmt::format("{}: \"{}\" is an interface, which cannot be mixed.", r.params.What(), names[i]), loc);
+            throw set.Error("materials", fmt::format("\"{}\" is an interface, which cannot be mixed.", names[i]));
     }
-    const size_t footprintUses = r.textures.FootprintUses();
-    const FloatInput amount = r.Number("amount", Float(0.5));
-    const bool needsFootprint = r.textures.FootprintUses() > footprintUses || materials[0]->NeedsFootprint() ||
-                                materials[1]->NeedsFootprint();
+    const FloatInput amount = Inputs(context)(p.amount);
+    const bool needsFootprint =
+        context.usesFootprint || materials[0]->NeedsFootprint() || materials[1]->NeedsFootprint();
     auto mix = std::make_shared<MixMaterial>(std::move(materials), amount, Hash(HashText(names[0]), HashText(names[1])));
     mix->SetNeedsFootprint(needsFootprint);
     if (mix->Depth() > kMaxNesting)
-        throw UserError(fmt::format("{}: mixes are nested more than {} deep here.", r.params.What(), kMaxNesting), loc);
+        throw set.Error("materials", fmt::format("mixes are nested more than {} deep here.", kMaxNesting));
     return mix;
 }
 
-struct SurfaceType {
-    const char *name;
-    SurfacePtr (*make)(const Request &);
-    bool hasRelief = true;  ///< takes normal maps and displacement
-};
-constexpr SurfaceType kSurfaceTypes[] = {
-    {"diffuse", MakeDiffuse},
-    {"coateddiffuse", MakeCoatedDiffuse},
-    {"coatedconductor", MakeCoatedConductor},
-    {"conductor", MakeConductor},
-    {"dielectric", MakeDielectric},
-    {"thindielectric", MakeThinDielectric},
-    {"diffusetransmission", MakeDiffuseTransmission},
-    {"hair", MakeHair, false},
-    {"measured", MakeMeasured},
-    {"subsurface", MakeSubsurface},
-};
+/// A material that scatters at a surface: `make` gives its own part, relief is put on here.
+template <class P, class F>
+void AddSurface(MaterialTable &table, const char *name, const char *summary, F make) {
+    table.Add<P>(name, summary, [make](const P &p, const ParamSet &set, MaterialContext &context) {
+        context.usesFootprint = false;
+        auto material = make(p, set, context);
+        if constexpr (std::is_base_of_v<ReliefParams, P>) {
+            if (!p.normalMap.empty())
+                material->SetNormalMap(std::make_unique<NormalMap>(
+                    set.At("normalmap", [&] { return context.textures.GetLinearRgbImage(p.normalMap); })));
+            if (p.displacement) {
+                material->SetBumpMap(BumpMap(context.textures.Get(p.displacement)));
+                context.usesFootprint = true;  // it steps by half the footprint
+            }
+        }
+        material->SetNeedsFootprint(context.usesFootprint);
+        return material;
+    });
+}
 
 }  // namespace
 
-const std::vector<std::string> &SupportedMaterials() {
-    static const std::vector<std::string> kNames = [] {
-        std::vector<std::string> names = {"interface", "mix"};
-        for (const SurfaceType &type : kSurfaceTypes) names.push_back(type.name);
-        std::sort(names.begin(), names.end());
-        return names;
+const MaterialTable &Materials() {
+    static const MaterialTable table = [] {
+        using Context = MaterialContext;
+        MaterialTable t("Material");
+        AddSurface<DiffuseParams>(t, "diffuse", "", [](const auto &p, const ParamSet &, Context &c) {
+            return std::make_shared<DiffuseMaterial>(Inputs(c)(p.reflectance));
+        });
+        AddSurface<CoatedDiffuseParams>(t, "coateddiffuse", "", [](const auto &p, const ParamSet &set, Context &c) {
+            return std::make_shared<CoatedDiffuseMaterial>(p.Coat(set, c), Inputs(c)(p.reflectance));
+        });
+        AddSurface<CoatedConductorParams>(t, "coatedconductor", "", [](const auto &p, const ParamSet &set, Context &c) {
+            return std::make_shared<CoatedConductorMaterial>(p.Coat(set, c), p.metal.Make(set, c),
+                                                             p.metalRoughness.Make(c, p.remap));
+        });
+        AddSurface<ConductorParams>(t, "conductor", "", [](const auto &p, const ParamSet &set, Context &c) {
+            return std::make_shared<ConductorMaterial>(p.metal.Make(set, c), p.roughness.Make(c, p.remap));
+        });
+        AddSurface<DielectricParams>(t, "dielectric",
+                                     "**differs**: an index that is not above 0 is an error, in all materials",
+                                     [](const auto &p, const ParamSet &set, Context &c) {
+                                         return std::make_shared<DielectricMaterial>(p.index.Make(set, c),
+                                                                                     p.roughness.Make(c, p.remap));
+                                     });
+        AddSurface<ThinDielectricParams>(t, "thindielectric", "", [](const auto &p, const ParamSet &set, Context &c) {
+            return std::make_shared<ThinDielectricMaterial>(p.index.Make(set, c));
+        });
+        AddSurface<DiffuseTransmissionParams>(t, "diffusetransmission", "",
+                                              [](const auto &p, const ParamSet &, Context &c) {
+                                                  Inputs in(c);
+                                                  return std::make_shared<DiffuseTransmissionMaterial>(
+                                                      in(p.reflectance), in(p.transmittance), p.scale);
+                                              });
+        AddSurface<HairParams>(t, "hair", "", [](const auto &p, const ParamSet &set, Context &c) {
+            Inputs in(c);
+            FloatTexturePtr eta = in.Note(c.textures.Get(p.eta));
+            if (auto constant = eta->Constant()) CheckIndex(set, "eta", ConstantSpectrum(*constant));
+            return std::make_shared<HairMaterial>(MakeHairColor(p, set, c), FloatInput(std::move(eta)), in(p.betaM),
+                                                  in(p.betaN), in(p.alpha));
+        });
+        AddSurface<MeasuredParams>(
+            t, "measured",
+            "isotropic, or anisotropic over the whole circle; else **not supported**: `field \"phi_i\" covers a part of "
+            "the circle only; such reduced tables are not supported.` The databases cannot be shipped, so tests write "
+            "their own files",
+            [](const auto &p, const ParamSet &set, Context &c) {
+                return std::make_shared<MeasuredMaterial>(
+                    set.At("filename", [&] { return ReadMeasuredBrdf(c.files.Resolve(p.filename)); }));
+            });
+        AddSurface<SubsurfaceParams>(
+            t, "subsurface",
+            "below the surface with volpath only, as in stock; **differs** a little, see below", MakeSubsurface);
+        t.Add<NoParams>("interface", "also \"\" and \"none\", with a warning",
+                        [](const auto &, const ParamSet &, Context &) { return std::make_shared<InterfaceMaterial>(); });
+        t.Add<MixParams>("mix", "", [](const auto &p, const ParamSet &set, Context &c) {
+            c.usesFootprint = false;
+            return MakeMix(p, set, c);
+        });
+        return t;
     }();
-    return kNames;
+    return table;
 }
 
-MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, TextureLibrary &textures,
-                         const FileResolver &files, DiagnosticSink &sink,
-                         const std::function<MaterialPtr(const std::string &)> &named) {
-    Request request{params, textures, files, sink, named};
-    const size_t footprintUses = textures.FootprintUses();
-    for (const SurfaceType &known : kSurfaceTypes) {
-        if (type != known.name) continue;
-        SurfacePtr material = known.make(request);
-        bool hasBumps = false;
-        if (known.hasRelief) {
-            if (auto image = textures.GetLinearRgbImage(params, "normalmap"))
-                material->SetNormalMap(std::make_unique<NormalMap>(std::move(image)));
-            if (FloatTexturePtr height = textures.GetFloatOrNull(params, "displacement")) {
-                material->SetBumpMap(BumpMap(std::move(height)));
-                hasBumps = true;  // steps by half the footprint
-            }
-        }
-        material->SetNeedsFootprint(hasBumps || textures.FootprintUses() > footprintUses);
-        params.ReportUnused(sink);
-        return material;
-    }
-    if (type == "interface" || type.empty() || type == "none") {
-        if (type != "interface")
-            sink.Warning(params.Loc(), fmt::format("material \"{}\" is deprecated; write \"interface\".", type));
-        params.ReportUnused(sink);
-        return std::make_shared<InterfaceMaterial>();
-    }
-    if (type == "mix") {
-        MaterialPtr material = MakeMix(request);
-        params.ReportUnused(sink);
-        return material;
-    }
-    throw UserError(fmt::format("there is no material \"{}\"; {}.", type, ListChoices(type, SupportedMaterials())),
-                    params.Loc());
+MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, MaterialContext &context) {
+    if (!type.empty() && type != "none") return Materials().Make(type, params, context);
+    context.sink.Warning(params.Loc(), fmt::format("material \"{}\" is deprecated; write \"interface\".", type));
+    return Materials().Make("interface", params, context);
 }
 
 }  // namespace pbrt

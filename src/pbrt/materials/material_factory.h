@@ -2,16 +2,25 @@
 #include <functional>
 #include <string>
 
+#include "pbrt/core/factory_table.h"
 #include "pbrt/materials/material.h"
 #include "pbrt/textures/texture_factory.h"
 
 namespace pbrt {
 
-/// Builds one material. `named` resolves the operands of mix (throws or returns nullptr if unknown).
-MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, TextureLibrary &textures,
-                         const FileResolver &files, DiagnosticSink &sink,
-                         const std::function<MaterialPtr(const std::string &)> &named);
+/// What materials are made for.
+struct MaterialContext {
+    TextureLibrary &textures;
+    const FileResolver &files;
+    DiagnosticSink &sink;
+    std::function<MaterialPtr(const std::string &)> named;  ///< operands of mix; throws or returns nullptr if unknown
+    bool usesFootprint = false;  ///< of the material that is being made: a texture looks at the filter footprint
+};
 
-const std::vector<std::string> &SupportedMaterials();
+using MaterialTable = FactoryTable<MaterialPtr, MaterialContext>;
+const MaterialTable &Materials();
+
+/// Makes one of the table; the deprecated names "" and "none" stand for "interface".
+MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, MaterialContext &context);
 
 }  // namespace pbrt

@@ -46,12 +46,13 @@ class SpectrumInput {
     const RgbAlbedoSpectrum *albedo_;    ///< the same, if it is one
 };
 
-/// `roughness`, `uroughness` and `vroughness` (with a prefix) and what they mean: a microfacet distribution.
+/// A microfacet distribution from the roughness in both directions.
 class RoughnessInput {
   public:
-    /// The common roughness is only asked for if one of the directions needs it, so that it is an unused parameter
-    /// where both are given.
-    RoughnessInput(const ParamSet &params, TextureLibrary &textures, const std::string &prefix, bool remap);
+    /// `remap`: the roughness is not the distribution's own parameter.
+    RoughnessInput(FloatInput u, FloatInput v, bool remap) : u_(std::move(u)), v_(std::move(v)), remap_(remap) {
+        if (u_.IsConstant() && v_.IsConstant()) constant_ = Distribution(u_({}), v_({}));
+    }
     TrowbridgeReitz operator()(const SurfacePoint &point) const {
         if (u_.IsConstant() && v_.IsConstant()) return constant_;
         return Distribution(u_(point), v_(point));

@@ -1,14 +1,10 @@
 #pragma once
-#include "pbrt/core/params.h"
 #include "pbrt/math/sobol.h"
 
 namespace pbrt {
 
 /// How low-discrepancy points are made random without losing their stratification.
 enum class Randomization { None, PermuteDigits, FastOwen, Owen };
-
-/// Reads "string randomization"; `hasFastOwen` is false where base 2 is not the only base.
-Randomization ReadRandomization(const ParamSet &params, Randomization defaultValue, bool hasFastOwen);
 
 /// Applies it to a Sobol' point whose bits are in reversed order.
 inline Float RandomizedReversed(uint32_t reversed, Randomization randomization, uint64_t seed) {

@@ -1,6 +1,6 @@
 #include "pbrt/samplers/sampler.h"
 
-#include <algorithm>
+#include <bit>
 
 #include "pbrt/math/rng.h"
 #include "pbrt/samplers/halton_sampler.h"
@@ -16,107 +16,129 @@ std::unique_ptr<Sampler> Sampler::ForBatch(int index) const {
     return WithSeed(static_cast<int>(MixBits(static_cast<uint64_t>(givenSeed_) * 0x10001 + static_cast<uint64_t>(index)) & 0x7fffffff));
 }
 
-const std::vector<std::string> &SupportedSamplers() {
-    static const std::vector<std::string> names = {"independent", "stratified", "halton", "sobol",
-                                                   "paddedsobol", "zsobol",     "pmj02bn"};
-    return names;
-}
-
-Randomization ReadRandomization(const ParamSet &params, Randomization defaultValue, bool hasFastOwen) {
-    struct Choice {
-        const char *name;
-        Randomization value;
-    };
-    static constexpr Choice kChoices[] = {{"none", Randomization::None},
-                                          {"permutedigits", Randomization::PermuteDigits},
-                                          {"owen", Randomization::Owen},
-                                          {"fastowen", Randomization::FastOwen}};
-    std::vector<std::string> names;
-    std::string defaultName;
-    for (const Choice &c : kChoices) {
-        if (c.value == defaultValue) defaultName = c.name;
-        if (c.value != Randomization::FastOwen || hasFastOwen) names.push_back(c.name);
-    }
-    std::string given = params.GetChoice("randomization", defaultName, names);
-    return std::find_if(std::begin(kChoices), std::end(kChoices), [&](const Choice &c) { return given == c.name; })
-        ->value;
-}
-
 namespace {
 
-constexpr Range<int> kSampleRange{1, 1 << 30};
+constexpr int kMaxSamples = 1 << 30;
+constexpr NamedValue<Randomization> kRandomizations[] = {{"none", Randomization::None},
+                                                         {"permutedigits", Randomization::PermuteDigits},
+                                                         {"owen", Randomization::Owen},
+                                                         {"fastowen", Randomization::FastOwen}};
+constexpr NamedValue<Randomization> kHaltonRandomizations[] = {kRandomizations[0], kRandomizations[1],
+                                                               kRandomizations[2]};
 
-int ReadSamples(const ParamSet &params, int defaultValue, int sppOverride) {
-    if (sppOverride <= 0) return params.GetInt("pixelsamples", defaultValue, kSampleRange);
-    params.GetInt("pixelsamples", defaultValue);
-    return sppOverride;
-}
-
-std::unique_ptr<Sampler> MakeStratified(const ParamSet &params, int sppOverride, int seed) {
-    bool jitter = params.GetBool("jitter", true);
-    int x = params.GetInt("xsamples", 4), y = params.GetInt("ysamples", 4);
-    if (sppOverride > 0) {
-        // The most square factors of the count.
-        for (y = static_cast<int>(std::sqrt(double(sppOverride)) + 0.5); y > 1 && sppOverride % y != 0;) --y;
-        x = sppOverride / y;
-    } else {
-        params.Require("xsamples", x, kSampleRange);
-        params.Require("ysamples", y, kSampleRange);
-        if (int64_t(x) * y > (1 << 30))
-            throw UserError(fmt::format("{}: {} x {} samples are too many.", params.What(), x, y),
-                            params.LocOf("xsamples"));
+struct SeedParams {
+    std::optional<int> seed;
+    template <class V>
+    void Describe(V &&v) {
+        v("seed", seed, "of the random numbers; without it that of --seed or of Option \"seed\"");
     }
-    return std::make_unique<StratifiedSampler>(x, y, jitter, seed);
+    int Seed(const SamplerContext &context) const { return seed.value_or(context.seed); }
+};
+
+struct CountParams : SeedParams {
+    int samples = 16;
+    template <class V>
+    void Describe(V &&v) {
+        v("pixelsamples", samples, Range<int>{1, kMaxSamples}, "samples of a pixel; --spp beats it");
+        SeedParams::Describe(v);
+    }
+    int Samples(const SamplerContext &context) const {
+        return context.samplesPerPixel > 0 ? context.samplesPerPixel : samples;
+    }
+};
+
+struct IndependentParams : CountParams {
+    IndependentParams() { samples = 4; }
+};
+
+struct HaltonParams : CountParams {
+    Randomization randomization = Randomization::PermuteDigits;
+    template <class V>
+    void Describe(V &&v) {
+        CountParams::Describe(v);
+        v("randomization", randomization, kHaltonRandomizations, "of the points");
+    }
+};
+
+struct SobolParams : CountParams {
+    Randomization randomization = Randomization::FastOwen;
+    template <class V>
+    void Describe(V &&v) {
+        CountParams::Describe(v);
+        v("randomization", randomization, kRandomizations, "of the points");
+    }
+};
+
+struct StratifiedParams : SeedParams {
+    bool jitter = true;
+    int x = 4, y = 4;
+    template <class V>
+    void Describe(V &&v) {
+        v("jitter", jitter, "a random place in each cell; false: its middle");
+        v("xsamples", x, Range<int>{1, kMaxSamples}, "columns of cells of a pixel; --spp beats it");
+        v("ysamples", y, Range<int>{1, kMaxSamples}, "rows of cells of a pixel");
+        SeedParams::Describe(v);
+    }
+};
+
+std::unique_ptr<Sampler> MakeStratified(const StratifiedParams &p, const ParamSet &set, const SamplerContext &context) {
+    int x = p.x, y = p.y;
+    if (const int count = context.samplesPerPixel; count > 0) {
+        // The most square factors of the count.
+        for (y = static_cast<int>(std::sqrt(double(count)) + 0.5); y > 1 && count % y != 0;) --y;
+        x = count / y;
+    } else if (int64_t(x) * y > kMaxSamples) {
+        throw set.Error("xsamples", fmt::format("{} x {} samples are too many.", x, y));
+    }
+    return std::make_unique<StratifiedSampler>(x, y, p.jitter, p.Seed(context));
 }
 
-std::unique_ptr<Sampler> MakePmj02bnSampler(const ParamSet &params, int sppOverride, int seed, DiagnosticSink &sink) {
-    int samples = ReadSamples(params, 16, sppOverride);
-    auto n = static_cast<unsigned>(samples);
+std::unique_ptr<Sampler> MakePmj(const CountParams &p, const ParamSet &set, const SamplerContext &context) {
+    const int samples = p.Samples(context);
+    const auto n = static_cast<unsigned>(samples);
     if (!std::has_single_bit(n) || std::countr_zero(n) % 2 != 0)
-        sink.Warning(params.LocOf("pixelsamples"),
-                     fmt::format(
-                         "{}: {} samples per pixel are not a power of four; this sampler is at its best with one.",
-                         params.What(), samples));
-    return std::make_unique<Pmj02bnSampler>(samples, seed);
+        set.Warn(context.sink, "pixelsamples",
+                 fmt::format("{} samples per pixel are not a power of four; this sampler is at its best with one.",
+                             samples));
+    return std::make_unique<Pmj02bnSampler>(samples, p.Seed(context));
 }
 
-std::unique_ptr<Sampler> MakeSobol(const std::string &type, const ParamSet &params, Point2i resolution, int sppOverride,
-                                   int seed, DiagnosticSink &sink) {
-    int samples = ReadSamples(params, 16, sppOverride);
+/// The samples of one of the three Sobol samplers.
+int SobolSamples(const SobolParams &p, const ParamSet &set, const SamplerContext &context) {
+    const int samples = p.Samples(context);
     if (!std::has_single_bit(static_cast<unsigned>(samples)))
-        sink.Warning(
-            params.LocOf("pixelsamples"),
-            fmt::format("{}: {} samples per pixel are not a power of two; this sampler is at its best with one.",
-                        params.What(), samples));
-    Randomization randomization = ReadRandomization(params, Randomization::FastOwen, true);
-    if (type == "sobol") return std::make_unique<SobolSampler>(samples, resolution, randomization, seed);
-    if (type == "paddedsobol") return std::make_unique<PaddedSobolSampler>(samples, randomization, seed);
-    return std::make_unique<ZSobolSampler>(samples, resolution, randomization, seed);
+        set.Warn(context.sink, "pixelsamples",
+                 fmt::format("{} samples per pixel are not a power of two; this sampler is at its best with one.",
+                             samples));
+    return samples;
 }
 
 }  // namespace
 
-std::unique_ptr<Sampler> MakeSampler(const std::string &type, const ParamSet &params, Point2i resolution,
-                                     int sppOverride, int defaultSeed, DiagnosticSink &sink) {
-    std::unique_ptr<Sampler> sampler;
-    int seed = params.GetInt("seed", defaultSeed);
-    if (type == "independent")
-        sampler = std::make_unique<IndependentSampler>(ReadSamples(params, 4, sppOverride), seed);
-    else if (type == "stratified")
-        sampler = MakeStratified(params, sppOverride, seed);
-    else if (type == "halton") {
-        int samples = ReadSamples(params, 16, sppOverride);
-        Randomization randomization = ReadRandomization(params, Randomization::PermuteDigits, false);
-        sampler = std::make_unique<HaltonSampler>(samples, resolution, randomization, seed);
-    } else if (type == "sobol" || type == "paddedsobol" || type == "zsobol")
-        sampler = MakeSobol(type, params, resolution, sppOverride, seed, sink);
-    else if (type == "pmj02bn")
-        sampler = MakePmj02bnSampler(params, sppOverride, seed, sink);
-    else
-        throw UserError(fmt::format("Sampler \"{}\" is unknown; {}.", type, ListChoices(type, SupportedSamplers())),
-                        params.Loc());
-    params.ReportUnused(sink);
-    return sampler;
+const SamplerTable &Samplers() {
+    static const SamplerTable table = [] {
+        using Context = const SamplerContext;
+        SamplerTable t("Sampler");
+        t.Add<IndependentParams>("independent", "", [](const auto &p, const ParamSet &, Context &c) {
+            return std::make_unique<IndependentSampler>(p.Samples(c), p.Seed(c));
+        });
+        t.Add<StratifiedParams>("stratified", "", MakeStratified);
+        t.Add<HaltonParams>("halton", "", [](const auto &p, const ParamSet &, Context &c) {
+            return std::make_unique<HaltonSampler>(p.Samples(c), c.resolution, p.randomization, p.Seed(c));
+        });
+        t.Add<SobolParams>("sobol", "", [](const auto &p, const ParamSet &set, Context &c) {
+            return std::make_unique<SobolSampler>(SobolSamples(p, set, c), c.resolution, p.randomization, p.Seed(c));
+        });
+        t.Add<SobolParams>("paddedsobol", "", [](const auto &p, const ParamSet &set, Context &c) {
+            return std::make_unique<PaddedSobolSampler>(SobolSamples(p, set, c), p.randomization, p.Seed(c));
+        });
+        t.Add<SobolParams>("zsobol", "", [](const auto &p, const ParamSet &set, Context &c) {
+            return std::make_unique<ZSobolSampler>(SobolSamples(p, set, c), c.resolution, p.randomization, p.Seed(c));
+        });
+        t.Add<CountParams>("pmj02bn", "points of our own, made at start", MakePmj);
+        return t;
+    }();
+    return table;
 }
 
 }  // namespace pbrt

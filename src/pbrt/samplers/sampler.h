@@ -1,9 +1,7 @@
 #pragma once
 #include <memory>
-#include <string>
-#include <vector>
 
-#include "pbrt/core/params.h"
+#include "pbrt/core/factory_table.h"
 #include "pbrt/math/vec.h"
 
 namespace pbrt {
@@ -32,11 +30,15 @@ class Sampler {
     int givenSeed_;
 };
 
-/// `sppOverride` > 0 replaces pixelsamples (--spp); `defaultSeed` is --seed / Option seed. `resolution`: full film.
-/// Unused parameters go to `sink`.
-std::unique_ptr<Sampler> MakeSampler(const std::string &type, const ParamSet &params, Point2i resolution,
-                                     int sppOverride, int defaultSeed, DiagnosticSink &sink);
+/// What a sampler is made for.
+struct SamplerContext {
+    Point2i resolution{1, 1};  ///< of the full film
+    int samplesPerPixel = 0;   ///< above 0: instead of what the parameters say (--spp)
+    int seed = 0;              ///< unless the parameters say one
+    DiagnosticSink &sink;
+};
 
-const std::vector<std::string> &SupportedSamplers();
+using SamplerTable = FactoryTable<std::unique_ptr<Sampler>, const SamplerContext>;
+const SamplerTable &Samplers();
 
 }  // namespace pbrt

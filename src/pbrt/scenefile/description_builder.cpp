@@ -286,23 +286,29 @@ void DescriptionBuilder::AddMaterial(const std::string &type, Params params, con
     scene_.materials.push_back(std::move(material));
 }
 
-void DescriptionBuilder::TakeTypeParameter(Entity &entity, const char *directive) {
-    try {
-        if (entity.params.Find("type", ParamType::String))
-            entity.type = entity.params.GetString("type", "");
-        else
-            sink_.Error(entity.loc, fmt::format("{} needs a parameter \"string type\".", directive));
-    } catch (const UserError &e) {
-        sink_.Add(e);
-    }
+void DescriptionBuilder::FillNamed(Entity &entity, const std::string &name, const char *directive, Params params,
+                                   const FileLoc &loc, AttributeTarget target) {
+    auto isType = [](const Param &p) { return p.name == "type" && p.type == ParamType::String; };
+    const auto own = std::find_if(params.rbegin(), params.rend(), isType);
+    std::optional<Param> type;
+    if (own != params.rend()) type = *own;
+    std::erase_if(params, isType);
+    Fill(entity, name, directive, std::move(params), loc, target);
+    if (const Param *p = entity.params.Find("type", ParamType::String); p && !type) type = *p;
+    if (!type)
+        sink_.Error(loc, fmt::format("{} needs a parameter \"string type\".", directive));
+    else if (type->strings.size() != 1)
+        sink_.Error(type->loc, fmt::format("{}: \"string type\" takes 1 value, found {}.", entity.params.What(),
+                                           type->strings.size()));
+    else
+        entity.type = type->strings[0];
 }
 
 void DescriptionBuilder::AddNamedMaterial(const std::string &name, Params params, const FileLoc &loc,
                                           const FileLoc &nameLoc) {
     MaterialEntity material;
-    Fill(material, name, "MakeNamedMaterial", std::move(params), loc, AttributeTarget::Material);
+    FillNamed(material, name, "MakeNamedMaterial", std::move(params), loc, AttributeTarget::Material);
     material.name = name;
-    TakeTypeParameter(material, "MakeNamedMaterial");
     auto [known, isNew] = materialNames_.try_emplace(name, nameLoc);
     if (!isNew) {
         sink_.Error(nameLoc, fmt::format("Material \"{}\" is defined twice{}.", name, FirstDefinedAt(known->second)));
@@ -330,9 +336,8 @@ void DescriptionBuilder::AddTexture(const std::string &name, bool isSpectrum, co
 
 void DescriptionBuilder::AddMedium(const std::string &name, Params params, const FileLoc &loc, const FileLoc &nameLoc) {
     MediumEntity medium;
-    Fill(medium, name, "MakeNamedMedium", std::move(params), loc, AttributeTarget::Medium);
+    FillNamed(medium, name, "MakeNamedMedium", std::move(params), loc, AttributeTarget::Medium);
     medium.name = name;
-    TakeTypeParameter(medium, "MakeNamedMedium");
     medium.ctm = Unmoving("A medium", loc);
     auto [known, isNew] = units_.back().media.try_emplace(name, nameLoc);
     if (!isNew) {

@@ -99,7 +99,9 @@ class DescriptionBuilder {
                         std::optional<AttributeTarget> target) const;
     void Fill(Entity &entity, const std::string &type, const char *directive, Params params, const FileLoc &loc,
               std::optional<AttributeTarget> target = {}) const;
-    void TakeTypeParameter(Entity &entity, const char *directive);
+    /// The same for an entity whose type is a parameter.
+    void FillNamed(Entity &entity, const std::string &name, const char *directive, Params params, const FileLoc &loc,
+                   AttributeTarget target);
     /// The CTM pair for something that cannot move: the start transform, with a warning if the two differ.
     TransformPair Unmoving(const char *what, const FileLoc &loc);
     void OpenBlockAt(const FileLoc &loc, BlockKind kind);

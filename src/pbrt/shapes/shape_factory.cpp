@@ -1,5 +1,6 @@
 #include "pbrt/shapes/shape_factory.h"
 
+#include "pbrt/core/limits.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/images/image.h"
 #include "pbrt/shapes/bilinear_mesh.h"
@@ -16,96 +17,93 @@ namespace pbrt {
 
 namespace {
 
-using Shapes = std::vector<std::unique_ptr<Shape>>;
-
-/// Everything a maker needs.
-struct Request {
-    const ParamSet &params;
-    const Transform &renderFromObject;
-    bool reverseOrientation;
-    const FileResolver &files;
-    DiagnosticSink &sink;
-    const Displacement *displacement;  ///< null: none
-    bool opaque;
-};
-
 template <class Mesh>
-Shapes One(const Request &r, MeshData data) {
-    Shapes shapes;
-    shapes.push_back(std::make_unique<Mesh>(std::move(data), r.renderFromObject, r.reverseOrientation));
+ShapeList One(MeshData data, const ShapeContext &context) {
+    ShapeList shapes;
+    shapes.push_back(std::make_unique<Mesh>(std::move(data), context.renderFromObject, context.reverseOrientation));
     return shapes;
-}
-
-std::vector<Vector3> Triples(std::span<const Float> v) {
-    std::vector<Vector3> out(v.size() / 3);
-    for (size_t i = 0; i < out.size(); ++i) out[i] = {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
-    return out;
-}
-
-std::vector<Point2> Pairs(std::span<const Float> v) {
-    std::vector<Point2> out(v.size() / 2);
-    for (size_t i = 0; i < out.size(); ++i) out[i] = {v[2 * i], v[2 * i + 1]};
-    return out;
 }
 
 /// Stock pbrt-v4 reports arrays of the wrong length and goes on without them.
 template <class T>
-void DiscardUnlessPer(const Request &r, std::vector<T> &values, size_t expected, const char *name, const char *what) {
+void DiscardUnlessPer(const ParamSet &set, DiagnosticSink &sink, std::vector<T> &values, size_t expected,
+                      const char *name, const char *what) {
     if (values.empty() || values.size() == expected) return;
-    r.sink.Warning(r.params.LocOf(name), fmt::format("{}: \"{}\" has {} entries for {} {}; it is discarded.",
-                                                     r.params.What(), name, values.size(), expected, what));
+    set.Warn(sink, name, fmt::format("\"{}\" has {} entries for {} {}; it is discarded.", name, values.size(), expected,
+                                     what));
     values.clear();
 }
 
-/// What trianglemesh and bilinearmesh share; `corners` per face.
-MeshData ReadMesh(const Request &r, size_t corners, bool readTangents) {
-    const ParamSet &params = r.params;
-    MeshData mesh;
-    std::span<const int> indices = params.GetInts("indices");
-    mesh.p = Triples(params.GetFloats("P", ParamType::Point3));
-    mesh.n = Triples(params.GetFloats("N", ParamType::Normal));
-    if (readTangents) mesh.s = Triples(params.GetFloats("S", ParamType::Vector3));
-    mesh.uv = Pairs(params.GetFloats("uv", ParamType::Point2));
-    std::span<const int> faceIndices = params.GetInts("faceIndices");
-    mesh.faceIndices.assign(faceIndices.begin(), faceIndices.end());
+constexpr RequiredItems kPoints{{ParamType::Point3}};
 
-    if (mesh.p.empty()) throw UserError(fmt::format("{}: \"point3 P\" is missing.", params.What()), params.Loc());
+/// What trianglemesh and bilinearmesh share.
+struct MeshParams {
+    MeshData mesh;
+    std::span<const int> indices, faceIndices;
+    template <class V>
+    void Describe(V &&v) {
+        v("indices", indices, "of the corners of each face; may be left out for a single face");
+        v("P", mesh.p, kPoints, "the points");
+        v("N", mesh.n, Items{ParamType::Normal}, "a normal for each point");
+        v("uv", mesh.uv, Items{ParamType::Point2}, "texture coordinates for each point");
+        v("faceIndices", faceIndices, "read and used by nothing (Ptex would)");
+    }
+    /// Complete, with `corners` of each face.
+    MeshData Finish(const ParamSet &set, DiagnosticSink &sink, size_t corners);
+};
+
+/// The index of a point as such; an error if there is no such point.
+uint32_t Corner(int index, size_t points, const ParamSet &set) {
+    if (index < 0 || static_cast<size_t>(index) >= points)
+        throw set.Error("indices", fmt::format("index {} is out of range; there are {} points.", index, points));
+    return static_cast<uint32_t>(index);
+}
+
+MeshData MeshParams::Finish(const ParamSet &set, DiagnosticSink &sink, size_t corners) {
+    mesh.faceIndices.assign(faceIndices.begin(), faceIndices.end());
     if (indices.empty()) {
         if (mesh.p.size() != corners)
-            throw UserError(fmt::format("{}: \"integer indices\" is missing; it may be left out only for exactly {} "
-                                        "points, and there are {}.",
-                                        params.What(), corners, mesh.p.size()),
-                            params.Loc());
+            throw set.Error("", fmt::format("\"integer indices\" is missing; it may be left out only for exactly {} "
+                                            "points, and there are {}.",
+                                            corners, mesh.p.size()));
         for (size_t i = 0; i < corners; ++i) mesh.indices.push_back(static_cast<uint32_t>(i));
     }
     size_t excess = indices.size() % corners;
     if (excess != 0)
-        r.sink.Warning(
-            params.LocOf("indices"),
-            fmt::format("{}: the number of \"indices\" ({}) is not a multiple of {}; the last {} are dropped.",
-                        params.What(), indices.size(), corners, excess));
-    for (int i : indices.first(indices.size() - excess)) {
-        if (i < 0 || static_cast<size_t>(i) >= mesh.p.size())
-            throw UserError(
-                fmt::format("{}: index {} is out of range; there are {} points.", params.What(), i, mesh.p.size()),
-                params.LocOf("indices"));
-        mesh.indices.push_back(static_cast<uint32_t>(i));
-    }
-    if (mesh.indices.empty())
-        throw UserError(fmt::format("{}: no complete face is left.", params.What()), params.LocOf("indices"));
-    DiscardUnlessPer(r, mesh.n, mesh.p.size(), "N", "points");
-    DiscardUnlessPer(r, mesh.s, mesh.p.size(), "S", "points");
-    DiscardUnlessPer(r, mesh.uv, mesh.p.size(), "uv", "points");
-    DiscardUnlessPer(r, mesh.faceIndices, mesh.indices.size() / corners, "faceIndices", "faces");
-    return mesh;
+        set.Warn(sink, "indices", fmt::format("the number of \"indices\" ({}) is not a multiple of {}; the last {} are "
+                                              "dropped.",
+                                              indices.size(), corners, excess));
+    for (int i : indices.first(indices.size() - excess)) mesh.indices.push_back(Corner(i, mesh.p.size(), set));
+    if (mesh.indices.empty()) throw set.Error("indices", "no complete face is left.");
+    DiscardUnlessPer(set, sink, mesh.n, mesh.p.size(), "N", "points");
+    DiscardUnlessPer(set, sink, mesh.s, mesh.p.size(), "S", "points");
+    DiscardUnlessPer(set, sink, mesh.uv, mesh.p.size(), "uv", "points");
+    DiscardUnlessPer(set, sink, mesh.faceIndices, mesh.indices.size() / corners, "faceIndices", "faces");
+    return std::move(mesh);
 }
 
-Shapes MakeTriangleMesh(const Request &r) { return One<TriangleMesh>(r, ReadMesh(r, 3, true)); }
+struct TriangleMeshParams : MeshParams {
+    template <class V>
+    void Describe(V &&v) {
+        MeshParams::Describe(v);
+        v("S", mesh.s, Items{ParamType::Vector3}, "a tangent for each point");
+    }
+};
+
+struct BilinearMeshParams : MeshParams {
+    std::string emissionFilename;
+    template <class V>
+    void Describe(V &&v) {
+        MeshParams::Describe(v);
+        v("emissionfilename", emissionFilename, "an image over (u, v) that says where light sampling finds light");
+    }
+};
 
 /// Where an image over (u, v), v upwards, is bright; null, with a warning, if it is black. A cell gets the mean of what
 /// bilinear look-ups inside it give, so that nothing that shines has density 0.
-std::shared_ptr<const PiecewiseConstant2D> EmissionDensity(const Request &r, const std::string &filename) {
-    const Image image = ReadImage(r.files.Resolve(filename)).image;
+std::shared_ptr<const PiecewiseConstant2D> EmissionDensity(const std::string &filename, const ParamSet &set,
+                                                           const ShapeContext &context) {
+    const Image image = ReadImage(context.files.Resolve(filename)).image;
     const Point2i n = image.Resolution();
     constexpr Float kWeights[3] = {Float(1) / 8, Float(3) / 4, Float(1) / 8};
     std::vector<Float> f;
@@ -127,238 +125,250 @@ std::shared_ptr<const PiecewiseConstant2D> EmissionDensity(const Request &r, con
         for (Float &cell : f) cell += everywhere;
         return std::make_shared<PiecewiseConstant2D>(f, n.x, n.y);
     }
-    r.sink.Warning(r.params.LocOf("emissionfilename"),
-                   fmt::format("{}: {} is black; it is ignored.", r.params.What(), filename));
+    set.Warn(context.sink, "emissionfilename", fmt::format("{} is black; it is ignored.", filename));
     return nullptr;
 }
 
-Shapes MakeBilinearMesh(const Request &r) {
-    const std::string filename = r.params.GetString("emissionfilename", "");
-    MeshData mesh = ReadMesh(r, 4, false);
+ShapeList MakeBilinearMesh(BilinearMeshParams p, const ParamSet &set, const ShapeContext &context) {
+    MeshData mesh = p.Finish(set, context.sink, 4);
     std::shared_ptr<const PiecewiseConstant2D> emission;
-    if (!filename.empty() && !mesh.uv.empty()) {
-        r.sink.Warning(r.params.LocOf("emissionfilename"),
-                       fmt::format("{}: \"emissionfilename\" is ignored, because there are \"uv\" (as in stock).",
-                                   r.params.What()));
-    } else if (!filename.empty()) {
-        try {
-            emission = EmissionDensity(r, filename);
-        } catch (const UserError &e) {
-            throw UserError(fmt::format("{}: {}", r.params.What(), e.Diagnostics().front().message),
-                            r.params.LocOf("emissionfilename"));
-        }
-    }
-    Shapes shapes;
-    shapes.push_back(std::make_unique<BilinearMesh>(std::move(mesh), r.renderFromObject, r.reverseOrientation,
-                                                    std::move(emission)));
+    if (!p.emissionFilename.empty() && !mesh.uv.empty())
+        set.Warn(context.sink, "emissionfilename",
+                 "\"emissionfilename\" is ignored, because there are \"uv\" (as in stock).");
+    else if (!p.emissionFilename.empty())
+        emission = set.At("emissionfilename", [&] { return EmissionDensity(p.emissionFilename, set, context); });
+    ShapeList shapes;
+    shapes.push_back(std::make_unique<BilinearMesh>(std::move(mesh), context.renderFromObject,
+                                                    context.reverseOrientation, std::move(emission)));
     return shapes;
 }
 
-/// Quadrics and curves are traced in object space, which a singular transform does not have.
-void CheckInvertible(const Request &r) {
-    if (r.renderFromObject.IsSingular())
-        throw UserError(
-            fmt::format("{}: the current transformation flattens it (its matrix is singular).", r.params.What()),
-            r.params.Loc());
-}
+constexpr NamedValue<CurveBasis> kBases[] = {{"bezier", CurveBasis::Bezier}, {"bspline", CurveBasis::BSpline}};
+constexpr NamedValue<CurveKind> kCurveKinds[] = {
+    {"flat", CurveKind::Flat}, {"cylinder", CurveKind::Cylinder}, {"ribbon", CurveKind::Ribbon}};
 
-Shapes MakeCurve(const Request &r) {
-    const ParamSet &params = r.params;
-    auto fail = [&](const char *name, const std::string &message) -> void {
-        throw UserError(fmt::format("{}: {}", params.What(), message), params.LocOf(name));
-    };
-    constexpr Range<Float> kWidthRange{0, kMaxCoordinate};
-    Float width = params.GetFloat("width", 1, kWidthRange);
-    Float width0 = params.GetFloat("width0", width, kWidthRange);
-    Float width1 = params.GetFloat("width1", width, kWidthRange);
-    int degree = params.GetInt("degree", 3, {2, 3});
-    std::string basisName = params.GetChoice("basis", "bezier", {"bezier", "bspline"});
-    std::string type = params.GetChoice("type", "flat", {"flat", "cylinder", "ribbon"});
-    Float splitDepth = params.GetFloat("splitdepth", static_cast<Float>(params.GetInt("splitdepth", 3)));
-    std::vector<Point3> points = Triples(params.GetFloats("P", ParamType::Point3));
-    std::vector<Normal3> normals = Triples(params.GetFloats("N", ParamType::Normal));
-
-    if (points.empty()) fail("P", "\"point3 P\" is missing.");
-    CurveBasis basis = basisName == "bezier" ? CurveBasis::Bezier : CurveBasis::BSpline;
-    size_t count = SegmentCount(points.size(), degree, basis);
-    if (count == 0)
-        fail("P", basis == CurveBasis::Bezier
-                      ? fmt::format("there are {} points; a bezier curve of degree {} needs {} + {} k.", points.size(),
-                                    degree, degree + 1, degree)
-                      : fmt::format("there are {} points; a bspline curve of degree {} needs at least {}.",
-                                    points.size(), degree, degree + 1));
-    CurveKind kind = type == "flat" ? CurveKind::Flat : type == "cylinder" ? CurveKind::Cylinder : CurveKind::Ribbon;
-    if (kind == CurveKind::Ribbon) {
-        if (normals.size() != count + 1)
-            fail("N", fmt::format("a ribbon of {} segments needs {} normals \"N\", and there are {}.", count, count + 1,
-                                  normals.size()));
-    } else if (!normals.empty()) {
-        r.sink.Warning(params.LocOf("N"), fmt::format("{}: \"N\" is used only for type \"ribbon\".", params.What()));
-        normals.clear();
+struct CurveParams {
+    Float width = 1;
+    std::optional<Float> width0, width1, splitDepth;
+    int degree = 3, intSplitDepth = 3;
+    CurveBasis basis = CurveBasis::Bezier;
+    CurveKind kind = CurveKind::Flat;
+    std::vector<Point3> points;
+    std::vector<Normal3> normals;
+    template <class V>
+    void Describe(V &&v) {
+        constexpr Range<Float> kWidthRange{0, kMaxCoordinate};
+        v("P", points, kPoints, "control points");
+        v("degree", degree, Range<int>{2, 3}, "of the curve");
+        v("basis", basis, kBases, "what the control points mean");
+        v("type", kind, kCurveKinds, "of the surface");
+        v("width", width, kWidthRange, "at both ends");
+        v("width0", width0, kWidthRange, "at the start; width");
+        v("width1", width1, kWidthRange, "at the end; width");
+        v("N", normals, Items{ParamType::Normal}, "of type ribbon: the normal at the ends of segments");
+        v("splitdepth", intSplitDepth, "how often a segment is halved to find hits");
+        v("splitdepth", splitDepth, "the same; beats the integer");
     }
+};
+
+ShapeList MakeCurve(CurveParams p, const ParamSet &set, const ShapeContext &context) {
+    const size_t count = SegmentCount(p.points.size(), p.degree, p.basis);
+    if (count == 0)
+        throw set.Error("P", p.basis == CurveBasis::Bezier
+                                 ? fmt::format("there are {} points; a bezier curve of degree {} needs {} + {} k.",
+                                               p.points.size(), p.degree, p.degree + 1, p.degree)
+                                 : fmt::format("there are {} points; a bspline curve of degree {} needs at least {}.",
+                                               p.points.size(), p.degree, p.degree + 1));
+    if (p.kind == CurveKind::Ribbon) {
+        if (p.normals.size() != count + 1)
+            throw set.Error("N", fmt::format("a ribbon of {} segments needs {} normals \"N\", and there are {}.", count,
+                                             count + 1, p.normals.size()));
+    } else if (!p.normals.empty()) {
+        set.Warn(context.sink, "N", "\"N\" is used only for type \"ribbon\".");
+        p.normals.clear();
+    }
+    const Float width0 = p.width0.value_or(p.width), width1 = p.width1.value_or(p.width);
+    const Float splitDepth = p.splitDepth.value_or(static_cast<Float>(p.intSplitDepth));
     std::vector<Curves::Segment> segments(count);
     std::vector<Normal3> ends;
     for (size_t i = 0; i < count; ++i) {
         auto along = [&](size_t k) { return static_cast<Float>(k) / static_cast<Float>(count); };
-        segments[i] = {SegmentOf(points, i, degree, basis), Lerp(along(i), width0, width1),
+        segments[i] = {SegmentOf(p.points, i, p.degree, p.basis), Lerp(along(i), width0, width1),
                        Lerp(along(i + 1), width0, width1),
                        static_cast<int>(std::clamp(splitDepth, Float(0), Float(10)))};
-        if (!normals.empty()) ends.insert(ends.end(), {normals[i], normals[i + 1]});
+        if (!p.normals.empty()) ends.insert(ends.end(), {p.normals[i], p.normals[i + 1]});
     }
-    CheckInvertible(r);
-    Shapes shapes;
-    shapes.push_back(std::make_unique<Curves>(kind, std::move(segments), std::move(ends), r.renderFromObject,
-                                              r.reverseOrientation));
+    ShapeList shapes;
+    shapes.push_back(std::make_unique<Curves>(p.kind, std::move(segments), std::move(ends), context.renderFromObject,
+                                              context.reverseOrientation));
     return shapes;
 }
 
-Shapes MakeLoopSubdivision(const Request &r) {
-    const ParamSet &params = r.params;
-    // OpenSubdiv's limit is 15; 10 levels make a million triangles of each.
-    int levels = params.GetInt("levels", 3, {0, 10});
-    params.GetString("scheme", "loop");  // stock reads it and never uses it
-    std::span<const int> indices = params.GetInts("indices");
-    std::vector<Point3> points = Triples(params.GetFloats("P", ParamType::Point3));
-    if (points.empty()) throw UserError(fmt::format("{}: \"point3 P\" is missing.", params.What()), params.Loc());
-    if (indices.empty())
-        throw UserError(fmt::format("{}: \"integer indices\" is missing.", params.What()), params.Loc());
-    std::vector<uint32_t> corners;
-    for (int i : indices.first(indices.size() - indices.size() % 3)) {
-        if (i < 0 || static_cast<size_t>(i) >= points.size())
-            throw UserError(
-                fmt::format("{}: index {} is out of range; there are {} points.", params.What(), i, points.size()),
-                params.LocOf("indices"));
-        corners.push_back(static_cast<uint32_t>(i));
+struct LoopSubdivisionParams {
+    int levels = 3;
+    std::string scheme = "loop";
+    std::span<const int> indices;
+    std::vector<Point3> points;
+    template <class V>
+    void Describe(V &&v) {
+        // OpenSubdiv's limit is 15; 10 levels make a million triangles of each.
+        v("levels", levels, Range<int>{0, 10}, "how often each triangle becomes four");
+        v("indices", indices, Required(), "of the corners of the triangles");
+        v("P", points, kPoints, "the points");
+        v("scheme", scheme, "without effect, as in stock");
     }
-    if (corners.empty())
-        throw UserError(fmt::format("{}: no complete face is left.", params.What()), params.LocOf("indices"));
+};
+
+ShapeList MakeLoopSubdivision(const LoopSubdivisionParams &p, const ParamSet &set, const ShapeContext &context) {
+    std::vector<uint32_t> corners;
+    for (int i : p.indices.first(p.indices.size() - p.indices.size() % 3))
+        corners.push_back(Corner(i, p.points.size(), set));
+    if (corners.empty()) throw set.Error("indices", "no complete face is left.");
     // The last level with its topology, and three quarters less of every level before it.
     constexpr double kBytesPerTriangle = 400;
-    const double triangles = static_cast<double>(corners.size() / 3) * std::pow(4.0, levels);
-    RequireMemory(triangles * kBytesPerTriangle,
-                  fmt::format("{}: a mesh of {:.2g} triangles", params.What(), triangles), params.LocOf("levels"));
-    try {
-        return One<TriangleMesh>(r, LoopSubdivide(corners, points, levels));
-    } catch (const UserError &e) {
-        throw UserError(fmt::format("{}: {}", params.What(), e.Diagnostics().front().message),
-                        params.LocOf("indices"));
-    }
+    const double triangles = static_cast<double>(corners.size() / 3) * std::pow(4.0, p.levels);
+    RequireMemory(triangles * kBytesPerTriangle, fmt::format("{}: a mesh of {:.2g} triangles", set.What(), triangles),
+                  set.LocOf("levels"));
+    return One<TriangleMesh>(set.At("indices", [&] { return LoopSubdivide(corners, p.points, p.levels); }), context);
 }
 
-Shapes MakePlyMesh(const Request &r) {
-    const ParamSet &params = r.params;
-    std::string filename = params.GetString("filename", "");
-    // Has a meaning only together with displacement.
-    const Float edgeLength = params.GetFloat("edgelength", 1, kLengthRange);
-    if (filename.empty())
-        throw UserError(fmt::format("{}: \"string filename\" is missing.", params.What()), params.Loc());
-    PlyMesh ply;
-    try {
-        std::string path = r.files.Resolve(filename);
-        ply = ParsePly(ReadFileContents(path), path);
-    } catch (const UserError &e) {
-        throw UserError(fmt::format("{}: {}", params.What(), e.Diagnostics().front().message),
-                        params.LocOf("filename"));
+struct PlyMeshParams {
+    std::string filename;
+    Float edgeLength = 1;
+    template <class V>
+    void Describe(V &&v) {
+        v("filename", filename, Required(), "the mesh, as a PLY file");
+        v("edgelength", edgeLength, kLengthRange, "of the triangles of a displaced mesh, at most");
     }
+};
+
+ShapeList MakePlyMesh(const PlyMeshParams &p, const ParamSet &set, const ShapeContext &context) {
+    PlyMesh ply = set.At("filename", [&] {
+        const std::string path = context.files.Resolve(p.filename);
+        return ParsePly(ReadFileContents(path), path);
+    });
     if (ply.ignoredFaces > 0)
-        r.sink.Warning(params.LocOf("filename"),
-                       fmt::format("{}: {}: {} faces have neither 3 nor 4 corners and are ignored.", params.What(),
-                                   filename, ply.ignoredFaces));
+        set.Warn(context.sink, "filename", fmt::format("{}: {} faces have neither 3 nor 4 corners and are ignored.",
+                                                       p.filename, ply.ignoredFaces));
     if (ply.brokenAttributes > 0)
-        r.sink.Warning(params.LocOf("filename"),
-                       fmt::format("{}: {}: {} normals or uv are infinite or not a number; they are taken as 0.",
-                                   params.What(), filename, ply.brokenAttributes));
-    if (r.displacement) {
+        set.Warn(context.sink, "filename",
+                 fmt::format("{}: {} normals or uv are infinite or not a number; they are taken as 0.", p.filename,
+                             ply.brokenAttributes));
+    if (context.displacement) {
         try {
-            return One<TriangleMesh>(r, DisplaceMesh(ply, r.renderFromObject, edgeLength, *r.displacement));
+            return One<TriangleMesh>(DisplaceMesh(ply, context.renderFromObject, p.edgeLength, *context.displacement),
+                                     context);
         } catch (const DisplacementError &e) {
-            throw UserError(fmt::format("{}: {}: {}", params.What(), filename, e.Diagnostics().front().message),
-                            params.LocOf(e.Parameter()));
+            throw set.Error(e.Parameter(), fmt::format("{}: {}", p.filename, e.Diagnostics().front().message));
         }
     }
-    Shapes shapes;
-    if (!ply.triangles.indices.empty())
-        shapes.push_back(
-            std::make_unique<TriangleMesh>(std::move(ply.triangles), r.renderFromObject, r.reverseOrientation));
+    ShapeList shapes;
+    if (!ply.triangles.indices.empty()) shapes = One<TriangleMesh>(std::move(ply.triangles), context);
     if (!ply.quads.indices.empty())
-        shapes.push_back(
-            std::make_unique<BilinearMesh>(std::move(ply.quads), r.renderFromObject, r.reverseOrientation));
+        shapes.push_back(std::move(One<BilinearMesh>(std::move(ply.quads), context).front()));
     return shapes;
 }
 
-Float Radius(const Request &r) { return r.params.GetFloat("radius", 1, kLengthRange); }
-Float Height(const Request &r, const char *name, Float defaultValue) {
-    return r.params.GetFloat(name, defaultValue, kCoordinateRange);
-}
-
-Shapes MakeSphere(const Request &r) {
-    Float radius = Radius(r), zMin = Height(r, "zmin", -radius), zMax = Height(r, "zmax", radius);
-    Float phiMax = r.params.GetFloat("phimax", 360);
-    CheckInvertible(r);
-    Shapes shapes;
-    shapes.push_back(std::make_unique<Sphere>(radius, zMin, zMax, phiMax, r.renderFromObject, r.reverseOrientation,
-                                              r.opaque));
-    return shapes;
-}
-
-Shapes MakeDisk(const Request &r) {
-    Float height = Height(r, "height", 0), radius = Radius(r), inner = Height(r, "innerradius", 0);
-    Float phiMax = r.params.GetFloat("phimax", 360);
-    CheckInvertible(r);
-    Shapes shapes;
-    shapes.push_back(std::make_unique<Disk>(height, radius, inner, phiMax, r.renderFromObject, r.reverseOrientation));
-    return shapes;
-}
-
-Shapes MakeCylinder(const Request &r) {
-    Float radius = Radius(r), zMin = Height(r, "zmin", -1), zMax = Height(r, "zmax", 1);
-    Float phiMax = r.params.GetFloat("phimax", 360);
-    CheckInvertible(r);
-    Shapes shapes;
-    shapes.push_back(std::make_unique<Cylinder>(radius, zMin, zMax, phiMax, r.renderFromObject, r.reverseOrientation));
-    return shapes;
-}
-
-struct Maker {
-    const char *type;
-    Shapes (*make)(const Request &);
+/// What quadrics share.
+struct QuadricParams {
+    Float radius = 1, phiMax = 360;
+    template <class V>
+    void Describe(V &&v) {
+        v("radius", radius, kLengthRange, "of the circle");
+        v("phimax", phiMax, AnyFloat("degrees"), "how far around the axis");
+    }
 };
-constexpr Maker kMakers[] = {
-    {"bilinearmesh", MakeBilinearMesh}, {"curve", MakeCurve}, {"cylinder", MakeCylinder}, {"disk", MakeDisk},
-    {"loopsubdiv", MakeLoopSubdivision},
-    {"plymesh", MakePlyMesh},           {"sphere", MakeSphere},     {"trianglemesh", MakeTriangleMesh}};
+
+struct SphereParams : QuadricParams {
+    std::optional<Float> zMin, zMax;
+    template <class V>
+    void Describe(V &&v) {
+        QuadricParams::Describe(v);
+        v("zmin", zMin, kCoordinateRange, "lower end; -radius");
+        v("zmax", zMax, kCoordinateRange, "upper end; radius");
+    }
+};
+
+struct DiskParams : QuadricParams {
+    Float height = 0, inner = 0;
+    template <class V>
+    void Describe(V &&v) {
+        v("height", height, kCoordinateRange, "z of the disk");
+        QuadricParams::Describe(v);
+        v("innerradius", inner, kCoordinateRange, "of the hole");
+    }
+};
+
+struct CylinderParams : QuadricParams {
+    Float zMin = -1, zMax = 1;
+    template <class V>
+    void Describe(V &&v) {
+        QuadricParams::Describe(v);
+        v("zmin", zMin, kCoordinateRange, "lower end");
+        v("zmax", zMax, kCoordinateRange, "upper end");
+    }
+};
+
+/// Whatever a maker gives must be within the reach of rays. Quadrics and curves are traced in object space, which a
+/// singular transform does not have.
+template <class P, class F>
+void AddShape(ShapeTable &table, const char *name, const char *summary, bool isTracedInObjectSpace, F make) {
+    table.Add<P>(name, summary, [make, isTracedInObjectSpace](P p, const ParamSet &set, const ShapeContext &context) {
+        if (isTracedInObjectSpace && context.renderFromObject.IsSingular())
+            throw set.Error("", "the current transformation flattens it (its matrix is singular).");
+        ShapeList shapes = make(std::move(p), set, context);
+        for (const auto &shape : shapes) RequireReach(set.What(), *shape, set.Loc());
+        return shapes;
+    });
+}
+
+/// One shape that is traced in object space.
+template <class P, class F>
+void AddQuadric(ShapeTable &table, const char *name, const char *summary, F make) {
+    AddShape<P>(table, name, summary, true, [make](const P &p, const ParamSet &, const ShapeContext &context) {
+        ShapeList shapes;
+        shapes.push_back(make(p, context));
+        return shapes;
+    });
+}
 
 }  // namespace
 
-std::vector<std::unique_ptr<Shape>> MakeShapes(const std::string &type, const ParamSet &params,
-                                               const Transform &renderFromObject, bool reverseOrientation,
-                                               const FileResolver &files, DiagnosticSink &sink,
-                                               const Displacement *displacement, bool opaque) {
-    for (const Maker &maker : kMakers) {
-        if (type != maker.type) continue;
-        Shapes shapes = maker.make({params, renderFromObject, reverseOrientation, files, sink, displacement, opaque});
-        for (const auto &shape : shapes) RequireReach(params.What(), *shape, params.Loc());
-        return shapes;
-    }
-    for (const std::string &later : UnsupportedShapes())
-        if (type == later) throw UserError(fmt::format("Shape \"{}\" is not supported yet.", type), params.Loc());
-    std::vector<std::string> choices = SupportedShapes();
-    choices.insert(choices.end(), UnsupportedShapes().begin(), UnsupportedShapes().end());
-    throw UserError(fmt::format("Shape \"{}\" is unknown; {}.", type, ListChoices(type, choices)), params.Loc());
-}
-
-const std::vector<std::string> &SupportedShapes() {
-    static const std::vector<std::string> kNames = [] {
-        std::vector<std::string> names;
-        for (const Maker &maker : kMakers) names.emplace_back(maker.type);
-        return names;
+const ShapeTable &Shapes() {
+    static const ShapeTable table = [] {
+        using Context = const ShapeContext;
+        ShapeTable t("Shape");
+        AddShape<TriangleMeshParams>(t, "trianglemesh", "", false,
+                                     [](TriangleMeshParams p, const ParamSet &set, Context &c) {
+                                         return One<TriangleMesh>(p.Finish(set, c.sink, 3), c);
+                                     });
+        AddShape<BilinearMeshParams>(t, "bilinearmesh", "", false, MakeBilinearMesh);
+        AddShape<CurveParams>(t, "curve",
+                              "no light, as in stock: `Shape \"curve\" cannot be an area light (nor can it in stock "
+                              "pbrt-v4).`",
+                              true, MakeCurve);
+        AddShape<LoopSubdivisionParams>(t, "loopsubdiv", "limit surface by OpenSubdiv", false, MakeLoopSubdivision);
+        AddShape<PlyMeshParams>(t, "plymesh",
+                                "displacement **differs**, see below; more than 33 million triangles of one displaced "
+                                "mesh are an error",
+                                false, MakePlyMesh);
+        AddQuadric<SphereParams>(t, "sphere", "as lights **differs** when scaled, see below",
+                                 [](const SphereParams &p, Context &c) {
+                                     return std::make_unique<Sphere>(p.radius, p.zMin.value_or(-p.radius),
+                                                                     p.zMax.value_or(p.radius), p.phiMax,
+                                                                     c.renderFromObject, c.reverseOrientation, c.opaque);
+                                 });
+        AddQuadric<DiskParams>(t, "disk", "as sphere", [](const DiskParams &p, Context &c) {
+            return std::make_unique<Disk>(p.height, p.radius, p.inner, p.phiMax, c.renderFromObject,
+                                          c.reverseOrientation);
+        });
+        AddQuadric<CylinderParams>(t, "cylinder", "as sphere", [](const CylinderParams &p, Context &c) {
+            return std::make_unique<Cylinder>(p.radius, p.zMin, p.zMax, p.phiMax, c.renderFromObject,
+                                              c.reverseOrientation);
+        });
+        return t;
     }();
-    return kNames;
-}
-
-const std::vector<std::string> &UnsupportedShapes() {
-    static const std::vector<std::string> kNames = {};
-    return kNames;
+    return table;
 }
 
 }  // namespace pbrt

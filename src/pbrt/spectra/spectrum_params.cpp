@@ -8,27 +8,6 @@ namespace pbrt {
 
 namespace {
 
-/// A parameter of this name in any of the types. The entity's own beats Attribute defaults; two of its own with
-/// different types contradict each other.
-const Param *FindOfTypes(const ParamSet &params, std::string_view name, std::initializer_list<ParamType> types) {
-    const Param *chosen = nullptr;
-    for (ParamType type : types) {
-        const Param *p = params.Find(name, type);
-        if (!p) continue;
-        if (chosen && !chosen->fromAttribute && !p->fromAttribute)
-            throw UserError(fmt::format("{}: \"{}\" is given both as \"{}\" and as \"{}\".", params.What(), name,
-                                        Name(chosen->type), Name(p->type)),
-                            p->loc);
-        bool replaces = !chosen || (chosen->fromAttribute && !p->fromAttribute);
-        if (chosen && chosen->fromAttribute && p->fromAttribute) {
-            FileLoc last = params.LocOf(name);
-            replaces = p->loc.file == last.file && p->loc.line == last.line && p->loc.column == last.column;
-        }
-        if (replaces) chosen = p;
-    }
-    return chosen;
-}
-
 void RequireCount(const Param &p, size_t found, size_t wanted) {
     if (found != wanted)
         throw UserError(fmt::format("\"{} {}\" takes {} value{}, found {}.", Name(p.type), p.name, wanted,
@@ -133,17 +112,37 @@ SpectrumPtr FromParam(const Param &p, SpectrumUse use, const FileResolver &files
 
 }  // namespace
 
-SpectrumPtr GetSpectrum(const ParamSet &params, std::string_view name, SpectrumPtr defaultValue, SpectrumUse use,
-                        const FileResolver &files) {
-    const Param *p = FindOfTypes(params, name, {ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum});
-    return p ? FromParam(*p, use, files) : defaultValue;
+SpectrumPtr SpectrumParam::Make(const FileResolver &files) const {
+    if (given) return FromParam(*given, use, files);
+    if (named) return NamedSpectrum(named);
+    return constant ? std::make_shared<ConstantSpectrum>(*constant) : nullptr;
 }
 
-SpectrumPtr GetSpectrumOrFloat(const ParamSet &params, std::string_view name, SpectrumPtr defaultValue, SpectrumUse use,
-                               const FileResolver &files) {
-    const Param *p =
-        FindOfTypes(params, name, {ParamType::Float, ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum});
-    return p ? FromParam(*p, use, files) : defaultValue;
+/// The entity's own parameter beats Attribute defaults, of which the last counts; two of its own with different types
+/// contradict each other.
+void ReadParam(ParamReader &reader, const std::string &name, SpectrumParam &value) {
+    value.set = &reader.Set();
+    value.given = nullptr;
+    const Param *&chosen = value.given;
+    for (ParamType type : {ParamType::Float, ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum}) {
+        if (type == ParamType::Float && !value.takesFloat) continue;
+        const Param *p = reader.Take(name, type);
+        if (!p) continue;
+        if (chosen && !chosen->fromAttribute && !p->fromAttribute)
+            throw UserError(fmt::format("{}: \"{}\" is given both as \"{}\" and as \"{}\".", value.set->What(), name,
+                                        Name(chosen->type), Name(p->type)),
+                            p->loc);
+        // Parameters of one list stand one after the other in memory, in the order of the scene.
+        const bool isLater = chosen && chosen->fromAttribute == p->fromAttribute && p > chosen;
+        if (!chosen || (chosen->fromAttribute && !p->fromAttribute) || isLater) chosen = p;
+    }
+}
+
+void DocumentParam(ParamDoc &doc, const SpectrumParam &value) {
+    if (value.takesFloat) doc.types = {ParamType::Float};
+    doc.types.insert(doc.types.end(), {ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum});
+    if (value.constant) doc.defaultValue = fmt::format("{}", *value.constant);
+    if (value.named) doc.defaultValue = value.named;
 }
 
 }  // namespace pbrt

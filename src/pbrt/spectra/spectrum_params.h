@@ -1,6 +1,6 @@
 #pragma once
 #include "pbrt/core/files.h"
-#include "pbrt/core/params.h"
+#include "pbrt/core/param_reader.h"
 #include "pbrt/spectra/color_space.h"
 
 namespace pbrt {
@@ -8,14 +8,22 @@ namespace pbrt {
 /// How an `rgb` parameter is uplifted (pbrt-v4-format §4).
 enum class SpectrumUse { Albedo, Unbounded, Illuminant };
 
-/// Reads a spectrum-valued parameter in any of its forms: rgb, blackbody, spectrum (inline samples, name, file).
-/// `defaultValue` (may be null) if absent. Errors: negative rgb, albedo above 1, negative illuminant, odd or unsorted samples, unknown name
-/// or unreadable file, several values where one is meant.
-SpectrumPtr GetSpectrum(const ParamSet &params, std::string_view name, SpectrumPtr defaultValue, SpectrumUse use,
-                        const FileResolver &files);
+/// A parameter that is a spectrum in any of its forms: rgb, blackbody, spectrum (inline samples, name, file). How it is
+/// declared and, after reading, what was given; valid while the ParamSet lives.
+struct SpectrumParam {
+    SpectrumUse use = SpectrumUse::Albedo;
+    std::optional<Float> constant{};  ///< the default, if it is a number
+    const char *named = nullptr;      ///< or that of a built-in spectrum; else there is none
+    bool takesFloat = false;          ///< "float name" is a constant spectrum
+    const ParamSet *set = nullptr;
+    const Param *given = nullptr;
 
-/// As GetSpectrum, but `"float name"` is accepted too (eta of dielectrics): constant.
-SpectrumPtr GetSpectrumOrFloat(const ParamSet &params, std::string_view name, SpectrumPtr defaultValue, SpectrumUse use,
-                               const FileResolver &files);
+    explicit operator bool() const { return given != nullptr; }
+    /// The spectrum given or the default; null if there is neither. Errors: negative rgb, albedo above 1, negative
+    /// illuminant, odd or unsorted samples, unknown name or unreadable file, several values where one is meant.
+    SpectrumPtr Make(const FileResolver &files) const;
+};
+void ReadParam(ParamReader &reader, const std::string &name, SpectrumParam &value);
+void DocumentParam(ParamDoc &doc, const SpectrumParam &value);
 
 }  // namespace pbrt

@@ -12,12 +12,6 @@
 
 namespace pbrt {
 
-const std::vector<std::string> &SupportedTextures() {
-    static const std::vector<std::string> kNames = {"bilerp", "checkerboard", "constant", "directionmix", "dots", "fbm",
-                                                    "imagemap", "marble", "mix", "scale", "windy", "wrinkled"};
-    return kNames;
-}
-
 const std::vector<std::string> &UnsupportedTextures() {
     static const std::vector<std::string> kNames = {"ptex"};
     return kNames;
@@ -29,44 +23,11 @@ bool Contains(const std::vector<std::string> &names, const std::string &name) {
     return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// Classes of format §8 that only one family has.
-bool FamilyHasClass(bool isSpectrum, const std::string &textureClass) {
-    if (textureClass == "marble") return isSpectrum;
-    if (textureClass == "fbm" || textureClass == "wrinkled" || textureClass == "windy") return !isSpectrum;
-    return true;
-}
-
 constexpr const char *kWhyNoPtex =
     "no library that Debian packages reads Ptex files (its OpenImageIO is built without). Bake the texture into an image "
     "and use class \"imagemap\".";
 
 const char *FamilyName(bool isSpectrum) { return isSpectrum ? "spectrum" : "float"; }
-
-using ParamTypes = std::initializer_list<ParamType>;
-
-/// The type the directive itself gives a parameter with, the last one if several; nullopt if it does not.
-std::optional<ParamType> OwnType(const ParamSet &params, const std::string &name, ParamTypes types) {
-    std::optional<ParamType> found;
-    for (const Param &p : params.Own())
-        if (p.name == name && std::find(types.begin(), types.end(), p.type) != types.end()) found = p.type;
-    return found;
-}
-
-/// The texture reference in force, nullptr if the parameter is absent or a value. Whatever loses stays unused.
-const Param *FindReference(const ParamSet &params, const std::string &name, ParamTypes types) {
-    std::optional<ParamType> own = OwnType(params, name, types);
-    if (own && *own != ParamType::Texture) return nullptr;
-    const Param *p = params.Find(name, ParamType::Texture);
-    if (p && p->strings.size() != 1)
-        throw UserError(fmt::format("{}: \"texture {}\" takes one name, found {}.", params.What(), name,
-                                    p->strings.size()),
-                        p->loc);
-    return p;
-}
-
-}  // namespace
-
-namespace {
 
 /// What a look-up of a texture costs at most: how deep it calls other textures, and how many evaluations that makes
 /// (which double with every level where both operands are the same).
@@ -140,21 +101,21 @@ struct TextureLibrary::Impl {
     }
 
     /// `user`: of the texture that the parameter belongs to; null for materials and shapes.
-    FloatTexturePtr FindFloat(const ParamSet &params, const std::string &name, std::optional<Float> defaultValue,
-                              size_t limit, LookupCost *user = nullptr) {
-        if (const Param *p = FindReference(params, name, {ParamType::Float, ParamType::Texture}))
-            return Use(MakeFloat(Resolve(params, *p, false, limit), p->loc), user, *p);
-        const Param *p = params.Find(name, ParamType::Float);
-        if (!p && !defaultValue) return nullptr;
-        return std::make_shared<ConstantFloatTexture>(params.GetFloat(name, defaultValue.value_or(0)));
+    FloatTexturePtr Find(const FloatTextureParam &p, size_t limit, LookupCost *user = nullptr) {
+        FloatTexturePtr texture;
+        if (p.given && p.given->type == ParamType::Texture)
+            texture = Use(MakeFloat(Resolve(*p.set, *p.given, false, limit), p.given->loc), user, *p.given);
+        else if (p.given || p.constant)
+            texture = std::make_shared<ConstantFloatTexture>(p.given ? p.given->floats[0] : *p.constant);
+        if (p.given && p.range)
+            if (auto constant = texture->Constant()) p.set->Require<Float>(p.given->name, *constant, *p.range);
+        return texture;
     }
 
-    SpectrumTexturePtr FindSpectrum(const ParamSet &params, const std::string &name, SpectrumPtr defaultValue,
-                                    SpectrumUse use, size_t limit, LookupCost *user = nullptr) {
-        const ParamTypes types = {ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum, ParamType::Texture};
-        if (const Param *p = FindReference(params, name, types))
-            return Use(MakeSpectrum(Resolve(params, *p, true, limit), use, p->loc), user, *p);
-        SpectrumPtr value = pbrt::GetSpectrum(params, name, std::move(defaultValue), use, files);
+    SpectrumTexturePtr Find(const SpectrumTextureParam &p, size_t limit, LookupCost *user = nullptr) {
+        if (p.given && p.given->type == ParamType::Texture)
+            return Use(MakeSpectrum(Resolve(*p.set, *p.given, true, limit), p.use, p.given->loc), user, *p.given);
+        SpectrumPtr value = p.Make(files);
         return value ? std::make_shared<ConstantSpectrumTexture>(std::move(value)) : nullptr;
     }
 
@@ -176,20 +137,21 @@ struct TextureLibrary::Impl {
         return made.texture;
     }
 
-    TextureRequest Request(Definition &d, SpectrumUse use, LookupCost *cost) {
-        size_t limit = indexOf[d.isSpectrum].at(d.name);
-        return {d.textureClass,
-                d.params,
-                d.renderFromTexture,
-                files,
-                images,
-                sink,
-                [=, this, &d](const std::string &name, Float value) {
-                    return FindFloat(d.params, name, value, limit, cost);
-                },
-                [=, this, &d](const std::string &name, SpectrumPtr value) {
-                    return FindSpectrum(d.params, name, std::move(value), use, limit, cost);
-                }};
+    /// Makes it of one of the tables. Its parameters may be read again for another use, but warnings and unused
+    /// parameters are told once.
+    template <class Table>
+    auto MakeOf(const Table &table, Definition &d, SpectrumUse use, LookupCost *cost) {
+        DiagnosticSink ignored;
+        const size_t limit = indexOf[d.isSpectrum].at(d.name);
+        const TextureRequest request{d.renderFromTexture,
+                                     use,
+                                     files,
+                                     images,
+                                     d.made ? ignored : sink,
+                                     [=, this](const FloatTextureParam &p) { return Find(p, limit, cost); },
+                                     [=, this](const SpectrumTextureParam &p) { return Find(p, limit, cost); }};
+        d.made = true;
+        return table.Make(d.textureClass, d.params, request);
     }
 
     /// Mistakes are left for the time when the texture is made.
@@ -220,7 +182,6 @@ struct TextureLibrary::Impl {
             explicit Level(int &n) : depth(++n) {}
             ~Level() { --depth; }
         } level(nesting);
-        d.made = true;
         if (d.textureClass == "imagemap" && !imagesPreloaded) PreloadImages();
         try {
             return make();
@@ -242,7 +203,7 @@ struct TextureLibrary::Impl {
         Made<FloatTexturePtr> &made = d.asFloat;
         if (!made.texture && !d.broken)
             made.texture =
-                Try(d, user, [&] { return MakeFloatTexture(Request(d, SpectrumUse::Unbounded, &made.cost)); });
+                Try(d, user, [&] { return MakeOf(FloatTextures(), d, SpectrumUse::Unbounded, &made.cost); });
         if (!made.texture) made = {std::make_shared<ConstantFloatTexture>(Float(0.5)), {}};
         return made;
     }
@@ -250,7 +211,7 @@ struct TextureLibrary::Impl {
     const Made<SpectrumTexturePtr> &MakeSpectrum(Definition &d, SpectrumUse use, const FileLoc &user = {}) {
         Made<SpectrumTexturePtr> &made = d.asSpectrum[static_cast<size_t>(use)];
         if (!made.texture && !d.broken)
-            made.texture = Try(d, user, [&] { return MakeSpectrumTexture(Request(d, use, &made.cost), use); });
+            made.texture = Try(d, user, [&] { return MakeOf(SpectrumTextures(), d, use, &made.cost); });
         if (!made.texture)
             made = {std::make_shared<ConstantSpectrumTexture>(std::make_shared<ConstantSpectrum>(Float(0.5))), {}};
         return made;
@@ -273,66 +234,38 @@ void TextureLibrary::Define(const std::string &name, bool isSpectrum, const std:
     d->isSpectrum = isSpectrum;
     d->params = std::move(params);
     d->renderFromTexture = renderFromTexture;
-    bool known = FamilyHasClass(isSpectrum, textureClass);
-    bool supported = known && Contains(SupportedTextures(), textureClass);
-    bool unsupported = known && !supported && Contains(UnsupportedTextures(), textureClass);
-    d->broken = !supported;
+    std::vector<std::string> classes = isSpectrum ? SpectrumTextures().Names() : FloatTextures().Names();
+    d->broken = !Contains(classes, textureClass);
+    const bool isBroken = d->broken;
     impl_->indexOf[isSpectrum][name] = impl_->definitions.size();
     impl_->definitions.push_back(std::move(d));
-    if (unsupported)
-        throw UserError(fmt::format("texture \"{}\": class \"{}\" is not supported: {}", name, textureClass, kWhyNoPtex),
-                        loc);
-    if (!supported) {
-        std::vector<std::string> choices;
-        for (const auto *names : {&SupportedTextures(), &UnsupportedTextures()})
-            for (const std::string &c : *names)
-                if (FamilyHasClass(isSpectrum, c)) choices.push_back(c);
-        throw UserError(fmt::format("texture \"{}\": there is no {} texture class \"{}\"; {}.", name,
-                                    FamilyName(isSpectrum), textureClass, ListChoices(textureClass, choices)),
-                        loc);
-    }
+    if (!isBroken) return;
+    const std::string what = fmt::format("texture \"{}\"", Abbreviate(name));
+    if (Contains(UnsupportedTextures(), textureClass))
+        throw UserError(fmt::format("{}: class \"{}\" is not supported: {}", what, textureClass, kWhyNoPtex), loc);
+    classes.insert(classes.end(), UnsupportedTextures().begin(), UnsupportedTextures().end());
+    ThrowUnknown(fmt::format("{}: {} texture class", what, FamilyName(isSpectrum)), textureClass, classes, loc);
 }
 
 void TextureLibrary::CheckAll() {
     for (const auto &d : impl_->definitions) {
-        if (d->broken) continue;
-        if (!d->made) {
-            if (d->isSpectrum) impl_->MakeSpectrum(*d, SpectrumUse::Unbounded);
-            else impl_->MakeFloat(*d);
-        }
-        if (!d->failed) d->params.ReportUnused(impl_->sink);
+        if (d->broken || d->made) continue;
+        if (d->isSpectrum) impl_->MakeSpectrum(*d, SpectrumUse::Unbounded);
+        else impl_->MakeFloat(*d);
     }
     if (missingImages_ > 0)
         impl_->sink.Error({}, fmt::format("{} missing texture{}.", missingImages_, missingImages_ == 1 ? "" : "s"));
 }
 
-FloatTexturePtr TextureLibrary::GetFloat(const ParamSet &params, const std::string &name, Float defaultValue) {
-    return GiveOut(impl_->FindFloat(params, name, defaultValue, impl_->definitions.size()));
+FloatTexturePtr TextureLibrary::Get(const FloatTextureParam &p) { return impl_->Find(p, impl_->definitions.size()); }
+SpectrumTexturePtr TextureLibrary::Get(const SpectrumTextureParam &p) {
+    return impl_->Find(p, impl_->definitions.size());
 }
 
-FloatTexturePtr TextureLibrary::GetFloatOrNull(const ParamSet &params, const std::string &name) {
-    return GiveOut(impl_->FindFloat(params, name, std::nullopt, impl_->definitions.size()));
-}
-
-SpectrumTexturePtr TextureLibrary::GetSpectrum(const ParamSet &params, const std::string &name,
-                                               SpectrumPtr defaultValue, SpectrumUse use) {
-    return GiveOut(impl_->FindSpectrum(params, name, std::move(defaultValue), use, impl_->definitions.size()));
-}
-
-SpectrumTexturePtr TextureLibrary::GetSpectrumOrNull(const ParamSet &params, const std::string &name, SpectrumUse use) {
-    return GiveOut(impl_->FindSpectrum(params, name, nullptr, use, impl_->definitions.size()));
-}
-
-std::shared_ptr<const Image> TextureLibrary::GetLinearRgbImage(const ParamSet &params, const std::string &name) {
-    std::string file = params.GetString(name, "");
-    if (file.empty()) return nullptr;
-    std::string path = impl_->files.Resolve(file);
-    if (!FileExists(path)) throw UserError(fmt::format("{}: file not found.", file), params.LocOf(name));
-    try {
-        return impl_->images.GetLinearRgb(path);
-    } catch (const UserError &e) {
-        throw UserError(e.Diagnostics().front().message, params.LocOf(name));
-    }
+std::shared_ptr<const Image> TextureLibrary::GetLinearRgbImage(const std::string &file) {
+    const std::string path = impl_->files.Resolve(file);
+    if (!FileExists(path)) throw UserError(fmt::format("{}: file not found.", file));
+    return impl_->images.GetLinearRgb(path);
 }
 
 }  // namespace pbrt

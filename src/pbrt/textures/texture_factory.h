@@ -4,11 +4,10 @@
 #include <vector>
 
 #include "pbrt/core/files.h"
-#include "pbrt/core/params.h"
 #include "pbrt/images/image.h"
 #include "pbrt/math/transform.h"
-#include "pbrt/spectra/spectrum_params.h"
 #include "pbrt/textures/texture.h"
+#include "pbrt/textures/texture_params.h"
 
 namespace pbrt {
 
@@ -29,35 +28,24 @@ class TextureLibrary {
     /// stand-in is returned to its users.
     void CheckAll();
 
-    /// `ft` / `st` parameters (pbrt-v4-format §4). The OrNull forms return nullptr if the parameter is absent.
-    FloatTexturePtr GetFloat(const ParamSet &params, const std::string &name, Float defaultValue);
-    FloatTexturePtr GetFloatOrNull(const ParamSet &params, const std::string &name);
-    SpectrumTexturePtr GetSpectrum(const ParamSet &params, const std::string &name, SpectrumPtr defaultValue,
-                                   SpectrumUse use);
-    SpectrumTexturePtr GetSpectrumOrNull(const ParamSet &params, const std::string &name, SpectrumUse use);
+    /// The texture that a parameter names, or a constant one of the value given or the default; nullptr if there is
+    /// neither. Throws UserError.
+    FloatTexturePtr Get(const FloatTextureParam &param);
+    SpectrumTexturePtr Get(const SpectrumTextureParam &param);
 
-    /// How many textures that look at the filter footprint were given out so far.
-    size_t FootprintUses() const { return footprintUses_; }
-
-    /// The image file a string parameter names, as R, G, B without decoding (normal maps); nullptr if absent. Each file
-    /// is read once. Throws UserError.
-    std::shared_ptr<const Image> GetLinearRgbImage(const ParamSet &params, const std::string &name);
+    /// An image file as R, G, B without decoding (normal maps). Each file is read once. Throws UserError (no location).
+    std::shared_ptr<const Image> GetLinearRgbImage(const std::string &file);
 
     /// Number of image textures whose file was not found (already reported to the sink).
     size_t MissingImages() const { return missingImages_; }
 
   private:
-    template <class Ptr>
-    Ptr GiveOut(Ptr texture) {
-        if (texture && texture->UsesFootprint()) ++footprintUses_;
-        return texture;
-    }
     struct Impl;
     std::unique_ptr<Impl> impl_;
-    size_t missingImages_ = 0, footprintUses_ = 0;
+    size_t missingImages_ = 0;
 };
 
-const std::vector<std::string> &SupportedTextures();
+/// Classes that the format has and we do not.
 const std::vector<std::string> &UnsupportedTextures();
 
 }  // namespace pbrt

@@ -1,6 +1,5 @@
 #include "pbrt/textures/texture_makers.h"
 
-#include "pbrt/core/files.h"
 #include "pbrt/textures/checkerboard_texture.h"
 #include "pbrt/textures/image_texture.h"
 #include "pbrt/textures/noise_textures.h"
@@ -9,32 +8,46 @@ namespace pbrt {
 
 namespace {
 
-/// Makers that are the same for both families ask their operands through one of these.
-struct FloatMaker {
+/// Classes that both families have are written once, for either of these: what their parameters are and how operands
+/// and values become textures.
+struct FloatKind {
     using Ptr = FloatTexturePtr;
+    using Operand = FloatTextureParam;
+    using Value = Float;
     template <template <class, class, class...> class T>
     using Texture = FloatFamily<T>;
-    const TextureRequest &request;
 
-    Ptr Operand(const std::string &name, Float defaultValue) const { return request.floatTexture(name, defaultValue); }
-    Ptr Value(const std::string &name, Float defaultValue) const {
-        return std::make_shared<ConstantFloatTexture>(request.params.GetFloat(name, defaultValue));
+    static Operand DefaultOperand(Float value) { return {value}; }
+    static Value DefaultValue(Float value) { return value; }
+    static Ptr Make(const Operand &p, const TextureRequest &r) { return r.floatTexture(p); }
+    static Ptr Make(Value value, const TextureRequest &) { return std::make_shared<ConstantFloatTexture>(value); }
+};
+
+struct SpectrumKind {
+    using Ptr = SpectrumTexturePtr;
+    using Operand = SpectrumTextureParam;
+    using Value = SpectrumParam;
+    template <template <class, class, class...> class T>
+    using Texture = SpectrumFamily<T>;
+
+    static Operand DefaultOperand(Float value) { return {DefaultValue(value)}; }
+    static Value DefaultValue(Float value) { return {SpectrumUse::Unbounded, value}; }
+    static Ptr Make(Operand p, const TextureRequest &r) {
+        p.use = r.use;
+        return r.spectrumTexture(p);
+    }
+    static Ptr Make(Value value, const TextureRequest &r) {
+        value.use = r.use;
+        return std::make_shared<ConstantSpectrumTexture>(value.Make(r.files));
     }
 };
 
-struct SpectrumMaker {
-    using Ptr = SpectrumTexturePtr;
-    template <template <class, class, class...> class T>
-    using Texture = SpectrumFamily<T>;
-    const TextureRequest &request;
-    SpectrumUse use;
-
-    Ptr Operand(const std::string &name, Float defaultValue) const {
-        return request.spectrumTexture(name, std::make_shared<ConstantSpectrum>(defaultValue));
-    }
-    Ptr Value(const std::string &name, Float defaultValue) const {
-        return std::make_shared<ConstantSpectrumTexture>(
-            GetSpectrum(request.params, name, std::make_shared<ConstantSpectrum>(defaultValue), use, request.files));
+template <class Kind>
+struct ConstantParams {
+    typename Kind::Value value = Kind::DefaultValue(1);
+    template <class V>
+    void Describe(V &&v) {
+        v("value", value, "the same everywhere");
     }
 };
 
@@ -50,172 +63,282 @@ SpectrumTexturePtr ScaleBy(const SpectrumTexturePtr &texture, Float factor) {
     return nullptr;
 }
 
+template <class Kind>
+struct ScaleParams {
+    typename Kind::Operand tex = Kind::DefaultOperand(1);
+    FloatTextureParam scale{1};
+    template <class V>
+    void Describe(V &&v) {
+        v("tex", tex, "what is scaled");
+        v("scale", scale, "the factor");
+    }
+};
+
 /// A constant factor on an image becomes part of the image's own scale, before inversion and clamping, as in stock
 /// pbrt-v4.
-template <class Maker>
-typename Maker::Ptr MakeScale(const Maker &maker) {
-    auto texture = maker.Operand("tex", 1);
-    FloatTexturePtr scale = maker.request.floatTexture("scale", 1);
+template <class Kind>
+typename Kind::Ptr MakeScale(const ScaleParams<Kind> &p, const ParamSet &, const TextureRequest &r) {
+    auto texture = Kind::Make(p.tex, r);
+    FloatTexturePtr scale = r.floatTexture(p.scale);
     if (auto factor = scale->Constant())
         if (auto scaled = ScaleBy(texture, *factor)) return scaled;
-    if constexpr (std::is_same_v<typename Maker::Ptr, FloatTexturePtr>)
+    if constexpr (std::is_same_v<Kind, FloatKind>)
         if (auto factor = texture->Constant())
             if (auto scaled = ScaleBy(scale, *factor)) return scaled;
-    return std::make_shared<typename Maker::template Texture<ScaleTexture>>(std::move(texture), std::move(scale));
+    return std::make_shared<typename Kind::template Texture<ScaleTexture>>(std::move(texture), std::move(scale));
 }
 
-template <class Maker>
-typename Maker::Ptr MakeMix(const Maker &maker) {
-    auto first = maker.Operand("tex1", 0), second = maker.Operand("tex2", 1);
-    FloatTexturePtr amount = maker.request.floatTexture("amount", Float(0.5));
+/// Two operands.
+template <class Kind>
+struct TwoParams {
+    typename Kind::Operand first = Kind::DefaultOperand(0), second = Kind::DefaultOperand(1);
+    template <class V>
+    void Describe(V &&v) {
+        v("tex1", first, "one operand");
+        v("tex2", second, "the other operand");
+    }
+};
+
+template <class Kind>
+struct MixParams : TwoParams<Kind> {
+    FloatTextureParam amount{Float(0.5)};
+    template <class V>
+    void Describe(V &&v) {
+        TwoParams<Kind>::Describe(v);
+        v("amount", amount, "share of tex2");
+    }
+};
+
+template <class Kind>
+typename Kind::Ptr MakeMix(const MixParams<Kind> &p, const ParamSet &, const TextureRequest &r) {
+    auto first = Kind::Make(p.first, r), second = Kind::Make(p.second, r);
+    FloatTexturePtr amount = r.floatTexture(p.amount);
     if (auto share = amount->Constant()) {
         if (*share == 0) return first;
         if (*share == 1) return second;
     }
-    return std::make_shared<typename Maker::template Texture<MixTexture>>(std::move(first), std::move(second),
-                                                                          std::move(amount));
+    return std::make_shared<typename Kind::template Texture<MixTexture>>(std::move(first), std::move(second),
+                                                                         std::move(amount));
 }
 
-template <class Maker>
-typename Maker::Ptr MakeDirectionMix(const Maker &maker) {
-    auto first = maker.Operand("tex1", 0), second = maker.Operand("tex2", 1);
-    const ParamSet &params = maker.request.params;
-    Vector3 direction = maker.request.renderFromTexture.Vector(ReadVector3(params, "dir", {0, 1, 0}));
-    if (!(LengthSquared(direction) > 0))
-        throw UserError(fmt::format("{}: \"dir\" has no direction.", params.What()), params.LocOf("dir"));
-    return std::make_shared<typename Maker::template Texture<DirectionMixTexture>>(std::move(first), std::move(second),
-                                                                                   direction);
+template <class Kind>
+struct DirectionMixParams : TwoParams<Kind> {
+    Vector3 direction{0, 1, 0};
+    template <class V>
+    void Describe(V &&v) {
+        TwoParams<Kind>::Describe(v);
+        v("dir", direction, Items{ParamType::Vector3}, "the share of tex1 is the cosine to the normal");
+    }
+};
+
+template <class Kind>
+typename Kind::Ptr MakeDirectionMix(const DirectionMixParams<Kind> &p, const ParamSet &set, const TextureRequest &r) {
+    auto first = Kind::Make(p.first, r), second = Kind::Make(p.second, r);
+    Vector3 direction = r.renderFromTexture.Vector(p.direction);
+    if (!(LengthSquared(direction) > 0)) throw set.Error("dir", "\"dir\" has no direction.");
+    return std::make_shared<typename Kind::template Texture<DirectionMixTexture>>(std::move(first), std::move(second),
+                                                                                  direction);
 }
 
-template <class Maker>
-typename Maker::Ptr MakeBilerp(const Maker &maker) {
-    const TextureRequest &r = maker.request;
-    TextureMapping2D mapping = ReadTextureMapping2D(r.params, r.renderFromTexture, r.sink);
-    std::array<typename Maker::Ptr, 4> corners = {maker.Value("v00", 0), maker.Value("v01", 1), maker.Value("v10", 0),
-                                                  maker.Value("v11", 1)};
-    return std::make_shared<typename Maker::template Texture<BilerpTexture>>(std::move(mapping), std::move(corners));
+template <class Kind>
+struct BilerpParams : MappingParams {
+    std::array<typename Kind::Value, 4> v{Kind::DefaultValue(0), Kind::DefaultValue(1), Kind::DefaultValue(0),
+                                          Kind::DefaultValue(1)};
+    template <class V>
+    void Describe(V &&visit) {
+        visit("v00", v[0], "at (0, 0)");
+        visit("v01", v[1], "at (0, 1)");
+        visit("v10", v[2], "at (1, 0)");
+        visit("v11", v[3], "at (1, 1)");
+        MappingParams::Describe(visit);
+    }
+};
+
+template <class Kind>
+typename Kind::Ptr MakeBilerp(const BilerpParams<Kind> &p, const ParamSet &set, const TextureRequest &r) {
+    std::array<typename Kind::Ptr, 4> corners;
+    for (size_t i = 0; i < 4; ++i) corners[i] = Kind::Make(p.v[i], r);
+    return std::make_shared<typename Kind::template Texture<BilerpTexture>>(p.Make(set, r.renderFromTexture, r.sink),
+                                                                            std::move(corners));
 }
 
-PointMapping ReadPointMapping(const TextureRequest &r, const char *what) {
+PointMapping MakePointMapping(const ParamSet &set, const TextureRequest &r, const char *what) {
     if (r.renderFromTexture.IsSingular())
-        throw UserError(fmt::format("{}: {} needs a transformation that can be inverted.", r.params.What(), what),
-                        r.params.Loc());
+        throw set.Error("", fmt::format("{} needs a transformation that can be inverted.", what));
     return PointMapping(r.renderFromTexture);
 }
 
-CheckerPattern ReadCheckerPattern(const TextureRequest &r) {
-    int dimension = r.params.GetInt("dimension", 2);
-    if (dimension == 2) return CheckerPattern(ReadTextureMapping2D(r.params, r.renderFromTexture, r.sink));
-    if (dimension != 3)
-        throw UserError(fmt::format("{}: \"dimension\" is {}; valid: 2, 3.", r.params.What(), dimension),
-                        r.params.LocOf("dimension"));
-    return CheckerPattern(ReadPointMapping(r, "dimension 3"));
+template <class Kind>
+struct CheckerboardParams : MappingParams {
+    int dimension = 2;
+    typename Kind::Operand first = Kind::DefaultOperand(1), second = Kind::DefaultOperand(0);
+    template <class V>
+    void Describe(V &&v) {
+        v("dimension", dimension, Range<int>{2, 3}, "squares, or cubes");
+        v("tex1", first, "of half of them");
+        v("tex2", second, "of the others");
+        if (v.When(dimension == 2)) MappingParams::Describe(v);
+    }
+};
+
+template <class Kind>
+typename Kind::Ptr MakeCheckerboard(const CheckerboardParams<Kind> &p, const ParamSet &set, const TextureRequest &r) {
+    CheckerPattern pattern = p.dimension == 2 ? CheckerPattern(p.Make(set, r.renderFromTexture, r.sink))
+                                              : CheckerPattern(MakePointMapping(set, r, "dimension 3"));
+    auto first = Kind::Make(p.first, r), second = Kind::Make(p.second, r);
+    return std::make_shared<typename Kind::template Texture<CheckerboardTexture>>(std::move(pattern), std::move(first),
+                                                                                  std::move(second));
 }
 
-template <class Maker>
-typename Maker::Ptr MakeCheckerboard(const Maker &maker) {
-    CheckerPattern pattern = ReadCheckerPattern(maker.request);
-    auto first = maker.Operand("tex1", 1), second = maker.Operand("tex2", 0);
-    return std::make_shared<typename Maker::template Texture<CheckerboardTexture>>(std::move(pattern), std::move(first),
-                                                                                   std::move(second));
-}
+template <class Kind>
+struct DotsParams : MappingParams {
+    typename Kind::Operand inside = Kind::DefaultOperand(1), outside = Kind::DefaultOperand(0);
+    template <class V>
+    void Describe(V &&v) {
+        v("inside", inside, "around the dots, as in stock");
+        v("outside", outside, "in the dots, as in stock");
+        MappingParams::Describe(v);
+    }
+};
 
 /// Stock pbrt-v4 shows "outside" in the dots and "inside" around them; scenes are made to look right there.
-template <class Maker>
-typename Maker::Ptr MakeDots(const Maker &maker) {
-    const TextureRequest &r = maker.request;
-    DotPattern pattern(ReadTextureMapping2D(r.params, r.renderFromTexture, r.sink));
-    auto inside = maker.Operand("inside", 1), outside = maker.Operand("outside", 0);
-    return std::make_shared<typename Maker::template Texture<DotsTexture>>(std::move(pattern), std::move(outside),
-                                                                           std::move(inside));
+template <class Kind>
+typename Kind::Ptr MakeDots(const DotsParams<Kind> &p, const ParamSet &set, const TextureRequest &r) {
+    DotPattern pattern(p.Make(set, r.renderFromTexture, r.sink));
+    auto inside = Kind::Make(p.inside, r), outside = Kind::Make(p.outside, r);
+    return std::make_shared<typename Kind::template Texture<DotsTexture>>(std::move(pattern), std::move(outside),
+                                                                          std::move(inside));
 }
 
-NoiseOctaves ReadNoiseOctaves(const ParamSet &params) {
+struct NoiseParams {
     NoiseOctaves octaves;
-    octaves.count = params.GetInt("octaves", 8, {0, 64});  // each has nearly twice the frequency of the one before
-    octaves.roughness = params.GetFloat("roughness", Float(0.5));
-    return octaves;
-}
-
-MarbleSettings ReadMarbleSettings(const ParamSet &params) {
-    MarbleSettings settings;
-    settings.octaves = ReadNoiseOctaves(params);
-    settings.scale = params.GetFloat("scale", 1);
-    settings.variation = params.GetFloat("variation", Float(0.2));
-    return settings;
-}
-
-ImageOverlay ReadImageOverlay(const TextureRequest &r) {
-    ImageOverlay overlay;
-    overlay.mapping = ReadTextureMapping2D(r.params, r.renderFromTexture, r.sink);
-    overlay.scale = r.params.GetFloat("scale", 1);
-    overlay.invert = r.params.GetBool("invert", false);
-    MipMapKey key = ReadMipMapKey(r.params, r.files);
-    FileLoc loc = r.params.LocOf("filename");
-    if (!FileExists(key.path))
-        throw MissingImageError(fmt::format("{}: file not found.", r.params.GetString("filename", "")), loc);
-    try {
-        overlay.image = r.images.GetMipMap(key);
-    } catch (const UserError &e) {
-        throw UserError(e.Diagnostics().front().message, loc);
+    template <class V>
+    void Describe(V &&v) {
+        // Each octave has nearly twice the frequency of the one before.
+        v("octaves", octaves.count, Range<int>{0, 64}, "how many frequencies are added");
+        v("roughness", octaves.roughness, "strength of an octave relative to the one before");
     }
+};
+
+struct MarbleParams {
+    NoiseParams noise;
+    Float scale = 1, variation = Float(0.2);
+    template <class V>
+    void Describe(V &&v) {
+        noise.Describe(v);
+        v("scale", scale, "of the coordinates of the noise");
+        v("variation", variation, "how far the noise moves the veins");
+    }
+};
+
+constexpr NamedValue<TextureFilter> kFilters[] = {{"point", TextureFilter::Point},
+                                                  {"bilinear", TextureFilter::Bilinear},
+                                                  {"trilinear", TextureFilter::Trilinear},
+                                                  {"ewa", TextureFilter::Ewa},
+                                                  {"EWA", TextureFilter::Ewa}};
+constexpr NamedValue<WrapMode> kWraps[] = {{"repeat", WrapMode::Repeat},
+                                           {"black", WrapMode::Black},
+                                           {"clamp", WrapMode::Clamp},
+                                           {"octahedralsphere", WrapMode::OctahedralSphere}};
+
+struct ImagemapParams : MappingParams {
+    std::string filename, encoding;
+    MipMapKey key;
+    Float scale = 1;
+    bool invert = false;
+    template <class V>
+    void Describe(V &&v) {
+        v("filename", filename, Required(), "the image");
+        v("filter", key.filter, kFilters, "how it is looked up");
+        v("maxanisotropy", key.maxAnisotropy, Positive(1e6f), "of filter ewa: the longest footprint for its width");
+        v("wrap", key.wrap, kWraps, "what lies outside of the image");
+        v("scale", scale, "factor");
+        v("invert", invert, "1 minus the value");
+        v("encoding", encoding, "sRGB, linear or \"gamma X\"; what the file says");
+        MappingParams::Describe(v);
+    }
+    MipMapKey Key(const ParamSet &set, const FileResolver &files) const {
+        MipMapKey k = key;
+        k.path = files.Resolve(filename);
+        k.encoding = ColorEncoding::Parse(encoding);
+        if (!k.encoding && !encoding.empty())
+            throw set.Error("encoding", fmt::format("\"{}\" is no encoding; valid: sRGB, linear, \"gamma X\" with X "
+                                                    "above 0.", encoding));
+        return k;
+    }
+};
+
+ImageOverlay MakeImageOverlay(const ImagemapParams &p, const ParamSet &set, const TextureRequest &r) {
+    ImageOverlay overlay;
+    overlay.mapping = p.Make(set, r.renderFromTexture, r.sink);
+    overlay.scale = p.scale;
+    overlay.invert = p.invert;
+    const MipMapKey key = p.Key(set, r.files);
+    if (!FileExists(key.path))
+        throw MissingImageError(fmt::format("{}: file not found.", p.filename), set.LocOf("filename"));
+    overlay.image = set.At("filename", [&] { return r.images.GetMipMap(key); });
     return overlay;
 }
 
-template <class Maker>
-typename Maker::Ptr MakeOfBothFamilies(const Maker &maker) {
-    const std::string &name = maker.request.textureClass;
-    if (name == "constant") return maker.Value("value", 1);
-    if (name == "scale") return MakeScale(maker);
-    if (name == "mix") return MakeMix(maker);
-    if (name == "directionmix") return MakeDirectionMix(maker);
-    if (name == "bilerp") return MakeBilerp(maker);
-    if (name == "checkerboard") return MakeCheckerboard(maker);
-    if (name == "dots") return MakeDots(maker);
-    throw UserError(fmt::format("{}: there is no such class; {}.", maker.request.params.What(),
-                                ListChoices(name, SupportedTextures())),
-                    maker.request.params.Loc());
+template <class Kind, class Table>
+void AddOfBothFamilies(Table &table) {
+    table.template Add<ConstantParams<Kind>>("constant", "", [](const auto &p, const ParamSet &, const TextureRequest &r) {
+        return Kind::Make(p.value, r);
+    });
+    table.template Add<ScaleParams<Kind>>("scale", "", MakeScale<Kind>);
+    table.template Add<MixParams<Kind>>("mix", "", MakeMix<Kind>);
+    table.template Add<DirectionMixParams<Kind>>("directionmix", "", MakeDirectionMix<Kind>);
+    table.template Add<BilerpParams<Kind>>("bilerp", "", MakeBilerp<Kind>);
+    table.template Add<CheckerboardParams<Kind>>("checkerboard", "", MakeCheckerboard<Kind>);
+    table.template Add<DotsParams<Kind>>("dots", "swapped, as in stock", MakeDots<Kind>);
+}
+
+template <class Texture>
+FloatTexturePtr MakeNoise(const NoiseParams &p, const ParamSet &set, const TextureRequest &r) {
+    return std::make_shared<Texture>(MakePointMapping(set, r, "noise"), p.octaves);
 }
 
 }  // namespace
 
+const FloatTextureTable &FloatTextures() {
+    static const FloatTextureTable table = [] {
+        using Request = const TextureRequest;
+        FloatTextureTable t("float texture class");
+        AddOfBothFamilies<FloatKind>(t);
+        t.Add<ImagemapParams>("imagemap", "`wrap \"black\"` **differs**, see below",
+                              [](const auto &p, const ParamSet &set, Request &r) {
+                                  return std::make_shared<ImageFloatTexture>(MakeImageOverlay(p, set, r));
+                              });
+        t.Add<NoiseParams>("fbm", "", MakeNoise<FbmTexture>);
+        t.Add<NoiseParams>("wrinkled", "", MakeNoise<WrinkledTexture>);
+        t.Add<NoParams>("windy", "", [](const auto &, const ParamSet &set, Request &r) {
+            return std::make_shared<WindyTexture>(MakePointMapping(set, r, "noise"));
+        });
+        return t;
+    }();
+    return table;
+}
+
+const SpectrumTextureTable &SpectrumTextures() {
+    static const SpectrumTextureTable table = [] {
+        using Request = const TextureRequest;
+        SpectrumTextureTable t("spectrum texture class");
+        AddOfBothFamilies<SpectrumKind>(t);
+        t.Add<ImagemapParams>("imagemap", "as the float texture", [](const auto &p, const ParamSet &set, Request &r) {
+            return std::make_shared<ImageSpectrumTexture>(MakeImageOverlay(p, set, r), r.use);
+        });
+        t.Add<MarbleParams>("marble", "", [](const auto &p, const ParamSet &set, Request &r) {
+            return std::make_shared<MarbleTexture>(MakePointMapping(set, r, "noise"),
+                                                   MarbleSettings{p.noise.octaves, p.scale, p.variation});
+        });
+        return t;
+    }();
+    return table;
+}
+
 MipMapKey ReadMipMapKey(const ParamSet &params, const FileResolver &files) {
-    MipMapKey key;
-    std::string file = params.GetString("filename", "");
-    if (file.empty())
-        throw UserError(fmt::format("{}: \"string filename\" is required.", params.What()), params.LocOf("filename"));
-    key.path = files.Resolve(file);
-    key.filter = *ParseTextureFilter(
-        params.GetChoice("filter", "bilinear", {"point", "bilinear", "trilinear", "ewa", "EWA"}));
-    key.maxAnisotropy = params.GetFloat("maxanisotropy", 8, Positive(1e6f));
-    key.wrap = *ParseWrapMode(params.GetChoice("wrap", "repeat", {"repeat", "black", "clamp", "octahedralsphere"}));
-    std::string encoding = params.GetString("encoding", "");
-    if (params.Has("encoding")) {
-        key.encoding = ColorEncoding::Parse(encoding);
-        if (!key.encoding && !encoding.empty())
-            throw UserError(fmt::format("{}: \"{}\" is no encoding; valid: sRGB, linear, \"gamma X\" with X above 0.",
-                                        params.What(), encoding),
-                            params.LocOf("encoding"));
-    }
-    return key;
-}
-
-FloatTexturePtr MakeFloatTexture(const TextureRequest &request) {
-    if (request.textureClass == "imagemap") return std::make_shared<ImageFloatTexture>(ReadImageOverlay(request));
-    if (request.textureClass == "windy") return std::make_shared<WindyTexture>(ReadPointMapping(request, "noise"));
-    if (request.textureClass == "fbm")
-        return std::make_shared<FbmTexture>(ReadPointMapping(request, "noise"), ReadNoiseOctaves(request.params));
-    if (request.textureClass == "wrinkled")
-        return std::make_shared<WrinkledTexture>(ReadPointMapping(request, "noise"), ReadNoiseOctaves(request.params));
-    return MakeOfBothFamilies(FloatMaker{request});
-}
-
-SpectrumTexturePtr MakeSpectrumTexture(const TextureRequest &request, SpectrumUse use) {
-    if (request.textureClass == "imagemap")
-        return std::make_shared<ImageSpectrumTexture>(ReadImageOverlay(request), use);
-    if (request.textureClass == "marble")
-        return std::make_shared<MarbleTexture>(ReadPointMapping(request, "noise"), ReadMarbleSettings(request.params));
-    return MakeOfBothFamilies(SpectrumMaker{request, use});
+    DiagnosticSink ignored;
+    return ReadParams<ImagemapParams>(params, ignored).Key(params, files);
 }
 
 }  // namespace pbrt

@@ -43,36 +43,18 @@ TexCoord2 PlanarMapping::Map(const TextureContext &ctx) const {
     return {{du + Dot(c.p, vs), dv + Dot(c.p, vt)}, Dot(vs, c.dpdx), Dot(vs, c.dpdy), Dot(vt, c.dpdx), Dot(vt, c.dpdy)};
 }
 
-Vector3 ReadVector3(const ParamSet &params, std::string_view name, const Vector3 &defaultValue) {
-    const Param *p = params.Find(name, ParamType::Vector3);
-    if (!p) return defaultValue;
-    if (p->floats.size() != 3)
-        throw UserError(fmt::format("{}: \"vector3 {}\" takes three values, found {}.", params.What(), name,
-                                    p->floats.size()),
-                        p->loc);
-    return {p->floats[0], p->floats[1], p->floats[2]};
-}
-
-TextureMapping2D ReadTextureMapping2D(const ParamSet &params, const Transform &renderFromTexture,
-                                      DiagnosticSink &sink) {
-    static const std::vector<std::string> kMappings = {"uv", "spherical", "cylindrical", "planar"};
-    std::string name = params.GetString("mapping", "uv");
-    if (name != "uv" && renderFromTexture.IsSingular())
-        throw UserError(fmt::format("{}: mapping \"{}\" needs a transformation that can be inverted.", params.What(),
-                                    name),
-                        params.Loc());
-    if (name == "uv")
-        return UvMapping{params.GetFloat("uscale", 1), params.GetFloat("vscale", 1), params.GetFloat("udelta", 0),
-                         params.GetFloat("vdelta", 0)};
-    if (name == "spherical") return SphericalMapping{PointMapping(renderFromTexture)};
-    if (name == "cylindrical") return CylindricalMapping{PointMapping(renderFromTexture)};
-    if (name == "planar")
-        return PlanarMapping{PointMapping(renderFromTexture), ReadVector3(params, "v1", {1, 0, 0}),
-                             ReadVector3(params, "v2", {0, 1, 0}), params.GetFloat("udelta", 0),
-                             params.GetFloat("vdelta", 0)};
-    sink.Warning(params.LocOf("mapping"), fmt::format("{}: unknown mapping \"{}\", \"uv\" is used; {}.", params.What(),
-                                                      name, ListChoices(name, kMappings)));
-    return UvMapping{};
+TextureMapping2D MappingParams::Make(const ParamSet &set, const Transform &renderFromTexture,
+                                     DiagnosticSink &sink) const {
+    if (mapping != "uv" && renderFromTexture.IsSingular())
+        throw set.Error("", fmt::format("mapping \"{}\" needs a transformation that can be inverted.", mapping));
+    if (mapping == "spherical") return SphericalMapping{PointMapping(renderFromTexture)};
+    if (mapping == "cylindrical") return CylindricalMapping{PointMapping(renderFromTexture)};
+    if (mapping == "planar") return PlanarMapping{PointMapping(renderFromTexture), v1, v2, uv.du, uv.dv};
+    if (mapping != "uv")
+        set.Warn(sink, "mapping",
+                 fmt::format("unknown mapping \"{}\", \"uv\" is used; {}.", mapping,
+                             ListChoices(mapping, {"uv", "spherical", "cylindrical", "planar"})));
+    return uv;
 }
 
 }  // namespace pbrt

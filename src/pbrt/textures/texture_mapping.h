@@ -1,7 +1,7 @@
 #pragma once
 #include <variant>
 
-#include "pbrt/core/params.h"
+#include "pbrt/core/param_reader.h"
 #include "pbrt/math/transform.h"
 #include "pbrt/textures/texture.h"
 
@@ -61,11 +61,30 @@ inline TexCoord2 Map(const TextureMapping2D &mapping, const TextureContext &ctx)
     return std::visit([&](const auto &m) { return m.Map(ctx); }, mapping);
 }
 
-/// The `mapping` parameter and what belongs to it (pbrt-v4-format §8). An unknown name is a warning and means "uv",
-/// as in stock pbrt-v4.
-TextureMapping2D ReadTextureMapping2D(const ParamSet &params, const Transform &renderFromTexture, DiagnosticSink &sink);
+/// The `mapping` parameter and what belongs to it (pbrt-v4-format §8).
+struct MappingParams {
+    std::string mapping = "uv";
+    UvMapping uv;
+    Vector3 v1{1, 0, 0}, v2{0, 1, 0};
 
-/// A single vector3 parameter.
-Vector3 ReadVector3(const ParamSet &params, std::string_view name, const Vector3 &defaultValue);
+    template <class V>
+    void Describe(V &&v) {
+        v("mapping", mapping, "uv, spherical, cylindrical or planar; another name is a warning");
+        if (v.When(mapping == "uv")) {
+            v("uscale", uv.su, "of mapping uv: factor of u");
+            v("vscale", uv.sv, "of mapping uv: factor of v");
+        }
+        if (v.When(mapping == "uv" || mapping == "planar")) {
+            v("udelta", uv.du, "of mappings uv and planar: what is added to u");
+            v("vdelta", uv.dv, "of mappings uv and planar: what is added to v");
+        }
+        if (v.When(mapping == "planar")) {
+            v("v1", v1, Items{ParamType::Vector3}, "of mapping planar: the axis of u");
+            v("v2", v2, Items{ParamType::Vector3}, "of mapping planar: the axis of v");
+        }
+    }
+    /// An unknown name is a warning and means "uv", as in stock pbrt-v4.
+    TextureMapping2D Make(const ParamSet &set, const Transform &renderFromTexture, DiagnosticSink &sink) const;
+};
 
 }  // namespace pbrt

@@ -119,7 +119,7 @@ PixelStatistics Studio::Render(Estimator estimator, const std::string &lightSamp
         DiagnosticSink sink;
         // Independent samples: pixels are, and tiles' variances are known.
         const std::unique_ptr<Sampler> sampler =
-            MakeSampler("independent", ParamSet(), film->FullResolution(), samplesPerPixel, seed, sink);
+            Samplers().Make("independent", ParamSet(), SamplerContext{film->FullResolution(), samplesPerPixel, seed, sink});
         RenderWaves(*integrator, *built_.camera, *built_.filter, *film, *sampler, settings, progress);
         statistics.Add(film->ToImage());
     }

@@ -91,7 +91,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     app.add_option("--lightsampler", o.build.lightSampler, "which light gets the shadow ray, see below; beats the scene")->group(lights);
     app.add_flag("--mesh-lights", o.build.meshLights, "the same as +mesh: an emissive mesh is one light")->group(lights);
     app.add_option("--shadow-gate", o.build.shadowGate, "name[:key=value,...], the same as +gate=; none: no gate whatever the scene says")->group(lights);
-    app.add_flag("--list-lightsamplers", o.listLightSamplers, "print all light samplers with their parameters, and stop")->group(lights);
+    app.add_flag_callback("--list-lightsamplers", [&o] { o.list = "lightsamplers"; }, "the same as --list lightsamplers")->group(lights);
 
     const char *method = "Method";
     app.add_option("--integrator", o.build.integrator, "use this integrator instead of the scene's (path, simplepath, ...)")->group(method);
@@ -107,6 +107,8 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     app.add_option("--render-coord-sys", o.build.renderCoordSys, "camera, cameraworld (default) or world")->check(CLI::IsMember({"camera", "cameraworld", "world"}))->group(method);
 
     const char *messages = "Messages";
+    app.add_option("--list", o.list, "print what a scene can name, with all parameters, and stop: cameras, filters, samplers, accelerators, shapes, materials, "
+                                     "floattextures, spectrumtextures, lights, arealights, lightsamplers; all; table")->group(messages);
     app.add_flag("--quiet", o.quiet, "no progress and no warnings; errors only")->group(messages);
     app.add_flag("--stats", o.stats, "print statistics after rendering")->group(messages);
 

@@ -12,7 +12,7 @@ struct CommandLine {
     std::vector<std::string> sceneFiles;
     int threads = 0;
     bool quiet = false, stats = false, writePartialImages = false;
-    bool listLightSamplers = false;
+    std::string list;  ///< what to list instead of rendering
     double timeBudget = 0;
     std::string text;  ///< as typed, for image metadata
 };

@@ -6,6 +6,7 @@
 
 #include <unistd.h>
 
+#include "pbrt/build/catalogue.h"
 #include "pbrt/cmd/pbrt/command_line.h"
 #include "pbrt/cmd/pbrt/render_job.h"
 #include "pbrt/core/log.h"
@@ -24,8 +25,8 @@ int main(int argc, char **argv) {
     try {
         LightSamplerRegistry registry;
         RegisterPlugins(registry);
-        if (options.listLightSamplers) {
-            std::printf("%s", registry.Listing().c_str());
+        if (!options.list.empty()) {
+            std::fputs((options.list == "lightsamplers" ? registry.Listing() : ListWhat(options.list)).c_str(), stdout);
             return 0;
         }
         ThreadLimit threads(options.threads);

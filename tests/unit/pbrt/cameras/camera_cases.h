@@ -30,7 +30,8 @@ inline std::unique_ptr<Camera> MakeTestCamera(const std::string &type, const std
     ParamSet set("Camera \"" + type + "\"", {});
     for (const Param &p : params) set.Add(p);
     DiagnosticSink local;
-    return MakeCamera(type, set, renderFromCamera, {resolution, 35}, FileResolver(), sink ? *sink : local);
+    return Cameras().Make(type, set,
+                          CameraContext{renderFromCamera, resolution, 35, FileResolver(), sink ? *sink : local});
 }
 
 inline CameraRay RayAt(const Camera &camera, const Point2 &film, const Point2 &lens = {0.5f, 0.5f}, Float time = 0) {

@@ -17,12 +17,12 @@ std::string ErrorOf(const std::string &type, const std::vector<Param> &params) {
 }
 
 TEST(MakeCamera, KnownAndUnknownTypes) {
-    for (const std::string &name : SupportedCameras())
+    for (const std::string &name : Cameras().Names())
         if (name != "realistic") {  // which needs a lens
             EXPECT_TRUE(MakeTestCamera(name, {})) << name;
         }
     std::string unknown = ErrorOf("perspectiv", {});
-    for (const std::string &name : SupportedCameras()) EXPECT_NE(unknown.find(name), std::string::npos) << name;
+    for (const std::string &name : Cameras().Names()) EXPECT_NE(unknown.find(name), std::string::npos) << name;
 }
 
 TEST(MakeCamera, SenselessValuesAreErrors) {

@@ -177,13 +177,7 @@ TEST(ExitPupil, TinyStopsAreFound) {
     for (Float distance : {0.f, 0.01f, 0.0199f}) EXPECT_LT(pupil.Bounds(distance).Area(), Sqr(0.0015f)) << distance;
 }
 
-Param ApertureParam(const std::string &name) { return test::StringParam("aperture", name); }
-
-ApertureImage ReadAperture(const std::string &name) {
-    ParamSet params("Camera \"realistic\"", {});
-    params.Add(ApertureParam(name));
-    return ApertureImage::Read(params, "aperture", FileResolver());
-}
+ApertureImage ReadAperture(const std::string &name) { return ApertureImage::Read(name, FileResolver()); }
 
 TEST(ApertureImage, LetsAsMuchLightPassAsTheDisk) {
     EXPECT_FALSE(ReadAperture(""));

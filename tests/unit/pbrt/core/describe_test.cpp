@@ -1,72 +1,226 @@
-#include "pbrt/core/describe.h"
+#include "pbrt/core/param_reader.h"
 
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace pbrt {
 namespace {
 
+enum class Wrap { Repeat, Black };
+constexpr NamedValue<Wrap> kWraps[] = {{"repeat", Wrap::Repeat}, {"black", Wrap::Black}};
+using Vec3 = std::array<Float, 3>;
+
+/// One member of every type that core knows.
 struct Sample {
     int leaves = 4096;
-    Float floor = 0.5f;
+    Float angle = 30;
     bool prepass = true;
+    std::string file, mode = "a", mesh;
+    Wrap wrap = Wrap::Black;
+    std::optional<Float> width;
+    std::optional<std::array<int, 2>> bounds;
+    Vec3 from{1, 2, 3};
+    std::vector<Vec3> points;
+    std::span<const int> indices;
+    Float only = 0;
+
     template <class V>
     void Describe(V &&v) {
         v("leaves", leaves, Range{1, 10000}, "how many");
-        v("floor", floor, Range{0.f, 1.f}, "least share");
+        v("angle", angle, Range<Float>{0, 180, true, true, "degrees"}, "how wide");
         v("prepass", prepass, "collect first");
+        v("file", file, "what is read");
+        v("mode", mode, Choices{"a", "b"}, "the way");
+        v("mesh", mesh, Required(), "the mesh");
+        v("wrap", wrap, kWraps, "what lies outside");
+        v("width", width, Positive(10), "unless it follows from others");
+        v("bounds", bounds, Range{0, 9}, "from and to");
+        v("from", from, Items{ParamType::Point3}, "where");
+        v("points", points, Items{ParamType::Point3, {-5, 5}}, "where else");
+        v("indices", indices, "which");
+        if (v.When(mode == "b")) v("only", only, "of mode b");
     }
 };
 
-Param Make(ParamType type, const std::string &name) {
-    Param p;
-    p.type = type;
-    p.name = name;
-    return p;
+struct Few {
+    int leaves = 7;
+    Float floor = 0.25f;
+    Wrap wrap = Wrap::Repeat;
+    template <class V>
+    void Describe(V &&v) {
+        v("leaves", leaves, Range{1, 10}, "");
+        v("floor", floor, "");
+        v("wrap", wrap, kWraps, "");
+    }
+};
+
+/// Parameters, each in a line of its own from 1 on.
+class Set {
+  public:
+    Set &F(const std::string &name, std::vector<Float> v, ParamType type = ParamType::Float) {
+        Param p = Make(type, name);
+        p.floats = std::move(v);
+        return Add(p);
+    }
+    Set &I(const std::string &name, std::vector<int> v) {
+        Param p = Make(ParamType::Integer, name);
+        p.ints = std::move(v);
+        return Add(p);
+    }
+    Set &S(const std::string &name, const std::string &v) {
+        Param p = Make(ParamType::String, name);
+        p.strings = {v};
+        return Add(p);
+    }
+    Set &B(const std::string &name, bool v) {
+        Param p = Make(ParamType::Bool, name);
+        p.bools = {v};
+        return Add(p);
+    }
+    ParamSet set{"Thing \"x\"", {}};
+
+  private:
+    Param Make(ParamType type, const std::string &name) {
+        Param p;
+        p.type = type;
+        p.name = name;
+        p.loc = {file_, ++line_, 3};
+        return p;
+    }
+    Set &Add(const Param &p) {
+        set.Add(p);
+        return *this;
+    }
+    std::shared_ptr<const SourceFile> file_ = std::make_shared<SourceFile>(SourceFile{"f", "text"});
+    int line_ = 0;
+};
+
+/// Everything wrong: what was thrown, then what was unused, as "line message" lines.
+std::string Wrong(const Set &given, Sample *sample = nullptr) {
+    Sample fresh;
+    DiagnosticSink sink;
+    std::string all;
+    auto add = [&](const Diagnostic &d) { all += fmt::format("{} {}\n", d.loc.line, d.message); };
+    ParamReader reader(given.set);
+    (sample ? *sample : fresh).Describe(reader);
+    try {
+        reader.Finish(sink);
+    } catch (const UserError &e) {
+        for (const Diagnostic &d : e.Diagnostics()) add(d);
+    }
+    for (const Diagnostic &d : sink.All()) add(d);
+    return all;
 }
 
 TEST(Describe, OneListingDocumentsAndPrints) {
-    std::vector<ParamDoc> docs = DocumentParams<Sample>();
-    ASSERT_EQ(docs.size(), 3u);
-    EXPECT_EQ(docs[0].name + " " + docs[0].type + " " + docs[0].defaultValue + " " + docs[0].range + " " + docs[0].help,
-              "leaves integer 4096 1 to 10000 how many");
-    EXPECT_EQ(docs[1].type + " " + docs[1].defaultValue, "float 0.5");
-    EXPECT_EQ(docs[2].type + " " + docs[2].defaultValue, "bool true");
-    EXPECT_EQ(EffectiveParams(Sample{7, 0.25f, false}).dump(), "{\"leaves\":7,\"floor\":0.25,\"prepass\":false}");
+    std::string table;
+    for (const ParamDoc &d : DocumentParams<Sample>())
+        table += fmt::format("{} {} {} = {} ({})\n", d.ShortType(), d.TypeText(), d.name, d.defaultValue, d.range);
+    EXPECT_EQ(table,
+              "i integer leaves = 4096 (1 to 10000)\n"
+              "f float angle = 30 (above 0, below 180 degrees)\n"
+              "b bool prepass = true ()\n"
+              "s string file =  ()\n"
+              "s string mode = a (a, b)\n"
+              "s string mesh =  (required)\n"
+              "s string wrap = black (repeat, black)\n"
+              "f float width =  (above 0 to 10)\n"
+              "i[] integer[] bounds =  (2 values, each 0 to 9)\n"
+              "p3 point3 from = 1 2 3 ()\n"
+              "p3[] point3[] points =  ()\n"
+              "i[] integer[] indices =  ()\n"
+              "f float only = 0 ()\n");
+    EXPECT_EQ(EffectiveParams(Few()).dump(), "{\"leaves\":7,\"floor\":0.25,\"wrap\":\"repeat\"}");
 }
 
-TEST(Describe, ReadsPrefixedParameters) {
-    ParamSet set;
-    Param leaves = Make(ParamType::Integer, "octree.leaves"), prepass = Make(ParamType::Bool, "octree.prepass");
-    leaves.ints = {12};
-    prepass.bools = {0};
-    set.Add(leaves);
-    set.Add(prepass);
-    Sample sample;
-    ReadParams(sample, set, "octree");
-    EXPECT_EQ(sample.leaves, 12);
-    EXPECT_EQ(sample.floor, 0.5f);
-    EXPECT_FALSE(sample.prepass);
-    DiagnosticSink sink;
-    set.ReportUnused(sink);
-    EXPECT_FALSE(sink.HasErrors());
+TEST(Describe, RangesAreWrittenShort) {
+    EXPECT_EQ(ShortText(Range{1, 3}), "1 to 3");
+    EXPECT_EQ(ShortText(Range{1, std::numeric_limits<int>::max()}), "at least 1");
+    EXPECT_EQ(ShortText(Positive(std::numeric_limits<Float>::max(), "m")), "above 0 m");
+    EXPECT_EQ(ShortText(AnyFloat()), "");
+    EXPECT_EQ(ShortText(AnyFloat("degrees")), "degrees");
 }
 
-TEST(Describe, OutOfRangeIsAnErrorAtTheParameter) {
-    for (Float value : {-0.1f, 1.5f, std::numeric_limits<Float>::quiet_NaN()}) {
-        ParamSet set;
-        Param floor = Make(ParamType::Float, "octree.floor");
-        floor.floats = {value};
-        floor.loc = {std::make_shared<SourceFile>(SourceFile{"f", "text"}), 1, 3};
-        set.Add(floor);
-        Sample sample;
-        try {
-            ReadParams(sample, set, "octree");
-            FAIL() << value;
-        } catch (const UserError &e) {
-            EXPECT_EQ(e.Diagnostics()[0].loc.column, 3);
-            EXPECT_NE(std::string(e.what()).find("from 0 to 1"), std::string::npos) << e.what();
-        }
-    }
+TEST(Describe, EveryTypeIsRead) {
+    Sample s;
+    Set given;
+    given.I("leaves", {12}).F("angle", {1}).B("prepass", false).S("file", "x").S("mode", "b").S("mesh", "m");
+    given.S("wrap", "repeat").F("width", {2}).I("bounds", {3, 4}).F("from", {4, 5, 6}, ParamType::Point3);
+    given.F("points", {1, 2, 3, 4, 5, -5}, ParamType::Point3).I("indices", {7, 8, 9}).F("only", {1});
+    EXPECT_EQ(Wrong(given, &s), "");
+    EXPECT_EQ(s.leaves, 12);
+    EXPECT_EQ(s.angle, 1);
+    EXPECT_FALSE(s.prepass);
+    EXPECT_EQ(s.file + s.mode + s.mesh, "xbm");
+    EXPECT_EQ(s.wrap, Wrap::Repeat);
+    EXPECT_EQ(s.width, Float(2));
+    EXPECT_EQ(s.bounds, (std::array{3, 4}));
+    EXPECT_EQ(s.from, (Vec3{4, 5, 6}));
+    EXPECT_EQ(s.points, (std::vector<Vec3>{{1, 2, 3}, {4, 5, -5}}));
+    EXPECT_EQ(std::vector<int>(s.indices.begin(), s.indices.end()), (std::vector{7, 8, 9}));
+    EXPECT_EQ(s.only, 1);
+}
+
+TEST(Describe, WhatIsNotGivenKeepsItsDefault) {
+    Sample s;
+    EXPECT_EQ(Wrong(Set().S("mesh", "m"), &s), "");
+    EXPECT_EQ(s.leaves, 4096);
+    EXPECT_EQ(s.from, (Vec3{1, 2, 3}));
+    EXPECT_FALSE(s.width || s.bounds);
+}
+
+TEST(Describe, AllThatIsWrongIsToldAtOnceAndInItsPlace) {
+    Set given;
+    given.I("leaves", {0}).F("angle", {180}).S("mode", "c").S("mesh", "").S("wrap", "blak").F("width", {0});
+    given.I("bounds", {1}).F("from", {1, 2}, ParamType::Point3).F("points", {1, 2, 6}, ParamType::Point3);
+    given.B("prepas", true).F("leaves", {3}).F("only", {1});
+    EXPECT_EQ(Wrong(given),
+              "1 Thing \"x\": \"leaves\" is 0; it must be at least 1 and at most 10000.\n"
+              "2 Thing \"x\": \"angle\" is 180; it must be above 0 and below 180 degrees.\n"
+              "3 Thing \"x\": \"c\" is not a choice for \"mode\"; did you mean \"a\"? valid: a, b.\n"
+              "4 Thing \"x\": \"string mesh\" is missing.\n"
+              "5 Thing \"x\": \"blak\" is not a choice for \"wrap\"; did you mean \"black\"? valid: repeat, black.\n"
+              "6 Thing \"x\": \"width\" is 0; it must be above 0 and at most 10.\n"
+              "7 Thing \"x\": \"integer bounds\" takes 2 values, found 1.\n"
+              "8 Thing \"x\": \"point3 from\" takes groups of 3 values, found 2.\n"
+              "9 Thing \"x\": \"points\" is 6; it must be at least -5 and at most 5.\n"
+              "10 \"bool prepas\": unused parameter of Thing \"x\"; did you mean \"prepass\"? valid: angle, bounds, file, "
+              "from, indices, leaves, mesh, mode, points, prepass, width, wrap.\n"
+              "11 \"float leaves\": unused parameter: Thing \"x\" takes \"integer leaves\".\n"
+              "12 \"float only\": unused parameter of Thing \"x\"; valid: angle, bounds, file, from, indices, leaves, "
+              "mesh, mode, points, prepass, width, wrap.\n");
+    EXPECT_EQ(Wrong(Set().S("mesh", "m").F("angle", {std::nanf("")})),
+              "2 Thing \"x\": \"angle\" is nan; it must be above 0 and below 180 degrees.\n");
+    EXPECT_EQ(Wrong(Set().S("mesh", "m").F("angle", {1, 2}).F("from", {1, 2, 3, 4, 5, 6}, ParamType::Point3)),
+              "2 Thing \"x\": \"float angle\" takes 1 value, found 2.\n"
+              "3 Thing \"x\": \"point3 from\" takes 3 values, found 6.\n");
+}
+
+TEST(Describe, TheLastOfEqualOnesWinsAndDefaultsAreNeverReported) {
+    Sample s;
+    Set given = Set().S("mesh", "m").I("leaves", {1}).I("leaves", {2});
+    Param other;
+    other.name = "nothing";
+    given.set.AddDefault(other);
+    Param angle;
+    angle.name = "angle";
+    angle.floats = {9};
+    given.set.AddDefault(angle);
+    EXPECT_EQ(Wrong(given, &s), "");
+    EXPECT_EQ(s.leaves, 2);
+    EXPECT_EQ(s.angle, 9);
+}
+
+TEST(Describe, ReadsPrefixedParametersAndLeavesOthers) {
+    Few few;
+    Set given = Set().I("octree.leaves", {5}).I("leaves", {8}).F("other.x", {1});
+    ReadParams(few, given.set, "octree");
+    EXPECT_EQ(few.leaves, 5);
+    Set bad = Set().I("octree.leaves", {11});
+    EXPECT_THROW(ReadParams(few, bad.set, "octree"), UserError);
+    EXPECT_THROW(ParamsCheck<Few>("octree")(bad.set), UserError);
 }
 
 }  // namespace

@@ -25,6 +25,11 @@ ParamSet MakeParams(const std::vector<std::pair<std::string, Float>> &values) {
     return params;
 }
 
+std::unique_ptr<Filter> MakeFilter(const std::string &type, const ParamSet &params) {
+    DiagnosticSink sink;
+    return Filters().Make(type, params, FilterContext{sink});
+}
+
 class FilterTest : public ::testing::TestWithParam<Wrong> {
   protected:
     FilterTest() : filter_(MakeFilter(GetParam().type, MakeParams(GetParam().values))) {}

@@ -108,8 +108,8 @@ class RenderLoop : public ::testing::Test {
         FilmContext context{.outputSpace = ColorSpace::SRGB()};
         context.overrides.fullFloat = true;
         film_ = MakeFilm("rgb", params, context, sink);
-        filter_ = MakeFilter("box", ParamSet());
-        camera_ = MakeCamera("orthographic", ParamSet(), Transform(), {}, {}, sink);
+        filter_ = Filters().Make("box", ParamSet(), FilterContext{sink});
+        camera_ = Cameras().Make("orthographic", ParamSet(), CameraContext{Transform(), {}, 35, {}, sink});
         folder_ = std::filesystem::path(::testing::TempDir()) / "render_loop_test";
         std::filesystem::create_directories(folder_);
     }

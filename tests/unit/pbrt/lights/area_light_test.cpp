@@ -29,7 +29,8 @@ class HalfTexture final : public FloatTexture {
 
 std::unique_ptr<Shape> Quadric(const std::string &type, const Transform &ctm = {}) {
     DiagnosticSink sink;
-    return std::move(MakeShapes(type, Params("Shape").Set(), ctm, false, FileResolver(), sink).at(0));
+    const ParamSet set = Params("Shape").Set();
+    return std::move(Shapes().Make(type, set, ShapeContext{ctm, false, FileResolver(), sink, ParamReader(set)}).at(0));
 }
 
 std::unique_ptr<Shape> Triangle(const Transform &ctm = {}) {

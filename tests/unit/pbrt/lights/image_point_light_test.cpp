@@ -87,8 +87,7 @@ TEST_F(Goniometric, RgbImagesCountByTheirMeanAndNegativeValuesAsNothing) {
 
 TEST_F(Goniometric, WithoutAnImageItIsAPointLightAndSaysSo) {
     DiagnosticSink sink;
-    auto light = MakeLight("goniometric", Params().Number("power", 7), Transform(), Transform(), ColorSpace::SRGB(),
-                           FileResolver(), sink);
+    auto light = Make("goniometric", Params().Number("power", 7), {}, {}, sink);
     EXPECT_EQ(sink.All().size(), 1u);
     EXPECT_FALSE(sink.HasErrors());
     EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return light->Phi(l); }), 7, 0.02);

@@ -40,8 +40,8 @@ TEST(LightFactory, PortalsAreChecked) {
                     "needs");
     DiagnosticSink sink;
     for (bool good : {true, false}) {
-        auto light = MakeLight("infinite", corners({0, 0, 0, 0, 1, 0, 1, 1, good ? Float(0) : Float(0.5), 1, 0, 0}),
-                               Transform(), Transform(), ColorSpace::SRGB(), FileResolver(), sink);
+        auto light = Make("infinite", corners({0, 0, 0, 0, 1, 0, 1, 1, good ? Float(0) : Float(0.5), 1, 0, 0}), {}, {},
+                          sink);
         EXPECT_TRUE(light);
         EXPECT_EQ(sink.All().size(), good ? 0u : 1u);
         EXPECT_FALSE(sink.HasErrors());
@@ -121,8 +121,7 @@ TEST(LightFactory, ConeAnglesAreChecked) {
 
 TEST(LightFactory, UnknownAreaLight) {
     DiagnosticSink sink;
-    Diagnostic d =
-        Complaint([&] { AreaLightMaker maker("difuse", Params(), ColorSpace::SRGB(), FileResolver(), sink); });
+    Diagnostic d = Complaint([&] { MakeAreaMaker(Params(), sink, "difuse"); });
     EXPECT_NE(d.message.find("did you mean \"diffuse\""), std::string::npos) << d.message;
 }
 
@@ -160,15 +159,13 @@ TEST(LightFactory, EveryParameterOfALightIsAskedFor) {
          Params().Number("fov", 50).Number("scale", 1).Number("power", 1).String("filename", image.Path())},
     };
     for (Row &row : rows) {
-        EXPECT_TRUE(Make(row.type, row.params));
         DiagnosticSink sink;
-        row.params.Set().ReportUnused(sink);
+        EXPECT_TRUE(Make(row.type, row.params, {}, {}, sink));
         EXPECT_FALSE(sink.HasErrors()) << row.type << ": " << (sink.All().empty() ? "" : sink.All()[0].message);
     }
     Params area = Params().Rgb("L", 1, 1, 1).Number("scale", 1).Bool("twosided", true).Number("power", 1);
-    MakeAreaMaker(area);
     DiagnosticSink sink;
-    area.Set().ReportUnused(sink);
+    MakeAreaMaker(area, sink);
     EXPECT_FALSE(sink.HasErrors());
 }
 

@@ -57,13 +57,21 @@ class Params {
     ParamSet set_;
 };
 
+inline std::unique_ptr<Light> Make(const std::string &type, const ParamSet &params, const Transform &ctm,
+                                   const Transform &renderFromWorld, DiagnosticSink &sink) {
+    return Lights().Make(type, params, LightContext{ctm, renderFromWorld, ColorSpace::SRGB(), FileResolver(), sink});
+}
 inline std::unique_ptr<Light> Make(const std::string &type, const ParamSet &params, const Transform &ctm = {}) {
     DiagnosticSink sink;
-    return MakeLight(type, params, ctm, Transform(), ColorSpace::SRGB(), FileResolver(), sink);
+    return Make(type, params, ctm, {}, sink);
+}
+inline AreaLightMaker MakeAreaMaker(const ParamSet &params, DiagnosticSink &sink, const std::string &type = "diffuse") {
+    return AreaLights().Make(type, params,
+                             LightContext{Transform(), Transform(), ColorSpace::SRGB(), FileResolver(), sink});
 }
 inline AreaLightMaker MakeAreaMaker(const ParamSet &params) {
     DiagnosticSink sink;
-    return AreaLightMaker("diffuse", params, ColorSpace::SRGB(), FileResolver(), sink);
+    return MakeAreaMaker(params, sink);
 }
 
 /// Luminous part: integral of y-bar times the spectrum that `sample` returns for given wavelengths.

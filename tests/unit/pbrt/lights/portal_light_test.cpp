@@ -170,8 +170,8 @@ TEST_F(Portal, IsGivenInWorldSpaceAndStaysThereInAnyRenderingSpace) {
     for (Transform renderFromWorld :
          {Transform::Rotate(50, {1, 0, 1}) * Transform::Translate({1, 2, 3}), Transform::Scale({-1, 1, 1})}) {
         auto moved =
-            MakeLight("infinite", File().Number("scale", 0.8f), renderFromWorld * Transform::Rotate(40, {1, 2, 3}),
-                      renderFromWorld, ColorSpace::SRGB(), FileResolver(), sink);
+            Make("infinite", File().Number("scale", 0.8f), renderFromWorld * Transform::Rotate(40, {1, 2, 3}),
+                 renderFromWorld, sink);
         Rng rng(9);
         int seen = 0, same = 0;
         for (int k = 0; k < 4000; ++k) {
@@ -240,7 +240,7 @@ TEST(PortalOfOneColour, KeepsTheUnitsOfTheLight) {
     Vector3 w = Normalize(kTurn.Vector({0, 0, 1}));
     auto nits = [&](Params params) {
         params.Floats(ParamType::Point3, "portal", Corners());
-        auto light = MakeLight("infinite", params, Transform(), Transform(), ColorSpace::SRGB(), FileResolver(), sink);
+        auto light = Make("infinite", params, {}, {}, sink);
         return Photometric([&](const SampledWavelengths &l) { return light->Le(kTurn.Point({0, 0, 0}), w, l); });
     };
     EXPECT_NEAR(nits(Params().Rgb("L", 3, 3, 3).Number("scale", 2)), 6, 0.02);

@@ -109,7 +109,7 @@ TEST(BumpMap, NormalStaysOnTheGeometricSide) {
 TEST(BumpMap, MaterialsReadDisplacementButTheNormalMapWins) {
     test::Workshop shop;
     shop.Define("slope", false, "bilerp", test::Params().F("v00", 0).F("v01", 0).F("v10", 2).F("v11", 2));
-    for (const std::string &type : SupportedMaterials()) {
+    for (const std::string &type : Materials().Names()) {
         if (type == "mix" || type == "interface" || type == "hair" || type == "measured") continue;
         SurfacePoint s = FlatPoint();
         shop.Make(type, test::Params("m").Tex("displacement", "slope"))->PerturbShading(s);

@@ -11,10 +11,11 @@ struct Workshop : Bench {
     std::map<std::string, MaterialPtr> named;
 
     MaterialPtr Make(const std::string &type, const Params &params = Params("material")) {
-        return MakeMaterial(type, params, textures, files, sink, [this](const std::string &name) -> MaterialPtr {
-            auto found = named.find(name);
-            return found == named.end() ? nullptr : found->second;
-        });
+        MaterialContext context{textures, files, sink, [this](const std::string &name) -> MaterialPtr {
+                                    auto found = named.find(name);
+                                    return found == named.end() ? nullptr : found->second;
+                                }};
+        return MakeMaterial(type, params, context);
     }
 };
 

@@ -223,7 +223,7 @@ TEST_F(Measured, MaterialReadsItsFileAndErrorsNameIt) {
     EXPECT_TRUE(shop.sink.All().empty());
 
     auto error = [&](const test::Params &params) { return test::Catch([&] { shop.Make("measured", params); }); };
-    EXPECT_TRUE(error(test::Params("m", 3)).Says("\"string filename\" is required"));
+    EXPECT_TRUE(error(test::Params("m", 3)).Says("\"string filename\" is missing"));
     test::Params there = test::Params("m", 3).S("filename", {path_});
     Write("tensor_file");
     EXPECT_TRUE(error(there).Says("header is missing"));

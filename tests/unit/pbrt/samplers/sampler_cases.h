@@ -44,7 +44,7 @@ struct SamplerCase {
         std::vector<Param> params;
         if (!randomization.empty()) params.push_back(StringParam("randomization", randomization));
         DiagnosticSink sink;
-        return MakeSampler(type, Params(type, params), resolution, samples, seed, sink);
+        return Samplers().Make(type, Params(type, params), SamplerContext{resolution, samples, seed, sink});
     }
     std::string Name() const { return type + (randomization.empty() ? "" : "_" + randomization); }
 };

@@ -13,7 +13,8 @@ using test::StringParam;
 std::unique_ptr<Sampler> Make(const std::string &type, const std::vector<Param> &params, int sppOverride = 0,
                               DiagnosticSink *sink = nullptr) {
     DiagnosticSink local;
-    return MakeSampler(type, Params(type, params), {16, 16}, sppOverride, 0, sink ? *sink : local);
+    return Samplers().Make(type, Params(type, params),
+                           SamplerContext{{16, 16}, sppOverride, 0, sink ? *sink : local});
 }
 
 std::string ErrorOf(const std::string &type, const std::vector<Param> &params) {
@@ -26,9 +27,9 @@ std::string ErrorOf(const std::string &type, const std::vector<Param> &params) {
 }
 
 TEST(MakeSampler, EverySupportedNameWorksAndNoOther) {
-    for (const std::string &name : SupportedSamplers()) EXPECT_TRUE(Make(name, {})) << name;
+    for (const std::string &name : Samplers().Names()) EXPECT_TRUE(Make(name, {})) << name;
     std::string unknown = ErrorOf("zsobl", {});
-    for (const std::string &name : SupportedSamplers()) EXPECT_NE(unknown.find(name), std::string::npos) << name;
+    for (const std::string &name : Samplers().Names()) EXPECT_NE(unknown.find(name), std::string::npos) << name;
 }
 
 TEST(MakeSampler, DefaultsAreThoseOfTheFormat) {
@@ -46,17 +47,17 @@ TEST(MakeSampler, DefaultsAreThoseOfTheFormat) {
     }
     EXPECT_EQ(first("halton", {}), first("halton", {StringParam("randomization", "permutedigits")}));
     EXPECT_EQ(first("stratified", {}), first("stratified", {BoolParam("jitter", true)}));
-    for (const std::string &type : SupportedSamplers()) {
+    for (const std::string &type : Samplers().Names()) {
         EXPECT_EQ(first(type, {}), first(type, {IntParam("seed", 0)})) << type;
         EXPECT_NE(first(type, {}), first(type, {IntParam("seed", 1)})) << type;
     }
 }
 
 TEST(MakeSampler, SeedOfTheSceneBeatsTheGlobalOne) {
-    for (const std::string &type : SupportedSamplers()) {
+    for (const std::string &type : Samplers().Names()) {
         DiagnosticSink sink;
         auto first = [&](const std::vector<Param> &params, int defaultSeed) {
-            std::unique_ptr<Sampler> s = MakeSampler(type, Params(type, params), {16, 16}, 0, defaultSeed, sink);
+            std::unique_ptr<Sampler> s = Samplers().Make(type, Params(type, params), SamplerContext{{16, 16}, 0, defaultSeed, sink});
             s->StartPixelSample({3, 4}, 5, 6);
             return s->Get1D();
         };

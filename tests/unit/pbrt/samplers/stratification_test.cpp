@@ -105,7 +105,7 @@ TEST(Stratification, StratifiedFillsEveryCellOnce) {
             ParamSet params = test::Params(
                 "stratified",
                 {test::IntParam("xsamples", nx), test::IntParam("ysamples", ny), test::BoolParam("jitter", jitter)});
-            std::unique_ptr<Sampler> s = MakeSampler("stratified", params, {8, 8}, 0, 1, sink);
+            std::unique_ptr<Sampler> s = Samplers().Make("stratified", params, SamplerContext{{8, 8}, 0, 1, sink});
             int n = nx * ny;
             ASSERT_EQ(s->SamplesPerPixel(), n);
             for (int before : {0, 1, 4})

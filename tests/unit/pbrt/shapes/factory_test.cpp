@@ -40,7 +40,11 @@ class ShapeFactory : public testing::Test {
         p.strings = {v};
         params.Add(p);
     }
-    auto Make(const char *type) { return MakeShapes(type, params, Transform(), false, FileResolver(), sink); }
+    ShapeList Make(const char *type) { return Make(type, params, sink); }
+    static ShapeList Make(const char *type, const ParamSet &p, DiagnosticSink &sink, const FileResolver &files = {},
+                          const Transform &t = {}, const Displacement *displacement = nullptr) {
+        return Shapes().Make(type, p, ShapeContext{t, false, files, sink, ParamReader(p), displacement});
+    }
     std::string ErrorOf(const char *type) {
         try {
             Make(type);
@@ -50,9 +54,7 @@ class ShapeFactory : public testing::Test {
         return "";
     }
     size_t Unused() {
-        DiagnosticSink s;
-        params.ReportUnused(s);
-        return s.ErrorCount();
+        return sink.ErrorCount();
     }
     const std::vector<Float> square = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
     ParamSet params;
@@ -223,7 +225,7 @@ TEST_F(ShapeFactory, PlyFilesPlainAndGzipWithTrianglesAndQuads) {
         filename.strings = {name};
         p.Add(filename);
         DiagnosticSink warnings;
-        auto shapes = MakeShapes("plymesh", p, Transform(), false, files, warnings);
+        auto shapes = Make("plymesh", p, warnings, files);
         ASSERT_EQ(shapes.size(), 2u);
         EXPECT_EQ(shapes[0]->Kind(), ShapeKind::TriangleMesh);
         EXPECT_EQ(shapes[1]->Kind(), ShapeKind::BilinearMesh);
@@ -268,7 +270,7 @@ TEST_F(ShapeFactory, DisplacementErrorsPointAtTheParameterToBlame) {
         for (const Param &param : {filename, edge, height}) p.Add(param);
         const Displacement flat{[](auto &...) { return Float(0); }, 1};
         try {
-            MakeShapes("plymesh", p, Transform(), false, FileResolver(), sink, &flat);
+            Make("plymesh", p, sink, {}, {}, &flat);
         } catch (const UserError &e) {
             return e.Diagnostics().front().loc.line;
         }
@@ -289,7 +291,7 @@ TEST_F(ShapeFactory, ConformanceMeshesAreRead) {
         filename.name = "filename";
         filename.strings = {name};
         p.Add(filename);
-        auto shapes = MakeShapes("plymesh", p, Transform(), false, FileResolver(assets), sink);
+        auto shapes = Make("plymesh", p, sink, FileResolver(assets));
         EXPECT_EQ(shapes.size(), std::string(name) == "wave_mixed.ply.gz" ? 2u : 1u) << name;
     }
     EXPECT_TRUE(sink.All().empty());
@@ -298,7 +300,7 @@ TEST_F(ShapeFactory, ConformanceMeshesAreRead) {
 TEST_F(ShapeFactory, WhatEmbreeIsGivenLiesWithinItsReach) {
     const auto errorAt = [&](const char *type, const Transform &t) -> std::string {
         try {
-            MakeShapes(type, params, t, false, FileResolver(), sink);
+            Make(type, params, sink, {}, t);
         } catch (const UserError &e) {
             return e.Diagnostics().front().message;
         }

@@ -37,7 +37,12 @@ class SpectrumParams : public ::testing::Test {
     }
     void WriteFile(const std::string &name, const std::string &text) { std::ofstream(folder_ / name) << text; }
     SpectrumPtr Get(SpectrumUse use = SpectrumUse::Albedo) {
-        return GetSpectrum(params_, "x", nullptr, use, FileResolver(folder_));
+        return Get(SpectrumParam{use});
+    }
+    SpectrumPtr Get(SpectrumParam param) {
+        ParamReader reader(params_);
+        ReadParam(reader, "x", param);
+        return param.Make(FileResolver(folder_));
     }
     /// The message of the error that Get throws; checks that it points at line 7.
     std::string Failure(SpectrumUse use = SpectrumUse::Albedo) {
@@ -61,8 +66,8 @@ class SpectrumParams : public ::testing::Test {
 
 TEST_F(SpectrumParams, AbsentGivesTheDefault) {
     EXPECT_EQ(Get(), nullptr);
-    auto fallback = std::make_shared<ConstantSpectrum>(3.0f);
-    EXPECT_EQ(GetSpectrum(params_, "x", fallback, SpectrumUse::Unbounded, {}), fallback);
+    EXPECT_EQ((*Get({SpectrumUse::Unbounded, Float(3)}))(500), 3);
+    EXPECT_EQ(Get({SpectrumUse::Unbounded, {}, "metal-Cu-k"}), NamedSpectrum("metal-Cu-k"));
 }
 
 TEST_F(SpectrumParams, RgbIsUpliftedByUse) {
@@ -158,7 +163,7 @@ TEST_F(SpectrumParams, NamesAndFiles) {
 TEST_F(SpectrumParams, FloatOnlyWhereAllowed) {
     AddFloats(ParamType::Float, {1.5f});
     EXPECT_EQ(Get(), nullptr);
-    SpectrumPtr s = GetSpectrumOrFloat(params_, "x", nullptr, SpectrumUse::Unbounded, {});
+    SpectrumPtr s = Get({SpectrumUse::Unbounded, {}, nullptr, true});
     ASSERT_TRUE(s);
     EXPECT_TRUE(s->IsConstant());
     EXPECT_EQ((*s)(700), 1.5f);

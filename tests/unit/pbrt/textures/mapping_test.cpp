@@ -17,9 +17,13 @@ TextureContext ContextAt(const Point3 &p, const Point2 &uv = {}) {
     return ctx;
 }
 
+TextureMapping2D Read(const Params &params, const Transform &t, DiagnosticSink &sink) {
+    return ReadParams<MappingParams>(params, sink).Make(params, t, sink);
+}
+
 TexCoord2 MapWith(const Params &params, const TextureContext &ctx, const Transform &t = {}) {
     DiagnosticSink sink;
-    TexCoord2 c = Map(ReadTextureMapping2D(params, t, sink), ctx);
+    TexCoord2 c = Map(Read(params, t, sink), ctx);
     EXPECT_TRUE(sink.All().empty());
     return c;
 }
@@ -122,7 +126,7 @@ TEST(TextureMapping, AxisGivesFiniteFootprints) {
 
 TEST(TextureMapping, UnknownNameWarnsAndMeansUv) {
     DiagnosticSink sink;
-    TextureMapping2D m = ReadTextureMapping2D(Params().S("mapping", {"sphericl"}), {}, sink);
+    TextureMapping2D m = Read(Params().S("mapping", {"sphericl"}), {}, sink);
     ASSERT_EQ(sink.All().size(), 1u);
     EXPECT_EQ(sink.All()[0].severity, Severity::Warning);
     EXPECT_EQ(sink.All()[0].loc.line, 2);
@@ -133,8 +137,7 @@ TEST(TextureMapping, UnknownNameWarnsAndMeansUv) {
 TEST(TextureMapping, UvScaleIsUnusedElsewhere) {
     DiagnosticSink sink;
     Params params = Params().S("mapping", {"planar"}).F("uscale", 2);
-    ReadTextureMapping2D(params.Set(), {}, sink);
-    params.Set().ReportUnused(sink);
+    Read(params, {}, sink);
     ASSERT_EQ(sink.ErrorCount(), 1u);
     EXPECT_EQ(sink.All()[0].loc.line, 3);
 }

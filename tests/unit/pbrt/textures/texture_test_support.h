@@ -105,11 +105,25 @@ struct Bench {
                 const Transform &renderFromTexture = {}) {
         textures.Define(name, isSpectrum, type, params, renderFromTexture);
     }
+    /// As a material does that has just this parameter.
+    template <class Param>
+    auto Get(const ParamSet &set, const std::string &name, Param param) {
+        ParamReader reader(set);
+        reader(name, param, "");
+        reader.Finish(sink);
+        return textures.Get(param);
+    }
+    FloatTexturePtr GetFloat(const ParamSet &set, const std::string &name, std::optional<Float> defaultValue = {}) {
+        return Get(set, name, FloatTextureParam{defaultValue});
+    }
+    SpectrumTexturePtr GetSpectrum(const ParamSet &set, const std::string &name, SpectrumUse use) {
+        return Get(set, name, SpectrumTextureParam{{use}});
+    }
     FloatTexturePtr FloatTex(const std::string &name) {
-        return textures.GetFloat(Params("user").Tex("x", name), "x", 0);
+        return GetFloat(Params("user").Tex("x", name), "x");
     }
     SpectrumTexturePtr SpectrumTex(const std::string &name, SpectrumUse use = SpectrumUse::Albedo) {
-        return textures.GetSpectrum(Params("user").Tex("x", name), "x", nullptr, use);
+        return GetSpectrum(Params("user").Tex("x", name), "x", use);
     }
     size_t Errors() const { return sink.ErrorCount(); }
     const Diagnostic &Last() const { return sink.All().back(); }

@@ -27,10 +27,10 @@ std::vector<std::string> Quoted(const std::string &text) {
     return out;
 }
 
-/// Names, without types, of the rows whose first cell has entities such as `Shape "sphere"`.
+/// Names, without types, of the rows whose first cell has entities such as `Shape "sphere"`. The two families of a
+/// texture are one: `Texture "..." "float" "mix"` is Texture "mix".
 std::map<std::string, Names> DocumentedParameters() {
     std::map<std::string, Names> out;
-    Names mapping;
     std::istringstream lines(Document());
     for (std::string line; std::getline(lines, line);) {
         static const std::regex kRow(R"(\| (.*?) \| (.*?) ?\|.*)");
@@ -38,12 +38,11 @@ std::map<std::string, Names> DocumentedParameters() {
         if (!std::regex_match(line, cells, kRow)) continue;
         Names names;
         for (const std::string &p : Quoted(cells[2])) names.insert(p.substr(p.rfind(' ') + 1));
-        if (line.starts_with("| 2D mappings")) mapping = names;
         for (const std::string &entity : Quoted(cells[1]))
-            if (entity.ends_with('"')) out[entity] = names;
+            if (entity.ends_with('"'))
+                out[entity.substr(0, entity.find(' ')) + entity.substr(entity.rfind(' '))].insert(names.begin(),
+                                                                                                names.end());
     }
-    for (const char *type : {"bilerp", "checkerboard", "dots", "imagemap"})
-        out["Texture \"" + std::string(type) + "\""].insert(mapping.begin(), mapping.end());
     return out;
 }
 
@@ -127,6 +126,26 @@ TEST_F(Format, ParametersAreThoseOfTheDocument) {
         }
     }
     EXPECT_GT(compared, 200u);
+}
+
+/// What the declarations say is on the pages.
+TEST_F(Format, PagesAreWhatTheProgramLists) {
+    const std::string begin = "<!-- pbrt --list table -->\n", document = Document();
+    const size_t from = document.find(begin), to = document.find("<!-- end -->");
+    ASSERT_TRUE(from != std::string::npos && to != std::string::npos);
+    EXPECT_EQ(document.substr(from + begin.size(), to - from - begin.size()), Run("--list table").out)
+        << "put the output of `pbrt --list table` between the marks of docs/compatibility.md";
+    std::ifstream in(PBRT_SOURCE_DIR "/docs/parameters.md");
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), Run("--list all").out)
+        << "write the output of `pbrt --list all` to docs/parameters.md";
+}
+
+TEST_F(Format, OneFamilyIsListedAndAnUnknownOneIsAnError) {
+    EXPECT_TRUE(Has(Run("--list cameras").out, "float fov = 90 (above 0, below 180 degrees)\n        "));
+    EXPECT_EQ(Run("--list lightsamplers").out, LightSamplerListing());
+    const Outcome o = Run("--list camera");
+    EXPECT_EQ(o.status, 1);
+    EXPECT_TRUE(Has(o.err, "did you mean \"cameras\"?")) << o.err;
 }
 
 TEST_F(Format, FlagsAreThoseOfTheDocument) {

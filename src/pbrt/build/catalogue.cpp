@@ -1,0 +1,55 @@
+#include "pbrt/build/catalogue.h"
+
+#include "pbrt/build/accelerators.h"
+#include "pbrt/build/geometry_builder.h"
+#include "pbrt/cameras/camera.h"
+#include "pbrt/films/filter.h"
+#include "pbrt/lights/light_factory.h"
+#include "pbrt/materials/material_factory.h"
+#include "pbrt/samplers/sampler.h"
+#include "pbrt/textures/texture_makers.h"
+
+namespace pbrt {
+
+std::vector<FamilyDoc> AllFamilies() {
+    std::vector<FamilyDoc> all = {Cameras().Document("cameras"),
+                                  Filters().Document("filters"),
+                                  Samplers().Document("samplers"),
+                                  Accelerators().Document("accelerators"),
+                                  DocumentShapes(),
+                                  Materials().Document("materials"),
+                                  FloatTextures().Document("floattextures"),
+                                  SpectrumTextures().Document("spectrumtextures"),
+                                  Lights().Document("lights"),
+                                  AreaLights().Document("arealights")};
+    for (FamilyDoc &family : all) {
+        if (family.name == "floattextures") family.what = "Texture \"...\" \"float\"";
+        if (family.name == "spectrumtextures") family.what = "Texture \"...\" \"spectrum\"";
+    }
+    return all;
+}
+
+std::string ListWhat(const std::string &what) {
+    const std::vector<FamilyDoc> families = AllFamilies();
+    std::string text;
+    if (what == "table") {
+        text = "| entity | parameters | remark |\n|---|---|---|\n";
+        for (const FamilyDoc &family : families) text += TableRowsOf(family);
+        return text;
+    }
+    if (what == "all") {
+        text = "# Parameters\n\nThe output of `pbrt --list all`: every parameter with its type, its default, its range and what it means.\n";
+        for (const FamilyDoc &family : families)
+            text += fmt::format("\n## {}\n\n```\n{}```\n", family.name, ListingOf(family));
+        return text;
+    }
+    std::vector<std::string> names = {"all", "table"};
+    for (const FamilyDoc &family : families) {
+        if (family.name == what) return ListingOf(family);
+        names.push_back(family.name);
+    }
+    names.push_back("lightsamplers");
+    ThrowUnknown("--list", what, names, {});
+}
+
+}  // namespace pbrt

@@ -1,0 +1,77 @@
+#include "pbrt/core/factory_table.h"
+
+namespace pbrt {
+
+void ThrowUnknown(const std::string &what, const std::string &given, const std::vector<std::string> &names,
+                  const FileLoc &loc) {
+    throw UserError(fmt::format("{} \"{}\" is unknown; {}.", what, Abbreviate(given), ListChoices(given, names)), loc);
+}
+
+namespace {
+
+bool Has(const std::vector<ParamType> &types, ParamType type) {
+    return std::find(types.begin(), types.end(), type) != types.end();
+}
+
+/// The word or the letters of a type.
+std::string TypeName(const ParamDoc &doc, bool isShort) {
+    const auto &types = doc.types;
+    const bool isTexture = Has(types, ParamType::Texture);
+    auto pick = [&](const char *letters, const char *word) { return std::string(isShort ? letters : word); };
+    if (Has(types, ParamType::Spectrum)) {
+        if (isTexture) return pick("st", "spectrum texture");
+        return Has(types, ParamType::Float) ? pick("f/sp", "float or spectrum") : pick("sp", "spectrum");
+    }
+    if (isTexture) return pick("ft", "float texture");
+    std::string name;
+    for (ParamType type : types) {
+        if (!name.empty()) name += isShort ? "/" : " or ";
+        switch (type) {
+        case ParamType::Integer: name += pick("i", "integer"); break;
+        case ParamType::Float: name += pick("f", "float"); break;
+        case ParamType::Bool: name += pick("b", "bool"); break;
+        case ParamType::String: name += pick("s", "string"); break;
+        case ParamType::Point2: name += pick("p2", "point2"); break;
+        case ParamType::Point3: name += pick("p3", "point3"); break;
+        case ParamType::Vector3: name += pick("v3", "vector3"); break;
+        case ParamType::Normal: name += pick("n", "normal"); break;
+        default: name += Name(type);
+        }
+    }
+    return doc.isList ? name + "[]" : name;
+}
+
+}  // namespace
+
+std::string ParamDoc::TypeText() const { return TypeName(*this, false); }
+std::string ParamDoc::ShortType() const { return TypeName(*this, true); }
+
+std::string ListingOf(const FamilyDoc &family) {
+    std::string out;
+    for (const FactoryDoc &maker : family.makers) {
+        out += fmt::format("{}{}\n", out.empty() ? "" : "\n", maker.name);
+        if (!maker.summary.empty()) out += fmt::format("    {}\n", maker.summary);
+        if (maker.params.empty()) out += "    No parameters.\n";
+        for (const ParamDoc &p : maker.params) {
+            out += fmt::format("    {} {}{}", p.TypeText(), family.isPrefix ? maker.name + '.' : "", p.name);
+            if (!p.defaultValue.empty()) out += " = " + p.defaultValue;
+            if (!p.range.empty()) out += " (" + p.range + ')';
+            out += fmt::format("\n        {}\n", p.help);
+        }
+    }
+    return out;
+}
+
+std::string TableRowsOf(const FamilyDoc &family) {
+    std::string out;
+    for (const FactoryDoc &maker : family.makers) {
+        std::string params;
+        for (const ParamDoc &p : maker.params)
+            params += fmt::format("{}`{} {}`", params.empty() ? "" : ", ", p.ShortType(), p.name);
+        out += fmt::format("| `{} \"{}\"` | {}{}|{} |\n", family.what, maker.name, params, params.empty() ? "" : " ",
+                           maker.summary.empty() ? "" : ' ' + maker.summary);
+    }
+    return out;
+}
+
+}  // namespace pbrt

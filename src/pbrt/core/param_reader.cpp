@@ -1,0 +1,60 @@
+#include "pbrt/core/param_reader.h"
+
+#include <set>
+
+namespace pbrt {
+
+void ParamReader::ReportUnused(DiagnosticSink &sink) const {
+    for (const Param &p : set_.Own()) {
+        auto isNamed = [&](const Declared &d) { return d.name == p.name; };
+        auto isThis = [&](const Declared &d) { return d.type == p.type && d.name == p.name; };
+        if (std::any_of(declared_.begin(), declared_.end(), isThis)) continue;
+        if (sink.IsFull()) {
+            sink.Error(p.loc, "unused parameter.");
+            continue;
+        }
+        const std::string what = fmt::format("\"{} {}\": unused parameter", Name(p.type), Abbreviate(p.name));
+        if (std::any_of(declared_.begin(), declared_.end(), isNamed)) {
+            std::string types;
+            for (const Declared &d : declared_)
+                if (isNamed(d)) types += fmt::format("{}\"{} {}\"", types.empty() ? "" : " or ", Name(d.type), d.name);
+            sink.Error(p.loc, fmt::format("{}: {} takes {}.", what, set_.What(), types));
+            continue;
+        }
+        std::set<std::string> names;
+        for (const Declared &d : declared_) names.insert(d.name);
+        sink.Error(p.loc, fmt::format("{} of {}; {}.", what, set_.What(),
+                                      ListChoices(p.name, {names.begin(), names.end()})));
+    }
+}
+
+namespace detail {
+
+void RequireCount(const ParamSet &set, const Param &p, size_t found, size_t wanted) {
+    if (found == wanted) return;
+    throw UserError(fmt::format("{}: \"{} {}\" takes {} value{}, found {}.", set.What(), Name(p.type), p.name, wanted,
+                                wanted == 1 ? "" : "s", found),
+                    p.loc);
+}
+
+void RequireItems(const ParamSet &set, const Param &p) {
+    const size_t item = ItemSize(p.type);
+    if (p.floats.size() % item != 0)
+        throw UserError(fmt::format("{}: \"{} {}\" takes groups of {} values, found {}.", set.What(), Name(p.type),
+                                    p.name, item, p.floats.size()),
+                        p.loc);
+}
+
+void ThrowMissing(const ParamSet &set, const std::string &name, ParamType type) {
+    throw set.Error(name, fmt::format("\"{} {}\" is missing.", Name(type), name));
+}
+
+void ThrowNoChoice(const ParamSet &set, const Param &p, const Choices &choices) {
+    throw UserError(fmt::format("{}: \"{}\" is not a choice for \"{}\"; {}.", set.What(), Abbreviate(p.strings[0]), p.name,
+                                ListChoices(p.strings[0], choices)),
+                    p.loc);
+}
+
+}  // namespace detail
+
+}  // namespace pbrt

@@ -1,0 +1,222 @@
+#pragma once
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "pbrt/core/describe.h"
+
+namespace pbrt {
+
+/// Reads a parameter struct from a ParamSet: `p.Describe(reader); reader.Finish(sink);`. It remembers what was declared,
+/// so that whatever else the set has is found. Attribute defaults are never reported.
+class ParamReader {
+  public:
+    /// The names in the set begin with `prefix`.
+    explicit ParamReader(const ParamSet &set, std::string prefix = {}) : set_(set), prefix_(std::move(prefix)) {}
+    /// Goes on where another reader of the same set ends: what was declared there is known here.
+    ParamReader(const ParamSet &set, const ParamReader &other) : set_(set), declared_(other.declared_) {}
+
+    bool When(bool applies) const { return applies; }
+    template <class T>
+    void operator()(const std::string &name, T &value, const char *) {
+        Collect([&] { ReadParam(*this, prefix_ + name, value); });
+    }
+    template <class T, class Asked>
+    void operator()(const std::string &name, T &value, const Asked &asked, const char *) {
+        Collect([&] { ReadParam(*this, prefix_ + name, value, asked); });
+    }
+
+    /// What is in the set but was not declared, or with another type, goes to the sink. Throws one UserError with
+    /// everything that is wrong with the values.
+    void Finish(DiagnosticSink &sink) const {
+        ReportUnused(sink);
+        ThrowIfErrors();
+    }
+    void ThrowIfErrors() const {
+        if (!errors_.empty()) throw UserError(errors_);
+    }
+
+    // For overloads of ReadParam.
+
+    const ParamSet &Set() const { return set_; }
+    /// The parameter of that name and type; null if it is absent.
+    const Param *Take(const std::string &name, ParamType type) {
+        Declare(name, type);
+        return set_.Find(name, type);
+    }
+    /// A parameter of that name and type may be there.
+    void Declare(const std::string &name, ParamType type) { declared_.push_back({name, type}); }
+
+  private:
+    struct Declared {
+        std::string name;
+        ParamType type;
+    };
+    template <class F>
+    void Collect(F &&read) {
+        try {
+            read();
+        } catch (const UserError &e) {
+            errors_.insert(errors_.end(), e.Diagnostics().begin(), e.Diagnostics().end());
+        }
+    }
+    void ReportUnused(DiagnosticSink &sink) const;
+
+    const ParamSet &set_;
+    std::string prefix_;
+    std::vector<Declared> declared_;
+    std::vector<Diagnostic> errors_;
+};
+
+namespace detail {
+template <class T>
+const auto &ValuesOf(const Param &p) {
+    if constexpr (std::is_same_v<T, int>) return p.ints;
+    else if constexpr (std::is_same_v<T, bool>) return p.bools;
+    else if constexpr (std::is_same_v<T, std::string>) return p.strings;
+    else return p.floats;
+}
+/// A UserError unless the parameter has that many numbers (or texts).
+void RequireCount(const ParamSet &set, const Param &p, size_t found, size_t wanted);
+/// A UserError unless its numbers make whole items.
+void RequireItems(const ParamSet &set, const Param &p);
+template <class T>
+void RequireRange(const ParamSet &set, const Param &p, T value, const Range<T> &range) {
+    if (!range.Contains(value))
+        throw UserError(fmt::format("{}: \"{}\" is {}; it must be {}.", set.What(), p.name, value, Text(range)), p.loc);
+}
+[[noreturn]] void ThrowMissing(const ParamSet &set, const std::string &name, ParamType type);
+[[noreturn]] void ThrowNoChoice(const ParamSet &set, const Param &p, const Choices &choices);
+/// The parameter if it is there; it must have one value.
+template <class T>
+const Param *TakeOne(ParamReader &reader, const std::string &name) {
+    const Param *p = reader.Take(name, TypeOf<T>());
+    if (p) RequireCount(reader.Set(), *p, ValuesOf<T>(*p).size(), 1);
+    return p;
+}
+}  // namespace detail
+
+template <class T>
+void ReadParam(ParamReader &reader, const std::string &name, T &value) {
+    if (const Param *p = detail::TakeOne<T>(reader, name)) value = detail::ValuesOf<T>(*p)[0];
+}
+template <class T>
+void ReadParam(ParamReader &reader, const std::string &name, std::optional<T> &value) {
+    if (const Param *p = detail::TakeOne<T>(reader, name)) value = detail::ValuesOf<T>(*p)[0];
+}
+template <class T, class U>
+void ReadParam(ParamReader &reader, const std::string &name, T &value, const Range<U> &range) {
+    const Param *p = detail::TakeOne<U>(reader, name);
+    if (!p) return;
+    detail::RequireRange(reader.Set(), *p, detail::ValuesOf<U>(*p)[0], range);
+    value = detail::ValuesOf<U>(*p)[0];
+}
+inline void ReadParam(ParamReader &reader, const std::string &name, std::string &value, const Choices &choices) {
+    const Param *p = detail::TakeOne<std::string>(reader, name);
+    if (!p) return;
+    if (std::find(choices.begin(), choices.end(), p->strings[0]) == choices.end())
+        detail::ThrowNoChoice(reader.Set(), *p, choices);
+    value = p->strings[0];
+}
+template <class E, size_t N>
+void ReadParam(ParamReader &reader, const std::string &name, E &value, const NamedValue<E> (&values)[N]) {
+    const Param *p = detail::TakeOne<std::string>(reader, name);
+    if (!p) return;
+    Choices names;
+    for (const NamedValue<E> &v : values) {
+        if (p->strings[0] == v.name) {
+            value = v.value;
+            return;
+        }
+        names.push_back(v.name);
+    }
+    detail::ThrowNoChoice(reader.Set(), *p, names);
+}
+inline void ReadParam(ParamReader &reader, const std::string &name, std::string &value, Required) {
+    ReadParam(reader, name, value);
+    if (value.empty()) detail::ThrowMissing(reader.Set(), name, ParamType::String);
+}
+
+/// The values stay where they are, in the set.
+template <class T>
+void ReadParam(ParamReader &reader, const std::string &name, std::span<const T> &values) {
+    if (const Param *p = reader.Take(name, detail::TypeOf<T>())) values = detail::ValuesOf<T>(*p);
+}
+template <class T>
+void ReadParam(ParamReader &reader, const std::string &name, std::span<const T> &values, Required) {
+    ReadParam(reader, name, values);
+    if (values.empty()) detail::ThrowMissing(reader.Set(), name, detail::TypeOf<T>());
+}
+template <class T, size_t N>
+void ReadParam(ParamReader &reader, const std::string &name, std::optional<std::array<T, N>> &values) {
+    const Param *p = reader.Take(name, detail::TypeOf<T>());
+    if (!p) return;
+    const auto &given = detail::ValuesOf<T>(*p);
+    detail::RequireCount(reader.Set(), *p, given.size(), N);
+    std::copy(given.begin(), given.end(), values.emplace().begin());
+}
+template <class T, size_t N, class U>
+void ReadParam(ParamReader &reader, const std::string &name, std::optional<std::array<T, N>> &values,
+               const Range<U> &range) {
+    ReadParam(reader, name, values);
+    if (values)
+        for (T v : *values) detail::RequireRange(reader.Set(), *reader.Set().Find(name, detail::TypeOf<T>()), v, range);
+}
+
+/// Items are copied number by number: T is a point, a colour ...
+template <class T>
+void ReadParam(ParamReader &reader, const std::string &name, std::vector<T> &values, const Items &items) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    PBRT_DCHECK(sizeof(T) == ItemSize(items.type) * sizeof(Float));
+    const Param *p = reader.Take(name, items.type);
+    if (!p) return;
+    detail::RequireItems(reader.Set(), *p);
+    if (items.range.low > AnyFloat().low)
+        for (Float v : p->floats) detail::RequireRange(reader.Set(), *p, v, items.range);
+    values.resize(p->floats.size() * sizeof(Float) / sizeof(T));
+    if (!values.empty()) std::memcpy(static_cast<void *>(values.data()), p->floats.data(), values.size() * sizeof(T));
+}
+template <class T>
+void ReadParam(ParamReader &reader, const std::string &name, std::vector<T> &values, const RequiredItems &items) {
+    ReadParam(reader, name, values, static_cast<const Items &>(items));
+    if (values.empty()) detail::ThrowMissing(reader.Set(), name, items.type);
+}
+template <class T>
+void ReadParam(ParamReader &reader, const std::string &name, T &value, const Items &items) {
+    std::vector<T> values;
+    ReadParam(reader, name, values, items);
+    const Param *p = reader.Set().Find(name, items.type);
+    if (!p) return;
+    detail::RequireCount(reader.Set(), *p, p->floats.size(), ItemSize(items.type));
+    value = values[0];
+}
+
+/// A parameter struct. What P does not know goes to the sink; values that are wrong are thrown.
+template <class P>
+P ReadParams(const ParamSet &set, DiagnosticSink &sink) {
+    P p;
+    ParamReader reader(set);
+    p.Describe(reader);
+    reader.Finish(sink);
+    return p;
+}
+
+/// Reads `owner`.name parameters where the set has those of others, too: only wrong values are reported.
+template <class P>
+void ReadParams(P &p, const ParamSet &set, const std::string &owner) {
+    ParamReader reader(set, owner + '.');
+    p.Describe(reader);
+    reader.ThrowIfErrors();
+}
+
+/// A function that reads a P and forgets it: for errors before anything is made.
+template <class P>
+auto ParamsCheck(std::string owner) {
+    return [owner = std::move(owner)](const ParamSet &set) {
+        P p;
+        ReadParams(p, set, owner);
+    };
+}
+
+}  // namespace pbrt

@@ -1,0 +1,105 @@
+#include "pbrt/core/factory_table.h"
+
+#include <gtest/gtest.h>
+
+namespace pbrt {
+namespace {
+
+struct Context {
+    DiagnosticSink &sink;
+};
+using Table = FactoryTable<int, const Context>;
+
+struct TwiceParams {
+    int n = 4;
+    template <class V>
+    void Describe(V &&v) {
+        v("n", n, Range{0, 9}, "half of what is made");
+    }
+};
+
+Table MakeTable() {
+    Table table("Number");
+    table.Add<TwiceParams>("twice", "an even number",
+                           [](const TwiceParams &p, const ParamSet &, const Context &) { return 2 * p.n; });
+    table.Add<NoParams>("one", "", [](NoParams, const ParamSet &, const Context &) { return 1; });
+    return table;
+}
+
+ParamSet Given(const char *name, int value) {
+    ParamSet set("Number \"twice\"", {std::make_shared<SourceFile>(SourceFile{"f", "text"}), 5, 0});
+    Param p;
+    p.type = ParamType::Integer;
+    p.name = name;
+    p.ints = {value};
+    p.loc = set.Loc();
+    p.loc.line = 6;
+    set.Add(p);
+    return set;
+}
+
+TEST(FactoryTable, MakesByNameFromDeclaredParameters) {
+    DiagnosticSink sink;
+    const Table table = MakeTable();
+    EXPECT_EQ(table.Names(), (std::vector<std::string>{"one", "twice"}));
+    EXPECT_EQ(table.Make("twice", Given("n", 3), Context{sink}), 6);
+    EXPECT_EQ(table.Make("twice", ParamSet(), Context{sink}), 8);
+    EXPECT_EQ(table.Make("one", ParamSet(), Context{sink}), 1);
+    EXPECT_TRUE(sink.All().empty());
+}
+
+TEST(FactoryTable, WhatIsNotDeclaredGoesToTheSinkAndBadValuesAreThrown) {
+    DiagnosticSink sink;
+    EXPECT_EQ(MakeTable().Make("twice", Given("m", 3), Context{sink}), 8);
+    ASSERT_EQ(sink.ErrorCount(), 1u);
+    EXPECT_EQ(sink.All()[0].loc.line, 6);
+    EXPECT_THROW(MakeTable().Make("twice", Given("n", 10), Context{sink}), UserError);
+}
+
+TEST(FactoryTable, AnUnknownNameListsTheChoices) {
+    DiagnosticSink sink;
+    try {
+        MakeTable().Make("twise", Given("n", 1), Context{sink});
+        FAIL();
+    } catch (const UserError &e) {
+        EXPECT_EQ(e.Diagnostics()[0].message, "Number \"twise\" is unknown; did you mean \"twice\"? valid: one, twice.");
+        EXPECT_EQ(e.Diagnostics()[0].loc.line, 5);
+    }
+}
+
+TEST(FactoryTable, ANameUsedTwiceIsOurError) {
+    Table table = MakeTable();
+    auto add = [&] { table.Add<NoParams>("one", "", [](NoParams, const ParamSet &, const Context &) { return 2; }); };
+    EXPECT_THROW(add(), std::logic_error);
+}
+
+/// The context of a maker whose set has parameters that somebody else reads.
+struct ContextAfter {
+    DiagnosticSink &sink;
+    const ParamReader &before;
+};
+
+TEST(FactoryTable, WhatAnotherReaderHasDeclaredIsNotUnused) {
+    FactoryTable<int, const ContextAfter> table("Number");
+    table.Add<NoParams>("one", "", [](NoParams, const ParamSet &, const ContextAfter &) { return 1; });
+    DiagnosticSink sink;
+    const ParamSet set = Given("n", 3);
+    ParamReader before(set);
+    TwiceParams other;
+    other.Describe(before);
+    table.Make("one", set, ContextAfter{sink, before});
+    EXPECT_FALSE(sink.HasErrors());
+    table.Make("one", set, ContextAfter{sink, ParamReader(set)});
+    EXPECT_TRUE(sink.HasErrors());
+}
+
+TEST(FactoryTable, ListsAndTablesNameEverything) {
+    const FamilyDoc doc = MakeTable().Document("numbers");
+    EXPECT_EQ(ListingOf(doc),
+              "one\n    No parameters.\n\ntwice\n    an even number\n    integer n = 4 (0 to 9)\n"
+              "        half of what is made\n");
+    EXPECT_EQ(TableRowsOf(doc), "| `Number \"one\"` | | |\n| `Number \"twice\"` | `i n` | an even number |\n");
+}
+
+}  // namespace
+}  // namespace pbrt

@@ -21,7 +21,7 @@ struct Findings {
 };
 
 /// Light points for all zero pairs of a sampler together, and for each of them.
-constexpr size_t kSearch = 3200000, kMostPoints = 512, kLeastPoints = 6;
+constexpr size_t kSearch = 3200000, kMaxPoints = 512, kMinPoints = 6;
 constexpr int kDraws = 32;
 
 /// The contribution of a light at a place, by `points` light points; stops at the first that finds any.
@@ -39,7 +39,7 @@ void SearchZeros(const SceneFixture &f, const LightSampler &sampler, uint64_t se
             if (!(sampler.PMF(f.queries[q], LightId(l)) > 0)) zeros.emplace_back(q, LightId(l));
     out->zeros = zeros.size();
     if (zeros.empty()) return;
-    const size_t points = std::clamp(kSearch / zeros.size(), kLeastPoints, kMostPoints);
+    const size_t points = std::clamp(kSearch / zeros.size(), kMinPoints, kMaxPoints);
     const double share = static_cast<double>(kSearch) / static_cast<double>(points * zeros.size());
     for (auto [q, light] : zeros) {
         if (static_cast<double>(HashFloat(q, light.value, seed)) >= share) continue;

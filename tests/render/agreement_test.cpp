@@ -207,7 +207,7 @@ Wrap Tamper(Tampered::Change change) {
 
 /// With "floor=0.0001" of the paper's model: what the octree did not see gets nothing.
 const Wrap kNoFloor = Tamper([](const LightQuery &, LightId, Float pmf) { return pmf <= Float(1.01e-4) ? 0 : pmf; });
-constexpr const char *kLeastFloor = "octree:model=paper,floor=0.0001";
+constexpr const char *kMinFloor = "octree:model=paper,floor=0.0001";
 
 bool HasOctree() {
     std::vector<std::string> names = AllSamplers().Names();
@@ -239,7 +239,7 @@ TEST(LightSamplersAgree, Deep) {
     if (HasOctree()) labels.push_back("octree:depth=1");
     auto good = ExpectAgreement("deep", view, labels);
     if (HasOctree())
-        ExpectNoticed("deep", "octree:depth=1 without floor", view, good, std::string(kLeastFloor) + ",depth=1",
+        ExpectNoticed("deep", "octree:depth=1 without floor", view, good, std::string(kMinFloor) + ",depth=1",
                       kNoFloor);
 }
 
@@ -247,7 +247,7 @@ TEST(LightSamplersAgree, Slit) {
     View view(BuildText(WithoutCoats("tests/render/scenes/slit.pbrt"), Reduced(2)), 16, 8);
     auto good = ExpectAgreement("slit", view);
     if (HasOctree())
-        ExpectNoticed("slit", "octree without floor", view, good, std::string(kLeastFloor) + ",leaves=65536", kNoFloor);
+        ExpectNoticed("slit", "octree without floor", view, good, std::string(kMinFloor) + ",leaves=65536", kNoFloor);
 }
 
 TEST(LightSamplersAgree, Dollhouse) {
@@ -255,7 +255,7 @@ TEST(LightSamplersAgree, Dollhouse) {
     auto good = ExpectAgreement("dollhouse", view);
     if (HasOctree())
         ExpectNoticed("dollhouse", "octree:depth=1 without floor", view, good,
-                      std::string(kLeastFloor) + ",depth=1,leaves=65536", kNoFloor);
+                      std::string(kMinFloor) + ",depth=1,leaves=65536", kNoFloor);
 }
 
 TEST(LightSamplersAgree, VeachAjar) {

@@ -40,30 +40,30 @@ F Load(const Float *v) { return F(v, std::experimental::vector_aligned); }
 /// The mean clamped cosine over an emitter whose directions' cosines lie between c - s and c + s (see G), with c and s
 /// times the distance.
 [[gnu::always_inline]] inline F MeanCosine(const F &c, const F &s, const F &quarterInvS) {
-    F above = Ops::Most(c + s, F(0));
+    F above = Ops::Max(c + s, F(0));
     return Ops::Select(c >= s, c, above * above * quarterInvS);
 }
 
 /// Squared sine of a thousandth of a radian: a margin for the rounding of directions (as in LightBounds).
 constexpr Float kSlack = 1e-6f;
 /// So that sums stay finite.
-constexpr Float kMostArriving = 1e36f;
+constexpr Float kMaxArriving = 1e36f;
 
 /// Emission: the cosine of the angle by which the direction leaves the cone of normals. The falloff may end before or
 /// after the horizon (spot lights): then that cosine is not what limits it. `c`: of the direction and the axis. All
 /// cosines and sines times the distance d; a product of two of them times d2.
 [[gnu::always_inline]] inline F Emission(const EmitterPacket &e, const F &c, const F &d2, const F &s, const F &quarterInvS) {
-    const F d = Ops::Root(d2), cosO = Load(e.cosO), sinO = Load(e.sinO), cosE = Load(e.cosE);
-    F sinAxis = Ops::Root(Ops::Most(d2 - c * c, F(0)));
+    const F d = Ops::Sqrt(d2), cosO = Load(e.cosO), sinO = Load(e.sinO), cosE = Load(e.cosE);
+    F sinAxis = Ops::Sqrt(Ops::Max(d2 - c * c, F(0)));
     auto within = c > cosO * d;
-    F beyond = Ops::Select(cosO == F(1), c, Ops::Select(within, d, Ops::Least(c * cosO + sinAxis * sinO, d)));
+    F beyond = Ops::Select(cosO == F(1), c, Ops::Select(within, d, Ops::Min(c * cosO + sinAxis * sinO, d)));
     F mean = MeanCosine(beyond, s, quarterInvS);
     if (!e.someCut) return mean;
     F sinBeyond = Ops::Select(within, F(0), sinAxis * cosO - c * sinO);
     // The sphere's nearest direction: its half angle less.
-    F cosExtent = Ops::Root(Ops::Most(d2 - s * s, F(0)));
+    F cosExtent = Ops::Sqrt(Ops::Max(d2 - s * s, F(0)));
     auto inCone = beyond > cosExtent || beyond * cosExtent + sinBeyond * s > cosE * d2;
-    F cut = Ops::Select(inCone, Ops::Most(mean, F(1e-3f) * d), F(0));
+    F cut = Ops::Select(inCone, Ops::Max(mean, F(1e-3f) * d), F(0));
     return Ops::Select(cosE == F(0), mean, cut);
 }
 
@@ -132,7 +132,7 @@ void EmitterPacket::Set(size_t lane, const Emitter &e) {
     axisZ[lane] = s.w.z;
     Float shown = e.isArea ? (1 + 3 * (1 + s.cosTheta_o) / 2) / 4 : Float(1);
     intensity[lane] = std::clamp(e.intensity * shown, Float(1e-30f), Float(1e30f));
-    inside[lane] = std::min(intensity[lane] / std::max(radius2[lane], Float(1e-30f)), kMostArriving) / 4;
+    inside[lane] = std::min(intensity[lane] / std::max(radius2[lane], Float(1e-30f)), kMaxArriving) / 4;
     side[lane] = s.twoSided ? -1 : 1;
     // Normals that differ by rounding only are one normal (kSlack is larger).
     const bool isFlat = s.cosTheta_o > 1 - 2e-7f;
@@ -154,21 +154,21 @@ void EmitterPacket::Set(size_t lane, const Emitter &e) {
     for (size_t i = 0; i < count; ++i) {
         const EmitterPacket &e = packets[i];
         const F vx = Load(e.centerX) - px, vy = Load(e.centerY) - py, vz = Load(e.centerZ) - pz;
-        const F d2 = Ops::Most(vx * vx + vy * vy + vz * vz, F(1e-30f)), r2 = Load(e.radius2);
+        const F d2 = Ops::Max(vx * vx + vy * vy + vz * vz, F(1e-30f)), r2 = Load(e.radius2);
         const F invD2 = F(1) / d2;
-        const F s = Ops::Root(r2 + F(kSlack) * d2), quarterInvS = F(0.25f) / s;
+        const F s = Ops::Sqrt(r2 + F(kSlack) * d2), quarterInvS = F(0.25f) / s;
 
         F c = -(Load(e.axisX) * vx + Load(e.axisY) * vy + Load(e.axisZ) * vz);
-        c = Ops::Most(c, c * Load(e.side));
+        c = Ops::Max(c, c * Load(e.side));
         F emission = e.someCurved || e.someCut ? Emission(e, c, d2, s, quarterInvS) : MeanCosine(c, s, quarterInvS);
         F receiver;
         if (inMedium) {
-            receiver = Ops::Root(d2);
+            receiver = Ops::Sqrt(d2);
         } else {
             F r = nx * vx + ny * vy + nz * vz;
-            receiver = MeanCosine(Ops::Most(r, r * otherSide), s, quarterInvS);
+            receiver = MeanCosine(Ops::Max(r, r * otherSide), s, quarterInvS);
         }
-        F arriving = Ops::Least(Load(e.intensity) * invD2, F(kMostArriving));
+        F arriving = Ops::Min(Load(e.intensity) * invD2, F(kMaxArriving));
         F value = Ops::Select(d2 <= r2, Load(e.inside), arriving * (emission * receiver * invD2));
         value.copy_to(out + i * kLanes, std::experimental::element_aligned);
         sum += value;

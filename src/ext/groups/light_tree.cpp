@@ -14,7 +14,7 @@ namespace {
 /// From this many lights on a node is halved, its children are built at once.
 constexpr uint32_t kManyItems = 4096;
 /// No child has less than this part of its node's lights, so that the depth stays logarithmic.
-constexpr uint32_t kLeastPart = 8;
+constexpr uint32_t kMinPart = 8;
 
 /// Where to part items that are sorted along `axis`: least weighted spread on both sides together.
 uint32_t BestSplit(std::span<const EmitterItem> items, size_t axis) {
@@ -23,7 +23,7 @@ uint32_t BestSplit(std::span<const EmitterItem> items, size_t axis) {
         weight += static_cast<double>(item.weight);
         sum += static_cast<double>(item.weight * item.feature[axis]);
     }
-    const auto count = static_cast<uint32_t>(items.size()), least = std::max(1u, count / kLeastPart);
+    const auto count = static_cast<uint32_t>(items.size()), least = std::max(1u, count / kMinPart);
     uint32_t best = count / 2;
     double most = -1, left = 0, leftSum = 0;
     for (uint32_t i = 0; i + least < count; ++i) {

@@ -13,7 +13,7 @@ MeshInterior::MeshInterior(const LightGroups &groups, bool byImportance)
             const uint32_t count = groups.CountOf(g);
             if (count == 1) continue;
             std::vector<Emitter> emitters = GroupImportance::EmittersIn(groups, g);
-            if (count <= kLargestScan) inner_[g].scan = std::make_unique<GroupImportance>(emitters);
+            if (count <= kMaxScan) inner_[g].scan = std::make_unique<GroupImportance>(emitters);
             else inner_[g].tree = std::make_unique<EmitterTree>(emitters);
         }
     });
@@ -32,7 +32,7 @@ std::optional<SampledLight> MeshInterior::Sample(uint32_t group, const LightQuer
         return chosen;
     }
     if (!inner.scan) return SampledLight{LightId(first), 1};
-    Float g[kLargestScan];
+    Float g[kMaxScan];
     Float sum = inner.scan->Evaluate(query, g);
     if (!(sum > 0)) return {};
     const auto chosen = ChooseByWeight<Float>(inner.scan->Size(), u * sum, [&](uint32_t i) { return g[i]; });
@@ -47,7 +47,7 @@ Float MeshInterior::PMF(const LightQuery &query, LightId light) const {
     const uint32_t index = light.value - groups_.FirstOf(group);
     if (inner.tree) return inner.tree->PMF(query, index);
     if (!inner.scan) return 1;
-    Float g[kLargestScan];
+    Float g[kMaxScan];
     Float sum = inner.scan->Evaluate(query, g);
     return sum > 0 ? g[index] / sum : 0;
 }

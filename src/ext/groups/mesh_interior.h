@@ -22,7 +22,7 @@ class MeshInterior {
     size_t Bytes() const;
 
   private:
-    static constexpr uint32_t kLargestScan = 32;
+    static constexpr uint32_t kMaxScan = 32;
     struct Inner {
         std::unique_ptr<GroupImportance> scan;
         std::unique_ptr<EmitterTree> tree;

@@ -16,7 +16,7 @@ constexpr double kInnerCost = 1.1;
 constexpr double kNoCost = 1e-4;
 constexpr double kNever = -std::numeric_limits<double>::infinity();
 /// How much more or less than the cell above said.
-constexpr double kLeastRatio = 1e-4, kMostRatio = 1e4;
+constexpr double kMinRatio = 1e-4, kMaxRatio = 1e4;
 }  // namespace
 
 /// Estimates all nodes that the tries or the cell above tell apart, then joins.
@@ -54,7 +54,7 @@ struct CellCut::Merger {
              double shareBefore) {
         const double sw = w[end] - w[begin], sw2 = w2[end] - w2[begin], se = expected[end] - expected[begin], k = settings.shrinkage;
         const double tries = begin < end && sw2 > 0 && se > 0 ? sw * sw / sw2 : 0, found = tries > 0 ? (wm[end] - wm[begin]) / se : 0;
-        const double ratio = tries + k > 0 ? std::clamp((tries * found + k * ratioBefore) / (tries + k), kLeastRatio, kMostRatio) : ratioBefore;
+        const double ratio = tries + k > 0 ? std::clamp((tries * found + k * ratioBefore) / (tries + k), kMinRatio, kMaxRatio) : ratioBefore;
         Item item{.node = node};
         item.moment = ratio * momentAbove;
         item.share = (sw + k * shareBefore) / std::max(weight + k, 1e-9);

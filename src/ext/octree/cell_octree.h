@@ -47,8 +47,8 @@ class CellOctree {
 
     /// Cell coordinates at the deepest level.
     glm::uvec3 Quantize(const Point3 &p) const {
-        constexpr Float kLargest = (1 << MaxDepth) - 1;
-        return glm::uvec3(glm::clamp((p - low_) * scale_, Vector3(0), Vector3(kLargest)));
+        constexpr Float kMax = (1 << MaxDepth) - 1;
+        return glm::uvec3(glm::clamp((p - low_) * scale_, Vector3(0), Vector3(kMax)));
     }
     static uint32_t TopCell(const glm::uvec3 &q) {
         constexpr int bit = MaxDepth - 2;

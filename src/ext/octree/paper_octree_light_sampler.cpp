@@ -12,7 +12,7 @@ namespace ext {
 
 namespace {
 /// Above this many groups the floor comes from the light BVH instead of a scan.
-constexpr size_t kLargestScan = 64;
+constexpr size_t kMaxScan = 64;
 
 double SecondsSince(std::chrono::steady_clock::time_point t) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
@@ -21,7 +21,7 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
 
 PaperOctreeLightSampler::PaperOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
     : GroupLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()), params_(params), floor_(params.floor > 0 ? params.floor : kPaperFloor) {
-    if (groups_.Size() <= kLargestScan) unoccluded_ = std::make_unique<ExhaustiveLightSampler>(groups_);
+    if (groups_.Size() <= kMaxScan) unoccluded_ = std::make_unique<ExhaustiveLightSampler>(groups_);
     else unoccluded_ = std::make_unique<BVHLightSampler>(groups_);
 }
 

@@ -5,7 +5,7 @@
 namespace ext {
 
 namespace {
-constexpr double kFewestVertices = 2000, kLargestFactor = 1.25, kMostTries = 4e6;
+constexpr double kMinVertices = 2000, kMaxFactor = 1.25, kMaxTries = 4e6;
 /// What a drawn try costs in the building of the tree, in rays.
 constexpr double kBuildPerTry = 0.3;
 }  // namespace
@@ -15,8 +15,8 @@ double PrepassEffort::Share() const {
     const auto tries = static_cast<double>(triesPerVertex);
     const double raysPerVertex = RaysPerVertex();
     double share = budget;
-    if (!IsDrawn()) share = std::max(budget, std::min(kFewestVertices * raysPerVertex / renderRays, kLargestFactor * budget));
-    return std::min(share, kMostTries / tries * raysPerVertex / renderRays);
+    if (!IsDrawn()) share = std::max(budget, std::min(kMinVertices * raysPerVertex / renderRays, kMaxFactor * budget));
+    return std::min(share, kMaxTries / tries * raysPerVertex / renderRays);
 }
 
 double PrepassEffort::RaysPerVertex() const {

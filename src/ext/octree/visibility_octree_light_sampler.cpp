@@ -18,14 +18,14 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
 /// Samples per pixel after which the render's shadow rays are looked at, if three times as many are to come.
 constexpr int kLearnAfter[] = {1, 4, 16, 64};
 /// Of them, between two lookings.
-constexpr size_t kMostFound = 400000;
+constexpr size_t kMaxFound = 400000;
 
 }  // namespace
 
 VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
     : InteriorLightSampler(lights, params.meshlights, params.interior), params_(params),
       floor_(params.floor > 0 ? params.floor : kVisibilityFloor), importance_(groups_) {
-    if (groups_.Size() > kMost) lightTree_ = std::make_unique<LightTree>(GroupImportance::EmittersOf(groups_));
+    if (groups_.Size() > kMax) lightTree_ = std::make_unique<LightTree>(GroupImportance::EmittersOf(groups_));
 }
 
 VisibilityOctreeLightSampler::~VisibilityOctreeLightSampler() = default;
@@ -90,7 +90,7 @@ void VisibilityOctreeLightSampler::BeginLearning(int first) {
     const auto *next = std::upper_bound(std::begin(kLearnAfter), std::end(kLearnAfter), first);
     nextLearning_ = Learner() && next != std::end(kLearnAfter) && 4 * *next <= samplesPerPixel_ ? *next : 0;
     if (nextLearning_ > 0) {
-        found_.Begin(pixels_, first, nextLearning_, depth_, kMostFound);
+        found_.Begin(pixels_, first, nextLearning_, depth_, kMaxFound);
     } else {
         found_.End();
         known_ = {};
@@ -150,8 +150,8 @@ void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c
     constexpr Float kAlike = 0.1f;
     // What has so small a part in G is not worth a look, whatever the lobe.
     const Float worthLooking = c->sumW * 1e-3f;
-    Vector3 wi[kMost];
-    uint8_t looked[kMost];
+    Vector3 wi[kMax];
+    uint8_t looked[kMax];
     size_t count = 0;
     for (size_t i = 0; i < c->count; ++i) {
         if (!(c->w[i] > worthLooking)) continue;
@@ -160,7 +160,7 @@ void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c
         wi[count] = importance_.DirectionTo(query.p, lightTree_ ? lightTree_->LightAt(lightTree_->At(c->nodes[i]).begin) : static_cast<uint32_t>(i));
         if (wi[count] != Vector3(0)) looked[count++] = static_cast<uint8_t>(i);
     }
-    Float f[kMost];
+    Float f[kMax];
     query.bsdf->ApproximateF(query.wo, {wi, count}, f);
     Float weighted = 0, weights = 0;
     for (size_t k = 0; k < count; ++k) {

@@ -38,10 +38,10 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     const VisibilityTree &Tree() const { return tree_; }
 
   private:
-    static constexpr size_t kMost = 64;
+    static constexpr size_t kMax = 64;
     /// Weights of the lights considered at a point.
     struct Choice {
-        alignas(32) Float g[kMost], w[kMost];
+        alignas(32) Float g[kMax], w[kMax];
         Float sumG = 0, sumW = 0;
         Float perW = 0, perG = 0;          ///< P = w perW + g perG
         std::span<const uint32_t> nodes;  ///< of the light tree; empty: all lights, in order

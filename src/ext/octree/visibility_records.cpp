@@ -7,7 +7,7 @@ namespace ext {
 
 namespace {
 
-constexpr size_t kMostScanned = 64;
+constexpr size_t kMaxScanned = 64;
 constexpr int64_t kChunk = 256;
 
 /// What one shadow ray to a group finds, as one light sample of the render would.
@@ -49,17 +49,17 @@ class Draws {
     const LightTree *tree_;
     const LightQuery &query_;
     std::span<const uint32_t> nodes_;
-    alignas(32) Float g_[kMostScanned];
+    alignas(32) Float g_[kMaxScanned];
     size_t count_ = 0;
     Float sum_ = 0;
 };
-static_assert(LightTree::kBaseNodes + LightTree::kFarNodes <= kMostScanned);
+static_assert(LightTree::kBaseNodes + LightTree::kFarNodes <= kMaxScanned);
 
 }  // namespace
 
 size_t TriesPerRecord(size_t groups, int wanted) {
     if (wanted > 0) return std::min(groups, static_cast<size_t>(wanted));
-    return groups <= kMostScanned ? groups : 8;
+    return groups <= kMaxScanned ? groups : 8;
 }
 
 VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices, const LightGroups &groups,

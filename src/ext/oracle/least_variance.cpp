@@ -7,7 +7,7 @@
 namespace ext {
 
 namespace {
-constexpr int kMostSteps = 30;
+constexpr int kMaxSteps = 30;
 constexpr double kTolerance = 1e-3;
 
 double Square(Float v) { return static_cast<double>(v) * static_cast<double>(v); }
@@ -54,7 +54,7 @@ bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf)
     }
     if (!anyRatio || lights == 1) return true;
 
-    for (int step = 0; step < kMostSteps; ++step) {
+    for (int step = 0; step < kMaxSteps; ++step) {
         double sum = 0, least = std::numeric_limits<double>::infinity(), most = 0;
         for (size_t l = 0; l < lights; ++l) {
             double p = pmf[l], gain = 0;

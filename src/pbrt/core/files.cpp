@@ -82,15 +82,15 @@ std::string ReadFileContents(const std::string &path, ReadFrom from, double (*av
         throw UserError(fmt::format("{}: {}.", path, std::strerror(ENOMEM)));
     }
     // Scenes have thousands of small files: no more memory is touched than they need.
-    constexpr size_t kMost = 1 << 18, kLeast = 1 << 12;
-    if (size == 0) size = kMost;  // a pipe, or a file that the kernel makes up
-    gzbuffer(file.get(), static_cast<unsigned>(std::clamp(size, kLeast, kMost)));
+    constexpr size_t kMax = 1 << 18, kMin = 1 << 12;
+    if (size == 0) size = kMax;  // a pipe, or a file that the kernel makes up
+    gzbuffer(file.get(), static_cast<unsigned>(std::clamp(size, kMin, kMax)));
     std::string content;
-    Grow(content, size + kLeast, path, available);
+    Grow(content, size + kMin, path, available);
     for (;;) {
         size_t old = content.size();
         if (content.capacity() == old) Grow(content, 2 * old, path, available);
-        const size_t chunk = std::min(content.capacity() - old, kMost);
+        const size_t chunk = std::min(content.capacity() - old, kMax);
         content.resize(old + chunk);
         int got = gzread(file.get(), content.data() + old, static_cast<unsigned>(chunk));
         if (got < 0) {

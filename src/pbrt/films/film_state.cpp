@@ -13,7 +13,7 @@ namespace pbrt {
 namespace {
 
 constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 'f', 'l', 'm', '1'};
-constexpr uint64_t kLongestName = 64, kMostBlocks = 64;
+constexpr uint64_t kLongestName = 64, kMaxBlocks = 64;
 
 template <class T>
 void WriteValue(std::ostream &out, const T &value) {
@@ -85,7 +85,7 @@ SavedState ReadState(std::istream &in) {
     state.kind = ReadName(in);
     state.pixelBounds = ReadValue<Bounds2i>(in);
     const auto count = ReadValue<uint64_t>(in);
-    if (count > kMostBlocks) RefuseFile();
+    if (count > kMaxBlocks) RefuseFile();
     for (uint64_t i = 0; i < count; ++i) {
         SavedState::Block &block = state.blocks.emplace_back();
         block.name = ReadName(in);

@@ -8,7 +8,7 @@ namespace pbrt {
 
 namespace {
 
-constexpr Float kLargestHalf = 65504;
+constexpr Float kMaxHalf = 65504;
 
 }  // namespace
 
@@ -55,8 +55,8 @@ Image SensorSums::MakeImage(const std::vector<std::string> &furtherChannels) con
             }
             Rgb rgb = outputFromSensor_ * sensor;
             for (int c = 0; c < 3; ++c) {
-                if (half_ && rgb[c] > kLargestHalf) {
-                    rgb[c] = kLargestHalf;
+                if (half_ && rgb[c] > kMaxHalf) {
+                    rgb[c] = kMaxHalf;
                     ++clamped;
                 }
                 image.Set({x, y}, c, rgb[c]);
@@ -66,7 +66,7 @@ Image SensorSums::MakeImage(const std::vector<std::string> &furtherChannels) con
         LogWarning(
             fmt::format("{} pixel values are above {}, the largest of half precision, and are cut to it; "
                         "\"bool savefp16\" false keeps them.",
-                        clamped, kLargestHalf));
+                        clamped, kMaxHalf));
     if (counts_.rejected > 0)
         LogWarning(fmt::format("{} samples had infinite or not-a-number radiance and were dropped.", counts_.rejected));
     return image;

@@ -172,17 +172,17 @@ size_t CountAtHalfLimit(const Image &image) {
 
 /// Says which of a file's parts is read.
 void WarnOfParts(const std::string &path) {
-    constexpr int kMostNames = 8;
+    constexpr int kMaxNames = 8;
     const Imf::MultiPartInputFile file(path.c_str());
     const int count = file.parts();
     if (count < 2) return;
     std::string names;
-    for (int i = 0; i < std::min(count, kMostNames); ++i) {
+    for (int i = 0; i < std::min(count, kMaxNames); ++i) {
         const Imf::Header &header = file.header(i);
         names += fmt::format("{}\"{}\"", i ? ", " : "", header.hasName() ? Abbreviate(header.name()) : "");
     }
     LogWarning(fmt::format("{}: the image has {} parts ({}{}); only the first is read.", path, count, names,
-                           count > kMostNames ? ", ..." : ""));
+                           count > kMaxNames ? ", ..." : ""));
 }
 
 }  // namespace

@@ -225,7 +225,7 @@ Texel<N> Read(const MipMap::View &view, size_t first, Point2 st, Vector2 dst0, V
 }
 
 /// Smaller levels are not worth a place on disk.
-constexpr size_t kLeastStoredBytes = 1 << 16;
+constexpr size_t kMinStoredBytes = 1 << 16;
 
 Image KeepColor(Image image) {
     if (image.ChannelCount() == 1) return image;
@@ -265,7 +265,7 @@ MipMap::MipMap(Image image, const ColorSpace *colorSpace, TextureFilter filter, 
     for (const Image &level : pixels->levels)
         view_.levels.push_back({level.Data(), level.Resolution().x, level.Resolution().y});
     size_t big = 0;
-    while (tiles && big < pixels->levels.size() && pixels->levels[big].Bytes() > kLeastStoredBytes) ++big;
+    while (tiles && big < pixels->levels.size() && pixels->levels[big].Bytes() > kMinStoredBytes) ++big;
     if (big > 0) {
         std::vector<Image> stored;
         for (size_t i = 0; i < big; ++i) {

@@ -98,7 +98,7 @@ RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Fil
             progress.SetFraction(spent / settings.timeBudget, settings.timeBudget - spent);
         }
         if (settings.afterWave) settings.afterWave(renderer.Done());
-        if (renderer.Done() > 1) wave = std::min(2 * wave, kLargestWave);
+        if (renderer.Done() > 1) wave = std::min(2 * wave, kMaxWave);
     }
     result.mseFailure = reference.Finish();
     result.samplesTaken = renderer.Done();

@@ -30,7 +30,7 @@ struct RenderResult {
 };
 
 /// Samples per pixel of the largest wave.
-constexpr int kLargestWave = 64;
+constexpr int kMaxWave = 64;
 
 /// Has an integrator render one pass after another, in batches of samplers; between passes the integrator's
 /// LightLearner learns after the numbers of samples that it names. Any split into calls gives the same image.
@@ -64,7 +64,7 @@ class WaveRenderer {
     bool isRepeating_ = false;  ///< the film has these samples
 };
 
-/// Renders waves of 1, 1, 2, 4, ... up to kLargestWave samples per pixel until samplesPerPixel or the time budget is
+/// Renders waves of 1, 1, 2, 4, ... up to kMaxWave samples per pixel until samplesPerPixel or the time budget is
 /// reached.
 RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film,
                          const Sampler &sampler, const RenderSettings &settings, Progress &progress);

@@ -51,7 +51,7 @@ namespace pbrt::lab {
 namespace {
 
 constexpr int kMinimumData = 32;   ///< tile means (seeds x tiles) in a block
-constexpr int kFewestRegions = 4;  ///< that pass for "about 1/16 of the picture"
+constexpr int kMinRegions = 4;  ///< that pass for "about 1/16 of the picture"
 constexpr double kUnseen = 0.7;    ///< strong samples that may have been missed, times -log(level)
 constexpr size_t kUsual = 6;       ///< one of so many blocks has a sample at least as strong as the usual one
 constexpr double kDark = 0.05;     ///< of the image mean, added to every block's mean
@@ -424,7 +424,7 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
     if (anyBiased)
         report.verdict = BiasVerdict::Biased;
     else if (imageArea > 0 && report.visibleImage <= settings.interest && report.visibleSixteenth <= settings.interest &&
-             report.sixteenthRegions >= kFewestRegions)
+             report.sixteenthRegions >= kMinRegions)
         report.verdict = BiasVerdict::Clean;
     report.text = Explain(report, settings);
     return report;

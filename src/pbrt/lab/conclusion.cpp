@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr size_t kMostNamed = 4;  ///< in a headline
+constexpr size_t kMaxNamed = 4;  ///< in a headline
 
 bool Competes(const Contender &c) {
     return !c.isOracle && c.bias != BiasVerdict::Biased && !c.errors.empty() && std::isfinite(Summarize(c.errors).mean);
@@ -92,7 +92,7 @@ std::string WinnerHeadline(const Contender &leader, const Contender &next, bool 
 
 std::string UndecidedHeadline(const std::vector<const Contender *> &competing) {
     std::vector<std::string> errors;
-    for (size_t i = 0; i < std::min(competing.size(), kMostNamed); ++i)
+    for (size_t i = 0; i < std::min(competing.size(), kMaxNamed); ++i)
         errors.push_back(competing[i]->label + " " + ErrorText(*competing[i]));
     const size_t more = competing.size() - errors.size();
     return fmt::format("Undecided. Mean relL2: {}{}.", fmt::join(errors, ", "),

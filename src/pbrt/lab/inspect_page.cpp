@@ -10,7 +10,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr size_t kMostLights = 100;
+constexpr size_t kMaxLights = 100;
 
 constexpr const char *kHead = R"(<!doctype html>
 <html lang="en">
@@ -101,7 +101,7 @@ std::string LightRows(const Json &lights) {
         return a->at("power").get<double>() > b->at("power").get<double>();
     });
     std::string rows;
-    for (size_t i = 0; i < std::min(sorted.size(), kMostLights); ++i)
+    for (size_t i = 0; i < std::min(sorted.size(), kMaxLights); ++i)
         rows += fmt::format("<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td></tr>\n",
                             Escaped(sorted[i]->at("label")), Number(sorted[i]->at("first")),
                             Number(sorted[i]->at("power")));
@@ -127,7 +127,7 @@ std::string InspectPage(const Json &inspection, const std::string &structure) {
     page += fmt::format(
         "</div>\n<h2>Lights</h2>\n<p>{} lights or emissive meshes{}. \"first\" is the number that the pictures' names "
         "use.</p>\n",
-        lights.size(), lights.size() > kMostLights ? fmt::format("; the {} of most power", kMostLights) : "");
+        lights.size(), lights.size() > kMaxLights ? fmt::format("; the {} of most power", kMaxLights) : "");
     page += "<table id=\"lights\"><tr><th>place in the scene file</th><th>first</th><th>power</th></tr>\n" +
             LightRows(lights) + "</table>\n";
     page += "<h2>Structure</h2>\n<pre>" + Escaped(structure.empty() ? "no learned structure" : structure) +

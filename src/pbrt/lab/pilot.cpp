@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr int kFewestSamples = 4, kMostSamples = 16;  // per picture; two pictures a candidate
+constexpr int kMinSamples = 4, kMaxSamples = 16;  // per picture; two pictures a candidate
 constexpr int kShareOfReference = 128;                // all candidates together take some 6 % of two references
 constexpr int kFirstSeed = 700001;  // far from the seeds of the runs
 
@@ -36,7 +36,7 @@ int SamplesPerPicture(const CampaignSettings &settings, const LabScene &scene) {
     const double lights = static_cast<double>(scene.built.scene->Lights().Size());
     const double pixels = static_cast<double>(std::max<int64_t>(1, scene.Pixels().Area()));
     const int forReference = ReferenceRule::For(settings).samples / kShareOfReference;
-    return std::clamp(std::max(static_cast<int>(8 * lights / pixels), forReference), kFewestSamples, kMostSamples);
+    return std::clamp(std::max(static_cast<int>(8 * lights / pixels), forReference), kMinSamples, kMaxSamples);
 }
 
 /// Two pictures of a candidate and their common tile means.

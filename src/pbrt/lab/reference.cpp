@@ -17,7 +17,7 @@ namespace {
 constexpr int kParts = 8;           // seeds of a reference; their scatter tells its noise (7 degrees of freedom)
 constexpr int kFirstSeed = 800001;  // far from the seeds of the runs and of the pilot
 constexpr int kSeedStep = 1000;     // between references
-constexpr int kLeastSamples = 64;   // by time
+constexpr int kMinSamples = 64;   // by time
 constexpr double kDisagree = 2;     // times the relL2 that the noise of two references explains
 
 /// Renders one reference, or finds it.
@@ -70,7 +70,7 @@ class ReferenceMaker {
         if (known.is_object() && known.value("sampler", "") == with.choice.label)
             return known.value("samplesPerPart", 1);
         const double fit = rule_.seconds / std::max(1e-6, with.secondsPerSample);
-        const int samples = static_cast<int>(std::ceil(std::max<double>(kLeastSamples, fit) / kParts));
+        const int samples = static_cast<int>(std::ceil(std::max<double>(kMinSamples, fit) / kParts));
         records_.SaveNote(note, {{"sampler", with.choice.label}, {"samplesPerPart", samples}});
         return samples;
     }

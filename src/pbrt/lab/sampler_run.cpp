@@ -64,7 +64,7 @@ bool SamplerRun::RenderTo(const RenderTarget &target, const std::function<void()
         if (renderer_.Done() > 0) {
             double fits = kLongestWave / std::max(secondsPerSample_, 1e-6);
             if (timed) fits = std::min(fits, (target.seconds - spent_.wall) / secondsPerSample_ + 0.5);
-            size = std::clamp(static_cast<int>(fits), timed ? 0 : 1, kLargestWave);
+            size = std::clamp(static_cast<int>(fits), timed ? 0 : 1, kMaxWave);
         }
         if (!timed) size = std::min(size, target.samples - renderer_.Done());
         if (size < 1) return true;

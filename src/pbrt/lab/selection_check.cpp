@@ -19,7 +19,7 @@
 // weight are the same on both sides, and their noise with them. Draws need no rays, so there can be thousands a vertex.
 //
 // Heavy tails: a light of share s chosen with probability p moves a vertex by s / (p draws). Where that is more than
-// kLargestStep, the light counts with less weight, on both sides; what is left out is reported and added to the
+// kMaxStep, the light counts with less weight, on both sides; what is left out is reported and added to the
 // smallest visible bias. Weights depend on what was measured, not on what was drawn, so the mean stays 0. A light that
 // is never chosen keeps its whole weight.
 //
@@ -31,8 +31,8 @@ namespace pbrt::lab {
 namespace {
 
 constexpr uint64_t kStream = 0x73656c656374ull;
-constexpr int kFewestDraws = 64, kMostDraws = 1 << 16;
-constexpr double kLargestStep = 0.5;
+constexpr int kMinDraws = 64, kMaxDraws = 1 << 16;
+constexpr double kMaxStep = 0.5;
 
 /// Asks a sampler at vertices.
 class Asker {
@@ -61,7 +61,7 @@ class Asker {
             const double c = static_cast<double>(m.c);
             double counts = 1;
             if (pmf > 0 && due > 0)
-                counts = std::min(1.0, kLargestStep * light * static_cast<double>(pmf) * draws_ / (c * due));
+                counts = std::min(1.0, kMaxStep * light * static_cast<double>(pmf) * draws_ / (c * due));
             excess += counts * c * (got - due);
             unjudged += (1 - counts) * c * due;
         }
@@ -108,7 +108,7 @@ std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices,
                                               Progress &progress) {
     SelectionReport report;
     const double count = static_cast<double>(vertices.VertexCount());
-    for (int draws = kFewestDraws; draws <= kMostDraws; draws *= 4) {
+    for (int draws = kMinDraws; draws <= kMaxDraws; draws *= 4) {
         std::vector<std::vector<VertexFinding>> regions(vertices.RegionCount());
         progress.BeginPhase("checking light selection", static_cast<int64_t>(regions.size()));
         ParallelForEach(static_cast<int64_t>(regions.size()), [&](int64_t r) {

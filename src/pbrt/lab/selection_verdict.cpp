@@ -9,15 +9,15 @@
 #include "pbrt/math/statistics.h"
 
 // Statistic: over the paths of a region sum of excess over sum of light, its noise from path to path. A vertex with more
-// than kLargestVertex times the region's mean light per path (of those that have light) counts as that much: the light
+// than kMaxVertex times the region's mean light per path (of those that have light) counts as that much: the light
 // does not depend on the draws, so the mean of the excess stays 0, no path decides, and sums of hundreds are normal.
 
 namespace pbrt::lab {
 
 namespace {
 
-constexpr double kLargestVertex = 8;
-constexpr double kFewestEffective = 20;  ///< paths that carry light
+constexpr double kMaxVertex = 8;
+constexpr double kMinEffective = 20;  ///< paths that carry light
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Sums over paths.
@@ -46,7 +46,7 @@ Sums SumUp(std::span<const VertexFinding> region) {
         light += static_cast<double>(v.light);
         paths += v.endsPath;
     }
-    const double most = kLargestVertex * light / static_cast<double>(std::max<size_t>(paths, 1));
+    const double most = kMaxVertex * light / static_cast<double>(std::max<size_t>(paths, 1));
     Sums sums;
     double pathLight = 0, pathExcess = 0;
     for (const VertexFinding &v : region) {
@@ -94,7 +94,7 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
     const double level = SidakLevel(settings.level, withLight + 1);
     // Student's: of what varies from path to path.
     auto deviates = [&](const Sums &s, double p) {
-        return s.Paths() >= kFewestEffective ? StudentCritical(p, s.Paths() - 1) * s.StandardError() : kInfinity;
+        return s.Paths() >= kMinEffective ? StudentCritical(p, s.Paths() - 1) * s.StandardError() : kInfinity;
     };
     auto visible = [&](const Sums &s, double allowance) {
         return std::max(allowance, deviates(s, level) + deviates(s, 0.2)) + s.Unjudged();

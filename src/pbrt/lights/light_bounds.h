@@ -44,10 +44,10 @@ namespace detail {
 /// The operations of the importance for one light at a time. Others (several at a time) have the same members.
 struct ScalarOps {
     using F = Float;
-    static F Least(F a, F b) { return std::min(a, b); }
-    static F Most(F a, F b) { return std::max(a, b); }
+    static F Min(F a, F b) { return std::min(a, b); }
+    static F Max(F a, F b) { return std::max(a, b); }
     static F Select(bool c, F ifTrue, F ifFalse) { return c ? ifTrue : ifFalse; }
-    static F Root(F a) { return std::sqrt(a); }
+    static F Sqrt(F a) { return std::sqrt(a); }
     static F Abs(F a) { return std::abs(a); }
 };
 
@@ -64,7 +64,7 @@ CosSin<F> SubtractAngles(const CosSin<F> &a, const CosSin<F> &b) {
 }
 template <class Ops, class F = typename Ops::F>
 CosSin<F> FromCosine(const F &c) {
-    return {c, Ops::Root(Ops::Most(F(1) - c * c, F(0)))};
+    return {c, Ops::Sqrt(Ops::Max(F(1) - c * c, F(0)))};
 }
 
 /// LightSphere, for one light or several.
@@ -79,32 +79,32 @@ struct Emitters {
 
 template <class Ops, class F = typename Ops::F, class Mask>
 F ImportanceOf(const Emitters<F, Mask> &e, const Point3 &p, const Normal3 &n) {
-    constexpr Float kMost = 1e36f;  // two of them still add up to a finite number
+    constexpr Float kMax = 1e36f;  // two of them still add up to a finite number
     constexpr Float kTiny = std::numeric_limits<Float>::min();
     // sin^2 of a thousandth of a radian: the sphere looks that much larger, so that rounding of directions cannot hide
     // an emitter that grazes the border of its cone or of the receiver's horizon.
     constexpr Float kSlack = 1e-6f;
     // A falloff region beyond 90 degrees (wide spot lights) still emits where the cosine is not positive.
-    constexpr Float kLeastCosine = 1e-3f;
+    constexpr Float kMinCosine = 1e-3f;
 
     F vx = F(p.x) - e.centerX, vy = F(p.y) - e.centerY, vz = F(p.z) - e.centerZ;
     F d2 = vx * vx + vy * vy + vz * vz, r2 = e.radius * e.radius;
     // Stock pbrt-v4 clamps the *squared* distance at *half the diagonal*. The units do not agree; the rule is kept
     // because the probabilities, and so the noise, are to be stock's.
-    F unoriented = Ops::Least(e.phi / Ops::Most(Ops::Most(d2, e.radius), F(kTiny)), F(kMost));
-    F invDistance = F(1) / Ops::Root(Ops::Most(d2, F(kTiny)));
-    F sin2 = Ops::Least(r2 * invDistance * invDistance + F(kSlack), F(1));
-    CosSin<F> extent{Ops::Root(F(1) - sin2), Ops::Root(sin2)};
+    F unoriented = Ops::Min(e.phi / Ops::Max(Ops::Max(d2, e.radius), F(kTiny)), F(kMax));
+    F invDistance = F(1) / Ops::Sqrt(Ops::Max(d2, F(kTiny)));
+    F sin2 = Ops::Min(r2 * invDistance * invDistance + F(kSlack), F(1));
+    CosSin<F> extent{Ops::Sqrt(F(1) - sin2), Ops::Sqrt(sin2)};
 
     F cosAxis = (e.axisX * vx + e.axisY * vy + e.axisZ * vz) * invDistance;
-    cosAxis = Ops::Most(Ops::Least(cosAxis, F(1)), F(-1));
+    cosAxis = Ops::Max(Ops::Min(cosAxis, F(1)), F(-1));
     cosAxis = Ops::Select(e.twoSided, Ops::Abs(cosAxis), cosAxis);
     CosSin<F> beyond = SubtractAngles<Ops>(SubtractAngles<Ops>(FromCosine<Ops>(cosAxis), e.theta_o), extent);
-    F oriented = Ops::Select(beyond.cos > e.cosTheta_e, Ops::Most(beyond.cos, F(kLeastCosine)), F(0));
+    F oriented = Ops::Select(beyond.cos > e.cosTheta_e, Ops::Max(beyond.cos, F(kMinCosine)), F(0));
 
     if (n.x != 0 || n.y != 0 || n.z != 0) {
-        F cosReceiver = Ops::Least(Ops::Abs(F(n.x) * vx + F(n.y) * vy + F(n.z) * vz) * invDistance, F(1));
-        oriented = oriented * Ops::Most(SubtractAngles<Ops>(FromCosine<Ops>(cosReceiver), extent).cos, F(0));
+        F cosReceiver = Ops::Min(Ops::Abs(F(n.x) * vx + F(n.y) * vy + F(n.z) * vz) * invDistance, F(1));
+        oriented = oriented * Ops::Max(SubtractAngles<Ops>(FromCosine<Ops>(cosReceiver), extent).cos, F(0));
     }
     // Inside the sphere the emitter may lie in any direction. (Stock pbrt-v4 says so only inside the box and assumes a
     // half-space between box and sphere, which can give 0 to a light that is seen.)

@@ -95,7 +95,7 @@ void LightBvhPair::Importances(const Point3 &p, const Normal3 &n, Float out[2]) 
     F z = F(1) - Ops::Abs(u) - Ops::Abs(v);
     F x = Ops::Select(z < F(0), withSign(F(1) - Ops::Abs(v), u), u);
     F y = Ops::Select(z < F(0), withSign(F(1) - Ops::Abs(u), v), v);
-    F normalise = F(1) / Ops::Root(x * x + y * y + z * z);
+    F normalise = F(1) / Ops::Sqrt(x * x + y * y + z * z);
     F cosO = cosine(gather([](const LightBvhNode &c) { return c.cosO_; }));
 
     detail::Emitters<F, Ops::Mask> e{

@@ -11,14 +11,14 @@ template <int N>
 struct SimdOps {
     using F = std::experimental::simd<Float, std::experimental::simd_abi::deduce_t<Float, N>>;
     using Mask = typename F::mask_type;
-    [[gnu::always_inline]] static F Least(const F &a, const F &b) { return std::experimental::min(a, b); }
-    [[gnu::always_inline]] static F Most(const F &a, const F &b) { return std::experimental::max(a, b); }
+    [[gnu::always_inline]] static F Min(const F &a, const F &b) { return std::experimental::min(a, b); }
+    [[gnu::always_inline]] static F Max(const F &a, const F &b) { return std::experimental::max(a, b); }
     [[gnu::always_inline]] static F Select(const Mask &c, const F &ifTrue, const F &ifFalse) {
         F r = ifFalse;
         std::experimental::where(c, r) = ifTrue;
         return r;
     }
-    [[gnu::always_inline]] static F Root(const F &a) { return std::experimental::sqrt(a); }
+    [[gnu::always_inline]] static F Sqrt(const F &a) { return std::experimental::sqrt(a); }
     [[gnu::always_inline]] static F Abs(const F &a) { return std::experimental::abs(a); }
 };
 

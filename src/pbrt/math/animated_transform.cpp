@@ -15,8 +15,8 @@ double LargestElement(const glm::dmat3 &m) {
 
 /// The orthogonal factor of the polar decomposition, by Newton's iteration (Higham 1986). m is not singular.
 glm::dmat3 OrthogonalFactor(glm::dmat3 m) {
-    constexpr int kMostSteps = 100;
-    for (int i = 0; i < kMostSteps; ++i) {
+    constexpr int kMaxSteps = 100;
+    for (int i = 0; i < kMaxSteps; ++i) {
         const glm::dmat3 next = (m + glm::transpose(glm::inverse(m))) * 0.5;
         const double change = LargestElement(next - m);
         m = next;

@@ -16,16 +16,16 @@ Vector2 ParameterStep(const SurfacePoint &point, const Vector3 &dp, Float invers
     Float bu = Dot(point.dpdu, dp), bv = Dot(point.dpdv, dp);
     Float du = DifferenceOfProducts(vv, bu, uv, bv) * inverseDeterminant;
     Float dv = DifferenceOfProducts(uu, bv, uv, bu) * inverseDeterminant;
-    constexpr Float kLargest = 1e8f;
-    auto bounded = [=](Float x) { return std::isfinite(x) ? std::clamp(x, -kLargest, kLargest) : Float(0); };
+    constexpr Float kMax = 1e8f;
+    auto bounded = [=](Float x) { return std::isfinite(x) ? std::clamp(x, -kMax, kMax) : Float(0); };
     return {bounded(du), bounded(dv)};
 }
 
 RayDifferential Checked(RayDifferential d) {
-    constexpr Float kLargestSquare = 1e16f;
+    constexpr Float kMaxSquare = 1e16f;
     Float largest = std::max(std::max(LengthSquared(d.rxDirection), LengthSquared(d.ryDirection)),
                              std::max(LengthSquared(d.rxOrigin), LengthSquared(d.ryOrigin)));
-    d.valid = largest < kLargestSquare;
+    d.valid = largest < kMaxSquare;
     return d;
 }
 

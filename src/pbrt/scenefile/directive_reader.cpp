@@ -112,8 +112,8 @@ void DirectiveReader::Unknown(const Token &word) {
     std::sort(words.begin(), words.end());
     const std::string shown = Abbreviate(word.text);
     std::string message = fmt::format("Unknown directive: {}; {}.", shown, ListChoices(shown, words));
-    constexpr int kMost = 5;
-    if (++unknownWords_ == kMost) arguments_.Fail(word, message + " Too many unknown directives: giving up here.");
+    constexpr int kMax = 5;
+    if (++unknownWords_ == kMax) arguments_.Fail(word, message + " Too many unknown directives: giving up here.");
     builder_.Sink().Error(tokens_.Loc(word), message);
     SkipToNextDirective();
 }

@@ -13,7 +13,7 @@ namespace pbrt {
 namespace {
 
 [[noreturn]] void RefuseSplit(const SplitSize &size, Float maxEdge, Float edgeScale) {
-    const double wanted = std::max(0.6 * kMostDisplacedTriangles, 1.1 * size.faces);
+    const double wanted = std::max(0.6 * kMaxDisplacedTriangles, 1.1 * size.faces);
     double fitting = double(maxEdge);
     while (size.Triangles(fitting) > wanted) fitting *= 1.02;
     throw DisplacementError(
@@ -22,8 +22,8 @@ namespace {
                     "shape. {:.2g} would fit.",
                     maxEdge / edgeScale,
                     edgeScale == 1 ? "" : fmt::format(" (times displacement edge scale {:g})", edgeScale),
-                    std::max(size.Triangles(double(maxEdge)), double(kMostDisplacedTriangles)) / 1e6,
-                    kMostDisplacedTriangles / 1000000, fitting * 1.05 / double(edgeScale)));
+                    std::max(size.Triangles(double(maxEdge)), double(kMaxDisplacedTriangles)) / 1e6,
+                    kMaxDisplacedTriangles / 1000000, fitting * 1.05 / double(edgeScale)));
 }
 
 class Splitter {
@@ -76,7 +76,7 @@ class Splitter {
             return {};
         }
         // A new vertex makes two triangles of a surface, or one at its border.
-        if (mesh_.p.size() >= kMostDisplacedTriangles / 2) refuse_();
+        if (mesh_.p.size() >= kMaxDisplacedTriangles / 2) refuse_();
         const Normal3 n = mesh_.n[a] + mesh_.n[b];
         mesh_.p.push_back(p);
         mesh_.n.push_back(LengthSquared(n) > 0 ? Normalize(n) : mesh_.n[a]);
@@ -155,7 +155,7 @@ MeshData DisplaceMesh(const PlyMesh &ply, const Transform &renderFromObject, Flo
     maxEdge *= displacement.edgeScale;
     const SplitSize size = MeasureSplit(ply, renderFromObject);
     auto refuse = [&] { RefuseSplit(size, maxEdge, displacement.edgeScale); };
-    if (size.Triangles(double(maxEdge)) > kMostDisplacedTriangles) refuse();
+    if (size.Triangles(double(maxEdge)) > kMaxDisplacedTriangles) refuse();
     Splitter splitter(vertices, renderFromObject, maxEdge, refuse);
     ForEachTriangle(ply, [&](uint32_t a, uint32_t b, uint32_t c, int face) { splitter.Split(a, b, c, face); });
     MeshData mesh = splitter.Take();

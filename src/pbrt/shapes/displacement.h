@@ -27,12 +27,12 @@ class DisplacementError : public UserError {
 /// Splits triangles and quads at the middle of their longest edges until all edges are shorter than `maxEdge` in
 /// rendering space, then moves the vertices along their normals and gives them new normals, on the side of the old ones.
 /// Faces that share vertices keep doing so: no cracks. The result is in object space. Throws DisplacementError if
-/// texture coordinates or normals are missing, or there would be more than kMostDisplacedTriangles; nearly always before
+/// texture coordinates or normals are missing, or there would be more than kMaxDisplacedTriangles; nearly always before
 /// the work is done.
 MeshData DisplaceMesh(const PlyMesh &mesh, const Transform &renderFromObject, Float maxEdge,
                       const Displacement &displacement);
 
-inline constexpr size_t kMostDisplacedTriangles = size_t(1) << 25;
+inline constexpr size_t kMaxDisplacedTriangles = size_t(1) << 25;
 
 /// Size of the surface that is to be split, in rendering space.
 struct SplitSize {

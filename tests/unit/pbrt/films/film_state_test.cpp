@@ -226,7 +226,7 @@ TEST_P(EveryFilm, SplatsThatCannotBeAddedAreDroppedAndCounted) {
 }
 
 TEST(FixedSum, HoldsItsRangeToItsPrecision) {
-    const double most = FixedSum::kLargestAddend;
+    const double most = FixedSum::kMaxAddend;
     for (double x : {0.0, 1.0, -1.0, 1e-15, -1e-15, 3.7e-17, 0.1, -12345.678, 1e15, -1e15, most, -most}) {
         ASSERT_TRUE(FixedSum::Holds(x));
         FixedSum sum;

@@ -152,8 +152,8 @@ TEST(Displacement, TooManyTrianglesAreRefusedBeforeTheyAreMade) {
         for (const char *part : {"\"edgelength\" 2e-06", "scale 0.5", "million", "would fit"})
             EXPECT_NE(message.find(part), std::string::npos) << message;
         const double fitting = std::stod(message.substr(message.find("shape. ") + 7)) / 2;
-        EXPECT_LT(MeasureSplit(QuadAndTriangle(), Transform()).Triangles(fitting), 0.6 * kMostDisplacedTriangles);
-        EXPECT_GT(MeasureSplit(QuadAndTriangle(), Transform()).Triangles(fitting), 0.3 * kMostDisplacedTriangles);
+        EXPECT_LT(MeasureSplit(QuadAndTriangle(), Transform()).Triangles(fitting), 0.6 * kMaxDisplacedTriangles);
+        EXPECT_GT(MeasureSplit(QuadAndTriangle(), Transform()).Triangles(fitting), 0.3 * kMaxDisplacedTriangles);
     }
 }
 

@@ -47,6 +47,8 @@ extension_free_units() {
 bash .ci/install || exit 1
 python3 .ci/check_layers.py
 count "include directions" $?
+bash .ci/check_format
+count "format (.clang-format)" $?
 
 # One build folder serves both: switching PBRT_EXT recompiles only what depends on it.
 echo "Building without extensions (build/release.log)"

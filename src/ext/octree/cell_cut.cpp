@@ -15,7 +15,7 @@ constexpr double kInnerCost = 1.1;
 /// Siblings are joined if that costs less than this part of the whole.
 constexpr double kNoCost = 1e-4;
 constexpr double kNever = -std::numeric_limits<double>::infinity();
-/// How much more or less than the cell above said.
+/// The ratio of what is known of a node here to what the cell above said of it is kept within these bounds.
 constexpr double kMinRatio = 1e-4, kMaxRatio = 1e4;
 }  // namespace
 

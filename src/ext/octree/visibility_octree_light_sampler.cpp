@@ -17,7 +17,7 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
 
 /// Samples per pixel after which the render's shadow rays are looked at, if three times as many are to come.
 constexpr int kLearnAfter[] = {1, 4, 16, 64};
-/// Of them, between two lookings.
+/// At most this many shadow rays are kept from one learning to the next.
 constexpr size_t kMaxFound = 400000;
 
 }  // namespace

@@ -57,7 +57,7 @@ class Accel {
     std::optional<AccelHit> Intersect(const Ray &ray, Float tMin = 0) const;
     /// True if anything lies strictly inside (0, ray.tMax), or if the ray is none.
     bool Occluded(const Ray &ray) const;
-    /// As rays of that time meet it.
+    /// The transform of the instance at a time, as rays of that time meet it.
     Transform InstanceTransform(int instance, Float time) const;
     size_t Bytes() const;  ///< as counted by Embree's memory monitor
 

@@ -10,7 +10,8 @@ namespace pbrt {
 class BenchScene {
   public:
     explicit BenchScene(const char *file)
-        : description_(ParseSceneFiles({file}, sink_)), built(BuildScene(description_, Options(), Registry(), sink_, progress_)) {}
+        : description_(ParseSceneFiles({file}, sink_)),
+          built(BuildScene(description_, Options(), Registry(), sink_, progress_)) {}
 
     /// What a render would hand to LightSampler::Prepare.
     PrepareContext Context() { return Context(built.seed, built.samplesPerPixel); }

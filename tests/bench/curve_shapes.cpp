@@ -1,6 +1,6 @@
 // Do Embree's curves have the shape of pbrt's? Sends rays past single flat Bezier segments, asks Embree's flat curve
-// (same linear width, finest tessellation) and our Curves, which match stock's pictures, and prints how often and by how
-// much they differ.
+// (same linear width, finest tessellation) and our Curves, which match stock's pictures, and prints how often and by
+// how much they differ.
 #include <embree3/rtcore.h>
 
 #include <cmath>
@@ -114,12 +114,9 @@ int main() {
     RTCDevice device = rtcNewDevice(nullptr);
     std::printf("%-20s %8s %9s %9s %10s %10s %10s %9s\n", "curve (length 1)", "rays", "ours", "Embree", "one only",
                 "u > 0.01", "v > 0.05", "depth/w");
-    const pbrt::Looks all[] = {{"straight, thin", 0.1f, 0.01f, 3},
-                               {"straight, thin, near", 0.1f, 0.01f, 0},
-                               {"bent, thin", 0.8f, 0.01f, 3},
-                               {"bent, wide", 0.8f, 0.1f, 3},
-                               {"bent, thin, near", 0.8f, 0.01f, 0},
-                               {"bent, wide, near", 0.8f, 0.1f, 0}};
+    const pbrt::Looks all[] = {{"straight, thin", 0.1f, 0.01f, 3},   {"straight, thin, near", 0.1f, 0.01f, 0},
+                               {"bent, thin", 0.8f, 0.01f, 3},       {"bent, wide", 0.8f, 0.1f, 3},
+                               {"bent, thin, near", 0.8f, 0.01f, 0}, {"bent, wide, near", 0.8f, 0.1f, 0}};
     for (const pbrt::Looks &looks : all) pbrt::Compare(device, looks);
     rtcReleaseDevice(device);
 }

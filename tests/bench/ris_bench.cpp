@@ -1,15 +1,15 @@
-// Would resampling pay? Of M candidates (light and point on it) drawn with octree's own probabilities one gets the shadow
-// ray, in proportion to what it would give unoccluded times the visibility that octree learned (resampled importance
-// sampling, Talbot et al. 2005). Prints, for camera vertices taken as white diffuse surfaces, the variance against M = 1
-// and the nanoseconds of one estimate.
+// Would resampling pay? Of M candidates (light and point on it) drawn with octree's own probabilities one gets the
+// shadow ray, in proportion to what it would give unoccluded times the visibility that octree learned (resampled
+// importance sampling, Talbot et al. 2005). Prints, for camera vertices taken as white diffuse surfaces, the variance
+// against M = 1 and the nanoseconds of one estimate.
 //
 //     bench_ris scene.pbrt [candidates ...]      (2 4 8)
 #include <chrono>
 #include <cstdio>
 
+#include "bench_scene.h"
 #include "pbrt/core/error.h"
 #include "pbrt/math/rng.h"
-#include "bench_scene.h"
 
 namespace pbrt {
 namespace {

@@ -1,5 +1,6 @@
 // Cost of choosing a light in a real scene: seconds and bytes to build each sampler, nanoseconds per Sample() and per
-// PMF() of the light it chose, each alone and both from one distribution, on one thread, over the vertices of camera paths in the order a render meets them.
+// PMF() of the light it chose, each alone and both from one distribution, on one thread, over the vertices of camera
+// paths in the order a render meets them.
 //
 //   bench_scene_select scene.pbrt sampler [sampler ...]      sampler: name[:key=value,...]
 //
@@ -8,16 +9,14 @@
 #include <chrono>
 #include <cstdio>
 
+#include "bench_scene.h"
 #include "pbrt/core/error.h"
 #include "pbrt/math/rng.h"
-#include "bench_scene.h"
 
 namespace pbrt {
 namespace {
 
-double Now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// The fastest of passes over all queries that together take about a third of a second, at least three.
 template <class Body>
@@ -51,9 +50,8 @@ nlohmann::ordered_json Measure(BenchScene &scene, const std::string &name, std::
     std::vector<Float> numbers(queries.size());
     Rng rng(7);
     for (Float &u : numbers) u = rng.Uniform();
-    out["sampleNanoseconds"] = NanosecondsPerQuery(queries.size(), [&](size_t i) {
-        chosen[i] = lights->Sample(queries[i], numbers[i]).value_or(SampledLight{});
-    });
+    out["sampleNanoseconds"] = NanosecondsPerQuery(
+        queries.size(), [&](size_t i) { chosen[i] = lights->Sample(queries[i], numbers[i]).value_or(SampledLight{}); });
     // Where nothing was chosen there is nothing to ask about.
     std::vector<size_t> some;
     for (size_t i = 0; i < chosen.size(); ++i)

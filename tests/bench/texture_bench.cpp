@@ -1,5 +1,5 @@
-// Look-ups of one image by our pyramid, in memory and in the tile cache, and by OpenImageIO's texture system, one thread,
-// random positions.
+// Look-ups of one image by our pyramid, in memory and in the tile cache, and by OpenImageIO's texture system, one
+// thread, random positions.
 #include <OpenImageIO/imageio.h>
 #include <OpenImageIO/texture.h>
 #include <benchmark/benchmark.h>
@@ -58,10 +58,8 @@ std::vector<Query> Queries(Float texels, bool coherent) {
     std::vector<Query> queries(QueryCount);
     Point2 at(0.5f, 0.5f);
     for (Query &q : queries) {
-        if (coherent)
-            at = glm::fract(at + Vector2(uniform(rng) * 4 / Size, uniform(rng) * 0.5f / Size));
-        else
-            at = {uniform(rng), uniform(rng)};
+        if (coherent) at = glm::fract(at + Vector2(uniform(rng) * 4 / Size, uniform(rng) * 0.5f / Size));
+        else at = {uniform(rng), uniform(rng)};
         const Float angle = uniform(rng) * 2 * Pi, length = texels / Size;
         q.st = at;
         q.dst0 = length * Vector2(std::cos(angle), std::sin(angle));

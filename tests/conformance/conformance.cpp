@@ -1,6 +1,6 @@
 // Renders the conformance scenes and compares them with the references of stock pbrt-v4 (suite/README.md, "How to
-// compare"). Prints one line a scene and "N passed, M failed". Options: --group g, --name n, --scale s (samples relative to the
-// manifest), --write folder (EXRs of what was rendered).
+// compare"). Prints one line a scene and "N passed, M failed". Options: --group g, --name n, --scale s (samples
+// relative to the manifest), --write folder (EXRs of what was rendered).
 #include <fmt/format.h>
 
 #include <fstream>
@@ -74,8 +74,9 @@ struct Verdict {
     std::string why;
 };
 
-Verdict Compare(const Record &record, const std::vector<double> &a, const std::vector<double> &b, const std::vector<double> &c1,
-                const std::vector<double> &c2, int tilesX, const std::set<int> &leftOut) {
+Verdict Compare(const Record &record, const std::vector<double> &a, const std::vector<double> &b,
+                const std::vector<double> &c1, const std::vector<double> &c2, int tilesX,
+                const std::set<int> &leftOut) {
     Verdict v;
     const size_t all = a.size(), n = all - 3 * leftOut.size();
     const int tilesY = static_cast<int>(all) / 3 / tilesX;
@@ -89,7 +90,8 @@ Verdict Compare(const Record &record, const std::vector<double> &a, const std::v
         variance[i] = (a[i] - b[i]) * (a[i] - b[i]) / 4 + (c1[i] - c2[i]) * (c1[i] - c2[i]) / 4;
         if (!counts(i)) continue;
         meanReference[i % 3] += r[i];
-        magnitude[i % 3] += std::abs(r[i]);  // what the channel's difference is relative to: colours outside sRGB cancel
+        magnitude[i % 3] +=
+            std::abs(r[i]);  // what the channel's difference is relative to: colours outside sRGB cancel
         meanCandidate[i % 3] += c[i];
         errorOfMean[i % 3] += variance[i];
         overall += r[i] / static_cast<double>(n);
@@ -105,7 +107,8 @@ Verdict Compare(const Record &record, const std::vector<double> &a, const std::v
                     for (int dx = -1; dx <= 1; ++dx) {
                         int xx = x + dx, yy = y + dy;
                         if (xx < 0 || yy < 0 || xx >= tilesX || yy >= tilesY) continue;
-                        for (int kk = 0; kk < 3; ++kk) around += variance[static_cast<size_t>((yy * tilesX + xx) * 3 + kk)];
+                        for (int kk = 0; kk < 3; ++kk)
+                            around += variance[static_cast<size_t>((yy * tilesX + xx) * 3 + kk)];
                         count += 3;
                     }
                 size_t i = static_cast<size_t>((y * tilesX + x) * 3 + k);
@@ -148,7 +151,8 @@ Image ReadReference(const std::string &file) { return ReadImage(kSuite + file).i
 
 /// Channels beyond R, G, B. Spectral buckets by the tile test, three at a time (the last ones twice if need be).
 /// Of a gbuffer the share of pixels whose means differ much more than the two references do; variances within a factor.
-std::string CompareFurtherChannels(const Record &record, const Image &a, const Image &b, const Image &c1, const Image &c2, int tile) {
+std::string CompareFurtherChannels(const Record &record, const Image &a, const Image &b, const Image &c1,
+                                   const Image &c2, int tile) {
     std::vector<std::string> buckets;
     std::string why;
     for (const std::string &name : a.Channels()) {
@@ -179,13 +183,15 @@ std::string CompareFurtherChannels(const Record &record, const Image &a, const I
             why += fmt::format("; {} differs in {} of {} pixels", name, off, r.x * r.y);
         } else if (!name.starts_with("dz") &&  // a few pixels along silhouettes hold most of the mean of these
                    std::abs(meanCandidate - meanReference) > 0.02 * size * r.x * r.y) {
-            why += fmt::format("; mean of {} differs by {:.2f} %", name, 100 * std::abs(meanCandidate - meanReference) / (size * r.x * r.y));
+            why += fmt::format("; mean of {} differs by {:.2f} %", name,
+                               100 * std::abs(meanCandidate - meanReference) / (size * r.x * r.y));
         }
     }
     for (size_t i = 0; i < buckets.size(); i += 3) {
         const size_t first = std::min(i, buckets.size() - std::min<size_t>(3, buckets.size()));
-        const std::vector<std::string> names(buckets.begin() + static_cast<std::ptrdiff_t>(first),
-                                             buckets.begin() + static_cast<std::ptrdiff_t>(std::min(first + 3, buckets.size())));
+        const std::vector<std::string> names(
+            buckets.begin() + static_cast<std::ptrdiff_t>(first),
+            buckets.begin() + static_cast<std::ptrdiff_t>(std::min(first + 3, buckets.size())));
         if (names.size() < 3) break;
         auto means = [&](const Image &image) { return TileMeans(image.Select(names), tile); };
         Verdict v = Compare(record, means(a), means(b), means(c1), means(c2), (a.Resolution().x + tile - 1) / tile, {});
@@ -218,7 +224,8 @@ int main(int argc, char **argv) {
     fmt::print("{:<44} {:>10} {:>9} {:>9} {:>7}  {}\n", "scene", "difference", "noise", "mean", "worst z", "verdict");
     for (const auto &entry : manifest) {
         if (!entry.contains("reference")) continue;
-        Record r{entry["name"], entry["category"], entry["scene"], entry["reference"], entry["referenceB"], entry["compare"], entry["spp"]};
+        Record r{entry["name"],       entry["category"], entry["scene"], entry["reference"],
+                 entry["referenceB"], entry["compare"],  entry["spp"]};
         if ((!group.empty() && r.category != group) || (!only.empty() && r.name != only)) continue;
         const std::string label = r.category + "/" + r.name;
         std::string verdict;
@@ -240,25 +247,33 @@ int main(int argc, char **argv) {
                 if (!write.empty()) WriteImage(write + "/" + r.category + "_" + r.name + ".exr", one.image);
                 Image a = ReadReference(r.referenceA), b = ReadReference(r.referenceB);
                 if (a.Resolution() != one.image.Resolution()) {
-                    verdict = fmt::format("FAIL: size {}x{}, reference {}x{}", one.image.Resolution().x, one.image.Resolution().y, a.Resolution().x, a.Resolution().y);
+                    verdict = fmt::format("FAIL: size {}x{}, reference {}x{}", one.image.Resolution().x,
+                                          one.image.Resolution().y, a.Resolution().x, a.Resolution().y);
                 } else {
                     int tile = r.compare == "mean" ? 16 : 8;
                     int tilesX = (a.Resolution().x + tile - 1) / tile;
-                    Verdict v = Compare(r, TileMeans(a, tile), TileMeans(b, tile), TileMeans(one.image, tile), TileMeans(two.image, tile),
-                                        tilesX, AmbiguousTiles(label, tile, tilesX));
+                    Verdict v = Compare(r, TileMeans(a, tile), TileMeans(b, tile), TileMeans(one.image, tile),
+                                        TileMeans(two.image, tile), tilesX, AmbiguousTiles(label, tile, tilesX));
                     if (a.ChannelCount() > 3)
-                        if (std::string why = CompareFurtherChannels(r, a, b, one.image, two.image, tile); !why.empty()) {
+                        if (std::string why = CompareFurtherChannels(r, a, b, one.image, two.image, tile);
+                            !why.empty()) {
                             v.good = false;
                             v.why += (v.why.empty() ? "" : "; ") + why;
                         }
                     good = v.good;
                     if (std::vector<double> departure = Departure(label); !departure.empty()) {
                         good = true;
-                        for (int k = 0; k < 3; ++k) good &= std::abs(v.means[k] - departure[static_cast<size_t>(k)]) < 0.005;
-                        if (!good) v.why = fmt::format("departures.txt says otherwise of the means: {:.2f}, {:.2f}, {:.2f} %", 100 * v.means[0], 100 * v.means[1], 100 * v.means[2]);
+                        for (int k = 0; k < 3; ++k)
+                            good &= std::abs(v.means[k] - departure[static_cast<size_t>(k)]) < 0.005;
+                        if (!good)
+                            v.why = fmt::format("departures.txt says otherwise of the means: {:.2f}, {:.2f}, {:.2f} %",
+                                                100 * v.means[0], 100 * v.means[1], 100 * v.means[2]);
                     }
-                    fmt::print("{:<44} {:>9.3f}% {:>8.3f}% {:>8.3f}% {:>7.1f}  {}\n", label, 100 * v.difference, 100 * v.noise, 100 * v.mean, v.worstZ,
-                               !good ? "FAIL: " + v.why : v.good ? "ok" : "ok (departs as departures.txt says)");
+                    fmt::print("{:<44} {:>9.3f}% {:>8.3f}% {:>8.3f}% {:>7.1f}  {}\n", label, 100 * v.difference,
+                               100 * v.noise, 100 * v.mean, v.worstZ,
+                               !good    ? "FAIL: " + v.why
+                               : v.good ? "ok"
+                                        : "ok (departs as departures.txt says)");
                 }
             }
         } catch (const UserError &e) {

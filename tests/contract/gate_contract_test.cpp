@@ -175,7 +175,9 @@ TEST(GateContractPower, AGateThatIsTwoPercentOffIsNoticed) {
     EXPECT_TRUE(AgainstNoGate("OnePoint", [] { return std::make_unique<LyingGate>(Float(0.5)); }).Agrees());
 }
 
-TEST(GateContractPower, EveryRegisteredGateIsTested) { EXPECT_GE(GateLabels().size(), AllSamplers().GateNames().size()); }
+TEST(GateContractPower, EveryRegisteredGateIsTested) {
+    EXPECT_GE(GateLabels().size(), AllSamplers().GateNames().size());
+}
 
 std::string Identifier(std::string s) {
     std::replace_if(

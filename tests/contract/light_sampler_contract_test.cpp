@@ -30,8 +30,9 @@ const LightSamplerRegistry &Registry() {
     return registry;
 }
 
-/// Light that would arrive if nothing were in the way, times the receiver's cosine, for one fixed point of the light, as
-/// next-event estimation finds it: not what reaches the far side of an opaque surface, nor skies that leave it to scattering.
+/// Light that would arrive if nothing were in the way, times the receiver's cosine, for one fixed point of the light,
+/// as next-event estimation finds it: not what reaches the far side of an opaque surface, nor skies that leave it to
+/// scattering.
 double Unoccluded(const LightPart &light, const LightQuery &q, const Point2 &u) {
     LightSampleContext from;
     from.p = q.p;

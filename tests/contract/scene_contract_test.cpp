@@ -20,7 +20,8 @@ std::vector<std::string> SamplerLabels() {
         labels.push_back(name);
         if (entry.takesGroups) labels.push_back(name + "+meshlights");
         if (name == "octree") labels.insert(labels.end(), {"octree:leaves=64", "octree:meshlights=false"});
-        if (name == "oracle") labels.insert(labels.end(), {"oracle:samples=2,floor=0.3,mis=false", "oracle:samples=4,meshlights=false"});
+        if (name == "oracle")
+            labels.insert(labels.end(), {"oracle:samples=2,floor=0.3,mis=false", "oracle:samples=4,meshlights=false"});
         if (name == "spatial") labels.push_back("spatial:voxels=4,samples=8,floor=0.1,meshlights=false");
         if (name == "neepp") labels.push_back("neepp:voxels=4,samples=3,floor=0.001,meshlights=false");
     }
@@ -90,7 +91,8 @@ std::vector<Names> Subjects() {
         for (const std::string &label : SamplerLabels()) {
             // One distribution over 10,000 lights per leaf takes hundreds of MB: that is what mesh groups are for.
             // For the oracle it takes 40,000 shadow rays per query.
-            if (fixture == "MeshOf10000" && (label == "octree:meshlights=false" || label == "oracle:samples=4,meshlights=false"))
+            if (fixture == "MeshOf10000" &&
+                (label == "octree:meshlights=false" || label == "oracle:samples=4,meshlights=false"))
                 continue;
             all.emplace_back(fixture, label);
         }

@@ -28,7 +28,8 @@ constexpr int kDraws = 32;
 double SearchLight(const SceneFixture &f, size_t place, LightId light, size_t points, uint64_t seed) {
     Rng rng(Hash(place, light.value, seed));
     for (size_t k = 0; k < points; ++k)
-        if (double c = Contribution(*f.built.scene, f.queries[place], f.Lights()[light], rng.Uniform2()); c > 0) return c;
+        if (double c = Contribution(*f.built.scene, f.queries[place], f.Lights()[light], rng.Uniform2()); c > 0)
+            return c;
     return 0;
 }
 
@@ -57,7 +58,8 @@ void Draw(const SceneFixture &f, const LightSampler &sampler, Findings *out) {
             if (!s) continue;
             Float pmf = sampler.PMF(f.queries[q], s->light);
             if (s->pmf != pmf || !(pmf > 0))
-                out->wrong.push_back(fmt::format("place {}: light {} drawn with {}, PMF {}", q, s->light.value, s->pmf, pmf));
+                out->wrong.push_back(
+                    fmt::format("place {}: light {} drawn with {}, PMF {}", q, s->light.value, s->pmf, pmf));
             const LightPart light = f.Lights()[s->light];
             out->contributing += Contribution(*f.built.scene, f.queries[q], light, rng.Uniform2()) > 0;
         }
@@ -126,12 +128,14 @@ TEST_P(SceneFile, OctreeCanChooseEveryLightThatContributes) {
     // Starved by its budget, well fed, and as published.
     for (const char *label : {"octree", "octree:prepassspp=2", "octree:meshlights=false", "octree:model=paper"}) {
         Findings found = Check(f, *MakePreparedSampler(label, f), ++seed);
-        for (size_t i = 0; i < std::min<size_t>(found.wrong.size(), 10); ++i) ADD_FAILURE() << label << ", " << found.wrong[i];
+        for (size_t i = 0; i < std::min<size_t>(found.wrong.size(), 10); ++i)
+            ADD_FAILURE() << label << ", " << found.wrong[i];
         EXPECT_EQ(found.wrong.size(), 0u) << label;
         EXPECT_GT(found.contributing, f.queries.size() / 4) << label << ": places that test nothing";
-        std::printf("%s: %zu lights, %zu places, PMF 0: %zu, of which searched %zu; draws that find light: %zu of %zu\n",
-                    label, f.Lights().Size(), f.queries.size(), found.zeros, found.searched, found.contributing,
-                    f.queries.size() * static_cast<size_t>(kDraws));
+        std::printf(
+            "%s: %zu lights, %zu places, PMF 0: %zu, of which searched %zu; draws that find light: %zu of %zu\n", label,
+            f.Lights().Size(), f.queries.size(), found.zeros, found.searched, found.contributing,
+            f.queries.size() * static_cast<size_t>(kDraws));
     }
 }
 
@@ -149,7 +153,8 @@ TEST_P(SceneFile, ALightLeftOutIsNoticed) {
     EXPECT_GT(Check(f, WithoutOneLight(*sampler, most), 0).wrong.size(), 0u) << "light " << most.value;
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, SceneFile, testing::ValuesIn(SceneFiles()), [](const auto &c) { return SceneName(c.param); });
+INSTANTIATE_TEST_SUITE_P(Scenes, SceneFile, testing::ValuesIn(SceneFiles()),
+                         [](const auto &c) { return SceneName(c.param); });
 
 TEST(SceneFiles, AreFound) { EXPECT_GE(SceneFiles().size(), 14u); }
 

@@ -241,10 +241,8 @@ const std::vector<Recipe> &Recipes() {
              for (int i = 0; i < 4; ++i) {
                  Point3 p(static_cast<Float>(i) * 1.3f - 2, 1.5f, 1.5f);
                  t.Sphere(p, 0.3f);
-                 if (i % 2)
-                     t.PointLight(p, 5);
-                 else
-                     t.Sphere(p, 0.1f, Text::Area(10));
+                 if (i % 2) t.PointLight(p, 5);
+                 else t.Sphere(p, 0.1f, Text::Area(10));
              }
              return t.Finish();
          },

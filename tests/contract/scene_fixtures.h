@@ -26,8 +26,8 @@ struct SceneFixture {
 /// name[:key=value,...], "+meshlights" behind it to group meshes under it.
 std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture);
 
-/// `count` vertices of camera paths, the first `depth` of a path in turn, and as many points anywhere in the bounds; half
-/// of them also as places in a medium. Every `bsdfEvery`-th vertex says what scatters there; `bsdfs` keeps it.
+/// `count` vertices of camera paths, the first `depth` of a path in turn, and as many points anywhere in the bounds;
+/// half of them also as places in a medium. Every `bsdfEvery`-th vertex says what scatters there; `bsdfs` keeps it.
 std::vector<LightQuery> Places(const BuiltScene &built, int count, int depth, int bsdfEvery, std::deque<Bsdf> &bsdfs);
 /// What next-event estimation finds with this light point: L V cos / p if the BSDF, where known, is not zero.
 double Contribution(const Scene &scene, const LightQuery &query, const LightPart &light, const Point2 &u);

@@ -37,25 +37,15 @@ void MutatePly(std::string &bytes, Dice &dice) {
     const size_t header = TextHeaderSize(bytes, "end_header\n");
     const bool isText = bytes.find("format ascii") != std::string::npos;
     switch (dice.Below(5)) {
-        case 0:
-            MutateNumberInText(bytes, 0, header, dice);
-            break;
-        case 1:
-            ReplaceWord(bytes, header, kWords, dice);
-            break;
-        case 2:
-            MutateLines(bytes, 0, header, dice);
-            break;
+        case 0: MutateNumberInText(bytes, 0, header, dice); break;
+        case 1: ReplaceWord(bytes, header, kWords, dice); break;
+        case 2: MutateLines(bytes, 0, header, dice); break;
         case 3:
-            if (!isText)
-                MutateBytes(bytes, header, dice);
-            else if (dice.OneIn(2))
-                MutateNumberInText(bytes, header, bytes.size(), dice);
-            else
-                MutateLines(bytes, header, bytes.size(), dice);
+            if (!isText) MutateBytes(bytes, header, dice);
+            else if (dice.OneIn(2)) MutateNumberInText(bytes, header, bytes.size(), dice);
+            else MutateLines(bytes, header, bytes.size(), dice);
             break;
-        default:
-            MutateBytes(bytes, header, dice);
+        default: MutateBytes(bytes, header, dice);
     }
 }
 
@@ -87,15 +77,9 @@ void MutateExrAttribute(std::string &bytes, Dice &dice) {
         bytes.replace(at, std::min({word.size(), end - at, bytes.size() - at}), word.substr(0, end - at));
     };
     switch (dice.Below(8)) {
-        case 0:
-            overwrite(a.size, a.value);
-            break;
-        case 1:
-            bytes.erase(a.name, a.end - a.name);
-            break;
-        case 2:
-            bytes.insert(a.name, bytes.substr(a.name, a.end - a.name));
-            break;
+        case 0: overwrite(a.size, a.value); break;
+        case 1: bytes.erase(a.name, a.end - a.name); break;
+        case 2: bytes.insert(a.name, bytes.substr(a.name, a.end - a.name)); break;
         case 3: {
             const Attribute &b = dice.Pick(attributes);
             bytes.replace(a.type, a.size - a.type, bytes.substr(b.type, b.size - b.type));
@@ -126,9 +110,7 @@ void MutatePngChunk(std::string &bytes, Dice &dice) {
     if (chunks.empty()) return MutateBytes(bytes, 64, dice);
     const size_t i = dice.OneIn(2) ? 0 : dice.Below(chunks.size());
     switch (dice.Below(7)) {
-        case 0:
-            chunks.erase(chunks.begin() + static_cast<std::ptrdiff_t>(i));
-            break;
+        case 0: chunks.erase(chunks.begin() + static_cast<std::ptrdiff_t>(i)); break;
         case 1:
             chunks.insert(chunks.begin() + static_cast<std::ptrdiff_t>(dice.Below(chunks.size())), Chunk(chunks[i]));
             break;
@@ -166,28 +148,16 @@ void MutatePngChunk(std::string &bytes, Dice &dice) {
 void MutateGzip(CaseFile &asset, Dice &dice) {
     CaseFile inner{asset.name.substr(0, asset.name.size() - 3), Uncompress(asset.bytes)};
     switch (dice.Below(8)) {
-        case 0:
-            MutateBytes(asset.bytes, 10, dice);
-            break;
-        case 1:
-            asset.bytes.resize(dice.Below(asset.bytes.size()));
-            break;
-        case 2:
-            asset.bytes += asset.bytes;
-            break;
-        case 3:
-            asset.bytes += "what follows the end";
-            break;
+        case 0: MutateBytes(asset.bytes, 10, dice); break;
+        case 1: asset.bytes.resize(dice.Below(asset.bytes.size())); break;
+        case 2: asset.bytes += asset.bytes; break;
+        case 3: asset.bytes += "what follows the end"; break;
         case 4:
             // Little that becomes much.
-            if (dice.OneIn(100))
-                asset.bytes = Compress(inner.bytes + std::string(size_t(64) << 20, ' '));
-            else
-                asset.bytes = Compress(Compress(inner.bytes));
+            if (dice.OneIn(100)) asset.bytes = Compress(inner.bytes + std::string(size_t(64) << 20, ' '));
+            else asset.bytes = Compress(Compress(inner.bytes));
             break;
-        default:
-            MutateAsset(inner, dice);
-            asset.bytes = Compress(inner.bytes);
+        default: MutateAsset(inner, dice); asset.bytes = Compress(inner.bytes);
     }
 }
 
@@ -216,12 +186,9 @@ void MutateAsset(CaseFile &asset, Dice &dice) {
     if (kind.starts_with("ply")) return MutatePly(bytes, dice);
     if (kind == "include") return MutateSceneText(bytes, dice);
     if (kind == "lens" || kind == "spectrum") {
-        if (dice.OneIn(2))
-            MutateNumberInText(bytes, 0, bytes.size(), dice);
-        else if (dice.OneIn(2))
-            MutateLines(bytes, 0, bytes.size(), dice);
-        else
-            MutateBytes(bytes, bytes.size(), dice);
+        if (dice.OneIn(2)) MutateNumberInText(bytes, 0, bytes.size(), dice);
+        else if (dice.OneIn(2)) MutateLines(bytes, 0, bytes.size(), dice);
+        else MutateBytes(bytes, bytes.size(), dice);
         return;
     }
     if (kind == "exr" && !dice.OneIn(3)) return MutateExrAttribute(bytes, dice);
@@ -232,8 +199,7 @@ void MutateAsset(CaseFile &asset, Dice &dice) {
                                         : 200;
     if ((kind == "pfm" || kind == "hdr") && dice.OneIn(2))
         MutateNumberInText(bytes, 0, std::min(head, bytes.size()), dice);
-    else
-        MutateBytes(bytes, head, dice);
+    else MutateBytes(bytes, head, dice);
 }
 
 }  // namespace pbrt::fuzz

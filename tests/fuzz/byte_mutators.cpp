@@ -101,18 +101,10 @@ void MutateBytes(std::string &bytes, size_t head, Dice &dice) {
             bytes.replace(at, std::min(word.size(), bytes.size() - at), word);
             break;
         }
-        case 4:
-            bytes.insert(at, ExtremeWord(dice));
-            break;
-        case 5:
-            bytes.erase(at, length);
-            break;
-        case 6:
-            bytes.resize(at);
-            break;
-        case 7:
-            bytes.insert(dice.Below(bytes.size() + 1), bytes.substr(at, length));
-            break;
+        case 4: bytes.insert(at, ExtremeWord(dice)); break;
+        case 5: bytes.erase(at, length); break;
+        case 6: bytes.resize(at); break;
+        case 7: bytes.insert(dice.Below(bytes.size() + 1), bytes.substr(at, length)); break;
         default: {
             std::string noise(length, '\0');
             for (char &c : noise) c = static_cast<char>(dice.Next());
@@ -140,17 +132,10 @@ bool MutateNumberInText(std::string &text, size_t begin, size_t end, Dice &dice)
     const auto [at, length] = dice.Pick(numbers);
     std::string number = text.substr(at, length);
     switch (dice.Below(6)) {
-        case 0:
-            number = fmt::format("-{}", number);
-            break;
-        case 1:
-            number += static_cast<char>('0' + dice.Below(10));
-            break;
-        case 2:
-            number += fmt::format("e{}", static_cast<int>(dice.Below(80)) - 40);
-            break;
-        default:
-            number = ExtremeNumber(dice);
+        case 0: number = fmt::format("-{}", number); break;
+        case 1: number += static_cast<char>('0' + dice.Below(10)); break;
+        case 2: number += fmt::format("e{}", static_cast<int>(dice.Below(80)) - 40); break;
+        default: number = ExtremeNumber(dice);
     }
     text.replace(at, length, number);
     return true;
@@ -165,12 +150,8 @@ void MutateLines(std::string &text, size_t begin, size_t end, Dice &dice) {
     auto line = [&](size_t i) { return text.substr(starts[i], starts[i + 1] - starts[i]); };
     const std::string one = line(a), other = line(b);
     switch (dice.Below(5)) {
-        case 0:
-            text.erase(starts[a], one.size());
-            break;
-        case 1:
-            text.insert(starts[b], one);
-            break;
+        case 0: text.erase(starts[a], one.size()); break;
+        case 1: text.insert(starts[b], one); break;
         case 2:
             if (a < b) {
                 text.replace(starts[b], other.size(), one);

@@ -54,8 +54,7 @@ const std::string &FunctionAt(void *address) {
     std::error_code ignored;
     const std::string file = std::filesystem::canonical(info.dli_fname, ignored).string();
     const auto offset = static_cast<char *>(address) - static_cast<char *>(info.dli_fbase) - 1;
-    if (file == own)
-        it->second = ShortName(FirstLineOf(fmt::format("addr2line -Cfe '{}' {:#x}", own, offset)));
+    if (file == own) it->second = ShortName(FirstLineOf(fmt::format("addr2line -Cfe '{}' {:#x}", own, offset)));
     else if (file.find("libc.") == std::string::npos && file.find("libstdc++") == std::string::npos)
         it->second = std::filesystem::path(file).stem().stem().string();
     return it->second;
@@ -154,11 +153,9 @@ Verdict Judge(const ChildResult &r, const FuzzCase &fuzzCase, const std::vector<
 
     if (r.status == 0) {
         switch (r.picture.state) {
-            case PictureReport::State::Good:
-                break;
+            case PictureReport::State::Good: break;
             case PictureReport::State::NotLooked:
-            case PictureReport::State::Missing:
-                return {Outcome::Silent, "no picture in spite of success"};
+            case PictureReport::State::Missing: return {Outcome::Silent, "no picture in spite of success"};
             case PictureReport::State::Unreadable:
                 return {Outcome::Picture, "unreadable: " + WithoutDetails(r.picture.text.data())};
             case PictureReport::State::NotFinite:

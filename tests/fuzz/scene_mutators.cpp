@@ -61,10 +61,8 @@ bool IsDirective(const std::string &text, const Token &t) {
 std::vector<Span> Statements(const std::string &text, const std::vector<Token> &tokens) {
     std::vector<Span> spans;
     for (const Token &t : tokens) {
-        if (IsDirective(text, t))
-            spans.push_back({t.begin, t.end});
-        else if (!spans.empty())
-            spans.back().end = t.end;
+        if (IsDirective(text, t)) spans.push_back({t.begin, t.end});
+        else if (!spans.empty()) spans.back().end = t.end;
     }
     return spans;
 }
@@ -165,15 +163,9 @@ void MutateArray(std::string &text, Dice &dice) {
     values = text.substr(begin, end - begin);
     std::vector<Token> inner = Tokens(values);
     switch (dice.Below(7)) {
-        case 0:
-            values.clear();
-            break;
-        case 1:
-            values += values;
-            break;
-        case 2:
-            values = Repeat(values + ' ', HowMany(dice) / std::max<size_t>(1, values.size() / 10) + 1);
-            break;
+        case 0: values.clear(); break;
+        case 1: values += values; break;
+        case 2: values = Repeat(values + ' ', HowMany(dice) / std::max<size_t>(1, values.size() / 10) + 1); break;
         case 3:
             if (!inner.empty()) values.erase(dice.Pick(inner).begin);
             break;
@@ -186,8 +178,7 @@ void MutateArray(std::string &text, Dice &dice) {
         case 5:
             if (!inner.empty()) values.insert(dice.Pick(inner).begin, ExtremeNumber(dice) + ' ');
             break;
-        default:
-            values += ' ' + ExtremeNumber(dice);
+        default: values += ' ' + ExtremeNumber(dice);
     }
     if (open >= s.end) values = " [ " + values + " ]";
     text.replace(begin, end - begin, values);
@@ -198,12 +189,8 @@ void MutateParameters(std::string &text, const SceneWords &words, Dice &dice) {
     if (parameters.empty()) return;
     const Span a = dice.Pick(parameters), b = dice.Pick(parameters);
     switch (dice.Below(8)) {
-        case 0:
-            text.erase(a.begin, a.end - a.begin);
-            break;
-        case 1:
-            text.insert(a.end, ' ' + Cut(text, a));
-            break;
+        case 0: text.erase(a.begin, a.end - a.begin); break;
+        case 1: text.insert(a.end, ' ' + Cut(text, a)); break;
         case 2:
             if (a.end <= b.begin) {
                 const std::string one = Cut(text, a), other = Cut(text, b);
@@ -211,17 +198,10 @@ void MutateParameters(std::string &text, const SceneWords &words, Dice &dice) {
                 Replace(text, a, other);
             }
             break;
-        case 3:
-            text.insert(a.end, ' ' + Cut(text, b));
-            break;
-        case 4:
-            text.insert(a.end, ' ' + dice.Pick(words.parameters));
-            break;
-        case 5:
-            Replace(text, a, dice.Pick(words.parameters));
-            break;
-        default:
-            MutateArray(text, dice);
+        case 3: text.insert(a.end, ' ' + Cut(text, b)); break;
+        case 4: text.insert(a.end, ' ' + dice.Pick(words.parameters)); break;
+        case 5: Replace(text, a, dice.Pick(words.parameters)); break;
+        default: MutateArray(text, dice);
     }
 }
 
@@ -231,29 +211,20 @@ void MutateStatements(std::string &text, const SceneWords &words, Dice &dice) {
     const Span a = dice.Pick(statements), b = dice.Pick(statements);
     const std::string one = Cut(text, a), other = Cut(text, b);
     switch (dice.Below(7)) {
-        case 0:
-            text.erase(a.begin, a.end - a.begin);
-            break;
-        case 1:
-            text.insert(b.begin, one + '\n');
-            break;
+        case 0: text.erase(a.begin, a.end - a.begin); break;
+        case 1: text.insert(b.begin, one + '\n'); break;
         case 2:
             if (a.end <= b.begin) {
                 Replace(text, b, one);
                 Replace(text, a, other);
             }
             break;
-        case 3:
-            text.insert(b.begin, dice.Pick(words.statements) + '\n');
-            break;
-        case 4:
-            Replace(text, a, dice.Pick(words.statements));
-            break;
+        case 3: text.insert(b.begin, dice.Pick(words.statements) + '\n'); break;
+        case 4: Replace(text, a, dice.Pick(words.statements)); break;
         case 5:
             if (a.begin < b.begin) text.erase(a.begin, b.begin - a.begin);
             break;
-        default:
-            text.insert(a.begin, Repeat(one + '\n', HowMany(dice) / (1 + one.size() / 40) + 1));
+        default: text.insert(a.begin, Repeat(one + '\n', HowMany(dice) / (1 + one.size() / 40) + 1));
     }
 }
 
@@ -266,27 +237,13 @@ void MutateNesting(std::string &text, const SceneWords &, Dice &dice) {
     const size_t world = std::min(text.find("WorldBegin"), text.size() - 10) + 10;
     std::string chain;
     switch (dice.Below(12)) {
-        case 0:
-            Replace(text, s, Repeat("AttributeBegin ", n) + Cut(text, s) + Repeat(" AttributeEnd", n));
-            break;
-        case 1:
-            text.insert(s.begin, Repeat("AttributeBegin ", n));
-            break;
-        case 2:
-            text.insert(s.begin, Repeat("AttributeEnd ", n));
-            break;
-        case 3:
-            text.insert(s.begin, Repeat("TransformBegin ", n));
-            break;
-        case 4:
-            text.insert(s.begin, Repeat("ObjectBegin \"x\" ", n));
-            break;
-        case 5:
-            text.insert(s.end, Repeat(" [", n));
-            break;
-        case 6:
-            text.insert(s.begin, "Include \"scene.pbrt\"\n");
-            break;
+        case 0: Replace(text, s, Repeat("AttributeBegin ", n) + Cut(text, s) + Repeat(" AttributeEnd", n)); break;
+        case 1: text.insert(s.begin, Repeat("AttributeBegin ", n)); break;
+        case 2: text.insert(s.begin, Repeat("AttributeEnd ", n)); break;
+        case 3: text.insert(s.begin, Repeat("TransformBegin ", n)); break;
+        case 4: text.insert(s.begin, Repeat("ObjectBegin \"x\" ", n)); break;
+        case 5: text.insert(s.end, Repeat(" [", n)); break;
+        case 6: text.insert(s.begin, "Include \"scene.pbrt\"\n"); break;
         case 7:
             for (size_t i = 0; i < n; ++i) {
                 const char *kind = i % 2 ? "scale" : "mix";
@@ -315,8 +272,7 @@ void MutateNesting(std::string &text, const SceneWords &, Dice &dice) {
         case 10:
             Replace(text, s, "ObjectBegin \"x\" " + Cut(text, s) + " ObjectEnd " + Repeat("ObjectInstance \"x\" ", n));
             break;
-        default:
-            Replace(text, s, Repeat("Scale 2 2 .5 Rotate 30 1 0 0 ", std::min<size_t>(n, 1100)) + Cut(text, s));
+        default: Replace(text, s, Repeat("Scale 2 2 .5 Rotate 30 1 0 0 ", std::min<size_t>(n, 1100)) + Cut(text, s));
     }
 }
 
@@ -369,14 +325,9 @@ void MutateScene(std::string &text, const std::string &kind, const SceneWords &w
 
 void MutateSceneText(std::string &text, Dice &dice) {
     switch (dice.Below(3)) {
-        case 0:
-            MutateBytes(text, text.size(), dice);
-            break;
-        case 1:
-            MutateNumberInText(text, 0, text.size(), dice);
-            break;
-        default:
-            MutateLines(text, 0, text.size(), dice);
+        case 0: MutateBytes(text, text.size(), dice); break;
+        case 1: MutateNumberInText(text, 0, text.size(), dice); break;
+        default: MutateLines(text, 0, text.size(), dice);
     }
 }
 

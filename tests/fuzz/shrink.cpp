@@ -51,10 +51,8 @@ std::vector<std::string> LeaveOut(std::vector<std::string> pieces,
             std::vector<std::string> fewer(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(at));
             const size_t end = std::min(at + run, pieces.size());
             fewer.insert(fewer.end(), pieces.begin() + static_cast<std::ptrdiff_t>(end), pieces.end());
-            if (isGood(fewer))
-                pieces = std::move(fewer);
-            else
-                at += run;
+            if (isGood(fewer)) pieces = std::move(fewer);
+            else at += run;
         }
         if (run <= 1) return pieces;
     }

@@ -83,10 +83,8 @@ Agreement Compare(const PixelStatistics &one, const std::vector<const PixelStati
             double difference = m.value - pool, p = 1;
             // Rare strong samples that a tile has missed lower its mean and its variance together.
             double off = std::max(0.0, std::abs(difference) - (b == 0 ? 0 : kTileAllowance) * pool);
-            if (variance > 0)
-                p = StudentTail(off / std::sqrt(variance), variance * variance / ofVariance);
-            else if (off > 1e-6 * pool)
-                p = 0;
+            if (variance > 0) p = StudentTail(off / std::sqrt(variance), variance * variance / ofVariance);
+            else if (off > 1e-6 * pool) p = 0;
             if (p < out.worstP) {
                 out.worstP = p;
                 out.worst = b == 0 ? fmt::format("whole image, {}", "RGB"[c])

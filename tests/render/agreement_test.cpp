@@ -29,7 +29,8 @@ std::vector<std::string> Labels() {
     std::vector<std::string> labels = AllSamplers().Names();
     std::erase(labels, "oracle");
     bool octree = std::count(labels.begin(), labels.end(), "octree") > 0;
-    if (octree) labels.insert(labels.end(), {"octree:model=paper", "octree:model=paper,leaves=64", "octree:floor=0.5,tries=2"});
+    if (octree)
+        labels.insert(labels.end(), {"octree:model=paper", "octree:model=paper,leaves=64", "octree:floor=0.5,tries=2"});
     labels.push_back("bvh+meshlights");
     return labels;
 }
@@ -89,7 +90,8 @@ class View {
     PixelStatistics Render(const std::string &label, uint32_t firstSeed, const Wrap &wrap = {}) const {
         size_t plus = label.find('+');
         const LightSamplerSpec spec =
-            ReadLightSelection(label.substr(0, plus) + (plus != std::string::npos ? "+mesh" : ""), AllSamplers()).sampler;
+            ReadLightSelection(label.substr(0, plus) + (plus != std::string::npos ? "+mesh" : ""), AllSamplers())
+                .sampler;
         PixelStatistics statistics;
         for (int run = 0; run < runs_; ++run) {
             std::unique_ptr<LightSampler> lights =
@@ -119,10 +121,8 @@ class View {
             Param p;
             p.type = type;
             p.name = name;
-            if (type == ParamType::Bool)
-                p.bools = {static_cast<uint8_t>(value)};
-            else
-                p.ints = {value};
+            if (type == ParamType::Bool) p.bools = {static_cast<uint8_t>(value)};
+            else p.ints = {value};
             film.Add(p);
         };
         add(ParamType::Integer, "xresolution", resolution.x);

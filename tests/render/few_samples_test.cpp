@@ -69,8 +69,8 @@ TEST_P(FewSamples, HaveAtMostTheErrorOfStock) {
     for (const char *end : {".exr", ".b.exr"})
         stock += RelativeError(ReadImage(kSuite + "reference/samplers/low_spp_" + test.sampler + end).image) / 2;
     for (int seed = 0; seed < kSeeds; ++seed) ours += RelativeError(RenderFile(test.sampler, 16, seed)) / kSeeds;
-    fmt::print("{:<12} stock {:.5f}, ours {:.5f}: {:.3f} of it, at most {:.2f}\n", test.sampler, stock, ours, ours / stock,
-               test.limit);
+    fmt::print("{:<12} stock {:.5f}, ours {:.5f}: {:.3f} of it, at most {:.2f}\n", test.sampler, stock, ours,
+               ours / stock, test.limit);
     EXPECT_LT(ours, test.limit * stock);
 }
 

@@ -1,4 +1,5 @@
-// The octree sampler goes on learning while it renders: same picture however the work is divided, valid probabilities, no bias.
+// The octree sampler goes on learning while it renders: same picture however the work is divided, valid probabilities,
+// no bias.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -16,21 +17,23 @@ namespace {
 constexpr int kSamples = 16;  ///< learned from after 1 and 4
 constexpr uint32_t kLampsPerRoom = 48;
 
-/// Two rooms side by side without ceilings, with a wall between them at x = 0; the camera looks down on the left one. Lamps
-/// of the left room come first.
+/// Two rooms side by side without ceilings, with a wall between them at x = 0; the camera looks down on the left one.
+/// Lamps of the left room come first.
 std::string TwoRooms(const std::string &sampler) {
     std::string text = R"(Option "rendercoordsys" "world"
 LookAt -2 6 0  -2 0 0  0 0 1
 Camera "perspective" "float fov" 40
 Film "rgb" "integer xresolution" 40 "integer yresolution" 40 "bool savefp16" false
 Sampler "independent" "integer pixelsamples" 16
-Integrator "path" "integer maxdepth" 2 )" + sampler + R"(
+Integrator "path" "integer maxdepth" 2 )" +
+                       sampler + R"(
 WorldBegin
 )";
     for (uint32_t i = 0; i < 2 * kLampsPerRoom; ++i) {
         const uint32_t room = i / kLampsPerRoom, k = i % kLampsPerRoom;
         text += fmt::format("LightSource \"point\" \"point3 from\" [ {} {} {} ] \"rgb I\" [ {} 1 1 ]\n",
-                            (room == 0 ? -3.7 : 0.2) + 0.5 * (k % 8), 0.6 + 0.1 * (k % 3), -1.5 + 0.6 * (k / 8), 0.5 + 0.1 * (k % 5));
+                            (room == 0 ? -3.7 : 0.2) + 0.5 * (k % 8), 0.6 + 0.1 * (k % 3), -1.5 + 0.6 * (k / 8),
+                            0.5 + 0.1 * (k % 5));
     }
     return text + R"(Material "diffuse"
 Shape "bilinearmesh" "point3 P" [ -4 0 -3  4 0 -3  -4 0 3  4 0 3 ]
@@ -38,7 +41,9 @@ Shape "bilinearmesh" "point3 P" [ 0 0 -3  0 0 3  0 2 -3  0 2 3 ]
 )";
 }
 
-BuiltScene Build(const std::string &parameters = "") { return BuildText(TwoRooms("\"string lightsampler\" \"octree\" " + parameters)); }
+BuiltScene Build(const std::string &parameters = "") {
+    return BuildText(TwoRooms("\"string lightsampler\" \"octree\" " + parameters));
+}
 
 void Prepare(BuiltScene &built, Progress &progress) {
     PrepareContext context = built.Preparation(progress);
@@ -52,12 +57,15 @@ Image Render(BuiltScene &built, std::vector<int> sizes) {
     Prepare(built, progress);
     RenderSettings settings;
     settings.samplesPerPixel = kSamples;
-    WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
+    WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
+                          progress);
     for (size_t i = 0; renderer.Done() < kSamples; ++i) renderer.Render(sizes[std::min(i, sizes.size() - 1)]);
     return built.film->ToImage();
 }
 
-bool SameBits(const Image &a, const Image &b) { return a.Bytes() == b.Bytes() && std::memcmp(a.Data(), b.Data(), a.Bytes()) == 0; }
+bool SameBits(const Image &a, const Image &b) {
+    return a.Bytes() == b.Bytes() && std::memcmp(a.Data(), b.Data(), a.Bytes()) == 0;
+}
 
 TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePicture) {
     auto render = [](int threads, std::vector<int> sizes, const std::string &parameters = "") {
@@ -83,14 +91,16 @@ TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSame) {
         {
             BuiltScene built = Build();
             Prepare(built, progress);
-            WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
+            WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler,
+                                  settings, progress);
             while (renderer.Done() < stop) renderer.Render(stop - renderer.Done());
             built.film->Save(state);
         }
         BuiltScene built = Build();
         Prepare(built, progress);
         built.film->Load(state);
-        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
+        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
+                              progress);
         renderer.ContinueFrom(stop);
         while (renderer.Done() < kSamples) renderer.Render(kSamples);
         EXPECT_TRUE(SameBits(whole, built.film->ToImage())) << "stopped after " << stop;
@@ -131,14 +141,16 @@ TEST(LearningWhileRendering, CancelledLearningLeavesEverythingAsItWas) {
     auto probabilities = [](const BuiltScene &built) {
         std::vector<Float> all;
         for (const LightQuery &q : Floor())
-            for (uint32_t l = 0; l < 2 * kLampsPerRoom; ++l) all.push_back(built.integrator->Lights()->PMF(q, LightId(l)));
+            for (uint32_t l = 0; l < 2 * kLampsPerRoom; ++l)
+                all.push_back(built.integrator->Lights()->PMF(q, LightId(l)));
         return all;
     };
     auto takeOneSample = [](BuiltScene &built, Progress &progress, int wanted) {
         RenderSettings settings;
         settings.samplesPerPixel = kSamples;
         Prepare(built, progress);
-        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
+        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
+                              progress);
         EXPECT_EQ(renderer.Render(1), 1);
         progress.Cancel();
         EXPECT_EQ(renderer.Render(1), wanted);
@@ -209,7 +221,8 @@ TEST(LearningWhileRendering, ThePictureIsTheSameInTheMean) {
         }
         return s;
     };
-    const PixelStatistics uniform = statistics("\"string lightsampler\" \"uniform\"", 1000), bvh = statistics("\"string lightsampler\" \"bvh\"", 2000);
+    const PixelStatistics uniform = statistics("\"string lightsampler\" \"uniform\"", 1000),
+                          bvh = statistics("\"string lightsampler\" \"bvh\"", 2000);
     const PixelStatistics octree = statistics("\"string lightsampler\" \"octree\"", 3000);
     const Agreement a = Compare(octree, {&uniform, &bvh}, 1, 1e-3);
     EXPECT_TRUE(a.Agrees()) << "p " << a.worstP << " at " << a.worst;

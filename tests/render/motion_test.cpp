@@ -16,13 +16,9 @@ struct Pose {
         return fmt::format(fmt::runtime(format), Lerp(t, a, b));
     }
     /// CTMs of things that move straight, turn, grow and stretch.
-    std::string Ball() const {
-        return Text("Translate {} 0 0 ", -2, 0) + Text("Scale {0} 1 1\n", 1, 0.5f);
-    }
+    std::string Ball() const { return Text("Translate {} 0 0 ", -2, 0) + Text("Scale {0} 1 1\n", 1, 0.5f); }
     std::string Bar() const { return "Translate 1.5 0 0 " + Text("Rotate {} 0 0 1\n", 10, 100); }
-    std::string Camera() const {
-        return Text("Rotate {} 0 1 0 ", 0, -25) + Text("Translate {} 0 6\n", 0, 1.5f);
-    }
+    std::string Camera() const { return Text("Rotate {} 0 1 0 ", 0, -25) + Text("Translate {} 0 6\n", 0, 1.5f); }
 };
 
 /// Two poses: moving between them.
@@ -49,7 +45,8 @@ Rotate 90 1 0 0
 Shape "disk" "float radius" 4
 AttributeEnd
 AttributeBegin
-)" + Place(&Pose::Ball, things) + R"(Shape "sphere" "float radius" 0.7
+)" + Place(&Pose::Ball, things) +
+           R"(Shape "sphere" "float radius" 0.7
 AttributeEnd
 ObjectBegin "bar"
 Shape "bilinearmesh" "point3 P" [ -0.3 -1 0  0.3 -1 0  -0.3 1 0.3  0.3 1 0.3 ]
@@ -59,7 +56,8 @@ AttributeBegin
 AttributeEnd
 ObjectEnd
 AttributeBegin
-)" + Place(&Pose::Bar, things) + R"(ObjectInstance "bar"
+)" + Place(&Pose::Bar, things) +
+           R"(ObjectInstance "bar"
 AttributeEnd
 )";
 }

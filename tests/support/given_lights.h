@@ -9,15 +9,21 @@ namespace pbrt::test {
 class GivenLight final : public Light {
   public:
     explicit GivenLight(std::vector<LightCandidate> parts)
-        : Light(!parts.empty() && parts[0].infinite ? LightKind::DeltaDirection : LightKind::DeltaPosition), parts_(std::move(parts)) {}
+        : Light(!parts.empty() && parts[0].infinite ? LightKind::DeltaDirection : LightKind::DeltaPosition),
+          parts_(std::move(parts)) {}
     explicit GivenLight(const LightCandidate &light) : GivenLight(std::vector{light}) {}
     uint32_t PartCount() const override { return static_cast<uint32_t>(parts_.size()); }
-    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t part) const override { return parts_[part].power * lambda.Pdf(); }
+    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t part) const override {
+        return parts_[part].power * lambda.Pdf();
+    }
     std::optional<LightLiSample> SampleLi(const LightSampleContext &, const Point2 &, const SampledWavelengths &, bool,
                                           uint32_t) const override {
         return {};
     }
-    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool, uint32_t) const override { return 0; }
+    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool,
+                uint32_t) const override {
+        return 0;
+    }
     std::optional<LightBounds> Bounds(uint32_t part) const override { return parts_[part].bounds; }
 
   private:

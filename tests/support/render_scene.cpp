@@ -57,7 +57,8 @@ std::vector<double> TileMeans(const Image &image, int size) {
                 double sum = 0;
                 int n = 0;
                 for (int y = ty; y < std::min(ty + size, r.y); ++y)
-                    for (int x = tx; x < std::min(tx + size, r.x); ++x, ++n) sum += static_cast<double>(image.Get({x, y}, c));
+                    for (int x = tx; x < std::min(tx + size, r.x); ++x, ++n)
+                        sum += static_cast<double>(image.Get({x, y}, c));
                 means.push_back(sum / n);
             }
     return means;

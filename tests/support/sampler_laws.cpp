@@ -64,10 +64,12 @@ void CheckPmfOfSamples(const SamplerSubject &s) {
             if (!sample) continue;
             ASSERT_LT(sample->light.value, s.lights);
             ASSERT_GT(sample->pmf, 0);
-            ASSERT_EQ(sample->pmf, at.PMF(sample->light)) << "query " << q << " u " << u << " light " << sample->light.value;
+            ASSERT_EQ(sample->pmf, at.PMF(sample->light))
+                << "query " << q << " u " << u << " light " << sample->light.value;
             // Weighed anew it is the same.
             if (i < 20) {
-                ASSERT_EQ(sample->pmf, s.sampler->At(s.queries[q], other).PMF(sample->light)) << "query " << q << " u " << u;
+                ASSERT_EQ(sample->pmf, s.sampler->At(s.queries[q], other).PMF(sample->light))
+                    << "query " << q << " u " << u;
             }
         }
     }
@@ -115,10 +117,8 @@ void CheckFrequencies(const SamplerSubject &s) {
         for (size_t i = 0; i < s.lights; ++i) expected[i / cell] += static_cast<double>(s.pmf[q][i]) * n;
         // The sum of the PMF is rounded: a share of empty answers this small cannot be told from none.
         double missing = 1 - s.sum[q];
-        if (missing > 1e-5 || observed[cells] > 2)
-            expected[cells] = std::max(missing, 0.0) * n;
-        else
-            observed[cells] = 0;
+        if (missing > 1e-5 || observed[cells] > 2) expected[cells] = std::max(missing, 0.0) * n;
+        else observed[cells] = 0;
         EXPECT_GT(ChiSquareTest(observed, expected), alpha) << "query " << q;
     }
 }
@@ -224,8 +224,7 @@ void CheckOneNumberReachesEveryLight(const SamplerSubject &s) {
         std::vector<bool> met(s.lights);
         const LightDistribution at = s.sampler->At(s.queries[q], memory);
         for (int i = 0; i < n; ++i)
-            if (std::optional<SampledLight> sample = at.Sample(Even(i, n)))
-                met[sample->light.value] = true;
+            if (std::optional<SampledLight> sample = at.Sample(Even(i, n))) met[sample->light.value] = true;
         for (size_t i = 0; i < s.lights; ++i)
             if (static_cast<double>(s.pmf[q][i]) * n > 20) {
                 EXPECT_TRUE(met[i]) << "query " << q << " light " << i;
@@ -240,7 +239,8 @@ void CheckSame(const LightSampler &a, const LightSampler &b, std::span<const Lig
             std::vector<Answer> out;
             LightMemory memory;
             const LightDistribution at = sampler.At(queries[q], memory);
-            for (size_t i = q % step; i < lights; i += step) out.push_back({static_cast<uint32_t>(i), at.PMF(LightId(i))});
+            for (size_t i = q % step; i < lights; i += step)
+                out.push_back({static_cast<uint32_t>(i), at.PMF(LightId(i))});
             for (uint64_t i = 0; i < 20; ++i) out.push_back(Ask(at, HashFloat(i)));
             return out;
         };

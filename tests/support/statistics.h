@@ -13,7 +13,8 @@ double ChiSquareTail(double statistic, int dof);
 
 /// p-value of observed counts against expected ones (same total). Cells expected below 5 are pooled; a count in a cell
 /// expected 0 gives p = 0.
-inline double ChiSquareTest(std::span<const double> observed, std::span<const double> expected, double minExpected = 5) {
+inline double ChiSquareTest(std::span<const double> observed, std::span<const double> expected,
+                            double minExpected = 5) {
     std::vector<size_t> order(expected.size());
     for (size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return expected[a] < expected[b]; });

@@ -9,7 +9,9 @@ class WrappedSampler : public LightSampler {
     /// `inner` must live as long.
     explicit WrappedSampler(const LightSampler &inner) : inner_(inner) {}
     /// What the other sampler answers, from what Choose and Probability are given.
-    static const LightDistribution &Inner(const void *weights) { return *static_cast<const LightDistribution *>(weights); }
+    static const LightDistribution &Inner(const void *weights) {
+        return *static_cast<const LightDistribution *>(weights);
+    }
 
   private:
     const void *Weigh(const LightQuery &query, LightMemory &memory) const final {

@@ -52,7 +52,8 @@ constexpr Float kMaxArriving = 1e36f;
 /// Emission: the cosine of the angle by which the direction leaves the cone of normals. The falloff may end before or
 /// after the horizon (spot lights): then that cosine is not what limits it. `c`: of the direction and the axis. All
 /// cosines and sines times the distance d; a product of two of them times d2.
-[[gnu::always_inline]] inline F Emission(const EmitterPacket &e, const F &c, const F &d2, const F &s, const F &quarterInvS) {
+[[gnu::always_inline]] inline F Emission(const EmitterPacket &e, const F &c, const F &d2, const F &s,
+                                         const F &quarterInvS) {
     const F d = Ops::Sqrt(d2), cosO = Load(e.cosO), sinO = Load(e.sinO), cosE = Load(e.cosE);
     F sinAxis = Ops::Sqrt(Ops::Max(d2 - c * c, F(0)));
     auto within = c > cosO * d;
@@ -102,7 +103,8 @@ Emitter MakeEmitter(const LightPart &first, const LightCandidate &candidate) {
         e.intensity = power * InvPi / (candidate.bounds->twoSided ? 2 : 1);
     } else {
         // Full strength within theta_o, half of it on average in the falloff.
-        Float inner = SafeACos(candidate.bounds->cosTheta_o), outer = std::min(inner + SafeACos(candidate.bounds->cosTheta_e), Pi);
+        Float inner = SafeACos(candidate.bounds->cosTheta_o),
+              outer = std::min(inner + SafeACos(candidate.bounds->cosTheta_e), Pi);
         Float solidAngle = Pi * ((1 - std::cos(inner)) + (1 - std::cos(outer)));
         e.intensity = power / std::max(solidAngle, Float(1e-4));
     }
@@ -143,9 +145,10 @@ void EmitterPacket::Set(size_t lane, const Emitter &e) {
     someCut |= s.cosTheta_e != 0;
 }
 
-// Compiled once, so that all uses get the same bits. The distance d is never divided by: with v = d w every cosine comes
-// as d times itself, and G = I (d C) (d C) / d^4.
-[[gnu::noinline]] Float EmitterPacket::EvaluateAll(const EmitterPacket *packets, size_t count, const LightQuery &query, Float *out) {
+// Compiled once, so that all uses get the same bits. The distance d is never divided by: with v = d w every cosine
+// comes as d times itself, and G = I (d C) (d C) / d^4.
+[[gnu::noinline]] Float EmitterPacket::EvaluateAll(const EmitterPacket *packets, size_t count, const LightQuery &query,
+                                                   Float *out) {
     const F px(query.p.x), py(query.p.y), pz(query.p.z);
     const bool inMedium = query.ns == Normal3(0);
     const Normal3 n = query.ns * (Dot(query.wo, query.ns) < 0 ? Float(-1) : Float(1));
@@ -177,10 +180,20 @@ void EmitterPacket::Set(size_t lane, const Emitter &e) {
 }
 
 EmitterRow::EmitterRow(const EmitterPacket &p, size_t lane)
-    : field{p.centerX[lane], p.centerY[lane], p.centerZ[lane], p.radius2[lane],
-            p.axisX[lane],   p.axisY[lane],   p.axisZ[lane],   p.intensity[lane],
-            p.inside[lane],  p.side[lane],    p.cosO[lane],    p.sinO[lane],
-            p.cosE[lane],    p.someCurved && p.cosO[lane] != 1 ? Float(1) : Float(0),
+    : field{p.centerX[lane],
+            p.centerY[lane],
+            p.centerZ[lane],
+            p.radius2[lane],
+            p.axisX[lane],
+            p.axisY[lane],
+            p.axisZ[lane],
+            p.intensity[lane],
+            p.inside[lane],
+            p.side[lane],
+            p.cosO[lane],
+            p.sinO[lane],
+            p.cosE[lane],
+            p.someCurved && p.cosO[lane] != 1 ? Float(1) : Float(0),
             p.someCut && p.cosE[lane] != 0 ? Float(1) : Float(0)} {}
 
 namespace {
@@ -221,8 +234,8 @@ void Gather(const EmitterRow *rows, const uint32_t *names, size_t count, Emitter
     }
     Transpose(low);
     Transpose(high);
-    Float *const to[13] = {packet->centerX, packet->centerY, packet->centerZ, packet->radius2, packet->axisX,
-                           packet->axisY,   packet->axisZ,   packet->intensity, packet->inside, packet->side,
+    Float *const to[13] = {packet->centerX, packet->centerY, packet->centerZ,   packet->radius2, packet->axisX,
+                           packet->axisY,   packet->axisZ,   packet->intensity, packet->inside,  packet->side,
                            packet->cosO,    packet->sinO,    packet->cosE};
     for (size_t f = 0; f < 13; ++f) *reinterpret_cast<Eight *>(to[f]) = f < 8 ? low[f] : high[f - 8];
     auto any = [](const Eight &v) {

@@ -17,12 +17,12 @@ struct Emitter {
     Float intensity = 0;
 
     bool isFar = false, isDelta = false;
-    Float m0 = 0;    ///< far: integral of the radiance over directions (delta: irradiance), as far as SampleLi finds it
-    Vector3 m1{0};   ///< far: the same times the direction (delta: the direction)
+    Float m0 = 0;   ///< far: integral of the radiance over directions (delta: irradiance), as far as SampleLi finds it
+    Vector3 m1{0};  ///< far: the same times the direction (delta: the direction)
 };
 
-/// One number for a spectrum at PowerWavelengths(). The root mean square, as errors are squared channel by channel: a saturated
-/// light counts for more than its mean.
+/// One number for a spectrum at PowerWavelengths(). The root mean square, as errors are squared channel by channel: a
+/// saturated light counts for more than its mean.
 Float RootMeanSquare(const SampledSpectrum &s);
 
 /// The emitter of a candidate; `first` is its light, or one of them.
@@ -30,19 +30,19 @@ Emitter MakeEmitter(const LightPart &first, const LightCandidate &candidate);
 /// Both together. Neither is far.
 Emitter Union(const Emitter &a, const Emitter &b);
 
-/// G: an estimate of the light that arrives at a point if nothing is in the way, in the units of irradiance. For an emitter
-/// in a sphere (centre c, radius r, at distance d, s = r / d the sine of its half angle):
+/// G: an estimate of the light that arrives at a point if nothing is in the way, in the units of irradiance. For an
+/// emitter in a sphere (centre c, radius r, at distance d, s = r / d the sine of its half angle):
 ///
 ///   G = I C(axis, -w) C(n, w) / max(d^2, r^2),   w towards c
 ///
-/// C is the mean clamped cosine over the sphere's extent: cos where the sphere is wholly above the horizon, 0 where wholly
-/// below, (cos + s)^2 / (4 s) between: unlike a bound it stays an estimate near the horizon, and it is 0 exactly where no
-/// point of the sphere can contribute. The receiver's side is the one it is seen from, both sides if the BSDF transmits,
-/// all directions in a medium. Inside the sphere both cosines count as 1/2. Closed emitters show a quarter of their surface.
-/// Far lights: the mean and the first moment of their radiance give E(n) = M0/4 + M1.n/2, at least M0/40; a single
-/// direction gives the clamped cosine. A sky behind a portal is a flat emitter in its place.
-/// Lights that are never sampled (uniform skies are left to BSDF sampling) have G = 0.
-/// Positive wherever SampleLi can give a contribution (tests/unit/ext/groups).
+/// C is the mean clamped cosine over the sphere's extent: cos where the sphere is wholly above the horizon, 0 where
+/// wholly below, (cos + s)^2 / (4 s) between: unlike a bound it stays an estimate near the horizon, and it is 0 exactly
+/// where no point of the sphere can contribute. The receiver's side is the one it is seen from, both sides if the BSDF
+/// transmits, all directions in a medium. Inside the sphere both cosines count as 1/2. Closed emitters show a quarter
+/// of their surface. Far lights: the mean and the first moment of their radiance give E(n) = M0/4 + M1.n/2, at least
+/// M0/40; a single direction gives the clamped cosine. A sky behind a portal is a flat emitter in its place. Lights
+/// that are never sampled (uniform skies are left to BSDF sampling) have G = 0. Positive wherever SampleLi can give a
+/// contribution (tests/unit/ext/groups).
 ///
 /// Eight emitters side by side.
 struct alignas(32) EmitterPacket {
@@ -53,7 +53,8 @@ struct alignas(32) EmitterPacket {
     Float inside[kLanes] = {};     ///< G within the sphere
     Float side[kLanes] = {};       ///< 1: one-sided, -1: two-sided
     Float cosO[kLanes] = {}, sinO[kLanes] = {}, cosE[kLanes] = {};
-    /// Some lane shines beyond a half-space (cosO is not 1), or not to the horizon (cosE is not 0). Else those are not read.
+    /// Some lane shines beyond a half-space (cosO is not 1), or not to the horizon (cosE is not 0). Else those are not
+    /// read.
     bool someCurved = false, someCut = false;
 
     void Set(size_t lane, const Emitter &emitter);

@@ -32,8 +32,8 @@ struct EmitterTree::Cluster {
 
 /// A tree or a part of one, without its packets.
 struct EmitterTree::Part {
-    std::vector<Branch> nodes;        ///< [0] is the topmost
-    std::vector<Emitter> wholes;    ///< per node, all below it together
+    std::vector<Branch> nodes;    ///< [0] is the topmost
+    std::vector<Emitter> wholes;  ///< per node, all below it together
     std::vector<uint32_t> children;
     int depth = 0;
 
@@ -44,7 +44,8 @@ struct EmitterTree::Part {
 };
 
 /// Sorts the items so that each cluster is a range of them.
-std::vector<EmitterTree::Cluster> EmitterTree::Part::Divide(std::span<EmitterItem> items, std::span<const Emitter> emitters) {
+std::vector<EmitterTree::Cluster> EmitterTree::Part::Divide(std::span<EmitterItem> items,
+                                                            std::span<const Emitter> emitters) {
     FindFeatures(items, emitters);
     std::vector<Cluster> clusters;
     if (items.empty()) return clusters;
@@ -52,7 +53,8 @@ std::vector<EmitterTree::Cluster> EmitterTree::Part::Divide(std::span<EmitterIte
     clusters.push_back({0, items.size()});
     clusters[0].Measure(items);
     while (clusters.size() < kWidth) {
-        auto widest = std::max_element(clusters.begin(), clusters.end(), [](const Cluster &a, const Cluster &b) { return a.spread < b.spread; });
+        auto widest = std::max_element(clusters.begin(), clusters.end(),
+                                       [](const Cluster &a, const Cluster &b) { return a.spread < b.spread; });
         if (widest->spread < 0) break;
         // Half of the emitters to each side.
         Cluster left = *widest, right = *widest;
@@ -67,7 +69,8 @@ std::vector<EmitterTree::Cluster> EmitterTree::Part::Divide(std::span<EmitterIte
     return clusters;
 }
 
-uint32_t EmitterTree::Part::Add(std::span<EmitterItem> items, std::span<const Emitter> emitters, const Emitter &whole, int level) {
+uint32_t EmitterTree::Part::Add(std::span<EmitterItem> items, std::span<const Emitter> emitters, const Emitter &whole,
+                                int level) {
     const auto index = static_cast<uint32_t>(nodes.size()), firstChild = static_cast<uint32_t>(children.size());
     depth = std::max(depth, level + 1);
     const std::vector<Cluster> clusters = Divide(items, emitters);
@@ -84,7 +87,10 @@ uint32_t EmitterTree::Part::Add(std::span<EmitterItem> items, std::span<const Em
         for (const EmitterItem &item : below) all = Union(all, emitters[item.emitter]);
         return (asTasks ? parts[c] : *this).Add(below, emitters, all, level + 1);
     };
-    if (asTasks) ParallelForEach(static_cast<int64_t>(clusters.size()), [&](int64_t c) { children[firstChild + static_cast<size_t>(c)] = build(static_cast<size_t>(c)); });
+    if (asTasks)
+        ParallelForEach(static_cast<int64_t>(clusters.size()), [&](int64_t c) {
+            children[firstChild + static_cast<size_t>(c)] = build(static_cast<size_t>(c));
+        });
     for (size_t c = 0; c < clusters.size(); ++c) {
         // Not one expression: Add makes `children` move.
         uint32_t child = asTasks ? children[firstChild + c] : build(c);
@@ -113,8 +119,10 @@ uint32_t EmitterTree::Part::Append(const Part &part) {
 EmitterTree::EmitterTree(std::span<const Emitter> emitters) : places_(emitters.size()) {
     std::vector<EmitterItem> items;
     for (uint32_t i = 0; i < emitters.size(); ++i) {
-        if (emitters[i].isFar) far_.push_back({i, emitters[i]});
-        else if (emitters[i].bounds) items.push_back({i, emitters[i].intensity, {}});
+        if (emitters[i].isFar)
+            far_.push_back({i, emitters[i]});
+        else if (emitters[i].bounds)
+            items.push_back({i, emitters[i].intensity, {}});
     }
     if (items.empty() && far_.empty()) return;
     Part tree;
@@ -148,7 +156,8 @@ void EmitterTree::MakePackets(std::span<const Emitter> emitters, std::span<const
         for (size_t c = 0; c < node.count; ++c) {
             const uint32_t child = children_[node.firstChild + c];
             const size_t lane = node.firstLane + c;
-            packets_[node.firstPacket + lane / kLanes].Set(lane % kLanes, child & kLeaf ? emitters[child & ~kLeaf] : wholes[child]);
+            packets_[node.firstPacket + lane / kLanes].Set(lane % kLanes,
+                                                           child & kLeaf ? emitters[child & ~kLeaf] : wholes[child]);
         }
 }
 
@@ -188,8 +197,8 @@ Float EmitterTree::PMF(const LightQuery &query, uint32_t emitter) const {
 }
 
 size_t EmitterTree::Bytes() const {
-    return nodes_.capacity() * sizeof(Branch) + packets_.capacity() * sizeof(EmitterPacket) + children_.capacity() * sizeof(uint32_t) +
-           far_.capacity() * sizeof(Far) + places_.capacity() * sizeof(Place);
+    return nodes_.capacity() * sizeof(Branch) + packets_.capacity() * sizeof(EmitterPacket) +
+           children_.capacity() * sizeof(uint32_t) + far_.capacity() * sizeof(Far) + places_.capacity() * sizeof(Place);
 }
 
 }  // namespace ext

@@ -26,7 +26,7 @@ class EmitterTree {
     using Node = uint32_t;
     struct Level {
         alignas(32) Float buffer[kWidth];
-        const Float *g;              ///< of the children without far lights
+        const Float *g;  ///< of the children without far lights
         const uint32_t *children;
         const EmitterTree *tree;
         const LightQuery *query;

@@ -28,9 +28,7 @@ class GroupImportance {
     Float Of(const LightQuery &query, uint32_t emitter) const;
     /// Unit vector to the middle of an emitter; zero for lights without one (skies).
     Vector3 DirectionTo(const Point3 &p, uint32_t emitter) const;
-    size_t Bytes() const {
-        return packets_.capacity() * sizeof(EmitterPacket) + far_.capacity() * sizeof(FarLight);
-    }
+    size_t Bytes() const { return packets_.capacity() * sizeof(EmitterPacket) + far_.capacity() * sizeof(FarLight); }
 
   private:
     struct FarLight {

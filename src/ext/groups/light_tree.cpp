@@ -84,7 +84,8 @@ class LightTree::Builder {
         const size_t axis = Widest(items).axis;
         if (items.size() >= kManyItems) {
             const size_t middle = items.size() / 2;
-            std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(), LessAlong{axis});
+            std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(),
+                             LessAlong{axis});
             return begin + static_cast<uint32_t>(middle);
         }
         std::sort(items.begin(), items.end(), LessAlong{axis});
@@ -101,8 +102,10 @@ LightTree::LightTree(std::span<const Emitter> emitters) : position_(emitters.siz
     std::vector<EmitterItem> items;
     std::vector<uint32_t> far;
     for (uint32_t i = 0; i < emitters.size(); ++i) {
-        if (emitters[i].isFar) far.push_back(i);
-        else if (emitters[i].bounds) items.push_back({i, emitters[i].intensity, {}});
+        if (emitters[i].isFar)
+            far.push_back(i);
+        else if (emitters[i].bounds)
+            items.push_back({i, emitters[i].intensity, {}});
     }
     const auto near = static_cast<uint32_t>(items.size());
     nearNodes_ = near > 0 ? 2 * near - 1 : 0;
@@ -116,7 +119,8 @@ LightTree::LightTree(std::span<const Emitter> emitters) : position_(emitters.siz
     }
     const size_t farNodes = std::min(far.size(), kFarNodes);
     for (size_t n = 0; n < farNodes; ++n) {
-        const auto first = static_cast<uint32_t>(n * far.size() / farNodes), last = static_cast<uint32_t>((n + 1) * far.size() / farNodes);
+        const auto first = static_cast<uint32_t>(n * far.size() / farNodes),
+                   last = static_cast<uint32_t>((n + 1) * far.size() / farNodes);
         roots_.push_back(static_cast<uint32_t>(ranges_.size()));
         base_.push_back(roots_.back());
         ranges_.push_back({near + first, near + last});
@@ -131,8 +135,10 @@ LightTree::LightTree(std::span<const Emitter> emitters) : position_(emitters.siz
 void LightTree::ChooseBaseCut(std::span<const Float> spread) {
     std::priority_queue<std::pair<Float, uint32_t>> open;
     auto add = [&](uint32_t node) {
-        if (HasChildren(node)) open.push({spread[node], node});
-        else base_.push_back(node);
+        if (HasChildren(node))
+            open.push({spread[node], node});
+        else
+            base_.push_back(node);
     };
     add(0);
     while (!open.empty() && base_.size() + open.size() < kBaseNodes) {
@@ -196,10 +202,12 @@ std::optional<SampledLight> LightTree::SampleWithin(uint32_t node, const LightQu
     if (range.Size() == 1) return SampledLight{LightId(order_[range.begin]), end->pmf, end->weight};
     const size_t near = order_.size() - far_.size();
     const Float sum = EvaluateFarNode(end->node, query);
-    const auto chosen = ChooseByWeight<Float>(range.Size(), static_cast<Float>(end->rest) * sum,
-                                              [&](uint32_t i) { return EvaluateFar(far_[range.begin + i - near], query); });
+    const auto chosen = ChooseByWeight<Float>(range.Size(), static_cast<Float>(end->rest) * sum, [&](uint32_t i) {
+        return EvaluateFar(far_[range.begin + i - near], query);
+    });
     if (!chosen) return {};
-    return SampledLight{LightId(order_[range.begin + chosen->index]), end->pmf * (chosen->weight / sum), chosen->weight};
+    return SampledLight{LightId(order_[range.begin + chosen->index]), end->pmf * (chosen->weight / sum),
+                        chosen->weight};
 }
 
 Float LightTree::PMFWithin(uint32_t node, const LightQuery &query, uint32_t position) const {
@@ -213,12 +221,14 @@ Float LightTree::PMFWithin(uint32_t node, const LightQuery &query, uint32_t posi
 }
 
 size_t LightTree::Holder(std::span<const uint32_t> cut, uint32_t position) const {
-    auto after = std::upper_bound(cut.begin(), cut.end(), position, [&](uint32_t p, uint32_t node) { return p < ranges_[node].begin; });
+    auto after = std::upper_bound(cut.begin(), cut.end(), position,
+                                  [&](uint32_t p, uint32_t node) { return p < ranges_[node].begin; });
     return static_cast<size_t>(after - cut.begin()) - 1;
 }
 
 size_t LightTree::Bytes() const {
-    return ranges_.capacity() * sizeof(Range) + rows_.capacity() * sizeof(EmitterRow) + far_.capacity() * sizeof(Emitter) +
+    return ranges_.capacity() * sizeof(Range) + rows_.capacity() * sizeof(EmitterRow) +
+           far_.capacity() * sizeof(Emitter) +
            (order_.capacity() + position_.capacity() + roots_.capacity() + base_.capacity()) * sizeof(uint32_t);
 }
 

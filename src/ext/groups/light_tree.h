@@ -7,8 +7,8 @@
 namespace ext {
 
 /// A binary tree over emitters (lights, for short) whose nodes can be named one by one: a *cut* is a list of nodes that
-/// holds every light exactly once. A node stands for all lights below it: G of a node (EmitterPacket) is that of a sphere around them with
-/// all their intensity, and positive wherever that of one of them is.
+/// holds every light exactly once. A node stands for all lights below it: G of a node (EmitterPacket) is that of a
+/// sphere around them with all their intensity, and positive wherever that of one of them is.
 ///
 /// Nodes are in preorder, so that names in rising order are lights in rising order of *position*. Far lights have no
 /// place: they are up to kFarNodes more nodes behind, and part of every cut.
@@ -46,7 +46,8 @@ class LightTree {
 
     /// G of nodes in rising order into out[0, nodes.size()); returns the sum.
     Float Evaluate(const LightQuery &query, std::span<const uint32_t> nodes, std::span<Float> out) const;
-    /// A light below a node, chosen level by level by G, its probability given the node, and its G as `unoccluded`. None if no light there can contribute.
+    /// A light below a node, chosen level by level by G, its probability given the node, and its G as `unoccluded`.
+    /// None if no light there can contribute.
     std::optional<SampledLight> SampleWithin(uint32_t node, const LightQuery &query, Float u) const;
     /// Of a light at a position in the node's range.
     Float PMFWithin(uint32_t node, const LightQuery &query, uint32_t position) const;
@@ -78,7 +79,7 @@ class LightTree {
     std::vector<Range> ranges_;     ///< per node
     std::vector<EmitterRow> rows_;  ///< per near node
     uint32_t nearNodes_ = 0;
-    std::vector<Emitter> far_;      ///< at position LightCount() - far_.size() and after
+    std::vector<Emitter> far_;  ///< at position LightCount() - far_.size() and after
     std::vector<uint32_t> order_, position_, roots_, base_;
 };
 

@@ -7,9 +7,9 @@
 
 namespace ext {
 
-/// P(light | group, query): which primitive of an emissive mesh, once the mesh is chosen. By importance at the point: all
-/// primitives looked at up to 32 of them, through a tree over them above that. Primitives that face away get nothing, near
-/// ones more; by power alone (LightGroups) curved and closed emitters waste most samples.
+/// P(light | group, query): which primitive of an emissive mesh, once the mesh is chosen. By importance at the point:
+/// all primitives looked at up to 32 of them, through a tree over them above that. Primitives that face away get
+/// nothing, near ones more; by power alone (LightGroups) curved and closed emitters waste most samples.
 class MeshInterior {
   public:
     /// `byImportance` false: by power, for comparison.

@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "pbrt/lights/light_groups.h"
 #include "ext/voxels/voxel_grid.h"
+#include "pbrt/lights/light_groups.h"
 #include "pbrt/scene/scene.h"
 
 namespace ext {

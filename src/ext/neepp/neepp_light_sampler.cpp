@@ -29,7 +29,8 @@ const void *NeeppLightSampler::WeighGroups(const LightQuery &query, LightMemory 
     return prepared_ ? Cdf(query.p).data() : nullptr;
 }
 
-std::optional<GroupLightSampler::ChosenGroup> NeeppLightSampler::ChooseGroup(const LightQuery &query, const void *weights, Float u) const {
+std::optional<GroupLightSampler::ChosenGroup> NeeppLightSampler::ChooseGroup(const LightQuery &query,
+                                                                             const void *weights, Float u) const {
     if (!weights) return SampleUniformly(query, u);
     const std::span<const uint32_t> cdf(static_cast<const uint32_t *>(weights), groups_.Size());
     const uint32_t group = SampleFixedCdf(cdf, u, query.p);

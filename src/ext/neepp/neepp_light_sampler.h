@@ -1,6 +1,6 @@
 #pragma once
-#include "pbrt/lightsamplers/group_light_sampler.h"
 #include "ext/neepp/visibility_map.h"
+#include "pbrt/lightsamplers/group_light_sampler.h"
 
 namespace ext {
 

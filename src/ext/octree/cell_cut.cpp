@@ -33,7 +33,8 @@ struct CellCut::Merger {
         double key = 0;   ///< of joining all below it: the most that one of the joins costs
     };
     std::vector<Item> items = {};
-    std::vector<double> w = {}, w2 = {}, wm = {}, expected = {};  ///< running sums, one more entry; `expected`: of wm, by the cell above
+    std::vector<double> w = {}, w2 = {}, wm = {},
+                        expected = {};  ///< running sums, one more entry; `expected`: of wm, by the cell above
 
     void SumUp() {
         for (std::vector<double> *v : {&w, &w2, &wm, &expected}) v->assign(1, 0);
@@ -48,13 +49,17 @@ struct CellCut::Merger {
         }
     }
 
-    /// `knownAbove`: the node in the cell above; none if that does not tell it apart, then `momentAbove` is of a node that
-    /// holds it. `ratioBefore`: how this cell compares with the one above, over the node's parent.
-    void Add(uint32_t node, size_t begin, size_t end, std::optional<size_t> knownAbove, double momentAbove, double ratioBefore,
-             double shareBefore) {
-        const double sw = w[end] - w[begin], sw2 = w2[end] - w2[begin], se = expected[end] - expected[begin], k = settings.shrinkage;
-        const double tries = begin < end && sw2 > 0 && se > 0 ? sw * sw / sw2 : 0, found = tries > 0 ? (wm[end] - wm[begin]) / se : 0;
-        const double ratio = tries + k > 0 ? std::clamp((tries * found + k * ratioBefore) / (tries + k), kMinRatio, kMaxRatio) : ratioBefore;
+    /// `knownAbove`: the node in the cell above; none if that does not tell it apart, then `momentAbove` is of a node
+    /// that holds it. `ratioBefore`: how this cell compares with the one above, over the node's parent.
+    void Add(uint32_t node, size_t begin, size_t end, std::optional<size_t> knownAbove, double momentAbove,
+             double ratioBefore, double shareBefore) {
+        const double sw = w[end] - w[begin], sw2 = w2[end] - w2[begin], se = expected[end] - expected[begin],
+                     k = settings.shrinkage;
+        const double tries = begin < end && sw2 > 0 && se > 0 ? sw * sw / sw2 : 0,
+                     found = tries > 0 ? (wm[end] - wm[begin]) / se : 0;
+        const double ratio = tries + k > 0
+                                 ? std::clamp((tries * found + k * ratioBefore) / (tries + k), kMinRatio, kMaxRatio)
+                                 : ratioBefore;
         Item item{.node = node};
         item.moment = ratio * momentAbove;
         item.share = (sw + k * shareBefore) / std::max(weight + k, 1e-9);
@@ -64,11 +69,14 @@ struct CellCut::Merger {
         const bool toldApart = knownAbove && above->IsInner(*knownAbove);
         if (lights.HasChildren(node) && (begin < end || toldApart)) {
             const uint32_t first = lights.First(node), second = lights.Second(node), border = lights.At(second).begin;
-            const auto middle = static_cast<size_t>(
-                std::partition_point(sums.begin() + static_cast<std::ptrdiff_t>(begin), sums.begin() + static_cast<std::ptrdiff_t>(end),
-                                     [&](const TrySums &s) { return s.light < border; }) - sums.begin());
+            const auto middle =
+                static_cast<size_t>(std::partition_point(sums.begin() + static_cast<std::ptrdiff_t>(begin),
+                                                         sums.begin() + static_cast<std::ptrdiff_t>(end),
+                                                         [&](const TrySums &s) { return s.light < border; }) -
+                                    sums.begin());
             std::optional<size_t> a, b;
-            double shareA = static_cast<double>(lights.Intensity(first)), shareB = static_cast<double>(lights.Intensity(second));
+            double shareA = static_cast<double>(lights.Intensity(first)),
+                   shareB = static_cast<double>(lights.Intensity(second));
             double momentA = momentAbove, momentB = momentAbove;
             if (toldApart) {
                 a = *knownAbove + 1;
@@ -85,7 +93,8 @@ struct CellCut::Merger {
             items[index].second = static_cast<uint32_t>(items.size());
             Add(second, middle, end, b, momentB, ratio, item.share - shareA);
             const Item &one = items[index + 1], &other = items[items[index].second];
-            items[index].key = std::max({item.cost - one.cost - other.cost, IsInner(index + 1) ? one.key : kNever, other.second != 0 ? other.key : kNever});
+            items[index].key = std::max({item.cost - one.cost - other.cost, IsInner(index + 1) ? one.key : kNever,
+                                         other.second != 0 ? other.key : kNever});
         } else {
             ++nodes;
             total += item.cost;
@@ -99,8 +108,8 @@ struct CellCut::Merger {
     }
     bool IsInner(size_t i) const { return items[i].second != 0; }
 
-    size_t nodes = 0;  ///< of the cut
-    double total = 0;  ///< cost of the finest cut
+    size_t nodes = 0;                                     ///< of the cut
+    double total = 0;                                     ///< cost of the finest cut
     std::vector<std::pair<double, uint32_t>> joins = {};  ///< keys and items
     /// Joins siblings, the cheapest first: what costs next to nothing, and until there are no more than `most` nodes.
     /// A node's key is no less than those below it, so that what is below it is joined before.
@@ -114,7 +123,8 @@ struct CellCut::Merger {
             free += items[i].key < kNoCost * total;
         }
         const size_t count = std::min(joins.size(), std::max(free, nodes > most ? nodes - most : 0));
-        if (count < joins.size()) std::nth_element(joins.begin(), joins.begin() + static_cast<std::ptrdiff_t>(count), joins.end());
+        if (count < joins.size())
+            std::nth_element(joins.begin(), joins.begin() + static_cast<std::ptrdiff_t>(count), joins.end());
         for (size_t k = 0; k < count; ++k) items[~joins[k].second].second = 0;
         nodes -= count;
     }
@@ -125,18 +135,22 @@ struct CellCut::Merger {
     }
 };
 
-CellCut::CellCut(const LightTree &lights, std::span<const TrySums> sums, double weight, const CellCut *above, const Settings &settings) {
+CellCut::CellCut(const LightTree &lights, std::span<const TrySums> sums, double weight, const CellCut *above,
+                 const Settings &settings) {
     Merger merger{lights, sums, weight, above, settings};
     merger.SumUp();
     const double all = merger.w.back() > 0 ? merger.wm.back() / merger.w.back() : 0, prior = all > 0 ? all : 1;
     size_t begin = 0, knownAbove = 0;
     const std::span<const uint32_t> roots = lights.Roots();
     for (uint32_t root : roots) {
-        const size_t end = static_cast<size_t>(std::partition_point(sums.begin() + static_cast<std::ptrdiff_t>(begin), sums.end(),
-                                                                    [&](const TrySums &s) { return s.light < lights.At(root).end; }) - sums.begin());
+        const size_t end =
+            static_cast<size_t>(std::partition_point(sums.begin() + static_cast<std::ptrdiff_t>(begin), sums.end(),
+                                                     [&](const TrySums &s) { return s.light < lights.At(root).end; }) -
+                                sums.begin());
         if (above) {
             const Known &known = above->known_[knownAbove];
-            merger.Add(root, begin, end, knownAbove, static_cast<double>(known.moment), 1, static_cast<double>(known.share));
+            merger.Add(root, begin, end, knownAbove, static_cast<double>(known.moment), 1,
+                       static_cast<double>(known.share));
             knownAbove = known.next;
         } else {
             merger.Add(root, begin, end, {}, 1, prior, 1 / static_cast<double>(roots.size()));
@@ -151,7 +165,8 @@ CellCut::CellCut(const LightTree &lights, std::span<const TrySums> sums, double 
     // From the back: a node ends where its second child does.
     for (size_t i = known_.size(); i-- > 0;) {
         known_[i].next = static_cast<uint32_t>(i + 1);
-        const bool inner = i + 1 < known_.size() && lights.HasChildren(known_[i].node) && known_[i + 1].node == lights.First(known_[i].node);
+        const bool inner = i + 1 < known_.size() && lights.HasChildren(known_[i].node) &&
+                           known_[i + 1].node == lights.First(known_[i].node);
         if (inner) known_[i].next = known_[known_[i + 1].next].next;
     }
     merger.JoinDownTo(settings.nodes + far);

@@ -21,11 +21,11 @@ struct TrySums {
 
 /// What a cell of the octree knows about the nodes of the light tree: the tree's top, down to a cut.
 ///
-/// Estimate: of every node how the cell compares with its parent in the octree, found over expected, pulled by pseudo-tries towards
-/// the same of the node above it in the light tree. So what a cell learns of one lamp in a room it thinks of the neighbours too, and
-/// what it has not met it takes from the cell above. (The whole box expects 1 of every light.)
-/// Cut: the nodes that keep sum_n share_n sqrt(moment_n) low, the square root of the second moment of a choice among
-/// them; of the finest cut the pair of siblings that costs least is joined, again and again.
+/// Estimate: of every node how the cell compares with its parent in the octree, found over expected, pulled by
+/// pseudo-tries towards the same of the node above it in the light tree. So what a cell learns of one lamp in a room it
+/// thinks of the neighbours too, and what it has not met it takes from the cell above. (The whole box expects 1 of
+/// every light.) Cut: the nodes that keep sum_n share_n sqrt(moment_n) low, the square root of the second moment of a
+/// choice among them; of the finest cut the pair of siblings that costs least is joined, again and again.
 class CellCut {
   public:
     struct Settings {
@@ -35,10 +35,11 @@ class CellCut {
     };
     CellCut() = default;
     /// `sums`: by rising position; `weight`: sum of all their w; `above`: of the cell's parent, or null.
-    CellCut(const LightTree &lights, std::span<const TrySums> sums, double weight, const CellCut *above, const Settings &settings);
+    CellCut(const LightTree &lights, std::span<const TrySums> sums, double weight, const CellCut *above,
+            const Settings &settings);
 
-    std::span<const uint32_t> Nodes() const { return nodes_; }  ///< of the cut, rising
-    std::span<const float> Factors() const { return factors_; } ///< of them
+    std::span<const uint32_t> Nodes() const { return nodes_; }   ///< of the cut, rising
+    std::span<const float> Factors() const { return factors_; }  ///< of them
 
   private:
     struct Known {

@@ -33,8 +33,8 @@ CellOctree::Cell CellOctree::CellAt(const Point3 &p) const {
     return cell;
 }
 
-void SortIntoChildren(const std::vector<glm::uvec3> &quantized, std::vector<uint32_t> &order, uint32_t begin, uint32_t end, int bit,
-                      uint32_t start[9]) {
+void SortIntoChildren(const std::vector<glm::uvec3> &quantized, std::vector<uint32_t> &order, uint32_t begin,
+                      uint32_t end, int bit, uint32_t start[9]) {
     std::fill(start, start + 9, 0u);
     start[0] = begin;
     for (uint32_t i = begin; i < end; ++i) ++start[CellOctree::Child(quantized[order[i]], bit) + 1];
@@ -42,7 +42,8 @@ void SortIntoChildren(const std::vector<glm::uvec3> &quantized, std::vector<uint
     std::vector<uint32_t> sorted(end - begin);
     uint32_t next[8];
     std::copy(start, start + 8, next);
-    for (uint32_t i = begin; i < end; ++i) sorted[next[CellOctree::Child(quantized[order[i]], bit)]++ - begin] = order[i];
+    for (uint32_t i = begin; i < end; ++i)
+        sorted[next[CellOctree::Child(quantized[order[i]], bit)]++ - begin] = order[i];
     std::copy(sorted.begin(), sorted.end(), order.begin() + begin);
 }
 

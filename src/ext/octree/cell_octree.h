@@ -7,8 +7,8 @@
 namespace ext {
 using namespace pbrt;
 
-/// Where the leaves of an octree over a box are: a point to the row of its leaf. One array of 4-byte nodes; a look-up is
-/// index arithmetic, without pointers. What a row means is its user's business.
+/// Where the leaves of an octree over a box are: a point to the row of its leaf. One array of 4-byte nodes; a look-up
+/// is index arithmetic, without pointers. What a row means is its user's business.
 class CellOctree {
   public:
     /// Cells per axis of the undivided top grid (paper, "Implementation Details").
@@ -73,19 +73,21 @@ class CellOctree {
   private:
     template <class Visit>
     void VisitLeaves(uint32_t node, int depth, Visit &&visit) const {
-        if (nodes_[node] & LeafBit) visit(node, nodes_[node] & ~LeafBit, depth);
+        if (nodes_[node] & LeafBit)
+            visit(node, nodes_[node] & ~LeafBit, depth);
         else
             for (uint32_t c = 0; c < 8; ++c) VisitLeaves(nodes_[node] + c, depth + 1, visit);
     }
     static constexpr uint32_t LeafBit = 0x80000000u;
     Point3 low_{0, 0, 0};
     Vector3 scale_{0, 0, 0};  ///< to quantised units
-    std::vector<uint32_t> nodes_ = std::vector<uint32_t>(TopCount, LeafBit);  ///< LeafBit | row, or index of the first child
+    std::vector<uint32_t> nodes_ =
+        std::vector<uint32_t>(TopCount, LeafBit);  ///< LeafBit | row, or index of the first child
 };
 
-/// Sorts order[begin, end), which index `quantized`, by child at this level, keeping the order within each child; child c
-/// gets order[start[c], start[c + 1]).
-void SortIntoChildren(const std::vector<glm::uvec3> &quantized, std::vector<uint32_t> &order, uint32_t begin, uint32_t end, int bit,
-                      uint32_t start[9]);
+/// Sorts order[begin, end), which index `quantized`, by child at this level, keeping the order within each child; child
+/// c gets order[start[c], start[c + 1]).
+void SortIntoChildren(const std::vector<glm::uvec3> &quantized, std::vector<uint32_t> &order, uint32_t begin,
+                      uint32_t end, int bit, uint32_t start[9]);
 
 }  // namespace ext

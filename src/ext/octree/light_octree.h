@@ -6,8 +6,8 @@
 
 namespace ext {
 
-/// The paper's frozen structure: an adaptive octree over the scene bounds, every leaf with a distribution over groups of
-/// lights.
+/// The paper's frozen structure: an adaptive octree over the scene bounds, every leaf with a distribution over groups
+/// of lights.
 class LightOctree {
   public:
     uint32_t Row(const Point3 &p) const { return cells_.Row(p); }

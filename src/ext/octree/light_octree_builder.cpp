@@ -88,7 +88,8 @@ LightOctree LightOctreeBuilder::Build(size_t groups, const AddValues &addValues)
     auto rowFor = [&](uint32_t node) {
         while (node != kNoParent && !(total(sumOf(node)) > 0)) node = parentOf_[node];
         uint32_t &row = node == kNoParent ? rootRow : rowOf[node];
-        if (row == kNone) row = addRow(node == kNoParent ? std::span<const double>(all) : std::span<const double>(sumOf(node)));
+        if (row == kNone)
+            row = addRow(node == kNoParent ? std::span<const double>(all) : std::span<const double>(sumOf(node)));
         return row;
     };
     for (uint32_t node = 0; node < nodeCount; ++node)

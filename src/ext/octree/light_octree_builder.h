@@ -40,9 +40,9 @@ class LightOctreeBuilder {
     std::vector<glm::uvec3> quantized_;  ///< per original point
     std::vector<uint32_t> order_;        ///< original indices, grouped by cell
     size_t splitAbove_ = 0;
-    std::vector<Range> rangeOf_;         ///< per node
-    std::vector<uint8_t> isLeaf_;        ///< per node
-    std::vector<uint32_t> parentOf_;     ///< per node; top cells: none
+    std::vector<Range> rangeOf_;      ///< per node
+    std::vector<uint8_t> isLeaf_;     ///< per node
+    std::vector<uint32_t> parentOf_;  ///< per node; top cells: none
 };
 
 }  // namespace ext

@@ -23,9 +23,13 @@ std::string PaperOctreeLightSampler::DescribeStructure() const {
     if (!learned_) return fmt::format("octree: none, there is nothing to choose ({} lights)\n", groups_.Size());
 
     std::vector<LeafSize> leaves;
-    tree_.Cells().ForEachLeaf([&](uint32_t node, uint32_t, int depth) { leaves.push_back({depth, recordsPerNode_[node]}); });
-    return fmt::format("octree: {} leaves, {} distributions over {} lights, {} records\nbytes: {} (and {} for this view)\n", leaves.size(),
-                       tree_.RowCount(), groups_.Size(), vertices_, tree_.Bytes(), recordsPerNode_.capacity() * sizeof(uint32_t)) +
+    tree_.Cells().ForEachLeaf([&](uint32_t node, uint32_t, int depth) {
+        leaves.push_back({depth, recordsPerNode_[node]});
+    });
+    return fmt::format(
+               "octree: {} leaves, {} distributions over {} lights, {} records\nbytes: {} (and {} for this view)\n",
+               leaves.size(), tree_.RowCount(), groups_.Size(), vertices_, tree_.Bytes(),
+               recordsPerNode_.capacity() * sizeof(uint32_t)) +
            DescribeLeaves(leaves);
 }
 
@@ -42,14 +46,18 @@ void VisibilityOctreeLightSampler::Inspect(const LightQuery &query, std::vector<
     if (lightTree_) return;
     // What the leaf says is found of each light, relative to the one that is found best.
     for (size_t i = 0; i < std::min<size_t>(groups_.Size(), 16); ++i)
-        values.push_back({fmt::format("found {}", i), learned_ ? static_cast<double>(VisibilityTree::Decode(tree_.GetRow(cell.row).codes[i])) : 1.0,
+        values.push_back({fmt::format("found {}", i),
+                          learned_ ? static_cast<double>(VisibilityTree::Decode(tree_.GetRow(cell.row).codes[i])) : 1.0,
                           false});
 }
 
 std::string VisibilityOctreeLightSampler::DescribeStructure() const {
     if (!learned_) return fmt::format("octree: none, there is nothing to choose ({} lights)\n", groups_.Size());
-    return fmt::format("octree: {} leaves ({} before pruning), {} different rows over {} lights, {} records, {} shadow rays\nbytes: {}\n",
-                       tree_.LeafCount(), leavesBefore_, tree_.RowCount(), groups_.Size(), prepassRecords_, prepassTries_, tree_.Bytes()) +
+    return fmt::format(
+               "octree: {} leaves ({} before pruning), {} different rows over {} lights, {} records, {} shadow "
+               "rays\nbytes: {}\n",
+               tree_.LeafCount(), leavesBefore_, tree_.RowCount(), groups_.Size(), prepassRecords_, prepassTries_,
+               tree_.Bytes()) +
            DescribeLeaves(leaves_);
 }
 

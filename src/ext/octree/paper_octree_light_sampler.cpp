@@ -20,9 +20,13 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
 }  // namespace
 
 PaperOctreeLightSampler::PaperOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
-    : GroupLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()), params_(params), floor_(params.floor > 0 ? params.floor : kPaperFloor) {
-    if (groups_.Size() <= kMaxScan) unoccluded_ = std::make_unique<ExhaustiveLightSampler>(groups_);
-    else unoccluded_ = std::make_unique<BVHLightSampler>(groups_);
+    : GroupLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()),
+      params_(params),
+      floor_(params.floor > 0 ? params.floor : kPaperFloor) {
+    if (groups_.Size() <= kMaxScan)
+        unoccluded_ = std::make_unique<ExhaustiveLightSampler>(groups_);
+    else
+        unoccluded_ = std::make_unique<BVHLightSampler>(groups_);
 }
 
 PaperOctreeLightSampler::~PaperOctreeLightSampler() = default;
@@ -36,7 +40,8 @@ void PaperOctreeLightSampler::Prepare(PrepareContext &context) {
     if (context.progress.Cancelled()) return;
 
     if (double rays = static_cast<double>(vertices.size()) * static_cast<double>(groups_.Size()); rays > 3e8)
-        LogWarning(fmt::format("octree: {} lights to choose from mean {:.1e} shadow rays before the first sample.", groups_.Size(), rays));
+        LogWarning(fmt::format("octree: {} lights to choose from mean {:.1e} shadow rays before the first sample.",
+                               groups_.Size(), rays));
 
     start = std::chrono::steady_clock::now();
     std::vector<Point3> points(vertices.size());
@@ -52,7 +57,8 @@ void PaperOctreeLightSampler::Prepare(PrepareContext &context) {
             Point2 u = rng.Uniform2();
             LightId light = groups_.SampleLight(g, uLight);
             if (Float share = groups_.ShareOf(light); share > 0)
-                sum[g] += static_cast<double>(VisibleMean(VisibleContribution(context.scene, vertices[index], light, u)) / share);
+                sum[g] += static_cast<double>(
+                    VisibleMean(VisibleContribution(context.scene, vertices[index], light, u)) / share);
         }
         if (index % 64 == 0) context.progress.Advance(64);
     });
@@ -69,13 +75,14 @@ const void *PaperOctreeLightSampler::WeighGroups(const LightQuery &query, LightM
     return weights;
 }
 
-std::optional<GroupLightSampler::ChosenGroup> PaperOctreeLightSampler::ChooseGroup(const LightQuery &query, const void *weights,
-                                                                                   Float u) const {
+std::optional<GroupLightSampler::ChosenGroup> PaperOctreeLightSampler::ChooseGroup(const LightQuery &query,
+                                                                                   const void *weights, Float u) const {
     const auto &[cdf, unoccluded] = *static_cast<const Weights *>(weights);
     const Float floor = cdf ? floor_ : 1;
     ChosenGroup chosen;
     if (u < floor) {
-        std::optional<ChosenGroup> g = unoccluded_->ChooseGroup(query, unoccluded, std::min(u / floor, OneMinusEpsilon));
+        std::optional<ChosenGroup> g =
+            unoccluded_->ChooseGroup(query, unoccluded, std::min(u / floor, OneMinusEpsilon));
         if (!g) return {};
         chosen = {g->group, g->pmf, LightGroups::InnerNumber(u, query.p)};
     } else {

@@ -1,9 +1,9 @@
 #pragma once
 #include <memory>
 
-#include "pbrt/lightsamplers/group_light_sampler.h"
 #include "ext/octree/light_octree.h"
 #include "ext/octree/octree_params.h"
+#include "pbrt/lightsamplers/group_light_sampler.h"
 
 namespace ext {
 
@@ -12,7 +12,8 @@ namespace ext {
 /// vertices stores the mean of g per leaf and light; lights are chosen in proportion to it.
 ///
 /// Departures, both where the paper is silent:
-/// - P(l | x) = (1 - floor) leaf(x, l) + floor * importance(x, l): without the second term a light that no sample of a leaf
+/// - P(l | x) = (1 - floor) leaf(x, l) + floor * importance(x, l): without the second term a light that no sample of a
+/// leaf
 ///   saw would have probability 0 and the image a bias. importance is the unoccluded estimate of stock pbrt-v4's
 ///   samplers at the point itself: the exhaustive one up to 64 groups, the light BVH above.
 /// - A cell without vertices, or whose vertices saw no light, uses the nearest ancestor's distribution.
@@ -44,7 +45,7 @@ class PaperOctreeLightSampler final : public GroupLightSampler {
     std::unique_ptr<GroupLightSampler> unoccluded_;  ///< over groups
     LightOctree tree_;
     std::vector<uint32_t> recordsPerNode_;  ///< for Inspect and DescribeStructure only
-    bool learned_ = false;  ///< false: one group or none, or Prepare was not called: unoccluded_ alone
+    bool learned_ = false;                  ///< false: one group or none, or Prepare was not called: unoccluded_ alone
     size_t vertices_ = 0;
     double prepassSeconds_ = 0, buildSeconds_ = 0;
 };

@@ -29,7 +29,8 @@ LightLearner::PathPlaces RenderRecords::BeginPath(Point2i pixel, int sample) con
     const Vector2i at = pixel - pixels_.low;
     if (places_.empty() || sample < first_ || sample >= end_ || (at.x + kRowShift * at.y) % stride_ != 0) return {};
     const size_t ofPixel = static_cast<size_t>(at.y) * placesPerRow_ + static_cast<size_t>(at.x / stride_);
-    const size_t next = (ofPixel * static_cast<size_t>(end_ - first_) + static_cast<size_t>(sample - first_)) * vertices_;
+    const size_t next =
+        (ofPixel * static_cast<size_t>(end_ - first_) + static_cast<size_t>(sample - first_)) * vertices_;
     return {next, next + vertices_};
 }
 

@@ -8,8 +8,8 @@ namespace ext {
 /// order in which threads come by does not matter.
 class RenderRecords {
   public:
-    /// For samples [first, end) of these pixels and up to `vertices` vertices of their paths. At most `most` places: where there are more
-    /// samples than that, of every second, third, ... pixel.
+    /// For samples [first, end) of these pixels and up to `vertices` vertices of their paths. At most `most` places:
+    /// where there are more samples than that, of every second, third, ... pixel.
     void Begin(const Bounds2i &pixels, int first, int end, int vertices, size_t most);
     /// Forgets all, and takes no more.
     void End();

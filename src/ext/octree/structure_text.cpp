@@ -23,7 +23,9 @@ std::string DescribeLeaves(const std::vector<LeafSize> &leaves) {
     }
     if (perLeaf.empty()) return "";
     std::sort(perLeaf.begin(), perLeaf.end());
-    auto quantile = [&](double q) { return perLeaf[static_cast<size_t>(q * static_cast<double>(perLeaf.size() - 1) + 0.5)]; };
+    auto quantile = [&](double q) {
+        return perLeaf[static_cast<size_t>(q * static_cast<double>(perLeaf.size() - 1) + 0.5)];
+    };
 
     std::string text = "depth     leaves    without records    records    records per leaf\n";
     for (const auto &[depth, level] : levels)

@@ -23,8 +23,10 @@ constexpr size_t kMaxFound = 400000;
 }  // namespace
 
 VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
-    : InteriorLightSampler(lights, params.meshlights, params.interior), params_(params),
-      floor_(params.floor > 0 ? params.floor : kVisibilityFloor), importance_(groups_) {
+    : InteriorLightSampler(lights, params.meshlights, params.interior),
+      params_(params),
+      floor_(params.floor > 0 ? params.floor : kVisibilityFloor),
+      importance_(groups_) {
     if (groups_.Size() > kMax) lightTree_ = std::make_unique<LightTree>(GroupImportance::EmittersOf(groups_));
 }
 
@@ -157,7 +159,8 @@ void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c
         if (!(c->w[i] > worthLooking)) continue;
         // Of several lights together the middle tells little.
         if (lightTree_ && !lightTree_->IsLight(c->nodes[i])) continue;
-        wi[count] = importance_.DirectionTo(query.p, lightTree_ ? lightTree_->LightAt(lightTree_->At(c->nodes[i]).begin) : static_cast<uint32_t>(i));
+        wi[count] = importance_.DirectionTo(
+            query.p, lightTree_ ? lightTree_->LightAt(lightTree_->At(c->nodes[i]).begin) : static_cast<uint32_t>(i));
         if (wi[count] != Vector3(0)) looked[count++] = static_cast<uint8_t>(i);
     }
     Float f[kMax];
@@ -175,7 +178,8 @@ void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c
     for (size_t i = 0; i < c->count; ++i) c->sumW += c->w[i];
 }
 
-std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::ChooseGroup(const LightQuery &query, const void *weights,
+std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::ChooseGroup(const LightQuery &query,
+                                                                                        const void *weights,
                                                                                         Float u) const {
     const Choice &c = *static_cast<const Choice *>(weights);
     const auto chosen = ChooseByWeight<Float>(c.count, u, [&](uint32_t i) { return c.Share(i); });
@@ -193,7 +197,8 @@ std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::Choo
     return choose(light->light.value, share * light->pmf, LightGroups::InnerNumber(u, query.p), light->unoccluded);
 }
 
-Float VisibilityOctreeLightSampler::GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const {
+Float VisibilityOctreeLightSampler::GroupProbability(const LightQuery &query, const void *weights,
+                                                     uint32_t group) const {
     if (lightTree_ && lightTree_->PositionOf(group) == LightTree::kNowhere) return 0;
     const Choice &c = *static_cast<const Choice *>(weights);
     if (!lightTree_) return c.Share(group);

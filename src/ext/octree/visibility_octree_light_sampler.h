@@ -17,13 +17,13 @@ namespace ext {
 ///
 ///   P(l | x) = (1 - e) G_l(x) a(leaf, l) b_l(x) / sum + e G_l(x) / sum G
 ///
-/// G (GroupImportance) is what would arrive unoccluded, evaluated at the shading point; a what the prepass found of it in
-/// the point's leaf, as root mean square of found over unoccluded (VisibilityTreeBuilder); b follows the BSDF towards the
-/// light's middle where the surface is glossy without a diffuse part, and is 1 elsewhere. Light l is a group; inside a mesh the
-/// primitive is chosen by MeshInterior.
-/// With more than 64 groups l is a node of a cut through a tree over them (LightTree); every leaf has its own cut, fine where its
-/// light comes from, coarse elsewhere, and below a node lights are chosen level by level by G. Such a sampler goes on learning from the
-/// render's shadow rays: after 1, 4, 16 and 64 samples a pixel it builds its tree anew from all that was found until then.
+/// G (GroupImportance) is what would arrive unoccluded, evaluated at the shading point; a what the prepass found of it
+/// in the point's leaf, as root mean square of found over unoccluded (VisibilityTreeBuilder); b follows the BSDF
+/// towards the light's middle where the surface is glossy without a diffuse part, and is 1 elsewhere. Light l is a
+/// group; inside a mesh the primitive is chosen by MeshInterior. With more than 64 groups l is a node of a cut through
+/// a tree over them (LightTree); every leaf has its own cut, fine where its light comes from, coarse elsewhere, and
+/// below a node lights are chosen level by level by G. Such a sampler goes on learning from the render's shadow rays:
+/// after 1, 4, 16 and 64 samples a pixel it builds its tree anew from all that was found until then.
 class VisibilityOctreeLightSampler final : public InteriorLightSampler, private LightLearner {
   public:
     VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
@@ -43,7 +43,7 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     struct Choice {
         alignas(32) Float g[kMax], w[kMax];
         Float sumG = 0, sumW = 0;
-        Float perW = 0, perG = 0;          ///< P = w perW + g perG
+        Float perW = 0, perG = 0;         ///< P = w perW + g perG
         std::span<const uint32_t> nodes;  ///< of the light tree; empty: all lights, in order
         size_t count = 0;
         Float Share(size_t i) const { return w[i] * perW + g[i] * perG; }
@@ -59,7 +59,8 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
 
     int NextLearning() const override { return nextLearning_; }
     PathPlaces BeginPath(Point2i pixel, int sample) const override { return found_.BeginPath(pixel, sample); }
-    void Found(PathPlaces &path, const LightQuery &query, const SampledLight &light, const SampledSpectrum &found) override;
+    void Found(PathPlaces &path, const LightQuery &query, const SampledLight &light,
+               const SampledSpectrum &found) override;
     void Learn(const Progress &progress) override;
     void BeginLearning(int first);
 
@@ -69,7 +70,7 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     std::unique_ptr<LightTree> lightTree_;  ///< where there are more groups than are scanned
     VisibilityTree tree_;
     bool learned_ = false;
-    std::vector<LeafSize> leaves_;          ///< these two for Inspect and DescribeStructure only
+    std::vector<LeafSize> leaves_;  ///< these two for Inspect and DescribeStructure only
     std::vector<uint32_t> recordsPerNode_;
     size_t prepassRecords_ = 0, prepassTries_ = 0, learnedTries_ = 0, leavesBefore_ = 0;
     double prepassSeconds_ = 0, buildSeconds_ = 0, learningSeconds_ = 0;

@@ -11,7 +11,8 @@ constexpr size_t kMaxScanned = 64;
 constexpr int64_t kChunk = 256;
 
 /// What one shadow ray to a group finds, as one light sample of the render would.
-Float Look(const Scene &scene, const PrepassVertex &vertex, const LightQuery &query, const MeshInterior &interior, uint32_t group, Rng &rng) {
+Float Look(const Scene &scene, const PrepassVertex &vertex, const LightQuery &query, const MeshInterior &interior,
+           uint32_t group, Rng &rng) {
     Float uLight = rng.Uniform();
     Point2 u = rng.Uniform2();
     std::optional<SampledLight> light = interior.Sample(group, query, uLight);
@@ -23,7 +24,8 @@ Float Look(const Scene &scene, const PrepassVertex &vertex, const LightQuery &qu
 /// Draws lights at one point by G.
 class Draws {
   public:
-    Draws(const GroupImportance &importance, const LightTree *tree, const LightQuery &query) : tree_(tree), query_(query) {
+    Draws(const GroupImportance &importance, const LightTree *tree, const LightQuery &query)
+        : tree_(tree), query_(query) {
         if (tree) nodes_ = tree->BaseCut();
         count_ = tree ? nodes_.size() : importance.Size();
         sum_ = tree ? tree->Evaluate(query, nodes_, g_) : importance.Evaluate(query, g_);
@@ -40,7 +42,8 @@ class Draws {
         if (!chosen) return {};
         const Float g = g_[*chosen];
         if (!tree_) return SampledLight{LightId(*chosen), g / sum_};
-        std::optional<SampledLight> light = tree_->SampleWithin(nodes_[*chosen], query_, std::clamp((u * sum_ - before) / g, Float(0), OneMinusEpsilon));
+        std::optional<SampledLight> light = tree_->SampleWithin(
+            nodes_[*chosen], query_, std::clamp((u * sum_ - before) / g, Float(0), OneMinusEpsilon));
         if (light) light->pmf *= g / sum_;
         return light;
     }
@@ -62,15 +65,16 @@ size_t TriesPerRecord(size_t groups, int wanted) {
     return groups <= kMaxScanned ? groups : 8;
 }
 
-VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices, const LightGroups &groups,
-                                  const GroupImportance &importance, const MeshInterior &interior, const LightTree *tree,
-                                  size_t perRecord) {
+VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices,
+                                  const LightGroups &groups, const GroupImportance &importance,
+                                  const MeshInterior &interior, const LightTree *tree, size_t perRecord) {
     const auto count = static_cast<int64_t>(vertices.size());
     std::vector<VisibilityRecords> chunks(static_cast<size_t>((count + kChunk - 1) / kChunk));
     context.progress.BeginPhase("looking for lights", static_cast<int64_t>(chunks.size()));
     const bool all = perRecord >= groups.Size();
 
-    auto lookAtAll = [&](const PrepassVertex &vertex, const LightQuery &query, std::vector<Float> &g, Rng &rng, VisibilityRecords &out) {
+    auto lookAtAll = [&](const PrepassVertex &vertex, const LightQuery &query, std::vector<Float> &g, Rng &rng,
+                         VisibilityRecords &out) {
         const Float sum = importance.Evaluate(query, g);
         if (!(sum > 0)) return;
         for (uint32_t i = 0; i < groups.Size(); ++i) {
@@ -111,10 +115,13 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
             const LightQuery query = QueryAt(vertex);
             Rng rng(Hash(uint64_t(0x7669736962), context.seed, i));
             const size_t first = out.tries.size();
-            if (all) lookAtAll(vertex, query, g, rng, out);
-            else lookAtSome(vertex, query, rng, out);
+            if (all)
+                lookAtAll(vertex, query, g, rng, out);
+            else
+                lookAtSome(vertex, query, rng, out);
             if (out.tries.size() > first)
-                out.records.push_back({vertex.at.p, static_cast<uint32_t>(first), static_cast<uint32_t>(out.tries.size() - first)});
+                out.records.push_back(
+                    {vertex.at.p, static_cast<uint32_t>(first), static_cast<uint32_t>(out.tries.size() - first)});
         }
         context.progress.Advance();
     });

@@ -8,11 +8,13 @@
 
 namespace ext {
 
-/// The frozen structure of the visibility model: a tree of cells, each with a row of correction factors a(leaf, l) for the
-/// lights, or, where there are many, for the nodes of a cut through the light tree. 8 bits a factor, on a logarithmic scale; equal rows are stored once.
+/// The frozen structure of the visibility model: a tree of cells, each with a row of correction factors a(leaf, l) for
+/// the lights, or, where there are many, for the nodes of a cut through the light tree. 8 bits a factor, on a
+/// logarithmic scale; equal rows are stored once.
 class VisibilityTree {
   public:
-    /// A row: `nodes` (rising) and `codes` side by side. With few lights every row names all of them and `nodes` is empty.
+    /// A row: `nodes` (rising) and `codes` side by side. With few lights every row names all of them and `nodes` is
+    /// empty.
     struct Row {
         std::span<const uint32_t> nodes;
         std::span<const uint8_t> codes;
@@ -34,7 +36,8 @@ class VisibilityTree {
     size_t RowCount() const { return offset_.empty() ? 0 : offset_.size() - 1; }
     int Depth() const { return depth_; }  ///< levels below the whole box: 0 is one leaf
     size_t Bytes() const {
-        return cells_.Bytes() + offset_.capacity() * sizeof(uint32_t) + nodes_.capacity() * sizeof(uint32_t) + codes_.capacity();
+        return cells_.Bytes() + offset_.capacity() * sizeof(uint32_t) + nodes_.capacity() * sizeof(uint32_t) +
+               codes_.capacity();
     }
     bool operator==(const VisibilityTree &o) const = default;
 

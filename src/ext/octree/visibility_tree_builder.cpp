@@ -16,7 +16,8 @@ int HalfOf(uint32_t record) { return static_cast<int>(MixBits(record) & 1); }
 }  // namespace
 
 VisibilityTreeBuilder::VisibilityTreeBuilder(const Bounds3 &bounds, std::span<const VisibilityRecord> records,
-                                             std::span<const VisibilityTry> tries, const VisibilityBuildSettings &settings)
+                                             std::span<const VisibilityTry> tries,
+                                             const VisibilityBuildSettings &settings)
     : bounds_(bounds), records_(records), tries_(tries), settings_(settings), cells_(bounds) {}
 
 /// True for ever after `stop` was true once, so that no step goes on with what another left undone.
@@ -34,7 +35,8 @@ void VisibilityTreeBuilder::Divide() {
     std::iota(order_.begin(), order_.end(), 0u);
     nodes_.resize(1);
     nodes_[0].end = static_cast<uint32_t>(order_.size());
-    const auto splitAbove = static_cast<size_t>(settings_.records) * static_cast<size_t>(settings_.lights ? settings_.triesPerRecord : 4);
+    const auto splitAbove =
+        static_cast<size_t>(settings_.records) * static_cast<size_t>(settings_.lights ? settings_.triesPerRecord : 4);
     auto sizeOf = [&](uint32_t begin, uint32_t end) {
         if (!settings_.lights) return size_t(end - begin);
         size_t tries = 0;
@@ -72,8 +74,10 @@ void VisibilityTreeBuilder::SumUp(int half) {
         sorted.reserve(sums.size());
         for (uint64_t o : order) {
             const TrySums &s = sums[o & 0xffffffffu];
-            if (!sorted.empty() && sorted.back().light == s.light) sorted.back() += s;
-            else sorted.push_back(s);
+            if (!sorted.empty() && sorted.back().light == s.light)
+                sorted.back() += s;
+            else
+                sorted.push_back(s);
         }
         sums.assign(sorted.begin(), sorted.end());
         sums.shrink_to_fit();
@@ -101,8 +105,10 @@ void VisibilityTreeBuilder::SumUp(int half) {
                     }
                 }
             }
-            if (all) std::erase_if(node.sums, [](const TrySums &s) { return !(s.w > 0); });
-            else compress(node.sums);
+            if (all)
+                std::erase_if(node.sums, [](const TrySums &s) { return !(s.w > 0); });
+            else
+                compress(node.sums);
         }
     });
     for (size_t n = nodes_.size(); n-- > 0 && !Stopped();) {
@@ -170,7 +176,9 @@ double VisibilityTreeBuilder::Loss(const VisibilityRecord &record, const std::ve
         const double share = static_cast<double>(v.share);
         double p = e * share;
         if (sum > 0) p += (1 - e) * static_cast<double>(factors[v.light]) * share / sum;
-        if (p > 0) loss += static_cast<double>(v.weight) * share * static_cast<double>(v.ratio) * static_cast<double>(v.ratio) / p;
+        if (p > 0)
+            loss +=
+                static_cast<double>(v.weight) * share * static_cast<double>(v.ratio) * static_cast<double>(v.ratio) / p;
     }
     return loss;
 }
@@ -196,7 +204,8 @@ void VisibilityTreeBuilder::Prune() {
             }
             // Worth keeping: a gain that matters and that is more than chance.
             const double gain = here - below;
-            bool keep = node.firstChild != 0 && gain > static_cast<double>(settings_.pruneGain) * here && gain > std::sqrt(squares);
+            bool keep = node.firstChild != 0 && gain > static_cast<double>(settings_.pruneGain) * here &&
+                        gain > std::sqrt(squares);
             if (keep) return;
             node.pruned = true;
             std::copy(loss.begin(), loss.end(), best.begin() + node.begin);
@@ -216,7 +225,9 @@ VisibilityTree VisibilityTreeBuilder::Freeze() {
         Row row;
         auto &[names, codes] = row;
         if (settings_.lights) names.assign(node.cut.Nodes().begin(), node.cut.Nodes().end());
-        for (float f : factors) codes.push_back(VisibilityTree::Encode(most > 0 ? static_cast<double>(f) / static_cast<double>(most) : 1.0));
+        for (float f : factors)
+            codes.push_back(
+                VisibilityTree::Encode(most > 0 ? static_cast<double>(f) / static_cast<double>(most) : 1.0));
         auto [it, isNew] = known.emplace(row, static_cast<uint32_t>(tree.RowCount()));
         if (isNew) {
             tree.nodes_.insert(tree.nodes_.end(), names.begin(), names.end());

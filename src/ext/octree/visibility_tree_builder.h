@@ -14,9 +14,11 @@ namespace ext {
 /// One shadow ray of the prepass: light (group) l looked at from record x.
 struct VisibilityTry {
     uint32_t light = 0;
-    Float share = 0;   ///< G_l(x) / sum of G over all lights, that sum estimated from the record's tries if they are drawn
-    Float weight = 0;  ///< share, divided by the number of times the light was to be drawn; a record's weights add up to 1
-    Float ratio = 0;   ///< contribution found / G_l(x)
+    Float share =
+        0;  ///< G_l(x) / sum of G over all lights, that sum estimated from the record's tries if they are drawn
+    Float weight =
+        0;  ///< share, divided by the number of times the light was to be drawn; a record's weights add up to 1
+    Float ratio = 0;  ///< contribution found / G_l(x)
 };
 
 /// A point where light was looked for; its tries are consecutive.
@@ -28,29 +30,29 @@ struct VisibilityRecord {
 struct VisibilityBuildSettings {
     int lightCount = 0;
     const LightTree *lights = nullptr;  ///< rows are cuts through it; null: rows name all lights
-    int cut = 48;               ///< nodes of such a row, far lights not counted
-    int records = 50;           ///< a leaf wants about this many
-    int triesPerRecord = 1;     ///< of a record as meant there, where tries are drawn (with a light tree)
-    Float shrinkage = 4;        ///< pseudo-tries of the parent's estimate
-    Float pruneGain = 0.01f;    ///< a split must lower the held-out second moment by this share; 0 keeps every split
-    bool secondMoment = true;   ///< a^2 = mean of ratio^2; false: a = mean of ratio
-    Float floor = 0.05f;        ///< of the sampler, for judging
+    int cut = 48;                       ///< nodes of such a row, far lights not counted
+    int records = 50;                   ///< a leaf wants about this many
+    int triesPerRecord = 1;             ///< of a record as meant there, where tries are drawn (with a light tree)
+    Float shrinkage = 4;                ///< pseudo-tries of the parent's estimate
+    Float pruneGain = 0.01f;   ///< a split must lower the held-out second moment by this share; 0 keeps every split
+    bool secondMoment = true;  ///< a^2 = mean of ratio^2; false: a = mean of ratio
+    Float floor = 0.05f;       ///< of the sampler, for judging
 };
 
 /// Builds a VisibilityTree. Deterministic for any number of threads.
 ///
-/// Estimate in a cell: a_l^2 = sum w r^2 / sum w over its tries of l, pulled towards the parent's by `shrinkage` pseudo-tries
-/// against n = (sum w)^2 / sum w^2 effective ones, from the root down. The root's is pulled towards the mean over all lights.
-/// Where there is a light tree: CellCut.
-/// Size: cells are split while they hold more than 4 `records` records. Then one half of the records makes estimates and the
-/// other judges them by the second moment of the estimator, sum_l f_l^2 / p_l, relative to the unoccluded sum squared:
-/// children that do not lower it are merged, from the leaves up to the whole box. At last everything is estimated again
-/// from all records. Where there is a light tree cells are split while they hold more than `records`, and nothing is merged: a few drawn
-/// tries a record judge too badly, and small cells are harmless, as they only adjust what the cell above says.
+/// Estimate in a cell: a_l^2 = sum w r^2 / sum w over its tries of l, pulled towards the parent's by `shrinkage`
+/// pseudo-tries against n = (sum w)^2 / sum w^2 effective ones, from the root down. The root's is pulled towards the
+/// mean over all lights. Where there is a light tree: CellCut. Size: cells are split while they hold more than 4
+/// `records` records. Then one half of the records makes estimates and the other judges them by the second moment of
+/// the estimator, sum_l f_l^2 / p_l, relative to the unoccluded sum squared: children that do not lower it are merged,
+/// from the leaves up to the whole box. At last everything is estimated again from all records. Where there is a light
+/// tree cells are split while they hold more than `records`, and nothing is merged: a few drawn tries a record judge
+/// too badly, and small cells are harmless, as they only adjust what the cell above says.
 class VisibilityTreeBuilder {
   public:
-    VisibilityTreeBuilder(const Bounds3 &bounds, std::span<const VisibilityRecord> records, std::span<const VisibilityTry> tries,
-                          const VisibilityBuildSettings &settings);
+    VisibilityTreeBuilder(const Bounds3 &bounds, std::span<const VisibilityRecord> records,
+                          std::span<const VisibilityTry> tries, const VisibilityBuildSettings &settings);
     /// Nothing if `stop` became true meanwhile; it is asked often, by several threads. Once per builder.
     std::optional<VisibilityTree> Build(const std::function<bool()> &stop = {});
 
@@ -69,7 +71,7 @@ class VisibilityTreeBuilder {
         std::vector<TrySums> sums;
         std::vector<float> factors;  ///< per light
         CellCut cut;                 ///< instead, where there is a light tree
-        bool pruned = false;          ///< children are not used
+        bool pruned = false;         ///< children are not used
     };
     bool Stopped() const;
     void Divide();

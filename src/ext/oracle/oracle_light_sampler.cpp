@@ -109,8 +109,8 @@ const void *OracleLightSampler::WeighGroups(const LightQuery &query, LightMemory
     return scene_ ? Measure(query, memory) : nullptr;
 }
 
-std::optional<GroupLightSampler::ChosenGroup> OracleLightSampler::ChooseGroup(const LightQuery &query, const void *weights,
-                                                                              Float u) const {
+std::optional<GroupLightSampler::ChosenGroup> OracleLightSampler::ChooseGroup(const LightQuery &query,
+                                                                              const void *weights, Float u) const {
     const auto *cdf = static_cast<const Float *>(weights);
     const Float floor = cdf ? params_.floor : 1;
     ChosenGroup chosen;

@@ -15,7 +15,8 @@ constexpr int kTileSize = 16;
 constexpr uint64_t kStream = 0x70726570617373ull;
 
 /// Appends the vertices of one camera path.
-void TracePath(const PrepareContext &context, Point2i pixel, int sampleIndex, int depth, std::vector<PrepassVertex> &out) {
+void TracePath(const PrepareContext &context, Point2i pixel, int sampleIndex, int depth,
+               std::vector<PrepassVertex> &out) {
     Rng rng(Hash(kStream, context.seed, pixel, sampleIndex));
     CameraSample cs;
     cs.pFilm = Point2(pixel) + Point2(0.5f, 0.5f) + context.filter.Sample(rng.Uniform2()).offset;
@@ -70,11 +71,13 @@ std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double sam
         if (context.progress.Cancelled()) return;
         std::vector<PrepassVertex> &out = perTile[static_cast<size_t>(tile)];
         out.reserve(static_cast<size_t>(kTileSize * kTileSize * samplesPerPixel * depth) + 1);
-        Point2i low = bounds.low + kTileSize * Point2i(static_cast<int>(tile % tiles.x), static_cast<int>(tile / tiles.x));
+        Point2i low =
+            bounds.low + kTileSize * Point2i(static_cast<int>(tile % tiles.x), static_cast<int>(tile / tiles.x));
         Point2i high = glm::min(low + kTileSize, bounds.high);
         for (int y = low.y; y < high.y; ++y)
             for (int x = low.x; x < high.x; ++x)
-                for (int s = 0, count = PathsOf({x, y}, samplesPerPixel); s < count; ++s) TracePath(context, {x, y}, s, depth, out);
+                for (int s = 0, count = PathsOf({x, y}, samplesPerPixel); s < count; ++s)
+                    TracePath(context, {x, y}, s, depth, out);
         context.progress.Advance();
     });
     size_t total = 0;
@@ -97,7 +100,8 @@ SampledSpectrum VisibleContribution(const Scene &scene, const PrepassVertex &ver
     if (!vertex.transmits && cosine * Dot(vertex.wo, vertex.at.ns) <= 0) return SampledSpectrum(0);
     // Le G / p by area equals Le cos / p by solid angle.
     const SampledSpectrum value = sample->L * (std::abs(cosine) / sample->pdf);
-    if (!(value.Average() > 0) || !std::isfinite(value.Average()) || scene.Occluded(vertex.at, *sample)) return SampledSpectrum(0);
+    if (!(value.Average() > 0) || !std::isfinite(value.Average()) || scene.Occluded(vertex.at, *sample))
+        return SampledSpectrum(0);
     return value;
 }
 

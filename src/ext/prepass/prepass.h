@@ -17,13 +17,15 @@ struct PrepassVertex {
 /// What a render would ask a light sampler there; without the BSDF.
 LightQuery QueryAt(const PrepassVertex &vertex);
 
-/// The paper's path pass (section 4.1): `samplesPerPixel` camera paths through every pixel that will be rendered (a fraction: through
-/// that share of the pixels, spread by a hash), at most `depth` vertices each, continued by BSDF sampling without light sampling or roulette. Vertices with only specular
-/// scattering are passed but not recorded: no light is ever sampled there. Order and content depend on the seed only,
-/// not on threads. One Progress phase, "prepass".
+/// The paper's path pass (section 4.1): `samplesPerPixel` camera paths through every pixel that will be rendered (a
+/// fraction: through that share of the pixels, spread by a hash), at most `depth` vertices each, continued by BSDF
+/// sampling without light sampling or roulette. Vertices with only specular scattering are passed but not recorded: no
+/// light is ever sampled there. Order and content depend on the seed only, not on threads. One Progress phase,
+/// "prepass".
 std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double samplesPerPixel, int depth);
 
-/// The paper's Eq. 5 for one light: Le G V / p at a light point drawn with `u`, at PowerWavelengths(). Reflection on the far side of an opaque surface counts 0.
+/// The paper's Eq. 5 for one light: Le G V / p at a light point drawn with `u`, at PowerWavelengths(). Reflection on
+/// the far side of an opaque surface counts 0.
 SampledSpectrum VisibleContribution(const Scene &scene, const PrepassVertex &vertex, LightId light, const Point2 &u);
 /// Mean over the visible range of a spectrum at PowerWavelengths(), as LightCandidate::power.
 Float VisibleMean(const SampledSpectrum &s);

@@ -91,7 +91,8 @@ const void *SpatialLightSampler::WeighGroups(const LightQuery &query, LightMemor
     return prepared_ ? Cdf(query.p).data() : nullptr;
 }
 
-std::optional<GroupLightSampler::ChosenGroup> SpatialLightSampler::ChooseGroup(const LightQuery &query, const void *weights, Float u) const {
+std::optional<GroupLightSampler::ChosenGroup> SpatialLightSampler::ChooseGroup(const LightQuery &query,
+                                                                               const void *weights, Float u) const {
     if (!weights) return SampleUniformly(query, u);
     const std::span<const uint32_t> cdf(static_cast<const uint32_t *>(weights), groups_.Size());
     const uint32_t group = SampleFixedCdf(cdf, u, query.p);

@@ -1,8 +1,8 @@
 #pragma once
-#include "pbrt/lightsamplers/group_light_sampler.h"
 #include "ext/spatial/spatial_params.h"
 #include "ext/voxels/lazy_rows.h"
 #include "ext/voxels/voxel_grid.h"
+#include "pbrt/lightsamplers/group_light_sampler.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 
 namespace ext {

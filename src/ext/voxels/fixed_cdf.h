@@ -19,7 +19,9 @@ inline Float FixedCdfPMF(std::span<const uint32_t> begins, uint32_t index) {
     return static_cast<Float>(end - begins[index]) * 0x1p-32f;
 }
 
-inline Float FixedCdfBegin(std::span<const uint32_t> begins, uint32_t index) { return static_cast<Float>(begins[index]) * 0x1p-32f; }
+inline Float FixedCdfBegin(std::span<const uint32_t> begins, uint32_t index) {
+    return static_cast<Float>(begins[index]) * 0x1p-32f;
+}
 
 /// Entry for a uniform number. `p` only extends it: a float near 1 has 24 bits, too few to meet narrow entries with the
 /// right frequency, so the bits below its last are a hash of it and the place it is used at.

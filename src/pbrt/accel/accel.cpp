@@ -303,8 +303,10 @@ struct Accel::Impl {
         rtcSetGeometryUserData(g, geometry.get());
         if (geometry->hitsOnce) {
             if (geometry->alpha) rtcSetGeometryIntersectFilterFunction(g, AlphaFilter);
-            if (!casts) rtcSetGeometryOccludedFilterFunction(g, IgnoreHit);
-            else if (geometry->alpha) rtcSetGeometryOccludedFilterFunction(g, AlphaFilter);
+            if (!casts)
+                rtcSetGeometryOccludedFilterFunction(g, IgnoreHit);
+            else if (geometry->alpha)
+                rtcSetGeometryOccludedFilterFunction(g, AlphaFilter);
         }
         Attach(group, g, std::move(geometry), -1);
     }
@@ -368,8 +370,7 @@ struct Accel::Impl {
     bool IsRay(const Ray &ray) const {
         // One condition instead of seven branches: every ray asks.
         bool within = ray.tMax > 0;
-        for (int c = 0; c < 3; ++c)
-            within &= (std::abs(ray.o[c]) <= maxOrigin) & (std::abs(ray.d[c]) <= maxDirection);
+        for (int c = 0; c < 3; ++c) within &= (std::abs(ray.o[c]) <= maxOrigin) & (std::abs(ray.d[c]) <= maxDirection);
         return within;
     }
 
@@ -460,7 +461,8 @@ Bounds3 Accel::Bounds() const {
 }
 
 std::optional<AccelHit> Accel::Intersect(const Ray &ray, Float tMin) const {
-    if (!impl_->IsRay(ray)) [[unlikely]] return {};
+    if (!impl_->IsRay(ray)) [[unlikely]]
+        return {};
     QueryContext context(ray);
     RTCRayHit query{};
     query.ray = ToEmbree(ray, impl_->EmbreeTime(ray.time));
@@ -482,7 +484,8 @@ std::optional<AccelHit> Accel::Intersect(const Ray &ray, Float tMin) const {
 }
 
 bool Accel::Occluded(const Ray &ray) const {
-    if (!impl_->IsRay(ray)) [[unlikely]] return true;
+    if (!impl_->IsRay(ray)) [[unlikely]]
+        return true;
     QueryContext context(ray);
     RTCRay query = ToEmbree(ray, impl_->EmbreeTime(ray.time));
     rtcOccluded1(impl_->top.scene, &context.base, &query);

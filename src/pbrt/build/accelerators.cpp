@@ -17,8 +17,9 @@ struct BvhParams {
 std::monostate CheckBvh(const BvhParams &p, const ParamSet &set, const AcceleratorContext &context) {
     const std::vector<std::string> methods = {"sah", "hlbvh", "middle", "equal"};
     if (std::find(methods.begin(), methods.end(), p.splitMethod) == methods.end())
-        set.Warn(context.sink, "splitmethod",
-                 fmt::format("split method \"{}\" is unknown; {}.", p.splitMethod, ListChoices(p.splitMethod, methods)));
+        set.Warn(
+            context.sink, "splitmethod",
+            fmt::format("split method \"{}\" is unknown; {}.", p.splitMethod, ListChoices(p.splitMethod, methods)));
     return {};
 }
 
@@ -41,8 +42,9 @@ const AcceleratorTable &Accelerators() {
     static const AcceleratorTable table = [] {
         AcceleratorTable t("Accelerator");
         t.Add<BvhParams>("bvh", "checked; without effect", CheckBvh);
-        t.Add<KdTreeParams>("kdtree", "checked; without effect",
-                            [](const auto &, const ParamSet &, const AcceleratorContext &) { return std::monostate(); });
+        t.Add<KdTreeParams>(
+            "kdtree", "checked; without effect",
+            [](const auto &, const ParamSet &, const AcceleratorContext &) { return std::monostate(); });
         return t;
     }();
     return table;

@@ -9,24 +9,24 @@ namespace pbrt {
 /// What the command line says about how a scene is to be rendered; beats the scene file.
 struct BuildOptions {
     FilmOverrides film;
-    int samplesPerPixel = 0;          ///< --spp; 0: the scene's
-    std::optional<int> seed;          ///< --seed
-    bool quick = false;               ///< a quarter of the resolution, one sample unless samplesPerPixel says otherwise
+    int samplesPerPixel = 0;  ///< --spp; 0: the scene's
+    std::optional<int> seed;  ///< --seed
+    bool quick = false;       ///< a quarter of the resolution, one sample unless samplesPerPixel says otherwise
     bool ignoreMedia = false, ignoreUnsupported = false;  ///< leave out what is not built, with warnings
-    bool checksOutput = false;        ///< the film's file will be written: an error before building if it cannot be
-    std::string integrator;           ///< --integrator name; empty: the scene's
-    std::optional<int> maxDepth;      ///< --maxdepth
-    bool sampledLightOnly = false;    ///< PathSettings::sampledLightOnly (path, volpath)
-    std::string lightSampler;         ///< --lightsampler, see LightFlags; empty: the scene's
-    bool meshLights = false;          ///< --mesh-lights
-    std::string shadowGate;           ///< --shadow-gate name[:key=value,...] or none; empty: the scene's
+    bool checksOutput = false;      ///< the film's file will be written: an error before building if it cannot be
+    std::string integrator;         ///< --integrator name; empty: the scene's
+    std::optional<int> maxDepth;    ///< --maxdepth
+    bool sampledLightOnly = false;  ///< PathSettings::sampledLightOnly (path, volpath)
+    std::string lightSampler;       ///< --lightsampler, see LightFlags; empty: the scene's
+    bool meshLights = false;        ///< --mesh-lights
+    std::string shadowGate;         ///< --shadow-gate name[:key=value,...] or none; empty: the scene's
     /// The flags that said so, for messages.
     const char *lightSamplerFlag = "--lightsampler", *shadowGateFlag = "--shadow-gate";
     std::optional<Float> displacementEdgeScale;  ///< --displacement-edge-scale; empty: the scene's or 1
-    std::string renderCoordSys;       ///< camera, cameraworld, world; empty: the scene's or cameraworld
+    std::string renderCoordSys;                  ///< camera, cameraworld, world; empty: the scene's or cameraworld
     bool disableTextureFiltering = false;
-    bool forceDiffuse = false;        ///< --force-diffuse
-    int textureCacheMb = 0;           ///< --texture-cache-mb; 0: all images in memory
+    bool forceDiffuse = false;  ///< --force-diffuse
+    int textureCacheMb = 0;     ///< --texture-cache-mb; 0: all images in memory
     bool disablePixelJitter = false, disableWavelengthJitter = false;
     std::string mseReferenceImage, mseReferenceOut;  ///< empty: the scene's Option, if any
 };

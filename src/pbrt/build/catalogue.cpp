@@ -38,7 +38,9 @@ std::string ListWhat(const std::string &what) {
         return text;
     }
     if (what == "all") {
-        text = "# Parameters\n\nThe output of `pbrt --list all`: every parameter with its type, its default, its range and what it means.\n";
+        text =
+            "# Parameters\n\nThe output of `pbrt --list all`: every parameter with its type, its default, its range "
+            "and what it means.\n";
         for (const FamilyDoc &family : families)
             text += fmt::format("\n## {}\n\n```\n{}```\n", family.name, ListingOf(family));
         return text;

@@ -17,7 +17,8 @@ class Checker {
     explicit Checker(DiagnosticSink &sink) : sink_(sink) {}
 
     /// `wayOut`: a flag that leaves it out; `isGiven`: it was given. `instead`: what is rendered then, for the list.
-    void NotBuilt(const FileLoc &loc, const std::string &what, bool isGiven, const std::string &wayOut, const std::string &instead = "") {
+    void NotBuilt(const FileLoc &loc, const std::string &what, bool isGiven, const std::string &wayOut,
+                  const std::string &instead = "") {
         if (!isGiven) {
             sink_.Error(loc, fmt::format("{} is not supported yet.{}", what, wayOut));
             return;
@@ -43,7 +44,8 @@ std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &optio
         if (options.ignoreUnsupported) options.integrator = "path";
     }
     for (const MediumEntity &m : d.media)
-        check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name), options.ignoreMedia || options.ignoreUnsupported,
+        check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name),
+                       options.ignoreMedia || options.ignoreUnsupported,
                        " --ignore-media renders the scene without its media.");
     for (TextureEntity &t : d.textures) {
         // Without the flag the texture's own error says more.

@@ -37,12 +37,18 @@ struct ShapeTextureParams {
 /// What people call one primitive of a shape.
 const char *PrimitiveName(ShapeKind kind) {
     switch (kind) {
-        case ShapeKind::TriangleMesh: return "triangle";
-        case ShapeKind::BilinearMesh: return "patch";
-        case ShapeKind::Sphere: return "sphere";
-        case ShapeKind::Disk: return "disk";
-        case ShapeKind::Cylinder: return "cylinder";
-        case ShapeKind::Curves: return "curve";
+        case ShapeKind::TriangleMesh:
+            return "triangle";
+        case ShapeKind::BilinearMesh:
+            return "patch";
+        case ShapeKind::Sphere:
+            return "sphere";
+        case ShapeKind::Disk:
+            return "disk";
+        case ShapeKind::Cylinder:
+            return "cylinder";
+        case ShapeKind::Curves:
+            return "curve";
     }
     return "primitive";
 }
@@ -58,10 +64,13 @@ FamilyDoc DocumentShapes() {
     return doc;
 }
 
-GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld,
-                                 bool interfacesBlock, TextureLibrary &textures, DiagnosticSink &sink)
-    : description_(description), renderFromWorld_(renderFromWorld), interfacesBlock_(interfacesBlock),
-      textures_(textures), sink_(sink) {
+GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, bool interfacesBlock,
+                                 TextureLibrary &textures, DiagnosticSink &sink)
+    : description_(description),
+      renderFromWorld_(renderFromWorld),
+      interfacesBlock_(interfacesBlock),
+      textures_(textures),
+      sink_(sink) {
     parts_.accel = std::make_unique<Accel>();
     parts_.lights = std::make_unique<LightTable>();
     work_.reserve(description_.shapes.size());
@@ -109,7 +118,8 @@ MaterialId GeometryBuilder::ResolveMaterial(const ShapeEntity &entity) {
     if (it != named_.end()) return it->second;
     std::vector<std::string> names;
     for (const auto &[name, id] : named_) names.push_back(name);
-    sink_.Error(entity.loc, fmt::format("named material \"{}\" is not defined; {}.", ref.name, ListChoices(ref.name, names)));
+    sink_.Error(entity.loc,
+                fmt::format("named material \"{}\" is not defined; {}.", ref.name, ListChoices(ref.name, names)));
     return {};
 }
 
@@ -144,8 +154,13 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
             ShapeTextureParams made{e.type == "plymesh"};  // above
             ParamReader before(e.params);
             made.Describe(before);
-            const ShapeContext context{place, e.reverseOrientation, description_.files, w.sink, before,
-                                       w.displacement ? &*w.displacement : nullptr, opaque};
+            const ShapeContext context{place,
+                                       e.reverseOrientation,
+                                       description_.files,
+                                       w.sink,
+                                       before,
+                                       w.displacement ? &*w.displacement : nullptr,
+                                       opaque};
             w.shapes = Shapes().Make(e.type, e.params, context);
             if (w.motion)
                 for (const auto &shape : w.shapes) RequireReach(e.params.What(), *w.motion, BoundsOf(*shape), e.loc);
@@ -177,8 +192,7 @@ void GeometryBuilder::MergeCurves() {
             const ShapeEntity &p = *previous->entity;
             if (previous->object == w.object && p.material.index == e.material.index &&
                 p.material.name == e.material.name && p.insideMedium == e.insideMedium &&
-                p.outsideMedium == e.outsideMedium &&
-                (p.ctm == e.ctm || !(p.ctm.IsAnimated() || e.ctm.IsAnimated())) &&
+                p.outsideMedium == e.outsideMedium && (p.ctm == e.ctm || !(p.ctm.IsAnimated() || e.ctm.IsAnimated())) &&
                 static_cast<Curves &>(*previous->shapes[0]).Append(static_cast<const Curves &>(*w.shapes[0]))) {
                 w.shapes.clear();
                 continue;
@@ -241,9 +255,12 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
         if (interface && !interfacesBlock_) parts_.accel->LetShadowRaysThrough(id);
         parts_.shapes.push_back(std::move(record));
         const ShapeRecord &kept = parts_.shapes.back();
-        if (w.motion) moving.push_back(id);
-        else if (definition) definition->still.push_back(id);
-        else parts_.accel->AddShape(id, *kept.shape, kept.alpha.get());
+        if (w.motion)
+            moving.push_back(id);
+        else if (definition)
+            definition->still.push_back(id);
+        else
+            parts_.accel->AddShape(id, *kept.shape, kept.alpha.get());
     }
     if (maker) {
         const Entity &light = description_.areaLights[static_cast<size_t>(e.areaLight)];
@@ -306,8 +323,10 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
                 continue;
             }
             if (it->second.still >= 0) {
-                if (motion.IsAnimated()) parts_.accel->AddMovingInstance(it->second.still, motion);
-                else parts_.accel->AddInstance(it->second.still, motion.Start());
+                if (motion.IsAnimated())
+                    parts_.accel->AddMovingInstance(it->second.still, motion);
+                else
+                    parts_.accel->AddInstance(it->second.still, motion.Start());
             }
             for (const Definition::Moving &m : it->second.definition->moving)
                 parts_.accel->AddMovingInstance(m.object, motion, m.renderFromObject);

@@ -74,7 +74,7 @@ class GeometryBuilder {
     std::vector<MaterialId> byIndex_;
     MaterialId defaultMaterial_{};
     std::vector<AreaLightMaker> makers_;  ///< by area-light index
-    std::vector<int> makerOf_;                  ///< area-light entity -> makers_ index, -1 not made, -2 failed
+    std::vector<int> makerOf_;            ///< area-light entity -> makers_ index, -1 not made, -2 failed
 };
 
 }  // namespace pbrt

@@ -24,16 +24,18 @@ const std::string &IntegratorType(const Entity &entity, const BuildOptions &opti
 
 bool SeesThroughInterfaces(const std::string &integrator) { return integrator == "volpath"; }
 
-IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options, const LightSamplerRegistry &registry,
-                                  DiagnosticSink &sink) {
+IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options,
+                                  const LightSamplerRegistry &registry, DiagnosticSink &sink) {
     IntegratorSettings settings;
     settings.type = IntegratorType(entity, options);
     const std::string &type = settings.type;
     const std::vector<std::string> &later = UnsupportedIntegrators();
-    if (const std::vector<std::string> &all = SupportedIntegrators(); std::find(all.begin(), all.end(), type) == all.end()) {
+    if (const std::vector<std::string> &all = SupportedIntegrators();
+        std::find(all.begin(), all.end(), type) == all.end()) {
         const bool isLater = std::find(later.begin(), later.end(), type) != later.end();
         sink.Error(options.integrator.empty() ? entity.loc : FileLoc{},
-                   fmt::format("Integrator \"{}\" is {}; {}.", type, isLater ? "not supported yet" : "unknown", ListChoices(type, all)));
+                   fmt::format("Integrator \"{}\" is {}; {}.", type, isLater ? "not supported yet" : "unknown",
+                               ListChoices(type, all)));
         return settings;
     }
     // --integrator leaves the scene's integrator parameters aside: they belong to another integrator.
@@ -59,7 +61,9 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
                                options.shadowGateFlag};
         collect([&] { settings.lights = ReadLightSelection(params, flags, registry, sink); });
     } else if (!options.lightSampler.empty() || options.meshLights || !options.shadowGate.empty()) {
-        sink.Warning({}, fmt::format("--lightsampler, --mesh-lights and --shadow-gate have no effect on integrator \"{}\".", type));
+        sink.Warning(
+            {},
+            fmt::format("--lightsampler, --mesh-lights and --shadow-gate have no effect on integrator \"{}\".", type));
     }
     if (type == "simplepath")
         collect([&] {
@@ -69,7 +73,8 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
     if (type == "ambientocclusion")
         collect([&] {
             settings.cosineSample = params.GetBool("cossample", true);
-            settings.maxDistance = params.GetFloat("maxdistance", Infinity, Positive(std::numeric_limits<Float>::max()));
+            settings.maxDistance =
+                params.GetFloat("maxdistance", Infinity, Positive(std::numeric_limits<Float>::max()));
         });
     params.ReportUnused(sink);
     return settings;
@@ -96,17 +101,21 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const LightSa
             context, path, registry.Make(*sampler.entry, context.scene.Lights(), sampler.params, sampler.meshLights),
             gate.entry ? gate.entry->make(context.scene.Lights(), gate.params) : nullptr);
     } else if (type == "simplepath") {
-        built.integrator = std::make_unique<SimplePathIntegrator>(context, settings.maxDepth, settings.sampleLights, settings.sampleBsdf);
+        built.integrator = std::make_unique<SimplePathIntegrator>(context, settings.maxDepth, settings.sampleLights,
+                                                                  settings.sampleBsdf);
     } else if (type == "randomwalk") {
         built.integrator = std::make_unique<RandomWalkIntegrator>(context, settings.maxDepth);
     } else {
         PBRT_CHECK_MSG(type == "ambientocclusion", "integrator {}", type);
-        built.integrator =
-            std::make_unique<AmbientOcclusionIntegrator>(context, settings.cosineSample, settings.maxDistance, filmSpace);
+        built.integrator = std::make_unique<AmbientOcclusionIntegrator>(context, settings.cosineSample,
+                                                                        settings.maxDistance, filmSpace);
     }
     if (type != "volpath" && context.scene.HasSubsurface())
-        sink.Warning({}, fmt::format("subsurface materials are plain dielectrics to integrator \"{}\"; \"volpath\" scatters light "
-                                     "below their surfaces.", type));
+        sink.Warning(
+            {},
+            fmt::format("subsurface materials are plain dielectrics to integrator \"{}\"; \"volpath\" scatters light "
+                        "below their surfaces.",
+                        type));
     return built;
 }
 

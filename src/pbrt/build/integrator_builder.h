@@ -11,17 +11,17 @@ namespace pbrt {
 struct IntegratorSettings {
     std::string type;
     int maxDepth = 5;
-    std::optional<LightSelection> lights;                 ///< path, volpath
-    bool regularize = false, sampledLightOnly = false;    ///< path, volpath
-    bool sampleLights = true, sampleBsdf = true;          ///< simplepath
-    bool cosineSample = true;                             ///< ambientocclusion
-    Float maxDistance = Infinity;                         ///< ambientocclusion
+    std::optional<LightSelection> lights;               ///< path, volpath
+    bool regularize = false, sampledLightOnly = false;  ///< path, volpath
+    bool sampleLights = true, sampleBsdf = true;        ///< simplepath
+    bool cosineSample = true;                           ///< ambientocclusion
+    Float maxDistance = Infinity;                       ///< ambientocclusion
 };
 
-/// Reads the parameters of the integrator that the scene or --integrator names, and of its light sampler. Everything wrong
-/// with them goes to the sink, before anything is built.
-IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options, const LightSamplerRegistry &registry,
-                                  DiagnosticSink &sink);
+/// Reads the parameters of the integrator that the scene or --integrator names, and of its light sampler. Everything
+/// wrong with them goes to the sink, before anything is built.
+IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options,
+                                  const LightSamplerRegistry &registry, DiagnosticSink &sink);
 
 /// Makes it, from settings without errors.
 BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const LightSamplerRegistry &registry,

@@ -52,7 +52,8 @@ Pieces Split(const FlagText &flag, DiagnosticSink &sink) {
             pieces.gate = Piece{at + 1 + kGate.size(), end};
         else
             sink.Error(flag.At(at), fmt::format("\"+{}\" is unknown; a light sampler is written "
-                                                "name[:key=value,...][+mesh][+gate=name[:key=value,...]].", word));
+                                                "name[:key=value,...][+mesh][+gate=name[:key=value,...]].",
+                                                word));
     }
     return pieces;
 }
@@ -68,7 +69,8 @@ Param ReadOne(const FlagText &flag, const std::string &owner, const std::vector<
         if (d.name == key) doc = &d;
     }
     if (!doc)
-        throw UserError(fmt::format("\"{}\" has no parameter \"{}\"; {}.", owner, key, ListChoices(key, keys)), flag.At(piece.begin));
+        throw UserError(fmt::format("\"{}\" has no parameter \"{}\"; {}.", owner, key, ListChoices(key, keys)),
+                        flag.At(piece.begin));
     if (equals == std::string::npos) throw UserError(fmt::format("expected \"{}=value\".", key), flag.At(piece.begin));
     const std::string value = item.substr(equals + 1);
     Param p;
@@ -92,7 +94,8 @@ Param ReadOne(const FlagText &flag, const std::string &owner, const std::vector<
         good = number(p.floats.emplace_back());
     }
     if (!good)
-        throw UserError(fmt::format("\"{}\" is not a value of type {}.", value, doc->TypeText()), flag.At(piece.begin + equals + 1));
+        throw UserError(fmt::format("\"{}\" is not a value of type {}.", value, doc->TypeText()),
+                        flag.At(piece.begin + equals + 1));
     return p;
 }
 
@@ -122,7 +125,8 @@ auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, Param
 }
 
 /// Marks the parameters "name.key" of an entry as known; those of the chosen one are copied.
-void TakeParams(const ParamSet &integrator, const std::string &name, const std::vector<ParamDoc> &docs, ParamSet *chosen) {
+void TakeParams(const ParamSet &integrator, const std::string &name, const std::vector<ParamDoc> &docs,
+                ParamSet *chosen) {
     for (const ParamDoc &doc : docs) {
         const Param *p = integrator.Find(name + "." + doc.name, doc.types.front());
         if (p && chosen) chosen->Add(*p);
@@ -155,8 +159,9 @@ void WarnOfParamsWithoutEffect(const Entry &entry, const ParamSet &params, Diagn
             for (const ParamDoc &doc : entry.params)
                 if (other != chosen && doc.name != choice.name && doc.help.starts_with(other + ": "))
                     if (const Param *p = params.Find(entry.name + "." + doc.name, doc.types.front()))
-                        sink.Warning(p->loc, fmt::format("\"{}\" has no effect: it belongs to {}={}, and {} is \"{}\" here.",
-                                                         doc.name, choice.name, other, choice.name, chosen));
+                        sink.Warning(p->loc,
+                                     fmt::format("\"{}\" has no effect: it belongs to {}={}, and {} is \"{}\" here.",
+                                                 doc.name, choice.name, other, choice.name, chosen));
     }
 }
 
@@ -183,7 +188,8 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
     };
     LightSelection selection;
     auto &[sampler, gate] = selection;
-    const std::string name = integrator.GetString("lightsampler", "bvh"), gateName = integrator.GetString("shadowgate", "none");
+    const std::string name = integrator.GetString("lightsampler", "bvh"),
+                      gateName = integrator.GetString("shadowgate", "none");
     const bool meshOfScene = integrator.GetBool("meshlights", false);
 
     const FlagText choice(flags.choiceFlag, flags.choice), gateFlag(flags.gateFlag, flags.gate);
@@ -204,14 +210,18 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
         gate.entry = ReadPiece(gateText, gatePiece, findGate, &gateKeys, sink);
 
     // Keys of samplers that are registered but not chosen are accepted, so that a flag can switch.
-    for (const std::string &known : registry.Names()) TakeParams(integrator, known, registry.Find(known).params, nullptr);
-    for (const std::string &known : registry.GateNames()) TakeParams(integrator, known, registry.FindGate(known).params, nullptr);
+    for (const std::string &known : registry.Names())
+        TakeParams(integrator, known, registry.Find(known).params, nullptr);
+    for (const std::string &known : registry.GateNames())
+        TakeParams(integrator, known, registry.FindGate(known).params, nullptr);
     if (sampler.entry) {
-        sampler.params = ChosenParams(*sampler.entry, "light sampler", integrator, integrator.LocOf("lightsampler"), samplerKeys, sink);
+        sampler.params = ChosenParams(*sampler.entry, "light sampler", integrator, integrator.LocOf("lightsampler"),
+                                      samplerKeys, sink);
         WarnOfParamsWithoutEffect(*sampler.entry, sampler.params, sink);
     }
     if (gate.entry)
-        gate.params = ChosenParams(*gate.entry, "shadow-ray gate", integrator, integrator.LocOf("shadowgate"), gateKeys, sink);
+        gate.params =
+            ChosenParams(*gate.entry, "shadow-ray gate", integrator, integrator.LocOf("shadowgate"), gateKeys, sink);
 
     sampler.meshLights = meshOfScene || flags.meshLights || pieces.mesh;
     // A sampler that groups by itself needs no wrapper.

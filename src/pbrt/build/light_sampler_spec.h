@@ -47,9 +47,9 @@ struct LightSelection {
 };
 
 /// Reads `"string lightsampler"`, `"bool meshlights"`, `"string shadowgate"` and the `name.key` parameters of an
-/// integrator, and what flags say, which beats the scene: a name replaces the scene's, keys are added to the scene's keys
-/// for the same sampler. Unknown names and keys, unreadable values and values out of range go to the sink as errors at
-/// their place (nothing is returned then), parameters that have no effect as warnings.
+/// integrator, and what flags say, which beats the scene: a name replaces the scene's, keys are added to the scene's
+/// keys for the same sampler. Unknown names and keys, unreadable values and values out of range go to the sink as
+/// errors at their place (nothing is returned then), parameters that have no effect as warnings.
 std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, const LightFlags &flags,
                                                  const LightSamplerRegistry &registry, DiagnosticSink &sink);
 

@@ -8,7 +8,8 @@ namespace pbrt {
 
 namespace {
 
-/// Rendering space is world space moved so that the camera sits at the origin halfway between the transform times, or as
+/// Rendering space is world space moved so that the camera sits at the origin halfway between the transform times, or
+/// as
 /// --render-coord-sys says.
 Transform RenderFromWorld(const SceneDescription &d, const AnimatedTransform &worldFromCamera,
                           const BuildOptions &options) {
@@ -48,9 +49,7 @@ Placement PlaceCamera(const SceneDescription &d, const BuildOptions &options, Di
 View MakeView(SceneDescription &d, const BuildOptions &options, const Placement &placement, int seed,
               DiagnosticSink &sink) {
     View view;
-    Collect(sink, [&] {
-        view.filter = Filters().Make(d.filter.type, d.filter.params, FilterContext{sink});
-    });
+    Collect(sink, [&] { view.filter = Filters().Make(d.filter.type, d.filter.params, FilterContext{sink}); });
     Float exposure = 1;
     Collect(sink, [&] {  // a reversed interval is swapped by the camera, with a warning
         exposure = std::abs(d.camera.params.GetFloat("shutterclose", 1) - d.camera.params.GetFloat("shutteropen", 0));

@@ -31,8 +31,10 @@ auto ApproximationOf(const L &lobe, const Vector3 &wo) {
         return typename L::Approximation(lobe, wo);
     } else {
         return [&lobe, wo](const Vector3 &wi) -> Float {
-            if constexpr (requires { lobe.Approximate(wo, wi); }) return lobe.Approximate(wo, wi);
-            else return lobe.F(wo, wi, TransportMode::Radiance).Average();
+            if constexpr (requires { lobe.Approximate(wo, wi); })
+                return lobe.Approximate(wo, wi);
+            else
+                return lobe.F(wo, wi, TransportMode::Radiance).Average();
         };
     }
 }
@@ -45,8 +47,10 @@ BxdfFlags Bsdf::Flags() const {
 
 bool Bsdf::IsDirectional() const {
     return Dispatch(lobe_, [](const auto &lobe) {
-        if constexpr (requires { lobe.IsDirectional(); }) return lobe.IsDirectional();
-        else return Has(lobe.Flags(), BxdfFlags::Glossy);
+        if constexpr (requires { lobe.IsDirectional(); })
+            return lobe.IsDirectional();
+        else
+            return Has(lobe.Flags(), BxdfFlags::Glossy);
     });
 }
 

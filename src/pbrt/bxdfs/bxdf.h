@@ -11,9 +11,7 @@ enum class ReflTransFlags : uint8_t { None = 0, Reflection = 1, Transmission = 2
 constexpr bool Has(ReflTransFlags f, ReflTransFlags bit) { return (static_cast<int>(f) & static_cast<int>(bit)) != 0; }
 
 /// What a lobe does, and of a sample what it was.
-enum class BxdfFlags : uint8_t {
-    None = 0, Reflection = 1, Transmission = 2, Diffuse = 4, Glossy = 8, Specular = 16
-};
+enum class BxdfFlags : uint8_t { None = 0, Reflection = 1, Transmission = 2, Diffuse = 4, Glossy = 8, Specular = 16 };
 constexpr BxdfFlags operator|(BxdfFlags a, BxdfFlags b) {
     return static_cast<BxdfFlags>(static_cast<int>(a) | static_cast<int>(b));
 }
@@ -30,7 +28,7 @@ struct BsdfSample {
     Vector3 wi{};
     Float pdf = 0;
     BxdfFlags flags = BxdfFlags::None;
-    Float eta = 1;  ///< relative index of refraction along wi, 1 unless transmitted
+    Float eta = 1;                   ///< relative index of refraction along wi, 1 unless transmitted
     bool pdfIsProportional = false;  ///< stochastic f and pdf: for MIS ask Pdf()
 };
 

@@ -14,9 +14,7 @@ class DiffuseBxdf {
   public:
     explicit DiffuseBxdf(const SampledSpectrum &reflectance) : reflectance_(reflectance) {}
 
-    BxdfFlags Flags() const {
-        return reflectance_ ? BxdfFlags::Diffuse | BxdfFlags::Reflection : BxdfFlags::None;
-    }
+    BxdfFlags Flags() const { return reflectance_ ? BxdfFlags::Diffuse | BxdfFlags::Reflection : BxdfFlags::None; }
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
         return SameHemisphere(wo, wi) ? reflectance_ * InvPi : SampledSpectrum(0);
     }

@@ -167,8 +167,7 @@ SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector
         }
         if (!smoothBase) {
             Float weight = exitTransmittance * AbsCosTheta(exit);
-            if (!smoothTop)
-                weight *= PowerHeuristic(out->pdf, bottom_.Pdf(-w, exit, mode, ReflTransFlags::All));
+            if (!smoothTop) weight *= PowerHeuristic(out->pdf, bottom_.Pdf(-w, exit, mode, ReflTransFlags::All));
             f += beta * bottom_.F(-w, exit, mode) * exitWeight * weight;
         }
         auto bounce = Draw(bottom_, -w, rng, mode, ReflTransFlags::Reflection);

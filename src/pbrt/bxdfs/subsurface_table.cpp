@@ -86,8 +86,11 @@ Float InnerFresnelMoment(Float eta, int power) {
 }
 
 SubsurfaceTable::SubsurfaceTable(Float g, Float eta)
-    : eta_(eta), exitScale_(1 / (Pi * (1 - 2 * InnerFresnelMoment(1 / eta, 1)))), profile_(kAlbedos * kRadii),
-      cdf_(kAlbedos * kRadii), reflectances_(kAlbedos) {
+    : eta_(eta),
+      exitScale_(1 / (Pi * (1 - 2 * InnerFresnelMoment(1 / eta, 1)))),
+      profile_(kAlbedos * kRadii),
+      cdf_(kAlbedos * kRadii),
+      reflectances_(kAlbedos) {
     radii_ = {0, Float(2.5e-3)};
     while (radii_.size() < kRadii) radii_.push_back(radii_.back() * Float(1.2));
     for (int i = 0; i < kAlbedos; ++i)
@@ -102,8 +105,7 @@ SubsurfaceTable::SubsurfaceTable(Float g, Float eta)
         const std::span<Float> profile = std::span(profile_).subspan(i * kRadii, kRadii);
         for (size_t j = 0; j < kRadii; ++j) {
             const double r = static_cast<double>(radii_[j]);
-            if (r > 0)
-                profile[j] = static_cast<Float>(2 * std::numbers::pi * r * (single(r) + multiple(r)));
+            if (r > 0) profile[j] = static_cast<Float>(2 * std::numbers::pi * r * (single(r) + multiple(r)));
         }
         reflectances_[i] = IntegrateCatmullRom(radii_, profile, std::span(cdf_).subspan(i * kRadii, kRadii));
     });

@@ -44,9 +44,8 @@ Image DrawPolygon(int corners, Float firstAngle, Float a, Float b) {
 /// Shapes, sizes and orientations are stock pbrt-v4's.
 Image DrawShape(const std::string &shape) {
     if (shape == "gaussian")
-        return Draw([](const Point2 &p) {
-            return std::max(std::exp(-(Sqr(p.x) + Sqr(p.y))) - std::exp(Float(-1)), Float(0));
-        });
+        return Draw(
+            [](const Point2 &p) { return std::max(std::exp(-(Sqr(p.x) + Sqr(p.y))) - std::exp(Float(-1)), Float(0)); });
     if (shape == "square")
         return Draw([](const Point2 &p) { return Float(std::abs(p.x) < 0.5f && std::abs(p.y) < 0.5f ? 1 : 0); });
     if (shape == "pentagon") return DrawPolygon(5, -Pi / 2, Float(0.8), Float(0.8));
@@ -90,8 +89,8 @@ ApertureImage::ApertureImage(Image image) : image_(std::move(image)) {
             sum += double(value);
             // A pixel reaches one pixel from its centre, in each direction.
             const Vector2 pixel = Float(2) / Vector2(n);
-            const Vector2 corner = glm::min(
-                glm::abs((Vector2(x, y) + Vector2(0.5f)) * pixel - Vector2(1)) + pixel, Vector2(1));
+            const Vector2 corner =
+                glm::min(glm::abs((Vector2(x, y) + Vector2(0.5f)) * pixel - Vector2(1)) + pixel, Vector2(1));
             reach2 = std::max(reach2, Sqr(corner.x) + Sqr(corner.y));
         }
     reach_ = std::sqrt(reach2);

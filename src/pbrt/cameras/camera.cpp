@@ -51,7 +51,8 @@ struct LensParams : CameraParams {
     void Describe(V &&v) {
         CameraParams::Describe(v);
         v("lensradius", lens.radius, Range<Float>{0, 1e15f}, "of a thin lens; 0: a pinhole");
-        v("focaldistance", lens.focalDistance, Positive(std::numeric_limits<Float>::max()), "of the plane that is sharp");
+        v("focaldistance", lens.focalDistance, Positive(std::numeric_limits<Float>::max()),
+          "of the plane that is sharp");
     }
     CameraFrame Frame(const ParamSet &set, const CameraContext &context) const {
         // Where it counts, the distance is squared.
@@ -112,8 +113,8 @@ std::vector<LensElement> ReadLens(const RealisticParams &p, const ParamSet &set,
         }
     const std::optional<double> thickness = FocusedThickness(elements, double(p.distance));
     if (!thickness)
-        throw set.Error("focusdistance", fmt::format("this lens cannot focus on a distance of {} m from the film.",
-                                                     p.distance));
+        throw set.Error("focusdistance",
+                        fmt::format("this lens cannot focus on a distance of {} m from the film.", p.distance));
     elements.back().thickness = static_cast<Float>(*thickness);
     return elements;
 }
@@ -124,11 +125,10 @@ const CameraTable &Cameras() {
     static const CameraTable table = [] {
         using Context = const CameraContext;
         CameraTable t("Camera");
-        t.Add<PerspectiveParams>("perspective", "may move, as all cameras",
-                                 [](const auto &p, const ParamSet &set, Context &c) {
-                                     return std::make_unique<PerspectiveCamera>(p.Frame(set, c), p.Window(c.resolution),
-                                                                                p.fov, p.lens);
-                                 });
+        t.Add<PerspectiveParams>(
+            "perspective", "may move, as all cameras", [](const auto &p, const ParamSet &set, Context &c) {
+                return std::make_unique<PerspectiveCamera>(p.Frame(set, c), p.Window(c.resolution), p.fov, p.lens);
+            });
         t.Add<LensParams>("orthographic", "", [](const auto &p, const ParamSet &set, Context &c) {
             return std::make_unique<OrthographicCamera>(p.Frame(set, c), p.Window(c.resolution), p.lens);
         });

@@ -11,9 +11,10 @@ namespace pbrt {
 std::vector<LensElement> ReadLensFile(const std::string &path) {
     const std::vector<Float> v = ReadNumberFile(path);
     if (v.empty() || v.size() % 4 != 0)
-        throw UserError(fmt::format("{}: a lens file holds four numbers per element (curvature radius, thickness, "
-                                    "index of refraction, aperture diameter); found {} numbers.",
-                                    path, v.size()));
+        throw UserError(
+            fmt::format("{}: a lens file holds four numbers per element (curvature radius, thickness, "
+                        "index of refraction, aperture diameter); found {} numbers.",
+                        path, v.size()));
     std::vector<LensElement> elements;
     for (size_t i = 0; i < v.size(); i += 4) {
         constexpr Float kMillimetre = 0.001f;
@@ -46,8 +47,7 @@ Traced TraceParallelRay(const std::vector<ParaxialSurface> &surfaces) {
     double y = 1, u = 0;
     for (size_t i = 0; i < surfaces.size(); ++i) {
         const ParaxialSurface &s = surfaces[i];
-        if (s.radius != 0)
-            u = (s.indexBefore * u - y * (s.indexAfter - s.indexBefore) / s.radius) / s.indexAfter;
+        if (s.radius != 0) u = (s.indexBefore * u - y * (s.indexAfter - s.indexBefore) / s.radius) / s.indexAfter;
         if (i + 1 < surfaces.size()) y += s.thickness * u;
     }
     return {y, u};

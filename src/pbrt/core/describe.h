@@ -28,8 +28,8 @@
 ///
 /// The types of members are open: a folder adds one by overloads of ReadParam and DocumentParam, which are found by
 /// argument-dependent lookup. Here are int, Float, bool, std::string, std::optional of these, enumerations with names,
-/// items of several numbers (points, colours ...), and lists of these. Behind the value stands what is asked of it, if anything:
-/// Range, Choices, an array of NamedValue, Items, Required.
+/// items of several numbers (points, colours ...), and lists of these. Behind the value stands what is asked of it, if
+/// anything: Range, Choices, an array of NamedValue, Items, Required.
 namespace pbrt {
 
 /// The values a text parameter may have.
@@ -57,7 +57,7 @@ struct ParamDoc {
     std::string name;
     std::vector<ParamType> types;  ///< one of them
     bool isList = false;
-    std::string defaultValue;      ///< empty: none, or the help says
+    std::string defaultValue;  ///< empty: none, or the help says
     std::string range;
     Choices choices;
     std::string help;
@@ -87,9 +87,12 @@ std::string ShortText(const Range<T> &r) {
 namespace detail {
 template <class T>
 constexpr ParamType TypeOf() {
-    if constexpr (std::is_same_v<T, int>) return ParamType::Integer;
-    else if constexpr (std::is_same_v<T, bool>) return ParamType::Bool;
-    else if constexpr (std::is_same_v<T, Float>) return ParamType::Float;
+    if constexpr (std::is_same_v<T, int>)
+        return ParamType::Integer;
+    else if constexpr (std::is_same_v<T, bool>)
+        return ParamType::Bool;
+    else if constexpr (std::is_same_v<T, Float>)
+        return ParamType::Float;
     else {
         static_assert(std::is_same_v<T, std::string>);
         return ParamType::String;
@@ -97,8 +100,10 @@ constexpr ParamType TypeOf() {
 }
 template <class T>
 std::string ValueText(const T &v) {
-    if constexpr (std::is_same_v<T, bool>) return v ? "true" : "false";
-    else return fmt::format("{}", v);
+    if constexpr (std::is_same_v<T, bool>)
+        return v ? "true" : "false";
+    else
+        return fmt::format("{}", v);
 }
 }  // namespace detail
 

@@ -96,10 +96,10 @@ std::string ListChoices(std::string_view given, const std::vector<std::string> &
 }  // namespace pbrt
 
 /// Our own mistake: always on, prints the expression and place, then aborts. Not for user input.
-#define PBRT_CHECK(condition)                                                        \
-    do {                                                                             \
-        if (!(condition)) [[unlikely]]                                               \
-            ::pbrt::CheckFailed(#condition, __FILE__, __LINE__, std::string());      \
+#define PBRT_CHECK(condition)                                                   \
+    do {                                                                        \
+        if (!(condition)) [[unlikely]]                                          \
+            ::pbrt::CheckFailed(#condition, __FILE__, __LINE__, std::string()); \
     } while (false)
 /// As PBRT_CHECK with a formatted explanation of the values involved.
 #define PBRT_CHECK_MSG(condition, ...)                                                     \

@@ -27,15 +27,32 @@ std::string TypeName(const ParamDoc &doc, bool isShort) {
     for (ParamType type : types) {
         if (!name.empty()) name += isShort ? "/" : " or ";
         switch (type) {
-        case ParamType::Integer: name += pick("i", "integer"); break;
-        case ParamType::Float: name += pick("f", "float"); break;
-        case ParamType::Bool: name += pick("b", "bool"); break;
-        case ParamType::String: name += pick("s", "string"); break;
-        case ParamType::Point2: name += pick("p2", "point2"); break;
-        case ParamType::Point3: name += pick("p3", "point3"); break;
-        case ParamType::Vector3: name += pick("v3", "vector3"); break;
-        case ParamType::Normal: name += pick("n", "normal"); break;
-        default: name += Name(type);
+            case ParamType::Integer:
+                name += pick("i", "integer");
+                break;
+            case ParamType::Float:
+                name += pick("f", "float");
+                break;
+            case ParamType::Bool:
+                name += pick("b", "bool");
+                break;
+            case ParamType::String:
+                name += pick("s", "string");
+                break;
+            case ParamType::Point2:
+                name += pick("p2", "point2");
+                break;
+            case ParamType::Point3:
+                name += pick("p3", "point3");
+                break;
+            case ParamType::Vector3:
+                name += pick("v3", "vector3");
+                break;
+            case ParamType::Normal:
+                name += pick("n", "normal");
+                break;
+            default:
+                name += Name(type);
         }
     }
     return doc.isList ? name + "[]" : name;

@@ -30,8 +30,8 @@ struct FamilyDoc {
 
 /// All kinds of things that a family has: by name, a summary, the declared parameters, and who makes one. The maker is
 /// called with a parameter struct, the ParamSet that it was read from (for the places of complaints), and the context
-/// of the build, whose `sink` takes warnings and unused parameters. Filled by explicit calls. If the context has a member
-/// `before`, that is a ParamReader that read other parameters of the same set.
+/// of the build, whose `sink` takes warnings and unused parameters. Filled by explicit calls. If the context has a
+/// member `before`, that is a ParamReader that read other parameters of the same set.
 template <class Product, class Context>
 class FactoryTable {
   public:
@@ -50,8 +50,10 @@ class FactoryTable {
                     [make = std::forward<F>(make)](const ParamSet &set, Context &context) -> Product {
                         P p;
                         ParamReader reader = [&] {
-                            if constexpr (requires { context.before; }) return ParamReader(set, context.before);
-                            else return ParamReader(set);
+                            if constexpr (requires { context.before; })
+                                return ParamReader(set, context.before);
+                            else
+                                return ParamReader(set);
                         }();
                         p.Describe(reader);
                         reader.Finish(context.sink);

@@ -46,10 +46,14 @@ int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
     const bool known = fstat(file, &status) == 0;
     const bool pipe = S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode) || isatty(file) == 1;
     const char *refusal = nullptr;
-    if (!known) refusal = "its kind cannot be found out";
-    else if (S_ISDIR(status.st_mode)) refusal = "is a directory";
-    else if (pipe && from == ReadFrom::Files) refusal = "is a pipe or a terminal, not a file";
-    else if (!pipe && !S_ISREG(status.st_mode)) refusal = "is a device, not a file";
+    if (!known)
+        refusal = "its kind cannot be found out";
+    else if (S_ISDIR(status.st_mode))
+        refusal = "is a directory";
+    else if (pipe && from == ReadFrom::Files)
+        refusal = "is a pipe or a terminal, not a file";
+    else if (!pipe && !S_ISREG(status.st_mode))
+        refusal = "is a device, not a file";
     if (refusal) {
         close(file);
         throw UserError(fmt::format("{}: {}.", path, refusal));
@@ -63,10 +67,11 @@ void Grow(std::string &content, size_t bytes, const std::string &path, double (*
     // Not worth the question, which is put to the kernel.
     constexpr size_t kSmall = 1 << 24;
     if (const double left = bytes > kSmall ? available() : 0; bytes > kSmall && static_cast<double>(bytes) > left)
-        throw UserError(fmt::format("{}: too large to read: there is more than {} of content, and to go on takes {} of "
-                                    "memory, but {} are left for this process.",
-                                    path, BytesText(static_cast<double>(content.size())),
-                                    BytesText(static_cast<double>(bytes)), BytesText(left)));
+        throw UserError(
+            fmt::format("{}: too large to read: there is more than {} of content, and to go on takes {} of "
+                        "memory, but {} are left for this process.",
+                        path, BytesText(static_cast<double>(content.size())), BytesText(static_cast<double>(bytes)),
+                        BytesText(left)));
     content.reserve(bytes);
 }
 

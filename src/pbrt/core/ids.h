@@ -17,10 +17,10 @@ struct Id {
     friend constexpr auto operator<=>(const Id &, const Id &) = default;
 };
 
-using ShapeId = Id<struct ShapeTag>;        ///< one Shape object: a quadric or a whole mesh
+using ShapeId = Id<struct ShapeTag>;  ///< one Shape object: a quadric or a whole mesh
 using MaterialId = Id<struct MaterialTag>;
 using MediumId = Id<struct MediumTag>;
-using LightId = Id<struct LightTag>;        ///< dense index into the LightTable
+using LightId = Id<struct LightTag>;  ///< dense index into the LightTable
 
 inline constexpr MediumId NoMedium{};
 inline constexpr LightId NoLight{};

@@ -41,9 +41,7 @@ ThreadLimit::~ThreadLimit() {
     delete impl_;
 }
 
-int ThreadCount() {
-    return currentArena ? currentArena->max_concurrency() : tbb::this_task_arena::max_concurrency();
-}
+int ThreadCount() { return currentArena ? currentArena->max_concurrency() : tbb::this_task_arena::max_concurrency(); }
 
 int ThreadIndex() { return std::max(0, tbb::this_task_arena::current_thread_index()); }
 

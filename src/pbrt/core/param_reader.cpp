@@ -23,8 +23,8 @@ void ParamReader::ReportUnused(DiagnosticSink &sink) const {
         }
         std::set<std::string> names;
         for (const Declared &d : declared_) names.insert(d.name);
-        sink.Error(p.loc, fmt::format("{} of {}; {}.", what, set_.What(),
-                                      ListChoices(p.name, {names.begin(), names.end()})));
+        sink.Error(p.loc,
+                   fmt::format("{} of {}; {}.", what, set_.What(), ListChoices(p.name, {names.begin(), names.end()})));
     }
 }
 
@@ -50,8 +50,8 @@ void ThrowMissing(const ParamSet &set, const std::string &name, ParamType type) 
 }
 
 void ThrowNoChoice(const ParamSet &set, const Param &p, const Choices &choices) {
-    throw UserError(fmt::format("{}: \"{}\" is not a choice for \"{}\"; {}.", set.What(), Abbreviate(p.strings[0]), p.name,
-                                ListChoices(p.strings[0], choices)),
+    throw UserError(fmt::format("{}: \"{}\" is not a choice for \"{}\"; {}.", set.What(), Abbreviate(p.strings[0]),
+                                p.name, ListChoices(p.strings[0], choices)),
                     p.loc);
 }
 

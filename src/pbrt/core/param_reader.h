@@ -8,8 +8,8 @@
 
 namespace pbrt {
 
-/// Reads a parameter struct from a ParamSet: `p.Describe(reader); reader.Finish(sink);`. It remembers what was declared,
-/// so that whatever else the set has is found. Attribute defaults are never reported.
+/// Reads a parameter struct from a ParamSet: `p.Describe(reader); reader.Finish(sink);`. It remembers what was
+/// declared, so that whatever else the set has is found. Attribute defaults are never reported.
 class ParamReader {
   public:
     /// The names in the set begin with `prefix`.
@@ -72,10 +72,14 @@ class ParamReader {
 namespace detail {
 template <class T>
 const auto &ValuesOf(const Param &p) {
-    if constexpr (std::is_same_v<T, int>) return p.ints;
-    else if constexpr (std::is_same_v<T, bool>) return p.bools;
-    else if constexpr (std::is_same_v<T, std::string>) return p.strings;
-    else return p.floats;
+    if constexpr (std::is_same_v<T, int>)
+        return p.ints;
+    else if constexpr (std::is_same_v<T, bool>)
+        return p.bools;
+    else if constexpr (std::is_same_v<T, std::string>)
+        return p.strings;
+    else
+        return p.floats;
 }
 /// A UserError unless the parameter has that many numbers (or texts).
 void RequireCount(const ParamSet &set, const Param &p, size_t found, size_t wanted);

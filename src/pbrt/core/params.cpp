@@ -7,13 +7,16 @@ namespace pbrt {
 
 size_t ItemSize(ParamType type) {
     switch (type) {
-    case ParamType::Point2:
-    case ParamType::Vector2: return 2;
-    case ParamType::Point3:
-    case ParamType::Vector3:
-    case ParamType::Normal:
-    case ParamType::Rgb: return 3;
-    default: return 1;
+        case ParamType::Point2:
+        case ParamType::Vector2:
+            return 2;
+        case ParamType::Point3:
+        case ParamType::Vector3:
+        case ParamType::Normal:
+        case ParamType::Rgb:
+            return 3;
+        default:
+            return 1;
     }
 }
 
@@ -22,18 +25,18 @@ namespace {
 template <class T>
 const T &Single(const Param &p, const std::vector<T> &values, const std::string &what) {
     if (values.size() != 1)
-        throw UserError(fmt::format("{}: expected one value for \"{} {}\", found {}.", what, Name(p.type), p.name,
-                                    values.size()),
-                        p.loc);
+        throw UserError(
+            fmt::format("{}: expected one value for \"{} {}\", found {}.", what, Name(p.type), p.name, values.size()),
+            p.loc);
     return values[0];
 }
 
 }  // namespace
 
 const char *Name(ParamType type) {
-    static constexpr std::array<const char *, 13> kNames = {
-        "integer", "float", "point2", "vector2", "point3", "vector3", "normal",
-        "bool", "string", "rgb", "blackbody", "spectrum", "texture"};
+    static constexpr std::array<const char *, 13> kNames = {"integer",   "float",    "point2", "vector2", "point3",
+                                                            "vector3",   "normal",   "bool",   "string",  "rgb",
+                                                            "blackbody", "spectrum", "texture"};
     return kNames[static_cast<size_t>(type)];
 }
 

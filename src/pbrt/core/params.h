@@ -14,7 +14,19 @@ namespace pbrt {
 
 /// The type words a parameter declaration may start with (pbrt-v4-format §1).
 enum class ParamType {
-    Integer, Float, Point2, Vector2, Point3, Vector3, Normal, Bool, String, Rgb, Blackbody, Spectrum, Texture
+    Integer,
+    Float,
+    Point2,
+    Vector2,
+    Point3,
+    Vector3,
+    Normal,
+    Bool,
+    String,
+    Rgb,
+    Blackbody,
+    Spectrum,
+    Texture
 };
 
 /// "integer", "float", ...
@@ -27,7 +39,7 @@ template <class T>
 struct Range {
     T low, high;
     bool openLow = false, openHigh = false;
-    const char *unit = "";  ///< for people
+    const char *unit = "";      ///< for people
     bool Contains(T v) const {  // false for not-a-number
         return (openLow ? v > low : v >= low) && (openHigh ? v < high : v <= high);
     }

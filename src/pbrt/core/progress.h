@@ -20,9 +20,9 @@ class ProgressSink {
 /// A bar on one line that rewrites itself if `fd` is a terminal, else a plain line now and then; nothing when quiet.
 std::unique_ptr<ProgressSink> MakeTerminalProgress(bool quiet);
 
-/// Progress of the whole job: one phase after another (reading, building, preparing lights, rendering, writing), and the
-/// wish to stop. A phase begun inside another is a part of it: its time is not added to the others', and its last line is
-/// indented. Advance() is called from many threads; phases change on one.
+/// Progress of the whole job: one phase after another (reading, building, preparing lights, rendering, writing), and
+/// the wish to stop. A phase begun inside another is a part of it: its time is not added to the others', and its last
+/// line is indented. Advance() is called from many threads; phases change on one.
 class Progress {
   public:
     explicit Progress(ProgressSink *sink = nullptr) : sink_(sink) {}

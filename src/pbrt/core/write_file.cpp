@@ -27,7 +27,7 @@ struct Target {
     std::string shown;  ///< the name the user gave, for messages
     fs::path path;
     bool exists = false;
-    bool inPlace = false;  ///< a pipe, a device or an open file of this process: nothing can take its name
+    bool inPlace = false;   ///< a pipe, a device or an open file of this process: nothing can take its name
     struct stat status {};  ///< of an existing file
 };
 
@@ -122,8 +122,8 @@ class TemporaryFile {
         struct stat status {};
         if (fstat(file_, &status) != 0) Fail(target_.shown, errno);
         if (static_cast<size_t>(status.st_size) != content.size())
-            throw UserError(fmt::format("{}: {} of {} bytes were written.", target_.shown, status.st_size,
-                                        content.size()));
+            throw UserError(
+                fmt::format("{}: {} of {} bytes were written.", target_.shown, status.st_size, content.size()));
         const int closed = close(file_);
         file_ = -1;
         if (closed != 0) Fail(target_.shown, errno);

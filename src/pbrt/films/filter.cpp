@@ -82,8 +82,7 @@ class TabulatedFilter final : public Filter {
             distribution = PiecewiseConstant1D(values, -radius, radius);
             signedIntegral = static_cast<Float>(sum * 2 * double(radius) / double(n));
             auto magnitude = static_cast<Float>(absolute / sum);
-            for (Float v : values)
-                weights.push_back(v < 0 ? -magnitude : magnitude);
+            for (Float v : values) weights.push_back(v < 0 ? -magnitude : magnitude);
         }
         Profile profile;
         PiecewiseConstant1D distribution;

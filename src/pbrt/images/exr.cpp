@@ -133,13 +133,16 @@ int64_t Extent(int low, int high) { return static_cast<int64_t>(high) - low + 1;
 /// How many bytes of pixels a byte of the file can stand for.
 double MaxExpansion(Imf::Compression compression) {
     switch (compression) {
-        case Imf::NO_COMPRESSION: return 2;  // mixed files become float
+        case Imf::NO_COMPRESSION:
+            return 2;  // mixed files become float
         // Run lengths, and what deflate can do with constants.
         case Imf::RLE_COMPRESSION:
         case Imf::ZIPS_COMPRESSION:
         case Imf::ZIP_COMPRESSION:
-        case Imf::PXR24_COMPRESSION: return 4000;
-        default: return Infinity;
+        case Imf::PXR24_COMPRESSION:
+            return 4000;
+        default:
+            return Infinity;
     }
 }
 
@@ -216,8 +219,8 @@ ImageFile ReadExr(const std::string &path) {
         throw UserError(fmt::format("{}: the display window is impossibly large.", path));
     for (int corner : {data.min.x, data.min.y, display.min.x, display.min.y})
         if (std::abs(static_cast<int64_t>(corner)) > kMaxOffset)
-            throw UserError(fmt::format("{}: a window begins at {}; at most {} from the origin are supported.", path, corner,
-                                        kMaxOffset));
+            throw UserError(fmt::format("{}: a window begins at {}; at most {} from the origin are supported.", path,
+                                        corner, kMaxOffset));
     ImageFile result;
     ImageMetadata &metadata = result.metadata;
     metadata.pixelBounds = Bounds2i{{data.min.x - display.min.x, data.min.y - display.min.y},

@@ -43,9 +43,14 @@ std::optional<WrapMode> ParseWrapMode(const std::string &name) {
 bool RemapPixel(Point2i &p, Point2i resolution, WrapMode wrap) {
     if (p.x >= 0 && p.y >= 0 && p.x < resolution.x && p.y < resolution.y) return true;
     switch (wrap) {
-        case WrapMode::Black: return false;
-        case WrapMode::Repeat: p = {PositiveModulo(p.x, resolution.x), PositiveModulo(p.y, resolution.y)}; return true;
-        case WrapMode::Clamp: p = glm::clamp(p, Point2i(0), resolution - 1); return true;
+        case WrapMode::Black:
+            return false;
+        case WrapMode::Repeat:
+            p = {PositiveModulo(p.x, resolution.x), PositiveModulo(p.y, resolution.y)};
+            return true;
+        case WrapMode::Clamp:
+            p = glm::clamp(p, Point2i(0), resolution - 1);
+            return true;
         case WrapMode::OctahedralSphere:
             // The mirrored partner may start outside; bring it near first so that no sum overflows.
             p = glm::clamp(p, Point2i(-(1 << 28)), Point2i(1 << 28));
@@ -65,8 +70,12 @@ Image::Image(PixelFormat format, Point2i resolution, std::vector<std::string> ch
             u8_.resize(ValueCount());
             code_ = &ByteCode::Of(encoding_);
             break;
-        case PixelFormat::Half: half_.resize(ValueCount()); break;
-        case PixelFormat::Float: float_.resize(ValueCount()); break;
+        case PixelFormat::Half:
+            half_.resize(ValueCount());
+            break;
+        case PixelFormat::Float:
+            float_.resize(ValueCount());
+            break;
     }
 }
 
@@ -79,9 +88,12 @@ int Image::FindChannel(const std::string &name) const {
 Float Image::Get(Point2i p, int channel) const {
     size_t i = Index(p, channel);
     switch (format_) {
-        case PixelFormat::U8: return code_->Decode(u8_[i]);
-        case PixelFormat::Half: return imath_half_to_float(half_[i]);
-        case PixelFormat::Float: return float_[i];
+        case PixelFormat::U8:
+            return code_->Decode(u8_[i]);
+        case PixelFormat::Half:
+            return imath_half_to_float(half_[i]);
+        case PixelFormat::Float:
+            return float_[i];
     }
     return 0;
 }
@@ -93,13 +105,17 @@ Float Image::Get(Point2i p, int channel, WrapMode wrap) const {
 void Image::Set(Point2i p, int channel, Float linear) {
     size_t i = Index(p, channel);
     switch (format_) {
-        case PixelFormat::U8: u8_[i] = code_->Encode(linear); break;
+        case PixelFormat::U8:
+            u8_[i] = code_->Encode(linear);
+            break;
         case PixelFormat::Half: {
             constexpr Float largest = 65504;
             half_[i] = imath_float_to_half(std::clamp(linear, -largest, largest));
             break;
         }
-        case PixelFormat::Float: float_[i] = linear; break;
+        case PixelFormat::Float:
+            float_[i] = linear;
+            break;
     }
 }
 
@@ -166,9 +182,12 @@ size_t Image::Bytes() const { return u8_.size() + half_.size() * sizeof(uint16_t
 
 const void *Image::Data() const {
     switch (format_) {
-        case PixelFormat::U8: return u8_.data();
-        case PixelFormat::Half: return half_.data();
-        case PixelFormat::Float: return float_.data();
+        case PixelFormat::U8:
+            return u8_.data();
+        case PixelFormat::Half:
+            return half_.data();
+        case PixelFormat::Float:
+            return float_.data();
     }
     return nullptr;
 }

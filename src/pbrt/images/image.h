@@ -120,8 +120,8 @@ struct ImageFile {
 ImageFile ReadImage(const std::string &path, std::optional<ColorEncoding> encoding = {});
 
 /// By extension in any letter case: .exr (half unless the image is float), .png and .jpg (8 bit, sRGB, clamped), .pfm.
-/// Written as by WriteFile. Images of more than 4 channels keep only R, G, B outside EXR, with a warning; a colour space
-/// other than sRGB is converted to sRGB there. Throws UserError.
+/// Written as by WriteFile. Images of more than 4 channels keep only R, G, B outside EXR, with a warning; a colour
+/// space other than sRGB is converted to sRGB there. Throws UserError.
 void WriteImage(const std::string &path, const Image &image, const ImageMetadata &metadata = {});
 
 }  // namespace pbrt

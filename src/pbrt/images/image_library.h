@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-// What OpenImageIO does for us. It brings some 260 shared libraries, which take a quarter of a second to load: as much as
-// a small render. So the code that calls it is a library of its own (oiio_module.cpp), loaded when the first PNG is
+// What OpenImageIO does for us. It brings some 260 shared libraries, which take a quarter of a second to load: as much
+// as a small render. So the code that calls it is a library of its own (oiio_module.cpp), loaded when the first PNG is
 // written, the first image is read that is neither EXR nor PFM, or the first texture goes to the tile cache. The two
 // sides share plain data only; this header includes nothing of ours. Used inside this folder only.
 namespace pbrt::oiio {

@@ -52,7 +52,7 @@ class MipMap {
         std::vector<LevelView> levels;
         PixelFormat format = PixelFormat::Float;
         size_t channels = 1;
-        const float *decode = nullptr;  ///< of bytes
+        const float *decode = nullptr;             ///< of bytes
         const TileCache::Stored *tiles = nullptr;  ///< the first levels, if they are on disk
         TextureFilter filter = TextureFilter::Bilinear;
         WrapMode wrap = WrapMode::Repeat;

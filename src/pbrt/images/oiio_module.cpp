@@ -1,6 +1,6 @@
 // The one file that calls OpenImageIO; a shared library of its own, see image_library.h.
-#include <OpenImageIO/imagecache.h>
 #include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imagecache.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
@@ -18,10 +18,14 @@ namespace {
 
 OIIO::TypeDesc TypeOf(ValueType type) {
     switch (type) {
-    case ValueType::U8: return OIIO::TypeDesc::UINT8;
-    case ValueType::U16: return OIIO::TypeDesc::UINT16;
-    case ValueType::Half: return OIIO::TypeDesc::HALF;
-    case ValueType::Float: break;
+        case ValueType::U8:
+            return OIIO::TypeDesc::UINT8;
+        case ValueType::U16:
+            return OIIO::TypeDesc::UINT16;
+        case ValueType::Half:
+            return OIIO::TypeDesc::HALF;
+        case ValueType::Float:
+            break;
     }
     return OIIO::TypeDesc::FLOAT;
 }
@@ -39,10 +43,13 @@ int PngChannels(const std::string &path) {
     std::array<char, 26> head{};
     std::ifstream(path, std::ios::binary).read(head.data(), head.size());
     switch (head[25]) {
-    case 0:
-    case 4: return 1;
-    case 6: return 4;
-    default: return 3;
+        case 0:
+        case 4:
+            return 1;
+        case 6:
+            return 4;
+        default:
+            return 3;
     }
 }
 
@@ -125,11 +132,13 @@ class OpenInput final : public OpenFile {
             spec.get_int_attribute("oiio:BitsPerSample", bits) == bits)
             minFileBytes = spec.image_bytes(true);
         // What is neither float nor a deep PNG counts as 8 bit.
-        type = spec.format.is_floating_point()         ? ValueType::Float
+        type = spec.format.is_floating_point()     ? ValueType::Float
                : png && spec.format.basesize() > 1 ? ValueType::U16
-                                                       : ValueType::U8;
+                                                   : ValueType::U8;
     }
-    void Read(void *pixels) override { Check(input_->read_image(0, 0, 0, channels, TypeOf(type), pixels), input_.get()); }
+    void Read(void *pixels) override {
+        Check(input_->read_image(0, 0, 0, channels, TypeOf(type), pixels), input_.get());
+    }
 
   private:
     std::unique_ptr<OIIO::ImageInput> input_;
@@ -142,9 +151,9 @@ class OpenImageIO final : public ImageLibrary {
         request["oiio:UnassociatedAlpha"] = 1;
         std::unique_ptr<OIIO::ImageInput> in;
         {
-            // Up to OpenImageIO 2.4.7 the headers of two files must not be read at once: the names of the tags of colour
-            // profiles are looked up in a table that grows by every unknown tag, which no lock guards. Two threads
-            // there crash, loop for ever, or leave a table that crashes when the program ends.
+            // Up to OpenImageIO 2.4.7 the headers of two files must not be read at once: the names of the tags of
+            // colour profiles are looked up in a table that grows by every unknown tag, which no lock guards. Two
+            // threads there crash, loop for ever, or leave a table that crashes when the program ends.
             static std::mutex opening;
             const std::lock_guard lock(opening);
             in = OIIO::ImageInput::open(path, &request);
@@ -152,8 +161,9 @@ class OpenImageIO final : public ImageLibrary {
         if (!in) {
             const std::string reason = OIIO::geterror();
             if (reason.find("could not find a format reader") == std::string::npos) throw std::runtime_error(reason);
-            throw std::runtime_error("not an image of a known format; PNG, EXR, PFM, HDR, JPEG, TGA, BMP, GIF, PNM, "
-                                     "PSD and TIFF files can be read");
+            throw std::runtime_error(
+                "not an image of a known format; PNG, EXR, PFM, HDR, JPEG, TGA, BMP, GIF, PNM, "
+                "PSD and TIFF files can be read");
         }
         return std::make_unique<OpenInput>(path, std::move(in));
     }

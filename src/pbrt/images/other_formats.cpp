@@ -29,8 +29,9 @@ Image Upright(const Image &image, int orientation) {
     return result;
 }
 
-/// How many bytes of pixels a byte of the file can stand for: what deflate, run lengths, LZW or a Huffman code of one bit a
-/// block can do with constants, times up to 24 for pixels of one bit. TIFF files of white pages have no such limit.
+/// How many bytes of pixels a byte of the file can stand for: what deflate, run lengths, LZW or a Huffman code of one
+/// bit a block can do with constants, times up to 24 for pixels of one bit. TIFF files of white pages have no such
+/// limit.
 double MaxExpansion(const std::string &format) {
     for (const char *limited : {"png", "jpeg", "bmp", "targa", "pnm", "hdr", "psd", "gif"})
         if (format == limited) return 25000;
@@ -54,7 +55,11 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
     const std::vector<std::string> names = NamesFor(file->channels);
     const ColorEncoding bytes = file->format == "png" ? encoding.value_or(ColorEncoding{}) : ColorEncoding{};
     const bool isFloat = file->type == oiio::ValueType::Float, isDeep = file->type == oiio::ValueType::U16;
-    CheckSize(path, resolution.x, resolution.y, file->channels, isFloat ? 4 : isDeep ? 2 : 1, MaxExpansion(file->format));
+    CheckSize(path, resolution.x, resolution.y, file->channels,
+              isFloat  ? 4
+              : isDeep ? 2
+                       : 1,
+              MaxExpansion(file->format));
     std::error_code failed;
     if (std::filesystem::file_size(path, failed) < file->minFileBytes)
         throw UserError(fmt::format("{}: the pixels end too early.", path));
@@ -68,7 +73,8 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
         for (size_t i = 0; i < image.ValueCount(); ++i)
             values[i] = imath_float_to_half(bytes.ToLinear(static_cast<Float>(values[i]) / 65535));
     } else {
-        image = isFloat ? Image(PixelFormat::Float, resolution, names) : Image(PixelFormat::U8, resolution, names, bytes);
+        image =
+            isFloat ? Image(PixelFormat::Float, resolution, names) : Image(PixelFormat::U8, resolution, names, bytes);
         file->Read(image.Data());
     }
     if (file->format == "jpeg") CheckJpegEnd(path);
@@ -98,9 +104,8 @@ std::string EncodeBytes(const std::string &format, const std::string &path, cons
     }
     if (clamped)
         LogWarning(fmt::format("{}: {} of {} channel values were outside [0, 1] and clamped.", path, clamped, values));
-    const std::vector<unsigned char> file =
-        oiio::Library().Encode(format, {image.Resolution().x, image.Resolution().y, image.ChannelCount(),
-                                        oiio::ValueType::U8, bytes.data()});
+    const std::vector<unsigned char> file = oiio::Library().Encode(
+        format, {image.Resolution().x, image.Resolution().y, image.ChannelCount(), oiio::ValueType::U8, bytes.data()});
     return {file.begin(), file.end()};
 }
 

@@ -87,7 +87,8 @@ std::string EncodePfm(const Image &image) {
     std::string content = fmt::format("{}\n{} {}\n-1\n", image.ChannelCount() == 3 ? "PF" : "Pf", image.Resolution().x,
                                       image.Resolution().y);
     content.reserve(content.size() + pixels.Bytes());
-    for (int y = image.Resolution().y - 1; y >= 0; --y) content.append(data + static_cast<size_t>(y) * rowBytes, rowBytes);
+    for (int y = image.Resolution().y - 1; y >= 0; --y)
+        content.append(data + static_cast<size_t>(y) * rowBytes, rowBytes);
     return content;
 }
 

@@ -16,9 +16,12 @@ namespace {
 
 oiio::ValueType TypeOf(PixelFormat format) {
     switch (format) {
-    case PixelFormat::U8: return oiio::ValueType::U8;
-    case PixelFormat::Half: return oiio::ValueType::Half;
-    case PixelFormat::Float: break;
+        case PixelFormat::U8:
+            return oiio::ValueType::U8;
+        case PixelFormat::Half:
+            return oiio::ValueType::Half;
+        case PixelFormat::Float:
+            break;
     }
     return oiio::ValueType::Float;
 }
@@ -52,9 +55,10 @@ std::unique_ptr<const TileCache::Stored> TileCache::Store(const std::vector<Imag
     const std::string path = (impl_->folder / fmt::format("{}.tif", impl_->files++)).string();
     std::vector<oiio::Pixels> pixels;
     for (const Image &image : images)
-        pixels.push_back({image.Resolution().x, image.Resolution().y, image.ChannelCount(), TypeOf(image.Format()),
-                          image.Data()});
-    const size_t texelBytes = images[0].Bytes() / (images[0].ValueCount() / static_cast<size_t>(images[0].ChannelCount()));
+        pixels.push_back(
+            {image.Resolution().x, image.Resolution().y, image.ChannelCount(), TypeOf(image.Format()), image.Data()});
+    const size_t texelBytes =
+        images[0].Bytes() / (images[0].ValueCount() / static_cast<size_t>(images[0].ChannelCount()));
     void *file = nullptr;
     try {
         file = impl_->tiles->Add(path, pixels);

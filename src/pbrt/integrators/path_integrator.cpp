@@ -123,8 +123,10 @@ SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &l
         if (!sample) break;
         beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
         if (!beta) break;
-        if (IsSpecular(sample->flags)) lightCouldSample = false;
-        else scatteredFromCurrent(sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf);
+        if (IsSpecular(sample->flags))
+            lightCouldSample = false;
+        else
+            scatteredFromCurrent(sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf);
         if (IsTransmissive(sample->flags)) etaScale *= Sqr(sample->eta);
         walk.Scatter(*sample);
 

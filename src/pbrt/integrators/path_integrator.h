@@ -9,7 +9,8 @@ namespace pbrt {
 struct PathSettings {
     int maxDepth = 5;         ///< scattering events; 0: emission only, 1: direct light
     bool regularize = false;  ///< roughen specular lobes after the first non-specular bounce
-    bool subsurface = false;  ///< follow light below surfaces (volpath; to path they are clear dielectrics, as in stock)
+    bool subsurface =
+        false;  ///< follow light below surfaces (volpath; to path they are clear dielectrics, as in stock)
     /// Light sampling looks through interface surfaces (volpath, over a scene whose shadow rays pass them; to path they
     /// block shadow rays, as in stock).
     bool seesThroughInterfaces = false;
@@ -19,13 +20,17 @@ struct PathSettings {
 };
 
 /// Unidirectional path tracing with next-event estimation; BSDF and light sampling combined by the power heuristic.
-/// Both sides of the combination use the light sampler's distribution of the same vertex. A shadow-ray gate, if there is one, may
-/// skip shadow rays; it draws one more random number per light sample.
+/// Both sides of the combination use the light sampler's distribution of the same vertex. A shadow-ray gate, if there
+/// is one, may skip shadow rays; it draws one more random number per light sample.
 class PathIntegrator final : public PixelIntegrator {
   public:
     PathIntegrator(const PathContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
                    std::unique_ptr<ShadowRayGate> gate = nullptr)
-        : context_(context), settings_(settings), lights_(std::move(lights)), gate_(std::move(gate)), learner_(lights_->Learner()) {}
+        : context_(context),
+          settings_(settings),
+          lights_(std::move(lights)),
+          gate_(std::move(gate)),
+          learner_(lights_->Learner()) {}
 
     void Prepare(PrepareContext &prepare) override {
         lights_->Prepare(prepare);
@@ -37,8 +42,9 @@ class PathIntegrator final : public PixelIntegrator {
     const ShadowRayGate *Gate() const override { return gate_.get(); }
 
   private:
-    SampledSpectrum SampleDirect(const PathVertex &vertex, const LightDistribution &lights, const SampledWavelengths &lambda,
-                                 Sampler &sampler, LightLearner::PathPlaces &places) const;
+    SampledSpectrum SampleDirect(const PathVertex &vertex, const LightDistribution &lights,
+                                 const SampledWavelengths &lambda, Sampler &sampler,
+                                 LightLearner::PathPlaces &places) const;
     PathContext context_;
     PathSettings settings_;
     std::unique_ptr<LightSampler> lights_;

@@ -12,7 +12,8 @@ namespace {
 /// All the light that arrives from what the walk has just met.
 SampledSpectrum Arriving(const PathWalk &walk, const SampledWavelengths &lambda) {
     SampledSpectrum sum(0);
-    walk.ForEachEmission(lambda, [&](const SampledSpectrum &Le, LightId, const Point3 &, const Normal3 &) { sum += Le; });
+    walk.ForEachEmission(lambda,
+                         [&](const SampledSpectrum &Le, LightId, const Point3 &, const Normal3 &) { sum += Le; });
     return sum;
 }
 
@@ -49,7 +50,8 @@ SimplePathIntegrator::SimplePathIntegrator(const PathContext &context, int maxDe
       lights_(std::make_unique<UniformLightSampler>(context.scene.Lights().Parts())) {}
 
 SampledSpectrum SimplePathIntegrator::SampleDirect(const PathVertex &vertex, const SampledSpectrum &beta,
-                                                   const SampledWavelengths &lambda, int depth, Sampler &sampler) const {
+                                                   const SampledWavelengths &lambda, int depth,
+                                                   Sampler &sampler) const {
     const auto &[point, bsdf] = vertex;
     const std::optional<SampledLight> chosen = lights_->Sample(LightQueryAt(vertex, lambda, depth), sampler.Get1D());
     const Point2 uLight = sampler.Get2D();
@@ -123,15 +125,16 @@ SampledSpectrum RandomWalkIntegrator::Li(const PathStart &start, SampledWaveleng
     return L;
 }
 
-AmbientOcclusionIntegrator::AmbientOcclusionIntegrator(const PathContext &context, bool cosineSample,
-                                                       Float maxDistance, const ColorSpace &space)
+AmbientOcclusionIntegrator::AmbientOcclusionIntegrator(const PathContext &context, bool cosineSample, Float maxDistance,
+                                                       const ColorSpace &space)
     : context_(context),
       cosineSample_(cosineSample),
       maxDistance_(maxDistance),
       illuminant_(space.IlluminantPtr()),
       scale_(1 / SpectrumToPhotometric(*illuminant_)) {}
 
-SampledSpectrum AmbientOcclusionIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
+SampledSpectrum AmbientOcclusionIntegrator::Li(const PathStart &start, SampledWavelengths &lambda,
+                                               Sampler &sampler) const {
     PathWalk walk(context_, start.ray, start.visible);
     ++ThreadCounters().cameraPaths;
     do {

@@ -13,8 +13,8 @@ class SimplePathIntegrator final : public PixelIntegrator {
 
   private:
     /// Direct light by one point on one light, unweighted, times the path's throughput.
-    SampledSpectrum SampleDirect(const PathVertex &vertex, const SampledSpectrum &beta, const SampledWavelengths &lambda,
-                                 int depth, Sampler &sampler) const;
+    SampledSpectrum SampleDirect(const PathVertex &vertex, const SampledSpectrum &beta,
+                                 const SampledWavelengths &lambda, int depth, Sampler &sampler) const;
     PathContext context_;
     int maxDepth_;
     bool sampleLights_, sampleBsdf_;

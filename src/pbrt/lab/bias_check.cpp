@@ -32,9 +32,9 @@
 // Heavy tails. Where c strong samples were expected, none is seen with probability exp(-c); then the mean is low and so
 // is the estimated noise. So a difference d must exceed what unseen samples would make. If each of them moves the
 // region's mean by s, d stands for d / s unseen ones, which add s |d| to the variance. The bound
-// d^2 = t^2 variance + c s |d| with c = -log(level of one test) is c s where nothing was seen, as it must be. c is 0.7 of
-// that (kUnseen): the simulations' false alarms keep their level and noisy samplers' biases are seen better. Noise that
-// is decided by a handful of samples never gives "biased", and the smallest visible bias says so.
+// d^2 = t^2 variance + c s |d| with c = -log(level of one test) is c s where nothing was seen, as it must be. c is 0.7
+// of that (kUnseen): the simulations' false alarms keep their level and noisy samplers' biases are seen better. Noise
+// that is decided by a handful of samples never gives "biased", and the smallest visible bias says so.
 //
 // How strong unseen samples are, is asked of those who meet the same ones: a lack in the runs may be samples as strong
 // as the strongest of the runs and of their kin, a surplus what the reference lacks, so its parts and its sampler's
@@ -44,17 +44,18 @@
 // is hidden in many places. "Strong" is what sticks out of the ordinary noise of tiles.
 //
 // What remains. A sampler whose strong samples nobody of its kin has met here, nor itself in many other places, looks
-// like one that never chooses a light. False alarms and power are measured in bias_check_test.cpp and bias_kin_test.cpp.
+// like one that never chooses a light. False alarms and power are measured in bias_check_test.cpp and
+// bias_kin_test.cpp.
 
 namespace pbrt::lab {
 
 namespace {
 
-constexpr int kMinimumData = 32;   ///< tile means (seeds x tiles) in a block
-constexpr int kMinRegions = 4;  ///< that pass for "about 1/16 of the picture"
-constexpr double kUnseen = 0.7;    ///< strong samples that may have been missed, times -log(level)
-constexpr size_t kUsual = 6;       ///< one of so many blocks has a sample at least as strong as the usual one
-constexpr double kDark = 0.05;     ///< of the image mean, added to every block's mean
+constexpr int kMinimumData = 32;  ///< tile means (seeds x tiles) in a block
+constexpr int kMinRegions = 4;    ///< that pass for "about 1/16 of the picture"
+constexpr double kUnseen = 0.7;   ///< strong samples that may have been missed, times -log(level)
+constexpr size_t kUsual = 6;      ///< one of so many blocks has a sample at least as strong as the usual one
+constexpr double kDark = 0.05;    ///< of the image mean, added to every block's mean
 constexpr double kManyDof = 1e9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -175,7 +176,8 @@ class Channel {
         if (runs > 1) {
             const TileNoise::Estimate noise = runs_.Of(r);
             add(noise);
-            // Where few runs agree by chance, the reference's noise seems to be all, and its parts seem to be sure of it.
+            // Where few runs agree by chance, the reference's noise seems to be all, and its parts seem to be sure of
+            // it.
             if (runs_.Pictures() < TileNoise::kFew && noise.dof > 0) mostDof = noise.dof;
         }
         if (parts > 1) {
@@ -292,9 +294,8 @@ void CheckInput(std::span<const TileMeans> runs, std::span<const BiasKin> kin, c
     if (runs.empty() || reference.parts.empty()) throw UserError("The bias check needs runs and a reference.");
     const TileMeans &first = runs[0];
     auto allMatch = [&](std::span<const TileMeans> pictures) {
-        return std::all_of(pictures.begin(), pictures.end(), [&](const TileMeans &m) {
-            return m.grid == first.grid && m.channels == first.channels;
-        });
+        return std::all_of(pictures.begin(), pictures.end(),
+                           [&](const TileMeans &m) { return m.grid == first.grid && m.channels == first.channels; });
     };
     auto kinMatches = [&](std::span<const BiasKin> list) {
         return std::all_of(list.begin(), list.end(), [&](const BiasKin &k) { return allMatch(k.pictures); });
@@ -321,9 +322,10 @@ std::string Percent(double v) {
 }
 
 std::string Explain(const BiasReport &report, const BiasSettings &settings) {
-    const std::string visible = fmt::format(
-        "{} in the whole image, {} in regions of 1/{} of it, {} in regions of {} pixels", Percent(report.visibleImage),
-        Percent(report.visibleSixteenth), report.sixteenthRegions, Percent(report.visibleSmallest), report.smallestSide);
+    const std::string visible =
+        fmt::format("{} in the whole image, {} in regions of 1/{} of it, {} in regions of {} pixels",
+                    Percent(report.visibleImage), Percent(report.visibleSixteenth), report.sixteenthRegions,
+                    Percent(report.visibleSmallest), report.smallestSide);
     const RegionTest &w = report.worst;
     switch (report.verdict) {
         case BiasVerdict::Clean:
@@ -423,8 +425,8 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
 
     if (anyBiased)
         report.verdict = BiasVerdict::Biased;
-    else if (imageArea > 0 && report.visibleImage <= settings.interest && report.visibleSixteenth <= settings.interest &&
-             report.sixteenthRegions >= kMinRegions)
+    else if (imageArea > 0 && report.visibleImage <= settings.interest &&
+             report.visibleSixteenth <= settings.interest && report.sixteenthRegions >= kMinRegions)
         report.verdict = BiasVerdict::Clean;
     report.text = Explain(report, settings);
     return report;

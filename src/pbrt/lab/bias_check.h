@@ -34,7 +34,7 @@ struct BiasKin {
 struct BiasReference {
     std::vector<TileMeans> parts;
     std::optional<double> relL2;
-    double sampleRatio = 1;    ///< samples per pixel of one part over those of one run
+    double sampleRatio = 1;      ///< samples per pixel of one part over those of one run
     std::vector<BiasKin> kin{};  ///< of the sampler that made it
 };
 
@@ -62,13 +62,15 @@ struct BiasReport {
     /// Smallest bias that could have been seen in the whole image, in half of the regions of about 1/16 of the image,
     /// and in half of the smallest regions (side in pixels). Infinity: none.
     double visibleImage = 0, visibleSixteenth = 0, visibleSmallest = 0;
-    int smallestSide = 0, sixteenthRegions = 0;  ///< how many of "about 1/16" there are; fewer than 4 (small pictures, few runs) are never "clean"
+    int smallestSide = 0,
+        sixteenthRegions =
+            0;  ///< how many of "about 1/16" there are; fewer than 4 (small pictures, few runs) are never "clean"
     std::string text;  ///< one or two sentences for people
 };
 
 /// `runs`: pictures of one sampler with different seeds, equal sample counts. All must have the grid and channels of
 /// the reference (throws UserError). The seeds of the reference must be others. `kin`: of the runs, in any order.
-BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference,
-                     const BiasSettings &settings = {}, std::span<const BiasKin> kin = {});
+BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference, const BiasSettings &settings = {},
+                     std::span<const BiasKin> kin = {});
 
 }  // namespace pbrt::lab

@@ -133,7 +133,8 @@ class Rounds {
         if (!(settings_.selectionWork > 0) || choice.IsOracle()) return true;
         // What was done with less effort is done again if it said nothing.
         if (const Json note = records_.LoadNote(SelectionNote(choice));
-            note.is_object() && (note.at("verdict") != BiasVerdictName(BiasVerdict::Unknown) || note.at("work") >= settings_.selectionWork))
+            note.is_object() &&
+            (note.at("verdict") != BiasVerdictName(BiasVerdict::Unknown) || note.at("work") >= settings_.selectionWork))
             return true;
         std::unique_ptr<SamplerRun> again;
         if (!run && !(run = PrepareAgain(i, &again))) return false;
@@ -142,7 +143,8 @@ class Rounds {
         how.bias.level = SidakLevel(how.bias.level, settings_.samplers.size());
         if (!vertices_) vertices_.emplace(scene_.built, how.seed, cancel_);
         if (cancel_.Cancelled()) return false;
-        const std::optional<SelectionReport> report = CheckSelection(*vertices_, *run->Lights(), run->Gate(), how, cancel_);
+        const std::optional<SelectionReport> report =
+            CheckSelection(*vertices_, *run->Lights(), run->Gate(), how, cancel_);
         if (!report) return false;
         Json note = ToJson(*report);
         note["work"] = how.mostWork;
@@ -189,8 +191,9 @@ class Rounds {
         return true;
     }
 
-    /// How many samples every sampler will take: by time an estimate, to the next quarter of a power of two, from the pilot or else
-    /// from a run of two samples that warms up the machine as well. Part of the records: it may decide pictures.
+    /// How many samples every sampler will take: by time an estimate, to the next quarter of a power of two, from the
+    /// pilot or else from a run of two samples that warms up the machine as well. Part of the records: it may decide
+    /// pictures.
     bool FindExpectedSamples() {
         Json note = records_.LoadNote("expected-samples.json");
         if (!note.is_object()) note = Json::object();
@@ -240,8 +243,8 @@ class Rounds {
         double left = 0;
         for (size_t i = 0; i < settings_.samplers.size(); ++i)
             for (int seed = 0; seed < settings_.seeds; ++seed) {
-                const double whole = BySamples() ? TargetOf(i, seed, checkpoints_.size() - 1).samples * cost_[i]
-                                                 : settings_.timeBudget;
+                const double whole =
+                    BySamples() ? TargetOf(i, seed, checkpoints_.size() - 1).samples * cost_[i] : settings_.timeBudget;
                 left += whole - SecondsDone(i, seed);
             }
         return left;
@@ -417,7 +420,8 @@ std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, con
                     .image.Select({"R", "G", "B"}));
     std::vector<std::optional<SelectionReport>> selections(settings.samplers.size());
     for (size_t i = 0; i < selections.size(); ++i)
-        if (const Json note = records.LoadNote(SelectionNote(settings.samplers[i])); settings.selectionWork > 0 && note.is_object())
+        if (const Json note = records.LoadNote(SelectionNote(settings.samplers[i]));
+            settings.selectionWork > 0 && note.is_object())
             selections[i] = SelectionFromJson(note);
     CampaignOutcome outcome;
     outcome.results = Header(settings, scene, identity, rounds.CheckpointCount());

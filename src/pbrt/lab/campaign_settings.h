@@ -15,7 +15,7 @@ struct CampaignSettings {
     double timeBudget = 0;  ///< > 0: seconds of every run, preparation included; else samplesPerPixel of every run
     int samplesPerPixel = 64;
     int seeds = 3;
-    std::optional<int> maxDepth;  ///< empty: the scene's
+    std::optional<int> maxDepth;    ///< empty: the scene's
     bool sampledLightOnly = false;  ///< PathSettings::sampledLightOnly
     int resolutionDivisor = 1;
     std::string shadowGate;       ///< of samplers without a gate of their own; empty: the scene's
@@ -27,13 +27,13 @@ struct CampaignSettings {
     double selectionWork = 1e8;   ///< of the check of light selection, SelectionSettings::mostWork; 0: none
     std::string outFolder;
     std::string cacheFolder;  ///< where rendered references are kept for other campaigns; empty: nowhere
-    bool restart = false;  ///< forget what the folder holds of a campaign
+    bool restart = false;     ///< forget what the folder holds of a campaign
     std::string commandLine;
     bool Timed() const { return timeBudget > 0; }
 };
 
-/// What fixes the pictures and times of a campaign. Two campaigns in one folder must agree in all of it but the number of
-/// seeds.
+/// What fixes the pictures and times of a campaign. Two campaigns in one folder must agree in all of it but the number
+/// of seeds.
 nlohmann::ordered_json IdentityOf(const CampaignSettings &settings, const std::string &sceneHash, int threads);
 /// A hash of an identity without the number of seeds: what records say they belong to.
 std::string CampaignKey(nlohmann::ordered_json identity);

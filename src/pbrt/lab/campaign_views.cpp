@@ -39,11 +39,10 @@ Json WriteViews(const CampaignSettings &settings, const LabScene &scene, size_t 
     const Inspection inspection = InspectLights(scene.built, lights, how, cancel);
     if (cancel.Cancelled()) return {};
     auto write = [&](const std::string &folder, bool ofScene) {
-        return WithFolder(WriteLayers(inspection, settings.outFolder + "/" + folder, 0,
-                                      [&](const InspectedLayer &layer) {
-                                          return layer.name != "hit" && layer.ofScene == ofScene;
-                                      }),
-                          folder);
+        return WithFolder(
+            WriteLayers(inspection, settings.outFolder + "/" + folder, 0,
+                        [&](const InspectedLayer &layer) { return layer.name != "hit" && layer.ofScene == ofScene; }),
+            folder);
     };
     Json views;
     views["everyNthPixel"] = inspection.stride;

@@ -89,7 +89,7 @@ class Inspector {
     const InspectSettings &settings_;
     const LightGroups &groups_;
     std::vector<InspectedLight> lights_;  ///< per group
-    std::vector<size_t> shown_;  ///< groups whose visibility is shown, most power first
+    std::vector<size_t> shown_;           ///< groups whose visibility is shown, most power first
     size_t samplerLayers_ = 0;
 };
 
@@ -124,7 +124,8 @@ void Inspector::MakeLayers(Inspection &out) {
     add("brightest_probability", "probability of the light that contributes most; magenta: none contributes", 0, 1);
     add("log10_excess",
         "second moment of the one-light estimator over the least that other probabilities of the lights can reach (the "
-        "choice inside a mesh as it is), log10; without MIS; magenta: none contributes, or one that does has probability 0",
+        "choice inside a mesh as it is), log10; without MIS; magenta: none contributes, or one that does has "
+        "probability 0",
         0, 2);
     for (size_t g : shown_) {
         const InspectedLight &light = lights_[g];

@@ -87,7 +87,8 @@ void WriteInspection(const Inspection &inspection, const std::string &folder, co
     json["layers"] = WriteLayers(inspection, folder, kLegendRows, [](const InspectedLayer &) { return true; });
     ShortenFloats(&json);
     WriteFile((out / "inspect.json").string(), json.dump(2) + "\n");
-    WriteFile((out / "structure.txt").string(), inspection.structure.empty() ? "no learned structure\n" : inspection.structure);
+    WriteFile((out / "structure.txt").string(),
+              inspection.structure.empty() ? "no learned structure\n" : inspection.structure);
     WriteFile((out / "index.html").string(), InspectPage(json, inspection.structure));
 }
 

@@ -7,7 +7,7 @@ namespace pbrt::lab {
 /// The scene of a campaign, read and built once.
 struct LabScene {
     BuiltScene built;
-    std::string hash;        ///< of its files
+    std::string hash;  ///< of its files
     Point2i FullResolution() const { return built.film->FullResolution(); }
     const Bounds2i &Pixels() const { return built.film->PixelBounds(); }
     Point2i Resolution() const { return Pixels().high - Pixels().low; }

@@ -14,8 +14,8 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr int kMinSamples = 4, kMaxSamples = 16;  // per picture; two pictures a candidate
-constexpr int kShareOfReference = 128;                // all candidates together take some 6 % of two references
-constexpr int kFirstSeed = 700001;  // far from the seeds of the runs
+constexpr int kShareOfReference = 128;            // all candidates together take some 6 % of two references
+constexpr int kFirstSeed = 700001;                // far from the seeds of the runs
 
 std::vector<SamplerChoice> Candidates(const CampaignSettings &settings, const LabScene &scene,
                                       const LightSamplerRegistry &registry) {
@@ -51,9 +51,9 @@ struct Pilot {
     }
 };
 
-/// Variance of one sample, relative as in relL2, by the differences of the candidate's two pictures. The denominators are
-/// tile means of the other candidates' pictures: a rare bright hit must not enlarge what it is divided by, or the sampler
-/// with the rarest hits looks best.
+/// Variance of one sample, relative as in relL2, by the differences of the candidate's two pictures. The denominators
+/// are tile means of the other candidates' pictures: a rare bright hit must not enlarge what it is divided by, or the
+/// sampler with the rarest hits looks best.
 double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, int samples) {
     const auto &[a, b] = pilots[which].pictures;
     const TileGrid &grid = pilots[which].tiles.grid;

@@ -17,7 +17,7 @@ namespace {
 constexpr int kParts = 8;           // seeds of a reference; their scatter tells its noise (7 degrees of freedom)
 constexpr int kFirstSeed = 800001;  // far from the seeds of the runs and of the pilot
 constexpr int kSeedStep = 1000;     // between references
-constexpr int kMinSamples = 64;   // by time
+constexpr int kMinSamples = 64;     // by time
 constexpr double kDisagree = 2;     // times the relL2 that the noise of two references explains
 
 /// Renders one reference, or finds it.

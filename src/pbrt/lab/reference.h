@@ -29,10 +29,10 @@ struct ReferenceRule {
 
 struct References {
     std::vector<Reference> all;
-    std::vector<size_t> ofSampler;   ///< index into `all`, for every sampler of the campaign
+    std::vector<size_t> ofSampler;  ///< index into `all`, for every sampler of the campaign
     std::vector<Doubt> doubts;
     std::vector<std::string> remarks;  ///< what else people should know about them
-    bool areDoubtful = false;        ///< they lack light that is met rarely: no proof of a bias
+    bool areDoubtful = false;          ///< they lack light that is met rarely: no proof of a bias
 };
 
 /// Why two references cannot both be right, if that is so: both were made by samplers that are known to be free of bias

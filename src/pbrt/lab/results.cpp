@@ -115,7 +115,9 @@ class BiasJudge {
 
     BiasReport Judge(size_t sampler, size_t reference) const {
         const Pictures &runs = runs_[sampler], &judge = references_[reference];
-        auto ratio = [&](const Pictures &p) { return p.samples > 0 && runs.samples > 0 ? p.samples / runs.samples : 1; };
+        auto ratio = [&](const Pictures &p) {
+            return p.samples > 0 && runs.samples > 0 ? p.samples / runs.samples : 1;
+        };
         auto kinOf = [&](const std::string &name) {
             std::vector<BiasKin> kin;
             for (const std::vector<Pictures> *list : {&runs_, &references_})

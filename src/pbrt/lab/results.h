@@ -24,7 +24,7 @@ struct SamplerResult {
     double cpuPerSample = 0;                  ///< of rendering, without the first sample where there are more
     double relativeCost = 0;                  ///< cpuPerSample over that of the first sampler
     double shadowRays = 0, blockedShare = 0;  ///< per run
-    BiasReport bias;  ///< both checks together
+    BiasReport bias;                          ///< both checks together
     std::optional<SelectionReport> selection;
 };
 

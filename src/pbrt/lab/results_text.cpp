@@ -190,22 +190,13 @@ std::string SummaryCsv(const CampaignResults &results) {
             fields.push_back(number(m.mean));
             fields.push_back(m.count > 1 ? number(m.standardError) : std::string());
         }
-        for (const std::string &field : {number(s.efficiency),
-                                         number(s.speedUp),
-                                         Quoted(s.speedUpAgainst),
-                                         number(s.ratioToOracle),
-                                         number(o.prepass),
-                                         number(o.build),
-                                         number(o.render),
-                                         number(s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0),
-                                         number(s.cpuPerSample),
-                                         number(s.relativeCost),
-                                         number(ReportMean(s, {"leaves"})),
-                                         number(ReportMean(s, {"bytes"})),
-                                         number(s.shadowRays),
-                                         number(s.blockedShare),
-                                         std::string(BiasVerdictName(s.bias.verdict)),
-                                         number(s.bias.pValue)})
+        for (const std::string &field :
+             {number(s.efficiency), number(s.speedUp), Quoted(s.speedUpAgainst), number(s.ratioToOracle),
+              number(o.prepass), number(o.build), number(o.render),
+              number(s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0), number(s.cpuPerSample),
+              number(s.relativeCost), number(ReportMean(s, {"leaves"})), number(ReportMean(s, {"bytes"})),
+              number(s.shadowRays), number(s.blockedShare), std::string(BiasVerdictName(s.bias.verdict)),
+              number(s.bias.pValue)})
             fields.push_back(field);
         text += fmt::format("{}\n", fmt::join(fields, ","));
     }

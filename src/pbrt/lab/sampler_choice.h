@@ -20,8 +20,8 @@ struct SamplerChoice {
     bool IsOracle() const { return name == "oracle"; }
 };
 
-/// Takes a list apart. A semicolon ends a sampler, and so does a comma unless a "key=value" follows, which belongs to the
-/// sampler before: "octree:budget=0.02,floor=0.2,bvh" is two samplers.
+/// Takes a list apart. A semicolon ends a sampler, and so does a comma unless a "key=value" follows, which belongs to
+/// the sampler before: "octree:budget=0.02,floor=0.2,bvh" is two samplers.
 std::vector<std::string> SplitSamplerList(const std::string &text);
 /// One sampler a line; blank lines and what follows # are left out. Throws UserError if unreadable or empty.
 std::vector<std::string> ReadSamplerFile(const std::string &path);

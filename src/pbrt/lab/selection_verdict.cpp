@@ -8,8 +8,8 @@
 
 #include "pbrt/math/statistics.h"
 
-// Statistic: over the paths of a region sum of excess over sum of light, its noise from path to path. A vertex with more
-// than kMaxVertex times the region's mean light per path (of those that have light) counts as that much: the light
+// Statistic: over the paths of a region sum of excess over sum of light, its noise from path to path. A vertex with
+// more than kMaxVertex times the region's mean light per path (of those that have light) counts as that much: the light
 // does not depend on the draws, so the mean of the excess stays 0, no path decides, and sums of hundreds are normal.
 
 namespace pbrt::lab {
@@ -119,15 +119,15 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
     const auto middle = ofRegions.begin() + static_cast<std::ptrdiff_t>((ofRegions.size() - 1) / 2);
     std::nth_element(ofRegions.begin(), middle, ofRegions.end());
     report.visibleSixteenth = *middle;
-    report.verdict = biased                                              ? BiasVerdict::Biased
+    report.verdict = biased                                         ? BiasVerdict::Biased
                      : report.visibleSixteenth <= settings.interest ? BiasVerdict::Clean
-                                                                         : BiasVerdict::Unknown;
+                                                                    : BiasVerdict::Unknown;
     report.text = fmt::format("at {} vertices of paths light selection is off by {:+.2g} +- {:.1g} %", report.vertices,
                               100 * report.difference, 100 * report.standardError);
     if (biased && report.worstRegion >= 0)
-        report.text += fmt::format(", by {:+.2g} % in row {}, column {} of {} x {} regions", 100 * report.worstDifference,
-                                   report.worstRegion / kSelectionSide + 1, report.worstRegion % kSelectionSide + 1,
-                                   kSelectionSide, kSelectionSide);
+        report.text += fmt::format(", by {:+.2g} % in row {}, column {} of {} x {} regions",
+                                   100 * report.worstDifference, report.worstRegion / kSelectionSide + 1,
+                                   report.worstRegion % kSelectionSide + 1, kSelectionSide, kSelectionSide);
     if (std::isfinite(report.visibleSixteenth))
         report.text += fmt::format("; {} of the whole, {} in a sixteenth would have been seen",
                                    Percent(report.visibleImage), Percent(report.visibleSixteenth));

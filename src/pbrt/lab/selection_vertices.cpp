@@ -17,15 +17,17 @@ namespace {
 constexpr uint64_t kStream = 0x73656c656374ull;
 constexpr int kRegions = kSelectionSide * kSelectionSide;
 constexpr int kMinPaths = 256, kMaxPaths = 4096;  ///< of a region
-constexpr int kBlock = 16;                            ///< paths of one task
-constexpr double kEnoughEffective = 60;               ///< paths that carry light in half of the regions end the tracing
-constexpr size_t kMaxMeasured = 2048;                ///< lights at a vertex
+constexpr int kBlock = 16;                        ///< paths of one task
+constexpr double kEnoughEffective = 60;           ///< paths that carry light in half of the regions end the tracing
+constexpr size_t kMaxMeasured = 2048;             ///< lights at a vertex
 
 /// Follows paths as the render makes them and measures the lights at their vertices.
 class Measurer {
   public:
     Measurer(const BuiltScene &built)
-        : built_(built), scene_(*built.scene), context_{*built.scene, *built.camera, built.samplesPerPixel, true},
+        : built_(built),
+          scene_(*built.scene),
+          context_{*built.scene, *built.camera, built.samplesPerPixel, true},
           stride_((scene_.Lights().Size() + kMaxMeasured - 1) / kMaxMeasured) {}
 
     void Follow(Point2i low, Point2i high, uint64_t stream, std::vector<SelectionVertices::Vertex> &out) {
@@ -121,11 +123,12 @@ SelectionVertices::SelectionVertices(const BuiltScene &built, int seed, Progress
     : lightCount_(built.scene->Lights().Size()) {
     const Bounds2i pixels = built.film->PixelBounds();
     const Vector2i size = pixels.high - pixels.low;
-    auto corner = [&](int x, int y) { return pixels.low + Point2i(x * size.x / kSelectionSide, y * size.y / kSelectionSide); };
+    auto corner = [&](int x, int y) {
+        return pixels.low + Point2i(x * size.x / kSelectionSide, y * size.y / kSelectionSide);
+    };
     regions_.resize(kRegions);
     progress.BeginPhase("measuring lights", 0);
-    for (int done = 0, target = kMinPaths; target <= kMaxPaths && !progress.Cancelled();
-         done = target, target *= 2) {
+    for (int done = 0, target = kMinPaths; target <= kMaxPaths && !progress.Cancelled(); done = target, target *= 2) {
         const int blocks = (target - done) / kBlock;
         std::vector<std::vector<Vertex>> found(static_cast<size_t>(kRegions * blocks));
         ParallelForEach(static_cast<int64_t>(found.size()), [&](int64_t task) {

@@ -121,7 +121,8 @@ std::optional<LightBounds> DiffuseAreaLight::Bounds(uint32_t part) const {
     Float phi = emission_->peak * Scale(at) * at.shape->Area(at.primitive) * Pi * (emission_->twoSided ? 2 : 1);
     if (!(phi > 0)) return {};
     DirectionCone normals = at.shape->NormalBounds(at.primitive);
-    return LightBounds{at.shape->PrimitiveBounds(at.primitive), normals.w, phi, normals.cosTheta, 0, emission_->twoSided};
+    return LightBounds{
+        at.shape->PrimitiveBounds(at.primitive), normals.w, phi, normals.cosTheta, 0, emission_->twoSided};
 }
 
 }  // namespace pbrt

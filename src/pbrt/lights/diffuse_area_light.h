@@ -47,7 +47,8 @@ class DiffuseAreaLight final : public Light {
 
     SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t part) const override;
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
-                                          const SampledWavelengths &lambda, bool allowIncompletePdfs, uint32_t part) const override;
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs,
+                                          uint32_t part) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs, uint32_t part) const override;
     /// Of a point that a ray has met: the alpha texture has had its say when it stopped the ray.

@@ -11,8 +11,10 @@ class DistantLight final : public LightBeyondScene {
 
     SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
-                                          const SampledWavelengths &lambda, bool allowIncompletePdfs, uint32_t) const override;
-    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool, uint32_t) const override {
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs,
+                                          uint32_t) const override;
+    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool,
+                uint32_t) const override {
         return 0;
     }
 

@@ -18,8 +18,8 @@ SampledSpectrum UniformInfiniteLight::Le(const Point3 &, const Vector3 &, const 
 }
 
 std::optional<LightLiSample> UniformInfiniteLight::SampleLi(const LightSampleContext &from, const Point2 &u,
-                                                            const SampledWavelengths &lambda,
-                                                            bool allowIncompletePdfs, uint32_t) const {
+                                                            const SampledWavelengths &lambda, bool allowIncompletePdfs,
+                                                            uint32_t) const {
     if (allowIncompletePdfs) return {};
     LightLiSample s;
     s.L = scale_ * radiance_->Sample(lambda);
@@ -83,8 +83,8 @@ SampledSpectrum ImageInfiniteLight::Le(const Point3 &, const Vector3 &d, const S
 }
 
 std::optional<LightLiSample> ImageInfiniteLight::SampleLi(const LightSampleContext &from, const Point2 &u,
-                                                          const SampledWavelengths &lambda,
-                                                          bool allowIncompletePdfs, uint32_t) const {
+                                                          const SampledWavelengths &lambda, bool allowIncompletePdfs,
+                                                          uint32_t) const {
     Float pdfSquare = 0;
     Point2 st = (allowIncompletePdfs ? compensated_ : distribution_).Sample(u, &pdfSquare);
     if (!(pdfSquare > 0)) return {};

@@ -14,7 +14,8 @@ class UniformInfiniteLight final : public LightBeyondScene {
     SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
     /// Draws nothing if pdfs may be incomplete: scattering finds this light better (as stock pbrt-v4).
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
-                                          const SampledWavelengths &lambda, bool allowIncompletePdfs, uint32_t) const override;
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs,
+                                          uint32_t) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs, uint32_t) const override;
     SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;
@@ -34,7 +35,8 @@ class ImageInfiniteLight final : public LightBeyondScene {
     /// By the mean of R, G, B of the pixels; by what exceeds their average if pdfs may be incomplete (Karlik et al.
     /// 2019).
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
-                                          const SampledWavelengths &lambda, bool allowIncompletePdfs, uint32_t) const override;
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs,
+                                          uint32_t) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs, uint32_t) const override;
     SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;

@@ -34,8 +34,9 @@ struct ShapePrimitive {
 
 /// A light. Immutable once the scene is built. Spectral values at a path's wavelengths.
 ///
-/// A light may have parts: the primitives of an emissive mesh. They can be chosen one by one, each with a LightId of its
-/// own, so what is asked of a light is asked of one of its parts. Lights without parts have one, and look at no `part`.
+/// A light may have parts: the primitives of an emissive mesh. They can be chosen one by one, each with a LightId of
+/// its own, so what is asked of a light is asked of one of its parts. Lights without parts have one, and look at no
+/// `part`.
 class Light {
   public:
     explicit Light(LightKind kind) : kind_(kind) {}
@@ -111,8 +112,8 @@ class LightPart {
     LightPart(const Light &light, uint32_t part) : light_(&light), part_(part) {}
     LightKind Kind() const { return light_->Kind(); }
     SampledSpectrum Phi(const SampledWavelengths &lambda) const { return light_->Phi(lambda, part_); }
-    std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u, const SampledWavelengths &lambda,
-                                          bool allowIncompletePdfs) const {
+    std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs) const {
         return light_->SampleLi(from, u, lambda, allowIncompletePdfs, part_);
     }
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,

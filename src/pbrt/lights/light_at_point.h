@@ -22,7 +22,8 @@ class LightAtPoint : public Light {
         s.pLight = position_;
         return s;
     }
-    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool, uint32_t) const final {
+    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool,
+                uint32_t) const final {
         return 0;
     }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pbrt/core/limits.h"
 #include "pbrt/lights/diffuse_area_light.h"
 #include "pbrt/lights/distant_light.h"
 #include "pbrt/lights/goniometric_light.h"
@@ -16,7 +17,6 @@
 #include "pbrt/lights/spot_light.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/shapes/extent.h"
-#include "pbrt/core/limits.h"
 #include "pbrt/spectra/spectrum_params.h"
 
 namespace pbrt {
@@ -44,7 +44,8 @@ Float PhotometricScale(const ParamSet &set, Float scale, const Spectrum &emissio
     // Black light is legal; anything else that has no luminous part cannot be brought to photometric units.
     if (!(emission.MaxValue() > 0)) return 0;
     throw set.Error(name, fmt::format("\"{}\" emits nothing that the eye can see, so it cannot be scaled to "
-                                      "photometric units.", name));
+                                      "photometric units.",
+                                      name));
 }
 
 void RequireSquare(const ParamSet &set, const LightImage &light) {
@@ -164,7 +165,8 @@ std::unique_ptr<Light> MakeDistant(const DistantParams &p, const ParamSet &set, 
 
 /// `power` over what the light would emit at scale 1.
 Float PowerFactor(const ParamSet &set, Float power, Float emitted, const std::string &image) {
-    if (!(emitted > 0)) throw set.Error("power", fmt::format("\"{}\" is black, so \"power\" cannot be reached.", image));
+    if (!(emitted > 0))
+        throw set.Error("power", fmt::format("\"{}\" is black, so \"power\" cannot be reached.", image));
     return power / emitted;
 }
 
@@ -254,7 +256,8 @@ struct InfiniteParams {
         v("filename", filename, "a square image of the sky, in the equal-area octahedral layout");
         v("scale", scale, kBrightnessRange, kScaleHelp);
         v("illuminance", illuminance, kPowerRange, kIlluminanceHelp);
-        v("portal", portal, kPosition, "the corners of a rectangle through which alone the light comes, in world space");
+        v("portal", portal, kPosition,
+          "the corners of a rectangle through which alone the light comes, in world space");
     }
 };
 
@@ -263,8 +266,8 @@ std::optional<std::array<Point3, 4>> GetPortal(const std::vector<Point3> &given,
                                                const LightContext &context) {
     if (given.empty()) return {};
     if (given.size() != 4)
-        throw set.Error("portal", fmt::format("\"portal\" takes the 4 corners of a rectangle, found {} points.",
-                                              given.size()));
+        throw set.Error("portal",
+                        fmt::format("\"portal\" takes the 4 corners of a rectangle, found {} points.", given.size()));
     std::array<Point3, 4> p;
     std::copy(given.begin(), given.end(), p.begin());
     Vector3 x = p[3] - p[0], y = p[1] - p[0];
@@ -329,7 +332,8 @@ std::unique_ptr<Light> MakeInfinite(const InfiniteParams &p, const ParamSet &set
         Float measured = MeasureIlluminance(light, IlluminanceWeights(light, portal.has_value()));
         if (!(measured > 0))
             throw set.Error("illuminance", fmt::format("\"{}\" is black above the horizon, so \"illuminance\" cannot "
-                                                       "be reached.", light.name));
+                                                       "be reached.",
+                                                       light.name));
         scale *= p.illuminance / measured;
     }
     RequireFinite(set, scale, illuminant, "filename");

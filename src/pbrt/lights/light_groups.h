@@ -17,9 +17,9 @@ struct LightCandidate {
     bool infinite = false;
 };
 
-/// The lights of a scene as things to choose from: every light with all its parts is ONE group, or every part is a group
-/// of its own. P(part | query) = P(group | query) * P(part | group); the second factor is the part's share of the group's
-/// power and lives here, so that no two samplers can disagree about it.
+/// The lights of a scene as things to choose from: every light with all its parts is ONE group, or every part is a
+/// group of its own. P(part | query) = P(group | query) * P(part | group); the second factor is the part's share of the
+/// group's power and lives here, so that no two samplers can disagree about it.
 class LightGroups {
   public:
     /// `wholes` false: every part its own group. The table must live as long.

@@ -15,15 +15,17 @@ bool HasRgb(const Image &image) {
 template <class Select>
 LightImage Read(const std::string &path, Select select) {
     ImageFile file = ReadImage(path);
-    LightImage result{select(file.image), file.metadata.colorSpace ? file.metadata.colorSpace : &ColorSpace::SRGB(), path};
+    LightImage result{select(file.image), file.metadata.colorSpace ? file.metadata.colorSpace : &ColorSpace::SRGB(),
+                      path};
     Point2i n = result.image.Resolution();
     for (int y = 0; y < n.y; ++y)
         for (int x = 0; x < n.x; ++x)
             for (int c = 0; c < result.image.ChannelCount(); ++c)
                 if (!std::isfinite(result.image.Get({x, y}, c)))
-                    throw UserError(fmt::format("\"{}\": pixel ({}, {}) is infinite or not a number; such an image "
-                                                "cannot emit light.",
-                                                path, x, y));
+                    throw UserError(
+                        fmt::format("\"{}\": pixel ({}, {}) is infinite or not a number; such an image "
+                                    "cannot emit light.",
+                                    path, x, y));
     return result;
 }
 

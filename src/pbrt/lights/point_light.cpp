@@ -1,6 +1,5 @@
 #include "pbrt/lights/point_light.h"
 
-
 namespace pbrt {
 
 PointLight::PointLight(const Point3 &position, std::shared_ptr<const DenseSpectrum> intensity, Float scale)
@@ -10,6 +9,8 @@ SampledSpectrum PointLight::Phi(const SampledWavelengths &lambda, uint32_t) cons
     return 4 * Pi * scale_ * intensity_->Sample(lambda);
 }
 
-std::optional<LightBounds> PointLight::Bounds(uint32_t) const { return AllAround(4 * Pi * scale_ * intensity_->MaxValue()); }
+std::optional<LightBounds> PointLight::Bounds(uint32_t) const {
+    return AllAround(4 * Pi * scale_ * intensity_->MaxValue());
+}
 
 }  // namespace pbrt

@@ -28,9 +28,7 @@ bool PortalLight::IsRectangle(const std::array<Point3, 4> &p) {
 
 PortalLight::PortalLight(const Transform &renderFromLight, const Image &image, const ColorSpace &colorSpace,
                          Float scale, const std::array<Point3, 4> &portal, const Transform &renderFromPortal)
-    : LightBeyondScene(LightKind::Infinite),
-      colorSpace_(&colorSpace),
-      scale_(scale) {
+    : LightBeyondScene(LightKind::Infinite), colorSpace_(&colorSpace), scale_(scale) {
     Point2i n = image.Resolution();
     PBRT_CHECK(n.x == n.y && n.x > 0 && image.ChannelCount() == 3);
     std::array<Point3, 4> p;
@@ -114,8 +112,8 @@ std::optional<LightLiSample> PortalLight::SampleLi(const LightSampleContext &fro
     return s;
 }
 
-Float PortalLight::PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &, const Normal3 &,
-                         bool, uint32_t) const {
+Float PortalLight::PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &, const Normal3 &, bool,
+                         uint32_t) const {
     std::optional<Point2> st = MapFromDirection(wi);
     if (!st) return 0;
     std::optional<Bounds2> window = Window(from.p);

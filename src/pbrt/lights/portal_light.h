@@ -25,7 +25,8 @@ class PortalLight final : public LightBeyondScene {
     SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
     /// By the mean of R, G, B of the map's pixels within the window seen from the point.
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
-                                          const SampledWavelengths &lambda, bool allowIncompletePdfs, uint32_t) const override;
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs,
+                                          uint32_t) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs, uint32_t) const override;
     SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;

@@ -6,7 +6,8 @@
 
 namespace pbrt {
 
-BVHLightSampler::BVHLightSampler(const LightGroups &groups) : GroupLightSampler(groups, true), isInfinite_(groups.Size()) {
+BVHLightSampler::BVHLightSampler(const LightGroups &groups)
+    : GroupLightSampler(groups, true), isInfinite_(groups.Size()) {
     const std::vector<LightCandidate> candidates = groups.Candidates();
     tree_ = LightBvh(candidates);
     std::vector<uint32_t> infinite;
@@ -17,7 +18,8 @@ BVHLightSampler::BVHLightSampler(const LightGroups &groups) : GroupLightSampler(
     infinite_ = InfiniteShare(std::move(infinite), !tree_.IsEmpty());
 }
 
-std::optional<GroupLightSampler::ChosenGroup> BVHLightSampler::ChooseGroup(const LightQuery &query, const void *, Float u) const {
+std::optional<GroupLightSampler::ChosenGroup> BVHLightSampler::ChooseGroup(const LightQuery &query, const void *,
+                                                                           Float u) const {
     auto rest = static_cast<double>(u);
     if (!(infinite_.Pmf() > 0)) return {};
     uint32_t infinite;

@@ -51,8 +51,8 @@ const void *ExhaustiveLightSampler::WeighGroups(const LightQuery &query, LightMe
     return sums;
 }
 
-std::optional<GroupLightSampler::ChosenGroup> ExhaustiveLightSampler::ChooseGroup(const LightQuery &query, const void *weights,
-                                                                                  Float u) const {
+std::optional<GroupLightSampler::ChosenGroup> ExhaustiveLightSampler::ChooseGroup(const LightQuery &query,
+                                                                                  const void *weights, Float u) const {
     const Sums &sums = *static_cast<const Sums *>(weights);
     auto rest = static_cast<double>(u);
     if (!(infinite_.Pmf() > 0)) return {};
@@ -68,13 +68,13 @@ std::optional<GroupLightSampler::ChosenGroup> ExhaustiveLightSampler::ChooseGrou
     const size_t first = block->index * blockSize_, end = std::min(first + blockSize_, packets_.size());
     Float scratch[kLanes];
     const Float *lanes = nullptr;
-    const auto chosen = ChooseByWeight<double>(
-        (end - first) * kLanes, target,
-        [&](uint32_t i) {
-            if (i % kLanes == 0) lanes = Lanes(first + i / kLanes, query, sums, scratch);
-            return lanes[i % kLanes];
-        },
-        block->before);
+    const auto chosen = ChooseByWeight<double>((end - first) * kLanes, target,
+                                               [&](uint32_t i) {
+                                                   if (i % kLanes == 0)
+                                                       lanes = Lanes(first + i / kLanes, query, sums, scratch);
+                                                   return lanes[i % kLanes];
+                                               },
+                                               block->before);
     if (!chosen) return {};
     const Float weight = chosen->weight;
     Float pmf = infinite_.Pmf() * static_cast<Float>(static_cast<double>(weight) / sums.total);

@@ -35,10 +35,10 @@ class ExhaustiveLightSampler final : public GroupLightSampler {
     }
 
     std::vector<LightPacket<kLanes>> packets_;
-    std::vector<uint32_t> lights_;     ///< groups, by lane over all packets
-    std::vector<uint32_t> position_;   ///< lane over all packets, by group; or one of the two below
+    std::vector<uint32_t> lights_;    ///< groups, by lane over all packets
+    std::vector<uint32_t> position_;  ///< lane over all packets, by group; or one of the two below
     static constexpr uint32_t kInfinite = 0xffffffff, kNever = 0xfffffffe;
-    size_t blockSize_ = 1;             ///< packets per block
+    size_t blockSize_ = 1;  ///< packets per block
     InfiniteShare infinite_;
 };
 

@@ -39,7 +39,8 @@ GroupLightSampler::ChosenGroup GroupLightSampler::SampleUniformly(const LightQue
     return {group, pmf, LightGroups::InnerNumber(u, query.p, static_cast<Float>(group) * pmf, pmf)};
 }
 
-GroupLightSampler::ChosenGroup GroupLightSampler::SampleCdf(std::span<const Float> cdf, const LightQuery &query, Float u) {
+GroupLightSampler::ChosenGroup GroupLightSampler::SampleCdf(std::span<const Float> cdf, const LightQuery &query,
+                                                            Float u) {
     const auto group = static_cast<uint32_t>(std::upper_bound(cdf.begin(), cdf.end(), u) - cdf.begin());
     const Float share = CdfPMF(cdf, group);
     return {group, share, LightGroups::InnerNumber(u, query.p, cdf[group] - share, share)};

@@ -7,8 +7,8 @@
 namespace pbrt {
 
 /// Light samplers that choose a group of lights first (LightGroups) and then one of its lights:
-/// P(light) = P(group) P(light | group). Derived classes choose the group. Inside it a light is chosen by its share of the
-/// power, unless a derived class knows better.
+/// P(light) = P(group) P(light | group). Derived classes choose the group. Inside it a light is chosen by its share of
+/// the power, unless a derived class knows better.
 class GroupLightSampler : public LightSampler {
   public:
     /// The numbers of groups and lights.
@@ -16,8 +16,8 @@ class GroupLightSampler : public LightSampler {
 
     const LightGroups &Groups() const { return groups_; }
 
-    /// `pmf`: of the group. `inner`: the uniform number for the choice inside. `unoccluded`, `weight`: of the group, as in
-    /// SampledLight.
+    /// `pmf`: of the group. `inner`: the uniform number for the choice inside. `unoccluded`, `weight`: of the group, as
+    /// in SampledLight.
     struct ChosenGroup {
         uint32_t group = 0;
         Float pmf = 1, inner = 0;
@@ -44,7 +44,9 @@ class GroupLightSampler : public LightSampler {
     ChosenGroup SampleUniformly(const LightQuery &query, Float u) const;
     /// By running sums that end at 1.
     static ChosenGroup SampleCdf(std::span<const Float> cdf, const LightQuery &query, Float u);
-    static Float CdfPMF(std::span<const Float> cdf, uint32_t group) { return cdf[group] - (group > 0 ? cdf[group - 1] : 0); }
+    static Float CdfPMF(std::span<const Float> cdf, uint32_t group) {
+        return cdf[group] - (group > 0 ? cdf[group - 1] : 0);
+    }
     /// For samplers that know no better number for the choice inside than a hash of the one for the group.
     Float InnerNumber(const LightQuery &query, Float u) const {
         if (groups_.Size() == groups_.LightCount()) return 0;  // there is nothing to choose

@@ -20,8 +20,8 @@ class InfiniteShare {
     }
     /// Probability of each infinite light, and of the bounded ones together.
     Float Pmf() const { return share_; }
-    /// True if the choice fell on the bounded lights: `u` becomes a fresh number. False: `chosen` is set. There must be a
-    /// light of either kind.
+    /// True if the choice fell on the bounded lights: `u` becomes a fresh number. False: `chosen` is set. There must be
+    /// a light of either kind.
     bool ChooseBounded(double &u, uint32_t *chosen) const {
         if (anyBounded_ && u >= boundedFrom_) {
             u = (u - boundedFrom_) / (1 - boundedFrom_);

@@ -6,9 +6,10 @@ namespace pbrt {
 class Progress;
 class SampledSpectrum;
 
-/// A light sampler that goes on learning from the shadow rays of the render. What it samples by changes in Learn only: between waves,
-/// after fixed numbers of samples per pixel. So every sample is chosen by what other samples found, which keeps the picture
-/// unbiased; and as neither the order of calls nor the thread may matter, it is the same for any number of threads and any split into waves.
+/// A light sampler that goes on learning from the shadow rays of the render. What it samples by changes in Learn only:
+/// between waves, after fixed numbers of samples per pixel. So every sample is chosen by what other samples found,
+/// which keeps the picture unbiased; and as neither the order of calls nor the thread may matter, it is the same for
+/// any number of threads and any split into waves.
 class LightLearner {
   public:
     virtual ~LightLearner() = default;
@@ -20,9 +21,10 @@ class LightLearner {
     };
     /// For the path of a sample of a pixel.
     virtual PathPlaces BeginPath(Point2i pixel, int sample) const = 0;
-    /// What the shadow ray to a chosen light found at a vertex of that path: radiance times cosine over the density of the point on
-    /// the light (solid angle), without BSDF and `light.pmf`; 0 where it was blocked or nothing arrives.
-    virtual void Found(PathPlaces &path, const LightQuery &query, const SampledLight &light, const SampledSpectrum &found) = 0;
+    /// What the shadow ray to a chosen light found at a vertex of that path: radiance times cosine over the density of
+    /// the point on the light (solid angle), without BSDF and `light.pmf`; 0 where it was blocked or nothing arrives.
+    virtual void Found(PathPlaces &path, const LightQuery &query, const SampledLight &light,
+                       const SampledSpectrum &found) = 0;
     /// May take seconds. If `progress` is cancelled meanwhile, it gives up soon and leaves everything as it was before.
     virtual void Learn(const Progress &progress) = 0;
 };

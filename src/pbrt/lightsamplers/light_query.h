@@ -7,8 +7,8 @@ namespace pbrt {
 /// What a light sampler is asked at a vertex; refers to its BSDF and to `lambda`.
 inline LightQuery LightQueryAt(const PathVertex &vertex, const SampledWavelengths &lambda, int depth) {
     const SurfacePoint &point = vertex.point;
-    return {point.p, point.wo, point.n, point.shading.n, IsTransmissive(vertex.bsdf.Flags()), {}, point.time, depth,
-            &vertex.bsdf, &lambda, point.pError};
+    return {point.p, point.wo,     point.n, point.shading.n, IsTransmissive(vertex.bsdf.Flags()), {}, point.time,
+            depth,   &vertex.bsdf, &lambda, point.pError};
 }
 
 }  // namespace pbrt

@@ -54,18 +54,18 @@ struct PrepareContext {
     const Scene &scene;
     const Camera &camera;
     const Filter &filter;
-    Bounds2i pixelBounds;      ///< pixels that will be rendered
+    Bounds2i pixelBounds;  ///< pixels that will be rendered
     int seed = 0;
-    int samplesPerPixel = 1;   ///< that will be rendered (an estimate under --time)
-    int maxDepth = 5;          ///< of the integrator
+    int samplesPerPixel = 1;  ///< that will be rendered (an estimate under --time)
+    int maxDepth = 5;         ///< of the integrator
     Progress &progress;
 };
 
 class LightSampler;
 
 /// The probabilities of all lights at one vertex, weighed once by LightSampler::At. A small value that points to the
-/// sampler, the query and the memory it was made from; all three must stay as they are while it is asked. Of the query's
-/// `bsdf` and `lambda` it makes no more use.
+/// sampler, the query and the memory it was made from; all three must stay as they are while it is asked. Of the
+/// query's `bsdf` and `lambda` it makes no more use.
 class LightDistribution {
   public:
     LightDistribution() = default;
@@ -129,7 +129,9 @@ class LightSampler {
     virtual Float Probability(const LightQuery &query, const void *weights, LightId light) const = 0;
 };
 
-inline std::optional<SampledLight> LightDistribution::Sample(Float u) const { return sampler_->Choose(*query_, weights_, u); }
+inline std::optional<SampledLight> LightDistribution::Sample(Float u) const {
+    return sampler_->Choose(*query_, weights_, u);
+}
 inline Float LightDistribution::PMF(LightId light) const { return sampler_->Probability(*query_, weights_, light); }
 
 }  // namespace pbrt

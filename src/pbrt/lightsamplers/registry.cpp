@@ -41,11 +41,13 @@ std::vector<std::string> LightSamplerRegistry::GateNames() const {
     return names;
 }
 
-const LightSamplerRegistry::GateEntry &LightSamplerRegistry::FindGate(const std::string &name, const FileLoc &loc) const {
+const LightSamplerRegistry::GateEntry &LightSamplerRegistry::FindGate(const std::string &name,
+                                                                      const FileLoc &loc) const {
     auto it = gates_.find(name);
     if (it == gates_.end())
-        throw UserError(gates_.empty() ? fmt::format("\"{}\": this build has no shadow-ray gates.", name)
-                                       : fmt::format("\"{}\" is not a shadow-ray gate; {}.", name, ListChoices(name, GateNames())),
+        throw UserError(gates_.empty()
+                            ? fmt::format("\"{}\": this build has no shadow-ray gates.", name)
+                            : fmt::format("\"{}\" is not a shadow-ray gate; {}.", name, ListChoices(name, GateNames())),
                         loc);
     return it->second;
 }
@@ -66,9 +68,14 @@ std::string LightSamplerRegistry::Listing() const {
                                p.range.empty() ? "" : fmt::format(" ({})", p.range), p.help);
     };
     for (const auto &[name, entry] : entries_) list(entry);
-    out += "\n    Every sampler without a parameter \"meshlights\" of its own takes \"bool meshlights\" of the integrator\n"
-               "    (\"+mesh\" in flags): an emissive mesh is one light; inside it a triangle is chosen by its share of the power.\n";
-    if (!gates_.empty()) out += "\nShadow-ray gates (\"string shadowgate\" of the integrator, \"+gate=\" in flags), for every sampler:\n";
+    out +=
+        "\n    Every sampler without a parameter \"meshlights\" of its own takes \"bool meshlights\" of the "
+        "integrator\n"
+        "    (\"+mesh\" in flags): an emissive mesh is one light; inside it a triangle is chosen by its share of the "
+        "power.\n";
+    if (!gates_.empty())
+        out +=
+            "\nShadow-ray gates (\"string shadowgate\" of the integrator, \"+gate=\" in flags), for every sampler:\n";
     for (const auto &[name, entry] : gates_) list(entry);
     return out;
 }

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "pbrt/core/param_reader.h"
+#include "pbrt/lights/light_table.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 #include "pbrt/lightsamplers/shadow_ray_gate.h"
-#include "pbrt/lights/light_table.h"
 
 namespace pbrt {
 
@@ -18,7 +18,7 @@ class LightSamplerRegistry {
     using Factory = std::function<std::unique_ptr<LightSampler>(const LightGroups &groups, const ParamSet &)>;
     struct Entry {
         std::string name, summary;
-        std::vector<ParamDoc> params;   ///< names without the sampler's prefix
+        std::vector<ParamDoc> params;  ///< names without the sampler's prefix
         Factory make;
         /// Throws UserError if a parameter is out of range, as `make` would; may be left out.
         std::function<void(const ParamSet &)> check;
@@ -28,7 +28,7 @@ class LightSamplerRegistry {
 
     struct GateEntry {
         std::string name, summary;
-        std::vector<ParamDoc> params;   ///< names without the gate's prefix
+        std::vector<ParamDoc> params;  ///< names without the gate's prefix
         std::function<std::unique_ptr<ShadowRayGate>(const LightTable &, const ParamSet &)> make;
         std::function<void(const ParamSet &)> check;  ///< as a sampler's
     };

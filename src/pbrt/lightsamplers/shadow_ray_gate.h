@@ -3,8 +3,8 @@
 
 namespace pbrt {
 
-/// Decides whether a shadow ray is worth tracing. The integrator traces it with probability TraceProbability and divides
-/// by it, so any gate leaves the mean alone. Const after Prepare. Works with every light sampler.
+/// Decides whether a shadow ray is worth tracing. The integrator traces it with probability TraceProbability and
+/// divides by it, so any gate leaves the mean alone. Const after Prepare. Works with every light sampler.
 class ShadowRayGate {
   public:
     virtual ~ShadowRayGate() = default;

@@ -7,7 +7,8 @@ namespace pbrt {
 UniformLightSampler::UniformLightSampler(const LightGroups &groups)
     : GroupLightSampler(groups, true), pmf_(groups.Size() > 0 ? 1 / static_cast<Float>(groups.Size()) : 0) {}
 
-std::optional<GroupLightSampler::ChosenGroup> UniformLightSampler::ChooseGroup(const LightQuery &query, const void *, Float u) const {
+std::optional<GroupLightSampler::ChosenGroup> UniformLightSampler::ChooseGroup(const LightQuery &query, const void *,
+                                                                               Float u) const {
     // In double: a float times a large count could round up to the next group.
     const size_t count = groups_.Size();
     const auto i = static_cast<size_t>(static_cast<double>(u) * static_cast<double>(count));
@@ -23,7 +24,8 @@ PowerLightSampler::PowerLightSampler(const LightGroups &groups) : GroupLightSamp
     if (!power.empty()) table_ = AliasTable(power);
 }
 
-std::optional<GroupLightSampler::ChosenGroup> PowerLightSampler::ChooseGroup(const LightQuery &query, const void *, Float u) const {
+std::optional<GroupLightSampler::ChosenGroup> PowerLightSampler::ChooseGroup(const LightQuery &query, const void *,
+                                                                             Float u) const {
     const AliasTable::Sampled s = table_.Sample(u);
     return ChosenGroup{static_cast<uint32_t>(s.index), s.pmf, InnerNumber(query, u)};
 }

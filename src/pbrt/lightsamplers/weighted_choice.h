@@ -14,9 +14,9 @@ struct WeightedChoice {
     Sum before = 0;  ///< sum of the weights before it
 };
 
-/// The only scan over weights. `target`: a uniform number times the sum of the weights; WeightAt(i) for i below `count`.
-/// The weights are added up in the precision of Sum. What rounding leaves over goes to the last positive weight; nothing is
-/// chosen if there is none.
+/// The only scan over weights. `target`: a uniform number times the sum of the weights; WeightAt(i) for i below
+/// `count`. The weights are added up in the precision of Sum. What rounding leaves over goes to the last positive
+/// weight; nothing is chosen if there is none.
 template <class Sum, class WeightAt>
 [[gnu::always_inline]] inline auto ChooseByWeight(size_t count, Sum target, WeightAt &&weightAt, Sum before = 0) {
     using Choice = WeightedChoice<Sum, decltype(weightAt(0u))>;
@@ -49,7 +49,8 @@ struct WalkEnd {
 ///
 /// None if nothing below some node has a weight.
 template <class Tree>
-std::optional<WalkEnd<typename Tree::Node>> WalkDown(const Tree &tree, typename Tree::Node node, const LightQuery &query, double u) {
+std::optional<WalkEnd<typename Tree::Node>> WalkDown(const Tree &tree, typename Tree::Node node,
+                                                     const LightQuery &query, double u) {
     WalkEnd<typename Tree::Node> end{node, 1, u, 0};
     while (!tree.IsLeaf(end.node)) {
         typename Tree::Level level;
@@ -59,14 +60,15 @@ std::optional<WalkEnd<typename Tree::Node>> WalkDown(const Tree &tree, typename 
         if (!chosen) return {};
         end.weight = chosen->weight;
         end.pmf *= chosen->weight / level.sum;
-        end.rest = std::clamp((target - chosen->before) / static_cast<double>(chosen->weight), 0.0, 0x1.fffffffffffffp-1);
+        end.rest =
+            std::clamp((target - chosen->before) / static_cast<double>(chosen->weight), 0.0, 0x1.fffffffffffffp-1);
         end.node = level.At(chosen->index);
     }
     return end;
 }
 
-/// The probability that WalkDown from `*node` takes a certain way: `next(node, level)` says to which of the nodes below it
-/// goes. `*node` becomes the leaf. Equal to WalkDown's to the bit.
+/// The probability that WalkDown from `*node` takes a certain way: `next(node, level)` says to which of the nodes below
+/// it goes. `*node` becomes the leaf. Equal to WalkDown's to the bit.
 template <class Tree, class Next>
 Float WalkProbability(const Tree &tree, typename Tree::Node *node, const LightQuery &query, Next &&next) {
     Float pmf = 1;

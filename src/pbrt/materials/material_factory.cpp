@@ -163,7 +163,12 @@ struct CoatParams : RemapParams, ReliefParams {
     }
     CoatInput Coat(const ParamSet &set, MaterialContext &context) const {
         Inputs in(context);
-        return {roughness.Make(context, remap), index.Make(set, context), in(thickness), in(albedo), in(g), maxDepth,
+        return {roughness.Make(context, remap),
+                index.Make(set, context),
+                in(thickness),
+                in(albedo),
+                in(g),
+                maxDepth,
                 samples};
     }
 };
@@ -298,7 +303,8 @@ struct SubsurfaceParams : RemapParams, ReliefParams {
         if (v.When(name.empty())) {
             v("sigma_a", sigmaA, "absorption, if there is no name");
             v("sigma_s", sigmaS, "reduced scattering; goes together with sigma_a");
-            if (v.When(!sigmaA && !sigmaS)) v("reflectance", reflectance, "what is seen from outside, if there is neither");
+            if (v.When(!sigmaA && !sigmaS))
+                v("reflectance", reflectance, "what is seen from outside, if there is neither");
             if (v.When(static_cast<bool>(reflectance))) v("mfp", mfp, "mean free path; goes together with reflectance");
         }
         v("scale", scale, "of absorption and scattering, or of the mean free path");
@@ -340,7 +346,8 @@ SubsurfaceMatter MakeSubsurfaceMatter(const SubsurfaceParams &p, const ParamSet 
                                           ConstantSrgb({Float(2.55), Float(3.21), Float(3.77)}));
 }
 
-std::shared_ptr<SurfaceMaterial> MakeSubsurface(const SubsurfaceParams &p, const ParamSet &set, MaterialContext &context) {
+std::shared_ptr<SurfaceMaterial> MakeSubsurface(const SubsurfaceParams &p, const ParamSet &set,
+                                                MaterialContext &context) {
     SubsurfaceMatter matter = MakeSubsurfaceMatter(p, set, context);
     Float g = p.g;
     if (g != 0 && !p.name.empty()) {
@@ -384,7 +391,8 @@ MaterialPtr MakeMix(const MixParams &p, const ParamSet &set, MaterialContext &co
     const FloatInput amount = Inputs(context)(p.amount);
     const bool needsFootprint =
         context.usesFootprint || materials[0]->NeedsFootprint() || materials[1]->NeedsFootprint();
-    auto mix = std::make_shared<MixMaterial>(std::move(materials), amount, Hash(HashText(names[0]), HashText(names[1])));
+    auto mix =
+        std::make_shared<MixMaterial>(std::move(materials), amount, Hash(HashText(names[0]), HashText(names[1])));
     mix->SetNeedsFootprint(needsFootprint);
     if (mix->Depth() > kMaxNesting)
         throw set.Error("materials", fmt::format("mixes are nested more than {} deep here.", kMaxNesting));
@@ -430,21 +438,19 @@ const MaterialTable &Materials() {
         AddSurface<ConductorParams>(t, "conductor", "", [](const auto &p, const ParamSet &set, Context &c) {
             return std::make_shared<ConductorMaterial>(p.metal.Make(set, c), p.roughness.Make(c, p.remap));
         });
-        AddSurface<DielectricParams>(t, "dielectric",
-                                     "**differs**: an index that is not above 0 is an error, in all materials",
-                                     [](const auto &p, const ParamSet &set, Context &c) {
-                                         return std::make_shared<DielectricMaterial>(p.index.Make(set, c),
-                                                                                     p.roughness.Make(c, p.remap));
-                                     });
+        AddSurface<DielectricParams>(
+            t, "dielectric", "**differs**: an index that is not above 0 is an error, in all materials",
+            [](const auto &p, const ParamSet &set, Context &c) {
+                return std::make_shared<DielectricMaterial>(p.index.Make(set, c), p.roughness.Make(c, p.remap));
+            });
         AddSurface<ThinDielectricParams>(t, "thindielectric", "", [](const auto &p, const ParamSet &set, Context &c) {
             return std::make_shared<ThinDielectricMaterial>(p.index.Make(set, c));
         });
-        AddSurface<DiffuseTransmissionParams>(t, "diffusetransmission", "",
-                                              [](const auto &p, const ParamSet &, Context &c) {
-                                                  Inputs in(c);
-                                                  return std::make_shared<DiffuseTransmissionMaterial>(
-                                                      in(p.reflectance), in(p.transmittance), p.scale);
-                                              });
+        AddSurface<DiffuseTransmissionParams>(
+            t, "diffusetransmission", "", [](const auto &p, const ParamSet &, Context &c) {
+                Inputs in(c);
+                return std::make_shared<DiffuseTransmissionMaterial>(in(p.reflectance), in(p.transmittance), p.scale);
+            });
         AddSurface<HairParams>(t, "hair", "", [](const auto &p, const ParamSet &set, Context &c) {
             Inputs in(c);
             FloatTexturePtr eta = in.Note(c.textures.Get(p.eta));
@@ -454,7 +460,8 @@ const MaterialTable &Materials() {
         });
         AddSurface<MeasuredParams>(
             t, "measured",
-            "isotropic, or anisotropic over the whole circle; else **not supported**: `field \"phi_i\" covers a part of "
+            "isotropic, or anisotropic over the whole circle; else **not supported**: `field \"phi_i\" covers a part "
+            "of "
             "the circle only; such reduced tables are not supported.` The databases cannot be shipped, so tests write "
             "their own files",
             [](const auto &p, const ParamSet &set, Context &c) {
@@ -462,10 +469,11 @@ const MaterialTable &Materials() {
                     set.At("filename", [&] { return ReadMeasuredBrdf(c.files.Resolve(p.filename)); }));
             });
         AddSurface<SubsurfaceParams>(
-            t, "subsurface",
-            "below the surface with volpath only, as in stock; **differs** a little, see below", MakeSubsurface);
-        t.Add<NoParams>("interface", "also \"\" and \"none\", with a warning",
-                        [](const auto &, const ParamSet &, Context &) { return std::make_shared<InterfaceMaterial>(); });
+            t, "subsurface", "below the surface with volpath only, as in stock; **differs** a little, see below",
+            MakeSubsurface);
+        t.Add<NoParams>(
+            "interface", "also \"\" and \"none\", with a warning",
+            [](const auto &, const ParamSet &, Context &) { return std::make_shared<InterfaceMaterial>(); });
         t.Add<MixParams>("mix", "", [](const auto &p, const ParamSet &set, Context &c) {
             c.usesFootprint = false;
             return MakeMix(p, set, c);

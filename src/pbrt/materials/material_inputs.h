@@ -32,7 +32,8 @@ class FloatInput {
 class SpectrumInput {
   public:
     explicit SpectrumInput(SpectrumTexturePtr texture)
-        : texture_(std::move(texture)), constant_(texture_->Constant()),
+        : texture_(std::move(texture)),
+          constant_(texture_->Constant()),
           albedo_(dynamic_cast<const RgbAlbedoSpectrum *>(constant_)) {}
     SampledSpectrum operator()(const SurfacePoint &point, const SampledWavelengths &lambda) const {
         if (albedo_) return albedo_->Sample(lambda);
@@ -42,8 +43,8 @@ class SpectrumInput {
 
   private:
     SpectrumTexturePtr texture_;
-    const Spectrum *constant_;           ///< owned by texture_
-    const RgbAlbedoSpectrum *albedo_;    ///< the same, if it is one
+    const Spectrum *constant_;         ///< owned by texture_
+    const RgbAlbedoSpectrum *albedo_;  ///< the same, if it is one
 };
 
 /// A microfacet distribution from the roughness in both directions.

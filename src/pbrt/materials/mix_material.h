@@ -1,8 +1,8 @@
 #pragma once
 #include <array>
 
-#include "pbrt/materials/material_inputs.h"
 #include "pbrt/materials/material.h"
+#include "pbrt/materials/material_inputs.h"
 
 namespace pbrt {
 

@@ -12,8 +12,10 @@ namespace pbrt {
 class SurfaceMaterial : public Material {
   public:
     void PerturbShading(SurfacePoint &point) const final {
-        if (normalMap_) normalMap_->Perturb(point);
-        else if (bumpMap_) bumpMap_->Perturb(point);
+        if (normalMap_)
+            normalMap_->Perturb(point);
+        else if (bumpMap_)
+            bumpMap_->Perturb(point);
     }
     void SetNormalMap(std::unique_ptr<const NormalMap> map) { normalMap_ = std::move(map); }
     void SetBumpMap(BumpMap map) { bumpMap_ = std::move(map); }

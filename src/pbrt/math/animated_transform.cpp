@@ -51,8 +51,8 @@ Transform AnimatedTransform::At(Float time) const {
     if (!isAnimated_ || time <= startTime_) return start_;
     if (time >= endTime_) return end_;
     const double t = (double(time) - double(startTime_)) / (double(endTime_) - double(startTime_));
-    const glm::dmat3 linear = glm::mat3_cast(glm::slerp(first_.rotation, last_.rotation, t)) *
-                              (first_.scale * (1 - t) + last_.scale * t);
+    const glm::dmat3 linear =
+        glm::mat3_cast(glm::slerp(first_.rotation, last_.rotation, t)) * (first_.scale * (1 - t) + last_.scale * t);
     glm::dmat4 m(linear);
     m[3] = glm::dvec4(glm::mix(first_.translation, last_.translation, t), 1);
     return Transform(glm::mat4(m));

@@ -14,12 +14,12 @@ class PiecewiseConstant1D {
     explicit PiecewiseConstant1D(std::span<const Float> f, Float low = 0, Float high = 1);
 
     struct Sampled {
-        Float x;     ///< in [low, high)
-        Float pdf;   ///< with respect to x
-        int index;   ///< piece
+        Float x;    ///< in [low, high)
+        Float pdf;  ///< with respect to x
+        int index;  ///< piece
     };
     Sampled Sample(Float u) const;
-    Float Pdf(Float x) const;  ///< 0 outside
+    Float Pdf(Float x) const;                     ///< 0 outside
     Float Integral() const { return integral_; }  ///< of |f| over [low, high)
     int Size() const { return static_cast<int>(f_.size()); }
     Float Value(int i) const { return f_[static_cast<size_t>(i)]; }

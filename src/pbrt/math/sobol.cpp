@@ -9,9 +9,9 @@ namespace pbrt {
 
 namespace {
 
-/// Boost's engine makes the points in Gray code order: the n-th has the index n ^ (n >> 1), so that the point of the index
-/// 2^c is the one of n = 2^(c+1) - 1, in its own count, which leaves out the origin, one less. Fractions of 64 digits
-/// give it 64 columns; we keep 32 digits of 52 columns.
+/// Boost's engine makes the points in Gray code order: the n-th has the index n ^ (n >> 1), so that the point of the
+/// index 2^c is the one of n = 2^(c+1) - 1, in its own count, which leaves out the origin, one less. Fractions of 64
+/// digits give it 64 columns; we keep 32 digits of 52 columns.
 std::vector<uint32_t> MakeSobolMatrices() {
     boost::random::sobol_engine<uint64_t, 64> engine(SobolDimensions);
     std::vector<uint32_t> matrices(static_cast<size_t>(SobolDimensions) * SobolIndexBits);

@@ -23,8 +23,8 @@ inline uint32_t SobolBits(const uint32_t *matrix, uint64_t index) {
     return v;
 }
 
-/// The same by four index bits at a time, for hot code: tables of 16 entries, SobolTableStride for each dimension (0.8 MB
-/// in all, made at the first call).
+/// The same by four index bits at a time, for hot code: tables of 16 entries, SobolTableStride for each dimension (0.8
+/// MB in all, made at the first call).
 inline constexpr int SobolTableStride = SobolIndexBits / 4 * 16;
 const uint32_t *SobolTables();
 inline uint32_t SobolBitsByTable(const uint32_t *table, uint64_t index) {

@@ -38,12 +38,16 @@ constexpr Float Radians(Float degrees) { return degrees * (Pi / 180); }
 constexpr Float Degrees(Float radians) { return radians * (180 / Pi); }
 
 template <class T>
-constexpr T Sqr(T v) { return v * v; }
+constexpr T Sqr(T v) {
+    return v * v;
+}
 inline Float SafeSqrt(Float v) { return std::sqrt(std::max(Float(0), v)); }
 inline Float SafeASin(Float v) { return std::asin(std::clamp(v, Float(-1), Float(1))); }
 inline Float SafeACos(Float v) { return std::acos(std::clamp(v, Float(-1), Float(1))); }
 template <class T>
-constexpr T Lerp(Float t, const T &a, const T &b) { return a * (1 - t) + b * t; }
+constexpr T Lerp(Float t, const T &a, const T &b) {
+    return a * (1 - t) + b * t;
+}
 
 /// a*b - c*d without catastrophic cancellation (Kahan).
 inline Float DifferenceOfProducts(Float a, Float b, Float c, Float d) {

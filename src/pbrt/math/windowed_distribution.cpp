@@ -27,8 +27,10 @@ bool Invert(double u, double from, double to, int n, F atWhole, double *x, int *
     // The first interval whose end is beyond the target.
     while (low < high) {
         int middle = low + (high - low) / 2;
-        if (atWhole(middle + 1) > target) high = middle;
-        else low = middle + 1;
+        if (atWhole(middle + 1) > target)
+            high = middle;
+        else
+            low = middle + 1;
     }
     double a = atWhole(low), b = atWhole(low + 1);
     if (!(b > a)) return false;
@@ -41,9 +43,7 @@ bool Invert(double u, double from, double to, int n, F atWhole, double *x, int *
 }  // namespace
 
 WindowedPiecewiseConstant2D::WindowedPiecewiseConstant2D(std::span<const Float> f, int nx, int ny)
-    : nx_(nx),
-      ny_(ny),
-      f_(f.begin(), f.end()) {
+    : nx_(nx), ny_(ny), f_(f.begin(), f.end()) {
     PBRT_CHECK(nx > 0 && ny > 0 && f.size() == static_cast<size_t>(nx) * static_cast<size_t>(ny));
     const size_t stride = static_cast<size_t>(nx) + 1;
     sums_.assign(stride * (static_cast<size_t>(ny) + 1), 0);
@@ -81,7 +81,9 @@ std::optional<Point2> WindowedPiecewiseConstant2D::Sample(const Point2 &u, const
     Cells w = InCells(window);
     double x = 0, y = 0;
     int column = 0, row = 0;
-    if (!Invert(static_cast<double>(u.x), w.x0, w.x1, nx_, [&](int i) { return LeftOf(i, w); }, &x, &column)) return {};
+    if (!Invert(
+            static_cast<double>(u.x), w.x0, w.x1, nx_, [&](int i) { return LeftOf(i, w); }, &x, &column))
+        return {};
     if (!Invert(
             static_cast<double>(u.y), w.y0, w.y1, ny_, [&](int j) { return Below(column, j); }, &y, &row))
         return {};

@@ -9,8 +9,8 @@ namespace pbrt {
 
 /// Density on any axis-aligned window of the unit square, proportional to a function that is constant on nx * ny equal
 /// cells (row-major, x fastest, >= 0). A summed-area table makes the window free to change with every call: a sample
-/// costs two binary searches, a density that of the window's corners (Bitterli, Wyman and Pharr 2015, Portal-Masked Environment Map
-/// Sampling).
+/// costs two binary searches, a density that of the window's corners (Bitterli, Wyman and Pharr 2015, Portal-Masked
+/// Environment Map Sampling).
 class WindowedPiecewiseConstant2D {
   public:
     WindowedPiecewiseConstant2D() = default;

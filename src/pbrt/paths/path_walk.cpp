@@ -5,7 +5,8 @@
 namespace pbrt {
 
 PathWalk::Met PathWalk::Next() {
-    if (context_.scene.Intersect(ray_, &vertex_.point)) return passed_ > MaxPassed ? Met::TooManyInterfaces : Met::Surface;
+    if (context_.scene.Intersect(ray_, &vertex_.point))
+        return passed_ > MaxPassed ? Met::TooManyInterfaces : Met::Surface;
     left_ = true;
     return Met::Nothing;
 }
@@ -48,9 +49,12 @@ void PathWalk::TellVisible(const SampledWavelengths &lambda) const {
 void PathWalk::Scatter(const BsdfSample &sample) {
     const SurfacePoint &point = vertex_.point;
     if (differential_.valid) {
-        if (!IsSpecular(sample.flags)) differential_.valid = false;
-        else if (IsTransmissive(sample.flags)) differential_ = TransmitDifferential(point, differential_, sample.wi, sample.eta);
-        else differential_ = ReflectDifferential(point, differential_, sample.wi);
+        if (!IsSpecular(sample.flags))
+            differential_.valid = false;
+        else if (IsTransmissive(sample.flags))
+            differential_ = TransmitDifferential(point, differential_, sample.wi, sample.eta);
+        else
+            differential_ = ReflectDifferential(point, differential_, sample.wi);
     }
     ray_ = point.SpawnRay(sample.wi);
 }
@@ -63,7 +67,8 @@ void PathWalk::Leave(const Vector3 &wi) {
 /// Only where somebody looks at it: the point's material, or the next surface on a specular path.
 void PathWalk::FindFootprint() {
     SurfacePoint &point = vertex_.point;
-    if (!context_.needsFootprints) differential_.valid = false;
+    if (!context_.needsFootprints)
+        differential_.valid = false;
     else if (differential_.valid || context_.scene.NeedsFootprintAt(point))
         ComputeFootprint(point, differential_, context_.camera, context_.samplesPerPixel);
 }

@@ -9,8 +9,8 @@ namespace pbrt {
 struct PathContext {
     const Scene &scene;
     const Camera &camera;
-    int samplesPerPixel = 1;     ///< for texture footprints
-    bool needsFootprints = true; ///< some material looks at filter footprints
+    int samplesPerPixel = 1;      ///< for texture footprints
+    bool needsFootprints = true;  ///< some material looks at filter footprints
 };
 
 /// A path from the camera, step by step: the only place where one is walked. Whoever walks decides what happens at a
@@ -42,8 +42,8 @@ class PathWalk {
     /// infinite light once nothing was met (where p and n are zero). Radiance arrives along the ray and is not zero.
     template <class Visit>
     void ForEachEmission(const SampledWavelengths &lambda, Visit &&visit) const;
-    /// Completes Vertex() by its filter footprint and its BSDF. False: the surface does not scatter, and the ray goes on
-    /// behind it. May terminate secondary wavelengths.
+    /// Completes Vertex() by its filter footprint and its BSDF. False: the surface does not scatter, and the ray goes
+    /// on behind it. May terminate secondary wavelengths.
     bool FindScattering(SampledWavelengths &lambda);
     /// Roughens the vertex's BSDF.
     void Regularize() { vertex_.bsdf.Regularize(); }
@@ -56,7 +56,8 @@ class PathWalk {
 
     /// The walk ends at a surface before it is known whether that scatters. Looks on for who asked what is visible.
     void End(SampledWavelengths lambda) {
-        while (visible_ && !*visible_ && !FindScattering(lambda) && Next() == Met::Surface) {}
+        while (visible_ && !*visible_ && !FindScattering(lambda) && Next() == Met::Surface) {
+        }
     }
 
     const PathVertex &Vertex() const { return vertex_; }

@@ -6,9 +6,9 @@ namespace {
 
 /// Steps from sample to sample of a pixel in the first digit of each dimension, see HaltonSampler::Step.
 constexpr std::array<uint16_t, HaltonSampler::StepCount> kSteps = {
-    1, 1, 2, 3, 3, 3, 3, 6, 3, 6, 13, 10, 16, 10, 15, 5, 28, 26, 18, 28, 17, 28, 9, 43, 42, 15, 32, 25, 39, 11,
-    61, 35, 20, 55, 34, 52, 15, 77, 46, 28, 71, 41, 66, 19, 93, 54, 34, 90, 52, 79, 23, 113, 66, 40, 104, 60,
-    93, 28, 131, 77, 43, 119, 70, 107};
+    1,  1,  2,  3,  3,  3,  3,  6,   3,  6,  13,  10, 16, 10, 15,  5,  28, 26,  18, 28, 17, 28,
+    9,  43, 42, 15, 32, 25, 39, 11,  61, 35, 20,  55, 34, 52, 15,  77, 46, 28,  71, 41, 66, 19,
+    93, 54, 34, 90, 52, 79, 23, 113, 66, 40, 104, 60, 93, 28, 131, 77, 43, 119, 70, 107};
 
 /// x < modulus with a * x = 1 (mod modulus); 0 if modulus is 1.
 uint64_t InverseModulo(uint64_t a, uint64_t modulus) {
@@ -70,11 +70,13 @@ Float HaltonSampler::Dimension(int dimension) const {
     if (dimension >= PrimeCount) return HashFloat(index_, dimension, seed_);
     uint32_t base = Primes[static_cast<size_t>(dimension)];
     switch (randomization_) {
-    case Randomization::None: return RadicalInverse(base, index_);
-    case Randomization::PermuteDigits:
-        if (dimension < StepCount) return permutations_->RadicalInverse(dimension, index_);
-        return PermutedRadicalInverse(base, index_, DigitPermutations::SeedOf(seed_, dimension));
-    default: return OwenScrambledRadicalInverse(base, index_, DigitPermutations::SeedOf(seed_, dimension));
+        case Randomization::None:
+            return RadicalInverse(base, index_);
+        case Randomization::PermuteDigits:
+            if (dimension < StepCount) return permutations_->RadicalInverse(dimension, index_);
+            return PermutedRadicalInverse(base, index_, DigitPermutations::SeedOf(seed_, dimension));
+        default:
+            return OwenScrambledRadicalInverse(base, index_, DigitPermutations::SeedOf(seed_, dimension));
     }
 }
 

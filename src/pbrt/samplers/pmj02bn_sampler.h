@@ -37,8 +37,8 @@ class Pmj02bnSampler final : public Sampler {
     int samplesPerPixel_;
     int log2Samples_;  ///< rounded up
     uint64_t seed_;
-    int log2Tile_;      ///< pixels of a tile along each side
-    int log2PerPixel_;  ///< points of a tile in each of its pixels
+    int log2Tile_;                                                 ///< pixels of a tile along each side
+    int log2PerPixel_;                                             ///< points of a tile in each of its pixels
     std::shared_ptr<const std::vector<BinaryPoint>> pixelPoints_;  ///< of a tile, by pixel, as fractions of the pixel
     Point2i pixel_{};
     int index_ = 0;

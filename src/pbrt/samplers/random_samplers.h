@@ -23,7 +23,8 @@ class PixelStream {
 
 class IndependentSampler final : public Sampler {
   public:
-    IndependentSampler(int samplesPerPixel, int seed) : Sampler(seed), samplesPerPixel_(samplesPerPixel), stream_(seed) {}
+    IndependentSampler(int samplesPerPixel, int seed)
+        : Sampler(seed), samplesPerPixel_(samplesPerPixel), stream_(seed) {}
     int SamplesPerPixel() const override { return samplesPerPixel_; }
     void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override {
         stream_.Start(pixel, sampleIndex, dimension);

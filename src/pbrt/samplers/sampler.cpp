@@ -13,7 +13,8 @@ namespace pbrt {
 
 std::unique_ptr<Sampler> Sampler::ForBatch(int index) const {
     if (index == 0) return Clone();
-    return WithSeed(static_cast<int>(MixBits(static_cast<uint64_t>(givenSeed_) * 0x10001 + static_cast<uint64_t>(index)) & 0x7fffffff));
+    return WithSeed(static_cast<int>(
+        MixBits(static_cast<uint64_t>(givenSeed_) * 0x10001 + static_cast<uint64_t>(index)) & 0x7fffffff));
 }
 
 namespace {
@@ -107,9 +108,9 @@ std::unique_ptr<Sampler> MakePmj(const CountParams &p, const ParamSet &set, cons
 int SobolSamples(const SobolParams &p, const ParamSet &set, const SamplerContext &context) {
     const int samples = p.Samples(context);
     if (!std::has_single_bit(static_cast<unsigned>(samples)))
-        set.Warn(context.sink, "pixelsamples",
-                 fmt::format("{} samples per pixel are not a power of two; this sampler is at its best with one.",
-                             samples));
+        set.Warn(
+            context.sink, "pixelsamples",
+            fmt::format("{} samples per pixel are not a power of two; this sampler is at its best with one.", samples));
     return samples;
 }
 

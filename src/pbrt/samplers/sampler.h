@@ -20,7 +20,8 @@ class Sampler {
     virtual std::unique_ptr<Sampler> Clone() const = 0;
     /// The same kind of samples from another seed.
     virtual std::unique_ptr<Sampler> WithSeed(int seed) const = 0;
-    /// For the index-th batch of SamplesPerPixel() samples: this one for the first, then others with seeds of their own.
+    /// For the index-th batch of SamplesPerPixel() samples: this one for the first, then others with seeds of their
+    /// own.
     std::unique_ptr<Sampler> ForBatch(int index) const;
 
   protected:

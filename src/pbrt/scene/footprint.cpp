@@ -12,7 +12,8 @@ Vector3 PlaneOffset(const SurfacePoint &point, const Point3 &o, const Vector3 &d
 }
 
 /// Least-squares (u, v) step that moves along the surface by dp.
-Vector2 ParameterStep(const SurfacePoint &point, const Vector3 &dp, Float inverseDeterminant, Float uu, Float uv, Float vv) {
+Vector2 ParameterStep(const SurfacePoint &point, const Vector3 &dp, Float inverseDeterminant, Float uu, Float uv,
+                      Float vv) {
     Float bu = Dot(point.dpdu, dp), bv = Dot(point.dpdv, dp);
     Float du = DifferenceOfProducts(vv, bu, uv, bv) * inverseDeterminant;
     Float dv = DifferenceOfProducts(uu, bv, uv, bu) * inverseDeterminant;
@@ -33,7 +34,8 @@ RayDifferential Checked(RayDifferential d) {
 
 void ComputeFootprint(SurfacePoint &point, const RayDifferential &differential, const Camera &camera,
                       int samplesPerPixel) {
-    if (differential.valid && Dot(point.n, differential.rxDirection) != 0 && Dot(point.n, differential.ryDirection) != 0) {
+    if (differential.valid && Dot(point.n, differential.rxDirection) != 0 &&
+        Dot(point.n, differential.ryDirection) != 0) {
         point.dpdx = PlaneOffset(point, differential.rxOrigin, differential.rxDirection);
         point.dpdy = PlaneOffset(point, differential.ryOrigin, differential.ryDirection);
     } else {

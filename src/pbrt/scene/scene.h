@@ -13,9 +13,9 @@ namespace pbrt {
 /// What the scene knows about a shape beyond its geometry.
 struct ShapeRecord {
     std::unique_ptr<Shape> shape;
-    FloatTexturePtr alpha;       ///< null: opaque
+    FloatTexturePtr alpha;  ///< null: opaque
     MaterialId material{};
-    LightId firstLight{};        ///< light of primitive 0; the others follow
+    LightId firstLight{};  ///< light of primitive 0; the others follow
     MediumId insideMedium{}, outsideMedium{};
 };
 
@@ -56,7 +56,8 @@ class Scene {
     /// True if some material looks at filter footprints.
     bool NeedsFootprints() const { return needsFootprints_; }
     bool NeedsFootprintAt(const SurfacePoint &point) const {
-        return point.material && parts_.materials[point.material.value] && parts_.materials[point.material.value]->NeedsFootprint();
+        return point.material && parts_.materials[point.material.value] &&
+               parts_.materials[point.material.value]->NeedsFootprint();
     }
     const Bounds3 &Bounds() const { return bounds_; }
     const Accel &Acceleration() const { return *parts_.accel; }

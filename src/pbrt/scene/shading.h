@@ -21,7 +21,8 @@ inline std::optional<Bssrdf> ComputeBssrdf(const Scene &scene, const SurfacePoin
 }
 
 /// Radiance the surface emits back along the ray (area lights).
-inline SampledSpectrum EmittedRadiance(const Scene &scene, const SurfacePoint &point, const SampledWavelengths &lambda) {
+inline SampledSpectrum EmittedRadiance(const Scene &scene, const SurfacePoint &point,
+                                       const SampledWavelengths &lambda) {
     if (!point.light) return SampledSpectrum(0);
     return scene.Lights()[point.light].L(point.p, point.n, point.uv, point.wo, lambda);
 }

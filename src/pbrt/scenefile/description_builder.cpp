@@ -249,8 +249,10 @@ void DescriptionBuilder::ReportOpenBlocks() {
 void DescriptionBuilder::AddAttributes(AttributeTarget target, Params params) {
     auto &list = State().attributes[static_cast<size_t>(target)];
     // Copied at most once per scope, so that many directives in one take time by their number, not by its square.
-    if (!list) list = std::make_shared<Params>();
-    else if (list.use_count() > 1) list = std::make_shared<Params>(*list);
+    if (!list)
+        list = std::make_shared<Params>();
+    else if (list.use_count() > 1)
+        list = std::make_shared<Params>(*list);
     std::move(params.begin(), params.end(), std::back_inserter(*list));
 }
 

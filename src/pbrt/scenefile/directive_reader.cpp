@@ -262,7 +262,8 @@ void DirectiveReader::SetOption(const std::string &name, const Token &token) {
         const Float scale = arguments_.ReadFloat("a number");
         options.displacementEdgeScale = scale;
         if (!(scale > 0))
-            builder_.Sink().Error(tokens_.Loc(token), fmt::format("\"{}\" is {}; it must be above 0.", token.text, scale));
+            builder_.Sink().Error(tokens_.Loc(token),
+                                  fmt::format("\"{}\" is {}; it must be above 0.", token.text, scale));
     } else if (name == "seed") {
         options.seed = arguments_.ReadInt("a seed");
     } else if (name == "msereferenceimage") {

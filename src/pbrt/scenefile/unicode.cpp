@@ -31,8 +31,8 @@ std::string ComposeUtf8(std::string_view text) {
     if (std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; }))
         return std::string(text);
     utf8proc_uint8_t *bytes = nullptr;
-    const utf8proc_ssize_t length = utf8proc_map(BytesOf(text), std::ssize(text), &bytes,
-                                                 utf8proc_option_t(UTF8PROC_STABLE | UTF8PROC_COMPOSE));
+    const utf8proc_ssize_t length =
+        utf8proc_map(BytesOf(text), std::ssize(text), &bytes, utf8proc_option_t(UTF8PROC_STABLE | UTF8PROC_COMPOSE));
     const std::unique_ptr<utf8proc_uint8_t, decltype(&std::free)> owner(bytes, &std::free);
     if (length < 0) return std::string(text);
     return std::string(reinterpret_cast<const char *>(bytes), static_cast<size_t>(length));

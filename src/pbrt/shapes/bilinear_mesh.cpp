@@ -33,9 +33,8 @@ struct TextureCoordinates {
         const Vector2 perU = Lerp(uv.y, st10, st11) - Lerp(uv.y, st00, st01);
         const Vector2 perV = Lerp(uv.x, st01, st11) - Lerp(uv.x, st00, st10);
         auto inverse = [](Float rate) { return std::abs(rate) < Float(1e-8) ? 0 : 1 / rate; };
-        return {Bilerp(uv, st00, st10, st01, st11),
-                {inverse(perU.x), inverse(perV.x)},
-                {inverse(perU.y), inverse(perV.y)}};
+        return {
+            Bilerp(uv, st00, st10, st01, st11), {inverse(perU.x), inverse(perV.x)}, {inverse(perU.y), inverse(perV.y)}};
     }
     /// The chain rule, for something with the derivatives perU and perV.
     Vector3 AlongS(const Vector3 &perU, const Vector3 &perV) const { return perU * uvPerS.x + perV * uvPerS.y; }

@@ -22,8 +22,8 @@ CubicBezier SegmentOf(std::span<const Point3> points, size_t index, int degree, 
         const Point3 *p = &points[index];
         constexpr Float kThird = Float(1) / 3;
         Point3 b01 = Lerp(kThird, p[1], p[2]), b10 = Lerp(kThird, p[2], p[1]);
-        return {{(Lerp(kThird, p[1], p[0]) + b01) * Float(0.5), b01, b10,
-                 (b10 + Lerp(kThird, p[2], p[3])) * Float(0.5)}};
+        return {
+            {(Lerp(kThird, p[1], p[0]) + b01) * Float(0.5), b01, b10, (b10 + Lerp(kThird, p[2], p[3])) * Float(0.5)}};
     }
     const Point3 *p = &points[basis == CurveBasis::Bezier ? 2 * index : index];
     Point3 a = p[0], b = p[1], c = p[2];

@@ -18,18 +18,17 @@ namespace {
     while (size.Triangles(fitting) > wanted) fitting *= 1.02;
     throw DisplacementError(
         "edgelength",
-        fmt::format("\"edgelength\" {:g}{} would take about {:.3g} million triangles; at most {} million are made of one "
-                    "shape. {:.2g} would fit.",
-                    maxEdge / edgeScale,
-                    edgeScale == 1 ? "" : fmt::format(" (times displacement edge scale {:g})", edgeScale),
-                    std::max(size.Triangles(double(maxEdge)), double(kMaxDisplacedTriangles)) / 1e6,
-                    kMaxDisplacedTriangles / 1000000, fitting * 1.05 / double(edgeScale)));
+        fmt::format(
+            "\"edgelength\" {:g}{} would take about {:.3g} million triangles; at most {} million are made of one "
+            "shape. {:.2g} would fit.",
+            maxEdge / edgeScale, edgeScale == 1 ? "" : fmt::format(" (times displacement edge scale {:g})", edgeScale),
+            std::max(size.Triangles(double(maxEdge)), double(kMaxDisplacedTriangles)) / 1e6,
+            kMaxDisplacedTriangles / 1000000, fitting * 1.05 / double(edgeScale)));
 }
 
 class Splitter {
   public:
-    Splitter(const MeshData &vertices, const Transform &renderFromObject, Float maxEdge,
-             std::function<void()> refuse)
+    Splitter(const MeshData &vertices, const Transform &renderFromObject, Float maxEdge, std::function<void()> refuse)
         : renderFromObject_(renderFromObject), maxEdge_(maxEdge), refuse_(std::move(refuse)) {
         mesh_.p = vertices.p;
         mesh_.n = vertices.n;
@@ -46,8 +45,10 @@ class Splitter {
             todo_.pop_back();
             const Float d01 = EdgeLength(v0, v1), d12 = EdgeLength(v1, v2), d20 = EdgeLength(v2, v0);
             // The longest edge runs from v0 to v1.
-            if (d12 > d01 && d12 >= d20) std::tie(v0, v1, v2) = std::tuple(v1, v2, v0);
-            else if (d20 > d01 && d20 > d12) std::tie(v0, v1, v2) = std::tuple(v2, v0, v1);
+            if (d12 > d01 && d12 >= d20)
+                std::tie(v0, v1, v2) = std::tuple(v1, v2, v0);
+            else if (d20 > d01 && d20 > d12)
+                std::tie(v0, v1, v2) = std::tuple(v2, v0, v1);
             const Float longest = std::max({d01, d12, d20});
             const std::optional<uint32_t> middle = longest >= maxEdge_ ? Middle(v0, v1) : std::nullopt;
             if (middle) {
@@ -131,8 +132,8 @@ void ForEachTriangle(const PlyMesh &ply, F f) {
 
 }  // namespace
 
-// Halving longest edges makes similar triangles whose area is from 1/9 to 1/4 of the square of the longest edge allowed;
-// a triangle narrower than that is cut across only.
+// Halving longest edges makes similar triangles whose area is from 1/9 to 1/4 of the square of the longest edge
+// allowed; a triangle narrower than that is cut across only.
 double SplitSize::Triangles(double maxEdge) const { return faces + 6 * area / (maxEdge * maxEdge) + edges / maxEdge; }
 
 SplitSize MeasureSplit(const PlyMesh &ply, const Transform &renderFromObject) {
@@ -150,7 +151,8 @@ SplitSize MeasureSplit(const PlyMesh &ply, const Transform &renderFromObject) {
 MeshData DisplaceMesh(const PlyMesh &ply, const Transform &renderFromObject, Float maxEdge,
                       const Displacement &displacement) {
     const MeshData &vertices = ply.triangles.indices.empty() ? ply.quads : ply.triangles;
-    if (vertices.uv.empty()) throw DisplacementError("displacement", "a mesh without texture coordinates cannot be displaced.");
+    if (vertices.uv.empty())
+        throw DisplacementError("displacement", "a mesh without texture coordinates cannot be displaced.");
     if (vertices.n.empty()) throw DisplacementError("displacement", "a mesh without normals cannot be displaced.");
     maxEdge *= displacement.edgeScale;
     const SplitSize size = MeasureSplit(ply, renderFromObject);

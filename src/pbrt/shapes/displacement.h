@@ -25,8 +25,8 @@ class DisplacementError : public UserError {
 };
 
 /// Splits triangles and quads at the middle of their longest edges until all edges are shorter than `maxEdge` in
-/// rendering space, then moves the vertices along their normals and gives them new normals, on the side of the old ones.
-/// Faces that share vertices keep doing so: no cracks. The result is in object space. Throws DisplacementError if
+/// rendering space, then moves the vertices along their normals and gives them new normals, on the side of the old
+/// ones. Faces that share vertices keep doing so: no cracks. The result is in object space. Throws DisplacementError if
 /// texture coordinates or normals are missing, or there would be more than kMaxDisplacedTriangles; nearly always before
 /// the work is done.
 MeshData DisplaceMesh(const PlyMesh &mesh, const Transform &renderFromObject, Float maxEdge,

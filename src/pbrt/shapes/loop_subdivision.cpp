@@ -17,8 +17,8 @@ namespace Sdc = OpenSubdiv::Sdc;
 
 using Points = std::vector<Point3>;
 
-/// Warren's weight of each neighbour of an interior vertex of valence n. (OpenSubdiv's Loop scheme has Loop's own, which
-/// differ for n = 4, 5 and above 6; that is why its refinement of positions is not used.)
+/// Warren's weight of each neighbour of an interior vertex of valence n. (OpenSubdiv's Loop scheme has Loop's own,
+/// which differ for n = 4, 5 and above 6; that is why its refinement of positions is not used.)
 Float InteriorWeight(int n) { return n == 3 ? Float(3) / 16 : Float(3) / (8 * static_cast<Float>(n)); }
 /// A boundary is refined as a cubic B-spline. Its limit mask would be 1/6; stock's 1/5 is kept.
 constexpr Float kBoundaryWeight = Float(1) / 8, kBoundaryLimitWeight = Float(1) / 5;
@@ -125,9 +125,10 @@ void CheckManifold(std::span<const int> corners) {
             throw UserError(fmt::format("face {} uses a point twice; subdivision needs proper triangles.", face));
         auto [it, isNew] = edges.emplace(edge, face);
         if (!isNew)
-            throw UserError(fmt::format("faces {} and {} share an edge in the same direction; subdivision needs faces "
-                                        "that are turned alike, at most two at an edge.",
-                                        it->second, face));
+            throw UserError(
+                fmt::format("faces {} and {} share an edge in the same direction; subdivision needs faces "
+                            "that are turned alike, at most two at an edge.",
+                            it->second, face));
     }
 }
 
@@ -173,8 +174,7 @@ MeshData LoopSubdivide(std::span<const uint32_t> indices, std::span<const Point3
     }
     CheckManifold(corners);
     std::unique_ptr<Far::TopologyRefiner> refiner = Refine(corners, static_cast<int>(p.size()), levels);
-    for (int i = 0; i < levels; ++i)
-        p = RefineOnce(refiner->GetLevel(i), p, refiner->GetLevel(i + 1).GetNumVertices());
+    for (int i = 0; i < levels; ++i) p = RefineOnce(refiner->GetLevel(i), p, refiner->GetLevel(i + 1).GetNumVertices());
 
     const Far::TopologyLevel &last = refiner->GetLevel(levels);
     MeshData mesh;

@@ -172,7 +172,8 @@ class BodyReader {
         size_t size = SizeOf(type);
         if (BytesLeft() < size) Fail("the file ends too early");
         bool nativeOrder = (encoding_ == Encoding::LittleEndian) == (std::endian::native == std::endian::little);
-        if (nativeOrder) std::memcpy(raw.data(), at_, size);
+        if (nativeOrder)
+            std::memcpy(raw.data(), at_, size);
         else
             for (size_t i = 0; i < size; ++i) raw[i] = at_[size - 1 - i];
         at_ += size;
@@ -181,14 +182,22 @@ class BodyReader {
             return static_cast<double>(value);
         };
         switch (type) {
-        case Scalar::Int8: return as(int8_t{});
-        case Scalar::Uint8: return as(uint8_t{});
-        case Scalar::Int16: return as(int16_t{});
-        case Scalar::Uint16: return as(uint16_t{});
-        case Scalar::Int32: return as(int32_t{});
-        case Scalar::Uint32: return as(uint32_t{});
-        case Scalar::Float32: return as(float{});
-        case Scalar::Float64: return as(double{});
+            case Scalar::Int8:
+                return as(int8_t{});
+            case Scalar::Uint8:
+                return as(uint8_t{});
+            case Scalar::Int16:
+                return as(int16_t{});
+            case Scalar::Uint16:
+                return as(uint16_t{});
+            case Scalar::Int32:
+                return as(int32_t{});
+            case Scalar::Uint32:
+                return as(uint32_t{});
+            case Scalar::Float32:
+                return as(float{});
+            case Scalar::Float64:
+                return as(double{});
         }
         return 0;
     }
@@ -307,8 +316,10 @@ size_t ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
         body.SetItem(&e.name, i);
         std::array<Float, 8> v{};
         for (size_t k = 0; k < slots.size(); ++k) {
-            if (slots[k] < 0) SkipProperty(body, e.properties[k]);
-            else v[static_cast<size_t>(slots[k])] = static_cast<Float>(body.Number(e.properties[k].type));
+            if (slots[k] < 0)
+                SkipProperty(body, e.properties[k]);
+            else
+                v[static_cast<size_t>(slots[k])] = static_cast<Float>(body.Number(e.properties[k].type));
         }
         for (size_t k = 0; k < 3; ++k)
             if (!std::isfinite(v[k]))
@@ -361,8 +372,10 @@ void ReadFaces(BodyReader &body, const Element &e, uint64_t vertexCount, PlyMesh
             continue;
         }
         MeshData &kind = n == 3 ? mesh.triangles : mesh.quads;
-        if (n == 3) kind.indices.insert(kind.indices.end(), {corners[0], corners[1], corners[2]});
-        else kind.indices.insert(kind.indices.end(), {corners[0], corners[1], corners[3], corners[2]});
+        if (n == 3)
+            kind.indices.insert(kind.indices.end(), {corners[0], corners[1], corners[2]});
+        else
+            kind.indices.insert(kind.indices.end(), {corners[0], corners[1], corners[3], corners[2]});
         if (faceIndexProperty >= 0) kind.faceIndices.push_back(faceIndex);
     }
 }

@@ -5,8 +5,7 @@
 namespace pbrt {
 
 Quadric::Quadric(const Transform &renderFromObject, bool reverseOrientation)
-    : renderFromObject_(renderFromObject),
-      flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
+    : renderFromObject_(renderFromObject), flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
     // In double from the forward matrix, so that rays meet the surface where Surface() puts its points.
     glm::dmat3 m(renderFromObject.Matrix());
     toObject_ = glm::inverse(m);

@@ -29,8 +29,8 @@ template <class T>
 void DiscardUnlessPer(const ParamSet &set, DiagnosticSink &sink, std::vector<T> &values, size_t expected,
                       const char *name, const char *what) {
     if (values.empty() || values.size() == expected) return;
-    set.Warn(sink, name, fmt::format("\"{}\" has {} entries for {} {}; it is discarded.", name, values.size(), expected,
-                                     what));
+    set.Warn(sink, name,
+             fmt::format("\"{}\" has {} entries for {} {}; it is discarded.", name, values.size(), expected, what));
     values.clear();
 }
 
@@ -70,9 +70,10 @@ MeshData MeshParams::Finish(const ParamSet &set, DiagnosticSink &sink, size_t co
     }
     size_t excess = indices.size() % corners;
     if (excess != 0)
-        set.Warn(sink, "indices", fmt::format("the number of \"indices\" ({}) is not a multiple of {}; the last {} are "
-                                              "dropped.",
-                                              indices.size(), corners, excess));
+        set.Warn(sink, "indices",
+                 fmt::format("the number of \"indices\" ({}) is not a multiple of {}; the last {} are "
+                             "dropped.",
+                             indices.size(), corners, excess));
     for (int i : indices.first(indices.size() - excess)) mesh.indices.push_back(Corner(i, mesh.p.size(), set));
     if (mesh.indices.empty()) throw set.Error("indices", "no complete face is left.");
     DiscardUnlessPer(set, sink, mesh.n, mesh.p.size(), "N", "points");
@@ -248,8 +249,9 @@ ShapeList MakePlyMesh(const PlyMeshParams &p, const ParamSet &set, const ShapeCo
         return ParsePly(ReadFileContents(path), path);
     });
     if (ply.ignoredFaces > 0)
-        set.Warn(context.sink, "filename", fmt::format("{}: {} faces have neither 3 nor 4 corners and are ignored.",
-                                                       p.filename, ply.ignoredFaces));
+        set.Warn(
+            context.sink, "filename",
+            fmt::format("{}: {} faces have neither 3 nor 4 corners and are ignored.", p.filename, ply.ignoredFaces));
     if (ply.brokenAttributes > 0)
         set.Warn(context.sink, "filename",
                  fmt::format("{}: {} normals or uv are infinite or not a number; they are taken as 0.", p.filename,
@@ -352,12 +354,11 @@ const ShapeTable &Shapes() {
                                 "displacement **differs**, see below; more than 33 million triangles of one displaced "
                                 "mesh are an error",
                                 false, MakePlyMesh);
-        AddQuadric<SphereParams>(t, "sphere", "as lights **differs** when scaled, see below",
-                                 [](const SphereParams &p, Context &c) {
-                                     return std::make_unique<Sphere>(p.radius, p.zMin.value_or(-p.radius),
-                                                                     p.zMax.value_or(p.radius), p.phiMax,
-                                                                     c.renderFromObject, c.reverseOrientation, c.opaque);
-                                 });
+        AddQuadric<SphereParams>(
+            t, "sphere", "as lights **differs** when scaled, see below", [](const SphereParams &p, Context &c) {
+                return std::make_unique<Sphere>(p.radius, p.zMin.value_or(-p.radius), p.zMax.value_or(p.radius),
+                                                p.phiMax, c.renderFromObject, c.reverseOrientation, c.opaque);
+            });
         AddQuadric<DiskParams>(t, "disk", "as sphere", [](const DiskParams &p, Context &c) {
             return std::make_unique<Disk>(p.height, p.radius, p.inner, p.phiMax, c.renderFromObject,
                                           c.reverseOrientation);

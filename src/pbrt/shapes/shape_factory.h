@@ -13,10 +13,10 @@ struct ShapeContext {
     const Transform &renderFromObject;
     bool reverseOrientation = false;
     const FileResolver &files;
-    DiagnosticSink &sink;                       ///< also for what stock pbrt-v4 reports and survives
-    const ParamReader &before;                  ///< what build/ has read
-    const Displacement *displacement = nullptr; ///< null: none
-    bool opaque = true;                         ///< false: an alpha texture will let some rays through
+    DiagnosticSink &sink;                        ///< also for what stock pbrt-v4 reports and survives
+    const ParamReader &before;                   ///< what build/ has read
+    const Displacement *displacement = nullptr;  ///< null: none
+    bool opaque = true;                          ///< false: an alpha texture will let some rays through
 };
 
 /// A plymesh with triangles and quads yields two, unless it is displaced.

@@ -7,9 +7,7 @@ namespace pbrt {
 
 Sphere::Sphere(Float radius, Float zMin, Float zMax, Float phiMax, const Transform &renderFromObject,
                bool reverseOrientation, bool opaque)
-    : Quadric(renderFromObject, reverseOrientation),
-      radius_(radius),
-      opaque_(opaque) {
+    : Quadric(renderFromObject, reverseOrientation), radius_(radius), opaque_(opaque) {
     zMin_ = std::clamp(std::min(zMin, zMax), -radius, radius);
     zMax_ = std::clamp(std::max(zMin, zMax), -radius, radius);
     thetaZMin_ = SafeACos(zMin_ / radius);

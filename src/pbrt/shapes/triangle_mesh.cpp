@@ -18,9 +18,7 @@ struct CornerDirections {
     Vector3 a, b, c;
     Float area;
     CornerDirections(const Point3 &from, const Point3 &p0, const Point3 &p1, const Point3 &p2)
-        : a(p0 - from),
-          b(p1 - from),
-          c(p2 - from) {
+        : a(p0 - from), b(p1 - from), c(p2 - from) {
         Float la = Length(a), lb = Length(b), lc = Length(c);
         if (la > 0 && lb > 0 && lc > 0) {
             a /= la;
@@ -83,8 +81,7 @@ void PlaceMesh(MeshData &mesh, const Transform &renderFromObject, bool reverseOr
 }
 
 TriangleMesh::TriangleMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation)
-    : mesh_(std::move(data)),
-      flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
+    : mesh_(std::move(data)), flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
     PBRT_CHECK(mesh_.indices.size() % 3 == 0);
     for (uint32_t i : mesh_.indices) PBRT_CHECK_MSG(i < mesh_.p.size(), "index {} of {}", i, mesh_.p.size());
     PlaceMesh(mesh_, renderFromObject, reverseOrientation);
@@ -203,8 +200,10 @@ SurfacePoint TriangleMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
         if (LengthSquared(given) > 0) tangent = given;
     }
     Vector3 bitangent = Cross(ns, tangent);
-    if (LengthSquared(bitangent) > 0) tangent = Cross(bitangent, ns);
-    else CoordinateSystem(ns, &tangent, &bitangent);
+    if (LengthSquared(bitangent) > 0)
+        tangent = Cross(bitangent, ns);
+    else
+        CoordinateSystem(ns, &tangent, &bitangent);
     s.shading.n = ns;
     s.shading.dpdu = tangent;
     s.shading.dpdv = bitangent;

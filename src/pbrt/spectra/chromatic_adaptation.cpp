@@ -20,8 +20,7 @@ DenseSpectrum DaylightSpectrum(Float kelvin) {
     if (cct < 4000) {
         // CIE daylight is not defined here; stock pbrt-v4 takes a black body.
         BlackbodySpectrum blackbody(static_cast<Float>(cct));
-        for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda)
-            values.push_back(blackbody(lambda));
+        for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda) values.push_back(blackbody(lambda));
     } else {
         double i = 1 / cct;
         double x = cct <= 7000 ? ((-4.607e9 * i + 2.9678e6) * i + 0.09911e3) * i + 0.244063
@@ -32,15 +31,12 @@ DenseSpectrum DaylightSpectrum(Float kelvin) {
         auto m2 = static_cast<Float>((0.0300 - 31.4424 * x + 30.0717 * y) / m);
         const ThreeColumnTable &s = EmbeddedDaylight();
         std::vector<Float> sum(s.lambdas.size());
-        for (size_t k = 0; k < sum.size(); ++k)
-            sum[k] = s.columns[0][k] + m1 * s.columns[1][k] + m2 * s.columns[2][k];
+        for (size_t k = 0; k < sum.size(); ++k) sum[k] = s.columns[0][k] + m1 * s.columns[1][k] + m2 * s.columns[2][k];
         PiecewiseLinearSpectrum linear(s.lambdas, sum);
-        for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda)
-            values.push_back(linear(lambda));
+        for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda) values.push_back(linear(lambda));
     }
     Float y = SpectrumToXyz(DenseSpectrum(values)).y;
-    for (Float &v : values)
-        v /= y;
+    for (Float &v : values) v /= y;
     return DenseSpectrum(values);
 }
 

@@ -50,8 +50,7 @@ AxisPlace PlaceOfRatio(Float ratio) {
 AxisPlace PlaceOfScale(Float scale) {
     static_assert(RgbTableResolution == 64);
     size_t node = 0;
-    for (size_t step = 32; step > 0; step /= 2)
-        node += kScales[node + step] <= scale ? step : 0;
+    for (size_t step = 32; step > 0; step /= 2) node += kScales[node + step] <= scale ? step : 0;
     node = std::min(node, RgbTableResolution - 2);
     return {node, (scale - kScales[node]) / (kScales[node + 1] - kScales[node])};
 }
@@ -98,8 +97,7 @@ const ColorSpace &ColorSpace::SRGB() { return AllSpaces().front(); }
 
 std::vector<std::string> ColorSpace::Names() {
     std::vector<std::string> names;
-    for (const ColorSpace &space : AllSpaces())
-        names.push_back(space.Name());
+    for (const ColorSpace &space : AllSpaces()) names.push_back(space.Name());
     return names;
 }
 
@@ -112,7 +110,11 @@ const ColorSpace *ColorSpace::FromChromaticities(const Point2 &r, const Point2 &
 }
 
 ColorSpace::ColorSpace(std::string name, Point2 r, Point2 g, Point2 b, SpectrumPtr illuminant, const float *table)
-    : name_(std::move(name)), r_(r), g_(g), b_(b), illuminant_(std::make_shared<DenseSpectrum>(*illuminant)),
+    : name_(std::move(name)),
+      r_(r),
+      g_(g),
+      b_(b),
+      illuminant_(std::make_shared<DenseSpectrum>(*illuminant)),
       table_(table) {
     Vector3 white = SpectrumToXyz(*illuminant_);
     w_ = Chromaticity(white);

@@ -21,8 +21,7 @@ SpectrumPtr Build(const TabulatedSpectrum &table) {
     bool isIlluminant = table.name.starts_with("stdillum-") || table.name.starts_with("illum-");
     if (isIlluminant) {
         Float y = InnerProduct(CieY(), PiecewiseLinearSpectrum(lambdas, values));
-        for (Float &v : values)
-            v *= CieYIntegral / y;
+        for (Float &v : values) v *= CieYIntegral / y;
     }
     return std::make_shared<PiecewiseLinearSpectrum>(std::move(lambdas), std::move(values));
 }
@@ -30,10 +29,8 @@ SpectrumPtr Build(const TabulatedSpectrum &table) {
 const std::map<std::string, SpectrumPtr> &Library() {
     static const std::map<std::string, SpectrumPtr> library = [] {
         std::map<std::string, SpectrumPtr> spectra;
-        for (const TabulatedSpectrum &table : EmbeddedNamedSpectra())
-            spectra[table.name] = Build(table);
-        for (const TabulatedSpectrum &table : EmbeddedSensorResponses())
-            spectra[table.name] = Build(table);
+        for (const TabulatedSpectrum &table : EmbeddedNamedSpectra()) spectra[table.name] = Build(table);
+        for (const TabulatedSpectrum &table : EmbeddedSensorResponses()) spectra[table.name] = Build(table);
         return spectra;
     }();
     return library;
@@ -49,8 +46,7 @@ SpectrumPtr NamedSpectrum(const std::string &name) {
 const std::vector<SpectrumPtr> &ColorCheckerReflectances() {
     static const std::vector<SpectrumPtr> patches = [] {
         std::vector<SpectrumPtr> spectra;
-        for (const TabulatedSpectrum &table : EmbeddedColorChecker())
-            spectra.push_back(Build(table));
+        for (const TabulatedSpectrum &table : EmbeddedColorChecker()) spectra.push_back(Build(table));
         return spectra;
     }();
     return patches;
@@ -65,8 +61,7 @@ std::vector<std::string> CameraSensorNames() {
 
 std::vector<std::string> NamedSpectrumNames() {
     std::vector<std::string> names;
-    for (const auto &[name, spectrum] : Library())
-        names.push_back(name);
+    for (const auto &[name, spectrum] : Library()) names.push_back(name);
     return names;
 }
 

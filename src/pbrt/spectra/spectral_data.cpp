@@ -48,8 +48,7 @@ ThreeColumnTable ParseThreeColumns(std::string_view text) {
     ThreeColumnTable table;
     ForEachRow(text, [&](std::string_view line) {
         table.lambdas.push_back(ParseNumber(CutField(line, ',')));
-        for (std::vector<Float> &column : table.columns)
-            column.push_back(ParseNumber(CutField(line, ',')));
+        for (std::vector<Float> &column : table.columns) column.push_back(ParseNumber(CutField(line, ',')));
     });
     return table;
 }
@@ -59,8 +58,7 @@ std::vector<TabulatedSpectrum> ParseNamedSpectra(std::string_view text, int name
     std::vector<TabulatedSpectrum> spectra;
     ForEachRow(text, [&](std::string_view line) {
         std::string name(CutField(line, ','));
-        for (int i = 1; i < nameFields; ++i)
-            name.append("_").append(CutField(line, ','));
+        for (int i = 1; i < nameFields; ++i) name.append("_").append(CutField(line, ','));
         if (spectra.empty() || spectra.back().name != name) spectra.push_back({name, {}, {}});
         spectra.back().lambdas.push_back(ParseNumber(CutField(line, ',')));
         spectra.back().values.push_back(ParseNumber(CutField(line, ',')));

@@ -45,8 +45,7 @@ SampledWavelengths SampledWavelengths::SampleUniform(Float u, Float low, Float h
 
 void SampledWavelengths::TerminateSecondary() {
     if (SecondaryTerminated()) return;
-    for (size_t i = 1; i < SpectrumSamples; ++i)
-        pdf_[i] = 0;
+    for (size_t i = 1; i < SpectrumSamples; ++i) pdf_[i] = 0;
     pdf_[0] /= SpectrumSamples;
 }
 
@@ -56,14 +55,12 @@ bool SampledWavelengths::SecondaryTerminated() const {
 
 SampledSpectrum Spectrum::Sample(const SampledWavelengths &lambda) const {
     SampledSpectrum s;
-    for (int i = 0; i < SpectrumSamples; ++i)
-        s[i] = (*this)(lambda[i]);
+    for (int i = 0; i < SpectrumSamples; ++i) s[i] = (*this)(lambda[i]);
     return s;
 }
 
 DenseSpectrum::DenseSpectrum(const Spectrum &s) : values_(kNmCount) {
-    for (size_t i = 0; i < kNmCount; ++i)
-        values_[i] = s(static_cast<Float>(kFirstNm + static_cast<int>(i)));
+    for (size_t i = 0; i < kNmCount; ++i) values_[i] = s(static_cast<Float>(kFirstNm + static_cast<int>(i)));
     max_ = *std::max_element(values_.begin(), values_.end());
 }
 
@@ -85,8 +82,7 @@ Float DenseSpectrum::operator()(Float lambda) const { return Nearest(values_.dat
 SampledSpectrum DenseSpectrum::Sample(const SampledWavelengths &lambda) const {
     const Float *values = values_.data();
     SampledSpectrum s;
-    for (int i = 0; i < SpectrumSamples; ++i)
-        s[i] = Nearest(values, lambda[i]);
+    for (int i = 0; i < SpectrumSamples; ++i) s[i] = Nearest(values, lambda[i]);
     return s;
 }
 
@@ -98,8 +94,7 @@ PiecewiseLinearSpectrum::PiecewiseLinearSpectrum(std::vector<Float> lambdas, std
     uint32_t start = 0;
     for (size_t nm = 0; nm < kNmCount; ++nm) {
         auto lambda = static_cast<Float>(kFirstNm + static_cast<int>(nm));
-        while (start + 1 < lambdas_.size() && lambdas_[start + 1] <= lambda)
-            ++start;
+        while (start + 1 < lambdas_.size() && lambdas_[start + 1] <= lambda) ++start;
         startOfNm_[nm] = start;
     }
 }
@@ -111,8 +106,7 @@ Float PiecewiseLinearSpectrum::operator()(Float lambda) const {
         nm < kNmCount
             ? startOfNm_[nm]
             : static_cast<size_t>(std::upper_bound(lambdas_.begin(), lambdas_.end(), lambda) - lambdas_.begin()) - 1;
-    while (i + 1 < lambdas_.size() && lambdas_[i + 1] <= lambda)
-        ++i;
+    while (i + 1 < lambdas_.size() && lambdas_[i + 1] <= lambda) ++i;
     if (i + 1 == lambdas_.size()) return values_.back();
     Float t = (lambda - lambdas_[i]) / (lambdas_[i + 1] - lambdas_[i]);
     return Lerp(t, values_[i], values_[i + 1]);

@@ -23,10 +23,18 @@ class SampledSpectrum {
     Float operator[](int i) const { return v_[static_cast<size_t>(i)]; }
     Float &operator[](int i) { return v_[static_cast<size_t>(i)]; }
 
-    SampledSpectrum &operator+=(const SampledSpectrum &o) { return Zip(o, [](Float a, Float b) { return a + b; }); }
-    SampledSpectrum &operator-=(const SampledSpectrum &o) { return Zip(o, [](Float a, Float b) { return a - b; }); }
-    SampledSpectrum &operator*=(const SampledSpectrum &o) { return Zip(o, [](Float a, Float b) { return a * b; }); }
-    SampledSpectrum &operator/=(const SampledSpectrum &o) { return Zip(o, [](Float a, Float b) { return a / b; }); }
+    SampledSpectrum &operator+=(const SampledSpectrum &o) {
+        return Zip(o, [](Float a, Float b) { return a + b; });
+    }
+    SampledSpectrum &operator-=(const SampledSpectrum &o) {
+        return Zip(o, [](Float a, Float b) { return a - b; });
+    }
+    SampledSpectrum &operator*=(const SampledSpectrum &o) {
+        return Zip(o, [](Float a, Float b) { return a * b; });
+    }
+    SampledSpectrum &operator/=(const SampledSpectrum &o) {
+        return Zip(o, [](Float a, Float b) { return a / b; });
+    }
     SampledSpectrum &operator*=(Float s) {
         for (Float &v : v_) v *= s;
         return *this;

@@ -28,12 +28,14 @@ SpectrumPtr FromRgb(const Param &p, SpectrumUse use) {
     const ColorSpace *space = ColorSpace::Find(p.colorSpace);
     PBRT_CHECK_MSG(space, "colour space \"{}\"", p.colorSpace);
     switch (use) {
-    case SpectrumUse::Albedo:
-        if (rgb.x > 1 || rgb.y > 1 || rgb.z > 1)
-            complain("a component is above 1, but reflectances and other albedos must lie in [0, 1]");
-        return std::make_shared<RgbAlbedoSpectrum>(*space, rgb);
-    case SpectrumUse::Unbounded: return std::make_shared<RgbUnboundedSpectrum>(*space, rgb);
-    case SpectrumUse::Illuminant: break;
+        case SpectrumUse::Albedo:
+            if (rgb.x > 1 || rgb.y > 1 || rgb.z > 1)
+                complain("a component is above 1, but reflectances and other albedos must lie in [0, 1]");
+            return std::make_shared<RgbAlbedoSpectrum>(*space, rgb);
+        case SpectrumUse::Unbounded:
+            return std::make_shared<RgbUnboundedSpectrum>(*space, rgb);
+        case SpectrumUse::Illuminant:
+            break;
     }
     return std::make_shared<RgbIlluminantSpectrum>(*space, rgb);
 }
@@ -103,10 +105,15 @@ SpectrumPtr FromSpectrum(const Param &p, SpectrumUse use, const FileResolver &fi
 
 SpectrumPtr FromParam(const Param &p, SpectrumUse use, const FileResolver &files) {
     switch (p.type) {
-    case ParamType::Rgb: return FromRgb(p, use);
-    case ParamType::Blackbody: return FromBlackbody(p);
-    case ParamType::Float: RequireCount(p, p.floats.size(), 1); return std::make_shared<ConstantSpectrum>(p.floats[0]);
-    default: return FromSpectrum(p, use, files);
+        case ParamType::Rgb:
+            return FromRgb(p, use);
+        case ParamType::Blackbody:
+            return FromBlackbody(p);
+        case ParamType::Float:
+            RequireCount(p, p.floats.size(), 1);
+            return std::make_shared<ConstantSpectrum>(p.floats[0]);
+        default:
+            return FromSpectrum(p, use, files);
     }
 }
 

@@ -32,7 +32,7 @@ constexpr bool IsPermutation() {
 static_assert(IsPermutation());
 
 /// The gradients of the 16 hash values: to the middles of a cube's 12 edges; four of them serve twice.
-constexpr int8_t kGradients[16][3] = {{1, 1, 0},  {-1, 1, 0},  {1, -1, 0}, {-1, -1, 0}, {1, 0, 1}, {-1, 0, 1},
+constexpr int8_t kGradients[16][3] = {{1, 1, 0},  {-1, 1, 0},  {1, -1, 0}, {-1, -1, 0}, {1, 0, 1},  {-1, 0, 1},
                                       {1, 0, -1}, {-1, 0, -1}, {0, 1, 1},  {0, -1, 1},  {0, 1, -1}, {0, -1, -1},
                                       {1, 1, 0},  {-1, 1, 0},  {0, 1, -1}, {0, -1, -1}};
 
@@ -82,8 +82,8 @@ Float GradientNoise(const Point3 &p) {
     const Vector3 w(Fade(d.x), Fade(d.y), Fade(d.z));
     Float y[2];
     for (int k = 0; k < 2; ++k)
-        y[k] = Lerp(w.y, Lerp(w.x, heights[4 * k], heights[4 * k + 1]),
-                    Lerp(w.x, heights[4 * k + 2], heights[4 * k + 3]));
+        y[k] =
+            Lerp(w.y, Lerp(w.x, heights[4 * k], heights[4 * k + 1]), Lerp(w.x, heights[4 * k + 2], heights[4 * k + 3]));
     return Lerp(w.z, y[0], y[1]);
 }
 

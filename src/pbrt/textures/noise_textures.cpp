@@ -14,9 +14,9 @@ Float PlaneNoise(const Point2 &p) { return GradientNoise({p.x, p.y, Float(0.5)})
 // Marble colours (sRGB, pbrt-v4's) that one period of the vein pattern runs through, before brightening.
 constexpr int kMarbleColors = 9;
 constexpr Float kBrightening = Float(1.5);
-const Rgb kMarble[kMarbleColors] = {{.58f, .58f, .6f},  {.58f, .58f, .6f}, {.58f, .58f, .6f},
-                                    {.5f, .5f, .5f},    {.6f, .59f, .58f}, {.58f, .58f, .6f},
-                                    {.58f, .58f, .6f},  {.2f, .2f, .33f},  {.58f, .58f, .6f}};
+const Rgb kMarble[kMarbleColors] = {{.58f, .58f, .6f}, {.58f, .58f, .6f}, {.58f, .58f, .6f},
+                                    {.5f, .5f, .5f},   {.6f, .59f, .58f}, {.58f, .58f, .6f},
+                                    {.58f, .58f, .6f}, {.2f, .2f, .33f},  {.58f, .58f, .6f}};
 
 /// t in [0, 1] along the colours: overlapping runs of four are the control points of one cubic Bezier each.
 Rgb MarbleColor(Float t) {

@@ -63,8 +63,8 @@ class WindyTexture final : public FloatTexture {
 
 struct MarbleSettings {
     NoiseOctaves octaves;
-    Float scale = 1;                 ///< of texture space
-    Float variation = Float(0.2);    ///< how far noise bends the veins
+    Float scale = 1;               ///< of texture space
+    Float variation = Float(0.2);  ///< how far noise bends the veins
 };
 
 /// Veins along texture-space y. A reflectance whatever it is used for.

@@ -24,7 +24,8 @@ bool Contains(const std::vector<std::string> &names, const std::string &name) {
 }
 
 constexpr const char *kWhyNoPtex =
-    "no library that Debian packages reads Ptex files (its OpenImageIO is built without). Bake the texture into an image "
+    "no library that Debian packages reads Ptex files (its OpenImageIO is built without). Bake the texture into an "
+    "image "
     "and use class \"imagemap\".";
 
 const char *FamilyName(bool isSpectrum) { return isSpectrum ? "spectrum" : "float"; }
@@ -202,8 +203,7 @@ struct TextureLibrary::Impl {
     const Made<FloatTexturePtr> &MakeFloat(Definition &d, const FileLoc &user = {}) {
         Made<FloatTexturePtr> &made = d.asFloat;
         if (!made.texture && !d.broken)
-            made.texture =
-                Try(d, user, [&] { return MakeOf(FloatTextures(), d, SpectrumUse::Unbounded, &made.cost); });
+            made.texture = Try(d, user, [&] { return MakeOf(FloatTextures(), d, SpectrumUse::Unbounded, &made.cost); });
         if (!made.texture) made = {std::make_shared<ConstantFloatTexture>(Float(0.5)), {}};
         return made;
     }
@@ -250,8 +250,10 @@ void TextureLibrary::Define(const std::string &name, bool isSpectrum, const std:
 void TextureLibrary::CheckAll() {
     for (const auto &d : impl_->definitions) {
         if (d->broken || d->made) continue;
-        if (d->isSpectrum) impl_->MakeSpectrum(*d, SpectrumUse::Unbounded);
-        else impl_->MakeFloat(*d);
+        if (d->isSpectrum)
+            impl_->MakeSpectrum(*d, SpectrumUse::Unbounded);
+        else
+            impl_->MakeFloat(*d);
     }
     if (missingImages_ > 0)
         impl_->sink.Error({}, fmt::format("{} missing texture{}.", missingImages_, missingImages_ == 1 ? "" : "s"));

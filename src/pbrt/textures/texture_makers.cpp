@@ -263,7 +263,8 @@ struct ImagemapParams : MappingParams {
         k.encoding = ColorEncoding::Parse(encoding);
         if (!k.encoding && !encoding.empty())
             throw set.Error("encoding", fmt::format("\"{}\" is no encoding; valid: sRGB, linear, \"gamma X\" with X "
-                                                    "above 0.", encoding));
+                                                    "above 0.",
+                                                    encoding));
         return k;
     }
 };
@@ -282,9 +283,9 @@ ImageOverlay MakeImageOverlay(const ImagemapParams &p, const ParamSet &set, cons
 
 template <class Kind, class Table>
 void AddOfBothFamilies(Table &table) {
-    table.template Add<ConstantParams<Kind>>("constant", "", [](const auto &p, const ParamSet &, const TextureRequest &r) {
-        return Kind::Make(p.value, r);
-    });
+    table.template Add<ConstantParams<Kind>>(
+        "constant", "",
+        [](const auto &p, const ParamSet &, const TextureRequest &r) { return Kind::Make(p.value, r); });
     table.template Add<ScaleParams<Kind>>("scale", "", MakeScale<Kind>);
     table.template Add<MixParams<Kind>>("mix", "", MakeMix<Kind>);
     table.template Add<DirectionMixParams<Kind>>("directionmix", "", MakeDirectionMix<Kind>);

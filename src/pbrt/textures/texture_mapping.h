@@ -57,7 +57,8 @@ struct PlanarMapping {
 using TextureMapping2D = std::variant<UvMapping, SphericalMapping, CylindricalMapping, PlanarMapping>;
 
 inline TexCoord2 Map(const TextureMapping2D &mapping, const TextureContext &ctx) {
-    if (const UvMapping *uv = std::get_if<UvMapping>(&mapping)) [[likely]] return uv->Map(ctx);
+    if (const UvMapping *uv = std::get_if<UvMapping>(&mapping)) [[likely]]
+        return uv->Map(ctx);
     return std::visit([&](const auto &m) { return m.Map(ctx); }, mapping);
 }
 

@@ -10,10 +10,10 @@ const Param *TakeReference(ParamReader &reader, const std::string &name, std::in
                            bool *isValue) {
     const Param *own = nullptr;
     for (const Param &p : reader.Set().Own())
-        if (p.name == name && (p.type == ParamType::Texture || std::find(types.begin(), types.end(), p.type) != types.end()))
+        if (p.name == name &&
+            (p.type == ParamType::Texture || std::find(types.begin(), types.end(), p.type) != types.end()))
             own = &p;
-    const Param *reference =
-        own && own->type != ParamType::Texture ? nullptr : reader.Take(name, ParamType::Texture);
+    const Param *reference = own && own->type != ParamType::Texture ? nullptr : reader.Take(name, ParamType::Texture);
     *isValue = !reference;
     if (reference) detail::RequireCount(reader.Set(), *reference, reference->strings.size(), 1);
     return reference;
@@ -38,8 +38,7 @@ void ReadParam(ParamReader &reader, const std::string &name, FloatTextureParam &
 void ReadParam(ParamReader &reader, const std::string &name, SpectrumTextureParam &value) {
     value.set = &reader.Set();
     bool isValue = false;
-    value.given =
-        TakeReference(reader, name, {ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum}, &isValue);
+    value.given = TakeReference(reader, name, {ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum}, &isValue);
     if (isValue) ReadParam(reader, name, static_cast<SpectrumParam &>(value));
 }
 

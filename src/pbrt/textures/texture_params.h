@@ -6,8 +6,8 @@ namespace pbrt {
 /// A parameter that is a number or names a float texture. How it is declared and, after reading, what was given; valid
 /// while the ParamSet lives. Of a number and a name the last one counts, and the other is unused.
 struct FloatTextureParam {
-    std::optional<Float> constant{};       ///< the default; nullopt: none
-    std::optional<Range<Float>> range{};   ///< of a texture that is the same everywhere
+    std::optional<Float> constant{};      ///< the default; nullopt: none
+    std::optional<Range<Float>> range{};  ///< of a texture that is the same everywhere
     const ParamSet *set = nullptr;
     const Param *given = nullptr;
 

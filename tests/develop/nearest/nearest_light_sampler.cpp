@@ -38,8 +38,8 @@ const void *NearestLightSampler::WeighGroups(const LightQuery &query, LightMemor
     return weights;
 }
 
-std::optional<NearestLightSampler::ChosenGroup> NearestLightSampler::ChooseGroup(const LightQuery &query, const void *weights,
-                                                                                 Float u) const {
+std::optional<NearestLightSampler::ChosenGroup> NearestLightSampler::ChooseGroup(const LightQuery &query,
+                                                                                 const void *weights, Float u) const {
     const Weights &w = *static_cast<const Weights *>(weights);
     const auto chosen = ChooseByWeight<Float>(places_.size(), u * w.sum, [&](uint32_t g) { return w.of[g]; });
     if (!chosen) return {};
@@ -56,6 +56,8 @@ void register_nearest(LightSamplerRegistry &registry) {
     entry.name = "nearest";
     entry.summary = "By the inverse square of the distance.";
     entry.takesGroups = true;
-    entry.make = [](const LightGroups &groups, const ParamSet &) { return std::make_unique<NearestLightSampler>(groups); };
+    entry.make = [](const LightGroups &groups, const ParamSet &) {
+        return std::make_unique<NearestLightSampler>(groups);
+    };
     registry.Add(std::move(entry));
 }

@@ -10,7 +10,8 @@ class NearestLightSampler final : public pbrt::GroupLightSampler {
     explicit NearestLightSampler(const pbrt::LightGroups &groups);
 
     const void *WeighGroups(const pbrt::LightQuery &query, pbrt::LightMemory &memory) const override;
-    std::optional<ChosenGroup> ChooseGroup(const pbrt::LightQuery &query, const void *weights, pbrt::Float u) const override;
+    std::optional<ChosenGroup> ChooseGroup(const pbrt::LightQuery &query, const void *weights,
+                                           pbrt::Float u) const override;
     pbrt::Float GroupProbability(const pbrt::LightQuery &query, const void *weights, uint32_t group) const override;
 
   private:

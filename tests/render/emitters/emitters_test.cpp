@@ -155,8 +155,7 @@ TEST_P(EmittersKeepTheLaw, WithEveryLightSampler) {
     for (const std::string &s : SamplerLabels())
         for (Estimator e : {Estimator::Chosen, Estimator::Both}) {
             if (kGroupable.count(s))
-                grouped.Add((e == Estimator::Both ? "b " : "l ") + s,
-                            WithReference(Render(e, s + "+mesh", kSamples)));
+                grouped.Add((e == Estimator::Both ? "b " : "l ") + s, WithReference(Render(e, s + "+mesh", kSamples)));
             else grouped.Skip();
         }
     Finish(grouped);

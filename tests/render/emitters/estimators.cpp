@@ -65,7 +65,8 @@ class LightSamplingOnly final : public PixelIntegrator {
 /// Black where the camera sees a lamp itself: that is the same to all estimators and hides what they find.
 class WithoutSeenLamps final : public PixelIntegrator {
   public:
-    WithoutSeenLamps(const Scene &scene, std::unique_ptr<PixelIntegrator> inner) : scene_(scene), inner_(std::move(inner)) {}
+    WithoutSeenLamps(const Scene &scene, std::unique_ptr<PixelIntegrator> inner)
+        : scene_(scene), inner_(std::move(inner)) {}
     void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
     LightLearner *Learner() override { return inner_->Learner(); }
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override {
@@ -118,8 +119,8 @@ PixelStatistics Studio::Render(Estimator estimator, const std::string &lightSamp
         settings.samplesPerPixel = samplesPerPixel;
         DiagnosticSink sink;
         // Independent samples: pixels are, and tiles' variances are known.
-        const std::unique_ptr<Sampler> sampler =
-            Samplers().Make("independent", ParamSet(), SamplerContext{film->FullResolution(), samplesPerPixel, seed, sink});
+        const std::unique_ptr<Sampler> sampler = Samplers().Make(
+            "independent", ParamSet(), SamplerContext{film->FullResolution(), samplesPerPixel, seed, sink});
         RenderWaves(*integrator, *built_.camera, *built_.filter, *film, *sampler, settings, progress);
         statistics.Add(film->ToImage());
     }

@@ -39,8 +39,8 @@ int Assemble(const Options &o) {
         ForEachPixel(part.image, [&](Point2i p) {
             const Point2i at = p + window.low;
             for (int c = 0; c < part.image.ChannelCount(); ++c) whole.image.Set(at, c, part.image.Get(p, c));
-            uint8_t &count = counts[static_cast<size_t>(at.y) * static_cast<size_t>(resolution.x) +
-                                    static_cast<size_t>(at.x)];
+            uint8_t &count =
+                counts[static_cast<size_t>(at.y) * static_cast<size_t>(resolution.x) + static_cast<size_t>(at.x)];
             count = static_cast<uint8_t>(std::min(count + 1, 2));
         });
     }

@@ -59,7 +59,8 @@ int Bloom(const Options &o) {
         ++count;
         SetRgb(bright, p, {0, 1, 2}, color);
     });
-    if (count == 0) LogWarning(fmt::format("{}: no pixel is brighter than --level {}; nothing blooms.", o.path, o.level));
+    if (count == 0)
+        LogWarning(fmt::format("{}: no pixel is brighter than --level {}; nothing blooms.", o.path, o.level));
 
     const std::vector<Float> weights = Gaussian(o.width);
     for (int i = 0; i < o.iterations && count > 0; ++i) {

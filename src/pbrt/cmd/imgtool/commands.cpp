@@ -17,8 +17,10 @@ std::vector<std::string> SplitChannels(const std::string &list) {
     for (const std::string &part : CLI::detail::split(list, ',')) {
         if (part.empty()) throw UserError(fmt::format("--channels {}: a channel name is empty.", list));
         // A comma between digits belongs to a wavelength of the spectral film.
-        if (!names.empty() && digit(names.back().back()) && digit(part[0])) names.back() += ',' + part;
-        else names.push_back(part);
+        if (!names.empty() && digit(names.back().back()) && digit(part[0]))
+            names.back() += ',' + part;
+        else
+            names.push_back(part);
     }
     return names;
 }
@@ -35,9 +37,7 @@ std::array<int, 3> RgbChannels(const Image &image, const std::string &path) {
     return channels;
 }
 
-std::string SizeText(const Image &image) {
-    return fmt::format("{} x {}", image.Resolution().x, image.Resolution().y);
-}
+std::string SizeText(const Image &image) { return fmt::format("{} x {}", image.Resolution().x, image.Resolution().y); }
 
 const ColorSpace &SpaceOf(const ImageFile &file) {
     return file.metadata.colorSpace ? *file.metadata.colorSpace : ColorSpace::SRGB();
@@ -72,7 +72,8 @@ CLI::Option *AddCropOption(CLI::App &command, std::vector<int> &numbers) {
 }
 
 CLI::Option *AddOutfileOption(CLI::App &command, std::string &path, bool isPositional) {
-    return command.add_option(isPositional ? "outfile,--outfile" : "--outfile", path, "Result: .exr, .png, .pfm or .jpg")
+    return command
+        .add_option(isPositional ? "outfile,--outfile" : "--outfile", path, "Result: .exr, .png, .pfm or .jpg")
         ->required()
         ->type_name("FILE");
 }
@@ -107,8 +108,8 @@ ImageFile ReadAsFloat(const std::string &path) {
 namespace {
 
 bool IsImageName(const std::string &name) {
-    const std::vector<std::string> known = {".exr", ".png", ".pfm", ".hdr", ".jpg", ".jpeg", ".tga", ".bmp", ".gif",
-                                            ".tif", ".tiff", ".ppm", ".pgm", ".pnm", ".psd", ".qoi"};
+    const std::vector<std::string> known = {".exr", ".png", ".pfm",  ".hdr", ".jpg", ".jpeg", ".tga", ".bmp",
+                                            ".gif", ".tif", ".tiff", ".ppm", ".pgm", ".pnm",  ".psd", ".qoi"};
     return std::find(known.begin(), known.end(), LowerExtension(name)) != known.end();
 }
 

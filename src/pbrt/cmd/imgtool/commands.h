@@ -57,7 +57,8 @@ void ApplyCrop(ImageFile &file, const std::vector<int> &numbers, const std::stri
 
 /// Adds --crop to a subcommand.
 CLI::Option *AddCropOption(CLI::App &command, std::vector<int> &numbers);
-/// Adds --outfile, without which the command cannot do. Where it `isPositional`, the name alone may stand after the image.
+/// Adds --outfile, without which the command cannot do. Where it `isPositional`, the name alone may stand after the
+/// image.
 CLI::Option *AddOutfileOption(CLI::App &command, std::string &path, bool isPositional = false);
 
 /// The metric called `name`. Throws UserError with the choices.
@@ -71,9 +72,10 @@ double ShortNumber(Float v);
 
 /// Reads an image; its pixels become float.
 ImageFile ReadAsFloat(const std::string &path);
-/// The files that `names` mean, each once. A name is that of a file; or a pattern for the last part of a path with * (any
-/// characters) and ? (any one); or the start of the paths of images. What a pattern or a start finds comes in name order,
-/// without the files `except` (results of an earlier run are no input). Throws UserError for a name that means none.
+/// The files that `names` mean, each once. A name is that of a file; or a pattern for the last part of a path with *
+/// (any characters) and ? (any one); or the start of the paths of images. What a pattern or a start finds comes in name
+/// order, without the files `except` (results of an earlier run are no input). Throws UserError for a name that means
+/// none.
 std::vector<std::string> FindImages(const std::vector<std::string> &names, const std::vector<std::string> &except);
 /// What the help says about such names.
 inline constexpr const char *kImagesHelp =

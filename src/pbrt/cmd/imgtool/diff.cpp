@@ -47,13 +47,10 @@ int Diff(const Options &o) {
     if (!o.outfile.empty()) WriteImage(o.outfile, errors, image.metadata);
     const int status = error == 0 && skipped == 0 ? 0 : 1;
     if (o.json) {
-        const nlohmann::ordered_json json = {{"file", o.path},
-                                             {"reference", o.reference},
-                                             {"metric", o.metric},
-                                             {"error", error},
-                                             {"mean", Mean(image.image)},
-                                             {"referenceMean", Mean(reference.image)},
-                                             {"notFinite", skipped}};
+        const nlohmann::ordered_json json = {
+            {"file", o.path},      {"reference", o.reference},  {"metric", o.metric},
+            {"error", error},      {"mean", Mean(image.image)}, {"referenceMean", Mean(reference.image)},
+            {"notFinite", skipped}};
         fmt::print("{}\n", json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
         return status;
     }

@@ -76,7 +76,9 @@ void AddFalsecolor(CLI::App &app, Action &action) {
     CLI::App *command = app.add_subcommand("falsecolor", "Show the mean of each pixel's channels as a colour");
     command->add_option("file", o->path, "Image")->required();
     AddOutfileOption(*command, o->outfile, true);
-    command->add_option("--maxvalue", o->maxValue, "Value of the last colour (default: 99 % of the pixels have no larger one)")
+    command
+        ->add_option("--maxvalue", o->maxValue,
+                     "Value of the last colour (default: 99 % of the pixels have no larger one)")
         ->check(CLI::PositiveNumber);
     command->add_flag("--plusminus", o->plusMinus, "Blue for negative, black for 0, red for positive");
     command->add_flag("--ramp", o->ramp, "Add a bar of all colours below the image");

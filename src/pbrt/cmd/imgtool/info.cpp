@@ -38,9 +38,12 @@ ChannelStatistics Statistics(const Image &image, int channel) {
 
 const char *FormatName(PixelFormat format) {
     switch (format) {
-        case PixelFormat::U8: return "8 bit";
-        case PixelFormat::Half: return "half";
-        case PixelFormat::Float: return "float";
+        case PixelFormat::U8:
+            return "8 bit";
+        case PixelFormat::Half:
+            return "half";
+        case PixelFormat::Float:
+            return "float";
     }
     return "";
 }
@@ -53,7 +56,8 @@ struct AttributeJson {
     Json operator()(const glm::mat4 &m) const {
         Json rows = Json::array();
         for (int row = 0; row < 4; ++row)
-            rows.push_back({ShortNumber(m[0][row]), ShortNumber(m[1][row]), ShortNumber(m[2][row]), ShortNumber(m[3][row])});
+            rows.push_back(
+                {ShortNumber(m[0][row]), ShortNumber(m[1][row]), ShortNumber(m[2][row]), ShortNumber(m[3][row])});
         return rows;
     }
 };

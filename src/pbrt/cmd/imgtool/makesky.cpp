@@ -27,9 +27,10 @@ void AddSun(Image &image, const PreethamSky &sky, const ColorSpace &space) {
     const Frame frame = Frame::FromZ(sky.SunDirection());
     constexpr double kTurn = 2.399963229728653;  // golden angle: a sunflower's spiral
     for (int i = 0; i < kPoints; ++i) {
-        const double cosTheta = 1 - (1 - cosRadius) * (i + 0.5) / kPoints, sinTheta = std::sqrt(1 - cosTheta * cosTheta);
-        const Vector3 w = frame.FromLocal(
-            Vector3(sinTheta * std::cos(kTurn * i), sinTheta * std::sin(kTurn * i), cosTheta));
+        const double cosTheta = 1 - (1 - cosRadius) * (i + 0.5) / kPoints,
+                     sinTheta = std::sqrt(1 - cosTheta * cosTheta);
+        const Vector3 w =
+            frame.FromLocal(Vector3(sinTheta * std::cos(kTurn * i), sinTheta * std::sin(kTurn * i), cosTheta));
         if (!(w.z > 0)) continue;
         const Point2 uv = EqualAreaSphereToSquare(Normalize(w));
         const Point2i p(glm::min(Point2i(uv * Point2(image.Resolution())), image.Resolution() - 1));
@@ -48,8 +49,8 @@ int Makesky(const Options &o) {
     AddSun(image, sky, space);
     ImageMetadata metadata;
     metadata.colorSpace = &space;
-    metadata.attributes["sky"] = fmt::format("Preetham 1999, elevation {}, turbidity {}, albedo {}", o.elevation,
-                                             o.turbidity, o.albedo);
+    metadata.attributes["sky"] =
+        fmt::format("Preetham 1999, elevation {}, turbidity {}, albedo {}", o.elevation, o.turbidity, o.albedo);
     WriteImage(o.outfile, image.ConvertTo(PixelFormat::Half), metadata);
     return 0;
 }

@@ -16,12 +16,10 @@ double Polynomial(const std::array<double, 4> &c, double x) { return ((c[0] * x 
 double Zenith(const std::array<std::array<double, 4>, 3> &m, double turbidity, double theta) {
     return (Polynomial(m[0], theta) * turbidity + Polynomial(m[1], theta)) * turbidity + Polynomial(m[2], theta);
 }
-constexpr std::array<std::array<double, 4>, 3> kZenithX = {{{0.00166, -0.00375, 0.00209, 0},
-                                                            {-0.02903, 0.06377, -0.03202, 0.00394},
-                                                            {0.11693, -0.21196, 0.06052, 0.25886}}};
-constexpr std::array<std::array<double, 4>, 3> kZenithY = {{{0.00275, -0.00610, 0.00317, 0},
-                                                            {-0.04214, 0.08970, -0.04153, 0.00516},
-                                                            {0.15346, -0.26756, 0.06670, 0.26688}}};
+constexpr std::array<std::array<double, 4>, 3> kZenithX = {
+    {{0.00166, -0.00375, 0.00209, 0}, {-0.02903, 0.06377, -0.03202, 0.00394}, {0.11693, -0.21196, 0.06052, 0.25886}}};
+constexpr std::array<std::array<double, 4>, 3> kZenithY = {
+    {{0.00275, -0.00610, 0.00317, 0}, {-0.04214, 0.08970, -0.04153, 0.00516}, {0.15346, -0.26756, 0.06670, 0.26688}}};
 
 /// Absorption of ozone in 1/cm at 450, 460, ... 780 nm (Chappuis bands; Leckner 1978).
 constexpr std::array<double, 34> kOzone = {.003, .006, .009, .014, .021, .030, .040, .048, .063, .075, .085, .103,

@@ -8,11 +8,10 @@ namespace pbrt::imgtool {
 
 /// Daylight after Preetham, Shirley and Smits, "A Practical Analytic Model for Daylight" (SIGGRAPH 1999): the sky's
 /// luminance and chromaticity by Perez' formula with the coefficients of its appendix A.2; the sun's light through
-/// Rayleigh scattering, aerosols and ozone of its appendix A.1. Departures: the sun above the atmosphere is a black body
-/// of 5778 K (that gives the solar constant), the weak bands of oxygen and water vapour are left out; ground of an albedo
-/// above 0 sends light up, of which the sky returns a part evenly (Bird and Hulstrom 1981, "A Simplified Clear Sky
-/// Model").
-/// XYZ as of a spectrum in W / (m^2 sr nm) over CieYIntegral, so that luminance is CandelasPerY * Y.
+/// Rayleigh scattering, aerosols and ozone of its appendix A.1. Departures: the sun above the atmosphere is a black
+/// body of 5778 K (that gives the solar constant), the weak bands of oxygen and water vapour are left out; ground of an
+/// albedo above 0 sends light up, of which the sky returns a part evenly (Bird and Hulstrom 1981, "A Simplified Clear
+/// Sky Model"). XYZ as of a spectrum in W / (m^2 sr nm) over CieYIntegral, so that luminance is CandelasPerY * Y.
 class PreethamSky {
   public:
     static constexpr double CandelasPerY = 683 * 106.856895;  ///< cd/m^2

@@ -37,8 +37,10 @@ int Scalenormalmap(const Options &o) {
         if (length > 0) n /= length;
         SetRgb(image, p, rgb, (n + Vector3(1)) / Float(2));
     });
-    if (std::filesystem::path(o.outfile).extension() == ".png") WriteLinearPng(o.outfile, image);
-    else WriteImage(o.outfile, keepHalf ? image.ConvertTo(PixelFormat::Half) : image, file.metadata);
+    if (std::filesystem::path(o.outfile).extension() == ".png")
+        WriteLinearPng(o.outfile, image);
+    else
+        WriteImage(o.outfile, keepHalf ? image.ConvertTo(PixelFormat::Half) : image, file.metadata);
     return 0;
 }
 
@@ -49,7 +51,8 @@ void AddScalenormalmap(CLI::App &app, Action &action) {
     CLI::App *command = app.add_subcommand("scalenormalmap", "Make the relief of a normal map stronger or weaker");
     command->add_option("file", o->path, "Normal map: R, G, B = (normal + 1) / 2, without sRGB encoding")->required();
     AddOutfileOption(*command, o->outfile, true);
-    command->add_option("--scale", o->scale, "Slopes are multiplied by this; 0 gives a flat map")->capture_default_str();
+    command->add_option("--scale", o->scale, "Slopes are multiplied by this; 0 gives a flat map")
+        ->capture_default_str();
     command->footer("Example: imgtool scalenormalmap bricks.png --scale 0.5 --outfile softer.png");
     command->callback([o, &action] { action = [o] { return Scalenormalmap(*o); }; });
 }

@@ -86,7 +86,8 @@ int Splitn(const Options &o) {
 
 void AddSplitn(CLI::App &app, Action &action) {
     auto o = std::make_shared<Options>();
-    CLI::App *command = app.add_subcommand("splitn", "One picture in strips of several images, with crops of each below");
+    CLI::App *command =
+        app.add_subcommand("splitn", "One picture in strips of several images, with crops of each below");
     command->add_option("files", o->paths, "Images of one size; the first gives the leftmost strip")->required();
     AddOutfileOption(*command, o->outfile);
     command

@@ -33,9 +33,10 @@ Point2 White(const Options &o) {
     if (o.primaries.empty()) throw UserError("One of --illuminant, --primaries and --temperature is needed.");
     const Point2 white(o.primaries[0], o.primaries[1]);
     if (!(white.x > 0 && white.y > 0 && white.x + white.y < 1))
-        throw UserError(fmt::format("--primaries {},{}: not the chromaticity of a white; x and y are above 0 and x + y "
-                                    "below 1.",
-                                    white.x, white.y));
+        throw UserError(
+            fmt::format("--primaries {},{}: not the chromaticity of a white; x and y are above 0 and x + y "
+                        "below 1.",
+                        white.x, white.y));
     return white;
 }
 
@@ -45,8 +46,7 @@ int Whitebalance(const Options &o) {
     const std::array<int, 3> rgb = RgbChannels(file.image, o.path);
     const ColorSpace &space = SpaceOf(file);
     const glm::mat3 m = space.RgbFromXyz() * WhiteBalanceMatrix(white, space.White()) * space.XyzFromRgb();
-    ForEachPixel(file.image,
-                 [&](Point2i p) { SetRgb(file.image, p, rgb, m * GetRgb(file.image, p, rgb)); });
+    ForEachPixel(file.image, [&](Point2i p) { SetRgb(file.image, p, rgb, m * GetRgb(file.image, p, rgb)); });
     WriteImage(o.outfile, file.image, file.metadata);
     return 0;
 }

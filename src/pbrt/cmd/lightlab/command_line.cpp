@@ -26,7 +26,8 @@ const char *const kAbout =
     "Ctrl-C keeps what is finished; the same command goes on from there, with more --seeds as well.";
 
 const char *const kFooter =
-    "A sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]], as in pbrt: +mesh takes every emissive\n"
+    "A sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]], as in pbrt: +mesh takes every "
+    "emissive\n"
     "mesh as one light, +gate skips some shadow rays at random. pbrt --list-lightsamplers names all with their\n"
     "parameters. Commas or semicolons part samplers; a comma followed by key=value goes on with the same one.\n\n"
     "The reference is rendered with the sampler that has the least variance in a short pilot run, and a second one "
@@ -90,11 +91,11 @@ LightlabCommandLine ParseInspect(int argc, const char *const *argv) {
     CLI::App &app = parser.app;
     app.add_option("scene", inspect.sceneFiles, "scene file")->required();
     inspect.build.lightSamplerFlag = "--sampler";
-    app.add_option("--sampler", inspect.build.lightSampler, "name[:key=value,...][+mesh][+gate=...]; the scene's if left out");
+    app.add_option("--sampler", inspect.build.lightSampler,
+                   "name[:key=value,...][+mesh][+gate=...]; the scene's if left out");
     app.add_flag("--mesh", inspect.build.meshLights, "the same as +mesh: an emissive mesh is one light");
     app.add_option("--out", inspect.outFolder, "folder (inspect-<sampler>)");
-    app.add_option("--divisor", inspect.build.film.resolutionDivisor, "divides the resolution")
-        ->check(PositiveNumber);
+    app.add_option("--divisor", inspect.build.film.resolutionDivisor, "divides the resolution")->check(PositiveNumber);
     CLI::Option *depth = app.add_option("--maxdepth", maxDepth, "of the paths")->check(NonNegativeNumber);
     CLI::Option *seedOption = app.add_option("--seed", seed, "of the preparation");
     app.add_option("--samples", inspect.settings.samples, "light samples per light and pixel (32)")
@@ -111,7 +112,8 @@ LightlabCommandLine ParseInspect(int argc, const char *const *argv) {
 }
 
 /// Everything that was not said on the command line comes from the campaign that is replayed.
-void TakeFromResults(LightlabOptions *o, bool samplers, bool seeds, bool depth, bool sampledLight, bool divisor, bool gate, bool spp) {
+void TakeFromResults(LightlabOptions *o, bool samplers, bool seeds, bool depth, bool sampledLight, bool divisor,
+                     bool gate, bool spp) {
     lab::CampaignSettings &c = o->campaign;
     const nlohmann::ordered_json results = lab::ReadResults(c.samplesFrom);
     const nlohmann::ordered_json &settings = results.at("settings");
@@ -218,7 +220,8 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
             ->group(reference);
 
     app.add_option("--selection-work", c.selectionWork,
-                   "bias check of light selection at vertices of paths: lights drawn, at most, for every sampler (1e8, some 10 to 50 s; "
+                   "bias check of light selection at vertices of paths: lights drawn, at most, for every sampler (1e8, "
+                   "some 10 to 50 s; "
                    "0: bias is looked for in pictures only)")
         ->check(NonNegativeNumber)
         ->group(effort);

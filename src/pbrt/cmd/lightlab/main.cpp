@@ -25,7 +25,8 @@ int Compare(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegist
     lab::CampaignSettings settings = options.campaign;
     settings.samplers = lab::ParseSamplerChoices(options.samplers, registry);
     std::unique_ptr<ProgressSink> display = MakeTerminalProgress(options.quiet);
-    const std::string goesOn = fmt::format("\nInterrupted. The same command goes on from what {} holds.", settings.outFolder);
+    const std::string goesOn =
+        fmt::format("\nInterrupted. The same command goes on from what {} holds.", settings.outFolder);
     Progress cancel;
     SignalWatch signals(cancel, goesOn);
     signals.Cancel("", goesOn, kGraceSeconds);

@@ -28,11 +28,13 @@ std::vector<std::string> CanonicalFlags(const CLI::App &app, int argc, const cha
     std::vector<std::string> arguments;
     for (int i = 1; i < argc; ++i) {
         std::string argument = argv[i];
-        bool isFlag = argument.size() > 1 && argument[0] == '-' && (std::isalpha(static_cast<unsigned char>(argument[1])) || argument[1] == '-');
+        bool isFlag = argument.size() > 1 && argument[0] == '-' &&
+                      (std::isalpha(static_cast<unsigned char>(argument[1])) || argument[1] == '-');
         if (isFlag) {
             size_t equals = argument.find('=');
             auto it = canonical.find(Fold(argument.substr(0, equals)));
-            if (it != canonical.end()) argument = it->second + (equals == std::string::npos ? "" : argument.substr(equals));
+            if (it != canonical.end())
+                argument = it->second + (equals == std::string::npos ? "" : argument.substr(equals));
         }
         arguments.push_back(argument);
     }
@@ -40,7 +42,8 @@ std::vector<std::string> CanonicalFlags(const CLI::App &app, int argc, const cha
 }
 
 template <class T>
-CLI::Option *AddNumbers(CLI::App &app, const std::string &name, std::vector<T> &values, int count, const std::string &help) {
+CLI::Option *AddNumbers(CLI::App &app, const std::string &name, std::vector<T> &values, int count,
+                        const std::string &help) {
     return app.add_option(name, values, help)->delimiter(',')->expected(count)->allow_extra_args(false);
 }
 
@@ -51,64 +54,110 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     CommandLine &o = result.options;
     for (int i = 0; i < argc; ++i) o.text += (i ? " " : "") + std::string(argv[i]);
 
-    CLI::App app("Renders pbrt-v4 scene files. An independent renderer compatible with pbrt-v4 scenes, made for\n"
-                 "choosing the right light at every shading point.\n\n"
-                 "  pbrt scene.pbrt                              as the scene says\n"
-                 "  pbrt --lightsampler octree scene.pbrt        lights chosen by the visibility octree\n"
-                 "  pbrt --lightsampler octree:budget=0.02,floor=0.1 --spp 64 --outfile out.exr scene.pbrt\n"
-                 "  pbrt --lightsampler bvh+mesh+gate=neepp scene.pbrt\n"
-                 "  pbrt --quick --spp 16 scene.pbrt             a small picture, soon\n\n"
-                 "Ctrl-C, SIGTERM and SIGHUP save what was rendered and end with status 130, 143 and 129; a second one ends\n"
-                 "at once. A file that holds more samples of the same scene is kept: the interrupted picture is then\n"
-                 "written beside it, as out-unfinished.exr.",
-                 "pbrt");
-    app.footer("A light sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]], here, in lightlab and in\n"
-               "lightlab inspect: +mesh takes every emissive mesh as one light, +gate skips some shadow rays at random, without\n"
-               "bias. --list-lightsamplers names all with their parameters.");
+    CLI::App app(
+        "Renders pbrt-v4 scene files. An independent renderer compatible with pbrt-v4 scenes, made for\n"
+        "choosing the right light at every shading point.\n\n"
+        "  pbrt scene.pbrt                              as the scene says\n"
+        "  pbrt --lightsampler octree scene.pbrt        lights chosen by the visibility octree\n"
+        "  pbrt --lightsampler octree:budget=0.02,floor=0.1 --spp 64 --outfile out.exr scene.pbrt\n"
+        "  pbrt --lightsampler bvh+mesh+gate=neepp scene.pbrt\n"
+        "  pbrt --quick --spp 16 scene.pbrt             a small picture, soon\n\n"
+        "Ctrl-C, SIGTERM and SIGHUP save what was rendered and end with status 130, 143 and 129; a second one ends\n"
+        "at once. A file that holds more samples of the same scene is kept: the interrupted picture is then\n"
+        "written beside it, as out-unfinished.exr.",
+        "pbrt");
+    app.footer(
+        "A light sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]], here, in lightlab and in\n"
+        "lightlab inspect: +mesh takes every emissive mesh as one light, +gate skips some shadow rays at random, "
+        "without\n"
+        "bias. --list-lightsamplers names all with their parameters.");
     app.set_version_flag("--version", PBRT_VERSION_TEXT, "print the version, and stop");
     std::vector<Float> crop;
     std::vector<int> bounds, pixel;
     int spp = 0, seed = 0, maxDepth = 0;
-    app.add_option("scene", o.sceneFiles, "scene files, parsed one after the other as one scene; none or \"-\": standard input");
+    app.add_option("scene", o.sceneFiles,
+                   "scene files, parsed one after the other as one scene; none or \"-\": standard input");
 
     const char *image = "Image";
     AddNumbers(app, "--cropwindow", crop, 4, "render only x0,x1,y0,y1, as fractions of the image")->group(image);
     AddNumbers(app, "--pixelbounds", bounds, 4, "render only x0,x1,y0,y1, in pixels")->group(image);
     AddNumbers(app, "--pixel", pixel, 2, "render only the pixel x,y")->group(image);
-    app.add_option("--outfile", o.build.film.filename, "image to write (.exr, .png, .pfm); beats the scene's film filename")->group(image);
-    app.add_flag("--write-partial-images", o.writePartialImages, "write the image after every wave of samples")->group(image);
-    app.add_option("--mse-reference-image", o.build.mseReferenceImage, "compare with this image after every wave")->group(image);
-    app.add_option("--mse-reference-out", o.build.mseReferenceOut, "file for the \"spp, mse\" lines of that comparison")->group(image);
+    app.add_option("--outfile", o.build.film.filename,
+                   "image to write (.exr, .png, .pfm); beats the scene's film filename")
+        ->group(image);
+    app.add_flag("--write-partial-images", o.writePartialImages, "write the image after every wave of samples")
+        ->group(image);
+    app.add_option("--mse-reference-image", o.build.mseReferenceImage, "compare with this image after every wave")
+        ->group(image);
+    app.add_option("--mse-reference-out", o.build.mseReferenceOut, "file for the \"spp, mse\" lines of that comparison")
+        ->group(image);
 
     const char *effort = "Effort";
-    CLI::Option *sppOption = app.add_option("--spp", spp, "samples per pixel; beats the scene's sampler")->check(PositiveNumber)->group(effort);
-    app.add_option("--time", o.timeBudget, "render for this many seconds, preprocessing included, whatever --spp says")->check(PositiveNumber)->group(effort);
+    CLI::Option *sppOption = app.add_option("--spp", spp, "samples per pixel; beats the scene's sampler")
+                                 ->check(PositiveNumber)
+                                 ->group(effort);
+    app.add_option("--time", o.timeBudget, "render for this many seconds, preprocessing included, whatever --spp says")
+        ->check(PositiveNumber)
+        ->group(effort);
     CLI::Option *seedOption = app.add_option("--seed", seed, "seed of the pixel sampler (0)")->group(effort);
     app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(NonNegativeNumber)->group(effort);
-    app.add_flag("--quick", o.build.quick, "a quarter of the resolution, one sample per pixel unless --spp says otherwise")->group(effort);
+    app.add_flag("--quick", o.build.quick,
+                 "a quarter of the resolution, one sample per pixel unless --spp says otherwise")
+        ->group(effort);
 
     const char *lights = "Light selection";
-    app.add_option("--lightsampler", o.build.lightSampler, "which light gets the shadow ray, see below; beats the scene")->group(lights);
-    app.add_flag("--mesh-lights", o.build.meshLights, "the same as +mesh: an emissive mesh is one light")->group(lights);
-    app.add_option("--shadow-gate", o.build.shadowGate, "name[:key=value,...], the same as +gate=; none: no gate whatever the scene says")->group(lights);
-    app.add_flag_callback("--list-lightsamplers", [&o] { o.list = "lightsamplers"; }, "the same as --list lightsamplers")->group(lights);
+    app.add_option("--lightsampler", o.build.lightSampler,
+                   "which light gets the shadow ray, see below; beats the scene")
+        ->group(lights);
+    app.add_flag("--mesh-lights", o.build.meshLights, "the same as +mesh: an emissive mesh is one light")
+        ->group(lights);
+    app.add_option("--shadow-gate", o.build.shadowGate,
+                   "name[:key=value,...], the same as +gate=; none: no gate whatever the scene says")
+        ->group(lights);
+    app.add_flag_callback(
+           "--list-lightsamplers", [&o] { o.list = "lightsamplers"; }, "the same as --list lightsamplers")
+        ->group(lights);
 
     const char *method = "Method";
-    app.add_option("--integrator", o.build.integrator, "use this integrator instead of the scene's (path, simplepath, ...)")->group(method);
-    CLI::Option *depthOption = app.add_option("--maxdepth", maxDepth, "scattering events per path; 1: direct light only")->check(NonNegativeNumber)->group(method);
+    app.add_option("--integrator", o.build.integrator,
+                   "use this integrator instead of the scene's (path, simplepath, ...)")
+        ->group(method);
+    CLI::Option *depthOption =
+        app.add_option("--maxdepth", maxDepth, "scattering events per path; 1: direct light only")
+            ->check(NonNegativeNumber)
+            ->group(method);
     app.add_flag("--disable-pixel-jitter", o.build.disablePixelJitter, "sample pixel centres only")->group(method);
-    app.add_flag("--disable-wavelength-jitter", o.build.disableWavelengthJitter, "the same wavelengths for every sample")->group(method);
-    app.add_flag("--disable-texture-filtering", o.build.disableTextureFiltering, "point-sample all textures")->group(method);
-    app.add_flag("--force-diffuse", o.build.forceDiffuse, "every surface is diffuse, with the reflectance that it has")->group(method);
-    app.add_option("--displacement-edge-scale", o.build.displacementEdgeScale, "multiplies the \"edgelength\" of displaced meshes")->check(PositiveNumber)->group(method);
-    app.add_option("--texture-cache-mb", o.build.textureCacheMb, "memory for image textures; the rest is kept in a temporary folder (0: all in memory)")->check(NonNegativeNumber)->group(effort);
-    app.add_flag("--ignore-media", o.build.ignoreMedia, "leave out media, which are not supported yet; the image is called ...-without-media")->group(method);
-    app.add_flag("--ignore-unsupported", o.build.ignoreUnsupported, "leave out all that is not supported; the image is called ...-incomplete")->group(method);
-    app.add_option("--render-coord-sys", o.build.renderCoordSys, "camera, cameraworld (default) or world")->check(CLI::IsMember({"camera", "cameraworld", "world"}))->group(method);
+    app.add_flag("--disable-wavelength-jitter", o.build.disableWavelengthJitter,
+                 "the same wavelengths for every sample")
+        ->group(method);
+    app.add_flag("--disable-texture-filtering", o.build.disableTextureFiltering, "point-sample all textures")
+        ->group(method);
+    app.add_flag("--force-diffuse", o.build.forceDiffuse, "every surface is diffuse, with the reflectance that it has")
+        ->group(method);
+    app.add_option("--displacement-edge-scale", o.build.displacementEdgeScale,
+                   "multiplies the \"edgelength\" of displaced meshes")
+        ->check(PositiveNumber)
+        ->group(method);
+    app.add_option("--texture-cache-mb", o.build.textureCacheMb,
+                   "memory for image textures; the rest is kept in a temporary folder (0: all in memory)")
+        ->check(NonNegativeNumber)
+        ->group(effort);
+    app.add_flag("--ignore-media", o.build.ignoreMedia,
+                 "leave out media, which are not supported yet; the image is called ...-without-media")
+        ->group(method);
+    app.add_flag("--ignore-unsupported", o.build.ignoreUnsupported,
+                 "leave out all that is not supported; the image is called ...-incomplete")
+        ->group(method);
+    app.add_option("--render-coord-sys", o.build.renderCoordSys, "camera, cameraworld (default) or world")
+        ->check(CLI::IsMember({"camera", "cameraworld", "world"}))
+        ->group(method);
 
     const char *messages = "Messages";
-    app.add_option("--list", o.list, "print what a scene can name, with all parameters, and stop: cameras, filters, samplers, accelerators, shapes, materials, "
-                                     "floattextures, spectrumtextures, lights, arealights, lightsamplers; all; table")->group(messages);
+    app.add_option("--list", o.list,
+                   "print what a scene can name, with all parameters, and stop: cameras, filters, samplers, "
+                   "accelerators, shapes, materials, "
+                   "floattextures, spectrumtextures, lights, arealights, lightsamplers; all; table")
+        ->group(messages);
     app.add_flag("--quiet", o.quiet, "no progress and no warnings; errors only")->group(messages);
     app.add_flag("--stats", o.stats, "print statistics after rendering")->group(messages);
 

@@ -25,7 +25,7 @@ inline std::vector<std::string> SceneFilesOf(const CommandLine &options) {
 /// What to do after parsing the arguments.
 struct CommandLineResult {
     CommandLine options;
-    bool done = false;   ///< help or error was printed: exit with `status`
+    bool done = false;  ///< help or error was printed: exit with `status`
     int status = 0;
 };
 

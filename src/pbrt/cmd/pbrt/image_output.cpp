@@ -41,7 +41,8 @@ bool ImageOutput::KeepsOld(const ImageMetadata &metadata) {
             old_.emplace();  // what it is nobody knows
         }
     if (!MayShowTheSame(*old_, metadata)) return false;
-    const std::optional<int> had = Attribute<int>(*old_, "samplesPerPixel"), has = Attribute<int>(metadata, "samplesPerPixel");
+    const std::optional<int> had = Attribute<int>(*old_, "samplesPerPixel"),
+                             has = Attribute<int>(metadata, "samplesPerPixel");
     return !had || !has || *had > *has;
 }
 

@@ -6,9 +6,9 @@
 
 namespace pbrt {
 
-/// Where the picture of a render goes. The finished picture replaces whatever the file held, as asked. An unfinished one
-/// (interrupted, or after a wave) never replaces a better one: a picture of the same scene with more samples, or one
-/// whose samples are unknown, stays, and the unfinished one is written beside it.
+/// Where the picture of a render goes. The finished picture replaces whatever the file held, as asked. An unfinished
+/// one (interrupted, or after a wave) never replaces a better one: a picture of the same scene with more samples, or
+/// one whose samples are unknown, stays, and the unfinished one is written beside it.
 class ImageOutput {
   public:
     explicit ImageOutput(std::string filename) : filename_(std::move(filename)) {}

@@ -27,7 +27,9 @@ void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
         if (all[*printed].severity == Severity::Warning) LogInfo(Format(all[*printed], color));
 }
 
-std::string NothingWritten(const std::string &phase) { return fmt::format("Interrupted while {}: no image was written.", phase); }
+std::string NothingWritten(const std::string &phase) {
+    return fmt::format("Interrupted while {}: no image was written.", phase);
+}
 
 /// The picture of one render on its way to its file.
 class PictureWriter {
@@ -55,11 +57,14 @@ class PictureWriter {
         }
         SayWriting(output_.Filename());
         std::string name = output_.Filename();
-        if (result.cancelled) name = output_.WriteUnfinished(built_.film->ToImage(), Describe(result));
-        else output_.WriteFinished(built_.film->ToImage(), Describe(result));
+        if (result.cancelled)
+            name = output_.WriteUnfinished(built_.film->ToImage(), Describe(result));
+        else
+            output_.WriteFinished(built_.film->ToImage(), Describe(result));
         if (result.cancelled) LogInfo("Interrupted: the image holds what was rendered.");
         if (name != output_.Filename())
-            LogInfo(fmt::format("{} is kept: it has more samples of this scene, or nobody knows how many.", output_.Filename()));
+            LogInfo(fmt::format("{} is kept: it has more samples of this scene, or nobody knows how many.",
+                                output_.Filename()));
         written_ = name;
         return true;
     }
@@ -75,7 +80,9 @@ class PictureWriter {
         signals_.Cancel(fmt::format("Interrupted; writing {} is finished first. A second signal ends at once.", name),
                         fmt::format("Interrupted while writing: {} was not written.", name), kWritingSeconds);
     }
-    ImageMetadata Describe(const RenderResult &result) const { return DescribeImage(options_, built_, result, timings_); }
+    ImageMetadata Describe(const RenderResult &result) const {
+        return DescribeImage(options_, built_, result, timings_);
+    }
 
     const CommandLine &options_;
     const BuiltScene &built_;
@@ -87,7 +94,8 @@ class PictureWriter {
 
 }  // namespace
 
-int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Progress &progress, SignalWatch &signals) {
+int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Progress &progress,
+                 SignalWatch &signals) {
     const auto start = std::chrono::steady_clock::now();
     Timings timings;
     timings.startUp = SecondsSinceProcessStart();
@@ -139,8 +147,8 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
             writer.WritePartial(result);
         };
     writer.SayRendering();
-    result = RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
-                         progress);
+    result =
+        RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
     timings.render = result.seconds;
     progress.BeginPhase("writing", 0);
     const bool isWritten = writer.Write(result);

@@ -5,8 +5,9 @@
 
 namespace pbrt {
 
-/// Reads, builds, renders and writes one image. Throws UserError. Returns the exit status: 0, or 128 + the signal's number
-/// after one came in time to be answered (what was rendered is saved).
-int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Progress &progress, SignalWatch &signals);
+/// Reads, builds, renders and writes one image. Throws UserError. Returns the exit status: 0, or 128 + the signal's
+/// number after one came in time to be answered (what was rendered is saved).
+int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Progress &progress,
+                 SignalWatch &signals);
 
 }  // namespace pbrt

@@ -22,10 +22,14 @@ void AddReport(const Reporter &reporter, const std::string &prefix, ImageMetadat
     reporter.Report(report);
     for (const auto &[key, value] : report.items()) {
         std::string name = prefix + key;
-        if (value.is_number_integer()) m->attributes[name] = value.template get<int>();
-        else if (value.is_number()) m->attributes[name] = value.template get<float>();
-        else if (value.is_string()) m->attributes[name] = value.template get<std::string>();
-        else m->attributes[name] = value.dump();
+        if (value.is_number_integer())
+            m->attributes[name] = value.template get<int>();
+        else if (value.is_number())
+            m->attributes[name] = value.template get<float>();
+        else if (value.is_string())
+            m->attributes[name] = value.template get<std::string>();
+        else
+            m->attributes[name] = value.dump();
     }
 }
 
@@ -78,24 +82,33 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
 void PrintStatistics(const BuiltScene &built, const RenderResult &result, const Timings &timings) {
     RenderCounters c = SumCounters();
     auto line = [](const char *what, const std::string &value) { std::printf("  %-34s %s\n", what, value.c_str()); };
-    auto share = [](uint64_t part, uint64_t whole) { return whole ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0; };
+    auto share = [](uint64_t part, uint64_t whole) {
+        return whole ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+    };
     std::printf("Statistics\n");
-    for (const auto &[phase, seconds] : timings.Phases()) line((phase + " (s)").c_str(), fmt::format("{:.3f}", seconds));
+    for (const auto &[phase, seconds] : timings.Phases())
+        line((phase + " (s)").c_str(), fmt::format("{:.3f}", seconds));
     line("total (s)", fmt::format("{:.3f}", timings.Total()));
     line("samples per pixel", fmt::format("{}", result.samplesTaken));
     line("shapes, lights", fmt::format("{}, {}", built.scene->ShapeCount(), built.scene->Lights().Size()));
-    line("acceleration structure (MB)", fmt::format("{:.1f}", static_cast<double>(built.scene->Acceleration().Bytes()) / 1e6));
+    line("acceleration structure (MB)",
+         fmt::format("{:.1f}", static_cast<double>(built.scene->Acceleration().Bytes()) / 1e6));
     line("camera paths", fmt::format("{}", c.cameraPaths));
-    line("path vertices", fmt::format("{} ({:.2f} a path)", c.pathVertices, c.cameraPaths ? static_cast<double>(c.pathVertices) / static_cast<double>(c.cameraPaths) : 0.0));
+    line("path vertices",
+         fmt::format("{} ({:.2f} a path)", c.pathVertices,
+                     c.cameraPaths ? static_cast<double>(c.pathVertices) / static_cast<double>(c.cameraPaths) : 0.0));
     line("closest-hit rays", fmt::format("{}", c.closestHitRays));
     line("shadow rays", fmt::format("{} ({:.1f} % blocked)", c.shadowRays, share(c.shadowRaysBlocked, c.shadowRays)));
-    line("rays per second (million)", fmt::format("{:.2f}", static_cast<double>(c.closestHitRays + c.shadowRays) / std::max(1e-9, result.seconds) / 1e6));
-    if (built.film->RejectedSamples()) line("samples dropped (not finite)", fmt::format("{}", built.film->RejectedSamples()));
+    line("rays per second (million)", fmt::format("{:.2f}", static_cast<double>(c.closestHitRays + c.shadowRays) /
+                                                                std::max(1e-9, result.seconds) / 1e6));
+    if (built.film->RejectedSamples())
+        line("samples dropped (not finite)", fmt::format("{}", built.film->RejectedSamples()));
     auto list = [&](const char *what, const std::string &name, const auto &reporter) {
         nlohmann::ordered_json report = nlohmann::ordered_json::object();
         reporter.Report(report);
         line(what, name);
-        for (const auto &[key, value] : report.items()) line(("  " + key).c_str(), value.is_string() ? value.template get<std::string>() : value.dump());
+        for (const auto &[key, value] : report.items())
+            line(("  " + key).c_str(), value.is_string() ? value.template get<std::string>() : value.dump());
     };
     if (const LightSampler *lights = built.integrator->Lights()) list("light sampler", built.lightSamplerName, *lights);
     if (const ShadowRayGate *gate = built.integrator->Gate()) list("shadow-ray gate", built.shadowGateName, *gate);

@@ -15,7 +15,7 @@ struct Timings {
     double read = 0, build = 0, prepare = 0, render = 0, write = 0;
 
     std::vector<std::pair<std::string, double>> Phases() const {
-        return {{"start-up", startUp},           {"reading", read},     {"building", build},
+        return {{"start-up", startUp},         {"reading", read},     {"building", build},
                 {"preparing lights", prepare}, {"rendering", render}, {"writing", write}};
     }
     double Total() const { return startUp + read + build + prepare + render + write; }

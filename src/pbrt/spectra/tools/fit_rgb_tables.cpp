@@ -34,10 +34,8 @@ void FitColumn(const SigmoidFit &fit, size_t slab, size_t yIndex, size_t xIndex,
     double c[3] = {0, 0, 0};
     fitOne(kStart, c);
     double down[3] = {c[0], c[1], c[2]};
-    for (size_t scale = kStart + 1; scale < kRes; ++scale)
-        fitOne(scale, c);
-    for (size_t scale = kStart; scale-- > 0;)
-        fitOne(scale, down);
+    for (size_t scale = kStart + 1; scale < kRes; ++scale) fitOne(scale, c);
+    for (size_t scale = kStart; scale-- > 0;) fitOne(scale, down);
 }
 
 const RgbPrimaries &FindSpace(const std::string &name) {
@@ -57,8 +55,7 @@ int main(int argc, char **argv) try {
     std::vector<float> table(RgbTableFloats);
     ParallelForEach(3 * kRes, [&](int64_t row) {
         auto slab = static_cast<size_t>(row) / kRes, y = static_cast<size_t>(row) % kRes;
-        for (size_t x = 0; x < kRes; ++x)
-            FitColumn(fit, slab, y, x, table);
+        for (size_t x = 0; x < kRes; ++x) FitColumn(fit, slab, y, x, table);
     });
     WriteFile(argv[2], {reinterpret_cast<const char *>(table.data()), table.size() * sizeof(float)});
     return 0;

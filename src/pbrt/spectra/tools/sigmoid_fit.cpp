@@ -51,22 +51,18 @@ SigmoidFit::SigmoidFit(const RgbPrimaries &space) {
         double rule = i == 0 || i == kIntervals ? 1 : i % 3 == 0 ? 2 : 3;  // Simpson's 3/8, up to a factor
         double emitted = rule * AtTableStep(*illuminant, position);
         weights_.position.push_back(position);
-        for (size_t k = 0; k < 3; ++k)
-            weights_.weights[k].push_back(emitted * AtTableStep(*matching[k], position));
+        for (size_t k = 0; k < 3; ++k) weights_.weights[k].push_back(emitted * AtTableStep(*matching[k], position));
         sumY += weights_.weights[1].back();
     }
     for (std::vector<double> &list : weights_.weights)
-        for (double &w : list)
-            w /= sumY;
+        for (double &w : list) w /= sumY;
     while (weights_.position.size() % kVectorLength != 0) {
         weights_.position.push_back(0);
-        for (std::vector<double> &w : weights_.weights)
-            w.push_back(0);
+        for (std::vector<double> &w : weights_.weights) w.push_back(0);
     }
     for (size_t k = 0; k < 3; ++k) {
         white_[k] = 0;
-        for (double w : weights_.weights[k])
-            white_[k] += w;
+        for (double w : weights_.weights[k]) white_[k] += w;
     }
     Vector3 white(static_cast<Float>(white_[0]), static_cast<Float>(white_[1]), static_cast<Float>(white_[2]));
     xyzFromRgb_ = glm::dmat3(ComputeXyzFromRgb(space.r, space.g, space.b, white));
@@ -95,8 +91,7 @@ double SigmoidFit::Residual(const double c[3], const double target[3], double r[
     IntegrateSigmoid(weights_, c, &integrals);
     double lab[3], d[3];
     Lab(integrals.xyz, lab, d);
-    for (int k = 0; k < 3; ++k)
-        r[k] = target[k] - lab[k];
+    for (int k = 0; k < 3; ++k) r[k] = target[k] - lab[k];
     for (int j = 0; j < 3; ++j) {
         double fx = d[0] * integrals.jacobian[0][j], fy = d[1] * integrals.jacobian[1][j];
         double fz = d[2] * integrals.jacobian[2][j];
@@ -119,12 +114,10 @@ double SigmoidFit::Fit(const double rgb[3], double c[3]) const {
         error = Residual(c, target, r, jacobian);
         if (error < kGoodEnough || !Solve3(jacobian, r, step)) break;
         if (!std::isfinite(step[0] + step[1] + step[2])) break;
-        for (int j = 0; j < 3; ++j)
-            c[j] += step[j];
+        for (int j = 0; j < 3; ++j) c[j] += step[j];
         // With its sign: negative coefficients are not bounded.
         if (double largest = std::max({c[0], c[1], c[2]}); largest > kMaxCoefficient)
-            for (int j = 0; j < 3; ++j)
-                c[j] *= kMaxCoefficient / largest;
+            for (int j = 0; j < 3; ++j) c[j] *= kMaxCoefficient / largest;
     }
     return std::sqrt(error);
 }

@@ -44,8 +44,11 @@ TEST_P(EmitterTreeOfSize, EveryEmitterIsInItOnceAndSampledAsItsPmfSays) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Sizes, EmitterTreeOfSize, testing::Values(Size{1, 0}, Size{7, 2}, Size{33, 0}, Size{100, 1}, Size{1100, 3}),
-                         [](const auto &p) { return std::to_string(p.param.count) + "And" + std::to_string(p.param.far) + "Far"; });
+INSTANTIATE_TEST_SUITE_P(Sizes, EmitterTreeOfSize,
+                         testing::Values(Size{1, 0}, Size{7, 2}, Size{33, 0}, Size{100, 1}, Size{1100, 3}),
+                         [](const auto &p) {
+                             return std::to_string(p.param.count) + "And" + std::to_string(p.param.far) + "Far";
+                         });
 
 /// Large enough to be built as several tasks.
 TEST(EmitterTree, IsTheSameForAnyNumberOfThreads) {

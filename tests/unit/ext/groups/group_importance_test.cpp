@@ -38,19 +38,22 @@ AttributeBegin
   Shape "trianglemesh" "point3 P" [ 0 0.2 1.5  0.2 0 1.5  0 -0.2 1.5  -0.2 0 1.5  0 0 1.7  0 0 1.3 ]
     "integer indices" [ 0 1 4 1 2 4 2 3 4 3 0 4 1 0 5 2 1 5 3 2 5 0 3 5 ]
 AttributeEnd
-LightSource "infinite" "string filename" ")" + kAssets + R"(env_sky.exr"
+LightSource "infinite" "string filename" ")" +
+                            kAssets + R"(env_sky.exr"
   "point3 portal" [ -1 -0.5 -2.5  1.2 -0.5 -2.5  1.2 1 -2.5  -1 1 -2.5 ]
 LightSource "infinite" "rgb L" [ 1 1 1 ]
   "point3 portal" [ -0.6 2 0.1  -0.6 2 -0.4  -0.2 2 -0.4  -0.2 2 0.1 ]
 AttributeBegin
   Translate 0.5 1 -0.5
   Rotate 30 1 1 0
-  LightSource "goniometric" "string filename" ")" + kAssets + R"(gonio_lobes.png" "rgb I" [ 3 2 1 ]
+  LightSource "goniometric" "string filename" ")" +
+                            kAssets + R"(gonio_lobes.png" "rgb I" [ 3 2 1 ]
 AttributeEnd
 AttributeBegin
   Translate -0.5 1 -1.5
   Rotate 20 1 -1 0
-  LightSource "projection" "string filename" ")" + kAssets + R"(slide.png" "float fov" 50 "float scale" 5
+  LightSource "projection" "string filename" ")" +
+                            kAssets + R"(slide.png" "float fov" 50 "float scale" 5
 AttributeEnd
 )";
 
@@ -148,7 +151,9 @@ TEST(GroupImportance, IsAnEstimateOfTheUnoccludedLight) {
     std::vector<double> truth(groups.Size(), 0);
     for (uint32_t l = 0; l < lights.Size(); ++l) {
         const int n = 4096;
-        for (int k = 0; k < n; ++k) truth[groups.GroupOf(LightId(l))] += static_cast<double>(Unoccluded(lights[LightId(l)], q, rng.Uniform2())) / n;
+        for (int k = 0; k < n; ++k)
+            truth[groups.GroupOf(LightId(l))] +=
+                static_cast<double>(Unoccluded(lights[LightId(l)], q, rng.Uniform2())) / n;
     }
     size_t compared = 0;
     for (uint32_t i = 0; i < groups.Size(); ++i) {
@@ -193,7 +198,8 @@ TEST(GroupImportance, APortalIsALightInItsPlace) {
         EXPECT_GT(at(3), 0);
         EXPECT_NEAR(at(6) / at(3), 0.25f, 0.05f) << "as of any light at a place";
         EXPECT_EQ(at(-5), 0) << "nothing goes out";
-        EXPECT_NEAR(Dot(importance.DirectionTo(opening->Centroid() + opening->w * Float(2), group), -opening->w), 1, 1e-5f);
+        EXPECT_NEAR(Dot(importance.DirectionTo(opening->Centroid() + opening->w * Float(2), group), -opening->w), 1,
+                    1e-5f);
     }
     EXPECT_EQ(portals, 2u);
 }

@@ -97,7 +97,8 @@ TEST_P(LightTreeOfSize, LightsBelowANodeAreSampledAsTheirPmfSays) {
             constexpr int kSamples = 400;
             std::vector<int> chosen(pmf.size(), 0);
             for (int s = 0; s < kSamples; ++s)
-                if (std::optional<SampledLight> light = tree.SampleWithin(node, q, (static_cast<Float>(s) + rng.Uniform()) / kSamples)) {
+                if (std::optional<SampledLight> light =
+                        tree.SampleWithin(node, q, (static_cast<Float>(s) + rng.Uniform()) / kSamples)) {
                     const uint32_t position = tree.PositionOf(light->light.value);
                     ASSERT_TRUE(position >= range.begin && position < range.end);
                     EXPECT_EQ(light->pmf, tree.PMFWithin(node, q, position));
@@ -109,8 +110,11 @@ TEST_P(LightTreeOfSize, LightsBelowANodeAreSampledAsTheirPmfSays) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Sizes, LightTreeOfSize, testing::Values(Size{1, 0}, Size{0, 3}, Size{7, 2}, Size{65, 0}, Size{300, 40}),
-                         [](const auto &p) { return std::to_string(p.param.count) + "And" + std::to_string(p.param.far) + "Far"; });
+INSTANTIATE_TEST_SUITE_P(Sizes, LightTreeOfSize,
+                         testing::Values(Size{1, 0}, Size{0, 3}, Size{7, 2}, Size{65, 0}, Size{300, 40}),
+                         [](const auto &p) {
+                             return std::to_string(p.param.count) + "And" + std::to_string(p.param.far) + "Far";
+                         });
 
 /// Large enough to be built as several tasks.
 TEST(LightTree, IsTheSameForAnyNumberOfThreads) {
@@ -121,7 +125,8 @@ TEST(LightTree, IsTheSameForAnyNumberOfThreads) {
         trees[k].emplace(emitters);
     }
     ASSERT_EQ(trees[0]->NodeCount(), trees[1]->NodeCount());
-    EXPECT_TRUE(std::equal(trees[0]->BaseCut().begin(), trees[0]->BaseCut().end(), trees[1]->BaseCut().begin(), trees[1]->BaseCut().end()));
+    EXPECT_TRUE(std::equal(trees[0]->BaseCut().begin(), trees[0]->BaseCut().end(), trees[1]->BaseCut().begin(),
+                           trees[1]->BaseCut().end()));
     for (uint32_t node = 0; node < trees[0]->NodeCount(); ++node) {
         ASSERT_EQ(trees[0]->At(node), trees[1]->At(node));
         ASSERT_EQ(trees[0]->Intensity(node), trees[1]->Intensity(node));
@@ -135,7 +140,8 @@ TEST(LightTree, PutsNeighboursTogetherAndStaysShallow) {
     Rng rng(7);
     std::vector<Emitter> emitters;
     for (int i = 0; i < 400; ++i) {
-        const Point3 p = Point3(static_cast<Float>(i % 4) * 10, 0, 0) + Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform());
+        const Point3 p =
+            Point3(static_cast<Float>(i % 4) * 10, 0, 0) + Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform());
         emitters.push_back(test::Patch(p, Vector3(0, 0, 1), 1));
     }
     const LightTree tree(emitters);

@@ -15,15 +15,16 @@ std::string Ball(int rings) {
     for (int i = 0; i <= rings; ++i)
         for (int k = 0; k < rings; ++k) {
             double theta = 3.14159265 * (0.02 + 0.96 * i / rings), phi = 2 * 3.14159265 * k / rings;
-            p += fmt::format("{} {} {} ", std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
+            p += fmt::format("{} {} {} ", std::sin(theta) * std::cos(phi), std::cos(theta),
+                             std::sin(theta) * std::sin(phi));
         }
     for (int i = 0; i < rings; ++i)
         for (int k = 0; k < rings; ++k) {
             int a = i * rings + k, b = i * rings + (k + 1) % rings;
             indices += fmt::format("{} {} {} {} {} {} ", a, b, b + rings, a, b + rings, a + rings);
         }
-    return "Camera \"perspective\"\nWorldBegin\nAreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\nShape \"trianglemesh\" \"point3 P\" [ " + p +
-           " ] \"integer indices\" [ " + indices + " ]\n";
+    return "Camera \"perspective\"\nWorldBegin\nAreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\nShape \"trianglemesh\" \"point3 P\" [ " +
+           p + " ] \"integer indices\" [ " + indices + " ]\n";
 }
 
 class MeshInteriorOfSize : public testing::TestWithParam<int> {};

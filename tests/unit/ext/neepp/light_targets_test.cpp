@@ -139,10 +139,8 @@ TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
         value[LightTargets::SkyPartOf(s->wi)] += 1;
         all += 1;
         uint32_t target = m.targets.Find(m.grid, LightId(0u), from.p, s->pLight);
-        if (target == LightTargets::None)
-            unexpected += 1;
-        else
-            EXPECT_EQ(m.targets[target].kind, Kind::SkyPart);
+        if (target == LightTargets::None) unexpected += 1;
+        else EXPECT_EQ(m.targets[target].kind, Kind::SkyPart);
     }
     EXPECT_LT(unexpected, 0.01 * all);
     double sum = 0;

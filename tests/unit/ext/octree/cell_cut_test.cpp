@@ -13,7 +13,8 @@ LightTree Clouds() {
     Rng rng(7);
     std::vector<Emitter> emitters(64);
     for (uint32_t i = 0; i < emitters.size(); ++i) {
-        const Point3 p = Point3(static_cast<Float>(i / 16) * 10, 0, 0) + Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform());
+        const Point3 p =
+            Point3(static_cast<Float>(i / 16) * 10, 0, 0) + Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform());
         emitters[i].bounds = LightBounds{.bounds = Bounds3(p, p), .phi = 1, .cosTheta_o = -1};
         emitters[i].intensity = 1;
     }
@@ -31,7 +32,8 @@ std::vector<TrySums> Tries(const LightTree &tree, int each, Found &&found) {
     return sums;
 }
 
-CellCut Cut(const LightTree &tree, const std::vector<TrySums> &sums, const CellCut *above = nullptr, size_t nodes = 64) {
+CellCut Cut(const LightTree &tree, const std::vector<TrySums> &sums, const CellCut *above = nullptr,
+            size_t nodes = 64) {
     double weight = 0;
     for (const TrySums &s : sums) weight += s.w;
     return CellCut(tree, sums, weight, above, {.shrinkage = 4, .nodes = nodes});
@@ -50,7 +52,9 @@ TEST(CellCut, WithoutTriesAllLightsAreAlike) {
 TEST(CellCut, NeighboursLearnFromEachOther) {
     // A third of the lamps was looked at: cloud 2 is seen, the others are not.
     const LightTree tree = Clouds();
-    const CellCut cut = Cut(tree, Tries(tree, 20, [](uint32_t lamp) { return lamp % 3 ? -1.0 : lamp / 16 == 2 ? 1.0 : 0.0; }));
+    const CellCut cut = Cut(tree, Tries(tree, 20, [](uint32_t lamp) {
+                                return lamp % 3 ? -1.0 : lamp / 16 == 2 ? 1.0 : 0.0;
+                            }));
     for (uint32_t lamp = 0; lamp < 64; ++lamp) {
         EXPECT_EQ(FactorOf(tree, cut, lamp) > 0.7, lamp / 16 == 2) << lamp;
         EXPECT_EQ(FactorOf(tree, cut, lamp) < 0.3, lamp / 16 != 2) << lamp;
@@ -60,7 +64,8 @@ TEST(CellCut, NeighboursLearnFromEachOther) {
 TEST(CellCut, ManyTriesOutweighTheNeighbours) {
     // In cloud 0 one lamp is seen, in cloud 1 one is not.
     const LightTree tree = Clouds();
-    const CellCut cut = Cut(tree, Tries(tree, 500, [](uint32_t lamp) { return lamp == 5 || (lamp / 16 == 1 && lamp != 20) ? 1.0 : 0.0; }));
+    const CellCut cut = Cut(
+        tree, Tries(tree, 500, [](uint32_t lamp) { return lamp == 5 || (lamp / 16 == 1 && lamp != 20) ? 1.0 : 0.0; }));
     EXPECT_NEAR(FactorOf(tree, cut, 5), 1, 0.05);
     EXPECT_LT(FactorOf(tree, cut, 6), 0.1);
     EXPECT_NEAR(FactorOf(tree, cut, 21), 1, 0.05);
@@ -72,7 +77,13 @@ TEST(CellCut, WhatWasNotLookedAtComesFromTheCellAbove) {
     const CellCut above = Cut(tree, Tries(tree, 500, [](uint32_t lamp) { return lamp % 2 ? 1.0 : 0.05; }));
     // Nothing new: the same. Cloud 3 half as bright as it was: all of it, in the same proportions.
     const CellCut same = Cut(tree, {}, &above);
-    const CellCut dimmer = Cut(tree, Tries(tree, 500, [](uint32_t lamp) { return lamp / 16 < 3 ? -1.0 : lamp % 4 == 3 ? 0.5 : lamp % 4 == 2 ? 0.025 : -1.0; }), &above);
+    const CellCut dimmer =
+        Cut(tree,
+            Tries(tree, 500,
+                  [](uint32_t lamp) {
+                      return lamp / 16 < 3 ? -1.0 : lamp % 4 == 3 ? 0.5 : lamp % 4 == 2 ? 0.025 : -1.0;
+                  }),
+            &above);
     for (uint32_t lamp = 0; lamp < 64; ++lamp) {
         EXPECT_NEAR(FactorOf(tree, same, lamp) / FactorOf(tree, above, lamp), 1, 0.01) << lamp;
         if (lamp / 16 < 3) continue;
@@ -83,7 +94,8 @@ TEST(CellCut, WhatWasNotLookedAtComesFromTheCellAbove) {
 TEST(CellCut, SpendsItsNodesWhereTheLightIs) {
     // Cloud 1 lights the cell, every lamp of it another way; the rest is dark.
     const LightTree tree = Clouds();
-    const std::vector<TrySums> sums = Tries(tree, 100, [](uint32_t lamp) { return lamp / 16 == 1 ? 0.2 + 0.1 * (lamp % 16) : 0.0; });
+    const std::vector<TrySums> sums =
+        Tries(tree, 100, [](uint32_t lamp) { return lamp / 16 == 1 ? 0.2 + 0.1 * (lamp % 16) : 0.0; });
     const CellCut cut = Cut(tree, sums, nullptr, 20);
     EXPECT_LE(cut.Nodes().size(), 20u);
     for (uint32_t lamp = 0; lamp < 64; ++lamp) {
@@ -103,7 +115,8 @@ TEST(CellCut, FewerNodesAreJoinsOfMore) {
         const CellCut coarser = Cut(tree, sums, nullptr, nodes);
         EXPECT_EQ(coarser.Nodes().size(), nodes);
         for (uint32_t node : finer.Nodes()) {
-            const LightTree::Range inner = tree.At(node), outer = tree.At(coarser.Nodes()[tree.Holder(coarser.Nodes(), inner.begin)]);
+            const LightTree::Range inner = tree.At(node),
+                                   outer = tree.At(coarser.Nodes()[tree.Holder(coarser.Nodes(), inner.begin)]);
             EXPECT_TRUE(outer.begin <= inner.begin && inner.end <= outer.end);
         }
         finer = coarser;

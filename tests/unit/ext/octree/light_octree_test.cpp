@@ -24,7 +24,9 @@ std::vector<Point3> CrowdedPoints(size_t n) {
 const Bounds3 kBounds(Point3(-1, -0.5f, 0), Point3(4, 3, 6));
 
 /// Value of group g at a point: smooth, different per group.
-double ValueAt(const Point3 &p, size_t g) { return 1 + static_cast<double>(g) + std::abs(std::sin(static_cast<double>(p.x) * double(g + 1))); }
+double ValueAt(const Point3 &p, size_t g) {
+    return 1 + static_cast<double>(g) + std::abs(std::sin(static_cast<double>(p.x) * double(g + 1)));
+}
 
 LightOctree BuildTree(const std::vector<Point3> &points, int leaves, size_t groups) {
     LightOctreeBuilder builder(kBounds, points, leaves);

@@ -22,7 +22,9 @@ VisibilityRecords Collect(RenderRecords &records, int first, int end, bool backw
         for (int sample = first; sample < end; ++sample) {
             LightLearner::PathPlaces path = records.BeginPath(pixel, sample);
             for (int v = 0; v < 3; ++v)
-                records.Add(path, Point3(static_cast<Float>(pixel.x), static_cast<Float>(pixel.y), static_cast<Float>(sample)), {static_cast<uint32_t>(v), 1, 1, 1});
+                records.Add(
+                    path, Point3(static_cast<Float>(pixel.x), static_cast<Float>(pixel.y), static_cast<Float>(sample)),
+                    {static_cast<uint32_t>(v), 1, 1, 1});
         }
     });
     VisibilityRecords all;

@@ -45,7 +45,8 @@ Float FactorAt(const VisibilityTree &tree, const Point3 &p, uint32_t light) {
 }
 
 TEST(VisibilityTree, CodesKeepFactorsWithinAFewPercent) {
-    for (double a = 1e-6; a < 100; a *= 1.37) EXPECT_NEAR(static_cast<double>(VisibilityTree::Decode(VisibilityTree::Encode(a))) / a, 1, 0.05);
+    for (double a = 1e-6; a < 100; a *= 1.37)
+        EXPECT_NEAR(static_cast<double>(VisibilityTree::Decode(VisibilityTree::Encode(a))) / a, 1, 0.05);
     EXPECT_GT(VisibilityTree::Decode(VisibilityTree::Encode(0)), 0);
 }
 
@@ -95,7 +96,9 @@ TEST(VisibilityTree, KeepsAllSplitsWithoutPruningAndHoldsFewRecordsPerLeaf) {
 
 TEST(VisibilityTree, ShrinkageKeepsUnseenLightsAlive) {
     // In a corner nothing is seen of light 0: without shrinkage its few records say so with certainty.
-    Prepass prepass(4000, 2, [](const Point3 &p, uint32_t l, Float) { return l == 1 || p.x > 0.25f || p.y > 0.25f ? Float(1) : Float(0); });
+    Prepass prepass(4000, 2, [](const Point3 &p, uint32_t l, Float) {
+        return l == 1 || p.x > 0.25f || p.y > 0.25f ? Float(1) : Float(0);
+    });
     VisibilityBuildSettings settings = Settings(2);
     settings.records = 5;
     settings.pruneGain = 0;
@@ -118,7 +121,8 @@ struct ManyLights {
         std::vector<Emitter> emitters(kLights);
         for (uint32_t l = 0; l < kLights; ++l) {
             const Point3 p(PlaceOf(l), 0.5f, 0.5f);
-            emitters[l].bounds = LightBounds{.bounds = Bounds3(p, p), .w = Vector3(0, 0, 1), .phi = 1, .cosTheta_o = -1, .cosTheta_e = 0};
+            emitters[l].bounds = LightBounds{
+                .bounds = Bounds3(p, p), .w = Vector3(0, 0, 1), .phi = 1, .cosTheta_o = -1, .cosTheta_e = 0};
             emitters[l].intensity = 1;
         }
         tree = LightTree(emitters);
@@ -182,7 +186,9 @@ TEST(VisibilityTree, ManyLightsDoNotDependOnThreads) {
 }
 
 TEST(VisibilityTree, ThreadsDoNotMatter) {
-    Prepass prepass(30000, 4, [](const Point3 &p, uint32_t l, Float u) { return u < 0.9f && std::abs(p.x - static_cast<Float>(l) / 4) < 0.3f ? Float(1) : Float(0); });
+    Prepass prepass(30000, 4, [](const Point3 &p, uint32_t l, Float u) {
+        return u < 0.9f && std::abs(p.x - static_cast<Float>(l) / 4) < 0.3f ? Float(1) : Float(0);
+    });
     VisibilityTree one, many;
     {
         ThreadLimit limit(1);
@@ -223,12 +229,15 @@ void ExpectStopsEverywhere(MakeBuilder &&make) {
 
 TEST(VisibilityTree, BuildingStopsAtOnceAtEveryStep) {
     ThreadLimit limit(1);
-    const Prepass prepass(20000, 3, [](const Point3 &p, uint32_t l, Float) { return (l == 0) == (p.x < 0.3f) ? Float(1) : Float(0); });
-    ExpectStopsEverywhere([&] { return std::make_unique<VisibilityTreeBuilder>(kBounds, prepass.records, prepass.tries, Settings(3)); });
+    const Prepass prepass(
+        20000, 3, [](const Point3 &p, uint32_t l, Float) { return (l == 0) == (p.x < 0.3f) ? Float(1) : Float(0); });
+    ExpectStopsEverywhere(
+        [&] { return std::make_unique<VisibilityTreeBuilder>(kBounds, prepass.records, prepass.tries, Settings(3)); });
     const ManyLights many;
     VisibilityBuildSettings settings = Settings(ManyLights::kLights);
     settings.lights = &many.tree;
-    ExpectStopsEverywhere([&] { return std::make_unique<VisibilityTreeBuilder>(kBounds, many.records, many.tries, settings); });
+    ExpectStopsEverywhere(
+        [&] { return std::make_unique<VisibilityTreeBuilder>(kBounds, many.records, many.tries, settings); });
 }
 
 }  // namespace

@@ -83,7 +83,8 @@ struct Placement {
 };
 
 /// Every primitive of every placement, in double where Shape::Intersect is.
-inline std::optional<AccelHit> SlowIntersect(const Shapes &shapes, const std::vector<Placement> &placements, const Ray &ray) {
+inline std::optional<AccelHit> SlowIntersect(const Shapes &shapes, const std::vector<Placement> &placements,
+                                             const Ray &ray) {
     std::optional<AccelHit> best;
     Float tMax = ray.tMax;
     for (const Placement &p : placements) {

@@ -25,7 +25,9 @@ std::vector<Product> Motions() {
     return {{Between({}, Transform::Translate({3, -1, 0.5f}) * Transform::Scale({0.5f, 1, 2})), {}, 1e-5f},
             {Between(far, far * turn), {}, 2e-5f},
             {Between(Transform::Scale({-1, 1, 1}), Transform::Translate({-8, 0, 0}) * Transform::Rotate(90, {0, 0, 1}) *
-                                                       Transform::Scale({-0.7f, 1, 2})), {}, 2e-5f},
+                                                       Transform::Scale({-0.7f, 1, 2})),
+             {},
+             2e-5f},
             {Between(Transform::Translate({0, 8, 0}), Transform::Translate({0, 9, 0}) * turn * squeeze), {}, 1e-3f},
             {Between(Transform::Translate({0, -9, 0}), Transform::Translate({0, -9, 0}) * turn),
              Between({}, Transform::Rotate(60, {0, 1, 0})), 2e-3f},

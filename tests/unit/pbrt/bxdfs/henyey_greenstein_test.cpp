@@ -12,9 +12,9 @@ TEST(HenyeyGreenstein, SamplesFollowTheDensityThatIntegratesToOne) {
     for (Float g : {-0.6f, 0.f, 5e-4f, 0.3f, 0.7f}) {
         HenyeyGreenstein phase(g);
         double mass;
-        double p = test::DirectionTest(
-            [&](Rng &rng) -> std::optional<Vector3> { return phase.Sample(in, rng.Uniform2()); },
-            [&](const Vector3 &w) { return phase.Pdf(in, w); }, 50000, 4, &mass);
+        double p =
+            test::DirectionTest([&](Rng &rng) -> std::optional<Vector3> { return phase.Sample(in, rng.Uniform2()); },
+                                [&](const Vector3 &w) { return phase.Pdf(in, w); }, 50000, 4, &mass);
         EXPECT_GT(p, test::SidakAlpha(1e-4, 5)) << g;
         EXPECT_NEAR(mass, 1, 1e-3) << g;
     }

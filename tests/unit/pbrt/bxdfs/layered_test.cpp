@@ -285,8 +285,8 @@ TEST(Layered, MeanDensityUnderARoughCoatIsTheSumOfTheWeightedIntegrals) {
             }
             twin.Add(0.9 * sum + 0.1 / (4 * M_PI));
         }
-        EXPECT_LT(ZOfDifference(density, twin, 2e-3 * twin.mean), 4.5) << stack.name << ' ' << density.mean << ' '
-                                                                        << twin.mean;
+        EXPECT_LT(ZOfDifference(density, twin, 2e-3 * twin.mean), 4.5)
+            << stack.name << ' ' << density.mean << ' ' << twin.mean;
     });
 }
 

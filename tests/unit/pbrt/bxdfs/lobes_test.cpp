@@ -51,7 +51,7 @@ void ForEachNonSpecular(Check check) {
 
 constexpr size_t kLobes = 2 + std::size(kAlphas) * (1 + std::size(kIndices));
 const std::vector<Vector3> &Views() {
-    static const std::vector<Vector3> views = {DirectionAt(0, 0), DirectionAt(35, 20), DirectionAt(65, 200),
+    static const std::vector<Vector3> views = {DirectionAt(0, 0),   DirectionAt(35, 20),   DirectionAt(65, 200),
                                                DirectionAt(84, 75), DirectionAt(150, 120), DirectionAt(108, 300)};
     return views;
 }
@@ -68,8 +68,8 @@ TEST(Lobes, SamplesFollowTheirDensity) {
                     return s->wi;
                 };
                 auto pdf = [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, kRadiance, which); };
-                // Refraction at grazing angles has ridges that only a fine quadrature gets right; the finest is for index
-                // 1.1, where all facets send light almost straight on.
+                // Refraction at grazing angles has ridges that only a fine quadrature gets right; the finest is for
+                // index 1.1, where all facets send light almost straight on.
                 double p = 0, mass = 2;
                 for (auto [quadrature, fine] : {std::pair(16, 0), {16, 80}, {80, 320}})
                     if (!(p > level && mass <= 1.01))

@@ -60,10 +60,8 @@ TEST(TrowbridgeReitz, VisibleNormalsFollowTheirDensity) {
             double mass;
             double p = DirectionTest(
                 [&](Rng &rng) -> std::optional<Vector3> { return facets.SampleVisible(w, rng.Uniform2()); },
-                [&](const Vector3 &m) {
-                    return m.z > 0 && Dot(w, m) * w.z > 0 ? facets.VisiblePdf(w, m) : 0;
-                },
-                50000, 12, &mass);
+                [&](const Vector3 &m) { return m.z > 0 && Dot(w, m) * w.z > 0 ? facets.VisiblePdf(w, m) : 0; }, 50000,
+                12, &mass);
             EXPECT_GT(p, test::SidakAlpha(1e-4, cases)) << ax << ' ' << ay << ' ' << theta;
             EXPECT_NEAR(mass, 1, 5e-3);
         }

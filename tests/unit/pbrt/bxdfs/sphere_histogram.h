@@ -14,8 +14,7 @@ namespace pbrt::test {
 /// Counts of directions over a grid of theta x phi (theta, so that narrow lobes about the normal get many points).
 class SphereHistogram {
   public:
-    SphereHistogram(int nTheta, int nPhi)
-        : nTheta_(nTheta), nPhi_(nPhi), counts_(static_cast<size_t>(nTheta * nPhi)) {}
+    SphereHistogram(int nTheta, int nPhi) : nTheta_(nTheta), nPhi_(nPhi), counts_(static_cast<size_t>(nTheta * nPhi)) {}
 
     void Add(const Vector3 &w, double weight = 1) {
         double theta = std::atan2(std::hypot(double(w.x), double(w.y)), double(w.z)) / M_PI;

@@ -44,8 +44,8 @@ TEST(MakeCamera, ShutterMustCloseAfterItOpens) {
                       .find("opens at 3 and closes at 2"),
                   std::string::npos)
             << type;
-    auto camera = MakeTestCamera("perspective", {FloatParam("shutteropen", {2}), FloatParam("shutterclose", {3})},
-                                 {4, 4});
+    auto camera =
+        MakeTestCamera("perspective", {FloatParam("shutteropen", {2}), FloatParam("shutterclose", {3})}, {4, 4});
     EXPECT_EQ(camera->ShutterOpen(), 2);
     EXPECT_EQ(camera->ShutterClose(), 3);
 }
@@ -73,7 +73,8 @@ TEST(MakeCamera, NumbersOutsideTheirRangesAreErrors) {
     says("perspective", "lensradius", {1e30f}, "\"lensradius\" is 1e+30; it must be at least 0");
     says("perspective", "frameaspectratio", {1e30f}, "at most 1000000");
     for (const char *type : {"perspective", "orthographic", "spherical", "realistic"}) {
-        says(type, "shutterclose", {2e9f}, "\"shutterclose\" is 2000000000; it must be at least -1000000000 and at most 1000000000");
+        says(type, "shutterclose", {2e9f},
+             "\"shutterclose\" is 2000000000; it must be at least -1000000000 and at most 1000000000");
         says(type, "shutteropen", {-2e9f}, "\"shutteropen\" is -2000000000");
         says(type, "shutterclose", {Infinity}, "\"shutterclose\" is inf");
         says(type, "shutteropen", {std::nanf("")}, "\"shutteropen\" is nan");

@@ -24,8 +24,8 @@ inline std::vector<LensElement> DoubleGauss() {
 
 /// A strong negative front element: bent rays, much vignetting.
 inline std::vector<LensElement> FishEye() {
-    return {{0.06f, 0.002f, 1.6f, 0.025f},  {0.018f, 0.02f, 1, 0.016f}, {0.04f, 0.006f, 1.7f, 0.009f},
-            {-0.04f, 0.001f, 1, 0.009f},    {0, 0.001f, 1, 0.004f},     {0.05f, 0.005f, 1.5f, 0.008f},
+    return {{0.06f, 0.002f, 1.6f, 0.025f}, {0.018f, 0.02f, 1, 0.016f}, {0.04f, 0.006f, 1.7f, 0.009f},
+            {-0.04f, 0.001f, 1, 0.009f},   {0, 0.001f, 1, 0.004f},     {0.05f, 0.005f, 1.5f, 0.008f},
             {-0.03f, 0.035f, 1, 0.008f}};
 }
 

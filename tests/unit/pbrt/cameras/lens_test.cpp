@@ -221,7 +221,7 @@ TEST(ApertureImage, ShapesHaveTheirCorners) {
 TEST(ApertureImage, FilesAreAveragedAndTurnedUpsideDown) {
     Image rgb(PixelFormat::Float, {2, 2}, {"R", "G", "B"});
     for (int c = 0; c < 3; ++c) rgb.Set({0, 0}, c, static_cast<Float>(c));  // top left: mean 1
-    rgb.Set({1, 1}, 0, 9);                                                   // bottom right: mean 3
+    rgb.Set({1, 1}, 0, 9);                                                  // bottom right: mean 3
     const std::string path = testing::TempDir() + std::to_string(getpid()) + "_aperture_test.exr";
     WriteImage(path, rgb);
     const ApertureImage aperture = ReadAperture(path);

@@ -79,8 +79,9 @@ TEST(RealisticCamera, ExposureIsThatOfTheApertureOnTheAxisAndFallsByCos4) {
     const double onAxis = std::numbers::pi * double(Sqr(radius)) / (z * z + double(Sqr(radius)));
     for (const Point2 &raster : {Point2(30, 20), Point2(60, 20), Point2(0, 40)}) {
         const test::RunningStatistics e = Exposure(*camera, raster);
-        const double cosine2 = z * z / (z * z + double(glm::dot(Realistic(*camera).FilmFromRaster(raster),
-                                                                 Realistic(*camera).FilmFromRaster(raster))));
+        const double cosine2 = z * z /
+                               (z * z + double(glm::dot(Realistic(*camera).FilmFromRaster(raster),
+                                                        Realistic(*camera).FilmFromRaster(raster))));
         EXPECT_NEAR(e.mean, onAxis * cosine2 * cosine2, 4.5 * e.StandardError() + 0.01 * onAxis) << raster.x;
         EXPECT_GT(e.mean, 0);
     }

@@ -176,21 +176,22 @@ TEST(Describe, AllThatIsWrongIsToldAtOnceAndInItsPlace) {
     given.I("leaves", {0}).F("angle", {180}).S("mode", "c").S("mesh", "").S("wrap", "blak").F("width", {0});
     given.I("bounds", {1}).F("from", {1, 2}, ParamType::Point3).F("points", {1, 2, 6}, ParamType::Point3);
     given.B("prepas", true).F("leaves", {3}).F("only", {1});
-    EXPECT_EQ(Wrong(given),
-              "1 Thing \"x\": \"leaves\" is 0; it must be at least 1 and at most 10000.\n"
-              "2 Thing \"x\": \"angle\" is 180; it must be above 0 and below 180 degrees.\n"
-              "3 Thing \"x\": \"c\" is not a choice for \"mode\"; did you mean \"a\"? valid: a, b.\n"
-              "4 Thing \"x\": \"string mesh\" is missing.\n"
-              "5 Thing \"x\": \"blak\" is not a choice for \"wrap\"; did you mean \"black\"? valid: repeat, black.\n"
-              "6 Thing \"x\": \"width\" is 0; it must be above 0 and at most 10.\n"
-              "7 Thing \"x\": \"integer bounds\" takes 2 values, found 1.\n"
-              "8 Thing \"x\": \"point3 from\" takes groups of 3 values, found 2.\n"
-              "9 Thing \"x\": \"points\" is 6; it must be at least -5 and at most 5.\n"
-              "10 \"bool prepas\": unused parameter of Thing \"x\"; did you mean \"prepass\"? valid: angle, bounds, file, "
-              "from, indices, leaves, mesh, mode, points, prepass, width, wrap.\n"
-              "11 \"float leaves\": unused parameter: Thing \"x\" takes \"integer leaves\".\n"
-              "12 \"float only\": unused parameter of Thing \"x\"; valid: angle, bounds, file, from, indices, leaves, "
-              "mesh, mode, points, prepass, width, wrap.\n");
+    EXPECT_EQ(
+        Wrong(given),
+        "1 Thing \"x\": \"leaves\" is 0; it must be at least 1 and at most 10000.\n"
+        "2 Thing \"x\": \"angle\" is 180; it must be above 0 and below 180 degrees.\n"
+        "3 Thing \"x\": \"c\" is not a choice for \"mode\"; did you mean \"a\"? valid: a, b.\n"
+        "4 Thing \"x\": \"string mesh\" is missing.\n"
+        "5 Thing \"x\": \"blak\" is not a choice for \"wrap\"; did you mean \"black\"? valid: repeat, black.\n"
+        "6 Thing \"x\": \"width\" is 0; it must be above 0 and at most 10.\n"
+        "7 Thing \"x\": \"integer bounds\" takes 2 values, found 1.\n"
+        "8 Thing \"x\": \"point3 from\" takes groups of 3 values, found 2.\n"
+        "9 Thing \"x\": \"points\" is 6; it must be at least -5 and at most 5.\n"
+        "10 \"bool prepas\": unused parameter of Thing \"x\"; did you mean \"prepass\"? valid: angle, bounds, file, "
+        "from, indices, leaves, mesh, mode, points, prepass, width, wrap.\n"
+        "11 \"float leaves\": unused parameter: Thing \"x\" takes \"integer leaves\".\n"
+        "12 \"float only\": unused parameter of Thing \"x\"; valid: angle, bounds, file, from, indices, leaves, "
+        "mesh, mode, points, prepass, width, wrap.\n");
     EXPECT_EQ(Wrong(Set().S("mesh", "m").F("angle", {std::nanf("")})),
               "2 Thing \"x\": \"angle\" is nan; it must be above 0 and below 180 degrees.\n");
     EXPECT_EQ(Wrong(Set().S("mesh", "m").F("angle", {1, 2}).F("from", {1, 2, 3, 4, 5, 6}, ParamType::Point3)),

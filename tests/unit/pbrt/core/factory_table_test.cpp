@@ -62,7 +62,8 @@ TEST(FactoryTable, AnUnknownNameListsTheChoices) {
         MakeTable().Make("twise", Given("n", 1), Context{sink});
         FAIL();
     } catch (const UserError &e) {
-        EXPECT_EQ(e.Diagnostics()[0].message, "Number \"twise\" is unknown; did you mean \"twice\"? valid: one, twice.");
+        EXPECT_EQ(e.Diagnostics()[0].message,
+                  "Number \"twise\" is unknown; did you mean \"twice\"? valid: one, twice.");
         EXPECT_EQ(e.Diagnostics()[0].loc.line, 5);
     }
 }

@@ -131,7 +131,8 @@ TEST_F(FilmTest, BadParametersAreErrors) {
         std::vector<Float> values;
     };
     for (const Case &c : {Case{"cropwindow", {0, 1, 0}}, Case{"cropwindow", {0.5f, 0.5f, 0, 1}}, Case{"iso", {0}},
-                          Case{"whitebalance", {-1}}, Case{"whitebalance", {1e-37f}}, Case{"whitebalance", {999}}, Case{"maxcomponentvalue", {0}}, Case{"diagonal", {0}}}) {
+                          Case{"whitebalance", {-1}}, Case{"whitebalance", {1e-37f}}, Case{"whitebalance", {999}},
+                          Case{"maxcomponentvalue", {0}}, Case{"diagonal", {0}}}) {
         ParamSet good = params_;
         Floats(c.name, c.values);
         EXPECT_THROW(Make(), UserError) << c.name;
@@ -178,8 +179,7 @@ TEST_F(FilmTest, NormalisedIlluminantGivesWhiteOfLuminanceOne) {
         const ColorSpace &space = *ColorSpace::Find(name);
         std::unique_ptr<Film> film = Make(1, space);
         Rgb rgb = Expose(*film, space.Illuminant());
-        for (int c = 0; c < 3; ++c)
-            EXPECT_NEAR(rgb[c], 1, 2e-3) << name;
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb[c], 1, 2e-3) << name;
     }
 }
 
@@ -204,8 +204,7 @@ TEST_F(FilmTest, WhiteBalanceMakesItsIlluminantWhite) {
     Floats("whitebalance", {5000});
     std::unique_ptr<Film> film = Make();
     Rgb rgb = Expose(*film, DaylightSpectrum(5000));
-    for (int c = 0; c < 3; ++c)
-        EXPECT_NEAR(rgb[c], 1, 3e-3);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb[c], 1, 3e-3);
 }
 
 TEST_F(FilmTest, WeightedMean) {
@@ -286,8 +285,7 @@ TEST_F(FilmTest, APictureThatDoesNotFitIsNotAllocated) {
                   std::string::npos)
             << e.what();
     }
-    for (const char *type : {"gbuffer", "spectral"})
-        EXPECT_THROW(MakeFilm(type, params_, Context(), sink_), UserError);
+    for (const char *type : {"gbuffer", "spectral"}) EXPECT_THROW(MakeFilm(type, params_, Context(), sink_), UserError);
     Ints("pixelbounds", {500, 516, 999'000, 999'016});  // a small part of it does
     EXPECT_EQ(Make()->PixelBounds().Area(), 256);
     Resolution(100'000, 2'000'000);

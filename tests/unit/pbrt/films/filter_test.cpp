@@ -88,10 +88,8 @@ TEST_P(FilterTest, FrequenciesMatchPdf) {
         observed[bin(p)] += 1;
     }
     double total = 0;
-    for (double e : expected)
-        total += e;
-    for (double &e : expected)
-        e *= kDraws / total;
+    for (double e : expected) total += e;
+    for (double &e : expected) e *= kDraws / total;
     EXPECT_GT(test::ChiSquareTest(observed, expected), 1e-4);
 }
 
@@ -161,8 +159,7 @@ TEST(Filter, PositiveFiltersHaveUnitWeights) {
     Rng rng(31);
     for (const char *type : {"box", "gaussian", "triangle"}) {
         std::unique_ptr<Filter> filter = MakeFilter(type, MakeParams({}));
-        for (int i = 0; i < 1000; ++i)
-            EXPECT_NEAR(filter->Sample(rng.Uniform2()).weight, 1, 1e-6) << type;
+        for (int i = 0; i < 1000; ++i) EXPECT_NEAR(filter->Sample(rng.Uniform2()).weight, 1, 1e-6) << type;
     }
 }
 

@@ -78,8 +78,7 @@ TEST(SpectralFilm, OverTheWholeRangeRgbIsThatOfTheRgbFilm) {
         lambda = plain->SampleWavelengths(Step(i));
         plain->AddSample({{0, 0}, color.Sample(lambda), lambda, 1, {}});
     }
-    for (int c = 0; c < 3; ++c)
-        EXPECT_NEAR(film->ToImage().Get({0, 0}, c) / plain->ToImage().Get({0, 0}, c), 1, 5e-3);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(film->ToImage().Get({0, 0}, c) / plain->ToImage().Get({0, 0}, c), 1, 5e-3);
 }
 
 TEST(SpectralFilm, WavelengthsThatEndedDoNotCount) {
@@ -200,7 +199,8 @@ TEST(GBufferFilm, PlacesAreInTheChosenCoordinates) {
         film->AddSample({{0, 0}, SampledSpectrum(1), surface.lambda, 1, surface});
         const Image image = film->ToImage();
         std::vector<Float> values;
-        for (const char *c : channels) values.push_back(std::round(image.Get({0, 0}, image.FindChannel(c)) * 1e4f) / 1e4f);
+        for (const char *c : channels)
+            values.push_back(std::round(image.Get({0, 0}, image.FindChannel(c)) * 1e4f) / 1e4f);
         return values;
     };
     const std::vector<const char *> channels = {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "dzdx", "dzdy"};

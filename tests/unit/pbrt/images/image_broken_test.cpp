@@ -80,14 +80,14 @@ TEST_F(BrokenImage, AnEarlyEndIsAnErrorInEveryFormat) {
         const char *compression;
     };
     const std::vector<Case> cases = {
-        {"a.png", byte, ""},         {"deep.png", OIIO::TypeDesc::UINT16, ""},
-        {"a.jpg", byte, "jpeg:90"},  {"a.bmp", byte, ""},
-        {"a.tga", byte, "none"},     {"runs.tga", byte, "rle"},
-        {"a.ppm", byte, ""},         {"a.hdr", real, ""},
-        {"a.tif", byte, "none"},     {"zip.tif", byte, "zip"},
-        {"a.gif", byte, ""},         {"none.exr", half, "none"},
-        {"zip.exr", half, "zip"},    {"zips.exr", real, "zips"},
-        {"rle.exr", half, "rle"},    {"piz.exr", half, "piz"},
+        {"a.png", byte, ""},          {"deep.png", OIIO::TypeDesc::UINT16, ""},
+        {"a.jpg", byte, "jpeg:90"},   {"a.bmp", byte, ""},
+        {"a.tga", byte, "none"},      {"runs.tga", byte, "rle"},
+        {"a.ppm", byte, ""},          {"a.hdr", real, ""},
+        {"a.tif", byte, "none"},      {"zip.tif", byte, "zip"},
+        {"a.gif", byte, ""},          {"none.exr", half, "none"},
+        {"zip.exr", half, "zip"},     {"zips.exr", real, "zips"},
+        {"rle.exr", half, "rle"},     {"piz.exr", half, "piz"},
         {"pxr24.exr", real, "pxr24"}, {"b44.exr", half, "b44"},
         {"dwaa.exr", half, "dwaa"},
     };
@@ -95,8 +95,9 @@ TEST_F(BrokenImage, AnEarlyEndIsAnErrorInEveryFormat) {
         const std::string whole = WriteNoise(c.name, c.type, c.compression);
         EXPECT_EQ(Message(Path(c.name)), "no error") << c.name;
         for (double part : {0.02, 0.2, 0.5, 0.8, 0.9}) {
-            const std::string path = WriteBytes(std::string("cut_") + c.name,
-                                                whole.substr(0, static_cast<size_t>(part * static_cast<double>(whole.size()))));
+            const std::string path =
+                WriteBytes(std::string("cut_") + c.name,
+                           whole.substr(0, static_cast<size_t>(part * static_cast<double>(whole.size()))));
             EXPECT_TRUE(Has(Message(path), path)) << c.name << " cut to " << part << ": " << Message(path);
         }
     }
@@ -117,14 +118,20 @@ TEST_F(BrokenImage, SizesAreCheckedBeforeMemoryIsAllocated) {
     }
     EXPECT_TRUE(Has(Message(WriteBytes("lie.pfm", "PF\n1000000 1000000\n-1\n")), "needs about 12 TB of memory"));
     // The checksums are missing, but sizes are judged first, or the header is refused as a whole.
-    for (auto [width, height] : {std::pair(100000u, 100000u), {0u, 5u}, {5u, 0u}, {1u << 31, 1u}, {0x7fffffffu, 0x7fffffffu}}) {
+    for (auto [width, height] :
+         {std::pair(100000u, 100000u), {0u, 5u}, {5u, 0u}, {1u << 31, 1u}, {0x7fffffffu, 0x7fffffffu}}) {
         const std::string path = WriteBytes("lie.png", png(width, height));
         EXPECT_TRUE(Has(Message(path), "lie.png")) << width << " x " << height << ": " << Message(path);
     }
-    for (Imf::Compression compression : {Imf::NO_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION, Imf::DWAA_COMPRESSION})
-        for (std::array<int32_t, 4> box :
-             {std::array<int32_t, 4>{0, 0, 99999, 99999}, {0, 0, 7, 1 << 30}, {0, 0, 1 << 30, 7}, {5, 5, 3, 3},
-              {INT32_MIN, INT32_MIN, INT32_MAX, INT32_MAX}, {INT32_MIN, 0, INT32_MIN + 7, 7}, {0, INT32_MAX - 7, 7, INT32_MAX}}) {
+    for (Imf::Compression compression :
+         {Imf::NO_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION, Imf::DWAA_COMPRESSION})
+        for (std::array<int32_t, 4> box : {std::array<int32_t, 4>{0, 0, 99999, 99999},
+                                           {0, 0, 7, 1 << 30},
+                                           {0, 0, 1 << 30, 7},
+                                           {5, 5, 3, 3},
+                                           {INT32_MIN, INT32_MIN, INT32_MAX, INT32_MAX},
+                                           {INT32_MIN, 0, INT32_MIN + 7, 7},
+                                           {0, INT32_MAX - 7, 7, INT32_MAX}}) {
             const std::string path = ExrWith("dataWindow", box, compression);
             EXPECT_TRUE(Has(Message(path), "lie.exr")) << compression << ": " << Message(path);
             if (box[2] == box[0] + 7 && box[3] == box[1] + 7) continue;
@@ -133,7 +140,8 @@ TEST_F(BrokenImage, SizesAreCheckedBeforeMemoryIsAllocated) {
     EXPECT_TRUE(Has(Message(ExrWith("dataWindow", {0, 0, 1 << 20, 7}, Imf::ZIP_COMPRESSION)), "lie.exr"));
     EXPECT_TRUE(Has(Message(ExrWith("dataWindow", {0, 0, 59999, 15}, Imf::ZIP_COMPRESSION)), "60000 x 16 pixels"));
     // Targa, 20000 x 20000 in 20 bytes.
-    const std::string tga = WriteBytes("lie.tga", test::Bytes({0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x20, 0x4e, 0x20, 0x4e, 24, 0, 1, 2}));
+    const std::string tga =
+        WriteBytes("lie.tga", test::Bytes({0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x20, 0x4e, 0x20, 0x4e, 24, 0, 1, 2}));
     EXPECT_TRUE(Has(Message(tga), "cannot hold")) << Message(tga);
 }
 

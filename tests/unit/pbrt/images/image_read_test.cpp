@@ -217,9 +217,10 @@ TEST_F(ReadImageFile, ErrorsNameTheFile) {
         const std::string path = WriteBytes(name, "this is no image at all, whatever its name says");
         EXPECT_NE(Message([&] { ReadImage(path); }).find(name), std::string::npos) << name;
     }
-    EXPECT_EQ(Message([&] { ReadImage(WriteBytes("s.spd", "400 1\n700 1\n")); }),
-              "Error: " + Path("s.spd") +
-                  ": not an image of a known format; PNG, EXR, PFM, HDR, JPEG, TGA, BMP, GIF, PNM, PSD and TIFF files can be read.");
+    EXPECT_EQ(
+        Message([&] { ReadImage(WriteBytes("s.spd", "400 1\n700 1\n")); }),
+        "Error: " + Path("s.spd") +
+            ": not an image of a known format; PNG, EXR, PFM, HDR, JPEG, TGA, BMP, GIF, PNM, PSD and TIFF files can be read.");
     for (const char *bytes :
          {"PF\n2 2\n-1\nabc", "PF\n0 2\n-1\n", "PF\n2 x\n-1\n", "PF\n2 2\n0\n", "PF\n1e9 1e9\n-1\n", "PF"})
         EXPECT_NE(Message([&] { ReadImage(WriteBytes("bad.pfm", bytes)); }).find("bad.pfm"), std::string::npos)
@@ -264,7 +265,9 @@ TEST_F(ReadImageFile, OfSeveralPartsTheFirstIsReadWithAWarning) {
             EXPECT_EQ(said, "");
             continue;
         }
-        EXPECT_NE(said.find(path + ": the image has " + std::to_string(parts) + " parts (\"beauty\", \"depth\""), std::string::npos) << said;
+        EXPECT_NE(said.find(path + ": the image has " + std::to_string(parts) + " parts (\"beauty\", \"depth\""),
+                  std::string::npos)
+            << said;
         EXPECT_NE(said.find("only the first is read"), std::string::npos) << said;
         EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
     }

@@ -28,7 +28,11 @@ std::vector<uint8_t> Profile(int number, int tags) {
     word(textAt + 12, 0);
     word(0, static_cast<uint32_t>(size));
     word(8, 0x02100000);
-    for (auto [at, four] : {std::pair<size_t, const char *>(12, "mntr"), {16, "RGB "}, {20, "XYZ "}, {36, "acsp"}, {48, "IEC "},
+    for (auto [at, four] : {std::pair<size_t, const char *>(12, "mntr"),
+                            {16, "RGB "},
+                            {20, "XYZ "},
+                            {36, "acsp"},
+                            {48, "IEC "},
                             {52, "sRGB"}})
         text(at, four);
     for (auto [at, value] : {std::pair<size_t, uint32_t>(68, 0xf6d6), {72, 0x10000}, {76, 0xd32d}}) word(at, value);
@@ -50,10 +54,12 @@ class ImageThreads : public test::FileTest {
         const std::string path = Path(std::to_string(number) + ".png");
         const std::vector<uint8_t> profile = Profile(number, tags);
         OIIO::ImageSpec spec(1 + number % 5, 1 + number % 3, 3, OIIO::TypeDesc::UINT8);
-        spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())), profile.data());
+        spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())),
+                       profile.data());
         const std::vector<uint8_t> pixels(spec.image_pixels() * 3, 100);
         auto out = OIIO::ImageOutput::create(path);
-        EXPECT_TRUE(out && out->open(path, spec) && out->write_image(OIIO::TypeDesc::UINT8, pixels.data()) && out->close());
+        EXPECT_TRUE(out && out->open(path, spec) && out->write_image(OIIO::TypeDesc::UINT8, pixels.data()) &&
+                    out->close());
         return path;
     }
 };

@@ -10,8 +10,9 @@ namespace pbrt::test {
 namespace {
 
 constexpr const char *kPointLamp = "LightSource \"point\" \"rgb I\" [9 9 9]\n";
-constexpr const char *kBallLamp = "AreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\n"
-                                  "Shape \"sphere\" \"float radius\" .4\n";
+constexpr const char *kBallLamp =
+    "AreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\n"
+    "Shape \"sphere\" \"float radius\" .4\n";
 
 /// Closed surfaces around the origin: one for each way in which rays are traced.
 const std::vector<std::string> kShells = {
@@ -34,11 +35,12 @@ std::string Scene(const std::string &integrator, const std::string &lamp, const 
     };
     return "LookAt 0 -5 3  0 0 .7  0 0 1 Camera \"perspective\" \"float fov\" 40\n"
            "Film \"rgb\" \"integer xresolution\" 12 \"integer yresolution\" 12 PixelFilter \"box\"\n"
-           "Sampler \"independent\" \"integer pixelsamples\" " + std::to_string(samples) +
-           "\nIntegrator \"" + integrator + "\" \"integer maxdepth\" 3\nWorldBegin\n"
+           "Sampler \"independent\" \"integer pixelsamples\" " +
+           std::to_string(samples) + "\nIntegrator \"" + integrator +
+           "\" \"integer maxdepth\" 3\nWorldBegin\n"
            "Shape \"trianglemesh\" \"point3 P\" [ -4 -4 -.4  4 -4 -.4  4 4 -.4  -4 4 -.4 ]"
-           " \"integer indices\" [ 0 1 2  0 2 3 ]\nShape \"sphere\" \"float radius\" .3\n" + shell(aroundBall) +
-           "Translate 0 0 1.8\n" + shell(aroundLamp) + lamp;
+           " \"integer indices\" [ 0 1 2  0 2 3 ]\nShape \"sphere\" \"float radius\" .3\n" +
+           shell(aroundBall) + "Translate 0 0 1.8\n" + shell(aroundLamp) + lamp;
 }
 
 RunningStatistics Green(const Image &image) {

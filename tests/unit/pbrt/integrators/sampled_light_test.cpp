@@ -9,7 +9,9 @@ namespace {
 std::string Scene(const std::string &integrator) {
     return "LookAt 0 -6 1.5  0 0 1.2  0 0 1 Camera \"perspective\" \"float fov\" 40\n"
            "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 24 PixelFilter \"box\"\n"
-           "Sampler \"independent\" \"integer pixelsamples\" 16\nIntegrator \"" + integrator + "\" \"integer maxdepth\" 3\nWorldBegin\n"
+           "Sampler \"independent\" \"integer pixelsamples\" 16\nIntegrator \"" +
+           integrator +
+           "\" \"integer maxdepth\" 3\nWorldBegin\n"
            "Shape \"trianglemesh\" \"point3 P\" [ -4 -4 0  4 -4 0  4 4 0  -4 4 0 ] \"integer indices\" [ 0 1 2  0 2 3 ]\n"
            "AttributeBegin Material \"conductor\" \"float roughness\" 0\n"
            "Shape \"trianglemesh\" \"point3 P\" [ .2 -.8 .01  4 -.8 .01  4 -.8 3  .2 -.8 3 ] \"integer indices\" [ 0 1 2  0 2 3 ] AttributeEnd\n"
@@ -29,7 +31,8 @@ TEST_P(SampledLight, LeavesOutWhatNoChoiceOfLightsChanges) {
     };
     // Emission alone: what the camera sees, also of the lamp in the mirror (one bounce).
     const Image lamps = render(0, false), nothing = render(0, true);
-    const Image direct = render(1, false), sampled = render(1, true), deep = render(3, false), deepSampled = render(3, true);
+    const Image direct = render(1, false), sampled = render(1, true), deep = render(3, false),
+                deepSampled = render(3, true);
     double seen = 0, inMirror = 0, caustics = 0;
     for (int y = 0; y < 24; ++y)
         for (int x = 0; x < 24; ++x) {

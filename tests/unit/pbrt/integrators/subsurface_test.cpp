@@ -17,8 +17,9 @@ namespace {
 std::string Scene(const std::string &world, const std::string &integrator = "volpath", int samples = 64) {
     return "LookAt 0 0 3  0 0 0  0 1 0\nCamera \"orthographic\" \"float screenwindow\" [-.5 .5 -.5 .5]\n"
            "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\nPixelFilter \"box\"\n"
-           "Sampler \"independent\" \"integer pixelsamples\" " + std::to_string(samples) +
-           "\nIntegrator \"" + integrator + "\" \"integer maxdepth\" 20\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n" + world;
+           "Sampler \"independent\" \"integer pixelsamples\" " +
+           std::to_string(samples) + "\nIntegrator \"" + integrator +
+           "\" \"integer maxdepth\" 20\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n" + world;
 }
 
 /// Of the green channel over pixels.
@@ -47,9 +48,9 @@ TEST(Subsurface, ALargePlaneReflectsWhatItsMatterDoes) {
 }
 
 TEST(Subsurface, NothingReflectsMoreThanComesIn) {
-    for (const char *matter : {R"([300 .1 900 .1] "float eta" 1.05)",
-                               R"([300 .1 900 .1] "float eta" 1.8 "float roughness" .3)",
-                               R"([300 .05 900 .05] "float g" .8)", R"([300 .3 900 .3] "float g" -.7)"}) {
+    for (const char *matter :
+         {R"([300 .1 900 .1] "float eta" 1.05)", R"([300 .1 900 .1] "float eta" 1.8 "float roughness" .3)",
+          R"([300 .05 900 .05] "float g" .8)", R"([300 .3 900 .3] "float g" -.7)"}) {
         const std::string material = "Material \"subsurface\" \"spectrum reflectance\" [300 1 900 1] \"spectrum mfp\" ";
         const RunningStatistics s = Green(RenderText(Scene(material + matter + "\nShape \"sphere\"\n")).image);
         EXPECT_LT(s.mean, 1 + 4 * s.StandardError() + .001) << matter;
@@ -76,7 +77,8 @@ TEST(Subsurface, OneThreadAndTwoGiveTheSameBits) {
 Shape "sphere" "float radius" .4
 AreaLightSource "diffuse" "rgb L" [ 9 5 1 ]
 Translate 0 1 0 Shape "sphere" "float radius" .2
-)", "volpath", 8);
+)",
+                                   "volpath", 8);
     auto render = [&](int threads) {
         ThreadLimit limit(threads);
         return RenderText(text).image;

@@ -1,5 +1,5 @@
-// Simulated campaigns of several samplers, some of which find a light of some room in few strong samples, others in many
-// weak ones: what the check says where the few were missed.
+// Simulated campaigns of several samplers, some of which find a light of some room in few strong samples, others in
+// many weak ones: what the check says where the few were missed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,8 @@ struct Alarms {
     int alarms = 0, of = 0;
 };
 
-/// `make` (probability, share, spread) says who takes part; their noise is in one room, a corner, some rooms, everywhere.
+/// `make` (probability, share, spread) says who takes part; their noise is in one room, a corner, some rooms,
+/// everywhere.
 template <class F>
 Alarms CountAlarms(F &&make, bool useKin, int campaigns) {
     std::vector<Contest> contests;
@@ -63,15 +64,15 @@ int Found(Contest contest, int runs, double bias) {
     contest.common.parts = 8;
     contest.common.partLength = 2;
     std::atomic<int> found = 0;
-    ParallelForEach(20, [&](int64_t i) {
-        found += Simulate(contest, 99000 + static_cast<uint64_t>(i))[0] == BiasVerdict::Biased;
-    });
+    ParallelForEach(
+        20, [&](int64_t i) { found += Simulate(contest, 99000 + static_cast<uint64_t>(i))[0] == BiasVerdict::Biased; });
     return found;
 }
 
 const test::Noise kSmooth = Lognormal(0.3);
 
-// As bvh against octree: the reference that judges bvh shows many weak samples; its own, which judges octree, strong ones.
+// As bvh against octree: the reference that judges bvh shows many weak samples; its own, which judges octree, strong
+// ones.
 Contest TwoOfWhomOneIsRare(double probability, double share, double spread) {
     Contest contest;
     contest.samplers = {{Fireflies(probability, share, 0.3, spread), kRare}, {kSmooth, kCalm}};
@@ -112,7 +113,8 @@ TEST(BiasKin, WithoutKinSomeFalseAlarmsRemain) {
     EXPECT_LE(alone.alarms, 0.035 * alone.of);
 }
 
-// What other kinds of samplers meet does not hide the bias of a calm one: relL2 0.1, a lost light in 39 % of the picture.
+// What other kinds of samplers meet does not hide the bias of a calm one: relL2 0.1, a lost light in 39 % of the
+// picture.
 TEST(BiasKin, BiasOfACalmSamplerIsFoundWhateverTheOthersDo) {
     for (const test::Noise &other :
          {kSmooth, Fireflies(1e-3, 0.3, 0.3), Lognormal(1.5), Fireflies(1e-2, 0.3, 0.8, 0.5)}) {

@@ -80,8 +80,7 @@ inline BiasReport Simulate(const Campaign &c, uint64_t seed, const BiasSettings 
     for (int i = 0; i < c.runs; ++i) runs.push_back(Render(c, c.noise, 1, true, rng));
     reference.sampleRatio = c.partLength;
     const Noise &of = c.referenceNoise ? c.referenceNoise : c.noise;
-    if (single)
-        reference.parts.push_back(Render(c, of, c.parts * c.partLength, false, rng));
+    if (single) reference.parts.push_back(Render(c, of, c.parts * c.partLength, false, rng));
     else
         for (int i = 0; i < c.parts; ++i) reference.parts.push_back(Render(c, of, c.partLength, false, rng));
     return CheckBias(runs, reference, settings);

@@ -418,7 +418,8 @@ TEST_F(Campaign, GoesOnWhateverFileWasCutShort) {
     };
     for (int attempt = 0; attempt < 200; ++attempt) {
         // The pilot is done in one piece; then a round at a time.
-        switch_->callsLeft = fs::exists(folder_ / "stopped/records/pilot.json") ? 2000 + 100 * attempt : 3000 + 1000 * attempt;
+        switch_->callsLeft =
+            fs::exists(folder_ / "stopped/records/pilot.json") ? 2000 + 100 * attempt : 3000 + 1000 * attempt;
         ASSERT_FALSE(Run(Settings("stopped", samplers))) << "finished without ever being seen with a film";
         if (hasFilm()) break;
     }
@@ -440,10 +441,8 @@ TEST_F(Campaign, GoesOnWhateverFileWasCutShort) {
                  decides ? std::vector<int64_t>{-1, 0, size / 2, size - 3} : std::vector<int64_t>{size / 2}) {
                 fs::remove_all(folder_ / "cut");
                 fs::copy(folder_ / campaign, folder_ / "cut", fs::copy_options::recursive);
-                if (length < 0)
-                    fs::remove(folder_ / "cut" / file);
-                else
-                    fs::resize_file(folder_ / "cut" / file, static_cast<uintmax_t>(length));
+                if (length < 0) fs::remove(folder_ / "cut" / file);
+                else fs::resize_file(folder_ / "cut" / file, static_cast<uintmax_t>(length));
                 const std::optional<CampaignOutcome> outcome = Run(Settings("cut", samplers));
                 ASSERT_TRUE(outcome) << campaign << " " << file << " " << length;
                 ++cuts;
@@ -504,7 +503,9 @@ TEST_F(Campaign, MoreSeedsGoOnAndFewerAreAPart) {
     afresh.outFolder = (folder_ / "afresh").string();
     const std::optional<CampaignOutcome> whole = Run(afresh);
     ASSERT_TRUE(whole);
-    const auto errors = [](const CampaignOutcome &o) { return o.results.at("samplers").at(0).at("summary").at("metrics"); };
+    const auto errors = [](const CampaignOutcome &o) {
+        return o.results.at("samplers").at(0).at("summary").at("metrics");
+    };
     EXPECT_EQ(errors(*more), errors(*whole));
     settings.seeds = 1;
     const std::optional<CampaignOutcome> fewer = Run(settings);
@@ -596,8 +597,9 @@ TEST_F(Campaign, SamplerOfRareHitsIsNotTakenForAQuietOne) {
         scene += fmt::format("LightSource \"point\" \"point3 from\" [ {} 0 0 ] \"rgb I\" [ 4 4 4 ]\n", x);
     for (int i = 0; i < 4000; ++i)
         scene += fmt::format("LightSource \"point\" \"point3 from\" [ 0 9 {} ] \"rgb I\" [ 1e-6 1e-6 1e-6 ]\n", i);
-    scene += "Shape \"bilinearmesh\" \"point3 P\" [ 0 -2 -9  0 -2 9  0 2 -9  0 2 9 ]\n"
-             "Shape \"bilinearmesh\" \"point3 P\" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]\n";
+    scene +=
+        "Shape \"bilinearmesh\" \"point3 P\" [ 0 -2 -9  0 -2 9  0 2 -9  0 2 9 ]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]\n";
     std::ofstream(folder_ / "scene.pbrt") << scene;
     ASSERT_TRUE(Run(Settings("out", {"uniform", "power"})));
     const Json pilot = ReadJson(folder_ / "out/records/pilot.json").at("note");
@@ -606,17 +608,18 @@ TEST_F(Campaign, SamplerOfRareHitsIsNotTakenForAQuietOne) {
     EXPECT_GT(pilot.at(2).at("variance").get<double>(), 10 * pilot.at(1).at("variance").get<double>());
 }
 
-// Uniform meets the lamp once in 20,000 samples and finds the ceiling by its BSDF rays: quiet pictures that lack a light.
-// References are short. No stock sampler may be called biased for that.
+// Uniform meets the lamp once in 20,000 samples and finds the ceiling by its BSDF rays: quiet pictures that lack a
+// light. References are short. No stock sampler may be called biased for that.
 TEST_F(Campaign, ReferencesOfStockThatContradictEachOtherProveNothing) {
     std::string scene = kScene;
     scene.resize(scene.find("LightSource"));
     scene += "LightSource \"point\" \"point3 from\" [ 0 2 0 ] \"rgb I\" [ 4 4 4 ]\n";
     for (int i = 0; i < 20000; ++i)
         scene += fmt::format("LightSource \"point\" \"point3 from\" [ 0 9 {} ] \"rgb I\" [ 1e-6 1e-6 1e-6 ]\n", i);
-    scene += "Shape \"bilinearmesh\" \"point3 P\" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]\n"
-             "AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\n"
-             "Shape \"bilinearmesh\" \"point3 P\" [ -9 4 -9  -9 4 9  9 4 -9  9 4 9 ]\n";
+    scene +=
+        "Shape \"bilinearmesh\" \"point3 P\" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]\n"
+        "AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [ -9 4 -9  -9 4 9  9 4 -9  9 4 9 ]\n";
     std::ofstream(folder_ / "scene.pbrt") << scene;
     CampaignSettings settings = Settings("out", {"uniform", "bvh"});
     settings.samplesPerPixel = 4;

@@ -47,7 +47,9 @@ class Telltale final : public test::WrappedSampler {
     std::optional<SampledLight> Choose(const LightQuery &, const void *weights, Float u) const override {
         return Inner(weights).Sample(u);
     }
-    Float Probability(const LightQuery &, const void *weights, LightId light) const override { return Inner(weights).PMF(light); }
+    Float Probability(const LightQuery &, const void *weights, LightId light) const override {
+        return Inner(weights).PMF(light);
+    }
     UniformLightSampler uniform_;
 };
 

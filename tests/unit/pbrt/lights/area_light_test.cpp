@@ -170,8 +170,7 @@ TEST_P(AreaLightShapes, ImportanceIsPositiveWhereLightArrives) {
 std::vector<Case> OtherShapes() {
     std::vector<Case> cases;
     for (const ShapeCase &c : WholeAndPartCases())
-        if (c.name != "Triangle" && c.name != "Sphere")
-            cases.push_back({c.name, [shape = c.shape] { return shape; }});
+        if (c.name != "Triangle" && c.name != "Sphere") cases.push_back({c.name, [shape = c.shape] { return shape; }});
     return cases;
 }
 
@@ -278,8 +277,7 @@ TEST(DiffuseAreaLight, AlphaWeighsSamplesAndLeavesTheRadianceOfHits) {
     ConstantTexture third(0.3f);
     HalfTexture cut;
     AreaLightMaker maker = MakeAreaMaker(Params());
-    auto grey = Make(maker, *shape, &third), holed = Make(maker, *shape, &cut),
-         plain = Make(maker, *shape);
+    auto grey = Make(maker, *shape, &third), holed = Make(maker, *shape, &cut), plain = Make(maker, *shape);
     Rng rng(2);
     for (int i = 0; i < 2000; ++i) {
         Point2 u = rng.Uniform2();

@@ -66,7 +66,10 @@ TEST(InfiniteLight, DirectionsFollowTheDensity) {
                     if (!s) return {};
                     return s->wi;
                 },
-                [&](const Vector3 &w) { return light->PdfLi(At({0, 0, 0}), w, {}, {}, false); }, 20000, 24, &mass);
+                [&](const Vector3 &w) {
+                    return light->PdfLi(At({0, 0, 0}), w, {}, {}, false);
+                },
+                20000, 24, &mass);
             EXPECT_NEAR(mass, 1, 5e-3) << c.name;
             EXPECT_GT(p, SidakAlpha(1e-4, std::size(cases) * std::size(transforms))) << c.name;
         }
@@ -156,7 +159,8 @@ TEST_F(ImageInfinite, PhiIsTheMeanRadianceOverTheSphereTimesTheSceneDisk) {
     constexpr int n = 300;
     for (int i = 0; i < n * n; ++i)
         sum += static_cast<double>(light
-                                       ->Le({}, SampleUniformSphere({(static_cast<Float>(i % n) + 0.5f) / n,
+                                       ->Le({},
+                                            SampleUniformSphere({(static_cast<Float>(i % n) + 0.5f) / n,
                                                                  (static_cast<Float>(i / n) + 0.5f) / n}),
                                             kLambda)
                                        .Average());

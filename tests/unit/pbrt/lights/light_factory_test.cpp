@@ -40,8 +40,8 @@ TEST(LightFactory, PortalsAreChecked) {
                     "needs");
     DiagnosticSink sink;
     for (bool good : {true, false}) {
-        auto light = Make("infinite", corners({0, 0, 0, 0, 1, 0, 1, 1, good ? Float(0) : Float(0.5), 1, 0, 0}), {}, {},
-                          sink);
+        auto light =
+            Make("infinite", corners({0, 0, 0, 0, 1, 0, 1, 1, good ? Float(0) : Float(0.5), 1, 0, 0}), {}, {}, sink);
         EXPECT_TRUE(light);
         EXPECT_EQ(sink.All().size(), good ? 0u : 1u);
         EXPECT_FALSE(sink.HasErrors());
@@ -69,13 +69,16 @@ TEST(LightFactory, ImagesOfLightsAreChecked) {
 TEST(LightFactory, WhatIsTooBrightForSinglePrecisionIsAnError) {
     for (const char *type : {"point", "spot", "distant", "goniometric", "infinite"}) {
         const std::string name = std::string(type) == "distant" || std::string(type) == "infinite" ? "L" : "I";
-        ExpectComplaint(type, Params().Rgb(name, 1e25f, 1, 1).Number("scale", 1e30f), 2, "larger than the largest number");
+        ExpectComplaint(type, Params().Rgb(name, 1e25f, 1, 1).Number("scale", 1e30f), 2,
+                        "larger than the largest number");
         EXPECT_TRUE(Make(type, Params().Rgb(name, 1, 1, 1).Number("scale", 1e30f))) << type;
     }
     for (const char *type : {"point", "spot", "goniometric"})
-        ExpectComplaint(type, Params().Number("scale", 1e30f).Number("power", 1e30f), 1, "larger than the largest number");
+        ExpectComplaint(type, Params().Number("scale", 1e30f).Number("power", 1e30f), 1,
+                        "larger than the largest number");
     for (const char *type : {"distant", "infinite"})
-        ExpectComplaint(type, Params().Number("scale", 1e30f).Number("illuminance", 1e30f), 1, "larger than the largest number");
+        ExpectComplaint(type, Params().Number("scale", 1e30f).Number("illuminance", 1e30f), 1,
+                        "larger than the largest number");
     const Diagnostic d = Complaint([] { MakeAreaMaker(Params().Rgb("L", 1e25f, 1, 1).Number("scale", 1e30f)); });
     EXPECT_NE(d.message.find("larger than the largest number"), std::string::npos) << d.message;
 }
@@ -103,8 +106,9 @@ TEST(LightFactory, EnvironmentMustBeSquareFiniteRgb) {
 TEST(LightFactory, NothingEmitsLessThanNothing) {
     for (const char *type : {"point", "infinite"}) {
         ExpectComplaint(type, Params().Number("scale", -1), 1, "at least 0");
-        ExpectComplaint(type, Params().Floats(ParamType::Spectrum, type == std::string("point") ? "I" : "L", {400, -1, 700, 1}),
-                        1, "400 nm is -1");
+        ExpectComplaint(
+            type, Params().Floats(ParamType::Spectrum, type == std::string("point") ? "I" : "L", {400, -1, 700, 1}), 1,
+            "400 nm is -1");
     }
 }
 

@@ -61,7 +61,8 @@ TEST(LightGroups, SharesFollowPowerAndSumToOne) {
     const auto table = MakeTable();
     const LightGroups &groups = table->Wholes();
     std::vector<double> perGroup(groups.Size(), 0.0);
-    for (uint32_t i = 0; i < table->Size(); ++i) perGroup[groups.GroupOf(LightId(i))] += static_cast<double>(groups.ShareOf(LightId(i)));
+    for (uint32_t i = 0; i < table->Size(); ++i)
+        perGroup[groups.GroupOf(LightId(i))] += static_cast<double>(groups.ShareOf(LightId(i)));
     for (double sum : perGroup) EXPECT_NEAR(sum, 1, 1e-6);
     EXPECT_NEAR(groups.ShareOf(LightId(4u)), 0.6, 1e-6);
     EXPECT_EQ(groups.ShareOf(LightId(2u)), 0.f);

@@ -169,9 +169,8 @@ TEST_F(Portal, IsGivenInWorldSpaceAndStaysThereInAnyRenderingSpace) {
     DiagnosticSink sink;
     for (Transform renderFromWorld :
          {Transform::Rotate(50, {1, 0, 1}) * Transform::Translate({1, 2, 3}), Transform::Scale({-1, 1, 1})}) {
-        auto moved =
-            Make("infinite", File().Number("scale", 0.8f), renderFromWorld * Transform::Rotate(40, {1, 2, 3}),
-                 renderFromWorld, sink);
+        auto moved = Make("infinite", File().Number("scale", 0.8f), renderFromWorld * Transform::Rotate(40, {1, 2, 3}),
+                          renderFromWorld, sink);
         Rng rng(9);
         int seen = 0, same = 0;
         for (int k = 0; k < 4000; ++k) {

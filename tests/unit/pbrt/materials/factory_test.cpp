@@ -70,9 +70,12 @@ TEST(MaterialFactory, BadValuesAreLocated) {
 }
 
 TEST(MaterialFactory, IndicesOfRefractionArePositive) {
-    const std::pair<const char *, const char *> kIndices[] = {
-        {"dielectric", "eta"}, {"thindielectric", "eta"},           {"coateddiffuse", "eta"},
-        {"hair", "eta"},       {"coatedconductor", "interface.eta"}, {"subsurface", "eta"}};
+    const std::pair<const char *, const char *> kIndices[] = {{"dielectric", "eta"},
+                                                              {"thindielectric", "eta"},
+                                                              {"coateddiffuse", "eta"},
+                                                              {"hair", "eta"},
+                                                              {"coatedconductor", "interface.eta"},
+                                                              {"subsurface", "eta"}};
     for (auto [type, name] : kIndices)
         for (Float eta : {0.f, -1.5f}) {
             Workshop shop;

@@ -17,12 +17,14 @@ struct FootprintShop : test::Workshop {
         Image noise(PixelFormat::Float, {64, 64}, {"R", "G", "B"});
         for (int y = 0; y < 64; ++y)
             for (int x = 0; x < 64; ++x)
-                for (int c = 0; c < 3; ++c) noise.Set({x, y}, c, static_cast<Float>((x * 7 + y * 13 + c * 5) % 17) / 17);
+                for (int c = 0; c < 3; ++c)
+                    noise.Set({x, y}, c, static_cast<Float>((x * 7 + y * 13 + c * 5) % 17) / 17);
         WriteImage(image, noise);
     }
     ~FootprintShop() { std::filesystem::remove(image); }
 
-    void Define(const std::string &name, const std::string &textureClass, const Params &params, bool isSpectrum = true) {
+    void Define(const std::string &name, const std::string &textureClass, const Params &params,
+                bool isSpectrum = true) {
         textures.Define(name, isSpectrum, textureClass, params, Transform());
     }
     Params Map(const std::string &filter) { return Params("texture").S("filename", {image}).S("filter", {filter}); }

@@ -16,17 +16,20 @@ BuiltScene World(const std::string &shapes) {
 Film "rgb" "integer xresolution" 8 "integer yresolution" 8
 Integrator "path"
 WorldBegin
-)" + shapes, options);
+)" + shapes,
+                     options);
 }
 
 std::string Disk(double z, const std::string &before) {
-    return fmt::format("AttributeBegin\n{}\nTranslate 0 0 {}\nShape \"disk\" \"float radius\" 9\nAttributeEnd\n", before, z);
+    return fmt::format("AttributeBegin\n{}\nTranslate 0 0 {}\nShape \"disk\" \"float radius\" 9\nAttributeEnd\n",
+                       before, z);
 }
 const std::string kInterface = "Material \"interface\"", kDiffuse = "Material \"diffuse\"",
                   kGlow = "AreaLightSource \"diffuse\" \"rgb L\" [ 2 2 2 ]\nReverseOrientation";
 
 struct Walker {
-    explicit Walker(const BuiltScene &built) : context{*built.scene, *built.camera, 1, true}, walk(context, Start(built)) {}
+    explicit Walker(const BuiltScene &built)
+        : context{*built.scene, *built.camera, 1, true}, walk(context, Start(built)) {}
     static CameraRay Start(const BuiltScene &built) {
         CameraSample sample;
         sample.pFilm = {4.2f, 3.9f};
@@ -73,7 +76,8 @@ TEST(PathWalk, InterfacesAreCountedAnewAfterScattering) {
 }
 
 TEST(PathWalk, TheFootprintBehindAnInterfaceIsThatWithoutIt) {
-    const std::string floor = Disk(5, "Texture \"t\" \"spectrum\" \"checkerboard\" Material \"diffuse\" \"texture reflectance\" \"t\"");
+    const std::string floor =
+        Disk(5, "Texture \"t\" \"spectrum\" \"checkerboard\" Material \"diffuse\" \"texture reflectance\" \"t\"");
     auto footprint = [&](const std::string &between) {
         const BuiltScene built = World(floor + between);
         Walker walker(built);
@@ -88,16 +92,18 @@ TEST(PathWalk, TheFootprintBehindAnInterfaceIsThatWithoutIt) {
 }
 
 TEST(PathWalk, MeetsTheLightOfASurfaceOrOfTheSkyButNotBoth) {
-    const std::string skies = "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\nLightSource \"infinite\" \"rgb L\" [ 3 3 3 ]\n";
+    const std::string skies =
+        "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\nLightSource \"infinite\" \"rgb L\" [ 3 3 3 ]\n";
     auto met = [&](const std::string &shapes) {
         const BuiltScene built = World(skies + shapes);
         Walker walker(built);
         walker.walk.Next();
         std::vector<std::pair<uint32_t, Float>> lights;
-        walker.walk.ForEachEmission(walker.lambda, [&](const SampledSpectrum &Le, LightId light, const Point3 &p, const Normal3 &) {
-            lights.emplace_back(light.value, p.z);
-            EXPECT_GT(Le.Average(), 0);
-        });
+        walker.walk.ForEachEmission(walker.lambda,
+                                    [&](const SampledSpectrum &Le, LightId light, const Point3 &p, const Normal3 &) {
+                                        lights.emplace_back(light.value, p.z);
+                                        EXPECT_GT(Le.Average(), 0);
+                                    });
         return lights;
     };
     using Lights = std::vector<std::pair<uint32_t, Float>>;
@@ -142,14 +148,16 @@ AttributeBegin ReverseOrientation Shape "sphere" "float radius" 20 AttributeEnd
 TEST(PathWalk, DifferentialsSurviveAMirrorAndEndAtADiffuseSurface) {
     const std::string texture = "Texture \"t\" \"spectrum\" \"checkerboard\" ";
     auto second = [&](const std::string &material) {
-        const BuiltScene built = World(texture + Disk(5, material) + Disk(-5, "Material \"diffuse\" \"texture reflectance\" \"t\""));
+        const BuiltScene built =
+            World(texture + Disk(5, material) + Disk(-5, "Material \"diffuse\" \"texture reflectance\" \"t\""));
         Walker walker(built);
         PathWalk::Met met;
         walker.GoToVertex(&met);
         const SurfacePoint &point = walker.walk.Vertex().point;
         BsdfSample sample;
         sample.wi = Normalize(Vector3(0.1f, 0, -1));
-        sample.flags = material == kDiffuse ? BxdfFlags::Diffuse | BxdfFlags::Reflection : BxdfFlags::Specular | BxdfFlags::Reflection;
+        sample.flags = material == kDiffuse ? BxdfFlags::Diffuse | BxdfFlags::Reflection
+                                            : BxdfFlags::Specular | BxdfFlags::Reflection;
         EXPECT_NEAR(point.p.z, 5, 1e-4);
         walker.walk.Scatter(sample);
         walker.GoToVertex(&met);

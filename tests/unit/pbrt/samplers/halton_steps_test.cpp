@@ -109,7 +109,8 @@ TEST(HaltonSteps, AreThoseThatTheSearchFinds) {
         // Another machine may round a tie the other way.
         const int listed = HaltonSampler::Step(d);
         if (listed < 1 || listed > static_cast<int>(costs.size()) ||
-            costs[static_cast<size_t>(listed - 1)] > *best + 1e-9) same = false;
+            costs[static_cast<size_t>(listed - 1)] > *best + 1e-9)
+            same = false;
         found += fmt::format(", {}", step);
         search.Choose(same ? listed : step);
     }

@@ -13,8 +13,7 @@ using test::StringParam;
 std::unique_ptr<Sampler> Make(const std::string &type, const std::vector<Param> &params, int sppOverride = 0,
                               DiagnosticSink *sink = nullptr) {
     DiagnosticSink local;
-    return Samplers().Make(type, Params(type, params),
-                           SamplerContext{{16, 16}, sppOverride, 0, sink ? *sink : local});
+    return Samplers().Make(type, Params(type, params), SamplerContext{{16, 16}, sppOverride, 0, sink ? *sink : local});
 }
 
 std::string ErrorOf(const std::string &type, const std::vector<Param> &params) {
@@ -57,7 +56,8 @@ TEST(MakeSampler, SeedOfTheSceneBeatsTheGlobalOne) {
     for (const std::string &type : Samplers().Names()) {
         DiagnosticSink sink;
         auto first = [&](const std::vector<Param> &params, int defaultSeed) {
-            std::unique_ptr<Sampler> s = Samplers().Make(type, Params(type, params), SamplerContext{{16, 16}, 0, defaultSeed, sink});
+            std::unique_ptr<Sampler> s =
+                Samplers().Make(type, Params(type, params), SamplerContext{{16, 16}, 0, defaultSeed, sink});
             s->StartPixelSample({3, 4}, 5, 6);
             return s->Get1D();
         };

@@ -86,10 +86,8 @@ TEST(Shading, LampsEmitFromTheirFrontUnlessTwosided) {
         const Float up = Mean(EmittedRadiance(*built.scene, above, kLambda)),
                     down = Mean(EmittedRadiance(*built.scene, below, kLambda));
         EXPECT_GT(std::max(up, down), 0);
-        if (*sides)
-            EXPECT_EQ(up, down);
-        else
-            EXPECT_EQ(std::min(up, down), 0);
+        if (*sides) EXPECT_EQ(up, down);
+        else EXPECT_EQ(std::min(up, down), 0);
     }
     const BuiltScene dark = Build(kQuad);
     EXPECT_EQ(Mean(EmittedRadiance(*dark.scene, PointAt(dark), kLambda)), 0);

@@ -62,7 +62,8 @@ std::optional<PrimitiveHit> SlowHit(const Curves::Segment &s, Float factor, cons
             auto t = static_cast<Float>(a.z / glm::length(glm::dvec3(d)));
             double left = glm::length((a.left + b.left) / 2.0), right = glm::length((a.right + b.right) / 2.0);
             if (!best || t < best->t)
-                best = PrimitiveHit{t, (static_cast<Float>(i) + 0.5f) / kSteps, static_cast<Float>(right / (left + right))};
+                best = PrimitiveHit{t, (static_cast<Float>(i) + 0.5f) / kSteps,
+                                    static_cast<Float>(right / (left + right))};
         }
         a = b;
     }
@@ -178,7 +179,8 @@ TEST(Curves, SurfacesKnowTheirDerivativesAndTurnAsTheirKindSays) {
                 EXPECT_NEAR(p.pError.x, width, 1e-6f);
                 // The place across agrees with v.
                 Vector3 unit = Normalize(across);
-                if (std::abs(Dot(p.p - s.curve.At(hit->u), unit) - (hit->v - 0.5f) * width) > 0.08f * width) ++wrongPlaces;
+                if (std::abs(Dot(p.p - s.curve.At(hit->u), unit) - (hit->v - 0.5f) * width) > 0.08f * width)
+                    ++wrongPlaces;
                 Float turn = kind == CurveKind::Cylinder ? Pi * (hit->v - 0.5f) : 0;
                 EXPECT_NEAR(Dot(Normalize(p.dpdv), unit), std::cos(turn), 1e-4f);
                 // On a tube seen from outside the normal leans outwards; it points away from the viewer, as in stock.
@@ -193,8 +195,8 @@ TEST(Curves, SurfacesKnowTheirDerivativesAndTurnAsTheirKindSays) {
 
 TEST(Curves, TransformedCurvesAreHitLikeTransformedRays) {
     Rng rng(10);
-    Transform mirror = Transform::Translate({1, 2, -1}) * Transform::Rotate(50, {1, 0, 2}) *
-                       Transform::Scale({-2, 2, 2});
+    Transform mirror =
+        Transform::Translate({1, 2, -1}) * Transform::Rotate(50, {1, 0, 2}) * Transform::Scale({-2, 2, 2});
     Transform stretch = Transform::Rotate(20, {0, 1, 1}) * Transform::Scale({1, 3, -0.5f});
     int hits = 0, different = 0;
     for (const Transform &t : {mirror, stretch})
@@ -219,7 +221,8 @@ TEST(Curves, TransformedCurvesAreHitLikeTransformedRays) {
                         ++different;
                         continue;
                     }
-                    SurfacePoint x = object.SurfaceOnRay(pa, *a, o, d), y = placed.SurfaceOnRay(pb, *b, t.Point(o), t.Vector(d));
+                    SurfacePoint x = object.SurfaceOnRay(pa, *a, o, d),
+                                 y = placed.SurfaceOnRay(pb, *b, t.Point(o), t.Vector(d));
                     EXPECT_LT(Distance(t.Vector(x.dpdu), y.dpdu), 0.05f);
                     EXPECT_LT(Distance(t.Vector(x.dpdv), y.dpdv), 0.02f);
                     // A mirror turns normals over (they are flipped for it), which the normal's transform undoes.
@@ -233,7 +236,8 @@ TEST(Curves, TransformedCurvesAreHitLikeTransformedRays) {
 TEST(Curves, AppendedCurvesAreOneShape) {
     Rng rng(11);
     Curves::Segment a = SomeSegment(rng), b = SomeSegment(rng);
-    Curves one(CurveKind::Flat, {a}, {}, Transform(), false), two(CurveKind::Flat, {b}, {}, Transform::Scale({2, 2, 2}), false);
+    Curves one(CurveKind::Flat, {a}, {}, Transform(), false),
+        two(CurveKind::Flat, {b}, {}, Transform::Scale({2, 2, 2}), false);
     uint32_t first = one.PrimitiveCount();
     ASSERT_TRUE(one.Append(two));
     ASSERT_EQ(one.PrimitiveCount(), first + two.PrimitiveCount());

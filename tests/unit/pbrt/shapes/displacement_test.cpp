@@ -33,8 +33,9 @@ Displacement By(std::function<Float(const Point3 &, const Normal3 &, const Point
 double Area(const MeshData &m) {
     double area = 0;
     for (size_t i = 0; i < m.indices.size(); i += 3)
-        area += static_cast<double>(Length(Cross(m.p[m.indices[i + 1]] - m.p[m.indices[i]],
-                                                 m.p[m.indices[i + 2]] - m.p[m.indices[i]]))) / 2;
+        area += static_cast<double>(Length(
+                    Cross(m.p[m.indices[i + 1]] - m.p[m.indices[i]], m.p[m.indices[i + 2]] - m.p[m.indices[i]]))) /
+                2;
     return area;
 }
 

@@ -53,9 +53,7 @@ class ShapeFactory : public testing::Test {
         }
         return "";
     }
-    size_t Unused() {
-        return sink.ErrorCount();
-    }
+    size_t Unused() { return sink.ErrorCount(); }
     const std::vector<Float> square = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
     ParamSet params;
     DiagnosticSink sink;
@@ -119,7 +117,8 @@ TEST_F(ShapeFactory, PatchesDoNotReadTangents) {
 
 // One bright pixel of 4 x 2: lower row, second column. Bilinear look-ups carry its light half a pixel further.
 TEST_F(ShapeFactory, EmissionImagesSayWhereOnAPatchToSample) {
-    const std::string file = (std::filesystem::temp_directory_path() / fmt::format("emission{}.exr", getpid())).string();
+    const std::string file =
+        (std::filesystem::temp_directory_path() / fmt::format("emission{}.exr", getpid())).string();
     Image image(PixelFormat::Float, {4, 2}, {"R", "G", "B"});
     image.Set({1, 1}, 1, 8);
     WriteImage(file, image);
@@ -244,7 +243,8 @@ TEST_F(ShapeFactory, PlyMistakes) {
 }
 
 TEST_F(ShapeFactory, DisplacementErrorsPointAtTheParameterToBlame) {
-    const auto file = std::filesystem::temp_directory_path() / ("pbrt_displacement_place_test_" + std::to_string(getpid()) + ".ply");
+    const auto file =
+        std::filesystem::temp_directory_path() / ("pbrt_displacement_place_test_" + std::to_string(getpid()) + ".ply");
     auto lineOf = [&](bool withUv) {
         std::ofstream(file) << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
                                "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"

@@ -32,8 +32,9 @@ Control Grid(uint32_t n, Float (*height)(Float x, Float y)) {
 
 /// The cube of the conformance scene: valences 4 and 5, faces counter-clockwise from outside.
 Control Cube() {
-    return {{0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4, 3, 6, 2, 3, 7, 6, 1, 2, 6, 1, 6, 5, 0, 7, 3, 0, 4, 7},
-            {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}}};
+    return {
+        {0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4, 3, 6, 2, 3, 7, 6, 1, 2, 6, 1, 6, 5, 0, 7, 3, 0, 4, 7},
+        {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}}};
 }
 
 bool InnerPart(const Point3 &p, Float n) { return p.x > 2.5f && p.y > 2.5f && p.x < n - 2.5f && p.y < n - 2.5f; }

@@ -119,8 +119,7 @@ std::vector<double> CellProbabilities(const Case &c, const DirectionSquare &squa
         if (c.shape.drawsVisibleOnly && HidesItself(shape, from, s.p)) return;
         double pdf = double(shape.PdfSolidAngle(0, from, wi, s.p, s.n));
         std::array<size_t, 2> at = square.Cell(wi);
-        cells[at[0] * kGridY + at[1]] +=
-            pdf * double(AbsDot(wi, s.n)) / double(DistanceSquared(s.p, from.p)) * area;
+        cells[at[0] * kGridY + at[1]] += pdf * double(AbsDot(wi, s.n)) / double(DistanceSquared(s.p, from.p)) * area;
     });
     return cells;
 }

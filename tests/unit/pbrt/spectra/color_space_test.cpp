@@ -37,8 +37,7 @@ TEST(ColorSpace, WhiteIsOneOneOneAndPrimariesAreUnitVectors) {
     for (const std::string &name : ColorSpace::Names()) {
         const ColorSpace &space = *ColorSpace::Find(name);
         Rgb white = space.ToRgb(SpectrumToXyz(space.Illuminant()));
-        for (int c = 0; c < 3; ++c)
-            EXPECT_NEAR(white[c], 1, 1e-5) << name;
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(white[c], 1, 1e-5) << name;
         Point2 wanted[3] = {space.R(), space.G(), space.B()};
         for (int c = 0; c < 3; ++c) {
             Rgb unit(0);
@@ -70,8 +69,7 @@ TEST(ColorSpace, ChromaticitiesFindTheirSpace) {
 TEST(ColorSpace, ConvertMatrixRoundTrips) {
     const ColorSpace &a = ColorSpace::SRGB(), &b = *ColorSpace::Find("aces2065-1");
     Rgb c(0.2f, 0.5f, 0.7f), back = ConvertRgbMatrix(b, a) * (ConvertRgbMatrix(a, b) * c);
-    for (int i = 0; i < 3; ++i)
-        EXPECT_NEAR(back[i], c[i], 1e-5);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(back[i], c[i], 1e-5);
 }
 
 TEST(SigmoidPolynomial, GreysAreFlatAndExact) {
@@ -79,8 +77,7 @@ TEST(SigmoidPolynomial, GreysAreFlatAndExact) {
     for (int i = 0; i <= 100; ++i) {
         Float g = static_cast<Float>(i) / 100;
         SigmoidPolynomial p = space.ToPolynomial(Rgb(g));
-        for (Float lambda : {Float(360), Float(555.5), Float(830)})
-            EXPECT_NEAR(p(lambda), g, 2e-6) << g;
+        for (Float lambda : {Float(360), Float(555.5), Float(830)}) EXPECT_NEAR(p(lambda), g, 2e-6) << g;
         EXPECT_NEAR(p.MaxValue(), g, 2e-6);
     }
 }
@@ -170,15 +167,13 @@ TEST(SigmoidPolynomial, MaxValueBoundsAllAndSampleAgrees) {
     for (int i = 0; i < 500; ++i) {
         RgbAlbedoSpectrum s(ColorSpace::SRGB(), {rng.Uniform(), rng.Uniform(), rng.Uniform()});
         Float seen = 0;
-        for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda)
-            seen = std::max(seen, s(lambda));
+        for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda) seen = std::max(seen, s(lambda));
         // Large terms of the quadratic cancel: compilers that round differently end up to 1e-5 apart.
         EXPECT_LE(seen, s.MaxValue() + 1e-4f);
         EXPECT_NEAR(seen, s.MaxValue(), 0.02);
         SampledWavelengths lambda = SampledWavelengths::SampleVisible(rng.Uniform());
         SampledSpectrum v = s.Sample(lambda);
-        for (int k = 0; k < SpectrumSamples; ++k)
-            EXPECT_NEAR(v[k], s(lambda[k]), 1e-4f);
+        for (int k = 0; k < SpectrumSamples; ++k) EXPECT_NEAR(v[k], s(lambda[k]), 1e-4f);
     }
 }
 
@@ -196,10 +191,30 @@ TEST(RgbSpectra, UnboundedAndIlluminantReproduceBrightColors) {
 }
 
 // Every component a float can hold: zeros, denormal numbers, the ends of the normal ones, bounds, beyond, no numbers.
-const Float kExtremes[] = {0.0f,    -0.0f,  1e-45f,     1e-40f, 1e-38f,  1.18e-38f, 1e-37f, 1e-36f,  1e-20f,
-                           1e-7f,   0.3f,   0.9999999f, 1.0f,   1.0001f, 250.0f,    1e20f,  9.9e36f, 3.4e38f,
-                           -1e-40f, -0.5f,  -3e38f,     std::numeric_limits<Float>::infinity(),
-                           -std::numeric_limits<Float>::infinity(), std::numeric_limits<Float>::quiet_NaN()};
+const Float kExtremes[] = {0.0f,
+                           -0.0f,
+                           1e-45f,
+                           1e-40f,
+                           1e-38f,
+                           1.18e-38f,
+                           1e-37f,
+                           1e-36f,
+                           1e-20f,
+                           1e-7f,
+                           0.3f,
+                           0.9999999f,
+                           1.0f,
+                           1.0001f,
+                           250.0f,
+                           1e20f,
+                           9.9e36f,
+                           3.4e38f,
+                           -1e-40f,
+                           -0.5f,
+                           -3e38f,
+                           std::numeric_limits<Float>::infinity(),
+                           -std::numeric_limits<Float>::infinity(),
+                           std::numeric_limits<Float>::quiet_NaN()};
 
 /// `check` for all triples of kExtremes in every space.
 void ForExtremeColors(const std::function<void(const ColorSpace &, const Rgb &)> &check) {
@@ -293,8 +308,7 @@ TEST(WhiteBalance, MapsWhiteToWhiteAndIsItsOwnInverse) {
     glm::mat3 identity = WhiteBalanceMatrix(d65, a) * WhiteBalanceMatrix(a, d65);
     for (int i = 0; i < 3; ++i) {
         EXPECT_NEAR(mapped[i], wanted[i], 1e-5);
-        for (int j = 0; j < 3; ++j)
-            EXPECT_NEAR(identity[i][j], i == j ? 1 : 0, 1e-5);
+        for (int j = 0; j < 3; ++j) EXPECT_NEAR(identity[i][j], i == j ? 1 : 0, 1e-5);
     }
     // Published Bradford matrix D65 -> D50 (Lindbloom), transposed into columns.
     glm::mat3 m = WhiteBalanceMatrix({0.312727f, 0.329023f}, {0.345669f, 0.358496f});

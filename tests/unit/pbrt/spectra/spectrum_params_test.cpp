@@ -36,9 +36,7 @@ class SpectrumParams : public ::testing::Test {
         params_.Add(made_);
     }
     void WriteFile(const std::string &name, const std::string &text) { std::ofstream(folder_ / name) << text; }
-    SpectrumPtr Get(SpectrumUse use = SpectrumUse::Albedo) {
-        return Get(SpectrumParam{use});
-    }
+    SpectrumPtr Get(SpectrumUse use = SpectrumUse::Albedo) { return Get(SpectrumParam{use}); }
     SpectrumPtr Get(SpectrumParam param) {
         ParamReader reader(params_);
         ReadParam(reader, "x", param);

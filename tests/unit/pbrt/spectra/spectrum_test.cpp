@@ -45,17 +45,14 @@ TEST(NamedSpectra, IlluminantsHaveTheirPublishedChromaticities) {
 
 TEST(NamedSpectra, AllOfTheFormatExist) {
     std::vector<std::string> names = {"stdillum-A", "stdillum-D50", "stdillum-D65", "illum-acesD60"};
-    for (int i = 1; i <= 12; ++i)
-        names.push_back("stdillum-F" + std::to_string(i));
+    for (int i = 1; i <= 12; ++i) names.push_back("stdillum-F" + std::to_string(i));
     for (const char *glass : {"BK7", "BAF10", "FK51A", "LASF9", "F5", "F10", "F11"})
         names.push_back(std::string("glass-") + glass);
     for (const char *metal : {"Ag", "Al", "Au", "Cu", "CuZn", "MgO", "TiO2"})
-        for (const char *part : {"-eta", "-k"})
-            names.push_back(std::string("metal-") + metal + part);
+        for (const char *part : {"-eta", "-k"}) names.push_back(std::string("metal-") + metal + part);
     EXPECT_EQ(CameraSensorNames().size(), 17u);
     for (const std::string &sensor : CameraSensorNames())
-        for (const char *channel : {"_r", "_g", "_b"})
-            names.push_back(sensor + channel);
+        for (const char *channel : {"_r", "_g", "_b"}) names.push_back(sensor + channel);
     std::vector<std::string> have = NamedSpectrumNames();
     for (const std::string &name : names) {
         EXPECT_TRUE(NamedSpectrum(name)) << name;
@@ -82,8 +79,7 @@ TEST(NamedSpectra, ShortTablesGoOnWithTheirEndValues) {
 
 TEST(DenseSpectrum, TakesTheNearestNanometre) {
     std::vector<Float> values(471);
-    for (size_t i = 0; i < values.size(); ++i)
-        values[i] = static_cast<Float>(i + 1);
+    for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<Float>(i + 1);
     DenseSpectrum s(values);
     EXPECT_EQ(s(360), 1.0f);
     EXPECT_EQ(s(360.49f), 1.0f);
@@ -134,8 +130,7 @@ TEST(Spectrum, SampleEqualsPointEvaluation) {
         for (int i = 0; i < 50; ++i) {
             SampledWavelengths lambda = SampledWavelengths::SampleVisible(static_cast<Float>(i) / 50);
             SampledSpectrum v = s->Sample(lambda);
-            for (int k = 0; k < SpectrumSamples; ++k)
-                EXPECT_EQ(v[k], (*s)(lambda[k]));
+            for (int k = 0; k < SpectrumSamples; ++k) EXPECT_EQ(v[k], (*s)(lambda[k]));
         }
 }
 

@@ -27,7 +27,8 @@ class ImageCacheTest : public testing::Test {
         key.maxAnisotropy = maxAnisotropy;
         return key;
     }
-    MipMapKey key_{.path = std::filesystem::temp_directory_path() / ("pbrt_image_cache_" + std::to_string(getpid()) + ".png")};
+    MipMapKey key_{.path = std::filesystem::temp_directory_path() /
+                           ("pbrt_image_cache_" + std::to_string(getpid()) + ".png")};
 };
 
 TEST_F(ImageCacheTest, FiltersShareThePixels) {

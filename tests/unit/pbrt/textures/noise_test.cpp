@@ -93,7 +93,8 @@ TEST(Noise, OctavesAddUp) {
         const Point3 p = RandomPoint(rng, 4);
         Float expected = 0, creased = 0;
         for (int k = 0; k < 4; ++k) {
-            const Float n = GradientNoise(std::pow(1.99f, static_cast<Float>(k)) * p), w = std::pow(0.6f, static_cast<Float>(k));
+            const Float n = GradientNoise(std::pow(1.99f, static_cast<Float>(k)) * p),
+                        w = std::pow(0.6f, static_cast<Float>(k));
             expected += w * n;
             creased += w * std::abs(n);
         }
@@ -168,8 +169,7 @@ TEST(DotsTexture, InsideAndOutsideAreSwappedAsInStock) {
     Bench b;
     b.Define("d", false, "dots", Params().F("inside", 5).F("outside", 9));
     // In the corners between cells there is never a dot.
-    for (int i = 0; i < 20; ++i)
-        EXPECT_EQ(b.FloatTex("d")->Evaluate(At({static_cast<Float>(i) + 0.5f, 2.5f, 0})), 5);
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(b.FloatTex("d")->Evaluate(At({static_cast<Float>(i) + 0.5f, 2.5f, 0})), 5);
 }
 
 TEST(DotsTexture, SomeCellsHoldOneDotOfRadius035) {
@@ -183,7 +183,8 @@ TEST(DotsTexture, SomeCellsHoldOneDotOfRadius035) {
             constexpr int kSide = 24;
             int inside = 0;
             for (int i = 0; i < kSide * kSide; ++i) {
-                const Point2 o((static_cast<Float>(i % kSide) + 0.5f) / kSide - 0.5f, (static_cast<Float>(i / kSide) + 0.5f) / kSide - 0.5f);
+                const Point2 o((static_cast<Float>(i % kSide) + 0.5f) / kSide - 0.5f,
+                               (static_cast<Float>(i / kSide) + 0.5f) / kSide - 0.5f);
                 inside += dots->Evaluate(At({static_cast<Float>(x) + o.x, static_cast<Float>(y) + o.y, 0})) == 1;
             }
             ++cells;

@@ -41,8 +41,7 @@ TEST(TextureLibrary, UnknownNameListsTheNames) {
     Bench b;
     b.Define("wood", false, "constant", Params());
     b.Define("stone", true, "constant", Params());
-    Thrown t = Catch(
-        [&] { b.GetFloat(Params("Material \"diffuse\"", 3).Tex("roughness", "woood"), "roughness", 0); });
+    Thrown t = Catch([&] { b.GetFloat(Params("Material \"diffuse\"", 3).Tex("roughness", "woood"), "roughness", 0); });
     EXPECT_EQ(t.line, 4);
     EXPECT_TRUE(t.Says("did you mean \"wood\"")) << t.message;
     t = Catch([&] { b.GetFloat(Params("m").Tex("roughness", "stone"), "roughness", 0); });

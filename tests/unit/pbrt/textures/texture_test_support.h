@@ -119,9 +119,7 @@ struct Bench {
     SpectrumTexturePtr GetSpectrum(const ParamSet &set, const std::string &name, SpectrumUse use) {
         return Get(set, name, SpectrumTextureParam{{use}});
     }
-    FloatTexturePtr FloatTex(const std::string &name) {
-        return GetFloat(Params("user").Tex("x", name), "x");
-    }
+    FloatTexturePtr FloatTex(const std::string &name) { return GetFloat(Params("user").Tex("x", name), "x"); }
     SpectrumTexturePtr SpectrumTex(const std::string &name, SpectrumUse use = SpectrumUse::Albedo) {
         return GetSpectrum(Params("user").Tex("x", name), "x", use);
     }

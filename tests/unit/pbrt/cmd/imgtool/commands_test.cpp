@@ -45,8 +45,8 @@ TEST_F(Imgtool, ErrorIsTheMeanOverAllFilesWithThePrefix) {
 }
 
 TEST_F(Imgtool, ErrorTakesNamesAndPatternsAndSaysWhatItCompared) {
-    for (auto [name, value] : {std::pair("run1.exr", 3.f), std::pair("run10.exr", 4.f), std::pair("run1.exr.old.exr", 5.f),
-                               std::pair("ref.exr", 2.f)})
+    for (auto [name, value] : {std::pair("run1.exr", 3.f), std::pair("run10.exr", 4.f),
+                               std::pair("run1.exr.old.exr", 5.f), std::pair("ref.exr", 2.f)})
         WriteImage(Path(name), Constant({4, 3}, value));
     std::ofstream(Path("run1.log")) << "no image";
     auto compared = [&](const std::string &names) { return Run("error " + names + " --reference ref.exr").out; };
@@ -56,21 +56,23 @@ TEST_F(Imgtool, ErrorTakesNamesAndPatternsAndSaysWhatItCompared) {
               "run10.exr: 4\nrun1.exr: 1\nMSE: mean 2.5, standard deviation 2.12, 2 images\n");
     // A start of names finds images only.
     EXPECT_TRUE(Has(compared("run1"), "run1.exr: 1\nrun1.exr.old.exr: 9\nrun10.exr: 4\n")) << compared("run1");
-    EXPECT_TRUE(Has(Run("average 'run1*.exr' --outfile mean.exr").out, "3 images: run1.exr, run1.exr.old.exr, run10.exr"));
-    ExpectErrors({{"error 'x*' --reference ref.exr", "No file fits \"x*\""},
-                  {"error run1.exr x --reference ref.exr", "\"x\""}});
+    EXPECT_TRUE(
+        Has(Run("average 'run1*.exr' --outfile mean.exr").out, "3 images: run1.exr, run1.exr.old.exr, run10.exr"));
+    ExpectErrors(
+        {{"error 'x*' --reference ref.exr", "No file fits \"x*\""}, {"error run1.exr x --reference ref.exr", "\"x\""}});
 }
 
 TEST_F(Imgtool, AFullDiskIsAnErrorAndKeepsTheOldFile) {
     Write("big.exr", 64, 64, kRgb, -30);
     Write("big2.exr", 64, 64, kRgb, -31);
     WriteImage(Path("noise.exr"), Constant({64, 64}, 0.3f));
-    for (const char *command : {"convert big.exr out.exr", "convert big.exr out.pfm", "convert big.exr --repeatpix 9 out.png",
-                                "convert big.exr --repeatpix 9 out.jpg", "average big.exr big2.exr --outfile out.pfm",
-                                "diff big.exr --reference noise.exr --outfile out.pfm",
-                                "error big.exr --reference noise.exr --errorfile out.pfm", "bloom big.exr out.pfm",
-                                "splitn big.exr big2.exr --outfile out.pfm", "assemble big.exr --outfile out.exr",
-                                "makesky --resolution 128 --outfile out.exr"}) {
+    for (const char *command :
+         {"convert big.exr out.exr", "convert big.exr out.pfm", "convert big.exr --repeatpix 9 out.png",
+          "convert big.exr --repeatpix 9 out.jpg", "average big.exr big2.exr --outfile out.pfm",
+          "diff big.exr --reference noise.exr --outfile out.pfm",
+          "error big.exr --reference noise.exr --errorfile out.pfm", "bloom big.exr out.pfm",
+          "splitn big.exr big2.exr --outfile out.pfm", "assemble big.exr --outfile out.exr",
+          "makesky --resolution 128 --outfile out.exr"}) {
         std::string name = command;
         name = name.substr(name.rfind(' ') + 1);
         const std::string old = FileText(Path("noise.exr"));
@@ -183,7 +185,8 @@ TEST_F(Imgtool, BloomSpreadsBrightPixelsAndKeepsTheirLight) {
     EXPECT_TRUE(Has(Run("bloom a.exr --outfile c.exr").err, "nothing blooms"));
     EXPECT_EQ(Run("diff a.exr --reference c.exr").status, 0);
     Write("grey.exr", 4, 4, {"Y"});
-    ExpectErrors({{"bloom a.exr --width 8 --outfile c.exr", "odd"}, {"bloom grey.exr --outfile c.exr", "no channel R"}});
+    ExpectErrors(
+        {{"bloom a.exr --width 8 --outfile c.exr", "odd"}, {"bloom grey.exr --outfile c.exr", "no channel R"}});
 }
 
 TEST_F(Imgtool, WhitebalanceMakesTheLightsColourGrey) {
@@ -283,8 +286,8 @@ TEST_F(Imgtool, MakeequiareaLosesNoLightInSmallMaps) {
     map.Set({101, 21}, 0, 1000);
     WriteImage(Path("a.exr"), map);
     ASSERT_EQ(Run("makeequiarea a.exr --resolution 8 --outfile b.exr").status, 0);
-    const double top = double(Pi) * 21 / (kWidth / 2), solidAngle = 2 * double(Pi) / kWidth *
-                       (std::cos(top) - std::cos(top + double(Pi) / (kWidth / 2)));
+    const double top = double(Pi) * 21 / (kWidth / 2),
+                 solidAngle = 2 * double(Pi) / kWidth * (std::cos(top) - std::cos(top + double(Pi) / (kWidth / 2)));
     EXPECT_NEAR(Sum(ReadImage(Path("b.exr")).image, 0) * 4 * double(Pi) / 64, 1000 * solidAngle,
                 0.1 * 1000 * solidAngle);
 }

@@ -9,9 +9,9 @@
 namespace pbrt {
 
 TEST_F(Imgtool, HelpListsCommandsAndExplainsEach) {
-    const std::vector<std::string> commands = {"info",     "convert",      "diff",           "error",        "falsecolor",
-                                               "average",  "assemble",     "splitn",         "bloom",        "whitebalance",
-                                               "makesky",  "makeequiarea", "scalenormalmap", "help"};
+    const std::vector<std::string> commands = {"info",    "convert",      "diff",           "error", "falsecolor",
+                                               "average", "assemble",     "splitn",         "bloom", "whitebalance",
+                                               "makesky", "makeequiarea", "scalenormalmap", "help"};
     std::vector<std::string> runs = {"help", "--help", "diff --help"};
     for (const std::string &command : commands) runs.push_back("help " + command);
     const std::vector<Outcome> outcomes = RunAll(runs);
@@ -124,7 +124,8 @@ TEST_F(Imgtool, InfoAndDiffSpeakJson) {
     WriteImage(Path("a.exr"), image, metadata);
     image.Set({0, 0}, 1, 1);
     WriteImage(Path("b.exr"), image, metadata);
-    const Outcome differ = Run("diff a.exr --reference b.exr --metric MAE --json"), equal = Run("diff a.exr --reference a.exr --json");
+    const Outcome differ = Run("diff a.exr --reference b.exr --metric MAE --json"),
+                  equal = Run("diff a.exr --reference a.exr --json");
     EXPECT_EQ(differ.status, 1);
     EXPECT_NEAR(nlohmann::json::parse(differ.out)["error"].get<double>(), 1 / 6., 1e-6);
     EXPECT_EQ(equal.status, 0);
@@ -315,7 +316,8 @@ TEST_F(Imgtool, FalsecolorShowsTheImageAndNotItsBrightestPixels) {
     for (int x = 0; x < 15; ++x) image.Set({x, 0}, 0, 1000);
     WriteImage(Path("a.exr"), image);
     const Outcome o = Run("falsecolor a.exr f.png");
-    EXPECT_TRUE(Has(o.out, "f.png: 0 to 1, which 99 % of the pixels do not exceed; the largest value is 1000")) << o.out;
+    EXPECT_TRUE(Has(o.out, "f.png: 0 to 1, which 99 % of the pixels do not exceed; the largest value is 1000"))
+        << o.out;
     const Image shown = ReadImage(Path("f.png")).image;
     EXPECT_GT(shown.Get({40, 20}, 0), shown.Get({5, 20}, 0) + 0.2f);
     // Mostly 0: what is not stays visible.

@@ -108,9 +108,11 @@ TEST_F(Lightlab, KilledCampaignEndsAsIfNothingHadHappened) {
 TEST_F(Lightlab, EverySignalEndsItSoonWithItsStatus) {
     ASSERT_EQ(mkfifo(Path("pipe").c_str(), 0600), 0);
     for (int signal : {SIGINT, SIGTERM, SIGHUP})
-        for (const char *arguments : {"pipe --no-report --samplers uniform", "inspect pipe --sampler uniform",
-                                      "scene.pbrt --no-report --samplers uniform --spp 100000000 --seeds 1 --reference-spp 100000000 --out long",
-                                      "inspect scene.pbrt --sampler uniform --samples 1000000"}) {
+        for (
+            const char *arguments :
+            {"pipe --no-report --samplers uniform", "inspect pipe --sampler uniform",
+             "scene.pbrt --no-report --samplers uniform --spp 100000000 --seeds 1 --reference-spp 100000000 --out long",
+             "inspect scene.pbrt --sampler uniform --samples 1000000"}) {
             const pid_t pid = Start(arguments);
             EXPECT_TRUE(WaitUntil([&] { return CatchesInterrupt(pid); }));
             std::this_thread::sleep_for(std::chrono::milliseconds(300));
@@ -127,12 +129,14 @@ TEST_F(Lightlab, EverySignalEndsItSoonWithItsStatus) {
 
 TEST_F(Lightlab, SamplersMayBePartedBySemicolons) {
     if (!HasExtensions()) GTEST_SKIP() << "NOT TESTED: this build has no src/ext (PBRT_EXT=OFF), so no octree";
-    RunWell("scene.pbrt --samplers 'bvh+mesh;octree:budget=0.02,floor=0.2;bvh+gate=neepp:samples=3,voxels=9,uniform' --spp 1 --seeds 1 "
-            "--reference-spp 8 --no-report --selection-work 0 --out out");
+    RunWell(
+        "scene.pbrt --samplers 'bvh+mesh;octree:budget=0.02,floor=0.2;bvh+gate=neepp:samples=3,voxels=9,uniform' --spp 1 --seeds 1 "
+        "--reference-spp 8 --no-report --selection-work 0 --out out");
     const nlohmann::json results = Results("out");
     std::vector<std::string> labels;
     for (const nlohmann::json &s : results.at("samplers")) labels.push_back(s.at("label"));
-    EXPECT_EQ(labels, (std::vector<std::string>{"bvh+mesh", "octree:budget=0.02,floor=0.2", "bvh+gate=neepp:samples=3,voxels=9", "uniform"}));
+    EXPECT_EQ(labels, (std::vector<std::string>{"bvh+mesh", "octree:budget=0.02,floor=0.2",
+                                                "bvh+gate=neepp:samples=3,voxels=9", "uniform"}));
 }
 
 TEST_F(Lightlab, ExamplesOfTheHelpAreRight) {
@@ -143,8 +147,10 @@ TEST_F(Lightlab, ExamplesOfTheHelpAreRight) {
         for (std::string line; std::getline(help, line);) {
             if (!line.starts_with("  lightlab ")) continue;
             std::string command = line.substr(11, line.find("   ", 11) - 11);
-            if (const size_t time = command.find("--time 20"); time != std::string::npos) command.replace(time, 9, "--time 0.2 --seeds 1");
-            if (!Has(command, "inspect")) command += " --no-report --divisor 4 --reference-spp 8 --selection-work 0 --restart --out out";
+            if (const size_t time = command.find("--time 20"); time != std::string::npos)
+                command.replace(time, 9, "--time 0.2 --seeds 1");
+            if (!Has(command, "inspect"))
+                command += " --no-report --divisor 4 --reference-spp 8 --selection-work 0 --restart --out out";
             EXPECT_FALSE(Has(RunWell(command), "no effect")) << command;
             ++examples;
         }

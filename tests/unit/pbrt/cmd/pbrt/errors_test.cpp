@@ -138,7 +138,9 @@ Accelerator "bvh" "integer prims" 1
         const Outcome o = Run(std::string("--quiet --outfile nowhere/out.exr ") + scene);
         EXPECT_EQ(o.status, 1);
         for (int line = 1; line <= 6; ++line)
-            EXPECT_TRUE(HasDiagnostic(o.err, "Error: " + std::string(scene) + ":" + std::to_string(line) + ":")) << line << "\n" << o.err;
+            EXPECT_TRUE(HasDiagnostic(o.err, "Error: " + std::string(scene) + ":" + std::to_string(line) + ":"))
+                << line << "\n"
+                << o.err;
         EXPECT_TRUE(Has(o.err, "the folder nowhere does not exist")) << o.err;
         EXPECT_EQ(Count(o.err, "Error: "), scene == std::string("names.pbrt") ? 7u : 8u) << o.err;
     }
@@ -146,8 +148,10 @@ Accelerator "bvh" "integer prims" 1
 
 TEST_F(Errors, WhatCannotBeWrittenIsFoundBeforeTheSceneIsBuilt) {
     // Seconds to build; the errors must not come after that.
-    Write("big.pbrt", "Film \"rgb\"\nWorldBegin\nShape \"loopsubdiv\" \"integer levels\" 10 \"integer indices\" [ 0 1 2  0 2 3  0 3 1  1 3 2 ] "
-                      "\"point3 P\" [ 0 3 0  1 2 0  -1 2 1  -1 2 -1 ]\n");
+    Write(
+        "big.pbrt",
+        "Film \"rgb\"\nWorldBegin\nShape \"loopsubdiv\" \"integer levels\" 10 \"integer indices\" [ 0 1 2  0 2 3  0 3 1  1 3 2 ] "
+        "\"point3 P\" [ 0 3 0  1 2 0  -1 2 1  -1 2 -1 ]\n");
     const auto start = std::chrono::steady_clock::now();
     ExpectErrors({{"--outfile nowhere/out.exr big.pbrt", {"the folder nowhere does not exist"}},
                   {"--outfile out.bmp big.pbrt", {".exr, .png or .pfm"}},

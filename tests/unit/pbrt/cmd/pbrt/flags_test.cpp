@@ -143,11 +143,13 @@ TEST_F(Flags, PrintedPhasesAddUpToTheWallTime) {
     text.replace(text.find("32"), 2, "900");
     text.replace(text.find("24"), 2, "900");
     for (int i = 0; i < 60000; ++i) text += "Shape \"disk\" \"float radius\" 0.0001\n";
-    text += "Shape \"loopsubdiv\" \"integer levels\" 8 \"integer indices\" [ 0 1 2 ] \"point3 P\" [ 9 9 9  9 9 8  9 8 9 ]\n";
+    text +=
+        "Shape \"loopsubdiv\" \"integer levels\" 8 \"integer indices\" [ 0 1 2 ] \"point3 P\" [ 9 9 9  9 9 8  9 8 9 ]\n";
     Write("heavy.pbrt", text);
     const bool ext = Has(LightSamplerListing(), "\noctree\n");
     const auto start = std::chrono::steady_clock::now();
-    const Outcome o = Run(std::string("--stats --spp 1 --outfile out.exr --lightsampler ") + (ext ? "octree" : "bvh") + " heavy.pbrt");
+    const Outcome o = Run(std::string("--stats --spp 1 --outfile out.exr --lightsampler ") + (ext ? "octree" : "bvh") +
+                          " heavy.pbrt");
     const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     ASSERT_EQ(o.status, 0) << o.err;
     // The same names in the progress lines and in the statistics; the lines of parts are indented.
@@ -198,13 +200,14 @@ Shape "sphere"
 TEST_F(Unsupported, IsLeftOutLoudlyWhenAskedFor) {
     const std::string messages = RunWell("--spp 256 --ignore-unsupported scene.pbrt");
     for (const char *part : {"Warning: scene.pbrt:3:0: Integrator \"bdpt\" is left out, path instead",
-                             "Warning: scene.pbrt:4:0: MakeNamedMedium \"fog\" is left out", "Warning: scene.pbrt:9:0: Texture \"skin\"",
-                             "Wrote fog-incomplete.exr"})
+                             "Warning: scene.pbrt:4:0: MakeNamedMedium \"fog\" is left out",
+                             "Warning: scene.pbrt:9:0: Texture \"skin\"", "Wrote fog-incomplete.exr"})
         EXPECT_TRUE(Has(messages, part)) << part << "\n" << messages;
     const ImageFile file = ReadImage(Path("fog-incomplete.exr"));
     EXPECT_EQ(TextOf(file, "pbrt.integrator"), "path");
     EXPECT_EQ(IntOf(file, "pbrt.maxDepth"), 2);
-    for (const char *part : {"scene.pbrt:3: Integrator \"bdpt\"", "scene.pbrt:4: MakeNamedMedium \"fog\"", "scene.pbrt:9: Texture \"skin\""})
+    for (const char *part : {"scene.pbrt:3: Integrator \"bdpt\"", "scene.pbrt:4: MakeNamedMedium \"fog\"",
+                             "scene.pbrt:9: Texture \"skin\""})
         EXPECT_TRUE(Has(TextOf(file, "pbrt.ignored"), part)) << TextOf(file, "pbrt.ignored");
     EXPECT_NEAR(file.image.Get({8, 8}, 0), 0.5f, 0.03f) << "a sphere of reflectance 0.5 under a sky of 1";
     EXPECT_EQ(Files(), (std::vector<std::string>{"fog-incomplete.exr", "scene.pbrt"}));

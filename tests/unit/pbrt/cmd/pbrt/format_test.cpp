@@ -41,7 +41,7 @@ std::map<std::string, Names> DocumentedParameters() {
         for (const std::string &entity : Quoted(cells[1]))
             if (entity.ends_with('"'))
                 out[entity.substr(0, entity.find(' ')) + entity.substr(entity.rfind(' '))].insert(names.begin(),
-                                                                                                names.end());
+                                                                                                  names.end());
     }
     return out;
 }

@@ -90,10 +90,11 @@ Film "gbuffer" "integer xresolution" 16 "integer yresolution" 12 "bool savefp16"
 
 // A square at z = 5 that faces the camera; every corner has height 0, every other field between them height 2.
 TEST_F(Images, DisplacedMeshesAreSplitAsTheEdgeLengthSays) {
-    Write("square.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-                        "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n"
-                        "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
-                        "-1 -1 5 0 0 -1 0 0\n1 -1 5 0 0 -1 1 0\n1 1 5 0 0 -1 1 1\n-1 1 5 0 0 -1 0 1\n4 0 1 2 3\n");
+    Write("square.ply",
+          "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+          "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n"
+          "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+          "-1 -1 5 0 0 -1 0 0\n1 -1 5 0 0 -1 1 0\n1 1 5 0 0 -1 1 1\n-1 1 5 0 0 -1 0 1\n4 0 1 2 3\n");
     Write("relief.pbrt", R"(Camera "perspective" "float fov" 15
 Film "gbuffer" "integer xresolution" 32 "integer yresolution" 32 "string coordinatesystem" "world" "bool savefp16" false
 Sampler "independent" "integer pixelsamples" 1

@@ -27,7 +27,8 @@ TEST_F(LightSamplers, EveryListedOneRenders) {
             continue;
         }
         std::string flag = isGate ? "--shadow-gate " : "--lightsampler ";
-        EXPECT_EQ(TextOf(Render("--spp 1 " + flag + line + " scene.pbrt"), isGate ? "shadowGate" : "lightSampler"), line);
+        EXPECT_EQ(TextOf(Render("--spp 1 " + flag + line + " scene.pbrt"), isGate ? "shadowGate" : "lightSampler"),
+                  line);
         ++(isGate ? gates : count);
     }
     EXPECT_GE(count, 4);
@@ -89,32 +90,43 @@ TEST_F(LightSamplers, SuffixesAndOldFlagsAreOneLanguage) {
     // A suffix beats the flag, and both beat the scene.
     Write("gated.pbrt", SmallScene(R"("string shadowgate" "neepp")"));
     EXPECT_EQ(TextOf(Render("--spp 1 gated.pbrt"), "shadowGate"), "neepp");
-    for (const char *arguments : {"--lightsampler bvh+gate=none", "--shadow-gate none", "--lightsampler bvh+gate=none --shadow-gate neepp"})
-        EXPECT_FALSE(Render(std::string("--spp 1 gated.pbrt ") + arguments).metadata.attributes.contains("shadowGate")) << arguments;
+    for (const char *arguments :
+         {"--lightsampler bvh+gate=none", "--shadow-gate none", "--lightsampler bvh+gate=none --shadow-gate neepp"})
+        EXPECT_FALSE(Render(std::string("--spp 1 gated.pbrt ") + arguments).metadata.attributes.contains("shadowGate"))
+            << arguments;
 }
 
 TEST_F(LightSamplers, CaretsStandUnderTheMistakeInTheWholeFlag) {
-    auto under = [](const std::string &text, size_t column) { return "\n    " + text + "\n    " + std::string(column, ' ') + "^"; };
+    auto under = [](const std::string &text, size_t column) {
+        return "\n    " + text + "\n    " + std::string(column, ' ') + "^";
+    };
     ExpectErrors({{"--lightsampler bvh+mush scene.pbrt", {"\"+mush\"", "+mesh", under("bvh+mush", 3)}}});
     PBRT_SKIP_WITHOUT_EXT();
-    ExpectErrors({{"--lightsampler bvh+gate=nep scene.pbrt", {"\"nep\" is not a shadow-ray gate", "neepp", under("bvh+gate=nep", 9)}},
-                  {"--lightsampler bvh+gate=neepp:voxls=3 scene.pbrt", {"did you mean \"voxels\"?", under("bvh+gate=neepp:voxls=3", 15)}},
-                  {"--lightsampler bvh+gate=neepp:voxels=-1 scene.pbrt", {"neepp.voxels", under("bvh+gate=neepp:voxels=-1", 15)}},
-                  // All mistakes at once.
-                  {"--lightsampler octree:x=1,floor=7+gate=y scene.pbrt",
-                   {"\"x\"", "\"y\"", "from 0 to 1", "3 errors"}}});
+    ExpectErrors(
+        {{"--lightsampler bvh+gate=nep scene.pbrt",
+          {"\"nep\" is not a shadow-ray gate", "neepp", under("bvh+gate=nep", 9)}},
+         {"--lightsampler bvh+gate=neepp:voxls=3 scene.pbrt",
+          {"did you mean \"voxels\"?", under("bvh+gate=neepp:voxls=3", 15)}},
+         {"--lightsampler bvh+gate=neepp:voxels=-1 scene.pbrt",
+          {"neepp.voxels", under("bvh+gate=neepp:voxels=-1", 15)}},
+         // All mistakes at once.
+         {"--lightsampler octree:x=1,floor=7+gate=y scene.pbrt", {"\"x\"", "\"y\"", "from 0 to 1", "3 errors"}}});
 }
 
 TEST_F(LightSamplers, ParametersWithoutEffectAreWarnings) {
     PBRT_SKIP_WITHOUT_EXT();
     Write("octree.pbrt", SmallScene(R"("string lightsampler" "octree" "integer octree.leaves" 128)"));
     for (auto [arguments, warning] :
-         {std::pair("--lightsampler octree:leaves=1024 scene.pbrt", "Warning: --lightsampler:1:7: \"leaves\" has no effect: it belongs to model=paper"),
-          std::pair("--lightsampler octree:model=paper,budget=0.1 scene.pbrt", "Warning: --lightsampler:1:19: \"budget\" has no effect"),
+         {std::pair("--lightsampler octree:leaves=1024 scene.pbrt",
+                    "Warning: --lightsampler:1:7: \"leaves\" has no effect: it belongs to model=paper"),
+          std::pair("--lightsampler octree:model=paper,budget=0.1 scene.pbrt",
+                    "Warning: --lightsampler:1:19: \"budget\" has no effect"),
           std::pair("octree.pbrt", "Warning: octree.pbrt:5:")})
         EXPECT_TRUE(Has(RunWell(std::string("--spp 1 --outfile out.exr ") + arguments), warning)) << arguments;
     for (const char *arguments : {"octree:model=paper,leaves=1024", "octree:budget=0.1", "octree:depth=2,floor=0.3"})
-        EXPECT_FALSE(Has(RunWell(std::string("--spp 1 --outfile out.exr scene.pbrt --lightsampler ") + arguments), "Warning")) << arguments;
+        EXPECT_FALSE(
+            Has(RunWell(std::string("--spp 1 --outfile out.exr scene.pbrt --lightsampler ") + arguments), "Warning"))
+            << arguments;
 }
 
 TEST_F(LightSamplers, SceneParametersReachTheSampler) {

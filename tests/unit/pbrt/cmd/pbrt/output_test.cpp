@@ -75,10 +75,11 @@ TEST_F(Output, PipesAndDevicesAreNoAssets) {
     std::filesystem::create_symlink("/dev/zero", Path("zero.exr"));
     Write("include.pbrt", "Include \"pipe.png\"\n");
     Write("zero.pbrt", "WorldBegin\nInclude \"/dev/zero\"\n");
-    Write("texture.pbrt", "WorldBegin\nTexture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"pipe.png\"\n"
-                          "Texture \"u\" \"spectrum\" \"imagemap\" \"string filename\" \"zero.exr\"\n"
-                          "Material \"diffuse\" \"texture reflectance\" \"t\"\nShape \"sphere\"\n"
-                          "Material \"diffuse\" \"texture reflectance\" \"u\"\nShape \"sphere\"\n");
+    Write("texture.pbrt",
+          "WorldBegin\nTexture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"pipe.png\"\n"
+          "Texture \"u\" \"spectrum\" \"imagemap\" \"string filename\" \"zero.exr\"\n"
+          "Material \"diffuse\" \"texture reflectance\" \"t\"\nShape \"sphere\"\n"
+          "Material \"diffuse\" \"texture reflectance\" \"u\"\nShape \"sphere\"\n");
     Write("ply.pbrt", "WorldBegin\nShape \"plymesh\" \"string filename\" \"pipe.png\"\n");
     ExpectErrors({{"include.pbrt", {"include.pbrt:1", "is a pipe"}},
                   {"zero.pbrt", {"zero.pbrt:2", "/dev/zero: is a device"}},

@@ -100,7 +100,9 @@ ImageFile Program::Render(const std::string &arguments, const std::string &name)
 
 bool Program::CatchesInterrupt(pid_t pid) {
     std::error_code gone;
-    if (std::filesystem::read_symlink("/proc/" + std::to_string(pid) + "/exe", gone) != std::filesystem::canonical(PBRT_PROGRAM)) return false;
+    if (std::filesystem::read_symlink("/proc/" + std::to_string(pid) + "/exe", gone) !=
+        std::filesystem::canonical(PBRT_PROGRAM))
+        return false;
     std::ifstream status("/proc/" + std::to_string(pid) + "/status");
     for (std::string line; std::getline(status, line);)
         if (line.starts_with("SigCgt:")) return (std::stoull(line.substr(7), nullptr, 16) >> (SIGINT - 1)) & 1;

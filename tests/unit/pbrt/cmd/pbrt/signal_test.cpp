@@ -65,7 +65,9 @@ class Signals : public Program {
             Render("--spp 1 scene.pbrt", "logged/reference.exr");
         }
         std::filesystem::remove(Path("logged/mse.txt"));
-        const pid_t pid = Start("--spp 100000000 --mse-reference-image logged/reference.exr --mse-reference-out logged/mse.txt " + arguments);
+        const pid_t pid =
+            Start("--spp 100000000 --mse-reference-image logged/reference.exr --mse-reference-out logged/mse.txt " +
+                  arguments);
         // The log's first line says that a wave is done.
         EXPECT_TRUE(WaitUntil([&] { return !Read("logged/mse.txt").empty(); })) << Messages(pid);
         return End(pid, signal);
@@ -99,8 +101,10 @@ TEST_F(Signals, WhileASceneIsAwaited) {
 
 TEST_F(Signals, WhileBuilding) {
     // Some eight million triangles to divide.
-    Write("big.pbrt", "Film \"rgb\"\nWorldBegin\nShape \"loopsubdiv\" \"integer levels\" 10 \"integer indices\" [ 0 1 2  0 2 3  0 3 1  1 3 2  "
-                      "4 5 6  4 6 7 ] \"point3 P\" [ 0 3 0  1 2 0  -1 2 1  -1 2 -1  9 3 0  9 2 0  9 2 1  8 2 -1 ]\n");
+    Write(
+        "big.pbrt",
+        "Film \"rgb\"\nWorldBegin\nShape \"loopsubdiv\" \"integer levels\" 10 \"integer indices\" [ 0 1 2  0 2 3  0 3 1  1 3 2  "
+        "4 5 6  4 6 7 ] \"point3 P\" [ 0 3 0  1 2 0  -1 2 1  -1 2 -1  9 3 0  9 2 0  9 2 1  8 2 -1 ]\n");
     for (int signal : kSignals) {
         const Outcome o = EndAfter("reading: done", "--outfile out.exr big.pbrt", signal);
         EXPECT_TRUE(Has(o.err, "Interrupted while building: no image was written.")) << o.err;
@@ -111,9 +115,11 @@ TEST_F(Signals, WhileBuilding) {
 TEST_F(Signals, WhilePreparingLights) {
     PBRT_SKIP_WITHOUT_EXT();
     for (int signal : kSignals) {
-        const Outcome o = EndAfter("building: done",
-                                   "--lightsampler octree:prepassspp=1024,depth=64 --maxdepth 64 --outfile out.exr "
-                                   PBRT_SOURCE_DIR "/scenes/dollhouse/dollhouse.pbrt", signal);
+        const Outcome o =
+            EndAfter("building: done",
+                     "--lightsampler octree:prepassspp=1024,depth=64 --maxdepth 64 --outfile out.exr " PBRT_SOURCE_DIR
+                     "/scenes/dollhouse/dollhouse.pbrt",
+                     signal);
         EXPECT_TRUE(Has(o.err, "Interrupted while preparing lights: no image was written.")) << o.err;
     }
     EXPECT_EQ(Files(), (std::vector<std::string>{"scene.pbrt"}));
@@ -233,7 +239,8 @@ TEST_F(Signals, ASignalThatComesTwiceAtOnceStillSaves) {
     // As `timeout -s INT` sends it.
     std::filesystem::create_directory(Path("logged"));
     Render("--spp 1 scene.pbrt", "logged/reference.exr");
-    const pid_t pid = Start("--spp 100000000 --outfile out.exr --mse-reference-image logged/reference.exr --mse-reference-out logged/mse.txt scene.pbrt");
+    const pid_t pid = Start(
+        "--spp 100000000 --outfile out.exr --mse-reference-image logged/reference.exr --mse-reference-out logged/mse.txt scene.pbrt");
     EXPECT_TRUE(WaitUntil([&] { return !Read("logged/mse.txt").empty(); })) << Messages(pid);
     kill(pid, SIGINT);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -23,8 +23,8 @@ bool PathWalk::FindScattering(SampledWavelengths &lambda) {
     ++passed_;
     const Vector3 d = ray_.d;
     ray_ = point.SpawnRay(d);
-    differential_.rxOrigin += d * point.t;
-    differential_.ryOrigin += d * point.t;
+    differential_.rxOrigin += differential_.rxDirection * point.t;
+    differential_.ryOrigin += differential_.ryDirection * point.t;
     return false;
 }
 

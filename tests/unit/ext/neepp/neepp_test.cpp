@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "ext/neepp/neepp_gate.h"
 #include "ext/neepp/neepp_light_sampler.h"
 #include "support/build_text.h"

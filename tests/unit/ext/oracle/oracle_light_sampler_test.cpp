@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "ext/oracle/least_variance.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/log.h"

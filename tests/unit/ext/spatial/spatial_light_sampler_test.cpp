@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include <numeric>
 
 #include "ext/spatial/spatial_light_sampler.h"

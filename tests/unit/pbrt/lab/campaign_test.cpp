@@ -102,8 +102,8 @@ class Campaign : public ::testing::Test {
         LightSamplerRegistry::Entry entry;
         entry.name = name;
         entry.summary = "of the test";
-        entry.make = [blind, interrupt = switch_](const LightTable &lights, const ParamSet &) {
-            return std::make_unique<TestSampler>(lights.Size(), blind, interrupt);
+        entry.make = [blind, interrupt = switch_](const LightGroups &groups, const ParamSet &) {
+            return std::make_unique<TestSampler>(groups.LightCount(), blind, interrupt);
         };
         registry_.Add(std::move(entry));
     }

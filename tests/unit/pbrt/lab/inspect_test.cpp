@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "pbrt/core/parallel.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"

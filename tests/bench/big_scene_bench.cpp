@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "pbrt/build/built_scene.h"
 #include "pbrt/core/parallel.h"

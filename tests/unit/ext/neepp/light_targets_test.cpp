@@ -65,7 +65,7 @@ AreaLightSource "diffuse"
 Shape "trianglemesh" "point3 P" [ -1.5 0.5 0.25  0.9 0.5 0.25  0.9 0.5 0.75  -1.5 0.5 0.75 ]
   "integer indices" [ 0 1 2  0 2 3 ]
 )");
-    ASSERT_EQ(m.groups->Size(), 1u);
+    ASSERT_EQ(m.built.scene->Lights().Wholes().Size(), 1u);
     std::map<uint32_t, Float> weight;
     Float sum = 0;
     for (const LightTargets::Share &s : m.targets.SharesOf(0)) {
@@ -173,7 +173,7 @@ Shape "sphere" "float radius" 0.1
 AttributeEnd
 )",
                   false);
-    ASSERT_EQ(m.groups->Size(), 4u);
+    ASSERT_EQ(m.built.scene->Lights().Wholes().Size(), 4u);
     ASSERT_EQ(m.targets.Size(), 4u);
     const Point3 places[] = {{-2.55f, 0.55f, 0.5f}, {2.45f, 0.55f, 0.5f}, {0.5f, 2.5f, 0.5f}, {0.5f, -2.5f, 0.5f}};
     for (uint32_t g = 0; g < 4; ++g)

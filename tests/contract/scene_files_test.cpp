@@ -101,16 +101,16 @@ std::vector<std::string> SceneFiles() {
 /// A tiny picture of a scene, and places in it. One at a time is kept.
 const SceneFixture &Fixture(const std::string &file) {
     static std::string current;
-    static SceneFixture fixture;
-    if (file == current) return fixture;
-    fixture = {};
+    static std::unique_ptr<SceneFixture> fixture;
+    if (file == current) return *fixture;
+    fixture = std::make_unique<SceneFixture>();
     BuildOptions options;
     options.film.resolutionDivisor = 12;
     options.lightSampler = "uniform";  // of the integrator, which nobody asks
-    fixture.built = BuildFile(file, options);
-    fixture.queries = Places(fixture.built, 40, 4, 1, fixture.bsdfs);
+    fixture->built = BuildFile(file, options);
+    fixture->queries = Places(fixture->built, 40, 4, 1, fixture->bsdfs);
     current = file;
-    return fixture;
+    return *fixture;
 }
 
 std::string SceneName(const std::string &file) {

@@ -173,7 +173,7 @@ Shape "sphere" "float radius" 0.1
 AttributeEnd
 )",
                   false);
-    ASSERT_EQ(m.built.scene->Lights().Wholes().Size(), 4u);
+    ASSERT_EQ(m.built.scene->Lights().Parts().Size(), 4u);
     ASSERT_EQ(m.targets.Size(), 4u);
     const Point3 places[] = {{-2.55f, 0.55f, 0.5f}, {2.45f, 0.55f, 0.5f}, {0.5f, 2.5f, 0.5f}, {0.5f, -2.5f, 0.5f}};
     for (uint32_t g = 0; g < 4; ++g)

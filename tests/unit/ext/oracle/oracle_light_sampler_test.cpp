@@ -159,14 +159,17 @@ TEST(Oracle, RaysAreItsOwnNotTheRenders) {
     World world(kHead + kFloor + Point(0, 0, 1, 1) + LampAbove(1, 0, 2, 0.1, 10));
     std::unique_ptr<OracleLightSampler> oracle = world.Oracle(OracleParams());
     ResetCounters();
-    oracle->Sample(OnFloor(), 0.5f);
+    const LightQuery query = OnFloor();
+    LightMemory memory;
+    const LightDistribution lights = oracle->At(query, memory);
+    lights.Sample(0.5f);
     EXPECT_EQ(SumCounters().shadowRays, 0u);
     EXPECT_EQ(SumCounters().shadowRaysBlocked, 0u);
     nlohmann::ordered_json report;
     oracle->Report(report);
     EXPECT_EQ(report["ownShadowRays"], 2 * OracleParams().samples);
-    // The same place again costs nothing.
-    oracle->PMF(OnFloor(), LightId(1u));
+    // Another question about the same vertex costs nothing.
+    lights.PMF(LightId(1u));
     oracle->Report(report);
     EXPECT_EQ(report["ownShadowRays"], 2 * OracleParams().samples);
 }

@@ -52,7 +52,7 @@ TEST(LightFactory, PortalsAreChecked) {
 TEST(LightFactory, ImagesOfLightsAreChecked) {
     ExpectComplaint("projection", Params().Number("fov", 40), 100, "filename");
     ExpectComplaint("projection", Params().String("filename", "/nowhere/slide.png"), 1, "slide.png");
-    ExpectComplaint("projection", Params().Number("fov", 180), 1, "fov");
+    ExpectComplaint("projection", Params().String("filename", "/nowhere/slide.png").Number("fov", 180), 2, "fov");
     TemporaryImage wide("wide2.exr", RgbImage({4, 2}, [](int, int) { return Rgb(1); }));
     ExpectComplaint("goniometric", Params().String("filename", wide.Path()), 1, "square");
     TemporaryImage black("black.exr", RgbImage({2, 2}, [](int, int) { return Rgb(0); }));

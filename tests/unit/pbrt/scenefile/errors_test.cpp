@@ -105,7 +105,7 @@ TEST(Names, MustNotBeEmptyAndMustBeUtf8) {
 TEST(Names, NamedThingsNeedAType) {
     ExpectWorldError("MakeNamedMaterial \"m\" \"float type\" 1", 2, 0, "\"string type\"");
     ExpectWorldError("MakeNamedMedium \"m\"", 2, 0, "\"string type\"");
-    ExpectWorldError("MakeNamedMaterial \"m\" \"string type\" [ \"a\" \"b\" ]", 2, 22, "one value");
+    ExpectWorldError("MakeNamedMaterial \"m\" \"string type\" [ \"a\" \"b\" ]", 2, 22, "takes 1 value");
 }
 
 TEST(Words, UnknownOnesAreReportedAndSkipped) {

@@ -1,11 +1,13 @@
 #include "pbrt/core/memory.h"
 
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
-#include <fstream>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -13,11 +15,25 @@ namespace pbrt {
 
 namespace {
 
-/// The limit of the control group (version 2) that a container sees as its own; the maximum if there is none.
+/// The beginning of a file of the kernel; empty if there is none. Without allocation: whoever asks may have no memory
+/// left.
+struct KernelText {
+    char text[512] = {};
+    explicit KernelText(const char *name) {
+        const int file = open(name, O_RDONLY | O_CLOEXEC);
+        if (file < 0) return;
+        const ssize_t got = read(file, text, sizeof(text) - 1);
+        text[std::max<ssize_t>(got, 0)] = 0;
+        close(file);
+    }
+};
+
+/// The limit of the control group (version 2) that a container sees as its own; `none` if there is none.
 double ControlGroupLimit(double none) {
-    std::ifstream file("/sys/fs/cgroup/memory.max");
-    double limit = 0;
-    return file >> limit ? limit : none;  // "max" is no number
+    const KernelText limit("/sys/fs/cgroup/memory.max");
+    char *end = nullptr;
+    const double bytes = std::strtod(limit.text, &end);
+    return end != limit.text ? bytes : none;  // "max" is no number
 }
 
 }  // namespace
@@ -33,14 +49,16 @@ double UsableMemory() {
 }
 
 double AvailableMemory() {
-    // Of "/proc/self/statm", in pages: all, resident, shared, code, 0, data and stack.
+    // In pages: all, resident, shared, code, 0, data and stack.
     double all = 0, resident = 0, shared = 0, code = 0, none = 0, data = 0;
-    std::ifstream("/proc/self/statm") >> all >> resident >> shared >> code >> none >> data;
+    std::sscanf(KernelText("/proc/self/statm").text, "%lf %lf %lf %lf %lf %lf", &all, &resident, &shared, &code, &none,
+                &data);
     const auto page = static_cast<double>(sysconf(_SC_PAGESIZE));
     double bytes = UsableMemory();
-    std::ifstream machine("/proc/meminfo");
-    for (std::string name, line; machine >> name && std::getline(machine, line);)
-        if (name == "MemAvailable:") bytes = std::min(bytes, 1024 * std::strtod(line.c_str(), nullptr));
+    constexpr const char *kAvailable = "MemAvailable:";
+    const KernelText machine("/proc/meminfo");
+    if (const char *at = std::strstr(machine.text, kAvailable))
+        bytes = std::min(bytes, 1024 * std::strtod(at + std::strlen(kAvailable), nullptr));
     bytes = std::min(bytes, ControlGroupLimit(std::numeric_limits<double>::infinity()) - page * resident);
     for (auto [resource, pages] : {std::pair(RLIMIT_AS, all), std::pair(RLIMIT_DATA, data)}) {
         rlimit limit{};

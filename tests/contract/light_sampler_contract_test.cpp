@@ -69,7 +69,7 @@ const SamplerSubject &SubjectOf(const std::string &samplerName, const std::strin
     SamplerSubject &s = subjects[{samplerName, fixtureName}];
     if (s.sampler) return s;
     const ContractFixture &fixture = *FixtureOf(fixtureName).fixture;
-    std::unique_ptr<LightSampler> sampler = Registry().Find(samplerName).make(fixture.lights->Parts(), ParamSet());
+    std::unique_ptr<LightSampler> sampler = Registry().samplers.Find(samplerName).make(ParamSet(), fixture.lights->Parts());
     if (fixture.prepare) fixture.prepare(*sampler);
     s = SamplerSubject(std::move(sampler), fixture.queries, fixture.lights->Size());
     return s;

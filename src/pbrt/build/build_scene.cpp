@@ -7,6 +7,7 @@
 #include "pbrt/accel/reach_error.h"
 #include "pbrt/build/accelerators.h"
 #include "pbrt/build/built_scene.h"
+#include "pbrt/build/collect.h"
 #include "pbrt/build/geometry_builder.h"
 #include "pbrt/build/integrator_builder.h"
 #include "pbrt/build/motion.h"
@@ -20,12 +21,6 @@
 namespace pbrt {
 
 namespace {
-
-const ColorSpace &SpaceOf(const Entity &e) {
-    const ColorSpace *space = ColorSpace::Find(e.colorSpace);
-    PBRT_CHECK_MSG(space != nullptr, "colour space {}", e.colorSpace);
-    return *space;
-}
 
 /// Rendering space is world space moved so that the camera sits at the origin halfway between the transform times (or as
 /// --render-coord-sys says).
@@ -67,18 +62,6 @@ FileLoc SmallestPlaced(const SceneDescription &d) {
 std::string WithSuffix(const std::string &name, const char *suffix) {
     const std::filesystem::path path(name);
     return (path.parent_path() / (path.stem().string() + suffix + path.extension().string())).string();
-}
-
-/// Runs `make`, turning its UserError into collected diagnostics. True if it succeeded.
-template <class F>
-bool Collect(DiagnosticSink &sink, F &&make) {
-    try {
-        make();
-        return true;
-    } catch (const UserError &e) {
-        sink.Add(e);
-        return false;
-    }
 }
 
 /// Throws all errors. The first `checked` diagnostics are of CheckSupported: a later error at one of their places is the
@@ -138,10 +121,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     // Film, camera, filter, sampler: cheap, so their mistakes are found before any geometry is read.
     FilmOverrides film = options.film;
     if (options.quick) film.resolutionDivisor = 4;
-    Float exposure = 1;
-    Collect(sink, [&] {  // a reversed interval is swapped by the camera, with a warning
-        exposure = std::abs(d.camera.params.GetFloat("shutterclose", 1) - d.camera.params.GetFloat("shutteropen", 0));
-    });
+    const Float exposure = ExposureTime(d.camera.params);
     Collect(sink, [&] { Accelerators().Make(d.accelerator.type, d.accelerator.params, AcceleratorContext{sink}); });
     const IntegratorSettings integrator = ReadIntegrator(d.integrator, options, registry, sink);
     Collect(sink, [&] {
@@ -156,7 +136,6 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     Collect(sink, [&] {
         const FilmContext context{SpaceOf(d.film), exposure, film, renderFromCamera, renderFromWorld};
         built.film = MakeFilm(d.film.type, d.film.params, context, sink);
-        d.film.params.ReportUnused(sink);
         built.makeFilm = [params = d.film.params, context] {
             DiagnosticSink ignored;
             FilmContext precise = context;
@@ -190,7 +169,8 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
         std::shared_ptr<Sampler> first = std::move(prototype);
         // Later rounds (time budgets only) are fresh samplers with seeds of their own.
         Entity sampler = d.sampler;
-        const int ownSeed = sampler.params.GetInt("seed", built.seed);
+        const Param *said = sampler.params.Find("seed", ParamType::Integer);
+        const int ownSeed = said ? said->ints.at(0) : built.seed;
         built.makeSeededSampler = [sampler, resolution, spp](int seed, int round) {
             if (round > 0) seed = static_cast<int>(MixBits(static_cast<uint64_t>(seed) * 0x10001 + static_cast<uint64_t>(round)) & 0x7fffffff);
             Entity again = sampler;
@@ -259,7 +239,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     PathContext context{*built.scene, *built.camera, built.samplesPerPixel, needsFootprints};
     const ColorSpace &space = built.film->OutputSpace();
     Collect(sink, [&] {
-        BuiltIntegrator made = MakeIntegrator(integrator, registry, context, space, sink);
+        BuiltIntegrator made = MakeIntegrator(integrator, context, space, sink);
         built.integrator = std::move(made.integrator);
         built.integratorName = made.name;
         built.lightSamplerName = made.lightSamplerName;
@@ -280,7 +260,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
         DiagnosticSink again;  // its warnings were given before
         const IntegratorSettings settings = ReadIntegrator(entity, chosen, registry, again);
         again.ThrowIfErrors();
-        return MakeIntegrator(settings, registry, context, space, again);
+        return MakeIntegrator(settings, context, space, again);
     };
     return built;
 }

@@ -2,10 +2,9 @@
 
 namespace pbrt {
 
-RgbFilm::RgbFilm(const ParamSet &params, const FilmContext &context, DiagnosticSink &sink)
-    : Film("rgb", ReadFilmFrame(params, context.outputSpace, context.overrides,
-                                {.onlyExr = false, .bytesPerPixel = SensorSums::kBytesPerPixel}, sink)),
-      sums_(params, Frame(), context.exposureTime) {}
+RgbFilm::RgbFilm(const FilmParams &params, const ParamSet &set, const FilmRequest &request)
+    : Film("rgb", request.Frame(params, set, {.onlyExr = false, .bytesPerPixel = SensorSums::kBytesPerPixel})),
+      sums_(params, set, Frame(), request.context.exposureTime) {}
 
 void RgbFilm::AddSample(const FilmSample &sample) {
     if (std::optional<Vector3> sensor = sums_.Measure(sample.L, sample.lambda, sample.weight))

@@ -7,7 +7,7 @@ namespace pbrt {
 /// The `rgb` film: what the sensor reads.
 class RgbFilm final : public Film {
   public:
-    RgbFilm(const ParamSet &params, const FilmContext &context, DiagnosticSink &sink);
+    RgbFilm(const FilmParams &params, const ParamSet &set, const FilmRequest &request);
 
     void AddSample(const FilmSample &sample) override;
     void ExpectSplats() override { sums_.ExpectSplats(); }

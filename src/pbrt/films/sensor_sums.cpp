@@ -12,12 +12,11 @@ constexpr Float kLargestHalf = 65504;
 
 }  // namespace
 
-SensorSums::SensorSums(const ParamSet &params, const FilmFrame &frame, Float exposureTime)
+SensorSums::SensorSums(const FilmParams &params, const ParamSet &set, const FilmFrame &frame, Float exposureTime)
     : resolution_(frame.pixelBounds.high - frame.pixelBounds.low),
       half_(frame.half),
-      maxComponent_(
-          params.GetFloat("maxcomponentvalue", Infinity, Positive(std::numeric_limits<Float>::max()))),
-      sensor_(PixelSensor::Make(params, *frame.outputSpace, exposureTime)),
+      maxComponent_(params.maxComponentValue),
+      sensor_(PixelSensor::Make(params.sensor, set, *frame.outputSpace, exposureTime)),
       outputFromSensor_(frame.outputSpace->RgbFromXyz() * sensor_.XyzFromSensor()),
       pixels_(frame.PixelCount()) {}
 

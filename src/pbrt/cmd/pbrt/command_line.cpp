@@ -107,7 +107,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     app.add_option("--render-coord-sys", o.build.renderCoordSys, "camera, cameraworld (default) or world")->check(CLI::IsMember({"camera", "cameraworld", "world"}))->group(method);
 
     const char *messages = "Messages";
-    app.add_option("--list", o.list, "print what a scene can name, with all parameters, and stop: cameras, filters, samplers, accelerators, shapes, materials, "
+    app.add_option("--list", o.list, "print what a scene can name, with all parameters, and stop: cameras, films, filters, samplers, integrators, accelerators, shapes, materials, "
                                      "floattextures, spectrumtextures, lights, arealights, lightsamplers; all; table")->group(messages);
     app.add_flag("--quiet", o.quiet, "no progress and no warnings; errors only")->group(messages);
     app.add_flag("--stats", o.stats, "print statistics after rendering")->group(messages);

@@ -107,7 +107,7 @@ std::vector<std::string> FixtureNames() {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LightSamplerContract,
-                         testing::Combine(testing::ValuesIn(Registry().Names()), testing::ValuesIn(FixtureNames())),
+                         testing::Combine(testing::ValuesIn(Registry().samplers.Names()), testing::ValuesIn(FixtureNames())),
                          [](const auto &c) { return std::get<0>(c.param) + "_" + std::get<1>(c.param); });
 
 }  // namespace

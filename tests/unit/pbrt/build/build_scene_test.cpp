@@ -42,7 +42,7 @@ Outcome Try(const std::string &text, const BuildOptions &options = {}) {
 }
 
 TEST(BuildScene, TakesSeedAndJitterFromTheSceneUnlessFlagsSaySo) {
-    const std::string text = Text("Option \"integer seed\" 5 Option \"bool disablepixeljitter\" true", kBall);
+    const std::string text = Text("Option \"seed\" 5 Option \"disablepixeljitter\" true", kBall);
     BuildOptions options;
     BuiltScene built = BuildText(text, options);
     EXPECT_EQ(built.seed, 5);
@@ -61,7 +61,7 @@ TEST(BuildScene, TakesSeedAndJitterFromTheSceneUnlessFlagsSaySo) {
 TEST(BuildScene, PreparationNamesTheScenesOwnParts) {
     const BuiltScene built =
         BuildText(Text("Integrator \"path\" \"integer maxdepth\" 7 Sampler \"independent\" \"integer pixelsamples\" 12 "
-                       "Option \"integer seed\" 4",
+                       "Option \"seed\" 4",
                        kLamp));
     Progress progress;
     const PrepareContext context = built.Preparation(progress);

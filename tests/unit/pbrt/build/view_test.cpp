@@ -27,7 +27,7 @@ void ExpectPoint(const Point3 &p, const Point3 &expected) {
 }
 
 TEST(PlaceCamera, RenderingSpaceIsWhereTheCameraIs) {
-    const SceneDescription d = Parse("LookAt 3 2 1  3 2 5  0 1 0");
+    const SceneDescription d = Parse("LookAt 3 2 1  3 2 5  0 1 0 Camera \"perspective\"");
     const Point3 eye(3, 2, 1), ahead(3, 2, 4);
     auto place = [&](const char *system) {
         DiagnosticSink sink;
@@ -50,7 +50,7 @@ TEST(PlaceCamera, RenderingSpaceIsWhereTheCameraIs) {
 }
 
 TEST(PlaceCamera, TheSceneNamesTheSpaceUnlessAFlagDoes) {
-    const SceneDescription d = Parse("Option \"rendercoordsys\" \"world\"\nLookAt 3 2 1  3 2 5  0 1 0");
+    const SceneDescription d = Parse("Option \"rendercoordsys\" \"world\"\nLookAt 3 2 1  3 2 5  0 1 0 Camera \"perspective\"");
     DiagnosticSink sink;
     BuildOptions options;
     ExpectPoint(PlaceCamera(d, options, sink).renderFromWorld.Point({1, 1, 1}), {1, 1, 1});

@@ -33,12 +33,12 @@ constexpr const char *kQuad = "Shape \"bilinearmesh\" \"point3 P\" [ -1 -1 0  1 
 Float Mean(const SampledSpectrum &s) { return s.Average(); }
 
 TEST(Shading, SurfacesScatterByTheirMaterial) {
-    const BuiltScene built = Build("Material \"diffuse\" \"float reflectance\" 0.6\n" + std::string(kQuad));
+    const BuiltScene built = Build("Material \"diffuse\" \"rgb reflectance\" [.6 .6 .6]\n" + std::string(kQuad));
     SurfacePoint point = PointAt(built);
     SampledWavelengths lambda = kLambda;
     const Bsdf bsdf = ComputeBsdf(*built.scene, point, lambda);
     ASSERT_TRUE(bsdf);
-    EXPECT_NEAR(Mean(bsdf.F(point.wo, Normalize(Vector3(1, 0, 1)))), 0.6f / Pi, 1e-5f);
+    EXPECT_NEAR(Mean(bsdf.F(point.wo, Normalize(Vector3(1, 0, 1)))), 0.6f / Pi, 1e-3f);
     EXPECT_FALSE(lambda.SecondaryTerminated());
 }
 
@@ -61,8 +61,8 @@ TEST(Shading, DispersionEndsTheOtherWavelengths) {
 
 TEST(Shading, MixturesTakeOneOfTheirMaterialsPerPoint) {
     const BuiltScene built = Build(
-        "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"float reflectance\" 0.2\n"
-        "MakeNamedMaterial \"b\" \"string type\" \"diffuse\" \"float reflectance\" 0.8\n"
+        "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb reflectance\" [.2 .2 .2]\n"
+        "MakeNamedMaterial \"b\" \"string type\" \"diffuse\" \"rgb reflectance\" [.8 .8 .8]\n"
         "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" 0.25\n" +
         std::string(kQuad));
     int light = 0;
@@ -72,7 +72,7 @@ TEST(Shading, MixturesTakeOneOfTheirMaterialsPerPoint) {
         SampledWavelengths lambda = kLambda;
         const Float albedo =
             Pi * Mean(ComputeBsdf(*built.scene, point, lambda).F(point.wo, Normalize(Vector3(1, 0, 1))));
-        EXPECT_TRUE(std::abs(albedo - 0.2f) < 1e-4f || std::abs(albedo - 0.8f) < 1e-4f) << albedo;
+        EXPECT_TRUE(std::abs(albedo - 0.2f) < 3e-3f || std::abs(albedo - 0.8f) < 3e-3f) << albedo;
         light += albedo > 0.5f;
     }
     EXPECT_NEAR(light / double(kPoints), 0.25, 0.05);
@@ -118,9 +118,11 @@ TEST(Footprint, IsThePixelsSizeWhereTheCameraLooks) {
     EXPECT_NEAR(std::abs(point.dudx), pixel / 2, 1e-3f * pixel);
     EXPECT_NEAR(std::abs(point.dvdy), pixel / 2, 1e-3f * pixel);
     EXPECT_NEAR(point.dudy, 0, 1e-3f * pixel);
-    // Without differentials the camera's estimate has that size, too, and shrinks with the number of samples.
+    // Without differentials it is the camera's estimate, that of the film's corner, whose pixels see the smallest
+    // angles; it shrinks with the number of samples.
     ComputeFootprint(point, {}, *built.camera, 1);
-    EXPECT_NEAR(Length(point.dpdx) / pixel, 1, 0.3f);
+    EXPECT_LT(Length(point.dpdx), pixel);
+    EXPECT_GT(Length(point.dpdx), 0.5f * pixel);
     const Float one = Length(point.dpdx);
     ComputeFootprint(point, {}, *built.camera, 16);
     EXPECT_NEAR(Length(point.dpdx) / one, 0.25f, 1e-2f);

@@ -5,6 +5,7 @@
 #include "pbrt/lightsamplers/registry.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
+#include "support/given_lights.h"
 
 namespace pbrt {
 namespace {
@@ -39,8 +40,8 @@ std::vector<LightQuery> Queries() {
 void SampleCost(benchmark::State &state, const std::string &name) {
     LightSamplerRegistry registry;
     RegisterStockLightSamplers(registry);
-    std::vector<LightCandidate> candidates = Candidates(static_cast<int>(state.range(0)));
-    auto sampler = registry.Find(name).makeOverCandidates(candidates);
+    const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
+    auto sampler = registry.Find(name).make(table->Parts(), ParamSet());
     std::vector<LightQuery> queries = Queries();
     Rng rng(3);
     size_t i = 0;
@@ -50,12 +51,12 @@ void SampleCost(benchmark::State &state, const std::string &name) {
 void PmfCost(benchmark::State &state, const std::string &name) {
     LightSamplerRegistry registry;
     RegisterStockLightSamplers(registry);
-    std::vector<LightCandidate> candidates = Candidates(static_cast<int>(state.range(0)));
-    auto sampler = registry.Find(name).makeOverCandidates(candidates);
+    const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
+    auto sampler = registry.Find(name).make(table->Parts(), ParamSet());
     std::vector<LightQuery> queries = Queries();
     Rng rng(3);
     size_t i = 0;
-    auto count = static_cast<uint32_t>(candidates.size());
+    auto count = static_cast<uint32_t>(table->Size());
     for (auto _ : state)
         benchmark::DoNotOptimize(sampler->PMF(queries[i++ % queries.size()], LightId(rng.UniformInt(count))));
 }
@@ -63,8 +64,8 @@ void PmfCost(benchmark::State &state, const std::string &name) {
 void BuildCost(benchmark::State &state, const std::string &name) {
     LightSamplerRegistry registry;
     RegisterStockLightSamplers(registry);
-    std::vector<LightCandidate> candidates = Candidates(static_cast<int>(state.range(0)));
-    for (auto _ : state) benchmark::DoNotOptimize(registry.Find(name).makeOverCandidates(candidates));
+    const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
+    for (auto _ : state) benchmark::DoNotOptimize(registry.Find(name).make(table->Parts(), ParamSet()));
 }
 
 const bool kRegistered = [] {

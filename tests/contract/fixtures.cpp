@@ -88,9 +88,9 @@ class Builder {
             LightQuery q;
             Vector3 t(rng.Uniform(), rng.Uniform(), rng.Uniform());
             q.p = (low + (high - low) * (t * Float(1.5) - Float(0.25))) * scale_;
-            std::span<const LightCandidate> candidates = fixture_->lights->Candidates();
-            if (i % 6 == 5 && !candidates.empty()) {
-                const LightCandidate &c = candidates[rng.UniformInt(static_cast<uint32_t>(candidates.size()))];
+            const auto lights = static_cast<uint32_t>(fixture_->lights->Size());
+            if (i % 6 == 5 && lights > 0) {
+                const LightCandidate c = fixture_->lights->Candidate(LightId(rng.UniformInt(lights)));
                 if (c.bounds) q.p = c.bounds->Centroid() + SampleUniformSphere(rng.Uniform2()) * (Float(0.01) * scale_);
             }
             if (i % 3 != 2) {
@@ -115,9 +115,8 @@ class Builder {
         sides.bools = {static_cast<uint8_t>(twoSided)};
         set.Add(std::move(sides));
         AreaLightMaker maker("diffuse", set, ColorSpace::SRGB(), FileResolver(), sink_);
-        ShapeId id(fixture_->shapes.size());
-        for (uint32_t i = 0; i < shape->PrimitiveCount(); ++i)
-            fixture_->owned->Add(maker.Make(*shape, i, nullptr), id, i);
+        const Shape *const shapes[] = {shape.get()};
+        fixture_->owned->Add(maker.Make(shapes, nullptr));
         fixture_->shapes.push_back(std::move(shape));
     }
 

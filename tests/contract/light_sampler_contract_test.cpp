@@ -27,7 +27,7 @@ const LightSamplerRegistry &Registry() {
 
 /// Light that would arrive if nothing were in the way, times the receiver's cosine, for one fixed point of the light, as
 /// next-event estimation finds it: not what reaches the far side of an opaque surface, nor skies that leave it to scattering.
-double Unoccluded(const Light &light, const LightQuery &q, const Point2 &u) {
+double Unoccluded(const LightPart &light, const LightQuery &q, const Point2 &u) {
     LightSampleContext from;
     from.p = q.p;
     from.n = q.n;
@@ -69,7 +69,7 @@ const SamplerSubject &SubjectOf(const std::string &samplerName, const std::strin
     SamplerSubject &s = subjects[{samplerName, fixtureName}];
     if (s.sampler) return s;
     const ContractFixture &fixture = *FixtureOf(fixtureName).fixture;
-    std::unique_ptr<LightSampler> sampler = Registry().Find(samplerName).make(*fixture.lights, ParamSet());
+    std::unique_ptr<LightSampler> sampler = Registry().Find(samplerName).make(fixture.lights->Parts(), ParamSet());
     if (fixture.prepare) fixture.prepare(*sampler);
     s = SamplerSubject(std::move(sampler), fixture.queries, fixture.lights->Size());
     return s;

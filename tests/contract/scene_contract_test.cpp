@@ -18,7 +18,7 @@ std::vector<std::string> SamplerLabels() {
     for (const std::string &name : AllSamplers().Names()) {
         const LightSamplerRegistry::Entry &entry = AllSamplers().Find(name);
         labels.push_back(name);
-        if (entry.makeOverCandidates && AllSamplers().HasMeshGrouping()) labels.push_back(name + "+meshlights");
+        if (entry.takesGroups) labels.push_back(name + "+meshlights");
         if (name == "octree") labels.insert(labels.end(), {"octree:leaves=64", "octree:meshlights=false"});
         if (name == "oracle") labels.insert(labels.end(), {"oracle:samples=2,floor=0.3,mis=false", "oracle:samples=4,meshlights=false"});
         if (name == "spatial") labels.push_back("spatial:voxels=4,samples=8,floor=0.1,meshlights=false");

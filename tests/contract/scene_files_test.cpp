@@ -58,7 +58,7 @@ void Draw(const SceneFixture &f, const LightSampler &sampler, Findings *out) {
             Float pmf = sampler.PMF(f.queries[q], s->light);
             if (s->pmf != pmf || !(pmf > 0))
                 out->wrong.push_back(fmt::format("place {}: light {} drawn with {}, PMF {}", q, s->light.value, s->pmf, pmf));
-            const Light &light = f.Lights()[s->light];
+            const LightPart light = f.Lights()[s->light];
             out->contributing += Contribution(*f.built.scene, f.queries[q], light, rng.Uniform2()) > 0;
         }
 }

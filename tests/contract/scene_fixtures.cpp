@@ -309,7 +309,7 @@ std::vector<LightQuery> Places(const BuiltScene &built, int count, int depth, in
     return out;
 }
 
-double Contribution(const Scene &scene, const LightQuery &q, const Light &light, const Point2 &u) {
+double Contribution(const Scene &scene, const LightQuery &q, const LightPart &light, const Point2 &u) {
     LightSampleContext from{q.p, q.pError, q.n, q.ns, q.time};
     std::optional<LightLiSample> s = light.SampleLi(from, u, Wavelengths(), true);
     if (!s || !s->L || !(s->pdf > 0)) return 0;

@@ -30,7 +30,7 @@ std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, cons
 /// of them also as places in a medium. Every `bsdfEvery`-th vertex says what scatters there; `bsdfs` keeps it.
 std::vector<LightQuery> Places(const BuiltScene &built, int count, int depth, int bsdfEvery, std::deque<Bsdf> &bsdfs);
 /// What next-event estimation finds with this light point: L V cos / p if the BSDF, where known, is not zero.
-double Contribution(const Scene &scene, const LightQuery &query, const Light &light, const Point2 &u);
+double Contribution(const Scene &scene, const LightQuery &query, const LightPart &light, const Point2 &u);
 
 std::vector<std::string> SceneFixtureNames();
 /// Made once per process.

@@ -30,7 +30,7 @@ std::vector<std::string> Labels() {
     std::erase(labels, "oracle");
     bool octree = std::count(labels.begin(), labels.end(), "octree") > 0;
     if (octree) labels.insert(labels.end(), {"octree:model=paper", "octree:model=paper,leaves=64", "octree:floor=0.5,tries=2"});
-    if (AllSamplers().HasMeshGrouping()) labels.push_back("bvh+meshlights");
+    labels.push_back("bvh+meshlights");
     return labels;
 }
 
@@ -81,7 +81,7 @@ class View {
         LightId weakest;
         for (uint32_t i = 0; i < lights.Size(); ++i)
             if (IsDelta(lights[LightId(i)].Kind()) &&
-                (!weakest || lights.Candidates()[i].power < lights.Candidates()[weakest.value].power))
+                (!weakest || lights.Candidate(LightId(i)).power < lights.Candidate(weakest).power))
                 weakest = LightId(i);
         return weakest;
     }

@@ -7,7 +7,7 @@ namespace ext {
 namespace {
 
 /// Moments of a light at infinity, as averages over its own samples.
-void FindMoments(const Light &light, Emitter *e) {
+void FindMoments(const LightPart &light, Emitter *e) {
     constexpr int kSide = 32;
     const SampledWavelengths lambda = PowerWavelengths();
     LightSampleContext from{};
@@ -68,7 +68,7 @@ constexpr Float kMostArriving = 1e36f;
 }
 
 /// The candidate's power, but as RootMeanSquare.
-Float Strength(const Light &first, const LightCandidate &candidate) {
+Float Strength(const LightPart &first, const LightCandidate &candidate) {
     const SampledWavelengths lambda = PowerWavelengths();
     const SampledSpectrum phi = first.Phi(lambda);
     const Float mean = SafeDivide(phi, lambda.Pdf()).Average();
@@ -79,7 +79,7 @@ Float Strength(const Light &first, const LightCandidate &candidate) {
 
 Float RootMeanSquare(const SampledSpectrum &s) { return std::sqrt((s * s).Average()); }
 
-Emitter MakeEmitter(const Light &first, const LightCandidate &candidate) {
+Emitter MakeEmitter(const LightPart &first, const LightCandidate &candidate) {
     Emitter e;
     if (candidate.infinite && !first.Opening()) {
         e.isFar = true;

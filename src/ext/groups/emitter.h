@@ -26,7 +26,7 @@ struct Emitter {
 Float RootMeanSquare(const SampledSpectrum &s);
 
 /// The emitter of a candidate; `first` is its light, or one of them.
-Emitter MakeEmitter(const Light &first, const LightCandidate &candidate);
+Emitter MakeEmitter(const LightPart &first, const LightCandidate &candidate);
 /// Both together. Neither is far.
 Emitter Union(const Emitter &a, const Emitter &b);
 

@@ -9,16 +9,19 @@ GroupImportance::GroupImportance(std::span<const Emitter> emitters) : packets_((
     }
 }
 
-std::vector<Emitter> GroupImportance::EmittersOf(const LightTable &lights, const MeshGroups &groups) {
+std::vector<Emitter> GroupImportance::EmittersOf(const LightGroups &groups) {
     std::vector<Emitter> emitters;
-    for (uint32_t g = 0; g < groups.Size(); ++g) emitters.push_back(MakeEmitter(lights[LightId(groups.FirstOf(g))], groups.Candidates()[g]));
+    emitters.reserve(groups.Size());
+    for (uint32_t g = 0; g < groups.Size(); ++g)
+        emitters.push_back(MakeEmitter(groups.Lights()[LightId(groups.FirstOf(g))], groups.Candidate(g)));
     return emitters;
 }
 
-std::vector<Emitter> GroupImportance::EmittersIn(const LightTable &lights, const MeshGroups &groups, uint32_t group) {
+std::vector<Emitter> GroupImportance::EmittersIn(const LightGroups &groups, uint32_t group) {
+    const LightTable &lights = groups.Lights();
     std::vector<Emitter> emitters;
     for (uint32_t i = groups.FirstOf(group), end = i + groups.CountOf(group); i < end; ++i)
-        emitters.push_back(MakeEmitter(lights[LightId(i)], lights.Candidates()[i]));
+        emitters.push_back(MakeEmitter(lights[LightId(i)], lights.Candidate(LightId(i))));
     return emitters;
 }
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "ext/groups/emitter.h"
-#include "ext/groups/mesh_groups.h"
+#include "pbrt/lights/light_groups.h"
 
 namespace ext {
 
@@ -12,11 +12,11 @@ class GroupImportance {
   public:
     explicit GroupImportance(std::span<const Emitter> emitters);
     /// One emitter per group.
-    GroupImportance(const LightTable &lights, const MeshGroups &groups) : GroupImportance(EmittersOf(lights, groups)) {}
+    explicit GroupImportance(const LightGroups &groups) : GroupImportance(EmittersOf(groups)) {}
 
-    static std::vector<Emitter> EmittersOf(const LightTable &lights, const MeshGroups &groups);
+    static std::vector<Emitter> EmittersOf(const LightGroups &groups);
     /// The lights of one group, by their order in it.
-    static std::vector<Emitter> EmittersIn(const LightTable &lights, const MeshGroups &groups, uint32_t group);
+    static std::vector<Emitter> EmittersIn(const LightGroups &groups, uint32_t group);
 
     size_t Size() const { return size_; }
     /// Size rounded up to whole packets: the length of Evaluate's output.

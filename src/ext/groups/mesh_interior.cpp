@@ -4,14 +4,14 @@
 
 namespace ext {
 
-MeshInterior::MeshInterior(const LightTable &lights, const MeshGroups &groups, bool byImportance)
+MeshInterior::MeshInterior(const LightGroups &groups, bool byImportance)
     : groups_(groups), byImportance_(byImportance), inner_(groups.Size()) {
     if (!byImportance) return;
     ParallelFor(static_cast<int64_t>(groups.Size()), 4, [&](int64_t begin, int64_t end) {
         for (auto g = static_cast<uint32_t>(begin); g < static_cast<uint32_t>(end); ++g) {
             const uint32_t count = groups.CountOf(g);
             if (count == 1) continue;
-            std::vector<Emitter> emitters = GroupImportance::EmittersIn(lights, groups, g);
+            std::vector<Emitter> emitters = GroupImportance::EmittersIn(groups, g);
             if (count <= kLargestScan) inner_[g].scan = std::make_unique<GroupImportance>(emitters);
             else inner_[g].tree = std::make_unique<EmitterTree>(emitters);
         }

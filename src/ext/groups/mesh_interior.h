@@ -9,11 +9,11 @@ namespace ext {
 
 /// P(light | group, query): which primitive of an emissive mesh, once the mesh is chosen. By importance at the point: all
 /// primitives looked at up to 32 of them, through a tree over them above that. Primitives that face away get nothing, near
-/// ones more; by power alone (MeshGroups) curved and closed emitters waste most samples.
+/// ones more; by power alone (LightGroups) curved and closed emitters waste most samples.
 class MeshInterior {
   public:
     /// `byImportance` false: by power, for comparison.
-    MeshInterior(const LightTable &lights, const MeshGroups &groups, bool byImportance = true);
+    MeshInterior(const LightGroups &groups, bool byImportance = true);
 
     /// A light of the group and its probability within the group; none if no primitive can contribute.
     std::optional<SampledLight> Sample(uint32_t group, const LightQuery &query, Float u) const;
@@ -27,7 +27,7 @@ class MeshInterior {
         std::unique_ptr<GroupImportance> scan;
         std::unique_ptr<EmitterTree> tree;
     };
-    const MeshGroups &groups_;
+    const LightGroups &groups_;
     bool byImportance_;
     std::vector<Inner> inner_;  ///< per group; both empty for single lights
 };

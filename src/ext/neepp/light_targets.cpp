@@ -63,7 +63,7 @@ uint32_t LightTargets::SkyTarget(uint32_t part) {
     return target;
 }
 
-LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const MeshGroups &groups) {
+LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const LightGroups &groups) {
     const LightTable &lights = scene.Lights();
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     const Bounds3 bounds = scene.Bounds().IsEmpty() ? Bounds3(Point3(0)) : scene.Bounds();
@@ -75,7 +75,6 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Mesh
     kindOf_.reserve(lights.Size());
     for (uint32_t i = 0; i < lights.Size(); ++i) kindOf_.push_back(lights[LightId(i)].Kind());
 
-    ShapeId mesh, shape;  // of the lights met so far
     std::map<uint32_t, double> weights;
     auto finishGroup = [&] {
         double sum = 0;
@@ -88,13 +87,7 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Mesh
     for (uint32_t i = 0; i < lights.Size(); ++i) {
         LightId id(i);
         if (i > 0 && groups.GroupOf(id) != groups.GroupOf(LightId(i - 1))) finishGroup();
-        // A directive may make several shapes; its mesh is the first one's id and the others follow.
-        if (lights.MeshOf(id) != mesh)
-            mesh = shape = lights.MeshOf(id);
-        else if (mesh && lights.PrimitiveOf(id) == 0)
-            ++shape.value;
-
-        const LightCandidate &candidate = lights.Candidates()[i];
+        const LightCandidate candidate = lights.Candidate(id);
         auto share = static_cast<double>(groups.ShareOf(id));
         if (!(candidate.power > 0)) continue;
         if (kindOf_[i] == LightKind::DeltaDirection) {
@@ -113,8 +106,8 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Mesh
                 std::optional<LightLiSample> s = lights[id].SampleLi(from, u, lambda, true);
                 if (s && s->L && s->pdf > 0) weights[SkyTarget(SkyPartOf(s->wi))] += 1;
             }
-        } else if (mesh) {
-            ForPointsOn(scene.ShapeOf(shape), lights.PrimitiveOf(id), grid, [&](const Point3 &p, Float part) {
+        } else if (const ShapePrimitive at = lights[id].Surface(); at.shape) {
+            ForPointsOn(*at.shape, at.primitive, grid, [&](const Point3 &p, Float part) {
                 weights[VoxelTarget(grid.Index(p))] += share * static_cast<double>(part);
             });
         } else if (candidate.bounds) {

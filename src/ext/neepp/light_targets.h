@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "ext/groups/mesh_groups.h"
+#include "pbrt/lights/light_groups.h"
 #include "ext/voxels/voxel_grid.h"
 #include "pbrt/scene/scene.h"
 
@@ -29,7 +29,7 @@ class LightTargets {
     };
 
     LightTargets() = default;
-    LightTargets(const Scene &scene, const VoxelGrid &grid, const MeshGroups &groups);
+    LightTargets(const Scene &scene, const VoxelGrid &grid, const LightGroups &groups);
 
     size_t Size() const { return targets_.size(); }
     const Target &operator[](size_t i) const { return targets_[i]; }

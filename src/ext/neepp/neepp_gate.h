@@ -9,7 +9,7 @@ namespace ext {
 class NeeppGate final : public ShadowRayGate {
   public:
     NeeppGate(const LightTable &lights, const NeeppGateParams &params)
-        : params_(params), groups_(lights, true), map_(params.map) {}
+        : params_(params), groups_(lights.Wholes()), map_(params.map) {}
 
     void Prepare(PrepareContext &context) override;
     Float TraceProbability(const LightQuery &query, LightId light, const Point3 &onLight) const override;
@@ -19,7 +19,7 @@ class NeeppGate final : public ShadowRayGate {
 
   private:
     NeeppGateParams params_;
-    MeshGroups groups_;
+    const LightGroups &groups_;
     VisibilityMap map_;
 };
 

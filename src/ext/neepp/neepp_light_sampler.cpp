@@ -5,7 +5,7 @@
 namespace ext {
 
 NeeppLightSampler::NeeppLightSampler(const LightTable &lights, const NeeppParams &params)
-    : GroupLightSampler(lights, params.meshlights, false), params_(params), map_(params.map) {}
+    : GroupLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()), params_(params), map_(params.map) {}
 
 void NeeppLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
@@ -34,7 +34,7 @@ std::optional<GroupLightSampler::ChosenGroup> NeeppLightSampler::ChooseGroup(con
     const std::span<const uint32_t> cdf(static_cast<const uint32_t *>(weights), groups_.Size());
     const uint32_t group = SampleFixedCdf(cdf, u, query.p);
     const Float pmf = FixedCdfPMF(cdf, group);
-    return ChosenGroup{group, pmf, MeshGroups::InnerNumber(u, query.p, FixedCdfBegin(cdf, group), pmf)};
+    return ChosenGroup{group, pmf, LightGroups::InnerNumber(u, query.p, FixedCdfBegin(cdf, group), pmf)};
 }
 
 Float NeeppLightSampler::GroupProbability(const LightQuery &, const void *weights, uint32_t group) const {

@@ -1,5 +1,5 @@
 #pragma once
-#include "ext/groups/group_light_sampler.h"
+#include "pbrt/lightsamplers/group_light_sampler.h"
 #include "ext/neepp/visibility_map.h"
 
 namespace ext {

@@ -9,10 +9,10 @@ void register_neepp(pbrt::LightSamplerRegistry &registry) {
     entry.summary = "visibility between voxels (NEE++, Guo et al. 2020); neither power nor distance counts";
     entry.params = DocumentParams<NeeppParams>();
     entry.check = ParamsCheck<NeeppParams>("neepp");
-    entry.make = [](const LightTable &lights, const ParamSet &params) -> std::unique_ptr<LightSampler> {
+    entry.make = [](const LightGroups &groups, const ParamSet &params) -> std::unique_ptr<LightSampler> {
         NeeppParams p;
         ReadParams(p, params, "neepp");
-        return std::make_unique<NeeppLightSampler>(lights, p);
+        return std::make_unique<NeeppLightSampler>(groups.Lights(), p);
     };
     registry.Add(std::move(entry));
 

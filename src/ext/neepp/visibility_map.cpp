@@ -17,7 +17,7 @@ Vector3 Uniform3(Rng &rng) {
 }
 }  // namespace
 
-void VisibilityMap::Prepare(PrepareContext &context, const MeshGroups &groups) {
+void VisibilityMap::Prepare(PrepareContext &context, const LightGroups &groups) {
     auto start = std::chrono::steady_clock::now();
     scene_ = &context.scene;
     seed_ = context.seed;

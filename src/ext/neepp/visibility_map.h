@@ -14,7 +14,7 @@ class VisibilityMap {
   public:
     explicit VisibilityMap(const VisibilityMapParams &params) : params_(params) {}
 
-    void Prepare(PrepareContext &context, const MeshGroups &groups);
+    void Prepare(PrepareContext &context, const LightGroups &groups);
     bool Prepared() const { return scene_ != nullptr; }
 
     const VoxelGrid &Grid() const { return grid_; }

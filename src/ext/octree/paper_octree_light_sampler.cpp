@@ -20,9 +20,9 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
 }  // namespace
 
 PaperOctreeLightSampler::PaperOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
-    : GroupLightSampler(lights, params.meshlights, false), params_(params), floor_(params.floor > 0 ? params.floor : kPaperFloor) {
-    if (groups_.Size() <= kLargestScan) unoccluded_ = std::make_unique<ExhaustiveLightSampler>(groups_.Candidates());
-    else unoccluded_ = std::make_unique<BVHLightSampler>(groups_.Candidates());
+    : GroupLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()), params_(params), floor_(params.floor > 0 ? params.floor : kPaperFloor) {
+    if (groups_.Size() <= kLargestScan) unoccluded_ = std::make_unique<ExhaustiveLightSampler>(groups_);
+    else unoccluded_ = std::make_unique<BVHLightSampler>(groups_);
 }
 
 PaperOctreeLightSampler::~PaperOctreeLightSampler() = default;
@@ -65,7 +65,7 @@ void PaperOctreeLightSampler::Prepare(PrepareContext &context) {
 const void *PaperOctreeLightSampler::WeighGroups(const LightQuery &query, LightMemory &memory) const {
     auto *weights = memory.Make<Weights>();
     if (learned_) weights->cdf = tree_.Cdf(tree_.Row(query.p)).data();
-    weights->unoccluded = unoccluded_->Within(query, memory);
+    weights->unoccluded = unoccluded_->WeighGroups(query, memory);
     return weights;
 }
 
@@ -75,9 +75,9 @@ std::optional<GroupLightSampler::ChosenGroup> PaperOctreeLightSampler::ChooseGro
     const Float floor = cdf ? floor_ : 1;
     ChosenGroup chosen;
     if (u < floor) {
-        std::optional<SampledLight> g = unoccluded.Sample(std::min(u / floor, OneMinusEpsilon));
+        std::optional<ChosenGroup> g = unoccluded_->ChooseGroup(query, unoccluded, std::min(u / floor, OneMinusEpsilon));
         if (!g) return {};
-        chosen = {g->light.value, g->pmf, MeshGroups::InnerNumber(u, query.p)};
+        chosen = {g->group, g->pmf, LightGroups::InnerNumber(u, query.p)};
     } else {
         chosen = SampleCdf({cdf, groups_.Size()}, query, std::min((u - floor) / (1 - floor), OneMinusEpsilon));
     }
@@ -85,9 +85,9 @@ std::optional<GroupLightSampler::ChosenGroup> PaperOctreeLightSampler::ChooseGro
     return chosen;
 }
 
-Float PaperOctreeLightSampler::GroupProbability(const LightQuery &, const void *weights, uint32_t group) const {
+Float PaperOctreeLightSampler::GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const {
     const auto &[cdf, unoccluded] = *static_cast<const Weights *>(weights);
-    const Float importance = unoccluded.PMF(LightId(group));
+    const Float importance = unoccluded_->GroupProbability(query, unoccluded, group);
     return cdf ? (1 - floor_) * CdfPMF({cdf, groups_.Size()}, group) + floor_ * importance : importance;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "ext/groups/group_light_sampler.h"
+#include "pbrt/lightsamplers/group_light_sampler.h"
 #include "ext/octree/light_octree.h"
 #include "ext/octree/octree_params.h"
 
@@ -36,12 +36,12 @@ class PaperOctreeLightSampler final : public GroupLightSampler {
     /// What is known of a query: its leaf's distribution (null: nothing was learned) and the unoccluded one.
     struct Weights {
         const Float *cdf = nullptr;
-        LightDistribution unoccluded;
+        const void *unoccluded = nullptr;
     };
 
     OctreeParams params_;
     Float floor_;
-    std::unique_ptr<LightSampler> unoccluded_;  ///< over groups
+    std::unique_ptr<GroupLightSampler> unoccluded_;  ///< over groups
     LightOctree tree_;
     std::vector<uint32_t> recordsPerNode_;  ///< for Inspect and DescribeStructure only
     bool learned_ = false;  ///< false: one group or none, or Prepare was not called: unoccluded_ alone

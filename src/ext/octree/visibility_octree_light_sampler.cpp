@@ -22,9 +22,9 @@ constexpr size_t kMostFound = 400000;
 }  // namespace
 
 VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
-    : GroupLightSampler(lights, params.meshlights, params.interior), params_(params),
-      floor_(params.floor > 0 ? params.floor : kVisibilityFloor), importance_(lights, groups_) {
-    if (groups_.Size() > kMost) lightTree_ = std::make_unique<LightTree>(GroupImportance::EmittersOf(lights, groups_));
+    : InteriorLightSampler(lights, params.meshlights, params.interior), params_(params),
+      floor_(params.floor > 0 ? params.floor : kVisibilityFloor), importance_(groups_) {
+    if (groups_.Size() > kMost) lightTree_ = std::make_unique<LightTree>(GroupImportance::EmittersOf(groups_));
 }
 
 VisibilityOctreeLightSampler::~VisibilityOctreeLightSampler() = default;
@@ -188,14 +188,14 @@ std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::Choo
         if (u < running) break;
     }
     if (!chosen) return {};
-    const Float inside = MeshGroups::InnerNumber(u, query.p, running - last, last);
+    const Float inside = LightGroups::InnerNumber(u, query.p, running - last, last);
     auto choose = [&](uint32_t group, Float pmf, Float inner, Float g) { return ChosenGroup{group, pmf, inner, g, g / (c.sumG * pmf)}; };
     if (!lightTree_) return choose(static_cast<uint32_t>(*chosen), last, inside, c.g[*chosen]);
     const uint32_t node = c.nodes[*chosen];
     if (lightTree_->IsLight(node)) return choose(lightTree_->LightAt(lightTree_->At(node).begin), last, inside, c.g[*chosen]);
     std::optional<SampledLight> light = lightTree_->SampleWithin(node, query, inside);
     if (!light) return {};
-    return choose(light->light.value, last * light->pmf, MeshGroups::InnerNumber(u, query.p), light->unoccluded);
+    return choose(light->light.value, last * light->pmf, LightGroups::InnerNumber(u, query.p), light->unoccluded);
 }
 
 Float VisibilityOctreeLightSampler::GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const {

@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "ext/groups/group_importance.h"
-#include "ext/groups/group_light_sampler.h"
+#include "ext/groups/interior_light_sampler.h"
 #include "ext/groups/light_tree.h"
 #include "ext/octree/octree_params.h"
 #include "ext/octree/render_records.h"
@@ -24,7 +24,7 @@ namespace ext {
 /// With more than 64 groups l is a node of a cut through a tree over them (LightTree); every leaf has its own cut, fine where its
 /// light comes from, coarse elsewhere, and below a node lights are chosen level by level by G. Such a sampler goes on learning from the
 /// render's shadow rays: after 1, 4, 16 and 64 samples a pixel it builds its tree anew from all that was found until then.
-class VisibilityOctreeLightSampler final : public GroupLightSampler, private LightLearner {
+class VisibilityOctreeLightSampler final : public InteriorLightSampler, private LightLearner {
   public:
     VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
     ~VisibilityOctreeLightSampler() override;

@@ -62,7 +62,7 @@ size_t TriesPerRecord(size_t groups, int wanted) {
     return groups <= kMostScanned ? groups : 8;
 }
 
-VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices, const MeshGroups &groups,
+VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices, const LightGroups &groups,
                                   const GroupImportance &importance, const MeshInterior &interior, const LightTree *tree,
                                   size_t perRecord) {
     const auto count = static_cast<int64_t>(vertices.size());

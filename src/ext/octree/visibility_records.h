@@ -19,7 +19,7 @@ size_t TriesPerRecord(size_t groups, int wanted);
 /// One shadow ray to lights of every vertex: to all that could contribute if there are no more than `perRecord`, else to
 /// that many drawn by G, through `tree` where there is one. Records without any light to look at are left out.
 /// The same for any number of threads.
-VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices, const MeshGroups &groups,
+VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices, const LightGroups &groups,
                                   const GroupImportance &importance, const MeshInterior &interior, const LightTree *tree,
                                   size_t perRecord);
 

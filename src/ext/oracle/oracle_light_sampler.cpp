@@ -38,9 +38,9 @@ Float Fraction(double v) { return std::min(static_cast<Float>(v - std::floor(v))
 }  // namespace
 
 OracleLightSampler::OracleLightSampler(const LightTable &lights, const OracleParams &params)
-    : GroupLightSampler(lights, params.meshlights, params.interior),
+    : InteriorLightSampler(lights, params.meshlights, params.interior),
       params_(params),
-      unoccluded_(GroupImportance::EmittersOf(lights, groups_)) {}
+      unoccluded_(GroupImportance::EmittersOf(groups_)) {}
 
 void OracleLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
@@ -75,7 +75,7 @@ const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &m
             std::optional<SampledLight> chosen =
                 interior_.Sample(g, query, Fraction(shift[0] + at * 0.5497004779019703));
             if (!chosen) continue;
-            const Light &light = scene_->Lights()[chosen->light];
+            const LightPart light = scene_->Lights()[chosen->light];
             Point2 u(Fraction(shift[1] + at * 0.8191725133961645), Fraction(shift[2] + at * 0.6710436067037893));
             std::optional<LightLiSample> sample = light.SampleLi(from, u, lambda, true);
             if (!sample || !sample->L || !(sample->pdf > 0)) continue;
@@ -117,7 +117,7 @@ std::optional<GroupLightSampler::ChosenGroup> OracleLightSampler::ChooseGroup(co
     if (u < floor) {
         std::optional<SampledLight> g = unoccluded_.Sample(query, std::min(u / floor, OneMinusEpsilon));
         if (!g) return {};
-        chosen = {.group = g->light.value, .inner = MeshGroups::InnerNumber(u, query.p)};
+        chosen = {.group = g->light.value, .inner = LightGroups::InnerNumber(u, query.p)};
     } else {
         chosen = SampleCdf({cdf, groups_.Size()}, query, std::min((u - floor) / (1 - floor), OneMinusEpsilon));
     }

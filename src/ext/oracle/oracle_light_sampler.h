@@ -2,7 +2,7 @@
 #include <atomic>
 
 #include "ext/groups/emitter_tree.h"
-#include "ext/groups/group_light_sampler.h"
+#include "ext/groups/interior_light_sampler.h"
 #include "ext/oracle/oracle_params.h"
 
 namespace ext {
@@ -27,7 +27,7 @@ namespace ext {
 ///
 /// Without a BSDF in the query the surface is a white diffuse one, of both sides if it transmits; in a medium
 /// scattering is uniform. Random numbers depend on the seed and the query's position and direction only.
-class OracleLightSampler final : public GroupLightSampler {
+class OracleLightSampler final : public InteriorLightSampler {
   public:
     OracleLightSampler(const LightTable &lights, const OracleParams &params);
 

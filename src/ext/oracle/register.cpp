@@ -9,10 +9,10 @@ void register_oracle(pbrt::LightSamplerRegistry &registry) {
         "measuring instrument, slow: shadow rays to every light at every point give the least noisy choice there is";
     entry.params = DocumentParams<OracleParams>();
     entry.check = ParamsCheck<OracleParams>("oracle");
-    entry.make = [](const LightTable &lights, const ParamSet &params) -> std::unique_ptr<LightSampler> {
+    entry.make = [](const LightGroups &groups, const ParamSet &params) -> std::unique_ptr<LightSampler> {
         OracleParams p;
         ReadParams(p, params, "oracle");
-        return std::make_unique<OracleLightSampler>(lights, p);
+        return std::make_unique<OracleLightSampler>(groups.Lights(), p);
     };
     registry.Add(std::move(entry));
 }

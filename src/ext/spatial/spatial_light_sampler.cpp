@@ -24,7 +24,7 @@ Float Shifted(Float u, Float shift) {
 }  // namespace
 
 SpatialLightSampler::SpatialLightSampler(const LightTable &lights, const SpatialParams &params)
-    : GroupLightSampler(lights, params.meshlights, false), lights_(lights), params_(params) {
+    : GroupLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()), lights_(lights), params_(params) {
     points_.resize(static_cast<size_t>(params.samples));
     for (size_t i = 0; i < points_.size(); ++i) {
         points_[i].place = {RadicalInverse(2, i), RadicalInverse(3, i), RadicalInverse(5, i)};
@@ -96,7 +96,7 @@ std::optional<GroupLightSampler::ChosenGroup> SpatialLightSampler::ChooseGroup(c
     const std::span<const uint32_t> cdf(static_cast<const uint32_t *>(weights), groups_.Size());
     const uint32_t group = SampleFixedCdf(cdf, u, query.p);
     const Float pmf = FixedCdfPMF(cdf, group);
-    return ChosenGroup{group, pmf, MeshGroups::InnerNumber(u, query.p, FixedCdfBegin(cdf, group), pmf)};
+    return ChosenGroup{group, pmf, LightGroups::InnerNumber(u, query.p, FixedCdfBegin(cdf, group), pmf)};
 }
 
 Float SpatialLightSampler::GroupProbability(const LightQuery &, const void *weights, uint32_t group) const {

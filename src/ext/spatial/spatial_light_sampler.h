@@ -1,5 +1,5 @@
 #pragma once
-#include "ext/groups/group_light_sampler.h"
+#include "pbrt/lightsamplers/group_light_sampler.h"
 #include "ext/spatial/spatial_params.h"
 #include "ext/voxels/lazy_rows.h"
 #include "ext/voxels/voxel_grid.h"

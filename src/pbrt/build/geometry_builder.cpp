@@ -189,8 +189,15 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
         }
     }
     std::vector<ShapeId> moving;
-    const ShapeId mesh(parts_.shapes.size());  // one for all shapes of the directive (a PLY of triangles and quads has two)
-    size_t emitters = 0;
+    // One light for all shapes of the directive: a PLY of triangles and quads has two.
+    LightId firstLight;
+    if (maker) {
+        std::vector<const Shape *> shapes;
+        for (const std::unique_ptr<Shape> &shape : w.shapes)
+            if (shape->PrimitiveCount() > 0) shapes.push_back(shape.get());
+        if (!shapes.empty()) firstLight = parts_.lights->Add(maker->Make(shapes, w.alpha.get()));
+    }
+    uint32_t emitters = 0;
     const char *primitive = w.shapes.empty() ? "" : PrimitiveName(w.shapes.front()->Kind());
     if (w.shapes.size() > 1) primitive = "face";
     for (std::unique_ptr<Shape> &shape : w.shapes) {
@@ -199,11 +206,8 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
         record.shape = std::move(shape);
         record.alpha = w.alpha;
         record.material = material;
-        if (maker) {
-            for (uint32_t i = 0; i < record.shape->PrimitiveCount(); ++i) {
-                LightId light = parts_.lights->Add(maker->Make(*record.shape, i, record.alpha.get()), mesh, i);
-                if (i == 0) record.firstLight = light;
-            }
+        if (firstLight) {
+            record.firstLight = LightId(firstLight.value + emitters);
             emitters += record.shape->PrimitiveCount();
         }
         if (interface && !interfacesBlock_) parts_.accel->LetShadowRaysThrough(id);

@@ -202,7 +202,7 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
     LightSelection selection;
     auto &[sampler, gate] = selection;
     const std::string name = integrator.GetString("lightsampler", "bvh"), gateName = integrator.GetString("shadowgate", "none");
-    const bool meshOfScene = registry.HasMeshGrouping() && integrator.GetBool("meshlights", false);
+    const bool meshOfScene = integrator.GetBool("meshlights", false);
 
     const FlagText choice(flags.choiceFlag, flags.choice), gateFlag(flags.gateFlag, flags.gate);
     const Pieces pieces = Split(choice, sink);
@@ -232,10 +232,8 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
         gate.params = ChosenParams(*gate.entry, "shadow-ray gate", integrator, integrator.LocOf("shadowgate"), gateKeys, sink);
 
     sampler.meshLights = meshOfScene || flags.meshLights || pieces.mesh;
-    if ((flags.meshLights || pieces.mesh) && !registry.HasMeshGrouping())
-        sink.Error({}, "\"+mesh\" (--mesh-lights): this build has no mesh-light grouping.");
     // A sampler that groups by itself needs no wrapper.
-    if (sampler.entry && !sampler.entry->makeOverCandidates) sampler.meshLights = false;
+    if (sampler.entry && !sampler.entry->takesGroups) sampler.meshLights = false;
     if (sink.ErrorCount() > errorsBefore) return {};
     return selection;
 }

@@ -1,6 +1,4 @@
 #pragma once
-#include <optional>
-
 #include "pbrt/math/vec.h"
 #include "pbrt/spectra/spectrum.h"
 
@@ -9,11 +7,11 @@ namespace pbrt {
 /// The first scattering surface along a camera ray, in rendering space.
 struct VisibleSurface {
     Point3 p{};
-    Normal3 n{}, ns{};  ///< unit, geometric and shading, facing the camera
+    Normal3 n{}, ns{};        ///< unit, geometric and shading, facing the camera
     Point2 uv{};
-    Vector3 dpdx{}, dpdy{};  ///< changes of p over the filter footprint
-    Float time = 0;          ///< of the ray
-    SampledSpectrum albedo;  ///< at `lambda`
+    Vector3 dpdx{}, dpdy{};   ///< changes of p over the filter footprint
+    Float time = 0;           ///< of the ray
+    SampledSpectrum albedo;   ///< at `lambda`
     SampledWavelengths lambda;
 };
 

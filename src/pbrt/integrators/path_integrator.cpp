@@ -1,6 +1,7 @@
 #include "pbrt/integrators/path_integrator.h"
 
 #include "pbrt/core/counters.h"
+#include "pbrt/integrators/visible_surface.h"
 #include "pbrt/lightsamplers/light_query.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/paths/subsurface_exit.h"
@@ -46,7 +47,7 @@ SampledSpectrum PathIntegrator::SampleDirect(const PathVertex &vertex, const Lig
         found(SampledSpectrum(0));
         return SampledSpectrum(0);
     };
-    const Light &light = context_.scene.Lights()[selected->light];
+    const LightPart light = context_.scene.Lights()[selected->light];
     std::optional<LightLiSample> sample =
         light.SampleLi(ScatteringContextAt(context_.scene, point, bsdf), uLight, lambda, true);
     if (!sample || !sample->L || !(sample->pdf > 0)) return nothingFound();
@@ -70,9 +71,10 @@ SampledSpectrum PathIntegrator::SampleDirect(const PathVertex &vertex, const Lig
 
 SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     const Scene &scene = context_.scene;
-    PathWalk walk(context_, start.ray, start.visible);
+    PathWalk walk(context_, start.ray);
+    const VisibleSurfaceReport report(context_, start.ray, start.visible);
     LightLearner::PathPlaces places;
-    if (learner_) places = learner_->BeginPath(start.pixel, start.sampleIndex);
+    if (learner_) places = learner_->BeginPath(start.pixel, start.sample);
     SampledSpectrum L(0), beta(1);
     bool anyNonSpecular = false;
     Float etaScale = 1;
@@ -108,6 +110,7 @@ SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &l
             if (!settings_.seesThroughInterfaces) lightCouldSample = false;
             continue;
         }
+        report.See(walk, lambda);
         if (settings_.regularize && anyNonSpecular) walk.Regularize();
         const auto &[point, bsdf] = walk.Vertex();
         if (depth++ == settings_.maxDepth) break;

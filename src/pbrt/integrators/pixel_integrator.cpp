@@ -15,8 +15,8 @@ class PassRenderer {
         : integrator_(integrator),
           pass_(pass),
           wantsVisible_(pass.film.WantsVisibleSurface()),
-          differentialScale_(pass.jittersPixels
-                                 ? std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(pass.samplesPerPixel)))
+          differentialScale_(
+              pass.jittersPixels ? std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(pass.samplesPerPixel)))
                                  : Float(1)) {}
 
     /// False: cancelled.
@@ -75,8 +75,7 @@ bool PixelIntegrator::Render(const RenderPass &pass) {
         // Which thread takes which tile does not matter.
         if (!renderer.RenderTile(tile, *pass.samplers[static_cast<size_t>(ThreadIndex())]))
             isWhole.store(false, std::memory_order_relaxed);
-        else if (pass.isCounted)
-            pass.progress.Advance(int64_t{tile.Area()} * pass.count);
+        else if (pass.isCounted) pass.progress.Advance(int64_t{tile.Area()} * pass.count);
     });
     return isWhole;
 }

@@ -4,12 +4,13 @@
 
 namespace pbrt {
 
-/// What a camera path starts with.
+/// What a path from the camera starts with.
 struct PathStart {
     CameraRay ray;
     Point2i pixel{};
-    int sampleIndex = 0;                               ///< of the pixel
-    std::optional<VisibleSurface> *visible = nullptr;  ///< where PathWalk says what the camera sees, if somebody asks
+    int sample = 0;  ///< of the pixel; counts on over all batches
+    /// If it is not null it is told of the first surface that scatters (VisibleSurfaceReport).
+    std::optional<VisibleSurface> *visible = nullptr;
 };
 
 /// The integrators that find the radiance of one camera ray at a time, for the pixel that the ray belongs to.

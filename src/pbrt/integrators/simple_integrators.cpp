@@ -1,6 +1,7 @@
 #include "pbrt/integrators/simple_integrators.h"
 
 #include "pbrt/core/counters.h"
+#include "pbrt/integrators/visible_surface.h"
 #include "pbrt/lightsamplers/light_query.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "pbrt/math/warps.h"
@@ -46,24 +47,25 @@ SimplePathIntegrator::SimplePathIntegrator(const PathContext &context, int maxDe
       maxDepth_(maxDepth),
       sampleLights_(sampleLights),
       sampleBsdf_(sampleBsdf),
-      lights_(std::make_unique<UniformLightSampler>(context.scene.Lights().Candidates())) {}
+      lights_(std::make_unique<UniformLightSampler>(context.scene.Lights().Parts())) {}
 
-SampledSpectrum SimplePathIntegrator::SampleDirect(const PathVertex &vertex, const SampledWavelengths &lambda, int depth,
-                                                   Sampler &sampler) const {
+SampledSpectrum SimplePathIntegrator::SampleDirect(const PathVertex &vertex, const SampledSpectrum &beta,
+                                                   const SampledWavelengths &lambda, int depth, Sampler &sampler) const {
     const auto &[point, bsdf] = vertex;
     const std::optional<SampledLight> chosen = lights_->Sample(LightQueryAt(vertex, lambda, depth), sampler.Get1D());
     const Point2 uLight = sampler.Get2D();
     if (!chosen) return SampledSpectrum(0);
-    const Light &light = context_.scene.Lights()[chosen->light];
+    const LightPart light = context_.scene.Lights()[chosen->light];
     const auto arriving = light.SampleLi(ScatteringContextAt(context_.scene, point, bsdf), uLight, lambda, false);
     if (!arriving || !arriving->L || !(arriving->pdf > 0)) return SampledSpectrum(0);
     const SampledSpectrum f = bsdf.F(point.wo, arriving->wi) * AbsDot(arriving->wi, point.shading.n);
     if (!f || context_.scene.Occluded(LightContextAt(point), *arriving)) return SampledSpectrum(0);
-    return f * arriving->L / (chosen->pmf * arriving->pdf);
+    return beta * f * arriving->L / (chosen->pmf * arriving->pdf);
 }
 
 SampledSpectrum SimplePathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
-    PathWalk walk(context_, start.ray, start.visible);
+    PathWalk walk(context_, start.ray);
+    const VisibleSurfaceReport report(context_, start.ray, start.visible);
     SampledSpectrum L(0), beta(1);
     ++ThreadCounters().cameraPaths;
     // Without weights, every way light takes must be found by one technique only: where lights are sampled, emission
@@ -75,14 +77,15 @@ SampledSpectrum SimplePathIntegrator::Li(const PathStart &start, SampledWaveleng
         if (!foundBySampling) L += beta * Arriving(walk, lambda);
         if (met == PathWalk::Met::Nothing) break;
         if (depth == maxDepth_) {
-            walk.End(lambda);
+            report.LookOn(walk, lambda);
             break;
         }
         foundBySampling = false;
         if (!walk.FindScattering(lambda)) continue;
+        report.See(walk, lambda);
         ++ThreadCounters().pathVertices;
         const auto &[point, bsdf] = walk.Vertex();
-        if (sampleLights_) L += beta * SampleDirect(walk.Vertex(), lambda, depth + 1, sampler);
+        if (sampleLights_) L += SampleDirect(walk.Vertex(), beta, lambda, depth + 1, sampler);
         if (sampleBsdf_) {
             const Float uComponent = sampler.Get1D();
             const std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uComponent, sampler.Get2D());
@@ -101,7 +104,8 @@ SampledSpectrum SimplePathIntegrator::Li(const PathStart &start, SampledWaveleng
 }
 
 SampledSpectrum RandomWalkIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
-    PathWalk walk(context_, start.ray, start.visible);
+    PathWalk walk(context_, start.ray);
+    const VisibleSurfaceReport report(context_, start.ray, start.visible);
     SampledSpectrum L(0), beta(1);
     ++ThreadCounters().cameraPaths;
     for (int depth = 0; beta;) {
@@ -110,10 +114,11 @@ SampledSpectrum RandomWalkIntegrator::Li(const PathStart &start, SampledWaveleng
         L += beta * Arriving(walk, lambda);
         if (met == PathWalk::Met::Nothing) break;
         if (depth == maxDepth_) {
-            walk.End(lambda);
+            report.LookOn(walk, lambda);
             break;
         }
         if (!walk.FindScattering(lambda)) continue;
+        report.See(walk, lambda);
         ++depth;
         ++ThreadCounters().pathVertices;
         const Direction to{SampleUniformSphere(sampler.Get2D()), UniformSpherePdf()};
@@ -132,11 +137,13 @@ AmbientOcclusionIntegrator::AmbientOcclusionIntegrator(const PathContext &contex
       scale_(1 / SpectrumToPhotometric(*illuminant_)) {}
 
 SampledSpectrum AmbientOcclusionIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
-    PathWalk walk(context_, start.ray, start.visible);
+    PathWalk walk(context_, start.ray);
+    const VisibleSurfaceReport report(context_, start.ray, start.visible);
     ++ThreadCounters().cameraPaths;
     do {
         if (walk.Next() != PathWalk::Met::Surface) return SampledSpectrum(0);
     } while (!walk.FindScattering(lambda));
+    report.See(walk, lambda);
     const SurfacePoint &point = walk.Vertex().point;
     const Normal3 n = FaceForward(point.n, point.wo);
     const Point2 u = sampler.Get2D();

@@ -12,8 +12,9 @@ class SimplePathIntegrator final : public PixelIntegrator {
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
 
   private:
-    /// Direct light by one point on one light, unweighted.
-    SampledSpectrum SampleDirect(const PathVertex &vertex, const SampledWavelengths &lambda, int depth, Sampler &sampler) const;
+    /// Direct light by one point on one light, unweighted, times the path's throughput.
+    SampledSpectrum SampleDirect(const PathVertex &vertex, const SampledSpectrum &beta, const SampledWavelengths &lambda,
+                                 int depth, Sampler &sampler) const;
     PathContext context_;
     int maxDepth_;
     bool sampleLights_, sampleBsdf_;

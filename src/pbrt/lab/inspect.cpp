@@ -16,49 +16,17 @@ namespace {
 constexpr uint64_t kStream = 0x696e7370656374ull;
 constexpr int kMaxSpecular = 64;
 
-/// One light of the table, or all primitives of an emissive mesh, with a choice among them by power.
-struct Group {
-    InspectedLight light;
-    std::vector<double> cdf;  ///< empty for one light
-    std::vector<double> shares;
-
-    LightId Choose(double u, double *share) const {
-        if (cdf.empty()) {
-            *share = 1;
-            return light.first;
-        }
-        auto i = static_cast<size_t>(std::upper_bound(cdf.begin(), cdf.end() - 1, u) - cdf.begin());
-        *share = shares[i];
-        return LightId(light.first.value + static_cast<uint32_t>(i));
+std::vector<InspectedLight> NamedGroups(const LightGroups &groups, const LightNames &names) {
+    std::vector<InspectedLight> lights(groups.Size());
+    for (uint32_t g = 0; g < lights.size(); ++g) {
+        InspectedLight &light = lights[g];
+        light.first = LightId(groups.FirstOf(g));
+        light.count = groups.CountOf(g);
+        light.power = groups.Candidate(g).power;
+        light.label = names.NameOf(light.first, light.count);
+        if (light.label.empty()) light.label = fmt::format("light {}", light.first.value);
     }
-};
-
-std::vector<Group> MakeGroups(const LightTable &lights, const LightNames &names) {
-    std::vector<Group> groups;
-    for (size_t i = 0, end = 0; i < lights.Size(); i = end) {
-        end = i + 1;
-        if (ShapeId mesh = lights.MeshOf(LightId(i)))
-            while (end < lights.Size() && lights.MeshOf(LightId(end)) == mesh) ++end;
-        Group g;
-        g.light.first = LightId(i);
-        g.light.count = end - i;
-        double power = 0;
-        for (size_t l = i; l < end; ++l) power += static_cast<double>(lights.Candidates()[l].power);
-        g.light.power = static_cast<Float>(power);
-        g.light.label = names.NameOf(g.light.first, g.light.count);
-        if (g.light.label.empty()) g.light.label = fmt::format("light {}", i);
-        if (g.light.count > 1) {
-            double running = 0;
-            for (size_t l = i; l < end; ++l) {
-                double share = power > 0 ? static_cast<double>(lights.Candidates()[l].power) / power
-                                         : 1 / static_cast<double>(end - i);
-                g.shares.push_back(share);
-                g.cdf.push_back(running += share);
-            }
-        }
-        groups.push_back(std::move(g));
-    }
-    return groups;
+    return lights;
 }
 
 /// Where the camera's ray through the middle of a pixel first meets something that is not purely specular. At smooth
@@ -105,20 +73,22 @@ class Inspector {
         : built_(built),
           sampler_(sampler),
           settings_(settings),
-          groups_(MakeGroups(built.scene->Lights(), built.lightNames)) {}
+          groups_(built.scene->Lights().Wholes()),
+          lights_(NamedGroups(groups_, built.lightNames)) {}
 
     Inspection Run(Progress &progress);
 
   private:
     void MakeLayers(Inspection &out);
     void LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &values) const;
-    Measured Measure(const FirstHit &hit, const LightSampleContext &from, const Group &group, Rng &rng,
+    Measured Measure(const FirstHit &hit, const LightSampleContext &from, uint32_t group, Rng &rng,
                      std::span<const Float> pmf) const;
 
     const BuiltScene &built_;
     const LightSampler &sampler_;
     const InspectSettings &settings_;
-    std::vector<Group> groups_;
+    const LightGroups &groups_;
+    std::vector<InspectedLight> lights_;  ///< per group
     std::vector<size_t> shown_;  ///< groups whose visibility is shown, most power first
     size_t samplerLayers_ = 0;
 };
@@ -148,7 +118,7 @@ void Inspector::MakeLayers(Inspection &out) {
     samplerLayers_ = values.size();
     for (const InspectedValue &v : values)
         add(Plain("sampler." + v.name), "the sampler's own: " + v.name, 0, 0, v.isId);
-    const double bits = std::log2(static_cast<double>(std::max<size_t>(groups_.size(), 2)));
+    const double bits = std::log2(static_cast<double>(std::max<size_t>(groups_.Size(), 2)));
     add("entropy", "entropy of the probabilities of the lights, in bits; a mesh counts as one light", 0, bits);
     add("brightest", "the light that contributes most, by its first id; magenta: none contributes", 0, 0, true, true);
     add("brightest_probability", "probability of the light that contributes most; magenta: none contributes", 0, 1);
@@ -157,7 +127,7 @@ void Inspector::MakeLayers(Inspection &out) {
         "choice inside a mesh as it is), log10; without MIS; magenta: none contributes, or one that does has probability 0",
         0, 2);
     for (size_t g : shown_) {
-        const InspectedLight &light = groups_[g].light;
+        const InspectedLight &light = lights_[g];
         add(fmt::format("visibility.{}", light.first.value),
             fmt::format("share of up to {} shadow rays that arrive from {}", settings_.samples, light.label), 0, 1,
             false, true);
@@ -165,7 +135,7 @@ void Inspector::MakeLayers(Inspection &out) {
     }
 }
 
-Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from, const Group &group, Rng &rng,
+Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from, uint32_t group, Rng &rng,
                             std::span<const Float> pmf) const {
     const Scene &scene = *built_.scene;
     Measured m;
@@ -178,8 +148,8 @@ Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from,
             double v = shift[dimension] + i * step;
             return std::min(static_cast<Float>(v - std::floor(v)), OneMinusEpsilon);
         };
-        double share = 1;
-        LightId light = group.Choose(static_cast<double>(at(0, 0.5497004779019703)), &share);
+        const LightId light = groups_.SampleLight(group, at(0, 0.5497004779019703));
+        const auto share = static_cast<double>(groups_.ShareOf(light));
         std::optional<LightLiSample> s = scene.Lights()[light].SampleLi(
             from, {at(1, 0.8191725133961645), at(2, 0.6710436067037893)}, hit.lambda, true);
         if (!s || !s->L || !(s->pdf > 0)) continue;
@@ -214,28 +184,28 @@ void Inspector::LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &
     for (size_t l = 0; l < pmf.size(); ++l) pmf[l] = lights.PMF(LightId(l));
 
     double entropy = 0, greatest = 0, probability = 0, second = 0, root = 0;
-    const Group *brightest = nullptr;
-    std::vector<double> visible(groups_.size());
+    const InspectedLight *brightest = nullptr;
+    std::vector<double> visible(groups_.Size());
     Rng rng(Hash(kStream, pixel));
-    for (size_t g = 0; g < groups_.size(); ++g) {
-        const InspectedLight &light = groups_[g].light;
+    for (size_t g = 0; g < groups_.Size(); ++g) {
+        const InspectedLight &light = lights_[g];
         double p = 0;
         for (size_t l = light.first.value; l < light.first.value + light.count; ++l) p += static_cast<double>(pmf[l]);
         if (p > 0) entropy -= p * std::log2(p);
-        Measured m = Measure(hit, from, groups_[g], rng, pmf);
+        Measured m = Measure(hit, from, static_cast<uint32_t>(g), rng, pmf);
         visible[g] = m.visible;
         second += m.second;
         // Were the group always chosen, with the sampler's choice inside it, it would be second * p.
         root += std::sqrt(m.second * p);
         if (m.mean > greatest) {
             greatest = m.mean;
-            brightest = &groups_[g];
+            brightest = &lights_[g];
             probability = p;
         }
     }
     const double none = std::numeric_limits<double>::quiet_NaN();
     values.push_back(std::max(entropy, 0.0));
-    values.push_back(brightest ? static_cast<double>(brightest->light.first.value) : none);
+    values.push_back(brightest ? static_cast<double>(brightest->first.value) : none);
     values.push_back(brightest ? probability : none);
     values.push_back(brightest ? std::log10(second / (root * root)) : none);
     for (size_t g : shown_) values.push_back(visible[g]);
@@ -243,18 +213,18 @@ void Inspector::LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &
 
 Inspection Inspector::Run(Progress &progress) {
     Inspection out;
-    for (size_t g = 0; g < groups_.size(); ++g) shown_.push_back(g);
+    for (size_t g = 0; g < groups_.Size(); ++g) shown_.push_back(g);
     std::stable_sort(shown_.begin(), shown_.end(),
-                     [&](size_t a, size_t b) { return groups_[a].light.power > groups_[b].light.power; });
+                     [&](size_t a, size_t b) { return lights_[a].power > lights_[b].power; });
     shown_.resize(std::min(shown_.size(), static_cast<size_t>(std::max(settings_.shownLights, 0))));
     MakeLayers(out);
     out.structure = sampler_.DescribeStructure();
-    for (const Group &g : groups_) out.lights.push_back(g.light);
+    out.lights = lights_;
 
     const Bounds2i pixels = built_.film->PixelBounds();
     const Point2i resolution = pixels.high - pixels.low;
     const double perPixel =
-        static_cast<double>(built_.scene->Lights().Size()) + static_cast<double>(groups_.size()) * settings_.samples;
+        static_cast<double>(built_.scene->Lights().Size()) + static_cast<double>(groups_.Size()) * settings_.samples;
     while (perPixel * resolution.x * resolution.y / (out.stride * out.stride) > settings_.maxWork) ++out.stride;
 
     std::vector<std::string> names;

@@ -80,7 +80,7 @@ class Measurer {
         const LightTable &table = scene_.Lights();
         for (auto l = static_cast<size_t>(rng.Uniform() * static_cast<Float>(stride_)); l < table.Size();
              l += stride_) {
-            const Light &light = table[LightId(l)];
+            const LightPart light = table[LightId(l)];
             const Point2 u = rng.Uniform2();
             std::optional<LightLiSample> sample = light.SampleLi(from, u, lambda, true);
             if (!sample || !sample->L || !(sample->pdf > 0)) continue;

@@ -48,19 +48,19 @@ bool IsInvisible(const FloatTexture *alpha) {
 
 }  // namespace
 
-DiffuseAreaLight::DiffuseAreaLight(std::shared_ptr<const AreaEmission> emission, const Shape &shape, uint32_t primitive,
+DiffuseAreaLight::DiffuseAreaLight(std::shared_ptr<const AreaEmission> emission, std::span<const Shape *const> shapes,
                                    const FloatTexture *alpha)
     : Light(IsInvisible(alpha) ? LightKind::DeltaPosition : LightKind::Area),
       emission_(std::move(emission)),
-      shape_(&shape),
-      alpha_(IsInvisible(alpha) ? nullptr : alpha),
-      primitive_(primitive),
-      area_(shape.Area(primitive)),
-      scale_(emission_->scale) {
-    if (emission_->power > 0) {
-        Float emitted = emission_->luminance * area_ * Pi * (emission_->twoSided ? 2 : 1);
-        scale_ = emitted > 0 ? scale_ * emission_->power / emitted : 0;
-    }
+      shapes_(shapes.begin(), shapes.end()),
+      alpha_(IsInvisible(alpha) ? nullptr : alpha) {
+    for (const Shape *shape : shapes) partCount_ += shape->PrimitiveCount();
+}
+
+Float DiffuseAreaLight::ScaleForPower(const ShapePrimitive &at) const {
+    const Float area = at.shape->Area(at.primitive);
+    const Float emitted = emission_->luminance * area * Pi * (emission_->twoSided ? 2 : 1);
+    return emitted > 0 ? emission_->scale * emission_->power / emitted : 0;
 }
 
 Float DiffuseAreaLight::Coverage(const Point3 &p, const Point2 &uv) const {
@@ -71,17 +71,19 @@ Float DiffuseAreaLight::Coverage(const Point3 &p, const Point2 &uv) const {
     return std::clamp(alpha_->Evaluate(at), Float(0), Float(1));
 }
 
-SampledSpectrum DiffuseAreaLight::Phi(const SampledWavelengths &lambda) const {
+SampledSpectrum DiffuseAreaLight::Phi(const SampledWavelengths &lambda, uint32_t part) const {
     static const SampledWavelengths kPower = PowerWavelengths();
     bool known = true;
     for (int i = 0; i < SpectrumSamples; ++i) known &= lambda[i] == kPower[i];
+    const ShapePrimitive at = Surface(part);
     SampledSpectrum average = known ? emission_->averageForPower : emission_->Average(lambda);
-    return average * (scale_ * Pi * area_ * (emission_->twoSided ? 2 : 1));
+    return average * (Scale(at) * Pi * at.shape->Area(at.primitive) * (emission_->twoSided ? 2 : 1));
 }
 
 std::optional<LightLiSample> DiffuseAreaLight::SampleLi(const LightSampleContext &from, const Point2 &u,
-                                                        const SampledWavelengths &lambda, bool) const {
-    std::optional<ShapeSample> point = shape_->Sample(primitive_, from, u);
+                                                        const SampledWavelengths &lambda, bool, uint32_t part) const {
+    const ShapePrimitive at = Surface(part);
+    std::optional<ShapeSample> point = at.shape->Sample(at.primitive, from, u);
     if (!point || !(point->pdf > 0)) return {};
     Vector3 d = point->p - from.p;
     Float d2 = LengthSquared(d);
@@ -91,7 +93,7 @@ std::optional<LightLiSample> DiffuseAreaLight::SampleLi(const LightSampleContext
     Float coverage = Coverage(point->p, point->uv);
     if (!(coverage > 0)) return {};
     LightLiSample s;
-    s.L = (scale_ * coverage) * emission_->Radiance(point->uv, lambda);
+    s.L = (Scale(at) * coverage) * emission_->Radiance(point->uv, lambda);
     if (!s.L) return {};
     s.wi = wi;
     s.pdf = point->pdf;
@@ -102,22 +104,24 @@ std::optional<LightLiSample> DiffuseAreaLight::SampleLi(const LightSampleContext
 }
 
 Float DiffuseAreaLight::PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit,
-                              const Normal3 &nHit, bool) const {
+                              const Normal3 &nHit, bool, uint32_t part) const {
     if (Kind() != LightKind::Area) return 0;
-    return shape_->PdfSolidAngle(primitive_, from, wi, pHit, nHit);
+    const ShapePrimitive at = Surface(part);
+    return at.shape->PdfSolidAngle(at.primitive, from, wi, pHit, nHit);
 }
 
 SampledSpectrum DiffuseAreaLight::L(const Point3 &, const Normal3 &n, const Point2 &uv, const Vector3 &w,
-                                    const SampledWavelengths &lambda) const {
+                                    const SampledWavelengths &lambda, uint32_t part) const {
     if (!EmitsTowards(n, w)) return SampledSpectrum(0);
-    return scale_ * emission_->Radiance(uv, lambda);
+    return Scale(Surface(part)) * emission_->Radiance(uv, lambda);
 }
 
-std::optional<LightBounds> DiffuseAreaLight::Bounds() const {
-    Float phi = emission_->peak * scale_ * area_ * Pi * (emission_->twoSided ? 2 : 1);
+std::optional<LightBounds> DiffuseAreaLight::Bounds(uint32_t part) const {
+    const ShapePrimitive at = Surface(part);
+    Float phi = emission_->peak * Scale(at) * at.shape->Area(at.primitive) * Pi * (emission_->twoSided ? 2 : 1);
     if (!(phi > 0)) return {};
-    DirectionCone normals = shape_->NormalBounds(primitive_);
-    return LightBounds{shape_->PrimitiveBounds(primitive_), normals.w, phi, normals.cosTheta, 0, emission_->twoSided};
+    DirectionCone normals = at.shape->NormalBounds(at.primitive);
+    return LightBounds{at.shape->PrimitiveBounds(at.primitive), normals.w, phi, normals.cosTheta, 0, emission_->twoSided};
 }
 
 }  // namespace pbrt

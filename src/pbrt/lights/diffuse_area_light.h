@@ -1,4 +1,7 @@
 #pragma once
+#include <span>
+#include <vector>
+
 #include "pbrt/images/image.h"
 #include "pbrt/lights/light.h"
 #include "pbrt/textures/texture.h"
@@ -25,23 +28,32 @@ struct AreaEmission {
     SampledSpectrum Radiance(const Point2 &uv, const SampledWavelengths &lambda) const;
 };
 
-/// Light from one primitive of a shape, the same in all directions of the side(s) it leaves.
+/// Light from the primitives of the shapes of one directive, which are its parts; the same in all directions of the
+/// side(s) it leaves.
 class DiffuseAreaLight final : public Light {
   public:
     /// A constant alpha of 0 makes a light that rays cannot hit: DeltaPosition to the outside, so that light sampling
     /// alone accounts for it.
-    DiffuseAreaLight(std::shared_ptr<const AreaEmission> emission, const Shape &shape, uint32_t primitive,
+    DiffuseAreaLight(std::shared_ptr<const AreaEmission> emission, std::span<const Shape *const> shapes,
                      const FloatTexture *alpha);
 
-    SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
+    uint32_t PartCount() const override { return partCount_; }
+    ShapePrimitive Surface(uint32_t part) const override {
+        if (shapes_.size() == 1) return {shapes_[0], part};
+        size_t s = 0;
+        while (part >= shapes_[s]->PrimitiveCount()) part -= shapes_[s++]->PrimitiveCount();
+        return {shapes_[s], part};
+    }
+
+    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t part) const override;
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
-                                          const SampledWavelengths &lambda, bool allowIncompletePdfs) const override;
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs, uint32_t part) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
-                bool allowIncompletePdfs) const override;
+                bool allowIncompletePdfs, uint32_t part) const override;
     /// Of a point that a ray has met: the alpha texture has had its say when it stopped the ray.
     SampledSpectrum L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,
-                      const SampledWavelengths &lambda) const override;
-    std::optional<LightBounds> Bounds() const override;
+                      const SampledWavelengths &lambda, uint32_t part) const override;
+    std::optional<LightBounds> Bounds(uint32_t part) const override;
 
   private:
     /// The share of rays that the surface stops at a point. Samples are weighted by it; rays have it in how often they
@@ -49,12 +61,14 @@ class DiffuseAreaLight final : public Light {
     Float Coverage(const Point3 &p, const Point2 &uv) const;
     bool EmitsTowards(const Normal3 &n, const Vector3 &w) const { return emission_->twoSided || !(Dot(n, w) < 0); }
 
+    /// Of the emission. Where a power is wanted, it is wanted of every primitive.
+    Float Scale(const ShapePrimitive &at) const { return emission_->power > 0 ? ScaleForPower(at) : emission_->scale; }
+    Float ScaleForPower(const ShapePrimitive &at) const;
+
     std::shared_ptr<const AreaEmission> emission_;
-    const Shape *shape_;
+    std::vector<const Shape *> shapes_;
     const FloatTexture *alpha_;
-    uint32_t primitive_;
-    Float area_;
-    Float scale_;
+    uint32_t partCount_ = 0;
 };
 
 }  // namespace pbrt

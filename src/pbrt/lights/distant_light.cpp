@@ -5,12 +5,12 @@ namespace pbrt {
 DistantLight::DistantLight(const Vector3 &wi, std::shared_ptr<const DenseSpectrum> irradiance, Float scale)
     : LightBeyondScene(LightKind::DeltaDirection), wi_(wi), irradiance_(std::move(irradiance)), scale_(scale) {}
 
-SampledSpectrum DistantLight::Phi(const SampledWavelengths &lambda) const {
+SampledSpectrum DistantLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
     return scale_ * Pi * Sqr(sceneRadius_) * irradiance_->Sample(lambda);
 }
 
 std::optional<LightLiSample> DistantLight::SampleLi(const LightSampleContext &from, const Point2 &,
-                                                    const SampledWavelengths &lambda, bool) const {
+                                                    const SampledWavelengths &lambda, bool, uint32_t) const {
     LightLiSample s;
     s.L = scale_ * irradiance_->Sample(lambda);
     if (!s.L) return {};

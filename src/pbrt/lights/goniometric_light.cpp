@@ -31,7 +31,7 @@ Float GoniometricLight::Share(const Vector3 &w) const {
     return std::max(image_.Get(PixelAt(EqualAreaSphereToSquare({l.x, l.z, l.y}), image_.Resolution()), 0), Float(0));
 }
 
-SampledSpectrum GoniometricLight::Phi(const SampledWavelengths &lambda) const {
+SampledSpectrum GoniometricLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
     return 4 * Pi * mean_ * scale_ * intensity_->Sample(lambda);
 }
 
@@ -39,7 +39,7 @@ SampledSpectrum GoniometricLight::Intensity(const Vector3 &w, const SampledWavel
     return scale_ * Share(w) * intensity_->Sample(lambda);
 }
 
-std::optional<LightBounds> GoniometricLight::Bounds() const {
+std::optional<LightBounds> GoniometricLight::Bounds(uint32_t) const {
     // As a point light of the same power (stock pbrt-v4).
     return AllAround(4 * Pi * mean_ * scale_ * intensity_->MaxValue());
 }

@@ -12,9 +12,9 @@ class GoniometricLight final : public LightAtPoint<GoniometricLight> {
     GoniometricLight(const Transform &renderFromLight, std::shared_ptr<const DenseSpectrum> intensity, Float scale,
                      Image image);
 
-    SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
+    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
     SampledSpectrum Intensity(const Vector3 &w, const SampledWavelengths &lambda) const;
-    std::optional<LightBounds> Bounds() const override;
+    std::optional<LightBounds> Bounds(uint32_t) const override;
 
     /// Mean of such an image over all directions.
     static Float Mean(const Image &image);

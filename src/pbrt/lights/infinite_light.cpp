@@ -8,7 +8,7 @@ namespace pbrt {
 UniformInfiniteLight::UniformInfiniteLight(std::shared_ptr<const DenseSpectrum> radiance, Float scale)
     : LightBeyondScene(LightKind::Infinite), radiance_(std::move(radiance)), scale_(scale) {}
 
-SampledSpectrum UniformInfiniteLight::Phi(const SampledWavelengths &lambda) const {
+SampledSpectrum UniformInfiniteLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
     return scale_ * 4 * Pi * Pi * Sqr(sceneRadius_) * radiance_->Sample(lambda);
 }
 
@@ -18,7 +18,7 @@ SampledSpectrum UniformInfiniteLight::Le(const Point3 &, const Vector3 &, const 
 
 std::optional<LightLiSample> UniformInfiniteLight::SampleLi(const LightSampleContext &from, const Point2 &u,
                                                             const SampledWavelengths &lambda,
-                                                            bool allowIncompletePdfs) const {
+                                                            bool allowIncompletePdfs, uint32_t) const {
     if (allowIncompletePdfs) return {};
     LightLiSample s;
     s.L = scale_ * radiance_->Sample(lambda);
@@ -30,7 +30,7 @@ std::optional<LightLiSample> UniformInfiniteLight::SampleLi(const LightSampleCon
 }
 
 Float UniformInfiniteLight::PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &,
-                                  bool allowIncompletePdfs) const {
+                                  bool allowIncompletePdfs, uint32_t) const {
     return allowIncompletePdfs ? 0 : UniformSpherePdf();
 }
 
@@ -72,7 +72,7 @@ SampledSpectrum ImageInfiniteLight::Radiance(const Point2 &st, const SampledWave
     return scale_ * PixelIlluminant(image_, PixelAt(st, image_.Resolution()), *colorSpace_, lambda);
 }
 
-SampledSpectrum ImageInfiniteLight::Phi(const SampledWavelengths &lambda) const {
+SampledSpectrum ImageInfiniteLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
     // Radiance averaged over the sphere, times 4 pi sr, times the disk the scene shows.
     return scale_ * 4 * Pi * Pi * Sqr(sceneRadius_) * AverageIlluminant(image_, *colorSpace_, lambda);
 }
@@ -83,7 +83,7 @@ SampledSpectrum ImageInfiniteLight::Le(const Point3 &, const Vector3 &d, const S
 
 std::optional<LightLiSample> ImageInfiniteLight::SampleLi(const LightSampleContext &from, const Point2 &u,
                                                           const SampledWavelengths &lambda,
-                                                          bool allowIncompletePdfs) const {
+                                                          bool allowIncompletePdfs, uint32_t) const {
     Float pdfSquare = 0;
     Point2 st = (allowIncompletePdfs ? compensated_ : distribution_).Sample(u, &pdfSquare);
     if (!(pdfSquare > 0)) return {};
@@ -97,7 +97,7 @@ std::optional<LightLiSample> ImageInfiniteLight::SampleLi(const LightSampleConte
 }
 
 Float ImageInfiniteLight::PdfLi(const LightSampleContext &, const Vector3 &wi, const Point3 &, const Normal3 &,
-                                bool allowIncompletePdfs) const {
+                                bool allowIncompletePdfs, uint32_t) const {
     return (allowIncompletePdfs ? compensated_ : distribution_).Pdf(SquareFromDirection(wi)) * Inv4Pi;
 }
 

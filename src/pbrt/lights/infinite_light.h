@@ -11,12 +11,12 @@ class UniformInfiniteLight final : public LightBeyondScene {
   public:
     UniformInfiniteLight(std::shared_ptr<const DenseSpectrum> radiance, Float scale);
 
-    SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
+    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
     /// Draws nothing if pdfs may be incomplete: scattering finds this light better (as stock pbrt-v4).
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
-                                          const SampledWavelengths &lambda, bool allowIncompletePdfs) const override;
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs, uint32_t) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
-                bool allowIncompletePdfs) const override;
+                bool allowIncompletePdfs, uint32_t) const override;
     SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;
 
   private:
@@ -30,13 +30,13 @@ class ImageInfiniteLight final : public LightBeyondScene {
     /// `image`: square, channels R, G, B in this order, finite.
     ImageInfiniteLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace, Float scale);
 
-    SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
+    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
     /// By the mean of R, G, B of the pixels; by what exceeds their average if pdfs may be incomplete (Karlik et al.
     /// 2019).
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
-                                          const SampledWavelengths &lambda, bool allowIncompletePdfs) const override;
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs, uint32_t) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
-                bool allowIncompletePdfs) const override;
+                bool allowIncompletePdfs, uint32_t) const override;
     SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;
 
   private:

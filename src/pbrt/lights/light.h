@@ -26,34 +26,46 @@ struct LightLiSample {
     Normal3 nLight{};  ///< zero where the light has no surface
 };
 
+/// One primitive of a shape.
+struct ShapePrimitive {
+    const Shape *shape = nullptr;
+    uint32_t primitive = 0;
+};
+
 /// A light. Immutable once the scene is built. Spectral values at a path's wavelengths.
+///
+/// A light may have parts: the primitives of an emissive mesh. They can be chosen one by one, each with a LightId of its
+/// own, so what is asked of a light is asked of one of its parts. Lights without parts have one, and look at no `part`.
 class Light {
   public:
     explicit Light(LightKind kind) : kind_(kind) {}
     virtual ~Light() = default;
     LightKind Kind() const { return kind_; }
+    virtual uint32_t PartCount() const { return 1; }
 
     /// Emitted power (W-like, photometric scaling as in pbrt), at these wavelengths. Infinite lights: over the disk of
     /// the scene's bounding sphere; needs Preprocess.
-    virtual SampledSpectrum Phi(const SampledWavelengths &lambda) const = 0;
+    virtual SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t part = 0) const = 0;
 
     /// `allowIncompletePdfs`: infinite image lights may skip directions of little light (then MIS must know).
     virtual std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
-                                                  const SampledWavelengths &lambda, bool allowIncompletePdfs) const = 0;
+                                                  const SampledWavelengths &lambda, bool allowIncompletePdfs,
+                                                  uint32_t part = 0) const = 0;
 
     /// Solid-angle density of SampleLi(from) for direction wi. Area lights: the ray from `from` along wi hits this
-    /// light's primitive at pHit with normal nHit; infinite lights ignore these. 0 for delta lights.
+    /// part at pHit with normal nHit; infinite lights ignore these. 0 for delta lights.
     virtual Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
-                        bool allowIncompletePdfs) const = 0;
+                        bool allowIncompletePdfs, uint32_t part = 0) const = 0;
 
     /// Area lights: radiance leaving p in direction w (unit). 0 for others.
     virtual SampledSpectrum L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,
-                              const SampledWavelengths &lambda) const {
+                              const SampledWavelengths &lambda, uint32_t part = 0) const {
         (void)p;
         (void)n;
         (void)uv;
         (void)w;
         (void)lambda;
+        (void)part;
         return SampledSpectrum(0);
     }
     /// Infinite lights: radiance arriving along a ray that leaves the scene from o in direction d. 0 for others.
@@ -65,7 +77,20 @@ class Light {
     }
 
     /// What a spatial light sampler needs; empty for infinite lights and lights without power.
-    virtual std::optional<LightBounds> Bounds() const { return {}; }
+    virtual std::optional<LightBounds> Bounds(uint32_t part = 0) const {
+        (void)part;
+        return {};
+    }
+    /// The surface that a part shines from; without a shape where there is none.
+    virtual ShapePrimitive Surface(uint32_t part = 0) const {
+        (void)part;
+        return {};
+    }
+    /// Infinite lights: the part that a ray which leaves the scene in direction d meets.
+    virtual uint32_t PartTowards(const Vector3 &d) const {
+        (void)d;
+        return 0;
+    }
     /// Infinite lights that shine only through an opening: the opening, as if it were the light; else empty. The
     /// format's samplers treat these lights as any infinite one.
     virtual std::optional<LightBounds> Opening() const { return {}; }
@@ -78,6 +103,37 @@ class Light {
 
   private:
     LightKind kind_;
+};
+
+/// A part of a light: what a LightId stands for. See Light for what it answers.
+class LightPart {
+  public:
+    LightPart(const Light &light, uint32_t part) : light_(&light), part_(part) {}
+    LightKind Kind() const { return light_->Kind(); }
+    SampledSpectrum Phi(const SampledWavelengths &lambda) const { return light_->Phi(lambda, part_); }
+    std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u, const SampledWavelengths &lambda,
+                                          bool allowIncompletePdfs) const {
+        return light_->SampleLi(from, u, lambda, allowIncompletePdfs, part_);
+    }
+    Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
+                bool allowIncompletePdfs) const {
+        return light_->PdfLi(from, wi, pHit, nHit, allowIncompletePdfs, part_);
+    }
+    SampledSpectrum L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,
+                      const SampledWavelengths &lambda) const {
+        return light_->L(p, n, uv, w, lambda, part_);
+    }
+    SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const {
+        return light_->Le(o, d, lambda);
+    }
+    std::optional<LightBounds> Bounds() const { return light_->Bounds(part_); }
+    std::optional<LightBounds> Opening() const { return light_->Opening(); }
+    ShapePrimitive Surface() const { return light_->Surface(part_); }
+    const Light &Whole() const { return *light_; }
+
+  private:
+    const Light *light_;
+    uint32_t part_;
 };
 
 }  // namespace pbrt

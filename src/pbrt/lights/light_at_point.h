@@ -10,7 +10,7 @@ template <class Self>
 class LightAtPoint : public Light {
   public:
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &,
-                                          const SampledWavelengths &lambda, bool) const final {
+                                          const SampledWavelengths &lambda, bool, uint32_t) const final {
         Vector3 d = position_ - from.p;
         Float d2 = LengthSquared(d);
         if (!(d2 > 0)) return {};
@@ -22,7 +22,7 @@ class LightAtPoint : public Light {
         s.pLight = position_;
         return s;
     }
-    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool) const final {
+    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool, uint32_t) const final {
         return 0;
     }
 

@@ -357,8 +357,8 @@ AreaLightMaker::AreaLightMaker(const std::string &type, const ParamSet &params, 
 AreaLightMaker::~AreaLightMaker() = default;
 AreaLightMaker::AreaLightMaker(AreaLightMaker &&) noexcept = default;
 
-std::unique_ptr<Light> AreaLightMaker::Make(const Shape &shape, uint32_t primitive, const FloatTexture *alpha) const {
-    return std::make_unique<DiffuseAreaLight>(impl_->emission, shape, primitive, alpha);
+std::unique_ptr<Light> AreaLightMaker::Make(std::span<const Shape *const> shapes, const FloatTexture *alpha) const {
+    return std::make_unique<DiffuseAreaLight>(impl_->emission, shapes, alpha);
 }
 
 }  // namespace pbrt

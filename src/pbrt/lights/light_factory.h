@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <string>
 
 #include "pbrt/core/files.h"
@@ -15,16 +16,16 @@ std::unique_ptr<Light> MakeLight(const std::string &type, const ParamSet &params
                                  const Transform &renderFromWorld, const ColorSpace &colorSpace,
                                  const FileResolver &files, DiagnosticSink &sink);
 
-/// An AreaLightSource directive applied to one shape: parsed once, then one light per primitive.
+/// An AreaLightSource directive parsed once, then one light for every Shape directive.
 class AreaLightMaker {
   public:
     AreaLightMaker(const std::string &type, const ParamSet &params, const ColorSpace &colorSpace,
                    const FileResolver &files, DiagnosticSink &sink);
     ~AreaLightMaker();
     AreaLightMaker(AreaLightMaker &&) noexcept;
-    /// `alpha` may be null; a constant alpha of 0 makes a light that only light sampling finds. `shape` must outlive
-    /// it.
-    std::unique_ptr<Light> Make(const Shape &shape, uint32_t primitive, const FloatTexture *alpha) const;
+    /// `alpha` may be null; a constant alpha of 0 makes a light that only light sampling finds. The shapes must outlive
+    /// it; its parts are their primitives.
+    std::unique_ptr<Light> Make(std::span<const Shape *const> shapes, const FloatTexture *alpha) const;
 
   private:
     struct Impl;

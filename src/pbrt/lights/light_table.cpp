@@ -5,30 +5,40 @@
 
 namespace pbrt {
 
-LightId LightTable::Add(std::unique_ptr<Light> light, ShapeId mesh, uint32_t primitive) {
-    PBRT_CHECK(light && candidates_.empty());
-    LightId id(lights_.size());
-    if (light->Kind() == LightKind::Infinite) infinite_.push_back(id);
-    lights_.push_back(std::move(light));
-    meshes_.push_back(mesh);
-    primitives_.push_back(primitive);
-    return id;
+namespace {
+/// Averaged over the visible wavelengths.
+Float PowerOf(const LightPart &light) {
+    const SampledWavelengths lambda = PowerWavelengths();
+    return SafeDivide(light.Phi(lambda), lambda.Pdf()).Average();
+}
+}  // namespace
+
+LightId LightTable::Add(std::unique_ptr<Light> light) {
+    PBRT_CHECK(light && !parts_);
+    const LightId first(wholeOf_.size());
+    if (light->Kind() == LightKind::Infinite) infinite_.push_back(first);
+    wholeOf_.insert(wholeOf_.end(), light->PartCount(), static_cast<uint32_t>(wholes_.size()));
+    wholes_.push_back({std::move(light), first.value});
+    return first;
 }
 
 void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
-    PBRT_CHECK(candidates_.empty());
-    SampledWavelengths lambda = PowerWavelengths();
-    candidates_.reserve(lights_.size());
-    for (const std::unique_ptr<Light> &light : lights_) {
-        light->Preprocess(sceneCenter, sceneRadius);
-        LightCandidate c;
-        Float power = SafeDivide(light->Phi(lambda), lambda.Pdf()).Average();
-        c.power = power > 0 && std::isfinite(power) ? power : 0;
-        if (!std::isfinite(power)) overflowed_.emplace_back(candidates_.size());
-        c.infinite = light->Kind() == LightKind::Infinite || light->Kind() == LightKind::DeltaDirection;
-        c.bounds = light->Bounds();
-        candidates_.push_back(std::move(c));
-    }
+    PBRT_CHECK(!parts_);
+    for (const Whole &whole : wholes_) whole.light->Preprocess(sceneCenter, sceneRadius);
+    for (uint32_t i = 0; i < Size(); ++i)
+        if (!std::isfinite(PowerOf((*this)[LightId(i)]))) overflowed_.emplace_back(i);
+    parts_ = std::make_unique<LightGroups>(*this, false);
+    groupsOfWholes_ = std::make_unique<LightGroups>(*this, true);
+}
+
+LightCandidate LightTable::Candidate(LightId id) const {
+    const LightPart light = (*this)[id];
+    LightCandidate c;
+    const Float power = PowerOf(light);
+    c.power = power > 0 && std::isfinite(power) ? power : 0;
+    c.infinite = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;
+    c.bounds = light.Bounds();
+    return c;
 }
 
 }  // namespace pbrt

@@ -5,43 +5,61 @@
 
 #include "pbrt/core/ids.h"
 #include "pbrt/lights/light.h"
+#include "pbrt/lights/light_groups.h"
 
 namespace pbrt {
 
-/// One thing a light sampler can choose: a light, or a group of lights.
-struct LightCandidate {
-    Float power = 0;                    ///< Phi averaged over the visible wavelengths, >= 0
-    std::optional<LightBounds> bounds;  ///< empty: infinite (or no power)
-    bool infinite = false;
-};
-
-/// All lights of a scene by dense id, in file order; an emissive mesh contributes one light per primitive, contiguous.
+/// All lights of a scene, in file order. A LightId stands for one part of a light: the parts of all lights are numbered
+/// through, those of one light one after the other.
 class LightTable {
   public:
-    /// `mesh`: for area lights, one id (of its first shape) for all lights of one Shape directive; none otherwise.
-    LightId Add(std::unique_ptr<Light> light, ShapeId mesh = {}, uint32_t primitive = 0);
-    /// Gives every light the scene's bounding sphere and fills the candidates. Once.
+    LightTable() = default;
+    LightTable(const LightTable &) = delete;  // groups refer to their table
+    LightTable &operator=(const LightTable &) = delete;
+
+    /// The id of the light's first part.
+    LightId Add(std::unique_ptr<Light> light);
+    /// Gives every light the scene's bounding sphere and makes the groups. Once.
     void Finish(const Point3 &sceneCenter, Float sceneRadius);
 
-    size_t Size() const { return lights_.size(); }
-    const Light &operator[](LightId id) const { return *lights_[id.value]; }
-    /// The emissive mesh a light is a primitive of; none for other lights.
-    ShapeId MeshOf(LightId id) const { return meshes_[id.value]; }
-    uint32_t PrimitiveOf(LightId id) const { return primitives_[id.value]; }
-    /// Infinite lights, those that rays leaving the scene must ask.
-    std::span<const LightId> Infinite() const { return infinite_; }
-    /// Lights whose power is beyond single precision; as candidates they have none.
+    /// Parts of all lights.
+    size_t Size() const { return wholeOf_.size(); }
+    LightPart operator[](LightId id) const {
+        const Whole &whole = wholes_[wholeOf_[id.value]];
+        return {*whole.light, id.value - whole.first};
+    }
+    size_t WholeCount() const { return wholes_.size(); }
+    /// Which of the lights it is a part of; below WholeCount().
+    uint32_t WholeOf(LightId id) const { return wholeOf_[id.value]; }
+
+    /// What a ray meets that leaves the scene from o in direction d: calls visit(radiance, id) for every infinite light
+    /// that shines there, with the part that is met.
+    template <class Visit>
+    void ForEachBeyond(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda, Visit &&visit) const {
+        for (LightId first : infinite_) {
+            const Light &light = (*this)[first].Whole();
+            if (SampledSpectrum Le = light.Le(o, d, lambda)) visit(Le, LightId(first.value + light.PartTowards(d)));
+        }
+    }
+    bool HasInfinite() const { return !infinite_.empty(); }
+    /// Lights whose power is beyond single precision; to choose from they have none.
     std::span<const LightId> Overflowed() const { return overflowed_; }
-    /// One per light.
-    std::span<const LightCandidate> Candidates() const { return candidates_; }
+    /// What light samplers choose from; needs Finish.
+    LightCandidate Candidate(LightId id) const;
+    /// Every part on its own, or every light with all its parts.
+    const LightGroups &Parts() const { return *parts_; }
+    const LightGroups &Wholes() const { return *groupsOfWholes_; }
 
   private:
+    struct Whole {
+        std::unique_ptr<Light> light;
+        uint32_t first = 0;  ///< its first part
+    };
+    std::vector<Whole> wholes_;
+    std::vector<uint32_t> wholeOf_;  ///< per part
+    std::vector<LightId> infinite_;  ///< their first parts
     std::vector<LightId> overflowed_;
-    std::vector<std::unique_ptr<Light>> lights_;
-    std::vector<ShapeId> meshes_;
-    std::vector<uint32_t> primitives_;
-    std::vector<LightId> infinite_;
-    std::vector<LightCandidate> candidates_;
+    std::unique_ptr<LightGroups> parts_, groupsOfWholes_;
 };
 
 }  // namespace pbrt

@@ -96,7 +96,7 @@ SampledSpectrum PortalLight::Le(const Point3 &o, const Vector3 &d, const Sampled
 }
 
 std::optional<LightLiSample> PortalLight::SampleLi(const LightSampleContext &from, const Point2 &u,
-                                                   const SampledWavelengths &lambda, bool) const {
+                                                   const SampledWavelengths &lambda, bool, uint32_t) const {
     std::optional<Bounds2> window = Window(from.p);
     if (!window) return {};
     Float pdfMap = 0;
@@ -115,7 +115,7 @@ std::optional<LightLiSample> PortalLight::SampleLi(const LightSampleContext &fro
 }
 
 Float PortalLight::PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &, const Normal3 &,
-                         bool) const {
+                         bool, uint32_t) const {
     std::optional<Point2> st = MapFromDirection(wi);
     if (!st) return 0;
     std::optional<Bounds2> window = Window(from.p);
@@ -124,7 +124,7 @@ Float PortalLight::PdfLi(const LightSampleContext &from, const Vector3 &wi, cons
     return density > 0 ? distribution_.Pdf(*st, *window) / density : 0;
 }
 
-SampledSpectrum PortalLight::Phi(const SampledWavelengths &lambda) const {
+SampledSpectrum PortalLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
     Point2i n = map_.Resolution();
     auto cosine = [&](int x, int y) {
         Vector3 w = LocalFromMap(PixelCenter(x, y, n));

@@ -22,12 +22,12 @@ class PortalLight final : public LightBeyondScene {
     static bool IsRectangle(const std::array<Point3, 4> &portal);
 
     /// What enters the scene: the integral of radiance and cosine over the rectangle and the half-space behind it.
-    SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
+    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
     /// By the mean of R, G, B of the map's pixels within the window seen from the point.
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
-                                          const SampledWavelengths &lambda, bool allowIncompletePdfs) const override;
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs, uint32_t) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
-                bool allowIncompletePdfs) const override;
+                bool allowIncompletePdfs, uint32_t) const override;
     SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;
     std::optional<LightBounds> Opening() const override;
 

@@ -53,14 +53,14 @@ SampledSpectrum ProjectionLight::Intensity(const Vector3 &w, const SampledWavele
     return scale_ * PixelIlluminant(image_, PixelAt(st, image_.Resolution()), *colorSpace_, lambda);
 }
 
-SampledSpectrum ProjectionLight::Phi(const SampledWavelengths &lambda) const {
+SampledSpectrum ProjectionLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
     Point2i n = image_.Resolution();
     auto weight = [&](int x, int y) { return PixelSolidAngle(x, y, n, half_); };
     return scale_ * static_cast<Float>(n.x) * static_cast<Float>(n.y) *
            AverageIlluminant(image_, *colorSpace_, lambda, weight);
 }
 
-std::optional<LightBounds> ProjectionLight::Bounds() const {
+std::optional<LightBounds> ProjectionLight::Bounds(uint32_t) const {
     Point2i n = image_.Resolution();
     double sum = 0;
     for (int y = 0; y < n.y; ++y)

@@ -12,9 +12,9 @@ class ProjectionLight final : public LightAtPoint<ProjectionLight> {
     ProjectionLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace, Float scale,
                     Float fov);
 
-    SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
+    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
     SampledSpectrum Intensity(const Vector3 &w, const SampledWavelengths &lambda) const;
-    std::optional<LightBounds> Bounds() const override;
+    std::optional<LightBounds> Bounds(uint32_t) const override;
 
     /// Luminous power of a light of scale 1.
     static Float LuminancePower(const Image &image, const ColorSpace &colorSpace, Float fov);

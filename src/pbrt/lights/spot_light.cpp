@@ -29,7 +29,7 @@ Float SpotLight::Falloff(const Vector3 &w) const {
     return (3 - 2 * h) * Sqr(h);
 }
 
-SampledSpectrum SpotLight::Phi(const SampledWavelengths &lambda) const {
+SampledSpectrum SpotLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
     return scale_ * PowerPerIntensity(coneAngle_, falloffStart_) * intensity_->Sample(lambda);
 }
 
@@ -37,7 +37,7 @@ SampledSpectrum SpotLight::Intensity(const Vector3 &w, const SampledWavelengths 
     return scale_ * Falloff(w) * intensity_->Sample(lambda);
 }
 
-std::optional<LightBounds> SpotLight::Bounds() const {
+std::optional<LightBounds> SpotLight::Bounds(uint32_t) const {
     Float phi = 4 * Pi * scale_ * intensity_->MaxValue();
     if (!(phi > 0)) return {};
     LightBounds b{Bounds3(position_), Normalize(renderFromLight_.Vector(axis_)), phi, cosStart_, 0, false};

@@ -12,9 +12,9 @@ class SpotLight final : public LightAtPoint<SpotLight> {
     SpotLight(const Transform &renderFromLight, const Point3 &from, const Vector3 &axis,
               std::shared_ptr<const DenseSpectrum> intensity, Float scale, Float coneAngle, Float falloffStart);
 
-    SampledSpectrum Phi(const SampledWavelengths &lambda) const override;
+    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
     SampledSpectrum Intensity(const Vector3 &w, const SampledWavelengths &lambda) const;
-    std::optional<LightBounds> Bounds() const override;
+    std::optional<LightBounds> Bounds(uint32_t) const override;
 
     /// Power of a light of unit intensity on the axis.
     static Float PowerPerIntensity(Float coneAngle, Float falloffStart);

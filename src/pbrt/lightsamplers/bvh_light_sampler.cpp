@@ -4,9 +4,10 @@
 
 namespace pbrt {
 
-BVHLightSampler::BVHLightSampler(std::span<const LightCandidate> candidates)
-    : tree_(candidates), isInfinite_(candidates.size()) {
-    std::vector<LightId> infinite;
+BVHLightSampler::BVHLightSampler(const LightGroups &groups) : GroupLightSampler(groups, true), isInfinite_(groups.Size()) {
+    const std::vector<LightCandidate> candidates = groups.Candidates();
+    tree_ = LightBvh(candidates);
+    std::vector<uint32_t> infinite;
     for (size_t i = 0; i < candidates.size(); ++i) {
         isInfinite_[i] = candidates[i].infinite;
         if (candidates[i].infinite) infinite.emplace_back(i);
@@ -14,13 +15,11 @@ BVHLightSampler::BVHLightSampler(std::span<const LightCandidate> candidates)
     infinite_ = InfiniteShare(std::move(infinite), !tree_.IsEmpty());
 }
 
-std::optional<SampledLight> BVHLightSampler::Choose(const LightQuery &query, const void *, Float u) const {
+std::optional<GroupLightSampler::ChosenGroup> BVHLightSampler::ChooseGroup(const LightQuery &query, const void *, Float u) const {
     auto rest = static_cast<double>(u);
-    LightId light;
-    if (!infinite_.ChooseBounded(rest, light)) {
-        if (!light) return {};
-        return SampledLight{light, infinite_.Pmf()};
-    }
+    if (!(infinite_.Pmf() > 0)) return {};
+    uint32_t infinite;
+    if (!infinite_.ChooseBounded(rest, &infinite)) return ChosenGroup{infinite, infinite_.Pmf(), InnerNumber(query, u)};
     const LightBvhNode *node = &tree_.Root();
     if (node->IsLeaf() && !(node->Sphere().Importance(query.p, query.ns) > 0)) return {};
     Float pmf = infinite_.Pmf();
@@ -40,13 +39,12 @@ std::optional<SampledLight> BVHLightSampler::Choose(const LightQuery &query, con
         node = &pair.child[i];
     }
     if (!(pmf > 0)) return {};
-    return SampledLight{LightId(node->Link()), pmf};
+    return ChosenGroup{node->Link(), pmf, InnerNumber(query, u)};
 }
 
-Float BVHLightSampler::Probability(const LightQuery &query, const void *, LightId light) const {
-    if (light.value >= isInfinite_.size()) return 0;
-    if (isInfinite_[light.value]) return infinite_.Pmf();
-    uint64_t trail = tree_.Trail(light);
+Float BVHLightSampler::GroupProbability(const LightQuery &query, const void *, uint32_t group) const {
+    if (isInfinite_[group]) return infinite_.Pmf();
+    uint64_t trail = tree_.Trail(group);
     if (trail == LightBvh::NotInTree) return 0;
     const LightBvhNode *node = &tree_.Root();
     if (node->IsLeaf() && !(node->Sphere().Importance(query.p, query.ns) > 0)) return 0;
@@ -68,6 +66,7 @@ void BVHLightSampler::Report(nlohmann::ordered_json &json) const {
     json["nodes"] = tree_.IsEmpty() ? 0 : 2 * tree_.PairCount() + 1;
     json["depth"] = tree_.Depth();
     json["bytes"] = tree_.Bytes() + infinite_.Bytes();
+    GroupLightSampler::Report(json);
 }
 
 }  // namespace pbrt

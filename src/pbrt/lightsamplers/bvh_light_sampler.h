@@ -1,4 +1,5 @@
 #pragma once
+#include "pbrt/lightsamplers/group_light_sampler.h"
 #include "pbrt/lightsamplers/infinite_share.h"
 #include "pbrt/lightsamplers/light_bvh.h"
 
@@ -6,16 +7,16 @@ namespace pbrt {
 
 /// Walks down a tree of light bounds, at each node by the importance of the two children at the query point with the
 /// shading normal. Infinite lights as InfiniteShare says.
-class BVHLightSampler final : public LightSampler {
+class BVHLightSampler final : public GroupLightSampler {
   public:
-    explicit BVHLightSampler(std::span<const LightCandidate> candidates);
+    explicit BVHLightSampler(const LightGroups &groups);
+    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
+    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
     void Report(nlohmann::ordered_json &json) const override;
 
     const LightBvh &Tree() const { return tree_; }
 
   private:
-    std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const override;
-    Float Probability(const LightQuery &query, const void *weights, LightId light) const override;
     LightBvh tree_;
     InfiniteShare infinite_;
     std::vector<bool> isInfinite_;

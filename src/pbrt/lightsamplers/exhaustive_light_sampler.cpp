@@ -4,11 +4,11 @@
 
 namespace pbrt {
 
-ExhaustiveLightSampler::ExhaustiveLightSampler(std::span<const LightCandidate> candidates)
-    : position_(candidates.size(), kNever) {
-    std::vector<LightId> infinite;
-    for (size_t i = 0; i < candidates.size(); ++i) {
-        const LightCandidate &c = candidates[i];
+ExhaustiveLightSampler::ExhaustiveLightSampler(const LightGroups &groups)
+    : GroupLightSampler(groups, true), position_(groups.Size(), kNever) {
+    std::vector<uint32_t> infinite;
+    for (uint32_t i = 0; i < groups.Size(); ++i) {
+        const LightCandidate c = groups.Candidate(i);
         if (c.infinite) {
             position_[i] = kInfinite;
             infinite.emplace_back(i);
@@ -17,7 +17,7 @@ ExhaustiveLightSampler::ExhaustiveLightSampler(std::span<const LightCandidate> c
             position_[i] = static_cast<uint32_t>(lane);
             if (lane % kLanes == 0) packets_.emplace_back();
             packets_.back().Set(static_cast<int>(lane % kLanes), c.bounds->Sphere());
-            lights_.push_back(static_cast<uint32_t>(i));
+            lights_.push_back(i);
         }
     }
     blockSize_ = std::max<size_t>(1, (packets_.size() + kBlocks - 1) / kBlocks);
@@ -43,20 +43,19 @@ void ExhaustiveLightSampler::AddUp(const LightQuery &query, Sums *sums) const {
     }
 }
 
-const void *ExhaustiveLightSampler::Weigh(const LightQuery &query, LightMemory &memory) const {
+const void *ExhaustiveLightSampler::WeighGroups(const LightQuery &query, LightMemory &memory) const {
     auto *sums = memory.Make<Sums>();
     AddUp(query, sums);
     return sums;
 }
 
-std::optional<SampledLight> ExhaustiveLightSampler::Choose(const LightQuery &query, const void *weights, Float u) const {
+std::optional<GroupLightSampler::ChosenGroup> ExhaustiveLightSampler::ChooseGroup(const LightQuery &query, const void *weights,
+                                                                                  Float u) const {
     const Sums &sums = *static_cast<const Sums *>(weights);
     auto rest = static_cast<double>(u);
-    LightId light;
-    if (!infinite_.ChooseBounded(rest, light)) {
-        if (!light) return {};
-        return SampledLight{light, infinite_.Pmf()};
-    }
+    if (!(infinite_.Pmf() > 0)) return {};
+    uint32_t infinite;
+    if (!infinite_.ChooseBounded(rest, &infinite)) return ChosenGroup{infinite, infinite_.Pmf(), InnerNumber(query, u)};
     if (!(sums.total > 0)) return {};
 
     // First the block, then the light in it; the last one that has any importance takes what rounding leaves over.
@@ -86,13 +85,13 @@ std::optional<SampledLight> ExhaustiveLightSampler::Choose(const LightQuery &que
     }
     Float pmf = infinite_.Pmf() * static_cast<Float>(static_cast<double>(weight) / sums.total);
     if (!(pmf > 0)) return {};
-    return SampledLight{LightId(lights_[chosen]), pmf};
+    return ChosenGroup{lights_[chosen], pmf, InnerNumber(query, u)};
 }
 
-Float ExhaustiveLightSampler::Probability(const LightQuery &query, const void *weights, LightId light) const {
+Float ExhaustiveLightSampler::GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const {
     const Sums &sums = *static_cast<const Sums *>(weights);
-    if (light.value >= position_.size() || position_[light.value] == kNever) return 0;
-    size_t position = position_[light.value];
+    const size_t position = position_[group];
+    if (position == kNever) return 0;
     if (position == kInfinite) return infinite_.Pmf();
     Float scratch[kLanes];
     Float weight = Lanes(position / kLanes, query, sums, scratch)[position % kLanes];
@@ -103,6 +102,7 @@ Float ExhaustiveLightSampler::Probability(const LightQuery &query, const void *w
 void ExhaustiveLightSampler::Report(nlohmann::ordered_json &json) const {
     json["bytes"] = packets_.capacity() * sizeof(LightPacket<kLanes>) +
                     (lights_.capacity() + position_.capacity()) * sizeof(uint32_t) + infinite_.Bytes();
+    GroupLightSampler::Report(json);
 }
 
 }  // namespace pbrt

@@ -1,4 +1,5 @@
 #pragma once
+#include "pbrt/lightsamplers/group_light_sampler.h"
 #include "pbrt/lightsamplers/infinite_share.h"
 #include "pbrt/lightsamplers/light_packet.h"
 
@@ -6,15 +7,15 @@ namespace pbrt {
 
 /// Bounded lights in proportion to the importance of their own bounds at the query point with the geometric normal, all
 /// of them looked at for every sample. Infinite lights as InfiniteShare says.
-class ExhaustiveLightSampler final : public LightSampler {
+class ExhaustiveLightSampler final : public GroupLightSampler {
   public:
-    explicit ExhaustiveLightSampler(std::span<const LightCandidate> candidates);
+    explicit ExhaustiveLightSampler(const LightGroups &groups);
+    const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
+    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
+    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
     void Report(nlohmann::ordered_json &json) const override;
 
   private:
-    const void *Weigh(const LightQuery &query, LightMemory &memory) const override;
-    std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const override;
-    Float Probability(const LightQuery &query, const void *weights, LightId light) const override;
     static constexpr size_t kLanes = 8;
     static constexpr size_t kBlocks = 64;
     /// Sums of importance over consecutive blocks of packets and over all.
@@ -34,8 +35,8 @@ class ExhaustiveLightSampler final : public LightSampler {
     }
 
     std::vector<LightPacket<kLanes>> packets_;
-    std::vector<uint32_t> lights_;     ///< by lane over all packets
-    std::vector<uint32_t> position_;   ///< lane over all packets, by light; or one of the two below
+    std::vector<uint32_t> lights_;     ///< groups, by lane over all packets
+    std::vector<uint32_t> position_;   ///< lane over all packets, by group; or one of the two below
     static constexpr uint32_t kInfinite = 0xffffffff, kNever = 0xfffffffe;
     size_t blockSize_ = 1;             ///< packets per block
     InfiniteShare infinite_;

@@ -1,8 +1,9 @@
 #pragma once
+#include <algorithm>
+#include <cstdint>
 #include <vector>
 
-#include "pbrt/lights/light_table.h"
-#include "pbrt/lightsamplers/light_sampler.h"
+#include "pbrt/core/float.h"
 
 namespace pbrt {
 
@@ -11,7 +12,7 @@ namespace pbrt {
 class InfiniteShare {
   public:
     InfiniteShare() = default;
-    InfiniteShare(std::vector<LightId> infinite, bool anyBounded)
+    InfiniteShare(std::vector<uint32_t> infinite, bool anyBounded)
         : infinite_(std::move(infinite)), anyBounded_(anyBounded) {
         size_t shares = infinite_.size() + (anyBounded ? 1 : 0);
         share_ = shares > 0 ? 1 / static_cast<Float>(shares) : 0;
@@ -19,23 +20,21 @@ class InfiniteShare {
     }
     /// Probability of each infinite light, and of the bounded ones together.
     Float Pmf() const { return share_; }
-    /// True if the choice fell on the bounded lights: `u` becomes a fresh number. False: `light` is set (NoLight if
-    /// there are no lights at all).
-    bool ChooseBounded(double &u, LightId &light) const {
+    /// True if the choice fell on the bounded lights: `u` becomes a fresh number. False: `chosen` is set. There must be a
+    /// light of either kind.
+    bool ChooseBounded(double &u, uint32_t *chosen) const {
         if (anyBounded_ && u >= boundedFrom_) {
             u = (u - boundedFrom_) / (1 - boundedFrom_);
             return true;
         }
-        if (!infinite_.empty()) {
-            double scaled = u / boundedFrom_ * static_cast<double>(infinite_.size());
-            light = infinite_[std::min(static_cast<size_t>(scaled), infinite_.size() - 1)];
-        }
+        double scaled = u / boundedFrom_ * static_cast<double>(infinite_.size());
+        *chosen = infinite_[std::min(static_cast<size_t>(scaled), infinite_.size() - 1)];
         return false;
     }
-    size_t Bytes() const { return infinite_.capacity() * sizeof(LightId); }
+    size_t Bytes() const { return infinite_.capacity() * sizeof(uint32_t); }
 
   private:
-    std::vector<LightId> infinite_;
+    std::vector<uint32_t> infinite_;
     bool anyBounded_ = false;
     Float share_ = 0;
     double boundedFrom_ = 0;

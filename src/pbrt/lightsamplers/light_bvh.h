@@ -49,9 +49,9 @@ class LightBvh {
     bool IsEmpty() const { return !hasRoot_; }
     const LightBvhNode &Root() const { return root_; }
     const LightBvhPair &Pair(uint32_t i) const { return pairs_[i]; }
-    /// The way from the root to a light: bit d says which child is taken at depth d. NotInTree for others.
+    /// The way from the root to a candidate: bit d says which child is taken at depth d. NotInTree for others.
     static constexpr uint64_t NotInTree = ~uint64_t(0);
-    uint64_t Trail(LightId light) const { return light.value < trails_.size() ? trails_[light.value] : NotInTree; }
+    uint64_t Trail(uint32_t candidate) const { return trails_[candidate]; }
 
     size_t PairCount() const { return pairs_.size(); }
     int Depth() const { return depth_; }

@@ -52,9 +52,8 @@ const LightSamplerRegistry::GateEntry &LightSamplerRegistry::FindGate(const std:
 
 std::unique_ptr<LightSampler> LightSamplerRegistry::Make(const Entry &entry, const LightTable &lights,
                                                          const ParamSet &params, bool meshLights) const {
-    if (!meshLights) return entry.make(lights, params);
-    PBRT_CHECK(meshGrouping_ && entry.makeOverCandidates);
-    return meshGrouping_(lights, entry.makeOverCandidates);
+    PBRT_CHECK(!meshLights || entry.takesGroups);
+    return entry.make(meshLights ? lights.Wholes() : lights.Parts(), params);
 }
 
 std::string LightSamplerRegistry::Listing() const {
@@ -67,8 +66,7 @@ std::string LightSamplerRegistry::Listing() const {
                                p.range.empty() ? "" : fmt::format(" ({})", p.range), p.help);
     };
     for (const auto &[name, entry] : entries_) list(entry);
-    if (meshGrouping_)
-        out += "\n    Every sampler without a parameter \"meshlights\" of its own takes \"bool meshlights\" of the integrator\n"
+    out += "\n    Every sampler without a parameter \"meshlights\" of its own takes \"bool meshlights\" of the integrator\n"
                "    (\"+mesh\" in flags): an emissive mesh is one light; inside it a triangle is chosen by its share of the power.\n";
     if (!gates_.empty()) out += "\nShadow-ray gates (\"string shadowgate\" of the integrator, \"+gate=\" in flags), for every sampler:\n";
     for (const auto &[name, entry] : gates_) list(entry);
@@ -82,12 +80,8 @@ void AddStock(LightSamplerRegistry &registry, const char *name, const char *summ
     LightSamplerRegistry::Entry entry;
     entry.name = name;
     entry.summary = summary;
-    entry.make = [](const LightTable &lights, const ParamSet &) {
-        return std::make_unique<Sampler>(lights.Candidates());
-    };
-    entry.makeOverCandidates = [](std::span<const LightCandidate> candidates) {
-        return std::make_unique<Sampler>(candidates);
-    };
+    entry.make = [](const LightGroups &groups, const ParamSet &) { return std::make_unique<Sampler>(groups); };
+    entry.takesGroups = true;
     registry.Add(std::move(entry));
 }
 

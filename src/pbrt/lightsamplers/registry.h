@@ -14,20 +14,16 @@ namespace pbrt {
 /// The samplers that can be named in a scene or on the command line. An object, not a global; filled by explicit calls.
 class LightSamplerRegistry {
   public:
-    /// Makes a sampler over single lights; reads "name.key" parameters.
-    using Factory = std::function<std::unique_ptr<LightSampler>(const LightTable &, const ParamSet &)>;
-    /// Makes a sampler that selects among the given candidates (single lights or groups), by index.
-    using CandidateFactory = std::function<std::unique_ptr<LightSampler>(std::span<const LightCandidate>)>;
-    /// Puts a candidate sampler on top of mesh groups.
-    using MeshGrouping = std::function<std::unique_ptr<LightSampler>(const LightTable &, const CandidateFactory &)>;
+    /// Reads "name.key" parameters. `groups`: what is chosen among, unless a parameter of the sampler's own says it.
+    using Factory = std::function<std::unique_ptr<LightSampler>(const LightGroups &groups, const ParamSet &)>;
     struct Entry {
         std::string name, summary;
         std::vector<ParamDoc> params;   ///< names without the sampler's prefix
         Factory make;
         /// Throws UserError if a parameter is out of range, as `make` would; may be left out.
         std::function<void(const ParamSet &)> check;
-        /// Set for samplers that select among candidates and can therefore run on mesh groups too.
-        CandidateFactory makeOverCandidates;
+        /// It chooses among the groups that it is given; others have a parameter "meshlights".
+        bool takesGroups = false;
     };
 
     struct GateEntry {
@@ -40,7 +36,7 @@ class LightSamplerRegistry {
     void Add(Entry entry);  ///< a name used twice is our error
     std::vector<std::string> Names() const;
     const Entry &Find(const std::string &name, const FileLoc &loc = {}) const;  ///< unknown: UserError with the names
-    /// `meshLights`: group the primitives of emissive meshes first; only for entries with makeOverCandidates.
+    /// `meshLights`: an emissive mesh is one light for selection; only for entries that take groups.
     std::unique_ptr<LightSampler> Make(const Entry &entry, const LightTable &lights, const ParamSet &params,
                                        bool meshLights) const;
     /// Shadow-ray gates have names of their own; a gate may share its name (and parameters' prefix) with a sampler.
@@ -48,15 +44,12 @@ class LightSamplerRegistry {
     std::vector<std::string> GateNames() const;
     const GateEntry &FindGate(const std::string &name, const FileLoc &loc = {}) const;
 
-    void SetMeshGrouping(MeshGrouping grouping) { meshGrouping_ = std::move(grouping); }
-    bool HasMeshGrouping() const { return meshGrouping_ != nullptr; }
     /// Text of --list-lightsamplers and of docs/lightsamplers.md.
     std::string Listing() const;
 
   private:
     std::map<std::string, Entry> entries_;
     std::map<std::string, GateEntry> gates_;
-    MeshGrouping meshGrouping_;
 };
 
 /// uniform, power, bvh, exhaustive.

@@ -4,35 +4,37 @@
 
 namespace pbrt {
 
-UniformLightSampler::UniformLightSampler(std::span<const LightCandidate> candidates)
-    : count_(static_cast<uint32_t>(candidates.size())), pmf_(count_ > 0 ? 1 / static_cast<Float>(count_) : 0) {}
+UniformLightSampler::UniformLightSampler(const LightGroups &groups)
+    : GroupLightSampler(groups, true), pmf_(groups.Size() > 0 ? 1 / static_cast<Float>(groups.Size()) : 0) {}
 
-std::optional<SampledLight> UniformLightSampler::Choose(const LightQuery &, const void *, Float u) const {
-    if (count_ == 0) return {};
-    // In double: a float times a large count could round up to the next light.
-    auto i = static_cast<uint32_t>(static_cast<double>(u) * static_cast<double>(count_));
-    return SampledLight{LightId(std::min(i, count_ - 1)), pmf_};
+std::optional<GroupLightSampler::ChosenGroup> UniformLightSampler::ChooseGroup(const LightQuery &query, const void *, Float u) const {
+    // In double: a float times a large count could round up to the next group.
+    const size_t count = groups_.Size();
+    const auto i = static_cast<size_t>(static_cast<double>(u) * static_cast<double>(count));
+    return ChosenGroup{static_cast<uint32_t>(std::min(i, count - 1)), pmf_, InnerNumber(query, u)};
 }
 
-Float UniformLightSampler::Probability(const LightQuery &, const void *, LightId light) const { return light.value < count_ ? pmf_ : 0; }
+Float UniformLightSampler::GroupProbability(const LightQuery &, const void *, uint32_t) const { return pmf_; }
 
-PowerLightSampler::PowerLightSampler(std::span<const LightCandidate> candidates) {
+PowerLightSampler::PowerLightSampler(const LightGroups &groups) : GroupLightSampler(groups, true) {
     std::vector<Float> power;
-    power.reserve(candidates.size());
-    for (const LightCandidate &c : candidates) power.push_back(c.power);
+    power.reserve(groups.Size());
+    for (uint32_t g = 0; g < groups.Size(); ++g) power.push_back(groups.Candidate(g).power);
     if (!power.empty()) table_ = AliasTable(power);
 }
 
-std::optional<SampledLight> PowerLightSampler::Choose(const LightQuery &, const void *, Float u) const {
-    if (table_.Size() == 0) return {};
-    AliasTable::Sampled s = table_.Sample(u);
-    return SampledLight{LightId(static_cast<uint32_t>(s.index)), s.pmf};
+std::optional<GroupLightSampler::ChosenGroup> PowerLightSampler::ChooseGroup(const LightQuery &query, const void *, Float u) const {
+    const AliasTable::Sampled s = table_.Sample(u);
+    return ChosenGroup{static_cast<uint32_t>(s.index), s.pmf, InnerNumber(query, u)};
 }
 
-Float PowerLightSampler::Probability(const LightQuery &, const void *, LightId light) const {
-    return light.value < static_cast<uint32_t>(table_.Size()) ? table_.PMF(static_cast<int>(light.value)) : 0;
+Float PowerLightSampler::GroupProbability(const LightQuery &, const void *, uint32_t group) const {
+    return table_.PMF(static_cast<int>(group));
 }
 
-void PowerLightSampler::Report(nlohmann::ordered_json &json) const { json["bytes"] = table_.Bytes(); }
+void PowerLightSampler::Report(nlohmann::ordered_json &json) const {
+    json["bytes"] = table_.Bytes();
+    GroupLightSampler::Report(json);
+}
 
 }  // namespace pbrt

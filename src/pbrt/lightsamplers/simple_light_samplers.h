@@ -1,31 +1,29 @@
 #pragma once
-#include "pbrt/lights/light_table.h"
-#include "pbrt/lightsamplers/light_sampler.h"
+#include "pbrt/lightsamplers/group_light_sampler.h"
 #include "pbrt/math/distributions.h"
 
 namespace pbrt {
 
-/// Every light is as likely as any other.
-class UniformLightSampler final : public LightSampler {
+/// Every group is as likely as any other.
+class UniformLightSampler final : public GroupLightSampler {
   public:
-    explicit UniformLightSampler(std::span<const LightCandidate> candidates);
+    explicit UniformLightSampler(const LightGroups &groups);
+    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
+    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
 
   private:
-    std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const override;
-    Float Probability(const LightQuery &query, const void *weights, LightId light) const override;
-    uint32_t count_;
     Float pmf_;
 };
 
-/// In proportion to LightCandidate::power; uniform if no light has any.
-class PowerLightSampler final : public LightSampler {
+/// In proportion to LightCandidate::power; uniform if none has any.
+class PowerLightSampler final : public GroupLightSampler {
   public:
-    explicit PowerLightSampler(std::span<const LightCandidate> candidates);
+    explicit PowerLightSampler(const LightGroups &groups);
+    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
+    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
     void Report(nlohmann::ordered_json &json) const override;
 
   private:
-    std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const override;
-    Float Probability(const LightQuery &query, const void *weights, LightId light) const override;
     AliasTable table_;
 };
 

@@ -1,7 +1,5 @@
 #include "pbrt/paths/path_walk.h"
 
-#include "pbrt/bxdfs/albedo.h"
-
 namespace pbrt {
 
 PathWalk::Met PathWalk::Next() {
@@ -16,7 +14,6 @@ bool PathWalk::FindScattering(SampledWavelengths &lambda) {
     vertex_.bsdf = ComputeBsdf(context_.scene, point, lambda);
     if (vertex_.bsdf) {
         passed_ = 0;
-        if (visible_ && !*visible_) TellVisible(lambda);
         return true;
     }
     ++passed_;
@@ -25,24 +22,6 @@ bool PathWalk::FindScattering(SampledWavelengths &lambda) {
     differential_.rxOrigin += d * point.t;
     differential_.ryOrigin += d * point.t;
     return false;
-}
-
-void PathWalk::TellVisible(const SampledWavelengths &lambda) const {
-    SurfacePoint point = vertex_.point;
-    // A walk that does without footprints has called its differentials invalid.
-    RayDifferential differential = differential_;
-    differential.valid = startsWithDifferential_;
-    ComputeFootprint(point, differential, context_.camera, context_.samplesPerPixel);
-    VisibleSurface &visible = visible_->emplace();
-    visible.p = point.p;
-    visible.n = FaceForward(point.n, point.wo);
-    visible.ns = FaceForward(point.shading.n, point.wo);
-    visible.uv = point.uv;
-    visible.dpdx = point.dpdx;
-    visible.dpdy = point.dpdy;
-    visible.time = point.time;
-    visible.albedo = EstimateAlbedo(vertex_.bsdf, point.wo);
-    visible.lambda = lambda;
 }
 
 void PathWalk::Scatter(const BsdfSample &sample) {

@@ -1,5 +1,4 @@
 #pragma once
-#include "pbrt/films/visible_surface.h"
 #include "pbrt/paths/vertex.h"
 #include "pbrt/scene/footprint.h"
 
@@ -28,13 +27,8 @@ class PathWalk {
     static constexpr int MaxPassed = 64;
     enum class Met { Surface, Nothing, TooManyInterfaces };
 
-    /// `visible`, if not null, is told of the first surface that scatters.
-    PathWalk(const PathContext &context, const CameraRay &start, std::optional<VisibleSurface> *visible = nullptr)
-        : context_(context),
-          ray_(start.ray),
-          differential_(start.differential),
-          visible_(visible),
-          startsWithDifferential_(start.differential.valid) {}
+    PathWalk(const PathContext &context, const CameraRay &start)
+        : context_(context), ray_(start.ray), differential_(start.differential) {}
 
     /// Follows the ray to the next surface, whose point is then in Vertex(). Nothing: the ray leaves the scene.
     Met Next();
@@ -54,17 +48,12 @@ class PathWalk {
     /// The path goes on from another place, where light that went below the surface comes out.
     void MoveTo(const PathVertex &vertex) { vertex_ = vertex; }
 
-    /// The walk ends at a surface before it is known whether that scatters. Looks on for who asked what is visible.
-    void End(SampledWavelengths lambda) {
-        while (visible_ && !*visible_ && !FindScattering(lambda) && Next() == Met::Surface) {}
-    }
-
     const PathVertex &Vertex() const { return vertex_; }
     const Ray &GetRay() const { return ray_; }
+    const RayDifferential &Differential() const { return differential_; }
 
   private:
     void FindFootprint();
-    void TellVisible(const SampledWavelengths &lambda) const;
 
     const PathContext &context_;
     Ray ray_;
@@ -72,8 +61,6 @@ class PathWalk {
     PathVertex vertex_;
     int passed_ = 0;
     bool left_ = false;  ///< the ray met nothing
-    std::optional<VisibleSurface> *const visible_;
-    const bool startsWithDifferential_;
 };
 
 template <class Visit>
@@ -81,8 +68,9 @@ void PathWalk::ForEachEmission(const SampledWavelengths &lambda, Visit &&visit) 
     const Scene &scene = context_.scene;
     const SurfacePoint &point = vertex_.point;
     if (left_) {
-        for (LightId id : scene.Lights().Infinite())
-            if (SampledSpectrum Le = scene.Lights()[id].Le(ray_.o, ray_.d, lambda)) visit(Le, id, Point3(0), Normal3(0));
+        scene.Lights().ForEachBeyond(ray_.o, ray_.d, lambda, [&](const SampledSpectrum &Le, LightId id) {
+            visit(Le, id, Point3(0), Normal3(0));
+        });
     } else if (SampledSpectrum Le = EmittedRadiance(scene, point, lambda)) {
         visit(Le, point.light, point.p, point.n);
     }

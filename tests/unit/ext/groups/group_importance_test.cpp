@@ -68,8 +68,15 @@ LightQuery RandomQuery(Rng &rng) {
     return q;
 }
 
+std::vector<LightId> Skies(const LightTable &lights) {
+    std::vector<LightId> skies;
+    for (uint32_t i = 0; i < lights.Size(); ++i)
+        if (lights[LightId(i)].Kind() == LightKind::Infinite) skies.emplace_back(i);
+    return skies;
+}
+
 /// What one light sample gives at the point without occlusion; 0 for the far side of an opaque surface.
-Float Unoccluded(const Light &light, const LightQuery &q, const Point2 &u) {
+Float Unoccluded(const LightPart &light, const LightQuery &q, const Point2 &u) {
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     LightSampleContext from{q.p, Vector3(0), q.n, q.ns, 0};
     std::optional<LightLiSample> s = light.SampleLi(from, u, lambda, true);
@@ -84,8 +91,8 @@ class GroupImportanceOfEveryLight : public testing::TestWithParam<bool> {};
 TEST_P(GroupImportanceOfEveryLight, IsPositiveWhereALightContributes) {
     BuiltScene built = pbrt::test::BuildText(kLights);
     const LightTable &lights = built.scene->Lights();
-    MeshGroups groups(lights, GetParam());
-    GroupImportance importance(lights, groups);
+    const LightGroups &groups = GetParam() ? lights.Wholes() : lights.Parts();
+    GroupImportance importance(groups);
     Rng rng(5);
     std::vector<Float> g(importance.Padded());
     std::vector<size_t> found(lights.Size());
@@ -109,8 +116,8 @@ INSTANTIATE_TEST_SUITE_P(GroupedOrNot, GroupImportanceOfEveryLight, testing::Boo
 
 TEST(GroupImportance, SameNumbersHoweverAsked) {
     BuiltScene built = pbrt::test::BuildText(kLights);
-    MeshGroups groups(built.scene->Lights(), false);
-    GroupImportance importance(built.scene->Lights(), groups);
+    const LightGroups &groups = built.scene->Lights().Parts();
+    GroupImportance importance(groups);
     ASSERT_GT(importance.Size(), 8u);
     Rng rng(6);
     for (int i = 0; i < 200; ++i) {
@@ -129,8 +136,8 @@ TEST(GroupImportance, IsAnEstimateOfTheUnoccludedLight) {
     // Away from the emitters and above their horizon G is the irradiance to within a factor.
     BuiltScene built = pbrt::test::BuildText(kLights);
     const LightTable &lights = built.scene->Lights();
-    MeshGroups groups(lights, true);
-    GroupImportance importance(lights, groups);
+    const LightGroups &groups = lights.Wholes();
+    GroupImportance importance(groups);
     LightQuery q;
     q.p = Point3(0.3f, -1, 0.2f);
     q.n = q.ns = Normal3(0, 1, 0);
@@ -156,12 +163,12 @@ TEST(GroupImportance, IsAnEstimateOfTheUnoccludedLight) {
 TEST(GroupImportance, LightsThatAreNeverSampledHaveNone) {
     BuiltScene built = pbrt::test::BuildText(kLights);
     const LightTable &lights = built.scene->Lights();
-    MeshGroups groups(lights, true);
-    GroupImportance importance(lights, groups);
+    const LightGroups &groups = lights.Wholes();
+    GroupImportance importance(groups);
     LightQuery q;
     q.n = q.ns = Normal3(0, 1, 0);
     q.wo = Vector3(0, 1, 0);
-    for (LightId sky : lights.Infinite())
+    for (LightId sky : Skies(lights))
         if (!lights[sky].Opening()) {
             EXPECT_EQ(importance.Of(q, groups.GroupOf(sky)), 0);
         }
@@ -170,10 +177,10 @@ TEST(GroupImportance, LightsThatAreNeverSampledHaveNone) {
 TEST(GroupImportance, APortalIsALightInItsPlace) {
     BuiltScene built = pbrt::test::BuildText(kLights);
     const LightTable &lights = built.scene->Lights();
-    MeshGroups groups(lights, true);
-    GroupImportance importance(lights, groups);
+    const LightGroups &groups = lights.Wholes();
+    GroupImportance importance(groups);
     size_t portals = 0;
-    for (LightId sky : lights.Infinite()) {
+    for (LightId sky : Skies(lights)) {
         auto opening = lights[sky].Opening();
         if (!opening) continue;
         ++portals;

@@ -31,9 +31,9 @@ class MeshInteriorOfSize : public testing::TestWithParam<int> {};
 TEST_P(MeshInteriorOfSize, SamplesAsItsPmfSays) {
     BuiltScene built = pbrt::test::BuildText(Ball(GetParam()));
     const LightTable &lights = built.scene->Lights();
-    MeshGroups groups(lights, true);
+    const LightGroups &groups = lights.Wholes();
     ASSERT_EQ(groups.Size(), 1u);
-    MeshInterior interior(lights, groups);
+    MeshInterior interior(groups);
     LightQuery q;
     q.p = built.scene->Bounds().Center() + Vector3(0.4f, 2.2f, 0.3f);
     q.n = q.ns = Normal3(0, -1, 0);
@@ -67,15 +67,15 @@ TEST_P(MeshInteriorOfSize, SamplesAsItsPmfSays) {
 TEST_P(MeshInteriorOfSize, PrefersWhatFacesThePoint) {
     BuiltScene built = pbrt::test::BuildText(Ball(GetParam()));
     const LightTable &lights = built.scene->Lights();
-    MeshGroups groups(lights, true);
-    MeshInterior interior(lights, groups);
+    const LightGroups &groups = lights.Wholes();
+    MeshInterior interior(groups);
     LightQuery q;
     q.p = built.scene->Bounds().Center() + Vector3(0, 3, 0);
     q.n = q.ns = Normal3(0, -1, 0);
     q.wo = Vector3(0, -1, 0);
     double facing = 0;
     for (uint32_t l = 0; l < lights.Size(); ++l)
-        if (lights.Candidates()[l].bounds->Centroid().y > built.scene->Bounds().Center().y)
+        if (lights.Candidate(LightId(l)).bounds->Centroid().y > built.scene->Bounds().Center().y)
             facing += static_cast<double>(interior.PMF(q, LightId(l)));
     EXPECT_GT(facing, 0.97);
 }

@@ -30,15 +30,14 @@ Shape "bilinearmesh" "point3 P" [ -4 4 -4  4 4 -4  -4 4 4  4 4 4 ]
 struct Made {
     BuiltScene built;
     VoxelGrid grid;
-    std::unique_ptr<MeshGroups> groups;
     LightTargets targets;
 };
 Made Make(const std::string &lights, bool grouped = true) {
     Made m;
     m.built = BuildText(std::string(kBox) + lights);
     m.grid = VoxelGrid(m.built.scene->Bounds(), 8);
-    m.groups = std::make_unique<MeshGroups>(m.built.scene->Lights(), grouped);
-    m.targets = LightTargets(*m.built.scene, m.grid, *m.groups);
+    const LightTable &table = m.built.scene->Lights();
+    m.targets = LightTargets(*m.built.scene, m.grid, grouped ? table.Wholes() : table.Parts());
     return m;
 }
 
@@ -194,7 +193,8 @@ TEST(LightTargets, ADirectiveThatMakesTwoShapesHasItsLightsOnBoth) {
     Made m = Make("AreaLightSource \"diffuse\"\nShape \"plymesh\" \"string filename\" \"" + file + "\"\n");
     std::remove(file.c_str());
     ASSERT_EQ(m.built.scene->Lights().Size(), 2u);
-    ASSERT_EQ(m.built.scene->Lights().PrimitiveOf(LightId(1u)), 0u);
+    ASSERT_EQ(m.built.scene->Lights().WholeCount(), 1u);
+    ASSERT_EQ(m.built.scene->Lights()[LightId(1u)].Surface().primitive, 0u);
     std::set<uint32_t> voxels;
     for (size_t i = 0; i < m.targets.Size(); ++i) voxels.insert(m.targets[i].index);
     EXPECT_EQ(voxels, (std::set<uint32_t>{m.grid.Index({-2.5f, 0.5f, 0.5f}), m.grid.Index({2.5f, 0.5f, 0.5f})}));

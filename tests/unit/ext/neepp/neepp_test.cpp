@@ -53,7 +53,7 @@ NeeppParams Params(int voxels, int samples) {
 
 TEST(VisibilityMap, IsTheShareOfFreeSegmentsBetweenTheVoxels) {
     BuiltScene built = BuildText(std::string(kHalves) + kLights + kSky);
-    MeshGroups groups(built.scene->Lights(), true);
+    const LightGroups &groups = built.scene->Lights().Wholes();
     VisibilityMap map({8, 255});
     Progress progress;
     PrepareContext context = built.Preparation(progress);

@@ -45,7 +45,7 @@ struct World {
     std::unique_ptr<LightSampler> Named(const std::string &name) const {
         LightSamplerRegistry registry;
         RegisterPlugins(registry);
-        std::unique_ptr<LightSampler> sampler = registry.Find(name).make(Lights(), ParamSet());
+        std::unique_ptr<LightSampler> sampler = registry.Find(name).make(Lights().Parts(), ParamSet());
         Prepare(*sampler);
         return sampler;
     }
@@ -91,8 +91,8 @@ LightQuery OnFloor(Float x = 0, Float y = 0) {
 
 /// The floor's share of a light.
 Float FloorOf(const World &world, const OracleParams &params, const LightQuery &q, uint32_t light) {
-    MeshGroups groups(world.Lights(), params.meshlights);
-    return params.floor * EmitterTree(GroupImportance::EmittersOf(world.Lights(), groups)).PMF(q, light);
+    const LightGroups &groups = params.meshlights ? world.Lights().Wholes() : world.Lights().Parts();
+    return params.floor * EmitterTree(GroupImportance::EmittersOf(groups)).PMF(q, light);
 }
 
 TEST(Oracle, PointLightsAreChosenByWhatTheySend) {
@@ -220,7 +220,7 @@ std::vector<LightPoint> ManyPoints(const World &world, const Place &place, int p
     for (uint32_t l = 0; l < world.Lights().Size(); ++l)
         for (int i = 0; i < perLight; ++i) {
             LightPoint &y = points.emplace_back();
-            const Light &light = world.Lights()[LightId(l)];
+            const LightPart light = world.Lights()[LightId(l)];
             std::optional<LightLiSample> s = light.SampleLi(from, rng.Uniform2(), Wavelengths(), true);
             if (!s || !s->L || !(s->pdf > 0) || world.built.scene->Occluded(from, *s)) continue;
             SampledSpectrum f = place.bsdf.F(place.point.wo, s->wi) * AbsDot(s->wi, place.point.shading.n);

@@ -94,7 +94,7 @@ class Census final : public PixelIntegrator {
         ++calls;
         asksForSurface |= start.visible != nullptr;
         times.insert(start.ray.ray.time);
-        samples.insert({start.pixel.x, start.pixel.y, start.sampleIndex});
+        samples.insert({start.pixel.x, start.pixel.y, start.sample});
         return SampledSpectrum(1 + sampler.Get1D());
     }
     mutable std::mutex mutex;

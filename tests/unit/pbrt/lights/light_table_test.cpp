@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "light_test_support.h"
+#include "support/given_lights.h"
 
 namespace pbrt::test {
 namespace {
@@ -12,21 +13,29 @@ TEST(LightTable, KeepsOrderAndKnowsWhoIsInfinite) {
     LightId point = table.Add(Make("point", Params()));
     LightId sky = table.Add(Make("infinite", Params()));
     LightId sun = table.Add(Make("distant", Params()));
-    LightId area = table.Add(Make("point", Params()), ShapeId(7u), 3);
+    LightId mesh = table.Add(std::make_unique<GivenLight>(std::vector<LightCandidate>(3)));
+    LightId last = table.Add(Make("point", Params()));
     table.Finish({0, 0, 0}, 5);
-    ASSERT_EQ(table.Size(), 4u);
-    EXPECT_EQ(area.value, 3u);
-    EXPECT_EQ(table.MeshOf(area), ShapeId(7u));
-    EXPECT_EQ(table.PrimitiveOf(area), 3u);
-    EXPECT_FALSE(table.MeshOf(point));
+    ASSERT_EQ(table.Size(), 7u);
+    ASSERT_EQ(table.WholeCount(), 5u);
+    EXPECT_EQ(mesh.value, 3u);
+    EXPECT_EQ(last.value, 6u) << "three parts have an id each";
+    EXPECT_EQ(table.WholeOf(LightId(5u)), 3u);
+    EXPECT_EQ(table.WholeOf(point), 0u);
+    EXPECT_EQ(&table[LightId(5u)].Whole(), &table[mesh].Whole());
     // Rays that leave the scene ask the sky only; light selection treats the sun as infinite too.
-    ASSERT_EQ(table.Infinite().size(), 1u);
-    EXPECT_EQ(table.Infinite()[0], sky);
-    EXPECT_TRUE(table.Candidates()[sky.value].infinite);
-    EXPECT_TRUE(table.Candidates()[sun.value].infinite);
-    EXPECT_FALSE(table.Candidates()[point.value].infinite);
-    EXPECT_FALSE(table.Candidates()[sky.value].bounds);
-    EXPECT_TRUE(table.Candidates()[point.value].bounds);
+    std::vector<LightId> met;
+    table.ForEachBeyond(Point3(0), Vector3(0, 0, 1), SampledWavelengths::SampleVisible(0.5f),
+                        [&](const SampledSpectrum &Le, LightId id) {
+                            EXPECT_GT(Le.Average(), 0);
+                            met.push_back(id);
+                        });
+    EXPECT_EQ(met, std::vector<LightId>{sky});
+    EXPECT_TRUE(table.Candidate(sky).infinite);
+    EXPECT_TRUE(table.Candidate(sun).infinite);
+    EXPECT_FALSE(table.Candidate(point).infinite);
+    EXPECT_FALSE(table.Candidate(sky).bounds);
+    EXPECT_TRUE(table.Candidate(point).bounds);
 }
 
 TEST(LightTable, PowerIsPhiAveragedOverTheVisibleWavelengths) {
@@ -37,10 +46,10 @@ TEST(LightTable, PowerIsPhiAveragedOverTheVisibleWavelengths) {
     table.Finish({0, 0, 0}, 1);
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     Float expected = SafeDivide(table[LightId(0u)].Phi(lambda), lambda.Pdf()).Average();
-    EXPECT_FLOAT_EQ(table.Candidates()[0].power, expected);
-    EXPECT_NEAR(table.Candidates()[1].power / expected, 2, 1e-3);
-    EXPECT_EQ(table.Candidates()[2].power, 0);
-    EXPECT_FALSE(table.Candidates()[2].bounds) << "no power, no bounds";
+    EXPECT_FLOAT_EQ(table.Candidate(LightId(0u)).power, expected);
+    EXPECT_NEAR(table.Candidate(LightId(1u)).power / expected, 2, 1e-3);
+    EXPECT_EQ(table.Candidate(LightId(2u)).power, 0);
+    EXPECT_FALSE(table.Candidate(LightId(2u)).bounds) << "no power, no bounds";
 }
 
 }  // namespace

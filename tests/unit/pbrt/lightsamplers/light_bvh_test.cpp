@@ -6,6 +6,7 @@
 
 #include "candidates.h"
 #include "pbrt/lightsamplers/bvh_light_sampler.h"
+#include "support/given_lights.h"
 
 namespace pbrt::test {
 namespace {
@@ -71,7 +72,7 @@ TEST(LightBvhNode, RoundingHardlyChangesImportance) {
 void ExpectEveryTrailLeadsToItsLight(const std::vector<LightCandidate> &candidates, const LightBvh &tree) {
     for (uint32_t i = 0; i < candidates.size(); ++i) {
         const LightCandidate &c = candidates[i];
-        uint64_t trail = tree.Trail(LightId(i));
+        uint64_t trail = tree.Trail(i);
         if (c.infinite || !c.bounds || !(c.bounds->phi > 0)) {
             EXPECT_EQ(trail, LightBvh::NotInTree);
             continue;
@@ -137,7 +138,8 @@ TEST(LightBvh, SplittingGroupsByOrientationAndPlaceBeatsChance) {
     // The tree earns its name only if its pmf follows the importance of single lights much better than a tree with the
     // lights in arbitrary order. Measured: mean absolute difference between both pmfs.
     std::vector<LightCandidate> c = RandomCandidates(13, 256);
-    BVHLightSampler bvh(c);
+    const auto table = TableOf(c);
+    BVHLightSampler bvh(table->Parts());
     Rng rng(1);
     double distance = 0;
     constexpr int kQueries = 200;

@@ -4,6 +4,7 @@
 #include "pbrt/lightsamplers/bvh_light_sampler.h"
 #include "pbrt/lightsamplers/exhaustive_light_sampler.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
+#include "support/given_lights.h"
 
 namespace pbrt::test {
 namespace {
@@ -18,7 +19,8 @@ LightQuery Query(const Point3 &p, const Normal3 &n = Normal3(0), const Normal3 &
 
 TEST(UniformLightSampler, DividesTheUnitIntervalEvenly) {
     std::vector<LightCandidate> c(3);
-    UniformLightSampler sampler(c);
+    const auto table = TableOf(c);
+    UniformLightSampler sampler(table->Parts());
     EXPECT_EQ(sampler.Sample({}, 0)->light, LightId(0u));
     EXPECT_EQ(sampler.Sample({}, 0.5f)->light, LightId(1u));
     EXPECT_EQ(sampler.Sample({}, OneMinusEpsilon)->light, LightId(2u));
@@ -30,7 +32,8 @@ TEST(PowerLightSampler, FollowsPower) {
     std::vector<LightCandidate> c(3);
     c[0].power = 1;
     c[2].power = 3;
-    PowerLightSampler sampler(c);
+    const auto table = TableOf(c);
+    PowerLightSampler sampler(table->Parts());
     EXPECT_FLOAT_EQ(sampler.PMF({}, LightId(0u)), 0.25f);
     EXPECT_EQ(sampler.PMF({}, LightId(1u)), 0);
     EXPECT_FLOAT_EQ(sampler.PMF({}, LightId(2u)), 0.75f);
@@ -38,7 +41,8 @@ TEST(PowerLightSampler, FollowsPower) {
 
 TEST(PowerLightSampler, IsUniformIfNothingHasPower) {
     std::vector<LightCandidate> c(4);
-    PowerLightSampler sampler(c);
+    const auto table = TableOf(c);
+    PowerLightSampler sampler(table->Parts());
     for (uint32_t i = 0; i < 4; ++i) EXPECT_FLOAT_EQ(sampler.PMF({}, LightId(i)), 0.25f);
 }
 
@@ -51,7 +55,8 @@ TYPED_TEST(ByBounds, EveryInfiniteLightCountsLikeAllBoundedOnesTogether) {
     std::vector<LightCandidate> c = RandomCandidates(1, 5);
     c.insert(c.begin() + 2, InfiniteCandidate());
     c.push_back(InfiniteCandidate(0));
-    TypeParam sampler(c);
+    const auto table = TableOf(c);
+    TypeParam sampler(table->Parts());
     LightQuery q = Query({3, 2, 1});
     EXPECT_FLOAT_EQ(sampler.PMF(q, LightId(2u)), Float(1) / 3);
     EXPECT_FLOAT_EQ(sampler.PMF(q, LightId(6u)), Float(1) / 3);
@@ -68,7 +73,8 @@ TYPED_TEST(ByBounds, ReturnsNothingWhereNoLightShines) {
     b.phi = 1;
     b.w = {0, 0, 1};
     std::vector<LightCandidate> c = {Bounded(b)};
-    TypeParam sampler(c);
+    const auto table = TableOf(c);
+    TypeParam sampler(table->Parts());
     EXPECT_FALSE(sampler.Sample(Query({0, 0, -1}), 0.3f));
     EXPECT_EQ(sampler.PMF(Query({0, 0, -1}), LightId(0u)), 0);
     ASSERT_TRUE(sampler.Sample(Query({0, 0, 1}), 0.3f));
@@ -79,14 +85,16 @@ TYPED_TEST(ByBounds, LightsWithoutPowerAreNeverChosen) {
     std::vector<LightCandidate> c = RandomCandidates(1, 3);
     c[1].bounds.reset();
     c[1].power = 0;
-    TypeParam sampler(c);
+    const auto table = TableOf(c);
+    TypeParam sampler(table->Parts());
     EXPECT_EQ(sampler.PMF(Query({0, 0, 0}), LightId(1u)), 0);
 }
 
 TEST(ExhaustiveLightSampler, PmfIsTheShareOfImportanceWithTheGeometricNormal) {
     for (int count : {2, 100, 128, 129, 1000}) {
         std::vector<LightCandidate> c = RandomCandidates(5, count);
-        ExhaustiveLightSampler sampler(c);
+        const auto table = TableOf(c);
+        ExhaustiveLightSampler sampler(table->Parts());
         Rng rng(3);
         for (int q = 0; q < 20; ++q) {
             LightQuery query = Query({2 * rng.Uniform(), rng.Uniform(), rng.Uniform()},
@@ -103,7 +111,8 @@ TEST(ExhaustiveLightSampler, PmfIsTheShareOfImportanceWithTheGeometricNormal) {
 
 TEST(ExhaustiveLightSampler, InvertsItsCumulativeDistribution) {
     std::vector<LightCandidate> c = RandomCandidates(6, 300);
-    ExhaustiveLightSampler sampler(c);
+    const auto table = TableOf(c);
+    ExhaustiveLightSampler sampler(table->Parts());
     LightQuery query = Query({0.2f, 0.4f, 1.5f});
     double below = 0;
     for (uint32_t i = 0; i < c.size(); ++i) {
@@ -121,7 +130,8 @@ TEST(ExhaustiveLightSampler, InvertsItsCumulativeDistribution) {
 TEST(BVHLightSampler, PmfIsTheProductOfChildSharesWithTheShadingNormal) {
     std::vector<LightCandidate> c = RandomCandidates(8, 64);
     c.push_back(InfiniteCandidate());
-    BVHLightSampler sampler(c);
+    const auto table = TableOf(c);
+    BVHLightSampler sampler(table->Parts());
     const LightBvh &tree = sampler.Tree();
     Rng rng(3);
     for (int q = 0; q < 50; ++q) {
@@ -131,7 +141,7 @@ TEST(BVHLightSampler, PmfIsTheProductOfChildSharesWithTheShadingNormal) {
             // From the leaf's trail, in double.
             double expected = 0.5;
             const LightBvhNode *node = &tree.Root();
-            for (uint64_t trail = tree.Trail(LightId(light)); !node->IsLeaf() && expected > 0; trail >>= 1) {
+            for (uint64_t trail = tree.Trail(light); !node->IsLeaf() && expected > 0; trail >>= 1) {
                 const LightBvhPair &pair = tree.Pair(node->Link());
                 double w[2];
                 for (int i = 0; i < 2; ++i)

@@ -20,7 +20,7 @@ LightSamplerRegistry::Entry SomeEntry(const std::string &name) {
     e.name = name;
     e.summary = "some sampler";
     e.params = DocumentParams<SomeParams>();
-    e.make = [](const LightTable &, const ParamSet &) { return nullptr; };
+    e.make = [](const LightGroups &, const ParamSet &) { return nullptr; };
     return e;
 }
 
@@ -32,8 +32,8 @@ TEST(LightSamplerRegistry, StockSamplers) {
     none.Finish({0, 0, 0}, 1);
     for (const std::string &name : registry.Names()) {
         const auto &entry = registry.Find(name);
-        EXPECT_TRUE(entry.make(none, ParamSet()));
-        EXPECT_TRUE(entry.makeOverCandidates(none.Candidates()));
+        EXPECT_TRUE(entry.takesGroups);
+        EXPECT_TRUE(entry.make(none.Parts(), ParamSet()));
     }
 }
 

@@ -1,27 +1,28 @@
-#include "ext/groups/group_light_sampler.h"
+#include "pbrt/lightsamplers/group_light_sampler.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-namespace ext {
+namespace pbrt {
 
 std::optional<SampledLight> GroupLightSampler::Choose(const LightQuery &query, const void *weights, Float u) const {
     if (groups_.Size() == 0) return {};
     ChosenGroup chosen{.inner = u};
-    if (groups_.Size() > 1) {
+    if (isAsked_) {
         std::optional<ChosenGroup> group = ChooseGroup(query, weights, u);
         if (!group) return {};
         chosen = *group;
     }
-    std::optional<SampledLight> light = interior_.Sample(chosen.group, query, chosen.inner);
+    std::optional<SampledLight> light = ChooseInside(query, chosen.group, chosen.inner);
     if (!light) return {};
     return SampledLight{light->light, light->pmf * chosen.pmf, light->pmf * chosen.unoccluded, chosen.weight};
 }
 
 Float GroupLightSampler::Probability(const LightQuery &query, const void *weights, LightId light) const {
-    const Float inner = interior_.PMF(query, light);
-    if (groups_.Size() <= 1 || !(inner > 0)) return inner;
-    return inner * GroupProbability(query, weights, groups_.GroupOf(light));
+    if (light.value >= groups_.LightCount()) return 0;
+    const Float inside = ProbabilityInside(query, light);
+    if (!isAsked_ || !(inside > 0)) return inside;
+    return inside * GroupProbability(query, weights, groups_.GroupOf(light));
 }
 
 void GroupLightSampler::Report(nlohmann::ordered_json &report) const {
@@ -32,15 +33,16 @@ void GroupLightSampler::Report(nlohmann::ordered_json &report) const {
 GroupLightSampler::ChosenGroup GroupLightSampler::SampleUniformly(const LightQuery &query, Float u) const {
     const size_t count = groups_.Size();
     const Float pmf = 1 / static_cast<Float>(count);
+    // In double: a float times a large count could round up to the next group.
     const auto i = static_cast<size_t>(static_cast<double>(u) * static_cast<double>(count));
     const auto group = static_cast<uint32_t>(std::min(i, count - 1));
-    return {group, pmf, MeshGroups::InnerNumber(u, query.p, static_cast<Float>(group) * pmf, pmf)};
+    return {group, pmf, LightGroups::InnerNumber(u, query.p, static_cast<Float>(group) * pmf, pmf)};
 }
 
 GroupLightSampler::ChosenGroup GroupLightSampler::SampleCdf(std::span<const Float> cdf, const LightQuery &query, Float u) {
     const auto group = static_cast<uint32_t>(std::upper_bound(cdf.begin(), cdf.end(), u) - cdf.begin());
     const Float share = CdfPMF(cdf, group);
-    return {group, share, MeshGroups::InnerNumber(u, query.p, cdf[group] - share, share)};
+    return {group, share, LightGroups::InnerNumber(u, query.p, cdf[group] - share, share)};
 }
 
-}  // namespace ext
+}  // namespace pbrt

@@ -1,0 +1,70 @@
+#include "pbrt/lights/light_groups.h"
+
+#include "pbrt/lights/light_table.h"
+
+namespace pbrt {
+
+LightGroups::LightGroups(const LightTable &lights, bool wholes) : lights_(lights) {
+    if (!wholes || lights.WholeCount() == lights.Size()) return;
+    const auto n = static_cast<uint32_t>(lights.Size());
+    share_.resize(n);
+    cdf_.resize(n);
+    std::vector<double> powers;  // of the group's lights
+    for (uint32_t i = 0, end = 0; i < n; i = end) {
+        LightCandidate group;
+        double power = 0;
+        powers.clear();
+        for (end = i; end < n && lights.WholeOf(LightId(end)) == lights.WholeOf(LightId(i)); ++end) {
+            const LightCandidate part = lights.Candidate(LightId(end));
+            powers.push_back(static_cast<double>(part.power));
+            power += powers.back();
+            group.infinite = part.infinite;
+            if (part.bounds) group.bounds = group.bounds ? Union(*group.bounds, *part.bounds) : *part.bounds;
+        }
+        group.power = static_cast<Float>(power);
+        double running = 0;
+        for (uint32_t k = i; k < end; ++k) {
+            const double share = power > 0 ? powers[k - i] / power : 1.0 / static_cast<double>(end - i);
+            running += share;
+            share_[k] = static_cast<Float>(share);
+            cdf_[k] = static_cast<Float>(running);
+        }
+        first_.push_back(i);
+        candidates_.push_back(group);
+    }
+    first_.push_back(n);
+}
+
+size_t LightGroups::LightCount() const { return lights_.Size(); }
+
+LightCandidate LightGroups::Candidate(uint32_t group) const {
+    return candidates_.empty() ? lights_.Candidate(LightId(group)) : candidates_[group];
+}
+
+std::vector<LightCandidate> LightGroups::Candidates() const {
+    std::vector<LightCandidate> all;
+    all.reserve(Size());
+    for (uint32_t g = 0; g < Size(); ++g) all.push_back(Candidate(g));
+    return all;
+}
+
+uint32_t LightGroups::GroupOf(LightId light) const { return first_.empty() ? light.value : lights_.WholeOf(light); }
+
+LightId LightGroups::SampleLight(uint32_t group, Float u) const {
+    const uint32_t begin = FirstOf(group), end = begin + CountOf(group);
+    if (end - begin == 1) return LightId(begin);
+    auto it = std::upper_bound(cdf_.begin() + begin, cdf_.begin() + end, u);
+    auto index = static_cast<uint32_t>(it - cdf_.begin());
+    if (index == end) {  // rounding left the last sum below 1: the last light with a share takes the rest
+        index = end - 1;
+        while (index > begin && share_[index] == 0) --index;
+    }
+    return LightId(index);
+}
+
+size_t LightGroups::Bytes() const {
+    return candidates_.capacity() * sizeof(LightCandidate) + first_.capacity() * sizeof(uint32_t) +
+           (share_.capacity() + cdf_.capacity()) * sizeof(Float);
+}
+
+}  // namespace pbrt

@@ -1,0 +1,66 @@
+#pragma once
+#include <algorithm>
+#include <vector>
+
+#include "pbrt/core/ids.h"
+#include "pbrt/lights/light_bounds.h"
+#include "pbrt/math/rng.h"
+
+namespace pbrt {
+
+class LightTable;
+
+/// One thing a light sampler can choose: a part of a light, or several together.
+struct LightCandidate {
+    Float power = 0;                    ///< Phi averaged over the visible wavelengths, >= 0
+    std::optional<LightBounds> bounds;  ///< empty: infinite (or no power)
+    bool infinite = false;
+};
+
+/// The lights of a scene as things to choose from: every light with all its parts is ONE group, or every part is a group
+/// of its own. P(part | query) = P(group | query) * P(part | group); the second factor is the part's share of the group's
+/// power and lives here, so that no two samplers can disagree about it.
+class LightGroups {
+  public:
+    /// `wholes` false: every part its own group. The table must live as long.
+    LightGroups(const LightTable &lights, bool wholes);
+
+    size_t Size() const { return first_.empty() ? LightCount() : first_.size() - 1; }
+    size_t LightCount() const;
+    const LightTable &Lights() const { return lights_; }
+    /// Power (sum), bounds (union) and kind of a group; what samplers weigh.
+    LightCandidate Candidate(uint32_t group) const;
+    std::vector<LightCandidate> Candidates() const;
+    uint32_t GroupOf(LightId light) const;
+    /// Lights of a group: consecutive ids.
+    uint32_t FirstOf(uint32_t group) const { return first_.empty() ? group : first_[group]; }
+    uint32_t CountOf(uint32_t group) const { return first_.empty() ? 1 : first_[group + 1] - first_[group]; }
+
+    /// P(light | its group). Discrete.
+    Float ShareOf(LightId light) const { return share_.empty() ? Float(1) : share_[light.value]; }
+    /// A light of the group with probability ShareOf.
+    LightId SampleLight(uint32_t group, Float u) const;
+    /// Uniform number for SampleLight from the one number of a selection: independent of which group that number chose,
+    /// and fine enough for any number of parts.
+    static Float InnerNumber(Float u, const Point3 &p) { return HashFloat(u, p); }
+    /// The same where the group was chosen because u is in [begin, begin + share): its place in there, so that what is
+    /// well spread for u is well spread inside the group as well. Digits that u does not have come from a hash, all of
+    /// them in small parts.
+    static Float InnerNumber(Float u, const Point3 &p, Float begin, Float share) {
+        constexpr Float kStep = 0x1p-24f, kSmall = 1e-3f;
+        if (share < kSmall) return InnerNumber(u, p);
+        return std::clamp((u - begin + kStep * HashFloat(u, p)) / share, Float(0), OneMinusEpsilon);
+    }
+
+    size_t Bytes() const;
+
+  private:
+    const LightTable &lights_;
+    // All empty where every part is a group.
+    std::vector<LightCandidate> candidates_;
+    std::vector<uint32_t> first_;  ///< per group, its first light; one more entry at the end
+    std::vector<Float> share_;     ///< per light; empty if no group has more than one
+    std::vector<Float> cdf_;       ///< per light: share of all lights of its group up to and including it
+};
+
+}  // namespace pbrt

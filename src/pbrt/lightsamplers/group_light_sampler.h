@@ -1,0 +1,65 @@
+#pragma once
+#include <span>
+
+#include "pbrt/lights/light_table.h"
+#include "pbrt/lightsamplers/light_sampler.h"
+
+namespace pbrt {
+
+/// Light samplers that choose a group of lights first (LightGroups) and then one of its lights:
+/// P(light) = P(group) P(light | group). Derived classes choose the group. Inside it a light is chosen by its share of the
+/// power, unless a derived class knows better.
+class GroupLightSampler : public LightSampler {
+  public:
+    /// The numbers of groups and lights.
+    void Report(nlohmann::ordered_json &report) const override;
+
+    const LightGroups &Groups() const { return groups_; }
+
+    /// `pmf`: of the group. `inner`: the uniform number for the choice inside. `unoccluded`, `weight`: of the group, as in
+    /// SampledLight.
+    struct ChosenGroup {
+        uint32_t group = 0;
+        Float pmf = 1, inner = 0;
+        Float unoccluded = 0, weight = 0;
+    };
+    /// As LightSampler's Weigh, Choose and Probability, for groups. No group is chosen if none can contribute.
+    virtual const void *WeighGroups(const LightQuery &, LightMemory &) const { return nullptr; }
+    virtual std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const = 0;
+    virtual Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const = 0;
+
+  protected:
+    /// `alwaysAsked`: also where there is one group only; else that one is chosen with certainty.
+    explicit GroupLightSampler(const LightGroups &groups, bool alwaysAsked = false)
+        : groups_(groups), isAsked_(groups.Size() > (alwaysAsked ? 0 : 1)) {}
+
+    /// A light of a group and its probability within the group; none if no light there can contribute.
+    virtual std::optional<SampledLight> ChooseInside(const LightQuery &, uint32_t group, Float u) const {
+        const LightId light = groups_.SampleLight(group, u);
+        return SampledLight{light, groups_.ShareOf(light)};
+    }
+    virtual Float ProbabilityInside(const LightQuery &, LightId light) const { return groups_.ShareOf(light); }
+
+    /// All groups alike; the pmf is 1 / number.
+    ChosenGroup SampleUniformly(const LightQuery &query, Float u) const;
+    /// By running sums that end at 1.
+    static ChosenGroup SampleCdf(std::span<const Float> cdf, const LightQuery &query, Float u);
+    static Float CdfPMF(std::span<const Float> cdf, uint32_t group) { return cdf[group] - (group > 0 ? cdf[group - 1] : 0); }
+    /// For samplers that know no better number for the choice inside than a hash of the one for the group.
+    Float InnerNumber(const LightQuery &query, Float u) const {
+        if (groups_.Size() == groups_.LightCount()) return 0;  // there is nothing to choose
+        return groups_.Size() == 1 ? u : LightGroups::InnerNumber(u, query.p);
+    }
+
+    const LightGroups &groups_;
+
+  private:
+    const void *Weigh(const LightQuery &query, LightMemory &memory) const final {
+        return isAsked_ ? WeighGroups(query, memory) : nullptr;
+    }
+    std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const final;
+    Float Probability(const LightQuery &query, const void *weights, LightId light) const final;
+    bool isAsked_;
+};
+
+}  // namespace pbrt

@@ -23,7 +23,10 @@ class BenchScene {
 
   private:
     PrepareContext Context(int seed, int samplesPerPixel) {
-        return {*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), seed, samplesPerPixel, built.maxDepth, progress_};
+        PrepareContext context = built.Preparation(progress_);
+        context.seed = seed;
+        context.samplesPerPixel = samplesPerPixel;
+        return context;
     }
     const BuildOptions &Options() {
         sink_.ThrowIfErrors();

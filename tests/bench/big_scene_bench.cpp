@@ -160,12 +160,10 @@ void Run(double scale, const std::filesystem::path &folder) {
     BuiltScene built = BuildScene(description, {}, registry, sink, progress);
     description = {};
     const Moment done;
-    PrepareContext prepare{*built.scene,   *built.camera,         *built.filter,  built.film->PixelBounds(),
-                           built.seed,     built.samplesPerPixel, built.maxDepth, progress};
-    built.integrator->Prepare(prepare);
+    built.Prepare(progress);
     RenderSettings settings;
     settings.samplesPerPixel = 1;
-    RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
+    RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
     const Moment rendered;
 
     nlohmann::ordered_json out;

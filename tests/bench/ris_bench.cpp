@@ -73,7 +73,7 @@ struct Bench {
 std::unique_ptr<Integrator> Make(BenchScene &scene, bool learn) {
     LightChoice choice;
     choice.lightSampler = "octree:bsdf=false";
-    BuiltIntegrator made = scene.built.makeIntegrator(choice);
+    BuiltIntegrator made = MakeIntegrator(scene.built, choice);
     PrepareContext context = scene.Context();
     if (learn) made.integrator->Prepare(context);
     return std::move(made.integrator);

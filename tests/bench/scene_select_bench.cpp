@@ -38,7 +38,7 @@ nlohmann::ordered_json Measure(BenchScene &scene, const std::string &name, std::
     LightChoice choice;
     choice.lightSampler = name;
     const double start = Now();
-    BuiltIntegrator made = scene.built.makeIntegrator(choice);
+    BuiltIntegrator made = MakeIntegrator(scene.built, choice);
     const double madeAt = Now();
     PrepareContext context = scene.Context();
     made.integrator->Prepare(context);

@@ -121,18 +121,18 @@ Image Render(const SceneFixture &fixture, std::unique_ptr<ShadowRayGate> gate, i
     PathIntegrator integrator(context, path, AllSamplers().Make(uniform, fixture.Lights(), ParamSet(), false),
                               std::move(gate));
     Progress progress;
-    PrepareContext prepare{*built.scene, *built.camera,   *built.filter, built.film->PixelBounds(),
-                           seed,         samplesPerPixel, path.maxDepth, progress};
+    PrepareContext prepare = built.Preparation(progress);
+    prepare.seed = seed;
+    prepare.samplesPerPixel = samplesPerPixel;
+    prepare.maxDepth = path.maxDepth;
     integrator.Prepare(prepare);
     DiagnosticSink sink;
-    std::unique_ptr<Film> film = built.makeFilm();
+    std::unique_ptr<Film> film = built.film->MakeRgbFilm();
     RenderSettings settings;
     settings.samplesPerPixel = samplesPerPixel;
-    auto makeSampler = [&](int) {
-        return Samplers().Make("independent", ParamSet(),
-                               SamplerContext{film->FullResolution(), samplesPerPixel, seed, sink});
-    };
-    RenderWaves(integrator, *built.camera, *built.filter, *film, makeSampler, settings, progress);
+    const std::unique_ptr<Sampler> sampler =
+        Samplers().Make("independent", ParamSet(), SamplerContext{film->FullResolution(), samplesPerPixel, seed, sink});
+    RenderWaves(integrator, *built.camera, *built.filter, *film, *sampler, settings, progress);
     return film->ToImage();
 }
 

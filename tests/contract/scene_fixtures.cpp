@@ -329,8 +329,7 @@ namespace {
 template <class Plug>
 void PrepareIn(const BuiltScene &built, Plug &plug) {
     Progress progress;
-    PrepareContext context{*built.scene, *built.camera,         *built.filter,  built.film->PixelBounds(),
-                           built.seed,   built.samplesPerPixel, built.maxDepth, progress};
+    PrepareContext context = built.Preparation(progress);
     plug.Prepare(context);
 }
 }  // namespace

@@ -107,8 +107,9 @@ class View {
         path.maxDepth = built_.maxDepth;
         PathIntegrator integrator(context, path, std::move(lights));
         Progress progress;
-        PrepareContext prepare{GetScene(), *built_.camera,   *built_.filter,  built_.film->PixelBounds(),
-                               seed,       samplesPerPixel_, built_.maxDepth, progress};
+        PrepareContext prepare = built_.Preparation(progress);
+        prepare.seed = seed;
+        prepare.samplesPerPixel = samplesPerPixel_;
         integrator.Prepare(prepare);
 
         DiagnosticSink sink;
@@ -130,10 +131,9 @@ class View {
         const std::unique_ptr<Film> image = MakeFilm("rgb", film, {.outputSpace = built_.film->OutputSpace()}, sink);
         RenderSettings settings;
         settings.samplesPerPixel = samplesPerPixel_;
-        auto makeSampler = [&](int) {
-            return Samplers().Make("independent", ParamSet(), SamplerContext{resolution, samplesPerPixel_, seed, sink});
-        };
-        RenderWaves(integrator, *built_.camera, *built_.filter, *image, makeSampler, settings, progress);
+        const std::unique_ptr<Sampler> sampler =
+            Samplers().Make("independent", ParamSet(), SamplerContext{resolution, samplesPerPixel_, seed, sink});
+        RenderWaves(integrator, *built_.camera, *built_.filter, *image, *sampler, settings, progress);
         return image->ToImage();
     }
 

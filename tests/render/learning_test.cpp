@@ -41,7 +41,8 @@ Shape "bilinearmesh" "point3 P" [ 0 0 -3  0 0 3  0 2 -3  0 2 3 ]
 BuiltScene Build(const std::string &parameters = "") { return BuildText(TwoRooms("\"string lightsampler\" \"octree\" " + parameters)); }
 
 void Prepare(BuiltScene &built, Progress &progress) {
-    PrepareContext context{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), built.seed, kSamples, built.maxDepth, progress};
+    PrepareContext context = built.Preparation(progress);
+    context.samplesPerPixel = kSamples;
     built.integrator->Prepare(context);
 }
 
@@ -51,7 +52,7 @@ Image Render(BuiltScene &built, std::vector<int> sizes) {
     Prepare(built, progress);
     RenderSettings settings;
     settings.samplesPerPixel = kSamples;
-    WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
+    WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
     for (size_t i = 0; renderer.Done() < kSamples; ++i) renderer.Render(sizes[std::min(i, sizes.size() - 1)]);
     return built.film->ToImage();
 }
@@ -82,14 +83,14 @@ TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSame) {
         {
             BuiltScene built = Build();
             Prepare(built, progress);
-            WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
+            WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
             while (renderer.Done() < stop) renderer.Render(stop - renderer.Done());
             built.film->Save(state);
         }
         BuiltScene built = Build();
         Prepare(built, progress);
         built.film->Load(state);
-        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
+        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
         renderer.ContinueFrom(stop);
         while (renderer.Done() < kSamples) renderer.Render(kSamples);
         EXPECT_TRUE(SameBits(whole, built.film->ToImage())) << "stopped after " << stop;
@@ -137,7 +138,7 @@ TEST(LearningWhileRendering, CancelledLearningLeavesEverythingAsItWas) {
         RenderSettings settings;
         settings.samplesPerPixel = kSamples;
         Prepare(built, progress);
-        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
+        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
         EXPECT_EQ(renderer.Render(1), 1);
         progress.Cancel();
         EXPECT_EQ(renderer.Render(1), wanted);

@@ -1,6 +1,7 @@
 // A moving picture against still ones: at every moment it is the still picture of that moment.
 #include <gtest/gtest.h>
 
+#include "pbrt/integrators/pixel_integrator.h"
 #include "support/build_text.h"
 
 namespace pbrt::test {
@@ -94,7 +95,7 @@ TEST(Motion, EveryMomentIsAStillPicture) {
                         SampledWavelengths used = lambda;
                         const Transform cameraFromRender = built.camera->CameraFromRender(ray->ray.time);
                         dynamic_cast<const PixelIntegrator &>(*built.integrator)
-                            .Li(*ray, used, *built.makeSampler(0), &seen[k]);
+                            .Li({*ray, {x, y}, 0, &seen[k]}, used, *built.sampler->Clone());
                         if (seen[k]) {
                             seen[k]->p = cameraFromRender.Point(seen[k]->p);
                             seen[k]->n = Normalize(cameraFromRender.Normal(seen[k]->n));

@@ -23,15 +23,9 @@ Rendered Render(SceneDescription description, const BuildOptions &options, bool 
     }
     Progress progress;
     BuiltScene built = BuildScene(description, options, AllSamplers(), sink, progress);
-    PrepareContext prepare{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), built.seed,
-                           built.samplesPerPixel, built.maxDepth, progress};
-    built.integrator->Prepare(prepare);
-    RenderSettings settings;
-    settings.samplesPerPixel = built.samplesPerPixel;
-    settings.disablePixelJitter = built.disablePixelJitter;
-    settings.disableWavelengthJitter = built.disableWavelengthJitter;
-    RenderResult result = RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler,
-                                      settings, progress);
+    built.Prepare(progress);
+    RenderResult result = RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler,
+                                      built.Settings(), progress);
     Rendered out;
     out.image = built.film->ToImage();
     out.seconds = result.seconds;

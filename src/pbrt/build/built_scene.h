@@ -1,13 +1,13 @@
 #pragma once
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "pbrt/build/build_options.h"
-#include "pbrt/integrators/pixel_integrator.h"
+#include "pbrt/integrators/render_loop.h"
 #include "pbrt/lights/light_names.h"
 #include "pbrt/lightsamplers/registry.h"
+#include "pbrt/scene/scene.h"
 #include "pbrt/scenefile/scene_description.h"
 #include "pbrt/textures/texture_factory.h"
 
@@ -15,10 +15,10 @@ namespace pbrt {
 
 /// Which lights get the shadow rays: what can be varied over one built scene.
 struct LightChoice {
-    std::string lightSampler;    ///< name[:key=value,...]; empty: the scene's
+    std::string lightSampler;  ///< name[:key=value,...]; empty: the scene's
     bool meshLights = false;
-    std::string shadowGate;      ///< name[:key=value,...]; empty: the BuildOptions'
-    std::optional<int> maxDepth; ///< empty: the scene's
+    std::string shadowGate;       ///< name[:key=value,...]; empty: the BuildOptions'
+    std::optional<int> maxDepth;  ///< empty: the scene's
 };
 
 struct BuiltIntegrator {
@@ -27,41 +27,57 @@ struct BuiltIntegrator {
     int maxDepth = 5;
 };
 
+/// What the scene and the command line say of the integrator, kept so that more of them can be made.
+struct IntegratorRequest {
+    Entity entity;
+    BuildOptions options;
+    const LightSamplerRegistry *registry = nullptr;
+    bool needsFootprints = true;
+};
+
 /// Everything a render needs, made from one description. Members are destroyed in reverse order.
 struct BuiltScene {
     std::unique_ptr<TextureLibrary> textures;
     std::unique_ptr<Filter> filter;
     std::unique_ptr<Film> film;
     std::unique_ptr<Camera> camera;
+    std::unique_ptr<Sampler> sampler;  ///< of the first batch of samplesPerPixel samples
     std::unique_ptr<Scene> scene;
     LightNames lightNames;  ///< of the scene's lights, for people
     std::unique_ptr<Integrator> integrator;
-    /// Sampler of the round-th batch of samplesPerPixel samples.
-    std::function<std::unique_ptr<Sampler>(int round)> makeSampler;
-    /// The same with another seed than `seed`.
-    std::function<std::unique_ptr<Sampler>(int seed, int round)> makeSeededSampler;
-    /// More integrators over the same scene, camera and registry, and more rgb films like `film`, in float precision. The
-    /// registry handed to BuildScene must still live. Throws UserError.
-    std::function<BuiltIntegrator(const LightChoice &)> makeIntegrator;
-    std::function<std::unique_ptr<Film>()> makeFilm;
+    IntegratorRequest integratorRequest;
     int samplesPerPixel = 16;
     bool disablePixelJitter = false, disableWavelengthJitter = false;
     std::string mseReferenceImage, mseReferenceOut;
     int seed = 0;
     int maxDepth = 5;
     std::string integratorName, lightSamplerName, shadowGateName;  ///< the last two empty if there is none
-    std::string filename;              ///< where the picture goes; says so if something was left out, unless a flag named it
+    std::string filename;  ///< where the picture goes; says so if something was left out, unless a flag named it
     std::vector<std::string> leftOut;  ///< what --ignore-media or --ignore-unsupported left out, with places
-    Transform cameraFromWorld;  ///< when the shutter opens; for image metadata
+    Transform cameraFromWorld;         ///< when the shutter opens; for image metadata
+
+    /// As the scene and the command line want the render.
+    RenderSettings Settings() const;
+    /// For light samplers; seed and number of samples may be changed in it.
+    PrepareContext Preparation(Progress &progress) const;
+    /// Prepares the scene's integrator: after this it can render.
+    void Prepare(Progress &progress) {
+        PrepareContext context = Preparation(progress);
+        integrator->Prepare(context);
+    }
 };
 
-/// Turns a description into something that renders. Throws one UserError with everything that is wrong or not supported yet;
-/// warnings stay in the sink. `description` may be dropped afterwards.
+/// One more integrator over the same scene and camera. The registry handed to BuildScene must still live. Throws
+/// UserError.
+BuiltIntegrator MakeIntegrator(const BuiltScene &built, const LightChoice &choice);
+
+/// Turns a description into something that renders. Throws one UserError with everything that is wrong or not supported
+/// yet; warnings stay in the sink. `description` may be dropped afterwards.
 BuiltScene BuildScene(SceneDescription &description, const BuildOptions &options, const LightSamplerRegistry &registry,
                       DiagnosticSink &sink, Progress &progress);
 
-/// Lists everything the description uses that the format has but this renderer does not build, into the sink: as errors,
-/// or as warnings where the options say to leave it out. The latter is returned, a line each, and replaced in
+/// Lists everything the description uses that the format has but this renderer does not build, into the sink: as
+/// errors, or as warnings where the options say to leave it out. The latter is returned, a line each, and replaced in
 /// `description` and `options` by what is built instead.
 std::vector<std::string> CheckSupported(SceneDescription &description, BuildOptions &options, DiagnosticSink &sink);
 

@@ -18,7 +18,7 @@ struct DepthParams {
         v("maxdepth", maxDepth, Range<int>{0, std::numeric_limits<int>::max()},
           "scattering events of a path; --maxdepth beats it");
     }
-    int MaxDepth(const IntegratorRequest &r) const { return r.options.maxDepth.value_or(maxDepth); }
+    int MaxDepth(const IntegratorReading &r) const { return r.options.maxDepth.value_or(maxDepth); }
 };
 
 struct PathParams : DepthParams {
@@ -33,7 +33,7 @@ struct PathParams : DepthParams {
 };
 
 /// Without media (which are not supported yet) volpath is path that looks below and through surfaces.
-IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorRequest &r, bool isVolume) {
+IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume) {
     const LightFlags flags{r.options.lightSampler, r.options.meshLights, r.options.shadowGate,
                            r.options.lightSamplerFlag, r.options.shadowGateFlag};
     IntegratorSettings settings;
@@ -81,7 +81,7 @@ struct AmbientOcclusionParams {
 /// An integrator without a light sampler; `make(p, maxDepth, context, film's colour space)`.
 template <class P, class F>
 void AddSimple(IntegratorTable &table, const char *name, F make) {
-    table.Add<P>(name, "", [name, make](const P &p, const ParamSet &, const IntegratorRequest &r) {
+    table.Add<P>(name, "", [name, make](const P &p, const ParamSet &, const IntegratorReading &r) {
         if (!r.options.lightSampler.empty() || r.options.meshLights || !r.options.shadowGate.empty())
             r.sink.Warning({}, fmt::format("--lightsampler, --mesh-lights and --shadow-gate have no effect on integrator "
                                            "\"{}\".", name));
@@ -98,7 +98,7 @@ void AddSimple(IntegratorTable &table, const char *name, F make) {
 
 const IntegratorTable &Integrators() {
     static const IntegratorTable table = [] {
-        using Request = const IntegratorRequest;
+        using Request = const IntegratorReading;
         IntegratorTable t("Integrator");
         t.Add<PathParams>("path",
                           "only here: `meshlights`, `shadowgate` and the light samplers' own parameters "
@@ -151,7 +151,7 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
         const ParamSet &params = type != entity.type ? fresh : entity.params;
         ParamReader before(params);
         if (type == "path" || type == "volpath") DeclareLightParams(before, registry);
-        Collect(sink, [&] { settings = Integrators().Make(type, params, IntegratorRequest{options, registry, sink, before}); });
+        Collect(sink, [&] { settings = Integrators().Make(type, params, IntegratorReading{options, registry, sink, before}); });
     }
     settings.type = type;
     return settings;

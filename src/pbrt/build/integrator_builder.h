@@ -5,6 +5,7 @@
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/core/factory_table.h"
+#include "pbrt/integrators/pixel_integrator.h"
 
 namespace pbrt {
 
@@ -18,13 +19,13 @@ struct IntegratorSettings {
 };
 
 /// What the parameters of an integrator are read for.
-struct IntegratorRequest {
+struct IntegratorReading {
     const BuildOptions &options;
     const LightSamplerRegistry &registry;
     DiagnosticSink &sink;
     const ParamReader &before;  ///< knows the parameters of light samplers
 };
-using IntegratorTable = FactoryTable<IntegratorSettings, const IntegratorRequest>;
+using IntegratorTable = FactoryTable<IntegratorSettings, const IntegratorReading>;
 const IntegratorTable &Integrators();
 /// Those that the format has and we do not.
 const std::vector<std::string> &UnsupportedIntegrators();

@@ -47,7 +47,8 @@ void Film::Merge(std::istream &in) { Add(in, false); }
 void Film::Add(std::istream &in, bool forgetsFirst) {
     const SavedState state = ReadState(in);
     auto refuse = [] { throw UserError("the saved state of a film is not of this film."); };
-    if (state.kind != kind_ || state.pixelBounds.low != PixelBounds().low || state.pixelBounds.high != PixelBounds().high)
+    if (state.kind != kind_ || state.pixelBounds.low != PixelBounds().low ||
+        state.pixelBounds.high != PixelBounds().high)
         refuse();
     auto lacksRoom = [&](const StateBlock &block) {
         const SavedState::Block *saved = state.Find(block.name);

@@ -19,7 +19,7 @@ struct FilmSample {
     Point2i pixel{};
     SampledSpectrum L;  ///< radiance at `lambda`
     SampledWavelengths lambda;
-    Float weight = 1;   ///< of the filter
+    Float weight = 1;                       ///< of the filter
     std::optional<VisibleSurface> visible;  ///< only for films that want it; empty: no surface is seen
 };
 
@@ -56,6 +56,8 @@ class Film {
     virtual Image ToImage() const = 0;
     virtual ImageMetadata Metadata() const;
     virtual uint64_t RejectedSamples() const = 0;
+    /// An empty rgb film of the same pixels and sensor, in float precision.
+    virtual std::unique_ptr<Film> MakeRgbFilm() const = 0;
 
     /// Everything that was added, bit by bit, in this machine's byte order. A film that loads it goes on as this one
     /// would. Merge adds it to what the film holds, as if the samples of both had been added to one film: splats to the

@@ -11,11 +11,11 @@ namespace pbrt {
 
 /// Command line settings that beat the scene's film parameters.
 struct FilmOverrides {
-    std::optional<Bounds2> cropWindow;       ///< fractions
+    std::optional<Bounds2> cropWindow;  ///< fractions
     std::optional<Bounds2i> pixelBounds;
-    std::string filename;                    ///< empty: the scene's
-    int resolutionDivisor = 1;               ///< 4 with --quick
-    bool fullFloat = false;                  ///< float precision whatever savefp16 says
+    std::string filename;       ///< empty: the scene's
+    int resolutionDivisor = 1;  ///< 4 with --quick
+    bool fullFloat = false;     ///< float precision whatever savefp16 says
 };
 
 /// What every film is told in the same words: its size, and how its picture is written.
@@ -27,6 +27,11 @@ struct FilmFrame {
     bool half = true;  ///< the picture has half precision
     const ColorSpace *outputSpace = nullptr;
 
+    FilmFrame WithFullFloat() const {
+        FilmFrame frame = *this;
+        frame.half = false;
+        return frame;
+    }
     size_t PixelCount() const { return static_cast<size_t>(pixelBounds.Area()); }
     size_t IndexOf(Point2i pixel) const {
         PBRT_DCHECK(pixelBounds.Contains(pixel));

@@ -6,8 +6,8 @@
 namespace pbrt {
 
 /// A sum in fixed point of 128 bits: adding integers gives the same bits in any order, so any number of threads may add
-/// at once. An addend is rounded to a multiple of 2^-56, an error of at most 2^-57 or 7e-18. The sum wraps around beyond
-/// 2^71: addends are limited to kLargestAddend, so 2^21 of the largest have room.
+/// at once. An addend is rounded to a multiple of 2^-56, an error of at most 2^-57 or 7e-18. The sum wraps around
+/// beyond 2^71: addends are limited to kLargestAddend, so 2^21 of the largest have room.
 class FixedSum {
   public:
     static constexpr double kLargestAddend = 1125899906842624.0;  ///< 2^50

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "pbrt/films/rgb_film.h"
+
 namespace pbrt {
 
 namespace {
@@ -36,8 +38,7 @@ void GBufferFilm::AddSample(const FilmSample &sample) {
     auto output = [&](const Normal3 &n) { return glm::dvec3(Normalize(outputFromRender.Normal(n))); };
     auto depth = [&](const Vector3 &v) { return double(std::abs(outputFromRender.Vector(v).z)); };
     Pixel &sums = pixels_[index];
-    for (int c = 0; c < 3; ++c)
-        sums.moments[c].Add(double((*sensor)[c]));
+    for (int c = 0; c < 3; ++c) sums.moments[c].Add(double((*sensor)[c]));
     const double w = double(sample.weight);
     sums.weight += w;
     sums.p += w * glm::dvec3(outputFromRender.Point(visible.p));
@@ -68,9 +69,10 @@ void GBufferFilm::Pixel::operator+=(const Pixel &other) {
     uv += other.uv;
     dz += other.dz;
     weight += other.weight;
-    for (int c = 0; c < 3; ++c)
-        moments[c] += other.moments[c];
+    for (int c = 0; c < 3; ++c) moments[c] += other.moments[c];
 }
+
+std::unique_ptr<Film> GBufferFilm::MakeRgbFilm() const { return std::make_unique<RgbFilm>(Frame(), sums_); }
 
 std::vector<StateBlock> GBufferFilm::Blocks() {
     std::vector<StateBlock> blocks = {MakeStateBlock("surfaces", std::span(pixels_))};

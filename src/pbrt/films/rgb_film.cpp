@@ -6,6 +6,9 @@ RgbFilm::RgbFilm(const FilmParams &params, const ParamSet &set, const FilmReques
     : Film("rgb", request.Frame(params, set, {.onlyExr = false, .bytesPerPixel = SensorSums::kBytesPerPixel})),
       sums_(params, set, Frame(), request.context.exposureTime) {}
 
+RgbFilm::RgbFilm(const FilmFrame &frame, const SensorSums &like)
+    : Film("rgb", frame.WithFullFloat()), sums_(like.MakeEmpty(Frame())) {}
+
 void RgbFilm::AddSample(const FilmSample &sample) {
     if (std::optional<Vector3> sensor = sums_.Measure(sample.L, sample.lambda, sample.weight))
         sums_.Add(Frame().IndexOf(sample.pixel), *sensor, sample.weight);

@@ -8,6 +8,8 @@ namespace pbrt {
 class RgbFilm final : public Film {
   public:
     RgbFilm(const FilmParams &params, const ParamSet &set, const FilmRequest &request);
+    /// Empty, in float precision; `like`: for the sensor.
+    RgbFilm(const FilmFrame &frame, const SensorSums &like);
 
     void AddSample(const FilmSample &sample) override;
     void ExpectSplats() override { sums_.ExpectSplats(); }
@@ -15,6 +17,7 @@ class RgbFilm final : public Film {
     void AddSplatSamples(uint64_t perPixel) override { sums_.AddSplatSamples(perPixel); }
     Image ToImage() const override { return sums_.MakeImage({}); }
     uint64_t RejectedSamples() const override { return sums_.Rejected(); }
+    std::unique_ptr<Film> MakeRgbFilm() const override { return std::make_unique<RgbFilm>(Frame(), sums_); }
 
   private:
     std::vector<StateBlock> Blocks() override;

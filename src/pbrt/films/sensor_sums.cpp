@@ -13,12 +13,18 @@ constexpr Float kLargestHalf = 65504;
 }  // namespace
 
 SensorSums::SensorSums(const FilmParams &params, const ParamSet &set, const FilmFrame &frame, Float exposureTime)
+    : SensorSums(frame, params.maxComponentValue,
+                 PixelSensor::Make(params.sensor, set, *frame.outputSpace, exposureTime)) {}
+
+SensorSums::SensorSums(const FilmFrame &frame, Float maxComponent, const PixelSensor &sensor)
     : resolution_(frame.pixelBounds.high - frame.pixelBounds.low),
       half_(frame.half),
-      maxComponent_(params.maxComponentValue),
-      sensor_(PixelSensor::Make(params.sensor, set, *frame.outputSpace, exposureTime)),
+      maxComponent_(maxComponent),
+      sensor_(sensor),
       outputFromSensor_(frame.outputSpace->RgbFromXyz() * sensor_.XyzFromSensor()),
       pixels_(frame.PixelCount()) {}
+
+SensorSums SensorSums::MakeEmpty(const FilmFrame &frame) const { return {frame, maxComponent_, sensor_}; }
 
 bool SensorSums::AddSplat(size_t pixel, const Vector3 &sensor, Float weight) {
     for (int c = 0; c < 3; ++c)
@@ -26,8 +32,7 @@ bool SensorSums::AddSplat(size_t pixel, const Vector3 &sensor, Float weight) {
             Reject();
             return false;
         }
-    for (int c = 0; c < 3; ++c)
-        splats_.Add(3 * pixel + static_cast<size_t>(c), double(weight) * double(sensor[c]));
+    for (int c = 0; c < 3; ++c) splats_.Add(3 * pixel + static_cast<size_t>(c), double(weight) * double(sensor[c]));
     return true;
 }
 
@@ -63,8 +68,7 @@ Image SensorSums::MakeImage(const std::vector<std::string> &furtherChannels) con
                         "\"bool savefp16\" false keeps them.",
                         clamped, kLargestHalf));
     if (counts_.rejected > 0)
-        LogWarning(
-            fmt::format("{} samples had infinite or not-a-number radiance and were dropped.", counts_.rejected));
+        LogWarning(fmt::format("{} samples had infinite or not-a-number radiance and were dropped.", counts_.rejected));
     return image;
 }
 

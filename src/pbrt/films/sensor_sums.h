@@ -18,6 +18,8 @@ class SensorSums {
   public:
     /// `set`: what the parameters were read from.
     SensorSums(const FilmParams &params, const ParamSet &set, const FilmFrame &frame, Float exposureTime);
+    /// The same sensor without sums.
+    SensorSums MakeEmpty(const FilmFrame &frame) const;
     /// Of memory for a pixel and its red, green and blue in the picture.
     static constexpr double kBytesPerPixel = 4 * sizeof(double) + 3 * sizeof(float);
 
@@ -25,8 +27,7 @@ class SensorSums {
     std::optional<Vector3> Measure(const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight);
     void Add(size_t pixel, const Vector3 &sensor, Float weight) {
         Pixel &sums = pixels_[pixel];
-        for (int c = 0; c < 3; ++c)
-            sums.sensor[c] += double(weight) * double(sensor[c]);
+        for (int c = 0; c < 3; ++c) sums.sensor[c] += double(weight) * double(sensor[c]);
         sums.weight += double(weight);
     }
     double WeightOf(size_t pixel) const { return pixels_[pixel].weight; }
@@ -47,12 +48,12 @@ class SensorSums {
     void AppendBlocks(std::vector<StateBlock> &blocks);
 
   private:
+    SensorSums(const FilmFrame &frame, Float maxComponent, const PixelSensor &sensor);
     struct Pixel {
         double sensor[3] = {0, 0, 0};  ///< sum of weight * XYZ or camera RGB
         double weight = 0;
         void operator+=(const Pixel &p) {
-            for (int c = 0; c < 3; ++c)
-                sensor[c] += p.sensor[c];
+            for (int c = 0; c < 3; ++c) sensor[c] += p.sensor[c];
             weight += p.weight;
         }
     };

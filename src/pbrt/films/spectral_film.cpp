@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "pbrt/films/rgb_film.h"
+
 namespace pbrt {
 
 namespace {
@@ -31,7 +33,8 @@ Float SpectralFilm::BucketCenter(int bucket) const {
 }
 
 int SpectralFilm::BucketOf(Float lambda) const {
-    const Float position = (lambda - buckets_.low) / (buckets_.high - buckets_.low) * static_cast<Float>(buckets_.count);
+    const Float position =
+        (lambda - buckets_.low) / (buckets_.high - buckets_.low) * static_cast<Float>(buckets_.count);
     return std::clamp(static_cast<int>(position), 0, buckets_.count - 1);
 }
 
@@ -83,6 +86,8 @@ void SpectralFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const Sampl
     for (int i = 0; i < SpectrumSamples; ++i)
         if (parts[i] != 0) splats_.Add(FirstSumOf(index) + static_cast<size_t>(BucketOf(lambda[i])), parts[i]);
 }
+
+std::unique_ptr<Film> SpectralFilm::MakeRgbFilm() const { return std::make_unique<RgbFilm>(Frame(), sensor_); }
 
 std::vector<StateBlock> SpectralFilm::Blocks() {
     std::vector<StateBlock> blocks = {MakeStateBlock("buckets", std::span(sums_)), splats_.Block("bucket splats")};

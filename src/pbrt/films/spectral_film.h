@@ -42,6 +42,7 @@ class SpectralFilm final : public Film {
     Image ToImage() const override;
     ImageMetadata Metadata() const override;
     uint64_t RejectedSamples() const override { return sensor_.Rejected(); }
+    std::unique_ptr<Film> MakeRgbFilm() const override;
 
   private:
     struct Sums {

@@ -16,10 +16,10 @@ struct RenderPass {
     const Filter &filter;
     Film &film;
     std::span<const std::unique_ptr<Sampler>> samplers;  ///< one per thread, by ThreadIndex()
-    int samplesPerPixel = 1;   ///< of the samplers: their batch
-    int batchFirst = 0;        ///< number of the samples before the samplers' batch
-    int first = 0, count = 1;  ///< which samples of the batch
-    bool jittersPixels = true; ///< false: sample pixel centres, lens centre, mid-shutter; full texture footprints
+    int samplesPerPixel = 1;                             ///< of the samplers: their batch
+    int batchFirst = 0;                                  ///< number of the samples before the samplers' batch
+    int first = 0, count = 1;                            ///< which samples of the batch
+    bool jittersPixels = true;  ///< false: sample pixel centres, lens centre, mid-shutter; full texture footprints
     bool jittersWavelengths = true;
     bool keepsSamples = true;  ///< false: the film holds these samples already; only learn from them
     bool isCounted = true;     ///< tell `progress` of every pixel's sample

@@ -12,7 +12,8 @@ ReferenceLog::ReferenceLog(const std::string &referenceImage, const std::string 
     ImageFile file = ReadImage(referenceImage);
     const Bounds2i &wanted = film.PixelBounds();
     Bounds2i have = file.metadata.pixelBounds.value_or(Bounds2i{{0, 0}, file.image.Resolution()});
-    if (wanted.low.x < have.low.x || wanted.low.y < have.low.y || wanted.high.x > have.high.x || wanted.high.y > have.high.y)
+    if (wanted.low.x < have.low.x || wanted.low.y < have.low.y || wanted.high.x > have.high.x ||
+        wanted.high.y > have.high.y)
         throw UserError(fmt::format("{}: the reference image covers x {}-{}, y {}-{}; the film needs x {}-{}, y {}-{}.",
                                     referenceImage, have.low.x, have.high.x, have.low.y, have.high.y, wanted.low.x,
                                     wanted.high.x, wanted.low.y, wanted.high.y));

@@ -14,13 +14,13 @@ double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(
 }  // namespace
 
 WaveRenderer::WaveRenderer(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film,
-                           SamplerFactory makeSampler, const RenderSettings &settings, Progress &progress)
+                           const Sampler &sampler, const RenderSettings &settings, Progress &progress)
     : integrator_(integrator),
       learner_(integrator.Learner()),
       camera_(camera),
       filter_(filter),
       film_(film),
-      makeSampler_(std::move(makeSampler)),
+      sampler_(sampler),
       settings_(settings),
       progress_(progress),
       samplers_(static_cast<size_t>(ThreadCount())) {}
@@ -33,7 +33,7 @@ int WaveRenderer::Render(int count) {
     const int batch = settings_.samplesPerPixel;
     if (int round = done_ / batch; round != round_) {
         round_ = round;
-        std::unique_ptr<Sampler> prototype = makeSampler_(round);
+        std::unique_ptr<Sampler> prototype = sampler_.ForBatch(round);
         for (std::unique_ptr<Sampler> &s : samplers_) s = prototype->Clone();
     }
     const int first = done_ - round_ * batch;
@@ -68,10 +68,10 @@ void WaveRenderer::ContinueFrom(int samples) {
 }
 
 RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film,
-                         const SamplerFactory &makeSampler, const RenderSettings &settings, Progress &progress) {
+                         const Sampler &sampler, const RenderSettings &settings, Progress &progress) {
     RenderResult result;
     ReferenceLog reference(settings.mseReferenceImage, settings.mseReferenceOut, film);
-    WaveRenderer renderer(integrator, camera, filter, film, makeSampler, settings, progress);
+    WaveRenderer renderer(integrator, camera, filter, film, sampler, settings, progress);
     const bool timed = settings.timeBudget > 0;
 
     progress.BeginPhase("rendering", timed ? 0 : int64_t{film.PixelBounds().Area()} * settings.samplesPerPixel);

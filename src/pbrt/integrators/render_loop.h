@@ -14,7 +14,7 @@ struct RenderSettings {
     /// > 0: render waves until this many seconds have passed since `start`, whatever samplesPerPixel says.
     double timeBudget = 0;
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-    bool disablePixelJitter = false;       ///< sample pixel centres, lens centre, mid-shutter; full texture footprints
+    bool disablePixelJitter = false;  ///< sample pixel centres, lens centre, mid-shutter; full texture footprints
     bool disableWavelengthJitter = false;
     std::string mseReferenceImage, mseReferenceOut;  ///< both or none
     /// Called after every wave if set: writes what there is (partial images).
@@ -22,9 +22,9 @@ struct RenderSettings {
 };
 
 struct RenderResult {
-    int samplesTaken = 0;    ///< of every pixel; on cancel some pixels have more
-    double seconds = 0;      ///< rendering only
-    bool cancelled = false;  ///< before all samples were taken
+    int samplesTaken = 0;       ///< of every pixel; on cancel some pixels have more
+    double seconds = 0;         ///< rendering only
+    bool cancelled = false;     ///< before all samples were taken
     std::optional<double> mse;  ///< against the reference, of the last wave
     std::string mseFailure;     ///< why RenderSettings::mseReferenceOut is not complete, if it is not
 };
@@ -32,17 +32,16 @@ struct RenderResult {
 /// Samples per pixel of the largest wave.
 constexpr int kLargestWave = 64;
 
-/// Makes the sampler of the round-th batch of RenderSettings::samplesPerPixel samples.
-using SamplerFactory = std::function<std::unique_ptr<Sampler>(int round)>;
-
-/// Has an integrator render one pass after another, in batches of samplers; between passes the integrator's LightLearner
-/// learns after the numbers of samples that it names. Any split into calls gives the same image.
+/// Has an integrator render one pass after another, in batches of samplers; between passes the integrator's
+/// LightLearner learns after the numbers of samples that it names. Any split into calls gives the same image.
 class WaveRenderer {
   public:
-    WaveRenderer(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film,
-                 SamplerFactory makeSampler, const RenderSettings &settings, Progress &progress);
+    /// `sampler`: of the first batch of RenderSettings::samplesPerPixel samples.
+    WaveRenderer(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film, const Sampler &sampler,
+                 const RenderSettings &settings, Progress &progress);
 
-    /// Renders up to `count` more samples per pixel, not beyond the end of the batch. Returns how many; 0 when cancelled.
+    /// Renders up to `count` more samples per pixel, not beyond the end of the batch. Returns how many; 0 when
+    /// cancelled.
     int Render(int count);
     /// Has the learner learn now what it must know before the next sample, if anything; Render does so else.
     void LearnIfDue();
@@ -57,7 +56,7 @@ class WaveRenderer {
     const Camera &camera_;
     const Filter &filter_;
     Film &film_;
-    SamplerFactory makeSampler_;
+    const Sampler &sampler_;
     const RenderSettings &settings_;
     Progress &progress_;
     std::vector<std::unique_ptr<Sampler>> samplers_;  ///< one a thread
@@ -65,8 +64,9 @@ class WaveRenderer {
     bool isRepeating_ = false;  ///< the film has these samples
 };
 
-/// Renders waves of 1, 1, 2, 4, ... up to kLargestWave samples per pixel until samplesPerPixel or the time budget is reached.
+/// Renders waves of 1, 1, 2, 4, ... up to kLargestWave samples per pixel until samplesPerPixel or the time budget is
+/// reached.
 RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film,
-                         const SamplerFactory &makeSampler, const RenderSettings &settings, Progress &progress);
+                         const Sampler &sampler, const RenderSettings &settings, Progress &progress);
 
 }  // namespace pbrt

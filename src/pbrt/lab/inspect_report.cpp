@@ -105,9 +105,7 @@ int RunInspect(const InspectOptions &options, const LightSamplerRegistry &regist
         throw UserError(fmt::format("Integrator \"{}\" has no light sampler to look into.", built.integratorName));
     if (built.scene->Lights().Size() == 0) throw UserError("The scene has no lights.");
 
-    PrepareContext prepare{*built.scene, *built.camera,         *built.filter,  built.film->PixelBounds(),
-                           built.seed,   built.samplesPerPixel, built.maxDepth, progress};
-    built.integrator->Prepare(prepare);
+    built.Prepare(progress);
     if (progress.Cancelled()) return 130;
     Inspection inspection = InspectLights(built, *sampler, options.settings, progress);
     if (progress.Cancelled()) return 130;

@@ -11,7 +11,7 @@ std::unique_ptr<Integrator> LabScene::MakeIntegrator(const SamplerChoice &choice
     light.lightSampler = choice.lightSampler;
     light.meshLights = choice.meshLights;
     light.shadowGate = choice.gate;
-    return built.makeIntegrator(light).integrator;
+    return pbrt::MakeIntegrator(built, light).integrator;
 }
 
 LabScene LoadLabScene(const CampaignSettings &settings, const LightSamplerRegistry &registry, Progress &progress) {

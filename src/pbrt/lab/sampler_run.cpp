@@ -15,14 +15,6 @@ namespace {
 
 constexpr double kLongestWave = 1;  ///< seconds, so that the clock and the progress are looked at
 
-RenderSettings SettingsFor(const LabScene &scene) {
-    RenderSettings settings;
-    settings.samplesPerPixel = scene.Batch();
-    settings.disablePixelJitter = scene.built.disablePixelJitter;
-    settings.disableWavelengthJitter = scene.built.disableWavelengthJitter;
-    return settings;
-}
-
 }  // namespace
 
 SamplerRun::SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, int expectedSamples,
@@ -31,20 +23,18 @@ SamplerRun::SamplerRun(const LabScene &scene, const SamplerChoice &choice, int s
       choice_(choice),
       cancel_(cancel),
       integrator_(scene.MakeIntegrator(choice)),
-      film_(scene.built.makeFilm()),
-      settings_(SettingsFor(scene)),
-      renderer_(
-          *integrator_, *scene.built.camera, *scene.built.filter, *film_,
-          [&scene, seed](int round) { return scene.built.makeSeededSampler(seed, round); }, settings_, cancel) {
+      film_(scene.built.film->MakeRgbFilm()),
+      sampler_(scene.built.sampler->WithSeed(seed)),
+      settings_(scene.built.Settings()),
+      renderer_(*integrator_, *scene.built.camera, *scene.built.filter, *film_, *sampler_, settings_, cancel) {
     record_.seed = seed;
     record_.expectedSamples = expectedSamples;
 }
 
 bool SamplerRun::Prepare() {
-    const BuiltScene &b = scene_.built;
-    PrepareContext context{
-        *b.scene,   *b.camera, *b.filter, film_->PixelBounds(), record_.seed, record_.expectedSamples,
-        b.maxDepth, cancel_};
+    PrepareContext context = scene_.built.Preparation(cancel_);
+    context.seed = record_.seed;
+    context.samplesPerPixel = record_.expectedSamples;
     ResetCounters();
     Stopwatch watch;
     integrator_->Prepare(context);

@@ -44,6 +44,7 @@ class SamplerRun {
     Progress &cancel_;
     std::unique_ptr<Integrator> integrator_;
     std::unique_ptr<Film> film_;
+    std::unique_ptr<Sampler> sampler_;
     RenderSettings settings_;
     WaveRenderer renderer_;
     RunRecord record_;

@@ -13,7 +13,7 @@ bool IsWholeFilm(const std::string &file, const LabScene &scene) {
     std::ifstream in(file, std::ios::binary);
     if (!in) return false;
     try {
-        scene.built.makeFilm()->Load(in);
+        scene.built.film->MakeRgbFilm()->Load(in);
         return true;
     } catch (const UserError &) {
         return false;

@@ -22,7 +22,11 @@ int Wrap(int v, int n) { return (v % n + n) % n; }
 }  // namespace
 
 HaltonSampler::HaltonSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed)
-    : samplesPerPixel_(samplesPerPixel), randomization_(randomization), seed_(Hash(seed)) {
+    : Sampler(seed),
+      samplesPerPixel_(samplesPerPixel),
+      resolution_(resolution),
+      randomization_(randomization),
+      seed_(Hash(seed)) {
     for (int axis = 0; axis < 2; ++axis) {
         int base = axis == 0 ? 2 : 3;
         while (scale_[axis] < std::min(resolution[axis], kTile)) {

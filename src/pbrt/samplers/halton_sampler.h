@@ -19,6 +19,9 @@ class HaltonSampler final : public Sampler {
     }
     Point2 GetPixel2D() override;
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<HaltonSampler>(*this); }
+    std::unique_ptr<Sampler> WithSeed(int seed) const override {
+        return std::make_unique<HaltonSampler>(samplesPerPixel_, resolution_, randomization_, seed);
+    }
 
     /// Index of the current sample in the Halton sequence.
     uint64_t Index() const { return index_; }
@@ -35,6 +38,7 @@ class HaltonSampler final : public Sampler {
     Float Dimension(int dimension) const;
     static constexpr int kTile = 128;
     int samplesPerPixel_;
+    Point2i resolution_;
     Randomization randomization_;
     uint64_t seed_;
     std::shared_ptr<const DigitPermutations> permutations_;

@@ -46,7 +46,8 @@ const std::vector<BinaryPoint> &Pmj02bnSampler::Set(int index) {
 }
 
 Pmj02bnSampler::Pmj02bnSampler(int samplesPerPixel, int seed)
-    : samplesPerPixel_(samplesPerPixel),
+    : Sampler(seed),
+      samplesPerPixel_(samplesPerPixel),
       log2Samples_(std::bit_width(static_cast<unsigned>(samplesPerPixel - 1))),
       seed_(Hash(seed)) {
     log2PerPixel_ = std::min((log2Samples_ + 1) / 2 * 2, kLog2Count);

@@ -20,6 +20,9 @@ class Pmj02bnSampler final : public Sampler {
     Point2 Get2D() override;
     Point2 GetPixel2D() override;
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<Pmj02bnSampler>(*this); }
+    std::unique_ptr<Sampler> WithSeed(int seed) const override {
+        return std::make_unique<Pmj02bnSampler>(samplesPerPixel_, seed);
+    }
 
     /// The sets: 2^SetLog2Count points each; the first one is for positions. Made at the first call.
     static constexpr int SetCount = 6, SetLog2Count = 16;

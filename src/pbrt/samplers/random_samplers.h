@@ -23,7 +23,7 @@ class PixelStream {
 
 class IndependentSampler final : public Sampler {
   public:
-    IndependentSampler(int samplesPerPixel, int seed) : samplesPerPixel_(samplesPerPixel), stream_(seed) {}
+    IndependentSampler(int samplesPerPixel, int seed) : Sampler(seed), samplesPerPixel_(samplesPerPixel), stream_(seed) {}
     int SamplesPerPixel() const override { return samplesPerPixel_; }
     void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override {
         stream_.Start(pixel, sampleIndex, dimension);
@@ -35,6 +35,9 @@ class IndependentSampler final : public Sampler {
     }
     Point2 GetPixel2D() override { return Get2D(); }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<IndependentSampler>(*this); }
+    std::unique_ptr<Sampler> WithSeed(int seed) const override {
+        return std::make_unique<IndependentSampler>(samplesPerPixel_, seed);
+    }
 
   private:
     int samplesPerPixel_;
@@ -46,13 +49,16 @@ class IndependentSampler final : public Sampler {
 class StratifiedSampler final : public Sampler {
   public:
     StratifiedSampler(int xSamples, int ySamples, bool jitter, int seed)
-        : xSamples_(xSamples), ySamples_(ySamples), jitter_(jitter), seed_(seed), stream_(seed) {}
+        : Sampler(seed), xSamples_(xSamples), ySamples_(ySamples), jitter_(jitter), seed_(seed), stream_(seed) {}
     int SamplesPerPixel() const override { return xSamples_ * ySamples_; }
     void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override;
     Float Get1D() override;
     Point2 Get2D() override;
     Point2 GetPixel2D() override { return Get2D(); }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<StratifiedSampler>(*this); }
+    std::unique_ptr<Sampler> WithSeed(int seed) const override {
+        return std::make_unique<StratifiedSampler>(xSamples_, ySamples_, jitter_, seed);
+    }
 
   private:
     uint32_t NextStratum(int dimensions);

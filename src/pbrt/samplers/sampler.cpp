@@ -2,6 +2,7 @@
 
 #include <bit>
 
+#include "pbrt/math/rng.h"
 #include "pbrt/samplers/halton_sampler.h"
 #include "pbrt/samplers/pmj02bn_sampler.h"
 #include "pbrt/samplers/random_samplers.h"
@@ -9,6 +10,12 @@
 #include "pbrt/samplers/sobol_samplers.h"
 
 namespace pbrt {
+
+std::unique_ptr<Sampler> Sampler::ForBatch(int index) const {
+    if (index == 0) return Clone();
+    const uint64_t mixed = MixBits(static_cast<uint64_t>(givenSeed_) * 0x10001 + static_cast<uint64_t>(index));
+    return WithSeed(static_cast<int>(mixed & 0x7fffffff));
+}
 
 namespace {
 

@@ -18,6 +18,16 @@ class Sampler {
     virtual Point2 Get2D() = 0;
     virtual Point2 GetPixel2D() = 0;  ///< position inside the pixel
     virtual std::unique_ptr<Sampler> Clone() const = 0;
+    /// The same kind of samples from another seed.
+    virtual std::unique_ptr<Sampler> WithSeed(int seed) const = 0;
+    /// For the index-th batch of SamplesPerPixel() samples: this one for the first, then others with seeds of their own.
+    std::unique_ptr<Sampler> ForBatch(int index) const;
+
+  protected:
+    explicit Sampler(int seed) : givenSeed_(seed) {}
+
+  private:
+    int givenSeed_;
 };
 
 /// What a sampler is made for.

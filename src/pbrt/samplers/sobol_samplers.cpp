@@ -33,7 +33,9 @@ constexpr std::array<uint8_t, 24> kQuadOrders = AllQuadOrders();
 // ---- Global
 
 SobolSampler::SobolSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed)
-    : samplesPerPixel_(samplesPerPixel),
+    : Sampler(seed),
+      samplesPerPixel_(samplesPerPixel),
+      resolution_(resolution),
       randomization_(randomization),
       seed_(Hash(seed)),
       log2Resolution_(Log2RoundedUp(std::max(resolution.x, resolution.y))),
@@ -87,7 +89,9 @@ Point2 PaddedSobolSampler::Get2D() {
 // ---- Z order
 
 ZSobolSampler::ZSobolSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed)
-    : samplesPerPixel_(samplesPerPixel),
+    : Sampler(seed),
+      samplesPerPixel_(samplesPerPixel),
+      resolution_(resolution),
       randomization_(randomization),
       seed_(Hash(seed)),
       log2Samples_(Log2RoundedUp(samplesPerPixel)),

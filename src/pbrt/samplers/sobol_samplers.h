@@ -21,11 +21,15 @@ class SobolSampler final : public Sampler {
     }
     Point2 GetPixel2D() override;
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<SobolSampler>(*this); }
+    std::unique_ptr<Sampler> WithSeed(int seed) const override {
+        return std::make_unique<SobolSampler>(samplesPerPixel_, resolution_, randomization_, seed);
+    }
     uint64_t Index() const { return index_; }
 
   private:
     Float Dimension(int dimension) const;
     int samplesPerPixel_;
+    Point2i resolution_;
     Randomization randomization_;
     uint64_t seed_;
     int log2Resolution_;
@@ -40,13 +44,16 @@ class SobolSampler final : public Sampler {
 class PaddedSobolSampler final : public Sampler {
   public:
     PaddedSobolSampler(int samplesPerPixel, Randomization randomization, int seed)
-        : samplesPerPixel_(samplesPerPixel), randomization_(randomization), seed_(seed) {}
+        : Sampler(seed), samplesPerPixel_(samplesPerPixel), randomization_(randomization), seed_(seed) {}
     int SamplesPerPixel() const override { return samplesPerPixel_; }
     void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override;
     Float Get1D() override;
     Point2 Get2D() override;
     Point2 GetPixel2D() override { return Get2D(); }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<PaddedSobolSampler>(*this); }
+    std::unique_ptr<Sampler> WithSeed(int seed) const override {
+        return std::make_unique<PaddedSobolSampler>(samplesPerPixel_, randomization_, seed);
+    }
 
   private:
     int samplesPerPixel_;
@@ -68,6 +75,9 @@ class ZSobolSampler final : public Sampler {
     Point2 Get2D() override;
     Point2 GetPixel2D() override { return Get2D(); }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<ZSobolSampler>(*this); }
+    std::unique_ptr<Sampler> WithSeed(int seed) const override {
+        return std::make_unique<ZSobolSampler>(samplesPerPixel_, resolution_, randomization_, seed);
+    }
 
   private:
     uint64_t DimensionHash() const;
@@ -76,6 +86,7 @@ class ZSobolSampler final : public Sampler {
     uint64_t PermutedQuads(uint64_t hash, int fromBit, int toBit) const;
     static constexpr size_t kRemembered = 64;
     int samplesPerPixel_;
+    Point2i resolution_;
     Randomization randomization_;
     uint64_t seed_;
     int log2Samples_;  ///< rounded up

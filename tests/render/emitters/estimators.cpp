@@ -109,19 +109,18 @@ PixelStatistics Studio::Render(Estimator estimator, const std::string &lightSamp
         }
         if (built_.maxDepth == 1) integrator = std::make_unique<WithoutSeenLamps>(scene, std::move(integrator));
         Progress progress;
-        PrepareContext prepare{scene, *built_.camera,  *built_.filter,  built_.film->PixelBounds(),
-                               seed,  samplesPerPixel, built_.maxDepth, progress};
+        PrepareContext prepare = built_.Preparation(progress);
+        prepare.seed = seed;
+        prepare.samplesPerPixel = samplesPerPixel;
         integrator->Prepare(prepare);
-        std::unique_ptr<Film> film = built_.makeFilm();
+        std::unique_ptr<Film> film = built_.film->MakeRgbFilm();
         RenderSettings settings;
         settings.samplesPerPixel = samplesPerPixel;
         DiagnosticSink sink;
         // Independent samples: pixels are, and tiles' variances are known.
-        auto makeSampler = [&](int) {
-            return Samplers().Make("independent", ParamSet(),
-                               SamplerContext{film->FullResolution(), samplesPerPixel, seed, sink});
-        };
-        RenderWaves(*integrator, *built_.camera, *built_.filter, *film, makeSampler, settings, progress);
+        const std::unique_ptr<Sampler> sampler =
+            Samplers().Make("independent", ParamSet(), SamplerContext{film->FullResolution(), samplesPerPixel, seed, sink});
+        RenderWaves(*integrator, *built_.camera, *built_.filter, *film, *sampler, settings, progress);
         statistics.Add(film->ToImage());
     }
     return statistics;

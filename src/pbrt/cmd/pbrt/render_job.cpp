@@ -119,20 +119,13 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
         LogInfo(fmt::format("--quick: {} x {} pixels, {} samples per pixel.", built.film->FullResolution().x,
                             built.film->FullResolution().y, built.samplesPerPixel));
 
-    RenderSettings settings;
-    settings.samplesPerPixel = built.samplesPerPixel;
+    RenderSettings settings = built.Settings();
     settings.timeBudget = options.timeBudget;
     settings.start = start;
-    settings.disablePixelJitter = built.disablePixelJitter;
-    settings.disableWavelengthJitter = built.disableWavelengthJitter;
-    settings.mseReferenceImage = built.mseReferenceImage;
-    settings.mseReferenceOut = built.mseReferenceOut;
 
     signals.EndAtOnce(NothingWritten("preparing lights"));
     progress.BeginPhase("preparing lights", 0);
-    PrepareContext prepare{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), built.seed,
-                           built.samplesPerPixel, built.maxDepth, progress};
-    built.integrator->Prepare(prepare);
+    built.Prepare(progress);
     timings.prepare = progress.EndPhase();
     ResetCounters();
 
@@ -146,7 +139,8 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
             writer.WritePartial(result);
         };
     writer.SayRendering();
-    result = RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, built.makeSampler, settings, progress);
+    result = RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
+                         progress);
     timings.render = result.seconds;
     progress.BeginPhase("writing", 0);
     const bool isWritten = writer.Write(result);

@@ -34,7 +34,9 @@ const std::string kSky = std::string("LightSource \"infinite\" \"string filename
 template <class Plug>
 void PrepareIn(const BuiltScene &built, Plug &plug, int seed = 0) {
     Progress progress;
-    PrepareContext context{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), seed, 1, 5, progress};
+    PrepareContext context = built.Preparation(progress);
+    context.seed = seed;
+    context.samplesPerPixel = 1;
     plug.Prepare(context);
 }
 LightQuery At(const Point3 &p) {
@@ -54,7 +56,8 @@ TEST(VisibilityMap, IsTheShareOfFreeSegmentsBetweenTheVoxels) {
     const LightGroups &groups = built.scene->Lights().Wholes();
     VisibilityMap map({8, 255});
     Progress progress;
-    PrepareContext context{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), 0, 1, 5, progress};
+    PrepareContext context = built.Preparation(progress);
+    context.samplesPerPixel = 1;
     map.Prepare(context, groups);
     ASSERT_GT(map.Targets().Size(), 4u + 8u);
     Rng rng(5);

@@ -31,8 +31,10 @@ struct World {
     const LightTable &Lights() const { return built.scene->Lights(); }
     void Prepare(LightSampler &sampler) const {
         Progress progress;
-        PrepareContext context{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), 5, 4, 3,
-                               progress};
+        PrepareContext context = built.Preparation(progress);
+        context.seed = 5;
+        context.samplesPerPixel = 4;
+        context.maxDepth = 3;
         sampler.Prepare(context);
     }
     std::unique_ptr<OracleLightSampler> Oracle(const OracleParams &params) const {

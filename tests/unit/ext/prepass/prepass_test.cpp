@@ -32,7 +32,8 @@ std::vector<PrepassVertex> Trace(int threads, int spp, int depth) {
     ThreadLimit limit(threads);
     BuiltScene built = BuildText(kScene);
     Progress progress;
-    PrepareContext context{*built.scene, *built.camera, *built.filter, built.film->PixelBounds(), 0, 1, 5, progress};
+    PrepareContext context = built.Preparation(progress);
+    context.samplesPerPixel = 1;
     return TracePrepassPaths(context, spp, depth);
 }
 

@@ -41,8 +41,9 @@ Prepared Prepare(const std::string &text, SpatialParams params = {}, int seed = 
     r.built = BuildText(text);
     r.sampler = std::make_unique<SpatialLightSampler>(r.built.scene->Lights(), params);
     Progress progress;
-    PrepareContext context{*r.built.scene, *r.built.camera, *r.built.filter, r.built.film->PixelBounds(), seed, 1, 5,
-                           progress};
+    PrepareContext context = r.built.Preparation(progress);
+    context.seed = seed;
+    context.samplesPerPixel = 1;
     r.sampler->Prepare(context);
     return r;
 }

@@ -96,7 +96,8 @@ std::vector<Float> Values(const Film &film) {
 }
 
 class EveryFilm : public ::testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Films, EveryFilm, ::testing::ValuesIn(Films().Names()), [](const auto &i) { return i.param; });
+INSTANTIATE_TEST_SUITE_P(Films, EveryFilm, ::testing::ValuesIn(Films().Names()),
+                         [](const auto &i) { return i.param; });
 
 TEST_P(EveryFilm, SavedSumsGoOnBitByBit) {
     auto whole = Make(GetParam()), first = Make(GetParam()), second = Make(GetParam());

@@ -18,9 +18,13 @@ namespace {
 
 /// A textured floor behind something that does not scatter, seen from above.
 std::string Scene(const std::string &film, const std::string &integrator, int maxDepth) {
-    return "Option \"rendercoordsys\" \"world\" LookAt 0 0 4  0.3 0.1 0  0 1 0 Camera \"perspective\" \"float fov\" 40\n"
-           "Film \"" + film + "\" \"integer xresolution\" 24 \"integer yresolution\" 20 \"bool savefp16\" false\n"
-           "Sampler \"independent\" \"integer pixelsamples\" 2\nIntegrator \"" + integrator + "\"" +
+    return "Option \"rendercoordsys\" \"world\" LookAt 0 0 4  0.3 0.1 0  0 1 0 Camera \"perspective\" \"float fov\" "
+           "40\n"
+           "Film \"" +
+           film +
+           "\" \"integer xresolution\" 24 \"integer yresolution\" 20 \"bool savefp16\" false\n"
+           "Sampler \"independent\" \"integer pixelsamples\" 2\nIntegrator \"" +
+           integrator + "\"" +
            (integrator == "ambientocclusion" ? "" : " \"integer maxdepth\" " + std::to_string(maxDepth)) + R"(
 WorldBegin
 LightSource "infinite"
@@ -90,12 +94,14 @@ class Census final : public PixelIntegrator {
         ++calls;
         asksForSurface |= start.visible != nullptr;
         times.insert(start.ray.ray.time);
+        samples.insert({start.pixel.x, start.pixel.y, start.sample});
         return SampledSpectrum(1 + sampler.Get1D());
     }
     mutable std::mutex mutex;
     mutable int calls = 0;
     mutable bool asksForSurface = false;
     mutable std::set<Float> times;
+    mutable std::set<std::tuple<int, int, int>> samples;
 };
 
 class PixelPass : public ::testing::Test {
@@ -104,7 +110,7 @@ class PixelPass : public ::testing::Test {
         if (!built_.film || film != kind_) built_ = BuildText(Scene(film, "path", 1));
         kind_ = film;
         std::vector<std::unique_ptr<Sampler>> samplers;
-        for (int i = 0; i < ThreadCount(); ++i) samplers.push_back(built_.makeSampler(0));
+        for (int i = 0; i < ThreadCount(); ++i) samplers.push_back(built_.sampler->Clone());
         return census_.Render({.camera = *built_.camera,
                                .filter = *built_.filter,
                                .film = *built_.film,
@@ -140,6 +146,7 @@ TEST_F(PixelPass, ThreadsAndSplitsMakeNoDifference) {
     for (int i = 0; i < 8; ++i) EXPECT_TRUE(Render("rgb", i, 1));
     EXPECT_EQ(State(), expected);
     EXPECT_EQ(census_.calls, 4 * 8 * 24 * 20);
+    EXPECT_EQ(census_.samples.size(), 8u * 24 * 20);
 }
 
 TEST_F(PixelPass, OnlyFilmsThatWantItAskForTheSurface) {

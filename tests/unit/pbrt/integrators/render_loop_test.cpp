@@ -6,6 +6,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -36,18 +37,40 @@ struct Pass {
     bool operator==(const Pass &) const = default;
 };
 
+/// Tells by SamplesPerPixel() what seed it has, and counts the batches it is made for.
+class SeedTeller final : public Sampler {
+  public:
+    SeedTeller(int seed, int *made) : Sampler(seed), seed_(seed), made_(made) {}
+    int SamplesPerPixel() const override { return seed_; }
+    void StartPixelSample(Point2i, int, int) override {}
+    Float Get1D() override { return 0; }
+    Point2 Get2D() override { return {}; }
+    Point2 GetPixel2D() override { return {}; }
+    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<SeedTeller>(*this); }
+    std::unique_ptr<Sampler> WithSeed(int seed) const override {
+        ++*made_;
+        return std::make_unique<SeedTeller>(seed, made_);
+    }
+
+  private:
+    int seed_;
+    int *made_;
+};
+
 /// Every sample is 1 at every wavelength.
 class Recorder final : public Integrator {
   public:
     bool Render(const RenderPass &pass) override {
         passes.push_back({pass.batchFirst / pass.samplesPerPixel, pass.batchFirst + pass.first, pass.count,
                           pass.keepsSamples, pass.isCounted});
-        EXPECT_EQ(pass.samplers[0]->SamplesPerPixel(), 1000 + passes.back().round);
+        seeds.insert(pass.samplers[0]->SamplesPerPixel());
+        for (const auto &s : pass.samplers) EXPECT_EQ(s->SamplesPerPixel(), pass.samplers[0]->SamplesPerPixel());
         if (passes.size() == cancelsIn) {
             pass.progress.Cancel();
             return false;
         }
-        if (secondsPerSample > 0) std::this_thread::sleep_for(std::chrono::duration<double>(secondsPerSample * pass.count));
+        if (secondsPerSample > 0)
+            std::this_thread::sleep_for(std::chrono::duration<double>(secondsPerSample * pass.count));
         FilmSample sample;
         for (int i = 0; i < pass.count; ++i) {
             sample.lambda = pass.film.SampleWavelengths(0.5f);
@@ -64,6 +87,7 @@ class Recorder final : public Integrator {
     }
 
     std::vector<Pass> passes;
+    std::set<int> seeds;  ///< of the samplers
     std::unique_ptr<ListedLearner> learner;
     size_t cancelsIn = 0;  ///< which pass, from 1
     double secondsPerSample = 0;
@@ -89,20 +113,10 @@ class RenderLoop : public ::testing::Test {
         folder_ = std::filesystem::path(::testing::TempDir()) / "render_loop_test";
         std::filesystem::create_directories(folder_);
     }
-    /// The number of samples tells which round it is for.
-    SamplerFactory MakeSamplers() {
-        return [this](int round) {
-            rounds_.push_back(round);
-            DiagnosticSink sink;
-            return Samplers().Make("independent", ParamSet(), SamplerContext{{1, 1}, 1000 + round, 0, sink});
-        };
-    }
     WaveRenderer Renderer() {
-        return WaveRenderer(integrator_, *camera_, *filter_, *film_, MakeSamplers(), settings_, progress_);
+        return WaveRenderer(integrator_, *camera_, *filter_, *film_, sampler_, settings_, progress_);
     }
-    RenderResult Run() {
-        return RenderWaves(integrator_, *camera_, *filter_, *film_, MakeSamplers(), settings_, progress_);
-    }
+    RenderResult Run() { return RenderWaves(integrator_, *camera_, *filter_, *film_, sampler_, settings_, progress_); }
     std::string File(const char *name) const { return (folder_ / name).string(); }
     std::string WriteReference(int size, Float value) const {
         Image image(PixelFormat::Float, {size, size}, {"R", "G", "B"}, ColorEncoding{ColorEncoding::Kind::Linear});
@@ -118,7 +132,8 @@ class RenderLoop : public ::testing::Test {
     Recorder integrator_;
     RenderSettings settings_;
     Progress progress_;
-    std::vector<int> rounds_;
+    int batches_ = 0;  ///< beyond the first
+    const SeedTeller sampler_{5, &batches_};
 };
 
 TEST_F(RenderLoop, WavesDoubleUpToTheLargest) {
@@ -130,7 +145,7 @@ TEST_F(RenderLoop, WavesDoubleUpToTheLargest) {
     EXPECT_EQ(seen, (std::vector<int>{1, 2, 4, 8, 16, 32, 64, 128, 192, 256, 300}));
     EXPECT_EQ(result.samplesTaken, 300);
     EXPECT_FALSE(result.cancelled);
-    EXPECT_EQ(rounds_, std::vector<int>{0});
+    EXPECT_EQ(integrator_.seeds, std::set<int>{5});
     for (const Pass &p : integrator_.passes) EXPECT_TRUE(p.keepsSamples && p.isCounted);
 }
 
@@ -141,7 +156,8 @@ TEST_F(RenderLoop, NoPassCrossesTheEndOfABatch) {
     for (int i = 0; i < 4; ++i) taken.push_back(renderer.Render(3));
     EXPECT_EQ(taken, (std::vector<int>{3, 1, 3, 1}));
     EXPECT_EQ(integrator_.passes, (std::vector<Pass>{{0, 0, 3}, {0, 3, 1}, {1, 4, 3}, {1, 7, 1}}));
-    EXPECT_EQ(rounds_, (std::vector<int>{0, 1}));
+    EXPECT_EQ(batches_, 1);
+    EXPECT_EQ(integrator_.seeds.size(), 2u);
     EXPECT_EQ(renderer.Done(), 8);
 }
 
@@ -174,7 +190,8 @@ TEST_F(RenderLoop, GoingOnRepeatsOnlyWhatIsLearnedFrom) {
     renderer.ContinueFrom(10);
     EXPECT_EQ(renderer.Done(), 10);
     EXPECT_EQ(renderer.Render(5), 5);
-    EXPECT_EQ(integrator_.passes, (std::vector<Pass>{{0, 0, 1, false}, {0, 1, 5, false}, {0, 6, 4, false}, {0, 10, 5}}));
+    EXPECT_EQ(integrator_.passes,
+              (std::vector<Pass>{{0, 0, 1, false}, {0, 1, 5, false}, {0, 6, 4, false}, {0, 10, 5}}));
 
     integrator_.learner = nullptr;
     integrator_.passes.clear();
@@ -209,7 +226,7 @@ TEST_F(RenderLoop, ATimeBudgetEndsTheRenderAndItsLastWaveFits) {
     EXPECT_FALSE(result.cancelled);
     EXPECT_GT(result.samplesTaken, 10);
     EXPECT_LE(result.samplesTaken, 51);
-    EXPECT_GT(rounds_.size(), 2u);
+    EXPECT_GT(integrator_.seeds.size(), 2u);
     for (const Pass &p : integrator_.passes) EXPECT_FALSE(p.isCounted);
     // A budget that is over gives one sample all the same.
     integrator_.passes.clear();

@@ -1,0 +1,189 @@
+// From a description to everything a render needs.
+#include <gtest/gtest.h>
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/scenefile/parser.h"
+#include "support/build_text.h"
+
+namespace pbrt::test {
+namespace {
+
+constexpr const char *kBall = "Shape \"sphere\"\n";
+constexpr const char *kLamp = "LightSource \"point\" \"rgb I\" [2 2 2]\n";
+
+std::string Text(const std::string &options, const std::string &world) {
+    return options + "\nFilm \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 6\nWorldBegin\n" + world;
+}
+
+struct Outcome {
+    std::vector<Diagnostic> diagnostics;
+    bool isBuilt = false;
+    int Count(const std::string &text) const {
+        int n = 0;
+        for (const Diagnostic &d : diagnostics) n += d.message.find(text) != std::string::npos;
+        return n;
+    }
+};
+
+/// Builds and keeps what was said of it.
+Outcome Try(const std::string &text, const BuildOptions &options = {}) {
+    Outcome outcome;
+    DiagnosticSink sink;
+    SceneDescription description = ParseSceneText(text, sink);
+    Progress progress;
+    try {
+        BuildScene(description, options, AllSamplers(), sink, progress);
+        outcome.isBuilt = true;
+        outcome.diagnostics = sink.All();
+    } catch (const UserError &e) {
+        outcome.diagnostics = e.Diagnostics();
+    }
+    return outcome;
+}
+
+TEST(BuildScene, TakesSeedAndJitterFromTheSceneUnlessFlagsSaySo) {
+    const std::string text = Text("Option \"seed\" 5 Option \"disablepixeljitter\" true", kBall);
+    BuildOptions options;
+    BuiltScene built = BuildText(text, options);
+    EXPECT_EQ(built.seed, 5);
+    EXPECT_TRUE(built.Settings().disablePixelJitter);
+    EXPECT_FALSE(built.Settings().disableWavelengthJitter);
+    options.seed = 9;
+    options.disableWavelengthJitter = true;
+    options.samplesPerPixel = 3;
+    built = BuildText(text, options);
+    EXPECT_EQ(built.seed, 9);
+    EXPECT_TRUE(built.Settings().disablePixelJitter);
+    EXPECT_TRUE(built.Settings().disableWavelengthJitter);
+    EXPECT_EQ(built.Settings().samplesPerPixel, 3);
+}
+
+TEST(BuildScene, PreparationNamesTheScenesOwnParts) {
+    const BuiltScene built =
+        BuildText(Text("Integrator \"path\" \"integer maxdepth\" 7 Sampler \"independent\" \"integer pixelsamples\" 12 "
+                       "Option \"seed\" 4",
+                       kLamp));
+    Progress progress;
+    const PrepareContext context = built.Preparation(progress);
+    EXPECT_EQ(&context.scene, built.scene.get());
+    EXPECT_EQ(&context.camera, built.camera.get());
+    EXPECT_EQ(&context.filter, built.filter.get());
+    EXPECT_EQ(context.pixelBounds.high, Point2i(8, 6));
+    EXPECT_EQ(context.seed, 4);
+    EXPECT_EQ(context.samplesPerPixel, 12);
+    EXPECT_EQ(context.maxDepth, 7);
+    EXPECT_EQ(&context.progress, &progress);
+}
+
+TEST(BuildScene, MoreIntegratorsOverOneScene) {
+    BuildOptions options;
+    options.lightSampler = "power";
+    const BuiltScene built = BuildText(Text("Integrator \"path\" \"integer maxdepth\" 7", kLamp), options);
+    EXPECT_EQ(built.integratorName, "path");
+    EXPECT_EQ(built.lightSamplerName, "power");
+    LightChoice choice;
+    EXPECT_EQ(MakeIntegrator(built, choice).lightSamplerName, "power");
+    EXPECT_EQ(MakeIntegrator(built, choice).maxDepth, 7);
+    choice.lightSampler = "uniform";
+    choice.maxDepth = 2;
+    const BuiltIntegrator made = MakeIntegrator(built, choice);
+    EXPECT_EQ(made.lightSamplerName, "uniform");
+    EXPECT_EQ(made.maxDepth, 2);
+    EXPECT_EQ(built.maxDepth, 7);
+    EXPECT_NE(made.integrator->Lights(), nullptr);
+    EXPECT_NE(made.integrator->Lights(), built.integrator->Lights());
+    choice.lightSampler = "unifrom";
+    EXPECT_THROW(MakeIntegrator(built, choice), UserError);
+}
+
+TEST(BuildScene, MoreRgbFilmsLikeTheScenes) {
+    const BuiltScene built = BuildText(
+        "Film \"gbuffer\" \"integer xresolution\" 8 \"integer yresolution\" 6 "
+        "\"float iso\" 200 \"float cropwindow\" [0 .5 0 1]\nWorldBegin\n" +
+        std::string(kLamp));
+    const std::unique_ptr<Film> film = built.film->MakeRgbFilm();
+    EXPECT_EQ(film->PixelBounds().high, Point2i(4, 6));
+    EXPECT_EQ(film->FullResolution(), Point2i(8, 6));
+    EXPECT_FALSE(film->WantsVisibleSurface());
+    FilmSample sample;
+    sample.lambda = film->SampleWavelengths(0.5f);
+    sample.L = SampledSpectrum(0.01f);
+    film->AddSample(sample);
+    built.film->AddSample(sample);
+    const Image image = film->ToImage(), original = built.film->ToImage();
+    EXPECT_EQ(image.Format(), PixelFormat::Float);
+    EXPECT_EQ(image.ChannelCount(), 3);
+    EXPECT_NEAR(image.Get({0, 0}, 1) / original.Get({0, 0}, 1), 1, 1e-3f);
+    EXPECT_EQ(film->MakeRgbFilm()->ToImage().Get({0, 0}, 1), 0);
+}
+
+TEST(BuildScene, AllMistakesAreToldAtOnce) {
+    const Outcome outcome = Try(Text("Camera \"perspective\" \"float fov\" 500 Sampler \"soboll\"",
+                                     "Material \"metal\"\nShape \"spere\"\nLightSource \"pont\"\n"
+                                     "Texture \"t\" \"float\" \"checkered\""));
+    EXPECT_FALSE(outcome.isBuilt);
+    for (const char *word : {"fov", "soboll", "metal", "spere", "pont", "checkered"})
+        EXPECT_EQ(outcome.Count(word), 1) << word;
+}
+
+TEST(BuildScene, AMistakeInAFlagIsToldBeforeShapesAreRead) {
+    BuildOptions options;
+    options.lightSampler = "unifrom";
+    const Outcome outcome = Try(Text("Sampler \"soboll\"", "Shape \"spere\""), options);
+    EXPECT_EQ(outcome.Count("unifrom"), 1);
+    EXPECT_EQ(outcome.Count("soboll"), 1);
+    EXPECT_EQ(outcome.Count("spere"), 0);
+}
+
+TEST(BuildScene, NoLightIsAWarning) {
+    EXPECT_EQ(Try(Text("", kBall)).Count("no lights"), 1);
+    EXPECT_EQ(Try(Text("", std::string(kBall) + kLamp)).Count("no lights"), 0);
+}
+
+TEST(BuildScene, TheNameOfAPictureTellsWhatIsLeftOut) {
+    const std::string medium = "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\n";
+    const std::string text = "Film \"rgb\" \"string filename\" \"a/b.exr\"\n" + medium + "WorldBegin\n" + kLamp;
+    EXPECT_FALSE(Try(text).isBuilt);
+    BuildOptions options;
+    options.ignoreMedia = true;
+    BuiltScene built = BuildText(text, options);
+    EXPECT_EQ(built.filename, "a/b-without-media.exr");
+    ASSERT_EQ(built.leftOut.size(), 1u);
+    EXPECT_NE(built.leftOut[0].find("fog"), std::string::npos);
+    options.film.filename = "mine.exr";
+    EXPECT_EQ(BuildText(text, options).filename, "mine.exr");
+    EXPECT_EQ(BuildText(Text("", kLamp)).filename, "pbrt.exr");
+}
+
+TEST(BuildScene, AnOutputThatCannotBeWrittenIsToldFirst) {
+    BuildOptions options;
+    options.film.filename = "/nowhere/at/all.exr";
+    EXPECT_TRUE(Try(Text("", kLamp), options).isBuilt);
+    options.checksOutput = true;
+    EXPECT_EQ(Try(Text("", kLamp), options).Count("/nowhere/at/all.exr"), 1);
+    options.film.filename = ::testing::TempDir() + "fine.exr";
+    options.mseReferenceImage = "/nowhere/reference.exr";
+    EXPECT_EQ(Try(Text("", kLamp), options).Count("needs both"), 1);
+    options.mseReferenceOut = ::testing::TempDir() + "errors.txt";
+    EXPECT_EQ(Try(Text("", kLamp), options).Count("/nowhere/reference.exr"), 1);
+}
+
+TEST(BuildScene, ThreadsMakeNoDifference) {
+    std::string world = kLamp;
+    for (int i = 0; i < 40; ++i)
+        world += fmt::format("AttributeBegin Translate {} 0 9 Shape \"{}\" AttributeEnd\n", 3 * i,
+                             i % 3 ? "sphere" : "disk");
+    auto shapes = [&](int threads) {
+        const ThreadLimit limit(threads);
+        const BuiltScene built = BuildText(Text("", world));
+        std::vector<Float> areas;
+        for (uint32_t i = 0; i < built.scene->ShapeCount(); ++i)
+            areas.push_back(built.scene->ShapeOf(ShapeId(i)).PrimitiveBounds(0).SurfaceArea());
+        return areas;
+    };
+    EXPECT_EQ(shapes(1).size(), 40u);
+    EXPECT_EQ(shapes(1), shapes(4));
+}
+
+}  // namespace
+}  // namespace pbrt::test

@@ -1,0 +1,164 @@
+// The stages that make what looks at a scene.
+#include "pbrt/build/view.h"
+
+#include <gtest/gtest.h>
+
+#include "pbrt/scenefile/parser.h"
+
+namespace pbrt {
+namespace {
+
+SceneDescription Parse(const std::string &text) {
+    DiagnosticSink sink;
+    SceneDescription description = ParseSceneText(text + "\nWorldBegin\n", sink);
+    sink.ThrowIfErrors();
+    return description;
+}
+
+std::vector<std::string> Errors(const DiagnosticSink &sink) {
+    std::vector<std::string> errors;
+    for (const Diagnostic &d : sink.All())
+        if (d.severity == Severity::Error) errors.push_back(d.message);
+    return errors;
+}
+
+void ExpectPoint(const Point3 &p, const Point3 &expected) {
+    EXPECT_LT(Distance(p, expected), 1e-5f) << p.x << " " << p.y << " " << p.z;
+}
+
+TEST(PlaceCamera, RenderingSpaceIsWhereTheCameraIs) {
+    const SceneDescription d = Parse("LookAt 3 2 1  3 2 5  0 1 0 Camera \"perspective\"");
+    const Point3 eye(3, 2, 1), ahead(3, 2, 4);
+    auto place = [&](const char *system) {
+        DiagnosticSink sink;
+        BuildOptions options;
+        options.renderCoordSys = system;
+        const Placement placement = PlaceCamera(d, options, sink);
+        EXPECT_TRUE(placement.isKnown);
+        EXPECT_FALSE(sink.HasErrors());
+        // Wherever rendering space is, the camera sees the same.
+        ExpectPoint(placement.renderFromCamera.At(0).InversePoint(placement.renderFromWorld.Point(ahead)), {0, 0, 3});
+        ExpectPoint(placement.worldFromCamera.At(0).Point({0, 0, 3}), ahead);
+        return placement.renderFromWorld;
+    };
+    for (const char *system : {"", "cameraworld"}) {
+        ExpectPoint(place(system).Point(eye), {0, 0, 0});
+        ExpectPoint(place(system).Point(ahead), {0, 0, 3});
+    }
+    ExpectPoint(place("camera").Point(eye), {0, 0, 0});
+    ExpectPoint(place("world").Point(eye), eye);
+}
+
+TEST(PlaceCamera, TheSceneNamesTheSpaceUnlessAFlagDoes) {
+    const SceneDescription d = Parse("Option \"rendercoordsys\" \"world\"\nLookAt 3 2 1  3 2 5  0 1 0 Camera \"perspective\"");
+    DiagnosticSink sink;
+    BuildOptions options;
+    ExpectPoint(PlaceCamera(d, options, sink).renderFromWorld.Point({1, 1, 1}), {1, 1, 1});
+    options.renderCoordSys = "cameraworld";
+    ExpectPoint(PlaceCamera(d, options, sink).renderFromWorld.Point({3, 2, 1}), {0, 0, 0});
+    options.renderCoordSys = "nowhere";
+    EXPECT_FALSE(PlaceCamera(d, options, sink).isKnown);
+    ASSERT_EQ(Errors(sink).size(), 1u);
+    EXPECT_NE(Errors(sink)[0].find("\"nowhere\" is unknown"), std::string::npos) << Errors(sink)[0];
+}
+
+TEST(PlaceCamera, AMovingCameraIsAtTheOriginHalfway) {
+    const SceneDescription d =
+        Parse("ActiveTransform EndTime Translate -4 0 0 ActiveTransform All\nCamera \"perspective\"");
+    DiagnosticSink sink;
+    const Placement placement = PlaceCamera(d, {}, sink);
+    ASSERT_TRUE(placement.isKnown);
+    EXPECT_TRUE(placement.renderFromCamera.IsAnimated());
+    ExpectPoint(placement.renderFromCamera.At(0).Point(Point3(0)), {-2, 0, 0});
+    ExpectPoint(placement.renderFromCamera.At(0.5f).Point(Point3(0)), {0, 0, 0});
+    ExpectPoint(placement.renderFromCamera.At(1).Point(Point3(0)), {2, 0, 0});
+}
+
+TEST(PlaceCamera, ACameraWithoutAPlaceIsAnErrorAtItsDirective) {
+    const SceneDescription d = Parse("Scale 1 0 1\nCamera \"perspective\"");
+    DiagnosticSink sink;
+    const Placement placement = PlaceCamera(d, {}, sink);
+    EXPECT_FALSE(placement.isKnown);
+    ASSERT_EQ(Errors(sink).size(), 1u);
+    EXPECT_EQ(sink.All()[0].loc.line, 2);
+    ExpectPoint(placement.renderFromWorld.Point({1, 2, 3}), {1, 2, 3});
+}
+
+TEST(MakeView, TakesWhatTheSceneSays) {
+    SceneDescription d = Parse(
+        "Film \"gbuffer\" \"integer xresolution\" 40 \"integer yresolution\" 30 \"float diagonal\" 20\n"
+        "Sampler \"independent\" \"integer pixelsamples\" 7\nPixelFilter \"triangle\" \"float xradius\" 3\n"
+        "Camera \"perspective\" \"float shutteropen\" 1 \"float shutterclose\" 3");
+    DiagnosticSink sink;
+    const View view = MakeView(d, {}, {}, 0, sink);
+    EXPECT_FALSE(sink.HasErrors());
+    EXPECT_EQ(view.film->FullResolution(), Point2i(40, 30));
+    EXPECT_EQ(view.film->DiagonalMm(), 20);
+    EXPECT_TRUE(view.film->WantsVisibleSurface());
+    EXPECT_EQ(view.sampler->SamplesPerPixel(), 7);
+    EXPECT_EQ(view.filter->Radius().x, 3);
+    EXPECT_EQ(view.camera->ShutterClose(), 3);
+}
+
+TEST(MakeView, QuickMeansAQuarterOfTheResolutionAndOneSample) {
+    SceneDescription d = Parse(
+        "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 30\n"
+        "Sampler \"independent\" \"integer pixelsamples\" 7");
+    DiagnosticSink sink;
+    BuildOptions options;
+    options.quick = true;
+    View view = MakeView(d, options, {}, 0, sink);
+    EXPECT_EQ(view.film->FullResolution(), Point2i(10, 7));
+    EXPECT_EQ(view.sampler->SamplesPerPixel(), 1);
+    options.samplesPerPixel = 5;
+    EXPECT_EQ(MakeView(d, options, {}, 0, sink).sampler->SamplesPerPixel(), 5);
+}
+
+TEST(MakeView, TheShutterTimeIsTheExposure) {
+    auto brightness = [](const char *shutter) {
+        SceneDescription d = Parse(
+            "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\n"
+            "Camera \"perspective\" " +
+            std::string(shutter));
+        DiagnosticSink sink;
+        const View view = MakeView(d, {}, {}, 0, sink);
+        FilmSample sample;
+        sample.lambda = view.film->SampleWavelengths(0.5f);
+        sample.L = SampledSpectrum(0.01f);
+        view.film->AddSample(sample);
+        return view.film->ToImage().Get({0, 0}, 1);
+    };
+    const Float one = brightness("");
+    EXPECT_GT(one, 0);
+    EXPECT_NEAR(brightness("\"float shutterclose\" 0.5") / one, 0.5f, 1e-2f);
+    EXPECT_NEAR(brightness("\"float shutteropen\" 4 \"float shutterclose\" 2") / one, 2, 1e-2f);
+}
+
+Float FirstNumber(const View &view) {
+    view.sampler->StartPixelSample({3, 4}, 0);
+    return view.sampler->Get1D();
+}
+
+TEST(MakeView, TheSamplersOwnSeedBeatsTheOthers) {
+    auto number = [](const char *parameter, int seed) {
+        SceneDescription d = Parse("Sampler \"independent\" " + std::string(parameter));
+        DiagnosticSink sink;
+        return FirstNumber(MakeView(d, {}, {}, seed, sink));
+    };
+    EXPECT_EQ(number("\"integer seed\" 3", 0), number("", 3));
+    EXPECT_EQ(number("\"integer seed\" 3", 8), number("", 3));
+    EXPECT_NE(number("", 8), number("", 3));
+}
+
+TEST(MakeView, OneMistakeDoesNotHideAnother) {
+    SceneDescription d = Parse(
+        "Film \"rgb\" \"integer xresolution\" -1\nPixelFilter \"boxx\"\n"
+        "Sampler \"independent\" \"integer pixelsamples\" 0\nCamera \"perspective\" \"float fov\" 500");
+    DiagnosticSink sink;
+    const View view = MakeView(d, {}, {}, 0, sink);
+    EXPECT_EQ(Errors(sink).size(), 4u);
+    EXPECT_FALSE(view.film || view.filter || view.sampler || view.camera);
+}
+
+}  // namespace
+}  // namespace pbrt

@@ -1,0 +1,149 @@
+// What a surface point scatters and emits, and the filter footprint there.
+#include "pbrt/scene/shading.h"
+
+#include <gtest/gtest.h>
+
+#include "pbrt/scene/footprint.h"
+#include "support/build_text.h"
+
+namespace pbrt::test {
+namespace {
+
+const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
+
+BuiltScene Build(const std::string &world) {
+    return BuildText(
+        "Option \"rendercoordsys\" \"world\" LookAt 0 0 4  0 0 0  0 1 0 Camera \"perspective\" \"float fov\" 60\n"
+        "Film \"rgb\" \"integer xresolution\" 100 \"integer yresolution\" 100\nWorldBegin\n" +
+        world);
+}
+
+/// What is seen from z = 4 down the z axis at (x, y).
+SurfacePoint PointAt(const BuiltScene &built, Float x = 0.2f, Float y = 0.1f, Float z = 4, Float direction = -1) {
+    Ray ray;
+    ray.o = {x, y, z};
+    ray.d = {0, 0, direction};
+    std::optional<SurfacePoint> point = built.scene->Intersect(ray);
+    EXPECT_TRUE(point);
+    return *point;
+}
+
+constexpr const char *kQuad = "Shape \"bilinearmesh\" \"point3 P\" [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]\n";
+
+Float Mean(const SampledSpectrum &s) { return s.Average(); }
+
+TEST(Shading, SurfacesScatterByTheirMaterial) {
+    const BuiltScene built = Build("Material \"diffuse\" \"rgb reflectance\" [.6 .6 .6]\n" + std::string(kQuad));
+    SurfacePoint point = PointAt(built);
+    SampledWavelengths lambda = kLambda;
+    const Bsdf bsdf = ComputeBsdf(*built.scene, point, lambda);
+    ASSERT_TRUE(bsdf);
+    EXPECT_NEAR(Mean(bsdf.F(point.wo, Normalize(Vector3(1, 0, 1)))), 0.6f / Pi, 1e-3f);
+    EXPECT_FALSE(lambda.SecondaryTerminated());
+}
+
+TEST(Shading, InterfacesDoNotScatter) {
+    for (const char *material : {"Material \"interface\"\n", "Material \"\"\n"}) {
+        const BuiltScene built = Build(material + std::string(kQuad));
+        SurfacePoint point = PointAt(built);
+        SampledWavelengths lambda = kLambda;
+        EXPECT_FALSE(ComputeBsdf(*built.scene, point, lambda)) << material;
+    }
+}
+
+TEST(Shading, DispersionEndsTheOtherWavelengths) {
+    const BuiltScene built = Build("Material \"dielectric\" \"spectrum eta\" \"glass-F11\"\n" + std::string(kQuad));
+    SurfacePoint point = PointAt(built);
+    SampledWavelengths lambda = kLambda;
+    EXPECT_TRUE(ComputeBsdf(*built.scene, point, lambda));
+    EXPECT_TRUE(lambda.SecondaryTerminated());
+}
+
+TEST(Shading, MixturesTakeOneOfTheirMaterialsPerPoint) {
+    const BuiltScene built = Build(
+        "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb reflectance\" [.2 .2 .2]\n"
+        "MakeNamedMaterial \"b\" \"string type\" \"diffuse\" \"rgb reflectance\" [.8 .8 .8]\n"
+        "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" 0.25\n" +
+        std::string(kQuad));
+    int light = 0;
+    constexpr int kPoints = 2000;
+    for (int i = 0; i < kPoints; ++i) {
+        SurfacePoint point = PointAt(built, -0.9f + 1.8f * static_cast<Float>(i) / kPoints, 0.3f);
+        SampledWavelengths lambda = kLambda;
+        const Float albedo =
+            Pi * Mean(ComputeBsdf(*built.scene, point, lambda).F(point.wo, Normalize(Vector3(1, 0, 1))));
+        EXPECT_TRUE(std::abs(albedo - 0.2f) < 3e-3f || std::abs(albedo - 0.8f) < 3e-3f) << albedo;
+        light += albedo > 0.5f;
+    }
+    EXPECT_NEAR(light / double(kPoints), 0.25, 0.05);
+}
+
+TEST(Shading, LampsEmitFromTheirFrontUnlessTwosided) {
+    for (const char *sides : {"", "\"bool twosided\" true"}) {
+        const BuiltScene built =
+            Build("AreaLightSource \"diffuse\" \"rgb L\" [3 3 3] " + std::string(sides) + "\n" + kQuad);
+        const SurfacePoint above = PointAt(built), below = PointAt(built, 0.2f, 0.1f, -4, 1);
+        const Float up = Mean(EmittedRadiance(*built.scene, above, kLambda)),
+                    down = Mean(EmittedRadiance(*built.scene, below, kLambda));
+        EXPECT_GT(std::max(up, down), 0);
+        if (*sides)
+            EXPECT_EQ(up, down);
+        else
+            EXPECT_EQ(std::min(up, down), 0);
+    }
+    const BuiltScene dark = Build(kQuad);
+    EXPECT_EQ(Mean(EmittedRadiance(*dark.scene, PointAt(dark), kLambda)), 0);
+}
+
+TEST(Shading, OnlySubsurfaceMaterialsLetLightComeOutElsewhere) {
+    const BuiltScene wax = Build("Material \"subsurface\"\n" + std::string(kQuad)),
+                     glass = Build("Material \"dielectric\"\n" + std::string(kQuad));
+    EXPECT_TRUE(ComputeBssrdf(*wax.scene, PointAt(wax), kLambda));
+    EXPECT_FALSE(ComputeBssrdf(*glass.scene, PointAt(glass), kLambda));
+}
+
+TEST(Footprint, IsThePixelsSizeWhereTheCameraLooks) {
+    const BuiltScene built = Build(kQuad);
+    CameraSample sample;
+    sample.pFilm = {50, 50};
+    const CameraRay ray = *built.camera->GenerateRay(sample, kLambda);
+    SurfacePoint point = *built.scene->Intersect(ray.ray);
+    ComputeFootprint(point, ray.differential, *built.camera, 1);
+    // 100 pixels over 60 degrees at distance 4.
+    const Float pixel = 2 * 4 * std::tan(Radians(30)) / 100;
+    EXPECT_NEAR(Length(point.dpdx), pixel, 1e-3f * pixel);
+    EXPECT_NEAR(Length(point.dpdy), pixel, 1e-3f * pixel);
+    EXPECT_NEAR(Dot(point.dpdx, point.dpdy), 0, 1e-3f * pixel * pixel);
+    // The quad is 2 wide, and its parameters go from 0 to 1.
+    EXPECT_NEAR(std::abs(point.dudx), pixel / 2, 1e-3f * pixel);
+    EXPECT_NEAR(std::abs(point.dvdy), pixel / 2, 1e-3f * pixel);
+    EXPECT_NEAR(point.dudy, 0, 1e-3f * pixel);
+    // Without differentials it is the camera's estimate, that of the film's corner, whose pixels see the smallest
+    // angles; it shrinks with the number of samples.
+    ComputeFootprint(point, {}, *built.camera, 1);
+    EXPECT_LT(Length(point.dpdx), pixel);
+    EXPECT_GT(Length(point.dpdx), 0.5f * pixel);
+    const Float one = Length(point.dpdx);
+    ComputeFootprint(point, {}, *built.camera, 16);
+    EXPECT_NEAR(Length(point.dpdx) / one, 0.25f, 1e-2f);
+}
+
+TEST(Footprint, AFlatMirrorKeepsTheSpreadOfRays) {
+    const BuiltScene built = Build(kQuad);
+    CameraSample sample;
+    sample.pFilm = {60, 45};
+    const CameraRay ray = *built.camera->GenerateRay(sample, kLambda);
+    SurfacePoint point = *built.scene->Intersect(ray.ray);
+    ComputeFootprint(point, ray.differential, *built.camera, 1);
+    const Vector3 d = ray.ray.d;
+    const Vector3 wi(d.x, d.y, -d.z);
+    const RayDifferential reflected = ReflectDifferential(point, ray.differential, wi);
+    ASSERT_TRUE(reflected.valid);
+    const Vector3 rx = ray.differential.rxDirection;
+    EXPECT_LT(Length(reflected.rxDirection - Vector3(rx.x, rx.y, -rx.z)), 1e-4f);
+    EXPECT_LT(Length(reflected.rxOrigin - (point.p + point.dpdx)), 1e-4f);
+    EXPECT_FALSE(ReflectDifferential(point, {}, wi).valid);
+}
+
+}  // namespace
+}  // namespace pbrt::test

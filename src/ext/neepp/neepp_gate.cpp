@@ -1,5 +1,7 @@
 #include "ext/neepp/neepp_gate.h"
 
+#include <nlohmann/json.hpp>
+
 namespace ext {
 
 void NeeppGate::Prepare(PrepareContext &context) { map_.Prepare(context, groups_); }

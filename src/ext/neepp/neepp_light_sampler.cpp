@@ -1,5 +1,7 @@
 #include "ext/neepp/neepp_light_sampler.h"
 
+#include <nlohmann/json.hpp>
+
 #include "ext/voxels/fixed_cdf.h"
 
 namespace ext {

@@ -1,6 +1,7 @@
 #include "ext/neepp/visibility_map.h"
 
 #include <chrono>
+#include <nlohmann/json.hpp>
 
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"

@@ -1,6 +1,7 @@
 #include "ext/octree/paper_octree_light_sampler.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "ext/octree/light_octree_builder.h"
 #include "ext/prepass/prepass.h"

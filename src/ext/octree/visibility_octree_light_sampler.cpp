@@ -1,6 +1,7 @@
 #include "ext/octree/visibility_octree_light_sampler.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "ext/octree/prepass_effort.h"
 #include "ext/octree/visibility_records.h"

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "ext/neepp/neepp_gate.h"
 #include "ext/neepp/neepp_light_sampler.h"

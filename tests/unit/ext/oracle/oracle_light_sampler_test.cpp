@@ -1,6 +1,7 @@
 #include "ext/oracle/oracle_light_sampler.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "ext/oracle/least_variance.h"
 #include "pbrt/core/counters.h"

@@ -1,6 +1,7 @@
 #include "pbrt/lab/campaign.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include <algorithm>

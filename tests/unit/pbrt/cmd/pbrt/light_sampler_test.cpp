@@ -74,7 +74,7 @@ TEST_F(LightSamplers, WrongSpecsAreShownWithTheChoices) {
                   {"--lightsampler octree:leaves scene.pbrt", {"\"leaves=value\""}},
                   {"--lightsampler octree: scene.pbrt", {"leaves"}},
                   {"--lightsampler octree:leaves=63 scene.pbrt", {"--lightsampler:1:7", "63", "64", "16777216"}},
-                  {"--lightsampler octree:floor=1.5 scene.pbrt", {"floor", "1.5", "from 0 to 1"}},
+                  {"--lightsampler octree:floor=1.5 scene.pbrt", {"floor", "1.5", "at least 0 and at most 1"}},
                   {"--lightsampler octree:model=papr scene.pbrt", {"papr", "visibility", "paper"}},
                   {"--lightsampler octree:floor=nan scene.pbrt", {"floor"}}});
 }
@@ -110,7 +110,7 @@ TEST_F(LightSamplers, CaretsStandUnderTheMistakeInTheWholeFlag) {
          {"--lightsampler bvh+gate=neepp:voxels=-1 scene.pbrt",
           {"neepp.voxels", under("bvh+gate=neepp:voxels=-1", 15)}},
          // All mistakes at once.
-         {"--lightsampler octree:x=1,floor=7+gate=y scene.pbrt", {"\"x\"", "\"y\"", "from 0 to 1", "3 errors"}}});
+         {"--lightsampler octree:x=1,floor=7+gate=y scene.pbrt", {"\"x\"", "\"y\"", "at least 0 and at most 1", "3 errors"}}});
 }
 
 TEST_F(LightSamplers, ParametersWithoutEffectAreWarnings) {

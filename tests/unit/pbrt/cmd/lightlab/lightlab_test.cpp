@@ -196,7 +196,8 @@ TEST_F(Lightlab, NumbersOutOfRangeAreShownWhereTheyWereWritten) {
         GTEST_SKIP() << "NOT TESTED: this build has no src/ext (PBRT_EXT=OFF); no other sampler takes numbers";
     EXPECT_EQ(inspect.status, 1);
     EXPECT_TRUE(Has(inspect.err, "--sampler:1:7")) << inspect.err;
-    ExpectErrors({{"scene.pbrt --samplers uniform,octree:leaves=0", {"--samplers:1:7", "octree.leaves", "at least 64 and at most"}},
+    ExpectErrors({{"scene.pbrt --samplers uniform,octree:leaves=0",
+                   {"--samplers:1:7", "octree.leaves", "at least 64 and at most"}},
                   {"scene.pbrt --samplers uniform+gate=neepp:voxels=-1", {"--samplers:1:19", "neepp.voxels"}}});
     EXPECT_FALSE(std::filesystem::exists(Path("scene-lab")));
 }

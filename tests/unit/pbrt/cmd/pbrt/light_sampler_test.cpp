@@ -102,15 +102,15 @@ TEST_F(LightSamplers, CaretsStandUnderTheMistakeInTheWholeFlag) {
     };
     ExpectErrors({{"--lightsampler bvh+mush scene.pbrt", {"\"+mush\"", "+mesh", under("bvh+mush", 3)}}});
     PBRT_SKIP_WITHOUT_EXT();
-    ExpectErrors(
-        {{"--lightsampler bvh+gate=nep scene.pbrt",
-          {"\"nep\" is not a shadow-ray gate", "neepp", under("bvh+gate=nep", 9)}},
-         {"--lightsampler bvh+gate=neepp:voxls=3 scene.pbrt",
-          {"did you mean \"voxels\"?", under("bvh+gate=neepp:voxls=3", 15)}},
-         {"--lightsampler bvh+gate=neepp:voxels=-1 scene.pbrt",
-          {"neepp.voxels", under("bvh+gate=neepp:voxels=-1", 15)}},
-         // All mistakes at once.
-         {"--lightsampler octree:x=1,floor=7+gate=y scene.pbrt", {"\"x\"", "\"y\"", "at least 0 and at most 1", "3 errors"}}});
+    ExpectErrors({{"--lightsampler bvh+gate=nep scene.pbrt",
+                   {"\"nep\" is not a shadow-ray gate", "neepp", under("bvh+gate=nep", 9)}},
+                  {"--lightsampler bvh+gate=neepp:voxls=3 scene.pbrt",
+                   {"did you mean \"voxels\"?", under("bvh+gate=neepp:voxls=3", 15)}},
+                  {"--lightsampler bvh+gate=neepp:voxels=-1 scene.pbrt",
+                   {"neepp.voxels", under("bvh+gate=neepp:voxels=-1", 15)}},
+                  // All mistakes at once.
+                  {"--lightsampler octree:x=1,floor=7+gate=y scene.pbrt",
+                   {"\"x\"", "\"y\"", "at least 0 and at most 1", "3 errors"}}});
 }
 
 TEST_F(LightSamplers, ParametersWithoutEffectAreWarnings) {

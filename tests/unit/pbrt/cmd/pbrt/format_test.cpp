@@ -142,7 +142,7 @@ TEST_F(Format, PagesAreWhatTheProgramLists) {
 
 TEST_F(Format, OneFamilyIsListedAndAnUnknownOneIsAnError) {
     EXPECT_TRUE(Has(Run("--list cameras").out, "float fov = 90 (above 0, below 180 degrees)\n        "));
-    EXPECT_EQ("\n" + Run("--list lightsamplers").out, LightSamplerListing());
+    EXPECT_EQ(Run("--list lightsamplers").out, LightSamplerListing().substr(1));  // which begins with a line break
     const Outcome o = Run("--list camera");
     EXPECT_EQ(o.status, 1);
     EXPECT_TRUE(Has(o.err, "did you mean \"cameras\"?")) << o.err;

@@ -2,12 +2,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "ext/voxels/fixed_cdf.h"
-
 namespace ext {
 
 NeeppLightSampler::NeeppLightSampler(const LightTable &lights, const NeeppParams &params)
-    : GroupLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()), params_(params), map_(params.map) {}
+    : VoxelLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()), params_(params), map_(params.map) {}
 
 void NeeppLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
@@ -17,6 +15,7 @@ void NeeppLightSampler::Prepare(PrepareContext &context) {
 }
 
 std::span<const uint32_t> NeeppLightSampler::Cdf(const Point3 &p) const {
+    if (!prepared_) return {};
     uint32_t voxel = map_.Grid().Index(p);
     return cdfs_.Get(voxel, [&](std::span<uint32_t> begins) {
         std::span<const uint8_t> row = map_.Row(voxel);
@@ -25,24 +24,6 @@ std::span<const uint32_t> NeeppLightSampler::Cdf(const Point3 &p) const {
             weights[g] = static_cast<double>(std::max(map_.GroupVisibility(row, g), params_.floor));
         BuildFixedCdf(weights, begins);
     });
-}
-
-const void *NeeppLightSampler::WeighGroups(const LightQuery &query, LightMemory &) const {
-    return prepared_ ? Cdf(query.p).data() : nullptr;
-}
-
-std::optional<GroupLightSampler::ChosenGroup> NeeppLightSampler::ChooseGroup(const LightQuery &query,
-                                                                             const void *weights, Float u) const {
-    if (!weights) return SampleUniformly(query, u);
-    const std::span<const uint32_t> cdf(static_cast<const uint32_t *>(weights), groups_.Size());
-    const uint32_t group = SampleFixedCdf(cdf, u, query.p);
-    const Float pmf = FixedCdfPMF(cdf, group);
-    return ChosenGroup{group, pmf, LightGroups::InnerNumber(u, query.p, FixedCdfBegin(cdf, group), pmf)};
-}
-
-Float NeeppLightSampler::GroupProbability(const LightQuery &, const void *weights, uint32_t group) const {
-    if (!weights) return 1 / static_cast<Float>(groups_.Size());
-    return FixedCdfPMF({static_cast<const uint32_t *>(weights), groups_.Size()}, group);
 }
 
 void NeeppLightSampler::Report(nlohmann::ordered_json &report) const {

@@ -1,13 +1,13 @@
 #pragma once
 #include "ext/neepp/visibility_map.h"
-#include "pbrt/lightsamplers/group_light_sampler.h"
+#include "ext/voxels/voxel_light_sampler.h"
 
 namespace ext {
 
 /// NEE++ (Guo et al. 2020, as Noh, Choi and Moon 2023 describe it): lights in proportion to the stored visibility
 /// between the point's voxel and the lights' voxels. Nothing else counts, neither power nor distance. Visibility below
 /// the floor counts as the floor, so every light can be chosen. Before Prepare all groups have the same share.
-class NeeppLightSampler final : public GroupLightSampler {
+class NeeppLightSampler final : public VoxelLightSampler {
   public:
     NeeppLightSampler(const LightTable &lights, const NeeppParams &params);
 
@@ -19,11 +19,8 @@ class NeeppLightSampler final : public GroupLightSampler {
     const VisibilityMap &Map() const { return map_; }
 
   private:
-    const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
-    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
-    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
-    /// Fixed-point running sums over groups; filled now if need be.
-    std::span<const uint32_t> Cdf(const Point3 &p) const;
+    /// Filled now if need be.
+    std::span<const uint32_t> Cdf(const Point3 &p) const override;
 
     NeeppParams params_;
     VisibilityMap map_;

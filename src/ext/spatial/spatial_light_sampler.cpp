@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "ext/voxels/fixed_cdf.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/math/low_discrepancy.h"
@@ -25,7 +24,7 @@ Float Shifted(Float u, Float shift) {
 }  // namespace
 
 SpatialLightSampler::SpatialLightSampler(const LightTable &lights, const SpatialParams &params)
-    : GroupLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()), lights_(lights), params_(params) {
+    : VoxelLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()), lights_(lights), params_(params) {
     points_.resize(static_cast<size_t>(params.samples));
     for (size_t i = 0; i < points_.size(); ++i) {
         points_[i].place = {RadicalInverse(2, i), RadicalInverse(3, i), RadicalInverse(5, i)};
@@ -78,6 +77,7 @@ std::vector<double> SpatialLightSampler::UnshadowedContributions(uint32_t voxel)
 }
 
 std::span<const uint32_t> SpatialLightSampler::Cdf(const Point3 &p) const {
+    if (!prepared_) return {};
     uint32_t voxel = grid_.Index(p);
     return cdfs_.Get(voxel, [&](std::span<uint32_t> begins) {
         std::vector<double> f = UnshadowedContributions(voxel);
@@ -86,24 +86,6 @@ std::span<const uint32_t> SpatialLightSampler::Cdf(const Point3 &p) const {
         for (double &v : f) v = std::max(v, least);
         BuildFixedCdf(f, begins);
     });
-}
-
-const void *SpatialLightSampler::WeighGroups(const LightQuery &query, LightMemory &) const {
-    return prepared_ ? Cdf(query.p).data() : nullptr;
-}
-
-std::optional<GroupLightSampler::ChosenGroup> SpatialLightSampler::ChooseGroup(const LightQuery &query,
-                                                                               const void *weights, Float u) const {
-    if (!weights) return SampleUniformly(query, u);
-    const std::span<const uint32_t> cdf(static_cast<const uint32_t *>(weights), groups_.Size());
-    const uint32_t group = SampleFixedCdf(cdf, u, query.p);
-    const Float pmf = FixedCdfPMF(cdf, group);
-    return ChosenGroup{group, pmf, LightGroups::InnerNumber(u, query.p, FixedCdfBegin(cdf, group), pmf)};
-}
-
-Float SpatialLightSampler::GroupProbability(const LightQuery &, const void *weights, uint32_t group) const {
-    if (!weights) return 1 / static_cast<Float>(groups_.Size());
-    return FixedCdfPMF({static_cast<const uint32_t *>(weights), groups_.Size()}, group);
 }
 
 void SpatialLightSampler::Report(nlohmann::ordered_json &report) const {

@@ -2,7 +2,7 @@
 #include "ext/spatial/spatial_params.h"
 #include "ext/voxels/lazy_rows.h"
 #include "ext/voxels/voxel_grid.h"
-#include "pbrt/lightsamplers/group_light_sampler.h"
+#include "ext/voxels/voxel_light_sampler.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 
 namespace ext {
@@ -14,7 +14,7 @@ namespace ext {
 ///
 /// A voxel's distribution is made when a path first asks for it and depends on the voxel and the seed only. Before
 /// Prepare there is no grid and all groups have the same share.
-class SpatialLightSampler final : public GroupLightSampler {
+class SpatialLightSampler final : public VoxelLightSampler {
   public:
     SpatialLightSampler(const LightTable &lights, const SpatialParams &params);
 
@@ -28,17 +28,14 @@ class SpatialLightSampler final : public GroupLightSampler {
     std::vector<double> UnshadowedContributions(uint32_t voxel) const;
 
   private:
-    const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
-    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
-    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
     /// One low-discrepancy point: where in the voxel, and the numbers for the light sample.
     struct VoxelPoint {
         Vector3 place{};
         Float uMember = 0;
         Point2 uLight{};
     };
-    /// Fixed-point running sums over groups; filled now if need be.
-    std::span<const uint32_t> Cdf(const Point3 &p) const;
+    /// Filled now if need be.
+    std::span<const uint32_t> Cdf(const Point3 &p) const override;
 
     const LightTable &lights_;
     SpatialParams params_;

@@ -8,9 +8,8 @@ namespace pbrt {
 
 namespace {
 
-/// Rendering space is world space moved so that the camera sits at the origin halfway between the transform times, or
-/// as
-/// --render-coord-sys says.
+/// Rendering space is world space moved so that the camera sits at the origin halfway between the transform times,
+/// unless the flag --render-coord-sys says otherwise.
 Transform RenderFromWorld(const SceneDescription &d, const AnimatedTransform &worldFromCamera,
                           const BuildOptions &options) {
     std::string which =

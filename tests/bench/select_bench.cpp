@@ -41,7 +41,7 @@ void SampleCost(benchmark::State &state, const std::string &name) {
     LightSamplerRegistry registry;
     RegisterStockLightSamplers(registry);
     const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
-    auto sampler = registry.Find(name).make(table->Parts(), ParamSet());
+    auto sampler = registry.samplers.Find(name).make(ParamSet(), table->Parts());
     std::vector<LightQuery> queries = Queries();
     Rng rng(3);
     size_t i = 0;
@@ -52,7 +52,7 @@ void PmfCost(benchmark::State &state, const std::string &name) {
     LightSamplerRegistry registry;
     RegisterStockLightSamplers(registry);
     const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
-    auto sampler = registry.Find(name).make(table->Parts(), ParamSet());
+    auto sampler = registry.samplers.Find(name).make(ParamSet(), table->Parts());
     std::vector<LightQuery> queries = Queries();
     Rng rng(3);
     size_t i = 0;
@@ -65,13 +65,13 @@ void BuildCost(benchmark::State &state, const std::string &name) {
     LightSamplerRegistry registry;
     RegisterStockLightSamplers(registry);
     const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
-    for (auto _ : state) benchmark::DoNotOptimize(registry.Find(name).make(table->Parts(), ParamSet()));
+    for (auto _ : state) benchmark::DoNotOptimize(registry.samplers.Find(name).make(ParamSet(), table->Parts()));
 }
 
 const bool kRegistered = [] {
     LightSamplerRegistry registry;
     RegisterStockLightSamplers(registry);
-    for (const std::string &name : registry.Names())
+    for (const std::string &name : registry.samplers.Names())
         for (int64_t lights : {1, 10, 100, 10000}) {
             benchmark::RegisterBenchmark(("Sample/" + name).c_str(), SampleCost, name)->Arg(lights);
             benchmark::RegisterBenchmark(("PMF/" + name).c_str(), PmfCost, name)->Arg(lights);

@@ -17,7 +17,7 @@ namespace {
 /// Every registered gate; other parameters where they make another gate of it.
 std::vector<std::string> GateLabels() {
     std::vector<std::string> labels;
-    for (const std::string &name : AllSamplers().GateNames()) {
+    for (const std::string &name : AllSamplers().gates.Names()) {
         labels.push_back(name);
         if (name == "neepp") labels.push_back("neepp:voxels=4,samples=1,minimum=0.02");
     }
@@ -26,7 +26,7 @@ std::vector<std::string> GateLabels() {
 
 std::unique_ptr<ShadowRayGate> MakeGate(const std::string &label, const SceneFixture &fixture) {
     ShadowGateSpec spec = ReadLightSelection("uniform+gate=" + label, AllSamplers()).gate;
-    return spec.entry->make(fixture.Lights(), spec.params);
+    return spec.entry->make(spec.params, fixture.Lights());
 }
 std::unique_ptr<ShadowRayGate> MakePrepared(const std::string &label, const SceneFixture &fixture) {
     std::unique_ptr<ShadowRayGate> gate = MakeGate(label, fixture);
@@ -117,7 +117,7 @@ Image Render(const SceneFixture &fixture, std::unique_ptr<ShadowRayGate> gate, i
     PathContext context{*built.scene, *built.camera, samplesPerPixel, true};
     PathSettings path;
     path.maxDepth = 2;
-    const LightSamplerRegistry::Entry &uniform = AllSamplers().Find("uniform");
+    const LightSamplerRegistry::Entry &uniform = AllSamplers().samplers.Find("uniform");
     PathIntegrator integrator(context, path, AllSamplers().Make(uniform, fixture.Lights(), ParamSet(), false),
                               std::move(gate));
     Progress progress;
@@ -176,7 +176,7 @@ TEST(GateContractPower, AGateThatIsTwoPercentOffIsNoticed) {
 }
 
 TEST(GateContractPower, EveryRegisteredGateIsTested) {
-    EXPECT_GE(GateLabels().size(), AllSamplers().GateNames().size());
+    EXPECT_GE(GateLabels().size(), AllSamplers().gates.Names().size());
 }
 
 std::string Identifier(std::string s) {

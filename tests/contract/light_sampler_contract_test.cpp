@@ -75,7 +75,8 @@ const SamplerSubject &SubjectOf(const std::string &samplerName, const std::strin
     SamplerSubject &s = subjects[{samplerName, fixtureName}];
     if (s.sampler) return s;
     const ContractFixture &fixture = *FixtureOf(fixtureName).fixture;
-    std::unique_ptr<LightSampler> sampler = Registry().Find(samplerName).make(fixture.lights->Parts(), ParamSet());
+    std::unique_ptr<LightSampler> sampler =
+        Registry().samplers.Find(samplerName).make(ParamSet(), fixture.lights->Parts());
     if (fixture.prepare) fixture.prepare(*sampler);
     s = SamplerSubject(std::move(sampler), fixture.queries, fixture.lights->Size());
     return s;
@@ -113,7 +114,8 @@ std::vector<std::string> FixtureNames() {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LightSamplerContract,
-                         testing::Combine(testing::ValuesIn(Registry().Names()), testing::ValuesIn(FixtureNames())),
+                         testing::Combine(testing::ValuesIn(Registry().samplers.Names()),
+                                          testing::ValuesIn(FixtureNames())),
                          [](const auto &c) { return std::get<0>(c.param) + "_" + std::get<1>(c.param); });
 
 }  // namespace

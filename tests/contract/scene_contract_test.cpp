@@ -15,10 +15,10 @@ namespace {
 /// another sampler of it.
 std::vector<std::string> SamplerLabels() {
     std::vector<std::string> labels;
-    for (const std::string &name : AllSamplers().Names()) {
-        const LightSamplerRegistry::Entry &entry = AllSamplers().Find(name);
+    for (const std::string &name : AllSamplers().samplers.Names()) {
+        const LightSamplerRegistry::Entry &entry = AllSamplers().samplers.Find(name);
         labels.push_back(name);
-        if (entry.takesGroups) labels.push_back(name + "+meshlights");
+        if (entry.traits.takesGroups) labels.push_back(name + "+meshlights");
         if (name == "octree") labels.insert(labels.end(), {"octree:leaves=64", "octree:meshlights=false"});
         if (name == "oracle")
             labels.insert(labels.end(), {"oracle:samples=2,floor=0.3,mis=false", "oracle:samples=4,meshlights=false"});

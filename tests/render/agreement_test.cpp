@@ -26,7 +26,7 @@ constexpr double kAlpha = 1e-3;  ///< false alarm anywhere in one scene, if the 
 
 /// All but the oracle, which would take most of the time (the contract suite has its one-light estimator).
 std::vector<std::string> Labels() {
-    std::vector<std::string> labels = AllSamplers().Names();
+    std::vector<std::string> labels = AllSamplers().samplers.Names();
     std::erase(labels, "oracle");
     bool octree = std::count(labels.begin(), labels.end(), "octree") > 0;
     if (octree)
@@ -128,13 +128,13 @@ class View {
         add(ParamType::Integer, "xresolution", resolution.x);
         add(ParamType::Integer, "yresolution", resolution.y);
         add(ParamType::Bool, "savefp16", 0);
-        RgbFilm image(film, {.outputSpace = built_.film->OutputSpace()}, sink);
+        const std::unique_ptr<Film> image = MakeFilm("rgb", film, {.outputSpace = built_.film->OutputSpace()}, sink);
         RenderSettings settings;
         settings.samplesPerPixel = samplesPerPixel_;
         const std::unique_ptr<Sampler> sampler =
             Samplers().Make("independent", ParamSet(), SamplerContext{resolution, samplesPerPixel_, seed, sink});
-        RenderWaves(integrator, *built_.camera, *built_.filter, image, *sampler, settings, progress);
-        return image.ToImage();
+        RenderWaves(integrator, *built_.camera, *built_.filter, *image, *sampler, settings, progress);
+        return image->ToImage();
     }
 
     BuiltScene built_;
@@ -210,7 +210,7 @@ const Wrap kNoFloor = Tamper([](const LightQuery &, LightId, Float pmf) { return
 constexpr const char *kMinFloor = "octree:model=paper,floor=0.0001";
 
 bool HasOctree() {
-    std::vector<std::string> names = AllSamplers().Names();
+    std::vector<std::string> names = AllSamplers().samplers.Names();
     return std::count(names.begin(), names.end(), "octree") > 0;
 }
 

@@ -162,7 +162,7 @@ std::unique_ptr<Scene> MakeScene(SceneParts parts, const SceneDescription &d, co
 BuiltIntegrator MakeIntegrator(const BuiltScene &built, const IntegratorSettings &settings, DiagnosticSink &sink) {
     const IntegratorRequest &request = built.integratorRequest;
     const PathContext context{*built.scene, *built.camera, built.samplesPerPixel, request.needsFootprints};
-    return MakeIntegrator(settings, *request.registry, context, built.film->OutputSpace(), sink);
+    return MakeIntegrator(settings, context, built.film->OutputSpace(), sink);
 }
 
 }  // namespace

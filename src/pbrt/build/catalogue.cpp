@@ -2,7 +2,9 @@
 
 #include "pbrt/build/accelerators.h"
 #include "pbrt/build/geometry_builder.h"
+#include "pbrt/build/integrator_builder.h"
 #include "pbrt/cameras/camera.h"
+#include "pbrt/films/film.h"
 #include "pbrt/films/filter.h"
 #include "pbrt/lights/light_factory.h"
 #include "pbrt/materials/material_factory.h"
@@ -13,8 +15,10 @@ namespace pbrt {
 
 std::vector<FamilyDoc> AllFamilies() {
     std::vector<FamilyDoc> all = {Cameras().Document("cameras"),
+                                  Films().Document("films"),
                                   Filters().Document("filters"),
                                   Samplers().Document("samplers"),
+                                  Integrators().Document("integrators"),
                                   Accelerators().Document("accelerators"),
                                   DocumentShapes(),
                                   Materials().Document("materials"),

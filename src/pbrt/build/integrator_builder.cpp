@@ -3,14 +3,127 @@
 #include <algorithm>
 #include <limits>
 
+#include "pbrt/build/collect.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/simple_integrators.h"
 
 namespace pbrt {
 
-const std::vector<std::string> &SupportedIntegrators() {
-    static const std::vector<std::string> names = {"path", "volpath", "simplepath", "ambientocclusion", "randomwalk"};
-    return names;
+namespace {
+
+struct DepthParams {
+    int maxDepth = 5;
+    template <class V>
+    void Describe(V &&v) {
+        v("maxdepth", maxDepth, Range<int>{0, std::numeric_limits<int>::max()},
+          "scattering events of a path; --maxdepth beats it");
+    }
+    int MaxDepth(const IntegratorReading &r) const { return r.options.maxDepth.value_or(maxDepth); }
+};
+
+struct PathParams : DepthParams {
+    bool regularize = false;
+    LightSelectionParams lights;  ///< which ReadLightSelection reads
+    template <class V>
+    void Describe(V &&v) {
+        DepthParams::Describe(v);
+        v("regularize", regularize, "roughens reflections after the first that is not a mirror's");
+        lights.Describe(v);
+    }
+};
+
+/// Without media (which are not supported yet) volpath is path that looks below and through surfaces.
+IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume) {
+    const LightFlags flags{r.options.lightSampler, r.options.meshLights, r.options.shadowGate,
+                           r.options.lightSamplerFlag, r.options.shadowGateFlag};
+    IntegratorSettings settings;
+    settings.maxDepth = p.MaxDepth(r);
+    settings.lights = ReadLightSelection(set, flags, r.registry, r.sink);
+    if (!settings.lights) return settings;
+    PathSettings path;
+    path.maxDepth = settings.maxDepth;
+    path.regularize = p.regularize;
+    path.seesThroughInterfaces = isVolume;
+    path.sampledLightOnly = r.options.sampledLightOnly;
+    settings.make = [path, isVolume, &registry = r.registry, lights = *settings.lights](const PathContext &context,
+                                                                                        const ColorSpace &) {
+        PathSettings mine = path;
+        mine.subsurface = isVolume && context.scene.HasSubsurface();
+        const auto &[sampler, gate] = lights;
+        const LightTable &table = context.scene.Lights();
+        return std::make_unique<PathIntegrator>(
+            context, mine, registry.Make(*sampler.entry, table, sampler.params, sampler.meshLights),
+            gate.entry ? gate.entry->make(gate.params, table) : nullptr);
+    };
+    return settings;
+}
+
+struct SimplePathParams : DepthParams {
+    bool sampleLights = true, sampleBsdf = true;
+    template <class V>
+    void Describe(V &&v) {
+        DepthParams::Describe(v);
+        v("samplelights", sampleLights, "shadow rays to lights");
+        v("samplebsdf", sampleBsdf, "directions that the BSDF likes; false: uniform ones");
+    }
+};
+
+struct AmbientOcclusionParams {
+    bool cosine = true;
+    Float maxDistance = Infinity;
+    template <class V>
+    void Describe(V &&v) {
+        v("cossample", cosine, "directions by their cosine; false: uniform ones");
+        v("maxdistance", maxDistance, Positive(std::numeric_limits<Float>::max()), "of what occludes");
+    }
+};
+
+/// An integrator without a light sampler; `make(p, maxDepth, context, film's colour space)`.
+template <class P, class F>
+void AddSimple(IntegratorTable &table, const char *name, F make) {
+    table.Add<P>(name, "", [name, make](const P &p, const ParamSet &, const IntegratorReading &r) {
+        if (!r.options.lightSampler.empty() || r.options.meshLights || !r.options.shadowGate.empty())
+            r.sink.Warning({},
+                           fmt::format("--lightsampler, --mesh-lights and --shadow-gate have no effect on integrator "
+                                       "\"{}\".",
+                                       name));
+        IntegratorSettings settings;
+        if constexpr (std::is_base_of_v<DepthParams, P>) settings.maxDepth = p.MaxDepth(r);
+        settings.make = [p, make, depth = settings.maxDepth](const PathContext &context, const ColorSpace &space) {
+            return make(p, depth, context, space);
+        };
+        return settings;
+    });
+}
+
+}  // namespace
+
+const IntegratorTable &Integrators() {
+    static const IntegratorTable table = [] {
+        using Request = const IntegratorReading;
+        IntegratorTable t("Integrator");
+        t.Add<PathParams>(
+            "path",
+            "only here: `meshlights`, `shadowgate` and the light samplers' own parameters "
+            "([lightsamplers.md](lightsamplers.md)); **differs**: an unknown light sampler is an error (stock "
+            "uses bvh)",
+            [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, false); });
+        t.Add<PathParams>("volpath", "as path, with subsurface scattering, and shadow rays pass \"interface\"",
+                          [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, true); });
+        AddSimple<SimplePathParams>(
+            t, "simplepath", [](const auto &p, int depth, const PathContext &c, const ColorSpace &) {
+                return std::make_unique<SimplePathIntegrator>(c, depth, p.sampleLights, p.sampleBsdf);
+            });
+        AddSimple<DepthParams>(t, "randomwalk", [](const auto &, int depth, const PathContext &c, const ColorSpace &) {
+            return std::make_unique<RandomWalkIntegrator>(c, depth);
+        });
+        AddSimple<AmbientOcclusionParams>(
+            t, "ambientocclusion", [](const auto &p, int, const PathContext &c, const ColorSpace &space) {
+                return std::make_unique<AmbientOcclusionIntegrator>(c, p.cosine, p.maxDistance, space);
+            });
+        return t;
+    }();
+    return table;
 }
 
 const std::vector<std::string> &UnsupportedIntegrators() {
@@ -26,96 +139,47 @@ bool SeesThroughInterfaces(const std::string &integrator) { return integrator ==
 
 IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options,
                                   const LightSamplerRegistry &registry, DiagnosticSink &sink) {
-    IntegratorSettings settings;
-    settings.type = IntegratorType(entity, options);
-    const std::string &type = settings.type;
+    const std::string &type = IntegratorType(entity, options);
     const std::vector<std::string> &later = UnsupportedIntegrators();
-    if (const std::vector<std::string> &all = SupportedIntegrators();
-        std::find(all.begin(), all.end(), type) == all.end()) {
+    IntegratorSettings settings;
+    if (!Integrators().Has(type)) {
         const bool isLater = std::find(later.begin(), later.end(), type) != later.end();
         sink.Error(options.integrator.empty() ? entity.loc : FileLoc{},
                    fmt::format("Integrator \"{}\" is {}; {}.", type, isLater ? "not supported yet" : "unknown",
-                               ListChoices(type, all)));
-        return settings;
+                               ListChoices(type, Integrators().Names())));
+    } else {
+        // --integrator leaves the scene's parameters aside, which belong to another integrator, but for the depth.
+        ParamSet fresh(fmt::format("Integrator \"{}\"", options.integrator), {});
+        if (const Param *depth = entity.params.Find("maxdepth", ParamType::Integer);
+            depth && type != "ambientocclusion")
+            fresh.Add(*depth);
+        const ParamSet &params = type != entity.type ? fresh : entity.params;
+        ParamReader before(params);
+        if (type == "path" || type == "volpath") DeclareLightParams(before, registry);
+        Collect(sink, [&] {
+            settings = Integrators().Make(type, params, IntegratorReading{options, registry, sink, before});
+        });
     }
-    // --integrator leaves the scene's integrator parameters aside: they belong to another integrator.
-    const ParamSet fresh(fmt::format("Integrator \"{}\"", options.integrator), {});
-    const ParamSet &params = type != entity.type ? fresh : entity.params;
-    auto collect = [&](auto &&read) {
-        try {
-            read();
-        } catch (const UserError &e) {
-            sink.Add(e);
-        }
-    };
-    if (type != "ambientocclusion")
-        collect([&] {
-            params.GetInt("maxdepth", 5);
-            const int maxDepth = entity.params.GetInt("maxdepth", 5, {0, std::numeric_limits<int>::max()});
-            settings.maxDepth = options.maxDepth.value_or(maxDepth);
-        });
-    if (type == "path" || type == "volpath") {
-        collect([&] { settings.regularize = params.GetBool("regularize", false); });
-        settings.sampledLightOnly = options.sampledLightOnly;
-        const LightFlags flags{options.lightSampler, options.meshLights, options.shadowGate, options.lightSamplerFlag,
-                               options.shadowGateFlag};
-        collect([&] { settings.lights = ReadLightSelection(params, flags, registry, sink); });
-    } else if (!options.lightSampler.empty() || options.meshLights || !options.shadowGate.empty()) {
-        sink.Warning(
-            {},
-            fmt::format("--lightsampler, --mesh-lights and --shadow-gate have no effect on integrator \"{}\".", type));
-    }
-    if (type == "simplepath")
-        collect([&] {
-            settings.sampleLights = params.GetBool("samplelights", true);
-            settings.sampleBsdf = params.GetBool("samplebsdf", true);
-        });
-    if (type == "ambientocclusion")
-        collect([&] {
-            settings.cosineSample = params.GetBool("cossample", true);
-            settings.maxDistance =
-                params.GetFloat("maxdistance", Infinity, Positive(std::numeric_limits<Float>::max()));
-        });
-    params.ReportUnused(sink);
+    settings.type = type;
     return settings;
 }
 
-BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const LightSamplerRegistry &registry,
-                               const PathContext &context, const ColorSpace &filmSpace, DiagnosticSink &sink) {
-    const std::string &type = settings.type;
+BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathContext &context,
+                               const ColorSpace &filmSpace, DiagnosticSink &sink) {
     BuiltIntegrator built;
-    built.name = type;
+    built.name = settings.type;
     built.maxDepth = settings.maxDepth;
-    // Without media (which are not supported yet) volpath is path that looks below and through surfaces.
+    built.integrator = settings.make(context, filmSpace);
     if (settings.lights) {
-        PathSettings path;
-        path.maxDepth = settings.maxDepth;
-        path.regularize = settings.regularize;
-        path.seesThroughInterfaces = SeesThroughInterfaces(type);
-        path.subsurface = type == "volpath" && context.scene.HasSubsurface();
-        path.sampledLightOnly = settings.sampledLightOnly;
-        const auto &[sampler, gate] = *settings.lights;
-        built.lightSamplerName = sampler.Label();
-        built.shadowGateName = gate.entry ? gate.entry->name : "";
-        built.integrator = std::make_unique<PathIntegrator>(
-            context, path, registry.Make(*sampler.entry, context.scene.Lights(), sampler.params, sampler.meshLights),
-            gate.entry ? gate.entry->make(context.scene.Lights(), gate.params) : nullptr);
-    } else if (type == "simplepath") {
-        built.integrator = std::make_unique<SimplePathIntegrator>(context, settings.maxDepth, settings.sampleLights,
-                                                                  settings.sampleBsdf);
-    } else if (type == "randomwalk") {
-        built.integrator = std::make_unique<RandomWalkIntegrator>(context, settings.maxDepth);
-    } else {
-        PBRT_CHECK_MSG(type == "ambientocclusion", "integrator {}", type);
-        built.integrator = std::make_unique<AmbientOcclusionIntegrator>(context, settings.cosineSample,
-                                                                        settings.maxDistance, filmSpace);
+        built.lightSamplerName = settings.lights->sampler.Label();
+        built.shadowGateName = settings.lights->gate.entry ? settings.lights->gate.entry->name : "";
     }
-    if (type != "volpath" && context.scene.HasSubsurface())
+    if (settings.type != "volpath" && context.scene.HasSubsurface())
         sink.Warning(
             {},
             fmt::format("subsurface materials are plain dielectrics to integrator \"{}\"; \"volpath\" scatters light "
                         "below their surfaces.",
-                        type));
+                        settings.type));
     return built;
 }
 

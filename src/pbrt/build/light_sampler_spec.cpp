@@ -124,21 +124,13 @@ auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, Param
     }
 }
 
-/// Marks the parameters "name.key" of an entry as known; those of the chosen one are copied.
-void TakeParams(const ParamSet &integrator, const std::string &name, const std::vector<ParamDoc> &docs,
-                ParamSet *chosen) {
-    for (const ParamDoc &doc : docs) {
-        const Param *p = integrator.Find(name + "." + doc.name, doc.types.front());
-        if (p && chosen) chosen->Add(*p);
-    }
-}
-
 /// The parameters of what was chosen: the integrator's, then the flag's, which win. Values out of range are errors.
 template <class Entry>
 ParamSet ChosenParams(const Entry &entry, const std::string &what, const ParamSet &integrator, const FileLoc &loc,
                       const ParamSet &added, DiagnosticSink &sink) {
     ParamSet params(fmt::format("{} \"{}\"", what, entry.name), loc);
-    TakeParams(integrator, entry.name, entry.params, &params);
+    for (const ParamDoc &doc : entry.params)
+        if (const Param *p = integrator.Find(entry.name + "." + doc.name, doc.types.front())) params.Add(*p);
     for (const Param &p : added.Own()) params.Add(p);
     try {
         if (entry.check) entry.check(params);
@@ -154,7 +146,8 @@ template <class Entry>
 void WarnOfParamsWithoutEffect(const Entry &entry, const ParamSet &params, DiagnosticSink &sink) {
     for (const ParamDoc &choice : entry.params) {
         if (choice.choices.empty()) continue;
-        const std::string chosen = params.GetString(entry.name + "." + choice.name, choice.defaultValue);
+        const Param *given = params.Find(entry.name + "." + choice.name, ParamType::String);
+        const std::string &chosen = given && !given->strings.empty() ? given->strings[0] : choice.defaultValue;
         for (const std::string &other : choice.choices)
             for (const ParamDoc &doc : entry.params)
                 if (other != chosen && doc.name != choice.name && doc.help.starts_with(other + ": "))
@@ -176,6 +169,14 @@ LightChoiceParts SplitLightChoice(const std::string &choice, const char *flag) {
     return parts;
 }
 
+void DeclareLightParams(ParamReader &reader, const LightSamplerRegistry &registry) {
+    auto declare = [&](const auto &entry) {
+        for (const ParamDoc &doc : entry.params) reader.Declare(entry.name + "." + doc.name, doc.types.front());
+    };
+    for (const std::string &name : registry.samplers.Names()) declare(registry.samplers.Find(name));
+    for (const std::string &name : registry.gates.Names()) declare(registry.gates.Find(name));
+}
+
 std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, const LightFlags &flags,
                                                  const LightSamplerRegistry &registry, DiagnosticSink &sink) {
     const size_t errorsBefore = sink.ErrorCount();
@@ -188,19 +189,25 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
     };
     LightSelection selection;
     auto &[sampler, gate] = selection;
-    const std::string name = integrator.GetString("lightsampler", "bvh"),
-                      gateName = integrator.GetString("shadowgate", "none");
-    const bool meshOfScene = integrator.GetBool("meshlights", false);
+    LightSelectionParams scene;
+    ParamReader reader(integrator);
+    scene.Describe(reader);
+    collect([&] { reader.ThrowIfErrors(); });
 
     const FlagText choice(flags.choiceFlag, flags.choice), gateFlag(flags.gateFlag, flags.gate);
     const Pieces pieces = Split(choice, sink);
     ParamSet samplerKeys, gateKeys;
-    auto findSampler = [&](const std::string &n, const FileLoc &loc) -> const auto & { return registry.Find(n, loc); };
-    auto findGate = [&](const std::string &n, const FileLoc &loc) -> const auto & { return registry.FindGate(n, loc); };
+    auto findSampler = [&](const std::string &n, const FileLoc &loc) -> const auto & {
+        return registry.samplers.Find(n, loc);
+    };
+    auto findGate = [&](const std::string &n, const FileLoc &loc) -> const auto & {
+        return registry.gates.Find(n, loc);
+    };
 
     // What the scene says is looked at even where a flag beats it.
-    collect([&] { sampler.entry = &registry.Find(name, integrator.LocOf("lightsampler")); });
-    if (gateName != "none") collect([&] { gate.entry = &registry.FindGate(gateName, integrator.LocOf("shadowgate")); });
+    collect([&] { sampler.entry = &registry.samplers.Find(scene.lightSampler, integrator.LocOf("lightsampler")); });
+    if (scene.shadowGate != "none")
+        collect([&] { gate.entry = &registry.gates.Find(scene.shadowGate, integrator.LocOf("shadowgate")); });
     if (!flags.choice.empty()) sampler.entry = ReadPiece(choice, pieces.sampler, findSampler, &samplerKeys, sink);
     const FlagText &gateText = pieces.gate ? choice : gateFlag;
     const Piece gatePiece = pieces.gate.value_or(Piece{0, flags.gate.size()});
@@ -209,11 +216,6 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
     else if (pieces.gate || !flags.gate.empty())
         gate.entry = ReadPiece(gateText, gatePiece, findGate, &gateKeys, sink);
 
-    // Keys of samplers that are registered but not chosen are accepted, so that a flag can switch.
-    for (const std::string &known : registry.Names())
-        TakeParams(integrator, known, registry.Find(known).params, nullptr);
-    for (const std::string &known : registry.GateNames())
-        TakeParams(integrator, known, registry.FindGate(known).params, nullptr);
     if (sampler.entry) {
         sampler.params = ChosenParams(*sampler.entry, "light sampler", integrator, integrator.LocOf("lightsampler"),
                                       samplerKeys, sink);
@@ -223,9 +225,9 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
         gate.params =
             ChosenParams(*gate.entry, "shadow-ray gate", integrator, integrator.LocOf("shadowgate"), gateKeys, sink);
 
-    sampler.meshLights = meshOfScene || flags.meshLights || pieces.mesh;
+    sampler.meshLights = scene.meshLights || flags.meshLights || pieces.mesh;
     // A sampler that groups by itself needs no wrapper.
-    if (sampler.entry && !sampler.entry->takesGroups) sampler.meshLights = false;
+    if (sampler.entry && !sampler.entry->traits.takesGroups) sampler.meshLights = false;
     if (sink.ErrorCount() > errorsBefore) return {};
     return selection;
 }

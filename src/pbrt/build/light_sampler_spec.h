@@ -41,6 +41,22 @@ struct LightChoiceParts {
 /// Throws UserError, at the flag, where something else follows a "+". Names and parameters are not looked at.
 LightChoiceParts SplitLightChoice(const std::string &choice, const char *flag);
 
+/// The parameters of an integrator that choose.
+struct LightSelectionParams {
+    std::string lightSampler = "bvh", shadowGate = "none";
+    bool meshLights = false;
+    template <class V>
+    void Describe(V &&v) {
+        v("lightsampler", lightSampler, "which light gets the shadow ray; --lightsampler beats it");
+        v("meshlights", meshLights, "an emissive mesh is one light for selection");
+        v("shadowgate", shadowGate, "what decides whether a shadow ray is traced; none: all are");
+    }
+};
+
+/// The "name.key" parameters of all light samplers and gates. Those that are not chosen are known, too, so that a flag
+/// can switch.
+void DeclareLightParams(ParamReader &reader, const LightSamplerRegistry &registry);
+
 struct LightSelection {
     LightSamplerSpec sampler;
     ShadowGateSpec gate;

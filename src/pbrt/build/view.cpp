@@ -49,28 +49,24 @@ View MakeView(SceneDescription &d, const BuildOptions &options, const Placement 
               DiagnosticSink &sink) {
     View view;
     Collect(sink, [&] { view.filter = Filters().Make(d.filter.type, d.filter.params, FilterContext{sink}); });
-    Float exposure = 1;
-    Collect(sink, [&] {  // a reversed interval is swapped by the camera, with a warning
-        exposure = std::abs(d.camera.params.GetFloat("shutterclose", 1) - d.camera.params.GetFloat("shutteropen", 0));
-    });
+    const Float exposure = ExposureTime(d.camera.params);
     Collect(sink, [&] {
         FilmOverrides overrides = options.film;
         if (options.quick) overrides.resolutionDivisor = 4;
         view.film = MakeFilm(
             d.film.type, d.film.params,
             {SpaceOf(d.film), exposure, overrides, placement.renderFromCamera, placement.renderFromWorld}, sink);
-        d.film.params.ReportUnused(sink);
     });
     const Point2i resolution = view.film ? view.film->FullResolution() : Point2i(16, 16);
     const Float diagonal = view.film ? view.film->DiagonalMm() : 35;
     Collect(sink, [&] {  // its parameters are looked at wherever it stands
-        view.camera = Cameras().Make(d.camera.type, d.camera.params,
-                                     CameraContext{placement.renderFromCamera, resolution, diagonal, d.files, sink});
+        const CameraContext context{placement.renderFromCamera, resolution, diagonal, d.files, sink};
+        view.camera = Cameras().Make(d.camera.type, d.camera.params, context);
     });
     const int samples = options.quick && options.samplesPerPixel == 0 ? 1 : options.samplesPerPixel;
     Collect(sink, [&] {
-        view.sampler =
-            Samplers().Make(d.sampler.type, d.sampler.params, SamplerContext{resolution, samples, seed, sink});
+        const SamplerContext context{resolution, samples, seed, sink};
+        view.sampler = Samplers().Make(d.sampler.type, d.sampler.params, context);
     });
     return view;
 }

@@ -121,6 +121,13 @@ std::vector<LensElement> ReadLens(const RealisticParams &p, const ParamSet &set,
 
 }  // namespace
 
+Float ExposureTime(const ParamSet &params) {
+    CameraParams p;
+    ParamReader reader(params);
+    p.Describe(reader);
+    return std::abs(p.shutterClose - p.shutterOpen);
+}
+
 const CameraTable &Cameras() {
     static const CameraTable table = [] {
         using Context = const CameraContext;

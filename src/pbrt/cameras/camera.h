@@ -53,6 +53,9 @@ struct CameraContext {
     DiagnosticSink &sink;
 };
 
+/// Seconds that the shutter is open, by the parameters of a camera; what is wrong with them is told when it is made.
+Float ExposureTime(const ParamSet &params);
+
 using CameraTable = FactoryTable<std::unique_ptr<Camera>, const CameraContext>;
 const CameraTable &Cameras();
 

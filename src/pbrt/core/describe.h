@@ -172,6 +172,7 @@ template <class T>
 void DocumentParam(ParamDoc &doc, const std::vector<T> &, const Items &items) {
     doc.types = {items.type};
     doc.isList = true;
+    doc.range = ShortText(items.range);
 }
 template <class T>
 void DocumentParam(ParamDoc &doc, const std::vector<T> &value, const RequiredItems &items) {
@@ -181,6 +182,7 @@ void DocumentParam(ParamDoc &doc, const std::vector<T> &value, const RequiredIte
 template <class T>
 void DocumentParam(ParamDoc &doc, const T &value, const Items &items) {
     doc.types = {items.type};
+    doc.range = ShortText(items.range);
     for (int i = 0; i < static_cast<int>(sizeof(T) / sizeof(Float)); ++i)
         doc.defaultValue += fmt::format("{}{}", i ? " " : "", value[i]);
 }

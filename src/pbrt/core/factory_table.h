@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "pbrt/core/param_reader.h"
@@ -30,14 +31,21 @@ struct FamilyDoc {
 
 /// All kinds of things that a family has: by name, a summary, the declared parameters, and who makes one. The maker is
 /// called with a parameter struct, the ParamSet that it was read from (for the places of complaints), and the context
-/// of the build, whose `sink` takes warnings and unused parameters. Filled by explicit calls. If the context has a
-/// member `before`, that is a ParamReader that read other parameters of the same set.
-template <class Product, class Context>
+/// of the build. Filled by explicit calls.
+///
+/// If the context has a `sink`, that takes unused parameters; if it has a `before`, that is a ParamReader that has read
+/// other parameters of the same set. If it has no sink, parameters are called "thing.name" and stand among those of
+/// others, so whoever has the set looks for unused ones. `Traits`: what else is to be known of each thing.
+template <class Product, class Context, class Traits = std::monostate>
 class FactoryTable {
+    static constexpr bool kHasOwner = !requires(Context & c) { c.sink; };
+
   public:
-    using Maker = std::function<Product(const ParamSet &, Context &)>;
     struct Entry : FactoryDoc {
-        Maker make;
+        std::function<Product(const ParamSet &, Context &)> make;
+        /// For a context without a sink: throws what `make` would throw for values that are wrong.
+        std::function<void(const ParamSet &)> check;
+        Traits traits;
     };
 
     /// `what`: as messages call such a thing, `Camera`.
@@ -45,20 +53,23 @@ class FactoryTable {
 
     /// A name used twice is our error.
     template <class P, class F>
-    void Add(std::string name, std::string summary, F &&make) {
-        Entry entry{{name, std::move(summary), DocumentParams<P>()},
-                    [make = std::forward<F>(make)](const ParamSet &set, Context &context) -> Product {
-                        P p;
-                        ParamReader reader = [&] {
-                            if constexpr (requires { context.before; })
-                                return ParamReader(set, context.before);
-                            else
-                                return ParamReader(set);
-                        }();
-                        p.Describe(reader);
-                        reader.Finish(context.sink);
-                        return make(std::move(p), set, context);
-                    }};
+    void Add(const std::string &name, std::string summary, F &&make, Traits traits = {}) {
+        Entry entry{{name, std::move(summary), DocumentParams<P>()}, {}, {}, std::move(traits)};
+        entry.make = [name, make = std::forward<F>(make)](const ParamSet &set, Context &context) -> Product {
+            P p;
+            ParamReader reader = ReaderOf(name, set, context);
+            p.Describe(reader);
+            if constexpr (kHasOwner)
+                reader.ThrowIfErrors();
+            else
+                reader.Finish(context.sink);
+            return make(std::move(p), set, context);
+        };
+        if constexpr (kHasOwner)
+            entry.check = [name](const ParamSet &set) {
+                P p;
+                ReadParams(p, set, name);
+            };
         if (!entries_.emplace(name, std::move(entry)).second)
             throw std::logic_error(fmt::format("{} \"{}\" is registered twice", what_, name));
     }
@@ -70,7 +81,7 @@ class FactoryTable {
         return names;
     }
     /// Throws UserError with the choices if the name is unknown.
-    const Entry &Find(const std::string &name, const FileLoc &loc) const {
+    const Entry &Find(const std::string &name, const FileLoc &loc = {}) const {
         auto it = entries_.find(name);
         if (it == entries_.end()) ThrowUnknown(what_, name, Names(), loc);
         return it->second;
@@ -79,12 +90,18 @@ class FactoryTable {
         return Find(name, params.Loc()).make(params, context);
     }
     FamilyDoc Document(std::string family) const {
-        FamilyDoc doc{std::move(family), what_, false, {}};
+        FamilyDoc doc{std::move(family), what_, kHasOwner, {}};
         for (const auto &[name, entry] : entries_) doc.makers.push_back(entry);
         return doc;
     }
 
   private:
+    static ParamReader ReaderOf(const std::string &name, const ParamSet &set, Context &context) {
+        if constexpr (requires { context.before; })
+            return ParamReader(set, context.before);
+        else
+            return ParamReader(set, kHasOwner ? name + '.' : "");
+    }
     std::string what_;
     std::map<std::string, Entry> entries_;
 };

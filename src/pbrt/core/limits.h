@@ -1,7 +1,8 @@
 #pragma once
 #include "pbrt/core/params.h"
 
-/// Ranges that several parameters share. docs/compatibility.md lists all limits.
+/// Ranges that several parameters share. docs/parameters.md lists those of all parameters, docs/compatibility.md all
+/// other limits.
 namespace pbrt {
 
 /// Embree drops vertices beyond sqrt(largest float) / 10 = 1.844e18 and refuses rays that start there. With this bound

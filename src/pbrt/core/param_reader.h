@@ -214,13 +214,4 @@ void ReadParams(P &p, const ParamSet &set, const std::string &owner) {
     reader.ThrowIfErrors();
 }
 
-/// A function that reads a P and forgets it: for errors before anything is made.
-template <class P>
-auto ParamsCheck(std::string owner) {
-    return [owner = std::move(owner)](const ParamSet &set) {
-        P p;
-        ReadParams(p, set, owner);
-    };
-}
-
 }  // namespace pbrt

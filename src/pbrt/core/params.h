@@ -1,7 +1,6 @@
 #pragma once
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -69,12 +68,11 @@ struct Param {
     std::vector<uint8_t> bools;
     std::string colorSpace = "srgb";  ///< in force where the parameter was read; used by Rgb only
     bool fromAttribute = false;       ///< an Attribute default: never reported as unused
-    mutable bool used = false;
 };
 
-/// The parameters of one directive. Getters follow stock pbrt-v4: exact name AND type, the last of equal ones wins,
-/// a wrong number of values is an error, and whatever was never asked for is an error at the end (ReportUnused).
-/// Every getter remembers what was asked, so that errors can list the valid choices.
+/// The parameters of one directive, as they stand in the scene. What they mean is declared by parameter structs
+/// (core/describe.h) and read by ParamReader. As in stock pbrt-v4, name and type must both match, and the last of equal
+/// ones wins.
 class ParamSet {
   public:
     ParamSet() = default;
@@ -94,27 +92,10 @@ class ParamSet {
     const FileLoc &Loc() const { return loc_; }
     const std::vector<Param> &Own() const { return params_; }
 
-    /// The parameter of that name and type, marked used; nullptr if absent. The caller reads the raw lists.
+    /// The parameter of that name and type that counts; nullptr if there is none.
     const Param *Find(std::string_view name, ParamType type) const;
-    /// True if a parameter of that name exists with any type; does not mark it.
+    /// True if a parameter of that name exists with any type.
     bool Has(std::string_view name) const;
-
-    int GetInt(std::string_view name, int defaultValue) const;
-    Float GetFloat(std::string_view name, Float defaultValue) const;
-    /// A value that is given must lie in the range; the default is the caller's affair.
-    int GetInt(std::string_view name, int defaultValue, const Range<int> &range) const;
-    Float GetFloat(std::string_view name, Float defaultValue, const Range<Float> &range) const;
-    bool GetBool(std::string_view name, bool defaultValue) const;
-    std::string GetString(std::string_view name, std::string_view defaultValue) const;
-    /// A string out of a closed set; anything else is an error that lists the choices.
-    std::string GetChoice(std::string_view name, std::string_view defaultValue,
-                          const std::vector<std::string> &choices) const;
-
-    /// Array values, empty if absent. For point/vector/normal/rgb types a flat list whose length was checked to be a
-    /// multiple of the item size (2 or 3).
-    std::span<const Float> GetFloats(std::string_view name, ParamType type = ParamType::Float) const;
-    std::span<const int> GetInts(std::string_view name) const;
-    std::span<const std::string> GetStrings(std::string_view name) const;
 
     /// An error for `name` if the value is outside the range.
     template <class T>
@@ -141,18 +122,11 @@ class ParamSet {
     /// Where to point at when complaining about `name`: its declaration if given, else the directive.
     FileLoc LocOf(std::string_view name) const;
 
-    /// One error for every own parameter that nobody asked for, each listing what could have been given.
-    void ReportUnused(DiagnosticSink &sink) const;
-    /// Marks all as used; for entities that are not built.
-    void MarkAllUsed() const;
-
   private:
-    const Param *FindAndNote(std::string_view name, ParamType type) const;
     std::string what_;
     FileLoc loc_;
     std::vector<Param> params_;
     std::vector<Param> defaults_;
-    mutable std::map<std::string, std::vector<ParamType>, std::less<>> asked_;
 };
 
 }  // namespace pbrt

@@ -8,18 +8,22 @@
 
 namespace pbrt {
 
-const std::vector<std::string> &SupportedFilms() {
-    static const std::vector<std::string> names = {"rgb", "gbuffer", "spectral"};
-    return names;
-}
-
-std::unique_ptr<Film> MakeFilm(const std::string &type, const ParamSet &params, const FilmContext &context,
-                               DiagnosticSink &sink) {
-    if (type == "rgb") return std::make_unique<RgbFilm>(params, context, sink);
-    if (type == "gbuffer") return std::make_unique<GBufferFilm>(params, context, sink);
-    if (type == "spectral") return std::make_unique<SpectralFilm>(params, context, sink);
-    throw UserError(fmt::format("Film \"{}\" is unknown; {}.", type, ListChoices(type, SupportedFilms())),
-                    params.Loc());
+const FilmTable &Films() {
+    static const FilmTable table = [] {
+        using Request = const FilmRequest;
+        FilmTable t("Film");
+        t.Add<FilmParams>("rgb", "all 18 sensors", [](const auto &p, const ParamSet &set, Request &r) {
+            return std::make_unique<RgbFilm>(p, set, r);
+        });
+        t.Add<GBufferParams>("gbuffer", "**differs**, see below", [](const auto &p, const ParamSet &set, Request &r) {
+            return std::make_unique<GBufferFilm>(p, set, r);
+        });
+        t.Add<SpectralParams>(
+            "spectral", "**differs** at dispersive surfaces, see below",
+            [](const auto &p, const ParamSet &set, Request &r) { return std::make_unique<SpectralFilm>(p, set, r); });
+        return t;
+    }();
+    return table;
 }
 
 ImageMetadata Film::Metadata() const {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pbrt/core/params.h"
+#include "pbrt/core/factory_table.h"
 #include "pbrt/films/film_frame.h"
 #include "pbrt/films/film_state.h"
 #include "pbrt/films/visible_surface.h"
@@ -91,9 +91,21 @@ struct FilmContext {
     Transform renderFromWorld{};
 };
 
-/// By type name (pbrt-v4-format §5.2). Throws UserError.
-std::unique_ptr<Film> MakeFilm(const std::string &type, const ParamSet &params, const FilmContext &context,
-                               DiagnosticSink &sink);
-const std::vector<std::string> &SupportedFilms();
+/// A film that is being made.
+struct FilmRequest {
+    const FilmContext &context;
+    DiagnosticSink &sink;
+    /// Throws UserError.
+    FilmFrame Frame(const FilmParams &params, const ParamSet &set, const FrameNeeds &needs) const {
+        return MakeFilmFrame(params, set, context.outputSpace, context.overrides, needs, sink);
+    }
+};
+
+using FilmTable = FactoryTable<std::unique_ptr<Film>, const FilmRequest>;
+const FilmTable &Films();
+inline std::unique_ptr<Film> MakeFilm(const std::string &type, const ParamSet &params, const FilmContext &context,
+                                      DiagnosticSink &sink) {
+    return Films().Make(type, params, FilmRequest{context, sink});
+}
 
 }  // namespace pbrt

@@ -2,7 +2,8 @@
 #include <optional>
 #include <string>
 
-#include "pbrt/core/params.h"
+#include "pbrt/core/error.h"
+#include "pbrt/films/film_params.h"
 #include "pbrt/math/bounds.h"
 #include "pbrt/spectra/color_space.h"
 
@@ -45,8 +46,8 @@ struct FrameNeeds {
     double bytesPerPixel = 0;  ///< of the sums, and of the picture that is made of them when it is written
 };
 
-/// Throws UserError, also if the machine has not enough memory.
-FilmFrame ReadFilmFrame(const ParamSet &params, const ColorSpace &outputSpace, const FilmOverrides &overrides,
-                        const FrameNeeds &needs, DiagnosticSink &sink);
+/// `set`: what the parameters were read from. Throws UserError, also if the machine has not enough memory.
+FilmFrame MakeFilmFrame(const FilmParams &params, const ParamSet &set, const ColorSpace &outputSpace,
+                        const FilmOverrides &overrides, const FrameNeeds &needs, DiagnosticSink &sink);
 
 }  // namespace pbrt

@@ -17,19 +17,15 @@ constexpr std::array<const char *, 22> kFurtherChannels = {
 
 constexpr double kBytesPerPixel = SensorSums::kBytesPerPixel + kFurtherChannels.size() * sizeof(float);
 
-AnimatedTransform ReadCoordinates(const ParamSet &params, const FilmContext &context) {
-    if (params.GetChoice("coordinatesystem", "camera", {"camera", "world"}) == "camera")
-        return context.renderFromCamera;
-    return context.renderFromWorld;
-}
-
 }  // namespace
 
-GBufferFilm::GBufferFilm(const ParamSet &params, const FilmContext &context, DiagnosticSink &sink)
-    : Film("gbuffer", ReadFilmFrame(params, context.outputSpace, context.overrides,
-                                    {.onlyExr = true, .bytesPerPixel = kBytesPerPixel + double{sizeof(Pixel)}}, sink)),
-      renderFromOutput_(ReadCoordinates(params, context)),
-      sums_(params, Frame(), context.exposureTime),
+GBufferFilm::GBufferFilm(const GBufferParams &params, const ParamSet &set, const FilmRequest &request)
+    : Film("gbuffer",
+           request.Frame(params, set, {.onlyExr = true, .bytesPerPixel = kBytesPerPixel + double{sizeof(Pixel)}})),
+      renderFromOutput_(params.space == GBufferParams::Space::Camera
+                            ? request.context.renderFromCamera
+                            : AnimatedTransform(request.context.renderFromWorld)),
+      sums_(params, set, Frame(), request.context.exposureTime),
       pixels_(Frame().PixelCount()) {}
 
 void GBufferFilm::AddSample(const FilmSample &sample) {

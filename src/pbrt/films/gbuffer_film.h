@@ -5,11 +5,22 @@
 
 namespace pbrt {
 
+struct GBufferParams : FilmParams {
+    enum class Space { Camera, World };
+    static constexpr NamedValue<Space> kSpaces[] = {{"camera", Space::Camera}, {"world", Space::World}};
+    Space space = Space::Camera;
+    template <class V>
+    void Describe(V &&v) {
+        FilmParams::Describe(v);
+        v("coordinatesystem", space, kSpaces, "of positions and normals");
+    }
+};
+
 /// The `gbuffer` film: besides RGB, what the camera sees in every pixel (means over its samples) and the variance of
 /// the samples that see something. Splats change RGB only.
 class GBufferFilm final : public Film {
   public:
-    GBufferFilm(const ParamSet &params, const FilmContext &context, DiagnosticSink &sink);
+    GBufferFilm(const GBufferParams &params, const ParamSet &set, const FilmRequest &request);
 
     bool WantsVisibleSurface() const override { return true; }
     void AddSample(const FilmSample &sample) override;

@@ -2,10 +2,9 @@
 
 namespace pbrt {
 
-RgbFilm::RgbFilm(const ParamSet &params, const FilmContext &context, DiagnosticSink &sink)
-    : Film("rgb", ReadFilmFrame(params, context.outputSpace, context.overrides,
-                                {.onlyExr = false, .bytesPerPixel = SensorSums::kBytesPerPixel}, sink)),
-      sums_(params, Frame(), context.exposureTime) {}
+RgbFilm::RgbFilm(const FilmParams &params, const ParamSet &set, const FilmRequest &request)
+    : Film("rgb", request.Frame(params, set, {.onlyExr = false, .bytesPerPixel = SensorSums::kBytesPerPixel})),
+      sums_(params, set, Frame(), request.context.exposureTime) {}
 
 RgbFilm::RgbFilm(const FilmFrame &frame, const SensorSums &like)
     : Film("rgb", frame.WithFullFloat()), sums_(like.MakeEmpty(Frame())) {}

@@ -7,7 +7,7 @@ namespace pbrt {
 /// The `rgb` film: what the sensor reads.
 class RgbFilm final : public Film {
   public:
-    RgbFilm(const ParamSet &params, const FilmContext &context, DiagnosticSink &sink);
+    RgbFilm(const FilmParams &params, const ParamSet &set, const FilmRequest &request);
     /// Empty, in float precision; `like`: for the sensor.
     RgbFilm(const FilmFrame &frame, const SensorSums &like);
 

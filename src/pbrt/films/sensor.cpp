@@ -54,16 +54,13 @@ std::vector<std::string> SupportedSensors() {
     return names;
 }
 
-PixelSensor PixelSensor::Make(const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime) {
-    const std::string name = params.GetString("sensor", "cie1931");
-    const std::vector<std::string> known = SupportedSensors();
-    if (std::find(known.begin(), known.end(), name) == known.end())
-        throw UserError(fmt::format("Sensor \"{}\" is unknown; {}.", name, ListChoices(name, known)),
-                        params.LocOf("sensor"));
-    const Float imagingRatio = exposureTime * params.GetFloat("iso", 100, Positive(1e9f)) / 100;
-    Float whiteBalance = params.GetFloat("whitebalance", 0, {0, 1e6f});  // K; 0: the default
+PixelSensor PixelSensor::Make(const SensorParams &params, const ParamSet &set, const ColorSpace &outputSpace,
+                              Float exposureTime) {
+    const std::string &name = params.name;
+    const Float imagingRatio = exposureTime * params.iso / 100;
+    Float whiteBalance = params.whiteBalance;  // K; 0: the default
     // The formula for daylight, made for 4000 K and more, has poles below 1000 K.
-    if (whiteBalance > 0) params.Require<Float>("whitebalance", whiteBalance, {1000, 1e6f});
+    if (whiteBalance > 0) set.Require<Float>("whitebalance", whiteBalance, {1000, 1e6f});
     if (name == "cie1931") {
         glm::mat3 balance(1);
         if (whiteBalance > 0)

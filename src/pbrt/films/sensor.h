@@ -2,17 +2,34 @@
 #include <string>
 #include <vector>
 
-#include "pbrt/core/params.h"
+#include "pbrt/core/param_reader.h"
 #include "pbrt/spectra/color_space.h"
 
 namespace pbrt {
 
+/// cie1931, then the cameras.
+std::vector<std::string> SupportedSensors();
+
+/// The parameters of a film that are about its sensor (pbrt-v4-format §5.2).
+struct SensorParams {
+    std::string name = "cie1931";
+    Float iso = 100;
+    Float whiteBalance = 0;
+    template <class V>
+    void Describe(V &&v) {
+        v("sensor", name, SupportedSensors(), "what measures the light");
+        v("iso", iso, Positive(1e9f), "sensitivity");
+        v("whitebalance", whiteBalance, Range<Float>{0, 1e6f, false, false, "K"},
+          "what is white, 1000 and above; 0: as it is for cie1931, 6500 for cameras");
+    }
+};
+
 /// What turns the spectrum of one camera path into three numbers, and those into XYZ.
 class PixelSensor {
   public:
-    /// The film's `sensor`, `iso` and `whitebalance` (pbrt-v4-format §5.2). `exposureTime` in seconds. Throws
-    /// UserError.
-    static PixelSensor Make(const ParamSet &params, const ColorSpace &outputSpace, Float exposureTime);
+    /// `set`: what the parameters were read from. `exposureTime` in seconds. Throws UserError.
+    static PixelSensor Make(const SensorParams &params, const ParamSet &set, const ColorSpace &outputSpace,
+                            Float exposureTime);
 
     /// `flux`: radiance over the density of its wavelengths.
     Vector3 Expose(const SampledSpectrum &flux, const SampledWavelengths &lambda) const {
@@ -30,9 +47,6 @@ class PixelSensor {
     glm::mat3 xyzFromSensor_;
     Float imagingRatio_;
 };
-
-/// cie1931, then the cameras.
-std::vector<std::string> SupportedSensors();
 
 /// The matrix m that makes the sum of |m * from[i] - to[i]|^2 smallest.
 glm::mat3 FitLinearMap(const std::vector<Vector3> &from, const std::vector<Vector3> &to);

@@ -12,9 +12,9 @@ constexpr Float kMaxHalf = 65504;
 
 }  // namespace
 
-SensorSums::SensorSums(const ParamSet &params, const FilmFrame &frame, Float exposureTime)
-    : SensorSums(frame, params.GetFloat("maxcomponentvalue", Infinity, Positive(std::numeric_limits<Float>::max())),
-                 PixelSensor::Make(params, *frame.outputSpace, exposureTime)) {}
+SensorSums::SensorSums(const FilmParams &params, const ParamSet &set, const FilmFrame &frame, Float exposureTime)
+    : SensorSums(frame, params.maxComponentValue,
+                 PixelSensor::Make(params.sensor, set, *frame.outputSpace, exposureTime)) {}
 
 SensorSums::SensorSums(const FilmFrame &frame, Float maxComponent, const PixelSensor &sensor)
     : resolution_(frame.pixelBounds.high - frame.pixelBounds.low),

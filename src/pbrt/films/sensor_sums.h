@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pbrt/films/film_frame.h"
+#include "pbrt/films/film_params.h"
 #include "pbrt/films/film_state.h"
 #include "pbrt/films/sensor.h"
 #include "pbrt/films/splats.h"
@@ -15,7 +16,8 @@ namespace pbrt {
 /// What the sensor reads in every pixel: the part that all films have. Weighted sums of samples and sums of splats.
 class SensorSums {
   public:
-    SensorSums(const ParamSet &params, const FilmFrame &frame, Float exposureTime);
+    /// `set`: what the parameters were read from.
+    SensorSums(const FilmParams &params, const ParamSet &set, const FilmFrame &frame, Float exposureTime);
     /// The same sensor without sums.
     SensorSums MakeEmpty(const FilmFrame &frame) const;
     /// Of memory for a pixel and its red, green and blue in the picture.

@@ -6,32 +6,25 @@
 
 namespace pbrt {
 
-SpectralFilm::Buckets SpectralFilm::ReadBuckets(const ParamSet &params) {
-    Buckets buckets;
-    buckets.count = params.GetInt("nbuckets", 16, {1, 1 << 16});
-    constexpr Range<Float> kVisible{LambdaMin, LambdaMax};  // nm
-    buckets.low = params.GetFloat("lambdamin", LambdaMin, kVisible);
-    buckets.high = params.GetFloat("lambdamax", LambdaMax, kVisible);
-    if (!(buckets.low < buckets.high))
-        throw UserError(fmt::format("{}: \"lambdamin\" is {} nm, \"lambdamax\" {} nm; the range is empty.",
-                                    params.What(), buckets.low, buckets.high),
-                        params.LocOf("lambdamin"));
-    return buckets;
+namespace {
+
+const SpectralBuckets &Checked(const SpectralBuckets &b, const ParamSet &set) {
+    if (!(b.low < b.high))
+        throw set.Error("lambdamin",
+                        fmt::format("\"lambdamin\" is {} nm, \"lambdamax\" {} nm; the range is empty.", b.low, b.high));
+    return b;
 }
 
-SpectralFilm::SpectralFilm(const ParamSet &params, const FilmContext &context, DiagnosticSink &sink)
-    : SpectralFilm(ReadBuckets(params), params, context, sink) {}
+}  // namespace
 
-SpectralFilm::SpectralFilm(const Buckets &buckets, const ParamSet &params, const FilmContext &context,
-                           DiagnosticSink &sink)
-    : Film(fmt::format("spectral {} {}", buckets.low, buckets.high),
-           ReadFilmFrame(params, context.outputSpace, context.overrides,
+SpectralFilm::SpectralFilm(const SpectralParams &params, const ParamSet &set, const FilmRequest &request)
+    : Film(fmt::format("spectral {} {}", params.buckets.low, params.buckets.high),
+           request.Frame(params, set,
                          {.onlyExr = true,
                           .bytesPerPixel = SensorSums::kBytesPerPixel +
-                                           buckets.count * static_cast<double>(sizeof(Sums) + sizeof(float))},
-                         sink)),
-      buckets_(buckets),
-      sensor_(params, Frame(), context.exposureTime),
+                                           params.buckets.count * static_cast<double>(sizeof(Sums) + sizeof(float))})),
+      buckets_(Checked(params.buckets, set)),
+      sensor_(params, set, Frame(), request.context.exposureTime),
       sums_(FirstSumOf(Frame().PixelCount())) {}
 
 Float SpectralFilm::BucketCenter(int bucket) const {

@@ -4,11 +4,28 @@
 
 namespace pbrt {
 
+struct SpectralBuckets {
+    int count = 16;
+    Float low = LambdaMin, high = LambdaMax;  ///< nm
+};
+
+struct SpectralParams : FilmParams {
+    SpectralBuckets buckets;
+    template <class V>
+    void Describe(V &&v) {
+        constexpr Range<Float> kVisible{LambdaMin, LambdaMax, false, false, "nm"};
+        FilmParams::Describe(v);
+        v("nbuckets", buckets.count, Range<int>{1, 1 << 16}, "how many channels");
+        v("lambdamin", buckets.low, kVisible, "where the first bucket begins");
+        v("lambdamax", buckets.high, kVisible, "where the last bucket ends");
+    }
+};
+
 /// The `spectral` film: besides RGB the mean radiance within equal buckets of wavelength. Wavelengths are sampled
 /// uniformly over the range of the buckets, so RGB knows nothing beyond it, as in stock pbrt-v4.
 class SpectralFilm final : public Film {
   public:
-    SpectralFilm(const ParamSet &params, const FilmContext &context, DiagnosticSink &sink);
+    SpectralFilm(const SpectralParams &params, const ParamSet &set, const FilmRequest &request);
 
     int BucketCount() const { return buckets_.count; }
     Float BucketCenter(int bucket) const;  ///< nm
@@ -28,10 +45,6 @@ class SpectralFilm final : public Film {
     std::unique_ptr<Film> MakeRgbFilm() const override;
 
   private:
-    struct Buckets {
-        int count = 16;
-        Float low = LambdaMin, high = LambdaMax;  ///< nm
-    };
     struct Sums {
         double radiance = 0, weight = 0;
         void operator+=(const Sums &s) {
@@ -39,15 +52,13 @@ class SpectralFilm final : public Film {
             weight += s.weight;
         }
     };
-    static Buckets ReadBuckets(const ParamSet &params);
-    SpectralFilm(const Buckets &buckets, const ParamSet &params, const FilmContext &context, DiagnosticSink &sink);
     std::vector<StateBlock> Blocks() override;
     int BucketOf(Float lambda) const;
     /// Factor of a radiance: cut as maxcomponentvalue says, in the units of the picture.
     Float ScaleOf(const SampledSpectrum &L) const;
     size_t FirstSumOf(size_t pixel) const { return pixel * static_cast<size_t>(buckets_.count); }
 
-    Buckets buckets_;
+    SpectralBuckets buckets_;
     SensorSums sensor_;
     std::vector<Sums> sums_;
     Splats splats_;

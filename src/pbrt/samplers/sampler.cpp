@@ -13,8 +13,8 @@ namespace pbrt {
 
 std::unique_ptr<Sampler> Sampler::ForBatch(int index) const {
     if (index == 0) return Clone();
-    return WithSeed(static_cast<int>(
-        MixBits(static_cast<uint64_t>(givenSeed_) * 0x10001 + static_cast<uint64_t>(index)) & 0x7fffffff));
+    const uint64_t mixed = MixBits(static_cast<uint64_t>(givenSeed_) * 0x10001 + static_cast<uint64_t>(index));
+    return WithSeed(static_cast<int>(mixed & 0x7fffffff));
 }
 
 namespace {

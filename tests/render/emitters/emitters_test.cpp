@@ -25,7 +25,7 @@ const std::set<std::string> kGroupable = {"uniform", "power", "bvh", "exhaustive
 /// Every registered light sampler; what they do before or beside rendering is cut down.
 const std::vector<std::string> &SamplerLabels() {
     static const std::vector<std::string> kLabels = [] {
-        std::vector<std::string> labels = AllSamplers().Names();
+        std::vector<std::string> labels = AllSamplers().samplers.Names();
         for (std::string &s : labels)
             for (const char *cheap :
                  {"oracle:samples=8,floor=0.3", "neepp:voxels=4,samples=8", "spatial:voxels=4,samples=32"})

@@ -64,7 +64,7 @@ int main(int argc, char **argv) {
     try {
         LightSamplerRegistry registry;
         RegisterPlugins(registry);
-        const LightlabCommandLine parsed = ParseLightlabCommandLine(argc, argv, registry.Names());
+        const LightlabCommandLine parsed = ParseLightlabCommandLine(argc, argv, registry.samplers.Names());
         if (parsed.done) return parsed.status;
         if (parsed.options.quiet) SetLogLevel(LogLevel::Error);
         ThreadLimit threads(parsed.options.threads);

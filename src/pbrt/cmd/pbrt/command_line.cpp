@@ -154,8 +154,8 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
 
     const char *messages = "Messages";
     app.add_option("--list", o.list,
-                   "print what a scene can name, with all parameters, and stop: cameras, filters, samplers, "
-                   "accelerators, shapes, materials, "
+                   "print what a scene can name, with all parameters, and stop: cameras, films, filters, samplers, "
+                   "integrators, accelerators, shapes, materials, "
                    "floattextures, spectrumtextures, lights, arealights, lightsamplers; all; table")
         ->group(messages);
     app.add_flag("--quiet", o.quiet, "no progress and no warnings; errors only")->group(messages);

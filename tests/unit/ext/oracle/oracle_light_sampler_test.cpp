@@ -1,6 +1,7 @@
 #include "ext/oracle/oracle_light_sampler.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -47,7 +48,7 @@ struct World {
     std::unique_ptr<LightSampler> Named(const std::string &name) const {
         LightSamplerRegistry registry;
         RegisterPlugins(registry);
-        std::unique_ptr<LightSampler> sampler = registry.Find(name).make(Lights().Parts(), ParamSet());
+        std::unique_ptr<LightSampler> sampler = registry.samplers.Find(name).make(ParamSet(), Lights().Parts());
         Prepare(*sampler);
         return sampler;
     }

@@ -94,6 +94,19 @@ TEST(FactoryTable, WhatAnotherReaderHasDeclaredIsNotUnused) {
     EXPECT_TRUE(sink.HasErrors());
 }
 
+TEST(FactoryTable, WithoutASinkParametersHaveAnOwner) {
+    FactoryTable<int, const int> table("Number");
+    table.Add<TwiceParams>("twice", "",
+                           [](const TwiceParams &p, const ParamSet &, int more) { return 2 * p.n + more; });
+    const ParamSet own = Given("twice.n", 3), other = Given("n", 3), bad = Given("twice.n", 10);
+    EXPECT_EQ(table.Make("twice", own, 1), 7);
+    EXPECT_EQ(table.Make("twice", other, 1), 9) << "what belongs to others is left alone";
+    table.Find("twice").check(own);
+    EXPECT_THROW(table.Find("twice").check(bad), UserError);
+    EXPECT_THROW(table.Make("twice", bad, 1), UserError);
+    EXPECT_NE(ListingOf(table.Document("numbers")).find("integer twice.n = 4"), std::string::npos);
+}
+
 TEST(FactoryTable, ListsAndTablesNameEverything) {
     const FamilyDoc doc = MakeTable().Document("numbers");
     EXPECT_EQ(ListingOf(doc),

@@ -96,8 +96,7 @@ std::vector<Float> Values(const Film &film) {
 }
 
 class EveryFilm : public ::testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Films, EveryFilm, ::testing::ValuesIn(SupportedFilms()),
-                         [](const auto &i) { return i.param; });
+INSTANTIATE_TEST_SUITE_P(Films, EveryFilm, ::testing::ValuesIn(Films().Names()), [](const auto &i) { return i.param; });
 
 TEST_P(EveryFilm, SavedSumsGoOnBitByBit) {
     auto whole = Make(GetParam()), first = Make(GetParam()), second = Make(GetParam());
@@ -148,7 +147,7 @@ TEST_P(EveryFilm, StateOfAnotherFilmIsRefusedAndChangesNothing) {
     refuses(state.substr(0, state.size() - 1));
     refuses(state.substr(0, state.size() / 2));
     refuses(Saved(*Make(GetParam(), Params(3, 5))));
-    for (const std::string &other : SupportedFilms())
+    for (const std::string &other : Films().Names())
         if (other != GetParam()) refuses(Saved(*Make(other)));
     EXPECT_NO_THROW(Load(*film, state));
 }

@@ -67,9 +67,7 @@ TEST_F(FilmTest, Defaults) {
     EXPECT_EQ(film->Filename(), "pbrt.exr");
     EXPECT_EQ(film->DiagonalMm(), 35.0f);
     EXPECT_EQ(film->PixelBounds().high, Point2i(1280, 720));
-    DiagnosticSink unused;
-    params_.ReportUnused(unused);
-    EXPECT_FALSE(unused.HasErrors());
+    EXPECT_FALSE(sink_.HasErrors());
 }
 
 TEST_F(FilmTest, CropWindowRoundsUp) {

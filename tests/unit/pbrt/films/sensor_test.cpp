@@ -25,6 +25,11 @@ ParamSet Params(const std::string &sensor, Float whiteBalance = 0, Float iso = 1
     return params;
 }
 
+PixelSensor MakeSensor(const ParamSet &params, const ColorSpace &space, Float exposure) {
+    DiagnosticSink sink;
+    return PixelSensor::Make(ReadParams<SensorParams>(params, sink), params, space, exposure);
+}
+
 /// What a sensor makes of a radiance spectrum, by equal steps of the wavelength sample.
 Xyz Measured(const PixelSensor &sensor, const Spectrum &radiance) {
     constexpr int kSteps = 8000;
@@ -53,7 +58,7 @@ TEST(PixelSensor, CamerasSeeTheColorCheckerAsTheStandardObserverDoes) {
         if (name == "cie1931") continue;
         for (Float kelvin : {4500.0f, 6500.0f}) {
             const DenseSpectrum light = DaylightSpectrum(kelvin);
-            const PixelSensor sensor = PixelSensor::Make(Params(name, kelvin), space, 1);
+            const PixelSensor sensor = MakeSensor(Params(name, kelvin), space, 1);
             double squares = 0;
             for (const SpectrumPtr &patch : ColorCheckerReflectances()) {
                 const Rgb seen = space.ToRgb(Measured(sensor, Product(*patch, light)) / CieYIntegral);
@@ -67,19 +72,19 @@ TEST(PixelSensor, CamerasSeeTheColorCheckerAsTheStandardObserverDoes) {
 
 TEST(PixelSensor, DefaultWhiteBalanceOfCamerasIs6500) {
     const ColorSpace &space = ColorSpace::SRGB();
-    const PixelSensor given = PixelSensor::Make(Params("nikon_d850", 6500), space, 1),
-                      none = PixelSensor::Make(Params("nikon_d850"), space, 1),
-                      warm = PixelSensor::Make(Params("nikon_d850", 4000), space, 1);
+    const PixelSensor given = MakeSensor(Params("nikon_d850", 6500), space, 1),
+                      none = MakeSensor(Params("nikon_d850"), space, 1),
+                      warm = MakeSensor(Params("nikon_d850", 4000), space, 1);
     EXPECT_EQ(given.XyzFromSensor(), none.XyzFromSensor());
     EXPECT_NE(given.XyzFromSensor(), warm.XyzFromSensor());
-    EXPECT_EQ(PixelSensor::Make(Params("cie1931"), space, 1).XyzFromSensor(), glm::mat3(1));
+    EXPECT_EQ(MakeSensor(Params("cie1931"), space, 1).XyzFromSensor(), glm::mat3(1));
 }
 
 TEST(PixelSensor, IsoAndExposureScaleCamerasToo) {
     const ColorSpace &space = ColorSpace::SRGB();
     const DenseSpectrum light = DaylightSpectrum(6500);
-    const Xyz one = Measured(PixelSensor::Make(Params("sony_ilce_9"), space, 1), light);
-    const Xyz more = Measured(PixelSensor::Make(Params("sony_ilce_9", 0, 320), space, 0.25f), light);
+    const Xyz one = Measured(MakeSensor(Params("sony_ilce_9"), space, 1), light);
+    const Xyz more = Measured(MakeSensor(Params("sony_ilce_9", 0, 320), space, 0.25f), light);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(more[c] / one[c], 0.8f, 1e-4f);
 }
 

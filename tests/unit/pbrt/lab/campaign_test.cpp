@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -99,13 +100,10 @@ class Campaign : public ::testing::Test {
         SetLogLevel(LogLevel::Info);
     }
     void AddSampler(const std::string &name, size_t blind) {
-        LightSamplerRegistry::Entry entry;
-        entry.name = name;
-        entry.summary = "of the test";
-        entry.make = [blind, interrupt = switch_](const LightGroups &groups, const ParamSet &) {
+        auto make = [blind, interrupt = switch_](NoParams, const ParamSet &, const LightGroups &groups) {
             return std::make_unique<TestSampler>(groups.LightCount(), blind, interrupt);
         };
-        registry_.Add(std::move(entry));
+        registry_.samplers.Add<NoParams>(name, "of the test", make);
     }
     CampaignSettings Settings(const std::string &out, const std::vector<std::string> &samplers) {
         CampaignSettings s;

@@ -15,25 +15,21 @@ struct SomeParams {
     }
 };
 
-LightSamplerRegistry::Entry SomeEntry(const std::string &name) {
-    LightSamplerRegistry::Entry e;
-    e.name = name;
-    e.summary = "some sampler";
-    e.params = DocumentParams<SomeParams>();
-    e.make = [](const LightGroups &, const ParamSet &) { return nullptr; };
-    return e;
+void AddSome(LightSamplerRegistry &registry) {
+    registry.samplers.Add<SomeParams>("some", "some sampler",
+                                      [](const auto &, const ParamSet &, const LightGroups &) { return nullptr; });
 }
 
 TEST(LightSamplerRegistry, StockSamplers) {
     LightSamplerRegistry registry;
     RegisterStockLightSamplers(registry);
-    EXPECT_EQ(registry.Names(), (std::vector<std::string>{"bvh", "exhaustive", "power", "uniform"}));
+    EXPECT_EQ(registry.samplers.Names(), (std::vector<std::string>{"bvh", "exhaustive", "power", "uniform"}));
     LightTable none;
     none.Finish({0, 0, 0}, 1);
-    for (const std::string &name : registry.Names()) {
-        const auto &entry = registry.Find(name);
-        EXPECT_TRUE(entry.takesGroups);
-        EXPECT_TRUE(entry.make(none.Parts(), ParamSet()));
+    for (const std::string &name : registry.samplers.Names()) {
+        const auto &entry = registry.samplers.Find(name);
+        EXPECT_TRUE(entry.traits.takesGroups);
+        EXPECT_TRUE(entry.make(ParamSet(), none.Parts()));
     }
 }
 
@@ -42,7 +38,7 @@ TEST(LightSamplerRegistry, UnknownNameListsTheKnownOnes) {
     RegisterStockLightSamplers(registry);
     auto file = std::make_shared<SourceFile>(SourceFile{"x.pbrt", ""});
     try {
-        registry.Find("exhaustve", FileLoc{file, 3, 1});
+        registry.samplers.Find("exhaustve", FileLoc{file, 3, 1});
         FAIL() << "no error";
     } catch (const UserError &e) {
         EXPECT_EQ(e.Diagnostics()[0].loc.line, 3);
@@ -55,15 +51,15 @@ TEST(LightSamplerRegistry, UnknownNameListsTheKnownOnes) {
 
 TEST(LightSamplerRegistry, NameUsedTwiceThrows) {
     LightSamplerRegistry registry;
-    registry.Add(SomeEntry("some"));
-    EXPECT_THROW(registry.Add(SomeEntry("some")), std::logic_error);
+    AddSome(registry);
+    EXPECT_THROW(AddSome(registry), std::logic_error);
     RegisterStockLightSamplers(registry);
     EXPECT_THROW(RegisterStockLightSamplers(registry), std::logic_error);
 }
 
 TEST(LightSamplerRegistry, ListingNamesEverything) {
     LightSamplerRegistry registry;
-    registry.Add(SomeEntry("some"));
+    AddSome(registry);
     std::string text = registry.Listing();
     for (const char *part : {"some", "some sampler", "integer some.leaves = 7", "1 to 100", "how many"})
         EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;

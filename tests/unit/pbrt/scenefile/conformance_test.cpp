@@ -122,13 +122,14 @@ std::vector<Placement> Placements(const SceneDescription &scene) {
             p.material = scene.materials[static_cast<size_t>(s.material.index)].type;
         }
         Transform t = worldFromObject * s.ctm.start;
-        Float r = s.params.GetFloat("radius", 1);
-        auto list = s.params.GetFloats("P", ParamType::Point3);
+        Float r = FloatOf(s.params, "radius", 1);
+        const Param *points = s.params.Find("P", ParamType::Point3);
+        const std::vector<Float> list = points ? points->floats : std::vector<Float>();
         for (size_t i = 0; i + 2 < list.size(); i += 3)
             p.points.push_back(t.Point({list[i], list[i + 1], list[i + 2]}));
         if (list.empty())
             for (Point3 q :
-                 {Point3(0, 0, 0), Point3(r, 0, 0), Point3(0, r, 0), Point3(0, 0, s.params.GetFloat("zmin", -r))})
+                 {Point3(0, 0, 0), Point3(r, 0, 0), Point3(0, r, 0), Point3(0, 0, FloatOf(s.params, "zmin", -r))})
                 p.points.push_back(t.Point(q));
         placements.push_back(p);
     };
@@ -160,11 +161,11 @@ TEST_F(Conformance, TheFiveWaysToWriteOneSceneGiveTheSameScene) {
                     << name << " " << placements[i].type << " " << j;
         }
         EXPECT_EQ(other.scene.camera.cameraFromWorld, base.scene.camera.cameraFromWorld) << name;
-        EXPECT_EQ(other.scene.camera.params.GetFloat("fov", 90), 27) << name;
-        EXPECT_EQ(other.scene.film.params.GetInt("xresolution", 0), 96) << name;
-        EXPECT_EQ(other.scene.film.params.GetInt("yresolution", 0), 64) << name;
-        EXPECT_EQ(other.scene.integrator.params.GetInt("maxdepth", 5), 4) << name;
-        EXPECT_EQ(other.scene.sampler.params.GetInt("pixelsamples", 16), 512) << name;
+        EXPECT_EQ(FloatOf(other.scene.camera.params, "fov", 90), 27) << name;
+        EXPECT_EQ(IntOf(other.scene.film.params, "xresolution", 0), 96) << name;
+        EXPECT_EQ(IntOf(other.scene.film.params, "yresolution", 0), 64) << name;
+        EXPECT_EQ(IntOf(other.scene.integrator.params, "maxdepth", 5), 4) << name;
+        EXPECT_EQ(IntOf(other.scene.sampler.params, "pixelsamples", 16), 512) << name;
         EXPECT_EQ(other.scene.areaLights.size(), 1u) << name;
         EXPECT_EQ(other.scene.lights.size(), 1u) << name;
     }

@@ -132,16 +132,16 @@ TEST_F(SceneFiles, ImportGetsACopyOfTheState) {
     ASSERT_EQ(scene.shapes.size(), 4u);
     EXPECT_EQ(scene.shapes[0].ctm.start, Transform::Translate({1, 0, 0}));
     EXPECT_EQ(scene.shapes[0].material.index, 0);
-    EXPECT_EQ(scene.shapes[0].params.GetFloat("r", 0), 1);
+    EXPECT_EQ(FloatOf(scene.shapes[0].params, "r", 0), 1);
     EXPECT_EQ(scene.shapes[1].ctm.start, Transform::Translate({1, 1, 0}));
     EXPECT_EQ(scene.materials.at(static_cast<size_t>(scene.shapes[1].material.index)).type, "p");
     EXPECT_TRUE(scene.shapes[1].reverseOrientation);
-    EXPECT_EQ(scene.shapes[1].params.GetFloat("r", 0), 2);
+    EXPECT_EQ(FloatOf(scene.shapes[1].params, "r", 0), 2);
     EXPECT_EQ(scene.shapes[2].ctm.start, Transform::Translate({1, 0, 0})) << "nothing leaks back";
     EXPECT_EQ(scene.shapes[2].material.index, 0);
     EXPECT_FALSE(scene.shapes[2].reverseOrientation);
     EXPECT_EQ(scene.shapes[2].colorSpace, "srgb");
-    EXPECT_EQ(scene.shapes[2].params.GetFloat("r", 0), 1);
+    EXPECT_EQ(FloatOf(scene.shapes[2].params, "r", 0), 1);
     EXPECT_EQ(scene.textures.size() + scene.media.size() + scene.lights.size() + scene.instances.size(), 4u);
 }
 

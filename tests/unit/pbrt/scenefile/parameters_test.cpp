@@ -53,7 +53,7 @@ TEST(Parameters, DeclarationsMayHaveBlanksAndTrailingWords) {
 TEST(Parameters, RepeatedOnesAreKeptAndTheLastWins) {
     SceneDescription scene = ParseWorld("Shape \"s\" \"float r\" 1 \"float r\" 2");
     EXPECT_EQ(scene.shapes[0].params.Own().size(), 2u);
-    EXPECT_EQ(scene.shapes[0].params.GetFloat("r", 0), 2);
+    EXPECT_EQ(FloatOf(scene.shapes[0].params, "r", 0), 2);
 }
 
 TEST(Parameters, LocationIsThatOfTheDeclaration) {

@@ -96,7 +96,7 @@ TEST(State, WorldBeginResetsOnlyTransformations) {
     EXPECT_EQ(s.colorSpace, "rec2020");
     EXPECT_EQ(s.insideMedium, "in");
     EXPECT_EQ(s.outsideMedium, "out");
-    EXPECT_EQ(s.params.GetFloat("radius", 1), 3);
+    EXPECT_EQ(FloatOf(s.params, "radius", 1), 3);
 }
 
 TEST(State, AttributeBlocksSaveAndRestoreAllOfIt) {
@@ -165,7 +165,7 @@ TEST(State, AreaLightIsSharedByTheShapesThatFollow) {
         "AttributeBegin ColorSpace \"dci-p3\" AreaLightSource \"diffuse\" \"float scale\" 2\n"
         "Shape \"a\" Shape \"b\" AttributeEnd Shape \"c\"\nAreaLightSource \"x\" Shape \"d\"");
     ASSERT_EQ(scene.areaLights.size(), 2u) << "one that no shape uses is not there";
-    EXPECT_EQ(scene.areaLights[0].params.GetFloat("scale", 0), 2);
+    EXPECT_EQ(FloatOf(scene.areaLights[0].params, "scale", 0), 2);
     EXPECT_EQ(scene.areaLights[0].colorSpace, "dci-p3");
     EXPECT_EQ(scene.shapes[0].areaLight, 0);
     EXPECT_EQ(scene.shapes[1].areaLight, 0);
@@ -207,7 +207,7 @@ TEST(Attribute, GivesDefaultsToItsKindOnly) {
         "AreaLightSource \"diffuse\" Shape \"s\" LightSource \"point\" Material \"diffuse\"\n"
         "MakeNamedMaterial \"n\" \"string type\" \"diffuse\" Texture \"t\" \"float\" \"constant\"\n"
         "MakeNamedMedium \"m\" \"string type\" \"homogeneous\"");
-    auto x = [](const Entity &e) { return e.params.GetFloat("x", 0); };
+    auto x = [](const Entity &e) { return FloatOf(e.params, "x", 0); };
     EXPECT_EQ(x(scene.shapes[0]), 1);
     EXPECT_EQ(x(scene.lights[0]), 2);
     EXPECT_EQ(x(scene.areaLights[0]), 2);
@@ -229,8 +229,8 @@ TEST(Attribute, ManyDirectivesTakeTimeByTheirNumber) {
     for (size_t s = 0; s < 3; ++s) {
         const ParamSet &params = scene.shapes[s].params;
         for (int i : {0, 1, 500, 999}) {
-            EXPECT_EQ(params.GetFloat(fmt::format("a{}", i), -1), kCount - 1000 + i) << s;
-            EXPECT_EQ(params.GetFloat(fmt::format("b{}", i), -1), s == 1 ? kCount - 1000 + i : -1) << s;
+            EXPECT_EQ(FloatOf(params, fmt::format("a{}", i), -1), kCount - 1000 + i) << s;
+            EXPECT_EQ(FloatOf(params, fmt::format("b{}", i), -1), s == 1 ? kCount - 1000 + i : -1) << s;
         }
     }
 }
@@ -242,7 +242,7 @@ TEST(Attribute, ScopesAddToListsOfTheirOwn) {
         "AttributeBegin AttributeBegin Attribute \"shape\" \"float a\" 3 AttributeEnd Shape \"s\" AttributeEnd AttributeEnd\n"
         "Shape \"s\" Attribute \"shape\" \"float a\" 4 Shape \"s\"");
     const Float expected[] = {1, 2, 2, 1, 4};
-    for (size_t i = 0; i < 5; ++i) EXPECT_EQ(scene.shapes[i].params.GetFloat("a", 0), expected[i]) << i;
+    for (size_t i = 0; i < 5; ++i) EXPECT_EQ(FloatOf(scene.shapes[i].params, "a", 0), expected[i]) << i;
 }
 
 TEST(Attribute, OwnParametersWinThenTheLatestStatement) {
@@ -252,15 +252,15 @@ TEST(Attribute, OwnParametersWinThenTheLatestStatement) {
         "AttributeBegin Attribute \"shape\" \"float r\" 4 Shape \"s\" AttributeEnd Shape \"s\"");
     Float expected[] = {2, 3, 4, 2};
     for (size_t i = 0; i < 4; ++i) {
-        EXPECT_EQ(scene.shapes[i].params.GetFloat("r", 0), expected[i]) << i;
-        EXPECT_EQ(scene.shapes[i].params.GetFloat("q", 0), 1) << i;
+        EXPECT_EQ(FloatOf(scene.shapes[i].params, "r", 0), expected[i]) << i;
+        EXPECT_EQ(FloatOf(scene.shapes[i].params, "q", 0), 1) << i;
     }
 }
 
 TEST(Attribute, DefaultsAreNeverUnused) {
     SceneDescription scene = ParseWorld("Attribute \"material\" \"float roughness\" 1 Material \"diffuse\"");
     DiagnosticSink sink;
-    scene.materials[0].params.ReportUnused(sink);
+    ParamReader(scene.materials[0].params).Finish(sink);
     EXPECT_FALSE(sink.HasErrors());
 }
 

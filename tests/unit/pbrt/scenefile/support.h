@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pbrt/core/param_reader.h"
 #include "pbrt/scenefile/parser.h"
 
 namespace pbrt::test {
@@ -20,6 +21,21 @@ inline Parsed Parse(const std::string &text, const std::string &directory = "") 
     Parsed parsed;
     parsed.scene = ParseSceneText(text, parsed.sink, "test.pbrt", directory);
     return parsed;
+}
+
+/// The value of a parameter that has one.
+template <class T>
+T ValueOf(const ParamSet &params, const std::string &name, T defaultValue) {
+    ParamReader reader(params);
+    reader(name, defaultValue, "");
+    reader.ThrowIfErrors();
+    return defaultValue;
+}
+inline Float FloatOf(const ParamSet &params, const std::string &name, Float defaultValue) {
+    return ValueOf(params, name, defaultValue);
+}
+inline int IntOf(const ParamSet &params, const std::string &name, int defaultValue) {
+    return ValueOf(params, name, defaultValue);
 }
 
 inline std::string Messages(const DiagnosticSink &sink) {

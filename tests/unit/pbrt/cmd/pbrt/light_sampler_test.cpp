@@ -103,7 +103,7 @@ TEST_F(LightSamplers, CaretsStandUnderTheMistakeInTheWholeFlag) {
     ExpectErrors({{"--lightsampler bvh+mush scene.pbrt", {"\"+mush\"", "+mesh", under("bvh+mush", 3)}}});
     PBRT_SKIP_WITHOUT_EXT();
     ExpectErrors({{"--lightsampler bvh+gate=nep scene.pbrt",
-                   {"\"nep\" is not a shadow-ray gate", "neepp", under("bvh+gate=nep", 9)}},
+                   {"shadow-ray gate \"nep\" is unknown", "neepp", under("bvh+gate=nep", 9)}},
                   {"--lightsampler bvh+gate=neepp:voxls=3 scene.pbrt",
                    {"did you mean \"voxels\"?", under("bvh+gate=neepp:voxls=3", 15)}},
                   {"--lightsampler bvh+gate=neepp:voxels=-1 scene.pbrt",

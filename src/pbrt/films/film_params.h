@@ -1,0 +1,37 @@
+#pragma once
+#include <array>
+#include <limits>
+
+#include "pbrt/core/param_reader.h"
+#include "pbrt/films/sensor.h"
+#include "pbrt/math/vec.h"
+
+namespace pbrt {
+
+/// What all films take: the frame, the file, and the sensor.
+struct FilmParams {
+    std::string filename = "pbrt.exr";
+    int xResolution = 1280, yResolution = 720;
+    std::optional<std::array<Float, 4>> cropWindow;
+    std::optional<std::array<int, 4>> pixelBounds;
+    Float diagonalMm = 35, maxComponentValue = Infinity;
+    bool half = true;
+    SensorParams sensor;
+
+    template <class V>
+    void Describe(V &&v) {
+        v("filename", filename, "the picture; --outfile beats it");
+        v("xresolution", xResolution, Range<int>{1, 1 << 20, false, false, "pixels"}, "width");
+        v("yresolution", yResolution, Range<int>{1, 1 << 20, false, false, "pixels"}, "height");
+        v("cropwindow", cropWindow,
+          "x0 x1 y0 y1 of what is rendered, as fractions; --cropwindow and --pixelbounds beat it");
+        v("pixelbounds", pixelBounds, "x0 x1 y0 y1 of what is rendered, in pixels; cropwindow beats it");
+        v("diagonal", diagonalMm, Positive(1e6f, "mm"), "of the film, for realistic cameras");
+        sensor.Describe(v);
+        v("maxcomponentvalue", maxComponentValue, Positive(std::numeric_limits<Float>::max()),
+          "what brighter samples are cut to");
+        v("savefp16", half, "the picture has half precision");
+    }
+};
+
+}  // namespace pbrt

@@ -52,12 +52,9 @@ Float NearestLightSampler::GroupProbability(const LightQuery &, const void *weig
 }
 
 void register_nearest(LightSamplerRegistry &registry) {
-    LightSamplerRegistry::Entry entry;
-    entry.name = "nearest";
-    entry.summary = "By the inverse square of the distance.";
-    entry.takesGroups = true;
-    entry.make = [](const LightGroups &groups, const ParamSet &) {
-        return std::make_unique<NearestLightSampler>(groups);
-    };
-    registry.Add(std::move(entry));
+    registry.samplers.Add<NoParams>("nearest", "By the inverse square of the distance.",
+                                    [](NoParams, const ParamSet &, const LightGroups &groups) {
+                                        return std::make_unique<NearestLightSampler>(groups);
+                                    },
+                                    {.takesGroups = true});
 }

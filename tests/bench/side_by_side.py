@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""Benchmarks of two builds in turns, in one run: rays, selection, reading, building, and seconds a sample.
+
+    tests/bench/side_by_side.py OLD_BUILD NEW_BUILD [--rounds N] [--only TEXT] [--json FILE]
+
+Both are build folders (with pbrt, bench_rays, bench_scene_select and bench_big_scene) for the same machine. Every
+measurement is made in turns, old and new, `rounds` times; what is printed is the smallest value of each, which is the one
+that the machine's noise disturbed least, and their ratio. Times are CPU seconds of one thread. Scenes are those of this
+checkout, and Lamp of ../shared/scenes where that is present.
+"""
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+TOP = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", ".."))
+LAMP = os.path.join(TOP, "../shared/scenes/lamp/lamp.pbrt")
+RENDERED = ["hotel", "white-room", "many-rooms", "glossy"]
+SELECTION = ["white-room", "glossy", "many-rooms", "hotel"]
+SAMPLERS = ["power", "bvh", "octree"]
+
+
+def scene(name):
+    return os.path.join(TOP, "scenes", name, name + ".pbrt")
+
+
+def run(command):
+    """Its output and the CPU seconds that it took."""
+    with tempfile.TemporaryFile("w+") as out:
+        process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        out.seek(0)
+        text = out.read()
+    if process.returncode != 0:
+        sys.exit(f"{' '.join(command)} failed:\n{text}")
+    return text, usage.ru_utime + usage.ru_stime
+
+
+def rendering(build, path, sampler, spp, picture):
+    text, cpu = run([f"{build}/src/pbrt/cmd/pbrt/pbrt", "--nthreads", "1", "--stats", "--spp", str(spp), "--lightsampler",
+                     sampler, "--outfile", picture, path])
+    stage = {name: float(re.search(rf"^ *{name} \(s\) +([0-9.]+)", text, re.M).group(1)) for name in ("building", "rendering")}
+    return {"building (s)": stage["building"], "rendering (s a sample)": stage["rendering"] / spp,
+            "all (CPU s a sample)": cpu / spp}
+
+
+def selection(build, path):
+    text, _ = run([f"{build}/tests/bench/bench_scene_select", path, *SAMPLERS])
+    found = json.loads(text[text.index("{"):])
+    result = {}
+    for name, of in found["samplers"].items():
+        # Before light samplers answered for a vertex, both questions weighed the lights.
+        both = of.get("sampleAndPmfNanoseconds", of["sampleNanoseconds"] + of["pmfNanoseconds"])
+        result[f"{found['lights']} lights, {name}: choice and PMF (ns)"] = both
+        result[f"{found['lights']} lights, {name}: choice (ns)"] = of["sampleNanoseconds"]
+    return result
+
+
+def rays(build):
+    text, _ = run([f"{build}/tests/bench/bench_rays", "--benchmark_format=json", "--benchmark_min_time=0.2"])
+    return {b["name"] + " (ns)": b["cpu_time"] for b in json.loads(text[text.index("{"):])["benchmarks"]}
+
+
+def big_scene(build):
+    text, _ = run([f"{build}/tests/bench/bench_big_scene", "1", "1"])
+    found = json.loads(text[text.index("{"):])
+    return {key: value for key, value in found.items() if isinstance(value, (int, float)) and "econds" in key}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("old")
+    parser.add_argument("new")
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--only", default="", help="measurements whose name holds this text")
+    parser.add_argument("--json", help="write all values to this file")
+    args = parser.parse_args()
+    builds = {"old": os.path.abspath(args.old), "new": os.path.abspath(args.new)}
+    with tempfile.TemporaryDirectory() as folder:
+        picture = os.path.join(folder, "a.pfm")
+        measurements = {"rays": rays, "big scene": big_scene}
+        for name in SELECTION:
+            measurements[f"selection, {name}"] = lambda build, p=scene(name): selection(build, p)
+        rendered = [("Lamp", LAMP)] if os.path.isfile(LAMP) else []
+        if not rendered:
+            print(f"{LAMP} is absent and left out.")
+        for name, path in rendered + [(name, scene(name)) for name in RENDERED]:
+            for sampler in ("bvh", "octree"):
+                measurements[f"render, {name}, {sampler}"] = (
+                    lambda build, p=path, s=sampler: rendering(build, p, s, 16, picture))
+        values = {}
+        print(f"{'':64}{'old':>11}{'new':>11}{'new / old':>11}")
+        for name, measure in measurements.items():
+            if args.only not in name:
+                continue
+            for _ in range(args.rounds):
+                for which, build in builds.items():
+                    for key, value in measure(build).items():
+                        values.setdefault(f"{name}: {key}", {}).setdefault(which, []).append(value)
+            for key, of in values.items():
+                if key.startswith(name + ":") and len(of) == 2:
+                    old, new = min(of["old"]), min(of["new"])
+                    print(f"{key:64}{old:11.4g}{new:11.4g}{new / old if old else float('nan'):11.3f}", flush=True)
+    if args.json:
+        with open(args.json, "w", encoding="utf-8") as file:
+            json.dump(values, file, indent=1)
+
+
+if __name__ == "__main__":
+    main()

@@ -4,7 +4,7 @@
 
 namespace pbrt {
 
-LightGroups::LightGroups(const LightTable &lights, bool wholes) : lights_(lights) {
+LightGroups::LightGroups(const LightTable &lights, bool wholes) : lights_(lights), lightCount_(lights.Size()) {
     if (!wholes || lights.WholeCount() == lights.Size()) return;
     const auto n = static_cast<uint32_t>(lights.Size());
     share_.resize(n);
@@ -35,8 +35,6 @@ LightGroups::LightGroups(const LightTable &lights, bool wholes) : lights_(lights
     first_.push_back(n);
 }
 
-size_t LightGroups::LightCount() const { return lights_.Size(); }
-
 LightCandidate LightGroups::Candidate(uint32_t group) const {
     return candidates_.empty() ? lights_.Candidate(LightId(group)) : candidates_[group];
 }
@@ -48,9 +46,9 @@ std::vector<LightCandidate> LightGroups::Candidates() const {
     return all;
 }
 
-uint32_t LightGroups::GroupOf(LightId light) const { return first_.empty() ? light.value : lights_.WholeOf(light); }
+uint32_t LightGroups::WholeOf(LightId light) const { return lights_.WholeOf(light); }
 
-LightId LightGroups::SampleLight(uint32_t group, Float u) const {
+LightId LightGroups::SampleWithin(uint32_t group, Float u) const {
     const uint32_t begin = FirstOf(group), end = begin + CountOf(group);
     if (end - begin == 1) return LightId(begin);
     auto it = std::upper_bound(cdf_.begin() + begin, cdf_.begin() + end, u);

@@ -26,12 +26,12 @@ class LightGroups {
     LightGroups(const LightTable &lights, bool wholes);
 
     size_t Size() const { return first_.empty() ? LightCount() : first_.size() - 1; }
-    size_t LightCount() const;
+    size_t LightCount() const { return lightCount_; }
     const LightTable &Lights() const { return lights_; }
     /// Power (sum), bounds (union) and kind of a group; what samplers weigh.
     LightCandidate Candidate(uint32_t group) const;
     std::vector<LightCandidate> Candidates() const;
-    uint32_t GroupOf(LightId light) const;
+    uint32_t GroupOf(LightId light) const { return first_.empty() ? light.value : WholeOf(light); }
     /// Lights of a group: consecutive ids.
     uint32_t FirstOf(uint32_t group) const { return first_.empty() ? group : first_[group]; }
     uint32_t CountOf(uint32_t group) const { return first_.empty() ? 1 : first_[group + 1] - first_[group]; }
@@ -39,7 +39,9 @@ class LightGroups {
     /// P(light | its group). Discrete.
     Float ShareOf(LightId light) const { return share_.empty() ? Float(1) : share_[light.value]; }
     /// A light of the group with probability ShareOf.
-    LightId SampleLight(uint32_t group, Float u) const;
+    LightId SampleLight(uint32_t group, Float u) const {
+        return first_.empty() ? LightId(group) : SampleWithin(group, u);
+    }
     /// Uniform number for SampleLight from the one number of a selection: independent of which group that number chose,
     /// and fine enough for any number of parts.
     static Float InnerNumber(Float u, const Point3 &p) { return HashFloat(u, p); }
@@ -55,7 +57,11 @@ class LightGroups {
     size_t Bytes() const;
 
   private:
+    uint32_t WholeOf(LightId light) const;
+    LightId SampleWithin(uint32_t group, Float u) const;
+
     const LightTable &lights_;
+    size_t lightCount_;
     // All empty where every part is a group.
     std::vector<LightCandidate> candidates_;
     std::vector<uint32_t> first_;  ///< per group, its first light; one more entry at the end

@@ -25,8 +25,12 @@ LightId LightTable::Add(std::unique_ptr<Light> light) {
 void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
     PBRT_CHECK(!parts_);
     for (const Whole &whole : wholes_) whole.light->Preprocess(sceneCenter, sceneRadius);
-    for (uint32_t i = 0; i < Size(); ++i)
-        if (!std::isfinite(PowerOf((*this)[LightId(i)]))) overflowed_.emplace_back(i);
+    power_.resize(Size());
+    for (uint32_t i = 0; i < Size(); ++i) {
+        const Float power = PowerOf((*this)[LightId(i)]);
+        if (!std::isfinite(power)) overflowed_.emplace_back(i);
+        power_[i] = power > 0 && std::isfinite(power) ? power : 0;
+    }
     parts_ = std::make_unique<LightGroups>(*this, false);
     groupsOfWholes_ = std::make_unique<LightGroups>(*this, true);
 }
@@ -34,8 +38,7 @@ void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
 LightCandidate LightTable::Candidate(LightId id) const {
     const LightPart light = (*this)[id];
     LightCandidate c;
-    const Float power = PowerOf(light);
-    c.power = power > 0 && std::isfinite(power) ? power : 0;
+    c.power = power_[id.value];
     c.infinite = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;
     c.bounds = light.Bounds();
     return c;

@@ -57,7 +57,8 @@ class LightTable {
     };
     std::vector<Whole> wholes_;
     std::vector<uint32_t> wholeOf_;  ///< per part
-    std::vector<LightId> infinite_;  ///< their first parts
+    std::vector<Float> power_;       ///< per part, as in LightCandidate
+    std::vector<LightId> infinite_;  ///< the first parts of infinite lights
     std::vector<LightId> overflowed_;
     std::unique_ptr<LightGroups> parts_, groupsOfWholes_;
 };

@@ -6,12 +6,12 @@ namespace pbrt::imgtool {
 
 namespace {
 
-struct Options {
+struct AssembleOptions {
     std::vector<std::string> paths;
     std::string outfile;
 };
 
-int Assemble(const Options &o) {
+int Assemble(const AssembleOptions &o) {
     ImageFile whole;
     std::vector<uint8_t> counts;
     for (const std::string &path : o.paths) {
@@ -55,7 +55,7 @@ int Assemble(const Options &o) {
 }  // namespace
 
 void AddAssemble(CLI::App &app, Action &action) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<AssembleOptions>();
     CLI::App *command = app.add_subcommand("assemble", "Join parts of one picture");
     command->add_option("files", o->paths, "Parts: .exr files whose data windows tell their places")->required();
     AddOutfileOption(*command, o->outfile);

@@ -7,12 +7,12 @@ namespace pbrt::imgtool {
 
 namespace {
 
-struct Options {
+struct AverageOptions {
     std::vector<std::string> names;
     std::string outfile;
 };
 
-int Average(const Options &o) {
+int Average(const AverageOptions &o) {
     const std::vector<std::string> paths = FindImages(o.names, {o.outfile});
     ImageFile first = ReadAsFloat(paths[0]);
     const Point2i resolution = first.image.Resolution();
@@ -35,7 +35,7 @@ int Average(const Options &o) {
 }  // namespace
 
 void AddAverage(CLI::App &app, Action &action) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<AverageOptions>();
     CLI::App *command = app.add_subcommand("average", "Mean of several images");
     command->add_option("images", o->names, kImagesHelp)->required();
     command->add_option("--outfile", o->outfile, "Result (left out if a pattern or a start fits it)")

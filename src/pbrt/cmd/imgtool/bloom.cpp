@@ -8,7 +8,7 @@ namespace pbrt::imgtool {
 
 namespace {
 
-struct Options {
+struct BloomOptions {
     std::string path, outfile;
     int iterations = 5, width = 15;
     Float level = Infinity, scale = Float(0.3);
@@ -44,7 +44,7 @@ Image Blur(const Image &image, const std::vector<Float> &weights, Point2i axis) 
     return result;
 }
 
-int Bloom(const Options &o) {
+int Bloom(const BloomOptions &o) {
     if (o.width % 2 == 0)
         throw UserError(fmt::format("--width {}: an odd number is needed, so that the light stays in place.", o.width));
     ImageFile file = ReadAsFloat(o.path);
@@ -78,7 +78,7 @@ int Bloom(const Options &o) {
 }  // namespace
 
 void AddBloom(CLI::App &app, Action &action) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<BloomOptions>();
     CLI::App *command = app.add_subcommand("bloom", "Let bright pixels shine into their surroundings");
     command->add_option("file", o->path, "Image with the channels R, G, B")->required();
     AddOutfileOption(*command, o->outfile, true);

@@ -8,7 +8,7 @@ namespace pbrt::imgtool {
 
 namespace {
 
-struct Options {
+struct ConvertOptions {
     std::string path, outfile, channels;
     std::vector<int> crop;
     Float scale = 1, exposure = 0, gamma = 1, maxLuminance = 1;
@@ -71,7 +71,7 @@ Image Rearrange(const Image &image, Point2i resolution, F &&source) {
     return result;
 }
 
-int Convert(const Options &o) {
+int Convert(const ConvertOptions &o) {
     ImageFile file = ReadImage(o.path);
     const bool keepHalf = file.image.Format() != PixelFormat::Float;
     Image &image = file.image;
@@ -105,7 +105,7 @@ int Convert(const Options &o) {
 }  // namespace
 
 void AddConvert(CLI::App &app, Action &action) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<ConvertOptions>();
     CLI::App *command = app.add_subcommand("convert", "Change an image or its file format");
     command->add_option("file", o->path, "Image")->required();
     AddOutfileOption(*command, o->outfile, true);

@@ -8,7 +8,7 @@ namespace pbrt::imgtool {
 
 namespace {
 
-struct Options {
+struct DiffOptions {
     std::string path, reference, channels, metric = "MSE", outfile;
     std::vector<int> crop;
     bool json = false;
@@ -29,7 +29,7 @@ double Mean(const Image &image) {
     return count ? sum / static_cast<double>(count) : 0;
 }
 
-int Diff(const Options &o) {
+int Diff(const DiffOptions &o) {
     const Metric metric = ChosenMetric(o.metric);
     ImageFile image = ReadAsFloat(o.path), reference = ReadAsFloat(o.reference);
     if (!o.channels.empty()) {
@@ -68,7 +68,7 @@ int Diff(const Options &o) {
 }  // namespace
 
 void AddDiff(CLI::App &app, Action &action) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<DiffOptions>();
     CLI::App *command = app.add_subcommand("diff", "Compare an image with a reference");
     command->add_option("file", o->path, "Image")->required();
     command->add_option("--reference", o->reference, "Image to compare with")->required()->type_name("FILE");

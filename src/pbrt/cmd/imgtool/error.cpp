@@ -7,13 +7,13 @@ namespace pbrt::imgtool {
 
 namespace {
 
-struct Options {
+struct ErrorOptions {
     std::vector<std::string> names;
     std::string reference, metric = "MSE", errorfile;
     std::vector<int> crop;
 };
 
-int Error(const Options &o) {
+int Error(const ErrorOptions &o) {
     const Metric metric = ChosenMetric(o.metric);
     const std::vector<std::string> paths = FindImages(o.names, {o.reference, o.errorfile});
     const ImageFile whole = ReadAsFloat(o.reference);
@@ -55,7 +55,7 @@ int Error(const Options &o) {
 }  // namespace
 
 void AddError(CLI::App &app, Action &action) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<ErrorOptions>();
     CLI::App *command = app.add_subcommand("error", "Errors of several images, and their mean");
     command->add_option("images", o->names, kImagesHelp)->required();
     command->add_option("--reference", o->reference, "Image to compare with (left out if a pattern or a start fits it)")

@@ -9,7 +9,7 @@ namespace pbrt::imgtool {
 
 namespace {
 
-struct Options {
+struct FalsecolorOptions {
     std::string path, outfile;
     std::optional<Float> maxValue;
     bool plusMinus = false, ramp = false;
@@ -45,7 +45,7 @@ Range ChooseRange(std::vector<Float> values) {
     return range;
 }
 
-int Falsecolor(const Options &o) {
+int Falsecolor(const FalsecolorOptions &o) {
     const Image image = ReadAsFloat(o.path).image;
     const Point2i resolution = image.Resolution();
     Image mean(PixelFormat::Float, resolution, {"Y"});
@@ -72,7 +72,7 @@ int Falsecolor(const Options &o) {
 }  // namespace
 
 void AddFalsecolor(CLI::App &app, Action &action) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<FalsecolorOptions>();
     CLI::App *command = app.add_subcommand("falsecolor", "Show the mean of each pixel's channels as a colour");
     command->add_option("file", o->path, "Image")->required();
     AddOutfileOption(*command, o->outfile, true);

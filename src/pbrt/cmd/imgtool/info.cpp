@@ -138,11 +138,11 @@ void PrintInfo(const std::string &path) {
 }  // namespace
 
 void AddInfo(CLI::App &app, Action &action) {
-    struct Options {
+    struct InfoOptions {
         std::vector<std::string> paths;
         bool json = false;
     };
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<InfoOptions>();
     CLI::App *command = app.add_subcommand("info", "Print resolution, colour space, metadata and channel statistics");
     command->add_option("files", o->paths, "Images")->required();
     command->add_flag("--json", o->json, "Print a JSON array with an object for each image");

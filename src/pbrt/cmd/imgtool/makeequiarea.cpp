@@ -9,7 +9,7 @@ namespace pbrt::imgtool {
 
 namespace {
 
-struct Options {
+struct MakeequiareaOptions {
     std::string path, outfile;
     int resolution = 0;
 };
@@ -41,7 +41,7 @@ class LatLong {
     Point2i size_;
 };
 
-int Makeequiarea(const Options &o) {
+int Makeequiarea(const MakeequiareaOptions &o) {
     const ImageFile file = ReadAsFloat(o.path);
     const Point2i size = file.image.Resolution();
     if (size.x != 2 * size.y)
@@ -73,7 +73,7 @@ int Makeequiarea(const Options &o) {
 }  // namespace
 
 void AddMakeequiarea(CLI::App &app, Action &action) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<MakeequiareaOptions>();
     CLI::App *command = app.add_subcommand(
         "makeequiarea", "Turn a latitude-longitude environment map into the equal-area square of pbrt-v4");
     command->add_option("file", o->path, "Latitude-longitude image, up in the first row")->required();

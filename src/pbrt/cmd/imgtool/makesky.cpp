@@ -10,7 +10,7 @@ namespace pbrt::imgtool {
 
 namespace {
 
-struct Options {
+struct MakeskyOptions {
     std::string outfile;
     double albedo = 0.5, elevation = 10, turbidity = 3;
     int resolution = 2048;
@@ -38,7 +38,7 @@ void AddSun(Image &image, const PreethamSky &sky, const ColorSpace &space) {
     }
 }
 
-int Makesky(const Options &o) {
+int Makesky(const MakeskyOptions &o) {
     const PreethamSky sky(o.elevation, o.turbidity, o.albedo);
     const ColorSpace &space = *ColorSpace::Find("aces2065-1");
     Image image(PixelFormat::Float, {o.resolution, o.resolution}, {"R", "G", "B"});
@@ -58,7 +58,7 @@ int Makesky(const Options &o) {
 }  // namespace
 
 void AddMakesky(CLI::App &app, Action &action) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<MakeskyOptions>();
     CLI::App *command = app.add_subcommand("makesky", "Environment map of a clear sky with the sun");
     AddOutfileOption(*command, o->outfile);
     command->add_option("--elevation", o->elevation, "Degrees of the sun above the horizon")

@@ -8,7 +8,7 @@ namespace pbrt::imgtool {
 
 namespace {
 
-struct Options {
+struct ScalenormalmapOptions {
     std::string path, outfile;
     Float scale = 1;
 };
@@ -23,7 +23,7 @@ void WriteLinearPng(const std::string &path, const Image &image) {
     WriteImage(path, bytes);
 }
 
-int Scalenormalmap(const Options &o) {
+int Scalenormalmap(const ScalenormalmapOptions &o) {
     ImageFile file = ReadImage(o.path, ColorEncoding{ColorEncoding::Kind::Linear});
     const bool keepHalf = file.image.Format() != PixelFormat::Float;
     Image &image = file.image;
@@ -47,7 +47,7 @@ int Scalenormalmap(const Options &o) {
 }  // namespace
 
 void AddScalenormalmap(CLI::App &app, Action &action) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<ScalenormalmapOptions>();
     CLI::App *command = app.add_subcommand("scalenormalmap", "Make the relief of a normal map stronger or weaker");
     command->add_option("file", o->path, "Normal map: R, G, B = (normal + 1) / 2, without sRGB encoding")->required();
     AddOutfileOption(*command, o->outfile, true);

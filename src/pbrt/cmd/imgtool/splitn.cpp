@@ -7,7 +7,7 @@ namespace pbrt::imgtool {
 
 namespace {
 
-struct Options {
+struct SplitnOptions {
     std::vector<std::string> paths, crops;
     std::string outfile;
     int cropSize = 96;
@@ -41,7 +41,7 @@ struct Layout {
     Point2i CropAt(int image, int row) const { return {image * step, picture.y + kGap + row * step}; }
 };
 
-int Splitn(const Options &o) {
+int Splitn(const SplitnOptions &o) {
     if (o.paths.size() < 2) throw UserError("splitn needs at least two images.");
     std::vector<Point2i> corners;
     for (const std::string &text : o.crops) corners.push_back(ParseCorner(text));
@@ -85,7 +85,7 @@ int Splitn(const Options &o) {
 }  // namespace
 
 void AddSplitn(CLI::App &app, Action &action) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<SplitnOptions>();
     CLI::App *command =
         app.add_subcommand("splitn", "One picture in strips of several images, with crops of each below");
     command->add_option("files", o->paths, "Images of one size; the first gives the leftmost strip")->required();

@@ -5,7 +5,7 @@ namespace pbrt::imgtool {
 
 namespace {
 
-struct Options {
+struct WhitebalanceOptions {
     std::string path, outfile, illuminant;
     std::vector<Float> primaries;
     std::optional<Float> temperature;
@@ -27,7 +27,7 @@ Point2 WhiteOfIlluminant(const std::string &name) {
     throw UserError(fmt::format("--illuminant {}: unknown; {}", name, ListChoices(name, choices)));
 }
 
-Point2 White(const Options &o) {
+Point2 White(const WhitebalanceOptions &o) {
     if (!o.illuminant.empty()) return WhiteOfIlluminant(o.illuminant);
     if (o.temperature) return Chromaticity(DaylightSpectrum(*o.temperature));
     if (o.primaries.empty()) throw UserError("One of --illuminant, --primaries and --temperature is needed.");
@@ -40,7 +40,7 @@ Point2 White(const Options &o) {
     return white;
 }
 
-int Whitebalance(const Options &o) {
+int Whitebalance(const WhitebalanceOptions &o) {
     const Point2 white = White(o);
     ImageFile file = ReadAsFloat(o.path);
     const std::array<int, 3> rgb = RgbChannels(file.image, o.path);
@@ -54,7 +54,7 @@ int Whitebalance(const Options &o) {
 }  // namespace
 
 void AddWhitebalance(CLI::App &app, Action &action) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<WhitebalanceOptions>();
     CLI::App *command =
         app.add_subcommand("whitebalance", "Make what is white in a light white in the image's colour space");
     command->add_option("file", o->path, "Image with the channels R, G, B")->required();

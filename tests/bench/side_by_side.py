@@ -3,7 +3,7 @@
 
     tests/bench/side_by_side.py OLD_BUILD NEW_BUILD [--rounds N] [--only TEXT] [--json FILE]
 
-Both are build folders (with pbrt, bench_rays, bench_scene_select and bench_big_scene) for the same machine. Every
+Both are build folders (with pbrt, rays_bench, bench_scene_select and bench_big_scene) for the same machine. Every
 measurement is made in turns, old and new, `rounds` times; what is printed is the smallest value of each, which is the one
 that the machine's noise disturbed least, and their ratio. Times are CPU seconds of one thread. Scenes are those of this
 checkout, and Lamp of ../shared/scenes where that is present.
@@ -43,8 +43,10 @@ def run(command):
 def rendering(build, path, sampler, spp, picture):
     text, cpu = run([f"{build}/src/pbrt/cmd/pbrt/pbrt", "--nthreads", "1", "--stats", "--spp", str(spp), "--lightsampler",
                      sampler, "--outfile", picture, path])
-    stage = {name: float(re.search(rf"^ *{name} \(s\) +([0-9.]+)", text, re.M).group(1)) for name in ("building", "rendering")}
-    return {"building (s)": stage["building"], "rendering (s a sample)": stage["rendering"] / spp,
+    # Before start-up was a stage of its own, the line was "reading, building (s)   0.002, 0.066".
+    building = re.search(r"^ *(?:reading, )?building \(s\) +(?:[0-9.]+, )?([0-9.]+)", text, re.M).group(1)
+    rendering_seconds = re.search(r"^ *rendering \(s\) +([0-9.]+)", text, re.M).group(1)
+    return {"building (s)": float(building), "rendering (s a sample)": float(rendering_seconds) / spp,
             "all (CPU s a sample)": cpu / spp}
 
 
@@ -61,7 +63,7 @@ def selection(build, path):
 
 
 def rays(build):
-    text, _ = run([f"{build}/tests/bench/bench_rays", "--benchmark_format=json", "--benchmark_min_time=0.2"])
+    text, _ = run([f"{build}/tests/bench/rays_bench", "--benchmark_format=json", "--benchmark_min_time=0.2"])
     return {b["name"] + " (ns)": b["cpu_time"] for b in json.loads(text[text.index("{"):])["benchmarks"]}
 
 

@@ -34,11 +34,11 @@ inline void FindFeatures(std::span<EmitterItem> items, std::span<const Emitter> 
 }
 
 /// The axis along which a list of items differs most.
-struct Widest {
+struct WidestAxis {
     double spread = 0;  ///< sum of weighted squared distances from the mean
     size_t axis = 0;
 
-    explicit Widest(std::span<const EmitterItem> items) {
+    explicit WidestAxis(std::span<const EmitterItem> items) {
         double mean[6] = {}, square[6] = {}, weight = 0;
         for (const EmitterItem &item : items) {
             auto w = static_cast<double>(item.weight);

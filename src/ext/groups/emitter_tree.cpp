@@ -24,7 +24,7 @@ struct EmitterTree::Cluster {
     void Measure(std::span<const EmitterItem> items) {
         spread = -1;
         if (end - begin <= 1) return;
-        const Widest widest(items.subspan(begin, end - begin));
+        const WidestAxis widest(items.subspan(begin, end - begin));
         spread = widest.spread;
         axis = widest.axis;
     }
@@ -161,7 +161,7 @@ void EmitterTree::MakePackets(std::span<const Emitter> emitters, std::span<const
         }
 }
 
-void EmitterTree::Look(Node n, const LightQuery &query, Level *level) const {
+void EmitterTree::WeighBelow(Node n, const LightQuery &query, Level *level) const {
     const Branch &node = nodes_[n];
     for (size_t i = 0; i < node.count; i += EmitterPacket::kLanes)
         packets_[node.firstPacket + i / EmitterPacket::kLanes].Evaluate(query, level->buffer + i);

@@ -36,7 +36,7 @@ class EmitterTree {
         Node At(uint32_t i) const { return i < near ? children[i] : kLeaf | tree->far_[i - near].index; }
     };
     static bool IsLeaf(Node node) { return (node & kLeaf) != 0; }
-    void Look(Node node, const LightQuery &query, Level *level) const;
+    void WeighBelow(Node node, const LightQuery &query, Level *level) const;
 
     int Depth() const { return depth_; }
     size_t NodeCount() const { return nodes_.size(); }

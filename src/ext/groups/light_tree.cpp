@@ -81,7 +81,7 @@ class LightTree::Builder {
     uint32_t Split(uint32_t begin, uint32_t end) {
         const std::span<EmitterItem> items(items_.data() + begin, end - begin);
         FindFeatures(items, emitters_);
-        const size_t axis = Widest(items).axis;
+        const size_t axis = WidestAxis(items).axis;
         if (items.size() >= kManyItems) {
             const size_t middle = items.size() / 2;
             std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(),
@@ -174,7 +174,7 @@ Float LightTree::Evaluate(const LightQuery &query, std::span<const uint32_t> nod
     return sum;
 }
 
-void LightTree::Look(Node node, const LightQuery &query, Level *level) const {
+void LightTree::WeighBelow(Node node, const LightQuery &query, Level *level) const {
     uint32_t *nodes = level->nodes;
     nodes[0] = node;
     level->count = 1;
@@ -212,7 +212,7 @@ std::optional<SampledLight> LightTree::SampleWithin(uint32_t node, const LightQu
 
 Float LightTree::PMFWithin(uint32_t node, const LightQuery &query, uint32_t position) const {
     const Float pmf = WalkProbability(*this, &node, query, [&](Node, const Level &level) {
-        return static_cast<uint32_t>(Holder({level.nodes, level.count}, position));
+        return static_cast<uint32_t>(FindInCut({level.nodes, level.count}, position));
     });
     if (!(pmf > 0) || IsLight(node)) return pmf;
     const size_t near = order_.size() - far_.size();
@@ -220,7 +220,7 @@ Float LightTree::PMFWithin(uint32_t node, const LightQuery &query, uint32_t posi
     return value > 0 ? pmf * (value / EvaluateFarNode(node, query)) : Float(0);
 }
 
-size_t LightTree::Holder(std::span<const uint32_t> cut, uint32_t position) const {
+size_t LightTree::FindInCut(std::span<const uint32_t> cut, uint32_t position) const {
     auto after = std::upper_bound(cut.begin(), cut.end(), position,
                                   [&](uint32_t p, uint32_t node) { return p < ranges_[node].begin; });
     return static_cast<size_t>(after - cut.begin()) - 1;

@@ -52,7 +52,7 @@ class LightTree {
     /// Of a light at a position in the node's range.
     Float PMFWithin(uint32_t node, const LightQuery &query, uint32_t position) const;
     /// The node of a cut (rising) that holds a position, by its place in the cut.
-    size_t Holder(std::span<const uint32_t> cut, uint32_t position) const;
+    size_t FindInCut(std::span<const uint32_t> cut, uint32_t position) const;
 
     /// For WalkDown (weighted_choice.h): up to eight nodes, in order, that hold the lights of a node with children.
     static constexpr int kLanes = EmitterPacket::kLanes;
@@ -66,7 +66,7 @@ class LightTree {
         Node At(uint32_t i) const { return nodes[i]; }
     };
     bool IsLeaf(Node node) const { return !HasChildren(node); }
-    void Look(Node node, const LightQuery &query, Level *level) const;
+    void WeighBelow(Node node, const LightQuery &query, Level *level) const;
 
     size_t Bytes() const;
 

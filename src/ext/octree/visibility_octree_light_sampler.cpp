@@ -204,7 +204,7 @@ Float VisibilityOctreeLightSampler::GroupProbability(const LightQuery &query, co
     const Choice &c = *static_cast<const Choice *>(weights);
     if (!lightTree_) return c.Share(group);
     const uint32_t position = lightTree_->PositionOf(group);
-    const size_t i = lightTree_->Holder(c.nodes, position);
+    const size_t i = lightTree_->FindInCut(c.nodes, position);
     const Float share = c.Share(i);
     if (!(share > 0)) return 0;
     return lightTree_->IsLight(c.nodes[i]) ? share : share * lightTree_->PMFWithin(c.nodes[i], query, position);

@@ -1,6 +1,7 @@
 #include "ext/octree/visibility_records.h"
 
 #include "pbrt/core/parallel.h"
+#include "pbrt/lightsamplers/weighted_choice.h"
 #include "pbrt/math/rng.h"
 
 namespace ext {
@@ -10,9 +11,9 @@ namespace {
 constexpr size_t kMaxScanned = 64;
 constexpr int64_t kChunk = 256;
 
-/// What one shadow ray to a group finds, as one light sample of the render would.
-Float Look(const Scene &scene, const PrepassVertex &vertex, const LightQuery &query, const MeshInterior &interior,
-           uint32_t group, Rng &rng) {
+/// What one light sample of the render finds of a group: the contribution that arrives, over its probability.
+Float SampleGroup(const Scene &scene, const PrepassVertex &vertex, const LightQuery &query,
+                  const MeshInterior &interior, uint32_t group, Rng &rng) {
     Float uLight = rng.Uniform();
     Point2 u = rng.Uniform2();
     std::optional<SampledLight> light = interior.Sample(group, query, uLight);
@@ -31,19 +32,12 @@ class Draws {
         sum_ = tree ? tree->Evaluate(query, nodes_, g_) : importance.Evaluate(query, g_);
     }
     std::optional<SampledLight> Draw(Float u) const {
-        Float running = 0, before = 0;
-        std::optional<uint32_t> chosen;
-        for (uint32_t i = 0; i < count_ && !(u * sum_ < running); ++i) {
-            if (!(g_[i] > 0)) continue;
-            chosen = i;
-            before = running;
-            running += g_[i];
-        }
+        const auto chosen = ChooseByWeight<Float>(count_, u * sum_, [&](uint32_t i) { return g_[i]; });
         if (!chosen) return {};
-        const Float g = g_[*chosen];
-        if (!tree_) return SampledLight{LightId(*chosen), g / sum_};
+        const Float g = chosen->weight;
+        if (!tree_) return SampledLight{LightId(chosen->index), g / sum_};
         std::optional<SampledLight> light = tree_->SampleWithin(
-            nodes_[*chosen], query_, std::clamp((u * sum_ - before) / g, Float(0), OneMinusEpsilon));
+            nodes_[chosen->index], query_, std::clamp((u * sum_ - chosen->before) / g, Float(0), OneMinusEpsilon));
         if (light) light->pmf *= g / sum_;
         return light;
     }
@@ -80,7 +74,7 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
         for (uint32_t i = 0; i < groups.Size(); ++i) {
             if (!(g[i] > 0)) continue;
             Float share = g[i] / sum;
-            out.tries.push_back({i, share, share, Look(context.scene, vertex, query, interior, i, rng) / g[i]});
+            out.tries.push_back({i, share, share, SampleGroup(context.scene, vertex, query, interior, i, rng) / g[i]});
         }
     };
     auto lookAtSome = [&](const PrepassVertex &vertex, const LightQuery &query, Rng &rng, VisibilityRecords &out) {
@@ -93,7 +87,7 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
             std::optional<SampledLight> drawn = draws.Draw(std::min(u, OneMinusEpsilon));
             if (!drawn) continue;
             const Float g = importance.Of(query, drawn->light.value);
-            Float found = g > 0 ? Look(context.scene, vertex, query, interior, drawn->light.value, rng) / g : 0;
+            Float found = g > 0 ? SampleGroup(context.scene, vertex, query, interior, drawn->light.value, rng) / g : 0;
             if (!(g > 0)) continue;
             total += static_cast<double>(g / drawn->pmf);
             out.tries.push_back({drawn->light.value, g, g / drawn->pmf, found});

@@ -74,9 +74,9 @@ BilinearWarp::BilinearWarp(const GridSlices &values) : nx_(values.Nx()), ny_(val
 }
 
 BilinearWarp::Mapped BilinearWarp::Sample(const Point2 &u, const SliceBlend &blend) const {
-    const int y = LastNotAbove(ny_, u.y, [&](int i) { return Below(blend, i); });
+    const int y = LastNotAbove(ny_, u.y, [&](int i) { return MassBelowRow(blend, i); });
     const Float row0 = Left(blend, nx_ - 1, y), row1 = Left(blend, nx_ - 1, y + 1);
-    const Float ty = WhereMassIs(u.y - Below(blend, y), row0, row1);
+    const Float ty = WhereMassIs(u.y - MassBelowRow(blend, y), row0, row1);
 
     auto left = [&](int i) { return Lerp(ty, Left(blend, i, y), Left(blend, i, y + 1)); };
     const Float mass = u.x * Lerp(ty, row0, row1);
@@ -98,7 +98,7 @@ BilinearWarp::Mapped BilinearWarp::Invert(const Point2 &p, const SliceBlend &ble
     const Float left =
         Lerp(y.t, Left(blend, x.index, y.index), Left(blend, x.index, y.index + 1)) + MassBelow(x.t, d0, d1);
     return {{row > 0 ? std::clamp(left / row, Float(0), Float(1)) : 0,
-             std::clamp(Below(blend, y.index) + MassBelow(y.t, row0, row1), Float(0), Float(1))},
+             std::clamp(MassBelowRow(blend, y.index) + MassBelow(y.t, row0, row1), Float(0), Float(1))},
             Lerp(x.t, d0, d1) / CellArea()};
 }
 

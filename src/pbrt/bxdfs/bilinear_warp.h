@@ -55,7 +55,9 @@ class BilinearWarp {
   private:
     /// Integral of the density over rows below row y; of the line y from 0 to knot x; density at a knot (all in grid
     /// cells).
-    Float Below(const SliceBlend &blend, int y) const { return Blend(blend, below_, static_cast<size_t>(y), ny_); }
+    Float MassBelowRow(const SliceBlend &blend, int y) const {
+        return Blend(blend, below_, static_cast<size_t>(y), ny_);
+    }
     Float Left(const SliceBlend &blend, int x, int y) const { return Blend(blend, left_, Index(x, y), ny_ * nx_); }
     Float Density(const SliceBlend &blend, int x, int y) const {
         return Blend(blend, density_, Index(x, y), ny_ * nx_);

@@ -75,7 +75,7 @@ HairBxdf::HairBxdf(Float offset, Float eta, const SampledSpectrum &sigmaA, Float
       cosAlpha_(std::cos(Radians(alphaDegrees))),
       sigmaA_(sigmaA) {}
 
-HairBxdf::View HairBxdf::Look(const Vector3 &wo) const {
+HairBxdf::View HairBxdf::ViewFrom(const Vector3 &wo) const {
     View view;
     const Float sinO = std::clamp(wo.x, Float(-1), Float(1)), cosO = SafeSqrt(1 - Sqr(sinO));
     view.phi = std::atan2(wo.z, wo.y);
@@ -156,12 +156,12 @@ bool Wanted(const Vector3 &wo, const Vector3 &wi, ReflTransFlags which) {
 
 SampledSpectrum HairBxdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
     if (wi.z == 0) return SampledSpectrum(0);
-    const View view = Look(wo);
+    const View view = ViewFrom(wo);
     return WeightedSum(view.share, Densities(view, wi)) / std::abs(wi.z);
 }
 
 HairBxdf::Approximation::Approximation(const HairBxdf &hair, const Vector3 &wo)
-    : hair_(hair), view_(hair.Look(wo)), shares_(Averages(view_.share)) {}
+    : hair_(hair), view_(hair.ViewFrom(wo)), shares_(Averages(view_.share)) {}
 
 Float HairBxdf::Approximation::operator()(const Vector3 &wi) const {
     return WeightedSum(shares_, hair_.Densities(view_, wi)) / std::abs(wi.z);
@@ -169,13 +169,13 @@ Float HairBxdf::Approximation::operator()(const Vector3 &wi) const {
 
 Float HairBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const {
     if (!Wanted(wo, wi, which)) return 0;
-    const View view = Look(wo);
+    const View view = ViewFrom(wo);
     return WeightedSum(Chances(view.share), Densities(view, wi));
 }
 
 std::optional<BsdfSample> HairBxdf::Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode,
                                            ReflTransFlags which) const {
-    const View view = Look(wo);
+    const View view = ViewFrom(wo);
     const std::array<Float, Lobes> chances = Chances(view.share);
     size_t p = 0;
     Float below = 0;

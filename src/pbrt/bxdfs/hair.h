@@ -39,7 +39,7 @@ class HairBxdf {
         Float turn[Lobes - 1];                     ///< change of azimuth of the middle of each lobe
         std::array<SampledSpectrum, Lobes> share;  ///< of the light, by lobe; add up to 1 without absorption
     };
-    View Look(const Vector3 &wo) const;
+    View ViewFrom(const Vector3 &wo) const;
     /// Densities of the lobes at wi, by solid angle.
     std::array<Float, Lobes> Densities(const View &view, const Vector3 &wi) const;
     Float VarianceOf(int lobe) const { return lobe == 0 ? variance_ : lobe == 1 ? variance_ / 4 : variance_ * 4; }

@@ -48,7 +48,7 @@ MeasuredBrdf::MeasuredBrdf(Tables t)
       luminance_(t.luminance),
       isotropic_(phi_.size() <= 2) {}
 
-MeasuredBrdf::View MeasuredBrdf::Look(const Vector3 &wo) const {
+MeasuredBrdf::View MeasuredBrdf::ViewFrom(const Vector3 &wo) const {
     const Float theta = Theta(wo), phi = Phi(wo);
     const Knot p = Locate(phi_, phi), t = Locate(theta_, theta);
     const size_t n = theta_.size();
@@ -82,13 +82,13 @@ SampledSpectrum MeasuredBrdf::Value(const View &view, const Point2 &measured, co
 }
 
 SampledSpectrum MeasuredBrdf::F(const Vector3 &wo, const Vector3 &wi, const SampledWavelengths &lambda) const {
-    const View view = Look(wo);
+    const View view = ViewFrom(wo);
     const Point2 half = SquareOfHalf(view, Normalize(wo + wi));
     return Value(view, visibleNormals_.Invert(half, view.blend).p, half, wi.z, lambda);
 }
 
 Float MeasuredBrdf::Pdf(const Vector3 &wo, const Vector3 &wi) const {
-    const View view = Look(wo);
+    const View view = ViewFrom(wo);
     const Vector3 halfVector = Normalize(wo + wi);
     const Point2 half = SquareOfHalf(view, halfVector);
     const BilinearWarp::Mapped measured = visibleNormals_.Invert(half, view.blend);
@@ -98,7 +98,7 @@ Float MeasuredBrdf::Pdf(const Vector3 &wo, const Vector3 &wi) const {
 
 std::optional<MeasuredBrdf::Sampled> MeasuredBrdf::Sample(const Vector3 &wo, const Point2 &u,
                                                           const SampledWavelengths &lambda) const {
-    const View view = Look(wo);
+    const View view = ViewFrom(wo);
     // The table's y grows with phi, its x with theta.
     const BilinearWarp::Mapped measured = luminance_.Sample(u, view.blend);
     const BilinearWarp::Mapped half = visibleNormals_.Sample(measured.p, view.blend);

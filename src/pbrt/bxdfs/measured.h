@@ -34,7 +34,7 @@ class MeasuredBrdf {
 
   private:
     struct View;
-    View Look(const Vector3 &wo) const;
+    View ViewFrom(const Vector3 &wo) const;
     Point2 SquareOfHalf(const View &view, const Vector3 &half) const;
     SampledSpectrum Value(const View &view, const Point2 &measured, const Point2 &half, Float cosI,
                           const SampledWavelengths &lambda) const;

@@ -91,7 +91,7 @@ class Rounds {
         for (int seed = 0; seed < settings_.seeds; ++seed)
             if (!RenderSeed(seed)) return false;
         for (size_t i = 0; i < settings_.samplers.size(); ++i)
-            if (!Look(i, nullptr) || !Check(i, nullptr)) return false;
+            if (!InspectSampler(i, nullptr) || !Check(i, nullptr)) return false;
         return true;
     }
     std::vector<std::vector<RunRecord>> TakeRecords() { return std::move(recordsOf_); }
@@ -109,14 +109,14 @@ class Rounds {
                 record = runs[i]->Record();
                 if (c + 1 < checkpoints_.size()) continue;
                 // Not before: samplers that learn while they render would learn from the look.
-                if (seed == 0 && (!Look(i, runs[i].get()) || !Check(i, runs[i].get()))) return false;
+                if (seed == 0 && (!InspectSampler(i, runs[i].get()) || !Check(i, runs[i].get()))) return false;
                 runs[i].reset();
             }
         return true;
     }
 
     /// Once per sampler: what it knows in its first run. `run`: that, or null where an earlier session ended it.
-    bool Look(size_t i, SamplerRun *run) {
+    bool InspectSampler(size_t i, SamplerRun *run) {
         const SamplerChoice &choice = settings_.samplers[i];
         if (!settings_.views || ViewsAreWhole(settings_, records_.LoadNote(ViewsNote(choice)))) return true;
         std::unique_ptr<SamplerRun> again;

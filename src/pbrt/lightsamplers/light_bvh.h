@@ -65,7 +65,7 @@ class LightBvh {
         Node At(uint32_t i) const { return &pair->child[i]; }
     };
     static bool IsLeaf(Node node) { return node->IsLeaf(); }
-    void Look(Node node, const LightQuery &query, Level *level) const {
+    void WeighBelow(Node node, const LightQuery &query, Level *level) const {
         level->pair = &pairs_[node->Link()];
         level->pair->Importances(query.p, query.ns, level->weights);
         level->sum = level->weights[0] + level->weights[1];

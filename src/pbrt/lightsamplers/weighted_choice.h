@@ -45,7 +45,8 @@ struct WalkEnd {
 ///   using Node = ...;                           names a node; a small value
 ///   struct Level { uint32_t count; Float sum;  Float WeightAt(i) const;  Node At(i) const; };
 ///   bool IsLeaf(Node) const;
-///   void Look(Node, const LightQuery &, Level *) const;   the nodes below, with their weights and the sum of these
+///   void WeighBelow(Node, const LightQuery &, Level *) const;   the nodes below, with their weights and the sum of
+///   these
 ///
 /// None if nothing below some node has a weight.
 template <class Tree>
@@ -54,7 +55,7 @@ std::optional<WalkEnd<typename Tree::Node>> WalkDown(const Tree &tree, typename 
     WalkEnd<typename Tree::Node> end{node, 1, u, 0};
     while (!tree.IsLeaf(end.node)) {
         typename Tree::Level level;
-        tree.Look(end.node, query, &level);
+        tree.WeighBelow(end.node, query, &level);
         const double target = end.rest * static_cast<double>(level.sum);
         const auto chosen = ChooseByWeight<double>(level.count, target, [&](uint32_t i) { return level.WeightAt(i); });
         if (!chosen) return {};
@@ -74,7 +75,7 @@ Float WalkProbability(const Tree &tree, typename Tree::Node *node, const LightQu
     Float pmf = 1;
     while (!tree.IsLeaf(*node)) {
         typename Tree::Level level;
-        tree.Look(*node, query, &level);
+        tree.WeighBelow(*node, query, &level);
         const uint32_t i = next(*node, level);
         const Float weight = level.WeightAt(i);
         if (!(weight > 0)) return 0;

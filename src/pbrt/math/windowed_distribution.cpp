@@ -85,7 +85,7 @@ std::optional<Point2> WindowedPiecewiseConstant2D::Sample(const Point2 &u, const
             static_cast<double>(u.x), w.x0, w.x1, nx_, [&](int i) { return LeftOf(i, w); }, &x, &column))
         return {};
     if (!Invert(
-            static_cast<double>(u.y), w.y0, w.y1, ny_, [&](int j) { return Below(column, j); }, &y, &row))
+            static_cast<double>(u.y), w.y0, w.y1, ny_, [&](int j) { return MassBelow(column, j); }, &y, &row))
         return {};
     // Rounding to Float may cross into the next cell; the density is that of the point returned.
     Point2 p(std::clamp(static_cast<Float>(x / nx_), window.low.x, window.high.x),

@@ -36,7 +36,7 @@ class WindowedPiecewiseConstant2D {
     /// Sum of the cells left of column i between the heights y0 and y1.
     double LeftOf(int i, const Cells &w) const;
     /// Sum of the cells of column i below row j.
-    double Below(int i, int j) const { return Corner(i + 1, j) - Corner(i, j); }
+    double MassBelow(int i, int j) const { return Corner(i + 1, j) - Corner(i, j); }
     double Total(const Cells &w) const;
 
     int nx_ = 0, ny_ = 0;

@@ -20,7 +20,7 @@ class LatLong {
     explicit LatLong(const Image &image) : image_(image), size_(image.Resolution()) {}
 
     /// z up; the first column begins at +x and goes towards +y, the first row is around +z.
-    void Look(const Vector3 &w, std::vector<Float> &values) const {
+    void Interpolate(const Vector3 &w, std::vector<Float> &values) const {
         Float phi = std::atan2(w.y, w.x);
         if (phi < 0) phi += 2 * Pi;
         const Float x = phi / (2 * Pi) * static_cast<Float>(size_.x) - Float(0.5);
@@ -59,7 +59,8 @@ int Makeequiarea(const MakeequiareaOptions &o) {
             for (int i = 0; i < perSide; ++i) {
                 const Point2 part((static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(perSide),
                                   (static_cast<Float>(j) + Float(0.5)) / static_cast<Float>(perSide));
-                source.Look(EqualAreaSquareToSphere((Point2(p) + part) / static_cast<Float>(resolution)), values);
+                source.Interpolate(EqualAreaSquareToSphere((Point2(p) + part) / static_cast<Float>(resolution)),
+                                   values);
             }
         for (int c = 0; c < result.ChannelCount(); ++c)
             result.Set(p, c, values[static_cast<size_t>(c)] / static_cast<Float>(perSide * perSide));

@@ -164,7 +164,7 @@ TEST(VisibilityTree, ManyLightsAreToldApartWhereTheyMatter) {
         const VisibilityTree::Row row = tree.RowAt(Point3(x, 0.5f, 0.5f));
         double near = 0, all = 0;
         for (uint32_t l = 0; l < ManyLights::kLights; ++l) {
-            const size_t i = lights.tree.Holder(row.nodes, lights.tree.PositionOf(l));
+            const size_t i = lights.tree.FindInCut(row.nodes, lights.tree.PositionOf(l));
             const auto a = static_cast<double>(VisibilityTree::Decode(row.codes[i]));
             all += a;
             if (std::abs(ManyLights::PlaceOf(l) - x) < 0.25f) near += a;  // cells are an eighth to a quarter wide

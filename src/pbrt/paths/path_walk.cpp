@@ -1,5 +1,8 @@
 #include "pbrt/paths/path_walk.h"
 
+#include <new>
+#include <type_traits>
+
 #include "pbrt/bxdfs/albedo.h"
 
 namespace pbrt {
@@ -14,7 +17,9 @@ PathWalk::Met PathWalk::Next() {
 bool PathWalk::FindScattering(SampledWavelengths &lambda) {
     SurfacePoint &point = vertex_.point;
     FindFootprint();
-    vertex_.bsdf = ComputeBsdf(context_.scene, point, lambda);
+    // Made in its place: to copy what was just written in small pieces costs as much as making it.
+    static_assert(std::is_trivially_destructible_v<Bsdf>);
+    new (&vertex_.bsdf) Bsdf(ComputeBsdf(context_.scene, point, lambda));
     if (vertex_.bsdf) {
         passed_ = 0;
         if (visible_ && !*visible_) TellVisible(lambda);

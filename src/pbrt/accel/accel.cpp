@@ -31,15 +31,15 @@ struct Geometry {
 /// Embree hands this back in every callback.
 struct QueryContext {
     RTCIntersectContext base;
-    const Ray *ray;  ///< as asked, before any instance transform
+    const Ray *ray;  ///< the ray of the query, before any instance transform
     explicit QueryContext(const Ray &r) : ray(&r) {
         rtcInitIntersectContext(&base);
         base.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     }
 };
 
-/// Decides whether a surface with alpha stops the ray. Depends on the ray as asked and on the identity of the hit only,
-/// so closest-hit and occlusion queries agree, and layers along one ray are independent.
+/// Decides whether a surface with alpha stops the ray. Depends only on the ray of the query and on the identity of the
+/// hit, so closest-hit and occlusion queries agree, and layers along one ray are independent.
 bool StopsRay(const Geometry &g, const RTCIntersectContext *context, const RTCRay &localRay, uint32_t primitive,
               const PrimitiveHit &hit) {
     Float alpha;
@@ -100,7 +100,7 @@ void UserIntersect(const RTCIntersectFunctionNArguments *args) {
     query.ray.tfar = hit->t;
     query.hit.u = hit->u;
     query.hit.v = hit->v;
-    query.hit.Ng_x = query.hit.Ng_y = query.hit.Ng_z = 0;  // nobody reads it
+    query.hit.Ng_x = query.hit.Ng_y = query.hit.Ng_z = 0;  // not used
     query.hit.primID = args->primID;
     query.hit.geomID = args->geomID;
     query.hit.instID[0] = args->context->instID[0];
@@ -135,12 +135,12 @@ RTCRay ToEmbree(const Ray &ray, Float time) {
     return r;
 }
 
-/// Embree interpolates rotations along great arcs too, but scales as the triangular factor of rotation * triangle, so
-/// motions that turn or shear are given in steps: with these, points of large motions are off by a few thousandths of
-/// the object's size at most.
+/// Numbers of time steps. Like AnimatedTransform, Embree interpolates rotations along great arcs, but it interpolates
+/// scales as the triangular factor of rotation * triangle, so motions that turn or shear are given in steps: with these
+/// numbers, points of large motions are off by at most a few thousandths of the object's size.
 constexpr int kTurningSteps = 17, kTwofoldSteps = 65;
 
-/// Of an affine matrix that is not singular.
+/// Rotation, triangular factor and translation of an affine matrix that is not singular.
 RTCQuaternionDecomposition Decompose(const glm::dmat4 &m) {
     glm::dmat3 axes(m), triangle(0);
     for (int c = 0; c < 3; ++c) {
@@ -183,7 +183,7 @@ struct Accel::Impl {
         std::vector<std::unique_ptr<Geometry>> geometries;  ///< by Embree geometry id; null for instances
         std::vector<int32_t> instances;                     ///< by Embree geometry id; -1 for shapes
     };
-    /// The product of both.
+    /// The transform of a moving instance: the product of both.
     struct Motion {
         AnimatedTransform outer, inner;
         Transform At(Float time) const { return outer.At(time) * inner.At(time); }
@@ -196,7 +196,7 @@ struct Accel::Impl {
         int object;
         Transform transform;             ///< if it does not move
         int32_t motion = -1;             ///< -1: it does not move
-        RTCGeometry geometry = nullptr;  ///< belongs to the scene
+        RTCGeometry geometry = nullptr;  ///< owned by the Embree scene
     };
 
     std::atomic<int64_t> bytes{0};
@@ -206,18 +206,17 @@ struct Accel::Impl {
     std::vector<Group> objects;
     std::vector<Instance> instances;
     std::vector<Motion> motions;
-    std::set<uint32_t> shadowless;  ///< ids of shapes
+    std::set<uint32_t> shadowless;  ///< ids of the shapes that Occluded ignores
     bool anyMoves = false;
-    Float startTime = 0, endTime = 1;  ///< of all that moves
+    Float startTime = 0, endTime = 1;  ///< of all moving instances
     bool committed = false;
-    /// What the origin and the direction of a ray may measure along an axis, so that it is a ray to Embree in every
-    /// instance.
+    /// The largest coordinates of a ray's origin and direction with which Embree can trace it in every instance.
     Float maxOrigin = kEmbreeReach, maxDirection = kEmbreeReach;
 
     explicit Impl(const Options &o) : options(o) {
         device = rtcNewDevice(nullptr);
         if (!device) {
-            // With its threads and tables, Embree is the first to feel a limit.
+            // Embree, with its threads and tables, is the first to fail under a memory limit.
             const RTCError error = rtcGetDeviceError(nullptr);
             throw UserError(error == RTC_ERROR_UNSUPPORTED_CPU
                                 ? std::string("Embree, which traces the rays, does not support this processor.")
@@ -259,7 +258,7 @@ struct Accel::Impl {
         auto *corners = static_cast<uint32_t *>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
                                                                         4 * sizeof(uint32_t), mesh.PrimitiveCount()));
         if (!corners) CheckDevice();
-        for (size_t i = 0; i < data.indices.size(); i += 4) {  // Embree goes around the quad
+        for (size_t i = 0; i < data.indices.size(); i += 4) {  // Embree lists corners around the quad
             corners[i] = data.indices[i];
             corners[i + 1] = data.indices[i + 1];
             corners[i + 2] = data.indices[i + 3];
@@ -320,7 +319,7 @@ struct Accel::Impl {
         group.instances.push_back(instance);
     }
 
-    /// Embree's time, 0 to 1.
+    /// The time as Embree's, from 0 to 1 over the motion.
     Float EmbreeTime(Float time) const {
         if (!anyMoves || time <= startTime) return 0;
         return time >= endTime ? 1 : (time - startTime) / (endTime - startTime);
@@ -338,7 +337,7 @@ struct Accel::Impl {
         rtcSetGeometryTimeStepCount(instance.geometry, static_cast<unsigned>(steps));
         for (int i = 0; i < steps; ++i) {
             const Float t = static_cast<Float>(i) / static_cast<Float>(steps - 1);
-            // The ends also where both times are the same.
+            // Infinite times give the two ends even if startTime == endTime.
             const Float time = i == 0 ? -Infinity : i == steps - 1 ? Infinity : Lerp(t, startTime, endTime);
             const Transform at = motion.At(time);
             NarrowReach(at);
@@ -347,8 +346,8 @@ struct Accel::Impl {
         }
     }
 
-    /// Rays that an instance would turn into something that is no ray to Embree are not for it: with `inverse` to its
-    /// space they must begin and point within Embree's reach there too.
+    /// Lowers maxOrigin and maxDirection so that rays stay within Embree's bounds when the inverse of `place` takes
+    /// them to the space of the instance.
     void NarrowReach(const Transform &place) {
         const glm::mat4 &inverse = place.InverseMatrix();
         double factor = 0, shift = 0;
@@ -358,17 +357,17 @@ struct Accel::Impl {
             factor = std::max(factor, sum);
             shift = std::max(shift, std::abs(double(inverse[3][row])));
         }
-        // One part in eight for what Embree's own inverse and its interpolation in time do otherwise.
+        // A margin of one eighth, because Embree's own inverse and interpolation in time differ a little.
         const double reach = double(kEmbreeReach) / 1.125;
         auto within = [&](double limit, Float old) {
-            return limit > 0 ? static_cast<Float>(std::min(double(old), limit)) : Float(0);  // also not a number
+            return limit > 0 ? static_cast<Float>(std::min(double(old), limit)) : Float(0);  // also for NaN
         };
         maxOrigin = within((reach - shift) / factor, maxOrigin);
         maxDirection = within(reach / factor, maxDirection);
     }
-    /// Embree asserts that rays are as its documentation wants them.
+    /// Whether Embree can trace the ray: it asserts what its documentation requires of rays.
     bool IsRay(const Ray &ray) const {
-        // One condition instead of seven branches: every ray asks.
+        // One condition instead of seven branches, because every ray is checked.
         bool within = ray.tMax > 0;
         for (int c = 0; c < 3; ++c) within &= (std::abs(ray.o[c]) <= maxOrigin) & (std::abs(ray.d[c]) <= maxDirection);
         return within;
@@ -495,7 +494,8 @@ bool Accel::Occluded(const Ray &ray) const {
 Transform Accel::InstanceTransform(int instance, Float time) const {
     const Impl::Instance &i = impl_->instances[static_cast<size_t>(instance)];
     if (i.motion < 0) return i.transform;
-    // Embree's own, not Motion::At: what differs in the last digits would put surfaces behind their rays' origins.
+    // Asked from Embree instead of Motion::At: a difference in the last digits could move a surface across the origin
+    // of a ray that leaves it.
     glm::mat4 m;
     rtcGetGeometryTransform(i.geometry, impl_->EmbreeTime(time), RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &m[0][0]);
     return Transform(m);

@@ -26,7 +26,7 @@ class Accel {
   public:
     struct Options {
         /// Embree's robust traversal: rays cannot slip between triangles that share an edge. (Embree's high build
-        /// quality is no option beside it: robust scenes are built the same either way.)
+        /// quality is not offered, because robust scenes are built the same either way.)
         bool robust = true;
     };
     Accel() : Accel(Options{}) {}
@@ -35,27 +35,29 @@ class Accel {
     Accel(const Accel &) = delete;
     Accel &operator=(const Accel &) = delete;
 
-    /// Before the shape is added: Occluded will not see it, Intersect will.
+    /// Occluded will ignore this shape, Intersect will not. To be called before the shape is added.
     void LetShadowRaysThrough(ShapeId id);
-    /// Before Commit. `alpha` may be null. Shapes and textures must outlive the Accel.
+    /// To be called before Commit. `alpha` may be null. Shapes and textures must outlive the Accel.
     void AddShape(ShapeId id, const Shape &shape, const FloatTexture *alpha);
     /// Shapes of an object definition; returns its index.
     int AddObject(const std::vector<ShapeId> &ids, const std::vector<const Shape *> &shapes,
                   const std::vector<const FloatTexture *> &alphas);
     /// Returns the instance index reported in AccelHit.
     int AddInstance(int object, const Transform &renderFromObject);
-    /// One that moves, placed by the product of both. All that move do so in the same interval of time.
+    /// An instance that moves, placed by the product of both transforms. All moving instances have the same start and
+    /// end time.
     int AddMovingInstance(int object, const AnimatedTransform &renderFromOuter,
                           const AnimatedTransform &outerFromObject = {});
     /// Throws UserError if memory is short, or if an instance is so small that rays from the other end of the scene
     /// have no finite coordinates in its space.
     void Commit();
 
-    /// Of all that moves: over the whole time.
+    /// Bounds of the scene over the whole time of its motion.
     Bounds3 Bounds() const;
-    /// The nearest hit with tMin < t < ray.tMax. None for rays that are none: not-a-number, or too far away for Embree.
+    /// The nearest hit with tMin < t < ray.tMax. Empty if Embree cannot trace the ray: with not-a-number, or too far
+    /// away.
     std::optional<AccelHit> Intersect(const Ray &ray, Float tMin = 0) const;
-    /// True if anything lies strictly inside (0, ray.tMax), or if the ray is none.
+    /// True if anything lies strictly inside (0, ray.tMax), or if Embree cannot trace the ray.
     bool Occluded(const Ray &ray) const;
     /// The transform of the instance at a time, as rays of that time meet it.
     Transform InstanceTransform(int instance, Float time) const;

@@ -11,7 +11,7 @@ const std::vector<std::string> kShapes = {"gaussian", "square", "pentagon", "sta
 
 constexpr int kResolution = 256;  // stock pbrt-v4's
 
-/// `value(p)`: at points of the stop, p in [-1, 1]^2, y up.
+/// An image of `value` over the points p of the stop, p in [-1, 1]^2, y up; row 0 is the bottom.
 Image Draw(const std::function<Float(const Point2 &p)> &value) {
     Image image(PixelFormat::Float, {kResolution, kResolution}, {"Y"});
     for (int y = 0; y < kResolution; ++y)
@@ -20,7 +20,7 @@ Image Draw(const std::function<Float(const Point2 &p)> &value) {
     return image;
 }
 
-/// A polygon around the centre, which sees all of it: corners at equal angles, the first one at `firstAngle` (radians),
+/// A polygon that is star-shaped around the centre: corners at equal angles, the first one at `firstAngle` (radians),
 /// at distances that alternate between `a` and `b`.
 Image DrawPolygon(int corners, Float firstAngle, Float a, Float b) {
     const Float step = 2 * Pi / static_cast<Float>(corners);
@@ -41,7 +41,7 @@ Image DrawPolygon(int corners, Float firstAngle, Float a, Float b) {
     });
 }
 
-/// Shapes, sizes and orientations are stock pbrt-v4's.
+/// One of kShapes, in the size and orientation of stock pbrt-v4.
 Image DrawShape(const std::string &shape) {
     if (shape == "gaussian")
         return Draw(
@@ -53,7 +53,7 @@ Image DrawShape(const std::string &shape) {
     return DrawPolygon(10, 0, std::cos(Radians(72)) / std::cos(Radians(36)), 1);
 }
 
-/// Mean of R, G, B, or the only channel, upside down.
+/// Mean of R, G, B, or the only channel; flipped, so that row 0 is the bottom.
 Image Mono(const Image &image, const std::string &name) {
     const int count = image.ChannelCount();
     if (count > 1 && (image.FindChannel("R") < 0 || image.FindChannel("G") < 0 || image.FindChannel("B") < 0))

@@ -4,8 +4,8 @@
 
 namespace pbrt {
 
-/// What share of light each part of an aperture stop lets pass, instead of all of a disk. Scaled so that it lets as
-/// much light pass as the disk.
+/// The share of light that each part of an aperture stop lets pass, in place of an open disk. Scaled so that in total
+/// as much light passes as through the disk.
 class ApertureImage {
   public:
     /// Empty: the stop is a disk.
@@ -13,7 +13,7 @@ class ApertureImage {
     /// `image`: one channel, not negative, not all black; row 0 is the bottom (-y).
     explicit ApertureImage(Image image);
 
-    /// A built-in shape or a file; empty if the name is. Throws UserError (no location).
+    /// The built-in shape or image file `name`; empty if the name is empty. Throws UserError (no location).
     static ApertureImage Read(const std::string &name, const FileResolver &files);
 
     explicit operator bool() const { return static_cast<bool>(image_); }

@@ -12,7 +12,7 @@ namespace pbrt {
 
 namespace {
 
-/// What every camera takes, with or without a meaning for it, as in stock pbrt-v4.
+/// Parameters that every camera accepts, even without an effect on it, as in stock pbrt-v4.
 struct CameraParams {
     Float shutterOpen = 0, shutterClose = 1;
     std::optional<Float> frameAspectRatio;
@@ -22,10 +22,12 @@ struct CameraParams {
     void Describe(V &&v) {
         constexpr Range<Float> kShutterRange{-1e9f, 1e9f, false, false, "s"};
         v("shutteropen", shutterOpen, kShutterRange, "when the shutter opens");
-        v("shutterclose", shutterClose, kShutterRange, "when it closes; the brightness goes with the time between");
-        v("frameaspectratio", frameAspectRatio, Range<Float>{1e-6f, 1e6f}, "width over height; that of the film");
+        v("shutterclose", shutterClose, kShutterRange,
+          "when the shutter closes; brightness is proportional to the time it is open");
+        v("frameaspectratio", frameAspectRatio, Range<Float>{1e-6f, 1e6f},
+          "width over height of the screen; default: that of the film");
         v("screenwindow", screenWindow, Range<Float>{-1e9f, 1e9f},
-          "xmin xmax ymin ymax on the screen; the shorter side is -1 to 1");
+          "xmin xmax ymin ymax on the screen; default: the shorter side is -1 to 1");
     }
     CameraFrame Frame(const ParamSet &set, const CameraContext &context) const {
         if (!(shutterClose > shutterOpen))
@@ -50,12 +52,12 @@ struct LensParams : CameraParams {
     template <class V>
     void Describe(V &&v) {
         CameraParams::Describe(v);
-        v("lensradius", lens.radius, Range<Float>{0, 1e15f}, "of a thin lens; 0: a pinhole");
+        v("lensradius", lens.radius, Range<Float>{0, 1e15f}, "radius of a thin lens; 0: a pinhole");
         v("focaldistance", lens.focalDistance, Positive(std::numeric_limits<Float>::max()),
-          "of the plane that is sharp");
+          "distance of the plane in focus");
     }
     CameraFrame Frame(const ParamSet &set, const CameraContext &context) const {
-        // Where it counts, the distance is squared.
+        // With a lens the distance is squared, and the square must be finite and above 0.
         if (lens.radius > 0) set.Require<Float>("focaldistance", lens.focalDistance, {1e-15f, 1e15f});
         return CameraParams::Frame(set, context);
     }
@@ -79,7 +81,7 @@ struct SphericalParams : CameraParams {
     template <class V>
     void Describe(V &&v) {
         CameraParams::Describe(v);
-        v("mapping", mapping, kMappings, "of directions to the picture");
+        v("mapping", mapping, kMappings, "how directions are mapped to the picture");
         v("lensradius", lensRadius, "without effect, as in stock");
         v("focaldistance", focalDistance, "without effect, as in stock");
     }
@@ -91,10 +93,10 @@ struct RealisticParams : CameraParams {
     template <class V>
     void Describe(V &&v) {
         CameraParams::Describe(v);
-        v("lensfile", lensFile, Required(), "the description of the lens");
-        v("aperturediameter", diameter, Positive(1e6f, "mm"), "how far the stop opens");
-        v("focusdistance", distance, kLengthRange, "from the film to what is sharp, in metres");
-        v("aperture", aperture, "an image or a built-in shape of the stop; a disk");
+        v("lensfile", lensFile, Required(), "file that describes the lens");
+        v("aperturediameter", diameter, Positive(1e6f, "mm"), "diameter of the aperture stop");
+        v("focusdistance", distance, kLengthRange, "distance from the film to the plane in focus, in metres");
+        v("aperture", aperture, "image file or built-in shape of the stop; default: a disk");
     }
 };
 
@@ -106,15 +108,16 @@ std::vector<LensElement> ReadLens(const RealisticParams &p, const ParamSet &set,
         if (e.IsStop()) {
             const Float radius = p.diameter / 2000;
             if (radius > e.apertureRadius)
-                set.Warn(context.sink, "aperturediameter",
-                         fmt::format("\"aperturediameter\" is {} mm, but the stop opens to {} mm only: that is used.",
-                                     p.diameter, e.apertureRadius * 2000));
+                set.Warn(
+                    context.sink, "aperturediameter",
+                    fmt::format("\"aperturediameter\" is {} mm, but the stop opens to at most {} mm, which is used.",
+                                p.diameter, e.apertureRadius * 2000));
             e.apertureRadius = std::min(e.apertureRadius, radius);
         }
     const std::optional<double> thickness = FocusedThickness(elements, double(p.distance));
     if (!thickness)
         throw set.Error("focusdistance",
-                        fmt::format("this lens cannot focus on a distance of {} m from the film.", p.distance));
+                        fmt::format("this lens cannot focus at a distance of {} m from the film.", p.distance));
     elements.back().thickness = static_cast<Float>(*thickness);
     return elements;
 }

@@ -30,8 +30,8 @@ class Camera {
     /// Ray through the film position, with the differentials of one pixel step.
     virtual std::optional<CameraRay> GenerateRay(const CameraSample &sample,
                                                  const SampledWavelengths &lambda) const = 0;
-    /// Footprint of one pixel (at 1 sample per pixel) at a point the camera does not see directly: dp/dx, dp/dy from
-    /// the smallest differentials over the film. `p`, `n` in rendering space.
+    /// Footprint of one of `samplesPerPixel` samples at a point that the camera does not see directly: dp/dx, dp/dy
+    /// from the smallest differentials over the film, scaled by DifferentialScale(). `p`, `n` in rendering space.
     virtual void ApproximateFootprint(const Point3 &p, const Normal3 &n, Float time, int samplesPerPixel, Vector3 *dpdx,
                                       Vector3 *dpdy) const = 0;
     virtual Transform CameraFromRender(Float time) const = 0;
@@ -44,7 +44,7 @@ class Camera {
     Float shutterOpen_ = 0, shutterClose_ = 1;
 };
 
-/// What a camera is made for.
+/// What a camera is made from beside its parameters.
 struct CameraContext {
     const AnimatedTransform &renderFromCamera;
     Point2i resolution{1, 1};  ///< of the full film
@@ -53,7 +53,8 @@ struct CameraContext {
     DiagnosticSink &sink;
 };
 
-/// Seconds that the shutter is open, by the parameters of a camera; what is wrong with them is told when it is made.
+/// Seconds that the shutter is open, from the parameters of a camera. Errors in them are reported when the camera is
+/// made.
 Float ExposureTime(const ParamSet &params);
 
 using CameraTable = FactoryTable<std::unique_ptr<Camera>, const CameraContext>;

@@ -4,7 +4,7 @@
 
 namespace pbrt {
 
-/// What every camera is given.
+/// Placement, resolution and shutter times of a camera.
 struct CameraFrame {
     AnimatedTransform renderFromCamera;
     Point2i resolution{1, 1};
@@ -12,7 +12,7 @@ struct CameraFrame {
 };
 
 /// A camera that makes its rays in camera space: at the origin, looking along +z, x right, y up. This class takes them
-/// to rendering space and answers footprints. The derived constructor ends with FindFootprint().
+/// to rendering space and computes footprints. Derived constructors must call FindFootprint() at their end.
 class CameraSpaceCamera : public Camera {
   public:
     explicit CameraSpaceCamera(const CameraFrame &frame);

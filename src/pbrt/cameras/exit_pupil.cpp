@@ -9,13 +9,13 @@ namespace pbrt {
 
 namespace {
 
-constexpr int kSteps = 64;  // stock pbrt-v4's, so that as many samples hit the pupil
+constexpr int kSteps = 64;  // as in stock pbrt-v4, so that the same share of samples hits the pupil
 
 bool IsEmpty(const Bounds2 &b) { return !(b.low.x <= b.high.x); }
 
 Bounds2 Grow(const Bounds2 &b, const Vector2 &by) { return {b.low - by, b.high + by}; }
 
-/// Looks for the pupil of the film points between two distances from the axis. All is symmetric in y.
+/// Searches for the pupil of the film points between two distances from the axis. The pupil is symmetric in y.
 class Search {
   public:
     Search(const LensSystem &lens, Float low, Float high)
@@ -25,9 +25,10 @@ class Search {
         const Bounds2 whole{Point2(-rear_), Point2(rear_)};
         // A small stop may hide between the points of a coarse grid.
         for (int n = 32; IsEmpty(found_) && n <= 512; n *= 2) Cover(whole, n);
-        // Stock pbrt-v4 samples in vain then; so it does no harm to have missed a tiny pupil.
+        // Without a pupil the whole rear element is sampled, as in stock pbrt-v4; so it does no harm to miss a tiny
+        // pupil.
         if (IsEmpty(found_)) return whole;
-        // What passes beyond the outermost points found is hardly farther than a grid step away.
+        // The pupil hardly reaches farther than a grid step beyond the outermost points found.
         for (int n : {48, 96, 192}) Cover(Grow(found_, Float(1.5) * step_), n);
         return Grow(found_, Float(1.5) * step_);
     }
@@ -80,7 +81,7 @@ Point2 ExitPupil::Sample(const Point2 &film, const Point2 &u) const {
     const Float distance = glm::length(film);
     const Point2 p = Bounds(distance).Lerp(u);
     if (!(distance > 0)) return p;
-    // Turned about the axis as the film point is.
+    // p is for a film point on the x axis; it is turned about the axis to the angle of `film`.
     const Vector2 direction = film / distance;
     return {direction.x * p.x - direction.y * p.y, direction.y * p.x + direction.x * p.y};
 }

@@ -39,13 +39,13 @@ SmallestDifferentials FindSmallestDifferentials(Point2i resolution, const Genera
     return smallest;
 }
 
-/// How much closer than a pixel the rays of `samplesPerPixel` samples lie.
+/// Distance between the rays of `samplesPerPixel` samples relative to the width of a pixel, at least 1/8.
 inline Float DifferentialScale(int samplesPerPixel) {
     return std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(samplesPerPixel)));
 }
 
-/// Moves from p to where the neighbouring rays would meet the tangent plane at p if p lay straight ahead of the
-/// camera. All in camera space; zero where there is no such plane (n = 0 or edge-on).
+/// The vectors from p to the points where the neighbouring rays would meet the tangent plane at p if p lay straight
+/// ahead of the camera. All in camera space; zero where there is no such plane (n = 0 or edge-on).
 void FootprintOnTangentPlane(const SmallestDifferentials &smallest, const Point3 &p, const Normal3 &n, Vector3 *dpdx,
                              Vector3 *dpdy);
 

@@ -38,7 +38,8 @@ struct Traced {
     double height, slope;
 };
 
-/// In the order the light meets them; radii above 0 are convex towards the light, 0 does not refract.
+/// One of a list of surfaces in the order in which light meets them. Radius above 0: convex towards the light; 0: does
+/// not refract.
 struct ParaxialSurface {
     double radius, indexBefore, indexAfter, thickness;
 };
@@ -66,7 +67,8 @@ CardinalPoints ComputeCardinalPoints(std::span<const LensElement> elements) {
     }
     std::reverse(fromFilm.begin(), fromFilm.end());
     const Traced behind = TraceParallelRay(fromScene), before = TraceParallelRay(fromFilm);
-    // The ray seems to bend where, drawn back, it has its first height again; it meets the axis a focal length behind.
+    // The principal plane is where the outgoing ray, extended back, has its first height; the focal point lies a focal
+    // length behind the plane.
     CardinalPoints points;
     points.focalLength = -1 / behind.slope;
     points.rearPrincipal = (behind.height - 1) / behind.slope;
@@ -80,7 +82,7 @@ std::optional<double> FocusedThickness(std::span<const LensElement> elements, do
     double length = 0;
     for (size_t i = 0; i + 1 < elements.size(); ++i) length += double(elements[i].thickness);
     // Film and scene distances s and t from the principal planes: 1/s + 1/t = 1/f, where s + t is what is left of
-    // `distance`. Of both solutions the one with the film near the focal point.
+    // `distance`. Of the two solutions the one with the film closer to the focal point is taken.
     const double sum = distance - (length - p.frontPrincipal - p.rearPrincipal);
     const double root = sum * (sum - 4 * p.focalLength);
     if (!(sum > 0) || !(root >= 0)) return {};

@@ -20,8 +20,8 @@ class LensSystem {
     Float FrontZ() const { return surfaces_.back().z; }  ///< vertex of the element next to the scene
     Float RearRadius() const { return surfaces_.front().apertureRadius; }
 
-    /// Takes a ray from behind the lens (d unit, towards +z) to where it leaves it. The share of light that passes; at
-    /// 0 the ray means nothing.
+    /// Takes a ray from behind the lens (d unit, towards +z) to where it leaves the lens. Returns the share of light
+    /// that passes; if it is 0, the ray has no meaning.
     Float Trace(Ray *ray) const;
 
   private:

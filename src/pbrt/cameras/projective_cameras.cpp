@@ -41,7 +41,7 @@ bool PerspectiveCamera::GenerateInCameraSpace(const CameraSample &sample, Camera
     Vector3 below = center + Vector3(0, screen_.StepY() * tanHalfFov_, 0);
     Point3 origin(0);
     if (lens_.radius > 0) {
-        // What the pinhole sees at the plane of focus, the whole lens sees there.
+        // In the plane of focus every point of the lens sees the same point as the pinhole.
         origin = PointOnLens(lens_, sample.pLens);
         center = center * lens_.focalDistance - origin;
         right = right * lens_.focalDistance - origin;

@@ -4,7 +4,8 @@ namespace pbrt {
 
 namespace {
 
-/// For the search of the exit pupil: round stops that let pass whatever the image does, however it is turned.
+/// The lens for the search of the exit pupil: its round stops let pass all light that the aperture image does, in any
+/// orientation.
 LensSystem WithRoundStops(std::vector<LensElement> elements, const ApertureImage &aperture) {
     for (LensElement &e : elements)
         if (e.IsStop()) e.apertureRadius *= aperture.Reach();
@@ -41,8 +42,8 @@ bool RealisticCamera::GenerateInCameraSpace(const CameraSample &sample, CameraRa
     // The pupil's solid angle: its area under both cosines, at the distance z / cosine.
     c->weight = SampledSpectrum(passed * Sqr(Sqr(cosine)) / (pupil_.Pdf(film) * Sqr(lens_.RearZ())));
 
-    // The lens bends, and beyond its border there is no ray: one-pixel differentials come from a small step to either
-    // side.
+    // Rays are not linear in the film position and end at the border of the lens, so one-pixel differentials are
+    // extrapolated from a small step to either side.
     auto differential = [&](const Vector2 &axis, Point3 *origin, Vector3 *direction) {
         for (Float step : {Float(0.05), Float(-0.05)}) {
             Ray next;

@@ -5,10 +5,11 @@
 namespace pbrt {
 
 /// A lens of real elements in front of a film at the camera's origin (Kolb, Mitchell and Hanrahan 1995). A unit of
-/// camera space is a metre. Rays have the weight that makes their mean the irradiance of the film.
+/// camera space is a metre. Rays are weighted such that the mean of the weighted radiance is the irradiance of the
+/// film.
 class RealisticCamera final : public CameraSpaceCamera {
   public:
-    /// `elements`: focused. `filmDiagonal` in metres.
+    /// `elements` are focused already. `filmDiagonal` in metres.
     RealisticCamera(const CameraFrame &frame, Float filmDiagonal, std::vector<LensElement> elements,
                     const ApertureImage &aperture);
 

@@ -23,7 +23,7 @@ Vector3 SphericalCamera::Direction(const Point2 &film) const {
 bool SphericalCamera::GenerateInCameraSpace(const CameraSample &sample, CameraRay *c) const {
     Ray *ray = &c->ray;
     RayDifferential *d = &c->differential;
-    // The maps bend: one-pixel differentials are extrapolated from a small step.
+    // The mappings are not linear, so one-pixel differentials are extrapolated from a small step.
     constexpr Float kStep = 0.05f;
     auto differential = [&](const Vector2 &step) {
         Vector3 delta = Direction(sample.pFilm + step * kStep) - ray->d;

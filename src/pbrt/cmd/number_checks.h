@@ -5,7 +5,7 @@
 
 namespace pbrt {
 
-/// For option->check(). CLI11's own name the largest double where they refuse a number.
+/// A validator for option->check(). Unlike CLI11's own, its message does not print the largest double as a bound.
 inline CLI::Validator NumberCheck(bool zeroToo, const std::string &name) {
     return CLI::Validator(
         [zeroToo](std::string &text) {

@@ -35,7 +35,7 @@ ImageMetadata Film::Metadata() const {
 }
 
 void Film::Save(std::ostream &out) const {
-    // The views are only read.
+    // The cast is safe: WriteState only reads the blocks.
     WriteState(out, kind_, PixelBounds(), const_cast<Film *>(this)->Blocks());
 }
 
@@ -45,7 +45,7 @@ void Film::Merge(std::istream &in) { Add(in, false); }
 
 void Film::Add(std::istream &in, bool forgetsFirst) {
     const SavedState state = ReadState(in);
-    auto refuse = [] { throw UserError("the saved state of a film is not of this film."); };
+    auto refuse = [] { throw UserError("the saved state of a film does not belong to this film."); };
     if (state.kind != kind_ || state.pixelBounds.low != PixelBounds().low ||
         state.pixelBounds.high != PixelBounds().high)
         refuse();

@@ -14,7 +14,7 @@
 
 namespace pbrt {
 
-/// What came of one camera path.
+/// The result of one camera path.
 struct FilmSample {
     Point2i pixel{};
     SampledSpectrum L;  ///< radiance at `lambda`
@@ -23,7 +23,7 @@ struct FilmSample {
     std::optional<VisibleSurface> visible;  ///< only for films that want it; empty: no surface is seen
 };
 
-/// What is measured in every pixel, and the picture made of it. Sums are kept in double precision per pixel, so that
+/// Sums up what is measured in every pixel, and makes the picture. Sums are kept in double precision per pixel, so that
 /// the order of samples of different pixels never matters.
 class Film {
   public:
@@ -36,19 +36,20 @@ class Film {
     const ColorSpace &OutputSpace() const { return *frame_.outputSpace; }
 
     virtual SampledWavelengths SampleWavelengths(Float u) const { return SampledWavelengths::SampleVisible(u); }
-    /// True if samples shall say what the camera sees.
+    /// True if samples must tell what the camera sees (FilmSample::visible).
     virtual bool WantsVisibleSurface() const { return false; }
     /// Samples of one pixel are added by one thread at a time, in an order that does not depend on the threads.
     /// Not-finite radiance is counted, reported and dropped.
     virtual void AddSample(const FilmSample &sample) = 0;
 
-    /// Makes room for splats. To be called on one thread before the first.
+    /// Makes room for splats. To be called on one thread before the first splat.
     virtual void ExpectSplats() = 0;
     /// Light that reached a pixel by any path: `weight` times the radiance is added. From any thread; the sum is the
     /// same to the bit in any order (FixedSum). Outside PixelBounds() nothing happens. What is not finite, or larger
     /// than FixedSum holds, is counted, reported and dropped.
     virtual void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) = 0;
-    /// The splats so far are the sum over that many more samples per pixel: the picture gets their mean.
+    /// Adds to the number of samples per pixel that the splats come from. The picture gets the sum of splats divided by
+    /// it.
     virtual void AddSplatSamples(uint64_t perPixel) = 0;
 
     /// Linear RGB in the output space, over PixelBounds(); R, G, B are the first channels of every film. Half precision
@@ -59,10 +60,10 @@ class Film {
     /// An empty rgb film of the same pixels and sensor, in float precision.
     virtual std::unique_ptr<Film> MakeRgbFilm() const = 0;
 
-    /// Everything that was added, bit by bit, in this machine's byte order. A film that loads it goes on as this one
-    /// would. Merge adds it to what the film holds, as if the samples of both had been added to one film: splats to the
-    /// bit, sums of samples but for the rounding of one addition. Load and Merge throw UserError, and leave the film as
-    /// it was, if the state is incomplete or not of a film of this kind and these pixels.
+    /// Save writes all sums bit by bit, in this machine's byte order. A film that loads them continues exactly as this
+    /// one would. Merge adds them to those of the film, as if the samples of both had been added to one film: splats to
+    /// the bit, sums of samples but for the rounding of one addition. Load and Merge throw UserError, and leave the
+    /// film as it was, if the state is incomplete or not of a film of this kind and these pixels.
     void Save(std::ostream &out) const;
     void Load(std::istream &in);
     void Merge(std::istream &in);
@@ -73,25 +74,25 @@ class Film {
     const FilmFrame &Frame() const { return frame_; }
 
   private:
-    /// Views of all sums.
+    /// All sums as blocks of memory.
     virtual std::vector<StateBlock> Blocks() = 0;
-    /// Throws if it does not fit.
+    /// Adds a saved state, after clearing the sums if `forgetsFirst`. Throws UserError if it is not of this film.
     void Add(std::istream &in, bool forgetsFirst);
     std::string kind_;
     FilmFrame frame_;
 };
 
-/// What a film is made of beside its parameters.
+/// What a film is made from beside its parameters.
 struct FilmContext {
     const ColorSpace &outputSpace;
     Float exposureTime = 1;  ///< seconds
     FilmOverrides overrides{};
-    /// For films that say where things are.
+    /// For films that record positions and normals.
     AnimatedTransform renderFromCamera{};
     Transform renderFromWorld{};
 };
 
-/// A film that is being made.
+/// The context of a film that is being made, and the sink of its warnings.
 struct FilmRequest {
     const FilmContext &context;
     DiagnosticSink &sink;

@@ -11,7 +11,7 @@ namespace pbrt {
 
 namespace {
 
-/// Pixel bounds of the scene, which are meant for its resolution.
+/// Pixel bounds for the scene's resolution, divided by `divisor` and rounded outwards.
 Bounds2i Shrunk(const std::array<int, 4> &v, int divisor) {
     auto shrink = [&](int i) { return i / divisor; };
     return Bounds2i{{shrink(v[0]), shrink(v[2])}, {shrink(v[1] + divisor - 1), shrink(v[3] + divisor - 1)}};
@@ -26,7 +26,7 @@ Bounds2i FromCropWindow(const Bounds2 &window, Point2i resolution) {
             {pixel(high.x, resolution.x), pixel(high.y, resolution.y)}};
 }
 
-/// Which pixels are rendered. The command line beats the scene; on either, a crop window beats pixel bounds.
+/// Which pixels are rendered. The command line overrides the scene; in both, a crop window overrides pixel bounds.
 /// Bounds that stick out of the image are cut with a warning; an empty result is an error. Pixel bounds of the scene
 /// are meant for the scene's resolution: they shrink with it under --quick.
 Bounds2i ChoosePixelBounds(const FilmParams &params, const ParamSet &set, Point2i fullResolution,
@@ -63,7 +63,7 @@ Bounds2i ChoosePixelBounds(const FilmParams &params, const ParamSet &set, Point2
     return bounds;
 }
 
-/// Called before the picture is rendered, not after.
+/// Called before the picture is rendered, so that no render is lost.
 void CheckFilename(const std::string &filename, bool onlyExr, const FileLoc &loc) {
     CheckPictureName(filename, loc);
     if (onlyExr && LowerExtension(filename) != ".exr")

@@ -9,7 +9,7 @@
 
 namespace pbrt {
 
-/// Command line settings that beat the scene's film parameters.
+/// Command line settings that override the scene's film parameters.
 struct FilmOverrides {
     std::optional<Bounds2> cropWindow;  ///< fractions
     std::optional<Bounds2i> pixelBounds;
@@ -18,7 +18,7 @@ struct FilmOverrides {
     bool fullFloat = false;     ///< float precision whatever savefp16 says
 };
 
-/// What every film is told in the same words: its size, and how its picture is written.
+/// What all films have in common: the size, and how the picture is written.
 struct FilmFrame {
     Point2i fullResolution{};
     Bounds2i pixelBounds{};  ///< the pixels that are rendered
@@ -42,8 +42,8 @@ struct FilmFrame {
 
 /// What a film of one kind needs of its frame.
 struct FrameNeeds {
-    bool onlyExr = false;      ///< its channels fit into no other file
-    double bytesPerPixel = 0;  ///< of the sums, and of the picture that is made of them when it is written
+    bool onlyExr = false;      ///< no other format can hold its channels
+    double bytesPerPixel = 0;  ///< of the sums, and of the picture that is made of them for writing
 };
 
 /// `set`: what the parameters were read from. Throws UserError, also if the machine has not enough memory.

@@ -20,17 +20,17 @@ struct FilmParams {
 
     template <class V>
     void Describe(V &&v) {
-        v("filename", filename, "the picture; --outfile beats it");
+        v("filename", filename, "file name of the picture; --outfile overrides it");
         v("xresolution", xResolution, Range<int>{1, 1 << 20, false, false, "pixels"}, "width");
         v("yresolution", yResolution, Range<int>{1, 1 << 20, false, false, "pixels"}, "height");
         v("cropwindow", cropWindow,
-          "x0 x1 y0 y1 of what is rendered, as fractions; --cropwindow and --pixelbounds beat it");
-        v("pixelbounds", pixelBounds, "x0 x1 y0 y1 of what is rendered, in pixels; cropwindow beats it");
-        v("diagonal", diagonalMm, Positive(1e6f, "mm"), "of the film, for realistic cameras");
+          "x0 x1 y0 y1 of the rendered part, as fractions; --cropwindow and --pixelbounds override it");
+        v("pixelbounds", pixelBounds, "x0 x1 y0 y1 of the rendered part, in pixels; cropwindow overrides it");
+        v("diagonal", diagonalMm, Positive(1e6f, "mm"), "diagonal of the film, for realistic cameras");
         sensor.Describe(v);
         v("maxcomponentvalue", maxComponentValue, Positive(std::numeric_limits<Float>::max()),
-          "what brighter samples are cut to");
-        v("savefp16", half, "the picture has half precision");
+          "largest value of a sample; brighter samples are scaled down to it");
+        v("savefp16", half, "write the picture in half precision");
     }
 };
 

@@ -20,7 +20,7 @@ void WriteValue(std::ostream &out, const T &value) {
     out.write(reinterpret_cast<const char *>(&value), sizeof(value));
 }
 
-[[noreturn]] void RefuseFile() { throw UserError("the saved state of a film is not of this film."); }
+[[noreturn]] void RefuseFile() { throw UserError("the saved state of a film does not belong to this film."); }
 
 void ReadBytes(std::istream &in, void *to, size_t bytes) {
     if (!in.read(static_cast<char *>(to), static_cast<std::streamsize>(bytes)))
@@ -47,7 +47,7 @@ std::string ReadName(std::istream &in) {
     return name;
 }
 
-/// Memory grows with what is really there, not with what a damaged file announces.
+/// Reads in pieces, so that memory grows with the bytes that are there, not with what a damaged file announces.
 std::vector<std::byte> ReadData(std::istream &in, uint64_t bytes) {
     constexpr uint64_t kPiece = 1 << 24;
     std::vector<std::byte> data;

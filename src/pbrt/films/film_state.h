@@ -11,17 +11,18 @@
 
 namespace pbrt {
 
-/// Sums of a film of one type, as plain memory: what a state holds, and how it is added to other sums.
+/// Sums of one type in a film as plain memory, and the functions that add other sums to them and clear them.
 struct StateBlock {
     std::string name;
     std::byte *data = nullptr;
     size_t bytes = 0;
-    bool isOfSplats = false;  ///< has no bytes in a film that expects none
+    bool isOfSplats = false;  ///< has no bytes in a film that expects no splats
     void (*add)(std::byte *to, const std::byte *from, size_t bytes) = nullptr;
     void (*clear)(std::byte *data, size_t bytes) = nullptr;
 };
 
-/// T is plain memory, T() is an empty sum and T += T adds sums up. An empty sum plus another is the other to the bit.
+/// T is plain memory, T() is an empty sum and T += T adds two sums. An empty sum plus another equals the other to the
+/// bit.
 template <class T>
 StateBlock MakeStateBlock(const char *name, std::span<T> sums) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -45,7 +46,7 @@ StateBlock MakeStateBlock(const char *name, std::span<T> sums) {
     return block;
 }
 
-/// What was read of a state: its words stand for the type of the film and its pixels.
+/// A state that was read: the kind and the pixels of the film, and its sums by name.
 struct SavedState {
     std::string kind;
     Bounds2i pixelBounds{};
@@ -58,7 +59,7 @@ struct SavedState {
     const Block *Find(const std::string &name) const;
 };
 
-/// Bit by bit, in this machine's byte order.
+/// Writes the blocks bit by bit, in this machine's byte order.
 void WriteState(std::ostream &out, const std::string &kind, const Bounds2i &pixelBounds,
                 const std::vector<StateBlock> &blocks);
 /// Throws UserError if the stream ends too early or holds something else.

@@ -111,7 +111,7 @@ struct MitchellProfile {
     }
 };
 
-/// Sinc under the main lobe and beyond of a sinc tau times as wide (Lanczos).
+/// Sinc windowed by a sinc that is tau times as wide (Lanczos).
 struct WindowedSincProfile {
     Float radius, tau;
     Float operator()(Float x) const { return std::abs(x) > radius ? 0 : Sinc(x) * Sinc(x / tau); }
@@ -160,8 +160,8 @@ struct MitchellParams : RadiusParams {
     template <class V>
     void Describe(V &&v) {
         RadiusParams::Describe(v);
-        v("B", b, kSharpnessRange, "blur");
-        v("C", c, kSharpnessRange, "ringing");
+        v("B", b, kSharpnessRange, "strength of blurring");
+        v("C", c, kSharpnessRange, "strength of ringing");
     }
     MitchellProfile Profile(Float radius) const { return {radius, b, c}; }
 };
@@ -172,7 +172,7 @@ struct SincParams : RadiusParams {
     template <class V>
     void Describe(V &&v) {
         RadiusParams::Describe(v);
-        v("tau", tau, kWidthRange, "lobes of the window");
+        v("tau", tau, kWidthRange, "half the width of the main lobe of the window, in pixels");
     }
     WindowedSincProfile Profile(Float radius) const { return {radius, tau}; }
 };

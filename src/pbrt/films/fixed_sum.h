@@ -14,15 +14,15 @@ class FixedSum {
 
     static bool Holds(double x) { return std::abs(x) <= kMaxAddend; }  // false for not-a-number
 
-    /// From any thread. Holds(x).
+    /// From any thread. Holds(x) must be true.
     void Add(double x) {
         const FixedSum addend = Round(x);
         const uint64_t before = std::atomic_ref(low_).fetch_add(addend.low_, std::memory_order_relaxed);
-        // However the threads take turns, the low words wrap around as often as the carries of the true sum say.
+        // In whatever order threads add, the low word wraps around exactly as often as the true sum carries.
         const uint64_t carry = before + addend.low_ < before ? 1 : 0;
         std::atomic_ref(high_).fetch_add(addend.high_ + carry, std::memory_order_relaxed);
     }
-    /// From one thread while nobody adds.
+    /// From one thread, while no other thread adds.
     FixedSum &operator+=(const FixedSum &other) {
         low_ += other.low_;
         high_ += other.high_ + (low_ < other.low_ ? 1 : 0);

@@ -12,7 +12,7 @@ struct GBufferParams : FilmParams {
     template <class V>
     void Describe(V &&v) {
         FilmParams::Describe(v);
-        v("coordinatesystem", space, kSpaces, "of positions and normals");
+        v("coordinatesystem", space, kSpaces, "space of positions and normals");
     }
 };
 

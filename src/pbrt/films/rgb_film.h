@@ -4,11 +4,11 @@
 
 namespace pbrt {
 
-/// The `rgb` film: what the sensor reads.
+/// The `rgb` film: only what the sensor measures.
 class RgbFilm final : public Film {
   public:
     RgbFilm(const FilmParams &params, const ParamSet &set, const FilmRequest &request);
-    /// Empty, in float precision; `like`: for the sensor.
+    /// An empty film in float precision with the sensor of `like`.
     RgbFilm(const FilmFrame &frame, const SensorSums &like);
 
     void AddSample(const FilmSample &sample) override;

@@ -23,8 +23,8 @@ Vector3 Project(const Spectrum &reflectance, const Spectrum &illuminant, const S
     return Vector3(sum / white);
 }
 
-/// Camera values of the colour checker under `light` to the XYZ of its patches under the output space's own white, so
-/// that a white in `light` becomes the output white. Scaled so that what has Y = 1 in `light` keeps it.
+/// The matrix that takes camera values of the colour checker's patches under `light` to their XYZ under the white of
+/// the output space, so that white in `light` becomes the output white. Scaled so that Y = 1 in `light` stays 1.
 glm::mat3 CalibrateCamera(const Spectrum &r, const Spectrum &g, const Spectrum &b, const Spectrum &light,
                           const ColorSpace &outputSpace) {
     const Float brightness = InnerProduct(light, CieY()) / InnerProduct(light, g);

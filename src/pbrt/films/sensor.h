@@ -7,7 +7,7 @@
 
 namespace pbrt {
 
-/// cie1931, then the cameras.
+/// Names of all sensors: cie1931, then the cameras.
 std::vector<std::string> SupportedSensors();
 
 /// The parameters of a film that are about its sensor (pbrt-v4-format §5.2).
@@ -17,21 +17,21 @@ struct SensorParams {
     Float whiteBalance = 0;
     template <class V>
     void Describe(V &&v) {
-        v("sensor", name, SupportedSensors(), "what measures the light");
+        v("sensor", name, SupportedSensors(), "spectral response of the pixels");
         v("iso", iso, Positive(1e9f), "sensitivity");
         v("whitebalance", whiteBalance, Range<Float>{0, 1e6f, false, false, "K"},
-          "what is white, 1000 and above; 0: as it is for cie1931, 6500 for cameras");
+          "colour temperature that becomes white, at least 1000; 0: none for cie1931, 6500 for cameras");
     }
 };
 
-/// What turns the spectrum of one camera path into three numbers, and those into XYZ.
+/// Turns the spectrum of one camera path into three numbers, and those into XYZ.
 class PixelSensor {
   public:
     /// `set`: what the parameters were read from. `exposureTime` in seconds. Throws UserError.
     static PixelSensor Make(const SensorParams &params, const ParamSet &set, const ColorSpace &outputSpace,
                             Float exposureTime);
 
-    /// `flux`: radiance over the density of its wavelengths.
+    /// `flux` is the radiance divided by the density of its wavelengths.
     Vector3 Expose(const SampledSpectrum &flux, const SampledWavelengths &lambda) const {
         return Vector3((flux * first_.Sample(lambda)).Average(), (flux * second_.Sample(lambda)).Average(),
                        (flux * third_.Sample(lambda)).Average()) *

@@ -13,17 +13,18 @@
 
 namespace pbrt {
 
-/// What the sensor reads in every pixel: the part that all films have. Weighted sums of samples and sums of splats.
+/// Sums of what the sensor measures in every pixel, which all films have: weighted sums of samples and sums of splats.
 class SensorSums {
   public:
     /// `set`: what the parameters were read from.
     SensorSums(const FilmParams &params, const ParamSet &set, const FilmFrame &frame, Float exposureTime);
-    /// The same sensor without sums.
+    /// An object with the same sensor and empty sums.
     SensorSums MakeEmpty(const FilmFrame &frame) const;
-    /// Of memory for a pixel and its red, green and blue in the picture.
+    /// Memory for the sums of a pixel and its red, green and blue in the picture.
     static constexpr double kBytesPerPixel = 4 * sizeof(double) + 3 * sizeof(float);
 
-    /// What the sensor reads, cut to maxcomponentvalue. Empty: not finite; it is counted as rejected.
+    /// What the sensor measures, scaled down to maxcomponentvalue if it is larger. Empty if it is not finite, which is
+    /// counted as rejected.
     std::optional<Vector3> Measure(const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight);
     void Add(size_t pixel, const Vector3 &sensor, Float weight) {
         Pixel &sums = pixels_[pixel];
@@ -33,7 +34,7 @@ class SensorSums {
     double WeightOf(size_t pixel) const { return pixels_[pixel].weight; }
 
     void ExpectSplats() { splats_.Expect(3 * pixels_.size()); }
-    /// False: it is larger than a sum of splats holds, and counted as rejected.
+    /// False if the splat is larger than FixedSum holds; it is counted as rejected.
     bool AddSplat(size_t pixel, const Vector3 &sensor, Float weight);
     void AddSplatSamples(uint64_t perPixel) { counts_.splatSamples += perPixel; }
     /// Factor that turns a sum of splats into their mean.

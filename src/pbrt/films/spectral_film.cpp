@@ -39,7 +39,8 @@ int SpectralFilm::BucketOf(Float lambda) const {
 }
 
 Float SpectralFilm::ScaleOf(const SampledSpectrum &L) const {
-    // Emission is in photometric units, where a radiance is divided by the integral of y-bar.
+    // Emission is in photometric units, that is, radiance divided by the integral of y-bar; this factor restores
+    // radiance.
     Float scale = CieYIntegral;
     if (Float max = L.MaxComponent(); max > sensor_.MaxComponentValue()) scale *= sensor_.MaxComponentValue() / max;
     return scale;
@@ -56,7 +57,8 @@ void SpectralFilm::AddSample(const FilmSample &sample) {
     for (int i = 0; i < SpectrumSamples; ++i) {
         const Float pdf = sample.lambda.PdfAt(i);
         if (pdf == 0) continue;
-        // A wavelength that goes on alone stands for those that ended: its density is that much smaller.
+        // A wavelength that goes on alone also stands for those that were terminated: its density is smaller by that
+        // factor.
         const double w = double(sample.weight) / double(pdf * range);
         Sums &bucket = sums[BucketOf(sample.lambda[i])];
         bucket.radiance += w * double(sample.L[i] * scale);
@@ -74,7 +76,7 @@ void SpectralFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const Sampl
     const std::optional<Vector3> sensor = sensor_.Measure(L, lambda, weight);
     if (!sensor) return;
     const size_t index = Frame().IndexOf(pixel);
-    // Each wavelength estimates the integral over a bucket; the mean is that over the bucket's width.
+    // Each wavelength estimates the integral over a bucket; divided by the bucket's width this is the mean.
     const double width = double(buckets_.high - buckets_.low) / buckets_.count;
     double parts[SpectrumSamples] = {};
     for (int i = 0; i < SpectrumSamples; ++i) {

@@ -15,14 +15,14 @@ struct SpectralParams : FilmParams {
     void Describe(V &&v) {
         constexpr Range<Float> kVisible{LambdaMin, LambdaMax, false, false, "nm"};
         FilmParams::Describe(v);
-        v("nbuckets", buckets.count, Range<int>{1, 1 << 16}, "how many channels");
+        v("nbuckets", buckets.count, Range<int>{1, 1 << 16}, "number of spectral channels");
         v("lambdamin", buckets.low, kVisible, "where the first bucket begins");
         v("lambdamax", buckets.high, kVisible, "where the last bucket ends");
     }
 };
 
 /// The `spectral` film: besides RGB the mean radiance within equal buckets of wavelength. Wavelengths are sampled
-/// uniformly over the range of the buckets, so RGB knows nothing beyond it, as in stock pbrt-v4.
+/// uniformly over the range of the buckets, so RGB contains no light from beyond it, as in stock pbrt-v4.
 class SpectralFilm final : public Film {
   public:
     SpectralFilm(const SpectralParams &params, const ParamSet &set, const FilmRequest &request);
@@ -54,7 +54,7 @@ class SpectralFilm final : public Film {
     };
     std::vector<StateBlock> Blocks() override;
     int BucketOf(Float lambda) const;
-    /// Factor of a radiance: cut as maxcomponentvalue says, in the units of the picture.
+    /// Factor that takes L to the units of the picture and scales it down to maxcomponentvalue if it is larger.
     Float ScaleOf(const SampledSpectrum &L) const;
     size_t FirstSumOf(size_t pixel) const { return pixel * static_cast<size_t>(buckets_.count); }
 

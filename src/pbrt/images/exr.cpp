@@ -30,7 +30,7 @@ namespace {
 
 constexpr Float LargestHalf = 65504;
 
-// What every EXR has, or what the pixels or other fields of ImageMetadata say already.
+// Attributes that every EXR file has, or that are in the pixels or other fields of ImageMetadata already.
 const std::set<std::string> StructuralAttributes = {"channels",
                                                     "compression",
                                                     "dataWindow",
@@ -50,7 +50,7 @@ const std::set<std::string> StructuralAttributes = {"channels",
                                                     "preview",
                                                     "multiView"};
 
-// R, G, B, A first within a layer, then the rest by name; the unnamed layer first.
+// The channels in the order of our images: the unnamed layer first; within a layer R, G, B, A, then the rest by name.
 std::vector<std::string> OrderedNames(const Imf::ChannelList &channels) {
     auto key = [](const std::string &name) {
         size_t dot = name.rfind('.');
@@ -126,16 +126,16 @@ Imf::FrameBuffer Bind(const std::vector<std::string> &names, Imf::PixelType type
     return buffer;
 }
 
-constexpr int64_t kMaxOffset = 1 << 28;  // of a window from the origin
+constexpr int64_t kMaxOffset = 1 << 28;  // largest distance of a window from the origin, in pixels
 
 int64_t Extent(int low, int high) { return static_cast<int64_t>(high) - low + 1; }
 
-/// How many bytes of pixels a byte of the file can stand for.
+/// Upper bound of the bytes of pixels that one byte of the file can hold.
 double MaxExpansion(Imf::Compression compression) {
     switch (compression) {
         case Imf::NO_COMPRESSION:
-            return 2;  // mixed files become float
-        // Run lengths, and what deflate can do with constants.
+            return 2;  // files that mix half and float become float
+        // What run lengths, or deflate with constant data, can reach.
         case Imf::RLE_COMPRESSION:
         case Imf::ZIPS_COMPRESSION:
         case Imf::ZIP_COMPRESSION:
@@ -146,7 +146,7 @@ double MaxExpansion(Imf::Compression compression) {
     }
 }
 
-/// A file in memory: OpenEXR cannot tell of errors when a file is closed.
+/// An output file in memory, because OpenEXR does not report errors that occur when a file is closed.
 class MemoryStream final : public Imf::OStream {
   public:
     explicit MemoryStream(const std::string &name) : OStream(name.c_str()) {}
@@ -173,7 +173,7 @@ size_t CountAtHalfLimit(const Image &image) {
     return count;
 }
 
-/// Says which of a file's parts is read.
+/// Warns if the file has several parts, of which only the first is read.
 void WarnOfParts(const std::string &path) {
     constexpr int kMaxNames = 8;
     const Imf::MultiPartInputFile file(path.c_str());
@@ -191,7 +191,7 @@ void WarnOfParts(const std::string &path) {
 }  // namespace
 
 ImageFile ReadExr(const std::string &path) {
-    // The largest width and height of the library must be set before it reads a header: it allocates by them.
+    // OpenEXR's limits of width and height must be set before it reads a header, whose sizes it allocates.
     static const bool limited = [] {
         Imf::Header::setMaxImageSize(1 << 20, 1 << 20);
         return true;
@@ -229,7 +229,7 @@ ImageFile ReadExr(const std::string &path) {
     metadata.colorSpace = FindSpace(header, path);
     ReadAttributes(header, metadata);
 
-    // Mixed files become float, which holds both exactly.
+    // Files that mix half and float become float, which holds both exactly.
     result.image = Image(allHalf ? PixelFormat::Half : PixelFormat::Float,
                          {metadata.pixelBounds->Width(), metadata.pixelBounds->Height()}, names);
     file.setFrameBuffer(Bind(names, allHalf ? Imf::HALF : Imf::FLOAT, static_cast<char *>(result.image.Data()), data));
@@ -265,9 +265,9 @@ std::string EncodeExr(const std::string &path, const Image &image, const ImageMe
     for (const std::string &name : image.Channels()) header.channels().insert(name, Imf::Channel(type));
     MemoryStream stream(path);
     {
-        // Its end completes the content.
+        // The destructor of `file` writes the rest of the content.
         Imf::OutputFile file(stream, header);
-        // OpenEXR only reads through the frame buffer of an output file.
+        // The cast is safe: OpenEXR only reads through the frame buffer of an output file.
         file.setFrameBuffer(Bind(image.Channels(), type, static_cast<char *>(const_cast<void *>(pixels.Data())), data));
         file.writePixels(data.max.y - data.min.y + 1);
     }

@@ -6,15 +6,15 @@
 
 namespace pbrt {
 
-/// Colours for values. They are chosen as shown (encoded), and pass PNG's encoding unchanged.
+/// Colours that stand for values, sRGB-encoded. FalseColor() decodes them, so that a PNG file shows exactly these.
 namespace false_color {
-/// 0 dark to 1 bright, so that order shows without a legend; clamped.
+/// Dark at t = 0 to bright at t = 1, so that the order of values shows without a legend; t is clamped.
 Rgb Ramp(Float t);
-/// -1 blue, 0 black, 1 red; clamped.
+/// Blue at t = -1, black at 0, red at 1; t is clamped.
 Rgb Signed(Float t);
-/// A colour of its own for every number, without order; never dark or grey.
+/// A pseudo-random colour for every number, without order; never dark or grey.
 Rgb OfId(uint64_t id);
-/// Of values that are not finite.
+/// Magenta: the colour of values that are not finite.
 inline const Rgb Invalid(1, 0, 1);
 }  // namespace false_color
 
@@ -22,11 +22,11 @@ struct FalseColorStyle {
     enum class Scale {
         Ramp,    ///< `least` to `most`
         Signed,  ///< -most to most
-        Id       ///< numbers without order
+        Id       ///< one colour per number, without order
     };
     Scale scale = Scale::Ramp;
     Float least = 0, most = 1;
-    int legendRows = 0;  ///< height of a bar of all colours below the image, low to high; Id has none
+    int legendRows = 0;  ///< height in pixels of a bar below the image, colours from low to high; Id has none
 };
 
 /// One channel as R, G, B (float). Pixels where `mask` (may be null; one channel) is 0 become dark grey.

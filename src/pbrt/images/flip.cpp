@@ -14,8 +14,8 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr int kRowsPerTask = 16;
 constexpr size_t kMaxExposures = 16;
 
-// 2020, section 4: exponent of the colour difference, knee of its remapping (part of the largest difference, value
-// there), width of the detector in degrees, exponent of the feature difference.
+// 2020, section 4: exponent of the colour difference, knee of its remapping (as a share of the largest difference, and
+// the value there), width of the detector in degrees, exponent of the feature difference.
 constexpr double kColorExponent = 0.7, kKnee = 0.4, kKneeValue = 0.95;
 constexpr double kFeatureWidth = 0.082, kFeatureExponent = 0.5;
 
@@ -30,7 +30,7 @@ constexpr double kWidestSensitivity = 0.04;
 using Plane = std::vector<float>;
 using Kernel = std::vector<float>;  // odd number of weights
 
-// Filters plane by `alongX` and `alongY`.
+// Convolves a plane with `alongX` along x and `alongY` along y. The border pixels continue outwards.
 Plane Filter(const Plane &in, Point2i size, const Kernel &alongX, const Kernel &alongY) {
     const int width = size.x, height = size.y;
     const int rx = static_cast<int>(alongX.size() / 2), ry = static_cast<int>(alongY.size() / 2);
@@ -69,7 +69,7 @@ void Scale(Kernel &kernel, double factor) {
     for (float &w : kernel) w = static_cast<float>(static_cast<double>(w) * factor);
 }
 
-// Positive weights add up to 1, negative ones to -1.
+// Scales the weights so that the positive ones add up to 1 and the negative ones to -1.
 void Balance(Kernel &kernel) {
     double positive = 0, negative = 0;
     for (float w : kernel) (w > 0 ? positive : negative) += static_cast<double>(w);
@@ -83,8 +83,8 @@ double Sum(const Kernel &kernel) {
     return sum;
 }
 
-// One Gaussian of a contrast sensitivity filter as a kernel for one axis; `mass` gets its weight in a sum, before
-// normalisation, over both axes.
+// One Gaussian of a contrast sensitivity filter as a normalised kernel for one axis; `mass` gets the sum of its weights
+// over both axes before normalisation.
 Kernel SensitivityKernel(const Sensitivity &s, double pixelsPerDegree, double *mass) {
     const int radius =
         static_cast<int>(std::ceil(3 * std::sqrt(kWidestSensitivity / (2 * kPi * kPi)) * pixelsPerDegree));
@@ -95,7 +95,7 @@ Kernel SensitivityKernel(const Sensitivity &s, double pixelsPerDegree, double *m
     const double sum = Sum(kernel);
     *mass = s.a * std::sqrt(kPi / s.b) * sum * sum;
     Scale(kernel, 1 / sum);
-    // Weights that round away cost time only.
+    // Weights this small have no effect and only cost time.
     while (kernel.size() > 1 && kernel.front() < 1e-9f) {
         kernel.erase(kernel.begin());
         kernel.pop_back();
@@ -128,7 +128,7 @@ Plane FeatureLength(const Plane &lightness, Point2i size, const Kernel &detector
     return alongX;
 }
 
-// Colours relative to the white (1, 1, 1), so every white has XYZ (1, 1, 1).
+// XYZ divided by that of the sRGB white, so that white is (1, 1, 1).
 struct Xyz1 {
     float x, y, z;
 };
@@ -180,8 +180,8 @@ void ToHuntLab(const Xyz1 &c, float *l, float *a, float *b) {
 // Distance of colours that may be far apart: city block between lightness and chroma (HyAB).
 float ColorDistance(float l, float a, float b) { return std::abs(l) + std::hypot(a, b); }
 
-// Rational fit of the ACES tone curve (Narkowicz 2015) with the 0.6 before it that HDR-FLIP uses:
-// (k0 x^2 + k1 x) / (k2 x^2 + k3 x + k4).
+// Rational fit of the ACES tone curve (Narkowicz 2015) with the factor 0.6 before it that HDR-FLIP uses: (k0 x^2 + k1
+// x) / (k2 x^2 + k3 x + k4).
 constexpr double kTone[] = {0.9036, 0.018, 0.8748, 0.354, 0.14};
 
 float ToneMap(float x) {
@@ -197,8 +197,8 @@ double InverseToneMap(double t) {
     return (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a);
 }
 
-// 2021, section 4: from the exposure that maps the largest luminance to 0.85 to the one that does so with the median.
-// The median is that of the pixels that are not black.
+// 2021, section 4: exposures from the one that maps the largest luminance to 0.85 to the one that maps the median to
+// 0.85. The median is taken over the pixels that are not black.
 std::vector<double> ChooseExposures(const std::vector<float> &planes) {
     const size_t n = planes.size() / 3;
     const Rgb weights = ColorSpace::SRGB().Luminance();
@@ -292,7 +292,7 @@ FlipReference::Percept FlipReference::See(const std::vector<float> &planes, size
     out.b = BlueYellowFilter(cz, resolution_, ppd);
     ParallelFor(static_cast<int64_t>(n), 4096, [&](int64_t begin, int64_t end) {
         for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-            // What the filters made of the colour must still be one the screen can show.
+            // The filtered colour is clamped to those that the screen can show.
             const glm::vec3 rgb = colors.ToRgb(FromOpponent(out.l[i], out.a[i], out.b[i]));
             const Xyz1 shown =
                 colors.FromRgb(std::clamp(rgb.x, 0.f, 1.f), std::clamp(rgb.y, 0.f, 1.f), std::clamp(rgb.z, 0.f, 1.f));

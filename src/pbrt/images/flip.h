@@ -18,8 +18,8 @@ struct FlipSettings {
     bool hdr = false;
 };
 
-/// Everything about the reference is worked out once; then any number of pictures can be compared with it.
-/// Several threads may compare at once. Results do not depend on the number of threads.
+/// A reference, prepared once, with which any number of pictures can be compared. Several threads may compare at once.
+/// Results do not depend on the number of threads.
 class FlipReference {
   public:
     /// Throws UserError if a channel R, G or B is missing.
@@ -31,7 +31,7 @@ class FlipReference {
     const std::vector<double> &Exposures() const { return exposures_; }
 
   private:
-    /// What the eye is given of one exposure of a picture, as planes of pixels.
+    /// What an observer perceives of one exposure of a picture, as planes of pixels.
     struct Percept {
         std::vector<float> l, a, b;      ///< filtered, CIELAB with Hunt's adjustment
         std::vector<float> edge, point;  ///< lengths of the first and second derivative of the lightness
@@ -45,7 +45,7 @@ class FlipReference {
     FlipSettings settings_;
     Point2i resolution_{0, 0};
     std::vector<double> exposures_;
-    std::vector<Percept> percepts_;  ///< of the reference: one, or one per exposure
+    std::vector<Percept> percepts_;  ///< of the reference; one per exposure if `hdr`, else one
     double largestColorDifference_ = 0;
 };
 

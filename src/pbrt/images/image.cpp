@@ -52,7 +52,7 @@ bool RemapPixel(Point2i &p, Point2i resolution, WrapMode wrap) {
             p = glm::clamp(p, Point2i(0), resolution - 1);
             return true;
         case WrapMode::OctahedralSphere:
-            // The mirrored partner may start outside; bring it near first so that no sum overflows.
+            // Coordinates far outside are clamped first, so that no sum overflows.
             p = glm::clamp(p, Point2i(-(1 << 28)), Point2i(1 << 28));
             FoldOctahedral(p.x, p.y, resolution.x, resolution.y);
             FoldOctahedral(p.y, p.x, resolution.y, resolution.x);

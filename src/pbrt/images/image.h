@@ -28,7 +28,7 @@ struct ColorEncoding {
 /// An encoding as tables over the 256 byte values.
 class ByteCode {
   public:
-    /// The tables of an encoding live for ever. Takes a lock, so ask once per image.
+    /// The shared tables of an encoding, which are never freed. Takes a lock, so call it once per image.
     static const ByteCode &Of(const ColorEncoding &encoding);
     explicit ByteCode(const ColorEncoding &encoding);
 
@@ -40,8 +40,8 @@ class ByteCode {
   private:
     static constexpr size_t Cells = 4096;
     std::array<float, 256> decode_;
-    std::array<float, 257> limits_;     ///< byte b for values of [limits_[b], limits_[b + 1])
-    std::array<uint8_t, Cells> guess_;  ///< byte of the smallest value of each of equal cells of [0, 1)
+    std::array<float, 257> limits_;     ///< byte b encodes the values in [limits_[b], limits_[b + 1])
+    std::array<uint8_t, Cells> guess_;  ///< [0, 1) in equal cells: the byte of each cell's smallest value
 };
 
 enum class WrapMode { Repeat, Black, Clamp, OctahedralSphere };
@@ -93,7 +93,7 @@ class Image {
     Point2i resolution_{0, 0};
     std::vector<std::string> channels_;
     ColorEncoding encoding_;
-    const ByteCode *code_ = nullptr;  ///< of 8-bit images
+    const ByteCode *code_ = nullptr;  ///< null unless the format is U8
     std::vector<uint8_t> u8_;
     std::vector<uint16_t> half_;
     std::vector<float> float_;
@@ -115,13 +115,13 @@ struct ImageFile {
 };
 
 /// EXR, PNG, PFM, HDR, TGA, JPG, ... (not QOI), see format §14. `encoding` for 8/16-bit PNG; nullopt: what the format
-/// says (sRGB for png; other 8-bit formats are always sRGB). Channel names R,G,B[,A] or Y, or the EXR's own.
-/// Throws UserError (no location) if missing or unreadable.
+/// says (sRGB for png; other 8-bit formats are always sRGB). Channels are named R, G, B (and A) or Y; those of EXR
+/// files keep their names. Throws UserError (no location) if missing or unreadable.
 ImageFile ReadImage(const std::string &path, std::optional<ColorEncoding> encoding = {});
 
-/// By extension in any letter case: .exr (half unless the image is float), .png and .jpg (8 bit, sRGB, clamped), .pfm.
-/// Written as by WriteFile. Images of more than 4 channels keep only R, G, B outside EXR, with a warning; a colour
-/// space other than sRGB is converted to sRGB there. Throws UserError.
+/// The extension, in any letter case, chooses the format: .exr (half unless the image is float), .png and .jpg (8 bit,
+/// sRGB, clamped), .pfm. The file is written by WriteFile. Images of more than 4 channels keep only R, G, B outside
+/// EXR, with a warning; a colour space other than sRGB is converted to sRGB there. Throws UserError.
 void WriteImage(const std::string &path, const Image &image, const ImageMetadata &metadata = {});
 
 }  // namespace pbrt

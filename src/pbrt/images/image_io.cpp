@@ -21,7 +21,7 @@ std::string Sentence(const std::exception &e) {
     return text;
 }
 
-// What a format of at most four channels can hold: R, G, B of larger images, as sRGB.
+// The part of an image that a format of at most four channels can hold: R, G, B and, if it fits, A, as sRGB.
 Image ForPlainFormat(const std::string &path, const Image &image, const ImageMetadata &metadata, bool alphaFits) {
     const bool hasRgb = image.FindChannel("R") >= 0 && image.FindChannel("G") >= 0 && image.FindChannel("B") >= 0;
     Image result = image;
@@ -48,7 +48,7 @@ Image ForPlainFormat(const std::string &path, const Image &image, const ImageMet
     return result;
 }
 
-constexpr int64_t kMaxExtent = 1 << 20;  // of an image that is read, in pixels
+constexpr int64_t kMaxExtent = 1 << 20;  // largest width and height of an image that is read, in pixels
 
 }  // namespace
 

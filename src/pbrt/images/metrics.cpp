@@ -78,7 +78,7 @@ double ImageError(const Image &image, const Image &reference, Metric metric, Ima
     double sum = 0;
     size_t counted = 0, dropped = 0;
     for (int y = 0; y < image.Resolution().y; ++y) {
-        // Summed by rows, so that the precision does not fall with the size.
+        // Summed row by row, so that large images do not lose precision.
         double row = 0;
         for (int x = 0; x < image.Resolution().x; ++x)
             for (int c = 0; c < image.ChannelCount(); ++c) {

@@ -21,8 +21,8 @@ const std::vector<std::string> &MetricNames();
 double ImageError(const Image &image, const Image &reference, Metric metric, Image *errorImage = nullptr,
                   size_t *skipped = nullptr);
 
-/// relL2 without the pixels that are worst: ceil(share x pixels) of them are left out. A pixel's term is the mean over
-/// its channels; not-finite ones are skipped first.
+/// relL2 without the worst pixels: the ceil(share x pixels) pixels with the largest terms are left out. A pixel's term
+/// is the mean over its channels; not-finite ones are skipped first.
 double TrimmedRelL2(const Image &image, const Image &reference, double share = 0.001, size_t *skipped = nullptr);
 
 }  // namespace pbrt

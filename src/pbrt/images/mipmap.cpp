@@ -40,14 +40,14 @@ const std::array<Float, GaussianEntries> GaussianTable = [] {
     return table;
 }();
 
-// Stock pbrt-v4 picks the level whose texel spacing is twice the largest footprint component. At 1 it is the last one.
-// Not below 1e-8, and that for not-a-number as well.
+// Twice the largest component of the footprint; stock pbrt-v4 picks the level with this texel spacing, for 1 the last
+// one. At least 1e-8, which not-a-number becomes as well.
 Float Width(Vector2 dst0, Vector2 dst1) {
     const Float width = 2 * std::max({std::abs(dst0.x), std::abs(dst0.y), std::abs(dst1.x), std::abs(dst1.y)});
     return width > Float(1e-8) ? width : Float(1e-8);
 }
 
-// Of a normal positive number, from its exponent.
+// Floor of log2 of a positive normal number, from its exponent.
 int FloorLog2(Float v) { return static_cast<int>(std::bit_cast<uint32_t>(v) >> 23) - 127; }
 
 int ToPixel(Float v) { return static_cast<int>(std::clamp(v, Float(-1e9), Float(1e9))); }
@@ -151,7 +151,7 @@ class Reader {
         if (!(shorter > 0)) return Bilinear(0, st);
         const int last = static_cast<int>(view_.levels.size()) - 1;
         if (!std::isfinite(longer)) return At(last, {0, 0});
-        // A thinner ellipse is made thicker: blur bounds the cost.
+        // Too thin an ellipse is widened, which blurs but bounds the cost.
         if (shorter * view_.maxAnisotropy < longer) {
             const Float scale = longer / (shorter * view_.maxAnisotropy);
             minor *= scale;
@@ -171,12 +171,13 @@ class Reader {
         const Point2 center = st * size - Float(0.5);
         major *= size;
         minor *= size;
-        // Inside: a x^2 + b x y + c y^2 < 1. The added 1 is the variance of the reconstruction filter.
+        // A point (x, y) is inside if a x^2 + b x y + c y^2 < 1. The added 1 is the variance of the reconstruction
+        // filter.
         Float a = Sqr(major.y) + Sqr(minor.y) + 1;
         Float b = -2 * (major.x * major.y + minor.x * minor.y);
         Float c = Sqr(major.x) + Sqr(minor.x) + 1;
         const Float f = a * c - Sqr(b) / 4;
-        // Half extents of the ellipse; f is also the determinant before the division below.
+        // Half extents of the ellipse, from a and c before they are divided by the determinant f.
         const Vector2 extent(std::sqrt(c), std::sqrt(a));
         a /= f;
         b /= f;
@@ -204,7 +205,7 @@ class Reader {
 
     const MipMap::View &view_;
     size_t first_;
-    /// The one looked at last: most texels of a look-up lie in one tile.
+    /// The tile that was used last, because most texels of a look-up lie in one tile.
     [[no_unique_address]] mutable std::conditional_t<Tiled, TileCache::Stored::Tile, std::monostate> tile_;
 };
 
@@ -227,7 +228,7 @@ Texel<N> Read(const MipMap::View &view, size_t first, Point2 st, Vector2 dst0, V
     return ReadFrom<N, false>(view, first, st, dst0, dst1);
 }
 
-/// Smaller levels are not worth a place on disk.
+/// Only levels of more bytes than this go to disk.
 constexpr size_t kMinStoredBytes = 1 << 16;
 
 Image KeepColor(Image image) {

@@ -34,12 +34,12 @@ class MipMap {
     Rgb LookupRgb(Point2 st, Vector2 dst0, Vector2 dst1) const;
 
     int Levels() const { return static_cast<int>(view_.levels.size()); }
-    /// Without a tile cache.
+    /// Only for maps without a tile cache.
     const Image &Level(int i) const { return pixels_->levels[static_cast<size_t>(i)]; }
     /// The image's own space (from EXR chromaticities), sRGB if not stated.
     const ColorSpace &Space() const { return *colorSpace_; }
     bool HasAlpha() const { return view_.channels == 4; }
-    /// In memory, without tiles; counted by each of the maps of one image.
+    /// Bytes in memory, without those of tiles. Maps that share an image count it each.
     size_t Bytes() const;
 
     /// One level as the look-ups see it. Width and height are powers of two.
@@ -52,7 +52,7 @@ class MipMap {
         std::vector<LevelView> levels;
         PixelFormat format = PixelFormat::Float;
         size_t channels = 1;
-        const float *decode = nullptr;             ///< of bytes
+        const float *decode = nullptr;             ///< linear values of the 256 bytes; null unless U8
         const TileCache::Stored *tiles = nullptr;  ///< the first levels, if they are on disk
         TextureFilter filter = TextureFilter::Bilinear;
         WrapMode wrap = WrapMode::Repeat;

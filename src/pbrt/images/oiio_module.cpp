@@ -1,4 +1,4 @@
-// The one file that calls OpenImageIO; a shared library of its own, see image_library.h.
+// The one file that calls OpenImageIO; a separate shared library, see image_library.h.
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imagecache.h>
 #include <OpenImageIO/imageio.h>
@@ -37,8 +37,8 @@ void Check(bool done, const Source *source) {
     if (!done) throw std::runtime_error(source ? source->geterror() : OIIO::geterror());
 }
 
-// Channels stock pbrt-v4 keeps of a PNG: what the file says before transparency chunks are applied, without the
-// alpha of grey images. 25 bytes into the file is IHDR's colour type.
+// How many channels of a PNG stock pbrt-v4 keeps: those in the file before transparency chunks are applied, without the
+// alpha of grey images. Byte 25 of the file is the colour type in IHDR.
 int PngChannels(const std::string &path) {
     std::array<char, 26> head{};
     std::ifstream(path, std::ios::binary).read(head.data(), head.size());
@@ -80,7 +80,8 @@ class CachedTiles final : public TileStore {
         }
         Check(out->close(), out.get());
         out.reset();
-        // The library does not tell when the disk was full at the end of the file. Tiles are stored as they are.
+        // OpenImageIO does not report a disk that is full at the end of a file. Tiles are not compressed, so the size
+        // tells.
         uintmax_t expected = 0;
         for (const OIIO::ImageSpec &spec : specs) expected += spec.image_bytes();
         OIIO::ImageSpec last;
@@ -126,12 +127,12 @@ class OpenInput final : public OpenFile {
         orientation = spec.get_int_attribute("Orientation", 1);
         const bool png = format == "png";
         channels = std::min(spec.nchannels, png ? PngChannels(path) : spec.nchannels >= 3 ? 3 : 1);
-        // What uncompressed TIFF files lack the library takes as 0.
+        // OpenImageIO fills what is missing in uncompressed TIFF files with 0, so callers check the size of the file.
         const int bits = static_cast<int>(spec.format.basesize()) * 8;
         if (format == "tiff" && spec.get_string_attribute("compression") == "none" &&
             spec.get_int_attribute("oiio:BitsPerSample", bits) == bits)
             minFileBytes = spec.image_bytes(true);
-        // What is neither float nor a deep PNG counts as 8 bit.
+        // Everything but float and 16-bit PNG is read as 8 bit.
         type = spec.format.is_floating_point()     ? ValueType::Float
                : png && spec.format.basesize() > 1 ? ValueType::U16
                                                    : ValueType::U8;
@@ -176,13 +177,13 @@ class OpenImageIO final : public ImageLibrary {
             spec["compression"] = "jpeg:95";
             spec["jpeg:subsampling"] = "4:4:4";
         }
-        // To memory: the library does not tell when a disk is full.
+        // Written to memory, because OpenImageIO does not report a full disk.
         std::vector<unsigned char> bytes;
         OIIO::Filesystem::IOVecOutput memory(bytes);
         std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(format);
         Check(out != nullptr, out.get());
         Check(out->set_ioproxy(&memory), out.get());
-        // The name tells nothing but must be there.
+        // open() requires a name but does not use it.
         Check(out->open("image." + format, spec) && out->write_image(spec.format, pixels.data) && out->close(),
               out.get());
         return bytes;

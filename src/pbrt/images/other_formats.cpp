@@ -29,16 +29,16 @@ Image Upright(const Image &image, int orientation) {
     return result;
 }
 
-/// How many bytes of pixels a byte of the file can stand for: what deflate, run lengths, LZW or a Huffman code of one
-/// bit a block can do with constants, times up to 24 for pixels of one bit. TIFF files of white pages have no such
-/// limit.
+/// Upper bound of the bytes of pixels that one byte of the file can hold: what deflate, run lengths, LZW or a Huffman
+/// code of one bit a block can reach with constant data, times up to 24 for pixels of one bit. TIFF files of white
+/// pages have no such limit.
 double MaxExpansion(const std::string &format) {
     for (const char *limited : {"png", "jpeg", "bmp", "targa", "pnm", "hdr", "psd", "gif"})
         if (format == limited) return 25000;
     return Infinity;
 }
 
-/// The JPEG library fills up what is missing with grey and does not say so.
+/// Throws UserError if a JPEG file ends too early; the JPEG library fills missing pixels with grey and reports nothing.
 void CheckJpegEnd(const std::string &path) {
     // Inside the pixel data a byte 0xff is always followed by 0 or the number of a restart.
     const std::string content = ReadFileContents(path);
@@ -67,7 +67,7 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
     Image &image = result.image;
     if (isDeep) {
         image = Image(PixelFormat::Half, resolution, names, bytes);
-        // The values take each other's place: both have two bytes.
+        // Integers are replaced by halves in place: both have two bytes.
         auto *values = static_cast<uint16_t *>(image.Data());
         file->Read(values);
         for (size_t i = 0; i < image.ValueCount(); ++i)
@@ -78,7 +78,7 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
         file->Read(image.Data());
     }
     if (file->format == "jpeg") CheckJpegEnd(path);
-    // Photographs keep their rows: stock pbrt-v4 does not look at EXIF.
+    // The EXIF orientation of photographs is ignored, as in stock pbrt-v4.
     if (file->format == "targa" || file->format == "hdr") image = Upright(image, file->orientation);
     return result;
 }

@@ -71,7 +71,7 @@ ImageFile ReadPfm(const std::string &path) {
     result.image = Image(PixelFormat::Float, resolution,
                          color ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"Y"});
     float *pixels = static_cast<float *>(result.image.Data());
-    // Positive scale: big endian. Its size is a unit of brightness, which stock pbrt-v4 multiplies in.
+    // Positive scale: big endian. Its absolute value is a factor of all pixels, as in stock pbrt-v4.
     const bool swap = scale > 0;
     const float factor = static_cast<float>(std::abs(scale));
     for (int y = resolution.y - 1; y >= 0; --y)

@@ -5,8 +5,8 @@
 
 namespace pbrt {
 
-/// Throws UserError unless the name of a rendered picture ends in .exr, .png or .pfm, in any letter case. Whether the
-/// file can be written is for CheckWritable (core/files.h) to tell.
+/// Throws UserError unless the name of a rendered picture ends in .exr, .png or .pfm, in any letter case. CheckWritable
+/// (core/files.h) tells whether the file can be written.
 void CheckPictureName(const std::string &path, const FileLoc &loc);
 
 }  // namespace pbrt

@@ -42,7 +42,7 @@ std::vector<PixelTaps> ResamplingTaps(int from, int to) {
     return taps;
 }
 
-// Enlarges to powers of two, as float. Pixels beyond the edges follow the wrap mode; overshoot below 0 is cut off.
+// Enlarges an image to `target`, as float. Pixels beyond the edges follow the wrap mode; overshoot below 0 is cut off.
 Image Enlarge(const Image &image, Point2i target, WrapMode wrap) {
     // The taps reach at most this far beyond the image.
     constexpr int border = Taps / 2;
@@ -88,7 +88,7 @@ Image Halve(const Image &image) {
     const Point2i size = image.Resolution();
     const size_t channels = static_cast<size_t>(image.ChannelCount());
     const size_t width = static_cast<size_t>(size.x) * channels;
-    // From a pixel to its right and lower neighbour.
+    // Offsets from a pixel to its right and lower neighbour.
     const size_t right = size.x > 1 ? channels : 0, below = size.y > 1 ? width : 0;
     Image result(PixelFormat::Float, glm::max(size / 2, Point2i(1)), image.Channels());
     const Point2i resultSize = result.Resolution();
@@ -105,7 +105,7 @@ Image Halve(const Image &image) {
     return result;
 }
 
-// As ConvertTo, but with the encoding of the original.
+// `level` in the format and encoding of `like`.
 Image Store(const Image &level, const Image &like) {
     if (like.Format() == PixelFormat::Float) return level;
     Image result(like.Format(), level.Resolution(), like.Channels(), like.Encoding());

@@ -10,20 +10,20 @@ namespace oiio {
 class TileStore;
 }
 
-/// Images that live on disk: written to tiled files in a temporary folder, of whose tiles as many as fit a limit of
-/// memory are kept, by OpenImageIO's cache. The folder goes with the object.
+/// Images on disk, in tiled files of a temporary folder. OpenImageIO's cache keeps tiles in memory up to `megabytes`.
+/// The destructor removes the folder.
 class TileCache {
   public:
-    static constexpr int kSize = 64;  ///< of tiles
+    static constexpr int kSize = 64;  ///< width and height of a tile, in texels
     explicit TileCache(int megabytes);
     ~TileCache();
     TileCache(const TileCache &) = delete;
     TileCache &operator=(const TileCache &) = delete;
 
-    /// Several images of one format and number of channels in one file. The cache must outlive it.
+    /// Several images of one format and number of channels in one file. The TileCache must outlive this object.
     class Stored {
       public:
-        /// A piece of an image, kept in memory while this lives.
+        /// A tile of an image, kept in memory while this object lives.
         class Tile {
           public:
             Tile() = default;
@@ -33,7 +33,7 @@ class TileCache {
             bool Holds(size_t image, int x, int y) const {
                 return tile_ && image == image_ && x / kSize == x_ && y / kSize == y_;
             }
-            /// The first channel of a texel it holds, in the image's format.
+            /// The first channel of a texel that this tile holds, in the image's format.
             const void *Texel(int x, int y) const {
                 return data_ + static_cast<size_t>(y % kSize * kSize + x % kSize) * texelBytes_;
             }
@@ -47,7 +47,7 @@ class TileCache {
             size_t texelBytes_ = 0, image_ = 0;
             int x_ = 0, y_ = 0;  ///< in tiles
         };
-        /// Makes `tile` the one that holds (x, y), which is inside the image.
+        /// Makes `tile` hold the texel (x, y), which must lie inside the image.
         void Get(size_t image, int x, int y, Tile &tile) const;
 
       private:
@@ -58,9 +58,9 @@ class TileCache {
         void *file_;
         size_t texelBytes_;
     };
-    /// Thread-safe. Throws UserError if the folder cannot be written.
+    /// Writes images to disk. Thread-safe. Throws UserError if the folder cannot be written.
     std::unique_ptr<const Stored> Store(const std::vector<Image> &images);
-    /// Bytes of tiles now in memory.
+    /// Bytes of the tiles that are in memory.
     size_t Bytes() const;
 
   private:

@@ -17,7 +17,7 @@
 //
 // Regions. Tiles are nearly independent of each other, so the noise of a region is the sum of the noise of its tiles
 // and has (seeds - 1) x tiles degrees of freedom. The smallest regions ("blocks") hold at least kMinimumData tile
-// means; the next level joins 2 x 2 of them, and so on up to the whole image. Every region and channel is tested.
+// means; the next level joins 2 x 2 of them, and so on up to the whole image. Every region is tested in every channel.
 //
 // Statistic. Mean over the region's tiles of w (runs - reference), w = 1 / (reference mean of the block + a little of
 // the image mean). w hardly depends on a single noisy value, so the statistic is unbiased, bright parts do not drown
@@ -29,37 +29,39 @@
 // sits in a few tiles has few. If the reference has one part of unknown noise, or there is one run: scatter of the
 // differences over the region's tiles, which holds both noises.
 //
-// Heavy tails. Where c strong samples were expected, none is seen with probability exp(-c); then the mean is low and so
-// is the estimated noise. So a difference d must exceed what unseen samples would make. If each of them moves the
-// region's mean by s, d stands for d / s unseen ones, which add s |d| to the variance. The bound
-// d^2 = t^2 variance + c s |d| with c = -log(level of one test) is c s where nothing was seen, as it must be. c is 0.7
-// of that (kUnseen): the simulations' false alarms keep their level and noisy samplers' biases are seen better. Noise
-// that is decided by a handful of samples never gives "biased", and the smallest visible bias says so.
+// Heavy tails. Where c strong samples are expected, none is met with probability exp(-c); then both the mean and the
+// estimated noise are too low. So a difference d must exceed what unseen samples could explain. If each of them moves
+// the region's mean by s, d stands for d / s unseen samples, which add s |d| to the variance. The bound d^2 = t^2
+// variance + c s |d| with c = -log(level of one test) is c s where nothing was seen, as it must be. The check uses 0.7
+// times this c (kUnseen): in simulations, false alarms then keep their level, and biases of noisy samplers are detected
+// better. Where a handful of samples decides the noise, the verdict is never "biased", and the smallest visible bias is
+// large.
 //
-// How strong unseen samples are, is asked of those who meet the same ones: a lack in the runs may be samples as strong
-// as the strongest of the runs and of their kin, a surplus what the reference lacks, so its parts and its sampler's
-// kin are asked. Another sampler tells nothing: where it finds a light in many weak samples, this one may find the same
-// light in few strong ones, and the other way round; what a noisy sampler meets would hide every bias of a calm one.
-// Looked at are the region, those around it, and what is usual in the picture: light that walls hide from a sampler
-// is hidden in many places. "Strong" is what sticks out of the ordinary noise of tiles.
+// The strength of unseen samples is estimated from pictures whose samples have the same distribution. If the runs are
+// too dark, they may lack samples as strong as the strongest ones in the runs and their kin. If they are too bright,
+// the reference may lack samples, as strong as the strongest ones in its parts and its sampler's kin. Pictures of
+// another sampler do not count: where it finds a light in many weak samples, this one may find the same light in few
+// strong ones, or the other way round, and the strong samples of a noisy sampler would hide every bias of a quiet one.
+// The estimate uses the region, its neighbours, and what is usual in the picture: light that walls hide from a sampler
+// is hidden in many places. "Strong" is the excess over the ordinary noise of tiles.
 //
-// What remains. A sampler whose strong samples nobody of its kin has met here, nor itself in many other places, looks
-// like one that never chooses a light. False alarms and power are measured in bias_check_test.cpp and
-// bias_kin_test.cpp.
+// Limits. A sampler cannot be told from one that never chooses a light if neither its runs nor its kin met its strong
+// samples in this region, and it met them in few other places. False alarms and power are measured in
+// bias_check_test.cpp and bias_kin_test.cpp.
 
 namespace pbrt::lab {
 
 namespace {
 
 constexpr int kMinimumData = 32;  ///< tile means (seeds x tiles) in a block
-constexpr int kMinRegions = 4;    ///< that pass for "about 1/16 of the picture"
-constexpr double kUnseen = 0.7;   ///< strong samples that may have been missed, times -log(level)
-constexpr size_t kUsual = 6;      ///< one of so many blocks has a sample at least as strong as the usual one
-constexpr double kDark = 0.05;    ///< of the image mean, added to every block's mean
+constexpr int kMinRegions = 4;    ///< fewest regions of about 1/16 of the picture for a "clean" verdict
+constexpr double kUnseen = 0.7;   ///< strong samples that may have been missed, in units of -log(level)
+constexpr size_t kUsual = 6;      ///< one block in kUsual has a sample that is at least as strong as the usual one
+constexpr double kDark = 0.05;    ///< fraction of the image mean that is added to every block's mean
 constexpr double kManyDof = 1e9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// One level of regions: the tiles, cut as evenly as possible.
+/// One level of regions: the grid of tiles, cut into rectangles as evenly as possible.
 struct Cut {
     int countX = 1, countY = 1, tilesX = 1, tilesY = 1;
     int Count() const { return countX * countY; }
@@ -82,12 +84,12 @@ std::vector<Cut> Levels(const TileGrid &grid, int runs) {
     }
 }
 
-/// How strong a single sample can be, by the pictures of one kind of sampler.
+/// How strong a single sample can be, estimated from pictures of one kind of sampler.
 class StrongSamples {
   public:
     explicit StrongSamples(const Cut &blocks) : blocks_(blocks) {}
 
-    /// `sampleRatio`: as of BiasKin.
+    /// `sampleRatio`: as in BiasKin.
     void Add(const TileNoise &pictures, double sampleRatio) {
         if (pictures.Pictures() < 2) return;
         std::vector<double> ofBlocks;
@@ -104,7 +106,8 @@ class StrongSamples {
     }
     bool Known() const { return !groups_.empty(); }
 
-    /// What it adds to the mean of one tile of one run.
+    /// The strength of the strongest sample in `r`, and at least the usual one: what it adds to the mean of one tile of
+    /// one run.
     double Around(const TileRectangle &r) const {
         double strongest = usual_;
         for (const auto &[pictures, ratio] : groups_) strongest = std::max(strongest, ratio * pictures.Strongest(r));
@@ -137,7 +140,7 @@ class Channel {
         add(kin, &ofRuns_);
         ofReference_.Add(parts_, sampleRatio_);
         add(reference.kin, &ofReference_);
-        // Better than nothing.
+        // Where a side has no pictures to judge from, the other side's are the best guess.
         if (!ofRuns_.Known()) ofRuns_.Add(parts_, sampleRatio_);
         if (!ofReference_.Known()) ofReference_.Add(runs_, 1);
         if (reference.parts.size() == 1 && reference.relL2 && runs.size() > 1) {
@@ -152,18 +155,19 @@ class Channel {
         }
     }
 
-    /// `level`: of this test.
+    /// `level`: significance level of this test.
     RegionTest Test(const TileRectangle &r, const TileRectangle &around, double allowance, double level) const {
         RegionTest test;
         test.pixels = Bounds2i(grid_.Pixels(r.x0, r.y0).low, grid_.Pixels(r.x1 - 1, r.y1 - 1).high);
         const double tiles = r.Count();
-        double unit = 0;  // what the reference is in the units of the weights
+        double unit = 0;  // weighted mean of the reference
         for (int y = r.y0; y < r.y1; ++y)
             for (int x = r.x0; x < r.x1; ++x) {
                 test.difference += Difference(x, y) / tiles;
                 unit += parts_.Mean(static_cast<size_t>(grid_.Index(x, y))) / tiles;
             }
-        // A region of ordinary brightness: 0.95 or so. Nearly black ones are not blown up.
+        // About 0.95 in a region of ordinary brightness. The bound keeps the relative differences of nearly black
+        // regions small.
         unit = std::max(unit, 0.5);
 
         const auto runs = static_cast<double>(runs_.Pictures()), parts = static_cast<double>(parts_.Pictures());
@@ -176,8 +180,8 @@ class Channel {
         if (runs > 1) {
             const TileNoise::Estimate noise = runs_.Of(r);
             add(noise);
-            // Where few runs agree by chance, the reference's noise seems to be all, and its parts seem to be sure of
-            // it.
+            // Where a few runs agree by chance, all noise seems to come from the reference, whose parts suggest too
+            // many degrees of freedom.
             if (runs_.Pictures() < TileNoise::kFew && noise.dof > 0) mostDof = noise.dof;
         }
         if (parts > 1) {
@@ -218,7 +222,7 @@ class Channel {
         test.floor = floorWith(test.difference < 0 ? lack : surplus);
         test.biased = test.p < level && std::abs(test.difference) > test.floor;
         test.visible = floorWith(std::max(lack, surplus));
-        // 10 % on one side; the estimated noise varies too.
+        // NormalCritical(0.2) leaves 10 % on one side; the square root accounts for the error of the estimated noise.
         if (test.standardError > 0 && test.dof > 0)
             test.visible +=
                 std::sqrt(1 + critical * critical / (2 * test.dof)) * NormalCritical(0.2) * test.standardError;
@@ -254,7 +258,7 @@ class Channel {
         return runs_.Mean(t) - parts_.Mean(t);
     }
 
-    /// As TileNoise::Strongest, if there is one run.
+    /// The same as TileNoise::Strongest, for a single run.
     double StrongestDifference(const TileRectangle &r) const {
         std::vector<double> values;
         for (int y = r.y0; y < r.y1; ++y)
@@ -277,7 +281,7 @@ class Channel {
             }
         TileNoise::Estimate noise;
         noise.variance = (own + std::max(0.0, 2 * neighbours)) / (tiles * (tiles - 1));
-        // As TileNoise::Of: a squared normal deviate has mean square 3.
+        // As in TileNoise::Of; a squared normal deviate has mean square 3.
         if (ownSquared > 0) noise.dof = std::min(3 * own * own / ownSquared - 2, tiles - 1);
         return noise;
     }
@@ -287,7 +291,7 @@ class Channel {
     TileNoise runs_, parts_;
     double sampleRatio_;
     StrongSamples ofRuns_, ofReference_;
-    std::vector<double> known_;  ///< variance of the reference's weighted tile means, if that is all there is
+    std::vector<double> known_;  ///< variances of the weighted tile means of a reference with one part and known relL2
 };
 
 void CheckInput(std::span<const TileMeans> runs, std::span<const BiasKin> kin, const BiasReference &reference) {
@@ -316,7 +320,7 @@ double MeanOf(std::span<const TileMeans> pictures) {
 }
 
 std::string Percent(double v) {
-    if (!std::isfinite(v)) return "any size";
+    if (!std::isfinite(v)) return "none";
     if (v > 10) return "more than 1000 %";
     return std::abs(v) < 0.995 ? fmt::format("{:.2g} %", 100 * v) : fmt::format("{:.0f} %", 100 * v);
 }
@@ -329,7 +333,7 @@ std::string Explain(const BiasReport &report, const BiasSettings &settings) {
     const RegionTest &w = report.worst;
     switch (report.verdict) {
         case BiasVerdict::Clean:
-            return fmt::format("No bias seen; it would have been from {} on.", visible);
+            return fmt::format("No bias was seen; the smallest that could be seen: {}.", visible);
         case BiasVerdict::Unknown:
             return fmt::format("Too few data to see a bias of {}; smallest that could be seen: {}.",
                                Percent(settings.interest), visible);

@@ -20,27 +20,26 @@ struct BiasSettings {
 enum class BiasVerdict { Clean, Biased, Unknown };
 const char *BiasVerdictName(BiasVerdict verdict);  ///< clean, biased, unknown
 
-/// Pictures of the same scene by the sampler in question, or by one that chooses lights in the same way, which are
-/// neither the runs nor the reference: they tell how strong single samples can be where the runs met none. Their mean
-/// is not looked at.
+/// Further pictures of the same scene, neither runs nor reference, by the same sampler or by one that chooses lights in
+/// the same way. They show how strong single samples can be where the runs met none; their mean is not used.
 struct BiasKin {
-    std::vector<TileMeans> pictures;  ///< of equal weight; a single one tells nothing
+    std::vector<TileMeans> pictures;  ///< of equal weight; at least two, a single one is not used
     double sampleRatio = 1;           ///< samples per pixel of one of them over those of one run
 };
 
-/// What the runs are compared with: at least one picture. Several of equal weight (2 to 8 parts of the samples) tell
-/// the noise of their mean. With one only, `relL2` (its expected one against the truth) does; if that is missing too,
-/// the noise is taken from the scatter of the differences.
+/// The reference that the runs are compared with: at least one picture. The noise of the reference is estimated from
+/// several pictures of equal weight (2 to 8 parts of the samples). If there is only one, it follows from `relL2`, the
+/// expected error of the picture against the truth; without that, from the scatter of the differences.
 struct BiasReference {
     std::vector<TileMeans> parts;
     std::optional<double> relL2;
     double sampleRatio = 1;      ///< samples per pixel of one part over those of one run
-    std::vector<BiasKin> kin{};  ///< of the sampler that made it
+    std::vector<BiasKin> kin{};  ///< further pictures of the sampler that made the reference
 };
 
-/// One part of the picture and one channel.
+/// The test of one region of the picture in one channel.
 struct RegionTest {
-    int level = 0;  ///< 0 smallest regions; every level doubles the side; the last is the whole image
+    int level = 0;  ///< 0: the smallest regions; every level doubles the side; the last one is the whole image
     Bounds2i pixels;
     int channel = 0;
     double difference = 0;  ///< relative: (runs - reference) / reference, mean over the smallest regions inside
@@ -55,21 +54,22 @@ struct BiasReport {
     BiasVerdict verdict = BiasVerdict::Unknown;
     int runs = 0, tiles = 0, tests = 0;
     RegionTest whole;           ///< channel with the smallest p of the whole image
-    RegionTest worst;           ///< smallest p among the biased ones; among all if there are none
+    RegionTest worst;           ///< smallest p among the biased regions; among all regions if none is biased
     double pValue = 1;          ///< of `worst`, corrected for the number of tests
-    double worstZ = 0;          ///< the normal deviate with worst.p, with the sign of the difference
+    double worstZ = 0;          ///< the normal deviate whose two-sided p is worst.p, with the sign of the difference
     double meanDifference = 0;  ///< relative, whole image: sum of all channels of runs over that of the reference, - 1
     /// Smallest bias that could have been seen in the whole image, in half of the regions of about 1/16 of the image,
     /// and in half of the smallest regions (side in pixels). Infinity: none.
     double visibleImage = 0, visibleSixteenth = 0, visibleSmallest = 0;
     int smallestSide = 0,
         sixteenthRegions =
-            0;  ///< how many of "about 1/16" there are; fewer than 4 (small pictures, few runs) are never "clean"
+            0;  ///< number of regions of about 1/16; with fewer than 4 (small pictures, few runs) nothing is "clean"
     std::string text;  ///< one or two sentences for people
 };
 
 /// `runs`: pictures of one sampler with different seeds, equal sample counts. All must have the grid and channels of
-/// the reference (throws UserError). The seeds of the reference must be others. `kin`: of the runs, in any order.
+/// the reference (throws UserError). The reference must have other seeds. `kin`: further pictures of the sampler of the
+/// runs, in any order.
 BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference, const BiasSettings &settings = {},
                      std::span<const BiasKin> kin = {});
 

@@ -32,14 +32,15 @@ constexpr int kTellingSamples = 4;
 
 std::string SelectionNote(const SamplerChoice &choice) { return choice.folder + "/selection.json"; }
 
-/// Makes the folders; takes up or refuses what is there.
+/// Creates the folders. A campaign that is there already is continued if it has the same settings; else throws
+/// UserError.
 void OpenFolder(const CampaignSettings &settings, const Json &identity, const RecordFolder &records) {
     const std::string &out = settings.outFolder;
     if (fs::exists(out) && !fs::is_directory(out)) throw UserError(fmt::format("{}: is a file, not a folder.", out));
     if (settings.restart) fs::remove_all(records.Folder());
     const Json old = records.LoadSettings();
     if (old.is_discarded()) {
-        LogWarning(fmt::format("{}: cannot be read; what belongs to these settings is taken up.",
+        LogWarning(fmt::format("{}: cannot be read; records that belong to these settings are used.",
                                records.File("settings.json")));
     } else if (old.is_object()) {
         if (std::vector<std::string> differences = Differences(old, identity); !differences.empty())
@@ -108,15 +109,17 @@ class Rounds {
                 if (!RenderTo(i, seed, c, *runs[i])) return false;
                 record = runs[i]->Record();
                 if (c + 1 < checkpoints_.size()) continue;
-                // Not before: samplers that learn while they render would learn from the look.
+                // Not earlier: samplers that learn while they render would learn from the queries of the views and the
+                // check.
                 if (seed == 0 && (!InspectSampler(i, runs[i].get()) || !Check(i, runs[i].get()))) return false;
                 runs[i].reset();
             }
         return true;
     }
 
-    /// Once per sampler: what it knows in its first run. `run`: that, or null where an earlier session ended it.
-    bool InspectSampler(size_t i, SamplerRun *run) {
+    /// Writes, once per sampler, pictures of what it knows after its first run. `run`: that run, or null if an earlier
+    /// session finished it. False: cancelled.
+    bool Look(size_t i, SamplerRun *run) {
         const SamplerChoice &choice = settings_.samplers[i];
         if (!settings_.views || ViewsAreWhole(settings_, records_.LoadNote(ViewsNote(choice)))) return true;
         std::unique_ptr<SamplerRun> again;
@@ -127,11 +130,12 @@ class Rounds {
         return true;
     }
 
-    /// The same for its selection of lights. The oracle would take hours, and competes with nobody.
+    /// Checks, once per sampler, its light selection after the first run; `run` as in Look. Leaves out the oracle,
+    /// which does not compete and would take hours.
     bool Check(size_t i, SamplerRun *run) {
         const SamplerChoice &choice = settings_.samplers[i];
         if (!(settings_.selectionWork > 0) || choice.IsOracle()) return true;
-        // What was done with less effort is done again if it said nothing.
+        // An undecided check is repeated if more work is allowed.
         if (const Json note = records_.LoadNote(SelectionNote(choice));
             note.is_object() &&
             (note.at("verdict") != BiasVerdictName(BiasVerdict::Unknown) || note.at("work") >= settings_.selectionWork))
@@ -170,7 +174,7 @@ class Rounds {
     bool RenderTo(size_t i, int seed, size_t checkpoint, SamplerRun &run) {
         const std::string &folder = settings_.samplers[i].folder;
         auto afterWave = [&] {
-            // The first samples of a run fill caches and cells: the pilot knows better.
+            // The first samples of a run fill caches and cells: the pilot's estimate is better.
             if (run.SecondsPerSample() > 0 && (run.Samples() >= kTellingSamples || !wasInPilot_[i]))
                 cost_[i] = run.SecondsPerSample();
             const double sinceRecord = SecondsOf(i, run.Samples(), run.Spent()) - SecondsDone(i, seed);
@@ -180,7 +184,7 @@ class Rounds {
         const Image picture = run.Picture();
         const int c = static_cast<int>(checkpoint);
         run.AddRound(c, measuring_[ofSampler_[i]]->Compare(picture));
-        // The record comes last: a round without it has not happened.
+        // The record is written last: a round without a record does not count.
         const bool last = checkpoint + 1 == checkpoints_.size();
         if (last)
             WriteImage(PictureFile(i, seed), picture, run.Metadata());
@@ -191,9 +195,9 @@ class Rounds {
         return true;
     }
 
-    /// How many samples every sampler will take: by time an estimate, to the next quarter of a power of two, from the
-    /// pilot or else from a run of two samples that warms up the machine as well. Part of the records: it may decide
-    /// pictures.
+    /// Sets the number of samples that every sampler is told to expect. With a time budget it is an estimate, rounded
+    /// to the nearest 2^(k/4), from the pilot or else from a run of two samples, which also warms up the machine. It is
+    /// kept in the records, because pictures may depend on it. False: cancelled.
     bool FindExpectedSamples() {
         Json note = records_.LoadNote("expected-samples.json");
         if (!note.is_object()) note = Json::object();
@@ -230,7 +234,7 @@ class Rounds {
     }
 
     bool BySamples() const { return replay_ || !settings_.Timed(); }
-    /// Of one run, as if at the present cost of a sample.
+    /// Seconds of one run; by samples, at the present estimate of the cost of a sample.
     double SecondsOf(size_t i, int samples, const TimeSpent &spent) const {
         return BySamples() ? samples * cost_[i] : std::min(spent.wall, settings_.timeBudget);
     }
@@ -238,7 +242,7 @@ class Rounds {
         const RunRecord &record = recordsOf_[i][static_cast<size_t>(seed)];
         return record.rounds.empty() ? 0 : SecondsOf(i, record.rounds.back().samples, record.rounds.back().spent);
     }
-    /// Of all runs, what the records do not hold.
+    /// Seconds of all runs that the records do not hold.
     double SecondsLeft() const {
         double left = 0;
         for (size_t i = 0; i < settings_.samplers.size(); ++i)
@@ -249,14 +253,14 @@ class Rounds {
             }
         return left;
     }
-    /// From an earlier session's rounds.
+    /// Estimates the cost of a sample from the rounds of an earlier session.
     void LearnCost(size_t i, const RunRecord &record) {
         if (record.rounds.empty()) return;
         const RoundRecord &last = record.rounds.back();
         if (last.samples < kTellingSamples && wasInPilot_[i]) return;
         cost_[i] = (last.spent.wall - record.prepare.wall) / std::max(1, last.samples);
     }
-    /// Seconds per sample from the pilot; all alike without one.
+    /// Sets the seconds per sample from the pilot; a sampler that was not in it has the mean, or 1 without a pilot.
     void LoadCosts() {
         std::map<std::string, double> known;
         const Json pilot = records_.LoadNote("pilot.json");
@@ -286,10 +290,10 @@ class Rounds {
     std::vector<int> expected_;
     bool hasPilot_ = false;
     std::vector<std::vector<RunRecord>> recordsOf_;
-    std::optional<SelectionVertices> vertices_;  ///< where selection was checked
+    std::optional<SelectionVertices> vertices_;  ///< for the checks of light selection; made when first needed
 };
 
-/// References, results and errors as pictures; the crops.
+/// Writes references, results and errors as pictures, and adds them and the crops to `json`.
 void WritePictures(const CampaignSettings &settings, const LabScene &scene, const References &references,
                    const std::vector<std::vector<Image>> &pictures, Json *json) {
     const double exposure = ChooseExposure(references.all[0].image);
@@ -369,7 +373,7 @@ void CheckCrops(const CampaignSettings &settings, const LabScene &scene) {
                                         c.low.y, c.high.x, c.high.y, resolution.x, resolution.y));
 }
 
-/// Makes each once: a parameter out of range is found here and not after hours.
+/// Makes an integrator with each sampler once, so that a parameter out of range is found before anything is rendered.
 void CheckSamplers(const CampaignSettings &settings, const LabScene &scene) {
     DiagnosticSink sink;
     for (const SamplerChoice &choice : settings.samplers) {
@@ -400,7 +404,8 @@ std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, con
     const LabScene scene = LoadLabScene(settings, registry, cancel);
     CheckCrops(settings, scene);
     CheckSamplers(settings, scene);
-    if (!settings.referenceFile.empty()) ReadReference(settings.referenceFile, scene);  // it fits, or we stop here
+    if (!settings.referenceFile.empty())
+        ReadReference(settings.referenceFile, scene);  // throws if it does not fit the film
     const Json identity = IdentityOf(settings, scene.hash, ThreadCount());
     const RecordFolder records(settings.outFolder + "/records", CampaignKey(identity));
     OpenFolder(settings, identity, records);

@@ -9,19 +9,20 @@
 namespace pbrt::lab {
 
 struct CampaignOutcome {
-    nlohmann::ordered_json results;  ///< what results.json holds
-    std::string text;                ///< the table for people
+    nlohmann::ordered_json results;  ///< the contents of results.json
+    std::string text;                ///< the table and the conclusion, for the terminal
 };
 
 /// Compares light samplers on one scene: reads and builds it once, makes the reference, renders every (sampler, seed)
 /// in rounds A B C A B C ..., measures after each, and writes results, pictures and tables into the output folder.
-/// Takes up what the folder holds of an interrupted campaign with the same settings. Nothing: cancelled; what was
-/// finished stays. Throws UserError, about the settings before anything is rendered. `display` may be null.
+/// Continues an interrupted campaign of the same settings from the records in the folder. Nothing: cancelled; the
+/// records of finished rounds stay. Throws UserError; errors in the settings are found before anything is rendered.
+/// `display` may be null.
 std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, const LightSamplerRegistry &registry,
                                            Progress &cancel, ProgressSink *display);
 
-/// Where runs stop to be measured. By time: one sample, then budget / 64, / 32, ..., / 1 of every run's own clock. By
-/// samples: 1, 2, 4, ... and all.
+/// Where the picture of a run is measured: after so many samples, or at a time of the run's own clock. With a time
+/// budget: after one sample, then at budget / 64, / 32, ..., / 1. Else after 1, 2, 4, ... and all samples.
 struct Checkpoint {
     int samples = 0;
     double seconds = 0;

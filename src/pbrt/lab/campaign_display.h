@@ -7,13 +7,13 @@
 
 namespace pbrt::lab {
 
-/// Progress and time left of a whole campaign, from estimates that the phases renew as they learn.
+/// Shows progress and remaining time of a whole campaign, from estimates that its phases update.
 class CampaignDisplay {
   public:
     explicit CampaignDisplay(ProgressSink *sink) : sink_(sink) {}
 
     void SetPhase(const std::string &phase) { phase_ = phase; }
-    /// Estimated seconds of all that follows the present phase.
+    /// Sets the estimated seconds of all phases after the present one.
     void SetAfter(double seconds) { after_ = seconds; }
     /// `left`: estimated seconds of the present phase; negative: not known yet.
     void Show(double left) {

@@ -49,7 +49,7 @@ std::vector<std::string> Differences(const Json &old, const Json &now) {
     };
     Json keys = old;
     keys.update(now);
-    keys.erase("seeds");  // every run stands for itself: more of them go on, fewer are a part
+    keys.erase("seeds");  // runs are independent: a campaign may go on with more seeds, or be asked for fewer
     for (const auto &[key, value] : keys.items())
         if (!old.contains(key) || !now.contains(key) || old[key] != now[key])
             list.push_back(fmt::format("{}: was {}, now {}", key, text(old, key), text(now, key)));

@@ -8,39 +8,40 @@
 
 namespace pbrt::lab {
 
-/// Everything that `lightlab scene.pbrt` was asked for.
+/// The settings of `lightlab scene.pbrt`.
 struct CampaignSettings {
     std::string scene;
     std::vector<SamplerChoice> samplers;
-    double timeBudget = 0;  ///< > 0: seconds of every run, preparation included; else samplesPerPixel of every run
+    double timeBudget = 0;  ///< seconds of every run, preparation included; 0: every run takes samplesPerPixel
     int samplesPerPixel = 64;
     int seeds = 3;
     std::optional<int> maxDepth;    ///< empty: the scene's
     bool sampledLightOnly = false;  ///< PathSettings::sampledLightOnly
     int resolutionDivisor = 1;
-    std::string shadowGate;       ///< of samplers without a gate of their own; empty: the scene's
+    std::string shadowGate;       ///< for samplers that name no gate; empty: the scene's
     std::string referenceFile;    ///< empty: one is rendered
     int referenceSamples = 0;     ///< 0: chosen from the budget, see ReferenceRule
     std::string samplesFrom;      ///< results.json whose sample counts are replayed instead of measuring time
     std::vector<Bounds2i> crops;  ///< empty: chosen where the samplers differ most
-    bool views = true;            ///< a look inside every sampler, see campaign_views.h
-    double selectionWork = 1e8;   ///< of the check of light selection, SelectionSettings::mostWork; 0: none
+    bool views = true;            ///< write pictures of what every sampler knows, see campaign_views.h
+    double selectionWork = 1e8;   ///< SelectionSettings::mostWork of the light-selection check; 0: no check
     std::string outFolder;
     std::string cacheFolder;  ///< where rendered references are kept for other campaigns; empty: nowhere
-    bool restart = false;     ///< forget what the folder holds of a campaign
+    bool restart = false;     ///< delete the records of a campaign in outFolder first
     std::string commandLine;
     bool Timed() const { return timeBudget > 0; }
 };
 
-/// What fixes the pictures and times of a campaign. Two campaigns in one folder must agree in all of it but the number
-/// of seeds.
+/// All that the pictures and times of a campaign depend on. Campaigns that share a folder must agree in everything but
+/// the number of seeds.
 nlohmann::ordered_json IdentityOf(const CampaignSettings &settings, const std::string &sceneHash, int threads);
-/// A hash of an identity without the number of seeds: what records say they belong to.
+/// A hash of an identity without the number of seeds. Records name their campaign by it.
 std::string CampaignKey(nlohmann::ordered_json identity);
-/// The keys in which two identities differ, but for the number of seeds, with both values, for people; empty if none.
+/// The keys, other than the number of seeds, in which two identities differ, with both values as text for the user;
+/// empty if there are none.
 std::vector<std::string> Differences(const nlohmann::ordered_json &old, const nlohmann::ordered_json &now);
 
-/// Sample counts of a finished campaign: what --samples-from replays.
+/// The sample counts of a finished campaign, which --samples-from replays.
 class SampleCounts {
   public:
     /// Throws UserError if the file is no results.json of lightlab, or lacks a sampler or seed of `settings`.
@@ -48,7 +49,7 @@ class SampleCounts {
     int Checkpoints() const { return checkpoints_; }
     /// Samples of a run at a checkpoint.
     int At(const std::string &label, int seed, int checkpoint) const;
-    /// What the preparation of a sampler's runs was told to expect.
+    /// The samples per pixel that the preparation of a sampler's runs was told to expect.
     int Expected(const std::string &label) const { return expected_.at(label); }
     const std::string &Hash() const { return hash_; }
 
@@ -61,7 +62,7 @@ class SampleCounts {
 
 /// "schema" of results.json; docs/lightlab.md describes it.
 inline constexpr int kResultsSchema = 2;
-/// The part of a results.json that a replay takes its settings from. Throws UserError.
+/// Reads a results.json from which a replay takes settings and sample counts. Throws UserError.
 nlohmann::ordered_json ReadResults(const std::string &path);
 
 }  // namespace pbrt::lab

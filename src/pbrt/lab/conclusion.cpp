@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr size_t kMaxNamed = 4;  ///< in a headline
+constexpr size_t kMaxNamed = 4;  ///< samplers named in a headline
 
 bool Competes(const Contender &c) {
     return !c.isOracle && c.bias != BiasVerdict::Biased && !c.errors.empty() && std::isfinite(Summarize(c.errors).mean);
@@ -36,7 +36,7 @@ bool Leads(const std::vector<double> &mine, const std::vector<double> &other) {
     return LowerBeyondNoise(mine, other, kWinnerLevel / 2);
 }
 
-/// Those over which the leader's lead may be chance.
+/// Labels of the samplers over which the leader's lead may be chance.
 std::vector<std::string> NotBeaten(const Contender &leader, const std::vector<const Contender *> &others,
                                    bool trimmed) {
     std::vector<std::string> names;
@@ -124,9 +124,9 @@ Conclusion Conclude(const std::vector<Contender> &contenders, const std::vector<
         if (out.reasons.empty()) out.winner = out.lowest;
         out.headline = out.winner ? WinnerHeadline(leader, *others.front(), equalTime) : UndecidedHeadline(competing);
         if (!equalTime && leader.speedUp && *leader.speedUp < 1)
-            out.remarks.push_back(
-                fmt::format("At equal time it is another: {} comes to the error of {} in {:.3g} times its time.",
-                            leader.speedUpAgainst, leader.label, *leader.speedUp));
+            out.remarks.push_back(fmt::format(
+                "At equal time another sampler is better: {} reaches the error of {} in {:.3g} times its time.",
+                leader.speedUpAgainst, leader.label, *leader.speedUp));
     }
 
     std::vector<std::string> biased, unknown, flies;
@@ -137,7 +137,7 @@ Conclusion Conclude(const std::vector<Contender> &contenders, const std::vector<
         const bool isLeader = out.lowest && &c == &contenders[*out.lowest];
         if (c.bias == BiasVerdict::Unknown && !isLeader) unknown.push_back(c.label);
     }
-    if (!biased.empty()) out.remarks.push_back(fmt::format("Biased, so no competitor: {}.", Listed(biased)));
+    if (!biased.empty()) out.remarks.push_back(fmt::format("Biased, and therefore not competing: {}.", Listed(biased)));
     if (!unknown.empty()) out.remarks.push_back(fmt::format("Bias not known: {}.", Listed(unknown)));
     if (!flies.empty())
         out.remarks.push_back(

@@ -8,33 +8,34 @@
 
 namespace pbrt::lab {
 
-/// A reason not to trust errors. Whatever is a doubt is said wherever results are shown, and forbids a winner.
+/// A reason not to trust errors. It is printed wherever results are shown. If it concerns the leader or all samplers,
+/// there is no winner.
 struct Doubt {
     std::string text;     ///< one or two sentences
-    std::string sampler;  ///< label of the only one it concerns; empty: all
+    std::string sampler;  ///< label of the only sampler that it concerns; empty: all
 };
 
-/// One sampler, as far as the conclusion looks at it.
+/// What the conclusion needs to know of one sampler.
 struct Contender {
     std::string label;
-    std::vector<double> errors, trimmedErrors;  ///< relL2 at the end, one of each seed
+    std::vector<double> errors, trimmedErrors;  ///< final relL2 and trimmed relL2, one value per seed
     BiasVerdict bias = BiasVerdict::Unknown;
-    bool isOracle = false;          ///< an instrument, no competitor
+    bool isOracle = false;          ///< a measuring instrument, which does not compete
     bool firefliesDecide = false;   ///< a few pixels decide its error
-    std::optional<double> speedUp;  ///< time the best other one needs for this error, over this one's
+    std::optional<double> speedUp;  ///< time that the best other sampler needs for this error, over this sampler's time
     std::string speedUpAgainst;
 };
 
-/// What a campaign says, for people, made once: the terminal, report.html, table.md and results.json all show these
-/// sentences.
+/// The conclusion of a campaign in sentences. It is made once; the terminal, report.html, table.md and results.json all
+/// show the same.
 struct Conclusion {
-    std::optional<size_t> winner;      ///< only if nothing speaks against it
-    std::optional<size_t> lowest;      ///< of those that may win, the one with the lowest mean error
+    std::optional<size_t> winner;      ///< index; only if nothing speaks against it
+    std::optional<size_t> lowest;      ///< index of the lowest mean error among the samplers that may win
     std::string headline;              ///< who has the lowest error, or "Undecided" and what the numbers are
     std::vector<std::string> reasons;  ///< why there is no winner; empty if there is one
-    std::vector<std::string> doubts;   ///< all of them; some are reasons as well
-    std::vector<std::string> remarks;  ///< what else people should know
-    /// What is shown: headline, reasons, the other doubts, remarks.
+    std::vector<std::string> doubts;   ///< all doubts; some are reasons as well
+    std::vector<std::string> remarks;  ///< further notes
+    /// The sentences to show: headline, reasons, the other doubts, remarks.
     std::vector<std::string> Sentences() const;
 };
 
@@ -42,10 +43,10 @@ struct Conclusion {
 /// either of the two may seem to lead.
 inline constexpr double kWinnerLevel = 0.05;
 
-/// The rules for a winner: the lowest mean error of those that compete (neither biased nor the oracle); a lead beyond
-/// noise over every other of them, at kWinnerLevel, and in the trimmed error too where fireflies decide its own; a
-/// clean bias verdict; no doubt about it or all. `equalTime`: the budget is time, so who leads must need least time as
-/// well.
+/// Samplers compete if they are neither biased nor the oracle. The winner has the lowest mean error of them; leads
+/// every other one beyond noise at kWinnerLevel, in the trimmed error too if fireflies decide its own error; has a
+/// clean bias verdict; and no doubt concerns it or all samplers. `equalTime`: the budget is time, so the winner must
+/// also need the least time for its error.
 Conclusion Conclude(const std::vector<Contender> &contenders, const std::vector<Doubt> &doubts,
                     std::vector<std::string> remarks, bool equalTime);
 

@@ -4,7 +4,7 @@
 
 namespace pbrt::lab {
 
-/// 64 bits over everything that was added, in order.
+/// A 64-bit hash of everything that was added, in order.
 class ContentHash {
   public:
     void Add(const std::string &bytes);
@@ -15,8 +15,8 @@ class ContentHash {
     uint64_t hash_ = 0x6c6967687461620aull;
 };
 
-/// Over the scene file and every file it names, directly or through files it includes: whatever a quoted string
-/// resolves to as the renderer would resolve it. Comments count; names and dates of files do not. Throws UserError if
+/// A hash of the scene file and of every file that it names, directly or through included files: whatever file a quoted
+/// string names, resolved as the renderer does. Comments count; names and dates of files do not. Throws UserError if
 /// the scene cannot be read.
 std::string SceneHash(const std::string &scenePath);
 

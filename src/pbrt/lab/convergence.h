@@ -11,7 +11,7 @@ struct CurvePoint {
 };
 
 /// Error against cost of one sampler: straight lines in log-log between the points. After the last point the error is
-/// continued as 1 / (cost - fixedCost), the rate of a Monte Carlo mean; before the first it is not known.
+/// continued as 1 / (cost - fixedCost), the rate of a Monte Carlo mean; before the first point it is not known.
 class ErrorCurve {
   public:
     /// `points` in any order; those whose cost or error is not positive and finite are left out. fixedCost: seconds of
@@ -28,7 +28,7 @@ class ErrorCurve {
     /// Least cost that reaches an error; nothing if the first point is already below it (`value` then would be a
     /// guess).
     std::optional<Reading> CostToReach(double error) const;
-    const std::vector<CurvePoint> &Points() const { return points_; }  ///< by cost, levelled
+    const std::vector<CurvePoint> &Points() const { return points_; }  ///< sorted by cost, levelled
     bool Empty() const { return points_.empty(); }
 
   private:
@@ -39,8 +39,9 @@ class ErrorCurve {
 /// Mean curve of several runs: point i is the mean cost and mean error of the i-th points; as long as the shortest.
 std::vector<CurvePoint> MeanCurve(std::span<const std::vector<CurvePoint>> runs);
 
-/// Cost that `other` needs for the error that `mine` has at its last point, over the cost of that point: > 1 if mine is
-/// faster. If other's first point is already better, the ratio at that point's error (mine extrapolated).
+/// The cost that `other` needs for the error of `mine` at its last point, over the cost of that point; above 1 if
+/// `mine` is faster. If the first point of `other` is already better, the ratio at the error of that point, with `mine`
+/// extrapolated where needed.
 std::optional<ErrorCurve::Reading> SpeedUpToEqualError(const ErrorCurve &mine, const ErrorCurve &other);
 
 /// Error of `mine` over that of `other` at the largest cost both have measured (interpolated).

@@ -60,7 +60,7 @@ std::optional<FirstHit> FindFirstHit(const BuiltScene &built, Point2i pixel) {
     return {};
 }
 
-/// What is measured of one group at one place.
+/// What is measured of one group of lights at one point.
 struct Measured {
     double mean = 0;     ///< contribution
     double second = 0;   ///< second moment of the one-light estimator's part from this group, as the sampler chooses
@@ -93,7 +93,7 @@ class Inspector {
     size_t samplerLayers_ = 0;
 };
 
-/// Light and channel names as EXR and file names take them.
+/// The name with every character but letters, digits and dots replaced by _, for EXR channels and files.
 std::string Plain(std::string name) {
     std::replace_if(
         name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)) && c != '.'; }, '_');
@@ -117,15 +117,16 @@ void Inspector::MakeLayers(Inspection &out) {
     sampler_.Inspect(LightQuery(), values);
     samplerLayers_ = values.size();
     for (const InspectedValue &v : values)
-        add(Plain("sampler." + v.name), "the sampler's own: " + v.name, 0, 0, v.isId);
+        add(Plain("sampler." + v.name), "reported by the sampler: " + v.name, 0, 0, v.isId);
     const double bits = std::log2(static_cast<double>(std::max<size_t>(groups_.Size(), 2)));
     add("entropy", "entropy of the probabilities of the lights, in bits; a mesh counts as one light", 0, bits);
-    add("brightest", "the light that contributes most, by its first id; magenta: none contributes", 0, 0, true, true);
-    add("brightest_probability", "probability of the light that contributes most; magenta: none contributes", 0, 1);
+    add("brightest", "the light that contributes most, by its first id; magenta: no light contributes", 0, 0, true,
+        true);
+    add("brightest_probability", "probability of the light that contributes most; magenta: no light contributes", 0, 1);
     add("log10_excess",
         "second moment of the one-light estimator over the least that other probabilities of the lights can reach (the "
-        "choice inside a mesh as it is), log10; without MIS; magenta: none contributes, or one that does has "
-        "probability 0",
+        "choice inside a mesh as it is), log10; without MIS; magenta: no light contributes, or a light that "
+        "contributes has probability 0",
         0, 2);
     for (size_t g : shown_) {
         const InspectedLight &light = lights_[g];
@@ -196,7 +197,8 @@ void Inspector::LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &
         Measured m = Measure(hit, from, static_cast<uint32_t>(g), rng, pmf);
         visible[g] = m.visible;
         second += m.second;
-        // Were the group always chosen, with the sampler's choice inside it, it would be second * p.
+        // If the group were always chosen, with the sampler's probabilities inside it, its second moment would be
+        // second * p.
         root += std::sqrt(m.second * p);
         if (m.mean > greatest) {
             greatest = m.mean;
@@ -232,7 +234,7 @@ Inspection Inspector::Run(Progress &progress) {
     for (const InspectedLayer &layer : out.layers) names.push_back(layer.name);
     out.image = Image(PixelFormat::Float, resolution, names);
     const int rows = (resolution.y + out.stride - 1) / out.stride;
-    progress.BeginPhase("looking", rows);
+    progress.BeginPhase("inspecting", rows);
     ParallelForEach(rows, [&](int64_t row) {
         std::vector<double> values;
         const int y0 = static_cast<int>(row) * out.stride;

@@ -72,7 +72,7 @@ std::string Figure(const Json &layer) {
         name, file, Escaped(layer.at("meaning")), range);
 }
 
-/// What has no picture.
+/// Sentences about the layers that have no picture.
 std::string FlatText(const Json &layers) {
     std::string same, unknown, text;
     for (const Json &layer : layers) {
@@ -83,7 +83,7 @@ std::string FlatText(const Json &layers) {
         if (!layer.contains("least"))
             unknown += (unknown.empty() ? "" : "; ") + subject;
         else if (name == "sampler.leaf")
-            text += "One leaf knows all that the camera sees. ";
+            text += "One leaf covers all that the camera sees. ";
         else if (name == "brightest")
             text += "One light contributes most everywhere: " + layer.value("light", name) + ". ";
         else

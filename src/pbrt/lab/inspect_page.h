@@ -4,8 +4,8 @@
 
 namespace pbrt::lab {
 
-/// One page for people over the pictures beside it, from what inspect.json holds: pictures with captions, in words what
-/// is the same everywhere, the lights, the structure.
+/// The HTML page for the pictures in the same folder, made from the contents of inspect.json: pictures with captions,
+/// sentences about layers that are the same everywhere, the lights, the structure.
 std::string InspectPage(const nlohmann::ordered_json &inspection, const std::string &structure);
 
 }  // namespace pbrt::lab

@@ -62,7 +62,7 @@ nlohmann::ordered_json WriteLayers(const Inspection &inspection, const std::stri
         style.legendRows = legendRows;
         const std::string file = layer.name + ".png";
         if (layer.IsFlat())
-            fs::remove(fs::path(folder) / file);  // one of an earlier look must not pass for one of this
+            fs::remove(fs::path(folder) / file);  // a picture of an earlier inspection must not pass for one of this
         else
             WriteImage(folder + "/" + file, FalseColor(inspection.image, static_cast<int>(c), style, &hit));
         json.push_back(LayerJson(layer, file));
@@ -131,7 +131,7 @@ int RunInspect(const InspectOptions &options, const LightSamplerRegistry &regist
         if (!layer.isId)
             std::printf("%-28s %12.4g %12.4g %12.4g\n", layer.name.c_str(), layer.least, layer.mean, layer.most);
     if (inspection.stride > 1)
-        std::printf("%zu lights are many: only every %d-th pixel of rows and columns was looked at.\n",
+        std::printf("There are %zu lights, so only every %d-th pixel of every row and column was inspected.\n",
                     inspection.lights.size(), inspection.stride);
     std::printf("Wrote %s; index.html shows it.\n", folder.c_str());
     return 0;

@@ -7,12 +7,12 @@ namespace pbrt::lab {
 /// The scene of a campaign, read and built once.
 struct LabScene {
     BuiltScene built;
-    std::string hash;  ///< of its files
+    std::string hash;  ///< SceneHash of its files
     Point2i FullResolution() const { return built.film->FullResolution(); }
     const Bounds2i &Pixels() const { return built.film->PixelBounds(); }
     Point2i Resolution() const { return Pixels().high - Pixels().low; }
-    /// Samples per pixel of one batch of the pixel sampler; longer renders go on with batches of other seeds. Texture
-    /// filters depend on it, so it is the same for every run and the references.
+    /// Samples per pixel of one batch of the pixel sampler; longer renders add batches with other seeds. Texture
+    /// filters depend on this number, so it is the same for every run and the references.
     int Batch() const { return built.samplesPerPixel; }
     std::unique_ptr<Integrator> MakeIntegrator(const SamplerChoice &choice) const;
 };

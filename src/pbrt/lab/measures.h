@@ -8,7 +8,7 @@
 
 namespace pbrt::lab {
 
-/// The measures of every round, in the order of the results file.
+/// The error measures of every round, in the order of the results file.
 enum class Measure { RelL2, MSE, MRSE, MAE, SMAPE, FLIP, RelL2Trimmed };
 constexpr size_t MeasureCount = 7;
 constexpr std::array<const char *, MeasureCount> MeasureNames = {"relL2", "MSE",  "MRSE",        "MAE",

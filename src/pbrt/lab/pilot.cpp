@@ -31,7 +31,8 @@ std::vector<SamplerChoice> Candidates(const CampaignSettings &settings, const La
     return candidates;
 }
 
-/// More where there are more lights than pixels (a light that nobody chose leaves no trace), and for long references.
+/// More samples where there are many lights per pixel (a light that no candidate chose leaves no trace), and for long
+/// references.
 int SamplesPerPicture(const CampaignSettings &settings, const LabScene &scene) {
     const double lights = static_cast<double>(scene.built.scene->Lights().Size());
     const double pixels = static_cast<double>(std::max<int64_t>(1, scene.Pixels().Area()));
@@ -51,7 +52,7 @@ struct Pilot {
     }
 };
 
-/// Variance of one sample, relative as in relL2, by the differences of the candidate's two pictures. The denominators
+/// Variance of one sample, relative as in relL2, from the differences of the candidate's two pictures. The denominators
 /// are tile means of the other candidates' pictures: a rare bright hit must not enlarge what it is divided by, or the
 /// sampler with the rarest hits looks best.
 double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, int samples) {
@@ -76,11 +77,13 @@ double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, i
     return samples * sum / (3 * static_cast<double>(a.Resolution().x) * static_cast<double>(a.Resolution().y));
 }
 
-/// The same by what the candidate's tiles lack or have too much of against the others', whose own noise is taken off:
-/// light that is found so rarely that it is in neither picture shows here. `between`: VarianceBetweenPictures of all.
+/// The same from the squared differences of the candidate's tiles to the mean of the others, minus the noise of that
+/// mean. This shows light that the candidate finds so rarely that neither of its pictures has it. `between`:
+/// VarianceBetweenPictures of all.
 double VarianceAgainstOthers(const std::vector<Pilot> &pilots, size_t which, int samples,
                              const std::vector<double> &between) {
-    // Noisy ones count less; none more than the middle one, as who finds nothing looks quiet.
+    // Noisy candidates count less. None counts more than the median one, because a candidate that finds no light looks
+    // quiet.
     std::vector<double> sorted = between, weights(between.size(), 0);
     std::sort(sorted.begin(), sorted.end());
     double total = 0, noise = 0;
@@ -158,7 +161,7 @@ std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings
     display.SetPhase("pilot");
     const int samples = SamplesPerPicture(settings, scene);
     std::vector<PilotEntry> entries;
-    double left = -1;  // the first candidate tells how fast the machine is
+    double left = -1;  // not known before the first candidate is rendered
     std::vector<Pilot> pilots;
     const int expected = settings.Timed() ? scene.Batch() : settings.samplesPerPixel;
     for (const SamplerChoice &candidate : candidates) {

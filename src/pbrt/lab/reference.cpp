@@ -18,9 +18,9 @@ constexpr int kParts = 8;           // seeds of a reference; their scatter tells
 constexpr int kFirstSeed = 800001;  // far from the seeds of the runs and of the pilot
 constexpr int kSeedStep = 1000;     // between references
 constexpr int kMinSamples = 64;     // by time
-constexpr double kDisagree = 2;     // times the relL2 that the noise of two references explains
+constexpr double kDisagree = 2;     // factor on the relL2 that the noise of two references explains
 
-/// Renders one reference, or finds it.
+/// Renders a reference, or finds it in the cache.
 class ReferenceMaker {
   public:
     ReferenceMaker(const CampaignSettings &settings, const LabScene &scene, const RecordFolder &records,
@@ -58,7 +58,8 @@ class ReferenceMaker {
     }
 
   private:
-    /// By time: as many as fit by the pilot's measure, remembered so that a resumed campaign uses the same number.
+    /// With a time budget, as many as fit at the cost that the pilot measured, kept in the records so that a resumed
+    /// campaign uses the same number. A replay takes the number of the campaign that it repeats.
     int SamplesPerPart(const PilotEntry &with, int index) const {
         if (rule_.samples > 0) return (rule_.samples + kParts - 1) / kParts;
         if (!settings_.samplesFrom.empty())
@@ -138,9 +139,8 @@ std::optional<Doubt> Disagreement(const Reference &a, const Reference &b, bool a
     const double expected = a.noise.value_or(0) + b.noise.value_or(0);
     const std::string both = fmt::format("the references of \"{}\" and \"{}\"", a.sampler, b.sampler);
     if (*proveNoBias)
-        return Doubt{fmt::format("Of {} one lacks light that its sampler meets rarely: they contradict each other, so "
-                                 "they prove no bias "
-                                 "and rank nobody. More --reference-spp is needed.",
+        return Doubt{fmt::format("One of {} lacks light that its sampler meets rarely: they contradict each other, so "
+                                 "they prove no bias and rank no sampler. More --reference-spp is needed.",
                                  both),
                      ""};
     if (!(apart > kDisagree * expected)) return {};

@@ -20,7 +20,7 @@ void DropEmptyRounds(RunRecord *run) {
     run->rounds = std::move(kept);
 }
 
-/// Mean over the seeds at every checkpoint that all of them have.
+/// Mean curve over the seeds, with the checkpoints that all seeds have.
 std::vector<CurvePoint> Curve(const SamplerResult &sampler, bool bySamples) {
     std::vector<std::vector<CurvePoint>> curves(sampler.runs.size());
     auto isShared = [&](int checkpoint) {
@@ -56,7 +56,7 @@ double CpuPerSample(const std::vector<RunRecord> &runs) {
     return samples > 0 ? cpu / samples : 0;
 }
 
-/// Of every run, at its end.
+/// The error of every run at its end.
 std::vector<double> ErrorsOf(const std::vector<RunRecord> &runs, size_t measure) {
     std::vector<double> errors;
     for (const RunRecord &run : runs) errors.push_back(run.rounds.back().measures[measure]);
@@ -86,7 +86,7 @@ std::vector<TileMeans> TilesOf(const std::vector<Image> &pictures) {
     return tiles;
 }
 
-/// Samplers that choose lights in the same way have one name here: with meshes as single lights or without.
+/// The label without "+mesh": a sampler counts as its own kin whether it takes meshes as single lights or not.
 std::string KinName(const std::string &label) {
     const std::string mesh = "+mesh";
     const size_t at = label.find(mesh);
@@ -107,7 +107,7 @@ class BiasJudge {
         for (const std::vector<Image> &runs : pictures) runs_.push_back({"", TilesOf(runs), 0});
     }
 
-    /// To be called for every sampler before the first verdict.
+    /// To be called for every sampler before the first call of Judge.
     void Describe(size_t sampler, const std::string &label, double samples) {
         runs_[sampler].name = KinName(label);
         runs_[sampler].samples = samples;
@@ -127,7 +127,7 @@ class BiasJudge {
             return kin;
         };
         const BiasReference against{judge.tiles, noise_[reference], ratio(judge), kinOf(judge.name)};
-        // The chance of a false alarm is that of the campaign: one of so many verdicts.
+        // The level is the chance of a false alarm in the whole campaign, which has one verdict per sampler.
         BiasSettings settings;
         settings.level = SidakLevel(settings.level, runs_.size());
         return CheckBias(runs.tiles, against, settings, kinOf(runs.name));
@@ -171,7 +171,7 @@ void CompareSamplers(std::vector<SamplerResult> *samplers) {
     }
 }
 
-/// What people should know besides.
+/// Notes for the conclusion, besides doubts.
 std::vector<std::string> RemarksOn(const CampaignSettings &settings, const References &references,
                                    const std::vector<SamplerResult> &samplers) {
     std::vector<std::string> remarks = references.remarks;
@@ -183,9 +183,8 @@ std::vector<std::string> RemarksOn(const CampaignSettings &settings, const Refer
                 s.choice.label, s.samples));
     if (settings.sampledLightOnly)
         remarks.push_back(
-            "--sampled-light: without lamps that the camera or a mirror shows, and caustics; no choice of lights "
-            "changes "
-            "these.");
+            "--sampled-light: the pictures lack lamps that the camera or a mirror shows, and caustics; no choice of "
+            "lights changes these.");
     return remarks;
 }
 

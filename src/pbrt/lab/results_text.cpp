@@ -23,7 +23,7 @@ Overhead OverheadOf(const SamplerResult &s) {
     for (const RunRecord &run : s.runs) {
         const double prepass = ReportNumber(run.report, {"prepassSeconds"}).value_or(0);
         o.prepass += prepass;
-        // What a sampler does not itemise is building.
+        // Preparation that a sampler does not report as prepass counts as building.
         o.build += std::max(0.0, run.prepare.wall - prepass);
         o.render += run.rounds.back().spent.wall - run.prepare.wall;
     }
@@ -117,7 +117,7 @@ Json SummaryJson(const SamplerResult &s) {
 
 std::string Percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
-/// Columns wide enough for their entries; the first to the left, the others to the right.
+/// Rows as text in columns that are wide enough for their entries; the first is aligned left, the others right.
 std::string Align(const std::vector<std::vector<std::string>> &rows) {
     std::vector<size_t> width(rows.at(0).size(), 0);
     for (const auto &row : rows)

@@ -6,7 +6,7 @@
 
 namespace pbrt::lab {
 
-/// Where messages say that a choice was made.
+/// The flag that messages about a choice name.
 inline constexpr const char *kSamplersFlag = "--samplers";
 
 /// One competitor: name[:key=value,...][+mesh][+gate=name[:key=value,...]].
@@ -16,17 +16,18 @@ struct SamplerChoice {
     std::string name;          ///< of the light sampler
     std::string lightSampler;  ///< name[:key=value,...]
     bool meshLights = false;
-    std::string gate;  ///< name[:key=value,...]; empty: none of its own
+    std::string gate;  ///< name[:key=value,...]; empty: that of the campaign or the scene
     bool IsOracle() const { return name == "oracle"; }
 };
 
-/// Takes a list apart. A semicolon ends a sampler, and so does a comma unless a "key=value" follows, which belongs to
-/// the sampler before: "octree:budget=0.02,floor=0.2,bvh" is two samplers.
+/// Splits a list of samplers. A semicolon ends a sampler, and so does a comma unless a "key=value" follows, which
+/// belongs to the sampler before it: "octree:budget=0.02,floor=0.2,bvh" is two samplers.
 std::vector<std::string> SplitSamplerList(const std::string &text);
-/// One sampler a line; blank lines and what follows # are left out. Throws UserError if unreadable or empty.
+/// Reads a file with one sampler per line; blank lines and text after # are ignored. Throws UserError if the file
+/// cannot be read or names no sampler.
 std::vector<std::string> ReadSamplerFile(const std::string &path);
 
-/// Unknown names and parameters, wrong values, duplicates: one UserError with all of them.
+/// Throws one UserError that lists all unknown names and parameters, wrong values and duplicates.
 std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &texts,
                                                const LightSamplerRegistry &registry);
 

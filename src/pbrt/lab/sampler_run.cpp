@@ -13,7 +13,7 @@ namespace pbrt::lab {
 
 namespace {
 
-constexpr double kLongestWave = 1;  ///< seconds, so that the clock and the progress are looked at
+constexpr double kLongestWave = 1;  ///< seconds; the clock and the progress are only updated between waves
 
 }  // namespace
 

@@ -5,7 +5,7 @@
 
 namespace pbrt::lab {
 
-/// Up to where a run goes on: a number of samples, or a time of its own clock (0: the samples).
+/// Where a run stops: at a time of its own clock or, if `seconds` is 0, at a number of samples per pixel.
 struct RenderTarget {
     int samples = 0;
     double seconds = 0;
@@ -15,17 +15,17 @@ struct RenderTarget {
 /// or renders. Only one run may work at a time (the ray counters are those of the process).
 class SamplerRun {
   public:
-    /// `expectedSamples`: that will be rendered, for samplers whose preparation depends on it.
+    /// `expectedSamples`: samples per pixel that will be rendered, for light samplers whose preparation depends on it.
     SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, int expectedSamples, Progress &cancel);
 
-    /// Once, before rendering. False: cancelled.
+    /// Prepares the light sampler; to be called once, before rendering. False: cancelled.
     bool Prepare();
-    /// After Prepare: takes up a run whose film was saved. Its clock goes on where it was.
+    /// To be called after Prepare. Continues a run whose film was saved; its clock goes on from the recorded time.
     void Resume(const RunRecord &record, const std::string &filmFile);
     /// Renders in waves. At least one sample; then no wave is begun that would end more than half a sample after the
     /// target time. False: cancelled, and the film is of no use.
     bool RenderTo(const RenderTarget &target, const std::function<void()> &afterWave = {});
-    /// Puts the present state at the end of the record.
+    /// Appends the present state to the record.
     void AddRound(int checkpoint, const Measures &measures);
 
     int Samples() const { return renderer_.Done(); }

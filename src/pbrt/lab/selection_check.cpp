@@ -6,25 +6,28 @@
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
 
-// The method. Samplers differ in one thing only, which light is chosen with which probability; all else of a picture is
+// The method. Samplers differ only in the probabilities with which they choose lights; everything else in a picture is
 // common to them. So the question "is the picture right?" is asked where they differ: at the vertices of paths, as the
 // render makes them.
 //
-// At a vertex every light (of very many, every n-th, from a random one on) is measured once, by a point on it and a
-// shadow ray: c_l. The sampler is then asked many times, with random numbers spread over [0, 1). For every measured
-// light stands what next-event estimation would have made of c_l, weighted against BSDF sampling, by the probabilities
-// that came with the draws; against it what BSDF sampling leaves to it, by the PMF that the integrator asks for when a
-// ray hits the light. `excess` is the difference. Its mean is 0 at every vertex if and only if draws, their
-// probabilities and the PMF agree and no light is left out: points and visibility of the lights, the path and its
-// weight are the same on both sides, and their noise with them. Draws need no rays, so there can be thousands a vertex.
+// At a vertex the contribution c_l of every light (of very many lights, of every n-th one from a random one on) is
+// measured once, by a point on the light and a shadow ray. Then many lights are drawn from the sampler, with random
+// numbers spread over [0, 1). For every measured light two numbers are compared: the mean over the draws of what
+// next-event estimation makes of c_l, with the probabilities that came with the draws and the weight against BSDF
+// sampling; and the share of c_l that BSDF sampling leaves to next-event estimation, by the PMF that the integrator
+// asks for when a ray hits the light. `excess` is the difference, summed over the lights. Its mean is 0 at every vertex
+// if and only if draws, their probabilities and the PMF agree and no light is left out: points and visibility of the
+// lights, the path and its weight are the same on both sides, and their noise with them. Draws need no rays, so there
+// can be thousands per vertex.
 //
 // Heavy tails: a light of share s chosen with probability p moves a vertex by s / (p draws). Where that is more than
 // kMaxStep, the light counts with less weight, on both sides; what is left out is reported and added to the
 // smallest visible bias. Weights depend on what was measured, not on what was drawn, so the mean stays 0. A light that
 // is never chosen keeps its whole weight.
 //
-// Rounds: four times the draws at the same vertices, until a bias of interest would be seen. Only the last round
-// counts. When to stop depends on the noise, not on the differences, so there is one test, not one a round.
+// Rounds: each has four times the draws of the one before, at the same vertices, until a bias of interest would be
+// seen. Only the last round counts. When to stop depends on the noise, not on the differences, so there is one test,
+// not one per round.
 
 namespace pbrt::lab {
 
@@ -34,7 +37,7 @@ constexpr uint64_t kStream = 0x73656c656374ull;
 constexpr int kMinDraws = 64, kMaxDraws = 1 << 16;
 constexpr double kMaxStep = 0.5;
 
-/// Asks a sampler at vertices.
+/// Draws lights from a sampler at vertices and compares them with the measured lights.
 class Asker {
   public:
     Asker(const LightSampler &lights, const ShadowRayGate *gate, int draws, size_t lightCount)
@@ -53,10 +56,11 @@ class Asker {
         for (size_t i = 0; i < vertex.lights.size(); ++i) {
             const auto &m = vertex.lights[i];
             const Float pmf = lights.PMF(LightId(m.light));
-            // What BSDF sampling leaves to the light sampler. It never finds lights without extent.
+            // The share that BSDF sampling leaves to light sampling: all of it for lights without extent, which no BSDF
+            // sample hits.
             const double due = m.isDelta ? 1 : pmf > 0 ? static_cast<double>(Weight(m, pmf)) : 0;
             double got = got_[i] / draws_;
-            // A shadow ray that is skipped with any probability below 1 is made up for.
+            // The gate compensates for a shadow ray that it skips with a probability below 1.
             if (gate_ && got > 0 && !(gate_->TraceProbability(query, LightId(m.light), m.pLight) > 0)) got = 0;
             const double c = static_cast<double>(m.c);
             double counts = 1;
@@ -77,7 +81,7 @@ class Asker {
         return m.isDelta ? Float(1) : PowerHeuristic(pmf * m.pdf, m.pBsdf);
     }
 
-    /// got_: per measured light, sum over draws.
+    /// Sets got_: for every measured light, the sum of its weights over the draws.
     void Draw(const SelectionVertices::Vertex &vertex, const LightDistribution &lights, Rng &rng) {
         got_.assign(vertex.lights.size(), 0);
         for (size_t i = 0; i < vertex.lights.size(); ++i) place_[vertex.lights[i].light] = static_cast<uint32_t>(i);
@@ -98,7 +102,7 @@ class Asker {
     int draws_;
     LightMemory memory_;
     std::vector<double> got_;
-    std::vector<uint32_t> place_;  ///< among the vertex's lights, of every light of the scene
+    std::vector<uint32_t> place_;  ///< for every light of the scene, its index among the vertex's lights, or kNowhere
 };
 
 }  // namespace

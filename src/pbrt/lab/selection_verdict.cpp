@@ -8,25 +8,26 @@
 
 #include "pbrt/math/statistics.h"
 
-// Statistic: over the paths of a region sum of excess over sum of light, its noise from path to path. A vertex with
-// more than kMaxVertex times the region's mean light per path (of those that have light) counts as that much: the light
-// does not depend on the draws, so the mean of the excess stays 0, no path decides, and sums of hundreds are normal.
+// Statistic of a region: the sum of the excess over the sum of the light of its paths; its noise is estimated from the
+// variation between paths. A vertex with more than kMaxVertex times the mean light of the region's paths that have
+// light is scaled down to that much. The light does not depend on the draws, so the mean of the excess stays 0, no
+// single path decides, and sums over hundreds of paths are nearly normal.
 
 namespace pbrt::lab {
 
 namespace {
 
 constexpr double kMaxVertex = 8;
-constexpr double kMinEffective = 20;  ///< paths that carry light
+constexpr double kMinEffective = 20;  ///< fewest effective paths for a statement
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Sums over paths.
 struct Sums {
     double light = 0, excess = 0, squares = 0, lightSquares = 0, unjudged = 0;
     double Difference() const { return light > 0 ? excess / light : 0; }
-    /// Excess has mean 0 if there is no bias, so its squares are its variance.
+    /// The excess has mean 0 if there is no bias, so the sum of its squares estimates the variance of its sum.
     double StandardError() const { return light > 0 ? std::sqrt(squares) / light : kInfinity; }
-    /// As many paths of equal light would be as good.
+    /// The number of paths of equal light that would give the same noise.
     double Paths() const { return lightSquares > 0 ? light * light / lightSquares : 0; }
     double Unjudged() const { return light > 0 ? unjudged / light : 0; }
     Sums &operator+=(const Sums &o) {
@@ -92,7 +93,7 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
         return report;
     }
     const double level = SidakLevel(settings.level, withLight + 1);
-    // Student's: of what varies from path to path.
+    // The critical value of Student's t times the standard error, for a two-sided level p.
     auto deviates = [&](const Sums &s, double p) {
         return s.Paths() >= kMinEffective ? StudentCritical(p, s.Paths() - 1) * s.StandardError() : kInfinity;
     };
@@ -132,7 +133,7 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
         report.text += fmt::format("; {} of the whole, {} in a sixteenth would have been seen",
                                    Percent(report.visibleImage), Percent(report.visibleSixteenth));
     else
-        report.text += "; too few of them have light for more";
+        report.text += "; too few of them have light to tell which bias would have been seen";
     return report;
 }
 
@@ -173,17 +174,17 @@ void AddSelection(const SelectionReport &selection, BiasReport *report) {
     const std::string atVertices = " Vertex by vertex: " + selection.text + ".";
     const bool picturesShowNothing = !report->worst.biased;
     if (selection.verdict == BiasVerdict::Clean && report->verdict == BiasVerdict::Unknown && picturesShowNothing) {
-        // Not "too few data": there are enough of them at vertices.
+        // This text replaces "Too few data": the vertices give enough.
         report->verdict = BiasVerdict::Clean;
-        auto size = [](double v) { return std::isfinite(v) ? "one of " + Percent(v) : std::string("none"); };
+        auto size = [](double v) { return std::isfinite(v) ? Percent(v) : std::string("none"); };
         report->text = fmt::format(
-            "No bias seen, and at vertices of paths it would have been; pictures alone show {} in the whole image and "
-            "{} in regions of 1/{} of it.",
+            "No bias was seen, and the check at vertices of paths would have seen one; the smallest that the pictures "
+            "alone could show: {} in the whole image, {} in regions of 1/{} of it.",
             size(report->visibleImage), size(report->visibleSixteenth), report->sixteenthRegions);
     }
     if (selection.verdict == BiasVerdict::Biased && report->verdict != BiasVerdict::Biased) {
         report->verdict = BiasVerdict::Biased;
-        report->text = "Pictures alone do not show it.";
+        report->text = "The pictures alone do not show this bias.";
     }
     report->text += atVertices;
 }

@@ -16,10 +16,10 @@ namespace {
 
 constexpr uint64_t kStream = 0x73656c656374ull;
 constexpr int kRegions = kSelectionSide * kSelectionSide;
-constexpr int kMinPaths = 256, kMaxPaths = 4096;  ///< of a region
-constexpr int kBlock = 16;                        ///< paths of one task
-constexpr double kEnoughEffective = 60;           ///< paths that carry light in half of the regions end the tracing
-constexpr size_t kMaxMeasured = 2048;             ///< lights at a vertex
+constexpr int kMinPaths = 256, kMaxPaths = 4096;  ///< per region
+constexpr int kBlock = 16;                        ///< paths per task
+constexpr double kEnoughEffective = 60;  ///< tracing ends when half of the lit regions have this many effective paths
+constexpr size_t kMaxMeasured = 2048;    ///< most lights measured at a vertex
 
 /// Follows paths as the render makes them and measures the lights at their vertices.
 class Measurer {
@@ -102,7 +102,7 @@ class Measurer {
     std::vector<SelectionVertices::MeasuredLight> lights_;
 };
 
-/// Do half of the regions that have light have paths enough?
+/// True: half of the regions that receive light have enough effective paths.
 bool HaveEnough(std::span<const std::vector<SelectionVertices::Vertex>> regions) {
     int lit = 0, enough = 0;
     for (const auto &region : regions) {

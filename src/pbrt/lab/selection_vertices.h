@@ -6,14 +6,14 @@
 
 namespace pbrt::lab {
 
-/// Vertices that have light, of paths through sixteen regions of the picture, and what every light gives there. The
-/// same for any number of threads.
+/// The vertices that receive light, of paths through sixteen regions of the picture, with the contribution of every
+/// light. They do not depend on the number of threads.
 class SelectionVertices {
   public:
     struct MeasuredLight {
         uint32_t light = 0;
-        Float c = 0;  ///< its contribution by one point on it, times the path's weight; 0 ones are left out
-        Float pdf = 0, pBsdf = 0;  ///< of that point, and of BSDF sampling; solid angle
+        Float c = 0;               ///< contribution by one point on the light, times the path's weight; above 0
+        Float pdf = 0, pBsdf = 0;  ///< densities of that point and of BSDF sampling, per solid angle
         bool isDelta = false;
         Point3 pLight{};
     };

@@ -30,7 +30,7 @@ double PairedP(std::span<const double> a, std::span<const double> b) {
     return StudentTwoSidedP(difference.Mean() / std::sqrt(difference.Variance() / n), n - 1) / 2;
 }
 
-/// The same for independent runs. Errors vary by factors, so their logarithms are what is nearly normal.
+/// The same for independent runs. Errors vary by factors, so their logarithms are nearly normal.
 double WelchP(const Summary &a, const Summary &b) {
     auto logVariance = [](const Summary &s) { return s.standardError * s.standardError / (s.mean * s.mean); };
     const double va = logVariance(a), vb = logVariance(b), variance = va + vb;

@@ -6,7 +6,7 @@
 
 namespace pbrt::lab {
 
-/// Of one measure over the seeds.
+/// Mean and spread of one measure over the seeds.
 struct Summary {
     size_t count = 0;
     double mean = 0;
@@ -18,10 +18,10 @@ Summary Summarize(std::span<const double> values);
 /// Fireflies decide an error if leaving out the worst 0.1 % of the pixels divides the mean relL2 by more than `factor`.
 bool FirefliesDecide(double relL2, double trimmedRelL2, double factor = 2);
 
-/// Is the mean of `a` lower than that of `b` beyond noise? One-sided t-test at `level`. Both have one value a seed, and
-/// runs of a seed share the camera's random numbers: from `kSeedsToPair` seeds on, equal in number, the differences of
-/// the seeds are tested. Fewer are taken for independent, which is on the safe side (Welch, of the logarithms'
-/// first-order spread). Never if either has fewer than two values.
+/// Is the mean of `a` lower than that of `b` beyond noise? One-sided t-test at `level`. Both have one value per seed,
+/// and runs with the same seed share the camera's random numbers: if both have the same number of seeds, at least
+/// `kSeedsToPair`, the differences per seed are tested. Else the runs are treated as independent, which is on the safe
+/// side (Welch's test of the logarithms, with their spread to first order). Never if either has fewer than two values.
 bool LowerBeyondNoise(std::span<const double> a, std::span<const double> b, double level = 0.05);
 inline constexpr size_t kSeedsToPair = 5;
 

@@ -46,7 +46,7 @@ RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const st
                                kept > 0
                                    ? fmt::format("going on from {} samples per pixel", run.rounds[kept - 1].samples)
                                    : "this run begins anew"));
-    // Reports and structure are those of the last record.
+    // Reports and structure must be those of the last round that is kept.
     if (kept < run.rounds.size()) run = records.LoadRun(sampler, seed, static_cast<int>(kept));
     records.RemoveRounds(sampler, seed, kept, checkpoints);
     return run;

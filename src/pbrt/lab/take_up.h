@@ -4,14 +4,14 @@
 
 namespace pbrt::lab {
 
-/// What the disk holds of one run, up to the last round that can be gone on from: every record until then is whole and
-/// of this campaign, and so is the film of that round, or the finished picture if it is the last of `checkpoints`.
-/// Removes what is beyond, and says so if that is more than an interruption leaves. `picture`: file of the finished
+/// Loads the rounds of one run from disk, up to the last one from which the run can go on: every record up to it is
+/// complete and belongs to this campaign, and so does the film of that round, or the finished picture if it is the last
+/// of `checkpoints`. Removes later files, with a warning if a record is among them. `picture`: file of the finished
 /// picture.
 RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const std::string &sampler, int seed,
                     size_t checkpoints, const std::string &picture);
 
-/// Can the picture be read, with R, G and B at this resolution?
+/// True: the picture can be read, and has R, G and B at this resolution.
 bool IsWholePicture(const std::string &file, Point2i resolution);
 
 }  // namespace pbrt::lab

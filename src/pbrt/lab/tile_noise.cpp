@@ -7,7 +7,7 @@
 namespace pbrt::lab {
 
 namespace {
-constexpr double kDeviationPerMedian = 1.4826;  ///< normal deviates: standard deviation over median size
+constexpr double kDeviationPerMedian = 1.4826;  ///< of normal deviates: standard deviation over median absolute value
 }
 
 double Median(std::vector<double> values) {
@@ -89,7 +89,7 @@ double TileNoise::Strongest(const TileRectangle &r) const {
     for (size_t i = 0; i < n_; ++i)
         for (int y = r.y0; y < r.y1; ++y)
             for (int x = r.x0; x < r.x1; ++x) values.push_back(Residual(i, x, y));
-    // The picture itself pulled the mean up.
+    // The picture with the strong sample has raised the mean itself, by 1/n of it.
     return static_cast<double>(n_) / static_cast<double>(n_ - 1) * Excess(values);
 }
 

@@ -13,7 +13,7 @@ struct TileRectangle {
     int Count() const { return (x1 - x0) * (y1 - y0); }
 };
 
-/// Of unsorted values; infinity if there are none.
+/// The median of unsorted values; infinity if there are none.
 double Median(std::vector<double> values);
 
 /// How far the largest of `values`, which scatter about 0, rises above what ordinary noise explains (three robust
@@ -25,7 +25,7 @@ class TileNoise {
   public:
     TileNoise(std::span<const TileMeans> pictures, int channel, const std::vector<double> &weights);
 
-    /// Fewer pictures agree by chance now and then.
+    /// Fewer pictures than this often agree by chance where most of the noise is.
     static constexpr size_t kFew = 4;
 
     size_t Pictures() const { return n_; }
@@ -34,10 +34,10 @@ class TileNoise {
     struct Estimate {
         double variance = 0, dof = 0;
     };
-    /// Of the mean over a region; needs two pictures.
+    /// Noise of the mean over a region; needs at least two pictures.
     Estimate Of(const TileRectangle &r) const;
 
-    /// Excess of the strongest tile of one picture within `r`; needs two pictures.
+    /// Excess of the strongest tile of a single picture within `r`; needs at least two pictures.
     double Strongest(const TileRectangle &r) const;
 
   private:

@@ -6,7 +6,7 @@
 
 namespace pbrt::lab {
 
-/// Square tiles over an image. What is left at the right and the bottom belongs to the last tiles, so no tile is
+/// Square tiles over an image. Pixels left over at the right and the bottom belong to the last tiles, so no tile is
 /// smaller than tileSize unless the image is.
 struct TileGrid {
     Point2i resolution{0, 0};
@@ -25,7 +25,7 @@ struct TileGrid {
 struct TileMeans {
     TileGrid grid;
     int channels = 0;
-    std::vector<double> values;  ///< tile by tile, channels side by side
+    std::vector<double> values;  ///< tile by tile, the channels of a tile next to each other
     size_t skipped = 0;          ///< values that were not finite and were left out
 
     double operator()(int tile, int channel) const {
@@ -33,8 +33,8 @@ struct TileMeans {
     }
 };
 
-/// Of the channels R, G, B if the image has them, else of all. tileSize >= 8 keeps tiles nearly independent under
-/// ordinary pixel filters.
+/// Tile means of the channels R, G, B if the image has them, else of all channels. tileSize >= 8 keeps tiles nearly
+/// independent under ordinary pixel filters.
 TileMeans ComputeTileMeans(const Image &image, int tileSize = 8);
 
 /// Mean of images of equal weight, and the relL2 that this mean is expected to have against the truth (from the

@@ -35,7 +35,7 @@ using FloatFamily = T<FloatTexture, Float>;
 template <template <class, class, class...> class T>
 using SpectrumFamily = T<SpectrumTexture, SampledSpectrum, SampledWavelengths>;
 
-/// (1 - w) a + w b, looking only at what has weight.
+/// (1 - w) a + w b; evaluates only textures whose weight is not 0.
 template <class V, class Base, class... Lambda>
 V BlendTextures(Float w, const Base &a, const Base &b, const TextureContext &ctx, const Lambda &...lambda) {
     if (w == 0) return a.Evaluate(ctx, lambda...);
@@ -78,7 +78,8 @@ class MixTexture final : public Base {
     FloatTexturePtr amount_;
 };
 
-/// The first where the normal is along `direction` (rendering space), the second where it is across.
+/// The first texture where the normal is parallel to `direction` (rendering space), the second where it is
+/// perpendicular.
 template <class Base, class V, class... Lambda>
 class DirectionMixTexture final : public Base {
   public:

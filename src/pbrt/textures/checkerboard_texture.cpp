@@ -13,7 +13,7 @@ Float TwiceIntegratedWave(Float x) {
     return m < 1 ? m * (m - 1) / 2 : (m - 1) * (2 - m) / 2;
 }
 
-/// Tent that covers one and a half pixel steps either way.
+/// Half-width of the tent filter: one and a half pixel steps.
 Float FilterRadius(Float dx, Float dy) { return Float(1.5) * std::max(std::abs(dx), std::abs(dy)); }
 
 }  // namespace

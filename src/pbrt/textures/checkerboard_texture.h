@@ -8,7 +8,7 @@ namespace pbrt {
 /// The square wave that is +1 on [0, 1), -1 on [1, 2), ..., averaged with a tent of half-width `radius` around x.
 Float FilteredSquareWave(Float x, Float radius);
 
-/// Where the second texture shows, in [0, 1]: 0 in the cell at the origin, alternating, filtered over the footprint.
+/// The weight of the second texture, in [0, 1]: 0 in the cell at the origin, alternating, filtered over the footprint.
 class CheckerPattern {
   public:
     explicit CheckerPattern(TextureMapping2D mapping) : mapping_(std::move(mapping)) {}

@@ -44,7 +44,7 @@ void Fill(Entry &entry, Read &&read) {
 }  // namespace
 
 const ImageCache::Entry<MipMap> *ImageCache::SamePixels(const MipMapKey &key) const {
-    MipMapKey first;  // keys are sorted by path; this one is the least
+    MipMapKey first;  // keys are sorted by path first; this is the smallest of a path
     first.path = key.path;
     first.filter = TextureFilter::Point;
     first.maxAnisotropy = -Infinity;

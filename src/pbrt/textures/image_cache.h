@@ -9,7 +9,7 @@
 
 namespace pbrt {
 
-/// What tells one pyramid from another.
+/// Everything that distinguishes one pyramid from another.
 struct MipMapKey {
     std::string path;
     TextureFilter filter = TextureFilter::Bilinear;
@@ -29,12 +29,12 @@ struct MipMapKey {
 /// thrown again on every look-up.
 class ImageCache {
   public:
-    /// `megabytes` > 0: big images are kept on disk, and of them as much in memory.
+    /// `megabytes` > 0: big images are kept on disk, and at most this much of them in memory.
     explicit ImageCache(int megabytes = 0) : tiles_(megabytes > 0 ? std::make_unique<TileCache>(megabytes) : nullptr) {}
     std::shared_ptr<const MipMap> GetMipMap(const MipMapKey &key);
-    /// R, G and B of a file whose 8 or 16 bits are plain numbers.
+    /// R, G and B of a file; values of 8 or 16 bits are taken as linear.
     std::shared_ptr<const Image> GetLinearRgb(const std::string &path);
-    /// Reads several at once.
+    /// Reads several images on all threads, unless they are read already.
     void Preload(const std::vector<MipMapKey> &keys);
 
   private:
@@ -43,7 +43,7 @@ class ImageCache {
         std::shared_ptr<const T> value;
         std::string error;
     };
-    /// What another key knows of the same pixels; null if nothing.
+    /// The entry of another key with the same pixels; null if there is none.
     const Entry<MipMap> *SamePixels(const MipMapKey &key) const;
     std::unique_ptr<TileCache> tiles_;
     std::map<MipMapKey, Entry<MipMap>> mipMaps_;

@@ -9,7 +9,7 @@ struct Footprint {
     Vector2 dst0, dst1;
 };
 
-/// Rows are stored from the top. The footprint is handed on unflipped, as in stock pbrt-v4.
+/// Rows are stored from the top, so t is flipped. The footprint is not flipped, as in stock pbrt-v4.
 Footprint ImageFootprint(const TextureMapping2D &mapping, const TextureContext &ctx) {
     TexCoord2 c = Map(mapping, ctx);
     return {{c.st.x, 1 - c.st.y}, {c.dsdx, c.dtdx}, {c.dsdy, c.dtdy}};

@@ -31,18 +31,18 @@ constexpr bool IsPermutation() {
 }
 static_assert(IsPermutation());
 
-/// The gradients of the 16 hash values: to the middles of a cube's 12 edges; four of them serve twice.
+/// The gradients of the 16 hash values: from a cube's centre to the middles of its 12 edges, four of them twice.
 constexpr int8_t kGradients[16][3] = {{1, 1, 0},  {-1, 1, 0},  {1, -1, 0}, {-1, -1, 0}, {1, 0, 1},  {-1, 0, 1},
                                       {1, 0, -1}, {-1, 0, -1}, {0, 1, 1},  {0, -1, 1},  {0, 1, -1}, {0, -1, -1},
                                       {1, 1, 0},  {-1, 1, 0},  {0, 1, -1}, {0, -1, -1}};
 
 constexpr Float kLacunarity = Float(1.99);
-/// Stands for the mean of |noise| where its octaves are too fine to be seen.
+/// The mean of |noise|, used for octaves that are too fine for the footprint.
 constexpr Float kMeanMagnitude = Float(0.2);
 
 uint8_t Permute(int i) { return kPermutation[static_cast<size_t>(i & 255)]; }
 
-/// Height, over the lattice point `cell`, of the plane with its gradient at distance d from it.
+/// The dot product of d, the offset from the lattice point `cell`, and the gradient at that point.
 Float LatticePlane(const glm::ivec3 &cell, const Vector3 &d) {
     const int hash = Permute(Permute(Permute(cell.x) + cell.y) + cell.z) & 15;
     const int8_t *g = kGradients[hash];
@@ -58,7 +58,7 @@ struct VisibleOctaves {
     Float part;
 
     VisibleOctaves(int count, const Vector3 &dpdx, const Vector3 &dpdy) {
-        // The last octave worth having has its features about two footprints apart.
+        // The finest octave that is kept has features about two footprints apart.
         const Float squared = std::max(LengthSquared(dpdx), LengthSquared(dpdy));
         const Float n = std::clamp(-1 - std::log2(squared) / 2, Float(0), static_cast<Float>(count));
         whole = static_cast<int>(n);
@@ -70,7 +70,7 @@ struct VisibleOctaves {
 
 Float GradientNoise(const Point3 &p) {
     const Point3 low = glm::floor(p);
-    // Whole numbers that an int cannot hold are as good as any other.
+    // Coordinates that an int cannot hold are taken as 0.
     auto whole = [](Float v) { return std::abs(v) < Float(1 << 30) ? static_cast<int>(v) : 0; };
     const glm::ivec3 cell(whole(low.x), whole(low.y), whole(low.z));
     const Vector3 d = p - low;
@@ -107,8 +107,7 @@ Float NoiseOctaves::Creased(const Point3 &p, const Vector3 &dpdx, const Vector3 
         frequency *= kLacunarity;
         strength *= roughness;
     }
-    // The faded octave blends from its mean; the first that is not there at all is counted as a mean once more, as in
-    // stock pbrt-v4.
+    // The faded octave blends with its mean. The loop below counts it once more as a mean, as in stock pbrt-v4.
     sum += strength * Lerp(visible.part, kMeanMagnitude, std::abs(GradientNoise(frequency * p)));
     for (int i = visible.whole; i < count; ++i) {
         sum += strength * kMeanMagnitude;

@@ -14,7 +14,7 @@ struct NoiseOctaves {
 
     /// Plain sum: mean 0.
     Float Signed(const Point3 &p, const Vector3 &dpdx, const Vector3 &dpdy) const;
-    /// Sum of absolute values: creases where noise is 0. What fades out leaves its mean behind.
+    /// Sum of absolute values: creases where noise is 0. Octaves that fade out are replaced by their mean.
     Float Creased(const Point3 &p, const Vector3 &dpdx, const Vector3 &dpdy) const;
 };
 

@@ -18,7 +18,7 @@ const Rgb kMarble[kMarbleColors] = {{.58f, .58f, .6f}, {.58f, .58f, .6f}, {.58f,
                                     {.5f, .5f, .5f},   {.6f, .59f, .58f}, {.58f, .58f, .6f},
                                     {.58f, .58f, .6f}, {.2f, .2f, .33f},  {.58f, .58f, .6f}};
 
-/// t in [0, 1] along the colours: overlapping runs of four are the control points of one cubic Bezier each.
+/// The colour at t in [0, 1]: every four successive colours are the control points of a cubic Bezier curve.
 Rgb MarbleColor(Float t) {
     constexpr int kRuns = kMarbleColors - 3;
     const Float x = t * kRuns;

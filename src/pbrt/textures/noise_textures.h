@@ -6,7 +6,7 @@
 
 namespace pbrt {
 
-/// One dot of radius 0.35 in some four of ten unit cells around whole (s, t), moved about within its cell.
+/// About 40 % of the unit cells around whole (s, t) contain one dot of radius 0.35 at a random place.
 class DotPattern {
   public:
     explicit DotPattern(TextureMapping2D mapping) : mapping_(std::move(mapping)) {}
@@ -32,7 +32,7 @@ class DotsTexture final : public Base {
     Ptr dot_, ground_;
 };
 
-/// One of the sums of octaves, in texture space.
+/// One of the sums of NoiseOctaves, evaluated in texture space.
 template <Float (NoiseOctaves::*Sum)(const Point3 &, const Vector3 &, const Vector3 &) const>
 class OctavesTexture final : public FloatTexture {
   public:
@@ -63,11 +63,11 @@ class WindyTexture final : public FloatTexture {
 
 struct MarbleSettings {
     NoiseOctaves octaves;
-    Float scale = 1;               ///< of texture space
+    Float scale = 1;               ///< factor of positions in texture space
     Float variation = Float(0.2);  ///< how far noise bends the veins
 };
 
-/// Veins along texture-space y. A reflectance whatever it is used for.
+/// Veins that alternate along y of texture space. Always uplifted as a reflectance, whatever its use.
 class MarbleTexture final : public SpectrumTexture {
   public:
     MarbleTexture(const PointMapping &mapping, const MarbleSettings &settings)

@@ -7,7 +7,8 @@
 
 namespace pbrt {
 
-/// What a texture may look at. Filter footprint as derivatives by one pixel step; 0 means point sampling.
+/// What the value of a texture may depend on. The filter footprint is given as derivatives by one pixel step; 0 means
+/// point sampling.
 struct TextureContext {
     Point3 p{};
     Vector3 dpdx{}, dpdy{};
@@ -34,7 +35,7 @@ class FloatTexture {
     virtual Float Evaluate(const TextureContext &ctx) const = 0;
     /// The value if it is the same everywhere.
     virtual std::optional<Float> Constant() const { return {}; }
-    /// Whether Evaluate looks at the filter footprint.
+    /// Whether Evaluate uses the filter footprint.
     virtual bool UsesFootprint() const { return false; }
 };
 using FloatTexturePtr = std::shared_ptr<const FloatTexture>;
@@ -46,7 +47,7 @@ class SpectrumTexture {
     virtual SampledSpectrum Evaluate(const TextureContext &ctx, const SampledWavelengths &lambda) const = 0;
     /// The spectrum if it is the same everywhere.
     virtual const Spectrum *Constant() const { return nullptr; }
-    /// Whether Evaluate looks at the filter footprint.
+    /// Whether Evaluate uses the filter footprint.
     virtual bool UsesFootprint() const { return false; }
 };
 using SpectrumTexturePtr = std::shared_ptr<const SpectrumTexture>;

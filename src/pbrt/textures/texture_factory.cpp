@@ -24,14 +24,14 @@ bool Contains(const std::vector<std::string> &names, const std::string &name) {
 }
 
 constexpr const char *kWhyNoPtex =
-    "no library that Debian packages reads Ptex files (its OpenImageIO is built without). Bake the texture into an "
+    "no library of Debian reads Ptex files (its OpenImageIO is built without Ptex support). Bake the texture into an "
     "image "
     "and use class \"imagemap\".";
 
 const char *FamilyName(bool isSpectrum) { return isSpectrum ? "spectrum" : "float"; }
 
-/// What a look-up of a texture costs at most: how deep it calls other textures, and how many evaluations that makes
-/// (which double with every level where both operands are the same).
+/// The largest cost of a look-up of a texture: how deep it calls other textures, and how many textures it evaluates (a
+/// number that doubles with every level where both operands are the same).
 struct LookupCost {
     int depth = 1;
     double evaluations = 1;
@@ -54,7 +54,7 @@ struct TextureLibrary::Impl {
     struct Definition {
         std::string name, textureClass;
         bool isSpectrum = false;
-        bool broken = false;  ///< reported when it was defined: stands in silently
+        bool broken = false;  ///< reported when it was defined; replaced by a constant silently
         bool made = false;
         bool failed = false;
         ParamSet params;
@@ -68,7 +68,7 @@ struct TextureLibrary::Impl {
     size_t &missingImages;
     ImageCache images;
     bool imagesPreloaded = false;
-    int nesting = 0;                                       ///< of textures being made
+    int nesting = 0;                                       ///< how deep textures are being made
     std::vector<std::unique_ptr<Definition>> definitions;  ///< in file order
     std::map<std::string, size_t> indexOf[2];              ///< by family: float, spectrum
 
@@ -80,7 +80,8 @@ struct TextureLibrary::Impl {
         return names;
     }
 
-    /// The definition a parameter refers to; only those before `limit`, and image maps.
+    /// The definition that a parameter refers to: one before `limit`, or any image map. Throws UserError if there is
+    /// none.
     Definition &Resolve(const ParamSet &params, const Param &reference, bool isSpectrum, size_t limit) {
         const std::string &name = reference.strings[0];
         auto found = indexOf[isSpectrum].find(name);
@@ -94,14 +95,14 @@ struct TextureLibrary::Impl {
             problem += " yet (a texture must be defined before another one uses it)";
         else if (indexOf[!isSpectrum].contains(name))
             problem += fmt::format(" (\"{}\" is a {} texture)", name, FamilyName(!isSpectrum));
-        // The list takes time, which an error that is only counted is not worth.
+        // The list takes time, and an error that is only counted does not need it.
         std::vector<std::string> names = sink.IsFull() ? std::vector<std::string>() : Names(isSpectrum, limit);
         problem += names.empty() ? fmt::format("; no {} texture is defined.", FamilyName(isSpectrum))
                                  : "; " + ListChoices(name, names) + ".";
         throw UserError(problem, reference.loc);
     }
 
-    /// `user`: of the texture that the parameter belongs to; null for materials and shapes.
+    /// `user`: the cost of the texture that the parameter belongs to; null for materials and shapes.
     FloatTexturePtr Find(const FloatTextureParam &p, size_t limit, LookupCost *user = nullptr) {
         FloatTexturePtr texture;
         if (p.given && p.given->type == ParamType::Texture)
@@ -138,8 +139,8 @@ struct TextureLibrary::Impl {
         return made.texture;
     }
 
-    /// Makes it of one of the tables. Its parameters may be read again for another use, but warnings and unused
-    /// parameters are told once.
+    /// Makes the texture from one of the tables. Its parameters may be read again for another use, but warnings and
+    /// unused parameters are reported once.
     template <class Table>
     auto MakeOf(const Table &table, Definition &d, SpectrumUse use, LookupCost *cost) {
         DiagnosticSink ignored;
@@ -155,7 +156,7 @@ struct TextureLibrary::Impl {
         return table.Make(d.textureClass, d.params, request);
     }
 
-    /// Mistakes are left for the time when the texture is made.
+    /// Reads the files of all image maps at once. Errors are reported later, when a texture is made.
     void PreloadImages() {
         imagesPreloaded = true;
         std::vector<MipMapKey> keys;
@@ -170,10 +171,11 @@ struct TextureLibrary::Impl {
         images.Preload(keys);
     }
 
-    /// Runs `make`; a mistake is reported once and nullptr returned. `user`: where the texture is used.
+    /// Runs `make`; after an error, which is reported once, returns nullptr. `user`: where the texture is used.
     template <class Make>
     auto Try(Definition &d, const FileLoc &user, Make &&make) -> decltype(make()) {
-        // Operands are made first, so making nests as deep as looking up; here before the stack is used up.
+        // Operands are made first, so making textures nests as deep as look-ups; checked here before the stack
+        // overflows.
         if (nesting >= kMaxNesting)
             throw UserError(fmt::format("texture \"{}\": textures are nested more than {} deep here.",
                                         Abbreviate(d.name), kMaxNesting),

@@ -16,7 +16,7 @@ namespace pbrt {
 /// image map is made, the files of all image maps defined so far are read at once, on all threads.
 class TextureLibrary {
   public:
-    /// `cacheMegabytes` > 0: the memory for big images, the rest of which is kept on disk.
+    /// `cacheMegabytes` > 0: big images are kept on disk, and at most this much of them in memory.
     TextureLibrary(const FileResolver &files, DiagnosticSink &sink, int cacheMegabytes = 0);
     ~TextureLibrary();
 
@@ -24,8 +24,8 @@ class TextureLibrary {
     void Define(const std::string &name, bool isSpectrum, const std::string &textureClass, ParamSet params,
                 const Transform &renderFromTexture);
     /// Makes every texture that nothing used, so that their mistakes are reported too, then reports unused parameters
-    /// and the number of missing images. Mistakes in a texture go to the sink once, however often it is used; a
-    /// stand-in is returned to its users.
+    /// and the number of missing images. Mistakes in a texture go to the sink once, however often it is used; its users
+    /// get the constant 0.5 instead.
     void CheckAll();
 
     /// The texture that a parameter names, or a constant one of the value given or the default; nullptr if there is
@@ -45,7 +45,7 @@ class TextureLibrary {
     size_t missingImages_ = 0;
 };
 
-/// Classes that the format has and we do not.
+/// Texture classes of the pbrt-v4 format that are not supported.
 const std::vector<std::string> &UnsupportedTextures();
 
 }  // namespace pbrt

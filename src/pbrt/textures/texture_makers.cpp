@@ -8,8 +8,8 @@ namespace pbrt {
 
 namespace {
 
-/// Classes that both families have are written once, for either of these: what their parameters are and how operands
-/// and values become textures.
+/// Texture classes of both families are written once, over FloatKind or SpectrumKind, which say what type parameters
+/// have and how operands and values become textures.
 struct FloatKind {
     using Ptr = FloatTexturePtr;
     using Operand = FloatTextureParam;
@@ -47,7 +47,7 @@ struct ConstantParams {
     typename Kind::Value value = Kind::DefaultValue(1);
     template <class V>
     void Describe(V &&v) {
-        v("value", value, "the same everywhere");
+        v("value", value, "value of the texture");
     }
 };
 
@@ -69,7 +69,7 @@ struct ScaleParams {
     FloatTextureParam scale{1};
     template <class V>
     void Describe(V &&v) {
-        v("tex", tex, "what is scaled");
+        v("tex", tex, "texture that is scaled");
         v("scale", scale, "the factor");
     }
 };
@@ -127,7 +127,8 @@ struct DirectionMixParams : TwoParams<Kind> {
     template <class V>
     void Describe(V &&v) {
         TwoParams<Kind>::Describe(v);
-        v("dir", direction, Items{ParamType::Vector3}, "the share of tex1 is the cosine to the normal");
+        v("dir", direction, Items{ParamType::Vector3},
+          "direction; the share of tex1 is the absolute cosine of its angle to the normal");
     }
 };
 
@@ -135,7 +136,7 @@ template <class Kind>
 typename Kind::Ptr MakeDirectionMix(const DirectionMixParams<Kind> &p, const ParamSet &set, const TextureRequest &r) {
     auto first = Kind::Make(p.first, r), second = Kind::Make(p.second, r);
     Vector3 direction = r.renderFromTexture.Vector(p.direction);
-    if (!(LengthSquared(direction) > 0)) throw set.Error("dir", "\"dir\" has no direction.");
+    if (!(LengthSquared(direction) > 0)) throw set.Error("dir", "\"dir\" has no direction, because its length is 0.");
     return std::make_shared<typename Kind::template Texture<DirectionMixTexture>>(std::move(first), std::move(second),
                                                                                   direction);
 }
@@ -146,10 +147,10 @@ struct BilerpParams : MappingParams {
                                           Kind::DefaultValue(1)};
     template <class V>
     void Describe(V &&visit) {
-        visit("v00", v[0], "at (0, 0)");
-        visit("v01", v[1], "at (0, 1)");
-        visit("v10", v[2], "at (1, 0)");
-        visit("v11", v[3], "at (1, 1)");
+        visit("v00", v[0], "value at (s, t) = (0, 0)");
+        visit("v01", v[1], "value at (s, t) = (0, 1)");
+        visit("v10", v[2], "value at (s, t) = (1, 0)");
+        visit("v11", v[3], "value at (s, t) = (1, 1)");
         MappingParams::Describe(visit);
     }
 };
@@ -174,9 +175,9 @@ struct CheckerboardParams : MappingParams {
     typename Kind::Operand first = Kind::DefaultOperand(1), second = Kind::DefaultOperand(0);
     template <class V>
     void Describe(V &&v) {
-        v("dimension", dimension, Range<int>{2, 3}, "squares, or cubes");
-        v("tex1", first, "of half of them");
-        v("tex2", second, "of the others");
+        v("dimension", dimension, Range<int>{2, 3}, "squares (2) or cubes (3)");
+        v("tex1", first, "texture of the cell at the origin and every other one");
+        v("tex2", second, "texture of the cells between");
         if (v.When(dimension == 2)) MappingParams::Describe(v);
     }
 };
@@ -195,13 +196,13 @@ struct DotsParams : MappingParams {
     typename Kind::Operand inside = Kind::DefaultOperand(1), outside = Kind::DefaultOperand(0);
     template <class V>
     void Describe(V &&v) {
-        v("inside", inside, "around the dots, as in stock");
-        v("outside", outside, "in the dots, as in stock");
+        v("inside", inside, "texture around the dots, as in stock");
+        v("outside", outside, "texture in the dots, as in stock");
         MappingParams::Describe(v);
     }
 };
 
-/// Stock pbrt-v4 shows "outside" in the dots and "inside" around them; scenes are made to look right there.
+/// Stock pbrt-v4 shows "outside" in the dots and "inside" around them; scenes are made to look right with it.
 template <class Kind>
 typename Kind::Ptr MakeDots(const DotsParams<Kind> &p, const ParamSet &set, const TextureRequest &r) {
     DotPattern pattern(p.Make(set, r.renderFromTexture, r.sink));
@@ -215,7 +216,7 @@ struct NoiseParams {
     template <class V>
     void Describe(V &&v) {
         // Each octave has nearly twice the frequency of the one before.
-        v("octaves", octaves.count, Range<int>{0, 64}, "how many frequencies are added");
+        v("octaves", octaves.count, Range<int>{0, 64}, "number of octaves of noise that are added");
         v("roughness", octaves.roughness, "strength of an octave relative to the one before");
     }
 };
@@ -226,7 +227,7 @@ struct MarbleParams {
     template <class V>
     void Describe(V &&v) {
         noise.Describe(v);
-        v("scale", scale, "of the coordinates of the noise");
+        v("scale", scale, "factor of the position in texture space");
         v("variation", variation, "how far the noise moves the veins");
     }
 };
@@ -249,12 +250,13 @@ struct ImagemapParams : MappingParams {
     template <class V>
     void Describe(V &&v) {
         v("filename", filename, Required(), "the image");
-        v("filter", key.filter, kFilters, "how it is looked up");
-        v("maxanisotropy", key.maxAnisotropy, Positive(1e6f), "of filter ewa: the longest footprint for its width");
+        v("filter", key.filter, kFilters, "how the image is filtered");
+        v("maxanisotropy", key.maxAnisotropy, Positive(1e6f),
+          "of filter ewa: largest ratio of length to width of the footprint");
         v("wrap", key.wrap, kWraps, "what lies outside of the image");
-        v("scale", scale, "factor");
-        v("invert", invert, "1 minus the value");
-        v("encoding", encoding, "sRGB, linear or \"gamma X\"; what the file says");
+        v("scale", scale, "factor of the values");
+        v("invert", invert, "take 1 minus the value");
+        v("encoding", encoding, "sRGB, linear or \"gamma X\"; default: what the file says");
         MappingParams::Describe(v);
     }
     MipMapKey Key(const ParamSet &set, const FileResolver &files) const {

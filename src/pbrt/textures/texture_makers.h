@@ -7,10 +7,10 @@
 
 namespace pbrt {
 
-/// What a texture is made for, and who resolves the textures that its parameters name.
+/// What a texture is made from beside its parameters. The two functions resolve the textures that its parameters name.
 struct TextureRequest {
     const Transform &renderFromTexture;
-    SpectrumUse use;  ///< what the user wants of rgb values; of spectrum textures
+    SpectrumUse use;  ///< what rgb values are uplifted to; only for spectrum textures
     const FileResolver &files;
     ImageCache &images;
     DiagnosticSink &sink;

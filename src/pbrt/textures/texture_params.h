@@ -3,11 +3,12 @@
 
 namespace pbrt {
 
-/// A parameter that is a number or names a float texture. How it is declared and, after reading, what was given; valid
-/// while the ParamSet lives. Of a number and a name the last one counts, and the other is unused.
+/// A parameter that is a number or names a float texture: how it is declared and, after reading, what was given. Valid
+/// while the ParamSet lives. If both a number and a name are given, the last one is used, and the other is an unused
+/// parameter.
 struct FloatTextureParam {
     std::optional<Float> constant{};      ///< the default; nullopt: none
-    std::optional<Range<Float>> range{};  ///< of a texture that is the same everywhere
+    std::optional<Range<Float>> range{};  ///< of numbers and constant textures
     const ParamSet *set = nullptr;
     const Param *given = nullptr;
 

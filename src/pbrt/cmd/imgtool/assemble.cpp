@@ -27,8 +27,9 @@ int Assemble(const AssembleOptions &o) {
             counts.assign(static_cast<size_t>(resolution.x) * static_cast<size_t>(resolution.y), 0);
         }
         if (resolution != whole.image.Resolution())
-            throw UserError(fmt::format("Parts of different pictures: {} is of one of {}, {} of one of {} x {}.",
-                                        o.paths[0], SizeText(whole.image), path, resolution.x, resolution.y));
+            throw UserError(
+                fmt::format("Parts of different pictures: {} belongs to a picture of {}, {} to one of {} x {}.",
+                            o.paths[0], SizeText(whole.image), path, resolution.x, resolution.y));
         if (part.image.Channels() != whole.image.Channels() || &SpaceOf(part) != &SpaceOf(whole))
             throw UserError(fmt::format("{} and {} have different channels or colour spaces.", o.paths[0], path));
         const Bounds2i &window = *m.pixelBounds;

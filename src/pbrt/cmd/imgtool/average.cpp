@@ -38,7 +38,9 @@ void AddAverage(CLI::App &app, Action &action) {
     auto o = std::make_shared<AverageOptions>();
     CLI::App *command = app.add_subcommand("average", "Mean of several images");
     command->add_option("images", o->names, kImagesHelp)->required();
-    command->add_option("--outfile", o->outfile, "Result (left out if a pattern or a start fits it)")
+    command
+        ->add_option("--outfile", o->outfile,
+                     "Result; not averaged itself, even if a pattern or the start of a name fits it")
         ->required()
         ->type_name("FILE");
     command->footer("Example: imgtool average runs/seed --outfile mean.exr");

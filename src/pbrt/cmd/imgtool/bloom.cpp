@@ -26,7 +26,7 @@ std::vector<Float> Gaussian(int width) {
     return weights;
 }
 
-/// Along one axis. What is blurred over the edge is lost.
+/// Blurs along one axis. Light that is blurred over the edge is lost.
 Image Blur(const Image &image, const std::vector<Float> &weights, Point2i axis) {
     Image result(PixelFormat::Float, image.Resolution(), image.Channels());
     const int radius = static_cast<int>(weights.size()) / 2;
@@ -54,7 +54,7 @@ int Bloom(const BloomOptions &o) {
     size_t count = 0;
     ForEachPixel(bright, [&](Point2i p) {
         const Rgb color = GetRgb(file.image, p, rgb);
-        // Not-a-number and infinity would spread.
+        // A value that is not a number or infinite would spread to its neighbours.
         if (!(std::max({color.x, color.y, color.z}) > o.level) || !std::isfinite(color.x + color.y + color.z)) return;
         ++count;
         SetRgb(bright, p, {0, 1, 2}, color);

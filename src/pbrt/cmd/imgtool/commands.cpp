@@ -143,8 +143,9 @@ std::vector<std::string> FindImages(const std::vector<std::string> &names, const
             found.push_back(path.has_parent_path() ? entry.path().string() : here);
         }
         if (found.empty())
-            throw UserError(isPattern ? fmt::format("No file fits \"{}\".", name)
-                                      : fmt::format("No file is called \"{}\", and no image's name starts so.", name));
+            throw UserError(isPattern
+                                ? fmt::format("No file fits \"{}\".", name)
+                                : fmt::format("No file is called \"{}\", and no image's name starts with it.", name));
         std::sort(found.begin(), found.end());
         for (const std::string &file : found) add(file);
     }

@@ -13,7 +13,8 @@ namespace pbrt::imgtool {
 /// What a chosen command does; returns the exit status. Throws UserError.
 using Action = std::function<int()>;
 
-// Each adds its subcommand to `app` and sets `action` when the subcommand is chosen. `action` outlives the parsing.
+// Each adds its subcommand to `app` and sets `action` when the subcommand is chosen. `action` must stay until parsing
+// is over.
 void AddInfo(CLI::App &app, Action &action);
 void AddConvert(CLI::App &app, Action &action);
 void AddDiff(CLI::App &app, Action &action);
@@ -47,7 +48,7 @@ void ForEachPixel(const Image &image, F &&f) {
 
 /// "640 x 480".
 std::string SizeText(const Image &image);
-/// sRGB where the file does not say.
+/// The colour space of the file; sRGB if the file does not name one.
 const ColorSpace &SpaceOf(const ImageFile &file);
 
 /// Four numbers x0,x1,y0,y1, half-open, of pixels stored in the file, inside `resolution`. Throws UserError.
@@ -57,8 +58,7 @@ void ApplyCrop(ImageFile &file, const std::vector<int> &numbers, const std::stri
 
 /// Adds --crop to a subcommand.
 CLI::Option *AddCropOption(CLI::App &command, std::vector<int> &numbers);
-/// Adds --outfile, without which the command cannot do. Where it `isPositional`, the name alone may stand after the
-/// image.
+/// Adds the required option --outfile. If it `isPositional`, the name alone may stand after the image.
 CLI::Option *AddOutfileOption(CLI::App &command, std::string &path, bool isPositional = false);
 
 /// The metric called `name`. Throws UserError with the choices.
@@ -67,17 +67,17 @@ Metric ChosenMetric(const std::string &name);
 void CheckComparable(const ImageFile &a, const std::string &pathA, const ImageFile &b, const std::string &pathB,
                      const std::string &hint = "");
 
-/// A number for JSON with as many digits as tell it from other floats, not those of a double.
+/// A number for JSON with just enough digits to tell it from other floats, not the digits of a double.
 double ShortNumber(Float v);
 
 /// Reads an image; its pixels become float.
 ImageFile ReadAsFloat(const std::string &path);
 /// The files that `names` mean, each once. A name is that of a file; or a pattern for the last part of a path with *
-/// (any characters) and ? (any one); or the start of the paths of images. What a pattern or a start finds comes in name
-/// order, without the files `except` (results of an earlier run are no input). Throws UserError for a name that means
-/// none.
+/// (any characters) and ? (any one); or the start of the paths of images. Files found by a pattern or a start come in
+/// name order, without the files `except`, so that results of an earlier run are no input. Throws UserError for a name
+/// that fits no file.
 std::vector<std::string> FindImages(const std::vector<std::string> &names, const std::vector<std::string> &except);
-/// What the help says about such names.
+/// Help text for such names.
 inline constexpr const char *kImagesHelp =
     "Images: names of files, patterns in quotes such as 'runs/seed*.exr', or starts of names such as runs/seed";
 

@@ -112,7 +112,9 @@ void AddConvert(CLI::App &app, Action &action) {
     AddCropOption(*command, o->crop);
     command->add_option("--channels", o->channels, "Keep only these channels, in this order")->type_name("R,G,B");
     command->add_option("--scale", o->scale, "Multiply colours by this")->capture_default_str();
-    command->add_option("--exposure", o->exposure, "Brighter by so many stops: multiply colours by 2 to this power")
+    command
+        ->add_option("--exposure", o->exposure,
+                     "Stops by which the image becomes brighter: multiply colours by 2 to this power")
         ->check(CLI::Range(-100.0, 100.0))
         ->capture_default_str();
     command->add_option("--clamp", o->clamp, "Limit colours to -v .. v")->check(CLI::NonNegativeNumber);

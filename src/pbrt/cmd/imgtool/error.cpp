@@ -58,7 +58,9 @@ void AddError(CLI::App &app, Action &action) {
     auto o = std::make_shared<ErrorOptions>();
     CLI::App *command = app.add_subcommand("error", "Errors of several images, and their mean");
     command->add_option("images", o->names, kImagesHelp)->required();
-    command->add_option("--reference", o->reference, "Image to compare with (left out if a pattern or a start fits it)")
+    command
+        ->add_option("--reference", o->reference,
+                     "Image to compare with; not compared itself, even if a pattern or the start of a name fits it")
         ->required()
         ->type_name("FILE");
     command->add_option("--metric", o->metric, "MAE, MSE, MRSE, relL2, SMAPE, FLIP or HDR-FLIP; see imgtool help diff")

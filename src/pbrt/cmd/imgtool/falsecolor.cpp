@@ -34,7 +34,7 @@ struct Range {
     Float most = 1, largest = 0;
 };
 
-// A few bright pixels would make all others black.
+// Up to the largest value, a few bright pixels would make all others black.
 Range ChooseRange(std::vector<Float> values) {
     Range range;
     if (values.empty()) return range;

@@ -52,7 +52,7 @@ struct AttributeJson {
     Json operator()(int v) const { return v; }
     Json operator()(float v) const { return ShortNumber(v); }
     Json operator()(const std::string &v) const { return v; }
-    /// Row by row.
+    /// A matrix as an array of its rows.
     Json operator()(const glm::mat4 &m) const {
         Json rows = Json::array();
         for (int row = 0; row < 4; ++row)

@@ -14,7 +14,7 @@ struct MakeequiareaOptions {
     int resolution = 0;
 };
 
-/// Bilinear in a latitude-longitude image: its columns go round, its rows end at the poles.
+/// Bilinear interpolation in a latitude-longitude image: columns wrap around, rows end at the poles.
 class LatLong {
   public:
     explicit LatLong(const Image &image) : image_(image), size_(image.Resolution()) {}
@@ -48,7 +48,8 @@ int Makeequiarea(const MakeequiareaOptions &o) {
         LogWarning(fmt::format("{}: a latitude-longitude image is twice as wide as high; this one has {}.", o.path,
                                SizeText(file.image)));
     const int resolution = o.resolution > 0 ? o.resolution : size.x;
-    // Below the input's width a pixel is a mean, so that no light is lost.
+    // If the result is smaller than the input's width, a pixel is the mean of several lookups, so that no light is
+    // lost.
     const int perSide = (size.x + resolution - 1) / resolution;
     const LatLong source(file.image);
     Image result(PixelFormat::Float, {resolution, resolution}, file.image.Channels());

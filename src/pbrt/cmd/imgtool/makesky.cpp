@@ -16,8 +16,8 @@ struct MakeskyOptions {
     int resolution = 2048;
 };
 
-/// Points spread evenly over the disc, each with its share of the light: no light is lost, however small the disc is in
-/// pixels. What is below the horizon is hidden.
+/// Adds points that are spread evenly over the sun's disc, each with its share of the light, so that no light is lost
+/// however few pixels the disc covers. Points below the horizon are hidden.
 void AddSun(Image &image, const PreethamSky &sky, const ColorSpace &space) {
     constexpr int kPoints = 1 << 16;
     const double pixel = 4 * double(Pi) / (double(image.Resolution().x) * image.Resolution().y);

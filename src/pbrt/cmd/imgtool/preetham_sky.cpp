@@ -75,7 +75,7 @@ PreethamSky::PreethamSky(double elevation, double turbidity, double albedo) {
     for (Perez &p : perez_) p.factor = p.zenith / p(1, theta);
     sunRadiance_ = SunThroughAir(theta, t);
 
-    // Of what the ground sends up, the sky returns a share that the ground sends up again, and so on.
+    // The ground reflects light up, the sky returns a share of it, the ground reflects a part of that again, and so on.
     const double share = albedo * (0.0685 + 0.16 * (1 - std::exp(-1.66 * AerosolDepth(t, 0.55))));
     const Xyz sky = SkyIrradiance();
     const double solidAngle = 2 * kPi * (1 - std::cos(SunRadius));

@@ -11,7 +11,8 @@ namespace pbrt::imgtool {
 /// Rayleigh scattering, aerosols and ozone of its appendix A.1. Departures: the sun above the atmosphere is a black
 /// body of 5778 K (that gives the solar constant), the weak bands of oxygen and water vapour are left out; ground of an
 /// albedo above 0 sends light up, of which the sky returns a part evenly (Bird and Hulstrom 1981, "A Simplified Clear
-/// Sky Model"). XYZ as of a spectrum in W / (m^2 sr nm) over CieYIntegral, so that luminance is CandelasPerY * Y.
+/// Sky Model"). XYZ are those of a spectrum in W / (m^2 sr nm), divided by CieYIntegral, so that luminance is
+/// CandelasPerY * Y.
 class PreethamSky {
   public:
     static constexpr double CandelasPerY = 683 * 106.856895;  ///< cd/m^2
@@ -22,19 +23,19 @@ class PreethamSky {
 
     /// Unit vector; z up, the sun in the half plane of +y.
     const Vector3 &SunDirection() const { return sun_; }
-    /// Without the sun's disc; 0 below the horizon.
+    /// Radiance of the sky without the sun's disc; 0 below the horizon.
     Xyz Radiance(const Vector3 &w) const;
-    /// Mean over the disc.
+    /// Mean radiance over the sun's disc.
     const Xyz &SunRadiance() const { return sunRadiance_; }
-    /// On a level surface, from all of Radiance().
+    /// Irradiance of a horizontal surface by Radiance().
     Xyz SkyIrradiance() const;
 
   private:
-    /// One of Y, x, y.
+    /// Perez' formula for one of Y, x, y.
     struct Perez {
         double a, b, c, d, e, zenith;
         double operator()(double cosTheta, double gamma) const;
-        double factor = 1;  ///< of the formula, so that its value at the zenith is `zenith`
+        double factor = 1;  ///< scales the formula to `zenith` at the zenith
     };
 
     Vector3 sun_;

@@ -26,8 +26,8 @@ Point2i ParseCorner(const std::string &text) {
     throw UserError(fmt::format("--crop {}: two whole numbers x,y were expected.", text));
 }
 
-/// Where things go in the result: strips side by side in the size of the images; below them for every crop a row with
-/// the same square of each image, enlarged by a whole number.
+/// The layout of the result: vertical strips of the images side by side, together as large as one image; below them,
+/// for every crop, a row with the same square of each image, enlarged by a whole number.
 struct Layout {
     Point2i picture;
     int images, cropSize, zoom, step;
@@ -91,9 +91,10 @@ void AddSplitn(CLI::App &app, Action &action) {
     command->add_option("files", o->paths, "Images of one size; the first gives the leftmost strip")->required();
     AddOutfileOption(*command, o->outfile);
     command
-        ->add_option("--crop", o->crops,
-                     "Upper left corner of a square that a row below shows of every image, enlarged if there is room; "
-                     "may be given several times")
+        ->add_option(
+            "--crop", o->crops,
+            "Upper left corner of a square; a row below the strips shows this square of every image, enlarged if "
+            "there is room; may be given several times")
         ->allow_extra_args(false)
         ->type_name("x,y");
     command->add_option("--cropsize", o->cropSize, "Side of the squares in pixels")

@@ -16,7 +16,7 @@ Point2 Chromaticity(const Spectrum &s) {
     return {xyz.x / (xyz.x + xyz.y + xyz.z), xyz.y / (xyz.x + xyz.y + xyz.z)};
 }
 
-/// stdillum-A can be called A.
+/// The prefix of a name may be left out: A is stdillum-A.
 Point2 WhiteOfIlluminant(const std::string &name) {
     std::vector<std::string> choices;
     for (const std::string &known : NamedSpectrumNames())
@@ -55,8 +55,8 @@ int Whitebalance(const WhitebalanceOptions &o) {
 
 void AddWhitebalance(CLI::App &app, Action &action) {
     auto o = std::make_shared<WhitebalanceOptions>();
-    CLI::App *command =
-        app.add_subcommand("whitebalance", "Make what is white in a light white in the image's colour space");
+    CLI::App *command = app.add_subcommand(
+        "whitebalance", "Turn the white of a given light into the white of the image's colour space");
     command->add_option("file", o->path, "Image with the channels R, G, B")->required();
     AddOutfileOption(*command, o->outfile, true);
     CLI::Option *illuminant =

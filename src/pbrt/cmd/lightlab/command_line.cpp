@@ -30,12 +30,11 @@ const char *const kFooter =
     "A sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]], as in pbrt: +mesh takes every "
     "emissive\n"
     "mesh as one light, +gate skips some shadow rays at random. pbrt --list-lightsamplers names all with their\n"
-    "parameters. Commas or semicolons part samplers; a comma followed by key=value goes on with the same one.\n\n"
-    "The reference is rendered with the sampler that has the least variance in a short pilot run, and a second one "
-    "with\n"
-    "the next best, which judges the first. They are kept in the cache folder as <scene>.reference-<hash>.exr; the "
-    "hash\n"
-    "changes with anything the scene says. --spp n: 16 n samples, at least 512. --time t: about 10 t seconds.\n\n"
+    "parameters. Commas or semicolons separate samplers; a comma before key=value continues the same sampler.\n\n"
+    "The reference is rendered with the sampler that has the least variance in a short pilot run. If that sampler is\n"
+    "compared, a second reference, rendered with the next best, judges it. References are kept in the cache folder as\n"
+    "<scene>.reference-<hash>.exr; the hash changes with anything the scene says. A reference takes\n"
+    "16 n samples for --spp n, at least 512, and about 10 t seconds for --time t.\n\n"
     "Environment: LIGHTLAB_REPORT_SCRIPTS, the folder of charts.py and report.py; LIGHTLAB_PYTHON (/usr/bin/python3).";
 
 struct Parser {
@@ -71,7 +70,7 @@ std::string Text(int argc, const char *const *argv) {
     return text;
 }
 
-/// Those of the paper's comparison that this build has.
+/// The samplers of the paper's comparison that this build has.
 std::string DefaultSamplers(const std::vector<std::string> &registered) {
     std::string list;
     for (const char *name : {"uniform", "power", "bvh", "spatial", "neepp", "octree"})
@@ -82,8 +81,8 @@ std::string DefaultSamplers(const std::vector<std::string> &registered) {
 
 LightlabCommandLine ParseInspect(int argc, const char *const *argv) {
     Parser parser(
-        "Pictures of what a light sampler knows, over what the camera sees first: cell and records, entropy of the\n"
-        "distribution, which light contributes most and its probability, measured visibility.\n\n"
+        "Writes pictures of what a light sampler knows at the surfaces that the camera sees first: cell and records,\n"
+        "entropy of the distribution, which light contributes most and its probability, measured visibility.\n\n"
         "  lightlab inspect scene.pbrt --sampler octree --out DIR",
         "lightlab inspect");
     LightlabOptions &o = parser.result.options;
@@ -97,11 +96,12 @@ LightlabCommandLine ParseInspect(int argc, const char *const *argv) {
     app.add_flag("--mesh", inspect.build.meshLights, "the same as +mesh: an emissive mesh is one light");
     app.add_option("--out", inspect.outFolder, "folder (inspect-<sampler>)");
     app.add_option("--divisor", inspect.build.film.resolutionDivisor, "divides the resolution")->check(PositiveNumber);
-    CLI::Option *depth = app.add_option("--maxdepth", maxDepth, "of the paths")->check(NonNegativeNumber);
-    CLI::Option *seedOption = app.add_option("--seed", seed, "of the preparation");
+    CLI::Option *depth =
+        app.add_option("--maxdepth", maxDepth, "scattering events per path (the scene's)")->check(NonNegativeNumber);
+    CLI::Option *seedOption = app.add_option("--seed", seed, "seed of the preparation");
     app.add_option("--samples", inspect.settings.samples, "light samples per light and pixel (32)")
         ->check(PositiveNumber);
-    app.add_option("--lights", inspect.settings.shownLights, "pictures of measured visibility (16)")
+    app.add_option("--lights", inspect.settings.shownLights, "number of lights whose measured visibility is shown (16)")
         ->check(NonNegativeNumber);
     app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(NonNegativeNumber);
     app.add_flag("--quiet", o.quiet, "no progress and no warnings");
@@ -112,7 +112,7 @@ LightlabCommandLine ParseInspect(int argc, const char *const *argv) {
     return parser.result;
 }
 
-/// Everything that was not said on the command line comes from the campaign that is replayed.
+/// Takes the settings that the command line does not give from the campaign that is replayed.
 void TakeFromResults(LightlabOptions *o, bool samplers, bool seeds, bool depth, bool sampledLight, bool divisor,
                      bool gate, bool spp) {
     lab::CampaignSettings &c = o->campaign;
@@ -172,11 +172,12 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
     CLI::Option *samplersOption =
         app.add_option("--samplers", samplers, "list of samplers (" + DefaultSamplers(registered) + ")")->group(what);
     CLI::Option *fileOption =
-        app.add_option("--samplers-file", samplersFile, "one sampler a line, # comments; after --samplers if both")
+        app.add_option("--samplers-file", samplersFile,
+                       "file with one sampler per line and # comments; its samplers follow those of --samplers")
             ->group(what);
-    CLI::Option *gateOption =
-        app.add_option("--shadow-gate", c.shadowGate, "gate of every sampler without one of its own; or none")
-            ->group(what);
+    CLI::Option *gateOption = app.add_option("--shadow-gate", c.shadowGate,
+                                             "gate of every sampler that names none (the scene's); none: no gate")
+                                  ->group(what);
 
     const char *effort = "Effort";
     CLI::Option *time =
@@ -198,8 +199,9 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
                              ->group(scene);
     app.add_flag("--direct", direct, "direct light only: --maxdepth 1")->group(scene)->excludes(depth);
     CLI::Option *sampledLight =
-        app.add_flag("--sampled-light", c.sampledLightOnly,
-                     "without lamps that the camera or a mirror shows, and caustics: no choice of lights changes these")
+        app.add_flag(
+               "--sampled-light", c.sampledLightOnly,
+               "leave out lamps that the camera or a mirror shows, and caustics: no choice of lights changes these")
             ->group(scene);
     CLI::Option *divisorOption = app.add_option("--divisor", c.resolutionDivisor, "divides the resolution (1)")
                                      ->check(PositiveNumber)
@@ -220,10 +222,10 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
                        "~/.cache/pbrt_octree); \"\": the output folder")
             ->group(reference);
 
-    app.add_option("--selection-work", c.selectionWork,
-                   "bias check of light selection at vertices of paths: lights drawn, at most, for every sampler (1e8, "
-                   "some 10 to 50 s; "
-                   "0: bias is looked for in pictures only)")
+    app.add_option(
+           "--selection-work", c.selectionWork,
+           "most lights drawn for every sampler in the bias check of light selection at vertices of paths (1e8, "
+           "some 10 to 50 s; 0: bias is looked for in pictures only)")
         ->check(NonNegativeNumber)
         ->group(effort);
 
@@ -231,13 +233,15 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
     app.add_option("--out", c.outFolder, "folder (<scene name>-lab)")->group(output);
     app.add_option("--crops", crops, "parts shown enlarged, x0,y0,x1,y1;... in pixels (where samplers differ most)")
         ->group(output);
-    app.add_flag("--restart", c.restart, "forget what the folder holds of a campaign")->group(output);
+    app.add_flag("--restart", c.restart, "delete the records of a campaign in the folder and begin anew")
+        ->group(output);
     app.add_option("--samples-from", c.samplesFrom,
                    "results.json: render the sample counts recorded there, so that a --time campaign gives the same "
                    "pictures again")
         ->group(output)
         ->excludes(time);
-    app.add_flag("--no-report", noReport, "no looks inside the samplers, no charts and no report.html")->group(output);
+    app.add_flag("--no-report", noReport, "no pictures of what the samplers know, no charts and no report.html")
+        ->group(output);
     app.add_flag("--quiet", o.quiet, "no progress and no warnings; results and errors only")->group(output);
 
     if (!parser.Parse(argc - 1, argv + 1, [] {})) return parser.result;

@@ -4,7 +4,7 @@
 
 namespace pbrt {
 
-/// Everything the lightlab command line can say.
+/// The options of the lightlab command line.
 struct LightlabOptions {
     lab::CampaignSettings campaign;  ///< without the samplers
     std::vector<std::string> samplers;

@@ -16,8 +16,8 @@
 
 namespace {
 
-/// Records and pictures are complete at any time, so there is nothing to wait for; but most work ends within this time
-/// by itself, and leaves nothing half done.
+/// Seconds from a signal to the end of the process. Records and pictures on disk are complete at any time, so nothing
+/// needs to be waited for; but most work ends within this time and then leaves no unfinished files.
 constexpr double kGraceSeconds = 0.4;
 
 int Compare(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegistry &registry) {

@@ -21,9 +21,9 @@ std::string Environment(const char *name, const char *otherwise) {
     return value && *value ? value : otherwise;
 }
 
-/// In the child: becomes the program. Nothing but calls that are allowed after a fork among threads.
+/// Replaces the forked child by the program. Makes only calls that are allowed after a fork in a process with threads.
 [[noreturn]] void Become(const char *const *arguments, pid_t parent, const sigset_t &mask, int failures) {
-    // The signals' handlers tell the parent; here they end the process, or stay ignored.
+    // The handlers of these signals belong to the parent; in the child a signal ends the process, or stays ignored.
     for (int signal : {SIGINT, SIGTERM, SIGHUP}) {
         struct sigaction action = {};
         if (sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN) continue;
@@ -43,8 +43,8 @@ std::string Environment(const char *name, const char *otherwise) {
     _exit(127);
 }
 
-/// Exit status of `python script folder`, or why it has none. Its standard output is dropped: that is the command's own
-/// table. To be called by a thread that lives as long as the process.
+/// Exit status of `python script folder`, or why it has none. Its standard output is dropped, because lightlab's
+/// standard output holds the table. To be called by a thread that lives as long as the process.
 struct ScriptResult {
     int status = -1;
     std::string failure;
@@ -54,7 +54,7 @@ ScriptResult RunScript(const std::string &python, const std::string &script, con
     auto notStarted = [](int reason) {
         return ScriptResult{-1, fmt::format("not started: {}", std::strerror(reason))};
     };
-    int failures[2];  // closed by a successful start
+    int failures[2];  // a pipe for the errno of a failed start; a successful start closes it
     if (pipe2(failures, O_CLOEXEC) != 0) return notStarted(errno);
     sigset_t all, before;
     sigfillset(&all);

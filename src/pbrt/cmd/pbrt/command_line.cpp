@@ -20,7 +20,7 @@ std::string Fold(const std::string &name) {
     return folded;
 }
 
-/// Rewrites every flag to the spelling CLI11 knows. What is not known stays and becomes CLI11's error.
+/// Rewrites every flag to the spelling that CLI11 knows. Unknown flags stay as they are, and CLI11 reports them.
 std::vector<std::string> CanonicalFlags(const CLI::App &app, int argc, const char *const *argv) {
     std::map<std::string, std::string> canonical;
     for (const CLI::Option *option : app.get_options())
@@ -61,7 +61,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
         "  pbrt --lightsampler octree scene.pbrt        lights chosen by the visibility octree\n"
         "  pbrt --lightsampler octree:budget=0.02,floor=0.1 --spp 64 --outfile out.exr scene.pbrt\n"
         "  pbrt --lightsampler bvh+mesh+gate=neepp scene.pbrt\n"
-        "  pbrt --quick --spp 16 scene.pbrt             a small picture, soon\n\n"
+        "  pbrt --quick --spp 16 scene.pbrt             a small picture, quickly\n\n"
         "Ctrl-C, SIGTERM and SIGHUP save what was rendered and end with status 130, 143 and 129; a second one ends\n"
         "at once. A file that holds more samples of the same scene is kept: the interrupted picture is then\n"
         "written beside it, as out-unfinished.exr.",
@@ -83,7 +83,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     AddNumbers(app, "--pixelbounds", bounds, 4, "render only x0,x1,y0,y1, in pixels")->group(image);
     AddNumbers(app, "--pixel", pixel, 2, "render only the pixel x,y")->group(image);
     app.add_option("--outfile", o.build.film.filename,
-                   "image to write (.exr, .png, .pfm); beats the scene's film filename")
+                   "image to write (.exr, .png, .pfm); overrides the scene's film filename")
         ->group(image);
     app.add_flag("--write-partial-images", o.writePartialImages, "write the image after every wave of samples")
         ->group(image);
@@ -93,7 +93,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
         ->group(image);
 
     const char *effort = "Effort";
-    CLI::Option *sppOption = app.add_option("--spp", spp, "samples per pixel; beats the scene's sampler")
+    CLI::Option *sppOption = app.add_option("--spp", spp, "samples per pixel; overrides the scene's sampler")
                                  ->check(PositiveNumber)
                                  ->group(effort);
     app.add_option("--time", o.timeBudget, "render for this many seconds, preprocessing included, whatever --spp says")
@@ -107,12 +107,12 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
 
     const char *lights = "Light selection";
     app.add_option("--lightsampler", o.build.lightSampler,
-                   "which light gets the shadow ray, see below; beats the scene")
+                   "method that chooses the light for a shadow ray, see below; overrides the scene")
         ->group(lights);
     app.add_flag("--mesh-lights", o.build.meshLights, "the same as +mesh: an emissive mesh is one light")
         ->group(lights);
     app.add_option("--shadow-gate", o.build.shadowGate,
-                   "name[:key=value,...], the same as +gate=; none: no gate whatever the scene says")
+                   "name[:key=value,...], the same as +gate=; none: no gate, even if the scene names one")
         ->group(lights);
     app.add_flag_callback(
            "--list-lightsamplers", [&o] { o.list = "lightsamplers"; }, "the same as --list lightsamplers")
@@ -132,7 +132,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
         ->group(method);
     app.add_flag("--disable-texture-filtering", o.build.disableTextureFiltering, "point-sample all textures")
         ->group(method);
-    app.add_flag("--force-diffuse", o.build.forceDiffuse, "every surface is diffuse, with the reflectance that it has")
+    app.add_flag("--force-diffuse", o.build.forceDiffuse, "make every surface diffuse, with its own reflectance")
         ->group(method);
     app.add_option("--displacement-edge-scale", o.build.displacementEdgeScale,
                    "multiplies the \"edgelength\" of displaced meshes")

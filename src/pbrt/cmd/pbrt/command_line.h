@@ -6,7 +6,7 @@
 
 namespace pbrt {
 
-/// Everything the pbrt command line can say.
+/// The options of the pbrt command line.
 struct CommandLine {
     BuildOptions build;
     std::vector<std::string> sceneFiles;
@@ -29,7 +29,7 @@ struct CommandLineResult {
     int status = 0;
 };
 
-/// Flags as stock pbrt-v4 takes them: one or two dashes, `-`, `_` and case inside names ignored, `--name value` or
+/// Parses flags as stock pbrt-v4 does: one or two dashes, `-`, `_` and case inside names ignored, `--name value` or
 /// `--name=value` (pbrt-v4-format §13), plus our own.
 CommandLineResult ParseCommandLine(int argc, const char *const *argv);
 

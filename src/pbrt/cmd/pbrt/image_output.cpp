@@ -16,7 +16,8 @@ std::optional<T> Attribute(const ImageMetadata &m, const std::string &name) {
     return value ? std::optional<T>(*value) : std::nullopt;
 }
 
-/// Two pictures can be compared by their samples. What a header does not say may be the same.
+/// True: two pictures may show the same, so that their samples can be compared. What a header does not say counts as
+/// equal.
 bool MayShowTheSame(const ImageMetadata &a, const ImageMetadata &b) {
     for (const char *name : {"pbrt.scene", "pbrt.integrator"}) {
         const std::optional<std::string> one = Attribute<std::string>(a, name), other = Attribute<std::string>(b, name);
@@ -38,7 +39,7 @@ bool ImageOutput::KeepsOld(const ImageMetadata &metadata) {
     if (!old_) try {
             old_ = ReadImage(filename_).metadata;
         } catch (const UserError &) {
-            old_.emplace();  // what it is nobody knows
+            old_.emplace();  // its contents are unknown
         }
     if (!MayShowTheSame(*old_, metadata)) return false;
     const std::optional<int> had = Attribute<int>(*old_, "samplesPerPixel"),

@@ -16,8 +16,8 @@ namespace pbrt {
 
 namespace {
 
-/// A signal that comes while a picture is being written lets it be finished if that takes no longer. Longer than any
-/// disk takes, shorter than schedulers wait before they kill.
+/// Seconds that the writing of a picture may go on after a signal. Longer than any disk needs, shorter than schedulers
+/// wait before they kill a process.
 constexpr double kWritingSeconds = 10;
 
 void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
@@ -37,7 +37,7 @@ class PictureWriter {
     PictureWriter(const CommandLine &options, const BuiltScene &built, const Timings &timings, SignalWatch &signals)
         : options_(options), built_(built), timings_(timings), signals_(signals), output_(built.filename) {}
 
-    /// After a wave, while the render goes on. A failure costs this picture only: the last one is what counts.
+    /// After a wave, while the render goes on. A failure is only a warning, because the final picture is what counts.
     void WritePartial(const RenderResult &result) {
         try {
             SayWriting(output_.Filename());
@@ -63,7 +63,7 @@ class PictureWriter {
             output_.WriteFinished(built_.film->ToImage(), Describe(result));
         if (result.cancelled) LogInfo("Interrupted: the image holds what was rendered.");
         if (name != output_.Filename())
-            LogInfo(fmt::format("{} is kept: it has more samples of this scene, or nobody knows how many.",
+            LogInfo(fmt::format("{} is kept: it has more samples of this scene, or an unknown number of them.",
                                 output_.Filename()));
         written_ = name;
         return true;
@@ -160,7 +160,7 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     std::fflush(stdout);
     // The picture is written all the same.
     if (!result.mseFailure.empty()) throw UserError(result.mseFailure);
-    // What is left is to free memory.
+    // Only memory is left to be freed.
     signals.EndAtOnce("");
     return signals.Status();
 }

@@ -5,8 +5,8 @@
 
 namespace pbrt {
 
-/// Reads, builds, renders and writes one image. Throws UserError. Returns the exit status: 0, or 128 + the signal's
-/// number after one came in time to be answered (what was rendered is saved).
+/// Reads, builds, renders and writes one image. Throws UserError. Returns the exit status: 0, or 128 plus the number of
+/// a signal that ended the render early; what was rendered until then is saved.
 int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Progress &progress,
                  SignalWatch &signals);
 

@@ -16,7 +16,7 @@ namespace pbrt {
 
 namespace {
 
-/// Whatever a sampler or gate reports, as attributes.
+/// Adds whatever a sampler or gate reports as attributes.
 template <class Reporter>
 void AddReport(const Reporter &reporter, const std::string &prefix, ImageMetadata *m) {
     nlohmann::ordered_json report = nlohmann::ordered_json::object();

@@ -9,7 +9,7 @@
 
 namespace pbrt {
 
-/// Seconds of the phases of a run, one after the other: what the progress lines, the last line and --stats say.
+/// Seconds of the phases of a run, in order; shown by the progress lines, the last line and --stats.
 struct Timings {
     double startUp = 0;  ///< from the start of the process to reading
     double read = 0, build = 0, prepare = 0, render = 0, write = 0;
@@ -21,14 +21,14 @@ struct Timings {
     double Total() const { return startUp + read + build + prepare + render + write; }
 };
 
-/// Since the process was started; in steps of the kernel's clock (10 ms).
+/// Seconds since the process was started, in steps of the kernel's clock (10 ms).
 double SecondsSinceProcessStart();
 
-/// What decided a picture and what it cost, for the file's header.
+/// What a picture depends on and what it cost, for the file's header.
 ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built, const RenderResult &result,
                             const Timings &timings);
 
-/// The text of --stats, to standard output.
+/// Prints the text of --stats to standard output.
 void PrintStatistics(const BuiltScene &built, const RenderResult &result, const Timings &timings);
 
 }  // namespace pbrt

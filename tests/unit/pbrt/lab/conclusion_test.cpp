@@ -108,7 +108,7 @@ TEST(Conclusion, BiasedSamplerNeitherWinsNorHinders) {
     all.back().bias = BiasVerdict::Biased;
     const Conclusion c = Conclude(all, {}, {}, true);
     EXPECT_EQ(c.winner, 1u);
-    EXPECT_TRUE(Says(c, "Biased, so no competitor: blind."));
+    EXPECT_TRUE(Says(c, "Biased, and therefore not competing: blind."));
     EXPECT_FALSE(Says(c, "blind has"));
     for (Contender &s : all) s.bias = BiasVerdict::Biased;
     ExpectUndecided(Conclude(all, {}, {}, true), "Nothing was measured");
@@ -161,8 +161,8 @@ TEST(Conclusion, CurvesThatContradictTheErrorsForbidAWinner) {
     const Conclusion c = Conclude(all, {}, {}, false);
     EXPECT_EQ(c.winner, 1u);
     EXPECT_EQ(c.headline.find("0.424"), std::string::npos);
-    EXPECT_TRUE(
-        Says(c, "Note: At equal time it is another: bvh comes to the error of octree in 0.424 times its time."));
+    EXPECT_TRUE(Says(
+        c, "Note: At equal time another sampler is better: bvh reaches the error of octree in 0.424 times its time."));
 }
 
 // Where samplers are equally good, a winner is named in kWinnerLevel of the campaigns at most; a lead of 2 is mostly

@@ -51,7 +51,7 @@ def draw(results, axis):
 
 
 def draw_guide(ax, bands, axis):
-    """Slope -1: what independent samples achieve. Above the curves' ends, so that it crosses none of them there."""
+    """Slope -1: what independent samples achieve. Drawn above the ends of the curves, so that it crosses none there."""
     (xLow, xHigh), (yLow, yHigh) = ax.get_xlim(), ax.get_ylim()
     ends = [b[-1][1] * b[-1][0] for s, b in bands if not s.isOracle] or [b[-1][1] * b[-1][0] for _, b in bands]
     level = min(max(ends) * 1.9, xHigh * yHigh / 3)

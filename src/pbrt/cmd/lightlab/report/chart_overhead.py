@@ -3,13 +3,13 @@ from matplotlib import pyplot as plt
 
 from chart_style import INK, SOFT, name_of
 
-# Names of the parts, and greys of the page (report.py replaces them) not a hue: a sampler's colour means the sampler.
+# Parts in greys of the page, which report.py replaces. Not in hues: a hue stands for a sampler.
 PARTS = [("prepassSeconds", "prepass", "#30363f"), ("buildSeconds", "build", "#8b939e"),
          ("renderSeconds", "render", "#d3d8de")]
 
 
 def text_of(parts, limit):
-    """What stands beside a bar."""
+    """The text beside a bar."""
     whole = sum(parts)
     share = 100 * (whole - parts[2]) / whole
     said = f"preparation {share:.2g} %" if share >= 0.1 else "preparation < 0.1 %" if share > 0 else "no preparation"

@@ -5,7 +5,7 @@ from matplotlib import pyplot as plt
 
 from chart_style import INK, PAPER, SOFT, log_ticks, name_of
 
-LAGGARD = 1 / 4  # of the median number of samples: who made fewer does not decide where all are compared
+LAGGARD = 1 / 4  # share of the median number of samples; a sampler with fewer does not decide where all are compared
 
 
 def last_samples(s):
@@ -13,8 +13,8 @@ def last_samples(s):
 
 
 def points_of(results):
-    """(N, [(sampler, seconds, error)]) after N samples per pixel, N the most that each but the oracle and laggards
-    made. Laggards stand where they ended."""
+    """(N, [(sampler, seconds, error)]) after N samples per pixel, where N is the most that every sampler but the
+    oracle and laggards reached. Laggards are shown at their own last sample."""
     reached = sorted(n for n in (last_samples(s) for s in results.samplers if not s.isOracle) if n is not None)
     if not reached:
         return None, []

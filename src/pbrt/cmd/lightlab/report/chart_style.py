@@ -81,5 +81,5 @@ def start(group, gap):
 
 
 def name_of(sampler):
-    """Label with what must not be overlooked."""
+    """The label, with a note if the sampler is biased."""
     return sampler.label + (" (biased)" if sampler.biased else "")

@@ -215,7 +215,7 @@ class Results:
 
 
 def figures(value, digits=3):
-    """A number with so many significant digits and no exponent where it stays short; "–" for None."""
+    """A number with `digits` significant digits, without exponent where that is short; "–" for None."""
     if value is None:
         return "–"
     if value == 0:

@@ -3,7 +3,7 @@ import re
 
 import lab_results as lab
 
-MOST_ALIKE = 4  # of layers that differ in a number only (one per light)
+MOST_ALIKE = 4  # of the layers whose names differ only in a number (one per light), this many are shown
 # Layers every sampler has -> what the page calls them. They come first, so that rows compare; then the sampler's own.
 TITLES = {"entropy": "entropy of the probabilities, bits",
           "brightest_probability": "probability of the strongest light", "log10_excess": "excess second moment, log10",
@@ -26,7 +26,7 @@ def stem_of(name):
 
 
 def chosen(layers):
-    """All layers, but of those that differ in a number only the ones of the largest mean."""
+    """The layers to show. Of those whose names differ only in a number, the ones with the largest means."""
     alike = {}
     for layer in layers:
         alike.setdefault(stem_of(layer["name"]), []).append(layer)
@@ -54,11 +54,11 @@ def views_of(entry, embed):
 
 
 def flat_sentences(entry):
-    """In words what is the same everywhere: a picture of it would be blank."""
+    """Sentences about the layers that are the same everywhere; their pictures would be blank."""
     layers = [v for v in (entry or {}).get("layers") or [] if v.get("name") and v.get("isFlat")]
     sentences = []
     if any(v["name"] == "sampler.leaf" for v in layers):
-        sentences.append("One leaf knows all that the camera sees.")
+        sentences.append("One leaf covers all that the camera sees.")
     sentences += [f"One light contributes most everywhere: {v['light']}." for v in layers
                   if v["name"] == "brightest" and v.get("light")]
     same = [f"{title_of(v)} {lab.figures(lab.number(v.get('least')))}" for v in layers
@@ -72,6 +72,8 @@ def flat_sentences(entry):
 
 
 def stride_sentence(results):
-    """Says if not every pixel was looked at."""
+    """A sentence that tells how many pixels share a ray; empty if every pixel has its own."""
     coarsest = max((s.entry.get("views") or {}).get("everyNthPixel") or 1 for s in results.samplers)
-    return f" One ray for {coarsest} × {coarsest} pixels, because the lights are many." if coarsest > 1 else ""
+    if coarsest <= 1:
+        return ""
+    return f" One ray stands for {coarsest} × {coarsest} pixels, because there are many lights."

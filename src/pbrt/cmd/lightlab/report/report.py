@@ -32,7 +32,7 @@ def data_uri(file):
 
 
 def packed(file):
-    """For the page's DecompressionStream."""
+    """The file as base64, compressed for the page's DecompressionStream."""
     return base64.b64encode(zlib.compress(file.read_bytes(), 9)).decode()
 
 
@@ -117,7 +117,7 @@ def pairs_html(pairs):
 
 
 def value_html(value):
-    """Any JSON value, readable."""
+    """Any JSON value as readable HTML."""
     if isinstance(value, dict):
         return pairs_html([(k, value_html(v)) for k, v in value.items()]) if value else "none"
     if isinstance(value, list):
@@ -132,7 +132,7 @@ def value_html(value):
 
 
 def parameters_html(parameters):
-    """name=value, one after the other."""
+    """The parameters as a list of name=value."""
     if not isinstance(parameters, dict) or not parameters:
         return value_html(parameters) if parameters else "none"
 
@@ -231,7 +231,8 @@ def view_scale_html(view):
 
 
 def inside_html(results, items):
-    """A row of pictures per sampler, the scene's own first. The script puts the pictures in: the page has each once."""
+    """A row of pictures per sampler, the scene's own first. The page's script inserts the pictures, so that
+    the page holds each only once."""
     rows = []
     for i, item in enumerate(items):
         if not item["views"] and not item["flat"]:

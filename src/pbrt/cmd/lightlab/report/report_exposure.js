@@ -52,7 +52,7 @@ const exposure = (() => {
     canvas.dataset.painted = String(stops);
   }
 
-  // Keeps a canvas painted with a part of the picture. Calling what is returned paints one that was hidden.
+  // Keeps a canvas painted with a part of the picture. The returned function paints a canvas that was hidden before.
   function show(canvas, file, x0 = 0, y0 = 0) {
     const entry = { canvas, file, x0, y0, picture: null, painted: null };
     canvases.add(entry);

@@ -3,7 +3,7 @@
   const { items, pictures, crops } = viewer;
 
   function cropGrid() {
-    // One reference is enough here.
+    // Only the first reference is shown here.
     const columns = items.map((v, i) => [v, i]).filter(
       ([v, i]) => (v.result || v.error) && (v.kind === "sampler" || i === 0));
     if (!crops.length || !columns.length) return;

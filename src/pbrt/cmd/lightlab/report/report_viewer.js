@@ -132,7 +132,7 @@ const viewer = (() => {
     place();
   }
 
-  // Some of the picture always stays in sight.
+  // A part of the picture always stays in sight.
   function hold() {
     const edge = 40;
     view.x = Math.min(stage.clientWidth - edge, Math.max(edge - view.scale * width, view.x));
@@ -156,7 +156,7 @@ const viewer = (() => {
     stage.focus({ preventScroll: true });
   }
 
-  // The look on the right, the picture it belongs to on the left.
+  // Shows the view on the right, and the result of the same item on the left.
   function showView(item, name) {
     show("right", item, name);
     show("left", item, "result");
@@ -181,7 +181,7 @@ const viewer = (() => {
     for (const name of onlyLeft ? ["left"] : ["left", "right"]) show(name, sides[name].item, kind);
   }
 
-  // From look to look that a shown item has, and back to the result.
+  // Goes on to the next view that a shown item has, and after the last one back to the result.
   function nextView(onlyLeft) {
     const names = onlyLeft ? ["left"] : ["left", "right"];
     const has = (kind) => names.some((name) => viewOf(items[sides[name].item], kind));

@@ -361,7 +361,7 @@ class Page(unittest.TestCase):
         # One leaf: words instead of blank panels.
         self.assertEqual(self.looks("neepp"), [])
         text = self.find('#inside .look[data-label="neepp"] .flat').text
-        self.assertEqual(text, "One leaf knows all that the camera sees. The same everywhere: "
+        self.assertEqual(text, "One leaf covers all that the camera sees. The same everywhere: "
                          "leaf records 1234; entropy of the probabilities, bits 1.50. "
                          "No value anywhere: excess second moment, log10.")
         self.assertEqual(self.looks("octree"), ["entropy", "brightest_probability", "sampler.leaf", "sampler.found_3",

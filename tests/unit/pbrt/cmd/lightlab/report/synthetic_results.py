@@ -147,7 +147,7 @@ def conclusion_of(winner):
     """As lightlab writes it; without a winner the octree has the lowest mean error."""
     headline = f"{winner} has the lowest error at equal samples." if winner else "Undecided. Mean relL2: octree 0.01."
     reasons = [] if winner else ["Its lead over bvh is within the noise of the runs (level 5 %)."]
-    doubts, remarks = ["The references <differ> by relL2 25."], ["Biased, so no competitor: neepp."]
+    doubts, remarks = ["The references <differ> by relL2 25."], ["Biased, and therefore not competing: neepp."]
     return {"winner": winner, "lowestError": winner or "octree", "level": 0.05, "headline": headline,
             "reasons": reasons, "doubts": doubts, "remarks": remarks,
             "sentences": [headline, *reasons, *(f"Doubt: {d}" for d in doubts), *(f"Note: {r}" for r in remarks)]}

@@ -22,8 +22,10 @@ struct CameraParams {
     void Describe(V &&v) {
         constexpr Range<Float> kShutterRange{-1e9f, 1e9f, false, false, "s"};
         v("shutteropen", shutterOpen, kShutterRange, "when the shutter opens");
-        v("shutterclose", shutterClose, kShutterRange, "when the shutter closes; brightness is proportional to the time it is open");
-        v("frameaspectratio", frameAspectRatio, Range<Float>{1e-6f, 1e6f}, "width over height of the screen; default: that of the film");
+        v("shutterclose", shutterClose, kShutterRange,
+          "when the shutter closes; brightness is proportional to the time it is open");
+        v("frameaspectratio", frameAspectRatio, Range<Float>{1e-6f, 1e6f},
+          "width over height of the screen; default: that of the film");
         v("screenwindow", screenWindow, Range<Float>{-1e9f, 1e9f},
           "xmin xmax ymin ymax on the screen; default: the shorter side is -1 to 1");
     }
@@ -106,9 +108,10 @@ std::vector<LensElement> ReadLens(const RealisticParams &p, const ParamSet &set,
         if (e.IsStop()) {
             const Float radius = p.diameter / 2000;
             if (radius > e.apertureRadius)
-                set.Warn(context.sink, "aperturediameter",
-                         fmt::format("\"aperturediameter\" is {} mm, but the stop opens to at most {} mm, which is used.",
-                                     p.diameter, e.apertureRadius * 2000));
+                set.Warn(
+                    context.sink, "aperturediameter",
+                    fmt::format("\"aperturediameter\" is {} mm, but the stop opens to at most {} mm, which is used.",
+                                p.diameter, e.apertureRadius * 2000));
             e.apertureRadius = std::min(e.apertureRadius, radius);
         }
     const std::optional<double> thickness = FocusedThickness(elements, double(p.distance));

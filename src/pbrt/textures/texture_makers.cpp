@@ -127,7 +127,8 @@ struct DirectionMixParams : TwoParams<Kind> {
     template <class V>
     void Describe(V &&v) {
         TwoParams<Kind>::Describe(v);
-        v("dir", direction, Items{ParamType::Vector3}, "direction; the share of tex1 is the absolute cosine of its angle to the normal");
+        v("dir", direction, Items{ParamType::Vector3},
+          "direction; the share of tex1 is the absolute cosine of its angle to the normal");
     }
 };
 
@@ -250,7 +251,8 @@ struct ImagemapParams : MappingParams {
     void Describe(V &&v) {
         v("filename", filename, Required(), "the image");
         v("filter", key.filter, kFilters, "how the image is filtered");
-        v("maxanisotropy", key.maxAnisotropy, Positive(1e6f), "of filter ewa: largest ratio of length to width of the footprint");
+        v("maxanisotropy", key.maxAnisotropy, Positive(1e6f),
+          "of filter ewa: largest ratio of length to width of the footprint");
         v("wrap", key.wrap, kWraps, "what lies outside of the image");
         v("scale", scale, "factor of the values");
         v("invert", invert, "take 1 minus the value");

@@ -12,7 +12,7 @@ namespace pbrt {
 
 namespace {
 
-/// Rectangles that cover less (sr) are sampled by area.
+/// Rectangles that cover a smaller solid angle (sr) are sampled by area.
 constexpr Float kMinSolidAngle = 1e-4f;
 
 template <class T>
@@ -36,7 +36,7 @@ struct TextureCoordinates {
         return {
             Bilerp(uv, st00, st10, st01, st11), {inverse(perU.x), inverse(perV.x)}, {inverse(perU.y), inverse(perV.y)}};
     }
-    /// The chain rule, for something with the derivatives perU and perV.
+    /// The chain rule for a quantity with the derivatives perU and perV.
     Vector3 AlongS(const Vector3 &perU, const Vector3 &perV) const { return perU * uvPerS.x + perV * uvPerS.y; }
     Vector3 AlongT(const Vector3 &perU, const Vector3 &perV) const { return perU * uvPerT.x + perV * uvPerT.y; }
 };
@@ -58,7 +58,7 @@ Vector3 RotateFromTo(const Vector3 &from, const Vector3 &to, const Vector3 &v) {
     Float c = Dot(from, to), s2 = LengthSquared(axis);
     if (s2 < Float(1e-12)) {
         if (c > 0) return v;
-        Vector3 s, t;  // half a turn about any axis across `from`
+        Vector3 s, t;  // half a turn about any axis perpendicular to `from`
         CoordinateSystem(from, &s, &t);
         return 2 * Dot(s, v) * s - v;
     }
@@ -135,7 +135,7 @@ Bounds3 BilinearMesh::PrimitiveBounds(uint32_t primitive) const {
 Float BilinearMesh::Area(uint32_t primitive) const {
     Corners c = CornersOf(primitive);
     if (IsRectangle(primitive)) return Distance(c.p00, c.p01) * Distance(c.p00, c.p10);
-    // Stock pbrt-v4's approximation, since emitted power is defined by it: 3 x 3 pieces as if they were flat.
+    // Stock pbrt-v4's approximation, because emitted power is defined by it: 3 x 3 pieces that are taken as flat.
     constexpr int kPieces = 3;
     Point3 p[kPieces + 1][kPieces + 1];
     for (int i = 0; i <= kPieces; ++i)
@@ -170,8 +170,8 @@ DirectionCone BilinearMesh::NormalBounds(uint32_t primitive) const {
 std::optional<PrimitiveHit> BilinearMesh::Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
                                                     Float tMax) const {
     // For fixed u the patch is a straight line; the ray meets that line where line and ray are coplanar, a quadratic in
-    // u. Double precision: two roots that differ by the patch's curvature must not be confused, and shared edges not
-    // leak.
+    // u. Double precision: two roots that differ by the patch's curvature must not be confused, and shared edges must
+    // not leak.
     using D = glm::dvec3;
     Corners c = CornersOf(primitive);
     D dir(d), a0 = D(c.p00) - D(o), da = D(c.p10) - D(c.p00), e0 = D(c.p01) - D(c.p00);

@@ -6,8 +6,8 @@
 
 namespace pbrt {
 
-/// Bilinear patches in rendering space; rectangles among them are sampled by solid angle, unless an image says where on
-/// every patch the light is.
+/// Bilinear patches in rendering space. Rectangles among them are sampled by solid angle, unless an image gives the
+/// density of emission over every patch.
 class BilinearMesh final : public Shape {
   public:
     /// `emission`: density over (u, v), or null; only for meshes without texture coordinates.
@@ -42,7 +42,7 @@ class BilinearMesh final : public Shape {
         Vector3 DpDu(Float v) const;
         Vector3 DpDv(Float u) const;
         Vector3 Error() const;  ///< of At
-        /// Length of the unnormalised normal at the corners: the warp of SampleArea.
+        /// Length of the unnormalised normal at the corners: the weights of the bilinear warp in SampleArea.
         void AreaWeights(Float w[4]) const;
     };
     Corners CornersOf(uint32_t primitive) const;
@@ -52,7 +52,7 @@ class BilinearMesh final : public Shape {
     Point2 Parameters(const Corners &c, const Point3 &p, const Normal3 &n) const;
     Normal3 OrientedNormal(uint32_t primitive, const Corners &c, const Point2 &uv) const;
     ShapeSample SampleAt(uint32_t primitive, const Corners &c, const Point2 &uv) const;
-    /// By area, of the point (u, v) under SampleArea.
+    /// Density by area with which SampleArea finds the point (u, v).
     Float PdfArea(uint32_t primitive, const Corners &c, const Point2 &uv) const;
 
     MeshData mesh_;

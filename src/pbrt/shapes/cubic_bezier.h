@@ -17,7 +17,7 @@ struct CubicBezier {
         Vector3 a = Lerp(u, p[1] - p[0], p[2] - p[1]), b = Lerp(u, p[2] - p[1], p[3] - p[2]);
         return Float(3) * Lerp(u, a, b);
     }
-    /// The part over [u0, u1] as a curve of its own.
+    /// The part over [u0, u1] as a separate curve.
     CubicBezier Part(Float u0, Float u1) const {
         return {{Blossom(u0, u0, u0), Blossom(u0, u0, u1), Blossom(u0, u1, u1), Blossom(u1, u1, u1)}};
     }

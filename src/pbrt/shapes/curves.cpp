@@ -8,7 +8,7 @@ namespace {
 
 Float WidthAt(const Curves::Segment &s, Float u) { return Lerp(u, s.width0, s.width1); }
 
-/// The factor by which a transform scales all lengths; nullopt if there is none.
+/// The factor by which a transform scales all lengths; nullopt if it scales them differently.
 std::optional<Float> UniformScale(const Transform &t) {
     glm::dmat3 m = glm::dmat3(glm::mat3(t.Matrix()));
     glm::dmat3 gram = glm::transpose(m) * m;
@@ -27,7 +27,7 @@ Vector3 SomePerpendicular(const Vector3 &v) {
     return s;
 }
 
-/// Unit vector along a x b, or any across b if that vanishes.
+/// Unit vector along a x b, or any one perpendicular to b if a x b vanishes.
 Vector3 UnitCross(const Vector3 &a, const Vector3 &b) {
     Vector3 c = Cross(a, b);
     Float length = Length(c);
@@ -83,7 +83,8 @@ bool Curves::Append(const Curves &other) {
     return true;
 }
 
-/// Splits as long as that takes away a good part of the boxes' surface: 8 pieces at most, and no more than stock.
+/// Splits as long as that reduces the surface of the bounding boxes by at least 30 %: into at most 8 pieces, and no
+/// more than stock pbrt-v4.
 void Curves::AddPieces(const Segment &segment, size_t index, std::vector<Piece> *pieces) {
     auto surface = [&](uint32_t log2Count) {
         Float sum = 0, n = static_cast<Float>(1u << log2Count);
@@ -160,7 +161,7 @@ struct Curves::Search {
     Float u = 0, v = 0;
     bool found = false;
 
-    /// Cuts `depth` times; then, unless told that parts are straight, as often again as the parts need.
+    /// Halves the curve `depth` times; then, unless partsAreStraight, as often as each part needs to be straight.
     void Visit(const CubicBezier &c, Float u0, Float u1, int depth, bool partsAreStraight) {
         if (Misses(c, u0, u1)) return;
         if (depth == 0) {
@@ -178,7 +179,8 @@ struct Curves::Search {
         Visit(second, middle, u1, depth - 1, partsAreStraight);
     }
 
-    /// n parts are within 6 s / (8 n^2) of their chords (s: second difference); stock's factor sqrt(2) and rounding.
+    /// Number of halvings: n parts are within 6 s / (8 n^2) of their chords (s: second difference). The factor sqrt(2)
+    /// and the rounding are stock's.
     int StraightDepth(const CubicBezier &c) const {
         Float tolerance = Float(0.05) * std::max(segment.width0, segment.width1);
         Float squaredParts = std::numbers::sqrt2_v<Float> * 6 * c.LargestSecondDifference() / (8 * tolerance);
@@ -193,7 +195,7 @@ struct Curves::Search {
         return low.y > half || high.y < -half || low.x > half || high.x < -half || low.z > zMax || high.z < zMin;
     }
 
-    /// A part that is nearly straight: the strip between the perpendiculars at its ends.
+    /// Tests a part that is nearly straight: the strip between the perpendiculars at its ends.
     void TestPart(const CubicBezier &c, Float u0, Float u1) {
         Vector2 a(c.p[0]), b(c.p[3]);
         if (glm::dot(a, Vector2(c.p[1]) - a) > 0 || glm::dot(b, Vector2(c.p[2]) - b) > 0) return;

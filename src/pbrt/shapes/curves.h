@@ -10,12 +10,12 @@ enum class CurveKind { Flat, Cylinder, Ribbon };
 
 /// Many curve segments as strips that face the ray, as in stock pbrt-v4: a ray hits a segment where, seen along the
 /// ray, it passes the curve at less than half its width; the hit lies at the distance of the curve itself. u runs along
-/// each segment, v across (hits are (u, v)). The error bound is the width there: rays leave the strip by as much as
-/// stock's.
+/// each segment, v across (hits are (u, v)). The error bound is the width at the hit, so rays that leave the strip
+/// start as far from it as in stock.
 ///
 /// Segments are cut into parts that count as straight by stock's rule (to 5 % of the width, starting from 2^splitDepth
-/// parts): its errors in u and v show in pictures. Each segment is one or several primitives, so that bounds fit. Not
-/// sampled as a light (nor is it in stock).
+/// parts), because the rule's errors in u and v are visible in pictures. Each segment is one or several primitives, so
+/// that bounds are tight. Curves are not sampled as lights (nor are they in stock).
 class Curves final : public Shape {
   public:
     struct Segment {
@@ -27,7 +27,8 @@ class Curves final : public Shape {
     Curves(CurveKind kind, std::vector<Segment> segments, std::vector<Normal3> normals,
            const Transform &renderFromObject, bool reverseOrientation);
 
-    /// Takes over the segments of `other` if one shape can hold both; their primitives follow the own ones.
+    /// Adds the segments of `other`, whose primitives follow those of this shape. False, without a change, if one shape
+    /// cannot hold both.
     bool Append(const Curves &other);
 
     ShapeKind Kind() const override { return ShapeKind::Curves; }
@@ -40,7 +41,7 @@ class Curves final : public Shape {
                                           Float tMax) const override;
     SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
                               const Vector3 &d) const override;
-    /// As seen from some direction across the curve.
+    /// As seen from some direction perpendicular to the curve.
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
     Point2 Uv(uint32_t, const PrimitiveHit &hit) const override { return {hit.u, hit.v}; }
     std::optional<ShapeSample> SampleArea(uint32_t, const Point2 &) const override { return {}; }
@@ -75,7 +76,8 @@ class Curves final : public Shape {
     std::vector<Segment> segments_;
     std::vector<Normal3> normals_;
     std::vector<Piece> pieces_;
-    /// From the space of the segments. Identity if renderFromObject keeps shapes: then they lie in rendering space.
+    /// From the space of the segments. Identity if renderFromObject scales all lengths alike: then segments lie in
+    /// rendering space.
     Transform renderFromSegments_;
     bool isPlaced_;
     Float side_ = 1;  ///< -1 if the segments' space is mirrored against object space

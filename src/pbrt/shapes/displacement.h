@@ -13,7 +13,7 @@ struct Displacement {
     Float edgeScale = 1;  ///< multiplies "edgelength"
 };
 
-/// A mesh that cannot be displaced (no location), and which parameter of the shape is to blame.
+/// A mesh that cannot be displaced (no location), and the parameter of the shape that is the reason.
 class DisplacementError : public UserError {
   public:
     DisplacementError(const char *parameter, std::string message)
@@ -36,8 +36,8 @@ inline constexpr size_t kMaxDisplacedTriangles = size_t(1) << 25;
 
 /// Size of the surface that is to be split, in rendering space.
 struct SplitSize {
-    double faces = 0, area = 0, edges = 0;  ///< triangles; their areas; their longest edges
-    /// How many triangles there will be, about.
+    double faces = 0, area = 0, edges = 0;  ///< number of triangles; sums of their areas and of their longest edges
+    /// An estimate of the number of triangles after the split.
     double Triangles(double maxEdge) const;
 };
 SplitSize MeasureSplit(const PlyMesh &mesh, const Transform &renderFromObject);

@@ -14,7 +14,7 @@ inline bool IsWithinReach(const Bounds3 &b) { return b.IsEmpty() || (IsWithinRea
 
 /// The box around a transformed box.
 Bounds3 TransformBounds(const Transform &t, const Bounds3 &b);
-/// Around all primitives.
+/// The box around all primitives.
 Bounds3 BoundsOf(const Shape &shape);
 
 /// Throws UserError "`what` reaches to ...; coordinates must be ..." unless the box, where `place` puts it at the start

@@ -17,7 +17,7 @@ namespace Sdc = OpenSubdiv::Sdc;
 
 using Points = std::vector<Point3>;
 
-/// Warren's weight of each neighbour of an interior vertex of valence n. (OpenSubdiv's Loop scheme has Loop's own,
+/// Warren's weight of each neighbour of an interior vertex of valence n. (OpenSubdiv's Loop scheme has Loop's weights,
 /// which differ for n = 4, 5 and above 6; that is why its refinement of positions is not used.)
 Float InteriorWeight(int n) { return n == 3 ? Float(3) / 16 : Float(3) / (8 * static_cast<Float>(n)); }
 /// A boundary is refined as a cubic B-spline. Its limit mask would be 1/6; stock's 1/5 is kept.
@@ -38,7 +38,8 @@ class Ring {
     int Size() const { return static_cast<int>(vertices_.size()); }
     const Point3 &At(const Points &p, int i) const { return p[static_cast<size_t>(vertices_[static_cast<size_t>(i)])]; }
 
-    /// p of the vertex, pulled by `weight` towards each neighbour that the mask reads.
+    /// Weighted mean of the vertex and its neighbours (on the boundary, the two boundary neighbours): each neighbour
+    /// has the weight given, the vertex the rest.
     Point3 Smoothed(const Points &p, int vertex, Float interiorWeight, Float boundaryWeight) const {
         const Point3 &center = p[static_cast<size_t>(vertex)];
         if (isBoundary_) return center * (1 - 2 * boundaryWeight) + (At(p, 0) + At(p, Size() - 1)) * boundaryWeight;
@@ -115,7 +116,7 @@ Points RefineOnce(const Far::TopologyLevel &level, const Points &p, int childCou
     return children;
 }
 
-/// Every edge belongs to one face, or to two that run along it in opposite directions.
+/// Throws UserError unless every edge belongs to one face, or to two that run along it in opposite directions.
 void CheckManifold(std::span<const int> corners) {
     std::map<std::pair<int, int>, size_t> edges;
     for (size_t i = 0; i < corners.size(); ++i) {
@@ -127,7 +128,7 @@ void CheckManifold(std::span<const int> corners) {
         if (!isNew)
             throw UserError(
                 fmt::format("faces {} and {} share an edge in the same direction; subdivision needs faces "
-                            "that are turned alike, at most two at an edge.",
+                            "of consistent orientation, at most two at an edge.",
                             it->second, face));
     }
 }
@@ -149,7 +150,7 @@ std::unique_ptr<Far::TopologyRefiner> Refine(const std::vector<int> &corners, in
     const Far::TopologyLevel &base = refiner->GetLevel(0);
     for (int v = 0; v < base.GetNumVertices(); ++v)
         if (base.IsVertexNonManifold(v))
-            throw UserError("some point joins faces that share no edge there; subdivision needs a surface.");
+            throw UserError("some point joins faces that share no edge there; subdivision needs a manifold surface.");
     if (levels > 0) {
         Far::TopologyRefiner::UniformOptions uniform(levels);
         uniform.fullTopologyInLastLevel = true;

@@ -112,11 +112,11 @@ class HeaderReader {
         auto [end, code] = std::from_chars(w[2].data(), w[2].data() + w[2].size(), e.count);
         if (code != std::errc() || end != w[2].data() + w[2].size()) Fail(fmt::format("\"{}\" is not a count", w[2]));
         for (const Element &other : header_.elements)
-            if (other.name == e.name) Fail(fmt::format("a second element \"{}\"", e.name));
+            if (other.name == e.name) Fail(fmt::format("element \"{}\" is declared twice", e.name));
         header_.elements.push_back(std::move(e));
     }
     void ReadProperty(const std::vector<std::string_view> &w) {
-        if (header_.elements.empty()) Fail("a property before any element");
+        if (header_.elements.empty()) Fail("a property stands before any element");
         Property p;
         if (w.size() == 5 && w[1] == "list") {
             p.isList = true;
@@ -277,7 +277,7 @@ void SkipProperty(BodyReader &body, const Property &p) {
     for (int64_t i = 0; i < n; ++i) body.Number(p.type);
 }
 
-/// The least an item can take, to reject counts that the file cannot hold before memory is reserved for them.
+/// Rejects counts of items that the file cannot hold, before memory is reserved for them.
 void CheckCount(const BodyReader &body, const Element &e) {
     size_t least = 0;
     for (const Property &p : e.properties)
@@ -286,7 +286,8 @@ void CheckCount(const BodyReader &body, const Element &e) {
         body.Fail(fmt::format("the file ends too early for {} items of element \"{}\"", e.count, e.name));
 }
 
-/// Zero for what is infinite or not a number: renderers ignore such a normal.
+/// v, or zero if a component is infinite or not a number, which `broken` counts. Normals of length zero are ignored
+/// later.
 template <class T>
 T Sanitized(T v, size_t *broken) {
     for (int i = 0; i < T::length(); ++i)

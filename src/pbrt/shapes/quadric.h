@@ -4,11 +4,11 @@
 namespace pbrt {
 
 /// What sphere, disk and cylinder share: one primitive, described in object space, placed by an affine transform.
-/// Derived classes speak object space only.
+/// Derived classes work in object space only.
 ///
-/// Hits and samples have one normal: it turns over when the transform mirrors or ReverseOrientation is on, not both.
-/// Samples are drawn from the part that zmin, zmax, phimax and innerradius leave, and areas and densities include the
-/// scale of the transform. (Stock pbrt-v4 differs in all of this: docs/compatibility.md, "Area lights".)
+/// Hits and samples have the same normal: it is flipped if the transform mirrors or ReverseOrientation is on, but not
+/// if both. Samples are drawn from the part that zmin, zmax, phimax and innerradius leave, and areas and densities
+/// include the scale of the transform. (Stock pbrt-v4 differs in all of this: docs/compatibility.md, "Area lights".)
 class Quadric : public Shape {
   public:
     uint32_t PrimitiveCount() const final { return 1; }
@@ -61,8 +61,8 @@ class Quadric : public Shape {
 
     const Transform &RenderFromObject() const { return renderFromObject_; }
     bool IsSimilarity() const { return isSimilarity_; }
-    Float Scale() const { return scale_; }  ///< of a similarity
-    /// Unit normal in rendering space, turned over where the surface is.
+    Float Scale() const { return scale_; }  ///< only if IsSimilarity()
+    /// Unit normal in rendering space, flipped if the surface is.
     Normal3 RenderNormal(const Normal3 &objectNormal) const;
 
   private:

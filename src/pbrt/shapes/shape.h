@@ -7,7 +7,7 @@
 
 namespace pbrt {
 
-/// A point drawn on a shape. `pdf` in the measure the sampling function names.
+/// A point drawn on a shape. `pdf` is in the measure that the sampling function names.
 struct ShapeSample {
     Point3 p{};
     Vector3 pError{};
@@ -16,7 +16,7 @@ struct ShapeSample {
     Float pdf = 0;
 };
 
-/// Where the sampled point is seen from. n and ns are zero in a medium or if unknown; ns then has no influence.
+/// The point from which a shape is sampled. n and ns are zero in a medium or if unknown; ns then has no influence.
 struct ShapeSampleContext {
     Point3 p{};
     Vector3 pError{};
@@ -25,8 +25,8 @@ struct ShapeSampleContext {
     Point3 OffsetOrigin(const Vector3 &w) const { return OffsetRayOrigin(p, pError, n, w); }
 };
 
-/// A hit in a primitive's own parameters: barycentric (b1, b2) for triangles, (u, v) for patches, (u, v) of §6 for
-/// quadrics.
+/// A hit in a primitive's own parameters: barycentric (b1, b2) for triangles, (u, v) for patches, (u, v) of
+/// pbrt-v4-format §6 for quadrics.
 struct PrimitiveHit {
     Float t = 0;
     Float u = 0, v = 0;
@@ -46,25 +46,25 @@ class Shape {
     /// Cone that holds all (oriented) normals of the primitive.
     virtual DirectionCone NormalBounds(uint32_t primitive) const = 0;
 
-    /// Ray against one primitive, nearest t in (tMin, tMax). Used for kinds that Embree does not trace natively and
-    /// by tests as the slow twin. Direction need not be unit.
+    /// Ray against one primitive, nearest t in (tMin, tMax). Used for kinds that Embree does not trace natively and by
+    /// tests as a slow reference. The direction need not be unit.
     virtual std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
                                                   Float tMax) const = 0;
 
-    /// Everything but ids, wo, time, t and footprints.
+    /// Fills everything but ids, wo, time, t and footprints.
     virtual SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const = 0;
-    /// Curves turn towards the ray: their surface is known only together with it, in the shape's space.
+    /// True for curves, which turn towards the ray: SurfaceOnRay needs the ray, in the shape's space.
     bool FacesRay() const { return facesRay_; }
     virtual SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &,
                                       const Vector3 &) const {
         return Surface(primitive, hit);
     }
-    /// uv only (alpha tests).
+    /// Only the texture coordinates, for alpha tests.
     virtual Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const = 0;
 
-    /// Uniform by area where that is simple, else with its true density. pdf by area.
+    /// A point, uniform by area where that is simple. pdf is its density by area.
     virtual std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const = 0;
-    /// As seen from a point. pdf by solid angle. Empty if nothing can be drawn.
+    /// A point for a shape seen from `from`. pdf is its density by solid angle. Empty if nothing can be drawn.
     virtual std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from,
                                               const Point2 &u) const = 0;
     /// Density (solid angle) with which Sample(from) finds the direction wi; the ray from `from` along wi is known to

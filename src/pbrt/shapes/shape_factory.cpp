@@ -36,23 +36,23 @@ void DiscardUnlessPer(const ParamSet &set, DiagnosticSink &sink, std::vector<T> 
 
 constexpr RequiredItems kPoints{{ParamType::Point3}};
 
-/// What trianglemesh and bilinearmesh share.
+/// The parameters that trianglemesh and bilinearmesh share.
 struct MeshParams {
     MeshData mesh;
     std::span<const int> indices, faceIndices;
     template <class V>
     void Describe(V &&v) {
-        v("indices", indices, "of the corners of each face; may be left out for a single face");
+        v("indices", indices, "points of the corners of each face; may be left out for a single face");
         v("P", mesh.p, kPoints, "the points");
         v("N", mesh.n, Items{ParamType::Normal}, "a normal for each point");
         v("uv", mesh.uv, Items{ParamType::Point2}, "texture coordinates for each point");
-        v("faceIndices", faceIndices, "read and used by nothing (Ptex would)");
+        v("faceIndices", faceIndices, "accepted but not used (only Ptex textures would need it)");
     }
-    /// Complete, with `corners` of each face.
+    /// The complete and checked mesh, with `corners` indices per face.
     MeshData Finish(const ParamSet &set, DiagnosticSink &sink, size_t corners);
 };
 
-/// The index of a point as such; an error if there is no such point.
+/// The index of a point; throws UserError if there is no such point.
 uint32_t Corner(int index, size_t points, const ParamSet &set) {
     if (index < 0 || static_cast<size_t>(index) >= points)
         throw set.Error("indices", fmt::format("index {} is out of range; there are {} points.", index, points));
@@ -96,12 +96,12 @@ struct BilinearMeshParams : MeshParams {
     template <class V>
     void Describe(V &&v) {
         MeshParams::Describe(v);
-        v("emissionfilename", emissionFilename, "an image over (u, v) that says where light sampling finds light");
+        v("emissionfilename", emissionFilename, "image over (u, v) whose brightness guides area light sampling");
     }
 };
 
-/// Where an image over (u, v), v upwards, is bright; null, with a warning, if it is black. A cell gets the mean of what
-/// bilinear look-ups inside it give, so that nothing that shines has density 0.
+/// Sampling density from the brightness of an image over (u, v), v upwards; null, with a warning, if it is black. A
+/// cell gets the mean of bilinear look-ups inside it, so that no emitting point has density 0.
 std::shared_ptr<const PiecewiseConstant2D> EmissionDensity(const std::string &filename, const ParamSet &set,
                                                            const ShapeContext &context) {
     const Image image = ReadImage(context.files.Resolve(filename)).image;
@@ -121,7 +121,7 @@ std::shared_ptr<const PiecewiseConstant2D> EmissionDensity(const std::string &fi
             sum += cell;
         }
     if (sum > 0) {
-        // A hundredth goes everywhere: the light may shine where this image is black.
+        // A hundredth is spread uniformly, because the light may emit where this image is black.
         const Float everywhere = sum / static_cast<Float>(f.size()) / 100;
         for (Float &cell : f) cell += everywhere;
         return std::make_shared<PiecewiseConstant2D>(f, n.x, n.y);
@@ -160,15 +160,15 @@ struct CurveParams {
     void Describe(V &&v) {
         constexpr Range<Float> kWidthRange{0, kMaxCoordinate};
         v("P", points, kPoints, "control points");
-        v("degree", degree, Range<int>{2, 3}, "of the curve");
+        v("degree", degree, Range<int>{2, 3}, "degree of the curve");
         v("basis", basis, kBases, "what the control points mean");
-        v("type", kind, kCurveKinds, "of the surface");
-        v("width", width, kWidthRange, "at both ends");
-        v("width0", width0, kWidthRange, "at the start; width");
-        v("width1", width1, kWidthRange, "at the end; width");
-        v("N", normals, Items{ParamType::Normal}, "of type ribbon: the normal at the ends of segments");
+        v("type", kind, kCurveKinds, "kind of surface");
+        v("width", width, kWidthRange, "width at both ends");
+        v("width0", width0, kWidthRange, "width at the start; default: width");
+        v("width1", width1, kWidthRange, "width at the end; default: width");
+        v("N", normals, Items{ParamType::Normal}, "of type ribbon: the normals at the ends of segments");
         v("splitdepth", intSplitDepth, "how often a segment is halved to find hits");
-        v("splitdepth", splitDepth, "the same; beats the integer");
+        v("splitdepth", splitDepth, "the same as a float; overrides the integer");
     }
 };
 
@@ -212,9 +212,9 @@ struct LoopSubdivisionParams {
     std::vector<Point3> points;
     template <class V>
     void Describe(V &&v) {
-        // OpenSubdiv's limit is 15; 10 levels make a million triangles of each.
-        v("levels", levels, Range<int>{0, 10}, "how often each triangle becomes four");
-        v("indices", indices, Required(), "of the corners of the triangles");
+        // OpenSubdiv's limit is 15; 10 levels split each triangle into a million.
+        v("levels", levels, Range<int>{0, 10}, "number of times each triangle is split into four");
+        v("indices", indices, Required(), "points of the corners of each triangle");
         v("P", points, kPoints, "the points");
         v("scheme", scheme, "without effect, as in stock");
     }
@@ -225,7 +225,7 @@ ShapeList MakeLoopSubdivision(const LoopSubdivisionParams &p, const ParamSet &se
     for (int i : p.indices.first(p.indices.size() - p.indices.size() % 3))
         corners.push_back(Corner(i, p.points.size(), set));
     if (corners.empty()) throw set.Error("indices", "no complete face is left.");
-    // The last level with its topology, and three quarters less of every level before it.
+    // The last level with its topology, and the levels before it, each a quarter of the next.
     constexpr double kBytesPerTriangle = 400;
     const double triangles = static_cast<double>(corners.size() / 3) * std::pow(4.0, p.levels);
     RequireMemory(triangles * kBytesPerTriangle, fmt::format("{}: a mesh of {:.2g} triangles", set.What(), triangles),
@@ -239,7 +239,7 @@ struct PlyMeshParams {
     template <class V>
     void Describe(V &&v) {
         v("filename", filename, Required(), "the mesh, as a PLY file");
-        v("edgelength", edgeLength, kLengthRange, "of the triangles of a displaced mesh, at most");
+        v("edgelength", edgeLength, kLengthRange, "largest edge of the triangles of a displaced mesh");
     }
 };
 
@@ -271,13 +271,13 @@ ShapeList MakePlyMesh(const PlyMeshParams &p, const ParamSet &set, const ShapeCo
     return shapes;
 }
 
-/// What quadrics share.
+/// The parameters that quadrics share.
 struct QuadricParams {
     Float radius = 1, phiMax = 360;
     template <class V>
     void Describe(V &&v) {
-        v("radius", radius, kLengthRange, "of the circle");
-        v("phimax", phiMax, AnyFloat("degrees"), "how far around the axis");
+        v("radius", radius, kLengthRange, "radius of the shape");
+        v("phimax", phiMax, AnyFloat("degrees"), "largest angle around the axis");
     }
 };
 
@@ -286,8 +286,8 @@ struct SphereParams : QuadricParams {
     template <class V>
     void Describe(V &&v) {
         QuadricParams::Describe(v);
-        v("zmin", zMin, kCoordinateRange, "lower end; -radius");
-        v("zmax", zMax, kCoordinateRange, "upper end; radius");
+        v("zmin", zMin, kCoordinateRange, "lower end; default: -radius");
+        v("zmax", zMax, kCoordinateRange, "upper end; default: radius");
     }
 };
 
@@ -297,7 +297,7 @@ struct DiskParams : QuadricParams {
     void Describe(V &&v) {
         v("height", height, kCoordinateRange, "z of the disk");
         QuadricParams::Describe(v);
-        v("innerradius", inner, kCoordinateRange, "of the hole");
+        v("innerradius", inner, kCoordinateRange, "radius of the hole");
     }
 };
 
@@ -311,13 +311,13 @@ struct CylinderParams : QuadricParams {
     }
 };
 
-/// Whatever a maker gives must be within the reach of rays. Quadrics and curves are traced in object space, which a
-/// singular transform does not have.
+/// Checks that the shapes lie within kCoordinateRange. Quadrics and curves are traced in object space, which a singular
+/// transform does not have.
 template <class P, class F>
 void AddShape(ShapeTable &table, const char *name, const char *summary, bool isTracedInObjectSpace, F make) {
     table.Add<P>(name, summary, [make, isTracedInObjectSpace](P p, const ParamSet &set, const ShapeContext &context) {
         if (isTracedInObjectSpace && context.renderFromObject.IsSingular())
-            throw set.Error("", "the current transformation flattens it (its matrix is singular).");
+            throw set.Error("", "the current transformation flattens the shape (its matrix is singular).");
         ShapeList shapes = make(std::move(p), set, context);
         for (const auto &shape : shapes) RequireReach(set.What(), *shape, set.Loc());
         return shapes;

@@ -8,18 +8,19 @@
 
 namespace pbrt {
 
-/// What the shapes of a Shape directive are made for. Its textures and anything about materials are read by build/.
+/// What the shapes of a Shape directive are made from beside its parameters. Its textures and anything about materials
+/// are read by build/.
 struct ShapeContext {
     const Transform &renderFromObject;
     bool reverseOrientation = false;
     const FileResolver &files;
-    DiagnosticSink &sink;                        ///< also for what stock pbrt-v4 reports and survives
-    const ParamReader &before;                   ///< what build/ has read
+    DiagnosticSink &sink;                        ///< also for errors that stock pbrt-v4 reports and survives
+    const ParamReader &before;                   ///< the parameters that build/ has read already
     const Displacement *displacement = nullptr;  ///< null: none
     bool opaque = true;                          ///< false: an alpha texture will let some rays through
 };
 
-/// A plymesh with triangles and quads yields two, unless it is displaced.
+/// A plymesh with triangles and quads yields two shapes, unless it is displaced.
 using ShapeList = std::vector<std::unique_ptr<Shape>>;
 using ShapeTable = FactoryTable<ShapeList, const ShapeContext>;
 const ShapeTable &Shapes();

@@ -24,13 +24,14 @@ Sphere::Sphere(Float radius, Float zMin, Float zMax, Float phiMax, const Transfo
 Bounds3 Sphere::ObjectBounds() const { return {Point3(-radius_, -radius_, zMin_), Point3(radius_, radius_, zMax_)}; }
 
 Quadric::Roots Sphere::ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const {
-    // Distance of the line from the centre decides; the roots lie symmetrically about the nearest point (parameter m).
+    // The distance of the line from the centre decides whether it hits; the roots lie symmetrically about the nearest
+    // point (parameter m).
     double a = glm::dot(d, d), m = -glm::dot(o, d) / a, r = double(radius_);
     glm::dvec3 nearest = o + m * d;
     double rest = r * r - glm::dot(nearest, nearest);
     if (!(rest >= 0)) return {};
     double half = std::sqrt(rest / a), far = m >= 0 ? m + half : m - half;
-    // The root nearer to the origin from the product of the roots, which does not cancel.
+    // The root nearer to the ray's origin follows from the product of the roots, without cancellation.
     double near = far != 0 ? (glm::dot(o, o) - r * r) / (a * far) : 0;
     return {2, {std::min(near, far), std::max(near, far)}};
 }
@@ -59,7 +60,7 @@ Quadric::ObjectPoint Sphere::PointAt(const Point2 &uv) const {
     at.p = {ring * cosPhi, ring * sinPhi, z};
     at.pError = Gamma(5) * Abs(at.p);
     at.n = at.p / radius_;
-    // dpdu vanishes at the poles; stock pbrt-v4 steps aside by this much there.
+    // dpdu vanishes at the poles; as in stock pbrt-v4, the ring has at least this radius for it.
     Float ringForFrame = std::max(ring, Float(1e-5) * radius_);
     Float dTheta = thetaZMax_ - thetaZMin_;
     Vector3 outward(cosPhi, sinPhi, 0), around(-sinPhi, cosPhi, 0);
@@ -144,7 +145,7 @@ std::optional<ShapeSample> Sphere::Sample(uint32_t primitive, const ShapeSampleC
     if (!s) return {};
     Vector3 wi = Normalize(s->p - from.p);
     const bool metFirst = byCone || IsMetFirst(from, wi, s->p);
-    if (opaque_ && !metFirst) return {};  // the surface hides it
+    if (opaque_ && !metFirst) return {};  // a nearer part of the sphere hides it
     s->pdf = (1 - coneShare_) * Quadric::PdfSolidAngle(primitive, from, wi, s->p, s->n);
     if (metFirst) s->pdf += coneShare_ * cone->Pdf();
     return s;

@@ -5,15 +5,16 @@ namespace pbrt {
 
 /// Sphere about the object's origin, cut at zMin, zMax and phiMax.
 ///
-/// A whole sphere seen from outside is sampled uniformly over the cone of directions towards it. For a part of one that
-/// cone is one of two methods, chosen with a fixed probability: a direction of the cone whose ray meets the part yields
-/// the point it meets first, others yield nothing. The other method takes a point uniform by area. Both densities count
-/// for a point that the cone could have found, so that neither points close by nor small parts are sampled badly. From
-/// inside, and if the transform does not keep it a sphere, by area alone.
+/// A whole opaque sphere seen from outside is sampled uniformly over the cone of directions towards it. Other spheres
+/// seen from outside are sampled by one of two methods, chosen with a fixed probability. The first draws a direction of
+/// that cone and takes the first point of the part that the ray meets, if any. The second takes a point uniform by
+/// area. The density of a point that the cone can find is the weighted sum of both, so that neither close nor small
+/// parts are sampled badly. From inside, and if the transform does not keep it a sphere, a sphere is sampled by area
+/// alone.
 class Sphere final : public Quadric {
   public:
     /// Bounds as in the scene file: any order, clamped to the sphere; phiMax in degrees. `opaque` false: some rays pass
-    /// through the surface (alpha), so that of two points in one direction the farther one is seen too.
+    /// through the surface (alpha), so that the farther one of two points in one direction is seen as well.
     Sphere(Float radius, Float zMin, Float zMax, Float phiMax, const Transform &renderFromObject,
            bool reverseOrientation, bool opaque = true);
 
@@ -44,14 +45,14 @@ class Sphere final : public Quadric {
     std::optional<Cone> ConeFrom(const ShapeSampleContext &from) const;
     /// The near side of a whole sphere, uniform in the cone.
     ShapeSample SampleNearSide(const Cone &cone, const ShapeSampleContext &from, const Point2 &u) const;
-    /// What a ray of the cone meets first. Without its density.
+    /// The first point that a ray of the cone meets; pdf is not set.
     std::optional<ShapeSample> SampleFirstHit(const Cone &cone, const ShapeSampleContext &from, const Point2 &u) const;
     /// True if the ray from `from` to the point p of the surface meets no other point of it before.
     bool IsMetFirst(const ShapeSampleContext &from, const Vector3 &wi, const Point3 &p) const;
 
     Float radius_, zMin_, zMax_, thetaZMin_, thetaZMax_, phiMax_;
     bool opaque_;
-    Float coneShare_;     ///< probability of the cone, seen from outside; 1 for a whole sphere
+    Float coneShare_;     ///< probability of sampling by the cone from outside; 1 for a whole opaque sphere
     Point3 center_;       ///< rendering space
     Float renderRadius_;  ///< rendering space, if a similarity
 };

@@ -3,8 +3,8 @@
 
 namespace pbrt {
 
-// Uniform sampling of solid angles, seen from the origin. Densities are 1 / area. The rectangle computes in double: its
-// slices are differences of angles that are close when the rectangle is small.
+// Uniform sampling of solid angles, seen from the origin. Densities are 1 / area. The rectangle computes in double,
+// because its slices are differences of angles that are nearly equal when it is small.
 
 /// Spherical triangle with unit corners a, b, c.
 Float SphericalTriangleArea(const Vector3 &a, const Vector3 &b, const Vector3 &c);

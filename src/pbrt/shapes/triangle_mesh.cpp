@@ -13,7 +13,7 @@ namespace {
 // triangle is nearly a hemisphere.
 constexpr Float kMinSolidAngle = 2e-4f, kMaxSolidAngle = 6.22f;
 
-/// Directions to the corners.
+/// Unit directions to the corners, and the solid angle between them.
 struct CornerDirections {
     Vector3 a, b, c;
     Float area;
@@ -105,7 +105,7 @@ Float TriangleMesh::Area(uint32_t primitive) const {
 DirectionCone TriangleMesh::NormalBounds(uint32_t primitive) const {
     Corners c = CornersOf(primitive);
     Normal3 n = OrientedNormal(primitive, c, Vector3(1, 0, 0));
-    // Vertex normals on both sides of the face: so are its own.
+    // Vertex normals lie on both sides of the face, and so does its oriented normal.
     for (Vector3 corner : {Vector3(0, 1, 0), Vector3(0, 0, 1)})
         if (Dot(OrientedNormal(primitive, c, corner), n) < 0) return DirectionCone::EntireSphere();
     return {n, 1};
@@ -168,7 +168,7 @@ SurfacePoint TriangleMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
     Float determinant = DifferenceOfProducts(duv02.x, duv12.y, duv02.y, duv12.x);
     bool degenerateUv = std::abs(determinant) < Float(1e-9);
     Float inverse = degenerateUv ? 0 : 1 / determinant;
-    // Change per unit of u and of v of something that changes by d02 and d12 along the edges from corner 2.
+    // Change per unit of u and of v of a quantity that changes by d02 and d12 along the edges from corner 2.
     auto perU = [&](const Vector3 &d02, const Vector3 &d12) { return (duv12.y * d02 - duv02.y * d12) * inverse; };
     auto perV = [&](const Vector3 &d02, const Vector3 &d12) { return (duv02.x * d12 - duv12.x * d02) * inverse; };
     Normal3 face = FaceNormal(c.p0, c.p1, c.p2);

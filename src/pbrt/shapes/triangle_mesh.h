@@ -15,8 +15,8 @@ struct MeshData {
     std::vector<int> faceIndices;  ///< per primitive or empty
 };
 
-/// Takes vertices, normals and tangents to rendering space; normals are turned over if `reverseOrientation`. Leaves
-/// room behind the last vertex, because Embree reads 16 bytes per vertex.
+/// Takes vertices, normals and tangents to rendering space; normals are flipped if `reverseOrientation`. Leaves room
+/// behind the last vertex, because Embree reads 16 bytes per vertex.
 void PlaceMesh(MeshData &mesh, const Transform &renderFromObject, bool reverseOrientation);
 
 /// Triangles in rendering space. Embree reads the vertex and index buffers directly.

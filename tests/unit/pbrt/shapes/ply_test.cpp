@@ -130,7 +130,8 @@ TEST(Ply, AnElementThatComesTwiceIsAnError) {
         "property float nx\nproperty float ny\nproperty float nz\nelement vertex 4\nproperty float x\n"
         "property float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
         "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 1 2 3\n";
-    EXPECT_NE(ErrorOf(twice).find("line 10: a second element \"vertex\""), std::string::npos) << ErrorOf(twice);
+    EXPECT_NE(ErrorOf(twice).find("line 10: element \"vertex\" is declared twice"), std::string::npos)
+        << ErrorOf(twice);
 }
 
 TEST(Ply, EveryTruncationIsAnError) {

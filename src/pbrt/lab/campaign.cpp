@@ -119,7 +119,7 @@ class Rounds {
 
     /// Writes, once per sampler, pictures of what it knows after its first run. `run`: that run, or null if an earlier
     /// session finished it. False: cancelled.
-    bool Look(size_t i, SamplerRun *run) {
+    bool InspectSampler(size_t i, SamplerRun *run) {
         const SamplerChoice &choice = settings_.samplers[i];
         if (!settings_.views || ViewsAreWhole(settings_, records_.LoadNote(ViewsNote(choice)))) return true;
         std::unique_ptr<SamplerRun> again;

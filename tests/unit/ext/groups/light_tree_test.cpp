@@ -47,7 +47,7 @@ TEST_P(LightTreeOfSize, EveryCutHoldsEveryLightOnce) {
                 ASSERT_EQ(range.begin, next);
                 next = range.end;
                 for (uint32_t position = range.begin; position < range.end; ++position) {
-                    EXPECT_EQ(tree.Holder(cut, position), i);
+                    EXPECT_EQ(tree.FindInCut(cut, position), i);
                     EXPECT_EQ(tree.PositionOf(tree.LightAt(position)), position);
                 }
             }

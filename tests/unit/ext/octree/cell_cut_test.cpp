@@ -40,7 +40,7 @@ CellCut Cut(const LightTree &tree, const std::vector<TrySums> &sums, const CellC
 }
 
 double FactorOf(const LightTree &tree, const CellCut &cut, uint32_t lamp) {
-    return static_cast<double>(cut.Factors()[tree.Holder(cut.Nodes(), tree.PositionOf(lamp))]);
+    return static_cast<double>(cut.Factors()[tree.FindInCut(cut.Nodes(), tree.PositionOf(lamp))]);
 }
 
 TEST(CellCut, WithoutTriesAllLightsAreAlike) {
@@ -99,7 +99,7 @@ TEST(CellCut, SpendsItsNodesWhereTheLightIs) {
     const CellCut cut = Cut(tree, sums, nullptr, 20);
     EXPECT_LE(cut.Nodes().size(), 20u);
     for (uint32_t lamp = 0; lamp < 64; ++lamp) {
-        const LightTree::Range range = tree.At(cut.Nodes()[tree.Holder(cut.Nodes(), tree.PositionOf(lamp))]);
+        const LightTree::Range range = tree.At(cut.Nodes()[tree.FindInCut(cut.Nodes(), tree.PositionOf(lamp))]);
         if (lamp / 16 != 1) continue;
         EXPECT_LE(range.Size(), 2u) << lamp;
     }
@@ -116,7 +116,7 @@ TEST(CellCut, FewerNodesAreJoinsOfMore) {
         EXPECT_EQ(coarser.Nodes().size(), nodes);
         for (uint32_t node : finer.Nodes()) {
             const LightTree::Range inner = tree.At(node),
-                                   outer = tree.At(coarser.Nodes()[tree.Holder(coarser.Nodes(), inner.begin)]);
+                                   outer = tree.At(coarser.Nodes()[tree.FindInCut(coarser.Nodes(), inner.begin)]);
             EXPECT_TRUE(outer.begin <= inner.begin && inner.end <= outer.end);
         }
         finer = coarser;

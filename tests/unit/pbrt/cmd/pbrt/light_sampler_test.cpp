@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -67,7 +69,7 @@ TEST_F(LightSamplers, WrongSpecsAreShownWithTheChoices) {
     ExpectErrors({{"--lightsampler octre scene.pbrt", {"did you mean \"octree\"?"}},
                   {"--lightsampler octree:floor=0.1,leavs=3 scene.pbrt",
                    {"--lightsampler:1:17", "\"leavs\"", "did you mean \"leaves\"?", "prepassspp",
-                    "\n    octree:floor=0.1,leavs=3\n" + std::string(4 + 17, ' ') + "^"}},
+                    fmt::format("\n    octree:floor=0.1,leavs=3\n    {:>18}", "^")}},
                   {"--lightsampler octree:leaves=many scene.pbrt", {"--lightsampler:1:14", "\"many\"", "integer"}},
                   {"--lightsampler octree:leaves=1.5 scene.pbrt", {"\"1.5\"", "integer"}},
                   {"--lightsampler octree:meshlights=yes scene.pbrt", {"\"yes\"", "bool"}},

@@ -10,7 +10,7 @@ struct BvhParams {
     template <class V>
     void Describe(V &&v) {
         v("maxnodeprims", maxNodePrims, "without effect");
-        v("splitmethod", splitMethod, "without effect: sah, hlbvh, middle or equal; another name is a warning");
+        v("splitmethod", splitMethod, "without effect: sah, hlbvh, middle or equal; any other name causes a warning");
     }
 };
 

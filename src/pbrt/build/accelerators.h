@@ -8,7 +8,7 @@ namespace pbrt {
 struct AcceleratorContext {
     DiagnosticSink &sink;
 };
-/// The acceleration structure is always Embree's; what the scene says about stock's own is only checked.
+/// The acceleration structure is always Embree's; the parameters of stock's structures are only checked.
 using AcceleratorTable = FactoryTable<std::monostate, const AcceleratorContext>;
 const AcceleratorTable &Accelerators();
 

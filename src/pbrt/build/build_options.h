@@ -6,13 +6,13 @@
 
 namespace pbrt {
 
-/// What the command line says about how a scene is to be rendered; beats the scene file.
+/// How a scene is to be rendered, as given on the command line; overrides the scene file.
 struct BuildOptions {
     FilmOverrides film;
     int samplesPerPixel = 0;  ///< --spp; 0: the scene's
     std::optional<int> seed;  ///< --seed
     bool quick = false;       ///< a quarter of the resolution, one sample unless samplesPerPixel says otherwise
-    bool ignoreMedia = false, ignoreUnsupported = false;  ///< leave out what is not built, with warnings
+    bool ignoreMedia = false, ignoreUnsupported = false;  ///< leave out what is not supported, with warnings
     bool checksOutput = false;      ///< the film's file will be written: an error before building if it cannot be
     std::string integrator;         ///< --integrator name; empty: the scene's
     std::optional<int> maxDepth;    ///< --maxdepth
@@ -20,7 +20,7 @@ struct BuildOptions {
     std::string lightSampler;       ///< --lightsampler, see LightFlags; empty: the scene's
     bool meshLights = false;        ///< --mesh-lights
     std::string shadowGate;         ///< --shadow-gate name[:key=value,...] or none; empty: the scene's
-    /// The flags that said so, for messages.
+    /// The names of the flags that gave lightSampler and shadowGate, for messages.
     const char *lightSamplerFlag = "--lightsampler", *shadowGateFlag = "--shadow-gate";
     std::optional<Float> displacementEdgeScale;  ///< --displacement-edge-scale; empty: the scene's or 1
     std::string renderCoordSys;                  ///< camera, cameraworld, world; empty: the scene's or cameraworld

@@ -19,7 +19,7 @@ namespace pbrt {
 
 namespace {
 
-/// Where the instance or moving shape stands in whose own coordinates distances grow most.
+/// The place in the scene file of the instance or moving shape whose inverse transformation enlarges distances most.
 FileLoc SmallestPlaced(const SceneDescription &d) {
     FileLoc smallest;
     double mostGrowth = -1;
@@ -63,12 +63,12 @@ void ThrowIfErrors(const DiagnosticSink &sink, size_t checked) {
     throw UserError(std::move(errors), sink.Omitted());
 }
 
-/// The command line says it, or what it names is missing: no scene can be rendered with it.
+/// True for errors of the command line, or of a file that it names: with them no scene can be rendered.
 bool IsOfCommandLine(const Diagnostic &d) {
     return d.severity == Severity::Error && (!d.loc.file || d.loc.file->name.starts_with("--"));
 }
 
-/// The command line beats the scene.
+/// Options given on the command line override those of the scene.
 void ChooseRenderOptions(const SceneOptions &scene, const BuildOptions &options, BuiltScene &built,
                          DiagnosticSink &sink) {
     auto name = [](const std::string &flag, const std::optional<std::string> &o) {
@@ -92,14 +92,14 @@ void TakeView(View view, const Placement &placement, BuiltScene &built) {
     if (built.camera) built.cameraFromWorld = placement.worldFromCamera.At(built.camera->ShutterOpen()).Inverse();
 }
 
-/// Without a film (its mistake is told already) the flag's name alone is known.
+/// The name of the picture. Without a film (its mistake is reported already) only the flag's name is known.
 std::string OutputName(const BuiltScene &built, const BuildOptions &options) {
     const std::string name = built.film ? built.film->Filename() : options.film.filename;
     if (built.leftOut.empty() || name.empty() || !options.film.filename.empty()) return name;
     return WithSuffix(name, options.ignoreUnsupported ? "-incomplete" : "-without-media");
 }
 
-/// That what will be written after the render can be written, and what will be read then is there.
+/// Checks that the files to be written can be written, and that the reference image exists.
 void CheckOutput(const BuiltScene &built, DiagnosticSink &sink) {
     if (!built.filename.empty()) Collect(sink, [&] { CheckWritable(built.filename); });
     std::error_code none;
@@ -116,7 +116,7 @@ std::unique_ptr<TextureLibrary> MakeTextures(SceneDescription &d, const BuildOpt
     return textures;
 }
 
-/// Materials, shapes and lights, not ready for rays yet.
+/// Makes materials, shapes and lights, not ready for rays yet.
 SceneParts MakeParts(SceneDescription &d, const BuildOptions &options, const Transform &renderFromWorld,
                      TextureLibrary &textures, LightNames &lightNames, DiagnosticSink &sink, Progress &progress) {
     GeometryBuilder geometry(d, renderFromWorld, !SeesThroughInterfaces(IntegratorType(d.integrator, options)),
@@ -137,7 +137,7 @@ SceneParts MakeParts(SceneDescription &d, const BuildOptions &options, const Tra
     return parts;
 }
 
-/// Ready for rays, from parts without errors.
+/// Makes the scene, ready for rays, from parts without errors.
 std::unique_ptr<Scene> MakeScene(SceneParts parts, const SceneDescription &d, const LightNames &lightNames,
                                  DiagnosticSink &sink) {
     if (parts.lights->Size() == 0) sink.Warning({}, "the scene has no lights: the image will be black.");
@@ -204,8 +204,8 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     TakeView(MakeView(d, options, placement, built.seed, sink), placement, built);
     built.filename = OutputName(built, options);
     if (options.checksOutput) CheckOutput(built, sink);
-    // What is wrong with the scene so far may not be all, so its shapes are looked at, too. But nobody waits for big
-    // ones to be told of a flag.
+    // Errors in the scene so far may not be all, so its shapes are checked, too. Errors of the command line are
+    // reported at once, before big shapes are read.
     if (std::any_of(sink.All().begin(), sink.All().end(), IsOfCommandLine)) ThrowIfErrors(sink, checked);
 
     if (options.forceDiffuse) d.options.forceDiffuse = true;

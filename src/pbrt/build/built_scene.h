@@ -13,7 +13,7 @@
 
 namespace pbrt {
 
-/// Which lights get the shadow rays: what can be varied over one built scene.
+/// How lights are chosen for shadow rays: what can be varied over one built scene.
 struct LightChoice {
     std::string lightSampler;  ///< name[:key=value,...]; empty: the scene's
     bool meshLights = false;
@@ -27,7 +27,7 @@ struct BuiltIntegrator {
     int maxDepth = 5;
 };
 
-/// What the scene and the command line say of the integrator, kept so that more of them can be made.
+/// The integrator that the scene and the command line ask for, kept so that more integrators can be made.
 struct IntegratorRequest {
     Entity entity;
     BuildOptions options;
@@ -52,13 +52,13 @@ struct BuiltScene {
     int seed = 0;
     int maxDepth = 5;
     std::string integratorName, lightSamplerName, shadowGateName;  ///< the last two empty if there is none
-    std::string filename;  ///< where the picture goes; says so if something was left out, unless a flag named it
+    std::string filename;  ///< of the picture; gets a suffix if something was left out, unless a flag named it
     std::vector<std::string> leftOut;  ///< what --ignore-media or --ignore-unsupported left out, with places
     Transform cameraFromWorld;         ///< when the shutter opens; for image metadata
 
-    /// As the scene and the command line want the render.
+    /// The settings for the render, from the scene and the command line.
     RenderSettings Settings() const;
-    /// For light samplers; seed and number of samples may be changed in it.
+    /// The context for Integrator::Prepare. The caller may change its seed and number of samples.
     PrepareContext Preparation(Progress &progress) const;
     /// Prepares the scene's integrator: after this it can render.
     void Prepare(Progress &progress) {
@@ -67,7 +67,7 @@ struct BuiltScene {
     }
 };
 
-/// One more integrator over the same scene and camera. The registry handed to BuildScene must still live. Throws
+/// One more integrator over the same scene and camera. The registry handed to BuildScene must still exist. Throws
 /// UserError.
 BuiltIntegrator MakeIntegrator(const BuiltScene &built, const LightChoice &choice);
 
@@ -76,8 +76,8 @@ BuiltIntegrator MakeIntegrator(const BuiltScene &built, const LightChoice &choic
 BuiltScene BuildScene(SceneDescription &description, const BuildOptions &options, const LightSamplerRegistry &registry,
                       DiagnosticSink &sink, Progress &progress);
 
-/// Lists everything the description uses that the format has but this renderer does not build, into the sink: as
-/// errors, or as warnings where the options say to leave it out. The latter is returned, a line each, and replaced in
+/// Reports everything the description uses that the format has but this renderer does not support: as errors, or as
+/// warnings where the options say to leave it out. What is left out is returned, one line each, and replaced in
 /// `description` and `options` by what is built instead.
 std::vector<std::string> CheckSupported(SceneDescription &description, BuildOptions &options, DiagnosticSink &sink);
 

@@ -44,8 +44,7 @@ std::string ListWhat(const std::string &what) {
     if (what == "all") {
         text =
             "# Parameters\n\nThe output of `pbrt --list all`: parameters with their types, defaults, ranges and what "
-            "they mean. Those of films and integrators stand in compatibility.md, those of light samplers in "
-            "lightsamplers.md.\n";
+            "they mean. Those of light samplers are in lightsamplers.md.\n";
         for (const FamilyDoc &family : families)
             text += fmt::format("\n## {}\n\n```\n{}```\n", family.name, ListingOf(family));
         return text;

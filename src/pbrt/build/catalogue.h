@@ -6,12 +6,12 @@
 
 namespace pbrt {
 
-/// Everything that a scene can name together with its parameters, in the order of a scene file. Films and
-/// integrators do not declare their parameters yet; light samplers are listed by their registry.
+/// Everything that a scene can name together with its parameters, in the order of a scene file. Light samplers are not
+/// among them: their registry lists them.
 std::vector<FamilyDoc> AllFamilies();
 
-/// Text of `pbrt --list WHAT`: a family; "all" of them as docs/parameters.md; "table" as the table of
-/// docs/compatibility.md. Throws UserError with the choices.
+/// Text of `pbrt --list WHAT`: a family; "all": docs/parameters.md; "table": the table of docs/compatibility.md. Throws
+/// UserError, which lists the choices, for anything else.
 std::string ListWhat(const std::string &what);
 
 }  // namespace pbrt

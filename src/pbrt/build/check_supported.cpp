@@ -16,15 +16,17 @@ class Checker {
   public:
     explicit Checker(DiagnosticSink &sink) : sink_(sink) {}
 
-    /// `wayOut`: a flag that leaves it out; `isGiven`: it was given. `instead`: what is rendered then, for the list.
+    /// `wayOut`: advice on the flag that leaves `what` out; `isGiven`: that flag was given. `instead`: what is rendered
+    /// then, for the message.
     void NotBuilt(const FileLoc &loc, const std::string &what, bool isGiven, const std::string &wayOut,
                   const std::string &instead = "") {
         if (!isGiven) {
             sink_.Error(loc, fmt::format("{} is not supported yet.{}", what, wayOut));
             return;
         }
-        const std::string left = what + (instead.empty() ? " is left out" : " is left out, " + instead + " instead");
-        sink_.Warning(loc, left + ": the picture is not the scene's.");
+        const std::string left =
+            what + (instead.empty() ? " is left out" : " is left out, " + instead + " is used instead");
+        sink_.Warning(loc, left + ": the picture is not that of the scene.");
         leftOut.push_back(loc ? fmt::format("{}:{}: {}", loc.file->name, loc.line, left) : left);
     }
 

@@ -23,18 +23,20 @@ Displacement MakeDisplacement(const FloatTexturePtr &height, Float edgeScale) {
             edgeScale};
 }
 
-/// What the textures of a shape say, which are made here because textures lie above shapes.
+/// The texture parameters of a shape. They are read here because pbrt/shapes must not depend on pbrt/textures.
 struct ShapeTextureParams {
     bool isPly = true;
     FloatTextureParam alpha{}, displacement{};
     template <class V>
     void Describe(V &&v) {
-        v("alpha", alpha, "share of rays that hit it");
-        if (isPly) v("displacement", displacement, "heights that a mesh with normals and uv is moved by");
+        v("alpha", alpha, "share of the rays that the surface stops");
+        if (isPly)
+            v("displacement", displacement,
+              "heights by which the surface is moved along its normals; needs normals and uv");
     }
 };
 
-/// What people call one primitive of a shape.
+/// The name of one primitive of a shape, for messages.
 const char *PrimitiveName(ShapeKind kind) {
     switch (kind) {
         case ShapeKind::TriangleMesh:
@@ -124,7 +126,7 @@ MaterialId GeometryBuilder::ResolveMaterial(const ShapeEntity &entity) {
 }
 
 void GeometryBuilder::BuildShapes(Progress &progress) {
-    // Textures are made on one thread: the library is not locked.
+    // Textures are made on one thread, because the library is not thread-safe.
     for (Work &w : work_) {
         try {
             ShapeTextureParams p{w.entity->type == "plymesh"};
@@ -151,7 +153,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
             }
             // A constant alpha of 0 makes a light that shines as if it were opaque.
             const bool opaque = !w.alpha || w.alpha->Constant() == Float(0);
-            ShapeTextureParams made{e.type == "plymesh"};  // above
+            ShapeTextureParams made{e.type == "plymesh"};  // were read above
             ParamReader before(e.params);
             made.Describe(before);
             const ShapeContext context{place,
@@ -164,7 +166,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
             w.shapes = Shapes().Make(e.type, e.params, context);
             if (w.motion)
                 for (const auto &shape : w.shapes) RequireReach(e.params.What(), *w.motion, BoundsOf(*shape), e.loc);
-            w.entity->params = {};  // big meshes as text need not be kept twice
+            w.entity->params = {};  // so that big meshes given as text are not kept twice
         } catch (const UserError &error) {
             w.sink.Add(error);
         }
@@ -316,7 +318,7 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
                 MotionOf("the instance", i, renderFromWorld_ * i.ctm.start * worldFromRender,
                          renderFromWorld_ * i.ctm.end * worldFromRender);
             RequireReach(fmt::format("the instance of \"{}\"", Abbreviate(i.name)), motion, it->second.bounds, i.loc);
-            if (motion.Start().IsSingular()) {  // as scenes hide things, and as in stock
+            if (motion.Start().IsSingular()) {  // scenes hide objects so; as in stock
                 sink_.Warning(i.loc, fmt::format("the instance of \"{}\" cannot be seen: the current transformation "
                                                  "flattens it.",
                                                  Abbreviate(i.name)));

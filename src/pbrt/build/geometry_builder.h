@@ -12,7 +12,7 @@
 
 namespace pbrt {
 
-/// Shapes with all their parameters, for people.
+/// Documents all shapes with their parameters, including those that name textures.
 FamilyDoc DocumentShapes();
 
 /// Materials, shapes, area lights, objects and instances of a description. Mistakes are collected in the sink.
@@ -26,9 +26,9 @@ class GeometryBuilder {
     /// Reads and transforms all shapes (in parallel), then registers them in file order.
     void BuildShapes(Progress &progress);
     int64_t ShapeEntityCount() const { return static_cast<int64_t>(work_.size()); }
-    /// Accel not committed, lights not finished.
+    /// The parts built so far. The Accel is not committed and the lights are not finished.
     SceneParts TakeParts() { return std::move(parts_); }
-    /// Of all lights so far.
+    /// The names of all lights in the parts.
     LightNames TakeLightNames() { return std::move(lightNames_); }
 
   private:
@@ -55,7 +55,8 @@ class GeometryBuilder {
     };
 
     MaterialId ResolveMaterial(const ShapeEntity &entity);
-    /// Curves come as one directive per hair: neighbours that differ in nothing else become one shape.
+    /// Scenes have one Shape directive per hair: consecutive curves that differ only in their geometry become one
+    /// shape.
     void MergeCurves();
     /// `definition`: null outside object definitions.
     void Register(Work &work, Definition *definition);

@@ -16,23 +16,24 @@ struct DepthParams {
     template <class V>
     void Describe(V &&v) {
         v("maxdepth", maxDepth, Range<int>{0, std::numeric_limits<int>::max()},
-          "scattering events of a path; --maxdepth beats it");
+          "largest number of scattering events of a path; --maxdepth overrides it");
     }
     int MaxDepth(const IntegratorReading &r) const { return r.options.maxDepth.value_or(maxDepth); }
 };
 
 struct PathParams : DepthParams {
     bool regularize = false;
-    LightSelectionParams lights;  ///< which ReadLightSelection reads
+    LightSelectionParams lights;  ///< declared here, used by ReadLightSelection
     template <class V>
     void Describe(V &&v) {
         DepthParams::Describe(v);
-        v("regularize", regularize, "roughens reflections after the first that is not a mirror's");
+        v("regularize", regularize, "roughen nearly specular lobes after the first non-specular scattering");
         lights.Describe(v);
     }
 };
 
-/// Without media (which are not supported yet) volpath is path that looks below and through surfaces.
+/// Without media (which are not supported yet) volpath is path with subsurface scattering and with light sampling
+/// through interface surfaces.
 IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume) {
     const LightFlags flags{r.options.lightSampler, r.options.meshLights, r.options.shadowGate,
                            r.options.lightSamplerFlag, r.options.shadowGateFlag};
@@ -63,8 +64,9 @@ struct SimplePathParams : DepthParams {
     template <class V>
     void Describe(V &&v) {
         DepthParams::Describe(v);
-        v("samplelights", sampleLights, "shadow rays to lights");
-        v("samplebsdf", sampleBsdf, "directions that the BSDF likes; false: uniform ones");
+        v("samplelights", sampleLights,
+          "sample lights by shadow rays; false: light is found only where a path hits it");
+        v("samplebsdf", sampleBsdf, "sample directions from the BSDF; false: uniformly");
     }
 };
 
@@ -73,8 +75,9 @@ struct AmbientOcclusionParams {
     Float maxDistance = Infinity;
     template <class V>
     void Describe(V &&v) {
-        v("cossample", cosine, "directions by their cosine; false: uniform ones");
-        v("maxdistance", maxDistance, Positive(std::numeric_limits<Float>::max()), "of what occludes");
+        v("cossample", cosine, "sample directions in proportion to their cosine; false: uniformly");
+        v("maxdistance", maxDistance, Positive(std::numeric_limits<Float>::max()),
+          "surfaces farther away do not occlude");
     }
 };
 
@@ -148,7 +151,8 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
                    fmt::format("Integrator \"{}\" is {}; {}.", type, isLater ? "not supported yet" : "unknown",
                                ListChoices(type, Integrators().Names())));
     } else {
-        // --integrator leaves the scene's parameters aside, which belong to another integrator, but for the depth.
+        // With --integrator the scene's parameters, which belong to another integrator, are ignored, except for the
+        // depth.
         ParamSet fresh(fmt::format("Integrator \"{}\"", options.integrator), {});
         if (const Param *depth = entity.params.Find("maxdepth", ParamType::Integer);
             depth && type != "ambientocclusion")

@@ -14,11 +14,11 @@ struct IntegratorSettings {
     std::string type;
     int maxDepth = 5;
     std::optional<LightSelection> lights;  ///< of path and volpath
-    /// From settings without errors; the registry that they were read with must still live.
+    /// May be called only if reading gave no errors; the registry used then must still exist.
     std::function<std::unique_ptr<Integrator>(const PathContext &, const ColorSpace &filmSpace)> make;
 };
 
-/// What the parameters of an integrator are read for.
+/// What is needed to read the parameters of an integrator.
 struct IntegratorReading {
     const BuildOptions &options;
     const LightSamplerRegistry &registry;
@@ -27,7 +27,7 @@ struct IntegratorReading {
 };
 using IntegratorTable = FactoryTable<IntegratorSettings, const IntegratorReading>;
 const IntegratorTable &Integrators();
-/// Those that the format has and we do not.
+/// The integrators that the format has but this renderer does not support.
 const std::vector<std::string> &UnsupportedIntegrators();
 
 /// Reads the parameters of the integrator that the scene or --integrator names, and of its light sampler. Everything
@@ -35,11 +35,11 @@ const std::vector<std::string> &UnsupportedIntegrators();
 IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options,
                                   const LightSamplerRegistry &registry, DiagnosticSink &sink);
 
-/// Makes it, from settings without errors.
+/// Makes the integrator, from settings that were read without errors.
 BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathContext &context,
                                const ColorSpace &filmSpace, DiagnosticSink &sink);
 
-/// The one to be used: of the scene's entity, or what --integrator names.
+/// The type of the integrator to be used: that of the scene's entity, or the one that --integrator names.
 const std::string &IntegratorType(const Entity &entity, const BuildOptions &options);
 /// True if light sampling passes interface surfaces; the scene's geometry is built for it.
 bool SeesThroughInterfaces(const std::string &integrator);

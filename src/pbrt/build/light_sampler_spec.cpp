@@ -7,7 +7,7 @@ namespace pbrt {
 
 namespace {
 
-/// What a flag says, for errors that show it.
+/// The text of a flag, for errors that point into it.
 class FlagText {
   public:
     FlagText(const char *flag, const std::string &text)
@@ -19,7 +19,7 @@ class FlagText {
     std::shared_ptr<const SourceFile> source_;
 };
 
-/// A part of it: from one character up to another.
+/// A part of a flag's text: the characters from `begin` up to `end`.
 struct Piece {
     size_t begin = 0, end = 0;
     std::string Of(const std::string &text) const { return text.substr(begin, end - begin); }
@@ -99,8 +99,8 @@ Param ReadOne(const FlagText &flag, const std::string &owner, const std::vector<
     return p;
 }
 
-/// "name:key=value,..." taken apart; `find(name, loc)` gives the registry's entry. All that is wrong with the keys is
-/// reported; the entry comes back if the name is right.
+/// "name:key=value,..." taken apart; `find(name, loc)` gives the registry's entry. All mistakes in the keys are
+/// reported; the entry is returned if the name is known.
 template <class Find>
 auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, ParamSet *params, DiagnosticSink &sink)
     -> decltype(&find("", FileLoc())) {
@@ -124,7 +124,7 @@ auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, Param
     }
 }
 
-/// The parameters of what was chosen: the integrator's, then the flag's, which win. Values out of range are errors.
+/// The parameters of the chosen entry: the integrator's, overridden by the flag's. Values out of range are errors.
 template <class Entry>
 ParamSet ChosenParams(const Entry &entry, const std::string &what, const ParamSet &integrator, const FileLoc &loc,
                       const ParamSet &added, DiagnosticSink &sink) {
@@ -204,7 +204,7 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
         return registry.gates.Find(n, loc);
     };
 
-    // What the scene says is looked at even where a flag beats it.
+    // The scene's names are checked even where a flag overrides them.
     collect([&] { sampler.entry = &registry.samplers.Find(scene.lightSampler, integrator.LocOf("lightsampler")); });
     if (scene.shadowGate != "none")
         collect([&] { gate.entry = &registry.gates.Find(scene.shadowGate, integrator.LocOf("shadowgate")); });
@@ -226,7 +226,7 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
             ChosenParams(*gate.entry, "shadow-ray gate", integrator, integrator.LocOf("shadowgate"), gateKeys, sink);
 
     sampler.meshLights = scene.meshLights || flags.meshLights || pieces.mesh;
-    // A sampler that groups by itself needs no wrapper.
+    // A sampler that does not take groups forms them itself.
     if (sampler.entry && !sampler.entry->traits.takesGroups) sampler.meshLights = false;
     if (sink.ErrorCount() > errorsBefore) return {};
     return selection;

@@ -22,12 +22,12 @@ struct ShadowGateSpec {
     ParamSet params;
 };
 
-/// What flags say about light selection; empty where they say nothing. All programs write a choice in one language:
+/// The flags for light selection; empty if not given. All programs use the same syntax for a choice:
 ///   name[:key=value,...][+mesh][+gate=name[:key=value,...]]
 struct LightFlags {
     std::string choice;
     bool meshLights = false;  ///< as "+mesh"
-    std::string gate;         ///< name[:key=value,...] or none; as "+gate=", which beats it
+    std::string gate;         ///< name[:key=value,...] or none; as "+gate=", which overrides it
     /// The flags' names, for messages.
     const char *choiceFlag = "--lightsampler", *gateFlag = "--shadow-gate";
 };
@@ -38,23 +38,24 @@ struct LightChoiceParts {
     bool mesh = false;
     std::optional<std::string> gate;
 };
-/// Throws UserError, at the flag, where something else follows a "+". Names and parameters are not looked at.
+/// Throws UserError, at the flag, where something else follows a "+". Names and parameters are not checked.
 LightChoiceParts SplitLightChoice(const std::string &choice, const char *flag);
 
-/// The parameters of an integrator that choose.
+/// The parameters of an integrator that choose light sampler and gate.
 struct LightSelectionParams {
     std::string lightSampler = "bvh", shadowGate = "none";
     bool meshLights = false;
     template <class V>
     void Describe(V &&v) {
-        v("lightsampler", lightSampler, "which light gets the shadow ray; --lightsampler beats it");
+        v("lightsampler", lightSampler,
+          "the light sampler, which chooses the light for each shadow ray; --lightsampler overrides it");
         v("meshlights", meshLights, "an emissive mesh is one light for selection");
-        v("shadowgate", shadowGate, "what decides whether a shadow ray is traced; none: all are");
+        v("shadowgate", shadowGate, "the gate that decides whether a shadow ray is traced; none: all are traced");
     }
 };
 
-/// The "name.key" parameters of all light samplers and gates. Those that are not chosen are known, too, so that a flag
-/// can switch.
+/// Declares the "name.key" parameters of all light samplers and gates, chosen or not, so that a flag can choose another
+/// one.
 void DeclareLightParams(ParamReader &reader, const LightSamplerRegistry &registry);
 
 struct LightSelection {
@@ -63,13 +64,13 @@ struct LightSelection {
 };
 
 /// Reads `"string lightsampler"`, `"bool meshlights"`, `"string shadowgate"` and the `name.key` parameters of an
-/// integrator, and what flags say, which beats the scene: a name replaces the scene's, keys are added to the scene's
-/// keys for the same sampler. Unknown names and keys, unreadable values and values out of range go to the sink as
-/// errors at their place (nothing is returned then), parameters that have no effect as warnings.
+/// integrator, and the flags, which override the scene: a name replaces the scene's, keys are added to the scene's keys
+/// for the same sampler. Unknown names and keys, unreadable values and values out of range go to the sink as errors at
+/// their place (nothing is returned then), parameters that have no effect as warnings.
 std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, const LightFlags &flags,
                                                  const LightSamplerRegistry &registry, DiagnosticSink &sink);
 
-/// The same of a choice alone, without a scene. Throws UserError.
+/// The same for a choice alone, without a scene. Throws UserError.
 LightSelection ReadLightSelection(const std::string &choice, const LightSamplerRegistry &registry);
 
 }  // namespace pbrt

@@ -5,8 +5,8 @@
 
 namespace pbrt {
 
-/// The motion of an entity whose CTMs at the two times were turned into `start` and `end`. Throws UserError if there is
-/// no way from one to the other.
+/// The motion of an entity whose CTMs at the two times were turned into `start` and `end`. Throws UserError if they
+/// cannot be interpolated.
 template <class Entity>
 AnimatedTransform MotionOf(const char *what, const Entity &entity, const Transform &start, const Transform &end) {
     if (start == end) return start;

@@ -59,7 +59,7 @@ View MakeView(SceneDescription &d, const BuildOptions &options, const Placement 
     });
     const Point2i resolution = view.film ? view.film->FullResolution() : Point2i(16, 16);
     const Float diagonal = view.film ? view.film->DiagonalMm() : 35;
-    Collect(sink, [&] {  // its parameters are looked at wherever it stands
+    Collect(sink, [&] {  // its parameters are checked even if its placement is an error
         const CameraContext context{placement.renderFromCamera, resolution, diagonal, d.files, sink};
         view.camera = Cameras().Make(d.camera.type, d.camera.params, context);
     });

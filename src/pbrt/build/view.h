@@ -10,9 +10,9 @@
 
 namespace pbrt {
 
-/// Where the camera stands, and where that puts rendering space.
+/// Where the camera stands, and the rendering space that follows from it.
 struct Placement {
-    bool isKnown = false;  ///< false: the scene's is an error, and all transforms are identities
+    bool isKnown = false;  ///< false: the scene's placement is an error, and all transforms here are identities
     Transform renderFromWorld;
     AnimatedTransform worldFromCamera, renderFromCamera;
 };
@@ -20,7 +20,7 @@ struct Placement {
 /// Mistakes go to the sink, as with all stages.
 Placement PlaceCamera(const SceneDescription &description, const BuildOptions &options, DiagnosticSink &sink);
 
-/// What looks at the scene. Null: its parameters were an error.
+/// What turns the scene into a picture. A member is null if its parameters were an error.
 struct View {
     std::unique_ptr<Filter> filter;
     std::unique_ptr<Film> film;
@@ -28,8 +28,8 @@ struct View {
     std::unique_ptr<Sampler> sampler;
 };
 
-/// All of this is cheap, so its mistakes are found before any geometry is read. `seed`: unless the scene's sampler has
-/// one of its own.
+/// All of this is cheap, so its mistakes are found before any geometry is read. `seed`: used unless the scene's sampler
+/// has a seed.
 View MakeView(SceneDescription &description, const BuildOptions &options, const Placement &placement, int seed,
               DiagnosticSink &sink);
 

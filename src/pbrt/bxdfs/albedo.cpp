@@ -6,8 +6,9 @@ namespace pbrt {
 
 SampledSpectrum EstimateAlbedo(const Bsdf &bsdf, const Vector3 &wo) {
     constexpr int kPoints = 16;
-    // Where the lobe numbers lie in their strata decides whether a faint coat is found at all. As in stock pbrt-v4 the
-    // smallest is 0.0473, above the reflectance of glass; the directions go with it so that it is for normal incidence.
+    // Where the lobe numbers lie in their strata decides whether a faint coat is sampled at all. As in stock pbrt-v4
+    // the smallest is 0.0473, above the reflectance of glass; it is paired with u.x = 1/32, for which the facets of a
+    // rough coat are met near normal incidence.
     constexpr Float kOffset = Float(0.757);
     SampledSpectrum sum(0);
     for (int i = 0; i < kPoints; ++i) {

@@ -3,7 +3,8 @@
 
 namespace pbrt {
 
-/// Hemispherical reflectance (and transmittance) by few points, always the same: without error for diffuse surfaces.
+/// Estimates the hemispherical reflectance plus transmittance for wo from a few fixed sample points. Exact for diffuse
+/// surfaces.
 SampledSpectrum EstimateAlbedo(const Bsdf &bsdf, const Vector3 &wo);
 
 }  // namespace pbrt

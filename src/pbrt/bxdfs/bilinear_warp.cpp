@@ -11,14 +11,14 @@ struct Cell {
     Float t;
 };
 
-/// Cell of an axis of n knots over [0, 1]; the first for what is not a number.
+/// The cell that x lies in, on an axis with n knots over [0, 1]; the first cell if x is NaN.
 Cell CellOf(Float x, int n) {
     Float at = (x > 0 ? std::min(x, Float(1)) : Float(0)) * static_cast<Float>(n - 1);
     int i = std::min(static_cast<int>(at), n - 2);
     return {i, at - static_cast<Float>(i)};
 }
 
-/// Last i in [0, n - 2] with sum(i) <= u; sum grows.
+/// Last i in [0, n - 2] with sum(i) <= u; sum must not decrease.
 template <class Sum>
 int LastNotAbove(int n, Float u, Sum sum) {
     int low = 0, high = n - 1;
@@ -29,7 +29,7 @@ int LastNotAbove(int n, Float u, Sum sum) {
     return low;
 }
 
-/// Part of the mass of a linear density from a to b that lies below t, and its inverse.
+/// The integral from 0 to t of a density that is linear from a at 0 to b at 1, and the inverse of that function.
 Float MassBelow(Float t, Float a, Float b) { return t * (a + (b - a) * t / 2); }
 
 Float WhereMassIs(Float mass, Float a, Float b) {

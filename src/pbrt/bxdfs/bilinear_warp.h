@@ -7,15 +7,14 @@
 
 namespace pbrt {
 
-/// Values at the knots of an even grid over the unit square (row-major, x fastest, both ends included), several slices
-/// of it.
+/// Slices of values at the knots of a regular grid over the unit square (row-major, x fastest, both ends included).
 class GridSlices {
   public:
     GridSlices() = default;
     /// `values` holds a whole number of slices; nx, ny >= 2.
     GridSlices(std::vector<Float> values, int nx, int ny) : values_(std::move(values)), nx_(nx), ny_(ny) {}
 
-    /// Bilinear; p outside the square counts as its edge.
+    /// Bilinear interpolation; p is clamped to the square.
     Float Evaluate(const Point2 &p, size_t slice) const;
     int Nx() const { return nx_; }
     int Ny() const { return ny_; }
@@ -36,25 +35,25 @@ struct SliceBlend {
     std::array<Float, 4> weight;
 };
 
-/// Densities over the unit square, each slice the bilinear interpolation of its values made to integrate to 1, and the
-/// map from the square to itself that draws from a blend of slices.
+/// Densities over the unit square, and the map from the square to itself that samples a blend of them. Each slice is
+/// one density: the bilinear interpolation of its values, normalised to integrate to 1.
 class BilinearWarp {
   public:
     struct Mapped {
         Point2 p;
-        Float pdf;  ///< of the warp where it leads to, by area
+        Float pdf;  ///< density, by area, at the point that Sample draws
     };
     BilinearWarp() = default;
-    /// Values >= 0, in every slice at least one > 0.
+    /// The values must not be negative, and every slice needs a positive one.
     BilinearWarp(const GridSlices &values);
 
     Mapped Sample(const Point2 &u, const SliceBlend &blend) const;
-    /// The u that Sample would take to p.
+    /// The u that Sample would take to p, and the density at p.
     Mapped Invert(const Point2 &p, const SliceBlend &blend) const;
 
   private:
-    /// Integral of the density over rows below row y; of the line y from 0 to knot x; density at a knot (all in grid
-    /// cells).
+    /// MassBelowRow: integral of the density over the rows below knot row y. Left: integral along knot row y up to knot
+    /// x. Density: its value at a knot. Lengths are in grid cells.
     Float MassBelowRow(const SliceBlend &blend, int y) const {
         return Blend(blend, below_, static_cast<size_t>(y), ny_);
     }

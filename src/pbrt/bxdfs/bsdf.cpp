@@ -11,8 +11,8 @@ bool Offers(BxdfFlags flags, ReflTransFlags which) {
            (IsTransmissive(flags) && Has(which, ReflTransFlags::Transmission));
 }
 
-/// Calls f with the lobe in force; a default-constructed result without one. (A chain of comparisons: unlike
-/// std::visit it can neither throw nor jump through a table.)
+/// Calls f with the lobe that is set; returns a default-constructed result if there is none. (A chain of comparisons:
+/// unlike std::visit it can neither throw nor jump through a table.)
 template <size_t I = 1, class Variant, class Function>
 auto Dispatch(Variant &lobes, Function f) {
     using Result = decltype(f(*std::get_if<1>(&lobes)));
@@ -24,7 +24,7 @@ auto Dispatch(Variant &lobes, Function f) {
     }
 }
 
-/// See Bsdf::ApproximateF; local directions.
+/// The function of wi that Bsdf::ApproximateF evaluates, for local directions.
 template <class L>
 auto ApproximationOf(const L &lobe, const Vector3 &wo) {
     if constexpr (requires { typename L::Approximation; }) {

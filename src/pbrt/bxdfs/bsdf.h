@@ -15,8 +15,9 @@
 
 namespace pbrt {
 
-/// One lobe set as a value (std::monostate: no scattering surface, the ray passes) and its shading frame. Directions in
-/// rendering space, pointing away from the surface. Densities by solid angle. Lives on the stack.
+/// A set of lobes held by value (std::monostate: the surface does not scatter and the ray passes) with its shading
+/// frame. Directions are in rendering space and point away from the surface; densities are by solid angle. Lives on the
+/// stack.
 class Bsdf {
   public:
     using Lobe = std::variant<std::monostate, DiffuseBxdf, DiffuseTransmissionBxdf, ConductorBxdf, DielectricBxdf,
@@ -29,11 +30,12 @@ class Bsdf {
 
     explicit operator bool() const { return !std::holds_alternative<std::monostate>(lobe_); }
     BxdfFlags Flags() const;
-    /// True if F follows a glossy lobe, alone or as part of a coat: then the choice of a direction had better follow it
-    /// too.
+    /// True if F has a glossy lobe, alone or as part of a coat: then the choice of a direction should take F into
+    /// account.
     bool IsDirectional() const;
-    /// F up to a factor that hardly depends on wi, as a mean over wavelengths, cheap and deterministic (no random walks
-    /// in layers, no metal's Fresnel term): for choosing among directions, not for radiance.
+    /// Writes to f[k] an approximation of F(wo, wi[k]), averaged over wavelengths, up to a factor that hardly depends
+    /// on wi. Cheap and deterministic (no random walks in layers, no Fresnel term of metals): for choosing among
+    /// directions, not for radiance.
     void ApproximateF(const Vector3 &wo, std::span<const Vector3> wi, Float *f) const;
     /// f(wo, wi); 0 for specular lobes.
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode = TransportMode::Radiance) const;

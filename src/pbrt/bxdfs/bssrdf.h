@@ -17,16 +17,17 @@ class Bssrdf {
     Bssrdf(const Point3 &p, const Normal3 &ns, const SampledSpectrum &sigmaA, const SampledSpectrum &sigmaS,
            const SampledWavelengths &lambda, const SubsurfaceTable &table);
 
-    /// Exit points lie on surfaces that cross this segment.
+    /// A segment; the exit points are where surfaces cross it.
     struct Probe {
         Point3 from, to;
     };
-    /// Draws an axis, a wavelength whose profile gives the radius, and a line along the axis at that radius, cut off
-    /// where 1/1000 of the light is left (which is lost, as in stock). Empty if nothing comes out.
+    /// Draws an axis, a wavelength whose profile gives the radius, and a line parallel to the axis at that radius. The
+    /// line is cut off at the sphere around p inside which 99.9 % of the light comes out; the rest is lost, as in
+    /// stock. Empty if nothing comes out.
     std::optional<Probe> SampleProbe(Float uc, const Point2 &u) const;
-    /// Density, by area, of an exit point with geometric normal n, if all crossings of the probe count.
+    /// Density, by area, of an exit point with geometric normal n, before one of the crossings of the probe is chosen.
     Float Pdf(const Point3 &exit, const Normal3 &n) const;
-    /// Light per area of the exit, by distance from p.
+    /// The share of the light that comes out per area at this distance from p.
     SampledSpectrum Profile(Float distance) const;
     NormalizedFresnelBxdf ExitLobe() const { return {table_->Eta(), table_->ExitScale()}; }
 
@@ -36,7 +37,7 @@ class Bssrdf {
     Point3 p_;
     Frame frame_;  ///< z along the shading normal
     SampledSpectrum sigmaT_, reach_;
-    int wavelengths_;  ///< that are drawn from: the first ones
+    int wavelengths_;  ///< number of wavelengths that are drawn from: only the first, or all
 };
 
 }  // namespace pbrt

@@ -19,7 +19,7 @@ class ConductorBxdf {
     std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
                                      ReflTransFlags which) const;
     Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const;
-    /// F but for its reflectance: the shape of the lobe alone, at a fraction of the cost.
+    /// F without the Fresnel reflectance: the shape of the lobe, at a fraction of the cost.
     Float Approximate(const Vector3 &wo, const Vector3 &wi) const {
         if (!SameHemisphere(wo, wi) || facets_.EffectivelySmooth()) return 0;
         return facets_.D(Normalize(wo + wi)) * facets_.G(wo, wi) / (4 * wo.z * wi.z);

@@ -6,8 +6,8 @@ namespace pbrt {
 
 namespace {
 
-/// Probability to reflect when `reflectance` is the share of reflected light, among the sides asked for. Negative if
-/// nothing is left to choose from.
+/// Probability of sampling reflection, from the shares of reflected and transmitted light and the sides asked for.
+/// Negative if neither can be sampled.
 Float ReflectionProbability(Float reflectance, Float transmittance, ReflTransFlags which) {
     if (!Has(which, ReflTransFlags::Reflection)) return transmittance > 0 ? 0 : -1;
     if (!Has(which, ReflTransFlags::Transmission)) return reflectance > 0 ? 1 : -1;

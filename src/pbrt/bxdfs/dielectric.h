@@ -7,7 +7,8 @@
 namespace pbrt {
 
 /// Boundary between two dielectrics, smooth or rough (Walter et al. 2007). `eta`: index below (z < 0) over index above.
-/// Reflection and transmission are drawn by Fresnel's shares, among those asked for.
+/// Sample chooses between reflection and transmission, if both are asked for, in proportion to their shares of the
+/// light.
 class DielectricBxdf {
   public:
     DielectricBxdf(Float eta, const TrowbridgeReitz &facets) : eta_(eta), facets_(facets) {}
@@ -36,7 +37,8 @@ class DielectricBxdf {
     TrowbridgeReitz facets_;
 };
 
-/// A pane so thin that refraction cancels: all bounces inside are summed, light leaves straight or mirrored.
+/// A pane so thin that the refractions at its two sides cancel: light passes straight through or is mirrored, and all
+/// bounces inside are summed.
 class ThinDielectricBxdf {
   public:
     explicit ThinDielectricBxdf(Float eta) : eta_(eta) {}

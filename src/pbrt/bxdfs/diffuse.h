@@ -7,7 +7,8 @@
 
 namespace pbrt {
 
-// All lobes: local coordinates, z along the shading normal, directions away from the surface, densities by solid angle.
+// All lobes use local coordinates with z along the shading normal. Directions point away from the surface; densities
+// are by solid angle.
 
 /// Lambert's law, on the side wo is on.
 class DiffuseBxdf {
@@ -39,7 +40,7 @@ class DiffuseBxdf {
     SampledSpectrum reflectance_;
 };
 
-/// Lambert's law on both sides. The side is drawn in proportion to the larger of each spectrum's values.
+/// Lambert's law on both sides. The side is drawn in proportion to the largest value of its spectrum.
 class DiffuseTransmissionBxdf {
   public:
     DiffuseTransmissionBxdf(const SampledSpectrum &reflectance, const SampledSpectrum &transmittance)

@@ -34,7 +34,7 @@ Float Power(Float x, int n) {
     return r;
 }
 
-/// Into [-Pi, Pi].
+/// Wraps an angle into [-Pi, Pi].
 Float WrapAngle(Float x) {
     Float turns = std::round(x * Inv2Pi);
     return std::clamp(x - turns * (2 * Pi), -Pi, Pi);
@@ -92,7 +92,7 @@ HairBxdf::View HairBxdf::ViewFrom(const Vector3 &wo) const {
     turned(2, 2 * sin2 * cos2, Sqr(cos2) - Sqr(sin2));
     turned(3, 0, 1);
 
-    // Inside: refracted along the fibre with eta, in the plane across it with Bravais' index.
+    // Inside, the elevation is refracted with eta, and the direction in the plane across the fibre with Bravais' index.
     const Float cosT = SafeSqrt(1 - Sqr(sinO / eta_));
     const Float bravais = std::max(SafeSqrt(Sqr(eta_) - Sqr(sinO)) / std::max(cosO, Float(1e-6)), Float(1e-6));
     const Float sinGammaT = std::clamp(offset_ / bravais, Float(-1), Float(1)),
@@ -101,7 +101,7 @@ HairBxdf::View HairBxdf::ViewFrom(const Vector3 &wo) const {
     for (int p = 0; p < Lobes - 1; ++p)
         view.turn[p] = 2 * static_cast<Float>(p) * gammaT - 2 * gammaO + static_cast<Float>(p) * Pi;
 
-    const Float crossing = 2 * cosGammaT / std::max(cosT, Float(1e-6));  // in radii
+    const Float crossing = 2 * cosGammaT / std::max(cosT, Float(1e-6));  // length of one crossing, in radii
     const SampledSpectrum passed = sigmaA_.Map([&](Float s) { return std::exp(-s * crossing); });
     const Float fresnel = FresnelDielectric(cosO * SafeSqrt(1 - Sqr(offset_)), eta_);
     view.share[0] = SampledSpectrum(fresnel);
@@ -139,7 +139,7 @@ std::array<Float, HairBxdf::Lobes> Averages(const std::array<SampledSpectrum, Ha
     return averages;
 }
 
-/// Chances of the lobes in sampling: by the mean of their shares.
+/// Probabilities of sampling the lobes: in proportion to the means of their shares.
 std::array<Float, HairBxdf::Lobes> Chances(const std::array<SampledSpectrum, HairBxdf::Lobes> &shares) {
     std::array<Float, HairBxdf::Lobes> chances = Averages(shares);
     const Float sum = std::accumulate(chances.begin(), chances.end(), Float(0));
@@ -182,7 +182,8 @@ std::optional<BsdfSample> HairBxdf::Sample(const Vector3 &wo, Float uc, const Po
     while (p < Lobes - 1 && uc >= below + chances[p]) below += chances[p++];
     const Float within = std::clamp((uc - below) / std::max(chances[p], Float(1e-20)), Float(0), OneMinusEpsilon);
 
-    // About the mirrored cone: the angle from its direction, and the turn about that (d'Eon et al. 2013).
+    // The elevation is drawn about the mirrored cone: an angle from the cone's direction, and a rotation about that
+    // direction (d'Eon et al. 2013).
     const Float v = VarianceOf(static_cast<int>(p));
     const Float cosFromCone = std::clamp(1 + v * std::log(u.x + (1 - u.x) * std::exp(-2 / v)), Float(-1), Float(1));
     const Float sinI = std::clamp(

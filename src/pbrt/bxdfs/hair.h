@@ -7,13 +7,14 @@
 
 namespace pbrt {
 
-/// A fibre of dielectric with absorbing inside and tilted scales (Marschner et al. 2003; near field, longitudinal and
-/// azimuthal lobes as in Chiang et al. 2016). x runs along the fibre; scatters over the whole sphere. By light paths:
-/// mirrored outside (R), through (TT), once mirrored inside (TRT), and all the longer ones in one lobe.
+/// A dielectric fibre that absorbs inside and has tilted scales (Marschner et al. 2003; near field, longitudinal and
+/// azimuthal lobes as in Chiang et al. 2016). x runs along the fibre; light is scattered over the whole sphere. There
+/// is one lobe each for light reflected outside (R), passing through (TT) and reflected once inside (TRT), and one for
+/// all longer light paths.
 class HairBxdf {
   public:
-    /// `offset`: where the ray meets the fibre's width, -1 to 1. `sigmaA` by radius of the fibre; roughnesses along and
-    /// around in (0, 1]; scales tilted by alpha degrees.
+    /// `offset`: where the ray meets the fibre across its width, -1 to 1. `sigmaA`: absorption per radius of the fibre.
+    /// `betaM`, `betaN`: roughness along and around the fibre, in (0, 1]. The scales are tilted by `alphaDegrees`.
     HairBxdf(Float offset, Float eta, const SampledSpectrum &sigmaA, Float betaM, Float betaN, Float alphaDegrees);
 
     BxdfFlags Flags() const { return BxdfFlags::Glossy | BxdfFlags::Reflection | BxdfFlags::Transmission; }
@@ -24,20 +25,19 @@ class HairBxdf {
     Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const;
     void Regularize() {}
 
-    /// What `betaN` makes of the absorption whose fibres, many together, look like reflectance `c` (Chiang et al.
-    /// 2016).
+    /// The absorption with which a mass of fibres of roughness `betaN` looks like reflectance `c` (Chiang et al. 2016).
     static SampledSpectrum AbsorptionOfReflectance(const SampledSpectrum &c, Float betaN);
 
-    /// Lobes in the sum; the last one has all that is left, evenly around the fibre.
+    /// Number of lobes; the last one holds all longer light paths and is uniform around the fibre.
     static constexpr int Lobes = 4;
 
   private:
-    /// All that depends on one direction and the offset only.
+    /// Everything that depends only on wo and the offset.
     struct View {
-        Float phi;                                 ///< around the fibre
+        Float phi;                                 ///< azimuth of wo around the fibre
         Float sinTheta[Lobes], cosTheta[Lobes];    ///< elevation, turned by the scales as each lobe needs
         Float turn[Lobes - 1];                     ///< change of azimuth of the middle of each lobe
-        std::array<SampledSpectrum, Lobes> share;  ///< of the light, by lobe; add up to 1 without absorption
+        std::array<SampledSpectrum, Lobes> share;  ///< of the light, for each lobe; they add up to 1 without absorption
     };
     View ViewFrom(const Vector3 &wo) const;
     /// Densities of the lobes at wi, by solid angle.
@@ -48,7 +48,7 @@ class HairBxdf {
     SampledSpectrum sigmaA_;
 
   public:
-    /// The mean of F(wo, .) over wavelengths, for many directions: what depends on wo is done once.
+    /// The mean of F(wo, .) over wavelengths, for many directions: what depends on wo is computed once.
     class Approximation {
       public:
         Approximation(const HairBxdf &hair, const Vector3 &wo);
@@ -61,11 +61,11 @@ class HairBxdf {
     };
 };
 
-/// Density of the elevation angle's sine and cosine (by theta, with respect to cos(theta) d theta) of light scattered
-/// about the cone opposite to `o`; integrates to 1 (d'Eon et al. 2011). Exposed for tests.
+/// Density, with respect to cos(theta) d theta, of the elevation theta of light scattered about the cone opposite to
+/// `o`; integrates to 1 (d'Eon et al. 2011). Angles are given by sine and cosine. Exposed for tests.
 Float LongitudinalDensity(Float sinI, Float cosI, Float sinO, Float cosO, Float variance);
 
-/// Logistic density over [-Pi, Pi], cut there and normalised; `mass` is LogisticMass(scale). Exposed for tests.
+/// Logistic density, truncated to [-Pi, Pi] and normalised; `mass` is LogisticMass(scale). Exposed for tests.
 Float LogisticMass(Float scale);
 Float TrimmedLogistic(Float x, Float scale, Float mass);
 Float SampleTrimmedLogistic(Float u, Float scale, Float mass);

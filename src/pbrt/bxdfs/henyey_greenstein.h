@@ -4,7 +4,7 @@
 namespace pbrt {
 
 /// Phase function of Henyey and Greenstein. Directions are those of travel before and after the scattering: g > 0
-/// favours going on. Density by solid angle, equal to the function's value.
+/// favours forward scattering. The sampling density, by solid angle, equals the function's value.
 class HenyeyGreenstein {
   public:
     explicit HenyeyGreenstein(Float g) : g_(std::clamp(g, Float(-0.99), Float(0.99))) {}

@@ -16,7 +16,7 @@ enum class Stream : uint64_t { Evaluate = 1, Density = 2, Draw = 3 };
 
 constexpr int kRouletteDepth = 3;
 constexpr Float kRouletteThreshold = Float(0.25);
-/// Share of the density that is not spread over the sphere.
+/// Share of the estimated density in Pdf; the rest is uniform over the sphere.
 constexpr Float kDensityTrust = Float(0.9);
 
 TransportMode Reverse(TransportMode mode) {
@@ -25,7 +25,7 @@ TransportMode Reverse(TransportMode mode) {
 
 bool Usable(const std::optional<BsdfSample> &s) { return s && s->pdf > 0 && s->wi.z != 0 && s->f; }
 
-/// Probability to cross a slab of the medium, or of a part of it, along w.
+/// Probability of crossing a slab of the medium, of thickness |dz|, along w without a collision.
 Float Transmittance(Float dz, const Vector3 &w) { return std::exp(-std::abs(dz / w.z)); }
 
 /// Height of the next collision on the way from z along w (the medium's extinction is 1).
@@ -95,8 +95,8 @@ SampledSpectrum CoatedBxdf<Base>::Evaluate(const Vector3 &wo, const Vector3 &wi,
     return top_.F(o, i, mode) + inside / static_cast<Float>(nSamples_);
 }
 
-/// One walk that enters along wo; at every event it is connected to wi through the coat. Where the connection is no
-/// delta, the direction drawn for the walk is tried on the coat too, and the two are combined by MIS.
+/// One walk that enters along wo; at every event it is connected to wi through the coat. Where the coat is rough, the
+/// direction that the walk goes on in is evaluated at the coat as well, and the two estimates are combined by MIS.
 template <class Base>
 template <typename CoatedBxdf<Base>::ExitWeights Weights>
 SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector3 &wi, TransportMode mode,
@@ -111,13 +111,15 @@ SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector
     const Vector3 exit = -out->wi;
     const SampledSpectrum exitWeight = out->f / out->pdf;
     const Float exitTransmittance = Transmittance(thickness_, exit);
-    // Leaves through the coat along w, which was drawn with density `pdf`.
+    // Adds light that leaves through the coat along w, drawn with density `pdf`. `alternative`: the connection could
+    // also have found it.
     auto leave = [&](const SampledSpectrum &beta, const Vector3 &w, Float dz, Float pdf, bool alternative) {
         SampledSpectrum fTop = top_.F(-w, wi, mode);
         if (!fTop) return;
         Float weight = 1;
         if (alternative) {
-            // The density of w among the ways in from wi; stock takes that of wi among the ways out from w.
+            // The density of w when the coat is entered from wi; stock takes the density of wi when the coat is left
+            // along w.
             Float other = Weights == ExitWeights::Consistent
                               ? top_.Pdf(wi, -w, Reverse(mode), ReflTransFlags::Transmission)
                               : top_.Pdf(-w, wi, mode, ReflTransFlags::Transmission);
@@ -251,8 +253,9 @@ Float CoatedBxdf<Base>::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode 
     return Lerp(kDensityTrust, UniformSpherePdf(), pdf);
 }
 
-/// Mirrored by the coat, plus the base's density for the directions inside (no change of solid angle); stock's choice,
-/// not normalised. It only weights strategies against each other, but as F is biased, how shows in the pictures.
+/// Density of reflection by the coat, plus the base's density for the directions inside (without the Jacobian of the
+/// refractions); as in stock, not normalised. It is used in MIS weights only, but as F is biased, the weights affect
+/// the pictures.
 template <class Base>
 Float CoatedBxdf<Base>::EstimateDensity(const Vector3 &wo, const Vector3 &wi, TransportMode mode, Rng &rng) const {
     Float mirrored = top_.Pdf(wo, wi, mode, ReflTransFlags::Reflection);

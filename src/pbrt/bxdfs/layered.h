@@ -14,13 +14,14 @@ class Rng;
 /// the same stack upside down.
 ///
 /// F and Pdf are estimates by random walks between the boundaries (position-free Monte Carlo, Guo et al. 2018), with
-/// random numbers derived from the directions: same arguments, same answer. At most `maxDepth` events a walk,
-/// `nSamples` walks an answer. Sample() is one walk, unbiased; its f and pdf are proportional to the true ones.
+/// random numbers derived from the directions: the same arguments give the same result. A walk has at most `maxDepth`
+/// events; a result is the mean of `nSamples` walks. Sample() is one walk, unbiased; its f and pdf are proportional to
+/// the true ones.
 ///
-/// Under a rough coat F is not unbiased, on purpose: stock pbrt-v4 weights the two ways out of the coat with densities
-/// that do not belong together, which makes rough coats over bright bases brighter by up to 20 %. Pictures must agree
-/// with stock, so F and Pdf follow it (conformance: materials/coateddiffuse, coatedconductor). FConsistent is the
-/// unbiased value.
+/// Under a rough coat F is biased on purpose: stock pbrt-v4 weights the two ways out of the coat with densities that do
+/// not belong together, which makes rough coats over bright bases brighter by up to 20 %. Pictures must agree with
+/// stock, so F and Pdf follow it (conformance: materials/coateddiffuse, coatedconductor). FConsistent is the unbiased
+/// value.
 template <class Base>
 class CoatedBxdf {
   public:
@@ -37,9 +38,9 @@ class CoatedBxdf {
 
     BxdfFlags Flags() const;
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
-    /// As F, with weights that add up to 1.
+    /// As F, with MIS weights that add up to 1: unbiased.
     SampledSpectrum FConsistent(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
-    /// True if F follows a glossy lobe, of the coat or of the base.
+    /// True if F has a glossy lobe, of the coat or of the base.
     bool IsDirectional() const { return !top_.IsSmooth() || (!scatters_ && Has(bottom_.Flags(), BxdfFlags::Glossy)); }
     std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
                                      ReflTransFlags which) const;
@@ -50,15 +51,16 @@ class CoatedBxdf {
     }
 
   private:
-    /// Straight through coat and medium.
+    /// Light that passes straight through coat and medium, only refracted.
     struct Passage {
-        Vector3 inside;   ///< direction of travel below the coat, of light that comes from the other end
-        Float share = 0;  ///< of the light; 0 where none passes
+        Vector3 inside;   ///< refracted direction of travel below the coat
+        Float share = 0;  ///< of the light that passes; 0 if none does
     };
 
   public:
-    /// A cheap stand-in for F(wo, .) without random walks: mirrored by the coat, plus once through it to the base and
-    /// back along the refracted directions (a metal's reflectance counts 1). What depends on wo is done once.
+    /// A cheap approximation of F(wo, .) without random walks: reflection by the coat, plus light that goes through the
+    /// coat to the base and back along the refracted directions (the reflectance of a metal is taken as 1). What
+    /// depends on wo is computed once.
     class Approximation {
       public:
         Approximation(const CoatedBxdf &coated, const Vector3 &wo);
@@ -74,7 +76,7 @@ class CoatedBxdf {
   private:
     enum class ExitWeights { Stock, Consistent };
 
-    /// w above the coat.
+    /// The passage for a direction w above the coat.
     Passage Through(const Vector3 &w) const;
 
     template <ExitWeights Weights>

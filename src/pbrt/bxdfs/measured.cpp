@@ -12,7 +12,7 @@ struct Knot {
     Float t;
 };
 
-/// Place among increasing numbers; beyond them the ends.
+/// The interval of increasing numbers that x lies in; x beyond them is clamped to their ends.
 Knot Locate(const std::vector<Float> &axis, Float x) {
     if (axis.size() < 2 || !(x > axis.front())) return {0, 0, 0};
     if (x >= axis.back()) return {axis.size() - 1, axis.size() - 1, 0};
@@ -25,7 +25,7 @@ Float Phi(const Vector3 &w) { return std::atan2(w.y, w.x); }
 Float SquareOfTheta(Float theta) { return std::sqrt(theta * (2 / Pi)); }
 Float SquareOfPhi(Float phi) { return phi * Inv2Pi + Float(0.5); }
 
-/// Solid angle by area of the square, at a half vector.
+/// Solid angle of half vectors per area of the unit square.
 Float SolidAngleByArea(Float x, Float sinTheta) { return std::max(2 * Sqr(Pi) * x * sinTheta, Float(1e-6)); }
 
 }  // namespace
@@ -99,7 +99,7 @@ Float MeasuredBrdf::Pdf(const Vector3 &wo, const Vector3 &wi) const {
 std::optional<MeasuredBrdf::Sampled> MeasuredBrdf::Sample(const Vector3 &wo, const Point2 &u,
                                                           const SampledWavelengths &lambda) const {
     const View view = ViewFrom(wo);
-    // The table's y grows with phi, its x with theta.
+    // The square's y grows with phi, its x with theta.
     const BilinearWarp::Mapped measured = luminance_.Sample(u, view.blend);
     const BilinearWarp::Mapped half = visibleNormals_.Sample(measured.p, view.blend);
     const Float theta = Sqr(half.p.x) * (Pi / 2), phi = (2 * half.p.y - 1) * Pi + (isotropic_ ? view.phi : 0);

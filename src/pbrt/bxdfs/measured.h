@@ -8,17 +8,17 @@
 namespace pbrt {
 
 /// A measured BRDF in the adaptive parameterization of Dupuy and Jakob 2018. Half vectors are points of the unit
-/// square: (sqrt(2 theta / Pi), phi / 2 Pi + 1/2), phi relative to the view's if isotropic. A warp by the visible
-/// normals takes the square of the measurements to them.
+/// square: (sqrt(2 theta / Pi), phi / 2 Pi + 1/2), phi being relative to the view's if the BRDF is isotropic. A warp by
+/// the visible normals maps the square of the measurements to that of half vectors.
 class MeasuredBrdf {
   public:
     struct Tables {
-        std::vector<Float> phi, theta;   ///< of the views; one phi: isotropic
+        std::vector<Float> phi, theta;   ///< of the views; at most two phi: isotropic
         std::vector<Float> wavelengths;  ///< nm, increasing
         GridSlices ndf, sigma;           ///< one slice each: normal distribution by half vector, projected area by view
         GridSlices visibleNormals;       ///< slice by (phi, theta) of the view: density by half vector
-        GridSlices luminance;            ///< the same: density by the point measured
-        GridSlices spectra;              ///< slice by (phi, theta, wavelength): value at the point measured
+        GridSlices luminance;            ///< the same slices: density by measured point
+        GridSlices spectra;              ///< slice by (phi, theta, wavelength): value at a measured point
     };
     explicit MeasuredBrdf(Tables tables);
 
@@ -45,7 +45,7 @@ class MeasuredBrdf {
     bool isotropic_;
 };
 
-/// A measured BRDF at the wavelengths of one path, on both sides alike. The BRDF must outlive it.
+/// A measured BRDF at the wavelengths of one path, the same on both sides of the surface. `brdf` must outlive it.
 class MeasuredBxdf {
   public:
     MeasuredBxdf(const MeasuredBrdf &brdf, const SampledWavelengths &lambda)
@@ -61,7 +61,8 @@ class MeasuredBxdf {
   private:
     const MeasuredBrdf &Brdf() const { return *std::bit_cast<const MeasuredBrdf *>(brdf_); }
 
-    /// In pieces, so that the lobe needs no wider alignment than a Float: every Bsdf would grow by it.
+    /// The pointer in pieces of 32 bits, so that the lobe is aligned as a Float: a wider alignment would make every
+    /// Bsdf larger.
     using Pointer = std::array<uint32_t, sizeof(void *) / sizeof(uint32_t)>;
     Pointer brdf_;
     SampledWavelengths lambda_;

@@ -17,7 +17,7 @@ class TrowbridgeReitz {
 
     /// The "roughness" of scene files, remapped to alpha.
     static Float RoughnessToAlpha(Float roughness) { return std::sqrt(roughness); }
-    /// So smooth that it is treated as a mirror.
+    /// True if the surface is so smooth that it is treated as a mirror.
     bool EffectivelySmooth() const { return std::max(alphaX_, alphaY_) < Float(1e-3); }
     Float AlphaX() const { return alphaX_; }
     Float AlphaY() const { return alphaY_; }
@@ -27,12 +27,12 @@ class TrowbridgeReitz {
         Float s = Sqr(wm.x / alphaX_) + Sqr(wm.y / alphaY_) + Sqr(wm.z);
         return 1 / (Pi * alphaX_ * alphaY_ * s * s);
     }
-    /// Share of the microfacets turned towards w that w sees.
+    /// Share of the microfacets facing w that are visible from w.
     Float G1(const Vector3 &w) const { return 2 / (1 + SlopeRoot(w)); }
-    /// Share seen from both.
+    /// Share of the microfacets visible from both directions.
     Float G(const Vector3 &wo, const Vector3 &wi) const { return 2 / (SlopeRoot(wo) + SlopeRoot(wi)); }
 
-    /// Normals as seen from w: density by solid angle of wm, which is in the upper hemisphere.
+    /// Density, by solid angle, of a normal wm (in the upper hemisphere) among the normals visible from w.
     Float VisiblePdf(const Vector3 &w, const Vector3 &wm) const {
         return G1(w) / AbsCosTheta(w) * D(wm) * AbsDot(w, wm);
     }

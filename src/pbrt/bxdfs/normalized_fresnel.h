@@ -4,8 +4,9 @@
 
 namespace pbrt {
 
-/// How light that was scattered below the surface leaves it: evenly, but for Fresnel's transmittance, and normalised
-/// (it reflects 1). Radiance takes back the compression that the light underwent when it entered.
+/// The lobe by which light that was scattered below the surface leaves it: diffuse times Fresnel's transmittance,
+/// normalised to an albedo of 1. For radiance the factor eta^2 takes back the scaling at the refraction where the light
+/// entered.
 class NormalizedFresnelBxdf {
   public:
     /// `scale`: SubsurfaceTable::ExitScale().

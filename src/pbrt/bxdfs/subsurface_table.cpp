@@ -10,7 +10,7 @@ namespace pbrt {
 
 namespace {
 
-// As many as stock has, at the same places: the splines between them are part of the picture.
+// The same number of knots at the same places as in stock, because the splines between them affect the picture.
 constexpr int kAlbedos = 100, kRadii = 64;
 constexpr int kDepths = 100;
 
@@ -22,8 +22,8 @@ double MeanOverDepths(F f) {
     return sum / kDepths;
 }
 
-/// Light scattered once, on the way of the beam, in units of the mean free path. The beam is that of the
-/// refracted light that can leave at r: it starts at the depth below which nothing is reflected totally.
+/// Light scattered once along the beam; lengths are in mean free paths. The beam counts only below the depth from which
+/// light reaches the surface at r without total reflection.
 double SingleScattering(double albedo, double g, Float eta, double r) {
     const double start = r * std::sqrt(std::max(0.0, static_cast<double>(eta) * static_cast<double>(eta) - 1));
     return MeanOverDepths([&](double x) {
@@ -63,7 +63,7 @@ struct MultipleScattering {
     }
 };
 
-/// Simpson's rule on the parts left and right of where total reflection begins.
+/// Integral over [0, 1] by Simpson's rule, in two parts: `split` is the cosine where total reflection begins.
 template <class F>
 double IntegrateCosines(double split, F f) {
     constexpr int n = 512;

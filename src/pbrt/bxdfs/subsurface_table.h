@@ -10,14 +10,14 @@ namespace pbrt {
 /// (`eta` as in FresnelDielectric).
 Float InnerFresnelMoment(Float eta, int power);
 
-/// What a half space of scattering matter sends back, at distance r from where a pencil of light enters
-/// perpendicularly: photon beam diffusion with its single scattering (Habel, Christensen, Jarosz 2013), tabulated as
-/// splines over the single-scattering albedo and the radius in mean free paths.
+/// The light that a scattering half space sends back at distance r from where a thin beam enters perpendicularly:
+/// photon beam diffusion with single scattering (Habel, Christensen, Jarosz 2013), tabulated as splines over the
+/// single-scattering albedo and the radius in mean free paths.
 class SubsurfaceTable {
   public:
     /// -1 < g < 1: mean cosine of the scattering; eta > 0: index of refraction.
     SubsurfaceTable(Float g, Float eta);
-    /// The same, shared between all who hold it.
+    /// A table that all callers with the same g and eta share; it is freed with its last owner.
     static std::shared_ptr<const SubsurfaceTable> Shared(Float g, Float eta);
 
     /// The table at one albedo.
@@ -27,11 +27,12 @@ class SubsurfaceTable {
     };
     Row AtAlbedo(Float albedo) const;
 
-    /// By area in units of the mean free path squared; 0 beyond the table (some 200 mean free paths).
+    /// Share of the light per area, in units of the mean free path squared, at a radius in mean free paths; 0 beyond
+    /// the table (about 200 mean free paths).
     Float Profile(const Row &row, Float radius) const;
-    /// Radius with density 2 pi r Profile(r) / reflectance.
+    /// Draws a radius with density 2 pi r Profile(r) / reflectance.
     Float SampleRadius(const Row &row, Float u) const;
-    /// The albedo of matter with this reflectance; 1 if none reflects so much.
+    /// The single-scattering albedo that gives this reflectance; 1 if no albedo reflects so much.
     Float AlbedoOf(Float reflectance) const;
 
     Float Eta() const { return eta_; }

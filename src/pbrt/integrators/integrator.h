@@ -16,13 +16,13 @@ struct RenderPass {
     const Filter &filter;
     Film &film;
     std::span<const std::unique_ptr<Sampler>> samplers;  ///< one per thread, by ThreadIndex()
-    int samplesPerPixel = 1;                             ///< of the samplers: their batch
-    int batchFirst = 0;                                  ///< number of the samples before the samplers' batch
+    int samplesPerPixel = 1;                             ///< in a batch of the samplers
+    int batchFirst = 0;                                  ///< number of samples of a pixel before this batch
     int first = 0, count = 1;                            ///< which samples of the batch
     bool jittersPixels = true;  ///< false: sample pixel centres, lens centre, mid-shutter; full texture footprints
     bool jittersWavelengths = true;
-    bool keepsSamples = true;  ///< false: the film holds these samples already; only learn from them
-    bool isCounted = true;     ///< tell `progress` of every pixel's sample
+    bool keepsSamples = true;  ///< false: the film holds these samples already; they are traced only to learn from them
+    bool isCounted = true;     ///< every sample of a pixel counts in `progress`
     Progress &progress;
 };
 
@@ -33,9 +33,9 @@ class Integrator {
     virtual ~Integrator() = default;
     /// Before the first pass; the light sampler's prepass happens here.
     virtual void Prepare(PrepareContext &) {}
-    /// False: cancelled; some of the film have not got all samples of the pass.
+    /// False if cancelled: then some pixels lack samples of the pass.
     virtual bool Render(const RenderPass &pass) = 0;
-    /// What has to be told of every path, and between passes; null if nothing.
+    /// What learns from every path and between passes; null if nothing does.
     virtual LightLearner *Learner() { return nullptr; }
     /// The light sampler in use; null if the integrator has none.
     virtual const LightSampler *Lights() const { return nullptr; }

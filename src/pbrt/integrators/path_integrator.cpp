@@ -9,8 +9,8 @@ namespace pbrt {
 
 namespace {
 
-/// A vertex as light selection sees it. It outlives the step to the next vertex, whose emission is weighted by how
-/// likely the lights were chosen here.
+/// What light selection needs at a vertex. It is kept until the next vertex, because the MIS weight of emission there
+/// depends on the probabilities of the lights here.
 struct Selection {
     LightQuery query;
     LightSampleContext from;
@@ -30,7 +30,7 @@ SampledSpectrum PathIntegrator::SampleDirect(const PathVertex &vertex, const Lig
                                              const SampledWavelengths &lambda, Sampler &sampler,
                                              LightLearner::PathPlaces &places) const {
     const auto &[point, bsdf] = vertex;
-    // Both random inputs are drawn whatever happens, so that dimensions stay aligned between samples.
+    // All random numbers are drawn in any case, so that dimensions stay aligned between samples.
     Float uSelect = sampler.Get1D();
     Point2 uLight = sampler.Get2D();
     Float uGate = gate_ ? sampler.Get1D() : 0;

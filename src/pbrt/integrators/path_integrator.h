@@ -11,17 +11,17 @@ struct PathSettings {
     bool regularize = false;  ///< roughen specular lobes after the first non-specular bounce
     bool subsurface =
         false;  ///< follow light below surfaces (volpath; to path they are clear dielectrics, as in stock)
-    /// Light sampling looks through interface surfaces (volpath, over a scene whose shadow rays pass them; to path they
-    /// block shadow rays, as in stock).
+    /// Light sampling reaches through interface surfaces (volpath, with a scene whose shadow rays pass them; with path
+    /// they block shadow rays, as in stock).
     bool seesThroughInterfaces = false;
-    /// Leaves out what only the path itself can find: lamps that the camera or a mirror shows, caustics. No choice of
-    /// lights changes these; without them a measurement of light samplers is free of their noise.
+    /// Leaves out emission that only BSDF sampling can find: lights seen directly or in a mirror, caustics. It does not
+    /// depend on the light sampler; without it a measurement of light samplers is free of its noise.
     bool sampledLightOnly = false;
 };
 
 /// Unidirectional path tracing with next-event estimation; BSDF and light sampling combined by the power heuristic.
 /// Both sides of the combination use the light sampler's distribution of the same vertex. A shadow-ray gate, if there
-/// is one, may skip shadow rays; it draws one more random number per light sample.
+/// is one, may skip shadow rays; it uses one more random number per light sample.
 class PathIntegrator final : public PixelIntegrator {
   public:
     PathIntegrator(const PathContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,

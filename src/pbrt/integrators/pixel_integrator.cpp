@@ -19,12 +19,12 @@ class PassRenderer {
                                  ? std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(pass.samplesPerPixel)))
                                  : Float(1)) {}
 
-    /// False: cancelled.
+    /// False if cancelled.
     bool RenderTile(const Bounds2i &tile, Sampler &sampler) const {
         for (int y = tile.low.y; y < tile.high.y; ++y)
             for (int x = tile.low.x; x < tile.high.x; ++x)
                 for (int i = pass_.first; i < pass_.first + pass_.count; ++i) {
-                    // Asked before every sample: one alone may take a tenth of a second.
+                    // Checked before every sample, because a single one may take a tenth of a second.
                     if (pass_.progress.Cancelled()) return false;
                     TraceSample({x, y}, i, sampler);
                 }

@@ -9,10 +9,10 @@ struct PathStart {
     CameraRay ray;
     Point2i pixel{};
     int sampleIndex = 0;                               ///< of the pixel
-    std::optional<VisibleSurface> *visible = nullptr;  ///< where PathWalk says what the camera sees, if somebody asks
+    std::optional<VisibleSurface> *visible = nullptr;  ///< null, or where PathWalk writes what the camera sees
 };
 
-/// The integrators that find the radiance of one camera ray at a time, for the pixel that the ray belongs to.
+/// Base of integrators that compute the radiance of one camera ray at a time, for the pixel that the ray belongs to.
 class PixelIntegrator : public Integrator {
   public:
     bool Render(const RenderPass &pass) final;

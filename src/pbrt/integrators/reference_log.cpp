@@ -28,7 +28,7 @@ std::optional<double> ReferenceLog::Log(int samples, const Film &film) {
     Image image = film.ToImage();
     if (image.ChannelCount() > 3) image = image.Select({"R", "G", "B"});
     double mse = ImageError(image, reference_, Metric::MSE);
-    // The render is worth more than its log: it goes on without it.
+    // If the log cannot be written, the render goes on without it.
     if (out_ && (std::fprintf(out_.get(), "%d, %.9g\n", samples, mse) < 0 || std::fflush(out_.get()) != 0)) {
         Fail();
         out_.reset();
@@ -37,7 +37,7 @@ std::optional<double> ReferenceLog::Log(int samples, const Film &film) {
 }
 
 const std::string &ReferenceLog::Finish() {
-    // Some file systems tell only now.
+    // Some file systems report a failed write only when the file is closed.
     if (out_ && std::fclose(out_.release()) != 0) Fail();
     return failure_;
 }

@@ -11,10 +11,11 @@ namespace pbrt {
 /// A reference image and the file that gets one line "samples, mean squared error" per wave.
 class ReferenceLog {
   public:
-    /// No names: does nothing. Throws UserError if the reference does not cover the film or a file cannot be opened.
+    /// With empty names the log does nothing. Throws UserError if the reference does not cover the film or a file
+    /// cannot be opened.
     ReferenceLog(const std::string &referenceImage, const std::string &outFile, const Film &film);
     std::optional<double> Log(int samples, const Film &film);
-    /// Closes the file. Why it is not complete; empty if it is.
+    /// Closes the file. Returns why it is incomplete; empty if it is complete.
     const std::string &Finish();
 
   private:

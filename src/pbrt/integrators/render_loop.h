@@ -16,8 +16,8 @@ struct RenderSettings {
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
     bool disablePixelJitter = false;  ///< sample pixel centres, lens centre, mid-shutter; full texture footprints
     bool disableWavelengthJitter = false;
-    std::string mseReferenceImage, mseReferenceOut;  ///< both or none
-    /// Called after every wave if set: writes what there is (partial images).
+    std::string mseReferenceImage, mseReferenceOut;  ///< both are set or none
+    /// Called after every wave if set, to write partial images.
     std::function<void(int samplesTaken)> afterWave;
 };
 
@@ -26,24 +26,26 @@ struct RenderResult {
     double seconds = 0;         ///< rendering only
     bool cancelled = false;     ///< before all samples were taken
     std::optional<double> mse;  ///< against the reference, of the last wave
-    std::string mseFailure;     ///< why RenderSettings::mseReferenceOut is not complete, if it is not
+    std::string mseFailure;     ///< why RenderSettings::mseReferenceOut is incomplete; empty if it is complete
 };
 
 /// Samples per pixel of the largest wave.
 constexpr int kMaxWave = 64;
 
-/// Has an integrator render one pass after another, in batches of samplers; between passes the integrator's
-/// LightLearner learns after the numbers of samples that it names. Any split into calls gives the same image.
+/// Lets an integrator render one pass after another; samples are taken in batches, each with samplers made for it.
+/// Between passes the integrator's LightLearner learns, after the numbers of samples that it names. Any split into
+/// calls gives the same image.
 class WaveRenderer {
   public:
-    /// `sampler`: of the first batch of RenderSettings::samplesPerPixel samples.
+    /// `sampler`: for the first batch of RenderSettings::samplesPerPixel samples.
     WaveRenderer(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film, const Sampler &sampler,
                  const RenderSettings &settings, Progress &progress);
 
     /// Renders up to `count` more samples per pixel, not beyond the end of the batch. Returns how many; 0 when
     /// cancelled.
     int Render(int count);
-    /// Has the learner learn now what it must know before the next sample, if anything; Render does so else.
+    /// Calls the learner if it is due before the next sample. Render does so, too; this is for callers who time the two
+    /// separately.
     void LearnIfDue();
     int Done() const { return done_; }
     /// The film already holds the first `samples` samples (Film::Load): go on after them. Those that the integrator
@@ -59,9 +61,9 @@ class WaveRenderer {
     const Sampler &sampler_;
     const RenderSettings &settings_;
     Progress &progress_;
-    std::vector<std::unique_ptr<Sampler>> samplers_;  ///< one a thread
+    std::vector<std::unique_ptr<Sampler>> samplers_;  ///< one per thread
     int round_ = -1, done_ = 0;
-    bool isRepeating_ = false;  ///< the film has these samples
+    bool isRepeating_ = false;  ///< the film already has the samples that are rendered
 };
 
 /// Renders waves of 1, 1, 2, 4, ... up to kMaxWave samples per pixel until samplesPerPixel or the time budget is

@@ -9,7 +9,7 @@ namespace pbrt {
 
 namespace {
 
-/// All the light that arrives from what the walk has just met.
+/// The radiance emitted towards the walk by all that its ray has just met.
 SampledSpectrum Arriving(const PathWalk &walk, const SampledWavelengths &lambda) {
     SampledSpectrum sum(0);
     walk.ForEachEmission(lambda,
@@ -34,7 +34,7 @@ Direction SampleEvenly(const PathVertex &vertex, const Point2 &u) {
     return {viewerSide == reflects ? aroundNormal : -aroundNormal, UniformHemispherePdf()};
 }
 
-/// The throughput of one scattering event into a direction of our own.
+/// The throughput of one scattering event into a direction that was not drawn from the BSDF.
 SampledSpectrum Throughput(const PathVertex &vertex, const Direction &to) {
     const auto &[point, bsdf] = vertex;
     return bsdf.F(point.wo, to.wi) * (AbsDot(to.wi, point.shading.n) / to.pdf);
@@ -68,8 +68,8 @@ SampledSpectrum SimplePathIntegrator::Li(const PathStart &start, SampledWaveleng
     PathWalk walk(context_, start.ray, start.visible);
     SampledSpectrum L(0), beta(1);
     ++ThreadCounters().cameraPaths;
-    // Without weights, every way light takes must be found by one technique only: where lights are sampled, emission
-    // that is met counts only if that could not have found it.
+    // Without MIS weights every light path must be found by one technique only: where lights are sampled, emission that
+    // the walk meets counts only if light sampling could not have found it.
     bool foundBySampling = false;
     for (int depth = 0; beta; ++depth) {
         const PathWalk::Met met = walk.Next();

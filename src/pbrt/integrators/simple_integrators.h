@@ -12,7 +12,7 @@ class SimplePathIntegrator final : public PixelIntegrator {
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
 
   private:
-    /// Direct light by one point on one light, unweighted, times the path's throughput.
+    /// Direct light by one point on one light, without MIS weight, times the path's throughput.
     SampledSpectrum SampleDirect(const PathVertex &vertex, const SampledSpectrum &beta,
                                  const SampledWavelengths &lambda, int depth, Sampler &sampler) const;
     PathContext context_;
@@ -21,7 +21,8 @@ class SimplePathIntegrator final : public PixelIntegrator {
     std::unique_ptr<LightSampler> lights_;
 };
 
-/// Scatters into uniformly distributed directions and looks for emission: the slow, plainly right twin of the others.
+/// Scatters into uniformly distributed directions and adds the emission met: slow, but simple enough to check the
+/// others with.
 class RandomWalkIntegrator final : public PixelIntegrator {
   public:
     RandomWalkIntegrator(const PathContext &context, int maxDepth) : context_(context), maxDepth_(maxDepth) {}

@@ -65,7 +65,7 @@ Float DiffuseAreaLight::ScaleForPower(const ShapePrimitive &at) const {
 
 Float DiffuseAreaLight::Coverage(const Point3 &p, const Point2 &uv) const {
     if (!alpha_) return 1;
-    TextureContext at;  // what a ray's alpha test fills in
+    TextureContext at;  // only what a ray's alpha test fills in, too
     at.p = p;
     at.uv = uv;
     return std::clamp(alpha_->Evaluate(at), Float(0), Float(1));

@@ -8,15 +8,15 @@
 
 namespace pbrt {
 
-/// What one AreaLightSource directive says; shared by the lights of all primitives it applies to. Either a spectrum or
-/// an image over (u, v), v upwards.
+/// The emission that one AreaLightSource directive describes; shared by the lights of all shapes it applies to. Either
+/// a spectrum or an image over (u, v), v upwards.
 struct AreaEmission {
     std::shared_ptr<const DenseSpectrum> spectrum;  ///< null if there is an image
     Image image;                                    ///< R, G, B
     const ColorSpace *colorSpace = nullptr;         ///< of the image
     bool twoSided = false;
     Float scale = 1;                  ///< includes the photometric normalisation, not `power`
-    Float power = -1;                 ///< wanted from each primitive, if positive
+    Float power = -1;                 ///< if positive, what each primitive shall emit
     Float peak = 0;                   ///< largest spectrum value; mean of all image values
     Float luminance = 1;              ///< mean luminance of the image; 1 for a spectrum
     SampledSpectrum averageForPower;  ///< mean radiance at PowerWavelengths(), before scale
@@ -28,12 +28,12 @@ struct AreaEmission {
     SampledSpectrum Radiance(const Point2 &uv, const SampledWavelengths &lambda) const;
 };
 
-/// Light from the primitives of the shapes of one directive, which are its parts; the same in all directions of the
-/// side(s) it leaves.
+/// Light from the shapes of one Shape directive; their primitives are its parts. The radiance is the same in all
+/// directions of the side(s) that emit.
 class DiffuseAreaLight final : public Light {
   public:
-    /// A constant alpha of 0 makes a light that rays cannot hit: DeltaPosition to the outside, so that light sampling
-    /// alone accounts for it.
+    /// A constant alpha of 0 makes a light that rays cannot hit: its kind is DeltaPosition, so that only light sampling
+    /// finds it.
     DiffuseAreaLight(std::shared_ptr<const AreaEmission> emission, std::span<const Shape *const> shapes,
                      const FloatTexture *alpha);
 
@@ -51,18 +51,19 @@ class DiffuseAreaLight final : public Light {
                                           uint32_t part) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs, uint32_t part) const override;
-    /// Of a point that a ray has met: the alpha texture has had its say when it stopped the ray.
+    /// Radiance of a point that a ray has hit. The alpha texture is not applied again: it has decided that the ray
+    /// stops there.
     SampledSpectrum L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,
                       const SampledWavelengths &lambda, uint32_t part) const override;
     std::optional<LightBounds> Bounds(uint32_t part) const override;
 
   private:
-    /// The share of rays that the surface stops at a point. Samples are weighted by it; rays have it in how often they
-    /// are stopped (Accel), so that both mean the same.
+    /// The share of rays that the surface stops at a point. Light samples are weighted by it; rays are stopped that
+    /// often (Accel), so that both have the same expected value.
     Float Coverage(const Point3 &p, const Point2 &uv) const;
     bool EmitsTowards(const Normal3 &n, const Vector3 &w) const { return emission_->twoSided || !(Dot(n, w) < 0); }
 
-    /// Of the emission. Where a power is wanted, it is wanted of every primitive.
+    /// The factor of the emission. If a power is given, it is the power of every primitive.
     Float Scale(const ShapePrimitive &at) const { return emission_->power > 0 ? ScaleForPower(at) : emission_->scale; }
     Float ScaleForPower(const ShapePrimitive &at) const;
 

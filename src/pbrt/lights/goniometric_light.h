@@ -20,7 +20,7 @@ class GoniometricLight final : public LightAtPoint<GoniometricLight> {
     static Float Mean(const Image &image);
 
   private:
-    /// The image along w (render space, any length).
+    /// The value of the image in the direction w (render space, any length).
     Float Share(const Vector3 &w) const;
 
     Transform renderFromLight_;

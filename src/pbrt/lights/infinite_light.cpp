@@ -74,7 +74,7 @@ SampledSpectrum ImageInfiniteLight::Radiance(const Point2 &st, const SampledWave
 }
 
 SampledSpectrum ImageInfiniteLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
-    // Radiance averaged over the sphere, times 4 pi sr, times the disk the scene shows.
+    // Radiance averaged over the sphere, times 4 pi sr, times the area of the disk of the scene's bounding sphere.
     return scale_ * 4 * Pi * Pi * Sqr(sceneRadius_) * AverageIlluminant(image_, *colorSpace_, lambda);
 }
 

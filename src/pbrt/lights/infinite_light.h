@@ -12,7 +12,7 @@ class UniformInfiniteLight final : public LightBeyondScene {
     UniformInfiniteLight(std::shared_ptr<const DenseSpectrum> radiance, Float scale);
 
     SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
-    /// Draws nothing if pdfs may be incomplete: scattering finds this light better (as stock pbrt-v4).
+    /// Draws nothing if pdfs may be incomplete: BSDF sampling finds this light better (as in stock pbrt-v4).
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
                                           const SampledWavelengths &lambda, bool allowIncompletePdfs,
                                           uint32_t) const override;
@@ -32,8 +32,8 @@ class ImageInfiniteLight final : public LightBeyondScene {
     ImageInfiniteLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace, Float scale);
 
     SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
-    /// By the mean of R, G, B of the pixels; by what exceeds their average if pdfs may be incomplete (Karlik et al.
-    /// 2019).
+    /// Draws pixels in proportion to their mean of R, G, B; if pdfs may be incomplete, in proportion to what exceeds
+    /// the image's average (Karlik et al. 2019).
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
                                           const SampledWavelengths &lambda, bool allowIncompletePdfs,
                                           uint32_t) const override;

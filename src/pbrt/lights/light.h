@@ -9,11 +9,12 @@
 
 namespace pbrt {
 
-/// How a light can be found: delta lights only by SampleLi, infinite ones by rays that leave the scene.
+/// How a light can be found: delta lights only by SampleLi, the others also by rays that hit them (area) or leave the
+/// scene (infinite).
 enum class LightKind { DeltaPosition, DeltaDirection, Area, Infinite };
 constexpr bool IsDelta(LightKind k) { return k == LightKind::DeltaPosition || k == LightKind::DeltaDirection; }
 
-/// The point light is collected at. Normals are zero in a medium.
+/// The point at which light arrives. Normals are zero in a medium.
 using LightSampleContext = ShapeSampleContext;
 
 /// Light arriving from one drawn direction.
@@ -34,9 +35,8 @@ struct ShapePrimitive {
 
 /// A light. Immutable once the scene is built. Spectral values at a path's wavelengths.
 ///
-/// A light may have parts: the primitives of an emissive mesh. They can be chosen one by one, each with a LightId of
-/// its own, so what is asked of a light is asked of one of its parts. Lights without parts have one, and look at no
-/// `part`.
+/// A light may have parts: the primitives of an emissive mesh. Each can be chosen alone and has a LightId, so the
+/// functions take the index of a part. Lights without parts count as one part and ignore `part`.
 class Light {
   public:
     explicit Light(LightKind kind) : kind_(kind) {}
@@ -48,7 +48,8 @@ class Light {
     /// the scene's bounding sphere; needs Preprocess.
     virtual SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t part = 0) const = 0;
 
-    /// `allowIncompletePdfs`: infinite image lights may skip directions of little light (then MIS must know).
+    /// `allowIncompletePdfs`: infinite lights may leave out directions of little light; only for callers that combine
+    /// this with BSDF sampling by MIS.
     virtual std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
                                                   const SampledWavelengths &lambda, bool allowIncompletePdfs,
                                                   uint32_t part = 0) const = 0;
@@ -92,11 +93,11 @@ class Light {
         (void)d;
         return 0;
     }
-    /// Infinite lights that shine only through an opening: the opening, as if it were the light; else empty. The
-    /// format's samplers treat these lights as any infinite one.
+    /// Infinite lights that shine only through an opening: the opening, as if it were the light; else empty. The stock
+    /// light samplers treat these lights like any other infinite light.
     virtual std::optional<LightBounds> Opening() const { return {}; }
 
-    /// Bounding sphere of the whole scene, once, before use.
+    /// Gives the light the bounding sphere of the whole scene. Called once, before use.
     virtual void Preprocess(const Point3 &sceneCenter, Float sceneRadius) {
         (void)sceneCenter;
         (void)sceneRadius;
@@ -106,7 +107,7 @@ class Light {
     LightKind kind_;
 };
 
-/// A part of a light: what a LightId stands for. See Light for what it answers.
+/// A part of a light: what a LightId stands for. See Light for the functions.
 class LightPart {
   public:
     LightPart(const Light &light, uint32_t part) : light_(&light), part_(part) {}

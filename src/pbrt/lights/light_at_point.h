@@ -3,9 +3,9 @@
 
 namespace pbrt {
 
-/// What lights that are a point have in common. `Self` has a public
+/// What all point-shaped lights have in common. `Self` has a public
 ///     SampledSpectrum Intensity(const Vector3 &w, const SampledWavelengths &lambda) const
-/// for what leaves along w (render space, any length but 0). Not virtual: it is hot.
+/// for the intensity along w (render space, any length but 0). Not virtual: it is hot.
 template <class Self>
 class LightAtPoint : public Light {
   public:
@@ -30,7 +30,7 @@ class LightAtPoint : public Light {
   protected:
     explicit LightAtPoint(const Point3 &position) : Light(LightKind::DeltaPosition), position_(position) {}
 
-    /// Bounds as if all directions got the same.
+    /// Bounds of a light that shines equally in all directions.
     std::optional<LightBounds> AllAround(Float phi) const {
         if (!(phi > 0)) return {};
         return LightBounds{Bounds3(position_), Vector3(0, 0, 1), phi, -1, 0, false};

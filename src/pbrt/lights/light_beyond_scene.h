@@ -3,7 +3,7 @@
 
 namespace pbrt {
 
-/// What lights have in common that shine from outside the scene.
+/// What all lights that shine from outside the scene have in common.
 class LightBeyondScene : public Light {
   public:
     void Preprocess(const Point3 &, Float sceneRadius) final { sceneRadius_ = sceneRadius; }

@@ -41,7 +41,7 @@ LightBounds Union(const LightBounds &a, const LightBounds &b);
 
 namespace detail {
 
-/// The operations of the importance for one light at a time. Others (several at a time) have the same members.
+/// The arithmetic of ImportanceOf for one light at a time. SimdOps has the same members for several lights.
 struct ScalarOps {
     using F = Float;
     static F Min(F a, F b) { return std::min(a, b); }
@@ -67,7 +67,7 @@ CosSin<F> FromCosine(const F &c) {
     return {c, Ops::Sqrt(Ops::Max(F(1) - c * c, F(0)))};
 }
 
-/// LightSphere, for one light or several.
+/// The values of a LightSphere, for one light or for several at a time.
 template <class F, class Mask>
 struct Emitters {
     F centerX, centerY, centerZ, radius;
@@ -81,8 +81,8 @@ template <class Ops, class F = typename Ops::F, class Mask>
 F ImportanceOf(const Emitters<F, Mask> &e, const Point3 &p, const Normal3 &n) {
     constexpr Float kMax = 1e36f;  // two of them still add up to a finite number
     constexpr Float kTiny = std::numeric_limits<Float>::min();
-    // sin^2 of a thousandth of a radian: the sphere looks that much larger, so that rounding of directions cannot hide
-    // an emitter that grazes the border of its cone or of the receiver's horizon.
+    // sin^2 of a thousandth of a radian: the sphere is taken to be that much larger, so that rounding of directions
+    // cannot hide an emitter that grazes the border of its cone or of the receiver's horizon.
     constexpr Float kSlack = 1e-6f;
     // A falloff region beyond 90 degrees (wide spot lights) still emits where the cosine is not positive.
     constexpr Float kMinCosine = 1e-3f;
@@ -106,8 +106,8 @@ F ImportanceOf(const Emitters<F, Mask> &e, const Point3 &p, const Normal3 &n) {
         F cosReceiver = Ops::Min(Ops::Abs(F(n.x) * vx + F(n.y) * vy + F(n.z) * vz) * invDistance, F(1));
         oriented = oriented * Ops::Max(SubtractAngles<Ops>(FromCosine<Ops>(cosReceiver), extent).cos, F(0));
     }
-    // Inside the sphere the emitter may lie in any direction. (Stock pbrt-v4 says so only inside the box and assumes a
-    // half-space between box and sphere, which can give 0 to a light that is seen.)
+    // Inside the sphere the emitter may lie in any direction. (Stock pbrt-v4 allows for this only inside the box and
+    // assumes a half-space between box and sphere, which can give 0 to a light that is seen.)
     return unoriented * Ops::Select(d2 <= r2 * F(Float(1.00001)), F(1), oriented);
 }
 

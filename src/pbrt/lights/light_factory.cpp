@@ -23,12 +23,12 @@ namespace pbrt {
 
 namespace {
 
-/// An error if the light is too far away.
+/// Throws if the light is too far away.
 void RequirePosition(const ParamSet &set, const LightContext &context, const Point3 &p) {
     RequireReach(set.What(), context.renderFromLight, Bounds3(p), set.Loc());
 }
 
-/// An error if an emission so scaled is too bright for single precision.
+/// Returns `scale`; throws if the emission times `scale` is too large for single precision.
 Float RequireFinite(const ParamSet &set, Float scale, const Spectrum &emission, const char *name) {
     if (!std::isfinite(scale) || !std::isfinite(scale * emission.MaxValue()))
         throw set.Error(set.Has("scale") ? "scale" : name,
@@ -64,21 +64,22 @@ SpectrumPtr OrIlluminant(const SpectrumParam &given, const LightContext &context
 
 constexpr SpectrumParam kEmission{SpectrumUse::Illuminant};
 constexpr Items kPosition{ParamType::Point3, kCoordinateRange};
-constexpr const char *kScaleHelp = "factor", *kPowerHelp = "if above 0, what all is scaled to, in watts";
-constexpr const char *kIlluminanceHelp = "if above 0, what all is scaled to, in lux";
+constexpr const char *kScaleHelp = "factor",
+                     *kPowerHelp = "if above 0, the power that the light is scaled to, in watts";
+constexpr const char *kIlluminanceHelp = "if above 0, the illuminance that the light is scaled to, in lux";
 
 struct IntensityParams {
     SpectrumParam intensity = kEmission;
     Float scale = 1, power = -1;
     template <class V>
     void Describe(V &&v) {
-        v("I", intensity, "intensity; the illuminant of the colour space");
+        v("I", intensity, "intensity; default: the illuminant of the colour space");
         v("scale", scale, kBrightnessRange, kScaleHelp);
         v("power", power, kPowerRange, kPowerHelp);
     }
 };
 
-/// Where a light stands and where it shines.
+/// Where a light stands and which point it shines to.
 struct DirectionParams {
     Point3 from{0, 0, 0}, to{0, 0, 1};
     template <class V>
@@ -120,8 +121,9 @@ struct SpotParams : IntensityParams {
     void Describe(V &&v) {
         IntensityParams::Describe(v);
         direction.Describe(v);
-        v("coneangle", coneAngle, Positive(180, "degrees"), "between the axis and the border of the cone");
-        v("conedeltaangle", delta, AnyFloat("degrees"), "inside of the border, where the light falls off");
+        v("coneangle", coneAngle, Positive(180, "degrees"), "angle between the axis and the border of the cone");
+        v("conedeltaangle", delta, AnyFloat("degrees"),
+          "angle inside the border of the cone over which the light falls off");
     }
 };
 
@@ -147,7 +149,7 @@ struct DistantParams {
     DirectionParams direction;
     template <class V>
     void Describe(V &&v) {
-        v("L", radiance, "radiance; the illuminant of the colour space");
+        v("L", radiance, "radiance; default: the illuminant of the colour space");
         v("scale", scale, kBrightnessRange, kScaleHelp);
         v("illuminance", illuminance, kPowerRange, kIlluminanceHelp);
         direction.Describe(v);
@@ -163,7 +165,7 @@ std::unique_ptr<Light> MakeDistant(const DistantParams &p, const ParamSet &set, 
     return std::make_unique<DistantLight>(wi, InternSpectrum(*radiance), scale);
 }
 
-/// `power` over what the light would emit at scale 1.
+/// The factor that brings the light to `power`, from the power that it emits at scale 1.
 Float PowerFactor(const ParamSet &set, Float power, Float emitted, const std::string &image) {
     if (!(emitted > 0))
         throw set.Error("power", fmt::format("\"{}\" is black, so \"power\" cannot be reached.", image));
@@ -175,7 +177,7 @@ struct GoniometricParams : IntensityParams {
     template <class V>
     void Describe(V &&v) {
         IntensityParams::Describe(v);
-        v("filename", filename, "a square image that says what part of the intensity each direction gets");
+        v("filename", filename, "a square image of factors by which the intensity is multiplied in each direction");
     }
 };
 
@@ -204,7 +206,7 @@ struct ProjectionParams {
     template <class V>
     void Describe(V &&v) {
         v("filename", filename, Required(), "the image to be projected");
-        v("fov", fov, Range<Float>{0, 180, true, true, "degrees"}, "along the shorter side of the image");
+        v("fov", fov, Range<Float>{0, 180, true, true, "degrees"}, "field of view along the shorter side of the image");
         v("scale", scale, kBrightnessRange, kScaleHelp);
         v("power", power, kPowerRange, kPowerHelp);
     }
@@ -252,12 +254,11 @@ struct InfiniteParams {
     std::vector<Point3> portal;
     template <class V>
     void Describe(V &&v) {
-        v("L", radiance, "radiance; the illuminant of the colour space unless there is an image");
+        v("L", radiance, "radiance; default without an image: the illuminant of the colour space");
         v("filename", filename, "a square image of the sky, in the equal-area octahedral layout");
         v("scale", scale, kBrightnessRange, kScaleHelp);
         v("illuminance", illuminance, kPowerRange, kIlluminanceHelp);
-        v("portal", portal, kPosition,
-          "the corners of a rectangle through which alone the light comes, in world space");
+        v("portal", portal, kPosition, "the corners, in world space, of the rectangle through which the light enters");
     }
 };
 
@@ -294,7 +295,7 @@ LightImage ConstantImage(const SpectrumParam &L, const ParamSet &set, const Ligh
         Xyz xyz = SpectrumToXyz(*radiance);
         if (xyz.y > 0) rgb = light.colorSpace->ToRgb(xyz / xyz.y);
         set.Warn(context.sink, "L",
-                 fmt::format("with a portal \"L\" is taken as the colour it has: rgb {:.4g} {:.4g} {:.4g}.", rgb.x,
+                 fmt::format("behind a portal only the colour of \"L\" is used: rgb {:.4g} {:.4g} {:.4g}.", rgb.x,
                              rgb.y, rgb.z));
     }
     // Many pixels, so that sampling knows how much of the sky each part of the portal shows.
@@ -305,7 +306,7 @@ LightImage ConstantImage(const SpectrumParam &L, const ParamSet &set, const Ligh
     return light;
 }
 
-/// An error if both "L" and "filename" are given.
+/// Throws if both "L" and "filename" are given.
 void RequireOneEmission(const SpectrumParam &L, const std::string &filename, const ParamSet &set) {
     if (L && !filename.empty()) throw set.Error("filename", "\"L\" and \"filename\" exclude each other.");
 }
@@ -351,11 +352,11 @@ struct DiffuseAreaParams {
     bool twoSided = false;
     template <class V>
     void Describe(V &&v) {
-        v("L", radiance, "radiance; the illuminant of the colour space unless there is an image");
+        v("L", radiance, "radiance; default without an image: the illuminant of the colour space");
         v("filename", filename, "an image over (u, v), v upwards");
         v("scale", scale, kBrightnessRange, kScaleHelp);
         v("twosided", twoSided, "shines to both sides");
-        v("power", power, kPowerRange, "if above 0, what each primitive is scaled to, in watts");
+        v("power", power, kPowerRange, "if above 0, the power that each primitive is scaled to, in watts");
     }
 };
 
@@ -377,7 +378,7 @@ AreaLightMaker MakeDiffuseArea(const DiffuseAreaParams &p, const ParamSet &set, 
     return AreaLightMaker(std::move(emission));
 }
 
-/// A light that has a direction.
+/// Adds a light that has a direction, for which a singular transformation is an error.
 template <class P, class F>
 void AddDirected(LightFactories &table, const char *name, F make) {
     table.Add<P>(name, "", [make](const P &p, const ParamSet &set, const LightContext &context) {

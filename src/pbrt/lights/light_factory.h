@@ -10,16 +10,16 @@
 
 namespace pbrt {
 
-/// What a light is made for.
+/// What a light is made from beside its parameters.
 struct LightContext {
     const Transform &renderFromLight;
-    const Transform &renderFromWorld;  ///< only for what is given in world space (portals)
-    const ColorSpace &colorSpace;      ///< the one in force: of spectra that are not given
+    const Transform &renderFromWorld;  ///< only for parameters in world space (portals)
+    const ColorSpace &colorSpace;      ///< the current one; its illuminant is the default emission
     const FileResolver &files;
     DiagnosticSink &sink;
 };
 
-/// LightSource directives.
+/// The factories of LightSource directives.
 using LightFactories = FactoryTable<std::unique_ptr<Light>, const LightContext>;
 const LightFactories &Lights();
 
@@ -37,7 +37,7 @@ class AreaLightMaker {
     std::shared_ptr<const AreaEmission> emission_;
 };
 
-/// AreaLightSource directives. The transformations of the context do not count.
+/// The factories of AreaLightSource directives. They ignore the transformations of the context.
 using AreaLightFactories = FactoryTable<AreaLightMaker, const LightContext>;
 const AreaLightFactories &AreaLights();
 

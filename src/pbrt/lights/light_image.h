@@ -15,7 +15,7 @@ struct LightImage {
 /// Reads a file. Throws UserError (no location).
 LightImage ReadLightImage(const std::string &path);
 
-/// The same for an image that scales an intensity: one channel, Y or the mean of R, G, B.
+/// Reads an image that scales an intensity. It gets one channel: Y, or the mean of R, G and B.
 LightImage ReadIntensityImage(const std::string &path);
 
 /// The pixel at st in [0, 1]^2.
@@ -30,7 +30,7 @@ inline Point2 PixelCenter(int x, int y, const Point2i &n) {
             (static_cast<Float>(y) + Float(0.5)) / static_cast<Float>(n.y)};
 }
 
-/// A pixel of such an image; negative values count as 0.
+/// A pixel of an image with channels R, G, B; negative values count as 0.
 inline Rgb LightPixel(const Image &image, const Point2i &p) {
     return glm::max(Rgb(image.Get(p, 0), image.Get(p, 1), image.Get(p, 2)), Rgb(0));
 }

@@ -7,20 +7,20 @@
 
 namespace pbrt {
 
-/// Where the lights of a LightTable come from in the scene file (its name without folders), for people. One small entry
-/// a directive, however many lights it makes; nothing of the file's text is kept.
+/// Names of the lights of a LightTable for messages: the directive and its place in the scene file (named without
+/// folders). Keeps one small entry per directive, however many lights it makes, and nothing of the file's text.
 class LightNames {
   public:
-    /// The next `count` lights, in the order of their ids. `what`: the directive as it is called, e.g. LightSource
-    /// "point". `shape`: of the Shape directive whose primitives emit; none for other lights. `primitive`: what one of
-    /// them is called.
+    /// Adds the next `count` lights, in the order of their ids. `what`: the directive with its type, e.g. LightSource
+    /// "point". `shape`: place of the Shape directive whose primitives emit; empty for other lights. `primitive`: what
+    /// one primitive is called, e.g. triangle.
     void Add(size_t count, const std::string &what, const FileLoc &light, const FileLoc &shape = {},
              const std::string &primitive = {});
 
-    /// AreaLightSource "diffuse" at room.pbrt:123, shape at :125, triangle 3 of 12.
+    /// For example: AreaLightSource "diffuse" at room.pbrt:123, shape at :125, triangle 3 of 12.
     std::string NameOf(LightId light) const;
-    /// Of `count` lights from `first` on: as NameOf, but "12 triangles" if they are more than one of the same
-    /// directive.
+    /// The same for `count` lights of one directive from `first` on; for more than one it ends in, for example, "12
+    /// triangles".
     std::string NameOf(LightId first, size_t count) const;
     size_t Size() const { return end_; }
     size_t EntryCount() const { return entries_.size(); }

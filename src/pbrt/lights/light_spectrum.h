@@ -5,7 +5,8 @@
 
 namespace pbrt {
 
-/// What a light stores of its emission: one value per nm, shared by all lights of equal emission. Any thread.
+/// The form in which lights store their emission: one value per nm, shared by all lights of equal emission. May be
+/// called from any thread.
 std::shared_ptr<const DenseSpectrum> InternSpectrum(const Spectrum &s);
 
 /// The wavelengths at which power is averaged for light selection (LightCandidate::power).

@@ -68,8 +68,8 @@ std::optional<Point2> PortalLight::MapFromDirection(const Vector3 &d) const {
 }
 
 Float PortalLight::SolidAngleDensity(const Vector3 &w) {
-    // d(x/z) = pi / cos^2(a) ds with cos^2(a) = z^2 / (1 - y^2), likewise for t; a plane at distance 1 is seen under
-    // z^3.
+    // d(x/z) = pi / cos^2(a) ds with cos^2(a) = z^2 / (1 - y^2), likewise for t; an area on the plane at distance 1
+    // subtends z^3 times as much solid angle.
     return Pi * Pi * (1 - Sqr(w.x)) * (1 - Sqr(w.y)) / w.z;
 }
 

@@ -15,15 +15,16 @@ namespace pbrt {
 class PortalLight final : public LightBeyondScene {
   public:
     /// `image`: as for ImageInfiniteLight. `portal`: corners in order around it, in the space `renderFromPortal` takes
-    /// them from; light travels against cross(p3 - p0, p1 - p0). The sides at p0 are not of length 0 and not parallel;
-    /// what else is not a rectangle becomes the one that p0, p2 and these directions span.
+    /// them from; light travels against cross(p3 - p0, p1 - p0). The sides at p0 must not have length 0 or be parallel.
+    /// Corners that do not form a rectangle are replaced by the rectangle from p0 to p2 that has a side along p3 - p0.
     PortalLight(const Transform &renderFromLight, const Image &image, const ColorSpace &colorSpace, Float scale,
                 const std::array<Point3, 4> &portal, const Transform &renderFromPortal);
     static bool IsRectangle(const std::array<Point3, 4> &portal);
 
     /// What enters the scene: the integral of radiance and cosine over the rectangle and the half-space behind it.
     SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
-    /// By the mean of R, G, B of the map's pixels within the window seen from the point.
+    /// Draws pixels of the map within the window seen from the point, in proportion to their mean of R, G, B times
+    /// solid angle.
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
                                           const SampledWavelengths &lambda, bool allowIncompletePdfs,
                                           uint32_t) const override;

@@ -12,7 +12,7 @@ Vector2 HalfSize(const Point2i &n, Float fov) {
     return std::tan(Radians(fov) / 2) * (aspect > 1 ? Vector2(aspect, 1) : Vector2(1, 1 / aspect));
 }
 
-/// Solid angle of a pixel: the plane at distance 1 is seen under cos^3.
+/// Solid angle of a pixel: its area on the plane at distance 1 times cos^3.
 Float PixelSolidAngle(int x, int y, const Point2i &n, const Vector2 &half) {
     Vector2 size(2 * half.x / static_cast<Float>(n.x), 2 * half.y / static_cast<Float>(n.y));
     Float px = (static_cast<Float>(x) + Float(0.5)) * size.x - half.x,
@@ -68,7 +68,7 @@ std::optional<LightBounds> ProjectionLight::Bounds(uint32_t) const {
             Rgb rgb = LightPixel(image_, {x, y});
             sum += static_cast<double>(std::max(std::max(rgb.x, rgb.y), rgb.z));
         }
-    // No solid angle in it, as in stock pbrt-v4: the probabilities are to be stock's.
+    // The solid angle is left out as in stock pbrt-v4, so that the probabilities are the same.
     Float phi = scale_ * static_cast<Float>(sum / (static_cast<double>(n.x) * static_cast<double>(n.y)));
     if (!(phi > 0)) return {};
     Vector3 axis = Normalize(renderFromLight_.Vector({0, 0, 1}));

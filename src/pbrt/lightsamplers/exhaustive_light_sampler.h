@@ -5,8 +5,8 @@
 
 namespace pbrt {
 
-/// Bounded lights in proportion to the importance of their own bounds at the query point with the geometric normal, all
-/// of them looked at for every sample. Infinite lights as InfiniteShare says.
+/// Chooses bounded lights in proportion to the importance of their bounds at the query point with the geometric normal;
+/// every light is weighed for every query. Infinite lights are chosen as InfiniteShare says.
 class ExhaustiveLightSampler final : public GroupLightSampler {
   public:
     explicit ExhaustiveLightSampler(const LightGroups &groups);
@@ -22,12 +22,12 @@ class ExhaustiveLightSampler final : public GroupLightSampler {
     struct Sums {
         double block[kBlocks];
         double total;
-        /// Of the last packet of each block: of all lights, if a block is one packet.
+        /// Importances in the last packet of each block; these are all lights if a block is one packet.
         Float lane[kBlocks][kLanes];
     };
     void AddUp(const LightQuery &query, Sums *sums) const;
     void Importances(size_t packet, const LightQuery &query, Float *out) const;
-    /// Of the lanes of a packet: from `sums` where they are kept, else once more into `scratch`.
+    /// Importances in a packet: from `sums` if they are kept there, else computed again into `scratch`.
     const Float *Lanes(size_t packet, const LightQuery &query, const Sums &sums, Float *scratch) const {
         if (blockSize_ == 1) return sums.lane[packet];
         Importances(packet, query, scratch);
@@ -35,8 +35,8 @@ class ExhaustiveLightSampler final : public GroupLightSampler {
     }
 
     std::vector<LightPacket<kLanes>> packets_;
-    std::vector<uint32_t> lights_;    ///< groups, by lane over all packets
-    std::vector<uint32_t> position_;  ///< lane over all packets, by group; or one of the two below
+    std::vector<uint32_t> lights_;    ///< group of each lane; lanes are counted over all packets
+    std::vector<uint32_t> position_;  ///< lane of each group, or one of the two constants below
     static constexpr uint32_t kInfinite = 0xffffffff, kNever = 0xfffffffe;
     size_t blockSize_ = 1;  ///< packets per block
     InfiniteShare infinite_;

@@ -7,8 +7,8 @@
 
 namespace pbrt {
 
-/// The first decision of the samplers that go by bounds, as stock pbrt-v4 takes it: every infinite light, and all
-/// bounded lights together, have equal shares.
+/// The first choice of the samplers that use light bounds, as in stock pbrt-v4: every infinite light, and all bounded
+/// lights together, have the same probability.
 class InfiniteShare {
   public:
     InfiniteShare() = default;

@@ -145,7 +145,7 @@ LightBvhNode LightBvh::Build(std::span<Item> items, uint64_t trail, int depth, L
     }
     Vector3 extent = box.Diagonal();
     Split best;
-    // Halving needs this many more levels; the trail has no room for anything less balanced then.
+    // Halving needs bit_width(size) more levels; if the trail has room for no more, the split must be balanced.
     bool mustHalve = depth + std::bit_width(items.size()) >= kMaxDepth;
     for (int axis = 0; axis < 3 && !mustHalve; ++axis) {
         Float low = centroids.low[axis], high = centroids.high[axis];

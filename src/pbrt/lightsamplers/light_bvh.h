@@ -8,7 +8,8 @@
 
 namespace pbrt {
 
-/// LightSphere in 32 bytes, and what is below. Directions and cosines are rounded so that the cone only grows.
+/// A node of the tree: a LightSphere and the link to what is below, in 32 bytes. Directions and cosines are rounded so
+/// that the cone only grows.
 class alignas(32) LightBvhNode {
   public:
     LightBvhNode() = default;
@@ -50,11 +51,12 @@ class LightBvh {
     bool IsEmpty() const { return !hasRoot_; }
     const LightBvhNode &Root() const { return root_; }
     const LightBvhPair &Pair(uint32_t i) const { return pairs_[i]; }
-    /// The way from the root to a candidate: bit d says which child is taken at depth d. NotInTree for others.
+    /// The path from the root to a candidate: bit d says which child is taken at depth d. NotInTree for candidates that
+    /// the tree does not hold.
     static constexpr uint64_t NotInTree = ~uint64_t(0);
     uint64_t Trail(uint32_t candidate) const { return trails_[candidate]; }
 
-    /// For WalkDown (weighted_choice.h), with the shading normal.
+    /// The interface for WalkDown (weighted_choice.h); importances are for the shading normal.
     using Node = const LightBvhNode *;
     struct Level {
         static constexpr uint32_t count = 2;

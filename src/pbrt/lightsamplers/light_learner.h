@@ -6,20 +6,20 @@ namespace pbrt {
 class Progress;
 class SampledSpectrum;
 
-/// A light sampler that goes on learning from the shadow rays of the render. What it samples by changes in Learn only:
+/// A light sampler that goes on learning from the shadow rays of the render. Its probabilities change in Learn only:
 /// between waves, after fixed numbers of samples per pixel. So every sample is chosen by what other samples found,
 /// which keeps the picture unbiased; and as neither the order of calls nor the thread may matter, it is the same for
 /// any number of threads and any split into waves.
 class LightLearner {
   public:
     virtual ~LightLearner() = default;
-    /// Samples per pixel after which Learn must be called; 0: never again, and nothing need be told.
+    /// Samples per pixel after which Learn must be called; 0: learning has ended, and Found need not be called.
     virtual int NextLearning() const = 0;
-    /// What a path carries along: the places that it may fill, one at a time.
+    /// The range of memory places that a path may fill, one for each call of Found. The path keeps it.
     struct PathPlaces {
         size_t next = 0, end = 0;
     };
-    /// For the path of a sample of a pixel.
+    /// The places for the path of a sample of a pixel.
     virtual PathPlaces BeginPath(Point2i pixel, int sample) const = 0;
     /// What the shadow ray to a chosen light found at a vertex of that path: radiance times cosine over the density of
     /// the point on the light (solid angle), without BSDF and `light.pmf`; 0 where it was blocked or nothing arrives.

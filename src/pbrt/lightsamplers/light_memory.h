@@ -6,8 +6,8 @@
 
 namespace pbrt {
 
-/// Memory for what a light sampler weighs at one vertex. It belongs to whoever asks, for example to a path on the
-/// stack: a few kilobytes are inside, and only what is larger comes from the heap.
+/// Memory for what a light sampler weighs at one vertex. It belongs to the caller, for example to a path on the stack:
+/// 4096 bytes are part of the object, and only what exceeds them comes from the heap.
 class LightMemory {
   public:
     LightMemory() = default;

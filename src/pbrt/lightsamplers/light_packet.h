@@ -5,8 +5,8 @@
 
 namespace pbrt {
 
-/// detail::ScalarOps for N lights at once, in the vector registers of the machine. Each is one or two instructions; as
-/// calls they would cost every register that is in use.
+/// detail::ScalarOps for N lights at once, in the vector registers of the machine. Inlined, each is one or two
+/// instructions; a call would have to save every register in use.
 template <int N>
 struct SimdOps {
     using F = std::experimental::simd<Float, std::experimental::simd_abi::deduce_t<Float, N>>;
@@ -22,7 +22,7 @@ struct SimdOps {
     [[gnu::always_inline]] static F Abs(const F &a) { return std::experimental::abs(a); }
 };
 
-/// N lights side by side, their importances computed together. Lanes never set have none.
+/// N lights side by side, whose importances are computed together. Lanes that were not set have importance 0.
 template <int N>
 struct alignas(4 * N) LightPacket {
     Float centerX[N] = {}, centerY[N] = {}, centerZ[N] = {}, radius[N] = {};

@@ -4,7 +4,7 @@
 
 namespace pbrt {
 
-/// What a light sampler is asked at a vertex; refers to its BSDF and to `lambda`.
+/// The query for a light sampler at a vertex. It refers to the vertex's BSDF and to `lambda`, which must outlive it.
 inline LightQuery LightQueryAt(const PathVertex &vertex, const SampledWavelengths &lambda, int depth) {
     const SurfacePoint &point = vertex.point;
     return {point.p, point.wo,     point.n, point.shading.n, IsTransmissive(vertex.bsdf.Flags()), {}, point.time,

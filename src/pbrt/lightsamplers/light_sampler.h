@@ -19,7 +19,8 @@ class Filter;
 class SampledWavelengths;
 class LightLearner;
 
-/// All that is known at the vertex; grows without changing signatures.
+/// Everything that a light sampler may know about a vertex; a struct, so that members can be added without changing
+/// signatures.
 struct LightQuery {
     Point3 p{};
     Vector3 wo{};
@@ -28,13 +29,13 @@ struct LightQuery {
     MediumId medium{};
     Float time = 0;
     int depth = 0;
-    /// What scatters at p and at which wavelengths; null where the asker has none. Read by LightSampler::At only.
+    /// What scatters at p and at which wavelengths; null if the caller has none. Read by LightSampler::At only.
     const Bsdf *bsdf = nullptr;
     const SampledWavelengths *lambda = nullptr;
-    Vector3 pError{};  ///< of p: rays that leave it start this far off (LightSampleContext)
+    Vector3 pError{};  ///< error bounds of p: rays that leave it start this far off (LightSampleContext)
 };
 
-/// One thing to look at, of a query point: see LightSampler::Inspect.
+/// A named value that a sampler knows at a query point: see LightSampler::Inspect.
 struct InspectedValue {
     std::string name;
     double value = 0;
@@ -44,8 +45,8 @@ struct InspectedValue {
 struct SampledLight {
     LightId light{};
     Float pmf = 0;  ///< discrete probability
-    /// Of samplers that learn (LightLearner): what they think the light contributes unoccluded, and the share of that
-    /// in all lights, over the probability of choosing it.
+    /// Set by samplers that learn (LightLearner): the estimated unoccluded contribution of the light; and its share in
+    /// the sum over all lights, divided by the probability of choosing the light.
     Float unoccluded = 0, weight = 0;
 };
 
@@ -64,14 +65,14 @@ struct PrepareContext {
 class LightSampler;
 
 /// The probabilities of all lights at one vertex, weighed once by LightSampler::At. A small value that points to the
-/// sampler, the query and the memory it was made from; all three must stay as they are while it is asked. Of the
-/// query's `bsdf` and `lambda` it makes no more use.
+/// sampler, the query and the memory it was made from; all three must stay as they are while it is asked. The query's
+/// `bsdf` and `lambda` are not used after At.
 class LightDistribution {
   public:
     LightDistribution() = default;
-    /// A light and its probability, from one uniform number; none where no light can contribute.
+    /// A light and its probability, from one uniform number; empty if no light can contribute.
     std::optional<SampledLight> Sample(Float u) const;
-    /// Discrete probability of a light, equal to the bit to what comes with a sample of it.
+    /// Discrete probability of a light, bit-identical to the `pmf` of a sample of it.
     Float PMF(LightId light) const;
     const LightQuery &Query() const { return *query_; }
 
@@ -84,15 +85,15 @@ class LightDistribution {
     const void *weights_ = nullptr;
 };
 
-/// Chooses the light that gets the shadow ray. Contract (house.md section 4, tests/contract): const after Prepare but
-/// for its learner, if any; Sample's probability equals PMF exactly; probabilities sum to 1 (or less, when Sample may
-/// return nothing); they are positive wherever a light contributes; a choice takes one random number.
+/// Chooses the light that gets the shadow ray. Contract (house.md section 4, tests/contract): const after Prepare,
+/// except for its learner, if any; Sample's probability equals PMF exactly; probabilities sum to 1 (or less, when
+/// Sample may return nothing); they are positive wherever a light contributes; a choice takes one random number.
 class LightSampler {
   public:
     virtual ~LightSampler() = default;
     virtual void Prepare(PrepareContext &) {}
-    /// Weighs the lights at a vertex, in the caller's memory: without allocation, unless more than that memory has is
-    /// needed. What was made in the memory before becomes invalid.
+    /// Weighs the lights at a vertex, in the caller's memory; allocates only if that memory is too small. What was made
+    /// in the memory before becomes invalid.
     LightDistribution At(const LightQuery &query, LightMemory &memory) const {
         memory.Clear();
         return Within(query, memory);
@@ -101,7 +102,7 @@ class LightSampler {
     LightDistribution Within(const LightQuery &query, LightMemory &memory) const {
         return {*this, query, Weigh(query, memory)};
     }
-    /// At and one question. Whoever asks twice about one vertex asks At.
+    /// At with a single question. To ask more than once about a vertex, use At.
     std::optional<SampledLight> Sample(const LightQuery &query, Float u) const {
         LightMemory memory;
         return At(query, memory).Sample(u);
@@ -122,7 +123,7 @@ class LightSampler {
 
   protected:
     friend class LightDistribution;
-    /// What both questions below need, made in the memory; null if that is nothing.
+    /// Computes, in the memory, what both functions below need; null if they need nothing.
     virtual const void *Weigh(const LightQuery &, LightMemory &) const { return nullptr; }
     /// See LightDistribution::Sample and PMF. `weights`: what Weigh returned for the query.
     virtual std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const = 0;

@@ -15,8 +15,7 @@ std::unique_ptr<LightSampler> LightSamplerRegistry::Make(const Entry &entry, con
 std::string LightSamplerRegistry::Listing() const {
     std::string out = ListingOf(samplers.Document("lightsamplers"));
     out +=
-        "\n    Every sampler without a parameter \"meshlights\" of its own takes \"bool meshlights\" of the "
-        "integrator\n"
+        "\n    Every sampler that has no parameter \"meshlights\" takes \"bool meshlights\" of the integrator\n"
         "    (\"+mesh\" in flags): an emissive mesh is one light; inside it a triangle is chosen by its share of the "
         "power.\n";
     if (const std::string list = ListingOf(gates.Document("shadowgates")); !list.empty())
@@ -39,11 +38,11 @@ void AddStock(LightSamplerRegistry &registry, const char *name, const char *summ
 
 void RegisterStockLightSamplers(LightSamplerRegistry &registry) {
     AddStock<UniformLightSampler>(registry, "uniform", "Every light is equally likely.");
-    AddStock<PowerLightSampler>(registry, "power", "By emitted power.");
+    AddStock<PowerLightSampler>(registry, "power", "Chooses lights in proportion to their emitted power.");
     AddStock<BVHLightSampler>(registry, "bvh",
-                              "Down a tree of light bounds by distance, power and orientation; pbrt's default.");
-    AddStock<ExhaustiveLightSampler>(registry, "exhaustive",
-                                     "By distance, power and orientation of every single light; slow, for comparison.");
+                              "Walks down a tree of light bounds by distance, power and orientation; pbrt's default.");
+    AddStock<ExhaustiveLightSampler>(
+        registry, "exhaustive", "Weighs every single light by distance, power and orientation; slow, for comparison.");
 }
 
 }  // namespace pbrt

@@ -10,7 +10,7 @@
 namespace pbrt {
 
 struct LightSamplerTraits {
-    /// It chooses among the groups that it is given; others have a parameter "meshlights".
+    /// True if it chooses among the groups that it is given; other samplers have a parameter "meshlights".
     bool takesGroups = false;
 };
 
@@ -18,7 +18,8 @@ struct LightSamplerTraits {
 /// filled by explicit calls. A gate may share its name (and parameters' prefix) with a sampler.
 class LightSamplerRegistry {
   public:
-    /// The context is what is chosen among, unless a parameter of the sampler's own says it.
+    /// The context is the set of groups to choose from, unless the sampler has a parameter "meshlights", which decides
+    /// it.
     using Samplers = FactoryTable<std::unique_ptr<LightSampler>, const LightGroups, LightSamplerTraits>;
     using Gates = FactoryTable<std::unique_ptr<ShadowRayGate>, const LightTable>;
     using Entry = Samplers::Entry;

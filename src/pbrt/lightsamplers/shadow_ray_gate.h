@@ -4,7 +4,7 @@
 namespace pbrt {
 
 /// Decides whether a shadow ray is worth tracing. The integrator traces it with probability TraceProbability and
-/// divides by it, so any gate leaves the mean alone. Const after Prepare. Works with every light sampler.
+/// divides by it, so no gate changes the expected value. Const after Prepare. Works with every light sampler.
 class ShadowRayGate {
   public:
     virtual ~ShadowRayGate() = default;

@@ -15,7 +15,7 @@ class UniformLightSampler final : public GroupLightSampler {
     Float pmf_;
 };
 
-/// In proportion to LightCandidate::power; uniform if none has any.
+/// Chooses in proportion to LightCandidate::power; uniformly if no group has any power.
 class PowerLightSampler final : public GroupLightSampler {
   public:
     explicit PowerLightSampler(const LightGroups &groups);

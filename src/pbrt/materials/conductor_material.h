@@ -6,7 +6,7 @@
 
 namespace pbrt {
 
-/// What a metal is made of: complex index, or a reflectance that stands for one.
+/// The optical properties of a metal: its complex index, or a reflectance that is converted to one.
 class MetalInput {
   public:
     struct Index {

@@ -6,13 +6,13 @@
 
 namespace pbrt {
 
-/// The ways to say how much a fibre absorbs (by its radius).
+/// How much a fibre absorbs per radius: given as absorption, by a reflectance or by pigments.
 class HairColor {
   public:
     static HairColor Absorption(SpectrumInput sigmaA) { return HairColor(ByAbsorption{std::move(sigmaA)}); }
-    /// Of a mass of hair.
+    /// `reflectance`: of a mass of hair.
     static HairColor Reflectance(SpectrumInput reflectance) { return HairColor(ByReflectance{std::move(reflectance)}); }
-    /// Concentrations, negative ones count 0.
+    /// Concentrations of the pigments; negative ones count as 0.
     static HairColor Pigments(FloatInput eumelanin, FloatInput pheomelanin);
 
     SampledSpectrum operator()(const SurfacePoint &point, Float betaN, const SampledWavelengths &lambda) const;
@@ -32,7 +32,8 @@ class HairColor {
     Way way_;
 };
 
-/// A fibre seen so close that rays meet it at different offsets across its width, which is v.
+/// Hair, seen so close that rays meet a fibre at different offsets across its width; the offset is the surface
+/// parameter v.
 class HairMaterial final : public SurfaceMaterial {
   public:
     HairMaterial(HairColor color, FloatInput eta, FloatInput betaM, FloatInput betaN, FloatInput alpha)

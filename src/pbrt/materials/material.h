@@ -19,19 +19,20 @@ class Material {
     /// Applies normal map or bump map to the shading frame.
     virtual void PerturbShading(SurfacePoint &) const {}
 
-    /// For mix: the material in force at this point (chosen by a hash of p, wo and the two); itself for all others.
-    /// nullptr means "interface": nothing scatters.
+    /// For mix: the material chosen at this point by a hash of p, wo and the two operands. All others return
+    /// themselves. nullptr means "interface": nothing scatters.
     virtual const Material *Resolve(const SurfacePoint &) const { return this; }
 
     /// True for materials that scatter light below their surface.
     virtual bool HasBssrdf() const { return false; }
-    /// Where light that crosses the surface at this point comes out again; empty if it just goes on.
+    /// Where light that crosses the surface at this point comes out again; empty if light is not scattered below the
+    /// surface.
     virtual std::optional<Bssrdf> GetBssrdf(const SurfacePoint &, const SampledWavelengths &) const { return {}; }
 
     /// True for interface.
     virtual bool IsInterface() const { return false; }
 
-    /// Whether some texture of the material, or of those it mixes, looks at the point's filter footprint.
+    /// True if a texture of the material, or of those that it mixes, uses the point's filter footprint.
     bool NeedsFootprint() const { return needsFootprint_; }
     void SetNeedsFootprint(bool needs) { needsFootprint_ = needs; }
 

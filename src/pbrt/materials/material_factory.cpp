@@ -19,7 +19,8 @@ namespace pbrt {
 
 namespace {
 
-/// The textures of one material.
+/// Makes the inputs of one material from texture parameters, and notes in the context whether they use filter
+/// footprints.
 class Inputs {
   public:
     explicit Inputs(MaterialContext &context) : context_(context) {}
@@ -40,8 +41,8 @@ SpectrumTextureParam Unbounded(std::optional<Float> value = {}, const char *name
     return {{SpectrumUse::Unbounded, value, named}};
 }
 
-/// A dielectric's index of refraction is positive; none is above kMaxIndex, whose square is finite. Tables are 0
-/// beyond their ends, where stock takes 1.
+/// Throws if an index of refraction is invalid: a dielectric's must be positive, a metal's not negative, and none may
+/// be above kMaxIndex, whose square is finite. Tables may be 0, as they are beyond their ends, where stock takes 1.
 void CheckIndex(const ParamSet &set, const std::string &name, const Spectrum &eta, bool isMetal = false) {
     Float low = Infinity, high = -Infinity;
     for (Float nm = LambdaMin; nm <= LambdaMax; ++nm) {
@@ -79,7 +80,8 @@ struct RoughnessParams {
         constexpr Range<Float> kRange{0, 1e6f};
         visit(prefix + "uroughness", u, kRange, "roughness along u");
         visit(prefix + "vroughness", v, kRange, "roughness along v");
-        if (visit.When(!u || !v)) visit(prefix + "roughness", both, kRange, "roughness of the directions without one");
+        if (visit.When(!u || !v))
+            visit(prefix + "roughness", both, kRange, "roughness along u and v where none is given");
     }
     RoughnessInput Make(MaterialContext &context, bool remap) const {
         Inputs in(context);
@@ -91,19 +93,20 @@ struct RemapParams {
     bool remap = true;
     template <class V>
     void Describe(V &&v) {
-        v("remaproughness", remap, "roughness is a scale from 0 to 1; false: it is the distribution's own parameter");
+        v("remaproughness", remap,
+          "the distribution's alpha is the square root of the roughness; false: it is the roughness");
     }
 };
 
-/// `reflectance`, or `eta` and `k` (with a prefix).
+/// The index of a metal: `reflectance`, or `eta` and `k` (whose names have the prefix).
 struct MetalParams {
     std::string prefix{};
     SpectrumTextureParam eta = Unbounded({}, "metal-Cu-eta"), k = Unbounded({}, "metal-Cu-k"), reflectance = Albedo();
     template <class V>
     void Describe(V &&v) {
         v(prefix + "eta", eta, "index of refraction");
-        v(prefix + "k", k, "its imaginary part: absorption");
-        v("reflectance", reflectance, "of the metal, instead of both");
+        v(prefix + "k", k, "imaginary part of the index: absorption");
+        v("reflectance", reflectance, "reflectance of the metal at normal incidence, instead of eta and k");
     }
     MetalInput Make(const ParamSet &set, MaterialContext &context) const {
         Inputs in(context);
@@ -121,14 +124,14 @@ struct MetalParams {
     }
 };
 
-/// What all materials take that scatter at a surface, but hair.
+/// The parameters that all surface materials except hair have in common.
 struct ReliefParams {
     std::string normalMap;
     FloatTextureParam displacement{};
     template <class V>
     void Describe(V &&v) {
         v("displacement", displacement, "heights of a bump map, in world units");
-        v("normalmap", normalMap, "an image of normals; beats displacement");
+        v("normalmap", normalMap, "an image of normals; displacement has no effect beside it");
     }
 };
 
@@ -153,10 +156,10 @@ struct CoatParams : RemapParams, ReliefParams {
     void Describe(V &&v) {
         roughness.Describe(v);
         index.Describe(v);
-        v("thickness", thickness, "of the coat");
-        v("albedo", albedo, "of the medium in the coat; 0: there is none");
+        v("thickness", thickness, "optical thickness of the coat along its normal");
+        v("albedo", albedo, "single-scattering albedo of the medium in the coat; 0: the medium only absorbs");
         v("g", g, "asymmetry of the medium's scattering");
-        v("maxdepth", maxDepth, Range<int>{0, 1 << 16}, "scattering events in the coat");
+        v("maxdepth", maxDepth, Range<int>{0, 1 << 16}, "largest number of scattering events in the coat");
         v("nsamples", samples, Range<int>{1, 1 << 16}, "random walks for each evaluation");
         RemapParams::Describe(v);
         ReliefParams::Describe(v);
@@ -233,9 +236,9 @@ struct DiffuseTransmissionParams : ReliefParams {
     Float scale = 1;
     template <class V>
     void Describe(V &&v) {
-        v("reflectance", reflectance, "share that comes back");
-        v("transmittance", transmittance, "share that goes through");
-        v("scale", scale, "of both");
+        v("reflectance", reflectance, "share of the light that is reflected");
+        v("transmittance", transmittance, "share of the light that is transmitted");
+        v("scale", scale, "factor of reflectance and transmittance");
         ReliefParams::Describe(v);
     }
 };
@@ -247,9 +250,10 @@ struct HairParams {
     template <class V>
     void Describe(V &&v) {
         v("sigma_a", sigmaA, "absorption");
-        v("reflectance", reflectance, "of a mass of hair; counts if there is no sigma_a");
+        v("reflectance", reflectance, "reflectance of a mass of hair; used if there is no sigma_a");
         if (v.When(!reflectance)) v("color", color, "the same as reflectance");
-        v("eumelanin", eumelanin, "concentration of the dark pigment, if there is no colour; 1.3 if there is neither");
+        v("eumelanin", eumelanin,
+          "concentration of the dark pigment, if no colour is given; 1.3 if pheomelanin is not given either");
         v("pheomelanin", pheomelanin, "concentration of the red pigment");
         v("eta", eta, "index of refraction");
         v("beta_m", betaM, "roughness along the fibre, 0 to 1");
@@ -258,7 +262,8 @@ struct HairParams {
     }
 };
 
-/// Of the ways to say the colour the first that is given counts; the others have no effect.
+/// The colour can be given by sigma_a, by a reflectance or by pigments: the first one given counts, the others cause a
+/// warning.
 HairColor MakeHairColor(const HairParams &p, const ParamSet &set, MaterialContext &context) {
     Inputs in(context);
     const SpectrumTextureParam &reflectance = p.reflectance ? p.reflectance : p.color;
@@ -299,15 +304,16 @@ struct SubsurfaceParams : RemapParams, ReliefParams {
     RoughnessParams roughness;
     template <class V>
     void Describe(V &&v) {
-        v("name", name, "a known medium, which says absorption and scattering");
+        v("name", name, "name of a known medium, which sets absorption and scattering");
         if (v.When(name.empty())) {
             v("sigma_a", sigmaA, "absorption, if there is no name");
-            v("sigma_s", sigmaS, "reduced scattering; goes together with sigma_a");
+            v("sigma_s", sigmaS, "reduced scattering; used together with sigma_a");
             if (v.When(!sigmaA && !sigmaS))
-                v("reflectance", reflectance, "what is seen from outside, if there is neither");
-            if (v.When(static_cast<bool>(reflectance))) v("mfp", mfp, "mean free path; goes together with reflectance");
+                v("reflectance", reflectance,
+                  "reflectance of the medium seen from outside, if neither sigma_a nor sigma_s is given");
+            if (v.When(static_cast<bool>(reflectance))) v("mfp", mfp, "mean free path; used together with reflectance");
         }
-        v("scale", scale, "of absorption and scattering, or of the mean free path");
+        v("scale", scale, "factor of absorption and scattering, or of the mean free path");
         v("g", g, Range<Float>{-1, 1, true, true}, "asymmetry of the scattering");
         v("eta", eta, "index of refraction");
         roughness.Describe(v);
@@ -325,7 +331,7 @@ const ScatteringPreset &FindPreset(const ParamSet &set, const std::string &name)
     throw set.Error("name", fmt::format("there is no medium \"{}\"; {}.", Abbreviate(name), ListChoices(name, names)));
 }
 
-/// By name, by coefficients, by what is seen from outside, or what stock takes if nothing is said.
+/// The medium given by name, by coefficients or by reflectance; else stock's default.
 SubsurfaceMatter MakeSubsurfaceMatter(const SubsurfaceParams &p, const ParamSet &set, MaterialContext &context) {
     Inputs in(context);
     if (!p.name.empty()) {
@@ -365,7 +371,7 @@ struct MixParams {
     template <class V>
     void Describe(V &&v) {
         v("materials", materials, "two names of materials");
-        v("amount", amount, "share of the second");
+        v("amount", amount, "probability of the second material at a point");
     }
 };
 
@@ -399,7 +405,7 @@ MaterialPtr MakeMix(const MixParams &p, const ParamSet &set, MaterialContext &co
     return mix;
 }
 
-/// A material that scatters at a surface: `make` gives its own part, relief is put on here.
+/// Adds a surface material to the table: `make` makes it, and its normal or bump map is set here.
 template <class P, class F>
 void AddSurface(MaterialTable &table, const char *name, const char *summary, F make) {
     table.Add<P>(name, summary, [make](const P &p, const ParamSet &set, MaterialContext &context) {
@@ -411,7 +417,7 @@ void AddSurface(MaterialTable &table, const char *name, const char *summary, F m
                     set.At("normalmap", [&] { return context.textures.GetLinearRgbImage(p.normalMap); })));
             if (p.displacement) {
                 material->SetBumpMap(BumpMap(context.textures.Get(p.displacement)));
-                context.usesFootprint = true;  // it steps by half the footprint
+                context.usesFootprint = true;  // the bump map's step is half the footprint
             }
         }
         material->SetNeedsFootprint(context.usesFootprint);
@@ -469,7 +475,8 @@ const MaterialTable &Materials() {
                     set.At("filename", [&] { return ReadMeasuredBrdf(c.files.Resolve(p.filename)); }));
             });
         AddSurface<SubsurfaceParams>(
-            t, "subsurface", "below the surface with volpath only, as in stock; **differs** a little, see below",
+            t, "subsurface",
+            "scatters light below the surface with volpath only, as in stock; **differs** a little, see below",
             MakeSubsurface);
         t.Add<NoParams>(
             "interface", "also \"\" and \"none\", with a warning",

@@ -8,19 +8,19 @@
 
 namespace pbrt {
 
-/// What materials are made for.
+/// What materials are made from beside their parameters.
 struct MaterialContext {
     TextureLibrary &textures;
     const FileResolver &files;
     DiagnosticSink &sink;
     std::function<MaterialPtr(const std::string &)> named;  ///< operands of mix; throws or returns nullptr if unknown
-    bool usesFootprint = false;  ///< of the material that is being made: a texture looks at the filter footprint
+    bool usesFootprint = false;  ///< set while a material is made: one of its textures uses the filter footprint
 };
 
 using MaterialTable = FactoryTable<MaterialPtr, MaterialContext>;
 const MaterialTable &Materials();
 
-/// Makes one of the table; the deprecated names "" and "none" stand for "interface".
+/// Makes a material of the table; the deprecated names "" and "none" stand for "interface".
 MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, MaterialContext &context);
 
 }  // namespace pbrt

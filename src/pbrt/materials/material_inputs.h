@@ -44,13 +44,13 @@ class SpectrumInput {
   private:
     SpectrumTexturePtr texture_;
     const Spectrum *constant_;         ///< owned by texture_
-    const RgbAlbedoSpectrum *albedo_;  ///< the same, if it is one
+    const RgbAlbedoSpectrum *albedo_;  ///< constant_, if it is an uplifted reflectance; else null
 };
 
 /// A microfacet distribution from the roughness in both directions.
 class RoughnessInput {
   public:
-    /// `remap`: the roughness is not the distribution's own parameter.
+    /// `remap`: the roughnesses are to be converted to the distribution's alpha.
     RoughnessInput(FloatInput u, FloatInput v, bool remap) : u_(std::move(u)), v_(std::move(v)), remap_(remap) {
         if (u_.IsConstant() && v_.IsConstant()) constant_ = Distribution(u_({}), v_({}));
     }
@@ -69,7 +69,8 @@ class RoughnessInput {
     TrowbridgeReitz constant_;
 };
 
-/// Index of refraction of a dielectric. A real glass bends every wavelength differently: only the first one goes on.
+/// Index of refraction of a dielectric. If the index depends on the wavelength, only the first wavelength of the path
+/// goes on.
 class IndexInput {
   public:
     explicit IndexInput(SpectrumPtr eta)

@@ -18,14 +18,14 @@ class InterfaceMaterial final : public Material {
 /// direction and `pairId`, so every look at the same hit sees the same material.
 class MixMaterial final : public Material {
   public:
-    /// `pairId` stands for the two operands; it must not depend on where they lie in memory.
+    /// `pairId` identifies the two operands; it must not depend on their addresses in memory.
     MixMaterial(std::array<MaterialPtr, 2> materials, FloatInput amount, uint64_t pairId);
     Bsdf GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda) const override {
         return Resolve(point)->GetBsdf(point, lambda);
     }
     void PerturbShading(SurfacePoint &point) const override { Resolve(point)->PerturbShading(point); }
     const Material *Resolve(const SurfacePoint &point) const override;
-    /// How many mixes lie one inside the other.
+    /// Depth of nesting; 1 if neither operand is a mix.
     int Depth() const { return depth_; }
 
   private:

@@ -6,13 +6,13 @@
 
 namespace pbrt {
 
-/// The ways to say what lies below a surface.
+/// The scattering medium below a surface: given by coefficients or by a reflectance.
 class SubsurfaceMatter {
   public:
     static SubsurfaceMatter Coefficients(SpectrumInput sigmaA, SpectrumInput sigmaS) {
         return SubsurfaceMatter(ByCoefficients{std::move(sigmaA), std::move(sigmaS)});
     }
-    /// Of a half space lit evenly, and the mean free path.
+    /// The reflectance of an evenly lit half space of the medium, and its mean free path.
     static SubsurfaceMatter Reflectance(SpectrumInput reflectance, SpectrumInput meanFreePath) {
         return SubsurfaceMatter(ByReflectance{std::move(reflectance), std::move(meanFreePath)});
     }

@@ -7,8 +7,8 @@
 
 namespace pbrt {
 
-/// A material that scatters: all but mix and interface. It may have a normal map or a bump map; of both, the normal map
-/// counts.
+/// A material that scatters: all but mix and interface. It may have a normal map or a bump map; if it has both, only
+/// the normal map is used.
 class SurfaceMaterial : public Material {
   public:
     void PerturbShading(SurfacePoint &point) const final {

@@ -26,7 +26,7 @@ class Bytes {
         return value;
     }
     std::string Text(size_t length) { return {Take(length), length}; }
-    /// `count` floats at `offset`, without moving on.
+    /// `count` floats at `offset`; the reading position stays.
     std::vector<Float> FloatsAt(uint64_t offset, uint64_t count) const {
         if (offset > data_.size() || count > (data_.size() - offset) / sizeof(float)) Fail("is cut off");
         std::vector<Float> values(count);

@@ -17,7 +17,7 @@ class TensorFile {
     };
     /// Throws UserError (no location).
     static TensorFile Read(const std::string &path);
-    /// Throws UserError if it is not there, not float32 or has another number of dimensions.
+    /// Throws UserError if the field is missing, is not float32 or has another number of dimensions.
     const Field &Get(const std::string &name, size_t dimensions) const;
 
   private:

@@ -35,7 +35,7 @@ bool PathWalk::FindScattering(SampledWavelengths &lambda) {
 
 void PathWalk::TellVisible(const SampledWavelengths &lambda) const {
     SurfacePoint point = vertex_.point;
-    // A walk that does without footprints has called its differentials invalid.
+    // A walk that needs no footprints has marked its differentials as invalid.
     RayDifferential differential = differential_;
     differential.valid = startsWithDifferential_;
     ComputeFootprint(point, differential, context_.camera, context_.samplesPerPixel);
@@ -69,7 +69,7 @@ void PathWalk::Leave(const Vector3 &wi) {
     ray_ = vertex_.point.SpawnRay(wi);
 }
 
-/// Only where somebody looks at it: the point's material, or the next surface on a specular path.
+/// Computes the footprint only if it is used: by the point's material, or at the next surface of a specular path.
 void PathWalk::FindFootprint() {
     SurfacePoint &point = vertex_.point;
     if (!context_.needsFootprints)

@@ -10,25 +10,24 @@ struct PathContext {
     const Scene &scene;
     const Camera &camera;
     int samplesPerPixel = 1;      ///< for texture footprints
-    bool needsFootprints = true;  ///< some material looks at filter footprints
+    bool needsFootprints = true;  ///< some material uses filter footprints
 };
 
-/// A path from the camera, step by step: the only place where one is walked. Whoever walks decides what happens at a
-/// vertex:
+/// A path from the camera, followed step by step; all integrators use it. The caller decides what happens at a vertex:
 ///
 ///     PathWalk walk(context, cameraRay);
 ///     while (walk.Next() == PathWalk::Met::Surface) {
-///         if (!walk.FindScattering(lambda)) continue;       // it lets light pass, and so the walk goes on behind it
+///         if (!walk.FindScattering(lambda)) continue;       // does not scatter: the walk goes on behind it
 ///         ... walk.Vertex().bsdf.Sample(...) ...
 ///         walk.Scatter(sample);
 ///     }
 class PathWalk {
   public:
-    /// Surfaces that do not scatter may follow each other this often; at the next one the path ends.
+    /// After more than this many surfaces in a row that do not scatter, the path ends at the next surface.
     static constexpr int MaxPassed = 64;
     enum class Met { Surface, Nothing, TooManyInterfaces };
 
-    /// `visible`, if not null, is told of the first surface that scatters.
+    /// `visible`, if not null, receives the first surface that scatters.
     PathWalk(const PathContext &context, const CameraRay &start, std::optional<VisibleSurface> *visible = nullptr)
         : context_(context),
           ray_(start.ray),
@@ -38,8 +37,9 @@ class PathWalk {
 
     /// Follows the ray to the next surface, whose point is then in Vertex(). Nothing: the ray leaves the scene.
     Met Next();
-    /// What the ray meets shines: calls visit(radiance, light, p, n) for the light of the surface met, or for every
-    /// infinite light once nothing was met (where p and n are zero). Radiance arrives along the ray and is not zero.
+    /// Reports the emission that the ray meets: calls visit(radiance, light, p, n) for the light of the surface met, or
+    /// for every infinite light once nothing was met (where p and n are zero). Radiance arrives along the ray and is
+    /// not zero.
     template <class Visit>
     void ForEachEmission(const SampledWavelengths &lambda, Visit &&visit) const;
     /// Completes Vertex() by its filter footprint and its BSDF. False: the surface does not scatter, and the ray goes
@@ -51,10 +51,11 @@ class PathWalk {
     void Scatter(const BsdfSample &sample);
     /// Leaves the vertex in a direction (unit) that did not come from its BSDF.
     void Leave(const Vector3 &wi);
-    /// The path goes on from another place, where light that went below the surface comes out.
+    /// Moves the path to the vertex where light that went below the surface comes out.
     void MoveTo(const PathVertex &vertex) { vertex_ = vertex; }
 
-    /// The walk ends at a surface before it is known whether that scatters. Looks on for who asked what is visible.
+    /// Ends the walk at a surface met before FindScattering. If `visible` is still empty, goes on to the first surface
+    /// that scatters.
     void End(SampledWavelengths lambda) {
         while (visible_ && !*visible_ && !FindScattering(lambda) && Next() == Met::Surface) {
         }

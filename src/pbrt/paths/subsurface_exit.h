@@ -10,7 +10,7 @@ struct SubsurfaceExit {
     SampledSpectrum weight;  ///< profile over density
 };
 
-/// Draws the exit of light that crosses the surface at `entry`. Empty if it does not come out again. Draws the same
+/// Draws the exit of light that crosses the surface at `entry`. Empty if it does not come out again. Uses the same
 /// number of random numbers in any case.
 std::optional<SubsurfaceExit> SampleSubsurfaceExit(const Scene &scene, const SurfacePoint &entry, const Bssrdf &bssrdf,
                                                    Sampler &sampler);

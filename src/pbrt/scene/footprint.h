@@ -12,7 +12,7 @@ void ComputeFootprint(SurfacePoint &point, const RayDifferential &differential, 
 
 /// Differentials of the ray that leaves `point` towards wi after a perfectly specular reflection (eta = 1) or
 /// transmission (eta = index ratio of the sample) of a ray that arrived with `arrived` (Igehy 1999, sections 3.1.2 and
-/// 3.1.3). Invalid if they blow up.
+/// 3.1.3). Invalid if they become too large.
 RayDifferential ReflectDifferential(const SurfacePoint &point, const RayDifferential &arrived, const Vector3 &wi);
 RayDifferential TransmitDifferential(const SurfacePoint &point, const RayDifferential &arrived, const Vector3 &wi,
                                      Float eta);

@@ -42,7 +42,7 @@ std::optional<Scene::Crossing> Scene::SampleCrossing(const Point3 &from, const P
         if (!hit) break;
         tMin = std::nextafter(hit->hit.t, Infinity);
         if (parts_.shapes[hit->shape.value].material != material) continue;
-        // The n-th takes the place of those before it with probability 1/n; what is left of u is uniform again.
+        // The n-th crossing replaces the one kept so far with probability 1/n; u is rescaled to be uniform again.
         const Float keep = 1 - 1 / static_cast<Float>(++count);
         if (u >= keep) {
             chosen = *hit;

@@ -19,7 +19,7 @@ struct ShapeRecord {
     MediumId insideMedium{}, outsideMedium{};
 };
 
-/// Everything build/ hands over.
+/// Everything that build/ hands over to a Scene.
 struct SceneParts {
     std::vector<ShapeRecord> shapes;
     std::vector<MaterialPtr> materials;
@@ -34,16 +34,16 @@ class Scene {
 
     /// Nearest surface along the ray, complete but for the filter footprint.
     std::optional<SurfacePoint> Intersect(const Ray &ray) const;
-    /// The same in a place of the caller's; false if there is none.
+    /// The same, written to *point; false if the ray hits nothing.
     bool Intersect(const Ray &ray, SurfacePoint *point) const;
-    /// One of the crossings of a segment with surfaces of a material (as shapes name it), all equally likely.
+    /// One of the points where a segment crosses surfaces of shapes with a material, all equally likely.
     struct Crossing {
         SurfacePoint point;
-        int count = 1;  ///< of how many it was drawn
+        int count = 1;  ///< number of crossings it was drawn from
     };
     std::optional<Crossing> SampleCrossing(const Point3 &from, const Point3 &to, Float time, MaterialId material,
                                            Float u) const;
-    /// True if something lies between the points. Both ends are moved off their surfaces first.
+    /// True if a surface lies between the points. Both ends are moved off their surfaces first.
     bool Occluded(const LightSampleContext &from, const LightLiSample &to) const;
     bool Occluded(const Ray &ray) const;
 
@@ -53,7 +53,7 @@ class Scene {
     size_t ShapeCount() const { return parts_.shapes.size(); }
     /// True if some material scatters light below its surface.
     bool HasSubsurface() const { return hasSubsurface_; }
-    /// True if some material looks at filter footprints.
+    /// True if some material uses filter footprints.
     bool NeedsFootprints() const { return needsFootprints_; }
     bool NeedsFootprintAt(const SurfacePoint &point) const {
         return point.material && parts_.materials[point.material.value] &&
@@ -64,7 +64,7 @@ class Scene {
 
   private:
     SurfacePoint SurfaceAt(const AccelHit &hit, const Ray &ray) const;
-    /// In the space of the shape: before its instance is placed.
+    /// The point in the space of the shape, before the transformation of its instance.
     SurfacePoint SurfaceOnRay(const Shape &shape, const AccelHit &hit, const Ray &ray) const;
     SceneParts parts_;
     Bounds3 bounds_;

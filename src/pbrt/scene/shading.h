@@ -13,7 +13,7 @@ inline Bsdf ComputeBsdf(const Scene &scene, SurfacePoint &point, SampledWaveleng
     return material->GetBsdf(point, lambda);
 }
 
-/// Where light that crosses the surface at a hit comes out again; empty if it just goes on.
+/// Where light that crosses the surface at a hit comes out again; empty if light is not scattered below the surface.
 inline std::optional<Bssrdf> ComputeBssrdf(const Scene &scene, const SurfacePoint &point,
                                            const SampledWavelengths &lambda) {
     const Material *material = scene.MaterialOf(point.material).Resolve(point);

@@ -199,7 +199,7 @@ Shape "sphere"
 
 TEST_F(Unsupported, IsLeftOutLoudlyWhenAskedFor) {
     const std::string messages = RunWell("--spp 256 --ignore-unsupported scene.pbrt");
-    for (const char *part : {"Warning: scene.pbrt:3:0: Integrator \"bdpt\" is left out, path instead",
+    for (const char *part : {"Warning: scene.pbrt:3:0: Integrator \"bdpt\" is left out, path is used instead",
                              "Warning: scene.pbrt:4:0: MakeNamedMedium \"fog\" is left out",
                              "Warning: scene.pbrt:9:0: Texture \"skin\"", "Wrote fog-incomplete.exr"})
         EXPECT_TRUE(Has(messages, part)) << part << "\n" << messages;

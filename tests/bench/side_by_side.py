@@ -19,7 +19,7 @@ import tempfile
 TOP = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", ".."))
 LAMP = os.path.join(TOP, "../shared/scenes/lamp/lamp.pbrt")
 RENDERED = ["hotel", "white-room", "many-rooms", "glossy"]
-SELECTION = ["white-room", "glossy", "many-rooms", "hotel"]
+SELECTION = ["ajar", "white-room", "glossy", "many-rooms", "hotel"]
 SAMPLERS = ["power", "bvh", "octree"]
 
 

@@ -3,7 +3,7 @@
 
 namespace pbrt {
 
-/// What one thread did. Each thread adds to its own copy; SumCounters adds them up when no work is running.
+/// Counts of what one thread did. Each thread adds to its own copy; SumCounters adds up the copies of all threads.
 struct RenderCounters {
     uint64_t closestHitRays = 0;
     uint64_t shadowRays = 0;
@@ -24,7 +24,7 @@ struct RenderCounters {
 
 /// The calling thread's counters.
 RenderCounters &ThreadCounters();
-/// Sum over all threads since the last reset. Only while no parallel work runs.
+/// Sum over all threads since the last reset. This and ResetCounters may be called only while no parallel work runs.
 RenderCounters SumCounters();
 void ResetCounters();
 

@@ -22,20 +22,20 @@
 ///
 /// Visitors read it (ParamReader), document it (DocumentParams) and print it (EffectiveParams). Parameters are visited
 /// in order, so one that has a meaning only together with the values of others stands in `if (v.When(condition))`:
-/// where the condition does not hold it is an unused parameter. A help text that begins with a value of a text
-/// parameter and a colon ("paper: ...") says that the parameter has an effect only with that value; giving it with
-/// another is a warning.
+/// where the condition does not hold, it counts as unused. A help text that begins with a value of a text parameter and
+/// a colon ("paper: ...") says that the parameter has an effect only with that value; giving it with another is a
+/// warning.
 ///
-/// The types of members are open: a folder adds one by overloads of ReadParam and DocumentParam, which are found by
-/// argument-dependent lookup. Here are int, Float, bool, std::string, std::optional of these, enumerations with names,
-/// items of several numbers (points, colours ...), and lists of these. Behind the value stands what is asked of it, if
-/// anything: Range, Choices, an array of NamedValue, Items, Required.
+/// Members may have further types: a folder adds one by overloads of ReadParam and DocumentParam, which are found by
+/// argument-dependent lookup. This file has int, Float, bool, std::string, std::optional of these, enumerations with
+/// names, items of several numbers (points, colours ...), and lists of these. After the member may stand a condition on
+/// its values: a Range, Choices, an array of NamedValue, Items, or Required.
 namespace pbrt {
 
 /// The values a text parameter may have.
 using Choices = std::vector<std::string>;
 
-/// A value that a scene calls by name. A parameter takes a constexpr array of them.
+/// A value that scenes refer to by name. Describe functions pass a constexpr array of all values of a parameter.
 template <class E>
 struct NamedValue {
     const char *name;
@@ -52,12 +52,12 @@ struct Items {
 struct Required {};
 struct RequiredItems : Items {};
 
-/// One parameter for people and for flags.
+/// Documentation of one parameter, for listings and for command-line flags.
 struct ParamDoc {
     std::string name;
-    std::vector<ParamType> types;  ///< one of them
+    std::vector<ParamType> types;  ///< a scene may use any of these
     bool isList = false;
-    std::string defaultValue;  ///< empty: none, or the help says
+    std::string defaultValue;  ///< empty if there is none, or if the help line says it
     std::string range;
     Choices choices;
     std::string help;
@@ -66,7 +66,7 @@ struct ParamDoc {
     std::string ShortType() const;  ///< "i", "st", ...
 };
 
-/// What a parameter asks of its values, for tables: "1 to 10", "above 0", "at least 0 mm".
+/// The range of a parameter's values for tables: "1 to 10", "above 0", "at least 0 mm".
 template <class T>
 std::string ShortText(const Range<T> &r) {
     constexpr T kMax = std::numeric_limits<T>::max();
@@ -107,7 +107,7 @@ std::string ValueText(const T &v) {
 }
 }  // namespace detail
 
-// Values that are one of the basic types, given or not.
+// Parameters of one of the basic types, with or without a default.
 
 template <class T>
 void DocumentParam(ParamDoc &doc, const T &value) {
@@ -187,7 +187,7 @@ void DocumentParam(ParamDoc &doc, const T &value, const Items &items) {
         doc.defaultValue += fmt::format("{}{}", i ? " " : "", value[i]);
 }
 
-/// The visitor that documents.
+/// The visitor that collects the documentation of parameters.
 class ParamDocumenter {
   public:
     std::vector<ParamDoc> docs;
@@ -220,7 +220,7 @@ std::vector<ParamDoc> DocumentParams(P p = P()) {
     return std::move(documenter.docs);
 }
 
-/// The visitor that prints, see EffectiveParams.
+/// The visitor that writes the values as JSON, see EffectiveParams.
 template <class Json>
 class ParamPrinter {
   public:
@@ -230,7 +230,7 @@ class ParamPrinter {
     void operator()(const std::string &name, T &value, const AskedAndHelp &...asked) {
         if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
             json[name] = value;
-        } else {  // the text that documents a default
+        } else {  // the text that would document it as a default
             ParamDocumenter documenter;
             documenter(name, value, asked...);
             json[name] = documenter.docs.front().defaultValue;
@@ -238,7 +238,7 @@ class ParamPrinter {
     }
 };
 
-/// "name value" pairs as they are in force, for metadata and statistics.
+/// The values in force as a JSON object with a member for each parameter, for metadata and statistics.
 template <class P, class Json = nlohmann::ordered_json>
 Json EffectiveParams(P p) {
     ParamPrinter<Json> printer;

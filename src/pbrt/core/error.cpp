@@ -12,7 +12,7 @@ namespace {
 /// Finds lines of files; every file is searched for its line ends once, however many lines are asked for.
 class LineFinder {
   public:
-    /// Without its end; empty if there is no such line.
+    /// The line without its line end; empty if there is no such line.
     std::string_view Line(const FileLoc &loc) {
         const std::string_view text = loc.file->text;
         auto [found, isNew] = begins_.try_emplace(loc.file.get());
@@ -38,7 +38,7 @@ struct Excerpt {
     size_t caret = 0;
 };
 
-/// The line `loc` points into, tabs as single blanks, cut to about 100 characters around the column.
+/// The line that `loc` points into, with tabs replaced by single blanks, cut to about 100 characters around the column.
 Excerpt QuoteLine(const FileLoc &loc, LineFinder &lines) {
     constexpr size_t kWidth = 100;
     const std::string_view line = lines.Line(loc);
@@ -56,7 +56,7 @@ Excerpt QuoteLine(const FileLoc &loc, LineFinder &lines) {
     return {std::move(text), caret};
 }
 
-/// Without the quoted line.
+/// The diagnostic without the quoted line.
 std::string Heading(const Diagnostic &d, bool color) {
     const char *word = d.severity == Severity::Error ? "Error" : "Warning";
     std::string out = color ? fmt::format("\033[1;31m{}\033[0m: ", word) : fmt::format("{}: ", word);
@@ -77,7 +77,7 @@ std::string Format(const Diagnostic &d, bool color, LineFinder &lines) {
     return out;
 }
 
-/// No message grows with what it quotes: the middle of a monstrous one goes.
+/// Limits the length of a message, however long the text that it quotes: the middle of a longer one is left out.
 std::string CutMonster(std::string message) {
     constexpr size_t kMax = 4000, kTail = 1000;
     if (message.size() > kMax) message.replace(kMax - kTail, message.size() - kMax, " ... ");
@@ -99,7 +99,7 @@ size_t EditDistance(std::string_view a, std::string_view b) {
     return row[b.size()];
 }
 
-/// In a time that does not depend on the files: thousands of these may be thrown and caught.
+/// Takes time that does not depend on the size of the files, because thousands of errors may be thrown and caught.
 std::string Summarize(const std::vector<Diagnostic> &diagnostics, size_t omitted) {
     if (diagnostics.empty()) return {};
     const size_t others = diagnostics.size() - 1 + omitted;
@@ -177,7 +177,7 @@ std::string ListChoices(std::string_view given, const std::vector<std::string> &
     if (choices.empty()) return "it takes none";
     std::string nearest;
     size_t best = std::max<size_t>(1, given.size() / 3) + 1;
-    constexpr size_t kMaxCompared = 100;  // bytes; longer names are no slips of the finger
+    constexpr size_t kMaxCompared = 100;  // bytes; longer names are not taken for misspelt ones
     for (const std::string &c : choices) {
         if (given.size() > kMaxCompared) break;
         if (std::max(given.size(), c.size()) - std::min(given.size(), c.size()) >= best) continue;

@@ -35,10 +35,11 @@ struct Diagnostic {
 /// cut around the column. No trailing newline.
 std::string Format(const Diagnostic &d, bool color = false);
 
-/// How many errors, and how many warnings, are kept and shown; more are only counted.
+/// At most this many errors, and as many warnings, are kept and shown; further ones are only counted.
 inline constexpr size_t kMaxDiagnostics = 100;
 
-/// The user's mistake. Thrown anywhere below cmd/, caught once in cmd/ (or in build/, which collects many).
+/// A mistake of the user, not of the program. Thrown anywhere below cmd/, caught once in cmd/ (or in build/, which
+/// collects many).
 class UserError : public std::runtime_error {
   public:
     explicit UserError(std::string message, FileLoc loc = {});
@@ -53,11 +54,11 @@ class UserError : public std::runtime_error {
     size_t omitted_ = 0;
 };
 
-/// Everything the error says, one after the other, in time that is linear in the files it quotes; then how many errors
-/// are not shown. Ends with a newline.
+/// All diagnostics of the error, one after the other, then the number of errors that are not shown; ends with a
+/// newline. Takes time that is linear in the size of the quoted files.
 std::string FormatAll(const UserError &e, bool color = false);
 
-/// `text` as messages quote what a user wrote: cut to `maxBytes`, with "..." where it was cut, in one line.
+/// `text` (written by the user) as messages quote it: in one line, cut to `maxBytes` and then followed by "...".
 std::string Abbreviate(std::string_view text, size_t maxBytes = 60);
 
 /// Collects everything wrong with a scene so that the user sees all of it at once: the first kMaxDiagnostics errors and
@@ -67,9 +68,9 @@ class DiagnosticSink {
     void Error(const FileLoc &loc, std::string message);
     /// Printed by whoever owns the sink (cmd/ unless --quiet); never fatal.
     void Warning(const FileLoc &loc, std::string message);
-    /// Takes over what an exception carries.
+    /// Adds the diagnostics of an exception.
     void Add(const UserError &e);
-    /// Takes over what another sink collected.
+    /// Adds the diagnostics of another sink.
     void Add(const DiagnosticSink &other);
 
     bool HasErrors() const { return errorCount_ > 0; }
@@ -87,15 +88,16 @@ class DiagnosticSink {
     size_t errorCount_ = 0, warningCount_ = 0;
 };
 
-/// "did you mean 'x'?" helper: the valid choices as text (some of them if they are many), nearest one first named when
-/// it is near.
+/// The valid choices as a text for messages: `did you mean "x"? valid: x, y`. The question is asked only if one choice
+/// is similar to `given`; of many choices only the first 100 are listed.
 std::string ListChoices(std::string_view given, const std::vector<std::string> &choices);
 
 [[noreturn]] void CheckFailed(const char *expression, const char *file, int line, const std::string &values);
 
 }  // namespace pbrt
 
-/// Our own mistake: always on, prints the expression and place, then aborts. Not for user input.
+/// Aborts if the condition is false, after printing it and its place. For bugs of the program, in every build type; not
+/// for user input.
 #define PBRT_CHECK(condition)                                                   \
     do {                                                                        \
         if (!(condition)) [[unlikely]]                                          \

@@ -11,31 +11,32 @@
 
 namespace pbrt {
 
-/// What people are told of one kind of thing: light source "spot", material "hair" ...
+/// Documentation of one kind of thing that a scene can have: light source "spot", material "hair" ...
 struct FactoryDoc {
     std::string name, summary;  ///< the summary is a line of Markdown
     std::vector<ParamDoc> params;
 };
 
-/// What people are told of a family.
+/// Documentation of a family: all light sources, all materials ...
 struct FamilyDoc {
     std::string name;       ///< as in `pbrt --list cameras`
-    std::string what;       ///< as messages call one: `Camera`
-    bool isPrefix = false;  ///< names of parameters begin with the maker's name and a dot
+    std::string what;       ///< the word for one thing of the family in messages: `Camera`
+    bool isPrefix = false;  ///< the names of parameters begin with the maker's name and a dot
     std::vector<FactoryDoc> makers;
 };
 
-/// An error for a name that a family does not know: `Camera "x" is unknown; ...`.
+/// Throws the error for a name that a family does not know: `Camera "x" is unknown; ...`.
 [[noreturn]] void ThrowUnknown(const std::string &what, const std::string &given, const std::vector<std::string> &names,
                                const FileLoc &loc);
 
-/// All kinds of things that a family has: by name, a summary, the declared parameters, and who makes one. The maker is
-/// called with a parameter struct, the ParamSet that it was read from (for the places of complaints), and the context
-/// of the build. Filled by explicit calls.
+/// The kinds of things of one family by name: each with a summary, its declared parameters, and a function that makes
+/// one. This function gets the parameter struct, the ParamSet that the struct was read from (for the locations of
+/// errors), and the context of the build. Tables are filled by explicit calls of Add.
 ///
-/// If the context has a `sink`, that takes unused parameters; if it has a `before`, that is a ParamReader that has read
-/// other parameters of the same set. If it has no sink, parameters are called "thing.name" and stand among those of
-/// others, so whoever has the set looks for unused ones. `Traits`: what else is to be known of each thing.
+/// If the context has a `sink`, unused parameters are reported to it; a member `before` is a ParamReader that has read
+/// other parameters of the same set. If the context has no `sink`, parameters are called "thing.name" and share the set
+/// with those of other things; the owner of the set must then look for unused ones. `Traits`: further properties of
+/// each kind of thing.
 template <class Product, class Context, class Traits = std::monostate>
 class FactoryTable {
     static constexpr bool kHasOwner = !requires(Context & c) { c.sink; };
@@ -43,15 +44,15 @@ class FactoryTable {
   public:
     struct Entry : FactoryDoc {
         std::function<Product(const ParamSet &, Context &)> make;
-        /// For a context without a sink: throws what `make` would throw for values that are wrong.
+        /// Set only if the context has no sink: throws the error that `make` would throw for wrong values.
         std::function<void(const ParamSet &)> check;
         Traits traits;
     };
 
-    /// `what`: as messages call such a thing, `Camera`.
+    /// `what`: the word for such a thing in messages, for example `Camera`.
     explicit FactoryTable(std::string what) : what_(std::move(what)) {}
 
-    /// A name used twice is our error.
+    /// Throws std::logic_error if the name is already registered, which is a bug of the program.
     template <class P, class F>
     void Add(const std::string &name, std::string summary, F &&make, Traits traits = {}) {
         Entry entry{{name, std::move(summary), DocumentParams<P>()}, {}, {}, std::move(traits)};
@@ -106,7 +107,7 @@ class FactoryTable {
     std::map<std::string, Entry> entries_;
 };
 
-/// Text of `pbrt --list NAME`: every thing of the family with its parameters, a line each and their help.
+/// Text of `pbrt --list NAME`: every kind of the family with its parameters, each with its help line.
 std::string ListingOf(const FamilyDoc &family);
 /// Rows of the tables of docs/compatibility.md: `| entity | parameters | remark |`.
 std::string TableRowsOf(const FamilyDoc &family);

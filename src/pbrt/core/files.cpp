@@ -36,7 +36,8 @@ std::string LowerExtension(const std::string &path) {
 
 namespace {
 
-// An open file whose content ends somewhere, as far as its kind tells.
+// Opens a file for reading; throws UserError for kinds of files whose content may have no end. *size: bytes of a
+// regular file, 0 for others.
 int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
     // Without O_NONBLOCK, opening a pipe waits for a writer, perhaps for ever.
     const int flags = from == ReadFrom::Files ? O_RDONLY | O_CLOEXEC | O_NONBLOCK : O_RDONLY | O_CLOEXEC;
@@ -47,7 +48,7 @@ int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
     const bool pipe = S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode) || isatty(file) == 1;
     const char *refusal = nullptr;
     if (!known)
-        refusal = "its kind cannot be found out";
+        refusal = "the kind of this file cannot be determined";
     else if (S_ISDIR(status.st_mode))
         refusal = "is a directory";
     else if (pipe && from == ReadFrom::Files)
@@ -62,13 +63,14 @@ int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
     return file;
 }
 
-// Makes room for `bytes` if there is memory for them besides what `content` has until they are moved.
+// Reserves `bytes` for `content`. They must fit into the available memory in addition to the old buffer, which is freed
+// only after the content has been moved.
 void Grow(std::string &content, size_t bytes, const std::string &path, double (*available)()) {
-    // Not worth the question, which is put to the kernel.
+    // Smaller sizes are not checked, because the check asks the kernel.
     constexpr size_t kSmall = 1 << 24;
     if (const double left = bytes > kSmall ? available() : 0; bytes > kSmall && static_cast<double>(bytes) > left)
         throw UserError(
-            fmt::format("{}: too large to read: there is more than {} of content, and to go on takes {} of "
+            fmt::format("{}: too large to read: after {} of content, reading on needs {} of "
                         "memory, but {} are left for this process.",
                         path, BytesText(static_cast<double>(content.size())), BytesText(static_cast<double>(bytes)),
                         BytesText(left)));
@@ -86,7 +88,7 @@ std::string ReadFileContents(const std::string &path, ReadFrom from, double (*av
         close(descriptor);
         throw UserError(fmt::format("{}: {}.", path, std::strerror(ENOMEM)));
     }
-    // Scenes have thousands of small files: no more memory is touched than they need.
+    // Scenes may have thousands of small files, so that the buffer is no larger than the file.
     constexpr size_t kMax = 1 << 18, kMin = 1 << 12;
     if (size == 0) size = kMax;  // a pipe, or a file that the kernel makes up
     gzbuffer(file.get(), static_cast<unsigned>(std::clamp(size, kMin, kMax)));

@@ -4,7 +4,7 @@
 
 namespace pbrt {
 
-/// A strong 32-bit index. Knowledge of higher layers travels downwards as ids, never as pointers to higher types.
+/// A strong 32-bit index. Lower layers refer to objects of higher layers by ids, never by pointers.
 template <class Tag>
 struct Id {
     static constexpr uint32_t kNone = 0xffffffffu;

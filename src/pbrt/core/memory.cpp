@@ -15,8 +15,8 @@ namespace pbrt {
 
 namespace {
 
-/// The beginning of a file of the kernel; empty if there is none. Without allocation: whoever asks may have no memory
-/// left.
+/// The beginning of a file of the kernel; empty if the file does not exist. Nothing is allocated, since the caller may
+/// have no memory left.
 struct KernelText {
     char text[512] = {};
     explicit KernelText(const char *name) {

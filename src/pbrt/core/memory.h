@@ -5,21 +5,22 @@
 
 namespace pbrt {
 
-/// Bytes this process can have at most: the machine's memory, or less if the process (ulimit -v) or its control group
-/// is limited.
+/// The most bytes that this process can use: the machine's memory, or less if the process (ulimit -v) or its control
+/// group is limited.
 double UsableMemory();
 
-/// Bytes this process could take now in addition to what it has: what the machine has left, and what its limits leave.
+/// Bytes that this process can use in addition to those it has: the smaller of what the machine has left and what the
+/// limits of the process leave.
 double AvailableMemory();
 
 /// "240 MB", "23 GB": two digits.
 std::string BytesText(double bytes);
 
-/// An error that says "`what` needs about 240 GB, but this process can use 23 GB." if it does. To be asked before
-/// memory is allocated for something whose size the user chose.
+/// Throws UserError "`what` needs about 240 GB of memory, but this process can use 23 GB." if `bytes` exceed
+/// UsableMemory(). To be called before memory is allocated for something whose size the user chose.
 void RequireMemory(double bytes, const std::string &what, const FileLoc &loc);
 
-/// What to say of a std::bad_alloc during `phase` ("" if that is not known).
+/// The message for a std::bad_alloc during `phase` ("" if the phase is not known).
 std::string OutOfMemoryText(const std::string &phase);
 
 }  // namespace pbrt

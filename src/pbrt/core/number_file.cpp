@@ -26,7 +26,8 @@ std::vector<Float> ReadNumberFile(const std::string &path) {
             bool separated =
                 after > at && (after >= end || std::isspace(static_cast<unsigned char>(*after)) || *after == '#');
             if (!separated || !std::isfinite(value))
-                throw UserError(fmt::format("{}:{}: this file holds numbers only.", path, line));
+                throw UserError(fmt::format(
+                    "{}:{}: expected a number; this file may contain only finite numbers and # comments.", path, line));
             numbers.push_back(value);
             at = after;
         }

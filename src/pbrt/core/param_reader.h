@@ -8,13 +8,13 @@
 
 namespace pbrt {
 
-/// Reads a parameter struct from a ParamSet: `p.Describe(reader); reader.Finish(sink);`. It remembers what was
-/// declared, so that whatever else the set has is found. Attribute defaults are never reported.
+/// Reads a parameter struct from a ParamSet: `p.Describe(reader); reader.Finish(sink);`. It remembers which parameters
+/// were declared and reports all others of the set as unused, except Attribute defaults.
 class ParamReader {
   public:
     /// The names in the set begin with `prefix`.
     explicit ParamReader(const ParamSet &set, std::string prefix = {}) : set_(set), prefix_(std::move(prefix)) {}
-    /// Goes on where another reader of the same set ends: what was declared there is known here.
+    /// Continues the work of another reader of the same set: parameters declared there count as declared here.
     ParamReader(const ParamSet &set, const ParamReader &other) : set_(set), declared_(other.declared_) {}
 
     bool When(bool applies) const { return applies; }
@@ -27,8 +27,8 @@ class ParamReader {
         Collect([&] { ReadParam(*this, prefix_ + name, value, asked); });
     }
 
-    /// What is in the set but was not declared, or with another type, goes to the sink. Throws one UserError with
-    /// everything that is wrong with the values.
+    /// Reports to the sink all parameters of the set that were not declared, or only with another type. Throws one
+    /// UserError with all errors in the values.
     void Finish(DiagnosticSink &sink) const {
         ReportUnused(sink);
         ThrowIfErrors();
@@ -45,7 +45,7 @@ class ParamReader {
         Declare(name, type);
         return set_.Find(name, type);
     }
-    /// A parameter of that name and type may be there.
+    /// Declares that the set may have a parameter of that name and type.
     void Declare(const std::string &name, ParamType type) { declared_.push_back({name, type}); }
 
   private:
@@ -81,9 +81,9 @@ const auto &ValuesOf(const Param &p) {
     else
         return p.floats;
 }
-/// A UserError unless the parameter has that many numbers (or texts).
+/// Throws UserError unless the number of values found is `wanted`.
 void RequireCount(const ParamSet &set, const Param &p, size_t found, size_t wanted);
-/// A UserError unless its numbers make whole items.
+/// Throws UserError unless the numbers of the parameter make whole items.
 void RequireItems(const ParamSet &set, const Param &p);
 template <class T>
 void RequireRange(const ParamSet &set, const Param &p, T value, const Range<T> &range) {
@@ -92,7 +92,7 @@ void RequireRange(const ParamSet &set, const Param &p, T value, const Range<T> &
 }
 [[noreturn]] void ThrowMissing(const ParamSet &set, const std::string &name, ParamType type);
 [[noreturn]] void ThrowNoChoice(const ParamSet &set, const Param &p, const Choices &choices);
-/// The parameter if it is there; it must have one value.
+/// The parameter, which must have exactly one value; null if it is absent.
 template <class T>
 const Param *TakeOne(ParamReader &reader, const std::string &name) {
     const Param *p = reader.Take(name, TypeOf<T>());
@@ -142,7 +142,7 @@ inline void ReadParam(ParamReader &reader, const std::string &name, std::string 
     if (value.empty()) detail::ThrowMissing(reader.Set(), name, ParamType::String);
 }
 
-/// The values stay where they are, in the set.
+/// The span refers to the values in the set, which must outlive it.
 template <class T>
 void ReadParam(ParamReader &reader, const std::string &name, std::span<const T> &values) {
     if (const Param *p = reader.Take(name, detail::TypeOf<T>())) values = detail::ValuesOf<T>(*p);
@@ -168,7 +168,7 @@ void ReadParam(ParamReader &reader, const std::string &name, std::optional<std::
         for (T v : *values) detail::RequireRange(reader.Set(), *reader.Set().Find(name, detail::TypeOf<T>()), v, range);
 }
 
-/// Items are copied number by number: T is a point, a colour ...
+/// T is a point, a colour ...; its memory must be exactly the numbers of one item.
 template <class T>
 void ReadParam(ParamReader &reader, const std::string &name, std::vector<T> &values, const Items &items) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -196,7 +196,8 @@ void ReadParam(ParamReader &reader, const std::string &name, T &value, const Ite
     value = values[0];
 }
 
-/// A parameter struct. What P does not know goes to the sink; values that are wrong are thrown.
+/// Returns a parameter struct read from the set. Parameters that P does not declare are reported to the sink; wrong
+/// values are thrown as one UserError.
 template <class P>
 P ReadParams(const ParamSet &set, DiagnosticSink &sink) {
     P p;
@@ -206,7 +207,8 @@ P ReadParams(const ParamSet &set, DiagnosticSink &sink) {
     return p;
 }
 
-/// Reads `owner`.name parameters where the set has those of others, too: only wrong values are reported.
+/// Reads the parameters called `owner`.name from a set that has parameters of others, too, so that only wrong values
+/// are errors (thrown as one UserError).
 template <class P>
 void ReadParams(P &p, const ParamSet &set, const std::string &owner) {
     ParamReader reader(set, owner + '.');

@@ -30,15 +30,15 @@ enum class ParamType {
 
 /// "integer", "float", ...
 const char *Name(ParamType type);
-/// How many numbers make one value of it: 2 or 3 for points, vectors, normals and rgb, else 1.
+/// How many numbers one value of the type has: 2 or 3 for points, vectors, normals and rgb, else 1.
 size_t ItemSize(ParamType type);
 
-/// The values a number may have; the ends count unless they are open.
+/// The interval of the values that a number may have; it includes its ends unless they are open.
 template <class T>
 struct Range {
     T low, high;
     bool openLow = false, openHigh = false;
-    const char *unit = "";      ///< for people
+    const char *unit = "";      ///< of the numbers, for messages and documentation
     bool Contains(T v) const {  // false for not-a-number
         return (openLow ? v > low : v >= low) && (openHigh ? v < high : v <= high);
     }
@@ -70,9 +70,9 @@ struct Param {
     bool fromAttribute = false;       ///< an Attribute default: never reported as unused
 };
 
-/// The parameters of one directive, as they stand in the scene. What they mean is declared by parameter structs
-/// (core/describe.h) and read by ParamReader. As in stock pbrt-v4, name and type must both match, and the last of equal
-/// ones wins.
+/// The parameters of one directive, as they stand in the scene. Their meaning is declared by parameter structs
+/// (core/describe.h), which ParamReader reads. As in stock pbrt-v4, name and type must both match, and the last of
+/// several equal ones counts.
 class ParamSet {
   public:
     ParamSet() = default;
@@ -81,8 +81,8 @@ class ParamSet {
 
     /// The entity's own parameters.
     void Add(Param p) { params_.push_back(std::move(p)); }
-    /// Defaults from Attribute directives: searched only when the entity itself does not give the parameter;
-    /// the last added wins.
+    /// Defaults from Attribute directives: searched only when the entity itself does not give the parameter; the last
+    /// one added counts.
     void AddDefault(Param p) {
         p.fromAttribute = true;
         defaults_.push_back(std::move(p));
@@ -97,7 +97,7 @@ class ParamSet {
     /// True if a parameter of that name exists with any type.
     bool Has(std::string_view name) const;
 
-    /// An error for `name` if the value is outside the range.
+    /// Throws UserError, located at the parameter `name`, if the value is outside the range.
     template <class T>
     void Require(std::string_view name, T value, const Range<T> &range) const {
         if (!range.Contains(value))
@@ -105,10 +105,10 @@ class ParamSet {
                             LocOf(name));
     }
 
-    /// What is wrong, with the name of the entity before it, at the place of the parameter `name`.
+    /// An error located at the parameter `name`; the message begins with the name of the entity.
     UserError Error(std::string_view name, std::string_view message) const;
     void Warn(DiagnosticSink &sink, std::string_view name, std::string_view message) const;
-    /// Runs `read`, whose errors have no place, and gives them that of the parameter `name`.
+    /// Runs `read`; errors that it throws without a location get that of the parameter `name`.
     template <class F>
     auto At(std::string_view name, F &&read) const {
         try {
@@ -119,7 +119,7 @@ class ParamSet {
         }
     }
 
-    /// Where to point at when complaining about `name`: its declaration if given, else the directive.
+    /// The location for messages about `name`: its declaration if the parameter is given, else the directive.
     FileLoc LocOf(std::string_view name) const;
 
   private:

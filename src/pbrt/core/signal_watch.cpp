@@ -22,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 
-/// The pipe from the handler to the thread.
+/// Write end of the pipe from the signal handler to the watching thread.
 int toWatcher = -1;
 
 void Tell(int signal) {
@@ -32,7 +32,7 @@ void Tell(int signal) {
     errno = kept;
 }
 
-/// A message that cannot be written at once is left out: nothing may hold up the end.
+/// Prints a message. It is left out if it cannot be written without waiting: nothing may delay the end of the process.
 void Say(const std::string &message) {
     if (message.empty() || CurrentLogLevel() < LogLevel::Info) return;
     pollfd err{STDERR_FILENO, POLLOUT, 0};
@@ -45,7 +45,7 @@ void Say(const std::string &message) {
 
 struct SignalWatch::Impl {
     Progress &progress;
-    mutable std::mutex mutex;  ///< of what follows, up to the pipe
+    mutable std::mutex mutex;  ///< protects the members from here to the pipe
     std::string notice, message;
     double grace = 0;  ///< seconds
     Clock::time_point phaseStart = Clock::now();
@@ -58,7 +58,7 @@ struct SignalWatch::Impl {
 
     explicit Impl(Progress &p) : progress(p) {}
 
-    /// When the process ends if the program has not ended it.
+    /// When the process is ended if the program has not ended by itself; empty if there is no deadline.
     std::optional<Clock::time_point> Deadline() const {
         if (!first || grace >= kForever) return {};
         return std::max(phaseStart, firstTime) +
@@ -106,7 +106,7 @@ struct SignalWatch::Impl {
         }
     }
 
-    /// A byte that is no signal: the deadline may have changed.
+    /// A byte that is not a signal number: it wakes the thread because the deadline may have changed.
     static constexpr unsigned char kWake = 255;
 };
 

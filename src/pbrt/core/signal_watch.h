@@ -8,31 +8,34 @@
 
 namespace pbrt {
 
-/// What Ctrl-C (SIGINT), SIGTERM and SIGHUP do while the object lives. A thread of its own acts on them, so that they
-/// work while the program waits for a pipe or builds. One per process. SIGHUP stays ignored if it was (nohup); SIGPIPE
-/// is ignored: writing to a closed pipe is an error like others.
+/// Handles Ctrl-C (SIGINT), SIGTERM and SIGHUP while the object lives. A separate thread acts on these signals, so that
+/// they work while the program waits for a pipe or builds a scene. Only one object may exist per process. SIGHUP stays
+/// ignored if it was ignored before (nohup); SIGPIPE is ignored, so that writing to a closed pipe is an ordinary error.
 ///
-/// The program says before each phase what the first signal does there. A second one ends the process at once in every
-/// phase, unless it comes within kRepeat (`timeout` sends its signal twice). To end at once is to remove temporary
-/// files, to print a message unless quiet, and to exit with 128 + the signal's number; nothing else runs.
+/// Before each phase the program says what the first signal does in it. A second signal ends the process at once in
+/// every phase, unless it comes within kRepeat of the first (`timeout` sends its signal twice). Ending at once means:
+/// temporary files are removed, a message is printed unless quiet, and the process exits with 128 + the number of the
+/// first signal; nothing else runs.
 class SignalWatch {
   public:
     static constexpr std::chrono::milliseconds kRepeat{300};
     static constexpr double kForever = 1e9;
 
-    /// At first signals end the process at once, with `message`. `progress` is cancelled by signals and must outlive
-    /// this.
+    /// Until the first call of EndAtOnce or Cancel, a signal ends the process at once with `message`. Signals cancel
+    /// `progress`, which must outlive this object.
     SignalWatch(Progress &progress, std::string message);
     ~SignalWatch();
     SignalWatch(const SignalWatch &) = delete;
     SignalWatch &operator=(const SignalWatch &) = delete;
 
-    /// The phase has nothing to save: the first signal ends the process at once. If one came before, now.
+    /// For a phase that has nothing to save: the first signal ends the process at once. If a signal has come before,
+    /// this call ends the process.
     void EndAtOnce(std::string message);
-    /// The first signal cancels `progress`, prints `notice`, and leaves the program `seconds` to end by itself, from
-    /// the signal or this call on, whichever is later; after that it ends at once, with `message`.
+    /// The first signal cancels `progress`, prints `notice`, and gives the program `seconds` to end by itself, counted
+    /// from the signal or from this call, whichever is later; then the process is ended at once with `message`.
+    /// kForever: there is no such deadline.
     void Cancel(std::string notice, std::string message, double seconds);
-    /// 128 + number of the first signal; 0 if none came. To be returned by main.
+    /// The exit status that main returns: 128 + the number of the first signal; 0 if none came.
     int Status() const;
 
   private:

@@ -3,8 +3,8 @@
 
 namespace pbrt {
 
-/// While the object lives, a file or folder of that name goes if a signal ends the process (RemoveTemporaries). It does
-/// not remove anything itself.
+/// Registers a file or folder that is deleted if a signal ends the process while the object lives (RemoveTemporaries).
+/// The object itself deletes nothing.
 class Temporary {
   public:
     explicit Temporary(std::string path);
@@ -16,8 +16,8 @@ class Temporary {
     std::string path_;
 };
 
-/// Removes what living Temporary objects name, folders with all that is in them. For a process that is about to end:
-/// from now on whoever makes or destroys a Temporary waits for ever.
+/// Deletes the files and folders of all living Temporary objects, folders with their content. Only for a process that
+/// is about to end: afterwards, a thread that makes or destroys a Temporary waits for ever.
 void RemoveTemporaries();
 
 }  // namespace pbrt

@@ -22,23 +22,23 @@ namespace fs = std::filesystem;
     throw UserError(fmt::format("{}: cannot be written: {}.", path, std::strerror(error)));
 }
 
-/// What a name leads to, after all symbolic links.
+/// The file that a name leads to after all symbolic links.
 struct Target {
     std::string shown;  ///< the name the user gave, for messages
     fs::path path;
     bool exists = false;
-    bool inPlace = false;   ///< a pipe, a device or an open file of this process: nothing can take its name
+    bool inPlace = false;   ///< a pipe, a device or an open file of this process, which cannot be replaced
     struct stat status {};  ///< of an existing file
 };
 
 Target FindTarget(const std::string &name) {
     Target target{.shown = name, .path = name};
-    if (target.path.filename().empty()) throw UserError(fmt::format("\"{}\": is no name of a file.", name));
+    if (target.path.filename().empty()) throw UserError(fmt::format("\"{}\" is not the name of a file.", name));
     target.exists = stat(name.c_str(), &target.status) == 0;
     if (!target.exists && errno != ENOENT) Fail(name, errno);
     if (target.exists) {
         if (S_ISDIR(target.status.st_mode)) throw UserError(fmt::format("{}: is a folder.", name));
-        // As root, or in a folder of one's own, a write-protected file could be replaced all the same.
+        // Refused, although root or the owner of the folder could replace a write-protected file.
         if ((target.status.st_mode & 0222) == 0 || faccessat(AT_FDCWD, name.c_str(), W_OK, AT_EACCESS) != 0)
             throw UserError(fmt::format("{}: is write-protected.", name));
         target.inPlace = !S_ISREG(target.status.st_mode);
@@ -46,7 +46,7 @@ Target FindTarget(const std::string &name) {
     std::error_code failed;
     for (int links = 0; !target.inPlace && fs::is_symlink(target.path, failed); ++links) {
         if (links == 40) Fail(name, ELOOP);
-        // The kernel's links to open files: /dev/stdout leads there.
+        // These are the kernel's links to open files; /dev/stdout leads to one of them.
         if (target.path.string().starts_with("/proc/")) {
             target.inPlace = true;
             target.path = name;
@@ -80,7 +80,7 @@ void WriteInPlace(const Target &target, std::string_view content) {
     if (close(file) != 0) Fail(target.shown, errno);
 }
 
-/// A file beside the target that is to take its place, and that vanishes otherwise.
+/// A temporary file in the folder of the target: TakePlace gives it the target's name, else the destructor deletes it.
 class TemporaryFile {
   public:
     explicit TemporaryFile(const Target &target) : target_(target) {
@@ -89,7 +89,8 @@ class TemporaryFile {
         std::error_code ignored;
         if (!fs::is_directory(folder_, ignored))
             throw UserError(fmt::format("{}: the folder {} does not exist.", target.shown, folder_.string()));
-        // A name of its own, so that it fits where the target's fits, and threads do not meet.
+        // The name does not contain the target's, which could make it too long, and is unique for every thread of every
+        // process.
         static std::atomic<unsigned> count{0};
         do {
             path_ = folder_ / fmt::format(".pbrt-{}-{}.tmp", getpid(), count++);
@@ -110,20 +111,20 @@ class TemporaryFile {
     void Write(std::string_view content) {
         WriteAll(file_, content, target_.shown);
         if (target_.exists) {
-            // Only root can give files away, so the owner need not stay; nor can every file system keep permissions.
+            // Failures are ignored: only root may change the owner, and not every file system keeps permissions.
             [[maybe_unused]] int kept = fchown(file_, target_.status.st_uid, target_.status.st_gid);
             kept = fchmod(file_, target_.status.st_mode & 0777);
         }
         int done = 0;
         do done = fsync(file_);
         while (done != 0 && errno == EINTR);
-        // A few file systems cannot: they say so with EINVAL.
+        // A few file systems cannot flush a file; they return EINVAL or ENOTSUP, which is not an error here.
         if (done != 0 && errno != EINVAL && errno != ENOTSUP) Fail(target_.shown, errno);
         struct stat status {};
         if (fstat(file_, &status) != 0) Fail(target_.shown, errno);
         if (static_cast<size_t>(status.st_size) != content.size())
             throw UserError(
-                fmt::format("{}: {} of {} bytes were written.", target_.shown, status.st_size, content.size()));
+                fmt::format("{}: only {} of {} bytes were written.", target_.shown, status.st_size, content.size()));
         const int closed = close(file_);
         file_ = -1;
         if (closed != 0) Fail(target_.shown, errno);
@@ -132,7 +133,8 @@ class TemporaryFile {
     void TakePlace() {
         if (rename(path_.c_str(), target_.path.c_str()) != 0) Fail(target_.shown, errno);
         renamed_ = true;
-        // The new name must reach the disk, too. Where folders cannot be flushed nothing is lost but that certainty.
+        // The new name must reach the disk, too. It is no error if the folder cannot be flushed, unless the disk fails
+        // (EIO).
         const int folder = open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
         if (folder < 0) return;
         const int error = fsync(folder) == 0 ? 0 : errno;
@@ -151,7 +153,8 @@ class TemporaryFile {
 }  // namespace
 
 void WriteFile(const std::string &path, std::string_view content) {
-    // A limit on file sizes and a pipe without reader are errors with a message, not the end of the process.
+    // Exceeding the limit on file sizes, and a pipe without reader, give an error message instead of ending the
+    // process.
     for (int number : {SIGXFSZ, SIGPIPE}) signal(number, SIG_IGN);
     const Target target = FindTarget(path);
     if (target.inPlace) return WriteInPlace(target, content);

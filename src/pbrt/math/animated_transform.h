@@ -5,18 +5,18 @@
 
 namespace pbrt {
 
-/// A transform that moves from one matrix to another. In between, both are taken apart into translation, rotation and
-/// scale (a symmetric matrix), which are interpolated linearly, along the shortest great arc, and linearly. Before
-/// `startTime` and after `endTime` it stands still.
+/// A transform that moves from one matrix to another. Both are decomposed into translation, rotation and scale (a
+/// symmetric matrix); translation and scale are interpolated linearly, the rotation along the shortest great arc.
+/// Before `startTime` and after `endTime` the transform is constant.
 class AnimatedTransform {
   public:
     AnimatedTransform() = default;
-    /// One that does not move.
+    /// A transform that does not move.
     AnimatedTransform(const Transform &still) : start_(still), end_(still) {}
     /// Both affine; if they differ, CanInterpolate(start, end).
     AnimatedTransform(const Transform &start, Float startTime, const Transform &end, Float endTime);
 
-    /// False if one of them flattens or only one of them mirrors.
+    /// False if one of the two transforms is singular or only one of them mirrors.
     static bool CanInterpolate(const Transform &start, const Transform &end);
 
     bool IsAnimated() const { return isAnimated_; }
@@ -24,7 +24,7 @@ class AnimatedTransform {
     Float StartTime() const { return startTime_; }
     Float EndTime() const { return endTime_; }
     Transform At(Float time) const;
-    /// True if the motion is a straight one without turning or shearing.
+    /// True if the rotation is constant and the scales are along the coordinate axes, or if nothing moves.
     bool KeepsAxes() const;
 
   private:

@@ -8,7 +8,7 @@
 namespace pbrt {
 
 // Splines through (node, value) pairs: cubic Hermite pieces whose slope at a node is that of the chord between its
-// neighbours, at both ends that of the last chord. Nodes increase strictly; there are at least four.
+// neighbours, and at the two ends that of the outermost chord. Nodes increase strictly; there are at least four.
 
 /// The spline's value at x is the sum of w[k] * value[first + k].
 struct SplineWeights {
@@ -73,13 +73,13 @@ int FindPiece(int count, At at, Float y) {
     return low;
 }
 
-/// Running integral of the spline at the nodes into `cdf`; returns the whole.
+/// Writes the running integral of the spline at the nodes to `cdf`; returns the integral over all nodes.
 Float IntegrateCatmullRom(std::span<const Float> nodes, std::span<const Float> values, std::span<Float> cdf);
 
 /// x where the spline has the value y; values must not decrease. The nearest end if y is outside their range.
 Float InvertCatmullRom(std::span<const Float> nodes, std::span<const Float> values, Float y);
 
-/// x with a density proportional to the spline through value(k) >= 0, whose running integral is cdf(k).
+/// Samples x with a density proportional to the spline through value(k) >= 0, whose running integral is cdf(k).
 template <class Value, class Cdf>
 Float SampleCatmullRom(std::span<const Float> nodes, Value value, Cdf cdf, Float u) {
     const int n = static_cast<int>(nodes.size());

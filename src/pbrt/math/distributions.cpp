@@ -94,7 +94,8 @@ AliasTable::AliasTable(std::span<const Float> weights) : bins_(weights.size()) {
             under.push_back(static_cast<int>(o));
         }
     }
-    // What rounding leaves over owns its whole column, unless it has no weight at all: then the heaviest entry does.
+    // Entries that are left over because of rounding own their whole column, except those of weight 0: their columns
+    // belong to the heaviest entry.
     auto byWeight = [](const Bin &a, const Bin &b) { return a.p < b.p; };
     auto heaviest = static_cast<int>(std::max_element(bins_.begin(), bins_.end(), byWeight) - bins_.begin());
     for (const std::vector<int> *rest : {&under, &over})

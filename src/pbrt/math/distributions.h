@@ -16,7 +16,7 @@ class PiecewiseConstant1D {
     struct Sampled {
         Float x;    ///< in [low, high)
         Float pdf;  ///< with respect to x
-        int index;  ///< piece
+        int index;  ///< of the piece that x lies in
     };
     Sampled Sample(Float u) const;
     Float Pdf(Float x) const;                     ///< 0 outside
@@ -46,7 +46,8 @@ class PiecewiseConstant2D {
     PiecewiseConstant1D marginal_;
 };
 
-/// Discrete distribution with O(1) sampling (Walker/Vose). Weights >= 0; all zero makes it uniform.
+/// Discrete distribution with O(1) sampling (Walker/Vose). The weights must be >= 0; if all are 0, the distribution is
+/// uniform.
 class AliasTable {
   public:
     AliasTable() = default;
@@ -64,7 +65,7 @@ class AliasTable {
 
   private:
     struct Bin {
-        Float q = 0;  ///< share of the column that is its own
+        Float q = 0;  ///< fraction of the column that belongs to the entry itself
         Float p = 0;  ///< probability of the entry
         int alias = -1;
     };

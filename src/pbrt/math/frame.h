@@ -13,7 +13,7 @@ struct Frame {
         CoordinateSystem(z, &f.x, &f.y);
         return f;
     }
-    /// z is kept exactly; x is made orthogonal to it. Both unit or x of any length.
+    /// z, a unit vector, is kept exactly; x may have any length and is made orthogonal to z.
     static Frame FromXZ(const Vector3 &x, const Vector3 &z) {
         Vector3 xo = x - z * Dot(x, z);
         if (!(LengthSquared(xo) > 1e-20f * LengthSquared(x))) return FromZ(z);

@@ -18,7 +18,7 @@ constexpr std::array<uint16_t, PrimeCount> FirstPrimes() {
     return primes;
 }
 
-/// Digits in `base` that a value needs to be known to 2^-32.
+/// Number of digits in `base` that determine a value to within 2^-32.
 int DigitsOf(uint32_t base) {
     int digits = 0;
     for (double power = 1; power < 0x1p32; power *= double(base)) ++digits;
@@ -75,7 +75,7 @@ Float PermutedRadicalInverse(uint32_t base, uint64_t a, uint64_t seed) {
 Float OwenScrambledRadicalInverse(uint32_t base, uint64_t a, uint64_t seed) {
     double scale = 1 / double(base), weight = scale, value = 0;
     int digits = DigitsOf(base);
-    uint64_t node = seed;  // names the digits so far
+    uint64_t node = seed;  // identifies the digits so far
     for (int k = 0; k < digits; ++k) {
         auto digit = static_cast<uint32_t>(a % base);
         value += double(PermutationElement(digit, base, node)) * weight;

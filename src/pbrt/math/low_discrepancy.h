@@ -34,9 +34,10 @@ constexpr uint64_t EncodeMorton2(uint32_t x, uint32_t y) {
 
 // ---- Permutations
 
-/// Element i of the permutation of [0, n) that `seed` names; no memory. Rounds of keyed bijections on the smallest
-/// enclosing power of two; what lands outside walks on along its cycle (the idea of Kensler 2013). Five rounds: with
-/// four, pairs of elements of small n visibly prefer some places (see the test).
+/// Element i of the permutation of [0, n) that `seed` selects, computed without a table: rounds of keyed bijections of
+/// [0, m), where m is the smallest power of two that is at least n, repeated until the result is below n (the idea of
+/// Kensler 2013). There are five rounds, because with four, pairs of elements of small n visibly prefer some places
+/// (see the test).
 inline uint32_t PermutationElement(uint32_t i, uint32_t n, uint64_t seed) {
     uint32_t mask = std::bit_ceil(n) - 1;
     int bits = std::bit_width(mask), wide = (bits + 1) / 2, narrow = std::max(1, wide - 1);
@@ -66,8 +67,8 @@ Float RadicalInverse(uint32_t base, uint64_t a);
 /// The a < base^digits whose first `digits` mirrored digits, read as an integer, are `mirrored`.
 uint64_t InverseRadicalInverse(uint64_t mirrored, uint32_t base, int digits);
 
-/// Radical inverse whose k-th digit goes through a random permutation of its own; so do the zeros that follow the
-/// last digit of a, down to 2^-32.
+/// Radical inverse with an independent random permutation for every digit position, which also permutes the zeros that
+/// follow the last digit of a, down to 2^-32.
 Float PermutedRadicalInverse(uint32_t base, uint64_t a, uint64_t seed);
 
 /// Owen scrambling: the permutation of a digit depends also on all digits before it.
@@ -77,7 +78,7 @@ Float OwenScrambledRadicalInverse(uint32_t base, uint64_t a, uint64_t seed);
 /// do the zeros that follow the last digit of a, down to 2^-32. 0 < multiplier < base, and base is prime.
 Float AffineRadicalInverse(uint32_t base, uint64_t a, uint32_t multiplier, uint64_t seed);
 
-/// AffineRadicalInverse for the first prime bases with the permutations in tables: same values, quicker.
+/// AffineRadicalInverse for the first prime bases with the permutations in tables: it gives the same values faster.
 class DigitPermutations {
   public:
     /// Dimension d has the base Primes[d], multipliers[d] and the seed SeedOf(seed, d).

@@ -18,7 +18,8 @@ constexpr uint64_t MixBits(uint64_t v) {
     return v;
 }
 
-/// Hash of plain values (floats by their bits). Equal inputs, equal hash, on every machine with the same endianness.
+/// Hash of plain values (floats by their bits). Equal inputs give equal hashes on every machine with the same
+/// endianness.
 template <class... Args>
 uint64_t Hash(const Args &...args) {
     static_assert(sizeof...(Args) > 0);

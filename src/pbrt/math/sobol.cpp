@@ -9,9 +9,9 @@ namespace pbrt {
 
 namespace {
 
-/// Boost's engine makes the points in Gray code order: the n-th has the index n ^ (n >> 1), so that the point of the
-/// index 2^c is the one of n = 2^(c+1) - 1, in its own count, which leaves out the origin, one less. Fractions of 64
-/// digits give it 64 columns; we keep 32 digits of 52 columns.
+/// Boost's engine makes the points in Gray code order: the n-th point has the index n ^ (n >> 1), so that the index 2^c
+/// belongs to n = 2^(c+1) - 1. The engine leaves out the origin, so that its own count is one less. With fractions of
+/// 64 digits it has 64 columns; we keep 32 digits of 52 columns.
 std::vector<uint32_t> MakeSobolMatrices() {
     boost::random::sobol_engine<uint64_t, 64> engine(SobolDimensions);
     std::vector<uint32_t> matrices(static_cast<size_t>(SobolDimensions) * SobolIndexBits);
@@ -25,7 +25,7 @@ std::vector<uint32_t> MakeSobolMatrices() {
 
 std::vector<uint32_t> MakeSobolTables() {
     std::vector<uint32_t> tables(static_cast<size_t>(SobolDimensions) * SobolTableStride);
-    const uint32_t *columns = SobolMatrices();  // 52 a dimension, so that each four make one table
+    const uint32_t *columns = SobolMatrices();  // 52 for each dimension; every four make one table
     for (size_t t = 0; t < tables.size(); ++t) tables[t] = SobolBits(columns + t / 16 * 4, t % 16);
     return tables;
 }

@@ -23,8 +23,8 @@ inline uint32_t SobolBits(const uint32_t *matrix, uint64_t index) {
     return v;
 }
 
-/// The same by four index bits at a time, for hot code: tables of 16 entries, SobolTableStride for each dimension (0.8
-/// MB in all, made at the first call).
+/// Tables for hot code, by which SobolBitsByTable takes four index bits at a time: 16 entries for each group of bits,
+/// SobolTableStride entries for each dimension (0.8 MB in all, made at the first call).
 inline constexpr int SobolTableStride = SobolIndexBits / 4 * 16;
 const uint32_t *SobolTables();
 inline uint32_t SobolBitsByTable(const uint32_t *table, uint64_t index) {
@@ -59,8 +59,8 @@ inline uint32_t OwenScramble(uint32_t v, uint64_t seed) {
     return v ^ flips;
 }
 
-/// The same law at the cost of a hash, for bits in reversed order, where adding, multiplying by odd numbers and
-/// v ^= v * even let a bit be changed by lower bits (earlier digits) only (Laine and Karras 2011).
+/// Nested uniform scrambling at the cost of one hash, for bits in reversed order: there, adding, multiplying by odd
+/// numbers and v ^= v * even change a bit depending on lower bits (earlier digits) only (Laine and Karras 2011).
 inline uint32_t FastOwenScrambleReversed(uint32_t v, uint64_t seed) {
     auto low = static_cast<uint32_t>(seed), high = static_cast<uint32_t>(seed >> 32);
     v += low;
@@ -77,7 +77,7 @@ inline uint32_t FastOwenScramble(uint32_t v, uint64_t seed) {
 }
 
 /// Finds the points of the global Sobol' sequence that fall into a pixel of a 2^m x 2^m image which the first two
-/// dimensions cover: of every 4^m consecutive points one does.
+/// dimensions cover: of every aligned run of 4^m points, one falls into each pixel.
 class SobolPixelIndex {
   public:
     explicit SobolPixelIndex(int log2Resolution);

@@ -10,8 +10,8 @@ double StudentCritical(double p, double dof);
 /// Two-sided p-value of a standard normal z, and its inverse (>= 0).
 double NormalTwoSidedP(double z);
 double NormalCritical(double p);
-/// Level for each of n tests so that the chance of any false alarm is `level` (Sidak), and the other way round: chance
-/// that the smallest of n p-values is at most p.
+/// Level for each of n tests so that the chance of any false alarm is `level` (Sidak), and its inverse SidakP: the
+/// chance that the smallest of n p-values is at most p.
 double SidakLevel(double level, size_t n);
 double SidakP(double p, size_t n);
 
@@ -24,7 +24,8 @@ class RunningMoments {
         mean_ += d / static_cast<double>(count_);
         squares_ += d * (x - mean_);
     }
-    /// As if the other's numbers had come, too (Chan, Golub and LeVeque 1979). No numbers and others are the others.
+    /// Adds all numbers of the other (Chan, Golub and LeVeque 1979). If this one has none yet, it becomes an exact copy
+    /// of the other.
     void operator+=(const RunningMoments &other) {
         if (other.count_ == 0) return;
         if (count_ == 0) {
@@ -38,7 +39,7 @@ class RunningMoments {
     }
     size_t Count() const { return count_; }
     double Mean() const { return mean_; }
-    /// Of the sample (divided by n - 1); 0 for fewer than two numbers.
+    /// Sample variance (divided by n - 1); 0 for fewer than two numbers.
     double Variance() const { return count_ > 1 ? squares_ / static_cast<double>(count_ - 1) : 0; }
 
   private:

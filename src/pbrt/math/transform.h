@@ -34,7 +34,7 @@ class Transform {
     bool IsIdentity() const { return m_ == glm::mat4(1); }
     /// True if the upper 3x3 part mirrors.
     bool SwapsHandedness() const { return Determinant3() < 0; }
-    /// True if it flattens, or nearly so: the inverse has no finite elements.
+    /// True if the transform flattens space, or nearly so: the inverse has elements that are not finite.
     bool IsSingular() const { return !(std::abs(Determinant3()) > 0) || !Transform(inverse_, m_).IsFinite(); }
     /// False if an element (not of the inverse) is infinite or not a number.
     bool IsFinite() const;
@@ -51,7 +51,7 @@ class Transform {
     Vector3 PointError(const Point3 &p, const Vector3 &pError = Vector3(0)) const;
 
   private:
-    /// In double precision, and exactly affine if m is.
+    /// Inverts in double precision; the result is exactly affine if m is.
     static glm::mat4 InverseOf(const glm::mat4 &m);
     double Determinant3() const { return glm::determinant(glm::dmat3(glm::mat3(m_))); }
     static Point3 Apply(const glm::mat4 &m, const Point3 &p) {

@@ -5,10 +5,10 @@ namespace pbrt {
 
 // Maps from the unit square and their densities, side by side. Directions have z up.
 
-/// Unit disk, area-preserving and low in distortion (Shirley and Chiu 1997): the square around the origin with half the
-/// side |r| becomes the circle of radius |r|, every side of it a quarter of the circle, evenly. Where on its side a
-/// point is, from -1 to 1, times Pi / 4 is thus the angle from the middle of the side. A negative r makes the opposite
-/// side. Density 1/Pi by area.
+/// Unit disk, area-preserving and low in distortion (Shirley and Chiu 1997): the outline of the square around the
+/// origin with half the side |r| becomes the circle of radius |r|, each of its sides evenly a quarter of the circle.
+/// The position of a point on its side, from -1 to 1, times Pi / 4 is thus the angle from the middle of the side. A
+/// negative r means the opposite side. Density 1/Pi by area.
 inline Point2 SampleUniformDiskConcentric(const Point2 &u) {
     const Point2 at = Float(2) * u - Float(1);
     const bool onVerticalSide = std::abs(at.x) > std::abs(at.y);
@@ -86,7 +86,7 @@ inline Point2 SampleBilinear(const Point2 &u, const Float w[4]) {
     const Float y = SampleLinear(u.y, w[0] + w[1], w[2] + w[3]);
     return {SampleLinear(u.x, Lerp(y, w[0], w[2]), Lerp(y, w[1], w[3])), y};
 }
-/// The interpolated value over the mean of the corners, which is the integral.
+/// The interpolated value divided by the mean of the corner values, which is the integral.
 inline Float BilinearPdf(const Point2 &p, const Float w[4]) {
     const bool inside = p.x >= 0 && p.x <= 1 && p.y >= 0 && p.y <= 1;
     if (!inside) return 0;

@@ -16,8 +16,8 @@ double Between(double x, int n, F atWhole) {
     return low + (x - i) * (atWhole(i + 1) - low);
 }
 
-/// Where a non-decreasing function of that kind reaches the fraction u of its rise over [from, to]; `piece` gets the
-/// interval, one in which it rises. False if it does not rise.
+/// Finds the x at which a non-decreasing function of that kind has made the fraction u of its rise over [from, to];
+/// *piece is the interval that x lies in, one in which the function rises. Returns false if it does not rise.
 template <class F>
 bool Invert(double u, double from, double to, int n, F atWhole, double *x, int *piece) {
     double start = Between(from, n, atWhole), rise = Between(to, n, atWhole) - start;

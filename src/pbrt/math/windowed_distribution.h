@@ -8,9 +8,9 @@
 namespace pbrt {
 
 /// Density on any axis-aligned window of the unit square, proportional to a function that is constant on nx * ny equal
-/// cells (row-major, x fastest, >= 0). A summed-area table makes the window free to change with every call: a sample
-/// costs two binary searches, a density that of the window's corners (Bitterli, Wyman and Pharr 2015, Portal-Masked
-/// Environment Map Sampling).
+/// cells (row-major, x fastest, >= 0). Because of a summed-area table every call may use another window: a sample takes
+/// two binary searches, a density only the entries at the window's corners (Bitterli, Wyman and Pharr 2015,
+/// Portal-Masked Environment Map Sampling).
 class WindowedPiecewiseConstant2D {
   public:
     WindowedPiecewiseConstant2D() = default;
@@ -20,7 +20,7 @@ class WindowedPiecewiseConstant2D {
     std::optional<Point2> Sample(const Point2 &u, const Bounds2 &window, Float *pdf) const;
     /// 0 outside the window.
     Float Pdf(const Point2 &p, const Bounds2 &window) const;
-    /// Of the function over the window.
+    /// Integral of the function over the window.
     double Integral(const Bounds2 &window) const;
     size_t Bytes() const { return f_.capacity() * sizeof(Float) + sums_.capacity() * sizeof(double); }
 

@@ -10,11 +10,11 @@ namespace {
 
 constexpr int kSize = BlueNoiseMask::Size, kCount = kSize * kSize;
 
-/// Chosen pixels, and how near each pixel is to chosen ones.
+/// A set of chosen pixels, with an energy for every pixel that grows with its nearness to chosen ones.
 class Pattern {
   public:
     Pattern() : bell_(kCount), chosen_(kCount, 0), energy_(kCount, 0) {
-        constexpr float kSigma = 1.5f;  // pixels; Ulichney's
+        constexpr float kSigma = 1.5f;  // pixels, as in Ulichney 1993
         for (int y = 0; y < kSize; ++y)
             for (int x = 0; x < kSize; ++x) {
                 const auto dx = static_cast<float>(std::min(x, kSize - x)),
@@ -67,7 +67,7 @@ BlueNoiseMask::BlueNoiseMask(uint64_t seed) : ranks_(kCount) {
         pattern.Toggle(pixel);
         ++count;
     }
-    // Spread the first ones evenly.
+    // Spreads the pixels chosen so far evenly.
     for (;;) {
         const int cluster = pattern.TightestCluster();
         pattern.Toggle(cluster);

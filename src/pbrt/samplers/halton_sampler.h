@@ -5,8 +5,9 @@
 
 namespace pbrt {
 
-/// Halton points over tiles of up to 128 pixels: bases 2 and 3, scaled by the power that covers the tile, give the
-/// position on the film, so that each pixel owns every (2^j 3^k)-th point; the other bases give the other dimensions.
+/// Halton points over tiles of up to 128 x 128 pixels: bases 2 and 3, scaled by the power that covers the tile, give
+/// the position on the film, so that each pixel owns every (2^j 3^k)-th point; the other bases give the other
+/// dimensions.
 class HaltonSampler final : public Sampler {
   public:
     HaltonSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed);
@@ -28,7 +29,7 @@ class HaltonSampler final : public Sampler {
     Point2i TileScale() const { return scale_; }
 
     /// With permuted digits the first dimensions, those of the film aside, have affine permutations: in a large base
-    /// they keep the few samples of a pixel spread over the whole interval, as random permutations do not. From one
+    /// these keep the few samples of a pixel spread over the whole interval, which random permutations do not. From one
     /// sample of a pixel to the next the first digit goes on by Step(dimension), modulo the base. Only the shifts are
     /// random. Later dimensions have random permutations.
     static constexpr int StepCount = 64;

@@ -13,8 +13,8 @@ namespace {
 
 constexpr size_t X = 0, Y = 1;
 
-/// The points with Sobol's own coordinates beside the flipped ones. A node of an axis is all points that share their
-/// first digits of Sobol's own coordinate.
+/// The points with Sobol's own coordinates and with the flipped ones. A node of an axis is the set of all points whose
+/// own Sobol coordinates share their first digits.
 struct Sequence {
     std::array<std::vector<uint32_t>, 2> sobol, flipped;
 
@@ -88,7 +88,8 @@ class Prefix {
     std::array<std::vector<uint32_t>, 2> order_;  ///< points by Sobol's own coordinates
 };
 
-/// Decides the flips of one digit, that of all nodes of `digits` digits. `prefixes`: largest first.
+/// Decides for every node of `digits` digits whether the next digit of its points is flipped. `prefixes`: largest
+/// first.
 void SearchFlips(Sequence &sequence, int digits, std::span<const Prefix *const> prefixes) {
     const Prefix &largest = *prefixes.front();
     const uint32_t bit = uint32_t(1) << (31 - digits);
@@ -122,8 +123,8 @@ void SearchFlips(Sequence &sequence, int digits, std::span<const Prefix *const> 
 std::vector<BinaryPoint> MakePmj02bn(int log2Count, int blueLevels, uint64_t seed) {
     PBRT_CHECK(log2Count <= 30 && 2 * blueLevels <= log2Count);
     Sequence sequence(uint32_t(1) << log2Count, seed);
-    // The cells of a prefix stand when the digits before its own are decided. A digit moves the points of the prefix of
-    // its level by half a cell, those of the two before by a fourth and an eighth.
+    // The cells of the points of a prefix are fixed when the digits before its level are decided. A digit moves the
+    // points of the prefix of its own level by half a cell, those of the two levels before by a quarter and an eighth.
     std::vector<Prefix> prefixes;
     for (int digit = 2; digit <= blueLevels + 2; ++digit) {
         if (digit <= blueLevels) prefixes.emplace_back(sequence, digit);

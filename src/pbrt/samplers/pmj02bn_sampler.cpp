@@ -24,7 +24,7 @@ uint32_t ShuffleRuns(uint32_t index, int bits, uint64_t seed) {
     for (int shift = 0; shift < bits; shift += 2) {
         const uint64_t hash = MixBits(seed ^ (uint64_t(shift) << 32 | index >> (shift + 2)));
         const auto part = static_cast<uint32_t>(index >> shift & 3);
-        // A lone highest bit is flipped or not.
+        // If `bits` is odd, the highest bit alone is flipped at random.
         shuffled |= (shift + 1 == bits ? part ^ static_cast<uint32_t>(hash >> 63) : PermutationElement(part, 4, hash))
                     << shift;
     }
@@ -37,8 +37,8 @@ const std::vector<BinaryPoint> &Pmj02bnSampler::Set(int index) {
     using Sets = std::array<std::vector<BinaryPoint>, SetCount>;
     static const Sets sets = [] {
         Sets made;
-        // Flipped digits would undo blue noise, so only positions get it; in the other sets its regular spacing only
-        // costs: a pixel's error was seen to be larger with it.
+        // Flipped digits would destroy blue noise, so that only the set for positions has it. In the other sets its
+        // regular spacing would only harm: the error of a pixel was measured to be larger with it.
         for (size_t i = 0; i < made.size(); ++i) made[i] = MakePmj02bn(kLog2Count, i == 0 ? 7 : 0, i);
         return made;
     }();
@@ -52,7 +52,7 @@ Pmj02bnSampler::Pmj02bnSampler(int samplesPerPixel, int seed)
       seed_(Hash(seed)) {
     log2PerPixel_ = std::min((log2Samples_ + 1) / 2 * 2, kLog2Count);
     log2Tile_ = (kLog2Count - log2PerPixel_) / 2;
-    // In the order of the sequence every pixel gets a (0,2) sequence of its own.
+    // The points in a pixel, in the order of the sequence, are again a (0,2) sequence.
     auto sorted = std::make_shared<std::vector<BinaryPoint>>(size_t(1) << kLog2Count);
     std::vector<uint32_t> found(size_t(1) << (2 * log2Tile_), 0);
     auto place = [&](uint32_t v) { return static_cast<uint32_t>(uint64_t(v) >> (32 - log2Tile_)); };
@@ -75,7 +75,7 @@ void Pmj02bnSampler::StartPixelSample(Point2i pixel, int sampleIndex, int dimens
 }
 
 BinaryPoint Pmj02bnSampler::PointFor(int dimension) const {
-    // Runs of 2^log2Samples_ points follow each other.
+    // Each batch of 2^log2Samples_ samples takes the next run of as many points.
     const int bits = std::min(log2Samples_, kLog2Count);
     const uint32_t mask = (uint32_t(1) << bits) - 1;
     const auto index = static_cast<uint32_t>(index_);
@@ -85,8 +85,8 @@ BinaryPoint Pmj02bnSampler::PointFor(int dimension) const {
 }
 
 uint32_t Pmj02bnSampler::FlipsFor(int dimension) const {
-    // Every dimension sees the mask from another place; multiples of the inverse of the plastic number and of its
-    // square (Roberts 2018) keep these apart.
+    // Every dimension shifts the mask by another offset; multiples of the inverse of the plastic number and of its
+    // square (Roberts 2018) keep the offsets apart.
     const auto d = static_cast<uint32_t>(dimension);
     const uint32_t x = (d * 0xc13fa9a9u) >> (32 - BlueNoiseMask::Log2Size),
                    y = (d * 0x91e10da5u) >> (32 - BlueNoiseMask::Log2Size);

@@ -8,9 +8,9 @@
 namespace pbrt {
 
 /// Progressive multi-jittered (0,2) points. The positions of all samples within a square of pixels are one point set
-/// with blue noise. Every other request of a pixel takes the points of one of a few fixed sets in an order of its own
-/// that keeps runs of 4, 16, ... samples together; their digits are flipped by masks that have blue noise over the
-/// image, which keeps them (0,2) points.
+/// with blue noise. For all other dimensions a pixel takes the points of one of a few fixed sets, in its own random
+/// order that keeps runs of 4, 16, ... samples together. Their digits are flipped by masks that have blue noise over
+/// the image; after that they are still (0,2) points.
 class Pmj02bnSampler final : public Sampler {
   public:
     Pmj02bnSampler(int samplesPerPixel, int seed);
@@ -35,7 +35,7 @@ class Pmj02bnSampler final : public Sampler {
     std::array<const BinaryPoint *, SetCount> sets_;
     const BlueNoiseMask *mask_;
     int samplesPerPixel_;
-    int log2Samples_;  ///< rounded up
+    int log2Samples_;  ///< log2 of the samples per pixel, rounded up
     uint64_t seed_;
     int log2Tile_;                                                 ///< pixels of a tile along each side
     int log2PerPixel_;                                             ///< points of a tile in each of its pixels

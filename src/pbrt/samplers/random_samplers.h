@@ -45,8 +45,8 @@ class IndependentSampler final : public Sampler {
     PixelStream stream_;
 };
 
-/// Jittered cells: every pair of dimensions of a pixel has one sample in each of xSamples * ySamples cells, taken in a
-/// random order of its own; single dimensions likewise in xSamples * ySamples intervals.
+/// Jittered cells: every pair of dimensions of a pixel has one sample in each of xSamples * ySamples cells, taken in an
+/// independent random order; single dimensions likewise have one in each of xSamples * ySamples intervals.
 class StratifiedSampler final : public Sampler {
   public:
     StratifiedSampler(int xSamples, int ySamples, bool jitter, int seed)

@@ -6,7 +6,7 @@ namespace pbrt {
 /// How low-discrepancy points are made random without losing their stratification.
 enum class Randomization { None, PermuteDigits, FastOwen, Owen };
 
-/// Applies it to a Sobol' point whose bits are in reversed order.
+/// Randomizes one coordinate of a Sobol' point, whose bits are in reversed order.
 inline Float RandomizedReversed(uint32_t reversed, Randomization randomization, uint64_t seed) {
     switch (randomization) {
         case Randomization::FastOwen:

@@ -31,7 +31,7 @@ struct SeedParams {
     std::optional<int> seed;
     template <class V>
     void Describe(V &&v) {
-        v("seed", seed, "of the random numbers; without it that of --seed or of Option \"seed\"");
+        v("seed", seed, "seed of the random numbers; the default is that of --seed or Option \"seed\"");
     }
     int Seed(const SamplerContext &context) const { return seed.value_or(context.seed); }
 };
@@ -40,7 +40,7 @@ struct CountParams : SeedParams {
     int samples = 16;
     template <class V>
     void Describe(V &&v) {
-        v("pixelsamples", samples, Range<int>{1, kMaxSamples}, "samples of a pixel; --spp beats it");
+        v("pixelsamples", samples, Range<int>{1, kMaxSamples}, "samples per pixel; --spp overrides it");
         SeedParams::Describe(v);
     }
     int Samples(const SamplerContext &context) const {
@@ -57,7 +57,7 @@ struct HaltonParams : CountParams {
     template <class V>
     void Describe(V &&v) {
         CountParams::Describe(v);
-        v("randomization", randomization, kHaltonRandomizations, "of the points");
+        v("randomization", randomization, kHaltonRandomizations, "how the points are randomized");
     }
 };
 
@@ -66,7 +66,7 @@ struct SobolParams : CountParams {
     template <class V>
     void Describe(V &&v) {
         CountParams::Describe(v);
-        v("randomization", randomization, kRandomizations, "of the points");
+        v("randomization", randomization, kRandomizations, "how the points are randomized");
     }
 };
 
@@ -75,8 +75,9 @@ struct StratifiedParams : SeedParams {
     int x = 4, y = 4;
     template <class V>
     void Describe(V &&v) {
-        v("jitter", jitter, "a random place in each cell; false: its middle");
-        v("xsamples", x, Range<int>{1, kMaxSamples}, "columns of cells of a pixel; --spp beats it");
+        v("jitter", jitter, "a random place in each cell; false: its centre");
+        v("xsamples", x, Range<int>{1, kMaxSamples},
+          "columns of cells of a pixel; --spp overrides xsamples and ysamples");
         v("ysamples", y, Range<int>{1, kMaxSamples}, "rows of cells of a pixel");
         SeedParams::Describe(v);
     }
@@ -85,11 +86,12 @@ struct StratifiedParams : SeedParams {
 std::unique_ptr<Sampler> MakeStratified(const StratifiedParams &p, const ParamSet &set, const SamplerContext &context) {
     int x = p.x, y = p.y;
     if (const int count = context.samplesPerPixel; count > 0) {
-        // The most square factors of the count.
+        // The two factors of the count that are closest to each other.
         for (y = static_cast<int>(std::sqrt(double(count)) + 0.5); y > 1 && count % y != 0;) --y;
         x = count / y;
     } else if (int64_t(x) * y > kMaxSamples) {
-        throw set.Error("xsamples", fmt::format("{} x {} samples are too many.", x, y));
+        throw set.Error("xsamples",
+                        fmt::format("{} x {} samples per pixel are too many; at most 2^30 are allowed.", x, y));
     }
     return std::make_unique<StratifiedSampler>(x, y, p.jitter, p.Seed(context));
 }
@@ -136,7 +138,7 @@ const SamplerTable &Samplers() {
         t.Add<SobolParams>("zsobol", "", [](const auto &p, const ParamSet &set, Context &c) {
             return std::make_unique<ZSobolSampler>(SobolSamples(p, set, c), c.resolution, p.randomization, p.Seed(c));
         });
-        t.Add<CountParams>("pmj02bn", "points of our own, made at start", MakePmj);
+        t.Add<CountParams>("pmj02bn", "the points are generated at startup and differ from stock pbrt-v4's", MakePmj);
         return t;
     }();
     return table;

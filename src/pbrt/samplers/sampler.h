@@ -20,8 +20,8 @@ class Sampler {
     virtual std::unique_ptr<Sampler> Clone() const = 0;
     /// The same kind of samples from another seed.
     virtual std::unique_ptr<Sampler> WithSeed(int seed) const = 0;
-    /// For the index-th batch of SamplesPerPixel() samples: this one for the first, then others with seeds of their
-    /// own.
+    /// The sampler for the index-th batch of SamplesPerPixel() samples: a clone for batch 0, else one with a seed that
+    /// depends on this one's and the index.
     std::unique_ptr<Sampler> ForBatch(int index) const;
 
   protected:
@@ -31,11 +31,11 @@ class Sampler {
     int givenSeed_;
 };
 
-/// What a sampler is made for.
+/// What the functions that make samplers need beside the parameters.
 struct SamplerContext {
     Point2i resolution{1, 1};  ///< of the full film
-    int samplesPerPixel = 0;   ///< above 0: instead of what the parameters say (--spp)
-    int seed = 0;              ///< unless the parameters say one
+    int samplesPerPixel = 0;   ///< if above 0, overrides the parameters (--spp)
+    int seed = 0;              ///< used if the parameters give none
     DiagnosticSink &sink;
 };
 

@@ -8,11 +8,12 @@ namespace {
 
 int Log2RoundedUp(int v) { return std::bit_width(static_cast<unsigned>(std::max(1, v)) - 1); }
 
-/// Consecutive dimensions of one hashed state.
+/// A hash for one dimension of a hashed state.
 uint64_t AddDimension(uint64_t hash, int dimension) {
     return MixBits(hash + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(dimension + 1));
 }
-/// A seed for the second of two coordinates. A full hash: a product would tie its low bits to those of the first.
+/// A seed for the second of two coordinates. It is a full hash, because with a product its low bits would depend on
+/// those of the first seed.
 uint64_t SecondSeed(uint64_t seed) { return MixBits(seed ^ 0x632be59bd9b4e019ull); }
 
 /// All orders of four children, two bits for each.
@@ -125,7 +126,7 @@ uint64_t ZSobolSampler::PermutedQuads(uint64_t hash, int fromBit, int toBit) con
 }
 
 uint64_t ZSobolSampler::SobolIndex(uint64_t hash) {
-    // Down to the pixel the quads are the same for all its samples.
+    // The quads down to the pixel are the same for all its samples.
     auto slot = static_cast<size_t>(dimension_);
     uint64_t index;
     if (slot < kRemembered && (pixelPartKnown_ >> slot & 1))
@@ -137,7 +138,8 @@ uint64_t ZSobolSampler::SobolIndex(uint64_t hash) {
             pixelPartKnown_ |= uint64_t(1) << slot;
         }
     }
-    // The samples of a pixel go on below, four by four. A lone last bit is a pair in random order.
+    // Below the pixel the quads group its samples. If these have an odd number of bits, the last bit is a pair in
+    // random order.
     int lone = log2Samples_ & 1;
     if (lone) index |= (morton_ & 1) ^ (MixBits(hash ^ (morton_ >> 1)) >> 63);
     return index | PermutedQuads(hash, lone, log2Samples_);

@@ -39,8 +39,8 @@ class SobolSampler final : public Sampler {
     int dimension_ = 0;
 };
 
-/// The first one or two Sobol' dimensions again and again, each time in another random order and differently
-/// randomized, pixel by pixel.
+/// Every request uses the first one or two Sobol' dimensions, each time in another random order and with another
+/// randomization, independently for every pixel.
 class PaddedSobolSampler final : public Sampler {
   public:
     PaddedSobolSampler(int samplesPerPixel, Randomization randomization, int seed)
@@ -89,16 +89,16 @@ class ZSobolSampler final : public Sampler {
     Point2i resolution_;
     Randomization randomization_;
     uint64_t seed_;
-    int log2Samples_;  ///< rounded up
+    int log2Samples_;  ///< log2 of the samples per pixel, rounded up
     int indexBits_;    ///< of morton_
     Point2i pixel_{-1, -1};
     int round_ = -1;
     uint64_t roundSeed_ = 0;
     uint64_t pixelMorton_ = 0;  ///< the pixel's place in Morton order, above the bits of the sample index
-    uint64_t morton_ = 0;       ///< with the sample index
+    uint64_t morton_ = 0;       ///< pixelMorton_ with the sample index
     int dimension_ = 0;
-    uint64_t pixelPartKnown_ = 0;                    ///< bit per dimension
-    std::array<uint64_t, kRemembered> pixelPart_{};  ///< of SobolIndex, by dimension
+    uint64_t pixelPartKnown_ = 0;                    ///< one bit per dimension: whether pixelPart_ is known
+    std::array<uint64_t, kRemembered> pixelPart_{};  ///< bits of SobolIndex above the sample's, by dimension
 };
 
 }  // namespace pbrt

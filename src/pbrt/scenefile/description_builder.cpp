@@ -8,7 +8,7 @@ namespace pbrt {
 
 namespace {
 
-/// " (first defined at FILE:LINE)"
+/// "; it was first defined at FILE:LINE", or "" if the location is not known.
 std::string FirstDefinedAt(const FileLoc &loc) {
     return loc ? fmt::format("; it was first defined at {}:{}", loc.file->name, loc.line) : std::string();
 }
@@ -44,7 +44,9 @@ void DescriptionBuilder::Concat(const Transform &t, const FileLoc &loc) {
     if (next.start.IsFinite() && next.end.IsFinite())
         s.ctm = next;
     else
-        sink_.Error(loc, "With this the current transformation has elements beyond the largest 32-bit float, 3.4e+38.");
+        sink_.Error(loc,
+                    "After this directive the current transformation would have elements beyond the largest 32-bit "
+                    "float, 3.4e+38.");
 }
 
 void DescriptionBuilder::SetTransform(const Transform &t) {
@@ -180,7 +182,7 @@ void DescriptionBuilder::CloseBlock(BlockKind kind, const FileLoc &loc) {
                                          unit.blocks.back().loc.file->name, unit.blocks.back().loc.line));
         return;
     }
-    // Whatever was opened further inside ends here too, so that one slip gives one message.
+    // Blocks that were opened further inside end here, too, so that one mistake gives one message.
     for (; unit.blocks.back().kind != kind; unit.blocks.pop_back())
         sink_.Error(unit.blocks.back().loc,
                     fmt::format("This {} has no end before the {}End at {}:{}.",
@@ -248,7 +250,8 @@ void DescriptionBuilder::ReportOpenBlocks() {
 
 void DescriptionBuilder::AddAttributes(AttributeTarget target, Params params) {
     auto &list = State().attributes[static_cast<size_t>(target)];
-    // Copied at most once per scope, so that many directives in one take time by their number, not by its square.
+    // The list is copied at most once per scope, so that the time for many directives in one scope is linear in their
+    // number.
     if (!list)
         list = std::make_shared<Params>();
     else if (list.use_count() > 1)
@@ -414,8 +417,8 @@ void DescriptionBuilder::FillDefaults(const FileLoc &where) {
     fill(scene_.accelerator, hasAccelerator_, "bvh", "Accelerator");
 }
 
-/// ListChoices, or `none`. It takes time, which a message that is not kept is not worth: there may be as many messages
-/// as there are names.
+/// ListChoices, or `none` if there are no names or the message will not be kept: the list takes time, and there may be
+/// as many messages as there are names.
 std::string DescriptionBuilder::ListNames(const std::string &given, const std::vector<std::string> &names,
                                           const char *none) const {
     return names.empty() || sink_.IsFull() ? none : ListChoices(given, names);
@@ -464,7 +467,7 @@ void DescriptionBuilder::CheckMedia() {
         for (const ShapeEntity &shape : object.shapes) checkShape(shape);
 }
 
-/// Undefined names are errors; empty objects and their instances go away.
+/// Reports instances of undefined objects, and removes empty objects and their instances.
 void DescriptionBuilder::ResolveInstances() {
     std::vector<std::string> names;
     for (const ObjectEntity &object : scene_.objects) names.push_back(object.name);

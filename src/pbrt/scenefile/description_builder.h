@@ -14,8 +14,8 @@ namespace pbrt {
 /// A parameter list as read, before it belongs to an entity.
 using Params = std::vector<Param>;
 
-/// The directives' meaning: keeps the graphics state and fills the scene description. Knows nothing of text. Structural
-/// errors go to the sink; the offending directive then has no effect.
+/// Carries out the directives: keeps the graphics state and fills the scene description, independently of the file's
+/// text. Structural errors go to the sink; the offending directive then has no effect.
 ///
 /// One Unit exists for the scene's files and one, nested, for every imported file.
 class DescriptionBuilder {
@@ -25,7 +25,7 @@ class DescriptionBuilder {
     GraphicsState &State() { return units_.back().state; }
     bool InWorld() const { return inWorld_; }
     DiagnosticSink &Sink() { return sink_; }
-    /// Reports a directive in the wrong block, every word once.
+    /// Reports a directive in the wrong block, once for every word.
     void WrongBlock(std::string_view word, const FileLoc &loc);
 
     // Transformations.
@@ -44,8 +44,8 @@ class DescriptionBuilder {
     void SetAccelerator(const std::string &type, Params params, const FileLoc &loc);
     void WorldBegin();
 
-    /// Another file is read at `loc`. Throws UserError when there were so many that they must multiply by including
-    /// each other.
+    /// Counts a file that is read at `loc`. Throws UserError if there are so many that files seem to include each other
+    /// again and again.
     void CountFile(const FileLoc &loc);
 
     // Blocks.
@@ -56,7 +56,7 @@ class DescriptionBuilder {
     void EndObject(const FileLoc &loc);
     void AddInstance(const std::string &name, const FileLoc &loc, const FileLoc &nameLoc);
     void BeginImport();
-    /// Drops the unit's state; open blocks are errors unless its parse was cut short.
+    /// Discards the unit's state. If `complete`, blocks that are still open are errors; else its parse was cut short.
     void EndImport(bool complete);
 
     // Attribute state.
@@ -73,8 +73,8 @@ class DescriptionBuilder {
     void AddLight(const std::string &type, Params params, const FileLoc &loc);
     void AddShape(const std::string &type, Params params, const FileLoc &loc);
 
-    /// The scene as it is. If `complete`, whatever can only be judged at the end is checked first. `where` is the
-    /// place (a file without line) for what belongs to no directive.
+    /// Returns the scene. If `complete`, the checks that need the whole scene are made first. `where`: the location (a
+    /// file without line) of errors that belong to no directive.
     SceneDescription Finish(bool complete, const FileLoc &where, FileResolver files);
 
   private:
@@ -92,14 +92,15 @@ class DescriptionBuilder {
         std::map<std::string, FileLoc> objects, media;  ///< defined by this unit: redefinition is an error
         int object = kNoObject;
     };
-    /// Index into scene_.objects, or one of these.
+    /// Unit::object is an index into scene_.objects or one of these: outside of objects, in an object that is
+    /// discarded.
     static constexpr int kNoObject = -1, kDiscard = -2;
 
     ParamSet MakeParams(std::string what, Params params, const FileLoc &loc,
                         std::optional<AttributeTarget> target) const;
     void Fill(Entity &entity, const std::string &type, const char *directive, Params params, const FileLoc &loc,
               std::optional<AttributeTarget> target = {}) const;
-    /// The same for an entity whose type is a parameter.
+    /// Fill for a named entity, whose type is the parameter "string type".
     void FillNamed(Entity &entity, const std::string &name, const char *directive, Params params, const FileLoc &loc,
                    AttributeTarget target);
     /// The CTM pair for something that cannot move: the start transform, with a warning if the two differ.

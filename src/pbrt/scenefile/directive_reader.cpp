@@ -94,7 +94,7 @@ void DirectiveReader::Run() {
     }
 }
 
-/// Values and parameter lists are passed over; the next word that is no value begins a directive.
+/// Skips values and parameter lists; the next word that is not a value begins a directive.
 void DirectiveReader::SkipToNextDirective() {
     for (;;) {
         const Token &token = tokens_.Peek();
@@ -135,7 +135,7 @@ Transform DirectiveReader::ReadMatrix() {
     Token open = arguments_.Require("[");
     if (open.kind != TokenKind::Open) arguments_.Fail(open, "Expected [ and 16 numbers.");
     std::array<Float, 16> values;
-    for (Float &v : values) v = arguments_.ReadFloat("a number of the 16 of a matrix");
+    for (Float &v : values) v = arguments_.ReadFloat("one of the 16 numbers of a matrix");
     Token close = arguments_.Require("]");
     if (close.kind != TokenKind::Close) arguments_.Fail(close, "Expected ] after the 16 numbers of a matrix.");
     Transform t = Transform::FromFile(values);
@@ -162,7 +162,7 @@ void DirectiveReader::ReadRotate() {
     Float degrees = arguments_.ReadFloat("an angle in degrees");
     Vector3 axis = ReadVector();
     const Float size = MaxComponent(Abs(axis));
-    if (size > 0)  // the length of a very long or short axis has no square
+    if (size > 0)  // the squared length of a very long or short axis would overflow or vanish
         builder_.Concat(Transform::Rotate(degrees, axis / size), here_);
     else
         builder_.Sink().Error(here_, "Rotate: the axis has length zero.");
@@ -426,7 +426,8 @@ void DirectiveReader::ReadInclude() {
     if (auto file = ReadFile(&key)) tokens_.Push(std::move(file), std::move(key));
 }
 
-/// Stock pbrt-v4 reads imported files in parallel; here one after the other, which gives the same scene always.
+/// Stock pbrt-v4 reads imported files in parallel; here they are read one after the other, so that the scene is always
+/// the same.
 void DirectiveReader::ReadImport() {
     std::string key;
     auto file = ReadFile(&key);

@@ -10,12 +10,13 @@
 
 namespace pbrt {
 
-/// The grammar: reads directives from a tokenizer and tells the builder. One for every top-level or imported file.
+/// The grammar of scene files: reads directives from a tokenizer and calls the builder. There is one reader for every
+/// top-level or imported file.
 class DirectiveReader {
   public:
     DirectiveReader(Tokenizer &tokens, DescriptionBuilder &builder, const FileResolver &files);
 
-    /// To the end of the tokens. Throws the first error after which it is not clear how to read on.
+    /// Reads all tokens. Throws the first error after which it is not clear how to read on.
     void Run();
 
   private:
@@ -74,7 +75,7 @@ class DirectiveReader {
     Vector3 ReadVector();
     Transform ReadMatrix();
     void SetOption(const std::string &name, const Token &token);
-    /// The file named next; null after reporting that it cannot be read.
+    /// Reads the file that the next token names. If it cannot be read, reports this and returns null.
     std::shared_ptr<const SourceFile> ReadFile(std::string *key);
 
     Tokenizer &tokens_;
@@ -87,7 +88,7 @@ class DirectiveReader {
 
 /// Reads a file, or standard input for "-"; throws UserError (no location) if that fails.
 std::shared_ptr<const SourceFile> OpenSceneFile(const std::string &path, ReadFrom from = ReadFrom::Files);
-/// The same for every way to write the file's name.
+/// A key of the file that is the same for every way to write its name.
 std::string SceneFileKey(const std::string &path);
 
 }  // namespace pbrt

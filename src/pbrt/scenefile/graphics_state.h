@@ -29,8 +29,8 @@ struct GraphicsState {
     std::shared_ptr<PendingAreaLight> areaLight;
     std::string insideMedium, outsideMedium;
     std::string colorSpace = "srgb";
-    /// Parameters of Attribute directives, one list per target. Shared by the states of several scopes; whoever alone
-    /// has one may add to it (files are read by one thread).
+    /// Parameters of Attribute directives, one list per target. A list may be shared by the states of several scopes;
+    /// only a state that is its sole owner may add to it (files are read by one thread).
     std::array<std::shared_ptr<std::vector<Param>>, AttributeTargetCount> attributes;
 };
 

@@ -10,7 +10,7 @@ constexpr bool EndsWord(char c) {
 
 /// Reads the number at the start of [begin, end): decimal or hexadecimal, optional sign, no inf or nan. Returns the
 /// place behind it, or `begin` if there is none. Values too small become 0; too large ones set *overflow and leave
-/// *value as it is, so that no infinity comes in.
+/// *value as it is, so that no infinity gets into the scene.
 const char *ScanFloat(const char *begin, const char *end, Float *value, bool *overflow);
 
 /// The same for integers: optional sign and decimal digits. A value beyond 32 bits sets *overflow.

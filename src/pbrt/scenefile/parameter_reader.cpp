@@ -28,7 +28,7 @@ std::string ListTypes(std::string_view given) {
     return ListChoices(given, names);
 }
 
-/// Up to the next blank; `text` moves behind it.
+/// Cuts the first word, and the blanks before it, off the front of `text`.
 std::string_view TakeWord(std::string_view &text) {
     size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
     size_t end = std::min(text.find_first_of(" \t", begin), text.size());
@@ -39,7 +39,7 @@ std::string_view TakeWord(std::string_view &text) {
 
 bool TakesStrings(ParamType type) { return type == ParamType::String || type == ParamType::Texture; }
 
-/// True if the strings are names of other entities, which are compared composed.
+/// True if the strings are names of other entities, which are compared in composed form (NFC).
 bool HoldsNames(const Param &param) { return param.type == ParamType::Texture || param.name == "materials"; }
 
 const char *ExpectedValues(ParamType type) {
@@ -232,8 +232,8 @@ void ParameterReader::ReadValues(const Param &param, bool known, Values &values)
             token = Require("] or a value");
             if (token.kind == TokenKind::Close) return;
         }
-        if (token.kind == TokenKind::Open) Fail(token, "[ inside a bracketed list.");
-        if (token.kind == TokenKind::Close) Fail(token, "] without [.");
+        if (token.kind == TokenKind::Open) Fail(token, "There is a [ inside a bracketed list.");
+        if (token.kind == TokenKind::Close) Fail(token, "There is a ] without [ before it.");
         Kind kind = ReadValue(token, param, known, bracketed, values);
         if (values.kind == Kind::None) {
             values.kind = kind;

@@ -7,8 +7,8 @@
 
 namespace pbrt {
 
-/// Reads arguments and parameter lists. What leaves no doubt where the next directive begins (an unknown type, values
-/// of the wrong kind) goes to the sink and is skipped; the rest is thrown as a located UserError.
+/// Reads arguments and parameter lists. Errors after which reading can go on (an unknown type, values of the wrong
+/// kind) go to the sink; all others are thrown as a located UserError.
 class ParameterReader {
   public:
     ParameterReader(Tokenizer &tokens, DiagnosticSink &sink) : tokens_(tokens), sink_(sink) {}
@@ -23,10 +23,10 @@ class ParameterReader {
     int ReadInt(const char *what);
     bool ReadBool(const char *what);
 
-    /// The string as a name: valid UTF-8, composed.
+    /// The string as a name, in composed form (NFC); an error if it is not valid UTF-8.
     std::string NameOf(const Token &token) const;
 
-    /// The next token; an error at the end of the input that says what was expected.
+    /// The next token. The end of the input is an error that says what was expected.
     Token Require(const char *what);
     [[noreturn]] void Fail(const Token &token, std::string message) const;
 

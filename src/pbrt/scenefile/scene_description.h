@@ -17,7 +17,8 @@ struct TransformPair {
     bool operator==(const TransformPair &) const = default;
 };
 
-/// Index into the description's material list, or a name. Neither: the default diffuse 0.5.
+/// Index into the description's material list, or a name. Without both it is the default, a diffuse material with
+/// reflectance 0.5.
 struct MaterialRef {
     int index = -1;
     std::string name;
@@ -80,7 +81,7 @@ struct InstanceEntity {
     Float startTime = 0, endTime = 1;
 };
 
-/// Values of Option directives; unset ones leave the command line's choice.
+/// Values of Option directives; options that are not set leave the choice to the command line.
 struct SceneOptions {
     std::optional<bool> disablePixelJitter, disableTextureFiltering, disableWavelengthJitter, forceDiffuse, pixelStats,
         wavefront;
@@ -89,7 +90,7 @@ struct SceneOptions {
     std::optional<int> seed;
 };
 
-/// Everything a scene file says, in order, nothing built. Plain data.
+/// Everything a scene file says, in its order, as plain data: nothing is built yet.
 struct SceneDescription {
     SceneOptions options;
     Entity film, sampler, filter, integrator, accelerator;  ///< defaults filled in when absent (§5)

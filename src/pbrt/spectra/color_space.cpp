@@ -46,7 +46,8 @@ AxisPlace PlaceOfRatio(Float ratio) {
     return {node, nodes - static_cast<Float>(node)};
 }
 
-/// `scale` in [0, 1], on the nodes of RgbTableScales. Six steps without branches: the scale is as good as random.
+/// `scale` in [0, 1], on the nodes of RgbTableScales. Binary search in six steps without branches, which would
+/// often be mispredicted because scales vary irregularly.
 AxisPlace PlaceOfScale(Float scale) {
     static_assert(RgbTableResolution == 64);
     size_t node = 0;
@@ -55,7 +56,7 @@ AxisPlace PlaceOfScale(Float scale) {
     return {node, (scale - kScales[node]) / (kScales[node + 1] - kScales[node])};
 }
 
-/// Every component in [0, bound]; what is not a number becomes 0. The order of arguments decides about the latter.
+/// Every component in [0, bound]; NaN becomes 0 because of the order of the arguments of std::max.
 Rgb Bounded(const Rgb &rgb, Float bound) {
     auto component = [bound](Float v) { return std::min(std::max(Float(0), v), bound); };
     return {component(rgb.x), component(rgb.y), component(rgb.z)};
@@ -151,10 +152,11 @@ glm::mat3 ConvertRgbMatrix(const ColorSpace &from, const ColorSpace &to) {
 
 namespace {
 
-/// No product of this and an illuminant overflows.
+/// Bound of RGB components: its product with an illuminant does not overflow.
 constexpr Float kBrightest = 1e37f;
 
-/// A polynomial reaches at most 1, and tables are smooth around 1/2: brighter colours are that colour times a scale.
+/// The factor between a colour and one whose largest component is 1/2, for which the polynomial is looked up: a sigmoid
+/// is at most 1, and the tables are smooth around 1/2.
 Float ScaleOf(const Rgb &rgb) {
     const Rgb bounded = Bounded(rgb, kBrightest);
     const Float largest = std::max({bounded.x, bounded.y, bounded.z});

@@ -49,10 +49,10 @@ class ColorSpace {
     Point2 B() const { return b_; }
     Point2 White() const { return w_; }
 
-    /// Uplift of an RGB in [0, 1]^3. Components outside count as the nearest bound, what is not a number as 0.
+    /// The reflectance that stands for an RGB in [0, 1]^3. Components outside count as the nearest bound, NaN as 0.
     SigmoidPolynomial ToPolynomial(const Rgb &rgb) const;
 
-    /// Use Find(). Table data are embedded at build time.
+    /// Only for the list of known spaces: others use Find(). `table`: embedded at build time, layout in rgb_table.h.
     ColorSpace(std::string name, Point2 r, Point2 g, Point2 b, SpectrumPtr illuminant, const float *table);
 
   private:
@@ -63,12 +63,12 @@ class ColorSpace {
     const float *table_;
 };
 
-/// From `from`'s RGB to `to`'s through XYZ (no adaptation).
+/// Converts RGB of the space `from` to RGB of the space `to` through XYZ, without chromatic adaptation.
 glm::mat3 ConvertRgbMatrix(const ColorSpace &from, const ColorSpace &to);
 
-/// An RGB uplifted for its use (pbrt-v4-format §4). All sample without allocation and are cheap to make on the stack.
-/// They are finite and not negative for every RGB: components below 0 and what is not a number count as 0, components
-/// above 1 (albedo) or 1e37 (the others) as that bound.
+/// The three spectra that stand for an RGB, by its use (pbrt-v4-format §4). All sample without allocation and are cheap
+/// to make on the stack. They are finite and not negative for every RGB: components below 0 and NaN count as 0,
+/// components above 1 (albedo) or 1e37 (the others) as that bound.
 class RgbAlbedoSpectrum final : public Spectrum {
   public:
     RgbAlbedoSpectrum(const ColorSpace &cs, const Rgb &rgb) : poly_(cs.ToPolynomial(rgb)) {}

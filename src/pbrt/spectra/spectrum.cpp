@@ -24,7 +24,7 @@ SampledWavelengths SampledWavelengths::SampleVisible(Float u) {
         Float ui = u + static_cast<Float>(i) / SpectrumSamples;
         if (ui > 1) ui -= 1;
         Float t = kTanhAtMin - kTanhSpan * ui;
-        // The constants reach 830.04 nm; a density of 0 there would only make trouble.
+        // With the rounded constants u near 1 would give up to 830.04 nm; the clamp keeps lambda in the visible range.
         s.lambda_[i] = std::clamp(kMid - kWidth / 2 * std::log((1 + t) / (1 - t)), LambdaMin, LambdaMax);  // atanh t
         s.pdf_[i] = kPeak * (1 - t * t);  // 1/cosh^2(atanh t) = 1 - t^2
     }

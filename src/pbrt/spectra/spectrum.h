@@ -49,7 +49,7 @@ class SampledSpectrum {
     friend SampledSpectrum operator/(SampledSpectrum a, Float s) { return a /= s; }
     SampledSpectrum operator-() const { return *this * Float(-1); }
 
-    explicit operator bool() const {  ///< any value not 0
+    explicit operator bool() const {  ///< true if any value is not 0
         for (Float v : v_)
             if (v != 0) return true;
         return false;
@@ -101,8 +101,8 @@ inline SampledSpectrum SafeSqrt(const SampledSpectrum &s) {
 /// The wavelengths of one path (nm) and their densities (1/nm).
 class SampledWavelengths {
   public:
-    /// Stratified over the visible range, more where the eye is sensitive; density proportional to
-    /// 1/cosh^2(0.0072 (lambda - 538)), as stock pbrt-v4.
+    /// Wavelengths stratified over the visible range, denser where the eye is more sensitive: the density is
+    /// proportional to 1/cosh^2(0.0072 (lambda - 538)), as in stock pbrt-v4.
     static SampledWavelengths SampleVisible(Float u);
     static SampledWavelengths SampleUniform(Float u, Float low = LambdaMin, Float high = LambdaMax);
 
@@ -197,8 +197,8 @@ inline constexpr Float CieYIntegral = 106.856895f;
 Float InnerProduct(const Spectrum &a, const Spectrum &b);
 /// XYZ of an emission spectrum, divided by CieYIntegral.
 Vector3 SpectrumToXyz(const Spectrum &s);
-/// Integral of y-bar times s: what light spectra are divided by (pbrt-v4-format §9). For RGB illuminant spectra only
-/// the illuminant's part counts.
+/// Integral of y-bar times s, by which light spectra are divided (pbrt-v4-format §9). For an RgbIlluminantSpectrum, s
+/// is only its illuminant, without the RGB factor.
 Float SpectrumToPhotometric(const Spectrum &s);
 
 /// A spectrum of §16 by name ("glass-BK7", "metal-Ag-eta", "stdillum-D65", "nikon_d850_r", ...); nullptr if unknown.

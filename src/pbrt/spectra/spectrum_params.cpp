@@ -50,7 +50,7 @@ SpectrumPtr FromBlackbody(const Param &p) {
     return std::make_shared<BlackbodySpectrum>(p.floats[0]);
 }
 
-/// `where` begins the messages: the parameter or the file.
+/// `where`: the parameter or the file, with which the messages begin.
 SpectrumPtr FromSamples(std::span<const Float> samples, SpectrumUse use, const std::string &where, const FileLoc &loc) {
     if (samples.empty())
         throw UserError(fmt::format("{}: no samples; wavelength and value pairs are wanted.", where), loc);
@@ -125,8 +125,8 @@ SpectrumPtr SpectrumParam::Make(const FileResolver &files) const {
     return constant ? std::make_shared<ConstantSpectrum>(*constant) : nullptr;
 }
 
-/// The entity's own parameter beats Attribute defaults, of which the last counts; two of its own with different types
-/// contradict each other.
+/// A parameter of the entity itself overrides Attribute defaults, of which the last counts. It is an error if the
+/// entity itself has two of this name with different types.
 void ReadParam(ParamReader &reader, const std::string &name, SpectrumParam &value) {
     value.set = &reader.Set();
     value.given = nullptr;

@@ -25,7 +25,7 @@ def bias(label, seeds):
 
 
 def sampler(label, seconds, samples, seeds):
-    seconds *= 3 if label == "spatial" else 1  # longer than allowed
+    seconds *= 3 if label == "spatial" else 1  # longer than the time budget
     error = ERRORS.get(label, 0.5)
     spread = {"mean": error, "stdDev": STANDARD_ERROR * 2 ** 0.5, "standardError": STANDARD_ERROR}
     octree = label.startswith("octree")

@@ -16,7 +16,7 @@ namespace {
 
 constexpr size_t kRes = RgbTableResolution;
 
-/// All scales of one pair of ratios, from a middle one outwards: each fit starts from its neighbour's result.
+/// Fits all scales of one pair of ratios, from a middle one outwards: each fit starts from its neighbour's result.
 void FitColumn(const SigmoidFit &fit, size_t slab, size_t yIndex, size_t xIndex, std::vector<float> &table) {
     const auto scales = RgbTableScales();
     constexpr size_t kStart = kRes / 5;

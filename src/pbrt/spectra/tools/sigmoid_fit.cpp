@@ -11,8 +11,8 @@ namespace {
 constexpr double kMaxCoefficient = 200;
 constexpr int kMaxIterations = 15;
 constexpr double kGoodEnough = 1e-10;  // squared CIELAB distance
-// 5 nm tables and three nodes in each step: what stock pbrt-v4's tables were fitted with; the sum over whole nanometres
-// differs by up to 0.4 % in dark channels of saturated colours.
+// Tables with 5 nm steps and three nodes in each step, with which stock pbrt-v4's tables were fitted; the sum over
+// whole nanometres differs by up to 0.4 % in dark channels of saturated colours.
 constexpr int kStep = 5, kSteps = 470 / kStep, kIntervals = 3 * kSteps;
 constexpr size_t kVectorLength = 8;
 
@@ -115,7 +115,7 @@ double SigmoidFit::Fit(const double rgb[3], double c[3]) const {
         if (error < kGoodEnough || !Solve3(jacobian, r, step)) break;
         if (!std::isfinite(step[0] + step[1] + step[2])) break;
         for (int j = 0; j < 3; ++j) c[j] += step[j];
-        // With its sign: negative coefficients are not bounded.
+        // The largest by value, not by magnitude: negative coefficients are not bounded.
         if (double largest = std::max({c[0], c[1], c[2]}); largest > kMaxCoefficient)
             for (int j = 0; j < 3; ++j) c[j] *= kMaxCoefficient / largest;
     }

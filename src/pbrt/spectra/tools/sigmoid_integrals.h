@@ -4,8 +4,8 @@
 
 namespace pbrt {
 
-/// Products of the matching functions and an illuminant, so that XYZ of a reflectance is a plain sum; white has Y = 1.
-/// Padded with zeros to whole vectors.
+/// Products of the matching functions and an illuminant, so that XYZ of a reflectance is a plain sum; the reflectance 1
+/// has Y = 1. Padded with zeros to whole vectors.
 struct ReflectanceWeights {
     std::vector<double> position;                ///< wavelength mapped to [0, 1]
     std::array<std::vector<double>, 3> weights;  ///< X, Y, Z

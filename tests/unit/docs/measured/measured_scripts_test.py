@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""docs/measured: its statistics on campaigns whose truth is known, and its scripts with a stand-in for lightlab."""
+"""Tests docs/measured: its statistics on campaigns whose truth is known, its scripts with a stand-in for lightlab."""
 import importlib.machinery
 import importlib.util
 import json
@@ -36,7 +36,7 @@ class Folder(unittest.TestCase):
         self.top = pathlib.Path(folder.name)
 
     def campaign(self, errors, noise=0.0, biased=()):
-        """errors: by label, one a seed. The first sampler made the reference of all."""
+        """errors: by label, one per seed. The first sampler makes the reference of all."""
         def sampler(label, values):
             mean = sum(values) / len(values)
             spread = (sum((v - mean) ** 2 for v in values) / max(1, len(values) - 1)) ** 0.5
@@ -81,9 +81,9 @@ class Statistics(Folder):
         self.assertEqual(verdict([1.01, 1.01, 1.0, 1.02, 0.98, 1.0], steady), "not worse")
         self.assertEqual(verdict([1.3 * v for v in steady], steady), "worse")
         self.assertEqual(verdict([0.2, 3.0, 0.5, 2.0, 0.4, 0.1], steady), "open")
-        # The same pictures: no noise at all, and not worse by 3 %.
+        # The pictures are the same, so there is no noise at all, and one is not worse by 3 %.
         self.assertEqual(verdict(steady, steady), "not worse")
-        # Two seeds can tell only what is far apart.
+        # With two seeds only large differences are certain.
         self.assertEqual(verdict([1.0, 1.02], [1.1, 0.98]), "open")
         self.assertEqual(verdict([0.10, 0.101], [1.0, 1.02]), "better")
 
@@ -98,7 +98,7 @@ class Statistics(Folder):
                     return [2.718 ** (s + numbers.gauss(0, 0.2)) for s in shared]
                 found[seeds] += measured.verdict(self.campaign({"bvh": draw(), "octree": draw()}), "bvh") == "better"
         for seeds, alarms in found.items():
-            # Mean 20, standard deviation 4.4; taking shared noise for independent makes fewer.
+            # The mean is 20 and the standard deviation 4.4; treating shared noise as independent makes fewer alarms.
             self.assertLess(alarms, 36, seeds)
         self.assertGreater(found[6], 6)
 
@@ -117,7 +117,7 @@ class Statistics(Folder):
         self.assertIsNone(gap(0.1, 0.109, 0.1))
 
     def test_error_of_the_gap_is_that_of_independent_errors(self):
-        # (b - o) / (b - l) by the law of small changes, with three seeds, so not in pairs.
+        # (b - o) / (b - l), with errors by linear propagation; three seeds are too few to compare in pairs.
         errors = {"bvh": [1.0, 1.1, 0.9], "octree": [0.30, 0.33, 0.27], "oracle": [0.1, 0.1, 0.1]}
         gap = measured.gap_closed(self.campaign(errors), "oracle", "relL2")
         b, o, least, sb, so = 1.0, 0.3, 0.1, 0.1 / 3 ** 0.5, 0.03 / 3 ** 0.5

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""docs/paper with a stand-in for lightlab whose errors are known."""
+"""Tests the scripts of docs/paper with a stand-in for lightlab whose errors are known."""
 import os
 import pathlib
 import signal
@@ -38,7 +38,7 @@ class PaperScripts(unittest.TestCase):
         return ((folder or self.out) / f"{name}.md").read_text()
 
     def row(self, page, first, second=""):
-        """The cells of the first table row that begins so."""
+        """The cells of the first table row that begins with the given text."""
         for line in page.splitlines():
             cells = [c.strip() for c in line.strip("|").split("|")]
             if len(cells) > 1 and cells[0] == first and cells[1].startswith(second):

@@ -28,10 +28,11 @@ TEST_P(EmitterTreeOfSize, EveryEmitterIsInItOnceAndSampledAsItsPmfSays) {
         for (uint32_t i = 0; i < emitters.size(); ++i) {
             const Float pmf = tree.PMF(q, i);
             sum += static_cast<double>(pmf);
-            // Whatever could contribute can be chosen.
+            // An emitter can be chosen exactly if it can contribute.
             EXPECT_EQ(pmf > 0, test::GOf(emitters[i], q) > 0) << i;
         }
-        // Less than 1 where a node's children promise something and their own do not keep it: then nothing is chosen.
+        // The sum is less than 1 where a node has importance, but the nodes below it have none: then no emitter is
+        // chosen.
         EXPECT_LE(sum, 1.0001);
         constexpr int kSamples = 2000;
         int chosenCount = 0;
@@ -50,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, EmitterTreeOfSize,
                              return std::to_string(p.param.count) + "And" + std::to_string(p.param.far) + "Far";
                          });
 
-/// Large enough to be built as several tasks.
+/// The tree is large enough to be built as several tasks.
 TEST(EmitterTree, IsTheSameForAnyNumberOfThreads) {
     const std::vector<Emitter> emitters = Patches(20000, 1);
     std::vector<std::optional<SampledLight>> found[2];

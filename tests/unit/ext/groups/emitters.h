@@ -23,7 +23,7 @@ inline Emitter Patch(const Point3 &p, const Vector3 &normal, Float intensity) {
     return e;
 }
 
-/// Flat patches strewn in a cube; `far` skies among them.
+/// `count` flat patches at random places in a cube, with `far` infinite lights among them.
 inline std::vector<Emitter> Patches(int count, int far) {
     Rng rng(static_cast<uint64_t>(count));
     std::vector<Emitter> emitters;
@@ -49,7 +49,7 @@ inline LightQuery QueryIn(Rng &rng) {
     return q;
 }
 
-/// G of one emitter.
+/// The importance G of one emitter.
 inline Float GOf(const Emitter &e, const LightQuery &query) {
     if (e.isFar) return EvaluateFar(e, query);
     EmitterPacket alone;

@@ -11,7 +11,7 @@ using namespace ext;
 
 const std::string kAssets = PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets/";
 
-/// One of every kind of light, some as meshes, and something for their rays to start from.
+/// One light of every kind, some as meshes, and a surface that they light.
 const std::string kLights = R"(
 Camera "perspective"
 WorldBegin
@@ -78,7 +78,8 @@ std::vector<LightId> Skies(const LightTable &lights) {
     return skies;
 }
 
-/// What one light sample gives at the point without occlusion; 0 for the far side of an opaque surface.
+/// The radiance that one light sample brings to the point if nothing occludes it; 0 for the far side of an opaque
+/// surface.
 Float Unoccluded(const LightPart &light, const LightQuery &q, const Point2 &u) {
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     LightSampleContext from{q.p, Vector3(0), q.n, q.ns, 0};
@@ -110,7 +111,7 @@ TEST_P(GroupImportanceOfEveryLight, IsPositiveWhereALightContributes) {
             }
     }
     for (uint32_t l = 0; l < lights.Size(); ++l) {
-        // A sky of one colour is left to BSDF sampling.
+        // A sky of one colour is not sampled as a light; BSDF sampling finds it.
         bool never = lights[LightId(l)].Kind() == LightKind::Infinite && !lights[LightId(l)].Opening();
         EXPECT_EQ(found[l] > 100, !never) << "light " << l;
     }
@@ -136,7 +137,7 @@ TEST(GroupImportance, SameNumbersHoweverAsked) {
 }
 
 TEST(GroupImportance, IsAnEstimateOfTheUnoccludedLight) {
-    // Away from the emitters and above their horizon G is the irradiance to within a factor.
+    // Away from the emitters and above their horizon, G agrees with the irradiance up to a factor.
     BuiltScene built = pbrt::test::BuildText(kLights);
     const LightTable &lights = built.scene->Lights();
     const LightGroups &groups = lights.Wholes();
@@ -196,8 +197,8 @@ TEST(GroupImportance, APortalIsALightInItsPlace) {
             return importance.Of(q, group);
         };
         EXPECT_GT(at(3), 0);
-        EXPECT_NEAR(at(6) / at(3), 0.25f, 0.05f) << "as of any light at a place";
-        EXPECT_EQ(at(-5), 0) << "nothing goes out";
+        EXPECT_NEAR(at(6) / at(3), 0.25f, 0.05f) << "the importance must fall with the square of the distance";
+        EXPECT_EQ(at(-5), 0) << "the portal sends no light to the outside";
         EXPECT_NEAR(Dot(importance.DirectionTo(opening->Centroid() + opening->w * Float(2), group), -opening->w), 1,
                     1e-5f);
     }

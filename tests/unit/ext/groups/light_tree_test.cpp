@@ -92,7 +92,8 @@ TEST_P(LightTreeOfSize, LightsBelowANodeAreSampledAsTheirPmfSays) {
                 pmf.push_back(static_cast<double>(tree.PMFWithin(node, q, position)));
                 sum += pmf.back();
             }
-            // Less than 1 where a node promises something and its children do not keep it: then nothing is chosen.
+            // The sum is less than 1 where a node has importance, but both of its children have none: then no light is
+            // chosen.
             EXPECT_LE(sum, 1.0001);
             constexpr int kSamples = 400;
             std::vector<int> chosen(pmf.size(), 0);
@@ -104,7 +105,7 @@ TEST_P(LightTreeOfSize, LightsBelowANodeAreSampledAsTheirPmfSays) {
                     EXPECT_EQ(light->pmf, tree.PMFWithin(node, q, position));
                     ++chosen[position - range.begin];
                 }
-            // One number in each of as many parts: a light's count is off by no more than two for each node above it.
+            // Stratified random numbers: the count of a light differs from its expectation by less than 2.5.
             for (size_t i = 0; i < pmf.size(); ++i) EXPECT_NEAR(chosen[i], kSamples * pmf[i], 2.5);
         }
     }
@@ -116,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, LightTreeOfSize,
                              return std::to_string(p.param.count) + "And" + std::to_string(p.param.far) + "Far";
                          });
 
-/// Large enough to be built as several tasks.
+/// The tree is large enough to be built as several tasks.
 TEST(LightTree, IsTheSameForAnyNumberOfThreads) {
     const std::vector<Emitter> emitters = Patches(20000, 1);
     std::optional<LightTree> trees[2];
@@ -136,7 +137,7 @@ TEST(LightTree, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(LightTree, PutsNeighboursTogetherAndStaysShallow) {
-    // Four clouds of 100 lights: the nodes of 100 are the clouds.
+    // Four clouds of 100 lights: the nodes with 100 lights must be the clouds.
     Rng rng(7);
     std::vector<Emitter> emitters;
     for (int i = 0; i < 400; ++i) {

@@ -9,7 +9,7 @@ namespace {
 
 using namespace ext;
 
-/// A lit sphere of `rings` by `rings` quads cut in two.
+/// An emitting sphere of `rings` by `rings` quads, each cut into two triangles.
 std::string Ball(int rings) {
     std::string p, indices;
     for (int i = 0; i <= rings; ++i)
@@ -47,7 +47,7 @@ TEST_P(MeshInteriorOfSize, SamplesAsItsPmfSays) {
         sum += static_cast<double>(interior.PMF(q, LightId(l)));
         expected[l] = n * static_cast<double>(interior.PMF(q, LightId(l)));
     }
-    // A cluster of the tree may promise more than its members hold: then nothing is chosen.
+    // A cluster of the tree can have importance although none of its members has: then no light is chosen.
     EXPECT_LE(sum, 1.0001);
     EXPECT_GT(sum, 0.95);
     double missed = 0;
@@ -61,7 +61,7 @@ TEST_P(MeshInteriorOfSize, SamplesAsItsPmfSays) {
         ++observed[s->light.value];
     }
     EXPECT_NEAR(missed, n * (1 - sum), 3 + 1e-3 * n);
-    // Equidistant numbers: counts are the probabilities, up to rounding at the borders.
+    // With equidistant random numbers, the counts follow the probabilities up to rounding at the borders.
     for (size_t l = 0; l < lights.Size(); ++l) EXPECT_NEAR(observed[l], expected[l], 3 + 1e-3 * expected[l]);
 }
 

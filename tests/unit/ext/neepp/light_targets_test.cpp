@@ -15,7 +15,7 @@ using namespace ext;
 using pbrt::test::BuildText;
 using Kind = LightTargets::Kind;
 
-/// Bounds [-4, 4]^3; rendering space is the world.
+/// The bounds are [-4, 4]^3, and rendering space is world space.
 const char *kBox = R"(
 Camera "perspective"
 Film "rgb" "integer xresolution" 16 "integer yresolution" 12
@@ -59,7 +59,8 @@ LightSource "point" "point3 from" [ 0.5 0.5 0.5 ] "float scale" 0
 }
 
 TEST(LightTargets, AnAreaLightCoversVoxelsByItsArea) {
-    // Over x in [-1.5, 0.9], z in [0.25, 0.75], voxels of side 1: 0.5, 1 and 0.9 of 2.4.
+    // The light covers x in [-1.5, 0.9] and z in [0.25, 0.75]; voxels have side 1. So they hold 0.5, 1 and 0.9 of its
+    // length 2.4.
     Made m = Make(R"(
 AreaLightSource "diffuse"
 Shape "trianglemesh" "point3 P" [ -1.5 0.5 0.25  0.9 0.5 0.25  0.9 0.5 0.75  -1.5 0.5 0.75 ]
@@ -77,7 +78,7 @@ Shape "trianglemesh" "point3 P" [ -1.5 0.5 0.25  0.9 0.5 0.25  0.9 0.5 0.75  -1.
     EXPECT_NEAR(weight[m.grid.Index({-1.2f, 0.5f, 0.5f})], 0.5f / 2.4f, 0.03f);
     EXPECT_NEAR(weight[m.grid.Index({-0.5f, 0.5f, 0.5f})], 1 / 2.4f, 0.03f);
     EXPECT_NEAR(weight[m.grid.Index({0.5f, 0.5f, 0.5f})], 0.9f / 2.4f, 0.03f);
-    // Segments end where the light was expected; elsewhere nothing is known.
+    // A target is found for a segment that ends where the light covers a voxel, and none elsewhere.
     LightId light(0u);
     EXPECT_EQ(m.targets[m.targets.Find(m.grid, light, {3, 3, 3}, {-1.2f, 0.5f, 0.5f})].index,
               m.grid.Index({-1.2f, 0.5f, 0.5f}));
@@ -124,7 +125,7 @@ TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
         Point2 u(0.01f + 0.98f * rng.Uniform(), 0.01f + 0.98f * rng.Uniform());
         EXPECT_EQ(LightTargets::SkyPartOf(LightTargets::DirectionIn(part, u)), part);
     }
-    // The weights are the share of draws that go to each part.
+    // The weight of a part is the share of the light's samples that go there.
     Made m = Make(kSky);
     EXPECT_GT(m.targets.Size(), 8u);
     EXPECT_LE(m.targets.Size(), 64u);
@@ -158,7 +159,7 @@ TEST(LightTargets, ASkyOfOneColourIsNotSampledAndHasNone) {
 }
 
 TEST(LightTargets, UngroupedLightsStandWhereTheirOwnShapeIs) {
-    // The second sphere and the second triangle of the mesh must not be read as the first.
+    // The second sphere and the second triangle of the mesh must not be taken for the first.
     Made m = Make(R"(
 AreaLightSource "diffuse"
 Shape "trianglemesh" "point3 P" [ -2.6 0.5 0.5  -2.5 0.5 0.5  -2.5 0.6 0.5  2.4 0.5 0.5  2.5 0.5 0.5  2.5 0.6 0.5 ]

@@ -12,7 +12,7 @@ namespace {
 using namespace ext;
 using pbrt::test::BuildText;
 
-/// Bounds [-4, 4]^3, open at the sides; a wall at x = 0 with a gap below y = -2. Rendering space is the world.
+/// The bounds are [-4, 4]^3, open at the sides; a wall at x = 0 has a gap below y = -2. Rendering space is world space.
 const char *kHalves = R"(
 Camera "perspective"
 Film "rgb" "integer xresolution" 16 "integer yresolution" 12
@@ -97,14 +97,15 @@ TEST(VisibilityMap, IsTheShareOfFreeSegmentsBetweenTheVoxels) {
         }
     }
     EXPECT_LT(worst, 5);
-    EXPECT_GT(partly, 20) << "a scene that tests nothing";
+    EXPECT_GT(partly, 20) << "too few voxels are partly visible for this test to mean anything";
 }
 
 TEST(Neepp, ProbabilityIsTheVisibilityWithAFloorWhateverThePower) {
     BuiltScene built = BuildText(std::string(kHalves) + kLights);
     NeeppLightSampler sampler(built.scene->Lights(), Params(8, 64));
     PrepareIn(built, sampler);
-    // High up on the left: the left light is seen, the right one is not, the low one behind the wall's edge is not.
+    // At a point high up on the left, the left light is seen; the right one and the low one behind the wall's edge are
+    // not.
     LightQuery left = At({-3.5f, 3.5f, 0.5f});
     std::span<const uint8_t> row = sampler.Map().Row(sampler.Map().Grid().Index(left.p));
     Float v[4], sum = 0;
@@ -115,19 +116,20 @@ TEST(Neepp, ProbabilityIsTheVisibilityWithAFloorWhateverThePower) {
     EXPECT_EQ(v[0], 1.f);
     EXPECT_EQ(v[1], 0.f);
     EXPECT_EQ(v[2], 0.f);
-    EXPECT_EQ(v[3], 1.f);  // the open side
+    EXPECT_EQ(v[3], 1.f);  // the sun shines in through the open side
     for (uint32_t g = 0; g < 4; ++g) EXPECT_NEAR(sampler.PMF(left, LightId(g)), std::max(v[g], 0.02f) / sum, 1e-6f);
-    // In the gap all point lights are seen: equal, although one is 1000 times as strong; the sun, too.
+    // In the gap all point lights and the sun are seen, so all have equal probabilities, although one light is 1000
+    // times as strong.
     LightQuery gap = At({0.5f, -3.5f, 0.5f});
     EXPECT_NEAR(sampler.PMF(gap, LightId(2u)), sampler.PMF(gap, LightId(3u)), 0.02f);
-    // On the right only the right lights, and the sun only below the wall.
+    // On the right only the right lights are seen; the sun is seen only below the wall.
     LightQuery right = At({3.5f, 3.5f, 0.5f});
     EXPECT_GT(sampler.PMF(right, LightId(1u)), 8 * sampler.PMF(right, LightId(0u)));
     EXPECT_NEAR(sampler.PMF(right, LightId(3u)), sampler.PMF(right, LightId(0u)), 1e-6f);
 }
 
 TEST(Neepp, AnAreaLightCountsByTheShareOfItThatIsSeen) {
-    // A strip across the wall; its right third is not seen from the left.
+    // A strip of light crosses the wall; its right third is not seen from the left.
     BuiltScene built = BuildText(std::string(kHalves) + R"(
 AreaLightSource "diffuse"
 Shape "trianglemesh" "point3 P" [ -2 3.5 0.1  1 3.5 0.1  1 3.5 0.9  -2 3.5 0.9 ] "integer indices" [ 0 1 2  0 2 3 ]
@@ -196,7 +198,7 @@ TEST(NeeppGate, TracesWithTheStoredVisibilityAndNeverBelowTheMinimum) {
     EXPECT_EQ(gate.TraceProbability(left, LightId(0u), {-2.5f, 2.5f, 0.5f}), 1.f);
     EXPECT_EQ(gate.TraceProbability(left, LightId(1u), {2.5f, 2.5f, 0.5f}), 0.07f);
     EXPECT_EQ(gate.TraceProbability(left, LightId(3u), {-100, 3.6f, 0.6f}), 1.f);
-    // The sky, where paths draw from it: free out at the open side, blocked by the wall and the ceiling.
+    // Samples of the sky: unoccluded out at the open side, blocked by the wall and the ceiling.
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     LightSampleContext from;
     from.p = left.p;
@@ -216,7 +218,7 @@ TEST(NeeppGate, TracesWithTheStoredVisibilityAndNeverBelowTheMinimum) {
     }
     EXPECT_GT(traced + skipped, 20);
     EXPECT_GT(skipped, 5);
-    // Somewhere in between: what the map says.
+    // Where visibility is partial, the probability is what the map says.
     LightQuery low = At({-1.4f, -3.4f, 0.4f});
     Float p = gate.TraceProbability(low, LightId(1u), {2.5f, 2.5f, 0.5f});
     uint32_t target = gate.Map().Targets().Find(gate.Map().Grid(), LightId(1u), low.p, {2.5f, 2.5f, 0.5f});

@@ -21,7 +21,8 @@ LightTree Clouds() {
     return LightTree(emitters);
 }
 
-/// Tries of lamps, by position; `found(lamp)` is found over unoccluded, negative: not looked at.
+/// `each` tries for every lamp, by position in the tree. `found(lamp)` is the contribution found over the unoccluded
+/// one; if it is negative, the lamp is not tried.
 template <class Found>
 std::vector<TrySums> Tries(const LightTree &tree, int each, Found &&found) {
     std::vector<TrySums> sums;
@@ -50,7 +51,7 @@ TEST(CellCut, WithoutTriesAllLightsAreAlike) {
 }
 
 TEST(CellCut, NeighboursLearnFromEachOther) {
-    // A third of the lamps was looked at: cloud 2 is seen, the others are not.
+    // A third of the lamps was tried: those of cloud 2 are seen, the others are not.
     const LightTree tree = Clouds();
     const CellCut cut = Cut(tree, Tries(tree, 20, [](uint32_t lamp) {
                                 return lamp % 3 ? -1.0 : lamp / 16 == 2 ? 1.0 : 0.0;
@@ -62,7 +63,7 @@ TEST(CellCut, NeighboursLearnFromEachOther) {
 }
 
 TEST(CellCut, ManyTriesOutweighTheNeighbours) {
-    // In cloud 0 one lamp is seen, in cloud 1 one is not.
+    // Of cloud 0 only lamp 5 is seen; of cloud 1 all but lamp 20.
     const LightTree tree = Clouds();
     const CellCut cut = Cut(
         tree, Tries(tree, 500, [](uint32_t lamp) { return lamp == 5 || (lamp / 16 == 1 && lamp != 20) ? 1.0 : 0.0; }));
@@ -75,7 +76,8 @@ TEST(CellCut, ManyTriesOutweighTheNeighbours) {
 TEST(CellCut, WhatWasNotLookedAtComesFromTheCellAbove) {
     const LightTree tree = Clouds();
     const CellCut above = Cut(tree, Tries(tree, 500, [](uint32_t lamp) { return lamp % 2 ? 1.0 : 0.05; }));
-    // Nothing new: the same. Cloud 3 half as bright as it was: all of it, in the same proportions.
+    // A cell without tries takes the factors of the cell above. Some lamps of cloud 3 are found half as bright as
+    // there: all of its lamps become half as bright, in the same proportions.
     const CellCut same = Cut(tree, {}, &above);
     const CellCut dimmer =
         Cut(tree,
@@ -92,7 +94,7 @@ TEST(CellCut, WhatWasNotLookedAtComesFromTheCellAbove) {
 }
 
 TEST(CellCut, SpendsItsNodesWhereTheLightIs) {
-    // Cloud 1 lights the cell, every lamp of it another way; the rest is dark.
+    // Only cloud 1 lights the cell, and each of its lamps has a different visibility.
     const LightTree tree = Clouds();
     const std::vector<TrySums> sums =
         Tries(tree, 100, [](uint32_t lamp) { return lamp / 16 == 1 ? 0.2 + 0.1 * (lamp % 16) : 0.0; });

@@ -10,7 +10,7 @@ namespace {
 
 using namespace ext;
 
-/// Points crowded around a few places, as camera paths leave them.
+/// Points crowded around a few places, like the vertices of camera paths.
 std::vector<Point3> CrowdedPoints(size_t n) {
     Rng rng(17);
     std::vector<Point3> points;
@@ -50,7 +50,7 @@ TEST(LightOctree, CellsContainTheirPointsAndHoldAtMostFourNOverT) {
         ++perCell[{cell.bounds.low.x, cell.bounds.low.y, cell.bounds.low.z, cell.bounds.high.x}];
     }
     for (const auto &[cell, count] : perCell) EXPECT_LE(count, 4 * points.size() / T);
-    // The undivided grid has 64 cells; this many points in few places must have split it.
+    // The undivided grid has 64 cells; many points in few places must have split some of them.
     EXPECT_GT(tree.LeafCount(), 200u);
     EXPECT_LT(tree.LeafCount(), 2000u);
 }
@@ -80,7 +80,7 @@ TEST(LightOctree, LeafDistributionIsTheMeanOfItsPoints) {
     std::vector<Point3> points = CrowdedPoints(5000);
     const size_t groups = 5;
     LightOctree tree = BuildTree(points, 64, groups);
-    // The slow twin: gather all points of the same leaf and average.
+    // The reference: the average over all points of the same leaf, computed directly.
     for (size_t k = 0; k < points.size(); k += 501) {
         uint32_t row = tree.Row(points[k]);
         std::vector<double> sum(groups, 0.0);
@@ -101,7 +101,7 @@ TEST(LightOctree, LeafDistributionIsTheMeanOfItsPoints) {
 }
 
 TEST(LightOctree, EmptyAndDarkCellsUseAnAncestor) {
-    // All points in one octant of one top cell; those with x below the middle see nothing.
+    // All points are in one octant of one top cell; those with x below its middle see no light.
     std::vector<Point3> points;
     Rng rng(3);
     for (int i = 0; i < 1000; ++i) points.push_back({0.3f * rng.Uniform(), 0.2f * rng.Uniform(), 0.4f * rng.Uniform()});
@@ -109,7 +109,7 @@ TEST(LightOctree, EmptyAndDarkCellsUseAnAncestor) {
     LightOctree tree = builder.Build(2, [&](uint32_t i, std::span<double> sum) {
         if (points[i].x > 0.15f) sum[1] += 1;
     });
-    // Far away nothing was recorded: the whole scene's distribution, which is all on group 1.
+    // Far away no points were recorded: there the whole scene's distribution holds, which is all on group 1.
     for (const Point3 &far : {Point3(3.9f, 2.9f, 5.9f), Point3(-100, -100, -100), Point3(1, 1, 1)}) {
         EXPECT_EQ(tree.Cdf(tree.Row(far))[0], 0.f);
         EXPECT_EQ(tree.Cdf(tree.Row(far))[1], 1.f);

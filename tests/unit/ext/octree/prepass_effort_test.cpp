@@ -23,8 +23,8 @@ TEST(PrepassEffort, LongRendersSpendTheBudget) {
 }
 
 TEST(PrepassEffort, ShortRendersToo) {
-    EXPECT_DOUBLE_EQ(Render(1000, 8, 40 * 30, 1).Share(), 0.01);  // drawn
-    // All lights are tried.
+    EXPECT_DOUBLE_EQ(Render(1000, 8, 40 * 30, 1).Share(), 0.01);  // at each vertex 8 of 1000 lights are drawn
+    // Every vertex tries all 46 lights.
     EXPECT_DOUBLE_EQ(Render(46, 46, 40 * 30, 1).Share(), 0.0125);
     PrepassEffort wanted = Render(46, 46, 40 * 30, 1);
     wanted.budget = 0.5;
@@ -32,7 +32,7 @@ TEST(PrepassEffort, ShortRendersToo) {
 }
 
 TEST(PrepassEffort, FirstVerticesAndLastTriesAreCounted) {
-    // Between once and 1.25 times the budget: 2,000 vertices.
+    // The minimum of 2,000 vertices costs between 1 and 1.25 times the budget.
     const PrepassEffort few = Render(4, 4, 100 * 100, 44);
     EXPECT_GT(few.Share(), 0.01);
     EXPECT_LT(few.Share(), 0.0125);

@@ -13,7 +13,7 @@ using namespace ext;
 
 const Bounds2i kPixels({10, 20}, {47, 31});
 
-/// Every path of samples [first, end) finds something at three vertices; the place tells which path it was.
+/// Every path of samples [first, end) adds a record at each of three vertices; their position tells which path it was.
 VisibilityRecords Collect(RenderRecords &records, int first, int end, bool backwards) {
     const int width = kPixels.high.x - kPixels.low.x, count = width * (kPixels.high.y - kPixels.low.y);
     ParallelForEach(count, [&](int64_t i) {
@@ -37,8 +37,9 @@ TEST(RenderRecords, EverySampleHasAPlaceOfItsOwn) {
     records.Begin(kPixels, 4, 7, 2, 1 << 20);
     const VisibilityRecords all = Collect(records, 0, 9, false);
     EXPECT_EQ(all.records.size(), static_cast<size_t>(kPixels.Area()) * 3 * 2);
-    for (const VisibilityTry &t : all.tries) EXPECT_LT(t.light, 2u) << "a path has two places";
-    for (const VisibilityRecord &r : all.records) EXPECT_TRUE(r.p.z >= 4 && r.p.z < 7) << "not of these samples";
+    for (const VisibilityTry &t : all.tries) EXPECT_LT(t.light, 2u) << "a path has room for two records only";
+    for (const VisibilityRecord &r : all.records)
+        EXPECT_TRUE(r.p.z >= 4 && r.p.z < 7) << "the record is not of the samples 4 to 6";
 }
 
 TEST(RenderRecords, TheOrderOfPathsAndThreadsDoesNotMatter) {

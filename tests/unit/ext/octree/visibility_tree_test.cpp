@@ -11,7 +11,7 @@ using namespace ext;
 
 const Bounds3 kBounds(Point3(0), Point3(1));
 
-/// Records all over the box with one try per light; `found(p, light, u)` is the ratio a shadow ray finds.
+/// Records all over the box with one try per light; `found(p, light, u)` is the ratio that a shadow ray finds.
 struct Prepass {
     std::vector<VisibilityRecord> records;
     std::vector<VisibilityTry> tries;
@@ -51,7 +51,7 @@ TEST(VisibilityTree, CodesKeepFactorsWithinAFewPercent) {
 }
 
 TEST(VisibilityTree, AnOpenSceneEndsWithOneLeaf) {
-    // Noise alone, and no noise at all, are no reason to divide.
+    // A cell is not divided if all records agree, or if they differ by noise only.
     Prepass clear(20000, 5, [](const Point3 &, uint32_t, Float) { return Float(1); });
     Prepass noisy(20000, 5, [](const Point3 &, uint32_t, Float u) { return u < 0.5f ? Float(2) : Float(0); });
     for (const Prepass *prepass : {&clear, &noisy}) {
@@ -95,7 +95,7 @@ TEST(VisibilityTree, KeepsAllSplitsWithoutPruningAndHoldsFewRecordsPerLeaf) {
 }
 
 TEST(VisibilityTree, ShrinkageKeepsUnseenLightsAlive) {
-    // In a corner nothing is seen of light 0: without shrinkage its few records say so with certainty.
+    // In a corner light 0 is not seen: without shrinkage, its few records there would be taken for certain.
     Prepass prepass(4000, 2, [](const Point3 &p, uint32_t l, Float) {
         return l == 1 || p.x > 0.25f || p.y > 0.25f ? Float(1) : Float(0);
     });
@@ -110,7 +110,7 @@ TEST(VisibilityTree, ShrinkageKeepsUnseenLightsAlive) {
     EXPECT_LT(lost, 1e-4f);
 }
 
-/// 500 lights along x; near p only those at the same place are seen.
+/// 500 lights along x; from p only those at nearly the same x are seen.
 struct ManyLights {
     static constexpr uint32_t kLights = 500;
     LightTree tree;
@@ -151,7 +151,7 @@ TEST(VisibilityTree, ManyLightsAreToldApartWhereTheyMatter) {
         const VisibilityTree::Row row = tree.GetRow(r);
         ASSERT_EQ(row.nodes.size(), row.codes.size());
         EXPECT_LE(row.nodes.size(), 48u);
-        // A cut: every light once.
+        // The nodes are a cut of the light tree: they hold every light exactly once.
         uint32_t next = 0;
         for (uint32_t node : row.nodes) {
             EXPECT_EQ(lights.tree.At(node).begin, next);
@@ -159,7 +159,8 @@ TEST(VisibilityTree, ManyLightsAreToldApartWhereTheyMatter) {
         }
         EXPECT_EQ(next, ManyLights::kLights);
     }
-    // With G the same for all, a light's probability is its node's factor, over all.
+    // If G is the same for all lights, the probability of a light is the factor of its node over the sum for all
+    // lights.
     for (Float x : {0.2f, 0.5f, 0.8f}) {
         const VisibilityTree::Row row = tree.RowAt(Point3(x, 0.5f, 0.5f));
         double near = 0, all = 0;
@@ -181,7 +182,7 @@ TEST(VisibilityTree, ManyLightsDoNotDependOnThreads) {
         built[k] = lights.Build();
     }
     EXPECT_TRUE(built[0] == built[1]);
-    // 20,000 records, no more than 50 in a leaf.
+    // A leaf holds at most 50 of the 20,000 records.
     EXPECT_GT(built[0].LeafCount(), 400u);
 }
 
@@ -208,7 +209,8 @@ TEST(VisibilityTree, NoRecordsAreFine) {
     EXPECT_GT(FactorAt(tree, Point3(0.5f), 1), 0);
 }
 
-/// Builds again and again, and stops later each time. What was not stopped is as if it had not been asked.
+/// Builds again and again, and asks each build to stop at a later step. Every stopped build must end without a tree,
+/// and the last build, which is not stopped, must give the whole one.
 template <class MakeBuilder>
 void ExpectStopsEverywhere(MakeBuilder &&make) {
     int questions = 0;
@@ -217,10 +219,10 @@ void ExpectStopsEverywhere(MakeBuilder &&make) {
     for (int step = 0; step <= 20; ++step) {
         const int last = std::max(1, questions * step / 20);
         int asked = 0;
-        // True once only: what was stopped must stay so.
+        // The callback returns true only once: the build must stop then and not ask again.
         const std::optional<VisibilityTree> stopped = make()->Build([&] { return ++asked == last; });
         EXPECT_FALSE(stopped) << "at question " << last << " of " << questions;
-        EXPECT_EQ(asked, last) << "went on asking";
+        EXPECT_EQ(asked, last) << "the build asked again after it was told to stop";
     }
     const std::optional<VisibilityTree> built = make()->Build([] { return false; });
     ASSERT_TRUE(built);

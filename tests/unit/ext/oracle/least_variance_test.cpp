@@ -12,7 +12,7 @@ namespace {
 using namespace ext;
 
 TEST(LeastVariance, WithoutBsdfSamplingIsTheRootOfTheSecondMoment) {
-    // Second moments 4, 2 and 0.
+    // The second moments are 4, 2 and 0.
     std::vector<LightPoint> points = {{2, 0}, {2, 0}, {0, 0}, {2, 0}, {0, 0}, {0, 0}};
     std::vector<double> pmf(3);
     ASSERT_TRUE(LeastVariancePmf(points, pmf));
@@ -64,7 +64,7 @@ TEST(LeastVariance, TwoLightsAreAtTheMinimumThatAScanFinds) {
         EXPECT_LE(ratio, 1.1) << "trial " << trial << " pmf " << pmf[0];
         worse += ratio > 1.001;
     }
-    // There can be two minima; the one nearer to the root of the second moments is found.
+    // There can be two local minima; the search finds the one nearer to the square roots of the second moments.
     EXPECT_LE(worse, 5);
 }
 
@@ -77,7 +77,7 @@ TEST(LeastVariance, NoOtherProbabilitiesAreBetter) {
         EXPECT_NEAR(std::accumulate(pmf.begin(), pmf.end(), 0.0), 1, 1e-12);
         double here = SecondMoment(points, pmf);
         for (int step = 0; step < 200; ++step) {
-            // Near and far.
+            // Other probabilities, some near to the minimum and some far from it.
             std::vector<double> other = pmf;
             double sum = 0;
             Float size = std::pow(Float(10), -2 * rng.Uniform());

@@ -67,7 +67,7 @@ std::string Quad(const std::string &corners, const std::string &before = "") {
     return fmt::format("AttributeBegin\n{}\nShape \"bilinearmesh\" \"point3 P\" [ {} ]\nAttributeEnd\n", before,
                        corners);
 }
-/// `side`: half the length of its sides; faces down.
+/// A square lamp that faces down; `side` is half the length of its sides.
 std::string LampAbove(double x, double y, double z, double side, double radiance) {
     return Quad(
         fmt::format("{0} {2} {4}  {0} {3} {4}  {1} {2} {4}  {1} {3} {4}", x - side, x + side, y - side, y + side, z),
@@ -92,7 +92,7 @@ LightQuery OnFloor(Float x = 0, Float y = 0) {
     return q;
 }
 
-/// The floor's share of a light.
+/// What the floor adds to the probability of a light.
 Float FloorOf(const World &world, const OracleParams &params, const LightQuery &q, uint32_t light) {
     const LightGroups &groups = params.meshlights ? world.Lights().Wholes() : world.Lights().Parts();
     return params.floor * EmitterTree(GroupImportance::EmittersOf(groups)).PMF(q, light);
@@ -100,7 +100,7 @@ Float FloorOf(const World &world, const OracleParams &params, const LightQuery &
 
 TEST(Oracle, PointLightsAreChosenByWhatTheySend) {
     World world(kHead + kFloor + Point(0, 0, 1, 1) + Point(3, 0, 4, 50) + Point(0, -1, 1, 2));
-    // I cos / d^2: 1/1, 50 (4/5) / 25, 2 (1/sqrt 2) / 2.
+    // The contributions I cos / d^2: 1/1, 50 (4/5) / 25, 2 (1/sqrt 2) / 2.
     const double c[3] = {1, 1.6, std::sqrt(0.5)}, total = c[0] + c[1] + c[2];
     OracleParams params;
     std::unique_ptr<OracleLightSampler> oracle = world.Oracle(params);
@@ -122,7 +122,7 @@ TEST(Oracle, ALightBehindAWallKeepsTheFloorOnly) {
 }
 
 TEST(Oracle, HalfHiddenLightIsChosenByTheRootOfTheHalf) {
-    // Two equal lamps; of the second, the plate hides the half beyond x = 1, seen from the origin.
+    // Two equal lamps; seen from the origin, a plate hides the half beyond x = 1 of the second.
     World world(kHead + kFloor + LampAbove(-1, 0, 2, 0.02, 10) + LampAbove(1, 0, 2, 0.02, 10) +
                 PlateAbove(0.5, 0.8, -1, 1, 1));
     OracleParams params;
@@ -135,7 +135,7 @@ TEST(Oracle, HalfHiddenLightIsChosenByTheRootOfTheHalf) {
 }
 
 TEST(Oracle, WhatBsdfSamplingFindsNeedsNoLightSamples) {
-    // A lamp that fills most of the sky, and a small one of the same irradiance.
+    // A lamp that fills most of the sky, and a small one that gives the same irradiance.
     World world(kHead + kFloor + LampAbove(0, 0, 1, 5, 1) + LampAbove(0.2, 0, 0.5, 0.02, 500));
     OracleParams params;
     params.samples = 256;
@@ -169,15 +169,15 @@ TEST(Oracle, RaysAreItsOwnNotTheRenders) {
     nlohmann::ordered_json report;
     oracle->Report(report);
     EXPECT_EQ(report["ownShadowRays"], 2 * OracleParams().samples);
-    // Another question about the same vertex costs nothing.
+    // A second query at the same vertex traces no more shadow rays.
     lights.PMF(LightId(1u));
     oracle->Report(report);
     EXPECT_EQ(report["ownShadowRays"], 2 * OracleParams().samples);
 }
 
 TEST(Oracle, WhatScattersDecidesEvenInTheSamePlaceOfMemory) {
-    // A metal that reflects towards the left lamp or the right one, by the direction it is seen from; then a diffuse
-    // one.
+    // First a metal, which reflects towards the left or the right lamp depending on the direction of view; then a
+    // diffuse surface at the same address.
     World world(kHead + kFloor + LampAbove(-1, 0, 1, 0.1, 10) + LampAbove(1, 0, 1, 0.1, 10));
     OracleParams params;
     params.mis = false;
@@ -200,7 +200,7 @@ TEST(Oracle, WhatScattersDecidesEvenInTheSamePlaceOfMemory) {
     EXPECT_LT(oracle->PMF(q, LightId(0u)), 0.05f);
 }
 
-/// What a camera sees, with its BSDF.
+/// A surface point that the camera sees, with its BSDF.
 using Place = PathVertex;
 std::vector<Place> CameraHits(const World &world, int count) {
     std::vector<Place> places;
@@ -218,7 +218,7 @@ std::vector<Place> CameraHits(const World &world, int count) {
     return places;
 }
 
-/// The slow twin of what the oracle measures: many independent points of every light.
+/// The reference for what the oracle measures: many independent points of every light.
 std::vector<LightPoint> ManyPoints(const World &world, const Place &place, int perLight, bool mis) {
     std::vector<LightPoint> points;
     Rng rng(21);
@@ -268,7 +268,8 @@ TEST_P(OracleAgainst, NoOtherSamplerHasALowerSecondMoment) {
             ++seen;
             double best = SecondMoment(points, least);
             double a = SecondMoment(points, ofOracle) / best, b = SecondMoment(points, ofOther) / best;
-            // The floor costs its share, the oracle's 64 points a little in half shadows.
+            // The floor raises the variance by its share; in half shadows the noise of the oracle's 64 points raises it
+            // a little, too.
             EXPECT_LT(a, 1.25) << name;
             EXPECT_LT(a, b * 1.1) << name;
             sumOracle += a;

@@ -54,7 +54,7 @@ TEST(Prepass, DepthAndSamplesBoundTheNumberOfVertices) {
 }
 
 TEST(Prepass, MirrorsAreNotRecorded) {
-    // Distance from the sphere's centre: its surface is specular, so no vertex lies on it.
+    // The sphere is specular, so no vertex may lie on it: check the distance from its centre.
     for (const PrepassVertex &v : Trace(2, 4, 3)) {
         Point3 centre(0, 0.6f - 1, 4);  // rendering space: the camera is at the origin
         EXPECT_GT(std::abs(Distance(v.at.p, centre) - 0.5f), 1e-3f);
@@ -73,13 +73,14 @@ TEST(Prepass, ContributionIsEquation5) {
     Float seen = VisibleMean(VisibleContribution(*built.scene, v, LightId(0u), {0.5f, 0.5f}));
     EXPECT_GT(seen, 0);
     EXPECT_EQ(VisibleMean(VisibleContribution(*built.scene, v, LightId(1u), {0.5f, 0.5f})), 0.f);
-    // Point light: I cos / d^2, so a place at another distance and angle scales by exactly that.
+    // A point light contributes I cos / d^2, so the value at another distance and angle scales by exactly that.
     PrepassVertex w = v;
     w.at.p = Point3(3, -1, 4);
     auto geometry = [](Float x) { return 1.5f / std::pow(x * x + 1.5f * 1.5f, 1.5f); };
     Float other = VisibleMean(VisibleContribution(*built.scene, w, LightId(0u), {0.5f, 0.5f}));
     EXPECT_NEAR(other / seen, geometry(3) / geometry(2), 1e-3f);
-    // From below the floor's surface nothing is reflected, unless it transmits (then the sphere does not block either).
+    // Seen from below, the floor reflects nothing, unless its surface transmits (the sphere does not block that light
+    // either).
     v.wo = Vector3(0, -1, 0);
     EXPECT_EQ(VisibleMean(VisibleContribution(*built.scene, v, LightId(0u), {0.5f, 0.5f})), 0.f);
     v.transmits = true;

@@ -14,7 +14,7 @@ namespace {
 using namespace ext;
 using pbrt::test::BuildText;
 
-/// An 8 x 4 x 4 room seen from inside; the camera stands at the origin, so rendering space is the world.
+/// The inside of an 8 x 4 x 4 room; the camera stands at the origin, so rendering space is world space.
 const char *kRoom = R"(
 Camera "perspective"
 Film "rgb" "integer xresolution" 16 "integer yresolution" 12
@@ -86,7 +86,7 @@ TEST(Spatial, ContributionIsEquation3) {
             mean[0] += 5 * 4 * cosine / d2 / n;
             mean[3] += 1.0 / n;
         }
-        // Spectra are scaled by the lights' own normalisation: compare with the light straight below itself.
+        // The lights scale their spectra, so each is compared with its own radiance straight below it.
         auto unit = [&](uint32_t light, const Point3 &seenFrom, double analytic) {
             LightSampleContext from;
             from.p = seenFrom;
@@ -128,7 +128,7 @@ TEST(Spatial, ALightThatGivesNothingKeepsAThousandthOfTheMean) {
 }
 
 TEST(Spatial, NeitherNormalsNorOccludersMatter) {
-    // A wall between the halves that adds nothing to the bounds.
+    // A wall between the halves, which does not enlarge the bounds.
     std::string wall = R"(Shape "bilinearmesh" "point3 P" [ 0 -2 -2  0 2 -2  0 -2 2  0 2 2 ])";
     Prepared open = Prepare(std::string(kRoom) + kLights, Coarse());
     Prepared walled = Prepare(std::string(kRoom) + wall + kLights, Coarse());
@@ -166,7 +166,7 @@ TEST(Spatial, OnlyVoxelsThatAreAskedAreFilled) {
     EXPECT_EQ(s.sampler->Grid().Resolution(), glm::ivec3(64, 32, 32));
     s.sampler->Sample(At({1, 1, 1}), 0.3f);
     s.sampler->PMF(At({1, 1, 1}), LightId(2u));
-    s.sampler->Sample(At({-100, 0, 0}), 0.3f);  // outside: the nearest voxel
+    s.sampler->Sample(At({-100, 0, 0}), 0.3f);  // a point outside of the grid takes the nearest voxel
     nlohmann::ordered_json report;
     s.sampler->Report(report);
     EXPECT_EQ(report["voxelsFilled"], 2);

@@ -37,7 +37,7 @@ TEST(FixedCdf, EqualSharesIfThereIsNoWeight) {
 }
 
 TEST(FixedCdf, NarrowEntriesBesideAWideOneKeepTheirProbability) {
-    // Running sums in float would lose every second of these.
+    // A running sum in float, whose spacing near 1 is 6e-8, would lose these weights of 1e-8.
     std::vector<double> w(100000, 1e-8);
     w[0] = 1 - 99999e-8;
     std::vector<uint32_t> cdf = Build(w);

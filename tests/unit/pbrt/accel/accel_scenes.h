@@ -62,7 +62,7 @@ inline Vector3 RandomDirection(Rng &rng) {
 
 using Shapes = std::vector<std::unique_ptr<Shape>>;
 
-/// One of every kind that Accel treats differently.
+/// One shape of every kind that Accel treats differently.
 inline Shapes EveryKind(const Transform &t) {
     Shapes s;
     auto at = [&](Float x, Float y) {
@@ -82,7 +82,8 @@ struct Placement {
     Transform transform;
 };
 
-/// Every primitive of every placement, in double where Shape::Intersect is.
+/// The nearest hit, found by testing every primitive of every placement, in double precision where Shape::Intersect
+/// uses it.
 inline std::optional<AccelHit> SlowIntersect(const Shapes &shapes, const std::vector<Placement> &placements,
                                              const Ray &ray) {
     std::optional<AccelHit> best;

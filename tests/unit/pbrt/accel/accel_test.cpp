@@ -12,7 +12,7 @@ using test::Placement;
 using test::Shapes;
 using test::SlowIntersect;
 
-/// Compares both on random rays; returns how many hit.
+/// Compares Accel with SlowIntersect on random rays; returns the number of hits.
 int CompareOnRandomRays(const Accel &accel, const Shapes &shapes, const std::vector<Placement> &placements, int rays) {
     Rng rng(33);
     int hits = 0, different = 0;
@@ -33,11 +33,11 @@ int CompareOnRandomRays(const Accel &accel, const Shapes &shapes, const std::vec
         if (fast.has_value() != slow.has_value() ||
             (fast &&
              (fast->shape != slow->shape || fast->primitive != slow->primitive || fast->instance != slow->instance))) {
-            ++different;  // edges of primitives, decided by rounding
+            ++different;  // at the edges of primitives rounding decides
             continue;
         }
         if (!fast) continue;
-        // In rendering space: barycentrics and t must describe the same point.
+        // In rendering space the barycentric coordinates and t must give the same point.
         const Shape &shape = *shapes[fast->shape.value];
         Transform t = fast->instance < 0 ? Transform() : accel.InstanceTransform(fast->instance, 0);
         SurfacePoint a = TransformSurface(t, shape.Surface(fast->primitive, fast->hit));
@@ -209,7 +209,7 @@ TEST(Accel, RaysStayRaysInSmallInstances) {
         accel->Commit();
         return accel;
     };
-    // Embree asserts that rays are rays also in the instance's space, which is 1e10 times larger.
+    // The instance space is 1e10 times larger than rendering space; Embree asserts that rays are valid there, too.
     auto accel = build(1e-10f, 1e7f);
     int hits = 0;
     for (Float far : {1e3f, 1e7f, 1e9f, 1e16f, 1e18f}) {

@@ -14,10 +14,10 @@ class ConstantAlpha final : public FloatTexture {
 
   private:
     Float value_;
-    bool admit_;  ///< tells that it is constant
+    bool admit_;  ///< whether Constant() returns the value
 };
 
-/// 1 where u < 1/2, else 0.
+/// An alpha of 1 where u < 1/2, else 0.
 class HalfAlpha final : public FloatTexture {
   public:
     Float Evaluate(const TextureContext &at) const override { return at.uv.x < 0.5f ? Float(1) : Float(0); }
@@ -121,7 +121,7 @@ TEST(Alpha, TextureIsReadAtTheHit) {
 
 TEST(Alpha, FartherSurfaceIsFoundThroughAHole) {
     HalfAlpha texture;
-    Sphere sphere(1, -1, 1, 360, Transform(), false);  // u < 1/2: y > 0
+    Sphere sphere(1, -1, 1, 360, Transform(), false);  // the half u < 1/2 is y > 0
     Accel accel;
     accel.AddShape(ShapeId(0u), sphere, &texture);
     accel.Commit();

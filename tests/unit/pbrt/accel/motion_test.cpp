@@ -14,7 +14,7 @@ AnimatedTransform Between(const Transform &a, const Transform &b) { return {a, k
 
 struct Product {
     AnimatedTransform outer, inner;
-    Float tolerance;  ///< of Embree's matrices
+    Float tolerance;  ///< accepted error of Embree's matrices
     Transform At(Float time) const { return outer.At(time) * inner.At(time); }
 };
 
@@ -34,7 +34,8 @@ std::vector<Product> Motions() {
             {Transform::Translate({0, 0, 9}) * squeeze, Between({}, turn), 2e-3f}};
 }
 
-/// Every kind of shape in six motions, once placed without, and once outside of any object.
+/// One object of every kind of shape: six moving instances and one at rest; and the same shapes once more outside of
+/// any object.
 struct World {
     Shapes shapes = test::EveryKind(Transform());
     std::vector<Product> motions = Motions();
@@ -76,7 +77,7 @@ TEST(Motion, EmbreeInterpolatesAsWeDo) {
     EXPECT_EQ(world.accel.InstanceTransform(static_cast<int>(world.motions.size()), 1), world.still);
 }
 
-/// With Embree's transforms, which are close to ours by the test above.
+/// The reference uses Embree's transforms, which are close to ours by the test above.
 TEST(Motion, AgreesWithTheSlowTwinAtEveryTime) {
     const World world;
     const Bounds3 b = world.accel.Bounds();
@@ -87,7 +88,7 @@ TEST(Motion, AgreesWithTheSlowTwinAtEveryTime) {
         Ray ray;
         ray.time = 3 * rng.Uniform();
         const std::vector<Placement> placements = world.At(ray.time);
-        // Towards a point near one of the placements.
+        // The ray is aimed at a point near one of the placements.
         const Placement &target = placements[static_cast<size_t>(i) % placements.size()];
         ray.o = target.transform.Point(6.0f * test::RandomDirection(rng));
         ray.d = target.transform.Point(2.0f * test::RandomDirection(rng)) - ray.o;
@@ -154,7 +155,7 @@ TEST(Motion, BoundsHoldTheWholeWay) {
     for (int a = 0; a < 3; ++a) {
         EXPECT_LE(b.low[a], needed.low[a] + 1e-5f);
         EXPECT_GE(b.high[a], needed.high[a] - 1e-5f);
-        EXPECT_GT(b.low[a], needed.low[a] - 4) << "not too wide";
+        EXPECT_GT(b.low[a], needed.low[a] - 4) << "the bounds of the motion are too wide";
         EXPECT_LT(b.high[a], needed.high[a] + 4);
     }
 }

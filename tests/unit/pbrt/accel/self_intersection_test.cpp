@@ -5,11 +5,11 @@
 namespace pbrt {
 namespace {
 
-/// A closed ball seen from inside: every ray must hit it (no leaks), at a distance that is not a self-intersection.
+/// A closed ball seen from inside: every ray must hit it (no leaks), and not at its own origin.
 struct Ball {
     const char *name;
     std::unique_ptr<Shape> shape;
-    Float facet;  ///< smallest chord expected relative to the size; below it a hit is suspicious
+    Float facet;  ///< smallest chord expected, relative to the size; a shorter one is suspicious
 };
 
 std::vector<Ball> Balls(const Transform &t) {
@@ -31,8 +31,8 @@ Transform Place(const Setting &s) {
            Transform::Rotate(37, {1, 2, 3});
 }
 
-/// Follows random paths inside a closed shape. Reports rays that escape, and rays towards the inside (by the true,
-/// convex or nearly convex, shape) that hit the very primitive they start on.
+/// Follows random paths inside a closed shape. Counts the rays that escape, and the rays into the inside of a (nearly)
+/// convex shape that hit the primitive on which they start.
 struct Walk {
     int rays = 0, escaped = 0, samePrimitive = 0;
 };
@@ -62,7 +62,7 @@ Walk RandomWalks(const Accel &accel, const std::vector<const Shape *> &shapes, c
             SurfacePoint s = shape.Surface(hit->primitive, hit->hit);
             if (hit->instance >= 0) s = TransformSurface(accel.InstanceTransform(hit->instance, time), s);
             Vector3 in = FaceForward(s.n, -ray.d), d;
-            // Many rays close to the surface: there rounding decides.
+            // Many rays leave close to the tangent plane, where rounding decides.
             d = test::RandomDirection(rng);
             d = FaceForward(d, in);
             if (bounce % 3 == 1) d = Normalize(d + in * (0.002f - Dot(d, in)));
@@ -158,7 +158,8 @@ TEST(SelfIntersection, OutwardRaysOfConvexShapesAreFree) {
         }
 }
 
-/// Rays from inside a closed mesh, aimed at points of its edges (as exactly as floats allow).
+/// Counts of rays from inside a closed mesh, aimed at points of its edges as exactly as floats allow, and of those that
+/// miss the mesh.
 struct Aimed {
     int edgeRays = 0, edgeMisses = 0, vertexRays = 0, vertexMisses = 0;
 };
@@ -189,9 +190,10 @@ TEST(SelfIntersection, RobustTrianglesDoNotLeakAtSharedEdges) {
     }
     Aimed aimed = AimAtEdges(robust, mesh.Data());
     EXPECT_EQ(aimed.edgeMisses, 0) << "of " << aimed.edgeRays;
-    // Embree promises edges, not single points: of the rays aimed exactly at a vertex about 1 in 200 finds no triangle.
+    // Embree guarantees hits at edges, but not at single points: of the rays aimed exactly at a vertex, about 1 in 200
+    // hits no triangle.
     EXPECT_LT(aimed.vertexMisses, aimed.vertexRays / 50);
-    // The test would notice: without the robust flag there are leaks.
+    // Without the robust flag there are leaks, so the test would notice them.
     EXPECT_GT(AimAtEdges(fast, mesh.Data()).edgeMisses, 0);
 }
 

@@ -1,4 +1,4 @@
-// From a description to everything a render needs.
+// Tests how a scene description becomes everything that a render needs.
 #include <gtest/gtest.h>
 
 #include "pbrt/core/parallel.h"
@@ -25,7 +25,7 @@ struct Outcome {
     }
 };
 
-/// Builds and keeps what was said of it.
+/// Builds a scene and keeps the messages about it.
 Outcome Try(const std::string &text, const BuildOptions &options = {}) {
     Outcome outcome;
     DiagnosticSink sink;

@@ -1,4 +1,4 @@
-// The stages that make what looks at a scene.
+// Tests the stages that build the view of a scene: camera, film, filter and sampler.
 #include "pbrt/build/view.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ TEST(PlaceCamera, RenderingSpaceIsWhereTheCameraIs) {
         const Placement placement = PlaceCamera(d, options, sink);
         EXPECT_TRUE(placement.isKnown);
         EXPECT_FALSE(sink.HasErrors());
-        // Wherever rendering space is, the camera sees the same.
+        // The camera must see the same wherever rendering space is.
         ExpectPoint(placement.renderFromCamera.At(0).InversePoint(placement.renderFromWorld.Point(ahead)), {0, 0, 3});
         ExpectPoint(placement.worldFromCamera.At(0).Point({0, 0, 3}), ahead);
         return placement.renderFromWorld;

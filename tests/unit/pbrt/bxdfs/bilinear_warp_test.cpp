@@ -10,7 +10,7 @@
 namespace pbrt {
 namespace {
 
-/// Two slices of 4 x 3 knots, with zeros in them.
+/// Two slices of 4 x 3 knots, some of which are 0.
 GridSlices Grid() {
     return {{0, 1, 4, 2, 3, 0, 0, 5, 1, 1, 2, 0,  //
              7, 0, 0, 0, 1, 2, 3, 4, 0, 0, 9, 1},
@@ -19,7 +19,7 @@ GridSlices Grid() {
 }
 const SliceBlend kBlends[] = {{{0, 0, 0, 0}, {1, 0, 0, 0}}, {{0, 1, 1, 0}, {.3f, .2f, .5f, 0}}};
 
-/// Twin: the slices made to integrate to 1 by themselves, then mixed.
+/// The reference: each slice is normalised to integrate to 1, and then the slices are mixed.
 double Expected(const Point2 &p, const SliceBlend &blend) {
     GridSlices grid = Grid();
     double sum = 0;
@@ -39,7 +39,7 @@ TEST(GridSlices, IsBilinearAndHoldsAtTheEdges) {
     EXPECT_FLOAT_EQ(grid.Evaluate({.5f, .25f}, 0), (1 + 4 + 0 + 0) / 4.f);
     EXPECT_FLOAT_EQ(grid.Evaluate({1, 1}, 1), 1);
     EXPECT_FLOAT_EQ(grid.Evaluate({2, -1}, 0), 2);
-    // What a vanishing half vector gives: no index can be made of it.
+    // A vanishing half vector gives NaN, which must not become an index.
     const Float nan = std::numeric_limits<Float>::quiet_NaN();
     EXPECT_FLOAT_EQ(grid.Evaluate({nan, nan}, 1), 7);
 }

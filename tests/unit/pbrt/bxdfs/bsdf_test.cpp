@@ -29,7 +29,7 @@ TEST(Bsdf, WorksInTheShadingFrame) {
     for (int i = 0; i < 200; ++i) {
         Vector3 wo = SampleUniformSphere(rng.Uniform2()), wi = SampleUniformSphere(rng.Uniform2());
         Vector3 o = frame.ToLocal(wo), local = frame.ToLocal(wi);
-        // Not to the last bits: the compiler may contract products and sums differently here and there.
+        // The last bits may differ: the compiler may contract products and sums in one place and not in the other.
         Float f = lobe.F(o, local, TransportMode::Radiance)[1];
         Float pdf = lobe.Pdf(o, local, TransportMode::Radiance, ReflTransFlags::All);
         EXPECT_NEAR(bsdf.F(wo, wi)[1], f, 1e-4f * f);
@@ -76,7 +76,8 @@ TEST(Bsdf, EveryLobeIsDispatched) {
     EXPECT_EQ(flags(CoatedConductorBxdf(coat, metal, 0.01f, half, 0, 10, 1)), Specular | Diffuse | Reflection);
 }
 
-/// Over directions, F over its approximation stays within a factor: 1 where nothing is left out.
+/// The ratio of F to its approximation stays within a factor over all directions; it is 1 for lobes whose approximation
+/// leaves nothing out.
 TEST(Bsdf, ApproximateFFollowsF) {
     SampledSpectrum colored(0.2f);
     colored[0] = 0.8f;
@@ -126,7 +127,8 @@ TEST(Bsdf, RegularizeRoughensMirrors) {
     EXPECT_TRUE(mirror.F(Vector3(0, 0, 1), Vector3(0, 0, 1)));
 }
 
-/// What ApproximateF says towards random directions, over the mean of F over wavelengths there; both 0 is left out.
+/// The ratio of ApproximateF to the mean of F over wavelengths, towards random directions; directions where both are 0
+/// are left out.
 std::vector<Float> ApproximateOverF(const Bsdf &bsdf, bool alsoBelow) {
     Rng rng(7);
     std::vector<Float> ratios;
@@ -168,7 +170,8 @@ TEST(Bsdf, ApproximationOfAMetalLacksItsReflectance) {
 }
 
 TEST(Bsdf, ApproximationUnderASmoothCoatIsTheFirstBounce) {
-    // A dark base: what bounces more often is 3 % at most. Smooth, so F has no noise but that of later bounces.
+    // The base is dark, so light of more bounces is 3 % at most. The coat is smooth, so only later bounces make F
+    // noisy.
     const CoatedDiffuseBxdf coated(DielectricBxdf(1.5f, TrowbridgeReitz(0, 0)), DiffuseBxdf(SampledSpectrum(0.04f)),
                                    0.1f, SampledSpectrum(0), 0, 10, 64);
     const std::vector<Float> ratios = ApproximateOverF(Bsdf(Normal3(0, 0, 1), Vector3(1, 0, 0), coated), false);

@@ -22,7 +22,7 @@ TEST(FresnelDielectric, TotalInternalReflectionBeyondTheCriticalAngle) {
 }
 
 TEST(FresnelDielectric, ParallelPartVanishesAtBrewstersAngle) {
-    // There the reflected light is the perpendicular part alone: R = ((n^2 - 1) / (n^2 + 1))^2 / 2.
+    // At Brewster's angle only the perpendicular part is reflected: R = ((n^2 - 1) / (n^2 + 1))^2 / 2.
     Float n = 1.7f, cosBrewster = 1 / std::sqrt(1 + n * n);
     EXPECT_NEAR(FresnelDielectric(cosBrewster, n), Sqr((n * n - 1) / (n * n + 1)) / 2, 1e-6);
 }
@@ -46,7 +46,7 @@ TEST(FresnelConductor, GrazingLightIsReflected) {
     EXPECT_FALSE(std::isnan(FresnelConductor(0, 1, 0)));
 }
 
-// Twin: Fresnel's amplitudes with complex arithmetic in double precision.
+// The reference: Fresnel's amplitudes by complex arithmetic in double precision.
 double ComplexTwin(double c, double eta, double k) {
     std::complex<double> n(eta, k), s2 = 1 - c * c, cosT = std::sqrt(1.0 - s2 / (n * n));
     return (std::norm((n * c - cosT) / (n * c + cosT)) + std::norm((c - n * cosT) / (c + n * cosT))) / 2;

@@ -32,7 +32,8 @@ void ForEachHair(std::initializer_list<Float> roughnesses, Check check) {
             for (Float offset : {-0.95f, 0.f, 0.4f}) check(betaM, betaN, offset);
 }
 
-/// The largest lobe and its index, no padding: rare lobes must not cost the common ones anything.
+/// A Bsdf holds a frame, the largest lobe and its index, without padding: the rare hair lobe must not make all others
+/// larger.
 TEST(Hair, TheBsdfDoesNotGrowByIt) {
     EXPECT_LE(sizeof(HairBxdf), sizeof(CoatedConductorBxdf));
     EXPECT_EQ(sizeof(Bsdf), sizeof(Frame) + sizeof(CoatedConductorBxdf) + sizeof(Float));
@@ -49,12 +50,12 @@ TEST(Hair, LongitudinalDensityIntegratesToOne) {
                                                   std::sin(Radians(thetaO)), std::cos(Radians(thetaO)), variance)) *
                        c * M_PI / kSteps;
             }
-            // Rounding of sines and cosines, over the variance.
+            // The tolerance is the rounding of sines and cosines divided by the variance.
             EXPECT_NEAR(sum, 1, 2e-4 + 2e-7 / double(variance)) << variance << " " << thetaO;
         }
 }
 
-/// Twin in double precision from the formula as printed, where it does not overflow.
+/// The reference is the formula of the paper in double precision, where it does not overflow.
 TEST(Hair, LongitudinalDensityIsThatOfThePaper) {
     auto besselI0 = [](double x) {
         double sum = 1, term = 1;
@@ -79,7 +80,7 @@ TEST(Hair, LogisticSamplesFollowTheirDensity) {
         Float mass = LogisticMass(scale);
         std::vector<double> observed(kCells), expected(kCells);
         Rng rng(1);
-        // Cells as wide as the lobe, at most the whole circle.
+        // The cells cover 15 scales to each side, at most the whole circle.
         double half = std::min(M_PI, 15 * double(scale)), total = 0;
         for (int s = 0; s < kSamples; ++s) {
             double x = double(SampleTrimmedLogistic(rng.Uniform(), scale, mass));
@@ -155,8 +156,8 @@ TEST(Hair, SampleAgreesWithFAndPdf) {
     });
 }
 
-/// White light from everywhere, nothing absorbed: every fibre is as bright as the light. By uniform directions (F
-/// alone) where the lobes are wide, and by its own samples, which then have weight 1 each.
+/// Under white light from all directions, a fibre that absorbs nothing is as bright as the light. It is measured by
+/// uniform directions (F alone) where the lobes are wide, and by the lobe's own samples, which then have weight 1 each.
 TEST(Hair, WhiteFurnace) {
     Rng rng(4);
     ForEachHair({0.02f, 0.1f, 0.3f, 1.f}, [&](Float betaM, Float betaN, Float offset) {
@@ -178,7 +179,7 @@ TEST(Hair, WhiteFurnace) {
     });
 }
 
-/// What comes out of all lobes is the sum of a geometric series over the crossings of the fibre.
+/// The light that all lobes send out is the sum of a geometric series over the crossings of the fibre.
 TEST(Hair, AbsorptionTakesWhatTheCrossingsTake) {
     const Float offset = 0.35f, eta = 1.55f;
     const SampledSpectrum sigma = Values(0.05f, 0.3f, 1, 3);
@@ -206,8 +207,9 @@ TEST(Hair, AbsorptionTakesWhatTheCrossingsTake) {
     }
 }
 
-/// Two directions may change places between fibres hit on opposite sides of the middle, if they are equally steep and
-/// scales are not tilted. (Otherwise the model is not reciprocal: shares depend on the view's elevation only.)
+/// Two directions can be exchanged if the fibre is hit on opposite sides of its middle, the directions are equally
+/// steep and the scales are not tilted. (In general the model is not reciprocal, because the shares of the lobes depend
+/// on the elevation of the view only.)
 TEST(Hair, ReciprocalForEqualElevations) {
     Rng rng(6);
     for (int i = 0; i < 2000; ++i) {
@@ -223,7 +225,8 @@ TEST(Hair, ReciprocalForEqualElevations) {
     }
 }
 
-/// A smooth fibre, seen across it in the middle, mirrors the view; scales tilted by alpha move that by 2 alpha.
+/// A smooth fibre, hit in its middle, mirrors the view along its axis; scales tilted by alpha move the mirrored
+/// direction by 2 alpha.
 TEST(Hair, MirroredLobeStandsWhereScalesSendIt) {
     for (Float alpha : {0.f, 3.f}) {
         HairBxdf hair(0, 1.55f, SampledSpectrum(1e4f), 0.05f, 0.1f, alpha);

@@ -14,7 +14,7 @@ using test::DirectionAt;
 
 constexpr TransportMode kMode = TransportMode::Radiance;
 
-/// Parameters of a stack; the lobe and its twin are made from the same ones.
+/// The parameters of a stack of layers, from which both the lobe and its reference are made.
 template <class Base>
 struct Stack {
     const char *name;
@@ -46,8 +46,9 @@ void ForEachStack(Check check) {
     check(Stack<ConductorBxdf>{"smooth, medium, metal", Coat(1.5f, 0, 0), Metal(0.5f), 0.5f, 0.7f, -0.3f, 20});
 }
 
-/// Slow twin: one photon at a time. All events are drawn by the lobes' own samplers; what leaves is put where it goes.
-/// No connections, no MIS, no roulette. `events` counts what maxDepth counts. Returns the weight that leaves (0: none).
+/// The reference: an analog walk of one photon. The lobes' own samplers draw all events; there are no connections, no
+/// MIS and no roulette. `events` counts what maxDepth counts. Sets the direction in which light leaves and returns its
+/// weight (0: none).
 template <class Base>
 double AnalogWalk(const Stack<Base> &stack, Vector3 wo, Rng &rng, Vector3 *leaving) {
     auto draw = [&](const auto &lobe, const Vector3 &w) {
@@ -58,7 +59,7 @@ double AnalogWalk(const Stack<Base> &stack, Vector3 wo, Rng &rng, Vector3 *leavi
     auto s = draw(stack.top, wo);
     if (!s) return 0;
     double weight = double(s->f[0] * AbsCosTheta(s->wi) / s->pdf);
-    double depth = double(stack.thickness);  // below the coat: 0; at the base: thickness
+    double depth = double(stack.thickness);  // the position is 0 below the coat, and `thickness` at the base
     double position = 0;
     Vector3 w = s->wi;
     for (int events = 0; w.z < 0 || position > 0; ++events) {
@@ -86,7 +87,7 @@ double AnalogWalk(const Stack<Base> &stack, Vector3 wo, Rng &rng, Vector3 *leavi
     return weight;
 }
 
-/// Rings of equal projected solid angle times sectors.
+/// The cells of the hemisphere: rings of equal projected solid angle, cut into sectors.
 constexpr int kRings = 6, kSectors = 6;
 int Cell(const Vector3 &w) {
     int ring = std::min(kRings - 1, static_cast<int>((1 - Sqr(w.z)) * kRings));
@@ -95,7 +96,7 @@ int Cell(const Vector3 &w) {
     return ring * kSectors + std::min(sector, kSectors - 1);
 }
 
-/// Per cell and walk: what the twin sends there.
+/// Statistics per cell of the weight that walks of the reference send there.
 template <class Base>
 std::vector<test::RunningStatistics> TwinCells(const Stack<Base> &stack, const Vector3 &wo, int n) {
     std::vector<test::RunningStatistics> cells(kRings * kSectors);
@@ -127,12 +128,14 @@ TEST(Layered, MeanOfConsistentFIsWhatAnalogWalksSend) {
     ForEachStack([&](const auto &stack) {
         auto lobe = stack.Lobe();
         for (Vector3 wo : {DirectionAt(35, 20), DirectionAt(70, 100)}) {
-            // Mirror images are deltas that F leaves out: only non-specular light is compared where there are some.
+            // Mirror images are delta functions, which F leaves out: for stacks that have them, only non-specular light
+            // is compared.
             bool mirror = stack.top.IsSmooth();
             auto twin = TwinCells(stack, wo, 40000);
             std::vector<test::RunningStatistics> cells(twin.size());
             Rng rng(12);
-            // Uniform in projected solid angle within each cell: f * (Pi / cells) has the cell's share as its mean.
+            // The samples are uniform in projected solid angle within each cell, so the mean of f * (Pi / cells) is the
+            // share of the cell.
             for (int i = 0; i < 40000; ++i) {
                 auto c = static_cast<size_t>(i) % cells.size();
                 Point2 u = rng.Uniform2();
@@ -179,8 +182,8 @@ TEST(Layered, SampleSendsWhatAnalogWalksSend) {
     });
 }
 
-/// Slow twin of what stock's weights add: the walk in plain, without roulette; at every direction drawn inside, the
-/// light that leaves along wi times (stock's weight - the consistent one).
+/// The reference for what the weights of stock pbrt-v4 add: a plain walk without roulette. For every direction drawn
+/// inside it adds the light that leaves along wi, times (stock's weight - the consistent one).
 template <class Base>
 double ExcessWalk(const Stack<Base> &stack, const Vector3 &wo, const Vector3 &wi, Rng &rng) {
     auto draw = [&](const auto &lobe, const Vector3 &w, ReflTransFlags which) {
@@ -229,7 +232,8 @@ TEST(Layered, FExceedsTheConsistentValueByStocksWeights) {
     ForEachStack([&](const auto &stack) {
         auto lobe = stack.Lobe();
         Vector3 wo0 = DirectionAt(30, 0), wi0 = DirectionAt(50, 140);
-        if (stack.top.IsSmooth() || IsSpecular(stack.bottom.Flags())) {  // one way out only, nothing to weight
+        // There is only one technique to leave, so there are no weights.
+        if (stack.top.IsSmooth() || IsSpecular(stack.bottom.Flags())) {
             EXPECT_EQ(lobe.F(wo0, wi0, kMode)[0], lobe.FConsistent(wo0, wi0, kMode)[0]) << stack.name;
             return;
         }
@@ -260,7 +264,7 @@ TEST(Layered, DensityUnderASmoothCoatIsTheBasesForTheRefractedDirections) {
     }
 }
 
-// Twin: the two weighted integrals over the direction inside, by uniform directions.
+// The reference: the two weighted integrals over the direction inside, estimated by uniform directions.
 TEST(Layered, MeanDensityUnderARoughCoatIsTheSumOfTheWeightedIntegrals) {
     ForEachStack([&](const auto &stack) {
         if (stack.top.IsSmooth() || IsSpecular(stack.bottom.Flags())) return;
@@ -278,7 +282,7 @@ TEST(Layered, MeanDensityUnderARoughCoatIsTheSumOfTheWeightedIntegrals) {
                 double base = double(stack.bottom.Pdf(-in->wi, up, kMode, ReflTransFlags::All));
                 double out = double(stack.top.Pdf(wi, -up, kMode, ReflTransFlags::Transmission));
                 double through = double(stack.top.Pdf(-up, wi, kMode, ReflTransFlags::All));
-                uc = rng.Uniform();  // metal may send its sample into itself; then nothing inside is counted
+                uc = rng.Uniform();  // a metal may sample a direction into itself; then nothing inside is counted
                 bool counted = stack.bottom.Sample(-in->wi, uc, rng.Uniform2(), kMode, ReflTransFlags::All).has_value();
                 if (out > 0 && counted) sum += 2 * M_PI * out * base * out * out / (out * out + base * base);
                 if (base > 0) sum += 2 * M_PI * base * through * base * base / (base * base + through * through);
@@ -290,7 +294,7 @@ TEST(Layered, MeanDensityUnderARoughCoatIsTheSumOfTheWeightedIntegrals) {
     });
 }
 
-/// Mean of f cos / pdf, with its error.
+/// The mean of f cos / pdf, with its standard error.
 template <class Lobe>
 test::RunningStatistics Albedo(const Lobe &lobe, const Vector3 &wo, int n) {
     test::RunningStatistics albedo;
@@ -305,19 +309,19 @@ test::RunningStatistics Albedo(const Lobe &lobe, const Vector3 &wo, int n) {
 
 TEST(Layered, WhiteBaseUnderClearCoatReflectsEverything) {
     Vector3 wo = DirectionAt(50, 20);
-    // Nothing absorbs: smooth coat, white base, a medium too thin to matter or one that only scatters.
+    // Nothing absorbs here: a smooth coat, a white base, and a medium that is too thin to matter or only scatters.
     CoatedDiffuseBxdf clear(Coat(1.5f, 0, 0), Paint(1), 1e-6f, SampledSpectrum(0), 0, 2000, 1);
     auto a = Albedo(clear, wo, 20000);
     EXPECT_LT(std::abs(a.mean - 1), 4 * a.StandardError() + 1e-3);
     CoatedDiffuseBxdf milky(Coat(1.5f, 0, 0), Paint(1), 0.5f, SampledSpectrum(1), 0.3f, 4000, 1);
     auto b = Albedo(milky, wo, 20000);
     EXPECT_LT(std::abs(b.mean - 1), 4 * b.StandardError() + 1e-3);
-    // Facets lose what bounces between them, never gain.
+    // The model loses the light that bounces between facets, but never gains any.
     CoatedDiffuseBxdf rough(Coat(1.5f, 0.1f, 0.1f), Paint(1), 1e-6f, SampledSpectrum(0), 0, 2000, 1);
     auto c = Albedo(rough, wo, 20000);
     EXPECT_LT(c.mean, 1 + 4 * c.StandardError());
     EXPECT_GT(c.mean, 0.9);
-    // Metal's limit: a mirror that takes nothing, under smooth coats of any index.
+    // The limit of a metal: a mirror that absorbs nothing, under smooth coats of any index.
     for (Float eta : {1.2f, 1.5f, 2.f}) {
         ConductorBxdf mirror(TrowbridgeReitz(0, 0), SampledSpectrum(1), SampledSpectrum(1e6f));
         CoatedConductorBxdf coated(Coat(eta, 0, 0), mirror, 1e-6f, SampledSpectrum(0), 0, 2000, 1);
@@ -332,7 +336,7 @@ TEST(Layered, MoreSamplesSameMeanLessNoise) {
     test::RunningStatistics f1, f4;
     Rng rng(17);
     for (int i = 0; i < 20000; ++i) {
-        // The estimate changes with the last bits of the directions, its mean hardly.
+        // The estimate depends on the last bits of the directions, but its mean hardly does.
         Vector3 wo = DirectionAt(30 + rng.Uniform() * 0.01f, 0), wi = DirectionAt(60, 140 + rng.Uniform() * 0.01f);
         f1.Add(double(one.F(wo, wi, kMode)[0]));
         f4.Add(double(four.F(wo, wi, kMode)[0]));

@@ -26,7 +26,7 @@ ConductorBxdf Gold(Float ax, Float ay) {
     return {TrowbridgeReitz(ax, ay), Values(1.3f, 0.6f, 0.2f, 0.15f), Values(1.9f, 2.f, 3.1f, 3.9f)};
 }
 
-/// Limit of FresnelConductor to total reflection.
+/// A conductor at the limit of total reflection.
 ConductorBxdf PerfectMirrorFacets(Float ax, Float ay) {
     return {TrowbridgeReitz(ax, ay), SampledSpectrum(1), SampledSpectrum(1e6f)};
 }
@@ -68,8 +68,8 @@ TEST(Lobes, SamplesFollowTheirDensity) {
                     return s->wi;
                 };
                 auto pdf = [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, kRadiance, which); };
-                // Refraction at grazing angles has ridges that only a fine quadrature gets right; the finest is for
-                // index 1.1, where all facets send light almost straight on.
+                // Refraction at grazing angles has ridges that only a fine quadrature integrates well; the finest is
+                // needed for index 1.1, where all facets send light almost straight on.
                 double p = 0, mass = 2;
                 for (auto [quadrature, fine] : {std::pair(16, 0), {16, 80}, {80, 320}})
                     if (!(p > level && mass <= 1.01))
@@ -94,7 +94,7 @@ TEST(Lobes, PdfIntegratesToOneWhereNothingIsLost) {
         DiffuseTransmissionBxdf leaf(SampledSpectrum(0.2f), SampledSpectrum(0.6f));
         for (ReflTransFlags which : kSides) EXPECT_NEAR(mass(leaf, wo, which), 1, 2e-3);
     }
-    // Hardly any facet of a weakly rough surface, seen from above, reflects below the horizon.
+    // A weakly rough surface, seen from above, reflects almost nothing below the horizon.
     Vector3 above = DirectionAt(1, 70);
     EXPECT_NEAR(mass(Gold(0.12f, 0.08f), above, ReflTransFlags::All), 1, 0.015);
     for (ReflTransFlags which : kSides)
@@ -113,7 +113,7 @@ TEST(Lobes, SampleAgreesWithFAndPdf) {
             ReflTransFlags which = kSides[i % 3];
             Float uc = rng.Uniform();
             auto s = lobe.Sample(wo, uc, rng.Uniform2(), mode, which);
-            // Near the horizon float directions are too coarse for the half vector of a refraction.
+            // Near the horizon directions in float are too coarse for the half vector of a refraction.
             if (!s || std::abs(s->wi.z) < 0.02f || std::abs(wo.z) < 0.02f) continue;
             ++drawn;
             Float pdf = lobe.Pdf(wo, s->wi, mode, which);
@@ -129,8 +129,8 @@ TEST(Lobes, SampleAgreesWithFAndPdf) {
     });
 }
 
-// f_r(a, b) = f_r(b, a); across a boundary the radiance function one way is the importance function the other way, and
-// radiance carries the squared index (Veach 1997, section 5.2).
+// f_r(a, b) = f_r(b, a). Across a boundary, the function for radiance in one direction is that for importance in the
+// other, and radiance carries the squared index (Veach 1997, section 5.2).
 TEST(Lobes, Reciprocal) {
     Rng rng(4);
     ForEachNonSpecular([&](const char *name, const auto &lobe) {
@@ -142,7 +142,7 @@ TEST(Lobes, Reciprocal) {
             for (int k = 0; k < SpectrumSamples; ++k) {
                 if (there[k] < 1e-5f && back[k] < 1e-5f) continue;
                 ++compared;
-                // Fresnel's terms are steep near the critical angle.
+                // The Fresnel terms are steep near the critical angle.
                 EXPECT_NEAR(there[k], back[k], 0.02f * back[k] + 1e-4f) << name;
             }
         }
@@ -150,7 +150,7 @@ TEST(Lobes, Reciprocal) {
     });
 }
 
-/// Mean of |f cos / pdf| over samples: what is scattered of light from everywhere.
+/// The mean of |f cos / pdf| over samples: the share of light from everywhere that is scattered.
 template <class Lobe>
 double Albedo(const Lobe &lobe, const Vector3 &wo, TransportMode mode, int n = 40000) {
     Rng rng(5);
@@ -184,8 +184,8 @@ TEST(Lobes, ConserveEnergy) {
     }
 }
 
-/// Share of white light that facets do not hide again: what single scattering keeps, by quadrature over the visible
-/// normals. `fresnel(cosine)` is the share mirrored; the rest passes by `eta`.
+/// The share of white light that is not shadowed by facets after it was scattered once, by quadrature over the visible
+/// normals. `fresnel(cosine)` is the share that is mirrored; the rest is refracted by `eta`.
 template <class Fresnel>
 double KeptByFacets(const TrowbridgeReitz &facets, const Vector3 &wo, Float eta, Fresnel fresnel) {
     double sum = 0;
@@ -256,7 +256,7 @@ TEST(SmoothDielectric, EqualIndicesLetEverythingPass) {
     EXPECT_FALSE(nothing.Sample(wo, 0, {0.3f, 0.4f}, kRadiance, ReflTransFlags::Reflection));
 }
 
-// Twin: the pane's bounces one by one.
+// The reference: the bounces inside of the pane, one by one.
 TEST(ThinDielectric, SumsTheBouncesInside) {
     ThinDielectricBxdf pane(1.5f);
     for (Float theta : {0.f, 45.f, 80.f}) {

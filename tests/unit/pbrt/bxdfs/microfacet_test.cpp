@@ -10,7 +10,7 @@ namespace {
 using test::DirectionAt;
 using test::DirectionTest;
 
-/// Integral over the sphere of f(w).
+/// The integral of f(w) over the sphere.
 template <class F>
 double Integral(F f) {
     double sum = 0;
@@ -26,7 +26,7 @@ TEST(TrowbridgeReitz, ProjectedAreaOfTheFacetsIsOne) {
     }
 }
 
-// Heitz 2014, eq. 21: what is seen of the facets is the projected area of the surface.
+// Heitz 2014, eq. 21: the projected area of the visible facets is that of the surface.
 TEST(TrowbridgeReitz, VisibleFacetsHaveTheProjectedAreaOfTheSurface) {
     for (auto [ax, ay] : {std::pair{0.3f, 0.3f}, {0.15f, 0.8f}})
         for (Float theta : {0.f, 30.f, 60.f, 85.f}) {

@@ -11,7 +11,8 @@
 
 namespace pbrt::test {
 
-/// Counts of directions over a grid of theta x phi (theta, so that narrow lobes about the normal get many points).
+/// Counts of directions over a grid of theta x phi. The rows are equal in theta, not in cos theta, so that a narrow
+/// lobe about the normal spreads over several cells.
 class SphereHistogram {
   public:
     SphereHistogram(int nTheta, int nPhi) : nTheta_(nTheta), nPhi_(nPhi), counts_(static_cast<size_t>(nTheta * nPhi)) {}
@@ -26,7 +27,7 @@ class SphereHistogram {
     }
     const std::vector<double> &Counts() const { return counts_; }
 
-    /// Integral over every cell of a function of direction: midpoint rule on n x n points per cell.
+    /// The integral of a function of direction over every cell, by the midpoint rule with n x n points per cell.
     template <class F>
     std::vector<double> Integrate(F f, int n) const {
         std::vector<double> cells(counts_.size());
@@ -34,7 +35,7 @@ class SphereHistogram {
         return cells;
     }
 
-    /// As Integrate with n; then the cells that hold more than 1/400 of the whole with `fine`.
+    /// Like Integrate with n; cells with more than 1/400 of the whole are integrated again with `fine`.
     template <class F>
     std::vector<double> IntegratePeaks(F f, int n, int fine) const {
         std::vector<double> cells = Integrate(f, n);
@@ -63,8 +64,9 @@ class SphereHistogram {
     std::vector<double> counts_;
 };
 
-/// p-value of "draw(u...) has density pdf(w)": `draw(Rng &)` gives an optional direction; what is not drawn must be the
-/// mass that pdf leaves. `mass` (may be null) gets the integral of pdf. `fine`: points per side of a cell with a peak.
+/// p-value of the hypothesis that `draw(Rng &)`, which returns an optional direction, has the density `pdf(w)`; the
+/// share of calls without a direction must be the mass that pdf lacks. `mass` (may be null) gets the integral of pdf.
+/// `fine`: points per side of a cell with a peak.
 template <class Draw, class Pdf>
 double DirectionTest(Draw draw, Pdf pdf, int samples, int quadrature, double *mass, int fine = 0) {
     SphereHistogram histogram(20, 20);
@@ -86,7 +88,7 @@ double DirectionTest(Draw draw, Pdf pdf, int samples, int quadrature, double *ma
     if (mass) *mass = sum;
     observed.push_back(lost);
     expected.push_back(std::max(0.0, samples - sum * samples));
-    // The quadrature is not exact: cells of no consequence are pooled with the lost.
+    // The quadrature is not exact: cells of tiny expected counts are pooled with the calls without a direction.
     for (size_t i = 0; i + 1 < expected.size(); ++i) {
         if (expected[i] >= 5) continue;
         observed.back() += observed[i];

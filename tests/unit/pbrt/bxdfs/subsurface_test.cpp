@@ -19,13 +19,14 @@ SampledSpectrum Values(Float a, Float b, Float c, Float d) {
 }
 
 TEST(FresnelMoments, ObeyReciprocity) {
-    // Inside, the mean transmittance is that from outside, by eta^2 fewer directions (Duderstadt; Egan and Hilgeman).
+    // The mean transmittance from inside is that from outside divided by eta^2, the ratio of solid angles (Duderstadt;
+    // Egan and Hilgeman).
     for (Float eta : {1.1f, 1.33f, 1.5f, 2.f}) {
         const Float inside = 1 - 2 * InnerFresnelMoment(eta, 1), outside = 1 - 2 * InnerFresnelMoment(1 / eta, 1);
         EXPECT_NEAR(inside, outside / Sqr(eta), 2e-4f) << eta;
     }
     EXPECT_NEAR(InnerFresnelMoment(1, 1), 0, 1e-5f);
-    // Beyond the critical angle everything is reflected, and little before it.
+    // Beyond the critical angle everything is reflected, and before it only little.
     const Float critical = std::sqrt(1 - 1 / Sqr(1.33f));
     EXPECT_GT(InnerFresnelMoment(1.33f, 0), critical);
     EXPECT_LT(InnerFresnelMoment(1.33f, 0), critical + .05f);
@@ -51,8 +52,8 @@ TEST_P(Table, MoreAlbedoReflectsMoreAndHardlyEverMoreThanAll) {
         EXPECT_GT(reflectance, last) << albedo;
         last = reflectance;
     }
-    // Diffusion is not exact: where next to nothing is absorbed its light adds up to a little more than came in
-    // (stock's tables are the same).
+    // Diffusion is not exact: where almost nothing is absorbed, the reflected light is a little more than came in (the
+    // tables of stock pbrt-v4 are the same).
     EXPECT_LE(table_.AtAlbedo(1).reflectance, GetParam().second == 1.33f ? 1.02f : 1.11f);
     EXPECT_LE(table_.AtAlbedo(.995f).reflectance, 1);
 }
@@ -97,7 +98,7 @@ TEST_P(Table, RadiiFollowTheProfile) {
     for (Float albedo : {.35f, .93f}) {
         const SubsurfaceTable::Row row = table_.AtAlbedo(albedo);
         constexpr int cells = 40, n = 40000;
-        // Cells even in log(1 + 20 r), up to r = 20.
+        // The cells are equal in log(1 + 20 r), up to r = 20.
         auto edge = [](double i) { return (std::exp(std::log(401.) * i / cells) - 1) / 20; };
         std::vector<double> observed(cells + 1), expected(cells + 1);
         Rng rng(3);
@@ -122,7 +123,7 @@ TEST_P(Table, RadiiFollowTheProfile) {
     }
 }
 
-/// Share of a pencil of light that a random walk brings back through the surface: the slow twin.
+/// The reference: the share of a thin beam of light that random walks bring back through the surface.
 double WalkedReflectance(Float albedo, Float g, Float eta, int photons) {
     Rng rng(11);
     const HenyeyGreenstein phase(g);
@@ -165,14 +166,14 @@ TEST(SubsurfaceTable, IsShared) {
     EXPECT_NE(a, SubsurfaceTable::Shared(.1f, 1.3f));
 }
 
-/// A ball of radius 1 about the origin; light enters at p, where the shading normal is bent.
+/// A ball of radius 1 about the origin; light enters at p, where the shading normal differs from the geometric one.
 class BssrdfOnBall : public testing::Test {
   protected:
     Bssrdf Make(const SampledWavelengths &lambda) const {
         const SampledSpectrum albedo = Values(.95f, .8f, .6f, .99f), sigmaT = Values(2, 4, 9, 3);
         return Bssrdf(p_, ns_, (SampledSpectrum(1) - albedo) * sigmaT, albedo * sigmaT, lambda, table_);
     }
-    /// Where the line through the segment crosses the ball, within the segment.
+    /// The points inside of the segment of the probe where it crosses the ball.
     static std::vector<Point3> Crossings(const Bssrdf::Probe &probe) {
         const Vector3 d = probe.to - probe.from;
         const double a = double(Dot(d, d)), b = double(Dot(d, probe.from)), c = double(Dot(probe.from, probe.from)) - 1;
@@ -209,7 +210,8 @@ TEST_F(BssrdfOnBall, CrossingsHaveThePdf) {
         for (size_t i = 0; i < expected.size(); ++i) {
             const double mean = n * expected[i];
             if (mean < 10) continue;
-            // Of a cell's count; two crossings of one probe fall into different cells but near the rim.
+            // The z value of the count of a cell. The two crossings of one probe fall into different cells, except near
+            // the rim.
             const double z = (histogram.Counts()[i] - mean) / std::sqrt(mean + Sqr(.01 * mean));
             worst = std::max(worst, std::abs(z));
         }
@@ -241,7 +243,7 @@ TEST_F(BssrdfOnBall, DrawnExitsGiveTheIntegralOfTheProfile) {
         for (double cell : sphere.Integrate([&](const Vector3 &x) { return bssrdf.Profile(Distance(p_, x))[k]; }, 16))
             expected += cell;
         const RunningStatistics &s = estimate[static_cast<size_t>(k)];
-        // Of each profile the last thousandth is lost; the peak at p costs the quadrature as much.
+        // The last thousandth of each profile is cut off; the quadrature errs by as much at the peak at p.
         EXPECT_LT(std::abs(s.mean - expected), 4 * s.StandardError() + .004 * expected)
             << k << ": " << s.mean << " for " << expected;
     }

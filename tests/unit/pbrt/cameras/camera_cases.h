@@ -39,7 +39,7 @@ inline CameraRay RayAt(const Camera &camera, const Point2 &film, const Point2 &l
     return ray.value();
 }
 
-/// Where a ray meets the plane z = depth.
+/// The point where a ray meets the plane z = depth.
 inline Point3 AtDepth(const Ray &ray, Float depth) { return ray((depth - ray.o.z) / ray.d.z); }
 
 inline void ExpectClose(const Vector3 &a, const Vector3 &b, Float tolerance, const char *what = "") {

@@ -18,7 +18,7 @@ std::string ErrorOf(const std::string &type, const std::vector<Param> &params) {
 
 TEST(MakeCamera, KnownAndUnknownTypes) {
     for (const std::string &name : Cameras().Names())
-        if (name != "realistic") {  // which needs a lens
+        if (name != "realistic") {  // "realistic" needs a lens file
             EXPECT_TRUE(MakeTestCamera(name, {})) << name;
         }
     std::string unknown = ErrorOf("perspectiv", {});
@@ -80,7 +80,7 @@ TEST(MakeCamera, NumbersOutsideTheirRangesAreErrors) {
         says(type, "shutteropen", {std::nanf("")}, "\"shutteropen\" is nan");
     }
     says("orthographic", "screenwindow", {-1, 1e30f, -1, 1}, "\"screenwindow\" is 1e+30");
-    // The distance counts only with a lens; without one, any is good.
+    // The focal distance is used only with a lens; without one, any value is accepted.
     EXPECT_EQ(ErrorOf("perspective", {FloatParam("focaldistance", {1e30f})}), "");
     EXPECT_NE(ErrorOf("perspective", {FloatParam("focaldistance", {1e30f}), FloatParam("lensradius", {0.1f})}), "");
 }

@@ -21,7 +21,8 @@ TEST(Footprint, FacingPlaneAtTheCornerHasTheSizeOfACornerPixel) {
         Vector3 dpdx, dpdy;
         camera->ApproximateFootprint(p, -Normalize(p), 0, 1, &dpdx, &dpdy);
         Float distance = Length(p);
-        // Ray and neighbour meet a plane that faces the ray; neither is quite symmetric about the step.
+        // The ray and its neighbour meet a plane that faces the ray; that is not quite symmetric about the step to the
+        // neighbour.
         EXPECT_NEAR(Length(dpdx) / (distance * std::tan(angleX)), 1, 0.02f);
         EXPECT_NEAR(Length(dpdy) / (distance * std::tan(angleY)), 1, 0.02f);
         EXPECT_NEAR(Dot(dpdx, p) / (Length(dpdx) * distance), 0, 1e-3f);
@@ -94,7 +95,7 @@ TEST(Footprint, IsZeroWithoutATangentPlane) {
     EXPECT_EQ(dpdy, Vector3(0));
     camera->ApproximateFootprint({0, 0, 0}, {0, 0, 1}, 0, 1, &dpdx, &dpdy);
     EXPECT_EQ(dpdx, Vector3(0));
-    // All around the camera and edge-on: finite.
+    // At points all around the camera, on surfaces seen edge-on, the footprint may be huge, but never NaN.
     Rng rng(4);
     for (int i = 0; i < 2000; ++i) {
         Point3 p(rng.Uniform() - 0.5f, rng.Uniform() - 0.5f, i % 2 ? -1 : 1e-4f);

@@ -53,7 +53,7 @@ TEST(PerspectiveCamera, LensFocusesAtFocalDistanceOnly) {
     }
     EXPECT_LE(farthest, 0.3f + 1e-6f);
     EXPECT_GT(farthest, 0.28f);
-    EXPECT_NEAR(spread, 0.3f, 0.02f);  // as far behind the focus as the lens before it
+    EXPECT_NEAR(spread, 0.3f, 0.02f);  // at twice the focal distance the blur is as wide as the lens
 }
 
 TEST(PerspectiveCamera, LensIsUsedEvenly) {
@@ -94,7 +94,8 @@ TEST(EveryCamera, DifferentialsAreTheRaysOfTheNextPixels) {
             ASSERT_TRUE(r.differential.valid);
             CameraRay x = RayAt(*cameras[c], film + Point2(1, 0), lens),
                       y = RayAt(*cameras[c], film + Point2(0, 1), lens);
-            // A spherical camera bends, its steps are extrapolated: within some per cent of a step.
+            // The rays of a spherical camera do not lie on a plane, and its differentials are extrapolated; they may
+            // differ by part of a step.
             Float tolerance = spherical ? 0.3f * Distance(x.ray.d, r.ray.d) + 2e-3f : 2e-5f;
             ExpectClose(r.differential.rxOrigin, x.ray.o, 1e-5f, "x origin");
             ExpectClose(r.differential.ryOrigin, y.ray.o, 1e-5f, "y origin");
@@ -154,7 +155,8 @@ TEST(SphericalCamera, MappingsLookWhereTheyShould) {
 }
 
 TEST(NdcFromCamera, MatchesTheHeadersOfStockPbrt) {
-    // worldToNDC * inverse(worldToCamera) of conformance/reference/cameras/perspective_screenwindow.exr: fov 50.
+    // The expected numbers are worldToNDC * inverse(worldToCamera) of
+    // conformance/reference/cameras/perspective_screenwindow.exr, whose fov is 50.
     auto camera = MakeTestCamera("perspective", {FloatParam("fov", {50})});
     Transform ndc = camera->NdcFromCamera().value();
     const glm::mat4 &m = ndc.Matrix();
@@ -164,11 +166,11 @@ TEST(NdcFromCamera, MatchesTheHeadersOfStockPbrt) {
     EXPECT_NEAR(m[2][2], 1.000005f, 1e-6f);
     EXPECT_NEAR(m[3][2], -0.005f, 1e-6f);
     EXPECT_EQ(m[2][3], 1);
-    // The orthographic one halves and shifts.
+    // The transform of the orthographic camera halves and shifts.
     Transform o = MakeTestCamera("orthographic", {})->NdcFromCamera().value();
     ExpectClose(o.Point({1, -1, 6.541316f}), {1, 0, 3.770658f}, 1e-6f);
     EXPECT_FALSE(MakeTestCamera("spherical", {})->NdcFromCamera());
-    // Projected, the screen fills the unit square with y up.
+    // The projected screen fills the unit square, with y up.
     ExpectClose(ndc.Point(RayAt(*camera, {30, 0}).ray(3)), {0.5f + 0.5f, 1, ndc.Point({0, 0, 2}).z}, 1e-2f);
 }
 

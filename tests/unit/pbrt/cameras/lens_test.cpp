@@ -21,7 +21,8 @@ struct Traced {
     bool passes = false;
 };
 
-/// The slow twin of LensSystem::Trace: in double precision, spheres from their centres, refraction by angles.
+/// The reference for LensSystem::Trace: in double precision, with spheres given by their centres and refraction by
+/// angles.
 Traced TraceSlowly(const std::vector<LensElement> &elements, glm::dvec3 o, glm::dvec3 d) {
     double z = 0;
     for (size_t i = elements.size(); i-- > 0;) {
@@ -37,7 +38,7 @@ Traced TraceSlowly(const std::vector<LensElement> &elements, glm::dvec3 o, glm::
         const double toClosest = glm::dot(center - o, d), gap = glm::length(o + d * toClosest - center);
         if (gap >= std::abs(radius)) return {};
         const double half = std::sqrt(radius * radius - gap * gap);
-        // A surface that is convex towards the scene is where the ray leaves the sphere.
+        // The ray meets a surface that is convex towards the scene where it leaves the sphere.
         const double t = radius > 0 ? toClosest + half : toClosest - half;
         if (t < 0) return {};
         o += d * t;
@@ -76,12 +77,12 @@ TEST(LensSystem, RaysGoWhereTheSlowTwinSendsThem) {
             ASSERT_NEAR(Length(ray.d), 1, 1e-6f);
         }
         EXPECT_GT(passed, kRays / 20);
-        EXPECT_LE(differ, 3) << "beyond rounding at the border";
+        EXPECT_LE(differ, 3) << "more rays differ than rounding at the border explains";
     }
 }
 
 TEST(LensSystem, ThinLensSendsFilmPointsThroughTheirImages) {
-    // f = 50 mm; the film 60 mm behind it sees a plane 300 mm in front of it, upside down and 5 times as large.
+    // f = 50 mm; the film, 60 mm behind the lens, sees a plane 300 mm in front of it, upside down and 5 times as large.
     std::vector<LensElement> elements = ThinLens(0.05f, 0.003f);
     elements.back().thickness = 0.06f;
     const LensSystem lens(elements);
@@ -103,17 +104,18 @@ TEST(FocusedThickness, ThinLensObeysTheLensEquation) {
         EXPECT_NEAR(1 / s + 1 / (distance - s), 1 / 0.05, 2e-3) << distance;
         EXPECT_LE(s, distance / 2 + 1e-6) << "the film is on the shorter side";
     }
-    EXPECT_FALSE(FocusedThickness(ThinLens(0.05f, 0.001f), 0.19)) << "below four focal lengths";
-    EXPECT_FALSE(FocusedThickness(ThinLens(-0.05f, 0.001f), 3)) << "spreads light";
+    EXPECT_FALSE(FocusedThickness(ThinLens(0.05f, 0.001f), 0.19))
+        << "nothing closer than four focal lengths can be focused";
+    EXPECT_FALSE(FocusedThickness(ThinLens(-0.05f, 0.001f), 3)) << "a diverging lens has no focus";
     const LensElement window{0, 0.001f, 1, 0.01f};
-    EXPECT_FALSE(FocusedThickness(std::vector<LensElement>{window}, 3)) << "no lens at all";
+    EXPECT_FALSE(FocusedThickness(std::vector<LensElement>{window}, 3)) << "a stop alone has no focus";
 }
 
 TEST(FocusedThickness, RaysNearTheAxisMeetInThePlaneOfFocus) {
     for (std::vector<LensElement> elements : {DoubleGauss(), test::FishEye()})
         for (Float distance : {0.5f, 6.0f}) {
             elements.back().thickness = static_cast<Float>(FocusedThickness(elements, double(distance)).value());
-            // By the slow twin: where rays of one point on the axis cross the axis again.
+            // The reference traces a ray from a point on the axis to where it crosses the axis again.
             const double rearZ = double(elements.back().thickness);
             const Traced t = TraceSlowly(elements, {0, 0, 0}, glm::normalize(glm::dvec3(1e-5, 0, rearZ)));
             ASSERT_TRUE(t.passes);
@@ -127,7 +129,8 @@ TEST(ExitPupil, HoldsEveryRayThatPassesAndLittleMore) {
         constexpr Float kFilmRadius = 0.02f;
         const ExitPupil pupil(lens, kFilmRadius);
         Rng rng(3);
-        // All rays that pass; those that pass within the pupil's rectangle; the rectangle as a share of all rays.
+        // Counts of all rays that pass and of those among them outside of the pupil's rectangle; sums of the
+        // rectangle's area and of the area that passing rays stand for.
         int passed = 0, outside = 0;
         double area = 0, passedArea = 0;
         constexpr int kRays = 200000;
@@ -147,8 +150,8 @@ TEST(ExitPupil, HoldsEveryRayThatPassesAndLittleMore) {
         }
         EXPECT_GT(passed, 2000);
         EXPECT_EQ(outside, 0);
-        // A disk fills 0.79 of its square; a pupil cut by two rims about two thirds.
-        EXPECT_LT(area / passedArea, 2) << "samples wasted";
+        // A disk fills 0.79 of its square; a pupil cut by two rims fills about two thirds of its rectangle.
+        EXPECT_LT(area / passedArea, 2) << "the rectangle is too large, so too many samples are wasted";
     }
 }
 
@@ -205,11 +208,12 @@ TEST(ApertureImage, ShapesHaveTheirCorners) {
                         star = ReadAperture("star");
     EXPECT_GT(square.Lookup({0.48f, -0.48f}), 0);
     EXPECT_EQ(square.Lookup({0.52f, 0}), 0);
-    // A corner down (-y), a side up: between 0.8 and 0.8 cos 36 degrees = 0.647 from the centre.
+    // The pentagon has a corner at -y and a side at +y; the side is 0.8 cos 36 degrees = 0.647 from the centre, the
+    // corners 0.8.
     EXPECT_GT(pentagon.Lookup({0, -0.78f}), 0);
     EXPECT_EQ(pentagon.Lookup({0, 0.67f}), 0);
     EXPECT_GT(pentagon.Lookup({0, 0.63f}), 0);
-    // Points of the star at 36, 108, 180, ... degrees, notches (0.382) between them.
+    // The star has points at 36, 108, 180, ... degrees and notches (at 0.382) between them.
     for (int i = 0; i < 10; ++i) {
         const Float angle = Radians(36 * static_cast<Float>(i));
         const Point2 direction(std::cos(angle), std::sin(angle));

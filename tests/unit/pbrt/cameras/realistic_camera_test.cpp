@@ -32,14 +32,14 @@ RealisticCamera &Realistic(Camera &camera) { return static_cast<RealisticCamera 
 TEST(RealisticCamera, RaysOfAPixelMeetWhereItIsInFocus) {
     auto camera = MakeTestCamera("realistic", Parameters(test::ThinLens(0.05f, 0.004f), 2), {60, 40});
     Rng rng(1);
-    // A thin lens maps the film, upside down, to the plane at 2 m from it.
+    // A thin lens maps the film, upside down, to the plane at 2 m from the film.
     const Float s = Realistic(*camera).Lens().RearZ();
     for (const Point2 &raster : {Point2(30, 20), Point2(10, 30), Point2(55, 5)}) {
         const Point2 film = Realistic(*camera).FilmFromRaster(raster);
         for (int i = 0; i < 50; ++i) {
             auto ray = camera->GenerateRay({raster, rng.Uniform2() * 0.4f + Point2(0.3f), 0, 1}, {});
             ASSERT_TRUE(ray);
-            // Oblique rays focus in front of the plane: field curvature of a real lens.
+            // Oblique rays focus in front of the plane: a real lens has field curvature.
             const Point3 expected(film * (-(2 - s) / s), 2);
             test::ExpectClose(test::AtDepth(ray->ray, 2), expected,
                               0.005f + 0.05f * glm::length(Point2(expected.x, expected.y)));
@@ -59,7 +59,8 @@ TEST(RealisticCamera, PicturesAreUprightAndFilmHasItsDiagonal) {
     EXPECT_NEAR(std::abs(corner.x / corner.y), 1.5f, 1e-5f);
 }
 
-/// Irradiance of a film point in a world of radiance 1, times what the camera is told, with its standard error.
+/// The mean ray weight at a film point, with its standard error: the irradiance in a world of radiance 1, times the
+/// exposure parameters.
 test::RunningStatistics Exposure(const Camera &camera, const Point2 &raster, int samples = 20000) {
     Rng rng(5);
     test::RunningStatistics stats;
@@ -71,7 +72,7 @@ test::RunningStatistics Exposure(const Camera &camera, const Point2 &raster, int
 }
 
 TEST(RealisticCamera, ExposureIsThatOfTheApertureOnTheAxisAndFallsByCos4) {
-    // A thin lens with its rim as the stop: the cone from the film point to the rim.
+    // A thin lens with its rim as the stop: light arrives in the cone from the film point to the rim.
     const Float radius = 0.004f;
     const std::vector<LensElement> elements = test::ThinLens(0.05f, radius);
     auto camera = MakeTestCamera("realistic", Parameters(elements, 10), {60, 40});
@@ -88,7 +89,7 @@ TEST(RealisticCamera, ExposureIsThatOfTheApertureOnTheAxisAndFallsByCos4) {
 }
 
 TEST(RealisticCamera, VignettingIsTheShareOfTheRimsThatOverlap) {
-    // Sampling the pupil's rectangle finds what sampling everything behind the rear element finds.
+    // Sampling the rectangle of the pupil must give the same as sampling everything behind the rear element.
     auto camera = MakeTestCamera("realistic", Parameters(test::FishEye(), 3, 8), {60, 40});
     const LensSystem &lens = Realistic(*camera).Lens();
     double darkest = 1e9, brightest = 0;
@@ -121,7 +122,7 @@ TEST(RealisticCamera, ShapedAperturesExposeAsTheDisk) {
         std::vector<Param> params = round;
         params.push_back(StringParam("aperture", shape));
         auto shaped = MakeTestCamera("realistic", params, {60, 40});
-        for (const Point2 &raster : {Point2(30, 20), Point2(40, 30)}) {  // the second on the diagonal
+        for (const Point2 &raster : {Point2(30, 20), Point2(40, 30)}) {  // the second one is on the diagonal
             const test::RunningStatistics a = Exposure(*disk, raster), b = Exposure(*shaped, raster);
             EXPECT_NEAR(b.mean / a.mean, 1, 0.02 + 4.5 * b.StandardError() / a.mean) << shape << " " << raster.x;
         }
@@ -143,7 +144,7 @@ TEST(RealisticCamera, DifferentialsAreTheRaysOfTheNextPixels) {
         ASSERT_TRUE(c);
         if (!c->differential.valid) continue;
         ++valid;
-        // In focus what a pixel sees is next to what its neighbour sees.
+        // In focus, the points that neighbouring pixels see are next to each other.
         Ray x, y;
         x.o = c->differential.rxOrigin;
         x.d = c->differential.rxDirection;

@@ -12,7 +12,7 @@ enum class Wrap { Repeat, Black };
 constexpr NamedValue<Wrap> kWraps[] = {{"repeat", Wrap::Repeat}, {"black", Wrap::Black}};
 using Vec3 = std::array<Float, 3>;
 
-/// One member of every type that core knows.
+/// Parameters with one member of every type that src/pbrt/core can read.
 struct Sample {
     int leaves = 4096;
     Float angle = 30;
@@ -56,7 +56,7 @@ struct Few {
     }
 };
 
-/// Parameters, each in a line of its own from 1 on.
+/// A set of parameters, each on its own line, counted from 1.
 class Set {
   public:
     Set &F(const std::string &name, std::vector<Float> v, ParamType type = ParamType::Float) {
@@ -97,7 +97,7 @@ class Set {
     int line_ = 0;
 };
 
-/// Everything wrong: what was thrown, then what was unused, as "line message" lines.
+/// All errors, first those thrown, then those about unused parameters, as lines "line message".
 std::string Wrong(const Set &given, Sample *sample = nullptr) {
     Sample fresh;
     DiagnosticSink sink;

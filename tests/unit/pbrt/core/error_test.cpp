@@ -18,7 +18,8 @@ TEST(Format, QuotesTheLineAndPutsTheCaretUnderTheColumn) {
 TEST(Format, LeavesOutWhatItDoesNotKnow) {
     EXPECT_EQ(Format({Severity::Error, {}, "Bad."}), "Error: Bad.");
     EXPECT_EQ(Format({Severity::Error, At("text", 0, 0), "Bad."}), "Error: f.pbrt: Bad.");
-    EXPECT_EQ(Format({Severity::Error, At("text", 9, 0), "Bad."}), "Error: f.pbrt:9:0: Bad.") << "no such line";
+    EXPECT_EQ(Format({Severity::Error, At("text", 9, 0), "Bad."}), "Error: f.pbrt:9:0: Bad.")
+        << "a line that the file does not have is not quoted";
     EXPECT_EQ(Format({Severity::Error, {}, "Bad."}, true), "\033[1;31mError\033[0m: Bad.");
 }
 
@@ -67,7 +68,7 @@ TEST(DiagnosticSink, KeepsTheFirstErrorsAndCountsTheRest) {
         const std::string all = FormatAll(e);
         EXPECT_TRUE(all.ends_with("Error: mistake 99\n... and 39900 more errors not shown.\n")) << all;
         EXPECT_LT(std::string(e.what()).size(), 100u);
-        // What was only counted stays counted on the way through other sinks.
+        // Errors that were only counted stay counted when they are passed to another sink.
         DiagnosticSink outer;
         outer.Warning({}, "careful");
         outer.Add(e);
@@ -98,7 +99,7 @@ TEST(FormatAll, QuotesEveryFileItNames) {
 }
 
 TEST(UserError, WhatNeedsNotTheFile) {
-    // As many are thrown as a scene has mistakes: none may look through the file.
+    // A scene with many mistakes throws many such errors, so making one must not search the whole file.
     const UserError e("Bad.", At(std::string(1000, '\n') + "quoted", 1001, 3));
     EXPECT_STREQ(e.what(), "Error: f.pbrt:1001:3: Bad.");
     EXPECT_EQ(FormatAll(e), "Error: f.pbrt:1001:3: Bad.\n    quoted\n       ^\n");
@@ -114,7 +115,7 @@ TEST(UserError, AMonstrousMessageIsCut) {
 TEST(Abbreviate, CutsLongTextBetweenCharacters) {
     EXPECT_EQ(Abbreviate("short"), "short");
     EXPECT_EQ(Abbreviate(std::string(100, 'a')), std::string(60, 'a') + "...");
-    EXPECT_EQ(Abbreviate("abc\xc3\xa9", 4), "abc...");  // not half of an e with an accent
+    EXPECT_EQ(Abbreviate("abc\xc3\xa9", 4), "abc...");  // the two bytes of an accented e are not separated
     EXPECT_EQ(Abbreviate("two\nlines"), "two lines");
 }
 
@@ -128,7 +129,7 @@ TEST(ListChoices, NamesANearOneFirst) {
     const std::string list = ListChoices("name49999", many);
     EXPECT_TRUE(list.starts_with("did you mean \"name4999\"? valid: name0000, ")) << list;
     EXPECT_TRUE(list.ends_with("name0099 and 4900 more")) << list;
-    // A distance to such a name would take years.
+    // The edit distance to such a long name would take years to compute.
     EXPECT_LT(ListChoices(std::string(10'000'000, 'x'), {std::string(10'000'000, 'y'), "a"}).size(), 200u);
 }
 

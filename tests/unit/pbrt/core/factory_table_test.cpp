@@ -74,7 +74,7 @@ TEST(FactoryTable, ANameUsedTwiceIsOurError) {
     EXPECT_THROW(add(), std::logic_error);
 }
 
-/// The context of a maker whose set has parameters that somebody else reads.
+/// The context of a maker whose parameter set has parameters that another reader reads.
 struct ContextAfter {
     DiagnosticSink &sink;
     const ParamReader &before;
@@ -100,7 +100,7 @@ TEST(FactoryTable, WithoutASinkParametersHaveAnOwner) {
                            [](const TwiceParams &p, const ParamSet &, int more) { return 2 * p.n + more; });
     const ParamSet own = Given("twice.n", 3), other = Given("n", 3), bad = Given("twice.n", 10);
     EXPECT_EQ(table.Make("twice", own, 1), 7);
-    EXPECT_EQ(table.Make("twice", other, 1), 9) << "what belongs to others is left alone";
+    EXPECT_EQ(table.Make("twice", other, 1), 9) << "parameters of other owners are ignored";
     table.Find("twice").check(own);
     EXPECT_THROW(table.Find("twice").check(bad), UserError);
     EXPECT_THROW(table.Make("twice", bad, 1), UserError);

@@ -55,7 +55,7 @@ TEST_F(Files, NamesAreLookedForBesideTheSceneFirst) {
     EXPECT_EQ(FileResolver().Resolve("x.png"), "x.png");
 }
 
-// A gzip bomb: some kilobytes that stand for any number of them.
+// A gzip bomb: some kilobytes that unpack to any number of bytes.
 TEST_F(Files, WhatDoesNotFitIntoMemoryIsRefusedBeforeItIsRead) {
     const std::string large(100 << 20, 'x');
     auto little = [] { return 50e6; };
@@ -70,7 +70,7 @@ TEST_F(Files, WhatDoesNotFitIntoMemoryIsRefusedBeforeItIsRead) {
     EXPECT_EQ(ReadFileContents(Gzip("small.gz", LongText()), ReadFrom::Files, [] { return 0.0; }), LongText());
 }
 
-// Nothing must wait for ever, and nothing without an end be read.
+// The program must neither wait for a pipe nor read a device without an end.
 TEST_F(Files, PipesAndDevicesAreNoFiles) {
     const std::string pipe = (folder_ / "pipe").string();
     ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);

@@ -13,7 +13,7 @@
 
 namespace pbrt::test {
 
-/// A folder of its own for every test.
+/// Gives every test its own temporary folder.
 class FolderTest : public ::testing::Test {
   protected:
     FolderTest() {

@@ -40,7 +40,8 @@ TEST(AvailableMemoryDeathTest, ObeysTheLimitOfTheProcess) {
     GTEST_FLAG_SET(death_test_style, "threadsafe");
     EXPECT_EXIT(
         {
-            // What is mapped already is more than this limit; of a larger one some is left.
+            // The process has mapped more memory than this limit already, so none is left; under the larger limit below
+            // some is left.
             rlimit limit{};
             limit.rlim_cur = 1'000'000;
             limit.rlim_max = RLIM_INFINITY;
@@ -57,7 +58,7 @@ TEST(UsableMemoryDeathTest, ObeysTheLimitOfTheProcess) {
     GTEST_FLAG_SET(death_test_style, "threadsafe");
     EXPECT_EXIT(
         {
-            rlimit limit{};  // what is mapped already stays
+            rlimit limit{};  // memory that is mapped already stays
             limit.rlim_cur = 50'000'000;
             limit.rlim_max = RLIM_INFINITY;
             setrlimit(RLIMIT_AS, &limit);

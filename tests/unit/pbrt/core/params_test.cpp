@@ -70,7 +70,7 @@ TEST(ParamSet, AtGivesErrorsWithoutAPlaceThatOfTheParameter) {
             set.At("a", [&] { throw UserError("gone.", line ? FileLoc{file, line, 0} : FileLoc()); });
             FAIL();
         } catch (const UserError &e) {
-            EXPECT_EQ(e.Diagnostics()[0].loc.line, line ? 4 : 7) << "one that has a place keeps it";
+            EXPECT_EQ(e.Diagnostics()[0].loc.line, line ? 4 : 7) << "an error that has a location keeps it";
             EXPECT_EQ(e.Diagnostics()[0].message, line ? "gone." : "Shape \"s\": gone.");
         }
     }

@@ -26,7 +26,7 @@ TEST(Progress, ShowsFractionsOfThePhaseNotTooOften) {
     Progress progress(&sink);
     progress.BeginPhase("building", 1000);
     for (int i = 0; i < 100; ++i) progress.Advance();
-    EXPECT_TRUE(sink.shown.empty()) << "a phase of an instant shows nothing";
+    EXPECT_TRUE(sink.shown.empty()) << "a very short phase must show nothing";
     std::this_thread::sleep_for(std::chrono::milliseconds(120));
     for (int i = 0; i < 400; ++i) progress.Advance();
     ASSERT_EQ(sink.shown.size(), 1u);
@@ -63,7 +63,7 @@ TEST(Progress, APhaseInsideAnotherIsAPartOfIt) {
     progress.Advance(25);
     ASSERT_EQ(sink.shown.size(), 1u);
     EXPECT_EQ(sink.shown[0].phase, "preparing");
-    EXPECT_NEAR(sink.shown[0].fraction, 0.75, 1e-9) << "what was done before the part counts as well";
+    EXPECT_NEAR(sink.shown[0].fraction, 0.75, 1e-9) << "all work of the phase so far counts";
     EXPECT_GE(progress.EndPhase(), 0.14);
     EXPECT_EQ(sink.done, (std::vector<std::string>{"    tiles", "  prepass", "preparing"}));
     progress.BeginPhase("rendering", 10);

@@ -15,13 +15,13 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// What a test does in a process of its own ends by itself after this, with a status that no test expects.
+/// Ends the child process of a test after 20 seconds, with a status that no test expects.
 [[noreturn]] void Hang() {
     std::this_thread::sleep_for(std::chrono::seconds(20));
     _exit(77);
 }
 
-/// Every test runs what it tests in a process of its own.
+/// Every test runs its code in a separate process.
 class SignalWatchTest : public ::testing::Test {
   protected:
     void SetUp() override { GTEST_FLAG_SET(death_test_style, "threadsafe"); }

@@ -56,7 +56,7 @@ TEST_F(WriteFileTest, LinksStayAndLeadToTheNewContent) {
     EXPECT_EQ(fs::read_symlink(Path("near")), "deep/real");
     EXPECT_TRUE(fs::is_symlink(Path("far")));
     EXPECT_EQ(ReadFileContents(Path("deep/real")), "new");
-    // A link to what is not there yet makes it.
+    // Writing to a link whose target does not exist creates the target.
     fs::create_symlink("deep/fresh", Path("dangling"));
     WriteFile(Path("dangling"), "made");
     EXPECT_EQ(ReadFileContents(Path("deep/fresh")), "made");
@@ -77,7 +77,8 @@ TEST_F(WriteFileTest, PipesAndDevicesAreWrittenTo) {
     EXPECT_EQ(FileCount(), 1);
 }
 
-// Standard output that goes to a file is that file, not one of the same name.
+// If standard output is redirected to a file, the bytes go into that file, which must not be replaced by another one of
+// the same name.
 TEST_F(WriteFileTest, StandardOutputIsNotReplaced) {
     const int file = open(Path("log").c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
     ASSERT_GE(file, 0);
@@ -89,7 +90,7 @@ TEST_F(WriteFileTest, StandardOutputIsNotReplaced) {
     EXPECT_EQ(ReadFileContents(Path("log")), "abc");
 }
 
-// A pipe whose reader went away must not end the process.
+// A pipe whose reader has gone away must give an error, not end the process.
 TEST_F(WriteFileTest, APipeWithoutReaderIsAnError) {
     const std::string pipe = Path("pipe");
     ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);

@@ -1,4 +1,4 @@
-// What films add up: saved, loaded, merged, and splatted from many threads.
+// The sums of films: saved, loaded, merged, and splatted to from many threads.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -31,7 +31,7 @@ std::unique_ptr<Film> Make(const std::string &type, const ParamSet &params = Par
     return MakeFilm(type, params, context, sink);
 }
 
-/// A number in [0, 1) that belongs to `key`.
+/// A pseudo-random number in [0, 1) that depends on `key`.
 Float Hash(uint64_t key) { return static_cast<Float>(MixBits(key) >> 40) / static_cast<Float>(1 << 24); }
 
 /// Adds the samples [first, last) of every pixel.
@@ -58,7 +58,7 @@ void AddSamples(Film &film, uint64_t first, uint64_t last) {
             }
 }
 
-/// Adds the splats [first, last), each to a pixel of its own choice, from `threads` threads.
+/// Adds the splats [first, last) from `threads` threads, each to a pseudo-random pixel.
 void AddSplats(Film &film, int64_t first, int64_t last, int threads) {
     const ThreadLimit limit(threads);
     ParallelFor(last - first, 16, [&](int64_t begin, int64_t end) {
@@ -106,7 +106,7 @@ TEST_P(EveryFilm, SavedSumsGoOnBitByBit) {
     bad.L = SampledSpectrum(Infinity);
     bad.lambda = first->SampleWavelengths(0.5f);
     first->AddSample(bad);
-    AddSamples(*second, 50, 60);  // forgotten by loading
+    AddSamples(*second, 50, 60);  // loading discards these samples
     Load(*second, Saved(*first));
     EXPECT_EQ(second->RejectedSamples(), 1u);
     EXPECT_EQ(Saved(*second), Saved(*first));
@@ -125,7 +125,7 @@ TEST_P(EveryFilm, MergedFilmsHaveTheSamplesOfBoth) {
     ASSERT_EQ(merged.size(), expected.size());
     for (size_t i = 0; i < merged.size(); ++i)
         EXPECT_NEAR(merged[i], expected[i], 1e-5f * std::max(Float(1), std::abs(expected[i]))) << i;
-    // A film without samples takes over the other to the bit.
+    // An empty film becomes exactly equal to the film that is merged into it.
     auto empty = Make(GetParam());
     Merge(*empty, Saved(*whole));
     EXPECT_EQ(Saved(*empty), Saved(*whole));
@@ -162,7 +162,7 @@ TEST_P(EveryFilm, SplatsAreTheSameForAnyNumberOfThreads) {
         if (expected.empty()) expected = Saved(*film);
         EXPECT_EQ(Saved(*film), expected) << threads;
     }
-    // In parts, saved and merged in any order, together with samples.
+    // The splats are rendered in parts, which are saved and merged in any order, together with samples.
     auto whole = Make(GetParam()), first = Make(GetParam()), second = Make(GetParam()), onlySamples = Make(GetParam());
     AddSamples(*whole, 0, 4);
     AddSamples(*onlySamples, 0, 4);
@@ -192,7 +192,8 @@ TEST_P(EveryFilm, ThePictureHasTheMeanOfSplatsBesideThatOfSamples) {
         sample.L = ColorSpace::SRGB().Illuminant().Sample(sample.lambda) / CieYIntegral;
         film->AddSample(sample);
         twice->AddSample(sample);
-        // Four splats of half the radiance to each of two samples per pixel: as much again.
+        // Two splats per sample, each of twice the radiance and weight 1/2: together they add twice what the samples
+        // give.
         for (int k = 0; k < 2; ++k) twice->AddSplat({1, 1}, sample.L * 2.0f, sample.lambda, Float(0.5));
         film->AddSplat({2, 1}, sample.L, sample.lambda, 1);
     }
@@ -214,7 +215,7 @@ TEST_P(EveryFilm, SplatsThatCannotBeAddedAreDroppedAndCounted) {
     film->ExpectSplats();
     const std::string before = Saved(*film);
     const SampledWavelengths lambda = film->SampleWavelengths(0.4f);
-    film->AddSplat({-1, 0}, SampledSpectrum(1), lambda, 1);  // outside: nothing to count
+    film->AddSplat({-1, 0}, SampledSpectrum(1), lambda, 1);  // a splat outside of the film is not counted
     EXPECT_EQ(Saved(*film), before);
     film->AddSplat({0, 0}, SampledSpectrum(Infinity), lambda, 1);
     film->AddSplat({0, 0}, SampledSpectrum(1e30f), lambda, 1);
@@ -237,7 +238,7 @@ TEST(FixedSum, HoldsItsRangeToItsPrecision) {
     EXPECT_FALSE(FixedSum::Holds(2 * most));
     EXPECT_FALSE(FixedSum::Holds(double{Infinity}));
     EXPECT_FALSE(FixedSum::Holds(std::numeric_limits<double>::quiet_NaN()));
-    // Carries from word to word, both ways: in doubles the small number would be lost.
+    // Carries go from word to word in both directions; sums of doubles would lose the small number.
     FixedSum sum, other;
     for (int i = 0; i < 1000; ++i) sum.Add(most);
     sum.Add(-3e-16);

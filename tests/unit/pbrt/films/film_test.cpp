@@ -44,7 +44,8 @@ class FilmTest : public ::testing::Test {
         EXPECT_EQ(b.low, Point2i(x0, y0));
         EXPECT_EQ(b.high, Point2i(x1, y1));
     }
-    /// Adds many samples of an emission spectrum, already divided by its photometric integral, to one pixel.
+    /// Adds many samples of an emission spectrum, divided by its photometric integral, to one pixel; returns the colour
+    /// of the pixel.
     static Rgb Expose(Film &film, const Spectrum &emission, Float scale = 1, int n = 40000) {
         Float photometric = SpectrumToPhotometric(emission);
         for (int i = 0; i < n; ++i) {
@@ -71,7 +72,7 @@ TEST_F(FilmTest, Defaults) {
 }
 
 TEST_F(FilmTest, CropWindowRoundsUp) {
-    // As stored in stock pbrt-v4's picture of film/crop_and_maxcomponent.
+    // The expected windows are those stored in stock pbrt-v4's picture of film/crop_and_maxcomponent.
     Resolution(128, 96);
     Floats("cropwindow", {0.125f, 0.8125f, 0.25f, 0.91667f});
     ExpectBounds(16, 104, 24, 89);
@@ -284,7 +285,7 @@ TEST_F(FilmTest, APictureThatDoesNotFitIsNotAllocated) {
             << e.what();
     }
     for (const char *type : {"gbuffer", "spectral"}) EXPECT_THROW(MakeFilm(type, params_, Context(), sink_), UserError);
-    Ints("pixelbounds", {500, 516, 999'000, 999'016});  // a small part of it does
+    Ints("pixelbounds", {500, 516, 999'000, 999'016});  // a small part of the picture fits into memory
     EXPECT_EQ(Make()->PixelBounds().Area(), 256);
     Resolution(100'000, 2'000'000);
     EXPECT_THROW(Make(), UserError);

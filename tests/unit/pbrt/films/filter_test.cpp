@@ -65,7 +65,7 @@ TEST_P(FilterTest, PdfIsProportionalToMagnitude) {
     ForGrid(500, [&](Point2 p, double area) {
         difference += std::abs(std::abs(double(filter_->Evaluate(p))) / magnitude - double(filter_->Pdf(p))) * area;
     });
-    EXPECT_LT(difference, 0.06);  // the table holds 16 cells per pixel
+    EXPECT_LT(difference, 0.06);  // the table has 16 cells per pixel
 }
 
 TEST_P(FilterTest, FrequenciesMatchPdf) {
@@ -78,7 +78,7 @@ TEST_P(FilterTest, FrequenciesMatchPdf) {
         };
         return index(p.y, r.y) * kBins + index(p.x, r.x);
     };
-    // A grid that cells and bins divide evenly would need the table's size; a fine one comes close enough.
+    // Only a grid that both the table's cells and the bins divide would be exact; a fine grid comes close enough.
     ForGrid(1200, [&](Point2 p, double area) { expected[bin(p)] += kDraws * double(filter_->Pdf(p)) * area; });
     Rng rng(17);
     for (int i = 0; i < kDraws; ++i) {
@@ -94,7 +94,7 @@ TEST_P(FilterTest, FrequenciesMatchPdf) {
 }
 
 TEST_P(FilterTest, WeightsReproduceTheFilter) {
-    // E[w] = 1 and E[w g] = integral of f g / integral of f, for a g without symmetry.
+    // Expects E[w] = 1 and E[w g] = integral of f g / integral of f, for a function g without symmetry.
     auto g = [](const Point2 &p) {
         return 1 + 0.7 * std::sin(1.3 * double(p.x) + 0.4) * std::cos(0.9 * double(p.y) - 0.8) + 0.2 * double(p.x);
     };
@@ -118,7 +118,7 @@ TEST_P(FilterTest, WeightsReproduceTheFilter) {
 }
 
 TEST_P(FilterTest, WeightIsSignedMagnitudeOverDensity) {
-    // Each sample: |w| pdf integral = |f| of the table cell, close to |f| at the sample, with its sign.
+    // For each sample, |w| pdf integral is |f| of its table cell, which is close to |f| at the sample; the signs agree.
     Rng rng(29);
     int wrongSigns = 0;
     double difference = 0, magnitude = 0;
@@ -141,7 +141,7 @@ TEST_P(FilterTest, ZeroOutsideTheRadius) {
     }
 }
 
-// Defaults, and the radii of the conformance scenes.
+// All filters with their defaults, and with the radii of the conformance scenes.
 INSTANTIATE_TEST_SUITE_P(
     All, FilterTest,
     ::testing::Values(Wrong{"box", {}, "box"}, Wrong{"box", {{"xradius", 1.3f}, {"yradius", 0.8f}}, "box_wide"},
@@ -187,7 +187,8 @@ TEST(Filter, BadParametersAreErrors) {
     EXPECT_THROW(MakeFilter("gauss", MakeParams({})), UserError);
     EXPECT_THROW(MakeFilter("box", MakeParams({{"xradius", 0.0f}})), UserError);
     EXPECT_THROW(MakeFilter("gaussian", MakeParams({{"sigma", -1.0f}})), UserError);
-    EXPECT_THROW(MakeFilter("gaussian", MakeParams({{"sigma", 1e-3f}})), UserError);  // falls between all table nodes
+    // So narrow that all nodes of the table are 0.
+    EXPECT_THROW(MakeFilter("gaussian", MakeParams({{"sigma", 1e-3f}})), UserError);
 }
 
 TEST(Filter, NumbersOutsideTheirRangesAreErrors) {

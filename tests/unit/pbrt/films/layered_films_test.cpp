@@ -52,7 +52,7 @@ Float Step(int i) { return (static_cast<Float>(i) + Float(0.5)) / kSamples; }
 
 TEST(SpectralFilm, BucketsHoldTheMeanRadianceWithinThem) {
     auto film = Make("spectral", Params({{"lambdamin", 400}, {"lambdamax", 700}}, 10));
-    // A line is its own mean at the centre of each bucket.
+    // The mean of a linear spectrum over a bucket is its value at the centre.
     const PiecewiseLinearSpectrum line({300, 900}, {1, 7});
     for (int i = 0; i < kSamples; ++i) {
         const SampledWavelengths lambda = film->SampleWavelengths(Step(i));
@@ -83,7 +83,7 @@ TEST(SpectralFilm, OverTheWholeRangeRgbIsThatOfTheRgbFilm) {
 
 TEST(SpectralFilm, WavelengthsThatEndedDoNotCount) {
     auto film = Make("spectral", Params({}, 4));
-    // Half of the paths lose three wavelengths, whose radiance is then meaningless.
+    // Half of the paths terminate three of their wavelengths, whose radiance is then meaningless.
     for (int i = 0; i < kSamples; ++i) {
         SampledWavelengths lambda = film->SampleWavelengths(Step(i));
         SampledSpectrum L(i % 2 ? 1 : 3);
@@ -154,7 +154,7 @@ TEST(GBufferFilm, HoldsMeansOverTheSamplesThatSeeASurface) {
     EXPECT_NEAR(value("N.X"), 1 / std::sqrt(10.0f), 1e-4f);
     EXPECT_NEAR(value("Ns.Y"), 3 / std::sqrt(10.0f), 1e-4f);
     for (const char *channel : {"Albedo.R", "Albedo.G", "Albedo.B"})
-        EXPECT_NEAR(value(channel), 0.3f, 2e-3f);  // half of the weight sees black
+        EXPECT_NEAR(value(channel), 0.3f, 2e-3f);  // half of the weight belongs to samples that see a black surface
     for (const std::string &channel : image.Channels())
         if (channel != "R" && channel != "G" && channel != "B") {
             EXPECT_EQ(value(channel.c_str(), 1), 0) << channel;
@@ -172,7 +172,7 @@ TEST(GBufferFilm, VarianceIsThatOfTheSamplesThatSeeASurface) {
     for (Float L : {1.0f, 2.0f, 6.0f}) film->AddSample({{0, 0}, SampledSpectrum(L), lambda, 1, surface});
     film->AddSample({{0, 0}, SampledSpectrum(50), lambda, 1, {}});
     const Image image = film->ToImage();
-    // Mean 3, variance 7.
+    // The values 1, 2 and 6 have mean 3 and variance 7.
     const char *channels[3] = {"R", "G", "B"};
     for (int c = 0; c < 3; ++c) {
         const Float variance = image.Get({0, 0}, image.FindChannel(std::string("Variance.") + channels[c]));
@@ -183,7 +183,7 @@ TEST(GBufferFilm, VarianceIsThatOfTheSamplesThatSeeASurface) {
 }
 
 TEST(GBufferFilm, PlacesAreInTheChosenCoordinates) {
-    // The camera moves from x = 0 to x = 8 and looks along +x; the world is rendering space moved up.
+    // The camera moves from x = 0 to x = 8 and looks along +x; world space is rendering space moved up by 100.
     const Transform turn = Transform::Rotate(90, {0, 1, 0});
     const AnimatedTransform camera(turn, 0, Transform::Translate({8, 0, 0}) * turn, 1);
     const Transform world = Transform::Translate({0, 100, 0});

@@ -30,7 +30,7 @@ PixelSensor MakeSensor(const ParamSet &params, const ColorSpace &space, Float ex
     return PixelSensor::Make(ReadParams<SensorParams>(params, sink), params, space, exposure);
 }
 
-/// What a sensor makes of a radiance spectrum, by equal steps of the wavelength sample.
+/// The response of a sensor to a radiance spectrum, by equal steps of the sample that chooses wavelengths.
 Xyz Measured(const PixelSensor &sensor, const Spectrum &radiance) {
     constexpr int kSteps = 8000;
     glm::dvec3 sum(0);
@@ -52,7 +52,8 @@ class Product final : public Spectrum {
 };
 
 TEST(PixelSensor, CamerasSeeTheColorCheckerAsTheStandardObserverDoes) {
-    // Under the light it is balanced for, a camera's greys have the output white and the patches come close.
+    // Under the light for which a camera is balanced, its greys get the output's white, and the colour patches come
+    // close to theirs.
     const ColorSpace &space = ColorSpace::SRGB();
     for (const std::string &name : SupportedSensors()) {
         if (name == "cie1931") continue;

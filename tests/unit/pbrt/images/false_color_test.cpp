@@ -37,7 +37,7 @@ TEST(FalseColor, RampGetsBrighterAndEndsWhereTheScaleEnds) {
 }
 
 TEST(FalseColor, IdsHaveColoursOfTheirOwn) {
-    // All pairs of the first ids differ visibly, or nearly all: a colour has only so much room.
+    // Nearly all pairs of the first ids must differ visibly; there is not room in the colours for all.
     int alike = 0, pairs = 0;
     for (uint64_t a = 0; a < 60; ++a)
         for (uint64_t b = 0; b < a; ++b) {
@@ -51,7 +51,7 @@ TEST(FalseColor, IdsHaveColoursOfTheirOwn) {
         EXPECT_GT(std::max({c.x, c.y, c.z}), 0.5f);
         EXPECT_LE(std::max({c.x, c.y, c.z}), 1);
         EXPECT_GE(std::min({c.x, c.y, c.z}), 0);
-        EXPECT_GT(std::max({c.x, c.y, c.z}) - std::min({c.x, c.y, c.z}), 0.2f) << "grey";
+        EXPECT_GT(std::max({c.x, c.y, c.z}) - std::min({c.x, c.y, c.z}), 0.2f) << "the colour is nearly grey";
     }
 }
 

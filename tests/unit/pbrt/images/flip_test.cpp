@@ -32,7 +32,8 @@ double Flip(const Image &image, const Image &reference, bool hdr = false, Image 
     return FlipReference(reference, {67, hdr}).Compare(image, errors);
 }
 
-// The obvious way, in double precision: every filter a square of weights applied at every pixel, textbook matrices.
+// The reference, in double precision: every filter is a square of weights that is applied at every pixel, and the
+// matrices are those of textbooks.
 namespace slow {
 
 struct Color {
@@ -52,7 +53,7 @@ Color Xyz(const Color &rgb) {
     for (int i = 0; i < 3; ++i) v[i] = kMatrix[i][0] * rgb.x + kMatrix[i][1] * rgb.y + kMatrix[i][2] * rgb.z;
     return {v[0], v[1], v[2]};
 }
-// Cramer's rule.
+// Inverts the RGB to XYZ matrix by Cramer's rule.
 Color RgbOf(const Color &xyz) {
     const double in[3] = {xyz.x, xyz.y, xyz.z};
     auto det = [](const double m[3][3]) {
@@ -186,7 +187,7 @@ Plane Flip(const Image &image, const Image &reference) {
 
 }  // namespace slow
 
-// Smooth colours with edges, dots and some noise.
+// A picture of smooth colours with edges, some noise and, if `dots`, dots.
 Image Picture(float phase, bool dots) {
     const Image noise = test::NoiseImage(PixelFormat::Float, {37, 29}, kRgb, -0.1f, 0.1f);
     return Paint({37, 29}, [&](int x, int y) {
@@ -239,13 +240,13 @@ TEST(Flip, StaysBetweenZeroAndOne) {
     }
 }
 
-// Flat pictures have no features and pass the filters unchanged. Lab of green: 87.73 -86.18 83.18, of blue: 32.30 79.19
-// -107.86; with Hunt's factor their distance is 203.3 and 203.3^0.7 = 41.27.
+// Pictures of one colour have no features, and the filters do not change them. Lab of green is 87.73 -86.18 83.18, of
+// blue 32.30 79.19 -107.86; with Hunt's factor their distance is 203.3, and 203.3^0.7 = 41.27.
 TEST(Flip, OfFlatColorsIsTheRemappedColorDistance) {
-    // Black and white: 100^0.7 / 41.27 = 0.6087, above the knee: 0.95 + 0.05 (0.6087 - 0.4) / 0.6.
+    // For black and white, 100^0.7 / 41.27 = 0.6087 is above the knee: 0.95 + 0.05 (0.6087 - 0.4) / 0.6.
     EXPECT_NEAR(Flip(Flat({0, 0, 0}), Flat({1, 1, 1})), 0.9674, 2e-4);
     EXPECT_NEAR(Flip(Flat({0, 1, 0}), Flat({0, 0, 1})), 1, 1e-4);
-    // Greys of lightness 50 and 60: Y = ((L + 16) / 116)^3; 10^0.7 / 41.27 = 0.12145 is below the knee.
+    // Greys of lightness 50 and 60 have Y = ((L + 16) / 116)^3; 10^0.7 / 41.27 = 0.12145 is below the knee.
     const auto grey = [](double lightness) { return Rgb(static_cast<float>(std::pow((lightness + 16) / 116, 3))); };
     EXPECT_NEAR(Flip(Flat(grey(50)), Flat(grey(60))), 0.12145 * 0.95 / 0.4, 2e-4);
 }
@@ -275,14 +276,14 @@ TEST(Flip, SeesFineStructureLessThanCoarse) {
     EXPECT_LT(fine, 0.3 * coarse);
 }
 
-// Two pictures whose filtered colours differ alike: the one with a new edge or dot is seen more.
+// Two pictures have the same difference of filtered colours: the one with a new dot gets the larger error.
 TEST(Flip, FeaturesAmplifyTheColorDifference) {
     Image reference = Flat({0.2f, 0.2f, 0.2f}, {41, 41}), dot = reference, spread = reference;
     dot.Set({20, 20}, 1, 1);
     for (int y = 0; y < 41; ++y)
         for (int x = 0; x < 41; ++x) {
             const float d2 = static_cast<float>((x - 20) * (x - 20) + (y - 20) * (y - 20));
-            spread.Set({x, y}, 1, 0.2f + 0.8f * std::exp(-d2 / 200.f) / 628.f);  // the same light, wide
+            spread.Set({x, y}, 1, 0.2f + 0.8f * std::exp(-d2 / 200.f) / 628.f);  // the light of the dot, spread widely
         }
     Image sharp, soft;
     Flip(dot, reference, false, &sharp);
@@ -302,8 +303,8 @@ TEST(HdrFlip, DoesNotChangeWhenBothPicturesAreScaled) {
     EXPECT_GT(one, 0.05);
 }
 
-// Largest luminance 16, median 1: the tone curve reaches 0.85 at x with (0.9036 - 0.85 0.8748) x^2 + (0.018 -
-// 0.85 0.354) x - 0.85 0.14 = 0, so x = 2.1189.
+// For the largest luminance 16 and the median 1: the tone curve reaches 0.85 at x with (0.9036 - 0.85 0.8748) x^2 +
+// (0.018 - 0.85 0.354) x - 0.85 0.14 = 0, so x = 2.1189.
 TEST(HdrFlip, ExposuresReachFromTheBrightestValueToTheMedian) {
     const Image image = Paint({10, 10}, [](int x, int y) { return Rgb(x == 3 && y == 4 ? 16.f : 1.f); });
     const double x = 2.1189;

@@ -1,4 +1,4 @@
-// Files that lie about their content, end too early, or are no files.
+// Files whose headers are wrong, files that end too early, and names that are no files.
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
@@ -50,7 +50,8 @@ class BrokenImage : public test::FileTest {
             << name;
         return ReadFileContents(Path(name));
     }
-    /// An EXR of one half channel of 8 x 8 pixels, of which a window of the header lies.
+    /// An EXR of one half channel of 8 x 8 pixels; `attribute`, a window in its header, is overwritten by the wrong
+    /// `box`.
     std::string ExrWith(const std::string &attribute, const std::array<int32_t, 4> &box, Imf::Compression compression) {
         Imf::Header header(8, 8);
         header.compression() = compression;
@@ -117,7 +118,7 @@ TEST_F(BrokenImage, SizesAreCheckedBeforeMemoryIsAllocated) {
         EXPECT_TRUE(Has(Message(path), "lie.pfm")) << size << ": " << Message(path);
     }
     EXPECT_TRUE(Has(Message(WriteBytes("lie.pfm", "PF\n1000000 1000000\n-1\n")), "needs about 12 TB of memory"));
-    // The checksums are missing, but sizes are judged first, or the header is refused as a whole.
+    // The checksums are missing: either the sizes are checked first, or the header is refused as a whole.
     for (auto [width, height] :
          {std::pair(100000u, 100000u), {0u, 5u}, {5u, 0u}, {1u << 31, 1u}, {0x7fffffffu, 0x7fffffffu}}) {
         const std::string path = WriteBytes("lie.png", png(width, height));
@@ -135,17 +136,18 @@ TEST_F(BrokenImage, SizesAreCheckedBeforeMemoryIsAllocated) {
             const std::string path = ExrWith("dataWindow", box, compression);
             EXPECT_TRUE(Has(Message(path), "lie.exr")) << compression << ": " << Message(path);
             if (box[2] == box[0] + 7 && box[3] == box[1] + 7) continue;
-            Message(ExrWith("displayWindow", box, compression));  // may be an image; must not crash
+            // This file may be readable, but must not crash the program.
+            Message(ExrWith("displayWindow", box, compression));
         }
     EXPECT_TRUE(Has(Message(ExrWith("dataWindow", {0, 0, 1 << 20, 7}, Imf::ZIP_COMPRESSION)), "lie.exr"));
     EXPECT_TRUE(Has(Message(ExrWith("dataWindow", {0, 0, 59999, 15}, Imf::ZIP_COMPRESSION)), "60000 x 16 pixels"));
-    // Targa, 20000 x 20000 in 20 bytes.
+    // A Targa file of 20000 x 20000 pixels in 20 bytes.
     const std::string tga =
         WriteBytes("lie.tga", test::Bytes({0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x20, 0x4e, 0x20, 0x4e, 24, 0, 1, 2}));
     EXPECT_TRUE(Has(Message(tga), "cannot hold")) << Message(tga);
 }
 
-// OpenEXR makes one sample of those of a pixel.
+// OpenEXR combines the samples of a deep pixel into one.
 TEST_F(BrokenImage, DeepPixelsBecomeFlat) {
     OIIO::ImageSpec spec(2, 2, 2, OIIO::TypeDesc::FLOAT);
     spec.deep = true;

@@ -11,7 +11,7 @@
 
 namespace pbrt::test {
 
-/// A folder of its own for every test, removed at the end.
+/// Gives every test its own folder, which is removed at the end.
 class FileTest : public ::testing::Test {
   protected:
     void SetUp() override {
@@ -35,7 +35,7 @@ inline std::string Bytes(std::initializer_list<int> values) {
     return bytes;
 }
 
-/// Pixels that all differ, in [low, high].
+/// An image of pseudo-random values in [low, high], which all differ.
 inline Image NoiseImage(PixelFormat format, Point2i resolution, std::vector<std::string> channels, Float low = 0,
                         Float high = 1, ColorEncoding encoding = {}) {
     Image image(format, resolution, std::move(channels), encoding);

@@ -67,7 +67,7 @@ TEST_F(ReadImageFile, PngGreyIsOneChannelAndLosesAlpha) {
     const Image alpha =
         ReadImage(Write<uint8_t>("b.png", 2, 1, 2, OIIO::TypeDesc::UINT8, {50, 0, 60, 128}, {"Y", "A"})).image;
     EXPECT_EQ(alpha.Channels(), std::vector<std::string>{"Y"});
-    // Not multiplied by alpha.
+    // The colour is not multiplied by alpha.
     EXPECT_FLOAT_EQ(alpha.Get({0, 0}, 0), Decoded(50));
     EXPECT_FLOAT_EQ(alpha.Get({1, 0}, 0), Decoded(60));
 }
@@ -78,7 +78,7 @@ TEST_F(ReadImageFile, PngAlphaStaysUnassociated) {
     EXPECT_EQ(image.Channels(), (std::vector<std::string>{"R", "G", "B", "A"}));
     EXPECT_FLOAT_EQ(image.Get({0, 0}, 0), Decoded(200));
     EXPECT_FLOAT_EQ(image.Get({1, 0}, 2), Decoded(30));
-    // Stock pbrt-v4 decodes alpha like a colour.
+    // As in stock pbrt-v4, alpha is decoded like a colour.
     EXPECT_FLOAT_EQ(image.Get({1, 0}, 3), Decoded(128));
 }
 
@@ -95,7 +95,8 @@ TEST_F(ReadImageFile, SixteenBitPngBecomesLinearHalf) {
 }
 
 TEST_F(ReadImageFile, PalettePngExpandsToRgb) {
-    // 2x1, two entries (255,0,0) and (0,128,255), the second one transparent; written by hand with Python's zlib.
+    // A palette PNG of 2 x 1 pixels with the entries (255,0,0) and (0,128,255), the second one transparent; written by
+    // hand with Python's zlib.
     const std::string path = WriteBytes(
         "p.png",
         Bytes({0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00,
@@ -113,7 +114,8 @@ TEST_F(ReadImageFile, PalettePngExpandsToRgb) {
 }
 
 TEST_F(ReadImageFile, TgaRowsAndAlphaComeOutAsStored) {
-    // Uncompressed 24-bit BGR, 2x2. Descriptor bit 5: the first row is the top one.
+    // An uncompressed Targa file of 2 x 2 pixels, 24-bit BGR. Bit 5 of the descriptor says that the first row is the
+    // top one.
     const std::string header = Bytes({0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24});
     const std::string pixels = Bytes({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
     const Image bottomUp = ReadImage(WriteBytes("up.tga", header + Bytes({0}) + pixels)).image;
@@ -123,7 +125,7 @@ TEST_F(ReadImageFile, TgaRowsAndAlphaComeOutAsStored) {
     EXPECT_FLOAT_EQ(topDown.Get({1, 1}, 2), Decoded(10));
     EXPECT_FLOAT_EQ(bottomUp.Get({0, 1}, 0), Decoded(3));
     EXPECT_FLOAT_EQ(bottomUp.Get({1, 0}, 2), Decoded(10));
-    // 32 bits with 8 bits of alpha: dropped, nothing multiplied.
+    // 32 bits per pixel, 8 of them alpha: alpha is dropped, and colours are not multiplied by it.
     const std::string alphaHeader = Bytes({0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 32, 0x28});
     const Image alpha = ReadImage(WriteBytes("alpha.tga", alphaHeader + Bytes({30, 60, 90, 128}))).image;
     EXPECT_EQ(alpha.Channels(), (std::vector<std::string>{"R", "G", "B"}));
@@ -225,7 +227,7 @@ TEST_F(ReadImageFile, ErrorsNameTheFile) {
          {"PF\n2 2\n-1\nabc", "PF\n0 2\n-1\n", "PF\n2 x\n-1\n", "PF\n2 2\n0\n", "PF\n1e9 1e9\n-1\n", "PF"})
         EXPECT_NE(Message([&] { ReadImage(WriteBytes("bad.pfm", bytes)); }).find("bad.pfm"), std::string::npos)
             << bytes;
-    // Truncated in the middle of the pixels.
+    // A file that is cut off in the middle of the pixels.
     const std::string whole =
         Write<uint8_t>("whole.png", 64, 64, 3, OIIO::TypeDesc::UINT8, std::vector<uint8_t>(64 * 64 * 3, 7));
     std::ifstream in(whole, std::ios::binary);

@@ -20,7 +20,7 @@ TEST(ColorEncoding, ParsesTheNamesOfTheFormatOnly) {
 
 TEST(ColorEncoding, MatchesKnownSrgbValues) {
     const ColorEncoding sRGB{};
-    // IEC 61966-2-1: the two pieces meet near 0.04045, mid grey 0.5 is about 0.214.
+    // In IEC 61966-2-1 the two pieces of the curve meet near 0.04045, and mid grey 0.5 is about 0.214 in linear values.
     EXPECT_FLOAT_EQ(sRGB.ToLinear(0), 0);
     EXPECT_FLOAT_EQ(sRGB.ToLinear(1), 1);
     EXPECT_NEAR(sRGB.ToLinear(0.5f), 0.21404114f, 1e-6f);
@@ -48,7 +48,7 @@ TEST(ByteCode, EncodesToTheNearestEncodedByte) {
         for (int i = -1000; i < 31000; ++i) {
             const Float v = static_cast<Float>(i) / 30000;
             const Float exact = 255 * encoding.FromLinear(std::clamp(v, Float(0), Float(1)));
-            // 0.5 apart from rounding of the power functions.
+            // At most 0.5, up to the rounding of the power functions.
             ASSERT_NEAR(code.Encode(v), exact, 0.5002f) << name << " " << v;
         }
         EXPECT_EQ(code.Encode(NAN), 0);
@@ -158,7 +158,8 @@ TEST(WrapMode, OctahedralEdgesMeetTheirMirrorImages) {
         EXPECT_TRUE(RemapPixel(p, resolution, WrapMode::OctahedralSphere));
         return p;
     };
-    // Crossing an edge at distance d from a corner leads back in at distance d from the other corner of that edge.
+    // A step over an edge at distance d from a corner leads back into the square at distance d from the other corner of
+    // that edge.
     for (int i = 0; i < 8; ++i) {
         EXPECT_EQ(mapped({8, i}), Point2i(7, 7 - i));
         EXPECT_EQ(mapped({i, 8}), Point2i(7 - i, 7));
@@ -166,7 +167,7 @@ TEST(WrapMode, OctahedralEdgesMeetTheirMirrorImages) {
         EXPECT_EQ(mapped({-1, i}), Point2i(1, 7 - i));
         EXPECT_EQ(mapped({i, -2}), Point2i(7 - i, 2));
     }
-    // Anything, however far, ends inside.
+    // Every coordinate, however far outside, is mapped into the square.
     for (int v : {-2000000000, -1000, -17, -16, -9, -8, 16, 17, 23, 1000, 2000000000})
         for (int w : {-2000000000, -8, 3, 8, 2000000000}) {
             Point2i p = mapped({v, w});

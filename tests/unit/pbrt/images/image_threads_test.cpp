@@ -11,7 +11,7 @@ namespace pbrt {
 
 namespace {
 
-/// A colour profile of a monitor by "IEC ", model "sRGB", with tags that no program knows, each a text.
+/// An ICC profile of a monitor by "IEC ", model "sRGB", with `tags` text tags whose names no program knows.
 std::vector<uint8_t> Profile(int number, int tags) {
     std::vector<uint8_t> bytes;
     auto word = [&](size_t at, uint32_t value) {
@@ -64,15 +64,15 @@ class ImageThreads : public test::FileTest {
     }
 };
 
-// Threads that read the headers of such files at once crashed, or looped for ever. In a process of its own, which is to
-// end by itself in time.
+// Threads that read PNG files with such profiles at the same time could crash the library or make it loop for ever. So
+// the test runs in a separate process, which must end by itself in time.
 TEST_F(ImageThreads, ReadPngsWithColorProfilesAtOnce) {
-    // The process is one that starts anew: the library's threads do not survive a fork.
+    // The process is started afresh, because the threads of the library do not survive a fork.
     GTEST_FLAG_SET(death_test_style, "threadsafe");
     constexpr int kFiles = 64, kTags = 300, kThreads = 8;
     std::vector<std::string> paths;
     for (int i = 0; i < kFiles; ++i) paths.push_back(WritePng(i, kTags));
-    // The profile is one that the library decodes: else this test would show nothing.
+    // The library must decode the profile, or else this test would show nothing.
     auto probe = OIIO::ImageInput::open(WritePng(kFiles * kTags, 1));
     ASSERT_TRUE(probe);
     EXPECT_EQ(probe->spec().get_string_attribute("ICCProfile:model"), "73524742");
@@ -92,7 +92,7 @@ TEST_F(ImageThreads, ReadPngsWithColorProfilesAtOnce) {
             });
         threads.clear();
         std::filesystem::remove_all(directory_);
-        std::exit(0);  // with the exit handlers of the library
+        std::exit(0);  // runs the exit handlers of the library, too
     };
     for (int repeat = 0; repeat < 3; ++repeat) EXPECT_EXIT(readAll(), ::testing::ExitedWithCode(0), "");
 }

@@ -125,7 +125,7 @@ TEST_F(WriteImageFile, PngIsSrgbAndClampsWithACount) {
     EXPECT_NE(message.find("3 of 9"), std::string::npos) << message;
     const Image read = ReadImage(Path("clamped.png")).image;
     const Float expected[9] = {0, 0.5f, 1, 0, 1, 0, 0.25f, 0.75f, 0.1f};
-    // Half a byte step of sRGB is at most about 0.0045 in linear values.
+    // Half a step of an sRGB byte is at most about 0.0045 in linear values.
     for (int i = 0; i < 9; ++i) EXPECT_NEAR(read.Get({i / 3, 0}, i % 3), expected[i], 0.0046f) << i;
 }
 
@@ -185,7 +185,7 @@ TEST_F(WriteImageFile, AFullDiskIsAnErrorAndKeepsTheOldFile) {
         }
         EXPECT_EQ(ReadFileContents(Path(name)), before) << name;
         WriteImage(Path(name), image);
-        EXPECT_GT(ReadFileContents(Path(name)).size(), 4096u) << name << " was too small to show anything";
+        EXPECT_GT(ReadFileContents(Path(name)).size(), 4096u) << name << " is too small for the limit of this test";
         std::filesystem::remove(Path(name));
         std::filesystem::create_symlink("/dev/full", Path(name));
         EXPECT_THROW(WriteImage(Path(name), image), UserError) << name;
@@ -197,7 +197,8 @@ TEST_F(WriteImageFile, AFullDiskIsAnErrorAndKeepsTheOldFile) {
 TEST_F(WriteImageFile, TilesOnAFullDiskAreAnError) {
     TileCache tiles(8);
     const std::vector<Image> images = {NoiseImage(PixelFormat::Float, {256, 256}, {"R", "G", "B"})};
-    // The library writes the description of a file at its end: a limit just below the whole takes only that.
+    // The library writes the description of a file at its end: a limit just below the whole size cuts off only the
+    // description.
     for (rlim_t limit : {5000, 400000, 786432 + 100}) {
         const test::SmallFilesOnly small(limit);
         signal(SIGXFSZ, SIG_IGN);

@@ -64,7 +64,7 @@ TEST(TrimmedRelL2, LeavesOutTheWorstPixelsAsAWhole) {
         for (int x = 0; x < 50; ++x) image.Set({x, y}, 1, 0.1f);
     const double everywhere = ImageError(image, reference, Metric::RelL2);
     EXPECT_NEAR(TrimmedRelL2(image, reference), everywhere, 1e-12);
-    // 0.1 % of 2500 pixels, rounded up: 3.
+    // 0.1 % of 2500 pixels is 3 pixels, rounded up.
     for (int i = 0; i < 3; ++i) image.Set({10 * i, 7 * i}, i, 1000);
     EXPECT_GT(ImageError(image, reference, Metric::RelL2), 1000 * everywhere);
     EXPECT_NEAR(TrimmedRelL2(image, reference), everywhere, 1e-9);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr WrapMode AllWraps[] = {WrapMode::Repeat, WrapMode::Black, WrapMode::Clamp, WrapMode::OctahedralSphere};
 
-// The slow twins work in double on the levels' pixels, through Image::Get with its wrap modes.
+// The reference functions work in double precision on the pixels of a level, through Image::Get with its wrap modes.
 double SlowBilinear(const Image &image, Point2 st, int channel, WrapMode wrap) {
     const double x = double(st.x) * image.Resolution().x - 0.5, y = double(st.y) * image.Resolution().y - 0.5;
     double sum = 0;
@@ -28,8 +28,8 @@ double SlowBilinear(const Image &image, Point2 st, int channel, WrapMode wrap) {
     return sum;
 }
 
-// Gaussian mean over every pixel p with q(p) < 1, where q is the quadratic form of the inverse of J J^T + I and J has
-// the footprint axes as its columns, in pixels.
+// The Gaussian-weighted mean of all pixels p with q(p) < 1, where q is the quadratic form of the inverse of J J^T + I,
+// and the columns of J are the footprint axes, in pixels.
 double SlowEllipse(const Image &image, Point2 st, Vector2 axis0, Vector2 axis1, int channel, WrapMode wrap) {
     const double w = image.Resolution().x, h = image.Resolution().y;
     const double cx = double(st.x) * w - 0.5, cy = double(st.y) * h - 0.5;
@@ -113,7 +113,7 @@ TEST(Pyramid, EnlargesOtherSizesToPowersOfTwo) {
     const std::vector<Image> levels = BuildPyramid(NoiseImage(PixelFormat::Float, {48, 20}, {"Y"}), WrapMode::Repeat);
     EXPECT_EQ(levels[0].Resolution(), Point2i(64, 32));
     EXPECT_EQ(levels.size(), 7u);
-    // Constant images stay constant, also at the edges.
+    // A constant image stays constant, even at its edges.
     Image flat(PixelFormat::Float, {5, 7}, {"Y"});
     for (int y = 0; y < 7; ++y)
         for (int x = 0; x < 5; ++x) flat.Set({x, y}, 0, 0.3f);
@@ -226,7 +226,7 @@ TEST(MipMap, EwaIsTheGaussianMeanOverTheEllipse) {
             };
             const double t = level - whole, expected = (1 - t) * at(whole) + t * at(whole + 1);
             between += whole > 0;
-            // The weights come from a table of 128 steps over a range of 0.865.
+            // The tolerance: the weights come from a table of 128 steps over a range of 0.865.
             ASSERT_NEAR(map.LookupRgb(q.st, q.dst0, q.dst1).y, expected, 0.01);
         }
         EXPECT_GT(between, 50);
@@ -275,7 +275,7 @@ TEST(MipMap, FloatLookupsFollowTheChannelRules) {
                      lookup(rgb.Extract({"B"}), filter, a, b)) /
                         3,
                     1e-6f);
-        // A footprint as wide as the image: the first channel.
+        // A footprint as wide as the image takes the first channel.
         EXPECT_EQ(lookup(rgba, filter, wide, b), lookup(rgba.Extract({"R"}), filter, wide, b));
     }
     for (TextureFilter filter : {TextureFilter::Point, TextureFilter::Ewa}) {
@@ -293,7 +293,7 @@ TEST(MipMap, KeepsAlphaOnlyIfItIsNotOneEverywhere) {
     for (int y = 0; y < 8; ++y)
         for (int x = 0; x < 8; ++x) image.Set({x, y}, 3, 1);
     EXPECT_FALSE(MipMap(image, nullptr, TextureFilter::Bilinear, WrapMode::Repeat, 8).HasAlpha());
-    // EXR channels come in any order, with others between.
+    // The channels of an EXR file come in any order, with others between them.
     const Image exr = NoiseImage(PixelFormat::Half, {8, 8}, {"B", "depth", "G", "R"});
     const MipMap map(exr, ColorSpace::Find("rec2020"), TextureFilter::Bilinear, WrapMode::Repeat, 8);
     EXPECT_EQ(map.Level(0).Channels(), (std::vector<std::string>{"R", "G", "B"}));

@@ -14,7 +14,7 @@ constexpr const char *kBallLamp =
     "AreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\n"
     "Shape \"sphere\" \"float radius\" .4\n";
 
-/// Closed surfaces around the origin: one for each way in which rays are traced.
+/// Closed surfaces around the origin, one for each way in which the program traces rays.
 const std::vector<std::string> kShells = {
     "Shape \"sphere\" \"float radius\" .7\n",
     "Shape \"sphere\" \"float radius\" .7 \"float alpha\" .5\n",
@@ -27,7 +27,7 @@ const std::vector<std::string> kShells = {
     "ObjectBegin \"shell\" Shape \"sphere\" \"float radius\" .7 ObjectEnd Identity ObjectInstance \"shell\"\n",
 };
 
-/// A floor and a ball under a lamp; something of material interface around the lamp, or around the ball.
+/// A floor and a ball under a lamp; a shape of the material "interface" is around the lamp or around the ball.
 std::string Scene(const std::string &integrator, const std::string &lamp, const std::string &aroundLamp,
                   const std::string &aroundBall, int samples) {
     auto shell = [](const std::string &shape) {
@@ -52,7 +52,7 @@ RunningStatistics Green(const Image &image) {
 
 TEST(Interface, VolpathSeesAsIfTheShellWereNotThere) {
     for (const char *lamp : {kPointLamp, kBallLamp}) {
-        // The same random numbers: the pictures differ by rounding only.
+        // The random numbers are the same, so the pictures differ by rounding only.
         auto mean = [&](const std::string &aroundLamp, const std::string &aroundBall) {
             return Green(RenderText(Scene("volpath", lamp, aroundLamp, aroundBall, 16)).image).mean;
         };
@@ -71,7 +71,7 @@ TEST(Interface, BlocksShadowRaysOfPath) {
         const double mean = Green(RenderText(Scene("path", kPointLamp, shell, "", 16)).image).mean;
         EXPECT_EQ(mean > 0, holes) << shell << mean;
     }
-    // Lamps that rays can meet are still found by scattered rays, with their whole light.
+    // A lamp that rays can meet is still found by BSDF samples, with all of its light.
     RunningStatistics inside, bare;
     for (int seed = 1; seed <= 8; ++seed) {
         BuildOptions options;

@@ -1,4 +1,4 @@
-// What integrators that work by pixels do with a pass, and what they say of the first surface.
+// Tests what pixel integrators do in a pass, and what they report of the first surface.
 #include "pbrt/integrators/pixel_integrator.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 namespace pbrt::test {
 namespace {
 
-/// A textured floor behind something that does not scatter, seen from above.
+/// A textured floor behind a surface that does not scatter, seen from above.
 std::string Scene(const std::string &film, const std::string &integrator, int maxDepth) {
     return "Option \"rendercoordsys\" \"world\" LookAt 0 0 4  0.3 0.1 0  0 1 0 Camera \"perspective\" \"float fov\" "
            "40\n"
@@ -86,7 +86,7 @@ TEST(VisibleSurface, AskingForItLeavesTheRadianceAlone) {
     }
 }
 
-/// Writes down which samples it was asked for.
+/// Records the samples that it is asked for.
 class Census final : public PixelIntegrator {
   public:
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &, Sampler &sampler) const override {

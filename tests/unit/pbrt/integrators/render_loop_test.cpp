@@ -1,4 +1,4 @@
-// The wave loop, with an integrator that only writes down what it is asked for.
+// Tests the wave loop with an integrator that only records what it is asked for.
 #include "pbrt/integrators/render_loop.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 namespace pbrt::test {
 namespace {
 
-/// Learns after the numbers of samples that it is given.
+/// Learns after the given numbers of samples.
 class ListedLearner final : public LightLearner {
   public:
     explicit ListedLearner(std::vector<int> at) : at_(std::move(at)) {}
@@ -37,7 +37,7 @@ struct Pass {
     bool operator==(const Pass &) const = default;
 };
 
-/// Tells by SamplesPerPixel() what seed it has, and counts the batches it is made for.
+/// A sampler whose SamplesPerPixel() is its seed; counts how often WithSeed() is called.
 class SeedTeller final : public Sampler {
   public:
     SeedTeller(int seed, int *made) : Sampler(seed), seed_(seed), made_(made) {}
@@ -57,7 +57,7 @@ class SeedTeller final : public Sampler {
     int *made_;
 };
 
-/// Every sample is 1 at every wavelength.
+/// Records the passes and the seeds; every sample is 1 at every wavelength.
 class Recorder final : public Integrator {
   public:
     bool Render(const RenderPass &pass) override {
@@ -87,9 +87,9 @@ class Recorder final : public Integrator {
     }
 
     std::vector<Pass> passes;
-    std::set<int> seeds;  ///< of the samplers
+    std::set<int> seeds;  ///< the seeds of the samplers that were used
     std::unique_ptr<ListedLearner> learner;
-    size_t cancelsIn = 0;  ///< which pass, from 1
+    size_t cancelsIn = 0;  ///< the pass that cancels the render, counted from 1; 0: none
     double secondsPerSample = 0;
 };
 
@@ -132,7 +132,7 @@ class RenderLoop : public ::testing::Test {
     Recorder integrator_;
     RenderSettings settings_;
     Progress progress_;
-    int batches_ = 0;  ///< beyond the first
+    int batches_ = 0;  ///< batches that were begun after the first one
     const SeedTeller sampler_{5, &batches_};
 };
 
@@ -210,7 +210,7 @@ TEST_F(RenderLoop, ACancelledPassIsNotCounted) {
     EXPECT_TRUE(result.cancelled);
     EXPECT_EQ(result.samplesTaken, 2);
     EXPECT_EQ(waves, 2);
-    // Nothing more is asked for.
+    // After the cancellation the integrator is not called again.
     const RenderResult again = Run();
     EXPECT_TRUE(again.cancelled);
     EXPECT_EQ(again.samplesTaken, 0);
@@ -228,7 +228,7 @@ TEST_F(RenderLoop, ATimeBudgetEndsTheRenderAndItsLastWaveFits) {
     EXPECT_LE(result.samplesTaken, 51);
     EXPECT_GT(integrator_.seeds.size(), 2u);
     for (const Pass &p : integrator_.passes) EXPECT_FALSE(p.isCounted);
-    // A budget that is over gives one sample all the same.
+    // With a budget that is used up already, one sample is rendered all the same.
     integrator_.passes.clear();
     EXPECT_EQ(Run().samplesTaken, 1);
 }
@@ -262,7 +262,7 @@ TEST_F(RenderLoop, AFullDiskCostsTheErrorsButNotTheRender) {
     settings_.samplesPerPixel = 4;
     settings_.mseReferenceImage = WriteReference(1, 1);
     settings_.mseReferenceOut = File("errors.txt");
-    // Else writing beyond the limit ends the process.
+    // Without this, writing beyond the limit would end the process.
     const auto before = std::signal(SIGXFSZ, SIG_IGN);
     const RenderResult result = [&] {
         const SmallFilesOnly full(5);

@@ -29,7 +29,7 @@ TEST_P(SampledLight, LeavesOutWhatNoChoiceOfLightsChanges) {
         options.sampledLightOnly = sampledLightOnly;
         return RenderText(Scene(GetParam()), options).image;
     };
-    // Emission alone: what the camera sees, also of the lamp in the mirror (one bounce).
+    // Depth 0 shows emission alone: the light of the lamp that the camera sees.
     const Image lamps = render(0, false), nothing = render(0, true);
     const Image direct = render(1, false), sampled = render(1, true), deep = render(3, false),
                 deepSampled = render(3, true);
@@ -39,7 +39,7 @@ TEST_P(SampledLight, LeavesOutWhatNoChoiceOfLightsChanges) {
             const auto at = [&](const Image &image) { return double(image.Get({x, y}, 1)); };
             EXPECT_EQ(at(nothing), 0);
             seen += at(lamps);
-            // Depth 1: the same random numbers, so the difference is just that.
+            // At depth 1 the random numbers are the same, so the difference is exactly the light that is left out.
             const double left = at(direct) - at(sampled) - at(lamps);
             EXPECT_GE(left, -1e-4 * (1 + at(direct)));
             inMirror += left;
@@ -48,7 +48,7 @@ TEST_P(SampledLight, LeavesOutWhatNoChoiceOfLightsChanges) {
         }
     EXPECT_GT(seen, 1);
     EXPECT_GT(inMirror, 1);
-    EXPECT_GT(caustics, 0.01);  // lamp, mirror, floor
+    EXPECT_GT(caustics, 0.01);  // the light that goes from the lamp by the mirror to the floor
 }
 
 }  // namespace

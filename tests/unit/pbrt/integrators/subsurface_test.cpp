@@ -22,7 +22,7 @@ std::string Scene(const std::string &world, const std::string &integrator = "vol
            "\" \"integer maxdepth\" 20\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n" + world;
 }
 
-/// Of the green channel over pixels.
+/// Statistics of the green channel over all pixels.
 RunningStatistics Green(const Image &image) {
     RunningStatistics s;
     for (int y = 0; y < image.Resolution().y; ++y)
@@ -31,7 +31,8 @@ RunningStatistics Green(const Image &image) {
 }
 
 TEST(Subsurface, ALargePlaneReflectsWhatItsMatterDoes) {
-    // Light in from everywhere, seen from above: Fresnel's share mirrored, and of the rest what the matter sends back.
+    // Light comes from everywhere, and the plane is seen from above: Fresnel's share is mirrored, and of the rest the
+    // matter sends back `reflectance`.
     for (double eta : {1.33, 1.6})
         for (double reflectance : {.3, .8}) {
             const std::string matter = fmt::format(
@@ -54,7 +55,7 @@ TEST(Subsurface, NothingReflectsMoreThanComesIn) {
         const std::string material = "Material \"subsurface\" \"spectrum reflectance\" [300 1 900 1] \"spectrum mfp\" ";
         const RunningStatistics s = Green(RenderText(Scene(material + matter + "\nShape \"sphere\"\n")).image);
         EXPECT_LT(s.mean, 1 + 4 * s.StandardError() + .001) << matter;
-        EXPECT_GT(s.mean, .6) << matter;  // a profile of planes loses some light on a ball
+        EXPECT_GT(s.mean, .6) << matter;  // the profile is that of a plane and loses some light on a ball
     }
 }
 
@@ -88,7 +89,7 @@ Translate 0 1 0 Shape "sphere" "float radius" .2
 }
 
 TEST(SampleCrossing, AllSurfacesOfTheMaterialAreEquallyLikely) {
-    // Along x: ball (its material), two panes of another material between, an instance of the first.
+    // Surfaces along x: a ball of material a, two panes of material b between, and an instance of a pane of material a.
     const BuiltScene built = BuildText(Scene(R"(
 MakeNamedMaterial "a" "string type" "subsurface"
 MakeNamedMaterial "b" "string type" "diffuse"
@@ -108,7 +109,7 @@ Translate 2 0 0
 ObjectInstance "o"
 )"));
     const pbrt::Scene &scene = *built.scene;
-    // Rendering space has the camera, which is at (0, 0, 3), as its origin.
+    // The origin of rendering space is the camera, which is at (0, 0, 3).
     auto at = [](Float x) { return Point3(x, .1f, .2f - 3); };
     Ray ray;
     ray.o = at(-5);
@@ -129,7 +130,7 @@ ObjectInstance "o"
     ASSERT_EQ(counts.size(), 3u);
     EXPECT_TRUE(counts.contains(-1) && counts.contains(1) && counts.contains(2));
     EXPECT_GT(ChiSquareTest(observed, expected), 1e-4);
-    // The ends cut off what lies beyond them.
+    // Surfaces beyond the ends of the segment are not counted.
     EXPECT_EQ(scene.SampleCrossing(at(0), at(1.7f), 0, a, .3f)->count, 1);
     EXPECT_FALSE(scene.SampleCrossing(at(1.2f), at(1.7f), 0, a, .3f));
 }

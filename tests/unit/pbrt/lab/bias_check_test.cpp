@@ -1,4 +1,4 @@
-// The check is judged by simulated campaigns whose truth is known: how often it cries wolf, and what it finds.
+// Simulated campaigns whose truth is known show how often the check gives false alarms, and which biases it finds.
 #include "pbrt/lab/bias_check.h"
 
 #include <gtest/gtest.h>
@@ -51,8 +51,9 @@ double InSquare(int x, int y, double value) { return x >= 16 && x < 64 && y >= 1
 
 }  // namespace
 
-// 816 campaigns without bias under heavy tails: relL2 up to 130, infinite variance, fireflies that carry up to 30 % of
-// the light; everywhere, or in a thirtieth of the picture as where a lamp shines into its own shade. 1 % would be 8.2.
+// 816 campaigns without bias, with heavy-tailed noise: relL2 up to 130, infinite variance, fireflies that carry up to
+// 30 % of the light. The noise is everywhere, or in a thirtieth of the picture, as where a lamp shines into its own
+// shade. 1 % of the campaigns would be 8.2.
 TEST(BiasCheck, HeavyTailsGiveFewerThanOneFalseAlarmInHundred) {
     const std::vector<test::Noise> noises = {Lognormal(0.3),
                                              Lognormal(1.5),
@@ -78,7 +79,8 @@ TEST(BiasCheck, HeavyTailsGiveFewerThanOneFalseAlarmInHundred) {
     EXPECT_LE(alarms, 4);
 }
 
-// A bright tile has most of a region's noise, and two runs agree there by chance: then the region looks quiet.
+// A bright tile has most of the noise of its region. If two runs agree there by chance, the region seems to have little
+// noise.
 TEST(BiasCheck, FewRunsThatAgreeInABrightTileGiveNoFalseAlarms) {
     int alarms = 0;
     for (double sigma : {0.5, 1.0, 1.5})
@@ -93,7 +95,7 @@ TEST(BiasCheck, FewRunsThatAgreeInABrightTileGiveNoFalseAlarms) {
     EXPECT_LE(alarms, 2);
 }
 
-// Fireflies in one part of the picture do not blind the check elsewhere, where it has seen enough.
+// Fireflies in one part of the picture do not hide a bias elsewhere, where there are enough samples to see it.
 TEST(BiasCheck, FirefliesInACornerHideABiasThereOnly) {
     Campaign c = With(Fireflies(1e-3, 0.3, 0.1), 24);
     c.parts = 8;
@@ -104,8 +106,8 @@ TEST(BiasCheck, FirefliesInACornerHideABiasThereOnly) {
     EXPECT_EQ(Verdicts(c, 10, 24).biased, 0);
 }
 
-// The p-value of one region under nearly normal noise, few tiles and few runs; noise that sits in one tile of 16 leaves
-// few degrees of freedom.
+// The p-value of one region under nearly normal noise, with few tiles and few runs. Noise that is concentrated in one
+// of 16 tiles leaves few degrees of freedom.
 TEST(BiasCheck, PValueOfARegionKeepsItsLevel) {
     for (bool concentrated : {false, true}) {
         Campaign c = With(Lognormal(0.1), 2);
@@ -118,13 +120,14 @@ TEST(BiasCheck, PValueOfARegionKeepsItsLevel) {
         ParallelForEach(campaigns, [&](int64_t i) {
             p[static_cast<size_t>(i)] = Simulate(c, 500 + static_cast<uint64_t>(i)).whole.p;
         });
-        // Normal numbers would leave out 0.01 x 3000 = 30 +- 5.5; the larger of two estimates makes it fewer.
+        // The expected number of p-values below 0.01 is 0.01 x 3000 = 30 +- 5.5 under normal noise; the test takes the
+        // larger of two variance estimates, which makes it lower.
         EXPECT_LE(std::count_if(p.begin(), p.end(), [](double v) { return v < 0.01; }), 45);
         EXPECT_GE(std::count_if(p.begin(), p.end(), [](double v) { return v < 0.2; }), 200);
     }
 }
 
-// Neighbouring pixels share noise, and the reference comes from a sampler with rarer, stronger samples.
+// Neighbouring pixels share noise, and the reference is made by a sampler with rarer, stronger samples.
 TEST(BiasCheck, WideFiltersAndAnotherReferenceSamplerGiveNoFalseAlarms) {
     Campaign c = With(Lognormal(0.4));
     c.filter = 0.3;
@@ -142,16 +145,17 @@ TEST(BiasCheck, OnePictureAsReferenceOrOneRunGivesNoFalseAlarms) {
     }
 }
 
-// relL2 0.02, 4 runs: what a campaign of some seconds gives.
+// relL2 0.02 and 4 runs are what a campaign of some seconds gives.
 TEST(BiasCheck, FindsThreePercentInARegion) {
     for (double bias : {0.03, -0.03}) {
         Campaign c = With(Lognormal(0.14), 4);
         c.bias = [bias](int x, int y) { return InSquare(x, y, bias); };
         EXPECT_GE(Verdicts(c, 40, 10).biased, 39);
         const BiasReport report = Simulate(c, 99);
-        // Where it is, which sign, how much.
+        // The report says where the bias is, its sign and its size.
         EXPECT_TRUE(Overlap(report.worst.pixels, {{16, 16}, {64, 64}})) << report.text;
-        EXPECT_GT(report.worst.difference / bias, 0.25);  // of the region with the clearest sign, which may be wider
+        // The region with the clearest sign may be wider than the biased one.
+        EXPECT_GT(report.worst.difference / bias, 0.25);
         EXPECT_LT(report.worst.difference / bias, 1.3);
         EXPECT_GT(report.worstZ * bias, 0);
         EXPECT_LT(report.pValue, 0.005);
@@ -179,18 +183,18 @@ TEST(BiasCheck, FindsABiasWithOnePictureAsReference) {
 
 TEST(BiasCheck, CallsCleanOnlyWhatItCouldHaveSeen) {
     EXPECT_GE(Verdicts(With(Lognormal(0.14), 4), 40, 14).clean, 39);
-    // Too noisy for 3 %: unknown, with or without bias.
+    // The pictures are too noisy for a bias of 3 %: the verdict is unknown, with or without bias.
     Campaign noisy = With(Lognormal(1.2));
     EXPECT_GE(Verdicts(noisy, 20, 15).unknown, 19);
     noisy.bias = [](int x, int y) { return InSquare(x, y, 0.03); };
     EXPECT_EQ(Verdicts(noisy, 20, 16).clean, 0);
-    // For whom 40 % matter, the same data are enough.
+    // The same data are enough if only a bias of 60 % matters.
     BiasSettings coarse;
     coarse.interest = 0.6;
     EXPECT_GE(Verdicts(With(Lognormal(1.2)), 20, 17, coarse).clean, 15);
 }
 
-// The report says what could have been seen in 9 of 10 campaigns; that is put to the test.
+// The report states the bias that would be seen in 9 of 10 campaigns; here campaigns with that bias are simulated.
 TEST(BiasCheck, FindsWhatItSaysItCouldHaveSeen) {
     for (const test::Noise &noise : {Lognormal(0.3), Lognormal(0.8), Fireflies(1e-2, 0.05, 0.2)}) {
         double visible = 0;
@@ -198,7 +202,7 @@ TEST(BiasCheck, FindsWhatItSaysItCouldHaveSeen) {
         Campaign c = With(noise);
         c.bias = [visible](int, int) { return visible; };
         EXPECT_GE(Verdicts(c, 40, 19).biased, 33) << visible;
-        // And it is not far too careful: a quarter of it is mostly missed.
+        // The stated bias is not far too large, either: a quarter of it is mostly missed.
         c.bias = [visible](int, int) { return visible / 4; };
         EXPECT_LE(Verdicts(c, 40, 19).biased, 20) << visible;
     }
@@ -220,7 +224,7 @@ TEST(BiasCheck, UsesTheKnownNoiseOfTheReference) {
     Campaign c = With(Lognormal(0.05), 6);
     std::vector<TileMeans> runs;
     for (int i = 0; i < c.runs; ++i) runs.push_back(test::Render(c, c.noise, 1, true, rng));
-    // The reference is much worse than the runs: relL2 = exp(0.16) - 1 of 1.
+    // The reference is much noisier than the runs: its relL2 is exp(0.16) - 1 = 0.17.
     BiasReference reference;
     reference.parts.push_back(test::Render(c, Lognormal(0.4), 1, false, rng));
     reference.relL2 = 0.17;
@@ -237,7 +241,7 @@ TEST(BiasCheck, ReportsEveryTestItMade) {
     const BiasReport report = Simulate(With(Lognormal(0.3)), 21);
     EXPECT_EQ(report.runs, 3);
     EXPECT_EQ(report.tiles, 12 * 8);
-    // 4 x 4 tiles a block at 3 runs: 3 x 2, then 2 x 1, then 1.
+    // At 3 runs a block has 4 x 4 tiles, so there are 3 x 2, then 2 x 1, then 1 blocks.
     EXPECT_EQ(report.tests, 6 + 2 + 1);
     EXPECT_EQ(report.smallestSide, 32);
     EXPECT_EQ(report.whole.pixels.low, Point2i(0, 0));

@@ -1,5 +1,5 @@
-// Simulated campaigns of several samplers, some of which find a light of some room in few strong samples, others in
-// many weak ones: what the check says where the few were missed.
+// Simulated campaigns of several samplers. Some find a light of some room by few strong samples, others by many weak
+// ones; the check must not call a sampler biased because it missed the few.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,19 +17,19 @@ using test::Lognormal;
 
 namespace {
 
-constexpr int kRare = 1, kCalm = 2, kOther = 3;  ///< kin
+constexpr int kRare = 1, kCalm = 2, kOther = 3;  ///< the kinds of samplers (Contest::Sampler::kin)
 
 bool InRoom(int x, int y) { return x >= 20 && x < 36 && y >= 24 && y < 36; }
 bool InCorner(int x, int y) { return x >= 32 && x < 64 && y < 32; }
 bool InSomeRooms(int x, int y) { return x / 16 % 2 == 0 && y / 12 % 2 == 0; }
 
-/// Campaigns in which an honest sampler is called biased.
+/// `alarms` of `of` campaigns call an honest sampler biased.
 struct Alarms {
     int alarms = 0, of = 0;
 };
 
-/// `make` (probability, share, spread) says who takes part; their noise is in one room, a corner, some rooms,
-/// everywhere.
+/// `make(probability, share, spread)` gives the samplers of a campaign. Their noise is in one room, in a corner, in
+/// some rooms or everywhere.
 template <class F>
 Alarms CountAlarms(F &&make, bool useKin, int campaigns) {
     std::vector<Contest> contests;
@@ -56,7 +56,7 @@ Alarms CountAlarms(F &&make, bool useKin, int campaigns) {
     return {alarms, static_cast<int>(count)};
 }
 
-/// How many campaigns of 20 find the biased sampler, the first one, when a light is never chosen in a region.
+/// The number of campaigns of 20 that find the bias of the first sampler, which never chooses a light in a region.
 int Found(Contest contest, int runs, double bias) {
     contest.common.noisy = [](int x, int y) { return x >= 16 && x < 64 && y >= 16; };
     contest.common.bias = [bias](int x, int y) { return x >= 16 && x < 64 && y >= 16 ? -bias : 0; };
@@ -71,8 +71,8 @@ int Found(Contest contest, int runs, double bias) {
 
 const test::Noise kSmooth = Lognormal(0.3);
 
-// As bvh against octree: the reference that judges bvh shows many weak samples; its own, which judges octree, strong
-// ones.
+// Like bvh against octree: the reference that judges bvh is made of many weak samples, that of bvh, which judges
+// octree, of few strong ones.
 Contest TwoOfWhomOneIsRare(double probability, double share, double spread) {
     Contest contest;
     contest.samplers = {{Fireflies(probability, share, 0.3, spread), kRare}, {kSmooth, kCalm}};
@@ -81,7 +81,7 @@ Contest TwoOfWhomOneIsRare(double probability, double share, double spread) {
     return contest;
 }
 
-// And bvh over meshes, in whose place bvh makes the second reference.
+// As above with a third sampler of the first kind, as bvh over meshes is one; it makes the second reference.
 Contest ThreeOfWhomTwoAreRare(double probability, double share, double spread) {
     Contest contest;
     contest.samplers = {{Fireflies(probability, share, 0.3, spread), kRare},
@@ -94,15 +94,15 @@ Contest ThreeOfWhomTwoAreRare(double probability, double share, double spread) {
 
 }  // namespace
 
-// 0.5 % would be 1. The check that asked the runs and their reference alone, and half as many unseen samples, called
-// 6 to 7 % of such campaigns biased.
+// The level of 0.5 % allows one alarm. A check that uses only the runs and their reference, and half as many unseen
+// samples, calls 6 to 7 % of such campaigns biased.
 TEST(BiasKin, LightThatASamplerMeetsRarelyIsNoBias) {
     const Alarms two = CountAlarms(TwoOfWhomOneIsRare, true, 1), three = CountAlarms(ThreeOfWhomTwoAreRare, true, 1);
     EXPECT_LE(two.alarms + three.alarms, 3) << "of " << two.of + three.of;
 }
 
-// A reference from a file: nobody shows how strong the rare samples are where the runs met none. Fewer alarms than
-// before (4 to 5 %), but more than the level.
+// A reference from a file has no kin that shows how strong the rare samples are where the runs met none. So there are
+// more false alarms than the level allows.
 TEST(BiasKin, WithoutKinSomeFalseAlarmsRemain) {
     auto make = [](double probability, double share, double spread) {
         Contest contest = TwoOfWhomOneIsRare(probability, share, spread);
@@ -113,8 +113,8 @@ TEST(BiasKin, WithoutKinSomeFalseAlarmsRemain) {
     EXPECT_LE(alone.alarms, 0.035 * alone.of);
 }
 
-// What other kinds of samplers meet does not hide the bias of a calm one: relL2 0.1, a lost light in 39 % of the
-// picture.
+// The samples of other kinds of samplers do not hide the bias of a calm one. Here relL2 is 0.1, and a light is lost in
+// 39 % of the picture.
 TEST(BiasKin, BiasOfACalmSamplerIsFoundWhateverTheOthersDo) {
     for (const test::Noise &other :
          {kSmooth, Fireflies(1e-3, 0.3, 0.3), Lognormal(1.5), Fireflies(1e-2, 0.3, 0.8, 0.5)}) {
@@ -128,7 +128,7 @@ TEST(BiasKin, BiasOfACalmSamplerIsFoundWhateverTheOthersDo) {
     }
 }
 
-// One whose own kin meets strong samples there has to be off by more than these can explain.
+// If samplers of the same kind meet strong samples in the region, the difference must be larger than these can explain.
 TEST(BiasKin, KinOfStrongSamplesHidesASmallBiasOnly) {
     Contest contest;
     contest.samplers = {{kSmooth, kRare, true}, {Fireflies(1e-2, 0.2, 0.3), kRare}, {kSmooth, kCalm}};
@@ -156,7 +156,7 @@ TEST(BiasKin, OrderDoesNotMatterAndASinglePictureTellsNothing) {
     EXPECT_EQ(both, CheckBias(runs, reference, {}, std::vector<BiasKin>{strong, weak}).visibleImage);
     EXPECT_EQ(both, CheckBias(runs, reference, {}, std::vector<BiasKin>{strong}).visibleImage);
     EXPECT_EQ(none, CheckBias(runs, reference, {}, std::vector<BiasKin>{{render(1, 0.4), 1}}).visibleImage);
-    // Twice the samples a picture: the same firefly is twice as strong in a run.
+    // With twice the samples per picture, the same firefly would be twice as strong in a run.
     EXPECT_GT(CheckBias(runs, reference, {}, std::vector<BiasKin>{{strong.pictures, 2}}).visibleImage, both);
     c.resolution = {64, 64};
     EXPECT_THROW(CheckBias(runs, reference, {}, std::vector<BiasKin>{{render(2, 0.1), 1}}), UserError);

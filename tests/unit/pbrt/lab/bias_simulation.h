@@ -10,26 +10,26 @@
 
 namespace pbrt::lab::test {
 
-/// Draws of mean 1, never negative: what one pixel of a short rendering is, relative to the truth.
+/// A random factor of mean 1, never negative: the value of one pixel of a short rendering, relative to the truth.
 using Noise = std::function<double(Rng &)>;
 
 inline double Normal(Rng &rng) {
     const double u = std::max(static_cast<double>(rng.Uniform()), 1e-12), v = static_cast<double>(rng.Uniform());
     return std::sqrt(-2 * std::log(u)) * std::cos(6.283185307179586 * v);
 }
-/// relL2 is about exp(sigma^2) - 1.
+/// Lognormal noise; its relL2 is about exp(sigma^2) - 1.
 inline Noise Lognormal(double sigma) {
     return [sigma](Rng &rng) { return std::exp(sigma * Normal(rng) - sigma * sigma / 2); };
 }
-/// Density falls as x^-(alpha + 1); the variance is infinite for alpha <= 2.
+/// Noise whose density falls as x^-(alpha + 1); the variance is infinite for alpha <= 2.
 inline Noise Pareto(double alpha) {
     return [alpha](Rng &rng) {
         const double u = std::max(1 - static_cast<double>(rng.Uniform()), 1e-9);
         return (alpha - 1) / alpha * std::pow(u, -1 / alpha);
     };
 }
-/// A smooth part, and with `probability` a firefly; `share` of the light comes from fireflies, whose strengths scatter
-/// by Lognormal(spread).
+/// A smooth part and, with `probability`, a firefly. The fireflies carry `share` of the light; their strengths vary by
+/// Lognormal(spread).
 inline Noise Fireflies(double probability, double share, double sigma, double spread = 0) {
     return [=, smooth = Lognormal(sigma), strength = Lognormal(spread)](Rng &rng) {
         double v = (1 - share) * smooth(rng);
@@ -45,7 +45,7 @@ struct Campaign {
     int parts = 4, partLength = 4;  ///< the reference: `parts` pictures, each the mean of `partLength` runs
     Noise noise = Lognormal(0.5);
     Noise referenceNoise;  ///< default: `noise`
-    /// Where these noises are; elsewhere it is a little lognormal one.
+    /// The pixels that have these noises; the other pixels have a weak lognormal one.
     std::function<bool(int, int)> noisy = [](int, int) { return true; };
     std::function<double(int, int)> truth = [](int x, int y) { return x < 40 ? 0.2 : 1.5 + 0.01 * y; };
     std::function<double(int, int)> bias = [](int, int) { return 0.0; };  ///< relative
@@ -86,22 +86,22 @@ inline BiasReport Simulate(const Campaign &c, uint64_t seed, const BiasSettings 
     return CheckBias(runs, reference, settings);
 }
 
-/// A campaign of several samplers, each with its own noise where `common.noisy` says so. The best makes the reference;
-/// with `second` another one makes the reference that judges the best.
+/// A campaign of several samplers, each with its own noise where `common.noisy` is true. The sampler `best` makes the
+/// reference; if `second` is set, that sampler makes another reference, which judges the best.
 struct Contest {
     Campaign common;
     struct Sampler {
         Noise noise;
-        int kin = 0;          ///< equal: chooses lights in the same way
-        bool biased = false;  ///< by common.bias
+        int kin = 0;          ///< samplers with equal numbers choose lights in the same way
+        bool biased = false;  ///< whether it has common.bias
     };
     std::vector<Sampler> samplers;
     size_t best = 0;
     std::optional<size_t> second;
-    bool useKin = true;  ///< false: every verdict knows the runs and its reference only
+    bool useKin = true;  ///< false: every verdict uses only the runs and their reference
 };
 
-/// Verdicts on all samplers, as the lab asks for them.
+/// The verdicts on all samplers, computed as the lab does.
 inline std::vector<BiasVerdict> Simulate(const Contest &contest, uint64_t seed) {
     Rng rng(seed, 23);
     const Campaign &c = contest.common;

@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Three point lights of like strength over a floor.
+/// Three point lights of similar strength over a floor.
 const char *const kScene = R"(LookAt 0 3 -6  0 0 0  0 1 0
 Camera "perspective" "float fov" 40
 Film "rgb" "integer xresolution" 32 "integer yresolution" 24 "string filename" "scene.exr"
@@ -39,13 +39,13 @@ Shape "sphere" "float radius" 0.7
 Shape "bilinearmesh" "point3 P" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]
 )";
 
-/// Shared between the samplers that a registry makes.
+/// Shared by the samplers that a registry makes; the campaign is cancelled when `callsLeft` reaches 0.
 struct Switch {
     std::atomic<int64_t> callsLeft{1 << 30};
     Progress *progress = nullptr;
 };
 
-/// Uniform over the lights but the last `blind` ones. Interrupts the campaign after a number of calls.
+/// Uniform over all lights but the last `blind` ones. Cancels the campaign after a number of calls.
 class TestSampler final : public LightSampler {
   public:
     TestSampler(size_t lights, size_t blind, std::shared_ptr<Switch> interrupt)
@@ -74,7 +74,7 @@ Json ReadJson(const fs::path &path) {
     return Json::parse(in);
 }
 
-/// Finite values of equal bits.
+/// Expects that both files have pixels of equal bits.
 void ExpectSamePixels(const fs::path &a, const fs::path &b) {
     const Image one = ReadImage(a.string()).image, two = ReadImage(b.string()).image;
     ASSERT_EQ(one.Bytes(), two.Bytes());
@@ -197,7 +197,7 @@ TEST_F(Campaign, LeavesEverythingTheSchemaNames) {
     }
     ASSERT_EQ(r.at("samplers").size(), 3u);
     for (const Json &s : r.at("samplers")) {
-        // Nobody is judged by its own samples.
+        // No sampler is judged by a reference from its own samples.
         EXPECT_NE(r.at("references").at(s.at("reference").get<size_t>()).at("sampler"), s.at("label"));
         ASSERT_EQ(s.at("runs").size(), 2u);
         for (const Json &run : s.at("runs")) {
@@ -225,7 +225,7 @@ TEST_F(Campaign, LeavesEverythingTheSchemaNames) {
             EXPECT_TRUE(summary.at("overhead").contains(key)) << key;
         for (const char *key : {"verdict", "tiles", "tests", "worstZ", "pValue", "meanDifference"})
             EXPECT_TRUE(summary.at("bias").contains(key)) << key;
-        // The summary is that of the last rounds.
+        // The summary is about the last rounds.
         double mean = 0;
         for (const Json &run : s.at("runs"))
             mean += run.at("rounds").back().at("metrics").at("relL2").get<double>() / 2;
@@ -244,10 +244,10 @@ TEST_F(Campaign, LooksInsideEverySampler) {
         std::vector<std::string> list;
         for (const Json &layer : views.at("layers")) {
             list.push_back(layer.at("name"));
-            // What is the same everywhere has no picture.
+            // A layer that is the same everywhere has no picture.
             EXPECT_EQ(layer.at("file").is_null(), layer.at("isFlat").get<bool>()) << layer;
             if (layer.at("isFlat")) continue;
-            // A picture of the campaign's size, so that it lies over the others.
+            // The picture has the size of the campaign's pictures, so that it can lie over them.
             const fs::path file = folder_ / "out" / layer.at("file").get<std::string>();
             EXPECT_EQ(ReadImage(file.string()).image.Resolution(), Point2i(32, 24)) << file;
         }
@@ -261,13 +261,13 @@ TEST_F(Campaign, LooksInsideEverySampler) {
     Names ofScene = names(outcome->results.at("views"));
     std::sort(ofScene.begin(), ofScene.end());
     EXPECT_EQ(ofScene, (Names{"brightest", "visibility.0", "visibility.1", "visibility.2"}));
-    // Three lights, all alike.
+    // All three lights have the same probability.
     const Json &entropy = samplers.at(2).at("views").at("layers").at(0);
     EXPECT_NEAR(entropy.at("least").get<double>(), std::log2(3.0), 1e-5);
     EXPECT_NEAR(entropy.at("most").get<double>(), std::log2(3.0), 1e-5);
     EXPECT_EQ(entropy.at("isFlat"), true);
     EXPECT_FALSE(fs::exists(folder_ / "out/uniform/views/entropy.png"));
-    // Lights are named by their place in the scene file.
+    // Lights are named by their position in the scene file.
     std::vector<std::string> lights;
     for (const Json &layer : outcome->results.at("views").at("layers"))
         if (layer.contains("light")) lights.push_back(layer.at("light"));
@@ -291,7 +291,7 @@ TEST_F(Campaign, LooksInsideAreNoPartOfTheMeasurement) {
     for (size_t i = 0; i < 2; ++i)
         EXPECT_EQ(with.at("samplers").at(i).at("summary").at("shadowRays"),
                   without->results.at("samplers").at(i).at("summary").at("shadowRays"));
-    // A finished campaign can still be looked into, with the same outcome.
+    // The views of a finished campaign can be made later, with the same result.
     settings.views = true;
     const std::optional<CampaignOutcome> later = Run(settings);
     ASSERT_TRUE(later);
@@ -303,11 +303,11 @@ TEST_F(Campaign, LooksInsideAreNoPartOfTheMeasurement) {
 TEST_F(Campaign, RepeatGivesTheSamePictures) {
     const std::vector<std::string> samplers = {"uniform", "power"};
     ASSERT_TRUE(Run(Settings("one", samplers)));
-    // The second one renders its reference again as well.
+    // Without the cache, the second campaign renders its reference again.
     fs::remove_all(folder_ / "cache");
     ASSERT_TRUE(Run(Settings("two", samplers)));
     ExpectSamePictures("one", "two", samplers, 2);
-    // Different seeds are different pictures.
+    // Different seeds give different pictures.
     const Image a = ReadImage((folder_ / "one/uniform/seed0.exr").string()).image;
     const Image b = ReadImage((folder_ / "one/uniform/seed1.exr").string()).image;
     EXPECT_NE(std::memcmp(a.Data(), b.Data(), a.Bytes()), 0);
@@ -323,13 +323,13 @@ TEST_F(Campaign, ReferenceIsKeptInTheCacheAndFoundAgain) {
     const auto time = fs::last_write_time(kept[0]);
     ASSERT_TRUE(Run(Settings("two", {"uniform"})));
     EXPECT_EQ(fs::last_write_time(kept[0]), time);
-    // One that was cut short is rendered again, and the same.
+    // A reference file that was cut short is rendered again, with the same result.
     const auto size = fs::file_size(kept[0]);
     fs::resize_file(kept[0], size / 2);
     ASSERT_TRUE(Run(Settings("three", {"uniform"})));
     EXPECT_EQ(fs::file_size(kept[0]), size);
     ExpectSamePictures("one", "three", {"uniform"}, 2);
-    // Another scene is another reference.
+    // Another scene gets another reference.
     std::ofstream(folder_ / "scene.pbrt", std::ios::app) << "Shape \"sphere\" \"float radius\" 0.2\n";
     ASSERT_TRUE(Run(Settings("four", {"uniform"})));
     EXPECT_GT(ReferencesIn("cache").size(), kept.size());
@@ -340,7 +340,7 @@ TEST_F(Campaign, CacheThatCannotBeWrittenCostsTheCacheOnly) {
     fs::rename(folder_ / "scene.pbrt", folder_ / "protected/scene.pbrt");
     fs::permissions(folder_ / "protected", fs::perms::owner_read | fs::perms::owner_exec);
     std::ofstream(folder_ / "file") << "in the way";
-    // A file in the way stops root as well.
+    // A file in place of the folder stops root as well, for whom permissions do not count.
     int run = 0;
     for (const std::string &cache : {std::string(), (folder_ / "file").string(), (folder_ / "file/below").string()}) {
         const std::string out = "out" + std::to_string(run++);
@@ -381,7 +381,7 @@ TEST_F(Campaign, InterruptedOnesEndAsIfNothingHadHappened) {
     const int64_t calls = (1 << 30) - switch_->callsLeft;
     ASSERT_GT(calls, 1000);
     fs::remove_all(folder_ / "cache");
-    // Stops during the pilot, the references and the rounds.
+    // The campaign is interrupted during the pilot, the references and the rounds.
     int interruptions = 0;
     for (int attempt = 0; attempt < 40; ++attempt) {
         switch_->callsLeft = attempt < 12 ? calls / 5 : 1 << 30;
@@ -397,28 +397,30 @@ TEST_F(Campaign, InterruptedOnesEndAsIfNothingHadHappened) {
         for (size_t r = 0; r < 3; ++r)
             EXPECT_EQ(a.at("rounds").at(r).at("metrics"), b.at("rounds").at(r).at("metrics"));
     }
-    // A finished campaign is only summed up again.
+    // A finished campaign is not rendered again, only summarised.
     const auto time = fs::last_write_time(folder_ / "parts/honest/seed1.exr");
     ASSERT_TRUE(Run(Settings("parts", samplers)));
     EXPECT_EQ(fs::last_write_time(folder_ / "parts/honest/seed1.exr"), time);
 }
 
-// Every file that a campaign keeps, of a finished one and of one that was stopped while it rendered.
+// Cuts or removes every file that a campaign keeps, both of a finished campaign and of one that was stopped while it
+// rendered.
 TEST_F(Campaign, GoesOnWhateverFileWasCutShort) {
     const std::vector<std::string> samplers = {"uniform", "honest"};
     const std::optional<CampaignOutcome> whole = Run(Settings("whole", samplers));
     ASSERT_TRUE(whole);
-    // Another one is stopped in its rounds, when it has saved a film.
+    // Another campaign is stopped in its rounds, after it has saved a film.
     auto hasFilm = [&] {
         for (const auto &entry : fs::recursive_directory_iterator(folder_ / "stopped"))
             if (entry.path().extension() == ".film") return true;
         return false;
     };
     for (int attempt = 0; attempt < 200; ++attempt) {
-        // The pilot is done in one piece; then a round at a time.
+        // The pilot runs in one piece; after that a run stops in each round.
         switch_->callsLeft =
             fs::exists(folder_ / "stopped/records/pilot.json") ? 2000 + 100 * attempt : 3000 + 1000 * attempt;
-        ASSERT_FALSE(Run(Settings("stopped", samplers))) << "finished without ever being seen with a film";
+        ASSERT_FALSE(Run(Settings("stopped", samplers)))
+            << "the campaign ended before it was stopped with a film on disk";
         if (hasFilm()) break;
     }
     ASSERT_TRUE(hasFilm());
@@ -434,7 +436,7 @@ TEST_F(Campaign, GoesOnWhateverFileWasCutShort) {
             const bool decides = file.find("records") == 0 || file.find("seed") != std::string::npos;
             films += file.ends_with(".film");
             const auto size = static_cast<int64_t>(fs::file_size(folder_ / campaign / file));
-            // -1: the file is gone.
+            // The length -1 removes the file.
             for (const int64_t length :
                  decides ? std::vector<int64_t>{-1, 0, size / 2, size - 3} : std::vector<int64_t>{size / 2}) {
                 fs::remove_all(folder_ / "cut");
@@ -472,12 +474,12 @@ TEST_F(Campaign, RecordsOfAnotherCampaignOrVersionAreNotTakenUp) {
     CampaignSettings settings = Settings("out", {"uniform"});
     settings.samplesPerPixel = 8;
     ASSERT_TRUE(Run(settings));
-    // The file that says what the records belong to is lost, and the settings are others.
+    // The file with the settings of the records is lost, and the new settings differ.
     fs::remove(folder_ / "out/records/settings.json");
     ASSERT_TRUE(Run(Settings("out", {"uniform"})));
     ExpectSamePictures("whole", "out", {"uniform"}, 2);
     EXPECT_EQ(ReadJson(folder_ / "out/results.json").at("samplers").at(0).at("runs").at(0).at("rounds").size(), 3u);
-    // A record without what this version needs.
+    // A record that lacks a value which this version needs.
     const fs::path record = folder_ / "out/records/uniform/seed1-round02.json";
     Json json = ReadJson(record);
     json.erase("shadowRays");
@@ -534,7 +536,7 @@ TEST_F(Campaign, SampleCountsOfATimedOneGiveTheSamePictures) {
     for (const Json &s : first->results.at("samplers"))
         for (const Json &run : s.at("runs")) {
             EXPECT_GT(run.at("rounds").size(), 1u);
-            // More than the scene's four: later batches too.
+            // More samples than the four of the scene, so later batches are needed, too.
             EXPECT_GT(run.at("rounds").back().at("samples").get<int>(), 4);
         }
     CampaignSettings replay = Settings("replay", samplers);
@@ -561,12 +563,12 @@ TEST_F(Campaign, BiasedSamplerIsFoundAndNeverWins) {
     EXPECT_EQ(verdict(*outcome, 1), "biased");
     EXPECT_NE(verdict(*outcome, 2), "biased");
     EXPECT_NE(outcome->results.at("conclusion").at("lowestError"), "blind");
-    // It has the least noise, but the pilot sees what it lacks.
+    // The blind sampler has the least noise, but the pilot sees what it lacks.
     EXPECT_NE(ReadJson(folder_ / "out/records/pilot.json").at("note").at(0).at("sampler"), "blind");
     EXPECT_EQ(outcome->results.at("conclusion").at("doubts").size(), 0u);
 
-    // Lamps under the floor make noise for all but one, which leaves out a weak lamp as well: so little that the pilot
-    // cannot see it. The references contradict each other.
+    // Lamps under the floor make noise for all samplers but "clever", which leaves them out, and a weak lamp, too. The
+    // lamp is so weak that the pilot cannot see the loss; but the references contradict each other.
     std::string scene = kScene;
     scene.replace(scene.find("[ 4 4 3 ]"), 9, "[ .4 .4 .4 ]");
     for (int i = 0; i < 20; ++i)
@@ -586,8 +588,8 @@ TEST_F(Campaign, BiasedSamplerIsFoundAndNeverWins) {
     EXPECT_NE(little->results.at("conclusion").at("lowestError"), "clever");
 }
 
-// Power and bvh spend half of their samples on a lamp behind the wall. Uniform meets a lamp that matters twice in 4,002
-// samples: in most pixels never, and its few hits are thousands of times too bright.
+// Power and bvh spend half of their samples on a lamp behind the wall. Uniform chooses one of the two strong lamps
+// twice in 4,002 samples: in most pixels never, and its few hits are thousands of times too bright.
 TEST_F(Campaign, SamplerOfRareHitsIsNotTakenForAQuietOne) {
     std::string scene = kScene;
     scene.resize(scene.find("LightSource"));
@@ -606,8 +608,8 @@ TEST_F(Campaign, SamplerOfRareHitsIsNotTakenForAQuietOne) {
     EXPECT_GT(pilot.at(2).at("variance").get<double>(), 10 * pilot.at(1).at("variance").get<double>());
 }
 
-// Uniform meets the lamp once in 20,000 samples and finds the ceiling by its BSDF rays: quiet pictures that lack a
-// light. References are short. No stock sampler may be called biased for that.
+// Uniform chooses the lamp once in 20,000 samples and finds the ceiling by BSDF samples, so its pictures are quiet but
+// lack a light. The references have few samples. No stock sampler may be called biased for that.
 TEST_F(Campaign, ReferencesOfStockThatContradictEachOtherProveNothing) {
     std::string scene = kScene;
     scene.resize(scene.find("LightSource"));
@@ -637,7 +639,7 @@ TEST_F(Campaign, ReferencesOfStockThatContradictEachOtherProveNothing) {
     ASSERT_EQ(conclusion.at("doubts").size(), 1u) << conclusion.dump();
     EXPECT_NE(conclusion.at("doubts").at(0).get<std::string>().find("prove no bias"), std::string::npos)
         << conclusion.dump();
-    // Whoever seems to lead: such references rank nobody, and the terminal says so too.
+    // Such references rank no sampler, whichever seems to lead, and the terminal says so, too.
     EXPECT_TRUE(conclusion.at("winner").is_null()) << conclusion.dump();
     EXPECT_NE(outcome->text.find("prove no bias"), std::string::npos) << outcome->text;
 }
@@ -713,7 +715,7 @@ TEST(CampaignDisplay, TimeLeftIsThatOfTheWholeCampaign) {
     } sink;
     CampaignDisplay display(&sink);
     auto show = [&](double left) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(210));  // it does not show more often
+        std::this_thread::sleep_for(std::chrono::milliseconds(210));  // the display is updated at most every 0.2 s
         display.Show(left);
     };
     display.SetPhase("pilot");

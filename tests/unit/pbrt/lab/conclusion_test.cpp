@@ -19,7 +19,7 @@ Contender Clean(std::string label, std::vector<double> errors) {
     return c;
 }
 
-/// Leads by far.
+/// Three samplers, of which octree leads by far.
 std::vector<Contender> ClearCase() {
     return {Clean("bvh", {3, 3.1, 2.9}), Clean("octree", {1, 1.02, 0.98}), Clean("uniform", {9, 9.4, 8.8})};
 }
@@ -32,7 +32,7 @@ std::string All(const Conclusion &c) {
 
 bool Says(const Conclusion &c, const std::string &part) { return All(c).find(part) != std::string::npos; }
 
-/// No winner, for this one reason, and no sentence of a winner.
+/// Expects no winner, this one reason for it, and no sentence about a winner.
 void ExpectUndecided(const Conclusion &c, const std::string &reason) {
     EXPECT_FALSE(c.winner);
     EXPECT_TRUE(c.headline.starts_with("Undecided")) << c.headline;
@@ -80,7 +80,7 @@ TEST(Conclusion, TieDecidesNothing) {
 
 TEST(Conclusion, OneRunTellsNoNoise) {
     ExpectUndecided(Conclude({Clean("bvh", {9}), Clean("octree", {1})}, {}, {}, true), "One run");
-    // Nor do many of the leader and one of another.
+    // Many runs of one sampler do not help if the other has only one.
     ExpectUndecided(Conclude({Clean("bvh", {9}), Clean("octree", {1, 1.1, 0.9})}, {}, {}, true), "One run");
 }
 
@@ -118,7 +118,7 @@ TEST(Conclusion, UnknownBiasOfTheLeaderForbidsAWinner) {
     std::vector<Contender> all = ClearCase();
     all[1].bias = BiasVerdict::Unknown;
     ExpectUndecided(Conclude(all, {}, {}, true), "Whether octree is biased is not known");
-    // That of a sampler that loses is a note.
+    // The unknown bias of a sampler that does not lead gives only a note.
     all = ClearCase();
     all[2].bias = BiasVerdict::Unknown;
     const Conclusion c = Conclude(all, {}, {}, true);
@@ -146,7 +146,7 @@ TEST(Conclusion, FirefliesOfTheLeaderMustNotMakeTheLead) {
     all[1].trimmedErrors = {0.4, 0.41, 0.42};
     all[0].trimmedErrors = {0.3, 0.31, 0.29};
     ExpectUndecided(Conclude(all, {}, {}, true), "without the worst 0.1 % of the pixels its lead over bvh");
-    // Those of the others make them worse, not better.
+    // Fireflies of the other samplers make these worse, not better.
     all[1].firefliesDecide = false;
     all[0].firefliesDecide = true;
     EXPECT_EQ(Conclude(all, {}, {}, true).winner, 1u);
@@ -157,7 +157,7 @@ TEST(Conclusion, CurvesThatContradictTheErrorsForbidAWinner) {
     all[1].speedUp = 0.424;
     all[1].speedUpAgainst = "bvh";
     ExpectUndecided(Conclude(all, {}, {}, true), "in 0.424 times the time");
-    // At equal samples that is no contradiction, and no part of the headline.
+    // In a campaign of equal samples this is no contradiction, and it is not in the headline.
     const Conclusion c = Conclude(all, {}, {}, false);
     EXPECT_EQ(c.winner, 1u);
     EXPECT_EQ(c.headline.find("0.424"), std::string::npos);
@@ -165,8 +165,8 @@ TEST(Conclusion, CurvesThatContradictTheErrorsForbidAWinner) {
         c, "Note: At equal time another sampler is better: bvh reaches the error of octree in 0.424 times its time."));
 }
 
-// Where samplers are equally good, a winner is named in kWinnerLevel of the campaigns at most; a lead of 2 is mostly
-// found.
+// If all samplers are equally good, a winner is named in a share of at most kWinnerLevel of the campaigns; a lead by a
+// factor of 2.5 is mostly found.
 TEST(Conclusion, KeepsItsLevel) {
     Rng rng(11, 8);
     const test::Noise noise = test::Lognormal(0.2);
@@ -193,7 +193,7 @@ TEST(Conclusion, KeepsItsLevel) {
 
 namespace {
 
-/// Flat pictures: `value`, and `noise` as the reference's own relL2.
+/// A reference of one colour `value`, which states the relL2 `noise`.
 Reference Flat(const std::string &sampler, Float value, double noise) {
     Reference r;
     r.sampler = sampler;
@@ -219,7 +219,7 @@ TEST(References, DifferIfTheirNoiseDoesNotExplainIt) {
     EXPECT_FALSE(proveNoBias);
     EXPECT_TRUE(Disagreement(Flat("a", 1, 0.01), Flat("b", 1.5f, 0.01), true, &proveNoBias));
     EXPECT_TRUE(proveNoBias);
-    // References that do not know their noise cannot agree but by being equal.
+    // References whose noise is unknown agree only if they are equal.
     Reference unknown = Flat("b", 1.1f, 0);
     unknown.noise.reset();
     EXPECT_TRUE(Disagreement(Flat("a", 1, 0), unknown, false, &proveNoBias));

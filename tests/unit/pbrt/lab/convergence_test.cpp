@@ -7,7 +7,7 @@
 namespace pbrt::lab {
 
 namespace {
-// error = scale / (cost - fixed).
+// A curve with error = scale / (cost - fixed).
 ErrorCurve MonteCarlo(double scale, double fixed, std::initializer_list<double> costs) {
     std::vector<CurvePoint> points;
     for (double c : costs) points.push_back({c, scale / (c - fixed)});
@@ -49,7 +49,7 @@ TEST(ErrorCurve, DoesNotGuessBeforeTheFirstPoint) {
 }
 
 TEST(ErrorCurve, LevelsRisesToTheirGeometricMean) {
-    const ErrorCurve curve({{8, 0.5}, {1, 4}, {2, 1}, {4, 4}});  // the middle two disagree
+    const ErrorCurve curve({{8, 0.5}, {1, 4}, {2, 1}, {4, 4}});  // the errors of the middle two points rise
     ASSERT_EQ(curve.Points().size(), 4u);
     EXPECT_EQ(curve.Points()[0].error, 4);
     EXPECT_NEAR(curve.Points()[1].error, 2, 1e-12);
@@ -76,14 +76,15 @@ TEST(SpeedUp, IsTheRatioOfTheConstantsOfTwoMonteCarloMeans) {
     EXPECT_TRUE(SpeedUpToEqualError(fast, slow)->extrapolated);
     EXPECT_NEAR(SpeedUpToEqualError(slow, fast)->value, 0.2, 1e-9);
     EXPECT_FALSE(SpeedUpToEqualError(slow, fast)->extrapolated);
-    // A curve that begins below the other's end.
+    // The first error of this curve is below the last one of the other.
     const ErrorCurve best = MonteCarlo(0.01, 0, {1, 2, 4, 8});
     EXPECT_NEAR(SpeedUpToEqualError(slow, best)->value, 0.002, 1e-9);
     EXPECT_TRUE(SpeedUpToEqualError(slow, best)->extrapolated);
     EXPECT_FALSE(SpeedUpToEqualError(fast, ErrorCurve({})));
 }
 
-// With preparation in the cost, the gain depends on where one looks: (4 + 7) / 11 of the time at the end.
+// With preparation in the cost, the gain depends on the error that is compared: here the error at the end of the
+// prepared curve, 1/4, costs 8 instead of 20.
 TEST(SpeedUp, CountsPreparation) {
     const ErrorCurve prepared = MonteCarlo(1, 4, {5, 6, 8}), plain = MonteCarlo(5, 0, {1, 2, 4, 8});
     EXPECT_NEAR(SpeedUpToEqualError(prepared, plain)->value, 20.0 / 8, 1e-9);

@@ -14,9 +14,9 @@
 namespace pbrt::lab {
 namespace {
 
-/// Looks straight down on a floor of 2 x 2 in a field of view of 4 x 4. Lights 0 and 1: a mesh that faces away from
-/// everything. Light 2: a point above the middle, seen from everywhere. Light 3: a point far to the left, hidden from
-/// the right half by a wall in the middle.
+/// An orthographic view of 4 x 4 units, straight down on a floor of 2 x 2. Lights 0 and 1 are a mesh that faces away
+/// from everything. Light 2 is a point above the middle, seen from everywhere. Light 3 is a point far to the left,
+/// hidden from the right half by a wall in the middle.
 const char *kScene = R"(LookAt 0 0 10  0 0 0  0 1 0
 Camera "orthographic" "float screenwindow" [ -2 2 -2 2 ]
 Film "rgb" "integer xresolution" 32 "integer yresolution" 32
@@ -34,7 +34,7 @@ Shape "bilinearmesh" "point3 P" [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]
 Shape "bilinearmesh" "point3 P" [ 0 -9 0  0 9 0  0 -9 1  0 9 1 ]
 )";
 
-/// Uniform, and says where it was asked.
+/// A uniform sampler whose inspected values tell the position of the query.
 class Telltale final : public test::WrappedSampler {
   public:
     explicit Telltale(const LightTable &lights) : WrappedSampler(uniform_), uniform_(lights.Parts()) {}
@@ -108,7 +108,7 @@ TEST_F(Inspect, AMeshIsOneLight) {
     EXPECT_EQ(look.lights[0].count, 2u);
     EXPECT_EQ(look.lights[1].first, LightId(2u));
     EXPECT_EQ(look.lights[1].count, 1u);
-    // 1/4, 1/4 and 1/2.
+    // The entropy of the probabilities 1/4, 1/4 and 1/2.
     EXPECT_NEAR(At(look, 10, 10, "entropy"), 1.5, 1e-6);
 }
 
@@ -125,10 +125,11 @@ TEST_F(Inspect, VisibilityAndContributionAreMeasured) {
         EXPECT_EQ(At(look, lit, y, "brightest"), 3);
         EXPECT_EQ(At(look, dark, y, "brightest"), 2);
         EXPECT_NEAR(At(look, dark, y, "brightest_probability"), 0.25, 1e-6);
-        // Only one light counts there: chosen with 1/4 instead of always.
+        // Only one light contributes there: it is chosen with probability 1/4 instead of 1.
         EXPECT_NEAR(At(look, dark, y, "log10_excess"), std::log10(4.0), 1e-4);
     }
-    // Two lights of contributions a, b with 1/4 each: 4 (a^2 + b^2) / (a + b)^2.
+    // For two lights of contributions a and b, chosen with probability 1/4 each, the excess is 4 (a^2 + b^2) / (a +
+    // b)^2.
     auto contribution = [&](double x, double y, double lx, double lz, double intensity) {
         double d2 = (x - lx) * (x - lx) + y * y + lz * lz;
         return intensity * lz / (d2 * std::sqrt(d2));
@@ -196,7 +197,7 @@ TEST_F(Inspect, WritesEveryLayerAndSaysWhatItShows) {
         EXPECT_TRUE(layer["colours"].is_string() || layer["colours"]["brightest"] > layer["colours"]["darkest"])
             << name;
     }
-    // The page shows every picture, says the rest in words and names the lights.
+    // The page shows every picture, describes the other layers in words, and names the lights.
     std::ifstream pageFile(folder / "index.html");
     const std::string page((std::istreambuf_iterator<char>(pageFile)), {});
     const size_t flat = page.find("<p id=\"flat\">");
@@ -207,7 +208,7 @@ TEST_F(Inspect, WritesEveryLayerAndSaysWhatItShows) {
         EXPECT_EQ(std::filesystem::exists(folder / (name + ".png")), layer["file"].is_string()) << name;
     }
     EXPECT_EQ(json["layers"][0]["isFlat"], false);
-    // The mesh faces away from everything, the point is seen from everywhere, uniform is uniform.
+    // The mesh faces away from everything, the point is seen from everywhere, and the probabilities are uniform.
     for (const char *part : {"The same everywhere: ", "entropy 1.5", "2 triangles 0;", "2 triangles</td>"})
         EXPECT_NE(page.find(part), std::string::npos) << part << "\n" << page;
     std::filesystem::remove_all(folder);

@@ -11,7 +11,7 @@ namespace pbrt::lab {
 
 namespace {
 
-/// Grey values by their share of the picture.
+/// A picture of grey values, each with its share of the pixels.
 Image Grey(const std::vector<std::pair<double, Float>> &shares) {
     Image image(PixelFormat::Float, {100, 10}, {"R", "G", "B"});
     int x = 0;
@@ -25,9 +25,9 @@ Image Grey(const std::vector<std::pair<double, Float>> &shares) {
 }  // namespace
 
 TEST(ChooseExposure, ShowsTheRoomAndNotItsWindow) {
-    // A window over a fifth of the picture, a thousand times as bright.
+    // A window covers a fifth of the picture and is a thousand times as bright.
     EXPECT_NEAR(ChooseExposure(Grey({{0.3, 0.02f}, {0.5, 0.05f}, {0.2, 50}})), 0.18 / 0.05, 1e-5);
-    // Black around does not count.
+    // Black pixels around the room do not count.
     EXPECT_NEAR(ChooseExposure(Grey({{0.7, 0}, {0.1, 0.02f}, {0.15, 0.05f}, {0.05, 50}})), 0.18 / 0.05, 1e-5);
 }
 
@@ -68,7 +68,7 @@ TEST(RangePicture, KeepsEveryBrightness) {
                 image.Get({i % 5, i / 5}, c) > 0 && std::isfinite(values[i]) ? double(image.Get({i % 5, i / 5}, c)) : 0;
             const double shown =
                 exponent ? (static_cast<uint8_t>(pixel[c]) + 0.5) * std::ldexp(1.0, exponent - 136) : 0;
-            // Half a step of the pixel's brightest colour.
+            // The tolerance is half a step of the brightest colour of the pixel.
             const double step = exponent ? std::ldexp(1.0, exponent - 136) : 0;
             EXPECT_NEAR(shown, stored, 0.5001 * step) << i << " " << c;
         }

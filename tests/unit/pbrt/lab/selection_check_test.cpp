@@ -12,7 +12,7 @@
 namespace pbrt::lab {
 namespace {
 
-/// A floor under three points, behind each other a wall, a mirror ball, a glossy ball and a lamp of two triangles.
+/// A floor with a wall, a mirror ball and a glossy ball, under three point lights and a lamp of two triangles.
 const char *kScene = R"(LookAt 0 -6 4  0 0 0.5  0 0 1
 Camera "perspective" "float fov" 45
 Film "rgb" "integer xresolution" 32 "integer yresolution" 32
@@ -40,14 +40,14 @@ Shape "sphere" "float radius" 0.5
 AttributeEnd
 )";
 
-/// Uniform over the lights, but for what a test spoils.
+/// Uniform over the lights, except for the defect that a test sets.
 class Spoilt final : public LightSampler {
   public:
     explicit Spoilt(size_t lights) : count_(lights) {}
     std::optional<SampledLight> Choose(const LightQuery &q, const void *, Float u) const override {
         auto i = std::min(static_cast<size_t>(u * static_cast<Float>(count_)), count_ - 1);
         if (blindTo && i == *blindTo && where(q)) return {};
-        // Every eighth part of the first light's draws goes elsewhere, unsaid.
+        // An eighth of the samples of light 0 returns light 1, without any change of the probabilities.
         if (takesElsewhere && i == 0 && u * static_cast<Float>(count_) < 0.125f) i = 1;
         return SampledLight{LightId(i), 1 / static_cast<Float>(count_) * (i == 0 ? claims : 1)};
     }
@@ -71,7 +71,7 @@ class SelectionCheck : public testing::Test {
         Progress progress;
         return *CheckSelection(SelectionVertices(built_, 0, progress), lights, nullptr, settings_, progress);
     }
-    /// The numbers of the lights of a kind.
+    /// The indices of all delta lights, or of all others.
     std::vector<size_t> LightsOf(bool delta) const {
         std::vector<size_t> list;
         for (size_t l = 0; l < built_.scene->Lights().Size(); ++l)
@@ -109,7 +109,7 @@ TEST_F(SelectionCheck, AlsoIfItIsMissedInACornerOnly) {
 }
 
 TEST_F(SelectionCheck, ALampThatBsdfSamplingFindsIsNotLost) {
-    // The integrator weights a hit by 1 where the PMF is 0.
+    // The integrator gives a BSDF sample the MIS weight 1 where the PMF of the light is 0.
     spoilt_.blindTo = LightsOf(false).front();
     EXPECT_EQ(Check(spoilt_).verdict, BiasVerdict::Clean) << Check(spoilt_).text;
 }
@@ -121,7 +121,7 @@ TEST_F(SelectionCheck, ProbabilitiesThatDoNotAgreeAreSeen) {
     spoilt_.takesElsewhere = true;
     EXPECT_EQ(Check(spoilt_).verdict, BiasVerdict::Biased) << Check(spoilt_).text;
     spoilt_.takesElsewhere = false;
-    // What Sample says is right, but hits of the lamp are weighted by something else.
+    // The probability that Sample returns is right, but BSDF samples that hit the lamp are weighted by another one.
     spoilt_.pmfSays = 0.5f;
     EXPECT_EQ(Check(spoilt_).verdict, BiasVerdict::Biased) << Check(spoilt_).text;
 }
@@ -160,8 +160,8 @@ TEST_F(SelectionCheck, BothChecksTogether) {
     EXPECT_EQ(together(Biased, Clean), Biased);
 }
 
-/// Sixteen regions of paths of two vertices. Light varies by factors of a thousand; one draw in `1 / probability` finds
-/// it.
+/// Sixteen regions of paths with two vertices. The light varies by factors of up to a thousand; a sample finds it
+/// with `probability`.
 std::vector<std::vector<VertexFinding>> Simulate(Rng &rng, int paths, double probability, double lost, int lostIn) {
     std::vector<std::vector<VertexFinding>> regions(16);
     for (int r = 0; r < 16; ++r)
@@ -186,7 +186,7 @@ TEST(SelectionVerdict, FalseAlarmsAreRareAndBiasIsSeen) {
     int alarms = 0, seen = 0, tooMuch = 0;
     constexpr int kChecks = 400;
     for (int i = 0; i < kChecks; ++i) {
-        // The rarest draws that a check lets count fully move a vertex by a half.
+        // With the rarest samples that the check counts fully, one sample changes a vertex by a half.
         alarms += JudgeSelection(Simulate(rng, 256, 1. / 32, 0, -1), {}).verdict == BiasVerdict::Biased;
         if (i % 4 != 0) continue;
         const SelectionReport clean = JudgeSelection(Simulate(rng, 256, 1. / 4, 0, -1), {});
@@ -196,7 +196,7 @@ TEST(SelectionVerdict, FalseAlarmsAreRareAndBiasIsSeen) {
                    BiasVerdict::Biased;
     }
     EXPECT_LE(alarms, 7);  // 2 expected at the level of 0.5 %
-    EXPECT_GE(seen, 80);   // of 100; the smallest visible bias is seen in nine of ten
+    EXPECT_GE(seen, 80);   // of 100: the smallest visible bias is found in nine of ten checks
     EXPECT_LE(tooMuch, 20);
 }
 

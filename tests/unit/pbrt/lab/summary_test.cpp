@@ -27,7 +27,7 @@ TEST(FirefliesDecide, WhenTrimmingHalvesTheError) {
     EXPECT_FALSE(FirefliesDecide(1, 0.49, 3));
 }
 
-// Both draw from the same distribution: "lower" may come out for a at the level of the test.
+// a and b have the same distribution, so a may be called lower at most at the level of the test.
 TEST(LowerBeyondNoise, KeepsItsLevel) {
     Rng rng(8, 8);
     const test::Noise noise = test::Lognormal(0.2);
@@ -55,7 +55,7 @@ TEST(LowerBeyondNoise, NeedsTwoRunsOfEach) {
     EXPECT_FALSE(LowerBeyondNoise(two, low));
 }
 
-// Errors that both samplers owe to the same fireflies of a seed cancel in the pairs; the level is kept all the same.
+// Errors that both samplers have by the same fireflies of a seed cancel in the pairs, and the level is kept.
 TEST(LowerBeyondNoise, ComparesSeedBySeed) {
     Rng rng(9, 8);
     const test::Noise shared = test::Lognormal(0.6), own = test::Lognormal(0.05);

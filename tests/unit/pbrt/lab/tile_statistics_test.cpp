@@ -37,7 +37,7 @@ TEST(TileMeans, AreMeansOfTheColorChannels) {
         }
     image.Set({0, 0}, 3, NAN);
     const TileMeans means = ComputeTileMeans(image, 8);
-    ASSERT_EQ(means.grid.Count(), 2);  // columns 0 to 7 and 8 to 19
+    ASSERT_EQ(means.grid.Count(), 2);  // one covers the columns 0 to 7, one 8 to 19
     ASSERT_EQ(means.channels, 3);
     EXPECT_DOUBLE_EQ(means(0, 0), 3.5);
     EXPECT_DOUBLE_EQ(means(1, 0), 13.5);
@@ -46,7 +46,7 @@ TEST(TileMeans, AreMeansOfTheColorChannels) {
     EXPECT_EQ(means.skipped, 1u);
 }
 
-// The relL2 that the average claims for itself is the one it has against the truth, which is known here.
+// The relL2 that the average states for itself is its true one; here the truth is known.
 TEST(AverageImages, KnowsItsOwnNoise) {
     Rng rng(3, 3);
     const int n = 6;

@@ -21,7 +21,7 @@ class ConstantTexture final : public FloatTexture {
     Float v_;
 };
 
-/// Cuts the half u < 1/2 away.
+/// An alpha texture that cuts away half of a shape, u < 1/2.
 class HalfTexture final : public FloatTexture {
   public:
     Float Evaluate(const TextureContext &c) const override { return c.uv.x < Float(0.5) ? Float(0) : Float(1); }
@@ -55,7 +55,7 @@ void PrintTo(const Case &c, std::ostream *out) { *out << c.name; }
 
 class AreaLightShapes : public testing::TestWithParam<Case> {};
 
-/// Light arriving from the primitive, found by rays in all directions that can meet it: slow and obviously right.
+/// The light arriving from the primitive, measured by rays in all directions that can meet it: slow, but simple.
 template <class F>
 RunningStatistics ByUniformDirections(const Shape &shape, const Light &light, const Point3 &p, int n, F integrand) {
     Point3 center;
@@ -110,7 +110,7 @@ TEST_P(AreaLightShapes, PdfOfASampleIsThePdfOfItsRay) {
         auto s = light->SampleLi(from, rng.Uniform2(), kLambda, false);
         if (!s) continue;
         auto hit = shape->Intersect(0, from.p, s->wi, 1e-4f, Infinity);
-        if (!hit) continue;  // rounding at the border
+        if (!hit) continue;  // missed by rounding at the border
         SurfacePoint point = shape->Surface(0, *hit);
         if (Distance(point.p, s->pLight) > 1e-2f) continue;  // another part of the shape is in front
         Float cosine = AbsDot(point.n, s->wi);
@@ -138,7 +138,7 @@ TEST_P(AreaLightShapes, PhiIsTheIntegralOfEmittedRadiance) {
             stats.Add(static_cast<double>(L.Average() * std::abs(w.z) / (pdf * point->pdf)));
         }
         double phi = static_cast<double>(light->Phi(kLambda).Average());
-        // Stock's area of curved patches is an approximation.
+        // The area of curved patches is an approximation, as in stock pbrt-v4.
         double areaError = GetParam().name.ends_with("Saddle") ? 1e-2 : 1e-3;
         EXPECT_LT(std::abs(stats.mean - phi), 4.5 * stats.StandardError() + areaError * phi) << twoSided;
     }
@@ -166,7 +166,7 @@ TEST_P(AreaLightShapes, ImportanceIsPositiveWhereLightArrives) {
     EXPECT_GT(lit, 5000);
 }
 
-/// Patches, parts, and what a transform mirrors or stretches.
+/// Patches, parts of shapes, and shapes that a transform mirrors or stretches.
 std::vector<Case> OtherShapes() {
     std::vector<Case> cases;
     for (const ShapeCase &c : WholeAndPartCases())
@@ -245,7 +245,7 @@ TEST(DiffuseAreaLight, ImageIsMappedWithVUpwardsAndItsPowerIsKept) {
 
     auto powered = Make(MakeAreaMaker(Params().String("filename", file.Path()).Number("power", 5)), *shape);
     EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return powered->Phi(l); }, 300), 5, 0.1);
-    // The mean kept for light selection is the mean of what is emitted.
+    // The mean that is kept for light selection is the mean of the emission.
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     SampledSpectrum mean;
     for (int i = 0; i < 2500; ++i) {
@@ -253,7 +253,7 @@ TEST(DiffuseAreaLight, ImageIsMappedWithVUpwardsAndItsPowerIsKept) {
         mean += powered->L({}, {0, 0, 1}, uv, {0, 0, 1}, lambda) / 2500;
     }
     double expected = static_cast<double>(mean.Average() * Pi * shape->Area(0));
-    // Interpolated colours are not the interpolation of spectra: a few per cent.
+    // The spectrum of an interpolated colour is not the interpolation of the spectra; they differ by a few per cent.
     EXPECT_NEAR(static_cast<double>(powered->Phi(lambda).Average()), expected, 0.08 * expected);
 }
 
@@ -286,7 +286,7 @@ TEST(DiffuseAreaLight, AlphaWeighsSamplesAndLeavesTheRadianceOfHits) {
         ASSERT_TRUE(whole && part);
         EXPECT_EQ(part->pdf, whole->pdf);
         EXPECT_NEAR(part->L[0], 0.3f * whole->L[0], 1e-6f * whole->L[0]);
-        // A ray that was stopped has passed the alpha test: it sees all of the light.
+        // A ray that was stopped has passed the alpha test, so it gets the whole radiance.
         EXPECT_EQ(grey->L(whole->pLight, whole->nLight, {0, 0}, -whole->wi, kLambda)[0], whole->L[0]);
         auto through = holed->SampleLi(At({0, 0, 2}), u, kLambda, false);
         auto uv = shape->Sample(0, At({0, 0, 2}), u)->uv;

@@ -38,10 +38,11 @@ TEST(PointLight, TransformMovesIt) {
     EXPECT_NEAR(Distance(s->pLight, {2, 5, 0}), 0, 1e-6);
     EXPECT_NEAR(s->wi.y, 1, 1e-6);
     EXPECT_EQ(s->pdf, 1);
-    EXPECT_FALSE(light->SampleLi(At({2, 5, 0}), {}, kLambda, false)) << "at the light itself";
+    EXPECT_FALSE(light->SampleLi(At({2, 5, 0}), {}, kLambda, false))
+        << "a point at the position of the light must get no sample";
 }
 
-/// Intensity integrated over directions, by evaluating the light from a sphere around it.
+/// The intensity integrated over all directions, by evaluating the light from points on a sphere around it.
 double FluxAround(const Light &light, const Point3 &position, int n) {
     double sum = 0;
     for (int i = 0; i < n; ++i)
@@ -91,7 +92,7 @@ TEST(SpotLight, FallsOffSmoothlyInTheCosine) {
 }
 
 TEST(SpotLight, ConeTurnsWithTheTransform) {
-    auto light = Make("spot", Params(), Transform::Rotate(90, {0, 1, 0}));  // +z to +x
+    auto light = Make("spot", Params(), Transform::Rotate(90, {0, 1, 0}));  // turns +z to +x
     EXPECT_TRUE(light->SampleLi(At({3, 0.1f, 0}), {}, kLambda, false));
     EXPECT_FALSE(light->SampleLi(At({0, 0.1f, 3}), {}, kLambda, false));
 }
@@ -117,7 +118,7 @@ TEST(DistantLight, IlluminanceFallsOnAFacingSurface) {
     EXPECT_FALSE(light->Bounds());
 }
 
-/// Support: whatever a light contributes to must have importance.
+/// The importance must be positive wherever a light contributes.
 TEST(LightImportance, PositiveWhereDeltaLightsContribute) {
     Rng rng(1);
     int lit = 0;

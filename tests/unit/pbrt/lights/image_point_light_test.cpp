@@ -1,4 +1,4 @@
-// Lights that are a point and throw an image: goniometric and projection.
+// Point lights that project an image: goniometric and projection.
 #include <gtest/gtest.h>
 
 #include "light_test_support.h"
@@ -17,13 +17,13 @@ Image GreyImage(int n, const std::function<Float(int, int)> &value) {
     return image;
 }
 
-/// Intensity along w (render space, unit) of a light at p, averaged over the wavelengths.
+/// The intensity along w (rendering space, unit length) of a light at p, averaged over the wavelengths.
 double IntensityAlong(const Light &light, const Point3 &p, const Vector3 &w) {
     auto s = light.SampleLi(At(p + w), {}, kLambda, false);
     return s ? static_cast<double>(s->L.Average()) : 0;
 }
 
-/// Integral of f over the sphere by n * n equal cells.
+/// The integral of f over the sphere, by n * n cells of equal area.
 template <class F>
 double OverSphere(int n, F f) {
     double sum = 0;
@@ -140,7 +140,7 @@ TEST_P(Projection, TopIsUpRightIsRightAndTheShorterSideHasTheFov) {
         EXPECT_TRUE(light->SampleLi(At({0, side * hy * 0.999f, 1}), {}, kLambda, false));
         EXPECT_FALSE(light->SampleLi(At({0, side * hy * 1.001f, 1}), {}, kLambda, false));
     }
-    EXPECT_FALSE(light->SampleLi(At({0, 0, -1}), {}, kLambda, false)) << "nothing goes backwards";
+    EXPECT_FALSE(light->SampleLi(At({0, 0, -1}), {}, kLambda, false)) << "a projection light sends no light backwards";
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, Projection, testing::Values(Point2i(48, 32), Point2i(40, 40), Point2i(27, 45)),
@@ -161,7 +161,7 @@ TEST(ImageLightImportance, PositiveWhereTheyContribute) {
                            : Make("goniometric", Params().String("filename", lobes.Path()), ctm);
         LightBounds bounds = *light->Bounds();
         for (int j = 0; j < 4000; ++j) {
-            // Half of the points near the axis.
+            // Half of the points are near the axis.
             Vector3 d = SampleUniformSphere(rng.Uniform2());
             if (j % 2) d = Normalize(bounds.w + d * rng.Uniform());
             Point3 p = bounds.bounds.low + d * (10 * rng.Uniform());

@@ -38,10 +38,11 @@ TEST(UniformInfiniteLight, LeavesSamplingToTheBsdfIfPdfsMayBeIncomplete) {
 }
 
 TEST(InfiniteLight, DirectionsFollowTheDensity) {
-    // Skies by transforms; of image lights the density jumps at pixels, so that it is known to a per cent per cell.
+    // Every sky is tested with several transforms. The density of image lights jumps at pixel borders, so its integral
+    // over a cell is only known to a per cent.
     struct Case {
         const char *name;
-        std::function<Rgb(int, int)> color;  // empty: one colour
+        std::function<Rgb(int, int)> color;  // empty: a light of one colour, without an image
         int resolution;
     };
     const Case cases[] = {{"one colour", nullptr, 0},
@@ -107,7 +108,7 @@ TEST_P(ImageInfinite, DirectionsFollowTheDensity) {
             EXPECT_NEAR(le.Average() / s->L.Average(), 1, 1e-3) << "radiance and density belong to the same pixel";
             if (HasFailure() && i > 10) break;
         }
-    // Integral of the density over each cell, by the midpoint rule in (z, phi), which preserves area.
+    // The integral of the density over each cell, by the midpoint rule in (z, phi), which preserve area.
     double total = 0;
     for (int z = 0; z < kZ * kSub; ++z)
         for (int p = 0; p < kPhi * kSub; ++p) {
@@ -122,7 +123,7 @@ TEST_P(ImageInfinite, DirectionsFollowTheDensity) {
     EXPECT_NEAR(total, 1, 2e-3);
     EXPECT_EQ(drawn, kSamples);
     for (double &e : expected) e *= drawn / total;
-    // The midpoint rule is off by a little at pixel borders; cells of almost nothing are pooled.
+    // The midpoint rule errs a little at pixel borders; cells of tiny probability are pooled.
     EXPECT_GT(ChiSquareTest(observed, expected, 20), 1e-4);
 }
 

@@ -9,7 +9,7 @@
 namespace pbrt {
 namespace {
 
-/// The same quantity with angles, as the papers write it. Without the slack of the fast one.
+/// The importance computed with angles, as the papers write it, without the slack of LightBounds::Importance.
 double SlowImportance(const LightBounds &b, const Point3 &p, const Normal3 &n) {
     Point3 c = b.Centroid();
     double d2 = static_cast<double>(DistanceSquared(p, c)), r = static_cast<double>(Length(b.bounds.Diagonal())) / 2;
@@ -57,7 +57,7 @@ TEST(LightBounds, ImportanceEqualsTheSlowTwin) {
             ASSERT_GT(fast, 0);
             ASSERT_NEAR(fast, slow, 4e-3 * peak);
         } else if (fast > 0) {
-            // Only in the thin shell that the slack adds.
+            // Only in the thin shell that the slack adds may the fast one alone be positive.
             LightBounds wider = b;
             wider.cosTheta_e = std::cos(std::acos(b.cosTheta_e) + Float(5e-3));
             ASSERT_GT(SlowImportance(wider, p, Normal3(0)), 0);
@@ -72,8 +72,8 @@ TEST(LightBounds, UnionIsImportantWhereverAPartShines) {
         LightBounds a = RandomBounds(rng), b = RandomBounds(rng);
         LightBounds u = Union(a, b);
         EXPECT_FLOAT_EQ(u.phi, a.phi + b.phi);
-        // A ray from some emitter in the box: normal within theta_o of the axis, direction within theta_e of the
-        // normal.
+        // A ray from some emitter in the box: its normal is within theta_o of the axis, and the direction within
+        // theta_e of the normal.
         Point3 from = a.bounds.low + a.bounds.Diagonal() * Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform());
         Vector3 normal = Frame::FromZ(a.w).FromLocal(SampleUniformCone(rng.Uniform2(), a.cosTheta_o));
         Vector3 d = Frame::FromZ(normal).FromLocal(SampleUniformCone(rng.Uniform2(), a.cosTheta_e));
@@ -107,7 +107,8 @@ TEST(LightBounds, ImportanceIsFiniteAtAnyPointAndScale) {
             EXPECT_TRUE(std::isfinite(i)) << scale;
             EXPECT_GE(i, 0) << scale;
         }
-        EXPECT_GT(point.Importance(Point3(scale), Normal3(0, 0, 1)), 0) << "at the light itself";
+        EXPECT_GT(point.Importance(Point3(scale), Normal3(0, 0, 1)), 0)
+            << "the importance at the light itself must be positive";
     }
 }
 

@@ -6,7 +6,7 @@
 namespace pbrt::test {
 namespace {
 
-/// The one complaint of f(); its line is that of the parameter it is about.
+/// The single error that f() throws; its line is that of the parameter it is about.
 Diagnostic Complaint(const std::function<void()> &f) {
     try {
         f();
@@ -14,7 +14,7 @@ Diagnostic Complaint(const std::function<void()> &f) {
         EXPECT_EQ(e.Diagnostics().size(), 1u);
         return e.Diagnostics().at(0);
     }
-    ADD_FAILURE() << "no error";
+    ADD_FAILURE() << "no error was thrown";
     return {};
 }
 

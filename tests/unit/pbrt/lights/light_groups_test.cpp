@@ -8,7 +8,7 @@
 namespace pbrt::test {
 namespace {
 
-/// At (power, 0, 0).
+/// A light of this power at the point (power, 0, 0).
 LightCandidate WithPower(Float power) {
     LightCandidate c;
     c.power = power;
@@ -18,7 +18,7 @@ LightCandidate WithPower(Float power) {
     return c;
 }
 
-/// A light, one of four parts, one of two without power, and another light.
+/// Four lights: one of one part, one of four parts, one of two parts without power, and another of one part.
 std::unique_ptr<const LightTable> MakeTable() {
     auto table = std::make_unique<LightTable>();
     for (const std::vector<Float> &powers : {std::vector<Float>{5}, {1, 0, 3, 6}, {0, 0}, {2}}) {
@@ -66,7 +66,7 @@ TEST(LightGroups, SharesFollowPowerAndSumToOne) {
     for (double sum : perGroup) EXPECT_NEAR(sum, 1, 1e-6);
     EXPECT_NEAR(groups.ShareOf(LightId(4u)), 0.6, 1e-6);
     EXPECT_EQ(groups.ShareOf(LightId(2u)), 0.f);
-    EXPECT_NEAR(groups.ShareOf(LightId(5u)), 0.5, 1e-6);  // no power at all: equal shares
+    EXPECT_NEAR(groups.ShareOf(LightId(5u)), 0.5, 1e-6);  // without any power, all parts have equal shares
 }
 
 TEST(LightGroups, SampleLightMatchesShares) {
@@ -84,7 +84,7 @@ TEST(LightGroups, SampleLightMatchesShares) {
 }
 
 TEST(LightGroups, InnerNumberIsUniformWithinAnyPartOfTheOuterOne) {
-    // However small the group's share of [0, 1), its inner numbers must cover [0, 1) evenly.
+    // However small the share of a group is, the random numbers passed on to its parts must cover [0, 1) evenly.
     std::vector<double> observed(64, 0.0), expected(64, 1000000.0 / 64);
     Rng rng(9);
     for (int i = 0; i < 1000000; ++i) {

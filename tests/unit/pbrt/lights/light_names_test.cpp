@@ -28,7 +28,7 @@ TEST(LightNames, AreWhereTheLightStands) {
     EXPECT_EQ(names.NameOf(LightId(15u)), "LightSource \"point\" at room.pbrt:200");
     EXPECT_EQ(names.NameOf(LightId(16u)), "");
     EXPECT_EQ(names.NameOf(LightId()), "");
-    // The text of the file is not kept alive.
+    // The names do not keep the text of the file in memory.
     EXPECT_EQ(room.use_count(), 1);
     EXPECT_EQ(lamp.use_count(), 1);
 }

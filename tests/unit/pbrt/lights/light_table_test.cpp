@@ -19,11 +19,11 @@ TEST(LightTable, KeepsOrderAndKnowsWhoIsInfinite) {
     ASSERT_EQ(table.Size(), 7u);
     ASSERT_EQ(table.WholeCount(), 5u);
     EXPECT_EQ(mesh.value, 3u);
-    EXPECT_EQ(last.value, 6u) << "three parts have an id each";
+    EXPECT_EQ(last.value, 6u) << "each of the three parts must have an id";
     EXPECT_EQ(table.WholeOf(LightId(5u)), 3u);
     EXPECT_EQ(table.WholeOf(point), 0u);
     EXPECT_EQ(&table[LightId(5u)].Whole(), &table[mesh].Whole());
-    // Rays that leave the scene ask the sky only; light selection treats the sun as infinite too.
+    // Only the sky emits along rays that leave the scene; light selection treats the sun as infinite, too.
     std::vector<LightId> met;
     table.ForEachBeyond(Point3(0), Vector3(0, 0, 1), SampledWavelengths::SampleVisible(0.5f),
                         [&](const SampledSpectrum &Le, LightId id) {

@@ -74,7 +74,7 @@ inline AreaLightMaker MakeAreaMaker(const ParamSet &params) {
     return MakeAreaMaker(params, sink);
 }
 
-/// Luminous part: integral of y-bar times the spectrum that `sample` returns for given wavelengths.
+/// The luminous part: the integral of y-bar times the spectrum that `sample` returns for given wavelengths.
 inline double Photometric(const std::function<SampledSpectrum(const SampledWavelengths &)> &sample, int n = 4000) {
     double sum = 0;
     for (int i = 0; i < n; ++i) {
@@ -91,7 +91,7 @@ inline LightSampleContext At(const Point3 &p, const Normal3 &n = Normal3(0)) {
     return c;
 }
 
-/// A file that goes away with the object.
+/// A temporary image file that is removed with the object.
 class TemporaryImage {
   public:
     TemporaryImage(const std::string &name, const Image &image)

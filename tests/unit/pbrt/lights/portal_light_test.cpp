@@ -13,7 +13,7 @@ Rgb Sky(int x, int y) {
     return {0.1f * static_cast<Float>(x), 0.4f, 0.05f * static_cast<Float>(y)};
 }
 
-/// A window of 2 x 1 in the plane z = 1, seen from below (cross(p3 - p0, p1 - p0) is +z), then turned.
+/// A window of 2 x 1 in the plane z = 1, seen from below (cross(p3 - p0, p1 - p0) is +z); the whole is turned by kTurn.
 const Transform kTurn = Transform::Translate({0.3f, -0.2f, 0.1f}) * Transform::Rotate(33, {1, 3, 2});
 std::vector<Float> Corners(const Transform &turn = kTurn) {
     std::vector<Float> v;
@@ -35,7 +35,7 @@ class Portal : public testing::Test {
         light->Preprocess({0, 0, 0}, 5);
         return light;
     }
-    /// True if the line from p along w goes through the window: slow and obviously right.
+    /// True if the line from p along w goes through the window: slow, but simple.
     static bool ThroughWindow(const Point3 &p, const Vector3 &w, Float margin) {
         Point3 o = kTurn.InversePoint(p);
         Vector3 d = kTurn.InverseVector(w);
@@ -52,8 +52,8 @@ TEST_F(Portal, DirectionsFollowTheDensityOfThePointTheyAreSeenFrom) {
     auto light = MakeIt();
     for (const Point3 &place : kPlaces) {
         Point3 p = kTurn.Point(place);
-        // Cells of the window itself, so that every place has as many that count. The expected counts: the density over
-        // solid angle, times the solid angle of small pieces of the window.
+        // The cells are those of the window itself, so that from every place equally many can be sampled. The expected
+        // counts are the density per solid angle times the solid angle of small pieces of the window.
         constexpr int kX = 12, kY = 8, kSub = 60, kSamples = 40000;
         std::vector<double> observed(kX * kY), expected(kX * kY);
         double total = 0;
@@ -101,7 +101,7 @@ TEST_F(Portal, DensityAndRadianceOfASampleAreThoseOfItsDirection) {
         ASSERT_TRUE(std::isfinite(s->pdf) && s->pdf > 0);
         EXPECT_GE(Length(s->pLight - p), 9.9f);
         Float pdf = light->PdfLi(At(p), s->wi, {}, {}, true), L = light->Le(p, s->wi, kLambda).Average();
-        // Rounding moves a few across the border of a pixel or of the window.
+        // Rounding moves a few samples across the border of a pixel or of the window.
         same += std::abs(pdf / s->pdf - 1) < 2e-2f && std::abs(L / s->L.Average() - 1) < 1e-3f;
     }
     EXPECT_GT(all, 15000);
@@ -122,12 +122,14 @@ TEST_F(Portal, LightComesOnlyThroughTheWindowAndOnlyInwards) {
         ASSERT_EQ(light->PdfLi(At(p), w, {}, {}, true) > 0, expected);
     }
     EXPECT_GT(through, 500);
-    EXPECT_FALSE(light->SampleLi(At(kTurn.Point({0, 0, 1.1f})), {0.5f, 0.5f}, kLambda, true)) << "outside";
-    EXPECT_FALSE(light->SampleLi(At(kTurn.Point({5, 0, 1})), {0.5f, 0.5f}, kLambda, true)) << "in the plane";
+    EXPECT_FALSE(light->SampleLi(At(kTurn.Point({0, 0, 1.1f})), {0.5f, 0.5f}, kLambda, true))
+        << "the point is outside of the portal";
+    EXPECT_FALSE(light->SampleLi(At(kTurn.Point({5, 0, 1})), {0.5f, 0.5f}, kLambda, true))
+        << "the point is in the plane of the portal";
 }
 
 TEST_F(Portal, WhatIsSeenThroughItIsTheSkyBeyond) {
-    // A smooth sky: resampling changes little.
+    // A smooth sky, which resampling changes little.
     TemporaryImage smooth("smooth.exr", RgbImage({64, 64}, [](int x, int y) {
                               Vector3 w = EqualAreaSquareToSphere(
                                   {(static_cast<Float>(x) + 0.5f) / 64, (static_cast<Float>(y) + 0.5f) / 64});
@@ -151,7 +153,7 @@ TEST_F(Portal, WhatIsSeenThroughItIsTheSkyBeyond) {
 
 TEST_F(Portal, PhiIsWhatComesThroughTheWindow) {
     auto light = MakeIt();
-    // Radiance times cosine over the half-space, from just inside, times the area.
+    // The power through the window: radiance times cosine over the half-space, seen from just inside, times the area.
     Rng rng(8);
     RunningStatistics stats;
     for (int k = 0; k < 200000; ++k) {
@@ -188,7 +190,7 @@ TEST_F(Portal, IsGivenInWorldSpaceAndStaysThereInAnyRenderingSpace) {
 
 TEST_F(Portal, OpeningHoldsTheWindowAndPointsInwards) {
     auto light = MakeIt();
-    EXPECT_FALSE(light->Bounds()) << "the samplers of the format know it as infinite";
+    EXPECT_FALSE(light->Bounds()) << "for stock samplers a portal light is an infinite light without bounds";
     auto opening = light->Opening();
     ASSERT_TRUE(opening);
     std::vector<Float> v = Corners();
@@ -223,7 +225,7 @@ TEST(PortalIlluminance, IsMeasuredInTheOrderOfTheChannelsInTheFile) {
     auto behindPortal = [&](const TemporaryImage &file) {
         return nits(Params().String("filename", file.Path()).Floats(ParamType::Point3, "portal", Corners()));
     };
-    // Stock's factor of two as without a portal: an even sky of luminance 1 counts as pi / 2.
+    // As in stock pbrt-v4 without a portal, there is a factor of two: an even sky of luminance 1 counts as pi / 2.
     auto expected = [&](const Rgb &counted) {
         const Float luminance = Dot(weights, sky), measured = Dot(counted, sky) * Pi / 2;
         return static_cast<double>(luminance * 3 / measured);

@@ -43,7 +43,7 @@ TEST(LightBvhPair, BothChildrenAtOnceEqualOneByOne) {
             pair.Importances(p, n, both);
             for (int k = 0; k < 2; ++k) {
                 Float one = pair.child[k].Sphere().Importance(p, n), exact = b[k].Importance(p, n);
-                // Only right at the border of the emission cone may rounding decide differently.
+                // Only at the border of the emission cone may the two differ in being 0, by rounding.
                 if (both[k] > 0 && one > 0) {
                     ASSERT_NEAR(both[k] / one, 1, 2e-2) << one;
                 }
@@ -61,7 +61,7 @@ TEST(LightBvhNode, RoundingHardlyChangesImportance) {
     Rng rng(2);
     for (int i = 0; i < 20000; ++i) {
         LightBounds b = RandomEmitter(rng);
-        b.cosTheta_o = std::min(b.cosTheta_o, Float(0.9));  // near 1 a 16-bit cosine is coarse in the angle
+        b.cosTheta_o = std::min(b.cosTheta_o, Float(0.9));  // near 1 a 16-bit cosine gives the angle too coarsely
         Point3 p = Point3(0.5f) + SampleUniformSphere(rng.Uniform2()) * (1 + rng.Uniform());
         Float peak = b.phi / std::max(DistanceSquared(p, b.Centroid()), Length(b.bounds.Diagonal()) / 2);
         EXPECT_NEAR(LightBvhNode(b, true, 0).Sphere().Importance(p, Normal3(0)), b.Importance(p, Normal3(0)),
@@ -135,8 +135,8 @@ TEST(LightBvh, NodesBelowANodeAreNoMorePowerfulTogether) {
 }
 
 TEST(LightBvh, SplittingGroupsByOrientationAndPlaceBeatsChance) {
-    // The tree earns its name only if its pmf follows the importance of single lights much better than a tree with the
-    // lights in arbitrary order. Measured: mean absolute difference between both pmfs.
+    // The tree is useful only if its PMF follows the importance of single lights much better than a tree over the
+    // lights in arbitrary order. Measured by the mean absolute difference from the PMF of the single lights.
     std::vector<LightCandidate> c = RandomCandidates(13, 256);
     const auto table = TableOf(c);
     BVHLightSampler bvh(table->Parts());

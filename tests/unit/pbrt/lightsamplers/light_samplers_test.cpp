@@ -138,7 +138,7 @@ TEST(BVHLightSampler, PmfIsTheProductOfChildSharesWithTheShadingNormal) {
         LightQuery query = Query({2 * rng.Uniform(), rng.Uniform(), rng.Uniform()}, SampleUniformSphere(rng.Uniform2()),
                                  SampleUniformSphere(rng.Uniform2()));
         for (uint32_t light = 0; light < 64; ++light) {
-            // From the leaf's trail, in double.
+            // The expected PMF, in double, by following the trail of the leaf from the root.
             double expected = 0.5;
             const LightBvhNode *node = &tree.Root();
             for (uint64_t trail = tree.Trail(light); !node->IsLeaf() && expected > 0; trail >>= 1) {

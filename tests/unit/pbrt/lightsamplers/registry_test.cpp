@@ -39,7 +39,7 @@ TEST(LightSamplerRegistry, UnknownNameListsTheKnownOnes) {
     auto file = std::make_shared<SourceFile>(SourceFile{"x.pbrt", ""});
     try {
         registry.samplers.Find("exhaustve", FileLoc{file, 3, 1});
-        FAIL() << "no error";
+        FAIL() << "no error was thrown";
     } catch (const UserError &e) {
         EXPECT_EQ(e.Diagnostics()[0].loc.line, 3);
         EXPECT_NE(std::string(e.Diagnostics()[0].message)

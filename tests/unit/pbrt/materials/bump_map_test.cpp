@@ -48,7 +48,7 @@ TEST(BumpMap, EvenHeightOverAPlaneChangesNothing) {
 }
 
 TEST(BumpMap, SlopeOfTheHeightTiltsTheNormal) {
-    // Height by position and by (u, v) of the same slope: z = x / 2 - y.
+    // The height is given once by position and once by (u, v); both have the same slopes: z = x / 2 - y.
     for (bool byPosition : {true, false}) {
         SurfacePoint s = FlatPoint();
         Bumps([=](const TextureContext &c) { return byPosition ? c.p.x / 2 - c.p.y : c.uv.x - 3 * c.uv.y; }).Perturb(s);
@@ -75,8 +75,8 @@ TEST(BumpMap, StepIsHalfTheFootprint) {
     EXPECT_NEAR(bottom, .61f, 1e-6f);
 }
 
-/// A sphere blown up by an even height is a sphere; one whose height falls with the polar angle is a drop. Twin: the
-/// normal of the moved surface by differences of its points.
+/// A unit sphere displaced by a constant height stays a sphere; with a height that falls with the polar angle it
+/// becomes a drop. The expected normal comes from differences of points of the displaced surface.
 TEST(BumpMap, CurvedSurfaceHasTheNormalOfTheMovedOne) {
     auto place = [](double theta, double phi, double r) {
         return Vector3(r * std::sin(theta) * std::cos(phi), r * std::sin(theta) * std::sin(phi), r * std::cos(theta));

@@ -20,7 +20,7 @@ TEST(MaterialFactory, UnknownTypeListsTheTypes) {
 TEST(MaterialFactory, SupportedTypesCanBeMade) {
     for (const std::string &type : Materials().Names()) {
         Workshop shop;
-        if (type == "mix" || type == "measured") continue;  // have required parameters
+        if (type == "mix" || type == "measured") continue;  // these two have required parameters
         EXPECT_NE(shop.Make(type), nullptr) << type;
         EXPECT_TRUE(shop.sink.All().empty()) << type;
     }

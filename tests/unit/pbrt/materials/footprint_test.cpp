@@ -50,7 +50,7 @@ SampledSpectrum Scattered(const Material &material, bool footprint) {
     return resolved->GetBsdf(s, lambda).F(s.wo, wi) * AbsDot(wi, s.shading.n);
 }
 
-// The flag is right if it is set exactly where the footprint changes what is scattered.
+// NeedsFootprint() must be true exactly where the footprint changes what is scattered.
 void ExpectFlagIsRight(const MaterialPtr &material, bool needs, const std::string &what) {
     EXPECT_EQ(material->NeedsFootprint(), needs) << what;
     const SampledSpectrum without = Scattered(*material, false), with = Scattered(*material, true);
@@ -68,7 +68,7 @@ TEST(Footprint, IsNeededExactlyWhereItChangesWhatIsScattered) {
     ExpectFlagIsRight(shop.Diffuse("corners"), false, "bilerp");
     shop.Define("dots", "dots", Params("texture").Rgb("inside", 0.3f, 0.4f, 0.5f).Rgb("outside", 0.5f, 0.3f, 0.1f));
     ExpectFlagIsRight(shop.Diffuse("dots"), false, "dots");
-    // Also the filters that do not filter choose a level by the footprint, as in stock pbrt-v4.
+    // The filters point and bilinear choose a mipmap level by the footprint, too, as in stock pbrt-v4.
     for (const char *filter : {"point", "bilinear", "trilinear", "EWA"}) {
         shop.Define(filter, "imagemap", shop.Map(filter));
         ExpectFlagIsRight(shop.Diffuse(filter), true, filter);
@@ -95,7 +95,7 @@ TEST(Footprint, IsNeededByBumpsAndByWhatAMixtureOrAStandInIsMadeOf) {
     FootprintShop shop;
     shop.Define("sharp", "dots", Params("texture"));
     shop.Define("soft", "imagemap", shop.Map("trilinear"));
-    // A height that looks at no footprint itself, at a slope that changes with the step.
+    // A height that uses no footprint itself, but whose measured slope depends on the size of the footprint.
     shop.Define("slope", "bilerp", Params("texture").F("v11", 4), false);
     shop.Define("bent", "scale", Params("texture").Tex("tex", "slope").Tex("scale", "slope"), false);
     ExpectFlagIsRight(shop.Make("diffuse", Params("material").Tex("displacement", "bent")), true, "bump map");

@@ -3,7 +3,7 @@
 #include "material_test_support.h"
 #include "pbrt/math/rng.h"
 
-// What each material hands to its lobe, against lobes built by hand from the same numbers.
+// Each material is compared with a lobe that is built by hand from the same numbers.
 namespace pbrt {
 namespace {
 
@@ -34,7 +34,7 @@ class Lobes : public testing::Test {
     }
     static SampledSpectrum Named(const std::string &name) { return NamedSpectrum(name)->Sample(kLambda); }
     static TrowbridgeReitz Rough(Float u, Float v) { return {std::sqrt(u), std::sqrt(v)}; }
-    /// eta = 1 and the k of a reflectance.
+    /// A conductor of eta = 1 whose k gives the reflectance r; both are divided by the index of the coat.
     static ConductorBxdf Mirror(const TrowbridgeReitz &t, const SampledSpectrum &r, Float coat = 1) {
         SampledSpectrum k;
         for (int i = 0; i < SpectrumSamples; ++i) k[i] = 2 * std::sqrt(r[i]) / std::sqrt(1 - r[i]);
@@ -178,7 +178,8 @@ TEST_F(Lobes, CoatedConductor) {
                                .01f, SampledSpectrum(0), 0, 10, 1)));
 }
 
-/// White light from everywhere: nothing gives back more than it gets, a diffuse wall exactly its reflectance.
+/// Under white light from all directions no material reflects more than it receives, and a diffuse wall exactly its
+/// reflectance.
 TEST_F(Lobes, NoMaterialGainsEnergy) {
     struct Case {
         const char *type;

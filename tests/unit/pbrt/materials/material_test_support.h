@@ -19,7 +19,7 @@ struct Workshop : Bench {
     }
 };
 
-/// A point with a frame that is neither aligned nor of unit length.
+/// A surface point whose tangent frame is neither aligned with the axes nor of unit length.
 inline SurfacePoint TestPoint() {
     SurfacePoint s;
     s.p = {1, 2, 3};
@@ -33,7 +33,7 @@ inline SurfacePoint TestPoint() {
     return s;
 }
 
-/// True if two BSDFs scatter alike: same flags, and equal values, densities and samples for a set of directions.
+/// Expects that two BSDFs scatter alike: same flags, and equal values, densities and samples for a set of directions.
 inline void ExpectSameScattering(const Bsdf &a, const Bsdf &b) {
     ASSERT_EQ(static_cast<bool>(a), static_cast<bool>(b));
     EXPECT_EQ(static_cast<int>(a.Flags()), static_cast<int>(b.Flags()));

@@ -17,7 +17,7 @@
 namespace pbrt {
 namespace {
 
-/// A tensor file as the database's, written byte by byte.
+/// Writes a tensor file in the format of the measured BRDF database, byte by byte.
 class TensorWriter {
   public:
     void Add(const std::string &name, std::vector<uint64_t> shape, std::vector<float> values) {
@@ -56,7 +56,7 @@ class TensorWriter {
 
 constexpr Float kAlpha = 0.5f;
 const std::vector<float> kWavelengths = {360, 500, 830};
-/// Reflectance of the analytic surface: linear between the wavelengths of the table.
+/// Reflectance of the analytic surface, linear between the wavelengths of the table.
 Float Tint(Float lambda) {
     return lambda < 500 ? Lerp((lambda - 360) / 140, .2f, .8f) : Lerp((lambda - 500) / 330, .8f, .5f);
 }
@@ -66,7 +66,7 @@ Float NormalDistribution(Float cosTheta) { return Sqr(kAlpha) / (Pi * Sqr(Sqr(co
 Float ProjectedArea(Float cosTheta) {
     return (cosTheta + std::sqrt(Sqr(cosTheta) + Sqr(kAlpha) * (1 - Sqr(cosTheta)))) / 2;
 }
-/// Any function that is not quite simple would do.
+/// The BRDF of the analytic surface. Any function that is not too simple would do.
 Float Analytic(const Vector3 &wo, const Vector3 &wi, Float lambda) {
     Vector3 h = Normalize(wo + wi);
     Float masking = wo.z * wi.z / (ProjectedArea(wo.z) * ProjectedArea(wi.z));
@@ -78,7 +78,7 @@ Vector3 HalfAt(Float x, Float y) {
     return SphericalDirection(std::sin(theta), std::cos(theta), (2 * y - 1) * Pi);
 }
 
-/// Tables of the analytic surface, as its measurement would give them.
+/// The tables that a measurement of the analytic surface would give.
 std::string AnalyticFile(bool isotropic) {
     constexpr int kThetas = 24, kHalf = 96, kMeasured = 64;
     const int phis = isotropic ? 1 : 5;
@@ -146,7 +146,7 @@ const std::vector<Vector3> &Views() {
     return views;
 }
 
-/// Where the slices of the anisotropic table stand: between them the lobe would be a mixture of two.
+/// Directions of view at slices of the anisotropic table; between slices the lobe would be a mixture of two.
 const std::vector<Vector3> &ViewsOfTheTable() {
     static const std::vector<Vector3> views = {test::DirectionAt(2, 0), test::DirectionAt(35, 90),
                                                test::DirectionAt(60, 180), test::DirectionAt(140, 270)};
@@ -246,7 +246,7 @@ TEST_F(Measured, MaterialReadsItsFileAndErrorsNameIt) {
     infinite.Add("phi_i", {1}, {std::numeric_limits<float>::infinity()});
     Write(infinite.Bytes());
     EXPECT_TRUE(error(there).Says("field \"phi_i\": value 0 is inf; all must be finite"));
-    // Two fields on the same bytes, as files have that are small and want much memory.
+    // Two fields share the same bytes: so a small file can ask for much memory.
     std::string shared = few.Bytes();
     const size_t second = shared.find("theta_i") + 7 + 2 + 1, first = shared.find("phi_i") + 5 + 2 + 1;
     uint64_t size = shared.size() / 4;

@@ -31,7 +31,7 @@ SurfacePoint RandomPoint(Rng &rng) {
     return s;
 }
 
-/// Share of random points at which `mix` is `m`, and its z against `expected`.
+/// Expects that `mix` resolves to `m` at the share `expected` of random points, within the noise.
 void ExpectShare(const Material &mix, const Material *m, double expected, bool sameP = false) {
     Rng rng(11);
     constexpr int kPoints = 40000;
@@ -141,7 +141,7 @@ TEST(MixMaterial, NestingHasALimit) {
     int depth = 1;
     for (; depth < 1000 && t.line < 0; ++depth)
         t = Catch([&] { shop.named[fmt::format("m{}", depth)] = shop.Mix(fmt::format("m{}", depth - 1), "a", 0.5f); });
-    EXPECT_EQ(depth - 1, 256) << "the mixes before it are good";
+    EXPECT_EQ(depth - 1, 256) << "all mixes before this one are allowed";
     EXPECT_TRUE(t.Says("nested more than 256 deep")) << t.message;
     EXPECT_EQ(t.line, 2);
 }

@@ -11,7 +11,7 @@
 namespace pbrt {
 namespace {
 
-/// One column of pixels, top first, each the picture of a normal.
+/// An image of one column of pixels, top first; each pixel encodes a normal.
 std::shared_ptr<const Image> Picture(const std::vector<Vector3> &normals) {
     Image image(PixelFormat::Float, {1, static_cast<int>(normals.size())}, {"R", "G", "B"});
     for (size_t y = 0; y < normals.size(); ++y)
@@ -95,7 +95,7 @@ TEST(NormalMap, NoDirectionChangesNothing) {
     ExpectNear(s.shading.n, {0, 0, 1});
 }
 
-/// The whole way: bytes of a PNG are plain numbers, not sRGB.
+/// Reads a file: the bytes of a PNG are plain numbers here, not sRGB.
 TEST(NormalMap, MaterialReadsItsFile) {
     std::string path =
         (std::filesystem::temp_directory_path() / ("pbrt_normal_map_test_" + std::to_string(getpid()) + ".png"))

@@ -19,7 +19,7 @@ const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.4f);
 class Subsurface : public testing::Test {
   protected:
     Bssrdf Of(const Params &params) {
-        made_.push_back(shop_.Make("subsurface", params));  // its table must outlive the value
+        made_.push_back(shop_.Make("subsurface", params));  // the table of the material must outlive the returned value
         return *made_.back()->GetBssrdf(point_, kLambda);
     }
     Bssrdf By(const SampledSpectrum &sigmaA, const SampledSpectrum &sigmaS, const SubsurfaceTable &table) {
@@ -54,7 +54,8 @@ TEST_F(Subsurface, FourWaysToSayIt) {
 }
 
 TEST_F(Subsurface, ReflectanceIsWhatComesBack) {
-    // Profile of one wavelength integrated over the plane; a textured reflectance is the same thing.
+    // The profile of one wavelength, integrated over the plane, is the reflectance; a constant texture gives the same
+    // as a constant.
     shop_.Define("r", true, "constant", Params().Rgb("value", .7f, .5f, .3f));
     const Bssrdf plain = Of(Params("m").Rgb("reflectance", .7f, .5f, .3f).Rgb("mfp", 2, 1, .5f));
     ExpectSame(Of(Params("m").Tex("reflectance", "r").Rgb("mfp", 2, 1, .5f)), plain);

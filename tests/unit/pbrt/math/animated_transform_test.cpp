@@ -12,7 +12,7 @@ Vector3 RandomVector(Rng &rng) {
     return {2 * x - 1, 2 * y - 1, 2 * z - 1};
 }
 
-/// Q diag(d) transpose(Q), d > 0: a stretch along three axes at right angles.
+/// Q diag(d) transpose(Q) with d > 0: a stretch along three orthogonal axes.
 glm::mat4 RandomStretch(Rng &rng) {
     const glm::mat4 q = Transform::Rotate(360 * rng.Uniform(), RandomVector(rng)).Matrix();
     const Vector3 d = Vector3(0.3f) + Abs(RandomVector(rng));
@@ -24,7 +24,7 @@ void ExpectNear(const glm::mat4 &a, const glm::mat4 &b, Float tolerance) {
         for (int r = 0; r < 4; ++r) EXPECT_NEAR(a[c][r], b[c][r], tolerance) << "column " << c << " row " << r;
 }
 
-/// Twin: motions made of parts that are known, the rotation turned about its axis by a share of its angle.
+/// The reference is a motion made of known parts, whose rotation turns about its axis by a share of its angle.
 TEST(AnimatedTransform, MovesByItsParts) {
     Rng rng(1);
     for (int i = 0; i < 200; ++i) {
@@ -65,7 +65,7 @@ TEST(AnimatedTransform, TurnsTheShortWay) {
     ExpectNear(motion.At(0.5f).Matrix(), Transform::Rotate(-45, {0, 0, 1}).Matrix(), 1e-6f);
 }
 
-/// Rendering space may be turned and moved against world space.
+/// The interpolation must not depend on how rendering space is turned and moved against world space.
 TEST(AnimatedTransform, LooksTheSameFromEverywhere) {
     Rng rng(2);
     for (int i = 0; i < 50; ++i) {

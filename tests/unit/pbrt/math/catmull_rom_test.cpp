@@ -14,7 +14,7 @@ const std::vector<Float> kNodes = {0, .1f, .5f, .6f, 1.4f, 2, 5};
 const std::vector<Float> kBumpy = {.2f, 1, .8f, 2, .5f, .4f, 1.1f};
 const std::vector<Float> kGrowing = {.1f, .2f, .9f, 1, 1.3f, 2, 6};
 
-/// The spline by weights; the slow twin.
+/// The reference: the spline as a weighted sum of its values.
 Float Value(const std::vector<Float> &values, Float x) {
     std::optional<SplineWeights> w = CatmullRomWeights(kNodes, x);
     Float sum = 0;

@@ -42,7 +42,7 @@ TEST(PiecewiseConstant1D, SamplesAreUniformInsideAPiece) {
     Float previous = -1;
     for (int i = 0; i < kGrid; ++i) {
         auto s = d.Sample(GridU(i));
-        EXPECT_GE(s.x, previous);  // the inverse method is monotone
+        EXPECT_GE(s.x, previous);  // inversion of the CDF is monotone
         previous = s.x;
         if (s.index == 1) inside.Add(double(s.x) - 1);
     }
@@ -68,7 +68,7 @@ TEST(PiecewiseConstant1D, NothingEmptyIsEverSampled) {
 TEST(PiecewiseConstant1D, FindsThePieceThatASearchFromTheLeftFinds) {
     Rng rng(5);
     for (int t = 0; t < 200; ++t) {
-        // Powers of two add up without rounding: u can be the very end of a piece.
+        // Powers of two are added without rounding, so u can be exactly at the end of a piece.
         std::vector<Float> f(1 + rng.UniformInt(67));
         double sum = 0;
         for (Float &v : f) {
@@ -156,7 +156,7 @@ TEST(AliasTable, SharesOfUAreThePmf) {
         }
         double total = 0;
         for (size_t i = 0; i < n; ++i) {
-            // Every column edge costs at most one grid point; an entry can have a share in all columns.
+            // Every border of a column costs at most one grid point, and an entry can have a share in every column.
             EXPECT_NEAR(share[i] / kGrid, double(w[i]) / sum, 2.0 * double(n) / kGrid);
             EXPECT_NEAR(double(table.PMF(static_cast<int>(i))), double(w[i]) / sum, 1e-6);
             if (share[i] > 5000) {
@@ -173,7 +173,7 @@ TEST(AliasTable, NothingEmptyIsEverSampled) {
     Rng rng(3);
     for (int t = 0; t < 2000; ++t) {
         std::vector<Float> w = RandomWeights(rng, 1 + rng.UniformInt(30));
-        if (t % 3 == 0)  // equal weights in awkward numbers: all rounding, no slack
+        if (t % 3 == 0)  // equal weights in numbers that make every share round
             for (Float &v : w) v = v > 0 ? 0.1f : 0;
         AliasTable table(w);
         for (size_t column = 0; column < w.size(); ++column)

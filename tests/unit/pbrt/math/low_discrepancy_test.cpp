@@ -47,7 +47,7 @@ TEST(PermutationElement, EveryElementGoesEverywhereEquallyOften) {
 }
 
 TEST(PermutationElement, PairsGoToAllPairs) {
-    // A keyed mix is no ideal random permutation; no pair may be missing or come much too often.
+    // A keyed hash is not an ideal random permutation, but no pair may be missing or come much too often.
     constexpr int kSeeds = 100000;
     for (uint32_t n : {4u, 5u, 16u, 17u}) {
         std::vector<int> count(n * n, 0);
@@ -88,7 +88,7 @@ TEST(RadicalInverse, InverseUndoes) {
         }
 }
 
-/// True if each of base^k consecutive values lies in an interval of its own.
+/// True if base^k consecutive values lie in different intervals of length base^-k.
 template <class F>
 bool IsStratified(uint32_t base, int k, uint64_t first, const F &value) {
     auto n = static_cast<uint64_t>(std::lround(std::pow(double(base), k)));
@@ -135,7 +135,8 @@ TEST(RadicalInverse, ScrambledPointsAreUniformOverSeeds) {
 }
 
 TEST(RadicalInverse, OwenChoosesTheSecondDigitByTheFirst) {
-    // Order of the second digits below two different first digits: the same for digit permutations, free for Owen.
+    // Compares the permutations of the second digit below two different first digits: they are equal for digit
+    // permutations and independent for Owen scrambling.
     int permutedEqual = 0, owenEqual = 0;
     for (uint64_t seed = 0; seed < 200; ++seed) {
         auto second = [&](auto f, uint64_t first, uint64_t digit) {

@@ -10,7 +10,7 @@ namespace pbrt {
 namespace {
 
 TEST(Rng, FirstNumbersAreThoseOfThePublishedPcg32) {
-    // The demonstration of the PCG library: initial state 42, stream 54.
+    // The numbers of the demonstration program of the PCG library: initial state 42, stream 54.
     Rng rng(54, 42);
     for (uint32_t expected : {0xa15c02b7u, 0x7b47f409u, 0xba1d3330u, 0x83d2f293u, 0xbfa4784bu, 0xcbed606eu})
         EXPECT_EQ(rng.Next(), expected);

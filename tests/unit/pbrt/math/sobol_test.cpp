@@ -87,19 +87,20 @@ TEST(Scramble, DigitsDependOnEarlierDigitsOnly) {
         for (int i = 0; i < 2000; ++i) {
             uint32_t v = rng.Next();
             uint64_t seed = uint64_t(rng.Next()) << 32 | rng.Next();
-            int keep = static_cast<int>(rng.UniformInt(32)) + 1;  // common leading digits
+            int keep = static_cast<int>(rng.UniformInt(32)) + 1;  // number of common leading digits
             uint32_t mask = keep == 32 ? 0 : ~0u >> keep, other = (v & ~mask) | (rng.Next() & mask);
             uint32_t a = scramble(v, seed), b = scramble(other, seed);
             ASSERT_EQ((a ^ b) & ~mask, 0u) << name;
             if (v != other) {
-                // The first digit that differs before differs after, so that nothing falls together.
+                // The first digit that differs before scrambling differs after it as well, so distinct numbers stay
+                // distinct.
                 ASSERT_EQ(std::countl_zero(v ^ other), std::countl_zero(a ^ b)) << name;
             }
         }
 }
 
 TEST(Scramble, FlipsOfSiblingsAreIndependent) {
-    // The eight nodes of the third level decide on their own: all 2^8 patterns of flips, equally often.
+    // Each of the eight nodes of the third level flips independently, so all 2^8 patterns of flips are equally likely.
     constexpr int kSeeds = 1 << 16;
     std::vector<double> expected(256, kSeeds / 256.0);
     for (auto [name, scramble] : kScrambles) {
@@ -112,7 +113,7 @@ TEST(Scramble, FlipsOfSiblingsAreIndependent) {
         if (std::string(name) == "owen") {
             EXPECT_GT(test::ChiSquareTest(observed, expected), 1e-4) << name;
         } else {
-            // A hash of a few operations has not the freedom of all patterns; pairs must be free.
+            // A hash of a few operations cannot give all patterns equally often; but pairs must be independent.
             for (int a = 0; a < 8; ++a)
                 for (int b = 0; b < a; ++b) {
                     double cells[4] = {};
@@ -144,7 +145,7 @@ TEST(Scramble, DeepDigitsFlipHalfTheTimeInDistantBranches) {
             }
 }
 
-/// All ways to cut the square into 2^k equal boxes; each must hold one point.
+/// True if each box of every cut of the square into 2^k equal boxes holds one point.
 bool IsNet(const std::vector<std::pair<uint32_t, uint32_t>> &points) {
     int k = std::countr_zero(points.size());
     for (int a = 0; a <= k; ++a) {

@@ -8,7 +8,7 @@
 
 namespace pbrt {
 
-// From the usual tables: two-sided critical values.
+// Two-sided critical values from the usual tables.
 TEST(StudentT, MatchesTables) {
     EXPECT_NEAR(StudentTwoSidedP(12.706, 1), 0.05, 1e-5);
     EXPECT_NEAR(StudentTwoSidedP(4.303, 2), 0.05, 1e-5);
@@ -59,16 +59,17 @@ TEST(RunningMoments, MatchHandComputedValues) {
     EXPECT_NEAR(m.Variance(), 7, 1e-6);
 }
 
-// The tests' own tail, from the usual tables.
+// The tail probability that the tests use, against the usual tables.
 TEST(ChiSquareTail, MatchesTables) {
     EXPECT_NEAR(test::ChiSquareTail(3.841, 1), 0.05, 1e-4);
     EXPECT_NEAR(test::ChiSquareTail(18.307, 10), 0.05, 1e-5);
     EXPECT_NEAR(test::ChiSquareTail(135.807, 100), 0.01, 1e-5);
-    EXPECT_NEAR(test::ChiSquareTail(9.21034, 2), std::exp(-9.21034 / 2), 1e-12);  // two degrees: exponential
+    // Exponential for two degrees of freedom.
+    EXPECT_NEAR(test::ChiSquareTail(9.21034, 2), std::exp(-9.21034 / 2), 1e-12);
     EXPECT_EQ(test::ChiSquareTail(0, 3), 1);
     EXPECT_EQ(test::ChiSquareTail(5, 0), 1);
     EXPECT_EQ(test::ChiSquareTail(INFINITY, 3), 0);
-    EXPECT_TRUE(std::isnan(test::ChiSquareTail(NAN, 3))) << "no number must not pass as agreement";
+    EXPECT_TRUE(std::isnan(test::ChiSquareTail(NAN, 3))) << "NaN must not pass as agreement";
 }
 
 }  // namespace pbrt

@@ -92,7 +92,7 @@ TEST(Transform, LookAtIsLeftHandedAndLooksAlongZ) {
     Vector3 up = t->Vector({0.1f, 1, 0});
     EXPECT_NEAR(up.x, 0, 1e-6f);
     EXPECT_GT(up.y, 0);
-    // Seen from -z, world x is to the right: the world of pbrt is left-handed.
+    // The camera looks from -z and sees world x on the right: the world of pbrt is left-handed.
     EXPECT_GT(t->Vector({1, 0, 0}).x, 0);
     EXPECT_FALSE(t->SwapsHandedness());
     EXPECT_TRUE(Transform::LookAt({0, 0, -1}, {0, 0, 0}, {0, 1, 0})->IsIdentity() ||

@@ -42,7 +42,7 @@ TEST(Vec, AngleBetweenIsAccurateAtBothEnds) {
         for (int i = 0; i < 300; ++i) {
             Vector3 a = RandomDirection(rng);
             Vector3 b = Normalize(a + step * RandomDirection(rng));
-            // Both inputs are unit only to rounding; that alone moves the angle by some 1e-7.
+            // Both inputs have unit length only up to rounding, which alone changes the angle by some 1e-7.
             EXPECT_NEAR(double(AngleBetween(a, b)), AngleInDouble(a, b), 5e-7 + 1e-6 * double(step));
             EXPECT_NEAR(double(AngleBetween(a, -b)), AngleInDouble(a, -b), 5e-7 + 1e-6 * double(step));
         }
@@ -96,7 +96,7 @@ TEST(Frame, FromLocalUndoesToLocal) {
             EXPECT_EQ(f.z, z);
             EXPECT_NEAR(Length(Cross(f.x, f.y) - f.z), 0, 1e-5f);
         }
-        // x stays in the half plane of the given x.
+        // The x axis stays in the half plane of the given x.
         EXPECT_GT(Dot(Frame::FromXZ(x, z).x, x), 0);
     }
 }

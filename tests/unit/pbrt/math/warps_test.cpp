@@ -12,7 +12,8 @@ namespace {
 
 constexpr int kDraws = 200000;
 
-/// Histogram of sample(u) over nx * ny cells of the unit square that `cell` maps to, against the integral of density.
+/// p-value of a chi-square test of sample(u), mapped to the unit square and counted in nx * ny cells, against the
+/// integral of the density.
 double SquareTest(const std::function<Point2(const Point2 &)> &sample,
                   const std::function<double(double, double)> &density) {
     constexpr int kN = 12, kSub = 8;
@@ -58,7 +59,7 @@ TEST(Warps, ConcentricDiskKeepsNeighboursTogether) {
 TEST(Warps, DirectionsFollowTheirDensities) {
     auto flat = [](double, double) { return 1.0; };
     EXPECT_GT(SquareTest([](const Point2 &u) { return SphereCell(SampleUniformSphere(u)); }, flat), 1e-4);
-    // Densities by solid angle times the 4 Pi of the cell coordinates.
+    // Densities per solid angle are multiplied by 4 Pi, the solid angle of the unit square of cell coordinates.
     auto upper = [](double z, double) { return z > 0.5 ? 4 * M_PI * double(UniformHemispherePdf()) : 0; };
     EXPECT_GT(SquareTest([](const Point2 &u) { return SphereCell(SampleUniformHemisphere(u)); }, upper), 1e-4);
     auto cosine = [](double z, double) {
@@ -82,7 +83,7 @@ TEST(Warps, SampledDirectionsAreUnit) {
 }
 
 TEST(Warps, TriangleIsUniformByArea) {
-    // (1 - b0)^2 has the uniform distribution and, given it, b1 / (1 - b0) too.
+    // (1 - b0)^2 is uniformly distributed and, for any value of it, b1 / (1 - b0) is uniform too.
     auto cell = [](const Point2 &u) {
         Vector3 b = SampleUniformTriangle(u);
         EXPECT_GE(std::min({b.x, b.y, b.z}), 0);
@@ -191,7 +192,7 @@ TEST(EqualArea, WrappedNeighboursAreNeighboursOnTheSphere) {
             EXPECT_TRUE(outside.x >= 0 && outside.x <= 1 && outside.y >= 0 && outside.y <= 1);
             Vector3 a = EqualAreaSquareToSphere(edge[side]), b = EqualAreaSquareToSphere(outside);
             EXPECT_LT(Distance(a, b), 8 * kStep);
-            // Outside is another place than inside.
+            // A step out of the square and the same step into the square lead to different directions.
             Vector3 c = EqualAreaSquareToSphere(edge[side] - kStep * out[side]);
             if (std::abs(t - 0.5f) > 0.1f && t > 0.1f && t < 0.9f) {
                 EXPECT_GT(Distance(b, c), kStep);

@@ -18,7 +18,7 @@ struct Table {
             f.push_back(sparse && rng.Uniform() < 0.7f ? 0 : (rng.Uniform() < 0.05f ? 500 : 1) * rng.Uniform());
         distribution = WindowedPiecewiseConstant2D(f, nx, ny);
     }
-    /// Cell by cell.
+    /// The reference: the integral over a window, summed cell by cell.
     double SlowIntegral(const Bounds2 &w) const {
         double sum = 0;
         for (int j = 0; j < ny; ++j)
@@ -92,7 +92,7 @@ TEST(WindowedDistribution, SamplesFollowTheDensity) {
             observed[static_cast<size_t>(std::clamp(static_cast<int>(in.y), 0, kSide - 1) * kSide +
                                          std::clamp(static_cast<int>(in.x), 0, kSide - 1))] += 1;
         }
-        // Cells of no weight may be hit by rounding at their border.
+        // Rounding at the border may put a sample into a cell of zero weight.
         for (size_t i = 0; i < expected.size(); ++i)
             if (expected[i] < 1e-6 && observed[i] < 3) observed[i] = 0;
         EXPECT_GT(ChiSquareTest(observed, expected), alpha) << k;

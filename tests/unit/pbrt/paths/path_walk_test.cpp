@@ -35,7 +35,7 @@ struct Walker {
         sample.pFilm = {4.2f, 3.9f};
         return *built.camera->GenerateRay(sample, SampledWavelengths::SampleVisible(0.5f));
     }
-    /// Passes what does not scatter; how many that were.
+    /// Goes to the next surface that scatters, or to the end of the path; returns the number of surfaces passed.
     int GoToVertex(PathWalk::Met *met) {
         for (int passed = 0;; ++passed)
             if ((*met = walk.Next()) != PathWalk::Met::Surface || walk.FindScattering(lambda)) return passed;
@@ -110,7 +110,7 @@ TEST(PathWalk, MeetsTheLightOfASurfaceOrOfTheSkyButNotBoth) {
     EXPECT_EQ(met(""), (Lights{{0, 0}, {1, 0}}));
     EXPECT_EQ(met(Disk(5, kDiffuse)), Lights{});
     EXPECT_EQ(met(Disk(5, kGlow)), (Lights{{0, 5}}));
-    EXPECT_EQ(met(Disk(5, "AreaLightSource \"diffuse\"")), Lights{}) << "it shines to the other side";
+    EXPECT_EQ(met(Disk(5, "AreaLightSource \"diffuse\"")), Lights{}) << "the disk emits to its other side";
 }
 
 TEST(PathWalk, ScattersAsASceneIsWalkedByHand) {
@@ -166,8 +166,8 @@ TEST(PathWalk, DifferentialsSurviveAMirrorAndEndAtADiffuseSurface) {
         ComputeFootprint(approximate, RayDifferential(), *built.camera, 1);
         return approximate.dpdx == walker.walk.Vertex().point.dpdx;
     };
-    EXPECT_TRUE(second(kDiffuse)) << "the camera's approximation is used";
-    EXPECT_FALSE(second("Material \"conductor\"")) << "the ray's own differentials are used";
+    EXPECT_TRUE(second(kDiffuse)) << "a diffuse bounce must use the camera's approximation";
+    EXPECT_FALSE(second("Material \"conductor\"")) << "a mirror must use the differentials of the ray";
 }
 
 }  // namespace

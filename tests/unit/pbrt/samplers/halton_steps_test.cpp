@@ -5,7 +5,7 @@
 #include "pbrt/math/warps.h"
 #include "pbrt/samplers/halton_sampler.h"
 
-// How well the few samples that a pixel of the Halton sampler has fill the space of their dimensions.
+// Tests how evenly the few samples of a pixel of the Halton sampler fill the space of their dimensions.
 
 namespace pbrt {
 namespace {
@@ -24,17 +24,16 @@ uint32_t MultiplierFor(int dimension, uint32_t step) {
 
 // ---- Where the steps come from
 
-/// The steps are chosen one after the other, each the best beside those before. The measure is the mean squared error
-/// of the mean of n samples over the functions of a reproducing kernel space: the sum of a product kernel over all
-/// pairs.
-/// It has the last six dimensions and, as long as they matter, the two of the film. The logarithms for all
-/// n = 4, 8, ... 64 are added: a share gained counts the same for few samples and for many.
+/// Searches the steps one after the other; each is the best one given those before it. The measure is the mean squared
+/// error of the mean of n samples over the functions of a reproducing kernel space: the sum of a product kernel over
+/// all pairs of samples. The kernel includes the last six dimensions and, as long as they matter, the two of the film.
+/// The logarithms for all n = 4, 8, ... 64 are added, so a relative gain counts the same for few samples and for many.
 class StepSearch {
   public:
     StepSearch() {
         for (int d : {0, 1}) kernels_.push_back(KernelOf([&](uint64_t a) { return FilmPosition(d, a); }));
     }
-    /// The cost of all steps of the next dimension, from step 1 to the half of the base: the others mirror them.
+    /// The costs of all steps of the next dimension, from step 1 to half of the base; larger steps mirror these.
     std::vector<double> NextCosts() {
         const int d = static_cast<int>(kernels_.size());
         others_.assign(kOffsets * kPairs, 1);
@@ -59,7 +58,8 @@ class StepSearch {
     static double FilmPosition(int axis, uint64_t a) {
         return axis == 0 ? double(RadicalInverse(2, a / 128)) : double(RadicalInverse(3, a / 243));
     }
-    /// The second Bernoulli polynomial of the distance on the circle, for all pairs of samples of two pixels.
+    /// The kernel of one dimension: the second Bernoulli polynomial of the distance on the circle, for all pairs of
+    /// samples of two pixels.
     template <class Value>
     static std::vector<double> KernelOf(const Value &value) {
         std::vector<double> kernel;
@@ -94,7 +94,7 @@ class StepSearch {
     }
 
     std::vector<std::vector<double>> kernels_;
-    std::vector<double> others_;  ///< product of the kernels of the dimensions before
+    std::vector<double> others_;  ///< product of the kernels of all earlier dimensions
     double diagonal_ = 1;
 };
 
@@ -106,7 +106,7 @@ TEST(HaltonSteps, AreThoseThatTheSearchFinds) {
         const std::vector<double> costs = search.NextCosts();
         const auto best = std::min_element(costs.begin(), costs.end());
         const int step = static_cast<int>(best - costs.begin()) + 1;
-        // Another machine may round a tie the other way.
+        // On another machine rounding may decide a tie differently.
         const int listed = HaltonSampler::Step(d);
         if (listed < 1 || listed > static_cast<int>(costs.size()) ||
             costs[static_cast<size_t>(listed - 1)] > *best + 1e-9)
@@ -119,7 +119,7 @@ TEST(HaltonSteps, AreThoseThatTheSearchFinds) {
 
 // ---- Against truly random permutations
 
-/// The Halton sequence with random permutations of its digits, each from a shuffle: the slow and right twin.
+/// The reference: the Halton sequence with truly random permutations of its digits, each made by a shuffle.
 class ShuffledHalton {
   public:
     ShuffledHalton(int dimensions, uint64_t seed) {
@@ -147,7 +147,7 @@ class ShuffledHalton {
     std::vector<std::vector<std::vector<uint32_t>>> digits_;
 };
 
-/// What a path draws at its first vertex: dimensions 6 to 11.
+/// The random numbers that a path uses at its first vertex: dimensions 6 to 11.
 struct VertexNumbers {
     Float light;
     Point2 onLight;
@@ -155,8 +155,8 @@ struct VertexNumbers {
     Point2 direction;
 };
 
-/// A plane of directions with four disks of light of different size and the same power, seen in a glossy lobe: one disk
-/// is chosen and sampled, the lobe is sampled, and the power heuristic combines both.
+/// An integrand: a plane of directions with four disks of light of different sizes and the same power, seen in a glossy
+/// lobe. One disk is chosen and sampled, the lobe is sampled, and the power heuristic combines both.
 class Plates {
   public:
     explicit Plates(Float width) : width_(width) {}
@@ -164,7 +164,7 @@ class Plates {
         const auto chosen = std::min(3, static_cast<int>(u.light * 4));
         const Disk &disk = kDisks[chosen];
         const Point2 p = disk.centre + disk.radius * SampleUniformDiskPolar(u.onLight);
-        // Emission is four times the density by area of a light sample, which is the same all over a disk.
+        // The radiance of a disk is four times the density by area of a light sample, which is constant on a disk.
         const Float density = Density(disk);
         double L = double(4 * Lobe(p) * PowerHeuristic(density, Lobe(p)));
         const Float r = width_ * std::sqrt(u.direction.x / (1 - u.direction.x)), phi = 2 * Pi * u.direction.y;
@@ -185,13 +185,13 @@ class Plates {
 
     static Float Distance2(const Point2 &a, const Point2 &b) { return Sqr(a.x - b.x) + Sqr(a.y - b.y); }
     static Float Density(const Disk &disk) { return 1 / (4 * Pi * Sqr(disk.radius)); }
-    /// Slopes of the Trowbridge-Reitz distribution.
+    /// The density of slopes of the Trowbridge-Reitz distribution.
     Float Lobe(const Point2 &p) const { return Sqr(width_) / (Pi * Sqr(Sqr(width_) + Sqr(p.x) + Sqr(p.y))); }
 
     Float width_;
 };
 
-/// Dimensions 6 to 11 of point n of a sequence.
+/// The dimensions 6 to 11 of point n of a sequence.
 template <class Sequence>
 VertexNumbers NumbersOf(const Sequence &at, uint64_t n) {
     return {at(6, n), {at(7, n), at(8, n)}, at(9, n), {at(10, n), at(11, n)}};
@@ -206,7 +206,7 @@ VertexNumbers NumbersOf(HaltonSampler &sampler, Point2i pixel, int index) {
     return u;
 }
 
-/// Mean squared errors of the mean of a pixel's samples, over pixels and seeds, as shares of the twin's.
+/// Mean squared errors of the mean of a pixel's samples, over pixels and seeds, relative to those of the reference.
 struct ErrorShares {
     double sampler = 0, permuted = 0;
 };
@@ -243,7 +243,7 @@ TEST(HaltonSteps, PlatesHaveLessErrorThanWithRandomPermutations) {
         for (Float width : {0.3f, 0.6f, 1.2f}) {
             const ErrorShares shares = ComparePixels(Plates(width), samples);
             EXPECT_LT(shares.sampler, 0.87) << samples << " samples, lobe " << width;
-            // Permutations without memory are as good as shuffles, and would not pass as the sampler.
+            // Hashed permutations are as good as shuffled ones, and are clearly worse than those of the sampler.
             EXPECT_NEAR(shares.permuted, 1, 0.12) << samples << " samples, lobe " << width;
         }
 }

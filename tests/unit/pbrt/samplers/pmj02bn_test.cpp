@@ -13,7 +13,8 @@
 namespace pbrt {
 namespace {
 
-/// True if each box of every cut into 2^a columns and rows so that there are as many boxes as points holds one point.
+/// True if each box holds one point, for every cut of the square into 2^a columns and into rows so that there are as
+/// many boxes as points.
 bool IsNet(std::span<const BinaryPoint> points) {
     const int m = std::countr_zero(points.size());
     for (int a = 0; a <= m; ++a) {
@@ -35,7 +36,7 @@ TEST(Pmj02bnSequence, EveryAlignedRunIsANet) {
                 ASSERT_TRUE(IsNet({&points[first], size_t(1) << m})) << m << " " << first;
         std::vector<BinaryPoint> broken = points;
         std::swap(broken[3].x, broken[9].x);
-        EXPECT_FALSE(IsNet({broken.data(), 8})) << "the check can fail";
+        EXPECT_FALSE(IsNet({broken.data(), 8})) << "IsNet must reject a broken net";
     }
 }
 
@@ -73,7 +74,7 @@ TEST(Pmj02bnSequence, PointsKeepFartherApartThanOtherNetsDo) {
             plain.Add(MeanNearest({drawn.data(), count}));
         }
         EXPECT_GT(blue.mean, plain.mean + 0.05) << count;
-        // 1.07 is a hexagonal grid, 0.5 are independent points.
+        // For comparison: a hexagonal grid has 1.07, independent points have 0.5.
         EXPECT_GT(blue.mean, 0.7) << count;
         EXPECT_LT(blue.mean, 1.07) << count;
     }
@@ -88,7 +89,8 @@ TEST(BlueNoiseMask, HoldsEveryRankOnceAndNearRanksApart) {
     EXPECT_EQ(ranks.size(), kSize * kSize);
     EXPECT_EQ(*ranks.rbegin(), kSize * kSize - 1);
     EXPECT_EQ(mask.Rank(3, 5), mask.Rank(3 + kSize, 5 + 7 * kSize));
-    // Means over 4 x 4 pixels: of white noise they have a sixteenth of the variance of a pixel.
+    // The variance of means over 4 x 4 pixels would be a sixteenth of that of a pixel for white noise; here it must be
+    // much lower.
     test::RunningStatistics pixels, blocks;
     for (uint32_t y = 0; y < kSize; ++y)
         for (uint32_t x = 0; x < kSize; ++x) {
@@ -109,7 +111,7 @@ BinaryPoint Fractions(const Point2 &p) {
     return {fraction(p.x), fraction(p.y)};
 }
 
-/// The points of one request for `n` samples of a pixel.
+/// The points that one 2D request returns for `n` samples of a pixel.
 std::vector<BinaryPoint> Request(Sampler &s, Point2i pixel, int first, int n, int dimension) {
     std::vector<BinaryPoint> points;
     for (int i = first; i < first + n; ++i) {
@@ -165,7 +167,7 @@ TEST(Pmj02bnSampler, PositionsInThePixelAreNetsInEveryRound) {
 }
 
 TEST(Pmj02bnSampler, PositionsOfATileAreOneNet) {
-    // 16 samples in each of 8 x 8 pixels: 1024 points in 1024 cells, and as many columns and rows.
+    // 16 samples in each of 8 x 8 pixels are 1024 points in 1024 cells, and in as many columns and rows.
     std::unique_ptr<Sampler> s = Make(16);
     std::vector<uint32_t> taken(32 * 32, 0);
     for (int y = 0; y < 8; ++y)
@@ -178,7 +180,7 @@ TEST(Pmj02bnSampler, PositionsOfATileAreOneNet) {
     for (uint32_t n : taken) EXPECT_EQ(n, 1u);
 }
 
-/// Root mean square error of pixel means of f over some pixels.
+/// Root mean square error of the means of f over the samples of a pixel.
 template <class F>
 double PixelError(const test::SamplerCase &c, int samples, double truth, F f) {
     double sum = 0;
@@ -200,7 +202,7 @@ TEST(Pmj02bnSampler, ErrorsFallAsThoseOfANetNotAsThoseOfIndependentSamples) {
     auto smooth = [](const Point2 &p) { return std::exp(-double(p.x * p.x + p.y * p.y)); };
     const double diskMean = M_PI / 4 * 0.64, e = std::erf(1.0) * std::sqrt(M_PI) / 2, smoothMean = e * e;
     const test::SamplerCase pmj{"pmj02bn", ""}, independent{"independent", ""};
-    // Independent errors halve from 64 to 256 samples.
+    // The error of independent samples halves from 64 to 256 samples.
     EXPECT_NEAR(PixelError(independent, 256, diskMean, disk) / PixelError(independent, 64, diskMean, disk), 0.5, 0.1);
     EXPECT_LT(PixelError(pmj, 256, diskMean, disk), 0.4 * PixelError(independent, 256, diskMean, disk));
     EXPECT_LT(PixelError(pmj, 256, diskMean, disk) / PixelError(pmj, 64, diskMean, disk), 0.45);
@@ -209,7 +211,7 @@ TEST(Pmj02bnSampler, ErrorsFallAsThoseOfANetNotAsThoseOfIndependentSamples) {
 }
 
 TEST(Pmj02bnSampler, ErrorsOfNeighbouringPixelsCancel) {
-    // At one sample per pixel: means over 4 x 4 pixels of blue noise err less than those of white noise.
+    // At one sample per pixel, means over 4 x 4 pixels have a smaller error with blue noise than with white noise.
     auto blockError = [](const test::SamplerCase &c) {
         test::RunningStatistics squares;
         std::unique_ptr<Sampler> s = c.Make(1);

@@ -7,7 +7,7 @@
 
 namespace pbrt::test {
 
-/// One line of a parameter list.
+/// A parameter of one integer.
 inline Param IntParam(const std::string &name, int v) {
     Param p;
     p.type = ParamType::Integer;
@@ -35,10 +35,10 @@ inline ParamSet Params(const std::string &type, const std::vector<Param> &params
     return set;
 }
 
-/// A sampler with one of its randomizations ("" = the default).
+/// A sampler with one of its randomizations ("": the default).
 struct SamplerCase {
     std::string type, randomization;
-    bool pixelOwnsDimensions = true;  ///< dimensions are counted from 0 and GetPixel2D takes two of them
+    bool pixelOwnsDimensions = true;  ///< dimensions are counted from 0, and GetPixel2D uses two of them
 
     std::unique_ptr<Sampler> Make(int samples, int seed = 0, Point2i resolution = {64, 48}) const {
         std::vector<Param> params;
@@ -49,7 +49,7 @@ struct SamplerCase {
     std::string Name() const { return type + (randomization.empty() ? "" : "_" + randomization); }
 };
 
-/// All that are random; "none" is left out.
+/// All randomized samplers; the randomization "none" is left out.
 inline std::vector<SamplerCase> RandomizedSamplers() {
     std::vector<SamplerCase> cases = {{"independent", "", true}, {"stratified", "", true}, {"pmj02bn", "", false}};
     for (const char *r : {"permutedigits", "owen"}) cases.push_back({"halton", r, false});

@@ -79,7 +79,8 @@ TEST(MakeSampler, SampleCountsAndOverride) {
 }
 
 TEST(MakeSampler, OverriddenStratifiedIsAsSquareAsItCanBe) {
-    // 18 = 6 x 3: without jitter the distinct coordinates count the columns and rows.
+    // 18 samples are 6 x 3 strata; without jitter, the numbers of distinct coordinates are the numbers of columns and
+    // rows.
     std::unique_ptr<Sampler> s = Make("stratified", {BoolParam("jitter", false)}, 18);
     std::vector<Float> xs, ys;
     for (int i = 0; i < 18; ++i) {
@@ -144,7 +145,7 @@ TEST(MakeSampler, UnusedParametersAreErrors) {
         Make(c.type, {IntParam(c.foreign, 4)}, 0, &sink);
         EXPECT_EQ(sink.ErrorCount(), 1u) << c.type;
     }
-    // Overridden counts are still read.
+    // Sample counts that are overridden are still read, so they are not reported as unused.
     DiagnosticSink sink;
     Make("zsobol", {IntParam("pixelsamples", 4)}, 16, &sink);
     Make("stratified", {IntParam("xsamples", 4)}, 16, &sink);

@@ -4,7 +4,7 @@
 #include "sampler_cases.h"
 #include "support/statistics.h"
 
-// What holds for every sampler.
+// Tests what must hold for every sampler.
 
 namespace pbrt {
 namespace {
@@ -15,7 +15,7 @@ class EverySampler : public testing::TestWithParam<SamplerCase> {};
 INSTANTIATE_TEST_SUITE_P(All, EverySampler, testing::ValuesIn(test::RandomizedSamplers()),
                          [](const auto &test) { return test.param.Name(); });
 
-/// What an integrator asks for, in its order.
+/// The numbers that an integrator asks for, in its order.
 std::vector<Float> Draw(Sampler &s, Point2i pixel, int index) {
     std::vector<Float> v;
     s.StartPixelSample(pixel, index);
@@ -35,7 +35,7 @@ TEST_P(EverySampler, ValuesAreBelowOneAndFinite) {
     std::unique_ptr<Sampler> s = GetParam().Make(16);
     for (int y = 0; y < 48; y += 5)
         for (int x = 0; x < 64; x += 3)
-            for (int i = 0; i < 40; ++i)  // beyond the samples of a pixel, too
+            for (int i = 0; i < 40; ++i)  // also beyond the number of samples per pixel
                 for (Float u : Draw(*s, {x, y}, i)) ASSERT_TRUE(u >= 0 && u < 1) << u;
 }
 
@@ -83,7 +83,7 @@ TEST_P(EverySampler, SeedsPixelsIndicesAndDimensionsDiffer) {
     std::unique_ptr<Sampler> s = GetParam().Make(16, 0), other = GetParam().Make(16, 1);
     auto differ = [](const std::vector<Float> &a, const std::vector<Float> &b) {
         int different = 0;
-        for (size_t i = 2; i < a.size(); ++i) different += a[i] != b[i];  // the first two may be fixed by the pixel
+        for (size_t i = 2; i < a.size(); ++i) different += a[i] != b[i];  // the first two may depend on the pixel only
         return different;
     };
     std::vector<Float> base = Draw(*s, {3, 4}, 5);
@@ -95,8 +95,8 @@ TEST_P(EverySampler, SeedsPixelsIndicesAndDimensionsDiffer) {
     for (size_t i = 3; i < base.size(); ++i) EXPECT_NE(base[i], base[i - 1]);
 }
 
-/// Calls f with one sample of every pixel of a square film for several seeds. Samples of a pixel share their randomness
-/// and would break the tests below, which count on independent samples (or better ones).
+/// Calls f with one sample of every pixel of a square film, for several seeds. Samples of the same pixel share their
+/// randomness, but the tests below need samples that are independent (or better stratified).
 template <class F>
 int ForOneSampleOfEachPixel(const SamplerCase &c, const F &f) {
     int n = 0;
@@ -122,7 +122,7 @@ TEST_P(EverySampler, EveryDimensionIsUniform) {
 
 TEST_P(EverySampler, PairsOfDimensionsAreJointlyUniform) {
     constexpr size_t kN = 8;
-    // Halton dimensions of large bases are known to go together until very many samples are taken.
+    // Halton dimensions of large bases are known to be correlated until very many samples are taken.
     const size_t dimensions = GetParam().type == "halton" ? 8 : 14;
     std::vector<double> observed(14 * 14 * kN * kN, 0);
     int n = ForOneSampleOfEachPixel(GetParam(), [&](const std::vector<Float> &u) {

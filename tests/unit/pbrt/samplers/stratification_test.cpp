@@ -12,7 +12,7 @@ namespace {
 
 using test::SamplerCase;
 
-/// True if of n = points.size() points every box of a cut into columns x n/columns holds one.
+/// True if every box holds one of the n points, for n = points.size() boxes in `columns` columns and n / columns rows.
 bool OneInEachBox(const std::vector<Point2> &points, size_t columns) {
     size_t rows = points.size() / columns;
     std::set<std::pair<size_t, size_t>> boxes;
@@ -27,7 +27,8 @@ bool IsBase2Net(const std::vector<Point2> &points) {
     return true;
 }
 
-/// The points of one request for all samples first ... first + n - 1 of a pixel; `before` 1D requests precede it.
+/// The points that one 2D request returns for the samples first ... first + n - 1 of a pixel; `before` 1D requests
+/// precede it.
 std::vector<Point2> Points2D(Sampler &s, Point2i pixel, int first, int n, int before) {
     std::vector<Point2> points;
     for (int i = first; i < first + n; ++i) {
@@ -81,7 +82,8 @@ TEST(Stratification, ZSobolQuadsOfPixelsShareANet) {
 }
 
 TEST(Stratification, ZSobolOrdersQuadsDifferentlyInDifferentDimensions) {
-    // Which quarter of the 1D values the four pixels of a quad get, at one sample per pixel: all 24 orders turn up.
+    // At one sample per pixel, the four pixels of a quad get the four quarters of the 1D values in some order: all 24
+    // orders must occur.
     std::unique_ptr<Sampler> s = SamplerCase{"zsobol", "none"}.Make(1);
     std::set<std::vector<int>> orders;
     for (int dimension = 0; dimension < 300; ++dimension) {
@@ -158,7 +160,7 @@ TEST(Stratification, HaltonPixelsOwnTheirPointsOfTheDirectSequence) {
                     double px = double(RadicalInverse(2, s.Index())) * scale.x,
                            py = double(RadicalInverse(3, s.Index())) * scale.y;
                     Point2 p = s.GetPixel2D();
-                    // The float sequence knows positions in the tile to some 1e-5 of a pixel.
+                    // In float, the sequence gives positions in the tile only to some 1e-5 of a pixel.
                     ASSERT_NEAR(px, x + double(p.x), 3e-5) << x << " " << y << " " << i;
                     ASSERT_NEAR(py, y + double(p.y), 3e-5) << x << " " << y << " " << i;
                     ASSERT_EQ(s.Get1D(), RadicalInverse(5, s.Index()));
@@ -179,7 +181,7 @@ TEST(Stratification, HaltonTilesRepeatAfter128Pixels) {
 }
 
 TEST(Stratification, HaltonDimensionsAreStratifiedAlongTheSequence) {
-    // 5^3 consecutive points of a 1x1 film: every 125th of dimension 2 (base 5) holds one.
+    // For 5^3 consecutive points of a 1 x 1 film, every interval of length 1/125 of dimension 2 (base 5) holds one.
     for (Randomization r : {Randomization::None, Randomization::PermuteDigits, Randomization::Owen}) {
         HaltonSampler s(125, {1, 1}, r, 9);
         std::set<int> cells;
@@ -215,7 +217,7 @@ TEST(Stratification, SobolPixelsAreStratifiedAndPointsAreTheGlobalOnes) {
 }
 
 TEST(Stratification, SobolFilmIsStratifiedAcrossPixelsInEveryDimension) {
-    // One sample in each of 32 x 32 pixels: 1024 consecutive points of the sequence.
+    // One sample in each of 32 x 32 pixels: these are 1024 consecutive points of the sequence.
     for (const char *randomization : {"none", "owen", "fastowen"}) {
         std::unique_ptr<Sampler> s = SamplerCase{"sobol", randomization, false}.Make(1, 2, {32, 32});
         for (int dimension : {2, 3, 20, 500, 1023}) {

@@ -1,4 +1,4 @@
-// From rays to surface points, and from segments to "occluded".
+// Tests how rays find surface points, and whether segments are occluded.
 #include "pbrt/scene/scene.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace pbrt::test {
 namespace {
 
-/// In rendering space, which is world space here.
+/// A scene whose rendering space is world space.
 BuiltScene Build(const std::string &world, const std::string &integrator = "path") {
     return BuildText("Option \"rendercoordsys\" \"world\" Integrator \"" + integrator + "\"\nWorldBegin\n" + world);
 }
@@ -110,7 +110,7 @@ LightLiSample To(const Point3 &from, const Point3 &p, const Normal3 &n = Normal3
 }
 
 TEST(Scene, OnlyWhatIsBetweenTwoPointsOccludes) {
-    // Two surfaces with the ends on them, at z = 0 and z = 4, and a small one at z = 2.
+    // The ends of the segments lie on two surfaces at z = 0 and z = 4; a small surface is between them at z = 2.
     const BuiltScene built = Build("Scale 9 9 1\n" + std::string(kQuad) + "Translate 0 0 4\n" + kQuad +
                                    "Identity Translate 5 0 2\n" + kQuad);
     const Scene &scene = *built.scene;
@@ -137,14 +137,14 @@ TEST(Scene, ShadowRaysPassInterfacesForVolpathOnly) {
         const BuiltScene built = Build(world, integrator);
         const LightSampleContext from = From({0, 0, 0}, {0, 0, 1});
         EXPECT_EQ(built.scene->Occluded(from, To(from.p, {0, 0, 4})), std::string(integrator) == "path") << integrator;
-        // Other rays meet them, and other surfaces block.
+        // Rays that are not shadow rays meet interfaces, and surfaces of other materials block shadow rays.
         EXPECT_TRUE(built.scene->Intersect(MakeRay({0, 0, 0}, {0, 0, 1})));
         EXPECT_TRUE(built.scene->Occluded(MakeRay({5, 0, 0}, {0, 0, 1})));
     }
 }
 
 TEST(Scene, CrossingsAreThoseOfOneMaterialAndEquallyLikely) {
-    // Along z: material a at 1, 3, 5, 7 and material b at 2, 4.
+    // Surfaces along z: material a at 1, 3, 5, 7, and material b at 2, 4.
     std::string world =
         "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" MakeNamedMaterial \"b\" \"string type\" \"diffuse\"\n";
     for (auto [z, material] : {std::pair(1, "a"), {2, "b"}, {3, "a"}, {4, "b"}, {5, "a"}, {7, "a"}})

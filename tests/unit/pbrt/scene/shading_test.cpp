@@ -1,4 +1,4 @@
-// What a surface point scatters and emits, and the filter footprint there.
+// Tests what a surface point scatters and emits, and its filter footprint.
 #include "pbrt/scene/shading.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ BuiltScene Build(const std::string &world) {
         world);
 }
 
-/// What is seen from z = 4 down the z axis at (x, y).
+/// The surface point that is seen from (x, y, z) along `direction` on the z axis.
 SurfacePoint PointAt(const BuiltScene &built, Float x = 0.2f, Float y = 0.1f, Float z = 4, Float direction = -1) {
     Ray ray;
     ray.o = {x, y, z};
@@ -107,7 +107,7 @@ TEST(Footprint, IsThePixelsSizeWhereTheCameraLooks) {
     const CameraRay ray = *built.camera->GenerateRay(sample, kLambda);
     SurfacePoint point = *built.scene->Intersect(ray.ray);
     ComputeFootprint(point, ray.differential, *built.camera, 1);
-    // 100 pixels over 60 degrees at distance 4.
+    // The size of a pixel at distance 4, with 100 pixels over 60 degrees.
     const Float pixel = 2 * 4 * std::tan(Radians(30)) / 100;
     EXPECT_NEAR(Length(point.dpdx), pixel, 1e-3f * pixel);
     EXPECT_NEAR(Length(point.dpdy), pixel, 1e-3f * pixel);
@@ -116,8 +116,8 @@ TEST(Footprint, IsThePixelsSizeWhereTheCameraLooks) {
     EXPECT_NEAR(std::abs(point.dudx), pixel / 2, 1e-3f * pixel);
     EXPECT_NEAR(std::abs(point.dvdy), pixel / 2, 1e-3f * pixel);
     EXPECT_NEAR(point.dudy, 0, 1e-3f * pixel);
-    // Without differentials it is the camera's estimate, that of the film's corner, whose pixels see the smallest
-    // angles; it shrinks with the number of samples.
+    // Without differentials the footprint is the camera's estimate. That is the one of the film's corner, whose pixels
+    // subtend the smallest angles, and it shrinks with the number of samples.
     ComputeFootprint(point, {}, *built.camera, 1);
     EXPECT_LT(Length(point.dpdx), pixel);
     EXPECT_GT(Length(point.dpdx), 0.5f * pixel);

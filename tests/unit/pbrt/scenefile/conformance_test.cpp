@@ -25,7 +25,8 @@ class Conformance : public ::testing::Test {
     }
 };
 
-/// What the parser can find, with the column; the other errors of the folder belong to whoever builds the entity.
+/// The errors that the parser itself can find, with their columns; the other errors of the folder are found when the
+/// entities are built.
 const std::map<std::string, Expected> kFound = {
     {"bool_as_string", {Severity::Error, 10, 42, "true or false"}},
     {"camera_after_worldbegin", {Severity::Error, 10, 0, "not allowed after WorldBegin"}},
@@ -105,7 +106,7 @@ TEST_F(Conformance, LargeScenesParse) {
     }
 }
 
-/// Kind and world position of the points that fix a shape's place and size, in a canonical order.
+/// The kind of a shape, and the world positions of the points that fix its place and size, in a canonical order.
 struct Placement {
     std::string type, material;
     std::vector<Point3> points;

@@ -88,7 +88,7 @@ TEST(World, TexturesMaterialsLightsMedia) {
     EXPECT_EQ(scene.textures[0].name, "t");
     EXPECT_FALSE(scene.textures[0].isSpectrum);
     EXPECT_EQ(scene.textures[0].type, "scale");
-    EXPECT_TRUE(scene.textures[1].isSpectrum) << "the two families have names of their own";
+    EXPECT_TRUE(scene.textures[1].isSpectrum) << "float and spectrum textures have separate names";
     EXPECT_EQ(scene.lights[0].type, "spot");
     EXPECT_EQ(scene.media[0].type, "cloud");
     EXPECT_EQ(scene.media[0].name, "m");
@@ -97,7 +97,7 @@ TEST(World, TexturesMaterialsLightsMedia) {
     EXPECT_EQ(scene.lights[0].loc.line, 5);
     EXPECT_EQ(scene.lights[0].loc.column, 0);
     EXPECT_EQ(FloatOf(scene.media[0].params, "x", 0), 3);
-    EXPECT_FALSE(scene.media[0].params.Has("type")) << "it is the entity's";
+    EXPECT_FALSE(scene.media[0].params.Has("type")) << "the type is stored in the entity, not among its parameters";
 }
 
 TEST(World, OnlyShapesMove) {

@@ -170,7 +170,7 @@ TEST(Transformations, ProductsBeyondFloatAreErrorsAtTheDirective) {
     ExpectWorldError("Scale 1e30 1 1\n Scale 1e30 1 1", 3, 1, "beyond the largest 32-bit float");
     ExpectWorldError("Translate 3e38 0 0 Translate 3e38 0 0", 2, 19, "beyond the largest 32-bit float");
     ExpectWorldError("ActiveTransform EndTime Scale 1e30 1 1 Scale 1e30 1 1", 2, 39, "beyond the largest");
-    // It has no effect: what follows is not reported again.
+    // A faulty directive has no effect, so the directives after it give no errors.
     EXPECT_EQ(Parse("WorldBegin Scale 1e30 1 1 Scale 1e30 1 1 Translate 1 2 3 Shape \"s\"").sink.ErrorCount(), 1u);
     EXPECT_EQ(ParseWorld("Scale 1e30 1e-30 1 Scale 1e-30 1e30 1 Shape \"s\"").shapes[0].ctm.start.Matrix()[0][0], 1);
     // The length of this axis has no finite square.

@@ -137,7 +137,8 @@ TEST_F(SceneFiles, ImportGetsACopyOfTheState) {
     EXPECT_EQ(scene.materials.at(static_cast<size_t>(scene.shapes[1].material.index)).type, "p");
     EXPECT_TRUE(scene.shapes[1].reverseOrientation);
     EXPECT_EQ(FloatOf(scene.shapes[1].params, "r", 0), 2);
-    EXPECT_EQ(scene.shapes[2].ctm.start, Transform::Translate({1, 0, 0})) << "nothing leaks back";
+    EXPECT_EQ(scene.shapes[2].ctm.start, Transform::Translate({1, 0, 0}))
+        << "the imported file must not change the transform of its importer";
     EXPECT_EQ(scene.shapes[2].material.index, 0);
     EXPECT_FALSE(scene.shapes[2].reverseOrientation);
     EXPECT_EQ(scene.shapes[2].colorSpace, "srgb");
@@ -181,7 +182,7 @@ TEST_F(SceneFiles, ImportedNamesAreGlobal) {
         "WorldBegin Texture \"t\" \"float\" \"constant\" Import \"part.pbrt\"\nMakeNamedMaterial \"n\" \"string type\" "
         "\"mix\"",
         {{Severity::Error, 2, 8, "defined twice"}, {Severity::Error, 2, 18, "defined twice"}});
-    // Media and objects are not checked across imports; here the later one is used.
+    // Media and objects of the same name are not errors across imports; here the later one is used.
     folder_.Write(
         "part.pbrt",
         "\nMakeNamedMedium \"m\" \"string type\" \"cloud\"\nObjectBegin \"o\" Shape \"b\" Shape \"c\" ObjectEnd");
@@ -252,7 +253,8 @@ TEST_F(SceneFiles, NestingHasALimit) {
         ASSERT_EQ(sink_.All().size(), 1u) << Messages(sink_);
         const Diagnostic &d = sink_.All()[0];
         EXPECT_NE(d.message.find("nested more than 256 deep"), std::string::npos) << d.message;
-        EXPECT_TRUE(d.loc.file->name.ends_with("/254.pbrt")) << d.loc.file->name;  // the 256th, with main.pbrt
+        // The 256th open file, counting main.pbrt.
+        EXPECT_TRUE(d.loc.file->name.ends_with("/254.pbrt")) << d.loc.file->name;
         EXPECT_EQ(d.loc.line, 2);
         folder_.Write("200.pbrt", "Shape \"s\"\n");
         EXPECT_EQ(ParseMainClean(fmt::format("WorldBegin\n{} \"0.pbrt\"\n", directive)).shapes.size(), 1u);
@@ -260,7 +262,7 @@ TEST_F(SceneFiles, NestingHasALimit) {
 }
 
 TEST_F(SceneFiles, FilesThatMultiplyAreStopped) {
-    // Every level twice: 2^30 files.
+    // Every level includes the next one twice: 2^30 files in all.
     for (const char *directive : {"Include", "Import"}) {
         for (int i = 0; i < 30; ++i)
             folder_.Write(fmt::format("{}.pbrt", i),

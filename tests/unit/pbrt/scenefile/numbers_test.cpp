@@ -13,7 +13,7 @@
 namespace pbrt {
 namespace {
 
-/// The value if all of `text` is a number.
+/// The value of `text` if all of it is a number.
 std::optional<Float> WholeFloat(const std::string &text) {
     Float v = -77;
     bool overflow = false;
@@ -57,7 +57,7 @@ TEST(ScanFloat, OnlyOverflowIsReported) {
     std::string large = "-1e60", small = "1e-60", denormal = "1e-40";
     EXPECT_EQ(ScanFloat(large.data(), large.data() + large.size(), &v, &overflow), large.data() + large.size());
     EXPECT_TRUE(overflow);
-    EXPECT_EQ(v, 0) << "no infinity comes in";
+    EXPECT_EQ(v, 0) << "an overflow must not set the value to infinity";
     EXPECT_EQ(WholeFloat("3.4028235e38"), 3.4028235e38f);
     EXPECT_FALSE(WholeFloat("3.4028236e38"));
     EXPECT_EQ(WholeFloat(small), 0.f);

@@ -66,7 +66,7 @@ TEST(Parameters, LocationIsThatOfTheDeclaration) {
 TEST(Parameters, TextureNamesAreComposed) {
     EXPECT_EQ(Only("\"texture a\" \"me\u0301tal\"").strings[0], "m\u00e9tal");
     EXPECT_EQ(Only("\"string materials\" [ \"me\u0301tal\" ]").strings[0], "m\u00e9tal");
-    // File names are bytes.
+    // File names are kept byte by byte, without Unicode composition.
     EXPECT_EQ(Only("\"string filename\" \"me\u0301tal\xff\"").strings[0], "me\u0301tal\xff");
 }
 

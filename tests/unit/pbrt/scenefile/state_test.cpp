@@ -33,7 +33,7 @@ TEST(Transformations, MatricesAreListedByColumns) {
     ExpectNear(Placed("Translate 9 9 9 Transform " + matrix, {1, 1, 1}), {6, 8, 10});
     ExpectNear(Placed("Translate 1 0 0 ConcatTransform " + matrix, {1, 1, 1}), {7, 8, 10});
     ExpectNear(Placed("Translate 9 9 9 Identity", {1, 2, 3}), {1, 2, 3});
-    // A 0 1 column turns x into y.
+    // With the first column (0, 1, 0), x becomes y.
     ExpectNear(Placed("Transform [ 0 1 0 0  -1 0 0 0  0 0 1 0  0 0 0 1 ]", {1, 0, 0}), {0, 1, 0});
 }
 
@@ -76,7 +76,7 @@ TEST(Transformations, TimesReachShapesCameraAndInstances) {
     SceneDescription scene = ParseClean(
         "Camera \"perspective\" TransformTimes .25 .75\nWorldBegin\n"
         "Shape \"s\" ObjectBegin \"o\" Shape \"s\" ObjectEnd ObjectInstance \"o\"");
-    EXPECT_EQ(scene.camera.startTime, 0) << "times given after Camera do not reach it";
+    EXPECT_EQ(scene.camera.startTime, 0) << "TransformTimes after Camera do not change its times";
     EXPECT_EQ(scene.camera.endTime, 1);
     EXPECT_EQ(scene.shapes[0].startTime, .25f);
     EXPECT_EQ(scene.shapes[0].endTime, .75f);
@@ -140,7 +140,7 @@ TEST(State, MaterialsAreReferredToByIndexOrName) {
         "Material \"b\" Shape \"s\"");
     EXPECT_EQ(scene.shapes[0].material.index, -1);
     EXPECT_EQ(scene.shapes[0].material.name, "");
-    EXPECT_EQ(scene.shapes[1].material.name, "n") << "defined later";
+    EXPECT_EQ(scene.shapes[1].material.name, "n") << "a material may be used before it is defined";
     EXPECT_EQ(scene.materials.at(static_cast<size_t>(scene.shapes[2].material.index)).type, "a");
     EXPECT_EQ(scene.shapes[3].material.index, scene.shapes[2].material.index);
     EXPECT_EQ(scene.shapes[3].material.name, "");
@@ -164,7 +164,7 @@ TEST(State, AreaLightIsSharedByTheShapesThatFollow) {
         "AttributeBegin AreaLightSource \"diffuse\" \"float scale\" 1 AttributeEnd\n"
         "AttributeBegin ColorSpace \"dci-p3\" AreaLightSource \"diffuse\" \"float scale\" 2\n"
         "Shape \"a\" Shape \"b\" AttributeEnd Shape \"c\"\nAreaLightSource \"x\" Shape \"d\"");
-    ASSERT_EQ(scene.areaLights.size(), 2u) << "one that no shape uses is not there";
+    ASSERT_EQ(scene.areaLights.size(), 2u) << "an area light that no shape uses is left out";
     EXPECT_EQ(FloatOf(scene.areaLights[0].params, "scale", 0), 2);
     EXPECT_EQ(scene.areaLights[0].colorSpace, "dci-p3");
     EXPECT_EQ(scene.shapes[0].areaLight, 0);
@@ -217,7 +217,8 @@ TEST(Attribute, GivesDefaultsToItsKindOnly) {
     EXPECT_EQ(x(scene.media[0]), 5);
 }
 
-// If every directive copied those before it, this would be five billion copies a scope, which takes minutes.
+// If every directive copied the parameters of those before it, a scope would make five billion copies, which takes
+// minutes.
 TEST(Attribute, ManyDirectivesTakeTimeByTheirNumber) {
     constexpr int kCount = 100000;
     std::string text, inner;

@@ -11,7 +11,7 @@
 
 namespace pbrt::test {
 
-/// A scene and what was said about it.
+/// A parsed scene and the messages about it.
 struct Parsed {
     SceneDescription scene;
     DiagnosticSink sink;
@@ -23,7 +23,7 @@ inline Parsed Parse(const std::string &text, const std::string &directory = "") 
     return parsed;
 }
 
-/// The value of a parameter that has one.
+/// The value of a parameter of one value.
 template <class T>
 T ValueOf(const ParamSet &params, const std::string &name, T defaultValue) {
     ParamReader reader(params);
@@ -44,20 +44,20 @@ inline std::string Messages(const DiagnosticSink &sink) {
     return all;
 }
 
-/// Parses what must give no message at all.
+/// Parses `text`, which must give no messages.
 inline SceneDescription ParseClean(const std::string &text, const std::string &directory = "") {
     Parsed parsed = Parse(text, directory);
     EXPECT_EQ("", Messages(parsed.sink)) << text;
     return std::move(parsed.scene);
 }
 
-/// The world block `text`, behind a WorldBegin that stands alone on line 1.
+/// Parses the world block `text` after a WorldBegin that stands alone on line 1.
 inline SceneDescription ParseWorld(const std::string &text) { return ParseClean("WorldBegin\n" + text); }
 
 struct Expected {
     Severity severity;
     int line, column;
-    std::string part;  ///< of the message
+    std::string part;  ///< a part of the message
 };
 
 inline void ExpectMessages(const DiagnosticSink &sink, const std::vector<Expected> &expected,
@@ -72,12 +72,12 @@ inline void ExpectMessages(const DiagnosticSink &sink, const std::vector<Expecte
     }
 }
 
-/// `text` gives exactly this one error.
+/// Expects that `text` gives exactly this one error.
 inline void ExpectError(const std::string &text, int line, int column, const std::string &part) {
     ExpectMessages(Parse(text).sink, {{Severity::Error, line, column, part}}, text);
 }
 
-/// The world block `text` (its first line is line 2) gives exactly this one error.
+/// Expects that the world block `text`, whose first line is line 2, gives exactly this one error.
 inline void ExpectWorldError(const std::string &text, int line, int column, const std::string &part) {
     ExpectError("WorldBegin\n" + text, line, column, part);
 }
@@ -86,7 +86,7 @@ inline void ExpectWorldWarning(const std::string &text, int line, int column, co
     ExpectMessages(Parse("WorldBegin\n" + text).sink, {{Severity::Warning, line, column, part}}, text);
 }
 
-/// A folder that goes away with the object.
+/// A temporary folder that is removed with the object.
 class TemporaryFolder {
   public:
     TemporaryFolder() {

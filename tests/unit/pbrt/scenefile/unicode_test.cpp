@@ -13,7 +13,7 @@ TEST(FindInvalidUtf8, AcceptsWellFormedText) {
 TEST(FindInvalidUtf8, FindsTheFirstBadByte) {
     EXPECT_EQ(FindInvalidUtf8("m\xe9tal"), 1u);          // Latin-1
     EXPECT_EQ(FindInvalidUtf8("abc\xff"), 3u);           // never valid
-    EXPECT_EQ(FindInvalidUtf8("a\x80"), 1u);             // continuation alone
+    EXPECT_EQ(FindInvalidUtf8("a\x80"), 1u);             // a continuation byte alone
     EXPECT_EQ(FindInvalidUtf8("\xc0\xaf"), 0u);          // overlong
     EXPECT_EQ(FindInvalidUtf8("\xe0\x80\xaf"), 0u);      // overlong
     EXPECT_EQ(FindInvalidUtf8("\xed\xa0\x80"), 0u);      // surrogate

@@ -25,7 +25,8 @@ Curves::Segment SomeSegment(Rng &rng) {
     return s;
 }
 
-/// The slow twin: the strip as many quadrilaterals in the plane across the ray, in double. Widths times `factor`.
+/// The reference: the strip cut into many quadrilaterals in the plane across the ray, in double precision. Widths are
+/// multiplied by `factor`.
 std::optional<PrimitiveHit> SlowHit(const Curves::Segment &s, Float factor, const Point3 &o, const Vector3 &d) {
     constexpr int kSteps = 400;
     using V3 = glm::dvec3;
@@ -102,7 +103,7 @@ TEST(Curves, HitsAreThoseOfTheFineStrip) {
             hits += hit.has_value();
             if ((inner && !hit) || (hit && !outer)) ++wrong;
             if (!hit || !inner) continue;
-            // Loops and steep views may let the twin choose another sheet; they are few.
+            // In loops and steep views the reference may choose another sheet of the strip; such hits are few.
             auto same = SlowHit(s, 1, o, d);
             if (!same || std::abs(same->u - hit->u) > 0.03f || std::abs(same->v - hit->v) > 0.08f ||
                 std::abs(same->t - hit->t) * Length(d) > 0.05f)
@@ -177,19 +178,20 @@ TEST(Curves, SurfacesKnowTheirDerivativesAndTurnAsTheirKindSays) {
                 }
                 EXPECT_NEAR(Length(p.dpdv), width, 1e-5f);
                 EXPECT_NEAR(p.pError.x, width, 1e-6f);
-                // The place across agrees with v.
+                // The hit point's distance from the centre line agrees with v.
                 Vector3 unit = Normalize(across);
                 if (std::abs(Dot(p.p - s.curve.At(hit->u), unit) - (hit->v - 0.5f) * width) > 0.08f * width)
                     ++wrongPlaces;
                 Float turn = kind == CurveKind::Cylinder ? Pi * (hit->v - 0.5f) : 0;
                 EXPECT_NEAR(Dot(Normalize(p.dpdv), unit), std::cos(turn), 1e-4f);
-                // On a tube seen from outside the normal leans outwards; it points away from the viewer, as in stock.
+                // On a tube the normal seen from outside leans outwards with v, and it points away from the viewer, as
+                // in stock pbrt-v4.
                 EXPECT_NEAR(Dot(p.n, unit), std::sin(turn), 1e-4f);
                 EXPECT_LE(Dot(p.n, -d), 1e-5f);
             }
         }
         EXPECT_GT(hits, 200);
-        EXPECT_LE(wrongPlaces, hits / 100);  // seen nearly along the curve
+        EXPECT_LE(wrongPlaces, hits / 100);  // where the curve is seen nearly along its axis
     }
 }
 
@@ -215,7 +217,8 @@ TEST(Curves, TransformedCurvesAreHitLikeTransformedRays) {
                     if (a.has_value() != b.has_value()) ++different;
                     if (!a || !b) continue;
                     ++hits;
-                    // The curve is cut into straight parts in another frame: seen nearly along it, depths differ.
+                    // The curve is cut into straight parts in another frame; where the ray runs nearly along the curve,
+                    // depths differ.
                     if (Distance(t.Point(o + d * a->t), t.Point(o) + t.Vector(d) * b->t) > 1e-3f) ++different;
                     if (std::abs(a->u - b->u) > 2e-3f || std::abs(a->v - b->v) > 2e-2f) {
                         ++different;
@@ -225,7 +228,7 @@ TEST(Curves, TransformedCurvesAreHitLikeTransformedRays) {
                                  y = placed.SurfaceOnRay(pb, *b, t.Point(o), t.Vector(d));
                     EXPECT_LT(Distance(t.Vector(x.dpdu), y.dpdu), 0.05f);
                     EXPECT_LT(Distance(t.Vector(x.dpdv), y.dpdv), 0.02f);
-                    // A mirror turns normals over (they are flipped for it), which the normal's transform undoes.
+                    // A mirroring transform flips the normals of its shape; the transform of the normal undoes that.
                     EXPECT_GT(Dot(Normalize(Cross(y.dpdu, y.dpdv)), y.n), 0.999f);
                 }
             }
@@ -253,7 +256,7 @@ TEST(Curves, AppendedCurvesAreOneShape) {
 }
 
 TEST(CubicBezier, SplinesOfEveryBasisGoThroughTheirOwnPoints) {
-    // Uniform B-spline by its basis functions, independent of the conversion.
+    // A uniform B-spline, evaluated by its basis functions instead of the conversion to Bezier curves.
     Rng rng(12);
     std::vector<Point3> p(8);
     for (Point3 &q : p) q = RandomDirection(rng);

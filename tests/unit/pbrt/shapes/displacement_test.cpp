@@ -53,7 +53,7 @@ TEST(Displacement, SplitsUntilEdgesAreShortAfterTheTransformation) {
     for (Float edge : {5.f, 0.5f, 0.11f}) {
         const MeshData m = DisplaceMesh(QuadAndTriangle(), twice, edge, By([](auto...) { return Float(0); }));
         EXPECT_LT(LongestEdge(m, twice), edge);
-        EXPECT_GT(LongestEdge(m, twice), edge > 4 ? 1 : edge / 2.1f) << "no needless splits";
+        EXPECT_GT(LongestEdge(m, twice), edge > 4 ? 1 : edge / 2.1f) << "edges are split more often than necessary";
         EXPECT_NEAR(Area(m), 1.15, 1e-4);
     }
     Displacement coarse = By([](auto...) { return Float(0); });
@@ -83,7 +83,7 @@ TEST(Displacement, LeavesNoCracks) {
 TEST(Displacement, MovesAlongTheNormalByObjectUnitsAndRenewsNormals) {
     const Transform place = Transform::Translate({5, 0, 0}) * Transform::Scale({2, 2, 2});
     auto height = [](const Point3 &p, const Normal3 &n, const Point2 &uv) {
-        EXPECT_NEAR(p.x, 5 + 2 * uv.x, 1e-5f) << "rendering space";
+        EXPECT_NEAR(p.x, 5 + 2 * uv.x, 1e-5f) << "the displacement gets the point in rendering space";
         EXPECT_NEAR(n.z, 1, 1e-6f);
         return Float(0.1) * std::sin(4 * uv.x);
     };
@@ -102,7 +102,7 @@ TEST(Displacement, MovesAlongTheNormalByObjectUnitsAndRenewsNormals) {
     }();
     for (size_t i = 0; i < down.p.size(); ++i) {
         EXPECT_EQ(down.p[i].z, -0.25f);
-        EXPECT_EQ(down.n[i], Normal3(0, 0, -1)) << "the side of the old normals";
+        EXPECT_EQ(down.n[i], Normal3(0, 0, -1)) << "the normals stay on the side of those in the mesh";
     }
 }
 

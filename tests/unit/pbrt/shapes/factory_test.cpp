@@ -115,7 +115,8 @@ TEST_F(ShapeFactory, PatchesDoNotReadTangents) {
     EXPECT_NE(ErrorOf("bilinearmesh").find("/nonexistent/x.exr"), std::string::npos);
 }
 
-// One bright pixel of 4 x 2: lower row, second column. Bilinear look-ups carry its light half a pixel further.
+// An image of 4 x 2 pixels with one bright pixel in the lower row, second column. Bilinear interpolation spreads its
+// light by half a pixel.
 TEST_F(ShapeFactory, EmissionImagesSayWhereOnAPatchToSample) {
     const std::string file =
         (std::filesystem::temp_directory_path() / fmt::format("emission{}.exr", getpid())).string();
@@ -135,10 +136,10 @@ TEST_F(ShapeFactory, EmissionImagesSayWhereOnAPatchToSample) {
         inside += s->p.x > 0.25f && s->p.x < 0.5f && s->p.y < 0.5f;
         near += s->p.x < 0.75f;
     }
-    // A hundredth goes everywhere, where the light may shine though this image is black.
+    // 1 % of the samples go everywhere, because the light may shine where this image is black.
     EXPECT_NEAR(near / double(kSamples), 0.99 + 0.01 * 0.75, 3e-3);
     EXPECT_LT(near, kSamples);
-    // Clamped at the lower edge: the row keeps 7/8 of what it is given, the column 3/4.
+    // The image is clamped at its lower edge, so 7/8 of the light lies within the row, and 3/4 within the column.
     EXPECT_NEAR(inside / double(kSamples), 0.75 * 7 / 8, 0.03);
     image.Set({1, 1}, 1, 0);
     WriteImage(file, image);
@@ -212,7 +213,7 @@ TEST_F(ShapeFactory, PlyFilesPlainAndGzipWithTrianglesAndQuads) {
     auto folder = std::filesystem::temp_directory_path() / ("pbrt_shape_factory_test_" + std::to_string(getpid()));
     std::filesystem::create_directories(folder);
     std::ofstream(folder / "plain.ply") << text;
-    gzFile gz = gzopen((folder / "named_plain.ply").c_str(), "wb");  // gzip by content, not by name
+    gzFile gz = gzopen((folder / "named_plain.ply").c_str(), "wb");  // compressed, although the name does not say so
     gzwrite(gz, text.data(), static_cast<unsigned>(text.size()));
     gzclose(gz);
     FileResolver files(folder);

@@ -44,13 +44,14 @@ TEST(LoopSubdivision, LinesStayLinesAndPlanesStayPlanes) {
     MeshData m = LoopSubdivide(c.indices, c.points, 2);
     for (size_t i = 0; i < m.p.size(); ++i) {
         EXPECT_NEAR(m.p[i].z, 0.5f * m.p[i].x - 0.25f * m.p[i].y + 3, 1e-5f);
-        // From stock's side: faces are seen clockwise.
+        // As in stock pbrt-v4, the normal points to the side from which faces are seen clockwise.
         EXPECT_GT(Dot(Normalize(m.n[i]), Normalize(Normal3(0.5f, -0.25f, -1))), 0.9999f);
     }
 }
 
 TEST(LoopSubdivision, RegularMeshesGiveTheBoxSplineOfAParabola) {
-    // The quartic box spline turns samples of x^2 on the grid into x^2 + 1/3 (second moment of the limit mask).
+    // The quartic box spline turns samples of x^2 on the grid into x^2 + 1/3; the 1/3 is the second moment of the limit
+    // mask.
     Control c = Grid(10, [](Float x, Float) { return x * x; });
     for (int levels : {0, 1, 3}) {
         MeshData m = LoopSubdivide(c.indices, c.points, levels);
@@ -68,7 +69,7 @@ TEST(LoopSubdivision, RegularMeshesGiveTheBoxSplineOfAParabola) {
 }
 
 TEST(LoopSubdivision, TheLimitDoesNotDependOnTheNumberOfLevels) {
-    // Closed surfaces only: on boundaries stock's limit mask does not fit its refinement mask.
+    // Only closed surfaces are tested: on boundaries the limit mask of stock pbrt-v4 does not fit its refinement mask.
     Control c = Cube();
     MeshData coarse = LoopSubdivide(c.indices, c.points, 1), fine = LoopSubdivide(c.indices, c.points, 4);
     for (const Point3 &p : coarse.p) {
@@ -90,7 +91,7 @@ TEST(LoopSubdivision, WarrensWeightsAtExtraordinaryVertices) {
         for (size_t i : ring) p += c.points[i] * gamma;
         return p;
     };
-    // Points are renumbered by first use; look the expected ones up by position.
+    // Points are renumbered in the order of their first use, so the expected ones are searched by position.
     for (const Point3 &expected : {limit(1, {0, 2, 5, 6}), limit(3, {0, 2, 6, 7}), limit(5, {0, 1, 4, 6})}) {
         Float nearest = Infinity;
         for (const Point3 &p : m.p) nearest = std::min(nearest, Distance(p, expected));
@@ -133,9 +134,9 @@ TEST(LoopSubdivision, WhatIsNoSurfaceIsAnError) {
     };
     EXPECT_FALSE(refused({0, 1, 2, 1, 0, 3}));
     EXPECT_TRUE(refused({0, 1, 1}));
-    EXPECT_TRUE(refused({0, 1, 2, 0, 1, 3})) << "turned differently";
+    EXPECT_TRUE(refused({0, 1, 2, 0, 1, 3})) << "neighbouring faces have opposite orientations";
     EXPECT_TRUE(refused({0, 1, 2, 1, 0, 3, 0, 1, 4})) << "three faces at an edge";
-    EXPECT_TRUE(refused({0, 1, 2, 0, 3, 5})) << "two fans at a point";
+    EXPECT_TRUE(refused({0, 1, 2, 0, 3, 5})) << "two fans of faces meet in one point only";
 }
 
 TEST(LoopSubdivision, UnusedPointsAreDropped) {

@@ -124,7 +124,8 @@ TEST(Ply, MistakesAreNamedWithTheirPlace) {
 }
 
 TEST(Ply, AnElementThatComesTwiceIsAnError) {
-    // Three vertices with normals, then four without: normals of the fourth would be read behind the end.
+    // Three vertices with normals, then four without: the normal of the fourth must not be read beyond the end of the
+    // array.
     const std::string twice =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         "property float nx\nproperty float ny\nproperty float nz\nelement vertex 4\nproperty float x\n"
@@ -148,7 +149,7 @@ TEST(Ply, PositionsMustBeFiniteFloats) {
         EXPECT_NE(message.find("line 23 (vertex 3): z is "), std::string::npos) << bad << ": " << message;
         EXPECT_NE(message.find("finite"), std::string::npos) << message;
     }
-    EXPECT_EQ(ErrorOf(Replaced(Ascii(), "-2.5e-1", "1e-400")), "") << "too small is 0";
+    EXPECT_EQ(ErrorOf(Replaced(Ascii(), "-2.5e-1", "1e-400")), "") << "numbers too small for a float become 0";
     EXPECT_EQ(ParsePly(Replaced(Ascii(), "-2.5e-1", "1e-400"), "x").triangles.p[3].z, 0);
     for (bool big : {false, true}) {
         std::string infinity, whole = Binary(big), z;

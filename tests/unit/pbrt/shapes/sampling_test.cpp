@@ -48,7 +48,7 @@ std::vector<Case> AllCases() {
     std::vector<Case> cases;
     for (const ShapeCase &s : test::ShapeCases())
         for (const Receiver &r : Receivers()) cases.push_back({s, r});
-    // Quadrics do not look at the receiver's normal.
+    // The sampling of quadrics does not depend on the normal of the receiver.
     for (const ShapeCase &s : test::PartCases())
         for (const Receiver &r : Receivers())
             if (std::string(r.name).find("NoNormal") == std::string::npos) cases.push_back({s, r});
@@ -57,7 +57,8 @@ std::vector<Case> AllCases() {
 
 constexpr int kGridX = 12, kGridY = 16;
 
-/// Directions that can meet the shape: a cone about the bounding sphere, cut into cells.
+/// The directions that can meet the shape: a cone about its bounding sphere, mapped to the unit square and cut into
+/// cells.
 class DirectionSquare {
   public:
     DirectionSquare(const Shape &shape, const Point3 &from) {
@@ -108,8 +109,8 @@ bool HidesItself(const Shape &shape, const ShapeSampleContext &from, const Point
     return shape.Intersect(0, from.p, (p - from.p) / distance, 0, distance - kMargin).has_value();
 }
 
-/// Share of each cell of the direction square: PdfSolidAngle integrated over the surface itself, which needs neither
-/// the sampler nor intersections and has no singularity at silhouettes.
+/// The probability of each cell of the direction square, found by integrating PdfSolidAngle over the surface itself.
+/// That needs neither the sampler nor intersections and has no singularity at silhouettes.
 std::vector<double> CellProbabilities(const Case &c, const DirectionSquare &square) {
     std::vector<double> cells(size_t(kGridX) * kGridY);
     ShapeSampleContext from = ContextOf(c.receiver);
@@ -140,7 +141,7 @@ TEST_P(ShapeSampling, PdfSolidAngleIsThePdfOfSample) {
         ++drawn;
         Vector3 wi = Normalize(s->p - from.p);
         Float pdf = c.shape.shape->PdfSolidAngle(0, from, wi, s->p, s->n);
-        // Edge-on points have a density that rounding of the position changes a lot.
+        // The density of a point seen edge-on changes a lot if its position is rounded.
         if (AbsDot(wi, s->n) > 0.02f) {
             ASSERT_NEAR(pdf / s->pdf, 1, 4e-3) << i;
         }
@@ -173,18 +174,18 @@ TEST_P(ShapeSampling, SamplesFollowThePdfAndItIntegratesToOne) {
         std::array<size_t, 2> at = square.Cell(Normalize(s->p - from.p));
         ++observed[at[0] * kGridY + at[1]];
     }
-    if (c.shape.mayDrawNothing) {  // one more cell
+    if (c.shape.mayDrawNothing) {  // one more cell for the samples that yield no point
         expected.push_back(1 - total);
         observed.push_back(kSamples - drawn);
         total = 1;
     }
-    // Cells that the midpoint rule finds empty may hold a corner of the shape.
+    // A cell that the midpoint rule finds empty may still contain a corner of the shape.
     for (double &v : expected) v = std::max(v / total, 1e-7) * kSamples;
     EXPECT_GT(test::ChiSquareTest(observed, expected, 8), test::SidakAlpha(1e-3, AllCases().size()));
 }
 
 TEST_P(ShapeSampling, IrradianceAgreesWithAreaSampling) {
-    // Light leaves the side the normal points to, or the other one, whichever faces the receiver more.
+    // The light leaves the side of the surface that faces the receiver more: the side of the normal, or the other one.
     const Case &c = GetParam();
     ShapeSampleContext from = ContextOf(c.receiver);
     Normal3 ns = from.ns == Normal3(0) ? Normal3(0, 0, 1) : from.ns;
@@ -204,7 +205,7 @@ TEST_P(ShapeSampling, IrradianceAgreesWithAreaSampling) {
     }
     double z = (clever.mean - plain.mean) / std::sqrt(clever.StandardError() * clever.StandardError() +
                                                       plain.StandardError() * plain.StandardError());
-    // Rounding of float angles allows a part in a thousand.
+    // The rounding of angles in float allows a relative error of 1e-3.
     bool close = std::abs(clever.mean - plain.mean) < 1e-3 * plain.mean;
     EXPECT_TRUE(close || test::NormalTail(z) > test::SidakAlpha(1e-3, AllCases().size()))
         << clever.mean << " " << plain.mean << " z " << z;
@@ -230,12 +231,12 @@ TEST_P(ShapeArea, SamplesLieInBoundsAndConeAndAddUpToTheArea) {
         ASSERT_GE(Dot(s->n, cone.w), cone.cosTheta - 1e-4f);
         area.Add(1 / double(s->pdf));
     }
-    // Stock's area of curved patches is an approximation.
+    // The area of curved patches is an approximation, as in stock pbrt-v4.
     double tolerance = 4.5 * area.StandardError() + (GetParam().name == "Saddle" ? 0.01 : 2e-4) * area.mean;
     EXPECT_NEAR(area.mean, double(shape.Area(0)), tolerance);
 }
 
-/// Samples in a part of the surface, each counted 1 / pdf, estimate the part's area.
+/// Samples that fall into a part of the surface, each with weight 1 / pdf, estimate the area of the part.
 TEST_P(ShapeArea, AreaSamplesFollowTheirDensity) {
     const Shape &shape = *GetParam().shape;
     constexpr int kCells = 10, kSamples = 100000;
@@ -260,7 +261,7 @@ TEST_P(ShapeArea, AreaSamplesFollowTheirDensity) {
     for (size_t c = 0; c < sum.size(); ++c) {
         if (count[c] < 20) continue;
         ++cells;
-        // Pieces of a triangle are cut along its border: a cell's area is known to a part in a thousand.
+        // The pieces of a triangle are cut along its border, so the area of a cell is known only to 1e-3.
         double variance = (squares[c] - sum[c] * sum[c]) / kSamples + Sqr(1e-3 * expected[c]);
         statistic += Sqr(sum[c] - expected[c]) / variance;
     }

@@ -15,9 +15,9 @@ namespace pbrt::test {
 struct ShapeCase {
     std::string name;
     std::shared_ptr<Shape> shape;
-    /// Points that the shape itself hides from the receiver are not drawn; else every point is.
+    /// True: points that the shape itself hides from the receiver are not sampled. False: every point can be sampled.
     bool drawsVisibleOnly = false;
-    /// Some random numbers yield no point.
+    /// True: for some random numbers the sampler returns no point.
     bool mayDrawNothing = false;
 };
 
@@ -33,7 +33,7 @@ inline Transform SomeRotation() {
 }
 inline Transform Stretch() { return SomeRotation() * Transform::Scale({1.5f, 0.6f, 0.9f}); }
 
-/// One or more of every kind, about 1 across, near the origin. Whole shapes, facing as they are.
+/// At least one whole shape of every kind, about 1 across and near the origin; none is reversed.
 inline std::vector<ShapeCase> ShapeCases() {
     Transform id, turn = SomeRotation(), stretch = Stretch();
     Transform twice = turn * Transform::Scale({1.4f, 1.4f, 1.4f});
@@ -71,7 +71,7 @@ inline std::vector<ShapeCase> PartCases() {
     auto sphere = [&](const char *name, Float zMin, Float zMax, Float phiMax, const Transform &t, bool reverse,
                       bool opaque = true) {
         bool whole = zMin <= -0.6f && zMax >= 0.6f && phiMax == 360;
-        bool byCone = &t != &stretch;  // what is stretched is sampled by area
+        bool byCone = &t != &stretch;  // stretched spheres are sampled by area
         cases.push_back({name, std::make_shared<Sphere>(0.6f, zMin, zMax, phiMax, t, reverse, opaque), byCone && opaque,
                          byCone && !whole});
     };

@@ -52,13 +52,14 @@ TEST_P(ShapeSurface, DerivativesMatchFiniteDifferences) {
         PrimitiveHit hit{1, 0.1f + 0.8f * rng.Uniform(), 0.1f + 0.8f * rng.Uniform()};
         if (triangle) hit.u = 0.05f + 0.4f * rng.Uniform(), hit.v = 0.05f + 0.4f * rng.Uniform();
         SurfacePoint s = shape.Surface(0, hit);
-        // Triangles: default uv = (b1 + b2, b2), so u alone moves b1, and v alone moves b2 up and b1 down.
+        // With the default uv = (b1 + b2, b2) of triangles, a change of u alone changes b1, and a change of v alone
+        // raises b2 and lowers b1.
         Float dvU = triangle ? -h : 0;
         auto at = [&](Float du, Float dv) { return shape.Surface(0, {1, hit.u + du, hit.v + dv}); };
         SurfacePoint u0 = at(-h, 0), u1 = at(h, 0), v0 = at(-dvU, -h), v1 = at(dvU, h);
         EXPECT_LT(Length((u1.p - u0.p) / (2 * h) - s.dpdu), 2e-3f * (1 + Length(s.dpdu)));
         EXPECT_LT(Length((v1.p - v0.p) / (2 * h) - s.dpdv), 2e-3f * (1 + Length(s.dpdv)));
-        // Object-space derivatives of unit normals carried over by the inverse transpose are exact only for rotations.
+        // dndu and dndv are transformed by the inverse transpose, which is exact for unit normals only under rotations.
         if (GetParam().name.find("Stretched") == 0 || GetParam().name == "Ellipsoid" ||
             GetParam().name == "ScaledSphere")
             continue;
@@ -89,7 +90,8 @@ TEST_P(ShapeSurface, RaysThatLeaveDoNotHitTheSurfaceAgain) {
     EXPECT_GT(checked, convex ? 1000 : -1);
 }
 
-/// Sides of the normals of hits and of samples for: plain, ReverseOrientation, mirrored, both.
+/// Whether the normals of hits and of samples point to the reference side, for four settings: plain,
+/// ReverseOrientation, mirrored, both.
 struct Sides {
     bool hit[4], sample[4];
 };
@@ -124,7 +126,7 @@ TEST(Orientation, MeshesFlipByFlagXorHandednessInHitsAndSamples) {
     };
     for (const Sides &s : {SidesOf(triangle, {0, 0, 1}), SidesOf(patch, {0, 0, 1})})
         for (int i = 0; i < 4; ++i) {
-            // The mirrored mesh faces where the mirror image of the original faces (+z).
+            // The mirrored mesh faces the same way as the mirror image of the original (+z).
             bool expected = (i & 1) == 0;
             EXPECT_EQ(s.hit[i], expected) << i;
             EXPECT_EQ(s.sample[i], expected) << i;
@@ -132,8 +134,8 @@ TEST(Orientation, MeshesFlipByFlagXorHandednessInHitsAndSamples) {
 }
 
 TEST(Orientation, QuadricsFlipByFlagXorHandednessInHitsAndSamples) {
-    // Hits as in stock pbrt-v4 (conformance scene shapes/orientation_and_mirroring); its samples flip by the flag
-    // alone.
+    // Hits flip as in stock pbrt-v4 (conformance scene shapes/orientation_and_mirroring). Samples flip by the flag XOR
+    // the handedness, too, while those of stock pbrt-v4 flip by the flag alone.
     auto disk = [](const Transform &t, bool reverse) -> std::unique_ptr<Shape> {
         return std::make_unique<Disk>(0.0f, 1.0f, 0.0f, 360.0f, t, reverse);
     };
@@ -222,7 +224,7 @@ TEST(BilinearSurface, TextureCoordinatesReplaceParameters) {
 
 TEST(BilinearSurface, BothHitsOfASaddleAreFound) {
     BilinearMesh saddle(test::OnePrimitive({{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}}), Transform(), false);
-    // Across the diagonal at height 0.8 the surface 1 - x - y + 2xy is met twice.
+    // This ray along the diagonal at height 0.8 meets the surface 1 - x - y + 2xy twice.
     Vector3 d = Normalize(Vector3(1, 1, 0));
     auto first = saddle.Intersect(0, {-1, -1, 0.8f}, d, 0, Infinity);
     ASSERT_TRUE(first);
@@ -239,7 +241,7 @@ TEST(QuadricSurface, UvConventions) {
     EXPECT_NEAR(hit->u, 0.5f, 1e-6);
     Float t0 = std::acos(-0.5f), t1 = std::acos(0.75f);
     EXPECT_NEAR(hit->v, (Pi / 2 - t0) / (t1 - t0), 1e-6);
-    // Through the removed half and the removed cap.
+    // The ray passes through the removed half, and the next one through the removed cap.
     EXPECT_NEAR(sphere.Intersect(0, {0, -5, 0}, {0, 1, 0}, 0, Infinity)->t, 7, 1e-5);
     EXPECT_FALSE(sphere.Intersect(0, {0.1f, 0.1f, 9}, {0, 0, -1}, 0, Infinity));
 

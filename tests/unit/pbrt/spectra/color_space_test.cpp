@@ -15,7 +15,7 @@
 namespace pbrt {
 namespace {
 
-/// Product of two spectra, the slow way.
+/// The RGB colour of a reflectance under the illuminant, integrated directly.
 Rgb ReflectedRgb(const ColorSpace &space, const Spectrum &reflectance) {
     glm::dvec3 xyz(0);
     for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda) {
@@ -101,7 +101,8 @@ void RoundTripErrors(const ColorSpace &space, Float brightest, Float saturation,
 }
 
 TEST(SigmoidPolynomial, ModerateColorsRoundTripWithinAThousandth) {
-    // Close to white the coefficients grow without bound, and interpolation between table nodes errs more.
+    // The colours keep away from white, where the coefficients grow without bound and interpolation between table nodes
+    // errs more.
     for (const std::string &name : ColorSpace::Names()) {
         double worst, mean;
         RoundTripErrors(*ColorSpace::Find(name), Float(0.85), name == "aces2065-1" ? Float(0.25) : Float(0.4), &worst,
@@ -111,8 +112,8 @@ TEST(SigmoidPolynomial, ModerateColorsRoundTripWithinAThousandth) {
 }
 
 TEST(SigmoidPolynomial, SaturatedColorsRoundTrip) {
-    // Wider spaces hold colours that no reflectance has: keep further from their edge. What remains is interpolation
-    // and the fit's 5 nm quadrature, both chosen as stock pbrt-v4 has them.
+    // Wider spaces hold colours that no reflectance has, so the colours keep further from their edge. The remaining
+    // error is that of interpolation and of the 5 nm quadrature of the fit, both chosen as in stock pbrt-v4.
     for (const std::string &name : ColorSpace::Names()) {
         Float saturation = name == "srgb" ? Float(0.9) : name == "aces2065-1" ? Float(0.4) : Float(0.65);
         double worst, mean;
@@ -136,7 +137,7 @@ TEST(SigmoidPolynomial, TablesHoldFiniteCoefficientsOnly) {
 }
 
 TEST(SigmoidPolynomial, IsContinuousAcrossSlabsAndCells) {
-    // A walk through the cube in tiny steps, which crosses every kind of cell border.
+    // A walk through the cube in tiny steps, which crosses every kind of cell border; the spectrum must not jump.
     const ColorSpace &space = ColorSpace::SRGB();
     Float before = -1;
     for (int i = 0; i <= 20000; ++i) {
@@ -168,7 +169,7 @@ TEST(SigmoidPolynomial, MaxValueBoundsAllAndSampleAgrees) {
         RgbAlbedoSpectrum s(ColorSpace::SRGB(), {rng.Uniform(), rng.Uniform(), rng.Uniform()});
         Float seen = 0;
         for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda) seen = std::max(seen, s(lambda));
-        // Large terms of the quadratic cancel: compilers that round differently end up to 1e-5 apart.
+        // Large terms of the quadratic cancel, so results of compilers that round differently differ by up to 1e-5.
         EXPECT_LE(seen, s.MaxValue() + 1e-4f);
         EXPECT_NEAR(seen, s.MaxValue(), 0.02);
         SampledWavelengths lambda = SampledWavelengths::SampleVisible(rng.Uniform());
@@ -190,7 +191,8 @@ TEST(RgbSpectra, UnboundedAndIlluminantReproduceBrightColors) {
     EXPECT_EQ(RgbIlluminantSpectrum(space, Rgb(0))(500), 0.0f);
 }
 
-// Every component a float can hold: zeros, denormal numbers, the ends of the normal ones, bounds, beyond, no numbers.
+// All kinds of float components: zeros, denormal numbers, the ends of the normal range, the bounds and beyond, infinity
+// and NaN.
 const Float kExtremes[] = {0.0f,
                            -0.0f,
                            1e-45f,
@@ -216,7 +218,7 @@ const Float kExtremes[] = {0.0f,
                            -std::numeric_limits<Float>::infinity(),
                            std::numeric_limits<Float>::quiet_NaN()};
 
-/// `check` for all triples of kExtremes in every space.
+/// Calls `check` for all triples of kExtremes in every space.
 void ForExtremeColors(const std::function<void(const ColorSpace &, const Rgb &)> &check) {
     for (const std::string &name : ColorSpace::Names())
         for (Float r : kExtremes)
@@ -241,7 +243,7 @@ TEST(RgbSpectra, AreDefinedForEveryRgb) {
         ExpectDefined(RgbAlbedoSpectrum(space, rgb), 1, space, rgb);
         ExpectDefined(RgbUnboundedSpectrum(space, rgb), 2 * bright, space, rgb);
         ExpectDefined(RgbIlluminantSpectrum(space, rgb), 2 * bright * space.Illuminant().MaxValue(), space, rgb);
-        // What counts as 0 and what lies beyond the bounds gives the same spectrum as 0 and the bound.
+        // Components that count as 0 or lie beyond the bounds give the same spectrum as 0 and the bound.
         auto counted = [](Float v, Float bound) { return v > 0 ? std::min(v, bound) : Float(0); };
         auto all = [&](Float bound) {
             return Rgb(counted(rgb.x, bound), counted(rgb.y, bound), counted(rgb.z, bound));
@@ -255,7 +257,7 @@ TEST(RgbSpectra, AreDefinedForEveryRgb) {
 TEST(RgbSpectra, AreDefinedWhereDenormalNumbersCountAsZero) {
 #ifdef __SSE__
     const unsigned before = _mm_getcsr();
-    _mm_setcsr(before | 0x8040);  // results and operands
+    _mm_setcsr(before | 0x8040);  // flush denormal results to zero, and read denormal operands as zero
     ForExtremeColors([](const ColorSpace &space, const Rgb &rgb) {
         for (Float lambda : {Float(441), Float(623)}) {
             ASSERT_TRUE(std::isfinite(RgbAlbedoSpectrum(space, rgb)(lambda)));
@@ -265,12 +267,13 @@ TEST(RgbSpectra, AreDefinedWhereDenormalNumbersCountAsZero) {
     });
     _mm_setcsr(before);
 #else
-    GTEST_SKIP() << "NOT TESTED: no such mode";
+    GTEST_SKIP() << "NOT TESTED: this processor has no mode in which denormal numbers count as zero";
 #endif
 }
 
 TEST(RgbSpectra, TinyReflectancesAreBlack) {
-    // As black as the fitted tables are at their darkest node. In wider spaces the darkest pure colours have no fit.
+    // The result is as black as the darkest node of the fitted tables. In wider spaces the darkest pure colours have no
+    // fit.
     const ColorSpace &space = ColorSpace::SRGB();
     for (Float tiny : {1e-45f, 1e-40f, 1e-38f, 1e-37f, 1e-36f, 1e-20f})
         for (const Rgb &rgb : {Rgb(tiny, 0, 0), Rgb(0, tiny, 0), Rgb(0, 0, tiny), Rgb(tiny, tiny, 0), Rgb(tiny)}) {
@@ -310,7 +313,7 @@ TEST(WhiteBalance, MapsWhiteToWhiteAndIsItsOwnInverse) {
         EXPECT_NEAR(mapped[i], wanted[i], 1e-5);
         for (int j = 0; j < 3; ++j) EXPECT_NEAR(identity[i][j], i == j ? 1 : 0, 1e-5);
     }
-    // Published Bradford matrix D65 -> D50 (Lindbloom), transposed into columns.
+    // The published Bradford matrix D65 -> D50 (Lindbloom), transposed into columns.
     glm::mat3 m = WhiteBalanceMatrix({0.312727f, 0.329023f}, {0.345669f, 0.358496f});
     EXPECT_NEAR(m[0][0], 1.0478f, 1e-3);
     EXPECT_NEAR(m[1][0], 0.0229f, 1e-3);
@@ -330,7 +333,7 @@ TEST(Daylight, HasTheChromaticitiesOfTheCieIlluminants) {
         EXPECT_NEAR(Chromaticity(xyz).x, row.x, 3e-4) << row.kelvin;
         EXPECT_NEAR(Chromaticity(xyz).y, row.y, 3e-4) << row.kelvin;
     }
-    // Below 4000 K a black body: Planckian locus at 2856 K (illuminant A).
+    // Below 4000 K the spectrum is that of a black body: the Planckian locus at 2856 K (illuminant A).
     Vector3 a = SpectrumToXyz(DaylightSpectrum(2856));
     EXPECT_NEAR(Chromaticity(a).x, 0.4476f, 1e-3);
     EXPECT_NEAR(Chromaticity(a).y, 0.4074f, 1e-3);

@@ -50,7 +50,7 @@ class SpectrumParams : public ::testing::Test {
             EXPECT_EQ(e.Diagnostics().front().loc.line, 7);
             return e.Diagnostics().front().message;
         }
-        ADD_FAILURE() << "no error";
+        ADD_FAILURE() << "no error was thrown";
         return "";
     }
 

@@ -23,8 +23,8 @@ TEST(NamedSpectra, IlluminantsHaveTheirPublishedChromaticities) {
         const char *name;
         Float x, y;
     };
-    // stdillum-D50 is no slip of ours: the table that stock pbrt-v4 ships is off CIE's D50 (0.34567, 0.35850), and its
-    // pictures show it (conformance scene color/reflectance_spectra, flat grey patch).
+    // The value for stdillum-D50 is not a mistake: the table that stock pbrt-v4 ships differs from CIE's D50 (0.34567,
+    // 0.35850), and its pictures show it (conformance scene color/reflectance_spectra, flat grey patch).
     for (const Row &row : {Row{"stdillum-A", 0.44757f, 0.40745f},
                            {"stdillum-D50", 0.33681f, 0.35798f},
                            {"stdillum-D65", 0.31272f, 0.32903f},
@@ -151,7 +151,7 @@ TEST(Blackbody, IntegralIsStefanBoltzmann) {
     double wanted = 5.670374e-8 * std::pow(5000.0, 4) / 3.14159265358979;
     EXPECT_NEAR(sum / wanted, 1, 2e-3);
     EXPECT_EQ(Blackbody(500, 0), 0.0f);
-    EXPECT_EQ(Blackbody(400, 100), 0.0f);  // too cold for a float, not NaN
+    EXPECT_EQ(Blackbody(400, 100), 0.0f);  // the exact value is too small for a float, and must not become NaN
 }
 
 TEST(SampledSpectrum, SafeDivideSkipsZeros) {

@@ -4,7 +4,7 @@
 
 // Colours of diffuse patches under stdillum-D65, measured in stock pbrt-v4's pictures of the conformance scenes
 // color/colorspace_reflectance (output srgb), color/film_rec2020_output and color/saturated_*, divided by the
-// irradiance that their grey patches show. They pin the whole chain: table, illuminant, matching functions, matrices.
+// irradiance that their grey patches show. They test the whole chain: table, illuminant, matching functions, matrices.
 
 namespace pbrt {
 namespace {
@@ -23,7 +23,7 @@ const Patch kPatches[] = {
     {"rec2020", {0.7f, 0.25f, 0.15f}, "srgb", {1.0056f, 0.1944f, 0.1296f}},
     {"rec2020", {0.2f, 0.6f, 0.3f}, "srgb", {-0.0431f, 0.6530f, 0.2714f}},
     {"rec2020", {0.2f, 0.3f, 0.75f}, "srgb", {0.1009f, 0.3085f, 0.8060f}},
-    // No reflectance has this colour; where the fit ends depends on how it is done.
+    // No reflectance has this colour; the result of the fit depends on how the fit is made.
     {"aces2065-1", {0.7f, 0.25f, 0.15f}, "srgb", {1.3648f, 0.1663f, 0.1809f}},
     {"aces2065-1", {0.2f, 0.6f, 0.3f}, "srgb", {-0.2902f, 0.7476f, 0.2486f}},
     {"aces2065-1", {0.2f, 0.3f, 0.75f}, "srgb", {-0.1223f, 0.2850f, 0.8271f}},
@@ -37,7 +37,7 @@ const Patch kPatches[] = {
     {"srgb", {0.1f, 0.25f, 0.6f}, "rec2020", {0.1709f, 0.2434f, 0.5612f}},
     {"srgb", {0.7f, 0.2f, 0.2f}, "rec2020", {0.5137f, 0.2344f, 0.2081f}},
     {"srgb", {0.2f, 0.55f, 0.25f}, "rec2020", {0.3173f, 0.5226f, 0.2755f}},
-    // Their fits end where the bound on coefficients says; some have coefficients of -400.
+    // The fits of these colours end at the bound on the coefficients; some have coefficients of -400.
     {"dci-p3", {0.05f, 0.9f, 0.05f}, "srgb", {-0.1420f, 0.9357f, -0.0178f}},
     {"rec2020", {0.05f, 0.9f, 0.05f}, "srgb", {-0.3046f, 0.8594f, 0.0226f}},
     {"rec2020", {0.05f, 0.9f, 0.9f}, "srgb", {-0.3673f, 0.8886f, 0.7706f}},
@@ -65,15 +65,15 @@ TEST(StockColors, DiffusePatchesAgree) {
 }
 
 TEST(StockColors, WhitePointsAreThoseOfItsFiles) {
-    // Chromaticities in the header of its rec2020 picture.
+    // The chromaticities are those in the header of stock pbrt-v4's rec2020 picture.
     Point2 white = ColorSpace::Find("rec2020")->White();
     EXPECT_NEAR(white.x, 0.312727f, 2e-6);
     EXPECT_NEAR(white.y, 0.329023f, 2e-6);
 }
 
 TEST(StockColors, WhiteBalanceBelow4000KelvinAgrees) {
-    // film/cie1931_whitebalance_iso: a 2900 K black body on a 0.85 grey, balanced for 3200 K. The relation of the
-    // channels is the measurement; exposure divides out.
+    // film/cie1931_whitebalance_iso shows a 0.85 grey under a 2900 K black body, balanced for 3200 K. The ratios of the
+    // channels are compared, so the exposure cancels.
     const ColorSpace &space = ColorSpace::SRGB();
     Vector3 balanced = SpectrumToXyz(DaylightSpectrum(3200)), light = SpectrumToXyz(BlackbodySpectrum(2900));
     Point2 from(balanced.x / (balanced.x + balanced.y + balanced.z),

@@ -41,7 +41,7 @@ TEST(SampledWavelengths, FrequenciesMatchPdf) {
             Float u = rng.Uniform();
             SampledWavelengths s =
                 visible ? SampledWavelengths::SampleVisible(u) : SampledWavelengths::SampleUniform(u);
-            // One of the four per draw: the four of one draw are stratified, so not independent.
+            // Only one of the four wavelengths of each draw is used: they are stratified, so not independent.
             Float lambda = s[i % SpectrumSamples];
             observed[static_cast<size_t>(std::min(kBins - 1, static_cast<int>((lambda - 360) / 10)))] += 1;
         }
@@ -55,7 +55,7 @@ TEST(SampledWavelengths, FrequenciesMatchPdf) {
 }
 
 TEST(SampledWavelengths, TheFourAreStratified) {
-    // Through the cumulative distribution, the four must lie 1/4 apart (wrapped).
+    // Mapped by the cumulative distribution, the four wavelengths must lie 1/4 apart (with wrap-around).
     auto cdf = [](Float lambda) { return (0.85691062 + std::tanh(0.0072 * (double(lambda) - 538))) / 1.82750197; };
     for (Float u : {Float(0), Float(0.1), Float(0.3), Float(0.62), Float(0.99)}) {
         SampledWavelengths s = SampledWavelengths::SampleVisible(u);

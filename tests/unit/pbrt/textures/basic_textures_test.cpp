@@ -149,7 +149,7 @@ TEST(CheckerboardTexture, OtherDimensionsAreErrors) {
     EXPECT_EQ(b.Last().loc.line, 2);
 }
 
-/// The twin: the plain wave summed under the tent.
+/// The reference: the unfiltered wave, integrated with the tent filter.
 double BruteForceWave(double x, double radius) {
     double sum = 0, weights = 0;
     constexpr int kSteps = 20000;

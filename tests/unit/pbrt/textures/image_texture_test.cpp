@@ -21,13 +21,14 @@ TextureContext At(Float u, Float v) {
     return ctx;
 }
 
-/// A folder with two 2x2 images, removed afterwards.
+/// A folder with two images of 2 x 2 pixels, removed after the test.
 class ImageTexture : public testing::Test {
   protected:
     void SetUp() override {
         directory_ = std::filesystem::temp_directory_path() / ("pbrt_texture_test_" + std::to_string(getpid()));
         std::filesystem::create_directories(directory_);
-        // Top row red, green; bottom row blue, grey. Grey file: top 0.1 0.2, bottom 0.3 0.4.
+        // Colours: red and green in the top row, blue and grey in the bottom row. Greys: 0.1 and 0.2 in the top row,
+        // 0.3 and 0.4 in the bottom row.
         Write("color.pfm", "PF", {0, 0, 1, .5f, .5f, .5f, 1, 0, 0, 0, 1, 0});
         Write("grey.pfm", "Pf", {.3f, .4f, .1f, .2f});
         Write("bright.pfm", "PF", {3, .25f, .5f, 3, .25f, .5f, 3, .25f, .5f, 3, .25f, .5f});
@@ -36,7 +37,7 @@ class ImageTexture : public testing::Test {
     std::string File(const std::string &name) const { return (directory_ / name).string(); }
 
   private:
-    /// PFM stores the bottom row first.
+    /// Writes a PFM file, which stores the bottom row first.
     void Write(const std::string &name, const char *kind, const std::vector<float> &values) {
         std::ofstream out(directory_ / name, std::ios::binary);
         out << kind << "\n2 2\n-1.0\n";
@@ -68,7 +69,7 @@ TEST_F(ImageTexture, ScaleComesBeforeInversion) {
     EXPECT_FLOAT_EQ(b.FloatTex("scaled")->Evaluate(At(.25f, .25f)), .6f);
     EXPECT_FLOAT_EQ(b.FloatTex("inverted")->Evaluate(At(.25f, .75f)), .7f);
     EXPECT_EQ(b.FloatTex("inverted")->Evaluate(At(.75f, .25f)), 0);
-    // Stock pbrt-v4 folds the factor of a scale texture into the image's own.
+    // As in stock pbrt-v4, the factor of a scale texture is multiplied into that of the image.
     EXPECT_FLOAT_EQ(b.FloatTex("again")->Evaluate(At(.25f, .75f)), 1 - 1.5f * .1f);
 }
 

@@ -94,7 +94,7 @@ TEST(TextureMapping, PositionsAreTakenToTextureSpace) {
     EXPECT_FLOAT_EQ(c.dtdx, 0.25f);
 }
 
-/// The twin: differences of the coordinates themselves. The spherical mapping hands its two changes out crosswise.
+/// The reference: differences of the coordinates themselves. The spherical mapping swaps its two derivatives.
 TEST(TextureMapping, FootprintsAreDerivativesOfTheCoordinates) {
     Rng rng(7);
     for (const char *name : {"spherical", "cylindrical"}) {

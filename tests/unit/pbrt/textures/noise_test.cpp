@@ -49,11 +49,11 @@ TEST(Noise, IsBoundedWithMeanZeroAndIsNotSmall) {
     }
     EXPECT_NEAR(sum / kDraws, 0, 5e-3);
     EXPECT_NEAR(std::sqrt(squares / kDraws), 0.25, 0.05);
-    EXPECT_NEAR(magnitude / kDraws, 0.2, 0.03);  // the mean that faded octaves of "wrinkled" leave behind
+    EXPECT_NEAR(magnitude / kDraws, 0.2, 0.03);  // "wrinkled" uses this mean for octaves that are filtered away
 }
 
 TEST(Noise, IsSmoothAcrossCells) {
-    // Values and slopes from both sides of a cell's face agree.
+    // Values and slopes on both sides of a face between cells must agree.
     Rng rng(11);
     constexpr Float h = 1e-3f;
     for (int i = 0; i < 300; ++i) {
@@ -160,7 +160,7 @@ TEST(NoiseTextures, MarbleVeinsRunAlongY) {
     }
     EXPECT_LT(low, 0.65f);
     EXPECT_NEAR(high, 0.9f, 0.03f);
-    // The dark vein is at 5/6 of the way up the wave, the ends are the bright colour 1.5 * (.58, .58, .6).
+    // The dark vein is at 5/6 of the height of the wave; both ends have the bright colour 1.5 * (.58, .58, .6).
     const SampledSpectrum bright = RgbAlbedoSpectrum(ColorSpace::SRGB(), {.87f, .87f, .9f}).Sample(lambda);
     for (int k = 0; k < SpectrumSamples; ++k) EXPECT_NEAR(value(0, -Pi / 6)[k], bright[k], 1e-4f);
 }
@@ -168,7 +168,7 @@ TEST(NoiseTextures, MarbleVeinsRunAlongY) {
 TEST(DotsTexture, InsideAndOutsideAreSwappedAsInStock) {
     Bench b;
     b.Define("d", false, "dots", Params().F("inside", 5).F("outside", 9));
-    // In the corners between cells there is never a dot.
+    // There is never a dot in the corners between cells.
     for (int i = 0; i < 20; ++i) EXPECT_EQ(b.FloatTex("d")->Evaluate(At({static_cast<Float>(i) + 0.5f, 2.5f, 0})), 5);
 }
 
@@ -193,7 +193,8 @@ TEST(DotsTexture, SomeCellsHoldOneDotOfRadius035) {
                 EXPECT_NEAR(static_cast<double>(inside) / (kSide * kSide), 3.14159265 * 0.35 * 0.35, 0.03);
             }
         }
-    EXPECT_NEAR(static_cast<double>(full) / cells, 0.4, 0.1);  // noise is 0 in the middle of many cells
+    // The noise that decides is 0 in the middle of many cells.
+    EXPECT_NEAR(static_cast<double>(full) / cells, 0.4, 0.1);
 }
 
 TEST(NoiseTextures, MistakesAreErrors) {

@@ -58,7 +58,7 @@ TEST(TextureLibrary, UnbuiltClassIsNamed) {
     Thrown t = Catch([&] { b.Define("bumps", false, "ptex", Params("Texture", 6)); });
     EXPECT_EQ(t.line, 6);
     EXPECT_TRUE(t.Says("bumps") && t.Says("ptex") && t.Says("not supported"));
-    // The name exists: who uses it does not complain again.
+    // The name is defined, so a user of the texture reports no second error.
     EXPECT_NE(b.FloatTex("bumps"), nullptr);
     b.textures.CheckAll();
     EXPECT_EQ(b.Errors(), 0u);
@@ -90,7 +90,7 @@ TEST(TextureLibrary, ImageMapsMayComeLater) {
     b.Define("image", false, "imagemap", Params("Texture \"image\"", 20).S("filename", {"/none.png"}));
     b.FloatTex("a");
     ASSERT_EQ(b.Errors(), 1u);
-    EXPECT_EQ(b.Last().loc.line, 21);  // the file is missing, not the texture
+    EXPECT_EQ(b.Last().loc.line, 21);  // the error is the missing image file, not a missing texture
 }
 
 TEST(TextureLibrary, UnusedTexturesAreCheckedToo) {
@@ -186,7 +186,8 @@ TEST(TextureLibrary, MixesOfMixesOfTheSameMustNotDoubleForEver) {
         }
         b.SpectrumTex("t60");
         ASSERT_GE(b.Errors(), 1u);
-        // 2^16 - 1 evaluations are allowed, twice as many and one are not: at the second operand of the 16th.
+        // 2^16 - 1 evaluations are allowed, but not twice as many plus one: that is reported at the second operand of
+        // the 16th texture.
         EXPECT_EQ(b.sink.All()[0].loc.line, 16 + 2) << b.sink.All()[0].message;
         EXPECT_NE(b.sink.All()[0].message.find("one look-up evaluates 1.3e+05 textures; at most 65536"),
                   std::string::npos)

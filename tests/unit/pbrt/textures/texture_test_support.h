@@ -7,7 +7,7 @@
 
 namespace pbrt::test {
 
-/// A place to point at: column `column` of line `line` of a made-up file.
+/// A location for messages: column `column` of line `line` of a made-up file.
 inline FileLoc At(int line, int column = 0) {
     static const auto file = std::make_shared<const SourceFile>(SourceFile{"scene.pbrt", std::string(200, '\n')});
     return {file, line, column};
@@ -55,7 +55,7 @@ class Params {
     }
 
   private:
-    /// Every parameter stands on the next line, so that the line tells which one is meant.
+    /// Every parameter is on the next line, so that the line of a message tells which one is meant.
     Param New(ParamType type, const std::string &name) {
         Param p;
         p.type = type;
@@ -79,7 +79,7 @@ class Params {
     int line_;
 };
 
-/// Message and line of the UserError that `f` throws; line -1 if it throws none.
+/// The message and line of the UserError that `f` throws; the line is -1 if it throws none.
 struct Thrown {
     std::string message;
     int line = -1;
@@ -95,7 +95,7 @@ Thrown Catch(F &&f) {
     return {};
 }
 
-/// A texture library with its surroundings.
+/// A texture library with the objects that it needs.
 struct Bench {
     DiagnosticSink sink;
     FileResolver files;
@@ -105,7 +105,7 @@ struct Bench {
                 const Transform &renderFromTexture = {}) {
         textures.Define(name, isSpectrum, type, params, renderFromTexture);
     }
-    /// As a material does that has just this parameter.
+    /// Gets a texture like a material that has only this parameter.
     template <class Param>
     auto Get(const ParamSet &set, const std::string &name, Param param) {
         ParamReader reader(set);

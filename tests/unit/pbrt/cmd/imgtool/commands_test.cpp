@@ -1,4 +1,4 @@
-// The commands that make images from images.
+// Tests the commands that make images from images.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -54,7 +54,7 @@ TEST_F(Imgtool, ErrorTakesNamesAndPatternsAndSaysWhatItCompared) {
     EXPECT_EQ(compared("'run1?.exr'"), "MSE: mean 4, run10.exr\n");
     EXPECT_EQ(compared("'run*0.exr' run1.exr run1.exr"),
               "run10.exr: 4\nrun1.exr: 1\nMSE: mean 2.5, standard deviation 2.12, 2 images\n");
-    // A start of names finds images only.
+    // A prefix of names finds images only.
     EXPECT_TRUE(Has(compared("run1"), "run1.exr: 1\nrun1.exr.old.exr: 9\nrun10.exr: 4\n")) << compared("run1");
     EXPECT_TRUE(
         Has(Run("average 'run1*.exr' --outfile mean.exr").out, "3 images: run1.exr, run1.exr.old.exr, run10.exr"));
@@ -129,7 +129,7 @@ TEST_F(Imgtool, AssembleUndoesCrops) {
 }
 
 TEST_F(Imgtool, SplitnShowsStripsAndEnlargedCrops) {
-    // Red tells the image, green and blue the pixel.
+    // The red channel gives the number of the image, green and blue the pixel.
     for (int i = 0; i < 3; ++i) {
         Image image(PixelFormat::Float, {48, 12}, kRgb);
         for (int y = 0; y < 12; ++y)
@@ -142,7 +142,7 @@ TEST_F(Imgtool, SplitnShowsStripsAndEnlargedCrops) {
     }
     ASSERT_EQ(Run("splitn i0.exr i1.exr i2.exr --crop 3,5 --crop 7,1 --cropsize 6 --outfile s.exr").status, 0);
     const Image s = ReadImage(Path("s.exr")).image;
-    // (48 - 2 gaps of 4) / (3 * 6) = 2: crops are twice as large, rows are 12 + 4 pixels high.
+    // (48 - 2 gaps of 4) / (3 * 6) = 2, so crops are enlarged twice; a row is 12 pixels and a gap of 4 high.
     ASSERT_EQ(s.Resolution(), Point2i(48, 12 + 2 * 16));
     auto is = [&](Point2i p, int image, int x, int y) {
         return s.Get(p, 0) == static_cast<Float>(image) && s.Get(p, 1) == static_cast<Float>(x) &&
@@ -151,7 +151,7 @@ TEST_F(Imgtool, SplitnShowsStripsAndEnlargedCrops) {
     EXPECT_TRUE(is({0, 0}, 0, 0, 0));
     EXPECT_TRUE(is({20, 11}, 1, 20, 11));
     EXPECT_TRUE(is({47, 5}, 2, 47, 5));
-    EXPECT_TRUE(is({15, 3}, 1, 1, 1)) << "white line between strips";
+    EXPECT_TRUE(is({15, 3}, 1, 1, 1)) << "there must be a white line between the strips";
     EXPECT_TRUE(is({0, 16}, 0, 3, 5));
     EXPECT_TRUE(is({16 + 3, 16 + 11}, 1, 4, 10));
     EXPECT_TRUE(is({2 * 16 + 2, 2 * 16 + 5}, 2, 8, 3));
@@ -174,7 +174,7 @@ TEST_F(Imgtool, BloomSpreadsBrightPixelsAndKeepsTheirLight) {
         const auto light = static_cast<double>(image.Get({20, 20}, c));
         EXPECT_NEAR(Sum(b, c) - Sum(image, c), 0.4 * light, 1e-3);
     }
-    // One and two passes of weights w[0..3] along both axes, by hand.
+    // One and two passes with the weights w[0..3] along both axes, computed by hand.
     double w[4], sum = 0, twice = 0;
     for (int i = 0; i < 4; ++i) sum += (i ? 2 : 1) * (w[i] = std::exp(-i * i / (2 * (7 / 6.) * (7 / 6.))));
     for (int i = 0; i < 4; ++i) twice += (i ? 2 : 1) * (w[i] / sum) * (w[i] / sum);
@@ -241,7 +241,7 @@ TEST_F(Imgtool, ScalenormalmapScalesSlopes) {
     }
     ASSERT_EQ(Run("scalenormalmap b.exr --scale 0.3333333 --outfile c.exr").status, 0);
     EXPECT_NEAR(ReadImage(Path("c.exr")).image.Get({0, 0}, 1), image.Get({0, 0}, 1), 1e-5f);
-    // Bytes are values times 255, whatever sRGB would make of them.
+    // Bytes are values times 255, without the sRGB curve.
     ASSERT_EQ(Run("scalenormalmap a.exr --outfile d.png").status, 0);
     ASSERT_EQ(Run("scalenormalmap d.png --outfile e.png").status, 0);
     for (const char *file : {"d.png", "e.png"}) {
@@ -279,7 +279,8 @@ TEST_F(Imgtool, MakeequiareaShowsEveryDirectionItsColour) {
     EXPECT_TRUE(Has(Run("makeequiarea square.exr --outfile c.exr").err, "twice as wide"));
 }
 
-// Of a map with one bright pixel, pixels that were only looked at in their middle would miss it.
+// A map with one bright pixel: a command that looks up the map only at the centres of its pixels would miss the bright
+// one.
 TEST_F(Imgtool, MakeequiareaLosesNoLightInSmallMaps) {
     constexpr int kWidth = 128;
     Image map(PixelFormat::Float, {kWidth, kWidth / 2}, kRgb);

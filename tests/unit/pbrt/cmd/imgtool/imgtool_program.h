@@ -35,7 +35,7 @@ class Imgtool : public ::testing::Test {
 
     std::string Path(const std::string &name) const { return (directory_ / name).string(); }
 
-    // Runs imgtool in the test's folder. It must exit by itself.
+    // Runs imgtool in the folder of the test. The program must exit by itself.
     Outcome Run(const std::string &arguments) const {
         static std::atomic<int> runs{0};
         const std::string log = Path(".log" + std::to_string(runs++));
@@ -45,7 +45,7 @@ class Imgtool : public ::testing::Test {
         EXPECT_TRUE(WIFEXITED(raw)) << arguments;
         return {WEXITSTATUS(raw), FileText(log + ".out"), FileText(log + ".err")};
     }
-    // Independent runs, several at once: loading the libraries takes longest.
+    // Runs independent commands, several at a time, because loading the libraries takes longest.
     std::vector<Outcome> RunAll(const std::vector<std::string> &commands) const {
         std::vector<std::future<Outcome>> running;
         for (const std::string &c : commands)
@@ -54,7 +54,7 @@ class Imgtool : public ::testing::Test {
         for (auto &r : running) outcomes.push_back(r.get());
         return outcomes;
     }
-    // Pairs of arguments and a part of the message. Expects status 1 and nothing on standard output.
+    // The cases are pairs of arguments and a part of the message. Expects status 1 and nothing on standard output.
     void ExpectErrors(const std::vector<std::pair<std::string, std::string>> &cases) const {
         std::vector<std::string> commands;
         for (const auto &c : cases) commands.push_back(c.first);

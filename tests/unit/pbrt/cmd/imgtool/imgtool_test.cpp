@@ -45,7 +45,7 @@ TEST_F(Imgtool, OptionsAreThoseOfTheDocument) {
     for (const auto &[command, known] : documented) {
         const Outcome o = Run("help " + command);
         EXPECT_EQ(o.status, 0) << command;
-        // Options stand at the beginnings of lines; further text may name those of others.
+        // Options are at the beginnings of lines; the text after them may name other options.
         std::string list;
         static const std::regex kLine("\n  (?:-\\w,)?(--[a-z0-9]+)");
         for (std::sregex_iterator i(o.out.begin(), o.out.end(), kLine), end; i != end; ++i) list += i->str(1) + ' ';
@@ -118,7 +118,8 @@ TEST_F(Imgtool, InfoAndDiffSpeakJson) {
     EXPECT_EQ(json[0]["attributes"]["text"], "a \"b\"");
     EXPECT_EQ(json[0]["channels"][0]["name"], "R");
     EXPECT_EQ(json[0]["channels"][1]["nan"], 1);
-    EXPECT_TRUE(Has(o.out, "\"seconds\": 0.1,") && Has(o.out, "\"min\": 0.01,")) << "no digits of doubles: " << o.out;
+    EXPECT_TRUE(Has(o.out, "\"seconds\": 0.1,") && Has(o.out, "\"min\": 0.01,"))
+        << "numbers must not have the digits of doubles: " << o.out;
 
     image.Set({0, 0}, 1, 0);
     WriteImage(Path("a.exr"), image, metadata);
@@ -174,7 +175,7 @@ TEST_F(Imgtool, DiffByFlipWritesOneValuePerPixel) {
     EXPECT_EQ(errors.Resolution(), Point2i(6, 5));
     EXPECT_EQ(errors.ChannelCount(), 1);
     EXPECT_NEAR(errors.Get({3, 2}, 0), 0.9674f, 1e-3f);
-    // Both are white on a screen; other exposures tell them apart.
+    // Both pictures are white on a screen; at other exposures they differ.
     EXPECT_EQ(Run("diff lamp.exr --reference white.exr --metric FLIP").status, 0);
     EXPECT_EQ(Run("diff lamp.exr --reference white.exr --metric HDR-FLIP").status, 1);
 }
@@ -266,7 +267,7 @@ TEST_F(Imgtool, TonemapMapsTheMaximumLuminanceToOneAndKeepsHue) {
     const Image mapped = ReadImage(Path("t.exr")).image;
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(mapped.Get({0, 0}, c), 1, 1e-4f);
     EXPECT_NEAR(mapped.Get({1, 0}, 0) / mapped.Get({1, 0}, 1), 2, 1e-5f);
-    // sRGB luminance 0.2126 * 2 + 0.7152.
+    // The sRGB luminance is 0.2126 * 2 + 0.7152.
     const Float luminance = 1.1404f;
     EXPECT_NEAR(mapped.Get({1, 0}, 1), (1 + luminance / 16) / (1 + luminance), 1e-3f);
 }
@@ -308,7 +309,7 @@ TEST_F(Imgtool, FalsecolorOrdersValuesAndMarksInvalidOnes) {
     EXPECT_TRUE(Has(Run("falsecolor a.exr --maxvalue 8 --outfile h.png").out, "0 to 8"));
 }
 
-// One lamp must not make the room black.
+// One bright lamp must not make the rest of the room black.
 TEST_F(Imgtool, FalsecolorShowsTheImageAndNotItsBrightestPixels) {
     Image image(PixelFormat::Float, {50, 40}, {"Y"});
     for (int y = 0; y < 40; ++y)
@@ -320,7 +321,7 @@ TEST_F(Imgtool, FalsecolorShowsTheImageAndNotItsBrightestPixels) {
         << o.out;
     const Image shown = ReadImage(Path("f.png")).image;
     EXPECT_GT(shown.Get({40, 20}, 0), shown.Get({5, 20}, 0) + 0.2f);
-    // Mostly 0: what is not stays visible.
+    // If most pixels are 0, the others must stay visible.
     for (int y = 0; y < 40; ++y)
         for (int x = 0; x < 50; ++x) image.Set({x, y}, 0, y == 0 && x < 3 ? 5 : 0);
     WriteImage(Path("b.exr"), image);
@@ -349,7 +350,7 @@ TEST_F(Imgtool, AverageIsTheMeanOfAllFilesWithThePrefix) {
     ASSERT_EQ(Run("average runs/seed --outfile runs/seedmean.exr").status, 0);
     const Image mean = ReadImage(Path("runs/seedmean.exr")).image;
     EXPECT_NEAR(mean.Get({2, 1}, 2), a.Get({2, 1}, 2) + 2, 1e-5f);
-    // The result of the last run is not averaged in.
+    // The result of the first run, whose name has the prefix, is not averaged again.
     ASSERT_EQ(Run("average runs/seed --outfile runs/seedmean.exr").status, 0);
     EXPECT_EQ(ReadImage(Path("runs/seedmean.exr")).image.Get({2, 1}, 2), mean.Get({2, 1}, 2));
     Write("runs/seed3.exr", 2, 2, kRgb);

@@ -19,7 +19,7 @@ double SunLux(const PreethamSky &sky) { return Lux(sky.SunRadiance()) * SunSolid
 TEST(PreethamSky, ZenithIsWhatThePaperSays) {
     const PreethamSky sky(45, 3, 0);
     const Xyz zenith = sky.Radiance({0, 0, 1});
-    // Appendix A.2 by hand: (4.0453 * 3 - 4.9710) tan((4/9 - 3/120) 90 deg) - 0.2155 * 3 + 2.4192 kcd/m^2.
+    // Appendix A.2, computed by hand: (4.0453 * 3 - 4.9710) tan((4/9 - 3/120) 90 deg) - 0.2155 * 3 + 2.4192 kcd/m^2.
     EXPECT_NEAR(static_cast<double>(zenith.y) * PreethamSky::CandelasPerY, 7321, 3);
     const Float sum = zenith.x + zenith.y + zenith.z;
     EXPECT_NEAR(zenith.x / sum, 0.2457f, 5e-4f);
@@ -31,10 +31,10 @@ TEST(PreethamSky, SunAndSkyAreAsBrightAsMeasuredOnClearDays) {
     EXPECT_GT(SunLux(noon), 70000);
     EXPECT_LT(SunLux(noon), 115000);
     EXPECT_GT(Lux(noon.SkyIrradiance()), 8000);
-    EXPECT_LT(Lux(noon.SkyIrradiance()), 32000);  // the model is at the bright end
+    EXPECT_LT(Lux(noon.SkyIrradiance()), 32000);  // the model gives rather bright skies
     EXPECT_LT(SunLux(evening), 0.4 * SunLux(noon));
     EXPECT_LT(SunLux(PreethamSky(60, 8, 0.2)), SunLux(noon));
-    // The low sun is redder, the sky opposite bluer than either.
+    // The low sun is redder than the high one, and the sky opposite is bluer than either.
     auto redness = [](const Xyz &v) { return v.x / v.z; };
     EXPECT_GT(redness(evening.SunRadiance()), 1.5f * redness(noon.SunRadiance()));
     EXPECT_LT(redness(noon.Radiance(Normalize(Vector3(0, -1, 1)))), 0.9f * redness(noon.SunRadiance()));
@@ -56,7 +56,7 @@ TEST(PreethamSky, BrightGroundBrightensTheSkyEvenly) {
     const Vector3 low = Normalize(Vector3(1, -1, 0.3f));
     EXPECT_GT(zenith, 0);
     EXPECT_NEAR(bright.Radiance(low).y - dark.Radiance(low).y, zenith, 1e-3f * zenith);
-    // 0.8 of the daylight goes up; of that the sky of this turbidity returns some 9 %.
+    // The ground sends 0.8 of the daylight up, and the sky of this turbidity returns some 9 % of that.
     const double all = Lux(dark.SkyIrradiance()) + SunLux(dark) * 0.6428;
     EXPECT_NEAR((Lux(bright.SkyIrradiance()) - Lux(dark.SkyIrradiance())) / all, 0.8 * 0.09, 0.03);
 }

@@ -20,9 +20,9 @@ class Lightlab : public Program {
     void SetUp() override {
         Program::SetUp();
         Write("scene.pbrt", SmallScene());
-        setenv("XDG_CACHE_HOME", Path("cache").c_str(), 1);  // not the one of whoever runs this
+        setenv("XDG_CACHE_HOME", Path("cache").c_str(), 1);  // the cache of the user must not be used
     }
-    /// Names of the references in a folder.
+    /// The file names of the references in a folder.
     std::vector<std::string> ReferencesIn(const std::string &folder) const {
         std::vector<std::string> names;
         if (std::filesystem::exists(Path(folder)))
@@ -231,13 +231,14 @@ TEST_F(Lightlab, MissingScriptsCostTheReportOnly) {
 }
 
 TEST_F(Lightlab, AScriptEndsWithIt) {
-    // In place of Python: something that says who it is, and goes on for a minute.
+    // A script in place of Python that writes its process id to a file and then sleeps for a minute.
     Write("script.sh", "#!/bin/sh\necho $$ > id.tmp\nmv id.tmp id\nexec sleep 60\n");
     std::filesystem::permissions(Path("script.sh"), std::filesystem::perms::owner_all);
     auto runs = [](pid_t pid) {
         std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
         std::string id, name, state;
-        return stat >> id >> name >> state && state != "Z";  // Z: ended, and nobody has asked how
+        // Z: the process has ended, but its parent has not waited for it.
+        return stat >> id >> name >> state && state != "Z";
     };
     for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGKILL}) {
         std::filesystem::remove(Path("id"));
@@ -262,7 +263,7 @@ TEST_F(Lightlab, ReportIsMade) {
     ASSERT_EQ(o.status, 0) << o.err;
     EXPECT_TRUE(Exists("out/report.html"));
     EXPECT_TRUE(Exists("out/chart-error-time.svg"));
-    // What the terminal says the page and the table say, word by word.
+    // The page and the table contain every sentence of the terminal, word by word.
     const std::string page = Read("out/report.html"), table = Read("out/table.md");
     for (const std::string sentence : Results("out").at("conclusion").at("sentences")) {
         EXPECT_TRUE(Has(o.out, sentence)) << sentence << "\n" << o.out;

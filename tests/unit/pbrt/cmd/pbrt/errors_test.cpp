@@ -17,7 +17,7 @@ const std::string kSuite = PBRT_SOURCE_DIR "/tests/conformance/suite/";
 struct ErrorScene {
     std::string name, file;
     bool survives = false;
-    int line = 0;  ///< 0: the suite names none
+    int line = 0;  ///< 0: the suite gives no line
 };
 
 void PrintTo(const ErrorScene &scene, std::ostream *out) { *out << scene.name; }
@@ -42,7 +42,7 @@ std::vector<std::string> Lines(const std::string &text) {
     return lines;
 }
 
-/// "Error: file:line:column: message", the quoted line, and a caret under it.
+/// True if `text` has "Error: file:line:column: message", the quoted line, and a caret under it.
 bool HasDiagnostic(const std::string &text, const std::string &start) {
     const std::vector<std::string> lines = Lines(text);
     for (size_t i = 0; i + 2 < lines.size(); ++i) {
@@ -147,7 +147,7 @@ Accelerator "bvh" "integer prims" 1
 }
 
 TEST_F(Errors, WhatCannotBeWrittenIsFoundBeforeTheSceneIsBuilt) {
-    // Seconds to build; the errors must not come after that.
+    // This scene takes seconds to build; the errors must come before that.
     Write(
         "big.pbrt",
         "Film \"rgb\"\nWorldBegin\nShape \"loopsubdiv\" \"integer levels\" 10 \"integer indices\" [ 0 1 2  0 2 3  0 3 1  1 3 2 ] "

@@ -98,7 +98,7 @@ TEST_F(Flags, WindowsChooseTheDataWindow) {
         EXPECT_EQ(part.metadata.pixelBounds->high, c.high) << c.arguments;
         EXPECT_EQ(*part.metadata.fullResolution, Point2i(32, 24)) << c.arguments;
         ASSERT_EQ(part.image.Resolution(), c.high - c.low) << c.arguments;
-        // A part of the picture is the same as in the whole.
+        // The pixels of a part are the same as in the whole picture.
         for (int y = c.low.y; y < c.high.y; ++y)
             for (int x = c.low.x; x < c.high.x; ++x)
                 for (int k = 0; k < 3; ++k)
@@ -138,7 +138,7 @@ TEST_F(Flags, ExamplesOfTheHelpRenderWithoutAWarning) {
 }
 
 TEST_F(Flags, PrintedPhasesAddUpToTheWallTime) {
-    // Heavy enough in reading, building, preparing and writing that what is left out would show.
+    // Reading, building, preparing and writing take so long that a missing phase would be noticed.
     std::string text = SmallScene();
     text.replace(text.find("32"), 2, "900");
     text.replace(text.find("24"), 2, "900");
@@ -152,7 +152,7 @@ TEST_F(Flags, PrintedPhasesAddUpToTheWallTime) {
                           " heavy.pbrt");
     const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     ASSERT_EQ(o.status, 0) << o.err;
-    // The same names in the progress lines and in the statistics; the lines of parts are indented.
+    // The progress lines and the statistics use the same names; lines of sub-phases are indented.
     double lines = 0, statistics = 0;
     for (const std::string phase : {"start-up", "reading", "building", "preparing lights", "rendering", "writing"}) {
         static const std::regex kNumber("[0-9.]+");
@@ -170,7 +170,7 @@ TEST_F(Flags, PrintedPhasesAddUpToTheWallTime) {
         EXPECT_NEAR(line, seconds, 0.02) << phase;
         lines += line;
     }
-    EXPECT_GT(wall, 0.5) << "too short to see anything";
+    EXPECT_GT(wall, 0.5) << "the run is too short to compare times";
     EXPECT_GT(statistics, 0.93 * wall - 0.1) << o.err << o.out;
     EXPECT_LT(statistics, 1.02 * wall + 0.05) << o.err << o.out;
     EXPECT_GT(lines, 0.9 * wall - 0.15) << o.err;
@@ -222,7 +222,8 @@ TEST_F(Unsupported, MediaAloneCanBeLeftOut) {
     Write("fog.pbrt", SmallScene() + "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\n");
     RunWell("--spp 1 --ignore-media fog.pbrt");
     EXPECT_TRUE(Has(TextOf(ReadImage(Path("scene-without-media.exr")), "pbrt.ignored"), "MakeNamedMedium"));
-    // A name given by hand stays, and what there is nothing of is not said to be left out.
+    // An output name given by hand is not changed. A scene without unsupported parts gets no note that something was
+    // left out.
     EXPECT_TRUE(Has(TextOf(Render("--spp 1 --ignore-media fog.pbrt"), "pbrt.ignored"), "MakeNamedMedium"));
     Write("plain.pbrt", SmallScene());
     RunWell("--spp 1 --ignore-unsupported plain.pbrt");

@@ -1,4 +1,5 @@
-// docs/compatibility.md against the program: a parameter that nobody knows makes it list those that it does.
+// Compares docs/compatibility.md with the program: an unknown parameter makes the program list all parameters that it
+// knows.
 #include <algorithm>
 #include <fstream>
 #include <map>
@@ -19,7 +20,7 @@ std::string Document() {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// What stands between backticks.
+/// The texts between backticks.
 std::vector<std::string> Quoted(const std::string &text) {
     static const std::regex kQuoted("`([^`]+)`");
     std::vector<std::string> out;
@@ -27,8 +28,8 @@ std::vector<std::string> Quoted(const std::string &text) {
     return out;
 }
 
-/// Names, without types, of the rows whose first cell has entities such as `Shape "sphere"`. The two families of a
-/// texture are one: `Texture "..." "float" "mix"` is Texture "mix".
+/// The parameter names, without types, from the table rows whose first cell has entities such as `Shape "sphere"`.
+/// Float and spectrum textures are not distinguished: `Texture "..." "float" "mix"` is Texture "mix".
 std::map<std::string, Names> DocumentedParameters() {
     std::map<std::string, Names> out;
     std::istringstream lines(Document());
@@ -46,7 +47,7 @@ std::map<std::string, Names> DocumentedParameters() {
     return out;
 }
 
-/// Parameters without which an entity is not made far enough to complain.
+/// Required parameters: without them the entity is not built far enough to report unknown ones.
 std::string Needed(const std::string &entity) {
     static const std::string assets = PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets/";
     static const std::map<std::string, std::string> kNeeded = {
@@ -97,7 +98,7 @@ class Format : public Program {
                 world += entity + ' ' + parameters;
             } else if (directive == "AreaLightSource") {
                 world += entity + ' ' + parameters + "Shape \"disk\"\n";
-            } else {  // only the last of its kind counts
+            } else {  // only the last entity of this kind counts, so each gets its own scene
                 Write("one.pbrt", entity + ' ' + parameters + "WorldBegin\n");
                 out.merge(ParametersThatErrorsList(Run("--quiet --outfile out.exr one.pbrt").err));
             }
@@ -113,22 +114,22 @@ TEST_F(Format, ParametersAreThoseOfTheDocument) {
     std::map<std::string, Names> listed = Listed();
     size_t compared = 0;
     for (const auto &[entity, documented] : DocumentedParameters()) {
-        // It needs a file of tables.
+        // This material needs a file of tables.
         if (entity == "Material \"measured\"") continue;
         const Names &known = listed[entity];
         for (const std::string &name : known)
             EXPECT_TRUE(documented.contains(name) || name.find('.') != std::string::npos)
-                << entity << " knows \"" << name << "\", which docs/compatibility.md does not tell";
+                << entity << " knows \"" << name << "\", which docs/compatibility.md does not list";
         for (const std::string &name : documented) {
             ++compared;
             EXPECT_TRUE(known.contains(name))
-                << entity << " has no \"" << name << "\", which docs/compatibility.md tells";
+                << entity << " has no \"" << name << "\", although docs/compatibility.md lists it";
         }
     }
     EXPECT_GT(compared, 200u);
 }
 
-/// What the declarations say is on the pages.
+/// The generated parts of the pages are what the program prints.
 TEST_F(Format, PagesAreWhatTheProgramLists) {
     const std::string begin = "<!-- pbrt --list table -->\n", document = Document();
     const size_t from = document.find(begin), to = document.find("<!-- end -->");
@@ -142,7 +143,8 @@ TEST_F(Format, PagesAreWhatTheProgramLists) {
 
 TEST_F(Format, OneFamilyIsListedAndAnUnknownOneIsAnError) {
     EXPECT_TRUE(Has(Run("--list cameras").out, "float fov = 90 (above 0, below 180 degrees)\n        "));
-    EXPECT_EQ(Run("--list lightsamplers").out, LightSamplerListing().substr(1));  // which begins with a line break
+    // The listing begins with a line break.
+    EXPECT_EQ(Run("--list lightsamplers").out, LightSamplerListing().substr(1));
     const Outcome o = Run("--list camera");
     EXPECT_EQ(o.status, 1);
     EXPECT_TRUE(Has(o.err, "did you mean \"cameras\"?")) << o.err;

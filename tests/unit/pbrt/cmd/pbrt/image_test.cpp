@@ -52,7 +52,8 @@ TEST_F(Images, HeaderMatricesMapTheWorldIntoThePicture) {
     const Point3 middle = map("worldToNDC", {0, 0, 0, 1}), right = map("worldToNDC", {1, 0, 0, 1});
     EXPECT_NEAR(middle.x, 0.5f, 1e-5f);
     EXPECT_NEAR(middle.y, 0.5f, 1e-5f);
-    // As stock: 0 to 1 is the field of view (40 degrees along the shorter axis), not the longer side of the picture.
+    // As in stock pbrt-v4, 0 to 1 is the field of view (40 degrees along the shorter axis), not the longer side of the
+    // picture.
     EXPECT_NEAR(right.x - middle.x, 0.5f / std::sqrt(Float(26)) / std::tan(Float(20 * 3.14159265 / 180)), 1e-5f);
     EXPECT_NEAR(right.y, 0.5f, 1e-5f);
 }
@@ -88,7 +89,7 @@ Film "gbuffer" "integer xresolution" 16 "integer yresolution" 12 "bool savefp16"
     EXPECT_LT(seen, 150);
 }
 
-// A square at z = 5 that faces the camera; every corner has height 0, every other field between them height 2.
+// A square at z = 5 that faces the camera, with a checkerboard of heights 0 and 2; the height at every corner is 0.
 TEST_F(Images, DisplacedMeshesAreSplitAsTheEdgeLengthSays) {
     Write("square.ply",
           "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
@@ -105,7 +106,7 @@ Shape "plymesh" "string filename" "square.ply" "texture displacement" "fields" "
 )");
     auto depths = [&](const std::string &flags) {
         const Image image = Render(flags + " relief.pbrt").image;
-        std::pair<int, int> counts(0, 0);  // of z = 5 and z = 3
+        std::pair<int, int> counts(0, 0);  // numbers of pixels at z = 5 and at z = 3
         for (int i = 0; i < 32 * 32; ++i) {
             const Float z = image.Get({i % 32, i / 32}, image.FindChannel("P.Z"));
             counts.first += std::abs(z - 5) < 1e-4f;

@@ -44,13 +44,13 @@ TEST_F(LightSamplers, SpecOnTheCommandLineReachesTheSamplerAndTheImage) {
     EXPECT_EQ(TextOf(file, "lightSampler"), "octree");
     EXPECT_EQ(Parameters(file).at("leaves"), 512);
     EXPECT_NEAR(Parameters(file).at("floor").get<double>(), 0.1, 1e-6);
-    EXPECT_EQ(Parameters(file).at("depth"), 3) << "not given: the default";
+    EXPECT_EQ(Parameters(file).at("depth"), 3) << "a parameter that is not given has its default";
     EXPECT_GE(IntOf(file, "lightSampler.leaves"), 64);
     EXPECT_GT(IntOf(file, "lightSampler.bytes"), 0);
     EXPECT_GT(NumberOf(file, "lightSampler.prepassSeconds"), 0);
     EXPECT_GT(NumberOf(file, "lightSampler.octreeBuildSeconds"), 0);
     EXPECT_EQ(IntOf(file, "lightSampler.lights"), 3);
-    EXPECT_EQ(IntOf(file, "lightSampler.groups"), 2) << "the two triangles are one";
+    EXPECT_EQ(IntOf(file, "lightSampler.groups"), 2) << "the two triangles are one group";
 }
 
 TEST_F(LightSamplers, ValuesOfTheLargeRangeSurvive) {
@@ -89,7 +89,7 @@ TEST_F(LightSamplers, SuffixesAndOldFlagsAreOneLanguage) {
     const ImageFile flags = Render("--spp 1 --lightsampler bvh --mesh-lights --shadow-gate neepp:samples=3 scene.pbrt");
     EXPECT_TRUE(SamePixels(suffixes, flags));
     EXPECT_EQ(TextOf(suffixes, "shadowGate.parameters"), TextOf(flags, "shadowGate.parameters"));
-    // A suffix beats the flag, and both beat the scene.
+    // A suffix overrides the flag, and both override the scene.
     Write("gated.pbrt", SmallScene(R"("string shadowgate" "neepp")"));
     EXPECT_EQ(TextOf(Render("--spp 1 gated.pbrt"), "shadowGate"), "neepp");
     for (const char *arguments :
@@ -110,7 +110,7 @@ TEST_F(LightSamplers, CaretsStandUnderTheMistakeInTheWholeFlag) {
                    {"did you mean \"voxels\"?", under("bvh+gate=neepp:voxls=3", 15)}},
                   {"--lightsampler bvh+gate=neepp:voxels=-1 scene.pbrt",
                    {"neepp.voxels", under("bvh+gate=neepp:voxels=-1", 15)}},
-                  // All mistakes at once.
+                  // All mistakes are reported at once.
                   {"--lightsampler octree:x=1,floor=7+gate=y scene.pbrt",
                    {"\"x\"", "\"y\"", "at least 0 and at most 1", "3 errors"}}});
 }
@@ -140,12 +140,12 @@ TEST_F(LightSamplers, SceneParametersReachTheSampler) {
     EXPECT_EQ(Parameters(file).at("leaves"), 128);
     EXPECT_NEAR(Parameters(file).at("floor").get<double>(), 0.2, 1e-6);
 
-    // The command line wins, key by key.
+    // The command line overrides the scene, key by key.
     const ImageFile both = Render("--lightsampler octree:leaves=256 octree.pbrt");
     EXPECT_EQ(Parameters(both).at("leaves"), 256);
     EXPECT_NEAR(Parameters(both).at("floor").get<double>(), 0.2, 1e-6);
 
-    // Another sampler: the scene's keys wait.
+    // With another sampler the keys of the scene are not used, and that is no error.
     EXPECT_EQ(TextOf(Render("--lightsampler bvh octree.pbrt"), "lightSampler"), "bvh");
 }
 
@@ -172,7 +172,7 @@ TEST_F(LightSamplers, MeshLightsGroupTheTrianglesOfAMesh) {
     }
     EXPECT_TRUE(Has(Run("--mesh-lights --stats --spp 1 --outfile out.exr scene.pbrt").out, "groups"));
     EXPECT_EQ(TextOf(Render("--mesh-lights --lightsampler octree scene.pbrt"), "lightSampler"), "octree")
-        << "it groups by itself";
+        << "the octree groups the triangles anyway, without the suffix";
 }
 
 }  // namespace pbrt::test

@@ -2,14 +2,15 @@
 
 namespace pbrt::test {
 
-/// Scenes that once ended in a signal, in an endless wait or in an error that named nothing.
+/// Scenes with sizes or numbers beyond the limits: each must end with an error that names the cause, not with a signal
+/// or an endless wait.
 class Limits : public Program {
   protected:
     struct Case {
         std::string name, options, world;
-        std::vector<std::string> parts;  ///< of the message
+        std::vector<std::string> parts;  ///< parts of the message
     };
-    /// Each scene ends with status 1 and a message.
+    /// Expects that each scene ends with status 1 and a message.
     void ExpectAll(const std::vector<Case> &cases) const {
         std::vector<ErrorCase> runs;
         for (const Case &c : cases) {
@@ -17,8 +18,7 @@ class Limits : public Program {
                                         "\nWorldBegin\n" + c.world + "\n");
             runs.push_back({"--spp 1 --outfile out.exr " + c.name + ".pbrt", c.parts});
         }
-        for (const ErrorCase &run : runs)
-            ExpectErrors({run});  // one after the other: each may use all memory it can get
+        for (const ErrorCase &run : runs) ExpectErrors({run});  // one after the other, because each may use all memory
     }
 };
 
@@ -45,7 +45,7 @@ TEST_F(Limits, NumbersBeyondFloat) {
 }
 
 TEST_F(Limits, PowerBeyondFloat) {
-    // Radiance 1e25 over an area of 1e30.
+    // A radiance of 1e25 over an area of 1e30.
     Write("power.pbrt",
           "Film \"rgb\" \"integer xresolution\" 4 \"integer yresolution\" 4\nWorldBegin\nLightSource \"point\"\n"
           "AreaLightSource \"diffuse\" \"rgb L\" [ 1e25 1e25 1e25 ]\nShape \"disk\" \"float radius\" 1e15\n"
@@ -96,12 +96,12 @@ TEST_F(Limits, WhatDoesNotFitIntoMemory) {
                 "Shape \"sphere\"",
                 {"Error: film.pbrt:2:", "a picture of 1000000 x 1000000 pixels needs about 44 TB of memory"}},
                {"radius", "PixelFilter \"gaussian\" \"float xradius\" 1e9", "Shape \"sphere\"", {"at most 1000"}}});
-    // Where an estimate is not possible, it is said what there was no memory for.
+    // Where the memory cannot be estimated in advance, the message says what there was not enough memory for.
     Write("scene.pbrt", SmallScene());
     for (const char *kilobytes : {"150000", "300000", "600000"}) {
         const Outcome o =
             Wait(Start("--quiet --spp 1 --outfile out.exr scene.pbrt", std::string("ulimit -v ") + kilobytes));
-        if (o.status == 0) continue;  // it was enough
+        if (o.status == 0) continue;  // this much memory was enough
         EXPECT_EQ(o.status, 1) << kilobytes << o.err;
         EXPECT_TRUE(Has(o.err, "enough memory")) << kilobytes << o.err;
     }

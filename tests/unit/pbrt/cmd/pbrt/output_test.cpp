@@ -1,4 +1,4 @@
-// Where the picture goes, and what happens if it cannot.
+// Tests where the picture is written, and what happens if it cannot be written.
 #include <sys/stat.h>
 
 #include <chrono>
@@ -30,11 +30,11 @@ TEST_F(Output, AFullDiskIsAnErrorAndKeepsTheOldPicture) {
         EXPECT_EQ(Read(name), "an old picture");
         EXPECT_EQ(Files(), before);
         RunWell("--spp 1 --outfile " + std::string(name) + " scene.pbrt");
-        EXPECT_GT(Read(name).size(), 1000u) << "too small to show anything";
+        EXPECT_GT(Read(name).size(), 1000u) << "the picture is too small for the limit of this test";
     }
 }
 
-// The picture is worth more than the log of its errors.
+// If the log of errors cannot be written, the picture must still be written.
 TEST_F(Output, ALogOnAFullDiskIsAnErrorAfterThePicture) {
     RunWell("--spp 1 --outfile ref.exr scene.pbrt");
     const Outcome o = Run("--quiet --spp 2 --mse-reference-image ref.exr --mse-reference-out /dev/full scene.pbrt");
@@ -48,7 +48,7 @@ TEST_F(Output, NamesMayBeLongAndInCapitals) {
         RunWell("--spp 1 --outfile " + name + " scene.pbrt");
         EXPECT_EQ(ReadImage(Path(name)).image.Resolution(), Point2i(32, 24)) << name;
     }
-    // Before rendering, which would take hours.
+    // The error must come before rendering, which would take hours.
     ExpectErrors({{"--spp 100000000 --outfile " + std::string(252, 'n') + ".exr scene.pbrt", {"File name too long"}}});
 }
 
@@ -69,7 +69,7 @@ TEST_F(Output, GoesIntoPipes) {
     EXPECT_EQ(bytes.size(), 12u + 32 * 24 * 12);
 }
 
-// None of these may be waited for, or read for ever.
+// The program must neither wait for a pipe nor read a device for ever.
 TEST_F(Output, PipesAndDevicesAreNoAssets) {
     ASSERT_EQ(mkfifo(Path("pipe.png").c_str(), 0600), 0);
     std::filesystem::create_symlink("/dev/zero", Path("zero.exr"));

@@ -53,7 +53,7 @@ std::vector<std::string> Program::Files() const {
 pid_t Program::Start(const std::string &arguments, const std::string &before) const {
     const pid_t pid = fork();
     if (pid != 0) return pid;
-    alarm(60);  // survives exec: a program that hangs dies, and the test with it
+    alarm(60);  // the alarm survives exec, so a program that hangs is ended, and the test fails
     const std::string log = (logs_ / std::to_string(getpid())).string();
     const std::string command = "cd '" + directory_.string() + "' && " + before + " && exec '" + PBRT_PROGRAM + "' " +
                                 arguments + " > " + log + ".out 2> " + log + ".err";
@@ -144,7 +144,7 @@ template <class T>
 T AttributeOf(const ImageFile &file, const std::string &attribute) {
     auto it = file.metadata.attributes.find(attribute);
     if (it == file.metadata.attributes.end()) {
-        ADD_FAILURE() << "no attribute " << attribute;
+        ADD_FAILURE() << "the file has no attribute " << attribute;
         return T{};
     }
     const T *value = std::get_if<T>(&it->second);

@@ -16,7 +16,7 @@ struct Outcome {
     std::string out, err;
 };
 
-/// Runs the pbrt program in a folder of its own that goes away with the test. Arguments are split by a shell.
+/// Runs the pbrt program in a temporary folder, which is removed after the test. A shell splits the arguments.
 class Program : public ::testing::Test {
   protected:
     void SetUp() override;
@@ -26,27 +26,28 @@ class Program : public ::testing::Test {
     void Write(const std::string &name, const std::string &text) const;
     std::string Read(const std::string &name) const;
     bool Exists(const std::string &name) const { return std::filesystem::exists(directory_ / name); }
-    /// Names of all files the program left in the folder, sorted.
+    /// The names of all files that the program left in the folder, sorted.
     std::vector<std::string> Files() const;
 
     Outcome Run(const std::string &arguments) const { return Wait(Start(arguments)); }
-    /// Expects success, and returns the messages.
+    /// Runs the program, expects success, and returns the messages.
     std::string RunWell(const std::string &arguments) const;
     struct ErrorCase {
         std::string arguments;
-        std::vector<std::string> parts;  ///< of the message
+        std::vector<std::string> parts;  ///< parts of the message
     };
     /// Expects status 1, an error with all these parts, and no new file. The cases run at the same time.
     void ExpectErrors(const std::vector<ErrorCase> &cases) const;
-    /// Renders to `name` and reads it back.
+    /// Renders to `name` and reads the picture.
     ImageFile Render(const std::string &arguments, const std::string &name = "out.exr") const;
 
-    /// `before`: shell commands that set the stage, such as limits.
+    /// Starts the program without waiting for its end. `before`: shell commands to run before it, such as limits.
     pid_t Start(const std::string &arguments, const std::string &before = "true") const;
     Outcome Wait(pid_t pid) const;
     /// What a started process has written to standard error so far.
     std::string Messages(pid_t pid) const;
-    /// The process runs the program (no longer the shell) and has its own handler for the interrupt signal.
+    /// True if the process runs the program (and not the shell before it) and has set its handler for the interrupt
+    /// signal.
     static bool CatchesInterrupt(pid_t pid);
     /// Polls until the condition holds; false after half a minute.
     static bool WaitUntil(const std::function<bool()> &condition);
@@ -55,22 +56,22 @@ class Program : public ::testing::Test {
     std::filesystem::path directory_, logs_;
 };
 
-/// 32 x 24 pixels, 4 samples; a sphere under a light of two triangles and a point light, written to scene.exr.
-/// `integrator` is added to the parameters of the path integrator (line 5).
+/// A scene of 32 x 24 pixels and 4 samples: a sphere under a light of two triangles and a point light, written to
+/// scene.exr. `integrator` is added to the parameters of the path integrator (line 5).
 std::string SmallScene(const std::string &integrator = "");
 
 bool Has(const std::string &text, const std::string &part);
 int IntOf(const ImageFile &file, const std::string &attribute);
 double NumberOf(const ImageFile &file, const std::string &attribute);
 std::string TextOf(const ImageFile &file, const std::string &attribute);
-/// All stored values have equal bits.
+/// True if all stored values have equal bits.
 bool SamePixels(const ImageFile &a, const ImageFile &b);
-/// What --list-lightsamplers prints; asked once.
+/// The output of --list-lightsamplers; the program is run only once for it.
 const std::string &LightSamplerListing();
 
 }  // namespace pbrt::test
 
-/// For tests of what only src/ext has. A skipped test shows in every summary.
+/// Skips a test of features that only src/ext has. Every summary shows skipped tests.
 #define PBRT_SKIP_WITHOUT_EXT()                                                \
     if (!::pbrt::test::Has(::pbrt::test::LightSamplerListing(), "\noctree\n")) \
     GTEST_SKIP() << "NOT TESTED: this build has no src/ext (PBRT_EXT=OFF), so no octree and no mesh lights"

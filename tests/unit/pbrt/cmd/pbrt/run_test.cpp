@@ -7,7 +7,7 @@ namespace pbrt::test {
 
 namespace {
 
-/// scenes/dollhouse with another pixel sampler.
+/// The scene scenes/dollhouse with another pixel sampler.
 std::string DollhouseWith(const std::string &sampler) {
     std::ifstream in(PBRT_SOURCE_DIR "/scenes/dollhouse/dollhouse.pbrt");
     std::string text{std::istreambuf_iterator<char>(in), {}};
@@ -46,7 +46,7 @@ TEST_F(Budget, TimedRunsEndAndCountThePrepass) {
     const auto start = std::chrono::steady_clock::now();
     const ImageFile file = Render(std::string("--time 1 --lightsampler ") + (ext ? "octree" : "bvh") + " scene.pbrt");
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    // One sample a pixel takes about a millisecond: the scene's 4 are far exceeded.
+    // One sample per pixel takes about a millisecond, so many more than the 4 of the scene are rendered.
     EXPECT_GT(IntOf(file, "samplesPerPixel"), 4);
     EXPECT_GT(seconds, 0.5);
     EXPECT_LT(seconds, 10);

@@ -1,4 +1,4 @@
-// What Ctrl-C, SIGTERM and SIGHUP do in every phase of a render, and what they leave.
+// Tests what Ctrl-C, SIGTERM and SIGHUP do in every phase of a render, and which files they leave.
 #include <signal.h>
 #include <sys/stat.h>
 
@@ -13,8 +13,9 @@ namespace pbrt::test {
 
 namespace {
 
-/// A quarter of a million emitting triangles, among which light sampling by "exhaustive" takes many milliseconds a
-/// sample: the first wave of 256 x 256 pixels would take a quarter of an hour, a single tile of it seconds.
+/// A scene of a quarter of a million emitting triangles, among which light sampling by "exhaustive" takes many
+/// milliseconds per sample: the first wave of 256 x 256 pixels would take a quarter of an hour, a single tile of it
+/// seconds.
 std::string SlowScene() {
     return R"(LookAt 0 1 -5  0 0 0  0 1 0
 Camera "perspective" "float fov" 40
@@ -39,7 +40,8 @@ class Signals : public Program {
         Write("scene.pbrt", SmallScene());
     }
 
-    /// Sends the signal and expects the end within seconds, where the program's work would take minutes or for ever.
+    /// Sends the signal and expects the program to end within seconds, although its work would take minutes or for
+    /// ever.
     Outcome End(pid_t pid, int signal) const {
         const auto start = std::chrono::steady_clock::now();
         kill(pid, signal);
@@ -51,14 +53,14 @@ class Signals : public Program {
         return o;
     }
 
-    /// Starts the program, waits until `message` is there, sends the signal.
+    /// Starts the program, waits until it prints `message`, and sends the signal.
     Outcome EndAfter(const std::string &message, const std::string &arguments, int signal) const {
         const pid_t pid = Start(arguments);
         EXPECT_TRUE(WaitUntil([&] { return Has(Messages(pid), message); })) << Messages(pid);
         return End(pid, signal);
     }
 
-    /// A render that goes on for ever, interrupted after its first wave.
+    /// Starts a render that would go on for ever, and interrupts it after its first wave.
     Outcome EndWhileRendering(const std::string &arguments, int signal) const {
         if (!Exists("logged/reference.exr")) {
             std::filesystem::create_directory(Path("logged"));
@@ -68,12 +70,12 @@ class Signals : public Program {
         const pid_t pid =
             Start("--spp 100000000 --mse-reference-image logged/reference.exr --mse-reference-out logged/mse.txt " +
                   arguments);
-        // The log's first line says that a wave is done.
+        // The first line of the log means that a wave is done.
         EXPECT_TRUE(WaitUntil([&] { return !Read("logged/mse.txt").empty(); })) << Messages(pid);
         return End(pid, signal);
     }
 
-    /// A picture with this in its header, whose pixels nothing here renders.
+    /// Writes a picture whose header has these values and whose pixels no render here would give.
     ImageFile WriteOld(const std::string &name, int samples, const std::string &scene) const {
         ImageFile old{Image(PixelFormat::Float, {32, 24}, {"R", "G", "B"}), {}};
         old.image.Set({3, 3}, 1, 1234);
@@ -88,7 +90,7 @@ class Signals : public Program {
 TEST_F(Signals, WhileASceneIsAwaited) {
     ASSERT_EQ(mkfifo(Path("pipe").c_str(), 0600), 0);
     for (int signal : kSignals) {
-        // A pipe that nobody writes to, by name; and one that is open and silent, as standard input.
+        // The scene is a pipe that nobody writes to, given by name, or an open, silent one as standard input.
         for (const char *arguments : {"--outfile out.exr pipe", "--outfile out.exr - <> pipe"}) {
             const pid_t pid = Start(arguments);
             EXPECT_TRUE(WaitUntil([&] { return CatchesInterrupt(pid); }));
@@ -100,7 +102,7 @@ TEST_F(Signals, WhileASceneIsAwaited) {
 }
 
 TEST_F(Signals, WhileBuilding) {
-    // Some eight million triangles to divide.
+    // Subdivision makes some eight million triangles.
     Write(
         "big.pbrt",
         "Film \"rgb\"\nWorldBegin\nShape \"loopsubdiv\" \"integer levels\" 10 \"integer indices\" [ 0 1 2  0 2 3  0 3 1  1 3 2  "
@@ -171,7 +173,8 @@ TEST_F(Signals, WhatIsSavedIsAnUnbiasedPictureInEveryFilm) {
                     sum += static_cast<double>(part.image.Get({x, y}, c));
                     expected += static_cast<double>(whole.image.Get({x, y}, c));
                 }
-        // One sample a pixel has 2 % of noise in this mean; pixels divided by samples they never got would lose half.
+        // With one sample per pixel this mean has 2 % of noise; pixels divided by samples that they never got would
+        // lose half of the light.
         EXPECT_NEAR(sum / expected, 1, 0.15) << film;
         std::filesystem::remove(Path("out.exr"));
     }
@@ -209,7 +212,7 @@ TEST_F(Signals, APictureThatSaysNothingOfItsSamplesIsKept) {
 
 TEST_F(Signals, AFinishedRenderReplacesWhateverThereWas) {
     WriteOld("out.exr", 2000000000, "scene.pbrt");
-    // The pictures after waves do not, but they leave nothing behind.
+    // The partial pictures do not replace out.exr, and they leave no files behind.
     EXPECT_EQ(IntOf(Render("--spp 16 --write-partial-images scene.pbrt"), "samplesPerPixel"), 16);
     EXPECT_EQ(Files(), (std::vector<std::string>{"out.exr", "scene.pbrt"}));
 }
@@ -236,7 +239,7 @@ TEST_F(Signals, APartialPictureThatCannotBeWrittenEndsNothing) {
 }
 
 TEST_F(Signals, ASignalThatComesTwiceAtOnceStillSaves) {
-    // As `timeout -s INT` sends it.
+    // `timeout -s INT` sends the signal twice in this way.
     std::filesystem::create_directory(Path("logged"));
     Render("--spp 1 scene.pbrt", "logged/reference.exr");
     const pid_t pid = Start(

@@ -1,5 +1,5 @@
-"""report.html in headless Chromium (Debian's chromium, chromium-driver, python3-selenium). Exit status 77 and a line
-with SKIPPED when they are absent."""
+"""Tests report.html in headless Chromium (Debian's chromium, chromium-driver, python3-selenium). Without these,
+the exit status is 77 and a line says SKIPPED."""
 import base64
 import json
 import math
@@ -67,11 +67,11 @@ class Page(unittest.TestCase):
         self.driver.get((self.out / "report.html").as_uri())
         self.stops = 0
         self.stage = self.find("#stage")
-        # Wholly in sight: WebDriver measures from the middle of what is in sight.
+        # The stage must be wholly visible, because WebDriver measures from the middle of the visible part.
         self.js("arguments[0].scrollIntoView({block: 'center'})", self.stage)
 
     def tearDown(self):
-        # Reading pixels back, which the browser advises about, is done by these tests only.
+        # Only these tests read pixels back, about which the browser warns.
         bad = [e for e in self.driver.get_log("browser")
                if e["level"] in ("SEVERE", "WARNING") and "willReadFrequently" not in e["message"]]
         self.assertEqual(bad, [], "console errors")
@@ -95,7 +95,7 @@ class Page(unittest.TestCase):
                 for side in ("left", "right")]
 
     def transforms(self):
-        """(scale, x, y) of both pictures."""
+        """The tuples (scale, x, y) of both pictures."""
         found = []
         for side in ("left", "right"):
             m = self.js("getComputedStyle(document.querySelector(arguments[0])).transform", f"#layer-{side} .plane")
@@ -104,7 +104,7 @@ class Page(unittest.TestCase):
         return found
 
     def shown(self, side):
-        """Name of the shown picture, after checking that exactly its file's pixels are the visible element."""
+        """The name of the shown picture, after checking that exactly its file's pixels are the visible element."""
         name = self.js("document.getElementById(arguments[0]).dataset.shown", f"layer-{side}")
         label, kind = name.rsplit("/", 1)
         entry = (self.results if label == "reference" else
@@ -131,7 +131,7 @@ class Page(unittest.TestCase):
         return name
 
     def check_pixels(self, selector, file, stops, x0=0, y0=0):
-        """The canvas shows the file's pixels, brighter by so many stops, to a step of 8 bits."""
+        """The canvas shows the file's pixels, brighter by the given stops, up to one step of 8 bits."""
         WebDriverWait(self.driver, 10).until(
             lambda _: self.js("document.querySelector(arguments[0]).dataset.painted", selector) == f"{stops:g}")
         bytes_ = (self.out / file).read_bytes()
@@ -154,12 +154,12 @@ class Page(unittest.TestCase):
         chain.perform()
 
     def press_code(self, code, shift):
-        """A digit by its place on the keyboard: with Shift its character depends on the layout."""
+        """Presses a digit key by its position: with Shift, its character depends on the keyboard layout."""
         self.driver.execute_cdp_cmd("Input.dispatchKeyEvent", {
             "type": "keyDown", "code": code, "key": "!" if shift else code[-1], "modifiers": 8 if shift else 0})
 
     def colour_at(self, fraction):
-        """What the screen shows at that fraction of the stage's width, a quarter down."""
+        """The colour on the screen at this fraction of the stage's width and a quarter of its height."""
         from matplotlib import pyplot as plt
         file = self.out / "stage.png"
         file.write_bytes(self.stage.screenshot_as_png)
@@ -167,7 +167,7 @@ class Page(unittest.TestCase):
         return [round(255 * float(v)) for v in image[image.shape[0] // 4, int(image.shape[1] * fraction)][:3]]
 
     def assert_colour(self, fraction, expected):
-        """Of red and green; one exponent a pixel costs a step or two."""
+        """Compares red and green; the shared exponent of a pixel costs a step or two of precision."""
         for shown, value in zip(self.colour_at(fraction), expected):
             self.assertAlmostEqual(shown, value, delta=3)
 
@@ -301,7 +301,7 @@ class Page(unittest.TestCase):
         self.check_pixels(crop, "bvh/result.hdr", -2, 10, 20)
         self.assertIn("2 stops", self.find("#stops").text)
         self.assertLess(self.colour_at(0.7)[2], 0.7 * before[2])
-        # One that was hidden meanwhile as well; errors have no exposure.
+        # The exposure also changes a picture that was hidden meanwhile; pictures of errors have none.
         self.press("2")
         self.assertEqual(self.shown("right"), "power/result")
         self.press("e")
@@ -322,7 +322,7 @@ class Page(unittest.TestCase):
         self.press("n")
         self.stops = 0
         self.shown("right")
-        # The slider's own keys move it and leave the pictures alone; other keys work from there as well.
+        # The slider's own keys move the slider and do not change the pictures; other keys work there, too.
         right = self.shown("right")
         slider = self.find("#exposure")
         slider.send_keys(Keys.ARROW_RIGHT)
@@ -335,7 +335,7 @@ class Page(unittest.TestCase):
         self.assertEqual(self.find("#stops").text, "\u221212 stops")
 
     def looks(self, label):
-        """Names of the looks in a row of "A look inside", after checking that each shows its file's pixels."""
+        """The names of the pictures in a row of "A look inside", after checking that each shows its file's pixels."""
         entry = self.results if label == "the scene" else next(
             s for s in self.results["samplers"] if s["label"] == label)
         files = {v["name"]: v["file"] for v in entry["views"]["layers"]}
@@ -358,7 +358,7 @@ class Page(unittest.TestCase):
         self.assertEqual(self.looks("bvh"), ["entropy", "brightest_probability"])
         self.assertIn('measured visibility, LightSource "point" at hotel.pbrt:88',
                       self.find('#inside .look[data-label="the scene"]').text)
-        # One leaf: words instead of blank panels.
+        # The sampler has one leaf: the page has words instead of blank pictures.
         self.assertEqual(self.looks("neepp"), [])
         text = self.find('#inside .look[data-label="neepp"] .flat').text
         self.assertEqual(text, "One leaf covers all that the camera sees. The same everywhere: "
@@ -381,7 +381,7 @@ class Page(unittest.TestCase):
         self.assertIn("leaf", self.find("#name-right").text)
         box = self.js("(r => [r.top, r.bottom, innerHeight])(arguments[0].getBoundingClientRect())", self.stage)
         self.assertTrue(box[0] >= -1 and box[1] <= box[2] + 1, "the stage must be in sight")
-        # Another sampler has no leaves: its result is shown.
+        # Another sampler has no leaves, so its result is shown.
         self.press("3")
         self.assertEqual(self.shown("right"), "bvh/result")
         left, right = self.transforms()
@@ -436,7 +436,7 @@ class Page(unittest.TestCase):
         self.assertEqual(self.click_heading("label"), "ascending")
         self.assertEqual(self.order(), sorted(byError))
         self.assertEqual(self.find('#summary th[data-key="relL2"]').get_attribute("aria-sort"), "none")
-        # 6.4 s comes before 17 s: as text it would not.
+        # 6.4 s comes before 17 s, which it would not if sorted as text.
         self.assertEqual(self.click_heading("seconds"), "ascending")
         self.assertEqual(self.order(), self.values(lambda s: s["summary"]["seconds"]))
 
@@ -504,7 +504,7 @@ Shape "bilinearmesh" "point3 P" [ 3 -3 .01  -3 -3 .01  3 4 .01  -3 4 .01 ]
 
 @unittest.skipUnless(os.environ.get("LIGHTLAB"), "LIGHTLAB does not name the program")
 class Program(unittest.TestCase):
-    """Pages of a real run."""
+    """Tests the page of a real run."""
     @classmethod
     def setUpClass(cls):
         holder = tempfile.TemporaryDirectory()

@@ -1,4 +1,4 @@
-"""What charts.py and report.py write into a synthetic output folder, and how they fail."""
+"""Tests what charts.py and report.py write into a synthetic output folder, and how they fail."""
 import html
 import json
 import os

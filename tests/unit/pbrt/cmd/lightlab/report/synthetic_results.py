@@ -8,7 +8,7 @@ import sys
 import zlib
 
 WIDTH, HEIGHT = 96, 72
-EXPOSURE = 0.5  # what the pictures are multiplied with
+EXPOSURE = 0.5  # the factor by which the pictures are multiplied
 # label: (relL2 of one sample, seconds per sample, verdict, solid colour of result.png, preparation seconds)
 SAMPLERS = {
     "uniform": (4.0, 0.10, "clean", (200, 30, 30), 0.0),
@@ -22,7 +22,7 @@ SAMPLERS = {
 
 
 def write_png(path, pixel, width=WIDTH, height=HEIGHT):
-    """8-bit RGB; pixel(x, y) gives the colour."""
+    """Writes an 8-bit RGB picture; pixel(x, y) gives the colour."""
     path.parent.mkdir(parents=True, exist_ok=True)
     rows = b"".join(b"\0" + bytes(v for x in range(width) for v in pixel(x, y)) for y in range(height))
 
@@ -38,7 +38,7 @@ def linear(byte):
 
 
 def rgbe(colour):
-    """Four bytes of a Radiance file; colour: linear values."""
+    """The four bytes of a pixel of a Radiance file; colour: linear values."""
     most = max(colour)
     if most <= 0:
         return bytes(4)
@@ -47,7 +47,7 @@ def rgbe(colour):
 
 
 def write_hdr(path, pixel, width=WIDTH, height=HEIGHT):
-    """As lightlab writes it; pixel(x, y) gives the colour at the default exposure as sRGB bytes."""
+    """Writes a Radiance file as lightlab does; pixel(x, y) gives the colour at the default exposure as sRGB bytes."""
     path.parent.mkdir(parents=True, exist_ok=True)
     known = {}
     rows = bytearray()
@@ -117,14 +117,14 @@ def sampler_entry(label, seeds, rounds):
 
 
 def layer(file, name, most=None, mean=0.5):
-    """Of a look inside; most None: colours without order."""
+    """A layer of a look inside; most: its largest value, or None for colours without order."""
     return {"name": name, "file": file, "meaning": f"what {name} is", "isFlat": False, "least": 0,
             "most": most or 7, "mean": mean,
             "colours": "one per number, without order" if most is None else {"darkest": 0, "brightest": most}}
 
 
 def flat(name, value=None, **more):
-    """A layer without a picture; value None: no finite one."""
+    """A layer without a picture; value: its only value, or None if it has no finite one."""
     known = {} if value is None else {"least": value, "most": value, "mean": value}
     return {"name": name, "file": None, "meaning": f"what {name} is", "isFlat": True,
             "colours": {"darkest": 0, "brightest": 1}, **known, **more}
@@ -132,10 +132,10 @@ def flat(name, value=None, **more):
 
 def views_of(folder, kind):
     names = [("sampler.leaf", None, 3)] if kind == "octree" else []
-    # Seven of a kind: the page shows the four of the largest mean.
+    # Seven layers of one kind: the page shows the four with the largest means.
     names += [(f"sampler.found_{i}", 1, i / 10) for i in range(7)] if kind == "octree" else []
     names += [("entropy", 3.25, 1), ("brightest_probability", 1, 0.5)]
-    if kind == "neepp":  # what one leaf says
+    if kind == "neepp":  # the layers of a sampler with one leaf
         return {"everyNthPixel": 1, "samplesPerLight": 8,
                 "layers": [flat("sampler.leaf", 0), flat("sampler.leaf_records", 1234), flat("entropy", 1.5),
                            flat("log10_excess")]}
@@ -144,7 +144,7 @@ def views_of(folder, kind):
 
 
 def conclusion_of(winner):
-    """As lightlab writes it; without a winner the octree has the lowest mean error."""
+    """The conclusion as lightlab writes it; without a winner the octree has the lowest mean error."""
     headline = f"{winner} has the lowest error at equal samples." if winner else "Undecided. Mean relL2: octree 0.01."
     reasons = [] if winner else ["Its lead over bvh is within the noise of the runs (level 5 %)."]
     doubts, remarks = ["The references <differ> by relL2 25."], ["Biased, and therefore not competing: neepp."]

@@ -13,9 +13,10 @@ class BenchScene {
         : description_(ParseSceneFiles({file}, sink_)),
           built(BuildScene(description_, Options(), Registry(), sink_, progress_)) {}
 
-    /// What a render would hand to LightSampler::Prepare.
+    /// The context that a render would pass to LightSampler::Prepare.
     PrepareContext Context() { return Context(built.seed, built.samplesPerPixel); }
-    /// Vertices of about so many camera paths, at most one a pixel; other paths than those of Context().
+    /// The vertices of about this many camera paths, at most one path a pixel. The seed is not that of Context(), so
+    /// these are not the paths of the prepass.
     std::vector<ext::PrepassVertex> Vertices(double paths) {
         PrepareContext context = Context(12345, 1);
         const auto pixels = static_cast<double>(built.film->PixelBounds().Area());

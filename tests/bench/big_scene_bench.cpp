@@ -33,7 +33,7 @@ rusage Usage() {
 
 double PeakBytes() { return static_cast<double>(Usage().ru_maxrss) * 1024; }
 
-/// Of all threads: what a wall clock would say on one core that nobody else uses.
+/// CPU seconds of all threads: the time that a single, otherwise idle core would take.
 double CpuSeconds() {
     const rusage usage = Usage();
     auto seconds = [](const timeval &t) {

@@ -59,7 +59,8 @@ struct Scene {
     }
 };
 
-/// Camera: neighbouring rays alike. Bounce: from surface points in all outward directions, as a path tracer asks.
+/// Camera: neighbouring rays are similar. Bounce: rays from surface points in all outward directions, as in a path
+/// tracer.
 std::vector<Ray> CameraRays() {
     std::vector<Ray> rays;
     constexpr int n = 256;

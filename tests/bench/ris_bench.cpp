@@ -1,7 +1,7 @@
-// Would resampling pay? Of M candidates (light and point on it) drawn with octree's own probabilities one gets the
-// shadow ray, in proportion to what it would give unoccluded times the visibility that octree learned (resampled
-// importance sampling, Talbot et al. 2005). Prints, for camera vertices taken as white diffuse surfaces, the variance
-// against M = 1 and the nanoseconds of one estimate.
+// Measures whether resampling would reduce the error. Of M candidates (a light and a point on it), drawn with the
+// probabilities of octree, one gets the shadow ray: it is chosen in proportion to its unoccluded contribution times the
+// visibility that octree learned (resampled importance sampling, Talbot et al. 2005). Prints, for camera vertices taken
+// as white diffuse surfaces, the variance relative to that of M = 1 and the nanoseconds of one estimate.
 //
 //     bench_ris scene.pbrt [candidates ...]      (2 4 8)
 #include <chrono>
@@ -21,7 +21,7 @@ double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 struct Candidate {
     LightId light;
     std::optional<LightLiSample> sample;
-    double value = 0;  ///< unoccluded, over its density
+    double value = 0;  ///< unoccluded contribution over the candidate's density
 };
 
 struct Bench {
@@ -54,7 +54,8 @@ struct Bench {
             if (!(c.value > 0)) continue;
             double weight = c.value;
             if (candidates > 1) {
-                // A sampler made for this would know the visibility from choosing: its time is not counted.
+                // A sampler made for resampling would know the visibility from its choice, so the time to find it is
+                // not counted.
                 const double start = Now();
                 weight *= static_cast<double>(learned.PMF(q, c.light) / unlearned.PMF(q, c.light));
                 visibilitySeconds += Now() - start;
@@ -111,7 +112,7 @@ int Run(int argc, char **argv) {
         }
         seconds[m] = Now() - start - bench.visibilitySeconds;
     }
-    // Means of all estimators together: each is unbiased.
+    // The mean of all estimators together, because each is unbiased.
     std::vector<double> mean(vertices.size(), 0.0);
     double overall = 0;
     for (size_t i = 0; i < vertices.size(); ++i) {

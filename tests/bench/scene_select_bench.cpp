@@ -1,6 +1,6 @@
 // Cost of choosing a light in a real scene: seconds and bytes to build each sampler, nanoseconds per Sample() and per
-// PMF() of the light it chose, each alone and both from one distribution, on one thread, over the vertices of camera
-// paths in the order a render meets them.
+// PMF() of the light it chose, each alone and both from one distribution; on one thread, at the vertices of camera
+// paths in the order of a render.
 //
 //   bench_scene_select scene.pbrt sampler [sampler ...]      sampler: name[:key=value,...]
 //
@@ -53,7 +53,7 @@ nlohmann::ordered_json Measure(BenchScene &scene, const std::string &name, std::
     for (Float &u : numbers) u = rng.Uniform();
     out["sampleNanoseconds"] = NanosecondsPerQuery(
         queries.size(), [&](size_t i) { chosen[i] = lights->Sample(queries[i], numbers[i]).value_or(SampledLight{}); });
-    // Where nothing was chosen there is nothing to ask about.
+    // Queries for which no light was chosen are left out, as there is no PMF to ask for.
     std::vector<size_t> some;
     for (size_t i = 0; i < chosen.size(); ++i)
         if (chosen[i].pmf > 0) some.push_back(i);

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Benchmarks of two builds in turns, in one run: rays, selection, reading, building, and seconds a sample.
+"""Runs the benchmarks of two builds in turns: rays, light selection, reading, building, and seconds a sample.
 
     tests/bench/side_by_side.py OLD_BUILD NEW_BUILD [--rounds N] [--only TEXT] [--json FILE]
 
 Both are build folders (with pbrt, rays_bench, bench_scene_select and bench_big_scene) for the same machine. Every
-measurement is made in turns, old and new, `rounds` times; what is printed is the smallest value of each, which is the one
-that the machine's noise disturbed least, and their ratio. Times are CPU seconds of one thread. Scenes are those of this
-checkout, and Lamp of ../shared/scenes where that is present.
+measurement is made in turns, old and new, `rounds` times. The smallest value of each build, which the machine's noise
+disturbed least, and their ratio are printed. Times are CPU seconds of one thread. Scenes are those of this checkout, and
+Lamp of ../shared/scenes where that is present.
 """
 import argparse
 import json
@@ -28,7 +28,7 @@ def scene(name):
 
 
 def run(command):
-    """Its output and the CPU seconds that it took."""
+    """Runs a command; returns its output and the CPU seconds that it took."""
     with tempfile.TemporaryFile("w+") as out:
         process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT)
         _, status, usage = os.wait4(process.pid, 0)
@@ -43,7 +43,7 @@ def run(command):
 def rendering(build, path, sampler, spp, picture):
     text, cpu = run([f"{build}/src/pbrt/cmd/pbrt/pbrt", "--nthreads", "1", "--stats", "--spp", str(spp), "--lightsampler",
                      sampler, "--outfile", picture, path])
-    # Before start-up was a stage of its own, the line was "reading, building (s)   0.002, 0.066".
+    # Old builds, in which start-up is not a stage of its own, print "reading, building (s)   0.002, 0.066".
     building = re.search(r"^ *(?:reading, )?building \(s\) +(?:[0-9.]+, )?([0-9.]+)", text, re.M).group(1)
     rendering_seconds = re.search(r"^ *rendering \(s\) +([0-9.]+)", text, re.M).group(1)
     return {"building (s)": float(building), "rendering (s a sample)": float(rendering_seconds) / spp,
@@ -55,7 +55,7 @@ def selection(build, path):
     found = json.loads(text[text.index("{"):])
     result = {}
     for name, of in found["samplers"].items():
-        # Before light samplers answered for a vertex, both questions weighed the lights.
+        # In old builds both questions weigh the lights, so their times are added up.
         both = of.get("sampleAndPmfNanoseconds", of["sampleNanoseconds"] + of["pmfNanoseconds"])
         result[f"{found['lights']} lights, {name}: choice and PMF (ns)"] = both
         result[f"{found['lights']} lights, {name}: choice (ns)"] = of["sampleNanoseconds"]

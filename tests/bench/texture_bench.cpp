@@ -1,5 +1,5 @@
-// Look-ups of one image by our pyramid, in memory and in the tile cache, and by OpenImageIO's texture system, one
-// thread, random positions.
+// Look-ups of one image by our pyramid, in memory and in the tile cache, and by OpenImageIO's texture system, on one
+// thread, at random positions.
 #include <OpenImageIO/imageio.h>
 #include <OpenImageIO/texture.h>
 #include <benchmark/benchmark.h>

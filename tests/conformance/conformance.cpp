@@ -38,7 +38,7 @@ std::set<std::string> ReadList(const std::string &file) {
     return names;
 }
 
-/// Tiles of `size` pixels of a scene that ambiguous.txt leaves out, by index (row-major).
+/// The row-major indices of the tiles of `size` x `size` pixels of a scene that ambiguous.txt excludes from comparison.
 std::set<int> AmbiguousTiles(const std::string &label, int size, int tilesX) {
     std::set<int> tiles;
     for (const std::string &line : ReadList("ambiguous.txt")) {
@@ -151,7 +151,8 @@ Verdict Compare(const Record &record, const std::vector<double> &a, const std::v
 Image ReadReference(const std::string &file) { return ReadImage(kSuite + file).image; }
 
 /// Channels beyond R, G, B. Spectral buckets by the tile test, three at a time (the last ones twice if need be).
-/// Of a gbuffer the share of pixels whose means differ much more than the two references do; variances within a factor.
+/// In a gbuffer the share of pixels whose means differ much more than those of the two references is limited, and
+/// variances must agree within a factor.
 std::string CompareFurtherChannels(const Record &record, const Image &a, const Image &b, const Image &c1,
                                    const Image &c2, int tile) {
     std::vector<std::string> buckets;
@@ -234,7 +235,7 @@ int main(int argc, char **argv) {
         try {
             RenderRequest request;
             request.file = kSuite + r.scene;
-            // Scenes made to fix the sample count keep it; texture footprints stop shrinking at 64 samples.
+            // Scenes with a fixed sample count keep it; texture footprints stop shrinking at 64 samples.
             bool fixed = r.compare == "mean" || r.name == "imagemap_filters";
             int spp = fixed ? r.spp : std::max(64, static_cast<int>(r.spp * scale));
             request.build.samplesPerPixel = spp;
@@ -278,7 +279,7 @@ int main(int argc, char **argv) {
                 }
             }
         } catch (const UserError &e) {
-            // The whole message is printed only when it surprises.
+            // The whole message is printed only if it is unexpected.
             const std::string message = FormatAll(e);
             good = unsupported.count(label) && message.find("not supported yet") != std::string::npos;
             verdict = good ? "ok (refused: not supported yet)" : fmt::format("FAIL:\n{}", message);

@@ -18,7 +18,7 @@ Param MakeParam(ParamType type, const std::string &name, std::vector<Float> valu
     return p;
 }
 
-/// Collects lights in units of `scale`.
+/// Collects lights; all lengths are in units of `scale`.
 class Builder {
   public:
     explicit Builder(Float scale = 1) : ctm_(Transform::Scale(Vector3(scale))), scale_(scale) {
@@ -79,8 +79,8 @@ class Builder {
             AddShape(std::move(shape), twoSided, radiance);
     }
 
-    /// Places in and around the box [low, high], and right at the lights; with normals, tilted shading normals, and
-    /// none.
+    /// Places in and around the box [low, high], and right at the lights: with normals, with tilted shading normals,
+    /// and without normals.
     std::unique_ptr<ContractFixture> Finish(int queries = 24, Point3 low = Point3(-1), Point3 high = Point3(1)) {
         fixture_->owned->Finish(Point3(0), 3 * scale_);
         fixture_->lights = fixture_->owned.get();

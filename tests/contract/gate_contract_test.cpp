@@ -14,7 +14,7 @@
 namespace pbrt::test {
 namespace {
 
-/// Every registered gate; other parameters where they make another gate of it.
+/// Every registered gate, also with other parameters where these change how the gate works.
 std::vector<std::string> GateLabels() {
     std::vector<std::string> labels;
     for (const std::string &name : AllSamplers().gates.Names()) {
@@ -34,7 +34,7 @@ std::unique_ptr<ShadowRayGate> MakePrepared(const std::string &label, const Scen
     return gate;
 }
 
-/// Shadow segments as a path asks about them.
+/// A shadow segment that a path would ask the gate about.
 struct Segment {
     size_t query;
     LightId light;
@@ -107,7 +107,7 @@ TEST_P(GateContract, PreparedTheSameByOneThreadAndByThree) {
     }
     std::vector<Segment> segments = Segments(Fixture());
     for (const Segment &s : segments) ASSERT_EQ(Ask(*one, s), Ask(*three, s));
-    // The order of asking does not matter either.
+    // The order of the questions does not matter either.
     std::unique_ptr<ShadowRayGate> backwards = MakePrepared(Label(), Fixture());
     for (size_t i = segments.size(); i-- > 0;) ASSERT_EQ(Ask(*backwards, segments[i]), Ask(*one, segments[i]));
 }
@@ -144,7 +144,7 @@ PixelStatistics RenderMany(const SceneFixture &fixture, int firstSeed, const Gat
     return statistics;
 }
 
-/// Means of tiles and of the whole image against renders without a gate, through the integrator.
+/// Compares the means of tiles and of the whole image with renders without a gate, through the integrator.
 Agreement AgainstNoGate(const std::string &fixtureName, const GateMaker &make) {
     static std::map<std::string, PixelStatistics> without;
     const SceneFixture &fixture = SceneFixtureOf(fixtureName);
@@ -158,7 +158,7 @@ TEST_P(GateContract, MeanWithTheGateIsTheMeanWithout) {
     EXPECT_TRUE(a.Agrees()) << "p " << a.worstP << " at " << a.worst << "; level " << a.level;
 }
 
-/// Says the same everywhere; above 1 it breaks the contract.
+/// Gives the same probability everywhere; a probability above 1 breaks the contract.
 class LyingGate final : public ShadowRayGate {
   public:
     explicit LyingGate(Float said) : said_(said) {}
@@ -169,7 +169,7 @@ class LyingGate final : public ShadowRayGate {
 };
 
 TEST(GateContractPower, AGateThatIsTwoPercentOffIsNoticed) {
-    // Above 1 every ray is traced but the light is divided by what was said.
+    // With a probability above 1 every ray is traced, but the light is divided by that probability.
     Agreement a = AgainstNoGate("OnePoint", [] { return std::make_unique<LyingGate>(Float(1.02)); });
     EXPECT_FALSE(a.Agrees()) << a.worstP;
     EXPECT_TRUE(AgainstNoGate("OnePoint", [] { return std::make_unique<LyingGate>(Float(0.5)); }).Agrees());

@@ -8,7 +8,7 @@
 #ifdef PBRT_CONTRACT_PLUGINS
 #include "plugins.h"
 #endif
-#ifdef PBRT_CONTRACT_HEADER  // of one sampler that is tried alone
+#ifdef PBRT_CONTRACT_HEADER  // the header of one sampler that is tested alone
 #include PBRT_CONTRACT_HEADER
 #endif
 
@@ -31,8 +31,8 @@ const LightSamplerRegistry &Registry() {
 }
 
 /// Light that would arrive if nothing were in the way, times the receiver's cosine, for one fixed point of the light,
-/// as next-event estimation finds it: not what reaches the far side of an opaque surface, nor skies that leave it to
-/// scattering.
+/// as next-event estimation finds it: without light on the far side of an opaque surface, and without skies that are
+/// left to BSDF sampling.
 double Unoccluded(const LightPart &light, const LightQuery &q, const Point2 &u) {
     LightSampleContext from;
     from.p = q.p;
@@ -95,10 +95,10 @@ TEST_P(LightSamplerContract, PmfSumsToOneUnlessNothingIsReturned) { CheckPmfSums
 TEST_P(LightSamplerContract, FrequenciesMatchThePmf) { CheckFrequencies(S()); }
 TEST_P(LightSamplerContract, EveryLightThatContributesCanBeChosen) {
     size_t contributing = CheckContributingCanBeChosen(S(), Contributed());
-    // A sky of one colour is left to BSDF sampling.
+    // A sky of one colour is left to BSDF sampling, so it contributes nothing here.
     const std::string &fixture = std::get<1>(GetParam());
     bool dark = S().lights == 0 || fixture == "AllZeroPower" || fixture == "OneSky";
-    EXPECT_EQ(contributing == 0, dark) << "a fixture that tests nothing";
+    EXPECT_EQ(contributing == 0, dark) << "The fixture tests nothing.";
 }
 TEST_P(LightSamplerContract, SameAnswerFromAnyThread) { CheckSameFromAnyThread(S()); }
 TEST_P(LightSamplerContract, DistributionsOfTwoVerticesKeepApart) { CheckDistributionsKeepApart(S()); }

@@ -1,5 +1,5 @@
-// The contract of house.md section 4 on real scenes with Prepare called, over every registered sampler, the stock ones
-// on mesh groups too.
+// The contract of house.md section 4 on real scenes with Prepare called, over every registered sampler, and over the
+// stock samplers on mesh groups too.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -11,8 +11,8 @@
 namespace pbrt::test {
 namespace {
 
-/// Every registered sampler; "name+meshlights" where grouping can be put under it; other parameters where they make
-/// another sampler of it.
+/// Every registered sampler; "name+meshlights" as well if the sampler can work on mesh groups; also with other
+/// parameters where these change how the sampler works.
 std::vector<std::string> SamplerLabels() {
     std::vector<std::string> labels;
     for (const std::string &name : AllSamplers().samplers.Names()) {
@@ -52,7 +52,7 @@ TEST_P(SceneContract, FrequenciesMatchThePmf) { CheckFrequencies(S()); }
 TEST_P(SceneContract, PositiveWhereverALightContributes) {
     size_t contributing = CheckContributingCanBeChosen(S(), Fixture().contribution);
     if (!Fixture().dark) {
-        EXPECT_GT(contributing, S().queries.size() / 8) << "a fixture that tests nothing";
+        EXPECT_GT(contributing, S().queries.size() / 8) << "The fixture tests nothing.";
     }
 }
 TEST_P(SceneContract, OneLightEstimatorHasTheSumOverAllLightsAsItsMean) {
@@ -74,7 +74,7 @@ TEST_P(SceneContract, PreparedTheSameByOneThreadAndByThree) {
     CheckSame(*one, *three, Fixture().queries, Fixture().Lights().Size());
 }
 
-/// The build runs this program once per scene it knows.
+/// The build runs this program once for each scene of the list PBRT_CONTRACT_SCENES, which must name all fixtures.
 TEST(SceneContractProgram, RunsForEveryFixture) {
     EXPECT_EQ(fmt::format("{}", fmt::join(SceneFixtureNames(), " ")), PBRT_CONTRACT_SCENES);
 }
@@ -89,8 +89,8 @@ std::vector<Names> Subjects() {
     std::vector<Names> all;
     for (const std::string &fixture : SceneFixtureNames())
         for (const std::string &label : SamplerLabels()) {
-            // One distribution over 10,000 lights per leaf takes hundreds of MB: that is what mesh groups are for.
-            // For the oracle it takes 40,000 shadow rays per query.
+            // One distribution over 10,000 lights per leaf takes hundreds of MB: mesh groups exist to avoid that. For
+            // the oracle it takes 40,000 shadow rays per query.
             if (fixture == "MeshOf10000" &&
                 (label == "octree:meshlights=false" || label == "oracle:samples=4,meshlights=false"))
                 continue;

@@ -1,5 +1,5 @@
 // In every scene of scenes/ (whatever is there) the octree can choose each light that an exhaustive search finds to
-// contribute. The search goes where the law could break: to the lights whose PMF is zero.
+// contribute. Only lights whose PMF is zero are searched, because only they could break the law.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,19 +12,19 @@
 namespace pbrt::test {
 namespace {
 
-/// What one sampler of one scene was found to do.
+/// What the checks of one sampler in one scene found.
 struct Findings {
     size_t zeros = 0;         ///< pairs of place and light whose PMF is zero
-    size_t searched = 0;      ///< of these, looked at
+    size_t searched = 0;      ///< those of them that were searched
     size_t contributing = 0;  ///< draws of the sampler that found light
     std::vector<std::string> wrong;
 };
 
-/// Light points for all zero pairs of a sampler together, and for each of them.
+/// The number of light points for all zero pairs of a sampler together, and its limits for a single pair.
 constexpr size_t kSearch = 3200000, kMaxPoints = 512, kMinPoints = 6;
 constexpr int kDraws = 32;
 
-/// The contribution of a light at a place, by `points` light points; stops at the first that finds any.
+/// The first contribution that is not 0 among `points` light points of a light, seen from a place; 0 if there is none.
 double SearchLight(const SceneFixture &f, size_t place, LightId light, size_t points, uint64_t seed) {
     Rng rng(Hash(place, light.value, seed));
     for (size_t k = 0; k < points; ++k)
@@ -65,7 +65,7 @@ void Draw(const SceneFixture &f, const LightSampler &sampler, Findings *out) {
         }
 }
 
-/// Different seeds look at other points.
+/// Different seeds test different points.
 Findings Check(const SceneFixture &f, const LightSampler &sampler, uint64_t seed) {
     Findings out;
     Draw(f, sampler, &out);
@@ -98,7 +98,7 @@ std::vector<std::string> SceneFiles() {
     return files;
 }
 
-/// A tiny picture of a scene, and places in it. One at a time is kept.
+/// A scene with a tiny picture, and places in it. Only the last one is kept.
 const SceneFixture &Fixture(const std::string &file) {
     static std::string current;
     static std::unique_ptr<SceneFixture> fixture;
@@ -106,7 +106,7 @@ const SceneFixture &Fixture(const std::string &file) {
     fixture = std::make_unique<SceneFixture>();
     BuildOptions options;
     options.film.resolutionDivisor = 12;
-    options.lightSampler = "uniform";  // of the integrator, which nobody asks
+    options.lightSampler = "uniform";  // for the integrator, which renders nothing
     fixture->built = BuildFile(file, options);
     fixture->queries = Places(fixture->built, 40, 4, 1, fixture->bsdfs);
     current = file;
@@ -125,13 +125,13 @@ TEST_P(SceneFile, OctreeCanChooseEveryLightThatContributes) {
     const SceneFixture &f = Fixture(GetParam());
     ASSERT_GT(f.Lights().Size(), 0u);
     uint64_t seed = 0;
-    // Starved by its budget, well fed, and as published.
+    // With a small budget, with a large one, and as published.
     for (const char *label : {"octree", "octree:prepassspp=2", "octree:meshlights=false", "octree:model=paper"}) {
         Findings found = Check(f, *MakePreparedSampler(label, f), ++seed);
         for (size_t i = 0; i < std::min<size_t>(found.wrong.size(), 10); ++i)
             ADD_FAILURE() << label << ", " << found.wrong[i];
         EXPECT_EQ(found.wrong.size(), 0u) << label;
-        EXPECT_GT(found.contributing, f.queries.size() / 4) << label << ": places that test nothing";
+        EXPECT_GT(found.contributing, f.queries.size() / 4) << label << ": these places test nothing.";
         std::printf(
             "%s: %zu lights, %zu places, PMF 0: %zu, of which searched %zu; draws that find light: %zu of %zu\n", label,
             f.Lights().Size(), f.queries.size(), found.zeros, found.searched, found.contributing,
@@ -142,7 +142,7 @@ TEST_P(SceneFile, OctreeCanChooseEveryLightThatContributes) {
 TEST_P(SceneFile, ALightLeftOutIsNoticed) {
     const SceneFixture &f = Fixture(GetParam());
     const std::unique_ptr<LightSampler> sampler = MakePreparedSampler("octree", f);
-    // Whatever finds light most often when it is drawn at all.
+    // The light whose draws find light most often.
     std::vector<int> found(f.Lights().Size(), 0);
     Rng rng(3);
     for (const LightQuery &q : f.queries)

@@ -14,7 +14,7 @@ namespace pbrt::test {
 
 namespace {
 
-/// Collects a scene's text; all lengths in units of `scale`.
+/// Collects a scene's text; all lengths are in units of `scale`.
 class Text {
   public:
     explicit Text(double scale = 1) : scale_(scale) {
@@ -78,7 +78,7 @@ Scale {3} {3} {3}
             "LightSource \"distant\" \"point3 from\" [ {} {} {} ] \"point3 to\" [ 0 0 0 ] \"rgb L\" [ {} {} 0 ]",
             from.x, from.y, from.z, irradiance, irradiance));
     }
-    /// A light with an image, at a place; `before` turns it.
+    /// A light with an image, at a place; the statements `before` rotate it.
     Text &ImageLight(const std::string &type, const std::string &asset, const Point3 &p, const std::string &before,
                      double scale) {
         return Add(fmt::format(
@@ -315,7 +315,7 @@ double Contribution(const Scene &scene, const LightQuery &q, const LightPart &li
     if (q.ns != Normal3(0)) {
         cosine = Dot(s->wi, q.ns);
         if (!q.transmits && cosine * Dot(q.wo, q.ns) <= 0) return 0;
-        // Bounds are kept in few bits; light that grazes this much is nothing.
+        // Bounds are stored in few bits, so light at such grazing angles counts as none.
         if (std::abs(cosine) < Float(1e-5)) return 0;
         if (q.bsdf && !q.bsdf->F(q.wo, s->wi)) return 0;
     }

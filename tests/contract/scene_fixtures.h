@@ -14,7 +14,8 @@ struct SceneFixture {
     BuiltScene built;
     std::deque<Bsdf> bsdfs;  ///< of some of the queries
     std::vector<LightQuery> queries;
-    /// Mean over a fixed set of light points of Le V cos / p, by query and light: the exhaustive twin.
+    /// The mean of Le V cos / p over a fixed set of light points, indexed by query and light: the result of an
+    /// exhaustive search.
     std::vector<std::vector<double>> contribution;
     bool dark = false;  ///< no light reaches what the camera sees
 
@@ -23,13 +24,14 @@ struct SceneFixture {
     void Prepare(ShadowRayGate &gate) const;
 };
 
-/// name[:key=value,...], "+meshlights" behind it to group meshes under it.
+/// The sampler of `label`, after Prepare. A label is name[:key=value,...]; "+meshlights" after it makes every emissive
+/// mesh one light.
 std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture);
 
-/// `count` vertices of camera paths, the first `depth` of a path in turn, and as many points anywhere in the bounds;
-/// half of them also as places in a medium. Every `bsdfEvery`-th vertex says what scatters there; `bsdfs` keeps it.
+/// `count` vertices of camera paths, taken in turn from the first `depth` of a path, and as many points anywhere in the
+/// bounds; half of them also as places in a medium. Every `bsdfEvery`-th vertex has a BSDF, which `bsdfs` owns.
 std::vector<LightQuery> Places(const BuiltScene &built, int count, int depth, int bsdfEvery, std::deque<Bsdf> &bsdfs);
-/// What next-event estimation finds with this light point: L V cos / p if the BSDF, where known, is not zero.
+/// What next-event estimation finds with this light point: L V cos / p, or 0 if the query has a BSDF and that is 0.
 double Contribution(const Scene &scene, const LightQuery &query, const LightPart &light, const Point2 &u);
 
 std::vector<std::string> SceneFixtureNames();

@@ -15,7 +15,7 @@ namespace pbrt::fuzz {
 
 namespace {
 
-/// First byte after the header, for formats whose header is text that ends in a known way.
+/// The offset of the first byte after the header, for formats whose header is text with a known end.
 size_t TextHeaderSize(const std::string &bytes, const std::string &endMark) {
     const size_t at = bytes.find(endMark);
     return at == std::string::npos ? std::min<size_t>(bytes.size(), 64) : at + endMark.size();
@@ -90,7 +90,7 @@ void MutateExrAttribute(std::string &bytes, Dice &dice) {
     }
 }
 
-/// Changes chunks and makes their checksums right again, so that the change is read.
+/// Changes chunks and corrects their checksums, so that readers accept the change.
 void MutatePngChunk(std::string &bytes, Dice &dice) {
     struct Chunk {
         std::string type, data;
@@ -153,7 +153,7 @@ void MutateGzip(CaseFile &asset, Dice &dice) {
         case 2: asset.bytes += asset.bytes; break;
         case 3: asset.bytes += "what follows the end"; break;
         case 4:
-            // Little that becomes much.
+            // Few bytes that decompress to many.
             if (dice.OneIn(100)) asset.bytes = Compress(inner.bytes + std::string(size_t(64) << 20, ' '));
             else asset.bytes = Compress(Compress(inner.bytes));
             break;

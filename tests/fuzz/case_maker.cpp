@@ -57,7 +57,7 @@ void CaseMaker::AddArguments(FuzzCase &made, Dice &dice) const {
 
 FuzzCase CaseMaker::Make(uint64_t seed, uint64_t number, const std::vector<std::string> &kinds) const {
     Dice dice(Dice(seed).Next() + number * 0xd1342543de82ef95ull);
-    // Lenses take ten times as long as all else.
+    // Lenses take ten times as long as everything else.
     std::string kind = dice.Pick(kinds);
     if (kind == "lens" && !dice.OneIn(4)) kind = dice.Pick(kinds);
     size_t changes = 1;

@@ -9,7 +9,7 @@
 
 namespace pbrt::fuzz {
 
-/// Makes cases: everything about one follows from (seed, number) and the corpus.
+/// Makes cases. A case depends on (seed, number) and the corpus only.
 class CaseMaker {
   public:
     explicit CaseMaker(Corpus corpus);
@@ -18,7 +18,7 @@ class CaseMaker {
     const std::vector<std::string> &Kinds() const { return kinds_; }
     /// A case of one of `kinds`.
     FuzzCase Make(uint64_t seed, uint64_t number, const std::vector<std::string> &kinds) const;
-    /// A scene of the corpus as it is.
+    /// A case with a scene of the corpus, not mutated.
     FuzzCase Unchanged(const SeedScene &scene) const;
     const Corpus &Seeds() const { return corpus_; }
 

@@ -30,8 +30,8 @@ constexpr bool kAddressSanitizer = false;
 
 constexpr int kMaxFrames = 64;
 constexpr size_t kKeptMessages = 1 << 16;
-const int kWhereSignal = SIGRTMIN + 3;  // "say where you are, and end"
-constexpr double kWallPerCpu = 8;       // the machine may be busy
+const int kWhereSignal = SIGRTMIN + 3;  // asks the child to record its stack and end
+constexpr double kWallPerCpu = 8;       // wall-clock time allowed per CPU time; the machine may be busy
 
 double Seconds(clockid_t clock) {
     timespec t{};
@@ -59,7 +59,7 @@ struct Child::Shared {
 
 namespace {
 
-// Of this process, for the handler.
+// The shared memory of this process, for the signal handler.
 int *sharedSignal = nullptr, *sharedFrameCount = nullptr;
 void **sharedFrames = nullptr;
 
@@ -85,7 +85,7 @@ void HandleSignals() {
     action.sa_handler = RecordAndDie;
     action.sa_flags = SA_ONSTACK | SA_NODEFER;
     for (int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS, kWhereSignal}) {
-        // AddressSanitizer says more about faults than a handler can.
+        // AddressSanitizer reports more about faults than a handler can.
         if (kAddressSanitizer && (signal == SIGSEGV || signal == SIGBUS)) continue;
         sigaction(signal, &action, nullptr);
     }
@@ -142,7 +142,8 @@ void Child::Start(const std::string &folder, const ChildBody &body, const Limits
         if (chdir(folder.c_str()) != 0) _exit(126);
         const int status = RunToTheEnd(body, shared_->picture);
         std::fflush(nullptr);
-        // Without what runs at exit: OpenImageIO's libraries would wait there for threads that were not forked.
+        // Without the functions registered for exit: OpenImageIO's libraries would wait there for threads that were not
+        // forked.
         _exit(status);
     }
     endFd_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));
@@ -190,7 +191,7 @@ bool Child::Poll() {
     endFd_ = pid_ = -1;
     if (WIFEXITED(status)) result_.status = WEXITSTATUS(status);
     if (WIFSIGNALED(status)) result_.signal = WTERMSIG(status);
-    // A sanitizer ends with a status of its own after a signal.
+    // After a signal a sanitizer ends the process with its own exit status.
     if (shared_->signal != 0 && shared_->signal != kWhereSignal) result_.signal = shared_->signal;
     auto seconds = [](const timeval &t) {
         return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);

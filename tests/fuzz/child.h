@@ -9,13 +9,13 @@
 namespace pbrt::fuzz {
 
 struct Limits {
-    double seconds = 4;         ///< of CPU until the child is asked to stop (SIGTERM); eight times as long by the clock
-    double graceSeconds = 1.5;  ///< of CPU that it then has to do so; eight times as long by the clock
+    double seconds = 4;         ///< CPU time until the child gets SIGTERM; eight times as much wall-clock time
+    double graceSeconds = 1.5;  ///< CPU time that it then has to stop; eight times as much wall-clock time
     size_t memoryMb = 2048;     ///< address space beyond the parent's (resident memory under AddressSanitizer)
-    size_t fileMb = 64;         ///< of any file written, messages too
+    size_t fileMb = 64;         ///< largest size of any file written, messages included
 };
 
-/// What the child found out about its own picture.
+/// What the child found when it read its own picture.
 struct PictureReport {
     enum class State { NotLooked, Good, Missing, Unreadable, NotFinite, WrongSize };
     State state = State::NotLooked;
@@ -28,10 +28,10 @@ struct ChildResult {
     int signal = 0;   ///< the signal that ended it, or that its handler saw
     bool askedToStop = false;
     bool hung = false;           ///< it had to be killed
-    std::vector<void *> frames;  ///< innermost first, of the signal or of where it hung
+    std::vector<void *> frames;  ///< the stack at the signal or where it hung, innermost first
     std::string messages;        ///< standard output and error, the first 64 KB
     size_t messageBytes = 0;
-    double seconds = 0;  ///< of CPU
+    double seconds = 0;  ///< CPU time
     PictureReport picture;
 };
 
@@ -52,7 +52,8 @@ class Child {
     bool Running() const { return pid_ > 0; }
     /// Can be polled for the end of the child.
     int EndDescriptor() const { return endFd_; }
-    /// Asks and forces it to stop when its time is over. True when it has ended: the result can be taken.
+    /// Asks the child to stop, or forces it, when its time is over. True when the child has ended: then Take returns
+    /// the result.
     bool Poll();
     ChildResult Take();
 

@@ -1,5 +1,4 @@
-// The driver itself: does it see every way to fail, does it make failing cases smaller, are its cases what they should
-// be?
+// Tests of the driver: it must recognise every kind of failure, make failing cases smaller, and make correct cases.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -24,7 +23,7 @@
 /// the cause is the same whoever calls it.
 namespace fault {
 [[gnu::noinline]] int InnerWriteToNull() {
-    volatile int *volatile nowhere = nullptr;  // else the compiler leaves it out
+    volatile int *volatile nowhere = nullptr;  // volatile, so that the compiler keeps the access
     *nowhere = 1;
     return *nowhere;
 }
@@ -49,7 +48,7 @@ class Driver : public ::testing::Test {
     }
     static std::string Folder(const char *name) { return (folder_ / name).string(); }
 
-    /// What the driver says of a program that does this.
+    /// The driver's verdict on a program that does this.
     static Verdict VerdictOn(const std::function<int(PictureReport &)> &program) {
         Limits limits;
         limits.seconds = limits.graceSeconds = 0.3;
@@ -83,7 +82,7 @@ class Driver : public ::testing::Test {
 };
 
 int RecurseForEver(int n);
-/// Read anew at every call, so that the compiler does not see that the recursion has no end.
+/// Read again at every call, so that the compiler cannot see that the recursion has no end.
 int (*volatile recurse)(int) = RecurseForEver;
 int RecurseForEver(int n) {
     volatile char room[1000];
@@ -215,7 +214,7 @@ TEST_F(Driver, LooksAtPictures) {
 }
 
 TEST_F(Driver, ShrinksWhatFailsForTheSameReason) {
-    // Fails where both words are, in any order, of which one is in the second file.
+    // Fails if both words are present, in any order; one of them is in the second file.
     auto program = [](const FuzzCase &fuzzCase, PictureReport &) {
         const bool both = fuzzCase.files[0].bytes.find("alpha") != std::string::npos &&
                           fuzzCase.files[1].bytes.find('\x7f') != std::string::npos;

@@ -16,7 +16,7 @@
 #include "version.h"
 
 #ifdef __SANITIZE_ADDRESS__
-// Findings end a case; memory is limited by what is used, as the address space cannot be.
+// A finding ends the case. The limit is on the memory used, because the address space cannot be limited.
 extern "C" const char *__asan_default_options() {
     return "abort_on_error=0:detect_leaks=0:allocator_may_return_null=0:hard_rss_limit_mb=3000:max_allocation_size_mb="
            "3000:"
@@ -40,7 +40,7 @@ struct Settings {
     Limits limits;
 };
 
-/// Temporary folder of this run: memory if there is a file system in it.
+/// The temporary folder of this run, in memory if there is a file system in memory.
 class Scratch {
   public:
     Scratch() {
@@ -70,7 +70,7 @@ void Print(uint64_t number, const FuzzCase &fuzzCase, const CaseResult &result) 
                 result.run.messages.c_str());
 }
 
-/// Runs cases, several at once if asked, until all are done or the time is over.
+/// Runs cases, several at the same time with --jobs, until all are done or the time is over.
 Tally RunCases(const Settings &s, const CaseMaker &maker, const Scratch &scratch) {
     struct Seat {
         std::unique_ptr<Workplace> place;
@@ -124,7 +124,7 @@ Tally RunCases(const Settings &s, const CaseMaker &maker, const Scratch &scratch
     return tally;
 }
 
-/// Saves one case of every cause, as it was and made smaller.
+/// Saves one case of every cause, in its original and in its reduced form.
 void SaveFailures(const Settings &s, const CaseMaker &maker, const Scratch &scratch, Tally &tally) {
     const std::vector<std::string> &kinds = s.only.empty() ? maker.Kinds() : s.only;
     const fs::path failures = fs::path(s.out) / "failures";
@@ -171,21 +171,21 @@ int Replay(const Settings &s, const Scratch &scratch) {
 int main(int argc, char **argv) {
     Settings s;
     CLI::App app(
-        "Runs pbrt on mutated scenes and files, a child process each, and sorts what happens.\n"
-        "Exit status 1 if any case failed. docs/fuzzing.md tells more.",
+        "Runs pbrt on mutated scenes and files, each in a child process, and sorts the outcomes.\n"
+        "Exit status 1 if any case failed. See docs/fuzzing.md.",
         "fuzz");
-    app.add_option("--seed", s.seed, "of all mutations (1)");
-    app.add_option("--cases", s.cases, "how many (1000)");
+    app.add_option("--seed", s.seed, "seed of all mutations (1)");
+    app.add_option("--cases", s.cases, "number of cases (1000)");
     app.add_option("--from", s.from, "number of the first case (0)");
     app.add_option("--jobs", s.jobs, "cases at the same time (1)")->check(CLI::Range(1, 256));
-    app.add_option("--minutes", s.minutes, "stop after so long (0: never)");
-    app.add_option("--only", s.only, "kinds of mutations, comma between them (all)")->delimiter(',');
+    app.add_option("--minutes", s.minutes, "minutes after which no further case starts (0: no limit)");
+    app.add_option("--only", s.only, "kinds of mutations, separated by commas (all)")->delimiter(',');
     app.add_option("--out", s.out, "folder for report.md, report.json and the failures, made smaller");
     app.add_option("--replay", s.replay, "run one saved case (its case.json)");
     app.add_flag("--seeds", s.seedsOnly, "run the scenes as they are, without mutations");
     app.add_flag("--verbose", s.verbose, "print every case with its messages");
-    app.add_option("--seconds", s.limits.seconds, "of CPU for a case (4)");
-    app.add_option("--memory-mb", s.limits.memoryMb, "for a case (2048)");
+    app.add_option("--seconds", s.limits.seconds, "CPU seconds for a case (4)");
+    app.add_option("--memory-mb", s.limits.memoryMb, "megabytes of memory for a case (2048)");
     app.add_option("--shrink-tries", s.shrinkTries, "runs to make a failing case smaller (400)");
     CLI11_PARSE(app, argc, argv);
     try {

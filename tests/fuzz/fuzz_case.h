@@ -12,8 +12,8 @@ struct CaseFile {
 
 /// Everything that one run of pbrt is given. The scene is the first file; files that are not mutated lie in ../assets.
 struct FuzzCase {
-    std::string kind;  ///< of mutation
-    std::string seed;  ///< the scene it was made from
+    std::string kind;  ///< the kind of mutation
+    std::string seed;  ///< the name of the scene that the case was made from
     std::vector<CaseFile> files;
     std::vector<std::string> arguments;  ///< without the program, the scene and --outfile
     std::string output = "out.exr";

@@ -26,7 +26,7 @@ std::string FirstLineOf(const std::string &command) {
     return text;
 }
 
-/// Without parameters, template arguments and the inner namespace's name.
+/// A function's name without parameters, template arguments and the name of the anonymous namespace.
 std::string ShortName(std::string name) {
     int depth = 0;
     std::string kept;
@@ -60,7 +60,7 @@ const std::string &FunctionAt(void *address) {
     return it->second;
 }
 
-/// The innermost three different functions or libraries: deep recursion is one of them many times.
+/// The innermost three different functions or libraries; a recursive function counts once.
 std::string Where(const std::vector<void *> &frames) {
     std::vector<std::string> seen;
     for (const std::string &name : OurFunctions(frames)) {
@@ -73,7 +73,7 @@ std::string Where(const std::vector<void *> &frames) {
     return text;
 }
 
-/// A message without what differs from case to case.
+/// A message without the parts that differ from case to case.
 std::string WithoutDetails(const std::string &message) {
     static const std::regex kQuoted("\"[^\"]*\""), kNumber(R"([-+]?\d[\d.,]*(e[-+]?\d+)?|\b-?(nan|inf)\b)"),
         kFile(R"((\S*/)?[\w.]*\.(pbrt|ply|png|exr|pfm|hdr|tga|bsdf|dat|spd|gz)\b)"), kOther("[^\\x20-\\x7e]+");
@@ -93,8 +93,8 @@ std::vector<std::string> ErrorLines(const std::string &messages) {
     return errors;
 }
 
-/// Begins with a file, with or without line and column, that the message is about; or says in which phase memory ran
-/// out.
+/// True if the message begins with the file that it is about, with or without line and column, or says in which phase
+/// memory ran out.
 bool HasPlace(const std::string &error) {
     static const std::regex kFile(R"(^\S*[./]\S*: )");
     return std::regex_search(error, kFile) || error.starts_with("command line: ") ||
@@ -102,7 +102,7 @@ bool HasPlace(const std::string &error) {
 }
 
 bool IsLibrarysMessage(const std::string &message) {
-    // What is quoted are the user's own words.
+    // Text in quotation marks comes from the user.
     static const std::regex kQuoted(R"("[^"]*")");
     const std::string error = std::regex_replace(message, kQuoted, "");
     for (const char *words : {"std::", "vector::", "basic_string", "_M_", "bad_", "map::at", "terminate called",
@@ -173,7 +173,7 @@ Verdict Judge(const ChildResult &r, const FuzzCase &fuzzCase, const std::vector<
         if (error.find("bad_alloc") != std::string::npos) return {Outcome::Memory, WithoutDetails(error)};
         if (IsLibrarysMessage(error)) return {Outcome::Message, WithoutDetails(error)};
     }
-    // Later ones may sum up.
+    // Later errors may be summaries.
     if (!HasPlace(errors.front())) return {Outcome::Message, "no place: " + WithoutDetails(errors.front())};
     return {Outcome::Refused, ""};
 }

@@ -14,9 +14,9 @@ enum class Outcome {
     Stopped,    ///< too slow; ended when asked to
     Signal,     ///< a crash
     Sanitizer,  ///< a report of AddressSanitizer or UndefinedBehaviorSanitizer
-    Hang,       ///< too slow, and deaf to SIGTERM
-    Memory,     ///< memory ran out and nobody said what wanted it
-    Message,    ///< an error without a place, or in the words of a library; far too many words
+    Hang,       ///< too slow, and did not end after SIGTERM
+    Memory,     ///< memory ran out, and no message says what needed it
+    Message,    ///< an error without a place, in the words of a library, or of more than a megabyte
     Silent,     ///< an error without a message, or success without a picture
     Picture,    ///< values that are not finite, or a picture in spite of an error
 };
@@ -27,13 +27,13 @@ inline bool IsFailure(Outcome outcome) { return outcome >= Outcome::Signal; }
 
 struct Verdict {
     Outcome outcome = Outcome::Rendered;
-    std::string cause;  ///< equal for failures that have the same reason; empty if it is no failure
+    std::string cause;  ///< equal for failures with the same reason; empty if the run did not fail
 };
 
 /// Judges a run. `left` are the names of the files that the run left in its folder beside those of the case.
 Verdict Judge(const ChildResult &result, const FuzzCase &fuzzCase, const std::vector<std::string> &left);
 
-/// Function names of this process's code at `frames`, innermost first; "" for what is not ours.
+/// Function names of this process's code at `frames`, innermost first; "" for frames outside this process's code.
 std::vector<std::string> OurFunctions(const std::vector<void *> &frames);
 
 }  // namespace pbrt::fuzz

@@ -4,14 +4,14 @@
 
 namespace pbrt::fuzz {
 
-/// Loads and sets up, without threads, what every run of pbrt would load, so that forked children have it. Run in the
-/// working folder of a child: writes and removes files there.
+/// Loads and sets up everything that each run of pbrt needs, without threads, so that forked children have it. Writes
+/// and removes files in the current folder, which must be the working folder of a child.
 void PrepareProgram(const std::string &folder);
 
 /// Runs the program pbrt on the case's files, which lie in the working folder, and looks at the picture. For a child.
 int RunProgram(const FuzzCase &fuzzCase, PictureReport &report);
 
-/// Looks at the picture that the program wrote.
+/// Reads the picture that the program wrote and reports on it.
 void LookAtPicture(const std::string &path, PictureReport &report);
 
 }  // namespace pbrt::fuzz

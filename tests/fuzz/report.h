@@ -10,7 +10,7 @@
 
 namespace pbrt::fuzz {
 
-/// Failures of one cause.
+/// The failures with the same cause.
 struct Cause {
     Outcome outcome = Outcome::Signal;
     uint64_t count = 0, firstNumber = 0;

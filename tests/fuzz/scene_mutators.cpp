@@ -228,7 +228,7 @@ void MutateStatements(std::string &text, const SceneWords &words, Dice &dice) {
     }
 }
 
-/// Depth: things in things in things, and things in themselves.
+/// Mutates nesting: deeply nested blocks, objects and textures, and objects that contain themselves.
 void MutateNesting(std::string &text, const SceneWords &, Dice &dice) {
     const std::vector<Span> statements = Statements(text, Tokens(text));
     if (statements.empty()) return;

@@ -9,13 +9,13 @@ namespace pbrt::fuzz {
 /// Kinds of mutations of scene texts: "scene-numbers", "scene-names", ...
 const std::vector<std::string> &SceneKinds();
 
-/// What mutations of scenes draw on: strings and statements of all seeds.
+/// The material of scene mutations: strings, parameters and statements of all seeds.
 struct SceneWords {
     std::vector<std::string> strings;     ///< with quotes
     std::vector<std::string> parameters;  ///< `"type name" [ values ]`
     std::vector<std::string> statements;
     std::vector<std::string> texts;
-    /// Collects them from scenes.
+    /// Collects the material from scenes.
     explicit SceneWords(const std::vector<std::string> &scenes);
 };
 

@@ -43,7 +43,8 @@ std::vector<std::string> Chunks(const std::string &bytes) {
     return chunks;
 }
 
-/// Leaves out runs of pieces, half of all at first, then ever shorter ones, while `isGood` with what is left.
+/// Leaves out runs of consecutive pieces, first half of all, then ever shorter runs, as long as `isGood` holds for the
+/// rest.
 std::vector<std::string> LeaveOut(std::vector<std::string> pieces,
                                   const std::function<bool(const std::vector<std::string> &)> &isGood) {
     for (size_t run = std::max<size_t>(1, pieces.size() / 2);; run /= 2) {

@@ -18,9 +18,9 @@ struct CaseResult {
 /// A folder in which one case at a time runs.
 class Workplace {
   public:
-    /// What is run in the child: RunProgram, or something that fails in a known way.
+    /// The function that runs in the child: RunProgram, or in tests one that fails in a known way.
     using Program = std::function<int(const FuzzCase &, PictureReport &)>;
-    /// The folder is emptied.
+    /// Deletes the contents of the folder.
     explicit Workplace(std::string folder, Program program = RunProgram);
 
     void Start(const FuzzCase &fuzzCase, const Limits &limits);

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Starts pbrt many times on a scene whose textures are PNG files with colour profiles, and counts how the starts end.
 
-OpenImageIO 2.4.7 crashes or hangs when two threads read the headers of such files at once. What provokes it are tags of
-the profile that it does not know; real profiles have a few, these have many. Exit status 0 only if every start ends well.
+OpenImageIO 2.4.7 crashes or hangs when two threads read the headers of such files at once. Tags of the profile that it
+does not know cause this; real profiles have a few, these have many. Exit status 0 only if every start ends well.
 
     tests/stress/png_starts.py --pbrt build/release/src/pbrt/cmd/pbrt/pbrt --starts 2000
 """
@@ -71,9 +71,9 @@ def main():
     parser.add_argument("--pbrt", required=True, type=os.path.abspath)
     parser.add_argument("--starts", type=int, default=100)
     parser.add_argument("--threads", type=int, default=4)
-    parser.add_argument("--jobs", type=int, default=1, help="starts at a time")
+    parser.add_argument("--jobs", type=int, default=1, help="number of starts at the same time")
     parser.add_argument("--images", type=int, default=48)
-    parser.add_argument("--tags", type=int, default=96, help="of every profile, at most 96")
+    parser.add_argument("--tags", type=int, default=96, help="tags of every profile, at most 96")
     parser.add_argument("--timeout", type=float, default=60, help="seconds until a start counts as hung")
     arguments = parser.parse_args()
     outcomes = collections.Counter()

@@ -2,9 +2,10 @@
 """Starts pbrt many times, sends SIGINT, SIGTERM or SIGHUP at a moment of the run, and prints for every phase how long the
 notice and the end of the process took after the signal.
 
-The moments are spread over all phases of a run that is watched first, as many in each, however short it is. Two scenes take turns:
-scenes/many-rooms, whose light sampler goes on learning while it renders, and one with a big image. Exit status 0 only if every
-process ended with 128 + the signal's number (or by the signal itself before it caught signals) and left no temporary file.
+The phases are measured in a first, undisturbed run. Every phase gets the same number of moments, however short it is. Two
+scenes take turns: scenes/many-rooms, whose light sampler goes on learning while it renders, and one with a big image. Exit
+status 0 only if every process ended with 128 + the signal's number (or by the signal itself before it caught signals) and
+left no temporary file.
 
     tests/stress/signal_times.py --pbrt build/release/src/pbrt/cmd/pbrt/pbrt --starts 100
 """
@@ -33,7 +34,7 @@ PHASES = ["starting", "reading", "building", "preparing lights", "rendering", "w
 
 
 class Run:
-    """One process, and when its messages came."""
+    """A process, with the times of its messages."""
 
     def __init__(self, pbrt, arguments, folder):
         self.begin = time.monotonic()
@@ -58,7 +59,7 @@ class Run:
         return end
 
     def phase(self):
-        """In which the signal came, by the words of the notice."""
+        """The phase in which the signal came, according to the text of the notice."""
         for _, line in self.lines:
             if line.startswith("Interrupted while "):
                 return line.removeprefix("Interrupted while ").split(":")[0]
@@ -71,7 +72,7 @@ class Run:
 
 
 def watch(pbrt, arguments, folder, timeout):
-    """(phase, seconds) of an undisturbed run."""
+    """The phases of an undisturbed run, as pairs (phase, seconds)."""
     run = Run(pbrt, arguments, folder)
     run.wait(timeout)
     if run.process.returncode != 0:
@@ -85,7 +86,8 @@ def watch(pbrt, arguments, folder, timeout):
 
 
 def wait_until(run, phase, seconds):
-    """Waits until the phase before this one is done, and so many seconds more. False: the process has ended before."""
+    """Waits until the phase before this one is done, and the given number of seconds more. Returns False if the process ended
+    before."""
     before = PHASES[PHASES.index(phase) - 1]
     begin = run.begin
     while before != "starting":
@@ -102,11 +104,11 @@ def wait_until(run, phase, seconds):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--pbrt", required=True, type=os.path.abspath)
-    parser.add_argument("--starts", type=int, default=100, help="of both scenes together")
-    parser.add_argument("--size", type=int, nargs=2, default=(2400, 1600), help="of the big image")
-    parser.add_argument("--spp", type=int, default=4, help="of many-rooms")
-    parser.add_argument("--pixelbounds", type=int, nargs=4, default=(0, 480, 0, 360), help="of many-rooms")
-    parser.add_argument("--minutes", type=float, default=60, help="start no more processes after them")
+    parser.add_argument("--starts", type=int, default=100, help="number of starts of both scenes together")
+    parser.add_argument("--size", type=int, nargs=2, default=(2400, 1600), help="width and height of the big image in pixels")
+    parser.add_argument("--spp", type=int, default=4, help="samples per pixel of many-rooms")
+    parser.add_argument("--pixelbounds", type=int, nargs=4, default=(0, 480, 0, 360), help="pixel bounds of many-rooms")
+    parser.add_argument("--minutes", type=float, default=60, help="start no more processes after this time")
     parser.add_argument("--timeout", type=float, default=300, help="seconds until a process counts as hung")
     arguments = parser.parse_args()
     times = collections.defaultdict(list)  # phase: (to the notice, to the end) in milliseconds
@@ -123,14 +125,14 @@ def main():
             print(pathlib.Path(scene[-1]).stem + ":", ", ".join(f"{name} {seconds:.2f} s" for name, seconds in found), flush=True)
         for number in range(arguments.starts):
             if time.monotonic() > until:
-                print(f"{number} starts until the time was over.")
+                print(f"{number} starts were made before the time was over.")
                 break
             which, turn = number % len(scenes), number // len(scenes)
             phase, seconds = phases[which][turn % len(phases[which])]
             rounds = max(1, arguments.starts // len(scenes) // len(phases[which]))
             moment = seconds * ((turn // len(phases[which]) + 0.5) / rounds % 1)
             kind = SIGNALS[number % len(SIGNALS)]
-            # A run that is over sooner than the one that was watched is repeated, with an earlier moment.
+            # A run that ends sooner than the measured one is repeated with an earlier moment.
             for _ in range(8):
                 (folder / "out.exr").unlink(missing_ok=True)
                 run = Run(arguments.pbrt, scenes[which], folder)
@@ -167,7 +169,7 @@ def main():
             columns.append(f"{statistics.median(known):.0f}, {max(known):.0f}" if known else "none")
         print(f"| {phase} | {len(times[phase])} | {columns[0]} | {columns[1]} | {'; '.join(wrong[phase]) or 'none'} |")
     if early:
-        print(f"{early} times the process had always ended before the signal.")
+        print(f"{early} moments were left out because the process had always ended before the signal.")
     return 1 if any(wrong.values()) else 0
 
 

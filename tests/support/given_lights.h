@@ -5,7 +5,7 @@
 
 namespace pbrt::test {
 
-/// A light that is only what a light sampler weighs. Each part has its own power and bounds.
+/// A light that has nothing but what a light sampler weighs: power and bounds, given for each part.
 class GivenLight final : public Light {
   public:
     explicit GivenLight(std::vector<LightCandidate> parts)

@@ -7,15 +7,15 @@
 
 namespace pbrt::test {
 
-/// What a test asks of one render; the rest is as the scene says.
+/// The settings of one render in a test; all others are those of the scene.
 struct RenderRequest {
     std::string file;
     BuildOptions build;
-    bool floatFilm = true;  ///< keep float precision whatever savefp16 says
+    bool floatFilm = true;  ///< write 32-bit floats whatever savefp16 is
 };
 
 struct Rendered {
-    Image image;  ///< R, G, B first
+    Image image;  ///< the first channels are R, G, B
     nlohmann::ordered_json lightReport;
     double seconds = 0;
     std::vector<Diagnostic> diagnostics;
@@ -24,7 +24,7 @@ struct Rendered {
 /// Reads, builds and renders in this process; throws UserError. All light samplers of the build are registered.
 Rendered RenderScene(const RenderRequest &request);
 
-/// The same of a scene as text.
+/// The same for a scene given as text.
 Rendered RenderText(const std::string &text, const BuildOptions &options = {});
 
 /// Means over tiles of `size` pixels (the last ones may be smaller), R, G, B interleaved, row-major.

@@ -22,8 +22,8 @@ Answer Ask(const LightDistribution &lights, Float u) {
     return sample ? Answer{sample->light.value, sample->pmf} : Answer{};
 }
 
-/// Bernstein's inequality: bounds the probability that the mean of n values, each at most `greatest` from its
-/// expectation, is `off` or more from it. Holds whatever the tails.
+/// Bernstein's inequality: an upper bound of the probability that the mean of n values, each at most `greatest` from
+/// its expectation, is `off` or more from it. It holds for any distribution.
 double BernsteinTail(double off, double variance, double greatest, int n) {
     return 2 * std::exp(-0.5 * n * off * off / (variance + greatest * std::abs(off) / 3 + 1e-300));
 }
@@ -66,7 +66,7 @@ void CheckPmfOfSamples(const SamplerSubject &s) {
             ASSERT_GT(sample->pmf, 0);
             ASSERT_EQ(sample->pmf, at.PMF(sample->light))
                 << "query " << q << " u " << u << " light " << sample->light.value;
-            // Weighed anew it is the same.
+            // A second weighing gives the same.
             if (i < 20) {
                 ASSERT_EQ(sample->pmf, s.sampler->At(s.queries[q], other).PMF(sample->light))
                     << "query " << q << " u " << u;
@@ -76,7 +76,7 @@ void CheckPmfOfSamples(const SamplerSubject &s) {
 }
 
 void CheckPmfSums(const SamplerSubject &s) {
-    // A sum this near to 1 may be 1.
+    // A sum this near to 1 may be 1 but for rounding.
     constexpr double kRounding = 2e-6;
     int n = s.Calls(4096);
     LightMemory memory;
@@ -102,7 +102,7 @@ void CheckPmfSums(const SamplerSubject &s) {
 
 void CheckFrequencies(const SamplerSubject &s) {
     int n = s.Calls(20000);
-    // Were each light of a big mesh a cell, every cell would be expected to be empty.
+    // If each light of a big mesh were a cell, the expected count of every cell would be near 0.
     size_t cell = std::max<size_t>((s.lights + 127) / 128, 1), cells = (s.lights + cell - 1) / cell;
     double alpha = SidakAlpha(1e-5, std::max<size_t>(s.queries.size(), 1));
     for (size_t q = 0; q < s.queries.size(); ++q) {
@@ -115,7 +115,7 @@ void CheckFrequencies(const SamplerSubject &s) {
             observed[sample ? sample->light.value / cell : cells] += 1;
         }
         for (size_t i = 0; i < s.lights; ++i) expected[i / cell] += static_cast<double>(s.pmf[q][i]) * n;
-        // The sum of the PMF is rounded: a share of empty answers this small cannot be told from none.
+        // The sum of the PMF is rounded: so small a share of empty answers cannot be distinguished from none.
         double missing = 1 - s.sum[q];
         if (missing > 1e-5 || observed[cells] > 2) expected[cells] = std::max(missing, 0.0) * n;
         else observed[cells] = 0;

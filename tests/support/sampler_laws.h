@@ -5,14 +5,14 @@
 
 #include "pbrt/lightsamplers/light_sampler.h"
 
-/// The contract of house.md section 4 as checks, for any sampler from any places. Each reports through GoogleTest; call
-/// inside a test.
+/// The contract of house.md section 4 as checks of any sampler at any places. Each check reports through GoogleTest and
+/// must be called inside a test.
 namespace pbrt::test {
 
-/// What each light contributes: by query, by light.
+/// What each light contributes, indexed by query and light.
 using Contributions = std::vector<std::vector<double>>;
 
-/// A sampler ready for use, places, and its PMF from every place to every light.
+/// A sampler that is ready for use, the places it is asked from, and its PMF at every place for every light.
 struct SamplerSubject {
     std::unique_ptr<LightSampler> sampler;
     std::span<const LightQuery> queries;
@@ -22,28 +22,32 @@ struct SamplerSubject {
 
     SamplerSubject() = default;
     SamplerSubject(std::unique_ptr<LightSampler> made, std::span<const LightQuery> places, size_t lightCount);
-    /// At most `most`: as many calls per query as a sampler that looks at every light for each can take.
+    /// The number of calls per query, at most `most`: fewer where there are many lights, so that a sampler that weighs
+    /// every light at each call takes bearable time.
     int Calls(int most) const;
 };
 
-/// The pmf that comes with a sample is the sampler's PMF of that light, to the last bit; also for the least and the
-/// greatest number.
+/// The pmf that comes with a sample equals the sampler's PMF of that light to the last bit, also for the least and the
+/// greatest uniform number.
 void CheckPmfOfSamples(const SamplerSubject &subject);
-/// No probability is negative or above 1; they add up to 1, or nothing is returned as often as is missing.
+/// No probability is negative or above 1; they add up to 1, or Sample returns nothing with the probability that is
+/// missing.
 void CheckPmfSums(const SamplerSubject &subject);
-/// Chi-square per query, corrected for their number. Neighbouring lights of large sets share a cell.
+/// Lights are chosen as often as the PMF says: a chi-square test per query, corrected for the number of queries.
+/// Neighbouring lights of large sets share a cell.
 void CheckFrequencies(const SamplerSubject &subject);
-/// Returns how many pairs of query and light contribute.
+/// Every light that contributes to a query has a positive PMF there. Returns the number of such pairs of query and
+/// light.
 size_t CheckContributingCanBeChosen(const SamplerSubject &subject, const Contributions &contributions);
 /// The mean of contribution / pmf over samples is the sum over all lights.
 void CheckOneLightEstimator(const SamplerSubject &subject, const Contributions &contributions);
-/// The same answers from several threads at once as from one.
+/// Several threads at once get the same answers as one thread.
 void CheckSameFromAnyThread(const SamplerSubject &subject);
-/// The distributions of two vertices, each in its memory, answer as if the other one were not there.
+/// The distributions of two vertices, each in its own memory, do not influence each other.
 void CheckDistributionsKeepApart(const SamplerSubject &subject);
-/// Walking the number through the unit interval meets every likely light: there is no other source of randomness.
+/// Uniform numbers spread over the unit interval reach every likely light: there is no other source of randomness.
 void CheckOneNumberReachesEveryLight(const SamplerSubject &subject);
-/// Two samplers that should not differ in anything.
+/// The two samplers give equal answers to all queries.
 void CheckSame(const LightSampler &a, const LightSampler &b, std::span<const LightQuery> queries, size_t lights);
 
 }  // namespace pbrt::test

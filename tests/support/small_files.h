@@ -4,8 +4,8 @@
 
 namespace pbrt::test {
 
-/// While it lives, this process and those it starts cannot write beyond so many bytes of a file: to them that is what a
-/// full disk is, an error in the middle of a write.
+/// While an object lives, this process and those it starts cannot make a file longer than the given number of bytes. To
+/// them this looks like a full disk: a write fails in the middle of a file.
 class SmallFilesOnly {
   public:
     explicit SmallFilesOnly(rlim_t bytes) {

@@ -43,7 +43,7 @@ inline double ChiSquareTest(std::span<const double> observed, std::span<const do
 /// Two-sided p-value of a standard normal z.
 inline double NormalTail(double z) { return std::erfc(std::abs(z) / std::sqrt(2.0)); }
 
-/// Level for each of n tests so that the chance of any false alarm is `alpha`.
+/// The level of each of n tests at which the probability of any false alarm is `alpha`.
 inline double SidakAlpha(double alpha, size_t n) { return 1 - std::pow(1 - alpha, 1.0 / static_cast<double>(n)); }
 
 /// Running mean and variance (Welford).

@@ -6,9 +6,9 @@ namespace pbrt::test {
 /// For light samplers that change the answers of another one.
 class WrappedSampler : public LightSampler {
   protected:
-    /// `inner` must live as long.
+    /// `inner` must outlive this sampler.
     explicit WrappedSampler(const LightSampler &inner) : inner_(inner) {}
-    /// What the other sampler answers, from what Choose and Probability are given.
+    /// The distribution of the inner sampler, from the `weights` that Choose and Probability get.
     static const LightDistribution &Inner(const void *weights) {
         return *static_cast<const LightDistribution *>(weights);
     }

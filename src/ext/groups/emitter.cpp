@@ -44,14 +44,14 @@ F Load(const Float *v) { return F(v, std::experimental::vector_aligned); }
     return Ops::Select(c >= s, c, above * above * quarterInvS);
 }
 
-/// Squared sine of a thousandth of a radian: a margin for the rounding of directions (as in LightBounds).
+/// The squared sine of a thousandth of a radian, a margin for the rounding of directions (as in LightBounds).
 constexpr Float kSlack = 1e-6f;
-/// So that sums stay finite.
+/// Intensity over squared distance is at most this, so that sums of G stay finite.
 constexpr Float kMaxArriving = 1e36f;
 
-/// Emission: the cosine of the angle by which the direction leaves the cone of normals. The falloff may end before or
-/// after the horizon (spot lights): then that cosine is not what limits it. `c`: of the direction and the axis. All
-/// cosines and sines times the distance d; a product of two of them times d2.
+/// C(axis, -w) of G: the mean cosine of the angle by which the direction leaves the cone of normals. Where the emission
+/// ends before or after the horizon (spot lights), the end of the falloff limits it instead of the horizon. `c`: cosine
+/// of the angle between direction and axis. All cosines and sines come times the distance d, products of two times d2.
 [[gnu::always_inline]] inline F Emission(const EmitterPacket &e, const F &c, const F &d2, const F &s,
                                          const F &quarterInvS) {
     const F d = Ops::Sqrt(d2), cosO = Load(e.cosO), sinO = Load(e.sinO), cosE = Load(e.cosE);
@@ -61,14 +61,14 @@ constexpr Float kMaxArriving = 1e36f;
     F mean = MeanCosine(beyond, s, quarterInvS);
     if (!e.someCut) return mean;
     F sinBeyond = Ops::Select(within, F(0), sinAxis * cosO - c * sinO);
-    // The sphere's nearest direction: its half angle less.
+    // The direction in the sphere that is nearest to the axis: the angle is less by the sphere's half angle.
     F cosExtent = Ops::Sqrt(Ops::Max(d2 - s * s, F(0)));
     auto inCone = beyond > cosExtent || beyond * cosExtent + sinBeyond * s > cosE * d2;
     F cut = Ops::Select(inCone, Ops::Max(mean, F(1e-3f) * d), F(0));
     return Ops::Select(cosE == F(0), mean, cut);
 }
 
-/// The candidate's power, but as RootMeanSquare.
+/// The candidate's power, with the root mean square of its spectrum in place of the mean.
 Float Strength(const LightPart &first, const LightCandidate &candidate) {
     const SampledWavelengths lambda = PowerWavelengths();
     const SampledSpectrum phi = first.Phi(lambda);

@@ -9,11 +9,11 @@
 namespace ext {
 using namespace pbrt;
 
-/// A light, or several together, as far as its unoccluded contribution goes.
+/// What the estimate G of the unoccluded contribution needs to know of a light, or of several together.
 struct Emitter {
-    std::optional<LightBounds> bounds;  ///< of a portal if there is one; empty: at infinity, or dark
+    std::optional<LightBounds> bounds;  ///< of the portal if there is one; empty: at infinity, or dark
     bool isArea = false;
-    /// Flat emitters seen head-on: radiance times area; points: intensity. Spectral values by RootMeanSquare.
+    /// Of a flat emitter: radiance times area; of a point light: intensity. Spectra become numbers by RootMeanSquare.
     Float intensity = 0;
 
     bool isFar = false, isDelta = false;
@@ -21,13 +21,13 @@ struct Emitter {
     Vector3 m1{0};  ///< far: the same times the direction (delta: the direction)
 };
 
-/// One number for a spectrum at PowerWavelengths(). The root mean square, as errors are squared channel by channel: a
-/// saturated light counts for more than its mean.
+/// The root mean square of a spectrum at PowerWavelengths(). Not the mean, because errors are squared channel by
+/// channel: a saturated light counts for more than its mean.
 Float RootMeanSquare(const SampledSpectrum &s);
 
-/// The emitter of a candidate; `first` is its light, or one of them.
+/// The emitter of a candidate; `first` is one of the candidate's lights.
 Emitter MakeEmitter(const LightPart &first, const LightCandidate &candidate);
-/// Both together. Neither is far.
+/// An emitter that stands for both. Neither may be far.
 Emitter Union(const Emitter &a, const Emitter &b);
 
 /// G: an estimate of the light that arrives at a point if nothing is in the way, in the units of irradiance. For an
@@ -44,7 +44,7 @@ Emitter Union(const Emitter &a, const Emitter &b);
 /// that are never sampled (uniform skies are left to BSDF sampling) have G = 0. Positive wherever SampleLi can give a
 /// contribution (tests/unit/ext/groups).
 ///
-/// Eight emitters side by side.
+/// A packet holds eight emitters side by side.
 struct alignas(32) EmitterPacket {
     static constexpr int kLanes = 8;
     Float centerX[kLanes] = {}, centerY[kLanes] = {}, centerZ[kLanes] = {}, radius2[kLanes] = {};
@@ -53,26 +53,27 @@ struct alignas(32) EmitterPacket {
     Float inside[kLanes] = {};     ///< G within the sphere
     Float side[kLanes] = {};       ///< 1: one-sided, -1: two-sided
     Float cosO[kLanes] = {}, sinO[kLanes] = {}, cosE[kLanes] = {};
-    /// Some lane shines beyond a half-space (cosO is not 1), or not to the horizon (cosE is not 0). Else those are not
-    /// read.
+    /// `someCurved`: the normals of some lane differ (cosO is not 1). `someCut`: the emission of some lane does not end
+    /// at the horizon (cosE is not 0). If both are false, cosO, sinO and cosE are not read.
     bool someCurved = false, someCut = false;
 
     void Set(size_t lane, const Emitter &emitter);
     Point3 Center(size_t lane) const { return {centerX[lane], centerY[lane], centerZ[lane]}; }
-    /// The same bits wherever it is called, whatever is in the other lanes.
+    /// Writes G of the eight lanes. The result of a lane is the same to the bit wherever this is called from and
+    /// whatever the other lanes hold.
     void Evaluate(const LightQuery &query, Float *out) const { EvaluateAll(this, 1, query, out); }
-    /// Packets in a row; returns the sum of all G.
+    /// Writes G of all lanes of `count` consecutive packets and returns the sum.
     static Float EvaluateAll(const EmitterPacket *packets, size_t count, const LightQuery &query, Float *out);
 };
 
-/// One lane of a packet in one cache line.
+/// One lane of a packet, in one cache line.
 struct alignas(64) EmitterRow {
     Float field[16] = {};
 
     EmitterRow() = default;
     EmitterRow(const EmitterPacket &packet, size_t lane);
 };
-/// The packet of up to eight rows.
+/// Fills `packet` with the rows of these `count` (at most eight) names; the other lanes hold nothing.
 void Gather(const EmitterRow *rows, const uint32_t *names, size_t count, EmitterPacket *packet);
 
 /// G of a far light.

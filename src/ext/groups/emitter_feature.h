@@ -6,8 +6,9 @@
 
 namespace ext {
 
-/// Place and direction of an emitter as one vector, for trees that put like to like: places relative to the cloud's
-/// size, directions weighted so that opposite ones are as different as opposite ends.
+/// Place and direction of an emitter as one vector, for trees that put similar emitters together. Places are relative
+/// to the diagonal of the box around all of them; opposite directions of flat emitters are 0.7 apart, where opposite
+/// ends of the diagonal are 1 apart.
 using EmitterFeature = std::array<Float, 6>;
 inline EmitterFeature FeatureOf(const Emitter &e, const Point3 &center, Float invSize) {
     Vector3 place = (e.bounds->Centroid() - center) * invSize;
@@ -16,14 +17,14 @@ inline EmitterFeature FeatureOf(const Emitter &e, const Point3 &center, Float in
     return {place.x, place.y, place.z, w.x, w.y, w.z};
 }
 
-/// An emitter while a tree is built.
+/// An emitter as an item of a tree that is being built.
 struct EmitterItem {
     uint32_t emitter = 0;
     Float weight = 0;
     EmitterFeature feature{};
 };
 
-/// Fills the features of all items, relative to their own cloud.
+/// Sets the features of all items, relative to the box around their own places.
 inline void FindFeatures(std::span<EmitterItem> items, std::span<const Emitter> emitters) {
     Bounds3 cloud;
     for (const EmitterItem &item : items) cloud = Union(cloud, emitters[item.emitter].bounds->Centroid());
@@ -33,7 +34,7 @@ inline void FindFeatures(std::span<EmitterItem> items, std::span<const Emitter> 
     for (EmitterItem &item : items) item.feature = FeatureOf(emitters[item.emitter], center, invSize);
 }
 
-/// The axis along which a list of items differs most.
+/// The axis of the feature along which a list of items differs most.
 struct WidestAxis {
     double spread = 0;  ///< sum of weighted squared distances from the mean
     size_t axis = 0;
@@ -58,7 +59,8 @@ struct WidestAxis {
     }
 };
 
-/// By one coordinate; ties by index, so that the order does not depend on how it was before.
+/// Orders items by one coordinate of the feature and ties by index, so that the result does not depend on the order
+/// before.
 struct LessAlong {
     size_t axis = 0;
     bool operator()(const EmitterItem &a, const EmitterItem &b) const {

@@ -11,7 +11,7 @@ namespace ext {
 
 namespace {
 
-/// From this many emitters on, the children of a node are built as tasks of their own.
+/// The children of a node of at least this many emitters are built in parallel.
 constexpr size_t kManyItems = 4096;
 
 }  // namespace
@@ -33,7 +33,7 @@ struct EmitterTree::Cluster {
 /// A tree or a part of one, without its packets.
 struct EmitterTree::Part {
     std::vector<Branch> nodes;    ///< [0] is the topmost
-    std::vector<Emitter> wholes;  ///< per node, all below it together
+    std::vector<Emitter> wholes;  ///< per node, the emitters below it as one (not set for the root)
     std::vector<uint32_t> children;
     int depth = 0;
 
@@ -92,7 +92,7 @@ uint32_t EmitterTree::Part::Add(std::span<EmitterItem> items, std::span<const Em
             children[firstChild + static_cast<size_t>(c)] = build(static_cast<size_t>(c));
         });
     for (size_t c = 0; c < clusters.size(); ++c) {
-        // Not one expression: Add makes `children` move.
+        // Not one expression: Add can reallocate `children`.
         uint32_t child = asTasks ? children[firstChild + c] : build(c);
         if (asTasks && !(child & kLeaf)) child = Append(parts[c]);
         children[firstChild + c] = child;
@@ -144,7 +144,7 @@ EmitterTree::EmitterTree(std::span<const Emitter> emitters) : places_(emitters.s
 
 void EmitterTree::MakePackets(std::span<const Emitter> emitters, std::span<const Emitter> wholes) {
     constexpr size_t kLanes = EmitterPacket::kLanes;
-    size_t begin = 0;  // of the free lanes
+    size_t begin = 0;  // the first free lane
     for (Branch &node : nodes_) {
         if (begin % kLanes + node.count > kLanes) begin = (begin + kLanes - 1) / kLanes * kLanes;
         node.firstPacket = static_cast<uint32_t>(begin / kLanes);
@@ -186,7 +186,7 @@ std::optional<SampledLight> EmitterTree::Sample(const LightQuery &query, Float u
 Float EmitterTree::PMF(const LightQuery &query, uint32_t emitter) const {
     Place place = places_[emitter];
     if (place.slot == kLeaf) return 0;
-    std::array<uint32_t, 32> slots;  // from below; a child has at most half of its node's emitters (rounded up)
+    std::array<uint32_t, 32> slots;  // from the leaf up; a child has at most half (rounded up) of its node's emitters
     size_t depth = 0;
     for (;; place = {nodes_[place.node].parent, nodes_[place.node].slot}) {
         slots[depth++] = place.slot;

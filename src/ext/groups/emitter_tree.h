@@ -7,9 +7,9 @@
 namespace ext {
 
 /// A wide tree over emitters: every node has up to 32 children, chosen among in proportion to G (EmitterPacket), so a
-/// choice among n emitters looks at 32 log_32 n of them. Children are made by splitting, again and again, the one whose
-/// emitters differ most in place and direction (weighted by intensity): near a curved emitter the sides that face away
-/// are told apart at the first level, which a binary tree of bounds learns only near its leaves.
+/// choice among n emitters evaluates G about 32 log_32 n times. Children are made by splitting, again and again, the
+/// one whose emitters differ most in place and direction (weighted by intensity): near a curved emitter the first level
+/// already separates the sides that face away, which a binary tree of bounds separates only near its leaves.
 class EmitterTree {
   public:
     EmitterTree() = default;
@@ -20,7 +20,7 @@ class EmitterTree {
     std::optional<SampledLight> Sample(const LightQuery &query, Float u) const;
     Float PMF(const LightQuery &query, uint32_t emitter) const;
 
-    /// For WalkDown (weighted_choice.h): a node, or kLeaf | emitter. Far lights are the last nodes below the root.
+    /// For WalkDown (weighted_choice.h): a node, or kLeaf | emitter. Far lights are the last children of the root.
     static constexpr size_t kWidth = 32;
     static constexpr uint32_t kLeaf = 0x80000000u;
     using Node = uint32_t;

@@ -23,7 +23,7 @@ class GroupImportance {
     size_t Padded() const { return packets_.size() * kLanes; }
     static constexpr int kLanes = EmitterPacket::kLanes;
 
-    /// G of every emitter into out[0, Padded()); returns the sum.
+    /// Writes G of every emitter to out[0, Padded()) and returns the sum.
     Float Evaluate(const LightQuery &query, std::span<Float> out) const;
     Float Of(const LightQuery &query, uint32_t emitter) const;
     /// Unit vector to the middle of an emitter; zero for lights without one (skies).

@@ -11,12 +11,13 @@ namespace ext {
 
 namespace {
 
-/// From this many lights on a node is halved, its children are built at once.
+/// A node of at least this many lights is split at the median, and its children are built in parallel.
 constexpr uint32_t kManyItems = 4096;
-/// No child has less than this part of its node's lights, so that the depth stays logarithmic.
+/// Each child has at least 1 / kMinPart of its node's lights, so that the depth stays logarithmic.
 constexpr uint32_t kMinPart = 8;
 
-/// Where to part items that are sorted along `axis`: least weighted spread on both sides together.
+/// Where to split items that are sorted along `axis`: the number of items of the first side, for the least sum of the
+/// weighted spreads within the two sides.
 uint32_t BestSplit(std::span<const EmitterItem> items, size_t axis) {
     double weight = 0, sum = 0;
     for (const EmitterItem &item : items) {
@@ -30,7 +31,7 @@ uint32_t BestSplit(std::span<const EmitterItem> items, size_t axis) {
         left += static_cast<double>(items[i].weight);
         leftSum += static_cast<double>(items[i].weight * items[i].feature[axis]);
         if (i + 1 < least || !(left > 0) || !(weight > left)) continue;
-        // The spread between the two sides is what the sides have less of.
+        // The total spread is fixed: the more lies between the two sides, the less is within them.
         const double rest = sum - leftSum, between = leftSum * leftSum / left + rest * rest / (weight - left);
         if (between > most) {
             most = between;

@@ -8,10 +8,10 @@ namespace ext {
 
 /// A binary tree over emitters (lights, for short) whose nodes can be named one by one: a *cut* is a list of nodes that
 /// holds every light exactly once. A node stands for all lights below it: G of a node (EmitterPacket) is that of a
-/// sphere around them with all their intensity, and positive wherever that of one of them is.
+/// sphere around them with all their intensity, and it is positive wherever G of one of them is.
 ///
 /// Nodes are in preorder, so that names in rising order are lights in rising order of *position*. Far lights have no
-/// place: they are up to kFarNodes more nodes behind, and part of every cut.
+/// place in the scene: up to kFarNodes nodes after all others hold them and are part of every cut.
 class LightTree {
   public:
     static constexpr size_t kFarNodes = 16;
@@ -23,7 +23,7 @@ class LightTree {
 
     size_t NodeCount() const { return ranges_.size(); }
     size_t FarNodeCount() const { return ranges_.size() - nearNodes_; }
-    size_t LightCount() const { return order_.size(); }  ///< without those that never contribute
+    size_t LightCount() const { return order_.size(); }  ///< lights that never contribute are not counted
     /// Lights of a node, by position.
     struct Range {
         uint32_t begin = 0, end = 0;
@@ -38,20 +38,22 @@ class LightTree {
     uint32_t First(uint32_t node) const { return node + 1; }
     uint32_t Second(uint32_t node) const { return node + 2 * ranges_[node + 1].Size(); }
     Float Intensity(uint32_t node) const { return node < nearNodes_ ? rows_[node].field[kIntensity] : Float(0); }
-    /// Nodes without a parent, in order: all near lights together, then the far ones. The shortest cut.
+    /// The nodes without a parent, in order: the node of all near lights, then the nodes of far lights. This is the
+    /// shortest cut.
     std::span<const uint32_t> Roots() const { return roots_; }
-    /// A cut of up to kBaseNodes nodes and the far ones, where nothing is known: what is strong and wide is divided.
+    /// A cut of up to kBaseNodes near nodes and all far ones, for places about which nothing was learned: nodes with
+    /// the largest product of intensity and radius are divided first.
     static constexpr size_t kBaseNodes = 48;
     std::span<const uint32_t> BaseCut() const { return base_; }
 
-    /// G of nodes in rising order into out[0, nodes.size()); returns the sum.
+    /// Writes G of the nodes, which must be in rising order, to out[0, nodes.size()) and returns the sum.
     Float Evaluate(const LightQuery &query, std::span<const uint32_t> nodes, std::span<Float> out) const;
     /// A light below a node, chosen level by level by G, its probability given the node, and its G as `unoccluded`.
     /// None if no light there can contribute.
     std::optional<SampledLight> SampleWithin(uint32_t node, const LightQuery &query, Float u) const;
-    /// Of a light at a position in the node's range.
+    /// The probability with which SampleWithin chooses the light at a position in the node's range.
     Float PMFWithin(uint32_t node, const LightQuery &query, uint32_t position) const;
-    /// The node of a cut (rising) that holds a position, by its place in the cut.
+    /// The index in a cut (nodes in rising order) of the node that holds a position.
     size_t FindInCut(std::span<const uint32_t> cut, uint32_t position) const;
 
     /// For WalkDown (weighted_choice.h): up to eight nodes, in order, that hold the lights of a node with children.

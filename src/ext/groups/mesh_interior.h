@@ -7,12 +7,13 @@
 
 namespace ext {
 
-/// P(light | group, query): which primitive of an emissive mesh, once the mesh is chosen. By importance at the point:
-/// all primitives looked at up to 32 of them, through a tree over them above that. Primitives that face away get
-/// nothing, near ones more; by power alone (LightGroups) curved and closed emitters waste most samples.
+/// P(light | group, query): chooses a primitive of an emissive mesh, once the mesh is chosen. The choice is by the
+/// importance G at the point: G of every primitive is evaluated for up to 32 primitives, an EmitterTree is used for
+/// more. Primitives that face away get nothing, near ones more; a choice by power alone (LightGroups) wastes most
+/// samples on curved and closed emitters.
 class MeshInterior {
   public:
-    /// `byImportance` false: by power, for comparison.
+    /// `byImportance` false: the choice is by power, for comparison.
     MeshInterior(const LightGroups &groups, bool byImportance = true);
 
     /// A light of the group and its probability within the group; none if no primitive can contribute.

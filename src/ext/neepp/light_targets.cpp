@@ -11,7 +11,8 @@ namespace ext {
 namespace {
 constexpr int kSkySamples = 4096;
 
-/// Points by area of a primitive, as many as make it unlikely to miss a voxel that it crosses.
+/// Calls visit(point, weight) for points spread evenly over the area of a primitive, enough of them to make it unlikely
+/// that a voxel that the primitive crosses is missed. The weights sum to 1.
 template <class Visit>
 void ForPointsOn(const Shape &shape, uint32_t primitive, const VoxelGrid &grid, const Visit &visit) {
     Bounds3 box = shape.PrimitiveBounds(primitive);
@@ -98,7 +99,8 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Ligh
             weights[ofLight_[i]] += share;
         } else if (kindOf_[i] == LightKind::Infinite) {
             for (uint64_t k = 0; k < kSkySamples; ++k) {
-                // From all over the scene: what a light with a portal draws depends on the place.
+                // From points all over the scene, because the directions that a light with a portal samples depend on
+                // the point.
                 LightSampleContext from;
                 from.p = bounds.low +
                          bounds.Diagonal() * Vector3(RadicalInverse(5, k), RadicalInverse(7, k), RadicalInverse(11, k));

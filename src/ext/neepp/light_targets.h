@@ -7,9 +7,9 @@
 
 namespace ext {
 
-/// The far ends of visibility: the voxels that hold lights, each once whatever number of lights it holds; the
-/// directions of distant lights; and for environments the sphere of directions in 8 x 8 parts of equal size. And which
-/// of them each group of lights covers, by what share.
+/// The targets of visibility tests: the voxels that hold lights (a voxel is one target, however many lights it holds),
+/// the directions of distant lights, and for environments the sphere of directions in 8 x 8 parts of equal size. Also
+/// which targets each group of lights covers, and by what share.
 class LightTargets {
   public:
     static constexpr uint32_t None = 0xffffffffu;
@@ -22,7 +22,7 @@ class LightTargets {
         uint32_t index = 0;   ///< voxel or part of the sphere
         Vector3 direction{};  ///< unit, for Direction
     };
-    /// Part of a group's lights: by power, which is by area where a mesh emits evenly.
+    /// The share of a group that falls into a target: by power, which is by area where a mesh emits evenly.
     struct Share {
         uint32_t target = 0;
         Float weight = 0;
@@ -33,15 +33,18 @@ class LightTargets {
 
     size_t Size() const { return targets_.size(); }
     const Target &operator[](size_t i) const { return targets_[i]; }
-    /// Weights sum to 1; none for groups without power, and for a sky of one colour, which paths do not sample.
+    /// The targets of a group; their weights sum to 1. Empty for groups without power and for a sky of one colour,
+    /// which paths do not sample.
     std::span<const Share> SharesOf(uint32_t group) const {
         return {shares_.data() + first_[group], shares_.data() + first_[group + 1]};
     }
-    /// Where the segment from `from` to the point `onLight` of a light ends; None if the light was not expected there.
+    /// The target in which the segment from `from` to the point `onLight` of a light ends; None if no target was made
+    /// there.
     uint32_t Find(const VoxelGrid &grid, LightId light, const Point3 &from, const Point3 &onLight) const;
 
-    /// Part of the sphere that holds the unit vector w, and a direction in a part.
+    /// The part of the sphere that holds the unit vector w.
     static uint32_t SkyPartOf(const Vector3 &w);
+    /// A unit vector in a part of the sphere; u in [0, 1)^2.
     static Vector3 DirectionIn(uint32_t skyPart, const Point2 &u);
     size_t Bytes() const;
 

@@ -4,8 +4,9 @@
 
 namespace ext {
 
-/// The second half of NEE++: a shadow ray is skipped with the complement of the stored visibility between its ends, but
-/// never more often than 1 - minimum. Where nothing is stored about the far end it is always traced.
+/// The second half of NEE++: a shadow ray is skipped with probability 1 - v, where v is the stored visibility between
+/// the voxels of its ends, but never with a higher probability than 1 - minimum. Where nothing is stored about the far
+/// end it is always traced.
 class NeeppGate final : public ShadowRayGate {
   public:
     NeeppGate(const LightTable &lights, const NeeppGateParams &params)

@@ -4,9 +4,10 @@
 
 namespace ext {
 
-/// NEE++ (Guo et al. 2020, as Noh, Choi and Moon 2023 describe it): lights in proportion to the stored visibility
-/// between the point's voxel and the lights' voxels. Nothing else counts, neither power nor distance. Visibility below
-/// the floor counts as the floor, so every light can be chosen. Before Prepare all groups have the same share.
+/// NEE++ (Guo et al. 2020, as Noh, Choi and Moon 2023 describe it): chooses lights in proportion to the stored
+/// visibility between the point's voxel and the lights' voxels. Nothing else counts, neither power nor distance.
+/// Visibility below the floor counts as the floor, so every light can be chosen. Before Prepare all groups have the
+/// same share.
 class NeeppLightSampler final : public VoxelLightSampler {
   public:
     NeeppLightSampler(const LightTable &lights, const NeeppParams &params);
@@ -19,7 +20,7 @@ class NeeppLightSampler final : public VoxelLightSampler {
     const VisibilityMap &Map() const { return map_; }
 
   private:
-    /// Filled now if need be.
+    /// Fills the row of the voxel if it is empty.
     std::span<const uint32_t> Cdf(const Point3 &p) const override;
 
     NeeppParams params_;

@@ -4,7 +4,7 @@
 namespace ext {
 using namespace pbrt;
 
-/// Parameters of the visibility map, which the light sampler and the shadow-ray gate both begin with.
+/// Parameters of the visibility map, which are the first parameters of the light sampler and of the shadow-ray gate.
 struct VisibilityMapParams {
     int voxels = 16;
     int samples = 16;

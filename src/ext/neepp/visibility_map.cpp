@@ -9,7 +9,7 @@
 namespace ext {
 
 namespace {
-/// Keeps the segments apart from every other use of the seed.
+/// Makes the random numbers of the segments independent of every other use of the seed.
 constexpr uint64_t kStream = 0x6e65657070ull;
 
 Vector3 Uniform3(Rng &rng) {
@@ -28,14 +28,14 @@ void VisibilityMap::Prepare(PrepareContext &context, const LightGroups &groups) 
     auto work = static_cast<double>(grid_.BorderSize()) * static_cast<double>(targets_.Size()) * params_.samples;
     if (work > 3e8)
         LogWarning(
-            fmt::format("neepp: lights in {} voxels mean about {:.1e} visibility rays, {} for every voxel that is "
-                        "entered for the first time.",
+            fmt::format("neepp: visibility to {} voxels and directions with lights takes about {:.1e} rays, {} for "
+                        "every voxel that a path enters for the first time.",
                         targets_.Size(), work, targets_.Size() * static_cast<size_t>(params_.samples)));
     prepareSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 void VisibilityMap::TestSegments(uint32_t voxel, std::span<uint8_t> row) const {
-    // Not through Scene::Occluded, which counts what it does as shadow rays of the render.
+    // Scene::Occluded would count these rays as shadow rays of the render.
     const Accel &accel = scene_->Acceleration();
     for (uint32_t t = 0; t < row.size(); ++t) {
         const LightTargets::Target &target = targets_[t];

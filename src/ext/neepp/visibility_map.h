@@ -6,10 +6,10 @@
 
 namespace ext {
 
-/// Voxel-to-voxel visibility (Guo et al. 2020, as Noh, Choi and Moon 2023 describe it): of `samples` segments between
-/// random points of two voxels, how many are free. One byte a pair, and only for pairs whose far end holds a light;
-/// towards distant and environment lights the segment leaves the scene. The pairs of a voxel are tested when it is
-/// first asked for; what they get depends on the pair and the seed only.
+/// Voxel-to-voxel visibility (Guo et al. 2020, as Noh, Choi and Moon 2023 describe it): how many of `samples` segments
+/// between random points of two voxels are free. One byte a pair, and only for pairs whose far end holds a light;
+/// towards distant and environment lights the segment leaves the scene. The pairs of a voxel are tested when the voxel
+/// is first asked for; the result depends on the pair and the seed only.
 class VisibilityMap {
   public:
     explicit VisibilityMap(const VisibilityMapParams &params) : params_(params) {}
@@ -19,15 +19,15 @@ class VisibilityMap {
 
     const VoxelGrid &Grid() const { return grid_; }
     const LightTargets &Targets() const { return targets_; }
-    /// Free segments to each target, out of Samples().
+    /// The number of free segments to each target, from 0 to Samples(). Tests them if the row is empty.
     std::span<const uint8_t> Row(uint32_t voxel) const {
         return rows_.Get(voxel, [&](std::span<uint8_t> row) { TestSegments(voxel, row); });
     }
     int Samples() const { return params_.samples; }
-    /// Mean over the targets of a group, by their shares; 0 without targets.
+    /// The mean visibility of the targets of a group, weighted by their shares, from 0 to 1; 0 without targets.
     Float GroupVisibility(std::span<const uint8_t> row, uint32_t group) const;
 
-    /// prepassSeconds, buildSeconds, voxels, rays, bytes.
+    /// Adds times, numbers of voxels, targets and visibility rays, and bytes.
     void Report(nlohmann::ordered_json &report) const;
     std::string Describe() const;
 

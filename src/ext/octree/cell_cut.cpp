@@ -8,11 +8,11 @@
 namespace ext {
 
 namespace {
-/// Nodes that a cell's children inherit, times those of a cut.
+/// A cell's children inherit up to this many times as many nodes as a cut has.
 constexpr size_t kInherited = 2;
-/// A node that is no single light is chosen less well than its factor says.
+/// The cost of a node of several lights is raised by this factor, because the choice below it is not perfect.
 constexpr double kInnerCost = 1.1;
-/// Siblings are joined if that costs less than this part of the whole.
+/// Siblings are always joined if that costs less than this part of the cost of the finest cut.
 constexpr double kNoCost = 1e-4;
 constexpr double kNever = -std::numeric_limits<double>::infinity();
 /// The ratio of what is known of a node here to what the cell above said of it is kept within these bounds.
@@ -27,10 +27,10 @@ struct CellCut::Merger {
     const CellCut *above;
     const Settings &settings;
     struct Item {
-        uint32_t node = 0, next = 0, second = 0;  ///< `second`: its second child; 0: none, it is in the cut
+        uint32_t node = 0, next = 0, second = 0;  ///< `second`: item of the second child; 0: it is in the cut
         double moment = 0, share = 0;
-        double cost = 0;  ///< of it in the cut
-        double key = 0;   ///< of joining all below it: the most that one of the joins costs
+        double cost = 0;  ///< what the node adds to the cost of a cut that it is in
+        double key = 0;   ///< the largest cost of a join at or below the node
     };
     std::vector<Item> items = {};
     std::vector<double> w = {}, w2 = {}, wm = {},
@@ -49,8 +49,10 @@ struct CellCut::Merger {
         }
     }
 
-    /// `knownAbove`: the node in the cell above; none if that does not tell it apart, then `momentAbove` is of a node
-    /// that holds it. `ratioBefore`: how this cell compares with the one above, over the node's parent.
+    /// Adds a node and those below it. `knownAbove`: the node's index in known_ of the cell above; empty if that cell
+    /// does not tell the node apart: then `momentAbove` is the moment of the node there that holds it. `ratioBefore`:
+    /// the ratio of this cell's moment to that of the cell above, for the node's parent in the light tree.
+    /// `shareBefore`: the share expected of the node.
     void Add(uint32_t node, size_t begin, size_t end, std::optional<size_t> knownAbove, double momentAbove,
              double ratioBefore, double shareBefore) {
         const double sw = w[end] - w[begin], sw2 = w2[end] - w2[begin], se = expected[end] - expected[begin],
@@ -111,14 +113,15 @@ struct CellCut::Merger {
     size_t nodes = 0;                                     ///< of the cut
     double total = 0;                                     ///< cost of the finest cut
     std::vector<std::pair<double, uint32_t>> joins = {};  ///< keys and items
-    /// Joins siblings, the cheapest first: what costs next to nothing, and until there are no more than `most` nodes.
-    /// A node's key is no less than those below it, so that what is below it is joined before.
+    /// Joins siblings, the cheapest first: all joins that cost next to nothing, and more until the cut has at most
+    /// `most` nodes. A node's key is at least as large as the keys below it, so that the nodes below it are joined
+    /// before.
     void JoinDownTo(size_t most) {
         joins.clear();
         size_t free = 0;
         for (uint32_t i = 0; i < items.size(); i = IsInner(i) ? i + 1 : items[i].next) {
             if (!IsInner(i)) continue;
-            // Among equals those below first.
+            // Among equal keys, nodes further down come first.
             joins.push_back({items[i].key, ~i});
             free += items[i].key < kNoCost * total;
         }
@@ -128,7 +131,7 @@ struct CellCut::Merger {
         for (size_t k = 0; k < count; ++k) items[~joins[k].second].second = 0;
         nodes -= count;
     }
-    /// In preorder, what is left.
+    /// Visits what the joins left, in preorder.
     template <class Visit>
     void ForEach(Visit &&visit) const {
         for (uint32_t i = 0; i < items.size(); i = IsInner(i) ? i + 1 : items[i].next) visit(items[i], IsInner(i));

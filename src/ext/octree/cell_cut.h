@@ -6,10 +6,10 @@
 
 namespace ext {
 
-/// Sums over a cell's tries of one light.
+/// Sums over the tries of one light in a cell.
 struct TrySums {
     uint32_t light = 0;            ///< or, where there is a light tree, its position there
-    double wm = 0, w = 0, w2 = 0;  ///< of w m (m: the moment that is learned, of found / G), w, w^2
+    double wm = 0, w = 0, w2 = 0;  ///< sums of w m, w, w^2; m: the learned moment, found / G or its square
 
     TrySums &operator+=(const TrySums &o) {
         wm += o.wm;
@@ -21,34 +21,35 @@ struct TrySums {
 
 /// What a cell of the octree knows about the nodes of the light tree: the tree's top, down to a cut.
 ///
-/// Estimate: of every node how the cell compares with its parent in the octree, found over expected, pulled by
-/// pseudo-tries towards the same of the node above it in the light tree. So what a cell learns of one lamp in a room it
-/// thinks of the neighbours too, and what it has not met it takes from the cell above. (The whole box expects 1 of
-/// every light.) Cut: the nodes that keep sum_n share_n sqrt(moment_n) low, the square root of the second moment of a
-/// choice among them; of the finest cut the pair of siblings that costs least is joined, again and again.
+/// Estimate: a node's moment is its moment in the parent cell times a ratio, found over expected in this cell's tries,
+/// which pseudo-tries pull towards the ratio of the node's parent in the light tree. So what a cell learns of one lamp
+/// in a room counts for the lamp's neighbours too, and lights that no try met keep the moments of the parent cell. (The
+/// whole box expects 1 of every light.) Cut: the nodes that keep sum_n share_n sqrt(moment_n) low, the square root of
+/// the second moment of a choice among them. It starts as the finest cut, in which the pair of siblings whose joining
+/// costs least is joined, again and again.
 class CellCut {
   public:
     struct Settings {
         double shrinkage = 4;      ///< pseudo-tries
-        bool secondMoment = true;  ///< moments are squares of factors
-        size_t nodes = 48;         ///< of a cut, far ones not counted
+        bool secondMoment = true;  ///< moments are squares of factors; false: they are the factors
+        size_t nodes = 48;         ///< in a cut, far ones not counted
     };
     CellCut() = default;
-    /// `sums`: by rising position; `weight`: sum of all their w; `above`: of the cell's parent, or null.
+    /// `sums`: by rising position; `weight`: sum of all their w; `above`: what the parent cell knows, or null.
     CellCut(const LightTree &lights, std::span<const TrySums> sums, double weight, const CellCut *above,
             const Settings &settings);
 
     std::span<const uint32_t> Nodes() const { return nodes_; }   ///< of the cut, rising
-    std::span<const float> Factors() const { return factors_; }  ///< of them
+    std::span<const float> Factors() const { return factors_; }  ///< one for each node of the cut
 
   private:
     struct Known {
-        uint32_t node = 0, next = 0;  ///< `next`: behind the node's own in known_; children follow their parent
+        uint32_t node = 0, next = 0;  ///< `next`: index in known_ behind the node's subtree
         float moment = 0, share = 0;
     };
     struct Merger;
     bool IsInner(size_t i) const { return known_[i].next != i + 1; }
-    std::vector<Known> known_;  ///< in preorder, without what children need not inherit
+    std::vector<Known> known_;  ///< what child cells inherit, in preorder
     std::vector<uint32_t> nodes_;
     std::vector<float> factors_;
 };

@@ -7,8 +7,8 @@
 namespace ext {
 using namespace pbrt;
 
-/// Where the leaves of an octree over a box are: a point to the row of its leaf. One array of 4-byte nodes; a look-up
-/// is index arithmetic, without pointers. What a row means is its user's business.
+/// An octree over a box that maps a point to the row of the leaf that holds it. One array of 4-byte nodes; a look-up is
+/// index arithmetic, without pointers. The user of the octree decides what a row holds.
 class CellOctree {
   public:
     /// Cells per axis of the undivided top grid (paper, "Implementation Details").

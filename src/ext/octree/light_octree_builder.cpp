@@ -36,7 +36,7 @@ LightOctreeBuilder::LightOctreeBuilder(const Bounds3 &bounds, std::vector<Point3
 void LightOctreeBuilder::Subdivide(uint32_t node, Range range, int bit) {
     rangeOf_[node] = range;
     isLeaf_[node] = range.end - range.begin <= splitAbove_ || bit == 0;
-    if (isLeaf_[node]) {  // the row comes with Build
+    if (isLeaf_[node]) {  // Build sets the row
         ++tree_.leaves_;
         tree_.depth_ = std::max(tree_.depth_, CellOctree::MaxDepth - bit);
         return;
@@ -63,7 +63,8 @@ LightOctree LightOctreeBuilder::Build(size_t groups, const AddValues &addValues)
             if (isLeaf(node))
                 for (uint32_t i = rangeOf_[node].begin; i < rangeOf_[node].end; ++i) addValues(order_[i], sumOf(node));
     });
-    // Children come after their parents, so one pass from the back adds every node to its parent; then the whole scene.
+    // Children come after their parents, so one pass from the back adds every node to its parent, and the top cells to
+    // the whole scene.
     std::vector<double> all(groups, 0.0);
     for (size_t node = nodeCount; node-- > 0;) {
         std::span<double> into = parentOf_[node] == kNoParent ? std::span<double>(all) : sumOf(parentOf_[node]);

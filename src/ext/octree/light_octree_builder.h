@@ -20,9 +20,9 @@ class LightOctreeBuilder {
     /// has one; if there is none at all, every group gets the same share.
     LightOctree Build(size_t groups, const AddValues &addValues);
 
-    /// Leaves the tree will have, and how many of them hold points.
+    /// The number of leaves of the tree, with and without points.
     size_t LeafCount() const { return tree_.leaves_; }
-    /// How many points lie in each node, by LightOctree::Cell::node. Also after Build.
+    /// The number of points in each node, indexed by CellOctree::Cell::node. Valid before and after Build.
     std::vector<uint32_t> PointsPerNode() const {
         std::vector<uint32_t> counts;
         counts.reserve(rangeOf_.size());

@@ -1,4 +1,4 @@
-// Inspect and DescribeStructure: what the octree has learned, for people.
+// Inspect and DescribeStructure: what the octree has learned, as text and numbers for people.
 #include <algorithm>
 
 #include "ext/octree/paper_octree_light_sampler.h"
@@ -44,7 +44,7 @@ void VisibilityOctreeLightSampler::Inspect(const LightQuery &query, std::vector<
     values.push_back({"leaf records", records, false});
     values.push_back({"leaf depth", static_cast<double>(cell.depth), false});
     if (lightTree_) return;
-    // What the leaf says is found of each light, relative to the one that is found best.
+    // The factor a(leaf, l) of each light, relative to the largest in the leaf.
     for (size_t i = 0; i < std::min<size_t>(groups_.Size(), 16); ++i)
         values.push_back({fmt::format("found {}", i),
                           learned_ ? static_cast<double>(VisibilityTree::Decode(tree_.GetRow(cell.row).codes[i])) : 1.0,

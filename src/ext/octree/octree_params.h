@@ -31,28 +31,31 @@ struct OctreeParams {
         v("model", model, Choices{"visibility", "paper"},
           "visibility: geometry at the point, visibility from the tree; paper: Noh, Choi, Moon 2023 as published");
         v("prepassspp", prepassspp, Range<int>{0, 1024},
-          "camera paths per pixel in the prepass; 0: visibility: as budget says; paper: 1");
+          "camera paths per pixel in the prepass; 0: as many as budget allows (visibility) or 1 (paper)");
         v("depth", depth, Range<int>{1, 64}, "vertices of a prepass path");
         v("floor", floor, Range<Float>{0.f, 1.f},
           "share of the probability handed out by unoccluded importance, whatever the prepass saw; 0: 0.05 (paper: "
           "0.1)");
         v("leaves", leaves, Range<int>{64, 1 << 24},
-          "paper: its T: a cell is split while it holds more than 4N/T of the N prepass vertices");
+          "paper: the paper's T: a cell is split while it holds more than 4N/T of the N prepass vertices");
         v("budget", budget, Range<Float>{1e-4f, 1.f},
-          "visibility: rays of the prepass as share of the render's; with more than 64 lights, 0.1 can pay in renders "
-          "of less than a second");
+          "visibility: rays of the prepass as a share of the render's rays; with more than 64 lights, 0.1 can "
+          "reduce the error of renders of less than a second");
         v("tries", tries, Range<int>{0, 4096},
-          "visibility: lights looked at from a vertex; 0: all up to 64 lights, else 8 drawn by unoccluded importance");
+          "visibility: lights that a prepass vertex traces shadow rays to; 0: all if there are at most 64 lights, "
+          "else 8 drawn by unoccluded importance");
         v("records", records, Range<int>{1, 1 << 20},
-          "visibility: vertices a leaf wants; a cell is split while it holds more than 4 times as many (with more than "
-          "64 lights: more)");
+          "visibility: prepass vertices that a leaf should hold; a cell is split while it holds more than 4 times "
+          "as many (with more than 64 lights: more than this number)");
         v("shrinkage", shrinkage, Range<Float>{0.f, 1e6f},
           "visibility: how many tries the parent cell's estimate counts for");
         v("prunegain", prunegain, Range<Float>{0.f, 1.f},
           "visibility: a split must lower the held-out second moment by this share; 0, and with more than 64 lights: "
           "keep all splits");
-        v("secondmoment", secondmoment, "visibility: learn the root mean square of what is found; false: the mean");
-        v("bsdf", bsdf, "visibility: follow the BSDF of glossy surfaces");
+        v("secondmoment", secondmoment,
+          "visibility: learn the root mean square of the light found relative to the unoccluded light; false: the "
+          "mean");
+        v("bsdf", bsdf, "visibility: weigh lights by the BSDF on glossy surfaces");
         v("interior", interior, "visibility: choose a mesh's primitive by importance at the point; false: by power");
         v("cut", cut, Range<int>{2, 48},
           "visibility: nodes of the light tree that a leaf tells apart where there are more than 64 lights");

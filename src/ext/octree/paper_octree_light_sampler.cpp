@@ -41,7 +41,7 @@ void PaperOctreeLightSampler::Prepare(PrepareContext &context) {
     if (context.progress.Cancelled()) return;
 
     if (double rays = static_cast<double>(vertices.size()) * static_cast<double>(groups_.Size()); rays > 3e8)
-        LogWarning(fmt::format("octree: {} lights to choose from mean {:.1e} shadow rays before the first sample.",
+        LogWarning(fmt::format("octree: visibility of {} lights takes {:.1e} shadow rays before the first sample.",
                                groups_.Size(), rays));
 
     start = std::chrono::steady_clock::now();

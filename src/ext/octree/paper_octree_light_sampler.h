@@ -9,13 +9,12 @@ namespace ext {
 
 /// "Enhanced Direct Lighting Using Visibility-Aware Light Sampling" (Noh, Choi, Moon 2023), section 4: a prepass traces
 /// short camera paths; at every vertex one shadow ray to each light gives g = Le G V / p (Eq. 5); an octree over the
-/// vertices stores the mean of g per leaf and light; lights are chosen in proportion to it.
+/// vertices stores the mean of g per leaf and light; lights are chosen in proportion to this mean.
 ///
 /// Departures, both where the paper is silent:
-/// - P(l | x) = (1 - floor) leaf(x, l) + floor * importance(x, l): without the second term a light that no sample of a
-/// leaf
-///   saw would have probability 0 and the image a bias. importance is the unoccluded estimate of stock pbrt-v4's
-///   samplers at the point itself: the exhaustive one up to 64 groups, the light BVH above.
+/// - P(l | x) = (1 - floor) leaf(x, l) + floor * importance(x, l): without the second term a light that no sample of
+///   a leaf saw would have probability 0, and the image would be biased. importance is the unoccluded estimate of stock
+///   pbrt-v4's samplers at the point itself: the exhaustive sampler for up to 64 groups, the light BVH for more.
 /// - A cell without vertices, or whose vertices saw no light, uses the nearest ancestor's distribution.
 class PaperOctreeLightSampler final : public GroupLightSampler {
   public:
@@ -24,7 +23,7 @@ class PaperOctreeLightSampler final : public GroupLightSampler {
 
     void Prepare(PrepareContext &context) override;
     void Report(nlohmann::ordered_json &report) const override;
-    /// Leaf, records in it, its depth.
+    /// The leaf, the number of its records and its depth.
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
     std::string DescribeStructure() const override;
 
@@ -34,7 +33,7 @@ class PaperOctreeLightSampler final : public GroupLightSampler {
     const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
     std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
     Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
-    /// What is known of a query: its leaf's distribution (null: nothing was learned) and the unoccluded one.
+    /// The distributions for a query: that of its leaf (null: nothing was learned) and the weights of unoccluded_.
     struct Weights {
         const Float *cdf = nullptr;
         const void *unoccluded = nullptr;

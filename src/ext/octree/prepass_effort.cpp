@@ -6,7 +6,7 @@ namespace ext {
 
 namespace {
 constexpr double kMinVertices = 2000, kMaxFactor = 1.25, kMaxTries = 4e6;
-/// What a drawn try costs in the building of the tree, in rays.
+/// The cost of a drawn try when the tree is built, in units of the cost of a ray.
 constexpr double kBuildPerTry = 0.3;
 }  // namespace
 

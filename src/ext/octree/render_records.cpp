@@ -3,7 +3,7 @@
 namespace ext {
 
 namespace {
-/// Rows begin with another pixel each, so that the pixels taken are no columns.
+/// Each row of pixels is shifted by this much against the row before, so that the recorded pixels do not form columns.
 constexpr int kRowShift = 7;
 }  // namespace
 

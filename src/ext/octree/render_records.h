@@ -4,18 +4,18 @@
 
 namespace ext {
 
-/// What shadow rays of the render found, as records of one try each. Every sample has a place of its own, so that the
-/// order in which threads come by does not matter.
+/// What shadow rays of the render found, as records of one try each. Every sample of a pixel has its own place, so that
+/// the result does not depend on the order in which threads write.
 class RenderRecords {
   public:
-    /// For samples [first, end) of these pixels and up to `vertices` vertices of their paths. At most `most` places:
-    /// where there are more samples than that, of every second, third, ... pixel.
+    /// Makes places for samples [first, end) of these pixels and up to `vertices` vertices of their paths. If that is
+    /// more than `most` places, only every second, third, ... pixel of a row is recorded, at least one in each row.
     void Begin(const Bounds2i &pixels, int first, int end, int vertices, size_t most);
-    /// Forgets all, and takes no more.
+    /// Frees all places; nothing is recorded until the next Begin.
     void End();
 
     LightLearner::PathPlaces BeginPath(Point2i pixel, int sample) const;
-    /// At the next vertex of a path. `weight`: see VisibilityTry.
+    /// Records `found` for the next vertex of a path, at point p. Beyond the last place nothing is recorded.
     void Add(LightLearner::PathPlaces &path, const Point3 &p, const VisibilityTry &found) {
         if (path.next < path.end) places_[path.next++] = {p, found};
     }

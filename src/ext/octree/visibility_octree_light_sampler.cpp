@@ -16,7 +16,8 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
 }
 
-/// Samples per pixel after which the render's shadow rays are looked at, if three times as many are to come.
+/// After these numbers of samples per pixel the tree learns from the render's shadow rays, if at least three times as
+/// many samples are still to come.
 constexpr int kLearnAfter[] = {1, 4, 16, 64};
 /// At most this many shadow rays are kept from one learning to the next.
 constexpr size_t kMaxFound = 400000;
@@ -112,7 +113,7 @@ void VisibilityOctreeLightSampler::Learn(const Progress &progress) {
     const auto start = std::chrono::steady_clock::now();
     const size_t recordsBefore = known_.records.size(), triesBefore = known_.tries.size();
     found_.AppendTo(&known_);
-    // Four times as large as the first cells could be: as good, and built in half the time.
+    // Cells may hold four times as many records as in the first build: the tree is as good, and built in half the time.
     if (!Build(4 * params_.records, progress)) {
         known_.records.resize(recordsBefore);
         known_.tries.resize(triesBefore);
@@ -149,16 +150,16 @@ const void *VisibilityOctreeLightSampler::WeighGroups(const LightQuery &query, L
 }
 
 void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c) const {
-    // The light's middle may lie beside the lobe while its rim is in it, so a tenth goes to all alike.
+    // A light's middle may lie outside the lobe while its rim is inside, so a part of every weight ignores the BSDF.
     constexpr Float kAlike = 0.1f;
-    // What has so small a part in G is not worth a look, whatever the lobe.
+    // For lights of less weight than this the BSDF is not evaluated.
     const Float worthLooking = c->sumW * 1e-3f;
     Vector3 wi[kMax];
     uint8_t looked[kMax];
     size_t count = 0;
     for (size_t i = 0; i < c->count; ++i) {
         if (!(c->w[i] > worthLooking)) continue;
-        // Of several lights together the middle tells little.
+        // The middle of a node of several lights says little about their directions.
         if (lightTree_ && !lightTree_->IsLight(c->nodes[i])) continue;
         wi[count] = importance_.DirectionTo(
             query.p, lightTree_ ? lightTree_->LightAt(lightTree_->At(c->nodes[i]).begin) : static_cast<uint32_t>(i));
@@ -173,7 +174,7 @@ void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c
     }
     const Float mean = weights > 0 ? weighted / weights : 0;
     if (!(mean > 0) || !std::isfinite(mean)) return;
-    // Relative to the lights that were not looked at, which keep their weights.
+    // Relative to the mean, so that these lights together keep their weight against those without an f.
     for (size_t k = 0; k < count; ++k) c->w[looked[k]] *= (f[k] / mean + kAlike) / (1 + kAlike);
     c->sumW = 0;
     for (size_t i = 0; i < c->count; ++i) c->sumW += c->w[i];

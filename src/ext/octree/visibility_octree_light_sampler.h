@@ -17,13 +17,13 @@ namespace ext {
 ///
 ///   P(l | x) = (1 - e) G_l(x) a(leaf, l) b_l(x) / sum + e G_l(x) / sum G
 ///
-/// G (GroupImportance) is what would arrive unoccluded, evaluated at the shading point; a what the prepass found of it
-/// in the point's leaf, as root mean square of found over unoccluded (VisibilityTreeBuilder); b follows the BSDF
+/// G (GroupImportance) is what would arrive unoccluded, evaluated at the shading point; a is how much of G the prepass
+/// found in the point's leaf, the root mean square of found over unoccluded (VisibilityTreeBuilder); b follows the BSDF
 /// towards the light's middle where the surface is glossy without a diffuse part, and is 1 elsewhere. Light l is a
 /// group; inside a mesh the primitive is chosen by MeshInterior. With more than 64 groups l is a node of a cut through
 /// a tree over them (LightTree); every leaf has its own cut, fine where its light comes from, coarse elsewhere, and
 /// below a node lights are chosen level by level by G. Such a sampler goes on learning from the render's shadow rays:
-/// after 1, 4, 16 and 64 samples a pixel it builds its tree anew from all that was found until then.
+/// after 1, 4, 16 and 64 samples a pixel it builds its tree again from everything found until then.
 class VisibilityOctreeLightSampler final : public InteriorLightSampler, private LightLearner {
   public:
     VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
@@ -54,7 +54,7 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
     double PathsPerPixel(const PrepareContext &context) const;
     size_t Tries() const { return TriesPerRecord(groups_.Size(), params_.tries); }
-    /// False: stopped by `progress`; the tree is the one before.
+    /// Builds the tree from known_. False: cancelled through `progress`; the tree is unchanged.
     bool Build(int records, const Progress &progress);
 
     int NextLearning() const override { return nextLearning_; }
@@ -67,7 +67,7 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     OctreeParams params_;
     Float floor_;
     GroupImportance importance_;
-    std::unique_ptr<LightTree> lightTree_;  ///< where there are more groups than are scanned
+    std::unique_ptr<LightTree> lightTree_;  ///< null: at most kMax groups, all of which are weighed
     VisibilityTree tree_;
     bool learned_ = false;
     std::vector<LeafSize> leaves_;  ///< these two for Inspect and DescribeStructure only
@@ -75,7 +75,7 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     size_t prepassRecords_ = 0, prepassTries_ = 0, learnedTries_ = 0, leavesBefore_ = 0;
     double prepassSeconds_ = 0, buildSeconds_ = 0, learningSeconds_ = 0;
 
-    VisibilityRecords known_;  ///< all of them until now, while more are to come
+    VisibilityRecords known_;  ///< all records so far; emptied when no learning is to come
     RenderRecords found_;
     Bounds3 sceneBounds_;
     Bounds2i pixels_;

@@ -11,7 +11,8 @@ namespace {
 constexpr size_t kMaxScanned = 64;
 constexpr int64_t kChunk = 256;
 
-/// What one light sample of the render finds of a group: the contribution that arrives, over its probability.
+/// The contribution of a group that one light sample finds, drawn as in the render: what arrives, over the probability
+/// of the light within the group.
 Float SampleGroup(const Scene &scene, const PrepassVertex &vertex, const LightQuery &query,
                   const MeshInterior &interior, uint32_t group, Rng &rng) {
     Float uLight = rng.Uniform();
@@ -82,7 +83,7 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
         const Draws draws(importance, tree, query);
         double total = 0;
         for (size_t k = 0; k < perRecord; ++k) {
-            // One draw in each of as many parts.
+            // Stratified: one draw in each of `perRecord` equal parts of [0, 1).
             const Float u = (static_cast<Float>(k) + rng.Uniform()) / static_cast<Float>(perRecord);
             std::optional<SampledLight> drawn = draws.Draw(std::min(u, OneMinusEpsilon));
             if (!drawn) continue;

@@ -13,12 +13,13 @@ struct VisibilityRecords {
     std::vector<VisibilityTry> tries;
 };
 
-/// Shadow rays a vertex: one to each of `groups` lights up to 64 of them (`wanted` 0), else 8 drawn ones, or as wanted.
+/// The number of shadow rays from a vertex. `wanted` 0: one to each of up to 64 groups, and 8 to drawn groups if there
+/// are more. Else `wanted`, but at most the number of groups.
 size_t TriesPerRecord(size_t groups, int wanted);
 
-/// One shadow ray to lights of every vertex: to all that could contribute if there are no more than `perRecord`, else
-/// to that many drawn by G, through `tree` where there is one. Records without any light to look at are left out. The
-/// same for any number of threads.
+/// Traces shadow rays from every vertex: to all groups that could contribute if there are at most `perRecord` groups,
+/// else to `perRecord` groups drawn in proportion to G, through `tree` unless it is null. A vertex that no group could
+/// contribute to gives no record. The result is the same for any number of threads.
 VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices,
                                   const LightGroups &groups, const GroupImportance &importance,
                                   const MeshInterior &interior, const LightTree *tree, size_t perRecord);

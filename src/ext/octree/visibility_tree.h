@@ -46,7 +46,7 @@ class VisibilityTree {
   private:
     friend class VisibilityTreeBuilder;
     CellOctree cells_;
-    std::vector<uint32_t> offset_;  ///< of row r in the two below; one more entry at the end
+    std::vector<uint32_t> offset_;  ///< where a row begins in nodes_ and codes_; one more entry at the end
     std::vector<uint32_t> nodes_;
     std::vector<uint8_t> codes_;
     size_t leaves_ = 0;

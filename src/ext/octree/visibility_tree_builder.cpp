@@ -11,7 +11,7 @@ namespace ext {
 
 namespace {
 constexpr int kAllRecords = -1;
-/// Which half a record belongs to.
+/// The half that a record belongs to: 0 makes the estimates, 1 judges them (Prune).
 int HalfOf(uint32_t record) { return static_cast<int>(MixBits(record) & 1); }
 }  // namespace
 
@@ -20,7 +20,7 @@ VisibilityTreeBuilder::VisibilityTreeBuilder(const Bounds3 &bounds, std::span<co
                                              const VisibilityBuildSettings &settings)
     : bounds_(bounds), records_(records), tries_(tries), settings_(settings), cells_(bounds) {}
 
-/// True for ever after `stop` was true once, so that no step goes on with what another left undone.
+/// True from the first time that `stop` returned true, so that no step works on what another left unfinished.
 bool VisibilityTreeBuilder::Stopped() const {
     if (stopped_.load(std::memory_order_relaxed)) return true;
     if (!*stop_ || !(*stop_)()) return false;
@@ -65,7 +65,7 @@ void VisibilityTreeBuilder::Divide() {
 }
 
 void VisibilityTreeBuilder::SumUp(int half) {
-    /// Sorted by light, one entry each. Of the same light in the same order as before.
+    // Sorts by light and adds up the entries of each light, in the order in which they stood.
     auto compress = [](std::vector<TrySums> &sums) {
         std::vector<uint64_t> order(sums.size());
         for (size_t i = 0; i < sums.size(); ++i) order[i] = uint64_t(sums[i].light) << 32 | i;
@@ -128,7 +128,8 @@ void VisibilityTreeBuilder::EstimateNode(Node &node, const Node *above) const {
     if (settings_.lights) {
         double weight = 0;
         for (const TrySums &s : node.sums) weight += s.w;
-        // More, as what it is pulled towards knows more: the cell above and the light's neighbours.
+        // Four times the pseudo-tries, because the estimate is pulled towards values that are better known: those of
+        // the cell above and of the light's neighbours.
         node.cut = CellCut(*settings_.lights, node.sums, weight, above ? &above->cut : nullptr,
                            {4 * k, settings_.secondMoment, static_cast<size_t>(settings_.cut)});
         return;
@@ -202,7 +203,7 @@ void VisibilityTreeBuilder::Prune() {
                 below += best[i];
                 squares += (l - best[i]) * (l - best[i]);
             }
-            // Worth keeping: a gain that matters and that is more than chance.
+            // A split is kept if its gain is more than the share pruneGain of the loss and more than chance.
             const double gain = here - below;
             bool keep = node.firstChild != 0 && gain > static_cast<double>(settings_.pruneGain) * here &&
                         gain > std::sqrt(squares);

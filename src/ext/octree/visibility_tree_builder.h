@@ -11,7 +11,7 @@
 
 namespace ext {
 
-/// One shadow ray of the prepass: light (group) l looked at from record x.
+/// One shadow ray from record x to light (group) l, of the prepass or of the render.
 struct VisibilityTry {
     uint32_t light = 0;
     Float share =
@@ -21,7 +21,7 @@ struct VisibilityTry {
     Float ratio = 0;  ///< contribution found / G_l(x)
 };
 
-/// A point where light was looked for; its tries are consecutive.
+/// A point from which shadow rays were traced; its tries are consecutive.
 struct VisibilityRecord {
     Point3 p{};
     uint32_t firstTry = 0, tryCount = 0;
@@ -32,33 +32,35 @@ struct VisibilityBuildSettings {
     const LightTree *lights = nullptr;  ///< rows are cuts through it; null: rows name all lights
     int cut = 48;                       ///< nodes of such a row, far lights not counted
     int records = 50;                   ///< a leaf wants about this many
-    int triesPerRecord = 1;             ///< of a record as meant there, where tries are drawn (with a light tree)
+    int triesPerRecord = 1;             ///< tries that count as one record; used with a light tree only
     Float shrinkage = 4;                ///< pseudo-tries of the parent's estimate
     Float pruneGain = 0.01f;   ///< a split must lower the held-out second moment by this share; 0 keeps every split
     bool secondMoment = true;  ///< a^2 = mean of ratio^2; false: a = mean of ratio
-    Float floor = 0.05f;       ///< of the sampler, for judging
+    Float floor = 0.05f;       ///< the sampler's floor, used when splits are judged
 };
 
 /// Builds a VisibilityTree. Deterministic for any number of threads.
 ///
 /// Estimate in a cell: a_l^2 = sum w r^2 / sum w over its tries of l, pulled towards the parent's by `shrinkage`
-/// pseudo-tries against n = (sum w)^2 / sum w^2 effective ones, from the root down. The root's is pulled towards the
-/// mean over all lights. Where there is a light tree: CellCut. Size: cells are split while they hold more than 4
-/// `records` records. Then one half of the records makes estimates and the other judges them by the second moment of
-/// the estimator, sum_l f_l^2 / p_l, relative to the unoccluded sum squared: children that do not lower it are merged,
-/// from the leaves up to the whole box. At last everything is estimated again from all records. Where there is a light
-/// tree cells are split while they hold more than `records`, and nothing is merged: a few drawn tries a record judge
-/// too badly, and small cells are harmless, as they only adjust what the cell above says.
+/// pseudo-tries against n = (sum w)^2 / sum w^2 effective ones, from the root down. The root's estimate is pulled
+/// towards the mean over all lights. Where there is a light tree, CellCut makes the estimates. Size: cells are split
+/// while they hold more than 4 `records` records. Then one half of the records makes estimates and the other judges
+/// them by the second moment of the estimator, sum_l f_l^2 / p_l, relative to the unoccluded sum squared: children that
+/// do not lower it are merged, from the leaves up to the whole box. At last everything is estimated again from all
+/// records. Where there is a light tree cells are split while they hold more than `records`, and nothing is merged: a
+/// few drawn tries a record judge too badly, and small cells are harmless, as they only adjust what the cell above
+/// says.
 class VisibilityTreeBuilder {
   public:
     VisibilityTreeBuilder(const Bounds3 &bounds, std::span<const VisibilityRecord> records,
                           std::span<const VisibilityTry> tries, const VisibilityBuildSettings &settings);
-    /// Nothing if `stop` became true meanwhile; it is asked often, by several threads. Once per builder.
+    /// The tree; empty if `stop` returned true meanwhile. Several threads call `stop`, often. Call Build once per
+    /// builder.
     std::optional<VisibilityTree> Build(const std::function<bool()> &stop = {});
 
     /// After Build.
     size_t LeavesBeforePruning() const { return leavesBefore_; }
-    /// After Build, for views: the leaves, and for every node of the frozen cells the records of its leaf.
+    /// After Build, for views: the leaves, and the number of records of each leaf, indexed by CellOctree::Cell::node.
     const std::vector<LeafSize> &Leaves() const { return leaves_; }
     const std::vector<uint32_t> &RecordsPerNode() const { return recordsPerNode_; }
 

@@ -12,7 +12,8 @@ constexpr double kTolerance = 1e-3;
 
 double Square(Float v) { return static_cast<double>(v) * static_cast<double>(v); }
 
-/// Term of S(p) for value 1. Scaled by the larger of the two, so that nothing under- or overflows.
+/// The term of S(p) for one point with value 1. Computed relative to the larger of p and r, so that nothing under- or
+/// overflows.
 double Moment(double p, double r) {
     const double s = std::max(p, r);
     if (!(s > 0)) return std::numeric_limits<double>::infinity();
@@ -60,7 +61,7 @@ bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf)
             double p = pmf[l], gain = 0;
             if (!(p > 0)) continue;
             for (const LightPoint &y : of(l)) gain += Square(y.value) * Gain(p, static_cast<double>(y.ratio));
-            double target = std::sqrt(gain);  // but for normalisation
+            double target = std::sqrt(gain);  // up to normalisation
             if (p > kTolerance) {
                 least = std::min(least, target / p);
                 most = std::max(most, target / p);

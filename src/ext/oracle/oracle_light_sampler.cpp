@@ -12,10 +12,10 @@ namespace ext {
 
 namespace {
 
-/// Keeps these random numbers apart from every other use of the seed.
+/// Makes these random numbers independent of every other use of the seed.
 constexpr uint64_t kStream = 0x6f7261636c65ull;
 
-/// f cos and BSDF sampling's density towards wi.
+/// f cos towards wi, and the density of BSDF sampling there.
 struct Scattered {
     SampledSpectrum fCos;
     Float pdf = 0;  ///< solid angle
@@ -47,7 +47,8 @@ void OracleLightSampler::Prepare(PrepareContext &context) {
     scene_ = &context.scene;
     seed_ = context.seed;
     LogWarning(fmt::format(
-        "oracle: a measuring instrument, slow: {} lights x {} samples = up to {} shadow rays at every path vertex.",
+        "oracle: this measuring instrument is slow: {} lights x {} samples = up to {} shadow rays at every path "
+        "vertex.",
         groups_.Size(), params_.samples, groups_.Size() * static_cast<size_t>(params_.samples)));
 }
 
@@ -70,7 +71,8 @@ const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &m
         const double shift[3] = {static_cast<double>(rng.Uniform()), static_cast<double>(rng.Uniform()),
                                  static_cast<double>(rng.Uniform())};
         for (size_t i = 0; i < k; ++i) {
-            // Additive recurrence with the reciprocal powers of the root of x^4 = x + 1: evenly spread for any number.
+            // Additive recurrence with the reciprocal powers of the root of x^4 = x + 1: evenly spread for any number
+            // of points.
             const auto at = static_cast<double>(i);
             std::optional<SampledLight> chosen =
                 interior_.Sample(g, query, Fraction(shift[0] + at * 0.5497004779019703));
@@ -82,7 +84,8 @@ const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &m
             const bool findable = params_.mis && !IsDelta(light.Kind());
             Scattered scattered = ScatteredTo(query, sample->wi, findable);
             const Float pLight = chosen->pmf * sample->pdf;
-            // Squares are what counts: of the wavelengths as well (emitter.h).
+            // The root mean square over the wavelengths, because errors are squared wavelength by wavelength
+            // (emitter.h).
             Float value = RootMeanSquare(sample->L * scattered.fCos) / pLight;
             if (!(value > 0) || !std::isfinite(value) || scene_->Occluded(from, *sample)) continue;
             points[g * k + i] = {value, findable ? scattered.pdf / pLight : 0};
@@ -143,7 +146,8 @@ void OracleLightSampler::Inspect(const LightQuery &query, std::vector<InspectedV
 void OracleLightSampler::Report(nlohmann::ordered_json &report) const {
     const uint64_t measured = measured_, rays = rays_;
     report["parameters"] = EffectiveParams(params_).dump();
-    report["note"] = "a measuring instrument: its time says nothing";
+    report["note"] =
+        "The oracle is a measuring instrument; its render time is not comparable with that of other light samplers.";
     GroupLightSampler::Report(report);
     report["mostShadowRaysPerVertex"] = scene_ ? groups_.Size() * static_cast<size_t>(params_.samples) : 0;
     report["ownShadowRays"] = rays;

@@ -7,23 +7,25 @@
 
 namespace ext {
 
-/// A measuring instrument, not a sampler to render with: at every shading point it looks at every light with shadow
-/// rays of its own, and chooses with the probabilities that make the estimate of direct light there least noisy
-/// (least_variance.h). What the other samplers' errors are compared with.
+/// A measuring instrument, not a sampler to render with: at every shading point it traces its own shadow rays to every
+/// light and chooses with the probabilities that minimise the variance of the estimate of direct light there
+/// (least_variance.h). The errors of other samplers are compared with its error.
 ///
-/// What is least: given the shading point, the direction it is seen from, its BSDF and the path's wavelengths, the sum
-/// of the second moments of one light sample and one BSDF sample of direct light, combined by the power heuristic
-/// (`mis` true), with the mean over the wavelengths as the value. With `mis` false: the second moment of the light
-/// sample alone, that is p_l ~ sqrt(E[(f Le cos V / p(y))^2]).
+/// What is minimised: given the shading point, the direction it is seen from, its BSDF and the path's wavelengths, the
+/// sum of the second moments of one light sample and one BSDF sample of direct light, combined by the power heuristic
+/// (`mis` true), with the root mean square over the wavelengths as the value. With `mis` false: the second moment of
+/// the light sample alone, that is p_l ~ sqrt(E[(f Le cos V / p(y))^2]).
 ///
-/// What is given: how a point on a light is drawn, how a primitive of a mesh is chosen (MeshInterior, as the octree
-/// does), and where the paths go. No choice among the lights goes below this error; a sampler that is better inside
-/// meshes or on a light could. `meshlights` false measures every primitive: the floor of that choice as well.
+/// What is taken as given: how a point on a light is drawn, how a primitive of a mesh is chosen (MeshInterior, as the
+/// octree does), and where the paths go. No choice among the lights has a lower error; a sampler that chooses better
+/// inside meshes or on a light could have. With `meshlights` false every primitive is measured, which gives the lower
+/// limit for the choice inside meshes as well.
 ///
-/// Why an image made with it may have a little more error than that: expectations are means over `samples` light
-/// points; the share `floor` goes to the unoccluded estimate at the point (EmitterTree), so that a light that none of
-/// the points saw can still be chosen and the mean of the image is right; the error of an image weighs colours, this
-/// weighs wavelengths; and noise in a pixel comes from the rest of the path as well.
+/// Why an image rendered with the oracle may have a little more error than the minimum: expectations are means over
+/// `samples` light points; the share `floor` goes to the unoccluded estimate at the point (EmitterTree), so that a
+/// light that none of the points saw can still be chosen and the mean of the image is right; the error of an image is
+/// measured in colours, the oracle minimises it over wavelengths; and noise in a pixel comes from the rest of the path
+/// as well.
 ///
 /// Without a BSDF in the query the surface is a white diffuse one, of both sides if it transmits; in a medium
 /// scattering is uniform. Random numbers depend on the seed and the query's position and direction only.
@@ -40,7 +42,7 @@ class OracleLightSampler final : public InteriorLightSampler {
     const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
     std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
     Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
-    /// Running sums over groups, in the memory; null if nothing was seen.
+    /// The running sums of the probabilities of the groups, in `memory`; null if no shadow ray found light.
     const Float *Measure(const LightQuery &query, LightMemory &memory) const;
 
     OracleParams params_;

@@ -5,7 +5,7 @@ void register_oracle(pbrt::LightSamplerRegistry &registry) {
     using namespace ext;
     registry.samplers.Add<OracleParams>(
         "oracle",
-        "measuring instrument, slow: shadow rays to every light at every point give the least noisy choice there is",
+        "measuring instrument, slow: traces shadow rays to every light at every point for the choice of least variance",
         [](const OracleParams &p, const ParamSet &, const LightGroups &groups) {
             return std::make_unique<OracleLightSampler>(groups.Lights(), p);
         });

@@ -11,7 +11,7 @@ namespace ext {
 namespace {
 
 constexpr int kTileSize = 16;
-/// Keeps the numbers of the prepass apart from every other use of the seed.
+/// Makes the random numbers of the prepass independent of every other use of the seed.
 constexpr uint64_t kStream = 0x70726570617373ull;
 
 /// Appends the vertices of one camera path.
@@ -40,7 +40,8 @@ void TracePath(const PrepareContext &context, Point2i pixel, int sampleIndex, in
     }
 }
 
-/// The whole part of samplesPerPixel, and one more for as many pixels as the fraction says.
+/// The number of paths through a pixel: the integer part of samplesPerPixel, and one more in a share of the pixels that
+/// equals its fractional part.
 int PathsOf(Point2i pixel, double samplesPerPixel) {
     int whole = static_cast<int>(samplesPerPixel);
     double fraction = samplesPerPixel - whole;

@@ -14,7 +14,7 @@ struct PrepassVertex {
     bool transmits = false;  ///< light from the other side counts too
 };
 
-/// What a render would ask a light sampler there; without the BSDF.
+/// The query that a render would make at the vertex, but without the BSDF.
 LightQuery QueryAt(const PrepassVertex &vertex);
 
 /// The paper's path pass (section 4.1): `samplesPerPixel` camera paths through every pixel that will be rendered (a
@@ -24,8 +24,8 @@ LightQuery QueryAt(const PrepassVertex &vertex);
 /// "prepass".
 std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double samplesPerPixel, int depth);
 
-/// The paper's Eq. 5 for one light: Le G V / p at a light point drawn with `u`, at PowerWavelengths(). Reflection on
-/// the far side of an opaque surface counts 0.
+/// The paper's Eq. 5 for one light: Le G V / p at a light point drawn with `u`, at PowerWavelengths(). 0 if the surface
+/// is opaque and the light arrives on the side that is not seen.
 SampledSpectrum VisibleContribution(const Scene &scene, const PrepassVertex &vertex, LightId light, const Point2 &u);
 /// Mean over the visible range of a spectrum at PowerWavelengths(), as LightCandidate::power.
 Float VisibleMean(const SampledSpectrum &s);

@@ -13,10 +13,10 @@
 namespace ext {
 
 namespace {
-/// Keeps the shifts of the points apart from every other use of the seed.
+/// Makes the shifts of the points independent of every other use of the seed.
 constexpr uint64_t kStream = 0x7370617469616cull;
 
-/// u + shift on the unit circle.
+/// u + shift modulo 1.
 Float Shifted(Float u, Float shift) {
     Float v = u + shift;
     return std::min(v < 1 ? v : v - 1, OneMinusEpsilon);
@@ -43,8 +43,8 @@ void SpatialLightSampler::Prepare(PrepareContext &context) {
     auto work = static_cast<double>(grid_.BorderSize()) * static_cast<double>(groups_.Size()) * params_.samples;
     if (work > 3e8)
         LogWarning(
-            fmt::format("spatial: {} lights to choose from mean about {:.1e} light samples, {} for every voxel "
-                        "that is entered for the first time.",
+            fmt::format("spatial: the distributions over {} lights take about {:.1e} light samples, {} for every "
+                        "voxel that a path enters for the first time.",
                         groups_.Size(), work, groups_.Size() * points_.size()));
     prepareSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }

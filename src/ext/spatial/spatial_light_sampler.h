@@ -7,10 +7,10 @@
 
 namespace ext {
 
-/// Lights in proportion to what they would give to a voxel if nothing were in the way: Eq. 3 of "Enhanced Direct
-/// Lighting Using Visibility-Aware Light Sampling" (Noh, Choi, Moon 2023), Le G / p over low-discrepancy points of the
-/// voxel. The points lie in space, so G has the light's cosine and the distance but no cosine at the point (as in
-/// pbrt-v3).
+/// Chooses lights in proportion to what they would contribute to a voxel if nothing were in the way: Eq. 3 of "Enhanced
+/// Direct Lighting Using Visibility-Aware Light Sampling" (Noh, Choi, Moon 2023), Le G / p over low-discrepancy points
+/// of the voxel. The points lie in space, so G has the light's cosine and the distance but no cosine at the point (as
+/// in pbrt-v3).
 ///
 /// A voxel's distribution is made when a path first asks for it and depends on the voxel and the seed only. Before
 /// Prepare there is no grid and all groups have the same share.
@@ -28,13 +28,13 @@ class SpatialLightSampler final : public VoxelLightSampler {
     std::vector<double> UnshadowedContributions(uint32_t voxel) const;
 
   private:
-    /// One low-discrepancy point: where in the voxel, and the numbers for the light sample.
+    /// One low-discrepancy point: its place in the voxel, and the uniform numbers for the light sample. All in [0, 1).
     struct VoxelPoint {
         Vector3 place{};
         Float uMember = 0;
         Point2 uLight{};
     };
-    /// Filled now if need be.
+    /// Fills the voxel's distribution if it is empty.
     std::span<const uint32_t> Cdf(const Point3 &p) const override;
 
     const LightTable &lights_;

@@ -18,7 +18,7 @@ class LazyRows {
     LazyRows(const LazyRows &) = delete;
     LazyRows &operator=(const LazyRows &) = delete;
 
-    /// Forgets everything. Not while rows are in use.
+    /// Deletes all rows and sets their number and length. Not while rows are in use.
     void Reset(size_t rows, size_t length) {
         Clear();
         rows_ = std::make_unique<std::atomic<T *>[]>(rows);
@@ -27,7 +27,7 @@ class LazyRows {
         filled_ = discarded_ = nanoseconds_ = 0;
     }
 
-    /// `fill` gets a span of T with unspecified values and sets them all.
+    /// The row; if it does not exist, `fill` makes it: it gets a span of T with unspecified values and sets them all.
     template <class Fill>
     std::span<const T> Get(size_t row, const Fill &fill) const {
         const T *values = rows_[row].load(std::memory_order_acquire);
@@ -39,7 +39,7 @@ class LazyRows {
 
     size_t Size() const { return count_; }
     size_t Filled() const { return static_cast<size_t>(filled_.load()); }
-    /// Rows made for nothing because another thread was first.
+    /// Rows thrown away because another thread published the same row first.
     size_t Discarded() const { return static_cast<size_t>(discarded_.load()); }
     /// CPU time spent in `fill`, added up over threads.
     double FillThreadSeconds() const { return static_cast<double>(nanoseconds_.load()) * 1e-9; }

@@ -9,9 +9,10 @@ using namespace pbrt;
 /// A regular grid over a box, with voxels as near to cubes as whole numbers allow. Look-up is index arithmetic.
 class VoxelGrid {
   public:
-    /// One voxel.
+    /// A grid of one voxel.
     VoxelGrid() = default;
-    /// `voxels` along the longest axis, in proportion along the others. An empty box is a point at the origin.
+    /// `voxels` along the longest axis, in proportion along the others. An empty box gives one voxel without extent at
+    /// the origin.
     VoxelGrid(const Bounds3 &bounds, int voxels);
 
     /// Points outside belong to the nearest voxel (and NaN to the first).
@@ -26,7 +27,7 @@ class VoxelGrid {
     Bounds3 Voxel(uint32_t index) const;
     /// Point of a voxel; u in [0, 1)^3.
     Point3 PointIn(uint32_t index, const Vector3 &u) const { return low_ + (Corner(index) + u) * size_; }
-    /// Voxels that have a face on the border of the grid: a guess of how many hold surfaces.
+    /// Voxels that have a face on the border of the grid: an estimate of how many voxels hold surfaces.
     size_t BorderSize() const;
 
   private:

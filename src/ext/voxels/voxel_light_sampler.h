@@ -21,8 +21,8 @@ class VoxelLightSampler : public GroupLightSampler {
 
   protected:
     using GroupLightSampler::GroupLightSampler;
-    /// The distribution of the voxel that holds p, in fixed point (BuildFixedCdf); it stays where it is. Empty before
-    /// Prepare: then all groups have the same share.
+    /// The distribution of the voxel that holds p, in fixed point (BuildFixedCdf). It stays at its address until the
+    /// next Prepare. Empty before Prepare: then all groups have the same share.
     virtual std::span<const uint32_t> Cdf(const Point3 &p) const = 0;
 
   private:

@@ -9,7 +9,7 @@ LightGroups::LightGroups(const LightTable &lights, bool wholes) : lights_(lights
     const auto n = static_cast<uint32_t>(lights.Size());
     share_.resize(n);
     cdf_.resize(n);
-    std::vector<double> powers;  // of the group's lights
+    std::vector<double> powers;  // of the group's parts
     for (uint32_t i = 0, end = 0; i < n; i = end) {
         LightCandidate group;
         double power = 0;

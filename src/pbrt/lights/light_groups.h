@@ -17,37 +17,37 @@ struct LightCandidate {
     bool infinite = false;
 };
 
-/// The lights of a scene as things to choose from: every light with all its parts is ONE group, or every part is a
-/// group of its own. P(part | query) = P(group | query) * P(part | group); the second factor is the part's share of the
-/// group's power and lives here, so that no two samplers can disagree about it.
+/// The lights of a scene, divided into the groups that a light sampler chooses from: every light with all its parts is
+/// one group, or every part is a group. P(part | query) = P(group | query) * P(part | group); the second factor is the
+/// part's share of the group's power and lives here, so that all samplers use the same.
 class LightGroups {
   public:
-    /// `wholes` false: every part its own group. The table must live as long.
+    /// `wholes` false: every part is a group. The table must outlive the groups.
     LightGroups(const LightTable &lights, bool wholes);
 
     size_t Size() const { return first_.empty() ? LightCount() : first_.size() - 1; }
     size_t LightCount() const { return lightCount_; }
     const LightTable &Lights() const { return lights_; }
-    /// Power (sum), bounds (union) and kind of a group; what samplers weigh.
+    /// The power (sum), the bounds (union) and the kind of a group, by which samplers weigh it.
     LightCandidate Candidate(uint32_t group) const;
     std::vector<LightCandidate> Candidates() const;
     uint32_t GroupOf(LightId light) const { return first_.empty() ? light.value : WholeOf(light); }
-    /// Lights of a group: consecutive ids.
+    /// The first part of a group and the number of its parts, which have consecutive ids.
     uint32_t FirstOf(uint32_t group) const { return first_.empty() ? group : first_[group]; }
     uint32_t CountOf(uint32_t group) const { return first_.empty() ? 1 : first_[group + 1] - first_[group]; }
 
     /// P(light | its group). Discrete.
     Float ShareOf(LightId light) const { return share_.empty() ? Float(1) : share_[light.value]; }
-    /// A light of the group with probability ShareOf.
+    /// Chooses a part of the group with probability ShareOf; u in [0, 1).
     LightId SampleLight(uint32_t group, Float u) const {
         return first_.empty() ? LightId(group) : SampleWithin(group, u);
     }
-    /// Uniform number for SampleLight from the one number of a selection: independent of which group that number chose,
-    /// and fine enough for any number of parts.
+    /// Makes the uniform number for SampleLight from the number u that chose the group: it is independent of the group
+    /// that u chose, and fine enough for any number of parts.
     static Float InnerNumber(Float u, const Point3 &p) { return HashFloat(u, p); }
-    /// The same where the group was chosen because u is in [begin, begin + share): its place in there, so that what is
-    /// well spread for u is well spread inside the group as well. Digits that u does not have come from a hash, all of
-    /// them in small parts.
+    /// The same for a group that was chosen because u is in [begin, begin + share): the relative position of u in this
+    /// interval, so that well-spread u are well spread inside the group as well. The bits that u lacks come from a
+    /// hash, for small shares all bits.
     static Float InnerNumber(Float u, const Point3 &p, Float begin, Float share) {
         constexpr Float kStep = 0x1p-24f, kSmall = 1e-3f;
         if (share < kSmall) return InnerNumber(u, p);
@@ -62,7 +62,7 @@ class LightGroups {
 
     const LightTable &lights_;
     size_t lightCount_;
-    // All empty where every part is a group.
+    // All four are empty if every part is a group.
     std::vector<LightCandidate> candidates_;
     std::vector<uint32_t> first_;  ///< per group, its first light; one more entry at the end
     std::vector<Float> share_;     ///< per light; empty if no group has more than one

@@ -6,7 +6,7 @@
 namespace pbrt {
 
 namespace {
-/// Averaged over the visible wavelengths.
+/// Phi, averaged over the visible wavelengths.
 Float PowerOf(const LightPart &light) {
     const SampledWavelengths lambda = PowerWavelengths();
     return SafeDivide(light.Phi(lambda), lambda.Pdf()).Average();

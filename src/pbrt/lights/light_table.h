@@ -17,23 +17,23 @@ class LightTable {
     LightTable(const LightTable &) = delete;  // groups refer to their table
     LightTable &operator=(const LightTable &) = delete;
 
-    /// The id of the light's first part.
+    /// Appends a light and returns the id of its first part. Not after Finish.
     LightId Add(std::unique_ptr<Light> light);
-    /// Gives every light the scene's bounding sphere and makes the groups. Once.
+    /// Gives every light the scene's bounding sphere and makes the groups. Must be called once, after the last Add.
     void Finish(const Point3 &sceneCenter, Float sceneRadius);
 
-    /// Parts of all lights.
+    /// The number of parts of all lights.
     size_t Size() const { return wholeOf_.size(); }
     LightPart operator[](LightId id) const {
         const Whole &whole = wholes_[wholeOf_[id.value]];
         return {*whole.light, id.value - whole.first};
     }
     size_t WholeCount() const { return wholes_.size(); }
-    /// Which of the lights it is a part of; below WholeCount().
+    /// The index of the light that the part belongs to, below WholeCount().
     uint32_t WholeOf(LightId id) const { return wholeOf_[id.value]; }
 
-    /// What a ray meets that leaves the scene from o in direction d: calls visit(radiance, id) for every infinite light
-    /// that shines there, with the part that is met.
+    /// For a ray from o in direction d that leaves the scene: calls visit(radiance, id) for every infinite light with
+    /// radiance along the ray, with the id of the part in direction d.
     template <class Visit>
     void ForEachBeyond(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda, Visit &&visit) const {
         for (LightId first : infinite_) {
@@ -42,11 +42,11 @@ class LightTable {
         }
     }
     bool HasInfinite() const { return !infinite_.empty(); }
-    /// Lights whose power is beyond single precision; to choose from they have none.
+    /// Parts whose power overflows single precision; their power counts as 0 when a light is chosen.
     std::span<const LightId> Overflowed() const { return overflowed_; }
-    /// What light samplers choose from; needs Finish.
+    /// What a light sampler knows of a part when it chooses. Only after Finish.
     LightCandidate Candidate(LightId id) const;
-    /// Every part on its own, or every light with all its parts.
+    /// Every part as a group (Parts), and every light with all its parts as a group (Wholes). Only after Finish.
     const LightGroups &Parts() const { return *parts_; }
     const LightGroups &Wholes() const { return *groupsOfWholes_; }
 

@@ -7,8 +7,8 @@
 namespace pbrt {
 
 /// Light samplers that choose a group of lights first (LightGroups) and then one of its lights:
-/// P(light) = P(group) P(light | group). Derived classes choose the group. Inside it a light is chosen by its share of
-/// the power, unless a derived class knows better.
+/// P(light) = P(group) P(light | group). Derived classes choose the group. Inside the group a light is chosen by its
+/// share of the power, unless a derived class overrides ChooseInside.
 class GroupLightSampler : public LightSampler {
   public:
     /// The numbers of groups and lights.
@@ -16,20 +16,20 @@ class GroupLightSampler : public LightSampler {
 
     const LightGroups &Groups() const { return groups_; }
 
-    /// `pmf`: of the group. `inner`: the uniform number for the choice inside. `unoccluded`, `weight`: of the group, as
-    /// in SampledLight.
+    /// `pmf`: the probability of the group. `inner`: the uniform number for the choice inside it. `unoccluded` and
+    /// `weight`: those of SampledLight, for the group.
     struct ChosenGroup {
         uint32_t group = 0;
         Float pmf = 1, inner = 0;
         Float unoccluded = 0, weight = 0;
     };
-    /// As LightSampler's Weigh, Choose and Probability, for groups. No group is chosen if none can contribute.
+    /// Like Weigh, Choose and Probability of LightSampler, for groups. No group is chosen if none can contribute.
     virtual const void *WeighGroups(const LightQuery &, LightMemory &) const { return nullptr; }
     virtual std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const = 0;
     virtual Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const = 0;
 
   protected:
-    /// `alwaysAsked`: also where there is one group only; else that one is chosen with certainty.
+    /// `alwaysAsked`: ChooseGroup is called even if there is only one group; false: a single group has probability 1.
     explicit GroupLightSampler(const LightGroups &groups, bool alwaysAsked = false)
         : groups_(groups), isAsked_(groups.Size() > (alwaysAsked ? 0 : 1)) {}
 
@@ -40,14 +40,15 @@ class GroupLightSampler : public LightSampler {
     }
     virtual Float ProbabilityInside(const LightQuery &, LightId light) const { return groups_.ShareOf(light); }
 
-    /// All groups alike; the pmf is 1 / number.
+    /// Chooses among all groups with equal probabilities.
     ChosenGroup SampleUniformly(const LightQuery &query, Float u) const;
-    /// By running sums that end at 1.
+    /// Chooses by the running sums `cdf` of the groups' probabilities, which end at 1.
     static ChosenGroup SampleCdf(std::span<const Float> cdf, const LightQuery &query, Float u);
     static Float CdfPMF(std::span<const Float> cdf, uint32_t group) {
         return cdf[group] - (group > 0 ? cdf[group - 1] : 0);
     }
-    /// For samplers that know no better number for the choice inside than a hash of the one for the group.
+    /// The number for the choice inside a group, for samplers that have nothing better than a hash of the number u that
+    /// chose the group.
     Float InnerNumber(const LightQuery &query, Float u) const {
         if (groups_.Size() == groups_.LightCount()) return 0;  // there is nothing to choose
         return groups_.Size() == 1 ? u : LightGroups::InnerNumber(u, query.p);

@@ -14,9 +14,9 @@ struct WeightedChoice {
     Sum before = 0;  ///< sum of the weights before it
 };
 
-/// The only scan over weights. `target`: a uniform number times the sum of the weights; WeightAt(i) for i below
-/// `count`. The weights are added up in the precision of Sum. What rounding leaves over goes to the last positive
-/// weight; nothing is chosen if there is none.
+/// Chooses one of `count` things by a scan over their weights. `target`: a uniform number times the sum of the weights;
+/// weightAt(i): the weight of thing i. The weights are added up in the precision of Sum. If rounding makes their sum
+/// less than `target`, the last positive weight is chosen. Nothing is chosen if no weight is positive.
 template <class Sum, class WeightAt>
 [[gnu::always_inline]] inline auto ChooseByWeight(size_t count, Sum target, WeightAt &&weightAt, Sum before = 0) {
     using Choice = WeightedChoice<Sum, decltype(weightAt(0u))>;
@@ -31,7 +31,7 @@ template <class Sum, class WeightAt>
     return chosen;
 }
 
-/// Where a walk down a tree over lights ends: at a leaf (for the tree to say what that is), and how likely that was.
+/// Where a walk down a tree over lights ends: at a leaf (the tree knows what it holds), and the probability of that.
 template <class Node>
 struct WalkEnd {
     Node node{};
@@ -45,10 +45,9 @@ struct WalkEnd {
 ///   using Node = ...;                           names a node; a small value
 ///   struct Level { uint32_t count; Float sum;  Float WeightAt(i) const;  Node At(i) const; };
 ///   bool IsLeaf(Node) const;
-///   void WeighBelow(Node, const LightQuery &, Level *) const;   the nodes below, with their weights and the sum of
-///   these
+///   void WeighBelow(Node, const LightQuery &, Level *) const;   the nodes below, their weights and the weights' sum
 ///
-/// None if nothing below some node has a weight.
+/// The result is empty if the walk comes to a node below which no weight is positive.
 template <class Tree>
 std::optional<WalkEnd<typename Tree::Node>> WalkDown(const Tree &tree, typename Tree::Node node,
                                                      const LightQuery &query, double u) {
@@ -68,8 +67,8 @@ std::optional<WalkEnd<typename Tree::Node>> WalkDown(const Tree &tree, typename 
     return end;
 }
 
-/// The probability that WalkDown from `*node` takes a certain way: `next(node, level)` says to which of the nodes below
-/// it goes. `*node` becomes the leaf. Equal to WalkDown's to the bit.
+/// The probability that WalkDown from `*node` takes a given way: `next(node, level)` returns the index in `level` of
+/// the node that the way goes to. `*node` becomes the leaf. The result equals the pmf of WalkDown to the bit.
 template <class Tree, class Next>
 Float WalkProbability(const Tree &tree, typename Tree::Node *node, const LightQuery &query, Next &&next) {
     Float pmf = 1;

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders the kept list of scenes and flags (list.txt) with two builds and says whether the pixels are the same, bit for bit.
+"""Renders the scenes with the flags of list.txt with two builds and reports whether the pixels are equal, bit for bit.
 
 For changes of structure that must not change pictures:
 
@@ -41,7 +41,7 @@ def cases(only):
 
 
 def exr_pixels(path):
-    """The stored chunks of an EXR file with one part: what follows its header, in which the time of rendering stands."""
+    """The stored chunks of an EXR file with one part, without the header, which holds the time of rendering."""
     with open(path, "rb") as file:
         data = file.read()
     at = 8
@@ -53,7 +53,7 @@ def exr_pixels(path):
 
 
 def with_all_bits(scene):
-    """The scene's text, its film told to keep single precision."""
+    """The scene's text, with a film that stores single precision."""
     with open(scene, encoding="utf-8") as file:
         text = file.read()
     if "savefp16" in text:
@@ -63,7 +63,7 @@ def with_all_bits(scene):
 
 
 def render(build, line, threads, path):
-    """A text: why there is no picture; else its bytes without what may differ."""
+    """The bytes of the picture without those that may differ; a str with the reason if there is no picture."""
     scene, *flags = shlex.split(line)
     scene = os.path.join(TOP, scene)
     done = subprocess.run([program(build, "pbrt"), "-", "--quiet", "--outfile", path, "--nthreads", str(threads), *flags],
@@ -92,7 +92,7 @@ def compare(arguments, line, number, folder):
         return True, ""
     if extension == "exr" or len(old) != len(new):
         return False, "other bytes"
-    # Three lines of text, then floats.
+    # A PFM file is three lines of text and then floats.
     a, b = (array.array("f", p.split(b"\n", 3)[3]) for p in (old, new))
     mean = sum(abs(v) for v in a) / len(a)
     differences = [abs(x - y) for x, y in zip(a, b) if x != y]
@@ -104,7 +104,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("old")
     parser.add_argument("new")
-    parser.add_argument("--only", default="", help="lines that contain this text")
+    parser.add_argument("--only", default="", help="render only lines that contain this text")
     parser.add_argument("--jobs", type=int, default=1)
     arguments = parser.parse_args()
     same = different = 0

@@ -182,7 +182,7 @@ std::vector<std::string> RemarksOn(const CampaignSettings &settings, const Refer
                 "the others.",
                 s.choice.label, s.samples));
     if (settings.sampledLightOnly)
-        remarks.push_back(
+        remarks.emplace_back(
             "--sampled-light: the pictures lack lamps that the camera or a mirror shows, and caustics; no choice of "
             "lights changes these.");
     return remarks;

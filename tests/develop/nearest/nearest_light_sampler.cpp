@@ -5,7 +5,7 @@
 using namespace pbrt;
 
 namespace {
-/// What is weighed at one vertex; the weights of all groups stand behind it in the same memory.
+/// What is weighed at one vertex. `of` points into the same memory.
 struct Weights {
     Float sum = 0;
     Float *of = nullptr;  ///< per group

@@ -134,9 +134,9 @@ TEST_F(WriteFileTest, WhatCannotBeWrittenIsKnownBefore) {
     ASSERT_EQ(chmod(guarded.c_str(), 0444), 0);
     fs::create_directory(Path("folder"));
     const std::vector<std::pair<std::string, std::string>> cases = {
-        {"", "no name"},
+        {"", "is not the name"},
         {Path("folder"), "is a folder"},
-        {Path("folder") + "/", "no name"},
+        {Path("folder") + "/", "is not the name"},
         {Path("none/a.exr"), "none does not exist"},
         {Path("file/a.exr"), "cannot be written"},
         {guarded, "write-protected"},

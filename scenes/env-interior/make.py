@@ -2,7 +2,6 @@
 """Writes env-interior.pbrt and its sky: a living room lit by the sky through a window, and by lamps further inside."""
 import math
 import pathlib
-import struct
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
@@ -12,6 +11,7 @@ from instancing import place_ply
 from scenekit import (Mesh, Piece, Random, Scene, box, cylinder, diffuse, normalized, number, numbers, planks, quad,
                       room,
                       skirting, sphere)
+from skykit import sky_image
 
 WIDTH, DEPTH, HEIGHT = 5.4, 4.6, 2.7
 WALL = .3
@@ -34,29 +34,6 @@ def sky(direction):
     return tuple(b + glow * g + disc * d for b, g, d in zip(base, (1, .82, .55), (1, .86, .66)))
 
 
-def square_to_sphere(u, v):
-    """Clarberg's equal-area octahedral mapping, the one pbrt-v4 uses: [0,1]^2 to directions, z up."""
-    a, b = 2 * u - 1, 2 * v - 1
-    d = 1 - abs(a) - abs(b)
-    r = 1 - abs(d)
-    turn = math.pi / 4 * ((abs(b) - abs(a)) / r + 1 if r else 1)
-    s = r * math.sqrt(2 - r * r)
-    return (math.copysign(s * math.cos(turn), a), math.copysign(s * math.sin(turn), b), math.copysign(1 - r * r, d))
-
-
-def sky_image():
-    """A PFM: bottom row first; v = 0 is the top row."""
-    out, fine = bytearray(f"PF\n{SKY} {SKY}\n-1.0\n".encode()), 3
-    for row in reversed(range(SKY)):
-        for column in range(SKY):
-            total = [0.0] * 3
-            for k in range(fine * fine):
-                u, v = (column + (k % fine + .5) / fine) / SKY, (row + (k // fine + .5) / fine) / SKY
-                total = [t + c for t, c in zip(total, sky(square_to_sphere(u, v)))]
-            out += struct.pack("<3f", *(float(number(t / fine ** 2, 3)) for t in total))
-    return bytes(out)
-
-
 scene = Scene("env-interior", "A living room lit through its window by a hazy sun and sky (infinite light), and by four"
               " lamps, one of them in the passage.", maxdepth=7, iso=130, whitebalance=5200)
 scene.camera((5.0, .32, 1.5), (2.0, 3.15, 1.0), 58)
@@ -64,7 +41,7 @@ scene.material("paint-soft", diffuse(.7, .68, .62))
 scene.material("grass", diffuse(.1, .17, .045))
 scene.material("roof", diffuse(.24, .11, .08))
 scene.material("paint-sage", diffuse(.43, .5, .43))
-scene.files["env-interior-sky.pfm"] = sky_image()
+scene.files["env-interior-sky.pfm"] = sky_image(SKY, sky)
 scene.raw('# light 1: the sky\nLightSource "infinite" "string filename" "env-interior-sky.pfm" "float scale" 1.15')
 scene.lights += 1
 

@@ -2,6 +2,7 @@
 // stock samplers on mesh groups too.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "pbrt/core/parallel.h"
@@ -19,7 +20,8 @@ std::vector<std::string> SamplerLabels() {
         const LightSamplerRegistry::Entry &entry = AllSamplers().samplers.Find(name);
         labels.push_back(name);
         if (entry.traits.takesGroups) labels.push_back(name + "+meshlights");
-        if (name == "octree") labels.insert(labels.end(), {"octree:leaves=64", "octree:meshlights=false"});
+        if (name == "octree")
+            labels.insert(labels.end(), {"octree:leaves=64", "octree:meshlights=false", "octree:opensky=1"});
         if (name == "oracle")
             labels.insert(labels.end(), {"oracle:samples=2,floor=0.3,mis=false", "oracle:samples=4,meshlights=false"});
         if (name == "spatial") labels.push_back("spatial:voxels=4,samples=8,floor=0.1,meshlights=false");
@@ -28,21 +30,31 @@ std::vector<std::string> SamplerLabels() {
     return labels;
 }
 
-/// One sampler on one fixture. Made once per process.
-const SamplerSubject &SubjectOf(const std::string &fixtureName, const std::string &label) {
-    static std::map<std::pair<std::string, std::string>, SamplerSubject> subjects;
-    SamplerSubject &s = subjects[{fixtureName, label}];
-    if (s.sampler) return s;
+/// One sampler on one fixture, and what its lights contribute.
+struct Contest {
+    SamplerSubject subject;
+    Contributions contributions;
+};
+
+/// Made once per process.
+const Contest &ContestOf(const std::string &fixtureName, const std::string &label) {
+    static std::map<std::pair<std::string, std::string>, Contest> contests;
+    Contest &c = contests[{fixtureName, label}];
+    if (c.subject.sampler) return c;
     const SceneFixture &fixture = SceneFixtureOf(fixtureName);
-    s = SamplerSubject(MakePreparedSampler(label, fixture), fixture.queries, fixture.Lights().Size());
-    return s;
+    c.subject = SamplerSubject(MakePreparedSampler(label, fixture), fixture.queries, fixture.Lights());
+    c.contributions = ContributionsOf(c.subject, [&](size_t q, LightId id) { return fixture.ContributionOf(q, id); });
+    return c;
 }
 
 using Names = std::tuple<std::string, std::string>;  // fixture, sampler
 
 class SceneContract : public testing::TestWithParam<Names> {
   protected:
-    const SamplerSubject &S() const { return SubjectOf(std::get<0>(GetParam()), std::get<1>(GetParam())); }
+    const SamplerSubject &S() const { return ContestOf(std::get<0>(GetParam()), std::get<1>(GetParam())).subject; }
+    const Contributions &Contributed() const {
+        return ContestOf(std::get<0>(GetParam()), std::get<1>(GetParam())).contributions;
+    }
     const SceneFixture &Fixture() const { return SceneFixtureOf(std::get<0>(GetParam())); }
 };
 
@@ -50,14 +62,13 @@ TEST_P(SceneContract, PmfOfASampleIsThePmfToTheLastBit) { CheckPmfOfSamples(S())
 TEST_P(SceneContract, PmfSumsToOneUnlessNothingIsReturned) { CheckPmfSums(S()); }
 TEST_P(SceneContract, FrequenciesMatchThePmf) { CheckFrequencies(S()); }
 TEST_P(SceneContract, PositiveWhereverALightContributes) {
-    size_t contributing = CheckContributingCanBeChosen(S(), Fixture().contribution);
+    size_t contributing = CheckContributingCanBeChosen(S(), Contributed());
     if (!Fixture().dark) {
         EXPECT_GT(contributing, S().queries.size() / 8) << "The fixture tests nothing.";
     }
 }
-TEST_P(SceneContract, OneLightEstimatorHasTheSumOverAllLightsAsItsMean) {
-    CheckOneLightEstimator(S(), Fixture().contribution);
-}
+TEST_P(SceneContract, OneLightEstimatorHasTheSumOverAllLightsAsItsMean) { CheckOneLightEstimator(S(), Contributed()); }
+TEST_P(SceneContract, TilesAndDirectionsBelongTogether) { CheckTiles(S()); }
 TEST_P(SceneContract, SameAnswerFromAnyThread) { CheckSameFromAnyThread(S()); }
 TEST_P(SceneContract, DistributionsOfTwoVerticesKeepApart) { CheckDistributionsKeepApart(S()); }
 TEST_P(SceneContract, OneNumberReachesEveryLight) { CheckOneNumberReachesEveryLight(S()); }
@@ -72,6 +83,16 @@ TEST_P(SceneContract, PreparedTheSameByOneThreadAndByThree) {
         three = MakePreparedSampler(std::get<1>(GetParam()), Fixture());
     }
     CheckSame(*one, *three, Fixture().queries, Fixture().Lights().Size());
+}
+
+TEST(SceneContractProgram, SkiesBehindWindowsAreChosenByTiles) {
+    const std::vector<std::string> names = AllSamplers().samplers.Names();
+    if (std::find(names.begin(), names.end(), "octree") == names.end())
+        GTEST_SKIP() << "Only the octree chooses tiles.";
+    for (const char *fixture : {"SkyWindow", "MirroredSkyWindow", "TwoSkies"})
+        EXPECT_GT(ContestOf(fixture, "octree:opensky=1").subject.ids.size(),
+                  SceneFixtureOf(fixture).Lights().Size() + 30)
+            << fixture;
 }
 
 /// The build runs this program once for each scene of the list PBRT_CONTRACT_SCENES, which must name all fixtures.

@@ -25,11 +25,30 @@ constexpr size_t kSearch = 3200000, kMaxPoints = 512, kMinPoints = 6;
 constexpr int kDraws = 32;
 
 /// The first contribution that is not 0 among `points` light points of a light, seen from a place; 0 if there is none.
-double SearchLight(const SceneFixture &f, size_t place, LightId light, size_t points, uint64_t seed) {
+/// A sky may be chosen tile by tile: then a contribution counts if the tile in its direction has the PMF 0. Directions
+/// are drawn from random tiles, because the whole of a sky of one colour is never sampled.
+double SearchLight(const SceneFixture &f, const LightSampler &sampler, size_t place, LightId light, size_t points,
+                   uint64_t seed) {
     Rng rng(Hash(place, light.value, seed));
-    for (size_t k = 0; k < points; ++k)
-        if (double c = Contribution(*f.built.scene, f.queries[place], f.Lights()[light], rng.Uniform2()); c > 0)
-            return c;
+    LightMemory memory;
+    const LightDistribution at = sampler.At(f.queries[place], memory);
+    const std::span<const LightId> skies = f.Lights().Skies();
+    const auto sky = static_cast<size_t>(std::find(skies.begin(), skies.end(), light) - skies.begin());
+    if (sky < skies.size()) f.Lights()[light].Whole().PrepareTiles();
+    for (size_t k = 0; k < points; ++k) {
+        LightId asked = light, drawn = light;
+        if (sky < skies.size()) {
+            const uint32_t tile = SkyTile::FirstOf(3) + static_cast<uint32_t>(rng.Uniform() * 64);
+            const Bounds2 square = SkyTile::Of(tile).Square();
+            asked = at.PartTowards(light, f.Lights()[light].Whole().DirectionAt(square.low));
+            if (f.Lights().IsTile(asked)) drawn = f.Lights().TileId(sky, tile);
+        }
+        Vector3 wi;
+        const double c = Contribution(*f.built.scene, f.queries[place], f.Lights()[drawn], rng.Uniform2(), &wi);
+        if (!(c > 0)) continue;
+        if (drawn != light) asked = at.PartTowards(light, wi);
+        if (!(at.PMF(asked) > 0)) return c;
+    }
     return 0;
 }
 
@@ -45,7 +64,7 @@ void SearchZeros(const SceneFixture &f, const LightSampler &sampler, uint64_t se
     for (auto [q, light] : zeros) {
         if (static_cast<double>(HashFloat(q, light.value, seed)) >= share) continue;
         ++out->searched;
-        if (double c = SearchLight(f, q, light, points, seed); c > 0)
+        if (double c = SearchLight(f, sampler, q, light, points, seed); c > 0)
             out->wrong.push_back(fmt::format("place {}: light {} contributes {} and has PMF 0", q, light.value, c));
     }
 }
@@ -73,20 +92,23 @@ Findings Check(const SceneFixture &f, const LightSampler &sampler, uint64_t seed
     return out;
 }
 
-/// Another sampler that never chooses one of the lights.
+/// Another sampler that never chooses one of the lights, nor its tiles if it is a sky.
 class WithoutOneLight final : public WrappedSampler {
   public:
-    WithoutOneLight(const LightSampler &sampler, LightId light) : WrappedSampler(sampler), light_(light) {}
+    WithoutOneLight(const LightSampler &sampler, const LightTable &lights, LightId light)
+        : WrappedSampler(sampler), lights_(lights), light_(light) {}
 
   private:
     std::optional<SampledLight> Choose(const LightQuery &, const void *weights, Float u) const override {
         std::optional<SampledLight> s = Inner(weights).Sample(u);
-        return s && s->light.value != light_.value ? s : std::nullopt;
+        return s && !IsLeftOut(s->light) ? s : std::nullopt;
     }
     Float Probability(const LightQuery &, const void *weights, LightId light) const override {
-        return light.value != light_.value ? Inner(weights).PMF(light) : 0;
+        return IsLeftOut(light) ? 0 : Inner(weights).PMF(light);
     }
+    bool IsLeftOut(LightId id) const { return (lights_.IsTile(id) ? lights_.SkyOf(id) : id) == light_; }
 
+    const LightTable &lights_;
     LightId light_;
 };
 
@@ -119,6 +141,13 @@ std::string SceneName(const std::string &file) {
     return name;
 }
 
+/// Scenes whose only light, a sky, reaches few places: through a hole, a door that is ajar for a moment, a far window,
+/// or only through glass, which shadow rays do not pass.
+bool HardlyLit(const std::string &file) {
+    const std::string name = SceneName(file);
+    return name == "keyhole" || name == "moving_door" || name == "pane" || name.starts_with("corridor");
+}
+
 class SceneFile : public testing::TestWithParam<std::string> {};
 
 TEST_P(SceneFile, OctreeCanChooseEveryLightThatContributes) {
@@ -131,7 +160,9 @@ TEST_P(SceneFile, OctreeCanChooseEveryLightThatContributes) {
         for (size_t i = 0; i < std::min<size_t>(found.wrong.size(), 10); ++i)
             ADD_FAILURE() << label << ", " << found.wrong[i];
         EXPECT_EQ(found.wrong.size(), 0u) << label;
-        EXPECT_GT(found.contributing, f.queries.size() / 4) << label << ": these places test nothing.";
+        if (!HardlyLit(GetParam())) {
+            EXPECT_GT(found.contributing, f.queries.size() / 4) << label << ": these places test nothing.";
+        }
         std::printf(
             "%s: %zu lights, %zu places, PMF 0: %zu, of which searched %zu; draws that find light: %zu of %zu\n", label,
             f.Lights().Size(), f.queries.size(), found.zeros, found.searched, found.contributing,
@@ -140,6 +171,7 @@ TEST_P(SceneFile, OctreeCanChooseEveryLightThatContributes) {
 }
 
 TEST_P(SceneFile, ALightLeftOutIsNoticed) {
+    if (HardlyLit(GetParam())) GTEST_SKIP() << "Shadow rays from these places hardly ever reach the only light.";
     const SceneFixture &f = Fixture(GetParam());
     const std::unique_ptr<LightSampler> sampler = MakePreparedSampler("octree", f);
     // The light whose draws find light most often.
@@ -148,9 +180,10 @@ TEST_P(SceneFile, ALightLeftOutIsNoticed) {
     for (const LightQuery &q : f.queries)
         for (int i = 0; i < kDraws; ++i)
             if (std::optional<SampledLight> s = sampler->Sample(q, rng.Uniform()))
-                found[s->light.value] += Contribution(*f.built.scene, q, f.Lights()[s->light], rng.Uniform2()) > 0;
+                found[(f.Lights().IsTile(s->light) ? f.Lights().SkyOf(s->light) : s->light).value] +=
+                    Contribution(*f.built.scene, q, f.Lights()[s->light], rng.Uniform2()) > 0;
     const LightId most(static_cast<uint32_t>(std::max_element(found.begin(), found.end()) - found.begin()));
-    EXPECT_GT(Check(f, WithoutOneLight(*sampler, most), 0).wrong.size(), 0u) << "light " << most.value;
+    EXPECT_GT(Check(f, WithoutOneLight(*sampler, f.Lights(), most), 0).wrong.size(), 0u) << "light " << most.value;
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SceneFile, testing::ValuesIn(SceneFiles()),

@@ -52,6 +52,21 @@ Scale {3} {3} {3}
             "AttributeBegin\nMaterial \"dielectric\" \"float roughness\" 0.3\n"
             "Translate 1.2 0.4 0.3\nShape \"sphere\" \"float radius\" 0.4\nAttributeEnd");
     }
+    /// A room that is closed but for two windows in its back; the camera is inside.
+    Text &ClosedRoom() {
+        Add("Material \"diffuse\" \"rgb reflectance\" [ 0.6 0.5 0.4 ]");
+        Quad({-3, 0, -5}, {6, 0, 0}, {0, 0, 8}).Quad({-3, 2.5f, -5}, {6, 0, 0}, {0, 0, 8});
+        Quad({-3, 0, -5}, {6, 0, 0}, {0, 2.5f, 0});
+        Quad({-3, 0, -5}, {0, 0, 8}, {0, 2.5f, 0}).Quad({3, 0, -5}, {0, 0, 8}, {0, 2.5f, 0});
+        // The back wall, around the windows.
+        Quad({-3, 0, 3}, {6, 0, 0}, {0, 0.8f, 0}).Quad({-3, 2, 3}, {6, 0, 0}, {0, 0.5f, 0});
+        Quad({-3, 0.8f, 3}, {1.4f, 0, 0}, {0, 1.2f, 0}).Quad({-0.4f, 0.8f, 3}, {0.8f, 0, 0}, {0, 1.2f, 0});
+        Quad({1.6f, 0.8f, 3}, {1.4f, 0, 0}, {0, 1.2f, 0});
+        Sphere({-1.2f, 0.5f, 0.5f}, 0.5f);
+        return Add(
+            "AttributeBegin\nMaterial \"coateddiffuse\" \"float roughness\" 0.1\n"
+            "Translate 1.2 0.4 0.3\nShape \"sphere\" \"float radius\" 0.4\nAttributeEnd");
+    }
     Text &Sphere(const Point3 &p, Float radius, const std::string &before = "") {
         return Add(
             fmt::format("AttributeBegin\n{}\nTranslate {} {} {}\nShape \"sphere\" \"float radius\" {}\nAttributeEnd",
@@ -171,6 +186,37 @@ const std::vector<Recipe> &Recipes() {
         {"InfiniteOnly",
          [] {
              return Text().Rooms().Sky(1).Sun({1, 2, -4}, 3).Sky(0.01).Finish();
+         }},
+        {"SkyWindow",
+         [] {
+             // A closed room with two openings, a sky with a bright spot, glass in one opening, a lamp.
+             return Text()
+                 .ClosedRoom()
+                 .ImageLight("infinite", "env_sky.exr", {0, 0, 0}, "Rotate 50 1 2 0", 1)
+                 .Quad({-1.6f, 0.8f, 3}, {1.2f, 0, 0}, {0, 1.2f, 0}, "Material \"dielectric\"")
+                 .PointLight({0, 2, 0}, 0.1)
+                 .Finish();
+         }},
+        {"MirroredSkyWindow",
+         [] {
+             return Text()
+                 .ClosedRoom()
+                 .Quad({0.4f, 0.8f, 3}, {1.2f, 0, 0}, {0, 1.2f, 0},
+                       "Material \"diffusetransmission\" \"rgb transmittance\" [ .4 .4 .4 ]")
+                 .ImageLight("infinite", "env_sky.exr", {0, 0, 0}, "Scale -1 1 1\nRotate 80 0 1 1", 2)
+                 .PointLight({0, 2, 0}, 0.1)
+                 .Finish();
+         }},
+        {"TwoSkies",
+         [] {
+             // One of one colour, whose whole is never sampled.
+             return Text()
+                 .ClosedRoom()
+                 .Sky(1)
+                 .ImageLight("infinite", "env_sky.exr", {0, 0, 0}, "Rotate 20 1 0 0", 1)
+                 .PointLight({0, 2, 0}, 0.1)
+                 .Sky(0)
+                 .Finish();
          }},
         {"Images",
          [] {
@@ -307,10 +353,11 @@ std::vector<LightQuery> Places(const BuiltScene &built, int count, int depth, in
     return out;
 }
 
-double Contribution(const Scene &scene, const LightQuery &q, const LightPart &light, const Point2 &u) {
+double Contribution(const Scene &scene, const LightQuery &q, const LightPart &light, const Point2 &u, Vector3 *wi) {
     LightSampleContext from{q.p, q.pError, q.n, q.ns, q.time};
     std::optional<LightLiSample> s = light.SampleLi(from, u, Wavelengths(), true);
     if (!s || !s->L || !(s->pdf > 0)) return 0;
+    if (wi) *wi = s->wi;
     Float cosine = 1;
     if (q.ns != Normal3(0)) {
         cosine = Dot(s->wi, q.ns);
@@ -331,6 +378,18 @@ void PrepareIn(const BuiltScene &built, Plug &plug) {
     plug.Prepare(context);
 }
 }  // namespace
+
+double SceneFixture::Search(size_t query, LightId id) const {
+    Rng rng(id.value);
+    double sum = 0;
+    for (int k = 0; k < points; ++k)
+        sum += Contribution(*built.scene, queries[query], Lights()[id], rng.Uniform2()) / points;
+    return sum;
+}
+
+double SceneFixture::ContributionOf(size_t query, LightId id) const {
+    return id.value < Lights().Size() ? contribution[query][id.value] : Search(query, id);
+}
 
 void SceneFixture::Prepare(LightSampler &sampler) const { PrepareIn(built, sampler); }
 void SceneFixture::Prepare(ShadowRayGate &gate) const { PrepareIn(built, gate); }
@@ -362,15 +421,12 @@ const SceneFixture &SceneFixtureOf(const std::string &name) {
             f.queries = Places(f.built, r.places, 2, 3, f.bsdfs);
             f.dark = r.dark;
         }
-    size_t lights = f.Lights().Size();
-    int points = lights > 1000 ? 4 : 32;
-    for (const LightQuery &q : f.queries) {
-        std::vector<double> &row = f.contribution.emplace_back(lights, 0.0);
-        for (uint32_t l = 0; l < lights; ++l) {
-            Rng rng(l);
-            for (int k = 0; k < points; ++k)
-                row[l] += Contribution(*f.built.scene, q, f.Lights()[LightId(l)], rng.Uniform2()) / points;
-        }
+    const size_t lights = f.Lights().Size();
+    if (lights > 1000) f.points = 4;
+    for (size_t q = 0; q < f.queries.size(); ++q) {
+        std::vector<double> row;
+        for (uint32_t l = 0; l < lights; ++l) row.push_back(f.Search(q, LightId(l)));
+        f.contribution.push_back(row);
     }
     return f;
 }

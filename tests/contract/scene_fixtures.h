@@ -18,6 +18,11 @@ struct SceneFixture {
     /// exhaustive search.
     std::vector<std::vector<double>> contribution;
     bool dark = false;  ///< no light reaches what the camera sees
+    int points = 32;    ///< on each light
+    /// The contribution of any id, also of a tile of a sky.
+    double ContributionOf(size_t query, LightId id) const;
+
+    double Search(size_t query, LightId id) const;  ///< the same, always searched for
 
     const LightTable &Lights() const { return built.scene->Lights(); }
     void Prepare(LightSampler &sampler) const;
@@ -32,7 +37,9 @@ std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, cons
 /// bounds; half of them also as places in a medium. Every `bsdfEvery`-th vertex has a BSDF, which `bsdfs` owns.
 std::vector<LightQuery> Places(const BuiltScene &built, int count, int depth, int bsdfEvery, std::deque<Bsdf> &bsdfs);
 /// What next-event estimation finds with this light point: L V cos / p, or 0 if the query has a BSDF and that is 0.
-double Contribution(const Scene &scene, const LightQuery &query, const LightPart &light, const Point2 &u);
+/// `wi`, if not null, receives the direction of the point.
+double Contribution(const Scene &scene, const LightQuery &query, const LightPart &light, const Point2 &u,
+                    Vector3 *wi = nullptr);
 
 std::vector<std::string> SceneFixtureNames();
 /// Made once per process.

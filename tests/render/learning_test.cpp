@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <functional>
 #include <sstream>
 
 #include "agreement_statistics.h"
@@ -39,6 +40,33 @@ WorldBegin
 Shape "bilinearmesh" "point3 P" [ -4 0 -3  4 0 -3  -4 0 3  4 0 3 ]
 Shape "bilinearmesh" "point3 P" [ 0 0 -3  0 0 3  0 2 -3  0 2 3 ]
 )";
+}
+
+/// A closed room with a window, and a sky of one colour outside.
+std::string RoomWithWindow(const std::string &sampler) {
+    return R"(Option "rendercoordsys" "world"
+LookAt 0 1 -2.9  0 1 0  0 1 0
+Camera "perspective" "float fov" 70
+Film "rgb" "integer xresolution" 40 "integer yresolution" 40 "bool savefp16" false
+Sampler "independent" "integer pixelsamples" 16
+Integrator "path" "integer maxdepth" 2 )" +
+           sampler + R"(
+WorldBegin
+LightSource "infinite" "rgb L" [ 1 2 3 ]
+Material "diffuse"
+Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ]
+Shape "bilinearmesh" "point3 P" [ -3 2 -3  3 2 -3  -3 2 3  3 2 3 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 2 -3  3 2 -3 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 3  3 0 3  -3 2 3  3 2 3 ]
+Shape "bilinearmesh" "point3 P" [ 3 0 -3  3 0 3  3 2 -3  3 2 3 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 -3  -3 0 0  -3 2 -3  -3 2 0 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 1  -3 0 3  -3 2 1  -3 2 3 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 0  -3 0 1  -3 1 0  -3 1 1 ]
+)";
+}
+
+BuiltScene BuildRoom(const std::string &parameters = "") {
+    return BuildText(RoomWithWindow("\"string lightsampler\" \"octree\" \"float octree.opensky\" 1 " + parameters));
 }
 
 BuiltScene Build(const std::string &parameters = "") {
@@ -80,8 +108,55 @@ TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePicture) {
     EXPECT_FALSE(SameBits(whole, render(1, {kSamples}, "\"bool octree.learn\" false"))) << "nothing was learned";
 }
 
-TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSame) {
-    BuiltScene uninterrupted = Build();
+TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePictureUnderASky) {
+    auto render = [](int threads, std::vector<int> sizes, const std::string &parameters = "") {
+        ThreadLimit limit(threads);
+        BuiltScene built = BuildRoom(parameters);
+        return Render(built, std::move(sizes));
+    };
+    const Image whole = render(1, {kSamples});
+    EXPECT_TRUE(SameBits(whole, render(3, {kSamples})));
+    EXPECT_TRUE(SameBits(whole, render(2, {1})));
+    EXPECT_TRUE(SameBits(whole, render(1, {3, 2, 7, 1})));
+    EXPECT_FALSE(SameBits(whole, render(1, {kSamples}, "\"bool octree.learn\" false"))) << "nothing was learned";
+    EXPECT_FALSE(SameBits(whole, render(1, {kSamples}, "\"integer octree.tiles\" 0"))) << "there were no tiles";
+}
+
+TEST(LearningWhileRendering, ASkyIsHardlyLookedForWhereThereIsAWall) {
+    // The share of the probability that goes to tiles whose middle is seen from the place.
+    auto useful = [](const BuiltScene &built) {
+        const LightSampler &lights = *built.integrator->Lights();
+        const LightTable &table = built.scene->Lights();
+        double seen = 0, all = 0;
+        for (int i = 0; i < 100; ++i) {
+            LightQuery q;
+            q.p = Point3(-2.5f + 0.5f * static_cast<Float>(i % 10), 1e-4f, -2.5f + 0.5f * static_cast<Float>(i / 10));
+            q.wo = q.n = q.ns = Normal3(0, 1, 0);
+            LightMemory memory;
+            const LightDistribution at = lights.At(q, memory);
+            for (int k = 0; k < 200; ++k) {
+                const std::optional<SampledLight> s = at.Sample((static_cast<Float>(k) + 0.5f) / 200);
+                if (!s || !table.IsTile(s->light)) continue;
+                const Bounds2 square = SkyTile::Of(table.NumberOf(s->light)).Square();
+                const Vector3 d = table[LightId(0u)].Whole().DirectionAt((square.low + square.high) * Float(0.5));
+                seen += !built.scene->Intersect(Ray{q.p, d});
+                ++all;
+            }
+        }
+        return seen / all;
+    };
+    BuiltScene built = BuildRoom();
+    Progress progress;
+    Prepare(built, progress);
+    const double before = useful(built);
+    Render(built, {kSamples});
+    const double after = useful(built);
+    EXPECT_GT(after, 2 * before) << before;
+}
+
+/// Taking a run up again gives the same picture.
+void CheckTakingUp(const std::function<BuiltScene()> &build) {
+    BuiltScene uninterrupted = build();
     const Image whole = Render(uninterrupted, {kSamples});
     for (int stop : {1, 3, 4, 6}) {
         Progress progress;
@@ -89,14 +164,14 @@ TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSame) {
         settings.samplesPerPixel = kSamples;
         std::stringstream state;
         {
-            BuiltScene built = Build();
+            BuiltScene built = build();
             Prepare(built, progress);
             WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler,
                                   settings, progress);
             while (renderer.Done() < stop) renderer.Render(stop - renderer.Done());
             built.film->Save(state);
         }
-        BuiltScene built = Build();
+        BuiltScene built = build();
         Prepare(built, progress);
         built.film->Load(state);
         WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
@@ -105,6 +180,13 @@ TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSame) {
         while (renderer.Done() < kSamples) renderer.Render(kSamples);
         EXPECT_TRUE(SameBits(whole, built.film->ToImage())) << "stopped after " << stop;
     }
+}
+
+TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSame) {
+    CheckTakingUp([] { return Build(); });
+}
+TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSameOfTheSky) {
+    CheckTakingUp([] { return BuildRoom(); });
 }
 
 /// Points on the floor of the left room.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "pbrt/core/parallel.h"
 #include "pbrt/math/rng.h"
 #include "support/statistics.h"
@@ -33,22 +35,48 @@ Float Even(int i, int n) { return (static_cast<Float>(i) + Float(0.5)) / static_
 }  // namespace
 
 SamplerSubject::SamplerSubject(std::unique_ptr<LightSampler> made, std::span<const LightQuery> places,
-                               size_t lightCount)
-    : sampler(std::move(made)), queries(places), lights(lightCount) {
+                               const LightTable &lights)
+    : sampler(std::move(made)), queries(places), table(&lights) {
+    for (size_t i = 0; i < lights.Size(); ++i) ids.emplace_back(i);
+    for (LightId sky : lights.Skies())
+        for (LightId tile : sampler->TilesOf(sky)) ids.push_back(tile);
+    for (size_t i = 0; i < ids.size(); ++i) index[ids[i].value] = i;
     for (const LightQuery &q : queries) {
         std::vector<Float> &row = pmf.emplace_back();
         double &total = sum.emplace_back(0);
         LightMemory memory;
         const LightDistribution at = sampler->At(q, memory);
-        for (size_t i = 0; i < lights; ++i) {
-            row.push_back(at.PMF(LightId(i)));
+        for (LightId id : ids) {
+            row.push_back(at.PMF(id));
             total += static_cast<double>(row.back());
         }
     }
 }
 
+bool SamplerSubject::IsAsked(const LightDistribution &at, LightId id) const {
+    if (table->IsTile(id)) {
+        const LightId sky = table->SkyOf(id);
+        const Bounds2 square = SkyTile::Of(table->NumberOf(id)).Square();
+        return at.PartTowards(sky, (*table)[sky].Whole().DirectionAt((square.low + square.high) * Float(0.5))) == id;
+    }
+    if ((*table)[id].Kind() != LightKind::Infinite) return true;
+    return at.PartTowards(id, Vector3(0, 0, 1)) == id;
+}
+
+Contributions ContributionsOf(const SamplerSubject &s,
+                              const std::function<double(size_t query, LightId)> &contribution) {
+    Contributions rows;
+    LightMemory memory;
+    for (size_t q = 0; q < s.queries.size(); ++q) {
+        const LightDistribution at = s.sampler->At(s.queries[q], memory);
+        std::vector<double> &row = rows.emplace_back();
+        for (LightId id : s.ids) row.push_back(s.IsAsked(at, id) ? contribution(q, id) : 0);
+    }
+    return rows;
+}
+
 int SamplerSubject::Calls(int most) const {
-    size_t work = std::max<size_t>(lights * queries.size(), 1);
+    size_t work = std::max<size_t>(ids.size() * queries.size(), 1);
     return std::clamp(static_cast<int>(30000000 / work), 200, most);
 }
 
@@ -62,7 +90,7 @@ void CheckPmfOfSamples(const SamplerSubject &s) {
             Float u = i == 0 ? 0 : i == 1 ? OneMinusEpsilon : rng.Uniform();
             std::optional<SampledLight> sample = at.Sample(u);
             if (!sample) continue;
-            ASSERT_LT(sample->light.value, s.lights);
+            ASSERT_TRUE(std::find(s.ids.begin(), s.ids.end(), sample->light) != s.ids.end());
             ASSERT_GT(sample->pmf, 0);
             ASSERT_EQ(sample->pmf, at.PMF(sample->light))
                 << "query " << q << " u " << u << " light " << sample->light.value;
@@ -103,7 +131,7 @@ void CheckPmfSums(const SamplerSubject &s) {
 void CheckFrequencies(const SamplerSubject &s) {
     int n = s.Calls(20000);
     // If each light of a big mesh were a cell, the expected count of every cell would be near 0.
-    size_t cell = std::max<size_t>((s.lights + 127) / 128, 1), cells = (s.lights + cell - 1) / cell;
+    size_t cell = std::max<size_t>((s.ids.size() + 127) / 128, 1), cells = (s.ids.size() + cell - 1) / cell;
     double alpha = SidakAlpha(1e-5, std::max<size_t>(s.queries.size(), 1));
     for (size_t q = 0; q < s.queries.size(); ++q) {
         Rng rng(17 + q);
@@ -112,9 +140,9 @@ void CheckFrequencies(const SamplerSubject &s) {
         std::vector<double> observed(cells + 1), expected(cells + 1);
         for (int i = 0; i < n; ++i) {
             std::optional<SampledLight> sample = at.Sample(rng.Uniform());
-            observed[sample ? sample->light.value / cell : cells] += 1;
+            observed[sample ? s.IndexOf(sample->light) / cell : cells] += 1;
         }
-        for (size_t i = 0; i < s.lights; ++i) expected[i / cell] += static_cast<double>(s.pmf[q][i]) * n;
+        for (size_t i = 0; i < s.ids.size(); ++i) expected[i / cell] += static_cast<double>(s.pmf[q][i]) * n;
         // The sum of the PMF is rounded: so small a share of empty answers cannot be distinguished from none.
         double missing = 1 - s.sum[q];
         if (missing > 1e-5 || observed[cells] > 2) expected[cells] = std::max(missing, 0.0) * n;
@@ -126,10 +154,11 @@ void CheckFrequencies(const SamplerSubject &s) {
 size_t CheckContributingCanBeChosen(const SamplerSubject &s, const Contributions &contributions) {
     size_t contributing = 0;
     for (size_t q = 0; q < s.queries.size(); ++q)
-        for (size_t i = 0; i < s.lights; ++i) {
+        for (size_t i = 0; i < s.ids.size(); ++i) {
             if (!(contributions[q][i] > 0)) continue;
             ++contributing;
-            EXPECT_GT(s.pmf[q][i], 0) << "query " << q << " light " << i << " contributes " << contributions[q][i];
+            EXPECT_GT(s.pmf[q][i], 0) << "query " << q << " light " << s.ids[i].value << " contributes "
+                                      << contributions[q][i];
         }
     return contributing;
 }
@@ -142,7 +171,7 @@ void CheckOneLightEstimator(const SamplerSubject &s, const Contributions &contri
     for (size_t q = 0; q < s.queries.size(); ++q) {
         const std::vector<double> &c = contributions[q];
         double total = 0, second = 0, greatest = 0;
-        for (size_t i = 0; i < s.lights; ++i) {
+        for (size_t i = 0; i < s.ids.size(); ++i) {
             total += c[i];
             if (!(c[i] > 0) || !(s.pmf[q][i] > 0)) continue;
             second += c[i] * c[i] / static_cast<double>(s.pmf[q][i]);
@@ -155,12 +184,43 @@ void CheckOneLightEstimator(const SamplerSubject &s, const Contributions &contri
         double sum = 0;
         for (int i = 0; i < n; ++i)
             if (std::optional<SampledLight> sample = at.Sample(rng.Uniform()))
-                sum += c[sample->light.value] / static_cast<double>(sample->pmf);
+                sum += c[s.IndexOf(sample->light)] / static_cast<double>(sample->pmf);
         double off = std::max(0.0, std::abs(sum / n - total) - 1e-5 * total);  // float rounding of the PMF
         double variance = std::max(0.0, second - total * total);
         EXPECT_GT(BernsteinTail(off, variance, std::max(greatest, total), n), alpha)
             << "query " << q << ": " << sum / n << " for " << total;
     }
+}
+
+void CheckTiles(const SamplerSubject &s) {
+    if (s.ids.size() == s.table->Size()) return;
+    const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    size_t chosen = 0, elsewhere = 0;
+    LightMemory memory;
+    for (size_t q = 0; q < s.queries.size(); ++q) {
+        Rng rng(71 + q);
+        const LightQuery &query = s.queries[q];
+        const LightSampleContext from{query.p, query.pError, query.n, query.ns, query.time};
+        const LightDistribution at = s.sampler->At(query, memory);
+        for (int i = 0; i < 200; ++i) {
+            const std::optional<SampledLight> sample = at.Sample(rng.Uniform());
+            const Point2 u = rng.Uniform2();
+            if (!sample || !s.table->IsTile(sample->light)) continue;
+            const LightPart tile = (*s.table)[sample->light];
+            const std::optional<LightLiSample> point = tile.SampleLi(from, u, lambda, true);
+            if (!point) continue;
+            ++chosen;
+            // Rounding may carry a point at a border to the tile next to it.
+            const LightId back = at.PartTowards(s.table->SkyOf(sample->light), point->wi);
+            if (back != sample->light) {
+                ++elsewhere;
+                continue;
+            }
+            EXPECT_NEAR(tile.PdfLi(from, point->wi, {}, {}, true) / point->pdf, 1, 0.02) << "query " << q;
+        }
+    }
+    EXPECT_GT(chosen, 100u) << "There are tiles, but none is chosen.";
+    EXPECT_LT(elsewhere, chosen / 200 + 3);
 }
 
 void CheckSameFromAnyThread(const SamplerSubject &s) {
@@ -175,7 +235,7 @@ void CheckSameFromAnyThread(const SamplerSubject &s) {
         const LightDistribution at = s.sampler->At(s.queries[task / kTasksPerQuery], memory);
         for (int i = 0; i < n; ++i) {
             out.push_back(Ask(at, HashFloat(static_cast<uint64_t>(task), i)));
-            if (s.lights > 0) out.push_back({0, at.PMF(LightId(static_cast<size_t>(i) % s.lights))});
+            if (!s.ids.empty()) out.push_back({0, at.PMF(s.ids[static_cast<size_t>(i) % s.ids.size()])});
         }
         return out;
     };
@@ -186,8 +246,8 @@ void CheckSameFromAnyThread(const SamplerSubject &s) {
     for (size_t t = 0; t < tasks; ++t) serial.push_back(answers(t));
     EXPECT_EQ(parallel, serial);
     for (size_t q = 0; q < s.queries.size(); ++q)
-        for (size_t i = 0; i < s.lights; i += s.lights / 50 + 1)
-            ASSERT_EQ(s.sampler->PMF(s.queries[q], LightId(i)), s.pmf[q][i]) << "query " << q << " light " << i;
+        for (size_t i = 0; i < s.ids.size(); i += s.ids.size() / 50 + 1)
+            ASSERT_EQ(s.sampler->PMF(s.queries[q], s.ids[i]), s.pmf[q][i]) << "query " << q << " light " << i;
 }
 
 void CheckDistributionsKeepApart(const SamplerSubject &s) {
@@ -197,7 +257,7 @@ void CheckDistributionsKeepApart(const SamplerSubject &s) {
         std::vector<Answer> out;
         for (int i = 0; i < n; ++i) {
             out.push_back(Ask(lights, HashFloat(static_cast<uint64_t>(q), i)));
-            if (s.lights > 0) out.push_back({0, lights.PMF(LightId((q + static_cast<size_t>(i)) % s.lights))});
+            if (!s.ids.empty()) out.push_back({0, lights.PMF(s.ids[(q + static_cast<size_t>(i)) % s.ids.size()])});
         }
         return out;
     };
@@ -221,11 +281,11 @@ void CheckOneNumberReachesEveryLight(const SamplerSubject &s) {
     LightMemory memory;
     int n = s.Calls(16384);
     for (size_t q = 0; q < s.queries.size(); ++q) {
-        std::vector<bool> met(s.lights);
+        std::vector<bool> met(s.ids.size());
         const LightDistribution at = s.sampler->At(s.queries[q], memory);
         for (int i = 0; i < n; ++i)
-            if (std::optional<SampledLight> sample = at.Sample(Even(i, n))) met[sample->light.value] = true;
-        for (size_t i = 0; i < s.lights; ++i)
+            if (std::optional<SampledLight> sample = at.Sample(Even(i, n))) met[s.IndexOf(sample->light)] = true;
+        for (size_t i = 0; i < s.ids.size(); ++i)
             if (static_cast<double>(s.pmf[q][i]) * n > 20) {
                 EXPECT_TRUE(met[i]) << "query " << q << " light " << i;
             }

@@ -1,31 +1,45 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
+#include "pbrt/lights/light_table.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 
 /// The contract of house.md section 4 as checks of any sampler at any places. Each check reports through GoogleTest and
 /// must be called inside a test.
 namespace pbrt::test {
 
-/// What each light contributes, indexed by query and light.
-using Contributions = std::vector<std::vector<double>>;
-
-/// A sampler that is ready for use, the places it is asked from, and its PMF at every place for every light.
+/// A sampler that is ready for use, the places it is asked from, and its PMF at every place for every id: those of all
+/// lights, and of all tiles of skies that the sampler may choose.
 struct SamplerSubject {
     std::unique_ptr<LightSampler> sampler;
     std::span<const LightQuery> queries;
-    size_t lights = 0;
-    std::vector<std::vector<Float>> pmf;  ///< by query, by light
+    const LightTable *table = nullptr;
+    std::vector<LightId> ids;
+    std::vector<std::vector<Float>> pmf;  ///< by query, by index of `ids`
     std::vector<double> sum;              ///< by query
 
     SamplerSubject() = default;
-    SamplerSubject(std::unique_ptr<LightSampler> made, std::span<const LightQuery> places, size_t lightCount);
+    SamplerSubject(std::unique_ptr<LightSampler> made, std::span<const LightQuery> places, const LightTable &lights);
+    size_t IndexOf(LightId id) const { return index.at(id.value); }
     /// The number of calls per query, at most `most`: fewer where there are many lights, so that a sampler that weighs
     /// every light at each call takes bearable time.
     int Calls(int most) const;
+    /// False for a sky that is chosen by tiles at a place, and for tiles that are not among those: what they contribute
+    /// is found through other ids.
+    bool IsAsked(const LightDistribution &at, LightId id) const;
+
+  private:
+    std::unordered_map<uint32_t, size_t> index;
 };
+
+/// What each id contributes, by query and index of the subject's ids: `contribution` of ids that are asked, else 0.
+using Contributions = std::vector<std::vector<double>>;
+Contributions ContributionsOf(const SamplerSubject &subject,
+                              const std::function<double(size_t query, LightId)> &contribution);
 
 /// The pmf that comes with a sample equals the sampler's PMF of that light to the last bit, also for the least and the
 /// greatest uniform number.
@@ -41,6 +55,9 @@ void CheckFrequencies(const SamplerSubject &subject);
 size_t CheckContributingCanBeChosen(const SamplerSubject &subject, const Contributions &contributions);
 /// The mean of contribution / pmf over samples is the sum over all lights.
 void CheckOneLightEstimator(const SamplerSubject &subject, const Contributions &contributions);
+/// Directions and tiles belong together: a direction drawn from a chosen tile leads back to this tile, whose density
+/// there is the one that came with the sample.
+void CheckTiles(const SamplerSubject &subject);
 /// Several threads at once get the same answers as one thread.
 void CheckSameFromAnyThread(const SamplerSubject &subject);
 /// The distributions of two vertices, each in its own memory, do not influence each other.

@@ -14,10 +14,14 @@ class WrappedSampler : public LightSampler {
     }
 
   private:
+    std::vector<LightId> TilesOf(LightId infinite) const final { return inner_.TilesOf(infinite); }
     const void *Weigh(const LightQuery &query, LightMemory &memory) const final {
         auto *inner = memory.Make<LightDistribution>();
         *inner = inner_.Within(query, memory);
         return inner;
+    }
+    LightId PartOf(const LightQuery &, const void *weights, LightId infinite, const Vector3 &d) const final {
+        return Inner(weights).PartTowards(infinite, d);
     }
     const LightSampler &inner_;
 };

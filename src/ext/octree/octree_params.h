@@ -25,6 +25,8 @@ struct OctreeParams {
     bool interior = true;
     int cut = 48;
     bool learn = true;
+    int tiles = 64;
+    Float opensky = 0.1f;
 
     template <class V>
     void Describe(V &&v) {
@@ -59,7 +61,13 @@ struct OctreeParams {
         v("interior", interior, "visibility: choose a mesh's primitive by importance at the point; false: by power");
         v("cut", cut, Range<int>{2, 48},
           "visibility: nodes of the light tree that a leaf tells apart where there are more than 64 lights");
-        v("learn", learn, "visibility: with more than 64 lights, go on learning from the shadow rays of the render");
+        v("learn", learn, "visibility: with more than 64 lights, or a sky, go on learning from the rays of the render");
+        v("tiles", tiles, Range<int>{0, 256},
+          "visibility: tiles of an infinite light that a cell of the octree tells apart, at least 16; 0: skies stay "
+          "whole");
+        v("opensky", opensky, Range<Float>{0.f, 1.f},
+          "visibility: skies stay whole if more than this share of the prepass's rays towards them leave the scene (a "
+          "twentieth of it where paths bounce), or if there are lamps; 1: they never stay whole");
         v("meshlights", meshlights, "an emissive mesh is one light for selection");
     }
 };

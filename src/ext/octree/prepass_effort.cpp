@@ -20,7 +20,7 @@ double PrepassEffort::Share() const {
 }
 
 double PrepassEffort::RaysPerVertex() const {
-    return 1 + static_cast<double>(triesPerVertex) * (IsDrawn() ? 1 + kBuildPerTry : 1);
+    return 1 + static_cast<double>(skyTries) + static_cast<double>(triesPerVertex) * (IsDrawn() ? 1 + kBuildPerTry : 1);
 }
 
 double PrepassEffort::PathsPerPixel() const { return Share() * 2 * samplesPerPixel / RaysPerVertex(); }

@@ -19,17 +19,37 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
 /// After these numbers of samples per pixel the tree learns from the render's shadow rays, if at least three times as
 /// many samples are still to come.
 constexpr int kLearnAfter[] = {1, 4, 16, 64};
+/// The same where only skies are learned, which is quick; at least as many samples must be still to come.
+constexpr int kLookAfter[] = {1, 2, 4, 8, 16, 32, 64};
+/// From this number of samples per pixel on, tiles are given up if next to no ray towards the skies left the scene.
+constexpr int kSamplesToJudge = 4;
+/// Where paths bounce, most of the noise is theirs, and tiles pay only where the sky is seen this much less.
+constexpr double kWithBounces = 0.05;
+/// Shadow rays from a prepass vertex to the tiles of each sky.
+constexpr int kSkyTries = 16;
 /// At most this many shadow rays are kept from one learning to the next.
 constexpr size_t kMaxFound = 400000;
 
 }  // namespace
 
 VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
-    : InteriorLightSampler(lights, params.meshlights, params.interior),
+    : InteriorLightSampler(lights, params.meshlights, params.interior, params.tiles > 0 && !lights.Skies().empty()),
       params_(params),
       floor_(params.floor > 0 ? params.floor : kVisibilityFloor),
-      importance_(groups_) {
-    if (groups_.Size() > kMax) lightTree_ = std::make_unique<LightTree>(GroupImportance::EmittersOf(groups_));
+      sky_(params.tiles > 0 && !lights.Skies().empty()
+               ? std::make_unique<SkyChoice>(lights, SkySettings{static_cast<size_t>(params.tiles), floor_})
+               : nullptr),
+      importance_(GroupImportance::EmittersOf(groups_)) {
+    if (sky_ && sky_->Count() == 0) sky_.reset();
+    if (sky_) importance_ = GroupImportance(LampEmitters());
+    for (size_t k = 0; k < SkyCount(); ++k) skyGroups_.push_back(groups_.GroupOf(sky_->Sky(k)));
+    if (groups_.Size() > kMax) lightTree_ = std::make_unique<LightTree>(LampEmitters());
+}
+
+std::vector<Emitter> VisibilityOctreeLightSampler::LampEmitters() const {
+    std::vector<Emitter> emitters = GroupImportance::EmittersOf(groups_);
+    for (size_t k = 0; k < SkyCount(); ++k) emitters[groups_.GroupOf(sky_->Sky(k))] = {};
+    return emitters;
 }
 
 VisibilityOctreeLightSampler::~VisibilityOctreeLightSampler() = default;
@@ -39,6 +59,7 @@ double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context
     PrepassEffort effort;
     effort.lights = groups_.Size();
     effort.triesPerVertex = Tries();
+    effort.skyTries = SkyCount() * kSkyTries;
     effort.depth = std::min(params_.depth, std::max(1, context.maxDepth));
     effort.pixels = static_cast<double>(std::max<int64_t>(1, context.pixelBounds.Area()));
     effort.samplesPerPixel = context.samplesPerPixel;
@@ -47,7 +68,9 @@ double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context
 }
 
 void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
-    if (groups_.Size() <= 1) return;
+    // Where lamps shine as well, tiles cost more than they gain: the noise of the sky is only a part there.
+    if (sky_ && params_.opensky < 1 && HasLamps()) KeepSkiesWhole();
+    if (groups_.Size() <= 1 && !sky_) return;
     auto start = std::chrono::steady_clock::now();
     depth_ = std::min(params_.depth, std::max(1, context.maxDepth));
     sceneBounds_ = context.scene.Bounds();
@@ -55,17 +78,41 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     samplesPerPixel_ = context.samplesPerPixel;
     std::vector<PrepassVertex> vertices = TracePrepassPaths(context, PathsPerPixel(context), depth_);
     if (context.progress.Cancelled()) return;
-    known_ = TraceVisibility(context, vertices, groups_, importance_, interior_, lightTree_.get(), Tries());
-    prepassRecords_ = known_.records.size();
-    prepassTries_ = known_.tries.size();
+    if (sky_) {
+        const auto before = std::chrono::steady_clock::now();
+        sky_->LookAround(context, vertices, kSkyTries);
+        if (context.progress.Cancelled()) return;
+        skySeenShare_ = sky_->SeenShare();
+        const double most = static_cast<double>(params_.opensky) * (context.maxDepth > 1 ? kWithBounces : 1);
+        if (params_.opensky < 1 && skySeenShare_ > most) KeepSkiesWhole();
+        skySeconds_ = SecondsSince(before);
+    }
+    if (groups_.Size() > std::max<size_t>(SkyCount(), 1)) {
+        known_ = TraceVisibility(context, vertices, groups_, importance_, interior_, lightTree_.get(), Tries());
+        prepassRecords_ = known_.records.size();
+        prepassTries_ = known_.tries.size();
+    }
     prepassSeconds_ = SecondsSince(start);
     if (context.progress.Cancelled()) return;
 
     start = std::chrono::steady_clock::now();
     context.progress.BeginPhase("octree", 0);
-    if (Build(params_.records, context.progress)) BeginLearning(0);
+    if (known_.records.empty() || Build(params_.records, context.progress)) BeginLearning(0);
     buildSeconds_ = SecondsSince(start);
     context.progress.EndPhase();
+}
+
+bool VisibilityOctreeLightSampler::HasLamps() const {
+    for (uint32_t g = 0; g < groups_.Size(); ++g)
+        if (const LightCandidate c = groups_.Candidate(g); !c.infinite && c.power > 0) return true;
+    return false;
+}
+
+void VisibilityOctreeLightSampler::KeepSkiesWhole() {
+    sky_.reset();
+    skyGroups_.clear();
+    importance_ = GroupImportance(groups_);
+    if (lightTree_) lightTree_ = std::make_unique<LightTree>(LampEmitters());
 }
 
 bool VisibilityOctreeLightSampler::Build(int records, const Progress &progress) {
@@ -91,9 +138,11 @@ bool VisibilityOctreeLightSampler::Build(int records, const Progress &progress) 
 }
 
 void VisibilityOctreeLightSampler::BeginLearning(int first) {
-    const auto *next = std::upper_bound(std::begin(kLearnAfter), std::end(kLearnAfter), first);
-    nextLearning_ = Learner() && next != std::end(kLearnAfter) && 4 * *next <= samplesPerPixel_ ? *next : 0;
-    if (nextLearning_ > 0) {
+    const std::span<const int> plan = lightTree_ ? std::span<const int>(kLearnAfter) : kLookAfter;
+    const auto next = std::upper_bound(plan.begin(), plan.end(), first);
+    const int toCome = lightTree_ ? 4 : 2;
+    nextLearning_ = Learner() && next != plan.end() && toCome * *next <= samplesPerPixel_ ? *next : 0;
+    if (nextLearning_ > 0 && lightTree_) {
         found_.Begin(pixels_, first, nextLearning_, depth_, kMaxFound);
     } else {
         found_.End();
@@ -109,7 +158,24 @@ void VisibilityOctreeLightSampler::Found(PathPlaces &path, const LightQuery &que
     found_.Add(path, query.p, {groups_.GroupOf(light.light), weight, weight, ratio});
 }
 
+void VisibilityOctreeLightSampler::Looked(const LightQuery &query, const Vector3 &d, bool left) {
+    if (nextLearning_ > 0 && sky_ && query.depth <= depth_) sky_->Count(query.p, d, left);
+}
+
 void VisibilityOctreeLightSampler::Learn(const Progress &progress) {
+    if (progress.Cancelled()) return;
+    const int now = nextLearning_;
+    // Lamps first: they may find that the work was cancelled meanwhile.
+    if (lightTree_ && !LearnLamps(progress)) return;
+    if (sky_) {
+        const auto start = std::chrono::steady_clock::now();
+        sky_->Learn(now >= kSamplesToJudge);
+        skySeconds_ += SecondsSince(start);
+    }
+    BeginLearning(now);
+}
+
+bool VisibilityOctreeLightSampler::LearnLamps(const Progress &progress) {
     const auto start = std::chrono::steady_clock::now();
     const size_t recordsBefore = known_.records.size(), triesBefore = known_.tries.size();
     found_.AppendTo(&known_);
@@ -117,31 +183,43 @@ void VisibilityOctreeLightSampler::Learn(const Progress &progress) {
     if (!Build(4 * params_.records, progress)) {
         known_.records.resize(recordsBefore);
         known_.tries.resize(triesBefore);
-        return;
+        return false;
     }
     learnedTries_ = known_.tries.size() - prepassTries_;
-    BeginLearning(nextLearning_);
     learningSeconds_ += SecondsSince(start);
+    return true;
 }
 
 const void *VisibilityOctreeLightSampler::WeighGroups(const LightQuery &query, LightMemory &memory) const {
     auto *c = memory.Make<Choice>();
+    if (groups_.Size() == 1 && !sky_) {
+        // Nothing to choose.
+        c->count = c->all = 1;
+        c->g[0] = c->w[0] = c->lampG = c->sumG = c->sumW = c->perW = 1;
+        return c;
+    }
     VisibilityTree::Row row;
     if (learned_) row = tree_.RowAt(query.p);
     if (lightTree_) {
         c->nodes = learned_ ? row.nodes : lightTree_->BaseCut();
         c->count = c->nodes.size();
-        c->sumG = lightTree_->Evaluate(query, c->nodes, c->g);
-    } else {
+        c->lampG = lightTree_->Evaluate(query, c->nodes, c->g);
+    } else if (groups_.Size() > SkyCount()) {
         c->count = groups_.Size();
-        c->sumG = importance_.Evaluate(query, c->g);
+        c->lampG = importance_.Evaluate(query, c->g);
     }
     const Float *decode = VisibilityTree::Table().data();
-    c->sumW = 0;
-    for (size_t i = 0; i < c->count; ++i) {
-        c->w[i] = learned_ ? c->g[i] * decode[row.codes[i]] : c->g[i];
-        c->sumW += c->w[i];
+    for (size_t i = 0; i < c->count; ++i) c->w[i] = learned_ ? c->g[i] * decode[row.codes[i]] : c->g[i];
+    c->all = c->count + SkyCount();
+    c->sumG = c->lampG;
+    if (sky_) {
+        sky_->Weigh(query, memory, &c->sky);
+        for (size_t k = 0; k < SkyCount(); ++k) {
+            c->w[c->count + k] = c->sky.w[k];
+            c->sumG += c->g[c->count + k] = c->sky.g[k];
+        }
     }
+    c->SumUp();
     if (params_.bsdf && query.bsdf && query.bsdf->IsDirectional()) FollowBsdf(query, c);
     // sumW is 0 only where sumG is.
     c->perW = c->sumW > 0 ? (1 - floor_) / c->sumW : 0;
@@ -176,21 +254,21 @@ void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c
     if (!(mean > 0) || !std::isfinite(mean)) return;
     // Relative to the mean, so that these lights together keep their weight against those without an f.
     for (size_t k = 0; k < count; ++k) c->w[looked[k]] *= (f[k] / mean + kAlike) / (1 + kAlike);
-    c->sumW = 0;
-    for (size_t i = 0; i < c->count; ++i) c->sumW += c->w[i];
+    c->SumUp();
 }
 
 std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::ChooseGroup(const LightQuery &query,
                                                                                         const void *weights,
                                                                                         Float u) const {
     const Choice &c = *static_cast<const Choice *>(weights);
-    const auto chosen = ChooseByWeight<Float>(c.count, u, [&](uint32_t i) { return c.Share(i); });
+    const auto chosen = ChooseByWeight<Float>(c.all, u, [&](uint32_t i) { return c.Share(i); });
     if (!chosen) return {};
     const Float share = chosen->weight, g = c.g[chosen->index];
     const Float inside = LightGroups::InnerNumber(u, query.p, (chosen->before + share) - share, share);
     auto choose = [&](uint32_t group, Float pmf, Float inner, Float unoccluded) {
-        return ChosenGroup{group, pmf, inner, unoccluded, unoccluded / (c.sumG * pmf)};
+        return ChosenGroup{group, pmf, inner, unoccluded, unoccluded / (c.lampG * pmf)};
     };
+    if (chosen->index >= c.count) return ChosenGroup{skyGroups_[chosen->index - c.count], share, inside, 0, 0};
     if (!lightTree_) return choose(chosen->index, share, inside, g);
     const uint32_t node = c.nodes[chosen->index];
     if (lightTree_->IsLight(node)) return choose(lightTree_->LightAt(lightTree_->At(node).begin), share, inside, g);
@@ -201,14 +279,48 @@ std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::Choo
 
 Float VisibilityOctreeLightSampler::GroupProbability(const LightQuery &query, const void *weights,
                                                      uint32_t group) const {
-    if (lightTree_ && lightTree_->PositionOf(group) == LightTree::kNowhere) return 0;
     const Choice &c = *static_cast<const Choice *>(weights);
+    if (const size_t k = SkyOfGroup(group); k < SkyCount()) return c.Share(c.count + k);
+    if (lightTree_ && lightTree_->PositionOf(group) == LightTree::kNowhere) return 0;
     if (!lightTree_) return c.Share(group);
     const uint32_t position = lightTree_->PositionOf(group);
     const size_t i = lightTree_->FindInCut(c.nodes, position);
     const Float share = c.Share(i);
     if (!(share > 0)) return 0;
     return lightTree_->IsLight(c.nodes[i]) ? share : share * lightTree_->PMFWithin(c.nodes[i], query, position);
+}
+
+size_t VisibilityOctreeLightSampler::SkyOfGroup(uint32_t group) const {
+    size_t k = 0;
+    while (k < skyGroups_.size() && skyGroups_[k] != group) ++k;
+    return k;
+}
+
+std::optional<SampledLight> VisibilityOctreeLightSampler::ChooseInside(const LightQuery &query, const void *weights,
+                                                                       uint32_t group, Float u) const {
+    const size_t k = SkyOfGroup(group);
+    if (k < SkyCount()) return sky_->Sample(static_cast<const Choice *>(weights)->sky, k, u);
+    return InteriorLightSampler::ChooseInside(query, weights, group, u);
+}
+
+Float VisibilityOctreeLightSampler::ProbabilityInside(const LightQuery &query, const void *weights,
+                                                      LightId light) const {
+    const size_t k = SkyOfGroup(groups_.GroupOf(light));
+    if (k < SkyCount()) return sky_->PMF(static_cast<const Choice *>(weights)->sky, k, light);
+    if (light.value >= groups_.LightCount()) return 0;
+    return InteriorLightSampler::ProbabilityInside(query, weights, light);
+}
+
+LightId VisibilityOctreeLightSampler::PartOf(const LightQuery &, const void *weights, LightId infinite,
+                                             const Vector3 &d) const {
+    const size_t k = SkyOfGroup(groups_.GroupOf(infinite));
+    if (k == SkyCount()) return infinite;
+    return sky_->PartTowards(static_cast<const Choice *>(weights)->sky, k, d);
+}
+
+std::vector<LightId> VisibilityOctreeLightSampler::TilesOf(LightId infinite) const {
+    const size_t k = SkyOfGroup(groups_.GroupOf(infinite));
+    return k < SkyCount() ? sky_->TilesOf(k) : std::vector<LightId>();
 }
 
 void VisibilityOctreeLightSampler::Report(nlohmann::ordered_json &report) const {
@@ -222,11 +334,17 @@ void VisibilityOctreeLightSampler::Report(nlohmann::ordered_json &report) const 
         report["learnedFromShadowRays"] = learnedTries_;
         report["learningSeconds"] = learningSeconds_;
     }
+    if (skySeconds_ > 0) {
+        report["skySeenShare"] = skySeenShare_;
+        if (sky_) sky_->Report(report);
+        report["skySeconds"] = skySeconds_;
+    }
     report["leavesBeforePruning"] = leavesBefore_;
     report["leaves"] = tree_.LeafCount();
     report["rows"] = tree_.RowCount();
     report["depth"] = tree_.Depth();
-    report["bytes"] = tree_.Bytes() + importance_.Bytes() + interior_.Bytes() + (lightTree_ ? lightTree_->Bytes() : 0);
+    report["bytes"] = tree_.Bytes() + importance_.Bytes() + interior_.Bytes() + (lightTree_ ? lightTree_->Bytes() : 0) +
+                      (sky_ ? sky_->Bytes() : 0);
 }
 
 }  // namespace ext

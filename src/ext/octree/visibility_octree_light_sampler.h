@@ -6,6 +6,7 @@
 #include "ext/groups/light_tree.h"
 #include "ext/octree/octree_params.h"
 #include "ext/octree/render_records.h"
+#include "ext/octree/sky_choice.h"
 #include "ext/octree/structure_text.h"
 #include "ext/octree/visibility_tree.h"
 #include "ext/prepass/prepass.h"
@@ -24,13 +25,17 @@ namespace ext {
 /// a tree over them (LightTree); every leaf has its own cut, fine where its light comes from, coarse elsewhere, and
 /// below a node lights are chosen level by level by G. Such a sampler goes on learning from the render's shadow rays:
 /// after 1, 4, 16 and 64 samples a pixel it builds its tree again from everything found until then.
+///
+/// Infinite lights are cut into tiles (SkyChoice), each sky being one light l whose a G is the sum over its tiles; they
+/// go on learning from the rays of the render, too.
 class VisibilityOctreeLightSampler final : public InteriorLightSampler, private LightLearner {
   public:
     VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
     ~VisibilityOctreeLightSampler() override;
 
     void Prepare(PrepareContext &context) override;
-    LightLearner *Learner() override { return lightTree_ && params_.learn ? this : nullptr; }
+    LightLearner *Learner() override { return (lightTree_ || sky_) && params_.learn ? this : nullptr; }
+    std::vector<LightId> TilesOf(LightId infinite) const override;
     void Report(nlohmann::ordered_json &report) const override;
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
     std::string DescribeStructure() const override;
@@ -39,19 +44,37 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
 
   private:
     static constexpr size_t kMax = 64;
-    /// Weights of the lights considered at a point.
+    /// Weights of the lights considered at a point. The cut skies come after `count` others.
     struct Choice {
-        alignas(32) Float g[kMax], w[kMax];
+        alignas(32) Float g[kMax + SkyChoice::kMaxSkies], w[kMax + SkyChoice::kMaxSkies];
+        Float lampG = 0;  ///< sum over g without the cut skies
         Float sumG = 0, sumW = 0;
         Float perW = 0, perG = 0;         ///< P = w perW + g perG
         std::span<const uint32_t> nodes;  ///< of the light tree; empty: all lights, in order
-        size_t count = 0;
+        size_t count = 0, all = 0;
+        SkyChoice::Weights sky;
         Float Share(size_t i) const { return w[i] * perW + g[i] * perG; }
+        void SumUp() {
+            sumW = 0;
+            for (size_t i = 0; i < all; ++i) sumW += w[i];
+        }
     };
     void FollowBsdf(const LightQuery &query, Choice *choice) const;
     const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
     std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
     Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
+    std::optional<SampledLight> ChooseInside(const LightQuery &query, const void *weights, uint32_t group,
+                                             Float u) const override;
+    Float ProbabilityInside(const LightQuery &query, const void *weights, LightId light) const override;
+    LightId PartOf(const LightQuery &query, const void *weights, LightId infinite, const Vector3 &d) const override;
+    /// The index of the cut sky that the group is; the number of cut skies if it is none of them.
+    size_t SkyOfGroup(uint32_t group) const;
+    size_t SkyCount() const { return sky_ ? sky_->Count() : 0; }
+    /// Emitters of all groups; the cut skies' are dark.
+    std::vector<Emitter> LampEmitters() const;
+    bool HasLamps() const;
+    /// What Prepare does where choosing tiles could gain little.
+    void KeepSkiesWhole();
     double PathsPerPixel(const PrepareContext &context) const;
     size_t Tries() const { return TriesPerRecord(groups_.Size(), params_.tries); }
     /// Builds the tree from known_. False: cancelled through `progress`; the tree is unchanged.
@@ -61,12 +84,17 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     PathPlaces BeginPath(Point2i pixel, int sample) const override { return found_.BeginPath(pixel, sample); }
     void Found(PathPlaces &path, const LightQuery &query, const SampledLight &light,
                const SampledSpectrum &found) override;
+    void Looked(const LightQuery &query, const Vector3 &d, bool left) override;
     void Learn(const Progress &progress) override;
+    /// False: cancelled; nothing was changed.
+    bool LearnLamps(const Progress &progress);
     void BeginLearning(int first);
 
     OctreeParams params_;
     Float floor_;
-    GroupImportance importance_;
+    std::unique_ptr<SkyChoice> sky_;  ///< null: no light is cut into tiles
+    std::vector<uint32_t> skyGroups_;
+    GroupImportance importance_;            ///< dark where a sky is cut
     std::unique_ptr<LightTree> lightTree_;  ///< null: at most kMax groups, all of which are weighed
     VisibilityTree tree_;
     bool learned_ = false;
@@ -74,6 +102,7 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     std::vector<uint32_t> recordsPerNode_;
     size_t prepassRecords_ = 0, prepassTries_ = 0, learnedTries_ = 0, leavesBefore_ = 0;
     double prepassSeconds_ = 0, buildSeconds_ = 0, learningSeconds_ = 0;
+    double skySeconds_ = 0, skySeenShare_ = 0;
 
     VisibilityRecords known_;  ///< all records so far; emptied when no learning is to come
     RenderRecords found_;

@@ -59,7 +59,9 @@ SampledSpectrum PathIntegrator::SampleDirect(const PathVertex &vertex, const Lig
         traced = gate_->TraceProbability(lights.Query(), selected->light, sample->pLight);
         if (uGate >= traced) return SampledSpectrum(0);
     }
-    if (context_.scene.Occluded(LightContextAt(point), *sample)) return nothingFound();
+    const bool occluded = context_.scene.Occluded(LightContextAt(point), *sample);
+    if (learner_ && light.Kind() == LightKind::Infinite) learner_->Looked(lights.Query(), sample->wi, !occluded);
+    if (occluded) return nothingFound();
     found(sample->L * (cosine / sample->pdf));
 
     Float pLight = selected->pmf * sample->pdf;  // solid angle
@@ -91,6 +93,7 @@ SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &l
     };
     auto misWeight = [&](LightId id, const Point3 &p, const Normal3 &n) -> Float {
         if (!lightCouldSample) return settings_.sampledLightOnly ? Float(0) : Float(1);
+        if (scene.Lights()[id].Kind() == LightKind::Infinite) id = previous->lights.PartTowards(id, walk.GetRay().d);
         Float pmf = previous->lights.PMF(id);
         if (!(pmf > 0)) return 1;
         Float pLight = pmf * scene.Lights()[id].PdfLi(previous->from, walk.GetRay().d, p, n, true);
@@ -103,11 +106,16 @@ SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &l
         walk.ForEachEmission(lambda, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
             L += beta * Le * misWeight(id, p, n);
         });
-        if (met == PathWalk::Met::Nothing) break;
+        const bool looks = learner_ && lightCouldSample;
+        if (met == PathWalk::Met::Nothing) {
+            if (looks) learner_->Looked(previous->query, walk.GetRay().d, true);
+            break;
+        }
         if (!walk.FindScattering(lambda)) {
             if (!settings_.seesThroughInterfaces) lightCouldSample = false;
             continue;
         }
+        if (looks) learner_->Looked(previous->query, walk.GetRay().d, false);
         if (settings_.regularize && anyNonSpecular) walk.Regularize();
         const auto &[point, bsdf] = walk.Vertex();
         if (depth++ == settings_.maxDepth) break;

@@ -2,6 +2,7 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/lights/light_image.h"
+#include "pbrt/lights/sky_tile.h"
 #include "pbrt/math/warps.h"
 
 namespace pbrt {
@@ -19,21 +20,33 @@ SampledSpectrum UniformInfiniteLight::Le(const Point3 &, const Vector3 &, const 
 
 std::optional<LightLiSample> UniformInfiniteLight::SampleLi(const LightSampleContext &from, const Point2 &u,
                                                             const SampledWavelengths &lambda, bool allowIncompletePdfs,
-                                                            uint32_t) const {
-    if (allowIncompletePdfs) return {};
+                                                            uint32_t part) const {
+    if (allowIncompletePdfs && part == 0) return {};
     LightLiSample s;
     s.L = scale_ * radiance_->Sample(lambda);
     if (!s.L) return {};
-    s.wi = SampleUniformSphere(u);
-    s.pdf = UniformSpherePdf();
+    if (part == 0) {
+        s.wi = SampleUniformSphere(u);
+        s.pdf = UniformSpherePdf();
+    } else {
+        const SkyTile tile = SkyTile::Of(part);
+        const Bounds2 square = tile.Square();
+        s.wi = DirectionAt(square.low + u * (square.high - square.low));
+        s.pdf = static_cast<Float>(1u << 2 * tile.level) * Inv4Pi;
+    }
     s.pLight = Beyond(from.p, s.wi);
     return s;
 }
 
-Float UniformInfiniteLight::PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &,
-                                  bool allowIncompletePdfs, uint32_t) const {
-    return allowIncompletePdfs ? 0 : UniformSpherePdf();
+Float UniformInfiniteLight::PdfLi(const LightSampleContext &, const Vector3 &wi, const Point3 &, const Normal3 &,
+                                  bool allowIncompletePdfs, uint32_t part) const {
+    if (part == 0) return allowIncompletePdfs ? 0 : UniformSpherePdf();
+    const uint32_t level = SkyTile::LevelOf(part);
+    return SkyTile::At(level, SquareTowards(wi)).Number() == part ? static_cast<Float>(1u << 2 * level) * Inv4Pi : 0;
 }
+
+Point2 UniformInfiniteLight::SquareTowards(const Vector3 &d) const { return EqualAreaSphereToSquare(d); }
+Vector3 UniformInfiniteLight::DirectionAt(const Point2 &st) const { return EqualAreaSquareToSphere(st); }
 
 ImageInfiniteLight::ImageInfiniteLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace,
                                        Float scale)
@@ -44,15 +57,9 @@ ImageInfiniteLight::ImageInfiniteLight(const Transform &renderFromLight, Image i
       scale_(scale) {
     Point2i n = image_.Resolution();
     PBRT_CHECK(n.x == n.y && n.x > 0 && image_.ChannelCount() == 3);
-    std::vector<Float> weights;
-    weights.reserve(static_cast<size_t>(n.x) * static_cast<size_t>(n.y));
+    std::vector<Float> weights = PixelMeans();
     double sum = 0;
-    for (int y = 0; y < n.y; ++y)
-        for (int x = 0; x < n.x; ++x) {
-            Rgb rgb = LightPixel(image_, {x, y});
-            weights.push_back((rgb.x + rgb.y + rgb.z) / 3);
-            sum += static_cast<double>(weights.back());
-        }
+    for (Float w : weights) sum += static_cast<double>(w);
     distribution_ = PiecewiseConstant2D(weights, n.x, n.y);
 
     auto average = static_cast<Float>(sum / static_cast<double>(weights.size()));
@@ -65,8 +72,30 @@ ImageInfiniteLight::ImageInfiniteLight(const Transform &renderFromLight, Image i
     compensated_ = PiecewiseConstant2D(weights, n.x, n.y);
 }
 
-Point2 ImageInfiniteLight::SquareFromDirection(const Vector3 &d) const {
+std::vector<Float> ImageInfiniteLight::PixelMeans() const {
+    const Point2i n = image_.Resolution();
+    std::vector<Float> means;
+    means.reserve(static_cast<size_t>(n.x) * static_cast<size_t>(n.y));
+    for (int y = 0; y < n.y; ++y)
+        for (int x = 0; x < n.x; ++x) {
+            Rgb rgb = LightPixel(image_, {x, y});
+            means.push_back((rgb.x + rgb.y + rgb.z) / 3);
+        }
+    return means;
+}
+
+void ImageInfiniteLight::PrepareTiles() const {
+    std::call_once(tilesReady_, [&] {
+        tiles_ = WindowedPiecewiseConstant2D(PixelMeans(), image_.Resolution().x, image_.Resolution().y);
+    });
+}
+
+Point2 ImageInfiniteLight::SquareTowards(const Vector3 &d) const {
     return EqualAreaSphereToSquare(Normalize(renderFromLight_.InverseVector(d)));
+}
+
+Vector3 ImageInfiniteLight::DirectionAt(const Point2 &st) const {
+    return Normalize(renderFromLight_.Vector(EqualAreaSquareToSphere(st)));
 }
 
 SampledSpectrum ImageInfiniteLight::Radiance(const Point2 &st, const SampledWavelengths &lambda) const {
@@ -79,27 +108,38 @@ SampledSpectrum ImageInfiniteLight::Phi(const SampledWavelengths &lambda, uint32
 }
 
 SampledSpectrum ImageInfiniteLight::Le(const Point3 &, const Vector3 &d, const SampledWavelengths &lambda) const {
-    return Radiance(SquareFromDirection(d), lambda);
+    return Radiance(SquareTowards(d), lambda);
 }
 
-std::optional<LightLiSample> ImageInfiniteLight::SampleLi(const LightSampleContext &from, const Point2 &u,
-                                                          const SampledWavelengths &lambda, bool allowIncompletePdfs,
-                                                          uint32_t) const {
-    Float pdfSquare = 0;
-    Point2 st = (allowIncompletePdfs ? compensated_ : distribution_).Sample(u, &pdfSquare);
+std::optional<LightLiSample> ImageInfiniteLight::SampleAt(const LightSampleContext &from, const Point2 &st,
+                                                          Float pdfSquare, const SampledWavelengths &lambda) const {
     if (!(pdfSquare > 0)) return {};
     LightLiSample s;
     s.L = Radiance(st, lambda);
     if (!s.L) return {};
-    s.wi = Normalize(renderFromLight_.Vector(EqualAreaSquareToSphere(st)));
+    s.wi = DirectionAt(st);
     s.pdf = pdfSquare * Inv4Pi;
     s.pLight = Beyond(from.p, s.wi);
     return s;
 }
 
+std::optional<LightLiSample> ImageInfiniteLight::SampleLi(const LightSampleContext &from, const Point2 &u,
+                                                          const SampledWavelengths &lambda, bool allowIncompletePdfs,
+                                                          uint32_t part) const {
+    Float pdfSquare = 0;
+    if (part == 0) {
+        const Point2 st = (allowIncompletePdfs ? compensated_ : distribution_).Sample(u, &pdfSquare);
+        return SampleAt(from, st, pdfSquare, lambda);
+    }
+    const std::optional<Point2> st = tiles_.Sample(u, SkyTile::Of(part).Square(), &pdfSquare);
+    return st ? SampleAt(from, *st, pdfSquare, lambda) : std::nullopt;
+}
+
 Float ImageInfiniteLight::PdfLi(const LightSampleContext &, const Vector3 &wi, const Point3 &, const Normal3 &,
-                                bool allowIncompletePdfs, uint32_t) const {
-    return (allowIncompletePdfs ? compensated_ : distribution_).Pdf(SquareFromDirection(wi)) * Inv4Pi;
+                                bool allowIncompletePdfs, uint32_t part) const {
+    const Point2 st = SquareTowards(wi);
+    if (part == 0) return (allowIncompletePdfs ? compensated_ : distribution_).Pdf(st) * Inv4Pi;
+    return tiles_.Pdf(st, SkyTile::Of(part).Square()) * Inv4Pi;
 }
 
 }  // namespace pbrt

@@ -88,10 +88,19 @@ class Light {
         (void)part;
         return {};
     }
-    /// Infinite lights: the part that a ray which leaves the scene in direction d meets.
-    virtual uint32_t PartTowards(const Vector3 &d) const {
+    /// Infinite lights that can be sampled tile by tile (SkyTile). Then part n > 0 of SampleLi and PdfLi is the tile of
+    /// number n, sampled in proportion to its radiance and never incomplete; part 0 is the whole light. PrepareTiles
+    /// must be called before tiles are used; any thread may call it at any time.
+    virtual bool HasTiles() const { return false; }
+    virtual void PrepareTiles() const {}
+    /// Where direction d (unit) lies on the equal-area square that tiles are cut from, and the inverse.
+    virtual Point2 SquareTowards(const Vector3 &d) const {
         (void)d;
-        return 0;
+        return Point2(0);
+    }
+    virtual Vector3 DirectionAt(const Point2 &st) const {
+        (void)st;
+        return Vector3(0, 0, 1);
     }
     /// Infinite lights that shine only through an opening: the opening, as if it were the light; else empty. The stock
     /// light samplers treat these lights like any other infinite light.

@@ -31,6 +31,9 @@ void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
         if (!std::isfinite(power)) overflowed_.emplace_back(i);
         power_[i] = power > 0 && std::isfinite(power) ? power : 0;
     }
+    for (LightId sky : infinite_)
+        if ((*this)[sky].Whole().HasTiles() && skies_.size() < (LightId::kNone - Size()) / SkyTile::kCount)
+            skies_.push_back(sky);
     parts_ = std::make_unique<LightGroups>(*this, false);
     groupsOfWholes_ = std::make_unique<LightGroups>(*this, true);
 }

@@ -6,11 +6,13 @@
 #include "pbrt/core/ids.h"
 #include "pbrt/lights/light.h"
 #include "pbrt/lights/light_groups.h"
+#include "pbrt/lights/sky_tile.h"
 
 namespace pbrt {
 
 /// All lights of a scene, in file order. A LightId stands for one part of a light: the parts of all lights are numbered
-/// through, those of one light one after the other.
+/// through, those of one light one after the other. After them come the tiles of the infinite lights (SkyTile): a light
+/// sampler may choose a tile in place of the whole light, whose id is then another one.
 class LightTable {
   public:
     LightTable() = default;
@@ -25,6 +27,8 @@ class LightTable {
     /// The number of parts of all lights.
     size_t Size() const { return wholeOf_.size(); }
     LightPart operator[](LightId id) const {
+        if (IsTile(id)) [[unlikely]]
+            return {(*this)[SkyOf(id)].Whole(), NumberOf(id)};
         const Whole &whole = wholes_[wholeOf_[id.value]];
         return {*whole.light, id.value - whole.first};
     }
@@ -32,13 +36,22 @@ class LightTable {
     /// The index of the light that the part belongs to, below WholeCount().
     uint32_t WholeOf(LightId id) const { return wholeOf_[id.value]; }
 
+    /// Infinite lights with tiles, in file order.
+    std::span<const LightId> Skies() const { return skies_; }
+    /// The id of a tile; `sky` is an index of Skies(), `number` is above 0 (SkyTile).
+    LightId TileId(size_t sky, uint32_t number) const { return LightId(Size() + sky * SkyTile::kCount + number); }
+    bool IsTile(LightId id) const { return id.value >= wholeOf_.size(); }
+    /// The sky that a tile belongs to, its index in Skies(), and the tile's number in it.
+    LightId SkyOf(LightId tile) const { return skies_[SkyIndexOf(tile)]; }
+    size_t SkyIndexOf(LightId tile) const { return (tile.value - Size()) / SkyTile::kCount; }
+    uint32_t NumberOf(LightId tile) const { return (tile.value - static_cast<uint32_t>(Size())) % SkyTile::kCount; }
+
     /// For a ray from o in direction d that leaves the scene: calls visit(radiance, id) for every infinite light with
-    /// radiance along the ray, with the id of the part in direction d.
+    /// radiance along the ray, with the id of the whole light.
     template <class Visit>
     void ForEachBeyond(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda, Visit &&visit) const {
         for (LightId first : infinite_) {
-            const Light &light = (*this)[first].Whole();
-            if (SampledSpectrum Le = light.Le(o, d, lambda)) visit(Le, LightId(first.value + light.PartTowards(d)));
+            if (SampledSpectrum Le = (*this)[first].Whole().Le(o, d, lambda)) visit(Le, first);
         }
     }
     bool HasInfinite() const { return !infinite_.empty(); }
@@ -59,6 +72,7 @@ class LightTable {
     std::vector<uint32_t> wholeOf_;  ///< per part
     std::vector<Float> power_;       ///< per part, as in LightCandidate
     std::vector<LightId> infinite_;  ///< the first parts of infinite lights
+    std::vector<LightId> skies_;     ///< those of them that have tiles and fit into the range of ids
     std::vector<LightId> overflowed_;
     std::unique_ptr<LightGroups> parts_, groupsOfWholes_;
 };

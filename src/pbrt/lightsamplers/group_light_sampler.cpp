@@ -13,14 +13,14 @@ std::optional<SampledLight> GroupLightSampler::Choose(const LightQuery &query, c
         if (!group) return {};
         chosen = *group;
     }
-    std::optional<SampledLight> light = ChooseInside(query, chosen.group, chosen.inner);
+    std::optional<SampledLight> light = ChooseInside(query, weights, chosen.group, chosen.inner);
     if (!light) return {};
     return SampledLight{light->light, light->pmf * chosen.pmf, light->pmf * chosen.unoccluded, chosen.weight};
 }
 
 Float GroupLightSampler::Probability(const LightQuery &query, const void *weights, LightId light) const {
-    if (light.value >= groups_.LightCount()) return 0;
-    const Float inside = ProbabilityInside(query, light);
+    if (light.value >= groups_.LightCount() && !choosesTiles_) return 0;
+    const Float inside = ProbabilityInside(query, weights, light);
     if (!isAsked_ || !(inside > 0)) return inside;
     return inside * GroupProbability(query, weights, groups_.GroupOf(light));
 }

@@ -30,15 +30,22 @@ class GroupLightSampler : public LightSampler {
 
   protected:
     /// `alwaysAsked`: ChooseGroup is called even if there is only one group; false: a single group has probability 1.
-    explicit GroupLightSampler(const LightGroups &groups, bool alwaysAsked = false)
-        : groups_(groups), isAsked_(groups.Size() > (alwaysAsked ? 0 : 1)) {}
+    /// `choosesTiles`: ChooseInside may choose a tile of the sky that is the group.
+    explicit GroupLightSampler(const LightGroups &groups, bool alwaysAsked = false, bool choosesTiles = false)
+        : groups_(groups), isAsked_(groups.Size() > (alwaysAsked ? 0 : 1)), choosesTiles_(choosesTiles) {}
 
-    /// A light of a group and its probability within the group; none if no light there can contribute.
-    virtual std::optional<SampledLight> ChooseInside(const LightQuery &, uint32_t group, Float u) const {
+    /// A light of a group and its probability within the group; none if no light there can contribute. `weights`: what
+    /// WeighGroups returned.
+    virtual std::optional<SampledLight> ChooseInside(const LightQuery &, const void *weights, uint32_t group,
+                                                     Float u) const {
+        (void)weights;
         const LightId light = groups_.SampleLight(group, u);
         return SampledLight{light, groups_.ShareOf(light)};
     }
-    virtual Float ProbabilityInside(const LightQuery &, LightId light) const { return groups_.ShareOf(light); }
+    virtual Float ProbabilityInside(const LightQuery &, const void *weights, LightId light) const {
+        (void)weights;
+        return groups_.ShareOf(light);
+    }
 
     /// Chooses among all groups with equal probabilities.
     ChosenGroup SampleUniformly(const LightQuery &query, Float u) const;
@@ -62,7 +69,7 @@ class GroupLightSampler : public LightSampler {
     }
     std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const final;
     Float Probability(const LightQuery &query, const void *weights, LightId light) const final;
-    bool isAsked_;
+    bool isAsked_, choosesTiles_;
 };
 
 }  // namespace pbrt

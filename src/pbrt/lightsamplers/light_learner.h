@@ -25,6 +25,13 @@ class LightLearner {
     /// the point on the light (solid angle), without BSDF and `light.pmf`; 0 where it was blocked or nothing arrives.
     virtual void Found(PathPlaces &path, const LightQuery &query, const SampledLight &light,
                        const SampledSpectrum &found) = 0;
+    /// Whether a ray from that vertex in direction d (unit) left the scene: the shadow ray to an infinite light, or the
+    /// ray that continues the path after scattering that was not specular.
+    virtual void Looked(const LightQuery &query, const Vector3 &d, bool left) {
+        (void)query;
+        (void)d;
+        (void)left;
+    }
     /// May take seconds. If `progress` is cancelled meanwhile, it gives up soon and leaves everything as it was before.
     virtual void Learn(const Progress &progress) = 0;
 };

@@ -74,6 +74,9 @@ class LightDistribution {
     std::optional<SampledLight> Sample(Float u) const;
     /// Discrete probability of a light, bit-identical to the `pmf` of a sample of it.
     Float PMF(LightId light) const;
+    /// The id to ask PMF and LightPart::PdfLi for when a ray from the vertex in direction d (unit) met an infinite
+    /// light: the tile that the sampler would choose to send a shadow ray there, or the whole light.
+    LightId PartTowards(LightId infinite, const Vector3 &d) const;
     const LightQuery &Query() const { return *query_; }
 
   private:
@@ -111,6 +114,11 @@ class LightSampler {
         LightMemory memory;
         return At(query, memory).PMF(light);
     }
+    /// The tiles that the sampler may choose in place of an infinite light; it may choose the whole light as well.
+    virtual std::vector<LightId> TilesOf(LightId infinite) const {
+        (void)infinite;
+        return {};
+    }
     /// Null if nothing is learned after Prepare.
     virtual LightLearner *Learner() { return nullptr; }
     /// Sizes, seconds, counts: for --stats and image metadata.
@@ -128,11 +136,18 @@ class LightSampler {
     /// See LightDistribution::Sample and PMF. `weights`: what Weigh returned for the query.
     virtual std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const = 0;
     virtual Float Probability(const LightQuery &query, const void *weights, LightId light) const = 0;
+    /// See LightDistribution::PartTowards.
+    virtual LightId PartOf(const LightQuery &, const void *, LightId infinite, const Vector3 &) const {
+        return infinite;
+    }
 };
 
 inline std::optional<SampledLight> LightDistribution::Sample(Float u) const {
     return sampler_->Choose(*query_, weights_, u);
 }
 inline Float LightDistribution::PMF(LightId light) const { return sampler_->Probability(*query_, weights_, light); }
+inline LightId LightDistribution::PartTowards(LightId infinite, const Vector3 &d) const {
+    return sampler_->PartOf(*query_, weights_, infinite, d);
+}
 
 }  // namespace pbrt

@@ -1,0 +1,103 @@
+#pragma once
+#include <array>
+#include <atomic>
+#include <memory>
+
+#include "ext/octree/cell_octree.h"
+#include "ext/octree/sky_cut.h"
+
+namespace ext {
+
+/// An octree each of whose cells has a SkyCut for every sky, learned from rays. Rays are counted in integers, so that
+/// threads may count in any order; between waves of the render, Learn makes them part of what is known.
+class SkyCells {
+  public:
+    static constexpr size_t kMaxSkies = 4;
+    static constexpr size_t kLanes = 8;
+
+    struct Settings {
+        size_t tiles = 64;    ///< of a cut, at most
+        Float floor = 0.05f;  ///< share of the weights that goes by irradiance alone
+        size_t mostCells = 8192;
+        /// A cell is divided after so many rays, if they times the gain (SkyCut::GainOfDividingTheCell) are worth it.
+        uint64_t leastRays = 128;
+        uint64_t freshRays = 16;  ///< before so many new rays nothing more is learned of a cell
+        double worthDividing = 128;
+        size_t manyPoints = 16;  ///< at first, cells may hold so many points
+    };
+
+    SkyCells() = default;
+    /// One cell that sees the share `visible` of all tiles.
+    SkyCells(const Bounds3 &bounds, std::span<const std::vector<uint32_t>> cuts, float visible,
+             const Settings &settings);
+
+    bool IsEmpty() const { return cells_.empty(); }
+    size_t CellCount() const { return cells_.size(); }
+    uint32_t CellAt(const Point3 &p) const { return octree_.Row(p); }
+
+    /// Eight tiles side by side.
+    struct alignas(32) Packet {
+        Float x[kLanes] = {}, y[kLanes] = {}, z[kLanes] = {};
+        Float sine[kLanes] = {}, quarterInvSine[kLanes] = {};
+        Float weight[kLanes] = {};  ///< irradiance times (sqrt(v) + the cell's floor)
+    };
+    /// A cell as a light sampler reads it: of sky k the packets [first[k], first[k + 1]). Lanes that are not used have
+    /// weight 0 and the key kNoKey.
+    struct Row {
+        std::array<uint32_t, kMaxSkies + 1> first = {};
+        bool isOpen = false;  ///< nearly all of the skies is seen
+    };
+    static constexpr uint32_t kNoKey = ~0u;
+    const Row &RowOf(uint32_t cell) const { return rows_[cell]; }
+    const Packet *Packets() const { return packets_.data(); }
+    uint32_t Number(size_t lane) const { return numbers_[lane]; }  ///< lanes are counted over all packets
+    /// The lane of the tile of sky k that holds the finest part with a key (SkyTiles::KeyTowards).
+    size_t LaneOf(const Row &row, size_t k, uint32_t key) const;
+
+    /// Counts a ray towards a tile. Any thread at any time, but not while Learn works.
+    void Count(size_t lane, bool left) const {
+        counts_[lane].fetch_add(left ? kLeft + 1 : 1, std::memory_order_relaxed);
+    }
+    /// Learns from what was counted. `divides`: cells that many rays were counted in are divided.
+    void Learn(std::span<SkyTiles> skies, bool divides);
+    /// Divides cells around these points, which are many of those that will be asked for.
+    void DivideAround(std::span<const Point3> points, std::span<SkyTiles> skies);
+    /// Frees what only learning needs.
+    void EndLearning();
+
+    uint64_t Traced() const { return traced_; }
+    uint64_t Left() const { return left_; }
+    double OpenShare() const;
+    size_t TileCount() const { return tileCount_; }
+    size_t Bytes() const;
+    const CellOctree &Octree() const { return octree_; }
+    /// The visible share of a sky as the cell knows it, weighted by the tiles' irradiance and size.
+    double Visible(uint32_t cell, const SkyTiles &sky, size_t k) const;
+
+  private:
+    static constexpr uint64_t kLeft = uint64_t(1) << 32;
+    struct Cell {
+        std::vector<SkyCut> cuts;  ///< of each sky
+        uint64_t rays = 0;         ///< since the cell was made
+        uint64_t fresh = 0;        ///< that nothing was learned from yet
+        Bounds3 box;
+    };
+    uint32_t AddCellLike(uint32_t cell);
+    void Split(uint32_t node, uint32_t cell);
+    void TakeCounts();
+    void Adapt(std::span<SkyTiles> skies);
+    void Divide(std::span<const SkyTiles> skies);
+    void MakeRows(std::span<const SkyTiles> skies);
+
+    Settings settings_;
+    CellOctree octree_;
+    std::vector<Cell> cells_;
+    std::vector<Row> rows_;
+    std::vector<Packet> packets_;
+    std::vector<uint32_t> numbers_, keys_;  ///< per lane
+    std::unique_ptr<std::atomic<uint64_t>[]> counts_;
+    uint64_t traced_ = 0, left_ = 0;
+    size_t tileCount_ = 0;
+};
+
+}  // namespace ext

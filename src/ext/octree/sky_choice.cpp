@@ -1,0 +1,229 @@
+#include "ext/octree/sky_choice.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/lightsamplers/weighted_choice.h"
+#include "pbrt/math/rng.h"
+
+namespace ext {
+
+namespace {
+
+constexpr size_t kLanes = SkyCells::kLanes;
+constexpr int64_t kChunk = 256;
+constexpr uint64_t kStream = 0x736b79;
+/// If a smaller share of the rays leaves the scene, choosing tiles cannot be worth its time.
+constexpr double kHardlySeen = 0.01;
+
+/// Writes G (sqrt(v) + c) of the tiles of some packets and its sums over packets, and returns the sum over all; see
+/// SkyChoice. The same bits wherever it is called from.
+[[gnu::noinline]] Float WeighTiles(const SkyCells::Packet *packets, size_t count, const LightQuery &query, Float *w,
+                                   Float *sums) {
+    using Ops = SimdOps<kLanes>;
+    using F = Ops::F;
+    auto load = [](const Float *v) { return F(v, std::experimental::vector_aligned); };
+    const bool inMedium = query.ns == Normal3(0);
+    const Normal3 n = query.ns * (Dot(query.wo, query.ns) < 0 ? Float(-1) : Float(1));
+    const F nx(n.x), ny(n.y), nz(n.z), otherSide(query.transmits ? Float(-1) : Float(1));
+    Float sum = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const SkyCells::Packet &p = packets[i];
+        F value = load(p.weight);
+        if (!inMedium) {
+            F c = nx * load(p.x) + ny * load(p.y) + nz * load(p.z);
+            c = Ops::Max(c, c * otherSide);
+            const F s = load(p.sine), above = Ops::Max(c + s, F(0));
+            value *= Ops::Select(c >= s, c, above * above * load(p.quarterInvSine));
+        }
+        value.copy_to(w + i * kLanes, std::experimental::vector_aligned);
+        sum += sums[i] = std::experimental::reduce(value);
+    }
+    return sum;
+}
+
+}  // namespace
+
+SkyChoice::SkyChoice(const LightTable &lights, const SkySettings &settings) : lights_(lights), settings_(settings) {
+    for (size_t i = 0; i < lights.Skies().size() && Count() < kMaxSkies; ++i) {
+        SkyTiles tiles(lights, i);
+        if (tiles.IsBlack()) continue;
+        const LightId sky = tiles.Sky();
+        skies_.push_back(std::move(tiles));
+        wholeIsSampled_.push_back(MakeEmitter(lights[sky], lights.Candidate(sky)).m0 > 0);
+    }
+}
+
+std::vector<LightId> SkyChoice::TilesOf(size_t k) const {
+    std::vector<uint32_t> numbers;
+    for (uint32_t c = 0; c < cells_.CellCount(); ++c) {
+        const SkyCells::Row &row = cells_.RowOf(c);
+        for (size_t lane = row.first[k] * kLanes; lane < row.first[k + 1] * kLanes; ++lane)
+            if (cells_.Number(lane) > 0) numbers.push_back(cells_.Number(lane));
+    }
+    std::sort(numbers.begin(), numbers.end());
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+    std::vector<LightId> ids;
+    for (uint32_t n : numbers) ids.push_back(skies_[k].IdOf(n));
+    return ids;
+}
+
+void SkyChoice::Weigh(const LightQuery &query, LightMemory &memory, Weights *weights) const {
+    weights->row = cells_.IsEmpty() ? nullptr : &cells_.RowOf(cells_.CellAt(query.p));
+    weights->isOpen = !weights->row || weights->row->isOpen;
+    if (weights->isOpen) {
+        for (size_t k = 0; k < Count(); ++k)
+            weights->g[k] = weights->w[k] = wholeIsSampled_[k] ? skies_[k].Unoccluded(query) : Float(0);
+        return;
+    }
+    const SkyCells::Row &row = *weights->row;
+    const size_t packets = row.first[Count()] - row.first[0];
+    auto *w = memory.Make<Float>(packets * kLanes), *sums = memory.Make<Float>(packets);
+    for (size_t k = 0; k < Count(); ++k) {
+        const size_t begin = row.first[k] - row.first[0], end = row.first[k + 1] - row.first[0];
+        const Float sum =
+            WeighTiles(cells_.Packets() + row.first[k], end - begin, query, w + begin * kLanes, sums + begin);
+        weights->w[k] = sum;
+        weights->g[k] = sum > 0 ? skies_[k].Unoccluded(query) : Float(0);
+        weights->perSum[k] = sum > 0 ? 1 / sum : 0;
+    }
+    weights->tiles = w;
+    weights->packets = sums;
+}
+
+std::optional<SampledLight> SkyChoice::Sample(const Weights &weights, size_t k, Float u) const {
+    if (weights.isOpen) return SampledLight{skies_[k].Sky(), 1};
+    const SkyCells::Row &row = *weights.row;
+    const size_t first = row.first[k] - row.first[0], count = row.first[k + 1] - row.first[k];
+    const Float target = u * weights.w[k];
+    const auto packet = ChooseByWeight<Float>(count, target, [&](uint32_t i) { return weights.packets[first + i]; });
+    if (!packet) return {};
+    const Float *tiles = weights.tiles + (first + packet->index) * kLanes;
+    const auto lane = ChooseByWeight<Float>(kLanes, target - packet->before, [&](uint32_t i) { return tiles[i]; });
+    if (!lane) return {};
+    const size_t at = (row.first[k] + packet->index) * kLanes + lane->index;
+    return SampledLight{skies_[k].IdOf(cells_.Number(at)), lane->weight * weights.perSum[k]};
+}
+
+Float SkyChoice::PMF(const Weights &weights, size_t k, LightId light) const {
+    if (!lights_.IsTile(light)) return weights.isOpen ? 1 : 0;
+    if (weights.isOpen) return 0;
+    const uint32_t number = lights_.NumberOf(light);
+    const size_t lane = cells_.LaneOf(*weights.row, k, SkyTiles::KeyOf(number));
+    if (cells_.Number(lane) != number) return 0;
+    return weights.tiles[lane - weights.row->first[0] * kLanes] * weights.perSum[k];
+}
+
+LightId SkyChoice::PartTowards(const Weights &weights, size_t k, const Vector3 &d) const {
+    if (weights.isOpen) return skies_[k].Sky();
+    return skies_[k].IdOf(cells_.Number(cells_.LaneOf(*weights.row, k, skies_[k].KeyTowards(d))));
+}
+
+void SkyChoice::Count(const Point3 &p, const Vector3 &d, bool left) const {
+    if (cells_.IsEmpty()) return;
+    const SkyCells::Row &row = cells_.RowOf(cells_.CellAt(p));
+    for (size_t k = 0; k < Count(); ++k) cells_.Count(cells_.LaneOf(row, k, skies_[k].KeyTowards(d)), left);
+}
+
+void SkyChoice::LookAround(PrepareContext &context, std::span<const PrepassVertex> vertices, int tries) {
+    struct Look {
+        Point3 p;
+        Vector3 d;
+        bool left;
+    };
+    std::vector<std::vector<uint32_t>> cuts;
+    for (SkyTiles &sky : skies_) cuts.push_back(sky.FirstCut(settings_.tiles));
+    SkyCells::Settings settings;
+    settings.tiles = settings_.tiles;
+    settings.floor = settings_.floor;
+    SkyCells cells(context.scene.Bounds(), cuts, 1, settings);
+    cells.Learn(skies_, false);
+    const SkyCells::Row &row = cells.RowOf(0);
+
+    const auto count = static_cast<int64_t>(vertices.size());
+    std::vector<std::vector<Look>> chunks(static_cast<size_t>((count + kChunk - 1) / kChunk));
+    context.progress.BeginPhase("looking at the sky", static_cast<int64_t>(chunks.size()));
+    ParallelForEach(static_cast<int64_t>(chunks.size()), [&](int64_t chunk) {
+        if (context.progress.Cancelled()) return;
+        LightMemory memory;
+        auto *g = memory.Make<Float>(row.first[Count()] * kLanes), *sums = memory.Make<Float>(row.first[Count()]);
+        std::vector<Look> &out = chunks[static_cast<size_t>(chunk)];
+        for (int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i) {
+            const PrepassVertex &vertex = vertices[static_cast<size_t>(i)];
+            const LightQuery query = QueryAt(vertex);
+            Rng rng(Hash(kStream, context.seed, i));
+            for (size_t k = 0; k < Count(); ++k) {
+                const size_t packets = row.first[k + 1] - row.first[k];
+                const Float sum = WeighTiles(cells.Packets() + row.first[k], packets, query, g, sums);
+                if (!(sum > 0)) continue;
+                for (int t = 0; t < tries; ++t) {
+                    const Float u = (static_cast<Float>(t) + rng.Uniform()) / static_cast<Float>(tries);
+                    const Point2 uDirection = rng.Uniform2();
+                    const auto lane =
+                        ChooseByWeight<Float>(packets * kLanes, u * sum, [&](uint32_t c) { return g[c]; });
+                    if (!lane) continue;
+                    const uint32_t number = cells.Number(row.first[k] * kLanes + lane->index);
+                    std::optional<LightLiSample> s = lights_[skies_[k].IdOf(number)].SampleLi(
+                        vertex.at, uDirection, SampledWavelengths::SampleVisible(0.5f), true);
+                    if (!s) continue;
+                    const Float cosine = Dot(s->wi, vertex.at.ns);
+                    if (vertex.at.ns != Normal3(0) && !vertex.transmits && cosine * Dot(vertex.wo, vertex.at.ns) <= 0)
+                        continue;
+                    out.push_back({vertex.at.p, s->wi, !context.scene.Occluded(vertex.at, *s)});
+                }
+            }
+        }
+        context.progress.Advance();
+    });
+    context.progress.EndPhase();
+    if (context.progress.Cancelled()) return;
+
+    uint64_t looks = 0, left = 0;
+    for (const auto &chunk : chunks)
+        for (const Look &look : chunk) {
+            ++looks;
+            left += look.left;
+        }
+    seenShare_ = static_cast<double>(left) / static_cast<double>(std::max<uint64_t>(looks, 1));
+    auto countAll = [&] {
+        for (const auto &chunk : chunks)
+            for (const Look &look : chunk) Count(look.p, look.d, look.left);
+    };
+    // First one cell for the whole scene, from which the others inherit.
+    cells_ = SkyCells(context.scene.Bounds(), cuts, (static_cast<float>(left) + 1) / (static_cast<float>(looks) + 2),
+                      settings);
+    cells_.Learn(skies_, false);
+    countAll();
+    cells_.Learn(skies_, false);
+    std::vector<Point3> points;
+    points.reserve(vertices.size());
+    for (const PrepassVertex &vertex : vertices) points.push_back(vertex.at.p);
+    cells_.DivideAround(points, skies_);
+    countAll();
+    Learn(false);
+}
+
+void SkyChoice::Learn(bool judges) {
+    if (cells_.IsEmpty()) return;
+    cells_.Learn(skies_, true);
+    if (judges && static_cast<double>(cells_.Left()) < kHardlySeen * static_cast<double>(cells_.Traced())) cells_ = {};
+}
+
+void SkyChoice::Report(nlohmann::ordered_json &report) const {
+    report["skyCells"] = cells_.CellCount();
+    report["skyTilesPerCell"] =
+        static_cast<double>(cells_.TileCount()) / static_cast<double>(std::max<size_t>(cells_.CellCount(), 1));
+    report["skyOpenCells"] = cells_.OpenShare();
+    report["skyRays"] = cells_.Traced();
+    report["skyRaysLeft"] = cells_.Left();
+    report["skyBytes"] = Bytes();
+}
+
+size_t SkyChoice::Bytes() const {
+    size_t bytes = cells_.Bytes();
+    for (const SkyTiles &sky : skies_) bytes += sky.Bytes();
+    return bytes;
+}
+
+}  // namespace ext

@@ -95,31 +95,31 @@ bool SameBits(const Image &a, const Image &b) {
     return a.Bytes() == b.Bytes() && std::memcmp(a.Data(), b.Data(), a.Bytes()) == 0;
 }
 
+/// Makes a scene with these parameters of the sampler.
+using Maker = std::function<BuiltScene(const std::string &)>;
+
+Image RenderWith(const Maker &make, int threads, std::vector<int> sizes, const std::string &parameters = "") {
+    ThreadLimit limit(threads);
+    BuiltScene built = make(parameters);
+    return Render(built, std::move(sizes));
+}
+
+/// Any number of threads and any split give the same picture. `others`: parameters that give another one.
+void CheckThreadsAndSplits(const Maker &make, const std::vector<std::string> &others) {
+    const Image whole = RenderWith(make, 1, {kSamples});
+    EXPECT_TRUE(SameBits(whole, RenderWith(make, 3, {kSamples})));
+    EXPECT_TRUE(SameBits(whole, RenderWith(make, 2, {1})));
+    EXPECT_TRUE(SameBits(whole, RenderWith(make, 1, {3, 2, 7, 1})));
+    for (const std::string &parameters : others)
+        EXPECT_FALSE(SameBits(whole, RenderWith(make, 1, {kSamples}, parameters))) << parameters << " changed nothing";
+}
+
 TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePicture) {
-    auto render = [](int threads, std::vector<int> sizes, const std::string &parameters = "") {
-        ThreadLimit limit(threads);
-        BuiltScene built = Build(parameters);
-        return Render(built, std::move(sizes));
-    };
-    const Image whole = render(1, {kSamples});
-    EXPECT_TRUE(SameBits(whole, render(3, {kSamples})));
-    EXPECT_TRUE(SameBits(whole, render(2, {1})));
-    EXPECT_TRUE(SameBits(whole, render(1, {3, 2, 7, 1})));
-    EXPECT_FALSE(SameBits(whole, render(1, {kSamples}, "\"bool octree.learn\" false"))) << "nothing was learned";
+    CheckThreadsAndSplits(Build, {"\"bool octree.learn\" false"});
 }
 
 TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePictureUnderASky) {
-    auto render = [](int threads, std::vector<int> sizes, const std::string &parameters = "") {
-        ThreadLimit limit(threads);
-        BuiltScene built = BuildRoom(parameters);
-        return Render(built, std::move(sizes));
-    };
-    const Image whole = render(1, {kSamples});
-    EXPECT_TRUE(SameBits(whole, render(3, {kSamples})));
-    EXPECT_TRUE(SameBits(whole, render(2, {1})));
-    EXPECT_TRUE(SameBits(whole, render(1, {3, 2, 7, 1})));
-    EXPECT_FALSE(SameBits(whole, render(1, {kSamples}, "\"bool octree.learn\" false"))) << "nothing was learned";
-    EXPECT_FALSE(SameBits(whole, render(1, {kSamples}, "\"integer octree.tiles\" 0"))) << "there were no tiles";
+    CheckThreadsAndSplits(BuildRoom, {"\"bool octree.learn\" false", "\"integer octree.tiles\" 0"});
 }
 
 TEST(LearningWhileRendering, ASkyIsHardlyLookedForWhereThereIsAWall) {
@@ -155,8 +155,8 @@ TEST(LearningWhileRendering, ASkyIsHardlyLookedForWhereThereIsAWall) {
 }
 
 /// Taking a run up again gives the same picture.
-void CheckTakingUp(const std::function<BuiltScene()> &build) {
-    BuiltScene uninterrupted = build();
+void CheckTakingUp(const Maker &make) {
+    BuiltScene uninterrupted = make("");
     const Image whole = Render(uninterrupted, {kSamples});
     for (int stop : {1, 3, 4, 6}) {
         Progress progress;
@@ -164,14 +164,14 @@ void CheckTakingUp(const std::function<BuiltScene()> &build) {
         settings.samplesPerPixel = kSamples;
         std::stringstream state;
         {
-            BuiltScene built = build();
+            BuiltScene built = make("");
             Prepare(built, progress);
             WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler,
                                   settings, progress);
             while (renderer.Done() < stop) renderer.Render(stop - renderer.Done());
             built.film->Save(state);
         }
-        BuiltScene built = build();
+        BuiltScene built = make("");
         Prepare(built, progress);
         built.film->Load(state);
         WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
@@ -182,12 +182,8 @@ void CheckTakingUp(const std::function<BuiltScene()> &build) {
     }
 }
 
-TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSame) {
-    CheckTakingUp([] { return Build(); });
-}
-TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSameOfTheSky) {
-    CheckTakingUp([] { return BuildRoom(); });
-}
+TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSame) { CheckTakingUp(Build); }
+TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSameOfTheSky) { CheckTakingUp(BuildRoom); }
 
 /// Points on the floor of the left room.
 std::vector<LightQuery> Floor() {

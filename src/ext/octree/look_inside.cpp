@@ -43,6 +43,7 @@ void VisibilityOctreeLightSampler::Inspect(const LightQuery &query, std::vector<
     values.push_back({"leaf", static_cast<double>(cell.row), true});
     values.push_back({"leaf records", records, false});
     values.push_back({"leaf depth", static_cast<double>(cell.depth), false});
+    if (sky_) sky_->Inspect(query.p, values);
     if (lightTree_) return;
     // The factor a(leaf, l) of each light, relative to the largest in the leaf.
     for (size_t i = 0; i < std::min<size_t>(groups_.Size(), 16); ++i)
@@ -52,13 +53,16 @@ void VisibilityOctreeLightSampler::Inspect(const LightQuery &query, std::vector<
 }
 
 std::string VisibilityOctreeLightSampler::DescribeStructure() const {
-    if (!learned_) return fmt::format("octree: none, there is nothing to choose ({} lights)\n", groups_.Size());
+    if (!learned_ && !sky_)
+        return fmt::format("octree: none, there is nothing to choose ({} lights)\n", groups_.Size());
+    const std::string sky = sky_ ? sky_->Describe() : "";
+    if (!learned_) return sky;
     return fmt::format(
                "octree: {} leaves ({} before pruning), {} different rows over {} lights, {} records, {} shadow "
                "rays\nbytes: {}\n",
                tree_.LeafCount(), leavesBefore_, tree_.RowCount(), groups_.Size(), prepassRecords_, prepassTries_,
                tree_.Bytes()) +
-           DescribeLeaves(leaves_);
+           DescribeLeaves(leaves_) + sky;
 }
 
 }  // namespace ext

@@ -9,7 +9,18 @@ namespace ext {
 
 namespace {
 /// A cell is open if it sees more than this share of every sky.
-constexpr double kOpen = 0.97;
+constexpr Float kOpen = 0.97f;
+
+Float VisibleShare(const SkyTiles &sky, const SkyCut &cut) {
+    double light = 0, seenLight = 0, seen = 0;
+    for (const SkyCut::Tile &t : cut.Tiles()) {
+        const auto e = static_cast<double>(sky.At(t.number).irradiance), v = static_cast<double>(t.visible);
+        light += e;
+        seenLight += e * v;
+        seen += v / static_cast<double>(1u << 2 * SkyTile::LevelOf(t.number));
+    }
+    return light > 0 ? static_cast<Float>(std::min(seenLight / light, seen)) : Float(0);
+}
 }  // namespace
 
 SkyCells::SkyCells(const Bounds3 &bounds, std::span<const std::vector<uint32_t>> cuts, float visible,
@@ -60,6 +71,7 @@ void SkyCells::Adapt(std::span<SkyTiles> skies) {
         });
     };
     std::vector<std::vector<uint32_t>> children(cells_.size());
+    // Cells look at each other, so all of them see what was known before.
     const std::vector<Cell> before = cells_;
     for (size_t k = 0; k < skies.size(); ++k) {
         forEachCell([&](size_t c) {
@@ -167,19 +179,9 @@ void SkyCells::Learn(std::span<SkyTiles> skies, bool divides) {
     MakeRows(skies);
 }
 
-double SkyCells::Visible(uint32_t cell, const SkyTiles &sky, size_t k) const {
-    double light = 0, seenLight = 0, seen = 0;
-    for (const SkyCut::Tile &t : cells_[cell].cuts[k].Tiles()) {
-        const auto e = static_cast<double>(sky.At(t.number).irradiance), v = static_cast<double>(t.visible);
-        light += e;
-        seenLight += e * v;
-        seen += v / static_cast<double>(1u << 2 * SkyTile::LevelOf(t.number));
-    }
-    return light > 0 ? std::min(seenLight / light, seen) : 0;
-}
-
 void SkyCells::MakeRows(std::span<const SkyTiles> skies) {
     rows_.assign(cells_.size(), {});
+    visible_.assign(cells_.size(), {});
     uint32_t packets = 0;
     tileCount_ = 0;
     for (size_t c = 0; c < cells_.size(); ++c)
@@ -224,7 +226,8 @@ void SkyCells::MakeRows(std::span<const SkyTiles> skies) {
                     keys_[lane] = SkyTiles::KeyOf(t.number);
                     ++lane;
                 }
-                isOpen = isOpen && Visible(static_cast<uint32_t>(c), skies[k], k) > kOpen;
+                visible_[c][k] = VisibleShare(skies[k], cells_[c].cuts[k]);
+                isOpen = isOpen && visible_[c][k] > kOpen;
             }
             rows_[c].isOpen = isOpen;
         }
@@ -243,7 +246,8 @@ double SkyCells::OpenShare() const {
 
 size_t SkyCells::Bytes() const {
     size_t bytes = octree_.Bytes() + rows_.capacity() * sizeof(Row) + packets_.capacity() * sizeof(Packet) +
-                   (numbers_.capacity() + keys_.capacity()) * sizeof(uint32_t) + cells_.capacity() * sizeof(Cell);
+                   (numbers_.capacity() + keys_.capacity()) * sizeof(uint32_t) +
+                   visible_.capacity() * sizeof(visible_[0]) + cells_.capacity() * sizeof(Cell);
     if (counts_) bytes += numbers_.size() * sizeof(uint64_t);
     for (const Cell &cell : cells_)
         for (const SkyCut &cut : cell.cuts) bytes += cut.Tiles().capacity() * sizeof(SkyCut::Tile);

@@ -71,8 +71,9 @@ class SkyCells {
     size_t TileCount() const { return tileCount_; }
     size_t Bytes() const;
     const CellOctree &Octree() const { return octree_; }
-    /// The visible share of a sky as the cell knows it, weighted by the tiles' irradiance and size.
-    double Visible(uint32_t cell, const SkyTiles &sky, size_t k) const;
+    /// The visible share of sky k as the cell knows it: weighted by the tiles' irradiance, or by their size, whichever
+    /// is less.
+    Float Visible(uint32_t cell, size_t k) const { return visible_[cell][k]; }
 
   private:
     static constexpr uint64_t kLeft = uint64_t(1) << 32;
@@ -94,7 +95,8 @@ class SkyCells {
     std::vector<Cell> cells_;
     std::vector<Row> rows_;
     std::vector<Packet> packets_;
-    std::vector<uint32_t> numbers_, keys_;  ///< per lane
+    std::vector<std::array<Float, kMaxSkies>> visible_;  ///< per cell
+    std::vector<uint32_t> numbers_, keys_;               ///< per lane
     std::unique_ptr<std::atomic<uint64_t>[]> counts_;
     uint64_t traced_ = 0, left_ = 0;
     size_t tileCount_ = 0;

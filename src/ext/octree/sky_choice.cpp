@@ -1,9 +1,12 @@
 #include "ext/octree/sky_choice.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/parallel.h"
+#include "pbrt/lights/light_spectrum.h"
 #include "pbrt/lightsamplers/weighted_choice.h"
 #include "pbrt/math/rng.h"
 
@@ -45,7 +48,8 @@ constexpr double kHardlySeen = 0.01;
 
 }  // namespace
 
-SkyChoice::SkyChoice(const LightTable &lights, const SkySettings &settings) : lights_(lights), settings_(settings) {
+SkyChoice::SkyChoice(const LightTable &lights, const SkyCells::Settings &settings)
+    : lights_(lights), settings_(settings) {
     for (size_t i = 0; i < lights.Skies().size() && Count() < kMaxSkies; ++i) {
         SkyTiles tiles(lights, i);
         if (tiles.IsBlack()) continue;
@@ -126,53 +130,49 @@ void SkyChoice::Count(const Point3 &p, const Vector3 &d, bool left) const {
     for (size_t k = 0; k < Count(); ++k) cells_.Count(cells_.LaneOf(row, k, skies_[k].KeyTowards(d)), left);
 }
 
+SkyCells SkyChoice::MakeCells(const Bounds3 &bounds, float visible) {
+    std::vector<std::vector<uint32_t>> cuts;
+    for (SkyTiles &sky : skies_) cuts.push_back(sky.FirstCut(settings_.tiles));
+    SkyCells cells(bounds, cuts, visible, settings_);
+    cells.Learn(skies_, false);
+    return cells;
+}
+
 void SkyChoice::LookAround(PrepareContext &context, std::span<const PrepassVertex> vertices, int tries) {
     struct Look {
         Point3 p;
         Vector3 d;
         bool left;
     };
-    std::vector<std::vector<uint32_t>> cuts;
-    for (SkyTiles &sky : skies_) cuts.push_back(sky.FirstCut(settings_.tiles));
-    SkyCells::Settings settings;
-    settings.tiles = settings_.tiles;
-    settings.floor = settings_.floor;
-    SkyCells cells(context.scene.Bounds(), cuts, 1, settings);
-    cells.Learn(skies_, false);
-    const SkyCells::Row &row = cells.RowOf(0);
-
+    // Nothing is known yet: all tiles are equally visible, so they are drawn by G.
+    const Bounds3 bounds = context.scene.Bounds();
+    cells_ = MakeCells(bounds, 0.5f);
     const auto count = static_cast<int64_t>(vertices.size());
     std::vector<std::vector<Look>> chunks(static_cast<size_t>((count + kChunk - 1) / kChunk));
+    const SampledWavelengths lambda = PowerWavelengths();
     context.progress.BeginPhase("looking at the sky", static_cast<int64_t>(chunks.size()));
     ParallelForEach(static_cast<int64_t>(chunks.size()), [&](int64_t chunk) {
         if (context.progress.Cancelled()) return;
-        LightMemory memory;
-        auto *g = memory.Make<Float>(row.first[Count()] * kLanes), *sums = memory.Make<Float>(row.first[Count()]);
         std::vector<Look> &out = chunks[static_cast<size_t>(chunk)];
         for (int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i) {
             const PrepassVertex &vertex = vertices[static_cast<size_t>(i)];
-            const LightQuery query = QueryAt(vertex);
+            LightMemory memory;
+            Weights weights;
+            Weigh(QueryAt(vertex), memory, &weights);
             Rng rng(Hash(kStream, context.seed, i));
-            for (size_t k = 0; k < Count(); ++k) {
-                const size_t packets = row.first[k + 1] - row.first[k];
-                const Float sum = WeighTiles(cells.Packets() + row.first[k], packets, query, g, sums);
-                if (!(sum > 0)) continue;
+            for (size_t k = 0; k < Count(); ++k)
                 for (int t = 0; t < tries; ++t) {
                     const Float u = (static_cast<Float>(t) + rng.Uniform()) / static_cast<Float>(tries);
                     const Point2 uDirection = rng.Uniform2();
-                    const auto lane =
-                        ChooseByWeight<Float>(packets * kLanes, u * sum, [&](uint32_t c) { return g[c]; });
-                    if (!lane) continue;
-                    const uint32_t number = cells.Number(row.first[k] * kLanes + lane->index);
-                    std::optional<LightLiSample> s = lights_[skies_[k].IdOf(number)].SampleLi(
-                        vertex.at, uDirection, SampledWavelengths::SampleVisible(0.5f), true);
+                    const std::optional<SampledLight> tile = Sample(weights, k, u);
+                    if (!tile) continue;
+                    std::optional<LightLiSample> s = lights_[tile->light].SampleLi(vertex.at, uDirection, lambda, true);
                     if (!s) continue;
                     const Float cosine = Dot(s->wi, vertex.at.ns);
                     if (vertex.at.ns != Normal3(0) && !vertex.transmits && cosine * Dot(vertex.wo, vertex.at.ns) <= 0)
                         continue;
                     out.push_back({vertex.at.p, s->wi, !context.scene.Occluded(vertex.at, *s)});
                 }
-            }
         }
         context.progress.Advance();
     });
@@ -191,9 +191,7 @@ void SkyChoice::LookAround(PrepareContext &context, std::span<const PrepassVerte
             for (const Look &look : chunk) Count(look.p, look.d, look.left);
     };
     // First one cell for the whole scene, from which the others inherit.
-    cells_ = SkyCells(context.scene.Bounds(), cuts, (static_cast<float>(left) + 1) / (static_cast<float>(looks) + 2),
-                      settings);
-    cells_.Learn(skies_, false);
+    cells_ = MakeCells(bounds, (static_cast<float>(left) + 1) / (static_cast<float>(looks) + 2));
     countAll();
     cells_.Learn(skies_, false);
     std::vector<Point3> points;
@@ -218,6 +216,22 @@ void SkyChoice::Report(nlohmann::ordered_json &report) const {
     report["skyRays"] = cells_.Traced();
     report["skyRaysLeft"] = cells_.Left();
     report["skyBytes"] = Bytes();
+}
+
+void SkyChoice::Inspect(const Point3 &p, std::vector<InspectedValue> &values) const {
+    const bool learned = !cells_.IsEmpty();
+    const uint32_t cell = learned ? cells_.CellAt(p) : 0;
+    values.push_back({"sky cell", static_cast<double>(cell), true});
+    for (size_t k = 0; k < Count(); ++k)
+        values.push_back(
+            {fmt::format("sky {} seen", k), learned ? static_cast<double>(cells_.Visible(cell, k)) : 1.0, false});
+}
+
+std::string SkyChoice::Describe() const {
+    return fmt::format(
+        "cells that know what they see of the sky: {}, with {} tiles; {:.1f} % of them see nearly all of it\n"
+        "rays counted: {}, of which left the scene: {}\n",
+        cells_.CellCount(), cells_.TileCount(), 100 * cells_.OpenShare(), cells_.Traced(), cells_.Left());
 }
 
 size_t SkyChoice::Bytes() const {

@@ -6,11 +6,6 @@
 
 namespace ext {
 
-struct SkySettings {
-    size_t tiles = 64;    ///< that a cell tells apart
-    Float floor = 0.05f;  ///< share of the probability handed out by unoccluded importance
-};
-
 /// Chooses the tile of a sky that gets the shadow ray:
 ///
 ///   P(t | x) = G_t(x) (sqrt(v_t) + c) / sum
@@ -23,7 +18,7 @@ class SkyChoice {
   public:
     /// Cuts the first kMaxSkies of the skies that are not black.
     static constexpr size_t kMaxSkies = SkyCells::kMaxSkies;
-    SkyChoice(const LightTable &lights, const SkySettings &settings);
+    SkyChoice(const LightTable &lights, const SkyCells::Settings &settings);
 
     size_t Count() const { return skies_.size(); }
     LightId Sky(size_t k) const { return skies_[k].Sky(); }
@@ -53,14 +48,22 @@ class SkyChoice {
     void Count(const Point3 &p, const Vector3 &d, bool left) const;
     /// `judges`: goes back to whole skies for good if next to no ray left the scene until now.
     void Learn(bool judges);
+    /// Frees what only learning needs.
+    void EndLearning() { cells_.EndLearning(); }
 
     void Report(nlohmann::ordered_json &report) const;
+    /// The cell at the point, and which share of each sky is seen from it.
+    void Inspect(const Point3 &p, std::vector<InspectedValue> &values) const;
+    /// The number of cells and what they know, as lines of text.
+    std::string Describe() const;
     size_t Bytes() const;
-    const SkyCells &Cells() const { return cells_; }
 
   private:
+    /// One cell that sees the share `visible` of all tiles.
+    SkyCells MakeCells(const Bounds3 &bounds, float visible);
+
     const LightTable &lights_;
-    SkySettings settings_;
+    SkyCells::Settings settings_;
     std::vector<SkyTiles> skies_;
     std::vector<bool> wholeIsSampled_;  ///< false: SampleLi of the whole sky leaves it to BSDF sampling
     SkyCells cells_;

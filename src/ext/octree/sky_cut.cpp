@@ -18,7 +18,26 @@ constexpr float kLit = 1e-3f;
 /// This is done for tiles whose irradiance is more than this part of the cut's sum.
 constexpr double kMatters = 0.02;
 
+constexpr size_t kMostDivided = 12;  ///< tiles, at a time
+
 double CostOf(double irradiance, double visible) { return irradiance * std::sqrt(visible); }
+
+/// A tile's part of the sum that the cut keeps low.
+double CostOf(const SkyTiles &sky, const SkyCut::Tile &tile) {
+    return CostOf(static_cast<double>(sky.At(tile.number).irradiance), static_cast<double>(tile.visible));
+}
+
+/// What could be saved of it by telling the seen and the unseen parts of the tile apart.
+double GainOf(const SkyTiles &sky, const SkyCut::Tile &tile) {
+    const auto e = static_cast<double>(sky.At(tile.number).irradiance), v = static_cast<double>(tile.visible);
+    return CostOf(e, v) - e * v;
+}
+
+double SumOf(const SkyTiles &sky, std::span<const SkyCut::Tile> tiles) {
+    double sum = 0;
+    for (const SkyCut::Tile &tile : tiles) sum += CostOf(sky, tile);
+    return sum;
+}
 
 /// The mean of v after `traced` rays of which `left` left the scene, if it was `before`. Either v is 0, or it is any
 /// value in [0, 1] with equal probability.
@@ -38,9 +57,7 @@ const SkyCut::Tile &SkyCut::Holding(uint32_t key) const {
 }
 
 void SkyCut::Estimate(const SkyTiles &sky, std::span<const SkyCut *const> near) {
-    double sum = 0;
-    for (const Tile &t : tiles_)
-        sum += CostOf(static_cast<double>(sky.At(t.number).irradiance), static_cast<double>(t.visible));
+    const double sum = SumOf(sky, tiles_);
     for (size_t i = 0; i < tiles_.size(); ++i) {
         Tile &tile = tiles_[i];
         double ratio = 1;
@@ -67,7 +84,8 @@ void SkyCut::Estimate(const SkyTiles &sky, std::span<const SkyCut *const> near) 
         }
         double before = static_cast<double>(tile.before) * ratio;
         // Only tiles that would matter if they were seen are worth the look around.
-        if (tile.left == 0 && before<kSeenNear &&static_cast<double>(sky.At(tile.number).irradiance)> kMatters * sum) {
+        const bool matters = static_cast<double>(sky.At(tile.number).irradiance) > kMatters * sum;
+        if (tile.left == 0 && before < kSeenNear && matters) {
             const uint32_t key = SkyTiles::KeyOf(tile.number) + SkyTiles::KeyCount(tile.number) / 2;
             for (const SkyCut *cut : near)
                 if (const Tile &other = cut->Holding(key); other.left > 0 && other.visible > kLit) before = kSeenNear;
@@ -76,40 +94,54 @@ void SkyCut::Estimate(const SkyTiles &sky, std::span<const SkyCut *const> near) 
     }
 }
 
-std::vector<uint32_t> SkyCut::ToDivide(const SkyTiles &sky) const {
-    double sum = 0;
-    for (const Tile &t : tiles_)
-        sum += CostOf(static_cast<double>(sky.At(t.number).irradiance), static_cast<double>(t.visible));
-    std::vector<std::pair<double, uint32_t>> gains;
-    for (uint32_t i = 0; i < tiles_.size(); ++i) {
-        const Tile &t = tiles_[i];
+std::vector<SkyCut::Division> SkyCut::ToDivide(const SkyTiles &sky) const {
+    const double sum = SumOf(sky, tiles_);
+    std::vector<Division> divisions;
+    for (const Tile &t : tiles_) {
         if (t.traced < kRaysToDivide || SkyTile::LevelOf(t.number) >= SkyTile::kMaxLevel) continue;
-        const auto e = static_cast<double>(sky.At(t.number).irradiance), v = static_cast<double>(t.visible);
-        const double gain = CostOf(e, v) - e * v;
-        if (gain > kGain * sum) gains.push_back({-gain, i});
+        if (const double gain = GainOf(sky, t); gain > kGain * sum) divisions.push_back({gain, t.number});
     }
-    std::sort(gains.begin(), gains.end());
-    std::vector<uint32_t> order;
-    for (const auto &[gain, i] : gains) order.push_back(i);
-    if (order.size() > kMostDivided) order.resize(kMostDivided);
-    return order;
+    std::stable_sort(divisions.begin(), divisions.end(),
+                     [](const Division &a, const Division &b) { return a.gain > b.gain; });
+    if (divisions.size() > kMostDivided) divisions.resize(kMostDivided);
+    return divisions;
 }
 
 void SkyCut::AppendChildren(const SkyTiles &sky, std::vector<uint32_t> *numbers) const {
-    for (uint32_t i : ToDivide(sky))
-        for (uint32_t c = 1; c <= 4; ++c) numbers->push_back(4 * tiles_[i].number + c);
+    for (const Division &d : ToDivide(sky))
+        for (uint32_t c = 1; c <= 4; ++c) numbers->push_back(4 * d.number + c);
 }
 
-double SkyCut::JoiningCosts(size_t first, const SkyTiles &sky) const {
-    double light = 0, seen = 0, apart = 0;
-    for (size_t i = first; i < first + 4; ++i) {
-        const auto e = static_cast<double>(sky.At(tiles_[i].number).irradiance);
-        const auto v = static_cast<double>(tiles_[i].visible);
-        light += e;
-        seen += e * v;
-        apart += CostOf(e, v);
+void SkyCut::Divide(uint32_t number) {
+    const auto at = std::find_if(tiles_.begin(), tiles_.end(), [&](const Tile &t) { return t.number == number; });
+    const float visible = at->visible;
+    Tile children[4];
+    for (uint32_t c = 0; c < 4; ++c) children[c] = {4 * number + 1 + c, visible, visible, 0, 0};
+    *at = children[0];
+    tiles_.insert(at + 1, children + 1, children + 4);
+}
+
+std::optional<SkyCut::Joining> SkyCut::CheapestToJoin(const SkyTiles &sky, std::span<const Division> divisions) const {
+    std::optional<Joining> best;
+    for (size_t i = 0; i + 3 < tiles_.size(); ++i) {
+        const uint32_t n = tiles_[i].number;
+        if (n % 4 != 1 || tiles_[i + 3].number != n + 3 || SkyTile::LevelOf(n) <= SkyTiles::kMinLevel) continue;
+        // Not what is to be divided, nor what just was.
+        if (std::any_of(divisions.begin(), divisions.end(), [n](const Division &d) {
+                return (d.number >= n && d.number <= n + 3) || d.number == (n - 1) / 4;
+            }))
+            continue;
+        double light = 0, seen = 0, apart = 0;
+        for (const Tile &t : std::span(tiles_).subspan(i, 4)) {
+            const auto e = static_cast<double>(sky.At(t.number).irradiance);
+            light += e;
+            seen += e * static_cast<double>(t.visible);
+            apart += CostOf(sky, t);
+        }
+        const double cost = light > 0 ? CostOf(light, seen / light) - apart : 0;
+        if (!best || cost < best->cost) best = {cost, i};
     }
-    return light > 0 ? CostOf(light, seen / light) - apart : 0;
+    return best;
 }
 
 void SkyCut::Join(size_t first, const SkyTiles &sky) {
@@ -131,63 +163,23 @@ void SkyCut::Join(size_t first, const SkyTiles &sky) {
 }
 
 void SkyCut::Adapt(const SkyTiles &sky, size_t most) {
-    std::vector<uint32_t> divide = ToDivide(sky);
-    auto gainOf = [&](uint32_t i) {
-        const auto e = static_cast<double>(sky.At(tiles_[i].number).irradiance);
-        return CostOf(e, static_cast<double>(tiles_[i].visible)) - e * static_cast<double>(tiles_[i].visible);
-    };
-    std::vector<double> gains;
-    std::vector<uint32_t> numbers;
-    for (uint32_t i : divide) {
-        gains.push_back(gainOf(i));
-        numbers.push_back(tiles_[i].number);
-    }
-    auto cheapest = [&](double *cost) {
-        size_t best = tiles_.size();
-        for (size_t i = 0; i + 3 < tiles_.size(); ++i) {
-            const uint32_t n = tiles_[i].number;
-            if (n % 4 != 1 || tiles_[i + 3].number != n + 3 || SkyTile::LevelOf(n) <= SkyTiles::kMinLevel) continue;
-            // Not what is to be divided, nor what just was.
-            bool isDivided = false;
-            for (uint32_t d : numbers) isDivided |= (d >= n && d <= n + 3) || d == (n - 1) / 4;
-            if (isDivided) continue;
-            const double c = JoiningCosts(i, sky);
-            if (best == tiles_.size() || c < *cost) {
-                best = i;
-                *cost = c;
-            }
+    const std::vector<Division> divisions = ToDivide(sky);
+    for (const Division &division : divisions) {
+        while (tiles_.size() + 3 > most) {
+            const std::optional<Joining> join = CheapestToJoin(sky, divisions);
+            // What was just divided would be joined again if the gain were hardly more than the cost.
+            if (!join || 4 * join->cost > division.gain) return;
+            Join(join->first, sky);
         }
-        return best;
-    };
-    size_t done = 0;
-    while (done < numbers.size()) {
-        if (tiles_.size() + 3 <= most) {
-            const auto at =
-                std::find_if(tiles_.begin(), tiles_.end(), [&](const Tile &t) { return t.number == numbers[done]; });
-            const Tile parent = *at;
-            Tile children[4];
-            for (uint32_t c = 0; c < 4; ++c)
-                children[c] = {4 * parent.number + 1 + c, parent.visible, parent.visible, 0, 0};
-            *at = children[0];
-            tiles_.insert(at + 1, children + 1, children + 4);
-            ++done;
-            continue;
-        }
-        double cost = 0;
-        const size_t join = cheapest(&cost);
-        // What was just divided would be joined again if the gain were hardly more than the cost.
-        if (join == tiles_.size() || 4 * cost > gains[done]) break;
-        Join(join, sky);
+        Divide(division.number);
     }
 }
 
 double SkyCut::GainOfDividingTheCell(const SkyTiles &sky) const {
-    double gain = 0, sum = 0;
-    for (const Tile &t : tiles_) {
-        const auto e = static_cast<double>(sky.At(t.number).irradiance), v = static_cast<double>(t.visible);
-        sum += CostOf(e, v);
-        if (t.left > 0 && t.left < t.traced) gain += CostOf(e, v) - e * v;
-    }
+    double gain = 0;
+    for (const Tile &t : tiles_)
+        if (t.left > 0 && t.left < t.traced) gain += GainOf(sky, t);
+    const double sum = SumOf(sky, tiles_);
     return sum > 0 ? gain / sum : 0;
 }
 

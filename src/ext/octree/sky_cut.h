@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "ext/octree/sky_tiles.h"
@@ -20,8 +21,11 @@ namespace ext {
 /// room.
 class SkyCut {
   public:
+    /// The number of rays that what was known before counts for.
     static constexpr float kPrior = 1;
-    static constexpr float kEnough = 16;  ///< rays after which a tile is judged by its own rays alone
+    /// After so many rays a tile is judged by its own rays alone.
+    static constexpr float kEnough = 16;
+    /// No tile's v is less: a weight of 0 would take the tile away for good.
     static constexpr float kLeast = 1e-10f;
 
     struct Tile {
@@ -55,11 +59,20 @@ class SkyCut {
   private:
     /// The tile that holds the finest part with a key.
     const Tile &Holding(uint32_t key) const;
-    static constexpr size_t kMostDivided = 12;  ///< at a time
+    struct Division {
+        double gain;
+        uint32_t number;  ///< of the tile
+    };
     /// The tiles worth dividing, those of most gain first.
-    std::vector<uint32_t> ToDivide(const SkyTiles &sky) const;
+    std::vector<Division> ToDivide(const SkyTiles &sky) const;
+    void Divide(uint32_t number);
+    struct Joining {
+        double cost;
+        size_t first;  ///< index of the first of the four
+    };
+    /// The four siblings that are the cheapest to join, leaving out those that `divisions` are about.
+    std::optional<Joining> CheapestToJoin(const SkyTiles &sky, std::span<const Division> divisions) const;
     void Join(size_t first, const SkyTiles &sky);
-    double JoiningCosts(size_t first, const SkyTiles &sky) const;
 
     std::vector<Tile> tiles_;
 };

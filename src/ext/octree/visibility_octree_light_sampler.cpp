@@ -30,18 +30,39 @@ constexpr int kSkyTries = 16;
 /// At most this many shadow rays are kept from one learning to the next.
 constexpr size_t kMaxFound = 400000;
 
+Float FloorOf(const OctreeParams &params) { return params.floor > 0 ? params.floor : kVisibilityFloor; }
+
+bool HasLamps(const LightTable &lights) {
+    const LightGroups &wholes = lights.Wholes();
+    for (uint32_t g = 0; g < wholes.Size(); ++g)
+        if (const LightCandidate c = wholes.Candidate(g); !c.infinite && c.power > 0) return true;
+    return false;
+}
+
+/// The skies that are cut into tiles; null if there are none.
+std::unique_ptr<SkyChoice> MakeSkies(const LightTable &lights, const OctreeParams &params) {
+    if (params.tiles == 0 || lights.Skies().empty()) return nullptr;
+    // Where lamps shine as well, tiles cost more than they gain: the noise of the sky is only a part there.
+    if (params.opensky < 1 && HasLamps(lights)) return nullptr;
+    SkyCells::Settings settings;
+    settings.tiles = static_cast<size_t>(params.tiles);
+    settings.floor = FloorOf(params);
+    auto skies = std::make_unique<SkyChoice>(lights, settings);
+    return skies->Count() > 0 ? std::move(skies) : nullptr;
+}
+
 }  // namespace
 
 VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
-    : InteriorLightSampler(lights, params.meshlights, params.interior, params.tiles > 0 && !lights.Skies().empty()),
+    : VisibilityOctreeLightSampler(lights, params, MakeSkies(lights, params)) {}
+
+VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params,
+                                                           std::unique_ptr<SkyChoice> sky)
+    : InteriorLightSampler(lights, params.meshlights, params.interior, sky != nullptr),
       params_(params),
-      floor_(params.floor > 0 ? params.floor : kVisibilityFloor),
-      sky_(params.tiles > 0 && !lights.Skies().empty()
-               ? std::make_unique<SkyChoice>(lights, SkySettings{static_cast<size_t>(params.tiles), floor_})
-               : nullptr),
-      importance_(GroupImportance::EmittersOf(groups_)) {
-    if (sky_ && sky_->Count() == 0) sky_.reset();
-    if (sky_) importance_ = GroupImportance(LampEmitters());
+      floor_(FloorOf(params)),
+      sky_(std::move(sky)),
+      importance_(LampEmitters()) {
     for (size_t k = 0; k < SkyCount(); ++k) skyGroups_.push_back(groups_.GroupOf(sky_->Sky(k)));
     if (groups_.Size() > kMax) lightTree_ = std::make_unique<LightTree>(LampEmitters());
 }
@@ -68,8 +89,6 @@ double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context
 }
 
 void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
-    // Where lamps shine as well, tiles cost more than they gain: the noise of the sky is only a part there.
-    if (sky_ && params_.opensky < 1 && HasLamps()) KeepSkiesWhole();
     if (groups_.Size() <= 1 && !sky_) return;
     auto start = std::chrono::steady_clock::now();
     depth_ = std::min(params_.depth, std::max(1, context.maxDepth));
@@ -100,12 +119,6 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     if (known_.records.empty() || Build(params_.records, context.progress)) BeginLearning(0);
     buildSeconds_ = SecondsSince(start);
     context.progress.EndPhase();
-}
-
-bool VisibilityOctreeLightSampler::HasLamps() const {
-    for (uint32_t g = 0; g < groups_.Size(); ++g)
-        if (const LightCandidate c = groups_.Candidate(g); !c.infinite && c.power > 0) return true;
-    return false;
 }
 
 void VisibilityOctreeLightSampler::KeepSkiesWhole() {
@@ -148,6 +161,7 @@ void VisibilityOctreeLightSampler::BeginLearning(int first) {
         found_.End();
         known_ = {};
     }
+    if (nextLearning_ == 0 && sky_) sky_->EndLearning();
 }
 
 void VisibilityOctreeLightSampler::Found(PathPlaces &path, const LightQuery &query, const SampledLight &light,

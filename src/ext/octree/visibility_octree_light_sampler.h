@@ -43,6 +43,8 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     const VisibilityTree &Tree() const { return tree_; }
 
   private:
+    VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params, std::unique_ptr<SkyChoice> sky);
+
     static constexpr size_t kMax = 64;
     /// Weights of the lights considered at a point. The cut skies come after `count` others.
     struct Choice {
@@ -72,7 +74,6 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     size_t SkyCount() const { return sky_ ? sky_->Count() : 0; }
     /// Emitters of all groups; the cut skies' are dark.
     std::vector<Emitter> LampEmitters() const;
-    bool HasLamps() const;
     /// What Prepare does where choosing tiles could gain little.
     void KeepSkiesWhole();
     double PathsPerPixel(const PrepareContext &context) const;

@@ -191,7 +191,6 @@ PrepareContext BuiltScene::Preparation(Progress &progress) const {
 BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const LightSamplerRegistry &registry,
                       DiagnosticSink &sink, Progress &progress) {
     // What is not supported is not built, yet everything else is looked at, so that one run reports all mistakes.
-    progress.BeginPhase("building", 0);
     BuiltScene built;
     BuildOptions options = given;
     built.leftOut = CheckSupported(d, options, sink);
@@ -227,7 +226,6 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
         built.maxDepth = made.maxDepth;
     });
     sink.ThrowIfErrors();
-    progress.EndPhase();
     return built;
 }
 

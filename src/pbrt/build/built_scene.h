@@ -72,7 +72,8 @@ struct BuiltScene {
 BuiltIntegrator MakeIntegrator(const BuiltScene &built, const LightChoice &choice);
 
 /// Turns a description into something that renders. Throws one UserError with everything that is wrong or not supported
-/// yet; warnings stay in the sink. `description` may be dropped afterwards.
+/// yet; warnings stay in the sink. `description` may be dropped afterwards. `progress` shows the parts of the work as
+/// phases; the caller begins and ends the phase of the whole.
 BuiltScene BuildScene(SceneDescription &description, const BuildOptions &options, const LightSamplerRegistry &registry,
                       DiagnosticSink &sink, Progress &progress);
 

@@ -93,7 +93,6 @@ SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &l
     };
     auto misWeight = [&](LightId id, const Point3 &p, const Normal3 &n) -> Float {
         if (!lightCouldSample) return settings_.sampledLightOnly ? Float(0) : Float(1);
-        if (scene.Lights()[id].Kind() == LightKind::Infinite) id = previous->lights.PartTowards(id, walk.GetRay().d);
         Float pmf = previous->lights.PMF(id);
         if (!(pmf > 0)) return 1;
         Float pLight = pmf * scene.Lights()[id].PdfLi(previous->from, walk.GetRay().d, p, n, true);
@@ -104,7 +103,10 @@ SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &l
         const PathWalk::Met met = walk.Next();
         if (met == PathWalk::Met::TooManyInterfaces) break;
         walk.ForEachEmission(lambda, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
-            L += beta * Le * misWeight(id, p, n);
+            // Beyond the scene there is one ray for the whole sky; light sampling would have chosen a tile of it.
+            const bool ofTile = met == PathWalk::Met::Nothing && lightCouldSample;
+            const LightId part = ofTile ? previous->lights.PartTowards(id, walk.GetRay().d) : id;
+            L += beta * Le * misWeight(part, p, n);
         });
         const bool looks = learner_ && lightCouldSample;
         if (met == PathWalk::Met::Nothing) {

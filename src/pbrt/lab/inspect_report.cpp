@@ -98,7 +98,9 @@ int RunInspect(const InspectOptions &options, const LightSamplerRegistry &regist
     SceneDescription description = ParseSceneFiles(options.sceneFiles, sink);
     sink.ThrowIfErrors();
     progress.EndPhase();
+    progress.BeginPhase("building", 0);
     BuiltScene built = BuildScene(description, options.build, registry, sink, progress);
+    progress.EndPhase();
     for (const Diagnostic &d : sink.All())
         if (d.severity == Severity::Warning) LogInfo(Format(d, false));
     const LightSampler *sampler = built.integrator->Lights();

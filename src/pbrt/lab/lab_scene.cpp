@@ -32,7 +32,9 @@ LabScene LoadLabScene(const CampaignSettings &settings, const LightSamplerRegist
     options.shadowGate = settings.shadowGate;
     options.lightSamplerFlag = kSamplersFlag;
     options.lightSampler = "uniform";  // of the integrator that nobody uses here: nothing to build
+    progress.BeginPhase("building", 0);
     scene.built = BuildScene(description, options, registry, sink, progress);
+    progress.EndPhase();
     printWarnings();
     if (scene.built.lightSamplerName.empty())
         throw UserError(fmt::format("{}: the integrator \"{}\" uses no light sampler; there is nothing to compare.",

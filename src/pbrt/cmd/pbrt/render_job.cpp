@@ -107,10 +107,11 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     SceneDescription description = ParseSceneFiles(SceneFilesOf(options), sink);
     PrintWarnings(sink, &printed);
     sink.ThrowIfErrors();
+    // Here and below, a signal that comes after the line "done" belongs to the phase that follows.
+    signals.EndAtOnce(NothingWritten("building"));
     timings.read = progress.EndPhase();
 
-    signals.EndAtOnce(NothingWritten("building"));
-    const auto buildStart = std::chrono::steady_clock::now();
+    progress.BeginPhase("building", 0);
     BuiltScene built = [&] {
         try {
             return BuildScene(description, options.build, registry, sink, progress);
@@ -121,7 +122,8 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     }();
     description.shapes.clear();
     PrintWarnings(sink, &printed);
-    timings.build = std::chrono::duration<double>(std::chrono::steady_clock::now() - buildStart).count();
+    signals.EndAtOnce(NothingWritten("preparing lights"));
+    timings.build = progress.EndPhase();
 
     if (options.build.quick)
         LogInfo(fmt::format("--quick: {} x {} pixels, {} samples per pixel.", built.film->FullResolution().x,
@@ -131,7 +133,6 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     settings.timeBudget = options.timeBudget;
     settings.start = start;
 
-    signals.EndAtOnce(NothingWritten("preparing lights"));
     progress.BeginPhase("preparing lights", 0);
     built.Prepare(progress);
     timings.prepare = progress.EndPhase();

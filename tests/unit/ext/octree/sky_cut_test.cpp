@@ -172,14 +172,20 @@ TEST(SkyCut, APartOfACellInheritsWhatIsKnown) {
     EXPECT_NEAR(part.Tiles()[4].visible, cut.Tiles()[4].visible, 1e-5f) << "without rays nothing is learned";
 }
 
+/// The cells of a cube of side 2 around the origin, divided into the top grid and around some points.
+SkyCells CubeOfCells(std::span<SkyTiles> skies, size_t tiles, std::span<const Point3> points) {
+    const std::vector<std::vector<uint32_t>> cuts = {skies[0].FirstCut(tiles)};
+    SkyCells cells(Bounds3(Point3(-1), Point3(1)), cuts, 0.5f, {});
+    cells.Learn(skies, false);
+    cells.DivideAround(points, skies);
+    return cells;
+}
+
 TEST(SkyCells, KeysLeadToTheTileThatHoldsThem) {
     const BuiltScene built = WithSky(true);
     std::vector<SkyTiles> skies = {SkyTiles(built.scene->Lights(), 0)};
-    const std::vector<std::vector<uint32_t>> cuts = {skies[0].FirstCut(50)};
-    SkyCells cells(Bounds3(Point3(-1), Point3(1)), cuts, 0.5f, {});
-    cells.Learn(skies, false);
     const Point3 points[] = {Point3(0.5f), Point3(0.5f), Point3(-0.5f)};
-    cells.DivideAround(points, skies);
+    const SkyCells cells = CubeOfCells(skies, 50, points);
     EXPECT_GE(cells.CellCount(), 64u);
     Rng rng(4);
     for (int i = 0; i < 2000; ++i) {
@@ -195,13 +201,9 @@ TEST(SkyCells, KeysLeadToTheTileThatHoldsThem) {
 TEST(SkyCells, DividesWhereTheAnswerDependsOnThePlace) {
     const BuiltScene built = WithSky(false);
     std::vector<SkyTiles> skies = {SkyTiles(built.scene->Lights(), 0)};
-    const std::vector<std::vector<uint32_t>> cuts = {skies[0].FirstCut(64)};
-    SkyCells cells(Bounds3(Point3(-1), Point3(1)), cuts, 0.5f, {});
-    cells.Learn(skies, false);
-    cells.DivideAround({}, skies);
+    SkyCells cells = CubeOfCells(skies, 64, {});
     const size_t before = cells.CellCount();
-    // Sky above x = y is seen where x > 0 and not elsewhere; the border passes through no cell of the top grid but is
-    // at the side of some, so a part of a cell is made by shifting it.
+    // All of the sky is seen where x > 0.2, and nothing elsewhere; this border runs through the middle of cells.
     Rng rng(6);
     for (int round = 0; round < 3; ++round) {
         for (int i = 0; i < 40000; ++i) {

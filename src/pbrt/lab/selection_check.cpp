@@ -15,7 +15,7 @@
 // numbers spread over [0, 1). For every measured light two numbers are compared: the mean over the draws of what
 // next-event estimation makes of c_l, with the probabilities that came with the draws and the weight against BSDF
 // sampling; and the share of c_l that BSDF sampling leaves to next-event estimation, by the PMF that the integrator
-// asks for when a ray hits the light. `excess` is the difference, summed over the lights. Its mean is 0 at every vertex
+// asks for when a ray hits the light. (The point of a sky stands for the tile that it lies in.) `excess` is the difference, summed over the lights. Its mean is 0 at every vertex
 // if and only if draws, their probabilities and the PMF agree and no light is left out: points and visibility of the
 // lights, the path and its weight are the same on both sides, and their noise with them. Draws need no rays, so there
 // can be thousands per vertex.
@@ -40,8 +40,8 @@ constexpr double kMaxStep = 0.5;
 /// Draws lights from a sampler at vertices and compares them with the measured lights.
 class Asker {
   public:
-    Asker(const LightSampler &lights, const ShadowRayGate *gate, int draws, size_t lightCount)
-        : lights_(lights), gate_(gate), draws_(draws), place_(lightCount, kNowhere) {}
+    Asker(const LightSampler &lights, const ShadowRayGate *gate, int draws, const LightTable &table)
+        : lights_(lights), gate_(gate), draws_(draws), table_(table), places_(table.IdCount()) {}
 
     VertexFinding Ask(const SelectionVertices::Vertex &vertex, Rng rng) {
         VertexFinding finding;
@@ -50,15 +50,16 @@ class Asker {
         query.bsdf = &vertex.bsdf;
         query.lambda = &vertex.lambda;
         const LightDistribution lights = lights_.At(query, memory_);
+        FindParts(vertex, lights);
         Draw(vertex, lights, rng);
         double light = 0, excess = 0, unjudged = 0;
         for (const auto &m : vertex.lights) light += static_cast<double>(m.c);
         for (size_t i = 0; i < vertex.lights.size(); ++i) {
             const auto &m = vertex.lights[i];
-            const Float pmf = lights.PMF(LightId(m.light));
+            const Float pmf = lights.PMF(parts_[i].id);
             // The share that BSDF sampling leaves to light sampling: all of it for lights without extent, which no BSDF
             // sample hits.
-            const double due = m.isDelta ? 1 : pmf > 0 ? static_cast<double>(Weight(m, pmf)) : 0;
+            const double due = m.isDelta ? 1 : pmf > 0 ? static_cast<double>(Weight(m, parts_[i], pmf)) : 0;
             double got = got_[i] / draws_;
             // The gate compensates for a shadow ray that it skips with a probability below 1.
             if (gate_ && got > 0 && !(gate_->TraceProbability(query, LightId(m.light), m.pLight) > 0)) got = 0;
@@ -76,33 +77,53 @@ class Asker {
     }
 
   private:
-    static constexpr uint32_t kNowhere = ~0u;
-    static Float Weight(const SelectionVertices::MeasuredLight &m, Float pmf) {
-        return m.isDelta ? Float(1) : PowerHeuristic(pmf * m.pdf, m.pBsdf);
+    /// What the sampler must choose to find the measured point: a light, or the tile of a sky that the point lies in;
+    /// and the density with which the point is then drawn.
+    struct Part {
+        LightId id{};
+        Float pdf = 0;  ///< solid angle
+    };
+    static Float Weight(const SelectionVertices::MeasuredLight &m, const Part &part, Float pmf) {
+        return m.isDelta ? Float(1) : PowerHeuristic(pmf * part.pdf, m.pBsdf);
+    }
+
+    void FindParts(const SelectionVertices::Vertex &vertex, const LightDistribution &lights) {
+        parts_.clear();
+        for (const auto &m : vertex.lights) {
+            Part part{LightId(m.light), m.pdf};
+            if (m.isInfinite) {
+                part.id = lights.PartTowards(part.id, m.wi);
+                part.pdf = table_[part.id].PdfLi({}, m.wi, {}, {}, true);
+            }
+            parts_.push_back(part);
+        }
     }
 
     /// Sets got_: for every measured light, the sum of its weights over the draws.
     void Draw(const SelectionVertices::Vertex &vertex, const LightDistribution &lights, Rng &rng) {
         got_.assign(vertex.lights.size(), 0);
-        for (size_t i = 0; i < vertex.lights.size(); ++i) place_[vertex.lights[i].light] = static_cast<uint32_t>(i);
+        for (size_t i = 0; i < parts_.size(); ++i) places_[parts_[i].id.value] = static_cast<uint32_t>(i) + 1;
         for (int k = 0; k < draws_; ++k) {
             const Float u =
                 std::min((static_cast<Float>(k) + rng.Uniform()) / static_cast<Float>(draws_), OneMinusEpsilon);
             std::optional<SampledLight> light = lights.Sample(u);
             if (!light || !(light->pmf > 0)) continue;
-            const uint32_t place = place_[light->light.value];
-            if (place != kNowhere)
-                got_[place] += static_cast<double>(Weight(vertex.lights[place], light->pmf) / light->pmf);
+            const uint32_t place = places_[light->light.value];
+            if (place > 0)
+                got_[place - 1] += static_cast<double>(
+                    Weight(vertex.lights[place - 1], parts_[place - 1], light->pmf) / light->pmf);
         }
-        for (const auto &m : vertex.lights) place_[m.light] = kNowhere;
+        for (const Part &part : parts_) places_[part.id.value] = 0;
     }
 
     const LightSampler &lights_;
     const ShadowRayGate *gate_;
     int draws_;
     LightMemory memory_;
+    const LightTable &table_;
+    std::vector<Part> parts_;  ///< of the vertex's lights
     std::vector<double> got_;
-    std::vector<uint32_t> place_;  ///< for every light of the scene, its index among the vertex's lights, or kNowhere
+    std::vector<uint32_t> places_;  ///< for every id, 1 + its index among the vertex's parts, or 0
 };
 
 }  // namespace
@@ -116,7 +137,7 @@ std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices,
         std::vector<std::vector<VertexFinding>> regions(vertices.RegionCount());
         progress.BeginPhase("checking light selection", static_cast<int64_t>(regions.size()));
         ParallelForEach(static_cast<int64_t>(regions.size()), [&](int64_t r) {
-            Asker asker(lights, gate, draws, vertices.LightCount());
+            Asker asker(lights, gate, draws, vertices.Lights());
             const auto &region = vertices.OfRegion(static_cast<size_t>(r));
             for (size_t v = 0; v < region.size() && !progress.Cancelled(); ++v)
                 regions[static_cast<size_t>(r)].push_back(

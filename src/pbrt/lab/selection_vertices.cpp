@@ -84,14 +84,16 @@ class Measurer {
              l += stride_) {
             const LightPart light = table[LightId(l)];
             const Point2 u = rng.Uniform2();
-            std::optional<LightLiSample> sample = light.SampleLi(from, u, lambda, true);
+            // All directions of a sky, also those that the render leaves to BSDF sampling: tiles may hold them.
+            std::optional<LightLiSample> sample = light.SampleLi(from, u, lambda, false);
             if (!sample || !sample->L || !(sample->pdf > 0)) continue;
             const SampledSpectrum f = bsdf.F(point.wo, sample->wi) * AbsDot(sample->wi, point.shading.n);
             if (!f) continue;
             const Float c = SafeDivide(beta * f * sample->L, lambda.Pdf()).Average() / sample->pdf;
             if (!(c > 0) || !std::isfinite(c) || scene_.Occluded(LightContextAt(point), *sample)) continue;
             lights_.push_back({static_cast<uint32_t>(l), c, sample->pdf, bsdf.Pdf(point.wo, sample->wi),
-                               IsDelta(light.Kind()), sample->pLight});
+                               IsDelta(light.Kind()), light.Kind() == LightKind::Infinite, sample->pLight,
+                               sample->wi});
         }
     }
 
@@ -120,7 +122,7 @@ bool HaveEnough(std::span<const std::vector<SelectionVertices::Vertex>> regions)
 }  // namespace
 
 SelectionVertices::SelectionVertices(const BuiltScene &built, int seed, Progress &progress)
-    : lightCount_(built.scene->Lights().Size()) {
+    : lights_(built.scene->Lights()) {
     const Bounds2i pixels = built.film->PixelBounds();
     const Vector2i size = pixels.high - pixels.low;
     auto corner = [&](int x, int y) {

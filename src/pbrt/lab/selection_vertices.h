@@ -14,8 +14,9 @@ class SelectionVertices {
         uint32_t light = 0;
         Float c = 0;               ///< contribution by one point on the light, times the path's weight; above 0
         Float pdf = 0, pBsdf = 0;  ///< densities of that point and of BSDF sampling, per solid angle
-        bool isDelta = false;
+        bool isDelta = false, isInfinite = false;
         Point3 pLight{};
+        Vector3 wi{};  ///< unit, towards the point
     };
     struct Vertex {
         LightQuery query;  ///< without BSDF and wavelengths, which are below
@@ -28,12 +29,12 @@ class SelectionVertices {
     SelectionVertices(const BuiltScene &built, int seed, Progress &progress);
     const std::vector<Vertex> &OfRegion(size_t region) const { return regions_[region]; }
     size_t RegionCount() const { return regions_.size(); }
-    size_t LightCount() const { return lightCount_; }  ///< of the scene
+    const LightTable &Lights() const { return lights_; }
     size_t VertexCount() const;
 
   private:
     std::vector<std::vector<Vertex>> regions_;
-    size_t lightCount_ = 0;
+    const LightTable &lights_;
 };
 
 }  // namespace pbrt::lab

@@ -40,6 +40,8 @@ class LightTable {
     std::span<const LightId> Skies() const { return skies_; }
     /// The id of a tile; `sky` is an index of Skies(), `number` is above 0 (SkyTile).
     LightId TileId(size_t sky, uint32_t number) const { return LightId(Size() + sky * SkyTile::kCount + number); }
+    /// All ids, of parts and of tiles, are below this.
+    size_t IdCount() const { return Size() + skies_.size() * SkyTile::kCount; }
     bool IsTile(LightId id) const { return id.value >= wholeOf_.size(); }
     /// The sky that a tile belongs to, its index in Skies(), and the tile's number in it.
     LightId SkyOf(LightId tile) const { return skies_[SkyIndexOf(tile)]; }

@@ -27,12 +27,29 @@ void TracePath(const PrepareContext &context, Point2i pixel, int sampleIndex, in
     if (!start) return;
     const PathContext paths{context.scene, context.camera, context.samplesPerPixel, context.scene.NeedsFootprints()};
     PathWalk walk(paths, *start);
-    for (int vertex = 0; vertex < depth && walk.Next() == PathWalk::Met::Surface;) {
+    SpectralWeights weights;
+    for (int vertex = 0; vertex < depth;) {
+        const PathWalk::Met met = walk.Next();
+        if (met == PathWalk::Met::TooManyInterfaces) return;
+        if (const Medium *medium = walk.MediumAhead()) {
+            const Ray &ray = walk.GetRay();
+            const Float u = rng.Uniform();
+            const MediumEvent event =
+                walk.ThroughMedium(lambda, u, rng, false, weights, [](const SampledSpectrum &) {});
+            if (event.kind == MediumEvent::Kind::Absorbed) return;
+            if (event.kind == MediumEvent::Kind::Scattered) {
+                ++vertex;
+                out.push_back({{ray(event.t), {}, {}, {}, ray.time}, -ray.d, true, ray.medium, &medium->Phase()});
+                walk.ScatterInMedium(ray(event.t), medium->Phase().SampleP(-ray.d, rng.Uniform2()).wi);
+                continue;
+            }
+        }
+        if (met == PathWalk::Met::Nothing) return;
         if (!walk.FindScattering(lambda)) continue;
         ++vertex;
         const auto &[point, bsdf] = walk.Vertex();
         const BxdfFlags flags = bsdf.Flags();
-        if (IsNonSpecular(flags)) out.push_back({LightContextAt(point), point.wo, IsTransmissive(flags)});
+        if (IsNonSpecular(flags)) out.push_back({LightContextAt(point), point.wo, IsTransmissive(flags), NoMedium, nullptr});
         const Float uc = rng.Uniform();
         const std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uc, rng.Uniform2());
         if (!sample || !sample->f) return;

@@ -44,8 +44,19 @@ class Scene {
     std::optional<Crossing> SampleCrossing(const Point3 &from, const Point3 &to, Float time, MaterialId material,
                                            Float u) const;
     /// True if a surface lies between the points. Both ends are moved off their surfaces first.
-    bool Occluded(const LightSampleContext &from, const LightLiSample &to) const;
+    bool Occluded(const LightSampleContext &from, const LightLiSample &to) const {
+        return Occluded(ShadowRay(from, to));
+    }
     bool Occluded(const Ray &ray) const;
+    /// The segment between both points as a ray that ends just before the light; its direction has no unit length.
+    static Ray ShadowRay(const LightSampleContext &from, const LightLiSample &to);
+    /// A surface between media on a ray, and the medium behind it.
+    struct Interface {
+        Float t = 0;
+        MediumId behind{};
+    };
+    /// The first such surface behind `tMin` that shadow rays pass.
+    std::optional<Interface> NextInterface(const Ray &ray, Float tMin) const;
 
     const LightTable &Lights() const { return *parts_.lights; }
     const Material &MaterialOf(MaterialId id) const { return *parts_.materials[id.value]; }

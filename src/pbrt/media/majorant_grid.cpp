@@ -77,13 +77,11 @@ bool GridWalk::Next(Float *begin, Float *end, Float *value) {
         now_ = std::max(now_, exit_[axis]);
         Float to = anchor_ + now_;
         cell_[axis] += step_[axis];
-        if (!(to < end_)) {
+        if (to < end_ && cell_[axis] >= 0 && cell_[axis] < size_[axis]) {
+            exit_[axis] = ExitOf(axis);
+        } else {  // out of the box; what rounding leaves before its end belongs to the last cell
             to = end_;
             isDone_ = true;
-        } else if (cell_[axis] < 0 || cell_[axis] >= size_[axis]) {
-            isDone_ = true;
-        } else {
-            exit_[axis] = ExitOf(axis);
         }
         if (!(from < to)) continue;
         const Float bound = (*grid_)(cell);

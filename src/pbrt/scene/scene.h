@@ -7,6 +7,7 @@
 #include "pbrt/cameras/camera.h"
 #include "pbrt/lights/light_table.h"
 #include "pbrt/materials/material.h"
+#include "pbrt/media/medium.h"
 
 namespace pbrt {
 
@@ -25,6 +26,9 @@ struct SceneParts {
     std::vector<MaterialPtr> materials;
     std::unique_ptr<Accel> accel;
     std::unique_ptr<LightTable> lights;
+    std::vector<std::unique_ptr<Medium>> media;
+    MediumId cameraMedium{};             ///< the medium that the camera stands in
+    std::vector<MediumId> lightMedia{};  ///< by LightTable::WholeOf; an area light is in the outside medium of its shape
 };
 
 /// The immutable scene: ray queries, lights, materials by id. No setters.
@@ -60,6 +64,12 @@ class Scene {
 
     const LightTable &Lights() const { return *parts_.lights; }
     const Material &MaterialOf(MaterialId id) const { return *parts_.materials[id.value]; }
+    const Medium &MediumOf(MediumId id) const { return *parts_.media[id.value]; }
+    size_t MediumCount() const { return parts_.media.size(); }
+    /// The medium in which camera rays start.
+    MediumId CameraMedium() const { return parts_.cameraMedium; }
+    /// The medium that a light stands in.
+    MediumId MediumOfLight(LightId id) const;
     const Shape &ShapeOf(ShapeId id) const { return *parts_.shapes[id.value].shape; }
     size_t ShapeCount() const { return parts_.shapes.size(); }
     /// True if some material scatters light below its surface.

@@ -46,9 +46,8 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
     path.regularize = p.regularize;
     path.seesThroughInterfaces = isVolume;
     path.sampledLightOnly = r.options.sampledLightOnly;
-    settings.make = [path, isVolume, &registry = r.registry, lights = *settings.lights](const PathContext &context,
-                                                                                        const ColorSpace &)
-        -> std::unique_ptr<Integrator> {
+    settings.make = [path, isVolume, &registry = r.registry, lights = *settings.lights](
+                        const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
         PathSettings mine = path;
         mine.subsurface = isVolume && context.scene.HasSubsurface();
         const auto &[sampler, gate] = lights;
@@ -114,7 +113,8 @@ const IntegratorTable &Integrators() {
             "([lightsamplers.md](lightsamplers.md)); **differs**: an unknown light sampler is an error (stock "
             "uses bvh)",
             [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, false); });
-        t.Add<PathParams>("volpath", "as path, with media and subsurface scattering, and shadow rays pass \"interface\"",
+        t.Add<PathParams>("volpath",
+                          "as path, with media and subsurface scattering, and shadow rays pass \"interface\"",
                           [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, true); });
         AddSimple<SimplePathParams>(
             t, "simplepath", [](const auto &p, int depth, const PathContext &c, const ColorSpace &) {

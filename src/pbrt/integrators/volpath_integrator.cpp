@@ -10,8 +10,8 @@ namespace pbrt {
 
 namespace {
 
-/// What light sampling needs at a vertex. It is kept until the next vertex, because the weight of emission there depends
-/// on the probabilities of the lights here.
+/// What light sampling needs at a vertex. It is kept until the next vertex, because the weight of emission there
+/// depends on the probabilities of the lights here.
 struct Selection {
     LightQuery query;
     LightSampleContext from;
@@ -146,8 +146,8 @@ bool VolPathIntegrator::Path::PassMedium(bool *scattered) {
     Rng rng = SeededBy(sampler);
     // Emission between the last vertices that a path may have is left out, as in stock pbrt-v4.
     const bool emits = depth < integrator.settings_.maxDepth && !integrator.settings_.sampledLightOnly;
-    const MediumEvent event = walk.ThroughMedium(lambda, u, rng, emits, weights,
-                                                 [&](const SampledSpectrum &radiance) { L += radiance; });
+    const MediumEvent event =
+        walk.ThroughMedium(lambda, u, rng, emits, weights, [&](const SampledSpectrum &radiance) { L += radiance; });
     if (event.kind == MediumEvent::Kind::Absorbed || !weights.beta) return false;
     if (event.kind == MediumEvent::Kind::Passed) return true;
     if (depth++ == integrator.settings_.maxDepth) return false;
@@ -303,8 +303,9 @@ SampledSpectrum SimpleVolPathIntegrator::Li(const PathStart &start, SampledWavel
         const auto &[point, bsdf] = walk.Vertex();
         const Float uComponent = sampler.Get1D();
         if (bsdf.Sample(point.wo, uComponent, sampler.Get2D()))
-            throw UserError("Integrator \"simplevolpath\" follows light through media only, and a path has met a surface "
-                            "that scatters; \"volpath\" renders such scenes.");
+            throw UserError(
+                "Integrator \"simplevolpath\" follows light through media only, and a path has met a surface "
+                "that scatters; \"volpath\" renders such scenes.");
         break;
     }
     return L;

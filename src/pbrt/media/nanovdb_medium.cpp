@@ -35,13 +35,15 @@ void CheckMagic(const std::string &path) {
     const std::string_view found(magic.data(), static_cast<size_t>(file.gcount()));
     if (found == "NanoVDB0") return;
     if (found.starts_with("NanoVDB"))
-        throw UserError(fmt::format("{}: the file was written by a newer version of NanoVDB (it begins with \"{}\"); "
-                                    "versions up to {}, whose files begin with \"NanoVDB0\", can be read.",
-                                    path, found, NANOVDB_MAJOR_VERSION_NUMBER));
+        throw UserError(
+            fmt::format("{}: the file was written by a newer version of NanoVDB (it begins with \"{}\"); "
+                        "versions up to {}, whose files begin with \"NanoVDB0\", can be read.",
+                        path, found, NANOVDB_MAJOR_VERSION_NUMBER));
     if (found.starts_with(" BDV"))
-        throw UserError(fmt::format("{}: this is an OpenVDB file; the program nanovdb_convert turns it into a NanoVDB "
-                                    "file.",
-                                    path));
+        throw UserError(
+            fmt::format("{}: this is an OpenVDB file; the program nanovdb_convert turns it into a NanoVDB "
+                        "file.",
+                        path));
     throw UserError(fmt::format("{}: this is not a NanoVDB file.", path));
 }
 
@@ -165,8 +167,8 @@ class NanoVdbMedium final : public Medium {
         majorants_ = MajorantGrid(cells, [&](const glm::ivec3 &cell) -> Float {
             Float max = 0;
             const Point3 first = ToIndex(Point3(cell)), last = ToIndex(Point3(cell + 1));
-            if (!FindMax(grids_.density->getAccessor(), glm::ivec3(glm::floor(first)),
-                         glm::ivec3(glm::floor(last)) + 1, &max)) {
+            if (!FindMax(grids_.density->getAccessor(), glm::ivec3(glm::floor(first)), glm::ivec3(glm::floor(last)) + 1,
+                         &max)) {
                 isFinite = false;
                 return 0;
             }
@@ -190,8 +192,8 @@ class NanoVdbMedium final : public Medium {
         OnRay &memory = onRay.MakeMemory(OnRay{grids_.density->getAccessor(), temperature->getAccessor(), {}, {}});
         if (IsEmissive() && onRay.Walk().Anchor() < Infinity) {
             const glm::dvec3 d(ray.d);
-            memory.origin =
-                Point3(temperatureFromRender_.Point(glm::dvec3(ray.o) + d * static_cast<double>(onRay.Walk().Anchor())));
+            memory.origin = Point3(
+                temperatureFromRender_.Point(glm::dvec3(ray.o) + d * static_cast<double>(onRay.Walk().Anchor())));
             memory.direction = Vector3(temperatureFromRender_.Vector(d));
         }
         return onRay;

@@ -39,7 +39,8 @@ template <class Emit>
 MediumEvent TrackMedium(MediumOnRay on, Float u, Rng &rng, bool emits, SpectralWeights &weights, Emit &&emit) {
     MediumEvent event;
     const SampledSpectrum rest = ForEachCollision(
-        on, u, rng, [&](Float t, const MediumCoefficients &c, const SampledSpectrum &majorant, const SampledSpectrum &tMaj) {
+        on, u, rng,
+        [&](Float t, const MediumCoefficients &c, const SampledSpectrum &majorant, const SampledSpectrum &tMaj) {
             if (emits && c.emission) {
                 const Float pdf = majorant[0] * tMaj[0];
                 const SampledSpectrum ru = weights.ru * majorant * tMaj / pdf;

@@ -37,7 +37,9 @@ class PathWalk {
           ray_(start.ray),
           differential_(start.differential),
           visible_(visible),
-          startsWithDifferential_(start.differential.valid) {}
+          startsWithDifferential_(start.differential.valid) {
+        ray_.medium = context.scene.CameraMedium();
+    }
 
     /// Follows the ray to the next surface, whose point is then in Vertex(). Nothing: the ray leaves the scene.
     Met Next();

@@ -13,23 +13,23 @@ constexpr Float kSurvive = 0.25f;
 /// Ratio tracking through one medium. False: nothing is left.
 bool PassMedium(MediumOnRay on, Rng &rng, ShadowTransmittance *through) {
     auto &[value, ru, rl] = *through;
-    const SampledSpectrum rest =
-        ForEachCollision(on, rng.Uniform(), rng,
-                         [&](Float, const MediumCoefficients &c, const SampledSpectrum &majorant, const SampledSpectrum &tMaj) {
-                             const SampledSpectrum null = ClampZero(majorant - c.absorption - c.scattering);
-                             const Float pdf = majorant[0] * tMaj[0];
-                             value *= tMaj * null / pdf;
-                             ru *= tMaj * null / pdf;
-                             rl *= tMaj * majorant / pdf;
-                             if (!value) return false;
-                             if ((value / (ru + rl).Average()).MaxComponent() < kLittle) {
-                                 if (rng.Uniform() >= kSurvive)
-                                     value = SampledSpectrum(0);
-                                 else
-                                     value /= kSurvive;
-                             }
-                             return static_cast<bool>(value);
-                         });
+    const SampledSpectrum rest = ForEachCollision(
+        on, rng.Uniform(), rng,
+        [&](Float, const MediumCoefficients &c, const SampledSpectrum &majorant, const SampledSpectrum &tMaj) {
+            const SampledSpectrum null = ClampZero(majorant - c.absorption - c.scattering);
+            const Float pdf = majorant[0] * tMaj[0];
+            value *= tMaj * null / pdf;
+            ru *= tMaj * null / pdf;
+            rl *= tMaj * majorant / pdf;
+            if (!value) return false;
+            if ((value / (ru + rl).Average()).MaxComponent() < kLittle) {
+                if (rng.Uniform() >= kSurvive)
+                    value = SampledSpectrum(0);
+                else
+                    value /= kSurvive;
+            }
+            return static_cast<bool>(value);
+        });
     if (!value || !(rest[0] > 0)) {
         value = SampledSpectrum(0);
         return false;

@@ -27,8 +27,9 @@ struct SceneParts {
     std::unique_ptr<Accel> accel;
     std::unique_ptr<LightTable> lights;
     std::vector<std::unique_ptr<Medium>> media;
-    MediumId cameraMedium{};             ///< the medium that the camera stands in
-    std::vector<MediumId> lightMedia{};  ///< by LightTable::WholeOf; an area light is in the outside medium of its shape
+    MediumId cameraMedium{};  ///< the medium that the camera stands in
+    std::vector<MediumId>
+        lightMedia{};  ///< by LightTable::WholeOf; an area light is in the outside medium of its shape
 };
 
 /// The immutable scene: ray queries, lights, materials by id. No setters.
@@ -65,6 +66,9 @@ class Scene {
     const LightTable &Lights() const { return *parts_.lights; }
     const Material &MaterialOf(MaterialId id) const { return *parts_.materials[id.value]; }
     const Medium &MediumOf(MediumId id) const { return *parts_.media[id.value]; }
+    /// Null: vacuum.
+    const Medium *MediumAt(MediumId id) const { return id ? parts_.media[id.value].get() : nullptr; }
+    bool HasMedia() const { return !parts_.media.empty(); }
     size_t MediumCount() const { return parts_.media.size(); }
     /// The medium in which camera rays start.
     MediumId CameraMedium() const { return parts_.cameraMedium; }

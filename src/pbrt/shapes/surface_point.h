@@ -24,7 +24,7 @@ struct SurfacePoint {
     ShapeId shape{};
     uint32_t primitive = 0;
     MaterialId material{};
-    LightId light{};  ///< area light on this primitive, NoLight if none
+    LightId light{};                           ///< area light on this primitive, NoLight if none
     MediumId insideMedium{}, outsideMedium{};  ///< on the side that n points away from, and on the other
 
     // Filter footprint: derivatives by one pixel step in x and y, 0 if unknown.

@@ -149,8 +149,7 @@ SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector
                 Vector3 scattered = phase.SampleP(-w, rng.Uniform2()).wi;
                 if (scattered.z == 0) break;
                 beta *= albedo_;
-                if (scattered.z > 0 && !smoothTop)
-                    leave(beta, scattered, thickness_ - z, phase.P(-w, scattered), true);
+                if (scattered.z > 0 && !smoothTop) leave(beta, scattered, thickness_ - z, phase.P(-w, scattered), true);
                 w = scattered;
                 continue;
             }

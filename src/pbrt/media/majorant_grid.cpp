@@ -12,7 +12,8 @@ MajorantGrid::MajorantGrid(const glm::ivec3 &resolution, const std::function<Flo
     values_.resize(row * static_cast<size_t>(resolution.y) * static_cast<size_t>(resolution.z));
     ParallelForEach(int64_t(resolution.y) * resolution.z, [&](int64_t i) {
         const int y = static_cast<int>(i % resolution.y), z = static_cast<int>(i / resolution.y);
-        for (int x = 0; x < resolution.x; ++x) values_[static_cast<size_t>(i) * row + static_cast<size_t>(x)] = bound({x, y, z});
+        for (int x = 0; x < resolution.x; ++x)
+            values_[static_cast<size_t>(i) * row + static_cast<size_t>(x)] = bound({x, y, z});
     });
     for (Float v : values_) PBRT_CHECK_MSG(v >= 0 && std::isfinite(v), "majorant {}", v);
 }

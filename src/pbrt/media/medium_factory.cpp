@@ -108,8 +108,8 @@ struct CountParams {
     /// Throws unless a list has one value for every voxel.
     void RequireSize(const ParamSet &set, const char *name, size_t found) const {
         if (static_cast<int64_t>(found) != Size())
-            throw set.Error(name, fmt::format("\"{}\" has {} values; nx * ny * nz = {} x {} x {} = {} are wanted.", name,
-                                              found, x, y, z, Size()));
+            throw set.Error(name, fmt::format("\"{}\" has {} values; nx * ny * nz = {} x {} x {} = {} are wanted.",
+                                              name, found, x, y, z, Size()));
     }
 };
 
@@ -120,8 +120,8 @@ std::vector<Float> VoxelValues(const ParamSet &set, const CountParams &count, co
     count.RequireSize(set, name, given.size());
     for (size_t i = 0; i < given.size(); ++i)
         if (!range.Contains(given[i]))
-            throw set.Error(name, fmt::format("value {} of \"{}\" is {}; it must be {}.", i + 1, name, given[i],
-                                              Text(range)));
+            throw set.Error(
+                name, fmt::format("value {} of \"{}\" is {}; it must be {}.", i + 1, name, given[i], Text(range)));
     return {given.begin(), given.end()};
 }
 
@@ -136,9 +136,10 @@ struct ThermalParams {
     }
     ThermalEmission Make(const ParamSet &set, Float scale) const {
         if (offset && cutoff)
-            throw set.Error("temperaturecutoff",
-                            "\"temperatureoffset\" and \"temperaturecutoff\" are the same parameter and cannot be given "
-                            "together.");
+            throw set.Error(
+                "temperaturecutoff",
+                "\"temperatureoffset\" and \"temperaturecutoff\" are the same parameter and cannot be given "
+                "together.");
         return {offset.value_or(cutoff.value_or(0)), factor, scale};
     }
 };
@@ -187,8 +188,7 @@ std::unique_ptr<Medium> MakeHomogeneous(const HomogeneousParams &p, const ParamS
                  fmt::format("there is no preset \"{}\", so \"sigma_a\" and \"sigma_s\" are used; {}.",
                              Abbreviate(p.preset), ListChoices(p.preset, names)));
     }
-    MediumSpectra spectra =
-        preset ? PresetSpectra(set, *preset, p.scale) : p.coefficients.Make(set, context, p.scale);
+    MediumSpectra spectra = preset ? PresetSpectra(set, *preset, p.scale) : p.coefficients.Make(set, context, p.scale);
     spectra.emission = Emission(set, context, p.emission, p.emissionScale);
     return std::make_unique<HomogeneousMedium>(std::move(spectra), p.coefficients.g);
 }
@@ -320,7 +320,8 @@ struct NanoVdbParams {
     void Describe(V &&v) {
         v("filename", filename, Required(), "a NanoVDB file");
         v("gridname", gridName, "the grid whose values multiply absorption and scattering");
-        v("temperaturename", temperatureName, "the grid of temperatures in kelvin, if the file has one; they make it emit");
+        v("temperaturename", temperatureName,
+          "the grid of temperatures in kelvin, if the file has one; they make it emit");
         v("Lescale", emissionScale, kBrightnessRange, kEmissionScaleHelp);
         thermal.Describe(v);
         coefficients.Describe(v);

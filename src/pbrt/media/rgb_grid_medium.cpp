@@ -40,8 +40,7 @@ MediumOnRay RgbGridMedium::On(const Ray &ray, Float tMax, const SampledWavelengt
 MediumCoefficients RgbGridMedium::Evaluate(MediumOnRay &onRay, Float t) const {
     const Point3 p = onRay.Walk().At(t);
     auto multiply = [&](SampledSpectrum &by, const std::vector<RgbUnboundedSpectrum> &spectra) {
-        if (!spectra.empty())
-            by *= voxels_.Interpolate(p, [&](size_t i) { return spectra[i].Sample(onRay.Lambda()); });
+        if (!spectra.empty()) by *= voxels_.Interpolate(p, [&](size_t i) { return spectra[i].Sample(onRay.Lambda()); });
     };
     MediumCoefficients c = onRay.Unit();
     multiply(c.absorption, grids_.absorption);

@@ -12,7 +12,7 @@ namespace pbrt {
 class RgbGridMedium final : public Medium {
   public:
     struct Grids {
-        glm::ivec3 count{1};  ///< voxels per axis
+        glm::ivec3 count{1};                                       ///< voxels per axis
         std::vector<RgbUnboundedSpectrum> absorption, scattering;  ///< empty: 1
         std::vector<RgbUnboundedSpectrum> emission;                ///< without the illuminant; empty: 0
         const Spectrum *illuminant = nullptr;                      ///< by which the emission is multiplied

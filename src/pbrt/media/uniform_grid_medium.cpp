@@ -15,8 +15,8 @@ UniformGridMedium::UniformGridMedium(MediumSpectra spectra, Float g, const Trans
     PBRT_CHECK(grids_.emission.empty() || grids_.emission.size() == voxels_.Size());
     PBRT_CHECK(grids_.temperature.empty() || grids_.temperature.size() == voxels_.Size());
     auto density = [this](size_t i) { return grids_.density[i]; };
-    majorants_ = MajorantGrid(
-        kMajorantCells, [&](const glm::ivec3 &cell) { return kMajorantSlack * voxels_.MaxIn(cell, density); });
+    majorants_ = MajorantGrid(kMajorantCells,
+                              [&](const glm::ivec3 &cell) { return kMajorantSlack * voxels_.MaxIn(cell, density); });
     gridFromRender_ = AffineMap::ToBox(bounds.low, bounds.high, kMajorantCells) *
                       AffineMap(glm::dmat4(renderFromMedium.Matrix())).Inverse();
 }

@@ -27,8 +27,9 @@ struct SceneParts {
     std::unique_ptr<Accel> accel;
     std::unique_ptr<LightTable> lights;
     std::vector<std::unique_ptr<Medium>> media;
-    MediumId cameraMedium{};             ///< the medium that the camera stands in
-    std::vector<MediumId> lightMedia{};  ///< by LightTable::WholeOf; an area light is in the outside medium of its shape
+    MediumId cameraMedium{};  ///< the medium that the camera stands in
+    std::vector<MediumId>
+        lightMedia{};  ///< by LightTable::WholeOf; an area light is in the outside medium of its shape
 };
 
 /// The immutable scene: ray queries, lights, materials by id. No setters.

@@ -8,8 +8,25 @@ namespace pbrt {
 
 namespace {
 
+/// Whether integrators render media. Media are read and checked in any case.
+constexpr bool kRendersMedia = false;
+
 bool Contains(const std::vector<std::string> &names, const std::string &name) {
     return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void LeaveOutMedia(SceneDescription &d) {
+    d.media.clear();
+    d.camera.medium.clear();
+    for (LightEntity &light : d.lights) light.medium.clear();
+    auto leaveOut = [](std::vector<ShapeEntity> &shapes) {
+        for (ShapeEntity &s : shapes) {
+            s.insideMedium.clear();
+            s.outsideMedium.clear();
+        }
+    };
+    leaveOut(d.shapes);
+    for (ObjectEntity &o : d.objects) leaveOut(o.shapes);
 }
 
 class Checker {
@@ -45,10 +62,12 @@ std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &optio
                        " --integrator path renders the scene by path tracing.", "path");
         if (options.ignoreUnsupported) options.integrator = "path";
     }
-    for (const MediumEntity &m : d.media)
-        check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name),
-                       options.ignoreMedia || options.ignoreUnsupported,
-                       " --ignore-media renders the scene without its media.");
+    const bool leavesOutMedia = options.ignoreMedia || (!kRendersMedia && options.ignoreUnsupported);
+    if (!kRendersMedia || leavesOutMedia)
+        for (const MediumEntity &m : d.media)
+            check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name), leavesOutMedia,
+                           " --ignore-media renders the scene without its media.");
+    if (leavesOutMedia) LeaveOutMedia(d);
     for (TextureEntity &t : d.textures) {
         // Without the flag the texture's own error says more.
         if (!options.ignoreUnsupported || !Contains(UnsupportedTextures(), t.type)) continue;

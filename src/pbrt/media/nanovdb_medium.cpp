@@ -8,6 +8,7 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/memory.h"
+#include "pbrt/core/parallel.h"
 
 // The only file that sees NanoVDB.
 #define NANOVDB_USE_ZIP
@@ -47,6 +48,36 @@ void CheckMagic(const std::string &path) {
     throw UserError(fmt::format("{}: this is not a NanoVDB file.", path));
 }
 
+/// True if all nodes of the grid's tree lie in its memory of `bytes`, so that its values can be read. NanoVDB's own
+/// check does not look at all of them.
+bool IsSound(const FloatGrid &grid, size_t bytes) {
+    const auto begin = reinterpret_cast<uintptr_t>(&grid);
+    auto holds = [&](const void *p, uint64_t size) {
+        const uintptr_t offset = reinterpret_cast<uintptr_t>(p) - begin;
+        return offset % NANOVDB_DATA_ALIGNMENT == 0 && offset <= bytes && size <= bytes - offset;
+    };
+    if (bytes < sizeof(nanovdb::GridData) + sizeof(nanovdb::NanoTree<float>) || grid.gridSize() != bytes) return false;
+    const auto &tree = grid.tree();
+    const auto &root = tree.root();
+    if (!holds(&root, sizeof(root)) || !holds(&root, root.memUsage())) return false;
+    // A damaged tree might meet nodes many times over: no more are visited than it says that it has.
+    std::array<uint64_t, 3> found{};
+    auto isFine = [&](const auto &node, size_t level) {
+        return ++found[level] <= tree.nodeCount(static_cast<int>(level)) && holds(&node, sizeof(node));
+    };
+    for (auto upper = root.beginChild(); upper; ++upper) {
+        if (!isFine(*upper, 2)) return false;
+        for (auto lower = upper->beginChild(); lower; ++lower) {
+            if (!isFine(*lower, 1)) return false;
+            for (auto leaf = lower->beginChild(); leaf; ++leaf)
+                if (!isFine(*leaf, 0)) return false;
+        }
+    }
+    for (size_t level = 0; level < 3; ++level)
+        if (found[level] != tree.nodeCount(static_cast<int>(level))) return false;
+    return true;
+}
+
 /// One grid of a file, with its memory. Empty if the file has no such grid.
 class VdbGrid {
   public:
@@ -58,8 +89,9 @@ class VdbGrid {
                                         nanovdb::toStr(data.gridType)));
         RequireMemory(static_cast<double>(data.gridSize), what, {});
         handle_ = nanovdb::io::readGrid(path, data.gridName);
-        grid_ = handle_.grid<float>();
-        if (!grid_ || !nanovdb::isValid(*grid_)) throw UserError(what + " is damaged.");
+        if (handle_.size() >= sizeof(nanovdb::GridData)) grid_ = handle_.grid<float>();
+        if (!grid_ || !IsSound(*grid_, handle_.size()) || !nanovdb::isValid(*grid_))
+            throw UserError(what + " is damaged.");
     }
     explicit operator bool() const { return grid_ != nullptr; }
     const FloatGrid &operator*() const { return *grid_; }
@@ -117,34 +149,114 @@ Float Interpolate(const Accessor &accessor, const Point3 &p) {
     return Lerp(w.y, Lerp(w.x, alongZ[0], alongZ[1]), Lerp(w.x, alongZ[2], alongZ[3]));
 }
 
-/// The largest value from index `low` to `high`, both included; at least 0. False if one is not finite.
-bool FindMax(const Accessor &accessor, const glm::ivec3 &low, const glm::ivec3 &high, Float *max) {
-    *max = 0;
-    // Leaves are cubes of 8^3 voxels; where there is none, all voxels of such a cube have the same value.
-    constexpr int kLeaf = 8;
-    auto take = [&](Float v) {
-        *max = std::max(*max, v);
-        return std::isfinite(v);
+/// The upper bounds of a density in the cells of a grid over a box of index space.
+class DensityBounds {
+  public:
+    /// Index coordinates of a place are low + perCell * p, p in the coordinates of the majorants.
+    DensityBounds(const glm::ivec3 &low, const Vector3 &perCell, const glm::ivec3 &cells)
+        : low_(low), perCell_(perCell), cells_(cells) {
+        max_ = std::vector<std::atomic<Float>>(static_cast<size_t>(cells.x) * static_cast<size_t>(cells.y) *
+                                               static_cast<size_t>(cells.z));
+    }
+
+    /// From the coordinates of the majorants to index space along an axis; see Voxels::ToVoxels.
+    static Float ToIndex(Float p, Float perCell, int low) { return std::fma(p, perCell, static_cast<Float>(low)); }
+
+    void Take(const FloatGrid &grid) {
+        const auto &root = grid.tree().root();
+        // Lower nodes are cubes of 128^3 voxels.
+        std::vector<const Lower *> lowers;
+        for (auto upper = root.beginChild(); upper; ++upper) {
+            for (auto lower = upper->beginChild(); lower; ++lower) lowers.push_back(&*lower);
+            TakeTiles(*upper, Lower::DIM);
+        }
+        for (uint32_t i = 0; i < root.data()->mTableSize; ++i)
+            if (const auto *tile = root.data()->tile(i); !tile->isChild())
+                TakeCube(tile->origin(), Lower::DIM * kLowersPerUpper, tile->value);
+        ParallelForEach(static_cast<int64_t>(lowers.size()), [&](int64_t i) {
+            const Lower &lower = *lowers[static_cast<size_t>(i)];
+            for (auto leaf = lower.beginChild(); leaf; ++leaf) TakeLeaf(*leaf);
+            TakeTiles(lower, Leaf::DIM);
+        });
+        if (grid.tree().background() != 0)
+            for (std::atomic<Float> &max : max_) Raise(max, grid.tree().background());
+    }
+    /// False if a value is infinite or not a number.
+    bool IsFinite() const { return isFinite_; }
+    Float operator()(const glm::ivec3 &cell) const { return max_[IndexOf(cell)]; }
+
+  private:
+    using Lower = nanovdb::NanoLower<float>;
+    using Leaf = nanovdb::NanoLeaf<float>;
+    static constexpr int kLowersPerUpper = 32;
+    struct Cells {
+        int first, last;  ///< none if the last one is before the first one
     };
-    auto startOf = [](int i) { return i & ~(kLeaf - 1); };
-    for (int z = startOf(low.z); z <= high.z; z += kLeaf)
-        for (int y = startOf(low.y); y <= high.y; y += kLeaf)
-            for (int x = startOf(low.x); x <= high.x; x += kLeaf) {
-                const nanovdb::Coord corner(x, y, z);
-                const auto *leaf = accessor.probeLeaf(corner);
-                if (!leaf) {
-                    if (!take(accessor.getValue(corner))) return false;
-                    continue;
-                }
-                const glm::ivec3 begin = glm::max(low, glm::ivec3(x, y, z));
-                const glm::ivec3 end = glm::min(high, glm::ivec3(x, y, z) + (kLeaf - 1));
-                for (int i = begin.x; i <= end.x; ++i)
-                    for (int j = begin.y; j <= end.y; ++j)
-                        for (int k = begin.z; k <= end.z; ++k)
-                            if (!take(leaf->getValue(nanovdb::Coord(i, j, k)))) return false;
-            }
-    return true;
-}
+
+    /// The cells that hold places where the values from index `from` to `to` count: those less than 1 away.
+    Cells CellsOf(int axis, int from, int to) const {
+        const auto below = static_cast<double>(from - 1), above = static_cast<double>(to + 1);
+        auto cellAt = [&](double index) {
+            const double cell = (index - low_[axis]) / static_cast<double>(perCell_[axis]);
+            return static_cast<int>(std::clamp(std::floor(cell), -2.0, static_cast<double>(cells_[axis]) + 2));
+        };
+        auto index = [&](int cell) {
+            return static_cast<double>(ToIndex(static_cast<Float>(cell), perCell_[axis], low_[axis]));
+        };
+        // One more on each side for the division, then only those that the places reach.
+        Cells c{std::max(cellAt(below) - 1, 0), std::min(cellAt(above) + 1, cells_[axis] - 1)};
+        while (c.first <= c.last && index(c.first + 1) <= below) ++c.first;
+        while (c.first <= c.last && index(c.last) >= above) --c.last;
+        return c;
+    }
+    size_t IndexOf(const glm::ivec3 &cell) const {
+        return static_cast<size_t>((cell.z * cells_.y + cell.y) * cells_.x + cell.x);
+    }
+    static void Raise(std::atomic<Float> &max, Float value) {
+        Float known = max.load(std::memory_order_relaxed);
+        while (known < value && !max.compare_exchange_weak(known, value, std::memory_order_relaxed)) {
+        }
+    }
+    void Spread(const std::array<Cells, 3> &cells, Float value) {
+        if (!std::isfinite(value)) isFinite_ = false;
+        if (!(value > 0)) return;
+        for (int z = cells[2].first; z <= cells[2].last; ++z)
+            for (int y = cells[1].first; y <= cells[1].last; ++y)
+                for (int x = cells[0].first; x <= cells[0].last; ++x) Raise(max_[IndexOf({x, y, z})], value);
+    }
+    void TakeCube(const nanovdb::Coord &origin, int size, Float value) {
+        if (value == 0) return;
+        std::array<Cells, 3> cells;
+        for (int a = 0; a < 3; ++a) cells[static_cast<size_t>(a)] = CellsOf(a, origin[a], origin[a] + (size - 1));
+        Spread(cells, value);
+    }
+    /// The values of a node that stand for whole cubes of voxels.
+    template <class Node>
+    void TakeTiles(const Node &node, int size) {
+        for (uint32_t n = 0; n < Node::SIZE; ++n)
+            if (!node.childMask().isOn(n)) TakeCube(node.offsetToGlobalCoord(n), size, node.data()->mTable[n].value);
+    }
+    void TakeLeaf(const Leaf &leaf) {
+        constexpr int kSize = Leaf::DIM;
+        std::array<std::array<Cells, kSize>, 3> cells;
+        const nanovdb::Coord origin = leaf.origin();
+        for (int a = 0; a < 3; ++a)
+            for (int i = 0; i < kSize; ++i)
+                cells[static_cast<size_t>(a)][static_cast<size_t>(i)] = CellsOf(a, origin[a] + i, origin[a] + i);
+        for (uint32_t n = 0; n < kSize * kSize * kSize; ++n) {
+            const nanovdb::Coord at = Leaf::OffsetToLocalCoord(n);
+            Spread({cells[0][static_cast<size_t>(at[0])], cells[1][static_cast<size_t>(at[1])],
+                    cells[2][static_cast<size_t>(at[2])]},
+                   leaf.getValue(n));
+        }
+    }
+
+    glm::ivec3 low_;
+    Vector3 perCell_;
+    glm::ivec3 cells_;
+    std::vector<std::atomic<Float>> max_;
+    std::atomic<bool> isFinite_ = true;
+};
 
 class NanoVdbMedium final : public Medium {
   public:
@@ -163,20 +275,12 @@ class NanoVdbMedium final : public Medium {
         indicesPerCell_ = Vector3(high - low_) / Vector3(cells);
         gridFromRender_ = AffineMap::ToBox(low_, high, cells) * grids_.density.IndexFromWorld() * mediumFromRender;
         if (grids_.temperature) temperatureFromRender_ = grids_.temperature.IndexFromWorld() * mediumFromRender;
-        std::atomic<bool> isFinite = true;
-        majorants_ = MajorantGrid(cells, [&](const glm::ivec3 &cell) -> Float {
-            Float max = 0;
-            const Point3 first = ToIndex(Point3(cell)), last = ToIndex(Point3(cell + 1));
-            if (!FindMax(grids_.density->getAccessor(), glm::ivec3(glm::floor(first)), glm::ivec3(glm::floor(last)) + 1,
-                         &max)) {
-                isFinite = false;
-                return 0;
-            }
-            return kMajorantSlack * max;
-        });
-        if (!isFinite)
+        DensityBounds bounds(low_, indicesPerCell_, cells);
+        bounds.Take(*grids_.density);
+        if (!bounds.IsFinite())
             throw UserError(fmt::format("{}: grid \"{}\" holds a density that is not a number or infinite.",
                                         request.path, Abbreviate(request.densityName)));
+        majorants_ = MajorantGrid(cells, [&](const glm::ivec3 &cell) { return kMajorantSlack * bounds(cell); });
     }
 
     size_t Bytes() const override {
@@ -209,11 +313,11 @@ class NanoVdbMedium final : public Medium {
     };
     static constexpr int kMaxCells = 64;
 
-    /// From the coordinates of the majorants to those of the density's index space; see Voxels::ToVoxels.
+    /// From the coordinates of the majorants to the density's index space.
     Point3 ToIndex(const Point3 &p) const {
-        return {std::fma(p.x, indicesPerCell_.x, static_cast<Float>(low_.x)),
-                std::fma(p.y, indicesPerCell_.y, static_cast<Float>(low_.y)),
-                std::fma(p.z, indicesPerCell_.z, static_cast<Float>(low_.z))};
+        return {DensityBounds::ToIndex(p.x, indicesPerCell_.x, low_.x),
+                DensityBounds::ToIndex(p.y, indicesPerCell_.y, low_.y),
+                DensityBounds::ToIndex(p.z, indicesPerCell_.z, low_.z)};
     }
 
     MediumCoefficients Evaluate(MediumOnRay &onRay, Float t) const override {

@@ -40,7 +40,7 @@ class Voxels {
     template <class ValueOf>
     Float MaxIn(const glm::ivec3 &cell, ValueOf &&valueOf) const {
         const glm::ivec3 low = glm::max(glm::ivec3(glm::floor(ToVoxels(Point3(cell)))), glm::ivec3(0));
-        const glm::ivec3 high = glm::min(glm::ivec3(glm::floor(ToVoxels(Point3(cell + 1)))) + 1, count_ - 1);
+        const glm::ivec3 high = glm::min(glm::ivec3(glm::ceil(ToVoxels(Point3(cell + 1)))), count_ - 1);
         Float max = 0;
         for (int z = low.z; z <= high.z; ++z)
             for (int y = low.y; y <= high.y; ++y)

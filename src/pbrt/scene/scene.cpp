@@ -14,6 +14,12 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)), bounds_(parts_.accel-
     }
 }
 
+MediumId Scene::MediumOfLight(LightId id) const {
+    if (parts_.lightMedia.empty()) return {};
+    const LightTable &lights = Lights();
+    return parts_.lightMedia[lights.WholeOf(lights.IsTile(id) ? lights.SkyOf(id) : id)];
+}
+
 std::optional<SurfacePoint> Scene::Intersect(const Ray &ray) const {
     SurfacePoint point;
     if (!Intersect(ray, &point)) return {};

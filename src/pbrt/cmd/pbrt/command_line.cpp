@@ -156,7 +156,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     app.add_option("--list", o.list,
                    "print what a scene can name, with all parameters, and stop: cameras, films, filters, samplers, "
                    "integrators, accelerators, shapes, materials, "
-                   "floattextures, spectrumtextures, lights, arealights, lightsamplers; all; table")
+                   "floattextures, spectrumtextures, lights, arealights, media, lightsamplers; all; table")
         ->group(messages);
     app.add_flag("--quiet", o.quiet, "no progress and no warnings; errors only")->group(messages);
     app.add_flag("--stats", o.stats, "print statistics after rendering")->group(messages);

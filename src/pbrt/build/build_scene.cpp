@@ -121,6 +121,10 @@ std::unique_ptr<TextureLibrary> MakeTextures(SceneDescription &d, const BuildOpt
 SceneParts MakeParts(SceneDescription &d, const BuildOptions &options, const Transform &renderFromWorld,
                      TextureLibrary &textures, LightNames &lightNames, DiagnosticSink &sink, Progress &progress) {
     BuiltMedia media = MakeMedia(d, renderFromWorld, sink);
+    if (const std::string &type = IntegratorType(d.integrator, options); !media.media.empty() && !RendersMedia(type)) {
+        sink.Warning({}, fmt::format("integrator \"{}\" sees no media; \"volpath\" renders them.", type));
+        media = {};
+    }
     GeometryBuilder geometry(d, renderFromWorld, !SeesThroughInterfaces(IntegratorType(d.integrator, options)),
                              media.ids, textures, sink);
     geometry.BuildMaterials();

@@ -8,9 +8,6 @@ namespace pbrt {
 
 namespace {
 
-/// Whether integrators render media. Media are read and checked in any case.
-constexpr bool kRendersMedia = false;
-
 bool Contains(const std::vector<std::string> &names, const std::string &name) {
     return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -41,6 +38,9 @@ class Checker {
             sink_.Error(loc, fmt::format("{} is not supported yet.{}", what, wayOut));
             return;
         }
+        LeaveOut(loc, what, instead);
+    }
+    void LeaveOut(const FileLoc &loc, const std::string &what, const std::string &instead = "") {
         const std::string left =
             what + (instead.empty() ? " is left out" : " is left out, " + instead + " is used instead");
         sink_.Warning(loc, left + ": the picture is not that of the scene.");
@@ -62,12 +62,10 @@ std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &optio
                        " --integrator path renders the scene by path tracing.", "path");
         if (options.ignoreUnsupported) options.integrator = "path";
     }
-    const bool leavesOutMedia = options.ignoreMedia || (!kRendersMedia && options.ignoreUnsupported);
-    if (!kRendersMedia || leavesOutMedia)
-        for (const MediumEntity &m : d.media)
-            check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name), leavesOutMedia,
-                           " --ignore-media renders the scene without its media.");
-    if (leavesOutMedia) LeaveOutMedia(d);
+    if (options.ignoreMedia) {
+        for (const MediumEntity &m : d.media) check.LeaveOut(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));
+        LeaveOutMedia(d);
+    }
     for (TextureEntity &t : d.textures) {
         // Without the flag the texture's own error says more.
         if (!options.ignoreUnsupported || !Contains(UnsupportedTextures(), t.type)) continue;

@@ -12,6 +12,8 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)), bounds_(parts_.accel-
         hasSubsurface_ |= m->HasBssrdf();
         needsFootprints_ |= m->NeedsFootprint();
     }
+    hasMedia_ = static_cast<bool>(parts_.cameraMedium);
+    for (const ShapeRecord &s : parts_.shapes) hasMedia_ |= s.insideMedium || s.outsideMedium;
 }
 
 MediumId Scene::MediumOfLight(LightId id) const {
@@ -103,9 +105,9 @@ Ray Scene::ShadowRay(const LightSampleContext &from, const LightLiSample &to) {
 std::optional<Scene::Interface> Scene::NextInterface(const Ray &ray, Float tMin) const {
     for (;;) {
         ++ThreadCounters().closestHitRays;
-        const std::optional<AccelHit> hit = parts_.accel->Intersect(ray, tMin);
+        const std::optional<AccelHit> hit = parts_.accel->Intersect(ray, std::nextafter(tMin, Infinity));
         if (!hit) return {};
-        tMin = std::nextafter(hit->hit.t, Infinity);
+        tMin = hit->hit.t;
         const ShapeRecord &record = parts_.shapes[hit->shape.value];
         if (record.insideMedium == record.outsideMedium) continue;
         const Material *material = record.material ? parts_.materials[record.material.value].get() : nullptr;

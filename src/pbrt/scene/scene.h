@@ -68,7 +68,8 @@ class Scene {
     const Medium &MediumOf(MediumId id) const { return *parts_.media[id.value]; }
     /// Null: vacuum.
     const Medium *MediumAt(MediumId id) const { return id ? parts_.media[id.value].get() : nullptr; }
-    bool HasMedia() const { return !parts_.media.empty(); }
+    /// True if some ray can be in a medium.
+    bool HasMedia() const { return hasMedia_; }
     size_t MediumCount() const { return parts_.media.size(); }
     /// The medium in which camera rays start.
     MediumId CameraMedium() const { return parts_.cameraMedium; }
@@ -93,7 +94,7 @@ class Scene {
     SurfacePoint SurfaceOnRay(const Shape &shape, const AccelHit &hit, const Ray &ray) const;
     SceneParts parts_;
     Bounds3 bounds_;
-    bool hasSubsurface_ = false, needsFootprints_ = false;
+    bool hasSubsurface_ = false, needsFootprints_ = false, hasMedia_ = false;
 };
 
 }  // namespace pbrt

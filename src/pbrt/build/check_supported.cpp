@@ -57,14 +57,15 @@ class Checker {
 
 std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &options, DiagnosticSink &sink) {
     Checker check(sink);
-    if (options.integrator.empty() && Contains(UnsupportedIntegrators(), d.integrator.type)) {
-        check.NotBuilt(d.integrator.loc, fmt::format("Integrator \"{}\"", d.integrator.type), options.ignoreUnsupported,
-                       " --integrator path renders the scene by path tracing.", "path");
-        if (options.ignoreUnsupported) options.integrator = "path";
-    }
     if (options.ignoreMedia) {
         for (const MediumEntity &m : d.media) check.LeaveOut(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));
         LeaveOutMedia(d);
+    }
+    if (options.integrator.empty() && Contains(UnsupportedIntegrators(), d.integrator.type)) {
+        const std::string instead = d.media.empty() ? "path" : "volpath";
+        check.NotBuilt(d.integrator.loc, fmt::format("Integrator \"{}\"", d.integrator.type), options.ignoreUnsupported,
+                       fmt::format(" --integrator {} renders the scene by path tracing.", instead), instead);
+        if (options.ignoreUnsupported) options.integrator = instead;
     }
     for (TextureEntity &t : d.textures) {
         // Without the flag the texture's own error says more.

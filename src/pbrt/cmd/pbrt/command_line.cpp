@@ -143,7 +143,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
         ->check(NonNegativeNumber)
         ->group(effort);
     app.add_flag("--ignore-media", o.build.ignoreMedia,
-                 "leave out media, which are not supported yet; the image is called ...-without-media")
+                 "leave out media; the image is called ...-without-media")
         ->group(method);
     app.add_flag("--ignore-unsupported", o.build.ignoreUnsupported,
                  "leave out all that is not supported; the image is called ...-incomplete")

@@ -33,7 +33,7 @@ size_t RgbGridMedium::Bytes() const {
 
 MediumOnRay RgbGridMedium::On(const Ray &ray, Float tMax, const SampledWavelengths &lambda) const {
     MediumCoefficients unit{SampledSpectrum(grids_.scale), SampledSpectrum(grids_.scale), SampledSpectrum(0)};
-    if (!grids_.emission.empty()) unit.emission = grids_.emissionScale * grids_.illuminant->Sample(lambda);
+    if (IsEmissive()) unit.emission = grids_.emissionScale * grids_.illuminant->Sample(lambda);
     return {*this, GridWalk(majorants_, gridFromRender_, ray, tMax), lambda, unit, SampledSpectrum(1)};
 }
 

@@ -29,6 +29,15 @@ TEST(Emission, LeIsNormalisedAsThatOfLights) {
     EXPECT_FALSE(MakeMedium("homogeneous", Params().Rgb("Le", 1, 1, 1).Rgb("sigma_a", 0, 0, 0))->IsEmissive());
 }
 
+TEST(Emission, IsZeroInMediaThatAreNotEmissive) {
+    for (const NamedMedium &m : AllMedia({})) {
+        EXPECT_FALSE(m.medium->IsEmissive()) << m.name;
+        Rng rng(1);
+        for (int i = 0; i < 100; ++i)
+            EXPECT_FALSE(m.medium->At(PointNear(m.bounds, rng), kLambda).emission) << m.name;
+    }
+}
+
 TEST(Emission, ScaleMultipliesCoefficientsAndLescaleTheEmission) {
     auto make = [](Float scale, Float emissionScale) {
         return MakeMedium("homogeneous",

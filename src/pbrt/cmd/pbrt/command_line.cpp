@@ -142,8 +142,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
                    "memory for image textures; the rest is kept in a temporary folder (0: all in memory)")
         ->check(NonNegativeNumber)
         ->group(effort);
-    app.add_flag("--ignore-media", o.build.ignoreMedia,
-                 "leave out media; the image is called ...-without-media")
+    app.add_flag("--ignore-media", o.build.ignoreMedia, "leave out media; the image is called ...-without-media")
         ->group(method);
     app.add_flag("--ignore-unsupported", o.build.ignoreUnsupported,
                  "leave out all that is not supported; the image is called ...-incomplete")

@@ -33,8 +33,7 @@ TEST(Emission, IsZeroInMediaThatAreNotEmissive) {
     for (const NamedMedium &m : AllMedia({})) {
         EXPECT_FALSE(m.medium->IsEmissive()) << m.name;
         Rng rng(1);
-        for (int i = 0; i < 100; ++i)
-            EXPECT_FALSE(m.medium->At(PointNear(m.bounds, rng), kLambda).emission) << m.name;
+        for (int i = 0; i < 100; ++i) EXPECT_FALSE(m.medium->At(PointNear(m.bounds, rng), kLambda).emission) << m.name;
     }
 }
 

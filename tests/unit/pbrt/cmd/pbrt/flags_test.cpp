@@ -205,8 +205,7 @@ TEST_F(Unsupported, IsLeftOutLoudlyWhenAskedFor) {
     const ImageFile file = ReadImage(Path("fog-incomplete.exr"));
     EXPECT_EQ(TextOf(file, "pbrt.integrator"), "volpath");
     EXPECT_EQ(IntOf(file, "pbrt.maxDepth"), 2);
-    for (const char *part : {"scene.pbrt:3: Integrator \"bdpt\"",
-                             "scene.pbrt:9: Texture \"skin\""})
+    for (const char *part : {"scene.pbrt:3: Integrator \"bdpt\"", "scene.pbrt:9: Texture \"skin\""})
         EXPECT_TRUE(Has(TextOf(file, "pbrt.ignored"), part)) << TextOf(file, "pbrt.ignored");
     EXPECT_NEAR(file.image.Get({8, 8}, 0), 0.5f, 0.03f) << "a sphere of reflectance 0.5 under a sky of 1";
     EXPECT_EQ(Files(), (std::vector<std::string>{"fog-incomplete.exr", "scene.pbrt"}));

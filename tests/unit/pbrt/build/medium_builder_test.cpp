@@ -36,9 +36,9 @@ TEST(MediumBuilder, MediaStandWhereTheSceneSaysWhereverTheyAreDefined) {
     const Built built("AttributeBegin\n");
     EXPECT_TRUE(built.sink.HasErrors());  // the helper reports mistakes
     // Before the camera, between camera and world, and in the world. The camera is at (10, 20, 30).
-    const Built all("Translate 4 5 6\n" + Grid("early") + "Identity\nLookAt 10 20 30 0 0 0 0 1 0\nCamera \"perspective\"\n" +
-                    "Identity\nTranslate 7 5 6\n" + Grid("middle") + "WorldBegin\nTranslate 10 5 6 Scale 2 2 2\n" +
-                    Grid("late"));
+    const Built all("Translate 4 5 6\n" + Grid("early") +
+                    "Identity\nLookAt 10 20 30 0 0 0 0 1 0\nCamera \"perspective\"\n" + "Identity\nTranslate 7 5 6\n" +
+                    Grid("middle") + "WorldBegin\nTranslate 10 5 6 Scale 2 2 2\n" + Grid("late"));
     ASSERT_FALSE(all.sink.HasErrors());
     EXPECT_NEAR(all.DensityAt("early", {4.5f, 5.5f, 6.5f}), 2, 1e-4f);
     EXPECT_NEAR(all.DensityAt("early", {4.25f, 5.5f, 6.5f}), 1.5f, 1e-4f);
@@ -49,9 +49,10 @@ TEST(MediumBuilder, MediaStandWhereTheSceneSaysWhereverTheyAreDefined) {
 }
 
 TEST(MediumBuilder, MistakesOfUnusedMediaAreFound) {
-    const Built built("WorldBegin\nMakeNamedMedium \"a\" \"string type\" \"homogeneous\" \"float g\" 3\n"
-                      "MakeNamedMedium \"b\" \"string type\" \"cloudd\"\n"
-                      "MakeNamedMedium \"c\" \"string type\" \"homogeneous\"\n");
+    const Built built(
+        "WorldBegin\nMakeNamedMedium \"a\" \"string type\" \"homogeneous\" \"float g\" 3\n"
+        "MakeNamedMedium \"b\" \"string type\" \"cloudd\"\n"
+        "MakeNamedMedium \"c\" \"string type\" \"homogeneous\"\n");
     EXPECT_EQ(built.sink.ErrorCount(), 2u);
     EXPECT_EQ(built.media.media.size(), 1u);
     EXPECT_FALSE(built.media.ids.Find("a"));

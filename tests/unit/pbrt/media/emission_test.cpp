@@ -33,8 +33,7 @@ TEST(Emission, IsZeroInMediaThatAreNotEmissive) {
     for (const NamedMedium &m : AllMedia({})) {
         EXPECT_FALSE(m.medium->IsEmissive()) << m.name;
         Rng rng(1);
-        for (int i = 0; i < 100; ++i)
-            EXPECT_FALSE(m.medium->At(PointNear(m.bounds, rng), kLambda).emission) << m.name;
+        for (int i = 0; i < 100; ++i) EXPECT_FALSE(m.medium->At(PointNear(m.bounds, rng), kLambda).emission) << m.name;
     }
 }
 
@@ -106,8 +105,7 @@ TEST(Emission, LeOfAnRgbGridIsNotNormalised) {
     EXPECT_TRUE(medium->IsEmissive());
     const RgbUnboundedSpectrum color(ColorSpace::SRGB(), {0.3f, 0.8f, 0.1f});
     const MediumCoefficients c = medium->At({0.5f, 0.5f, 0.5f}, kLambda);
-    const SampledSpectrum expected =
-        0.02f * color.Sample(kLambda) * ColorSpace::SRGB().Illuminant().Sample(kLambda);
+    const SampledSpectrum expected = 0.02f * color.Sample(kLambda) * ColorSpace::SRGB().Illuminant().Sample(kLambda);
     for (int k = 0; k < SpectrumSamples; ++k) EXPECT_NEAR(c.emission[k], expected[k], 1e-5f * expected[k]);
 }
 

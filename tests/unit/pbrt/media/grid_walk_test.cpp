@@ -33,7 +33,8 @@ void CheckWalk(const MajorantGrid &grid, const AffineMap &map, const Ray &ray, F
             const Point3 p = walk.At(t);
             const glm::dvec3 true_p = map.Point(glm::dvec3(ray.o) + double(t) * glm::dvec3(ray.d));
             EXPECT_LT(glm::length(glm::dvec3(p) - true_p), tolerance) << t;
-            const glm::ivec3 cell = glm::clamp(glm::ivec3(glm::floor(walk.At((begin + end) / 2))), glm::ivec3(0), n - 1);
+            const glm::ivec3 cell =
+                glm::clamp(glm::ivec3(glm::floor(walk.At((begin + end) / 2))), glm::ivec3(0), n - 1);
             for (int a = 0; a < 3; ++a) {
                 EXPECT_GE(p[a], 0);
                 EXPECT_LE(p[a], static_cast<Float>(n[a]));

@@ -37,9 +37,7 @@ inline std::vector<Transform> Places() {
             Transform::Translate({0.3f, 0, 0}) * Transform(shear)};
 }
 
-inline Params CountOf(const glm::ivec3 &n) {
-    return Params().Integer("nx", n.x).Integer("ny", n.y).Integer("nz", n.z);
-}
+inline Params CountOf(const glm::ivec3 &n) { return Params().Integer("nx", n.x).Integer("ny", n.y).Integer("nz", n.z); }
 inline size_t SizeOf(const glm::ivec3 &n) { return static_cast<size_t>(n.x * n.y * n.z); }
 inline std::vector<Float> RandomValues(size_t count, Rng &rng, Float emptyShare) {
     std::vector<Float> v(count);
@@ -77,7 +75,8 @@ inline std::vector<NamedMedium> AllMedia(const Transform &place) {
     Rng rng(9);
     std::vector<Float> colors = RandomValues(3 * SizeOf(n), rng, 0.4f);
     Params rgb = CountOf(n);
-    rgb.Floats(ParamType::Rgb, "sigma_a", colors).Floats(ParamType::Rgb, "sigma_s", RandomValues(3 * SizeOf(n), rng, 0));
+    rgb.Floats(ParamType::Rgb, "sigma_a", colors)
+        .Floats(ParamType::Rgb, "sigma_s", RandomValues(3 * SizeOf(n), rng, 0));
     all.push_back({"rgbgrid", MakeMedium("rgbgrid", rgb, place), place, {{0, 0, 0}, {1, 1, 1}}});
     Params cloud;
     cloud.Number("density", 1.5f).Number("frequency", 4);

@@ -27,8 +27,7 @@ Params Density(std::vector<Float> values) { return Params().Floats(ParamType::Fl
 
 TEST(MediumFactory, UnknownTypesListTheKnownOnes) {
     ExpectComplaint("homogenous", Params(), 100, "did you mean \"homogeneous\"");
-    EXPECT_EQ(Media().Names(),
-              (std::vector<std::string>{"cloud", "homogeneous", "nanovdb", "rgbgrid", "uniformgrid"}));
+    EXPECT_EQ(Media().Names(), (std::vector<std::string>{"cloud", "homogeneous", "nanovdb", "rgbgrid", "uniformgrid"}));
 }
 
 TEST(MediumFactory, CoefficientsAreChecked) {
@@ -36,7 +35,8 @@ TEST(MediumFactory, CoefficientsAreChecked) {
     ExpectComplaint("homogeneous", Params().Floats(ParamType::Spectrum, "sigma_s", {400, 1, 500, -1}), 1, "at least 0");
     ExpectComplaint("homogeneous", Params().Number("g", 1.5f), 1, "\"g\" is 1.5");
     ExpectComplaint("homogeneous", Params().Number("scale", -2), 1, "\"scale\" is -2");
-    ExpectComplaint("homogeneous", Params().Rgb("sigma_a", 1e29f, 1e29f, 1e29f).Number("scale", 100), 1, "at most 1e+30");
+    ExpectComplaint("homogeneous", Params().Rgb("sigma_a", 1e29f, 1e29f, 1e29f).Number("scale", 100), 1,
+                    "at most 1e+30");
     ExpectComplaint("homogeneous", Params().Floats(ParamType::Spectrum, "Le", {830, 0, 840, 1}), 1, "eye can see");
 }
 
@@ -100,7 +100,8 @@ TEST(MediumFactory, GridsAreChecked) {
 
 TEST(MediumFactory, TheAliasOfTheTemperatureOffset) {
     auto emission = [](const char *name) {
-        return MakeMedium("uniformgrid", Density({1}).Floats(ParamType::Float, "temperature", {3000}).Number(name, 1000))
+        return MakeMedium("uniformgrid",
+                          Density({1}).Floats(ParamType::Float, "temperature", {3000}).Number(name, 1000))
             ->At({0.5f, 0.5f, 0.5f}, kLambda)
             .emission[0];
     };

@@ -82,10 +82,9 @@ TEST(NanoVdbMedium, ValuesAreThoseOfTheVoxels) {
     int inside = 0;
     Rng rng(2);
     for (int i = 0; i < 5000; ++i) {
-        const nanovdb::Coord at(
-            box.min()[0] + static_cast<int>(rng.UniformInt(static_cast<uint32_t>(box.dim()[0]))),
-            box.min()[1] + static_cast<int>(rng.UniformInt(static_cast<uint32_t>(box.dim()[1]))),
-            box.min()[2] + static_cast<int>(rng.UniformInt(static_cast<uint32_t>(box.dim()[2]))));
+        const nanovdb::Coord at(box.min()[0] + static_cast<int>(rng.UniformInt(static_cast<uint32_t>(box.dim()[0]))),
+                                box.min()[1] + static_cast<int>(rng.UniformInt(static_cast<uint32_t>(box.dim()[1]))),
+                                box.min()[2] + static_cast<int>(rng.UniformInt(static_cast<uint32_t>(box.dim()[2]))));
         const nanovdb::Vec3d world = grid->indexToWorld(nanovdb::Vec3d(at[0], at[1], at[2]));
         const Point3 p(static_cast<Float>(world[0]), static_cast<Float>(world[1]), static_cast<Float>(world[2]));
         const Float value = accessor.getValue(at);
@@ -168,9 +167,8 @@ TEST(NanoVdbMedium, GridsThatAreNotThereAreErrors) {
     ExpectComplaint(Params(), 100, "filename");
     ExpectComplaint(Params().String("filename", "/nowhere/smoke.nvdb"), 1, "cannot be opened");
     ExpectComplaint(Params().String("filename", "/tmp"), 1, "cannot be opened");
-    ExpectComplaint(
-        Params().String("filename", kBlob).Number("temperatureoffset", 1).Number("temperaturecutoff", 1), 3,
-        "the same parameter");
+    ExpectComplaint(Params().String("filename", kBlob).Number("temperatureoffset", 1).Number("temperaturecutoff", 1), 3,
+                    "the same parameter");
 }
 
 TEST(NanoVdbMedium, BrokenFilesAreErrors) {

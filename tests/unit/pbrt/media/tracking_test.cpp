@@ -167,7 +167,8 @@ TEST(ForEachCollision, TheNumberGivenDecidesTheFirstCollision) {
         Float first = -1;
         SampledSpectrum transmittance;
         const SampledSpectrum rest = ForEachCollision(
-            onRay, u, rng, [&](Float t, const MediumCoefficients &, const SampledSpectrum &, const SampledSpectrum &tr) {
+            onRay, u, rng,
+            [&](Float t, const MediumCoefficients &, const SampledSpectrum &, const SampledSpectrum &tr) {
                 first = t;
                 transmittance = tr;
                 return false;

@@ -271,7 +271,7 @@ class NanoVdbMedium final : public Medium {
         // Values fade to the background over one voxel around the active ones.
         low_ = glm::ivec3(box.min()[0], box.min()[1], box.min()[2]) - 1;
         const glm::ivec3 high = glm::ivec3(box.max()[0], box.max()[1], box.max()[2]) + 1;
-        const glm::ivec3 cells = glm::min(high - low_, glm::ivec3(kMaxCells));
+        const glm::ivec3 cells = MajorantCells(high - low_, 4, kMaxCells);
         indicesPerCell_ = Vector3(high - low_) / Vector3(cells);
         gridFromRender_ = AffineMap::ToBox(low_, high, cells) * grids_.density.IndexFromWorld() * mediumFromRender;
         if (grids_.temperature) temperatureFromRender_ = grids_.temperature.IndexFromWorld() * mediumFromRender;

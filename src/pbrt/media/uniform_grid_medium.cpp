@@ -4,21 +4,28 @@
 
 namespace pbrt {
 
+namespace {
+/// Measured by ratio tracking through cubes of 1 to 128^3 voxels, noise and a ball, of optical depth 1 and 8: of 1 to
+/// 32 cells along an axis, 1 are fastest in small grids and 4 to 8 in larger ones. Stock's 16 take up to twice as long.
+glm::ivec3 CellsFor(const glm::ivec3 &voxels) { return MajorantCells(voxels, 4, 8); }
+}  // namespace
+
 UniformGridMedium::UniformGridMedium(MediumSpectra spectra, Float g, const Transform &renderFromMedium,
                                      const Bounds3 &bounds, Grids grids, const ThermalEmission &thermal)
     : Medium(g, spectra.absorption.MaxValue() > 0 && (spectra.emission.MaxValue() > 0 || !grids.temperature.empty())),
       spectra_(std::move(spectra)),
       grids_(std::move(grids)),
       thermal_(thermal),
-      voxels_(grids_.count, kMajorantCells) {
+      voxels_(grids_.count, CellsFor(grids_.count)) {
     PBRT_CHECK(grids_.density.size() == voxels_.Size());
     PBRT_CHECK(grids_.emission.empty() || grids_.emission.size() == voxels_.Size());
     PBRT_CHECK(grids_.temperature.empty() || grids_.temperature.size() == voxels_.Size());
     auto density = [this](size_t i) { return grids_.density[i]; };
-    majorants_ = MajorantGrid(kMajorantCells,
-                              [&](const glm::ivec3 &cell) { return kMajorantSlack * voxels_.MaxIn(cell, density); });
-    gridFromRender_ = AffineMap::ToBox(bounds.low, bounds.high, kMajorantCells) *
-                      AffineMap(glm::dmat4(renderFromMedium.Matrix())).Inverse();
+    const glm::ivec3 cells = CellsFor(grids_.count);
+    majorants_ =
+        MajorantGrid(cells, [&](const glm::ivec3 &cell) { return kMajorantSlack * voxels_.MaxIn(cell, density); });
+    gridFromRender_ =
+        AffineMap::ToBox(bounds.low, bounds.high, cells) * AffineMap(glm::dmat4(renderFromMedium.Matrix())).Inverse();
 }
 
 size_t UniformGridMedium::Bytes() const {

@@ -216,7 +216,7 @@ TEST(VolPath, FindsWhatThePlainWalkFinds) {
             setting.samples = samples;
             return MeansOverSeeds(Scene(lamp + Ball(medium), setting));
         };
-        ExpectEqualMeans(means("volpath", 24), means("simplevolpath", 192), name);
+        ExpectEqualMeans(means("volpath", 48), means("simplevolpath", 192), name);
     }
 }
 

@@ -12,8 +12,8 @@
 #include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/films/rgb_film.h"
-#include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/render_loop.h"
+#include "pbrt/integrators/volpath_integrator.h"
 #include "support/build_text.h"
 #include "support/render_scene.h"
 #include "support/statistics.h"
@@ -107,7 +107,10 @@ class View {
         PathContext context{GetScene(), *built_.camera, samplesPerPixel_, true};
         PathSettings path;
         path.maxDepth = built_.maxDepth;
-        PathIntegrator integrator(context, path, std::move(lights));
+        std::unique_ptr<Integrator> made;
+        if (GetScene().HasMedia()) made = std::make_unique<VolPathIntegrator>(context, path, std::move(lights));
+        else made = std::make_unique<PathIntegrator>(context, path, std::move(lights));
+        Integrator &integrator = *made;
         Progress progress;
         PrepareContext prepare = built_.Preparation(progress);
         prepare.seed = seed;
@@ -248,6 +251,14 @@ TEST(LightSamplersAgree, Slit) {
     auto good = ExpectAgreement("slit", view);
     if (HasOctree())
         ExpectNoticed("slit", "octree without floor", view, good, std::string(kMinFloor) + ",leaves=65536", kNoFloor);
+}
+
+TEST(LightSamplersAgree, RoomsFullOfFog) {
+    View view(BuildFile(std::string(PBRT_SOURCE_DIR) + "/tests/render/scenes/fog.pbrt", Reduced(2)), 24, 8);
+    auto good = ExpectAgreement("fog", view);
+    ExpectNoticed(
+        "fog", "bvh, a fifth off inside the fog", view, good, "bvh",
+        Tamper([](const LightQuery &q, LightId, Float pmf) { return q.ns == Normal3(0) ? pmf * Float(1.2) : pmf; }));
 }
 
 TEST(LightSamplersAgree, Dollhouse) {

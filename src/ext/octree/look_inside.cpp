@@ -34,11 +34,12 @@ std::string PaperOctreeLightSampler::DescribeStructure() const {
 }
 
 void VisibilityOctreeLightSampler::Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const {
+    const auto &[known, tree, learned, leaves, recordsPerNode, leavesBefore] = KnowledgeAt(query);
     CellOctree::Cell cell;
     double records = 0;
-    if (learned_) {
-        cell = tree_.Cells().CellAt(query.p);
-        records = recordsPerNode_[cell.node];
+    if (learned) {
+        cell = tree.Cells().CellAt(query.p);
+        records = recordsPerNode[cell.node];
     }
     values.push_back({"leaf", static_cast<double>(cell.row), true});
     values.push_back({"leaf records", records, false});
@@ -48,21 +49,24 @@ void VisibilityOctreeLightSampler::Inspect(const LightQuery &query, std::vector<
     // The factor a(leaf, l) of each light, relative to the largest in the leaf.
     for (size_t i = 0; i < std::min<size_t>(groups_.Size(), 16); ++i)
         values.push_back({fmt::format("found {}", i),
-                          learned_ ? static_cast<double>(VisibilityTree::Decode(tree_.GetRow(cell.row).codes[i])) : 1.0,
+                          learned ? static_cast<double>(VisibilityTree::Decode(tree.GetRow(cell.row).codes[i])) : 1.0,
                           false});
 }
 
 std::string VisibilityOctreeLightSampler::DescribeStructure() const {
-    if (!learned_ && !sky_)
-        return fmt::format("octree: none, there is nothing to choose ({} lights)\n", groups_.Size());
+    auto describe = [&](const char *what, const Knowledge &k) {
+        if (!k.learned) return std::string();
+        return fmt::format("octree{}: {} leaves ({} before pruning), {} different rows over {} lights, bytes: {}\n",
+                           what, k.tree.LeafCount(), k.leavesBefore, k.tree.RowCount(), groups_.Size(),
+                           k.tree.Bytes()) +
+               DescribeLeaves(k.leaves);
+    };
+    const std::string text = describe("", onSurfaces_) + describe(" inside media", inMedia_);
     const std::string sky = sky_ ? sky_->Describe() : "";
-    if (!learned_) return sky;
-    return fmt::format(
-               "octree: {} leaves ({} before pruning), {} different rows over {} lights, {} records, {} shadow "
-               "rays\nbytes: {}\n",
-               tree_.LeafCount(), leavesBefore_, tree_.RowCount(), groups_.Size(), prepassRecords_, prepassTries_,
-               tree_.Bytes()) +
-           DescribeLeaves(leaves_) + sky;
+    if (text.empty() && !sky_)
+        return fmt::format("octree: none, there is nothing to choose ({} lights)\n", groups_.Size());
+    if (text.empty()) return sky;
+    return text + fmt::format("prepass: {} records, {} shadow rays\n", prepassRecords_, prepassTries_) + sky;
 }
 
 }  // namespace ext

@@ -34,9 +34,9 @@ LightLearner::PathPlaces RenderRecords::BeginPath(Point2i pixel, int sample) con
     return {next, next + vertices_};
 }
 
-void RenderRecords::AppendTo(VisibilityRecords *records) const {
+void RenderRecords::AppendTo(VisibilityRecords *records, bool inMedium) const {
     for (const Place &place : places_) {
-        if (!(place.found.weight > 0)) continue;
+        if (!(place.found.weight > 0) || place.inMedium != inMedium) continue;
         records->records.push_back({place.p, static_cast<uint32_t>(records->tries.size()), 1});
         records->tries.push_back(place.found);
     }

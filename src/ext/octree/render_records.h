@@ -16,14 +16,16 @@ class RenderRecords {
 
     LightLearner::PathPlaces BeginPath(Point2i pixel, int sample) const;
     /// Records `found` for the next vertex of a path, at point p. Beyond the last place nothing is recorded.
-    void Add(LightLearner::PathPlaces &path, const Point3 &p, const VisibilityTry &found) {
-        if (path.next < path.end) places_[path.next++] = {p, found};
+    void Add(LightLearner::PathPlaces &path, const Point3 &p, bool inMedium, const VisibilityTry &found) {
+        if (path.next < path.end) places_[path.next++] = {p, inMedium, found};
     }
-    void AppendTo(VisibilityRecords *records) const;
+    /// Appends what was found on surfaces, or what was found inside media.
+    void AppendTo(VisibilityRecords *records, bool inMedium) const;
 
   private:
     struct Place {
         Point3 p{};
+        bool inMedium = false;
         VisibilityTry found;
     };
     Bounds2i pixels_;

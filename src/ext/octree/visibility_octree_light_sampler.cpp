@@ -6,6 +6,7 @@
 #include "ext/octree/prepass_effort.h"
 #include "ext/octree/visibility_records.h"
 #include "pbrt/bxdfs/bsdf.h"
+#include "pbrt/bxdfs/henyey_greenstein.h"
 #include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {
@@ -29,6 +30,8 @@ constexpr double kWithBounces = 0.05;
 constexpr int kSkyTries = 16;
 /// At most this many shadow rays are kept from one learning to the next.
 constexpr size_t kMaxFound = 400000;
+/// Inside media with a larger mean cosine than this the choice of lights follows the phase function.
+constexpr Float kPeaked = 0.3f;
 
 Float FloorOf(const OctreeParams &params) { return params.floor > 0 ? params.floor : kVisibilityFloor; }
 
@@ -107,16 +110,22 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
         skySeconds_ = SecondsSince(before);
     }
     if (groups_.Size() > std::max<size_t>(SkyCount(), 1)) {
-        known_ = TraceVisibility(context, vertices, groups_, importance_, interior_, lightTree_.get(), Tries());
-        prepassRecords_ = known_.records.size();
-        prepassTries_ = known_.tries.size();
+        const auto media = std::stable_partition(vertices.begin(), vertices.end(),
+                                                 [](const PrepassVertex &vertex) { return !vertex.phase; });
+        auto trace = [&](auto begin, auto end) {
+            return TraceVisibility(context, {begin, end}, groups_, importance_, interior_, lightTree_.get(), Tries());
+        };
+        onSurfaces_.known = trace(vertices.begin(), media);
+        if (media != vertices.end()) inMedia_.known = trace(media, vertices.end());
+        prepassRecords_ = onSurfaces_.known.records.size() + inMedia_.known.records.size();
+        prepassTries_ = TryCount();
     }
     prepassSeconds_ = SecondsSince(start);
     if (context.progress.Cancelled()) return;
 
     start = std::chrono::steady_clock::now();
     context.progress.BeginPhase("octree", 0);
-    if (known_.records.empty() || Build(params_.records, context.progress)) BeginLearning(0);
+    if (Build(params_.records, context.progress)) BeginLearning(0);
     buildSeconds_ = SecondsSince(start);
     context.progress.EndPhase();
 }
@@ -128,7 +137,10 @@ void VisibilityOctreeLightSampler::KeepSkiesWhole() {
     if (lightTree_) lightTree_ = std::make_unique<LightTree>(LampEmitters());
 }
 
-bool VisibilityOctreeLightSampler::Build(int records, const Progress &progress) {
+std::optional<VisibilityOctreeLightSampler::Knowledge> VisibilityOctreeLightSampler::Built(
+    const Knowledge &from, int records, const Progress &progress) const {
+    Knowledge made;
+    if (from.known.records.empty()) return made;
     VisibilityBuildSettings settings;
     settings.lightCount = static_cast<int>(groups_.Size());
     settings.lights = lightTree_.get();
@@ -139,14 +151,25 @@ bool VisibilityOctreeLightSampler::Build(int records, const Progress &progress) 
     settings.pruneGain = params_.prunegain;
     settings.secondMoment = params_.secondmoment;
     settings.floor = floor_;
-    VisibilityTreeBuilder builder(sceneBounds_, known_.records, known_.tries, settings);
+    VisibilityTreeBuilder builder(sceneBounds_, from.known.records, from.known.tries, settings);
     std::optional<VisibilityTree> tree = builder.Build([&] { return progress.Cancelled(); });
-    if (!tree) return false;
-    tree_ = std::move(*tree);
-    leavesBefore_ = builder.LeavesBeforePruning();
-    leaves_ = builder.Leaves();
-    recordsPerNode_ = builder.RecordsPerNode();
-    learned_ = true;
+    if (!tree) return {};
+    made.tree = std::move(*tree);
+    made.learned = true;
+    made.leaves = builder.Leaves();
+    made.recordsPerNode = builder.RecordsPerNode();
+    made.leavesBefore = builder.LeavesBeforePruning();
+    return made;
+}
+
+bool VisibilityOctreeLightSampler::Build(int records, const Progress &progress) {
+    std::optional<Knowledge> surfaces = Built(onSurfaces_, records, progress);
+    std::optional<Knowledge> media = surfaces ? Built(inMedia_, records, progress) : std::nullopt;
+    if (!surfaces || !media) return false;
+    surfaces->known = std::move(onSurfaces_.known);
+    media->known = std::move(inMedia_.known);
+    onSurfaces_ = std::move(*surfaces);
+    inMedia_ = std::move(*media);
     return true;
 }
 
@@ -159,7 +182,7 @@ void VisibilityOctreeLightSampler::BeginLearning(int first) {
         found_.Begin(pixels_, first, nextLearning_, depth_, kMaxFound);
     } else {
         found_.End();
-        known_ = {};
+        onSurfaces_.known = inMedia_.known = {};
     }
     if (nextLearning_ == 0 && sky_) sky_->EndLearning();
 }
@@ -169,7 +192,7 @@ void VisibilityOctreeLightSampler::Found(PathPlaces &path, const LightQuery &que
     if (!(light.unoccluded > 0)) return;
     const Float ratio = RootMeanSquare(found) / light.unoccluded, weight = light.weight / static_cast<Float>(Tries());
     if (!std::isfinite(ratio) || !std::isfinite(weight)) return;
-    found_.Add(path, query.p, {groups_.GroupOf(light.light), weight, weight, ratio});
+    found_.Add(path, query.p, query.ns == Normal3(0), {groups_.GroupOf(light.light), weight, weight, ratio});
 }
 
 void VisibilityOctreeLightSampler::Looked(const LightQuery &query, const Vector3 &d, bool left) {
@@ -191,15 +214,23 @@ void VisibilityOctreeLightSampler::Learn(const Progress &progress) {
 
 bool VisibilityOctreeLightSampler::LearnLamps(const Progress &progress) {
     const auto start = std::chrono::steady_clock::now();
-    const size_t recordsBefore = known_.records.size(), triesBefore = known_.tries.size();
-    found_.AppendTo(&known_);
+    Knowledge *const kinds[] = {&onSurfaces_, &inMedia_};
+    size_t recordsBefore[2], triesBefore[2];
+    for (size_t k = 0; k < 2; ++k) {
+        VisibilityRecords &known = kinds[k]->known;
+        recordsBefore[k] = known.records.size();
+        triesBefore[k] = known.tries.size();
+        found_.AppendTo(&known, k == 1);
+    }
     // Cells may hold four times as many records as in the first build: the tree is as good, and built in half the time.
     if (!Build(4 * params_.records, progress)) {
-        known_.records.resize(recordsBefore);
-        known_.tries.resize(triesBefore);
+        for (size_t k = 0; k < 2; ++k) {
+            kinds[k]->known.records.resize(recordsBefore[k]);
+            kinds[k]->known.tries.resize(triesBefore[k]);
+        }
         return false;
     }
-    learnedTries_ = known_.tries.size() - prepassTries_;
+    learnedTries_ = TryCount() - prepassTries_;
     learningSeconds_ += SecondsSince(start);
     return true;
 }
@@ -212,10 +243,12 @@ const void *VisibilityOctreeLightSampler::WeighGroups(const LightQuery &query, L
         c->g[0] = c->w[0] = c->lampG = c->sumG = c->sumW = c->perW = 1;
         return c;
     }
+    const Knowledge &knowledge = KnowledgeAt(query);
+    const bool learned = knowledge.learned;
     VisibilityTree::Row row;
-    if (learned_) row = tree_.RowAt(query.p);
+    if (learned) row = knowledge.tree.RowAt(query.p);
     if (lightTree_) {
-        c->nodes = learned_ ? row.nodes : lightTree_->BaseCut();
+        c->nodes = learned ? row.nodes : lightTree_->BaseCut();
         c->count = c->nodes.size();
         c->lampG = lightTree_->Evaluate(query, c->nodes, c->g);
     } else if (groups_.Size() > SkyCount()) {
@@ -223,7 +256,7 @@ const void *VisibilityOctreeLightSampler::WeighGroups(const LightQuery &query, L
         c->lampG = importance_.Evaluate(query, c->g);
     }
     const Float *decode = VisibilityTree::Table().data();
-    for (size_t i = 0; i < c->count; ++i) c->w[i] = learned_ ? c->g[i] * decode[row.codes[i]] : c->g[i];
+    for (size_t i = 0; i < c->count; ++i) c->w[i] = learned ? c->g[i] * decode[row.codes[i]] : c->g[i];
     c->all = c->count + SkyCount();
     c->sumG = c->lampG;
     if (sky_) {
@@ -234,17 +267,19 @@ const void *VisibilityOctreeLightSampler::WeighGroups(const LightQuery &query, L
         }
     }
     c->SumUp();
-    if (params_.bsdf && query.bsdf && query.bsdf->IsDirectional()) FollowBsdf(query, c);
+    const bool isDirectional =
+        query.phase ? std::abs(query.phase->G()) > kPeaked : query.bsdf && query.bsdf->IsDirectional();
+    if (params_.bsdf && isDirectional) FollowScattering(query, c);
     // sumW is 0 only where sumG is.
     c->perW = c->sumW > 0 ? (1 - floor_) / c->sumW : 0;
     c->perG = c->sumW > 0 ? floor_ / c->sumG : 0;
     return c;
 }
 
-void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c) const {
-    // A light's middle may lie outside the lobe while its rim is inside, so a part of every weight ignores the BSDF.
+void VisibilityOctreeLightSampler::FollowScattering(const LightQuery &query, Choice *c) const {
+    // A light's middle may lie outside the lobe while its rim is inside, so a part of every weight ignores the lobe.
     constexpr Float kAlike = 0.1f;
-    // For lights of less weight than this the BSDF is not evaluated.
+    // For lights of less weight than this the lobe is not evaluated.
     const Float worthLooking = c->sumW * 1e-3f;
     Vector3 wi[kMax];
     uint8_t looked[kMax];
@@ -258,7 +293,10 @@ void VisibilityOctreeLightSampler::FollowBsdf(const LightQuery &query, Choice *c
         if (wi[count] != Vector3(0)) looked[count++] = static_cast<uint8_t>(i);
     }
     Float f[kMax];
-    query.bsdf->ApproximateF(query.wo, {wi, count}, f);
+    if (query.phase)
+        for (size_t k = 0; k < count; ++k) f[k] = query.phase->P(query.wo, wi[k]);
+    else
+        query.bsdf->ApproximateF(query.wo, {wi, count}, f);
     Float weighted = 0, weights = 0;
     for (size_t k = 0; k < count; ++k) {
         weighted += f[k] * c->w[looked[k]];
@@ -353,12 +391,14 @@ void VisibilityOctreeLightSampler::Report(nlohmann::ordered_json &report) const 
         if (sky_) sky_->Report(report);
         report["skySeconds"] = skySeconds_;
     }
-    report["leavesBeforePruning"] = leavesBefore_;
-    report["leaves"] = tree_.LeafCount();
-    report["rows"] = tree_.RowCount();
-    report["depth"] = tree_.Depth();
-    report["bytes"] = tree_.Bytes() + importance_.Bytes() + interior_.Bytes() + (lightTree_ ? lightTree_->Bytes() : 0) +
-                      (sky_ ? sky_->Bytes() : 0);
+    const VisibilityTree &surfaces = onSurfaces_.tree, &media = inMedia_.tree;
+    report["leavesBeforePruning"] = onSurfaces_.leavesBefore + inMedia_.leavesBefore;
+    report["leaves"] = surfaces.LeafCount() + media.LeafCount();
+    if (inMedia_.learned) report["leavesInMedia"] = media.LeafCount();
+    report["rows"] = surfaces.RowCount() + media.RowCount();
+    report["depth"] = std::max(surfaces.Depth(), media.Depth());
+    report["bytes"] = surfaces.Bytes() + media.Bytes() + importance_.Bytes() + interior_.Bytes() +
+                      (lightTree_ ? lightTree_->Bytes() : 0) + (sky_ ? sky_->Bytes() : 0);
 }
 
 }  // namespace ext

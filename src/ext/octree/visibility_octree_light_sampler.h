@@ -26,6 +26,9 @@ namespace ext {
 /// below a node lights are chosen level by level by G. Such a sampler goes on learning from the render's shadow rays:
 /// after 1, 4, 16 and 64 samples a pixel it builds its tree again from everything found until then.
 ///
+/// Inside media the same is done with factors of their own: there a is the root mean square of how much a shadow ray
+/// finds through walls and media alike, G has no cosine, and b follows a peaked phase function.
+///
 /// Infinite lights are cut into tiles (SkyChoice), each sky being one light l whose a G is the sum over its tiles; they
 /// go on learning from the rays of the render, too.
 class VisibilityOctreeLightSampler final : public InteriorLightSampler, private LightLearner {
@@ -39,8 +42,6 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     void Report(nlohmann::ordered_json &report) const override;
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
     std::string DescribeStructure() const override;
-
-    const VisibilityTree &Tree() const { return tree_; }
 
   private:
     VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params, std::unique_ptr<SkyChoice> sky);
@@ -61,7 +62,7 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
             for (size_t i = 0; i < all; ++i) sumW += w[i];
         }
     };
-    void FollowBsdf(const LightQuery &query, Choice *choice) const;
+    void FollowScattering(const LightQuery &query, Choice *choice) const;
     const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
     std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
     Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
@@ -78,8 +79,22 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     void KeepSkiesWhole();
     double PathsPerPixel(const PrepareContext &context) const;
     size_t Tries() const { return TriesPerRecord(groups_.Size(), params_.tries); }
-    /// Builds the tree from known_. False: cancelled through `progress`; the tree is unchanged.
+    /// What was found at one kind of place, and the tree made from it.
+    struct Knowledge {
+        VisibilityRecords known;  ///< all records so far; emptied when no learning is to come
+        VisibilityTree tree;
+        bool learned = false;            ///< there is a tree
+        std::vector<LeafSize> leaves{};  ///< these three for Inspect, DescribeStructure and Report only
+        std::vector<uint32_t> recordsPerNode{};
+        size_t leavesBefore = 0;
+    };
+    const Knowledge &KnowledgeAt(const LightQuery &query) const {
+        return query.ns == Normal3(0) ? inMedia_ : onSurfaces_;
+    }
+    /// Builds the trees anew from what is known. False: cancelled through `progress`; they are unchanged.
     bool Build(int records, const Progress &progress);
+    std::optional<Knowledge> Built(const Knowledge &from, int records, const Progress &progress) const;
+    size_t TryCount() const { return onSurfaces_.known.tries.size() + inMedia_.known.tries.size(); }
 
     int NextLearning() const override { return nextLearning_; }
     PathPlaces BeginPath(Point2i pixel, int sample) const override { return found_.BeginPath(pixel, sample); }
@@ -97,15 +112,11 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     std::vector<uint32_t> skyGroups_;
     GroupImportance importance_;            ///< dark where a sky is cut
     std::unique_ptr<LightTree> lightTree_;  ///< null: at most kMax groups, all of which are weighed
-    VisibilityTree tree_;
-    bool learned_ = false;
-    std::vector<LeafSize> leaves_;  ///< these two for Inspect and DescribeStructure only
-    std::vector<uint32_t> recordsPerNode_;
-    size_t prepassRecords_ = 0, prepassTries_ = 0, learnedTries_ = 0, leavesBefore_ = 0;
+    Knowledge onSurfaces_, inMedia_;
+    size_t prepassRecords_ = 0, prepassTries_ = 0, learnedTries_ = 0;
     double prepassSeconds_ = 0, buildSeconds_ = 0, learningSeconds_ = 0;
     double skySeconds_ = 0, skySeenShare_ = 0;
 
-    VisibilityRecords known_;  ///< all records so far; emptied when no learning is to come
     RenderRecords found_;
     Bounds3 sceneBounds_;
     Bounds2i pixels_;

@@ -5,6 +5,7 @@
 #include "pbrt/lights/light_spectrum.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/paths/path_walk.h"
+#include "pbrt/paths/shadow_transmittance.h"
 
 namespace ext {
 
@@ -27,12 +28,32 @@ void TracePath(const PrepareContext &context, Point2i pixel, int sampleIndex, in
     if (!start) return;
     const PathContext paths{context.scene, context.camera, context.samplesPerPixel, context.scene.NeedsFootprints()};
     PathWalk walk(paths, *start);
-    for (int vertex = 0; vertex < depth && walk.Next() == PathWalk::Met::Surface;) {
+    SpectralWeights weights;
+    for (int vertex = 0; vertex < depth;) {
+        const PathWalk::Met met = walk.Next();
+        if (met == PathWalk::Met::TooManyInterfaces) return;
+        if (const Medium *medium = walk.MediumAhead()) {
+            const Ray &ray = walk.GetRay();
+            const Float u = rng.Uniform();
+            const MediumEvent event =
+                walk.ThroughMedium(lambda, u, rng, false, weights, [](const SampledSpectrum &) {});
+            if (event.kind == MediumEvent::Kind::Absorbed) return;
+            if (event.kind == MediumEvent::Kind::Scattered) {
+                ++vertex;
+                const LightSampleContext at{ray(event.t), {}, {}, {}, ray.time};
+                out.push_back({at, -ray.d, true, ray.medium, ray.medium, &medium->Phase()});
+                walk.ScatterInMedium(ray(event.t), medium->Phase().SampleP(-ray.d, rng.Uniform2()).wi);
+                continue;
+            }
+        }
+        if (met == PathWalk::Met::Nothing) return;
         if (!walk.FindScattering(lambda)) continue;
         ++vertex;
         const auto &[point, bsdf] = walk.Vertex();
         const BxdfFlags flags = bsdf.Flags();
-        if (IsNonSpecular(flags)) out.push_back({LightContextAt(point), point.wo, IsTransmissive(flags)});
+        if (IsNonSpecular(flags))
+            out.push_back({LightContextAt(point), point.wo, IsTransmissive(flags), point.insideMedium,
+                           point.outsideMedium, nullptr});
         const Float uc = rng.Uniform();
         const std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uc, rng.Uniform2());
         if (!sample || !sample->f) return;
@@ -59,6 +80,8 @@ LightQuery QueryAt(const PrepassVertex &vertex) {
     query.transmits = vertex.transmits;
     query.time = vertex.at.time;
     query.pError = vertex.at.pError;
+    if (vertex.phase) query.medium = vertex.inside;
+    query.phase = vertex.phase;
     return query;
 }
 
@@ -97,13 +120,16 @@ SampledSpectrum VisibleContribution(const Scene &scene, const PrepassVertex &ver
     static const SampledWavelengths lambda = PowerWavelengths();
     std::optional<LightLiSample> sample = scene.Lights()[light].SampleLi(vertex.at, u, lambda, true);
     if (!sample || !sample->L || !(sample->pdf > 0)) return SampledSpectrum(0);
-    Float cosine = Dot(sample->wi, vertex.at.ns);
+    const Float cosine = vertex.phase ? Float(1) : Dot(sample->wi, vertex.at.ns);
     if (!vertex.transmits && cosine * Dot(vertex.wo, vertex.at.ns) <= 0) return SampledSpectrum(0);
     // Le G / p by area equals Le cos / p by solid angle.
     const SampledSpectrum value = sample->L * (std::abs(cosine) / sample->pdf);
-    if (!(value.Average() > 0) || !std::isfinite(value.Average()) || scene.Occluded(vertex.at, *sample))
-        return SampledSpectrum(0);
-    return value;
+    if (!(value.Average() > 0) || !std::isfinite(value.Average())) return SampledSpectrum(0);
+    if (!scene.HasMedia()) return scene.Occluded(vertex.at, *sample) ? SampledSpectrum(0) : value;
+    const MediumId medium = Dot(sample->wi, vertex.at.n) > 0 ? vertex.outside : vertex.inside;
+    Rng rng(Hash(vertex.at.p, u));
+    const ShadowTransmittance through = TraceShadow(scene, vertex.at, medium, *sample, lambda, rng);
+    return value * through.value / through.rl.Average();
 }
 
 Float VisibleMean(const SampledSpectrum &s) { return SafeDivide(s, PowerWavelengths().Pdf()).Average(); }

@@ -9,9 +9,11 @@ using namespace pbrt;
 
 /// A place where a path of the render would do next-event estimation.
 struct PrepassVertex {
-    LightSampleContext at;   ///< position, error bounds, normals
-    Vector3 wo{};            ///< unit, towards the previous vertex
-    bool transmits = false;  ///< light from the other side counts too
+    LightSampleContext at;                    ///< position, error bounds, normals
+    Vector3 wo{};                             ///< unit, towards the previous vertex
+    bool transmits = false;                   ///< light from the other side counts too
+    MediumId inside{}, outside{};             ///< behind the surface and before it; in a medium both are that medium
+    const HenyeyGreenstein *phase = nullptr;  ///< in a medium
 };
 
 /// The query that a render would make at the vertex, but without the BSDF.
@@ -25,7 +27,8 @@ LightQuery QueryAt(const PrepassVertex &vertex);
 std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double samplesPerPixel, int depth);
 
 /// The paper's Eq. 5 for one light: Le G V / p at a light point drawn with `u`, at PowerWavelengths(). 0 if the surface
-/// is opaque and the light arrives on the side that is not seen.
+/// is opaque and the light arrives on the side that is not seen. In a medium there is no cosine, and V is what media
+/// between the points let through, too, as ratio tracking finds it.
 SampledSpectrum VisibleContribution(const Scene &scene, const PrepassVertex &vertex, LightId light, const Point2 &u);
 /// Mean over the visible range of a spectrum at PowerWavelengths(), as LightCandidate::power.
 Float VisibleMean(const SampledSpectrum &s);

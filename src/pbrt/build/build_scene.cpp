@@ -10,6 +10,7 @@
 #include "pbrt/build/collect.h"
 #include "pbrt/build/geometry_builder.h"
 #include "pbrt/build/integrator_builder.h"
+#include "pbrt/build/medium_builder.h"
 #include "pbrt/build/view.h"
 #include "pbrt/core/files.h"
 #include "pbrt/lights/light_factory.h"
@@ -116,11 +117,16 @@ std::unique_ptr<TextureLibrary> MakeTextures(SceneDescription &d, const BuildOpt
     return textures;
 }
 
-/// Makes materials, shapes and lights, not ready for rays yet.
+/// Makes media, materials, shapes and lights, not ready for rays yet.
 SceneParts MakeParts(SceneDescription &d, const BuildOptions &options, const Transform &renderFromWorld,
                      TextureLibrary &textures, LightNames &lightNames, DiagnosticSink &sink, Progress &progress) {
+    BuiltMedia media = MakeMedia(d, renderFromWorld, sink);
+    if (const std::string &type = IntegratorType(d.integrator, options); !media.media.empty() && !RendersMedia(type)) {
+        sink.Warning({}, fmt::format("integrator \"{}\" sees no media; \"volpath\" renders them.", type));
+        media = {};
+    }
     GeometryBuilder geometry(d, renderFromWorld, !SeesThroughInterfaces(IntegratorType(d.integrator, options)),
-                             textures, sink);
+                             media.ids, textures, sink);
     geometry.BuildMaterials();
     textures.CheckAll();
     progress.SetTotal(geometry.ShapeEntityCount());
@@ -132,8 +138,11 @@ SceneParts MakeParts(SceneDescription &d, const BuildOptions &options, const Tra
             const Transform renderFromLight = renderFromWorld * l.ctm.start;
             parts.lights->Add(Lights().Make(l.type, l.params,
                                             LightContext{renderFromLight, renderFromWorld, SpaceOf(l), d.files, sink}));
+            parts.lightMedia.push_back(media.ids.Find(l.medium));
             lightNames.Add(1, fmt::format("LightSource \"{}\"", l.type), l.loc);
         });
+    parts.cameraMedium = media.ids.Find(d.camera.medium);
+    parts.media = std::move(media.media);
     return parts;
 }
 

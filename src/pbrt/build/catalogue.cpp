@@ -8,6 +8,7 @@
 #include "pbrt/films/filter.h"
 #include "pbrt/lights/light_factory.h"
 #include "pbrt/materials/material_factory.h"
+#include "pbrt/media/medium_factory.h"
 #include "pbrt/samplers/sampler.h"
 #include "pbrt/textures/texture_makers.h"
 
@@ -25,7 +26,8 @@ std::vector<FamilyDoc> AllFamilies() {
                                   FloatTextures().Document("floattextures"),
                                   SpectrumTextures().Document("spectrumtextures"),
                                   Lights().Document("lights"),
-                                  AreaLights().Document("arealights")};
+                                  AreaLights().Document("arealights"),
+                                  Media().Document("media")};
     for (FamilyDoc &family : all) {
         if (family.name == "floattextures") family.what = "Texture \"...\" \"float\"";
         if (family.name == "spectrumtextures") family.what = "Texture \"...\" \"spectrum\"";

@@ -12,6 +12,20 @@ bool Contains(const std::vector<std::string> &names, const std::string &name) {
     return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+void LeaveOutMedia(SceneDescription &d) {
+    d.media.clear();
+    d.camera.medium.clear();
+    for (LightEntity &light : d.lights) light.medium.clear();
+    auto leaveOut = [](std::vector<ShapeEntity> &shapes) {
+        for (ShapeEntity &s : shapes) {
+            s.insideMedium.clear();
+            s.outsideMedium.clear();
+        }
+    };
+    leaveOut(d.shapes);
+    for (ObjectEntity &o : d.objects) leaveOut(o.shapes);
+}
+
 class Checker {
   public:
     explicit Checker(DiagnosticSink &sink) : sink_(sink) {}
@@ -24,6 +38,9 @@ class Checker {
             sink_.Error(loc, fmt::format("{} is not supported yet.{}", what, wayOut));
             return;
         }
+        LeaveOut(loc, what, instead);
+    }
+    void LeaveOut(const FileLoc &loc, const std::string &what, const std::string &instead = "") {
         const std::string left =
             what + (instead.empty() ? " is left out" : " is left out, " + instead + " is used instead");
         sink_.Warning(loc, left + ": the picture is not that of the scene.");
@@ -40,15 +57,16 @@ class Checker {
 
 std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &options, DiagnosticSink &sink) {
     Checker check(sink);
-    if (options.integrator.empty() && Contains(UnsupportedIntegrators(), d.integrator.type)) {
-        check.NotBuilt(d.integrator.loc, fmt::format("Integrator \"{}\"", d.integrator.type), options.ignoreUnsupported,
-                       " --integrator path renders the scene by path tracing.", "path");
-        if (options.ignoreUnsupported) options.integrator = "path";
+    if (options.ignoreMedia) {
+        for (const MediumEntity &m : d.media) check.LeaveOut(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));
+        LeaveOutMedia(d);
     }
-    for (const MediumEntity &m : d.media)
-        check.NotBuilt(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name),
-                       options.ignoreMedia || options.ignoreUnsupported,
-                       " --ignore-media renders the scene without its media.");
+    if (options.integrator.empty() && Contains(UnsupportedIntegrators(), d.integrator.type)) {
+        const std::string instead = d.media.empty() ? "path" : "volpath";
+        check.NotBuilt(d.integrator.loc, fmt::format("Integrator \"{}\"", d.integrator.type), options.ignoreUnsupported,
+                       fmt::format(" --integrator {} renders the scene by path tracing.", instead), instead);
+        if (options.ignoreUnsupported) options.integrator = instead;
+    }
     for (TextureEntity &t : d.textures) {
         // Without the flag the texture's own error says more.
         if (!options.ignoreUnsupported || !Contains(UnsupportedTextures(), t.type)) continue;

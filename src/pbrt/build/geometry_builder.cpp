@@ -67,10 +67,11 @@ FamilyDoc DocumentShapes() {
 }
 
 GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, bool interfacesBlock,
-                                 TextureLibrary &textures, DiagnosticSink &sink)
+                                 const MediumIds &media, TextureLibrary &textures, DiagnosticSink &sink)
     : description_(description),
       renderFromWorld_(renderFromWorld),
       interfacesBlock_(interfacesBlock),
+      media_(media),
       textures_(textures),
       sink_(sink) {
     parts_.accel = std::make_unique<Accel>();
@@ -239,7 +240,10 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
         std::vector<const Shape *> shapes;
         for (const std::unique_ptr<Shape> &shape : w.shapes)
             if (shape->PrimitiveCount() > 0) shapes.push_back(shape.get());
-        if (!shapes.empty()) firstLight = parts_.lights->Add(maker->Make(shapes, w.alpha.get()));
+        if (!shapes.empty()) {
+            firstLight = parts_.lights->Add(maker->Make(shapes, w.alpha.get()));
+            parts_.lightMedia.push_back(media_.Find(e.outsideMedium));
+        }
     }
     uint32_t emitters = 0;
     const char *primitive = w.shapes.empty() ? "" : PrimitiveName(w.shapes.front()->Kind());
@@ -250,6 +254,8 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
         record.shape = std::move(shape);
         record.alpha = w.alpha;
         record.material = material;
+        record.insideMedium = media_.Find(e.insideMedium);
+        record.outsideMedium = media_.Find(e.outsideMedium);
         if (firstLight) {
             record.firstLight = LightId(firstLight.value + emitters);
             emitters += record.shape->PrimitiveCount();

@@ -2,6 +2,7 @@
 #include <map>
 #include <vector>
 
+#include "pbrt/build/medium_builder.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/lights/light_factory.h"
 #include "pbrt/lights/light_names.h"
@@ -18,9 +19,9 @@ FamilyDoc DocumentShapes();
 /// Materials, shapes, area lights, objects and instances of a description. Mistakes are collected in the sink.
 class GeometryBuilder {
   public:
-    /// `interfacesBlock`: interface surfaces stop shadow rays.
+    /// `interfacesBlock`: interface surfaces stop shadow rays. `media`: the media that shapes name.
     GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, bool interfacesBlock,
-                    TextureLibrary &textures, DiagnosticSink &sink);
+                    const MediumIds &media, TextureLibrary &textures, DiagnosticSink &sink);
 
     void BuildMaterials();
     /// Reads and transforms all shapes (in parallel), then registers them in file order.
@@ -66,6 +67,7 @@ class GeometryBuilder {
     SceneDescription &description_;
     Transform renderFromWorld_;
     bool interfacesBlock_;
+    const MediumIds &media_;
     TextureLibrary &textures_;
     DiagnosticSink &sink_;
     SceneParts parts_;

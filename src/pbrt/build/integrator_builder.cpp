@@ -6,6 +6,7 @@
 #include "pbrt/build/collect.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/simple_integrators.h"
+#include "pbrt/integrators/volpath_integrator.h"
 
 namespace pbrt {
 
@@ -32,8 +33,7 @@ struct PathParams : DepthParams {
     }
 };
 
-/// Without media (which are not supported yet) volpath is path with subsurface scattering and with light sampling
-/// through interface surfaces.
+/// Without media volpath is path with subsurface scattering and with light sampling through interface surfaces.
 IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume) {
     const LightFlags flags{r.options.lightSampler, r.options.meshLights, r.options.shadowGate,
                            r.options.lightSamplerFlag, r.options.shadowGateFlag};
@@ -46,15 +46,17 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
     path.regularize = p.regularize;
     path.seesThroughInterfaces = isVolume;
     path.sampledLightOnly = r.options.sampledLightOnly;
-    settings.make = [path, isVolume, &registry = r.registry, lights = *settings.lights](const PathContext &context,
-                                                                                        const ColorSpace &) {
+    settings.make = [path, isVolume, &registry = r.registry, lights = *settings.lights](
+                        const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
         PathSettings mine = path;
         mine.subsurface = isVolume && context.scene.HasSubsurface();
         const auto &[sampler, gate] = lights;
         const LightTable &table = context.scene.Lights();
-        return std::make_unique<PathIntegrator>(
-            context, mine, registry.Make(*sampler.entry, table, sampler.params, sampler.meshLights),
-            gate.entry ? gate.entry->make(gate.params, table) : nullptr);
+        auto made = registry.Make(*sampler.entry, table, sampler.params, sampler.meshLights);
+        auto madeGate = gate.entry ? gate.entry->make(gate.params, table) : nullptr;
+        if (isVolume && context.scene.HasMedia())
+            return std::make_unique<VolPathIntegrator>(context, mine, std::move(made), std::move(madeGate));
+        return std::make_unique<PathIntegrator>(context, mine, std::move(made), std::move(madeGate));
     };
     return settings;
 }
@@ -111,7 +113,8 @@ const IntegratorTable &Integrators() {
             "([lightsamplers.md](lightsamplers.md)); **differs**: an unknown light sampler is an error (stock "
             "uses bvh)",
             [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, false); });
-        t.Add<PathParams>("volpath", "as path, with subsurface scattering, and shadow rays pass \"interface\"",
+        t.Add<PathParams>("volpath",
+                          "as path, with media and subsurface scattering, and shadow rays pass \"interface\"",
                           [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, true); });
         AddSimple<SimplePathParams>(
             t, "simplepath", [](const auto &p, int depth, const PathContext &c, const ColorSpace &) {
@@ -120,6 +123,10 @@ const IntegratorTable &Integrators() {
         AddSimple<DepthParams>(t, "randomwalk", [](const auto &, int depth, const PathContext &c, const ColorSpace &) {
             return std::make_unique<RandomWalkIntegrator>(c, depth);
         });
+        AddSimple<DepthParams>(t, "simplevolpath",
+                               [](const auto &, int depth, const PathContext &c, const ColorSpace &) {
+                                   return std::make_unique<SimpleVolPathIntegrator>(c, depth);
+                               });
         AddSimple<AmbientOcclusionParams>(
             t, "ambientocclusion", [](const auto &p, int, const PathContext &c, const ColorSpace &space) {
                 return std::make_unique<AmbientOcclusionIntegrator>(c, p.cosine, p.maxDistance, space);
@@ -130,7 +137,7 @@ const IntegratorTable &Integrators() {
 }
 
 const std::vector<std::string> &UnsupportedIntegrators() {
-    static const std::vector<std::string> names = {"simplevolpath", "lightpath", "bdpt", "mlt", "sppm", "function"};
+    static const std::vector<std::string> names = {"lightpath", "bdpt", "mlt", "sppm", "function"};
     return names;
 }
 
@@ -139,6 +146,8 @@ const std::string &IntegratorType(const Entity &entity, const BuildOptions &opti
 }
 
 bool SeesThroughInterfaces(const std::string &integrator) { return integrator == "volpath"; }
+
+bool RendersMedia(const std::string &integrator) { return integrator == "volpath" || integrator == "simplevolpath"; }
 
 IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options,
                                   const LightSamplerRegistry &registry, DiagnosticSink &sink) {

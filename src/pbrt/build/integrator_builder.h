@@ -43,5 +43,7 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathCon
 const std::string &IntegratorType(const Entity &entity, const BuildOptions &options);
 /// True if light sampling passes interface surfaces; the scene's geometry is built for it.
 bool SeesThroughInterfaces(const std::string &integrator);
+/// True if light is followed through media.
+bool RendersMedia(const std::string &integrator);
 
 }  // namespace pbrt

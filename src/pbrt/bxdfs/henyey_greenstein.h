@@ -3,29 +3,37 @@
 
 namespace pbrt {
 
-/// Phase function of Henyey and Greenstein. Directions are those of travel before and after the scattering: g > 0
-/// favours forward scattering. The sampling density, by solid angle, equals the function's value.
+/// The phase function of Henyey and Greenstein (1941). All directions are unit vectors that point away from the place
+/// of scattering, so that light that goes straight on has wi = -wo. Measure: solid angle. P is the sampling density as
+/// well, because samples follow it exactly.
 class HenyeyGreenstein {
   public:
+    HenyeyGreenstein() = default;
+    /// g in [-1, 1] is the mean cosine of the angle of deflection: above 0 light goes on, below 0 it is thrown back. It
+    /// is kept within [-0.99, 0.99].
     explicit HenyeyGreenstein(Float g) : g_(std::clamp(g, Float(-0.99), Float(0.99))) {}
 
-    Float Pdf(const Vector3 &in, const Vector3 &out) const {
-        Float d = 1 + g_ * g_ - 2 * g_ * Dot(in, out);
+    Float G() const { return g_; }
+    Float P(const Vector3 &wo, const Vector3 &wi) const {
+        const Float d = 1 + g_ * g_ + 2 * g_ * Dot(wo, wi);
         return Inv4Pi * (1 - g_ * g_) / (d * SafeSqrt(d));
     }
-    Vector3 Sample(const Vector3 &in, const Point2 &u) const {
-        Float c;
-        if (std::abs(g_) < Float(1e-3)) {
-            c = 1 - 2 * u.x;
-        } else {
-            Float t = (1 - g_ * g_) / (1 + g_ - 2 * g_ * u.x);
-            c = std::clamp((1 + g_ * g_ - t * t) / (2 * g_), Float(-1), Float(1));
-        }
-        return Frame::FromZ(in).FromLocal(SphericalDirection(SafeSqrt(1 - c * c), c, 2 * Pi * u.y));
+    struct Sample {
+        Vector3 wi{};
+        Float p = 0;  ///< P(wo, wi), which is the density of wi as well
+    };
+    Sample SampleP(const Vector3 &wo, const Point2 &u) const {
+        // The inverse of the distribution function of the cosine, multiplied out so that nothing is divided by g.
+        const Float s = 1 - 2 * u.x, s2 = s * s, g2 = g_ * g_;
+        const Float numerator = s * (1 + g2) + g_ * ((s2 + 3) + g2 * (s2 - 1)) / 2;
+        const Float c = std::clamp(numerator / Sqr(1 + g_ * s), Float(-1), Float(1));
+        const Vector3 local = SphericalDirection(SafeSqrt(1 - c * c), c, 2 * Pi * u.y);
+        const Vector3 wi = Frame::FromZ(-wo).FromLocal(local);
+        return {wi, P(wo, wi)};
     }
 
   private:
-    Float g_;
+    Float g_ = 0;
 };
 
 }  // namespace pbrt

@@ -142,15 +142,14 @@ SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector
             if (zCollision == z) continue;
             if (zCollision > 0 && zCollision < thickness_) {
                 z = zCollision;
-                Float p = phase.Pdf(w, exit);
+                Float p = phase.P(-w, exit);
                 Float weight = smoothTop ? 1 : PowerHeuristic(out->pdf, p);
                 f += beta * albedo_ * exitWeight * (p * weight * Transmittance(thickness_ - z, exit));
 
-                Vector3 scattered = phase.Sample(w, rng.Uniform2());
+                Vector3 scattered = phase.SampleP(-w, rng.Uniform2()).wi;
                 if (scattered.z == 0) break;
                 beta *= albedo_;
-                if (scattered.z > 0 && !smoothTop)
-                    leave(beta, scattered, thickness_ - z, phase.Pdf(w, scattered), true);
+                if (scattered.z > 0 && !smoothTop) leave(beta, scattered, thickness_ - z, phase.P(-w, scattered), true);
                 w = scattered;
                 continue;
             }
@@ -215,7 +214,7 @@ std::optional<BsdfSample> CoatedBxdf<Base>::Sample(const Vector3 &wo, Float uc, 
                 f *= albedo_;  // the phase function is sampled exactly
                 specular = false;
                 z = zCollision;
-                w = phase.Sample(w, rng.Uniform2());
+                w = phase.SampleP(-w, rng.Uniform2()).wi;
                 if (w.z == 0) return {};
                 continue;
             }

@@ -14,6 +14,7 @@ namespace pbrt {
 
 class Scene;
 class Bsdf;
+class HenyeyGreenstein;
 class Camera;
 class Filter;
 class SampledWavelengths;
@@ -33,6 +34,7 @@ struct LightQuery {
     const Bsdf *bsdf = nullptr;
     const SampledWavelengths *lambda = nullptr;
     Vector3 pError{};  ///< error bounds of p: rays that leave it start this far off (LightSampleContext)
+    const HenyeyGreenstein *phase = nullptr;  ///< inside a medium, in place of a BSDF; read by At only
 };
 
 /// A named value that a sampler knows at a query point: see LightSampler::Inspect.

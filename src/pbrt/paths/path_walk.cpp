@@ -69,6 +69,15 @@ void PathWalk::Leave(const Vector3 &wi) {
     ray_ = vertex_.point.SpawnRay(wi);
 }
 
+void PathWalk::ScatterInMedium(const Point3 &p, const Vector3 &wi) {
+    differential_.valid = false;
+    ray_.o = p;
+    ray_.d = wi;
+    passed_ = 0;
+    left_ = false;
+    visible_ = nullptr;  // the camera sees no surface there
+}
+
 /// Computes the footprint only if it is used: by the point's material, or at the next surface of a specular path.
 void PathWalk::FindFootprint() {
     SurfacePoint &point = vertex_.point;

@@ -1,5 +1,6 @@
 #pragma once
 #include "pbrt/films/visible_surface.h"
+#include "pbrt/paths/medium_track.h"
 #include "pbrt/paths/vertex.h"
 #include "pbrt/scene/footprint.h"
 
@@ -21,6 +22,9 @@ struct PathContext {
 ///         ... walk.Vertex().bsdf.Sample(...) ...
 ///         walk.Scatter(sample);
 ///     }
+///
+/// Where there are media, the caller looks after every step of Next whether light gets there: MediumAhead,
+/// ThroughMedium.
 class PathWalk {
   public:
     /// After more than this many surfaces in a row that do not scatter, the path ends at the next surface.
@@ -33,7 +37,9 @@ class PathWalk {
           ray_(start.ray),
           differential_(start.differential),
           visible_(visible),
-          startsWithDifferential_(start.differential.valid) {}
+          startsWithDifferential_(start.differential.valid) {
+        ray_.medium = context.scene.CameraMedium();
+    }
 
     /// Follows the ray to the next surface, whose point is then in Vertex(). Nothing: the ray leaves the scene.
     Met Next();
@@ -51,6 +57,17 @@ class PathWalk {
     void Scatter(const BsdfSample &sample);
     /// Leaves the vertex in a direction (unit) that did not come from its BSDF.
     void Leave(const Vector3 &wi);
+    /// The medium between the vertex left and what Next has met; null: vacuum.
+    const Medium *MediumAhead() const { return context_.scene.MediumAt(ray_.medium); }
+    /// Follows light through that medium: TrackMedium.
+    template <class Emit>
+    MediumEvent ThroughMedium(const SampledWavelengths &lambda, Float u, Rng &rng, bool emits, SpectralWeights &weights,
+                              Emit &&emit) const {
+        return TrackMedium(MediumAhead()->On(ray_, left_ ? Infinity : vertex_.point.t, lambda), u, rng, emits, weights,
+                           emit);
+    }
+    /// Scatters in the medium before the ray reaches what Next has met: at a place on the ray, into a direction (unit).
+    void ScatterInMedium(const Point3 &p, const Vector3 &wi);
     /// Moves the path to the vertex where light that went below the surface comes out.
     void MoveTo(const PathVertex &vertex) { vertex_ = vertex; }
 
@@ -74,7 +91,7 @@ class PathWalk {
     PathVertex vertex_;
     int passed_ = 0;
     bool left_ = false;  ///< the ray met nothing
-    std::optional<VisibleSurface> *const visible_;
+    std::optional<VisibleSurface> *visible_;
     const bool startsWithDifferential_;
 };
 

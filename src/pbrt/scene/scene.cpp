@@ -12,6 +12,14 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)), bounds_(parts_.accel-
         hasSubsurface_ |= m->HasBssrdf();
         needsFootprints_ |= m->NeedsFootprint();
     }
+    hasMedia_ = static_cast<bool>(parts_.cameraMedium);
+    for (const ShapeRecord &s : parts_.shapes) hasMedia_ |= s.insideMedium || s.outsideMedium;
+}
+
+MediumId Scene::MediumOfLight(LightId id) const {
+    if (parts_.lightMedia.empty()) return {};
+    const LightTable &lights = Lights();
+    return parts_.lightMedia[lights.WholeOf(lights.IsTile(id) ? lights.SkyOf(id) : id)];
 }
 
 std::optional<SurfacePoint> Scene::Intersect(const Ray &ray) const {
@@ -70,8 +78,10 @@ SurfacePoint Scene::SurfaceAt(const AccelHit &hit, const Ray &ray) const {
     point.primitive = hit.primitive;
     point.material = record.material;
     if (record.firstLight && hit.instance < 0) point.light = LightId(record.firstLight.value + hit.primitive);
-    point.insideMedium = record.insideMedium;
-    point.outsideMedium = record.outsideMedium;
+    // A surface with the same medium on both sides lies in whatever medium the ray comes through.
+    const bool isBoundary = record.insideMedium != record.outsideMedium;
+    point.insideMedium = isBoundary ? record.insideMedium : ray.medium;
+    point.outsideMedium = isBoundary ? record.outsideMedium : ray.medium;
     return point;
 }
 
@@ -81,7 +91,7 @@ SurfacePoint Scene::SurfaceOnRay(const Shape &shape, const AccelHit &hit, const 
     return shape.SurfaceOnRay(hit.primitive, hit.hit, t.InversePoint(ray.o), t.InverseVector(ray.d));
 }
 
-bool Scene::Occluded(const LightSampleContext &from, const LightLiSample &to) const {
+Ray Scene::ShadowRay(const LightSampleContext &from, const LightLiSample &to) {
     Ray ray;
     ray.o = from.OffsetOrigin(to.wi);
     Point3 end = to.pLight;
@@ -89,7 +99,21 @@ bool Scene::Occluded(const LightSampleContext &from, const LightLiSample &to) co
     ray.d = end - ray.o;
     ray.tMax = 1 - ShadowEpsilon;
     ray.time = from.time;
-    return Occluded(ray);
+    return ray;
+}
+
+std::optional<Scene::Interface> Scene::NextInterface(const Ray &ray, Float tMin) const {
+    for (;;) {
+        ++ThreadCounters().closestHitRays;
+        const std::optional<AccelHit> hit = parts_.accel->Intersect(ray, std::nextafter(tMin, Infinity));
+        if (!hit) return {};
+        tMin = hit->hit.t;
+        const ShapeRecord &record = parts_.shapes[hit->shape.value];
+        if (record.insideMedium == record.outsideMedium) continue;
+        const Material *material = record.material ? parts_.materials[record.material.value].get() : nullptr;
+        if (!material || !material->IsInterface()) continue;
+        return Interface{hit->hit.t, SurfaceAt(*hit, ray).MediumTowards(ray.d)};
+    }
 }
 
 bool Scene::Occluded(const Ray &ray) const {

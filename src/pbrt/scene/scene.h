@@ -7,6 +7,7 @@
 #include "pbrt/cameras/camera.h"
 #include "pbrt/lights/light_table.h"
 #include "pbrt/materials/material.h"
+#include "pbrt/media/medium.h"
 
 namespace pbrt {
 
@@ -25,6 +26,10 @@ struct SceneParts {
     std::vector<MaterialPtr> materials;
     std::unique_ptr<Accel> accel;
     std::unique_ptr<LightTable> lights;
+    std::vector<std::unique_ptr<Medium>> media;
+    MediumId cameraMedium{};  ///< the medium that the camera stands in
+    std::vector<MediumId>
+        lightMedia{};  ///< by LightTable::WholeOf; an area light is in the outside medium of its shape
 };
 
 /// The immutable scene: ray queries, lights, materials by id. No setters.
@@ -44,11 +49,32 @@ class Scene {
     std::optional<Crossing> SampleCrossing(const Point3 &from, const Point3 &to, Float time, MaterialId material,
                                            Float u) const;
     /// True if a surface lies between the points. Both ends are moved off their surfaces first.
-    bool Occluded(const LightSampleContext &from, const LightLiSample &to) const;
+    bool Occluded(const LightSampleContext &from, const LightLiSample &to) const {
+        return Occluded(ShadowRay(from, to));
+    }
     bool Occluded(const Ray &ray) const;
+    /// The segment between both points as a ray that ends just before the light; its direction has no unit length.
+    static Ray ShadowRay(const LightSampleContext &from, const LightLiSample &to);
+    /// A surface between media on a ray, and the medium behind it.
+    struct Interface {
+        Float t = 0;
+        MediumId behind{};
+    };
+    /// The first such surface behind `tMin` that shadow rays pass.
+    std::optional<Interface> NextInterface(const Ray &ray, Float tMin) const;
 
     const LightTable &Lights() const { return *parts_.lights; }
     const Material &MaterialOf(MaterialId id) const { return *parts_.materials[id.value]; }
+    const Medium &MediumOf(MediumId id) const { return *parts_.media[id.value]; }
+    /// Null: vacuum.
+    const Medium *MediumAt(MediumId id) const { return id ? parts_.media[id.value].get() : nullptr; }
+    /// True if some ray can be in a medium.
+    bool HasMedia() const { return hasMedia_; }
+    size_t MediumCount() const { return parts_.media.size(); }
+    /// The medium in which camera rays start.
+    MediumId CameraMedium() const { return parts_.cameraMedium; }
+    /// The medium that a light stands in.
+    MediumId MediumOfLight(LightId id) const;
     const Shape &ShapeOf(ShapeId id) const { return *parts_.shapes[id.value].shape; }
     size_t ShapeCount() const { return parts_.shapes.size(); }
     /// True if some material scatters light below its surface.
@@ -68,7 +94,7 @@ class Scene {
     SurfacePoint SurfaceOnRay(const Shape &shape, const AccelHit &hit, const Ray &ray) const;
     SceneParts parts_;
     Bounds3 bounds_;
-    bool hasSubsurface_ = false, needsFootprints_ = false;
+    bool hasSubsurface_ = false, needsFootprints_ = false, hasMedia_ = false;
 };
 
 }  // namespace pbrt

@@ -24,8 +24,8 @@ struct SurfacePoint {
     ShapeId shape{};
     uint32_t primitive = 0;
     MaterialId material{};
-    LightId light{};  ///< area light on this primitive, NoLight if none
-    MediumId insideMedium{}, outsideMedium{};
+    LightId light{};                           ///< area light on this primitive, NoLight if none
+    MediumId insideMedium{}, outsideMedium{};  ///< on the side that n points away from, and on the other
 
     // Filter footprint: derivatives by one pixel step in x and y, 0 if unknown.
     Vector3 dpdx{}, dpdy{};
@@ -33,7 +33,8 @@ struct SurfacePoint {
 
     /// Start of a ray that leaves towards w, off the surface by the error bound.
     Point3 OffsetOrigin(const Vector3 &w) const { return OffsetRayOrigin(p, pError, n, w); }
-    Ray SpawnRay(const Vector3 &d) const { return {OffsetOrigin(d), d, Infinity, time, {}}; }
+    MediumId MediumTowards(const Vector3 &w) const { return Dot(w, n) > 0 ? outsideMedium : insideMedium; }
+    Ray SpawnRay(const Vector3 &d) const { return {OffsetOrigin(d), d, Infinity, time, MediumTowards(d)}; }
 };
 
 /// The same point after its shape was moved by `t` (an instance's placement): geometry and error bounds are

@@ -42,15 +42,36 @@ constexpr Float kMeanMagnitude = Float(0.2);
 
 uint8_t Permute(int i) { return kPermutation[static_cast<size_t>(i & 255)]; }
 
-/// The dot product of d, the offset from the lattice point `cell`, and the gradient at that point.
-Float LatticePlane(const glm::ivec3 &cell, const Vector3 &d) {
+/// The gradient at the lattice point `cell`.
+Vector3 LatticeGradient(const glm::ivec3 &cell) {
     const int hash = Permute(Permute(Permute(cell.x) + cell.y) + cell.z) & 15;
     const int8_t *g = kGradients[hash];
-    return static_cast<Float>(g[0]) * d.x + static_cast<Float>(g[1]) * d.y + static_cast<Float>(g[2]) * d.z;
+    return {static_cast<Float>(g[0]), static_cast<Float>(g[1]), static_cast<Float>(g[2])};
+}
+
+/// The dot product of d, the offset from the lattice point `cell`, and the gradient at that point.
+Float LatticePlane(const glm::ivec3 &cell, const Vector3 &d) {
+    const Vector3 g = LatticeGradient(cell);
+    return g.x * d.x + g.y * d.y + g.z * d.z;
 }
 
 /// 0 to 1 with two vanishing derivatives at both ends.
 Float Fade(Float t) { return t * t * t * (t * (t * 6 - 15) + 10); }
+Float FadeSlope(Float t) { return 30 * Sqr(t * (t - 1)); }
+
+/// A place relative to the lattice: its cube, and where it is in it, in [0, 1]^3.
+struct LatticePlace {
+    glm::ivec3 cell;
+    Vector3 d;
+
+    explicit LatticePlace(const Point3 &p) {
+        const Point3 low = glm::floor(p);
+        // Coordinates that an int cannot hold are taken as 0.
+        auto whole = [](Float v) { return std::abs(v) < Float(1 << 30) ? static_cast<int>(v) : 0; };
+        cell = {whole(low.x), whole(low.y), whole(low.z)};
+        d = p - low;
+    }
+};
 
 /// How many octaves the footprint can show, and how much of the next.
 struct VisibleOctaves {
@@ -69,11 +90,7 @@ struct VisibleOctaves {
 }  // namespace
 
 Float GradientNoise(const Point3 &p) {
-    const Point3 low = glm::floor(p);
-    // Coordinates that an int cannot hold are taken as 0.
-    auto whole = [](Float v) { return std::abs(v) < Float(1 << 30) ? static_cast<int>(v) : 0; };
-    const glm::ivec3 cell(whole(low.x), whole(low.y), whole(low.z));
-    const Vector3 d = p - low;
+    const auto [cell, d] = LatticePlace(p);
     Float heights[8];
     for (int i = 0; i < 8; ++i) {
         const glm::ivec3 corner(i & 1, (i >> 1) & 1, i >> 2);
@@ -85,6 +102,26 @@ Float GradientNoise(const Point3 &p) {
         y[k] =
             Lerp(w.y, Lerp(w.x, heights[4 * k], heights[4 * k + 1]), Lerp(w.x, heights[4 * k + 2], heights[4 * k + 3]));
     return Lerp(w.z, y[0], y[1]);
+}
+
+Vector3 GradientNoiseSlope(const Point3 &p) {
+    const auto [cell, d] = LatticePlace(p);
+    const Vector3 fade(Fade(d.x), Fade(d.y), Fade(d.z));
+    const Vector3 fadeSlope(FadeSlope(d.x), FadeSlope(d.y), FadeSlope(d.z));
+    // The noise is a sum of planes times weights, one for each corner; a weight is a product over the axes.
+    Vector3 sum(0);
+    for (int i = 0; i < 8; ++i) {
+        const glm::ivec3 corner(i & 1, (i >> 1) & 1, i >> 2);
+        const Vector3 g = LatticeGradient(cell + corner);
+        const Float height = Dot(g, d - Vector3(corner));
+        Vector3 w, slope;
+        for (int a = 0; a < 3; ++a) {
+            w[a] = corner[a] ? fade[a] : 1 - fade[a];
+            slope[a] = corner[a] ? fadeSlope[a] : -fadeSlope[a];
+        }
+        sum += g * (w.x * w.y * w.z) + height * Vector3(slope.x * w.y * w.z, w.x * slope.y * w.z, w.x * w.y * slope.z);
+    }
+    return sum;
 }
 
 Float NoiseOctaves::Signed(const Point3 &p, const Vector3 &dpdx, const Vector3 &dpdy) const {

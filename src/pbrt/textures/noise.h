@@ -5,6 +5,8 @@ namespace pbrt {
 
 /// Gradient noise (Perlin 2002): 0 at whole coordinates, within [-1, 1], smooth, repeats every 256 units.
 Float GradientNoise(const Point3 &p);
+/// Its gradient.
+Vector3 GradientNoiseSlope(const Point3 &p);
 
 /// Octaves of noise added up, each 1.99 times as fine and `roughness` times as strong as the one before. Octaves finer
 /// than the footprint (dpdx, dpdy: moves of p by one pixel step) fade out; a footprint of 0 keeps all of them.

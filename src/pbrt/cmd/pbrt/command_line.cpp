@@ -142,8 +142,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
                    "memory for image textures; the rest is kept in a temporary folder (0: all in memory)")
         ->check(NonNegativeNumber)
         ->group(effort);
-    app.add_flag("--ignore-media", o.build.ignoreMedia,
-                 "leave out media, which are not supported yet; the image is called ...-without-media")
+    app.add_flag("--ignore-media", o.build.ignoreMedia, "leave out media; the image is called ...-without-media")
         ->group(method);
     app.add_flag("--ignore-unsupported", o.build.ignoreUnsupported,
                  "leave out all that is not supported; the image is called ...-incomplete")
@@ -156,7 +155,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     app.add_option("--list", o.list,
                    "print what a scene can name, with all parameters, and stop: cameras, films, filters, samplers, "
                    "integrators, accelerators, shapes, materials, "
-                   "floattextures, spectrumtextures, lights, arealights, lightsamplers; all; table")
+                   "floattextures, spectrumtextures, lights, arealights, media, lightsamplers; all; table")
         ->group(messages);
     app.add_flag("--quiet", o.quiet, "no progress and no warnings; errors only")->group(messages);
     app.add_flag("--stats", o.stats, "print statistics after rendering")->group(messages);

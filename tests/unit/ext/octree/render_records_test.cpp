@@ -24,11 +24,11 @@ VisibilityRecords Collect(RenderRecords &records, int first, int end, bool backw
             for (int v = 0; v < 3; ++v)
                 records.Add(
                     path, Point3(static_cast<Float>(pixel.x), static_cast<Float>(pixel.y), static_cast<Float>(sample)),
-                    {static_cast<uint32_t>(v), 1, 1, 1});
+                    false, {static_cast<uint32_t>(v), 1, 1, 1});
         }
     });
     VisibilityRecords all;
-    records.AppendTo(&all);
+    records.AppendTo(&all, false);
     return all;
 }
 
@@ -69,6 +69,19 @@ TEST(RenderRecords, WhatDoesNotFitIsLeftOutEvenly) {
         EXPECT_EQ(rows.size(), 11u) << most;
         EXPECT_GT(columns.size(), std::min<size_t>(most / 3, 30)) << most;
     }
+}
+
+TEST(RenderRecords, SurfacesAndMediaAreKeptApart) {
+    RenderRecords records;
+    records.Begin(kPixels, 0, 1, 3, 100000);
+    LightLearner::PathPlaces path = records.BeginPath(kPixels.low, 0);
+    for (uint32_t v = 0; v < 3; ++v) records.Add(path, Point3(static_cast<Float>(v)), v == 1, {v, 1, 1, 1});
+    VisibilityRecords surfaces, media;
+    records.AppendTo(&surfaces, false);
+    records.AppendTo(&media, true);
+    ASSERT_EQ(surfaces.tries.size(), 2u);
+    ASSERT_EQ(media.tries.size(), 1u);
+    EXPECT_EQ(media.records[0].p, Point3(1));
 }
 
 TEST(RenderRecords, NothingIsTakenAfterTheEnd) {

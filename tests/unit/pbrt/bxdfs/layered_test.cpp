@@ -70,7 +70,7 @@ double AnalogWalk(const Stack<Base> &stack, Vector3 wo, Rng &rng, Vector3 *leavi
             if (free < toBoundary) {
                 position -= double(w.z) * free;
                 weight *= double(stack.albedo);
-                w = HenyeyGreenstein(stack.g).Sample(w, rng.Uniform2());
+                w = HenyeyGreenstein(stack.g).SampleP(-w, rng.Uniform2()).wi;
                 continue;
             }
         } else {
@@ -202,8 +202,8 @@ double ExcessWalk(const Stack<Base> &stack, const Vector3 &wo, const Vector3 &wi
             height += double(w.z) * free;
             weight *= double(stack.albedo);
             HenyeyGreenstein phase(stack.g);
-            Vector3 next = phase.Sample(w, rng.Uniform2());
-            pdf = double(phase.Pdf(w, next));
+            Vector3 next = phase.SampleP(-w, rng.Uniform2()).wi;
+            pdf = double(phase.P(-w, next));
             w = next;
         } else {
             if (stack.albedo == 0) weight *= std::exp(-toBoundary);

@@ -144,7 +144,7 @@ double WalkedReflectance(Float albedo, Float g, Float eta, int photons) {
             }
             weight *= albedo;
             if (weight < .1f) weight = rng.Uniform() < .5f ? 2 * weight : 0;
-            d = Normalize(phase.Sample(d, rng.Uniform2()));
+            d = Normalize(phase.SampleP(-d, rng.Uniform2()).wi);
         }
     }
     return sum / photons;

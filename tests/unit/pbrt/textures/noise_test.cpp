@@ -68,6 +68,21 @@ TEST(Noise, IsSmoothAcrossCells) {
     }
 }
 
+TEST(Noise, SlopeIsTheLimitOfDifferences) {
+    Rng rng(13);
+    constexpr Float h = 1e-3f;
+    for (int i = 0; i < 500; ++i) {
+        const Point3 p = i % 5 ? RandomPoint(rng, 8) : glm::floor(RandomPoint(rng, 8));
+        const Vector3 slope = GradientNoiseSlope(p);
+        for (int axis = 0; axis < 3; ++axis) {
+            Point3 low = p, high = p;
+            low[axis] -= h;
+            high[axis] += h;
+            EXPECT_NEAR(slope[axis], (GradientNoise(high) - GradientNoise(low)) / (high[axis] - low[axis]), 3e-3f);
+        }
+    }
+}
+
 TEST(Noise, SlopeAtALatticePointIsOneOfTheEdgeDirections) {
     constexpr Float h = 1e-2f;
     for (int z = 0; z < 8; ++z)

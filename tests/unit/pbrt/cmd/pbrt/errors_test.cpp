@@ -100,7 +100,7 @@ TEST_F(Errors, EveryMistakeIsReportedInOneRun) {
     Write("scene.pbrt", R"(Camera "perspective"
 Film "rgb" "integer xresolution" 16 "integer yresolution" 16
 WorldBegin
-MakeNamedMedium "fog" "string type" "homogeneous"
+MakeNamedMedium "fog" "string type" "homogenous"
 LightSource "point"
 Material "diffuse" "texture reflectance" "nosuch"
 Shape "sphere"
@@ -167,8 +167,8 @@ Film "rgb"
 Sampler "zsobol"
 Integrator "bdpt"
 WorldBegin
-MakeNamedMedium "fog" "string type" "homogeneous"
-MakeNamedMedium "mist" "string type" "homogeneous"
+Texture "skin" "spectrum" "ptex" "string filename" "skin.ptx"
+Texture "wood" "spectrum" "ptex" "string filename" "wood.ptx"
 Shape "sphere"
 )");
     const Outcome o = Run("--quiet --outfile out.exr scene.pbrt");
@@ -176,7 +176,7 @@ Shape "sphere"
     for (int line : {4, 6, 7})
         EXPECT_EQ(Count(o.err, "Error: scene.pbrt:" + std::to_string(line) + ":"), 1u) << line << "\n" << o.err;
     EXPECT_EQ(Count(o.err, "Error: "), 3u) << o.err;
-    EXPECT_EQ(Count(o.err, "not supported yet"), 3u) << o.err;
+    EXPECT_EQ(Count(o.err, "is not supported"), 3u) << o.err;
     EXPECT_EQ(Count(o.err, "--integrator path"), 1u) << o.err;
     EXPECT_EQ(Files(), std::vector<std::string>{"scene.pbrt"});
 }

@@ -183,7 +183,7 @@ class Unsupported : public Program {
         Write("scene.pbrt", R"(Camera "perspective"
 Film "rgb" "integer xresolution" 16 "integer yresolution" 16 "string filename" "fog.exr"
 Integrator "bdpt" "integer maxdepth" 2
-MakeNamedMedium "fog" "string type" "homogeneous"
+MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [ 0 0 0 ] "rgb sigma_s" [ 0 0 0 ]
 MediumInterface "" "fog"
 Camera "perspective"
 WorldBegin
@@ -199,22 +199,20 @@ Shape "sphere"
 
 TEST_F(Unsupported, IsLeftOutLoudlyWhenAskedFor) {
     const std::string messages = RunWell("--spp 256 --ignore-unsupported scene.pbrt");
-    for (const char *part : {"Warning: scene.pbrt:3:0: Integrator \"bdpt\" is left out, path is used instead",
-                             "Warning: scene.pbrt:4:0: MakeNamedMedium \"fog\" is left out",
+    for (const char *part : {"Warning: scene.pbrt:3:0: Integrator \"bdpt\" is left out, volpath is used instead",
                              "Warning: scene.pbrt:9:0: Texture \"skin\"", "Wrote fog-incomplete.exr"})
         EXPECT_TRUE(Has(messages, part)) << part << "\n" << messages;
     const ImageFile file = ReadImage(Path("fog-incomplete.exr"));
-    EXPECT_EQ(TextOf(file, "pbrt.integrator"), "path");
+    EXPECT_EQ(TextOf(file, "pbrt.integrator"), "volpath");
     EXPECT_EQ(IntOf(file, "pbrt.maxDepth"), 2);
-    for (const char *part : {"scene.pbrt:3: Integrator \"bdpt\"", "scene.pbrt:4: MakeNamedMedium \"fog\"",
-                             "scene.pbrt:9: Texture \"skin\""})
+    for (const char *part : {"scene.pbrt:3: Integrator \"bdpt\"", "scene.pbrt:9: Texture \"skin\""})
         EXPECT_TRUE(Has(TextOf(file, "pbrt.ignored"), part)) << TextOf(file, "pbrt.ignored");
     EXPECT_NEAR(file.image.Get({8, 8}, 0), 0.5f, 0.03f) << "a sphere of reflectance 0.5 under a sky of 1";
     EXPECT_EQ(Files(), (std::vector<std::string>{"fog-incomplete.exr", "scene.pbrt"}));
 }
 
 TEST_F(Unsupported, NamesTheWayOut) {
-    ExpectErrors({{"scene.pbrt", {"--integrator path", "--ignore-media", "ptex"}},
+    ExpectErrors({{"scene.pbrt", {"--integrator volpath", "ptex"}},
                   {"--ignore-media scene.pbrt", {"--integrator path", "ptex"}}});
 }
 

@@ -59,6 +59,9 @@ std::string Needed(const std::string &entity) {
         {"Shape \"plymesh\"", "\"string filename\" \"" + assets + "vase_ascii.ply\""},
         {"Material \"subsurface\"", "\"rgb reflectance\" [ 0.5 0.5 0.5 ]"},
         {"Material \"mix\"", "\"string materials\" [ \"a\" \"a\" ]"},
+        {"Medium \"uniformgrid\"", "\"float density\" 1"},
+        {"Medium \"rgbgrid\"", "\"rgb sigma_a\" [ 1 1 1 ]"},
+        {"Medium \"nanovdb\"", "\"string filename\" \"" + assets + "blob.nvdb\""},
         {"Texture \"imagemap\"", "\"string filename\" \"" + assets + "card_srgb8.png\""},
         {"LightSource \"projection\"", "\"string filename\" \"" + assets + "slide.png\""}};
     auto it = kNeeded.find(entity);
@@ -94,6 +97,8 @@ class Format : public Program {
                 world += "Texture \"a" + type.substr(2) + rest + parameters;
                 if (names.contains("mapping"))
                     world += "Texture \"b" + type.substr(2) + rest + "\"string mapping\" \"planar\" " + parameters;
+            } else if (directive == "Medium") {
+                world += "MakeNamedMedium" + type + " \"string type\"" + type + ' ' + parameters;
             } else if (directive == "Shape" || directive == "Material" || directive == "LightSource") {
                 world += entity + ' ' + parameters;
             } else if (directive == "AreaLightSource") {
@@ -116,7 +121,7 @@ TEST_F(Format, ParametersAreThoseOfTheDocument) {
     for (const auto &[entity, documented] : DocumentedParameters()) {
         // This material needs a file of tables.
         if (entity == "Material \"measured\"") continue;
-        const Names &known = listed[entity];
+        const Names &known = listed[entity.starts_with("Medium ") ? "MakeNamed" + entity : entity];
         for (const std::string &name : known)
             EXPECT_TRUE(documented.contains(name) || name.find('.') != std::string::npos)
                 << entity << " knows \"" << name << "\", which docs/compatibility.md does not list";

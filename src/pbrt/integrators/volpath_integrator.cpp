@@ -1,0 +1,314 @@
+#include "pbrt/integrators/volpath_integrator.h"
+
+#include "pbrt/core/counters.h"
+#include "pbrt/core/error.h"
+#include "pbrt/lightsamplers/light_query.h"
+#include "pbrt/paths/shadow_transmittance.h"
+#include "pbrt/paths/subsurface_exit.h"
+
+namespace pbrt {
+
+namespace {
+
+/// What light sampling needs at a vertex. It is kept until the next vertex, because the weight of emission there
+/// depends on the probabilities of the lights here.
+struct Selection {
+    LightQuery query;
+    LightSampleContext from;
+    LightMemory memory;
+    LightDistribution lights;
+};
+
+/// How a vertex scatters light from a direction: f times the cosine (or the phase function), and the density with which
+/// scattering draws that direction (solid angle).
+struct Scattering {
+    SampledSpectrum f;
+    Float pdf = 0;
+};
+
+Rng SeededBy(Sampler &sampler) {
+    const Float a = sampler.Get1D(), b = sampler.Get1D();
+    return Rng(Hash(a, b));
+}
+
+}  // namespace
+
+/// One camera path.
+struct VolPathIntegrator::Path {
+    const VolPathIntegrator &integrator;
+    const Scene &scene;
+    SampledWavelengths &lambda;
+    Sampler &sampler;
+    PathWalk walk;
+    LightLearner::PathPlaces places{};
+    SampledSpectrum L{0};
+    SpectralWeights weights{};
+    Selection selections[2]{};
+    Selection *current = &selections[0], *previous = &selections[1];
+    int depth = 0;
+    Float etaScale = 1;
+    /// Whether light sampling at the vertex before could have found what the ray meets.
+    bool lightCouldSample = false;
+    bool anyNonSpecular = false;
+
+    Path(const VolPathIntegrator &i, const PathStart &start, SampledWavelengths &l, Sampler &s)
+        : integrator(i), scene(i.context_.scene), lambda(l), sampler(s), walk(i.context_, start.ray, start.visible) {
+        if (integrator.learner_) places = integrator.learner_->BeginPath(start.pixel, start.sampleIndex);
+    }
+
+    void Follow();
+    /// False: the path ends. `scattered`: it goes on from inside the medium.
+    bool PassMedium(bool *scattered);
+    void AddEmission(PathWalk::Met met);
+    bool ScatterAtSurface();
+    bool PassBelowSurface();
+    bool SurvivesRoulette();
+    void PrepareSelection(const LightQuery &query, const LightSampleContext &from);
+    void PrepareAtSurface();
+    void LeftVertexBy(Float pdf);
+    /// Light from one point on one light. `from`: the place that lights are sampled from.
+    template <class Medium, class Scatter>
+    void SampleDirect(const LightSampleContext &from, Medium &&mediumTowards, Scatter &&scatter);
+    void SampleDirectAtSurface();
+};
+
+void VolPathIntegrator::Path::PrepareSelection(const LightQuery &query, const LightSampleContext &from) {
+    current->query = query;
+    current->from = from;
+    current->lights = integrator.lights_->At(current->query, current->memory);
+}
+
+void VolPathIntegrator::Path::PrepareAtSurface() {
+    PrepareSelection(LightQueryAt(walk.Vertex(), lambda, depth), LightContextAt(walk.Vertex().point));
+}
+
+void VolPathIntegrator::Path::LeftVertexBy(Float pdf) {
+    weights.SampledDirection(pdf);
+    std::swap(current, previous);
+    lightCouldSample = anyNonSpecular = true;
+}
+
+template <class Medium, class Scatter>
+void VolPathIntegrator::Path::SampleDirect(const LightSampleContext &from, Medium &&mediumTowards, Scatter &&scatter) {
+    // All random numbers are drawn in any case, so that dimensions stay aligned between samples.
+    const Float uSelect = sampler.Get1D();
+    const Point2 uLight = sampler.Get2D();
+    const Float uGate = integrator.gate_ ? sampler.Get1D() : 0;
+    const LightDistribution &lights = current->lights;
+    const std::optional<SampledLight> selected = lights.Sample(uSelect);
+    if (!selected) {
+        ++ThreadCounters().zeroLightSamples;
+        return;
+    }
+    LightLearner *learner = integrator.learner_;
+    auto found = [&](const SampledSpectrum &irradiance) {
+        if (learner) learner->Found(places, lights.Query(), *selected, irradiance);
+    };
+    const LightPart light = scene.Lights()[selected->light];
+    const std::optional<LightLiSample> sample = light.SampleLi(from, uLight, lambda, true);
+    if (!sample || !sample->L || !(sample->pdf > 0)) return found(SampledSpectrum(0));
+    const Scattering to = scatter(sample->wi);
+    if (!to.f) return found(SampledSpectrum(0));
+    Float traced = 1;
+    if (integrator.gate_) {
+        traced = integrator.gate_->TraceProbability(lights.Query(), selected->light, sample->pLight);
+        if (uGate >= traced) return;
+    }
+    Rng rng(Hash(current->from.p, sample->wi, uLight));
+    const ShadowTransmittance through =
+        TraceShadow(scene, current->from, mediumTowards(sample->wi), *sample, lambda, rng);
+    if (learner && light.Kind() == LightKind::Infinite)
+        learner->Looked(lights.Query(), sample->wi, static_cast<bool>(through.value));
+    const Float cosine = current->from.ns == Normal3(0) ? 1 : AbsDot(sample->wi, current->from.ns);
+    found(sample->L * through.value * (cosine / (sample->pdf * weights.Mean(through.rl))));
+    if (!through.value) return;
+
+    const Float pLight = selected->pmf * sample->pdf;  // solid angle
+    SampledSpectrum densities = weights.ru * through.rl * pLight;
+    if (!IsDelta(light.Kind())) densities += weights.ru * through.ru * to.pdf;
+    L += weights.beta * to.f * sample->L * through.value / (weights.Mean(densities) * traced);
+}
+
+void VolPathIntegrator::Path::SampleDirectAtSurface() {
+    const auto &[point, bsdf] = walk.Vertex();
+    SampleDirect(
+        ScatteringContextAt(scene, point, bsdf), [&](const Vector3 &wi) { return point.MediumTowards(wi); },
+        [&](const Vector3 &wi) {
+            const SampledSpectrum f = bsdf.F(point.wo, wi) * AbsDot(wi, point.shading.n);
+            return Scattering{f, f ? bsdf.Pdf(point.wo, wi) : 0};
+        });
+}
+
+bool VolPathIntegrator::Path::PassMedium(bool *scattered) {
+    const Medium *medium = walk.MediumAhead();
+    if (!medium) return true;
+    const Float u = sampler.Get1D();
+    Rng rng = SeededBy(sampler);
+    // Emission between the last vertices that a path may have is left out, as in stock pbrt-v4.
+    const bool emits = depth < integrator.settings_.maxDepth && !integrator.settings_.sampledLightOnly;
+    const MediumEvent event =
+        walk.ThroughMedium(lambda, u, rng, emits, weights, [&](const SampledSpectrum &radiance) { L += radiance; });
+    if (event.kind == MediumEvent::Kind::Absorbed || !weights.beta) return false;
+    if (event.kind == MediumEvent::Kind::Passed) return true;
+    if (depth++ == integrator.settings_.maxDepth) return false;
+    ++ThreadCounters().pathVertices;
+
+    const Ray &ray = walk.GetRay();
+    const Point3 p = ray(event.t);
+    const Vector3 wo = -ray.d;
+    const HenyeyGreenstein &phase = medium->Phase();
+    PrepareSelection(LightQueryInMedium(p, wo, ray.medium, phase, ray.time, lambda, depth), {p, {}, {}, {}, ray.time});
+    SampleDirect(
+        current->from, [&](const Vector3 &) { return ray.medium; },
+        [&](const Vector3 &wi) {
+            const Float value = phase.P(wo, wi);
+            return Scattering{SampledSpectrum(value), value};
+        });
+    const HenyeyGreenstein::Sample sample = phase.SampleP(wo, sampler.Get2D());
+    if (!(sample.p > 0)) return false;
+    LeftVertexBy(sample.p);
+    walk.ScatterInMedium(p, sample.wi);
+    *scattered = true;
+    return true;
+}
+
+void VolPathIntegrator::Path::AddEmission(PathWalk::Met met) {
+    walk.ForEachEmission(lambda, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
+        SampledSpectrum densities = weights.ru;
+        if (lightCouldSample) {
+            const Vector3 &d = walk.GetRay().d;
+            const LightId part = met == PathWalk::Met::Nothing ? previous->lights.PartTowards(id, d) : id;
+            if (const Float pmf = previous->lights.PMF(part); pmf > 0)
+                densities += weights.rl * (pmf * scene.Lights()[part].PdfLi(previous->from, d, p, n, true));
+        } else if (integrator.settings_.sampledLightOnly) {
+            return;
+        }
+        L += weights.beta * Le / weights.Mean(densities);
+    });
+}
+
+bool VolPathIntegrator::Path::PassBelowSurface() {
+    const SurfacePoint &point = walk.Vertex().point;
+    const std::optional<Bssrdf> bssrdf = ComputeBssrdf(scene, point, lambda);
+    if (!bssrdf) return true;
+    // The way below the surface and the exit are part of the same scattering event, as in stock.
+    const std::optional<SubsurfaceExit> exit = SampleSubsurfaceExit(scene, point, *bssrdf, sampler);
+    if (!exit) return false;
+    weights.beta *= exit->weight;
+    walk.MoveTo(exit->vertex);
+    PrepareAtSurface();
+    SampleDirectAtSurface();
+    const auto &[exitPoint, bsdf] = walk.Vertex();
+    const Float uExit = sampler.Get1D();
+    const std::optional<BsdfSample> sample = bsdf.Sample(exitPoint.wo, uExit, sampler.Get2D());
+    if (!sample) return false;
+    weights.beta *= sample->f * (AbsDot(sample->wi, exitPoint.shading.n) / sample->pdf);
+    LeftVertexBy(sample->pdf);
+    walk.Scatter(*sample);
+    return true;
+}
+
+bool VolPathIntegrator::Path::ScatterAtSurface() {
+    if (integrator.settings_.regularize && anyNonSpecular) walk.Regularize();
+    const auto &[point, bsdf] = walk.Vertex();
+    if (depth++ == integrator.settings_.maxDepth) return false;
+    ++ThreadCounters().pathVertices;
+    if (IsNonSpecular(bsdf.Flags())) {
+        PrepareAtSurface();
+        SampleDirectAtSurface();
+    }
+    const Float uComponent = sampler.Get1D();
+    const std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uComponent, sampler.Get2D());
+    if (!sample) return false;
+    weights.beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
+    if (!weights.beta) return false;
+    if (IsSpecular(sample->flags))
+        lightCouldSample = false;
+    else
+        LeftVertexBy(sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf);
+    if (IsTransmissive(sample->flags)) etaScale *= Sqr(sample->eta);
+    walk.Scatter(*sample);
+    const bool entersBelow = integrator.settings_.subsurface && IsTransmissive(sample->flags);
+    return (!entersBelow || PassBelowSurface()) && SurvivesRoulette();
+}
+
+bool VolPathIntegrator::Path::SurvivesRoulette() {
+    // The throughput without the radiance scaling of refraction.
+    const Float survive = (weights.beta * etaScale / weights.Mean(weights.ru)).MaxComponent();
+    if (!(survive < 1) || depth <= 1) return true;
+    if (sampler.Get1D() >= survive) return false;
+    weights.beta /= survive;
+    return true;
+}
+
+void VolPathIntegrator::Path::Follow() {
+    LightLearner *learner = integrator.learner_;
+    for (;;) {
+        const PathWalk::Met met = walk.Next();
+        if (met == PathWalk::Met::TooManyInterfaces) return;
+        bool scattered = false;
+        if (!PassMedium(&scattered)) return;
+        if (scattered) continue;
+        AddEmission(met);
+        const bool looks = learner && lightCouldSample;
+        if (met == PathWalk::Met::Nothing) {
+            if (looks) learner->Looked(previous->query, walk.GetRay().d, true);
+            return;
+        }
+        const bool scatters = walk.FindScattering(lambda);
+        weights.onlyFirst = lambda.SecondaryTerminated();
+        if (!scatters) continue;
+        if (looks) learner->Looked(previous->query, walk.GetRay().d, false);
+        if (!ScatterAtSurface()) return;
+    }
+}
+
+SampledSpectrum VolPathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
+    Path path(*this, start, lambda, sampler);
+    path.Follow();
+    ++ThreadCounters().cameraPaths;
+    return path.L;
+}
+
+SampledSpectrum SimpleVolPathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda,
+                                            Sampler &sampler) const {
+    lambda.TerminateSecondary();
+    PathWalk walk(context_, start.ray, start.visible);
+    SpectralWeights weights;
+    weights.onlyFirst = true;
+    SampledSpectrum L(0);
+    ++ThreadCounters().cameraPaths;
+    for (int depth = 0;;) {
+        const PathWalk::Met met = walk.Next();
+        if (met == PathWalk::Met::TooManyInterfaces) break;
+        if (const Medium *medium = walk.MediumAhead()) {
+            const Ray &ray = walk.GetRay();
+            const Float u = sampler.Get1D();
+            Rng rng = SeededBy(sampler);
+            const MediumEvent event = walk.ThroughMedium(lambda, u, rng, true, weights,
+                                                         [&](const SampledSpectrum &radiance) { L += radiance; });
+            if (event.kind == MediumEvent::Kind::Absorbed) break;
+            if (event.kind == MediumEvent::Kind::Scattered) {
+                if (depth++ == maxDepth_) break;
+                ++ThreadCounters().pathVertices;
+                walk.ScatterInMedium(ray(event.t), medium->Phase().SampleP(-ray.d, sampler.Get2D()).wi);
+                continue;
+            }
+        }
+        walk.ForEachEmission(lambda, [&](const SampledSpectrum &Le, LightId, const Point3 &, const Normal3 &) {
+            L += weights.beta * Le;
+        });
+        if (met == PathWalk::Met::Nothing) break;
+        if (!walk.FindScattering(lambda)) continue;
+        const auto &[point, bsdf] = walk.Vertex();
+        const Float uComponent = sampler.Get1D();
+        if (bsdf.Sample(point.wo, uComponent, sampler.Get2D()))
+            throw UserError(
+                "Integrator \"simplevolpath\" follows light through media only, and a path has met a surface "
+                "that scatters; \"volpath\" renders such scenes.");
+        break;
+    }
+    return L;
+}
+
+}  // namespace pbrt

@@ -1,0 +1,53 @@
+#pragma once
+#include <memory>
+
+#include "pbrt/integrators/path_integrator.h"
+#include "pbrt/paths/medium_track.h"
+
+namespace pbrt {
+
+/// Unidirectional path tracing through media with next-event estimation, at surfaces and inside media. Distances in
+/// media are drawn by delta tracking, shadow rays are weakened by ratio tracking; light sampling, scattering and the
+/// wavelengths that could have drawn a distance are combined by the balance heuristic (SpectralWeights). Scenes without
+/// media are rendered by PathIntegrator.
+class VolPathIntegrator final : public PixelIntegrator {
+  public:
+    VolPathIntegrator(const PathContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
+                      std::unique_ptr<ShadowRayGate> gate = nullptr)
+        : context_(context),
+          settings_(settings),
+          lights_(std::move(lights)),
+          gate_(std::move(gate)),
+          learner_(lights_->Learner()) {}
+
+    void Prepare(PrepareContext &prepare) override {
+        lights_->Prepare(prepare);
+        if (gate_) gate_->Prepare(prepare);
+    }
+    SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
+    LightLearner *Learner() override { return learner_; }
+    const LightSampler *Lights() const override { return lights_.get(); }
+    const ShadowRayGate *Gate() const override { return gate_.get(); }
+
+  private:
+    struct Path;
+    PathContext context_;
+    PathSettings settings_;
+    std::unique_ptr<LightSampler> lights_;
+    std::unique_ptr<ShadowRayGate> gate_;
+    LightLearner *learner_;
+};
+
+/// Path tracing through media and interface surfaces without light sampling, at one wavelength: simple enough to check
+/// the others with. Surfaces that scatter end a path, as in stock pbrt-v4.
+class SimpleVolPathIntegrator final : public PixelIntegrator {
+  public:
+    SimpleVolPathIntegrator(const PathContext &context, int maxDepth) : context_(context), maxDepth_(maxDepth) {}
+    SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
+
+  private:
+    PathContext context_;
+    int maxDepth_;
+};
+
+}  // namespace pbrt

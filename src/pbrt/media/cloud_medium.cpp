@@ -1,0 +1,51 @@
+#include "pbrt/media/cloud_medium.h"
+
+#include "pbrt/textures/noise.h"
+
+namespace pbrt {
+
+namespace {
+constexpr Float kLacunarity = Float(1.99);
+}
+
+Float CloudMedium::Shape::DensityAt(const Point3 &p) const {
+    Point3 at = frequency * p;
+    if (wispiness > 0) {
+        Float strength = Float(0.05) * wispiness, fineness = 10;
+        for (int octave = 0; octave < 2; ++octave) {
+            at += strength * GradientNoiseSlope(fineness * at);
+            strength /= 2;
+            fineness *= kLacunarity;
+        }
+    }
+    Float noise = 0, strength = Float(0.5), fineness = 1;
+    for (int octave = 0; octave < 5; ++octave) {
+        noise += strength * GradientNoise(fineness * at);
+        strength /= 2;
+        fineness *= kLacunarity;
+    }
+    const Float puffs = std::clamp((1 - p.y) * Float(4.5) * density * noise, Float(0), Float(1));
+    return std::clamp(puffs + 2 * std::max(Float(0), Float(0.5) - p.y), Float(0), Float(1));
+}
+
+CloudMedium::CloudMedium(MediumSpectra spectra, Float g, const Transform &renderFromMedium, const Bounds3 &bounds,
+                         const Shape &shape)
+    : Medium(g, false),
+      spectra_(std::move(spectra)),
+      shape_(shape),
+      bounds_(bounds),
+      majorants_(glm::ivec3(1), [](const glm::ivec3 &) { return kMajorantSlack; }),
+      gridFromRender_(AffineMap::ToBox(bounds.low, bounds.high, glm::dvec3(1)) *
+                      AffineMap(glm::dmat4(renderFromMedium.Matrix())).Inverse()) {}
+
+MediumOnRay CloudMedium::On(const Ray &ray, Float tMax, const SampledWavelengths &lambda) const {
+    const MediumCoefficients unit = spectra_.Sample(lambda);
+    return {*this, GridWalk(majorants_, gridFromRender_, ray, tMax), lambda, unit, unit.absorption + unit.scattering};
+}
+
+MediumCoefficients CloudMedium::Evaluate(MediumOnRay &onRay, Float t) const {
+    const Float density = shape_.DensityAt(bounds_.low + bounds_.Diagonal() * onRay.Walk().At(t));
+    return {onRay.Unit().absorption * density, onRay.Unit().scattering * density, SampledSpectrum(0)};
+}
+
+}  // namespace pbrt

@@ -1,0 +1,99 @@
+#include "pbrt/media/majorant_grid.h"
+
+#include "pbrt/core/error.h"
+#include "pbrt/core/parallel.h"
+
+namespace pbrt {
+
+MajorantGrid::MajorantGrid(const glm::ivec3 &resolution, const std::function<Float(const glm::ivec3 &)> &bound)
+    : resolution_(resolution) {
+    PBRT_CHECK(resolution.x > 0 && resolution.y > 0 && resolution.z > 0);
+    const auto row = static_cast<size_t>(resolution.x);
+    values_.resize(row * static_cast<size_t>(resolution.y) * static_cast<size_t>(resolution.z));
+    ParallelForEach(int64_t(resolution.y) * resolution.z, [&](int64_t i) {
+        const int y = static_cast<int>(i % resolution.y), z = static_cast<int>(i / resolution.y);
+        for (int x = 0; x < resolution.x; ++x)
+            values_[static_cast<size_t>(i) * row + static_cast<size_t>(x)] = bound({x, y, z});
+    });
+    for (Float v : values_) PBRT_CHECK_MSG(v >= 0 && std::isfinite(v), "majorant {}", v);
+}
+
+AffineMap AffineMap::ToBox(const glm::dvec3 &low, const glm::dvec3 &high, const glm::dvec3 &size) {
+    const glm::dvec3 scale = size / (high - low);
+    return {glm::dmat3(scale.x, 0, 0, 0, scale.y, 0, 0, 0, scale.z), -low * scale};
+}
+
+AffineMap AffineMap::Inverse() const {
+    const glm::dmat3 inverse = glm::inverse(linear);
+    return {inverse, -(inverse * offset)};
+}
+
+GridWalk::GridWalk(const MajorantGrid &grid, const AffineMap &gridFromRender, const Ray &ray, Float tMax)
+    : grid_(&grid), isDone_(true), size_(grid.Resolution()) {
+    const glm::dvec3 o = gridFromRender.Point(ray.o), d = gridFromRender.Vector(ray.d);
+    double begin = 0, end = static_cast<double>(tMax);
+    for (int a = 0; a < 3; ++a) {
+        const double size = size_[a];
+        if (d[a] == 0) {  // runs along two of the borders, on which it counts as inside
+            if (!(o[a] >= 0 && o[a] <= size)) end = -1;
+            continue;
+        }
+        const double toLow = -o[a] / d[a], toHigh = (size - o[a]) / d[a];
+        begin = std::max(begin, std::min(toLow, toHigh));
+        end = std::min(end, std::max(toLow, toHigh));
+    }
+    anchor_ = static_cast<Float>(begin);
+    end_ = std::min(static_cast<Float>(end), tMax);
+    if (!(anchor_ <= end_)) {
+        anchor_ = Infinity;
+        end_ = -Infinity;
+        return;
+    }
+    origin_ = Point3(o + d * static_cast<double>(anchor_));
+    direction_ = Vector3(d);
+    for (int a = 0; a < 3; ++a) {
+        // Along a direction too small to divide by the ray does not get anywhere in its part in the box.
+        const bool moves = std::isfinite(1 / direction_[a]);
+        step_[a] = moves ? (direction_[a] > 0 ? 1 : -1) : 0;
+        cell_[a] = std::clamp(static_cast<int>(std::floor(origin_[a])), 0, size_[a] - 1);
+        exit_[a] = ExitOf(a);
+    }
+    isDone_ = !(anchor_ < end_);
+}
+
+bool GridWalk::Next(Float *begin, Float *end, Float *value) {
+    if (!grid_) {
+        if (isDone_ || !(end_ > 0)) return false;
+        isDone_ = true;
+        *begin = 0;
+        *end = end_;
+        *value = 1;
+        return true;
+    }
+    while (!isDone_) {
+        const glm::ivec3 cell = cell_;
+        const int axis = exit_.x < exit_.y ? (exit_.x < exit_.z ? 0 : 2) : (exit_.y < exit_.z ? 1 : 2);
+        // Rounding must not turn back: a border that lies behind makes an empty stretch.
+        const Float from = anchor_ + now_;
+        now_ = std::max(now_, exit_[axis]);
+        Float to = anchor_ + now_;
+        cell_[axis] += step_[axis];
+        if (to < end_ && cell_[axis] >= 0 && cell_[axis] < size_[axis]) {
+            exit_[axis] = ExitOf(axis);
+        } else {  // out of the box; what rounding leaves before its end belongs to the last cell
+            to = end_;
+            isDone_ = true;
+        }
+        if (!(from < to)) continue;
+        const Float bound = (*grid_)(cell);
+        if (bound == 0) continue;
+        here_ = cell;
+        hereBegin_ = *begin = from;
+        hereEnd_ = *end = to;
+        *value = bound;
+        return true;
+    }
+    return false;
+}
+
+}  // namespace pbrt

@@ -1,0 +1,357 @@
+#include "pbrt/media/medium_factory.h"
+
+#include <cmath>
+
+#include "pbrt/core/limits.h"
+#include "pbrt/media/cloud_medium.h"
+#include "pbrt/media/homogeneous_medium.h"
+#include "pbrt/media/nanovdb_medium.h"
+#include "pbrt/media/rgb_grid_medium.h"
+#include "pbrt/media/uniform_grid_medium.h"
+#include "pbrt/spectra/spectral_data.h"
+#include "pbrt/spectra/spectrum_params.h"
+
+namespace pbrt {
+
+namespace {
+
+constexpr Float kMaxCoefficient = 1e30f;
+constexpr Range<Float> kCoefficientRange{0, kMaxCoefficient};
+constexpr const char *kGHelp = "asymmetry of the scattering (Henyey-Greenstein): above 0 light goes on";
+constexpr const char *kScaleHelp = "factor of absorption and scattering";
+constexpr const char *kEmissionScaleHelp = "factor of the emission";
+
+// Coefficients.
+
+/// `factor` times the spectrum. Throws if a value is negative or too large.
+DenseSpectrum Coefficient(const ParamSet &set, const char *name, const Spectrum &s, Float factor) {
+    for (Float nm = LambdaMin; nm <= LambdaMax; ++nm) {
+        const Float value = factor * s(nm);
+        if (!kCoefficientRange.Contains(value))
+            throw set.Error(name, fmt::format("\"{}\" times all that scales it is {:.4g} at {} nm; it must be {}.",
+                                              name, value, nm, Text(kCoefficientRange)));
+    }
+    return ScaledSpectrum(s, factor);
+}
+
+struct CoefficientParams {
+    SpectrumParam absorption{SpectrumUse::Unbounded, Float(1)}, scattering{SpectrumUse::Unbounded, Float(1)};
+    Float g = 0;
+    template <class V>
+    void Describe(V &&v) {
+        v("sigma_a", absorption, "absorption per unit of length");
+        v("sigma_s", scattering, "scattering per unit of length");
+        v("g", g, Range<Float>{-1, 1}, kGHelp);
+    }
+    MediumSpectra Make(const ParamSet &set, const MediumContext &context, Float scale) const {
+        return {Coefficient(set, "sigma_a", *absorption.Make(context.files), scale),
+                Coefficient(set, "sigma_s", *scattering.Make(context.files), scale),
+                ScaledSpectrum(ConstantSpectrum(0), 0)};
+    }
+};
+
+/// The emission "Le" so that a scale of 1 is one photometric unit, as lights have it; black if it is not given.
+DenseSpectrum Emission(const ParamSet &set, const MediumContext &context, const SpectrumParam &given, Float scale) {
+    if (!given) return ScaledSpectrum(ConstantSpectrum(0), 0);
+    const SpectrumPtr emission = given.Make(context.files);
+    if (!(emission->MaxValue() > 0)) return ScaledSpectrum(*emission, 0);
+    const Float photometric = SpectrumToPhotometric(*emission);
+    if (!(photometric > 0))
+        throw set.Error("Le",
+                        "\"Le\" emits nothing that the eye can see, so it cannot be scaled to photometric units.");
+    return Coefficient(set, "Le", *emission, scale / photometric);
+}
+
+// Places.
+
+/// Throws if the current transformation cannot place a medium.
+const Transform &RequirePlace(const ParamSet &set, const MediumContext &context) {
+    const Transform &t = context.renderFromMedium;
+    const glm::mat4 &m = t.Matrix();
+    if (t.IsSingular() || !t.IsFinite())
+        throw set.Error("", "the current transformation cannot be inverted, so the medium has no place.");
+    if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1)
+        throw set.Error("", "the current transformation is a projection, which cannot place a medium.");
+    return t;
+}
+
+constexpr Items kPosition{ParamType::Point3, kCoordinateRange};
+
+struct BoundsParams {
+    Point3 p0{0, 0, 0}, p1{1, 1, 1};
+    template <class V>
+    void Describe(V &&v) {
+        v("p0", p0, kPosition, "a corner of the box that holds the medium, in the medium's space");
+        v("p1", p1, kPosition, "the opposite corner");
+    }
+    Bounds3 Make(const ParamSet &set) const {
+        for (int a = 0; a < 3; ++a)
+            if (p0[a] == p1[a])
+                throw set.Error(set.Has("p1") ? "p1" : "p0",
+                                fmt::format("\"p0\" and \"p1\" have the same coordinate {}, {}, so the box is flat.",
+                                            "xyz"[a], p0[a]));
+        return {p0, p1};
+    }
+};
+
+struct CountParams {
+    int x = 1, y = 1, z = 1;
+    template <class V>
+    void Describe(V &&v) {
+        constexpr Range<int> kCounts{1, 1 << 20};
+        v("nx", x, kCounts, "voxels along x, which is the fastest in lists of values");
+        v("ny", y, kCounts, "voxels along y");
+        v("nz", z, kCounts, "voxels along z");
+    }
+    glm::ivec3 Count() const { return {x, y, z}; }
+    int64_t Size() const { return int64_t(x) * y * z; }
+    /// Throws unless a list has one value for every voxel.
+    void RequireSize(const ParamSet &set, const char *name, size_t found) const {
+        if (static_cast<int64_t>(found) != Size())
+            throw set.Error(name, fmt::format("\"{}\" has {} values; nx * ny * nz = {} x {} x {} = {} are wanted.",
+                                              name, found, x, y, z, Size()));
+    }
+};
+
+/// A list with one number for every voxel, or nothing.
+std::vector<Float> VoxelValues(const ParamSet &set, const CountParams &count, const char *name,
+                               std::span<const Float> given, Range<Float> range) {
+    if (given.empty()) return {};
+    count.RequireSize(set, name, given.size());
+    for (size_t i = 0; i < given.size(); ++i)
+        if (!range.Contains(given[i]))
+            throw set.Error(
+                name, fmt::format("value {} of \"{}\" is {}; it must be {}.", i + 1, name, given[i], Text(range)));
+    return {given.begin(), given.end()};
+}
+
+struct ThermalParams {
+    std::optional<Float> offset, cutoff;
+    Float factor = 1;
+    template <class V>
+    void Describe(V &&v) {
+        v("temperatureoffset", offset, AnyFloat("K"), "subtracted from temperatures; default 0");
+        v("temperaturecutoff", cutoff, AnyFloat("K"), "another name of temperatureoffset");
+        v("temperaturescale", factor, kCoefficientRange, "factor of temperatures, after the offset");
+    }
+    ThermalEmission Make(const ParamSet &set, Float scale) const {
+        if (offset && cutoff)
+            throw set.Error(
+                "temperaturecutoff",
+                "\"temperatureoffset\" and \"temperaturecutoff\" are the same parameter and cannot be given "
+                "together.");
+        return {offset.value_or(cutoff.value_or(0)), factor, scale};
+    }
+};
+
+// Homogeneous media.
+
+const ScatteringPreset *FindPreset(const std::string &name) {
+    for (const ScatteringPreset &preset : EmbeddedScatteringPresets())
+        if (preset.name == name) return &preset;
+    return nullptr;
+}
+
+struct HomogeneousParams {
+    std::string preset;
+    CoefficientParams coefficients;
+    SpectrumParam emission{SpectrumUse::Illuminant};
+    Float emissionScale = 1, scale = 1;
+    template <class V>
+    void Describe(V &&v) {
+        v("preset", preset, "name of a known substance, which sets sigma_a and sigma_s, per millimetre");
+        if (v.When(!FindPreset(preset))) {
+            v("sigma_a", coefficients.absorption, "absorption per unit of length");
+            v("sigma_s", coefficients.scattering, "scattering per unit of length");
+        }
+        v("g", coefficients.g, Range<Float>{-1, 1}, kGHelp);
+        v("Le", emission, "radiance that is emitted, times sigma_a, per unit of length; default: none");
+        v("Lescale", emissionScale, kBrightnessRange, kEmissionScaleHelp);
+        v("scale", scale, kCoefficientRange, kScaleHelp);
+    }
+};
+
+MediumSpectra PresetSpectra(const ParamSet &set, const ScatteringPreset &preset, Float scale) {
+    auto spectrum = [&](const std::array<Float, 3> &rgb) {
+        return Coefficient(set, "scale", RgbUnboundedSpectrum(ColorSpace::SRGB(), Rgb(rgb[0], rgb[1], rgb[2])), scale);
+    };
+    // The table holds reduced scattering; stock pbrt-v4 takes it for the scattering of a medium of any g.
+    return {spectrum(preset.absorption), spectrum(preset.reducedScattering), ScaledSpectrum(ConstantSpectrum(0), 0)};
+}
+
+std::unique_ptr<Medium> MakeHomogeneous(const HomogeneousParams &p, const ParamSet &set, const MediumContext &context) {
+    const ScatteringPreset *preset = FindPreset(p.preset);
+    if (!preset && !p.preset.empty()) {
+        std::vector<std::string> names;
+        for (const ScatteringPreset &known : EmbeddedScatteringPresets()) names.push_back(known.name);
+        set.Warn(context.sink, "preset",
+                 fmt::format("there is no preset \"{}\", so \"sigma_a\" and \"sigma_s\" are used; {}.",
+                             Abbreviate(p.preset), ListChoices(p.preset, names)));
+    }
+    MediumSpectra spectra = preset ? PresetSpectra(set, *preset, p.scale) : p.coefficients.Make(set, context, p.scale);
+    spectra.emission = Emission(set, context, p.emission, p.emissionScale);
+    return std::make_unique<HomogeneousMedium>(std::move(spectra), p.coefficients.g);
+}
+
+// Grids of voxels.
+
+struct UniformGridParams {
+    CoefficientParams coefficients;
+    Float scale = 1;
+    CountParams count;
+    BoundsParams bounds;
+    std::span<const Float> density, temperature, emissionScale;
+    SpectrumParam emission{SpectrumUse::Illuminant};
+    ThermalParams thermal;
+    template <class V>
+    void Describe(V &&v) {
+        v("density", density, Required(), "one factor of absorption and scattering for every voxel");
+        count.Describe(v);
+        bounds.Describe(v);
+        coefficients.Describe(v);
+        v("scale", scale, kCoefficientRange, kScaleHelp);
+        v("Le", emission, "radiance that is emitted, times absorption, per unit of length; default: none");
+        v("Lescale", emissionScale, "one factor of the emission for every voxel; default: 1 everywhere");
+        v("temperature", temperature, "one temperature in kelvin for every voxel, which makes it emit; not with Le");
+        thermal.Describe(v);
+    }
+};
+
+std::unique_ptr<Medium> MakeUniformGrid(const UniformGridParams &p, const ParamSet &set, const MediumContext &context) {
+    if (p.emission && !p.temperature.empty())
+        throw set.Error("temperature", "\"Le\" and \"temperature\" cannot be given together.");
+    UniformGridMedium::Grids grids;
+    grids.count = p.count.Count();
+    grids.density = VoxelValues(set, p.count, "density", p.density, kCoefficientRange);
+    grids.emission = VoxelValues(set, p.count, "Lescale", p.emissionScale, kBrightnessRange);
+    grids.temperature = VoxelValues(set, p.count, "temperature", p.temperature, AnyFloat("K"));
+    MediumSpectra spectra = p.coefficients.Make(set, context, p.scale);
+    spectra.emission = Emission(set, context, p.emission, 1);
+    const Float densest = *std::max_element(grids.density.begin(), grids.density.end());
+    for (const DenseSpectrum *s : {&spectra.absorption, &spectra.scattering})
+        set.Require("density", densest * s->MaxValue(), kCoefficientRange);
+    return std::make_unique<UniformGridMedium>(std::move(spectra), p.coefficients.g, RequirePlace(set, context),
+                                               p.bounds.Make(set), std::move(grids), p.thermal.Make(set, 1));
+}
+
+struct RgbGridParams {
+    CountParams count;
+    BoundsParams bounds;
+    std::vector<Rgb> absorption, scattering, emission;
+    Float emissionScale = 1, scale = 1, g = 0;
+    template <class V>
+    void Describe(V &&v) {
+        constexpr Items kCoefficients{ParamType::Rgb, kCoefficientRange}, kRadiances{ParamType::Rgb, kBrightnessRange};
+        v("sigma_a", absorption, kCoefficients, "absorption in every voxel; default, beside sigma_s: 1");
+        v("sigma_s", scattering, kCoefficients, "scattering in every voxel; default, beside sigma_a: 1");
+        v("Le", emission, kRadiances,
+          "radiance that every voxel emits, times absorption, per unit of length; not in photometric units; needs "
+          "sigma_a");
+        count.Describe(v);
+        bounds.Describe(v);
+        v("Lescale", emissionScale, kBrightnessRange, kEmissionScaleHelp);
+        v("scale", scale, kCoefficientRange, kScaleHelp);
+        v("g", g, Range<Float>{-1, 1}, kGHelp);
+    }
+};
+
+/// The colour space of the numbers of an "rgb" parameter.
+const ColorSpace &SpaceOf(const ParamSet &set, const char *name, const MediumContext &context) {
+    const Param *p = set.Find(name, ParamType::Rgb);
+    const ColorSpace *space = p ? ColorSpace::Find(p->colorSpace) : nullptr;
+    return space ? *space : context.colorSpace;
+}
+
+std::unique_ptr<Medium> MakeRgbGrid(const RgbGridParams &p, const ParamSet &set, const MediumContext &context) {
+    if (p.absorption.empty() && p.scattering.empty())
+        throw set.Error("", "it needs \"rgb sigma_a\" or \"rgb sigma_s\".");
+    if (!p.emission.empty() && p.absorption.empty())
+        throw set.Error("Le", "\"rgb Le\" needs \"rgb sigma_a\", because only what absorbs emits.");
+    auto spectra = [&](const char *name, const std::vector<Rgb> &colors, Float factor) {
+        std::vector<RgbUnboundedSpectrum> all;
+        if (colors.empty()) return all;
+        p.count.RequireSize(set, name, colors.size());
+        const ColorSpace &space = SpaceOf(set, name, context);
+        all.reserve(colors.size());
+        for (const Rgb &color : colors) {
+            all.emplace_back(space, color);
+            set.Require(name, factor * all.back().MaxValue(), kCoefficientRange);
+        }
+        return all;
+    };
+    RgbGridMedium::Grids grids;
+    grids.count = p.count.Count();
+    grids.absorption = spectra("sigma_a", p.absorption, p.scale);
+    grids.scattering = spectra("sigma_s", p.scattering, p.scale);
+    grids.emission = spectra("Le", p.emission, p.emissionScale);
+    grids.illuminant = &SpaceOf(set, "Le", context).Illuminant();
+    grids.scale = p.scale;
+    grids.emissionScale = p.emissionScale;
+    return std::make_unique<RgbGridMedium>(p.g, RequirePlace(set, context), p.bounds.Make(set), std::move(grids));
+}
+
+// Clouds and files.
+
+struct CloudParams {
+    CoefficientParams coefficients;
+    CloudMedium::Shape shape;
+    BoundsParams bounds;
+    template <class V>
+    void Describe(V &&v) {
+        v("density", shape.density, kCoefficientRange, "how thick the cloud is");
+        v("wispiness", shape.wispiness, kCoefficientRange, "how much its fine features are torn");
+        v("frequency", shape.frequency, kCoefficientRange, "features of the cloud per unit of length");
+        bounds.Describe(v);
+        coefficients.Describe(v);
+    }
+};
+
+std::unique_ptr<Medium> MakeCloud(const CloudParams &p, const ParamSet &set, const MediumContext &context) {
+    return std::make_unique<CloudMedium>(p.coefficients.Make(set, context, 1), p.coefficients.g,
+                                         RequirePlace(set, context), p.bounds.Make(set), p.shape);
+}
+
+struct NanoVdbParams {
+    std::string filename, gridName = "density", temperatureName = "temperature";
+    CoefficientParams coefficients;
+    Float emissionScale = 1, scale = 1;
+    ThermalParams thermal;
+    template <class V>
+    void Describe(V &&v) {
+        v("filename", filename, Required(), "a NanoVDB file");
+        v("gridname", gridName, "the grid whose values multiply absorption and scattering");
+        v("temperaturename", temperatureName,
+          "the grid of temperatures in kelvin, if the file has one; they make it emit");
+        v("Lescale", emissionScale, kBrightnessRange, kEmissionScaleHelp);
+        thermal.Describe(v);
+        coefficients.Describe(v);
+        v("scale", scale, kCoefficientRange, kScaleHelp);
+    }
+};
+
+std::unique_ptr<Medium> MakeNanoVdb(const NanoVdbParams &p, const ParamSet &set, const MediumContext &context) {
+    MediumSpectra spectra = p.coefficients.Make(set, context, p.scale);
+    const Transform &place = RequirePlace(set, context);
+    const NanoVdbRequest request{context.files.Resolve(p.filename), p.gridName, p.temperatureName,
+                                 p.thermal.Make(set, p.emissionScale)};
+    return set.At("filename", [&] { return MakeNanoVdbMedium(request, std::move(spectra), p.coefficients.g, place); });
+}
+
+MediumFactories MakeTable() {
+    MediumFactories t("Medium");
+    t.Add<HomogeneousParams>("homogeneous", "a medium that is the same everywhere", MakeHomogeneous);
+    t.Add<UniformGridParams>("uniformgrid", "a box of voxels with densities", MakeUniformGrid);
+    t.Add<RgbGridParams>("rgbgrid", "a box of voxels with colours", MakeRgbGrid);
+    t.Add<CloudParams>("cloud", "a box with a cloud made of noise", MakeCloud);
+    t.Add<NanoVdbParams>("nanovdb", "voxels from a NanoVDB file", MakeNanoVdb);
+    return t;
+}
+
+}  // namespace
+
+const MediumFactories &Media() {
+    static const MediumFactories table = MakeTable();
+    return table;
+}
+
+}  // namespace pbrt

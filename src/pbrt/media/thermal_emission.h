@@ -1,0 +1,21 @@
+#pragma once
+#include "pbrt/spectra/spectrum.h"
+
+namespace pbrt {
+
+/// How a temperature becomes emission: that of a black body at the temperature (T - offset) * factor, divided by its
+/// peak. At 100 K and below there is none.
+struct ThermalEmission {
+    Float offset = 0;  ///< kelvin
+    Float factor = 1;
+    Float scale = 1;  ///< of the emission
+
+    SampledSpectrum At(Float temperature, const SampledWavelengths &lambda) const {
+        const Float kelvin = (temperature - offset) * factor;
+        constexpr Float kCold = 100;
+        if (!(kelvin > kCold)) return SampledSpectrum(0);
+        return scale * BlackbodySpectrum(kelvin).Sample(lambda);
+    }
+};
+
+}  // namespace pbrt

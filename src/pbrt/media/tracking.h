@@ -1,0 +1,68 @@
+#pragma once
+#include "pbrt/math/rng.h"
+#include "pbrt/media/medium.h"
+
+namespace pbrt {
+
+/// Transmittance of a stretch in which all wavelengths meet their majorants; `length` may be infinite.
+inline SampledSpectrum MajorantTransmittance(const SampledSpectrum &majorant, Float length) {
+    return majorant.Map([length](Float m) { return m > 0 ? std::exp(-m * length) : Float(1); });
+}
+
+/// Tentative collisions along a ray, whose distances follow the majorant at wavelength 0: `u` decides the first one,
+/// `rng` the others. Calls
+///   visit(Float t, const MediumCoefficients &, const SampledSpectrum &majorant, const SampledSpectrum &tMaj) -> bool
+/// with the distance, the medium there, and the transmittance of the majorants since the last tentative collision or
+/// the start of the ray, and goes on while it returns true. The density of t is majorant[0] * tMaj[0], relative to the
+/// last collision. Returns the transmittance of the majorants from the last collision to the end of the ray, or 1 if
+/// `visit` returned false. Where the majorant is 0 at wavelength 0 no collisions happen, but the other wavelengths'
+/// majorants count for the transmittance.
+template <class Visit>
+SampledSpectrum ForEachCollision(MediumOnRay &onRay, Float u, Rng &rng, Visit &&visit) {
+    SampledSpectrum tMaj(1);
+    Float depth = -std::log1p(-u);  // majorant optical depth, at wavelength 0, that is left until the next collision
+    MajorantSegment segment;
+    while (onRay.Next(&segment)) {
+        const Float majorant = segment.majorant[0];
+        Float begin = segment.begin;
+        for (;;) {
+            const Float t = majorant > 0 ? begin + depth / majorant : Infinity;
+            if (!(t < segment.end)) break;
+            tMaj *= MajorantTransmittance(segment.majorant, t - begin);
+            if (!visit(t, onRay.At(t), segment.majorant, tMaj)) return SampledSpectrum(1);
+            tMaj = SampledSpectrum(1);
+            begin = t;
+            depth = -std::log1p(-rng.Uniform());
+        }
+        const Float length = segment.end - begin;
+        if (majorant > 0) depth = std::max(depth - majorant * length, Float(0));
+        tMaj *= MajorantTransmittance(segment.majorant, length);
+    }
+    return tMaj;
+}
+
+/// An unbiased estimate of the transmittance along a ray, each wavelength within [0, 1]: ratio tracking (Novak et al.
+/// 2014) by the largest majorant of all wavelengths, which is why it is right for every one of them.
+inline SampledSpectrum RatioTransmittance(MediumOnRay &onRay, Rng &rng) {
+    SampledSpectrum transmittance(1);
+    Float depth = -std::log1p(-rng.Uniform());
+    MajorantSegment segment;
+    while (onRay.Next(&segment)) {
+        const Float majorant = segment.majorant.MaxComponent();
+        for (Float begin = segment.begin;;) {
+            const Float t = begin + depth / majorant;
+            if (!(t < segment.end)) {
+                depth = std::max(depth - majorant * (segment.end - begin), Float(0));
+                break;
+            }
+            const MediumCoefficients c = onRay.At(t);
+            transmittance *= ClampZero(SampledSpectrum(1) - (c.absorption + c.scattering) / majorant);
+            if (!transmittance) return transmittance;
+            begin = t;
+            depth = -std::log1p(-rng.Uniform());
+        }
+    }
+    return transmittance;
+}
+
+}  // namespace pbrt

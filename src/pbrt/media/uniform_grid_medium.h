@@ -1,0 +1,38 @@
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "pbrt/media/medium_spectra.h"
+#include "pbrt/media/thermal_emission.h"
+#include "pbrt/media/voxels.h"
+
+namespace pbrt {
+
+/// A box of voxels that hold a density, by which absorption and scattering are multiplied, and possibly a factor of the
+/// emission and a temperature.
+class UniformGridMedium final : public Medium {
+  public:
+    struct Grids {
+        glm::ivec3 count{1};             ///< voxels per axis
+        std::vector<Float> density;      ///< at least 0
+        std::vector<Float> emission;     ///< factor of the emission; empty: 1
+        std::vector<Float> temperature;  ///< kelvin; empty: none
+    };
+    /// `bounds`: of the voxels, in the space of the medium. Without a temperature the emission is that of `spectra`.
+    UniformGridMedium(MediumSpectra spectra, Float g, const Transform &renderFromMedium, const Bounds3 &bounds,
+                      Grids grids, const ThermalEmission &thermal);
+    size_t Bytes() const override;
+    MediumOnRay On(const Ray &ray, Float tMax, const SampledWavelengths &lambda) const override;
+
+  private:
+    MediumCoefficients Evaluate(MediumOnRay &onRay, Float t) const override;
+
+    MediumSpectra spectra_;
+    Grids grids_;
+    ThermalEmission thermal_;
+    Voxels voxels_;
+    MajorantGrid majorants_;
+    AffineMap gridFromRender_;
+};
+
+}  // namespace pbrt

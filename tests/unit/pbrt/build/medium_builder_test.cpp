@@ -1,0 +1,63 @@
+#include "pbrt/build/medium_builder.h"
+
+#include <gtest/gtest.h>
+
+#include "pbrt/build/view.h"
+#include "pbrt/scenefile/parser.h"
+#include "support/build_text.h"
+
+namespace pbrt::test {
+namespace {
+
+const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(Float(0.3));
+
+/// The media of a scene and where its world is in rendering space.
+struct Built {
+    BuiltMedia media;
+    Transform renderFromWorld;
+    DiagnosticSink sink;
+
+    explicit Built(const std::string &text) {
+        SceneDescription d = ParseSceneText(text, sink);
+        renderFromWorld = PlaceCamera(d, {}, sink).renderFromWorld;
+        media = MakeMedia(d, renderFromWorld, sink);
+    }
+    Float DensityAt(const std::string &name, const Point3 &world) const {
+        const MediumId id = media.ids.Find(name);
+        return media.media.at(id.value)->At(renderFromWorld.Point(world), kLambda).absorption[0];
+    }
+};
+
+std::string Grid(const std::string &name) {
+    return "MakeNamedMedium \"" + name + "\" \"string type\" \"uniformgrid\" \"float density\" [ 2 ]\n";
+}
+
+TEST(MediumBuilder, MediaStandWhereTheSceneSaysWhereverTheyAreDefined) {
+    const Built built("AttributeBegin\n");
+    EXPECT_TRUE(built.sink.HasErrors());  // the helper reports mistakes
+    // Before the camera, between camera and world, and in the world. The camera is at (10, 20, 30).
+    const Built all("Translate 4 5 6\n" + Grid("early") +
+                    "Identity\nLookAt 10 20 30 0 0 0 0 1 0\nCamera \"perspective\"\n" + "Identity\nTranslate 7 5 6\n" +
+                    Grid("middle") + "WorldBegin\nTranslate 10 5 6 Scale 2 2 2\n" + Grid("late"));
+    ASSERT_FALSE(all.sink.HasErrors());
+    EXPECT_NEAR(all.DensityAt("early", {4.5f, 5.5f, 6.5f}), 2, 1e-4f);
+    EXPECT_NEAR(all.DensityAt("early", {4.25f, 5.5f, 6.5f}), 1.5f, 1e-4f);
+    EXPECT_EQ(all.DensityAt("early", {3.9f, 5.5f, 6.5f}), 0);
+    EXPECT_NEAR(all.DensityAt("middle", {7.5f, 5.5f, 6.5f}), 2, 1e-4f);
+    EXPECT_NEAR(all.DensityAt("late", {11, 6, 7}), 2, 1e-4f);
+    EXPECT_FALSE(all.media.ids.Find(""));
+}
+
+TEST(MediumBuilder, MistakesOfUnusedMediaAreFound) {
+    const Built built(
+        "WorldBegin\nMakeNamedMedium \"a\" \"string type\" \"homogeneous\" \"float g\" 3\n"
+        "MakeNamedMedium \"b\" \"string type\" \"cloudd\"\n"
+        "MakeNamedMedium \"c\" \"string type\" \"homogeneous\"\n");
+    EXPECT_EQ(built.sink.ErrorCount(), 2u);
+    EXPECT_EQ(built.media.media.size(), 1u);
+    EXPECT_FALSE(built.media.ids.Find("a"));
+    EXPECT_EQ(built.media.ids.Find("c"), MediumId(0u));
+}
+
+}  // namespace
+}  // namespace pbrt::test

@@ -1,0 +1,250 @@
+// Media as integrators see them: furnaces, closed forms, integrators and light samplers against each other.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "pbrt/core/parallel.h"
+#include "support/build_text.h"
+#include "support/render_scene.h"
+#include "support/statistics.h"
+
+namespace pbrt::test {
+namespace {
+
+struct Setting {
+    std::string integrator = "volpath";
+    int maxDepth = 100, samples = 64;
+    std::string lightSampler = "bvh";
+    std::string beforeCamera;  ///< such as the medium that the camera stands in
+};
+
+/// A view of `world`, 16 x 16 pixels from (0, 0, 3) towards the origin.
+std::string Scene(const std::string &world, const Setting &s = {}) {
+    return s.beforeCamera +
+           "LookAt 0 0 3  0 0 0  0 1 0\nCamera \"orthographic\" \"float screenwindow\" [-.5 .5 -.5 .5]\n" +
+           "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16 \"bool savefp16\" false\n" +
+           fmt::format("PixelFilter \"box\"\nSampler \"independent\" \"integer pixelsamples\" {}\n", s.samples) +
+           fmt::format("Integrator \"{}\" \"integer maxdepth\" {}{}\nWorldBegin\n", s.integrator, s.maxDepth,
+                       s.integrator == "volpath" ? " \"string lightsampler\" \"" + s.lightSampler + "\"" : "") +
+           world;
+}
+
+const char *const kSky = "LightSource \"infinite\" \"rgb L\" [1 1 1]\n";
+
+/// A ball of radius 1 that is filled with a medium.
+std::string Ball(const std::string &medium) {
+    return "MakeNamedMedium \"m\" " + medium +
+           "\nMediumInterface \"m\" \"\"\nMaterial \"interface\"\nShape \"sphere\"\n";
+}
+
+RunningStatistics ChannelOf(const Image &image, int channel) {
+    RunningStatistics s;
+    for (int y = 0; y < image.Resolution().y; ++y)
+        for (int x = 0; x < image.Resolution().x; ++x) s.Add(static_cast<double>(image.Get({x, y}, channel)));
+    return s;
+}
+
+/// A grid of 3 x 4 x 2 densities in the box around the ball; `values` for each density.
+std::string Grid(const std::string &type, const std::string &name, int values) {
+    std::string text = "\"string type\" \"" + type +
+                       "\" \"integer nx\" 3 \"integer ny\" 4 \"integer nz\" 2 \"point3 p0\" [-1 -1 -1] "
+                       "\"point3 p1\" [1 1 1] \"" +
+                       name + "\" [";
+    for (int i = 0; i < 24 * values; ++i) text += fmt::format(" {}", 0.2 + 0.37 * (i * 7 % 11));
+    return text + " ]";
+}
+
+/// Zeros for every voxel, because a grid absorbs where the scene does not say that it does not.
+std::string NoAbsorption() {
+    std::string text = " \"rgb sigma_a\" [";
+    for (int i = 0; i < 72; ++i) text += " 0";
+    return text + " ]";
+}
+
+/// Media that only scatter.
+std::vector<std::pair<std::string, std::string>> Scattering() {
+    const std::string only = " \"rgb sigma_a\" [0 0 0] \"rgb sigma_s\" [2 2 2]";
+    return {
+        {"even", "\"string type\" \"homogeneous\" \"float g\" .7" + only},
+        {"dense, back", "\"string type\" \"homogeneous\" \"float g\" -.5 \"float scale\" 8" + only},
+        {"coloured", "\"string type\" \"homogeneous\" \"rgb sigma_a\" [0 0 0] \"rgb sigma_s\" [.5 1 3]"},
+        {"grid", Grid("uniformgrid", "float density", 1) + only + " \"float g\" .3"},
+        {"coloured grid", Grid("rgbgrid", "rgb sigma_s", 3) + NoAbsorption() + " \"float g\" .2"},
+        {"cloud", "\"string type\" \"cloud\" \"point3 p0\" [-1 -1 -1] \"point3 p1\" [1 1 1]" + only},
+    };
+}
+
+TEST(VolPath, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
+    const double sky = ChannelOf(RenderText(Scene(kSky)).image, 1).mean;
+    for (const char *integrator : {"volpath", "simplevolpath"})
+        for (const auto &[name, medium] : Scattering()) {
+            Setting setting;
+            setting.integrator = integrator;
+            setting.maxDepth = 1000;
+            setting.samples = setting.integrator == "volpath" ? 128 : 512;
+            const Image image = RenderText(Scene(kSky + Ball(medium), setting)).image;
+            for (int c = 0; c < 3; ++c) {
+                const RunningStatistics s = ChannelOf(image, c);
+                EXPECT_LT(std::abs(s.mean / sky - 1), 4 * s.StandardError() / sky + 1e-4) << integrator << " " << name;
+                EXPECT_LT(s.StandardError(), .012 * sky) << name << ": too noisy to tell";
+            }
+        }
+}
+
+TEST(VolPath, AFurnaceNoticesALittleAbsorption) {
+    const double sky = ChannelOf(RenderText(Scene(kSky)).image, 1).mean;
+    const RunningStatistics s = ChannelOf(
+        RenderText(
+            Scene(kSky + Ball("\"string type\" \"homogeneous\" \"rgb sigma_a\" [.02 .02 .02] \"rgb sigma_s\" [2 2 2]")))
+            .image,
+        1);
+    EXPECT_LT(s.mean / sky, 1 - 4 * s.StandardError() / sky - 1e-3);
+}
+
+TEST(VolPath, TheCameraMayStandInAMediumThatHasNoEnd) {
+    // Light from a bright ball passes two units of fog that only absorbs.
+    Setting setting;
+    setting.beforeCamera =
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.5 .5 .5] \"rgb sigma_s\" "
+        "[0 0 0]\nMediumInterface \"\" \"fog\"\n";
+    const std::string world =
+        "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [-2 -2 1  2 -2 1  -2 2 1  2 2 1]\n";
+    const double there = ChannelOf(RenderText(Scene(world)).image, 1).mean;
+    const RunningStatistics s = ChannelOf(RenderText(Scene(world, setting)).image, 1);
+    EXPECT_LT(std::abs(s.mean / there - std::exp(-1.)), 4 * s.StandardError() / there + 1e-4);
+}
+
+TEST(VolPath, EmissionIsThatOfAGlowingSlab) {
+    // Radiance of a slab of thickness 2 that absorbs and emits: Le (1 - exp(-2 sigma)).
+    const std::string slab =
+        "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.7 .7 .7] \"rgb sigma_s\" [0 0 0] \"rgb Le\" [1 1 1]"
+        " \"float Lescale\" 1\nMediumInterface \"m\" \"\"\nMaterial \"interface\"\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [-4 -4 1  4 -4 1  -4 4 1  4 4 1]\n"
+        "ReverseOrientation\nShape \"bilinearmesh\" \"point3 P\" [-4 -4 -1  4 -4 -1  -4 4 -1  4 4 -1]\n";
+    const std::string wall =
+        "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [-2 -2 1  2 -2 1  -2 2 1  2 2 1]\n";
+    const double one = ChannelOf(RenderText(Scene(wall)).image, 1).mean;
+    for (const char *integrator : {"volpath", "simplevolpath"}) {
+        Setting setting;
+        setting.integrator = integrator;
+        setting.samples = 256;
+        const RunningStatistics s = ChannelOf(RenderText(Scene(slab, setting)).image, 1);
+        EXPECT_LT(std::abs(s.mean / one - (1 - std::exp(-1.4))), 4 * s.StandardError() / one + 1e-4) << integrator;
+        EXPECT_LT(s.StandardError(), .01 * one);
+    }
+}
+
+TEST(VolPath, ShadowRaysPassMediaAndTheirBoundaries) {
+    // A point light above a floor, behind two slabs that absorb and a pane of nothing between them.
+    auto slab = [](double low, double high, const char *name) {
+        return fmt::format(
+            "MediumInterface \"{2}\" \"\"\nShape \"bilinearmesh\" \"point3 P\" [-9 -9 {1}  9 -9 {1}  -9 9 {1}  9 9 {1}]\n"
+            "ReverseOrientation\nShape \"bilinearmesh\" \"point3 P\" [-9 -9 {0}  9 -9 {0}  -9 9 {0}  9 9 {0}]\nReverseOrientation\n",
+            low, high, name);
+    };
+    const std::string
+        light = "LightSource \"point\" \"point3 from\" [0 0 500] \"rgb I\" [250000 250000 250000]\n",
+        floor = "Material \"diffuse\"\nShape \"bilinearmesh\" \"point3 P\" [-9 -9 0  9 -9 0  -9 9 0  9 9 0]\n";
+    const std::string media =
+        "MakeNamedMedium \"a\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.4 .4 .4] \"rgb sigma_s\" [0 0 0]\n"
+        "MakeNamedMedium \"b\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.3 .3 .3] \"rgb sigma_s\" [0 0 0]\n"
+        "Material \"interface\"\n";
+    Setting setting;
+    setting.maxDepth = 1;
+    setting.samples = 256;
+    const double bare = ChannelOf(RenderText(Scene(light + floor, setting)).image, 1).mean;
+    const RunningStatistics s =
+        ChannelOf(RenderText(Scene(light + floor + media + slab(5, 6, "a") + slab(10, 12, "b"), setting)).image, 1);
+    // The camera is below the slabs.
+    EXPECT_LT(std::abs(s.mean / bare - std::exp(-.4 - .6)), 4 * s.StandardError() / bare + 1e-3);
+}
+
+/// A ball of fog under a lamp that can be hit and one that cannot, over a floor.
+std::string Foggy(const std::string &medium) {
+    return "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [9 8 6]\nTranslate -1.5 1.5 .5\nShape \"sphere\" \"float radius\" .5\n"
+           "AttributeEnd\nMaterial \"diffuse\"\nShape \"bilinearmesh\" \"point3 P\" [-3 -3 -1.2  3 -3 -1.2  -3 3 -1.2  3 3 -1.2]\n" +
+           Ball(medium);
+}
+
+/// Means of pictures with different seeds.
+RunningStatistics MeansOverSeeds(const std::string &text) {
+    RunningStatistics s;
+    for (int seed = 1; seed <= 8; ++seed) {
+        BuildOptions options;
+        options.seed = seed;
+        s.Add(ChannelOf(RenderText(text, options).image, 1).mean);
+    }
+    return s;
+}
+
+void ExpectEqualMeans(const RunningStatistics &a, const RunningStatistics &b, const std::string &what) {
+    EXPECT_LT(std::abs(a.mean - b.mean), 5 * std::hypot(a.StandardError(), b.StandardError())) << what;
+    EXPECT_LT(a.StandardError(), 0.02 * a.mean) << what << ": too noisy to tell";
+}
+
+TEST(VolPath, LightSamplersAgree) {
+    const std::string lamps =
+        "LightSource \"point\" \"point3 from\" [1 2 2] \"rgb I\" [9 9 9]\nLightSource \"point\" \"point3 from\" [-2 0 -.5] "
+        "\"rgb I\" [2 4 9]\n";
+    for (const auto &[name, medium] : Scattering()) {
+        auto means = [&, &medium = medium](const char *sampler) {
+            Setting setting;
+            setting.lightSampler = sampler;
+            setting.maxDepth = 4;
+            setting.samples = 24;
+            return MeansOverSeeds(Scene(lamps + Foggy(medium), setting));
+        };
+        const RunningStatistics bvh = means("bvh");
+        ExpectEqualMeans(bvh, means("uniform"), name + ", uniform");
+        if (AllSamplers().samplers.Has("octree")) ExpectEqualMeans(bvh, means("octree"), name + ", octree");
+    }
+}
+
+TEST(VolPath, FindsWhatThePlainWalkFinds) {
+    const std::string lamp =
+        "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [9 8 6]\nMaterial \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
+        "Translate -1.5 1.5 .5\nShape \"sphere\" \"float radius\" 1\nAttributeEnd\n";
+    for (const auto &[name, medium] : Scattering()) {
+        auto means = [&, &medium = medium](const char *integrator, int samples) {
+            Setting setting;
+            setting.integrator = integrator;
+            setting.maxDepth = 6;
+            setting.samples = samples;
+            return MeansOverSeeds(Scene(lamp + Ball(medium), setting));
+        };
+        ExpectEqualMeans(means("volpath", 48), means("simplevolpath", 192), name);
+    }
+}
+
+TEST(VolPath, AnyNumberOfThreadsGivesTheSameBits) {
+    auto render = [](int threads) {
+        ThreadLimit limit(threads);
+        Setting setting;
+        setting.samples = 8;
+        return RenderText(Scene(Foggy(Scattering()[3].second), setting)).image;
+    };
+    const Image one = render(1), three = render(3);
+    EXPECT_EQ(std::memcmp(one.Data(), three.Data(), one.Bytes()), 0);
+}
+
+TEST(VolPath, PathSeesNoMediaAndSaysSo) {
+    Setting setting;
+    setting.integrator = "path";
+    const Rendered fog = RenderText(Scene(kSky + Ball(Scattering()[0].second), setting));
+    int warnings = 0;
+    for (const Diagnostic &d : fog.diagnostics) warnings += d.message.find("sees no media") != std::string::npos;
+    EXPECT_EQ(warnings, 1);
+}
+
+TEST(SimpleVolPath, ASurfaceThatScattersIsAnError) {
+    Setting setting;
+    setting.integrator = "simplevolpath";
+    EXPECT_THROW(RenderText(Scene(std::string(kSky) + "Shape \"sphere\"\n", setting)), UserError);
+}
+
+}  // namespace
+}  // namespace pbrt::test

@@ -15,10 +15,10 @@
 // numbers spread over [0, 1). For every measured light two numbers are compared: the mean over the draws of what
 // next-event estimation makes of c_l, with the probabilities that came with the draws and the weight against BSDF
 // sampling; and the share of c_l that BSDF sampling leaves to next-event estimation, by the PMF that the integrator
-// asks for when a ray hits the light. (The point of a sky stands for the tile that it lies in.) `excess` is the difference, summed over the lights. Its mean is 0 at every vertex
-// if and only if draws, their probabilities and the PMF agree and no light is left out: points and visibility of the
-// lights, the path and its weight are the same on both sides, and their noise with them. Draws need no rays, so there
-// can be thousands per vertex.
+// asks for when a ray hits the light. (The point of a sky stands for the tile that it lies in.) `excess` is the
+// difference, summed over the lights. Its mean is 0 at every vertex if and only if draws, their probabilities and the
+// PMF agree and no light is left out: points and visibility of the lights, the path and its weight are the same on both
+// sides, and their noise with them. Draws need no rays, so there can be thousands per vertex.
 //
 // Heavy tails: a light of share s chosen with probability p moves a vertex by s / (p draws). Where that is more than
 // kMaxStep, the light counts with less weight, on both sides; what is left out is reported and added to the
@@ -110,8 +110,8 @@ class Asker {
             if (!light || !(light->pmf > 0)) continue;
             const uint32_t place = places_[light->light.value];
             if (place > 0)
-                got_[place - 1] += static_cast<double>(
-                    Weight(vertex.lights[place - 1], parts_[place - 1], light->pmf) / light->pmf);
+                got_[place - 1] +=
+                    static_cast<double>(Weight(vertex.lights[place - 1], parts_[place - 1], light->pmf) / light->pmf);
         }
         for (const Part &part : parts_) places_[part.id.value] = 0;
     }

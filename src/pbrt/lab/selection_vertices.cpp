@@ -92,8 +92,7 @@ class Measurer {
             const Float c = SafeDivide(beta * f * sample->L, lambda.Pdf()).Average() / sample->pdf;
             if (!(c > 0) || !std::isfinite(c) || scene_.Occluded(LightContextAt(point), *sample)) continue;
             lights_.push_back({static_cast<uint32_t>(l), c, sample->pdf, bsdf.Pdf(point.wo, sample->wi),
-                               IsDelta(light.Kind()), light.Kind() == LightKind::Infinite, sample->pLight,
-                               sample->wi});
+                               IsDelta(light.Kind()), light.Kind() == LightKind::Infinite, sample->pLight, sample->wi});
         }
     }
 

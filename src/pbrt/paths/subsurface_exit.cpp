@@ -16,6 +16,8 @@ std::optional<SubsurfaceExit> SampleSubsurfaceExit(const Scene &scene, const Sur
     auto &[point, bsdf] = exit.vertex;
     point = crossing->point;
     point.wo = point.shading.n;
+    // The probe was no ray in a medium: a surface that is no boundary has got none.
+    if (point.insideMedium == point.outsideMedium) point.insideMedium = point.outsideMedium = entry.outsideMedium;
     const Float pdf = bssrdf.Pdf(point.p, point.n) / static_cast<Float>(crossing->count);  // area
     if (!(pdf > 0)) return {};
     exit.weight = bssrdf.Profile(Distance(entry.p, point.p)) / pdf;

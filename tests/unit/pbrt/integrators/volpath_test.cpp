@@ -117,6 +117,25 @@ TEST(VolPath, TheCameraMayStandInAMediumThatHasNoEnd) {
     EXPECT_LT(std::abs(s.mean / there - std::exp(-1.)), 4 * s.StandardError() / there + 1e-4);
 }
 
+TEST(VolPath, LightThatWasBelowASurfaceGoesOnThroughTheFogAroundIt) {
+    Setting bare;
+    bare.maxDepth = 2;
+    bare.samples = 512;
+    Setting foggy = bare;
+    foggy.beforeCamera =
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.2 .2 .2] \"rgb sigma_s\" "
+        "[0 0 0]\nMediumInterface \"fog\"\n";
+    const std::string world =
+        "LightSource \"point\" \"point3 from\" [0 0 5] \"rgb I\" [90 90 90]\nMaterial \"subsurface\" \"rgb reflectance\" [.8 .8 "
+        ".8] \"spectrum mfp\" [300 .05 900 .05]\nShape \"disk\" \"float radius\" 9\n";
+    const RunningStatistics without = ChannelOf(RenderText(Scene(world, bare)).image, 1),
+                            with = ChannelOf(RenderText(Scene(world, foggy)).image, 1);
+    // Three units from the camera, and five to the light.
+    const double expected = std::exp(-.2 * 8) * without.mean;
+    EXPECT_LT(std::abs(with.mean - expected), 4 * with.StandardError() + 0.02 * expected);
+    EXPECT_LT(with.StandardError(), 0.02 * expected);
+}
+
 TEST(VolPath, EmissionIsThatOfAGlowingSlab) {
     // Radiance of a slab of thickness 2 that absorbs and emits: Le (1 - exp(-2 sigma)).
     const std::string slab =

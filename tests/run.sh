@@ -40,7 +40,7 @@ run_ctest() { # run_ctest NAME FOLDER [ctest options]: adds ctest's own counts
 extension_free_units() {
   local program
   for program in $(ninja -C "$1" -t targets all | sed -n 's|^tests/unit/.*/unit_\([a-z_]*\): CXX_EXECUTABLE.*|\1|p'); do
-    ninja -C "$1" -t inputs "unit_$program" | grep -q pbrt_plugins || echo "$program"
+    [[ $(ninja -C "$1" -t inputs "unit_$program") == *pbrt_plugins* ]] || echo "$program"
   done
 }
 
@@ -76,7 +76,7 @@ fi
 # Samplers and their densities, which is where indices and roundings are: in one process each, as loading libraries
 # costs more than most tests.
 echo "Building unit programs with sanitizers (build/asan.log)"
-sanitized=(math shapes bxdfs materials lights)
+sanitized=(math shapes bxdfs materials lights media)
 if bash .ci/build "$top/build/asan" -DPBRT_SANITIZE=address,undefined -DPBRT_BENCH=OFF -- "${sanitized[@]/#/unit_}"; then
   run_sanitized() { # run_sanitized NAME: its log ends with a line "status N"
     local filter='*'

@@ -99,8 +99,9 @@ class WithoutOneLight final : public WrappedSampler {
         : WrappedSampler(sampler), lights_(lights), light_(light) {}
 
   private:
-    std::optional<SampledLight> Choose(const LightQuery &, const void *weights, Float u) const override {
-        std::optional<SampledLight> s = Inner(weights).Sample(u);
+    std::optional<SampledLight> Choose(const LightQuery &, const void *weights, Float u,
+                                       Point2 *uPoint) const override {
+        std::optional<SampledLight> s = Inner(weights).Sample(u, uPoint);
         return s && !IsLeftOut(s->light) ? s : std::nullopt;
     }
     Float Probability(const LightQuery &, const void *weights, LightId light) const override {

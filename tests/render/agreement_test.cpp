@@ -189,8 +189,9 @@ class Tampered final : public WrappedSampler {
     void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
 
   private:
-    std::optional<SampledLight> Choose(const LightQuery &q, const void *weights, Float u) const override {
-        std::optional<SampledLight> s = Inner(weights).Sample(u);
+    std::optional<SampledLight> Choose(const LightQuery &q, const void *weights, Float u,
+                                       Point2 *uPoint) const override {
+        std::optional<SampledLight> s = Inner(weights).Sample(u, uPoint);
         if (s) s->pmf = change_(q, s->light, s->pmf);
         return s && s->pmf > 0 ? s : std::nullopt;
     }

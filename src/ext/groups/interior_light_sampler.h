@@ -12,8 +12,8 @@ class InteriorLightSampler : public GroupLightSampler {
         : GroupLightSampler(meshlights ? lights.Wholes() : lights.Parts(), choosesTiles, choosesTiles),
           interior_(groups_, interiorByImportance) {}
 
-    std::optional<SampledLight> ChooseInside(const LightQuery &query, const void *, uint32_t group,
-                                             Float u) const override {
+    std::optional<SampledLight> ChooseInside(const LightQuery &query, const void *, uint32_t group, Float u,
+                                             Point2 *) const override {
         return interior_.Sample(group, query, u);
     }
     Float ProbabilityInside(const LightQuery &query, const void *, LightId light) const override {

@@ -197,12 +197,14 @@ void SkyCells::MakeRows(std::span<const SkyTiles> skies) {
     packets_.assign(packets, {});
     numbers_.assign(packets * kLanes, 0);
     keys_.assign(packets * kLanes, kNoKey);
+    halves_.assign(packets * kLanes, 0);
     counts_.reset(new std::atomic<uint64_t>[packets * kLanes]());
     ParallelFor(static_cast<int64_t>(cells_.size()), 32, [&](int64_t begin, int64_t end) {
         for (auto c = static_cast<size_t>(begin); c < static_cast<size_t>(end); ++c) {
             bool isOpen = true;
             for (size_t k = 0; k < skies.size(); ++k) {
-                size_t lane = rows_[c].first[k] * kLanes;
+                const size_t firstLane = rows_[c].first[k] * kLanes;
+                size_t lane = firstLane;
                 double light = 0, learned = 0;
                 for (const SkyCut::Tile &t : cells_[c].cuts[k].Tiles()) {
                     const auto e = static_cast<double>(skies[k].At(t.number).irradiance);
@@ -226,12 +228,35 @@ void SkyCells::MakeRows(std::span<const SkyTiles> skies) {
                     keys_[lane] = SkyTiles::KeyOf(t.number);
                     ++lane;
                 }
+                rows_[c].tiles[k] = static_cast<uint16_t>(lane - firstLane);
+                MakeHalves(firstLane, lane - firstLane);
                 visible_[c][k] = VisibleShare(skies[k], cells_[c].cuts[k]);
                 isOpen = isOpen && visible_[c][k] > kOpen;
             }
             rows_[c].isOpen = isOpen;
         }
     });
+}
+
+void SkyCells::MakeHalves(size_t firstLane, size_t tiles) {
+    // Tiles are sorted by keys, whose highest bit is that of y.
+    struct Part {
+        size_t node, first, count;
+        uint32_t key, keys;  ///< the part's tiles have the keys [key, key + keys)
+    };
+    std::vector<Part> parts{{0, firstLane, tiles, 0, SkyTiles::KeyCount(0)}};
+    while (!parts.empty()) {
+        const Part p = parts.back();
+        parts.pop_back();
+        if (p.count == 1) continue;
+        const auto begin = keys_.begin() + static_cast<std::ptrdiff_t>(p.first);
+        const uint32_t middle = p.key + p.keys / 2;
+        const auto m =
+            static_cast<size_t>(std::lower_bound(begin, begin + static_cast<std::ptrdiff_t>(p.count), middle) - begin);
+        halves_[firstLane + p.node] = static_cast<uint8_t>(m);
+        parts.push_back({p.node + 1, p.first, m, p.key, p.keys / 2});
+        parts.push_back({p.node + m, p.first + m, p.count - m, middle, p.keys / 2});
+    }
 }
 
 void SkyCells::EndLearning() {
@@ -246,7 +271,7 @@ double SkyCells::OpenShare() const {
 
 size_t SkyCells::Bytes() const {
     size_t bytes = octree_.Bytes() + rows_.capacity() * sizeof(Row) + packets_.capacity() * sizeof(Packet) +
-                   (numbers_.capacity() + keys_.capacity()) * sizeof(uint32_t) +
+                   (numbers_.capacity() + keys_.capacity()) * sizeof(uint32_t) + halves_.capacity() +
                    visible_.capacity() * sizeof(visible_[0]) + cells_.capacity() * sizeof(Cell);
     if (counts_) bytes += numbers_.size() * sizeof(uint64_t);
     for (const Cell &cell : cells_)

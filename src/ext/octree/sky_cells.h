@@ -45,12 +45,17 @@ class SkyCells {
     /// weight 0 and the key kNoKey.
     struct Row {
         std::array<uint32_t, kMaxSkies + 1> first = {};
-        bool isOpen = false;  ///< nearly all of the skies is seen
+        std::array<uint16_t, kMaxSkies> tiles = {};  ///< how many of the lanes are used
+        bool isOpen = false;                         ///< nearly all of the skies is seen
     };
     static constexpr uint32_t kNoKey = ~0u;
     const Row &RowOf(uint32_t cell) const { return rows_[cell]; }
     const Packet *Packets() const { return packets_.data(); }
     uint32_t Number(size_t lane) const { return numbers_[lane]; }  ///< lanes are counted over all packets
+    /// The tiles of a sky in a row as a binary tree: a node halves a square of the quadtree by y, its children halve
+    /// the halves by x. Nodes are stored in preorder, as the number of tiles in the half of less y (or x): of a node
+    /// with m of them, the first half is the next node, and the other one comes m nodes later.
+    uint32_t TilesInFirstHalf(size_t firstLane, size_t node) const { return halves_[firstLane + node]; }
     /// The lane of the tile of sky k that holds the finest part with a key (SkyTiles::KeyTowards).
     size_t LaneOf(const Row &row, size_t k, uint32_t key) const;
 
@@ -89,6 +94,7 @@ class SkyCells {
     void Adapt(std::span<SkyTiles> skies);
     void Divide(std::span<const SkyTiles> skies);
     void MakeRows(std::span<const SkyTiles> skies);
+    void MakeHalves(size_t firstLane, size_t tiles);
 
     Settings settings_;
     CellOctree octree_;
@@ -97,6 +103,7 @@ class SkyCells {
     std::vector<Packet> packets_;
     std::vector<std::array<Float, kMaxSkies>> visible_;  ///< per cell
     std::vector<uint32_t> numbers_, keys_;               ///< per lane
+    std::vector<uint8_t> halves_;                        ///< per lane: a node of the row's binary tree
     std::unique_ptr<std::atomic<uint64_t>[]> counts_;
     uint64_t traced_ = 0, left_ = 0;
     size_t tileCount_ = 0;

@@ -7,7 +7,6 @@
 
 #include "pbrt/core/parallel.h"
 #include "pbrt/lights/light_spectrum.h"
-#include "pbrt/lightsamplers/weighted_choice.h"
 #include "pbrt/math/rng.h"
 
 namespace ext {
@@ -43,6 +42,15 @@ constexpr double kHardlySeen = 0.01;
         value.copy_to(w + i * kLanes, std::experimental::vector_aligned);
         sum += sums[i] = std::experimental::reduce(value);
     }
+    return sum;
+}
+
+/// The sum of the tiles [begin, end) of a row, given the sums over its packets. 0 if all of them are 0.
+Float SumOver(const Float *tiles, const Float *packets, size_t begin, size_t end) {
+    Float sum = 0;
+    for (; begin < end && begin % kLanes != 0; ++begin) sum += tiles[begin];
+    for (; begin + kLanes <= end; begin += kLanes) sum += packets[begin / kLanes];
+    for (; begin < end; ++begin) sum += tiles[begin];
     return sum;
 }
 
@@ -96,18 +104,31 @@ void SkyChoice::Weigh(const LightQuery &query, LightMemory &memory, Weights *wei
     weights->packets = sums;
 }
 
-std::optional<SampledLight> SkyChoice::Sample(const Weights &weights, size_t k, Float u) const {
+std::optional<SampledLight> SkyChoice::Sample(const Weights &weights, size_t k, Point2 *u) const {
     if (weights.isOpen) return SampledLight{skies_[k].Sky(), 1};
     const SkyCells::Row &row = *weights.row;
-    const size_t first = row.first[k] - row.first[0], count = row.first[k + 1] - row.first[k];
-    const Float target = u * weights.w[k];
-    const auto packet = ChooseByWeight<Float>(count, target, [&](uint32_t i) { return weights.packets[first + i]; });
-    if (!packet) return {};
-    const Float *tiles = weights.tiles + (first + packet->index) * kLanes;
-    const auto lane = ChooseByWeight<Float>(kLanes, target - packet->before, [&](uint32_t i) { return tiles[i]; });
-    if (!lane) return {};
-    const size_t at = (row.first[k] + packet->index) * kLanes + lane->index;
-    return SampledLight{skies_[k].IdOf(cells_.Number(at)), lane->weight * weights.perSum[k]};
+    const size_t firstPacket = row.first[k] - row.first[0], firstLane = row.first[k] * kLanes;
+    const Float *tiles = weights.tiles + firstPacket * kLanes, *packets = weights.packets + firstPacket;
+    size_t node = 0, first = 0;
+    for (size_t count = row.tiles[k], axis = 1; count > 1; axis ^= 1) {
+        const size_t inFirst = cells_.TilesInFirstHalf(firstLane, node);
+        const Float one = SumOver(tiles, packets, first, first + inFirst);
+        const Float other = SumOver(tiles, packets, first + inFirst, first + count);
+        const Float p = one / (one + other);
+        Float &v = axis == 0 ? u->x : u->y;
+        if (v < p) {
+            v = std::min(v / p, OneMinusEpsilon);
+            count = inFirst;
+            node += 1;
+        } else {
+            v = std::clamp((v - p) / (1 - p), Float(0), OneMinusEpsilon);
+            first += inFirst;
+            count -= inFirst;
+            node += inFirst;
+        }
+    }
+    if (!(tiles[first] > 0)) return {};
+    return SampledLight{skies_[k].IdOf(cells_.Number(firstLane + first)), tiles[first] * weights.perSum[k]};
 }
 
 Float SkyChoice::PMF(const Weights &weights, size_t k, LightId light) const {
@@ -138,7 +159,7 @@ SkyCells SkyChoice::MakeCells(const Bounds3 &bounds, float visible) {
     return cells;
 }
 
-void SkyChoice::LookAround(PrepareContext &context, std::span<const PrepassVertex> vertices, int tries) {
+void SkyChoice::LookAround(PrepareContext &context, std::span<const PrepassVertex> vertices, int side) {
     struct Look {
         Point3 p;
         Vector3 d;
@@ -161,12 +182,11 @@ void SkyChoice::LookAround(PrepareContext &context, std::span<const PrepassVerte
             Weigh(QueryAt(vertex), memory, &weights);
             Rng rng(Hash(kStream, context.seed, i));
             for (size_t k = 0; k < Count(); ++k)
-                for (int t = 0; t < tries; ++t) {
-                    const Float u = (static_cast<Float>(t) + rng.Uniform()) / static_cast<Float>(tries);
-                    const Point2 uDirection = rng.Uniform2();
-                    const std::optional<SampledLight> tile = Sample(weights, k, u);
+                for (int t = 0; t < side * side; ++t) {
+                    Point2 u = (Point2(t % side, t / side) + rng.Uniform2()) / static_cast<Float>(side);
+                    const std::optional<SampledLight> tile = Sample(weights, k, &u);
                     if (!tile) continue;
-                    std::optional<LightLiSample> s = lights_[tile->light].SampleLi(vertex.at, uDirection, lambda, true);
+                    std::optional<LightLiSample> s = lights_[tile->light].SampleLi(vertex.at, u, lambda, true);
                     if (!s) continue;
                     const Float cosine = Dot(s->wi, vertex.at.ns);
                     if (vertex.at.ns != Normal3(0) && !vertex.transmits && cosine * Dot(vertex.wo, vertex.at.ns) <= 0)

@@ -35,14 +35,16 @@ class SkyChoice {
         const Float *tiles = nullptr, *packets = nullptr;
     };
     void Weigh(const LightQuery &query, LightMemory &memory, Weights *weights) const;
-    /// A tile or the whole of sky k, and its probability given the sky.
-    std::optional<SampledLight> Sample(const Weights &weights, size_t k, Float u) const;
+    /// A tile or the whole of sky k, and its probability given the sky. `u`: uniform on the unit square; what is left
+    /// of it for the point in the tile is uniform again (hierarchical sample warping, Clarberg et al. 2005, Wavelet
+    /// importance sampling, section 4.2).
+    std::optional<SampledLight> Sample(const Weights &weights, size_t k, Point2 *u) const;
     /// `light`: a tile or the whole of sky k.
     Float PMF(const Weights &weights, size_t k, LightId light) const;
     LightId PartTowards(const Weights &weights, size_t k, const Vector3 &d) const;
 
-    /// Traces shadow rays from every vertex to `tries` tiles of each sky, drawn by G, and learns for the first time.
-    void LookAround(PrepareContext &context, std::span<const PrepassVertex> vertices, int tries);
+    /// Traces side^2 shadow rays from every vertex to each sky, drawn by G, and learns for the first time.
+    void LookAround(PrepareContext &context, std::span<const PrepassVertex> vertices, int side);
     /// After LookAround: the share of its rays that left the scene. One over it bounds what choosing tiles can gain.
     double SeenShare() const { return seenShare_; }
     void Count(const Point3 &p, const Vector3 &d, bool left) const;

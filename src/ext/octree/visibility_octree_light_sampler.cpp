@@ -26,8 +26,8 @@ constexpr int kLookAfter[] = {1, 2, 4, 8, 16, 32, 64};
 constexpr int kSamplesToJudge = 4;
 /// Where paths bounce, most of the noise is theirs, and tiles pay only where the sky is seen this much less.
 constexpr double kWithBounces = 0.05;
-/// Shadow rays from a prepass vertex to the tiles of each sky.
-constexpr int kSkyTries = 16;
+/// The root of the number of shadow rays from a prepass vertex to each sky.
+constexpr int kSkySide = 4;
 /// At most this many shadow rays are kept from one learning to the next.
 constexpr size_t kMaxFound = 400000;
 /// Inside media with a larger mean cosine than this the choice of lights follows the phase function.
@@ -83,7 +83,7 @@ double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context
     PrepassEffort effort;
     effort.lights = groups_.Size();
     effort.triesPerVertex = Tries();
-    effort.skyTries = SkyCount() * kSkyTries;
+    effort.skyTries = SkyCount() * kSkySide * kSkySide;
     effort.depth = std::min(params_.depth, std::max(1, context.maxDepth));
     effort.pixels = static_cast<double>(std::max<int64_t>(1, context.pixelBounds.Area()));
     effort.samplesPerPixel = context.samplesPerPixel;
@@ -102,7 +102,7 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     if (context.progress.Cancelled()) return;
     if (sky_) {
         const auto before = std::chrono::steady_clock::now();
-        sky_->LookAround(context, vertices, kSkyTries);
+        sky_->LookAround(context, vertices, kSkySide);
         if (context.progress.Cancelled()) return;
         skySeenShare_ = sky_->SeenShare();
         const double most = static_cast<double>(params_.opensky) * (context.maxDepth > 1 ? kWithBounces : 1);
@@ -349,10 +349,10 @@ size_t VisibilityOctreeLightSampler::SkyOfGroup(uint32_t group) const {
 }
 
 std::optional<SampledLight> VisibilityOctreeLightSampler::ChooseInside(const LightQuery &query, const void *weights,
-                                                                       uint32_t group, Float u) const {
+                                                                       uint32_t group, Float u, Point2 *uPoint) const {
     const size_t k = SkyOfGroup(group);
-    if (k < SkyCount()) return sky_->Sample(static_cast<const Choice *>(weights)->sky, k, u);
-    return InteriorLightSampler::ChooseInside(query, weights, group, u);
+    if (k < SkyCount()) return sky_->Sample(static_cast<const Choice *>(weights)->sky, k, uPoint);
+    return InteriorLightSampler::ChooseInside(query, weights, group, u, uPoint);
 }
 
 Float VisibilityOctreeLightSampler::ProbabilityInside(const LightQuery &query, const void *weights,

@@ -66,8 +66,8 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
     std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
     Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
-    std::optional<SampledLight> ChooseInside(const LightQuery &query, const void *weights, uint32_t group,
-                                             Float u) const override;
+    std::optional<SampledLight> ChooseInside(const LightQuery &query, const void *weights, uint32_t group, Float u,
+                                             Point2 *uPoint) const override;
     Float ProbabilityInside(const LightQuery &query, const void *weights, LightId light) const override;
     LightId PartOf(const LightQuery &query, const void *weights, LightId infinite, const Vector3 &d) const override;
     /// The index of the cut sky that the group is; the number of cut skies if it is none of them.

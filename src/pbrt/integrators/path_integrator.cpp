@@ -34,7 +34,7 @@ SampledSpectrum PathIntegrator::SampleDirect(const PathVertex &vertex, const Lig
     Float uSelect = sampler.Get1D();
     Point2 uLight = sampler.Get2D();
     Float uGate = gate_ ? sampler.Get1D() : 0;
-    std::optional<SampledLight> selected = lights.Sample(uSelect);
+    std::optional<SampledLight> selected = lights.Sample(uSelect, &uLight);
     if (!selected) {
         ++ThreadCounters().zeroLightSamples;
         return SampledSpectrum(0);

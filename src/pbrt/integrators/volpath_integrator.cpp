@@ -92,10 +92,10 @@ template <class Medium, class Scatter>
 void VolPathIntegrator::Path::SampleDirect(const LightSampleContext &from, Medium &&mediumTowards, Scatter &&scatter) {
     // All random numbers are drawn in any case, so that dimensions stay aligned between samples.
     const Float uSelect = sampler.Get1D();
-    const Point2 uLight = sampler.Get2D();
+    Point2 uLight = sampler.Get2D();
     const Float uGate = integrator.gate_ ? sampler.Get1D() : 0;
     const LightDistribution &lights = current->lights;
-    const std::optional<SampledLight> selected = lights.Sample(uSelect);
+    const std::optional<SampledLight> selected = lights.Sample(uSelect, &uLight);
     if (!selected) {
         ++ThreadCounters().zeroLightSamples;
         return;

@@ -106,7 +106,8 @@ class Asker {
         for (int k = 0; k < draws_; ++k) {
             const Float u =
                 std::min((static_cast<Float>(k) + rng.Uniform()) / static_cast<Float>(draws_), OneMinusEpsilon);
-            std::optional<SampledLight> light = lights.Sample(u);
+            Point2 uPoint = rng.Uniform2();
+            std::optional<SampledLight> light = lights.Sample(u, &uPoint);
             if (!light || !(light->pmf > 0)) continue;
             const uint32_t place = places_[light->light.value];
             if (place > 0)

@@ -5,7 +5,8 @@
 
 namespace pbrt {
 
-std::optional<SampledLight> GroupLightSampler::Choose(const LightQuery &query, const void *weights, Float u) const {
+std::optional<SampledLight> GroupLightSampler::Choose(const LightQuery &query, const void *weights, Float u,
+                                                      Point2 *uPoint) const {
     if (groups_.Size() == 0) return {};
     ChosenGroup chosen{.inner = u};
     if (isAsked_) {
@@ -13,7 +14,7 @@ std::optional<SampledLight> GroupLightSampler::Choose(const LightQuery &query, c
         if (!group) return {};
         chosen = *group;
     }
-    std::optional<SampledLight> light = ChooseInside(query, weights, chosen.group, chosen.inner);
+    std::optional<SampledLight> light = ChooseInside(query, weights, chosen.group, chosen.inner, uPoint);
     if (!light) return {};
     return SampledLight{light->light, light->pmf * chosen.pmf, light->pmf * chosen.unoccluded, chosen.weight};
 }

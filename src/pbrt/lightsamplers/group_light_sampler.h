@@ -35,10 +35,11 @@ class GroupLightSampler : public LightSampler {
         : groups_(groups), isAsked_(groups.Size() > (alwaysAsked ? 0 : 1)), choosesTiles_(choosesTiles) {}
 
     /// A light of a group and its probability within the group; none if no light there can contribute. `weights`: what
-    /// WeighGroups returned.
-    virtual std::optional<SampledLight> ChooseInside(const LightQuery &, const void *weights, uint32_t group,
-                                                     Float u) const {
+    /// WeighGroups returned; `uPoint`: see LightDistribution::Sample.
+    virtual std::optional<SampledLight> ChooseInside(const LightQuery &, const void *weights, uint32_t group, Float u,
+                                                     Point2 *uPoint) const {
         (void)weights;
+        (void)uPoint;
         const LightId light = groups_.SampleLight(group, u);
         return SampledLight{light, groups_.ShareOf(light)};
     }
@@ -67,7 +68,8 @@ class GroupLightSampler : public LightSampler {
     const void *Weigh(const LightQuery &query, LightMemory &memory) const final {
         return isAsked_ ? WeighGroups(query, memory) : nullptr;
     }
-    std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const final;
+    std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u,
+                                       Point2 *uPoint) const final;
     Float Probability(const LightQuery &query, const void *weights, LightId light) const final;
     bool isAsked_, choosesTiles_;
 };

@@ -72,7 +72,11 @@ class LightSampler;
 class LightDistribution {
   public:
     LightDistribution() = default;
-    /// A light and its probability, from one uniform number; empty if no light can contribute.
+    /// A light and its probability, from a uniform number; empty if no light can contribute. `uPoint`: uniform on the
+    /// unit square, for the point on the light. A choice among tiles of a sky uses it up in part and leaves the rest,
+    /// uniform again, so that what was well distributed over the square becomes so over the sky.
+    std::optional<SampledLight> Sample(Float u, Point2 *uPoint) const;
+    /// The same from one number: its bits, in turns, are those of the point.
     std::optional<SampledLight> Sample(Float u) const;
     /// Discrete probability of a light, bit-identical to the `pmf` of a sample of it.
     Float PMF(LightId light) const;
@@ -136,7 +140,8 @@ class LightSampler {
     /// Computes, in the memory, what both functions below need; null if they need nothing.
     virtual const void *Weigh(const LightQuery &, LightMemory &) const { return nullptr; }
     /// See LightDistribution::Sample and PMF. `weights`: what Weigh returned for the query.
-    virtual std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u) const = 0;
+    virtual std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u,
+                                               Point2 *uPoint) const = 0;
     virtual Float Probability(const LightQuery &query, const void *weights, LightId light) const = 0;
     /// See LightDistribution::PartTowards.
     virtual LightId PartOf(const LightQuery &, const void *, LightId infinite, const Vector3 &) const {
@@ -144,8 +149,18 @@ class LightSampler {
     }
 };
 
+inline std::optional<SampledLight> LightDistribution::Sample(Float u, Point2 *uPoint) const {
+    return sampler_->Choose(*query_, weights_, u, uPoint);
+}
 inline std::optional<SampledLight> LightDistribution::Sample(Float u) const {
-    return sampler_->Choose(*query_, weights_, u);
+    const auto bits = static_cast<uint32_t>(u * 0x1p24f);
+    uint32_t x = 0, y = 0;
+    for (uint32_t i = 0; i < 12; ++i) {
+        x |= (bits >> 2 * i & 1) << i;
+        y |= (bits >> (2 * i + 1) & 1) << i;
+    }
+    Point2 uPoint((static_cast<Float>(x) + 0.5f) * 0x1p-12f, (static_cast<Float>(y) + 0.5f) * 0x1p-12f);
+    return Sample(u, &uPoint);
 }
 inline Float LightDistribution::PMF(LightId light) const { return sampler_->Probability(*query_, weights_, light); }
 inline LightId LightDistribution::PartTowards(LightId infinite, const Vector3 &d) const {

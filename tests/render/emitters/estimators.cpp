@@ -20,8 +20,9 @@ class SpoiltSampler final : public WrappedSampler {
     void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
 
   private:
-    std::optional<SampledLight> Choose(const LightQuery &, const void *weights, Float u) const override {
-        std::optional<SampledLight> s = Inner(weights).Sample(u);
+    std::optional<SampledLight> Choose(const LightQuery &, const void *weights, Float u,
+                                       Point2 *uPoint) const override {
+        std::optional<SampledLight> s = Inner(weights).Sample(u, uPoint);
         if (s && s->light.value > 0) s->pmf *= spoilt_.ofSamples;
         return s;
     }

@@ -50,7 +50,7 @@ class TestSampler final : public LightSampler {
   public:
     TestSampler(size_t lights, size_t blind, std::shared_ptr<Switch> interrupt)
         : seen_(lights - blind), interrupt_(std::move(interrupt)) {}
-    std::optional<SampledLight> Choose(const LightQuery &, const void *, Float u) const override {
+    std::optional<SampledLight> Choose(const LightQuery &, const void *, Float u, Point2 *) const override {
         if (--interrupt_->callsLeft == 0) interrupt_->progress->Cancel();
         auto i = std::min(static_cast<size_t>(u * static_cast<Float>(seen_)), seen_ - 1);
         return SampledLight{LightId(i), 1 / static_cast<Float>(seen_)};

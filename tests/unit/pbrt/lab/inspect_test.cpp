@@ -45,8 +45,9 @@ class Telltale final : public test::WrappedSampler {
     std::string DescribeStructure() const override { return "two cells\n"; }
 
   private:
-    std::optional<SampledLight> Choose(const LightQuery &, const void *weights, Float u) const override {
-        return Inner(weights).Sample(u);
+    std::optional<SampledLight> Choose(const LightQuery &, const void *weights, Float u,
+                                       Point2 *uPoint) const override {
+        return Inner(weights).Sample(u, uPoint);
     }
     Float Probability(const LightQuery &, const void *weights, LightId light) const override {
         return Inner(weights).PMF(light);

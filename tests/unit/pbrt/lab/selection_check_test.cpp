@@ -44,7 +44,7 @@ AttributeEnd
 class Spoilt final : public LightSampler {
   public:
     explicit Spoilt(size_t lights) : count_(lights) {}
-    std::optional<SampledLight> Choose(const LightQuery &q, const void *, Float u) const override {
+    std::optional<SampledLight> Choose(const LightQuery &q, const void *, Float u, Point2 *) const override {
         auto i = std::min(static_cast<size_t>(u * static_cast<Float>(count_)), count_ - 1);
         if (blindTo && i == *blindTo && where(q)) return {};
         // An eighth of the samples of light 0 returns light 1, without any change of the probabilities.

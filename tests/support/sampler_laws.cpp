@@ -129,6 +129,7 @@ void CheckPmfSums(const SamplerSubject &s) {
 }
 
 void CheckFrequencies(const SamplerSubject &s) {
+    constexpr size_t kSide = 8;
     int n = s.Calls(20000);
     // If each light of a big mesh were a cell, the expected count of every cell would be near 0.
     size_t cell = std::max<size_t>((s.ids.size() + 127) / 128, 1), cells = (s.ids.size() + cell - 1) / cell;
@@ -137,11 +138,16 @@ void CheckFrequencies(const SamplerSubject &s) {
         Rng rng(17 + q);
         LightMemory memory;
         const LightDistribution at = s.sampler->At(s.queries[q], memory);
-        std::vector<double> observed(cells + 1), expected(cells + 1);
+        std::vector<double> observed(cells + 1), expected(cells + 1), points(kSide * kSide);
         for (int i = 0; i < n; ++i) {
-            std::optional<SampledLight> sample = at.Sample(rng.Uniform());
+            Point2 uPoint = rng.Uniform2();
+            std::optional<SampledLight> sample = at.Sample(rng.Uniform(), &uPoint);
             observed[sample ? s.IndexOf(sample->light) / cell : cells] += 1;
+            ASSERT_TRUE(uPoint.x >= 0 && uPoint.x < 1 && uPoint.y >= 0 && uPoint.y < 1) << uPoint.x << " " << uPoint.y;
+            points[static_cast<size_t>(uPoint.x * kSide) + kSide * static_cast<size_t>(uPoint.y * kSide)] += 1;
         }
+        const std::vector<double> even(points.size(), static_cast<double>(n) / static_cast<double>(points.size()));
+        EXPECT_GT(ChiSquareTest(points, even), alpha) << "points, query " << q;
         for (size_t i = 0; i < s.ids.size(); ++i) expected[i / cell] += static_cast<double>(s.pmf[q][i]) * n;
         // The sum of the PMF is rounded: so small a share of empty answers cannot be distinguished from none.
         double missing = 1 - s.sum[q];
@@ -276,8 +282,9 @@ void CheckDistributionsKeepApart(const SamplerSubject &s) {
 }
 
 void CheckOneNumberReachesEveryLight(const SamplerSubject &s) {
-    static_assert(std::is_same_v<decltype(&LightDistribution::Sample),
-                                 std::optional<SampledLight> (LightDistribution::*)(Float) const>);
+    static_assert(requires(const LightDistribution &d, Float u) {
+        { d.Sample(u) } -> std::same_as<std::optional<SampledLight>>;
+    });
     LightMemory memory;
     int n = s.Calls(16384);
     for (size_t q = 0; q < s.queries.size(); ++q) {

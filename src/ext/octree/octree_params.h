@@ -25,7 +25,7 @@ struct OctreeParams {
     bool interior = true;
     int cut = 48;
     bool learn = true;
-    int tiles = 64;
+    int tiles = 128;
     Float opensky = 0.1f;
 
     template <class V>

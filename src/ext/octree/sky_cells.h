@@ -16,7 +16,7 @@ class SkyCells {
     static constexpr size_t kLanes = 8;
 
     struct Settings {
-        size_t tiles = 64;    ///< of a cut, at most
+        size_t tiles = 128;   ///< of a cut, at most
         Float floor = 0.05f;  ///< share of the weights that goes by irradiance alone
         size_t mostCells = 8192;
         /// A cell is divided after so many rays, if they times the gain (SkyCut::GainOfDividingTheCell) are worth it.

@@ -8,6 +8,7 @@
 #include "pbrt/core/progress.h"
 #include "pbrt/lightsamplers/light_memory.h"
 #include "pbrt/math/bounds.h"
+#include "pbrt/math/rng.h"
 #include "pbrt/math/vec.h"
 
 namespace pbrt {
@@ -76,7 +77,7 @@ class LightDistribution {
     /// unit square, for the point on the light. A choice among tiles of a sky uses it up in part and leaves the rest,
     /// uniform again, so that what was well distributed over the square becomes so over the sky.
     std::optional<SampledLight> Sample(Float u, Point2 *uPoint) const;
-    /// The same from one number: its bits, in turns, are those of the point.
+    /// The same where there is no point: one is made by a hash of u.
     std::optional<SampledLight> Sample(Float u) const;
     /// Discrete probability of a light, bit-identical to the `pmf` of a sample of it.
     Float PMF(LightId light) const;
@@ -96,7 +97,8 @@ class LightDistribution {
 
 /// Chooses the light that gets the shadow ray. Contract (house.md section 4, tests/contract): const after Prepare,
 /// except for its learner, if any; Sample's probability equals PMF exactly; probabilities sum to 1 (or less, when
-/// Sample may return nothing); they are positive wherever a light contributes; a choice takes one random number.
+/// Sample may return nothing); they are positive wherever a light contributes; a choice takes one random number, and a
+/// choice among tiles of a sky a part of the one for the point on the light.
 class LightSampler {
   public:
     virtual ~LightSampler() = default;
@@ -153,13 +155,7 @@ inline std::optional<SampledLight> LightDistribution::Sample(Float u, Point2 *uP
     return sampler_->Choose(*query_, weights_, u, uPoint);
 }
 inline std::optional<SampledLight> LightDistribution::Sample(Float u) const {
-    const auto bits = static_cast<uint32_t>(u * 0x1p24f);
-    uint32_t x = 0, y = 0;
-    for (uint32_t i = 0; i < 12; ++i) {
-        x |= (bits >> 2 * i & 1) << i;
-        y |= (bits >> (2 * i + 1) & 1) << i;
-    }
-    Point2 uPoint((static_cast<Float>(x) + 0.5f) * 0x1p-12f, (static_cast<Float>(y) + 0.5f) * 0x1p-12f);
+    Point2 uPoint(HashToFloat(Hash(u, 0)), HashToFloat(Hash(u, 1)));
     return Sample(u, &uPoint);
 }
 inline Float LightDistribution::PMF(LightId light) const { return sampler_->Probability(*query_, weights_, light); }

@@ -91,6 +91,7 @@ class Inspector {
     std::vector<InspectedLight> lights_;  ///< per group
     std::vector<size_t> shown_;           ///< groups whose visibility is shown, most power first
     size_t samplerLayers_ = 0;
+    std::vector<std::pair<LightId, std::vector<LightId>>> tiles_;  ///< of every sky those that the sampler chooses from
 };
 
 /// The name with every character but letters, digits and dots replaced by _, for EXR channels and files.
@@ -119,7 +120,7 @@ void Inspector::MakeLayers(Inspection &out) {
     for (const InspectedValue &v : values)
         add(Plain("sampler." + v.name), "reported by the sampler: " + v.name, 0, 0, v.isId);
     const double bits = std::log2(static_cast<double>(std::max<size_t>(groups_.Size(), 2)));
-    add("entropy", "entropy of the probabilities of the lights, in bits; a mesh counts as one light", 0, bits);
+    add("entropy", "entropy of the probabilities of the lights, in bits; a mesh or a sky counts as one light", 0, bits);
     add("brightest", "the light that contributes most, by its first id; magenta: no light contributes", 0, 0, true,
         true);
     add("brightest_probability", "probability of the light that contributes most; magenta: no light contributes", 0, 1);
@@ -184,6 +185,8 @@ void Inspector::LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &
     LightMemory memory;
     const LightDistribution lights = sampler_.At(query, memory);
     for (size_t l = 0; l < pmf.size(); ++l) pmf[l] = lights.PMF(LightId(l));
+    for (const auto &[sky, tiles] : tiles_)
+        for (LightId tile : tiles) pmf[sky.value] += lights.PMF(tile);
 
     double entropy = 0, greatest = 0, probability = 0, second = 0, root = 0;
     const InspectedLight *brightest = nullptr;
@@ -220,6 +223,7 @@ Inspection Inspector::Run(Progress &progress) {
     std::stable_sort(shown_.begin(), shown_.end(),
                      [&](size_t a, size_t b) { return lights_[a].power > lights_[b].power; });
     shown_.resize(std::min(shown_.size(), static_cast<size_t>(std::max(settings_.shownLights, 0))));
+    for (LightId sky : built_.scene->Lights().Skies()) tiles_.emplace_back(sky, sampler_.TilesOf(sky));
     MakeLayers(out);
     out.structure = sampler_.DescribeStructure();
     out.lights = lights_;

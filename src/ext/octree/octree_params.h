@@ -26,7 +26,7 @@ struct OctreeParams {
     int cut = 48;
     bool learn = true;
     int tiles = 128;
-    Float opensky = 0.1f;
+    Float opensky = 0.4f;
 
     template <class V>
     void Describe(V &&v) {
@@ -66,8 +66,8 @@ struct OctreeParams {
           "visibility: tiles of an infinite light that a cell of the octree tells apart, at least 16; 0: skies stay "
           "whole");
         v("opensky", opensky, Range<Float>{0.f, 1.f},
-          "visibility: skies stay whole if more than this share of the prepass's rays towards them leave the scene (a "
-          "twentieth of it where paths bounce), or if there are lamps; 1: they never stay whole");
+          "visibility: skies stay whole if more than this share of the prepass's rays towards them leave the scene (an "
+          "eightieth of it where paths bounce), or if there are lamps; 1: they never stay whole");
         v("meshlights", meshlights, "an emissive mesh is one light for selection");
     }
 };

@@ -25,7 +25,7 @@ constexpr int kLookAfter[] = {1, 2, 4, 8, 16, 32, 64};
 /// From this number of samples per pixel on, tiles are given up if next to no ray towards the skies left the scene.
 constexpr int kSamplesToJudge = 4;
 /// Where paths bounce, most of the noise is theirs, and tiles pay only where the sky is seen this much less.
-constexpr double kWithBounces = 0.05;
+constexpr double kWithBounces = 0.0125;
 /// The root of the number of shadow rays from a prepass vertex to each sky.
 constexpr int kSkySide = 4;
 /// At most this many shadow rays are kept from one learning to the next.

@@ -489,6 +489,12 @@ class Scene:
                        f'Integrator "{integrator}" "integer maxdepth" {maxdepth}']
         self.view, self.materials, self.used, self.textures, self.body, self.files = [], dict(MATERIALS), [], [], [], {}
         self.lights = 0
+        self.air = []
+        self.world_apart = False
+
+    def fog(self, parameters):
+        """Fills the space around the camera with a medium: pbrt parameters."""
+        self.air = [f'MakeNamedMedium "air" {parameters}', 'MediumInterface "" "air"']
 
     def camera(self, eye, look, fov, up=(0, 0, 1), lens=0.0, focus=0.0):
         """fov: degrees over the shorter side of the picture."""
@@ -553,14 +559,24 @@ class Scene:
             self.body.append(f'  "normal N" [ {"  ".join(numbers(n, 3) for n in mesh.normals)} ]')
         self.body.append(f'  "integer indices" [ {"  ".join("%d %d %d" % f for f in mesh.faces)} ]')
 
-    def text(self):
-        head = [f"# {self.about}", "# Written by make.py; metres, z up.", *self.view, self.film,
-                'PixelFilter "gaussian"', *self.render, "", "WorldBegin", *self.textures]
+    def head(self):
+        return [f"# {self.about}", "# Written by make.py; metres, z up.", *self.air, *self.view, self.film,
+                'PixelFilter "gaussian"', *self.render, "", "WorldBegin"]
+
+    def world(self):
         named = [f'MakeNamedMaterial "{name}" {self.materials[name]}' for name in self.used]
-        return "\n".join(head + named + self.body) + "\n"
+        return self.textures + named + self.body
+
+    def text(self):
+        return "\n".join(self.head() + self.world()) + "\n"
 
     def outputs(self):
-        return {f"{self.name}.pbrt": self.text().encode(), **self.files}
+        """With `world_apart`, what follows WorldBegin is a file of its own, which other scenes can include."""
+        if not self.world_apart:
+            return {f"{self.name}.pbrt": self.text().encode(), **self.files}
+        include = f'Include "{self.name}-world.inc"'
+        return {f"{self.name}.pbrt": ("\n".join([*self.head(), include]) + "\n").encode(),
+                f"{self.name}-world.inc": ("\n".join(self.world()) + "\n").encode(), **self.files}
 
     def main(self, script):
         """Writes the files beside the script; with --check compares instead and exits 1 if one differs."""

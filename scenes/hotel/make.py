@@ -126,4 +126,5 @@ for side in "we":
                 scene.add(box((x - .3, y - .3, H - .045), (x + .3, y + .3, H + .003)), f"lamp of {name}", "steel")
                 scene.light(panel(0.54, 0.54, 2, 2, down=True).at(x, y, H - 0.0465), 30, 4000 if k == 1 else 3200,
                             f"{name}, ceiling panel")
+scene.world_apart = True
 scene.main(__file__)

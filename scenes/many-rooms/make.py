@@ -516,4 +516,6 @@ if __name__ == "__main__":
     elif options.lights != LIGHTS or options.triangles:
         arguments.error("--lights and --triangles need --out")
     else:
-        make(LIGHTS).main(__file__)
+        scene = make(LIGHTS)
+        scene.world_apart = True
+        scene.main(__file__)

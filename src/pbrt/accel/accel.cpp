@@ -1,15 +1,13 @@
 #include "pbrt/accel/accel.h"
 
-#include <embree3/rtcore.h>
-
 #include <atomic>
 #include <bit>
-#include <set>
+#include <map>
 
+#include "pbrt/accel/embree_callbacks.h"
 #include "pbrt/accel/reach_error.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/memory.h"
-#include "pbrt/math/rng.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 
 namespace pbrt {
@@ -18,102 +16,6 @@ namespace {
 
 /// Embree's own bound on coordinates of vertices, ray origins and directions (its FLT_LARGE).
 constexpr Float kEmbreeReach = 1.844e18f;
-
-/// What Embree's callbacks know about a geometry.
-struct Geometry {
-    const Shape *shape = nullptr;
-    ShapeId id{};
-    const FloatTexture *alpha = nullptr;  ///< null: opaque
-    std::optional<Float> constantAlpha;
-    bool hitsOnce = false;  ///< a straight line meets each primitive at most once
-};
-
-/// Embree hands this back in every callback.
-struct QueryContext {
-    RTCIntersectContext base;
-    const Ray *ray;  ///< the ray of the query, before any instance transform
-    explicit QueryContext(const Ray &r) : ray(&r) {
-        rtcInitIntersectContext(&base);
-        base.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    }
-};
-
-/// Decides whether a surface with alpha stops the ray. Depends only on the ray of the query and on the identity of the
-/// hit, so closest-hit and occlusion queries agree, and layers along one ray are independent.
-bool StopsRay(const Geometry &g, const RTCIntersectContext *context, const RTCRay &localRay, uint32_t primitive,
-              const PrimitiveHit &hit) {
-    Float alpha;
-    if (g.constantAlpha) {
-        alpha = *g.constantAlpha;
-    } else {
-        TextureContext at;
-        at.p = Point3(localRay.org_x, localRay.org_y, localRay.org_z) +
-               Vector3(localRay.dir_x, localRay.dir_y, localRay.dir_z) * hit.t;
-        at.uv = g.shape->Uv(primitive, hit);
-        alpha = g.alpha->Evaluate(at);
-    }
-    if (alpha >= 1) return true;
-    if (alpha <= 0) return false;
-    const Ray &ray = *reinterpret_cast<const QueryContext *>(context)->ray;
-    Float u = g.hitsOnce ? 0 : hit.u, v = g.hitsOnce ? 0 : hit.v;
-    return HashFloat(ray.o, ray.d, g.id.value, primitive, context->instID[0], u, v) <= alpha;
-}
-
-void AlphaFilter(const RTCFilterFunctionNArguments *args) {
-    if (args->valid[0] == 0) return;
-    const Geometry &g = *static_cast<const Geometry *>(args->geometryUserPtr);
-    const RTCRay &ray = *reinterpret_cast<const RTCRay *>(args->ray);
-    const RTCHit &hit = *reinterpret_cast<const RTCHit *>(args->hit);
-    if (!StopsRay(g, args->context, ray, hit.primID, {ray.tfar, hit.u, hit.v})) args->valid[0] = 0;
-}
-
-void IgnoreHit(const RTCFilterFunctionNArguments *args) { args->valid[0] = 0; }
-
-/// Nearest hit that stops the ray, through Shape::Intersect.
-std::optional<PrimitiveHit> NearestHit(const Geometry &g, const RTCIntersectContext *context, const RTCRay &ray,
-                                       uint32_t primitive) {
-    Point3 o(ray.org_x, ray.org_y, ray.org_z);
-    Vector3 d(ray.dir_x, ray.dir_y, ray.dir_z);
-    Float tMin = ray.tnear;
-    while (std::optional<PrimitiveHit> hit = g.shape->Intersect(primitive, o, d, tMin, ray.tfar)) {
-        if (!g.alpha || StopsRay(g, context, ray, primitive, *hit)) return hit;
-        tMin = std::nextafter(hit->t, Infinity);
-    }
-    return {};
-}
-
-void UserBounds(const RTCBoundsFunctionArguments *args) {
-    const Geometry &g = *static_cast<const Geometry *>(args->geometryUserPtr);
-    Bounds3 b = g.shape->PrimitiveBounds(args->primID);
-    // Hits are found in double precision, box tests are made in float.
-    Vector3 margin = Gamma(8) * Max(Abs(b.low), Abs(b.high));
-    Point3 low = b.low - margin, high = b.high + margin;
-    *args->bounds_o = {low.x, low.y, low.z, 0, high.x, high.y, high.z, 0};
-}
-
-void UserIntersect(const RTCIntersectFunctionNArguments *args) {
-    if (args->valid[0] == 0) return;
-    const Geometry &g = *static_cast<const Geometry *>(args->geometryUserPtr);
-    RTCRayHit &query = *reinterpret_cast<RTCRayHit *>(args->rayhit);
-    std::optional<PrimitiveHit> hit = NearestHit(g, args->context, query.ray, args->primID);
-    if (!hit) return;
-    query.ray.tfar = hit->t;
-    query.hit.u = hit->u;
-    query.hit.v = hit->v;
-    query.hit.Ng_x = query.hit.Ng_y = query.hit.Ng_z = 0;  // not used
-    query.hit.primID = args->primID;
-    query.hit.geomID = args->geomID;
-    query.hit.instID[0] = args->context->instID[0];
-}
-
-void UserOccluded(const RTCOccludedFunctionNArguments *args) {
-    if (args->valid[0] == 0) return;
-    const Geometry &g = *static_cast<const Geometry *>(args->geometryUserPtr);
-    RTCRay &ray = *reinterpret_cast<RTCRay *>(args->ray);
-    if (NearestHit(g, args->context, ray, args->primID)) ray.tfar = -Infinity;
-}
-
-void NeverOccluded(const RTCOccludedFunctionNArguments *) {}
 
 bool CountMemory(void *counter, ssize_t bytes, bool) {
     static_cast<std::atomic<int64_t> *>(counter)->fetch_add(bytes, std::memory_order_relaxed);
@@ -206,7 +108,7 @@ struct Accel::Impl {
     std::vector<Group> objects;
     std::vector<Instance> instances;
     std::vector<Motion> motions;
-    std::set<uint32_t> shadowless;  ///< ids of the shapes that Occluded ignores
+    std::map<uint32_t, ShadowRays> shadowless;  ///< by id of the shapes that Occluded ignores
     bool anyMoves = false;
     Float startTime = 0, endTime = 1;  ///< of all moving instances
     bool committed = false;
@@ -282,7 +184,9 @@ struct Accel::Impl {
         if (!(geometry->constantAlpha && *geometry->constantAlpha >= 1)) geometry->alpha = alpha;
         if (shape.PrimitiveCount() == 0) return;
 
-        const bool casts = !shadowless.contains(id.value);
+        const auto passing = shadowless.find(id.value);
+        const ShadowCallbacks shadows =
+            CallbacksFor(passing == shadowless.end() ? ShadowRays::Blocked : passing->second, geometry->alpha);
         RTCGeometry g = nullptr;
         if (shape.Kind() == ShapeKind::TriangleMesh) {
             g = NewTriangles(static_cast<const TriangleMesh &>(shape));
@@ -297,15 +201,12 @@ struct Accel::Impl {
             rtcSetGeometryBoundsFunction(
                 g, [](const RTCBoundsFunctionArguments *a) { UserBounds(a); }, nullptr);
             rtcSetGeometryIntersectFunction(g, UserIntersect);
-            rtcSetGeometryOccludedFunction(g, casts ? UserOccluded : NeverOccluded);
+            rtcSetGeometryOccludedFunction(g, shadows.userGeometry);
         }
         rtcSetGeometryUserData(g, geometry.get());
         if (geometry->hitsOnce) {
             if (geometry->alpha) rtcSetGeometryIntersectFilterFunction(g, AlphaFilter);
-            if (!casts)
-                rtcSetGeometryOccludedFilterFunction(g, IgnoreHit);
-            else if (geometry->alpha)
-                rtcSetGeometryOccludedFilterFunction(g, AlphaFilter);
+            if (shadows.filter) rtcSetGeometryOccludedFilterFunction(g, shadows.filter);
         }
         Attach(group, g, std::move(geometry), -1);
     }
@@ -386,7 +287,9 @@ struct Accel::Impl {
 Accel::Accel(const Options &options) : impl_(std::make_unique<Impl>(options)) {}
 Accel::~Accel() = default;
 
-void Accel::LetShadowRaysThrough(ShapeId id) { impl_->shadowless.insert(id.value); }
+void Accel::LetShadowRaysThrough(ShapeId id, bool tell) {
+    impl_->shadowless[id.value] = tell ? ShadowRays::Told : ShadowRays::Passed;
+}
 
 void Accel::AddShape(ShapeId id, const Shape &shape, const FloatTexture *alpha) {
     impl_->Add(impl_->top, id, shape, alpha);
@@ -482,13 +385,17 @@ std::optional<AccelHit> Accel::Intersect(const Ray &ray, Float tMin) const {
     return hit;
 }
 
-bool Accel::Occluded(const Ray &ray) const {
+bool Accel::Occluded(const Ray &ray, PassedHits *passed) const {
     if (!impl_->IsRay(ray)) [[unlikely]]
         return true;
-    QueryContext context(ray);
+    QueryContext context(ray, passed);
     RTCRay query = ToEmbree(ray, impl_->EmbreeTime(ray.time));
     rtcOccluded1(impl_->top.scene, &context.base, &query);
-    return query.tfar < 0;
+    if (query.tfar < 0) return true;
+    if (passed)
+        for (AccelHit &hit : passed->Hits())
+            if (hit.instance >= 0) hit.instance = impl_->top.instances[static_cast<size_t>(hit.instance)];
+    return false;
 }
 
 Transform Accel::InstanceTransform(int instance, Float time) const {

@@ -4,20 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "pbrt/core/ids.h"
+#include "pbrt/accel/passed_hits.h"
 #include "pbrt/math/animated_transform.h"
-#include "pbrt/shapes/shape.h"
 #include "pbrt/textures/texture.h"
 
 namespace pbrt {
-
-/// What the accelerator reports: which primitive, where on it, and in which instance.
-struct AccelHit {
-    ShapeId shape{};
-    uint32_t primitive = 0;
-    PrimitiveHit hit{};
-    int32_t instance = -1;  ///< -1: placed directly in the scene
-};
 
 /// All ray queries, through Embree. Shapes are traced where they lie (rendering space) or, grouped into objects,
 /// through instances. A surface with an alpha texture is hit with probability alpha, by a hash of the ray that is the
@@ -35,8 +26,9 @@ class Accel {
     Accel(const Accel &) = delete;
     Accel &operator=(const Accel &) = delete;
 
-    /// Occluded will ignore this shape, Intersect will not. To be called before the shape is added.
-    void LetShadowRaysThrough(ShapeId id);
+    /// Occluded will not be stopped by this shape, Intersect will. To be called before the shape is added.
+    /// `tell`: Occluded reports where the ray passes the shape.
+    void LetShadowRaysThrough(ShapeId id, bool tell = false);
     /// To be called before Commit. `alpha` may be null. Shapes and textures must outlive the Accel.
     void AddShape(ShapeId id, const Shape &shape, const FloatTexture *alpha);
     /// Shapes of an object definition; returns its index.
@@ -58,7 +50,9 @@ class Accel {
     /// away.
     std::optional<AccelHit> Intersect(const Ray &ray, Float tMin = 0) const;
     /// True if anything lies strictly inside (0, ray.tMax), or if Embree cannot trace the ray.
-    bool Occluded(const Ray &ray) const;
+    /// `passed`, if not null, must be empty; unless the ray is blocked, it receives the hits that Intersect would find
+    /// on shapes that let shadow rays through and are to tell.
+    bool Occluded(const Ray &ray, PassedHits *passed = nullptr) const;
     /// The transform of the instance at a time, as rays of that time meet it.
     Transform InstanceTransform(int instance, Float time) const;
     size_t Bytes() const;  ///< as counted by Embree's memory monitor

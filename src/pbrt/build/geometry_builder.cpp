@@ -260,7 +260,8 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
             record.firstLight = LightId(firstLight.value + emitters);
             emitters += record.shape->PrimitiveCount();
         }
-        if (interface && !interfacesBlock_) parts_.accel->LetShadowRaysThrough(id);
+        if (interface && !interfacesBlock_)
+            parts_.accel->LetShadowRaysThrough(id, record.insideMedium != record.outsideMedium);
         parts_.shapes.push_back(std::move(record));
         const ShapeRecord &kept = parts_.shapes.back();
         if (w.motion)

@@ -47,12 +47,17 @@ ShadowTransmittance TraceShadow(const Scene &scene, const LightSampleContext &fr
                                 const LightLiSample &to, const SampledWavelengths &lambda, Rng &rng) {
     const Ray ray = Scene::ShadowRay(from, to);
     ShadowTransmittance through;
-    if (scene.Occluded(ray)) return through;
+    PassedHits passed;
+    if (scene.Occluded(ray, &passed)) return through;
     through.value = SampledSpectrum(1);
     const Float length = Length(ray.d);
     Float begin = 0;
-    for (;;) {
-        const std::optional<Scene::Interface> interface = scene.NextInterface(ray, begin);
+    for (const AccelHit *next = passed.Hits().data(), *last = next + passed.Hits().size();;) {
+        std::optional<Scene::Interface> interface;
+        if (next != last)
+            interface = scene.InterfaceAt(*next++, ray);
+        else if (passed.HasDropped())
+            interface = scene.NextInterface(ray, begin);
         const Float end = interface ? interface->t : ray.tMax;
         if (const Medium *m = scene.MediumAt(medium)) {
             Ray part;

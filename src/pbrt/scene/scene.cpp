@@ -112,14 +112,14 @@ std::optional<Scene::Interface> Scene::NextInterface(const Ray &ray, Float tMin)
         if (record.insideMedium == record.outsideMedium) continue;
         const Material *material = record.material ? parts_.materials[record.material.value].get() : nullptr;
         if (!material || !material->IsInterface()) continue;
-        return Interface{hit->hit.t, SurfaceAt(*hit, ray).MediumTowards(ray.d)};
+        return InterfaceAt(*hit, ray);
     }
 }
 
-bool Scene::Occluded(const Ray &ray) const {
+bool Scene::Occluded(const Ray &ray, PassedHits *passed) const {
     RenderCounters &counters = ThreadCounters();
     ++counters.shadowRays;
-    bool blocked = parts_.accel->Occluded(ray);
+    bool blocked = parts_.accel->Occluded(ray, passed);
     counters.shadowRaysBlocked += blocked;
     return blocked;
 }

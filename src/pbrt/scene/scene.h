@@ -52,7 +52,7 @@ class Scene {
     bool Occluded(const LightSampleContext &from, const LightLiSample &to) const {
         return Occluded(ShadowRay(from, to));
     }
-    bool Occluded(const Ray &ray) const;
+    bool Occluded(const Ray &ray) const { return Occluded(ray, nullptr); }
     /// The segment between both points as a ray that ends just before the light; its direction has no unit length.
     static Ray ShadowRay(const LightSampleContext &from, const LightLiSample &to);
     /// A surface between media on a ray, and the medium behind it.
@@ -60,7 +60,13 @@ class Scene {
         Float t = 0;
         MediumId behind{};
     };
-    /// The first such surface behind `tMin` that shadow rays pass.
+    /// Like Occluded; if the ray is not blocked, `passed` receives the surfaces between media that it passes.
+    bool Occluded(const Ray &ray, PassedHits *passed) const;
+    Interface InterfaceAt(const AccelHit &passed, const Ray &ray) const {
+        return {passed.hit.t, SurfaceAt(passed, ray).MediumTowards(ray.d)};
+    }
+    /// The first such surface behind `tMin` that shadow rays pass, for rays that pass more of them than PassedHits
+    /// holds.
     std::optional<Interface> NextInterface(const Ray &ray, Float tMin) const;
 
     const LightTable &Lights() const { return *parts_.lights; }

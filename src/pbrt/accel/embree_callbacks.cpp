@@ -120,9 +120,12 @@ void AlphaFilter(const RTCFilterFunctionNArguments *args) {
 
 ShadowCallbacks CallbacksFor(ShadowRays what, bool hasAlpha) {
     switch (what) {
-        case ShadowRays::Blocked: return {hasAlpha ? AlphaFilter : nullptr, UserOccluded};
-        case ShadowRays::Passed: return {IgnoreHit, NeverOccluded};
-        case ShadowRays::Told: return {TellHit, TellHits};
+        case ShadowRays::Blocked:
+            return {hasAlpha ? AlphaFilter : nullptr, UserOccluded};
+        case ShadowRays::Passed:
+            return {IgnoreHit, NeverOccluded};
+        case ShadowRays::Told:
+            return {TellHit, TellHits};
     }
     return {};
 }

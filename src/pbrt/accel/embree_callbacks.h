@@ -43,7 +43,7 @@ void AlphaFilter(const RTCFilterFunctionNArguments *args);
 
 /// What occlusion queries do at a geometry.
 struct ShadowCallbacks {
-    RTCFilterFunctionN filter;           ///< for primitives that Embree knows; may be null
+    RTCFilterFunctionN filter;          ///< for primitives that Embree knows; may be null
     RTCOccludedFunctionN userGeometry;  ///< for all others
 };
 ShadowCallbacks CallbacksFor(ShadowRays what, bool hasAlpha);

@@ -16,9 +16,9 @@ struct AccelHit {
     int32_t instance = -1;  ///< -1: placed directly in the scene
 };
 
-/// The nearest surfaces that a shadow ray passes without being stopped, in their order along the ray, in memory of fixed
-/// size. Of hits at the same distance one is kept: the edge between two triangles is crossed once, and a primitive that
-/// lies in several boxes of the accelerator is reported several times.
+/// The nearest surfaces that a shadow ray passes without being stopped, in their order along the ray, in memory of
+/// fixed size. Of hits at the same distance one is kept: the edge between two triangles is crossed once, and a
+/// primitive that lies in several boxes of the accelerator is reported several times.
 class PassedHits {
   public:
     static constexpr int kMaxHits = 8;

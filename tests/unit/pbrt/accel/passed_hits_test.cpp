@@ -32,8 +32,8 @@ struct TellingScene {
         }
         const int object = accel.AddObject(ids, pointers, alphas);
         for (int i = 0; i < 20; ++i)
-            accel.AddInstance(object, Transform::Rotate(static_cast<Float>(18 * i), {1, 2, 3}) *
-                                          Transform::Scale({1.2f, .9f, 1.1f}));
+            accel.AddInstance(
+                object, Transform::Rotate(static_cast<Float>(18 * i), {1, 2, 3}) * Transform::Scale({1.2f, .9f, 1.1f}));
         accel.Commit();
     }
 };

@@ -33,8 +33,20 @@ struct PathParams : DepthParams {
     }
 };
 
+struct VolPathParams : PathParams {
+    bool equiangular = false;
+    template <class V>
+    void Describe(V &&v) {
+        PathParams::Describe(v);
+        v("equiangular", equiangular,
+          "in a homogeneous medium also send a shadow ray from every segment up to the first scattering, from a place "
+          "drawn for the light that was chosen (only here)");
+    }
+};
+
 /// Without media volpath is path with subsurface scattering and with light sampling through interface surfaces.
-IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume) {
+IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume,
+                            bool equiangular = false) {
     const LightFlags flags{r.options.lightSampler, r.options.meshLights, r.options.shadowGate,
                            r.options.lightSamplerFlag, r.options.shadowGateFlag};
     IntegratorSettings settings;
@@ -45,6 +57,7 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
     path.maxDepth = settings.maxDepth;
     path.regularize = p.regularize;
     path.seesThroughInterfaces = isVolume;
+    path.equiangular = equiangular;
     path.sampledLightOnly = r.options.sampledLightOnly;
     settings.make = [path, isVolume, &registry = r.registry, lights = *settings.lights](
                         const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
@@ -113,9 +126,9 @@ const IntegratorTable &Integrators() {
             "([lightsamplers.md](lightsamplers.md)); **differs**: an unknown light sampler is an error (stock "
             "uses bvh)",
             [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, false); });
-        t.Add<PathParams>("volpath",
-                          "as path, with media and subsurface scattering, and shadow rays pass \"interface\"",
-                          [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, true); });
+        t.Add<VolPathParams>(
+            "volpath", "as path, with media and subsurface scattering, and shadow rays pass \"interface\"",
+            [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, true, p.equiangular); });
         AddSimple<SimplePathParams>(
             t, "simplepath", [](const auto &p, int depth, const PathContext &c, const ColorSpace &) {
                 return std::make_unique<SimplePathIntegrator>(c, depth, p.sampleLights, p.sampleBsdf);

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "pbrt/integrators/path_integrator.h"
+#include "pbrt/integrators/segment_lights.h"
 #include "pbrt/paths/medium_track.h"
 
 namespace pbrt {
@@ -10,6 +11,12 @@ namespace pbrt {
 /// media are drawn by delta tracking, shadow rays are weakened by ratio tracking; light sampling, scattering and the
 /// wavelengths that could have drawn a distance are combined by the balance heuristic (SpectralWeights). Scenes without
 /// media are rendered by PathIntegrator.
+///
+/// PathSettings::equiangular: a third way to find light in media that are the same all along a segment of the path, one
+/// of the balance heuristic as well. The lights are weighed at a place drawn on the segment, one is chosen, and the
+/// shadow ray to it starts at a place drawn for that light (SegmentDistances). What delta tracking does with the
+/// segment does not matter, so that thin fog, which most paths pass without a collision, is lit by all of them. It is
+/// done up to the first scattering.
 class VolPathIntegrator final : public PixelIntegrator {
   public:
     VolPathIntegrator(const PathContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
@@ -18,7 +25,9 @@ class VolPathIntegrator final : public PixelIntegrator {
           settings_(settings),
           lights_(std::move(lights)),
           gate_(std::move(gate)),
-          learner_(lights_->Learner()) {}
+          learner_(lights_->Learner()) {
+        if (settings_.equiangular) segments_.emplace(context_.scene.Lights());
+    }
 
     void Prepare(PrepareContext &prepare) override {
         lights_->Prepare(prepare);
@@ -36,6 +45,7 @@ class VolPathIntegrator final : public PixelIntegrator {
     std::unique_ptr<LightSampler> lights_;
     std::unique_ptr<ShadowRayGate> gate_;
     LightLearner *learner_;
+    std::optional<SegmentDistances> segments_;
 };
 
 /// Path tracing through media and interface surfaces without light sampling, at one wavelength: simple enough to check

@@ -323,5 +323,49 @@ FILMS = [
                   'Shape "sphere" "float radius" .4 AttributeEnd'),
 ]
 
+
+
+def medium(name, title, parameters, shape='Shape "sphere"', more="", **others):
+    """A medium inside a shape that is no surface."""
+    others.setdefault("integrator", 'Integrator "volpath" "integer maxdepth" 60')
+    return Picture(name, title, f'Translate 0 0 1 {more}\nMakeNamedMedium "m" {parameters}\nMediumInterface "m" ""\n'
+                   f'Material "interface"\n{shape}', times=4, **others)
+
+
+def densities(count, value):
+    """Values on a grid of count voxels a side; value(x, y, z) with coordinates from -1 to 1."""
+    at = [(2 * i + 1) / count - 1 for i in range(count)]
+    return numbers(round(value(x, y, z), 3) for z in at for y in at for x in at)
+
+
+BOX = '"point3 p0" [ -1 -1 -1 ] "point3 p1" [ 1 1 1 ]'
+WHITE = '"rgb sigma_a" [ 0 0 0 ] "rgb sigma_s"'
+GLASS_BALL = ('MakeNamedMedium "m" "string type" "homogeneous" "string preset" "{}" "float scale" {}\nMediumInterface "m" ""\n'
+              'Material "dielectric" "float eta" 1.4\nTranslate 0 0 1 Shape "sphere"')
+MEDIA = [
+    medium("medium-even", "homogeneous", f'"string type" "homogeneous" {WHITE} [ 1.5 1.2 .8 ]'),
+    medium("medium-forward", "homogeneous, g 0.8", f'"string type" "homogeneous" {WHITE} [ 4 4 4 ] "float g" .8'),
+    medium("medium-absorbs", "homogeneous, absorption only",
+           '"string type" "homogeneous" "rgb sigma_s" [ 0 0 0 ] "rgb sigma_a" [ .3 .8 1.6 ]'),
+    Picture("medium-preset", "preset Apple in a body of glass", GLASS_BALL.format("Apple", 4), times=4,
+            integrator='Integrator "volpath" "integer maxdepth" 100'),
+    medium("medium-grid", "uniformgrid", f'"string type" "uniformgrid" "integer nx" 12 "integer ny" 12 "integer nz" 12 {BOX} '
+           f'{WHITE} [ 9 9 9 ] "float density" [ '
+           + densities(12, lambda x, y, z: max(0, 1 - abs(math.hypot(x, y) - .6) * 5) * max(0, 1 - z * z)) + " ]"),
+    medium("medium-rgbgrid", "rgbgrid", f'"string type" "rgbgrid" "integer nx" 4 "integer ny" 4 "integer nz" 4 {BOX} '
+           '"float scale" 8 "rgb sigma_a" [ ' + numbers([0] * 192) + ' ] "rgb sigma_s" [ '
+           + numbers(c for i in range(64) for c in ((1, .2, .1), (.2, .9, .2), (.15, .3, 1))[(i + i // 4 + i // 16) % 3]) + " ]"),
+    medium("medium-cloud", "cloud", f'"string type" "cloud" {BOX} {WHITE} [ 14 14 14 ] "float density" .8 "float g" .5',
+           more="Rotate 90 1 0 0"),
+    medium("medium-temperature", "uniformgrid with temperatures", '"string type" "uniformgrid" "integer nx" 8 "integer ny" 8 '
+           f'"integer nz" 8 {BOX} "rgb sigma_a" [ 4 4 4 ] "rgb sigma_s" [ 1 1 1 ] "float density" [ '
+           + densities(8, lambda x, y, z: max(0, 1 - math.hypot(x, y) / (.7 - .5 * z) * .9)) + ' ] "float temperature" [ '
+           + densities(8, lambda x, y, z: 1750 - 450 * z) + " ]"),
+    Picture("medium-fog", "fog around the camera", f"{GREY}\n{KNOT}", times=4, floor=FLOOR,
+            camera='MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [ .005 .005 .005 ] "rgb sigma_s" [ .06 .06 .06 ]\n'
+                   f'MediumInterface "fog" "fog"\n{CAMERA}',
+            integrator='Integrator "volpath" "integer maxdepth" 12'),
+]
+
 GROUPS = [("Shapes", SHAPES), ("Materials", MATERIALS), ("Textures", TEXTURES), ("Lights", LIGHTS),
-          ("Cameras", CAMERAS), ("Film and tools", FILMS)]
+          ("Media", MEDIA), ("Cameras", CAMERAS), ("Film and tools", FILMS)]

@@ -12,13 +12,14 @@ class LightTable;
 /// A stretch of a ray in a medium that is the same all along it.
 struct MediumStretch {
     Ray ray;
-    Float tMax = 0;              ///< may be infinite
-    MediumCoefficients medium;   ///< per unit of length
-    Float meanExtinction = 0;    ///< of the path's wavelengths
+    Float tMax = 0;             ///< may be infinite
+    MediumCoefficients medium;  ///< per unit of length
+    Float meanExtinction = 0;   ///< of the path's wavelengths
 
     /// Transmittance times scattering, per unit of length: the density with which delta tracking scatters at t.
     SampledSpectrum ScatteringAt(Float t) const {
-        const SampledSpectrum transmittance = (medium.absorption + medium.scattering).Map([t](Float sigma) { return std::exp(-sigma * t); });
+        const SampledSpectrum transmittance =
+            (medium.absorption + medium.scattering).Map([t](Float sigma) { return std::exp(-sigma * t); });
         return transmittance * medium.scattering;
     }
 };

@@ -36,10 +36,9 @@ struct Scattering {
     Float pdf = 0;
 };
 
-Rng SeededBy(Sampler &sampler) {
-    const Float a = sampler.Get1D(), b = sampler.Get1D();
-    return Rng(Hash(a, b));
-}
+/// The numbers for all that happens on a ray through a medium but the first distance, which `u` decides. They come from
+/// the ray itself, because dimensions of a sampler take more time and would be of no use there.
+Rng NumbersAlong(const Ray &ray, Float u) { return Rng(Hash(ray.o, ray.d, u)); }
 
 }  // namespace
 
@@ -229,7 +228,7 @@ bool VolPathIntegrator::Path::PassMedium(bool *scattered) {
     }
     const SampledSpectrum ruBefore = weights.ru;
     const Float u = sampler.Get1D();
-    Rng rng = SeededBy(sampler);
+    Rng rng = NumbersAlong(walk.GetRay(), u);
     // Emission between the last vertices that a path may have is left out, as in stock pbrt-v4.
     const bool emits = depth < integrator.settings_.maxDepth && !integrator.settings_.sampledLightOnly;
     const MediumEvent event =
@@ -261,7 +260,7 @@ bool VolPathIntegrator::Path::PassMedium(bool *scattered) {
     if (!(sample.p > 0)) return false;
     const SampledSpectrum rs = weights.rs / sample.p;
     LeftVertexBy(sample.p);
-    if (segment->isOn) weights.rs = rs;
+    if (segmentBefore->isOn) weights.rs = rs;  // the segment that has just become the one before
     walk.ScatterInMedium(p, sample.wi);
     *scattered = true;
     return true;
@@ -386,7 +385,7 @@ SampledSpectrum SimpleVolPathIntegrator::Li(const PathStart &start, SampledWavel
         if (const Medium *medium = walk.MediumAhead()) {
             const Ray &ray = walk.GetRay();
             const Float u = sampler.Get1D();
-            Rng rng = SeededBy(sampler);
+            Rng rng = NumbersAlong(ray, u);
             const MediumEvent event = walk.ThroughMedium(lambda, u, rng, true, weights,
                                                          [&](const SampledSpectrum &radiance) { L += radiance; });
             if (event.kind == MediumEvent::Kind::Absorbed) break;

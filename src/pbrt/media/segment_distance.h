@@ -51,7 +51,8 @@ class EquiangularDistance {
 /// Density per unit of length. tMax may be infinite if sigma (extinction per unit of length) is above 0.
 class TransmittanceDistance {
   public:
-    TransmittanceDistance(Float sigma, Float tMax) : sigma_(sigma), tMax_(tMax), absorbed_(-std::expm1(-sigma * tMax)) {}
+    TransmittanceDistance(Float sigma, Float tMax)
+        : sigma_(sigma), tMax_(tMax), absorbed_(-std::expm1(-sigma * tMax)) {}
     bool IsValid() const { return absorbed_ > 0; }
     Float Sample(Float u) const { return std::min(-std::log1p(-u * absorbed_) / sigma_, tMax_); }
     Float Pdf(Float t) const { return sigma_ * std::exp(-sigma_ * t) / absorbed_; }

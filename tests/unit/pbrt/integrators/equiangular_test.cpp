@@ -29,10 +29,15 @@ const char *const kLamps =
     "Translate .5 .3 2\nShape \"sphere\" \"float radius\" .1\nAttributeEnd\n"
     "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [2 4 9] \"bool twosided\" true\n"
     "Shape \"bilinearmesh\" \"point3 P\" [-2 -1 1  -1 -1 1  -2 1 1.5  -1 1 1.5]\nAttributeEnd\n";
+/// Out of view, because light sampled at the places of delta tracking has no finite variance around them.
 const char *const kPoints =
-    "LightSource \"point\" \"point3 from\" [-.4 .2 1.5] \"rgb I\" [1 2 3]\n"
+    "LightSource \"point\" \"point3 from\" [-2.4 .2 1.5] \"rgb I\" [1 2 3]\n"
     "LightSource \"spot\" \"point3 from\" [1.5 0 2] \"point3 to\" [-1 0 1.5] \"rgb I\" [9 9 4] \"float coneangle\" 12\n"
     "LightSource \"distant\" \"point3 from\" [1 1 3] \"rgb L\" [.3 .2 .1]\n";
+/// It fills the view, so that phase functions find it as well as light sampling does.
+const char *const kPanel =
+    "AreaLightSource \"diffuse\" \"rgb L\" [3 2 1] \"bool twosided\" true\nMaterial \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
+    "ReverseOrientation\nShape \"bilinearmesh\" \"point3 P\" [-3 -3 0  3 -3 0  -3 3 0  3 3 0]\n";
 const char *const kEven = "\"rgb sigma_s\" [.2 .2 .2] \"rgb sigma_a\" [.02 .02 .02] \"float g\" .5";
 const char *const kColoured = "\"rgb sigma_s\" [.1 .3 .9] \"rgb sigma_a\" [.4 .1 0] \"float g\" -.3";
 
@@ -60,8 +65,9 @@ TEST(Equiangular, HasTheMeanOfDeltaTracking) {
     const std::string sky = "LightSource \"infinite\" \"rgb L\" [.4 .5 .6]\n";
     const Case cases[] = {
         {"lamps", kEven, kLamps + std::string(kWall), "bvh", 3},
-        {"points", kEven, kPoints + std::string(kWall), "uniform", 2},
-        {"coloured", kColoured, kLamps + std::string(kPoints) + kWall, "power", 2},
+        {"points", kEven, kPoints + std::string(kWall), "uniform", 1},
+        {"coloured", kColoured, kLamps + std::string(kPoints) + kWall, "power", 1},
+        {"large", "\"rgb sigma_s\" [.9 .6 .4] \"rgb sigma_a\" [0 .1 .3] \"float g\" .7", kPanel, "bvh", 1},
         {"sky", kColoured, sky + kLamps, "bvh", 3},
     };
     for (const Case &c : cases) {
@@ -102,8 +108,7 @@ TEST(Equiangular, GridsAreRenderedAsWithoutIt) {
         "WorldBegin\nLightSource \"point\" \"point3 from\" [0 2 2] \"rgb I\" [9 9 9]\nMakeNamedMedium \"m\" \"string "
         "type\" \"cloud\" \"point3 p0\" [-1 -1 -1] \"point3 p1\" [1 1 1]\nMediumInterface \"m\" \"\"\nMaterial "
         "\"interface\"\nShape \"sphere\"\n";
-    const Image a = RenderText(head + "\"bool equiangular\" true\n" + world).image,
-                b = RenderText(head + world).image;
+    const Image a = RenderText(head + "\"bool equiangular\" true\n" + world).image, b = RenderText(head + world).image;
     for (int y = 0; y < 8; ++y)
         for (int x = 0; x < 8; ++x)
             for (int c = 0; c < 3; ++c) ASSERT_EQ(a.Get({x, y}, c), b.Get({x, y}, c));

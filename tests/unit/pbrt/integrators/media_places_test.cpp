@@ -36,10 +36,11 @@ const std::string kFilled = "MediumInterface \"m\" \"\"\nMaterial \"interface\"\
 
 TEST(MediaInPlaces, AFurnaceInAnInstanceIsInvisible) {
     const double sky = Green(View(kSky, "volpath", 1000, 4)).mean;
-    const std::string instances = kSky + kFog + "ObjectBegin \"ball\"\n" + kFilled +
-                                  "ObjectEnd\nAttributeBegin\nTranslate .3 0 0\nScale .5 .7 .9\nObjectInstance \"ball\"\n"
-                                  "AttributeEnd\nAttributeBegin\nTranslate -.3 .1 -3\nScale -.8 1 1\nObjectInstance "
-                                  "\"ball\"\nAttributeEnd\n";
+    const std::string instances =
+        kSky + kFog + "ObjectBegin \"ball\"\n" + kFilled +
+        "ObjectEnd\nAttributeBegin\nTranslate .3 0 0\nScale .5 .7 .9\nObjectInstance \"ball\"\n"
+        "AttributeEnd\nAttributeBegin\nTranslate -.3 .1 -3\nScale -.8 1 1\nObjectInstance "
+        "\"ball\"\nAttributeEnd\n";
     const RunningStatistics s = Green(View(instances, "volpath", 1000, 128));
     EXPECT_LT(std::abs(s.mean / sky - 1), 4 * s.StandardError() / sky + 1e-4);
     EXPECT_LT(s.StandardError(), .01 * sky);
@@ -47,14 +48,16 @@ TEST(MediaInPlaces, AFurnaceInAnInstanceIsInvisible) {
 
 TEST(MediaInPlaces, AMovingFurnaceIsInvisible) {
     const double sky = Green(View(kSky, "volpath", 1000, 4)).mean;
-    const std::string moving = kSky + kFog + "ActiveTransform EndTime\nTranslate .7 .2 0\nActiveTransform All\n" + kFilled;
+    const std::string moving =
+        kSky + kFog + "ActiveTransform EndTime\nTranslate .7 .2 0\nActiveTransform All\n" + kFilled;
     const RunningStatistics s = Green(View(moving, "volpath", 1000, 128));
     EXPECT_LT(std::abs(s.mean / sky - 1), 4 * s.StandardError() / sky + 1e-4);
     EXPECT_LT(s.StandardError(), .01 * sky);
 }
 
 TEST(MediaInPlaces, AnInstanceThatIsStretchedHoldsMoreOfTheMedium) {
-    // What absorbs is per unit of length of the world, so a slab of thickness 1 that is stretched twofold takes 2 units.
+    // What absorbs is per unit of length of the world, so a slab of thickness 1 that is stretched twofold takes 2
+    // units.
     const std::string absorbing =
         "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.6 .6 .6] \"rgb sigma_s\" [0 0 0]\n";
     const std::string slab =
@@ -63,8 +66,8 @@ TEST(MediaInPlaces, AnInstanceThatIsStretchedHoldsMoreOfTheMedium) {
         "Shape \"bilinearmesh\" \"point3 P\" [-4 -4 -.5  4 -4 -.5  -4 4 -.5  4 4 -.5]\nObjectEnd\n";
     const double sky = Green(View(kSky, "volpath", 5, 4)).mean;
     for (const char *integrator : {"volpath", "simplevolpath"}) {
-        const RunningStatistics s = Green(
-            View(kSky + absorbing + slab + "Scale 1 1 2\nObjectInstance \"slab\"\n", integrator, 5, 256));
+        const RunningStatistics s =
+            Green(View(kSky + absorbing + slab + "Scale 1 1 2\nObjectInstance \"slab\"\n", integrator, 5, 256));
         EXPECT_LT(std::abs(s.mean / sky - std::exp(-1.2)), 4 * s.StandardError() / sky + 1e-4) << integrator;
         EXPECT_LT(s.StandardError(), .01 * sky);
     }
@@ -93,12 +96,13 @@ TEST(MediaInPlaces, AGridOfTemperaturesGlowsAsQuadratureSays) {
             temperatures += fmt::format(" {}", kelvins[size_t(i / 4)]);
             densities += i < 4 || i >= 20 ? " 0" : " 1";
         }
-        return View("MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"integer nx\" 2 \"integer ny\" 2 \"integer nz\" "
-                    "6 \"float density\" [" +
-                        densities + " ] \"float temperature\" [" + temperatures +
-                        " ] \"rgb sigma_a\" [1.2 1.2 1.2] \"rgb sigma_s\" [0 0 0] \"point3 p0\" [-3 -3 -1] \"point3 p1\" "
-                        "[3 3 1]\nMediumInterface \"m\" \"\"\nMaterial \"interface\"\nShape \"sphere\" \"float radius\" 2.9\n",
-                    "volpath", 5, 1024);
+        return View(
+            "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"integer nx\" 2 \"integer ny\" 2 \"integer nz\" "
+            "6 \"float density\" [" +
+                densities + " ] \"float temperature\" [" + temperatures +
+                " ] \"rgb sigma_a\" [1.2 1.2 1.2] \"rgb sigma_s\" [0 0 0] \"point3 p0\" [-3 -3 -1] \"point3 p1\" "
+                "[3 3 1]\nMediumInterface \"m\" \"\"\nMaterial \"interface\"\nShape \"sphere\" \"float radius\" 2.9\n",
+            "volpath", 5, 1024);
     };
     const double kSigma = 1.2;
     struct Place {

@@ -17,7 +17,7 @@ scene.add(join(box((-.3, 2, 0), (.3, 2.6, 1.7)), box((-.4, 1.9, 1.7), (.4, 2.7, 
 
 
 def cloud(name, centre, size, density, frequency):
-    """Its own box is the unit cube with y up; a puff of balls is cut out of it."""
+    """Its own box is the unit cube with y up; an ellipsoid is cut out of it."""
     scene.raw(f'AttributeBegin\nTranslate {numbers(centre)}\nScale {numbers(size)}\nRotate 90 1 0 0\nTranslate -.5 -.5 -.5\n'
               f'MakeNamedMedium "{name}" "string type" "cloud" "float density" {number(density)} "float wispiness" .6 '
               f'"float frequency" {number(frequency)} "rgb sigma_s" [ 12 12 12 ] "rgb sigma_a" [ 0 0 0 ] "float g" .6\n'

@@ -27,7 +27,7 @@ for k in range(9):
     scene.add(sphere(.1, 2).at(.42 * math.cos(a), .42 * math.sin(a), .06), f"stone {k}", "stone")
 for k, (x, y, turn) in enumerate([(-1.5, .2, 80), (1.5, -.1, 100), (.2, 1.1, 5)]):
     scene.add(cylinder(.13, -.5, .5, 20).turn(90, "y").turn(turn).at(x, y, .13), f"log {k}", "log")
-# The flames do not light by shadow rays, but whoever follows a path meets them.
+# Shadow rays do not find the light of flames; only paths that pass through the flames do.
 scene.raw('MakeNamedMedium "smoke" "string type" "nanovdb" "string filename" "smoke.nvdb" "rgb sigma_s" [ 4 4 4 ] "rgb sigma_a" [ 1.5 1.6 1.8 ] "float g" .2 '
           '"float Lescale" 6 "float temperaturecutoff" 400')
 scene.raw('AttributeBegin\nMediumInterface "smoke" ""\nMaterial "interface"')

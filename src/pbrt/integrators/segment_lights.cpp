@@ -18,15 +18,12 @@ const SegmentDistances::Place *SegmentDistances::PlaceOf(LightId light) const {
 SegmentDistances::Sample SegmentDistances::Draw(const MediumStretch &stretch, LightId light, Float u) const {
     const TransmittanceDistance byTransmittance(stretch.meanExtinction, stretch.tMax);
     if (!byTransmittance.IsValid()) return {};
+    Float t = byTransmittance.Sample(u);
     if (const Place *place = PlaceOf(light)) {
         const EquiangularDistance byAngle(stretch.ray, stretch.tMax, place->center, place->radius);
-        if (byAngle.IsValid()) {
-            const Float t = u < 0.5f ? byAngle.Sample(2 * u) : byTransmittance.Sample(2 * u - 1);
-            return {t, (byAngle.Pdf(t) + byTransmittance.Pdf(t)) / 2};
-        }
+        if (byAngle.IsValid()) t = u < 0.5f ? byAngle.Sample(2 * u) : byTransmittance.Sample(2 * u - 1);
     }
-    const Float t = byTransmittance.Sample(u);
-    return {t, byTransmittance.Pdf(t)};
+    return {t, Pdf(stretch, light, t)};
 }
 
 Float SegmentDistances::Pdf(const MediumStretch &stretch, LightId light, Float t) const {

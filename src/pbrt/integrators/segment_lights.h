@@ -38,7 +38,6 @@ class SegmentDistances {
     };
     Sample Draw(const MediumStretch &stretch, LightId light, Float u) const;
     Float Pdf(const MediumStretch &stretch, LightId light, Float t) const;
-    size_t Bytes() const { return places_.size() * sizeof(Place); }
 
   private:
     struct Place {

@@ -36,8 +36,8 @@ struct Scattering {
     Float pdf = 0;
 };
 
-/// The numbers for all that happens on a ray through a medium but the first distance, which `u` decides. They come from
-/// the ray itself, because dimensions of a sampler take more time and would be of no use there.
+/// Random numbers for everything that happens on a ray through a medium after the first distance, which `u` decides. A
+/// hash of the ray makes them, because numbers of the pixel's sampler take more time and are no better there.
 Rng NumbersAlong(const Ray &ray, Float u) { return Rng(Hash(ray.o, ray.d, u)); }
 
 }  // namespace
@@ -180,7 +180,7 @@ void VolPathIntegrator::Path::PrepareSegment(MediumOnRay on) {
     stretch.meanExtinction = (stretch.medium.absorption + stretch.medium.scattering).Average();
     const TransmittanceDistance anchors(stretch.meanExtinction, stretch.tMax);
     if (!stretch.medium.scattering || !anchors.IsValid()) return;
-    // Lights are weighed where an own random number says, independent of all else.
+    // The lights are weighed at a place that is independent of every other choice on this segment.
     const Ray &ray = stretch.ray;
     const Float anchor = anchors.Sample(sampler.Get1D());
     segment->query =

@@ -2,7 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
+#include <algorithm>
+#include <vector>
 
 #include "pbrt/math/rng.h"
 #include "support/statistics.h"
@@ -10,8 +11,7 @@
 namespace pbrt::test {
 namespace {
 
-/// Draws distances, counts them in bins that are equal in u (by an inverse that the test finds by bisection of a fine
-/// sum of the density) and compares the counts with what the density says.
+/// Draws distances, counts them in bins and compares the counts with integrals of the density over the bins.
 template <class Distances>
 void CheckPair(const char *name, const Distances &distances, Float tMax) {
     constexpr int kBins = 40, kDraws = 40000, kSteps = 4000;

@@ -21,6 +21,16 @@ std::string Environment(const char *name, const char *otherwise) {
     return value && *value ? value : otherwise;
 }
 
+/// Where the scripts are: beside the program in the build folder, in share/ where it is installed. Relative to the
+/// program, so that an installed folder may be moved.
+std::string ScriptFolder() {
+    std::error_code failed;
+    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path();
+    const std::filesystem::path beside = program / "report";
+    if (std::filesystem::exists(beside, failed)) return beside.string();
+    return (program / "../share/pbrt_octree/report").lexically_normal().string();
+}
+
 /// Replaces the forked child by the program. Makes only calls that are allowed after a fork in a process with threads.
 [[noreturn]] void Become(const char *const *arguments, pid_t parent, const sigset_t &mask, int failures) {
     // The handlers of these signals belong to the parent; in the child a signal ends the process, or stays ignored.
@@ -78,7 +88,7 @@ ScriptResult RunScript(const std::string &python, const std::string &script, con
 
 std::string RunReportScripts(const std::string &outFolder, bool quiet) {
     const std::string python = Environment("LIGHTLAB_PYTHON", "/usr/bin/python3");
-    const std::string folder = Environment("LIGHTLAB_REPORT_SCRIPTS", PBRT_REPORT_SCRIPTS);
+    const std::string folder = Environment("LIGHTLAB_REPORT_SCRIPTS", ScriptFolder().c_str());
     if (!quiet) std::fprintf(stderr, "drawing charts and report\n");
     for (const char *name : {"charts.py", "report.py"}) {
         const std::string script = folder + "/" + name;

@@ -1,0 +1,60 @@
+# What `cmake --install` copies, and the Debian package that `cpack` makes of it. An installed folder may be moved:
+# programs find what belongs to them relative to themselves.
+
+set(PBRT_PROGRAMS pbrt lightlab imgtool)
+install(TARGETS ${PBRT_PROGRAMS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS pbrt_oiio LIBRARY DESTINATION lib/pbrt_octree)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/pbrt/cmd/lightlab/report DESTINATION share/pbrt_octree
+  PATTERN __pycache__ EXCLUDE)
+install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/NOTICE.txt ${PROJECT_SOURCE_DIR}/docs/changelog.md
+  DESTINATION share/doc/pbrt-octree)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE.txt DESTINATION share/doc/pbrt-octree RENAME copyright)
+
+# One file completes all three programs: it asks them for their flags.
+foreach(program IN LISTS PBRT_PROGRAMS)
+  install(FILES ${PROJECT_SOURCE_DIR}/src/pbrt/cmd/completion.bash DESTINATION share/bash-completion/completions
+    RENAME ${program})
+endforeach()
+
+# Manual pages are made from --help.
+find_program(HELP2MAN help2man)
+if(HELP2MAN)
+  set(pages "")
+  set(about_pbrt "render pbrt-v4 scenes, choosing lights by what each place sees")
+  set(about_lightlab "compare light samplers on a scene")
+  set(about_imgtool "look at, change and compare images")
+  foreach(program IN LISTS PBRT_PROGRAMS)
+    set(page ${PROJECT_BINARY_DIR}/man/${program}.1)
+    add_custom_command(OUTPUT ${page} DEPENDS ${program} VERBATIM
+      COMMAND ${CMAKE_COMMAND} -E env SOURCE_DATE_EPOCH=0 ${HELP2MAN} --no-info "--name=${about_${program}}"
+        "--version-string=${program} ${PROJECT_VERSION}" --output=${page} $<TARGET_FILE:${program}>)
+    list(APPEND pages ${page})
+  endforeach()
+  add_custom_target(man ALL DEPENDS ${pages})
+  install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+else()
+  message(STATUS "help2man is not installed: no manual pages")
+endif()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME pbrt-octree)
+set(CPACK_PACKAGE_VENDOR "pbrt_octree")
+set(CPACK_PACKAGE_CONTACT "the maintainers of pbrt_octree <maintainers@users.noreply.invalid>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Renderer for pbrt-v4 scenes that learns which lights each place sees")
+set(CPACK_PACKAGE_DESCRIPTION "Reads pbrt-v4 scene files and makes the pictures that stock pbrt-v4 makes. Its light sampler
+learns in a short prepass which lights each region of a scene sees. With lightlab, which compares light samplers, and
+imgtool, which looks at images.")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+# dpkg-shlibdeps looks for the module's libraries, too; the module itself is private.
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS $<TARGET_FILE_DIR:pbrt_oiio>)
+# lightlab draws its charts and its page with these.
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-numpy, python3-matplotlib")
+if(PBRT_NATIVE)
+  # Such a package runs on machines like this one only; its name says so.
+  set(CPACK_PACKAGE_NAME pbrt-octree-native)
+endif()
+include(CPack)

@@ -45,7 +45,9 @@ TEST_F(StateFiles, CutOffAtAnyByteTheyAreRefused) {
         const std::string path = Write("b", whole.substr(0, size));
         const std::string reason = Reason([&] { StateFile(path, "test"); });
         EXPECT_TRUE(Contains(reason, path)) << size << reason;
-        if (size > 40) EXPECT_TRUE(Contains(reason, "cut off")) << reason;
+        if (size > 40) {
+            EXPECT_TRUE(Contains(reason, "cut off")) << reason;
+        }
     }
     EXPECT_TRUE(Contains(Reason([&] { StateFile(Write("b", whole + "x"), "test"); }), "damaged"));
 }

@@ -5,9 +5,11 @@
 #include <cstring>
 #include <functional>
 #include <sstream>
+#include <thread>
 
 #include "agreement_statistics.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/state_io.h"
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/lightsamplers/light_learner.h"
 #include "support/build_text.h"
@@ -184,6 +186,126 @@ void CheckTakingUp(const Maker &make) {
 
 TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSame) { CheckTakingUp(Build); }
 TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSameOfTheSky) { CheckTakingUp(BuildRoom); }
+
+/// A render that stopped somewhere: film, position, and what was learned.
+struct Stopped {
+    std::string film, learned;
+    RenderPosition position;
+};
+
+Stopped StateOf(const BuiltScene &built, const WaveRenderer &renderer) {
+    Stopped stopped;
+    std::ostringstream film;
+    built.film->Save(film);
+    stopped.film = film.str();
+    StateWriter learned;
+    built.integrator->Lights()->SaveLearned(learned, true);
+    stopped.learned = learned.Joined();
+    stopped.position = renderer.Position();
+    return stopped;
+}
+
+/// Renders what is left.
+Image GoOn(const Maker &make, const Stopped &from) {
+    BuiltScene built = make("");
+    Progress progress;
+    StateReader reader(from.learned, "state");
+    PrepareContext context = built.Preparation(progress);
+    context.samplesPerPixel = kSamples;
+    context.learned = &reader;
+    built.integrator->Prepare(context);
+    EXPECT_EQ(reader.BytesLeft(), 0u);
+    // What was loaded is saved again bit by bit.
+    StateWriter again;
+    built.integrator->Lights()->SaveLearned(again, true);
+    EXPECT_EQ(again.Joined(), from.learned);
+    std::istringstream film(from.film);
+    built.film->Load(film);
+    RenderSettings settings;
+    settings.samplesPerPixel = kSamples;
+    WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
+                          progress);
+    renderer.GoOnFrom(from.position);
+    while (renderer.Done() < kSamples) renderer.Render(kSamples);
+    return built.film->ToImage();
+}
+
+/// What was learned can be saved between any two waves, also before and after learning, and in the middle of a wave that
+/// was cancelled: the render that goes on from there gives the same picture.
+void CheckSavedState(const Maker &make) {
+    BuiltScene uninterrupted = make("");
+    const Image whole = Render(uninterrupted, {kSamples});
+    RenderSettings settings;
+    settings.samplesPerPixel = kSamples;
+    for (int stop : {0, 1, 3, 4, 6, 15}) {
+        Progress progress;
+        BuiltScene built = make("");
+        Prepare(built, progress);
+        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
+                              progress);
+        while (renderer.Done() < stop) renderer.Render(stop - renderer.Done());
+        EXPECT_TRUE(SameBits(whole, GoOn(make, StateOf(built, renderer)))) << "stopped after " << stop;
+    }
+    int amidWave = 0;
+    for (int microseconds = 100; microseconds < 60000; microseconds = microseconds * 3 / 2) {
+        Progress progress;
+        BuiltScene built = make("");
+        Prepare(built, progress);
+        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
+                              progress);
+        std::thread canceller([&] {
+            std::this_thread::sleep_for(std::chrono::microseconds(microseconds));
+            progress.Cancel();
+        });
+        while (renderer.Done() < kSamples && renderer.Render(kSamples) > 0) {
+        }
+        canceller.join();
+        amidWave += renderer.Position().passCount > 0;
+        EXPECT_TRUE(SameBits(whole, GoOn(make, StateOf(built, renderer)))) << microseconds;
+    }
+    EXPECT_GT(amidWave, 2) << "not tested: no wave was cancelled";
+    // The state matters: with that of another moment the picture is another one.
+    Progress progress;
+    BuiltScene built = make("");
+    Prepare(built, progress);
+    WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
+    const std::string before = StateOf(built, renderer).learned;
+    while (renderer.Done() < 6) renderer.Render(6 - renderer.Done());
+    Stopped wrong = StateOf(built, renderer);
+    if (wrong.learned == before) return;  // the paper's model learns nothing from the render
+    wrong.learned = before;
+    wrong.position.passCount = 0;
+    EXPECT_FALSE(SameBits(whole, GoOn(make, wrong)));
+}
+
+TEST(LearningWhileRendering, ASavedStateGoesOnBitByBit) { CheckSavedState(Build); }
+TEST(LearningWhileRendering, ASavedStateGoesOnBitByBitUnderASky) { CheckSavedState(BuildRoom); }
+TEST(LearningWhileRendering, ASavedStateGoesOnBitByBitWithThePapersModel) {
+    CheckSavedState([](const std::string &parameters) { return Build("\"string octree.model\" \"paper\" " + parameters); });
+}
+
+TEST(LearningWhileRendering, DamagedStatesAreRefused) {
+    for (const Maker &make : {Maker(Build), Maker(BuildRoom)}) {
+        BuiltScene built = make("");
+        Progress progress;
+        Prepare(built, progress);
+        StateWriter writer;
+        built.integrator->Lights()->SaveLearned(writer, true);
+        const std::string whole = writer.Joined();
+        const auto refuses = [&](const std::string &state) {
+            BuiltScene other = make("");
+            StateReader reader(state, "state");
+            PrepareContext context = other.Preparation(progress);
+            context.learned = &reader;
+            EXPECT_THROW(other.integrator->Prepare(context), UserError);
+        };
+        for (size_t size = 0; size < whole.size(); size += 1 + whole.size() / 50) refuses(whole.substr(0, size));
+        refuses(std::string(whole.size(), '\x7f'));
+        std::string version = whole;
+        ++version[0];
+        refuses(version);
+    }
+}
 
 /// Points on the floor of the left room.
 std::vector<LightQuery> Floor() {

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pbrt/core/state_io.h"
 #include "pbrt/math/bounds.h"
 
 namespace ext {
@@ -69,6 +70,8 @@ class CellOctree {
         return first;
     }
     void ShrinkToFit() { nodes_.shrink_to_fit(); }
+    void Save(StateWriter &writer) const;
+    void Load(StateReader &reader);
 
   private:
     template <class Visit>

@@ -21,6 +21,8 @@ class LightOctree {
     size_t Bytes() const { return cells_.Bytes() + cdf_.capacity() * sizeof(Float); }
     /// Same cells and same distributions, to the last bit.
     bool operator==(const LightOctree &o) const { return cells_ == o.cells_ && cdf_ == o.cdf_; }
+    void Save(StateWriter &writer) const;
+    void Load(StateReader &reader);
 
   private:
     friend class LightOctreeBuilder;

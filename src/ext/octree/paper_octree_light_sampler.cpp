@@ -33,6 +33,7 @@ PaperOctreeLightSampler::PaperOctreeLightSampler(const LightTable &lights, const
 PaperOctreeLightSampler::~PaperOctreeLightSampler() = default;
 
 void PaperOctreeLightSampler::Prepare(PrepareContext &context) {
+    if (context.learned) return LoadLearned(*context.learned);
     if (groups_.Size() <= 1) return;
     auto start = std::chrono::steady_clock::now();
     std::vector<PrepassVertex> vertices = TracePrepassPaths(context, std::max(1, params_.prepassspp), params_.depth);

@@ -22,6 +22,8 @@ class PaperOctreeLightSampler final : public GroupLightSampler {
     ~PaperOctreeLightSampler() override;
 
     void Prepare(PrepareContext &context) override;
+    bool SavesLearned() const override { return true; }
+    void SaveLearned(StateWriter &writer, bool goesOn) const override;
     void Report(nlohmann::ordered_json &report) const override;
     /// The leaf, the number of its records and its depth.
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
@@ -30,6 +32,7 @@ class PaperOctreeLightSampler final : public GroupLightSampler {
     const LightOctree &Tree() const { return tree_; }
 
   private:
+    void LoadLearned(StateReader &reader);
     const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
     std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
     Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;

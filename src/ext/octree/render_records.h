@@ -19,6 +19,8 @@ class RenderRecords {
     void Add(LightLearner::PathPlaces &path, const Point3 &p, bool inMedium, const VisibilityTry &found) {
         if (path.next < path.end) places_[path.next++] = {p, inMedium, found};
     }
+    void Save(StateWriter &writer) const;
+    void Load(StateReader &reader);
     /// Appends what was found on surfaces, or what was found inside media.
     void AppendTo(VisibilityRecords *records, bool inMedium) const;
 

@@ -80,6 +80,10 @@ class SkyCells {
     /// is less.
     Float Visible(uint32_t cell, size_t k) const { return visible_[cell][k]; }
 
+    /// All that is known, with the rays that were counted since Learn.
+    void Save(StateWriter &writer) const;
+    void Load(StateReader &reader, const Settings &settings);
+
   private:
     static constexpr uint64_t kLeft = uint64_t(1) << 32;
     struct Cell {

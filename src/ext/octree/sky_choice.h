@@ -50,6 +50,9 @@ class SkyChoice {
     void Count(const Point3 &p, const Vector3 &d, bool left) const;
     /// `judges`: goes back to whole skies for good if next to no ray left the scene until now.
     void Learn(bool judges);
+    /// `goesOn`: see LightSampler::SaveLearned.
+    void Save(StateWriter &writer, bool goesOn) const;
+    void Load(StateReader &reader);
     /// Frees what only learning needs.
     void EndLearning() { cells_.EndLearning(); }
 

@@ -38,6 +38,8 @@ class SkyCut {
         for (uint32_t n : numbers) tiles_.push_back({n, visible, visible, 0, 0});
     }
 
+    explicit SkyCut(std::vector<Tile> tiles) : tiles_(std::move(tiles)) {}
+
     const std::vector<Tile> &Tiles() const { return tiles_; }
     void Add(size_t tile, uint32_t traced, uint32_t left) {
         tiles_[tile].traced += traced;

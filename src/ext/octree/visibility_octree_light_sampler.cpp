@@ -92,6 +92,7 @@ double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context
 }
 
 void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
+    if (context.learned) return LoadLearned(*context.learned, context.learnsOn);
     if (groups_.Size() <= 1 && !sky_) return;
     auto start = std::chrono::steady_clock::now();
     depth_ = std::min(params_.depth, std::max(1, context.maxDepth));
@@ -178,13 +179,18 @@ void VisibilityOctreeLightSampler::BeginLearning(int first) {
     const auto next = std::upper_bound(plan.begin(), plan.end(), first);
     const int toCome = lightTree_ ? 4 : 2;
     nextLearning_ = Learner() && next != plan.end() && toCome * *next <= samplesPerPixel_ ? *next : 0;
-    if (nextLearning_ > 0 && lightTree_) {
+    if (nextLearning_ == 0) return EndLearning();
+    if (lightTree_)
         found_.Begin(pixels_, first, nextLearning_, depth_, kMaxFound);
-    } else {
-        found_.End();
+    else
         onSurfaces_.known = inMedia_.known = {};
-    }
-    if (nextLearning_ == 0 && sky_) sky_->EndLearning();
+}
+
+void VisibilityOctreeLightSampler::EndLearning() {
+    nextLearning_ = 0;
+    found_.End();
+    onSurfaces_.known = inMedia_.known = {};
+    if (sky_) sky_->EndLearning();
 }
 
 void VisibilityOctreeLightSampler::Found(PathPlaces &path, const LightQuery &query, const SampledLight &light,

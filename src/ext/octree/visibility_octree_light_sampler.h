@@ -38,6 +38,8 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
 
     void Prepare(PrepareContext &context) override;
     LightLearner *Learner() override { return (lightTree_ || sky_) && params_.learn ? this : nullptr; }
+    bool SavesLearned() const override { return true; }
+    void SaveLearned(StateWriter &writer, bool goesOn) const override;
     std::vector<LightId> TilesOf(LightId infinite) const override;
     void Report(nlohmann::ordered_json &report) const override;
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
@@ -79,6 +81,11 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     void KeepSkiesWhole();
     double PathsPerPixel(const PrepareContext &context) const;
     size_t Tries() const { return TriesPerRecord(groups_.Size(), params_.tries); }
+    void LoadLearned(StateReader &reader, bool learnsOn);
+    /// Frees what only learning needs.
+    void EndLearning();
+    /// Changes with the numbers of the light tree's nodes and with the lights.
+    uint64_t NamesHash() const;
     /// What was found at one kind of place, and the tree made from it.
     struct Knowledge {
         VisibilityRecords known;  ///< all records so far; emptied when no learning is to come
@@ -87,6 +94,8 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
         std::vector<LeafSize> leaves{};  ///< these three for Inspect, DescribeStructure and Report only
         std::vector<uint32_t> recordsPerNode{};
         size_t leavesBefore = 0;
+        void Save(StateWriter &writer, bool goesOn) const;
+        void Load(StateReader &reader);
     };
     const Knowledge &KnowledgeAt(const LightQuery &query) const {
         return query.ns == Normal3(0) ? inMedia_ : onSurfaces_;

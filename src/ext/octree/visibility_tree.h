@@ -40,6 +40,8 @@ class VisibilityTree {
                codes_.capacity();
     }
     bool operator==(const VisibilityTree &o) const = default;
+    void Save(StateWriter &writer) const;
+    void Load(StateReader &reader);
 
     static const std::array<Float, 256> &Table();  ///< Decode of every code
 

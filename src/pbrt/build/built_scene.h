@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pbrt/build/build_options.h"
+#include "pbrt/build/memory_estimate.h"
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/lights/light_names.h"
 #include "pbrt/lightsamplers/registry.h"
@@ -46,6 +47,7 @@ struct BuiltScene {
     LightNames lightNames;  ///< of the scene's lights, for people
     std::unique_ptr<Integrator> integrator;
     IntegratorRequest integratorRequest;
+    MemoryEstimate memory;  ///< as it was before building
     int samplesPerPixel = 16;
     bool disablePixelJitter = false, disableWavelengthJitter = false;
     std::string mseReferenceImage, mseReferenceOut;

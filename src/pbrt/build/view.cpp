@@ -45,17 +45,21 @@ Placement PlaceCamera(const SceneDescription &d, const BuildOptions &options, Di
     return placement;
 }
 
+FilmOverrides FilmOverridesOf(const BuildOptions &options) {
+    FilmOverrides overrides = options.film;
+    if (options.quick) overrides.resolutionDivisor = 4;
+    return overrides;
+}
+
 View MakeView(SceneDescription &d, const BuildOptions &options, const Placement &placement, int seed,
               DiagnosticSink &sink) {
     View view;
     Collect(sink, [&] { view.filter = Filters().Make(d.filter.type, d.filter.params, FilterContext{sink}); });
     const Float exposure = ExposureTime(d.camera.params);
     Collect(sink, [&] {
-        FilmOverrides overrides = options.film;
-        if (options.quick) overrides.resolutionDivisor = 4;
         view.film = MakeFilm(
             d.film.type, d.film.params,
-            {SpaceOf(d.film), exposure, overrides, placement.renderFromCamera, placement.renderFromWorld}, sink);
+            {SpaceOf(d.film), exposure, FilmOverridesOf(options), placement.renderFromCamera, placement.renderFromWorld}, sink);
     });
     const Point2i resolution = view.film ? view.film->FullResolution() : Point2i(16, 16);
     const Float diagonal = view.film ? view.film->DiagonalMm() : 35;

@@ -28,6 +28,9 @@ struct View {
     std::unique_ptr<Sampler> sampler;
 };
 
+/// The overrides of the film that the flags ask for.
+FilmOverrides FilmOverridesOf(const BuildOptions &options);
+
 /// All of this is cheap, so its mistakes are found before any geometry is read. `seed`: used unless the scene's sampler
 /// has a seed.
 View MakeView(SceneDescription &description, const BuildOptions &options, const Placement &placement, int seed,

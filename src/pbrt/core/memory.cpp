@@ -68,6 +68,15 @@ double AvailableMemory() {
     return std::max(0.0, bytes);
 }
 
+void LimitMemory(double bytes) {
+    rlimit limit{};
+    if (getrlimit(RLIMIT_DATA, &limit) != 0) return;
+    const auto wanted = static_cast<rlim_t>(std::min(bytes, 1e18));
+    if (limit.rlim_cur != RLIM_INFINITY && limit.rlim_cur <= wanted) return;
+    limit.rlim_cur = limit.rlim_max == RLIM_INFINITY ? wanted : std::min(wanted, limit.rlim_max);
+    setrlimit(RLIMIT_DATA, &limit);
+}
+
 std::string BytesText(double bytes) {
     const char *unit = "MB";
     double value = bytes / 1e6;

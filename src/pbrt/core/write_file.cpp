@@ -68,7 +68,13 @@ void WriteAll(int file, std::string_view content, const std::string &shown) {
     }
 }
 
-void WriteInPlace(const Target &target, std::string_view content) {
+using Pieces = std::vector<std::string_view>;
+
+void WriteAll(int file, const Pieces &pieces, const std::string &shown) {
+    for (const std::string_view piece : pieces) WriteAll(file, piece, shown);
+}
+
+void WriteInPlace(const Target &target, const Pieces &content) {
     const int file = open(target.path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | O_NOCTTY);
     if (file < 0) Fail(target.shown, errno);
     try {
@@ -108,8 +114,10 @@ class TemporaryFile {
     TemporaryFile(const TemporaryFile &) = delete;
     TemporaryFile &operator=(const TemporaryFile &) = delete;
 
-    void Write(std::string_view content) {
+    void Write(const Pieces &content) {
         WriteAll(file_, content, target_.shown);
+        size_t bytes = 0;
+        for (const std::string_view piece : content) bytes += piece.size();
         if (target_.exists) {
             // Failures are ignored: only root may change the owner, and not every file system keeps permissions.
             [[maybe_unused]] int kept = fchown(file_, target_.status.st_uid, target_.status.st_gid);
@@ -122,9 +130,9 @@ class TemporaryFile {
         if (done != 0 && errno != EINVAL && errno != ENOTSUP) Fail(target_.shown, errno);
         struct stat status {};
         if (fstat(file_, &status) != 0) Fail(target_.shown, errno);
-        if (static_cast<size_t>(status.st_size) != content.size())
+        if (static_cast<size_t>(status.st_size) != bytes)
             throw UserError(
-                fmt::format("{}: only {} of {} bytes were written.", target_.shown, status.st_size, content.size()));
+                fmt::format("{}: only {} of {} bytes were written.", target_.shown, status.st_size, bytes));
         const int closed = close(file_);
         file_ = -1;
         if (closed != 0) Fail(target_.shown, errno);
@@ -152,7 +160,9 @@ class TemporaryFile {
 
 }  // namespace
 
-void WriteFile(const std::string &path, std::string_view content) {
+void WriteFile(const std::string &path, std::string_view content) { WriteFile(path, Pieces{content}); }
+
+void WriteFile(const std::string &path, const Pieces &content) {
     // Exceeding the limit on file sizes, and a pipe without reader, give an error message instead of ending the
     // process.
     for (int number : {SIGXFSZ, SIGPIPE}) signal(number, SIG_IGN);

@@ -1,6 +1,7 @@
 #include "pbrt/films/film.h"
 
 #include <algorithm>
+#include <ostream>
 
 #include "pbrt/films/gbuffer_film.h"
 #include "pbrt/films/rgb_film.h"
@@ -34,9 +35,22 @@ ImageMetadata Film::Metadata() const {
     return metadata;
 }
 
-void Film::Save(std::ostream &out) const {
-    // The cast is safe: WriteState only reads the blocks.
+size_t Film::Bytes() const {
+    size_t bytes = 0;
+    for (const StateBlock &block : const_cast<Film *>(this)->Blocks()) bytes += block.bytes;
+    return bytes;
+}
+
+void Film::Save(StateWriter &out) const {
+    // The cast is safe: the blocks are only read.
     WriteState(out, kind_, PixelBounds(), const_cast<Film *>(this)->Blocks());
+}
+
+void Film::Save(std::ostream &out) const {
+    StateWriter writer;
+    Save(writer);
+    for (const std::string_view piece : writer.Pieces())
+        out.write(piece.data(), static_cast<std::streamsize>(piece.size()));
 }
 
 void Film::Load(std::istream &in) { Add(in, true); }

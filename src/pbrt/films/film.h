@@ -23,8 +23,8 @@ struct FilmSample {
     std::optional<VisibleSurface> visible;  ///< only for films that want it; empty: no surface is seen
 };
 
-/// Sums up what is measured in every pixel, and makes the picture. Sums are kept in double precision per pixel, so that
-/// the order of samples of different pixels never matters.
+/// Sums up what is measured in every pixel, and makes the picture. Sums are kept per pixel and in twice double precision
+/// (PreciseSum), so that neither the order of samples matters nor how they are divided among films that are merged.
 class Film {
   public:
     virtual ~Film() = default;
@@ -57,14 +57,18 @@ class Film {
     virtual Image ToImage() const = 0;
     virtual ImageMetadata Metadata() const;
     virtual uint64_t RejectedSamples() const = 0;
+    /// Of the sums.
+    size_t Bytes() const;
     /// An empty rgb film of the same pixels and sensor, in float precision.
     virtual std::unique_ptr<Film> MakeRgbFilm() const = 0;
 
     /// Save writes all sums bit by bit, in this machine's byte order. A film that loads them continues exactly as this
-    /// one would. Merge adds them to those of the film, as if the samples of both had been added to one film: splats to
-    /// the bit, sums of samples but for the rounding of one addition. Load and Merge throw UserError, and leave the
+    /// one would. Merge adds them to those of the film, as if the samples of both had been added to one film, to the bit
+    /// in any order as far as PreciseSum is exact. Load and Merge throw UserError, and leave the
     /// film as it was, if the state is incomplete or not of a film of this kind and these pixels.
     void Save(std::ostream &out) const;
+    /// The same without a copy: the writer refers to the sums of this film.
+    void Save(StateWriter &out) const;
     void Load(std::istream &in);
     void Merge(std::istream &in);
 

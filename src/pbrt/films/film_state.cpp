@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <istream>
-#include <ostream>
 
 #include "pbrt/core/error.h"
 
@@ -12,13 +11,8 @@ namespace pbrt {
 
 namespace {
 
-constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 'f', 'l', 'm', '1'};
+constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 'f', 'l', 'm', '2'};
 constexpr uint64_t kLongestName = 64, kMaxBlocks = 64;
-
-template <class T>
-void WriteValue(std::ostream &out, const T &value) {
-    out.write(reinterpret_cast<const char *>(&value), sizeof(value));
-}
 
 [[noreturn]] void RefuseFile() { throw UserError("the saved state of a film does not belong to this film."); }
 
@@ -32,11 +26,6 @@ T ReadValue(std::istream &in) {
     T value;
     ReadBytes(in, &value, sizeof(value));
     return value;
-}
-
-void WriteName(std::ostream &out, const std::string &name) {
-    WriteValue(out, uint64_t{name.size()});
-    out.write(name.data(), static_cast<std::streamsize>(name.size()));
 }
 
 std::string ReadName(std::istream &in) {
@@ -66,16 +55,16 @@ const SavedState::Block *SavedState::Find(const std::string &name) const {
     return found != blocks.end() ? &*found : nullptr;
 }
 
-void WriteState(std::ostream &out, const std::string &kind, const Bounds2i &pixelBounds,
+void WriteState(StateWriter &out, const std::string &kind, const Bounds2i &pixelBounds,
                 const std::vector<StateBlock> &blocks) {
-    WriteValue(out, kMagic);
-    WriteName(out, kind);
-    WriteValue(out, pixelBounds);
-    WriteValue(out, uint64_t{blocks.size()});
+    out.Value(kMagic);
+    out.Text(kind);
+    out.Value(pixelBounds);
+    out.Value(uint64_t{blocks.size()});
     for (const StateBlock &block : blocks) {
-        WriteName(out, block.name);
-        WriteValue(out, uint64_t{block.bytes});
-        out.write(reinterpret_cast<const char *>(block.data), static_cast<std::streamsize>(block.bytes));
+        out.Text(block.name);
+        out.Value(uint64_t{block.bytes});
+        out.Refer(block.data, block.bytes);
     }
 }
 

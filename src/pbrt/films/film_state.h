@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "pbrt/core/state_io.h"
 #include "pbrt/math/bounds.h"
 
 namespace pbrt {
@@ -59,8 +60,8 @@ struct SavedState {
     const Block *Find(const std::string &name) const;
 };
 
-/// Writes the blocks bit by bit, in this machine's byte order.
-void WriteState(std::ostream &out, const std::string &kind, const Bounds2i &pixelBounds,
+/// Writes the blocks bit by bit, in this machine's byte order. The writer refers to them.
+void WriteState(StateWriter &out, const std::string &kind, const Bounds2i &pixelBounds,
                 const std::vector<StateBlock> &blocks);
 /// Throws UserError if the stream ends too early or holds something else.
 SavedState ReadState(std::istream &in);

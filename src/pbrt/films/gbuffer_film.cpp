@@ -39,21 +39,24 @@ void GBufferFilm::AddSample(const FilmSample &sample) {
     auto output = [&](const Normal3 &n) { return glm::dvec3(Normalize(outputFromRender.Normal(n))); };
     auto depth = [&](const Vector3 &v) { return double(std::abs(outputFromRender.Vector(v).z)); };
     Pixel &sums = pixels_[index];
-    for (int c = 0; c < 3; ++c) sums.moments[c].Add(double((*sensor)[c]));
+    const glm::dvec3 measured(*sensor);
+    sums.sensor.Add(1, measured);
+    sums.squares.Add(1, measured * measured);
+    ++sums.count;
     const double w = double(sample.weight);
-    sums.weight += w;
-    sums.p += w * glm::dvec3(outputFromRender.Point(visible.p));
-    sums.n += w * output(visible.n);
-    sums.ns += w * output(visible.ns);
-    sums.uv += w * glm::dvec2(visible.uv);
-    sums.dz += w * glm::dvec2(depth(visible.dpdx), depth(visible.dpdy));
+    sums.weight.Add(w);
+    sums.p.Add(w, glm::dvec3(outputFromRender.Point(visible.p)));
+    sums.n.Add(w, output(visible.n));
+    sums.ns.Add(w, output(visible.ns));
+    sums.uv.Add(w, glm::dvec2(visible.uv));
+    sums.dz.Add(w, glm::dvec2(depth(visible.dpdx), depth(visible.dpdy)));
     // The colour that a white light of the output space has after one reflection.
     const SampledWavelengths &lambda = visible.lambda;
     const SampledSpectrum reflected =
         SafeDivide(visible.albedo * OutputSpace().Illuminant().Sample(lambda), lambda.Pdf());
     const Xyz xyz((reflected * CieX().Sample(lambda)).Average(), (reflected * CieY().Sample(lambda)).Average(),
                   (reflected * CieZ().Sample(lambda)).Average());
-    sums.albedo += w * glm::dvec3(OutputSpace().ToRgb(xyz / CieYIntegral));
+    sums.albedo.Add(w, glm::dvec3(OutputSpace().ToRgb(xyz / CieYIntegral)));
 }
 
 void GBufferFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {
@@ -70,7 +73,9 @@ void GBufferFilm::Pixel::operator+=(const Pixel &other) {
     uv += other.uv;
     dz += other.dz;
     weight += other.weight;
-    for (int c = 0; c < 3; ++c) moments[c] += other.moments[c];
+    sensor += other.sensor;
+    squares += other.squares;
+    count += other.count;
 }
 
 std::unique_ptr<Film> GBufferFilm::MakeRgbFilm() const { return std::make_unique<RgbFilm>(Frame(), sums_); }
@@ -93,19 +98,26 @@ Image GBufferFilm::ToImage() const {
                 for (int c = 0; c < 3; ++c) put(v[c]);
             };
             auto unit = [](const glm::dvec3 &v) { return glm::dot(v, v) > 0 ? glm::normalize(v) : glm::dvec3(0); };
-            const double seen = pixel->weight != 0 ? 1 / pixel->weight : 0;
+            const double seenWeight = pixel->weight.Value(), seen = seenWeight != 0 ? 1 / seenWeight : 0;
             const double weight = sums_.WeightOf(index);
             // Albedo counts samples that see nothing as black; the geometry leaves them out.
-            put3(weight != 0 ? pixel->albedo / weight : glm::dvec3(0));
-            put3(pixel->p * seen);
-            put(pixel->dz.x * seen);
-            put(pixel->dz.y * seen);
-            put3(unit(pixel->n));
-            put3(unit(pixel->ns));
-            put(pixel->uv.x * seen);
-            put(pixel->uv.y * seen);
-            for (const RunningMoments &m : pixel->moments) put(m.Variance());
-            for (const RunningMoments &m : pixel->moments) put(m.Mean() != 0 ? m.Variance() / m.Mean() : 0);
+            put3(weight != 0 ? pixel->albedo.Value() / weight : glm::dvec3(0));
+            put3(pixel->p.Value() * seen);
+            put(pixel->dz.of[0].Value() * seen);
+            put(pixel->dz.of[1].Value() * seen);
+            put3(unit(pixel->n.Value()));
+            put3(unit(pixel->ns.Value()));
+            put(pixel->uv.of[0].Value() * seen);
+            put(pixel->uv.of[1].Value() * seen);
+            glm::dvec3 variance, relative;
+            const auto count = static_cast<double>(pixel->count);
+            for (int c = 0; c < 3; ++c) {
+                const double mean = pixel->count > 0 ? pixel->sensor.of[c].Value() / count : 0;
+                variance[c] = VarianceOf(pixel->sensor.of[c], pixel->squares.of[c], count);
+                relative[c] = mean != 0 ? variance[c] / mean : 0;
+            }
+            put3(variance);
+            put3(relative);
         }
     return image;
 }

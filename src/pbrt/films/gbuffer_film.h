@@ -1,7 +1,6 @@
 #pragma once
 #include "pbrt/films/film.h"
 #include "pbrt/films/sensor_sums.h"
-#include "pbrt/math/statistics.h"
 
 namespace pbrt {
 
@@ -36,10 +35,27 @@ class GBufferFilm final : public Film {
   private:
     std::vector<StateBlock> Blocks() override;
     struct Pixel {
-        glm::dvec3 p{0}, n{0}, ns{0}, albedo{0};
-        glm::dvec2 uv{0}, dz{0};
-        double weight = 0;  ///< of samples that see a surface
-        RunningMoments moments[3];
+        /// A sum of vectors, component by component.
+        template <int N>
+        struct Sums {
+            PreciseSum of[N];
+            void Add(double weight, const glm::vec<N, double> &v) {
+                for (int i = 0; i < N; ++i) of[i].Add(weight * v[i]);
+            }
+            glm::vec<N, double> Value() const {
+                glm::vec<N, double> v;
+                for (int i = 0; i < N; ++i) v[i] = of[i].Value();
+                return v;
+            }
+            void operator+=(const Sums &other) {
+                for (int i = 0; i < N; ++i) of[i] += other.of[i];
+            }
+        };
+        Sums<3> p, n, ns, albedo;
+        Sums<2> uv, dz;
+        PreciseSum weight;  ///< of samples that see a surface
+        Sums<3> sensor, squares;  ///< of those samples, without weights
+        uint64_t count = 0;       ///< of those samples
         void operator+=(const Pixel &other);
     };
     AnimatedTransform renderFromOutput_;  ///< output: camera or world space

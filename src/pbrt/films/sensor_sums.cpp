@@ -46,10 +46,10 @@ Image SensorSums::MakeImage(const std::vector<std::string> &furtherChannels) con
     for (int y = 0; y < resolution_.y; ++y)
         for (int x = 0; x < resolution_.x; ++x, ++i) {
             const Pixel &sums = pixels_[i];
-            const double scale = sums.weight != 0 ? 1 / sums.weight : 0;
+            const double weight = sums.weight.Value(), scale = weight != 0 ? 1 / weight : 0;
             Vector3 sensor;
             for (int c = 0; c < 3; ++c) {
-                double mean = sums.sensor[c] * scale;
+                double mean = sums.sensor[c].Value() * scale;
                 if (splats_.AreExpected()) mean += splats_.Sum(3 * i + static_cast<size_t>(c)) * SplatScale();
                 sensor[c] = static_cast<Float>(mean);
             }

@@ -10,6 +10,7 @@
 #include "pbrt/films/sensor.h"
 #include "pbrt/films/splats.h"
 #include "pbrt/images/image.h"
+#include "pbrt/math/precise_sum.h"
 
 namespace pbrt {
 
@@ -21,17 +22,17 @@ class SensorSums {
     /// An object with the same sensor and empty sums.
     SensorSums MakeEmpty(const FilmFrame &frame) const;
     /// Memory for the sums of a pixel and its red, green and blue in the picture.
-    static constexpr double kBytesPerPixel = 4 * sizeof(double) + 3 * sizeof(float);
+    static constexpr double kBytesPerPixel = 4 * sizeof(PreciseSum) + 3 * sizeof(float);
 
     /// What the sensor measures, scaled down to maxcomponentvalue if it is larger. Empty if it is not finite, which is
     /// counted as rejected.
     std::optional<Vector3> Measure(const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight);
     void Add(size_t pixel, const Vector3 &sensor, Float weight) {
         Pixel &sums = pixels_[pixel];
-        for (int c = 0; c < 3; ++c) sums.sensor[c] += double(weight) * double(sensor[c]);
-        sums.weight += double(weight);
+        for (int c = 0; c < 3; ++c) sums.sensor[c].Add(double(weight) * double(sensor[c]));
+        sums.weight.Add(double(weight));
     }
-    double WeightOf(size_t pixel) const { return pixels_[pixel].weight; }
+    double WeightOf(size_t pixel) const { return pixels_[pixel].weight.Value(); }
 
     void ExpectSplats() { splats_.Expect(3 * pixels_.size()); }
     /// False if the splat is larger than FixedSum holds; it is counted as rejected.
@@ -51,8 +52,8 @@ class SensorSums {
   private:
     SensorSums(const FilmFrame &frame, Float maxComponent, const PixelSensor &sensor);
     struct Pixel {
-        double sensor[3] = {0, 0, 0};  ///< sum of weight * XYZ or camera RGB
-        double weight = 0;
+        PreciseSum sensor[3];  ///< of weight * XYZ or camera RGB
+        PreciseSum weight;
         void operator+=(const Pixel &p) {
             for (int c = 0; c < 3; ++c) sensor[c] += p.sensor[c];
             weight += p.weight;

@@ -61,8 +61,8 @@ void SpectralFilm::AddSample(const FilmSample &sample) {
         // factor.
         const double w = double(sample.weight) / double(pdf * range);
         Sums &bucket = sums[BucketOf(sample.lambda[i])];
-        bucket.radiance += w * double(sample.L[i] * scale);
-        bucket.weight += w;
+        bucket.radiance.Add(w * double(sample.L[i] * scale));
+        bucket.weight.Add(w);
     }
 }
 
@@ -110,7 +110,8 @@ Image SpectralFilm::ToImage() const {
     for (int y = 0; y < image.Resolution().y; ++y)
         for (int x = 0; x < image.Resolution().x; ++x)
             for (int b = 0; b < buckets_.count; ++b, ++i) {
-                double mean = sums_[i].weight != 0 ? sums_[i].radiance / sums_[i].weight : 0;
+                const double weight = sums_[i].weight.Value();
+                double mean = weight != 0 ? sums_[i].radiance.Value() / weight : 0;
                 if (splats_.AreExpected()) mean += splats_.Sum(i) * sensor_.SplatScale();
                 image.Set({x, y}, 3 + b, static_cast<Float>(mean));
             }

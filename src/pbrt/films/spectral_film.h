@@ -46,7 +46,7 @@ class SpectralFilm final : public Film {
 
   private:
     struct Sums {
-        double radiance = 0, weight = 0;
+        PreciseSum radiance, weight;
         void operator+=(const Sums &s) {
             radiance += s.radiance;
             weight += s.weight;

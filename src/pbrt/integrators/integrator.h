@@ -23,6 +23,10 @@ struct RenderPass {
     bool jittersWavelengths = true;
     bool keepsSamples = true;  ///< false: the film holds these samples already; they are traced only to learn from them
     bool isCounted = true;     ///< every sample of a pixel counts in `progress`
+    /// Null, or how much of the pass is done, for each of the parts in which the integrator renders it: what is done
+    /// when Render is called (empty: nothing) is left out, and when it returns all is done, or what was done until it
+    /// was cancelled.
+    std::vector<uint32_t> *done = nullptr;
     Progress &progress;
 };
 
@@ -33,7 +37,7 @@ class Integrator {
     virtual ~Integrator() = default;
     /// Before the first pass; the light sampler's prepass happens here.
     virtual void Prepare(PrepareContext &) {}
-    /// False if cancelled: then some pixels lack samples of the pass.
+    /// False if cancelled: then some pixels lack samples of the pass; RenderPass::done knows which.
     virtual bool Render(const RenderPass &pass) = 0;
     /// What learns from every path and between passes; null if nothing does.
     virtual LightLearner *Learner() { return nullptr; }

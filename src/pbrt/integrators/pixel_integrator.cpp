@@ -19,17 +19,21 @@ class PassRenderer {
                                  ? std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(pass.samplesPerPixel)))
                                  : Float(1)) {}
 
-    /// False if cancelled.
-    bool RenderTile(const Bounds2i &tile, Sampler &sampler) const {
-        for (int y = tile.low.y; y < tile.high.y; ++y)
-            for (int x = tile.low.x; x < tile.high.x; ++x)
-                for (int i = pass_.first; i < pass_.first + pass_.count; ++i) {
-                    // Checked before every sample, because a single one may take a tenth of a second.
-                    if (pass_.progress.Cancelled()) return false;
-                    TraceSample({x, y}, i, sampler);
-                }
-        return true;
+    /// Traces the samples of a tile, pixel by pixel, from the one with this number on. Returns how many are done then:
+    /// SamplesOf(tile), unless cancelled.
+    uint32_t RenderTile(const Bounds2i &tile, uint32_t done, Sampler &sampler) const {
+        const uint32_t all = SamplesOf(tile), count = static_cast<uint32_t>(pass_.count);
+        const auto width = static_cast<uint32_t>(tile.Width());
+        for (; done < all; ++done) {
+            // Checked before every sample, because a single one may take a tenth of a second.
+            if (pass_.progress.Cancelled()) break;
+            const uint32_t pixel = done / count;
+            TraceSample(tile.low + Vector2i(pixel % width, pixel / width), pass_.first + static_cast<int>(done % count),
+                        sampler);
+        }
+        return done;
     }
+    uint32_t SamplesOf(const Bounds2i &tile) const { return static_cast<uint32_t>(tile.Area() * pass_.count); }
 
   private:
     void TraceSample(Point2i pixel, int index, Sampler &sampler) const {
@@ -67,16 +71,19 @@ bool PixelIntegrator::Render(const RenderPass &pass) {
     const PassRenderer renderer(*this, pass);
     const Bounds2i &bounds = pass.film.PixelBounds();
     const Vector2i tiles = (bounds.high - bounds.low + (kTileSize - 1)) / kTileSize;
+    const int64_t count = bounds.IsEmpty() ? 0 : int64_t{tiles.x} * tiles.y;
+    if (pass.done && pass.done->empty()) pass.done->assign(static_cast<size_t>(count), 0);
     std::atomic<bool> isWhole = true;
-    ParallelForEach(bounds.IsEmpty() ? 0 : int64_t{tiles.x} * tiles.y, [&](int64_t i) {
+    ParallelForEach(count, [&](int64_t i) {
         const Point2i at(static_cast<int>(i % tiles.x), static_cast<int>(i / tiles.x));
         const Point2i low = bounds.low + kTileSize * at;
         const Bounds2i tile{low, glm::min(low + kTileSize, bounds.high)};
+        const uint32_t before = pass.done ? (*pass.done)[static_cast<size_t>(i)] : 0;
         // Which thread takes which tile does not matter.
-        if (!renderer.RenderTile(tile, *pass.samplers[static_cast<size_t>(ThreadIndex())]))
-            isWhole.store(false, std::memory_order_relaxed);
-        else if (pass.isCounted)
-            pass.progress.Advance(int64_t{tile.Area()} * pass.count);
+        const uint32_t done = renderer.RenderTile(tile, before, *pass.samplers[static_cast<size_t>(ThreadIndex())]);
+        if (pass.done) (*pass.done)[static_cast<size_t>(i)] = done;
+        if (done < renderer.SamplesOf(tile)) isWhole.store(false, std::memory_order_relaxed);
+        else if (pass.isCounted) pass.progress.Advance(int64_t{done} - before);
     });
     return isWhole;
 }

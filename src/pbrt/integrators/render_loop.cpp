@@ -26,21 +26,24 @@ WaveRenderer::WaveRenderer(Integrator &integrator, const Camera &camera, const F
       samplers_(static_cast<size_t>(ThreadCount())) {}
 
 void WaveRenderer::LearnIfDue() {
-    if (learner_ && learner_->NextLearning() > 0 && done_ == learner_->NextLearning()) learner_->Learn(progress_);
+    if (learner_ && learner_->NextLearning() > 0 && Done() == learner_->NextLearning()) learner_->Learn(progress_);
 }
 
 int WaveRenderer::Render(int count) {
     const int batch = settings_.samplesPerPixel;
-    if (int round = done_ / batch; round != round_) {
+    if (int round = Done() / batch; round != round_) {
         round_ = round;
         std::unique_ptr<Sampler> prototype = sampler_.ForBatch(round);
         for (std::unique_ptr<Sampler> &s : samplers_) s = prototype->Clone();
     }
-    const int first = done_ - round_ * batch;
+    const int first = Done() - round_ * batch;
     int size = std::min(count, batch - first);
     LearnIfDue();
-    if (learner_ && learner_->NextLearning() > 0) size = std::min(size, learner_->NextLearning() - done_);
+    if (learner_ && learner_->NextLearning() > 0) size = std::min(size, learner_->NextLearning() - Done());
     if (progress_.Cancelled()) return 0;
+    // What is left of a pass that was cancelled comes first.
+    if (position_.passCount > 0) size = position_.passCount;
+    position_.passCount = size;
     const RenderPass pass{.camera = camera_,
                           .filter = filter_,
                           .film = film_,
@@ -52,19 +55,20 @@ int WaveRenderer::Render(int count) {
                           .jittersPixels = !settings_.disablePixelJitter,
                           .jittersWavelengths = !settings_.disableWavelengthJitter,
                           .keepsSamples = !isRepeating_,
-                          .isCounted = settings_.timeBudget <= 0,
+                          .isCounted = settings_.timeBudget <= 0 && !isRepeating_,
+                          .done = &position_.passDone,
                           .progress = progress_};
     if (!integrator_.Render(pass)) return 0;
-    done_ += size;
+    position_ = {Done() + size, 0, {}};
     return size;
 }
 
 void WaveRenderer::ContinueFrom(int samples) {
     isRepeating_ = true;
-    while (learner_ && learner_->NextLearning() > 0 && done_ < samples)
-        if (Render(samples - done_) == 0) break;
+    while (learner_ && learner_->NextLearning() > 0 && Done() < samples)
+        if (Render(samples - Done()) == 0) break;
     isRepeating_ = false;
-    done_ = samples;
+    position_ = {samples, 0, {}};
 }
 
 RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film,
@@ -73,20 +77,37 @@ RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Fil
     ReferenceLog reference(settings.mseReferenceImage, settings.mseReferenceOut, film);
     WaveRenderer renderer(integrator, camera, filter, film, sampler, settings, progress);
     const bool timed = settings.timeBudget > 0;
+    const int end = settings.EndSample();
+    const int64_t pixels = film.PixelBounds().Area();
 
-    progress.BeginPhase("rendering", timed ? 0 : int64_t{film.PixelBounds().Area()} * settings.samplesPerPixel);
+    progress.BeginPhase("rendering", timed ? 0 : pixels * (end - settings.firstSample));
     const Clock::time_point renderStart = Clock::now();
+    if (settings.from) {
+        renderer.GoOnFrom(*settings.from);
+        if (!timed) progress.Advance(pixels * (renderer.Done() - settings.firstSample));
+    } else if (settings.firstSample > 0) {
+        renderer.ContinueFrom(settings.firstSample);
+    }
+    Clock::time_point saved = settings.start;
+    const auto saveIfDue = [&] {
+        if (!settings.checkpoint || SecondsSince(saved) < settings.checkpointInterval) return;
+        settings.checkpoint(renderer.Position());
+        saved = Clock::now();
+    };
+    if (!progress.Cancelled()) saveIfDue();  // preparing lights may have taken long
     int wave = 1;
-    double secondsPerSample = 0;
-    while (timed || renderer.Done() < settings.samplesPerPixel) {
-        int size = wave;
-        if (timed && renderer.Done() > 0) {
+    double secondsPerSample = settings.secondsPerSample;
+    while (!progress.Cancelled() && (timed || renderer.Done() < end)) {
+        int size = timed ? wave : std::min(wave, end - renderer.Done());
+        if (timed && secondsPerSample > 0) {
             // A wave that would end later than the budget is made smaller; below half a sample we stop.
             double left = settings.timeBudget - SecondsSince(settings.start);
             int fits = static_cast<int>(std::min(left / secondsPerSample, 1e6) + 0.5);
             if (fits < 1) break;
             size = std::min(size, fits);
         }
+        if (settings.checkpoint && secondsPerSample > 0)
+            size = static_cast<int>(std::clamp(settings.checkpointInterval / secondsPerSample, 1.0, double{size}));
         renderer.LearnIfDue();
         const Clock::time_point waveStart = Clock::now();
         const int taken = renderer.Render(size);
@@ -98,11 +119,13 @@ RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Fil
             progress.SetFraction(spent / settings.timeBudget, settings.timeBudget - spent);
         }
         if (settings.afterWave) settings.afterWave(renderer.Done());
+        if (timed || renderer.Done() < end) saveIfDue();
         if (renderer.Done() > 1) wave = std::min(2 * wave, kMaxWave);
     }
     result.mseFailure = reference.Finish();
     result.samplesTaken = renderer.Done();
-    result.cancelled = progress.Cancelled() && (timed || renderer.Done() < settings.samplesPerPixel);
+    result.cancelled = progress.Cancelled() && (timed || renderer.Done() < end);
+    if (settings.checkpoint) settings.checkpoint(renderer.Position());
     result.seconds = SecondsSince(renderStart);
     progress.EndPhase();
     return result;

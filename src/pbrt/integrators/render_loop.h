@@ -3,15 +3,28 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pbrt/films/film.h"
 #include "pbrt/integrators/integrator.h"
 
 namespace pbrt {
 
+/// How far a render has come. Together with the sums of the film and what the light sampler has learned it decides all
+/// that follows.
+struct RenderPosition {
+    int done = 0;  ///< all pixels have their samples before this one
+    /// More than 0: a pass over so many further samples was cancelled; `passDone` says what of it is in the film
+    /// (RenderPass::done).
+    int passCount = 0;
+    std::vector<uint32_t> passDone{};
+};
+
 struct RenderSettings {
-    int samplesPerPixel = 16;
-    /// > 0: render waves until this many seconds have passed since `start`, whatever samplesPerPixel says.
+    int samplesPerPixel = 16;  ///< in a batch of the pixel sampler
+    int firstSample = 0;       ///< of every pixel; those before are not rendered
+    int endSample = 0;         ///< the sample behind the last one; 0: samplesPerPixel
+    /// > 0: render waves until this many seconds have passed since `start`, whatever endSample says.
     double timeBudget = 0;
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
     bool disablePixelJitter = false;  ///< sample pixel centres, lens centre, mid-shutter; full texture footprints
@@ -19,10 +32,19 @@ struct RenderSettings {
     std::string mseReferenceImage, mseReferenceOut;  ///< both are set or none
     /// Called after every wave if set, to write partial images.
     std::function<void(int samplesTaken)> afterWave;
+
+    /// If set, the film and the integrator are as they were at this position; the render goes on from there.
+    std::optional<RenderPosition> from;
+    double secondsPerSample = 0;  ///< of every pixel, as far as it is known; for the size of the first wave
+    /// Called between waves, not more often than every `checkpointInterval` seconds, and at the end, also when
+    /// cancelled.
+    std::function<void(const RenderPosition &)> checkpoint;
+    double checkpointInterval = 60;
+    int EndSample() const { return endSample > 0 ? endSample : samplesPerPixel; }
 };
 
 struct RenderResult {
-    int samplesTaken = 0;       ///< of every pixel; on cancel some pixels have more
+    int samplesTaken = 0;       ///< of every pixel that the film holds; on cancel some pixels have more
     double seconds = 0;         ///< rendering only
     bool cancelled = false;     ///< before all samples were taken
     std::optional<double> mse;  ///< against the reference, of the last wave
@@ -47,9 +69,12 @@ class WaveRenderer {
     /// Calls the learner if it is due before the next sample. Render does so, too; this is for callers who time the two
     /// separately.
     void LearnIfDue();
-    int Done() const { return done_; }
-    /// The film already holds the first `samples` samples (Film::Load): go on after them. Those that the integrator
-    /// learns from are traced again.
+    int Done() const { return position_.done; }
+    const RenderPosition &Position() const { return position_; }
+    /// The film and the integrator are as they were at this position.
+    void GoOnFrom(RenderPosition position) { position_ = std::move(position); }
+    /// The next sample to be rendered is this one, because the film already holds those before (Film::Load) or need not
+    /// hold them. Those that the integrator learns from are traced again.
     void ContinueFrom(int samples);
 
   private:
@@ -62,12 +87,13 @@ class WaveRenderer {
     const RenderSettings &settings_;
     Progress &progress_;
     std::vector<std::unique_ptr<Sampler>> samplers_;  ///< one per thread
-    int round_ = -1, done_ = 0;
+    int round_ = -1;
+    RenderPosition position_;
     bool isRepeating_ = false;  ///< the film already has the samples that are rendered
 };
 
-/// Renders waves of 1, 1, 2, 4, ... up to kMaxWave samples per pixel until samplesPerPixel or the time budget is
-/// reached.
+/// Renders waves of 1, 1, 2, 4, ... up to kMaxWave samples per pixel until the end or the time budget is reached. Waves
+/// are smaller where checkpoints would otherwise come late.
 RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film,
                          const Sampler &sampler, const RenderSettings &settings, Progress &progress);
 

@@ -1,7 +1,7 @@
 #include "pbrt/lab/campaign_settings.h"
 
 #include "pbrt/core/files.h"
-#include "pbrt/lab/content_hash.h"
+#include "pbrt/scenefile/content_hash.h"
 #include "version.h"
 
 namespace pbrt::lab {

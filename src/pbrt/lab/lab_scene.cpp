@@ -1,7 +1,7 @@
 #include "pbrt/lab/lab_scene.h"
 
 #include "pbrt/core/log.h"
-#include "pbrt/lab/content_hash.h"
+#include "pbrt/scenefile/content_hash.h"
 #include "pbrt/scenefile/parser.h"
 
 namespace pbrt::lab {

@@ -5,7 +5,7 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/log.h"
-#include "pbrt/lab/content_hash.h"
+#include "pbrt/scenefile/content_hash.h"
 #include "pbrt/lab/machine.h"
 #include "pbrt/lab/tile_statistics.h"
 #include "version.h"

@@ -20,6 +20,8 @@ class Camera;
 class Filter;
 class SampledWavelengths;
 class LightLearner;
+class StateReader;
+class StateWriter;
 
 /// Everything that a light sampler may know about a vertex; a struct, so that members can be added without changing
 /// signatures.
@@ -63,6 +65,10 @@ struct PrepareContext {
     int samplesPerPixel = 1;  ///< that will be rendered (an estimate under --time)
     int maxDepth = 5;         ///< of the integrator
     Progress &progress;
+    /// If set, what LightSampler::SaveLearned of the same sampler over the same lights wrote: samplers that save
+    /// something take it in place of finding it out.
+    StateReader *learned = nullptr;
+    bool learnsOn = true;  ///< false: with `learned`, nothing is learned from the render
 };
 
 class LightSampler;
@@ -129,6 +135,15 @@ class LightSampler {
     }
     /// Null if nothing is learned after Prepare.
     virtual LightLearner *Learner() { return nullptr; }
+    /// True if SaveLearned writes something. Other samplers are made anew by Prepare, which gives the same bits whenever
+    /// scene, camera, seed and numbers in PrepareContext are the same.
+    virtual bool SavesLearned() const { return false; }
+    /// Writes all that Prepare and the learner made, for PrepareContext::learned; the writer may refer to memory of this
+    /// object. `goesOn` false: only what choosing lights needs, not what learning more needs. Not while rays are traced.
+    virtual void SaveLearned(StateWriter &writer, bool goesOn) const {
+        (void)writer;
+        (void)goesOn;
+    }
     /// Sizes, seconds, counts: for --stats and image metadata.
     virtual void Report(nlohmann::ordered_json &) const {}
     /// What the sampler knows at a point (cell, records, ...): the same names in the same order for every query. For

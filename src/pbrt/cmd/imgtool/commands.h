@@ -22,6 +22,7 @@ void AddError(CLI::App &app, Action &action);
 void AddFalsecolor(CLI::App &app, Action &action);
 void AddAverage(CLI::App &app, Action &action);
 void AddAssemble(CLI::App &app, Action &action);
+void AddMerge(CLI::App &app, Action &action);
 void AddSplitn(CLI::App &app, Action &action);
 void AddBloom(CLI::App &app, Action &action);
 void AddWhitebalance(CLI::App &app, Action &action);

@@ -95,6 +95,7 @@ int Run(int argc, char **argv) {
     AddFalsecolor(app, action);
     AddAverage(app, action);
     AddAssemble(app, action);
+    AddMerge(app, action);
     AddSplitn(app, action);
     AddBloom(app, action);
     AddWhitebalance(app, action);

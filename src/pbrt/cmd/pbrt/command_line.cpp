@@ -41,6 +41,29 @@ std::vector<std::string> CanonicalFlags(const CLI::App &app, int argc, const cha
     return arguments;
 }
 
+/// "16:32".
+std::pair<int, int> ParseSamples(const std::string &text) {
+    const size_t colon = text.find(':');
+    int first = -1, end = -1;
+    if (colon == std::string::npos || !CLI::detail::lexical_cast(text.substr(0, colon), first) ||
+        !CLI::detail::lexical_cast(text.substr(colon + 1), end) || first < 0 || end <= first)
+        throw CLI::ValidationError("--samples", "\"" + text +
+                                                    "\" is no range of samples; 0:16 and 16:32 are the first sixteen and "
+                                                    "the next sixteen");
+    return {first, end};
+}
+
+/// The rules for the flags that keep a render.
+void CheckKeeping(const CommandLine &o) {
+    const auto refuse = [](const char *message) { throw CLI::ValidationError(message); };
+    if (o.resume && o.checkpoint.empty()) refuse("--resume goes on from the file that --checkpoint names");
+    if (!o.samples) return;
+    if (o.checkpoint.empty()) refuse("--samples writes its part to the file that --checkpoint names");
+    if (o.timeBudget > 0) refuse("--samples and --time exclude each other");
+    if (o.writePartialImages) refuse("--samples and --write-partial-images exclude each other: a part makes no picture");
+    if (!o.saveLights.empty()) refuse("--samples and --save-lights exclude each other: a part has not seen all samples");
+}
+
 template <class T>
 CLI::Option *AddNumbers(CLI::App &app, const std::string &name, std::vector<T> &values, int count,
                         const std::string &help) {
@@ -75,6 +98,8 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     std::vector<Float> crop;
     std::vector<int> bounds, pixel;
     int spp = 0, seed = 0, maxDepth = 0;
+    std::string samples;
+    double memoryLimitMb = 0;
     app.add_option("scene", o.sceneFiles,
                    "scene files, parsed one after the other as one scene; none or \"-\": standard input");
 
@@ -101,9 +126,38 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
         ->group(effort);
     CLI::Option *seedOption = app.add_option("--seed", seed, "seed of the pixel sampler (0)")->group(effort);
     app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(NonNegativeNumber)->group(effort);
+    app.add_option("--memory-limit", memoryLimitMb,
+                   "megabytes of memory that may be used; a scene that needs more is refused before it is built, as far "
+                   "as that can be known, else ends with a message")
+        ->check(PositiveNumber)
+        ->group(effort);
     app.add_flag("--quick", o.build.quick,
                  "a quarter of the resolution, one sample per pixel unless --spp says otherwise")
         ->group(effort);
+
+    const char *keeping = "Long renders and many machines";
+    app.add_option("--checkpoint", o.checkpoint,
+                   "file that keeps all of the render, for --resume and for imgtool merge: written every "
+                   "--checkpoint-interval seconds, at the end and on Ctrl-C")
+        ->group(keeping);
+    app.add_option("--checkpoint-interval", o.checkpointInterval,
+                   "seconds between checkpoints (60), at least as long as one sample of every pixel takes")
+        ->check(PositiveNumber)
+        ->group(keeping);
+    app.add_flag("--resume", o.resume,
+                 "go on from the --checkpoint file, if it exists, to the same picture bit by bit; with a larger --spp "
+                 "or --time than before, to a better one")
+        ->group(keeping);
+    app.add_option("--samples", samples,
+                   "FIRST:END: render only these samples of every pixel, from FIRST up to END - 1, into the "
+                   "--checkpoint file, without a picture; imgtool merge makes the picture from all parts")
+        ->group(keeping);
+    app.add_option("--save-lights", o.saveLights, "file for what the light sampler has learned by the end of the render")
+        ->group(keeping);
+    app.add_option("--load-lights", o.loadLights,
+                   "choose lights by what another render saved, and learn nothing: for parts of one picture, and "
+                   "frames of an animation whose lights stand still; as --save-lights, renders in world coordinates")
+        ->group(keeping);
 
     const char *lights = "Light selection";
     app.add_option("--lightsampler", o.build.lightSampler,
@@ -166,6 +220,8 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
         app.parse(arguments);
         if (o.build.mseReferenceImage.empty() != o.build.mseReferenceOut.empty())
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
+        if (!samples.empty()) o.samples = ParseSamples(samples);
+        CheckKeeping(o);
     } catch (const CLI::CallForHelp &) {
         std::cout << app.help();
         result.done = true;
@@ -180,7 +236,9 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
         result.status = 1;
         return result;
     }
-    o.build.checksOutput = true;
+    o.memoryLimit = 1e6 * memoryLimitMb;
+    // A part makes no picture.
+    o.build.checksOutput = !o.samples;
     if (*sppOption) o.build.samplesPerPixel = spp;
     if (*seedOption) o.build.seed = seed;
     if (*depthOption) o.build.maxDepth = maxDepth;

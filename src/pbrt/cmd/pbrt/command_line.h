@@ -1,5 +1,7 @@
 #pragma once
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pbrt/build/build_options.h"
@@ -14,6 +16,12 @@ struct CommandLine {
     bool quiet = false, stats = false, writePartialImages = false;
     std::string list;  ///< what to list instead of rendering
     double timeBudget = 0;
+    std::string checkpoint;  ///< file for checkpoints; empty: none
+    double checkpointInterval = 60;
+    bool resume = false;
+    std::optional<std::pair<int, int>> samples;  ///< only the samples [first, second) of every pixel
+    std::string saveLights, loadLights;          ///< files of what the light sampler learned
+    double memoryLimit = 0;                      ///< bytes; 0: what the machine has
     std::string text;  ///< as typed, for image metadata
 };
 

@@ -5,7 +5,9 @@
 #include <cstdio>
 
 #include "pbrt/build/built_scene.h"
+#include "pbrt/cmd/pbrt/checkpoint.h"
 #include "pbrt/cmd/pbrt/image_output.h"
+#include "pbrt/cmd/pbrt/learned_lights.h"
 #include "pbrt/cmd/pbrt/run_report.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/files.h"
@@ -92,10 +94,35 @@ class PictureWriter {
     std::string written_;
 };
 
+/// Prepares the integrator: from a checkpoint or a file of learned lights, or by finding everything out.
+void PrepareLights(const std::optional<Checkpoint> &checkpoint, const LearnedLights &lights, BuiltScene &built,
+                   Progress &progress) {
+    PrepareContext context = built.Preparation(progress);
+    std::optional<StateReader> reader;
+    if (checkpoint && checkpoint->IsResumed()) {
+        reader.emplace(checkpoint->Learned());
+    } else if (lights.AreLoaded()) {
+        reader.emplace(lights.Learned());
+        context.learnsOn = false;
+    }
+    if (reader) context.learned = &*reader;
+    built.integrator->Prepare(context);
+}
+
+void SayKept(const Checkpoint &checkpoint, const RenderResult &result) {
+    const RenderFileHead &head = checkpoint.Head();
+    if (result.cancelled)
+        LogInfo(fmt::format("{} holds what was rendered; the same command with --resume goes on.", checkpoint.Path()));
+    else if (head.isPart)
+        LogInfo(fmt::format("Wrote {} (samples {}:{} of {}, {:.2f} s); imgtool merge makes the picture.",
+                            checkpoint.Path(), head.first, head.end, head.samplesPerBatch, result.seconds));
+}
+
 }  // namespace
 
 int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Progress &progress,
                  SignalWatch &signals) {
+    if (options.memoryLimit > 0) LimitMemory(options.memoryLimit);
     const auto start = std::chrono::steady_clock::now();
     Timings timings;
     timings.startUp = SecondsSinceProcessStart();
@@ -107,6 +134,13 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     SceneDescription description = ParseSceneFiles(SceneFilesOf(options), sink);
     PrintWarnings(sink, &printed);
     sink.ThrowIfErrors();
+    BuildOptions build = options.build;
+    const LearnedLights learnedLights(options);
+    // In world coordinates the lights of all frames of an animation are the same, wherever the camera is.
+    if (learnedLights.AreUsed() && build.renderCoordSys.empty() && !description.options.renderCoordSys)
+        build.renderCoordSys = "world";
+    std::optional<Checkpoint> checkpoint;
+    if (!options.checkpoint.empty()) checkpoint.emplace(options, description, learnedLights.Hash(), &build);
     // Here and below, a signal that comes after the line "done" belongs to the phase that follows.
     signals.EndAtOnce(NothingWritten("building"));
     timings.read = progress.EndPhase();
@@ -114,7 +148,7 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     progress.BeginPhase("building", 0);
     BuiltScene built = [&] {
         try {
-            return BuildScene(description, options.build, registry, sink, progress);
+            return BuildScene(description, build, registry, sink, progress);
         } catch (...) {
             PrintWarnings(sink, &printed);
             throw;
@@ -122,6 +156,7 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     }();
     description.shapes.clear();
     PrintWarnings(sink, &printed);
+    learnedLights.Check(built);
     signals.EndAtOnce(NothingWritten("preparing lights"));
     timings.build = progress.EndPhase();
 
@@ -134,8 +169,9 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     settings.start = start;
 
     progress.BeginPhase("preparing lights", 0);
-    built.Prepare(progress);
+    PrepareLights(checkpoint, learnedLights, built, progress);
     timings.prepare = progress.EndPhase();
+    if (checkpoint) checkpoint->Begin(built, &settings);
     ResetCounters();
 
     RenderResult result;
@@ -147,13 +183,26 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
             result.samplesTaken = samples;
             writer.WritePartial(result);
         };
+    // Without its preparation there would be nothing to go on from.
+    if (checkpoint && !progress.Cancelled()) {
+        settings.checkpointInterval = options.checkpointInterval;
+        settings.checkpoint = [&](const RenderPosition &position) {
+            RenderResult until;
+            until.samplesTaken = position.done;
+            checkpoint->Write(built, position, DescribeImage(options, built, until, timings));
+        };
+    }
+    const bool isPart = options.samples.has_value();
     writer.SayRendering();
     result =
         RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
     timings.render = result.seconds;
+    if (checkpoint) result.seconds += checkpoint->RenderSecondsBefore();
     progress.BeginPhase("writing", 0);
-    const bool isWritten = writer.Write(result);
+    const bool isWritten = !isPart && writer.Write(result);
+    if (!learnedLights.SavePath().empty() && !result.cancelled) learnedLights.Save(built);
     timings.write = progress.EndPhase();
+    if (checkpoint && settings.checkpoint && checkpoint->Failure().empty()) SayKept(*checkpoint, result);
     if (isWritten)
         LogInfo(fmt::format("Wrote {} ({} samples per pixel, {:.2f} s; {:.2f} s since the start).", writer.Written(),
                             result.samplesTaken, result.seconds, timings.Total()));
@@ -161,6 +210,7 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     std::fflush(stdout);
     // The picture is written all the same.
     if (!result.mseFailure.empty()) throw UserError(result.mseFailure);
+    if (checkpoint && !checkpoint->Failure().empty()) throw UserError(checkpoint->Failure());
     // Only memory is left to be freed.
     signals.EndAtOnce("");
     return signals.Status();

@@ -94,6 +94,7 @@ void PrintStatistics(const BuiltScene &built, const RenderResult &result, const 
     line("shapes, lights", fmt::format("{}, {}", built.scene->ShapeCount(), built.scene->Lights().Size()));
     line("acceleration structure (MB)",
          fmt::format("{:.1f}", static_cast<double>(built.scene->Acceleration().Bytes()) / 1e6));
+    line("memory expected before building", built.memory.Text());
     line("camera paths", fmt::format("{}", c.cameraPaths));
     line("path vertices",
          fmt::format("{} ({:.2f} a path)", c.pathVertices,

@@ -14,7 +14,7 @@
 #include "pbrt/core/log.h"
 #include "pbrt/images/image.h"
 #include "pbrt/lab/campaign_display.h"
-#include "pbrt/lab/content_hash.h"
+#include "pbrt/scenefile/content_hash.h"
 #include "pbrt/lab/reference_cache.h"
 
 namespace pbrt::lab {

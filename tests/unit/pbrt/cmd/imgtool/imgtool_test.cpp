@@ -10,7 +10,7 @@ namespace pbrt {
 
 TEST_F(Imgtool, HelpListsCommandsAndExplainsEach) {
     const std::vector<std::string> commands = {"info",    "convert",      "diff",           "error", "falsecolor",
-                                               "average", "assemble",     "splitn",         "bloom", "whitebalance",
+                                               "average", "assemble",     "splitn",         "bloom", "whitebalance", "merge",
                                                "makesky", "makeequiarea", "scalenormalmap", "help"};
     std::vector<std::string> runs = {"help", "--help", "diff --help"};
     for (const std::string &command : commands) runs.push_back("help " + command);
@@ -54,7 +54,7 @@ TEST_F(Imgtool, OptionsAreThoseOfTheDocument) {
 }
 
 TEST_F(Imgtool, UsageErrorsListTheChoices) {
-    ExpectErrors({{"", "Commands: info convert diff error falsecolor average assemble splitn bloom whitebalance "},
+    ExpectErrors({{"", "Commands: info convert diff error falsecolor average assemble merge splitn bloom whitebalance "},
                   {"frobnicate", "frobnicate"},
                   {"help frobnicate", "falsecolor"},
                   {"convert a.exr --outfile b.exr --sharpen", "--sharpen"},

@@ -94,7 +94,7 @@ TEST_F(Limits, WhatDoesNotFitIntoMemory) {
     ExpectAll({{"film",
                 "Film \"rgb\" \"integer xresolution\" 1000000 \"integer yresolution\" 1000000",
                 "Shape \"sphere\"",
-                {"Error: film.pbrt:2:", "a picture of 1000000 x 1000000 pixels needs about 44 TB of memory"}},
+                {"Error: film.pbrt:2:", "a picture of 1000000 x 1000000 pixels needs about 76 TB of memory"}},
                {"radius", "PixelFilter \"gaussian\" \"float xradius\" 1e9", "Shape \"sphere\"", {"at most 1000"}}});
     // Where the memory cannot be estimated in advance, the message says what there was not enough memory for.
     Write("scene.pbrt", SmallScene());
@@ -105,6 +105,20 @@ TEST_F(Limits, WhatDoesNotFitIntoMemory) {
         EXPECT_EQ(o.status, 1) << kilobytes << o.err;
         EXPECT_TRUE(Has(o.err, "enough memory")) << kilobytes << o.err;
     }
+}
+
+TEST_F(Limits, MemoryIsEstimatedBeforeBuildingAndLimited) {
+    Write("scene.pbrt", SmallScene());
+    // The head of a mesh that is never read.
+    Write("big.ply",
+          "ply\nformat binary_little_endian 1.0\nelement vertex 100000000\nproperty float x\nproperty float y\n"
+          "property float z\nproperty float nx\nelement face 200000000\nproperty list uchar int vertex_indices\nend_header\n");
+    Write("big.pbrt", SmallScene() + "Shape \"plymesh\" \"string filename\" \"big.ply\"\n");
+    ExpectErrors({{"--memory-limit 2000 --outfile out.exr big.pbrt",
+                   {"the scene needs at least 1", " GB: meshes 1", "(200 million triangles), film 0.0 MB; this process can use 2.0 GB"}},
+                  {"--memory-limit 0 big.pbrt", {"--memory-limit"}},
+                  {"--memory-limit 1 --outfile out.exr scene.pbrt", {"enough memory"}}});
+    EXPECT_EQ(Run("--memory-limit 2000 --outfile out.exr scene.pbrt").status, 0);
 }
 
 TEST_F(Limits, RecursionOverTheInput) {

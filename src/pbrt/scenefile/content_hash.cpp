@@ -1,9 +1,10 @@
-#include "pbrt/lab/content_hash.h"
+#include "pbrt/scenefile/content_hash.h"
 
 #include <fmt/format.h>
 
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <set>
 #include <vector>
 
@@ -11,7 +12,7 @@
 #include "pbrt/core/files.h"
 #include "pbrt/math/rng.h"
 
-namespace pbrt::lab {
+namespace pbrt {
 
 namespace {
 
@@ -33,27 +34,33 @@ std::vector<std::string> QuotedStrings(const std::string &text) {
 
 bool IsSceneText(const std::string &name) { return name.ends_with(".pbrt") || name.ends_with(".pbrt.gz"); }
 
+/// Visits the scene file and every file that it names, each once.
 class SceneReader {
   public:
-    explicit SceneReader(const std::string &scenePath) : files_(std::filesystem::path(scenePath).parent_path()) {}
-
-    void Add(const std::string &path, bool isScene) {
-        if (!seen_.insert(path).second) return;
-        std::string content = ReadFileContents(path);
-        hash_.Add(content);
-        if (!isScene) return;
-        for (const std::string &name : QuotedStrings(content)) {
-            std::error_code none;
-            std::string file = files_.Resolve(name);
-            if (!name.empty() && std::filesystem::is_regular_file(file, none)) Add(file, IsSceneText(file));
-        }
+    using Visit = std::function<void(const std::string &path, const std::string &content)>;
+    SceneReader(const std::string &scenePath, Visit visit, const std::set<std::string> &outputs = {})
+        : files_(std::filesystem::path(scenePath).parent_path()), visit_(std::move(visit)), names_(outputs) {
+        Add(scenePath, true);
     }
-    std::string Hex() const { return hash_.Hex(); }
 
   private:
+    void Add(const std::string &path, bool isScene) {
+        if (!seen_.insert(path).second) return;
+        const std::string content = ReadFileContents(path);
+        visit_(path, content);
+        if (!isScene) return;
+        for (const std::string &name : QuotedStrings(content)) {
+            // Most strings are names of parameters, which come again and again.
+            if (name.empty() || !names_.insert(name).second) continue;
+            std::error_code none;
+            std::string file = files_.Resolve(name);
+            if (std::filesystem::is_regular_file(file, none)) Add(file, IsSceneText(file));
+        }
+    }
+
     FileResolver files_;
-    std::set<std::string> seen_;
-    ContentHash hash_;
+    Visit visit_;
+    std::set<std::string> seen_, names_;
 };
 
 }  // namespace
@@ -70,9 +77,24 @@ void ContentHash::Add(const std::string &bytes) {
 std::string ContentHash::Hex() const { return fmt::format("{:016x}", hash_); }
 
 std::string SceneHash(const std::string &scenePath) {
-    SceneReader reader(scenePath);
-    reader.Add(scenePath, true);
-    return reader.Hex();
+    ContentHash hash;
+    SceneReader(scenePath, [&](const std::string &, const std::string &content) { hash.Add(content); });
+    return hash.Hex();
 }
 
-}  // namespace pbrt::lab
+std::map<std::string, std::string> FileHashes(const std::string &scenePath, const std::set<std::string> &outputs) {
+    std::map<std::string, std::string> hashes;
+    const std::filesystem::path folder = std::filesystem::path(scenePath).parent_path();
+    SceneReader(
+        scenePath,
+        [&](const std::string &path, const std::string &content) {
+            ContentHash hash;
+            hash.Add(content);
+            const std::string name = folder.empty() ? path : std::filesystem::path(path).lexically_proximate(folder).string();
+            hashes[name] = hash.Hex();
+        },
+        outputs);
+    return hashes;
+}
+
+}  // namespace pbrt

@@ -1,8 +1,10 @@
 #pragma once
 #include <cstdint>
+#include <map>
+#include <set>
 #include <string>
 
-namespace pbrt::lab {
+namespace pbrt {
 
 /// A 64-bit hash of everything that was added, in order.
 class ContentHash {
@@ -20,4 +22,8 @@ class ContentHash {
 /// the scene cannot be read.
 std::string SceneHash(const std::string &scenePath);
 
-}  // namespace pbrt::lab
+/// A hash of every one of these files by itself. The keys are their names, relative to the folder of the scene file, so
+/// that a scene may be moved with all its files. `outputs`: names in the scene that are of files to be written.
+std::map<std::string, std::string> FileHashes(const std::string &scenePath, const std::set<std::string> &outputs);
+
+}  // namespace pbrt

@@ -1,0 +1,102 @@
+#include "pbrt/build/render_identity.h"
+
+#include "pbrt/core/build_id.h"
+#include "pbrt/math/rng.h"
+#include "pbrt/math/warps.h"
+#include "pbrt/scenefile/content_hash.h"
+
+namespace pbrt {
+
+namespace {
+
+/// The names in the scene of files that a render writes.
+std::set<std::string> OutputsOf(const SceneDescription &d) {
+    std::set<std::string> outputs;
+    if (const Param *name = d.film.params.Find("filename", ParamType::String))
+        outputs.insert(name->strings.begin(), name->strings.end());
+    if (d.options.mseReferenceOut) outputs.insert(*d.options.mseReferenceOut);
+    if (d.options.mseReferenceImage) outputs.insert(*d.options.mseReferenceImage);  // read, but no sample depends on it
+    return outputs;
+}
+
+/// A hash of a group's power, place and directions, bit by bit.
+uint64_t HashOf(const LightCandidate &c) {
+    uint64_t hash = Hash(c.power, static_cast<int>(c.infinite), static_cast<int>(c.bounds.has_value()));
+    if (const auto &b = c.bounds)
+        hash = Hash(hash, b->bounds.low, b->bounds.high, b->w, b->phi, b->cosTheta_o, b->cosTheta_e,
+                    static_cast<int>(b->twoSided));
+    return hash;
+}
+
+/// A hash of the light from beyond the scene in many directions.
+uint64_t HashOfSkies(const Scene &scene) {
+    constexpr int kSide = 32;
+    uint64_t hash = 0;
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    for (int i = 0; i < kSide * kSide; ++i) {
+        const Point2 u((static_cast<Float>(i % kSide) + 0.5f) / kSide, (static_cast<Float>(i / kSide) + 0.5f) / kSide);
+        const Vector3 d = SampleUniformSphere(u);
+        scene.Lights().ForEachBeyond(scene.Bounds().Center(), d, lambda, [&](const SampledSpectrum &L, LightId id) {
+            for (int k = 0; k < SpectrumSamples; ++k) hash = Hash(hash, id.value, L[k]);
+        });
+    }
+    return hash;
+}
+
+}  // namespace
+
+RenderIdentity IdentityOf(const BuildOptions &o, const std::vector<std::string> &sceneFiles,
+                          const SceneDescription &description) {
+    RenderIdentity identity;
+    identity["program"] = BuildId();
+    for (const std::string &file : sceneFiles) {
+        if (file == "-") throw UserError("a scene from standard input has no checkpoints; write it to a file.");
+        for (const auto &[name, hash] : FileHashes(file, OutputsOf(description))) identity["file " + name] = hash;
+    }
+    const auto flag = [&](const char *name, const std::string &value) {
+        if (!value.empty()) identity[name] = value;
+    };
+    const auto whether = [&](const char *name, bool given) {
+        if (given) identity[name] = "";
+    };
+    if (const auto &c = o.film.cropWindow)
+        flag("--cropwindow", fmt::format("{},{},{},{}", c->low.x, c->high.x, c->low.y, c->high.y));
+    if (const auto &b = o.film.pixelBounds)
+        flag("--pixelbounds", fmt::format("{},{},{},{}", b->low.x, b->high.x, b->low.y, b->high.y));
+    if (o.seed) flag("--seed", std::to_string(*o.seed));
+    whether("--quick", o.quick);
+    whether("--ignore-media", o.ignoreMedia);
+    whether("--ignore-unsupported", o.ignoreUnsupported);
+    flag("--integrator", o.integrator);
+    if (o.maxDepth) flag("--maxdepth", std::to_string(*o.maxDepth));
+    flag("--lightsampler", o.lightSampler);
+    whether("--mesh-lights", o.meshLights);
+    flag("--shadow-gate", o.shadowGate);
+    if (o.displacementEdgeScale) flag("--displacement-edge-scale", fmt::format("{}", *o.displacementEdgeScale));
+    flag("--render-coord-sys", o.renderCoordSys);
+    whether("--disable-texture-filtering", o.disableTextureFiltering);
+    whether("--force-diffuse", o.forceDiffuse);
+    whether("--disable-pixel-jitter", o.disablePixelJitter);
+    whether("--disable-wavelength-jitter", o.disableWavelengthJitter);
+    return identity;
+}
+
+RenderIdentity LightIdentity(const Scene &scene, const std::string &lightSampler, const std::string &parameters) {
+    RenderIdentity identity;
+    identity["program"] = BuildId();
+    identity["the light sampler"] = lightSampler;
+    identity["the light sampler's parameters"] = parameters;
+    const Bounds3 &b = scene.Bounds();
+    identity["the scene's bounding box"] = fmt::format("({}, {}, {}) to ({}, {}, {})", b.low.x, b.low.y, b.low.z,
+                                                       b.high.x, b.high.y, b.high.z);
+    const LightTable &lights = scene.Lights();
+    identity["the number of lights"] = std::to_string(lights.WholeCount());
+    identity["the number of lights with their parts"] = std::to_string(lights.Size());
+    uint64_t power = 0;
+    for (uint32_t g = 0; g < lights.Parts().Size(); ++g) power = Hash(power, HashOf(lights.Parts().Candidate(g)));
+    identity["the hash of the lights' power and places"] = fmt::format("{:016x}", power);
+    identity["the hash of the sky's light"] = fmt::format("{:016x}", HashOfSkies(scene));
+    return identity;
+}
+
+}  // namespace pbrt

@@ -1,0 +1,120 @@
+#include <algorithm>
+#include <tuple>
+
+#include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/error.h"
+#include "pbrt/core/log.h"
+#include "pbrt/films/render_file.h"
+#include "pbrt/images/picture_name.h"
+
+namespace pbrt::imgtool {
+
+namespace {
+
+struct MergeOptions {
+    std::string outfile;
+    std::vector<std::string> paths;
+    bool incomplete = false;
+};
+
+struct Part {
+    std::string path;
+    RenderFileHead head;
+    std::string Range() const { return fmt::format("{}:{}", head.first, head.done); }
+};
+
+/// The part without its sums, which need not be in memory for all parts at once.
+Part ReadPart(const std::string &path, bool incomplete) {
+    Part part{path, RenderFile(path).Head()};
+    const RenderFileHead &head = part.head;
+    if (head.passCount > 0 || (!head.IsComplete() && !incomplete))
+        throw UserError(
+            fmt::format("{}: is unfinished: of the samples {}:{} it has {}{}; the same command with --resume completes it.",
+                        path, head.first, head.end, part.Range(), head.passCount > 0 ? " and some more of some pixels" : ""));
+    return part;
+}
+
+void CheckSameRender(const Part &one, const Part &other) {
+    const RenderFileHead &a = other.head, &b = one.head;
+    std::string differences = DifferencesOf(a.identity, b.identity, one.path);
+    if (std::tie(a.samplesFlag, a.samplesPerBatch) != std::tie(b.samplesFlag, b.samplesPerBatch))
+        differences += fmt::format("{}the render has {} samples per pixel, but {} in {}", differences.empty() ? "" : "; ",
+                                   a.samplesPerBatch, b.samplesPerBatch, one.path);
+    if (!differences.empty())
+        throw UserError(
+            fmt::format("{} and {} are not parts of one render: {}.", other.path, one.path, differences));
+}
+
+/// `parts` are sorted. Returns the number of samples that they have together.
+int CheckCover(const std::vector<Part> &parts, bool incomplete) {
+    std::string problems;
+    int next = 0, total = 0, all = parts[0].head.samplesPerBatch;
+    const Part *before = nullptr;
+    const auto missing = [&](int first, int end) {
+        if (incomplete)
+            LogWarning(fmt::format("the samples {}:{} are missing.", first, end));
+        else
+            problems += fmt::format("The samples {}:{} are in no file. ", first, end);
+    };
+    for (const Part &part : parts) {
+        const RenderFileHead &head = part.head;
+        if (head.first > next) missing(next, head.first);
+        if (before && head.first < next)
+            problems += fmt::format("{} ({}) and {} ({}) have samples in common. ", before->path, before->Range(), part.path,
+                                    part.Range());
+        total += head.done - head.first;
+        all = std::max(all, head.end);
+        if (head.done > next || !before) before = &part;
+        next = std::max(next, head.done);
+    }
+    if (next < all) missing(next, all);
+    if (!problems.empty()) {
+        problems.pop_back();
+        throw UserError(problems);
+    }
+    return total;
+}
+
+int Merge(const MergeOptions &o) {
+    CheckPictureName(o.outfile, {});
+    std::vector<Part> parts;
+    for (const std::string &path : o.paths) {
+        parts.push_back(ReadPart(path, o.incomplete));
+        CheckSameRender(parts[0], parts.back());
+    }
+    std::stable_sort(parts.begin(), parts.end(), [](const Part &a, const Part &b) { return a.head.first < b.head.first; });
+    const int samples = CheckCover(parts, o.incomplete);
+    const std::unique_ptr<Film> film = parts[0].head.film.Make();
+    double seconds = 0;
+    for (const Part &part : parts) {
+        RenderFile(part.path).MergeFilm(*film);
+        seconds += part.head.renderSeconds;
+    }
+    ImageMetadata metadata = film->Metadata();
+    metadata.attributes = parts[0].head.metadata.attributes;
+    metadata.attributes["samplesPerPixel"] = samples;
+    metadata.attributes["renderTimeSeconds"] = static_cast<float>(seconds);
+    metadata.attributes["pbrt.parts"] = static_cast<int>(parts.size());
+    WriteImage(o.outfile, film->ToImage(), metadata);
+    fmt::print("{}: {} samples per pixel from {} file{}\n", o.outfile, samples, parts.size(), parts.size() == 1 ? "" : "s");
+    return 0;
+}
+
+}  // namespace
+
+void AddMerge(CLI::App &app, Action &action) {
+    auto o = std::make_shared<MergeOptions>();
+    CLI::App *command = app.add_subcommand("merge", "Make the picture from the parts of a render");
+    command->add_option("outfile", o->outfile, "Picture: .exr, .png or .pfm")->required()->type_name("FILE");
+    command
+        ->add_option("parts", o->paths,
+                     "Files that pbrt --samples FIRST:END --checkpoint FILE wrote, in any order; together they must have "
+                     "every sample once")
+        ->required()
+        ->type_name("PART...");
+    command->add_flag("--incomplete", o->incomplete, "Make the picture of the samples that there are, although some are missing");
+    command->footer("Example: imgtool merge picture.exr part-*.chk");
+    command->callback([o, &action] { action = [o] { return Merge(*o); }; });
+}
+
+}  // namespace pbrt::imgtool

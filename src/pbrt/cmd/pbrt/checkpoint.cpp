@@ -1,0 +1,115 @@
+#include "pbrt/cmd/pbrt/checkpoint.h"
+
+#include <tuple>
+
+#include "pbrt/build/render_identity.h"
+#include "pbrt/build/view.h"
+#include "pbrt/core/files.h"
+#include "pbrt/core/log.h"
+
+namespace pbrt {
+
+namespace {
+
+double SecondsSince(std::chrono::steady_clock::time_point t) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
+}
+
+std::string RangeText(int first, int end) { return fmt::format("{}:{}", first, end); }
+
+}  // namespace
+
+Checkpoint::Checkpoint(const CommandLine &options, const SceneDescription &d, const std::string &lightsHash,
+                       BuildOptions *build)
+    : path_(options.checkpoint), isTimed_(options.timeBudget > 0) {
+    const bool exists = FileExists(path_);
+    if (exists && !options.resume)
+        throw UserError(
+            fmt::format("{}: exists already. --resume goes on from it; to begin anew, remove it first.", path_));
+    CheckWritable(path_);
+    head_.identity = IdentityOf(*build, SceneFilesOf(options), d);
+    if (!lightsHash.empty()) head_.identity["--load-lights"] = fmt::format("a file with the hash {}", lightsHash);
+    if (exists) {
+        TakeUp(options, build);
+    } else {
+        if (options.resume) LogInfo(fmt::format("{} does not exist: the render begins anew.", path_));
+        head_.samplesFlag = build->samplesPerPixel;
+        head_.isPart = options.samples.has_value();
+        if (options.samples) std::tie(head_.first, head_.end) = *options.samples;
+        head_.film = {d.film.type, d.film.params, d.film.colorSpace, ExposureTime(d.camera.params), FilmOverridesOf(*build)};
+    }
+}
+
+void Checkpoint::TakeUp(const CommandLine &options, BuildOptions *build) {
+    file_.emplace(path_);
+    const RenderFileHead &old = file_->Head();
+    auto refuse = [&](const std::string &why) { throw UserError(fmt::format("{}: {}.", path_, why)); };
+    if (const std::string differences = DifferencesOf(head_.identity, old.identity, path_); !differences.empty())
+        refuse("belongs to another render: " + differences);
+    if (old.isPart != options.samples.has_value())
+        refuse(old.isPart ? fmt::format("is a part of a render; --samples {} goes on with it", RangeText(old.first, old.end))
+                          : "is the checkpoint of a whole render, without --samples");
+    if (options.samples && *options.samples != std::pair(old.first, old.end))
+        refuse(fmt::format("has the samples {}, not {}", RangeText(old.first, old.end),
+                           RangeText(options.samples->first, options.samples->second)));
+    const int asked = build->samplesPerPixel;
+    if (old.isPart && asked > 0 && asked != old.samplesFlag)
+        refuse(fmt::format("is a part of a render with {}, not --spp {}",
+                           old.samplesFlag > 0 ? fmt::format("--spp {}", old.samplesFlag) : "the scene's number of samples",
+                           asked));
+    head_ = old;
+    if (!old.isPart && asked > 0) head_.end = asked;
+    if (head_.end == 0) head_.end = old.samplesPerBatch;
+    if (!isTimed_ && head_.end < old.done + old.passCount)
+        refuse(fmt::format("has {} samples per pixel already{}; --spp can only be larger", old.done,
+                           old.passCount > 0 ? fmt::format(", and some up to {}", old.done + old.passCount) : ""));
+    secondsBefore_ = old.seconds;
+    renderSecondsBefore_ = old.renderSeconds;
+    build->samplesPerPixel = old.samplesFlag;
+}
+
+void Checkpoint::Begin(const BuiltScene &built, RenderSettings *settings) {
+    renderStart_ = std::chrono::steady_clock::now();
+    if (!file_) {
+        head_.samplesPerBatch = built.samplesPerPixel;
+        if (!head_.isPart) head_.end = built.samplesPerPixel;
+        if (head_.end > built.samplesPerPixel)
+            throw UserError(fmt::format("--samples {}: the render has only {} samples per pixel; --spp says how many.",
+                                        RangeText(head_.first, head_.end), built.samplesPerPixel));
+        settings->firstSample = head_.done = head_.first;
+        settings->endSample = head_.end;
+        return;
+    }
+    PBRT_CHECK(head_.samplesPerBatch == built.samplesPerPixel);
+    file_->LoadFilm(*built.film);
+    settings->from = RenderPosition{head_.done, head_.passCount, file_->PassDone()};
+    if (head_.done > head_.first) settings->secondsPerSample = head_.renderSeconds / (head_.done - head_.first);
+    // Time that was spent before counts.
+    settings->start -= std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+        std::chrono::duration<double>(secondsBefore_));
+    settings->firstSample = head_.first;
+    settings->endSample = head_.end;
+    LogInfo(fmt::format("Going on from {}, after {} samples per pixel.", path_, head_.done - head_.first));
+    file_.reset();  // its memory is not needed any more
+}
+
+void Checkpoint::Write(const BuiltScene &built, const RenderPosition &position, const ImageMetadata &metadata) {
+    head_.done = position.done;
+    head_.passCount = position.passCount;
+    head_.seconds = secondsBefore_ + SecondsSince(start_);
+    head_.renderSeconds = renderSecondsBefore_ + SecondsSince(renderStart_);
+    head_.metadata = metadata;
+    RenderFileHead written = head_;
+    if (isTimed_) written.end = 0;
+    StateWriter learned;
+    if (const LightSampler *lights = built.integrator->Lights()) lights->SaveLearned(learned, true);
+    failure_.clear();
+    try {
+        WriteRenderFile(path_, written, position.passDone, *built.film, learned);
+    } catch (const UserError &e) {
+        failure_ = e.Diagnostics()[0].message;
+        LogWarning(fmt::format("the checkpoint after {} samples per pixel was not written. {}", position.done, failure_));
+    }
+}
+
+}  // namespace pbrt

@@ -1,0 +1,67 @@
+#include "pbrt/cmd/pbrt/learned_lights.h"
+
+#include <nlohmann/json.hpp>
+
+#include "pbrt/build/render_identity.h"
+#include "pbrt/core/files.h"
+#include "pbrt/scenefile/content_hash.h"
+
+namespace pbrt {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr const char *kKind = "file of learned lights";
+
+RenderIdentity IdentityOf(const BuiltScene &built) {
+    Json report = Json::object();
+    built.integrator->Lights()->Report(report);
+    const auto it = report.find("parameters");
+    const std::string parameters = it == report.end() ? "" : it->is_string() ? it->get<std::string>() : it->dump();
+    return LightIdentity(*built.scene, built.lightSamplerName, parameters);
+}
+
+}  // namespace
+
+LearnedLights::LearnedLights(const CommandLine &options) : savePath_(options.saveLights) {
+    if (!options.loadLights.empty()) loaded_.emplace(options.loadLights, kKind);
+    if (!savePath_.empty()) CheckWritable(savePath_);
+}
+
+std::string LearnedLights::Hash() const {
+    if (!loaded_) return {};
+    ContentHash hash;
+    hash.Add(std::string(loaded_->Section("identity")));
+    hash.Add(std::string(loaded_->Section("learned")));
+    return hash.Hex();
+}
+
+void LearnedLights::Check(const BuiltScene &built) const {
+    if (!AreUsed()) return;
+    const char *flag = loaded_ ? "--load-lights" : "--save-lights";
+    const LightSampler *lights = built.integrator->Lights();
+    if (!lights)
+        throw UserError(fmt::format("{}: the integrator \"{}\" uses no light sampler.", flag, built.integratorName));
+    if (!lights->SavesLearned())
+        throw UserError(fmt::format("{}: the light sampler \"{}\" learns nothing that could be saved.", flag,
+                                    built.lightSamplerName));
+    if (!loaded_) return;
+    RenderIdentity saved;
+    try {
+        saved = Json::parse(loaded_->Section("identity")).get<RenderIdentity>();
+    } catch (const Json::exception &) {
+        throw UserError(fmt::format("{}: its content is damaged.", loaded_->Path()));
+    }
+    if (const std::string differences = DifferencesOf(IdentityOf(built), saved, loaded_->Path()); !differences.empty())
+        throw UserError(fmt::format("{}: was learned for other lights: {}.", loaded_->Path(), differences));
+}
+
+void LearnedLights::Save(const BuiltScene &built) const {
+    StateWriter identity, learned;
+    const std::string text = Json(IdentityOf(built)).dump();
+    identity.Copy(text.data(), text.size());
+    built.integrator->Lights()->SaveLearned(learned, false);
+    WriteStateFile(savePath_, kKind, {{"identity", &identity}, {"learned", &learned}});
+}
+
+}  // namespace pbrt

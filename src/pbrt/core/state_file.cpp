@@ -1,0 +1,91 @@
+#include "pbrt/core/state_file.h"
+
+#include <zlib.h>
+
+#include <array>
+#include <cstdio>
+
+#include "pbrt/core/files.h"
+
+namespace pbrt {
+
+namespace {
+
+constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 's', 't', 'a', 't'};
+/// Changes with the layout of the file or of anything in it.
+constexpr uint32_t kVersion = 1;
+constexpr size_t kLengthAt = sizeof(kMagic) + sizeof(kVersion);
+constexpr size_t kHeadBytes = kLengthAt + sizeof(uint64_t), kSumBytes = sizeof(uint64_t);
+
+uint64_t Checksum(std::string_view bytes, uint64_t before = 0) {
+    return crc32_z(before, reinterpret_cast<const Bytef *>(bytes.data()), bytes.size());
+}
+
+/// Not ReadFileContents, which would try to decompress the content.
+std::string ReadBytes(const std::string &path, const std::string &kind) {
+    std::error_code code;
+    if (!std::filesystem::is_regular_file(path, code))
+        throw UserError(fmt::format("{}: there is no such {}.", path, kind));
+    const std::unique_ptr<std::FILE, int (*)(std::FILE *)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+    if (!file) throw UserError(fmt::format("{}: cannot be read.", path));
+    std::string content(std::filesystem::file_size(path, code), 0);
+    content.resize(std::fread(content.data(), 1, content.size(), file.get()));
+    return content;
+}
+
+}  // namespace
+
+StateFile::StateFile(const std::string &path, const std::string &kind) : path_(path), content_(ReadBytes(path, kind)) {
+    auto refuse = [&](const std::string &why) { throw UserError(fmt::format("{}: {}.", path, why)); };
+    const size_t size = content_.size();
+    const std::string_view all(content_);
+    if (all.substr(0, sizeof(kMagic)) != std::string_view(kMagic.data(), kMagic.size()))
+        refuse(size == 0 ? fmt::format("is empty, not a {}", kind) : fmt::format("is not a {}", kind));
+    if (size < kHeadBytes + kSumBytes) refuse(fmt::format("this {} is cut off", kind));
+    uint32_t version = 0;
+    uint64_t length = 0, sum = 0;
+    std::memcpy(&version, content_.data() + sizeof(kMagic), sizeof(version));
+    std::memcpy(&length, content_.data() + kLengthAt, sizeof(length));
+    std::memcpy(&sum, content_.data() + size - kSumBytes, sizeof(sum));
+    if (version != kVersion)
+        refuse(fmt::format("this {} has layout {}; this program reads layout {}", kind, version, kVersion));
+    if (length > size) refuse(fmt::format("this {} is cut off: it has {} of {} bytes", kind, size, length));
+    if (length != size || sum != Checksum(all.substr(0, size - kSumBytes)))
+        refuse(fmt::format("this {} is damaged: its checksum does not fit", kind));
+    StateReader reader(all.substr(kHeadBytes, size - kHeadBytes - kSumBytes), path);
+    if (const std::string is = reader.Text(); is != kind) refuse(fmt::format("is a {}, not a {}", is, kind));
+    for (auto count = reader.Value<uint32_t>(); count > 0; --count) {
+        const std::string name = reader.Text();
+        sections_[name] = reader.Take(reader.Value<uint64_t>());
+    }
+}
+
+std::string_view StateFile::Section(const std::string &name) const {
+    const auto it = sections_.find(name);
+    if (it == sections_.end()) throw UserError(fmt::format("{}: has no section \"{}\".", path_, name));
+    return it->second;
+}
+
+void WriteStateFile(const std::string &path, const std::string &kind,
+                    const std::map<std::string, const StateWriter *> &sections) {
+    StateWriter all;
+    all.Value(kMagic);
+    all.Value(kVersion);
+    uint64_t length = kHeadBytes + sizeof(uint64_t) + kind.size() + sizeof(uint32_t) + kSumBytes;
+    for (const auto &[name, content] : sections) length += 2 * sizeof(uint64_t) + name.size() + content->Bytes();
+    all.Value(length);
+    all.Text(kind);
+    all.Value(static_cast<uint32_t>(sections.size()));
+    for (const auto &[name, content] : sections) {
+        all.Text(name);
+        all.Value(content->Bytes());
+        for (const std::string_view piece : content->Pieces()) all.Refer(piece.data(), piece.size());
+    }
+    uint64_t sum = 0;
+    for (const std::string_view piece : all.Pieces()) sum = Checksum(piece, sum);
+    all.Value(sum);
+    PBRT_CHECK(all.Bytes() == length);
+    WriteFile(path, all.Pieces());
+}
+
+}  // namespace pbrt

@@ -1,0 +1,123 @@
+#pragma once
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "pbrt/core/error.h"
+
+namespace pbrt {
+
+/// Collects values for a binary file or message, bit by bit and in this machine's byte order. Numbers, texts and copies
+/// are kept here; what was given to Refer or Vector is only referred to, so that big arrays are not in memory twice:
+/// it must stay as it is until the last use of Pieces.
+class StateWriter {
+  public:
+    template <class T>
+    void Value(const T &value) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        Copy(&value, sizeof(value));
+    }
+    void Text(std::string_view text) {
+        Value(uint64_t{text.size()});
+        Copy(text.data(), text.size());
+    }
+    /// The number of elements, then the elements.
+    template <class T>
+    void Vector(const std::vector<T> &values) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        Value(uint64_t{values.size()});
+        Refer(values.data(), values.size() * sizeof(T));
+    }
+    /// The same for a vector that does not stay.
+    template <class T>
+    void CopyOfVector(const std::vector<T> &values) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        Value(uint64_t{values.size()});
+        Copy(values.data(), values.size() * sizeof(T));
+    }
+    void Copy(const void *data, size_t bytes) {
+        if (bytes == 0) return;
+        if (!pieces_.empty() && !pieces_.back().data)
+            pieces_.back().bytes += bytes;
+        else
+            pieces_.push_back({nullptr, copied_.size(), bytes});
+        copied_.append(static_cast<const char *>(data), bytes);
+    }
+    void Refer(const void *data, size_t bytes) {
+        if (bytes > 0) pieces_.push_back({static_cast<const char *>(data), 0, bytes});
+    }
+
+    /// All bytes in order, valid until the next one is added.
+    std::vector<std::string_view> Pieces() const {
+        std::vector<std::string_view> views;
+        for (const Piece &p : pieces_) views.emplace_back(p.data ? p.data : copied_.data() + p.at, p.bytes);
+        return views;
+    }
+    uint64_t Bytes() const {
+        uint64_t bytes = 0;
+        for (const Piece &p : pieces_) bytes += p.bytes;
+        return bytes;
+    }
+    /// All bytes as one copy.
+    std::string Joined() const {
+        std::string all;
+        all.reserve(Bytes());
+        for (const std::string_view piece : Pieces()) all += piece;
+        return all;
+    }
+
+  private:
+    struct Piece {
+        const char *data = nullptr;  ///< null: the bytes are in copied_
+        size_t at = 0, bytes = 0;
+    };
+    std::vector<Piece> pieces_;
+    std::string copied_;
+};
+
+/// Reads what a StateWriter wrote. Throws UserError where the bytes end too early, and never reads beyond them.
+class StateReader {
+  public:
+    /// `what`: named in messages. `bytes` must live as long as this object.
+    StateReader(std::string_view bytes, std::string what) : rest_(bytes), what_(std::move(what)) {}
+
+    template <class T>
+    T Value() {
+        static_assert(std::is_trivially_copyable_v<T>);
+        T value;
+        std::memcpy(&value, Take(sizeof(T)).data(), sizeof(T));
+        return value;
+    }
+    template <class T>
+    void Value(T *value) {
+        *value = Value<T>();
+    }
+    std::string Text() { return std::string(Take(Value<uint64_t>())); }
+    template <class T>
+    void Vector(std::vector<T> *values) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        const auto count = Value<uint64_t>();
+        if (count > rest_.size() / sizeof(T)) Refuse();
+        const std::string_view bytes = Take(count * sizeof(T));
+        values->resize(count);
+        if (count > 0) std::memcpy(values->data(), bytes.data(), bytes.size());
+    }
+    std::string_view Take(uint64_t bytes) {
+        if (bytes > rest_.size()) Refuse();
+        const std::string_view taken = rest_.substr(0, bytes);
+        rest_.remove_prefix(bytes);
+        return taken;
+    }
+    size_t BytesLeft() const { return rest_.size(); }
+    /// Throws: the bytes are not what they should be.
+    [[noreturn]] void Refuse() const { throw UserError(fmt::format("{}: its content is damaged.", what_)); }
+
+  private:
+    std::string_view rest_;
+    std::string what_;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+"""Kills a render (SIGKILL) again and again at random moments, resumes it from its checkpoint each time, and compares the
+picture with that of a render that nobody disturbed, bit by bit.
+
+After every kill the checkpoint must be a file that can be read and be no older than the interval and the longest wave
+allow; the samples in it must not become fewer. Exit status 0 only if all of that holds for every kill.
+
+    tests/stress/kill_renders.py --pbrt build/release/src/pbrt/cmd/pbrt/pbrt --kills 200
+"""
+import argparse
+import pathlib
+import random
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+SCENE = """LookAt 0 3 -5  0 0 0  0 1 0
+Camera "perspective" "float fov" 50
+Film "rgb" "integer xresolution" 40 "integer yresolution" 30 "bool savefp16" false
+Sampler "zsobol" "integer pixelsamples" {samples}
+Integrator "path" "integer maxdepth" 3
+WorldBegin
+Material "diffuse"
+Shape "bilinearmesh" "point3 P" [ -6 0 -6  6 0 -6  -6 0 6  6 0 6 ]
+Shape "bilinearmesh" "point3 P" [ 0 0 -6  0 0 6  0 2 -6  0 2 6 ]
+"""
+GOES_ON = re.compile(r"Going on from .*, after (\d+) samples per pixel")
+
+
+def scene_text(samples):
+    lamps = "".join(f'LightSource "point" "point3 from" [ {i % 10 - 4.6} 1 {i // 10 - 3.5} ] "rgb I" [ 1 {i % 3} 1 ]\n'
+                    for i in range(80))
+    return SCENE.format(samples=samples) + lamps
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--pbrt", required=True)
+    parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=1, help="of the moments")
+    parser.add_argument("--interval", type=float, default=0.02, help="seconds between checkpoints")
+    parser.add_argument("--slack", type=float, default=3, help="further seconds that a checkpoint may be old on a busy machine")
+    parser.add_argument("--samples", type=int, default=512)
+    parser.add_argument("--lightsampler", default="octree", help="one that learns while it renders is the hardest case")
+    options = parser.parse_args()
+    pbrt = str(pathlib.Path(options.pbrt).resolve())
+    moments = random.Random(options.seed)
+    problems, kills, renders, kept, temporaries = [], 0, 0, [], 0
+
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        (folder / "scene.pbrt").write_text(scene_text(options.samples))
+        common = [pbrt, "--nthreads", "2", "--lightsampler", options.lightsampler, "scene.pbrt", "--outfile"]
+        begin = time.monotonic()
+        subprocess.run(common + ["whole.pfm"], cwd=folder, check=True, capture_output=True)
+        seconds = time.monotonic() - begin
+        whole = (folder / "whole.pfm").read_bytes()
+        checkpoint = folder / "render.chk"
+        command = common + ["out.pfm", "--checkpoint", checkpoint.name, "--checkpoint-interval", str(options.interval), "--resume"]
+        samples = 0
+        while kills < options.kills:
+            process = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            # A few kills a render: also while it starts, reads its checkpoint, prepares and writes.
+            try:
+                process.wait(moments.uniform(0, max(0.3, seconds / 3)))
+            except subprocess.TimeoutExpired:
+                process.send_signal(signal.SIGKILL)
+                kills += 1
+            killed_at = time.time()
+            messages = process.stderr.read()
+            process.wait()
+            if process.returncode not in (0, -signal.SIGKILL):
+                problems.append(f"kill {kills}: status {process.returncode}: {messages}")
+            found = GOES_ON.search(messages)
+            if found:
+                if int(found[1]) < samples:
+                    problems.append(f"kill {kills}: the checkpoint has {found[1]} samples after one with {samples}")
+                samples = int(found[1])
+                kept.append(samples)
+                age = killed_at - checkpoint.stat().st_mtime
+                # What was not saved when the process was killed, counted from its start if it saved nothing.
+                if process.returncode != 0 and age > options.interval + options.slack + seconds / 3:
+                    problems.append(f"kill {kills}: the last checkpoint is {age:.2f} s old")
+            if process.returncode == 0:
+                renders += 1
+                if (folder / "out.pfm").read_bytes() != whole:
+                    problems.append(f"kill {kills}: the finished picture differs from that of a whole render")
+                checkpoint.unlink()
+                samples = 0
+            temporaries = max(temporaries, len(list(folder.glob(".pbrt-*.tmp"))))
+        last = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+        renders += 1
+        if last.returncode != 0 or (folder / "out.pfm").read_bytes() != whole:
+            problems.append(f"the last render: status {last.returncode}, {last.stderr}")
+    for problem in problems:
+        print(problem)
+    print(f"{kills} kills in {renders} renders of {seconds:.1f} s; {len(kept)} times gone on, from {len(set(kept))} different "
+          f"numbers of samples; {temporaries} unfinished temporary files; {len(problems)} problems")
+    if options.kills >= 5 and not kept:
+        print("nothing was tested: no render went on from a checkpoint")
+        sys.exit(1)
+    sys.exit(1 if problems else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,301 @@
+// --checkpoint, --resume, --samples, --save-lights and --load-lights as a user runs them.
+#include <signal.h>
+
+#include <fstream>
+
+#include "program.h"
+
+namespace pbrt::test {
+
+namespace {
+
+/// SmallScene with another film, and 80 small lamps that `octree` learns about while it renders.
+std::string Scene(const std::string &film, int samples = 64) {
+    std::string text = SmallScene();
+    const auto replace = [&](const std::string &from, const std::string &to) {
+        const size_t at = text.find(from);
+        ASSERT_NE(at, std::string::npos) << from;
+        text.replace(at, from.size(), to);
+    };
+    replace("\"rgb\" \"integer", "\"" + film + "\" \"integer");
+    replace("\"integer pixelsamples\" 4", "\"integer pixelsamples\" " + std::to_string(samples));
+    for (int i = 0; i < 80; ++i)
+        text += "LightSource \"point\" \"point3 from\" [ " + std::to_string(i % 10 - 5) + " 2 " + std::to_string(i / 10 - 4) +
+                " ] \"rgb I\" [ 0.1 0.2 0.1 ]\n";
+    return text;
+}
+
+}  // namespace
+
+class Checkpoints : public Program {
+  protected:
+    void SetUp() override {
+        Program::SetUp();
+        ext_ = Has(LightSamplerListing(), "\noctree\n");
+        lights_ = ext_ ? " --lightsampler octree " : " --lightsampler bvh ";
+    }
+    /// Starts a render with a checkpoint, kills it once there is one (in the middle of the render), goes on and so on
+    /// `kills` times; then lets it finish. Returns the messages of the last run.
+    std::string KillAndResume(const std::string &arguments, int kills) const {
+        for (int i = 0; i < kills; ++i) {
+            std::error_code none;
+            const auto changed = [&] { return std::filesystem::last_write_time(Path("c.chk"), none); };
+            const auto before = changed();
+            const pid_t pid = Start(arguments + " --checkpoint c.chk --checkpoint-interval 0.01 --resume");
+            EXPECT_TRUE(WaitUntil([&] { return changed() != before; }));
+            kill(pid, SIGKILL);
+            EXPECT_EQ(Wait(pid).status, -SIGKILL);
+        }
+        return RunWell(arguments + " --checkpoint c.chk --resume");
+    }
+    bool ext_ = false;
+    std::string lights_;
+};
+
+TEST_F(Checkpoints, ARenderThatWasKilledGivesTheSameBits) {
+    for (const char *film : {"rgb", "gbuffer", "spectral"}) {
+        Write("scene.pbrt", Scene(film, 512));
+        const std::string arguments = lights_ + " scene.pbrt --nthreads 2 --outfile ";
+        const ImageFile whole = Render(lights_ + "scene.pbrt --nthreads 1", "whole.exr");
+        const std::string messages = KillAndResume(arguments + "out.exr", 3);
+        EXPECT_TRUE(Has(messages, "Going on from c.chk, after ")) << messages;
+        const ImageFile resumed = ReadImage(Path("out.exr"));
+        EXPECT_EQ(IntOf(resumed, "samplesPerPixel"), 512);
+        EXPECT_TRUE(SamePixels(whole, resumed)) << film;
+        std::filesystem::remove(Path("c.chk"));
+    }
+}
+
+TEST_F(Checkpoints, AFinishedRenderGoesOnWithMoreSamples) {
+    Write("scene.pbrt", Scene("gbuffer", 8));
+    RunWell(lights_ + "scene.pbrt --checkpoint a.chk --outfile eight.exr");
+    // The same at once, without more, and step by step.
+    const ImageFile eight = ReadImage(Path("eight.exr"));
+    EXPECT_TRUE(SamePixels(eight, Render(lights_ + "scene.pbrt --checkpoint a.chk --resume")));
+    EXPECT_TRUE(SamePixels(eight, Render(lights_ + "scene.pbrt")));
+    std::filesystem::copy(Path("a.chk"), Path("b.chk"));
+    const ImageFile more = Render(lights_ + "scene.pbrt --checkpoint a.chk --resume --spp 29");
+    RunWell(lights_ + "scene.pbrt --checkpoint b.chk --resume --spp 13 --outfile b.exr");
+    const ImageFile steps = Render(lights_ + "scene.pbrt --checkpoint b.chk --resume --spp 29");
+    EXPECT_EQ(IntOf(more, "samplesPerPixel"), 29);
+    EXPECT_TRUE(SamePixels(more, steps));
+    EXPECT_FALSE(SamePixels(more, eight));
+    ExpectErrors({{lights_ + "scene.pbrt --checkpoint a.chk --resume --spp 28", {"a.chk", "29 samples per pixel already"}},
+                  {lights_ + "scene.pbrt --checkpoint a.chk", {"a.chk: exists already", "--resume"}}});
+}
+
+TEST_F(Checkpoints, TimedRendersGoOnAndHaveTheBitsOfTheirNumberOfSamples) {
+    Write("scene.pbrt", Scene("rgb", 8));
+    // A finished run has no time left; a longer time adds samples. Time that was spent counts.
+    RunWell(lights_ + "scene.pbrt --time 0.5 --checkpoint t.chk --outfile t.exr");
+    const int first = IntOf(ReadImage(Path("t.exr")), "samplesPerPixel");
+    const ImageFile longer = Render(lights_ + "scene.pbrt --time 1 --checkpoint t.chk --resume");
+    const int second = IntOf(longer, "samplesPerPixel");
+    EXPECT_GT(first, 8);
+    EXPECT_GT(second, first);
+    RunWell(lights_ + "scene.pbrt --checkpoint s.chk --outfile s.exr");
+    EXPECT_TRUE(SamePixels(longer, Render(lights_ + "scene.pbrt --checkpoint s.chk --resume --spp " + std::to_string(second))));
+}
+
+TEST_F(Checkpoints, InterruptedRendersKeepEverySample) {
+    Write("scene.pbrt", Scene("rgb", 4096));
+    const std::string arguments = lights_ + "scene.pbrt --outfile out.exr --checkpoint c.chk";
+    const pid_t pid = Start(arguments);
+    // The first samples are done once the program renders; it is then amid a wave.
+    EXPECT_TRUE(WaitUntil([&] { return Has(Messages(pid), "preparing lights"); }));
+    usleep(300000);
+    kill(pid, SIGINT);
+    const Outcome o = Wait(pid);
+    EXPECT_EQ(o.status, 128 + SIGINT) << o.err;
+    EXPECT_TRUE(Has(o.err, "c.chk holds what was rendered")) << o.err;
+    ASSERT_TRUE(Exists("out.exr"));
+    EXPECT_LT(IntOf(ReadImage(Path("out.exr")), "samplesPerPixel"), 4096);
+    RunWell(arguments + " --resume");
+    const ImageFile resumed = ReadImage(Path("out.exr"));
+    EXPECT_TRUE(SamePixels(resumed, Render(lights_ + "scene.pbrt", "whole.exr")));
+}
+
+TEST_F(Checkpoints, OtherRendersAreRefusedByWhatDiffers) {
+    Write("scene.pbrt", Scene("rgb", 4));
+    Write("part.pbrt", "Shape \"sphere\" \"float radius\" 0.1\n");
+    Write("more.pbrt", Scene("rgb", 4) + "Include \"part.pbrt\"\n");
+    RunWell("more.pbrt --maxdepth 2 --checkpoint c.chk --outfile out.exr");
+    const std::string resume = "--checkpoint c.chk --resume --outfile out.exr ";
+    ExpectErrors({{resume + "more.pbrt", {"c.chk: belongs to another render", "--maxdepth is not given, but is 2 in c.chk"}},
+                  {resume + "more.pbrt --maxdepth 3 --seed 1", {"--maxdepth is 3, but is 2", "--seed is 1, but is not given"}},
+                  {resume + "scene.pbrt --maxdepth 2", {"only c.chk uses the file more.pbrt", "the file scene.pbrt did not"}},
+                  {resume + "more.pbrt --maxdepth 2 --samples 0:2", {"checkpoint of a whole render"}},
+                  {"--resume more.pbrt", {"--resume goes on from the file that --checkpoint names"}},
+                  {"--checkpoint x.chk - < more.pbrt", {"standard input"}},
+                  {"--checkpoint none/x.chk more.pbrt", {"none/x.chk", "folder"}}});
+    // The picture that the render wrote, and a comment of another scene, do not matter; a changed include does.
+    RunWell(resume + "more.pbrt --maxdepth 2");
+    Write("part.pbrt", "Shape \"sphere\" \"float radius\" 0.2\n");
+    ExpectErrors({{resume + "more.pbrt --maxdepth 2", {"the content of the file part.pbrt differs"}}});
+}
+
+TEST_F(Checkpoints, DamagedFilesAreRefused) {
+    Write("scene.pbrt", Scene("rgb", 2));
+    const std::string arguments = lights_ + "scene.pbrt --outfile out.exr --checkpoint c.chk";
+    RunWell(arguments);
+    const std::string whole = Read("c.chk");
+    std::vector<ErrorCase> cases;
+    for (size_t i = 0; i < 6; ++i) {
+        std::string bad = whole;
+        bad[whole.size() * i / 6 + 20] ^= 1;
+        Write("bad" + std::to_string(i), bad);
+        Write("cut" + std::to_string(i), whole.substr(0, whole.size() * i / 6));
+        const std::string start = lights_ + "scene.pbrt --resume --checkpoint ";
+        cases.push_back({start + "bad" + std::to_string(i), {"bad" + std::to_string(i), ""}});
+        cases.push_back({start + "cut" + std::to_string(i), {"cut" + std::to_string(i), ""}});
+    }
+    cases.push_back({"scene.pbrt --resume --checkpoint scene.pbrt", {"scene.pbrt: is not a checkpoint"}});
+    cases.push_back({"scene.pbrt --load-lights c.chk", {"c.chk: is a checkpoint, not a file of learned lights"}});
+    ExpectErrors(cases);
+}
+
+class Parts : public Checkpoints {
+  protected:
+    Outcome Merge(const std::string &arguments) const {
+        const std::string log = Path("merge");
+        const int raw = std::system(("cd '" + Path("") + "' && '" PBRT_IMGTOOL "' merge " + arguments + " > " + log +
+                                     ".out 2> " + log + ".err")
+                                        .c_str());
+        return {WEXITSTATUS(raw), Read("merge.out"), Read("merge.err")};
+    }
+    void ExpectRefused(const std::string &arguments, const std::string &part) const {
+        const Outcome o = Merge(arguments);
+        EXPECT_EQ(o.status, 1) << arguments;
+        EXPECT_TRUE(Has(o.err, part)) << arguments << "\n" << o.err;
+        EXPECT_FALSE(Exists("refused.exr"));
+    }
+};
+
+TEST_F(Parts, MergedInAnyOrderHaveTheBitsOfOneRender) {
+    for (const char *film : {"rgb", "gbuffer", "spectral"}) {
+        Write("scene.pbrt", Scene(film, 16));
+        // With what one render learned, and without learning.
+        std::string lights = " --lightsampler bvh ";
+        if (ext_ && std::string(film) != "rgb") {
+            RunWell("--lightsampler octree scene.pbrt --save-lights lights --outfile train.exr");
+            lights = " --lightsampler octree --load-lights lights ";
+        }
+        const ImageFile whole = Render(lights + "scene.pbrt", "whole.exr");
+        for (const char *range : {"0:1", "1:5", "5:12", "12:16"})
+            RunWell(lights + "scene.pbrt --samples " + range + " --checkpoint " + std::string(film) + range);
+        for (const std::vector<const char *> &order : {std::vector{"0:1", "1:5", "5:12", "12:16"},
+                                                       {"12:16", "5:12", "0:1", "1:5"},
+                                                       {"5:12", "0:1", "12:16", "1:5"}}) {
+            std::string files;
+            for (const char *range : order) files += " " + std::string(film) + range;
+            const Outcome merged = Merge("out.exr " + files);
+            ASSERT_EQ(merged.status, 0) << merged.err;
+            EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr")))) << files;
+            EXPECT_EQ(IntOf(ReadImage(Path("out.exr")), "samplesPerPixel"), 16);
+        }
+        const std::string f = film;
+        ExpectRefused("refused.exr " + f + "0:1 " + f + "5:12 " + f + "12:16", "The samples 1:5 are in no file.");
+        ExpectRefused("refused.exr " + f + "0:1 " + f + "1:5 " + f + "5:12", "The samples 12:16 are in no file.");
+        ExpectRefused("refused.exr " + f + "0:1 " + f + "1:5 " + f + "5:12 " + f + "12:16 " + f + "5:12",
+                      f + "5:12 (5:12) and " + f + "5:12 (5:12) have samples in common.");
+        const Outcome some = Merge("some.exr --incomplete " + f + "0:1 " + f + "5:12");
+        EXPECT_EQ(some.status, 0) << some.err;
+        EXPECT_EQ(IntOf(ReadImage(Path("some.exr")), "samplesPerPixel"), 8);
+        EXPECT_FALSE(SamePixels(whole, ReadImage(Path("some.exr"))));
+    }
+}
+
+TEST_F(Parts, PartsOfOtherRendersAndUnfinishedOnesAreRefused) {
+    Write("scene.pbrt", Scene("rgb", 4));
+    Write("other.pbrt", Scene("rgb", 4) + "Shape \"sphere\" \"float radius\" 0.2\n");
+    RunWell("scene.pbrt --samples 0:2 --checkpoint a");
+    RunWell("scene.pbrt --samples 2:4 --checkpoint b --maxdepth 2");
+    RunWell("other.pbrt --samples 2:4 --checkpoint c");
+    RunWell("scene.pbrt --samples 2:4 --checkpoint d --spp 8");
+    ExpectRefused("refused.exr a b", "--maxdepth is 2, but is not given in a");
+    ExpectRefused("refused.exr a c", "the file other.pbrt did not belong to a");
+    ExpectRefused("refused.exr a d", "the render has 8 samples per pixel, but 4 in a");
+    ExpectRefused("refused.exr a scene.pbrt", "scene.pbrt: is not a checkpoint");
+    ExpectRefused("refused.jpeg2 a", "refused.jpeg2");
+    Write("long.pbrt", Scene("rgb", 4096));
+    const pid_t pid = Start("long.pbrt --samples 0:4096 --checkpoint e --checkpoint-interval 0.01");
+    EXPECT_TRUE(WaitUntil([&] { return Exists("e"); }));
+    kill(pid, SIGKILL);
+    Wait(pid);
+    ExpectRefused("refused.exr e", "e: is unfinished: of the samples 0:4096 it has 0:");
+    ExpectErrors({{"scene.pbrt --samples 0:5 --checkpoint f", {"only 4 samples"}},
+                  {"scene.pbrt --samples 2:2 --checkpoint f", {"2:2", "0:16"}},
+                  {"scene.pbrt --samples 2 --checkpoint f", {"\"2\"", "0:16"}},
+                  {"scene.pbrt --samples 0:2", {"--checkpoint"}},
+                  {"scene.pbrt --samples 0:2 --time 3 --checkpoint f", {"--time"}},
+                  {"scene.pbrt --samples 0:4 --checkpoint a --resume", {"a: has the samples 0:2, not 0:4"}}});
+}
+
+TEST_F(Parts, ThatLearnForThemselvesAgreeAsWell) {
+    if (!ext_) GTEST_SKIP() << "NOT TESTED: no light sampler of this build learns while it renders";
+    Write("scene.pbrt", Scene("rgb", 16));
+    const ImageFile whole = Render(lights_ + "scene.pbrt", "whole.exr");
+    RunWell(lights_ + "scene.pbrt --samples 0:3 --checkpoint a");
+    RunWell(lights_ + "scene.pbrt --samples 3:16 --checkpoint b");
+    ASSERT_EQ(Merge("out.exr b a").status, 0);
+    EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr"))));
+}
+
+class SharedLights : public Checkpoints {
+  protected:
+    void SetUp() override {
+        Checkpoints::SetUp();
+        if (!ext_) GTEST_SKIP() << "NOT TESTED: no light sampler of this build learns";
+    }
+    /// The scene with the camera moved by x.
+    std::string Frame(double x) const {
+        std::string text = Scene("rgb", 16);
+        const std::string look = "LookAt 0 1 -5  0 0 0";
+        return text.replace(text.find(look), look.size(), "LookAt " + std::to_string(x) + " 1 -5  0 0 0");
+    }
+};
+
+TEST_F(SharedLights, FramesOfAnAnimationChooseTheSameLights) {
+    Write("a.pbrt", Frame(0));
+    Write("b.pbrt", Frame(1));
+    RunWell(lights_ + "a.pbrt --save-lights lights --outfile a.exr");
+    const std::string load = lights_ + "--load-lights lights ";
+    const ImageFile one = Render(load + "a.pbrt"), two = Render(load + "b.pbrt --nthreads 1"),
+                    again = Render(load + "b.pbrt --nthreads 2");
+    EXPECT_TRUE(SamePixels(two, again)) << "the picture depends on more than the file";
+    EXPECT_EQ(IntOf(one, "lightSampler.leaves"), IntOf(two, "lightSampler.leaves"));
+    EXPECT_EQ(IntOf(one, "lightSampler.learnedFromShadowRays"), IntOf(two, "lightSampler.learnedFromShadowRays"));
+    // The file decides the picture.
+    EXPECT_FALSE(SamePixels(two, Render(lights_ + "--render-coord-sys world b.pbrt")));
+    // A checkpoint of such a render goes on with the same lights, and with no others.
+    RunWell(load + "b.pbrt --checkpoint c.chk --outfile b.exr");
+    RunWell(load + "b.pbrt --checkpoint c.chk --resume --spp 20 --outfile b.exr");
+    RunWell(lights_ + "b.pbrt --save-lights others --outfile b.exr");
+    ExpectErrors({{lights_ + "--load-lights others b.pbrt --checkpoint c.chk --resume", {"--load-lights is"}},
+                  {lights_ + "b.pbrt --checkpoint c.chk --resume", {"--load-lights is not given"}}});
+}
+
+TEST_F(SharedLights, OtherLightsAreRefusedByWhatDiffers) {
+    Write("a.pbrt", Frame(0));
+    Write("more.pbrt", Frame(0) + "LightSource \"point\"\n");
+    Write("larger.pbrt", Frame(0) + "Shape \"sphere\" \"float radius\" 20\n");
+    std::string brighter = Frame(0);
+    brighter.replace(brighter.find("[ 2 3 4 ]"), 9, "[ 2 3 5 ]");
+    Write("brighter.pbrt", brighter);
+    RunWell(lights_ + "a.pbrt --save-lights lights --outfile a.exr");
+    const std::string load = "--load-lights lights --outfile b.exr ";
+    ExpectErrors(
+        {{lights_ + load + "more.pbrt", {"lights: was learned for other lights", "the number of lights is 83, but is 82"}},
+         {lights_ + load + "larger.pbrt", {"the scene's bounding box is"}},
+         {lights_ + load + "brighter.pbrt", {"the lights' power and places"}},
+         {"--lightsampler octree:floor=0.2 " + load + "a.pbrt", {"the light sampler's parameters"}},
+         {"--lightsampler bvh " + load + "a.pbrt", {"\"bvh\" learns nothing"}},
+         {"--lightsampler bvh --save-lights x a.pbrt --outfile b.exr", {"\"bvh\" learns nothing"}},
+         {"--integrator simplepath --save-lights x a.pbrt --outfile b.exr", {"uses no light sampler"}},
+         {lights_ + "--load-lights none a.pbrt", {"none: there is no such"}}});
+    const std::string whole = Read("lights");
+    Write("cut", whole.substr(0, whole.size() / 2));
+    ExpectErrors({{lights_ + "--load-lights cut a.pbrt", {"cut", "cut off"}}});
+}
+
+}  // namespace pbrt::test

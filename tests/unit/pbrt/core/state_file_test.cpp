@@ -1,0 +1,92 @@
+#include "pbrt/core/state_file.h"
+
+#include "folder_test.h"
+
+namespace pbrt::test {
+namespace {
+
+class StateFiles : public FolderTest {
+  protected:
+    std::string Text(const std::string &path) const {
+        std::ifstream in(path, std::ios::binary);
+        return {std::istreambuf_iterator<char>(in), {}};
+    }
+    /// A file with two sections.
+    std::string Example(const std::string &name) const {
+        StateWriter numbers, words;
+        numbers.Vector(numbers_);
+        words.Text("one");
+        words.Value(7);
+        WriteStateFile(Path(name), "test", {{"numbers", &numbers}, {"words", &words}});
+        return Path(name);
+    }
+    std::vector<double> numbers_ = {1, 0.1, -1e300};
+};
+
+TEST_F(StateFiles, GiveBackWhatWasWritten) {
+    const StateFile file(Example("a"), "test");
+    EXPECT_TRUE(file.Has("words"));
+    EXPECT_FALSE(file.Has("numbers "));
+    std::vector<double> numbers;
+    StateReader(file.Section("numbers"), "a").Vector(&numbers);
+    EXPECT_EQ(numbers, numbers_);
+    StateReader words(file.Section("words"), "a");
+    EXPECT_EQ(words.Text(), "one");
+    EXPECT_EQ(words.Value<int>(), 7);
+    EXPECT_EQ(words.BytesLeft(), 0u);
+    EXPECT_THROW(words.Value<char>(), UserError);
+    EXPECT_TRUE(Contains(Reason([&] { file.Section("more"); }), "\"more\""));
+    EXPECT_EQ(FileCount(), 1);
+}
+
+TEST_F(StateFiles, CutOffAtAnyByteTheyAreRefused) {
+    const std::string whole = Text(Example("a"));
+    for (size_t size = 0; size < whole.size(); ++size) {
+        const std::string path = Write("b", whole.substr(0, size));
+        const std::string reason = Reason([&] { StateFile(path, "test"); });
+        EXPECT_TRUE(Contains(reason, path)) << size << reason;
+        if (size > 40) {
+            EXPECT_TRUE(Contains(reason, "cut off")) << reason;
+        }
+    }
+    EXPECT_TRUE(Contains(Reason([&] { StateFile(Write("b", whole + "x"), "test"); }), "damaged"));
+}
+
+TEST_F(StateFiles, WithAnyBitTurnedTheyAreRefused) {
+    std::string content = Text(Example("a"));
+    for (size_t i = 0; i < content.size(); ++i)
+        for (int bit = 0; bit < 8; ++bit) {
+            content[i] = static_cast<char>(content[i] ^ (1 << bit));
+            EXPECT_NE(Reason([&] { StateFile(Write("b", content), "test"); }), "") << i << " " << bit;
+            content[i] = static_cast<char>(content[i] ^ (1 << bit));
+        }
+    EXPECT_EQ(Reason([&] { StateFile(Write("b", content), "test"); }), "");
+}
+
+TEST_F(StateFiles, OtherFilesAreRefusedByName) {
+    EXPECT_TRUE(Contains(Reason([&] { StateFile(Path("none"), "test"); }), "there is no such test"));
+    EXPECT_TRUE(Contains(Reason([&] { StateFile(Write("b", ""), "test"); }), "is empty, not a test"));
+    EXPECT_TRUE(Contains(Reason([&] { StateFile(Write("b", "picture"), "test"); }), "is not a test"));
+    EXPECT_TRUE(Contains(Reason([&] { StateFile(Example("a"), "checkpoint"); }), "is a test, not a checkpoint"));
+}
+
+TEST_F(StateFiles, ANewOneThatCannotBeWrittenLeavesTheOldOne) {
+    const std::string path = Example("a"), before = Text(path);
+    std::filesystem::permissions(path, std::filesystem::perms::owner_read);
+    StateWriter nothing;
+    EXPECT_THROW(WriteStateFile(path, "test", {{"nothing", &nothing}}), UserError);
+    EXPECT_EQ(Text(path), before);
+    EXPECT_EQ(FileCount(), 1);
+}
+
+TEST(StateWriters, AVectorThatAnnouncesMoreThanThereIsIsRefused) {
+    StateWriter writer;
+    writer.Value(uint64_t{1} << 62);
+    const std::string bytes = writer.Joined();
+    StateReader reader(bytes, "a");
+    std::vector<double> values;
+    EXPECT_THROW(reader.Vector(&values), UserError);
+}
+
+}  // namespace
+}  // namespace pbrt::test

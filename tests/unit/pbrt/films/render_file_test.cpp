@@ -1,0 +1,84 @@
+// Checkpoints as files, and what their messages name.
+#include "pbrt/films/render_file.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+namespace pbrt {
+namespace {
+
+TEST(RenderIdentities, NameEverythingThatDiffers) {
+    const RenderIdentity a = {{"program", "1"}, {"file a.pbrt", "x"}, {"--maxdepth", "3"}, {"--quick", ""}};
+    RenderIdentity b = a;
+    EXPECT_EQ(DifferencesOf(a, b, "b.chk"), "");
+    b["--maxdepth"] = "5";
+    EXPECT_EQ(DifferencesOf(a, b, "b.chk"), "--maxdepth is 3, but is 5 in b.chk");
+    b.erase("--maxdepth");
+    b.erase("--quick");
+    EXPECT_EQ(DifferencesOf(a, b, "b.chk"),
+              "--maxdepth is 3, but is not given in b.chk; --quick is given, but is not given in b.chk");
+    b = a;
+    b["file a.pbrt"] = "y";
+    b["file b.ply"] = "z";
+    EXPECT_EQ(DifferencesOf(a, b, "b.chk"),
+              "the content of the file a.pbrt differs; only b.chk uses the file b.ply");
+    EXPECT_EQ(DifferencesOf(b, a, "a.chk"),
+              "the content of the file a.pbrt differs; the file b.ply did not belong to a.chk");
+    b = a;
+    b["program"] = "2";
+    EXPECT_EQ(DifferencesOf(a, b, "b.chk"), "the program is another build (1; b.chk is of 2)");
+}
+
+TEST(RenderFiles, GiveBackAllThatWasWritten) {
+    const std::string path =
+        (std::filesystem::temp_directory_path() / fmt::format("pbrt_render_file_{}", getpid())).string();
+    RenderFileHead head;
+    head.identity = {{"program", "1"}, {"--spp", "3"}};
+    head.samplesFlag = 3;
+    head.samplesPerBatch = 4;
+    head.first = 2;
+    head.end = 9;
+    head.done = 5;
+    head.isPart = true;
+    head.passCount = 2;
+    head.seconds = 1.5;
+    head.renderSeconds = 0.1;
+    head.film.type = "rgb";
+    head.film.overrides.pixelBounds = Bounds2i{{1, 2}, {4, 6}};
+    glm::mat4 matrix(2);
+    matrix[1][2] = 0.1f;
+    head.metadata.attributes = {{"a", 1}, {"b", 0.1f}, {"c", std::string("text \xff")}, {"d", matrix}, {"e", Infinity}};
+    const std::unique_ptr<Film> film = head.film.Make();
+    StateWriter learned;
+    learned.Text("lights");
+    WriteRenderFile(path, head, {1, 2, 3}, *film, learned);
+
+    const RenderFile file(path);
+    const RenderFileHead &read = file.Head();
+    EXPECT_EQ(read.identity, head.identity);
+    EXPECT_EQ(read.samplesFlag, 3);
+    EXPECT_EQ(read.samplesPerBatch, 4);
+    EXPECT_EQ(read.first, 2);
+    EXPECT_EQ(read.end, 9);
+    EXPECT_EQ(read.done, 5);
+    EXPECT_TRUE(read.isPart);
+    EXPECT_FALSE(read.IsComplete());
+    EXPECT_EQ(read.passCount, 2);
+    EXPECT_EQ(read.seconds, 1.5);
+    EXPECT_EQ(read.renderSeconds, 0.1);
+    EXPECT_EQ(std::get<int>(read.metadata.attributes.at("a")), 1);
+    EXPECT_EQ(std::get<float>(read.metadata.attributes.at("b")), 0.1f);
+    EXPECT_TRUE(std::get<std::string>(read.metadata.attributes.at("c")).starts_with("text "));
+    EXPECT_EQ(std::get<glm::mat4>(read.metadata.attributes.at("d")), matrix);
+    EXPECT_EQ(std::get<float>(read.metadata.attributes.at("e")), Infinity);
+    EXPECT_EQ(file.PassDone(), (std::vector<uint32_t>{1, 2, 3}));
+    EXPECT_EQ(file.Learned().Text(), "lights");
+    EXPECT_EQ(read.film.Make()->PixelBounds().low, (Point2i{1, 2}));
+    EXPECT_NO_THROW(file.LoadFilm(*film));
+    std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace pbrt

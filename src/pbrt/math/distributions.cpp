@@ -7,7 +7,7 @@
 namespace pbrt {
 
 PiecewiseConstant1D::PiecewiseConstant1D(std::span<const Float> f, Float low, Float high)
-    : f_(f.begin(), f.end()), cdf_(f.size() + 1), low_(low), high_(high) {
+    : f_(f.begin(), f.end()), cdf_(f.size() + 1), low_(low), high_(high), last_(std::nextafter(high, low)) {
     PBRT_CHECK(!f.empty() && high > low);
     for (Float &v : f_) v = std::abs(v);
     double width = (double(high) - double(low)) / double(f.size()), sum = 0;
@@ -31,7 +31,7 @@ PiecewiseConstant1D::Sampled PiecewiseConstant1D::Sample(Float u) const {
     Float width = cdf_[i + 1] - cdf_[i];
     Float t = width > 0 ? std::min((u - cdf_[i]) / width, OneMinusEpsilon) : 0;
     auto n = static_cast<Float>(f_.size());
-    Float x = std::min(Lerp((static_cast<Float>(i) + t) / n, low_, high_), std::nextafter(high_, low_));
+    Float x = std::min(Lerp((static_cast<Float>(i) + t) / n, low_, high_), last_);
     Float pdf = integral_ > 0 ? f_[i] / integral_ : 1 / (high_ - low_);
     return {x, pdf, static_cast<int>(i)};
 }

@@ -27,7 +27,7 @@ class PiecewiseConstant1D {
 
   private:
     std::vector<Float> f_, cdf_;
-    Float low_ = 0, high_ = 1, integral_ = 0;
+    Float low_ = 0, high_ = 1, last_ = OneMinusEpsilon, integral_ = 0;  ///< last_: the largest number below high_
 };
 
 /// Density on a rectangle that is constant on nx * ny cells (row-major, x fastest), proportional to |f|.

@@ -118,6 +118,63 @@ DigitPermutations::DigitPermutations(std::span<const uint32_t> multipliers, uint
         }
         bases_.push_back(b);
     }
+    MakeRows(multipliers);
+}
+
+void DigitPermutations::MakeRows(std::span<const uint32_t> multipliers) {
+    rows_.length = bases_.size() + Lanes64Count;
+    int maxDigits = 0;
+    for (const Base &b : bases_) maxDigits = std::max(maxDigits, b.digits);
+    rows_.base.assign(rows_.length, 2);
+    rows_.inverseBase.assign(rows_.length, 0.5);
+    rows_.multiplier.assign(rows_.length, 1);
+    rows_.shifts.assign(static_cast<size_t>(maxDigits) * rows_.length, 0);
+    rows_.tails.assign(static_cast<size_t>(maxDigits + 1) * rows_.length, 0);
+    for (size_t d = 0; d < bases_.size(); ++d) {
+        const Base &b = bases_[d];
+        rows_.base[d] = b.base;
+        rows_.inverseBase[d] = 1 / double(b.base);
+        rows_.multiplier[d] = multipliers[d];
+        for (size_t k = 0; k < static_cast<size_t>(b.digits); ++k) {
+            rows_.shifts[k * rows_.length + d] = permutations_[b.first + k * b.base];
+            rows_.tails[k * rows_.length + d] = tails_[b.firstTail + k];
+        }
+    }
+}
+
+void DigitPermutations::RadicalInverses(int firstDimension, uint64_t a, Float values[Lanes64Count]) const {
+    const auto d = static_cast<size_t>(firstDimension);
+    auto row = [&](const std::vector<double> &rows, size_t k) {
+        DoubleLanes v;
+        std::memcpy(&v, rows.data() + k * rows_.length + d, sizeof(v));
+        return v;
+    };
+    const DoubleLanes base = row(rows_.base, 0), inverse = row(rows_.inverseBase, 0);
+    const DoubleLanes multiplier = row(rows_.multiplier, 0);
+    // The quotient of an integer below 2^50, rounded down. Half is added to the number, so that rounding in the product
+    // cannot reach an integer; at the size of kRound a sum is rounded to the nearest integer.
+    constexpr double kRound = 0x1.8p52;
+    const DoubleLanes half = 0.5 * inverse - 0.5;
+    auto quotient = [&](const DoubleLanes &v) { return ((v * inverse + half) + kRound) - kRound; };
+    // How many digits there are at most follows from the smallest base.
+    size_t digits = 0;
+    for (uint64_t rest = a; rest; rest /= bases_[d].base) ++digits;
+    digits = std::min(digits, static_cast<size_t>(bases_[d].digits));
+
+    DoubleLanes left = DoubleLanes{} + static_cast<double>(a), weight = inverse, value{};
+    Lanes64 count{};
+    for (size_t k = 0; k < digits; ++k) {
+        const auto isDigit = left > 0.5;
+        const DoubleLanes next = quotient(left), digit = left - next * base;
+        const DoubleLanes product = multiplier * digit + row(rows_.shifts, k);
+        const DoubleLanes permuted = product - quotient(product) * base;
+        value += isDigit ? permuted * weight : DoubleLanes{};
+        count -= reinterpret_cast<Lanes64>(isDigit);  // all bits are set where it is true
+        weight *= inverse;
+        left = next;
+    }
+    for (size_t lane = 0; lane < Lanes64Count; ++lane)
+        values[lane] = ToUnitInterval(value[lane] + rows_.tails[count[lane] * rows_.length + d + lane]);
 }
 
 Float DigitPermutations::RadicalInverse(int dimension, uint64_t a) const {

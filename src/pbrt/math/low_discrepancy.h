@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "pbrt/math/lanes.h"
 #include "pbrt/math/rng.h"
 
 namespace pbrt {
@@ -55,6 +56,52 @@ inline uint32_t PermutationElement(uint32_t i, uint32_t n, uint64_t seed) {
     return i;
 }
 
+/// PermutationElement(i, n, seed) for every lane of `seed`.
+inline Lanes64 PermutationElement(uint32_t i, uint32_t n, const Lanes64 &seed) {
+    const uint32_t mask = std::bit_ceil(n) - 1;
+    const int bits = std::bit_width(mask), wide = (bits + 1) / 2, narrow = std::max(1, wide - 1);
+    const Lanes64 a = MixBits(seed ^ 0xa0761d6478bd642full), b = MixBits(seed + 0xe7037ed1a0b428dbull);
+    Lanes64 element = Lanes64{} + i, pending = ~Lanes64{};
+    for (;;) {
+        Lanes64 next = element, add = a, multiply = b;
+        for (int round = 0; round < 5; ++round) {
+            next = ((next + (add >> 40)) * ((multiply >> 40) | 1)) & mask;
+            next ^= next >> (round & 1 ? wide : narrow);
+            add *= 0x9e3779b97f4a7c15ull;
+            multiply *= 0xd1342543de82ef95ull;
+        }
+        next = (next + (add >> 40)) & mask;
+        element = (next & pending) | (element & ~pending);
+        if (mask == n - 1) return element;
+        // The difference is negative in the lanes that are done.
+        pending = ((element - n) >> 63) - 1;
+        uint64_t any = 0;
+        for (int lane = 0; lane < Lanes64Count; ++lane) any |= pending[lane];
+        if (!any) return element;
+    }
+}
+
+/// For each of the four elements of a quad the places that it has in all 24 orders, two bits for each order.
+constexpr std::array<uint64_t, 4> AllPlacesInQuads() {
+    std::array<uint64_t, 4> places{};
+    int n = 0;
+    for (unsigned a = 0; a < 4; ++a)
+        for (unsigned b = 0; b < 4; ++b)
+            for (unsigned c = 0; c < 4; ++c)
+                if (a != b && a != c && b != c) {
+                    const unsigned order[4] = {a, b, c, 6 - a - b - c};
+                    for (size_t element = 0; element < 4; ++element) places[element] |= uint64_t(order[element]) << n;
+                    n += 2;
+                }
+    return places;
+}
+inline constexpr std::array<uint64_t, 4> PlacesInQuads = AllPlacesInQuads();
+
+/// Where an element (0 ... 3) is in the order of four that a hash below 2^32 picks in each lane.
+inline Lanes64 PlaceInQuad(uint64_t element, const Lanes64 &hash) {
+    return PlacesInQuads[element] >> (2 * (hash * 24 >> 32)) & 3;
+}
+
 // ---- Radical inverses (van der Corput, Halton)
 
 inline constexpr int PrimeCount = 1000;
@@ -86,8 +133,19 @@ class DigitPermutations {
     static uint64_t SeedOf(uint64_t seed, int dimension) { return Hash(seed, dimension); }
     int Dimensions() const { return static_cast<int>(bases_.size()); }
     Float RadicalInverse(int dimension, uint64_t a) const;
+    /// RadicalInverse for eight dimensions from firstDimension < Dimensions() on; what lies beyond the last dimension
+    /// is undefined. a < 2^50.
+    void RadicalInverses(int firstDimension, uint64_t a, Float values[Lanes64Count]) const;
 
   private:
+    /// For RadicalInverses: a row holds one number for every dimension, and a few for lanes beyond the last.
+    struct Rows {
+        size_t length = 0;
+        std::vector<double> base, inverseBase, multiplier;
+        std::vector<double> shifts;  ///< a row for every digit
+        std::vector<double> tails;   ///< tails_, a row for every digit and one more
+    };
+    void MakeRows(std::span<const uint32_t> multipliers);
     struct Base {
         uint32_t base = 0;
         int digits = 0;
@@ -97,6 +155,7 @@ class DigitPermutations {
     std::vector<Base> bases_;
     std::vector<uint16_t> permutations_;
     std::vector<double> tails_;  ///< value of the permuted zeros from digit k on
+    Rows rows_;
 };
 
 }  // namespace pbrt

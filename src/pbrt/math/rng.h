@@ -1,15 +1,18 @@
 #pragma once
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
 
+#include "pbrt/math/lanes.h"
 #include "pbrt/math/vec.h"
 
 namespace pbrt {
 
-/// Finaliser with full avalanche (Stafford's mix 1).
-constexpr uint64_t MixBits(uint64_t v) {
+/// Finaliser with full avalanche (Stafford's mix 1), for one number or for lanes.
+template <class T>
+constexpr T MixBitsOf(T v) {
     v ^= v >> 31;
     v *= 0x7fb5d329728ea185ull;
     v ^= v >> 27;
@@ -17,6 +20,8 @@ constexpr uint64_t MixBits(uint64_t v) {
     v ^= v >> 33;
     return v;
 }
+constexpr uint64_t MixBits(uint64_t v) { return MixBitsOf(v); }
+inline Lanes64 MixBits(const Lanes64 &v) { return MixBitsOf(v); }
 
 /// Hash of plain values (floats by their bits). Equal inputs give equal hashes on every machine with the same
 /// endianness.
@@ -74,21 +79,54 @@ class Rng {
     uint32_t UniformInt(uint32_t n) { return static_cast<uint32_t>((uint64_t(Next()) * n) >> 32); }
     /// Skips `count` numbers.
     void Advance(uint64_t count) {
-        uint64_t m = kMultiplier, c = increment_, accM = 1, accC = 0;
-        for (; count > 0; count >>= 1) {
-            if (count & 1) {
-                accM *= m;
-                accC = accC * m + c;
-            }
-            c *= m + 1;
-            m *= m;
+        for (; count > 0; count &= count - 1) {
+            const Jump &jump = kJumps[static_cast<size_t>(std::countr_zero(count))];
+            state_ = jump.multiplier * state_ + jump.steps * increment_;
         }
-        state_ = accM * state_ + accC;
+    }
+
+    /// The next sixteen numbers of Uniform(). The state stays as it is.
+    FloatLanes NextUniforms() const {
+        Lanes64 multipliers[2], steps[2], drawn[2];
+        for (int lane = 0; lane < Lanes32Count; ++lane) {
+            multipliers[lane / 8][lane % 8] = kRuns[static_cast<size_t>(lane)].multiplier;
+            steps[lane / 8][lane % 8] = kRuns[static_cast<size_t>(lane)].steps;
+        }
+        for (int half = 0; half < 2; ++half) {
+            const Lanes64 old = multipliers[half] * state_ + steps[half] * increment_;
+            const Lanes64 xorshifted = (((old >> 18) ^ old) >> 27) & 0xffffffffull, turn = old >> 59;
+            drawn[half] = (xorshifted >> turn) | (xorshifted << (32 - turn));
+        }
+        return FractionsToFloat(LowHalves(drawn[0], drawn[1]));
     }
 
   private:
     static constexpr uint64_t kMultiplier = 0x5851f42d4c957f2dull;
+    /// 2^k steps at once: state -> multiplier * state + steps * increment.
+    struct Jump {
+        uint64_t multiplier = kMultiplier, steps = 1;
+    };
+    static constexpr std::array<Jump, 64> Jumps() {
+        std::array<Jump, 64> jumps{};
+        for (size_t k = 1; k < jumps.size(); ++k) {
+            const Jump &half = jumps[k - 1];
+            jumps[k] = {half.multiplier * half.multiplier, half.multiplier * half.steps + half.steps};
+        }
+        return jumps;
+    }
+    /// 0, 1, ... 15 steps.
+    static constexpr std::array<Jump, Lanes32Count> Runs() {
+        std::array<Jump, Lanes32Count> runs{};
+        runs[0] = {1, 0};
+        for (size_t n = 1; n < runs.size(); ++n)
+            runs[n] = {runs[n - 1].multiplier * kMultiplier, runs[n - 1].steps * kMultiplier + 1};
+        return runs;
+    }
+    static const std::array<Jump, 64> kJumps;
+    static const std::array<Jump, Lanes32Count> kRuns;
     uint64_t state_ = 0, increment_ = 1;
 };
+inline constexpr std::array<Rng::Jump, 64> Rng::kJumps = Rng::Jumps();
+inline constexpr std::array<Rng::Jump, Lanes32Count> Rng::kRuns = Rng::Runs();
 
 }  // namespace pbrt

@@ -24,9 +24,12 @@ std::vector<uint32_t> MakeSobolMatrices() {
 }
 
 std::vector<uint32_t> MakeSobolTables() {
-    std::vector<uint32_t> tables(static_cast<size_t>(SobolDimensions) * SobolTableStride);
-    const uint32_t *columns = SobolMatrices();  // 52 for each dimension; every four make one table
-    for (size_t t = 0; t < tables.size(); ++t) tables[t] = SobolBits(columns + t / 16 * 4, t % 16);
+    constexpr size_t kRows = SobolIndexBits / 4 * 16;
+    std::vector<uint32_t> tables(kRows * SobolTableRow);
+    const uint32_t *columns = SobolMatrices();
+    for (size_t row = 0; row < kRows; ++row)
+        for (size_t d = 0; d < SobolDimensions; ++d)
+            tables[row * SobolTableRow + d] = SobolBits(columns + d * SobolIndexBits + row / 16 * 4, row % 16);
     return tables;
 }
 

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "pbrt/math/lanes.h"
 #include "pbrt/math/low_discrepancy.h"
 
 namespace pbrt {
@@ -23,28 +24,35 @@ inline uint32_t SobolBits(const uint32_t *matrix, uint64_t index) {
     return v;
 }
 
-/// Tables for hot code, by which SobolBitsByTable takes four index bits at a time: 16 entries for each group of bits,
-/// SobolTableStride entries for each dimension (0.8 MB in all, made at the first call).
-inline constexpr int SobolTableStride = SobolIndexBits / 4 * 16;
+/// Tables for hot code, which take four index bits at a time: for each group of bits and each of their 16 values a row
+/// with the entries of all dimensions (0.8 MB in all, made at the first call). Rows are longer than SobolDimensions, so
+/// that lanes may be read from any dimension on.
+inline constexpr int SobolTableRow = SobolDimensions + Lanes32Count;
 const uint32_t *SobolTables();
+/// One coordinate; `table` points at the dimension's column in the first row.
 inline uint32_t SobolBitsByTable(const uint32_t *table, uint64_t index) {
     uint32_t v = 0;
-    for (; index; index >>= 4, table += 16) v ^= table[index & 15];
+    for (; index; index >>= 4, table += 16 * SobolTableRow) v ^= table[(index & 15) * SobolTableRow];
     return v;
 }
 
 /// The first two coordinates with their bits in reversed order. The first matrix is the mirrored identity; the second,
-/// mirrored, is Pascal's triangle mod 2: a Kronecker power of (1 1; 0 1), applied factor by factor.
+/// mirrored, is Pascal's triangle mod 2: a Kronecker power of (1 1; 0 1), applied factor by factor. The last factor
+/// adds up the images of both halves of the index.
 constexpr uint32_t SobolReversed0(uint64_t index) { return static_cast<uint32_t>(index); }
+/// T: uint32_t or lanes of it.
+template <class T>
+constexpr T SobolReversed1OfHalf(T v) {
+    v ^= (v & 0xaaaaaaaau) >> 1;
+    v ^= (v & 0xccccccccu) >> 2;
+    v ^= (v & 0xf0f0f0f0u) >> 4;
+    v ^= (v & 0xff00ff00u) >> 8;
+    v ^= (v & 0xffff0000u) >> 16;
+    return v;
+}
 constexpr uint32_t SobolReversed1(uint64_t index) {
-    uint64_t v = index;
-    v ^= (v & 0xaaaaaaaaaaaaaaaaull) >> 1;
-    v ^= (v & 0xccccccccccccccccull) >> 2;
-    v ^= (v & 0xf0f0f0f0f0f0f0f0ull) >> 4;
-    v ^= (v & 0xff00ff00ff00ff00ull) >> 8;
-    v ^= (v & 0xffff0000ffff0000ull) >> 16;
-    v ^= v >> 32;
-    return static_cast<uint32_t>(v);
+    return SobolReversed1OfHalf(static_cast<uint32_t>(index)) ^
+           SobolReversed1OfHalf(static_cast<uint32_t>(index >> 32));
 }
 
 inline Float SobolToFloat(uint32_t v) { return std::min(static_cast<Float>(v) * 0x1p-32f, OneMinusEpsilon); }
@@ -58,19 +66,32 @@ inline uint32_t OwenScramble(uint32_t v, uint64_t seed) {
     }
     return v ^ flips;
 }
+/// OwenScramble of eight numbers below 2^32.
+inline Lanes64 OwenScramble(const Lanes64 &v, const Lanes64 &seed) {
+    Lanes64 flips{};
+    for (int digit = 0; digit < 32; ++digit) {
+        const Lanes64 node = (v | uint64_t(1) << 32) >> (32 - digit);
+        flips |= (MixBits(seed + node * 0x9e3779b97f4a7c15ull) >> 63) << (31 - digit);
+    }
+    return v ^ flips;
+}
 
 /// Nested uniform scrambling at the cost of one hash, for bits in reversed order: there, adding, multiplying by odd
 /// numbers and v ^= v * even change a bit depending on lower bits (earlier digits) only (Laine and Karras 2011).
-inline uint32_t FastOwenScrambleReversed(uint32_t v, uint64_t seed) {
-    auto low = static_cast<uint32_t>(seed), high = static_cast<uint32_t>(seed >> 32);
+/// T: uint32_t or lanes of it; `low` and `high` are the halves of the seed.
+template <class T>
+inline T FastOwenScrambleReversed(T v, T low, T high) {
     v += low;
     v ^= v * 0x6a09e66eu;
-    v *= high | 1;
+    v *= high | 1u;
     v ^= v * 0xbb67ae86u;
-    v += high ^ std::rotl(low, 13);
-    v *= std::rotl(low, 16) | 1;
+    v += high ^ (low << 13 | low >> 19);
+    v *= (low << 16 | low >> 16) | 1u;
     v ^= v * 0x3c6ef372u;
     return v;
+}
+inline uint32_t FastOwenScrambleReversed(uint32_t v, uint64_t seed) {
+    return FastOwenScrambleReversed<uint32_t>(v, static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32));
 }
 inline uint32_t FastOwenScramble(uint32_t v, uint64_t seed) {
     return ReverseBits32(FastOwenScrambleReversed(ReverseBits32(v), seed));

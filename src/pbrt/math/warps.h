@@ -1,4 +1,5 @@
 #pragma once
+#include "pbrt/math/trigonometry.h"
 #include "pbrt/math/vec.h"
 
 namespace pbrt {
@@ -14,25 +15,31 @@ inline Point2 SampleUniformDiskConcentric(const Point2 &u) {
     const bool onVerticalSide = std::abs(at.x) > std::abs(at.y);
     const Float r = onVerticalSide ? at.x : at.y;
     if (r == 0) return {0, 0};
-    const Float angle = onVerticalSide ? (Pi / 4) * (at.y / r) : Pi / 2 - (Pi / 4) * (at.x / r);
-    return {r * std::cos(angle), r * std::sin(angle)};
+    const SineCosine angle = SineCosineOfEighth((onVerticalSide ? at.y : at.x) / r);
+    return r * (onVerticalSide ? Point2(angle.cos, angle.sin) : Point2(angle.sin, angle.cos));
 }
 
 /// Unit disk by polar coordinates. Density 1/Pi by area.
 inline Point2 SampleUniformDiskPolar(const Point2 &u) {
-    Float r = std::sqrt(u.x), theta = 2 * Pi * u.y;
-    return {r * std::cos(theta), r * std::sin(theta)};
+    const SineCosine theta = SineCosineOfTurn(u.y);
+    return std::sqrt(u.x) * Point2(theta.cos, theta.sin);
+}
+
+/// Unit vector at polar angle theta from +z and azimuth 2 Pi u from +x.
+inline Vector3 SphericalDirectionOfTurn(Float sinTheta, Float cosTheta, Float u) {
+    const SineCosine phi = SineCosineOfTurn(u);
+    return {sinTheta * phi.cos, sinTheta * phi.sin, cosTheta};
 }
 
 inline Vector3 SampleUniformHemisphere(const Point2 &u) {
     Float z = u.x;
-    return SphericalDirection(SafeSqrt(1 - z * z), z, 2 * Pi * u.y);
+    return SphericalDirectionOfTurn(SafeSqrt(1 - z * z), z, u.y);
 }
 constexpr Float UniformHemispherePdf() { return Inv2Pi; }  ///< solid angle
 
 inline Vector3 SampleUniformSphere(const Point2 &u) {
     Float z = 1 - 2 * u.x;
-    return SphericalDirection(SafeSqrt(1 - z * z), z, 2 * Pi * u.y);
+    return SphericalDirectionOfTurn(SafeSqrt(1 - z * z), z, u.y);
 }
 constexpr Float UniformSpherePdf() { return Inv4Pi; }  ///< solid angle
 
@@ -45,7 +52,7 @@ constexpr Float CosineHemispherePdf(Float cosTheta) { return cosTheta * InvPi; }
 /// Directions within the cone cos(theta) >= cosThetaMax about +z.
 inline Vector3 SampleUniformCone(const Point2 &u, Float cosThetaMax) {
     Float c = (1 - u.x) + u.x * cosThetaMax;
-    return SphericalDirection(SafeSqrt(1 - c * c), c, 2 * Pi * u.y);
+    return SphericalDirectionOfTurn(SafeSqrt(1 - c * c), c, u.y);
 }
 inline Float UniformConePdf(Float cosThetaMax) { return 1 / (2 * Pi * (1 - cosThetaMax)); }  ///< solid angle
 

@@ -49,14 +49,18 @@ HaltonSampler::HaltonSampler(int samplesPerPixel, Point2i resolution, Randomizat
     }
 }
 
-void HaltonSampler::StartPixelSample(Point2i pixel, int sampleIndex, int dimension) {
+int HaltonSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
     // The first j binary digits of the index, mirrored, are the column in the tile; the first k ternary ones the row.
     // The Chinese remainder theorem puts both together.
-    auto x = static_cast<uint64_t>(Wrap(pixel.x, kTile)), y = static_cast<uint64_t>(Wrap(pixel.y, kTile));
-    index_ = (InverseRadicalInverse(x, 2, exponents_.x) * xStep_ + InverseRadicalInverse(y, 3, exponents_.y) * yStep_) %
-             stride_;
-    index_ += static_cast<uint64_t>(sampleIndex) * stride_;
-    dimension_ = std::max(2, dimension);
+    if (pixel != pixel_) {
+        pixel_ = pixel;
+        auto x = static_cast<uint64_t>(Wrap(pixel.x, kTile)), y = static_cast<uint64_t>(Wrap(pixel.y, kTile));
+        pixelIndex_ =
+            (InverseRadicalInverse(x, 2, exponents_.x) * xStep_ + InverseRadicalInverse(y, 3, exponents_.y) * yStep_) %
+            stride_;
+    }
+    index_ = pixelIndex_ + static_cast<uint64_t>(sampleIndex) * stride_;
+    return std::max(2, dimension);
 }
 
 Point2 HaltonSampler::GetPixel2D() {
@@ -78,6 +82,21 @@ Float HaltonSampler::Dimension(int dimension) const {
         default:
             return OwenScrambledRadicalInverse(base, index_, DigitPermutations::SeedOf(seed_, dimension));
     }
+}
+
+Sampler::Run HaltonSampler::Prepare(int dimension, Numbers &numbers) {
+    FloatLanes values{};
+    int d = dimension;
+    if (randomization_ == Randomization::PermuteDigits && dimension < StepCount) {
+        alignas(64) Float known[kPrepared] = {};
+        for (int first = dimension; first < std::min(StepCount, dimension + kPrepared); first += Lanes64Count)
+            permutations_->RadicalInverses(first, index_, known + (first - dimension));
+        std::memcpy(&values, known, sizeof(values));
+        d = std::min(StepCount, dimension + kPrepared);
+    }
+    for (; d < dimension + kPrepared; ++d) values[d - dimension] = Dimension(d);
+    numbers.SetSequence(values);
+    return {dimension, kPrepared - 1};
 }
 
 }  // namespace pbrt

@@ -12,12 +12,6 @@ class HaltonSampler final : public Sampler {
   public:
     HaltonSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed);
     int SamplesPerPixel() const override { return samplesPerPixel_; }
-    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override;
-    Float Get1D() override { return Dimension(dimension_++); }
-    Point2 Get2D() override {
-        dimension_ += 2;
-        return {Dimension(dimension_ - 2), Dimension(dimension_ - 1)};
-    }
     Point2 GetPixel2D() override;
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<HaltonSampler>(*this); }
     std::unique_ptr<Sampler> WithSeed(int seed) const override {
@@ -35,6 +29,10 @@ class HaltonSampler final : public Sampler {
     static constexpr int StepCount = 64;
     static int Step(int dimension);
 
+  protected:
+    int StartSample(Point2i pixel, int sampleIndex, int dimension) override;
+    Run Prepare(int dimension, Numbers &numbers) override;
+
   private:
     Float Dimension(int dimension) const;
     static constexpr int kTile = 128;
@@ -47,8 +45,9 @@ class HaltonSampler final : public Sampler {
     Point2i exponents_{0, 0};         ///< j and k
     uint64_t stride_ = 1;             ///< product of the scales
     uint64_t xStep_ = 0, yStep_ = 0;  ///< 1 modulo the one scale and 0 modulo the other
+    Point2i pixel_{-1, -1};
+    uint64_t pixelIndex_ = 0;  ///< of the pixel's first sample
     uint64_t index_ = 0;
-    int dimension_ = 0;
 };
 
 }  // namespace pbrt

@@ -4,6 +4,8 @@
 
 namespace pbrt {
 
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace {
 
 constexpr int kLog2Count = Pmj02bnSampler::SetLog2Count;
@@ -13,20 +15,15 @@ const BlueNoiseMask &Mask() {
     return mask;
 }
 
-uint64_t AddDimension(uint64_t hash, int dimension) {
-    return MixBits(hash + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(dimension + 1));
-}
-
 /// Permutes the numbers of `bits` bits so that every aligned run of 4, 16, ... stays together: the four parts of every
-/// run go in a random order of their own.
-uint32_t ShuffleRuns(uint32_t index, int bits, uint64_t seed) {
-    uint32_t shuffled = 0;
+/// run go in a random order of their own, which depends on the seed of the lane.
+Lanes64 ShuffleRuns(uint32_t index, int bits, const Lanes64 &seed) {
+    Lanes64 shuffled{};
     for (int shift = 0; shift < bits; shift += 2) {
-        const uint64_t hash = MixBits(seed ^ (uint64_t(shift) << 32 | index >> (shift + 2)));
-        const auto part = static_cast<uint32_t>(index >> shift & 3);
+        const Lanes64 hash = MixBits(seed ^ (uint64_t(shift) << 32 | index >> (shift + 2)));
+        const uint64_t part = index >> shift & 3;
         // If `bits` is odd, the highest bit alone is flipped at random.
-        shuffled |= (shift + 1 == bits ? part ^ static_cast<uint32_t>(hash >> 63) : PermutationElement(part, 4, hash))
-                    << shift;
+        shuffled |= (shift + 1 == bits ? part ^ (hash >> 63) : PlaceInQuad(part, hash >> 32)) << shift;
     }
     return shuffled;
 }
@@ -65,48 +62,59 @@ Pmj02bnSampler::Pmj02bnSampler(int samplesPerPixel, int seed)
     mask_ = &Mask();
 }
 
-void Pmj02bnSampler::StartPixelSample(Point2i pixel, int sampleIndex, int dimension) {
+int Pmj02bnSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
     pixel_ = pixel;
     index_ = sampleIndex;
-    dimension_ = std::max(2, dimension);
     // Where the sets end they are used again, flipped and ordered differently.
     setHash_ = Hash(seed_, sampleIndex >> kLog2Count);
     pixelHash_ = Hash(pixel, setHash_);
+    return std::max(2, dimension);
 }
 
-BinaryPoint Pmj02bnSampler::PointFor(int dimension) const {
+Lanes64 Pmj02bnSampler::PlacesFor(int dimension) const {
     // Each batch of 2^log2Samples_ samples takes the next run of as many points.
     const int bits = std::min(log2Samples_, kLog2Count);
     const uint32_t mask = (uint32_t(1) << bits) - 1;
     const auto index = static_cast<uint32_t>(index_);
-    const uint32_t shuffled = ShuffleRuns(index & mask, bits, AddDimension(pixelHash_, dimension));
-    const uint32_t place = ((index & ~mask) | shuffled) & ((uint32_t(1) << kLog2Count) - 1);
-    return sets_[static_cast<size_t>(1 + dimension % (SetCount - 1))][place];
+    const Lanes64 shuffled = ShuffleRuns(index & mask, bits, AddDimensions(pixelHash_, dimension));
+    return (shuffled | uint64_t(index & ~mask)) & ((uint64_t(1) << kLog2Count) - 1);
 }
 
-uint32_t Pmj02bnSampler::FlipsFor(int dimension) const {
+Lanes64 Pmj02bnSampler::FlipsFor(int dimension) const {
     // Every dimension shifts the mask by another offset; multiples of the inverse of the plastic number and of its
     // square (Roberts 2018) keep the offsets apart.
-    const auto d = static_cast<uint32_t>(dimension);
-    const uint32_t x = (d * 0xc13fa9a9u) >> (32 - BlueNoiseMask::Log2Size),
-                   y = (d * 0x91e10da5u) >> (32 - BlueNoiseMask::Log2Size);
-    const uint32_t rank = mask_->Rank(static_cast<uint32_t>(pixel_.x) + x, static_cast<uint32_t>(pixel_.y) + y);
+    Lanes64 rank;
+    for (int lane = 0; lane < Lanes64Count; ++lane) {
+        const auto d = static_cast<uint32_t>(dimension + lane);
+        const uint32_t x = (d * 0xc13fa9a9u) >> (32 - BlueNoiseMask::Log2Size),
+                       y = (d * 0x91e10da5u) >> (32 - BlueNoiseMask::Log2Size);
+        rank[lane] = mask_->Rank(static_cast<uint32_t>(pixel_.x) + x, static_cast<uint32_t>(pixel_.y) + y);
+    }
     constexpr int kRankBits = 2 * BlueNoiseMask::Log2Size;
-    const uint64_t sameEverywhere = AddDimension(setHash_, dimension), fine = AddDimension(pixelHash_, ~dimension);
-    return (rank << (32 - kRankBits) | static_cast<uint32_t>(fine >> (32 + kRankBits))) ^
-           static_cast<uint32_t>(sameEverywhere);
+    const Lanes64 sameEverywhere = AddDimensions(setHash_, dimension);
+    // A hash of another sequence of seeds.
+    const Lanes64 fine = MixBits(pixelHash_ - 0x9e3779b97f4a7c15ull * CountingLanes(static_cast<uint64_t>(dimension)));
+    return (rank << (32 - kRankBits) | fine >> (32 + kRankBits)) ^ sameEverywhere;
 }
 
-Float Pmj02bnSampler::Get1D() {
-    const int d = dimension_++;
-    return SobolToFloat(PointFor(d).x ^ FlipsFor(d));
-}
-
-Point2 Pmj02bnSampler::Get2D() {
-    const int d = dimension_;
-    dimension_ += 2;
-    const BinaryPoint p = PointFor(d);
-    return {SobolToFloat(p.x ^ FlipsFor(d)), SobolToFloat(p.y ^ FlipsFor(d + 1))};
+Sampler::Run Pmj02bnSampler::Prepare(int dimension, Numbers &numbers) {
+    uint32_t x[kPrepared], y[kPrepared], flips[kPrepared];
+    for (int half = 0; half < 2; ++half) {
+        const int first = half * Lanes64Count;
+        const Lanes64 places = PlacesFor(dimension + first), flipped = FlipsFor(dimension + first);
+        for (int lane = 0; lane < Lanes64Count; ++lane) {
+            const auto set = static_cast<size_t>(1 + (dimension + first + lane) % (SetCount - 1));
+            const BinaryPoint p = sets_[set][places[lane]];
+            x[first + lane] = p.x;
+            y[first + lane] = p.y;
+            flips[first + lane] = static_cast<uint32_t>(flipped[lane]);
+        }
+    }
+    for (int i = 0; i < kPrepared - 1; ++i) {
+        numbers.one[i] = SobolToFloat(x[i] ^ flips[i]);
+        numbers.two[i] = {numbers.one[i], SobolToFloat(y[i] ^ flips[i + 1])};
+    }
+    return {dimension, kPrepared - 1};
 }
 
 Point2 Pmj02bnSampler::GetPixel2D() {

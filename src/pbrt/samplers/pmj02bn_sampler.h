@@ -3,6 +3,7 @@
 
 #include "pbrt/samplers/blue_noise_mask.h"
 #include "pbrt/samplers/pmj02_sequence.h"
+#include "pbrt/samplers/randomization.h"
 #include "pbrt/samplers/sampler.h"
 
 namespace pbrt {
@@ -15,9 +16,6 @@ class Pmj02bnSampler final : public Sampler {
   public:
     Pmj02bnSampler(int samplesPerPixel, int seed);
     int SamplesPerPixel() const override { return samplesPerPixel_; }
-    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override;
-    Float Get1D() override;
-    Point2 Get2D() override;
     Point2 GetPixel2D() override;
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<Pmj02bnSampler>(*this); }
     std::unique_ptr<Sampler> WithSeed(int seed) const override {
@@ -28,9 +26,14 @@ class Pmj02bnSampler final : public Sampler {
     static constexpr int SetCount = 6, SetLog2Count = 16;
     static const std::vector<BinaryPoint> &Set(int index);
 
+  protected:
+    int StartSample(Point2i pixel, int sampleIndex, int dimension) override;
+    Run Prepare(int dimension, Numbers &numbers) override;
+
   private:
-    BinaryPoint PointFor(int dimension) const;
-    uint32_t FlipsFor(int dimension) const;
+    /// For eight dimensions from the given one on: places in the sets, and masks of flipped bits.
+    Lanes64 PlacesFor(int dimension) const;
+    Lanes64 FlipsFor(int dimension) const;
 
     std::array<const BinaryPoint *, SetCount> sets_;
     const BlueNoiseMask *mask_;
@@ -42,7 +45,6 @@ class Pmj02bnSampler final : public Sampler {
     std::shared_ptr<const std::vector<BinaryPoint>> pixelPoints_;  ///< of a tile, by pixel, as fractions of the pixel
     Point2i pixel_{};
     int index_ = 0;
-    int dimension_ = 0;
     uint64_t pixelHash_ = 0, setHash_ = 0;
 };
 

@@ -4,31 +4,50 @@
 
 namespace pbrt {
 
-void StratifiedSampler::StartPixelSample(Point2i pixel, int sampleIndex, int dimension) {
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+// ---- Streams
+
+void PixelStream::Start(Point2i pixel, int sampleIndex) {
+    uint64_t h = Hash(pixel, seed_);
+    rng_.SetSequence(h, MixBits(h));
+    rng_.Advance(static_cast<uint64_t>(sampleIndex) * kDimensionsPerSample);
+}
+
+FloatLanes PixelStream::Numbers(int dimension) const {
+    Rng rng = rng_;
+    rng.Advance(static_cast<uint64_t>(dimension));
+    return rng.NextUniforms();
+}
+
+// ---- Stratified
+
+int StratifiedSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
     int round = sampleIndex / SamplesPerPixel();
     index_ = static_cast<uint32_t>(sampleIndex - round * SamplesPerPixel());
     pixelHash_ = Hash(pixel, seed_, round);
-    dimension_ = dimension;
-    stream_.Start(pixel, sampleIndex, dimension);
+    if (jitter_) stream_.Start(pixel, sampleIndex);
+    return dimension;
 }
 
-uint32_t StratifiedSampler::NextStratum(int dimensions) {
-    uint64_t seed = pixelHash_ + static_cast<uint64_t>(dimension_);
-    dimension_ += dimensions;
-    return PermutationElement(index_, static_cast<uint32_t>(SamplesPerPixel()), seed);
-}
-
-Float StratifiedSampler::Get1D() {
-    auto stratum = static_cast<Float>(NextStratum(1));
-    return std::min((stratum + Offset()) / static_cast<Float>(SamplesPerPixel()), OneMinusEpsilon);
-}
-
-Point2 StratifiedSampler::Get2D() {
-    auto stratum = static_cast<int>(NextStratum(2));
-    int column = stratum % xSamples_, row = stratum / xSamples_;
-    Float dx = Offset(), dy = Offset();
-    return {std::min((static_cast<Float>(column) + dx) / static_cast<Float>(xSamples_), OneMinusEpsilon),
-            std::min((static_cast<Float>(row) + dy) / static_cast<Float>(ySamples_), OneMinusEpsilon)};
+Sampler::Run StratifiedSampler::Prepare(int dimension, Numbers &numbers) {
+    const FloatLanes offsets = jitter_ ? stream_.Numbers(dimension) : FloatLanes{} + Float(0.5);
+    const auto strata = static_cast<uint32_t>(SamplesPerPixel());
+    auto within = [](int stratum, Float offset, int count) {
+        return std::min((static_cast<Float>(stratum) + offset) / static_cast<Float>(count), OneMinusEpsilon);
+    };
+    Lanes64 stratum[2];
+    for (int half = 0; half < 2; ++half) {
+        const uint64_t seed = pixelHash_ + static_cast<uint64_t>(dimension + half * Lanes64Count);
+        stratum[half] = PermutationElement(index_, strata, CountingLanes(seed));
+    }
+    for (int i = 0; i < kPrepared - 1; ++i) {
+        const auto s = static_cast<int>(stratum[i / Lanes64Count][i % Lanes64Count]);
+        numbers.one[i] = within(s, offsets[i], SamplesPerPixel());
+        numbers.two[i] = {within(s % xSamples_, offsets[i], xSamples_),
+                          within(s / xSamples_, offsets[i + 1], ySamples_)};
+    }
+    return {dimension, kPrepared - 1};
 }
 
 }  // namespace pbrt

@@ -8,17 +8,14 @@ namespace pbrt {
 class PixelStream {
   public:
     explicit PixelStream(int seed) : seed_(seed) {}
-    void Start(Point2i pixel, int sampleIndex, int dimension) {
-        uint64_t h = Hash(pixel, seed_);
-        rng_.SetSequence(h, MixBits(h));
-        rng_.Advance(static_cast<uint64_t>(sampleIndex) * kDimensionsPerSample + static_cast<uint64_t>(dimension));
-    }
-    Float Next() { return rng_.Uniform(); }
+    void Start(Point2i pixel, int sampleIndex);
+    /// Sixteen numbers of the sample from one dimension on.
+    FloatLanes Numbers(int dimension) const;
 
   private:
     static constexpr uint64_t kDimensionsPerSample = 65536;
     int seed_;
-    Rng rng_;
+    Rng rng_;  ///< at the sample's first number
 };
 
 class IndependentSampler final : public Sampler {
@@ -26,18 +23,20 @@ class IndependentSampler final : public Sampler {
     IndependentSampler(int samplesPerPixel, int seed)
         : Sampler(seed), samplesPerPixel_(samplesPerPixel), stream_(seed) {}
     int SamplesPerPixel() const override { return samplesPerPixel_; }
-    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override {
-        stream_.Start(pixel, sampleIndex, dimension);
-    }
-    Float Get1D() override { return stream_.Next(); }
-    Point2 Get2D() override {
-        Float x = stream_.Next();
-        return {x, stream_.Next()};
-    }
     Point2 GetPixel2D() override { return Get2D(); }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<IndependentSampler>(*this); }
     std::unique_ptr<Sampler> WithSeed(int seed) const override {
         return std::make_unique<IndependentSampler>(samplesPerPixel_, seed);
+    }
+
+  protected:
+    int StartSample(Point2i pixel, int sampleIndex, int dimension) override {
+        stream_.Start(pixel, sampleIndex);
+        return dimension;
+    }
+    Run Prepare(int dimension, Numbers &numbers) override {
+        numbers.SetSequence(stream_.Numbers(dimension));
+        return {dimension, kPrepared - 1};
     }
 
   private:
@@ -52,25 +51,23 @@ class StratifiedSampler final : public Sampler {
     StratifiedSampler(int xSamples, int ySamples, bool jitter, int seed)
         : Sampler(seed), xSamples_(xSamples), ySamples_(ySamples), jitter_(jitter), seed_(seed), stream_(seed) {}
     int SamplesPerPixel() const override { return xSamples_ * ySamples_; }
-    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override;
-    Float Get1D() override;
-    Point2 Get2D() override;
     Point2 GetPixel2D() override { return Get2D(); }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<StratifiedSampler>(*this); }
     std::unique_ptr<Sampler> WithSeed(int seed) const override {
         return std::make_unique<StratifiedSampler>(xSamples_, ySamples_, jitter_, seed);
     }
 
+  protected:
+    int StartSample(Point2i pixel, int sampleIndex, int dimension) override;
+    Run Prepare(int dimension, Numbers &numbers) override;
+
   private:
-    uint32_t NextStratum(int dimensions);
-    Float Offset() { return jitter_ ? stream_.Next() : Float(0.5); }
     int xSamples_, ySamples_;
     bool jitter_;
     int seed_;
     PixelStream stream_;
     uint64_t pixelHash_ = 0;
     uint32_t index_ = 0;
-    int dimension_ = 0;
 };
 
 }  // namespace pbrt

@@ -6,30 +6,50 @@ namespace pbrt {
 /// How low-discrepancy points are made random without losing their stratification.
 enum class Randomization { None, PermuteDigits, FastOwen, Owen };
 
-/// Randomizes one coordinate of a Sobol' point, whose bits are in reversed order.
-inline Float RandomizedReversed(uint32_t reversed, Randomization randomization, uint64_t seed) {
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+/// The seeds of eight dimensions from `first` on that belong to a hashed state.
+inline Lanes64 AddDimensions(uint64_t hash, int first) {
+    return MixBits(hash + 0x9e3779b97f4a7c15ull * (CountingLanes(static_cast<uint64_t>(first)) + 1));
+}
+
+/// Sixteen 64-bit numbers.
+struct SixteenLanes {
+    Lanes64 a, b;
+    Lanes32 Low() const { return LowHalves(a, b); }
+    Lanes32 High() const { return LowHalves(a >> 32, b >> 32); }
+};
+
+/// One coordinate of sixteen points; its bits are given in reversed order.
+inline FloatLanes RandomizedReversed(const Lanes32 &reversed, Randomization randomization, const SixteenLanes &seeds) {
     switch (randomization) {
         case Randomization::FastOwen:
-            return SobolToFloat(ReverseBits32(FastOwenScrambleReversed(reversed, seed)));
-        case Randomization::Owen:
-            return SobolToFloat(OwenScramble(ReverseBits32(reversed), seed));
+            return FractionsToFloat(ReverseBits(FastOwenScrambleReversed(reversed, seeds.Low(), seeds.High())));
+        case Randomization::Owen: {
+            const auto pairs = reinterpret_cast<Lanes64>(ReverseBits(reversed));  // in even and odd places
+            const auto low = reinterpret_cast<Lanes32>(seeds.a), high = reinterpret_cast<Lanes32>(seeds.b);
+            const Lanes32 even =
+                __builtin_shufflevector(low, high, 0, 1, 4, 5, 8, 9, 12, 13, 16, 17, 20, 21, 24, 25, 28, 29);
+            const Lanes32 odd =
+                __builtin_shufflevector(low, high, 2, 3, 6, 7, 10, 11, 14, 15, 18, 19, 22, 23, 26, 27, 30, 31);
+            const Lanes64 scrambledEven = OwenScramble(pairs & 0xffffffffull, reinterpret_cast<Lanes64>(even));
+            const Lanes64 scrambledOdd = OwenScramble(pairs >> 32, reinterpret_cast<Lanes64>(odd));
+            return FractionsToFloat(reinterpret_cast<Lanes32>(scrambledEven | scrambledOdd << 32));
+        }
         case Randomization::PermuteDigits:
-            return SobolToFloat(ReverseBits32(reversed ^ static_cast<uint32_t>(seed)));
+            return FractionsToFloat(ReverseBits(reversed ^ seeds.Low()));
         default:
-            return SobolToFloat(ReverseBits32(reversed));
+            return FractionsToFloat(ReverseBits(reversed));
     }
 }
-inline Float Randomized(uint32_t bits, Randomization randomization, uint64_t seed) {
-    switch (randomization) {
-        case Randomization::FastOwen:
-            return SobolToFloat(FastOwenScramble(bits, seed));
-        case Randomization::Owen:
-            return SobolToFloat(OwenScramble(bits, seed));
-        case Randomization::PermuteDigits:
-            return SobolToFloat(bits ^ static_cast<uint32_t>(seed));
-        default:
-            return SobolToFloat(bits);
-    }
+
+/// A seed for the second of two coordinates. It is a full hash, because with a product its low bits would depend on
+/// those of the first seed.
+inline SixteenLanes SecondSeed(const SixteenLanes &seed) {
+    return {MixBits(seed.a ^ 0x632be59bd9b4e019ull), MixBits(seed.b ^ 0x632be59bd9b4e019ull)};
 }
+
+#pragma GCC diagnostic pop
 
 }  // namespace pbrt

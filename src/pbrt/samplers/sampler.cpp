@@ -11,6 +11,14 @@
 
 namespace pbrt {
 
+void Sampler::PrepareNext() {
+    const int dimension = firstPrepared_ + next_;
+    const Run run = Prepare(dimension, prepared_);
+    firstPrepared_ = run.first;
+    next_ = dimension - run.first;
+    end_ = run.count;
+}
+
 std::unique_ptr<Sampler> Sampler::ForBatch(int index) const {
     if (index == 0) return Clone();
     const uint64_t mixed = MixBits(static_cast<uint64_t>(givenSeed_) * 0x10001 + static_cast<uint64_t>(index));

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "pbrt/core/factory_table.h"
+#include "pbrt/math/lanes.h"
 #include "pbrt/math/vec.h"
 
 namespace pbrt {
@@ -9,13 +10,31 @@ namespace pbrt {
 /// Random numbers for pixel samples: a function of (seed, pixel, sample index, dimension) only. Not thread-safe: each
 /// thread works on its own Clone(). All values lie in [0, 1). Sample indices from SamplesPerPixel() on are allowed:
 /// they start another, independent set of SamplesPerPixel() samples (or go on with the sequence).
+///
+/// Numbers are prepared for several dimensions at once, because that takes little longer than one and saves virtual
+/// calls: a sampler says by Prepare what Get1D and Get2D return in the dimensions that follow.
 class Sampler {
   public:
     virtual ~Sampler() = default;
     virtual int SamplesPerPixel() const = 0;
-    virtual void StartPixelSample(Point2i pixel, int sampleIndex, int dimension = 0) = 0;
-    virtual Float Get1D() = 0;
-    virtual Point2 Get2D() = 0;
+    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension = 0) {
+        next_ = end_ = 0;
+        firstPrepared_ = StartSample(pixel, sampleIndex, dimension);
+    }
+    /// Uses up one dimension.
+    Float Get1D() {
+        if (next_ >= end_) [[unlikely]]
+            PrepareNext();
+        return prepared_.one[next_++];
+    }
+    /// Uses up two dimensions.
+    Point2 Get2D() {
+        if (next_ >= end_) [[unlikely]]
+            PrepareNext();
+        const Point2 p = prepared_.two[next_];
+        next_ += 2;
+        return p;
+    }
     virtual Point2 GetPixel2D() = 0;  ///< position inside the pixel
     virtual std::unique_ptr<Sampler> Clone() const = 0;
     /// The same kind of samples from another seed.
@@ -25,11 +44,53 @@ class Sampler {
     std::unique_ptr<Sampler> ForBatch(int index) const;
 
   protected:
+    static constexpr int kPrepared = 16;
+    /// Entry i is what Get1D and Get2D return in dimension first + i.
+    struct Numbers {
+        alignas(64) Float one[kPrepared];
+        alignas(64) Point2 two[kPrepared];
+
+        /// For samplers with a point for each dimension; Get1D returns its x.
+        void SetPoints(const FloatLanes &x, const FloatLanes &y);
+        /// For samplers with one number for each dimension; the last entry is not valid, because it lacks its y.
+        void SetSequence(const FloatLanes &values);
+    };
+    /// A run of dimensions whose Numbers are known; entries 0 ... count - 1 are valid.
+    struct Run {
+        int first = 0, count = 0;
+    };
+
     explicit Sampler(int seed) : givenSeed_(seed) {}
+    /// Returns the first dimension of the sample.
+    virtual int StartSample(Point2i pixel, int sampleIndex, int dimension) = 0;
+    /// Fills in numbers for a run of dimensions that contains `dimension`.
+    virtual Run Prepare(int dimension, Numbers &numbers) = 0;
 
   private:
+    void PrepareNext();
     int givenSeed_;
+    int firstPrepared_ = 0;   ///< dimension of entry 0 of prepared_
+    int next_ = 0, end_ = 0;  ///< entries of prepared_: the next one to be used, and how many are valid
+    Numbers prepared_{};
 };
+
+inline void Sampler::Numbers::SetPoints(const FloatLanes &x, const FloatLanes &y) {
+    static_assert(kPrepared == Lanes32Count);
+    StoreLanes(x, one);
+    const FloatLanes low = __builtin_shufflevector(x, y, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+    const FloatLanes high = __builtin_shufflevector(x, y, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
+    StoreLanes(low, two);
+    StoreLanes(high, two + kPrepared / 2);
+}
+inline void Sampler::Numbers::SetSequence(const FloatLanes &values) {
+    static_assert(kPrepared == Lanes32Count);
+    StoreLanes(values, one);
+    const FloatLanes low = __builtin_shufflevector(values, values, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8);
+    const FloatLanes high =
+        __builtin_shufflevector(values, values, 8, 9, 9, 10, 10, 11, 11, 12, 12, 13, 13, 14, 14, 15, 15, 15);
+    StoreLanes(low, two);
+    StoreLanes(high, two + kPrepared / 2);
+}
 
 /// What the functions that make samplers need beside the parameters.
 struct SamplerContext {

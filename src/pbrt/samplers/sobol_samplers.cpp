@@ -4,30 +4,20 @@
 
 namespace pbrt {
 
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace {
 
 int Log2RoundedUp(int v) { return std::bit_width(static_cast<unsigned>(std::max(1, v)) - 1); }
 
-/// A hash for one dimension of a hashed state.
-uint64_t AddDimension(uint64_t hash, int dimension) {
-    return MixBits(hash + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(dimension + 1));
+/// The first two coordinates of sixteen points of the Sobol' sequence.
+void SetSobolPoints(const SixteenLanes &index, Randomization randomization, const SixteenLanes &seedX, FloatLanes *x,
+                    FloatLanes *y) {
+    const Lanes32 low = index.Low();
+    *x = RandomizedReversed(low, randomization, seedX);
+    const Lanes32 second = SobolReversed1OfHalf(low) ^ SobolReversed1OfHalf(index.High());
+    *y = RandomizedReversed(second, randomization, SecondSeed(seedX));
 }
-/// A seed for the second of two coordinates. It is a full hash, because with a product its low bits would depend on
-/// those of the first seed.
-uint64_t SecondSeed(uint64_t seed) { return MixBits(seed ^ 0x632be59bd9b4e019ull); }
-
-/// All orders of four children, two bits for each.
-constexpr std::array<uint8_t, 24> AllQuadOrders() {
-    std::array<uint8_t, 24> orders{};
-    size_t n = 0;
-    for (unsigned a = 0; a < 4; ++a)
-        for (unsigned b = 0; b < 4; ++b)
-            for (unsigned c = 0; c < 4; ++c)
-                if (a != b && a != c && b != c)
-                    orders[n++] = static_cast<uint8_t>(a | b << 2 | c << 4 | (6 - a - b - c) << 6);
-    return orders;
-}
-constexpr std::array<uint8_t, 24> kQuadOrders = AllQuadOrders();
 
 }  // namespace
 
@@ -41,50 +31,89 @@ SobolSampler::SobolSampler(int samplesPerPixel, Point2i resolution, Randomizatio
       seed_(Hash(seed)),
       log2Resolution_(Log2RoundedUp(std::max(resolution.x, resolution.y))),
       pixelIndex_(std::make_shared<const SobolPixelIndex>(log2Resolution_)),
-      tables_(SobolTables()) {}
+      tables_(SobolTables()) {
+    Seeds seeds;
+    for (int d = 0; d < SobolTableRow; d += Lanes64Count) {
+        const Lanes64 eight = AddDimensions(seed_, d);
+        for (int lane = 0; lane < Lanes64Count; ++lane) {
+            seeds.low.push_back(static_cast<uint32_t>(eight[lane]));
+            seeds.high.push_back(static_cast<uint32_t>(eight[lane] >> 32));
+        }
+    }
+    seeds_ = std::make_shared<const Seeds>(std::move(seeds));
+}
 
-void SobolSampler::StartPixelSample(Point2i pixel, int sampleIndex, int dimension) {
+int SobolSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
     uint32_t mask = (1u << log2Resolution_) - 1;
     index_ = (*pixelIndex_)(static_cast<uint64_t>(sampleIndex), static_cast<uint32_t>(pixel.x) & mask,
                             static_cast<uint32_t>(pixel.y) & mask);
-    dimension_ = std::max(2, dimension);
+    return std::max(2, dimension);
 }
 
 Point2 SobolSampler::GetPixel2D() {
     // What is left of each coordinate after the digits that name the pixel.
     return {SobolToFloat(SobolBitsByTable(tables_, index_) << log2Resolution_),
-            SobolToFloat(SobolBitsByTable(tables_ + SobolTableStride, index_) << log2Resolution_)};
+            SobolToFloat(SobolBitsByTable(tables_ + 1, index_) << log2Resolution_)};
 }
 
-Float SobolSampler::Dimension(int dimension) const {
-    uint64_t seed = AddDimension(seed_, dimension);
-    if (dimension >= SobolDimensions) return HashToFloat(MixBits(seed ^ MixBits(index_)));
-    return Randomized(SobolBitsByTable(tables_ + static_cast<size_t>(dimension) * SobolTableStride, index_),
-                      randomization_, seed);
+FloatLanes SobolSampler::SixteenDimensions(int first) const {
+    Lanes32 v{};
+    const uint32_t *rows = tables_ + first;
+    for (uint64_t bits = index_; bits; bits >>= 4, rows += 16 * SobolTableRow)
+        v ^= LoadLanes(rows + (bits & 15) * SobolTableRow);
+    const Lanes32 low = LoadLanes(seeds_->low.data() + first), high = LoadLanes(seeds_->high.data() + first);
+    switch (randomization_) {
+        case Randomization::FastOwen:
+            v = ReverseBits(FastOwenScrambleReversed(ReverseBits(v), low, high));
+            break;
+        case Randomization::Owen:
+            for (int half = 0; half < 2; ++half) {
+                Lanes64 bits, seed;
+                for (int i = 0; i < Lanes64Count; ++i) {
+                    bits[i] = v[half * Lanes64Count + i];
+                    seed[i] = uint64_t(high[half * Lanes64Count + i]) << 32 | low[half * Lanes64Count + i];
+                }
+                bits = OwenScramble(bits, seed);
+                for (int i = 0; i < Lanes64Count; ++i) v[half * Lanes64Count + i] = static_cast<uint32_t>(bits[i]);
+            }
+            break;
+        case Randomization::PermuteDigits:
+            v ^= low;
+            break;
+        default:
+            break;
+    }
+    return FractionsToFloat(v);
+}
+
+Sampler::Run SobolSampler::Prepare(int dimension, Numbers &numbers) {
+    FloatLanes values{};
+    if (dimension < SobolDimensions) values = SixteenDimensions(dimension);
+    for (int d = std::max(dimension, SobolDimensions); d < dimension + kPrepared; ++d) {
+        const uint64_t seed = MixBits(seed_ + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(d + 1));
+        values[d - dimension] = HashToFloat(MixBits(seed ^ MixBits(index_)));
+    }
+    numbers.SetSequence(values);
+    return {dimension, kPrepared - 1};
 }
 
 // ---- Padded
 
-void PaddedSobolSampler::StartPixelSample(Point2i pixel, int sampleIndex, int dimension) {
+int PaddedSobolSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
     int round = sampleIndex / samplesPerPixel_;
     index_ = static_cast<uint32_t>(sampleIndex - round * samplesPerPixel_);
     pixelHash_ = Hash(pixel, seed_, round);
-    dimension_ = dimension;
+    return dimension;
 }
 
-Float PaddedSobolSampler::Get1D() {
-    uint64_t seed = AddDimension(pixelHash_, dimension_);
-    dimension_ += 1;
-    uint32_t i = PermutationElement(index_, static_cast<uint32_t>(samplesPerPixel_), seed);
-    return RandomizedReversed(SobolReversed0(i), randomization_, seed);
-}
-
-Point2 PaddedSobolSampler::Get2D() {
-    uint64_t seed = AddDimension(pixelHash_, dimension_);
-    dimension_ += 2;
-    uint32_t i = PermutationElement(index_, static_cast<uint32_t>(samplesPerPixel_), seed);
-    return {RandomizedReversed(SobolReversed0(i), randomization_, seed),
-            RandomizedReversed(SobolReversed1(i), randomization_, SecondSeed(seed))};
+Sampler::Run PaddedSobolSampler::Prepare(int dimension, Numbers &numbers) {
+    const SixteenLanes seed{AddDimensions(pixelHash_, dimension), AddDimensions(pixelHash_, dimension + Lanes64Count)};
+    const auto count = static_cast<uint32_t>(samplesPerPixel_);
+    FloatLanes x, y;
+    SetSobolPoints({PermutationElement(index_, count, seed.a), PermutationElement(index_, count, seed.b)},
+                   randomization_, seed, &x, &y);
+    numbers.SetPoints(x, y);
+    return {dimension, kPrepared};
 }
 
 // ---- Z order
@@ -98,7 +127,7 @@ ZSobolSampler::ZSobolSampler(int samplesPerPixel, Point2i resolution, Randomizat
       log2Samples_(Log2RoundedUp(samplesPerPixel)),
       indexBits_(log2Samples_ + 2 * Log2RoundedUp(std::max(resolution.x, resolution.y))) {}
 
-void ZSobolSampler::StartPixelSample(Point2i pixel, int sampleIndex, int dimension) {
+int ZSobolSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
     int round = sampleIndex / samplesPerPixel_;
     if (pixel != pixel_ || round != round_) {
         pixel_ = pixel;
@@ -108,35 +137,34 @@ void ZSobolSampler::StartPixelSample(Point2i pixel, int sampleIndex, int dimensi
         pixelMorton_ = EncodeMorton2(static_cast<uint32_t>(pixel.x), static_cast<uint32_t>(pixel.y)) << log2Samples_;
     }
     morton_ = pixelMorton_ | static_cast<uint64_t>(sampleIndex - round * samplesPerPixel_);
-    dimension_ = dimension;
+    return dimension;
 }
 
-uint64_t ZSobolSampler::PermutedQuads(uint64_t hash, int fromBit, int toBit) const {
-    uint64_t index = 0;
-    uint64_t level = hash + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(fromBit / 2);
+Lanes64 ZSobolSampler::PermutedQuads(const Lanes64 &hash, int fromBit, int toBit) const {
+    Lanes64 index{};
+    Lanes64 level = hash + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(fromBit / 2);
     for (int shift = fromBit; shift < toBit; shift += 2) {
         level += 0x9e3779b97f4a7c15ull;
-        uint64_t quad = (level ^ (morton_ >> (shift + 2))) * 0x7fb5d329728ea185ull;
+        Lanes64 quad = (level ^ (morton_ >> (shift + 2))) * 0x7fb5d329728ea185ull;
         quad = ((quad ^ (quad >> 32)) * 0x81dadef4bc2dd44dull) >> 32;
-        unsigned order = kQuadOrders[quad * 24 >> 32];
-        uint64_t child = morton_ >> shift & 3;
-        index |= uint64_t(order >> (2 * child) & 3) << shift;
+        index |= PlaceInQuad(morton_ >> shift & 3, quad) << shift;
     }
     return index;
 }
 
-uint64_t ZSobolSampler::SobolIndex(uint64_t hash) {
+Lanes64 ZSobolSampler::SobolIndices(int firstDimension, const Lanes64 &hash) {
     // The quads down to the pixel are the same for all its samples.
-    auto slot = static_cast<size_t>(dimension_);
-    uint64_t index;
-    if (slot < kRemembered && (pixelPartKnown_ >> slot & 1))
-        index = pixelPart_[slot];
-    else {
-        index = PermutedQuads(hash, log2Samples_, indexBits_);
-        if (slot < kRemembered) {
-            pixelPart_[slot] = index;
-            pixelPartKnown_ |= uint64_t(1) << slot;
+    Lanes64 index;
+    if (firstDimension < kRemembered) {
+        const uint32_t known = 1u << (firstDimension / Lanes64Count);
+        uint64_t *const part = &pixelPart_[static_cast<size_t>(firstDimension)];
+        if (!(pixelPartKnown_ & known)) {
+            StoreLanes(PermutedQuads(hash, log2Samples_, indexBits_), part);
+            pixelPartKnown_ |= known;
         }
+        index = LoadLanes(part);
+    } else {
+        index = PermutedQuads(hash, log2Samples_, indexBits_);
     }
     // Below the pixel the quads group its samples. If these have an odd number of bits, the last bit is a pair in
     // random order.
@@ -145,19 +173,15 @@ uint64_t ZSobolSampler::SobolIndex(uint64_t hash) {
     return index | PermutedQuads(hash, lone, log2Samples_);
 }
 
-uint64_t ZSobolSampler::DimensionHash() const { return AddDimension(roundSeed_, dimension_); }
-
-Float ZSobolSampler::Get1D() {
-    uint64_t hash = DimensionHash(), i = SobolIndex(hash);
-    dimension_ += 1;
-    return RandomizedReversed(SobolReversed0(i), randomization_, SecondSeed(hash));
-}
-
-Point2 ZSobolSampler::Get2D() {
-    uint64_t hash = DimensionHash(), i = SobolIndex(hash), seed = SecondSeed(hash);
-    dimension_ += 2;
-    return {RandomizedReversed(SobolReversed0(i), randomization_, seed),
-            RandomizedReversed(SobolReversed1(i), randomization_, SecondSeed(seed))};
+Sampler::Run ZSobolSampler::Prepare(int dimension, Numbers &numbers) {
+    // Runs start at multiples of their length, so that pixelPart_ is filled by whole vectors.
+    const int first = dimension - dimension % kPrepared;
+    const SixteenLanes hash{AddDimensions(roundSeed_, first), AddDimensions(roundSeed_, first + Lanes64Count)};
+    FloatLanes x, y;
+    SetSobolPoints({SobolIndices(first, hash.a), SobolIndices(first + Lanes64Count, hash.b)}, randomization_,
+                   SecondSeed(hash), &x, &y);
+    numbers.SetPoints(x, y);
+    return {first, kPrepared};
 }
 
 }  // namespace pbrt

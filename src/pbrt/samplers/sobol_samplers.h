@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <vector>
 
 #include "pbrt/math/sobol.h"
 #include "pbrt/samplers/randomization.h"
@@ -13,12 +14,6 @@ class SobolSampler final : public Sampler {
   public:
     SobolSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed);
     int SamplesPerPixel() const override { return samplesPerPixel_; }
-    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override;
-    Float Get1D() override { return Dimension(dimension_++); }
-    Point2 Get2D() override {
-        dimension_ += 2;
-        return {Dimension(dimension_ - 2), Dimension(dimension_ - 1)};
-    }
     Point2 GetPixel2D() override;
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<SobolSampler>(*this); }
     std::unique_ptr<Sampler> WithSeed(int seed) const override {
@@ -26,17 +21,25 @@ class SobolSampler final : public Sampler {
     }
     uint64_t Index() const { return index_; }
 
+  protected:
+    int StartSample(Point2i pixel, int sampleIndex, int dimension) override;
+    Run Prepare(int dimension, Numbers &numbers) override;
+
   private:
-    Float Dimension(int dimension) const;
+    /// The seeds of the dimensions, in halves; there are SobolTableRow of each.
+    struct Seeds {
+        std::vector<uint32_t> low, high;
+    };
+    FloatLanes SixteenDimensions(int first) const;
     int samplesPerPixel_;
     Point2i resolution_;
     Randomization randomization_;
     uint64_t seed_;
     int log2Resolution_;
     std::shared_ptr<const SobolPixelIndex> pixelIndex_;
+    std::shared_ptr<const Seeds> seeds_;
     const uint32_t *tables_;
     uint64_t index_ = 0;
-    int dimension_ = 0;
 };
 
 /// Every request uses the first one or two Sobol' dimensions, each time in another random order and with another
@@ -46,14 +49,15 @@ class PaddedSobolSampler final : public Sampler {
     PaddedSobolSampler(int samplesPerPixel, Randomization randomization, int seed)
         : Sampler(seed), samplesPerPixel_(samplesPerPixel), randomization_(randomization), seed_(seed) {}
     int SamplesPerPixel() const override { return samplesPerPixel_; }
-    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override;
-    Float Get1D() override;
-    Point2 Get2D() override;
     Point2 GetPixel2D() override { return Get2D(); }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<PaddedSobolSampler>(*this); }
     std::unique_ptr<Sampler> WithSeed(int seed) const override {
         return std::make_unique<PaddedSobolSampler>(samplesPerPixel_, randomization_, seed);
     }
+
+  protected:
+    int StartSample(Point2i pixel, int sampleIndex, int dimension) override;
+    Run Prepare(int dimension, Numbers &numbers) override;
 
   private:
     int samplesPerPixel_;
@@ -61,7 +65,6 @@ class PaddedSobolSampler final : public Sampler {
     int seed_;
     uint64_t pixelHash_ = 0;
     uint32_t index_ = 0;
-    int dimension_ = 0;
 };
 
 /// Blue noise by order (Ahmed and Wonka 2020): pixels in Morton order take consecutive pieces of one Sobol' sequence,
@@ -70,21 +73,22 @@ class ZSobolSampler final : public Sampler {
   public:
     ZSobolSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed);
     int SamplesPerPixel() const override { return samplesPerPixel_; }
-    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension) override;
-    Float Get1D() override;
-    Point2 Get2D() override;
     Point2 GetPixel2D() override { return Get2D(); }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<ZSobolSampler>(*this); }
     std::unique_ptr<Sampler> WithSeed(int seed) const override {
         return std::make_unique<ZSobolSampler>(samplesPerPixel_, resolution_, randomization_, seed);
     }
 
+  protected:
+    int StartSample(Point2i pixel, int sampleIndex, int dimension) override;
+    Run Prepare(int dimension, Numbers &numbers) override;
+
   private:
-    uint64_t DimensionHash() const;
-    uint64_t SobolIndex(uint64_t hash);
+    /// The index of the Sobol' point for each of eight dimensions from firstDimension on, whose hashes are given.
+    Lanes64 SobolIndices(int firstDimension, const Lanes64 &hash);
     /// Bits fromBit ... toBit - 1 of morton_ with the children of every quad in the order that (hash, quad) picks.
-    uint64_t PermutedQuads(uint64_t hash, int fromBit, int toBit) const;
-    static constexpr size_t kRemembered = 64;
+    Lanes64 PermutedQuads(const Lanes64 &hash, int fromBit, int toBit) const;
+    static constexpr int kRemembered = 128;
     int samplesPerPixel_;
     Point2i resolution_;
     Randomization randomization_;
@@ -96,9 +100,10 @@ class ZSobolSampler final : public Sampler {
     uint64_t roundSeed_ = 0;
     uint64_t pixelMorton_ = 0;  ///< the pixel's place in Morton order, above the bits of the sample index
     uint64_t morton_ = 0;       ///< pixelMorton_ with the sample index
-    int dimension_ = 0;
-    uint64_t pixelPartKnown_ = 0;                    ///< one bit per dimension: whether pixelPart_ is known
-    std::array<uint64_t, kRemembered> pixelPart_{};  ///< bits of SobolIndex above the sample's, by dimension
+    /// The bits of SobolIndices above the sample's, by dimension, and which are known: a bit for every eight
+    /// dimensions.
+    uint32_t pixelPartKnown_ = 0;
+    std::array<uint64_t, kRemembered> pixelPart_{};
 };
 
 }  // namespace pbrt

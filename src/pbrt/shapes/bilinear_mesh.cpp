@@ -4,16 +4,13 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/math/warps.h"
+#include "pbrt/shapes/rectangle_sampling.h"
 #include "pbrt/shapes/sample_density.h"
-#include "pbrt/shapes/spherical.h"
 #include "pbrt/shapes/weingarten.h"
 
 namespace pbrt {
 
 namespace {
-
-/// Rectangles that cover a smaller solid angle (sr) are sampled by area.
-constexpr Float kMinSolidAngle = 1e-4f;
 
 template <class T>
 T Bilerp(const Point2 &uv, const T &f00, const T &f10, const T &f01, const T &f11) {
@@ -74,12 +71,6 @@ bool LooksRectangular(const Point3 &p00, const Point3 &p10, const Point3 &p01, c
     for (const Point3 &p : {p10, p01, p11})
         if (!(std::abs(DistanceSquared(p, center) - d) <= Float(1e-4) * d)) return false;
     return true;
-}
-
-void CosineWeights(const Point3 &from, const Normal3 &ns, const Point3 &p00, const Point3 &p10, const Point3 &p01,
-                   const Point3 &p11, Float w[4]) {
-    const Point3 *corners[4] = {&p00, &p10, &p01, &p11};
-    for (int i = 0; i < 4; ++i) w[i] = std::max(Float(0.01), AbsDot(Normalize(*corners[i] - from), ns));
 }
 
 }  // namespace
@@ -331,42 +322,22 @@ std::optional<ShapeSample> BilinearMesh::SampleArea(uint32_t primitive, const Po
 
 std::optional<ShapeSample> BilinearMesh::Sample(uint32_t primitive, const ShapeSampleContext &from,
                                                 const Point2 &u) const {
+    if (!IsRectangle(primitive) || emission_) return WithSolidAngleDensity(SampleArea(primitive, u), from.p);
     Corners c = CornersOf(primitive);
-    if (IsRectangle(primitive) && !emission_) {
-        SphericalRectangle rectangle(from.p, c.p00, c.p10 - c.p00, c.p01 - c.p00);
-        if (rectangle.SolidAngle() > kMinSolidAngle) {
-            Point2 square = u;
-            Float pdf = 1 / rectangle.SolidAngle();
-            if (from.ns != Normal3(0)) {
-                Float w[4];
-                CosineWeights(from.p, from.ns, c.p00, c.p10, c.p01, c.p11, w);
-                square = SampleBilinear(u, w);
-                pdf *= BilinearPdf(square, w);
-            }
-            ShapeSample s = SampleAt(primitive, c, rectangle.Sample(square));
-            s.pdf = pdf;
-            return s;
-        }
-    }
-    return WithSolidAngleDensity(SampleArea(primitive, u), from.p);
+    const RectangleSampling::Point at = RectangleSampling(from, c.p00, c.p10 - c.p00, c.p01 - c.p00).Sample(u);
+    if (!(at.pdf > 0 && std::isfinite(at.pdf))) return {};
+    ShapeSample s = SampleAt(primitive, c, at.st);
+    s.pdf = at.pdf;
+    return s;
 }
 
 Float BilinearMesh::PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi,
                                   const Point3 &pHit, const Normal3 &nHit) const {
     Corners c = CornersOf(primitive);
-    if (IsRectangle(primitive) && !emission_) {
-        SphericalRectangle rectangle(from.p, c.p00, c.p10 - c.p00, c.p01 - c.p00);
-        if (rectangle.SolidAngle() > kMinSolidAngle) {
-            Float pdf = 1 / rectangle.SolidAngle();
-            if (from.ns != Normal3(0)) {
-                Float w[4];
-                CosineWeights(from.p, from.ns, c.p00, c.p10, c.p01, c.p11, w);
-                pdf *= BilinearPdf(rectangle.Invert(pHit), w);
-            }
-            return pdf;
-        }
-    }
-    return SolidAngleDensity(PdfArea(primitive, c, Parameters(c, pHit, nHit)), from.p, wi, pHit, nHit);
+    if (!IsRectangle(primitive) || emission_)
+        return SolidAngleDensity(PdfArea(primitive, c, Parameters(c, pHit, nHit)), from.p, wi, pHit, nHit);
+    const Float pdf = RectangleSampling(from, c.p00, c.p10 - c.p00, c.p01 - c.p00).Pdf(pHit);
+    return std::isfinite(pdf) ? pdf : 0;
 }
 
 }  // namespace pbrt

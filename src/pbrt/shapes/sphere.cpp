@@ -1,6 +1,7 @@
 #include "pbrt/shapes/sphere.h"
 
 #include "pbrt/math/frame.h"
+#include "pbrt/math/warps.h"
 #include "pbrt/shapes/weingarten.h"
 
 namespace pbrt {
@@ -103,7 +104,7 @@ ShapeSample Sphere::SampleNearSide(const Cone &cone, const ShapeSampleContext &f
     Float cosAlpha = sin2Theta / cone.sinThetaMax + cosTheta * SafeSqrt(1 - sin2Ratio);
     Float sinAlpha = SafeSqrt(1 - cosAlpha * cosAlpha);
     Frame frame = Frame::FromZ((from.p - center_) / cone.distance);
-    Normal3 n = Normalize(frame.FromLocal(SphericalDirection(sinAlpha, cosAlpha, 2 * Pi * u.y)));
+    Normal3 n = Normalize(frame.FromLocal(SphericalDirectionOfTurn(sinAlpha, cosAlpha, u.y)));
 
     ShapeSample s;
     s.p = center_ + n * renderRadius_;
@@ -119,7 +120,7 @@ std::optional<ShapeSample> Sphere::SampleFirstHit(const Cone &cone, const ShapeS
                                                   const Point2 &u) const {
     Float h = u.x * cone.oneMinusCosThetaMax;  // 1 - cos(theta)
     Frame frame = Frame::FromZ((center_ - from.p) / cone.distance);
-    Vector3 wi = frame.FromLocal(SphericalDirection(SafeSqrt(h * (2 - h)), 1 - h, 2 * Pi * u.y));
+    Vector3 wi = frame.FromLocal(SphericalDirectionOfTurn(SafeSqrt(h * (2 - h)), 1 - h, u.y));
     std::optional<PrimitiveHit> hit = Intersect(0, from.p, wi, 0, Infinity);
     if (!hit) return {};
     SurfacePoint at = Surface(0, *hit);

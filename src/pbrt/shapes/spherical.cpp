@@ -2,56 +2,6 @@
 
 namespace pbrt {
 
-Float SphericalTriangleArea(const Vector3 &a, const Vector3 &b, const Vector3 &c) {
-    // Van Oosterom and Strackee 1983; with differences the triple product stays accurate for small triangles.
-    Float volume = std::abs(Dot(a, Cross(b - a, c - a)));
-    return 2 * std::atan2(volume, 1 + Dot(a, b) + Dot(b, c) + Dot(c, a));
-}
-
-namespace {
-
-/// Unit tangent at the unit vector `from` of the arc to the unit vector `to`.
-Vector3 ArcTangent(const Vector3 &from, const Vector3 &to) {
-    Vector3 chord = to - from;
-    Vector3 t = chord - from * Dot(from, chord);
-    Float length = Length(t);
-    return length > 0 ? t / length : t;
-}
-
-/// Tangent of half the arc between unit vectors.
-Float HalfArcTangent(const Vector3 &a, const Vector3 &b) { return Length(a - b) / Length(a + b); }
-
-}  // namespace
-
-Vector3 SampleSphericalTriangle(const Vector3 &a, const Vector3 &b, const Vector3 &c, Float area, const Point2 &u) {
-    // A triangle with sides p, q around the angle alpha has area E with
-    //     tan(q/2) = sin(E/2) / (tan(p/2) sin(alpha - E/2)),
-    // which gives the side a-c' that cuts off E = u.x * area, without cancellation for small E.
-    Vector3 towardsB = ArcTangent(a, b), towardsC = ArcTangent(a, c);
-    Float cosAlpha = Dot(towardsB, towardsC), sinAlpha = Length(Cross(towardsB, towardsC));
-    Float halfE = u.x * area / 2;
-    Float sinE = std::sin(halfE), cosE = std::cos(halfE);
-    Float denominator = HalfArcTangent(a, b) * (sinAlpha * cosE - cosAlpha * sinE);
-    Float longest = HalfArcTangent(a, c);
-    Float q = sinE < denominator * longest ? sinE / denominator : longest;
-    Float scale = 1 / (1 + q * q);
-    Vector3 cut = a * ((1 - q * q) * scale) + towardsC * (2 * q * scale);
-
-    Float h = u.y * DistanceSquared(cut, b) / 2;  // 1 - cos of the arc from b
-    return Normalize(b * (1 - h) + ArcTangent(b, cut) * SafeSqrt(h * (2 - h)));
-}
-
-Point2 InvertSphericalTriangle(const Vector3 &a, const Vector3 &b, const Vector3 &c, Float area, const Vector3 &w) {
-    Vector3 cut = Cross(Cross(b, w - b), Cross(a, c - a));
-    Float length = Length(cut);
-    if (!(length > 0)) return {Float(0.5), 0};  // w = b, which every u.x reaches
-    cut /= Dot(cut, a + c) < 0 ? -length : length;
-    Float across = DistanceSquared(cut, b);
-    Float x = SphericalTriangleArea(a, b, cut) / area;
-    Float y = across > 0 ? DistanceSquared(w, b) / across : 0;
-    return {std::clamp(x, Float(0), Float(1)), std::clamp(y, Float(0), Float(1))};
-}
-
 // With the eye at the origin, z the distance of the plane, c = x / hypot(x, z) and b = y / hypot(y, z), the corner
 // rectangle [0,x] x [0,y] has solid angle asin(c b). So what lies left of x in [y0,y1] is
 //     g = asin(c b1) - asin(c b0),  and solved for c:  c = sin g / sqrt(b0^2 + b1^2 - 2 b0 b1 cos g).

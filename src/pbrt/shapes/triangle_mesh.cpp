@@ -2,57 +2,12 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/math/warps.h"
-#include "pbrt/shapes/sample_density.h"
 #include "pbrt/shapes/spherical.h"
+#include "pbrt/shapes/triangle_sampling.h"
 
 namespace pbrt {
 
 namespace {
-
-// Outside this range of solid angles (sr) triangles are sampled by area: below, rounding spoils the angles; above, the
-// triangle is nearly a hemisphere.
-constexpr Float kMinSolidAngle = 2e-4f, kMaxSolidAngle = 6.22f;
-
-/// Unit directions to the corners, and the solid angle between them.
-struct CornerDirections {
-    Vector3 a, b, c;
-    Float area;
-    CornerDirections(const Point3 &from, const Point3 &p0, const Point3 &p1, const Point3 &p2)
-        : a(p0 - from), b(p1 - from), c(p2 - from) {
-        Float la = Length(a), lb = Length(b), lc = Length(c);
-        if (la > 0 && lb > 0 && lc > 0) {
-            a /= la;
-            b /= lb;
-            c /= lc;
-            area = SphericalTriangleArea(a, b, c);
-        } else {
-            area = 0;  // the point is a corner
-        }
-    }
-    bool UseSolidAngle() const { return area >= kMinSolidAngle && area <= kMaxSolidAngle; }
-    /// Weights for SampleBilinear over the square that SampleSphericalTriangle reads: its side u.y = 0 is corner b.
-    void CosineWeights(const Normal3 &ns, Float w[4]) const {
-        w[0] = w[1] = std::max(Float(0.01), AbsDot(ns, b));
-        w[2] = std::max(Float(0.01), AbsDot(ns, a));
-        w[3] = std::max(Float(0.01), AbsDot(ns, c));
-    }
-};
-
-/// Barycentric coordinates where the ray from o along w meets the triangle's plane, clamped to the triangle.
-Vector3 Barycentrics(const Point3 &o, const Vector3 &w, const Point3 &p0, const Point3 &p1, const Point3 &p2) {
-    Vector3 e1 = p1 - p0, e2 = p2 - p0, s = o - p0;
-    Vector3 k = Cross(w, e2);
-    Float determinant = Dot(k, e1);
-    if (determinant == 0) return Vector3(Float(1) / 3);
-    Float b1 = std::clamp(Dot(s, k) / determinant, Float(0), Float(1));
-    Float b2 = std::clamp(Dot(w, Cross(s, e1)) / determinant, Float(0), Float(1));
-    if (b1 + b2 > 1) {
-        Float sum = b1 + b2;
-        b1 /= sum;
-        b2 /= sum;
-    }
-    return {std::max(Float(0), 1 - b1 - b2), b1, b2};
-}
 
 Vector3 HitBarycentrics(const PrimitiveHit &hit) { return {std::max(Float(0), 1 - hit.u - hit.v), hit.u, hit.v}; }
 
@@ -113,7 +68,10 @@ DirectionCone TriangleMesh::NormalBounds(uint32_t primitive) const {
 
 Float TriangleMesh::SolidAngle(uint32_t primitive, const Point3 &p) const {
     Corners c = CornersOf(primitive);
-    return CornerDirections(p, c.p0, c.p1, c.p2).area;
+    const Vector3 to[3] = {c.p0 - p, c.p1 - p, c.p2 - p};
+    const Float length[3] = {Length(to[0]), Length(to[1]), Length(to[2])};
+    if (!(length[0] > 0 && length[1] > 0 && length[2] > 0)) return 0;
+    return SphericalTriangle(to[0] / length[0], to[1] / length[1], to[2] / length[2]).Area();
 }
 
 Normal3 TriangleMesh::OrientedNormal(uint32_t primitive, const Corners &c, const Vector3 &b) const {
@@ -232,34 +190,18 @@ std::optional<ShapeSample> TriangleMesh::SampleArea(uint32_t primitive, const Po
 std::optional<ShapeSample> TriangleMesh::Sample(uint32_t primitive, const ShapeSampleContext &from,
                                                 const Point2 &u) const {
     Corners c = CornersOf(primitive);
-    CornerDirections to(from.p, c.p0, c.p1, c.p2);
-    if (!to.UseSolidAngle()) return WithSolidAngleDensity(SampleArea(primitive, u), from.p);
-    Point2 square = u;
-    Float pdf = 1 / to.area;
-    if (from.ns != Normal3(0)) {
-        Float w[4];
-        to.CosineWeights(from.ns, w);
-        square = SampleBilinear(u, w);
-        pdf *= BilinearPdf(square, w);
-    }
-    Vector3 wi = SampleSphericalTriangle(to.a, to.b, to.c, to.area, square);
-    ShapeSample s = SampleAt(primitive, c, Barycentrics(from.p, wi, c.p0, c.p1, c.p2));
-    s.pdf = pdf;
+    const TriangleSampling::Point at = TriangleSampling(from, c.p0, c.p1, c.p2).Sample(u);
+    if (!(at.pdf > 0 && std::isfinite(at.pdf))) return {};
+    ShapeSample s = SampleAt(primitive, c, at.barycentrics);
+    s.pdf = at.pdf;
     return s;
 }
 
-Float TriangleMesh::PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi,
-                                  const Point3 &pHit, const Normal3 &nHit) const {
+Float TriangleMesh::PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &,
+                                  const Normal3 &) const {
     Corners c = CornersOf(primitive);
-    CornerDirections to(from.p, c.p0, c.p1, c.p2);
-    if (!to.UseSolidAngle()) return SolidAngleDensity(1 / Area(primitive), from.p, wi, pHit, nHit);
-    Float pdf = 1 / to.area;
-    if (from.ns != Normal3(0)) {
-        Float w[4];
-        to.CosineWeights(from.ns, w);
-        pdf *= BilinearPdf(InvertSphericalTriangle(to.a, to.b, to.c, to.area, wi), w);
-    }
-    return pdf;
+    const Float pdf = TriangleSampling(from, c.p0, c.p1, c.p2).Pdf(wi);
+    return std::isfinite(pdf) ? pdf : 0;
 }
 
 }  // namespace pbrt

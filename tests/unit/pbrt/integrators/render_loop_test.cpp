@@ -42,14 +42,18 @@ class SeedTeller final : public Sampler {
   public:
     SeedTeller(int seed, int *made) : Sampler(seed), seed_(seed), made_(made) {}
     int SamplesPerPixel() const override { return seed_; }
-    void StartPixelSample(Point2i, int, int) override {}
-    Float Get1D() override { return 0; }
-    Point2 Get2D() override { return {}; }
     Point2 GetPixel2D() override { return {}; }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<SeedTeller>(*this); }
     std::unique_ptr<Sampler> WithSeed(int seed) const override {
         ++*made_;
         return std::make_unique<SeedTeller>(seed, made_);
+    }
+
+  protected:
+    int StartSample(Point2i, int, int dimension) override { return dimension; }
+    Run Prepare(int dimension, Numbers &numbers) override {
+        numbers = {};
+        return {dimension, kPrepared};
     }
 
   private:

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include <set>
 
 #include "support/statistics.h"
@@ -60,6 +62,34 @@ TEST(PermutationElement, PairsGoToAllPairs) {
                     EXPECT_NEAR(count[a * n + b] / expected, 1, 0.2) << n << ": " << a << " " << b;
                 }
     }
+}
+
+TEST(PermutationElement, LanesAgreeWithSingleNumbers) {
+    Rng rng(6);
+    for (uint32_t n : {1u, 2u, 3u, 4u, 11u, 16u, 64u, 100u, 1024u})
+        for (int i = 0; i < 100; ++i) {
+            Lanes64 seed;
+            for (int lane = 0; lane < Lanes64Count; ++lane) seed[lane] = uint64_t(rng.Next()) << 32 | rng.Next();
+            const uint32_t element = rng.UniformInt(n);
+            const Lanes64 places = PermutationElement(element, n, seed);
+            for (int lane = 0; lane < Lanes64Count; ++lane)
+                ASSERT_EQ(places[lane], PermutationElement(element, n, uint64_t(seed[lane]))) << n;
+        }
+}
+
+TEST(PlaceInQuad, AllOrdersOccurEquallyOften) {
+    constexpr int kCount = 24 * 400;
+    std::map<std::vector<uint64_t>, int> orders;
+    for (int i = 0; i < kCount; ++i) {
+        const Lanes64 hash = Lanes64{} + (uint64_t(0x100000000) * static_cast<uint64_t>(i)) / kCount;
+        std::vector<uint64_t> order;
+        for (uint64_t element = 0; element < 4; ++element) order.push_back(PlaceInQuad(element, hash)[5]);
+        ++orders[order];
+        std::sort(order.begin(), order.end());
+        ASSERT_EQ(order, (std::vector<uint64_t>{0, 1, 2, 3}));
+    }
+    EXPECT_EQ(orders.size(), 24u);
+    for (const auto &[order, count] : orders) EXPECT_NEAR(count, 400, 1);
 }
 
 TEST(Primes, AreTheFirstThousand) {
@@ -163,6 +193,29 @@ TEST(DigitPermutations, TablesEqualTheSlowTwin) {
                 AffineRadicalInverse(Primes[dimension], a, multipliers[dimension], DigitPermutations::SeedOf(5, d));
             EXPECT_NEAR(tables.RadicalInverse(d, a), slow, 1.2e-7f) << d << " " << a;
         }
+}
+
+TEST(DigitPermutations, LanesAgreeWithSingleNumbers) {
+    std::vector<uint32_t> multipliers(40);
+    for (size_t d = 0; d < multipliers.size(); ++d)
+        multipliers[d] = 1 + static_cast<uint32_t>(Hash(d) % (Primes[d] - 1));
+    const DigitPermutations tables(multipliers, 5);
+    Rng rng(3);
+    for (int first = 0; first < tables.Dimensions(); ++first)
+        for (int i = 0; i < 200; ++i) {
+            const uint64_t a = i < 5 ? static_cast<uint64_t>(i) : uint64_t(rng.Next()) << 18 >> (i % 50);
+            Float values[Lanes64Count];
+            tables.RadicalInverses(first, a, values);
+            for (int lane = 0; lane < std::min(Lanes64Count, tables.Dimensions() - first); ++lane)
+                ASSERT_NEAR(values[lane], tables.RadicalInverse(first + lane, a), 1.2e-7f) << first + lane << " " << a;
+        }
+    // A number does not depend on its neighbours.
+    Float a[Lanes64Count], b[Lanes64Count];
+    for (uint64_t index = 0; index < 100000; index += 7) {
+        tables.RadicalInverses(5, index, a);
+        tables.RadicalInverses(8, index, b);
+        for (int lane = 0; lane < Lanes64Count - 3; ++lane) ASSERT_EQ(a[lane + 3], b[lane]);
+    }
 }
 
 }  // namespace

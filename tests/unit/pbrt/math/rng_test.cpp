@@ -25,6 +25,14 @@ TEST(Rng, AdvanceSkips) {
     }
 }
 
+TEST(Rng, SixteenNumbersAtOnceAreTheNextOnes) {
+    for (uint64_t sequence = 0; sequence < 50; ++sequence) {
+        Rng rng(sequence);
+        const FloatLanes all = rng.NextUniforms();
+        for (int i = 0; i < Lanes32Count; ++i) EXPECT_EQ(all[i], rng.Uniform()) << sequence << " " << i;
+    }
+}
+
 TEST(Rng, StreamsDiffer) {
     std::set<uint32_t> first;
     for (uint64_t s = 0; s < 1000; ++s) first.insert(Rng(s).Next());

@@ -62,8 +62,7 @@ TEST(Sobol, TablesOfFourBitsEqualTheMatrices) {
     for (int i = 0; i < 20000; ++i) {
         uint64_t index = (uint64_t(rng.Next()) << 32 | rng.Next()) >> (12 + rng.UniformInt(50));
         auto d = static_cast<size_t>(rng.UniformInt(SobolDimensions));
-        ASSERT_EQ(SobolBitsByTable(SobolTables() + d * SobolTableStride, index),
-                  SobolBits(SobolMatrices() + d * SobolIndexBits, index))
+        ASSERT_EQ(SobolBitsByTable(SobolTables() + d, index), SobolBits(SobolMatrices() + d * SobolIndexBits, index))
             << d << " " << index;
     }
 }
@@ -76,6 +75,35 @@ TEST(Sobol, ShortcutsForTheFirstTwoDimensionsEqualTheMatrices) {
         ASSERT_EQ(ReverseBits32(SobolReversed0(index)), SobolBits(m, index)) << index;
         ASSERT_EQ(ReverseBits32(SobolReversed1(index)), SobolBits(m + SobolIndexBits, index)) << index;
     }
+}
+
+TEST(Scramble, LanesAgreeWithSingleNumbers) {
+    Rng rng(4);
+    for (int i = 0; i < 2000; ++i) {
+        Lanes64 v, seed;
+        Lanes32 bits, low, high;
+        for (int lane = 0; lane < Lanes64Count; ++lane) {
+            v[lane] = rng.Next();
+            seed[lane] = uint64_t(rng.Next()) << 32 | rng.Next();
+        }
+        for (int lane = 0; lane < Lanes32Count; ++lane) {
+            bits[lane] = rng.Next();
+            low[lane] = rng.Next();
+            high[lane] = rng.Next();
+        }
+        const Lanes64 owen = OwenScramble(v, seed);
+        for (int lane = 0; lane < Lanes64Count; ++lane)
+            ASSERT_EQ(owen[lane], OwenScramble(static_cast<uint32_t>(v[lane]), uint64_t(seed[lane])));
+        const Lanes32 fast = FastOwenScrambleReversed(bits, low, high), reversed = ReverseBits(bits);
+        const FloatLanes floats = FractionsToFloat(bits);
+        for (int lane = 0; lane < Lanes32Count; ++lane) {
+            const uint32_t b = bits[lane];
+            ASSERT_EQ(fast[lane], FastOwenScrambleReversed(b, uint64_t(high[lane]) << 32 | low[lane]));
+            ASSERT_EQ(reversed[lane], ReverseBits32(b));
+            ASSERT_EQ(floats[lane], SobolToFloat(b));
+        }
+    }
+    EXPECT_EQ(FractionsToFloat(Lanes32{} + 0xffffffffu)[3], OneMinusEpsilon);
 }
 
 using Scramble = uint32_t (*)(uint32_t, uint64_t);

@@ -79,6 +79,38 @@ TEST_P(EverySampler, DimensionArgumentSkips) {
     }
 }
 
+TEST_P(EverySampler, NumbersDependOnTheDimensionOnly) {
+    // Not on where the sample was started, nor on what was asked for before: numbers are prepared in runs, and these
+    // begin elsewhere then.
+    std::unique_ptr<Sampler> s = GetParam().Make(16), other = GetParam().Make(16);
+    const int first = GetParam().pixelOwnsDimensions ? 0 : 2;
+    for (int index : {3, 16 + 5}) {
+        constexpr int kDimensions = 150;
+        std::vector<Float> one;
+        std::vector<Point2> two;
+        s->StartPixelSample({7, 2}, index);
+        for (int d = 0; d < kDimensions; ++d) one.push_back(s->Get1D());
+        for (int d = 0; d < kDimensions; ++d) {
+            s->StartPixelSample({7, 2}, index, first + d);
+            two.push_back(s->Get2D());
+        }
+        Rng rng(4);
+        for (int i = 0; i < 100; ++i) {
+            auto d = static_cast<size_t>(rng.UniformInt(20));
+            if (i % 10 == 0) other->StartPixelSample({1, 1}, i % 7);
+            other->StartPixelSample({7, 2}, index, first + static_cast<int>(d));
+            while (d + 2 <= kDimensions)
+                if (rng.UniformInt(2) == 0) {
+                    ASSERT_EQ(other->Get1D(), one[d]) << d;
+                    d += 1;
+                } else {
+                    ASSERT_EQ(other->Get2D(), two[d]) << d;
+                    d += 2;
+                }
+        }
+    }
+}
+
 TEST_P(EverySampler, SeedsPixelsIndicesAndDimensionsDiffer) {
     std::unique_ptr<Sampler> s = GetParam().Make(16, 0), other = GetParam().Make(16, 1);
     auto differ = [](const std::vector<Float> &a, const std::vector<Float> &b) {

@@ -9,13 +9,13 @@ namespace pbrt {
 namespace {
 
 TEST(SphericalTriangle, OctantIsHalfPi) {
-    EXPECT_NEAR(SphericalTriangleArea({1, 0, 0}, {0, 1, 0}, {0, 0, 1}), Pi / 2, 1e-6);
+    EXPECT_NEAR(SphericalTriangle({1, 0, 0}, {0, 1, 0}, {0, 0, 1}).Area(), Pi / 2, 1e-6);
 }
 
 TEST(SphericalTriangle, TinyAreaApproachesPlaneArea) {
     Float s = 1e-3f;
     Vector3 a = Normalize({0, 0, 1}), b = Normalize({s, 0, 1}), c = Normalize({0, s, 1});
-    EXPECT_NEAR(SphericalTriangleArea(a, b, c) / (s * s / 2), 1, 1e-3);
+    EXPECT_NEAR(SphericalTriangle(a, b, c).Area() / (s * s / 2), 1, 1e-3);
 }
 
 TEST(SphericalTriangle, InvertUndoesSample) {
@@ -25,11 +25,12 @@ TEST(SphericalTriangle, InvertUndoesSample) {
         Vector3 axis = Normalize(Vector3(rng.Uniform() - 0.5f, rng.Uniform() - 0.5f, 0.7f)), v[3];
         for (Vector3 &x : v)
             x = Normalize(axis + size * Vector3(rng.Uniform() - 0.5f, rng.Uniform() - 0.5f, rng.Uniform() - 0.5f));
-        Float area = SphericalTriangleArea(v[0], v[1], v[2]);
-        if (area < 0.05f * size * size) continue;  // slivers lose digits in any method
+        const SphericalTriangle triangle(v[0], v[1], v[2]);
+        if (triangle.Area() < 0.05f * size * size) continue;  // slivers lose digits in any method
         Point2 u = Point2(0.02f) + Float(0.96) * rng.Uniform2();
-        Point2 back =
-            InvertSphericalTriangle(v[0], v[1], v[2], area, SampleSphericalTriangle(v[0], v[1], v[2], area, u));
+        const Vector3 weights = triangle.Sample(u);
+        EXPECT_NEAR(Length(triangle.Direction(weights)), 1, 1e-6);
+        Point2 back = triangle.Invert(Float(0.3) * weights, Normalize(triangle.Direction(weights)));
         EXPECT_NEAR(back.x, u.x, 2e-2) << size;
         EXPECT_NEAR(back.y, u.y, 2e-2) << size;
     }
@@ -39,14 +40,15 @@ TEST(SphericalTriangle, ShareOfAreaIsShareOfSamples) {
     // A sub-triangle that shares only corner a must get its share of uniform samples.
     Vector3 a(1, 0, 0), b(0, 1, 0), c = Normalize({0.2f, 0.1f, 1});
     Vector3 mid1 = Normalize(a + b), mid2 = Normalize(a + c);
-    Float area = SphericalTriangleArea(a, b, c), part = SphericalTriangleArea(a, mid1, mid2);
+    const SphericalTriangle triangle(a, b, c);
+    const Float part = SphericalTriangle(a, mid1, mid2).Area();
     Vector3 cut = Cross(mid1, mid2);
     if (Dot(cut, a) < 0) cut = -cut;
     Rng rng(2);
     constexpr int kSamples = 200000;
     int inside = 0;
-    for (int i = 0; i < kSamples; ++i) inside += Dot(SampleSphericalTriangle(a, b, c, area, rng.Uniform2()), cut) > 0;
-    double p = double(part) / double(area), z = (inside - kSamples * p) / std::sqrt(kSamples * p * (1 - p));
+    for (int i = 0; i < kSamples; ++i) inside += Dot(triangle.Direction(triangle.Sample(rng.Uniform2())), cut) > 0;
+    double p = double(part) / double(triangle.Area()), z = (inside - kSamples * p) / std::sqrt(kSamples * p * (1 - p));
     EXPECT_GT(test::NormalTail(z), 1e-4);
 }
 
@@ -57,8 +59,8 @@ TEST(SphericalRectangle, SolidAngleIsThatOfTwoTriangles) {
         Vector3 x(0.1f + rng.Uniform(), 0, 0), y(0, 0.1f + rng.Uniform(), 0);
         Point3 eye(rng.Uniform() - 0.5f, rng.Uniform() - 0.5f, 0);
         auto to = [&](const Point3 &p) { return Normalize(p - eye); };
-        Float triangles = SphericalTriangleArea(to(corner), to(corner + x), to(corner + x + y)) +
-                          SphericalTriangleArea(to(corner), to(corner + x + y), to(corner + y));
+        Float triangles = SphericalTriangle(to(corner), to(corner + x), to(corner + x + y)).Area() +
+                          SphericalTriangle(to(corner), to(corner + x + y), to(corner + y)).Area();
         EXPECT_NEAR(SphericalRectangle(eye, corner, x, y).SolidAngle(), triangles, 2e-6 + 1e-5 * double(triangles));
     }
 }

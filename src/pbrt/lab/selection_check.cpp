@@ -10,15 +10,16 @@
 // common to them. So the question "is the picture right?" is asked where they differ: at the vertices of paths, as the
 // render makes them.
 //
-// At a vertex the contribution c_l of every light (of very many lights, of every n-th one from a random one on) is
-// measured once, by a point on the light and a shadow ray. Then many lights are drawn from the sampler, with random
-// numbers spread over [0, 1). For every measured light two numbers are compared: the mean over the draws of what
-// next-event estimation makes of c_l, with the probabilities that came with the draws and the weight against BSDF
-// sampling; and the share of c_l that BSDF sampling leaves to next-event estimation, by the PMF that the integrator
-// asks for when a ray hits the light. (The point of a sky stands for the tile that it lies in.) `excess` is the
-// difference, summed over the lights. Its mean is 0 at every vertex if and only if draws, their probabilities and the
-// PMF agree and no light is left out: points and visibility of the lights, the path and its weight are the same on both
-// sides, and their noise with them. Draws need no rays, so there can be thousands per vertex.
+// At a vertex, on a surface or in a medium, the contribution c_l of every light (of very many lights, of every n-th one
+// from a random one on) is measured once, by a point on the light and a shadow ray. (What is said of BSDFs below is
+// true of phase functions.) Then many lights are drawn from the sampler, with random numbers spread over [0, 1). For
+// every measured light two numbers are compared: the mean over the draws of what next-event estimation makes of c_l,
+// with the probabilities that came with the draws and the weight against BSDF sampling; and the share of c_l that BSDF
+// sampling leaves to next-event estimation, by the PMF that the integrator asks for when a ray hits the light. (The
+// point of a sky stands for the tile that it lies in.) `excess` is the difference, summed over the lights. Its mean is
+// 0 at every vertex if and only if draws, their probabilities and the PMF agree and no light is left out: points and
+// visibility of the lights, the path and its weight are the same on both sides, and their noise with them. Draws need
+// no rays, so there can be thousands per vertex.
 //
 // Heavy tails: a light of share s chosen with probability p moves a vertex by s / (p draws). Where that is more than
 // kMaxStep, the light counts with less weight, on both sides; what is left out is reported and added to the
@@ -46,9 +47,7 @@ class Asker {
     VertexFinding Ask(const SelectionVertices::Vertex &vertex, Rng rng) {
         VertexFinding finding;
         finding.endsPath = vertex.endsPath;
-        LightQuery query = vertex.query;
-        query.bsdf = &vertex.bsdf;
-        query.lambda = &vertex.lambda;
+        const LightQuery query = vertex.FullQuery();
         const LightDistribution lights = lights_.At(query, memory_);
         FindParts(vertex, lights);
         Draw(vertex, lights, rng);

@@ -15,7 +15,8 @@ struct MediumSpectra {
     DenseSpectrum absorption, scattering, emission;
 
     MediumCoefficients Sample(const SampledWavelengths &lambda) const {
-        return {absorption.Sample(lambda), scattering.Sample(lambda), emission.Sample(lambda)};
+        return {absorption.Sample(lambda), scattering.Sample(lambda),
+                emission.MaxValue() > 0 ? emission.Sample(lambda) : SampledSpectrum(0)};
     }
     size_t Bytes() const { return 3 * static_cast<size_t>(LambdaMax - LambdaMin + 1) * sizeof(Float); }
 };

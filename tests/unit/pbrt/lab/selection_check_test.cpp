@@ -8,9 +8,13 @@
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "pbrt/math/rng.h"
 #include "support/build_text.h"
+#include "support/render_scene.h"
+#include "support/statistics.h"
 
 namespace pbrt::lab {
 namespace {
+
+using test::RunningStatistics;
 
 /// A floor with a wall, a mirror ball and a glossy ball, under three point lights and a lamp of two triangles.
 const char *kScene = R"(LookAt 0 -6 4  0 0 0.5  0 0 1
@@ -66,7 +70,8 @@ class Spoilt final : public LightSampler {
 
 class SelectionCheck : public testing::Test {
   protected:
-    SelectionCheck() : built_(test::BuildText(kScene)), spoilt_(built_.scene->Lights().Size()) {}
+    explicit SelectionCheck(const std::string &text = kScene)
+        : built_(test::BuildText(text)), spoilt_(built_.scene->Lights().Size()) {}
     SelectionReport Check(const LightSampler &lights) {
         Progress progress;
         return *CheckSelection(SelectionVertices(built_, 0, progress), lights, nullptr, settings_, progress);
@@ -158,6 +163,114 @@ TEST_F(SelectionCheck, BothChecksTogether) {
     EXPECT_EQ(together(Clean, Unknown), Clean);
     EXPECT_EQ(together(Clean, Biased), Biased);
     EXPECT_EQ(together(Biased, Clean), Biased);
+}
+
+/// The same scene full of fog, in which most of the first vertices lie.
+std::string InFog() {
+    std::string text = kScene;
+    auto replace = [&text](const std::string &what, const std::string &by) {
+        text.replace(text.find(what), what.size(), by);
+    };
+    replace("Camera", R"(MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_s" [ .15 .12 .1 ]
+"rgb sigma_a" [ .01 .02 .03 ] "float g" .4
+MediumInterface "" "fog"
+Camera)");
+    replace("Integrator \"path\"", "Integrator \"volpath\"");
+    return text;
+}
+
+class SelectionCheckInFog : public SelectionCheck {
+  protected:
+    SelectionCheckInFog() : SelectionCheck(InFog()) {}
+    static bool IsInFog(const LightQuery &q) { return q.ns == Normal3(0); }
+    static bool IsOnSurface(const LightQuery &q) { return !IsInFog(q); }
+};
+
+TEST_F(SelectionCheckInFog, VerticesInMediaAreAsked) {
+    Progress progress;
+    const SelectionVertices vertices(built_, 0, progress);
+    size_t inFog = 0, onSurfaces = 0;
+    for (size_t r = 0; r < vertices.RegionCount(); ++r)
+        for (const SelectionVertices::Vertex &v : vertices.OfRegion(r)) {
+            ++(v.IsInMedium() ? inFog : onSurfaces);
+            const LightQuery query = v.FullQuery();
+            EXPECT_EQ(query.phase ? &v.phase : nullptr, query.phase);
+            EXPECT_NE(query.phase == nullptr, query.bsdf == nullptr);
+            EXPECT_EQ(query.phase != nullptr, v.IsInMedium());
+        }
+    EXPECT_GT(inFog, 1000u);
+    EXPECT_GT(onSurfaces, 1000u);
+    EXPECT_EQ(Check(spoilt_).verdict, BiasVerdict::Clean) << Check(spoilt_).text;
+}
+
+TEST_F(SelectionCheckInFog, ALightThatIsLostInTheFogOnlyIsMissed) {
+    spoilt_.blindTo = LightsOf(true).front();
+    for (auto where : {IsInFog, IsOnSurface}) {
+        spoilt_.where = where;
+        EXPECT_EQ(Check(spoilt_).verdict, BiasVerdict::Biased) << Check(spoilt_).text;
+        EXPECT_LT(Check(spoilt_).difference, -0.005);
+    }
+}
+
+/// A wall in a ball of fog, in which light is scattered more than once. The lights are far away, so that no place is so
+/// close to one that chance decides.
+std::string WallInFog(const std::string &scattering) {
+    return R"(LookAt 0 -12 1  0 0 0  0 0 1
+Camera "perspective" "float fov" 40
+Film "rgb" "integer xresolution" 8 "integer yresolution" 8 "bool savefp16" false
+PixelFilter "box"
+Sampler "independent" "integer pixelsamples" 4096
+Integrator "volpath" "integer maxdepth" 16
+WorldBegin
+LightSource "distant" "point3 from" [ -2 -3 3 ] "rgb L" [ 4 4 4 ]
+LightSource "distant" "point3 from" [ 3 -1 0 ] "rgb L" [ 3 3 3 ]
+MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [ .03 .03 .03 ] "float g" .4 "rgb sigma_s" )" +
+           scattering + R"(
+AttributeBegin
+MediumInterface "fog" ""
+Material "interface"
+Shape "sphere" "float radius" 4
+AttributeEnd
+MediumInterface "fog" "fog"
+Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
+Shape "bilinearmesh" "point3 P" [ -2 1 -2  2 1 -2  -2 1 2  2 1 2 ]
+)";
+}
+
+RunningStatistics Picture(const std::string &text) {
+    const Image image = test::RenderText(text).image;
+    RunningStatistics s;
+    for (int y = 0; y < image.Resolution().y; ++y)
+        for (int x = 0; x < image.Resolution().x; ++x) s.Add(static_cast<double>(image.Get({x, y}, 1)));
+    return s;
+}
+
+/// The light that is measured at all vertices of a path, which is what the path brings to the picture: there are no
+/// lights that scattering could find.
+RunningStatistics Measured(const std::string &text) {
+    const BuiltScene built = test::BuildText(text);
+    Progress progress;
+    RunningStatistics s;
+    for (int seed = 0; seed < 24; ++seed) {
+        const SelectionVertices vertices(built, seed, progress);
+        double light = 0;
+        for (size_t r = 0; r < vertices.RegionCount(); ++r)
+            for (const auto &v : vertices.OfRegion(r))
+                for (const auto &m : v.lights) light += static_cast<double>(m.c);
+        s.Add(light / (16. * vertices.PathsPerRegion()));
+    }
+    return s;
+}
+
+TEST(SelectionVerticesInFog, MeasureTheLightOfThePicture) {
+    // The units differ, so the dense fog is compared with air.
+    const std::string dense = WallInFog("[ .25 .25 .25 ]"), thin = WallInFog("[ 0 0 0 ]");
+    const RunningStatistics a = Picture(dense), b = Picture(thin), c = Measured(dense), d = Measured(thin);
+    const double picture = a.mean / b.mean, measured = c.mean / d.mean;
+    const double error =
+        std::sqrt(Sqr(c.StandardError() / c.mean) + Sqr(d.StandardError() / d.mean)) + 0.002;  // that of the pictures
+    EXPECT_LT(std::abs(measured / picture - 1), 4 * error) << picture << " " << measured;
+    EXPECT_LT(error, 0.012) << "too noisy to tell";
 }
 
 /// Sixteen regions of paths with two vertices. The light varies by factors of up to a thousand; a sample finds it

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "media_test_support.h"
+#include "pbrt/media/cloud_medium.h"
 #include "pbrt/textures/noise.h"
 
 namespace pbrt::test {
@@ -172,6 +173,36 @@ TEST(CloudMedium, DensityIsItsFormula) {
         EXPECT_NEAR(medium->At(place.Point(own), kLambda).absorption[0], expected * white[0], 2e-3f);
     }
     EXPECT_FALSE(medium->At(place.Point({0.5f, 0.1f, -0.01f}), kLambda).absorption);
+}
+
+TEST(CloudMedium, OctavesThatCannotMatterAreLeftOut) {
+    Rng rng(7);
+    int empty = 0, full = 0;
+    for (const CloudMedium::Shape shape : {CloudMedium::Shape{1, 1, 5}, {0.3f, 0, 20}, {4, 0.5f, 3}, {0, 1, 5}})
+        for (int i = 0; i < 20000; ++i) {
+            const Point3 p = PointNear({{0, -0.2f, 0}, {3, 1.4f, 3}}, rng);
+            Point3 at = shape.frequency * p;
+            Float strength = 0.05f * shape.wispiness, fineness = 10;
+            for (int octave = 0; octave < 2; ++octave) {
+                at += strength * GradientNoiseSlope(fineness * at);
+                strength /= 2;
+                fineness *= 1.99f;
+            }
+            Float noise = 0;
+            strength = fineness = 1;
+            for (int octave = 0; octave < 5; ++octave) {
+                noise += (strength /= 2) * GradientNoise(fineness * at);
+                fineness *= 1.99f;
+            }
+            const Float puffs = std::clamp((1 - p.y) * 4.5f * shape.density * noise, 0.f, 1.f);
+            const Float all = std::clamp(puffs + 2 * std::max(0.f, 0.5f - p.y), 0.f, 1.f);
+            ASSERT_NEAR(shape.DensityAt(p), all, 2e-6f) << p.x << " " << p.y << " " << p.z;
+            ASSERT_LE(all, shape.MaxBetween(p.y - 0.1f, p.y + 0.05f));
+            empty += all == 0;
+            full += all == 1;
+        }
+    EXPECT_GT(empty, 5000);
+    EXPECT_GT(full, 5000);
 }
 
 TEST(CloudMedium, WispinessDisplacesTheNoise) {

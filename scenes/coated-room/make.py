@@ -11,7 +11,7 @@ from texturekit import bricks, brushed, clouds, glazed, grain, image, image_text
 
 W, D, H, T = 5.2, 4.4, 2.7, .25
 scene = Scene("coated-room", "A kitchen of coated materials with 31 image textures: tiles, wood, paint, metal.", 480,
-              320, spp=64, maxdepth=7, iso=100, whitebalance=4500)
+              320, spp=64, maxdepth=7, iso=150, whitebalance=4500)
 scene.camera((4.85, .3, 1.55), (1.55, 3.5, .98), 56)
 random = Random(41)
 

@@ -15,16 +15,13 @@ Registry &Counters() {
     static Registry registry;
     return registry;
 }
-RenderCounters *Register() {
+}  // namespace
+
+RenderCounters &counters_detail::Register() {
     Registry &r = Counters();
     std::lock_guard lock(r.mutex);
     r.all.push_back(std::make_unique<RenderCounters>());
-    return r.all.back().get();
-}
-}  // namespace
-
-RenderCounters &ThreadCounters() {
-    thread_local RenderCounters *mine = Register();
+    mine = r.all.back().get();
     return *mine;
 }
 

@@ -15,13 +15,16 @@ Registry &Counters() {
     static Registry registry;
     return registry;
 }
-}  // namespace
-
-RenderCounters &counters_detail::Register() {
+RenderCounters *Register() {
     Registry &r = Counters();
     std::lock_guard lock(r.mutex);
     r.all.push_back(std::make_unique<RenderCounters>());
-    mine = r.all.back().get();
+    return r.all.back().get();
+}
+}  // namespace
+
+RenderCounters &ThreadCounters() {
+    thread_local RenderCounters *mine = Register();
     return *mine;
 }
 

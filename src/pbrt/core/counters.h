@@ -22,17 +22,8 @@ struct RenderCounters {
     }
 };
 
-namespace counters_detail {
-/// Null until the thread counts for the first time.
-inline thread_local constinit RenderCounters *mine = nullptr;
-RenderCounters &Register();
-}  // namespace counters_detail
-
 /// The calling thread's counters.
-inline RenderCounters &ThreadCounters() {
-    RenderCounters *mine = counters_detail::mine;
-    return mine ? *mine : counters_detail::Register();
-}
+RenderCounters &ThreadCounters();
 /// Sum over all threads since the last reset. This and ResetCounters may be called only while no parallel work runs.
 RenderCounters SumCounters();
 void ResetCounters();

@@ -1,6 +1,5 @@
 #pragma once
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -51,9 +50,9 @@ class SampledSpectrum {
     SampledSpectrum operator-() const { return *this * Float(-1); }
 
     explicit operator bool() const {  ///< true if any value is not 0
-        // All bits but the signs, two values at a time: comparisons would be four branches.
-        const auto bits = std::bit_cast<std::array<uint64_t, 2>>(v_);
-        return ((bits[0] | bits[1]) & 0x7fffffff7fffffffull) != 0;
+        for (Float v : v_)
+            if (v != 0) return true;
+        return false;
     }
     Float Average() const { return (v_[0] + v_[1] + v_[2] + v_[3]) / SpectrumSamples; }
     Float MaxComponent() const { return std::max(std::max(v_[0], v_[1]), std::max(v_[2], v_[3])); }

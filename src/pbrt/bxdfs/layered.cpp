@@ -1,5 +1,8 @@
 #include "pbrt/bxdfs/layered.h"
 
+#include <array>
+#include <bit>
+
 #include "pbrt/bxdfs/fresnel.h"
 #include "pbrt/bxdfs/henyey_greenstein.h"
 #include "pbrt/math/rng.h"
@@ -32,6 +35,14 @@ Float Transmittance(Float dz, const Vector3 &w) { return std::exp(-std::abs(dz /
 
 /// Height of the next collision on the way from z along w (the medium's extinction is 1).
 Float SampleCollision(Float z, const Vector3 &w, Float u) { return z - w.z * std::log(1 - u); }
+
+/// Random numbers that follow from six values. The pieces of the seed are multiplied side by side, because walks are so
+/// short that a chain of hashes would take a good part of their time.
+Rng NumbersFor(Stream stream, const Vector3 &a, const Vector3 &b) {
+    const auto words = std::bit_cast<std::array<uint64_t, 3>>(std::array<Float, 6>{a.x, a.y, a.z, b.x, b.y, b.z});
+    return Rng(MixBits(words[0] * 0x9e3779b97f4a7c15ull ^ std::rotl(words[1] * 0xc2b2ae3d27d4eb4full, 23) ^
+                       std::rotl(words[2] * 0x165667b19e3779f9ull, 41) ^ (static_cast<uint64_t>(stream) << 32)));
+}
 
 template <class Lobe>
 std::optional<BsdfSample> Draw(const Lobe &lobe, const Vector3 &wo, Rng &rng, TransportMode mode,
@@ -92,7 +103,7 @@ SampledSpectrum CoatedBxdf<Base>::Evaluate(const Vector3 &wo, const Vector3 &wi,
     Float side = wo.z < 0 ? Float(-1) : Float(1);
     Vector3 o = wo * side, i = wi * side;
     if (way_ != Way::Walk) return top_.F(o, i, mode) + ClearInside<Weights>(o, i);
-    Rng rng(Hash(static_cast<uint64_t>(Stream::Evaluate), o, i));
+    Rng rng = NumbersFor(Stream::Evaluate, o, i);
     SampledSpectrum inside(0);
     for (int s = 0; s < nSamples_; ++s) inside += EstimateInside<Weights>(o, i, mode, rng);
     return top_.F(o, i, mode) + inside / static_cast<Float>(nSamples_);
@@ -208,7 +219,7 @@ std::optional<BsdfSample> CoatedBxdf<Base>::Sample(const Vector3 &wo, Float uc, 
         return entry;
     }
 
-    Rng rng(Hash(static_cast<uint64_t>(Stream::Draw), o, uc, u));
+    Rng rng = NumbersFor(Stream::Draw, o, {uc, u.x, u.y});
     const HenyeyGreenstein phase(g_);
     // The light that arrives over the density of the way; what is returned as f and pdf only has this ratio.
     SampledSpectrum beta = entry->f * (AbsCosTheta(entry->wi) / entry->pdf);
@@ -273,7 +284,7 @@ Float CoatedBxdf<Base>::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode 
         if (way_ == Way::Table) {
             pdf = ClearDensity(o, i, mode);
         } else {
-            Rng rng(Hash(static_cast<uint64_t>(Stream::Density), o, i));
+            Rng rng = NumbersFor(Stream::Density, o, i);
             for (int s = 0; s < nSamples_; ++s) pdf += EstimateDensity(o, i, mode, rng);
             pdf /= static_cast<Float>(nSamples_);
         }
@@ -374,7 +385,7 @@ Float CoatedBxdf<Base>::ClearDensity(const Vector3 &wo, const Vector3 &wi, Trans
     const Float mirrored = top_.Pdf(wo, wi, mode, ReflTransFlags::Reflection);
     if (bottom_.Flags() == BxdfFlags::None) return mirrored;
     const Float refracted = clear_.At(wo.z).refracted;
-    Rng rng(Hash(static_cast<uint64_t>(Stream::Density), wo, wi));
+    Rng rng = NumbersFor(Stream::Density, wo, wi);
     Float sum = 0;
     for (int s = 0; s < nSamples_; ++s) {
         if (rng.Uniform() >= refracted) continue;

@@ -26,7 +26,8 @@ class Bsdf {
 
     Bsdf() = default;
     template <class L>
-    Bsdf(const Normal3 &ns, const Vector3 &dpdus, const L &lobe) : frame_(Frame::FromXZ(dpdus, ns)), lobe_(lobe), flags_(lobe.Flags()) {}
+    Bsdf(const Normal3 &ns, const Vector3 &dpdus, const L &lobe)
+        : frame_(Frame::FromXZ(dpdus, ns)), lobe_(lobe), flags_(lobe.Flags()) {}
 
     explicit operator bool() const { return !std::holds_alternative<std::monostate>(lobe_); }
     BxdfFlags Flags() const { return flags_; }

@@ -15,8 +15,13 @@ Float FloatOf(const Json &bits) { return std::bit_cast<Float>(bits.get<uint32_t>
 Json ToJson(const Param &p) {
     std::vector<uint32_t> floats;
     for (Float f : p.floats) floats.push_back(Bits(f));
-    return {{"type", static_cast<int>(p.type)}, {"name", p.name},   {"floats", floats}, {"ints", p.ints},
-            {"strings", p.strings},             {"bools", p.bools}, {"space", p.colorSpace}};
+    return {{"type", static_cast<int>(p.type)},
+            {"name", p.name},
+            {"floats", floats},
+            {"ints", p.ints},
+            {"strings", p.strings},
+            {"bools", p.bools},
+            {"space", p.colorSpace}};
 }
 
 Param ParamOf(const Json &json) {
@@ -37,8 +42,8 @@ std::unique_ptr<Film> FilmRecipe::Make() const {
     const ColorSpace *space = ColorSpace::Find(colorSpace);
     if (!space) throw UserError(fmt::format("colour space \"{}\" is unknown.", colorSpace));
     DiagnosticSink sink;  // its warnings were given when the scene was built
-    return MakeFilm(type, params, FilmContext{.outputSpace = *space, .exposureTime = exposureTime, .overrides = overrides},
-                    sink);
+    return MakeFilm(type, params,
+                    FilmContext{.outputSpace = *space, .exposureTime = exposureTime, .overrides = overrides}, sink);
 }
 
 Json FilmRecipe::ToJson() const {

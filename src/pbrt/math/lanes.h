@@ -13,10 +13,10 @@ namespace pbrt {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-using Lanes64 = uint64_t __attribute__((vector_size(64)));     ///< 8 lanes
-using Lanes32 = uint32_t __attribute__((vector_size(64)));     ///< 16 lanes
-using FloatLanes = float __attribute__((vector_size(64)));     ///< 16 lanes
-using DoubleLanes = double __attribute__((vector_size(64)));   ///< 8 lanes
+using Lanes64 = uint64_t __attribute__((vector_size(64)));    ///< 8 lanes
+using Lanes32 = uint32_t __attribute__((vector_size(64)));    ///< 16 lanes
+using FloatLanes = float __attribute__((vector_size(64)));    ///< 16 lanes
+using DoubleLanes = double __attribute__((vector_size(64)));  ///< 8 lanes
 inline constexpr int Lanes64Count = 8, Lanes32Count = 16;
 
 inline Lanes64 LoadLanes(const uint64_t *from) {
@@ -54,8 +54,8 @@ inline FloatLanes FractionsToFloat(Lanes32 v) {
 
 /// The low halves of 16 numbers in two vectors.
 inline Lanes32 LowHalves(const Lanes64 &a, const Lanes64 &b) {
-    return __builtin_shufflevector(reinterpret_cast<Lanes32>(a), reinterpret_cast<Lanes32>(b), 0, 2, 4,
-                                   6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+    return __builtin_shufflevector(reinterpret_cast<Lanes32>(a), reinterpret_cast<Lanes32>(b), 0, 2, 4, 6, 8, 10, 12,
+                                   14, 16, 18, 20, 22, 24, 26, 28, 30);
 }
 /// Pairs of 32 bits: lane 2i has the low half of a's lane i, lane 2i + 1 that of b's.
 inline Lanes32 PairLowHalves(const Lanes64 &a, const Lanes64 &b) {

@@ -64,8 +64,8 @@ CloudMedium::CloudMedium(MediumSpectra spectra, Float g, const Transform &render
         const Float y = low_.y + perCell_.y * static_cast<Float>(cell.y);
         return kMajorantSlack * shape.MaxBetween(y - margin, y + perCell_.y + margin);
     });
-    gridFromRender_ = AffineMap::ToBox(bounds.low, bounds.high, cells) *
-                      AffineMap(glm::dmat4(renderFromMedium.Matrix())).Inverse();
+    gridFromRender_ =
+        AffineMap::ToBox(bounds.low, bounds.high, cells) * AffineMap(glm::dmat4(renderFromMedium.Matrix())).Inverse();
 }
 
 MediumOnRay CloudMedium::On(const Ray &ray, Float tMax, const SampledWavelengths &lambda) const {

@@ -25,7 +25,7 @@ class CloudMedium final : public Medium {
 
     MediumSpectra spectra_;
     Shape shape_;
-    Point3 low_;        ///< corner of the box
+    Point3 low_;         ///< corner of the box
     Vector3 perCell_{};  ///< size of a cell of the majorants
     MajorantGrid majorants_;
     AffineMap gridFromRender_;

@@ -20,8 +20,8 @@ std::string Scene(const std::string &film, int samples = 64) {
     replace("\"rgb\" \"integer", "\"" + film + "\" \"integer");
     replace("\"integer pixelsamples\" 4", "\"integer pixelsamples\" " + std::to_string(samples));
     for (int i = 0; i < 80; ++i)
-        text += "LightSource \"point\" \"point3 from\" [ " + std::to_string(i % 10 - 5) + " 2 " + std::to_string(i / 10 - 4) +
-                " ] \"rgb I\" [ 0.1 0.2 0.1 ]\n";
+        text += "LightSource \"point\" \"point3 from\" [ " + std::to_string(i % 10 - 5) + " 2 " +
+                std::to_string(i / 10 - 4) + " ] \"rgb I\" [ 0.1 0.2 0.1 ]\n";
     return text;
 }
 
@@ -80,8 +80,9 @@ TEST_F(Checkpoints, AFinishedRenderGoesOnWithMoreSamples) {
     EXPECT_EQ(IntOf(more, "samplesPerPixel"), 29);
     EXPECT_TRUE(SamePixels(more, steps));
     EXPECT_FALSE(SamePixels(more, eight));
-    ExpectErrors({{lights_ + "scene.pbrt --checkpoint a.chk --resume --spp 28", {"a.chk", "29 samples per pixel already"}},
-                  {lights_ + "scene.pbrt --checkpoint a.chk", {"a.chk: exists already", "--resume"}}});
+    ExpectErrors(
+        {{lights_ + "scene.pbrt --checkpoint a.chk --resume --spp 28", {"a.chk", "29 samples per pixel already"}},
+         {lights_ + "scene.pbrt --checkpoint a.chk", {"a.chk: exists already", "--resume"}}});
 }
 
 TEST_F(Checkpoints, TimedRendersGoOnAndHaveTheBitsOfTheirNumberOfSamples) {
@@ -94,7 +95,8 @@ TEST_F(Checkpoints, TimedRendersGoOnAndHaveTheBitsOfTheirNumberOfSamples) {
     EXPECT_GT(first, 8);
     EXPECT_GT(second, first);
     RunWell(lights_ + "scene.pbrt --checkpoint s.chk --outfile s.exr");
-    EXPECT_TRUE(SamePixels(longer, Render(lights_ + "scene.pbrt --checkpoint s.chk --resume --spp " + std::to_string(second))));
+    EXPECT_TRUE(
+        SamePixels(longer, Render(lights_ + "scene.pbrt --checkpoint s.chk --resume --spp " + std::to_string(second))));
 }
 
 TEST_F(Checkpoints, InterruptedRendersKeepEverySample) {
@@ -121,13 +123,14 @@ TEST_F(Checkpoints, OtherRendersAreRefusedByWhatDiffers) {
     Write("more.pbrt", Scene("rgb", 4) + "Include \"part.pbrt\"\n");
     RunWell("more.pbrt --maxdepth 2 --checkpoint c.chk --outfile out.exr");
     const std::string resume = "--checkpoint c.chk --resume --outfile out.exr ";
-    ExpectErrors({{resume + "more.pbrt", {"c.chk: belongs to another render", "--maxdepth is not given, but is 2 in c.chk"}},
-                  {resume + "more.pbrt --maxdepth 3 --seed 1", {"--maxdepth is 3, but is 2", "--seed is 1, but is not given"}},
-                  {resume + "scene.pbrt --maxdepth 2", {"only c.chk uses the file more.pbrt", "the file scene.pbrt did not"}},
-                  {resume + "more.pbrt --maxdepth 2 --samples 0:2", {"checkpoint of a whole render"}},
-                  {"--resume more.pbrt", {"--resume goes on from the file that --checkpoint names"}},
-                  {"--checkpoint x.chk - < more.pbrt", {"standard input"}},
-                  {"--checkpoint none/x.chk more.pbrt", {"none/x.chk", "folder"}}});
+    ExpectErrors(
+        {{resume + "more.pbrt", {"c.chk: belongs to another render", "--maxdepth is not given, but is 2 in c.chk"}},
+         {resume + "more.pbrt --maxdepth 3 --seed 1", {"--maxdepth is 3, but is 2", "--seed is 1, but is not given"}},
+         {resume + "scene.pbrt --maxdepth 2", {"only c.chk uses the file more.pbrt", "the file scene.pbrt did not"}},
+         {resume + "more.pbrt --maxdepth 2 --samples 0:2", {"checkpoint of a whole render"}},
+         {"--resume more.pbrt", {"--resume goes on from the file that --checkpoint names"}},
+         {"--checkpoint x.chk - < more.pbrt", {"standard input"}},
+         {"--checkpoint none/x.chk more.pbrt", {"none/x.chk", "folder"}}});
     // The picture that the render wrote, and a comment of another scene, do not matter; a changed include does.
     RunWell(resume + "more.pbrt --maxdepth 2");
     Write("part.pbrt", "Shape \"sphere\" \"float radius\" 0.2\n");
@@ -158,9 +161,9 @@ class Parts : public Checkpoints {
   protected:
     Outcome Merge(const std::string &arguments) const {
         const std::string log = Path("merge");
-        const int raw = std::system(("cd '" + Path("") + "' && '" PBRT_IMGTOOL "' merge " + arguments + " > " + log +
-                                     ".out 2> " + log + ".err")
-                                        .c_str());
+        const int raw = std::system(
+            ("cd '" + Path("") + "' && '" PBRT_IMGTOOL "' merge " + arguments + " > " + log + ".out 2> " + log + ".err")
+                .c_str());
         return {WEXITSTATUS(raw), Read("merge.out"), Read("merge.err")};
     }
     void ExpectRefused(const std::string &arguments, const std::string &part) const {
@@ -284,15 +287,15 @@ TEST_F(SharedLights, OtherLightsAreRefusedByWhatDiffers) {
     Write("brighter.pbrt", brighter);
     RunWell(lights_ + "a.pbrt --save-lights lights --outfile a.exr");
     const std::string load = "--load-lights lights --outfile b.exr ";
-    ExpectErrors(
-        {{lights_ + load + "more.pbrt", {"lights: was learned for other lights", "the number of lights is 83, but is 82"}},
-         {lights_ + load + "larger.pbrt", {"the scene's bounding box is"}},
-         {lights_ + load + "brighter.pbrt", {"the lights' power and places"}},
-         {"--lightsampler octree:floor=0.2 " + load + "a.pbrt", {"the light sampler's parameters"}},
-         {"--lightsampler bvh " + load + "a.pbrt", {"\"bvh\" learns nothing"}},
-         {"--lightsampler bvh --save-lights x a.pbrt --outfile b.exr", {"\"bvh\" learns nothing"}},
-         {"--integrator simplepath --save-lights x a.pbrt --outfile b.exr", {"uses no light sampler"}},
-         {lights_ + "--load-lights none a.pbrt", {"none: there is no such"}}});
+    ExpectErrors({{lights_ + load + "more.pbrt",
+                   {"lights: was learned for other lights", "the number of lights is 83, but is 82"}},
+                  {lights_ + load + "larger.pbrt", {"the scene's bounding box is"}},
+                  {lights_ + load + "brighter.pbrt", {"the lights' power and places"}},
+                  {"--lightsampler octree:floor=0.2 " + load + "a.pbrt", {"the light sampler's parameters"}},
+                  {"--lightsampler bvh " + load + "a.pbrt", {"\"bvh\" learns nothing"}},
+                  {"--lightsampler bvh --save-lights x a.pbrt --outfile b.exr", {"\"bvh\" learns nothing"}},
+                  {"--integrator simplepath --save-lights x a.pbrt --outfile b.exr", {"uses no light sampler"}},
+                  {lights_ + "--load-lights none a.pbrt", {"none: there is no such"}}});
     const std::string whole = Read("lights");
     Write("cut", whole.substr(0, whole.size() / 2));
     ExpectErrors({{lights_ + "--load-lights cut a.pbrt", {"cut", "cut off"}}});

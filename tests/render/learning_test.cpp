@@ -230,8 +230,8 @@ Image GoOn(const Maker &make, const Stopped &from) {
     return built.film->ToImage();
 }
 
-/// What was learned can be saved between any two waves, also before and after learning, and in the middle of a wave that
-/// was cancelled: the render that goes on from there gives the same picture.
+/// What was learned can be saved between any two waves, also before and after learning, and in the middle of a wave
+/// that was cancelled: the render that goes on from there gives the same picture.
 void CheckSavedState(const Maker &make) {
     BuiltScene uninterrupted = make("");
     const Image whole = Render(uninterrupted, {kSamples});
@@ -268,7 +268,8 @@ void CheckSavedState(const Maker &make) {
     Progress progress;
     BuiltScene built = make("");
     Prepare(built, progress);
-    WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
+    WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
+                          progress);
     const std::string before = StateOf(built, renderer).learned;
     while (renderer.Done() < 6) renderer.Render(6 - renderer.Done());
     Stopped wrong = StateOf(built, renderer);
@@ -281,7 +282,8 @@ void CheckSavedState(const Maker &make) {
 TEST(LearningWhileRendering, ASavedStateGoesOnBitByBit) { CheckSavedState(Build); }
 TEST(LearningWhileRendering, ASavedStateGoesOnBitByBitUnderASky) { CheckSavedState(BuildRoom); }
 TEST(LearningWhileRendering, ASavedStateGoesOnBitByBitWithThePapersModel) {
-    CheckSavedState([](const std::string &parameters) { return Build("\"string octree.model\" \"paper\" " + parameters); });
+    CheckSavedState(
+        [](const std::string &parameters) { return Build("\"string octree.model\" \"paper\" " + parameters); });
 }
 
 TEST(LearningWhileRendering, DamagedStatesAreRefused) {

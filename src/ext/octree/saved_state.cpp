@@ -101,7 +101,8 @@ void RenderRecords::Load(StateReader &reader) {
     Reading{reader}(pixels_, first_, end_, stride_, vertices_, placesPerRow_, count, filled);
     // As many as Begin makes.
     const auto rows = static_cast<uint64_t>(std::max(0, pixels_.high.y - pixels_.low.y));
-    if (stride_ < 1 || count != (first_ < end_ ? placesPerRow_ * rows * static_cast<uint64_t>(end_ - first_) * vertices_ : 0))
+    if (stride_ < 1 ||
+        count != (first_ < end_ ? placesPerRow_ * rows * static_cast<uint64_t>(end_ - first_) * vertices_ : 0))
         reader.Refuse();
     places_.assign(count, {});
     for (; filled > 0; --filled) {

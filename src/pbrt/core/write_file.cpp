@@ -11,6 +11,7 @@
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/temporaries.h"
+#include "pbrt/core/write_pieces.h"
 
 namespace pbrt {
 
@@ -131,8 +132,7 @@ class TemporaryFile {
         struct stat status {};
         if (fstat(file_, &status) != 0) Fail(target_.shown, errno);
         if (static_cast<size_t>(status.st_size) != bytes)
-            throw UserError(
-                fmt::format("{}: only {} of {} bytes were written.", target_.shown, status.st_size, bytes));
+            throw UserError(fmt::format("{}: only {} of {} bytes were written.", target_.shown, status.st_size, bytes));
         const int closed = close(file_);
         file_ = -1;
         if (closed != 0) Fail(target_.shown, errno);

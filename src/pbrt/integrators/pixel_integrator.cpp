@@ -82,8 +82,10 @@ bool PixelIntegrator::Render(const RenderPass &pass) {
         // Which thread takes which tile does not matter.
         const uint32_t done = renderer.RenderTile(tile, before, *pass.samplers[static_cast<size_t>(ThreadIndex())]);
         if (pass.done) (*pass.done)[static_cast<size_t>(i)] = done;
-        if (done < renderer.SamplesOf(tile)) isWhole.store(false, std::memory_order_relaxed);
-        else if (pass.isCounted) pass.progress.Advance(int64_t{done} - before);
+        if (done < renderer.SamplesOf(tile))
+            isWhole.store(false, std::memory_order_relaxed);
+        else if (pass.isCounted)
+            pass.progress.Advance(int64_t{done} - int64_t{before});
     });
     return isWhole;
 }

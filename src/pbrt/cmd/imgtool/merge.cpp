@@ -28,9 +28,9 @@ Part ReadPart(const std::string &path, bool incomplete) {
     Part part{path, RenderFile(path).Head()};
     const RenderFileHead &head = part.head;
     if (head.passCount > 0 || (!head.IsComplete() && !incomplete))
-        throw UserError(
-            fmt::format("{}: is unfinished: of the samples {}:{} it has {}{}; the same command with --resume completes it.",
-                        path, head.first, head.end, part.Range(), head.passCount > 0 ? " and some more of some pixels" : ""));
+        throw UserError(fmt::format(
+            "{}: is unfinished: of the samples {}:{} it has {}{}; the same command with --resume completes it.", path,
+            head.first, head.end, part.Range(), head.passCount > 0 ? " and some more of some pixels" : ""));
     return part;
 }
 
@@ -38,11 +38,10 @@ void CheckSameRender(const Part &one, const Part &other) {
     const RenderFileHead &a = other.head, &b = one.head;
     std::string differences = DifferencesOf(a.identity, b.identity, one.path);
     if (std::tie(a.samplesFlag, a.samplesPerBatch) != std::tie(b.samplesFlag, b.samplesPerBatch))
-        differences += fmt::format("{}the render has {} samples per pixel, but {} in {}", differences.empty() ? "" : "; ",
-                                   a.samplesPerBatch, b.samplesPerBatch, one.path);
+        differences += fmt::format("{}the render has {} samples per pixel, but {} in {}",
+                                   differences.empty() ? "" : "; ", a.samplesPerBatch, b.samplesPerBatch, one.path);
     if (!differences.empty())
-        throw UserError(
-            fmt::format("{} and {} are not parts of one render: {}.", other.path, one.path, differences));
+        throw UserError(fmt::format("{} and {} are not parts of one render: {}.", other.path, one.path, differences));
 }
 
 /// `parts` are sorted. Returns the number of samples that they have together.
@@ -60,8 +59,8 @@ int CheckCover(const std::vector<Part> &parts, bool incomplete) {
         const RenderFileHead &head = part.head;
         if (head.first > next) missing(next, head.first);
         if (before && head.first < next)
-            problems += fmt::format("{} ({}) and {} ({}) have samples in common. ", before->path, before->Range(), part.path,
-                                    part.Range());
+            problems += fmt::format("{} ({}) and {} ({}) have samples in common. ", before->path, before->Range(),
+                                    part.path, part.Range());
         total += head.done - head.first;
         all = std::max(all, head.end);
         if (head.done > next || !before) before = &part;
@@ -82,7 +81,8 @@ int Merge(const MergeOptions &o) {
         parts.push_back(ReadPart(path, o.incomplete));
         CheckSameRender(parts[0], parts.back());
     }
-    std::stable_sort(parts.begin(), parts.end(), [](const Part &a, const Part &b) { return a.head.first < b.head.first; });
+    std::stable_sort(parts.begin(), parts.end(),
+                     [](const Part &a, const Part &b) { return a.head.first < b.head.first; });
     const int samples = CheckCover(parts, o.incomplete);
     const std::unique_ptr<Film> film = parts[0].head.film.Make();
     double seconds = 0;
@@ -96,7 +96,8 @@ int Merge(const MergeOptions &o) {
     metadata.attributes["renderTimeSeconds"] = static_cast<float>(seconds);
     metadata.attributes["pbrt.parts"] = static_cast<int>(parts.size());
     WriteImage(o.outfile, film->ToImage(), metadata);
-    fmt::print("{}: {} samples per pixel from {} file{}\n", o.outfile, samples, parts.size(), parts.size() == 1 ? "" : "s");
+    fmt::print("{}: {} samples per pixel from {} file{}\n", o.outfile, samples, parts.size(),
+               parts.size() == 1 ? "" : "s");
     return 0;
 }
 
@@ -107,12 +108,14 @@ void AddMerge(CLI::App &app, Action &action) {
     CLI::App *command = app.add_subcommand("merge", "Make the picture from the parts of a render");
     command->add_option("outfile", o->outfile, "Picture: .exr, .png or .pfm")->required()->type_name("FILE");
     command
-        ->add_option("parts", o->paths,
-                     "Files that pbrt --samples FIRST:END --checkpoint FILE wrote, in any order; together they must have "
-                     "every sample once")
+        ->add_option(
+            "parts", o->paths,
+            "Files that pbrt --samples FIRST:END --checkpoint FILE wrote, in any order; together they must have "
+            "every sample once")
         ->required()
         ->type_name("PART...");
-    command->add_flag("--incomplete", o->incomplete, "Make the picture of the samples that there are, although some are missing");
+    command->add_flag("--incomplete", o->incomplete,
+                      "Make the picture of the samples that there are, although some are missing");
     command->footer("Example: imgtool merge picture.exr part-*.chk");
     command->callback([o, &action] { action = [o] { return Merge(*o); }; });
 }

@@ -36,7 +36,8 @@ Checkpoint::Checkpoint(const CommandLine &options, const SceneDescription &d, co
         head_.samplesFlag = build->samplesPerPixel;
         head_.isPart = options.samples.has_value();
         if (options.samples) std::tie(head_.first, head_.end) = *options.samples;
-        head_.film = {d.film.type, d.film.params, d.film.colorSpace, ExposureTime(d.camera.params), FilmOverridesOf(*build)};
+        head_.film = {d.film.type, d.film.params, d.film.colorSpace, ExposureTime(d.camera.params),
+                      FilmOverridesOf(*build)};
     }
 }
 
@@ -47,16 +48,17 @@ void Checkpoint::TakeUp(const CommandLine &options, BuildOptions *build) {
     if (const std::string differences = DifferencesOf(head_.identity, old.identity, path_); !differences.empty())
         refuse("belongs to another render: " + differences);
     if (old.isPart != options.samples.has_value())
-        refuse(old.isPart ? fmt::format("is a part of a render; --samples {} goes on with it", RangeText(old.first, old.end))
-                          : "is the checkpoint of a whole render, without --samples");
+        refuse(old.isPart
+                   ? fmt::format("is a part of a render; --samples {} goes on with it", RangeText(old.first, old.end))
+                   : "is the checkpoint of a whole render, without --samples");
     if (options.samples && *options.samples != std::pair(old.first, old.end))
         refuse(fmt::format("has the samples {}, not {}", RangeText(old.first, old.end),
                            RangeText(options.samples->first, options.samples->second)));
     const int asked = build->samplesPerPixel;
     if (old.isPart && asked > 0 && asked != old.samplesFlag)
-        refuse(fmt::format("is a part of a render with {}, not --spp {}",
-                           old.samplesFlag > 0 ? fmt::format("--spp {}", old.samplesFlag) : "the scene's number of samples",
-                           asked));
+        refuse(fmt::format(
+            "is a part of a render with {}, not --spp {}",
+            old.samplesFlag > 0 ? fmt::format("--spp {}", old.samplesFlag) : "the scene's number of samples", asked));
     head_ = old;
     if (!old.isPart && asked > 0) head_.end = asked;
     if (head_.end == 0) head_.end = old.samplesPerBatch;
@@ -85,8 +87,8 @@ void Checkpoint::Begin(const BuiltScene &built, RenderSettings *settings) {
     settings->from = RenderPosition{head_.done, head_.passCount, file_->PassDone()};
     if (head_.done > head_.first) settings->secondsPerSample = head_.renderSeconds / (head_.done - head_.first);
     // Time that was spent before counts.
-    settings->start -= std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-        std::chrono::duration<double>(secondsBefore_));
+    settings->start -=
+        std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(secondsBefore_));
     settings->firstSample = head_.first;
     settings->endSample = head_.end;
     LogInfo(fmt::format("Going on from {}, after {} samples per pixel.", path_, head_.done - head_.first));
@@ -108,7 +110,8 @@ void Checkpoint::Write(const BuiltScene &built, const RenderPosition &position, 
         WriteRenderFile(path_, written, position.passDone, *built.film, learned);
     } catch (const UserError &e) {
         failure_ = e.Diagnostics()[0].message;
-        LogWarning(fmt::format("the checkpoint after {} samples per pixel was not written. {}", position.done, failure_));
+        LogWarning(
+            fmt::format("the checkpoint after {} samples per pixel was not written. {}", position.done, failure_));
     }
 }
 

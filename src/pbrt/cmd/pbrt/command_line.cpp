@@ -47,9 +47,10 @@ std::pair<int, int> ParseSamples(const std::string &text) {
     int first = -1, end = -1;
     if (colon == std::string::npos || !CLI::detail::lexical_cast(text.substr(0, colon), first) ||
         !CLI::detail::lexical_cast(text.substr(colon + 1), end) || first < 0 || end <= first)
-        throw CLI::ValidationError("--samples", "\"" + text +
-                                                    "\" is no range of samples; 0:16 and 16:32 are the first sixteen and "
-                                                    "the next sixteen");
+        throw CLI::ValidationError("--samples",
+                                   "\"" + text +
+                                       "\" is no range of samples; 0:16 and 16:32 are the first sixteen and "
+                                       "the next sixteen");
     return {first, end};
 }
 
@@ -60,8 +61,10 @@ void CheckKeeping(const CommandLine &o) {
     if (!o.samples) return;
     if (o.checkpoint.empty()) refuse("--samples writes its part to the file that --checkpoint names");
     if (o.timeBudget > 0) refuse("--samples and --time exclude each other");
-    if (o.writePartialImages) refuse("--samples and --write-partial-images exclude each other: a part makes no picture");
-    if (!o.saveLights.empty()) refuse("--samples and --save-lights exclude each other: a part has not seen all samples");
+    if (o.writePartialImages)
+        refuse("--samples and --write-partial-images exclude each other: a part makes no picture");
+    if (!o.saveLights.empty())
+        refuse("--samples and --save-lights exclude each other: a part has not seen all samples");
 }
 
 template <class T>
@@ -126,9 +129,10 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
         ->group(effort);
     CLI::Option *seedOption = app.add_option("--seed", seed, "seed of the pixel sampler (0)")->group(effort);
     app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(NonNegativeNumber)->group(effort);
-    app.add_option("--memory-limit", memoryLimitMb,
-                   "megabytes of memory that may be used; a scene that needs more is refused before it is built, as far "
-                   "as that can be known, else ends with a message")
+    app.add_option(
+           "--memory-limit", memoryLimitMb,
+           "megabytes of memory that may be used; a scene that needs more is refused before it is built, as far "
+           "as that can be known, else ends with a message")
         ->check(PositiveNumber)
         ->group(effort);
     app.add_flag("--quick", o.build.quick,
@@ -152,7 +156,8 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
                    "FIRST:END: render only these samples of every pixel, from FIRST up to END - 1, into the "
                    "--checkpoint file, without a picture; imgtool merge makes the picture from all parts")
         ->group(keeping);
-    app.add_option("--save-lights", o.saveLights, "file for what the light sampler has learned by the end of the render")
+    app.add_option("--save-lights", o.saveLights,
+                   "file for what the light sampler has learned by the end of the render")
         ->group(keeping);
     app.add_option("--load-lights", o.loadLights,
                    "choose lights by what another render saved, and learn nothing: for parts of one picture, and "

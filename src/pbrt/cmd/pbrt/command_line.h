@@ -22,7 +22,7 @@ struct CommandLine {
     std::optional<std::pair<int, int>> samples;  ///< only the samples [first, second) of every pixel
     std::string saveLights, loadLights;          ///< files of what the light sampler learned
     double memoryLimit = 0;                      ///< bytes; 0: what the machine has
-    std::string text;  ///< as typed, for image metadata
+    std::string text;                            ///< as typed, for image metadata
 };
 
 /// The scene files named on the command line, or standard input.

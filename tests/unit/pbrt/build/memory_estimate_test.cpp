@@ -53,12 +53,14 @@ TEST(MemoryEstimate, CountsObjectsOnceAndOnlyIfUsed) {
 }
 
 TEST(MemoryEstimate, CountsImagesByTheirHeads) {
-    const std::string folder = (std::filesystem::temp_directory_path() / fmt::format("pbrt_estimate_{}", getpid())).string();
+    const std::string folder =
+        (std::filesystem::temp_directory_path() / fmt::format("pbrt_estimate_{}", getpid())).string();
     std::filesystem::create_directories(folder);
     WriteImage(folder + "/a.png", Image(PixelFormat::U8, {300, 200}, {"R", "G", "B"}));
     std::ofstream(folder + "/b.hdr") << std::string(5000, 'x');
     const auto texture = [&](const std::string &name, const std::string &file) {
-        return fmt::format("Texture \"{}\" \"spectrum\" \"imagemap\" \"string filename\" \"{}/{}\"\n", name, folder, file);
+        return fmt::format("Texture \"{}\" \"spectrum\" \"imagemap\" \"string filename\" \"{}/{}\"\n", name, folder,
+                           file);
     };
     EXPECT_EQ(Estimate(texture("a", "a.png")).images, 300 * 200 * 3 * 4.0 / 3);
     EXPECT_EQ(Estimate(texture("a", "a.png") + texture("b", "a.png")).images, 300 * 200 * 3 * 4.0 / 3);

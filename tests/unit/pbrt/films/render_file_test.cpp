@@ -22,8 +22,7 @@ TEST(RenderIdentities, NameEverythingThatDiffers) {
     b = a;
     b["file a.pbrt"] = "y";
     b["file b.ply"] = "z";
-    EXPECT_EQ(DifferencesOf(a, b, "b.chk"),
-              "the content of the file a.pbrt differs; only b.chk uses the file b.ply");
+    EXPECT_EQ(DifferencesOf(a, b, "b.chk"), "the content of the file a.pbrt differs; only b.chk uses the file b.ply");
     EXPECT_EQ(DifferencesOf(b, a, "a.chk"),
               "the content of the file a.pbrt differs; the file b.ply did not belong to a.chk");
     b = a;

@@ -9,9 +9,9 @@
 namespace pbrt {
 
 TEST_F(Imgtool, HelpListsCommandsAndExplainsEach) {
-    const std::vector<std::string> commands = {"info",    "convert",      "diff",           "error", "falsecolor",
-                                               "average", "assemble",     "splitn",         "bloom", "whitebalance", "merge",
-                                               "makesky", "makeequiarea", "scalenormalmap", "help"};
+    const std::vector<std::string> commands = {"info",    "convert",  "diff",         "error",          "falsecolor",
+                                               "average", "assemble", "splitn",       "bloom",          "whitebalance",
+                                               "merge",   "makesky",  "makeequiarea", "scalenormalmap", "help"};
     std::vector<std::string> runs = {"help", "--help", "diff --help"};
     for (const std::string &command : commands) runs.push_back("help " + command);
     const std::vector<Outcome> outcomes = RunAll(runs);
@@ -54,18 +54,19 @@ TEST_F(Imgtool, OptionsAreThoseOfTheDocument) {
 }
 
 TEST_F(Imgtool, UsageErrorsListTheChoices) {
-    ExpectErrors({{"", "Commands: info convert diff error falsecolor average assemble merge splitn bloom whitebalance "},
-                  {"frobnicate", "frobnicate"},
-                  {"help frobnicate", "falsecolor"},
-                  {"convert a.exr --outfile b.exr --sharpen", "--sharpen"},
-                  {"convert a.exr --outfile b.exr --sharpen", "--tonemap"},
-                  {"convert a.exr", "--outfile"},
-                  {"convert a.exr --outfile b.exr --scale x", "scale"},
-                  {"diff a.exr", "--reference"},
-                  {"info", "files"},
-                  {"info missing.exr", "missing.exr: No such"},
-                  {"falsecolor missing.exr --outfile x.png", "missing.exr"},
-                  {"average none --outfile x.exr", "\"none\""}});
+    ExpectErrors(
+        {{"", "Commands: info convert diff error falsecolor average assemble merge splitn bloom whitebalance "},
+         {"frobnicate", "frobnicate"},
+         {"help frobnicate", "falsecolor"},
+         {"convert a.exr --outfile b.exr --sharpen", "--sharpen"},
+         {"convert a.exr --outfile b.exr --sharpen", "--tonemap"},
+         {"convert a.exr", "--outfile"},
+         {"convert a.exr --outfile b.exr --scale x", "scale"},
+         {"diff a.exr", "--reference"},
+         {"info", "files"},
+         {"info missing.exr", "missing.exr: No such"},
+         {"falsecolor missing.exr --outfile x.png", "missing.exr"},
+         {"average none --outfile x.exr", "\"none\""}});
 }
 
 TEST_F(Imgtool, InfoShowsWindowsSpaceMetadataAndStatistics) {

@@ -24,6 +24,6 @@ esac
 
 # Part k has the samples from k SAMPLES / PARTS up to (k + 1) SAMPLES / PARTS - 1. A finished part returns at once.
 for ((k = 0; k < parts; ++k)); do echo "$((k * samples / parts)):$(((k + 1) * samples / parts))"; done |
-  parallel --halt now,fail=1 --jobs "${JOBS:-$(nproc)}" ${LOGINS:+--sshlogin "$LOGINS" --workdir .} \
+  parallel --quote --halt now,fail=1 --jobs "${JOBS:-$(nproc)}" ${LOGINS:+--sshlogin "$LOGINS" --workdir .} \
     "$pbrt" --quiet --nthreads 1 --spp "$samples" --samples {} --checkpoint "$folder/{}.chk" --resume "${lights[@]}" "$@" "$scene"
 "$imgtool" merge "$out" "$folder"/*.chk

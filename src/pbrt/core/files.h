@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "pbrt/core/memory.h"
 
@@ -42,8 +41,6 @@ std::string ReadFileContents(const std::string &path, ReadFrom from = ReadFrom::
 /// symbolic link is kept and its target is replaced; the permissions of an existing file are kept. Pipes and devices
 /// are written to directly.
 void WriteFile(const std::string &path, std::string_view content);
-/// The same for a content in pieces, which are written one after the other.
-void WriteFile(const std::string &path, const std::vector<std::string_view> &pieces);
 
 /// Throws the UserError that WriteFile(path, ...) would throw now, as far as that can be known before writing: because
 /// the folder is missing or read-only, or because the name is too long or that of a folder, for example. Leaves nothing

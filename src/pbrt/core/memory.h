@@ -13,10 +13,6 @@ double UsableMemory();
 /// limits of the process leave.
 double AvailableMemory();
 
-/// From here on this process can use at most so many bytes (its own mappings that can be written): allocating more
-/// fails. A smaller limit that it has already stays.
-void LimitMemory(double bytes);
-
 /// "240 MB", "23 GB": two digits.
 std::string BytesText(double bytes);
 

@@ -14,6 +14,8 @@ class StateFile {
     /// Reads all of it. `kind`: what the file should be, such as "checkpoint". Throws UserError if it cannot be read,
     /// is cut off or damaged, is of another kind, or was written by a program with another layout.
     StateFile(const std::string &path, const std::string &kind);
+    StateFile(const StateFile &) = delete;  // sections refer to the content
+    StateFile &operator=(const StateFile &) = delete;
 
     const std::string &Path() const { return path_; }
     bool Has(const std::string &section) const { return sections_.count(section) > 0; }

@@ -12,7 +12,7 @@ using Json = nlohmann::ordered_json;
 uint32_t Bits(Float value) { return std::bit_cast<uint32_t>(value); }
 Float FloatOf(const Json &bits) { return std::bit_cast<Float>(bits.get<uint32_t>()); }
 
-Json ToJson(const Param &p) {
+Json JsonOf(const Param &p) {
     std::vector<uint32_t> floats;
     for (Float f : p.floats) floats.push_back(Bits(f));
     return {{"type", static_cast<int>(p.type)},
@@ -57,7 +57,7 @@ Json FilmRecipe::ToJson() const {
         json["cropWindow"] = {Bits(c->low.x), Bits(c->low.y), Bits(c->high.x), Bits(c->high.y)};
     if (const auto &b = overrides.pixelBounds) json["pixelBounds"] = {b->low.x, b->low.y, b->high.x, b->high.y};
     json["parameters"] = Json::array();
-    for (const Param &p : params.Own()) json["parameters"].push_back(pbrt::ToJson(p));
+    for (const Param &p : params.Own()) json["parameters"].push_back(JsonOf(p));
     return json;
 }
 

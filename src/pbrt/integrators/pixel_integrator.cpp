@@ -85,7 +85,7 @@ bool PixelIntegrator::Render(const RenderPass &pass) {
         if (done < renderer.SamplesOf(tile))
             isWhole.store(false, std::memory_order_relaxed);
         else if (pass.isCounted)
-            pass.progress.Advance(int64_t{done} - before);
+            pass.progress.Advance(int64_t{done} - int64_t{before});
     });
     return isWhole;
 }

@@ -85,16 +85,20 @@ RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Fil
     if (settings.from) {
         renderer.GoOnFrom(*settings.from);
         if (!timed) progress.Advance(pixels * (renderer.Done() - settings.firstSample));
+        for (uint32_t done : settings.from->passDone)
+            if (!timed) progress.Advance(done);
     } else if (settings.firstSample > 0) {
         renderer.ContinueFrom(settings.firstSample);
     }
-    Clock::time_point saved = settings.start;
+    // Preparing the lights may have taken long; a render that goes on has just read what it would save.
+    Clock::time_point saved = settings.from ? renderStart : settings.start;
+    const bool isPrepared = !progress.Cancelled();
     const auto saveIfDue = [&] {
         if (!settings.checkpoint || SecondsSince(saved) < settings.checkpointInterval) return;
         settings.checkpoint(renderer.Position());
         saved = Clock::now();
     };
-    if (!progress.Cancelled()) saveIfDue();  // preparing lights may have taken long
+    if (isPrepared) saveIfDue();
     int wave = 1;
     double secondsPerSample = settings.secondsPerSample;
     while (!progress.Cancelled() && (timed || renderer.Done() < end)) {
@@ -107,7 +111,8 @@ RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Fil
             size = std::min(size, fits);
         }
         if (settings.checkpoint && secondsPerSample > 0)
-            size = static_cast<int>(std::clamp(settings.checkpointInterval / secondsPerSample, 1.0, double{size}));
+            size = static_cast<int>(
+                std::clamp(settings.checkpointInterval / secondsPerSample, 1.0, static_cast<double>(size)));
         renderer.LearnIfDue();
         const Clock::time_point waveStart = Clock::now();
         const int taken = renderer.Render(size);
@@ -125,7 +130,7 @@ RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Fil
     result.mseFailure = reference.Finish();
     result.samplesTaken = renderer.Done();
     result.cancelled = progress.Cancelled() && (timed || renderer.Done() < end);
-    if (settings.checkpoint) settings.checkpoint(renderer.Position());
+    if (settings.checkpoint && isPrepared) settings.checkpoint(renderer.Position());
     result.seconds = SecondsSince(renderStart);
     progress.EndPhase();
     return result;

@@ -12,6 +12,7 @@
 #include "pbrt/core/counters.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
+#include "pbrt/core/memory_limit.h"
 #include "pbrt/scenefile/parser.h"
 
 namespace pbrt {
@@ -179,7 +180,7 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     if (options.writePartialImages)
         settings.afterWave = [&](int samples) {
             // The last picture comes with the end of the render.
-            if (options.timeBudget <= 0 && samples == settings.samplesPerPixel) return;
+            if (options.timeBudget <= 0 && samples == settings.EndSample()) return;
             result.samplesTaken = samples;
             writer.WritePartial(result);
         };

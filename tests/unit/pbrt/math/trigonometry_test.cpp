@@ -26,7 +26,8 @@ TEST(Trigonometry, TurnsAreWithinTheirBound) {
         const Float u = static_cast<Float>(i) * 0x1p-23f;
         const SineCosine got = SineCosineOfTurn(u);
         const double angle = 2 * M_PI * double(u);
-        error = std::max({error, std::abs(double(got.sin) - std::sin(angle)), std::abs(double(got.cos) - std::cos(angle))});
+        error =
+            std::max({error, std::abs(double(got.sin) - std::sin(angle)), std::abs(double(got.cos) - std::cos(angle))});
     }
     EXPECT_LT(error, 1e-7);
     for (Float u : {1e-20f, 1e-7f, 3e-5f}) EXPECT_NEAR(SineCosineOfTurn(u).sin / (2 * Pi * u), 1, 1e-6);

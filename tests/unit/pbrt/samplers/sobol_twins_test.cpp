@@ -39,8 +39,8 @@ uint64_t ZIndex(uint64_t morton, int log2Samples, int bits, uint64_t hash) {
     for (int shift = lone; shift < bits; shift += 2) {
         // Quads below the pixel and above it are counted apart.
         const int level = shift < log2Samples ? (shift - lone) / 2 : log2Samples / 2 + (shift - log2Samples) / 2;
-        uint64_t quad = ((hash + kGolden * static_cast<uint64_t>(level + 1)) ^ (morton >> (shift + 2))) *
-                        0x7fb5d329728ea185ull;
+        uint64_t quad =
+            ((hash + kGolden * static_cast<uint64_t>(level + 1)) ^ (morton >> (shift + 2))) * 0x7fb5d329728ea185ull;
         quad = ((quad ^ (quad >> 32)) * 0x81dadef4bc2dd44dull) >> 32;
         index |= Place(morton >> shift & 3, quad * 24 >> 32) << shift;
     }
@@ -109,9 +109,8 @@ TEST(SobolTwins, SobolEqualsItsTwin) {
             if (d < SobolDimensions) {
                 const uint32_t bits = SobolBits(SobolMatrices() + d * SobolIndexBits, s.Index());
                 // Digits are permuted in their order here, not in reversed order.
-                expected = r == Randomization::PermuteDigits
-                               ? SobolToFloat(bits ^ static_cast<uint32_t>(seed))
-                               : Randomize(ReverseBits32(bits), randomization, seed);
+                expected = r == Randomization::PermuteDigits ? SobolToFloat(bits ^ static_cast<uint32_t>(seed))
+                                                             : Randomize(ReverseBits32(bits), randomization, seed);
             }
             ASSERT_EQ(s.Get1D(), expected) << randomization << " " << d;
         }

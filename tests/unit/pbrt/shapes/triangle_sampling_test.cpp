@@ -25,8 +25,8 @@ Vector3 SomeDirection(Rng &rng) {
     }
 }
 
-/// A triangle that is no sliver, or a rectangle, whose squared diameter is `size` of the squared distance of its nearest
-/// corner; all of it is above the receiver's horizon.
+/// A triangle that is no sliver, or a rectangle, whose squared diameter is `size` of the squared distance of its
+/// nearest corner; all of it is above the receiver's horizon.
 Seen SomeShape(Rng &rng, Float size, bool rectangle) {
     for (;;) {
         Seen s;
@@ -128,8 +128,7 @@ TEST(FlatLights, DensitiesHoldOnBothSidesOfTheLimit) {
                 if (rectangle) all += SolidAngle(s.from.p, s.p[3], s.p[1], s.p[2]);
                 const Point3 middle1 = (s.p[0] + s.p[1]) / Float(2), middle2 = (s.p[0] + s.p[2]) / Float(2);
                 double part = SolidAngle(s.from.p, s.p[0], middle1, middle2);
-                if (rectangle)
-                    part += SolidAngle(s.from.p, (s.p[0] + s.p[3]) / Float(2), middle1, middle2);
+                if (rectangle) part += SolidAngle(s.from.p, (s.p[0] + s.p[3]) / Float(2), middle1, middle2);
                 whole.Add(r.solidAngle.mean / all - 1);
                 quarter.Add(r.shareOfQuarter / part - 1);
                 ASSERT_NEAR(r.solidAngle.mean / all, 1, 0.02) << relative << " " << rectangle;

@@ -9,10 +9,6 @@ namespace pbrt {
 // Integers that are worked on at once, in vector registers where there are any, by the vector extensions of GCC and
 // Clang. Operators work on each lane by itself, and so the numbers are the same on every machine.
 
-// Functions that take and return vectors are inlined; how others would pass them does not matter.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 using Lanes64 = uint64_t __attribute__((vector_size(64)));    ///< 8 lanes
 using Lanes32 = uint32_t __attribute__((vector_size(64)));    ///< 16 lanes
 using FloatLanes = float __attribute__((vector_size(64)));    ///< 16 lanes
@@ -44,7 +40,6 @@ inline Lanes32 ReverseBits(Lanes32 v) {
     v = ((v & 0x00ff00ffu) << 8) | ((v >> 8) & 0x00ff00ffu);
     return (v << 16) | (v >> 16);
 }
-inline Lanes32 RotateLeft(Lanes32 v, int bits) { return (v << bits) | (v >> (32 - bits)); }
 
 /// v * 2^-32, below 1, as SobolToFloat.
 inline FloatLanes FractionsToFloat(Lanes32 v) {
@@ -57,12 +52,5 @@ inline Lanes32 LowHalves(const Lanes64 &a, const Lanes64 &b) {
     return __builtin_shufflevector(reinterpret_cast<Lanes32>(a), reinterpret_cast<Lanes32>(b), 0, 2, 4, 6, 8, 10, 12,
                                    14, 16, 18, 20, 22, 24, 26, 28, 30);
 }
-/// Pairs of 32 bits: lane 2i has the low half of a's lane i, lane 2i + 1 that of b's.
-inline Lanes32 PairLowHalves(const Lanes64 &a, const Lanes64 &b) {
-    const Lanes64 pairs = (a & 0xffffffffull) | (b << 32);
-    return reinterpret_cast<Lanes32>(pairs);
-}
-
-#pragma GCC diagnostic pop
 
 }  // namespace pbrt

@@ -57,24 +57,28 @@ constexpr uint32_t SobolReversed1(uint64_t index) {
 
 inline Float SobolToFloat(uint32_t v) { return std::min(static_cast<Float>(v) * 0x1p-32f, OneMinusEpsilon); }
 
-/// Owen's nested uniform scrambling: every digit is flipped or not by a hash of the digits before it.
+/// Whether a node of the binary tree of digits flips them: 0 or 1 by a hash. T: uint64_t or lanes of it.
+template <class T>
+inline T OwenFlip(const T &seed, const T &node) {
+    T hash = (seed + node * 0x9e3779b97f4a7c15ull) * 0x7fb5d329728ea185ull;
+    hash ^= hash >> 32;
+    return hash * 0x81dadef4bc2dd44dull >> 63;
+}
+/// Owen's nested uniform scrambling of a number below 2^32: every digit is flipped or not by a hash of the digits
+/// before it.
+template <class T>
+inline T OwenScrambleOf(const T &v, const T &seed) {
+    T flips{};
+    for (int digit = 0; digit < 32; ++digit) {
+        const T node = (v | uint64_t(1) << 32) >> (32 - digit);  // place in the tree, root = 1
+        flips |= OwenFlip(seed, node) << (31 - digit);
+    }
+    return v ^ flips;
+}
 inline uint32_t OwenScramble(uint32_t v, uint64_t seed) {
-    uint32_t flips = 0;
-    for (int digit = 0; digit < 32; ++digit) {
-        uint64_t node = (uint64_t(1) << 32 | v) >> (32 - digit);  // place in the binary tree, root = 1
-        flips |= static_cast<uint32_t>(MixBits(seed + node * 0x9e3779b97f4a7c15ull) >> 63) << (31 - digit);
-    }
-    return v ^ flips;
+    return static_cast<uint32_t>(OwenScrambleOf<uint64_t>(v, seed));
 }
-/// OwenScramble of eight numbers below 2^32.
-inline Lanes64 OwenScramble(const Lanes64 &v, const Lanes64 &seed) {
-    Lanes64 flips{};
-    for (int digit = 0; digit < 32; ++digit) {
-        const Lanes64 node = (v | uint64_t(1) << 32) >> (32 - digit);
-        flips |= (MixBits(seed + node * 0x9e3779b97f4a7c15ull) >> 63) << (31 - digit);
-    }
-    return v ^ flips;
-}
+inline Lanes64 OwenScramble(const Lanes64 &v, const Lanes64 &seed) { return OwenScrambleOf(v, seed); }
 
 /// Nested uniform scrambling at the cost of one hash, for bits in reversed order: there, adding, multiplying by odd
 /// numbers and v ^= v * even change a bit depending on lower bits (earlier digits) only (Laine and Karras 2011).

@@ -4,8 +4,6 @@
 
 namespace pbrt {
 
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 namespace {
 
 constexpr int kLog2Count = Pmj02bnSampler::SetLog2Count;

@@ -4,8 +4,6 @@
 
 namespace pbrt {
 
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 // ---- Streams
 
 void PixelStream::Start(Point2i pixel, int sampleIndex) {

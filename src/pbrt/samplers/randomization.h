@@ -6,9 +6,6 @@ namespace pbrt {
 /// How low-discrepancy points are made random without losing their stratification.
 enum class Randomization { None, PermuteDigits, FastOwen, Owen };
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 /// The seeds of eight dimensions from `first` on that belong to a hashed state.
 inline Lanes64 AddDimensions(uint64_t hash, int first) {
     return MixBits(hash + 0x9e3779b97f4a7c15ull * (CountingLanes(static_cast<uint64_t>(first)) + 1));
@@ -49,7 +46,5 @@ inline FloatLanes RandomizedReversed(const Lanes32 &reversed, Randomization rand
 inline SixteenLanes SecondSeed(const SixteenLanes &seed) {
     return {MixBits(seed.a ^ 0x632be59bd9b4e019ull), MixBits(seed.b ^ 0x632be59bd9b4e019ull)};
 }
-
-#pragma GCC diagnostic pop
 
 }  // namespace pbrt

@@ -4,8 +4,6 @@
 
 namespace pbrt {
 
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 namespace {
 
 int Log2RoundedUp(int v) { return std::bit_width(static_cast<unsigned>(std::max(1, v)) - 1); }

@@ -68,7 +68,8 @@ struct OctreeParams {
         v("opensky", opensky, Range<Float>{0.f, 1.f},
           "visibility: skies stay whole if more than this share of the prepass's rays towards them leave the scene (an "
           "eightieth of it where paths bounce), or if there are lamps; 1: they never stay whole");
-        v("meshlights", meshlights, "an emissive mesh is one light for selection");
+        v("meshlights", meshlights,
+          "an emissive mesh is one light for selection; visibility: unless at most eight primitives of the scene emit");
     }
 };
 

@@ -19,7 +19,7 @@ class VisibilityTree {
         std::span<const uint32_t> nodes;
         std::span<const uint8_t> codes;
     };
-    Row RowAt(const Point3 &p) const { return GetRow(cells_.Row(p)); }
+    Row RowAt(const Point3 &p) const { return GetRow(RowCount() == 1 ? 0 : cells_.Row(p)); }
     Row GetRow(uint32_t row) const {
         const uint32_t begin = offset_[row], count = offset_[row + 1] - begin;
         return {nodes_.empty() ? std::span<const uint32_t>() : std::span<const uint32_t>(nodes_.data() + begin, count),

@@ -59,7 +59,8 @@ class SpectrumInput {
 class RoughnessInput {
   public:
     /// `remap`: the roughnesses are to be converted to the distribution's alpha.
-    RoughnessInput(FloatInput u, FloatInput v, bool remap) : u_(std::move(u)), v_(std::move(v)), remap_(remap) {
+    RoughnessInput(FloatInput u, FloatInput v, bool remap)
+        : u_(std::move(u)), v_(std::move(v)), remap_(remap), sameInBoth_(u_.SameAs(v_)) {
         if (u_.IsConstant() && v_.IsConstant()) constant_ = Distribution(u_({}), v_({}));
     }
     TrowbridgeReitz operator()(const SurfacePoint &point) const {

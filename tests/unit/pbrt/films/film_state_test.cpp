@@ -159,7 +159,7 @@ TEST_P(EveryFilm, AFilmMadeFromItsRecipeMakesTheSamePicture) {
     recipe.type = GetParam();
     recipe.params = Params();
     Param sensor;
-    sensor.type = ParamType::String;
+    sensor.type = pbrt::ParamType::String;
     sensor.name = "sensor";
     sensor.strings = {"canon_eos_5d"};
     recipe.params.Add(sensor);

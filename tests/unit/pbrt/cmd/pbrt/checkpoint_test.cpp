@@ -192,7 +192,7 @@ TEST_F(Parts, MergedInAnyOrderHaveTheBitsOfOneRender) {
                                                        {"12:16", "5:12", "0:1", "1:5"},
                                                        {"5:12", "0:1", "12:16", "1:5"}}) {
             std::string files;
-            for (const char *range : order) files += " " + std::string(film) + range;
+            for (const char *range : order) files.append(" ").append(film).append(range);
             const Outcome merged = Merge("out.exr " + files);
             ASSERT_EQ(merged.status, 0) << merged.err;
             EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr")))) << files;

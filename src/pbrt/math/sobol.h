@@ -64,8 +64,8 @@ inline T OwenFlip(const T &seed, const T &node) {
     hash ^= hash >> 32;
     return hash * 0x81dadef4bc2dd44dull >> 63;
 }
-/// Owen's nested uniform scrambling of a number below 2^32: every digit is flipped or not by a hash of the digits before
-/// it.
+/// Owen's nested uniform scrambling of a number below 2^32: every digit is flipped or not by a hash of the digits
+/// before it.
 template <class T>
 inline T OwenScrambleOf(const T &v, const T &seed) {
     T flips{};

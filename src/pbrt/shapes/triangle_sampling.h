@@ -26,8 +26,8 @@ class TriangleSampling {
     bool IsInPlane() const { return inPlane_; }
 
     /// Triangles are sampled in their plane if the square of the longest side is at most this, relative to the squared
-    /// distance of the nearest corner. At the limit what a diffuse receiver gets has a relative variance of 0.003 on the
-    /// average, as much as on the sphere with cosines that are interpolated without SetWeights (see the test).
+    /// distance of the nearest corner. At the limit what a diffuse receiver gets has a relative variance of 0.003 on
+    /// the average, as much as on the sphere with cosines that are interpolated without SetWeights (see the test).
     static constexpr Float kMaxSizeSquared = 0.2f;
     /// On the sphere, solid angles (sr) are limited: below, rounding spoils the angles; above, the triangle is nearly a
     /// hemisphere.

@@ -11,6 +11,7 @@ struct RenderCounters {
     uint64_t pathVertices = 0;
     uint64_t cameraPaths = 0;
     uint64_t zeroLightSamples = 0;  ///< light sampling returned nothing to trace
+    uint64_t mediumLookups = 0;     ///< places at which a medium's coefficients were asked for
 
     void operator+=(const RenderCounters &o) {
         closestHitRays += o.closestHitRays;
@@ -19,6 +20,7 @@ struct RenderCounters {
         pathVertices += o.pathVertices;
         cameraPaths += o.cameraPaths;
         zeroLightSamples += o.zeroLightSamples;
+        mediumLookups += o.mediumLookups;
     }
 };
 

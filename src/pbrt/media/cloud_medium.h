@@ -11,8 +11,6 @@ class CloudMedium final : public Medium {
         Float density = 1, wispiness = 1, frequency = 5;
         /// The density at a place of the medium's space.
         Float DensityAt(const Point3 &p) const;
-        /// An upper bound of the density at all heights (y) between two.
-        Float MaxBetween(Float low, Float high) const;
     };
     /// The spectra are those at density 1; the emission must be 0.
     CloudMedium(MediumSpectra spectra, Float g, const Transform &renderFromMedium, const Bounds3 &bounds,
@@ -25,8 +23,7 @@ class CloudMedium final : public Medium {
 
     MediumSpectra spectra_;
     Shape shape_;
-    Point3 low_;         ///< corner of the box
-    Vector3 perCell_{};  ///< size of a cell of the majorants
+    Bounds3 bounds_;
     MajorantGrid majorants_;
     AffineMap gridFromRender_;
 };

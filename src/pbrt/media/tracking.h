@@ -1,4 +1,5 @@
 #pragma once
+#include "pbrt/core/counters.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/media/medium.h"
 
@@ -20,6 +21,7 @@ inline SampledSpectrum MajorantTransmittance(const SampledSpectrum &majorant, Fl
 template <class Visit>
 SampledSpectrum ForEachCollision(MediumOnRay &onRay, Float u, Rng &rng, Visit &&visit) {
     SampledSpectrum tMaj(1);
+    uint64_t lookups = 0;
     Float depth = -std::log1p(-u);  // majorant optical depth, at wavelength 0, that is left until the next collision
     MajorantSegment segment;
     while (onRay.Next(&segment)) {
@@ -29,7 +31,11 @@ SampledSpectrum ForEachCollision(MediumOnRay &onRay, Float u, Rng &rng, Visit &&
             const Float t = majorant > 0 ? begin + depth / majorant : Infinity;
             if (!(t < segment.end)) break;
             tMaj *= MajorantTransmittance(segment.majorant, t - begin);
-            if (!visit(t, onRay.At(t), segment.majorant, tMaj)) return SampledSpectrum(1);
+            ++lookups;
+            if (!visit(t, onRay.At(t), segment.majorant, tMaj)) {
+                ThreadCounters().mediumLookups += lookups;
+                return SampledSpectrum(1);
+            }
             tMaj = SampledSpectrum(1);
             begin = t;
             depth = -std::log1p(-rng.Uniform());
@@ -38,6 +44,7 @@ SampledSpectrum ForEachCollision(MediumOnRay &onRay, Float u, Rng &rng, Visit &&
         if (majorant > 0) depth = std::max(depth - majorant * length, Float(0));
         tMaj *= MajorantTransmittance(segment.majorant, length);
     }
+    ThreadCounters().mediumLookups += lookups;
     return tMaj;
 }
 

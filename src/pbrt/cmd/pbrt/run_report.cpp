@@ -101,8 +101,14 @@ void PrintStatistics(const BuiltScene &built, const RenderResult &result, const 
                      c.cameraPaths ? static_cast<double>(c.pathVertices) / static_cast<double>(c.cameraPaths) : 0.0));
     line("closest-hit rays", fmt::format("{}", c.closestHitRays));
     line("shadow rays", fmt::format("{} ({:.1f} % blocked)", c.shadowRays, share(c.shadowRaysBlocked, c.shadowRays)));
-    line("rays per second (million)", fmt::format("{:.2f}", static_cast<double>(c.closestHitRays + c.shadowRays) /
-                                                                std::max(1e-9, result.seconds) / 1e6));
+    auto perSecond = [&](uint64_t count) {
+        return fmt::format("{:.2f}", static_cast<double>(count) / std::max(1e-9, result.seconds) / 1e6);
+    };
+    line("rays per second (million)", perSecond(c.closestHitRays + c.shadowRays));
+    if (built.scene->HasMedia()) {
+        line("look-ups in media", fmt::format("{}", c.mediumLookups));
+        line("look-ups per second (million)", perSecond(c.mediumLookups));
+    }
     if (built.film->RejectedSamples())
         line("samples dropped (not finite)", fmt::format("{}", built.film->RejectedSamples()));
     auto list = [&](const char *what, const std::string &name, const auto &reporter) {

@@ -197,7 +197,6 @@ TEST(CloudMedium, OctavesThatCannotMatterAreLeftOut) {
             const Float puffs = std::clamp((1 - p.y) * 4.5f * shape.density * noise, 0.f, 1.f);
             const Float all = std::clamp(puffs + 2 * std::max(0.f, 0.5f - p.y), 0.f, 1.f);
             ASSERT_NEAR(shape.DensityAt(p), all, 2e-6f) << p.x << " " << p.y << " " << p.z;
-            ASSERT_LE(all, shape.MaxBetween(p.y - 0.1f, p.y + 0.05f));
             empty += all == 0;
             full += all == 1;
         }

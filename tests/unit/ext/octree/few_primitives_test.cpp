@@ -1,0 +1,38 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "ext/octree/visibility_octree_light_sampler.h"
+#include "support/build_text.h"
+
+namespace ext {
+namespace {
+
+/// The groups that octree chooses from in a scene with `points` point lights and a lamp of `triangles` triangles.
+size_t Groups(int points, int triangles, bool meshLights) {
+    std::string text = "Camera \"perspective\"\nWorldBegin\n";
+    for (int i = 0; i < points; ++i) text += "LightSource \"point\"\n";
+    text += "AreaLightSource \"diffuse\"\nShape \"trianglemesh\" \"point3 P\" [";
+    for (int i = 0; i < triangles; ++i) text += fmt::format("{} 0 5 {} 1 5 ", i, i);
+    text += fmt::format("{} 0 5 ] \"integer indices\" [", triangles);
+    for (int i = 0; i < triangles; ++i) text += fmt::format(" {} {} {}", 2 * i, 2 * i + 1, 2 * i + 2);
+    const BuiltScene built = test::BuildText(text + " ]\n");
+    OctreeParams params;
+    params.meshlights = meshLights;
+    const VisibilityOctreeLightSampler octree(built.scene->Lights(), params);
+    nlohmann::ordered_json report;
+    octree.Report(report);
+    return report["groups"];
+}
+
+TEST(FewPrimitives, AreLightsOfTheirOwn) {
+    EXPECT_EQ(Groups(2, 2, true), 4u);
+    EXPECT_EQ(Groups(2, 6, true), 8u);
+    EXPECT_EQ(Groups(2, 7, true), 3u);  // nine primitives do not fit into one packet
+    EXPECT_EQ(Groups(0, 2, true), 1u);  // nothing to choose but the primitive
+    EXPECT_EQ(Groups(2, 7, false), 9u);
+}
+
+}  // namespace
+}  // namespace ext

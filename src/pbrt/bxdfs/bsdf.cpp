@@ -41,10 +41,6 @@ auto ApproximationOf(const L &lobe, const Vector3 &wo) {
 
 }  // namespace
 
-BxdfFlags Bsdf::Flags() const {
-    return Dispatch(lobe_, [](const auto &lobe) { return lobe.Flags(); });
-}
-
 bool Bsdf::IsDirectional() const {
     return Dispatch(lobe_, [](const auto &lobe) {
         if constexpr (requires { lobe.IsDirectional(); })
@@ -76,11 +72,8 @@ SampledSpectrum Bsdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode mode
 std::optional<BsdfSample> Bsdf::Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
                                        ReflTransFlags which) const {
     Vector3 o = frame_.ToLocal(wo);
-    if (o.z == 0) return {};
-    auto sample = Dispatch(lobe_, [&](const auto &lobe) -> std::optional<BsdfSample> {
-        if (!Offers(lobe.Flags(), which)) return {};
-        return lobe.Sample(o, uc, u, mode, which);
-    });
+    if (o.z == 0 || !Offers(flags_, which)) return {};
+    auto sample = Dispatch(lobe_, [&](const auto &lobe) { return lobe.Sample(o, uc, u, mode, which); });
     if (!sample) return sample;
     if (!(sample->pdf > 0) || sample->wi.z == 0 || !sample->f) return {};
     sample->wi = frame_.FromLocal(sample->wi);
@@ -89,18 +82,15 @@ std::optional<BsdfSample> Bsdf::Sample(const Vector3 &wo, Float uc, const Point2
 
 Float Bsdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const {
     Vector3 o = frame_.ToLocal(wo);
-    if (o.z == 0) return 0;
+    if (o.z == 0 || !Offers(flags_, which)) return 0;
     Vector3 i = frame_.ToLocal(wi);
-    return Dispatch(lobe_, [&](const auto &lobe) -> Float {
-        if (!Offers(lobe.Flags(), which)) return 0;
-        return lobe.Pdf(o, i, mode, which);
-    });
+    return Dispatch(lobe_, [&](const auto &lobe) { return lobe.Pdf(o, i, mode, which); });
 }
 
 void Bsdf::Regularize() {
-    Dispatch(lobe_, [](auto &lobe) {
+    flags_ = Dispatch(lobe_, [](auto &lobe) {
         lobe.Regularize();
-        return true;
+        return lobe.Flags();
     });
 }
 

@@ -26,10 +26,11 @@ class Bsdf {
 
     Bsdf() = default;
     template <class L>
-    Bsdf(const Normal3 &ns, const Vector3 &dpdus, const L &lobe) : frame_(Frame::FromXZ(dpdus, ns)), lobe_(lobe) {}
+    Bsdf(const Normal3 &ns, const Vector3 &dpdus, const L &lobe)
+        : frame_(Frame::FromXZ(dpdus, ns)), lobe_(lobe), flags_(lobe.Flags()) {}
 
     explicit operator bool() const { return !std::holds_alternative<std::monostate>(lobe_); }
-    BxdfFlags Flags() const;
+    BxdfFlags Flags() const { return flags_; }
     /// True if F has a glossy lobe, alone or as part of a coat: then the choice of a direction should take F into
     /// account.
     bool IsDirectional() const;
@@ -51,6 +52,7 @@ class Bsdf {
   private:
     Frame frame_;
     Lobe lobe_;
+    BxdfFlags flags_ = BxdfFlags::None;  ///< of the lobe
 };
 
 }  // namespace pbrt

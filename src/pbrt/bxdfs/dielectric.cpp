@@ -112,6 +112,71 @@ std::optional<BsdfSample> DielectricBxdf::Sample(const Vector3 &wo, Float uc, co
                       etaRelative};
 }
 
+DielectricBxdf::Facet DielectricBxdf::DrawFacet(const Vector3 &wo, const Point2 &u) const {
+    Facet facet;
+    facet.wm = IsSmooth() ? Vector3(0, 0, 1) : facets_.SampleVisibleByCap(wo, u);
+    facet.cosine = Dot(wo, facet.wm);
+    facet.eta = eta_;
+    if (facet.cosine < 0) {
+        facet.wm = -facet.wm;
+        facet.cosine = -facet.cosine;
+        facet.eta = 1 / eta_;
+    }
+    facet.cosine = std::min(facet.cosine, Float(1));
+    facet.fresnel = FresnelDielectric(facet.cosine, facet.eta, &facet.cosT);
+    return facet;
+}
+
+DielectricBxdf::Drawn DielectricBxdf::DrawReflection(const Vector3 &wo, const Point2 &u) const {
+    const Facet facet = DrawFacet(wo, u);
+    if (IsSmooth()) return {Vector3(-wo.x, -wo.y, wo.z), facet.fresnel};
+    const Vector3 wi = facet.wm * (2 * facet.cosine) - wo;
+    if (!SameHemisphere(wo, wi)) return {};
+    return {wi, facet.fresnel * facets_.GOverG1(wo, wi)};
+}
+
+DielectricBxdf::Drawn DielectricBxdf::DrawTransmission(const Vector3 &wo, const Point2 &u, TransportMode mode) const {
+    const Facet facet = DrawFacet(wo, u);
+    if (!(facet.fresnel < 1)) return {};
+    const Vector3 wi = facet.Refracted(wo);
+    if (!(wo.z * wi.z < 0)) return {};
+    const Float transmitted = (1 - facet.fresnel) * TransportScale(mode, facet.eta);
+    if (IsSmooth()) return {wi, transmitted, 1, true};
+    const Float refraction = facet.cosine * RefractionJacobian(facet.cosine, -facet.cosT, facet.eta);
+    const Float pdf = facets_.G1(wo) * facets_.D(facet.wm) / AbsCosTheta(wo) * refraction;
+    return {wi, transmitted * facets_.GOverG1(wo, wi), pdf, true};
+}
+
+DielectricBxdf::Drawn DielectricBxdf::DrawEither(const Vector3 &wo, Float uc, const Point2 &u,
+                                                 TransportMode mode) const {
+    // Each side is drawn with its share of the light, so that Fresnel's term cancels, too.
+    const Facet facet = DrawFacet(wo, u);
+    if (uc < facet.fresnel) {
+        if (IsSmooth()) return {Vector3(-wo.x, -wo.y, wo.z), 1};
+        const Vector3 wi = facet.wm * (2 * facet.cosine) - wo;
+        if (!SameHemisphere(wo, wi)) return {};
+        return {wi, facets_.GOverG1(wo, wi)};
+    }
+    if (!(facet.fresnel < 1)) return {};
+    const Vector3 wi = facet.Refracted(wo);
+    if (!(wo.z * wi.z < 0)) return {};
+    const Float scale = TransportScale(mode, facet.eta);
+    return {wi, IsSmooth() ? scale : scale * facets_.GOverG1(wo, wi), 0, true};
+}
+
+DielectricBxdf::Transmission DielectricBxdf::EvaluateTransmission(const Vector3 &wo, const Vector3 &wi,
+                                                                  TransportMode mode) const {
+    Vector3 wm;
+    Float etaRelative;
+    if (!FacetBetween(wo, wi, false, &wm, &etaRelative)) return {};
+    const Float cosO = Dot(wo, wm), cosI = Dot(wi, wm);
+    const Float transmittance = 1 - FresnelDielectric(cosO, eta_);
+    if (!(transmittance > 0)) return {};
+    const Float common = facets_.D(wm) / AbsCosTheta(wo) * std::abs(cosO) * RefractionJacobian(cosO, cosI, etaRelative);
+    const Float f = common * facets_.G(wo, wi) / AbsCosTheta(wi) * transmittance * TransportScale(mode, etaRelative);
+    return {f, common * facets_.G1(wo)};
+}
+
 std::optional<BsdfSample> ThinDielectricBxdf::Sample(const Vector3 &wo, Float uc, const Point2 &, TransportMode,
                                                      ReflTransFlags which) const {
     Float cosine = AbsCosTheta(wo);

@@ -35,6 +35,7 @@ class DiffuseBxdf {
         return SameHemisphere(wo, wi) ? reflectance_.Average() * InvPi : 0;
     }
     void Regularize() {}
+    const SampledSpectrum &Reflectance() const { return reflectance_; }
 
   private:
     SampledSpectrum reflectance_;

@@ -19,6 +19,17 @@ inline Float FresnelDielectric(Float cosThetaI, Float eta) {
     return (parallel * parallel + perpendicular * perpendicular) / 2;
 }
 
+/// The same for light that meets the boundary with cosine cosI >= 0; `eta`: the index on the far side over the index on
+/// the near side. `cosT` gets the cosine of the refracted direction.
+inline Float FresnelDielectric(Float cosI, Float eta, Float *cosT) {
+    const Float sin2T = (1 - cosI * cosI) / (eta * eta);
+    if (!(sin2T < 1)) return 1;
+    *cosT = std::sqrt(1 - sin2T);
+    const Float parallel = (eta * cosI - *cosT) / (eta * cosI + *cosT);
+    const Float perpendicular = (cosI - eta * *cosT) / (cosI + eta * *cosT);
+    return (parallel * parallel + perpendicular * perpendicular) / 2;
+}
+
 /// Unpolarised reflectance of a boundary to a medium of complex relative index eta + i k (Born and Wolf, Principles of
 /// Optics, 14.2). Written with sums of squares only, so that it cannot leave [0, 1] by cancellation.
 inline Float FresnelConductor(Float cosThetaI, Float eta, Float k) {

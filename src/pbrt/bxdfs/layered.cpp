@@ -1,5 +1,8 @@
 #include "pbrt/bxdfs/layered.h"
 
+#include <array>
+#include <bit>
+
 #include "pbrt/bxdfs/fresnel.h"
 #include "pbrt/bxdfs/henyey_greenstein.h"
 #include "pbrt/math/rng.h"
@@ -18,6 +21,8 @@ constexpr int kRouletteDepth = 3;
 constexpr Float kRouletteThreshold = Float(0.25);
 /// Share of the estimated density in Pdf; the rest is uniform over the sphere.
 constexpr Float kDensityTrust = Float(0.9);
+/// Up to so many hits of the base a geometric series is summed term by term.
+constexpr int kSummedHits = 16;
 
 TransportMode Reverse(TransportMode mode) {
     return mode == TransportMode::Radiance ? TransportMode::Importance : TransportMode::Radiance;
@@ -30,6 +35,14 @@ Float Transmittance(Float dz, const Vector3 &w) { return std::exp(-std::abs(dz /
 
 /// Height of the next collision on the way from z along w (the medium's extinction is 1).
 Float SampleCollision(Float z, const Vector3 &w, Float u) { return z - w.z * std::log(1 - u); }
+
+/// Random numbers that follow from six values. The pieces of the seed are multiplied side by side, because walks are so
+/// short that a chain of hashes would take a good part of their time.
+Rng NumbersFor(Stream stream, const Vector3 &a, const Vector3 &b) {
+    const auto words = std::bit_cast<std::array<uint64_t, 3>>(std::array<Float, 6>{a.x, a.y, a.z, b.x, b.y, b.z});
+    return Rng(MixBits(words[0] * 0x9e3779b97f4a7c15ull ^ std::rotl(words[1] * 0xc2b2ae3d27d4eb4full, 23) ^
+                       std::rotl(words[2] * 0x165667b19e3779f9ull, 41) ^ (static_cast<uint64_t>(stream) << 32)));
+}
 
 template <class Lobe>
 std::optional<BsdfSample> Draw(const Lobe &lobe, const Vector3 &wo, Rng &rng, TransportMode mode,
@@ -89,7 +102,8 @@ SampledSpectrum CoatedBxdf<Base>::Evaluate(const Vector3 &wo, const Vector3 &wi,
     if (!SameHemisphere(wo, wi)) return SampledSpectrum(0);  // the base is opaque
     Float side = wo.z < 0 ? Float(-1) : Float(1);
     Vector3 o = wo * side, i = wi * side;
-    Rng rng(Hash(static_cast<uint64_t>(Stream::Evaluate), o, i));
+    if (way_ != Way::Walk) return top_.F(o, i, mode) + ClearInside<Weights>(o, i);
+    Rng rng = NumbersFor(Stream::Evaluate, o, i);
     SampledSpectrum inside(0);
     for (int s = 0; s < nSamples_; ++s) inside += EstimateInside<Weights>(o, i, mode, rng);
     return top_.F(o, i, mode) + inside / static_cast<Float>(nSamples_);
@@ -101,41 +115,44 @@ template <class Base>
 template <typename CoatedBxdf<Base>::ExitWeights Weights>
 SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector3 &wi, TransportMode mode,
                                                  Rng &rng) const {
-    auto in = Draw(top_, wo, rng, mode, ReflTransFlags::Transmission);
-    auto out = Draw(top_, wi, rng, Reverse(mode), ReflTransFlags::Transmission);
-    SampledSpectrum f(0);
-    if (!Usable(in) || !Usable(out)) return f;
-
     const bool smoothTop = top_.IsSmooth(), smoothBase = IsSpecular(bottom_.Flags());
+    auto draw2 = [&] { return smoothTop ? Point2() : rng.Uniform2(); };
+    SampledSpectrum f(0);
+    const DielectricBxdf::Drawn in = top_.DrawTransmission(wo, draw2(), mode);
+    if (!(in.weight > 0)) return f;
+    const DielectricBxdf::Drawn out = top_.DrawTransmission(wi, draw2(), Reverse(mode));
+    if (!(out.weight > 0)) return f;
+
     const HenyeyGreenstein phase(g_);
-    const Vector3 exit = -out->wi;
-    const SampledSpectrum exitWeight = out->f / out->pdf;
-    const Float exitTransmittance = Transmittance(thickness_, exit);
+    const Vector3 exit = -out.wi;
+    // The light that is scattered towards `exit` and leaves along wi, per light that is scattered.
+    const Float exitWeight = out.weight / AbsCosTheta(exit), exitTransmittance = Transmittance(thickness_, exit);
     // Adds light that leaves through the coat along w, drawn with density `pdf`. `alternative`: the connection could
     // also have found it.
     auto leave = [&](const SampledSpectrum &beta, const Vector3 &w, Float dz, Float pdf, bool alternative) {
-        SampledSpectrum fTop = top_.F(-w, wi, mode);
-        if (!fTop) return;
+        const DielectricBxdf::Transmission through = top_.EvaluateTransmission(-w, wi, mode);
+        if (!(through.f > 0)) return;
         Float weight = 1;
         if (alternative) {
             // The density of w when the coat is entered from wi; stock takes the density of wi when the coat is left
             // along w.
-            Float other = Weights == ExitWeights::Consistent
-                              ? top_.Pdf(wi, -w, Reverse(mode), ReflTransFlags::Transmission)
-                              : top_.Pdf(-w, wi, mode, ReflTransFlags::Transmission);
+            Float other =
+                Weights == ExitWeights::Consistent ? top_.EvaluateTransmission(wi, -w, Reverse(mode)).pdf : through.pdf;
             weight = PowerHeuristic(pdf, other);
         }
-        f += beta * fTop * (weight * Transmittance(dz, w));
+        f += beta * (through.f * weight * Transmittance(dz, w));
     };
 
-    SampledSpectrum beta = in->f * (AbsCosTheta(in->wi) / in->pdf);
-    Vector3 w = in->wi;
+    SampledSpectrum beta(in.weight);
+    Vector3 w = in.wi;
     Float z = thickness_;
     for (int depth = 0; depth < maxDepth_; ++depth) {
-        if (depth > kRouletteDepth && beta.MaxComponent() < kRouletteThreshold) {
-            Float survive = beta.MaxComponent();
-            if (rng.Uniform() >= survive) break;
-            beta /= survive;
+        if (depth > kRouletteDepth) {
+            const Float survive = beta.MaxComponent();
+            if (survive < kRouletteThreshold) {
+                if (rng.Uniform() >= survive) break;
+                beta /= survive;
+            }
         }
         if (scatters_) {
             Float zCollision = SampleCollision(z, w, rng.Uniform());
@@ -143,8 +160,8 @@ SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector
             if (zCollision > 0 && zCollision < thickness_) {
                 z = zCollision;
                 Float p = phase.P(-w, exit);
-                Float weight = smoothTop ? 1 : PowerHeuristic(out->pdf, p);
-                f += beta * albedo_ * exitWeight * (p * weight * Transmittance(thickness_ - z, exit));
+                Float weight = smoothTop ? 1 : PowerHeuristic(out.pdf, p);
+                f += beta * albedo_ * (exitWeight * p * weight * Transmittance(thickness_ - z, exit));
 
                 Vector3 scattered = phase.SampleP(-w, rng.Uniform2()).wi;
                 if (scattered.z == 0) break;
@@ -160,22 +177,25 @@ SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector
         }
 
         if (z > 0) {
-            auto bounce = Draw(top_, -w, rng, mode, ReflTransFlags::Reflection);
-            if (!Usable(bounce)) break;
-            beta *= bounce->f * (AbsCosTheta(bounce->wi) / bounce->pdf);
-            w = bounce->wi;
+            const DielectricBxdf::Drawn bounce = top_.DrawReflection(-w, draw2());
+            if (!(bounce.weight > 0)) break;
+            beta *= bounce.weight;
+            w = bounce.wi;
             continue;
         }
         if (!smoothBase) {
             Float weight = exitTransmittance * AbsCosTheta(exit);
-            if (!smoothTop) weight *= PowerHeuristic(out->pdf, bottom_.Pdf(-w, exit, mode, ReflTransFlags::All));
-            f += beta * bottom_.F(-w, exit, mode) * exitWeight * weight;
+            if (!smoothTop) weight *= PowerHeuristic(out.pdf, bottom_.Pdf(-w, exit, mode, ReflTransFlags::All));
+            f += beta * bottom_.F(-w, exit, mode) * (exitWeight * weight);
         }
+        const bool isLast = depth + 2 >= maxDepth_ && !scatters_;
+        if (smoothTop && isLast) break;
         auto bounce = Draw(bottom_, -w, rng, mode, ReflTransFlags::Reflection);
         if (!Usable(bounce)) break;
         beta *= bounce->f * (AbsCosTheta(bounce->wi) / bounce->pdf);
         w = bounce->wi;
         if (!smoothTop) leave(beta, w, thickness_, bounce->pdf, !smoothBase);
+        if (isLast) break;
     }
     return f;
 }
@@ -186,6 +206,11 @@ std::optional<BsdfSample> CoatedBxdf<Base>::Sample(const Vector3 &wo, Float uc, 
     if (!Has(which, ReflTransFlags::Reflection)) return {};
     Float side = wo.z < 0 ? Float(-1) : Float(1);
     Vector3 o = wo * side;
+    if (way_ != Way::Walk) {
+        auto sample = SampleClear(o, uc, u);
+        if (sample) sample->wi *= side;
+        return sample;
+    }
     auto entry = top_.Sample(o, uc, u, mode, ReflTransFlags::All);
     if (!Usable(entry)) return {};
     if (IsReflective(entry->flags)) {
@@ -194,24 +219,27 @@ std::optional<BsdfSample> CoatedBxdf<Base>::Sample(const Vector3 &wo, Float uc, 
         return entry;
     }
 
-    Rng rng(Hash(static_cast<uint64_t>(Stream::Draw), o, uc, u));
+    Rng rng = NumbersFor(Stream::Draw, o, {uc, u.x, u.y});
     const HenyeyGreenstein phase(g_);
-    SampledSpectrum f = entry->f * AbsCosTheta(entry->wi);
-    Float pdf = entry->pdf;
-    bool specular = IsSpecular(entry->flags);
+    // The light that arrives over the density of the way; what is returned as f and pdf only has this ratio.
+    SampledSpectrum beta = entry->f * (AbsCosTheta(entry->wi) / entry->pdf);
+    const bool smoothTop = top_.IsSmooth();
+    bool specular = smoothTop;
     Vector3 w = entry->wi;
     Float z = thickness_;
     for (int depth = 0; depth < maxDepth_; ++depth) {
-        Float beta = f.MaxComponent() / pdf;
-        if (depth > kRouletteDepth && beta < kRouletteThreshold) {
-            if (rng.Uniform() >= beta) return {};
-            pdf *= beta;
+        if (depth > kRouletteDepth) {
+            const Float survive = beta.MaxComponent();
+            if (survive < kRouletteThreshold) {
+                if (rng.Uniform() >= survive) return {};
+                beta /= survive;
+            }
         }
         if (scatters_) {
             Float zCollision = SampleCollision(z, w, rng.Uniform());
             if (zCollision == z) return {};
             if (zCollision > 0 && zCollision < thickness_) {
-                f *= albedo_;  // the phase function is sampled exactly
+                beta *= albedo_;  // the phase function is sampled exactly
                 specular = false;
                 z = zCollision;
                 w = phase.SampleP(-w, rng.Uniform2()).wi;
@@ -221,19 +249,26 @@ std::optional<BsdfSample> CoatedBxdf<Base>::Sample(const Vector3 &wo, Float uc, 
             z = std::clamp(zCollision, Float(0), thickness_);
         } else {
             z = z == 0 ? thickness_ : 0;
-            f *= Transmittance(thickness_, w);
+            beta *= Transmittance(thickness_, w);
         }
-        auto bounce = z > 0 ? Draw(top_, -w, rng, mode) : Draw(bottom_, -w, rng, mode);
+        if (z > 0) {
+            const Float which1 = rng.Uniform();
+            const DielectricBxdf::Drawn bounce =
+                top_.DrawEither(-w, which1, smoothTop ? Point2() : rng.Uniform2(), mode);
+            if (!(bounce.weight > 0)) return {};
+            beta *= bounce.weight;
+            w = bounce.wi;
+            if (bounce.isTransmitted) {
+                const BxdfFlags flags = BxdfFlags::Reflection | (specular ? BxdfFlags::Specular : BxdfFlags::Glossy);
+                return BsdfSample{beta / AbsCosTheta(w), w * side, 1, flags, 1, true};
+            }
+            continue;
+        }
+        auto bounce = Draw(bottom_, -w, rng, mode);
         if (!Usable(bounce)) return {};
-        f *= bounce->f;
-        pdf *= bounce->pdf;
+        beta *= bounce->f * (AbsCosTheta(bounce->wi) / bounce->pdf);
         specular = specular && IsSpecular(bounce->flags);
         w = bounce->wi;
-        if (IsTransmissive(bounce->flags)) {
-            BxdfFlags flags = BxdfFlags::Reflection | (specular ? BxdfFlags::Specular : BxdfFlags::Glossy);
-            return BsdfSample{f, w * side, pdf, flags, 1, true};
-        }
-        f *= AbsCosTheta(w);
     }
     return {};
 }
@@ -241,13 +276,18 @@ std::optional<BsdfSample> CoatedBxdf<Base>::Sample(const Vector3 &wo, Float uc, 
 template <class Base>
 Float CoatedBxdf<Base>::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const {
     if (!Has(which, ReflTransFlags::Reflection)) return 0;
+    Float side = wo.z < 0 ? Float(-1) : Float(1);
+    if (way_ == Way::Smooth) return SameHemisphere(wo, wi) ? ClearDensity(wo * side, wi * side, mode) : 0;
     Float pdf = 0;
     if (SameHemisphere(wo, wi)) {
-        Float side = wo.z < 0 ? Float(-1) : Float(1);
         Vector3 o = wo * side, i = wi * side;
-        Rng rng(Hash(static_cast<uint64_t>(Stream::Density), o, i));
-        for (int s = 0; s < nSamples_; ++s) pdf += EstimateDensity(o, i, mode, rng);
-        pdf /= static_cast<Float>(nSamples_);
+        if (way_ == Way::Table) {
+            pdf = ClearDensity(o, i, mode);
+        } else {
+            Rng rng = NumbersFor(Stream::Density, o, i);
+            for (int s = 0; s < nSamples_; ++s) pdf += EstimateDensity(o, i, mode, rng);
+            pdf /= static_cast<Float>(nSamples_);
+        }
     }
     return Lerp(kDensityTrust, UniformSpherePdf(), pdf);
 }
@@ -257,18 +297,118 @@ Float CoatedBxdf<Base>::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode 
 /// the pictures.
 template <class Base>
 Float CoatedBxdf<Base>::EstimateDensity(const Vector3 &wo, const Vector3 &wi, TransportMode mode, Rng &rng) const {
+    const bool smoothTop = top_.IsSmooth();
+    auto draw2 = [&] { return smoothTop ? Point2() : rng.Uniform2(); };
     Float mirrored = top_.Pdf(wo, wi, mode, ReflTransFlags::Reflection);
-    auto in = Draw(top_, wo, rng, mode, ReflTransFlags::Transmission);
-    auto out = Draw(top_, wi, rng, Reverse(mode), ReflTransFlags::Transmission);
-    if (!Usable(in) || !Usable(out)) return mirrored;
-    Float base = bottom_.Pdf(-in->wi, -out->wi, mode, ReflTransFlags::All);
-    if (top_.IsSmooth()) return mirrored + base;
+    const DielectricBxdf::Drawn in = top_.DrawTransmission(wo, draw2(), mode);
+    if (!(in.weight > 0)) return mirrored;
+    const DielectricBxdf::Drawn out = top_.DrawTransmission(wi, draw2(), Reverse(mode));
+    if (!(out.weight > 0)) return mirrored;
+    Float base = bottom_.Pdf(-in.wi, -out.wi, mode, ReflTransFlags::All);
+    if (smoothTop) return mirrored + base;
 
-    auto bounce = Draw(bottom_, -in->wi, rng, mode);
+    auto bounce = Draw(bottom_, -in.wi, rng, mode);
     if (!Usable(bounce)) return mirrored;
     Float through = top_.Pdf(-bounce->wi, wi, mode, ReflTransFlags::All);
     if (IsSpecular(bounce->flags)) return mirrored + through;
-    return mirrored + PowerHeuristic(out->pdf, base) * base + PowerHeuristic(bounce->pdf, through) * through;
+    return mirrored + PowerHeuristic(out.pdf, base) * base + PowerHeuristic(bounce->pdf, through) * through;
+}
+
+template <class Base>
+Float CoatedBxdf<Base>::ThroughSmooth(const Vector3 &w) const {
+    Float cosT = 0;
+    const Float reflectance = FresnelDielectric(std::min(w.z, Float(1)), top_.Eta(), &cosT);
+    return reflectance < 1 ? (1 - reflectance) * std::exp(-thickness_ / cosT) : 0;
+}
+
+template <class Base>
+SampledSpectrum CoatedBxdf<Base>::BaseSeries(int hits) const {
+    if constexpr (std::is_same_v<Base, DiffuseBxdf>) {
+        const SampledSpectrum &r = bottom_.Reflectance();
+        const SampledSpectrum x = r * clear_.Inner();
+        SampledSpectrum sum(hits > 0 ? 1 : 0);
+        if (hits <= kSummedHits) {
+            for (int k = 1; k < hits; ++k) sum = SampledSpectrum(1) + x * sum;
+        } else {
+            sum = x.Map([hits](Float v) {
+                return v < 1 ? (1 - std::pow(v, static_cast<Float>(hits))) / (1 - v) : static_cast<Float>(hits);
+            });
+        }
+        return r * sum;
+    } else {
+        return SampledSpectrum(0);
+    }
+}
+
+template <class Base>
+template <typename CoatedBxdf<Base>::ExitWeights Weights>
+SampledSpectrum CoatedBxdf<Base>::ClearInside(const Vector3 &wo, const Vector3 &wi) const {
+    Float through;
+    if (way_ == Way::Smooth) {
+        through = ThroughSmooth(wo) * ThroughSmooth(wi);
+    } else {
+        const CoatShares leaving = clear_.At(wi.z);
+        through = clear_.At(wo.z).through * (Weights == ExitWeights::Stock ? leaving.throughStock : leaving.through);
+    }
+    // The base is hit at the first event and at every second one after it.
+    return BaseSeries((maxDepth_ + 1) / 2) * (through * InvPi / Sqr(top_.Eta()));
+}
+
+/// Reflection by the coat and by what is below it are chosen with their shares; below a smooth coat light goes out
+/// nearly as from a Lambertian surface, because refraction keeps radiance over the index squared.
+template <class Base>
+std::optional<BsdfSample> CoatedBxdf<Base>::SampleClear(const Vector3 &wo, Float uc, const Point2 &u) const {
+    const bool smooth = way_ == Way::Smooth;
+    const CoatShares shares = smooth ? CoatShares() : clear_.At(wo.z);
+    const Float mirrored = smooth ? FresnelDielectric(wo.z, top_.Eta()) : shares.mirrored;
+    if (uc < mirrored) {
+        auto sample = top_.Sample(wo, 0, u, TransportMode::Radiance, ReflTransFlags::Reflection);
+        if (!sample) return {};
+        sample->pdf *= mirrored;
+        sample->pdfIsProportional = true;
+        return sample;
+    }
+    const Vector3 wi = SampleCosineHemisphere(u);
+    if (wi.z == 0) return {};
+    const Float through =
+        (smooth ? ThroughSmooth(wo) * ThroughSmooth(wi) : shares.through * clear_.At(wi.z).through) / Sqr(top_.Eta());
+    if constexpr (std::is_same_v<Base, DiffuseBxdf>) {
+        // A walk would leave the coat at some events only, with more weight. Roulette gives the sample the second
+        // moment of a walk, so that as few paths go on with little light.
+        const Float r = bottom_.Reflectance().MaxComponent(), inner = clear_.Inner();
+        const Float survive = std::min(through * (1 - inner * Sqr(r)) / Sqr(1 - inner * r), Float(1));
+        if (!(uc - mirrored < survive * (1 - mirrored))) return {};
+        // Light leaves at the second event and at every second one after it.
+        return BsdfSample{
+            BaseSeries(maxDepth_ / 2) * (through * InvPi), wi, (1 - mirrored) * survive * CosineHemispherePdf(wi.z),
+            BxdfFlags::Reflection | BxdfFlags::Glossy,     1,  true};
+    } else {
+        return {};
+    }
+}
+
+/// Under a smooth coat the density of SampleClear, without the mirror image. Under a rough one the density of the
+/// walks, as EstimateDensity: where the direction that enters matters only by whether it does.
+template <class Base>
+Float CoatedBxdf<Base>::ClearDensity(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
+    if (way_ == Way::Smooth) return (1 - FresnelDielectric(wo.z, top_.Eta())) * CosineHemispherePdf(wi.z);
+    const Float mirrored = top_.Pdf(wo, wi, mode, ReflTransFlags::Reflection);
+    if (bottom_.Flags() == BxdfFlags::None) return mirrored;
+    const Float refracted = clear_.At(wo.z).refracted;
+    Rng rng = NumbersFor(Stream::Density, wo, wi);
+    Float sum = 0;
+    for (int s = 0; s < nSamples_; ++s) {
+        if (rng.Uniform() >= refracted) continue;
+        const DielectricBxdf::Drawn out = top_.DrawTransmission(wi, rng.Uniform2(), Reverse(mode));
+        if (!(out.weight > 0)) continue;
+        const Float base = CosineHemispherePdf(AbsCosTheta(out.wi));
+        const Vector3 up = SampleCosineHemisphere(rng.Uniform2());
+        if (up.z == 0) continue;
+        const Float bounced = CosineHemispherePdf(up.z);
+        const Float through = top_.Pdf(-up, wi, mode, ReflTransFlags::All);
+        sum += PowerHeuristic(out.pdf, base) * base + PowerHeuristic(bounced, through) * through;
+    }
+    return mirrored + sum / static_cast<Float>(nSamples_);
 }
 
 template class CoatedBxdf<DiffuseBxdf>;

@@ -1,8 +1,8 @@
 #pragma once
 #include <optional>
 
+#include "pbrt/bxdfs/coat_table.h"
 #include "pbrt/bxdfs/conductor.h"
-#include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/bxdfs/diffuse.h"
 
 namespace pbrt {
@@ -17,6 +17,9 @@ class Rng;
 /// random numbers derived from the directions: the same arguments give the same result. A walk has at most `maxDepth`
 /// events; a result is the mean of `nSamples` walks. Sample() is one walk, unbiased; its f and pdf are proportional to
 /// the true ones.
+///
+/// A clear coat on a Lambertian base needs no walks: UseTable. Then F is the mean of those walks, and Sample draws from
+/// the sampler's own numbers alone; under a smooth coat the density is exact as well.
 ///
 /// Under a rough coat F is biased on purpose: stock pbrt-v4 weights the two ways out of the coat with densities that do
 /// not belong together, which makes rough coats over bright bases brighter by up to 20 %. Pictures must agree with
@@ -36,6 +39,17 @@ class CoatedBxdf {
           nSamples_(std::max(1, nSamples)),
           scatters_(static_cast<bool>(albedo)) {}
 
+    /// Lets F and Sample use the table, made for this coat's index and thickness, if it covers the coat. Random walks
+    /// are used otherwise.
+    void UseTable(const CoatTable &table) requires std::is_same_v<Base, DiffuseBxdf> {
+        if (scatters_) return;
+        if (std::optional<ClearCoat> coat = table.At(top_.Facets())) {
+            clear_ = *coat;
+            way_ = clear_.IsSmooth() ? Way::Smooth : Way::Table;
+        }
+    }
+    bool UsesTable() const { return way_ != Way::Walk; }
+
     BxdfFlags Flags() const;
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
     /// As F, with MIS weights that add up to 1: unbiased.
@@ -48,6 +62,7 @@ class CoatedBxdf {
     void Regularize() {
         top_.Regularize();
         bottom_.Regularize();
+        way_ = Way::Walk;  // the coat is another one
     }
 
   private:
@@ -75,6 +90,8 @@ class CoatedBxdf {
 
   private:
     enum class ExitWeights { Stock, Consistent };
+    /// How light inside the coat is found.
+    enum class Way : uint8_t { Walk, Smooth, Table };
 
     /// The passage for a direction w above the coat.
     Passage Through(const Vector3 &w) const;
@@ -85,6 +102,17 @@ class CoatedBxdf {
     SampledSpectrum EstimateInside(const Vector3 &wo, const Vector3 &wi, TransportMode mode, Rng &rng) const;
     Float EstimateDensity(const Vector3 &wo, const Vector3 &wi, TransportMode mode, Rng &rng) const;
 
+    // A clear coat on a Lambertian base; directions are above the coat.
+
+    /// The share of the light along w that passes a smooth coat, as CoatShares::through.
+    Float ThroughSmooth(const Vector3 &w) const;
+    /// Reflectance of the base with all bounces below the coat, of which the base sees at most `hits`.
+    SampledSpectrum BaseSeries(int hits) const;
+    template <ExitWeights Weights>
+    SampledSpectrum ClearInside(const Vector3 &wo, const Vector3 &wi) const;
+    std::optional<BsdfSample> SampleClear(const Vector3 &wo, Float uc, const Point2 &u) const;
+    Float ClearDensity(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
+
     static constexpr Float kMinThickness = std::numeric_limits<Float>::min();
 
     DielectricBxdf top_;
@@ -93,6 +121,8 @@ class CoatedBxdf {
     Float g_, thickness_;
     int maxDepth_, nSamples_;
     bool scatters_;
+    Way way_ = Way::Walk;
+    ClearCoat clear_;  ///< unless way_ is Walk
 };
 
 extern template class CoatedBxdf<DiffuseBxdf>;

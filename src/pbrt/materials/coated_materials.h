@@ -13,25 +13,37 @@ struct CoatInput {
     int maxDepth, samples;
 
     SampledSpectrum Albedo(const SurfacePoint &point, const SampledWavelengths &lambda) const {
-        return Clamp(albedo(point, lambda), 0, 1);
+        return albedo.IsBlack() ? SampledSpectrum(0) : Clamp(albedo(point, lambda), 0, 1);
     }
     Float Asymmetry(const SurfacePoint &point) const { return std::clamp(g(point), Float(-1), Float(1)); }
+
+    /// What CoatedDiffuseBxdf can use instead of random walks; null if the coat is none that it knows.
+    std::shared_ptr<const CoatTable> Table() const {
+        const std::optional<Float> index = eta.Constant(), depth = thickness.Constant();
+        if (!index || !depth || !albedo.IsBlack() || !roughness.IsIsotropic()) return nullptr;
+        std::optional<Float> alpha;
+        if (auto constant = roughness.Constant()) alpha = constant->AlphaX();
+        return CoatTable::Shared(*index, std::max(*depth, Float(0)), alpha);
+    }
 };
 
 class CoatedDiffuseMaterial final : public SurfaceMaterial {
   public:
     CoatedDiffuseMaterial(CoatInput coat, SpectrumInput reflectance)
-        : coat_(std::move(coat)), reflectance_(std::move(reflectance)) {}
+        : coat_(std::move(coat)), reflectance_(std::move(reflectance)), table_(coat_.Table()) {}
     Bsdf GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda) const override {
         DiffuseBxdf base(Clamp(reflectance_(point, lambda), 0, 1));
         DielectricBxdf top(coat_.eta(lambda), coat_.roughness(point));
-        return MakeBsdf(point, CoatedDiffuseBxdf(top, base, coat_.thickness(point), coat_.Albedo(point, lambda),
-                                                 coat_.Asymmetry(point), coat_.maxDepth, coat_.samples));
+        CoatedDiffuseBxdf lobe(top, base, coat_.thickness(point), coat_.Albedo(point, lambda), coat_.Asymmetry(point),
+                               coat_.maxDepth, coat_.samples);
+        if (table_) lobe.UseTable(*table_);
+        return MakeBsdf(point, lobe);
     }
 
   private:
     CoatInput coat_;
     SpectrumInput reflectance_;
+    std::shared_ptr<const CoatTable> table_;  ///< null: F is estimated by random walks
 };
 
 class CoatedConductorMaterial final : public SurfaceMaterial {

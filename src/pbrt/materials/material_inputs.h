@@ -21,6 +21,10 @@ class FloatInput {
         return texture_ ? texture_->Evaluate(TextureContext(point)) : value_;
     }
     bool IsConstant() const { return !texture_; }
+    /// The value if it is the same everywhere.
+    std::optional<Float> Constant() const { return texture_ ? std::optional<Float>() : value_; }
+    /// True if both have the same value at every point, as far as that can be known.
+    bool SameAs(const FloatInput &o) const { return texture_ == o.texture_ && (texture_ || value_ == o.value_); }
 
   private:
     FloatTexturePtr texture_;  ///< null: value_ everywhere
@@ -34,7 +38,10 @@ class SpectrumInput {
     explicit SpectrumInput(SpectrumTexturePtr texture)
         : texture_(std::move(texture)),
           constant_(texture_->Constant()),
-          albedo_(dynamic_cast<const RgbAlbedoSpectrum *>(constant_)) {}
+          albedo_(dynamic_cast<const RgbAlbedoSpectrum *>(constant_)),
+          isBlack_(constant_ && constant_->MaxValue() == 0) {}
+    /// True if it is 0 everywhere.
+    bool IsBlack() const { return isBlack_; }
     SampledSpectrum operator()(const SurfacePoint &point, const SampledWavelengths &lambda) const {
         if (albedo_) return albedo_->Sample(lambda);
         if (constant_) return constant_->Sample(lambda);
@@ -45,18 +52,28 @@ class SpectrumInput {
     SpectrumTexturePtr texture_;
     const Spectrum *constant_;         ///< owned by texture_
     const RgbAlbedoSpectrum *albedo_;  ///< constant_, if it is an uplifted reflectance; else null
+    bool isBlack_;
 };
 
 /// A microfacet distribution from the roughness in both directions.
 class RoughnessInput {
   public:
     /// `remap`: the roughnesses are to be converted to the distribution's alpha.
-    RoughnessInput(FloatInput u, FloatInput v, bool remap) : u_(std::move(u)), v_(std::move(v)), remap_(remap) {
+    RoughnessInput(FloatInput u, FloatInput v, bool remap)
+        : u_(std::move(u)), v_(std::move(v)), remap_(remap), sameInBoth_(u_.SameAs(v_)) {
         if (u_.IsConstant() && v_.IsConstant()) constant_ = Distribution(u_({}), v_({}));
     }
     TrowbridgeReitz operator()(const SurfacePoint &point) const {
         if (u_.IsConstant() && v_.IsConstant()) return constant_;
-        return Distribution(u_(point), v_(point));
+        const Float u = u_(point);
+        return Distribution(u, sameInBoth_ ? u : v_(point));
+    }
+    /// True if the roughness is known to be the same in both directions.
+    bool IsIsotropic() const { return sameInBoth_; }
+    /// Where it is the same everywhere: the distribution.
+    std::optional<TrowbridgeReitz> Constant() const {
+        if (u_.IsConstant() && v_.IsConstant()) return constant_;
+        return {};
     }
 
   private:
@@ -65,7 +82,7 @@ class RoughnessInput {
                       : TrowbridgeReitz(u, v);
     }
     FloatInput u_, v_;
-    bool remap_;
+    bool remap_, sameInBoth_;
     TrowbridgeReitz constant_;
 };
 
@@ -82,6 +99,11 @@ class IndexInput {
             lambda.TerminateSecondary();
         }
         return eta == 0 ? 1 : eta;  // beyond the ends of the table
+    }
+    /// The index if it is the same at all wavelengths.
+    std::optional<Float> Constant() const {
+        if (!isConstant_) return {};
+        return value_ == 0 ? 1 : value_;
     }
 
   private:

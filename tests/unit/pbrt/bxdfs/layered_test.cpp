@@ -5,6 +5,7 @@
 #include "pbrt/bxdfs/fresnel.h"
 #include "pbrt/bxdfs/henyey_greenstein.h"
 #include "pbrt/math/rng.h"
+#include "pbrt/math/warps.h"
 #include "sphere_histogram.h"
 
 namespace pbrt {
@@ -22,9 +23,13 @@ struct Stack {
     Base bottom;
     Float thickness, albedo, g;
     int maxDepth;
+    std::shared_ptr<const CoatTable> table{};
 
     CoatedBxdf<Base> Lobe(int nSamples = 1) const {
-        return {top, bottom, thickness, SampledSpectrum(albedo), g, maxDepth, nSamples};
+        CoatedBxdf<Base> lobe(top, bottom, thickness, SampledSpectrum(albedo), g, maxDepth, nSamples);
+        if constexpr (std::is_same_v<Base, DiffuseBxdf>)
+            if (table) lobe.UseTable(*table);
+        return lobe;
     }
 };
 
@@ -36,8 +41,19 @@ ConductorBxdf Metal(Float alpha) {
 
 template <class Check>
 void ForEachStack(Check check) {
-    check(Stack<DiffuseBxdf>{"smooth on diffuse", Coat(1.5f, 0, 0), Paint(0.7f), 0.05f, 0, 0, 12});
-    check(Stack<DiffuseBxdf>{"rough on diffuse", Coat(1.6f, 0.5f, 0.5f), Paint(0.7f), 0.05f, 0, 0, 12});
+    Stack<DiffuseBxdf> smooth{"smooth on diffuse", Coat(1.5f, 0, 0), Paint(0.7f), 0.05f, 0, 0, 12};
+    Stack<DiffuseBxdf> rough{"rough on diffuse", Coat(1.6f, 0.5f, 0.5f), Paint(0.7f), 0.05f, 0, 0, 12};
+    check(smooth);
+    check(rough);
+    smooth.name = "smooth on diffuse, exact";
+    smooth.table = CoatTable::Shared(1.5f, 0.05f, 0);
+    check(smooth);
+    rough.name = "rough on diffuse, table for this roughness";
+    rough.table = CoatTable::Shared(1.6f, 0.05f, 0.5f);
+    check(rough);
+    rough.name = "rough on diffuse, table for all";
+    rough.table = CoatTable::Shared(1.6f, 0.05f, {});
+    check(rough);
     check(Stack<DiffuseBxdf>{"anisotropic on diffuse", Coat(1.4f, 0.2f, 0.7f), Paint(0.5f), 0.05f, 0, 0, 5});
     check(Stack<DiffuseBxdf>{"rough, medium, diffuse", Coat(1.5f, 0.4f, 0.4f), Paint(0.6f), 0.6f, 0.8f, 0.4f, 16});
     check(Stack<ConductorBxdf>{"smooth on rough metal", Coat(1.5f, 0, 0), Metal(0.4f), 0.01f, 0, 0, 10});
@@ -124,7 +140,7 @@ double ZOfDifference(const test::RunningStatistics &a, const test::RunningStatis
 }
 
 TEST(Layered, MeanOfConsistentFIsWhatAnalogWalksSend) {
-    double zMax = 4.8;  // 8 stacks x 2 views x 36 cells
+    double zMax = 4.8;  // 11 stacks x 2 views x 36 cells
     ForEachStack([&](const auto &stack) {
         auto lobe = stack.Lobe();
         for (Vector3 wo : {DirectionAt(35, 20), DirectionAt(70, 100)}) {
@@ -251,6 +267,78 @@ TEST(Layered, FExceedsTheConsistentValueByStocksWeights) {
     });
 }
 
+/// The mean over directions of F with a table minus F by random walks, in standard errors. What quadrature and
+/// interpolation may be off, 1e-3 of the mean, counts as one more standard error.
+double ZOfTable(const CoatedDiffuseBxdf &walks, const CoatedDiffuseBxdf &table, Float grazing, uint64_t seed) {
+    EXPECT_FALSE(walks.UsesTable());
+    EXPECT_TRUE(table.UsesTable());
+    test::RunningStatistics difference;
+    double sum = 0;
+    Rng rng(seed);
+    for (int i = 0; i < 60000; ++i) {
+        Vector3 wo = SampleCosineHemisphere(rng.Uniform2()), wi = SampleCosineHemisphere(rng.Uniform2());
+        wo.z *= grazing;
+        wo = Normalize(wo);
+        if (wo.z == 0 || wi.z == 0) continue;
+        const double f = double(table.F(wo, wi, kMode)[0]);
+        difference.Add(f - double(walks.F(wo, wi, kMode)[0]));
+        sum += f;
+    }
+    return difference.mean / std::hypot(difference.StandardError(), 1e-3 * sum / static_cast<double>(difference.n));
+}
+
+TEST(Layered, TablesHoldTheMeanOfTheWalks) {
+    const double zMax = 4.5;
+    uint64_t seed = 100;
+    for (Float eta : {1.33f, 1.5f, 2.f, 0.8f})
+        for (Float thickness : {0.001f, 0.3f}) {
+            const auto all = CoatTable::Shared(eta, thickness, {});
+            for (Float alpha : {0.f, 0.004f, 0.06f, 0.25f, 0.5f, 0.95f}) {
+                if (eta < 1 && alpha > 0) continue;
+                for (int maxDepth : {1, 4, 11, 60}) {
+                    const Stack<DiffuseBxdf> walks{"",      Coat(eta, alpha, alpha), Paint(0.75f), thickness, 0, 0,
+                                                   maxDepth};
+                    for (const auto &table : {all, CoatTable::Shared(eta, thickness, alpha)}) {
+                        Stack<DiffuseBxdf> stack = walks;
+                        stack.table = table;
+                        const Float grazing = maxDepth == 4 ? Float(0.2) : Float(1);
+                        EXPECT_LT(std::abs(ZOfTable(walks.Lobe(), stack.Lobe(), grazing, ++seed)), zMax)
+                            << "eta " << eta << " thickness " << thickness << " alpha " << alpha << " events "
+                            << maxDepth << (table == all ? ", table for all" : "");
+                    }
+                }
+            }
+        }
+    // An error of 2 % of the base is noticed.
+    Stack<DiffuseBxdf> walks{"", Coat(1.5f, 0.25f, 0.25f), Paint(0.75f), 0.01f, 0, 0, 10};
+    Stack<DiffuseBxdf> wrong = walks;
+    wrong.table = CoatTable::Shared(1.5f, 0.01f, 0.25f);
+    wrong.bottom = Paint(0.75f * 0.98f);
+    EXPECT_GT(std::abs(ZOfTable(walks.Lobe(), wrong.Lobe(), 1, 7)), zMax);
+}
+
+TEST(Layered, TablesAreUsedOnlyForTheCoatsTheyKnow) {
+    const auto one = CoatTable::Shared(1.5f, 0.01f, 0.3f), all = CoatTable::Shared(1.5f, 0.01f, {});
+    EXPECT_EQ(one, CoatTable::Shared(1.5f, 0.01f, 0.3f));
+    auto uses = [](const CoatTable &table, Float ax, Float ay, Float albedo) {
+        CoatedDiffuseBxdf lobe(Coat(1.5f, ax, ay), Paint(0.5f), 0.01f, SampledSpectrum(albedo), 0, 10, 1);
+        lobe.UseTable(table);
+        return lobe.UsesTable();
+    };
+    EXPECT_TRUE(uses(*one, 0.3f, 0.3f, 0));
+    EXPECT_TRUE(uses(*one, 0, 0, 0));
+    EXPECT_FALSE(uses(*one, 0.31f, 0.31f, 0));
+    EXPECT_FALSE(uses(*one, 0.3f, 0.3f, 0.1f));
+    EXPECT_TRUE(uses(*all, 0.31f, 0.31f, 0));
+    EXPECT_TRUE(uses(*all, 1e-3f, 1e-3f, 0));
+    EXPECT_FALSE(uses(*all, 0.31f, 0.3f, 0));
+    EXPECT_FALSE(uses(*all, 1.01f, 1.01f, 0));
+    CoatedDiffuseBxdf lobe(Coat(1.5f, 0, 0), Paint(0.5f), 0.01f, SampledSpectrum(0), 0, 10, 1);
+    lobe.UseTable(*one);
+    lobe.Regularize();
+    EXPECT_FALSE(lobe.UsesTable());
+}
+
 TEST(Layered, DensityUnderASmoothCoatIsTheBasesForTheRefractedDirections) {
     Stack<ConductorBxdf> stack{"", Coat(1.5f, 0, 0), Metal(0.4f), 0.01f, 0, 0, 10};
     auto lobe = stack.Lobe();
@@ -321,6 +409,9 @@ TEST(Layered, WhiteBaseUnderClearCoatReflectsEverything) {
     auto c = Albedo(rough, wo, 20000);
     EXPECT_LT(c.mean, 1 + 4 * c.StandardError());
     EXPECT_GT(c.mean, 0.9);
+    clear.UseTable(CoatTable(1.5f, 1e-6f, 0));
+    auto exact = Albedo(clear, wo, 20000);
+    EXPECT_LT(std::abs(exact.mean - 1), 4 * exact.StandardError() + 1e-3);
     // The limit of a metal: a mirror that absorbs nothing, under smooth coats of any index.
     for (Float eta : {1.2f, 1.5f, 2.f}) {
         ConductorBxdf mirror(TrowbridgeReitz(0, 0), SampledSpectrum(1), SampledSpectrum(1e6f));

@@ -101,6 +101,42 @@ TEST(Lobes, PdfIntegratesToOneWhereNothingIsLost) {
         EXPECT_NEAR(mass(DielectricBxdf(1.5f, TrowbridgeReitz(0.12f, 0.08f)), above, which), 1, 0.015);
 }
 
+TEST(Lobes, WhatWalksDrawAtABoundaryAgreesWithFAndPdf) {
+    Rng rng(4);
+    for (const DielectricBxdf &lobe :
+         {DielectricBxdf(1.5f, TrowbridgeReitz(0.3f, 0.3f)), DielectricBxdf(0.7f, TrowbridgeReitz(0.2f, 0.6f))})
+        for (int i = 0; i < 2000; ++i) {
+            const Vector3 wo = SampleUniformSphere(rng.Uniform2());
+            const TransportMode mode = i % 2 ? kRadiance : kImportance;
+            const Point2 u = rng.Uniform2();
+            auto expect = [&](const DielectricBxdf::Drawn &drawn, ReflTransFlags which, const char *name) {
+                if (!(drawn.weight > 0)) return;
+                const Float pdf = lobe.Pdf(wo, drawn.wi, mode, which);
+                const Float weight = lobe.F(wo, drawn.wi, mode)[0] * AbsCosTheta(drawn.wi) / pdf;
+                EXPECT_NEAR(drawn.weight / weight, 1, 3e-3f) << name;
+                EXPECT_EQ(drawn.isTransmitted, !SameHemisphere(wo, drawn.wi)) << name;
+                if (which != ReflTransFlags::Transmission) return;
+                EXPECT_NEAR(drawn.pdf / pdf, 1, 1e-2f);
+                const DielectricBxdf::Transmission both = lobe.EvaluateTransmission(wo, drawn.wi, mode);
+                EXPECT_NEAR(both.f / lobe.F(wo, drawn.wi, mode)[0], 1, 1e-5f);
+                EXPECT_NEAR(both.pdf / pdf, 1, 1e-5f);
+            };
+            expect(lobe.DrawReflection(wo, u), ReflTransFlags::Reflection, "reflection");
+            expect(lobe.DrawTransmission(wo, u, mode), ReflTransFlags::Transmission, "transmission");
+            expect(lobe.DrawEither(wo, rng.Uniform(), u, mode), ReflTransFlags::All, "either");
+        }
+    const DielectricBxdf smooth(1.5f, TrowbridgeReitz(0, 0));
+    for (int i = 0; i < 200; ++i) {
+        const Vector3 wo = SampleUniformSphere(rng.Uniform2());
+        const Float uc = rng.Uniform();
+        const auto sample = smooth.Sample(wo, uc, {}, kRadiance, ReflTransFlags::All);
+        const DielectricBxdf::Drawn drawn = smooth.DrawEither(wo, uc, {}, kRadiance);
+        ASSERT_TRUE(sample);
+        EXPECT_NEAR(drawn.weight, sample->f[0] * AbsCosTheta(sample->wi) / sample->pdf, 1e-5f);
+        EXPECT_LT(Distance(drawn.wi, sample->wi), 1e-5f);
+    }
+}
+
 TEST(Lobes, SampleAgreesWithFAndPdf) {
     Rng rng(3);
     ForEachNonSpecular([&](const char *name, const auto &lobe) {

@@ -52,19 +52,28 @@ TEST(TrowbridgeReitz, JointShadowingLiesBetweenProductAndSmaller) {
 }
 
 TEST(TrowbridgeReitz, VisibleNormalsFollowTheirDensity) {
-    size_t cases = 2 * 4;
-    for (auto [ax, ay] : {std::pair{0.3f, 0.3f}, {0.15f, 0.8f}})
-        for (Float theta : {0.f, 40.f, 75.f, 140.f}) {
-            TrowbridgeReitz facets(ax, ay);
-            Vector3 w = DirectionAt(theta, 65);
-            double mass;
-            double p = DirectionTest(
-                [&](Rng &rng) -> std::optional<Vector3> { return facets.SampleVisible(w, rng.Uniform2()); },
-                [&](const Vector3 &m) { return m.z > 0 && Dot(w, m) * w.z > 0 ? facets.VisiblePdf(w, m) : 0; }, 50000,
-                12, &mass);
-            EXPECT_GT(p, test::SidakAlpha(1e-4, cases)) << ax << ' ' << ay << ' ' << theta;
-            EXPECT_NEAR(mass, 1, 5e-3);
-        }
+    size_t cases = 2 * 2 * 4;
+    for (auto sample : {&TrowbridgeReitz::SampleVisible, &TrowbridgeReitz::SampleVisibleByCap})
+        for (auto [ax, ay] : {std::pair{0.3f, 0.3f}, {0.15f, 0.8f}})
+            for (Float theta : {0.f, 40.f, 75.f, 140.f}) {
+                TrowbridgeReitz facets(ax, ay);
+                Vector3 w = DirectionAt(theta, 65);
+                double mass;
+                double p = DirectionTest(
+                    [&](Rng &rng) -> std::optional<Vector3> { return (facets.*sample)(w, rng.Uniform2()); },
+                    [&](const Vector3 &m) { return m.z > 0 && Dot(w, m) * w.z > 0 ? facets.VisiblePdf(w, m) : 0; },
+                    50000, 12, &mass);
+                EXPECT_GT(p, test::SidakAlpha(1e-4, cases)) << ax << ' ' << ay << ' ' << theta;
+                EXPECT_NEAR(mass, 1, 5e-3);
+            }
+}
+
+TEST(TrowbridgeReitz, GOverG1IsTheirQuotient) {
+    TrowbridgeReitz facets(0.4f, 0.2f);
+    for (Float a = 5; a < 90; a += 20) {
+        const Vector3 wo = DirectionAt(a, 10), wi = DirectionAt(80 - a / 2, 200);
+        EXPECT_FLOAT_EQ(facets.GOverG1(wo, wi), facets.G(wo, wi) / facets.G1(wo));
+    }
 }
 
 TEST(TrowbridgeReitz, SmoothnessAndRegularisation) {

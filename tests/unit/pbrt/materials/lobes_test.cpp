@@ -134,9 +134,17 @@ TEST_F(Lobes, IndexBeyondItsTableIsOne) {
 }
 
 TEST_F(Lobes, CoatedDiffuse) {
-    ExpectSameScattering(Of("coateddiffuse"),
-                         By(CoatedDiffuseBxdf(DielectricBxdf(1.5f, {0, 0}), DiffuseBxdf(SampledSpectrum(.5f)), .01f,
-                                              SampledSpectrum(0), 0, 10, 1)));
+    CoatedDiffuseBxdf clear(DielectricBxdf(1.5f, {0, 0}), DiffuseBxdf(SampledSpectrum(.5f)), .01f, SampledSpectrum(0),
+                            0, 10, 1);
+    clear.UseTable(*CoatTable::Shared(1.5f, .01f, 0));
+    ExpectSameScattering(Of("coateddiffuse"), By(clear));
+    // Both directions have the roughness of one texture.
+    shop_.Define("r", false, "bilerp", Params().F("v00", .1f).F("v01", .1f).F("v10", .4f).F("v11", .4f));
+    const Float roughness = Lerp(point_.uv.x, Float(.1), Float(.4));
+    CoatedDiffuseBxdf rough(DielectricBxdf(1.5f, Rough(roughness, roughness)), DiffuseBxdf(SampledSpectrum(.5f)), .01f,
+                            SampledSpectrum(0), 0, 10, 1);
+    rough.UseTable(*CoatTable::Shared(1.5f, .01f, {}));
+    ExpectSameScattering(Of("coateddiffuse", Params("m").Tex("roughness", "r")), By(rough));
     shop_.Define("t", false, "bilerp", Params().F("v00", 0).F("v01", 0).F("v10", 1).F("v11", 1));
     Params params = Params("m")
                         .Rgb("reflectance", .2f, .3f, .6f)

@@ -1,0 +1,141 @@
+#include "pbrt/bxdfs/coat_table.h"
+
+#include <map>
+#include <mutex>
+#include <tuple>
+
+#include "pbrt/bxdfs/fresnel.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/math/warps.h"
+
+namespace pbrt {
+
+namespace {
+
+/// Rows of a table for all roughnesses: at squares of equally spaced numbers, as the shares change fastest for small
+/// alphas.
+constexpr int kAlphas = 28;
+constexpr int kDirectionPoints = 1024, kInnerCosines = 256, kInnerPoints = 128, kSmoothPoints = 4096;
+
+/// The k-th point of an additive sequence whose points lie evenly in the square (Roberts's generalised golden ratio).
+Point2 PointOfSquare(int k) {
+    constexpr double a = 0.7548776662466927, b = 0.5698402909980532;
+    double whole;
+    return {static_cast<Float>(std::modf(0.5 + a * k, &whole)), static_cast<Float>(std::modf(0.5 + b * k, &whole))};
+}
+
+Float Transmittance(Float thickness, const Vector3 &w) { return std::exp(-std::abs(thickness / w.z)); }
+
+/// Mean of the inner Fresnel reflectance, with the way up and down, over the directions that a Lambertian surface sends
+/// light to.
+Float SmoothInner(Float eta, Float thickness) {
+    double sum = 0;
+    for (int k = 0; k < kSmoothPoints; ++k) {
+        // cos^2 is uniform.
+        const Float cosine = std::sqrt((static_cast<Float>(k) + Float(0.5)) / kSmoothPoints);
+        sum += static_cast<double>(FresnelDielectric(-cosine, eta) * std::exp(-2 * thickness / cosine));
+    }
+    return static_cast<Float>(sum / kSmoothPoints);
+}
+
+}  // namespace
+
+CoatTable::CoatTable(Float eta, Float thickness, std::optional<Float> alpha)
+    : eta_(eta), thickness_(thickness), smoothInner_(SmoothInner(eta, thickness)) {
+    const Float minAlpha = Float(1e-3);  // TrowbridgeReitz::EffectivelySmooth
+    if (!alpha) {
+        const Float first = std::sqrt(minAlpha);
+        for (int k = 0; k < kAlphas; ++k)
+            alphas_.push_back(Sqr(first + (std::sqrt(kMaxAlpha) - first) * static_cast<Float>(k) / (kAlphas - 1)));
+    } else if (*alpha >= minAlpha && *alpha <= kMaxAlpha) {
+        alphas_ = {*alpha};
+    }
+    if (!alpha) alphas_.front() = minAlpha;  // as it was before rounding
+    // With 1 there is no boundary; below 1, interpolation would blur the edge of total reflection.
+    if (!(eta > 1)) alphas_.clear();
+    rows_.resize(alphas_.size());
+    inner_.resize(alphas_.size());
+    // One more than the knots of a row: the last task of a row is for inner_.
+    constexpr size_t kTasks = ClearCoat::kCosines + 1;
+    ParallelFor(static_cast<int64_t>(alphas_.size() * kTasks), 16, [&](int64_t begin, int64_t end) {
+        for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+            const size_t row = i / kTasks, knot = i % kTasks;
+            const DielectricBxdf top(eta_, TrowbridgeReitz(alphas_[row], alphas_[row]));
+            if (knot < ClearCoat::kCosines)
+                rows_[row][knot] = SharesAt(top, ClearCoat::CosineOf(knot));
+            else
+                inner_[row] = InnerReflectance(top);
+        }
+    });
+}
+
+std::shared_ptr<const CoatTable> CoatTable::Shared(Float eta, Float thickness, std::optional<Float> alpha) {
+    static std::mutex mutex;
+    static std::map<std::tuple<Float, Float, Float>, std::weak_ptr<const CoatTable>> tables;
+    const std::tuple key(eta, thickness, alpha.value_or(-1));
+    {
+        std::lock_guard lock(mutex);
+        if (std::shared_ptr<const CoatTable> table = tables[key].lock()) return table;
+    }
+    // Made without the lock, because a thread that waits for its loop may run the task of another caller.
+    auto table = std::make_shared<const CoatTable>(eta, thickness, alpha);
+    std::lock_guard lock(mutex);
+    if (std::shared_ptr<const CoatTable> other = tables[key].lock()) return other;
+    tables[key] = table;
+    return table;
+}
+
+std::optional<ClearCoat> CoatTable::At(const TrowbridgeReitz &facets) const {
+    if (facets.EffectivelySmooth() || eta_ == 1) return ClearCoat(nullptr, 0, smoothInner_);
+    const Float alpha = facets.AlphaX();
+    if (alpha != facets.AlphaY()) return {};
+    if (alphas_.size() < 2) {
+        if (alphas_.empty() || alpha != alphas_[0]) return {};
+        return ClearCoat(&rows_[0], 0, inner_[0]);
+    }
+    if (!(alpha >= alphas_.front() && alpha <= alphas_.back())) return {};
+    const Float first = std::sqrt(alphas_.front()), last = std::sqrt(alphas_.back());
+    const Float x = (std::sqrt(alpha) - first) / (last - first) * static_cast<Float>(kAlphas - 1);
+    const size_t i = std::min(static_cast<size_t>(std::max(x, Float(0))), alphas_.size() - 2);
+    const Float fraction = std::clamp(x - static_cast<Float>(i), Float(0), Float(1));
+    return ClearCoat(&rows_[i], fraction, Lerp(fraction, inner_[i], inner_[i + 1]));
+}
+
+CoatShares CoatTable::SharesAt(const DielectricBxdf &top, Float cosine) const {
+    const Vector3 wo(SafeSqrt(1 - cosine * cosine), 0, cosine);
+    double through = 0, throughStock = 0, mirrored = 0;
+    int refracted = 0;
+    for (int k = 0; k < kDirectionPoints; ++k) {
+        const Point2 u = PointOfSquare(k);
+        mirrored += static_cast<double>(FresnelDielectric(Dot(wo, top.Facets().SampleVisibleByCap(wo, u)), eta_));
+        const DielectricBxdf::Drawn drawn = top.DrawTransmission(wo, u, TransportMode::Importance);
+        if (!(drawn.weight > 0)) continue;
+        ++refracted;
+        const Float base = CosineHemispherePdf(AbsCosTheta(drawn.wi));
+        const Float share = drawn.weight * Transmittance(thickness_, drawn.wi);
+        // Stock weights the way from the base out along wo with the density of leaving, instead of entering.
+        const Float leaving = top.EvaluateTransmission(drawn.wi, wo, TransportMode::Radiance).pdf;
+        through += static_cast<double>(share);
+        throughStock += static_cast<double>(share * (PowerHeuristic(drawn.pdf, base) + PowerHeuristic(base, leaving)));
+    }
+    auto mean = [](double sum) { return static_cast<Float>(sum / kDirectionPoints); };
+    return {mean(through), mean(throughStock), mean(mirrored), mean(refracted)};
+}
+
+Float CoatTable::InnerReflectance(const DielectricBxdf &top) const {
+    double sum = 0;
+    for (int i = 0; i < kInnerCosines; ++i) {
+        // Back along a direction that the base sends light to: cos^2 is uniform.
+        const Float cos2 = (static_cast<Float>(i) + Float(0.5)) / kInnerCosines;
+        const Vector3 down(-SafeSqrt(1 - cos2), 0, -std::sqrt(cos2));
+        double reflected = 0;
+        for (int k = 0; k < kInnerPoints; ++k) {
+            const DielectricBxdf::Drawn drawn = top.DrawReflection(down, PointOfSquare(i * kInnerPoints + k));
+            if (drawn.weight > 0) reflected += static_cast<double>(drawn.weight * Transmittance(thickness_, drawn.wi));
+        }
+        sum += reflected * static_cast<double>(Transmittance(thickness_, down));
+    }
+    return static_cast<Float>(sum / (kInnerCosines * kInnerPoints));
+}
+
+}  // namespace pbrt

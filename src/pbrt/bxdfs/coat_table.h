@@ -1,0 +1,95 @@
+#pragma once
+#include <array>
+#include <bit>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pbrt/bxdfs/dielectric.h"
+
+namespace pbrt {
+
+/// What a clear coat, seen from one direction above it, does to light; means over its facets.
+struct CoatShares {
+    Float through = 0;       ///< share of the light that arrives at the base below, the medium's absorption included
+    Float throughStock = 0;  ///< the same, with the weights by which stock pbrt-v4 combines the two ways out of a coat
+    Float mirrored = 0;      ///< Fresnel's reflectance of the facets that are visible
+    Float refracted = 0;     ///< probability that the direction refracted at a visible facet goes down
+};
+
+/// The coat at one point of a surface: its roughness chosen, the direction still open. Points into a CoatTable.
+class ClearCoat {
+  public:
+    /// Knots over the cosine, at squares of equally spaced numbers: the shares change fastest at grazing angles.
+    static constexpr size_t kCosines = 64;
+    static Float CosineOf(size_t knot) {
+        return std::max(Sqr(static_cast<Float>(knot) / static_cast<Float>(kCosines - 1)), Float(1e-4));
+    }
+    using Row = std::array<CoatShares, kCosines>;
+
+    ClearCoat() = default;
+    /// `row` null: the coat is smooth. Else between `row` and the one behind it, `fraction` of the way.
+    ClearCoat(const Row *row, Float fraction, Float inner)
+        : row_(std::bit_cast<Pointer>(row)), fraction_(fraction), inner_(inner) {}
+
+    bool IsSmooth() const { return !std::bit_cast<const Row *>(row_); }
+    /// The shares for a direction with this cosine, above 0. Only for rough coats.
+    CoatShares At(Float cosine) const;
+    /// Share of the light that a Lambertian surface sends up from below and that the coat sends back down to it.
+    Float Inner() const { return inner_; }
+
+  private:
+    /// The pointer in pieces of 32 bits: see MeasuredBxdf.
+    using Pointer = std::array<uint32_t, sizeof(void *) / sizeof(uint32_t)>;
+    Pointer row_{};
+    Float fraction_ = 0, inner_ = 0;
+};
+
+/// The shares of clear isotropic coats of one index and thickness, for one roughness or for all. A Lambertian base
+/// forgets where its light came from; so the light that enters the coat along wo, is reflected k + 1 times by a base of
+/// reflectance R, and leaves along wi is
+///
+///     through(wo) through(wi) / eta^2  (R / pi)  (R Inner)^k,
+///
+/// and what random walks in the coat estimate is a geometric series (CoatedBxdf). The integrals are computed once, by
+/// quadrature with fixed points; that and the interpolation are exact to a few 1e-4 of the mean over directions. Coats
+/// of an index below 1 are covered only if they are smooth.
+class CoatTable {
+  public:
+    /// Above this alpha there is no table.
+    static constexpr Float kMaxAlpha = 1;
+
+    /// A table that all callers with the same arguments share; it is freed with its last owner. `alpha`: the only
+    /// roughness that is asked for; without it the table is for all up to kMaxAlpha. `thickness` as in CoatedBxdf.
+    static std::shared_ptr<const CoatTable> Shared(Float eta, Float thickness, std::optional<Float> alpha);
+    CoatTable(Float eta, Float thickness, std::optional<Float> alpha);
+
+    /// The coat where its facets are `facets`; empty if the table does not cover them.
+    std::optional<ClearCoat> At(const TrowbridgeReitz &facets) const;
+
+  private:
+    CoatShares SharesAt(const DielectricBxdf &top, Float cosine) const;
+    Float InnerReflectance(const DielectricBxdf &top) const;
+
+    Float eta_, thickness_;
+    Float smoothInner_ = 0;
+    std::vector<Float> alphas_;  ///< increasing
+    std::vector<ClearCoat::Row> rows_;
+    std::vector<Float> inner_;  ///< by row
+};
+
+inline CoatShares ClearCoat::At(Float cosine) const {
+    const Float x = std::sqrt(std::min(cosine, Float(1))) * static_cast<Float>(kCosines - 1);
+    const size_t i = std::min(static_cast<size_t>(x), kCosines - 2);
+    const Float right = x - static_cast<Float>(i), left = 1 - right;
+    auto blend = [](const CoatShares &a, Float wa, const CoatShares &b, Float wb) {
+        return CoatShares{a.through * wa + b.through * wb, a.throughStock * wa + b.throughStock * wb,
+                          a.mirrored * wa + b.mirrored * wb, a.refracted * wa + b.refracted * wb};
+    };
+    const Row *row = std::bit_cast<const Row *>(row_);
+    const CoatShares here = blend(row[0][i], left, row[0][i + 1], right);
+    if (fraction_ == 0) return here;
+    return blend(here, 1 - fraction_, blend(row[1][i], left, row[1][i + 1], right), fraction_);
+}
+
+}  // namespace pbrt

@@ -126,7 +126,14 @@ class Reader {
         const Float dx = x - fx, dy = y - fy;
         const Point2i p(ToPixel(fx), ToPixel(fy));
         Texel<N> sum;
-        if (p.x >= 0 && p.y >= 0 && p.x + 1 < level.width && p.y + 1 < level.height) {
+        if (view_.wrap == WrapMode::Repeat) {
+            const int x0 = p.x & (level.width - 1), x1 = (p.x + 1) & (level.width - 1);
+            const int y0 = p.y & (level.height - 1), y1 = (p.y + 1) & (level.height - 1);
+            sum.AddScaled((1 - dx) * (1 - dy), Load(level, x0, y0));
+            sum.AddScaled(dx * (1 - dy), Load(level, x1, y0));
+            sum.AddScaled((1 - dx) * dy, Load(level, x0, y1));
+            sum.AddScaled(dx * dy, Load(level, x1, y1));
+        } else if (p.x >= 0 && p.y >= 0 && p.x + 1 < level.width && p.y + 1 < level.height) {
             sum.AddScaled((1 - dx) * (1 - dy), Load(level, p.x, p.y));
             sum.AddScaled(dx * (1 - dy), Load(level, p.x + 1, p.y));
             sum.AddScaled((1 - dx) * dy, Load(level, p.x, p.y + 1));
@@ -184,6 +191,9 @@ class Reader {
         c /= f;
         const Point2i low(ToPixel(std::ceil(center.x - extent.x)), ToPixel(std::ceil(center.y - extent.y)));
         const Point2i high(ToPixel(std::floor(center.x + extent.x)), ToPixel(std::floor(center.y + extent.y)));
+        // Most images repeat; their texels are read without a call.
+        const bool repeats = view_.wrap == WrapMode::Repeat;
+        const Point2i mask(level.width - 1, level.height - 1);
         Texel<N> sum;
         Float weights = 0;
         for (int y = low.y; y <= high.y; ++y) {
@@ -194,7 +204,7 @@ class Reader {
                 if (!(r2 < 1)) continue;
                 const int index = std::clamp(static_cast<int>(r2 * GaussianEntries), 0, GaussianEntries - 1);
                 const Float weight = GaussianTable[static_cast<size_t>(index)];
-                sum.AddScaled(weight, At(level, {x, y}));
+                sum.AddScaled(weight, repeats ? Load(level, x & mask.x, y & mask.y) : At(level, {x, y}));
                 weights += weight;
             }
         }

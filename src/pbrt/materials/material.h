@@ -31,13 +31,18 @@ class Material {
 
     /// True for interface.
     virtual bool IsInterface() const { return false; }
+    /// True if Resolve returns this, PerturbShading does nothing and the material is no interface: GetBsdf is all.
+    bool IsPlain() const { return isPlain_; }
 
     /// True if a texture of the material, or of those that it mixes, uses the point's filter footprint.
     bool NeedsFootprint() const { return needsFootprint_; }
     void SetNeedsFootprint(bool needs) { needsFootprint_ = needs; }
 
+  protected:
+    void SetPlain(bool plain) { isPlain_ = plain; }
+
   private:
-    bool needsFootprint_ = false;
+    bool needsFootprint_ = false, isPlain_ = false;
 };
 using MaterialPtr = std::shared_ptr<const Material>;
 

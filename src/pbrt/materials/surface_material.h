@@ -11,14 +11,21 @@ namespace pbrt {
 /// the normal map is used.
 class SurfaceMaterial : public Material {
   public:
+    SurfaceMaterial() { SetPlain(true); }
     void PerturbShading(SurfacePoint &point) const final {
         if (normalMap_)
             normalMap_->Perturb(point);
         else if (bumpMap_)
             bumpMap_->Perturb(point);
     }
-    void SetNormalMap(std::unique_ptr<const NormalMap> map) { normalMap_ = std::move(map); }
-    void SetBumpMap(BumpMap map) { bumpMap_ = std::move(map); }
+    void SetNormalMap(std::unique_ptr<const NormalMap> map) {
+        normalMap_ = std::move(map);
+        SetPlain(false);
+    }
+    void SetBumpMap(BumpMap map) {
+        bumpMap_ = std::move(map);
+        SetPlain(false);
+    }
 
   protected:
     template <class Lobe>

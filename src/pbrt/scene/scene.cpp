@@ -1,5 +1,8 @@
 #include "pbrt/scene/scene.h"
 
+#include <new>
+#include <type_traits>
+
 #include "pbrt/core/counters.h"
 #include "pbrt/core/error.h"
 
@@ -31,7 +34,9 @@ std::optional<SurfacePoint> Scene::Intersect(const Ray &ray) const {
 bool Scene::Intersect(const Ray &ray, SurfacePoint *point) const {
     ++ThreadCounters().closestHitRays;
     std::optional<AccelHit> hit = parts_.accel->Intersect(ray);
-    if (hit) *point = SurfaceAt(*hit, ray);
+    // Made in its place, without a copy.
+    static_assert(std::is_trivially_destructible_v<SurfacePoint>);
+    if (hit) new (point) SurfacePoint(SurfaceAt(*hit, ray));
     return hit.has_value();
 }
 

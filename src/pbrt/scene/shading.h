@@ -7,7 +7,10 @@ namespace pbrt {
 /// Needs the footprint filled if the material's textures filter. May terminate secondary wavelengths.
 inline Bsdf ComputeBsdf(const Scene &scene, SurfacePoint &point, SampledWavelengths &lambda) {
     if (!point.material) return {};
-    const Material *material = scene.MaterialOf(point.material).Resolve(point);
+    const Material *material = &scene.MaterialOf(point.material);
+    if (material->IsPlain()) [[likely]]
+        return material->GetBsdf(point, lambda);
+    material = material->Resolve(point);
     if (!material || material->IsInterface()) return {};
     material->PerturbShading(point);
     return material->GetBsdf(point, lambda);

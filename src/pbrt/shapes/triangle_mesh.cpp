@@ -157,17 +157,18 @@ SurfacePoint TriangleMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
     s.pError = Gamma(7) * (Abs(b.x * c.p0) + Abs(b.y * c.p1) + Abs(b.z * c.p2));
     s.uv = UvAt(primitive, b);
 
-    Point2 uv0(0, 0), uv1(1, 0), uv2(1, 1);
+    // Without coordinates the corners have (0, 0), (1, 0) and (1, 1), so that the determinant is 1.
+    Vector2 duv02(-1, -1), duv12(0, -1);
+    Float inverse = 1;
+    bool degenerateUv = false;
     if (!mesh_.uv.empty()) {
-        uv0 = mesh_.uv[v[0]];
-        uv1 = mesh_.uv[v[1]];
-        uv2 = mesh_.uv[v[2]];
+        duv02 = mesh_.uv[v[0]] - mesh_.uv[v[2]];
+        duv12 = mesh_.uv[v[1]] - mesh_.uv[v[2]];
+        const Float determinant = DifferenceOfProducts(duv02.x, duv12.y, duv02.y, duv12.x);
+        degenerateUv = std::abs(determinant) < Float(1e-9);
+        inverse = degenerateUv ? 0 : 1 / determinant;
     }
-    Vector2 duv02 = uv0 - uv2, duv12 = uv1 - uv2;
     Vector3 dp02 = c.p0 - c.p2, dp12 = c.p1 - c.p2;
-    Float determinant = DifferenceOfProducts(duv02.x, duv12.y, duv02.y, duv12.x);
-    bool degenerateUv = std::abs(determinant) < Float(1e-9);
-    Float inverse = degenerateUv ? 0 : 1 / determinant;
     // Change per unit of u and of v of a quantity that changes by d02 and d12 along the edges from corner 2.
     auto perU = [&](const Vector3 &d02, const Vector3 &d12) { return (duv12.y * d02 - duv02.y * d12) * inverse; };
     auto perV = [&](const Vector3 &d02, const Vector3 &d12) { return (duv02.x * d12 - duv12.x * d02) * inverse; };

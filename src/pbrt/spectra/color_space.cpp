@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstring>
 #include <limits>
 
 #include "pbrt/core/error.h"
@@ -60,6 +61,15 @@ AxisPlace PlaceOfScale(Float scale) {
 Rgb Bounded(const Rgb &rgb, Float bound) {
     auto component = [bound](Float v) { return std::min(std::max(Float(0), v), bound); };
     return {component(rgb.x), component(rgb.y), component(rgb.z)};
+}
+
+/// Three coefficients and one value that does not matter: four are one register.
+using Quad = std::array<Float, 4>;
+
+Quad Between(Float t, const Quad &a, const Quad &b) {
+    Quad r;
+    for (size_t i = 0; i < 4; ++i) r[i] = b[i] * t + a[i] * (1 - t);
+    return r;
 }
 
 /// Which component is the largest; the last of equal ones.
@@ -135,14 +145,18 @@ SigmoidPolynomial ColorSpace::ToPolynomial(const Rgb &rgb) const {
     // Linear interpolation of the coefficients along the three axes in turn, from the 8 nodes around the colour.
     const AxisPlace x = PlaceOfRatio(next / largest), y = PlaceOfRatio(afterNext / largest);
     const AxisPlace scale = PlaceOfScale(largest);
-    auto node = [&](size_t above, size_t up, size_t right) {
-        const float *c = table_ + RgbTableIndex(slab, scale.node + above, y.node + up, x.node + right);
-        return Vector3(c[0], c[1], c[2]);
+    const float *first = table_ + RgbTableIndex(slab, scale.node, y.node, x.node);
+    constexpr size_t kUp = RgbTableIndex(0, 0, 1, 0), kAbove = RgbTableIndex(0, 1, 0, 0);
+    auto row = [&](const float *left) {
+        // The node on the right begins after the three coefficients of this one; it is read with the last of them.
+        Quad a, b;
+        std::memcpy(&a, left, sizeof a);
+        std::memcpy(&b, left + 2, sizeof b);
+        return Between(x.fraction, a, Quad{b[1], b[2], b[3], b[3]});
     };
-    auto row = [&](size_t above, size_t up) { return Lerp(x.fraction, node(above, up, 0), node(above, up, 1)); };
-    auto plane = [&](size_t above) { return Lerp(y.fraction, row(above, 0), row(above, 1)); };
-    const Vector3 c = Lerp(scale.fraction, plane(0), plane(1));
-    return {c.x, c.y, c.z};
+    auto plane = [&](const float *left) { return Between(y.fraction, row(left), row(left + kUp)); };
+    const Quad c = Between(scale.fraction, plane(first), plane(first + kAbove));
+    return {c[0], c[1], c[2]};
 }
 
 glm::mat3 ConvertRgbMatrix(const ColorSpace &from, const ColorSpace &to) {

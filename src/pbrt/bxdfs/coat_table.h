@@ -52,7 +52,7 @@ class ClearCoat {
 ///     through(wo) through(wi) / eta^2  (R / pi)  (R Inner)^k,
 ///
 /// and what random walks in the coat estimate is a geometric series (CoatedBxdf). The integrals are computed once, by
-/// quadrature with fixed points; that and the interpolation are exact to some 1e-4 of the mean over directions. Coats
+/// quadrature with fixed points; that and the interpolation are exact to a few 1e-4 of the mean over directions. Coats
 /// of an index below 1 are covered only if they are smooth.
 class CoatTable {
   public:

@@ -370,11 +370,21 @@ std::optional<BsdfSample> CoatedBxdf<Base>::SampleClear(const Vector3 &wo, Float
     }
     const Vector3 wi = SampleCosineHemisphere(u);
     if (wi.z == 0) return {};
-    const Float through = smooth ? ThroughSmooth(wo) * ThroughSmooth(wi) : shares.through * clear_.At(wi.z).through;
-    // Light leaves at the second event and at every second one after it.
-    const SampledSpectrum f = BaseSeries(maxDepth_ / 2) * (through * InvPi / Sqr(top_.Eta()));
-    return BsdfSample{f, wi,     (1 - mirrored) * CosineHemispherePdf(wi.z), BxdfFlags::Reflection | BxdfFlags::Glossy,
-                      1, !smooth};
+    const Float through =
+        (smooth ? ThroughSmooth(wo) * ThroughSmooth(wi) : shares.through * clear_.At(wi.z).through) / Sqr(top_.Eta());
+    if constexpr (std::is_same_v<Base, DiffuseBxdf>) {
+        // A walk would leave the coat at some events only, with more weight. Roulette gives the sample the second
+        // moment of a walk, so that as few paths go on with little light.
+        const Float r = bottom_.Reflectance().MaxComponent(), inner = clear_.Inner();
+        const Float survive = std::min(through * (1 - inner * Sqr(r)) / Sqr(1 - inner * r), Float(1));
+        if (!(uc - mirrored < survive * (1 - mirrored))) return {};
+        // Light leaves at the second event and at every second one after it.
+        return BsdfSample{
+            BaseSeries(maxDepth_ / 2) * (through * InvPi), wi, (1 - mirrored) * survive * CosineHemispherePdf(wi.z),
+            BxdfFlags::Reflection | BxdfFlags::Glossy,     1,  true};
+    } else {
+        return {};
+    }
 }
 
 /// Under a smooth coat the density of SampleClear, without the mirror image. Under a rough one the density of the

@@ -184,12 +184,7 @@ TEST(Layered, SampleSendsWhatAnalogWalksSend) {
                 auto s = lobe.Sample(wo, uc, rng.Uniform2(), kMode, ReflTransFlags::All);
                 size_t hit = s ? static_cast<size_t>(Cell(s->wi)) : cells.size();
                 if (s) {
-                    // Only where everything is exact is the density of light from below the coat known.
-                    EXPECT_EQ(s->pdfIsProportional, !(stack.table && stack.top.IsSmooth() && !IsSpecular(s->flags)));
-                    if (!s->pdfIsProportional) {
-                        EXPECT_FLOAT_EQ(lobe.Pdf(wo, s->wi, kMode, ReflTransFlags::All), s->pdf);
-                        EXPECT_FLOAT_EQ(lobe.F(wo, s->wi, kMode)[0], s->f[0]);
-                    }
+                    EXPECT_TRUE(s->pdfIsProportional);
                     EXPECT_TRUE(IsReflective(s->flags) && !IsTransmissive(s->flags));
                 }
                 for (size_t c = 0; c < cells.size(); ++c)

@@ -58,8 +58,8 @@ void SpectralFilm::AddSample(const FilmSample &sample) {
         const Float pdf = sample.lambda.PdfAt(i);
         if (pdf == 0) continue;
         // A wavelength that goes on alone also stands for those that were terminated: its density is smaller by that
-        // factor.
-        const double w = double(sample.weight) / double(pdf * range);
+        // factor. In single precision, so that its products are exact (PreciseSum).
+        const auto w = double(sample.weight / (pdf * range));
         Sums &bucket = sums[BucketOf(sample.lambda[i])];
         bucket.radiance.Add(w * double(sample.L[i] * scale));
         bucket.weight.Add(w);

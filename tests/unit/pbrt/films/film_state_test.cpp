@@ -174,7 +174,7 @@ TEST_P(EveryFilm, AFilmMadeFromItsRecipeMakesTheSamePicture) {
     const Image a = film->ToImage(), b = again->ToImage();
     ASSERT_EQ(a.Bytes(), b.Bytes());
     EXPECT_EQ(std::memcmp(a.Data(), b.Data(), a.Bytes()), 0);
-    recipe.exposureTime = Float(0.2);
+    recipe.colorSpace = "srgb";
     auto other = recipe.Make();
     Load(*other, Saved(*film));
     EXPECT_NE(std::memcmp(a.Data(), other->ToImage().Data(), a.Bytes()), 0);

@@ -216,7 +216,8 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     // reported at once, before big shapes are read.
     if (std::any_of(sink.All().begin(), sink.All().end(), IsOfCommandLine)) ThrowIfErrors(sink, checked);
 
-    built.memory = EstimateMemory(d, built.film ? static_cast<double>(built.film->Bytes()) : 0, options.textureCacheMb <= 0);
+    built.memory =
+        EstimateMemory(d, built.film ? static_cast<double>(built.film->Bytes()) : 0, options.textureCacheMb <= 0);
     Collect(sink, [&] { RequireMemory(built.memory); });
     if (std::any_of(sink.All().begin(), sink.All().end(), IsOfCommandLine)) ThrowIfErrors(sink, checked);
 

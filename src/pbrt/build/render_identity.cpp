@@ -87,8 +87,8 @@ RenderIdentity LightIdentity(const Scene &scene, const std::string &lightSampler
     identity["the light sampler"] = lightSampler;
     identity["the light sampler's parameters"] = parameters;
     const Bounds3 &b = scene.Bounds();
-    identity["the scene's bounding box"] = fmt::format("({}, {}, {}) to ({}, {}, {})", b.low.x, b.low.y, b.low.z,
-                                                       b.high.x, b.high.y, b.high.z);
+    identity["the scene's bounding box"] =
+        fmt::format("({}, {}, {}) to ({}, {}, {})", b.low.x, b.low.y, b.low.z, b.high.x, b.high.y, b.high.z);
     const LightTable &lights = scene.Lights();
     identity["the number of lights"] = std::to_string(lights.WholeCount());
     identity["the number of lights with their parts"] = std::to_string(lights.Size());

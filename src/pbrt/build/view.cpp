@@ -57,9 +57,10 @@ View MakeView(SceneDescription &d, const BuildOptions &options, const Placement 
     Collect(sink, [&] { view.filter = Filters().Make(d.filter.type, d.filter.params, FilterContext{sink}); });
     const Float exposure = ExposureTime(d.camera.params);
     Collect(sink, [&] {
-        view.film = MakeFilm(
-            d.film.type, d.film.params,
-            {SpaceOf(d.film), exposure, FilmOverridesOf(options), placement.renderFromCamera, placement.renderFromWorld}, sink);
+        view.film = MakeFilm(d.film.type, d.film.params,
+                             {SpaceOf(d.film), exposure, FilmOverridesOf(options), placement.renderFromCamera,
+                              placement.renderFromWorld},
+                             sink);
     });
     const Point2i resolution = view.film ? view.film->FullResolution() : Point2i(16, 16);
     const Float diagonal = view.film ? view.film->DiagonalMm() : 35;

@@ -23,8 +23,9 @@ struct FilmSample {
     std::optional<VisibleSurface> visible;  ///< only for films that want it; empty: no surface is seen
 };
 
-/// Sums up what is measured in every pixel, and makes the picture. Sums are kept per pixel and in twice double precision
-/// (PreciseSum), so that neither the order of samples matters nor how they are divided among films that are merged.
+/// Sums up what is measured in every pixel, and makes the picture. Sums are kept per pixel and in twice double
+/// precision (PreciseSum), so that neither the order of samples matters nor how they are divided among films that are
+/// merged.
 class Film {
   public:
     virtual ~Film() = default;
@@ -63,9 +64,9 @@ class Film {
     virtual std::unique_ptr<Film> MakeRgbFilm() const = 0;
 
     /// Save writes all sums bit by bit, in this machine's byte order. A film that loads them continues exactly as this
-    /// one would. Merge adds them to those of the film, as if the samples of both had been added to one film, to the bit
-    /// in any order as far as PreciseSum is exact. Load and Merge throw UserError, and leave the
-    /// film as it was, if the state is incomplete or not of a film of this kind and these pixels.
+    /// one would. Merge adds them to those of the film, as if the samples of both had been added to one film, to the
+    /// bit in any order as far as PreciseSum is exact. Load and Merge throw UserError, and leave the film as it was, if
+    /// the state is incomplete or not of a film of this kind and these pixels.
     void Save(std::ostream &out) const;
     /// The same without a copy: the writer refers to the sums of this film.
     void Save(StateWriter &out) const;

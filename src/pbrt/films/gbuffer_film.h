@@ -53,7 +53,7 @@ class GBufferFilm final : public Film {
         };
         Sums<3> p, n, ns, albedo;
         Sums<2> uv, dz;
-        PreciseSum weight;  ///< of samples that see a surface
+        PreciseSum weight;        ///< of samples that see a surface
         Sums<3> sensor, squares;  ///< of those samples, without weights
         uint64_t count = 0;       ///< of those samples
         void operator+=(const Pixel &other);

@@ -19,13 +19,13 @@ std::string DifferencesOf(const RenderIdentity &mine, const RenderIdentity &othe
 /// merged with others.
 struct RenderFileHead {
     RenderIdentity identity;
-    int samplesFlag = 0;     ///< --spp of the first run, which decides the pattern of samples; 0: the scene's
-    int samplesPerBatch = 1; ///< of a pixel, in a batch of the pixel sampler
-    int first = 0, end = 1;  ///< which samples were asked for; `end` 0: as many as a given time allows
-    bool isPart = false;     ///< asked for by --samples
-    int done = 0;            ///< the film has the samples [first, done) of every pixel
-    int passCount = 0;       ///< see RenderPosition; passDone is a section of its own
-    double seconds = 0;      ///< since the start of the program, added up over its runs
+    int samplesFlag = 0;      ///< --spp of the first run, which decides the pattern of samples; 0: the scene's
+    int samplesPerBatch = 1;  ///< of a pixel, in a batch of the pixel sampler
+    int first = 0, end = 1;   ///< which samples were asked for; `end` 0: as many as a given time allows
+    bool isPart = false;      ///< asked for by --samples
+    int done = 0;             ///< the film has the samples [first, done) of every pixel
+    int passCount = 0;        ///< see RenderPosition; passDone is a section of its own
+    double seconds = 0;       ///< since the start of the program, added up over its runs
     double renderSeconds = 0;
     FilmRecipe film;
     ImageMetadata metadata;  ///< attributes of the picture that the film makes

@@ -5,9 +5,9 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/log.h"
-#include "pbrt/scenefile/content_hash.h"
 #include "pbrt/lab/machine.h"
 #include "pbrt/lab/tile_statistics.h"
+#include "pbrt/scenefile/content_hash.h"
 #include "version.h"
 
 namespace pbrt::lab {

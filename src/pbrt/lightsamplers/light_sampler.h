@@ -135,11 +135,12 @@ class LightSampler {
     }
     /// Null if nothing is learned after Prepare.
     virtual LightLearner *Learner() { return nullptr; }
-    /// True if SaveLearned writes something. Other samplers are made anew by Prepare, which gives the same bits whenever
-    /// scene, camera, seed and numbers in PrepareContext are the same.
+    /// True if SaveLearned writes something. Other samplers are made anew by Prepare, which gives the same bits
+    /// whenever scene, camera, seed and numbers in PrepareContext are the same.
     virtual bool SavesLearned() const { return false; }
-    /// Writes all that Prepare and the learner made, for PrepareContext::learned; the writer may refer to memory of this
-    /// object. `goesOn` false: only what choosing lights needs, not what learning more needs. Not while rays are traced.
+    /// Writes all that Prepare and the learner made, for PrepareContext::learned; the writer may refer to memory of
+    /// this object. `goesOn` false: only what choosing lights needs, not what learning more needs. Not while rays are
+    /// traced.
     virtual void SaveLearned(StateWriter &writer, bool goesOn) const {
         (void)writer;
         (void)goesOn;

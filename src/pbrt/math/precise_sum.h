@@ -41,11 +41,13 @@ class PreciseSum {
     double high_ = 0, low_ = 0;
 };
 
-/// The sample variance of n numbers (divided by n - 1) from their sum and the sum of their squares; 0 for fewer than two.
-/// The difference is taken with 113 bits, more than both sums have.
+/// The sample variance of n numbers (divided by n - 1) from their sum and the sum of their squares; 0 for fewer than
+/// two. The difference is taken with 113 bits, more than both sums have.
 inline double VarianceOf(const PreciseSum &sum, const PreciseSum &squares, double n) {
     if (!(n > 1)) return 0;
-    const auto whole = [](const PreciseSum &s) { return static_cast<__float128>(s.Value()) + static_cast<__float128>(s.Rest()); };
+    const auto whole = [](const PreciseSum &s) {
+        return static_cast<__float128>(s.Value()) + static_cast<__float128>(s.Rest());
+    };
     const __float128 s = whole(sum);
     return std::fmax(0.0, static_cast<double>((whole(squares) - s * s / static_cast<__float128>(n)) /
                                               static_cast<__float128>(n - 1)));

@@ -14,8 +14,8 @@
 #include "pbrt/core/log.h"
 #include "pbrt/images/image.h"
 #include "pbrt/lab/campaign_display.h"
-#include "pbrt/scenefile/content_hash.h"
 #include "pbrt/lab/reference_cache.h"
+#include "pbrt/scenefile/content_hash.h"
 
 namespace pbrt::lab {
 

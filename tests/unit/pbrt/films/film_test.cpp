@@ -279,7 +279,7 @@ TEST_F(FilmTest, APictureThatDoesNotFitIsNotAllocated) {
         Make();
         FAIL();
     } catch (const UserError &e) {
-        EXPECT_NE(std::string(e.what()).find("Film \"rgb\": a picture of 100000 x 1000000 pixels needs about 4.4 TB of "
+        EXPECT_NE(std::string(e.what()).find("Film \"rgb\": a picture of 100000 x 1000000 pixels needs about 7.6 TB of "
                                              "memory, but this process can use "),
                   std::string::npos)
             << e.what();

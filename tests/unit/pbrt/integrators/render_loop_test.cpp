@@ -194,8 +194,9 @@ TEST_F(RenderLoop, GoingOnRepeatsOnlyWhatIsLearnedFrom) {
     renderer.ContinueFrom(10);
     EXPECT_EQ(renderer.Done(), 10);
     EXPECT_EQ(renderer.Render(5), 5);
-    EXPECT_EQ(integrator_.passes,
-              (std::vector<Pass>{{0, 0, 1, false}, {0, 1, 5, false}, {0, 6, 4, false}, {0, 10, 5}}));
+    EXPECT_EQ(
+        integrator_.passes,
+        (std::vector<Pass>{{0, 0, 1, false, false}, {0, 1, 5, false, false}, {0, 6, 4, false, false}, {0, 10, 5}}));
 
     integrator_.learner = nullptr;
     integrator_.passes.clear();

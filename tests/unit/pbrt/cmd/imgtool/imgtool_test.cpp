@@ -41,7 +41,7 @@ TEST_F(Imgtool, OptionsAreThoseOfTheDocument) {
         std::smatch cells;
         if (here && std::regex_match(line, cells, kRow)) documented[cells[1]] = options(cells[2]);
     }
-    EXPECT_EQ(documented.size(), 14u);
+    EXPECT_EQ(documented.size(), 15u);
     for (const auto &[command, known] : documented) {
         const Outcome o = Run("help " + command);
         EXPECT_EQ(o.status, 0) << command;

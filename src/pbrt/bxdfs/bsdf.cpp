@@ -87,6 +87,13 @@ Float Bsdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTr
     return Dispatch(lobe_, [&](const auto &lobe) { return lobe.Pdf(o, i, mode, which); });
 }
 
+void Bsdf::UseWalks() {
+    Dispatch(lobe_, [](auto &lobe) {
+        if constexpr (requires { lobe.UseWalks(); }) lobe.UseWalks();
+        return true;
+    });
+}
+
 void Bsdf::Regularize() {
     flags_ = Dispatch(lobe_, [](auto &lobe) {
         lobe.Regularize();

@@ -47,6 +47,8 @@ class Bsdf {
               ReflTransFlags which = ReflTransFlags::All) const;
     /// Roughens nearly specular lobes (pbrt-v4-format §5.5).
     void Regularize();
+    /// Lets coats estimate everything by random walks (CoatedBxdf), as stock pbrt-v4 does.
+    void UseWalks();
     const Frame &ShadingFrame() const { return frame_; }
 
   private:

@@ -49,6 +49,8 @@ class CoatedBxdf {
         }
     }
     bool UsesTable() const { return way_ != Way::Walk; }
+    /// From now on all is estimated by random walks.
+    void UseWalks() { way_ = Way::Walk; }
 
     BxdfFlags Flags() const;
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
@@ -62,7 +64,7 @@ class CoatedBxdf {
     void Regularize() {
         top_.Regularize();
         bottom_.Regularize();
-        way_ = Way::Walk;  // the coat is another one
+        UseWalks();  // the coat is another one
     }
 
   private:

@@ -102,7 +102,9 @@ void AddImages(const SceneDescription &d, MemoryEstimate *estimate) {
         if (!name || name->strings.size() != 1) return;
         const std::string path = d.files.Resolve(name->strings[0]);
         if (!seen.insert(path).second) return;
-        estimate->images += factor * ImageBytes(path);
+        const double bytes = factor * ImageBytes(path);
+        estimate->See(bytes, entity.loc);
+        estimate->images += bytes;
         ++estimate->imageCount;
     };
     for (const TextureEntity &t : d.textures)
@@ -127,6 +129,7 @@ MemoryEstimate EstimateMemory(const SceneDescription &d, double filmBytes, bool 
     const auto addShapes = [&](const std::vector<ShapeEntity> &shapes) {
         for (const ShapeEntity &shape : shapes) {
             const MeshCounts counts = CountsOf(shape, d.files);
+            estimate.See(counts.Bytes(), shape.loc);
             estimate.meshes += counts.Bytes();
             estimate.triangles += counts.triangles;
         }
@@ -144,7 +147,8 @@ void RequireMemory(const MemoryEstimate &estimate) {
     const double usable = UsableMemory();
     if (estimate.Total() > usable)
         throw UserError(fmt::format("the scene needs at least {}; this process can use {} of memory.", estimate.Text(),
-                                    BytesText(usable)));
+                                    BytesText(usable)),
+                        estimate.largestAt);
 }
 
 }  // namespace pbrt

@@ -14,8 +14,16 @@ struct MemoryEstimate {
     double film = 0, meshes = 0, images = 0;  ///< bytes
     double triangles = 0;
     int imageCount = 0;
+    FileLoc largestAt{};  ///< the directive of the mesh or image that needs most
+    double largest = 0;   ///< bytes of that one
 
     double Total() const { return film + meshes + images; }
+    /// Keeps the place of the largest part.
+    void See(double bytes, const FileLoc &at) {
+        if (!(bytes > largest)) return;
+        largest = bytes;
+        largestAt = at;
+    }
     /// "2.1 GB: meshes 1.9 GB (20 million triangles), 3 images 180 MB, film 59 MB".
     std::string Text() const;
 };
@@ -23,7 +31,7 @@ struct MemoryEstimate {
 /// `imagesInMemory` false: images are in the tile cache and do not count.
 MemoryEstimate EstimateMemory(const SceneDescription &description, double filmBytes, bool imagesInMemory);
 
-/// Throws UserError if the scene needs more memory than this process can use.
+/// Throws UserError, at the directive that needs most, if the scene needs more memory than this process can use.
 void RequireMemory(const MemoryEstimate &estimate);
 
 }  // namespace pbrt

@@ -65,6 +65,10 @@ TEST(MemoryEstimate, CountsImagesByTheirHeads) {
     EXPECT_EQ(Estimate(texture("a", "a.png")).images, 300 * 200 * 3 * 4.0 / 3);
     EXPECT_EQ(Estimate(texture("a", "a.png") + texture("b", "a.png")).images, 300 * 200 * 3 * 4.0 / 3);
     EXPECT_DOUBLE_EQ(Estimate(texture("b", "b.hdr")).images, 5000 * 4.0 / 3);
+    // An error is shown at the directive that needs most: here the second of three.
+    const MemoryEstimate three = Estimate(texture("b", "b.hdr") + texture("a", "a.png") + texture("c", "none.png"));
+    EXPECT_EQ(three.largest, 300 * 200 * 3 * 4.0 / 3);
+    EXPECT_EQ(three.largestAt.line, Estimate(texture("a", "a.png")).largestAt.line + 1);
     EXPECT_EQ(Estimate(texture("c", "none.png")).images, 0);
     std::filesystem::remove_all(folder);
 }

@@ -116,7 +116,7 @@ TEST_F(Limits, MemoryIsEstimatedBeforeBuildingAndLimited) {
         "property float z\nproperty float nx\nelement face 200000000\nproperty list uchar int vertex_indices\nend_header\n");
     Write("big.pbrt", SmallScene() + "Shape \"plymesh\" \"string filename\" \"big.ply\"\n");
     ExpectErrors({{"--memory-limit 2000 --outfile out.exr big.pbrt",
-                   {"the scene needs at least 1", " GB: meshes 1",
+                   {"big.pbrt:", "Shape \"plymesh\"", "the scene needs at least 1", " GB: meshes 1",
                     "(200 million triangles), film 0.0 MB; this process can use 2.0 GB"}},
                   {"--memory-limit 0 big.pbrt", {"--memory-limit"}},
                   {"--memory-limit 1 --outfile out.exr scene.pbrt", {"enough memory"}}});

@@ -9,7 +9,8 @@ namespace pbrt {
 
 namespace {
 
-/// Bytes of Embree's structure for a triangle, measured from below (docs/many-machines.md); a patch counts as two.
+/// Bytes of Embree's structure for a triangle: fewer than it takes, as a test checks on a mesh. A patch counts
+/// as two triangles.
 constexpr double kAccelerationPerTriangle = 50;
 
 /// Numbers of things, of which a mesh may be the sum of many.

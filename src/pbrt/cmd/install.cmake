@@ -2,10 +2,32 @@
 # programs find what belongs to them relative to themselves.
 
 set(PBRT_PROGRAMS pbrt lightlab imgtool)
-install(TARGETS ${PBRT_PROGRAMS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(TARGETS pbrt_oiio LIBRARY DESTINATION lib/pbrt_octree)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/pbrt/cmd/lightlab/report DESTINATION share/pbrt_octree
-  PATTERN __pycache__ EXCLUDE)
+set(place "")
+if(PBRT_INSTRUCTION_SETS)
+  if(PBRT_NATIVE)
+    message(FATAL_ERROR "PBRT_INSTRUCTION_SETS goes with PBRT_NATIVE=OFF")
+  endif()
+  # The programs of each set are an installed folder of their own inside lib/pbrt_octree, made by a build like this one.
+  # What users start is the launcher, which chooses.
+  include(ExternalProject)
+  foreach(set IN LISTS PBRT_INSTRUCTION_SETS)
+    ExternalProject_Add(for_${set} SOURCE_DIR ${PROJECT_SOURCE_DIR} BINARY_DIR ${PROJECT_BINARY_DIR}/for-${set}
+      CMAKE_ARGS -DPBRT_NATIVE=OFF -DPBRT_MARCH=${set} -DPBRT_EXT=${PBRT_EXT} -DPBRT_TESTS=OFF -DPBRT_BENCH=OFF
+        -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE} -DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
+      BUILD_ALWAYS ON
+      INSTALL_COMMAND ${CMAKE_COMMAND} --install <BINARY_DIR> --component programs --strip
+        --prefix ${PROJECT_BINARY_DIR}/sets/${set})
+  endforeach()
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/sets/ DESTINATION lib/pbrt_octree USE_SOURCE_PERMISSIONS)
+  foreach(program IN LISTS PBRT_PROGRAMS)
+    install(PROGRAMS $<TARGET_FILE:pbrt_launcher> DESTINATION ${CMAKE_INSTALL_BINDIR} RENAME ${program})
+  endforeach()
+  set(place lib/pbrt_octree/x86-64/)
+endif()
+install(TARGETS ${PBRT_PROGRAMS} RUNTIME DESTINATION ${place}${CMAKE_INSTALL_BINDIR} COMPONENT programs)
+install(TARGETS pbrt_oiio LIBRARY DESTINATION ${place}lib/pbrt_octree COMPONENT programs)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/pbrt/cmd/lightlab/report DESTINATION ${place}share/pbrt_octree
+  COMPONENT programs PATTERN __pycache__ EXCLUDE)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/NOTICE.txt ${PROJECT_SOURCE_DIR}/docs/changelog.md
   DESTINATION share/doc/pbrt-octree)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE.txt DESTINATION share/doc/pbrt-octree RENAME copyright)
@@ -50,6 +72,7 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # dpkg-shlibdeps looks for the module's libraries, too; the module itself is private.
+set(CPACK_DEB_COMPONENT_INSTALL OFF)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS $<TARGET_FILE_DIR:pbrt_oiio>)
 # lightlab draws its charts and its page with these.
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-numpy, python3-matplotlib")

@@ -4,6 +4,9 @@
 set(PBRT_PROGRAMS pbrt lightlab imgtool)
 install(TARGETS ${PBRT_PROGRAMS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS pbrt_oiio LIBRARY DESTINATION lib/pbrt_octree)
+if(PBRT_MPI)
+  install(TARGETS pbrt_mpi LIBRARY DESTINATION lib/pbrt_octree)
+endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/pbrt/cmd/lightlab/report DESTINATION share/pbrt_octree
   PATTERN __pycache__ EXCLUDE)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/NOTICE.txt ${PROJECT_SOURCE_DIR}/docs/changelog.md

@@ -9,6 +9,12 @@
 
 namespace pbrt {
 
+namespace {
+bool HasSplats(const std::vector<StateBlock> &blocks) {
+    return std::any_of(blocks.begin(), blocks.end(), [](const StateBlock &b) { return b.isOfSplats && b.bytes > 0; });
+}
+}  // namespace
+
 const FilmTable &Films() {
     static const FilmTable table = [] {
         using Request = const FilmRequest;
@@ -56,6 +62,18 @@ void Film::Save(std::ostream &out) const {
 void Film::Load(std::istream &in) { Add(in, true); }
 
 void Film::Merge(std::istream &in) { Add(in, false); }
+
+void Film::TakeSums(StateWriter &out) {
+    // Whether there is room for splats; the room itself is one of the blocks' sizes.
+    const std::vector<StateBlock> blocks = Blocks();
+    out.Value(HasSplats(blocks));
+    pbrt::TakeSums(out, blocks);
+}
+
+void Film::AddSums(StateReader &in) {
+    if (in.Value<bool>() && !HasSplats(Blocks())) ExpectSplats();
+    pbrt::AddSums(in, Blocks());
+}
 
 void Film::Add(std::istream &in, bool forgetsFirst) {
     const SavedState state = ReadState(in);

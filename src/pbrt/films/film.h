@@ -72,6 +72,10 @@ class Film {
     void Save(StateWriter &out) const;
     void Load(std::istream &in);
     void Merge(std::istream &in);
+    /// Moves sums from a film to another one of the same kind and pixels, in another process: Take writes those that
+    /// are not empty and empties them, Add adds them as Merge does.
+    void TakeSums(StateWriter &out);
+    void AddSums(StateReader &in);
 
   protected:
     /// `kind`: the name of the film in the scene.

@@ -10,6 +10,7 @@
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/ranks.h"
 #include "pbrt/core/signal_watch.h"
 #include "pbrt/lab/campaign.h"
 #include "plugins.h"
@@ -61,6 +62,13 @@ int Inspect(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegist
 
 int main(int argc, char **argv) {
     using namespace pbrt;
+    if (const RanksAnnounced announced = AnnouncedRanks(); announced.size > 1) {
+        if (announced.rank == 0)
+            std::fputs(
+                "Error: lightlab measures seconds, which processes beside it would change; start it without mpirun.\n",
+                stderr);
+        return 1;
+    }
     try {
         LightSamplerRegistry registry;
         RegisterPlugins(registry);

@@ -154,6 +154,45 @@ TEST_P(EveryFilm, PartsMergedInAnyOrderHaveTheBitsOfOneFilm) {
     EXPECT_NE(Values(*lacking), Values(*whole));
 }
 
+TEST_P(EveryFilm, SumsThatAreMovedAreThereOnce) {
+    auto whole = Make(GetParam()), first = Make(GetParam()), second = Make(GetParam());
+    AddSamples(*whole, 0, 40);
+    const auto move = [](Film &from, Film &to) {
+        StateWriter writer;
+        from.TakeSums(writer);
+        const std::string bytes = writer.Joined();
+        StateReader reader(bytes, "sums");
+        to.AddSums(reader);
+        EXPECT_EQ(reader.BytesLeft(), 0u);
+        return bytes;
+    };
+    AddSamples(*first, 0, 7);
+    AddSamples(*second, 7, 20);
+    move(*second, *first);
+    EXPECT_EQ(Saved(*second), Saved(*Make(GetParam())));
+    AddSamples(*second, 20, 40);
+    const std::string bytes = move(*second, *first);
+    EXPECT_EQ(Saved(*first), Saved(*whole));
+    // Empty sums take no room; splats that only one film expects are no obstacle.
+    EXPECT_LT(move(*second, *first).size(), 200u);
+    second->ExpectSplats();
+    AddSplats(*second, 0, 100, 1);
+    const std::string splats = Saved(*second);
+    auto third = Make(GetParam());
+    move(*second, *third);
+    EXPECT_EQ(Saved(*third), splats);
+    move(*first, *third);
+    EXPECT_EQ(Saved(*first), Saved(*Make(GetParam())));
+    EXPECT_NE(Saved(*third), splats);
+
+    for (size_t size = 0; size < bytes.size(); size += 5) {
+        StateReader cut(std::string_view(bytes).substr(0, size), "sums");
+        EXPECT_THROW(first->AddSums(cut), UserError) << size;
+    }
+    StateReader reader(bytes, "sums");
+    EXPECT_THROW(Make(GetParam(), Params(7, 3))->AddSums(reader), UserError);
+}
+
 TEST_P(EveryFilm, AFilmMadeFromItsRecipeMakesTheSamePicture) {
     FilmRecipe recipe;
     recipe.type = GetParam();

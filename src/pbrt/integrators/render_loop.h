@@ -40,6 +40,8 @@ struct RenderSettings {
     /// cancelled.
     std::function<void(const RenderPosition &)> checkpoint;
     double checkpointInterval = 60;
+    /// > 0: waves are as long as that, or one sample, where they would be longer. May be changed by afterWave.
+    double maxWaveSeconds = 0;
     int EndSample() const { return endSample > 0 ? endSample : samplesPerPixel; }
 };
 

@@ -8,6 +8,7 @@
 
 #include "pbrt/build/catalogue.h"
 #include "pbrt/cmd/pbrt/command_line.h"
+#include "pbrt/cmd/pbrt/live_view.h"
 #include "pbrt/cmd/pbrt/render_job.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"
@@ -21,7 +22,9 @@ int main(int argc, char **argv) {
     const CommandLine &options = parsed.options;
     if (options.quiet) SetLogLevel(LogLevel::Error);
     std::unique_ptr<ProgressSink> sink = MakeTerminalProgress(options.quiet);
-    Progress progress(sink.get());
+    LiveView live(sink.get());
+    const bool isWatched = options.servePort || !options.displayServer.empty();
+    Progress progress(isWatched ? live.Sink() : sink.get());
     try {
         LightSamplerRegistry registry;
         RegisterPlugins(registry);
@@ -31,7 +34,9 @@ int main(int argc, char **argv) {
         }
         ThreadLimit threads(options.threads);
         SignalWatch signals(progress, "Interrupted: no image was written.");
-        return RunRenderJob(options, registry, progress, signals);
+        if (!options.displayServer.empty()) live.SendTo(options.displayServer);
+        if (options.servePort) live.Serve(*options.servePort);
+        return RunRenderJob(options, registry, progress, signals, live);
     } catch (const UserError &e) {
         std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
         if (e.Count() > 1) std::fprintf(stderr, "%zu errors; nothing was rendered.\n", e.Count());

@@ -1,13 +1,14 @@
 #pragma once
 #include "pbrt/cmd/pbrt/command_line.h"
+#include "pbrt/cmd/pbrt/live_view.h"
 #include "pbrt/core/signal_watch.h"
 #include "pbrt/lightsamplers/registry.h"
 
 namespace pbrt {
 
 /// Reads, builds, renders and writes one image. Throws UserError. Returns the exit status: 0, or 128 plus the number of
-/// a signal that ended the render early; what was rendered until then is saved.
+/// a signal that ended the render early; what was rendered until then is saved. `live` shows the picture as it grows.
 int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Progress &progress,
-                 SignalWatch &signals);
+                 SignalWatch &signals, LiveView &live);
 
 }  // namespace pbrt

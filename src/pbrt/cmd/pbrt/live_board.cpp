@@ -26,11 +26,11 @@ void LiveBoard::Describe(const LiveRender &render) {
     render_ = render;
 }
 
-void LiveBoard::Put(Image colors, int samples, bool isFinal) {
+void LiveBoard::Put(Image colors, LivePicture::State state, int samples) {
     {
         const std::lock_guard lock(mutex_);
         const int version = latest_ ? latest_->version + 1 : 1;
-        latest_ = std::make_shared<const LivePicture>(LivePicture{std::move(colors), samples, isFinal, version});
+        latest_ = std::make_shared<const LivePicture>(LivePicture{std::move(colors), state, samples, version});
     }
     changed_.notify_all();
 }

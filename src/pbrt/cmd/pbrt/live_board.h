@@ -12,9 +12,11 @@ namespace pbrt {
 /// The picture after some samples of every pixel.
 struct LivePicture {
     Image colors;  ///< R, G, B, linear, in float precision, over the rendered pixels
+    enum class State { Growing, Finished, Interrupted };
+    State state = State::Growing;
     int samples = 0;
-    bool isFinal = false;
     int version = 0;  ///< 1, 2, ...
+    bool IsFinal() const { return state != State::Growing; }
 };
 
 /// What is known of a render before its first picture.
@@ -40,7 +42,7 @@ class LiveBoard final : public ProgressSink {
     void PhaseDone(const std::string &phase, double elapsed) override;
 
     void Describe(const LiveRender &render);
-    void Put(Image colors, int samples, bool isFinal);
+    void Put(Image colors, LivePicture::State state, int samples);
     /// Tells the viewers to end, because there will be no more.
     void Close();
 

@@ -5,6 +5,7 @@
 #include <boost/beast/http.hpp>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "live_page_text.h"
 #include "pbrt/cmd/pbrt/error_estimate.h"
@@ -45,7 +46,8 @@ std::string Shared::StatusText() {
                  {"elapsed", s.elapsed},
                  {"remaining", s.remaining >= 0 ? Json(s.remaining) : Json()},
                  {"version", picture ? picture->version : 0},
-                 {"isFinal", picture && picture->isFinal},
+                 {"isFinal", picture && picture->IsFinal()},
+                 {"isInterrupted", picture && picture->state == LivePicture::State::Interrupted},
                  {"samples", picture ? picture->samples : 0},
                  {"relL2", error.RelL2() ? Json(*error.RelL2()) : Json()}};
     if (const std::optional<LiveRender> render = board->Render()) {
@@ -107,7 +109,7 @@ class Session : public std::enable_shared_from_this<Session> {
         response->set("X-Version", std::to_string(picture->version));
         response->body() = {static_cast<const char *>(picture->colors.Data()),
                             picture->colors.ValueCount() * sizeof(float)};
-        Send(response, [picture, &shared = shared_] { shared.lastIsFetched |= picture->isFinal; });
+        Send(response, [picture, &shared = shared_] { shared.lastIsFetched |= picture->IsFinal(); });
     }
 
     template <class Response, class WhenSent>
@@ -154,7 +156,10 @@ struct LivePage::Impl {
     }
     void Accept() {
         acceptor.async_accept([this](beast::error_code failed, tcp::socket socket) {
-            if (!failed) std::make_shared<Session>(std::move(socket), shared)->Read();
+            if (!failed)
+                std::make_shared<Session>(std::move(socket), shared)->Read();
+            else  // such as too many open files, which pass
+                std::this_thread::sleep_for(std::chrono::milliseconds(100));
             if (acceptor.is_open()) Accept();
         });
     }
@@ -186,7 +191,7 @@ void LivePage::Run() {
         charged = cpu;
         if (!shared.board->IsClosed()) continue;
         const std::shared_ptr<const LivePicture> picture = shared.board->Latest();
-        const bool awaitsLast = picture && picture->isFinal && !shared.lastIsFetched;
+        const bool awaitsLast = picture && picture->IsFinal() && !shared.lastIsFetched;
         if (!awaitsLast || SecondsSince(shared.asked) > kWatches) return;
     }
 }

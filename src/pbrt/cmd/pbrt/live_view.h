@@ -1,10 +1,14 @@
 #pragma once
+#include <fmt/format.h>
+
 #include <chrono>
+#include <exception>
 #include <memory>
 #include <thread>
 #include <vector>
 
 #include "pbrt/cmd/pbrt/live_board.h"
+#include "pbrt/core/log.h"
 #include "pbrt/films/film.h"
 
 namespace pbrt {
@@ -16,7 +20,12 @@ class LiveViewer {
     template <class Body>
     explicit LiveViewer(Body body) : hasEnded_(std::make_shared<Flag>()) {
         thread_ = std::thread([body = std::move(body), ended = hasEnded_]() mutable {
-            body();
+            // Whatever happens to a viewer, the render goes on.
+            try {
+                body();
+            } catch (const std::exception &e) {
+                LogWarning(fmt::format("a viewer of the render has ended: {}", e.what()));
+            }
             const std::lock_guard lock(ended->mutex);
             ended->isSet = true;
             ended->changed.notify_all();
@@ -51,6 +60,8 @@ class LiveView {
   public:
     /// The share of the time of a render that viewers may take: half of one per cent.
     static constexpr double kMaxShare = 0.005;
+    /// Seconds that they may take besides, so that the first picture comes soon.
+    static constexpr double kFirstSeconds = 0.01;
     /// The longest time after the end of a render for which viewers may keep the program from ending.
     static constexpr double kFarewellSeconds = 2;
 
@@ -70,12 +81,13 @@ class LiveView {
     /// Between waves: takes a picture if one is due. Returns the seconds until the next will be.
     double AfterWave(const Film &film, int samples);
     /// The last picture; viewers get it while the file is written.
-    void Finish(const Film &film, int samples);
+    void Finish(const Film &film, int samples, bool isInterrupted);
     /// Gives viewers time to show it, kFarewellSeconds at most.
     void SayFarewell();
 
   private:
-    void Take(const Film &film, int samples, bool isFinal);
+    void Take(const Film &film, LivePicture::State state, int samples);
+    void WaitForViewers(double seconds);
     std::shared_ptr<LiveBoard> board_;
     std::vector<LiveViewer> viewers_;
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();

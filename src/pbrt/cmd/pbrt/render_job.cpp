@@ -222,7 +222,7 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
         RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
     timings.render = result.seconds;
     if (checkpoint) result.seconds += checkpoint->RenderSecondsBefore();
-    live.Finish(*built.film, result.samplesTaken);
+    live.Finish(*built.film, result.samplesTaken, result.cancelled);
     progress.BeginPhase("writing", 0);
     const bool isWritten = !isPart && writer.Write(result);
     if (!learnedLights.SavePath().empty() && !result.cancelled) learnedLights.Save(built);

@@ -214,7 +214,7 @@ void ShowInTev(LiveBoard &board, const std::string &server) {
         const double cpu = ThreadCpuSeconds();
         board.Charge(cpu - charged);
         charged = cpu;
-        if (picture->isFinal) return;
+        if (picture->IsFinal()) return;
     }
 }
 

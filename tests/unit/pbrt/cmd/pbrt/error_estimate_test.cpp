@@ -17,7 +17,8 @@ class GrowingPicture {
         std::exponential_distribution<double> one(1);
         for (; taken_ < samples; ++taken_)
             for (size_t i = 0; i < sums_.size(); ++i) sums_[i] += Mean(i) * one(random_);
-        LivePicture picture{Image(PixelFormat::Float, {kSide, kSide}, {"R", "G", "B"}), samples, false, ++version_};
+        LivePicture picture{Image(PixelFormat::Float, {kSide, kSide}, {"R", "G", "B"}), LivePicture::State::Growing,
+                            samples, ++version_};
         auto *values = static_cast<float *>(picture.colors.Data());
         for (size_t i = 0; i < sums_.size(); ++i) values[i] = static_cast<float>(sums_[i] / taken_);
         return std::make_shared<const LivePicture>(std::move(picture));

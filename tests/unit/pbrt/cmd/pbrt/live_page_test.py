@@ -6,6 +6,7 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -207,6 +208,15 @@ class LivePage(unittest.TestCase):
                                timeout=20)
         self.assertEqual(wrong.returncode, 1)
         self.assertIn("no port", wrong.stderr)
+
+    def test_an_interrupted_render_is_called_so(self):
+        process, address = self.start("--serve=0", "--spp", "100000", size=(64, 48))
+        self.driver.get(address)
+        self.until(lambda: self.version() > 0)
+        process.send_signal(signal.SIGINT)
+        self.until(lambda: self.text("phase") == "interrupted")
+        self.assertIn("interrupted", self.text("note"))
+        self.assertEqual(process.wait(10), 130)
 
     def test_nobody_watches(self):
         begin = time.monotonic()

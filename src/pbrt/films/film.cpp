@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <ostream>
 
+#include "pbrt/films/aov_film.h"
 #include "pbrt/films/gbuffer_film.h"
 #include "pbrt/films/rgb_film.h"
 #include "pbrt/films/spectral_film.h"
@@ -31,6 +32,13 @@ const FilmTable &Films() {
         return t;
     }();
     return table;
+}
+
+std::unique_ptr<Film> MakeFilm(const std::string &type, const ParamSet &params, const FilmContext &context,
+                               DiagnosticSink &sink) {
+    std::unique_ptr<Film> film = Films().Make(type, params, FilmRequest{context, sink});
+    if (context.overrides.aovs.empty()) return film;
+    return std::make_unique<AovFilm>(std::move(film), context);
 }
 
 ImageMetadata Film::Metadata() const {

@@ -56,6 +56,8 @@ class Film {
     /// Linear RGB in the output space, over PixelBounds(); R, G, B are the first channels of every film. Half precision
     /// if savefp16.
     virtual Image ToImage() const = 0;
+    /// R, G and B of ToImage, always in float precision and without messages: for looking at while the picture grows.
+    virtual Image Colors() const = 0;
     virtual ImageMetadata Metadata() const;
     virtual uint64_t RejectedSamples() const = 0;
     /// Of the sums.
@@ -81,6 +83,10 @@ class Film {
     /// `kind`: the name of the film in the scene.
     Film(std::string kind, FilmFrame frame) : kind_(std::move(kind)), frame_(std::move(frame)) {}
     const FilmFrame &Frame() const { return frame_; }
+    /// Of another film, for films that add something to one.
+    static const FilmFrame &FrameOf(const Film &film) { return film.frame_; }
+    static const std::string &KindOf(const Film &film) { return film.kind_; }
+    static std::vector<StateBlock> BlocksOf(Film &film) { return film.Blocks(); }
 
   private:
     /// All sums as blocks of memory.
@@ -113,9 +119,8 @@ struct FilmRequest {
 
 using FilmTable = FactoryTable<std::unique_ptr<Film>, const FilmRequest>;
 const FilmTable &Films();
-inline std::unique_ptr<Film> MakeFilm(const std::string &type, const ParamSet &params, const FilmContext &context,
-                                      DiagnosticSink &sink) {
-    return Films().Make(type, params, FilmRequest{context, sink});
-}
+/// With the channels of FilmOverrides::aovs added. Throws UserError.
+std::unique_ptr<Film> MakeFilm(const std::string &type, const ParamSet &params, const FilmContext &context,
+                               DiagnosticSink &sink);
 
 }  // namespace pbrt

@@ -29,6 +29,7 @@ class GBufferFilm final : public Film {
 
     /// The channels of pbrt-v4-format §14.
     Image ToImage() const override;
+    Image Colors() const override { return sums_.Colors(); }
     uint64_t RejectedSamples() const override { return sums_.Rejected(); }
     std::unique_ptr<Film> MakeRgbFilm() const override;
 

@@ -47,6 +47,8 @@ class SensorSums {
     uint64_t Rejected() const { return counts_.rejected; }
     /// An image with R, G, B filled and further channels for the film to fill; reports what was cut or dropped.
     Image MakeImage(const std::vector<std::string> &furtherChannels) const;
+    /// An image of R, G and B in float precision; reports nothing.
+    Image Colors() const;
     void AppendBlocks(std::vector<StateBlock> &blocks);
 
   private:
@@ -66,6 +68,8 @@ class SensorSums {
             splatSamples += c.splatSamples;
         }
     };
+    /// Of the picture, in float precision.
+    Rgb ColorOf(size_t pixel) const;
     Point2i resolution_;
     bool half_;
     Float maxComponent_;

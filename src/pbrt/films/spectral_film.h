@@ -40,6 +40,7 @@ class SpectralFilm final : public Film {
 
     /// R, G, B, then S0.<centre>nm per bucket.
     Image ToImage() const override;
+    Image Colors() const override { return sensor_.Colors(); }
     ImageMetadata Metadata() const override;
     uint64_t RejectedSamples() const override { return sensor_.Rejected(); }
     std::unique_ptr<Film> MakeRgbFilm() const override;

@@ -218,6 +218,9 @@ RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Fil
         if (settings.checkpoint && secondsPerSample > 0)
             size = static_cast<int>(
                 std::clamp(settings.checkpointInterval / secondsPerSample, 1.0, static_cast<double>(size)));
+        if (settings.maxWaveSeconds > 0 && secondsPerSample > 0)
+            size = static_cast<int>(
+                std::clamp(settings.maxWaveSeconds / secondsPerSample, 1.0, static_cast<double>(size)));
         renderer.LearnIfDue();
         const Clock::time_point waveStart = Clock::now();
         const int taken = renderer.Render(size);

@@ -42,6 +42,8 @@ struct RenderSettings {
     double checkpointInterval = 60;
     /// Null, or the processes that render together: the first one by RenderWaves, the others by FollowWaves.
     Ranks *ranks = nullptr;
+    /// > 0: waves are as long as that, or one sample, where they would be longer. May be changed by afterWave.
+    double maxWaveSeconds = 0;
     int EndSample() const { return endSample > 0 ? endSample : samplesPerPixel; }
 };
 

@@ -10,6 +10,7 @@
 
 #include "pbrt/build/catalogue.h"
 #include "pbrt/cmd/pbrt/command_line.h"
+#include "pbrt/cmd/pbrt/live_view.h"
 #include "pbrt/cmd/pbrt/render_job.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"
@@ -44,7 +45,10 @@ int main(int argc, char **argv) {
     const CommandLine &options = parsed.options;
     if (options.quiet && !isSilent) SetLogLevel(LogLevel::Error);
     std::unique_ptr<ProgressSink> sink = MakeTerminalProgress(options.quiet || isSilent);
-    Progress progress(sink.get());
+    LiveView live(sink.get());
+    // Of several processes the first one shows the picture.
+    const bool isWatched = !isSilent && (options.servePort || !options.displayServer.empty());
+    Progress progress(isWatched ? live.Sink() : sink.get());
     std::unique_ptr<Ranks> ranks;
     // Without this process the others cannot go on.
     const auto fail = [&](const std::string &what) {
@@ -64,7 +68,9 @@ int main(int argc, char **argv) {
         ThreadLimit threads(ThreadsOf(options, announced));
         SignalWatch signals(progress, isSilent ? "" : "Interrupted: no image was written.");
         ranks = ConnectRanks(ThreadCount());
-        return RunRenderJob(options, registry, ranks.get(), progress, signals);
+        if (isWatched && !options.displayServer.empty()) live.SendTo(options.displayServer);
+        if (isWatched && options.servePort) live.Serve(*options.servePort);
+        return RunRenderJob(options, registry, ranks.get(), progress, signals, live);
     } catch (const AnotherRankFailed &) {
         return 1;
     } catch (const UserError &e) {

@@ -1,7 +1,9 @@
 #include "pbrt/cmd/pbrt/render_job.h"
 
+#include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "pbrt/build/built_scene.h"
@@ -22,6 +24,20 @@ namespace {
 /// Seconds that the writing of a picture may go on after a signal. Longer than any disk needs, shorter than schedulers
 /// wait before they kill a process.
 constexpr double kWritingSeconds = 10;
+
+/// While somebody watches, waves are kept that short, so that the picture is seen to grow.
+constexpr double kLiveWaveSeconds = 1;
+
+LiveRender LiveRenderOf(const CommandLine &options, const BuiltScene &built, const RenderSettings &settings) {
+    LiveRender live;
+    live.scene = fmt::format("{}", fmt::join(SceneFilesOf(options), " "));
+    live.filename = built.filename;
+    live.fullResolution = built.film->FullResolution();
+    live.pixelBounds = built.film->PixelBounds();
+    live.timeBudget = options.timeBudget;
+    if (options.timeBudget <= 0) live.samples = settings.EndSample();
+    return live;
+}
 
 void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
     bool color = isatty(STDERR_FILENO) != 0;
@@ -172,7 +188,7 @@ void SayKept(const Checkpoint &checkpoint, const RenderResult &result) {
 }  // namespace
 
 int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Ranks *ranks, Progress &progress,
-                 SignalWatch &signals) {
+                 SignalWatch &signals, LiveView &live) {
     if (options.memoryLimit > 0) LimitMemory(options.memoryLimit);
     const bool isFirst = !ranks || ranks->IsFirst();
     const auto start = std::chrono::steady_clock::now();
@@ -241,13 +257,20 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
 
     RenderResult result;
     PictureWriter writer(options, built, timings, signals);
-    if (options.writePartialImages)
+    if (options.writePartialImages || live.HasViewers())
         settings.afterWave = [&](int samples) {
             // The last picture comes with the end of the render.
             if (options.timeBudget <= 0 && samples == settings.EndSample()) return;
+            if (live.HasViewers())
+                settings.maxWaveSeconds = std::max(kLiveWaveSeconds, live.AfterWave(*built.film, samples));
+            if (!options.writePartialImages) return;
             result.samplesTaken = samples;
             writer.WritePartial(result);
         };
+    if (live.HasViewers()) {
+        settings.maxWaveSeconds = kLiveWaveSeconds;
+        live.Begin(LiveRenderOf(options, built, settings));
+    }
     // Without its preparation there would be nothing to go on from.
     if (checkpoint && !progress.Cancelled()) {
         settings.checkpointInterval = options.checkpointInterval;
@@ -265,6 +288,7 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     if (ranks) ReduceCounters(*ranks, &sent);
     timings.render = result.seconds;
     if (checkpoint) result.seconds += checkpoint->RenderSecondsBefore();
+    live.Finish(*built.film, result.samplesTaken, result.cancelled);
     progress.BeginPhase("writing", 0);
     const bool isWritten = !isPart && writer.Write(result);
     if (!learnedLights.SavePath().empty() && !result.cancelled) learnedLights.Save(built);
@@ -273,11 +297,14 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     if (isWritten)
         LogInfo(fmt::format("Wrote {} ({} samples per pixel, {:.2f} s; {:.2f} s since the start).", writer.Written(),
                             result.samplesTaken, result.seconds, timings.Total()));
-    if (options.stats) PrintStatistics(built, result, timings);
-    if (options.stats && ranks)
+    if (options.stats == "text") PrintStatistics(built, result, timings);
+    if (options.stats == "text" && ranks)
         std::printf("  %-34s %d, %d; %.3f MB sent\n", "processes, threads", ranks->Size(), ranks->TotalThreads(),
                     static_cast<double>(sent) / 1e6);
+    if (options.stats == "json")
+        PrintStatisticsJson(options, built, result, timings, isWritten ? writer.Written() : std::string());
     std::fflush(stdout);
+    live.SayFarewell();
     // The picture is written all the same.
     if (!result.mseFailure.empty()) throw UserError(result.mseFailure);
     if (checkpoint && !checkpoint->Failure().empty()) throw UserError(checkpoint->Failure());

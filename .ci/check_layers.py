@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks every #include under src/ against .ci/layers (docs/architecture.md): a file may include its own folder and
+"""Checks every #include under src/ against .ci/layers (docs/develop/architecture.md): a file may include its own folder and
 folders of lower rank; ext B may use A and pbrt ranks up to 17; src/pbrt never names ext; third-party libraries stay
 behind their door. Prints each violation and a closing count."""
 import pathlib

@@ -65,10 +65,10 @@ if bash .ci/build "$top/build/release" -DPBRT_EXT=ON -DPBRT_WERROR=ON; then
   for table in build/release/tables/*.txt; do
     [ -f "$table" ] && { echo; cat "$table"; }
   done
-  build/release/src/pbrt/cmd/pbrt/pbrt --list-lightsamplers | diff - docs/lightsamplers.md > /dev/null
-  count "docs/lightsamplers.md is the output of pbrt --list-lightsamplers" $?
-  build/release/src/pbrt/cmd/pbrt/pbrt --list all | diff - docs/parameters.md > /dev/null
-  count "docs/parameters.md is the output of pbrt --list all" $?
+  build/release/src/pbrt/cmd/pbrt/pbrt --list-lightsamplers | diff - docs/reference/lightsamplers.md > /dev/null
+  count "docs/reference/lightsamplers.md is the output of pbrt --list-lightsamplers" $?
+  build/release/src/pbrt/cmd/pbrt/pbrt --list all | diff - docs/reference/parameters.md > /dev/null
+  count "docs/reference/parameters.md is the output of pbrt --list all" $?
 else
   count "build" 1
 fi

@@ -1,4 +1,4 @@
-// The contract of shadow-ray gates (house.md section 4, points 5 to 7), over every registered gate and every scene.
+// The contract of shadow-ray gates, over every registered gate and every scene.
 #include <gtest/gtest.h>
 
 #include <map>

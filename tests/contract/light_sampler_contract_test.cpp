@@ -1,4 +1,4 @@
-// The contract of house.md section 4, over every registered sampler and every fixture.
+// The contract of light samplers, over every registered sampler and every fixture.
 #include <gtest/gtest.h>
 
 #include <map>

@@ -1,4 +1,4 @@
-// The contract of house.md section 4 on real scenes with Prepare called, over every registered sampler, and over the
+// The contract of light samplers on real scenes with Prepare called, over every registered sampler, and over the
 // stock samplers on mesh groups too.
 #include <gtest/gtest.h>
 

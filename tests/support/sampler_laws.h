@@ -8,7 +8,7 @@
 #include "pbrt/lights/light_table.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 
-/// The contract of house.md section 4 as checks of any sampler at any places. Each check reports through GoogleTest and
+/// The contract of light samplers as checks of any sampler at any places. Each check reports through GoogleTest and
 /// must be called inside a test.
 namespace pbrt::test {
 

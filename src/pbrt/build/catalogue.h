@@ -10,8 +10,8 @@ namespace pbrt {
 /// among them: their registry lists them.
 std::vector<FamilyDoc> AllFamilies();
 
-/// Text of `pbrt --list WHAT`: a family; "all": docs/parameters.md; "table": the table of docs/compatibility.md. Throws
-/// UserError, which lists the choices, for anything else.
+/// Text of `pbrt --list WHAT`: a family; "all": docs/reference/parameters.md; "table": the table of
+/// docs/reference/compatibility.md. Throws UserError, which lists the choices, for anything else.
 std::string ListWhat(const std::string &what);
 
 }  // namespace pbrt

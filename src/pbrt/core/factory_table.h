@@ -109,7 +109,7 @@ class FactoryTable {
 
 /// Text of `pbrt --list NAME`: every kind of the family with its parameters, each with its help line.
 std::string ListingOf(const FamilyDoc &family);
-/// Rows of the tables of docs/compatibility.md: `| entity | parameters | remark |`.
+/// Rows of the tables of docs/reference/compatibility.md: `| entity | parameters | remark |`.
 std::string TableRowsOf(const FamilyDoc &family);
 
 }  // namespace pbrt

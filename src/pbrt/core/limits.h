@@ -1,8 +1,8 @@
 #pragma once
 #include "pbrt/core/params.h"
 
-/// Ranges that several parameters share. docs/parameters.md lists the ranges of all parameters, docs/compatibility.md
-/// all other limits.
+/// Ranges that several parameters share. docs/reference/parameters.md lists the ranges of all parameters,
+/// docs/reference/compatibility.md all other limits.
 namespace pbrt {
 
 /// Embree drops vertices beyond sqrt(largest float) / 10 = 1.844e18 and refuses rays that start there. With this bound

@@ -60,7 +60,7 @@ class SampleCounts {
     std::string hash_;
 };
 
-/// "schema" of results.json; docs/lightlab.md describes it.
+/// "schema" of results.json; docs/guide/lightlab.md describes it.
 inline constexpr int kResultsSchema = 2;
 /// Reads a results.json from which a replay takes settings and sample counts. Throws UserError.
 nlohmann::ordered_json ReadResults(const std::string &path);

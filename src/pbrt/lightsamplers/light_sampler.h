@@ -103,7 +103,7 @@ class LightDistribution {
     const void *weights_ = nullptr;
 };
 
-/// Chooses the light that gets the shadow ray. Contract (house.md section 4, tests/contract): const after Prepare,
+/// Chooses the light that gets the shadow ray. Contract (tests/contract): const after Prepare,
 /// except for its learner, if any; Sample's probability equals PMF exactly; probabilities sum to 1 (or less, when
 /// Sample may return nothing); they are positive wherever a light contributes; a choice takes one random number, and a
 /// choice among tiles of a sky a part of the one for the point on the light.

@@ -8,7 +8,7 @@ namespace pbrt {
 ///
 /// Hits and samples have the same normal: it is flipped if the transform mirrors or ReverseOrientation is on, but not
 /// if both. Samples are drawn from the part that zmin, zmax, phimax and innerradius leave, and areas and densities
-/// include the scale of the transform. (Stock pbrt-v4 differs in all of this: docs/compatibility.md, "Area lights".)
+/// include the scale of the transform. (Stock differs in all of this: docs/reference/compatibility.md, "Area lights".)
 class Quadric : public Shape {
   public:
     uint32_t PrimitiveCount() const final { return 1; }

@@ -26,7 +26,7 @@ TEST_F(Imgtool, HelpListsCommandsAndExplainsEach) {
 }
 
 TEST_F(Imgtool, OptionsAreThoseOfTheDocument) {
-    std::ifstream document(PBRT_SOURCE_DIR "/docs/compatibility.md");
+    std::ifstream document(PBRT_SOURCE_DIR "/docs/reference/compatibility.md");
     static const std::regex kRow(R"(\| `(\w+)` \| (.*?) ?\|.*)"), kOption("--[a-z0-9]+");
     auto options = [](const std::string &text) {
         std::set<std::string> found;

@@ -1,5 +1,5 @@
-// Compares docs/compatibility.md with the program: an unknown parameter makes the program list all parameters that it
-// knows.
+// Compares docs/reference/compatibility.md with the program: an unknown parameter makes the program list all parameters
+// that it knows.
 #include <algorithm>
 #include <fstream>
 #include <map>
@@ -16,7 +16,7 @@ namespace {
 using Names = std::set<std::string>;
 
 std::string Document() {
-    std::ifstream in(PBRT_SOURCE_DIR "/docs/compatibility.md");
+    std::ifstream in(PBRT_SOURCE_DIR "/docs/reference/compatibility.md");
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
@@ -124,11 +124,11 @@ TEST_F(Format, ParametersAreThoseOfTheDocument) {
         const Names &known = listed[entity.starts_with("Medium ") ? "MakeNamed" + entity : entity];
         for (const std::string &name : known)
             EXPECT_TRUE(documented.contains(name) || name.find('.') != std::string::npos)
-                << entity << " knows \"" << name << "\", which docs/compatibility.md does not list";
+                << entity << " knows \"" << name << "\", which docs/reference/compatibility.md does not list";
         for (const std::string &name : documented) {
             ++compared;
             EXPECT_TRUE(known.contains(name))
-                << entity << " has no \"" << name << "\", although docs/compatibility.md lists it";
+                << entity << " has no \"" << name << "\", although docs/reference/compatibility.md lists it";
         }
     }
     EXPECT_GT(compared, 200u);
@@ -140,10 +140,10 @@ TEST_F(Format, PagesAreWhatTheProgramLists) {
     const size_t from = document.find(begin), to = document.find("<!-- end -->");
     ASSERT_TRUE(from != std::string::npos && to != std::string::npos);
     EXPECT_EQ(document.substr(from + begin.size(), to - from - begin.size()), Run("--list table").out)
-        << "put the output of `pbrt --list table` between the marks of docs/compatibility.md";
-    std::ifstream in(PBRT_SOURCE_DIR "/docs/parameters.md");
+        << "put the output of `pbrt --list table` between the marks of docs/reference/compatibility.md";
+    std::ifstream in(PBRT_SOURCE_DIR "/docs/reference/parameters.md");
     EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), Run("--list all").out)
-        << "write the output of `pbrt --list all` to docs/parameters.md";
+        << "write the output of `pbrt --list all` to docs/reference/parameters.md";
 }
 
 TEST_F(Format, OneFamilyIsListedAndAnUnknownOneIsAnError) {

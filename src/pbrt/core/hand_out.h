@@ -24,8 +24,8 @@ class HandOut {
     std::optional<int64_t> Take();
     /// So much more is done; from any thread. On the first process `progress` advances by what all have done.
     void Report(int64_t amount);
-    /// After the last Take: returns, on the first process, when the others have been told that there is no more. Returns
-    /// what was reported here and did not reach the first process.
+    /// After the last Take: returns, on the first process, when the others have been told that there is no more.
+    /// Returns what was reported here and did not reach the first process.
     int64_t Finish();
 
   private:

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstdlib>
 #include <thread>
-#include <vector>
 
 #include "pbrt/core/message_port.h"
 
@@ -15,6 +14,8 @@ namespace {
 
 /// Longer messages are sent in parts: MPI counts with int.
 constexpr size_t kLargestPart = size_t{1} << 26;
+/// Of messages longer than this the bytes follow when the receiver is ready for them.
+constexpr size_t kShort = size_t{1} << 16;
 
 class MpiPort final : public MessagePort {
   public:
@@ -32,26 +33,29 @@ class MpiPort final : public MessagePort {
     int Size() const override { return size_; }
 
     void Send(int to, Channel channel, std::span<const std::string_view> pieces) override {
-        // The length, then the bytes in parts of the largest size but for the last.
+        // The length, then the bytes in parts: large pieces as they are, small ones together.
         uint64_t length = 0;
         for (const std::string_view piece : pieces) length += piece.size();
-        SendPart(to, channel, &length, sizeof(length));
-        std::vector<char> part;
-        for (std::string_view piece : pieces)
-            while (!piece.empty()) {
-                if (part.empty() && piece.size() >= kLargestPart) {
-                    SendPart(to, channel, piece.data(), kLargestPart);
-                    piece.remove_prefix(kLargestPart);
-                    continue;
-                }
-                const size_t take = std::min(piece.size(), kLargestPart - part.size());
-                part.insert(part.end(), piece.begin(), piece.begin() + static_cast<std::ptrdiff_t>(take));
-                piece.remove_prefix(take);
-                if (part.size() < kLargestPart) continue;
-                SendPart(to, channel, part.data(), part.size());
-                part.clear();
+        MPI_Request request;
+        const auto begin = length > kShort ? MPI_Issend : MPI_Isend;
+        begin(&length, sizeof(length), MPI_BYTE, to, static_cast<int>(channel), MPI_COMM_WORLD, &request);
+        WaitPatiently(request);
+        std::string small;
+        const auto sendSmall = [&] {
+            if (!small.empty()) SendPart(to, channel, small);
+            small.clear();
+        };
+        for (std::string_view piece : pieces) {
+            if (piece.size() < kShort) {
+                small += piece;
+                if (small.size() >= kShort) sendSmall();
+                continue;
             }
-        if (!part.empty()) SendPart(to, channel, part.data(), part.size());
+            sendSmall();
+            for (; !piece.empty(); piece.remove_prefix(std::min(kLargestPart, piece.size())))
+                SendPart(to, channel, piece.substr(0, kLargestPart));
+        }
+        sendSmall();
     }
 
     std::optional<Message> TryReceive(int from, Channel channel) override {
@@ -64,11 +68,17 @@ class MpiPort final : public MessagePort {
         uint64_t length = 0;
         MPI_Mrecv(&length, sizeof(length), MPI_BYTE, &matched, MPI_STATUS_IGNORE);
         Message message{status.MPI_SOURCE, std::string(length, 0)};
-        for (size_t at = 0; at < length; at += kLargestPart) {
+        for (size_t at = 0; at < length;) {
+            // The sender decides how long a part is.
+            MPI_Message part;
+            for (hasCome = 0; !hasCome; std::this_thread::yield())
+                MPI_Improbe(message.from, static_cast<int>(channel), MPI_COMM_WORLD, &hasCome, &part, &status);
+            int bytes = 0;
+            MPI_Get_count(&status, MPI_BYTE, &bytes);
             MPI_Request request;
-            MPI_Irecv(message.bytes.data() + at, static_cast<int>(std::min(kLargestPart, length - at)), MPI_BYTE,
-                      message.from, static_cast<int>(channel), MPI_COMM_WORLD, &request);
-            WaitFor(request);
+            MPI_Imrecv(message.bytes.data() + at, bytes, MPI_BYTE, &part, &request);
+            WaitBusily(request);
+            at += static_cast<size_t>(bytes);
         }
         return message;
     }
@@ -79,19 +89,25 @@ class MpiPort final : public MessagePort {
     }
 
   private:
-    static void SendPart(int to, Channel channel, const void *data, size_t bytes) {
+    static void SendPart(int to, Channel channel, std::string_view bytes) {
         MPI_Request request;
-        MPI_Isend(data, static_cast<int>(bytes), MPI_BYTE, to, static_cast<int>(channel), MPI_COMM_WORLD, &request);
-        WaitFor(request);
+        MPI_Isend(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, to, static_cast<int>(channel), MPI_COMM_WORLD,
+                  &request);
+        WaitBusily(request);
     }
-    /// MPI_Wait would keep a core busy.
-    static void WaitFor(MPI_Request &request) {
-        for (int tries = 0;; ++tries) {
-            int isDone = 0;
-            MPI_Test(&request, &isDone, MPI_STATUS_IGNORE);
-            if (isDone) return;
-            if (tries > 100) std::this_thread::sleep_for(std::chrono::microseconds(20));
-        }
+    static bool IsDone(MPI_Request &request) {
+        int isDone = 0;
+        MPI_Test(&request, &isDone, MPI_STATUS_IGNORE);
+        return isDone != 0;
+    }
+    /// For another process that may be busy for long. MPI_Wait would keep a core busy meanwhile.
+    static void WaitPatiently(MPI_Request &request) {
+        for (int tries = 0; !IsDone(request); ++tries)
+            if (tries > 100) std::this_thread::sleep_for(std::chrono::microseconds(50));
+    }
+    /// While both sides work on a transfer: it goes on only within MPI's functions.
+    static void WaitBusily(MPI_Request &request) {
+        while (!IsDone(request)) std::this_thread::yield();
     }
     int rank_ = 0, size_ = 1;
 };

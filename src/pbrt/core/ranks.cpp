@@ -25,14 +25,15 @@ std::string HostName() {
 Ranks::Ranks(std::unique_ptr<MessagePort> port, int threads) : port_(std::move(port)), totalThreads_(threads) {
     const std::string mine = BuildId();
     std::string other;
-    Reduce([&](StateWriter &out) {
-               out.Value(totalThreads_);
-               out.Text(other.empty() ? mine : other);
-           },
-           [&](StateReader &in) {
-               totalThreads_ += in.Value<int>();
-               if (const std::string theirs = in.Text(); theirs != mine) other = theirs;
-           });
+    Reduce(
+        [&](StateWriter &out) {
+            out.Value(totalThreads_);
+            out.Text(other.empty() ? mine : other);
+        },
+        [&](StateReader &in) {
+            totalThreads_ += in.Value<int>();
+            if (const std::string theirs = in.Text(); theirs != mine) other = theirs;
+        });
     StateWriter out;
     out.Value(totalThreads_);
     out.Value(!other.empty());

@@ -29,8 +29,8 @@ class Ranks {
 
     /// Returns the bytes of the first process; those of the others are ignored. Goes down a binary tree.
     std::string Broadcast(const StateWriter &bytes);
-    /// Brings what all processes have to the first, up a binary tree: `take` writes what this process has, its children's
-    /// included, which were given to `add` before. The first process does not call `take`.
+    /// Brings what all processes have to the first, up a binary tree: `take` writes what this process has, its
+    /// children's included, which were given to `add` before. The first process does not call `take`.
     void Reduce(const std::function<void(StateWriter &)> &take, const std::function<void(StateReader &)> &add);
     /// Ends well where no process has a failure to report; else throws AnotherRankFailed, but on the first process
     /// UserError, unless the only failures are those it reported itself.

@@ -152,10 +152,8 @@ TEST(Ranks, FailuresAreToldOnce) {
                 ++others;
             } catch (const UserError &e) {
                 ranks.Fail(e);
-                if (ranks.IsFirst())
-                    first = FormatAll(e);
-                else
-                    ++others;
+                if (ranks.IsFirst()) first = FormatAll(e);
+                else ++others;
             }
         });
         EXPECT_EQ(others, first.empty() ? 0 : size - 1);

@@ -66,8 +66,9 @@ class Mpi : public Program {
     }
     /// From now on the program is started as so many processes; 1: without mpirun.
     void StartAs(int ranks, const std::string &wrapper = "") {
-        launcher_ = ranks == 1 ? "" : std::string("'") + kMpirun + "' --oversubscribe --bind-to none -n " +
-                                          std::to_string(ranks) + " " + wrapper;
+        launcher_ = ranks == 1 ? ""
+                               : std::string("'") + kMpirun + "' --oversubscribe --bind-to none -n " +
+                                     std::to_string(ranks) + " " + wrapper;
     }
     /// The process that is number `rank` of those that a started mpirun started; 0 if there is none yet.
     static pid_t ProcessOf(pid_t mpirun, int rank) {
@@ -109,7 +110,8 @@ TEST_F(Mpi, AnyNumberOfProcessesGivesTheSameBits) {
 TEST_F(Mpi, WithoutLearningAndUnderASky) {
     Write("scene.pbrt", Scene("rgb", 5));
     Write("sky.pbrt", SkyScene());
-    const std::vector<std::string> cases = {"--lightsampler bvh scene.pbrt", (ext_ ? "--lightsampler octree:opensky=1" : lights_) + " --spp 33 sky.pbrt",
+    const std::vector<std::string> cases = {"--lightsampler bvh scene.pbrt",
+                                            (ext_ ? "--lightsampler octree:opensky=1" : lights_) + " --spp 33 sky.pbrt",
                                             "--lightsampler bvh --pixel 7,7 --spp 200 scene.pbrt"};
     for (const std::string &arguments : cases) {
         StartAs(1);
@@ -182,7 +184,8 @@ TEST_F(Mpi, TimePartsAndSavedLights) {
     EXPECT_TRUE(SamePixels(ReadImage(Path("partial.exr")), Render(one + (ext_ ? "--save-lights one" : ""))));
     const ImageFile whole = Render(one);
     RunWell(one + "--samples 0:10 --checkpoint a.part");
-    const std::string merge = "cd '" + Path("") + "' && '" PBRT_IMGTOOL "' merge merged.exr a.part b.part > merge.log 2>&1";
+    const std::string merge =
+        "cd '" + Path("") + "' && '" PBRT_IMGTOOL "' merge merged.exr a.part b.part > merge.log 2>&1";
     EXPECT_EQ(system(merge.c_str()), 0);
     EXPECT_TRUE(SamePixels(whole, ReadImage(Path("merged.exr"))));
     RunWell(one + "--checkpoint c.chk --outfile c.exr");

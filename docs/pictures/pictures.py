@@ -1,0 +1,82 @@
+"""What the scripts of docs/pictures share: a scene at another size, a render of it, and a JPEG at a sensible exposure."""
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+TOP = HERE.parent.parent
+# A picture is as bright as on lightlab's page: the median luminance becomes mid grey, but three quarters of the pixels
+# stay below white.
+MID_GREY, BELOW_WHITE = 0.18, 0.75
+LUMINANCE = (0.2126, 0.7152, 0.0722)
+
+
+def programs(build):
+    """Paths of pbrt, imgtool and lightlab in a build folder."""
+    folder = build.resolve() / "src/pbrt/cmd"
+    return {name: folder / name / name for name in ("pbrt", "imgtool", "lightlab")}
+
+
+def call(*command, text=None, cwd=None, statuses=(0,)):
+    """Runs a program and returns what it printed; ends with a message if its exit status is another."""
+    done = subprocess.run([str(c) for c in command], input=text, cwd=cwd, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True)
+    if done.returncode not in statuses:
+        sys.exit(f"{' '.join(str(c) for c in command)}\nended with status {done.returncode}:\n{done.stdout}")
+    return done.stdout
+
+
+def resized(scene, width, most=None):
+    """The text of a scene with another resolution; to be rendered from the scene's folder. No sample is brighter than
+    most, if that is given."""
+    text = scene.read_text()
+    sizes = {axis: re.search(rf'("integer {axis}resolution" *\[? *)(\d+)', text) for axis in "xy"}
+    if not all(sizes.values()):
+        sys.exit(f"{scene}: no xresolution and yresolution found")
+    height = max(1, round(int(sizes["y"].group(2)) * width / int(sizes["x"].group(2))))
+    for axis, pixels in (("x", width), ("y", height)):
+        text = re.sub(rf'("integer {axis}resolution" *\[? *)\d+', rf"\g<1>{pixels}", text, count=1)
+    if most is not None:
+        text = re.sub(r'("integer xresolution")', rf'"float maxcomponentvalue" {most:.6g} \g<1>', text, count=1)
+    return text
+
+
+def render(tools, scene, width, out, *flags, most=None):
+    """Renders a scene at this width into an EXR."""
+    call(tools["pbrt"], "--quiet", "--outfile", out, *flags, "-", text=resized(scene, width, most), cwd=scene.parent)
+
+
+def pixels(tools, exr):
+    """Height x width x 3 values of a picture."""
+    import numpy
+    with tempfile.TemporaryDirectory() as folder:
+        pfm = pathlib.Path(folder) / "out.pfm"
+        call(tools["imgtool"], "convert", exr, pfm)
+        with open(pfm, "rb") as file:
+            if file.readline().strip() != b"PF":
+                sys.exit(f"{exr}: not a colour picture")
+            width, height = (int(n) for n in file.readline().split())
+            order = "<" if float(file.readline()) < 0 else ">"
+            values = numpy.frombuffer(file.read(), order + "f4", width * height * 3)
+    return values.reshape(height, width, 3)[::-1]
+
+
+def exposure(values):
+    """The factor that makes a picture visible."""
+    import numpy
+    luminance = values @ numpy.array(LUMINANCE)
+    lit = luminance[luminance > 0]
+    if not lit.size:
+        return 1.0
+    return float(min(MID_GREY / numpy.median(lit), 1 / max(numpy.quantile(lit, BELOW_WHITE), 1e-30)))
+
+
+def shown(values, factor):
+    """A picture for the screen."""
+    import numpy
+    from PIL import Image
+    v = numpy.clip(values * factor, 0, 1)
+    v = numpy.where(v <= 0.0031308, 12.92 * v, 1.055 * v ** (1 / 2.4) - 0.055)
+    return Image.fromarray((v * 255 + 0.5).astype("uint8"))

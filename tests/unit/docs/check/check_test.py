@@ -1,0 +1,172 @@
+#!/usr/bin/python3
+"""Tests docs/check on small repositories: one without faults, and copies of it that are broken in one place each."""
+import pathlib
+import shutil
+import stat
+import subprocess
+import sys
+import tempfile
+import unittest
+
+CHECK = pathlib.Path(__file__).resolve().parents[4] / "docs/check"
+
+FILES = {
+    "README.md": """# Title
+
+See [the guide](docs/guide.md#how-to-render-it) and ![a chart](docs/chart.svg).
+
+    pbrt --spp 4 scene.pbrt         # four samples
+    nice -n 10 pbrt --spp 4 scene.pbrt && imgtool diff --metric relL2 a.exr b.exr
+
+Make it with `docs/make --size 3`. The word `--other` alone is no command.
+""",
+    "docs/guide.md": """# Guide
+
+## How to render it
+
+```sh
+lightlab scene.pbrt --time 2 --samplers \\
+    bvh,octree
+```
+
+A link in `code [like](this.md)` is none. See docs/guide.md.
+
+| a | b |
+|---|---|
+| 1 | 2 |
+""",
+    "docs/make": """#!/usr/bin/python3
+import argparse
+parser = argparse.ArgumentParser()
+parser.add_argument("--size")
+parser.parse_args()
+""",
+    "docs/chart.svg": "<svg/>",
+    "docs/changelog.md": "# Changes\n\n- docs/gone.md went; ../shared was named.\n",
+    "docs/figures.txt": "docs/chart.svg | docs/guide.md#how-to-render-it | docs/make | -\n",
+    "src/a.cpp": "// As docs/guide.md says.\n",
+}
+PROGRAMS = {"pbrt": "  --spp INT\n", "lightlab": "  --time S\n  --samplers LIST\n",
+            "imgtool": "  --metric NAME\n"}
+
+
+class Check(unittest.TestCase):
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.top, self.programs = pathlib.Path(holder.name) / "top", pathlib.Path(holder.name) / "programs"
+        for name, text in FILES.items():
+            self.write(name, text)
+        for name, help_text in PROGRAMS.items():
+            file = self.programs / name / name
+            file.parent.mkdir(parents=True)
+            known = "case \"$1\" in nothing) exit 1;; esac\n" if name == "imgtool" else ""
+            file.write_text(f"#!/bin/sh\n{known}cat <<'E'\n{help_text}E\n")
+            file.chmod(file.stat().st_mode | stat.S_IXUSR)
+        self.assertEqual(self.run_check("--stamp", "docs/chart.svg").returncode, 0)
+
+    def write(self, name, text):
+        file = self.top / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+
+    def replace(self, name, old, new):
+        text = (self.top / name).read_text()
+        self.assertIn(old, text)
+        self.write(name, text.replace(old, new))
+
+    def run_check(self, *arguments):
+        return subprocess.run([sys.executable, CHECK, "--top", self.top, "--programs", self.programs, *arguments],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+    def faults(self):
+        done = self.run_check()
+        found = done.stdout.splitlines()[:-1]
+        self.assertEqual(done.returncode, 1 if found else 0, done.stdout)
+        return found
+
+    def expect(self, place, *words):
+        found = self.faults()
+        self.assertEqual(len(found), 1, found)
+        self.assertTrue(found[0].startswith(place), found)
+        for word in words:
+            self.assertIn(word, found[0])
+
+    def test_finds_nothing_where_nothing_is_wrong(self):
+        self.assertEqual(self.faults(), [])
+        self.assertIn("5 commands", self.run_check().stdout)
+
+    def test_works_in_a_git_repository(self):
+        for words in (["init", "-q"], ["add", "-A"]):
+            subprocess.run(["git", "-C", self.top, *words], check=True)
+        self.assertEqual(self.faults(), [])
+
+    def test_dead_link(self):
+        (self.top / "docs/guide.md").rename(self.top / "docs/other.md")
+        self.assertTrue(any("README.md:3" in f and "docs/guide.md" in f for f in self.faults()))
+
+    def test_dead_anchor(self):
+        self.replace("README.md", "#how-to-render-it", "#how-to-print-it")
+        self.expect("README.md:3", "#how-to-print-it")
+
+    def test_link_out_of_the_repository(self):
+        self.replace("README.md", "See [", "See [it](../elsewhere/a.md) and [")
+        self.expect("README.md:3", "outside")
+
+    def test_words_that_point_outside(self):
+        self.replace("docs/guide.md", "See docs", "As ../shared/notes says. See docs")
+        self.expect("docs/guide.md:10", "outside")
+
+    def test_mention_in_a_source(self):
+        self.write("src/a.cpp", "// As docs/method.md says.\n")
+        self.expect("src/a.cpp:1", "docs/method.md")
+
+    def test_unknown_flag_of_a_program(self):
+        self.replace("README.md", "pbrt --spp 4 scene.pbrt  ", "pbrt --samples 4 scene.pbrt  ")
+        self.expect("README.md:5", "pbrt has no flag --samples")
+
+    def test_unknown_flag_behind_another_program(self):
+        self.replace("README.md", "--metric relL2", "--measure relL2")
+        self.expect("README.md:6", "imgtool has no flag --measure")
+
+    def test_unknown_flag_on_the_second_line_of_a_command(self):
+        self.replace("docs/guide.md", "    bvh,octree", "    bvh,octree --quickly")
+        self.expect("docs/guide.md:6", "--quickly")
+
+    def test_unknown_command_of_imgtool(self):
+        self.replace("README.md", "imgtool diff", "imgtool nothing")
+        self.expect("README.md:6", "nothing")
+
+    def test_unknown_flag_of_a_script(self):
+        self.replace("README.md", "docs/make --size 3", "docs/make --width 3")
+        self.expect("README.md:8", "docs/make has no flag --width")
+
+    def test_script_that_is_gone(self):
+        self.replace("README.md", "docs/make --size 3", "docs/draw --size 3")
+        self.assertTrue(any("no script docs/draw" in f for f in self.faults()))
+
+    def test_figure_older_than_its_data(self):
+        self.replace("docs/guide.md", "| 1 | 2 |", "| 1 | 3 |")
+        self.expect("docs/figures.txt:1", "docs/chart.svg is older than its data")
+        self.run_check("--stamp", "docs/chart.svg")
+        self.assertEqual(self.faults(), [])
+
+    def test_text_around_the_table_makes_no_figure_old(self):
+        self.replace("docs/guide.md", "is none.", "is not one.")
+        self.assertEqual(self.faults(), [])
+
+    def test_figure_without_data(self):
+        self.write("docs/figures.txt", "")
+        self.expect("README.md:3", "has no line in docs/figures.txt")
+
+    def test_figure_whose_maker_is_gone(self):
+        self.replace("docs/figures.txt", "docs/make", "docs/draw")
+        self.expect("docs/figures.txt:1", "docs/draw")
+
+    def test_missing_programs_are_said(self):
+        shutil.rmtree(self.programs / "pbrt")
+        self.assertIn("not checked: flags of pbrt", self.run_check().stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()

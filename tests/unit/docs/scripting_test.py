@@ -1,4 +1,4 @@
-"""What lightlab and pbrt write is what docs/scripting describes, and the example reads it. Arguments: pbrt lightlab."""
+"""What lightlab and pbrt write is what docs/guide/scripting describes, and the example reads it. Arguments: pbrt lightlab."""
 import copy
 import json
 import pathlib
@@ -10,12 +10,12 @@ import unittest
 try:
     import jsonschema
 except ImportError:
-    print("SKIPPED: the schemas of docs/scripting were not tested: Debian's python3-jsonschema is missing")
+    print("SKIPPED: the schemas of docs/guide/scripting were not tested: Debian's python3-jsonschema is missing")
     sys.exit(77)
 
 PBRT, LIGHTLAB = (str(pathlib.Path(p).resolve()) for p in sys.argv[1:3])
 TOP = pathlib.Path(__file__).resolve().parents[3]
-SCRIPTING = TOP / "docs/scripting"
+SCRIPTING = TOP / "docs/guide/scripting"
 SCENE = TOP / "scenes/three-lights/three-lights.pbrt"
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Makes the picture of docs/live-view.md: python3 docs/live-view/screenshot.py PBRT OUT.png (needs chromium-driver and
+"""Makes the picture of docs/guide/live-view.md: python3 docs/guide/live-view/screenshot.py PBRT OUT.png (needs chromium-driver and
 python3-selenium)."""
 import pathlib
 import re

@@ -14,8 +14,8 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr int kMinPilotSamples = 4, kMaxPilotSamples = 16;  // per picture; two pictures a candidate
-constexpr int kShareOfReference = 128;            // all candidates together take some 6 % of two references
-constexpr int kPilotSeed = 700001;                // far from the seeds of the runs
+constexpr int kShareOfReference = 128;                      // all candidates together take some 6 % of two references
+constexpr int kPilotSeed = 700001;                          // far from the seeds of the runs
 
 std::vector<SamplerChoice> Candidates(const CampaignSettings &settings, const LabScene &scene,
                                       const LightSamplerRegistry &registry) {
@@ -37,7 +37,8 @@ int SamplesPerPicture(const CampaignSettings &settings, const LabScene &scene) {
     const double lights = static_cast<double>(scene.built.scene->Lights().Size());
     const double pixels = static_cast<double>(std::max<int64_t>(1, scene.Pixels().Area()));
     const int forReference = ReferenceRule::For(settings).samples / kShareOfReference;
-    return std::clamp(std::max(static_cast<int>(8 * lights / pixels), forReference), kMinPilotSamples, kMaxPilotSamples);
+    return std::clamp(std::max(static_cast<int>(8 * lights / pixels), forReference), kMinPilotSamples,
+                      kMaxPilotSamples);
 }
 
 /// Two pictures of a candidate and their common tile means.

@@ -8,6 +8,7 @@
 #include "pbrt/cmd/lightlab/command_line.h"
 #include "pbrt/cmd/lightlab/report_scripts.h"
 #include "pbrt/cmd/lightlab/scenes.h"
+#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
@@ -58,6 +59,10 @@ int Compare(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegist
         CompareOn(settings, options, registry, signals, cancel);
         return signals.Status();
     }
+    DiagnosticSink missing;
+    for (const std::string &scene : options.scenes)
+        if (!FileExists(scene)) missing.Error({}, fmt::format("{}: No such file or directory.", scene));
+    missing.ThrowIfErrors();
     const std::vector<std::string> folders = SceneFolders(options.scenes);
     std::vector<SceneOutcome> outcomes;
     bool hasFailed = false;

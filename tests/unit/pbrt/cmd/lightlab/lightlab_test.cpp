@@ -142,6 +142,7 @@ TEST_F(Lightlab, SamplersMayBePartedBySemicolons) {
 
 TEST_F(Lightlab, ExamplesOfTheHelpAreRight) {
     if (!HasExtensions()) GTEST_SKIP() << "NOT TESTED: this build has no src/ext (PBRT_EXT=OFF), so no octree";
+    for (const char *scene : {"a.pbrt", "b.pbrt", "c.pbrt"}) Write(scene, SmallScene());
     int examples = 0;
     for (const char *page : {"--help", "inspect --help"}) {
         std::istringstream help(Run(page).out);
@@ -316,7 +317,9 @@ TEST_F(Lightlab, AWrongSceneKeepsNoOtherFromBeingCompared) {
     EXPECT_TRUE(Has(o.out, "wrong: failed. ")) << o.out;
     EXPECT_EQ(Results("all/scene").at("samplers").size(), 2u);
     EXPECT_TRUE(Has(Read("all/index.html"), "ball"));
-    ExpectErrors({{"scene.pbrt wrong.pbrt --reference r.exr", {"--reference", "one scene", "2 are given"}},
+    // A name that is misspelt is found before anything is rendered.
+    ExpectErrors({{"scene.pbrt scnee.pbrt --out none", {"scnee.pbrt: No such file"}},
+                  {"scene.pbrt wrong.pbrt --reference r.exr", {"--reference", "one scene", "2 are given"}},
                   {"scene.pbrt wrong.pbrt --crops 0,0,4,4", {"--crops", "one scene"}}});
 }
 

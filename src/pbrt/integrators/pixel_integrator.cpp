@@ -53,7 +53,8 @@ class PassRenderer {
         if (std::optional<CameraRay> ray = pass_.camera.GenerateRay(cs, sample.lambda)) {
             const SampledSpectrum weight = ray->weight;
             ray->differential.Scale(ray->ray, differentialScale_);
-            const PathStart start{*ray, pixel, pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr};
+            const PathStart start{*ray, pixel, pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr,
+                                  &pass_};
             sample.L = weight * integrator_.Li(start, sample.lambda, sampler);
         }
         if (pass_.keepsSamples) pass_.film.AddSample(sample);
@@ -73,6 +74,8 @@ bool PixelIntegrator::Render(const RenderPass &pass) {
     const Vector2i tiles = (bounds.high - bounds.low + (kTileSize - 1)) / kTileSize;
     const int64_t count = bounds.IsEmpty() ? 0 : int64_t{tiles.x} * tiles.y;
     if (pass.done && pass.done->empty()) pass.done->assign(static_cast<size_t>(count), 0);
+    if (Splats()) pass.film.ExpectSplats();
+    std::atomic<uint64_t> paths = 0;
     std::atomic<bool> isWhole = true;
     ParallelForEach(count, [&](int64_t i) {
         const Point2i at(static_cast<int>(i % tiles.x), static_cast<int>(i / tiles.x));
@@ -82,11 +85,13 @@ bool PixelIntegrator::Render(const RenderPass &pass) {
         // Which thread takes which tile does not matter.
         const uint32_t done = renderer.RenderTile(tile, before, *pass.samplers[static_cast<size_t>(ThreadIndex())]);
         if (pass.done) (*pass.done)[static_cast<size_t>(i)] = done;
+        paths.fetch_add(done - before, std::memory_order_relaxed);
         if (done < renderer.SamplesOf(tile))
             isWhole.store(false, std::memory_order_relaxed);
         else if (pass.isCounted)
             pass.progress.Advance(int64_t{done} - int64_t{before});
     });
+    if (Splats() && pass.keepsSamples) pass.film.AddSplatPaths(paths);
     return isWhole;
 }
 

@@ -37,9 +37,11 @@ class SensorSums {
     void ExpectSplats() { splats_.Expect(3 * pixels_.size()); }
     /// False if the splat is larger than FixedSum holds; it is counted as rejected.
     bool AddSplat(size_t pixel, const Vector3 &sensor, Float weight);
-    void AddSplatSamples(uint64_t perPixel) { counts_.splatSamples += perPixel; }
+    void AddSplatPaths(uint64_t paths) { counts_.splatPaths += paths; }
     /// Factor that turns a sum of splats into their mean.
-    double SplatScale() const { return counts_.splatSamples ? 1 / static_cast<double>(counts_.splatSamples) : 0; }
+    double SplatScale() const {
+        return counts_.splatPaths ? static_cast<double>(pixels_.size()) / static_cast<double>(counts_.splatPaths) : 0;
+    }
 
     Float MaxComponentValue() const { return maxComponent_; }
     /// Counts something that was dropped; from any thread.
@@ -62,10 +64,10 @@ class SensorSums {
         }
     };
     struct Counts {
-        uint64_t rejected = 0, splatSamples = 0;
+        uint64_t rejected = 0, splatPaths = 0;
         void operator+=(const Counts &c) {
             rejected += c.rejected;
-            splatSamples += c.splatSamples;
+            splatPaths += c.splatPaths;
         }
     };
     /// Of the picture, in float precision.

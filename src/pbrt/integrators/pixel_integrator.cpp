@@ -61,7 +61,8 @@ class PassRenderer {
         if (std::optional<CameraRay> ray = pass_.camera.GenerateRay(cs, sample.lambda)) {
             const SampledSpectrum weight = ray->weight;
             ray->differential.Scale(ray->ray, differentialScale_);
-            const PathStart start{*ray, pixel, pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr};
+            const PathStart start{*ray, pixel, pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr,
+                                  &pass_};
             sample.L = weight * integrator_.Li(start, sample.lambda, sampler);
         }
         if (pass_.keepsSamples) pass_.film.AddSample(sample);
@@ -155,7 +156,9 @@ bool PixelIntegrator::Render(const RenderPass &pass) {
     const Parts parts(pass);
     if (pass.done && pass.done->empty()) pass.done->assign(static_cast<size_t>(parts.Count()), 0);
     const auto doneBefore = [&](int64_t i) { return pass.done ? (*pass.done)[static_cast<size_t>(i)] : 0; };
+    if (Splats()) pass.film.ExpectSplats();
     std::atomic<int64_t> whole = 0;
+    std::atomic<uint64_t> paths = 0;
     // Returns how many samples were added to a part that is now whole.
     const auto render = [&](int64_t i) {
         const PassRenderer::Part part = parts[i];
@@ -163,15 +166,20 @@ bool PixelIntegrator::Render(const RenderPass &pass) {
         // Which thread takes which part does not matter.
         const uint32_t done = renderer.RenderPart(part, before, *pass.samplers[static_cast<size_t>(ThreadIndex())]);
         if (pass.done) (*pass.done)[static_cast<size_t>(i)] = done;
+        paths.fetch_add(done - before, std::memory_order_relaxed);
         if (done < renderer.SamplesOf(part)) return int64_t{0};
         whole.fetch_add(1, std::memory_order_relaxed);
         return int64_t{done} - int64_t{before};
+    };
+    const auto countPaths = [&] {
+        if (Splats() && pass.keepsSamples) pass.film.AddSplatPaths(paths);
     };
     if (!pass.ranks) {
         ParallelForEach(parts.Count(), [&](int64_t i) {
             const int64_t added = render(i);
             if (pass.isCounted && added > 0) pass.progress.Advance(added);
         });
+        countPaths();
         return whole == parts.Count();
     }
     const std::vector<uint32_t> before = pass.done ? *pass.done : std::vector<uint32_t>();
@@ -183,6 +191,7 @@ bool PixelIntegrator::Render(const RenderPass &pass) {
         }
     });
     const int64_t unreported = handOut.Finish();
+    countPaths();
     return ReducePass(pass, parts.Count(), whole, unreported, before);
 }
 

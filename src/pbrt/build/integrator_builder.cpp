@@ -99,8 +99,8 @@ struct AmbientOcclusionParams {
 
 /// An integrator without a light sampler; `make(p, maxDepth, context, film's colour space)`.
 template <class P, class F>
-void AddSimple(IntegratorTable &table, const char *name, F make) {
-    table.Add<P>(name, "", [name, make](const P &p, const ParamSet &, const IntegratorReading &r) {
+void AddSimple(IntegratorTable &table, const char *name, F make, const char *remark = "") {
+    table.Add<P>(name, remark, [name, make](const P &p, const ParamSet &, const IntegratorReading &r) {
         if (!r.options.lightSampler.empty() || r.options.meshLights || !r.options.shadowGate.empty())
             r.sink.Warning({},
                            fmt::format("--lightsampler, --mesh-lights and --shadow-gate have no effect on integrator "
@@ -142,9 +142,14 @@ const IntegratorTable &Integrators() {
                                [](const auto &, int depth, const PathContext &c, const ColorSpace &) {
                                    return std::make_unique<SimpleVolPathIntegrator>(c, depth);
                                });
-        AddSimple<DepthParams>(t, "lightpath", [](const auto &, int depth, const PathContext &c, const ColorSpace &) {
-            return std::make_unique<LightPathIntegrator>(c, depth);
-        });
+        AddSimple<DepthParams>(
+            t, "lightpath",
+            [](const auto &, int depth, const PathContext &c, const ColorSpace &) {
+                return std::make_unique<LightPathIntegrator>(c, depth);
+            },
+            "surfaces only; with the cameras perspective and (only here) orthographic; **differs**: the adjoint of "
+            "shading normals is right (stock: #385), crop windows keep all light (stock: #347), and emitters of all "
+            "shapes that the camera sees have their own brightness");
         AddSimple<AmbientOcclusionParams>(
             t, "ambientocclusion", [](const auto &p, int, const PathContext &c, const ColorSpace &space) {
                 return std::make_unique<AmbientOcclusionIntegrator>(c, p.cosine, p.maxDistance, space);

@@ -45,7 +45,7 @@ SampledSpectrum LightPathIntegrator::Li(const PathStart &start, SampledWavelengt
         splat({left->p, left->pError, left->n, left->n, time}, uFirst, [&](const Vector3 &wi) {
             // The radiance of a surface is the same in all directions in which it shines.
             return light.L(left->p, left->n, left->uv, wi, lambda) ? left->L * (AbsDot(left->n, wi) / pdfPosition)
-                                                                       : none;
+                                                                   : none;
         });
     }
     SampledSpectrum beta = left->L / (pdfPosition * left->pdfDirection);

@@ -23,10 +23,11 @@ void PrintTo(const View &v, std::ostream *out) { *out << v.name; }
 
 std::string Scene(const View &v, const std::string &integrator, int seed, int samples) {
     return "LookAt 0 -3.4 1.1  0 0 1  0 0 1\n" + v.camera + v.filter +
-           fmt::format("Film \"rgb\" \"integer xresolution\" {0} \"integer yresolution\" {0} \"bool savefp16\" false {1}\n"
-                       "Sampler \"independent\" \"integer pixelsamples\" {2} \"integer seed\" {3}\n"
-                       "Integrator \"{4}\" \"integer maxdepth\" {5}\nWorldBegin\n",
-                       kSize, v.film, samples, seed, integrator, v.depth) +
+           fmt::format(
+               "Film \"rgb\" \"integer xresolution\" {0} \"integer yresolution\" {0} \"bool savefp16\" false {1}\n"
+               "Sampler \"independent\" \"integer pixelsamples\" {2} \"integer seed\" {3}\n"
+               "Integrator \"{4}\" \"integer maxdepth\" {5}\nWorldBegin\n",
+               kSize, v.film, samples, seed, integrator, v.depth) +
            "Material \"diffuse\" \"rgb reflectance\" [ .6 .5 .4 ]\n"
            "Shape \"trianglemesh\" \"point3 P\" [ -1.5 -2 0  1.5 -2 0  1.5 1.5 0  -1.5 1.5 0  -1.5 1.5 2.2  1.5 1.5 2.2 ]\n"
            " \"integer indices\" [ 0 1 2  0 2 3  3 2 5  3 5 4 ]\n" +
@@ -89,8 +90,7 @@ const View kViews[] = {
                 "LightSource \"spot\" \"point3 from\" [ -1 -1 2 ] \"point3 to\" [ 0 0 0 ] \"rgb I\" [ 6 5 4 ]\n"
                 "LightSource \"distant\" \"point3 from\" [ 1 -2 3 ] \"rgb L\" [ .3 .3 .3 ]\n" +
                 kBall},
-    {.name = "RoughMetal",
-     .objects = kLamp + "Material \"conductor\" \"float roughness\" .5\n" + kBall},
+    {.name = "RoughMetal", .objects = kLamp + "Material \"conductor\" \"float roughness\" .5\n" + kBall},
     {.name = "Coat", .objects = kLamp + "Material \"coateddiffuse\" \"float roughness\" .3\n" + kBall},
     {.name = "RoughGlass", .objects = Hidden("Material \"dielectric\" \"float roughness\" .4")},
     {.name = "SmoothGlass", .objects = Hidden("Material \"dielectric\"")},

@@ -65,9 +65,14 @@ std::shared_ptr<const Shape> Triangle() {
 }
 
 const Case kCases[] = {
-    {"point", [](Shooter &s) { s.light = Make("point", Params().Point("from", {0.2f, 0.1f, 0.3f}), kTurned); }},
+    {"point",
+     [](Shooter &s) {
+         s.light = Make("point", Params().Point("from", {0.2f, 0.1f, 0.3f}), kTurned);
+     }},
     {"spot",
-     [](Shooter &s) { s.light = Make("spot", Params().Number("coneangle", 50).Number("conedeltaangle", 20), kTurned); }},
+     [](Shooter &s) {
+         s.light = Make("spot", Params().Number("coneangle", 50).Number("conedeltaangle", 20), kTurned);
+     }},
     {"spotWithoutEdge",
      [](Shooter &s) { s.light = Make("spot", Params().Number("coneangle", 50).Number("conedeltaangle", 0), kTurned); }},
     {"spotOfEdgeOnly",
@@ -82,11 +87,12 @@ const Case kCases[] = {
     {"goniometric",
      [](Shooter &s) { s.light = Make("goniometric", Params().String("filename", File(s, Grey())), kTurned); }},
     {"goniometricStretched",
-     [](Shooter &s) { s.light = Make("goniometric", Params().String("filename", File(s, Grey())), kStretched); }, false},
+     [](Shooter &s) { s.light = Make("goniometric", Params().String("filename", File(s, Grey())), kStretched); },
+     false},
     {"projection",
      [](Shooter &s) {
-         s.light = Make("projection",
-                        Params().String("filename", File(s, RgbImage({8, 4}, Picture))).Number("fov", 70), kTurned);
+         s.light = Make("projection", Params().String("filename", File(s, RgbImage({8, 4}, Picture))).Number("fov", 70),
+                        kTurned);
      },
      false},
     {"distant",
@@ -241,11 +247,13 @@ TEST_P(Emission, DirectionsFollowTheirDensity) {
     double total = 0;
     for (int y = 0; y < kN * kSub; ++y)
         for (int x = 0; x < kN * kSub; ++x) {
-            const Vector3 w = EqualAreaSquareToSphere({(static_cast<Float>(x) + 0.5f) / (kN * kSub),
-                                                       (static_cast<Float>(y) + 0.5f) / (kN * kSub)});
+            const Vector3 w = EqualAreaSquareToSphere(
+                {(static_cast<Float>(x) + 0.5f) / (kN * kSub), (static_cast<Float>(y) + 0.5f) / (kN * kSub)});
             const Vector3 render = isLocal ? Frame::FromZ(any->n).FromLocal(w) : w;
-            const double mass = static_cast<double>(TheLight().PdfLe(isPortal ? Point3(0, 0, 1) : any->ray.o, any->n, render).direction) * 4 *
-                                std::numbers::pi / (kN * kSub * kN * kSub);
+            const double mass =
+                static_cast<double>(
+                    TheLight().PdfLe(isPortal ? Point3(0, 0, 1) : any->ray.o, any->n, render).direction) *
+                4 * std::numbers::pi / (kN * kSub * kN * kSub);
             expected[static_cast<size_t>(y / kSub * kN + x / kSub)] += mass;
             total += mass;
         }
@@ -258,8 +266,7 @@ TEST_P(Emission, DirectionsFollowTheirDensity) {
     EXPECT_LT(distance / drawn, 0.06);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Emission, testing::ValuesIn(kCases),
-                         [](const auto &test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, Emission, testing::ValuesIn(kCases), [](const auto &test) { return test.param.name; });
 
 }  // namespace
 }  // namespace pbrt::test

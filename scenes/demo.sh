@@ -9,22 +9,37 @@ out="$top/build/demo"
 scene="$top/scenes/dollhouse/dollhouse.pbrt"
 
 bash "$top/.ci/install"
-echo "Building (first time: some minutes; log in build/release.log)"
-bash "$top/.ci/build" "$top/build/release" -- pbrt imgtool
-pbrt="$top/build/release/src/pbrt/cmd/pbrt/pbrt"
-imgtool="$top/build/release/src/pbrt/cmd/imgtool/imgtool"
+# Where everything is built already, that is used; else only the two programs are compiled, which is quicker.
+build="$top/build/release"
+if [ -x "$build/src/pbrt/cmd/lightlab/lightlab" ]; then
+  options=()
+else
+  build="$top/build/demo-programs"
+  options=(-DPBRT_UNITY=ON -DPBRT_TESTS=OFF -DPBRT_BENCH=OFF)
+fi
+echo "Building (the first time: some minutes; log in ${build#"$top/"}.log)"
+bash "$top/.ci/build" "$build" "${options[@]+"${options[@]}"}" -- pbrt imgtool &
+building=$!
+while kill -0 $building 2> /dev/null; do
+  [ -t 1 ] && printf '\r  %s  ' "$(grep -oE '^\[[0-9]+/[0-9]+\]' "$build.log" 2> /dev/null | tail -1)"
+  sleep 1
+done
+wait $building
+[ -t 1 ] && printf '\r'
+pbrt="$build/src/pbrt/cmd/pbrt/pbrt"
+imgtool="$build/src/pbrt/cmd/imgtool/imgtool"
 mkdir -p "$out"
 
 render() { # render NAME ARGUMENTS...
   local name=$1
   shift
-  "$pbrt" --quiet --outfile "$out/$name.exr" "$@" "$scene"
+  "$pbrt" --outfile "$out/$name.exr" "$@" "$scene"
   "$imgtool" convert --outfile "$out/$name.png" "$out/$name.exr"
 }
 # The reference is rendered by stock pbrt's default sampler with its own seed, once.
 if [ ! -f "$out/reference.exr" ] || [ "$scene" -nt "$out/reference.exr" ] || [ "$pbrt" -nt "$out/reference.exr" ]; then
-  echo "Rendering the reference (bvh, 1024 samples per pixel; about four minutes)"
-  render reference --lightsampler bvh --spp 1024 --seed 1000
+  echo "Rendering the reference (bvh, 256 samples per pixel)"
+  render reference --lightsampler bvh --spp 256 --seed 1000
 fi
 for sampler in uniform octree; do
   echo "Rendering with $sampler, $spp samples per pixel"
@@ -47,3 +62,9 @@ echo "  uniform  $u    $out/uniform.png"
 echo "  octree   $o    $out/octree.png"
 python3 -c "print(f'  octree has {float(\"$u\")/float(\"$o\"):.1f} times less error')"
 echo "  difference of the two: $out/difference.png (false colour), reference: $out/reference.png"
+echo
+echo "With a scene of yours:"
+echo "  $pbrt --lightsampler octree --outfile octree.exr scene.pbrt"
+echo "  $imgtool diff --metric relL2 --reference reference.exr octree.exr"
+echo "or let lightlab compare all light samplers on it (builds the rest first, some minutes):"
+echo "  bash .ci/build $top/build/release && build/release/src/pbrt/cmd/lightlab/lightlab scene.pbrt --time 20"

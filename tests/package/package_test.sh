@@ -67,6 +67,7 @@ completed() { # completed WORDS...: what the last of them may become
 }
 completed pbrt --outf | grep -qx -- --outfile || fail "completion of --outf"
 completed pbrt --lightsampler oct | grep -qx octree || fail "completion of a light sampler"
+completed pbrt --aov alb | grep -qx albedo || fail "completion of a channel"
 completed imgtool conv | grep -qx convert || fail "completion of imgtool's commands"
 completed imgtool diff --met | grep -qx -- --metric || fail "completion of a command's flags"
 [ "$(completed pbrt --no-such-flag)" = "" ] || fail "a flag that does not exist is completed"

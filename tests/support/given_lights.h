@@ -24,6 +24,11 @@ class GivenLight final : public Light {
                 uint32_t) const override {
         return 0;
     }
+    std::optional<LightLeSample> SampleLe(const Point2 &, const Point2 &, const SampledWavelengths &,
+                                          uint32_t) const override {
+        return {};
+    }
+    LightLePdf PdfLe(const Point3 &, const Normal3 &, const Vector3 &, uint32_t) const override { return {}; }
     std::optional<LightBounds> Bounds(uint32_t part) const override { return parts_[part].bounds; }
 
   private:

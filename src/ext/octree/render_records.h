@@ -21,6 +21,9 @@ class RenderRecords {
     }
     void Save(StateWriter &writer) const;
     void Load(StateReader &reader);
+    /// See LightLearner.
+    void Take(StateWriter &writer);
+    void Add(StateReader &reader);
     /// Appends what was found on surfaces, or what was found inside media.
     void AppendTo(VisibilityRecords *records, bool inMedium) const;
 

@@ -112,6 +112,27 @@ void RenderRecords::Load(StateReader &reader) {
     }
 }
 
+void RenderRecords::Take(StateWriter &writer) {
+    uint64_t filled = 0;
+    for (const Place &place : places_) filled += place.found.weight > 0;
+    Writing{writer}(uint64_t{places_.size()}, filled);
+    for (size_t i = 0; i < places_.size(); ++i) {
+        Place &place = places_[i];
+        if (!(place.found.weight > 0)) continue;
+        Writing{writer}(static_cast<uint32_t>(i), place.p, place.inMedium, place.found);
+        place = {};
+    }
+}
+
+void RenderRecords::Add(StateReader &reader) {
+    if (reader.Value<uint64_t>() != places_.size()) reader.Refuse();
+    for (auto filled = reader.Value<uint64_t>(); filled > 0; --filled) {
+        const auto i = reader.Value<uint32_t>();
+        if (i >= places_.size()) reader.Refuse();
+        Reading{reader}(places_[i].p, places_[i].inMedium, places_[i].found);
+    }
+}
+
 std::vector<uint32_t> SkyTiles::Known() const {
     std::vector<uint32_t> numbers;
     for (const auto &[number, tile] : tiles_) numbers.push_back(number);
@@ -137,6 +158,26 @@ void SkyCells::Save(StateWriter &writer) const {
     std::vector<uint64_t> counts(counts_ ? numbers_.size() : 0);
     for (size_t i = 0; i < counts.size(); ++i) counts[i] = counts_[i].load(std::memory_order_relaxed);
     writer.CopyOfVector(counts);
+}
+
+void SkyCells::TakeFound(StateWriter &writer) {
+    const size_t lanes = counts_ ? numbers_.size() : 0;
+    std::vector<std::pair<uint32_t, uint64_t>> counted;
+    for (size_t i = 0; i < lanes; ++i)
+        if (const uint64_t count = counts_[i].exchange(0, std::memory_order_relaxed); count > 0)
+            counted.push_back({static_cast<uint32_t>(i), count});
+    Writing{writer}(uint64_t{lanes}, uint64_t{counted.size()});
+    for (const auto &[lane, count] : counted) Writing{writer}(lane, count);
+}
+
+void SkyCells::AddFound(StateReader &reader) {
+    const size_t lanes = counts_ ? numbers_.size() : 0;
+    if (reader.Value<uint64_t>() != lanes) reader.Refuse();
+    for (auto counted = reader.Value<uint64_t>(); counted > 0; --counted) {
+        const auto lane = reader.Value<uint32_t>();
+        if (lane >= lanes) reader.Refuse();
+        counts_[lane].fetch_add(reader.Value<uint64_t>(), std::memory_order_relaxed);
+    }
 }
 
 void SkyCells::Load(StateReader &reader, const Settings &settings) {
@@ -193,6 +234,16 @@ void SkyChoice::Load(StateReader &reader) {
     }
     cells_.Load(reader, settings_);
     reader.Value(&seenShare_);
+}
+
+void VisibilityOctreeLightSampler::TakeFound(StateWriter &out) {
+    found_.Take(out);
+    if (sky_) sky_->TakeFound(out);
+}
+
+void VisibilityOctreeLightSampler::AddFound(StateReader &in) {
+    found_.Add(in);
+    if (sky_) sky_->AddFound(in);
 }
 
 void VisibilityOctreeLightSampler::Knowledge::Save(StateWriter &writer, bool goesOn) const {

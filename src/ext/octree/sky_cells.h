@@ -83,6 +83,9 @@ class SkyCells {
     /// All that is known, with the rays that were counted since Learn.
     void Save(StateWriter &writer) const;
     void Load(StateReader &reader, const Settings &settings);
+    /// See LightLearner.
+    void TakeFound(StateWriter &writer);
+    void AddFound(StateReader &reader);
 
   private:
     static constexpr uint64_t kLeft = uint64_t(1) << 32;

@@ -53,6 +53,9 @@ class SkyChoice {
     /// `goesOn`: see LightSampler::SaveLearned.
     void Save(StateWriter &writer, bool goesOn) const;
     void Load(StateReader &reader);
+    /// See LightLearner.
+    void TakeFound(StateWriter &out) { cells_.TakeFound(out); }
+    void AddFound(StateReader &in) { cells_.AddFound(in); }
     /// Frees what only learning needs.
     void EndLearning() { cells_.EndLearning(); }
 

@@ -111,6 +111,8 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
                const SampledSpectrum &found) override;
     void Looked(const LightQuery &query, const Vector3 &d, bool left) override;
     void Learn(const Progress &progress) override;
+    void TakeFound(StateWriter &out) override;
+    void AddFound(StateReader &in) override;
     /// False: cancelled; nothing was changed.
     bool LearnLamps(const Progress &progress);
     void BeginLearning(int first);

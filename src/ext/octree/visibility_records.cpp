@@ -1,6 +1,7 @@
 #include "ext/octree/visibility_records.h"
 
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/ranks.h"
 #include "pbrt/lightsamplers/weighted_choice.h"
 #include "pbrt/math/rng.h"
 
@@ -21,6 +22,11 @@ Float SampleGroup(const Scene &scene, const PrepassVertex &vertex, const LightQu
     if (!light) return 0;
     Float value = RootMeanSquare(VisibleContribution(scene, vertex, light->light, u)) / light->pmf;
     return std::isfinite(value) ? value : 0;
+}
+
+/// Processes that prepare together share the chunks.
+bool IsMine(const Ranks *ranks, size_t chunk) {
+    return !ranks || chunk % static_cast<size_t>(ranks->Size()) == static_cast<size_t>(ranks->Rank());
 }
 
 /// Draws lights at one point by G.
@@ -52,6 +58,36 @@ class Draws {
     Float sum_ = 0;
 };
 static_assert(LightTree::kBaseNodes + LightTree::kFarNodes <= kMaxScanned);
+
+/// Of processes that prepare together, each has traced some of the chunks; afterwards all of them have all.
+void Exchange(Ranks &ranks, std::vector<VisibilityRecords> &chunks) {
+    std::vector<bool> isHere(chunks.size());
+    for (size_t i = 0; i < chunks.size(); ++i) isHere[i] = IsMine(&ranks, i);
+    const auto write = [&](StateWriter &out) {
+        out.Value(uint64_t(std::count(isHere.begin(), isHere.end(), true)));
+        for (size_t i = 0; i < chunks.size(); ++i) {
+            if (!isHere[i]) continue;
+            out.Value(uint64_t{i});
+            out.Vector(chunks[i].records);
+            out.Vector(chunks[i].tries);
+        }
+    };
+    const auto read = [&](StateReader &in) {
+        for (auto count = in.Value<uint64_t>(); count > 0; --count) {
+            const auto i = in.Value<uint64_t>();
+            if (i >= chunks.size()) in.Refuse();
+            in.Vector(&chunks[i].records);
+            in.Vector(&chunks[i].tries);
+            isHere[i] = true;
+        }
+    };
+    ranks.Reduce(write, read);
+    StateWriter all;
+    if (ranks.IsFirst()) write(all);
+    const std::string bytes = ranks.Broadcast(all);
+    StateReader in(bytes, "what was looked for");
+    if (!ranks.IsFirst()) read(in);
+}
 
 }  // namespace
 
@@ -102,7 +138,7 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
     };
 
     ParallelForEach(static_cast<int64_t>(chunks.size()), [&](int64_t chunk) {
-        if (context.progress.Cancelled()) return;
+        if (context.progress.Cancelled() || !IsMine(context.ranks, static_cast<size_t>(chunk))) return;
         VisibilityRecords &out = chunks[static_cast<size_t>(chunk)];
         std::vector<Float> g(all ? importance.Padded() : 0);
         for (int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i) {
@@ -121,6 +157,7 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
         context.progress.Advance();
     });
 
+    if (context.ranks) Exchange(*context.ranks, chunks);
     VisibilityRecords result;
     for (VisibilityRecords &chunk : chunks) {
         const auto offset = static_cast<uint32_t>(result.tries.size());

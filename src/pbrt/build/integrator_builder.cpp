@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "pbrt/build/collect.h"
+#include "pbrt/integrators/light_path_integrator.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/simple_integrators.h"
 #include "pbrt/integrators/volpath_integrator.h"
@@ -98,14 +99,15 @@ struct AmbientOcclusionParams {
 
 /// An integrator without a light sampler; `make(p, maxDepth, context, film's colour space)`.
 template <class P, class F>
-void AddSimple(IntegratorTable &table, const char *name, F make) {
-    table.Add<P>(name, "", [name, make](const P &p, const ParamSet &, const IntegratorReading &r) {
+void AddSimple(IntegratorTable &table, const char *name, F make, const char *remark = "") {
+    table.Add<P>(name, remark, [name, make](const P &p, const ParamSet &, const IntegratorReading &r) {
         if (!r.options.lightSampler.empty() || r.options.meshLights || !r.options.shadowGate.empty())
             r.sink.Warning({},
                            fmt::format("--lightsampler, --mesh-lights and --shadow-gate have no effect on integrator "
                                        "\"{}\".",
                                        name));
         IntegratorSettings settings;
+        settings.followsLight = std::string_view(name) == "lightpath";
         if constexpr (std::is_base_of_v<DepthParams, P>) settings.maxDepth = p.MaxDepth(r);
         settings.make = [p, make, depth = settings.maxDepth](const PathContext &context, const ColorSpace &space) {
             return make(p, depth, context, space);
@@ -140,6 +142,14 @@ const IntegratorTable &Integrators() {
                                [](const auto &, int depth, const PathContext &c, const ColorSpace &) {
                                    return std::make_unique<SimpleVolPathIntegrator>(c, depth);
                                });
+        AddSimple<DepthParams>(
+            t, "lightpath",
+            [](const auto &, int depth, const PathContext &c, const ColorSpace &) {
+                return std::make_unique<LightPathIntegrator>(c, depth);
+            },
+            "surfaces only; with the cameras perspective and (only here) orthographic; **differs**: the adjoint of "
+            "shading normals is right (stock: #385), crop windows keep all light (stock: #347), and emitters of all "
+            "shapes that the camera sees have their own brightness");
         AddSimple<AmbientOcclusionParams>(
             t, "ambientocclusion", [](const auto &p, int, const PathContext &c, const ColorSpace &space) {
                 return std::make_unique<AmbientOcclusionIntegrator>(c, p.cosine, p.maxDistance, space);
@@ -150,7 +160,7 @@ const IntegratorTable &Integrators() {
 }
 
 const std::vector<std::string> &UnsupportedIntegrators() {
-    static const std::vector<std::string> names = {"lightpath", "bdpt", "mlt", "sppm", "function"};
+    static const std::vector<std::string> names = {"bdpt", "mlt", "sppm", "function"};
     return names;
 }
 
@@ -192,6 +202,10 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
 
 BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathContext &context,
                                const ColorSpace &filmSpace, DiagnosticSink &sink) {
+    if (settings.followsLight && !context.camera.CanConnect())
+        sink.Error({}, fmt::format("Integrator \"{}\" follows light to the camera, which works with the cameras "
+                                   "\"perspective\" and \"orthographic\" only.",
+                                   settings.type));
     BuiltIntegrator built;
     built.name = settings.type;
     built.maxDepth = settings.maxDepth;

@@ -14,6 +14,7 @@ struct IntegratorSettings {
     std::string type;
     int maxDepth = 5;
     std::optional<LightSelection> lights;  ///< of path and volpath
+    bool followsLight = false;             ///< from the lights to the camera, which must be able to connect
     /// May be called only if reading gave no errors; the registry used then must still exist.
     std::function<std::unique_ptr<Integrator>(const PathContext &, const ColorSpace &filmSpace)> make;
 };

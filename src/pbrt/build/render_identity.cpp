@@ -1,5 +1,7 @@
 #include "pbrt/build/render_identity.h"
 
+#include <fmt/ranges.h>
+
 #include "pbrt/core/build_id.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
@@ -63,6 +65,7 @@ RenderIdentity IdentityOf(const BuildOptions &o, const std::vector<std::string> 
         flag("--cropwindow", fmt::format("{},{},{},{}", c->low.x, c->high.x, c->low.y, c->high.y));
     if (const auto &b = o.film.pixelBounds)
         flag("--pixelbounds", fmt::format("{},{},{},{}", b->low.x, b->high.x, b->low.y, b->high.y));
+    flag("--aov", fmt::format("{}", fmt::join(o.film.aovs, ",")));
     if (o.seed) flag("--seed", std::to_string(*o.seed));
     whether("--quick", o.quick);
     whether("--ignore-media", o.ignoreMedia);

@@ -24,9 +24,29 @@ struct CameraRay {
     SampledSpectrum weight{1};
 };
 
+/// How a camera sees a point.
+struct CameraConnection {
+    Point3 p{};      ///< where the light arrives, rendering space
+    Vector3 wi{};    ///< unit, from the point to the camera
+    Point2 pFilm{};  ///< raster position, also outside of the film
+    /// Radiance L that leaves an area dA towards wi at an angle theta from its normal adds L cos(theta) dA * weight to
+    /// what a pixel at pFilm measures, if it measures the mean over its own area.
+    Float weight = 0;
+};
+
 class Camera {
   public:
     virtual ~Camera() = default;
+    /// True if light can be followed to the camera (Connect).
+    virtual bool CanConnect() const { return false; }
+    /// The point `p` (rendering space) as seen from a place on the lens, drawn by `uLens` as for GenerateRay; empty if
+    /// it is behind the camera. Whether something hides it is for the caller to find out.
+    virtual std::optional<CameraConnection> Connect(const Point3 &p, const Point2 &uLens, Float time) const {
+        (void)p;
+        (void)uLens;
+        (void)time;
+        return {};
+    }
     /// Ray through the film position, with the differentials of one pixel step.
     virtual std::optional<CameraRay> GenerateRay(const CameraSample &sample,
                                                  const SampledWavelengths &lambda) const = 0;

@@ -1,5 +1,7 @@
 #include "pbrt/cameras/camera_space.h"
 
+#include "pbrt/math/solid_angle.h"
+
 namespace pbrt {
 
 CameraSpaceCamera::CameraSpaceCamera(const CameraFrame &frame)
@@ -31,6 +33,19 @@ std::optional<CameraRay> CameraSpaceCamera::GenerateRay(const CameraSample &samp
     c.differential.ryOrigin = t.Point(c.differential.ryOrigin);
     c.differential.rxDirection = Normalize(t.Vector(c.differential.rxDirection));
     c.differential.ryDirection = Normalize(t.Vector(c.differential.ryDirection));
+    return c;
+}
+
+std::optional<CameraConnection> CameraSpaceCamera::Connect(const Point3 &p, const Point2 &uLens, Float time) const {
+    const Transform t = renderFromCamera_.At(time);
+    const Point3 inCamera = t.InversePoint(p);
+    CameraConnection c;
+    if (!ConnectInCameraSpace(inCamera, uLens, &c) || !(c.weight > 0)) return {};
+    // The weight is an importance by area across the ray: of a lens at a distance, or of a parallel view.
+    const Vector3 along = t.Vector(Normalize(inCamera - c.p));
+    c.weight *= Length(along) / VolumeScale(t);
+    c.p = t.Point(c.p);
+    c.wi = -Normalize(along);
     return c;
 }
 

@@ -19,12 +19,20 @@ class CameraSpaceCamera : public Camera {
     std::optional<CameraRay> GenerateRay(const CameraSample &sample, const SampledWavelengths &lambda) const final;
     void ApproximateFootprint(const Point3 &p, const Normal3 &n, Float time, int samplesPerPixel, Vector3 *dpdx,
                               Vector3 *dpdy) const final;
+    std::optional<CameraConnection> Connect(const Point3 &p, const Point2 &uLens, Float time) const final;
     Transform CameraFromRender(Float time) const final { return renderFromCamera_.At(time).Inverse(); }
 
   protected:
     /// Fills origin, unit direction, differentials (valid unless said otherwise) and, if it is not 1, the weight, in
     /// camera space. False: no light comes to this place on the film.
     virtual bool GenerateInCameraSpace(const CameraSample &sample, CameraRay *ray) const = 0;
+    /// Fills p, pFilm and weight in camera space. False: the camera does not see the point.
+    virtual bool ConnectInCameraSpace(const Point3 &p, const Point2 &uLens, CameraConnection *c) const {
+        (void)p;
+        (void)uLens;
+        (void)c;
+        return false;
+    }
     void FindFootprint();
     Point2i Resolution() const { return resolution_; }
 

@@ -54,6 +54,21 @@ bool PerspectiveCamera::GenerateInCameraSpace(const CameraSample &sample, Camera
     return true;
 }
 
+bool PerspectiveCamera::ConnectInCameraSpace(const Point3 &p, const Point2 &uLens, CameraConnection *c) const {
+    c->p = lens_.radius > 0 ? PointOnLens(lens_, uLens) : Point3(0);
+    const Vector3 d = p - c->p;
+    if (!(d.z > 0)) return false;
+    // On the plane z = 1, through the point of the plane of focus that the ray meets.
+    const Point2 at = lens_.radius > 0 ? (Point2(c->p) + Point2(d) * (lens_.focalDistance / d.z)) / lens_.focalDistance
+                                       : Point2(d) / d.z;
+    c->pFilm = screen_.Inverse(at / tanHalfFov_);
+    // A pixel is an area of that plane (of the plane of focus: larger by the square of its distance), which subtends
+    // cos^3 of it (divided by the same square).
+    const Float l2 = LengthSquared(d), cosine = d.z / std::sqrt(l2);
+    c->weight = 1 / (screen_.PixelArea() * Sqr(tanHalfFov_) * cosine * cosine * cosine * l2);
+    return true;
+}
+
 OrthographicCamera::OrthographicCamera(const CameraFrame &frame, const ScreenWindow &window, const Lens &lens)
     : CameraSpaceCamera(frame), screen_(window, frame.resolution), lens_(lens) {
     FindFootprint();
@@ -81,6 +96,23 @@ bool OrthographicCamera::GenerateInCameraSpace(const CameraSample &sample, Camer
     d->rxOrigin = center + right;
     d->ryOrigin = center + below;
     ray->d = d->rxDirection = d->ryDirection = {0, 0, 1};
+    return true;
+}
+
+bool OrthographicCamera::ConnectInCameraSpace(const Point3 &p, const Point2 &uLens, CameraConnection *c) const {
+    if (!(lens_.radius > 0)) {
+        if (!(p.z > 0)) return false;
+        c->p = {p.x, p.y, 0};
+        c->pFilm = screen_.Inverse(Point2(p));
+        c->weight = 1 / screen_.PixelArea();
+        return true;
+    }
+    c->p = PointOnLens(lens_, uLens);
+    const Vector3 d = p - c->p;
+    if (!(d.z > 0)) return false;
+    c->pFilm = screen_.Inverse(Point2(c->p) + Point2(d) * (lens_.focalDistance / d.z));
+    const Float l2 = LengthSquared(d), cosine = d.z / std::sqrt(l2);
+    c->weight = Sqr(lens_.focalDistance) / (screen_.PixelArea() * cosine * cosine * cosine * l2);
     return true;
 }
 

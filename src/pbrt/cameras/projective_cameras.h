@@ -20,6 +20,8 @@ class RasterToScreen {
           dx_((window.xMax - window.xMin) / static_cast<Float>(resolution.x)),
           dy_((window.yMin - window.yMax) / static_cast<Float>(resolution.y)) {}
     Point2 operator()(const Point2 &raster) const { return {origin_.x + raster.x * dx_, origin_.y + raster.y * dy_}; }
+    Point2 Inverse(const Point2 &screen) const { return {(screen.x - origin_.x) / dx_, (screen.y - origin_.y) / dy_}; }
+    Float PixelArea() const { return std::abs(dx_ * dy_); }
     Float StepX() const { return dx_; }  ///< per pixel to the right
     Float StepY() const { return dy_; }  ///< per pixel down
 
@@ -33,9 +35,11 @@ class PerspectiveCamera final : public CameraSpaceCamera {
     /// `fovDegrees`: full angle between screen positions -1 and 1.
     PerspectiveCamera(const CameraFrame &frame, const ScreenWindow &window, Float fovDegrees, const Lens &lens);
     std::optional<Transform> NdcFromCamera() const override;
+    bool CanConnect() const override { return true; }
 
   protected:
     bool GenerateInCameraSpace(const CameraSample &sample, CameraRay *ray) const override;
+    bool ConnectInCameraSpace(const Point3 &p, const Point2 &uLens, CameraConnection *c) const override;
 
   private:
     RasterToScreen screen_;
@@ -49,9 +53,11 @@ class OrthographicCamera final : public CameraSpaceCamera {
   public:
     OrthographicCamera(const CameraFrame &frame, const ScreenWindow &window, const Lens &lens);
     std::optional<Transform> NdcFromCamera() const override;
+    bool CanConnect() const override { return true; }
 
   protected:
     bool GenerateInCameraSpace(const CameraSample &sample, CameraRay *ray) const override;
+    bool ConnectInCameraSpace(const Point3 &p, const Point2 &uLens, CameraConnection *c) const override;
 
   private:
     RasterToScreen screen_;

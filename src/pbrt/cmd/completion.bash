@@ -13,6 +13,10 @@ _pbrt_octree() {
   --lightsampler | --sampler)
     mapfile -t COMPREPLY < <(compgen -W "$(pbrt --list lightsamplers 2> /dev/null | grep -E '^[a-z]+$')" -- "$word")
     return ;;
+  --aov)
+    mapfile -t COMPREPLY < <(compgen -W "$("$program" --help 2> /dev/null |
+      sed -n 's/.*--aov.*{\([a-z,]*\)}.*/\1/p' | tr , ' ')" -- "$word")
+    return ;;
   --list)
     mapfile -t COMPREPLY < <(compgen -W "cameras films filters samplers integrators accelerators shapes materials
       floattextures spectrumtextures lights arealights media lightsamplers all table" -- "$word")

@@ -26,6 +26,9 @@ if(PBRT_INSTRUCTION_SETS)
 endif()
 install(TARGETS ${PBRT_PROGRAMS} RUNTIME DESTINATION ${place}${CMAKE_INSTALL_BINDIR} COMPONENT programs)
 install(TARGETS pbrt_oiio LIBRARY DESTINATION ${place}lib/pbrt_octree COMPONENT programs)
+if(PBRT_MPI)
+  install(TARGETS pbrt_mpi LIBRARY DESTINATION ${place}lib/pbrt_octree COMPONENT programs)
+endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/pbrt/cmd/lightlab/report DESTINATION ${place}share/pbrt_octree
   COMPONENT programs PATTERN __pycache__ EXCLUDE)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/NOTICE.txt ${PROJECT_SOURCE_DIR}/docs/changelog.md

@@ -29,5 +29,7 @@ RenderCounters &ThreadCounters();
 /// Sum over all threads since the last reset. This and ResetCounters may be called only while no parallel work runs.
 RenderCounters SumCounters();
 void ResetCounters();
+/// Adds what was counted elsewhere.
+void AddCounters(const RenderCounters &counters);
 
 }  // namespace pbrt

@@ -3,11 +3,18 @@
 #include <algorithm>
 #include <ostream>
 
+#include "pbrt/films/aov_film.h"
 #include "pbrt/films/gbuffer_film.h"
 #include "pbrt/films/rgb_film.h"
 #include "pbrt/films/spectral_film.h"
 
 namespace pbrt {
+
+namespace {
+bool HasSplats(const std::vector<StateBlock> &blocks) {
+    return std::any_of(blocks.begin(), blocks.end(), [](const StateBlock &b) { return b.isOfSplats && b.bytes > 0; });
+}
+}  // namespace
 
 const FilmTable &Films() {
     static const FilmTable table = [] {
@@ -25,6 +32,13 @@ const FilmTable &Films() {
         return t;
     }();
     return table;
+}
+
+std::unique_ptr<Film> MakeFilm(const std::string &type, const ParamSet &params, const FilmContext &context,
+                               DiagnosticSink &sink) {
+    std::unique_ptr<Film> film = Films().Make(type, params, FilmRequest{context, sink});
+    if (context.overrides.aovs.empty()) return film;
+    return std::make_unique<AovFilm>(std::move(film), context);
 }
 
 ImageMetadata Film::Metadata() const {
@@ -56,6 +70,18 @@ void Film::Save(std::ostream &out) const {
 void Film::Load(std::istream &in) { Add(in, true); }
 
 void Film::Merge(std::istream &in) { Add(in, false); }
+
+void Film::TakeSums(StateWriter &out) {
+    // Whether there is room for splats; the room itself is one of the blocks' sizes.
+    const std::vector<StateBlock> blocks = Blocks();
+    out.Value(HasSplats(blocks));
+    pbrt::TakeSums(out, blocks);
+}
+
+void Film::AddSums(StateReader &in) {
+    if (in.Value<bool>() && !HasSplats(Blocks())) ExpectSplats();
+    pbrt::AddSums(in, Blocks());
+}
 
 void Film::Add(std::istream &in, bool forgetsFirst) {
     const SavedState state = ReadState(in);

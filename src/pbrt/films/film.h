@@ -49,13 +49,15 @@ class Film {
     /// same to the bit in any order (FixedSum). Outside PixelBounds() nothing happens. What is not finite, or larger
     /// than FixedSum holds, is counted, reported and dropped.
     virtual void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) = 0;
-    /// Adds to the number of samples per pixel that the splats come from. The picture gets the sum of splats divided by
-    /// it.
-    virtual void AddSplatSamples(uint64_t perPixel) = 0;
+    /// Adds to the number of paths that the splats come from. The picture gets the sum of splats times the number of
+    /// pixels, divided by it.
+    virtual void AddSplatPaths(uint64_t paths) = 0;
 
     /// Linear RGB in the output space, over PixelBounds(); R, G, B are the first channels of every film. Half precision
     /// if savefp16.
     virtual Image ToImage() const = 0;
+    /// R, G and B of ToImage, always in float precision and without messages: for looking at while the picture grows.
+    virtual Image Colors() const = 0;
     virtual ImageMetadata Metadata() const;
     virtual uint64_t RejectedSamples() const = 0;
     /// Of the sums.
@@ -72,11 +74,19 @@ class Film {
     void Save(StateWriter &out) const;
     void Load(std::istream &in);
     void Merge(std::istream &in);
+    /// Moves sums from a film to another one of the same kind and pixels, in another process: Take writes those that
+    /// are not empty and empties them, Add adds them as Merge does.
+    void TakeSums(StateWriter &out);
+    void AddSums(StateReader &in);
 
   protected:
     /// `kind`: the name of the film in the scene.
     Film(std::string kind, FilmFrame frame) : kind_(std::move(kind)), frame_(std::move(frame)) {}
     const FilmFrame &Frame() const { return frame_; }
+    /// Of another film, for films that add something to one.
+    static const FilmFrame &FrameOf(const Film &film) { return film.frame_; }
+    static const std::string &KindOf(const Film &film) { return film.kind_; }
+    static std::vector<StateBlock> BlocksOf(Film &film) { return film.Blocks(); }
 
   private:
     /// All sums as blocks of memory.
@@ -109,9 +119,8 @@ struct FilmRequest {
 
 using FilmTable = FactoryTable<std::unique_ptr<Film>, const FilmRequest>;
 const FilmTable &Films();
-inline std::unique_ptr<Film> MakeFilm(const std::string &type, const ParamSet &params, const FilmContext &context,
-                                      DiagnosticSink &sink) {
-    return Films().Make(type, params, FilmRequest{context, sink});
-}
+/// With the channels of FilmOverrides::aovs added. Throws UserError.
+std::unique_ptr<Film> MakeFilm(const std::string &type, const ParamSet &params, const FilmContext &context,
+                               DiagnosticSink &sink);
 
 }  // namespace pbrt

@@ -1,6 +1,7 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pbrt/core/error.h"
 #include "pbrt/films/film_params.h"
@@ -13,9 +14,10 @@ namespace pbrt {
 struct FilmOverrides {
     std::optional<Bounds2> cropWindow;  ///< fractions
     std::optional<Bounds2i> pixelBounds;
-    std::string filename;       ///< empty: the scene's
-    int resolutionDivisor = 1;  ///< 4 with --quick
-    bool fullFloat = false;     ///< float precision whatever savefp16 says
+    std::string filename;             ///< empty: the scene's
+    int resolutionDivisor = 1;        ///< 4 with --quick
+    bool fullFloat = false;           ///< float precision whatever savefp16 says
+    std::vector<std::string> aovs{};  ///< --aov: names of AovNames, whose channels are added to the film
 };
 
 /// What all films have in common: the size, and how the picture is written.

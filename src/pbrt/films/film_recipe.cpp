@@ -52,7 +52,8 @@ Json FilmRecipe::ToJson() const {
                  {"exposureTime", Bits(exposureTime)},
                  {"filename", overrides.filename},
                  {"resolutionDivisor", overrides.resolutionDivisor},
-                 {"fullFloat", overrides.fullFloat}};
+                 {"fullFloat", overrides.fullFloat},
+                 {"aovs", overrides.aovs}};
     if (const auto &c = overrides.cropWindow)
         json["cropWindow"] = {Bits(c->low.x), Bits(c->low.y), Bits(c->high.x), Bits(c->high.y)};
     if (const auto &b = overrides.pixelBounds) json["pixelBounds"] = {b->low.x, b->low.y, b->high.x, b->high.y};
@@ -72,6 +73,7 @@ FilmRecipe FilmRecipe::FromJson(const Json &json) {
     o.filename = json.at("filename");
     o.resolutionDivisor = json.at("resolutionDivisor");
     o.fullFloat = json.at("fullFloat");
+    o.aovs = json.at("aovs").get<std::vector<std::string>>();
     if (json.contains("cropWindow")) {
         const Json &c = json["cropWindow"];
         o.cropWindow = Bounds2{{FloatOf(c.at(0)), FloatOf(c.at(1))}, {FloatOf(c.at(2)), FloatOf(c.at(3))}};

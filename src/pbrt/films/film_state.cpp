@@ -83,4 +83,43 @@ SavedState ReadState(std::istream &in) {
     return state;
 }
 
+void TakeSums(StateWriter &out, const std::vector<StateBlock> &blocks) {
+    for (const StateBlock &block : blocks) {
+        // Looked at in pieces of some sums each; neighbouring pieces are one run.
+        const size_t piece = std::max<size_t>(1, 256 / block.sumBytes) * block.sumBytes;
+        std::vector<std::byte> empty(std::min(piece, block.bytes));
+        block.clear(empty.data(), empty.size());
+        const auto isEmpty = [&](size_t at) {
+            return std::memcmp(block.data + at, empty.data(), std::min(piece, block.bytes - at)) == 0;
+        };
+        out.Value(uint64_t{block.bytes});
+        for (size_t at = 0; at < block.bytes;) {
+            if (isEmpty(at)) {
+                at += piece;
+                continue;
+            }
+            const size_t begin = at;
+            while (at < block.bytes && !isEmpty(at)) at += piece;
+            const size_t bytes = std::min(at, block.bytes) - begin;
+            out.Value(uint64_t{begin});
+            out.Value(uint64_t{bytes});
+            out.Copy(block.data + begin, bytes);
+        }
+        out.Value(uint64_t{block.bytes});
+        block.clear(block.data, block.bytes);
+    }
+}
+
+void AddSums(StateReader &in, const std::vector<StateBlock> &blocks) {
+    for (const StateBlock &block : blocks) {
+        const auto all = in.Value<uint64_t>();
+        if (all != block.bytes && !(block.isOfSplats && all == 0)) in.Refuse();
+        for (auto begin = in.Value<uint64_t>(); begin < all; begin = in.Value<uint64_t>()) {
+            const auto bytes = in.Value<uint64_t>();
+            if (bytes > all - begin || begin % block.sumBytes != 0 || bytes % block.sumBytes != 0) in.Refuse();
+            block.add(block.data + begin, reinterpret_cast<const std::byte *>(in.Take(bytes).data()), bytes);
+        }
+    }
+}
+
 }  // namespace pbrt

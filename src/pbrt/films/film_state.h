@@ -17,6 +17,7 @@ struct StateBlock {
     std::string name;
     std::byte *data = nullptr;
     size_t bytes = 0;
+    size_t sumBytes = 1;      ///< of one sum
     bool isOfSplats = false;  ///< has no bytes in a film that expects no splats
     void (*add)(std::byte *to, const std::byte *from, size_t bytes) = nullptr;
     void (*clear)(std::byte *data, size_t bytes) = nullptr;
@@ -31,6 +32,7 @@ StateBlock MakeStateBlock(const char *name, std::span<T> sums) {
     block.name = name;
     block.data = reinterpret_cast<std::byte *>(sums.data());
     block.bytes = sums.size_bytes();
+    block.sumBytes = sizeof(T);
     block.add = [](std::byte *to, const std::byte *from, size_t bytes) {
         for (size_t at = 0; at < bytes; at += sizeof(T)) {
             T sum, other;
@@ -63,6 +65,10 @@ struct SavedState {
 /// Writes the blocks bit by bit, in this machine's byte order. The writer refers to them.
 void WriteState(StateWriter &out, const std::string &kind, const Bounds2i &pixelBounds,
                 const std::vector<StateBlock> &blocks);
+/// Writes the sums that are not empty, as copies, and makes all of them empty.
+void TakeSums(StateWriter &out, const std::vector<StateBlock> &blocks);
+/// Adds what TakeSums wrote of blocks of the same sizes. Throws UserError if it was written of others.
+void AddSums(StateReader &in, const std::vector<StateBlock> &blocks);
 /// Throws UserError if the stream ends too early or holds something else.
 SavedState ReadState(std::istream &in);
 

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "pbrt/films/albedo_color.h"
 #include "pbrt/films/rgb_film.h"
 
 namespace pbrt {
@@ -50,13 +51,7 @@ void GBufferFilm::AddSample(const FilmSample &sample) {
     sums.ns.Add(w, output(visible.ns));
     sums.uv.Add(w, glm::dvec2(visible.uv));
     sums.dz.Add(w, glm::dvec2(depth(visible.dpdx), depth(visible.dpdy)));
-    // The colour that a white light of the output space has after one reflection.
-    const SampledWavelengths &lambda = visible.lambda;
-    const SampledSpectrum reflected =
-        SafeDivide(visible.albedo * OutputSpace().Illuminant().Sample(lambda), lambda.Pdf());
-    const Xyz xyz((reflected * CieX().Sample(lambda)).Average(), (reflected * CieY().Sample(lambda)).Average(),
-                  (reflected * CieZ().Sample(lambda)).Average());
-    sums.albedo.Add(w, glm::dvec3(OutputSpace().ToRgb(xyz / CieYIntegral)));
+    sums.albedo.Add(w, glm::dvec3(AlbedoColor(visible, OutputSpace())));
 }
 
 void GBufferFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {

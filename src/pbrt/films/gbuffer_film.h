@@ -25,10 +25,11 @@ class GBufferFilm final : public Film {
     void AddSample(const FilmSample &sample) override;
     void ExpectSplats() override { sums_.ExpectSplats(); }
     void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) override;
-    void AddSplatSamples(uint64_t perPixel) override { sums_.AddSplatSamples(perPixel); }
+    void AddSplatPaths(uint64_t paths) override { sums_.AddSplatPaths(paths); }
 
     /// The channels of pbrt-v4-format §14.
     Image ToImage() const override;
+    Image Colors() const override { return sums_.Colors(); }
     uint64_t RejectedSamples() const override { return sums_.Rejected(); }
     std::unique_ptr<Film> MakeRgbFilm() const override;
 

@@ -14,8 +14,9 @@ class RgbFilm final : public Film {
     void AddSample(const FilmSample &sample) override;
     void ExpectSplats() override { sums_.ExpectSplats(); }
     void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) override;
-    void AddSplatSamples(uint64_t perPixel) override { sums_.AddSplatSamples(perPixel); }
+    void AddSplatPaths(uint64_t paths) override { sums_.AddSplatPaths(paths); }
     Image ToImage() const override { return sums_.MakeImage({}); }
+    Image Colors() const override { return sums_.Colors(); }
     uint64_t RejectedSamples() const override { return sums_.Rejected(); }
     std::unique_ptr<Film> MakeRgbFilm() const override { return std::make_unique<RgbFilm>(Frame(), sums_); }
 

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "pbrt/core/log.h"
+#include "pbrt/core/parallel.h"
 
 namespace pbrt {
 
@@ -36,6 +37,30 @@ bool SensorSums::AddSplat(size_t pixel, const Vector3 &sensor, Float weight) {
     return true;
 }
 
+Rgb SensorSums::ColorOf(size_t pixel) const {
+    const Pixel &sums = pixels_[pixel];
+    const double weight = sums.weight.Value(), scale = weight != 0 ? 1 / weight : 0;
+    Vector3 sensor;
+    for (int c = 0; c < 3; ++c) {
+        double mean = sums.sensor[c].Value() * scale;
+        if (splats_.AreExpected()) mean += splats_.Sum(3 * pixel + static_cast<size_t>(c)) * SplatScale();
+        sensor[c] = static_cast<Float>(mean);
+    }
+    return outputFromSensor_ * sensor;
+}
+
+Image SensorSums::Colors() const {
+    Image image(PixelFormat::Float, resolution_, {"R", "G", "B"}, ColorEncoding{ColorEncoding::Kind::Linear});
+    auto *values = static_cast<float *>(image.Data());
+    ParallelFor(static_cast<int64_t>(pixels_.size()), 1 << 12, [&](int64_t begin, int64_t end) {
+        for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+            const Rgb rgb = ColorOf(i);
+            for (size_t c = 0; c < 3; ++c) values[3 * i + c] = rgb[static_cast<int>(c)];
+        }
+    });
+    return image;
+}
+
 Image SensorSums::MakeImage(const std::vector<std::string> &furtherChannels) const {
     std::vector<std::string> channels = {"R", "G", "B"};
     channels.insert(channels.end(), furtherChannels.begin(), furtherChannels.end());
@@ -45,15 +70,7 @@ Image SensorSums::MakeImage(const std::vector<std::string> &furtherChannels) con
     size_t i = 0;
     for (int y = 0; y < resolution_.y; ++y)
         for (int x = 0; x < resolution_.x; ++x, ++i) {
-            const Pixel &sums = pixels_[i];
-            const double weight = sums.weight.Value(), scale = weight != 0 ? 1 / weight : 0;
-            Vector3 sensor;
-            for (int c = 0; c < 3; ++c) {
-                double mean = sums.sensor[c].Value() * scale;
-                if (splats_.AreExpected()) mean += splats_.Sum(3 * i + static_cast<size_t>(c)) * SplatScale();
-                sensor[c] = static_cast<Float>(mean);
-            }
-            Rgb rgb = outputFromSensor_ * sensor;
+            Rgb rgb = ColorOf(i);
             for (int c = 0; c < 3; ++c) {
                 if (half_ && rgb[c] > kMaxHalf) {
                     rgb[c] = kMaxHalf;

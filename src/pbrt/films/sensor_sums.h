@@ -37,9 +37,11 @@ class SensorSums {
     void ExpectSplats() { splats_.Expect(3 * pixels_.size()); }
     /// False if the splat is larger than FixedSum holds; it is counted as rejected.
     bool AddSplat(size_t pixel, const Vector3 &sensor, Float weight);
-    void AddSplatSamples(uint64_t perPixel) { counts_.splatSamples += perPixel; }
+    void AddSplatPaths(uint64_t paths) { counts_.splatPaths += paths; }
     /// Factor that turns a sum of splats into their mean.
-    double SplatScale() const { return counts_.splatSamples ? 1 / static_cast<double>(counts_.splatSamples) : 0; }
+    double SplatScale() const {
+        return counts_.splatPaths ? static_cast<double>(pixels_.size()) / static_cast<double>(counts_.splatPaths) : 0;
+    }
 
     Float MaxComponentValue() const { return maxComponent_; }
     /// Counts something that was dropped; from any thread.
@@ -47,6 +49,8 @@ class SensorSums {
     uint64_t Rejected() const { return counts_.rejected; }
     /// An image with R, G, B filled and further channels for the film to fill; reports what was cut or dropped.
     Image MakeImage(const std::vector<std::string> &furtherChannels) const;
+    /// An image of R, G and B in float precision; reports nothing.
+    Image Colors() const;
     void AppendBlocks(std::vector<StateBlock> &blocks);
 
   private:
@@ -60,12 +64,14 @@ class SensorSums {
         }
     };
     struct Counts {
-        uint64_t rejected = 0, splatSamples = 0;
+        uint64_t rejected = 0, splatPaths = 0;
         void operator+=(const Counts &c) {
             rejected += c.rejected;
-            splatSamples += c.splatSamples;
+            splatPaths += c.splatPaths;
         }
     };
+    /// Of the picture, in float precision.
+    Rgb ColorOf(size_t pixel) const;
     Point2i resolution_;
     bool half_;
     Float maxComponent_;

@@ -36,10 +36,11 @@ class SpectralFilm final : public Film {
     void AddSample(const FilmSample &sample) override;
     void ExpectSplats() override;
     void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) override;
-    void AddSplatSamples(uint64_t perPixel) override { sensor_.AddSplatSamples(perPixel); }
+    void AddSplatPaths(uint64_t paths) override { sensor_.AddSplatPaths(paths); }
 
     /// R, G, B, then S0.<centre>nm per bucket.
     Image ToImage() const override;
+    Image Colors() const override { return sensor_.Colors(); }
     ImageMetadata Metadata() const override;
     uint64_t RejectedSamples() const override { return sensor_.Rejected(); }
     std::unique_ptr<Film> MakeRgbFilm() const override;

@@ -28,6 +28,9 @@ struct RenderPass {
     /// was cancelled.
     std::vector<uint32_t> *done = nullptr;
     Progress &progress;
+    /// Null, or the processes that render the pass together, each with its own film: samples are handed out among them.
+    /// Afterwards `done` of the first process holds what all have done.
+    Ranks *ranks = nullptr;
 };
 
 /// Adds samples to a film. Every sample is a function of pixel and sample index, and of what the LightLearner learned

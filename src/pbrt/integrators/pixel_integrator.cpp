@@ -1,5 +1,6 @@
 #include "pbrt/integrators/pixel_integrator.h"
 
+#include "pbrt/core/hand_out.h"
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
@@ -7,6 +8,8 @@ namespace pbrt {
 namespace {
 
 constexpr int kTileSize = 16;
+/// Processes that render together get at least so many parts of a pass per thread, so that all of them end together.
+constexpr int64_t kPartsPerThread = 64;
 
 /// Traces the samples of a pass.
 class PassRenderer {
@@ -19,21 +22,26 @@ class PassRenderer {
                                  ? std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(pass.samplesPerPixel)))
                                  : Float(1)) {}
 
-    /// Traces the samples of a tile, pixel by pixel, from the one with this number on. Returns how many are done then:
-    /// SamplesOf(tile), unless cancelled.
-    uint32_t RenderTile(const Bounds2i &tile, uint32_t done, Sampler &sampler) const {
-        const uint32_t all = SamplesOf(tile), count = static_cast<uint32_t>(pass_.count);
-        const auto width = static_cast<uint32_t>(tile.Width());
+    /// Some pixels of a tile, counted row by row.
+    struct Part {
+        Bounds2i tile;
+        uint32_t firstPixel = 0, pixels = 0;
+    };
+    /// Traces the samples of a part, pixel by pixel, from the one with this number on. Returns how many are done then:
+    /// SamplesOf(part), unless cancelled.
+    uint32_t RenderPart(const Part &part, uint32_t done, Sampler &sampler) const {
+        const uint32_t all = SamplesOf(part), count = static_cast<uint32_t>(pass_.count);
+        const auto width = static_cast<uint32_t>(part.tile.Width());
         for (; done < all; ++done) {
             // Checked before every sample, because a single one may take a tenth of a second.
             if (pass_.progress.Cancelled()) break;
-            const uint32_t pixel = done / count;
-            TraceSample(tile.low + Vector2i(pixel % width, pixel / width), pass_.first + static_cast<int>(done % count),
-                        sampler);
+            const uint32_t pixel = part.firstPixel + done / count;
+            TraceSample(part.tile.low + Vector2i(pixel % width, pixel / width),
+                        pass_.first + static_cast<int>(done % count), sampler);
         }
         return done;
     }
-    uint32_t SamplesOf(const Bounds2i &tile) const { return static_cast<uint32_t>(tile.Area() * pass_.count); }
+    uint32_t SamplesOf(const Part &part) const { return part.pixels * static_cast<uint32_t>(pass_.count); }
 
   private:
     void TraceSample(Point2i pixel, int index, Sampler &sampler) const {
@@ -53,7 +61,8 @@ class PassRenderer {
         if (std::optional<CameraRay> ray = pass_.camera.GenerateRay(cs, sample.lambda)) {
             const SampledSpectrum weight = ray->weight;
             ray->differential.Scale(ray->ray, differentialScale_);
-            const PathStart start{*ray, pixel, pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr};
+            const PathStart start{*ray, pixel, pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr,
+                                  &pass_};
             sample.L = weight * integrator_.Li(start, sample.lambda, sampler);
         }
         if (pass_.keepsSamples) pass_.film.AddSample(sample);
@@ -67,27 +76,123 @@ class PassRenderer {
 
 }  // namespace
 
+namespace {
+
+/// The parts in which a pass is rendered: its tiles, or so many parts of each of them.
+class Parts {
+  public:
+    explicit Parts(const RenderPass &pass) : bounds_(pass.film.PixelBounds()) {
+        const Vector2i tiles = (bounds_.high - bounds_.low + (kTileSize - 1)) / kTileSize;
+        tilesPerRow_ = tiles.x;
+        const int64_t count = bounds_.IsEmpty() ? 0 : int64_t{tiles.x} * tiles.y;
+        // A pass that was begun goes on with the parts that it has.
+        if (pass.done && !pass.done->empty()) {
+            const auto begun = static_cast<int64_t>(pass.done->size());
+            if (count == 0 || begun % count != 0) throw UserError("what is left of a pass does not fit the picture.");
+            perTile_ = begun / count;
+        } else if (pass.ranks && count > 0) {
+            const int64_t wanted = kPartsPerThread * pass.ranks->TotalThreads();
+            perTile_ = std::clamp((wanted + count - 1) / count, int64_t{1}, int64_t{kTileSize} * kTileSize);
+        }
+        count_ = count * perTile_;
+    }
+    int64_t Count() const { return count_; }
+    PassRenderer::Part operator[](int64_t i) const {
+        const int64_t tile = i / perTile_, part = i % perTile_;
+        const Point2i at(static_cast<int>(tile % tilesPerRow_), static_cast<int>(tile / tilesPerRow_));
+        const Point2i low = bounds_.low + kTileSize * at;
+        PassRenderer::Part p{{low, glm::min(low + kTileSize, bounds_.high)}};
+        const int64_t pixels = p.tile.Area();
+        p.firstPixel = static_cast<uint32_t>(pixels * part / perTile_);
+        p.pixels = static_cast<uint32_t>(pixels * (part + 1) / perTile_) - p.firstPixel;
+        return p;
+    }
+
+  private:
+    Bounds2i bounds_;
+    int64_t tilesPerRow_ = 1, perTile_ = 1, count_ = 0;
+};
+
+/// Brings together at the first process what of a pass the processes have done. `whole`: how many parts this one has
+/// finished. `before`: RenderPass::done when the pass began. Returns, everywhere, whether all parts are whole.
+bool ReducePass(const RenderPass &pass, int64_t parts, int64_t whole, int64_t unreported,
+                const std::vector<uint32_t> &before) {
+    struct Sums {
+        int64_t whole, unreported;
+    } sums{whole, unreported};
+    pass.ranks->Reduce([&](StateWriter &out) { out.Value(sums); },
+                       [&](StateReader &in) {
+                           const auto theirs = in.Value<Sums>();
+                           sums.whole += theirs.whole;
+                           sums.unreported += theirs.unreported;
+                       });
+    if (pass.isCounted && pass.ranks->IsFirst()) pass.progress.Advance(sums.unreported);
+    StateWriter verdict;
+    verdict.Value(sums.whole == parts);
+    const std::string answer = pass.ranks->Broadcast(verdict);
+    if (StateReader(answer, "message").Value<bool>()) return true;
+    if (!pass.done) return false;
+    // Cancelled: what is done must be known part by part.
+    struct Done {
+        uint32_t part, samples;
+    };
+    std::vector<Done> changed;
+    for (size_t i = 0; i < before.size(); ++i)
+        if ((*pass.done)[i] != before[i]) changed.push_back({static_cast<uint32_t>(i), (*pass.done)[i]});
+    pass.ranks->Reduce([&](StateWriter &out) { out.Vector(changed); },
+                       [&](StateReader &in) {
+                           std::vector<Done> also;
+                           in.Vector(&also);
+                           changed.insert(changed.end(), also.begin(), also.end());
+                       });
+    for (const Done &d : changed) (*pass.done)[d.part] = d.samples;
+    return false;
+}
+
+}  // namespace
+
 bool PixelIntegrator::Render(const RenderPass &pass) {
     const PassRenderer renderer(*this, pass);
-    const Bounds2i &bounds = pass.film.PixelBounds();
-    const Vector2i tiles = (bounds.high - bounds.low + (kTileSize - 1)) / kTileSize;
-    const int64_t count = bounds.IsEmpty() ? 0 : int64_t{tiles.x} * tiles.y;
-    if (pass.done && pass.done->empty()) pass.done->assign(static_cast<size_t>(count), 0);
-    std::atomic<bool> isWhole = true;
-    ParallelForEach(count, [&](int64_t i) {
-        const Point2i at(static_cast<int>(i % tiles.x), static_cast<int>(i / tiles.x));
-        const Point2i low = bounds.low + kTileSize * at;
-        const Bounds2i tile{low, glm::min(low + kTileSize, bounds.high)};
-        const uint32_t before = pass.done ? (*pass.done)[static_cast<size_t>(i)] : 0;
-        // Which thread takes which tile does not matter.
-        const uint32_t done = renderer.RenderTile(tile, before, *pass.samplers[static_cast<size_t>(ThreadIndex())]);
+    const Parts parts(pass);
+    if (pass.done && pass.done->empty()) pass.done->assign(static_cast<size_t>(parts.Count()), 0);
+    const auto doneBefore = [&](int64_t i) { return pass.done ? (*pass.done)[static_cast<size_t>(i)] : 0; };
+    if (Splats()) pass.film.ExpectSplats();
+    std::atomic<int64_t> whole = 0;
+    std::atomic<uint64_t> paths = 0;
+    // Returns how many samples were added to a part that is now whole.
+    const auto render = [&](int64_t i) {
+        const PassRenderer::Part part = parts[i];
+        const uint32_t before = doneBefore(i);
+        // Which thread takes which part does not matter.
+        const uint32_t done = renderer.RenderPart(part, before, *pass.samplers[static_cast<size_t>(ThreadIndex())]);
         if (pass.done) (*pass.done)[static_cast<size_t>(i)] = done;
-        if (done < renderer.SamplesOf(tile))
-            isWhole.store(false, std::memory_order_relaxed);
-        else if (pass.isCounted)
-            pass.progress.Advance(int64_t{done} - int64_t{before});
+        paths.fetch_add(done - before, std::memory_order_relaxed);
+        if (done < renderer.SamplesOf(part)) return int64_t{0};
+        whole.fetch_add(1, std::memory_order_relaxed);
+        return int64_t{done} - int64_t{before};
+    };
+    const auto countPaths = [&] {
+        if (Splats() && pass.keepsSamples) pass.film.AddSplatPaths(paths);
+    };
+    if (!pass.ranks) {
+        ParallelForEach(parts.Count(), [&](int64_t i) {
+            const int64_t added = render(i);
+            if (pass.isCounted && added > 0) pass.progress.Advance(added);
+        });
+        countPaths();
+        return whole == parts.Count();
+    }
+    const std::vector<uint32_t> before = pass.done ? *pass.done : std::vector<uint32_t>();
+    HandOut handOut(*pass.ranks, parts.Count(), ThreadCount(), pass.progress);
+    ParallelForEach(ThreadCount(), [&](int64_t) {
+        while (const std::optional<int64_t> i = handOut.Take()) {
+            const int64_t added = render(*i);
+            if (pass.isCounted && added > 0) handOut.Report(added);
+        }
     });
-    return isWhole;
+    const int64_t unreported = handOut.Finish();
+    countPaths();
+    return ReducePass(pass, parts.Count(), whole, unreported, before);
 }
 
 }  // namespace pbrt

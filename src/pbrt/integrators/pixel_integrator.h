@@ -10,6 +10,7 @@ struct PathStart {
     Point2i pixel{};
     int sampleIndex = 0;                               ///< of the pixel
     std::optional<VisibleSurface> *visible = nullptr;  ///< null, or where PathWalk writes what the camera sees
+    const RenderPass *pass = nullptr;                  ///< for integrators that splat
 };
 
 /// Base of integrators that compute the radiance of one camera ray at a time, for the pixel that the ray belongs to.
@@ -18,6 +19,10 @@ class PixelIntegrator : public Integrator {
     bool Render(const RenderPass &pass) final;
     /// Radiance along a camera ray. Const while rendering.
     virtual SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const = 0;
+
+  protected:
+    /// True if Li adds splats to the film of the pass (where RenderPass::keepsSamples), for one light path a call.
+    virtual bool Splats() const { return false; }
 };
 
 }  // namespace pbrt

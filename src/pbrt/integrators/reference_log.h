@@ -14,6 +14,7 @@ class ReferenceLog {
     /// With empty names the log does nothing. Throws UserError if the reference does not cover the film or a file
     /// cannot be opened.
     ReferenceLog(const std::string &referenceImage, const std::string &outFile, const Film &film);
+    bool IsKept() const { return static_cast<bool>(reference_); }
     std::optional<double> Log(int samples, const Film &film);
     /// Closes the file. Returns why it is incomplete; empty if it is complete.
     const std::string &Finish();

@@ -1,6 +1,7 @@
 #include "pbrt/integrators/render_loop.h"
 
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/ranks.h"
 #include "pbrt/integrators/reference_log.h"
 #include "pbrt/lightsamplers/light_learner.h"
 
@@ -26,41 +27,54 @@ WaveRenderer::WaveRenderer(Integrator &integrator, const Camera &camera, const F
       samplers_(static_cast<size_t>(ThreadCount())) {}
 
 void WaveRenderer::LearnIfDue() {
-    if (learner_ && learner_->NextLearning() > 0 && Done() == learner_->NextLearning()) learner_->Learn(progress_);
+    if (!learner_ || learner_->NextLearning() == 0 || Done() != learner_->NextLearning()) return;
+    if (settings_.ranks) {
+        if (progress_.Cancelled()) return;
+        Say(Command::Learn);
+        LearnTogether();
+    } else {
+        learner_->Learn(progress_);
+    }
 }
 
 int WaveRenderer::Render(int count) {
     const int batch = settings_.samplesPerPixel;
-    if (int round = Done() / batch; round != round_) {
-        round_ = round;
-        std::unique_ptr<Sampler> prototype = sampler_.ForBatch(round);
-        for (std::unique_ptr<Sampler> &s : samplers_) s = prototype->Clone();
-    }
-    const int first = Done() - round_ * batch;
-    int size = std::min(count, batch - first);
+    int size = std::min(count, batch - Done() % batch);
     LearnIfDue();
     if (learner_ && learner_->NextLearning() > 0) size = std::min(size, learner_->NextLearning() - Done());
     if (progress_.Cancelled()) return 0;
     // What is left of a pass that was cancelled comes first.
     if (position_.passCount > 0) size = position_.passCount;
     position_.passCount = size;
+    if (settings_.ranks) Say(Command::Pass);
+    return RenderPassOf(size) ? size : 0;
+}
+
+bool WaveRenderer::RenderPassOf(int size) {
+    const int batch = settings_.samplesPerPixel;
+    if (int round = Done() / batch; round != round_) {
+        round_ = round;
+        std::unique_ptr<Sampler> prototype = sampler_.ForBatch(round);
+        for (std::unique_ptr<Sampler> &s : samplers_) s = prototype->Clone();
+    }
     const RenderPass pass{.camera = camera_,
                           .filter = filter_,
                           .film = film_,
                           .samplers = samplers_,
                           .samplesPerPixel = batch,
                           .batchFirst = round_ * batch,
-                          .first = first,
+                          .first = Done() - round_ * batch,
                           .count = size,
                           .jittersPixels = !settings_.disablePixelJitter,
                           .jittersWavelengths = !settings_.disableWavelengthJitter,
                           .keepsSamples = !isRepeating_,
                           .isCounted = settings_.timeBudget <= 0 && !isRepeating_,
                           .done = &position_.passDone,
-                          .progress = progress_};
-    if (!integrator_.Render(pass)) return 0;
+                          .progress = progress_,
+                          .ranks = settings_.ranks};
+    if (!integrator_.Render(pass)) return false;
     position_ = {Done() + size, 0, {}};
-    return size;
+    return true;
 }
 
 void WaveRenderer::ContinueFrom(int samples) {
@@ -69,6 +83,95 @@ void WaveRenderer::ContinueFrom(int samples) {
         if (Render(samples - Done()) == 0) break;
     isRepeating_ = false;
     position_ = {samples, 0, {}};
+}
+
+void WaveRenderer::Say(Command command) {
+    StateWriter out;
+    out.Value(command);
+    if (command == Command::Pass) {
+        out.Value(position_.done);
+        out.Value(position_.passCount);
+        out.Value(isRepeating_);
+        out.CopyOfVector(position_.passDone);
+    }
+    settings_.ranks->Broadcast(out);
+}
+
+void WaveRenderer::GatherHere() {
+    const bool learns = learner_ && learner_->NextLearning() > 0 && !isBrokenOff_;
+    settings_.ranks->Reduce(
+        [&](StateWriter &out) {
+            film_.TakeSums(out);
+            if (learns) learner_->TakeFound(out);
+        },
+        [&](StateReader &in) {
+            film_.AddSums(in);
+            if (learns) learner_->AddFound(in);
+        });
+}
+
+void WaveRenderer::LearnTogether() {
+    // To the first, and from there to all, so that everybody learns the same.
+    settings_.ranks->Reduce([&](StateWriter &out) { learner_->TakeFound(out); },
+                            [&](StateReader &in) { learner_->AddFound(in); });
+    StateWriter all;
+    if (settings_.ranks->IsFirst()) learner_->TakeFound(all);
+    const std::string found = settings_.ranks->Broadcast(all);
+    StateReader in(found, "what was found");
+    learner_->AddFound(in);
+    const int before = learner_->NextLearning();
+    learner_->Learn(progress_);
+    // Whoever was cancelled meanwhile has not learned; then nobody renders on.
+    bool haveAllLearned = learner_->NextLearning() != before;
+    settings_.ranks->Reduce([&](StateWriter &out) { out.Value(haveAllLearned); },
+                            [&](StateReader &other) { haveAllLearned = other.Value<bool>() && haveAllLearned; });
+    StateWriter verdict;
+    verdict.Value(haveAllLearned);
+    const std::string answer = settings_.ranks->Broadcast(verdict);
+    if (StateReader(answer, "message").Value<bool>()) return;
+    isBrokenOff_ = true;
+    progress_.Cancel();
+}
+
+void WaveRenderer::Gather() {
+    if (!settings_.ranks) return;
+    Say(Command::Gather);
+    GatherHere();
+}
+
+void WaveRenderer::EndTogether() {
+    if (settings_.ranks) Say(Command::End);
+}
+
+void WaveRenderer::Follow() {
+    for (;;) {
+        const std::string said = settings_.ranks->Broadcast({});
+        StateReader in(said, "command");
+        switch (in.Value<Command>()) {
+            case Command::Pass:
+                in.Value(&position_.done);
+                in.Value(&position_.passCount);
+                in.Value(&isRepeating_);
+                in.Vector(&position_.passDone);
+                RenderPassOf(position_.passCount);
+                break;
+            case Command::Learn:
+                LearnTogether();
+                break;
+            case Command::Gather:
+                GatherHere();
+                break;
+            case Command::End:
+                return;
+        }
+    }
+}
+
+void FollowWaves(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film, const Sampler &sampler,
+                 const RenderSettings &settings, Progress &progress) {
+    progress.BeginPhase("rendering", 0);
+    WaveRenderer(integrator, camera, filter, film, sampler, settings, progress).Follow();
+    progress.EndPhase();
 }
 
 RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film,
@@ -95,10 +198,12 @@ RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Fil
     const bool isPrepared = !progress.Cancelled();
     const auto saveIfDue = [&] {
         if (!settings.checkpoint || SecondsSince(saved) < settings.checkpointInterval) return;
+        renderer.Gather();
         settings.checkpoint(renderer.Position());
         saved = Clock::now();
     };
     if (isPrepared) saveIfDue();
+    const int largest = kMaxWave * (settings.ranks ? settings.ranks->Size() : 1);
     int wave = 1;
     double secondsPerSample = settings.secondsPerSample;
     while (!progress.Cancelled() && (timed || renderer.Done() < end)) {
@@ -113,11 +218,15 @@ RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Fil
         if (settings.checkpoint && secondsPerSample > 0)
             size = static_cast<int>(
                 std::clamp(settings.checkpointInterval / secondsPerSample, 1.0, static_cast<double>(size)));
+        if (settings.maxWaveSeconds > 0 && secondsPerSample > 0)
+            size = static_cast<int>(
+                std::clamp(settings.maxWaveSeconds / secondsPerSample, 1.0, static_cast<double>(size)));
         renderer.LearnIfDue();
         const Clock::time_point waveStart = Clock::now();
         const int taken = renderer.Render(size);
         if (taken == 0) break;
         secondsPerSample = SecondsSince(waveStart) / taken;
+        if (settings.afterWave || reference.IsKept()) renderer.Gather();
         result.mse = reference.Log(renderer.Done(), film);
         if (timed) {
             double spent = SecondsSince(settings.start);
@@ -125,12 +234,14 @@ RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Fil
         }
         if (settings.afterWave) settings.afterWave(renderer.Done());
         if (timed || renderer.Done() < end) saveIfDue();
-        if (renderer.Done() > 1) wave = std::min(2 * wave, kMaxWave);
+        if (renderer.Done() > 1) wave = std::min(2 * wave, largest);
     }
+    renderer.Gather();
     result.mseFailure = reference.Finish();
     result.samplesTaken = renderer.Done();
     result.cancelled = progress.Cancelled() && (timed || renderer.Done() < end);
     if (settings.checkpoint && isPrepared) settings.checkpoint(renderer.Position());
+    renderer.EndTogether();
     result.seconds = SecondsSince(renderStart);
     progress.EndPhase();
     return result;

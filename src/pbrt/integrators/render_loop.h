@@ -40,6 +40,10 @@ struct RenderSettings {
     /// cancelled.
     std::function<void(const RenderPosition &)> checkpoint;
     double checkpointInterval = 60;
+    /// Null, or the processes that render together: the first one by RenderWaves, the others by FollowWaves.
+    Ranks *ranks = nullptr;
+    /// > 0: waves are as long as that, or one sample, where they would be longer. May be changed by afterWave.
+    double maxWaveSeconds = 0;
     int EndSample() const { return endSample > 0 ? endSample : samplesPerPixel; }
 };
 
@@ -51,7 +55,7 @@ struct RenderResult {
     std::string mseFailure;     ///< why RenderSettings::mseReferenceOut is incomplete; empty if it is complete
 };
 
-/// Samples per pixel of the largest wave.
+/// Samples per pixel of the largest wave, for each process that takes part.
 constexpr int kMaxWave = 64;
 
 /// Lets an integrator render one pass after another; samples are taken in batches, each with samplers made for it.
@@ -77,7 +81,20 @@ class WaveRenderer {
     /// hold them. Those that the integrator learns from are traced again.
     void ContinueFrom(int samples);
 
+    /// For processes that render together (RenderSettings::ranks). On the first one: brings the sums of all films to
+    /// its film, and what was found for the LightLearner to its learner; must come before either is read.
+    void Gather();
+    /// On the first process, after the last call of the above.
+    void EndTogether();
+    /// On the others: does what the first one says, until it ends.
+    void Follow();
+
   private:
+    enum class Command { Pass, Learn, Gather, End };
+    void Say(Command command);
+    bool RenderPassOf(int size);
+    void LearnTogether();
+    void GatherHere();
     Integrator &integrator_;
     LightLearner *const learner_;
     const Camera &camera_;
@@ -89,8 +106,13 @@ class WaveRenderer {
     std::vector<std::unique_ptr<Sampler>> samplers_;  ///< one per thread
     int round_ = -1;
     RenderPosition position_;
+    bool isBrokenOff_ = false;  ///< not all processes have learned; the first one has all that was found
     bool isRepeating_ = false;  ///< the film already has the samples that are rendered
 };
+
+/// What the processes beside the first do while that one is in RenderWaves.
+void FollowWaves(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film, const Sampler &sampler,
+                 const RenderSettings &settings, Progress &progress);
 
 /// Renders waves of 1, 1, 2, 4, ... up to kMaxWave samples per pixel until the end or the time budget is reached. Waves
 /// are smaller where checkpoints would otherwise come late.

@@ -13,7 +13,7 @@ namespace pbrt::lab {
 
 namespace {
 
-constexpr uint64_t kStream = 0x696e7370656374ull;
+constexpr uint64_t kPixelStream = 0x696e7370656374ull;
 constexpr int kMaxSpecular = 64;
 
 std::vector<InspectedLight> NamedGroups(const LightGroups &groups, const LightNames &names) {
@@ -191,7 +191,7 @@ void Inspector::LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &
     double entropy = 0, greatest = 0, probability = 0, second = 0, root = 0;
     const InspectedLight *brightest = nullptr;
     std::vector<double> visible(groups_.Size());
-    Rng rng(Hash(kStream, pixel));
+    Rng rng(Hash(kPixelStream, pixel));
     for (size_t g = 0; g < groups_.Size(); ++g) {
         const InspectedLight &light = lights_[g];
         double p = 0;

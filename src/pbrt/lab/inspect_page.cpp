@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "pbrt/lab/html.h"
+
 namespace pbrt::lab {
 
 using Json = nlohmann::ordered_json;
@@ -32,27 +34,6 @@ pre { overflow: auto; font-size: 13px; }
 </style>
 )";
 
-std::string Escaped(const std::string &text) {
-    std::string out;
-    for (char c : text) switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            default:
-                out += c;
-        }
-    return out;
-}
-
 std::string Number(const Json &value) {
     return value.is_number() ? fmt::format("{:.4g}", value.get<double>()) : "unknown";
 }
@@ -64,12 +45,12 @@ std::string Figure(const Json &layer) {
                                           Number(colours.at("darkest")), Number(colours.at("brightest")),
                                           Number(layer.at("least")), Number(layer.at("most")), Number(layer.at("mean")))
                             : std::string("a colour for each");
-    const std::string name = Escaped(layer.at("name")), file = Escaped(layer.at("file"));
+    const std::string name = EscapeHtml(layer.at("name")), file = EscapeHtml(layer.at("file"));
     return fmt::format(
         "<figure id=\"{0}\"><a href=\"{1}\"><img src=\"{1}\" alt=\"{0}\"></a><figcaption><b>{0}</b>{2}; "
         "{3}.</figcaption>"
         "</figure>\n",
-        name, file, Escaped(layer.at("meaning")), range);
+        name, file, EscapeHtml(layer.at("meaning")), range);
 }
 
 /// Sentences about the layers that have no picture.
@@ -91,7 +72,7 @@ std::string FlatText(const Json &layers) {
     }
     if (!same.empty()) text += "The same everywhere: " + same + ". ";
     if (!unknown.empty()) text += "No value anywhere: " + unknown + ". ";
-    return text.empty() ? "" : "<p id=\"flat\">" + Escaped(text) + "</p>\n";
+    return text.empty() ? "" : "<p id=\"flat\">" + EscapeHtml(text) + "</p>\n";
 }
 
 std::string LightRows(const Json &lights) {
@@ -103,7 +84,7 @@ std::string LightRows(const Json &lights) {
     std::string rows;
     for (size_t i = 0; i < std::min(sorted.size(), kMaxLights); ++i)
         rows += fmt::format("<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td></tr>\n",
-                            Escaped(sorted[i]->at("label")), Number(sorted[i]->at("first")),
+                            EscapeHtml(sorted[i]->at("label")), Number(sorted[i]->at("first")),
                             Number(sorted[i]->at("power")));
     return rows;
 }
@@ -112,15 +93,15 @@ std::string LightRows(const Json &lights) {
 
 std::string InspectPage(const Json &inspection, const std::string &structure) {
     const Json &layers = inspection.at("layers"), &lights = inspection.at("lights");
-    const std::string sampler = Escaped(inspection.value("sampler", "")),
-                      scene = Escaped(inspection.value("scene", Json::array()).dump());
+    const std::string sampler = EscapeHtml(inspection.value("sampler", "")),
+                      scene = EscapeHtml(inspection.value("scene", Json::array()).dump());
     std::string page = kHead;
     page += fmt::format("<title>{} · lightlab inspect</title>\n</head>\n<body>\n<h1>{}</h1>\n", sampler, sampler);
     page += fmt::format(
         "<p>What the light sampler knows where the camera first meets a surface that is not purely specular. Scene: "
         "{}. "
         "{}</p>\n",
-        scene, Escaped(inspection.value("note", "")));
+        scene, EscapeHtml(inspection.value("note", "")));
     page += FlatText(layers) + "<div class=\"pictures\">\n";
     for (const Json &layer : layers)
         if (layer.at("file").is_string()) page += Figure(layer);
@@ -130,7 +111,7 @@ std::string InspectPage(const Json &inspection, const std::string &structure) {
         lights.size(), lights.size() > kMaxLights ? fmt::format("; the {} of most power", kMaxLights) : "");
     page += "<table id=\"lights\"><tr><th>place in the scene file</th><th>first</th><th>power</th></tr>\n" +
             LightRows(lights) + "</table>\n";
-    page += "<h2>Structure</h2>\n<pre>" + Escaped(structure.empty() ? "no learned structure" : structure) +
+    page += "<h2>Structure</h2>\n<pre>" + EscapeHtml(structure.empty() ? "no learned structure" : structure) +
             "</pre>\n</body>\n</html>\n";
     return page;
 }

@@ -13,9 +13,9 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr int kMinSamples = 4, kMaxSamples = 16;  // per picture; two pictures a candidate
-constexpr int kShareOfReference = 128;            // all candidates together take some 6 % of two references
-constexpr int kFirstSeed = 700001;                // far from the seeds of the runs
+constexpr int kMinPilotSamples = 4, kMaxPilotSamples = 16;  // per picture; two pictures a candidate
+constexpr int kShareOfReference = 128;                      // all candidates together take some 6 % of two references
+constexpr int kPilotSeed = 700001;                          // far from the seeds of the runs
 
 std::vector<SamplerChoice> Candidates(const CampaignSettings &settings, const LabScene &scene,
                                       const LightSamplerRegistry &registry) {
@@ -37,7 +37,8 @@ int SamplesPerPicture(const CampaignSettings &settings, const LabScene &scene) {
     const double lights = static_cast<double>(scene.built.scene->Lights().Size());
     const double pixels = static_cast<double>(std::max<int64_t>(1, scene.Pixels().Area()));
     const int forReference = ReferenceRule::For(settings).samples / kShareOfReference;
-    return std::clamp(std::max(static_cast<int>(8 * lights / pixels), forReference), kMinSamples, kMaxSamples);
+    return std::clamp(std::max(static_cast<int>(8 * lights / pixels), forReference), kMinPilotSamples,
+                      kMaxPilotSamples);
 }
 
 /// Two pictures of a candidate and their common tile means.
@@ -168,7 +169,7 @@ std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings
         PilotEntry entry{candidate, 0, 1e30};
         std::array<Image, 2> pair;
         for (int k = 0; k < 2; ++k) {
-            SamplerRun run(scene, candidate, kFirstSeed + k, expected, cancel);
+            SamplerRun run(scene, candidate, kPilotSeed + k, expected, cancel);
             if (!run.Prepare() || !run.RenderTo({samples, 0}, [&] { display.Show(left); })) return {};
             const double seconds = run.Spent().wall - run.Record().prepare.wall;
             entry.secondsPerSample = std::min(entry.secondsPerSample, seconds / samples);

@@ -15,7 +15,7 @@ namespace pbrt::lab {
 
 namespace {
 
-constexpr uint64_t kStream = 0x73656c656374ull;
+constexpr uint64_t kVertexStream = 0x73656c656374ull;
 constexpr int kRegions = kSelectionSide * kSelectionSide;
 constexpr int kMinPaths = 256, kMaxPaths = 4096;  ///< per region
 constexpr int kBlock = 16;                        ///< paths per task
@@ -214,7 +214,7 @@ SelectionVertices::SelectionVertices(const BuiltScene &built, int seed, Progress
             const int region = static_cast<int>(task) / blocks, first = done + static_cast<int>(task) % blocks * kBlock;
             const int x = region % kSelectionSide, y = region / kSelectionSide;
             for (int i = first; i < first + kBlock; ++i)
-                measurer.Follow(corner(x, y), corner(x + 1, y + 1), Hash(kStream, seed, region, i),
+                measurer.Follow(corner(x, y), corner(x + 1, y + 1), Hash(kVertexStream, seed, region, i),
                                 found[static_cast<size_t>(task)]);
         });
         for (size_t t = 0; t < found.size(); ++t)

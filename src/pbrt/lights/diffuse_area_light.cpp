@@ -2,6 +2,8 @@
 
 #include "pbrt/lights/light_image.h"
 #include "pbrt/lights/light_spectrum.h"
+#include "pbrt/math/frame.h"
+#include "pbrt/math/warps.h"
 
 namespace pbrt {
 
@@ -108,6 +110,42 @@ Float DiffuseAreaLight::PdfLi(const LightSampleContext &from, const Vector3 &wi,
     if (Kind() != LightKind::Area) return 0;
     const ShapePrimitive at = Surface(part);
     return at.shape->PdfSolidAngle(at.primitive, from, wi, pHit, nHit);
+}
+
+std::optional<LightLeSample> DiffuseAreaLight::SampleLe(const Point2 &uPosition, const Point2 &uDirection,
+                                                        const SampledWavelengths &lambda, uint32_t part) const {
+    const ShapePrimitive at = Surface(part);
+    const std::optional<ShapeSample> point = at.shape->SampleArea(at.primitive, uPosition);
+    if (!point || !(point->pdf > 0)) return {};
+    const Float coverage = Coverage(point->p, point->uv);
+    if (!(coverage > 0)) return {};
+    Point2 u = uDirection;
+    Normal3 side = point->n;
+    if (emission_->twoSided) {
+        const bool front = u.x < Float(0.5);
+        if (!front) side = -side;
+        u.x = std::min(2 * u.x - (front ? 0 : 1), OneMinusEpsilon);
+    }
+    const Vector3 local = SampleCosineHemisphere(u);
+    LightLeSample s;
+    s.pdfDirection = CosineHemispherePdf(local.z) / (emission_->twoSided ? 2 : 1);
+    if (!(s.pdfDirection > 0)) return {};
+    s.L = (Scale(at) * coverage) * emission_->Radiance(point->uv, lambda);
+    if (!s.L) return {};
+    s.ray.d = Frame::FromZ(side).FromLocal(local);
+    s.ray.o = OffsetRayOrigin(point->p, point->pError, point->n, s.ray.d);
+    s.p = point->p;
+    s.pError = point->pError;
+    s.n = point->n;
+    s.uv = point->uv;
+    s.pdfPosition = point->pdf;
+    return s;
+}
+
+LightLePdf DiffuseAreaLight::PdfLe(const Point3 &p, const Normal3 &n, const Vector3 &w, uint32_t part) const {
+    const ShapePrimitive at = Surface(part);
+    const Float cosine = emission_->twoSided ? AbsDot(n, w) / 2 : std::max(Dot(n, w), Float(0));
+    return {at.shape->PdfArea(at.primitive, p, n), CosineHemispherePdf(cosine)};
 }
 
 SampledSpectrum DiffuseAreaLight::L(const Point3 &, const Normal3 &n, const Point2 &uv, const Vector3 &w,

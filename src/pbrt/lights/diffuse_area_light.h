@@ -51,6 +51,10 @@ class DiffuseAreaLight final : public Light {
                                           uint32_t part) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs, uint32_t part) const override;
+    /// Points as SampleArea of the shape draws them, directions by the cosine; both sides alike if both emit.
+    std::optional<LightLeSample> SampleLe(const Point2 &uPosition, const Point2 &uDirection,
+                                          const SampledWavelengths &lambda, uint32_t part) const override;
+    LightLePdf PdfLe(const Point3 &p, const Normal3 &n, const Vector3 &w, uint32_t part) const override;
     /// Radiance of a point that a ray has hit. The alpha texture is not applied again: it has decided that the ray
     /// stops there.
     SampledSpectrum L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,

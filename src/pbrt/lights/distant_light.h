@@ -17,6 +17,13 @@ class DistantLight final : public LightBeyondScene {
                 uint32_t) const override {
         return 0;
     }
+    std::optional<LightLeSample> SampleLe(const Point2 &uPosition, const Point2 &, const SampledWavelengths &lambda,
+                                          uint32_t) const override {
+        return EvenlyAgainst(SampleLi({}, {}, lambda, false, 0), uPosition);
+    }
+    LightLePdf PdfLe(const Point3 &, const Normal3 &, const Vector3 &, uint32_t) const override {
+        return {PdfOfDisk(), 0};
+    }
 
   private:
     Vector3 wi_;

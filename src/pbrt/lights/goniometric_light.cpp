@@ -2,6 +2,7 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/lights/light_image.h"
+#include "pbrt/math/solid_angle.h"
 #include "pbrt/math/warps.h"
 
 namespace pbrt {
@@ -26,9 +27,34 @@ Float GoniometricLight::Mean(const Image &image) {
     return static_cast<Float>(sum / (static_cast<double>(n.x) * static_cast<double>(n.y)));
 }
 
-Float GoniometricLight::Share(const Vector3 &w) const {
+Point2 GoniometricLight::SquareTowards(const Vector3 &w) const {
     Vector3 l = Normalize(renderFromLight_.InverseVector(w));
-    return std::max(image_.Get(PixelAt(EqualAreaSphereToSquare({l.x, l.z, l.y}), image_.Resolution()), 0), Float(0));
+    return EqualAreaSphereToSquare({l.x, l.z, l.y});
+}
+
+Float GoniometricLight::Share(const Vector3 &w) const {
+    return std::max(image_.Get(PixelAt(SquareTowards(w), image_.Resolution()), 0), Float(0));
+}
+
+const PiecewiseConstant2D &GoniometricLight::Distribution() const {
+    std::call_once(distributionReady_, [&] {
+        const Point2i n = image_.Resolution();
+        std::vector<Float> weights;
+        for (int y = 0; y < n.y; ++y)
+            for (int x = 0; x < n.x; ++x) weights.push_back(std::max(image_.Get({x, y}, 0), Float(0)));
+        distribution_ = PiecewiseConstant2D(weights, n.x, n.y);
+    });
+    return distribution_;
+}
+
+Vector3 GoniometricLight::SampleDirection(const Point2 &u) const {
+    Float pdf;
+    const Vector3 l = EqualAreaSquareToSphere(Distribution().Sample(u, &pdf));
+    return Normalize(renderFromLight_.Vector({l.x, l.z, l.y}));
+}
+
+Float GoniometricLight::PdfDirection(const Vector3 &w) const {
+    return MappedDirectionPdf(renderFromLight_, w, Distribution().Pdf(SquareTowards(w)) * Inv4Pi);
 }
 
 SampledSpectrum GoniometricLight::Phi(const SampledWavelengths &lambda, uint32_t) const {

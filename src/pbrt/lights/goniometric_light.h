@@ -1,6 +1,9 @@
 #pragma once
+#include <mutex>
+
 #include "pbrt/images/image.h"
 #include "pbrt/lights/light_at_point.h"
+#include "pbrt/math/distributions.h"
 #include "pbrt/math/transform.h"
 
 namespace pbrt {
@@ -14,6 +17,8 @@ class GoniometricLight final : public LightAtPoint<GoniometricLight> {
 
     SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
     SampledSpectrum Intensity(const Vector3 &w, const SampledWavelengths &lambda) const;
+    Vector3 SampleDirection(const Point2 &u) const;
+    Float PdfDirection(const Vector3 &w) const;
     std::optional<LightBounds> Bounds(uint32_t) const override;
 
     /// Mean of such an image over all directions.
@@ -22,12 +27,17 @@ class GoniometricLight final : public LightAtPoint<GoniometricLight> {
   private:
     /// The value of the image in the direction w (render space, any length).
     Float Share(const Vector3 &w) const;
+    Point2 SquareTowards(const Vector3 &w) const;
+    /// The image as a distribution, made when it is first asked for.
+    const PiecewiseConstant2D &Distribution() const;
 
     Transform renderFromLight_;
     std::shared_ptr<const DenseSpectrum> intensity_;
     Float scale_;
     Image image_;
     Float mean_;
+    mutable PiecewiseConstant2D distribution_;
+    mutable std::once_flag distributionReady_;
 };
 
 }  // namespace pbrt

@@ -22,6 +22,13 @@ class UniformInfiniteLight final : public LightBeyondScene {
                                           uint32_t part) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs, uint32_t part) const override;
+    std::optional<LightLeSample> SampleLe(const Point2 &uPosition, const Point2 &uDirection,
+                                          const SampledWavelengths &lambda, uint32_t part) const override {
+        return EvenlyAgainst(SampleLi({}, uDirection, lambda, false, part), uPosition);
+    }
+    LightLePdf PdfLe(const Point3 &, const Normal3 &, const Vector3 &w, uint32_t part) const override {
+        return {PdfOfDisk(), PdfLi({}, -w, Point3(0), Normal3(0), false, part)};
+    }
     SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;
     bool HasTiles() const override { return true; }
     Point2 SquareTowards(const Vector3 &d) const override;
@@ -46,6 +53,13 @@ class ImageInfiniteLight final : public LightBeyondScene {
                                           uint32_t part) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs, uint32_t part) const override;
+    std::optional<LightLeSample> SampleLe(const Point2 &uPosition, const Point2 &uDirection,
+                                          const SampledWavelengths &lambda, uint32_t part) const override {
+        return EvenlyAgainst(SampleLi({}, uDirection, lambda, false, part), uPosition);
+    }
+    LightLePdf PdfLe(const Point3 &, const Normal3 &, const Vector3 &w, uint32_t part) const override {
+        return {PdfOfDisk(), PdfLi({}, -w, Point3(0), Normal3(0), false, part)};
+    }
     SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;
     bool HasTiles() const override { return true; }
     void PrepareTiles() const override;

@@ -27,6 +27,24 @@ struct LightLiSample {
     Normal3 nLight{};  ///< zero where the light has no surface
 };
 
+/// A ray along which light leaves a light. Its flux is L / (pdfPosition * pdfDirection), times the cosine at the normal
+/// where there is one.
+struct LightLeSample {
+    SampledSpectrum L;       ///< radiance; lights at a point: intensity; distant lights: irradiance
+    Ray ray;                 ///< unit direction; lights beyond the scene: starts outside of its bounding sphere
+    Point3 p{};              ///< the point of the surface that the ray leaves, before it was moved off it
+    Vector3 pError{};        ///< of p
+    Normal3 n{};             ///< of the surface that the ray leaves; zero where there is none
+    Point2 uv{};             ///< on that surface
+    Float pdfPosition = 0;   ///< area: of the surface, or across the ray for lights beyond the scene; 1 for points
+    Float pdfDirection = 0;  ///< solid angle; 1 for distant lights
+};
+
+/// Densities of SampleLe, in the same measures; 0 for what is 1 there because it is certain.
+struct LightLePdf {
+    Float position = 0, direction = 0;
+};
+
 /// One primitive of a shape.
 struct ShapePrimitive {
     const Shape *shape = nullptr;
@@ -58,6 +76,14 @@ class Light {
     /// part at pHit with normal nHit; infinite lights ignore these. 0 for delta lights.
     virtual Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                         bool allowIncompletePdfs, uint32_t part = 0) const = 0;
+
+    /// A ray that leaves the light, drawn nearly in proportion to the flux; by two independent points of the unit
+    /// square. Lights beyond the scene need Preprocess. Empty where no light leaves.
+    virtual std::optional<LightLeSample> SampleLe(const Point2 &uPosition, const Point2 &uDirection,
+                                                  const SampledWavelengths &lambda, uint32_t part = 0) const = 0;
+    /// Densities of SampleLe for a ray through p along w (unit). Area lights: p lies on this part, with normal n;
+    /// others ignore n.
+    virtual LightLePdf PdfLe(const Point3 &p, const Normal3 &n, const Vector3 &w, uint32_t part = 0) const = 0;
 
     /// Area lights: radiance leaving p in direction w (unit). 0 for others.
     virtual SampledSpectrum L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,
@@ -129,6 +155,13 @@ class LightPart {
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs) const {
         return light_->PdfLi(from, wi, pHit, nHit, allowIncompletePdfs, part_);
+    }
+    std::optional<LightLeSample> SampleLe(const Point2 &uPosition, const Point2 &uDirection,
+                                          const SampledWavelengths &lambda) const {
+        return light_->SampleLe(uPosition, uDirection, lambda, part_);
+    }
+    LightLePdf PdfLe(const Point3 &p, const Normal3 &n, const Vector3 &w) const {
+        return light_->PdfLe(p, n, w, part_);
     }
     SampledSpectrum L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,
                       const SampledWavelengths &lambda) const {

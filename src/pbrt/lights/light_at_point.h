@@ -5,7 +5,10 @@ namespace pbrt {
 
 /// What all point-shaped lights have in common. `Self` has a public
 ///     SampledSpectrum Intensity(const Vector3 &w, const SampledWavelengths &lambda) const
-/// for the intensity along w (render space, any length but 0). Not virtual: it is hot.
+/// for the intensity along w (render space, any length but 0), not virtual because it is hot, and
+///     Vector3 SampleDirection(const Point2 &u) const
+///     Float PdfDirection(const Vector3 &w) const
+/// for unit directions drawn nearly in proportion to it, by solid angle.
 template <class Self>
 class LightAtPoint : public Light {
   public:
@@ -25,6 +28,22 @@ class LightAtPoint : public Light {
     Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool,
                 uint32_t) const final {
         return 0;
+    }
+    std::optional<LightLeSample> SampleLe(const Point2 &, const Point2 &uDirection, const SampledWavelengths &lambda,
+                                          uint32_t) const final {
+        const Self &self = static_cast<const Self &>(*this);
+        LightLeSample s;
+        s.ray.o = position_;
+        s.ray.d = self.SampleDirection(uDirection);
+        s.pdfPosition = 1;
+        s.pdfDirection = self.PdfDirection(s.ray.d);
+        if (!(s.pdfDirection > 0)) return {};
+        s.L = self.Intensity(s.ray.d, lambda);
+        if (!s.L) return {};
+        return s;
+    }
+    LightLePdf PdfLe(const Point3 &, const Normal3 &, const Vector3 &w, uint32_t) const final {
+        return {0, static_cast<const Self &>(*this).PdfDirection(w)};
     }
 
   protected:

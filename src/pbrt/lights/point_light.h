@@ -1,5 +1,6 @@
 #pragma once
 #include "pbrt/lights/light_at_point.h"
+#include "pbrt/math/warps.h"
 
 namespace pbrt {
 
@@ -12,6 +13,8 @@ class PointLight final : public LightAtPoint<PointLight> {
     SampledSpectrum Intensity(const Vector3 &, const SampledWavelengths &lambda) const {
         return scale_ * intensity_->Sample(lambda);
     }
+    Vector3 SampleDirection(const Point2 &u) const { return SampleUniformSphere(u); }
+    Float PdfDirection(const Vector3 &) const { return UniformSpherePdf(); }
     std::optional<LightBounds> Bounds(uint32_t) const override;
 
   private:

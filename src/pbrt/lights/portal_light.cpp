@@ -122,6 +122,41 @@ Float PortalLight::PdfLi(const LightSampleContext &from, const Vector3 &wi, cons
     return density > 0 ? distribution_.Pdf(*st, *window) / density : 0;
 }
 
+std::optional<LightLeSample> PortalLight::SampleLe(const Point2 &uPosition, const Point2 &uDirection,
+                                                   const SampledWavelengths &lambda, uint32_t) const {
+    Float pdfMap = 0;
+    const std::optional<Point2> st = distribution_.Sample(uDirection, {{0, 0}, {1, 1}}, &pdfMap);
+    if (!st || !(area_ > 0)) return {};
+    const Vector3 local = LocalFromMap(*st);
+    const Float density = SolidAngleDensity(local);
+    if (!(local.z > 0) || !(density > 0)) return {};
+    LightLeSample s;
+    s.L = Radiance(*st, lambda);
+    if (!s.L) return {};
+    const Vector3 wi = frame_.FromLocal(local), diagonal = frame_.ToLocal(opposite_ - corner_);
+    const Point3 p = corner_ + frame_.x * (diagonal.x * uPosition.x) + frame_.y * (diagonal.y * uPosition.y);
+    s.ray.o = Beyond(p, wi);
+    s.ray.d = -wi;
+    s.pdfPosition = 1 / (area_ * local.z);
+    s.pdfDirection = pdfMap / density;
+    return s;
+}
+
+LightLePdf PortalLight::PdfLe(const Point3 &p, const Normal3 &, const Vector3 &w, uint32_t) const {
+    const Vector3 wi = -w;
+    const std::optional<Point2> st = MapFromDirection(wi);
+    const Float height = Dot(corner_ - p, frame_.z), cosine = Dot(wi, frame_.z);
+    if (!st || !(cosine > 0) || !(area_ > 0)) return {};
+    // Where the ray crosses the rectangle's plane.
+    const Vector3 at = frame_.ToLocal(p + wi * (height / cosine) - corner_),
+                  diagonal = frame_.ToLocal(opposite_ - corner_);
+    const Float x = at.x / diagonal.x, y = at.y / diagonal.y;
+    if (!(x >= 0 && x <= 1 && y >= 0 && y <= 1)) return {};
+    const Float density = SolidAngleDensity(Normalize(frame_.ToLocal(wi)));
+    if (!(density > 0)) return {};
+    return {1 / (area_ * cosine), distribution_.Pdf(*st, {{0, 0}, {1, 1}}) / density};
+}
+
 SampledSpectrum PortalLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
     Point2i n = map_.Resolution();
     auto cosine = [&](int x, int y) {

@@ -30,6 +30,10 @@ class PortalLight final : public LightBeyondScene {
                                           uint32_t) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs, uint32_t) const override;
+    /// Directions in proportion to the map, through points drawn evenly on the rectangle.
+    std::optional<LightLeSample> SampleLe(const Point2 &uPosition, const Point2 &uDirection,
+                                          const SampledWavelengths &lambda, uint32_t) const override;
+    LightLePdf PdfLe(const Point3 &p, const Normal3 &n, const Vector3 &w, uint32_t) const override;
     SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;
     std::optional<LightBounds> Opening() const override;
 

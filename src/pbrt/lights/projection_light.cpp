@@ -2,6 +2,7 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/lights/light_image.h"
+#include "pbrt/math/solid_angle.h"
 
 namespace pbrt {
 
@@ -45,12 +46,47 @@ Float ProjectionLight::LuminancePower(const Image &image, const ColorSpace &colo
     return static_cast<Float>(sum);
 }
 
-SampledSpectrum ProjectionLight::Intensity(const Vector3 &w, const SampledWavelengths &lambda) const {
+std::optional<Point2> ProjectionLight::PlaceOf(const Vector3 &w) const {
     Vector3 l = renderFromLight_.InverseVector(w);
-    if (!(l.z > 0)) return SampledSpectrum(0);
+    if (!(l.z > 0)) return {};
     Point2 st((1 + l.x / (l.z * half_.x)) / 2, (1 - l.y / (l.z * half_.y)) / 2);
-    if (!(st.x >= 0 && st.x <= 1 && st.y >= 0 && st.y <= 1)) return SampledSpectrum(0);
-    return scale_ * PixelIlluminant(image_, PixelAt(st, image_.Resolution()), *colorSpace_, lambda);
+    if (!(st.x >= 0 && st.x <= 1 && st.y >= 0 && st.y <= 1)) return {};
+    return st;
+}
+
+SampledSpectrum ProjectionLight::Intensity(const Vector3 &w, const SampledWavelengths &lambda) const {
+    const std::optional<Point2> st = PlaceOf(w);
+    if (!st) return SampledSpectrum(0);
+    return scale_ * PixelIlluminant(image_, PixelAt(*st, image_.Resolution()), *colorSpace_, lambda);
+}
+
+const PiecewiseConstant2D &ProjectionLight::Distribution() const {
+    std::call_once(distributionReady_, [&] {
+        const Point2i n = image_.Resolution();
+        const Rgb luminance = colorSpace_->Luminance();
+        std::vector<Float> weights;
+        for (int y = 0; y < n.y; ++y)
+            for (int x = 0; x < n.x; ++x)
+                weights.push_back(std::max(glm::dot(LightPixel(image_, {x, y}), luminance), Float(0)) *
+                                  PixelSolidAngle(x, y, n, half_));
+        distribution_ = PiecewiseConstant2D(weights, n.x, n.y);
+    });
+    return distribution_;
+}
+
+Vector3 ProjectionLight::SampleDirection(const Point2 &u) const {
+    Float pdf;
+    const Point2 st = Distribution().Sample(u, &pdf);
+    return Normalize(renderFromLight_.Vector({(2 * st.x - 1) * half_.x, (1 - 2 * st.y) * half_.y, 1}));
+}
+
+Float ProjectionLight::PdfDirection(const Vector3 &w) const {
+    const std::optional<Point2> st = PlaceOf(w);
+    if (!st) return 0;
+    // An area on the plane at distance 1 subtends cos^3 times as much solid angle.
+    const Float cosine = Normalize(renderFromLight_.InverseVector(w)).z;
+    const Float pdf = Distribution().Pdf(*st) / (4 * half_.x * half_.y * cosine * cosine * cosine);
+    return MappedDirectionPdf(renderFromLight_, w, pdf);
 }
 
 SampledSpectrum ProjectionLight::Phi(const SampledWavelengths &lambda, uint32_t) const {

@@ -1,6 +1,9 @@
 #pragma once
+#include <mutex>
+
 #include "pbrt/images/image.h"
 #include "pbrt/lights/light_at_point.h"
+#include "pbrt/math/distributions.h"
 #include "pbrt/math/transform.h"
 
 namespace pbrt {
@@ -14,17 +17,25 @@ class ProjectionLight final : public LightAtPoint<ProjectionLight> {
 
     SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
     SampledSpectrum Intensity(const Vector3 &w, const SampledWavelengths &lambda) const;
+    Vector3 SampleDirection(const Point2 &u) const;
+    Float PdfDirection(const Vector3 &w) const;
     std::optional<LightBounds> Bounds(uint32_t) const override;
 
     /// Luminous power of a light of scale 1.
     static Float LuminancePower(const Image &image, const ColorSpace &colorSpace, Float fov);
 
   private:
+    /// The place of a direction (any length) in the image, in [0, 1]^2; empty if it misses the image.
+    std::optional<Point2> PlaceOf(const Vector3 &w) const;
+    /// Pixels by luminance and solid angle, made when they are first asked for.
+    const PiecewiseConstant2D &Distribution() const;
     Transform renderFromLight_;
     Image image_;
     const ColorSpace *colorSpace_;
     Float scale_;
     Vector2 half_;  ///< half size of the image at distance 1
+    mutable PiecewiseConstant2D distribution_;
+    mutable std::once_flag distributionReady_;
 };
 
 }  // namespace pbrt

@@ -1,5 +1,9 @@
 #include "pbrt/lights/spot_light.h"
 
+#include "pbrt/math/frame.h"
+#include "pbrt/math/solid_angle.h"
+#include "pbrt/math/warps.h"
+
 namespace pbrt {
 
 SpotLight::SpotLight(const Transform &renderFromLight, const Point3 &from, const Vector3 &axis,
@@ -21,12 +25,41 @@ Float SpotLight::PowerPerIntensity(Float coneAngle, Float falloffStart) {
 }
 
 Float SpotLight::Falloff(const Vector3 &w) const {
-    const Float cosine = Dot(Normalize(renderFromLight_.InverseVector(w)), axis_);
+    return FalloffAt(Dot(Normalize(renderFromLight_.InverseVector(w)), axis_));
+}
+
+Float SpotLight::FalloffAt(Float cosine) const {
     const Float width = cosStart_ - cosEnd_;
     if (width == 0) return cosine >= cosEnd_ ? Float(1) : Float(0);
     // The cubic p with p(0) = 0, p(1) = 1 and p'(0) = p'(1) = 0 is 3 h^2 - 2 h^3.
     const Float h = std::clamp((cosine - cosEnd_) / width, Float(0), Float(1));
     return (3 - 2 * h) * Sqr(h);
+}
+
+Vector3 SpotLight::SampleDirection(const Point2 &u) const {
+    // Of the power, as PowerPerIntensity has it, so much leaves inside the cone of full intensity.
+    const Float inner = 1 - cosStart_, outer = (cosStart_ - cosEnd_) / 2;
+    const Float cut = inner / (inner + outer);
+    Float cosine;
+    if (u.x < cut || !(outer > 0)) {
+        cosine = Lerp(cut > 0 ? u.x / cut : u.x, Float(1), cosStart_);
+    } else {
+        // The cubic p of FalloffAt has the distribution function 2 h^3 - h^4, which is inverted by bisection.
+        const Float share = (u.x - cut) / (1 - cut);
+        Float low = 0, high = 1;
+        for (int i = 0; i < 24; ++i) {
+            const Float h = (low + high) / 2;
+            (h * h * h * (2 - h) < share ? low : high) = h;
+        }
+        cosine = Lerp((low + high) / 2, cosEnd_, cosStart_);
+    }
+    const Vector3 aroundZ = SphericalDirectionOfTurn(SafeSqrt(1 - Sqr(cosine)), cosine, u.y);
+    return Normalize(renderFromLight_.Vector(Frame::FromZ(axis_).FromLocal(aroundZ)));
+}
+
+Float SpotLight::PdfDirection(const Vector3 &w) const {
+    const Float power = PowerPerIntensity(coneAngle_, falloffStart_);
+    return power > 0 ? MappedDirectionPdf(renderFromLight_, w, Falloff(w) / power) : 0;
 }
 
 SampledSpectrum SpotLight::Phi(const SampledWavelengths &lambda, uint32_t) const {

@@ -14,6 +14,9 @@ class SpotLight final : public LightAtPoint<SpotLight> {
 
     SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
     SampledSpectrum Intensity(const Vector3 &w, const SampledWavelengths &lambda) const;
+    /// Exactly in proportion to Falloff, if the transform does not stretch.
+    Vector3 SampleDirection(const Point2 &u) const;
+    Float PdfDirection(const Vector3 &w) const;
     std::optional<LightBounds> Bounds(uint32_t) const override;
 
     /// Power of a light of unit intensity on the axis.
@@ -22,6 +25,8 @@ class SpotLight final : public LightAtPoint<SpotLight> {
     Float Falloff(const Vector3 &w) const;
 
   private:
+    /// Falloff at an angle from the axis whose cosine is given.
+    Float FalloffAt(Float cosine) const;
     Transform renderFromLight_;
     Vector3 axis_;
     std::shared_ptr<const DenseSpectrum> intensity_;

@@ -32,6 +32,12 @@ class LightLearner {
         (void)d;
         (void)left;
     }
+    /// Several processes may render the same pass, each some of its samples. Before Learn, and before what was learned
+    /// is saved, what each of them found is brought together: Take writes what was found and forgets it, Add takes it
+    /// up. Any order and any division give the same.
+    virtual void TakeFound(StateWriter &out) = 0;
+    /// Throws UserError if it is not of this learner.
+    virtual void AddFound(StateReader &in) = 0;
     /// May take seconds. If `progress` is cancelled meanwhile, it gives up soon and leaves everything as it was before.
     virtual void Learn(const Progress &progress) = 0;
 };

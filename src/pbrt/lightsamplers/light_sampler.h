@@ -20,6 +20,7 @@ class Camera;
 class Filter;
 class SampledWavelengths;
 class LightLearner;
+class Ranks;
 class StateReader;
 class StateWriter;
 
@@ -68,7 +69,8 @@ struct PrepareContext {
     /// If set, what LightSampler::SaveLearned of the same sampler over the same lights wrote: samplers that save
     /// something take it in place of finding it out.
     StateReader *learned = nullptr;
-    bool learnsOn = true;  ///< false: with `learned`, nothing is learned from the render
+    bool learnsOn = true;    ///< false: with `learned`, nothing is learned from the render
+    Ranks *ranks = nullptr;  ///< the processes that prepare the same sampler at the same time; null: only this one
 };
 
 class LightSampler;

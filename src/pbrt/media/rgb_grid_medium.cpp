@@ -7,7 +7,7 @@ namespace pbrt {
 namespace {
 /// Measured as for uniformgrid. Looking up a place takes longer here, so that tighter majorants pay: 16 cells are best
 /// from 8 voxels on, and no more cells than voxels in smaller grids.
-glm::ivec3 CellsFor(const glm::ivec3 &voxels) { return MajorantCells(voxels, 1, 16); }
+glm::ivec3 CellsOfRgbGrid(const glm::ivec3 &voxels) { return MajorantCells(voxels, 1, 16); }
 
 Float HighestIn(const std::vector<RgbUnboundedSpectrum> &spectra, const Voxels &voxels, const glm::ivec3 &cell) {
     if (spectra.empty()) return 1;
@@ -18,11 +18,11 @@ Float HighestIn(const std::vector<RgbUnboundedSpectrum> &spectra, const Voxels &
 RgbGridMedium::RgbGridMedium(Float g, const Transform &renderFromMedium, const Bounds3 &bounds, Grids grids)
     : Medium(g, !grids.emission.empty() && grids.emissionScale > 0 && grids.scale > 0),
       grids_(std::move(grids)),
-      voxels_(grids_.count, CellsFor(grids_.count)) {
+      voxels_(grids_.count, CellsOfRgbGrid(grids_.count)) {
     for (const auto *grid : {&grids_.absorption, &grids_.scattering, &grids_.emission})
         PBRT_CHECK(grid->empty() || grid->size() == voxels_.Size());
     PBRT_CHECK(grids_.emission.empty() || grids_.illuminant);
-    const glm::ivec3 cells = CellsFor(grids_.count);
+    const glm::ivec3 cells = CellsOfRgbGrid(grids_.count);
     majorants_ = MajorantGrid(cells, [&](const glm::ivec3 &cell) {
         return kMajorantSlack * grids_.scale *
                (HighestIn(grids_.absorption, voxels_, cell) + HighestIn(grids_.scattering, voxels_, cell));

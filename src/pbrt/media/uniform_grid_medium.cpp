@@ -7,7 +7,7 @@ namespace pbrt {
 namespace {
 /// Measured by ratio tracking through cubes of 1 to 128^3 voxels, noise and a ball, of optical depth 1 and 8: of 1 to
 /// 32 cells along an axis, 1 are fastest in small grids and 4 to 8 in larger ones. Stock's 16 take up to twice as long.
-glm::ivec3 CellsFor(const glm::ivec3 &voxels) { return MajorantCells(voxels, 4, 8); }
+glm::ivec3 CellsOfUniformGrid(const glm::ivec3 &voxels) { return MajorantCells(voxels, 4, 8); }
 }  // namespace
 
 UniformGridMedium::UniformGridMedium(MediumSpectra spectra, Float g, const Transform &renderFromMedium,
@@ -16,12 +16,12 @@ UniformGridMedium::UniformGridMedium(MediumSpectra spectra, Float g, const Trans
       spectra_(std::move(spectra)),
       grids_(std::move(grids)),
       thermal_(thermal),
-      voxels_(grids_.count, CellsFor(grids_.count)) {
+      voxels_(grids_.count, CellsOfUniformGrid(grids_.count)) {
     PBRT_CHECK(grids_.density.size() == voxels_.Size());
     PBRT_CHECK(grids_.emission.empty() || grids_.emission.size() == voxels_.Size());
     PBRT_CHECK(grids_.temperature.empty() || grids_.temperature.size() == voxels_.Size());
     auto density = [this](size_t i) { return grids_.density[i]; };
-    const glm::ivec3 cells = CellsFor(grids_.count);
+    const glm::ivec3 cells = CellsOfUniformGrid(grids_.count);
     majorants_ =
         MajorantGrid(cells, [&](const glm::ivec3 &cell) { return kMajorantSlack * voxels_.MaxIn(cell, density); });
     gridFromRender_ =

@@ -41,6 +41,10 @@ class PathWalk {
         ray_.medium = context.scene.CameraMedium();
     }
 
+    /// A walk that starts anywhere, such as on a light; the ray knows its medium.
+    PathWalk(const PathContext &context, const Ray &start)
+        : context_(context), ray_(start), visible_(nullptr), startsWithDifferential_(false) {}
+
     /// Follows the ray to the next surface, whose point is then in Vertex(). Nothing: the ray leaves the scene.
     Met Next();
     /// Reports the emission that the ray meets: calls visit(radiance, light, p, n) for the light of the surface met, or

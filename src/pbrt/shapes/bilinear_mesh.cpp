@@ -320,6 +320,12 @@ std::optional<ShapeSample> BilinearMesh::SampleArea(uint32_t primitive, const Po
     return s;
 }
 
+Float BilinearMesh::PdfArea(uint32_t primitive, const Point3 &p, const Normal3 &n) const {
+    const Corners c = CornersOf(primitive);
+    const Float pdf = PdfArea(primitive, c, Parameters(c, p, n));
+    return std::isfinite(pdf) ? pdf : 0;
+}
+
 std::optional<ShapeSample> BilinearMesh::Sample(uint32_t primitive, const ShapeSampleContext &from,
                                                 const Point2 &u) const {
     if (!IsRectangle(primitive) || emission_) return WithSolidAngleDensity(SampleArea(primitive, u), from.p);
@@ -333,9 +339,9 @@ std::optional<ShapeSample> BilinearMesh::Sample(uint32_t primitive, const ShapeS
 
 Float BilinearMesh::PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi,
                                   const Point3 &pHit, const Normal3 &nHit) const {
-    Corners c = CornersOf(primitive);
     if (!IsRectangle(primitive) || emission_)
-        return SolidAngleDensity(PdfArea(primitive, c, Parameters(c, pHit, nHit)), from.p, wi, pHit, nHit);
+        return SolidAngleDensity(PdfArea(primitive, pHit, nHit), from.p, wi, pHit, nHit);
+    const Corners c = CornersOf(primitive);
     const Float pdf = RectangleSampling(from, c.p00, c.p10 - c.p00, c.p01 - c.p00).Pdf(pHit);
     return std::isfinite(pdf) ? pdf : 0;
 }

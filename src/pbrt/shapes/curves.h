@@ -45,6 +45,7 @@ class Curves final : public Shape {
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
     Point2 Uv(uint32_t, const PrimitiveHit &hit) const override { return {hit.u, hit.v}; }
     std::optional<ShapeSample> SampleArea(uint32_t, const Point2 &) const override { return {}; }
+    Float PdfArea(uint32_t, const Point3 &, const Normal3 &) const override { return 0; }
     std::optional<ShapeSample> Sample(uint32_t, const ShapeSampleContext &, const Point2 &) const override {
         return {};
     }

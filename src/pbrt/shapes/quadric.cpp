@@ -105,10 +105,13 @@ std::optional<ShapeSample> Quadric::Sample(uint32_t primitive, const ShapeSample
     return WithSolidAngleDensity(SampleArea(primitive, u), from.p);
 }
 
-Float Quadric::PdfSolidAngle(uint32_t, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
+Float Quadric::PdfArea(uint32_t, const Point3 &p, const Normal3 &) const {
+    return PdfAreaAt(isSimilarity_ ? Normal3(0, 0, 1) : Normalize(NormalAt(renderFromObject_.InversePoint(p))));
+}
+
+Float Quadric::PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
                              const Normal3 &nHit) const {
-    Normal3 objectNormal = isSimilarity_ ? Normal3(0, 0, 1) : Normalize(NormalAt(renderFromObject_.InversePoint(pHit)));
-    return SolidAngleDensity(PdfAreaAt(objectNormal), from.p, wi, pHit, nHit);
+    return SolidAngleDensity(PdfArea(primitive, pHit, nHit), from.p, wi, pHit, nHit);
 }
 
 }  // namespace pbrt

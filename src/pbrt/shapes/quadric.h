@@ -19,6 +19,7 @@ class Quadric : public Shape {
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const final;
     Point2 Uv(uint32_t, const PrimitiveHit &hit) const final { return {hit.u, hit.v}; }
     std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const final;
+    Float PdfArea(uint32_t primitive, const Point3 &p, const Normal3 &n) const final;
     std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from,
                                       const Point2 &u) const override;
     Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,

@@ -64,6 +64,8 @@ class Shape {
 
     /// A point, uniform by area where that is simple. pdf is its density by area.
     virtual std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const = 0;
+    /// Density by area with which SampleArea finds a point p of the primitive, whose normal is n.
+    virtual Float PdfArea(uint32_t primitive, const Point3 &p, const Normal3 &n) const = 0;
     /// A point for a shape seen from `from`. pdf is its density by solid angle. Empty if nothing can be drawn.
     virtual std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from,
                                               const Point2 &u) const = 0;

@@ -34,6 +34,10 @@ class TriangleMesh final : public Shape {
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
     Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const override;
     std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const override;
+    Float PdfArea(uint32_t primitive, const Point3 &, const Normal3 &) const override {
+        const Float area = Area(primitive);
+        return area > 0 ? 1 / area : 0;
+    }
     std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from,
                                       const Point2 &u) const override;
     Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,

@@ -21,6 +21,7 @@ const char *const kAbout =
     "charts and one page, report.html, into a folder.\n\n"
     "  lightlab scene.pbrt --time 20                    20 s for every sampler and seed, preparation included\n"
     "  lightlab scene.pbrt --spp 64 --seeds 5           64 samples per pixel for every sampler and seed\n"
+    "  lightlab a.pbrt b.pbrt c.pbrt --time 20          one table over several scenes, and a page that links them\n"
     "  lightlab scene.pbrt --samplers bvh,octree,octree:budget=0.02,floor=0.2,bvh+gate=neepp\n"
     "  lightlab inspect scene.pbrt --sampler octree     pictures of what a sampler knows (see lightlab inspect "
     "--help)\n\n"
@@ -166,7 +167,8 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
     CLI::App &app = parser.app;
     app.footer(kFooter);
     app.set_version_flag("--version", PBRT_VERSION_TEXT, "print the version, and stop");
-    app.add_option("scene", c.scene, "scene file")->required();
+    app.add_option("scenes", o.scenes, "scene file; of several, each is compared by itself, and index.html shows all")
+        ->required();
 
     const char *what = "What is compared";
     CLI::Option *samplersOption =
@@ -230,7 +232,9 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
         ->group(effort);
 
     const char *output = "Output";
-    app.add_option("--out", c.outFolder, "folder (<scene name>-lab)")->group(output);
+    app.add_option("--out", c.outFolder,
+                   "folder (<scene name>-lab); of several scenes: holds a folder for each (scenes-lab)")
+        ->group(output);
     app.add_option("--crops", crops, "parts shown enlarged, x0,y0,x1,y1;... in pixels (where samplers differ most)")
         ->group(output);
     app.add_flag("--restart", c.restart, "delete the records of a campaign in the folder and begin anew")
@@ -244,7 +248,16 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
         ->group(output);
     app.add_flag("--quiet", o.quiet, "no progress and no warnings; results and errors only")->group(output);
 
-    if (!parser.Parse(argc - 1, argv + 1, [] {})) return parser.result;
+    const auto checkScenes = [&] {
+        if (o.scenes.size() < 2) return;
+        for (const auto &[given, flag] : {std::pair{!c.referenceFile.empty(), "--reference"},
+                                          {!c.samplesFrom.empty(), "--samples-from"},
+                                          {!crops.empty(), "--crops"}})
+            if (given)
+                throw CLI::ValidationError(fmt::format("{} belongs to one scene; {} are given", flag, o.scenes.size()));
+    };
+    if (!parser.Parse(argc - 1, argv + 1, checkScenes)) return parser.result;
+    c.scene = o.scenes[0];
     if (!*cache) c.cacheFolder = lab::UserCacheFolder();
     o.report = !noReport;
     c.views = o.report;
@@ -258,6 +271,7 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
         TakeFromResults(&o, *samplersOption || *fileOption, bool(*seedsOption), c.maxDepth.has_value(),
                         bool(*sampledLight), bool(*divisorOption), bool(*gateOption), bool(*spp));
     if (o.samplers.empty() && !*samplersOption) o.samplers = lab::SplitSamplerList(DefaultSamplers(registered));
+    if (c.outFolder.empty() && o.scenes.size() > 1) c.outFolder = "scenes-lab";
     if (c.outFolder.empty()) c.outFolder = std::filesystem::path(c.scene).stem().string() + "-lab";
     return parser.result;
 }

@@ -6,7 +6,8 @@ namespace pbrt {
 
 /// The options of the lightlab command line.
 struct LightlabOptions {
-    lab::CampaignSettings campaign;  ///< without the samplers
+    lab::CampaignSettings campaign;   ///< without the samplers
+    std::vector<std::string> scenes;  ///< more than one: a campaign on each, in folders of their own
     std::vector<std::string> samplers;
     std::optional<lab::InspectOptions> inspect;  ///< set: `lightlab inspect`
     int threads = 0;

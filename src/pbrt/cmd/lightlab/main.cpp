@@ -7,9 +7,12 @@
 
 #include "pbrt/cmd/lightlab/command_line.h"
 #include "pbrt/cmd/lightlab/report_scripts.h"
+#include "pbrt/cmd/lightlab/scenes.h"
+#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/ranks.h"
 #include "pbrt/core/signal_watch.h"
 #include "pbrt/lab/campaign.h"
 #include "plugins.h"
@@ -20,20 +23,20 @@ namespace {
 /// needs to be waited for; but most work ends within this time and then leaves no unfinished files.
 constexpr double kGraceSeconds = 0.4;
 
-int Compare(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegistry &registry) {
+/// Compares samplers on one scene. Nothing if a signal ended it: then `signals` has the status.
+std::optional<pbrt::lab::CampaignOutcome> CompareOn(const pbrt::lab::CampaignSettings &settings,
+                                                    const pbrt::LightlabOptions &options,
+                                                    const pbrt::LightSamplerRegistry &registry,
+                                                    pbrt::SignalWatch &signals, pbrt::Progress &cancel) {
     using namespace pbrt;
-    lab::CampaignSettings settings = options.campaign;
-    settings.samplers = lab::ParseSamplerChoices(options.samplers, registry);
     std::unique_ptr<ProgressSink> display = MakeTerminalProgress(options.quiet);
     const std::string goesOn =
-        fmt::format("\nInterrupted. The same command goes on from what {} holds.", settings.outFolder);
-    Progress cancel;
-    SignalWatch signals(cancel, goesOn);
+        fmt::format("\nInterrupted. The same command goes on from what {} holds.", options.campaign.outFolder);
     signals.Cancel("", goesOn, kGraceSeconds);
-    const std::optional<lab::CampaignOutcome> outcome = lab::RunCampaign(settings, registry, cancel, display.get());
+    std::optional<lab::CampaignOutcome> outcome = lab::RunCampaign(settings, registry, cancel, display.get());
     if (!outcome) {
         LogInfo(goesOn);
-        return signals.Status();
+        return {};
     }
     std::printf("%s\n", outcome->text.c_str());
     std::fflush(stdout);
@@ -42,7 +45,47 @@ int Compare(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegist
         if (std::string problem = RunReportScripts(settings.outFolder, options.quiet); !problem.empty())
             LogWarning(problem);
     LogInfo(fmt::format("Wrote {}.", settings.outFolder));
-    return signals.Status();
+    return outcome;
+}
+
+int Compare(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegistry &registry) {
+    using namespace pbrt;
+    lab::CampaignSettings settings = options.campaign;
+    settings.samplers = lab::ParseSamplerChoices(options.samplers, registry);
+    Progress cancel;
+    SignalWatch signals(cancel,
+                        fmt::format("\nInterrupted. The same command goes on from what {} holds.", settings.outFolder));
+    if (options.scenes.size() == 1) {
+        CompareOn(settings, options, registry, signals, cancel);
+        return signals.Status();
+    }
+    DiagnosticSink missing;
+    for (const std::string &scene : options.scenes)
+        if (!FileExists(scene)) missing.Error({}, fmt::format("{}: No such file or directory.", scene));
+    missing.ThrowIfErrors();
+    const std::vector<std::string> folders = SceneFolders(options.scenes);
+    std::vector<SceneOutcome> outcomes;
+    bool hasFailed = false;
+    for (size_t i = 0; i < folders.size(); ++i) {
+        settings.scene = options.scenes[i];
+        settings.outFolder = options.campaign.outFolder + "/" + folders[i];
+        SceneOutcome &scene = outcomes.emplace_back(SceneOutcome{settings.scene, folders[i], {}, {}});
+        std::printf("%s%s\n\n", i ? "\n" : "", settings.scene.c_str());
+        try {
+            std::optional<lab::CampaignOutcome> outcome = CompareOn(settings, options, registry, signals, cancel);
+            if (!outcome) return signals.Status();
+            scene.results = std::move(outcome->results);
+        } catch (const UserError &e) {
+            // The other scenes are compared all the same.
+            std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
+            scene.failure = e.Diagnostics()[0].message;
+            hasFailed = true;
+        }
+    }
+    WriteScenes(options.campaign.outFolder, outcomes);
+    std::printf("\nAll scenes\n\n%s", ScenesText(outcomes).c_str());
+    LogInfo(fmt::format("Wrote {}/index.html.", options.campaign.outFolder));
+    return hasFailed ? 1 : signals.Status();
 }
 
 int Inspect(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegistry &registry) {
@@ -61,6 +104,13 @@ int Inspect(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegist
 
 int main(int argc, char **argv) {
     using namespace pbrt;
+    if (const RanksAnnounced announced = AnnouncedRanks(); announced.size > 1) {
+        if (announced.rank == 0)
+            std::fputs(
+                "Error: lightlab measures seconds, which processes beside it would change; start it without mpirun.\n",
+                stderr);
+        return 1;
+    }
     try {
         LightSamplerRegistry registry;
         RegisterPlugins(registry);

@@ -1,11 +1,15 @@
 #include "pbrt/cmd/pbrt/command_line.h"
 
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
+
 #include <algorithm>
 #include <iostream>
 #include <map>
 
 #include "pbrt/cmd/number_checks.h"
+#include "pbrt/cmd/pbrt/tev_display.h"
+#include "pbrt/films/aov_film.h"
 #include "version.h"
 
 namespace pbrt {
@@ -18,6 +22,10 @@ std::string Fold(const std::string &name) {
     for (char c : name)
         if (c != '-' && c != '_') folded += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return folded;
+}
+
+bool IsNumber(std::string_view text) {
+    return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
 /// Rewrites every flag to the spelling that CLI11 knows. Unknown flags stay as they are, and CLI11 reports them.
@@ -36,6 +44,8 @@ std::vector<std::string> CanonicalFlags(const CLI::App &app, int argc, const cha
             if (it != canonical.end())
                 argument = it->second + (equals == std::string::npos ? "" : argument.substr(equals));
         }
+        // The port may be left out, so CLI11 would take it for the name of a scene.
+        if (argument == "--serve" && i + 1 < argc && IsNumber(argv[i + 1])) argument += std::string("=") + argv[++i];
         arguments.push_back(argument);
     }
     return arguments;
@@ -52,6 +62,32 @@ std::pair<int, int> ParseSamples(const std::string &text) {
                                        "\" is no range of samples; 0:16 and 16:32 are the first sixteen and "
                                        "the next sixteen");
     return {first, end};
+}
+
+/// What a flag without a value has instead of one.
+constexpr const char *kNoValue = "true";
+
+/// "text" or "json".
+std::string ParseStats(const std::string &text) {
+    if (text == kNoValue) return "text";
+    if (text == "text" || text == "json") return text;
+    throw CLI::ValidationError("--stats", "\"" + text + "\" is unknown; valid: text, json");
+}
+
+/// The port of --serve; -1: a usual one.
+int ParsePort(const std::string &text) {
+    if (text == kNoValue) return -1;
+    if (!IsNumber(text) || text.size() > 5 || std::stoi(text) > 65535)
+        throw CLI::ValidationError("--serve", "\"" + text + "\" is no port; 1 to 65535, or 0 for a free one");
+    return std::stoi(text);
+}
+
+/// The rules for the flags of viewers.
+void CheckViewers(const CommandLine &o) {
+    if (!o.displayServer.empty() && SplitServer(o.displayServer).first.empty())
+        throw CLI::ValidationError(
+            "--display-server",
+            "\"" + o.displayServer + "\" is no HOST:PORT, such as localhost:14158, where tev listens");
 }
 
 /// The rules for the flags that keep a render.
@@ -101,7 +137,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     std::vector<Float> crop;
     std::vector<int> bounds, pixel;
     int spp = 0, seed = 0, maxDepth = 0;
-    std::string samples;
+    std::string samples, port;
     double memoryLimitMb = 0;
     app.add_option("scene", o.sceneFiles,
                    "scene files, parsed one after the other as one scene; none or \"-\": standard input");
@@ -113,12 +149,32 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     app.add_option("--outfile", o.build.film.filename,
                    "image to write (.exr, .png, .pfm); overrides the scene's film filename")
         ->group(image);
+    app.add_option("--aov", o.build.film.aovs,
+                   fmt::format("channels of what the camera sees, added to the picture of any film: {}, with commas "
+                               "between them; their names are those that denoisers read",
+                               fmt::join(AovNames(), ", ")))
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->check(CLI::IsMember(AovNames()))
+        ->type_name("NAME,...")
+        ->group(image);
     app.add_flag("--write-partial-images", o.writePartialImages, "write the image after every wave of samples")
         ->group(image);
     app.add_option("--mse-reference-image", o.build.mseReferenceImage, "compare with this image after every wave")
         ->group(image);
     app.add_option("--mse-reference-out", o.build.mseReferenceOut, "file for the \"spp, mse\" lines of that comparison")
         ->group(image);
+
+    const char *viewers = "Watching";
+    app.add_option(
+           "--display-server", o.displayServer,
+           "HOST:PORT of a viewer that speaks tev's protocol (tev listens at localhost:14158): shows the picture "
+           "as it grows")
+        ->group(viewers);
+    CLI::Option *serveOption = app.add_flag("--serve", port,
+                                            "page for a browser on this machine: the picture as it grows, its error so "
+                                            "far, time left; --serve PORT or --serve=PORT, 0: any free port")
+                                   ->group(viewers);
 
     const char *effort = "Effort";
     CLI::Option *sppOption = app.add_option("--spp", spp, "samples per pixel; overrides the scene's sampler")
@@ -217,7 +273,10 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
                    "floattextures, spectrumtextures, lights, arealights, media, lightsamplers; all; table")
         ->group(messages);
     app.add_flag("--quiet", o.quiet, "no progress and no warnings; errors only")->group(messages);
-    app.add_flag("--stats", o.stats, "print statistics after rendering")->group(messages);
+    CLI::Option *statsOption = app.add_flag("--stats", o.stats,
+                                            "print statistics to standard output after rendering; --stats=json: as a "
+                                            "JSON object, for scripts")
+                                   ->group(messages);
 
     std::vector<std::string> arguments = CanonicalFlags(app, argc, argv);
     std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
@@ -227,6 +286,9 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
         if (!samples.empty()) o.samples = ParseSamples(samples);
         CheckKeeping(o);
+        CheckViewers(o);
+        if (*serveOption) o.servePort = ParsePort(port);
+        if (*statsOption) o.stats = ParseStats(o.stats);
     } catch (const CLI::CallForHelp &) {
         std::cout << app.help();
         result.done = true;

@@ -13,8 +13,9 @@ struct CommandLine {
     BuildOptions build;
     std::vector<std::string> sceneFiles;
     int threads = 0;
-    bool quiet = false, stats = false, writePartialImages = false;
-    std::string list;  ///< what to list instead of rendering
+    bool quiet = false, writePartialImages = false;
+    std::string stats;  ///< "text" or "json": statistics to standard output; empty: none
+    std::string list;   ///< what to list instead of rendering
     double timeBudget = 0;
     std::string checkpoint;  ///< file for checkpoints; empty: none
     double checkpointInterval = 60;
@@ -22,6 +23,8 @@ struct CommandLine {
     std::optional<std::pair<int, int>> samples;  ///< only the samples [first, second) of every pixel
     std::string saveLights, loadLights;          ///< files of what the light sampler learned
     double memoryLimit = 0;                      ///< bytes; 0: what the machine has
+    std::string displayServer;                   ///< host:port of a viewer; empty: none
+    std::optional<int> servePort;                ///< of the live page; -1: a usual one
     std::string text;                            ///< as typed, for image metadata
 };
 

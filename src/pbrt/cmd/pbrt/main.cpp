@@ -1,52 +1,91 @@
 #include <cstdio>
 #include <exception>
+#include <iostream>
 #include <new>
 #include <stdexcept>
 #include <system_error>
+#include <thread>
 
 #include <unistd.h>
 
 #include "pbrt/build/catalogue.h"
 #include "pbrt/cmd/pbrt/command_line.h"
+#include "pbrt/cmd/pbrt/live_view.h"
 #include "pbrt/cmd/pbrt/render_job.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/ranks.h"
 #include "plugins.h"
+
+namespace {
+
+/// The number of threads of this process; 0: all cores. Processes on one machine share its cores.
+int ThreadsOf(const pbrt::CommandLine &options, const pbrt::RanksAnnounced &announced) {
+    if (options.threads > 0 || announced.onThisMachine <= 1) return options.threads;
+    const auto share = static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN)) / announced.onThisMachine;
+    // mpirun may have bound this process to fewer.
+    return std::clamp(share, 1, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+}
+
+}  // namespace
 
 int main(int argc, char **argv) {
     using namespace pbrt;
+    // Of the processes that mpirun started, only the first one says something.
+    const RanksAnnounced announced = AnnouncedRanks();
+    const bool isSilent = announced.rank > 0;
+    if (isSilent) {
+        std::cout.setstate(std::ios::failbit);
+        std::cerr.setstate(std::ios::failbit);
+        SetLogLevel(LogLevel::Quiet);
+    }
     CommandLineResult parsed = ParseCommandLine(argc, argv);
     if (parsed.done) return parsed.status;
     const CommandLine &options = parsed.options;
-    if (options.quiet) SetLogLevel(LogLevel::Error);
-    std::unique_ptr<ProgressSink> sink = MakeTerminalProgress(options.quiet);
-    Progress progress(sink.get());
+    if (options.quiet && !isSilent) SetLogLevel(LogLevel::Error);
+    std::unique_ptr<ProgressSink> sink = MakeTerminalProgress(options.quiet || isSilent);
+    LiveView live(sink.get());
+    // Of several processes the first one shows the picture.
+    const bool isWatched = !isSilent && (options.servePort || !options.displayServer.empty());
+    Progress progress(isWatched ? live.Sink() : sink.get());
+    std::unique_ptr<Ranks> ranks;
+    // Without this process the others cannot go on.
+    const auto fail = [&](const std::string &what) {
+        std::fprintf(stderr, "Error: %s%s\n", ranks ? fmt::format("process {}: ", ranks->Rank()).c_str() : "",
+                     what.c_str());
+        if (ranks) ranks->Abort(1);
+        return 1;
+    };
     try {
         LightSamplerRegistry registry;
         RegisterPlugins(registry);
         if (!options.list.empty()) {
+            if (isSilent) return 0;
             std::fputs((options.list == "lightsamplers" ? registry.Listing() : ListWhat(options.list)).c_str(), stdout);
             return 0;
         }
-        ThreadLimit threads(options.threads);
-        SignalWatch signals(progress, "Interrupted: no image was written.");
-        return RunRenderJob(options, registry, progress, signals);
+        ThreadLimit threads(ThreadsOf(options, announced));
+        SignalWatch signals(progress, isSilent ? "" : "Interrupted: no image was written.");
+        ranks = ConnectRanks(ThreadCount());
+        if (isWatched && !options.displayServer.empty()) live.SendTo(options.displayServer);
+        if (isWatched && options.servePort) live.Serve(*options.servePort);
+        return RunRenderJob(options, registry, ranks.get(), progress, signals, live);
+    } catch (const AnotherRankFailed &) {
+        return 1;
     } catch (const UserError &e) {
+        if (ranks) ranks->Fail(e);
+        if (isSilent) return 1;
         std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
         if (e.Count() > 1) std::fprintf(stderr, "%zu errors; nothing was rendered.\n", e.Count());
         return 1;
     } catch (const std::bad_alloc &) {
-        std::fprintf(stderr, "Error: %s\n", OutOfMemoryText(progress.PhaseName()).c_str());
-        return 1;
+        return fail(OutOfMemoryText(progress.PhaseName()));
     } catch (const std::length_error &) {  // a container that would be larger than any memory
-        std::fprintf(stderr, "Error: %s\n", OutOfMemoryText(progress.PhaseName()).c_str());
-        return 1;
+        return fail(OutOfMemoryText(progress.PhaseName()));
     } catch (const std::system_error &e) {  // most likely a thread that got no memory for its stack
-        std::fprintf(stderr, "Error: %s; most likely %s\n", e.what(), OutOfMemoryText(progress.PhaseName()).c_str());
-        return 1;
+        return fail(fmt::format("{}; most likely {}", e.what(), OutOfMemoryText(progress.PhaseName())));
     } catch (const std::exception &e) {
-        std::fprintf(stderr, "Error: %s\n", e.what());
-        return 1;
+        return fail(e.what());
     }
 }

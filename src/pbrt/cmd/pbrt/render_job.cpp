@@ -1,7 +1,9 @@
 #include "pbrt/cmd/pbrt/render_job.h"
 
+#include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "pbrt/build/built_scene.h"
@@ -22,6 +24,20 @@ namespace {
 /// Seconds that the writing of a picture may go on after a signal. Longer than any disk needs, shorter than schedulers
 /// wait before they kill a process.
 constexpr double kWritingSeconds = 10;
+
+/// While somebody watches, waves are kept that short, so that the picture is seen to grow.
+constexpr double kLiveWaveSeconds = 1;
+
+LiveRender LiveRenderOf(const CommandLine &options, const BuiltScene &built, const RenderSettings &settings) {
+    LiveRender live;
+    live.scene = fmt::format("{}", fmt::join(SceneFilesOf(options), " "));
+    live.filename = built.filename;
+    live.fullResolution = built.film->FullResolution();
+    live.pixelBounds = built.film->PixelBounds();
+    live.timeBudget = options.timeBudget;
+    if (options.timeBudget <= 0) live.samples = settings.EndSample();
+    return live;
+}
 
 void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
     bool color = isatty(STDERR_FILENO) != 0;
@@ -95,19 +111,69 @@ class PictureWriter {
     std::string written_;
 };
 
-/// Prepares the integrator: from a checkpoint or a file of learned lights, or by finding everything out.
-void PrepareLights(const std::optional<Checkpoint> &checkpoint, const LearnedLights &lights, BuiltScene &built,
+/// Prepares the integrator: by what was learned before, from a file of learned lights, or by finding everything out.
+void PrepareLights(std::optional<StateReader> reader, const LearnedLights &lights, BuiltScene &built, Ranks *ranks,
                    Progress &progress) {
     PrepareContext context = built.Preparation(progress);
-    std::optional<StateReader> reader;
-    if (checkpoint && checkpoint->IsResumed()) {
-        reader.emplace(checkpoint->Learned());
-    } else if (lights.AreLoaded()) {
+    context.ranks = ranks;
+    if (!reader && lights.AreLoaded()) {
         reader.emplace(lights.Learned());
         context.learnsOn = false;
     }
     if (reader) context.learned = &*reader;
     built.integrator->Prepare(context);
+}
+
+/// mpirun gives its standard input to the first process only.
+void RefusePipes(const CommandLine &options) {
+    for (const std::string &file : SceneFilesOf(options))
+        if (file == "-")
+            throw UserError("under mpirun the scene must be in files: only one process gets the standard input.");
+}
+
+/// Only the first process reads the checkpoint; the others get from it what they need. There `learned` then refers to
+/// `memory`.
+void ShareCheckpoint(Ranks &ranks, BuildOptions *build, std::optional<StateReader> *learned, std::string *memory) {
+    ranks.Meet();
+    StateWriter out;
+    if (ranks.IsFirst()) {
+        out.Value(build->samplesPerPixel);
+        out.Value(learned->has_value());
+        if (*learned) {
+            StateReader all = **learned;
+            const std::string_view bytes = all.Take(all.BytesLeft());
+            out.Refer(bytes.data(), bytes.size());
+        }
+    }
+    *memory = ranks.Broadcast(out);
+    if (ranks.IsFirst()) return;
+    StateReader in(*memory, "the checkpoint");
+    in.Value(&build->samplesPerPixel);
+    if (in.Value<bool>()) *learned = StateReader(in.Take(in.BytesLeft()), "the checkpoint");
+}
+
+/// Brings all counters to the first process, and how many bytes were sent.
+void ReduceCounters(Ranks &ranks, uint64_t *sent) {
+    *sent = ranks.BytesSent();
+    ranks.Reduce(
+        [&](StateWriter &out) {
+            out.Value(SumCounters());
+            out.Value(*sent);
+        },
+        [&](StateReader &in) {
+            AddCounters(in.Value<RenderCounters>());
+            *sent += in.Value<uint64_t>();
+        });
+}
+
+/// What the processes beside the first do in place of all that follows the preparation.
+int FollowRender(BuiltScene &built, const RenderSettings &settings, Progress &progress, SignalWatch &signals) {
+    signals.Cancel("", "", SignalWatch::kForever);
+    FollowWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
+    uint64_t sent = 0;
+    ReduceCounters(*settings.ranks, &sent);
+    signals.EndAtOnce("");
+    return signals.Status();
 }
 
 void SayKept(const Checkpoint &checkpoint, const RenderResult &result) {
@@ -121,9 +187,10 @@ void SayKept(const Checkpoint &checkpoint, const RenderResult &result) {
 
 }  // namespace
 
-int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Progress &progress,
-                 SignalWatch &signals) {
+int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Ranks *ranks, Progress &progress,
+                 SignalWatch &signals, LiveView &live) {
     if (options.memoryLimit > 0) LimitMemory(options.memoryLimit);
+    const bool isFirst = !ranks || ranks->IsFirst();
     const auto start = std::chrono::steady_clock::now();
     Timings timings;
     timings.startUp = SecondsSinceProcessStart();
@@ -131,17 +198,23 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     size_t printed = 0;
 
     signals.EndAtOnce(NothingWritten("reading"));
+    if (ranks) RefusePipes(options);
     progress.BeginPhase("reading", 0);
     SceneDescription description = ParseSceneFiles(SceneFilesOf(options), sink);
     PrintWarnings(sink, &printed);
     sink.ThrowIfErrors();
     BuildOptions build = options.build;
+    build.checksOutput = build.checksOutput && isFirst;
     const LearnedLights learnedLights(options);
     // In world coordinates the lights of all frames of an animation are the same, wherever the camera is.
     if (learnedLights.AreUsed() && build.renderCoordSys.empty() && !description.options.renderCoordSys)
         build.renderCoordSys = "world";
     std::optional<Checkpoint> checkpoint;
-    if (!options.checkpoint.empty()) checkpoint.emplace(options, description, learnedLights.Hash(), &build);
+    if (!options.checkpoint.empty() && isFirst) checkpoint.emplace(options, description, learnedLights.Hash(), &build);
+    std::optional<StateReader> learned;
+    if (checkpoint && checkpoint->IsResumed()) learned.emplace(checkpoint->Learned());
+    std::string shared;
+    if (ranks) ShareCheckpoint(*ranks, &build, &learned, &shared);
     // Here and below, a signal that comes after the line "done" belongs to the phase that follows.
     signals.EndAtOnce(NothingWritten("building"));
     timings.read = progress.EndPhase();
@@ -158,6 +231,7 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     description.shapes.clear();
     PrintWarnings(sink, &printed);
     learnedLights.Check(built);
+    if (ranks) ranks->Meet();
     signals.EndAtOnce(NothingWritten("preparing lights"));
     timings.build = progress.EndPhase();
 
@@ -170,20 +244,33 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     settings.start = start;
 
     progress.BeginPhase("preparing lights", 0);
-    PrepareLights(checkpoint, learnedLights, built, progress);
+    PrepareLights(learned, learnedLights, built, ranks, progress);
     timings.prepare = progress.EndPhase();
     if (checkpoint) checkpoint->Begin(built, &settings);
     ResetCounters();
+    if (ranks) {
+        ranks->Meet();
+        ranks->EndMeetings();
+        settings.ranks = ranks;
+    }
+    if (!isFirst) return FollowRender(built, settings, progress, signals);
 
     RenderResult result;
     PictureWriter writer(options, built, timings, signals);
-    if (options.writePartialImages)
+    if (options.writePartialImages || live.HasViewers())
         settings.afterWave = [&](int samples) {
             // The last picture comes with the end of the render.
             if (options.timeBudget <= 0 && samples == settings.EndSample()) return;
+            if (live.HasViewers())
+                settings.maxWaveSeconds = std::max(kLiveWaveSeconds, live.AfterWave(*built.film, samples));
+            if (!options.writePartialImages) return;
             result.samplesTaken = samples;
             writer.WritePartial(result);
         };
+    if (live.HasViewers()) {
+        settings.maxWaveSeconds = kLiveWaveSeconds;
+        live.Begin(LiveRenderOf(options, built, settings));
+    }
     // Without its preparation there would be nothing to go on from.
     if (checkpoint && !progress.Cancelled()) {
         settings.checkpointInterval = options.checkpointInterval;
@@ -197,8 +284,11 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     writer.SayRendering();
     result =
         RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
+    uint64_t sent = 0;
+    if (ranks) ReduceCounters(*ranks, &sent);
     timings.render = result.seconds;
     if (checkpoint) result.seconds += checkpoint->RenderSecondsBefore();
+    live.Finish(*built.film, result.samplesTaken, result.cancelled);
     progress.BeginPhase("writing", 0);
     const bool isWritten = !isPart && writer.Write(result);
     if (!learnedLights.SavePath().empty() && !result.cancelled) learnedLights.Save(built);
@@ -207,8 +297,14 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     if (isWritten)
         LogInfo(fmt::format("Wrote {} ({} samples per pixel, {:.2f} s; {:.2f} s since the start).", writer.Written(),
                             result.samplesTaken, result.seconds, timings.Total()));
-    if (options.stats) PrintStatistics(built, result, timings);
+    if (options.stats == "text") PrintStatistics(built, result, timings);
+    if (options.stats == "text" && ranks)
+        std::printf("  %-34s %d, %d; %.3f MB sent\n", "processes, threads", ranks->Size(), ranks->TotalThreads(),
+                    static_cast<double>(sent) / 1e6);
+    if (options.stats == "json")
+        PrintStatisticsJson(options, built, result, timings, isWritten ? writer.Written() : std::string());
     std::fflush(stdout);
+    live.SayFarewell();
     // The picture is written all the same.
     if (!result.mseFailure.empty()) throw UserError(result.mseFailure);
     if (checkpoint && !checkpoint->Failure().empty()) throw UserError(checkpoint->Failure());

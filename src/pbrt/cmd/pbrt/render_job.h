@@ -1,5 +1,7 @@
 #pragma once
 #include "pbrt/cmd/pbrt/command_line.h"
+#include "pbrt/cmd/pbrt/live_view.h"
+#include "pbrt/core/ranks.h"
 #include "pbrt/core/signal_watch.h"
 #include "pbrt/lightsamplers/registry.h"
 
@@ -7,7 +9,9 @@ namespace pbrt {
 
 /// Reads, builds, renders and writes one image. Throws UserError. Returns the exit status: 0, or 128 plus the number of
 /// a signal that ended the render early; what was rendered until then is saved.
-int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Progress &progress,
-                 SignalWatch &signals);
+/// `ranks`: null, or the processes that render the image together, all of which call this; the first one writes.
+/// `live` shows the picture as it grows.
+int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Ranks *ranks, Progress &progress,
+                 SignalWatch &signals, LiveView &live);
 
 }  // namespace pbrt

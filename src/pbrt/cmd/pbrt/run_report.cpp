@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
@@ -10,6 +11,7 @@
 #include <sstream>
 
 #include "pbrt/core/counters.h"
+#include "pbrt/core/parallel.h"
 #include "version.h"
 
 namespace pbrt {
@@ -120,6 +122,61 @@ void PrintStatistics(const BuiltScene &built, const RenderResult &result, const 
     };
     if (const LightSampler *lights = built.integrator->Lights()) list("light sampler", built.lightSamplerName, *lights);
     if (const ShadowRayGate *gate = built.integrator->Gate()) list("shadow-ray gate", built.shadowGateName, *gate);
+}
+
+void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, const RenderResult &result,
+                         const Timings &timings, const std::string &picture) {
+    using Json = nlohmann::ordered_json;
+    const auto milliseconds = [](double seconds) { return std::round(1000 * seconds) / 1000; };
+    const auto bytes = [](double v) { return static_cast<int64_t>(v); };
+    const auto report = [](const std::string &name, const auto *reporter) {
+        if (!reporter) return Json();
+        Json said = Json::object();
+        reporter->Report(said);
+        return Json{{"name", name}, {"report", said}};
+    };
+    const RenderCounters c = SumCounters();
+    const Bounds2i &window = built.film->PixelBounds();
+    const Json json = {
+        {"schema", 1},
+        {"program", PBRT_VERSION_TEXT},
+        {"commandLine", options.text},
+        {"scene", SceneFilesOf(options)},
+        {"picture", picture.empty() ? Json() : Json(picture)},
+        {"resolution", {built.film->FullResolution().x, built.film->FullResolution().y}},
+        {"window", {{"x0", window.low.x}, {"x1", window.high.x}, {"y0", window.low.y}, {"y1", window.high.y}}},
+        {"integrator", built.integratorName},
+        {"maxDepth", built.maxDepth},
+        {"seed", built.seed},
+        {"threads", ThreadCount()},
+        {"samplesPerPixel", result.samplesTaken},
+        {"isInterrupted", result.cancelled},
+        {"mse", result.mse ? Json(*result.mse) : Json()},
+        {"seconds",
+         {{"startUp", milliseconds(timings.startUp)},
+          {"reading", milliseconds(timings.read)},
+          {"building", milliseconds(timings.build)},
+          {"preparingLights", milliseconds(timings.prepare)},
+          {"rendering", milliseconds(timings.render)},
+          {"writing", milliseconds(timings.write)},
+          {"total", milliseconds(timings.Total())}}},
+        {"shapes", built.scene->ShapeCount()},
+        {"lights", built.scene->Lights().Size()},
+        {"bytes",
+         {{"expected", bytes(built.memory.Total())},
+          {"accelerationStructure", built.scene->Acceleration().Bytes()},
+          {"film", built.film->Bytes()}}},
+        {"counts",
+         {{"cameraPaths", c.cameraPaths},
+          {"pathVertices", c.pathVertices},
+          {"closestHitRays", c.closestHitRays},
+          {"shadowRays", c.shadowRays},
+          {"shadowRaysBlocked", c.shadowRaysBlocked},
+          {"mediumLookups", c.mediumLookups},
+          {"samplesDropped", built.film->RejectedSamples()}}},
+        {"lightSampler", report(built.lightSamplerName, built.integrator->Lights())},
+        {"shadowGate", report(built.shadowGateName, built.integrator->Gate())}};
+    std::printf("%s\n", json.dump(1, ' ', false, Json::error_handler_t::replace).c_str());
 }
 
 }  // namespace pbrt

@@ -30,5 +30,9 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
 
 /// Prints the text of --stats to standard output.
 void PrintStatistics(const BuiltScene &built, const RenderResult &result, const Timings &timings);
+/// Prints the JSON object of --stats=json to standard output; docs/guide/scripting/stats.schema.json describes it.
+/// `picture`: the file that was written, or empty.
+void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, const RenderResult &result,
+                         const Timings &timings, const std::string &picture);
 
 }  // namespace pbrt

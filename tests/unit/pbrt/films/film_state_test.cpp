@@ -154,6 +154,45 @@ TEST_P(EveryFilm, PartsMergedInAnyOrderHaveTheBitsOfOneFilm) {
     EXPECT_NE(Values(*lacking), Values(*whole));
 }
 
+TEST_P(EveryFilm, SumsThatAreMovedAreThereOnce) {
+    auto whole = Make(GetParam()), first = Make(GetParam()), second = Make(GetParam());
+    AddSamples(*whole, 0, 40);
+    const auto move = [](Film &from, Film &to) {
+        StateWriter writer;
+        from.TakeSums(writer);
+        const std::string bytes = writer.Joined();
+        StateReader reader(bytes, "sums");
+        to.AddSums(reader);
+        EXPECT_EQ(reader.BytesLeft(), 0u);
+        return bytes;
+    };
+    AddSamples(*first, 0, 7);
+    AddSamples(*second, 7, 20);
+    move(*second, *first);
+    EXPECT_EQ(Saved(*second), Saved(*Make(GetParam())));
+    AddSamples(*second, 20, 40);
+    const std::string bytes = move(*second, *first);
+    EXPECT_EQ(Saved(*first), Saved(*whole));
+    // Empty sums take no room; splats that only one film expects are no obstacle.
+    EXPECT_LT(move(*second, *first).size(), 200u);
+    second->ExpectSplats();
+    AddSplats(*second, 0, 100, 1);
+    const std::string splats = Saved(*second);
+    auto third = Make(GetParam());
+    move(*second, *third);
+    EXPECT_EQ(Saved(*third), splats);
+    move(*first, *third);
+    EXPECT_EQ(Saved(*first), Saved(*Make(GetParam())));
+    EXPECT_NE(Saved(*third), splats);
+
+    for (size_t size = 0; size < bytes.size(); size += 5) {
+        StateReader cut(std::string_view(bytes).substr(0, size), "sums");
+        EXPECT_THROW(first->AddSums(cut), UserError) << size;
+    }
+    StateReader reader(bytes, "sums");
+    EXPECT_THROW(Make(GetParam(), Params(7, 3))->AddSums(reader), UserError);
+}
+
 TEST_P(EveryFilm, AFilmMadeFromItsRecipeMakesTheSamePicture) {
     FilmRecipe recipe;
     recipe.type = GetParam();
@@ -199,13 +238,18 @@ TEST_P(EveryFilm, StateOfAnotherFilmIsRefusedAndChangesNothing) {
     EXPECT_NO_THROW(Load(*film, state));
 }
 
+/// So many paths for every pixel.
+uint64_t Paths(const Film &film, uint64_t perPixel) {
+    return perPixel * static_cast<uint64_t>(film.PixelBounds().Area());
+}
+
 TEST_P(EveryFilm, SplatsAreTheSameForAnyNumberOfThreads) {
     std::string expected;
     for (int threads : {1, 2, 7}) {
         auto film = Make(GetParam());
         film->ExpectSplats();
         AddSplats(*film, 0, 6000, threads);
-        film->AddSplatSamples(16);
+        film->AddSplatPaths(Paths(*film, 16));
         if (expected.empty()) expected = Saved(*film);
         EXPECT_EQ(Saved(*film), expected) << threads;
     }
@@ -217,9 +261,9 @@ TEST_P(EveryFilm, SplatsAreTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(Saved(*whole), expected);
     for (Film *film : {first.get(), second.get()}) film->ExpectSplats();
     AddSplats(*first, 0, 2500, 2);
-    first->AddSplatSamples(6);
+    first->AddSplatPaths(Paths(*first, 6));
     AddSplats(*second, 2500, 6000, 3);
-    second->AddSplatSamples(10);
+    second->AddSplatPaths(Paths(*second, 10));
     Merge(*first, Saved(*second));
     EXPECT_EQ(Saved(*first), expected);
     Merge(*onlySamples, expected);
@@ -244,8 +288,8 @@ TEST_P(EveryFilm, ThePictureHasTheMeanOfSplatsBesideThatOfSamples) {
         for (int k = 0; k < 2; ++k) twice->AddSplat({1, 1}, sample.L * 2.0f, sample.lambda, Float(0.5));
         film->AddSplat({2, 1}, sample.L, sample.lambda, 1);
     }
-    twice->AddSplatSamples(kSamples);
-    film->AddSplatSamples(kSamples);
+    twice->AddSplatPaths(Paths(*twice, kSamples));
+    film->AddSplatPaths(Paths(*film, kSamples));
     const Image one = film->ToImage(), three = twice->ToImage();
     for (int c = 0; c < one.ChannelCount(); ++c) {
         const std::string &name = one.Channels()[static_cast<size_t>(c)];
@@ -268,7 +312,7 @@ TEST_P(EveryFilm, SplatsThatCannotBeAddedAreDroppedAndCounted) {
     film->AddSplat({0, 0}, SampledSpectrum(1e30f), lambda, 1);
     film->AddSplat({0, 0}, SampledSpectrum(1), lambda, std::numeric_limits<Float>::quiet_NaN());
     EXPECT_EQ(film->RejectedSamples(), 3u);
-    film->AddSplatSamples(1);
+    film->AddSplatPaths(Paths(*film, 1));
     EXPECT_EQ(film->ToImage().Get({0, 0}, 0), 0);
 }
 

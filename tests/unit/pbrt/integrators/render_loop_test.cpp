@@ -25,6 +25,8 @@ class ListedLearner final : public LightLearner {
     PathPlaces BeginPath(Point2i, int) const override { return {}; }
     void Found(PathPlaces &, const LightQuery &, const SampledLight &, const SampledSpectrum &) override {}
     void Learn(const Progress &) override { ++next_; }
+    void TakeFound(StateWriter &) override {}
+    void AddFound(StateReader &) override {}
 
   private:
     std::vector<int> at_;

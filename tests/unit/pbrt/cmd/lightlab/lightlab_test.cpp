@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -141,6 +142,7 @@ TEST_F(Lightlab, SamplersMayBePartedBySemicolons) {
 
 TEST_F(Lightlab, ExamplesOfTheHelpAreRight) {
     if (!HasExtensions()) GTEST_SKIP() << "NOT TESTED: this build has no src/ext (PBRT_EXT=OFF), so no octree";
+    for (const char *scene : {"a.pbrt", "b.pbrt", "c.pbrt"}) Write(scene, SmallScene());
     int examples = 0;
     for (const char *page : {"--help", "inspect --help"}) {
         std::istringstream help(Run(page).out);
@@ -272,6 +274,53 @@ TEST_F(Lightlab, ReportIsMade) {
         EXPECT_TRUE(Has(page, escaped)) << sentence;
         EXPECT_TRUE(Has(table, sentence)) << sentence;
     }
+}
+
+TEST_F(Lightlab, SeveralScenesMakeOneTableAndAPage) {
+    std::filesystem::create_directory(Path("other"));
+    Write("b<2>.pbrt", SmallScene());
+    Write("other/scene.pbrt", SmallScene());
+    const std::string scenes = "scene.pbrt 'b<2>.pbrt' other/scene.pbrt ";
+    const Outcome o = Run(scenes + kSmall);
+    ASSERT_EQ(o.status, 0) << o.err;
+    const std::string table = o.out.substr(o.out.rfind("All scenes"));
+    for (const char *part :
+         {"\nscene ", "\nscene-2 ", "\nb<2> ", "uniform", "power", "\nover uniform ", "4 samples per pixel"})
+        EXPECT_TRUE(Has(table, part)) << part << "\n" << table;
+    EXPECT_TRUE(Has(o.err, "Wrote scenes-lab/index.html."));
+    const nlohmann::json all = nlohmann::json::parse(Read("scenes-lab/scenes.json"));
+    ASSERT_EQ(all["scenes"].size(), 3u);
+    double product = 1;
+    for (const auto &scene : all["scenes"]) {
+        const nlohmann::json r = Results("scenes-lab/" + scene["folder"].get<std::string>());
+        EXPECT_EQ(r["conclusion"]["headline"], scene["headline"]);
+        EXPECT_TRUE(Has(table, r["conclusion"]["headline"]));
+        product *= r["samplers"][1]["summary"]["metrics"]["relL2"]["mean"].get<double>() /
+                   r["samplers"][0]["summary"]["metrics"]["relL2"]["mean"].get<double>();
+    }
+    EXPECT_TRUE(Has(table.substr(table.find("over uniform")), fmt::format("{:.3g}\n", std::cbrt(product)))) << table;
+    const std::string csv = Read("scenes-lab/scenes.csv"), page = Read("scenes-lab/index.html");
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 3 * 2);
+    for (const char *part : {"href=\"scene/results.json\"", "src=\"b&lt;2&gt;/reference-0.png\"", "<tfoot>"})
+        EXPECT_TRUE(Has(page, part)) << part;
+    EXPECT_FALSE(Has(page, "b<2>"));
+    // The same command renders nothing again.
+    const Outcome again = Run(scenes + kSmall);
+    EXPECT_EQ(again.out, o.out);
+}
+
+TEST_F(Lightlab, AWrongSceneKeepsNoOtherFromBeingCompared) {
+    Write("wrong.pbrt", SmallScene() + "Shape \"ball\"\n");
+    const Outcome o = Run("wrong.pbrt scene.pbrt --out all " + kSmall);
+    EXPECT_EQ(o.status, 1);
+    EXPECT_TRUE(Has(o.err, "\"ball\"")) << o.err;
+    EXPECT_TRUE(Has(o.out, "wrong: failed. ")) << o.out;
+    EXPECT_EQ(Results("all/scene").at("samplers").size(), 2u);
+    EXPECT_TRUE(Has(Read("all/index.html"), "ball"));
+    // A name that is misspelt is found before anything is rendered.
+    ExpectErrors({{"scene.pbrt scnee.pbrt --out none", {"scnee.pbrt: No such file"}},
+                  {"scene.pbrt wrong.pbrt --reference r.exr", {"--reference", "one scene", "2 are given"}},
+                  {"scene.pbrt wrong.pbrt --crops 0,0,4,4", {"--crops", "one scene"}}});
 }
 
 }  // namespace pbrt::test

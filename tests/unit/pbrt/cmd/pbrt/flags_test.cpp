@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
 
@@ -50,6 +51,9 @@ TEST_F(Flags, HelpNamesEveryFlagAndRendersNothing) {
                                  "--pixelbounds",
                                  "--pixel ",
                                  "--outfile",
+                                 "--aov",
+                                 "--display-server",
+                                 "--serve",
                                  "--write-partial-images",
                                  "--mse-reference-image",
                                  "--mse-reference-out",
@@ -289,6 +293,23 @@ TEST_F(Flags, StatisticsAreOnStandardOutputWhenAskedFor) {
     for (const char *part : {"Statistics", "camera paths", "closest-hit rays", "shadow rays", "light sampler", "bvh"})
         EXPECT_TRUE(Has(o.out, part)) << part << "\n" << o.out;
     EXPECT_TRUE(Has(o.out, std::to_string(32 * 24 * 2))) << "camera paths\n" << o.out;
+}
+
+TEST_F(Flags, StatisticsAsJsonAreAllOfStandardOutput) {
+    const Outcome o = Run("--spp 2 --stats=json --nthreads 1 --outfile out.exr scene.pbrt");
+    EXPECT_EQ(o.status, 0);
+    const auto json = nlohmann::json::parse(o.out);
+    EXPECT_EQ(json["schema"], 1);
+    EXPECT_EQ(json["picture"], "out.exr");
+    EXPECT_EQ(json["samplesPerPixel"], 2);
+    EXPECT_EQ(json["threads"], 1);
+    EXPECT_EQ(json["resolution"], (nlohmann::json{32, 24}));
+    EXPECT_EQ(json["counts"]["cameraPaths"], 32 * 24 * 2);
+    EXPECT_EQ(json["lightSampler"]["name"], "bvh");
+    EXPECT_EQ(json["shadowGate"], nullptr);
+    EXPECT_FALSE(json["isInterrupted"]);
+    EXPECT_EQ(Run("--spp 1 --stats=text --outfile out.exr scene.pbrt").out.substr(0, 10), "Statistics");
+    ExpectErrors({{"--stats=yaml scene.pbrt", {"--stats", "text", "json"}}});
 }
 
 TEST_F(Flags, MaxDepthAndIntegratorBeatTheScene) {

@@ -55,8 +55,8 @@ pid_t Program::Start(const std::string &arguments, const std::string &before) co
     if (pid != 0) return pid;
     alarm(60);  // the alarm survives exec, so a program that hangs is ended, and the test fails
     const std::string log = (logs_ / std::to_string(getpid())).string();
-    const std::string command = "cd '" + directory_.string() + "' && " + before + " && exec '" + PBRT_PROGRAM + "' " +
-                                arguments + " > " + log + ".out 2> " + log + ".err";
+    const std::string command = "cd '" + directory_.string() + "' && " + before + " && exec " + launcher_ + " '" +
+                                PBRT_PROGRAM + "' " + arguments + " > " + log + ".out 2> " + log + ".err";
     execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     _exit(127);
 }

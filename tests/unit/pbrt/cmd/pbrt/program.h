@@ -52,6 +52,8 @@ class Program : public ::testing::Test {
     /// Polls until the condition holds; false after half a minute.
     static bool WaitUntil(const std::function<bool()> &condition);
 
+    std::string launcher_;  ///< a command that starts the program in place of the shell, such as mpirun
+
   private:
     std::filesystem::path directory_, logs_;
 };

@@ -1,0 +1,199 @@
+#include "pbrt/cmd/pbrt/live_page.h"
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "live_page_text.h"
+#include "pbrt/cmd/pbrt/error_estimate.h"
+#include "pbrt/core/error.h"
+
+namespace pbrt {
+
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+using asio::ip::tcp;
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+/// A browser that asked within this time watches, seconds.
+constexpr double kWatches = 3;
+
+double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+
+/// What the sessions share. Only the thread of the page uses it.
+struct Shared {
+    std::shared_ptr<LiveBoard> board;
+    ErrorEstimate error;
+    Clock::time_point asked = Clock::now() - std::chrono::hours(1);  ///< when a browser asked last
+    bool lastIsFetched = false;                                      ///< the final picture
+
+    std::string StatusText();
+};
+
+std::string Shared::StatusText() {
+    const LiveBoard::Status s = board->Progress();
+    const std::shared_ptr<const LivePicture> picture = board->Latest();
+    error.Add(picture);
+    Json json = {{"phase", s.phase},
+                 {"fraction", s.fraction},
+                 {"elapsed", s.elapsed},
+                 {"remaining", s.remaining >= 0 ? Json(s.remaining) : Json()},
+                 {"version", picture ? picture->version : 0},
+                 {"isFinal", picture && picture->IsFinal()},
+                 {"isInterrupted", picture && picture->state == LivePicture::State::Interrupted},
+                 {"samples", picture ? picture->samples : 0},
+                 {"relL2", error.RelL2() ? Json(*error.RelL2()) : Json()}};
+    if (const std::optional<LiveRender> render = board->Render()) {
+        json["scene"] = render->scene;
+        json["file"] = render->filename;
+        json["width"] = render->pixelBounds.Width();
+        json["height"] = render->pixelBounds.Height();
+        json["samplesWanted"] = render->samples > 0 ? Json(render->samples) : Json();
+        json["timeBudget"] = render->timeBudget > 0 ? Json(render->timeBudget) : Json();
+    }
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// One connection of a browser.
+class Session : public std::enable_shared_from_this<Session> {
+  public:
+    Session(tcp::socket socket, Shared &shared) : stream_(std::move(socket)), shared_(shared) {}
+
+    void Read() {
+        request_ = {};
+        stream_.expires_after(std::chrono::seconds(30));
+        http::async_read(stream_, buffer_, request_, [self = shared_from_this()](beast::error_code failed, size_t) {
+            if (!failed) self->Answer();
+        });
+    }
+
+  private:
+    /// A page from elsewhere must not read the picture by a host name that it has pointed to this machine.
+    bool IsAskedAsLocal() const {
+        std::string host(request_[http::field::host]);
+        host = host.substr(0, host.rfind(':'));
+        return host == "127.0.0.1" || host == "localhost";
+    }
+
+    void Answer() {
+        shared_.asked = Clock::now();
+        const std::string path(request_.target());
+        if (!IsAskedAsLocal()) return SendText(http::status::forbidden, "text/plain", "This page is for localhost.\n");
+        if (request_.method() != http::verb::get)
+            return SendText(http::status::method_not_allowed, "text/plain", "Only GET is answered.\n");
+        if (path == "/") return SendText(http::status::ok, "text/html; charset=utf-8", kLivePageText);
+        if (path == "/status") return SendText(http::status::ok, "application/json", shared_.StatusText());
+        if (path == "/picture")
+            if (const std::shared_ptr<const LivePicture> picture = shared_.board->Latest()) return SendPicture(picture);
+        SendText(http::status::not_found, "text/plain", "There is nothing here.\n");
+    }
+
+    void SendText(http::status status, const char *type, std::string text) {
+        auto response = std::make_shared<http::response<http::string_body>>(status, request_.version());
+        response->set(http::field::content_type, type);
+        response->body() = std::move(text);
+        Send(response, [] {});
+    }
+
+    void SendPicture(const std::shared_ptr<const LivePicture> &picture) {
+        using Body = http::span_body<const char>;
+        auto response = std::make_shared<http::response<Body>>(http::status::ok, request_.version());
+        response->set(http::field::content_type, "application/octet-stream");
+        response->set("X-Version", std::to_string(picture->version));
+        response->body() = {static_cast<const char *>(picture->colors.Data()),
+                            picture->colors.ValueCount() * sizeof(float)};
+        Send(response, [picture, &shared = shared_] { shared.lastIsFetched |= picture->IsFinal(); });
+    }
+
+    template <class Response, class WhenSent>
+    void Send(const std::shared_ptr<Response> &response, WhenSent whenSent) {
+        response->set(http::field::cache_control, "no-store");
+        response->keep_alive(request_.keep_alive());
+        response->prepare_payload();
+        http::async_write(stream_, *response,
+                          [self = shared_from_this(), response, whenSent](beast::error_code failed, size_t) {
+                              if (failed) return;
+                              whenSent();
+                              if (response->keep_alive()) return self->Read();
+                              beast::error_code ignored;
+                              self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+                          });
+    }
+
+    beast::tcp_stream stream_;
+    beast::flat_buffer buffer_{1 << 14};
+    http::request<http::empty_body> request_;
+    Shared &shared_;
+};
+
+}  // namespace
+
+struct LivePage::Impl {
+    Shared shared;
+    asio::io_context io{1};
+    tcp::acceptor acceptor{io};
+
+    bool Open(int port) {
+        const tcp::endpoint here(asio::ip::address_v4::loopback(), static_cast<unsigned short>(port));
+        beast::error_code failed;
+        acceptor.open(here.protocol(), failed);
+        // A port that an earlier render used is free at once.
+        if (!failed) acceptor.set_option(asio::socket_base::reuse_address(true), failed);
+        if (!failed) acceptor.bind(here, failed);
+        if (!failed) acceptor.listen(asio::socket_base::max_listen_connections, failed);
+        if (failed) {
+            beast::error_code ignored;
+            acceptor.close(ignored);
+        }
+        return !failed;
+    }
+    void Accept() {
+        acceptor.async_accept([this](beast::error_code failed, tcp::socket socket) {
+            if (!failed)
+                std::make_shared<Session>(std::move(socket), shared)->Read();
+            else  // such as too many open files, which pass
+                std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            if (acceptor.is_open()) Accept();
+        });
+    }
+};
+
+LivePage::LivePage(std::shared_ptr<LiveBoard> board, int port) : impl_(std::make_unique<Impl>()) {
+    impl_->shared.board = std::move(board);
+    const bool isOpen = port >= 0 ? impl_->Open(port) : impl_->Open(kDefaultPort) || impl_->Open(0);
+    if (!isOpen)
+        throw UserError(
+            fmt::format("--serve: port {} of this machine is in use, or not allowed; --serve=0 takes a free one.",
+                        port >= 0 ? port : kDefaultPort));
+}
+
+LivePage::~LivePage() = default;
+
+std::string LivePage::Address() const {
+    return fmt::format("http://127.0.0.1:{}/", impl_->acceptor.local_endpoint().port());
+}
+
+void LivePage::Run() {
+    Shared &shared = impl_->shared;
+    impl_->Accept();
+    double charged = 0;
+    for (;;) {
+        impl_->io.run_one_for(std::chrono::milliseconds(100));
+        const double cpu = ThreadCpuSeconds();
+        shared.board->Charge(cpu - charged);
+        charged = cpu;
+        if (!shared.board->IsClosed()) continue;
+        const std::shared_ptr<const LivePicture> picture = shared.board->Latest();
+        const bool awaitsLast = picture && picture->IsFinal() && !shared.lastIsFetched;
+        if (!awaitsLast || SecondsSince(shared.asked) > kWatches) return;
+    }
+}
+
+}  // namespace pbrt

@@ -1,0 +1,74 @@
+#include "pbrt/cmd/pbrt/live_view.h"
+
+#include <algorithm>
+
+#include "pbrt/cmd/pbrt/live_page.h"
+#include "pbrt/cmd/pbrt/tev_display.h"
+#include "pbrt/core/log.h"
+#include "pbrt/core/parallel.h"
+
+namespace pbrt {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+
+/// What a picture may cost before the first one has told.
+constexpr double kSecondsPerPixel = 5e-8;
+
+}  // namespace
+
+// A viewer that is not waited for ends with the process.
+LiveView::~LiveView() { WaitForViewers(0.3); }
+
+void LiveView::SendTo(const std::string &server) {
+    viewers_.emplace_back([board = board_, server] { ShowInTev(*board, server); });
+}
+
+void LiveView::Serve(int port) {
+    auto page = std::make_shared<LivePage>(board_, port);
+    LogInfo(fmt::format("Live page: {}", page->Address()));
+    viewers_.emplace_back([page] { page->Run(); });
+}
+
+void LiveView::Begin(const LiveRender &render) {
+    board_->Describe(render);
+    begin_ = Clock::now();
+    spent_ = 0;
+    lastCost_ = static_cast<double>(render.pixelBounds.Area()) * kSecondsPerPixel;
+}
+
+double LiveView::AfterWave(const Film &film, int samples) {
+    // The viewers' threads take time from all threads of the render together.
+    const double spent = spent_ + board_->Charged() / ThreadCount();
+    const double due = (spent + lastCost_ - kFirstSeconds) / kMaxShare;
+    const double elapsed = SecondsSince(begin_);
+    if (elapsed < due) return due - elapsed;
+    Take(film, LivePicture::State::Growing, samples);
+    lastCost_ = std::max(lastCost_ / 2, spent_ + board_->Charged() / ThreadCount() - spent);
+    return std::max(0.0, (spent + 2 * lastCost_ - kFirstSeconds) / kMaxShare - elapsed);
+}
+
+void LiveView::Take(const Film &film, LivePicture::State state, int samples) {
+    const Clock::time_point start = Clock::now();
+    board_->Put(film.Colors(), state, samples);
+    spent_ += SecondsSince(start);
+}
+
+void LiveView::Finish(const Film &film, int samples, bool isInterrupted) {
+    if (HasViewers() && samples > 0)
+        Take(film, isInterrupted ? LivePicture::State::Interrupted : LivePicture::State::Finished, samples);
+}
+
+void LiveView::WaitForViewers(double seconds) {
+    board_->Close();
+    const auto deadline =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+    for (LiveViewer &viewer : viewers_) viewer.WaitUntil(deadline);
+    viewers_.clear();
+}
+
+void LiveView::SayFarewell() { WaitForViewers(kFarewellSeconds); }
+
+}  // namespace pbrt

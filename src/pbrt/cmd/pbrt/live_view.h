@@ -1,0 +1,97 @@
+#pragma once
+#include <fmt/format.h>
+
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "pbrt/cmd/pbrt/live_board.h"
+#include "pbrt/core/log.h"
+#include "pbrt/films/film.h"
+
+namespace pbrt {
+
+/// A thread that shows what a LiveBoard holds. It may outlive this object (a look-up of a host name cannot be ended),
+/// so it owns all that it uses.
+class LiveViewer {
+  public:
+    template <class Body>
+    explicit LiveViewer(Body body) : hasEnded_(std::make_shared<Flag>()) {
+        thread_ = std::thread([body = std::move(body), ended = hasEnded_]() mutable {
+            // Whatever happens to a viewer, the render goes on.
+            try {
+                body();
+            } catch (const std::exception &e) {
+                LogWarning(fmt::format("a viewer of the render has ended: {}", e.what()));
+            }
+            const std::lock_guard lock(ended->mutex);
+            ended->isSet = true;
+            ended->changed.notify_all();
+        });
+    }
+    LiveViewer(LiveViewer &&) = default;
+    ~LiveViewer() {
+        if (thread_.joinable()) thread_.detach();
+    }
+    /// Waits for the end of the thread, but no longer than until then.
+    void WaitUntil(std::chrono::steady_clock::time_point deadline) {
+        {
+            std::unique_lock lock(hasEnded_->mutex);
+            if (!hasEnded_->changed.wait_until(lock, deadline, [&] { return hasEnded_->isSet; })) return;
+        }
+        thread_.join();
+    }
+
+  private:
+    struct Flag {
+        std::mutex mutex;
+        std::condition_variable changed;
+        bool isSet = false;
+    };
+    std::shared_ptr<Flag> hasEnded_;
+    std::thread thread_;
+};
+
+/// The viewers of a render, and when they get a new picture: between waves, as often as kMaxShare allows, counting what
+/// the picture costs the render and the CPU time of the viewers' threads.
+class LiveView {
+  public:
+    /// The share of the time of a render that viewers may take: half of one per cent.
+    static constexpr double kMaxShare = 0.005;
+    /// Seconds that they may take besides, so that the first picture comes soon.
+    static constexpr double kFirstSeconds = 0.01;
+    /// The longest time after the end of a render for which viewers may keep the program from ending.
+    static constexpr double kFarewellSeconds = 2;
+
+    /// `progress`: the sink that progress is passed on to, or null.
+    explicit LiveView(ProgressSink *progress) : board_(std::make_shared<LiveBoard>(progress)) {}
+    ~LiveView();
+
+    ProgressSink *Sink() { return board_.get(); }
+    /// Sends the picture to a program that speaks tev's protocol; "host:port".
+    void SendTo(const std::string &server);
+    /// Opens the page. `port` -1: a free one. Throws UserError if the port is in use.
+    void Serve(int port);
+    bool HasViewers() const { return !viewers_.empty(); }
+
+    /// When the scene is built and rendering begins.
+    void Begin(const LiveRender &render);
+    /// Between waves: takes a picture if one is due. Returns the seconds until the next will be.
+    double AfterWave(const Film &film, int samples);
+    /// The last picture; viewers get it while the file is written.
+    void Finish(const Film &film, int samples, bool isInterrupted);
+    /// Gives viewers time to show it, kFarewellSeconds at most.
+    void SayFarewell();
+
+  private:
+    void Take(const Film &film, LivePicture::State state, int samples);
+    void WaitForViewers(double seconds);
+    std::shared_ptr<LiveBoard> board_;
+    std::vector<LiveViewer> viewers_;
+    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+    double spent_ = 0, lastCost_ = 0;  ///< seconds of the render
+};
+
+}  // namespace pbrt

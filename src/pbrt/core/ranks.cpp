@@ -1,0 +1,151 @@
+#include "pbrt/core/ranks.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <thread>
+#include <utility>
+
+#include "pbrt/core/build_id.h"
+
+namespace pbrt {
+
+namespace {
+
+std::string HostName() {
+    char name[256] = "";
+    gethostname(name, sizeof(name) - 1);
+    return name;
+}
+
+}  // namespace
+
+Ranks::Ranks(std::unique_ptr<MessagePort> port, int threads) : port_(std::move(port)), totalThreads_(threads) {
+    const std::string mine = BuildId();
+    std::string other;
+    Reduce(
+        [&](StateWriter &out) {
+            out.Value(totalThreads_);
+            out.Text(other.empty() ? mine : other);
+        },
+        [&](StateReader &in) {
+            totalThreads_ += in.Value<int>();
+            if (const std::string theirs = in.Text(); theirs != mine) other = theirs;
+        });
+    StateWriter out;
+    out.Value(totalThreads_);
+    out.Value(!other.empty());
+    const std::string known = Broadcast(out);
+    StateReader in(known, "message");
+    totalThreads_ = in.Value<int>();
+    if (!in.Value<bool>()) return;
+    port_.reset();
+    if (!other.empty()) throw UserError("the processes that mpirun started do not all run the same build of pbrt.");
+    throw AnotherRankFailed{};
+}
+
+Ranks::~Ranks() = default;
+
+void Ranks::Send(int to, Channel channel, const StateWriter &bytes) {
+    bytesSent_ += bytes.Bytes();
+    port_->Send(to, channel, bytes.Pieces());
+}
+
+std::string Ranks::Receive(int from) {
+    // Waits without keeping a core busy: others may need it.
+    for (int tries = 0;; ++tries) {
+        if (std::optional<MessagePort::Message> message = port_->TryReceive(from, Channel::Together))
+            return std::move(message->bytes);
+        if (tries > 20) std::this_thread::sleep_for(std::chrono::microseconds(tries < 200 ? 20 : 500));
+    }
+}
+
+std::string Ranks::Broadcast(const StateWriter &bytes) {
+    // Process r got it from the one without r's highest bit, and gives it to those that have one further bit above.
+    const int rank = Rank(), size = Size();
+    int bit = 1;
+    std::string received;
+    if (rank > 0) {
+        while (2 * bit <= rank) bit *= 2;
+        received = Receive(rank - bit);
+        bit *= 2;
+    } else {
+        received = bytes.Joined();
+    }
+    StateWriter out;
+    out.Refer(received.data(), received.size());
+    for (; rank + bit < size; bit *= 2) Send(rank + bit, Channel::Together, out);
+    return received;
+}
+
+void Ranks::Reduce(const std::function<void(StateWriter &)> &take, const std::function<void(StateReader &)> &add) {
+    const int rank = Rank(), size = Size();
+    for (int bit = 1; bit < size; bit *= 2) {
+        if (rank & bit) {
+            StateWriter out;
+            take(out);
+            Send(rank - bit, Channel::Together, out);
+            return;
+        }
+        if (rank + bit >= size) continue;
+        const std::string bytes = Receive(rank + bit);
+        StateReader in(bytes, fmt::format("what process {} sent", rank + bit));
+        add(in);
+    }
+}
+
+std::string Ranks::Failures(const std::string &mine, bool *isAny) {
+    // The same failure on many processes is told once.
+    std::map<std::string, std::vector<std::string>> failures;
+    if (!mine.empty()) failures[mine].push_back(fmt::format("{} on {}", Rank(), HostName()));
+    Reduce(
+        [&](StateWriter &out) {
+            out.Value(uint64_t{failures.size()});
+            for (const auto &[text, where] : failures) {
+                out.Text(text);
+                out.Value(uint64_t{where.size()});
+                for (const std::string &w : where) out.Text(w);
+            }
+        },
+        [&](StateReader &in) {
+            for (auto count = in.Value<uint64_t>(); count > 0; --count) {
+                std::vector<std::string> &where = failures[in.Text()];
+                for (auto n = in.Value<uint64_t>(); n > 0; --n) where.push_back(in.Text());
+            }
+        });
+    StateWriter any;
+    any.Value(!failures.empty());
+    const std::string answer = Broadcast(any);
+    *isAny = StateReader(answer, "message").Value<bool>();
+    std::string text;
+    if (IsFirst())
+        for (const auto &[what, where] : failures)
+            if (what != mine)
+                text += fmt::format("{} of {} processes (the first is {}) failed: {}", where.size(), Size(),
+                                    where.front(), what);
+    return text;
+}
+
+void Ranks::Meet() {
+    bool isAny = false;
+    const std::string failures = Failures("", &isAny);
+    if (!isAny) return;
+    isEnding_ = true;
+    if (IsFirst()) throw UserError(failures);
+    throw AnotherRankFailed{};
+}
+
+void Ranks::Fail(const UserError &error) {
+    if (std::exchange(isEnding_, true)) return;
+    const std::string text = FormatAll(error, false);
+    if (!meets_) {
+        std::fputs(text.c_str(), stderr);
+        Abort(1);
+    }
+    bool isAny = false;
+    std::fputs(Failures(text, &isAny).c_str(), stderr);
+}
+
+}  // namespace pbrt

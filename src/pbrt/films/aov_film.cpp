@@ -1,0 +1,145 @@
+#include "pbrt/films/aov_film.h"
+
+#include <algorithm>
+
+#include "pbrt/core/files.h"
+#include "pbrt/core/memory.h"
+#include "pbrt/films/albedo_color.h"
+
+namespace pbrt {
+
+namespace {
+
+enum : size_t { kAlbedo, kNormal, kGeonormal, kPosition, kDepth, kUv };
+constexpr size_t kFirstChannel = 2;  // in the sums of a pixel
+
+std::vector<size_t> IndicesOf(const std::vector<std::string> &names) {
+    const std::vector<std::string> known = AovNames();
+    std::vector<size_t> indices;
+    for (const std::string &name : names) {
+        const auto found = std::find(known.begin(), known.end(), name);
+        if (found == known.end())
+            throw UserError(fmt::format("--aov: \"{}\" is unknown; {}", name, ListChoices(name, known)));
+        indices.push_back(static_cast<size_t>(found - known.begin()));
+    }
+    std::sort(indices.begin(), indices.end());
+    indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+    return indices;
+}
+
+/// The name of the film's saved states: those of films with other channels do not fit.
+std::string KindWith(const std::string &kind, const std::vector<std::string> &names) {
+    unsigned bits = 0;
+    for (const size_t i : IndicesOf(names)) bits |= 1u << i;
+    return fmt::format("{} aov {:x}", kind, bits);
+}
+
+size_t ChannelCount(const std::vector<size_t> &aovs) {
+    size_t count = 0;
+    for (const size_t i : aovs) count += Aovs()[i].channels.size();
+    return count;
+}
+
+glm::dvec3 Unit(const glm::dvec3 &v) { return glm::dot(v, v) > 0 ? glm::normalize(v) : glm::dvec3(0); }
+
+}  // namespace
+
+const std::vector<Aov> &Aovs() {
+    // In the order of the enumeration above.
+    static const std::vector<Aov> all = {
+        {"albedo", {"Albedo.R", "Albedo.G", "Albedo.B"}, "colour of the surface; black where nothing is seen"},
+        {"normal", {"Ns.X", "Ns.Y", "Ns.Z"}, "shading normal"},
+        {"geonormal", {"N.X", "N.Y", "N.Z"}, "geometric normal"},
+        {"position", {"P.X", "P.Y", "P.Z"}, "position"},
+        {"depth", {"Z"}, "distance along the viewing direction"},
+        {"uv", {"u", "v"}, "surface coordinates"},
+    };
+    return all;
+}
+
+std::vector<std::string> AovNames() {
+    std::vector<std::string> names;
+    for (const Aov &aov : Aovs()) names.emplace_back(aov.name);
+    return names;
+}
+
+AovFilm::AovFilm(std::unique_ptr<Film> film, const FilmContext &context)
+    : Film(KindWith(KindOf(*film), context.overrides.aovs), FrameOf(*film)),
+      film_(std::move(film)),
+      renderFromCamera_(context.renderFromCamera),
+      chosen_(IndicesOf(context.overrides.aovs)),
+      stride_(kFirstChannel + ChannelCount(chosen_)) {
+    if (LowerExtension(Filename()) != ".exr")
+        throw UserError(fmt::format("--aov: \"{}\": the added channels only fit into an .exr file.", Filename()));
+    const Bounds2i &bounds = PixelBounds();
+    RequireMemory(static_cast<double>(Frame().PixelCount()) *
+                      static_cast<double>(stride_ * sizeof(PreciseSum) + ChannelCount(chosen_) * sizeof(float)),
+                  fmt::format("--aov: a picture of {} x {} pixels", bounds.Width(), bounds.Height()), {});
+    sums_.resize(Frame().PixelCount() * stride_);
+}
+
+void AovFilm::AddSample(const FilmSample &sample) {
+    film_->AddSample(sample);
+    const auto w = double(sample.weight);
+    if (!std::isfinite(w)) return;
+    PreciseSum *sums = sums_.data() + Frame().IndexOf(sample.pixel) * stride_;
+    sums[0].Add(w);
+    if (!sample.visible) return;
+    sums[1].Add(w);
+    const VisibleSurface &visible = *sample.visible;
+    const Transform cameraFromRender = renderFromCamera_.At(visible.time).Inverse();
+    PreciseSum *next = sums + kFirstChannel;
+    const auto add = [&](Float v) { (next++)->Add(w * double(v)); };
+    const auto add3 = [&](const auto &v) {
+        for (int c = 0; c < 3; ++c) add(v[c]);
+    };
+    for (const size_t i : chosen_) {
+        if (i == kAlbedo) add3(AlbedoColor(visible, OutputSpace()));
+        if (i == kNormal) add3(Normalize(cameraFromRender.Normal(visible.ns)));
+        if (i == kGeonormal) add3(Normalize(cameraFromRender.Normal(visible.n)));
+        if (i == kPosition) add3(cameraFromRender.Point(visible.p));
+        if (i == kDepth) add(cameraFromRender.Point(visible.p).z);
+        if (i == kUv) {
+            add(visible.uv.x);
+            add(visible.uv.y);
+        }
+    }
+}
+
+std::vector<StateBlock> AovFilm::Blocks() {
+    std::vector<StateBlock> blocks = BlocksOf(*film_);
+    blocks.push_back(MakeStateBlock("aov", std::span(sums_)));
+    return blocks;
+}
+
+Image AovFilm::ToImage() const {
+    const Image colors = film_->ToImage();
+    std::vector<std::string> channels = colors.Channels();
+    for (const size_t i : chosen_)
+        for (const char *name : Aovs()[i].channels)
+            if (colors.FindChannel(name) < 0) channels.emplace_back(name);
+    Image image(colors.Format(), colors.Resolution(), channels, colors.Encoding());
+    const PreciseSum *sums = sums_.data();
+    for (int y = 0; y < image.Resolution().y; ++y)
+        for (int x = 0; x < image.Resolution().x; ++x, sums += stride_) {
+            for (int c = 0; c < colors.ChannelCount(); ++c) image.Set({x, y}, c, colors.Get({x, y}, c));
+            const double all = sums[0].Value(), seen = sums[1].Value();
+            int channel = colors.ChannelCount();
+            const PreciseSum *next = sums + kFirstChannel;
+            for (const size_t i : chosen_) {
+                const std::vector<const char *> &names = Aovs()[i].channels;
+                glm::dvec3 mean(0);
+                // Albedo counts samples that see nothing as black; the geometry leaves them out.
+                const double weight = i == kAlbedo ? all : seen;
+                for (size_t c = 0; c < names.size(); ++c, ++next)
+                    mean[static_cast<int>(c)] = weight != 0 ? next->Value() / weight : 0;
+                if (i == kNormal || i == kGeonormal) mean = Unit(mean);
+                if (colors.FindChannel(names[0]) >= 0) continue;
+                for (size_t c = 0; c < names.size(); ++c)
+                    image.Set({x, y}, channel++, static_cast<Float>(mean[static_cast<int>(c)]));
+            }
+        }
+    return image;
+}
+
+}  // namespace pbrt

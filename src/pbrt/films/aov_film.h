@@ -1,0 +1,50 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "pbrt/films/film.h"
+#include "pbrt/math/precise_sum.h"
+
+namespace pbrt {
+
+/// A quantity of what the camera sees that can be added to the picture of any film.
+struct Aov {
+    const char *name;                    ///< in --aov
+    std::vector<const char *> channels;  ///< as in the picture of the gbuffer film, if it has them
+    const char *help;
+};
+/// All of them, in the order of the channels of a picture.
+const std::vector<Aov> &Aovs();
+std::vector<std::string> AovNames();
+
+/// A film with further channels: means over the samples of a pixel of what the camera sees, in camera space. All else
+/// is the film's own, to the bit. Channels that its picture has already are not added.
+class AovFilm final : public Film {
+  public:
+    /// `context.overrides.aovs` names the quantities. Throws UserError if the file cannot hold them.
+    AovFilm(std::unique_ptr<Film> film, const FilmContext &context);
+
+    SampledWavelengths SampleWavelengths(Float u) const override { return film_->SampleWavelengths(u); }
+    bool WantsVisibleSurface() const override { return true; }
+    void AddSample(const FilmSample &sample) override;
+    void ExpectSplats() override { film_->ExpectSplats(); }
+    void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) override {
+        film_->AddSplat(pixel, L, lambda, weight);
+    }
+    void AddSplatSamples(uint64_t perPixel) override { film_->AddSplatSamples(perPixel); }
+    Image ToImage() const override;
+    Image Colors() const override { return film_->Colors(); }
+    ImageMetadata Metadata() const override { return film_->Metadata(); }
+    uint64_t RejectedSamples() const override { return film_->RejectedSamples(); }
+    std::unique_ptr<Film> MakeRgbFilm() const override { return film_->MakeRgbFilm(); }
+
+  private:
+    std::vector<StateBlock> Blocks() override;
+    std::unique_ptr<Film> film_;
+    AnimatedTransform renderFromCamera_;
+    std::vector<size_t> chosen_;  ///< indices into Aovs(), ascending
+    size_t stride_ = 0;           ///< sums of a pixel: all weights, weights of samples that see a surface, channels
+    std::vector<PreciseSum> sums_;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,27 @@
+#pragma once
+#include "pbrt/films/film.h"
+#include "pbrt/films/filter.h"
+
+namespace pbrt {
+
+/// Adds light that arrives at a place of the film (raster position) to all pixels that the filter lets see it, so that
+/// they measure the same as by samples that the filter draws.
+inline void AddFilteredSplat(Film &film, const Filter &filter, const Point2 &pFilm, const SampledSpectrum &L,
+                             const SampledWavelengths &lambda) {
+    const Bounds2i &bounds = film.PixelBounds();
+    const Point2 first = pFilm - filter.Radius() - Float(0.5), last = pFilm + filter.Radius() - Float(0.5);
+    // Compared as numbers first: what is far outside does not fit into integers.
+    if (!(last.x >= static_cast<Float>(bounds.low.x) && last.y >= static_cast<Float>(bounds.low.y) &&
+          first.x < static_cast<Float>(bounds.high.x) && first.y < static_cast<Float>(bounds.high.y)))
+        return;
+    const Point2i low = glm::max(Point2i(glm::ceil(first)), bounds.low),
+                  high = glm::min(Point2i(glm::floor(last)), bounds.high - 1);
+    const Float perIntegral = 1 / filter.Integral();
+    for (int y = low.y; y <= high.y; ++y)
+        for (int x = low.x; x <= high.x; ++x) {
+            const Float weight = filter.Evaluate(pFilm - Point2(x, y) - Float(0.5)) * perIntegral;
+            if (weight != 0) film.AddSplat({x, y}, L, lambda, weight);
+        }
+}
+
+}  // namespace pbrt

@@ -1,0 +1,34 @@
+#pragma once
+#include "pbrt/integrators/pixel_integrator.h"
+
+namespace pbrt {
+
+/// Particle tracing: every sample of a pixel sends one path from a light, chosen by power, and every vertex of it that
+/// the camera sees adds a splat wherever on the film it is seen (Arvo and Kirk 1990; Veach 1997, section 10.3.4). What
+/// the camera sees through mirrors or smooth glass, and lights beyond the scene that it sees directly, stay dark, as in
+/// stock pbrt-v4. Media are not followed.
+class LightPathIntegrator final : public PixelIntegrator {
+  public:
+    /// The camera can connect (Camera::CanConnect).
+    LightPathIntegrator(const PathContext &context, int maxDepth);
+    /// Splats; the radiance it returns is 0.
+    SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
+
+  protected:
+    bool Splats() const override { return true; }
+
+  private:
+    PathContext context_;
+    int maxDepth_;
+    std::unique_ptr<LightSampler> lights_;
+};
+
+/// Light that came from `wo` and leaves towards `wi`, seen as the adjoint of radiance that goes the other way: the
+/// factor that turns a cosine at the shading normal into what shading normals stand for (Veach 1997, section 5.3.2).
+/// Without it light paths and camera paths make different pictures.
+inline Float AdjointCosine(const SurfacePoint &point, const Vector3 &wo, const Vector3 &wi) {
+    const Float geometric = AbsDot(wo, point.n);
+    return geometric > 0 ? AbsDot(wo, point.shading.n) * AbsDot(wi, point.n) / geometric : 0;
+}
+
+}  // namespace pbrt

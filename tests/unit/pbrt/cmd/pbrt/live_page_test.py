@@ -1,0 +1,230 @@
+"""--serve in headless Chromium (Debian's chromium, chromium-driver, python3-selenium; without these the exit status is 77
+and a line says SKIPPED). Arguments: pbrt imgtool. LIVE_PAGE_SCREENSHOT: file for a picture of the page."""
+import array
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import urllib.error
+import urllib.request
+
+PBRT, IMGTOOL = (str(pathlib.Path(p).resolve()) for p in sys.argv[1:3])
+
+
+def skip(what):
+    print(f"SKIPPED: the live page was not tested in a browser: {what} is missing "
+          "(Debian: chromium chromium-driver python3-selenium)")
+    sys.exit(77)
+
+
+try:
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.support.ui import WebDriverWait
+except ImportError:
+    skip("python3-selenium")
+BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+if not BROWSER or not DRIVER:
+    skip("chromium" if not BROWSER else "chromedriver")
+
+SCENE = """LookAt 0 1.4 -5  0 0.1 0  0 1 0
+Camera "perspective" "float fov" 40
+Film "rgb" "integer xresolution" %d "integer yresolution" %d "string filename" "picture.exr" "bool savefp16" false
+Sampler "independent" "integer pixelsamples" %d
+WorldBegin
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 16 14 12 ]
+Translate -2 3 -2
+Shape "sphere" "float radius" 0.4
+AttributeEnd
+LightSource "infinite" "rgb L" [ 0.1 0.15 0.25 ]
+Material "coateddiffuse" "rgb reflectance" [ 0.7 0.25 0.2 ] "float roughness" 0.05
+Shape "sphere"
+Material "diffuse" "rgb reflectance" [ 0.5 0.5 0.45 ]
+Shape "bilinearmesh" "point3 P" [ -9 -1 -4  9 -1 -4  -9 -1 9  9 -1 9 ]
+"""
+
+
+class LivePage(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        holder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(holder.cleanup)
+        options = webdriver.ChromeOptions()
+        options.binary_location = BROWSER
+        for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
+                         "--window-size=1100,1000", f"--user-data-dir={holder.name}/profile"):
+            options.add_argument(argument)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        cls.driver = webdriver.Chrome(service=Service(DRIVER), options=options)
+        cls.addClassCleanup(cls.driver.quit)
+
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = pathlib.Path(holder.name)
+        self.driver.get("about:blank")
+        self.driver.get_log("browser")
+
+    def start(self, *arguments, size=(480, 320), samples=100000):
+        """Starts a render; returns its process and the address of its page."""
+        (self.folder / "scene.pbrt").write_text(SCENE % (*size, samples))
+        process = subprocess.Popen([PBRT, *arguments, "scene.pbrt"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(self.end, process)
+        for line in process.stderr:
+            if found := re.match(r"Live page: (http://127\.0\.0\.1:\d+/)", line):
+                return process, found[1]
+        self.fail("no address was printed")
+
+    @staticmethod
+    def end(process):
+        if process.poll() is None:
+            process.kill()
+        process.wait()
+        process.stderr.close()
+
+    def text(self, name):
+        return self.driver.find_element(By.ID, name).text
+
+    def until(self, condition, seconds=30):
+        return WebDriverWait(self.driver, seconds, 0.1).until(lambda _: condition())
+
+    def version(self):
+        return int(self.driver.execute_script("return document.body.dataset.version || 0"))
+
+    @staticmethod
+    def status(address):
+        with urllib.request.urlopen(address + "status", timeout=10) as answer:
+            return json.load(answer)
+
+    def test_the_picture_grows_and_stays(self):
+        process, address = self.start("--serve=0", "--time", "15", size=(240, 160))
+        self.driver.get(address)
+        self.until(lambda: self.version() > 0)
+        first = self.version()
+        self.until(lambda: self.version() > first)
+        self.assertEqual(self.text("title"), "scene.pbrt")
+        self.assertIn("picture.exr, 240 × 160", self.text("facts"))
+        self.until(lambda: self.text("phase") == "rendering")
+        self.until(lambda: "%" in self.text("error") and "%" in self.text("error-end"))
+        self.assertRegex(self.text("left"), r"^0:\d\d$")
+        colours = self.driver.execute_script(
+            "const c = document.getElementById('picture'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height)"
+            ".data; return [c.width, c.height, Array.from(d.slice(4 * (80 * 240 + 120), 4 * (80 * 240 + 120) + 4))];")
+        self.assertEqual(colours[:2], [240, 160])
+        red, green, blue, alpha = colours[2]
+        self.assertGreater(red, blue + 10, "the ball in the middle is red")
+        self.assertEqual(alpha, 255)
+        if shot := os.environ.get("LIVE_PAGE_SCREENSHOT"):
+            self.until(lambda: self.driver.execute_script("return status.fraction > 0.5"))
+            self.driver.save_screenshot(shot)
+        self.until(lambda: self.text("phase") == "done")
+        self.assertIn("finished", self.text("note"))
+        process.wait(20)
+        self.assertEqual(process.returncode, 0)
+        # The page holds the picture of the file.
+        subprocess.run([IMGTOOL, "convert", "picture.exr", "p.pfm"], cwd=self.folder, check=True)
+        data = (self.folder / "p.pfm").read_bytes()
+        rows = array.array("f", data[re.match(rb"PF\s+240\s+160\s+-1\S*\s", data).end():])
+        mine = [rows[3 * 240 * (159 - y) + i] for y in range(160) for i in range(0, 3 * 240, 97)]
+        page = self.driver.execute_script(
+            "const r = []; for (let y = 0; y < 160; ++y) for (let i = 0; i < 720; i += 97) r.push(pixels[y * 720 + i]);"
+            "return r;")
+        self.assertEqual(mine, page)
+        bad = [e for e in self.driver.get_log("browser") if e["level"] in ("SEVERE", "WARNING")
+               and "willReadFrequently" not in e["message"]]
+        self.assertEqual(bad, [], "console errors")
+
+    def test_the_error_is_estimated(self):
+        process, address = self.start("--serve=0", "--spp", "1024", size=(96, 72))
+        seen = {}
+        while process.poll() is None:
+            try:
+                status = self.status(address)
+            except (urllib.error.URLError, ConnectionError):
+                break
+            if status["relL2"] is not None and status["samples"] <= 512:
+                seen[status["samples"]] = status["relL2"]
+            # What questions cost is taken from the time for pictures.
+            time.sleep(0.2)
+        process.wait()
+        self.assertTrue(seen)
+        reference = self.folder / "picture.exr"
+        reference.rename(self.folder / "reference.exr")
+        for samples in list(seen)[-3:]:
+            subprocess.run([PBRT, "--quiet", "--spp", str(samples), "--seed", "7", "scene.pbrt"], cwd=self.folder,
+                           check=True)
+            said = subprocess.run([IMGTOOL, "diff", "picture.exr", "--reference", "reference.exr", "--metric", "relL2",
+                                   "--json"], cwd=self.folder, capture_output=True, text=True)
+            # The reference has an error of its own, which is smaller as it has more samples.
+            truth = json.loads(said.stdout)["error"] / (1 + samples / 1024)
+            self.assertLess(abs(seen[samples] / truth - 1), 0.2, f"{samples} samples: {seen[samples]}, in truth {truth}")
+
+    def test_exposure_can_be_changed(self):
+        process, address = self.start("--serve=0", "--spp", "100000", size=(64, 48))
+        self.driver.get(address)
+        self.until(lambda: self.version() > 0)
+        mean = ("const c = document.getElementById('picture'); const d = c.getContext('2d').getImageData(0, 0, 64, 48).data;"
+                "let s = 0; for (let i = 0; i < d.length; i += 4) s += d[i]; return s;")
+        move = ("const e = document.getElementById('exposure'); e.value = arguments[0];"
+                "e.dispatchEvent(new Event('input'));")
+        self.driver.execute_script(move, -3)
+        dark = self.driver.execute_script(mean)
+        self.driver.execute_script(move, 3)
+        self.assertGreater(self.driver.execute_script(mean), 2 * dark)
+        self.assertEqual(self.text("stops"), "+3 stops")
+        # A render that is gone is no finished one.
+        process.kill()
+        self.until(lambda: "does not answer" in self.text("note"))
+
+    def test_ports_and_strangers(self):
+        process, address = self.start("--serve", "0")
+        port = int(address.rstrip("/").rsplit(":", 1)[1])
+        # Other hosts' pages, and other methods, get nothing.
+        for request, code in ((urllib.request.Request(address + "nothing"), 404),
+                              (urllib.request.Request(address, headers={"Host": "evil.example"}), 403),
+                              (urllib.request.Request(address, method="DELETE"), 405)):
+            with self.assertRaises(urllib.error.HTTPError) as refused:
+                urllib.request.urlopen(request, timeout=10)
+            self.assertEqual(refused.exception.code, code)
+            refused.exception.close()
+        # Other addresses of this machine are not listened to.
+        with self.assertRaises(OSError):
+            socket.create_connection(("127.0.0.2", port), 2)
+        taken = subprocess.run([PBRT, "--serve", str(port), "scene.pbrt"], cwd=self.folder, capture_output=True, text=True,
+                               timeout=20)
+        self.assertEqual(taken.returncode, 1)
+        self.assertIn("--serve: port", taken.stderr)
+        wrong = subprocess.run([PBRT, "--serve=web", "scene.pbrt"], cwd=self.folder, capture_output=True, text=True,
+                               timeout=20)
+        self.assertEqual(wrong.returncode, 1)
+        self.assertIn("no port", wrong.stderr)
+
+    def test_an_interrupted_render_is_called_so(self):
+        process, address = self.start("--serve=0", "--spp", "100000", size=(64, 48))
+        self.driver.get(address)
+        self.until(lambda: self.version() > 0)
+        process.send_signal(signal.SIGINT)
+        self.until(lambda: self.text("phase") == "interrupted")
+        self.assertIn("interrupted", self.text("note"))
+        self.assertEqual(process.wait(10), 130)
+
+    def test_nobody_watches(self):
+        begin = time.monotonic()
+        process, _ = self.start("--serve", "--spp", "4", size=(64, 48))
+        process.wait(timeout=20)
+        self.assertEqual(process.returncode, 0)
+        self.assertLess(time.monotonic() - begin, 10)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,238 @@
+// pbrt as several processes that mpirun starts.
+#include <signal.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "program.h"
+
+namespace pbrt::test {
+
+namespace {
+
+#ifdef PBRT_MPIRUN
+constexpr const char *kMpirun = PBRT_MPIRUN;
+#else
+constexpr const char *kMpirun = "";
+#endif
+
+/// The small scene with another film and sampler, and 80 small lamps that `octree` learns about while it renders.
+std::string Scene(const std::string &film, int samples) {
+    std::string text = SmallScene();
+    const auto replace = [&](const std::string &from, const std::string &to) {
+        const size_t at = text.find(from);
+        ASSERT_NE(at, std::string::npos) << from;
+        text.replace(at, from.size(), to);
+    };
+    replace("\"rgb\" \"integer", "\"" + film + "\" \"integer");
+    replace("\"integer pixelsamples\" 4", "\"integer pixelsamples\" " + std::to_string(samples));
+    for (int i = 0; i < 80; ++i)
+        text += "LightSource \"point\" \"point3 from\" [ " + std::to_string(i % 10 - 5) + " 2 " +
+                std::to_string(i / 10 - 4) + " ] \"rgb I\" [ 0.1 0.2 0.1 ]\n";
+    return text;
+}
+
+/// A sky that is seen through a gap only, and nothing else that shines.
+std::string SkyScene() {
+    std::string text = SmallScene();
+    text.erase(text.find("LightSource \"point\""), text.find("Material") - text.find("LightSource \"point\""));
+    text.erase(text.find("AttributeBegin"));
+    return text + R"(LightSource "infinite" "rgb L" [ 1 2 3 ]
+Shape "bilinearmesh" "point3 P" [ -9 2 -9  9 2 -9  -9 2 1  9 2 1 ]
+Shape "bilinearmesh" "point3 P" [ -9 -9 4  9 -9 4  -9 9 4  9 9 4 ]
+)";
+}
+
+size_t CountOf(const std::string &text, const std::string &part) {
+    size_t count = 0;
+    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+    return count;
+}
+
+}  // namespace
+
+class Mpi : public Program {
+  protected:
+    void SetUp() override {
+        Program::SetUp();
+        if (!*kMpirun) GTEST_SKIP() << "NOT TESTED: this build has no MPI (PBRT_MPI=OFF)";
+        setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
+        setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+        ext_ = Has(LightSamplerListing(), "\noctree\n");
+        lights_ = ext_ ? "--lightsampler octree " : "--lightsampler bvh ";
+    }
+    /// From now on the program is started as so many processes; 1: without mpirun.
+    void StartAs(int ranks, const std::string &wrapper = "") {
+        launcher_ = ranks == 1 ? ""
+                               : std::string("'") + kMpirun + "' --oversubscribe --bind-to none -n " +
+                                     std::to_string(ranks) + " " + wrapper;
+    }
+    /// The process that is number `rank` of those that a started mpirun started; 0 if there is none yet.
+    static pid_t ProcessOf(pid_t mpirun, int rank) {
+        for (const auto &entry : std::filesystem::directory_iterator("/proc")) {
+            const std::string name = entry.path().filename();
+            if (!std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; })) continue;
+            std::ifstream in(entry.path() / "environ", std::ios::binary), stat(entry.path() / "stat");
+            const std::string environment{std::istreambuf_iterator<char>(in), {}};
+            std::string word, parent;
+            for (int i = 0; i < 4 && stat >> word; ++i) parent = word;
+            if (parent == std::to_string(mpirun) &&
+                Has(environment, "OMPI_COMM_WORLD_RANK=" + std::to_string(rank) + std::string(1, '\0')))
+                return std::stoi(name);
+        }
+        return 0;
+    }
+    bool ext_ = false;
+    std::string lights_;
+};
+
+TEST_F(Mpi, AnyNumberOfProcessesGivesTheSameBits) {
+    for (const char *film : {"rgb", "gbuffer", "spectral"}) {
+        Write("scene.pbrt", Scene(film, 24));
+        StartAs(1);
+        const ImageFile one = Render(lights_ + "scene.pbrt --nthreads 1");
+        // All numbers with the film that holds most, one each with the others.
+        for (int ranks = 2; ranks <= 4; ++ranks) {
+            if (std::string(film) == "rgb" ? ranks != 3 : std::string(film) == "spectral" && ranks != 2) continue;
+            StartAs(ranks);
+            const ImageFile many = Render(lights_ + "scene.pbrt --nthreads " + std::to_string(ranks == 2 ? 3 : 1));
+            EXPECT_TRUE(SamePixels(one, many)) << film << ", " << ranks;
+            if (!ext_) continue;
+            EXPECT_EQ(IntOf(one, "lightSampler.learnedFromShadowRays"),
+                      IntOf(many, "lightSampler.learnedFromShadowRays"));
+        }
+    }
+}
+
+TEST_F(Mpi, WithoutLearningAndUnderASky) {
+    Write("scene.pbrt", Scene("rgb", 5));
+    Write("sky.pbrt", SkyScene());
+    const std::vector<std::string> cases = {"--lightsampler bvh scene.pbrt",
+                                            (ext_ ? "--lightsampler octree:opensky=1" : lights_) + " --spp 33 sky.pbrt",
+                                            "--lightsampler bvh --pixel 7,7 --spp 200 scene.pbrt"};
+    for (const std::string &arguments : cases) {
+        StartAs(1);
+        const ImageFile one = Render(arguments);
+        StartAs(3);
+        const ImageFile many = Render(arguments + " --nthreads 1");
+        EXPECT_TRUE(SamePixels(one, many)) << arguments;
+        if (!ext_ || !Has(arguments, "sky")) continue;
+        EXPECT_GT(IntOf(one, "lightSampler.skyRays"), 0);
+        EXPECT_EQ(IntOf(one, "lightSampler.skyRays"), IntOf(many, "lightSampler.skyRays"));
+        EXPECT_EQ(IntOf(one, "lightSampler.skyRaysLeft"), IntOf(many, "lightSampler.skyRaysLeft"));
+    }
+}
+
+TEST_F(Mpi, WhereAProcessWasKilledAnyNumberOfThemGoesOn) {
+    Write("scene.pbrt", Scene("gbuffer", 1024));
+    const std::string arguments = lights_ + "scene.pbrt --nthreads 1 --checkpoint c.chk --outfile out.exr --resume";
+    for (int killed = 0; killed < 2; ++killed) {
+        std::error_code none;
+        const auto changed = [&] { return std::filesystem::last_write_time(Path("c.chk"), none); };
+        const auto before = changed();
+        StartAs(2 + killed);
+        const pid_t mpirun = Start(arguments + " --checkpoint-interval 0.01");
+        ASSERT_TRUE(WaitUntil([&] { return changed() != before; })) << Messages(mpirun);
+        const pid_t victim = ProcessOf(mpirun, killed);
+        ASSERT_NE(victim, 0);
+        kill(victim, SIGKILL);
+        const Outcome o = Wait(mpirun);
+        EXPECT_NE(o.status, 0);
+        EXPECT_TRUE(Has(o.err + o.out, "signal 9")) << o.err << o.out;
+        EXPECT_FALSE(Exists("out.exr"));
+    }
+    StartAs(3);
+    EXPECT_TRUE(Has(RunWell(arguments), "Going on from c.chk"));
+    StartAs(1);
+    EXPECT_TRUE(SamePixels(ReadImage(Path("out.exr")), Render(lights_ + "scene.pbrt", "whole.exr")));
+}
+
+TEST_F(Mpi, ASignalToAnyProcessSavesWhatAllHaveDone) {
+    Write("scene.pbrt", Scene("rgb", 2048));
+    const std::string arguments = lights_ + "scene.pbrt --nthreads 1 --checkpoint c.chk --outfile out.exr --resume";
+    for (int asked = 0; asked < 2; ++asked) {
+        StartAs(2);
+        const pid_t mpirun = Start(arguments);
+        ASSERT_TRUE(WaitUntil([&] { return Has(Messages(mpirun), "preparing lights"); })) << Messages(mpirun);
+        usleep(200000);
+        const pid_t process = ProcessOf(mpirun, asked);
+        ASSERT_NE(process, 0);
+        kill(process, SIGTERM);
+        const Outcome o = Wait(mpirun);
+        EXPECT_NE(o.status, 0);
+        EXPECT_TRUE(Has(o.err, "c.chk holds what was rendered")) << o.err;
+        EXPECT_EQ(CountOf(o.err, "holds what was rendered;"), 1u) << o.err;
+        // The next one goes on amid a wave that other processes began.
+        std::filesystem::remove(Path("out.exr"));
+    }
+    StartAs(1);
+    RunWell(arguments);
+    EXPECT_TRUE(SamePixels(ReadImage(Path("out.exr")), Render(lights_ + "scene.pbrt", "whole.exr")));
+}
+
+TEST_F(Mpi, TimePartsAndSavedLights) {
+    Write("scene.pbrt", Scene("rgb", 32));
+    const std::string one = lights_ + "scene.pbrt --nthreads 1 ";
+    StartAs(2);
+    const ImageFile timed = Render(one + "--time 1.5");
+    RunWell(one + "--samples 10:32 --checkpoint b.part");
+    RunWell(one + "--write-partial-images --outfile partial.exr" + (ext_ ? " --save-lights many" : ""));
+    StartAs(1);
+    EXPECT_TRUE(SamePixels(ReadImage(Path("partial.exr")), Render(one + (ext_ ? "--save-lights one" : ""))));
+    const ImageFile whole = Render(one);
+    RunWell(one + "--samples 0:10 --checkpoint a.part");
+    const std::string merge =
+        "cd '" + Path("") + "' && '" PBRT_IMGTOOL "' merge merged.exr a.part b.part > merge.log 2>&1";
+    EXPECT_EQ(system(merge.c_str()), 0);
+    EXPECT_TRUE(SamePixels(whole, ReadImage(Path("merged.exr"))));
+    RunWell(one + "--checkpoint c.chk --outfile c.exr");
+    const int samples = IntOf(timed, "samplesPerPixel");
+    EXPECT_GT(samples, 32);
+    EXPECT_TRUE(SamePixels(timed, Render(one + "--checkpoint c.chk --resume --spp " + std::to_string(samples))));
+    if (!ext_) return;
+    const ImageFile loaded = Render(one + "--load-lights many");
+    EXPECT_TRUE(SamePixels(loaded, Render(one + "--load-lights one")));
+    StartAs(2);
+    EXPECT_TRUE(SamePixels(loaded, Render(one + "--load-lights one")));
+}
+
+TEST_F(Mpi, ErrorsAreToldOnce) {
+    Write("scene.pbrt", Scene("rgb", 4));
+    Write("wrong.pbrt", Scene("rgb", 4) + "Shape \"spher\"\n");
+    StartAs(3);
+    struct Case {
+        std::string arguments, message;
+    };
+    const std::vector<Case> cases = {{"wrong.pbrt", "spher"},
+                                     {"--spp none scene.pbrt", "--spp"},
+                                     {"-", "under mpirun the scene must be in files"},
+                                     {"scene.pbrt --load-lights missing", "missing: there is no such"}};
+    for (const Case &c : cases) {
+        const Outcome o = Run("--quiet " + c.arguments);
+        SCOPED_TRACE(c.arguments + "\n" + o.err);
+        EXPECT_EQ(o.status, 1);
+        EXPECT_EQ(CountOf(o.err, "Error: "), 1u);
+        EXPECT_TRUE(Has(o.err, c.message));
+    }
+    const Outcome help = Run("--help");
+    EXPECT_EQ(CountOf(help.out, "Renders pbrt-v4 scene files"), 1u);
+
+    // Files that one of them does not see.
+    std::filesystem::create_directory(Path("elsewhere"));
+    Write("start.sh", "[ $OMPI_COMM_WORLD_RANK = 1 ] && cd elsewhere\nexec \"$@\"\n");
+    StartAs(2, "sh start.sh");
+    const Outcome o = Run("--quiet scene.pbrt");
+    EXPECT_EQ(o.status, 1);
+    EXPECT_TRUE(Has(o.err, "1 of 2 processes")) << o.err;
+    EXPECT_TRUE(Has(o.err, "scene.pbrt")) << o.err;
+    EXPECT_FALSE(Exists("scene.exr"));
+
+    // What another program than Open MPI's mpirun started does not render several pictures into one file.
+    launcher_ = "env -u OMPI_COMM_WORLD_SIZE PMI_SIZE=2 PMI_RANK=0";
+    ExpectErrors({{"scene.pbrt", {"2 processes", "Open MPI"}}});
+}
+
+}  // namespace pbrt::test

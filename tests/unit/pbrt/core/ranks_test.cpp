@@ -1,0 +1,173 @@
+// What processes do together, here as threads that exchange messages through a port of our own.
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include "pbrt/core/hand_out.h"
+
+namespace pbrt {
+namespace {
+
+struct Mail {
+    std::mutex mutex;
+    struct Letter {
+        int to;
+        MessagePort::Channel channel;
+        MessagePort::Message message;
+    };
+    std::deque<Letter> letters;
+};
+
+class ThreadPort final : public MessagePort {
+  public:
+    ThreadPort(Mail &mail, int rank, int size) : mail_(mail), rank_(rank), size_(size) {}
+    int Rank() const override { return rank_; }
+    int Size() const override { return size_; }
+    void Send(int to, Channel channel, std::span<const std::string_view> pieces) override {
+        std::string bytes;
+        for (const std::string_view piece : pieces) bytes += piece;
+        std::lock_guard lock(mail_.mutex);
+        mail_.letters.push_back({to, channel, {rank_, bytes}});
+    }
+    std::optional<Message> TryReceive(int from, Channel channel) override {
+        std::lock_guard lock(mail_.mutex);
+        for (auto it = mail_.letters.begin(); it != mail_.letters.end(); ++it)
+            if (it->to == rank_ && it->channel == channel && (from < 0 || it->message.from == from)) {
+                Message message = it->message;
+                mail_.letters.erase(it);
+                return message;
+            }
+        return {};
+    }
+    void Abort(int) override { FAIL() << "aborted"; }
+
+  private:
+    Mail &mail_;
+    const int rank_, size_;
+};
+
+/// Runs `act` on so many ranks at once, and expects that all messages were received.
+void WithRanks(int size, const std::function<void(Ranks &)> &act) {
+    Mail mail;
+    std::vector<std::thread> threads;
+    for (int r = 0; r < size; ++r)
+        threads.emplace_back([&, r] {
+            Ranks ranks(std::make_unique<ThreadPort>(mail, r, size), 1 + r % 2);
+            act(ranks);
+        });
+    for (std::thread &t : threads) t.join();
+    EXPECT_TRUE(mail.letters.empty());
+}
+
+TEST(Ranks, EverybodyGetsTheFirstsBytesAndTheFirstEverybodys) {
+    for (int size = 1; size <= 9; ++size)
+        WithRanks(size, [&](Ranks &ranks) {
+            EXPECT_EQ(ranks.TotalThreads(), size + size / 2);
+            StateWriter out;
+            if (ranks.IsFirst()) out.Text("to all");
+            const std::string bytes = ranks.Broadcast(out);
+            EXPECT_EQ(StateReader(bytes, "test").Text(), "to all");
+            std::multiset<int> seen = {ranks.Rank()};
+            ranks.Reduce([&](StateWriter &w) { w.CopyOfVector(std::vector<int>(seen.begin(), seen.end())); },
+                         [&](StateReader &in) {
+                             std::vector<int> theirs;
+                             in.Vector(&theirs);
+                             seen.insert(theirs.begin(), theirs.end());
+                         });
+            if (!ranks.IsFirst()) return;
+            EXPECT_EQ(seen.size(), static_cast<size_t>(size));
+            for (int r = 0; r < size; ++r) EXPECT_EQ(seen.count(r), 1u);
+        });
+}
+
+TEST(Ranks, EveryNumberIsHandedOutOnce) {
+    for (int size : {1, 2, 3, 5})
+        for (int64_t count : {0, 1, 7, 1000}) {
+            std::mutex mutex;
+            std::multiset<int64_t> taken;
+            std::set<int> takers;
+            WithRanks(size, [&](Ranks &ranks) {
+                Progress progress;
+                HandOut handOut(ranks, count, 2, progress);
+                int64_t reported = 0;
+                const auto work = [&] {
+                    while (const auto i = handOut.Take()) {
+                        std::this_thread::sleep_for(std::chrono::microseconds(20));
+                        handOut.Report(1);
+                        std::lock_guard lock(mutex);
+                        taken.insert(*i);
+                        takers.insert(ranks.Rank());
+                    }
+                };
+                std::thread other(work);
+                work();
+                other.join();
+                reported = handOut.Finish();
+                EXPECT_GE(reported, 0);
+                EXPECT_FALSE(handOut.Take());
+                EXPECT_FALSE(progress.Cancelled());
+            });
+            EXPECT_EQ(taken.size(), static_cast<size_t>(count));
+            for (int64_t i = 0; i < count; ++i) EXPECT_EQ(taken.count(i), 1u);
+            if (count == 1000) {
+                EXPECT_EQ(takers.size(), static_cast<size_t>(size)) << "somebody got nothing";
+            }
+        }
+}
+
+TEST(Ranks, WhoeverIsCancelledCancelsAll) {
+    for (int canceller : {0, 2}) {
+        std::atomic<int64_t> taken = 0;
+        WithRanks(3, [&](Ranks &ranks) {
+            Progress progress;
+            HandOut handOut(ranks, 1000000, 1, progress);
+            for (int i = 0; handOut.Take(); ++i) {
+                taken.fetch_add(1);
+                std::this_thread::sleep_for(std::chrono::microseconds(20));
+                if (i == 10 && ranks.Rank() == canceller) progress.Cancel();
+            }
+            handOut.Finish();
+            EXPECT_TRUE(progress.Cancelled()) << ranks.Rank();
+        });
+        EXPECT_LT(taken, 100000);
+    }
+}
+
+TEST(Ranks, FailuresAreToldOnce) {
+    const auto outcome = [](int size, const std::function<std::string(int)> &errorOf) {
+        std::string first;
+        std::atomic<int> others = 0;
+        ::testing::internal::CaptureStderr();
+        WithRanks(size, [&](Ranks &ranks) {
+            ranks.Meet();
+            try {
+                const std::string text = errorOf(ranks.Rank());
+                if (!text.empty()) throw UserError(text);
+                ranks.Meet();
+            } catch (const AnotherRankFailed &) {
+                EXPECT_FALSE(ranks.IsFirst());
+                ++others;
+            } catch (const UserError &e) {
+                ranks.Fail(e);
+                if (ranks.IsFirst()) first = FormatAll(e);
+                else ++others;
+            }
+        });
+        EXPECT_EQ(others, first.empty() ? 0 : size - 1);
+        return first + ::testing::internal::GetCapturedStderr();
+    };
+    EXPECT_EQ(outcome(4, [](int) { return ""; }), "");
+    EXPECT_EQ(outcome(4, [](int) { return "bad scene"; }), "Error: bad scene\n");
+    const std::string two = outcome(5, [](int r) { return r > 2 ? "no such file" : ""; });
+    EXPECT_NE(two.find("2 of 5 processes (the first is 3 on "), std::string::npos) << two;
+    EXPECT_EQ(two.find("no such file"), two.rfind("no such file")) << two;
+    const std::string both = outcome(3, [](int r) { return r == 1 ? "one" : "another"; });
+    EXPECT_NE(both.find("Error: another\n"), std::string::npos) << both;
+    EXPECT_NE(both.find("1 of 3 processes (the first is 1 on "), std::string::npos) << both;
+}
+
+}  // namespace
+}  // namespace pbrt

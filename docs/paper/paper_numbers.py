@@ -1,4 +1,4 @@
-"""Every number and claim of the paper that the scripts compare with, typed once from ../shared/paper.txt (Noh, Choi,
+"""Every number and claim of the paper that the scripts compare with, typed once from the paper (Noh, Choi,
 Moon: Enhanced Direct Lighting Using Visibility-Aware Light Sampling, CGI 2023), each with its place. The text we have
 carries no pictures: relL2 values printed inside Fig. 1 and Fig. 3 and the curves of Fig. 4 are unknown to us."""
 from dataclasses import dataclass

@@ -13,7 +13,7 @@ CHECK = pathlib.Path(__file__).resolve().parents[4] / "docs/check"
 FILES = {
     "README.md": """# Title
 
-See [the guide](docs/guide.md#how-to-render-it) and ![a chart](docs/chart.svg).
+See [the guide](docs/guide.md#how-to-render-it), [changes](docs/changelog.md) and ![a chart](docs/chart.svg).
 
     pbrt --spp 4 scene.pbrt         # four samples
     nice -n 10 pbrt --spp 4 scene.pbrt && imgtool diff --metric relL2 a.exr b.exr
@@ -120,6 +120,10 @@ class Check(unittest.TestCase):
     def test_mention_in_a_source(self):
         self.write("src/a.cpp", "// As docs/method.md says.\n")
         self.expect("src/a.cpp:1", "docs/method.md")
+
+    def test_page_that_nobody_links_to(self):
+        self.write("docs/lost.md", "# Lost\n")
+        self.expect("docs/lost.md:1", "no page links here")
 
     def test_unknown_flag_of_a_program(self):
         self.replace("README.md", "pbrt --spp 4 scene.pbrt  ", "pbrt --samples 4 scene.pbrt  ")

@@ -31,7 +31,7 @@ class AovFilm final : public Film {
     void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) override {
         film_->AddSplat(pixel, L, lambda, weight);
     }
-    void AddSplatSamples(uint64_t perPixel) override { film_->AddSplatSamples(perPixel); }
+    void AddSplatPaths(uint64_t paths) override { film_->AddSplatPaths(paths); }
     Image ToImage() const override;
     Image Colors() const override { return film_->Colors(); }
     ImageMetadata Metadata() const override { return film_->Metadata(); }

@@ -14,8 +14,8 @@ struct View {
     std::string name;
     std::string camera = "Camera \"perspective\" \"float fov\" 50\n";
     std::string filter = "PixelFilter \"box\"\n";
-    std::string film;     ///< further parameters
-    std::string objects;  ///< in the room
+    std::string film{};     ///< further parameters
+    std::string objects{};  ///< in the room
     int samples = 256;
     int depth = 3;
 };

@@ -7,13 +7,17 @@ set -euo pipefail
 package=$(realpath "$1")
 top=$(cd "$(dirname "$0")/../.." && pwd)
 root=$(mktemp -d)
-trap 'rm -rf "$root"' EXIT
-mirror=$(grep -rhoE 'https?://[^ ]+' /etc/apt/sources.list /etc/apt/sources.list.d 2> /dev/null | grep -v security | head -1)
-debootstrap --variant=minbase bookworm "$root" "${mirror:-http://deb.debian.org/debian}" > "$root.log"
+trap 'umount "$root/proc" 2> /dev/null || true; rm -rf --one-file-system "$root" "$root.log"' EXIT
+# The archive that this machine uses, among whatever else it installs from.
+mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/*.{list,sources} 2> /dev/null | grep -v '^#' |
+  grep -oE 'https?://[^ ]+/debian/?( |$)' | head -1 | tr -d ' ' || true)
+debootstrap --variant=minbase bookworm "$root" "${mirror:-http://deb.debian.org/debian}" > "$root.log" || { tail -20 "$root.log"; exit 1; }
 cp /etc/apt/apt.conf.d/* "$root/etc/apt/apt.conf.d/" 2> /dev/null || true
 cp /etc/resolv.conf /etc/hosts "$root/etc/"
 cp "$package" "$root/package.deb"
 cp -r "$top/scenes/three-lights" "$root/scene"
+# Programs find their modules relative to themselves, which the loader of Linux needs /proc for.
+mount -t proc proc "$root/proc"
 chroot "$root" bash -ec '
   apt-get update -qq
   DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends /package.deb > /dev/null

@@ -49,8 +49,8 @@ class Film {
     /// same to the bit in any order (FixedSum). Outside PixelBounds() nothing happens. What is not finite, or larger
     /// than FixedSum holds, is counted, reported and dropped.
     virtual void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) = 0;
-    /// Adds to the number of paths that the splats come from. The picture gets the sum of splats times the number of
-    /// pixels, divided by it.
+    /// Adds to the number of paths that the splats come from, wherever on the film they are. The picture gets the sum
+    /// of splats divided by it.
     virtual void AddSplatPaths(uint64_t paths) = 0;
 
     /// Linear RGB in the output space, over PixelBounds(); R, G, B are the first channels of every film. Half precision

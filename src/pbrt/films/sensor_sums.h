@@ -39,9 +39,7 @@ class SensorSums {
     bool AddSplat(size_t pixel, const Vector3 &sensor, Float weight);
     void AddSplatPaths(uint64_t paths) { counts_.splatPaths += paths; }
     /// Factor that turns a sum of splats into their mean.
-    double SplatScale() const {
-        return counts_.splatPaths ? static_cast<double>(pixels_.size()) / static_cast<double>(counts_.splatPaths) : 0;
-    }
+    double SplatScale() const { return counts_.splatPaths ? 1 / static_cast<double>(counts_.splatPaths) : 0; }
 
     Float MaxComponentValue() const { return maxComponent_; }
     /// Counts something that was dropped; from any thread.

@@ -238,18 +238,13 @@ TEST_P(EveryFilm, StateOfAnotherFilmIsRefusedAndChangesNothing) {
     EXPECT_NO_THROW(Load(*film, state));
 }
 
-/// So many paths for every pixel.
-uint64_t Paths(const Film &film, uint64_t perPixel) {
-    return perPixel * static_cast<uint64_t>(film.PixelBounds().Area());
-}
-
 TEST_P(EveryFilm, SplatsAreTheSameForAnyNumberOfThreads) {
     std::string expected;
     for (int threads : {1, 2, 7}) {
         auto film = Make(GetParam());
         film->ExpectSplats();
         AddSplats(*film, 0, 6000, threads);
-        film->AddSplatPaths(Paths(*film, 16));
+        film->AddSplatPaths(16);
         if (expected.empty()) expected = Saved(*film);
         EXPECT_EQ(Saved(*film), expected) << threads;
     }
@@ -261,9 +256,9 @@ TEST_P(EveryFilm, SplatsAreTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(Saved(*whole), expected);
     for (Film *film : {first.get(), second.get()}) film->ExpectSplats();
     AddSplats(*first, 0, 2500, 2);
-    first->AddSplatPaths(Paths(*first, 6));
+    first->AddSplatPaths(6);
     AddSplats(*second, 2500, 6000, 3);
-    second->AddSplatPaths(Paths(*second, 10));
+    second->AddSplatPaths(10);
     Merge(*first, Saved(*second));
     EXPECT_EQ(Saved(*first), expected);
     Merge(*onlySamples, expected);
@@ -288,8 +283,8 @@ TEST_P(EveryFilm, ThePictureHasTheMeanOfSplatsBesideThatOfSamples) {
         for (int k = 0; k < 2; ++k) twice->AddSplat({1, 1}, sample.L * 2.0f, sample.lambda, Float(0.5));
         film->AddSplat({2, 1}, sample.L, sample.lambda, 1);
     }
-    twice->AddSplatPaths(Paths(*twice, kSamples));
-    film->AddSplatPaths(Paths(*film, kSamples));
+    twice->AddSplatPaths(kSamples);
+    film->AddSplatPaths(kSamples);
     const Image one = film->ToImage(), three = twice->ToImage();
     for (int c = 0; c < one.ChannelCount(); ++c) {
         const std::string &name = one.Channels()[static_cast<size_t>(c)];
@@ -312,7 +307,7 @@ TEST_P(EveryFilm, SplatsThatCannotBeAddedAreDroppedAndCounted) {
     film->AddSplat({0, 0}, SampledSpectrum(1e30f), lambda, 1);
     film->AddSplat({0, 0}, SampledSpectrum(1), lambda, std::numeric_limits<Float>::quiet_NaN());
     EXPECT_EQ(film->RejectedSamples(), 3u);
-    film->AddSplatPaths(Paths(*film, 1));
+    film->AddSplatPaths(1);
     EXPECT_EQ(film->ToImage().Get({0, 0}, 0), 0);
 }
 

@@ -70,8 +70,8 @@ const std::string kBall = "AttributeBegin Translate -.5 .3 .5 Shape \"sphere\" \
 /// Out of sight, so that only the light it sends to the floor is seen.
 std::string Hidden(const std::string &material) {
     return "AttributeBegin " + material +
-           " Translate .2 -.6 1.72 Scale .3 .3 .3 Shape \"sphere\" AttributeEnd\n"
-           "AttributeBegin Translate .2 -.6 2.6 Rotate 180 1 0 0 AreaLightSource \"diffuse\" \"rgb L\" [ 9 9 9 ]\n"
+           " Translate .2 -.6 2.8 Scale .35 .35 .35 Shape \"sphere\" AttributeEnd\n"
+           "AttributeBegin Translate .2 -.6 3.5 Rotate 180 1 0 0 AreaLightSource \"diffuse\" \"rgb L\" [ 9 9 9 ]\n"
            "Shape \"disk\" \"float radius\" .6 AttributeEnd\n";
 }
 

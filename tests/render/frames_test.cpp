@@ -1,0 +1,132 @@
+// Frames of an animation that share what was learned: the noise of a place does not change from frame to frame.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pbrt/core/state_io.h"
+#include "pbrt/integrators/render_loop.h"
+#include "pbrt/lightsamplers/light_query.h"
+#include "support/build_text.h"
+#include "support/statistics.h"
+
+namespace pbrt::test {
+namespace {
+
+constexpr int kSamples = 8, kFrames = 4, kLampsPerRoom = 48;
+
+/// Two rooms with a wall between them at x = 0; the camera looks down on the floor of the left one and moves to the
+/// right by half a metre a frame.
+BuiltScene Frame(int frame) {
+    const double x = -2.6 + 0.5 * frame;
+    std::string text = fmt::format(R"(Option "rendercoordsys" "world"
+LookAt {0} 6 0  {0} 0 0  0 0 1
+Camera "perspective" "float fov" 30
+Film "rgb" "integer xresolution" 32 "integer yresolution" 32 "bool savefp16" false
+Sampler "independent" "integer pixelsamples" {1}
+Integrator "path" "integer maxdepth" 1 "string lightsampler" "octree" "float octree.budget" 0.02
+WorldBegin
+)",
+                                   x, kSamples);
+    for (int i = 0; i < 2 * kLampsPerRoom; ++i) {
+        const int room = i / kLampsPerRoom, k = i % kLampsPerRoom;
+        text += fmt::format("LightSource \"point\" \"point3 from\" [ {} {} {} ] \"rgb I\" [ {} 1 1 ]\n",
+                            (room == 0 ? -3.7 : 0.2) + 0.5 * (k % 8), 0.6 + 0.1 * (k % 3), -1.5 + 0.6 * (k / 8),
+                            0.5 + 0.1 * (k % 5));
+    }
+    return BuildText(text + R"(Material "diffuse"
+Shape "bilinearmesh" "point3 P" [ -4 0 -3  4 0 -3  -4 0 3  4 0 3 ]
+Shape "bilinearmesh" "point3 P" [ 0 0 -3  0 0 3  0 2 -3  0 2 3 ]
+Shape "bilinearmesh" "point3 P" [ -2.4 0 -1  -1.2 0 -1  -2.4 .8 -.6  -1.2 .8 -.6 ]
+)");
+}
+
+void Prepare(BuiltScene &built, StateReader *learned) {
+    Progress progress;
+    PrepareContext context = built.Preparation(progress);
+    context.samplesPerPixel = kSamples;
+    context.learned = learned;
+    context.learnsOn = learned == nullptr;
+    built.integrator->Prepare(context);
+}
+
+/// Renders a frame to its end, so that its light sampler learns all that it learns from the frame.
+void Render(BuiltScene &built) {
+    Progress progress;
+    RenderSettings settings;
+    settings.samplesPerPixel = kSamples;
+    RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
+}
+
+/// The relative variance of one light sample at a place of the floor that all frames see: of f / p for lights chosen
+/// with probability p, whose unoccluded or hidden contributions f are added up exactly. Slow, but simple.
+double NoiseAt(const BuiltScene &built, const Point3 &p) {
+    LightQuery query;
+    query.p = p;
+    query.wo = query.n = query.ns = Normal3(0, 1, 0);
+    LightSampleContext from;
+    from.p = p;
+    from.n = from.ns = query.n;
+    const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    double sum = 0, squares = 0;
+    for (uint32_t i = 0; i < 2 * kLampsPerRoom; ++i) {
+        const auto s = built.scene->Lights()[LightId(i)].SampleLi(from, {}, lambda, false);
+        if (!s || built.scene->Occluded(from, *s)) continue;
+        const double f = static_cast<double>(s->L.Average() * AbsDot(s->wi, query.n));
+        sum += f;
+        squares += f * f / static_cast<double>(built.integrator->Lights()->PMF(query, LightId(i)));
+    }
+    return squares / (sum * sum) - 1;
+}
+
+/// How much the noise of places differs between frames: the standard deviation of its logarithm, averaged.
+double Flicker(const std::vector<BuiltScene> &frames) {
+    double sum = 0;
+    constexpr int kPlaces = 100;
+    for (int i = 0; i < kPlaces; ++i) {
+        RunningStatistics noise;
+        for (const BuiltScene &frame : frames)
+            noise.Add(std::log(NoiseAt(frame, Point3(-2.2f + 0.1f * static_cast<Float>(i % 10), 1e-3f,
+                                                     -1.2f + 0.24f * static_cast<Float>(i / 10)))));
+        sum += std::sqrt(noise.Variance());
+    }
+    return sum / kPlaces;
+}
+
+TEST(FramesOfAnAnimation, ShareTheirNoiseIfTheyShareWhatWasLearned) {
+    std::string learned;
+    {
+        BuiltScene training = Frame(0);
+        Prepare(training, nullptr);
+        Render(training);
+        StateWriter writer;
+        training.integrator->Lights()->SaveLearned(writer, false);
+        learned = writer.Joined();
+    }
+    std::vector<BuiltScene> shared, alone;
+    for (int i = 0; i < kFrames; ++i) {
+        StateReader reader(learned, "learned lights");
+        shared.push_back(Frame(i));
+        Prepare(shared.back(), &reader);
+        Render(shared.back());
+        alone.push_back(Frame(i));
+        Prepare(alone.back(), nullptr);
+        Render(alone.back());
+    }
+    EXPECT_EQ(Flicker(shared), 0);
+    // Frames that learn for themselves, each from its own view, are what would flicker.
+    EXPECT_GT(Flicker(alone), 0.02);
+    // What was learned from the first frame serves the others as well as what they would have learned.
+    for (int i = 0; i < kFrames; ++i) {
+        double ours = 0, own = 0;
+        for (int k = 0; k < 100; ++k) {
+            const Point3 p(-2.2f + 0.1f * static_cast<Float>(k % 10), 1e-3f,
+                           -1.2f + 0.24f * static_cast<Float>(k / 10));
+            ours += NoiseAt(shared[static_cast<size_t>(i)], p);
+            own += NoiseAt(alone[static_cast<size_t>(i)], p);
+        }
+        EXPECT_LT(ours, 1.3 * own) << "frame " << i;
+    }
+}
+
+}  // namespace
+}  // namespace pbrt::test

@@ -1,6 +1,7 @@
 #include "pbrt/cmd/pbrt/tev_display.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <netdb.h>
 #include <netinet/tcp.h>
 #include <poll.h>

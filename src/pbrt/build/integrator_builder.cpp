@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "pbrt/build/collect.h"
+#include "pbrt/integrators/bdpt_integrator.h"
 #include "pbrt/integrators/light_path_integrator.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/simple_integrators.h"
@@ -86,6 +87,15 @@ struct SimplePathParams : DepthParams {
     }
 };
 
+struct BdptParams : DepthParams {
+    bool regularize = false;
+    template <class V>
+    void Describe(V &&v) {
+        DepthParams::Describe(v);
+        v("regularize", regularize, "roughen nearly specular lobes after the first non-specular scattering");
+    }
+};
+
 struct AmbientOcclusionParams {
     bool cosine = true;
     Float maxDistance = Infinity;
@@ -97,6 +107,8 @@ struct AmbientOcclusionParams {
     }
 };
 
+bool FollowsLight(std::string_view integrator) { return integrator == "lightpath" || integrator == "bdpt"; }
+
 /// An integrator without a light sampler; `make(p, maxDepth, context, film's colour space)`.
 template <class P, class F>
 void AddSimple(IntegratorTable &table, const char *name, F make, const char *remark = "") {
@@ -107,7 +119,7 @@ void AddSimple(IntegratorTable &table, const char *name, F make, const char *rem
                                        "\"{}\".",
                                        name));
         IntegratorSettings settings;
-        settings.followsLight = std::string_view(name) == "lightpath";
+        settings.followsLight = FollowsLight(name);
         if constexpr (std::is_base_of_v<DepthParams, P>) settings.maxDepth = p.MaxDepth(r);
         settings.make = [p, make, depth = settings.maxDepth](const PathContext &context, const ColorSpace &space) {
             return make(p, depth, context, space);
@@ -150,6 +162,13 @@ const IntegratorTable &Integrators() {
             "surfaces only; with the cameras perspective and (only here) orthographic; **differs**: the adjoint of "
             "shading normals is right (stock: #385), crop windows keep all light (stock: #347), and emitters of all "
             "shapes that the camera sees have their own brightness");
+        AddSimple<BdptParams>(
+            t, "bdpt",
+            [](const auto &p, int depth, const PathContext &c, const ColorSpace &) {
+                return std::make_unique<BdptIntegrator>(c, depth, p.regularize);
+            },
+            "surfaces only; cameras and shading normals as lightpath; `visualizestrategies` and `visualizeweights` are "
+            "not built");
         AddSimple<AmbientOcclusionParams>(
             t, "ambientocclusion", [](const auto &p, int, const PathContext &c, const ColorSpace &space) {
                 return std::make_unique<AmbientOcclusionIntegrator>(c, p.cosine, p.maxDistance, space);
@@ -160,7 +179,7 @@ const IntegratorTable &Integrators() {
 }
 
 const std::vector<std::string> &UnsupportedIntegrators() {
-    static const std::vector<std::string> names = {"bdpt", "mlt", "sppm", "function"};
+    static const std::vector<std::string> names = {"mlt", "sppm", "function"};
     return names;
 }
 
@@ -168,7 +187,7 @@ const std::string &IntegratorType(const Entity &entity, const BuildOptions &opti
     return options.integrator.empty() ? entity.type : options.integrator;
 }
 
-bool SeesThroughInterfaces(const std::string &integrator) { return integrator == "volpath"; }
+bool SeesThroughInterfaces(const std::string &integrator) { return integrator == "volpath" || integrator == "bdpt"; }
 
 bool RendersMedia(const std::string &integrator) { return integrator == "volpath" || integrator == "simplevolpath"; }
 

@@ -32,6 +32,7 @@ struct CameraConnection {
     /// Radiance L that leaves an area dA towards wi at an angle theta from its normal adds L cos(theta) dA * weight to
     /// what a pixel at pFilm measures, if it measures the mean over its own area.
     Float weight = 0;
+    bool isParallel = false;  ///< the view is, so that the weight is the same at every distance
 };
 
 class Camera {

@@ -105,6 +105,7 @@ bool OrthographicCamera::ConnectInCameraSpace(const Point3 &p, const Point2 &uLe
         c->p = {p.x, p.y, 0};
         c->pFilm = screen_.Inverse(Point2(p));
         c->weight = 1 / screen_.PixelArea();
+        c->isParallel = true;
         return true;
     }
     c->p = PointOnLens(lens_, uLens);

@@ -1,4 +1,4 @@
-// Paths from the lights make the picture that paths from the camera make.
+// Paths from the lights, and paths from both sides, make the picture that paths from the camera make.
 #include <gtest/gtest.h>
 
 #include "pbrt/core/parallel.h"
@@ -18,6 +18,7 @@ struct View {
     std::string objects{};  ///< in the room
     int samples = 256;
     int depth = 3;
+    bool isForLightPath = true;
 };
 void PrintTo(const View &v, std::ostream *out) { *out << v.name; }
 
@@ -39,11 +40,11 @@ Image Render(const View &v, const std::string &integrator, int seed, int samples
 }
 
 /// Tile means of eight renders each; the largest distance, in standard errors, of any tile and colour.
-double LargestDistance(const View &v, double *noise = nullptr) {
+double LargestDistance(const View &v, const std::string &integrator, double *noise = nullptr) {
     constexpr int kSeeds = 8;
     std::vector<RunningStatistics> ours, path;
     for (int seed = 1; seed <= kSeeds; ++seed) {
-        const auto a = TileMeans(Render(v, "lightpath", seed, v.samples), kTile),
+        const auto a = TileMeans(Render(v, integrator, seed, v.samples), kTile),
                    b = TileMeans(Render(v, "path", 100 + seed, v.samples), kTile);
         ours.resize(a.size());
         path.resize(b.size());
@@ -100,15 +101,33 @@ const View kViews[] = {
                 "Shape \"trianglemesh\" \"point3 P\" [ -1 -1 .05  1 -1 .05  1 1 .05  -1 1 .05 ]\n"
                 " \"normal N\" [ -.9 0 .6  .9 0 .6  0 .9 .6  0 -.9 .6 ] \"integer indices\" [ 0 1 2  0 2 3 ]\n"},
     {.name = "DepthOne", .objects = kLamp + kBall, .depth = 1},
+    {.name = "Mirror",
+     .objects = kLamp + "Material \"conductor\" \"float roughness\" 0\n" + kBall,
+     .depth = 4,
+     .isForLightPath = false},
+    {.name = "SkyAndGlass",
+     .objects = "LightSource \"infinite\" \"rgb L\" [ .5 .7 1 ]\n" + kLamp + "Material \"dielectric\"\n" + kBall,
+     .depth = 4,
+     .isForLightPath = false},
+    {.name = "SkyOnly", .objects = "LightSource \"infinite\" \"rgb L\" [ .5 .7 1 ]\n" + kBall, .isForLightPath = false},
 };
 
 class LightPathViews : public testing::TestWithParam<View> {};
 
 TEST_P(LightPathViews, AgreeWithPath) {
+    if (!GetParam().isForLightPath) GTEST_SKIP() << "light that only camera paths see";
     double noise = 1;
     // 48 numbers a view, 12 views: chance goes beyond 5.5 with 14 degrees of freedom in one of some 25 runs of all.
-    EXPECT_LT(LargestDistance(GetParam(), &noise), 5.5);
+    EXPECT_LT(LargestDistance(GetParam(), "lightpath", &noise), 5.5);
     EXPECT_LT(noise, 0.06) << "the test would see nothing";
+}
+
+TEST_P(LightPathViews, BidirectionalPathsAgreeWithPath) {
+    double noise = 1;
+    View view = GetParam();
+    view.samples /= 2;
+    EXPECT_LT(LargestDistance(view, "bdpt", &noise), 5.5);
+    EXPECT_LT(noise, 0.08) << "the test would see nothing";
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LightPathViews, testing::ValuesIn(kViews),
@@ -116,13 +135,15 @@ INSTANTIATE_TEST_SUITE_P(All, LightPathViews, testing::ValuesIn(kViews),
 
 TEST(LightPath, IsTheSameForAnyNumberOfThreads) {
     const View view{.name = "threads", .objects = kLamp + kBall};
-    ThreadLimit one(1);
-    const Image expected = Render(view, "lightpath", 1, 16);
-    for (int threads : {2, 5}) {
-        ThreadLimit limit(threads);
-        const Image image = Render(view, "lightpath", 1, 16);
-        for (int y = 0; y < kSize; ++y)
-            for (int x = 0; x < kSize; ++x) EXPECT_EQ(image.Get({x, y}, 0), expected.Get({x, y}, 0));
+    for (const char *integrator : {"lightpath", "bdpt"}) {
+        ThreadLimit one(1);
+        const Image expected = Render(view, integrator, 1, 16);
+        for (int threads : {2, 5}) {
+            ThreadLimit limit(threads);
+            const Image image = Render(view, integrator, 1, 16);
+            for (int y = 0; y < kSize; ++y)
+                for (int x = 0; x < kSize; ++x) EXPECT_EQ(image.Get({x, y}, 0), expected.Get({x, y}, 0));
+        }
     }
 }
 

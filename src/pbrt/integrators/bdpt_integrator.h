@@ -1,0 +1,49 @@
+#pragma once
+#include "pbrt/integrators/bdpt_path.h"
+#include "pbrt/integrators/pixel_integrator.h"
+
+namespace pbrt {
+
+/// Bidirectional path tracing: a path from a light and one from the camera, and every connection between a vertex of one
+/// and a vertex of the other, weighted by the balance heuristic (Veach 1997, chapter 10). Surfaces only.
+class BdptIntegrator final : public PixelIntegrator {
+  public:
+    /// The camera can connect (Camera::CanConnect). Subpaths have at most kMaxSubpath surfaces.
+    static constexpr int kMaxSubpath = 1000;
+    BdptIntegrator(const PathContext &context, int maxDepth, bool regularize);
+    SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
+
+  protected:
+    bool Splats() const override { return true; }
+
+  private:
+    /// The vertices of one pair of subpaths; every thread has its own.
+    struct Subpaths {
+        std::vector<BdptVertex> light, camera;
+        std::vector<const BdptVertex *> path;  ///< memory for WeightOf
+        int lightCount = 0, cameraCount = 0;
+    };
+    struct Sample;
+    void TraceLight(Sample &sample) const;
+    SampledSpectrum TraceCamera(Sample &sample) const;
+    /// Follows a walk whose next ray has this density by solid angle (or, beyond the scene, by area across it). `emitted`
+    /// is called for every light that it meets.
+    template <class Emitted>
+    void Follow(PathWalk &walk, std::span<BdptVertex> vertices, int *count, Float pdf, TransportMode mode, Sample &sample,
+                Emitted &&emitted) const;
+    SampledSpectrum ConnectToLight(Sample &sample, int cameraVertices) const;
+    SampledSpectrum ConnectSubpaths(Sample &sample, int lightVertices, int cameraVertices) const;
+    void ConnectToCamera(Sample &sample, int lightVertices) const;
+    /// The weight of the path of the first `lightVertices` and `cameraVertices` vertices of both subpaths; `hit`: in
+    /// place of the first, what the camera path met, or the light that was sampled.
+    Float WeightOf(Sample &sample, int lightVertices, int cameraVertices, const BdptVertex *end, Float cameraPdf) const;
+
+    PathContext context_;
+    int maxDepth_;
+    bool regularize_;
+    std::unique_ptr<LightSampler> lights_;
+    BdptWeights weights_;
+    mutable std::vector<Subpaths> subpaths_;  ///< by ThreadIndex()
+};
+
+}  // namespace pbrt

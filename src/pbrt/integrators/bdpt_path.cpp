@@ -1,0 +1,108 @@
+#include "pbrt/integrators/bdpt_path.h"
+
+#include "pbrt/lightsamplers/light_query.h"
+
+namespace pbrt {
+
+LightQuery BdptQuery(const BdptVertex &vertex, const BdptVertex &beyond, const SampledWavelengths &lambda) {
+    LightQuery query = LightQueryAt(vertex.surface, lambda, 0);
+    query.wo = vertex.Towards(beyond);
+    return query;
+}
+
+Float BdptWeights::LightPdf(const BdptVertex &light, const BdptVertex &next) const {
+    const LightPart part = lights_[light.light];
+    LightQuery anywhere;
+    const Float pmf = shooting_.PMF(anywhere, light.light);
+    if (IsDelta(part.Kind())) {
+        // The position of a distant light is its direction, and that of an invisible area light has a density.
+        if (light.isBeyondScene || light.n == Normal3(0)) return pmf;
+    }
+    const LightLePdf pdf =
+        part.PdfLe(light.isBeyondScene ? next.Position() : light.p, light.n, light.Towards(next));
+    return pmf * (light.isBeyondScene ? pdf.direction : pdf.position);
+}
+
+Float BdptWeights::FirstStepPdf(const BdptVertex &light, const BdptVertex &next) const {
+    const Vector3 w = light.Towards(next);
+    const LightLePdf pdf =
+        lights_[light.light].PdfLe(light.isBeyondScene ? next.Position() : light.p, light.n, w);
+    if (!light.isBeyondScene) return next.AreaPdf(light, pdf.direction);
+    return pdf.position * (next.IsSurface() ? AbsDot(next.Normal(), w) : Float(1));
+}
+
+Float BdptWeights::ConnectedLightPdf(const BdptVertex &light, const BdptVertex &from, const BdptVertex &beyond,
+                                     const SampledWavelengths &lambda) const {
+    const LightPart part = lights_[light.light];
+    const Float pmf = connecting_.PMF(BdptQuery(from, beyond, lambda), light.light);
+    if (light.isBeyondScene ? IsDelta(part.Kind()) : light.n == Normal3(0)) return pmf;
+    const LightSampleContext context = LightContextAt(from.surface.point);
+    const Vector3 wi = from.Towards(light);
+    const ShapePrimitive at = part.Surface();
+    // Of an area light that rays cannot hit PdfLi says 0, because only light sampling finds it.
+    const Float pdf = part.Kind() == LightKind::DeltaPosition && at.shape
+                          ? at.shape->PdfSolidAngle(at.primitive, context, wi, light.p, light.n)
+                          : part.PdfLi(context, wi, light.p, light.n, false);
+    return pmf * light.AreaPdf(from, pdf);
+}
+
+Float BdptWeights::Weight(std::span<const BdptVertex *const> path, int fromLight, Float cameraPdf,
+                          const SampledWavelengths &lambda) const {
+    const int n = static_cast<int>(path.size()), s = fromLight;
+    if (n == 2) return 1;  // light that the camera sees is found by the camera only
+    const auto at = [&](int k) -> const BdptVertex & { return *path[static_cast<size_t>(k)]; };
+    const auto scatterPdf = [&](int k, int from, int to, TransportMode mode) {
+        return at(k).surface.bsdf.Pdf(at(k).Towards(at(from)), at(k).Towards(at(to)), mode);
+    };
+    // The densities of the vertices on both sides of the connection, by the subpath that did not make them.
+    Float cameraAtLightEnd = 0, cameraBefore = 0, lightAtCameraEnd = 0, lightBehind = 0;
+    if (s >= 1)
+        cameraAtLightEnd = s == n - 1
+                               ? cameraPdf
+                               : at(s - 1).AreaPdf(at(s), scatterPdf(s, s + 1, s - 1, TransportMode::Radiance));
+    if (s >= 2) cameraBefore = at(s - 2).AreaPdf(at(s - 1), scatterPdf(s - 1, s, s - 2, TransportMode::Radiance));
+    if (s <= n - 2)
+        lightAtCameraEnd = s == 0   ? LightPdf(at(0), at(1))
+                           : s == 1 ? FirstStepPdf(at(0), at(1))
+                                    : at(s).AreaPdf(at(s - 1), scatterPdf(s - 1, s - 2, s, TransportMode::Importance));
+    if (s + 1 <= n - 2)
+        lightBehind = s == 0 ? FirstStepPdf(at(0), at(1))
+                             : at(s + 1).AreaPdf(at(s), scatterPdf(s, s - 1, s + 1, TransportMode::Importance));
+    // At the connection both ends scatter without a delta, whatever their subpaths did there.
+    const auto isSpecular = [&](int k) { return k != s - 1 && k != s && at(k).isSpecular; };
+    // Where a vertex is reached by specular scattering, its density is a delta, for whichever side comes that way. It is
+    // part of every strategy's density exactly once, and so it is left out everywhere.
+    const auto lightPdf = [&](int k) -> Float {
+        if (k >= 1 && isSpecular(k - 1)) return 1;
+        return k < s ? at(k).pdfForward : k == s ? lightAtCameraEnd : k == s + 1 ? lightBehind : at(k).pdfReverse;
+    };
+    const auto cameraPdfOf = [&](int k) -> Float {
+        if (k + 1 < n && isSpecular(k + 1)) return 1;
+        return k >= s ? at(k).pdfForward : k == s - 1 ? cameraAtLightEnd : k == s - 2 ? cameraBefore : at(k).pdfReverse;
+    };
+    const bool canBeHit = !IsDelta(lights_[at(0).light].Kind());
+    // How a strategy with i vertices from the light compares to what the densities of light subpaths say: a single light
+    // vertex is chosen for the vertex that sees it.
+    const Float chosen = LightPdf(at(0), at(1));
+    const Float single = chosen > 0 ? ConnectedLightPdf(at(0), at(1), at(2), lambda) / chosen : 0;
+    const auto share = [&](int i, Float density) -> Float {
+        if (i == 0) return canBeHit ? density : 0;
+        if (isSpecular(i - 1) || isSpecular(i)) return 0;
+        return i == 1 ? density * single : density;
+    };
+    const Float own = share(s, 1);
+    if (!(own > 0)) return 0;
+    Float sum = own, density = 1;
+    for (int i = s - 1; i >= 0; --i) {
+        density *= cameraPdfOf(i) / lightPdf(i);
+        sum += share(i, density);
+    }
+    density = 1;
+    for (int i = s + 1; i <= n - 1; ++i) {
+        density *= lightPdf(i - 1) / cameraPdfOf(i - 1);
+        sum += share(i, density);
+    }
+    return std::isfinite(sum) ? own / sum : 0;
+}
+
+}  // namespace pbrt

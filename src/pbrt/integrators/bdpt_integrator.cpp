@@ -129,19 +129,19 @@ SampledSpectrum BdptIntegrator::TraceCamera(Sample &sample) const {
     PathWalk walk(context_, sample.start.ray, sample.start.visible);
     Follow(walk, paths.camera, &paths.cameraCount, pdf, TransportMode::Radiance, sample,
            [&](const PathWalk &w, const SampledSpectrum &beta, Float pdfOfRay) {
-               w.ForEachEmission(sample.lambda, [&](const SampledSpectrum &Le, LightId id, const Point3 &p,
-                                                    const Normal3 &n) {
-                   BdptVertex light;
-                   light.kind = BdptVertex::Kind::Light;
-                   light.light = id;
-                   light.p = p;
-                   light.n = n;
-                   light.isBeyondScene = n == Normal3(0);
-                   light.direction = -w.GetRay().d;
-                   const BdptVertex &last = paths.camera[static_cast<size_t>(paths.cameraCount - 1)];
-                   light.pdfForward = light.AreaPdf(last, pdfOfRay);
-                   L += beta * Le * WeightOf(sample, 0, paths.cameraCount, &light, 0);
-               });
+               w.ForEachEmission(sample.lambda,
+                                 [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
+                                     BdptVertex light;
+                                     light.kind = BdptVertex::Kind::Light;
+                                     light.light = id;
+                                     light.p = p;
+                                     light.n = n;
+                                     light.isBeyondScene = n == Normal3(0);
+                                     light.direction = -w.GetRay().d;
+                                     const BdptVertex &last = paths.camera[static_cast<size_t>(paths.cameraCount - 1)];
+                                     light.pdfForward = light.AreaPdf(last, pdfOfRay);
+                                     L += beta * Le * WeightOf(sample, 0, paths.cameraCount, &light, 0);
+                                 });
            });
     return L;
 }
@@ -233,8 +233,8 @@ void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices) const {
 SampledSpectrum BdptIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     ++ThreadCounters().cameraPaths;
     Subpaths &paths = subpaths_[static_cast<size_t>(ThreadIndex())];
-    Sample sample{start, lambda, sampler, paths, start.ray.ray.time,
-                  static_cast<Float>(start.pass->film.PixelBounds().Area())};
+    Sample sample{
+        start, lambda, sampler, paths, start.ray.ray.time, static_cast<Float>(start.pass->film.PixelBounds().Area())};
     TraceLight(sample);
     SampledSpectrum L = TraceCamera(sample);
     for (int t = 2; t <= paths.cameraCount; ++t) {

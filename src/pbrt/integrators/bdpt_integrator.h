@@ -4,8 +4,8 @@
 
 namespace pbrt {
 
-/// Bidirectional path tracing: a path from a light and one from the camera, and every connection between a vertex of one
-/// and a vertex of the other, weighted by the balance heuristic (Veach 1997, chapter 10). Surfaces only.
+/// Bidirectional path tracing: a path from a light and one from the camera, and every connection between a vertex of
+/// one and a vertex of the other, weighted by the balance heuristic (Veach 1997, chapter 10). Surfaces only.
 class BdptIntegrator final : public PixelIntegrator {
   public:
     /// The camera can connect (Camera::CanConnect). Subpaths have at most kMaxSubpath surfaces.
@@ -26,11 +26,11 @@ class BdptIntegrator final : public PixelIntegrator {
     struct Sample;
     void TraceLight(Sample &sample) const;
     SampledSpectrum TraceCamera(Sample &sample) const;
-    /// Follows a walk whose next ray has this density by solid angle (or, beyond the scene, by area across it). `emitted`
-    /// is called for every light that it meets.
+    /// Follows a walk whose next ray has this density by solid angle (or, beyond the scene, by area across it).
+    /// `emitted` is called for every light that it meets.
     template <class Emitted>
-    void Follow(PathWalk &walk, std::span<BdptVertex> vertices, int *count, Float pdf, TransportMode mode, Sample &sample,
-                Emitted &&emitted) const;
+    void Follow(PathWalk &walk, std::span<BdptVertex> vertices, int *count, Float pdf, TransportMode mode,
+                Sample &sample, Emitted &&emitted) const;
     SampledSpectrum ConnectToLight(Sample &sample, int cameraVertices) const;
     SampledSpectrum ConnectSubpaths(Sample &sample, int lightVertices, int cameraVertices) const;
     void ConnectToCamera(Sample &sample, int lightVertices) const;

@@ -18,15 +18,13 @@ Float BdptWeights::LightPdf(const BdptVertex &light, const BdptVertex &next) con
         // The position of a distant light is its direction, and that of an invisible area light has a density.
         if (light.isBeyondScene || light.n == Normal3(0)) return pmf;
     }
-    const LightLePdf pdf =
-        part.PdfLe(light.isBeyondScene ? next.Position() : light.p, light.n, light.Towards(next));
+    const LightLePdf pdf = part.PdfLe(light.isBeyondScene ? next.Position() : light.p, light.n, light.Towards(next));
     return pmf * (light.isBeyondScene ? pdf.direction : pdf.position);
 }
 
 Float BdptWeights::FirstStepPdf(const BdptVertex &light, const BdptVertex &next) const {
     const Vector3 w = light.Towards(next);
-    const LightLePdf pdf =
-        lights_[light.light].PdfLe(light.isBeyondScene ? next.Position() : light.p, light.n, w);
+    const LightLePdf pdf = lights_[light.light].PdfLe(light.isBeyondScene ? next.Position() : light.p, light.n, w);
     if (!light.isBeyondScene) return next.AreaPdf(light, pdf.direction);
     return pdf.position * (next.IsSurface() ? AbsDot(next.Normal(), w) : Float(1));
 }
@@ -57,9 +55,8 @@ Float BdptWeights::Weight(std::span<const BdptVertex *const> path, int fromLight
     // The densities of the vertices on both sides of the connection, by the subpath that did not make them.
     Float cameraAtLightEnd = 0, cameraBefore = 0, lightAtCameraEnd = 0, lightBehind = 0;
     if (s >= 1)
-        cameraAtLightEnd = s == n - 1
-                               ? cameraPdf
-                               : at(s - 1).AreaPdf(at(s), scatterPdf(s, s + 1, s - 1, TransportMode::Radiance));
+        cameraAtLightEnd =
+            s == n - 1 ? cameraPdf : at(s - 1).AreaPdf(at(s), scatterPdf(s, s + 1, s - 1, TransportMode::Radiance));
     if (s >= 2) cameraBefore = at(s - 2).AreaPdf(at(s - 1), scatterPdf(s - 1, s, s - 2, TransportMode::Radiance));
     if (s <= n - 2)
         lightAtCameraEnd = s == 0   ? LightPdf(at(0), at(1))
@@ -70,8 +67,8 @@ Float BdptWeights::Weight(std::span<const BdptVertex *const> path, int fromLight
                              : at(s + 1).AreaPdf(at(s), scatterPdf(s, s - 1, s + 1, TransportMode::Importance));
     // At the connection both ends scatter without a delta, whatever their subpaths did there.
     const auto isSpecular = [&](int k) { return k != s - 1 && k != s && at(k).isSpecular; };
-    // Where a vertex is reached by specular scattering, its density is a delta, for whichever side comes that way. It is
-    // part of every strategy's density exactly once, and so it is left out everywhere.
+    // Where a vertex is reached by specular scattering, its density is a delta, for whichever side comes that way. It
+    // is part of every strategy's density exactly once, and so it is left out everywhere.
     const auto lightPdf = [&](int k) -> Float {
         if (k >= 1 && isSpecular(k - 1)) return 1;
         return k < s ? at(k).pdfForward : k == s ? lightAtCameraEnd : k == s + 1 ? lightBehind : at(k).pdfReverse;
@@ -81,8 +78,8 @@ Float BdptWeights::Weight(std::span<const BdptVertex *const> path, int fromLight
         return k >= s ? at(k).pdfForward : k == s - 1 ? cameraAtLightEnd : k == s - 2 ? cameraBefore : at(k).pdfReverse;
     };
     const bool canBeHit = !IsDelta(lights_[at(0).light].Kind());
-    // How a strategy with i vertices from the light compares to what the densities of light subpaths say: a single light
-    // vertex is chosen for the vertex that sees it.
+    // How a strategy with i vertices from the light compares to what the densities of light subpaths say: a single
+    // light vertex is chosen for the vertex that sees it.
     const Float chosen = LightPdf(at(0), at(1));
     const Float single = chosen > 0 ? ConnectedLightPdf(at(0), at(1), at(2), lambda) / chosen : 0;
     const auto share = [&](int i, Float density) -> Float {

@@ -22,8 +22,8 @@ struct BdptVertex {
     LightId light{};
     Point3 p{};
     Vector3 pError{};
-    Normal3 n{};                  ///< zero where there is no surface
-    Vector3 direction{0, 0, 1};   ///< of light from beyond the scene
+    Normal3 n{};                 ///< zero where there is no surface
+    Vector3 direction{0, 0, 1};  ///< of light from beyond the scene
     bool isBeyondScene = false;
 
     bool IsSurface() const { return kind == Kind::Surface; }

@@ -12,7 +12,7 @@ namespace pbrt {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+double SecondsPassedSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
 /// What a picture may cost before the first one has told.
 constexpr double kSecondsPerPixel = 5e-8;
@@ -43,7 +43,7 @@ double LiveView::AfterWave(const Film &film, int samples) {
     // The viewers' threads take time from all threads of the render together.
     const double spent = spent_ + board_->Charged() / ThreadCount();
     const double due = (spent + lastCost_ - kFirstSeconds) / kMaxShare;
-    const double elapsed = SecondsSince(begin_);
+    const double elapsed = SecondsPassedSince(begin_);
     if (elapsed < due) return due - elapsed;
     Take(film, LivePicture::State::Growing, samples);
     lastCost_ = std::max(lastCost_ / 2, spent_ + board_->Charged() / ThreadCount() - spent);
@@ -53,7 +53,7 @@ double LiveView::AfterWave(const Film &film, int samples) {
 void LiveView::Take(const Film &film, LivePicture::State state, int samples) {
     const Clock::time_point start = Clock::now();
     board_->Put(film.Colors(), state, samples);
-    spent_ += SecondsSince(start);
+    spent_ += SecondsPassedSince(start);
 }
 
 void LiveView::Finish(const Film &film, int samples, bool isInterrupted) {

@@ -18,14 +18,18 @@ else
   options=(-DPBRT_UNITY=ON -DPBRT_TESTS=OFF -DPBRT_BENCH=OFF)
 fi
 echo "Building (the first time: some minutes; log in ${build#"$top/"}.log)"
-bash "$top/.ci/build" "$build" "${options[@]+"${options[@]}"}" -- pbrt imgtool &
-building=$!
-while kill -0 $building 2> /dev/null; do
-  [ -t 1 ] && printf '\r  %s  ' "$(grep -oE '^\[[0-9]+/[0-9]+\]' "$build.log" 2> /dev/null | tail -1)"
-  sleep 1
-done
-wait $building
-[ -t 1 ] && printf '\r'
+# On a terminal the counter of ninja is shown beside it; the build itself is in the foreground, so that Ctrl-C ends it.
+watching=""
+if [ -t 1 ]; then
+  while sleep 1; do printf '\r  %s  ' "$(grep -oE '^\[[0-9]+/[0-9]+\]' "$build.log" 2> /dev/null | tail -1)"; done &
+  watching=$!
+  trap 'kill "$watching" 2> /dev/null || true' EXIT
+fi
+bash "$top/.ci/build" "$build" "${options[@]+"${options[@]}"}" -- pbrt imgtool
+if [ -n "$watching" ]; then
+  kill "$watching" 2> /dev/null || true
+  printf '\r'
+fi
 pbrt="$build/src/pbrt/cmd/pbrt/pbrt"
 imgtool="$build/src/pbrt/cmd/imgtool/imgtool"
 mkdir -p "$out"

@@ -13,7 +13,7 @@ from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 
 PBRT, OUT = (str(pathlib.Path(p).resolve()) for p in sys.argv[1:3])
-SCENE = pathlib.Path(__file__).resolve().parents[2] / "scenes/three-lights/three-lights.pbrt"
+SCENE = pathlib.Path(__file__).resolve().parents[3] / "scenes/three-lights/three-lights.pbrt"
 
 with tempfile.TemporaryDirectory() as folder:
     options = webdriver.ChromeOptions()

@@ -24,6 +24,10 @@ struct EmitterItem {
     EmitterFeature feature{};
 };
 
+/// The children of a node of at least this many emitters are built in parallel; LightTree splits such nodes at the
+/// median.
+inline constexpr size_t kManyEmitters = 4096;
+
 /// Sets the features of all items, relative to the box around their own places.
 inline void FindFeatures(std::span<EmitterItem> items, std::span<const Emitter> emitters) {
     Bounds3 cloud;

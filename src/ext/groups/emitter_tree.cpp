@@ -9,13 +9,6 @@
 
 namespace ext {
 
-namespace {
-
-/// The children of a node of at least this many emitters are built in parallel.
-constexpr size_t kManyItems = 4096;
-
-}  // namespace
-
 struct EmitterTree::Cluster {
     size_t begin = 0, end = 0;
     double spread = 0;  ///< along the widest axis; negative: one emitter
@@ -78,7 +71,7 @@ uint32_t EmitterTree::Part::Add(std::span<EmitterItem> items, std::span<const Em
     wholes.push_back(whole);
     children.resize(firstChild + clusters.size());
 
-    const bool asTasks = items.size() >= kManyItems;
+    const bool asTasks = items.size() >= kManyEmitters;
     std::vector<Part> parts(asTasks ? clusters.size() : 0);
     auto build = [&](size_t c) {
         std::span<EmitterItem> below = items.subspan(clusters[c].begin, clusters[c].end - clusters[c].begin);

@@ -11,8 +11,6 @@ namespace ext {
 
 namespace {
 
-/// A node of at least this many lights is split at the median, and its children are built in parallel.
-constexpr uint32_t kManyItemsOfTree = 4096;
 /// Each child has at least 1 / kMinPart of its node's lights, so that the depth stays logarithmic.
 constexpr uint32_t kMinPart = 8;
 
@@ -64,7 +62,7 @@ class LightTree::Builder {
             Emitter first, second;
             auto addFirst = [&] { first = Add(node + 1, begin, middle); };
             auto addSecond = [&] { second = Add(node + 2 * (middle - begin), middle, end); };
-            if (end - begin >= kManyItemsOfTree) {
+            if (end - begin >= kManyEmitters) {
                 ParallelInvoke(addFirst, addSecond);
             } else {
                 addFirst();
@@ -83,7 +81,7 @@ class LightTree::Builder {
         const std::span<EmitterItem> items(items_.data() + begin, end - begin);
         FindFeatures(items, emitters_);
         const size_t axis = WidestAxis(items).axis;
-        if (items.size() >= kManyItemsOfTree) {
+        if (items.size() >= kManyEmitters) {
             const size_t middle = items.size() / 2;
             std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(),
                              LessAlong{axis});

@@ -107,8 +107,6 @@ struct AmbientOcclusionParams {
     }
 };
 
-bool FollowsLight(std::string_view integrator) { return integrator == "lightpath" || integrator == "bdpt"; }
-
 /// An integrator without a light sampler; `make(p, maxDepth, context, film's colour space)`.
 template <class P, class F>
 void AddSimple(IntegratorTable &table, const char *name, F make, const char *remark = "") {
@@ -119,7 +117,6 @@ void AddSimple(IntegratorTable &table, const char *name, F make, const char *rem
                                        "\"{}\".",
                                        name));
         IntegratorSettings settings;
-        settings.followsLight = FollowsLight(name);
         if constexpr (std::is_base_of_v<DepthParams, P>) settings.maxDepth = p.MaxDepth(r);
         settings.make = [p, make, depth = settings.maxDepth](const PathContext &context, const ColorSpace &space) {
             return make(p, depth, context, space);
@@ -167,8 +164,8 @@ const IntegratorTable &Integrators() {
             [](const auto &p, int depth, const PathContext &c, const ColorSpace &) {
                 return std::make_unique<BdptIntegrator>(c, depth, p.regularize);
             },
-            "surfaces only; cameras and shading normals as lightpath; `visualizestrategies` and `visualizeweights` are "
-            "not built");
+            "surfaces only, at most 1,000 of them from either side; cameras and shading normals as lightpath; "
+            "`visualizestrategies` and `visualizeweights` are not built");
         AddSimple<AmbientOcclusionParams>(
             t, "ambientocclusion", [](const auto &p, int, const PathContext &c, const ColorSpace &space) {
                 return std::make_unique<AmbientOcclusionIntegrator>(c, p.cosine, p.maxDistance, space);
@@ -186,6 +183,8 @@ const std::vector<std::string> &UnsupportedIntegrators() {
 const std::string &IntegratorType(const Entity &entity, const BuildOptions &options) {
     return options.integrator.empty() ? entity.type : options.integrator;
 }
+
+bool FollowsLight(const std::string &integrator) { return integrator == "lightpath" || integrator == "bdpt"; }
 
 bool SeesThroughInterfaces(const std::string &integrator) { return integrator == "volpath" || integrator == "bdpt"; }
 
@@ -221,7 +220,7 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
 
 BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathContext &context,
                                const ColorSpace &filmSpace, DiagnosticSink &sink) {
-    if (settings.followsLight && !context.camera.CanConnect())
+    if (FollowsLight(settings.type) && !context.camera.CanConnect())
         sink.Error({}, fmt::format("Integrator \"{}\" follows light to the camera, which works with the cameras "
                                    "\"perspective\" and \"orthographic\" only.",
                                    settings.type));

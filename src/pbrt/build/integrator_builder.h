@@ -14,7 +14,6 @@ struct IntegratorSettings {
     std::string type;
     int maxDepth = 5;
     std::optional<LightSelection> lights;  ///< of path and volpath
-    bool followsLight = false;             ///< from the lights to the camera, which must be able to connect
     /// May be called only if reading gave no errors; the registry used then must still exist.
     std::function<std::unique_ptr<Integrator>(const PathContext &, const ColorSpace &filmSpace)> make;
 };
@@ -42,6 +41,8 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathCon
 
 /// The type of the integrator to be used: that of the scene's entity, or the one that --integrator names.
 const std::string &IntegratorType(const Entity &entity, const BuildOptions &options);
+/// True if light is followed from the lights to the camera, which must be able to connect (Camera::CanConnect).
+bool FollowsLight(const std::string &integrator);
 /// True if light sampling passes interface surfaces; the scene's geometry is built for it.
 bool SeesThroughInterfaces(const std::string &integrator);
 /// True if light is followed through media.

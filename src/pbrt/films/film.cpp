@@ -72,7 +72,7 @@ void Film::Load(std::istream &in) { Add(in, true); }
 void Film::Merge(std::istream &in) { Add(in, false); }
 
 void Film::TakeSums(StateWriter &out) {
-    // Whether there is room for splats; the room itself is one of the blocks' sizes.
+    // The film that adds these sums must know, before it reads them, whether it needs room for splats.
     const std::vector<StateBlock> blocks = Blocks();
     out.Value(HasSplats(blocks));
     pbrt::TakeSums(out, blocks);

@@ -3,8 +3,8 @@
 #include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/integrators/filtered_splat.h"
-#include "pbrt/integrators/light_path_integrator.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
+#include "pbrt/paths/adjoint_cosine.h"
 
 namespace pbrt {
 

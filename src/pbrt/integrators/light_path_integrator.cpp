@@ -3,6 +3,7 @@
 #include "pbrt/core/counters.h"
 #include "pbrt/integrators/filtered_splat.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
+#include "pbrt/paths/adjoint_cosine.h"
 
 namespace pbrt {
 

@@ -23,12 +23,4 @@ class LightPathIntegrator final : public PixelIntegrator {
     std::unique_ptr<LightSampler> lights_;
 };
 
-/// Light that came from `wo` and leaves towards `wi`, seen as the adjoint of radiance that goes the other way: the
-/// factor that turns a cosine at the shading normal into what shading normals stand for (Veach 1997, section 5.3.2).
-/// Without it light paths and camera paths make different pictures.
-inline Float AdjointCosine(const SurfacePoint &point, const Vector3 &wo, const Vector3 &wi) {
-    const Float geometric = AbsDot(wo, point.n);
-    return geometric > 0 ? AbsDot(wo, point.shading.n) * AbsDot(wi, point.n) / geometric : 0;
-}
-
 }  // namespace pbrt

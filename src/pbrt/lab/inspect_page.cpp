@@ -14,14 +14,7 @@ namespace {
 
 constexpr size_t kMaxLights = 100;
 
-constexpr const char *kHead = R"(<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; img-src 'self' file: data:; style-src 'unsafe-inline'">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<link rel="icon" href="data:,">
-<style>
+constexpr const char *kHead = R"(<style>
 :root { color-scheme: light dark; }
 body { margin: 0 auto; max-width: 1400px; padding: 24px 28px; font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; }
 h1 { margin: 0; font-size: 28px; } h2 { margin: 32px 0 12px; font-size: 19px; }
@@ -95,7 +88,7 @@ std::string InspectPage(const Json &inspection, const std::string &structure) {
     const Json &layers = inspection.at("layers"), &lights = inspection.at("lights");
     const std::string sampler = EscapeHtml(inspection.value("sampler", "")),
                       scene = EscapeHtml(inspection.value("scene", Json::array()).dump());
-    std::string page = kHead;
+    std::string page = std::string(kPageHead) + kHead;
     page += fmt::format("<title>{} · lightlab inspect</title>\n</head>\n<body>\n<h1>{}</h1>\n", sampler, sampler);
     page += fmt::format(
         "<p>What the light sampler knows where the camera first meets a surface that is not purely specular. Scene: "

@@ -11,6 +11,7 @@
 #include "pbrt/core/files.h"
 #include "pbrt/lab/html.h"
 #include "pbrt/lab/run_record.h"
+#include "pbrt/lab/text_table.h"
 
 namespace pbrt {
 
@@ -18,15 +19,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using lab::EscapeHtml;
+using lab::Quoted;
 
-constexpr const char *kHead = R"(<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; img-src 'self' file: data:; style-src 'unsafe-inline'">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<link rel="icon" href="data:,">
-<title>lightlab: all scenes</title>
+constexpr const char *kHead = R"(<title>lightlab: all scenes</title>
 <style>
 :root { color-scheme: light dark; --soft: #5b636e; --line: #d5d9de; --best: #0b6b43; --bad: #a3210f; --link: #0a58a6; }
 @media (prefers-color-scheme: dark) {
@@ -94,10 +89,6 @@ class Grid {
     std::vector<std::map<std::string, Cell>> rows_;
 };
 
-std::string Quoted(const std::string &text) {
-    return text.find_first_of(",\"") == std::string::npos ? text : "\"" + text + "\"";
-}
-
 std::string Csv(const std::vector<SceneOutcome> &outcomes) {
     std::string text = "scene,sampler,relL2,relL2StandardError,wins,biasVerdict,speedUp,results\n";
     for (const SceneOutcome &o : outcomes) {
@@ -164,7 +155,7 @@ std::string PageRow(const std::string &folder, const SceneOutcome &o, size_t ind
 
 std::string Page(const std::string &folder, const std::vector<SceneOutcome> &outcomes) {
     const Grid grid(outcomes);
-    std::string page = kHead;
+    std::string page = std::string(lab::kPageHead) + kHead;
     page += fmt::format(
         "<h1>{} scenes</h1>\n<p class=\"soft\">{}. ★: the winner, where the conclusion names one. Red: biased. Each "
         "picture leads to the scene's report.</p>\n<div class=\"wide\"><table id=\"scenes\">\n<thead><tr><th></th>"
@@ -223,15 +214,7 @@ std::string ScenesText(const std::vector<SceneOutcome> &outcomes) {
             rows.back().push_back(ratio ? fmt::format("{:.3g}", *ratio) : "-");
         }
     }
-    std::vector<size_t> widths(rows[0].size(), 0);
-    for (const auto &row : rows)
-        for (size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
-    std::string text;
-    for (const auto &row : rows) {
-        for (size_t c = 0; c < row.size(); ++c)
-            text += c == 0 ? fmt::format("{:<{}}", row[c], widths[c]) : fmt::format("  {:>{}}", row[c], widths[c]);
-        text += "\n";
-    }
+    std::string text = lab::Align(rows);
     text += fmt::format("\n{}. *: the winner. Last row: error over that of the first sampler, geometric mean.\n",
                         Legend(outcomes));
     for (const SceneOutcome &o : outcomes)

@@ -1,4 +1,5 @@
 #pragma once
+#include <chrono>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -69,6 +70,9 @@ class LiveBoard final : public ProgressSink {
     bool isClosed_ = false;
 };
 
+inline double SecondsSince(std::chrono::steady_clock::time_point t) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
+}
 /// CPU seconds of the calling thread.
 double ThreadCpuSeconds();
 

@@ -25,8 +25,6 @@ using Clock = std::chrono::steady_clock;
 /// A browser that asked within this time watches, seconds.
 constexpr double kWatches = 3;
 
-double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
-
 /// What the sessions share. Only the thread of the page uses it.
 struct Shared {
     std::shared_ptr<LiveBoard> board;

@@ -12,7 +12,6 @@ namespace pbrt {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-double SecondsPassedSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
 /// What a picture may cost before the first one has told.
 constexpr double kSecondsPerPixel = 5e-8;
@@ -43,7 +42,7 @@ double LiveView::AfterWave(const Film &film, int samples) {
     // The viewers' threads take time from all threads of the render together.
     const double spent = spent_ + board_->Charged() / ThreadCount();
     const double due = (spent + lastCost_ - kFirstSeconds) / kMaxShare;
-    const double elapsed = SecondsPassedSince(begin_);
+    const double elapsed = SecondsSince(begin_);
     if (elapsed < due) return due - elapsed;
     Take(film, LivePicture::State::Growing, samples);
     lastCost_ = std::max(lastCost_ / 2, spent_ + board_->Charged() / ThreadCount() - spent);
@@ -53,7 +52,7 @@ double LiveView::AfterWave(const Film &film, int samples) {
 void LiveView::Take(const Film &film, LivePicture::State state, int samples) {
     const Clock::time_point start = Clock::now();
     board_->Put(film.Colors(), state, samples);
-    spent_ += SecondsPassedSince(start);
+    spent_ += SecondsSince(start);
 }
 
 void LiveView::Finish(const Film &film, int samples, bool isInterrupted) {

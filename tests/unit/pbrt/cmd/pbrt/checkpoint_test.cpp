@@ -8,26 +8,6 @@
 
 namespace pbrt::test {
 
-namespace {
-
-/// SmallScene with another film, and 80 small lamps that `octree` learns about while it renders.
-std::string Scene(const std::string &film, int samples = 64) {
-    std::string text = SmallScene();
-    const auto replace = [&](const std::string &from, const std::string &to) {
-        const size_t at = text.find(from);
-        ASSERT_NE(at, std::string::npos) << from;
-        text.replace(at, from.size(), to);
-    };
-    replace("\"rgb\" \"integer", "\"" + film + "\" \"integer");
-    replace("\"integer pixelsamples\" 4", "\"integer pixelsamples\" " + std::to_string(samples));
-    for (int i = 0; i < 80; ++i)
-        text += "LightSource \"point\" \"point3 from\" [ " + std::to_string(i % 10 - 5) + " 2 " +
-                std::to_string(i / 10 - 4) + " ] \"rgb I\" [ 0.1 0.2 0.1 ]\n";
-    return text;
-}
-
-}  // namespace
-
 class Checkpoints : public Program {
   protected:
     void SetUp() override {
@@ -55,7 +35,7 @@ class Checkpoints : public Program {
 
 TEST_F(Checkpoints, ARenderThatWasKilledGivesTheSameBits) {
     for (const char *film : {"rgb", "gbuffer", "spectral"}) {
-        Write("scene.pbrt", Scene(film, 512));
+        Write("scene.pbrt", LearningScene(film, 512));
         const std::string arguments = lights_ + " scene.pbrt --nthreads 2 --outfile ";
         const ImageFile whole = Render(lights_ + "scene.pbrt --nthreads 1", "whole.exr");
         const std::string messages = KillAndResume(arguments + "out.exr", 3);
@@ -68,7 +48,7 @@ TEST_F(Checkpoints, ARenderThatWasKilledGivesTheSameBits) {
 }
 
 TEST_F(Checkpoints, AFinishedRenderGoesOnWithMoreSamples) {
-    Write("scene.pbrt", Scene("gbuffer", 8));
+    Write("scene.pbrt", LearningScene("gbuffer", 8));
     RunWell(lights_ + "scene.pbrt --checkpoint a.chk --outfile eight.exr");
     // The same at once, without more, and step by step.
     const ImageFile eight = ReadImage(Path("eight.exr"));
@@ -87,7 +67,7 @@ TEST_F(Checkpoints, AFinishedRenderGoesOnWithMoreSamples) {
 }
 
 TEST_F(Checkpoints, TimedRendersGoOnAndHaveTheBitsOfTheirNumberOfSamples) {
-    Write("scene.pbrt", Scene("rgb", 8));
+    Write("scene.pbrt", LearningScene("rgb", 8));
     // A finished run has no time left; a longer time adds samples. Time that was spent counts.
     RunWell(lights_ + "scene.pbrt --time 0.5 --checkpoint t.chk --outfile t.exr");
     const int first = IntOf(ReadImage(Path("t.exr")), "samplesPerPixel");
@@ -101,7 +81,7 @@ TEST_F(Checkpoints, TimedRendersGoOnAndHaveTheBitsOfTheirNumberOfSamples) {
 }
 
 TEST_F(Checkpoints, InterruptedRendersKeepEverySample) {
-    Write("scene.pbrt", Scene("rgb", 1024));
+    Write("scene.pbrt", LearningScene("rgb", 1024));
     const std::string arguments = lights_ + "scene.pbrt --outfile out.exr --checkpoint c.chk";
     const pid_t pid = Start(arguments);
     // The first samples are done once the program renders; it is then amid a wave.
@@ -119,9 +99,9 @@ TEST_F(Checkpoints, InterruptedRendersKeepEverySample) {
 }
 
 TEST_F(Checkpoints, OtherRendersAreRefusedByWhatDiffers) {
-    Write("scene.pbrt", Scene("rgb", 4));
+    Write("scene.pbrt", LearningScene("rgb", 4));
     Write("part.pbrt", "Shape \"sphere\" \"float radius\" 0.1\n");
-    Write("more.pbrt", Scene("rgb", 4) + "Include \"part.pbrt\"\n");
+    Write("more.pbrt", LearningScene("rgb", 4) + "Include \"part.pbrt\"\n");
     RunWell("more.pbrt --maxdepth 2 --checkpoint c.chk --outfile out.exr");
     const std::string resume = "--checkpoint c.chk --resume --outfile out.exr ";
     ExpectErrors(
@@ -139,7 +119,7 @@ TEST_F(Checkpoints, OtherRendersAreRefusedByWhatDiffers) {
 }
 
 TEST_F(Checkpoints, DamagedFilesAreRefused) {
-    Write("scene.pbrt", Scene("rgb", 2));
+    Write("scene.pbrt", LearningScene("rgb", 2));
     const std::string arguments = lights_ + "scene.pbrt --outfile out.exr --checkpoint c.chk";
     RunWell(arguments);
     const std::string whole = Read("c.chk");
@@ -178,7 +158,7 @@ class Parts : public Checkpoints {
 
 TEST_F(Parts, MergedInAnyOrderHaveTheBitsOfOneRender) {
     for (const char *film : {"rgb", "gbuffer", "spectral"}) {
-        Write("scene.pbrt", Scene(film, 16));
+        Write("scene.pbrt", LearningScene(film, 16));
         // With what one render learned, and without learning.
         std::string lights = " --lightsampler bvh ";
         if (ext_ && std::string(film) != "rgb") {
@@ -211,8 +191,8 @@ TEST_F(Parts, MergedInAnyOrderHaveTheBitsOfOneRender) {
 }
 
 TEST_F(Parts, PartsOfOtherRendersAndUnfinishedOnesAreRefused) {
-    Write("scene.pbrt", Scene("rgb", 4));
-    Write("other.pbrt", Scene("rgb", 4) + "Shape \"sphere\" \"float radius\" 0.2\n");
+    Write("scene.pbrt", LearningScene("rgb", 4));
+    Write("other.pbrt", LearningScene("rgb", 4) + "Shape \"sphere\" \"float radius\" 0.2\n");
     RunWell("scene.pbrt --samples 0:2 --checkpoint a");
     RunWell("scene.pbrt --samples 2:4 --checkpoint b --maxdepth 2");
     RunWell("other.pbrt --samples 2:4 --checkpoint c");
@@ -222,7 +202,7 @@ TEST_F(Parts, PartsOfOtherRendersAndUnfinishedOnesAreRefused) {
     ExpectRefused("refused.exr a d", "the render has 8 samples per pixel, but 4 in a");
     ExpectRefused("refused.exr a scene.pbrt", "scene.pbrt: is not a checkpoint");
     ExpectRefused("refused.jpeg2 a", "refused.jpeg2");
-    Write("long.pbrt", Scene("rgb", 4096));
+    Write("long.pbrt", LearningScene("rgb", 4096));
     const pid_t pid = Start("long.pbrt --samples 0:4096 --checkpoint e --checkpoint-interval 0.01");
     EXPECT_TRUE(WaitUntil([&] { return Exists("e"); }));
     kill(pid, SIGKILL);
@@ -238,7 +218,7 @@ TEST_F(Parts, PartsOfOtherRendersAndUnfinishedOnesAreRefused) {
 
 TEST_F(Parts, ThatLearnForThemselvesAgreeAsWell) {
     if (!ext_) GTEST_SKIP() << "NOT TESTED: no light sampler of this build learns while it renders";
-    Write("scene.pbrt", Scene("rgb", 16));
+    Write("scene.pbrt", LearningScene("rgb", 16));
     const ImageFile whole = Render(lights_ + "scene.pbrt", "whole.exr");
     RunWell(lights_ + "scene.pbrt --samples 0:3 --checkpoint a");
     RunWell(lights_ + "scene.pbrt --samples 3:16 --checkpoint b");
@@ -254,7 +234,7 @@ class SharedLights : public Checkpoints {
     }
     /// The scene with the camera moved by x.
     std::string Frame(double x) const {
-        std::string text = Scene("rgb", 16);
+        std::string text = LearningScene("rgb", 16);
         const std::string look = "LookAt 0 1 -5  0 0 0";
         return text.replace(text.find(look), look.size(), "LookAt " + std::to_string(x) + " 1 -5  0 0 0");
     }

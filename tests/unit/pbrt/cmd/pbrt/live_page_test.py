@@ -5,7 +5,6 @@ import json
 import os
 import pathlib
 import re
-import shutil
 import signal
 import socket
 import subprocess
@@ -18,23 +17,11 @@ import urllib.request
 
 PBRT, IMGTOOL = (str(pathlib.Path(p).resolve()) for p in sys.argv[1:3])
 
-
-def skip(what):
-    print(f"SKIPPED: the live page was not tested in a browser: {what} is missing "
-          "(Debian: chromium chromium-driver python3-selenium)")
-    sys.exit(77)
-
-
-try:
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
-    from selenium.webdriver.common.by import By
-    from selenium.webdriver.support.ui import WebDriverWait
-except ImportError:
-    skip("python3-selenium")
-BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-if not BROWSER or not DRIVER:
-    skip("chromium" if not BROWSER else "chromedriver")
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[4] / "support"))
+import browser  # noqa: E402
+from selenium.webdriver.common.by import By  # noqa: E402
+from selenium.webdriver.support.ui import WebDriverWait  # noqa: E402
 
 SCENE = """LookAt 0 1.4 -5  0 0.1 0  0 1 0
 Camera "perspective" "float fov" 40
@@ -59,13 +46,7 @@ class LivePage(unittest.TestCase):
     def setUpClass(cls):
         holder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(holder.cleanup)
-        options = webdriver.ChromeOptions()
-        options.binary_location = BROWSER
-        for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-                         "--window-size=1100,1000", f"--user-data-dir={holder.name}/profile"):
-            options.add_argument(argument)
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        cls.driver = webdriver.Chrome(service=Service(DRIVER), options=options)
+        cls.driver = browser.start(f"{holder.name}/profile", "1100,1000", ["browser"])
         cls.addClassCleanup(cls.driver.quit)
 
     def setUp(self):

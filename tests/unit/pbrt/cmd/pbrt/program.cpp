@@ -136,6 +136,21 @@ AttributeEnd
 )";
 }
 
+std::string LearningScene(const std::string &film, int samples) {
+    std::string text = SmallScene();
+    const auto replace = [&](const std::string &from, const std::string &to) {
+        const size_t at = text.find(from);
+        ASSERT_NE(at, std::string::npos) << from;
+        text.replace(at, from.size(), to);
+    };
+    replace("\"rgb\" \"integer", "\"" + film + "\" \"integer");
+    replace("\"integer pixelsamples\" 4", "\"integer pixelsamples\" " + std::to_string(samples));
+    for (int i = 0; i < 80; ++i)
+        text += "LightSource \"point\" \"point3 from\" [ " + std::to_string(i % 10 - 5) + " 2 " +
+                std::to_string(i / 10 - 4) + " ] \"rgb I\" [ 0.1 0.2 0.1 ]\n";
+    return text;
+}
+
 bool Has(const std::string &text, const std::string &part) { return text.find(part) != std::string::npos; }
 
 namespace {

@@ -61,6 +61,8 @@ class Program : public ::testing::Test {
 /// A scene of 32 x 24 pixels and 4 samples: a sphere under a light of two triangles and a point light, written to
 /// scene.exr. `integrator` is added to the parameters of the path integrator (line 5).
 std::string SmallScene(const std::string &integrator = "");
+/// The same with another film, and 80 small lamps that `octree` learns about while it renders.
+std::string LearningScene(const std::string &film, int samples = 64);
 
 bool Has(const std::string &text, const std::string &part);
 int IntOf(const ImageFile &file, const std::string &attribute);

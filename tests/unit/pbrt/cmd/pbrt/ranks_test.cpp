@@ -19,22 +19,6 @@ constexpr const char *kMpirun = PBRT_MPIRUN;
 constexpr const char *kMpirun = "";
 #endif
 
-/// The small scene with another film and sampler, and 80 small lamps that `octree` learns about while it renders.
-std::string Scene(const std::string &film, int samples) {
-    std::string text = SmallScene();
-    const auto replace = [&](const std::string &from, const std::string &to) {
-        const size_t at = text.find(from);
-        ASSERT_NE(at, std::string::npos) << from;
-        text.replace(at, from.size(), to);
-    };
-    replace("\"rgb\" \"integer", "\"" + film + "\" \"integer");
-    replace("\"integer pixelsamples\" 4", "\"integer pixelsamples\" " + std::to_string(samples));
-    for (int i = 0; i < 80; ++i)
-        text += "LightSource \"point\" \"point3 from\" [ " + std::to_string(i % 10 - 5) + " 2 " +
-                std::to_string(i / 10 - 4) + " ] \"rgb I\" [ 0.1 0.2 0.1 ]\n";
-    return text;
-}
-
 /// A sky that is seen through a gap only, and nothing else that shines.
 std::string SkyScene() {
     std::string text = SmallScene();
@@ -91,7 +75,7 @@ class Mpi : public Program {
 
 TEST_F(Mpi, AnyNumberOfProcessesGivesTheSameBits) {
     for (const char *film : {"rgb", "gbuffer", "spectral"}) {
-        Write("scene.pbrt", Scene(film, 24));
+        Write("scene.pbrt", LearningScene(film, 24));
         StartAs(1);
         const ImageFile one = Render(lights_ + "scene.pbrt --nthreads 1");
         // All numbers with the film that holds most, one each with the others.
@@ -108,7 +92,7 @@ TEST_F(Mpi, AnyNumberOfProcessesGivesTheSameBits) {
 }
 
 TEST_F(Mpi, WithoutLearningAndUnderASky) {
-    Write("scene.pbrt", Scene("rgb", 5));
+    Write("scene.pbrt", LearningScene("rgb", 5));
     Write("sky.pbrt", SkyScene());
     const std::vector<std::string> cases = {"--lightsampler bvh scene.pbrt",
                                             (ext_ ? "--lightsampler octree:opensky=1" : lights_) + " --spp 33 sky.pbrt",
@@ -127,7 +111,7 @@ TEST_F(Mpi, WithoutLearningAndUnderASky) {
 }
 
 TEST_F(Mpi, WhereAProcessWasKilledAnyNumberOfThemGoesOn) {
-    Write("scene.pbrt", Scene("gbuffer", 1024));
+    Write("scene.pbrt", LearningScene("gbuffer", 1024));
     const std::string arguments = lights_ + "scene.pbrt --nthreads 1 --checkpoint c.chk --outfile out.exr --resume";
     for (int killed = 0; killed < 2; ++killed) {
         std::error_code none;
@@ -151,7 +135,7 @@ TEST_F(Mpi, WhereAProcessWasKilledAnyNumberOfThemGoesOn) {
 }
 
 TEST_F(Mpi, ASignalToAnyProcessSavesWhatAllHaveDone) {
-    Write("scene.pbrt", Scene("rgb", 2048));
+    Write("scene.pbrt", LearningScene("rgb", 2048));
     const std::string arguments = lights_ + "scene.pbrt --nthreads 1 --checkpoint c.chk --outfile out.exr --resume";
     for (int asked = 0; asked < 2; ++asked) {
         StartAs(2);
@@ -174,7 +158,7 @@ TEST_F(Mpi, ASignalToAnyProcessSavesWhatAllHaveDone) {
 }
 
 TEST_F(Mpi, TimePartsAndSavedLights) {
-    Write("scene.pbrt", Scene("rgb", 32));
+    Write("scene.pbrt", LearningScene("rgb", 32));
     const std::string one = lights_ + "scene.pbrt --nthreads 1 ";
     StartAs(2);
     const ImageFile timed = Render(one + "--time 1.5");
@@ -200,8 +184,8 @@ TEST_F(Mpi, TimePartsAndSavedLights) {
 }
 
 TEST_F(Mpi, ErrorsAreToldOnce) {
-    Write("scene.pbrt", Scene("rgb", 4));
-    Write("wrong.pbrt", Scene("rgb", 4) + "Shape \"spher\"\n");
+    Write("scene.pbrt", LearningScene("rgb", 4));
+    Write("wrong.pbrt", LearningScene("rgb", 4) + "Shape \"spher\"\n");
     StartAs(3);
     struct Case {
         std::string arguments, message;

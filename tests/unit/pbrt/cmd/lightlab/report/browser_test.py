@@ -5,7 +5,6 @@ import json
 import math
 import os
 import pathlib
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -17,35 +16,16 @@ import synthetic_results as synthetic  # noqa: E402
 SCRIPTS = pathlib.Path(os.environ.get("LIGHTLAB_REPORT")
                        or pathlib.Path(__file__).resolve().parents[6] / "src/pbrt/cmd/lightlab/report")
 
-
-def skip(what):
-    print(f"SKIPPED: report.html was not tested in a browser: {what} is missing "
-          "(Debian: chromium chromium-driver python3-selenium)")
-    sys.exit(77)
-
-
-try:
-    from selenium import webdriver
-    from selenium.webdriver import ActionChains, Keys
-    from selenium.webdriver.chrome.service import Service
-    from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
-    from selenium.webdriver.common.by import By
-    from selenium.webdriver.support.ui import WebDriverWait
-except ImportError:
-    skip("python3-selenium")
-BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-if not BROWSER or not DRIVER:
-    skip("chromium" if not BROWSER else "chromedriver")
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[5] / "support"))
+import browser  # noqa: E402
+from selenium.webdriver import ActionChains, Keys  # noqa: E402
+from selenium.webdriver.common.actions.wheel_input import ScrollOrigin  # noqa: E402
+from selenium.webdriver.common.by import By  # noqa: E402
+from selenium.webdriver.support.ui import WebDriverWait  # noqa: E402
 
 
 def start_browser(profile):
-    options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-                     "--window-size=1300,1400", f"--user-data-dir={profile}"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    return webdriver.Chrome(service=Service(DRIVER), options=options)
+    return browser.start(profile, "1300,1400", ["browser", "performance"])
 
 
 class Page(unittest.TestCase):

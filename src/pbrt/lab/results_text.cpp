@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pbrt/lab/results.h"
+#include "pbrt/lab/text_table.h"
 
 namespace pbrt::lab {
 

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/parallel.h"
 #include "pbrt/lights/light_spectrum.h"
+#include "pbrt/math/low_discrepancy.h"
 #include "pbrt/math/rng.h"
 
 namespace ext {
@@ -15,6 +18,10 @@ namespace {
 
 constexpr size_t kLanes = SkyCells::kLanes;
 constexpr int64_t kChunk = 256;
+/// Whether more of the skies is seen than tiles pay for is asked first at 2^kFewestVertexBits to 2^kMostVertexBits of
+/// the vertices, at most half of them, and believed if it is sure by kSure standard errors.
+constexpr int kFewestVertexBits = 6, kMostVertexBits = 10;
+constexpr double kSure = 4;
 constexpr uint64_t kStream = 0x736b79;
 /// If a smaller share of the rays leaves the scene, choosing tiles cannot be worth its time.
 constexpr double kHardlySeen = 0.01;
@@ -159,45 +166,68 @@ SkyCells SkyChoice::MakeCells(const Bounds3 &bounds, float visible) {
     return cells;
 }
 
-void SkyChoice::LookAround(PrepareContext &context, std::span<const PrepassVertex> vertices, int side) {
-    struct Look {
-        Point3 p;
-        Vector3 d;
-        bool left;
-    };
+void SkyChoice::LookFrom(const PrepareContext &context, std::span<const PrepassVertex> vertices, int64_t i, int side,
+                         std::vector<Look> *looks) const {
+    const PrepassVertex &vertex = vertices[static_cast<size_t>(i)];
+    LightMemory memory;
+    Weights weights;
+    Weigh(QueryAt(vertex), memory, &weights);
+    Rng rng(Hash(kStream, context.seed, i));
+    const SampledWavelengths lambda = PowerWavelengths();
+    for (size_t k = 0; k < Count(); ++k)
+        for (int t = 0; t < side * side; ++t) {
+            Point2 u = (Point2(t % side, t / side) + rng.Uniform2()) / static_cast<Float>(side);
+            const std::optional<SampledLight> tile = Sample(weights, k, &u);
+            if (!tile) continue;
+            std::optional<LightLiSample> s = lights_[tile->light].SampleLi(vertex.at, u, lambda, true);
+            if (!s) continue;
+            const Float cosine = Dot(s->wi, vertex.at.ns);
+            if (vertex.at.ns != Normal3(0) && !vertex.transmits && cosine * Dot(vertex.wo, vertex.at.ns) <= 0) continue;
+            looks->push_back({vertex.at.p, s->wi, !context.scene.Occluded(vertex.at, *s)});
+        }
+}
+
+bool SkyChoice::SeesMoreThan(double most, const PrepareContext &context, std::span<const PrepassVertex> vertices,
+                             int side) {
+    const int bits = std::min(static_cast<int>(std::bit_width(vertices.size() / 2)) - 1, kMostVertexBits);
+    if (bits < kFewestVertexBits || most >= 1) return false;
+    const uint64_t first = uint64_t{1} << bits;
+    // Rays of one vertex see much the same, so the vertices tell how sure the share is.
+    double looked = 0, left = 0, looked2 = 0, left2 = 0, both = 0;
+    std::vector<Look> looks;
+    for (uint64_t i = 0; i < first; ++i) {
+        // Neighbours in the picture follow each other among the vertices, so the picture is halved again and again.
+        const uint64_t at = ReverseBits32(static_cast<uint32_t>(i)) >> (32 - bits);
+        looks.clear();
+        LookFrom(context, vertices, static_cast<int64_t>(at * vertices.size() / first), side, &looks);
+        const auto n = static_cast<double>(looks.size());
+        const auto seen = static_cast<double>(std::ranges::count_if(looks, [](const Look &look) { return look.left; }));
+        looked += n, left += seen, looked2 += n * n, left2 += seen * seen, both += n * seen;
+        if (i + 1 < (uint64_t{1} << kFewestVertexBits) || !std::has_single_bit(i + 1) || !(looked > 0)) continue;
+        seenShare_ = left / looked;
+        const double variance = left2 - 2 * seenShare_ * both + seenShare_ * seenShare_ * looked2;
+        if (seenShare_ - kSure * std::sqrt(std::max(variance, 0.0)) / looked > most) return true;
+    }
+    return false;
+}
+
+void SkyChoice::LookAround(PrepareContext &context, std::span<const PrepassVertex> vertices, int side, double most) {
     // Nothing is known yet: all tiles are equally visible, so they are drawn by G.
     const Bounds3 bounds = context.scene.Bounds();
     cells_ = MakeCells(bounds, 0.5f);
     const auto count = static_cast<int64_t>(vertices.size());
     std::vector<std::vector<Look>> chunks(static_cast<size_t>((count + kChunk - 1) / kChunk));
-    const SampledWavelengths lambda = PowerWavelengths();
     context.progress.BeginPhase("looking at the sky", static_cast<int64_t>(chunks.size()));
-    ParallelForEach(static_cast<int64_t>(chunks.size()), [&](int64_t chunk) {
-        if (context.progress.Cancelled()) return;
-        std::vector<Look> &out = chunks[static_cast<size_t>(chunk)];
-        for (int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i) {
-            const PrepassVertex &vertex = vertices[static_cast<size_t>(i)];
-            LightMemory memory;
-            Weights weights;
-            Weigh(QueryAt(vertex), memory, &weights);
-            Rng rng(Hash(kStream, context.seed, i));
-            for (size_t k = 0; k < Count(); ++k)
-                for (int t = 0; t < side * side; ++t) {
-                    Point2 u = (Point2(t % side, t / side) + rng.Uniform2()) / static_cast<Float>(side);
-                    const std::optional<SampledLight> tile = Sample(weights, k, &u);
-                    if (!tile) continue;
-                    std::optional<LightLiSample> s = lights_[tile->light].SampleLi(vertex.at, u, lambda, true);
-                    if (!s) continue;
-                    const Float cosine = Dot(s->wi, vertex.at.ns);
-                    if (vertex.at.ns != Normal3(0) && !vertex.transmits && cosine * Dot(vertex.wo, vertex.at.ns) <= 0)
-                        continue;
-                    out.push_back({vertex.at.p, s->wi, !context.scene.Occluded(vertex.at, *s)});
-                }
-        }
-        context.progress.Advance();
-    });
+    const bool isOpen = SeesMoreThan(most, context, vertices, side);
+    if (!isOpen)
+        ParallelForEach(static_cast<int64_t>(chunks.size()), [&](int64_t chunk) {
+            if (context.progress.Cancelled()) return;
+            for (int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i)
+                LookFrom(context, vertices, i, side, &chunks[static_cast<size_t>(chunk)]);
+            context.progress.Advance();
+        });
     context.progress.EndPhase();
-    if (context.progress.Cancelled()) return;
+    if (isOpen || context.progress.Cancelled()) return;
 
     uint64_t looks = 0, left = 0;
     for (const auto &chunk : chunks)

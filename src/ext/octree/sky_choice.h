@@ -43,8 +43,10 @@ class SkyChoice {
     Float PMF(const Weights &weights, size_t k, LightId light) const;
     LightId PartTowards(const Weights &weights, size_t k, const Vector3 &d) const;
 
-    /// Traces side^2 shadow rays from every vertex to each sky, drawn by G, and learns for the first time.
-    void LookAround(PrepareContext &context, std::span<const PrepassVertex> vertices, int side);
+    /// Traces side^2 shadow rays from every vertex to each sky, drawn by G, and learns for the first time. Where the
+    /// rays of some of the vertices show that certainly more than the share `most` of all leaves the scene, ends with
+    /// these and learns nothing.
+    void LookAround(PrepareContext &context, std::span<const PrepassVertex> vertices, int side, double most);
     /// After LookAround: the share of its rays that left the scene. One over it bounds what choosing tiles can gain.
     double SeenShare() const { return seenShare_; }
     void Count(const Point3 &p, const Vector3 &d, bool left) const;
@@ -67,6 +69,17 @@ class SkyChoice {
     size_t Bytes() const;
 
   private:
+    /// A shadow ray to a sky, and whether it left the scene.
+    struct Look {
+        Point3 p;
+        Vector3 d;
+        bool left;
+    };
+    /// Appends the rays from vertex i.
+    void LookFrom(const PrepareContext &context, std::span<const PrepassVertex> vertices, int64_t i, int side,
+                  std::vector<Look> *looks) const;
+    /// Whether the rays of some vertices say so for certain; sets seenShare_ to their share.
+    bool SeesMoreThan(double most, const PrepareContext &context, std::span<const PrepassVertex> vertices, int side);
     /// One cell that sees the share `visible` of all tiles.
     SkyCells MakeCells(const Bounds3 &bounds, float visible);
 

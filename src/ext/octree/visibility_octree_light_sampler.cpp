@@ -109,11 +109,12 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     if (context.progress.Cancelled()) return;
     if (sky_) {
         const auto before = std::chrono::steady_clock::now();
-        sky_->LookAround(context, vertices, kSkySide);
+        const double most =
+            params_.opensky < 1 ? static_cast<double>(params_.opensky) * (context.maxDepth > 1 ? kWithBounces : 1) : 1;
+        sky_->LookAround(context, vertices, kSkySide, most);
         if (context.progress.Cancelled()) return;
         skySeenShare_ = sky_->SeenShare();
-        const double most = static_cast<double>(params_.opensky) * (context.maxDepth > 1 ? kWithBounces : 1);
-        if (params_.opensky < 1 && skySeenShare_ > most) KeepSkiesWhole();
+        if (skySeenShare_ > most) KeepSkiesWhole();
         skySeconds_ = SecondsSince(before);
     }
     if (groups_.Size() > std::max<size_t>(SkyCount(), 1)) {
@@ -140,6 +141,7 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
 void VisibilityOctreeLightSampler::KeepSkiesWhole() {
     sky_.reset();
     skyGroups_.clear();
+    ChooseNoTiles();
     importance_ = GroupImportance(groups_);
     if (lightTree_) lightTree_ = std::make_unique<LightTree>(LampEmitters());
 }
@@ -249,12 +251,6 @@ bool VisibilityOctreeLightSampler::LearnLamps(const Progress &progress) {
 
 const void *VisibilityOctreeLightSampler::WeighGroups(const LightQuery &query, LightMemory &memory) const {
     auto *c = memory.Make<Choice>();
-    if (groups_.Size() == 1 && !sky_) {
-        // Nothing to choose.
-        c->count = c->all = 1;
-        c->g[0] = c->w[0] = c->lampG = c->sumG = c->sumW = c->perW = 1;
-        return c;
-    }
     const Knowledge &knowledge = KnowledgeAt(query);
     const bool learned = knowledge.learned;
     VisibilityTree::Row row;

@@ -34,6 +34,12 @@ class GroupLightSampler : public LightSampler {
     explicit GroupLightSampler(const LightGroups &groups, bool alwaysAsked = false, bool choosesTiles = false)
         : groups_(groups), isAsked_(groups.Size() > (alwaysAsked ? 0 : 1)), choosesTiles_(choosesTiles) {}
 
+    /// From now on ChooseInside chooses no tiles, and a single group has probability 1 without being asked for.
+    void ChooseNoTiles() {
+        isAsked_ = groups_.Size() > 1;
+        choosesTiles_ = false;
+    }
+
     /// A light of a group and its probability within the group; none if no light there can contribute. `weights`: what
     /// WeighGroups returned; `uPoint`: see LightDistribution::Sample.
     virtual std::optional<SampledLight> ChooseInside(const LightQuery &, const void *weights, uint32_t group, Float u,

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstring>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "agreement_statistics.h"
@@ -154,6 +155,50 @@ TEST(LearningWhileRendering, ASkyIsHardlyLookedForWhereThereIsAWall) {
     Render(built, {kSamples});
     const double after = useful(built);
     EXPECT_GT(after, 2 * before) << before;
+}
+
+/// A sky that is seen well stays whole, and then nothing is chosen: the picture is bvh's. That is known after looks
+/// from a few of the prepass's vertices; what all of them would say (a run that looks at them all, as it never gives
+/// up) is on the same side of the limit.
+TEST(OpenSky, StaysWholeAndGivesThePictureOfBvh) {
+    const std::string floor = R"(Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ]
+)";
+    const std::string room = RoomWithWindow("");
+    const std::string field = room.substr(0, room.find("Shape")) + floor;
+    const std::string pipe = field + R"(
+Shape "bilinearmesh" "point3 P" [ -3 2 -3  3 2 -3  -3 2 2.99  3 2 2.99 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 2 -3  3 2 -3 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 3  3 0 3  -3 2 3  3 2 3 ]
+Shape "bilinearmesh" "point3 P" [ 3 0 -3  3 0 3  3 2 -3  3 2 3 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 -3  -3 0 3  -3 2 -3  -3 2 3 ]
+)";
+    const auto build = [](std::string text, const std::string &sampler) {
+        const std::string before = "WorldBegin";
+        return BuildText(
+            text.insert(text.find(before), "Integrator \"path\" \"integer maxdepth\" 2 " + sampler + "\n"));
+    };
+    const auto seen = [&](const std::string &text, const std::string &parameters, bool *isWhole) {
+        BuiltScene built = build(text, "\"string lightsampler\" \"octree\" \"float octree.budget\" 0.5 " + parameters);
+        Progress progress;
+        Prepare(built, progress);
+        nlohmann::ordered_json report;
+        built.integrator->Lights()->Report(report);
+        *isWhole = !report.contains("skyCells");
+        return report["skySeenShare"].get<double>();
+    };
+    // On the field every ray leaves the scene, whoever asks.
+    for (const auto &[text, staysWhole, fewDiffer] :
+         {std::tuple{field, true, false}, {room, true, true}, {pipe, false, false}}) {
+        bool isWhole = false, neverIs = false;
+        const double some = seen(text, "", &isWhole), all = seen(text, "\"float octree.opensky\" 1", &neverIs);
+        EXPECT_EQ(isWhole, staysWhole);
+        EXPECT_FALSE(neverIs);
+        EXPECT_EQ(some != all, fewDiffer);
+        EXPECT_NEAR(some, all, 0.2 * all);
+        BuiltScene octree = build(text, "\"string lightsampler\" \"octree\""),
+                   bvh = build(text, "\"string lightsampler\" \"bvh\"");
+        EXPECT_EQ(SameBits(Render(octree, {kSamples}), Render(bvh, {kSamples})), staysWhole);
+    }
 }
 
 /// Taking a run up again gives the same picture.

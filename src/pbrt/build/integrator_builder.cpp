@@ -8,6 +8,7 @@
 #include "pbrt/integrators/light_path_integrator.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/simple_integrators.h"
+#include "pbrt/integrators/sppm_integrator.h"
 #include "pbrt/integrators/volpath_integrator.h"
 
 namespace pbrt {
@@ -46,14 +47,18 @@ struct VolPathParams : PathParams {
     }
 };
 
+std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorReading &r) {
+    const LightFlags flags{r.options.lightSampler, r.options.meshLights, r.options.shadowGate,
+                           r.options.lightSamplerFlag, r.options.shadowGateFlag};
+    return ReadLightSelection(set, flags, r.registry, r.sink);
+}
+
 /// Without media volpath is path with subsurface scattering and with light sampling through interface surfaces.
 IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume,
                             bool equiangular = false) {
-    const LightFlags flags{r.options.lightSampler, r.options.meshLights, r.options.shadowGate,
-                           r.options.lightSamplerFlag, r.options.shadowGateFlag};
     IntegratorSettings settings;
     settings.maxDepth = p.MaxDepth(r);
-    settings.lights = ReadLightSelection(set, flags, r.registry, r.sink);
+    settings.lights = ReadLights(set, r);
     if (!settings.lights) return settings;
     PathSettings path;
     path.maxDepth = settings.maxDepth;
@@ -95,6 +100,39 @@ struct BdptParams : DepthParams {
         v("regularize", regularize, "roughen nearly specular lobes after the first non-specular scattering");
     }
 };
+
+struct SppmParams : DepthParams {
+    int photonsPerIteration = -1, seed = 0;
+    Float radius = 1;
+    LightSelectionParams lights;
+    template <class V>
+    void Describe(V &&v) {
+        DepthParams::Describe(v);
+        v("photonsperiteration", photonsPerIteration, Range<int>{-1, std::numeric_limits<int>::max()},
+          "light paths of an iteration; -1 or 0: as many as the film has pixels");
+        v("radius", radius, Positive(std::numeric_limits<Float>::max()),
+          "of the first iteration, in units of the scene: photons this near to a place count there");
+        v("seed", seed, "chooses among sets of light paths");
+        lights.Describe(v);
+    }
+};
+
+IntegratorSettings MakeSppm(const SppmParams &p, const ParamSet &set, const IntegratorReading &r) {
+    IntegratorSettings settings;
+    settings.maxDepth = p.MaxDepth(r);
+    settings.lights = ReadLights(set, r);
+    if (!settings.lights) return settings;
+    const SppmSettings sppm{settings.maxDepth, p.photonsPerIteration, p.radius, p.seed, r.options.sampledLightOnly};
+    settings.make = [sppm, &registry = r.registry, lights = *settings.lights](
+                        const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
+        const auto &[sampler, gate] = lights;
+        const LightTable &table = context.scene.Lights();
+        return std::make_unique<SppmIntegrator>(
+            context, sppm, registry.Make(*sampler.entry, table, sampler.params, sampler.meshLights),
+            gate.entry ? gate.entry->make(gate.params, table) : nullptr);
+    };
+    return settings;
+}
 
 struct AmbientOcclusionParams {
     bool cosine = true;
@@ -166,6 +204,11 @@ const IntegratorTable &Integrators() {
             },
             "surfaces only, at most 1,000 of them from either side; cameras and shading normals as lightpath; "
             "`visualizestrategies` and `visualizeweights` are not built");
+        t.Add<SppmParams>(
+            "sppm",
+            "surfaces only; only here: light samplers and gates as path; **differs**: the radius shrinks with the "
+            "iteration, the same in every pixel, and `maxdepth` limits the whole path, not its two parts",
+            [](const auto &p, const ParamSet &set, Request &r) { return MakeSppm(p, set, r); });
         AddSimple<AmbientOcclusionParams>(
             t, "ambientocclusion", [](const auto &p, int, const PathContext &c, const ColorSpace &space) {
                 return std::make_unique<AmbientOcclusionIntegrator>(c, p.cosine, p.maxDistance, space);
@@ -176,7 +219,7 @@ const IntegratorTable &Integrators() {
 }
 
 const std::vector<std::string> &UnsupportedIntegrators() {
-    static const std::vector<std::string> names = {"mlt", "sppm", "function"};
+    static const std::vector<std::string> names = {"mlt", "function"};
     return names;
 }
 
@@ -209,7 +252,7 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
             fresh.Add(*depth);
         const ParamSet &params = type != entity.type ? fresh : entity.params;
         ParamReader before(params);
-        if (type == "path" || type == "volpath") DeclareLightParams(before, registry);
+        if (type == "path" || type == "volpath" || type == "sppm") DeclareLightParams(before, registry);
         Collect(sink, [&] {
             settings = Integrators().Make(type, params, IntegratorReading{options, registry, sink, before});
         });

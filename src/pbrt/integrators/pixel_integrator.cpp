@@ -14,9 +14,11 @@ constexpr int64_t kPartsPerThread = 64;
 /// Traces the samples of a pass.
 class PassRenderer {
   public:
-    PassRenderer(const PixelIntegrator &integrator, const RenderPass &pass)
+    /// `uWavelengths`: PixelIntegrator::CommonWavelengths.
+    PassRenderer(const PixelIntegrator &integrator, const RenderPass &pass, std::optional<Float> uWavelengths)
         : integrator_(integrator),
           pass_(pass),
+          uWavelengths_(uWavelengths),
           wantsVisible_(pass.film.WantsVisibleSurface()),
           differentialScale_(pass.jittersPixels
                                  ? std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(pass.samplesPerPixel)))
@@ -48,7 +50,7 @@ class PassRenderer {
         FilmSample sample;
         sample.pixel = pixel;
         sampler.StartPixelSample(pixel, index);
-        const Float uLambda = sampler.Get1D();
+        const Float uOwn = sampler.Get1D(), uLambda = uWavelengths_.value_or(uOwn);
         sample.lambda = pass_.film.SampleWavelengths(pass_.jittersWavelengths ? uLambda : Float(0.5));
         const FilterSample offset = pass_.filter.Sample(sampler.GetPixel2D());
         CameraSample cs;
@@ -70,6 +72,7 @@ class PassRenderer {
 
     const PixelIntegrator &integrator_;
     const RenderPass &pass_;
+    const std::optional<Float> uWavelengths_;
     const bool wantsVisible_;
     const Float differentialScale_;
 };
@@ -152,7 +155,7 @@ bool ReducePass(const RenderPass &pass, int64_t parts, int64_t whole, int64_t un
 }  // namespace
 
 bool PixelIntegrator::Render(const RenderPass &pass) {
-    const PassRenderer renderer(*this, pass);
+    const PassRenderer renderer(*this, pass, CommonWavelengths());
     const Parts parts(pass);
     if (pass.done && pass.done->empty()) pass.done->assign(static_cast<size_t>(parts.Count()), 0);
     const auto doneBefore = [&](int64_t i) { return pass.done ? (*pass.done)[static_cast<size_t>(i)] : 0; };

@@ -11,6 +11,7 @@ struct View {
     std::string name;
     std::string camera = "Camera \"perspective\" \"float fov\" 50\n";
     std::string filter = "PixelFilter \"box\"\n";
+    std::string filmType = "rgb";
     std::string film{};        ///< further parameters
     std::string objects{};     ///< in the room
     std::string parameters{};  ///< of the integrator that is compared, further ones

@@ -6,6 +6,7 @@
 #include "pbrt/build/collect.h"
 #include "pbrt/integrators/bdpt_integrator.h"
 #include "pbrt/integrators/light_path_integrator.h"
+#include "pbrt/integrators/mlt_integrator.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/simple_integrators.h"
 #include "pbrt/integrators/sppm_integrator.h"
@@ -101,6 +102,26 @@ struct BdptParams : DepthParams {
     }
 };
 
+struct MltParams : BdptParams {
+    int bootstrapSamples = 100000, chains = 1000, mutationsPerPixel = 100;
+    Float largeStepProbability = 0.3f, sigma = 0.01f;
+    template <class V>
+    void Describe(V &&v) {
+        BdptParams::Describe(v);
+        v("bootstrapsamples", bootstrapSamples, Range<int>{1, std::numeric_limits<int>::max()},
+          "independent paths that find out how much light there is, for `mutationsperpixel`; at least one for eight "
+          "mutations are traced");
+        v("chains", chains, Range<int>{1, std::numeric_limits<int>::max()},
+          "chains of mutations, for `mutationsperpixel`; at least one for each mutation of a pixel");
+        v("mutationsperpixel", mutationsPerPixel, Range<int>{1, std::numeric_limits<int>::max()},
+          "takes the place of the sampler's `pixelsamples`; --spp overrides it");
+        v("largestepprobability", largeStepProbability, Range<Float>{0, 1},
+          "of a mutation that draws all numbers anew");
+        v("sigma", sigma, Positive(std::numeric_limits<Float>::max()),
+          "standard deviation of the other mutations, of numbers in [0, 1)");
+    }
+};
+
 struct SppmParams : DepthParams {
     int photonsPerIteration = -1, seed = 0;
     Float radius = 1;
@@ -156,6 +177,7 @@ void AddSimple(IntegratorTable &table, const char *name, F make, const char *rem
                                        name));
         IntegratorSettings settings;
         if constexpr (std::is_base_of_v<DepthParams, P>) settings.maxDepth = p.MaxDepth(r);
+        if constexpr (std::is_same_v<MltParams, P>) settings.samplesPerPixel = p.mutationsPerPixel;
         settings.make = [p, make, depth = settings.maxDepth](const PathContext &context, const ColorSpace &space) {
             return make(p, depth, context, space);
         };
@@ -204,6 +226,20 @@ const IntegratorTable &Integrators() {
             },
             "surfaces only, at most 1,000 of them from either side; cameras and shading normals as lightpath; "
             "`visualizestrategies` and `visualizeweights` are not built");
+        AddSimple<MltParams>(
+            t, "mlt",
+            [](const auto &p, int depth, const PathContext &c, const ColorSpace &) {
+                const auto share = [&](int all) {
+                    return std::max(1, (all + p.mutationsPerPixel / 2) / p.mutationsPerPixel);
+                };
+                return std::make_unique<MltIntegrator>(
+                    c, MltSettings{depth, p.regularize, share(p.bootstrapSamples), share(p.chains),
+                                   p.largeStepProbability, p.sigma});
+            },
+            "as bdpt, with the films rgb and spectral; **differs**: every mutation of a pixel has its share of "
+            "bootstrap "
+            "and chains, so that more mutations converge to the picture for every seed (stock: #525); a mutation is of "
+            "all connections of a pair of subpaths, not of one");
         t.Add<SppmParams>(
             "sppm",
             "surfaces only; only here: light samplers and gates as path; **differs**: the radius shrinks with the "
@@ -219,7 +255,7 @@ const IntegratorTable &Integrators() {
 }
 
 const std::vector<std::string> &UnsupportedIntegrators() {
-    static const std::vector<std::string> names = {"mlt", "function"};
+    static const std::vector<std::string> names = {"function"};
     return names;
 }
 
@@ -227,9 +263,13 @@ const std::string &IntegratorType(const Entity &entity, const BuildOptions &opti
     return options.integrator.empty() ? entity.type : options.integrator;
 }
 
-bool FollowsLight(const std::string &integrator) { return integrator == "lightpath" || integrator == "bdpt"; }
+bool FollowsLight(const std::string &integrator) {
+    return integrator == "lightpath" || integrator == "bdpt" || integrator == "mlt";
+}
 
-bool SeesThroughInterfaces(const std::string &integrator) { return integrator == "volpath" || integrator == "bdpt"; }
+bool SeesThroughInterfaces(const std::string &integrator) {
+    return integrator == "volpath" || integrator == "bdpt" || integrator == "mlt";
+}
 
 bool RendersMedia(const std::string &integrator) { return integrator == "volpath" || integrator == "simplevolpath"; }
 

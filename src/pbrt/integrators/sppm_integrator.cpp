@@ -66,8 +66,7 @@ void SppmIntegrator::TraceLightPath(const SampledWavelengths &shared, uint64_t i
     const std::optional<SampledLight> chosen = shooting_->Sample(anywhere, number(0));
     if (!chosen || !(chosen->pmf > 0)) return;
     const LightPart light = scene.Lights()[chosen->light];
-    const std::optional<LightLeSample> left =
-        light.SampleLe({number(1), number(2)}, {number(3), number(4)}, lambda);
+    const std::optional<LightLeSample> left = light.SampleLe({number(1), number(2)}, {number(3), number(4)}, lambda);
     if (!left) return;
     SampledSpectrum beta = left->L / (chosen->pmf * left->pdfPosition * left->pdfDirection);
     if (left->n != Normal3(0)) beta *= AbsDot(left->n, left->ray.d);
@@ -110,8 +109,7 @@ bool SppmIntegrator::Render(const RenderPass &pass) {
     // All pixels share the error that few sets of wavelengths have; evenly spaced ones have the least.
     uWavelengths_ = RadicalInverse(2, static_cast<uint64_t>(pass.first)) + HashToFloat(seed_);
     uWavelengths_ -= std::floor(uWavelengths_);
-    const SampledWavelengths lambda =
-        pass.film.SampleWavelengths(pass.jittersWavelengths ? uWavelengths_ : Float(0.5));
+    const SampledWavelengths lambda = pass.film.SampleWavelengths(pass.jittersWavelengths ? uWavelengths_ : Float(0.5));
 
     const Float radius = settings_.radius * RelativeRadius(pass.batchFirst + pass.first);
     const int64_t paths =
@@ -151,8 +149,7 @@ SampledSpectrum SppmIntegrator::SampleDirect(const PathVertex &vertex, const Lig
     const std::optional<LightLiSample> sample =
         light.SampleLi(ScatteringContextAt(context_.scene, point, bsdf), uLight, lambda, true);
     SampledSpectrum f(0);
-    if (sample && sample->L && sample->pdf > 0)
-        f = bsdf.F(point.wo, sample->wi) * AbsDot(sample->wi, point.shading.n);
+    if (sample && sample->L && sample->pdf > 0) f = bsdf.F(point.wo, sample->wi) * AbsDot(sample->wi, point.shading.n);
     if (!f) {
         found(SampledSpectrum(0));
         return f;
@@ -199,8 +196,8 @@ SampledSpectrum SppmIntegrator::Li(const PathStart &start, SampledWavelengths &l
         if (!lightCouldSample) return settings_.sampledLightOnly ? Float(0) : Float(1);
         const Float pmf = previous->lights.PMF(id);
         if (!(pmf > 0)) return 1;
-        return PowerHeuristic(
-            pBsdf, pmf * context_.scene.Lights()[id].PdfLi(previous->from, walk.GetRay().d, p, n, true));
+        return PowerHeuristic(pBsdf,
+                              pmf * context_.scene.Lights()[id].PdfLi(previous->from, walk.GetRay().d, p, n, true));
     };
     for (;;) {
         const PathWalk::Met met = walk.Next();

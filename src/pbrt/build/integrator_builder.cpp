@@ -6,8 +6,10 @@
 #include "pbrt/build/collect.h"
 #include "pbrt/integrators/bdpt_integrator.h"
 #include "pbrt/integrators/light_path_integrator.h"
+#include "pbrt/integrators/mlt_integrator.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/simple_integrators.h"
+#include "pbrt/integrators/sppm_integrator.h"
 #include "pbrt/integrators/volpath_integrator.h"
 
 namespace pbrt {
@@ -46,14 +48,18 @@ struct VolPathParams : PathParams {
     }
 };
 
+std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorReading &r) {
+    const LightFlags flags{r.options.lightSampler, r.options.meshLights, r.options.shadowGate,
+                           r.options.lightSamplerFlag, r.options.shadowGateFlag};
+    return ReadLightSelection(set, flags, r.registry, r.sink);
+}
+
 /// Without media volpath is path with subsurface scattering and with light sampling through interface surfaces.
 IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume,
                             bool equiangular = false) {
-    const LightFlags flags{r.options.lightSampler, r.options.meshLights, r.options.shadowGate,
-                           r.options.lightSamplerFlag, r.options.shadowGateFlag};
     IntegratorSettings settings;
     settings.maxDepth = p.MaxDepth(r);
-    settings.lights = ReadLightSelection(set, flags, r.registry, r.sink);
+    settings.lights = ReadLights(set, r);
     if (!settings.lights) return settings;
     PathSettings path;
     path.maxDepth = settings.maxDepth;
@@ -96,6 +102,59 @@ struct BdptParams : DepthParams {
     }
 };
 
+struct MltParams : BdptParams {
+    int bootstrapSamples = 100000, chains = 1000, mutationsPerPixel = 100;
+    Float largeStepProbability = 0.3f, sigma = 0.01f;
+    template <class V>
+    void Describe(V &&v) {
+        BdptParams::Describe(v);
+        v("bootstrapsamples", bootstrapSamples, Range<int>{1, std::numeric_limits<int>::max()},
+          "independent paths that find out how much light there is, for `mutationsperpixel`; at least one for eight "
+          "mutations are traced");
+        v("chains", chains, Range<int>{1, std::numeric_limits<int>::max()},
+          "chains of mutations, for `mutationsperpixel`; at least one for each mutation of a pixel");
+        v("mutationsperpixel", mutationsPerPixel, Range<int>{1, std::numeric_limits<int>::max()},
+          "takes the place of the sampler's `pixelsamples`; --spp overrides it");
+        v("largestepprobability", largeStepProbability, Range<Float>{0, 1},
+          "of a mutation that draws all numbers anew");
+        v("sigma", sigma, Positive(std::numeric_limits<Float>::max()),
+          "standard deviation of the other mutations, of numbers in [0, 1)");
+    }
+};
+
+struct SppmParams : DepthParams {
+    int photonsPerIteration = -1, seed = 0;
+    Float radius = 1;
+    LightSelectionParams lights;
+    template <class V>
+    void Describe(V &&v) {
+        DepthParams::Describe(v);
+        v("photonsperiteration", photonsPerIteration, Range<int>{-1, std::numeric_limits<int>::max()},
+          "light paths of an iteration; -1 or 0: as many as the film has pixels");
+        v("radius", radius, Positive(std::numeric_limits<Float>::max()),
+          "of the first iteration, in units of the scene: photons this near to a place count there");
+        v("seed", seed, "chooses among sets of light paths");
+        lights.Describe(v);
+    }
+};
+
+IntegratorSettings MakeSppm(const SppmParams &p, const ParamSet &set, const IntegratorReading &r) {
+    IntegratorSettings settings;
+    settings.maxDepth = p.MaxDepth(r);
+    settings.lights = ReadLights(set, r);
+    if (!settings.lights) return settings;
+    const SppmSettings sppm{settings.maxDepth, p.photonsPerIteration, p.radius, p.seed, r.options.sampledLightOnly};
+    settings.make = [sppm, &registry = r.registry, lights = *settings.lights](
+                        const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
+        const auto &[sampler, gate] = lights;
+        const LightTable &table = context.scene.Lights();
+        return std::make_unique<SppmIntegrator>(
+            context, sppm, registry.Make(*sampler.entry, table, sampler.params, sampler.meshLights),
+            gate.entry ? gate.entry->make(gate.params, table) : nullptr);
+    };
+    return settings;
+}
+
 struct AmbientOcclusionParams {
     bool cosine = true;
     Float maxDistance = Infinity;
@@ -118,6 +177,7 @@ void AddSimple(IntegratorTable &table, const char *name, F make, const char *rem
                                        name));
         IntegratorSettings settings;
         if constexpr (std::is_base_of_v<DepthParams, P>) settings.maxDepth = p.MaxDepth(r);
+        if constexpr (std::is_same_v<MltParams, P>) settings.samplesPerPixel = p.mutationsPerPixel;
         settings.make = [p, make, depth = settings.maxDepth](const PathContext &context, const ColorSpace &space) {
             return make(p, depth, context, space);
         };
@@ -166,6 +226,25 @@ const IntegratorTable &Integrators() {
             },
             "surfaces only, at most 1,000 of them from either side; cameras and shading normals as lightpath; "
             "`visualizestrategies` and `visualizeweights` are not built");
+        AddSimple<MltParams>(
+            t, "mlt",
+            [](const auto &p, int depth, const PathContext &c, const ColorSpace &) {
+                const auto share = [&](int all) {
+                    return std::max(1, (all + p.mutationsPerPixel / 2) / p.mutationsPerPixel);
+                };
+                return std::make_unique<MltIntegrator>(
+                    c, MltSettings{depth, p.regularize, share(p.bootstrapSamples), share(p.chains),
+                                   p.largeStepProbability, p.sigma});
+            },
+            "as bdpt, with the films rgb and spectral; **differs**: every mutation of a pixel has its share of "
+            "bootstrap "
+            "and chains, so that more mutations converge to the picture for every seed (stock: #525); a mutation is of "
+            "all connections of a pair of subpaths, not of one");
+        t.Add<SppmParams>(
+            "sppm",
+            "surfaces only; only here: light samplers and gates as path; **differs**: the radius shrinks with the "
+            "iteration, the same in every pixel, and `maxdepth` limits the whole path, not its two parts",
+            [](const auto &p, const ParamSet &set, Request &r) { return MakeSppm(p, set, r); });
         AddSimple<AmbientOcclusionParams>(
             t, "ambientocclusion", [](const auto &p, int, const PathContext &c, const ColorSpace &space) {
                 return std::make_unique<AmbientOcclusionIntegrator>(c, p.cosine, p.maxDistance, space);
@@ -176,7 +255,7 @@ const IntegratorTable &Integrators() {
 }
 
 const std::vector<std::string> &UnsupportedIntegrators() {
-    static const std::vector<std::string> names = {"mlt", "sppm", "function"};
+    static const std::vector<std::string> names = {"function"};
     return names;
 }
 
@@ -184,9 +263,13 @@ const std::string &IntegratorType(const Entity &entity, const BuildOptions &opti
     return options.integrator.empty() ? entity.type : options.integrator;
 }
 
-bool FollowsLight(const std::string &integrator) { return integrator == "lightpath" || integrator == "bdpt"; }
+bool FollowsLight(const std::string &integrator) {
+    return integrator == "lightpath" || integrator == "bdpt" || integrator == "mlt";
+}
 
-bool SeesThroughInterfaces(const std::string &integrator) { return integrator == "volpath" || integrator == "bdpt"; }
+bool SeesThroughInterfaces(const std::string &integrator) {
+    return integrator == "volpath" || integrator == "bdpt" || integrator == "mlt";
+}
 
 bool RendersMedia(const std::string &integrator) { return integrator == "volpath" || integrator == "simplevolpath"; }
 
@@ -209,7 +292,7 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
             fresh.Add(*depth);
         const ParamSet &params = type != entity.type ? fresh : entity.params;
         ParamReader before(params);
-        if (type == "path" || type == "volpath") DeclareLightParams(before, registry);
+        if (type == "path" || type == "volpath" || type == "sppm") DeclareLightParams(before, registry);
         Collect(sink, [&] {
             settings = Integrators().Make(type, params, IntegratorReading{options, registry, sink, before});
         });

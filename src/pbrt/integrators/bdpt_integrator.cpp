@@ -12,7 +12,7 @@ namespace pbrt {
 struct BdptIntegrator::Sample {
     const PathStart &start;
     SampledWavelengths &lambda;
-    Sampler &sampler;
+    const Samplers &samplers;
     Subpaths &paths;
     Float time = 0, pixels = 1;
 };
@@ -34,7 +34,7 @@ BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool re
 
 template <class Emitted>
 void BdptIntegrator::Follow(PathWalk &walk, std::span<BdptVertex> vertices, int *count, Float pdf, TransportMode mode,
-                            Sample &sample, Emitted &&emitted) const {
+                            Sampler &sampler, Sample &sample, Emitted &&emitted) const {
     SampledSpectrum beta = vertices[0].beta;
     bool anyNonSpecular = false;
     for (;;) {
@@ -54,8 +54,8 @@ void BdptIntegrator::Follow(PathWalk &walk, std::span<BdptVertex> vertices, int 
         vertex.pdfReverse = 0;
         const auto &[point, bsdf] = vertex.surface;
         vertex.pdfForward = before.isBeyondScene ? pdf * AbsDot(point.n, point.wo) : vertex.AreaPdf(before, pdf);
-        const Float uComponent = sample.sampler.Get1D();
-        const std::optional<BsdfSample> next = bsdf.Sample(point.wo, uComponent, sample.sampler.Get2D(), mode);
+        const Float uComponent = sampler.Get1D();
+        const std::optional<BsdfSample> next = bsdf.Sample(point.wo, uComponent, sampler.Get2D(), mode);
         if (!next) return;
         beta *= next->f * ((mode == TransportMode::Radiance ? AbsDot(next->wi, point.shading.n)
                                                             : AdjointCosine(point, point.wo, next->wi)) /
@@ -78,11 +78,12 @@ void BdptIntegrator::Follow(PathWalk &walk, std::span<BdptVertex> vertices, int 
 void BdptIntegrator::TraceLight(Sample &sample) const {
     const Scene &scene = context_.scene;
     Subpaths &paths = sample.paths;
+    Sampler &sampler = sample.samplers.light;
     paths.lightCount = 0;
     LightQuery anywhere;
     anywhere.time = sample.time;
-    const std::optional<SampledLight> chosen = lights_->Sample(anywhere, sample.sampler.Get1D());
-    const Point2 uPosition = sample.sampler.Get2D(), uDirection = sample.sampler.Get2D();
+    const std::optional<SampledLight> chosen = lights_->Sample(anywhere, sampler.Get1D());
+    const Point2 uPosition = sampler.Get2D(), uDirection = sampler.Get2D();
     if (!chosen || !(chosen->pmf > 0) || maxDepth_ == 0) return;
     const LightPart light = scene.Lights()[chosen->light];
     const std::optional<LightLeSample> left = light.SampleLe(uPosition, uDirection, sample.lambda);
@@ -106,7 +107,7 @@ void BdptIntegrator::TraceLight(Sample &sample) const {
     PathWalk walk(context_, ray);
     paths.lightCount = 1;
     Follow(walk, paths.light, &paths.lightCount, first.isBeyondScene ? left->pdfPosition : left->pdfDirection,
-           TransportMode::Importance, sample, [](const PathWalk &, const SampledSpectrum &, Float) {});
+           TransportMode::Importance, sampler, sample, [](const PathWalk &, const SampledSpectrum &, Float) {});
 }
 
 SampledSpectrum BdptIntegrator::TraceCamera(Sample &sample) const {
@@ -127,7 +128,7 @@ SampledSpectrum BdptIntegrator::TraceCamera(Sample &sample) const {
     paths.cameraCount = 1;
     SampledSpectrum L(0);
     PathWalk walk(context_, sample.start.ray, sample.start.visible);
-    Follow(walk, paths.camera, &paths.cameraCount, pdf, TransportMode::Radiance, sample,
+    Follow(walk, paths.camera, &paths.cameraCount, pdf, TransportMode::Radiance, sample.samplers.camera, sample,
            [&](const PathWalk &w, const SampledSpectrum &beta, Float pdfOfRay) {
                w.ForEachEmission(sample.lambda,
                                  [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
@@ -164,8 +165,9 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
     const auto &[point, bsdf] = last.surface;
     const LightQuery query =
         BdptQuery(last, sample.paths.camera[static_cast<size_t>(cameraVertices - 2)], sample.lambda);
-    Point2 u = sample.sampler.Get2D();
-    const std::optional<SampledLight> chosen = lights_->Sample(query, sample.sampler.Get1D());
+    Sampler &sampler = sample.samplers.connections;
+    Point2 u = sampler.Get2D();
+    const std::optional<SampledLight> chosen = lights_->Sample(query, sampler.Get1D());
     if (!chosen || !(chosen->pmf > 0)) return SampledSpectrum(0);
     const LightPart light = scene.Lights()[chosen->light];
     const auto found = light.SampleLi(ScatteringContextAt(scene, point, bsdf), u, sample.lambda, false);
@@ -205,9 +207,8 @@ SampledSpectrum BdptIntegrator::ConnectSubpaths(Sample &sample, int lightVertice
     return L * WeightOf(sample, lightVertices, cameraVertices, nullptr, 0);
 }
 
-void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices) const {
-    const RenderPass &pass = *sample.start.pass;
-    const Point2 uLens = sample.sampler.Get2D();
+void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vector<SeenLight> &seenLight) const {
+    const Point2 uLens = sample.samplers.connections.Get2D();
     const BdptVertex &last = sample.paths.light[static_cast<size_t>(lightVertices - 1)];
     if (!IsNonSpecular(last.surface.bsdf.Flags())) return;
     const SurfacePoint &point = last.surface.point;
@@ -227,14 +228,14 @@ void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices) const {
     camera.isBeyondScene = seen->isParallel;
     const Float cameraPdf = seen->weight * AbsDot(point.n, seen->wi) / sample.pixels;
     const Float weight = WeightOf(sample, lightVertices, 1, nullptr, cameraPdf);
-    if (pass.keepsSamples) AddFilteredSplat(pass.film, pass.filter, seen->pFilm, L * weight, sample.lambda);
+    seenLight.push_back({seen->pFilm, L * weight});
 }
 
-SampledSpectrum BdptIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
+SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelengths &lambda, const Samplers &samplers,
+                                          Float pixels, std::vector<SeenLight> &seen) const {
     ++ThreadCounters().cameraPaths;
     Subpaths &paths = subpaths_[static_cast<size_t>(ThreadIndex())];
-    Sample sample{
-        start, lambda, sampler, paths, start.ray.ray.time, static_cast<Float>(start.pass->film.PixelBounds().Area())};
+    Sample sample{start, lambda, samplers, paths, start.ray.ray.time, pixels};
     TraceLight(sample);
     SampledSpectrum L = TraceCamera(sample);
     for (int t = 2; t <= paths.cameraCount; ++t) {
@@ -244,7 +245,18 @@ SampledSpectrum BdptIntegrator::Li(const PathStart &start, SampledWavelengths &l
             if (IsNonSpecular(paths.light[static_cast<size_t>(s - 1)].surface.bsdf.Flags()))
                 L += ConnectSubpaths(sample, s, t);
     }
-    for (int s = 2; s <= paths.lightCount; ++s) ConnectToCamera(sample, s);
+    for (int s = 2; s <= paths.lightCount; ++s) ConnectToCamera(sample, s, seen);
+    return L;
+}
+
+SampledSpectrum BdptIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
+    const RenderPass &pass = *start.pass;
+    std::vector<SeenLight> &seen = subpaths_[static_cast<size_t>(ThreadIndex())].seen;
+    seen.clear();
+    const SampledSpectrum L =
+        TracePair(start, lambda, {sampler, sampler, sampler}, static_cast<Float>(pass.film.PixelBounds().Area()), seen);
+    if (pass.keepsSamples)
+        for (const SeenLight &s : seen) AddFilteredSplat(pass.film, pass.filter, s.pFilm, s.L, lambda);
     return L;
 }
 

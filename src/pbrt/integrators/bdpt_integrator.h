@@ -13,6 +13,21 @@ class BdptIntegrator final : public PixelIntegrator {
     BdptIntegrator(const PathContext &context, int maxDepth, bool regularize);
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
 
+    /// Where the numbers for the light subpath, the camera subpath, and the connections of both come from.
+    struct Samplers {
+        Sampler &light, &camera, &connections;
+    };
+    /// Light that a connection to the camera brings to a place of the film, in pixels' measure (CameraConnection).
+    struct SeenLight {
+        Point2 pFilm{};
+        SampledSpectrum L{0};
+    };
+    /// One pair of subpaths, where camera rays are spread evenly over so many pixels. Returns the radiance along the
+    /// camera ray and adds to `seen` what is seen elsewhere. The first is to be counted for each camera ray of a pixel,
+    /// the second for each light path of the whole film.
+    SampledSpectrum TracePair(const PathStart &start, SampledWavelengths &lambda, const Samplers &samplers,
+                              Float pixels, std::vector<SeenLight> &seen) const;
+
   protected:
     bool Splats() const override { return true; }
 
@@ -21,6 +36,7 @@ class BdptIntegrator final : public PixelIntegrator {
     struct Subpaths {
         std::vector<BdptVertex> light, camera;
         std::vector<const BdptVertex *> path;  ///< memory for WeightOf
+        std::vector<SeenLight> seen;           ///< memory for Li
         int lightCount = 0, cameraCount = 0;
     };
     struct Sample;
@@ -30,10 +46,10 @@ class BdptIntegrator final : public PixelIntegrator {
     /// `emitted` is called for every light that it meets.
     template <class Emitted>
     void Follow(PathWalk &walk, std::span<BdptVertex> vertices, int *count, Float pdf, TransportMode mode,
-                Sample &sample, Emitted &&emitted) const;
+                Sampler &sampler, Sample &sample, Emitted &&emitted) const;
     SampledSpectrum ConnectToLight(Sample &sample, int cameraVertices) const;
     SampledSpectrum ConnectSubpaths(Sample &sample, int lightVertices, int cameraVertices) const;
-    void ConnectToCamera(Sample &sample, int lightVertices) const;
+    void ConnectToCamera(Sample &sample, int lightVertices, std::vector<SeenLight> &seen) const;
     /// The weight of the path of the first `lightVertices` and `cameraVertices` vertices of both subpaths; `hit`: in
     /// place of the first, what the camera path met, or the light that was sampled.
     Float WeightOf(Sample &sample, int lightVertices, int cameraVertices, const BdptVertex *end, Float cameraPdf) const;

@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <span>
 
 #include "pbrt/cameras/camera.h"
@@ -42,6 +43,8 @@ class Integrator {
     virtual void Prepare(PrepareContext &) {}
     /// False if cancelled: then some pixels lack samples of the pass; RenderPass::done knows which.
     virtual bool Render(const RenderPass &pass) = 0;
+    /// The largest RenderPass::count that Render takes.
+    virtual int MaxPassSamples() const { return std::numeric_limits<int>::max(); }
     /// What learns from every path and between passes; null if nothing does.
     virtual LightLearner *Learner() { return nullptr; }
     /// The light sampler in use; null if the integrator has none.

@@ -1,7 +1,9 @@
 #include "pbrt/integrators/pixel_integrator.h"
 
-#include "pbrt/core/hand_out.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/progress.h"
+#include "pbrt/core/ranks.h"
+#include "pbrt/integrators/pass_parts.h"
 
 namespace pbrt {
 
@@ -14,9 +16,11 @@ constexpr int64_t kPartsPerThread = 64;
 /// Traces the samples of a pass.
 class PassRenderer {
   public:
-    PassRenderer(const PixelIntegrator &integrator, const RenderPass &pass)
+    /// `uWavelengths`: PixelIntegrator::CommonWavelengths.
+    PassRenderer(const PixelIntegrator &integrator, const RenderPass &pass, std::optional<Float> uWavelengths)
         : integrator_(integrator),
           pass_(pass),
+          uWavelengths_(uWavelengths),
           wantsVisible_(pass.film.WantsVisibleSurface()),
           differentialScale_(pass.jittersPixels
                                  ? std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(pass.samplesPerPixel)))
@@ -48,7 +52,7 @@ class PassRenderer {
         FilmSample sample;
         sample.pixel = pixel;
         sampler.StartPixelSample(pixel, index);
-        const Float uLambda = sampler.Get1D();
+        const Float uOwn = sampler.Get1D(), uLambda = uWavelengths_.value_or(uOwn);
         sample.lambda = pass_.film.SampleWavelengths(pass_.jittersWavelengths ? uLambda : Float(0.5));
         const FilterSample offset = pass_.filter.Sample(sampler.GetPixel2D());
         CameraSample cs;
@@ -70,6 +74,7 @@ class PassRenderer {
 
     const PixelIntegrator &integrator_;
     const RenderPass &pass_;
+    const std::optional<Float> uWavelengths_;
     const bool wantsVisible_;
     const Float differentialScale_;
 };
@@ -113,86 +118,20 @@ class Parts {
     int64_t tilesPerRow_ = 1, perTile_ = 1, count_ = 0;
 };
 
-/// Brings together at the first process what of a pass the processes have done. `whole`: how many parts this one has
-/// finished. `before`: RenderPass::done when the pass began. Returns, everywhere, whether all parts are whole.
-bool ReducePass(const RenderPass &pass, int64_t parts, int64_t whole, int64_t unreported,
-                const std::vector<uint32_t> &before) {
-    struct Sums {
-        int64_t whole, unreported;
-    } sums{whole, unreported};
-    pass.ranks->Reduce([&](StateWriter &out) { out.Value(sums); },
-                       [&](StateReader &in) {
-                           const auto theirs = in.Value<Sums>();
-                           sums.whole += theirs.whole;
-                           sums.unreported += theirs.unreported;
-                       });
-    if (pass.isCounted && pass.ranks->IsFirst()) pass.progress.Advance(sums.unreported);
-    StateWriter verdict;
-    verdict.Value(sums.whole == parts);
-    const std::string answer = pass.ranks->Broadcast(verdict);
-    if (StateReader(answer, "message").Value<bool>()) return true;
-    if (!pass.done) return false;
-    // Cancelled: what is done must be known part by part.
-    struct Done {
-        uint32_t part, samples;
-    };
-    std::vector<Done> changed;
-    for (size_t i = 0; i < before.size(); ++i)
-        if ((*pass.done)[i] != before[i]) changed.push_back({static_cast<uint32_t>(i), (*pass.done)[i]});
-    pass.ranks->Reduce([&](StateWriter &out) { out.Vector(changed); },
-                       [&](StateReader &in) {
-                           std::vector<Done> also;
-                           in.Vector(&also);
-                           changed.insert(changed.end(), also.begin(), also.end());
-                       });
-    for (const Done &d : changed) (*pass.done)[d.part] = d.samples;
-    return false;
-}
-
 }  // namespace
 
 bool PixelIntegrator::Render(const RenderPass &pass) {
-    const PassRenderer renderer(*this, pass);
+    const PassRenderer renderer(*this, pass, CommonWavelengths());
     const Parts parts(pass);
-    if (pass.done && pass.done->empty()) pass.done->assign(static_cast<size_t>(parts.Count()), 0);
-    const auto doneBefore = [&](int64_t i) { return pass.done ? (*pass.done)[static_cast<size_t>(i)] : 0; };
-    if (Splats()) pass.film.ExpectSplats();
-    std::atomic<int64_t> whole = 0;
-    std::atomic<uint64_t> paths = 0;
-    // Returns how many samples were added to a part that is now whole.
-    const auto render = [&](int64_t i) {
-        const PassRenderer::Part part = parts[i];
-        const uint32_t before = doneBefore(i);
-        // Which thread takes which part does not matter.
-        const uint32_t done = renderer.RenderPart(part, before, *pass.samplers[static_cast<size_t>(ThreadIndex())]);
-        if (pass.done) (*pass.done)[static_cast<size_t>(i)] = done;
-        paths.fetch_add(done - before, std::memory_order_relaxed);
-        if (done < renderer.SamplesOf(part)) return int64_t{0};
-        whole.fetch_add(1, std::memory_order_relaxed);
-        return int64_t{done} - int64_t{before};
-    };
-    const auto countPaths = [&] {
-        if (Splats() && pass.keepsSamples) pass.film.AddSplatPaths(paths);
-    };
-    if (!pass.ranks) {
-        ParallelForEach(parts.Count(), [&](int64_t i) {
-            const int64_t added = render(i);
-            if (pass.isCounted && added > 0) pass.progress.Advance(added);
-        });
-        countPaths();
-        return whole == parts.Count();
-    }
-    const std::vector<uint32_t> before = pass.done ? *pass.done : std::vector<uint32_t>();
-    HandOut handOut(*pass.ranks, parts.Count(), ThreadCount(), pass.progress);
-    ParallelForEach(ThreadCount(), [&](int64_t) {
-        while (const std::optional<int64_t> i = handOut.Take()) {
-            const int64_t added = render(*i);
-            if (pass.isCounted && added > 0) handOut.Report(added);
-        }
-    });
-    const int64_t unreported = handOut.Finish();
-    countPaths();
-    return ReducePass(pass, parts.Count(), whole, unreported, before);
+    return RenderParts(pass, {.count = parts.Count(),
+                              .splat = Splats(),
+                              .samplesOf = [&](int64_t i) { return renderer.SamplesOf(parts[i]); },
+                              .render =
+                                  [&](int64_t i, uint32_t done) {
+                                      // Which thread takes which part does not matter.
+                                      return renderer.RenderPart(parts[i], done,
+                                                                 *pass.samplers[static_cast<size_t>(ThreadIndex())]);
+                                  }});
 }
 
 }  // namespace pbrt

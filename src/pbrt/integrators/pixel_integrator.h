@@ -17,13 +17,15 @@ struct PathStart {
 /// Base of integrators that compute the radiance of one camera ray at a time, for the pixel that the ray belongs to.
 class PixelIntegrator : public Integrator {
   public:
-    bool Render(const RenderPass &pass) final;
+    bool Render(const RenderPass &pass) override;
     /// Radiance along a camera ray. Const while rendering.
     virtual SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const = 0;
 
   protected:
     /// True if Li adds splats to the film of the pass (where RenderPass::keepsSamples), for one light path a call.
     virtual bool Splats() const { return false; }
+    /// The number that chooses the wavelengths of all samples of the pass; nothing: every sample has its own.
+    virtual std::optional<Float> CommonWavelengths() const { return std::nullopt; }
 };
 
 }  // namespace pbrt

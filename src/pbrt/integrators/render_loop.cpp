@@ -39,7 +39,7 @@ void WaveRenderer::LearnIfDue() {
 
 int WaveRenderer::Render(int count) {
     const int batch = settings_.samplesPerPixel;
-    int size = std::min(count, batch - Done() % batch);
+    int size = std::min({count, batch - Done() % batch, integrator_.MaxPassSamples()});
     LearnIfDue();
     if (learner_ && learner_->NextLearning() > 0) size = std::min(size, learner_->NextLearning() - Done());
     if (progress_.Cancelled()) return 0;

@@ -47,6 +47,28 @@ TEST_F(Checkpoints, ARenderThatWasKilledGivesTheSameBits) {
     }
 }
 
+/// The pass that was interrupted goes on in the middle of an iteration, or of a chain.
+TEST_F(Checkpoints, PhotonMapsAndChainsGoOnToTheSameBits) {
+    Write("scene.pbrt", LearningScene("rgb", 8));
+    for (const char *integrator : {"sppm", "mlt"}) {
+        const std::string arguments = std::string("scene.pbrt --spp 700 --integrator ") + integrator;
+        const ImageFile whole = Render(arguments, "whole.exr");
+        const std::string resumed = arguments + " --outfile out.exr --checkpoint c.chk";
+        int interrupted = 0;
+        for (int i = 0; i < 3; ++i) {
+            const pid_t pid = Start(resumed + " --checkpoint-interval 0.01 --resume");
+            EXPECT_TRUE(WaitUntil([&] { return Exists("c.chk"); }));
+            usleep(60000);
+            kill(pid, SIGINT);
+            interrupted += Wait(pid).status == 128 + SIGINT;
+        }
+        EXPECT_GT(interrupted, 0) << integrator;
+        RunWell(resumed + " --resume");
+        EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr")))) << integrator;
+        std::filesystem::remove(Path("c.chk"));
+    }
+}
+
 TEST_F(Checkpoints, AFinishedRenderGoesOnWithMoreSamples) {
     Write("scene.pbrt", LearningScene("gbuffer", 8));
     RunWell(lights_ + "scene.pbrt --checkpoint a.chk --outfile eight.exr");
@@ -187,6 +209,25 @@ TEST_F(Parts, MergedInAnyOrderHaveTheBitsOfOneRender) {
         EXPECT_EQ(some.status, 0) << some.err;
         EXPECT_EQ(IntOf(ReadImage(Path("some.exr")), "samplesPerPixel"), 8);
         EXPECT_FALSE(SamePixels(whole, ReadImage(Path("some.exr"))));
+    }
+}
+
+/// Integrators that follow light from the lights are divided like all others.
+TEST_F(Parts, LightThatIsFollowedFromTheLights) {
+    for (const char *integrator : {"lightpath", "bdpt", "sppm", "mlt"}) {
+        Write("scene.pbrt", LearningScene("rgb", 8));
+        const std::string arguments = " scene.pbrt --spp 8 --integrator " + std::string(integrator);
+        const ImageFile whole = Render(arguments + " --nthreads 1", "whole.exr");
+        std::string files;
+        for (const char *range : {"3:8", "0:1", "1:3"}) {
+            const std::string file = std::string(integrator) + range;
+            RunWell(arguments + " --nthreads 2 --samples " + range + " --checkpoint " + file);
+            files += " " + file;
+        }
+        const Outcome merged = Merge("out.exr" + files);
+        ASSERT_EQ(merged.status, 0) << merged.err;
+        EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr")))) << integrator;
+        EXPECT_EQ(IntOf(ReadImage(Path("out.exr")), "samplesPerPixel"), 8);
     }
 }
 

@@ -165,7 +165,7 @@ TEST_F(Errors, EverythingUnsupportedIsListedOnceBeforeRendering) {
     Write("scene.pbrt", R"(Camera "perspective"
 Film "rgb"
 Sampler "zsobol"
-Integrator "mlt"
+Integrator "function"
 WorldBegin
 Texture "skin" "spectrum" "ptex" "string filename" "skin.ptx"
 Texture "wood" "spectrum" "ptex" "string filename" "wood.ptx"

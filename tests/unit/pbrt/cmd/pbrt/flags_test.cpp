@@ -193,7 +193,7 @@ class Unsupported : public Program {
         Program::SetUp();
         Write("scene.pbrt", R"(Camera "perspective"
 Film "rgb" "integer xresolution" 16 "integer yresolution" 16 "string filename" "fog.exr"
-Integrator "mlt" "integer maxdepth" 2
+Integrator "function" "integer maxdepth" 2
 MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [ 0 0 0 ] "rgb sigma_s" [ 0 0 0 ]
 MediumInterface "" "fog"
 Camera "perspective"
@@ -210,13 +210,13 @@ Shape "sphere"
 
 TEST_F(Unsupported, IsLeftOutLoudlyWhenAskedFor) {
     const std::string messages = RunWell("--spp 256 --ignore-unsupported scene.pbrt");
-    for (const char *part : {"Warning: scene.pbrt:3:0: Integrator \"mlt\" is left out, volpath is used instead",
+    for (const char *part : {"Warning: scene.pbrt:3:0: Integrator \"function\" is left out, volpath is used instead",
                              "Warning: scene.pbrt:9:0: Texture \"skin\"", "Wrote fog-incomplete.exr"})
         EXPECT_TRUE(Has(messages, part)) << part << "\n" << messages;
     const ImageFile file = ReadImage(Path("fog-incomplete.exr"));
     EXPECT_EQ(TextOf(file, "pbrt.integrator"), "volpath");
     EXPECT_EQ(IntOf(file, "pbrt.maxDepth"), 2);
-    for (const char *part : {"scene.pbrt:3: Integrator \"mlt\"", "scene.pbrt:9: Texture \"skin\""})
+    for (const char *part : {"scene.pbrt:3: Integrator \"function\"", "scene.pbrt:9: Texture \"skin\""})
         EXPECT_TRUE(Has(TextOf(file, "pbrt.ignored"), part)) << TextOf(file, "pbrt.ignored");
     EXPECT_NEAR(file.image.Get({8, 8}, 0), 0.5f, 0.03f) << "a sphere of reflectance 0.5 under a sky of 1";
     EXPECT_EQ(Files(), (std::vector<std::string>{"fog-incomplete.exr", "scene.pbrt"}));

@@ -1,0 +1,210 @@
+#include "pbrt/integrators/mlt_integrator.h"
+
+#include "pbrt/core/error.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/core/progress.h"
+#include "pbrt/integrators/filtered_splat.h"
+#include "pbrt/integrators/pass_parts.h"
+#include "pbrt/integrators/primary_sampler.h"
+#include "pbrt/math/rng.h"
+
+namespace pbrt {
+
+namespace {
+
+/// A bootstrap has at least one pair for so many pixels, so that more pixels also mean better known brightness.
+constexpr int64_t kPixelsPerBootstrapPair = 8;
+/// Bootstrap pairs that are one task.
+constexpr int64_t kGroup = 256;
+
+}  // namespace
+
+/// A pair of subpaths, as the numbers that make it and as what it brings to the film.
+struct MltIntegrator::Pair {
+    std::vector<Float> numbers[3];  ///< PrimarySampler; of the light, the camera and the connections
+    std::vector<BdptIntegrator::SeenLight> seen;  ///< an estimate of the film for every pair
+    SampledWavelengths lambda;
+    Float importance = 0;  ///< what `seen` adds up to in one number; above 0 wherever the film gets anything
+};
+
+/// What the chains of a sample begin with.
+struct MltIntegrator::Unit {
+    std::vector<Float> importance;   ///< of the bootstrap's pairs
+    std::vector<double> sums;        ///< of those up to a pair
+    double mean = 0;                 ///< of all
+    Float first = 0;                 ///< where in the sums the first chain begins, in [0, 1)
+    size_t PairAt(double u) const {  ///< u in [0, 1)
+        const auto at = std::upper_bound(sums.begin(), sums.end(), u * sums.back());
+        size_t i = std::min(static_cast<size_t>(at - sums.begin()), sums.size() - 1);
+        while (i > 0 && !(importance[i] > 0)) --i;  // where rounding led behind the last one
+        return i;
+    }
+};
+
+/// Renders the chains of a pass.
+class MltIntegrator::Renderer {
+  public:
+    Renderer(const MltIntegrator &integrator, const RenderPass &pass)
+        : integrator_(integrator),
+          settings_(integrator.settings_),
+          pass_(pass),
+          bounds_(pass.film.PixelBounds()),
+          pixels_(std::max<int64_t>(bounds_.Area(), 0)),
+          chains_(std::clamp<int64_t>(settings_.chains, 1, std::max<int64_t>(pixels_, 1))),
+          bootstrap_(std::max<int64_t>({settings_.bootstrapSamples, pixels_ / kPixelsPerBootstrapPair, 1})),
+          low_(Point2(bounds_.low) + Float(0.5) - pass.filter.Radius()),
+          size_(Point2(bounds_.high) - Float(0.5) + pass.filter.Radius() - low_),
+          area_(size_.x * size_.y),
+          differentialScale_(std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(pass.samplesPerPixel)))) {
+        Sampler &sampler = *pass.samplers[0];
+        sampler.StartPixelSample({0, 0}, 0);
+        const Float u[] = {sampler.Get1D(), sampler.Get1D(), sampler.Get1D(), sampler.Get1D()};
+        seed_ = Hash(u[0], u[1], u[2], u[3]);
+    }
+
+    int64_t Parts() const { return pixels_ > 0 ? pass_.count * chains_ : 0; }
+    uint32_t MutationsOf(int64_t part) const {
+        const int64_t chain = part % chains_;
+        return static_cast<uint32_t>(pixels_ * (chain + 1) / chains_ - pixels_ * chain / chains_);
+    }
+
+    /// Traces the bootstrap of every sample of the pass.
+    void Bootstrap() {
+        units_.resize(static_cast<size_t>(Parts() / chains_));
+        for (Unit &unit : units_) unit.importance.resize(static_cast<size_t>(bootstrap_));
+        const int64_t groups = (bootstrap_ + kGroup - 1) / kGroup;
+        ParallelForEach(groups * static_cast<int64_t>(units_.size()), [&](int64_t task) {
+            Unit &unit = units_[static_cast<size_t>(task / groups)];
+            const int64_t begin = task % groups * kGroup, end = std::min(bootstrap_, begin + kGroup);
+            Pair pair;
+            for (int64_t i = begin; i < end && !pass_.progress.Cancelled(); ++i) {
+                MakePair(task / groups, i, pair);
+                unit.importance[static_cast<size_t>(i)] = pair.importance;
+            }
+        });
+        for (size_t i = 0; i < units_.size(); ++i) {
+            Unit &unit = units_[i];
+            double sum = 0;
+            for (Float importance : unit.importance) unit.sums.push_back(sum += double(importance));
+            unit.mean = sum / static_cast<double>(bootstrap_);
+            unit.first = HashFloat(seed_, SampleOf(static_cast<int64_t>(i)), uint64_t{1});
+        }
+    }
+
+    /// Goes through the mutations of a chain. Those before `done` are in the film already.
+    uint32_t RenderChain(int64_t part, uint32_t done) const {
+        const int64_t unitIndex = part / chains_, chain = part % chains_;
+        const Unit &unit = units_[static_cast<size_t>(unitIndex)];
+        const uint32_t all = MutationsOf(part);
+        if (pass_.progress.Cancelled()) return done;
+        if (!(unit.mean > 0)) return all;  // no light was found
+        // Each chain begins anywhere with equal density, and all of them evenly spread.
+        double u = double(unit.first) + static_cast<double>(chain) / static_cast<double>(chains_);
+        u -= std::floor(u);
+        Pair current, proposed;
+        MakePair(unitIndex, static_cast<int64_t>(unit.PairAt(u)), current);
+        Rng rng(Hash(seed_, SampleOf(unitIndex), chain, uint64_t{2}));
+        const auto mean = static_cast<Float>(unit.mean);
+        for (uint32_t i = 0; i < all; ++i) {
+            if (pass_.progress.Cancelled()) return std::max(i, done);
+            Mutate(current, rng, proposed);
+            const Float accept = std::min(Float(1), proposed.importance / current.importance);
+            if (i >= done) {
+                if (accept > 0) AddToFilm(proposed, accept * mean / proposed.importance);
+                if (accept < 1) AddToFilm(current, (1 - accept) * mean / current.importance);
+            }
+            if (rng.Uniform() < accept) std::swap(current, proposed);
+        }
+        return all;
+    }
+
+  private:
+    /// The number of a sample of the pass among all of the batch, which the samplers are for.
+    int64_t SampleOf(int64_t unit) const { return pass_.first + unit; }
+
+    /// A pair of the bootstrap.
+    void MakePair(int64_t unit, int64_t index, Pair &pair) const {
+        Rng rng(Hash(seed_, SampleOf(unit), index, uint64_t{0}));
+        for (std::vector<Float> &numbers : pair.numbers) numbers.clear();
+        Trace(pair, rng);
+    }
+
+    void Mutate(const Pair &current, Rng &rng, Pair &proposed) const {
+        const bool isLarge = rng.Uniform() < settings_.largeStepProbability;
+        for (int k = 0; k < 3; ++k) {
+            proposed.numbers[k].clear();
+            if (!isLarge) PerturbNumbers(current.numbers[k], settings_.sigma, rng, proposed.numbers[k]);
+        }
+        Trace(proposed, rng);
+    }
+
+    /// Finds out what the numbers of a pair bring; numbers that are missing are drawn.
+    void Trace(Pair &pair, Rng &rng) const {
+        PrimarySampler light(pair.numbers[0], rng), camera(pair.numbers[1], rng), connections(pair.numbers[2], rng);
+        for (PrimarySampler *sampler : {&light, &camera, &connections}) sampler->StartPixelSample({0, 0}, 0);
+        pair.seen.clear();
+        pair.importance = 0;
+        const Float uLambda = camera.Get1D();
+        pair.lambda = pass_.film.SampleWavelengths(pass_.jittersWavelengths ? uLambda : Float(0.5));
+        CameraSample sample;
+        sample.pFilm = low_ + size_ * camera.Get2D();
+        sample.time = camera.Get1D();
+        sample.pLens = camera.Get2D();
+        if (std::optional<CameraRay> ray = pass_.camera.GenerateRay(sample, pair.lambda)) {
+            ray->differential.Scale(ray->ray, differentialScale_);
+            PathStart start{*ray};
+            start.pLens = sample.pLens;
+            // Camera rays are spread over the area, so each of them stands for all its pixels.
+            const SampledSpectrum L =
+                integrator_.pairs_.TracePair(start, pair.lambda, {light, camera, connections}, area_, pair.seen);
+            std::erase_if(pair.seen, [&](const BdptIntegrator::SeenLight &s) { return !Reaches(s); });
+            const BdptIntegrator::SeenLight direct{sample.pFilm, ray->weight * L * area_};
+            if (Reaches(direct)) pair.seen.push_back(direct);
+        }
+        for (const BdptIntegrator::SeenLight &s : pair.seen)
+            pair.importance += pair.lambda.SecondaryTerminated() ? s.L[0] : s.L.Average();
+        for (PrimarySampler *sampler : {&light, &camera, &connections}) sampler->ForgetUnused();
+    }
+    /// True if the film, with its filter, gets anything of this light.
+    bool Reaches(const BdptIntegrator::SeenLight &s) const {
+        const Float brightness = s.L.MaxComponent();
+        return brightness > 0 && std::isfinite(brightness) && s.pFilm.x >= low_.x && s.pFilm.y >= low_.y &&
+               s.pFilm.x <= low_.x + size_.x && s.pFilm.y <= low_.y + size_.y;
+    }
+
+    void AddToFilm(const Pair &pair, Float weight) const {
+        if (!pass_.keepsSamples) return;
+        for (const BdptIntegrator::SeenLight &s : pair.seen)
+            AddFilteredSplat(pass_.film, pass_.filter, s.pFilm, s.L * weight, pair.lambda);
+    }
+
+    const MltIntegrator &integrator_;
+    const MltSettings &settings_;
+    const RenderPass &pass_;
+    const Bounds2i bounds_;
+    const int64_t pixels_, chains_, bootstrap_;  ///< of a unit
+    const Point2 low_, size_;                    ///< the part of the film plane that the pixels see
+    const Float area_, differentialScale_;
+    uint64_t seed_ = 0;
+    std::vector<Unit> units_;
+};
+
+MltIntegrator::MltIntegrator(const PathContext &context, const MltSettings &settings)
+    : context_(context), settings_(settings), pairs_(context, settings.maxDepth, settings.regularize) {}
+
+bool MltIntegrator::Render(const RenderPass &pass) {
+    if (pass.film.WantsVisibleSurface())
+        throw UserError(
+            "Integrator \"mlt\" has no camera rays of single pixels, so it cannot tell the film what they see: use Film "
+            "\"rgb\" or \"spectral\" without further channels.");
+    Renderer renderer(*this, pass);
+    if (pass.done && !pass.done->empty() && static_cast<int64_t>(pass.done->size()) != renderer.Parts())
+        throw UserError("what is left of a pass does not fit the picture.");
+    renderer.Bootstrap();
+    return RenderParts(pass, {.count = renderer.Parts(),
+                              .splat = true,
+                              .samplesOf = [&](int64_t i) { return renderer.MutationsOf(i); },
+                              .render = [&](int64_t i, uint32_t done) { return renderer.RenderChain(i, done); }});
+}
+
+}  // namespace pbrt

@@ -1,0 +1,50 @@
+#pragma once
+#include <vector>
+
+#include "pbrt/math/rng.h"
+#include "pbrt/samplers/sampler.h"
+
+namespace pbrt {
+
+/// Hands out numbers from a list. Where the list ends, it is made longer by even random numbers. Refers to both.
+class PrimarySampler final : public Sampler {
+  public:
+    PrimarySampler(std::vector<Float> &numbers, Rng &rng) : Sampler(0), numbers_(numbers), rng_(rng) {}
+    int SamplesPerPixel() const override { return 1; }
+    Point2 GetPixel2D() override { return Get2D(); }
+    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<PrimarySampler>(numbers_, rng_); }
+    std::unique_ptr<Sampler> WithSeed(int) const override { return Clone(); }
+    /// Shortens the list to what was prepared for use: numbers beyond have no meaning, so they need not be kept.
+    void ForgetUnused() {
+        if (used_ < numbers_.size()) numbers_.resize(used_);
+    }
+
+  protected:
+    int StartSample(Point2i, int, int dimension) override { return dimension; }
+    Run Prepare(int dimension, Numbers &numbers) override {
+        used_ = std::max(used_, static_cast<size_t>(dimension) + kPrepared);
+        while (numbers_.size() < used_) numbers_.push_back(rng_.Uniform());
+        const Float *from = numbers_.data() + dimension;
+        for (int i = 0; i < kPrepared; ++i) numbers.one[i] = from[i];
+        for (int i = 0; i + 1 < kPrepared; ++i) numbers.two[i] = {from[i], from[i + 1]};
+        return {dimension, kPrepared - 1};  // the last number has no successor yet
+    }
+
+  private:
+    std::vector<Float> &numbers_;
+    Rng &rng_;
+    size_t used_ = 0;
+};
+
+/// Appends to `to` the numbers of `from`, each moved by a normally distributed step around the circle [0, 1).
+inline void PerturbNumbers(const std::vector<Float> &from, Float sigma, Rng &rng, std::vector<Float> &to) {
+    const auto wrapped = [](Float v) { return std::min(v - std::floor(v), OneMinusEpsilon); };
+    for (size_t i = 0; i < from.size(); i += 2) {
+        // Two independent normal numbers (Box and Muller 1958).
+        const Float radius = sigma * std::sqrt(-2 * std::log(1 - rng.Uniform())), angle = 2 * Pi * rng.Uniform();
+        to.push_back(wrapped(from[i] + radius * std::cos(angle)));
+        if (i + 1 < from.size()) to.push_back(wrapped(from[i + 1] + radius * std::sin(angle)));
+    }
+}
+
+}  // namespace pbrt

@@ -1,0 +1,252 @@
+#include "pbrt/integrators/sppm_integrator.h"
+
+#include "pbrt/core/counters.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/core/progress.h"
+#include "pbrt/lightsamplers/light_query.h"
+#include "pbrt/lightsamplers/simple_light_samplers.h"
+#include "pbrt/math/rng.h"
+#include "pbrt/math/sobol.h"
+#include "pbrt/math/warps.h"
+#include "pbrt/paths/adjoint_cosine.h"
+
+namespace pbrt {
+
+namespace {
+
+/// The share of photons that a shrinking radius keeps (Hachisuka and Jensen 2009, alpha).
+constexpr double kKept = 2.0 / 3;
+/// Light paths that are one task.
+constexpr int64_t kGroup = 4096;
+
+/// Light selection at a vertex, kept until the next one for the weight of emission that is met there.
+struct Selection {
+    LightQuery query;
+    LightSampleContext from;
+    LightMemory memory;
+    LightDistribution lights;
+
+    void Prepare(const LightSampler &sampler, const PathVertex &vertex, const SampledWavelengths &lambda, int depth) {
+        query = LightQueryAt(vertex, lambda, depth);
+        from = LightContextAt(vertex.point);
+        lights = sampler.At(query, memory);
+    }
+};
+
+/// A coordinate of a light path: a scrambled Sobol' sequence over all light paths of a batch of iterations.
+Float SobolNumber(int dimension, uint64_t index, uint64_t seed) {
+    const uint32_t v = SobolBits(SobolMatrices() + dimension * SobolIndexBits, index);
+    return SobolToFloat(OwenScramble(v, Hash(seed, dimension)));
+}
+
+}  // namespace
+
+SppmIntegrator::SppmIntegrator(const PathContext &context, const SppmSettings &settings,
+                               std::unique_ptr<LightSampler> lights, std::unique_ptr<ShadowRayGate> gate)
+    : context_(context),
+      settings_(settings),
+      lights_(std::move(lights)),
+      shooting_(std::make_unique<PowerLightSampler>(context.scene.Lights().Parts())),
+      gate_(std::move(gate)),
+      learner_(lights_->Learner()) {}
+
+Float SppmIntegrator::RelativeRadius(int iteration) {
+    const double i = iteration;
+    return static_cast<Float>(std::exp(0.5 * (std::lgamma(i + kKept) - std::lgamma(i + 1) - std::lgamma(kKept))));
+}
+
+void SppmIntegrator::TraceLightPath(const SampledWavelengths &shared, uint64_t index,
+                                    std::vector<Photon> &photons) const {
+    const Scene &scene = context_.scene;
+    SampledWavelengths lambda = shared;
+    const auto number = [&](int dimension) { return SobolNumber(dimension, index, seed_); };
+    Rng rng(Hash(seed_, index));
+    LightQuery anywhere;
+    anywhere.time = glm::mix(context_.camera.ShutterOpen(), context_.camera.ShutterClose(), rng.Uniform());
+    const std::optional<SampledLight> chosen = shooting_->Sample(anywhere, number(0));
+    if (!chosen || !(chosen->pmf > 0)) return;
+    const LightPart light = scene.Lights()[chosen->light];
+    const std::optional<LightLeSample> left = light.SampleLe({number(1), number(2)}, {number(3), number(4)}, lambda);
+    if (!left) return;
+    SampledSpectrum beta = left->L / (chosen->pmf * left->pdfPosition * left->pdfDirection);
+    if (left->n != Normal3(0)) beta *= AbsDot(left->n, left->ray.d);
+    Ray ray = left->ray;
+    ray.time = anywhere.time;
+    ray.medium = scene.MediumOfLight(chosen->light);
+    PathWalk walk(context_, ray);
+    for (int scatterings = 0; beta && walk.Next() == PathWalk::Met::Surface;) {
+        if (!walk.FindScattering(lambda)) continue;
+        const auto &[point, bsdf] = walk.Vertex();
+        // Light that arrives at its first surface is what camera paths sample there.
+        const Float cosine = AbsDot(point.wo, point.n);
+        if (scatterings > 0 && cosine > 0) {
+            const Float ratio = AbsDot(point.wo, point.shading.n) / cosine;
+            photons.push_back({point.p, point.wo, beta * ratio, scatterings, lambda.SecondaryTerminated()});
+        }
+        if (++scatterings == settings_.maxDepth) break;
+        const Float uComponent = rng.Uniform();
+        const std::optional<BsdfSample> sample =
+            bsdf.Sample(point.wo, uComponent, rng.Uniform2(), TransportMode::Importance);
+        if (!sample) break;
+        SampledSpectrum next = beta * sample->f * (AdjointCosine(point, point.wo, sample->wi) / sample->pdf);
+        // Russian roulette that keeps the power of all photons about the same.
+        const Float survive = next.MaxComponent() / beta.MaxComponent();
+        if (survive < 1) {
+            if (rng.Uniform() >= survive) break;
+            next /= survive;
+        }
+        beta = next;
+        walk.Scatter(*sample);
+    }
+}
+
+bool SppmIntegrator::Render(const RenderPass &pass) {
+    // Everything random about an iteration comes from the samplers, so that other seeds give other pictures.
+    Sampler &sampler = *pass.samplers[0];
+    sampler.StartPixelSample({0, 0}, 0);
+    const Float u[] = {sampler.Get1D(), sampler.Get1D(), sampler.Get1D(), sampler.Get1D()};
+    seed_ = Hash(u[0], u[1], u[2], u[3], settings_.seed);
+    // All pixels share the error that few sets of wavelengths have; evenly spaced ones have the least.
+    uWavelengths_ = RadicalInverse(2, static_cast<uint64_t>(pass.first)) + HashToFloat(seed_);
+    uWavelengths_ -= std::floor(uWavelengths_);
+    const SampledWavelengths lambda = pass.film.SampleWavelengths(pass.jittersWavelengths ? uWavelengths_ : Float(0.5));
+
+    const Float radius = settings_.radius * RelativeRadius(pass.batchFirst + pass.first);
+    const int64_t paths =
+        settings_.photonsPerIteration > 0 ? settings_.photonsPerIteration : pass.film.PixelBounds().Area();
+    perArea_ = 1 / (Pi * radius * radius * static_cast<Float>(paths));
+    const int64_t groupCount = settings_.maxDepth < 2 ? 0 : (paths + kGroup - 1) / kGroup;
+    std::vector<std::vector<Photon>> groups(static_cast<size_t>(groupCount));
+    ParallelForEach(groupCount, [&](int64_t group) {
+        if (pass.progress.Cancelled()) return;
+        const int64_t end = std::min(paths, (group + 1) * kGroup);
+        for (int64_t i = group * kGroup; i < end; ++i)
+            TraceLightPath(lambda, static_cast<uint64_t>(pass.first * paths + i), groups[static_cast<size_t>(group)]);
+    });
+    map_.Build(groups, radius);
+    // If cancelled, no camera path begins.
+    const bool isWhole = PixelIntegrator::Render(pass);
+    map_.Clear();
+    return isWhole;
+}
+
+SampledSpectrum SppmIntegrator::SampleDirect(const PathVertex &vertex, const LightDistribution &lights,
+                                             const SampledWavelengths &lambda, Sampler &sampler,
+                                             LightLearner::PathPlaces &places) const {
+    const auto &[point, bsdf] = vertex;
+    const Float uSelect = sampler.Get1D();
+    Point2 uLight = sampler.Get2D();
+    const Float uGate = gate_ ? sampler.Get1D() : 0;
+    const std::optional<SampledLight> chosen = lights.Sample(uSelect, &uLight);
+    if (!chosen) {
+        ++ThreadCounters().zeroLightSamples;
+        return SampledSpectrum(0);
+    }
+    const auto found = [&](const SampledSpectrum &irradiance) {
+        if (learner_) learner_->Found(places, lights.Query(), *chosen, irradiance);
+    };
+    const LightPart light = context_.scene.Lights()[chosen->light];
+    const std::optional<LightLiSample> sample =
+        light.SampleLi(ScatteringContextAt(context_.scene, point, bsdf), uLight, lambda, true);
+    SampledSpectrum f(0);
+    if (sample && sample->L && sample->pdf > 0) f = bsdf.F(point.wo, sample->wi) * AbsDot(sample->wi, point.shading.n);
+    if (!f) {
+        found(SampledSpectrum(0));
+        return f;
+    }
+    Float traced = 1;
+    if (gate_) {
+        traced = gate_->TraceProbability(lights.Query(), chosen->light, sample->pLight);
+        if (uGate >= traced) return SampledSpectrum(0);
+    }
+    const bool isBlocked = context_.scene.Occluded(LightContextAt(point), *sample);
+    if (learner_ && light.Kind() == LightKind::Infinite) learner_->Looked(lights.Query(), sample->wi, !isBlocked);
+    found(isBlocked ? SampledSpectrum(0) : sample->L * (AbsDot(sample->wi, point.shading.n) / sample->pdf));
+    if (isBlocked) return SampledSpectrum(0);
+    const Float pLight = chosen->pmf * sample->pdf;  // solid angle
+    const Float weight = IsDelta(light.Kind()) ? 1 : PowerHeuristic(pLight, bsdf.Pdf(point.wo, sample->wi));
+    return sample->L * f * (weight / (pLight * traced));
+}
+
+SampledSpectrum SppmIntegrator::IndirectFromPhotons(const PathVertex &vertex, const SampledWavelengths &lambda,
+                                                    int scatterings) const {
+    const auto &[point, bsdf] = vertex;
+    const bool isOneColour = lambda.SecondaryTerminated();
+    SampledSpectrum sum(0);
+    map_.ForEachAround(point.p, [&](const Photon &photon) {
+        if (photon.scatterings + scatterings <= settings_.maxDepth)
+            sum += bsdf.F(point.wo, photon.wi) * photon.PowerFor(isOneColour);
+    });
+    return sum * perArea_;
+}
+
+SampledSpectrum SppmIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
+    PathWalk walk(context_, start.ray, start.visible);
+    LightLearner::PathPlaces places;
+    if (learner_) places = learner_->BeginPath(start.pixel, start.sampleIndex);
+    ++ThreadCounters().cameraPaths;
+    SampledSpectrum L(0), beta(1);
+    Float etaScale = 1;
+    int depth = 0;
+    Selection selections[2];
+    Selection *current = &selections[0], *previous = &selections[1];
+    bool lightCouldSample = false, isLastRay = false;
+    Float pBsdf = 0;  // solid angle
+    const auto misWeight = [&](LightId id, const Point3 &p, const Normal3 &n) -> Float {
+        if (!lightCouldSample) return settings_.sampledLightOnly ? Float(0) : Float(1);
+        const Float pmf = previous->lights.PMF(id);
+        if (!(pmf > 0)) return 1;
+        return PowerHeuristic(pBsdf,
+                              pmf * context_.scene.Lights()[id].PdfLi(previous->from, walk.GetRay().d, p, n, true));
+    };
+    for (;;) {
+        const PathWalk::Met met = walk.Next();
+        if (met == PathWalk::Met::TooManyInterfaces) break;
+        walk.ForEachEmission(lambda, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
+            const bool ofTile = met == PathWalk::Met::Nothing && lightCouldSample;
+            L += beta * Le * misWeight(ofTile ? previous->lights.PartTowards(id, walk.GetRay().d) : id, p, n);
+        });
+        const bool looks = learner_ && lightCouldSample;
+        if (met == PathWalk::Met::Nothing) {
+            if (looks) learner_->Looked(previous->query, walk.GetRay().d, true);
+            break;
+        }
+        if (!walk.FindScattering(lambda)) {
+            lightCouldSample = false;  // light sampling does not see through it
+            continue;
+        }
+        if (looks) learner_->Looked(previous->query, walk.GetRay().d, false);
+        if (isLastRay || depth++ == settings_.maxDepth) break;
+        const auto &[point, bsdf] = walk.Vertex();
+        ++ThreadCounters().pathVertices;
+        if (IsNonSpecular(bsdf.Flags())) {
+            current->Prepare(*lights_, walk.Vertex(), lambda, depth);
+            L += beta * SampleDirect(walk.Vertex(), current->lights, lambda, sampler, places);
+        }
+        const bool takesPhotons = Has(bsdf.Flags(), BxdfFlags::Diffuse);
+        if (takesPhotons) L += beta * IndirectFromPhotons(walk.Vertex(), lambda, depth);
+
+        const Float uComponent = sampler.Get1D();
+        const std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uComponent, sampler.Get2D());
+        if (!sample) break;
+        beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
+        if (!beta) break;
+        lightCouldSample = !IsSpecular(sample->flags);
+        if (lightCouldSample) {
+            std::swap(current, previous);
+            pBsdf = sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf;
+            // Photons have brought all light that arrives by this scattering but the emission that its ray meets.
+            isLastRay = takesPhotons;
+        }
+        if (IsTransmissive(sample->flags)) etaScale *= Sqr(sample->eta);
+        walk.Scatter(*sample);
+        const Float survive = (beta * etaScale).MaxComponent();
+        if (survive < 1 && depth > 1 && !isLastRay) {
+            if (sampler.Get1D() >= survive) break;
+            beta /= survive;
+        }
+    }
+    return L;
+}
+
+}  // namespace pbrt

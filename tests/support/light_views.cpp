@@ -1,0 +1,128 @@
+#include "support/light_views.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "support/statistics.h"
+
+namespace pbrt::test {
+
+namespace {
+
+constexpr int kTile = 4;
+
+}  // namespace
+
+void PrintTo(const View &v, std::ostream *out) { *out << v.name; }
+
+namespace {
+
+std::string Scene(const View &v, const std::string &integrator, int seed, int samples) {
+    return "LookAt 0 -3.4 1.1  0 0 1  0 0 1\n" + v.camera + v.filter +
+           fmt::format(
+               "Film \"{7}\" \"integer xresolution\" {0} \"integer yresolution\" {0} \"bool savefp16\" false {1}\n"
+               "Sampler \"independent\" \"integer pixelsamples\" {2} \"integer seed\" {3}\n"
+               "Integrator \"{4}\" \"integer maxdepth\" {5} {6}\nWorldBegin\n",
+               kViewSize, v.film, samples, seed, integrator, v.depth,
+               integrator == "path"
+                   ? ""
+                   : v.parameters +
+                         (integrator == "mlt" ? fmt::format(" \"integer mutationsperpixel\" {}", samples) : ""),
+               v.filmType) +
+           "Material \"diffuse\" \"rgb reflectance\" [ .6 .5 .4 ]\n"
+           "Shape \"trianglemesh\" \"point3 P\" [ -1.5 -2 0  1.5 -2 0  1.5 1.5 0  -1.5 1.5 0  -1.5 1.5 2.2  1.5 1.5 2.2 ]\n"
+           " \"integer indices\" [ 0 1 2  0 2 3  3 2 5  3 5 4 ]\n" +
+           v.objects;
+}
+
+}  // namespace
+
+Image RenderView(const View &v, const std::string &integrator, int seed, int samples) {
+    return RenderText(Scene(v, integrator, seed, samples)).image;
+}
+
+double LargestDistance(const View &v, const std::string &integrator, double *noise, double allowed) {
+    constexpr int kSeeds = 8;
+    std::vector<RunningStatistics> ours, path;
+    for (int seed = 1; seed <= kSeeds; ++seed) {
+        const auto a = TileMeans(RenderView(v, integrator, seed, v.samples), kTile),
+                   b = TileMeans(RenderView(v, "path", 100 + seed, v.samples), kTile);
+        ours.resize(a.size());
+        path.resize(b.size());
+        for (size_t i = 0; i < a.size(); ++i) {
+            ours[i].Add(a[i]);
+            path[i].Add(b[i]);
+        }
+    }
+    double largest = 0, all = 0, error = 0;
+    for (const RunningStatistics &p : path) all += p.mean;
+    const double without = allowed * all / static_cast<double>(path.size());
+    for (size_t i = 0; i < ours.size(); ++i) {
+        const double e = std::hypot(ours[i].StandardError(), path[i].StandardError());
+        if (e > 0) largest = std::max(largest, (std::abs(ours[i].mean - path[i].mean) - without) / e);
+        error += e;
+    }
+    if (noise) *noise = error / all;
+    return largest;
+}
+
+namespace {
+
+const std::string kLamp =
+    "AttributeBegin Translate .3 -.4 2 Rotate 160 1 0 0 AreaLightSource \"diffuse\" \"rgb L\" [ 8 7 5 ]\n"
+    "Shape \"disk\" \"float radius\" .4 AttributeEnd\n";
+const std::string kBall = "AttributeBegin Translate -.5 .3 .5 Shape \"sphere\" \"float radius\" .5 AttributeEnd\n";
+/// Out of sight, so that only the light it sends to the floor is seen.
+std::string Hidden(const std::string &material) {
+    return "AttributeBegin " + material +
+           " Translate .2 -.6 2.8 Scale .35 .35 .35 Shape \"sphere\" AttributeEnd\n"
+           "AttributeBegin Translate .2 -.6 3.5 Rotate 180 1 0 0 AreaLightSource \"diffuse\" \"rgb L\" [ 9 9 9 ]\n"
+           "Shape \"disk\" \"float radius\" .6 AttributeEnd\n";
+}
+
+}  // namespace
+
+const std::vector<View> &AllViews() {
+    static const std::vector<View> views = {
+        {.name = "DiskAndBall", .objects = kLamp + kBall},
+        {.name = "Orthographic",
+         .camera = "Camera \"orthographic\" \"float screenwindow\" [ -1.4 1.4 -1.1 1.1 ]\n",
+         .objects = kLamp + kBall},
+        {.name = "Lens",
+         .camera = "Camera \"perspective\" \"float fov\" 50 \"float lensradius\" .2 \"float focaldistance\" 2.5\n",
+         .objects = kLamp + kBall},
+        {.name = "GaussianFilter", .filter = "PixelFilter \"gaussian\"\n", .objects = kLamp + kBall},
+        {.name = "Crop", .film = "\"float cropwindow\" [ .25 .75 .5 1 ]", .objects = kLamp + kBall},
+        {.name = "PointSpotAndDistant",
+         .objects = "LightSource \"point\" \"point3 from\" [ 1 -1 1.5 ] \"rgb I\" [ 1 2 3 ]\n"
+                    "LightSource \"spot\" \"point3 from\" [ -1 -1 2 ] \"point3 to\" [ 0 0 0 ] \"rgb I\" [ 6 5 4 ]\n"
+                    "LightSource \"distant\" \"point3 from\" [ 1 -2 3 ] \"rgb L\" [ .3 .3 .3 ]\n" +
+                    kBall},
+        {.name = "RoughMetal", .objects = kLamp + "Material \"conductor\" \"float roughness\" .5\n" + kBall},
+        {.name = "Coat", .objects = kLamp + "Material \"coateddiffuse\" \"float roughness\" .3\n" + kBall},
+        {.name = "RoughGlass", .objects = Hidden("Material \"dielectric\" \"float roughness\" .4")},
+        {.name = "SmoothGlass", .objects = Hidden("Material \"dielectric\"")},
+        // Normals that lean far away from the surface: without their correction (AdjointCosine) the floor would be
+        // wrong.
+        {.name = "ShadingNormals",
+         .objects = kLamp +
+                    "Shape \"trianglemesh\" \"point3 P\" [ -1 -1 .05  1 -1 .05  1 1 .05  -1 1 .05 ]\n"
+                    " \"normal N\" [ -.9 0 .6  .9 0 .6  0 .9 .6  0 -.9 .6 ] \"integer indices\" [ 0 1 2  0 2 3 ]\n"},
+        {.name = "DepthOne", .objects = kLamp + kBall, .depth = 1},
+        {.name = "Mirror",
+         .objects = kLamp + "Material \"conductor\" \"float roughness\" 0\n" + kBall,
+         .depth = 4,
+         .isForLightPath = false},
+        {.name = "SkyAndGlass",
+         .objects = "LightSource \"infinite\" \"rgb L\" [ .5 .7 1 ]\n" + kLamp + "Material \"dielectric\"\n" + kBall,
+         .depth = 4,
+         .isForLightPath = false},
+        {.name = "SkyOnly",
+         .objects = "LightSource \"infinite\" \"rgb L\" [ .5 .7 1 ]\n" + kBall,
+         .isForLightPath = false},
+    };
+    return views;
+}
+
+}  // namespace pbrt::test

@@ -1,0 +1,32 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "support/render_scene.h"
+
+namespace pbrt::test {
+
+/// Small views of a room corner, to compare integrators that follow light from the lights with paths from the camera.
+struct View {
+    std::string name;
+    std::string camera = "Camera \"perspective\" \"float fov\" 50\n";
+    std::string filter = "PixelFilter \"box\"\n";
+    std::string filmType = "rgb";
+    std::string film{};        ///< further parameters
+    std::string objects{};     ///< in the room
+    std::string parameters{};  ///< of the integrator that is compared, further ones
+    int samples = 256;
+    int depth = 3;
+    bool isForLightPath = true;
+};
+void PrintTo(const View &v, std::ostream *out);
+const std::vector<View> &AllViews();
+
+constexpr int kViewSize = 16;
+Image RenderView(const View &v, const std::string &integrator, int seed, int samples);
+
+/// Tile means of eight renders each, of the integrator and of path; the largest distance, in standard errors, of any
+/// tile and colour, less `allowed` of the mean of the picture.
+double LargestDistance(const View &v, const std::string &integrator, double *noise = nullptr, double allowed = 0);
+
+}  // namespace pbrt::test

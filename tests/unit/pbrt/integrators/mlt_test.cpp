@@ -1,0 +1,136 @@
+// Metropolis light transport makes the picture that paths from the camera make, whatever its parameters.
+#include <gtest/gtest.h>
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/integrators/primary_sampler.h"
+#include "support/light_views.h"
+#include "support/statistics.h"
+
+namespace pbrt::test {
+namespace {
+
+TEST(PrimarySampler, HandsOutTheListAndDrawsWhatIsMissing) {
+    Rng rng(1), same(1);
+    std::vector<Float> numbers(100, 0.25f);
+    for (size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<Float>(i) / 200;
+    const std::vector<Float> given = numbers;
+    PrimarySampler sampler(numbers, rng);
+    sampler.StartPixelSample({0, 0}, 0);
+    std::vector<Float> got;
+    for (int i = 0; got.size() < 130; ++i) {
+        if (i % 3 == 0) {
+            got.push_back(sampler.Get1D());
+        } else {
+            const Point2 p = sampler.Get2D();
+            got.push_back(p.x);
+            got.push_back(p.y);
+        }
+    }
+    ASSERT_GE(numbers.size(), got.size());
+    for (size_t i = 0; i < got.size(); ++i) EXPECT_EQ(got[i], i < given.size() ? given[i] : same.Uniform()) << i;
+
+    PrimarySampler again(numbers, rng);
+    again.StartPixelSample({0, 0}, 0);
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(again.Get1D(), got[static_cast<size_t>(i)]);
+    again.ForgetUnused();
+    EXPECT_GE(numbers.size(), 20u);
+    EXPECT_LT(numbers.size(), 40u);
+}
+
+TEST(PrimarySampler, StepsAreNormalAndKeepNumbersEven) {
+    Rng rng(2);
+    constexpr int kCount = 200000;
+    constexpr Float kSigma = 0.03f;
+    std::vector<Float> from(kCount), to;
+    for (Float &v : from) v = rng.Uniform();
+    PerturbNumbers(from, kSigma, rng, to);
+    ASSERT_EQ(to.size(), from.size());
+    double first = 0, second = 0, fourth = 0, product = 0, last = 0;
+    std::vector<int> cells(20);
+    for (size_t i = 0; i < to.size(); ++i) {
+        ASSERT_GE(to[i], 0);
+        ASSERT_LT(to[i], 1);
+        ++cells[static_cast<size_t>(to[i] * 20)];
+        double step = double(to[i] - from[i]);
+        step = (step - std::round(step)) / double(kSigma);
+        first += step / kCount;
+        second += step * step / kCount;
+        fourth += step * step * step * step / kCount;
+        product += step * last / kCount;
+        last = step;
+    }
+    EXPECT_NEAR(first, 0, 5 / std::sqrt(kCount));
+    EXPECT_NEAR(second, 1, 5 * std::sqrt(2.0 / kCount));
+    EXPECT_NEAR(fourth, 3, 5 * std::sqrt(96.0 / kCount));
+    EXPECT_NEAR(product, 0, 5 / std::sqrt(kCount));
+    for (int n : cells) EXPECT_NEAR(n, kCount / 20, 5 * std::sqrt(kCount / 20));
+}
+
+class MltViews : public testing::TestWithParam<View> {};
+
+TEST_P(MltViews, AgreeWithPath) {
+    View view = GetParam();
+    view.samples = 160;
+    view.parameters = "\"integer bootstrapsamples\" 10000 \"integer chains\" 640";
+    double noise = 1;
+    EXPECT_LT(LargestDistance(view, "mlt", &noise), 5.5);
+    EXPECT_LT(noise, 0.08) << "the test would see nothing";
+}
+
+INSTANTIATE_TEST_SUITE_P(All, MltViews, testing::ValuesIn(AllViews()),
+                         [](const auto &test) { return test.param.name; });
+
+/// Small bootstraps know the brightness badly, one by one; their mean is exact for every choice of parameters.
+TEST(Mlt, ParametersDoNotChangeTheMean) {
+    View view = AllViews()[0];
+    view.samples = 160;
+    for (const char *parameters :
+         {"\"integer bootstrapsamples\" 1 \"integer chains\" 1 \"float sigma\" .05",
+          "\"integer bootstrapsamples\" 1 \"integer chains\" 9999 \"float largestepprobability\" 0",
+          "\"integer bootstrapsamples\" 1 \"integer chains\" 500 \"float largestepprobability\" 1"}) {
+        view.parameters = parameters;
+        double noise = 1;
+        EXPECT_LT(LargestDistance(view, "mlt", &noise), 5.5) << parameters;
+        EXPECT_LT(noise, 0.1) << parameters;
+    }
+}
+
+TEST(Mlt, IsTheSameForAnyNumberOfThreads) {
+    const View view = AllViews()[0];
+    ThreadLimit one(1);
+    const Image expected = RenderView(view, "mlt", 1, 12);
+    for (int threads : {2, 5}) {
+        ThreadLimit limit(threads);
+        const Image image = RenderView(view, "mlt", 1, 12);
+        for (int y = 0; y < kViewSize; ++y)
+            for (int x = 0; x < kViewSize; ++x)
+                for (int c = 0; c < 3; ++c) EXPECT_EQ(image.Get({x, y}, c), expected.Get({x, y}, c));
+    }
+}
+
+TEST(Mlt, RefusesFilmsAndCamerasThatItCannotServe) {
+    View view = AllViews()[0];
+    const auto expectRefusal = [&](const std::string &word) {
+        try {
+            RenderView(view, "mlt", 1, 1);
+            FAIL() << "a picture";
+        } catch (const UserError &e) {
+            EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
+        }
+    };
+    view.camera = "Camera \"spherical\"\n";
+    expectRefusal("\"perspective\" and \"orthographic\"");
+    view = AllViews()[0];
+    view.filmType = "gbuffer";
+    expectRefusal("\"rgb\" or \"spectral\"");
+}
+
+TEST(Mlt, WithoutLightIsBlack) {
+    View view = AllViews()[0];
+    view.objects = "";
+    const Image image = RenderView(view, "mlt", 1, 2);
+    for (int x = 0; x < kViewSize; ++x) EXPECT_EQ(image.Get({x, 12}, 0), 0);
+}
+
+}  // namespace
+}  // namespace pbrt::test

@@ -1,0 +1,132 @@
+// Photon maps find what is near, and photon mapping makes the picture that paths from the camera make.
+#include <gtest/gtest.h>
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/integrators/photon_map.h"
+#include "pbrt/integrators/sppm_integrator.h"
+#include "pbrt/math/rng.h"
+#include "support/light_views.h"
+#include "support/statistics.h"
+
+namespace pbrt::test {
+namespace {
+
+TEST(PhotonMap, FindsWhatASearchThroughAllFinds) {
+    Rng rng(1);
+    for (Float radius : {0.02f, 0.3f, 4.f}) {
+        std::vector<std::vector<Photon>> groups(7);
+        std::vector<Photon> all;
+        for (std::vector<Photon> &group : groups)
+            for (int i = 0; i < 300; ++i) {
+                const Point2 a = rng.Uniform2();
+                group.push_back(
+                    {.p = {2 * a.x - 1, 2 * a.y - 1, rng.Uniform() / 10}, .scatterings = static_cast<int>(all.size())});
+                all.push_back(group.back());
+            }
+        PhotonMap map;
+        map.Build(groups, radius);
+        ASSERT_EQ(map.Size(), all.size());
+        size_t found = 0;
+        for (int query = 0; query < 200; ++query) {
+            const Point2 a = rng.Uniform2();
+            const Point3 p{3 * a.x - 1.5f, 3 * a.y - 1.5f, 0.05f};
+            std::vector<int> expected, numbers;
+            for (const Photon &photon : all)
+                if (LengthSquared(photon.p - p) <= radius * radius) expected.push_back(photon.scatterings);
+            map.ForEachAround(p, [&](const Photon &photon) { numbers.push_back(photon.scatterings); });
+            std::sort(numbers.begin(), numbers.end());
+            EXPECT_EQ(numbers, expected);
+            found += expected.size();
+        }
+        EXPECT_GT(found, 0u);
+    }
+    PhotonMap empty;
+    std::vector<std::vector<Photon>> none(3);
+    empty.Build(none, 1);
+    empty.ForEachAround(Point3(0), [](const Photon &) { FAIL(); });
+}
+
+TEST(Photon, OfOneColourHasTheSameMeanForPathsOfAllColours) {
+    // The mean over the place of the first wavelength of what the film sums up: L over the density, divided by N.
+    for (bool photonIsOne : {false, true})
+        for (bool pathIsOne : {false, true}) {
+            double sum = 0, expected = 0;
+            constexpr int kCount = 4096;
+            for (int i = 0; i < kCount; ++i) {
+                SampledWavelengths lambda = SampledWavelengths::SampleVisible((Float(i) + 0.5f) / kCount);
+                Photon photon;
+                for (int k = 0; k < SpectrumSamples; ++k) {
+                    photon.power[k] = lambda[k] / 500;
+                    expected += double(photon.power[k] / lambda.PdfAt(k)) / SpectrumSamples;
+                }
+                photon.isOneColour = photonIsOne;
+                if (pathIsOne) lambda.TerminateSecondary();
+                const SampledSpectrum L = photon.PowerFor(pathIsOne);
+                for (int k = 0; k < SpectrumSamples; ++k)
+                    if (lambda.PdfAt(k) > 0) sum += double(L[k] / lambda.PdfAt(k)) / SpectrumSamples;
+            }
+            EXPECT_NEAR(sum / expected, 1, 1e-3) << photonIsOne << pathIsOne;
+        }
+}
+
+TEST(Sppm, RadiusShrinksAsPhotonsAreKept) {
+    double square = 1;
+    for (int i = 0; i < 500; ++i) {
+        EXPECT_NEAR(double(SppmIntegrator::RelativeRadius(i)), std::sqrt(square), 1e-5) << i;
+        square *= (i + 2.0 / 3) / (i + 1);
+    }
+}
+
+/// Photons blur what they bring, so beside chance some of the mean is allowed.
+constexpr double kBlur = 0.015;
+
+class SppmViews : public testing::TestWithParam<View> {};
+
+TEST_P(SppmViews, AgreeWithPath) {
+    View view = GetParam();
+    view.samples = 192;
+    view.parameters = "\"float radius\" .15 \"integer photonsperiteration\" 3000";
+    double noise = 1;
+    EXPECT_LT(LargestDistance(view, "sppm", &noise, kBlur), 5.5);
+    EXPECT_LT(noise, 0.08) << "the test would see nothing";
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SppmViews, testing::ValuesIn(AllViews()),
+                         [](const auto &test) { return test.param.name; });
+
+TEST(Sppm, IsTheSameForAnyNumberOfThreads) {
+    View view = AllViews()[0];
+    view.parameters = "\"float radius\" .15 \"integer photonsperiteration\" 20000";
+    ThreadLimit one(1);
+    const Image expected = RenderView(view, "sppm", 1, 5);
+    for (int threads : {2, 5}) {
+        ThreadLimit limit(threads);
+        const Image image = RenderView(view, "sppm", 1, 5);
+        for (int y = 0; y < kViewSize; ++y)
+            for (int x = 0; x < kViewSize; ++x)
+                for (int c = 0; c < 3; ++c) EXPECT_EQ(image.Get({x, y}, c), expected.Get({x, y}, c));
+    }
+}
+
+TEST(Sppm, SeedChoosesTheLightPaths) {
+    View view = AllViews()[0];
+    const auto pixel = [&](const char *seed) {
+        view.parameters = seed;
+        return RenderView(view, "sppm", 1, 2).Get({8, 12}, 0);
+    };
+    EXPECT_EQ(pixel(""), pixel("\"integer seed\" 0"));
+    EXPECT_NE(pixel(""), pixel("\"integer seed\" 1"));
+}
+
+TEST(Sppm, ShootsAsManyPhotonsAsPixelsUnlessToldOtherwise) {
+    View view = AllViews()[0];
+    const auto pixel = [&](const std::string &parameters) {
+        view.parameters = parameters;
+        return RenderView(view, "sppm", 1, 2).Get({8, 12}, 0);
+    };
+    EXPECT_EQ(pixel(""), pixel(fmt::format("\"integer photonsperiteration\" {}", kViewSize * kViewSize)));
+    EXPECT_NE(pixel(""), pixel("\"integer photonsperiteration\" 100"));
+}
+
+}  // namespace
+}  // namespace pbrt::test

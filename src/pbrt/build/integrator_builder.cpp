@@ -243,7 +243,7 @@ const IntegratorTable &Integrators() {
         t.Add<SppmParams>(
             "sppm",
             "surfaces only; only here: light samplers and gates as path; **differs**: the radius shrinks with the "
-            "iteration, the same in every pixel, and `maxdepth` limits the whole path, not its two parts",
+            "iteration, the same in every pixel; `maxdepth` limits the whole path",
             [](const auto &p, const ParamSet &set, Request &r) { return MakeSppm(p, set, r); });
         AddSimple<AmbientOcclusionParams>(
             t, "ambientocclusion", [](const auto &p, int, const PathContext &c, const ColorSpace &space) {

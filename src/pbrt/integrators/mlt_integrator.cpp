@@ -21,7 +21,7 @@ constexpr int64_t kGroup = 256;
 
 /// A pair of subpaths, as the numbers that make it and as what it brings to the film.
 struct MltIntegrator::Pair {
-    std::vector<Float> numbers[3];  ///< PrimarySampler; of the light, the camera and the connections
+    std::vector<Float> numbers[3];                ///< PrimarySampler; of the light, the camera and the connections
     std::vector<BdptIntegrator::SeenLight> seen;  ///< an estimate of the film for every pair
     SampledWavelengths lambda;
     Float importance = 0;  ///< what `seen` adds up to in one number; above 0 wherever the film gets anything
@@ -195,7 +195,8 @@ MltIntegrator::MltIntegrator(const PathContext &context, const MltSettings &sett
 bool MltIntegrator::Render(const RenderPass &pass) {
     if (pass.film.WantsVisibleSurface())
         throw UserError(
-            "Integrator \"mlt\" has no camera rays of single pixels, so it cannot tell the film what they see: use Film "
+            "Integrator \"mlt\" has no camera rays of single pixels, so it cannot tell the film what they see: use "
+            "Film "
             "\"rgb\" or \"spectral\" without further channels.");
     Renderer renderer(*this, pass);
     if (pass.done && !pass.done->empty() && static_cast<int64_t>(pass.done->size()) != renderer.Parts())

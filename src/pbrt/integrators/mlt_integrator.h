@@ -26,6 +26,8 @@ class MltIntegrator final : public Integrator {
     MltIntegrator(const PathContext &context, const MltSettings &settings);
     /// Throws UserError if the film wants to know what the camera sees.
     bool Render(const RenderPass &pass) override;
+    /// Bootstraps of all samples of a pass are in memory at once.
+    int MaxPassSamples() const override { return 16; }
 
   private:
     struct Pair;

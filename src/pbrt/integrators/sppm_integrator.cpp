@@ -1,6 +1,7 @@
 #include "pbrt/integrators/sppm_integrator.h"
 
 #include "pbrt/core/counters.h"
+#include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/lightsamplers/light_query.h"
@@ -114,6 +115,8 @@ bool SppmIntegrator::Render(const RenderPass &pass) {
     const Float radius = settings_.radius * RelativeRadius(pass.batchFirst + pass.first);
     const int64_t paths =
         settings_.photonsPerIteration > 0 ? settings_.photonsPerIteration : pass.film.PixelBounds().Area();
+    RequireMemory(static_cast<double>(paths) * sizeof(Photon),
+                  fmt::format("Integrator \"sppm\": a map of {} photons", paths), {});
     perArea_ = 1 / (Pi * radius * radius * static_cast<Float>(paths));
     const int64_t groupCount = settings_.maxDepth < 2 ? 0 : (paths + kGroup - 1) / kGroup;
     std::vector<std::vector<Photon>> groups(static_cast<size_t>(groupCount));

@@ -94,6 +94,30 @@ TEST_P(SppmViews, AgreeWithPath) {
 INSTANTIATE_TEST_SUITE_P(All, SppmViews, testing::ValuesIn(AllViews()),
                          [](const auto &test) { return test.param.name; });
 
+/// Direct light is found by any light sampler, the octree's learning one included, and with any gate.
+TEST(Sppm, LightSamplersAndGatesDoNotChangeTheMean) {
+    View view = AllViews()[0];
+    view.samples = 96;
+    view.objects +=
+        "LightSource \"point\" \"point3 from\" [ 1 -1 1.5 ] \"rgb I\" [ .5 1 1.5 ]\n"
+        "LightSource \"infinite\" \"rgb L\" [ .2 .2 .3 ]\n";
+    int tested = 0;
+    for (const char *lights : {"\"string lightsampler\" \"uniform\"", "\"string lightsampler\" \"power\"",
+                               "\"string lightsampler\" \"octree\"", "\"string shadowgate\" \"neepp\""}) {
+        view.parameters = std::string("\"float radius\" .15 \"integer photonsperiteration\" 3000 ") + lights;
+        try {
+            RenderView(view, "sppm", 1, 1);
+        } catch (const UserError &) {
+            continue;  // a build without extensions
+        }
+        ++tested;
+        double noise = 1;
+        EXPECT_LT(LargestDistance(view, "sppm", &noise, kBlur), 5.5) << lights;
+        EXPECT_LT(noise, 0.08) << lights;
+    }
+    EXPECT_GE(tested, 2);
+}
+
 TEST(Sppm, IsTheSameForAnyNumberOfThreads) {
     View view = AllViews()[0];
     view.parameters = "\"float radius\" .15 \"integer photonsperiteration\" 20000";

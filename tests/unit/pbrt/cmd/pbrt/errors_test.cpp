@@ -181,6 +181,25 @@ Shape "sphere"
     EXPECT_EQ(Files(), std::vector<std::string>{"scene.pbrt"});
 }
 
+TEST_F(Errors, WhatPhotonMapsAndChainsCannotDo) {
+    const std::string scene = SmallScene();
+    const size_t begin = scene.find("Integrator"), end = scene.find('\n', begin);
+    ASSERT_NE(begin, std::string::npos);
+    const auto with = [&](const std::string &integrator) {
+        return scene.substr(0, begin) + integrator + scene.substr(end);
+    };
+    Write("many.pbrt", with("Integrator \"sppm\" \"integer photonsperiteration\" 2147483647"));
+    Write("radius.pbrt", with("Integrator \"sppm\" \"float radius\" 0"));
+    Write("chains.pbrt", with("Integrator \"mlt\" \"integer chains\" 0"));
+    Write("mlt.pbrt", with("Integrator \"mlt\" \"integer mutationsperpixel\" 3"));
+    ExpectErrors({{"many.pbrt", {"a map of 2147483647 photons needs about"}},
+                  {"radius.pbrt", {"Error: radius.pbrt:", "\"radius\" is 0", "^"}},
+                  {"chains.pbrt", {"Error: chains.pbrt:", "\"chains\" is 0", "^"}},
+                  {"--aov albedo mlt.pbrt", {"use Film \"rgb\" or \"spectral\""}}});
+    EXPECT_EQ(IntOf(Render("mlt.pbrt"), "samplesPerPixel"), 3);
+    EXPECT_EQ(IntOf(Render("mlt.pbrt --spp 2"), "samplesPerPixel"), 2);
+}
+
 TEST_F(Errors, UnknownLightSamplerOfAScene) {
     Write("scene.pbrt", SmallScene(R"("string lightsampler" "bhv")"));
     ExpectErrors({{"scene.pbrt", {"Error: scene.pbrt:5:", "\"bhv\"", "valid: bvh", "power", "uniform", "^"}}});

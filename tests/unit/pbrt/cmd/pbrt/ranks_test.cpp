@@ -94,7 +94,8 @@ TEST_F(Mpi, AnyNumberOfProcessesGivesTheSameBits) {
 TEST_F(Mpi, WithoutLearningAndUnderASky) {
     Write("scene.pbrt", LearningScene("rgb", 5));
     Write("sky.pbrt", SkyScene());
-    const std::vector<std::string> cases = {"--lightsampler bvh scene.pbrt", "--integrator sppm --spp 5 scene.pbrt",
+    const std::vector<std::string> cases = {"--lightsampler bvh scene.pbrt",
+                                            lights_ + "--integrator sppm --spp 9 scene.pbrt",
                                             "--integrator mlt --spp 9 scene.pbrt",
                                             (ext_ ? "--lightsampler octree:opensky=1" : lights_) + " --spp 33 sky.pbrt",
                                             "--lightsampler bvh --pixel 7,7 --spp 200 scene.pbrt"};

@@ -52,7 +52,7 @@ count "format (.clang-format)" $?
 
 # One build folder serves both: switching PBRT_EXT recompiles only what depends on it.
 echo "Building without extensions (build/release.log)"
-if bash .ci/build "$top/build/release" -DPBRT_EXT=OFF -DPBRT_WERROR=ON -DPBRT_UNITY=ON; then
+if bash .ci/build "$top/build/release" -DPBRT_EXT=OFF -DPBRT_WERROR=ON; then
   # Programs that no extension can change run below.
   same=$(extension_free_units build/release | paste -sd "|")
   # So do pages in a browser, scripts and documents.
@@ -61,7 +61,7 @@ else
   count "build without extensions" 1
 fi
 echo "Building everything (build/release.log)"
-if bash .ci/build "$top/build/release" -DPBRT_EXT=ON -DPBRT_WERROR=ON -DPBRT_UNITY=ON; then
+if bash .ci/build "$top/build/release" -DPBRT_EXT=ON -DPBRT_WERROR=ON; then
   run_ctest all build/release
   for table in build/release/tables/*.txt; do
     [ -f "$table" ] && { echo; cat "$table"; }
@@ -78,7 +78,7 @@ fi
 # costs more than most tests.
 echo "Building unit programs with sanitizers (build/asan.log)"
 sanitized=(math shapes bxdfs materials lights media)
-if bash .ci/build "$top/build/asan" -DPBRT_SANITIZE=address,undefined -DPBRT_BENCH=OFF -DPBRT_UNITY=ON -- "${sanitized[@]/#/unit_}"; then
+if bash .ci/build "$top/build/asan" -DPBRT_SANITIZE=address,undefined -DPBRT_BENCH=OFF -- "${sanitized[@]/#/unit_}"; then
   run_sanitized() { # run_sanitized NAME: its log ends with a line "status N"
     local filter='*'
     [ "$1" = materials ] && filter='Measured.*' # of materials the only ones that draw samples

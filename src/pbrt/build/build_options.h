@@ -17,6 +17,7 @@ struct BuildOptions {
     std::string integrator;         ///< --integrator name; empty: the scene's
     std::optional<int> maxDepth;    ///< --maxdepth
     bool sampledLightOnly = false;  ///< PathSettings::sampledLightOnly (path, volpath)
+    bool guide = false;             ///< --guide
     std::string lightSampler;       ///< --lightsampler, see LightFlags; empty: the scene's
     bool meshLights = false;        ///< --mesh-lights
     std::string shadowGate;         ///< --shadow-gate name[:key=value,...] or none; empty: the scene's

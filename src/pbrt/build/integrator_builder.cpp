@@ -37,6 +37,17 @@ struct PathParams : DepthParams {
     }
 };
 
+struct GuidedPathParams : PathParams {
+    bool guide = false;
+    GuideParams guideParams;
+    template <class V>
+    void Describe(V &&v) {
+        PathParams::Describe(v);
+        v("guide", guide, "choose a part of the bounces' directions by what earlier samples found; as --guide");
+        guideParams.Describe(v);
+    }
+};
+
 struct VolPathParams : PathParams {
     bool equiangular = false;
     template <class V>
@@ -56,7 +67,7 @@ std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorRe
 
 /// Without media volpath is path with subsurface scattering and with light sampling through interface surfaces.
 IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume,
-                            bool equiangular = false) {
+                            bool equiangular = false, std::optional<GuideParams> guide = {}) {
     IntegratorSettings settings;
     settings.maxDepth = p.MaxDepth(r);
     settings.lights = ReadLights(set, r);
@@ -66,6 +77,7 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
     path.regularize = p.regularize;
     path.seesThroughInterfaces = isVolume;
     path.equiangular = equiangular;
+    path.guide = guide;
     path.sampledLightOnly = r.options.sampledLightOnly;
     settings.make = [path, isVolume, &registry = r.registry, lights = *settings.lights](
                         const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
@@ -191,12 +203,17 @@ const IntegratorTable &Integrators() {
     static const IntegratorTable table = [] {
         using Request = const IntegratorReading;
         IntegratorTable t("Integrator");
-        t.Add<PathParams>(
+        t.Add<GuidedPathParams>(
             "path",
-            "only here: `meshlights`, `shadowgate` and the light samplers' own parameters "
+            "only here: `guide` ([guided-paths.md](../method/guided-paths.md)), `meshlights`, `shadowgate` and the "
+            "light samplers' own parameters "
             "([lightsamplers.md](lightsamplers.md)); **differs**: an unknown light sampler is an error (stock "
             "uses bvh)",
-            [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, false); });
+            [](const auto &p, const ParamSet &set, Request &r) {
+                const bool guides = p.guide || r.options.guide;
+                return MakePath(p, set, r, false, false,
+                                guides ? std::optional<GuideParams>(p.guideParams) : std::nullopt);
+            });
         t.Add<VolPathParams>(
             "volpath", "as path, with media and subsurface scattering, and shadow rays pass \"interface\"",
             [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, true, p.equiangular); });
@@ -291,6 +308,8 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
             depth && type != "ambientocclusion")
             fresh.Add(*depth);
         const ParamSet &params = type != entity.type ? fresh : entity.params;
+        if (options.guide && type != "path")
+            sink.Error({}, fmt::format("--guide: only integrator \"path\" is guided; this one is \"{}\".", type));
         ParamReader before(params);
         if (type == "path" || type == "volpath" || type == "sppm") DeclareLightParams(before, registry);
         Collect(sink, [&] {

@@ -72,6 +72,7 @@ RenderIdentity IdentityOf(const BuildOptions &o, const std::vector<std::string> 
     whether("--ignore-unsupported", o.ignoreUnsupported);
     flag("--integrator", o.integrator);
     if (o.maxDepth) flag("--maxdepth", std::to_string(*o.maxDepth));
+    whether("--guide", o.guide);
     flag("--lightsampler", o.lightSampler);
     whether("--mesh-lights", o.meshLights);
     flag("--shadow-gate", o.shadowGate);

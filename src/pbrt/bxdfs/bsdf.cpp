@@ -50,6 +50,15 @@ bool Bsdf::IsDirectional() const {
     });
 }
 
+bool Bsdf::HasExactF() const {
+    return Dispatch(lobe_, [](const auto &lobe) {
+        if constexpr (requires { lobe.UsesTable(); })
+            return lobe.UsesTable();
+        else
+            return true;
+    });
+}
+
 void Bsdf::ApproximateF(const Vector3 &wo, std::span<const Vector3> wi, Float *f) const {
     const Vector3 o = frame_.ToLocal(wo);
     Dispatch(lobe_, [&](const auto &lobe) {

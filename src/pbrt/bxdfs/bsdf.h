@@ -34,6 +34,9 @@ class Bsdf {
     /// True if F has a glossy lobe, alone or as part of a coat: then the choice of a direction should take F into
     /// account.
     bool IsDirectional() const;
+    /// False if F is a random estimate, as that of layers is where no table covers them. Then its mean depends on how
+    /// directions are chosen.
+    bool HasExactF() const;
     /// Writes to f[k] an approximation of F(wo, wi[k]), averaged over wavelengths, up to a factor that hardly depends
     /// on wi. Cheap and deterministic (no random walks in layers, no Fresnel term of metals): for choosing among
     /// directions, not for radiance.

@@ -11,6 +11,8 @@
 
 namespace pbrt {
 
+class PathGuide;
+
 /// A part of a render: some samples of every pixel of the film.
 struct RenderPass {
     const Camera &camera;
@@ -47,10 +49,17 @@ class Integrator {
     virtual int MaxPassSamples() const { return std::numeric_limits<int>::max(); }
     /// What learns from every path and between passes; null if nothing does.
     virtual LightLearner *Learner() { return nullptr; }
+    /// Writes what Prepare and the learner made, for PrepareContext::learned of a render that goes on. Not while rays
+    /// are traced; the writer may refer to memory of this object.
+    virtual void SaveLearned(StateWriter &writer) const {
+        if (const LightSampler *lights = Lights()) lights->SaveLearned(writer, true);
+    }
     /// The light sampler in use; null if the integrator has none.
     virtual const LightSampler *Lights() const { return nullptr; }
     /// The shadow-ray gate in use, or null.
     virtual const ShadowRayGate *Gate() const { return nullptr; }
+    /// What guides bounces, or null.
+    virtual const PathGuide *Guide() const { return nullptr; }
 };
 
 }  // namespace pbrt

@@ -1,6 +1,7 @@
 #include "pbrt/integrators/path_integrator.h"
 
 #include "pbrt/core/counters.h"
+#include "pbrt/integrators/guided_bounces.h"
 #include "pbrt/lightsamplers/light_query.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/paths/subsurface_exit.h"
@@ -24,10 +25,22 @@ struct Selection {
     }
 };
 
+/// Bounces that the BSDF chooses. GuidedBounces has the same functions.
+struct BsdfBounces {
+    void Begin(const PathVertex &) {}
+    std::optional<BsdfSample> Sample(const PathVertex &vertex, Float uc, const Point2 &u) const {
+        return vertex.bsdf.Sample(vertex.point.wo, uc, u);
+    }
+    Float Pdf(const PathVertex &vertex, const Vector3 &wi) const { return vertex.bsdf.Pdf(vertex.point.wo, wi); }
+    void Left(const PathVertex &, const BsdfSample &, Float, const SampledSpectrum &, const SampledSpectrum &) {}
+    void End(const SampledSpectrum &) {}
+};
+
 }  // namespace
 
+template <class Bounces>
 SampledSpectrum PathIntegrator::SampleDirect(const PathVertex &vertex, const LightDistribution &lights,
-                                             const SampledWavelengths &lambda, Sampler &sampler,
+                                             const Bounces &bounces, const SampledWavelengths &lambda, Sampler &sampler,
                                              LightLearner::PathPlaces &places) const {
     const auto &[point, bsdf] = vertex;
     // All random numbers are drawn in any case, so that dimensions stay aligned between samples.
@@ -66,11 +79,23 @@ SampledSpectrum PathIntegrator::SampleDirect(const PathVertex &vertex, const Lig
 
     Float pLight = selected->pmf * sample->pdf;  // solid angle
     if (IsDelta(light.Kind())) return sample->L * f / (pLight * traced);
-    Float pBsdf = bsdf.Pdf(point.wo, sample->wi);  // solid angle
+    Float pBsdf = bounces.Pdf(vertex, sample->wi);  // solid angle
     return sample->L * f * (PowerHeuristic(pLight, pBsdf) / (pLight * traced));
 }
 
 SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
+    if (!guide_) return Follow(start, lambda, sampler, BsdfBounces());
+    return Follow(start, lambda, sampler, GuidedBounces(*guide_, start.pixel, start.sampleIndex));
+}
+
+void PathIntegrator::SaveLearned(StateWriter &writer) const {
+    lights_->SaveLearned(writer, true);
+    if (guide_) guide_->Save(writer);
+}
+
+template <class Bounces>
+SampledSpectrum PathIntegrator::Follow(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler,
+                                       Bounces &&bounces) const {
     const Scene &scene = context_.scene;
     PathWalk walk(context_, start.ray, start.visible);
     LightLearner::PathPlaces places;
@@ -122,21 +147,24 @@ SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &l
         const auto &[point, bsdf] = walk.Vertex();
         if (depth++ == settings_.maxDepth) break;
         ++ThreadCounters().pathVertices;
+        bounces.Begin(walk.Vertex());
 
         if (IsNonSpecular(bsdf.Flags())) {
             current->Prepare(*lights_, walk.Vertex(), lambda, depth);
-            L += beta * SampleDirect(walk.Vertex(), current->lights, lambda, sampler, places);
+            L += beta * SampleDirect(walk.Vertex(), current->lights, bounces, lambda, sampler, places);
         }
 
         Float uComponent = sampler.Get1D();
-        std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uComponent, sampler.Get2D());
+        std::optional<BsdfSample> sample = bounces.Sample(walk.Vertex(), uComponent, sampler.Get2D());
         if (!sample) break;
         beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
         if (!beta) break;
-        if (IsSpecular(sample->flags))
+        if (IsSpecular(sample->flags)) {
             lightCouldSample = false;
-        else
+        } else {
             scatteredFromCurrent(sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf);
+            bounces.Left(walk.Vertex(), *sample, pBsdf, L, beta);
+        }
         if (IsTransmissive(sample->flags)) etaScale *= Sqr(sample->eta);
         walk.Scatter(*sample);
 
@@ -147,13 +175,15 @@ SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &l
                 if (!exit) break;
                 beta *= exit->weight;
                 walk.MoveTo(exit->vertex);
+                bounces.Begin(walk.Vertex());
                 current->Prepare(*lights_, walk.Vertex(), lambda, depth);
-                L += beta * SampleDirect(walk.Vertex(), current->lights, lambda, sampler, places);
+                L += beta * SampleDirect(walk.Vertex(), current->lights, bounces, lambda, sampler, places);
                 Float uExit = sampler.Get1D();
-                sample = bsdf.Sample(point.wo, uExit, sampler.Get2D());
+                sample = bounces.Sample(walk.Vertex(), uExit, sampler.Get2D());
                 if (!sample) break;
                 beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
                 scatteredFromCurrent(sample->pdf);
+                bounces.Left(walk.Vertex(), *sample, pBsdf, L, beta);
                 walk.Scatter(*sample);
             }
         }
@@ -165,6 +195,7 @@ SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &l
             beta /= survive;
         }
     }
+    bounces.End(L);
     ++ThreadCounters().cameraPaths;
     return L;
 }

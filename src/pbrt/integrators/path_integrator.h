@@ -1,6 +1,7 @@
 #pragma once
 #include <memory>
 
+#include "pbrt/integrators/path_guide.h"
 #include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/lightsamplers/light_learner.h"
 
@@ -20,11 +21,13 @@ struct PathSettings {
     /// Leaves out emission that only BSDF sampling can find: lights seen directly or in a mirror, caustics. It does not
     /// depend on the light sampler; without it a measurement of light samplers is free of its noise.
     bool sampledLightOnly = false;
+    std::optional<GuideParams> guide{};  ///< bounces are guided (path)
 };
 
 /// Unidirectional path tracing with next-event estimation; BSDF and light sampling combined by the power heuristic.
 /// Both sides of the combination use the light sampler's distribution of the same vertex. A shadow-ray gate, if there
-/// is one, may skip shadow rays; it uses one more random number per light sample.
+/// is one, may skip shadow rays; it uses one more random number per light sample. With a guide, a part of the bounces
+/// follows what it learned.
 class PathIntegrator final : public PixelIntegrator {
   public:
     PathIntegrator(const PathContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
@@ -33,26 +36,36 @@ class PathIntegrator final : public PixelIntegrator {
           settings_(settings),
           lights_(std::move(lights)),
           gate_(std::move(gate)),
-          learner_(lights_->Learner()) {}
+          learner_(lights_->Learner()),
+          guide_(settings.guide ? std::make_unique<PathGuide>(*settings.guide, learner_) : nullptr) {}
 
     void Prepare(PrepareContext &prepare) override {
         lights_->Prepare(prepare);
         if (gate_) gate_->Prepare(prepare);
+        if (guide_) guide_->Prepare(prepare, settings_.maxDepth);
     }
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
-    LightLearner *Learner() override { return learner_; }
+    LightLearner *Learner() override { return guide_ ? guide_.get() : learner_; }
+    void SaveLearned(StateWriter &writer) const override;
     const LightSampler *Lights() const override { return lights_.get(); }
     const ShadowRayGate *Gate() const override { return gate_.get(); }
+    const PathGuide *Guide() const override { return guide_.get(); }
 
   private:
-    SampledSpectrum SampleDirect(const PathVertex &vertex, const LightDistribution &lights,
+    template <class Bounces>
+    SampledSpectrum SampleDirect(const PathVertex &vertex, const LightDistribution &lights, const Bounces &bounces,
                                  const SampledWavelengths &lambda, Sampler &sampler,
                                  LightLearner::PathPlaces &places) const;
+    /// `bounces` chooses directions and knows their densities.
+    template <class Bounces>
+    SampledSpectrum Follow(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler,
+                           Bounces &&bounces) const;
     PathContext context_;
     PathSettings settings_;
     std::unique_ptr<LightSampler> lights_;
     std::unique_ptr<ShadowRayGate> gate_;
-    LightLearner *learner_;
+    LightLearner *learner_;  ///< of the light sampler
+    std::unique_ptr<PathGuide> guide_;
 };
 
 }  // namespace pbrt

@@ -104,7 +104,7 @@ void Checkpoint::Write(const BuiltScene &built, const RenderPosition &position, 
     RenderFileHead written = head_;
     if (isTimed_) written.end = 0;
     StateWriter learned;
-    if (const LightSampler *lights = built.integrator->Lights()) lights->SaveLearned(learned, true);
+    built.integrator->SaveLearned(learned);
     failure_.clear();
     try {
         WriteRenderFile(path_, written, position.passDone, *built.film, learned);

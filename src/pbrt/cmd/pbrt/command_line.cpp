@@ -237,6 +237,9 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     app.add_option("--integrator", o.build.integrator,
                    "use this integrator instead of the scene's (path, simplepath, ...)")
         ->group(method);
+    app.add_flag("--guide", o.build.guide,
+                 "integrator path: choose a part of the bounces' directions by what earlier samples found")
+        ->group(method);
     CLI::Option *depthOption =
         app.add_option("--maxdepth", maxDepth, "scattering events per path; 1: direct light only")
             ->check(NonNegativeNumber)

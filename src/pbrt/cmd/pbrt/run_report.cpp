@@ -12,6 +12,7 @@
 
 #include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/integrators/path_guide.h"
 #include "version.h"
 
 namespace pbrt {
@@ -79,6 +80,7 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
         m.attributes["shadowGate"] = built.shadowGateName;
         AddReport(*gate, "shadowGate.", &m);
     }
+    if (const PathGuide *guide = built.integrator->Guide()) AddReport(*guide, "guide.", &m);
     return m;
 }
 
@@ -122,6 +124,7 @@ void PrintStatistics(const BuiltScene &built, const RenderResult &result, const 
     };
     if (const LightSampler *lights = built.integrator->Lights()) list("light sampler", built.lightSamplerName, *lights);
     if (const ShadowRayGate *gate = built.integrator->Gate()) list("shadow-ray gate", built.shadowGateName, *gate);
+    if (const PathGuide *guide = built.integrator->Guide()) list("guide", "", *guide);
 }
 
 void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, const RenderResult &result,

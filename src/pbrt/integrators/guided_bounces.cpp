@@ -1,0 +1,96 @@
+#include "pbrt/integrators/guided_bounces.h"
+
+namespace pbrt {
+
+void GuidedBounces::Begin(const PathVertex &vertex) {
+    const auto &[point, bsdf] = vertex;
+    share_ = 0;
+    isGuided_ = PathGuide::Guides(bsdf);
+    if (!isGuided_) return;
+    isGlossy_ = Has(bsdf.Flags(), BxdfFlags::Glossy);
+    bothSides_ = IsTransmissive(bsdf.Flags());
+    const Vector3 n(point.shading.n);
+    normal_ = Dot(point.wo, n) < 0 ? -n : n;
+    const GuideGrid *grid = guide_.At(point.p, isGlossy_, &share_);
+    if (!grid) return;
+    directions_.Prepare(*grid, normal_, bothSides_);
+    if (!directions_.IsUsable()) share_ = 0;
+}
+
+Float GuidedBounces::Pdf(const PathVertex &vertex, const Vector3 &wi) const {
+    const Float pdf = vertex.bsdf.Pdf(vertex.point.wo, wi);
+    return share_ > 0 ? (1 - share_) * pdf + share_ * directions_.Pdf(wi) : pdf;
+}
+
+std::optional<BsdfSample> GuidedBounces::Sample(const PathVertex &vertex, Float uc, const Point2 &u) const {
+    const auto &[point, bsdf] = vertex;
+    if (!(share_ > 0)) return bsdf.Sample(point.wo, uc, u);
+    std::optional<BsdfSample> sample;
+    if (uc < share_) {
+        Float guidePdf = 0;
+        const Vector3 wi = directions_.Sample(u, &guidePdf);
+        const SampledSpectrum f = bsdf.F(point.wo, wi);
+        if (!f) return sample;
+        const bool transmits = (Dot(wi, point.shading.n) < 0) != (Dot(point.wo, point.shading.n) < 0);
+        const BxdfFlags side = transmits ? BxdfFlags::Transmission : BxdfFlags::Reflection;
+        sample = {.f = f,
+                  .wi = wi,
+                  .pdf = (1 - share_) * bsdf.Pdf(point.wo, wi) + share_ * guidePdf,
+                  .flags = side | (isGlossy_ ? BxdfFlags::Glossy : BxdfFlags::Diffuse)};
+        return sample;
+    }
+    sample = bsdf.Sample(point.wo, std::min((uc - share_) / (1 - share_), OneMinusEpsilon), u);
+    if (!sample) return sample;
+    if (IsSpecular(sample->flags)) {
+        sample->pdf *= 1 - share_;
+        return sample;
+    }
+    // One sample of two techniques by the balance heuristic. Its weights use Bsdf::Pdf for both, which need not be the
+    // density that the BSDF sampled with: they add up to one all the same.
+    const Float bsdfPdf = sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf;
+    const Float guidePdf = directions_.Pdf(sample->wi);
+    const Float pdf = (1 - share_) * bsdfPdf + share_ * guidePdf;
+    if (!(pdf > 0)) {
+        sample->pdf *= 1 - share_;
+        return sample;
+    }
+    sample->f *= bsdfPdf / sample->pdf;
+    sample->pdf = pdf;
+    sample->pdfIsProportional = false;
+    return sample;
+}
+
+void GuidedBounces::Left(const PathVertex &vertex, const BsdfSample &sample, Float pdf, const SampledSpectrum &L,
+                         const SampledSpectrum &beta) {
+    if (!isGuided_ || places_.next + open_ >= places_.end || open_ == kMaxOpen) return;
+    Open &open = bounces_[open_++];
+    open.L = L;
+    open.beta = beta;
+    open.record = {.p = vertex.point.p,
+                   .normal = normal_,
+                   .wi = sample.wi,
+                   .pdf = pdf,
+                   .bsdfPdf = share_ > 0 ? vertex.bsdf.Pdf(vertex.point.wo, sample.wi) : pdf,
+                   .bothSides = bothSides_,
+                   .isGlossy = isGlossy_};
+}
+
+void GuidedBounces::End(const SampledSpectrum &L) {
+    for (size_t i = 0; i < open_; ++i) {
+        Open &open = bounces_[i];
+        const SampledSpectrum added = L - open.L;
+        open.record.added = added.Average();
+        Float radiance = 0;
+        for (int k = 0; k < SpectrumSamples; ++k)
+            if (open.beta[k] > 0) radiance += added[k] / open.beta[k];
+        open.record.radiance = radiance / SpectrumSamples;
+        // Where nothing was found there is nothing to be learned.
+        if (open.record.pdf > 0 && open.record.radiance > 0 && open.record.added > 0 &&
+            std::isfinite(open.record.radiance * open.record.radiance / open.record.pdf) &&
+            std::isfinite(open.record.added * open.record.added * open.record.pdf))
+            guide_.Record(places_, open.record);
+    }
+    open_ = 0;
+}
+
+}  // namespace pbrt

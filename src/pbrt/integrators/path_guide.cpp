@@ -264,12 +264,15 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     samplesPerPixel_ = prepare.samplesPerPixel;
     vertices_ = static_cast<size_t>(std::clamp(maxDepth, 1, kMaxVertices));
     tree_ = {};
-    BeginLearning(0);
+    BeginLearning(0, NextAfter(0));
     // A file of learned lights holds nothing for the guide.
     if (!prepare.learned || prepare.learned->BytesLeft() == 0) return;
     StateReader &in = *prepare.learned;
     if (in.Value<uint32_t>() != kVersion) in.Refuse();
-    const int first = in.Value<int>();
+    const int first = in.Value<int>(), next = in.Value<int>();
+    if (next != 0 &&
+        (next <= first || std::find(std::begin(kLearnAfter), std::end(kLearnAfter), next) == std::end(kLearnAfter)))
+        in.Refuse();
     in.Vector(&tree_.nodes);
     in.Vector(&tree_.leaves);
     in.Vector(&tree_.grids);
@@ -283,13 +286,14 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     for (const Leaf &leaf : tree_.leaves)
         for (const Float share : leaf.share)
             if (share != 0 && !(share > 0 && share < 1 && leaf.grid < tree_.grids.size())) in.Refuse();
-    BeginLearning(first);
+    BeginLearning(first, next);
     AddRecords(in);
 }
 
 void PathGuide::Save(StateWriter &out) const {
     out.Value(kVersion);
     out.Value(first_);
+    out.Value(next_);
     out.Vector(tree_.nodes);
     out.Vector(tree_.leaves);
     out.Vector(tree_.grids);
@@ -305,10 +309,14 @@ const GuideGrid *PathGuide::At(const Point3 &p, bool isGlossy, Float *share) con
     return *share > 0 ? &tree_.grids[leaf.grid] : nullptr;
 }
 
-void PathGuide::BeginLearning(int first) {
-    first_ = first;
+int PathGuide::NextAfter(int first) const {
     const auto *next = std::upper_bound(std::begin(kLearnAfter), std::end(kLearnAfter), first);
-    next_ = next != std::end(kLearnAfter) && 2 * *next <= samplesPerPixel_ ? *next : 0;
+    return next != std::end(kLearnAfter) && 2 * *next <= samplesPerPixel_ ? *next : 0;
+}
+
+void PathGuide::BeginLearning(int first, int next) {
+    first_ = first;
+    next_ = next;
     places_ = {};
     if (next_ == 0) return;
     const Vector2i size = pixels_.IsEmpty() ? Vector2i(0) : pixels_.high - pixels_.low;
@@ -349,7 +357,7 @@ void PathGuide::Learn(const Progress &progress) {
     for (const GuideRecord &place : places_)
         if (place.pdf > 0) records.push_back(&place);
     GuideBuilder(std::move(records), params_.share, &tree_).Build();
-    BeginLearning(now);
+    BeginLearning(now, NextAfter(now));
 }
 
 void PathGuide::TakeRecords(StateWriter &out) const {

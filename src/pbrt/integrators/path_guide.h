@@ -101,7 +101,10 @@ class PathGuide final : public LightLearner {
     };
     friend class GuideBuilder;
 
-    void BeginLearning(int first);
+    /// Samples per pixel after which to learn, if it was learned or begun after `first`; 0: not again.
+    int NextAfter(int first) const;
+    /// Makes places for what samples [first, next) find; for none if `next` is 0.
+    void BeginLearning(int first, int next);
     void TakeRecords(StateWriter &out) const;
     void AddRecords(StateReader &in);
 

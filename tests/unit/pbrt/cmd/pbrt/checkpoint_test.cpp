@@ -70,6 +70,23 @@ TEST_F(Checkpoints, PhotonMapsAndChainsGoOnToTheSameBits) {
     }
 }
 
+TEST_F(Checkpoints, AGuidedRenderThatWasKilledGivesTheSameBits) {
+    Write("scene.pbrt", GuidedScene(256));
+    const std::string arguments = lights_ + "--guide scene.pbrt --nthreads 2 --outfile ";
+    const ImageFile whole = Render(lights_ + "--guide scene.pbrt --nthreads 1", "whole.exr");
+    EXPECT_GT(IntOf(whole, "guide.guidingCells"), 0);
+    KillAndResume(arguments + "out.exr", 3);
+    EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr"))));
+    EXPECT_FALSE(SamePixels(whole, Render(lights_ + "scene.pbrt")));
+    // More samples, at once and step by step; without the flag it is another render.
+    RunWell(lights_ + "--guide scene.pbrt --spp 12 --checkpoint a.chk --outfile twelve.exr");
+    std::filesystem::copy(Path("a.chk"), Path("b.chk"));
+    const ImageFile more = Render(lights_ + "--guide scene.pbrt --checkpoint a.chk --resume --spp 29");
+    RunWell(lights_ + "--guide scene.pbrt --checkpoint b.chk --resume --spp 17 --outfile b.exr");
+    EXPECT_TRUE(SamePixels(more, Render(lights_ + "--guide scene.pbrt --checkpoint b.chk --resume --spp 29")));
+    ExpectErrors({{lights_ + "scene.pbrt --checkpoint a.chk --resume --spp 40", {"a.chk", "--guide"}}});
+}
+
 TEST_F(Checkpoints, AFinishedRenderGoesOnWithMoreSamples) {
     Write("scene.pbrt", LearningScene("gbuffer", 8));
     RunWell(lights_ + "scene.pbrt --checkpoint a.chk --outfile eight.exr");

@@ -151,6 +151,22 @@ std::string LearningScene(const std::string &film, int samples) {
     return text;
 }
 
+std::string GuidedScene(int samples) {
+    return fmt::format(R"(LookAt 0 1.2 -2.8  0 .8 0  0 1 0
+Camera "perspective" "float fov" 60
+Film "rgb" "integer xresolution" 48 "integer yresolution" 48 "string filename" "guided.exr"
+Sampler "independent" "integer pixelsamples" {}
+Integrator "path" "integer maxdepth" 4
+WorldBegin
+LightSource "spot" "point3 from" [ 0 .6 0 ] "point3 to" [ 1 2 1 ] "rgb I" [ 60 60 60 ] "float coneangle" 32
+Material "diffuse"
+Shape "bilinearmesh" "point3 P" [ -3 2 -3  3 2 -3  -3 2 3  3 2 3 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 3  3 0 3  -3 2 3  3 2 3 ]
+)",
+                       samples);
+}
+
 bool Has(const std::string &text, const std::string &part) { return text.find(part) != std::string::npos; }
 
 namespace {

@@ -63,6 +63,8 @@ class Program : public ::testing::Test {
 std::string SmallScene(const std::string &integrator = "");
 /// The same with another film, and 80 small lamps that `octree` learns about while it renders.
 std::string LearningScene(const std::string &film, int samples = 64);
+/// A scene whose light comes from a part of the ceiling: there guided paths differ from plain ones.
+std::string GuidedScene(int samples);
 
 bool Has(const std::string &text, const std::string &part);
 int IntOf(const ImageFile &file, const std::string &attribute);

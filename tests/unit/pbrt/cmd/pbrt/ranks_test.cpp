@@ -91,6 +91,19 @@ TEST_F(Mpi, AnyNumberOfProcessesGivesTheSameBits) {
     }
 }
 
+TEST_F(Mpi, GuidedPaths) {
+    Write("scene.pbrt", GuidedScene(24));
+    StartAs(1);
+    const ImageFile one = Render(lights_ + "--guide scene.pbrt --nthreads 1");
+    EXPECT_GT(IntOf(one, "guide.guidingCells"), 0);
+    for (const int ranks : {2, 3}) {
+        StartAs(ranks);
+        const ImageFile many = Render(lights_ + "--guide scene.pbrt --nthreads " + std::to_string(4 - ranks));
+        EXPECT_TRUE(SamePixels(one, many)) << ranks;
+        EXPECT_EQ(IntOf(one, "guide.guidingCells"), IntOf(many, "guide.guidingCells"));
+    }
+}
+
 TEST_F(Mpi, WithoutLearningAndUnderASky) {
     Write("scene.pbrt", LearningScene("rgb", 5));
     Write("sky.pbrt", SkyScene());

@@ -59,10 +59,11 @@ struct VolPathParams : PathParams {
     }
 };
 
-std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorReading &r) {
+std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorReading &r,
+                                         const LightSelectionParams &defaults = {}) {
     const LightFlags flags{r.options.lightSampler, r.options.meshLights, r.options.shadowGate,
                            r.options.lightSamplerFlag, r.options.shadowGateFlag};
-    return ReadLightSelection(set, flags, r.registry, r.sink);
+    return ReadLightSelection(set, flags, r.registry, r.sink, defaults);
 }
 
 /// Without media volpath is path with subsurface scattering and with light sampling through interface surfaces.
@@ -105,7 +106,7 @@ struct SimplePathParams : DepthParams {
     }
 };
 
-struct BdptParams : DepthParams {
+struct BidirectionalParams : DepthParams {
     bool regularize = false;
     template <class V>
     void Describe(V &&v) {
@@ -114,12 +115,38 @@ struct BdptParams : DepthParams {
     }
 };
 
-struct MltParams : BdptParams {
+struct BdptParams : BidirectionalParams {
+    LightSelectionParams lights{.lightSampler = "power"};
+    template <class V>
+    void Describe(V &&v) {
+        BidirectionalParams::Describe(v);
+        lights.Describe(v);
+    }
+};
+
+IntegratorSettings MakeBdpt(const BdptParams &p, const ParamSet &set, const IntegratorReading &r) {
+    IntegratorSettings settings;
+    settings.maxDepth = p.MaxDepth(r);
+    settings.lights = ReadLights(set, r, BdptParams().lights);
+    if (!settings.lights) return settings;
+    settings.make = [depth = settings.maxDepth, regularize = p.regularize, &registry = r.registry,
+                     lights = *settings.lights](const PathContext &context,
+                                                const ColorSpace &) -> std::unique_ptr<Integrator> {
+        const auto &[sampler, gate] = lights;
+        const LightTable &table = context.scene.Lights();
+        return std::make_unique<BdptIntegrator>(
+            context, depth, regularize, registry.Make(*sampler.entry, table, sampler.params, sampler.meshLights),
+            gate.entry ? gate.entry->make(gate.params, table) : nullptr);
+    };
+    return settings;
+}
+
+struct MltParams : BidirectionalParams {
     int bootstrapSamples = 100000, chains = 1000, mutationsPerPixel = 100;
     Float largeStepProbability = 0.3f, sigma = 0.01f;
     template <class V>
     void Describe(V &&v) {
-        BdptParams::Describe(v);
+        BidirectionalParams::Describe(v);
         v("bootstrapsamples", bootstrapSamples, Range<int>{1, std::numeric_limits<int>::max()},
           "independent paths that find out how much light there is, for `mutationsperpixel`; at least one for eight "
           "mutations are traced");
@@ -236,13 +263,12 @@ const IntegratorTable &Integrators() {
             "surfaces only; with the cameras perspective and (only here) orthographic; **differs**: the adjoint of "
             "shading normals is right (stock: #385), crop windows keep all light (stock: #347), and emitters of all "
             "shapes that the camera sees have their own brightness");
-        AddSimple<BdptParams>(
-            t, "bdpt",
-            [](const auto &p, int depth, const PathContext &c, const ColorSpace &) {
-                return std::make_unique<BdptIntegrator>(c, depth, p.regularize);
-            },
-            "surfaces only, at most 1,000 of them from either side; cameras and shading normals as lightpath; "
-            "`visualizestrategies` and `visualizeweights` are not built");
+        t.Add<BdptParams>(
+            "bdpt",
+            "surfaces only, at most 1,000 of them from either side; cameras and shading normals as lightpath; only "
+            "here: any light sampler and gate for the light that a vertex of the camera's path is connected to (light "
+            "paths begin at lights chosen by power); `visualizestrategies` and `visualizeweights` are not built",
+            [](const auto &p, const ParamSet &set, Request &r) { return MakeBdpt(p, set, r); });
         AddSimple<MltParams>(
             t, "mlt",
             [](const auto &p, int depth, const PathContext &c, const ColorSpace &) {
@@ -311,7 +337,8 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
         if (options.guide && type != "path")
             sink.Error({}, fmt::format("--guide: only integrator \"path\" is guided; this one is \"{}\".", type));
         ParamReader before(params);
-        if (type == "path" || type == "volpath" || type == "sppm") DeclareLightParams(before, registry);
+        if (type == "path" || type == "volpath" || type == "sppm" || type == "bdpt")
+            DeclareLightParams(before, registry);
         Collect(sink, [&] {
             settings = Integrators().Make(type, params, IntegratorReading{options, registry, sink, before});
         });

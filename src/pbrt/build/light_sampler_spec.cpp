@@ -178,7 +178,8 @@ void DeclareLightParams(ParamReader &reader, const LightSamplerRegistry &registr
 }
 
 std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, const LightFlags &flags,
-                                                 const LightSamplerRegistry &registry, DiagnosticSink &sink) {
+                                                 const LightSamplerRegistry &registry, DiagnosticSink &sink,
+                                                 const LightSelectionParams &defaults) {
     const size_t errorsBefore = sink.ErrorCount();
     auto collect = [&](auto &&read) {
         try {
@@ -189,7 +190,7 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
     };
     LightSelection selection;
     auto &[sampler, gate] = selection;
-    LightSelectionParams scene;
+    LightSelectionParams scene = defaults;
     ParamReader reader(integrator);
     scene.Describe(reader);
     collect([&] { reader.ThrowIfErrors(); });

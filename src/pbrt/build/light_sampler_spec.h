@@ -66,9 +66,11 @@ struct LightSelection {
 /// Reads `"string lightsampler"`, `"bool meshlights"`, `"string shadowgate"` and the `name.key` parameters of an
 /// integrator, and the flags, which override the scene: a name replaces the scene's, keys are added to the scene's keys
 /// for the same sampler. Unknown names and keys, unreadable values and values out of range go to the sink as errors at
-/// their place (nothing is returned then), parameters that have no effect as warnings.
+/// their place (nothing is returned then), parameters that have no effect as warnings. `defaults`: what holds where the
+/// integrator says nothing.
 std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, const LightFlags &flags,
-                                                 const LightSamplerRegistry &registry, DiagnosticSink &sink);
+                                                 const LightSamplerRegistry &registry, DiagnosticSink &sink,
+                                                 const LightSelectionParams &defaults = {});
 
 /// The same for a choice alone, without a scene. Throws UserError.
 LightSelection ReadLightSelection(const std::string &choice, const LightSamplerRegistry &registry);

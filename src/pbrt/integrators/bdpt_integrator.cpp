@@ -15,14 +15,19 @@ struct BdptIntegrator::Sample {
     const Samplers &samplers;
     Subpaths &paths;
     Float time = 0, pixels = 1;
+    LightLearner::PathPlaces places{};
 };
 
-BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool regularize)
+BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
+                               std::unique_ptr<LightSampler> connecting, std::unique_ptr<ShadowRayGate> gate)
     : context_(context),
       maxDepth_(maxDepth),
       regularize_(regularize),
-      lights_(std::make_unique<PowerLightSampler>(context.scene.Lights().Parts())),
-      weights_(context.scene.Lights(), *lights_, *lights_),
+      shooting_(std::make_unique<PowerLightSampler>(context.scene.Lights().Parts())),
+      connecting_(std::move(connecting)),
+      gate_(std::move(gate)),
+      learner_(connecting_ ? connecting_->Learner() : nullptr),
+      weights_(context.scene.Lights(), *shooting_, connecting_ ? *connecting_ : *shooting_),
       subpaths_(static_cast<size_t>(ThreadCount())) {
     for (Subpaths &s : subpaths_) {
         const auto surfaces = static_cast<size_t>(std::min(maxDepth, kMaxSubpath));
@@ -30,6 +35,11 @@ BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool re
         s.camera.resize(surfaces + 1);
         s.path.resize(2 * surfaces + 4);
     }
+}
+
+void BdptIntegrator::Prepare(PrepareContext &prepare) {
+    if (connecting_) connecting_->Prepare(prepare);
+    if (gate_) gate_->Prepare(prepare);
 }
 
 template <class Emitted>
@@ -82,7 +92,7 @@ void BdptIntegrator::TraceLight(Sample &sample) const {
     paths.lightCount = 0;
     LightQuery anywhere;
     anywhere.time = sample.time;
-    const std::optional<SampledLight> chosen = lights_->Sample(anywhere, sampler.Get1D());
+    const std::optional<SampledLight> chosen = shooting_->Sample(anywhere, sampler.Get1D());
     const Point2 uPosition = sampler.Get2D(), uDirection = sampler.Get2D();
     if (!chosen || !(chosen->pmf > 0) || maxDepth_ == 0) return;
     const LightPart light = scene.Lights()[chosen->light];
@@ -163,27 +173,47 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
     const Scene &scene = context_.scene;
     const BdptVertex &last = sample.paths.camera[static_cast<size_t>(cameraVertices - 1)];
     const auto &[point, bsdf] = last.surface;
-    const LightQuery query =
-        BdptQuery(last, sample.paths.camera[static_cast<size_t>(cameraVertices - 2)], sample.lambda);
+    LightQuery query = BdptQuery(last, sample.paths.camera[static_cast<size_t>(cameraVertices - 2)], sample.lambda);
+    query.depth = cameraVertices - 1;
     Sampler &sampler = sample.samplers.connections;
     Point2 u = sampler.Get2D();
-    const std::optional<SampledLight> chosen = lights_->Sample(query, sampler.Get1D());
+    LightMemory memory;
+    const LightDistribution lights = (connecting_ ? *connecting_ : *shooting_).At(query, memory);
+    const std::optional<SampledLight> chosen = lights.Sample(sampler.Get1D(), &u);
+    const Float uGate = gate_ ? sampler.Get1D() : 0;
     if (!chosen || !(chosen->pmf > 0)) return SampledSpectrum(0);
+    const auto learn = [&](const SampledSpectrum &irradiance) {
+        if (learner_) learner_->Found(sample.places, query, *chosen, irradiance);
+    };
     const LightPart light = scene.Lights()[chosen->light];
     const auto found = light.SampleLi(ScatteringContextAt(scene, point, bsdf), u, sample.lambda, false);
-    if (!found || !found->L || !(found->pdf > 0)) return SampledSpectrum(0);
-    const SampledSpectrum L = last.beta * bsdf.F(point.wo, found->wi) * found->L *
-                              (AbsDot(found->wi, point.shading.n) / (chosen->pmf * found->pdf));
-    if (!L || scene.Occluded(LightContextAt(point), *found)) return SampledSpectrum(0);
+    SampledSpectrum L(0);
+    if (found && found->L && found->pdf > 0)
+        L = last.beta * bsdf.F(point.wo, found->wi) * found->L *
+            (AbsDot(found->wi, point.shading.n) / (chosen->pmf * found->pdf));
+    if (!L) {
+        learn(SampledSpectrum(0));
+        return L;
+    }
+    Float traced = 1;
+    if (gate_) {
+        traced = gate_->TraceProbability(query, chosen->light, found->pLight);
+        if (uGate >= traced) return SampledSpectrum(0);
+    }
+    const bool isBlocked = scene.Occluded(LightContextAt(point), *found);
+    if (learner_ && light.Kind() == LightKind::Infinite) learner_->Looked(query, found->wi, !isBlocked);
+    learn(isBlocked ? SampledSpectrum(0) : found->L * (AbsDot(found->wi, point.shading.n) / found->pdf));
+    if (isBlocked) return SampledSpectrum(0);
     BdptVertex end;
     end.kind = BdptVertex::Kind::Light;
-    end.light = chosen->light;
+    const LightTable &table = scene.Lights();
+    end.light = table.IsTile(chosen->light) ? table.SkyOf(chosen->light) : chosen->light;
     end.p = found->pLight;
     end.n = found->nLight;
     end.isBeyondScene = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;
     end.direction = -found->wi;
     end.pdfForward = weights_.LightPdf(end, last);
-    return L * WeightOf(sample, 1, cameraVertices, &end, 0);
+    return L * (WeightOf(sample, 1, cameraVertices, &end, 0) / traced);
 }
 
 SampledSpectrum BdptIntegrator::ConnectSubpaths(Sample &sample, int lightVertices, int cameraVertices) const {
@@ -236,6 +266,7 @@ SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelen
     ++ThreadCounters().cameraPaths;
     Subpaths &paths = subpaths_[static_cast<size_t>(ThreadIndex())];
     Sample sample{start, lambda, samplers, paths, start.ray.ray.time, pixels};
+    if (learner_) sample.places = learner_->BeginPath(start.pixel, start.sampleIndex);
     TraceLight(sample);
     SampledSpectrum L = TraceCamera(sample);
     for (int t = 2; t <= paths.cameraCount; ++t) {

@@ -1,6 +1,7 @@
 #pragma once
 #include "pbrt/integrators/bdpt_path.h"
 #include "pbrt/integrators/pixel_integrator.h"
+#include "pbrt/lightsamplers/light_learner.h"
 
 namespace pbrt {
 
@@ -10,7 +11,14 @@ class BdptIntegrator final : public PixelIntegrator {
   public:
     /// The camera can connect (Camera::CanConnect). Subpaths have at most kMaxSubpath surfaces.
     static constexpr int kMaxSubpath = 1000;
-    BdptIntegrator(const PathContext &context, int maxDepth, bool regularize);
+    /// `connecting` chooses the light that a vertex of the camera path is connected to, `gate` whether the shadow ray
+    /// is traced; null: by power, and always. Light paths begin at lights chosen by power.
+    BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
+                   std::unique_ptr<LightSampler> connecting = nullptr, std::unique_ptr<ShadowRayGate> gate = nullptr);
+    void Prepare(PrepareContext &prepare) override;
+    LightLearner *Learner() override { return learner_; }
+    const LightSampler *Lights() const override { return connecting_.get(); }
+    const ShadowRayGate *Gate() const override { return gate_.get(); }
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
 
     /// Where the numbers for the light subpath, the camera subpath, and the connections of both come from.
@@ -57,7 +65,9 @@ class BdptIntegrator final : public PixelIntegrator {
     PathContext context_;
     int maxDepth_;
     bool regularize_;
-    std::unique_ptr<LightSampler> lights_;
+    std::unique_ptr<LightSampler> shooting_, connecting_;
+    std::unique_ptr<ShadowRayGate> gate_;
+    LightLearner *learner_ = nullptr;
     BdptWeights weights_;
     mutable std::vector<Subpaths> subpaths_;  ///< by ThreadIndex()
 };

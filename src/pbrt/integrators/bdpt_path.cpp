@@ -31,11 +31,16 @@ Float BdptWeights::FirstStepPdf(const BdptVertex &light, const BdptVertex &next)
 
 Float BdptWeights::ConnectedLightPdf(const BdptVertex &light, const BdptVertex &from, const BdptVertex &beyond,
                                      const SampledWavelengths &lambda) const {
-    const LightPart part = lights_[light.light];
-    const Float pmf = connecting_.PMF(BdptQuery(from, beyond, lambda), light.light);
-    if (light.isBeyondScene ? IsDelta(part.Kind()) : light.n == Normal3(0)) return pmf;
-    const LightSampleContext context = LightContextAt(from.surface.point);
     const Vector3 wi = from.Towards(light);
+    const bool isInfinite = lights_[light.light].Kind() == LightKind::Infinite;
+    const LightQuery query = BdptQuery(from, beyond, lambda);
+    LightMemory memory;
+    const LightDistribution lights = connecting_.At(query, memory);
+    const LightId id = isInfinite ? lights.PartTowards(light.light, wi) : light.light;
+    const LightPart part = lights_[id];
+    const Float pmf = lights.PMF(id);
+    if (light.isBeyondScene ? !isInfinite : light.n == Normal3(0)) return pmf;
+    const LightSampleContext context = LightContextAt(from.surface.point);
     const ShapePrimitive at = part.Surface();
     // Of an area light that rays cannot hit PdfLi says 0, because only light sampling finds it.
     const Float pdf = part.Kind() == LightKind::DeltaPosition && at.shape

@@ -29,6 +29,33 @@ TEST_P(LightPathViews, BidirectionalPathsAgreeWithPath) {
 INSTANTIATE_TEST_SUITE_P(All, LightPathViews, testing::ValuesIn(AllViews()),
                          [](const auto &test) { return test.param.name; });
 
+/// The weights know with which probability any light sampler chooses a light, the octree's learning one and its tiles
+/// of the sky included, and any gate may thin out shadow rays.
+TEST(Bdpt, LightSamplersAndGatesDoNotChangeTheMean) {
+    View view = AllViews()[0];
+    view.samples = 128;
+    view.objects +=
+        "LightSource \"point\" \"point3 from\" [ 1 -1 1.5 ] \"rgb I\" [ .5 1 1.5 ]\n"
+        "LightSource \"infinite\" \"rgb L\" [ .2 .2 .3 ]\n";
+    int tested = 0;
+    for (const char *lights :
+         {"\"string lightsampler\" \"uniform\"", "\"string lightsampler\" \"bvh\"",
+          "\"string lightsampler\" \"octree\"", "\"string lightsampler\" \"octree\" \"float octree.opensky\" 1",
+          "\"string shadowgate\" \"neepp\""}) {
+        view.parameters = lights;
+        try {
+            RenderView(view, "bdpt", 1, 1);
+        } catch (const UserError &) {
+            continue;  // a build without extensions
+        }
+        ++tested;
+        double noise = 1;
+        EXPECT_LT(LargestDistance(view, "bdpt", &noise), 5.5) << lights;
+        EXPECT_LT(noise, 0.05) << lights;
+    }
+    EXPECT_GE(tested, 2);
+}
+
 TEST(LightPath, IsTheSameForAnyNumberOfThreads) {
     const View view = AllViews()[0];
     for (const char *integrator : {"lightpath", "bdpt"}) {

@@ -11,7 +11,7 @@
 #include "pbrt/core/state_io.h"
 #include "pbrt/integrators/path_guide.h"
 #include "pbrt/integrators/render_loop.h"
-#include "support/build_text.h"
+#include "support/render_waves.h"
 
 namespace pbrt::test {
 namespace {
@@ -74,15 +74,7 @@ RenderSettings Settings() {
 Image Render(BuiltScene &built, const std::vector<int> &sizes = {kSamples}) {
     Progress progress;
     Prepare(built, progress);
-    const RenderSettings settings = Settings();
-    WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
-                          progress);
-    for (size_t i = 0; renderer.Done() < kSamples; ++i) renderer.Render(sizes[std::min(i, sizes.size() - 1)]);
-    return built.film->ToImage();
-}
-
-bool SameBits(const Image &a, const Image &b) {
-    return a.Bytes() == b.Bytes() && std::memcmp(a.Data(), b.Data(), a.Bytes()) == 0;
+    return RenderWaves(built, kSamples, sizes, progress);
 }
 
 BuiltScene Spot(bool guide, const std::string &sampler = "bvh") {

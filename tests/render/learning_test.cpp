@@ -13,7 +13,7 @@
 #include "pbrt/core/state_io.h"
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/lightsamplers/light_learner.h"
-#include "support/build_text.h"
+#include "support/render_waves.h"
 
 namespace pbrt::test {
 namespace {
@@ -83,19 +83,10 @@ void Prepare(BuiltScene &built, Progress &progress) {
 }
 
 /// Renders in calls of these sizes, the last one again and again.
-Image Render(BuiltScene &built, std::vector<int> sizes) {
+Image Render(BuiltScene &built, const std::vector<int> &sizes) {
     Progress progress;
     Prepare(built, progress);
-    RenderSettings settings;
-    settings.samplesPerPixel = kSamples;
-    WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
-                          progress);
-    for (size_t i = 0; renderer.Done() < kSamples; ++i) renderer.Render(sizes[std::min(i, sizes.size() - 1)]);
-    return built.film->ToImage();
-}
-
-bool SameBits(const Image &a, const Image &b) {
-    return a.Bytes() == b.Bytes() && std::memcmp(a.Data(), b.Data(), a.Bytes()) == 0;
+    return RenderWaves(built, kSamples, sizes, progress);
 }
 
 /// Makes a scene with these parameters of the sampler.

@@ -1,9 +1,12 @@
 #include "support/light_views.h"
 
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "pbrt/core/parallel.h"
+#include "support/render_waves.h"
 #include "support/statistics.h"
 
 namespace pbrt::test {
@@ -65,6 +68,37 @@ double LargestDistance(const View &v, const std::string &integrator, double *noi
     }
     if (noise) *noise = error / all;
     return largest;
+}
+
+void CheckThreads(const View &v, const std::string &integrator, int samples) {
+    ThreadLimit one(1);
+    const Image expected = RenderView(v, integrator, 1, samples);
+    for (int threads : {2, 5}) {
+        ThreadLimit limit(threads);
+        EXPECT_TRUE(SameBits(expected, RenderView(v, integrator, 1, samples))) << integrator << ", " << threads;
+    }
+}
+
+void CheckLightSamplers(View v, const std::string &integrator, const std::vector<std::string> &choices,
+                        double allowed) {
+    v.objects +=
+        "LightSource \"point\" \"point3 from\" [ 1 -1 1.5 ] \"rgb I\" [ .5 1 1.5 ]\n"
+        "LightSource \"infinite\" \"rgb L\" [ .2 .2 .3 ]\n";
+    const std::string parameters = v.parameters;
+    int tested = 0;
+    for (const std::string &choice : choices) {
+        v.parameters = parameters + " " + choice;
+        try {
+            RenderView(v, integrator, 1, 1);
+        } catch (const UserError &) {
+            continue;  // a build without extensions
+        }
+        ++tested;
+        double noise = 1;
+        EXPECT_LT(LargestDistance(v, integrator, &noise, allowed), 5.5) << choice;
+        EXPECT_LT(noise, 0.08) << choice;
+    }
+    EXPECT_GE(tested, 2);
 }
 
 namespace {

@@ -66,6 +66,14 @@ std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorRe
     return ReadLightSelection(set, flags, r.registry, r.sink, defaults);
 }
 
+/// The light sampler and the gate (null: none) that were chosen.
+std::pair<std::unique_ptr<LightSampler>, std::unique_ptr<ShadowRayGate>> MakeLights(
+    const LightSelection &chosen, const LightSamplerRegistry &registry, const LightTable &table) {
+    const auto &[sampler, gate] = chosen;
+    return {registry.Make(*sampler.entry, table, sampler.params, sampler.meshLights),
+            gate.entry ? gate.entry->make(gate.params, table) : nullptr};
+}
+
 /// Without media volpath is path with subsurface scattering and with light sampling through interface surfaces.
 IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume,
                             bool equiangular = false, std::optional<GuideParams> guide = {}) {
@@ -84,13 +92,10 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
                         const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
         PathSettings mine = path;
         mine.subsurface = isVolume && context.scene.HasSubsurface();
-        const auto &[sampler, gate] = lights;
-        const LightTable &table = context.scene.Lights();
-        auto made = registry.Make(*sampler.entry, table, sampler.params, sampler.meshLights);
-        auto madeGate = gate.entry ? gate.entry->make(gate.params, table) : nullptr;
+        auto [sampler, gate] = MakeLights(lights, registry, context.scene.Lights());
         if (isVolume && context.scene.HasMedia())
-            return std::make_unique<VolPathIntegrator>(context, mine, std::move(made), std::move(madeGate));
-        return std::make_unique<PathIntegrator>(context, mine, std::move(made), std::move(madeGate));
+            return std::make_unique<VolPathIntegrator>(context, mine, std::move(sampler), std::move(gate));
+        return std::make_unique<PathIntegrator>(context, mine, std::move(sampler), std::move(gate));
     };
     return settings;
 }
@@ -132,11 +137,8 @@ IntegratorSettings MakeBdpt(const BdptParams &p, const ParamSet &set, const Inte
     settings.make = [depth = settings.maxDepth, regularize = p.regularize, &registry = r.registry,
                      lights = *settings.lights](const PathContext &context,
                                                 const ColorSpace &) -> std::unique_ptr<Integrator> {
-        const auto &[sampler, gate] = lights;
-        const LightTable &table = context.scene.Lights();
-        return std::make_unique<BdptIntegrator>(
-            context, depth, regularize, registry.Make(*sampler.entry, table, sampler.params, sampler.meshLights),
-            gate.entry ? gate.entry->make(gate.params, table) : nullptr);
+        auto [sampler, gate] = MakeLights(lights, registry, context.scene.Lights());
+        return std::make_unique<BdptIntegrator>(context, depth, regularize, std::move(sampler), std::move(gate));
     };
     return settings;
 }
@@ -185,11 +187,8 @@ IntegratorSettings MakeSppm(const SppmParams &p, const ParamSet &set, const Inte
     const SppmSettings sppm{settings.maxDepth, p.photonsPerIteration, p.radius, p.seed, r.options.sampledLightOnly};
     settings.make = [sppm, &registry = r.registry, lights = *settings.lights](
                         const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
-        const auto &[sampler, gate] = lights;
-        const LightTable &table = context.scene.Lights();
-        return std::make_unique<SppmIntegrator>(
-            context, sppm, registry.Make(*sampler.entry, table, sampler.params, sampler.meshLights),
-            gate.entry ? gate.entry->make(gate.params, table) : nullptr);
+        auto [sampler, gate] = MakeLights(lights, registry, context.scene.Lights());
+        return std::make_unique<SppmIntegrator>(context, sppm, std::move(sampler), std::move(gate));
     };
     return settings;
 }
@@ -280,8 +279,8 @@ const IntegratorTable &Integrators() {
                                    p.largeStepProbability, p.sigma});
             },
             "as bdpt, with the films rgb and spectral; **differs**: every mutation of a pixel has its share of "
-            "bootstrap "
-            "and chains, so that more mutations converge to the picture for every seed (stock: #525); a mutation is of "
+            "bootstrap and chains, so that more mutations converge to the picture for every seed (stock: #525); a "
+            "mutation is of "
             "all connections of a pair of subpaths, not of one");
         t.Add<SppmParams>(
             "sppm",

@@ -14,7 +14,7 @@ struct IntegratorSettings {
     std::string type;
     int maxDepth = 5;
     int samplesPerPixel = 0;  ///< above 0: takes the place of the sampler's, unless --spp or --quick says otherwise
-    std::optional<LightSelection> lights;  ///< of path and volpath
+    std::optional<LightSelection> lights;  ///< of integrators that take a light sampler
     /// May be called only if reading gave no errors; the registry used then must still exist.
     std::function<std::unique_ptr<Integrator>(const PathContext &, const ColorSpace &filmSpace)> make;
 };

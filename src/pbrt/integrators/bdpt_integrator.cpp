@@ -173,8 +173,8 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
     const Scene &scene = context_.scene;
     const BdptVertex &last = sample.paths.camera[static_cast<size_t>(cameraVertices - 1)];
     const auto &[point, bsdf] = last.surface;
-    LightQuery query = BdptQuery(last, sample.paths.camera[static_cast<size_t>(cameraVertices - 2)], sample.lambda);
-    query.depth = cameraVertices - 1;
+    const LightQuery query = BdptQuery(last, sample.paths.camera[static_cast<size_t>(cameraVertices - 2)],
+                                       sample.lambda, cameraVertices - 1);
     Sampler &sampler = sample.samplers.connections;
     Point2 u = sampler.Get2D();
     LightMemory memory;

@@ -4,8 +4,8 @@
 
 namespace pbrt {
 
-LightQuery BdptQuery(const BdptVertex &vertex, const BdptVertex &beyond, const SampledWavelengths &lambda) {
-    LightQuery query = LightQueryAt(vertex.surface, lambda, 0);
+LightQuery BdptQuery(const BdptVertex &vertex, const BdptVertex &beyond, const SampledWavelengths &lambda, int depth) {
+    LightQuery query = LightQueryAt(vertex.surface, lambda, depth);
     query.wo = vertex.Towards(beyond);
     return query;
 }
@@ -30,10 +30,10 @@ Float BdptWeights::FirstStepPdf(const BdptVertex &light, const BdptVertex &next)
 }
 
 Float BdptWeights::ConnectedLightPdf(const BdptVertex &light, const BdptVertex &from, const BdptVertex &beyond,
-                                     const SampledWavelengths &lambda) const {
+                                     const SampledWavelengths &lambda, int depth) const {
     const Vector3 wi = from.Towards(light);
     const bool isInfinite = lights_[light.light].Kind() == LightKind::Infinite;
-    const LightQuery query = BdptQuery(from, beyond, lambda);
+    const LightQuery query = BdptQuery(from, beyond, lambda, depth);
     LightMemory memory;
     const LightDistribution lights = connecting_.At(query, memory);
     const LightId id = isInfinite ? lights.PartTowards(light.light, wi) : light.light;
@@ -86,7 +86,7 @@ Float BdptWeights::Weight(std::span<const BdptVertex *const> path, int fromLight
     // How a strategy with i vertices from the light compares to what the densities of light subpaths say: a single
     // light vertex is chosen for the vertex that sees it.
     const Float chosen = LightPdf(at(0), at(1));
-    const Float single = chosen > 0 ? ConnectedLightPdf(at(0), at(1), at(2), lambda) / chosen : 0;
+    const Float single = chosen > 0 ? ConnectedLightPdf(at(0), at(1), at(2), lambda, n - 2) / chosen : 0;
     const auto share = [&](int i, Float density) -> Float {
         if (i == 0) return canBeHit ? density : 0;
         if (isSpecular(i - 1) || isSpecular(i)) return 0;

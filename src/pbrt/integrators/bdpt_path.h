@@ -66,14 +66,14 @@ class BdptWeights {
     /// Density by area with which a light subpath that begins at `light` goes on to `next`.
     Float FirstStepPdf(const BdptVertex &light, const BdptVertex &next) const;
     /// The same as LightPdf for a light vertex that was chosen for, and seen from, the vertex `from`, which goes on to
-    /// `beyond`. Of a sky that is chosen by tiles: of the tile.
+    /// `beyond` and is the vertex of this depth from the camera. Of a sky that is chosen by tiles: of the tile.
     Float ConnectedLightPdf(const BdptVertex &light, const BdptVertex &from, const BdptVertex &beyond,
-                            const SampledWavelengths &lambda) const;
+                            const SampledWavelengths &lambda, int depth) const;
     const LightTable &lights_;
     const LightSampler &shooting_, &connecting_;
 };
 
-/// What light sampling asks at a surface vertex that is left towards `beyond`.
-LightQuery BdptQuery(const BdptVertex &vertex, const BdptVertex &beyond, const SampledWavelengths &lambda);
+/// What light sampling asks at a surface vertex that a camera path comes to from `beyond`, as its vertex of this depth.
+LightQuery BdptQuery(const BdptVertex &vertex, const BdptVertex &beyond, const SampledWavelengths &lambda, int depth);
 
 }  // namespace pbrt

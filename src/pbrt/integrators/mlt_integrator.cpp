@@ -196,8 +196,7 @@ bool MltIntegrator::Render(const RenderPass &pass) {
     if (pass.film.WantsVisibleSurface())
         throw UserError(
             "Integrator \"mlt\" has no camera rays of single pixels, so it cannot tell the film what they see: use "
-            "Film "
-            "\"rgb\" or \"spectral\" without further channels.");
+            "Film \"rgb\" or \"spectral\" without further channels.");
     Renderer renderer(*this, pass);
     if (pass.done && !pass.done->empty() && static_cast<int64_t>(pass.done->size()) != renderer.Parts())
         throw UserError("what is left of a pass does not fit the picture.");

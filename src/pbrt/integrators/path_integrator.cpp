@@ -2,28 +2,13 @@
 
 #include "pbrt/core/counters.h"
 #include "pbrt/integrators/guided_bounces.h"
-#include "pbrt/lightsamplers/light_query.h"
+#include "pbrt/integrators/vertex_selection.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/paths/subsurface_exit.h"
 
 namespace pbrt {
 
 namespace {
-
-/// What light selection needs at a vertex. It is kept until the next vertex, because the MIS weight of emission there
-/// depends on the probabilities of the lights here.
-struct Selection {
-    LightQuery query;
-    LightSampleContext from;
-    LightMemory memory;
-    LightDistribution lights;
-
-    void Prepare(const LightSampler &sampler, const PathVertex &vertex, const SampledWavelengths &lambda, int depth) {
-        query = LightQueryAt(vertex, lambda, depth);
-        from = LightContextAt(vertex.point);
-        lights = sampler.At(query, memory);
-    }
-};
 
 /// Bounces that the BSDF chooses. GuidedBounces has the same functions.
 struct BsdfBounces {
@@ -107,8 +92,8 @@ SampledSpectrum PathIntegrator::Follow(const PathStart &start, SampledWavelength
 
     // `previous` is where the last scattering happened, for the light-sampling density of what the ray hits. It counts
     // unless that scattering was specular or there was none: then light sampling could not have found it.
-    Selection selections[2];
-    Selection *current = &selections[0], *previous = &selections[1];
+    VertexSelection selections[2];
+    VertexSelection *current = &selections[0], *previous = &selections[1];
     bool lightCouldSample = false;
     Float pBsdf = 0;  // solid angle
     auto scatteredFromCurrent = [&](Float pdf) {

@@ -4,7 +4,7 @@
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
-#include "pbrt/lightsamplers/light_query.h"
+#include "pbrt/integrators/vertex_selection.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/sobol.h"
@@ -19,20 +19,6 @@ namespace {
 constexpr double kKept = 2.0 / 3;
 /// Light paths that are one task.
 constexpr int64_t kGroup = 4096;
-
-/// Light selection at a vertex, kept until the next one for the weight of emission that is met there.
-struct Selection {
-    LightQuery query;
-    LightSampleContext from;
-    LightMemory memory;
-    LightDistribution lights;
-
-    void Prepare(const LightSampler &sampler, const PathVertex &vertex, const SampledWavelengths &lambda, int depth) {
-        query = LightQueryAt(vertex, lambda, depth);
-        from = LightContextAt(vertex.point);
-        lights = sampler.At(query, memory);
-    }
-};
 
 /// A coordinate of a light path: a scrambled Sobol' sequence over all light paths of a batch of iterations.
 Float SobolNumber(int dimension, uint64_t index, uint64_t seed) {
@@ -191,8 +177,8 @@ SampledSpectrum SppmIntegrator::Li(const PathStart &start, SampledWavelengths &l
     SampledSpectrum L(0), beta(1);
     Float etaScale = 1;
     int depth = 0;
-    Selection selections[2];
-    Selection *current = &selections[0], *previous = &selections[1];
+    VertexSelection selections[2];
+    VertexSelection *current = &selections[0], *previous = &selections[1];
     bool lightCouldSample = false, isLastRay = false;
     Float pBsdf = 0;  // solid angle
     const auto misWeight = [&](LightId id, const Point3 &p, const Normal3 &n) -> Float {

@@ -2,22 +2,13 @@
 
 #include "pbrt/core/counters.h"
 #include "pbrt/core/error.h"
-#include "pbrt/lightsamplers/light_query.h"
+#include "pbrt/integrators/vertex_selection.h"
 #include "pbrt/paths/shadow_transmittance.h"
 #include "pbrt/paths/subsurface_exit.h"
 
 namespace pbrt {
 
 namespace {
-
-/// What light sampling needs at a vertex. It is kept until the next vertex, because the weight of emission there
-/// depends on the probabilities of the lights here.
-struct Selection {
-    LightQuery query;
-    LightSampleContext from;
-    LightMemory memory;
-    LightDistribution lights;
-};
 
 /// What light sampling on a whole segment needs, kept for the same reason.
 struct SegmentSelection {
@@ -52,8 +43,8 @@ struct VolPathIntegrator::Path {
     LightLearner::PathPlaces places{};
     SampledSpectrum L{0};
     SpectralWeights weights{};
-    Selection selections[2];
-    Selection *current = &selections[0], *previous = &selections[1];
+    VertexSelection selections[2];
+    VertexSelection *current = &selections[0], *previous = &selections[1];
     SegmentSelection segments[2];
     /// The segment that ends at the current vertex, and the one that ended at the vertex before.
     SegmentSelection *segment = &segments[0], *segmentBefore = &segments[1];
@@ -91,9 +82,7 @@ struct VolPathIntegrator::Path {
 };
 
 void VolPathIntegrator::Path::PrepareSelection(const LightQuery &query, const LightSampleContext &from) {
-    current->query = query;
-    current->from = from;
-    current->lights = integrator.lights_->At(current->query, current->memory);
+    current->Prepare(*integrator.lights_, query, from);
 }
 
 void VolPathIntegrator::Path::PrepareAtSurface() {

@@ -34,40 +34,14 @@ INSTANTIATE_TEST_SUITE_P(All, LightPathViews, testing::ValuesIn(AllViews()),
 TEST(Bdpt, LightSamplersAndGatesDoNotChangeTheMean) {
     View view = AllViews()[0];
     view.samples = 128;
-    view.objects +=
-        "LightSource \"point\" \"point3 from\" [ 1 -1 1.5 ] \"rgb I\" [ .5 1 1.5 ]\n"
-        "LightSource \"infinite\" \"rgb L\" [ .2 .2 .3 ]\n";
-    int tested = 0;
-    for (const char *lights :
-         {"\"string lightsampler\" \"uniform\"", "\"string lightsampler\" \"bvh\"",
-          "\"string lightsampler\" \"octree\"", "\"string lightsampler\" \"octree\" \"float octree.opensky\" 1",
-          "\"string shadowgate\" \"neepp\""}) {
-        view.parameters = lights;
-        try {
-            RenderView(view, "bdpt", 1, 1);
-        } catch (const UserError &) {
-            continue;  // a build without extensions
-        }
-        ++tested;
-        double noise = 1;
-        EXPECT_LT(LargestDistance(view, "bdpt", &noise), 5.5) << lights;
-        EXPECT_LT(noise, 0.05) << lights;
-    }
-    EXPECT_GE(tested, 2);
+    CheckLightSamplers(
+        view, "bdpt",
+        {"\"string lightsampler\" \"uniform\"", "\"string lightsampler\" \"bvh\"", "\"string lightsampler\" \"octree\"",
+         "\"string lightsampler\" \"octree\" \"float octree.opensky\" 1", "\"string shadowgate\" \"neepp\""});
 }
 
 TEST(LightPath, IsTheSameForAnyNumberOfThreads) {
-    const View view = AllViews()[0];
-    for (const char *integrator : {"lightpath", "bdpt"}) {
-        ThreadLimit one(1);
-        const Image expected = RenderView(view, integrator, 1, 16);
-        for (int threads : {2, 5}) {
-            ThreadLimit limit(threads);
-            const Image image = RenderView(view, integrator, 1, 16);
-            for (int y = 0; y < kViewSize; ++y)
-                for (int x = 0; x < kViewSize; ++x) EXPECT_EQ(image.Get({x, y}, 0), expected.Get({x, y}, 0));
-        }
-    }
+    for (const char *integrator : {"lightpath", "bdpt"}) CheckThreads(AllViews()[0], integrator, 16);
 }
 
 TEST(LightPath, NeedsACameraThatItCanReach) {

@@ -95,18 +95,7 @@ TEST(Mlt, ParametersDoNotChangeTheMean) {
     }
 }
 
-TEST(Mlt, IsTheSameForAnyNumberOfThreads) {
-    const View view = AllViews()[0];
-    ThreadLimit one(1);
-    const Image expected = RenderView(view, "mlt", 1, 12);
-    for (int threads : {2, 5}) {
-        ThreadLimit limit(threads);
-        const Image image = RenderView(view, "mlt", 1, 12);
-        for (int y = 0; y < kViewSize; ++y)
-            for (int x = 0; x < kViewSize; ++x)
-                for (int c = 0; c < 3; ++c) EXPECT_EQ(image.Get({x, y}, c), expected.Get({x, y}, c));
-    }
-}
+TEST(Mlt, IsTheSameForAnyNumberOfThreads) { CheckThreads(AllViews()[0], "mlt", 12); }
 
 TEST(Mlt, RefusesFilmsAndCamerasThatItCannotServe) {
     View view = AllViews()[0];

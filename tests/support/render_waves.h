@@ -1,0 +1,23 @@
+#pragma once
+#include <cstring>
+
+#include "pbrt/integrators/render_loop.h"
+#include "support/build_text.h"
+
+namespace pbrt::test {
+
+/// Renders a prepared scene in calls of these sizes, the last one again and again.
+inline Image RenderWaves(BuiltScene &built, int samples, const std::vector<int> &sizes, Progress &progress) {
+    RenderSettings settings;
+    settings.samplesPerPixel = samples;
+    WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
+                          progress);
+    for (size_t i = 0; renderer.Done() < samples; ++i) renderer.Render(sizes[std::min(i, sizes.size() - 1)]);
+    return built.film->ToImage();
+}
+
+inline bool SameBits(const Image &a, const Image &b) {
+    return a.Bytes() == b.Bytes() && std::memcmp(a.Data(), b.Data(), a.Bytes()) == 0;
+}
+
+}  // namespace pbrt::test

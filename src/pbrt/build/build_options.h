@@ -21,6 +21,7 @@ struct BuildOptions {
     std::string lightSampler;       ///< --lightsampler, see LightFlags; empty: the scene's
     bool meshLights = false;        ///< --mesh-lights
     std::string shadowGate;         ///< --shadow-gate name[:key=value,...] or none; empty: the scene's
+    std::string shootingSampler;    ///< --shooting-sampler name[:key=value,...]; empty: the scene's
     /// The names of the flags that gave lightSampler and shadowGate, for messages.
     const char *lightSamplerFlag = "--lightsampler", *shadowGateFlag = "--shadow-gate";
     std::optional<Float> displacementEdgeScale;  ///< --displacement-edge-scale; empty: the scene's or 1

@@ -239,6 +239,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
         built.integratorName = made.name;
         built.lightSamplerName = made.lightSamplerName;
         built.shadowGateName = made.shadowGateName;
+        built.shootingSamplerName = made.shootingSamplerName;
         built.maxDepth = made.maxDepth;
     });
     sink.ThrowIfErrors();

@@ -24,7 +24,7 @@ struct LightChoice {
 
 struct BuiltIntegrator {
     std::unique_ptr<Integrator> integrator;
-    std::string name, lightSamplerName, shadowGateName;  ///< the last two empty if there is none
+    std::string name, lightSamplerName, shadowGateName, shootingSamplerName;  ///< the last three empty if there is none
     int maxDepth = 5;
 };
 
@@ -53,7 +53,8 @@ struct BuiltScene {
     std::string mseReferenceImage, mseReferenceOut;
     int seed = 0;
     int maxDepth = 5;
-    std::string integratorName, lightSamplerName, shadowGateName;  ///< the last two empty if there is none
+    std::string integratorName;
+    std::string lightSamplerName, shadowGateName, shootingSamplerName;  ///< empty if there is none
     std::string filename;  ///< of the picture; gets a suffix if something was left out, unless a flag named it
     std::vector<std::string> leftOut;  ///< what --ignore-media or --ignore-unsupported left out, with places
     Transform cameraFromWorld;         ///< when the shutter opens; for image metadata

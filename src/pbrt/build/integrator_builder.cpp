@@ -100,6 +100,37 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
     return settings;
 }
 
+bool FollowsPhotons(const std::string &integrator) { return FollowsLight(integrator) || integrator == "sppm"; }
+
+/// Where light paths begin.
+struct ShootingParams {
+    std::string shootingSampler = "power";
+    template <class V>
+    void Describe(V &&v) {
+        v("shootingsampler", shootingSampler,
+          "the light sampler that chooses where light paths begin, with the same probabilities everywhere: power, "
+          "uniform or (where it is built) seen; --shooting-sampler overrides it (only here)");
+    }
+};
+
+std::optional<LightSamplerSpec> ReadShooting(const ShootingParams &p, const ParamSet &set, const IntegratorReading &r) {
+    return ReadShootingSampler(set, p.shootingSampler, r.options.shootingSampler, r.registry, r.sink);
+}
+
+std::unique_ptr<LightSampler> MakeShooting(const LightSamplerSpec &spec, const LightSamplerRegistry &registry,
+                                           const PathContext &context) {
+    return registry.Make(*spec.entry, context.scene.Lights(), spec.params, false);
+}
+
+struct LightPathParams : DepthParams {
+    ShootingParams shooting;
+    template <class V>
+    void Describe(V &&v) {
+        DepthParams::Describe(v);
+        shooting.Describe(v);
+    }
+};
+
 struct SimplePathParams : DepthParams {
     bool sampleLights = true, sampleBsdf = true;
     template <class V>
@@ -111,11 +142,11 @@ struct SimplePathParams : DepthParams {
     }
 };
 
-struct BidirectionalParams : DepthParams {
+struct BidirectionalParams : LightPathParams {
     bool regularize = false;
     template <class V>
     void Describe(V &&v) {
-        DepthParams::Describe(v);
+        LightPathParams::Describe(v);
         v("regularize", regularize, "roughen nearly specular lobes after the first non-specular scattering");
     }
 };
@@ -133,12 +164,14 @@ IntegratorSettings MakeBdpt(const BdptParams &p, const ParamSet &set, const Inte
     IntegratorSettings settings;
     settings.maxDepth = p.MaxDepth(r);
     settings.lights = ReadLights(set, r, BdptParams().lights);
-    if (!settings.lights) return settings;
+    settings.shooting = ReadShooting(p.shooting, set, r);
+    if (!settings.lights || !settings.shooting) return settings;
     settings.make = [depth = settings.maxDepth, regularize = p.regularize, &registry = r.registry,
-                     lights = *settings.lights](const PathContext &context,
-                                                const ColorSpace &) -> std::unique_ptr<Integrator> {
+                     lights = *settings.lights, shooting = *settings.shooting](
+                        const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
         auto [sampler, gate] = MakeLights(lights, registry, context.scene.Lights());
-        return std::make_unique<BdptIntegrator>(context, depth, regularize, std::move(sampler), std::move(gate));
+        return std::make_unique<BdptIntegrator>(context, depth, regularize, std::move(sampler), std::move(gate),
+                                                MakeShooting(shooting, registry, context));
     };
     return settings;
 }
@@ -167,6 +200,7 @@ struct SppmParams : DepthParams {
     int photonsPerIteration = -1, seed = 0;
     Float radius = 1;
     LightSelectionParams lights;
+    ShootingParams shooting;
     template <class V>
     void Describe(V &&v) {
         DepthParams::Describe(v);
@@ -176,6 +210,7 @@ struct SppmParams : DepthParams {
           "of the first iteration, in units of the scene: photons this near to a place count there");
         v("seed", seed, "chooses among sets of light paths");
         lights.Describe(v);
+        shooting.Describe(v);
     }
 };
 
@@ -183,12 +218,14 @@ IntegratorSettings MakeSppm(const SppmParams &p, const ParamSet &set, const Inte
     IntegratorSettings settings;
     settings.maxDepth = p.MaxDepth(r);
     settings.lights = ReadLights(set, r);
-    if (!settings.lights) return settings;
+    settings.shooting = ReadShooting(p.shooting, set, r);
+    if (!settings.lights || !settings.shooting) return settings;
     const SppmSettings sppm{settings.maxDepth, p.photonsPerIteration, p.radius, p.seed, r.options.sampledLightOnly};
-    settings.make = [sppm, &registry = r.registry, lights = *settings.lights](
+    settings.make = [sppm, &registry = r.registry, lights = *settings.lights, shooting = *settings.shooting](
                         const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
         auto [sampler, gate] = MakeLights(lights, registry, context.scene.Lights());
-        return std::make_unique<SppmIntegrator>(context, sppm, std::move(sampler), std::move(gate));
+        return std::make_unique<SppmIntegrator>(context, sppm, std::move(sampler), std::move(gate),
+                                                MakeShooting(shooting, registry, context));
     };
     return settings;
 }
@@ -204,23 +241,57 @@ struct AmbientOcclusionParams {
     }
 };
 
+void WarnOfLightFlags(const IntegratorReading &r, const char *integrator) {
+    if (!r.options.lightSampler.empty() || r.options.meshLights || !r.options.shadowGate.empty())
+        r.sink.Warning({}, fmt::format("--lightsampler, --mesh-lights and --shadow-gate have no effect on integrator "
+                                       "\"{}\".",
+                                       integrator));
+}
+
 /// An integrator without a light sampler; `make(p, maxDepth, context, film's colour space)`.
 template <class P, class F>
 void AddSimple(IntegratorTable &table, const char *name, F make, const char *remark = "") {
     table.Add<P>(name, remark, [name, make](const P &p, const ParamSet &, const IntegratorReading &r) {
-        if (!r.options.lightSampler.empty() || r.options.meshLights || !r.options.shadowGate.empty())
-            r.sink.Warning({},
-                           fmt::format("--lightsampler, --mesh-lights and --shadow-gate have no effect on integrator "
-                                       "\"{}\".",
-                                       name));
+        WarnOfLightFlags(r, name);
         IntegratorSettings settings;
         if constexpr (std::is_base_of_v<DepthParams, P>) settings.maxDepth = p.MaxDepth(r);
-        if constexpr (std::is_same_v<MltParams, P>) settings.samplesPerPixel = p.mutationsPerPixel;
         settings.make = [p, make, depth = settings.maxDepth](const PathContext &context, const ColorSpace &space) {
             return make(p, depth, context, space);
         };
         return settings;
     });
+}
+
+/// An integrator that follows light from the lights only; `make(p, maxDepth, context, shooting sampler)`.
+template <class P, class F>
+IntegratorSettings MakeShootingOnly(const char *name, const P &p, const ParamSet &set, const IntegratorReading &r,
+                                    F make) {
+    WarnOfLightFlags(r, name);
+    IntegratorSettings settings;
+    settings.maxDepth = p.MaxDepth(r);
+    settings.shooting = ReadShooting(p.shooting, set, r);
+    if (!settings.shooting) return settings;
+    settings.make = [p, make, depth = settings.maxDepth, &registry = r.registry, shooting = *settings.shooting](
+                        const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
+        return make(p, depth, context, MakeShooting(shooting, registry, context));
+    };
+    return settings;
+}
+
+IntegratorSettings MakeMlt(const MltParams &mlt, const ParamSet &set, const IntegratorReading &r) {
+    IntegratorSettings settings = MakeShootingOnly(
+        "mlt", mlt, set, r,
+        [](const MltParams &p, int depth, const PathContext &context, std::unique_ptr<LightSampler> shooting) {
+            const auto share = [&](int all) {
+                return std::max(1, (all + p.mutationsPerPixel / 2) / p.mutationsPerPixel);
+            };
+            return std::make_unique<MltIntegrator>(context,
+                                                   MltSettings{depth, p.regularize, share(p.bootstrapSamples),
+                                                               share(p.chains), p.largeStepProbability, p.sigma},
+                                                   std::move(shooting));
+        });
+    settings.samplesPerPixel = mlt.mutationsPerPixel;
+    return settings;
 }
 
 }  // namespace
@@ -254,34 +325,31 @@ const IntegratorTable &Integrators() {
                                [](const auto &, int depth, const PathContext &c, const ColorSpace &) {
                                    return std::make_unique<SimpleVolPathIntegrator>(c, depth);
                                });
-        AddSimple<DepthParams>(
-            t, "lightpath",
-            [](const auto &, int depth, const PathContext &c, const ColorSpace &) {
-                return std::make_unique<LightPathIntegrator>(c, depth);
-            },
+        t.Add<LightPathParams>(
+            "lightpath",
             "surfaces only; with the cameras perspective and (only here) orthographic; **differs**: the adjoint of "
             "shading normals is right (stock: #385), crop windows keep all light (stock: #347), and emitters of all "
-            "shapes that the camera sees have their own brightness");
+            "shapes that the camera sees have their own brightness",
+            [](const auto &p, const ParamSet &set, Request &r) {
+                return MakeShootingOnly("lightpath", p, set, r,
+                                        [](const LightPathParams &, int depth, const PathContext &context,
+                                           std::unique_ptr<LightSampler> shooting) {
+                                            return std::make_unique<LightPathIntegrator>(context, depth,
+                                                                                         std::move(shooting));
+                                        });
+            });
         t.Add<BdptParams>(
             "bdpt",
             "surfaces only, at most 1,000 of them from either side; cameras and shading normals as lightpath; only "
-            "here: any light sampler and gate for the light that a vertex of the camera's path is connected to (light "
-            "paths begin at lights chosen by power); `visualizestrategies` and `visualizeweights` are not built",
+            "here: any light sampler and gate for the light that a vertex of the camera's path is connected to; "
+            "`visualizestrategies` and `visualizeweights` are not built",
             [](const auto &p, const ParamSet &set, Request &r) { return MakeBdpt(p, set, r); });
-        AddSimple<MltParams>(
-            t, "mlt",
-            [](const auto &p, int depth, const PathContext &c, const ColorSpace &) {
-                const auto share = [&](int all) {
-                    return std::max(1, (all + p.mutationsPerPixel / 2) / p.mutationsPerPixel);
-                };
-                return std::make_unique<MltIntegrator>(
-                    c, MltSettings{depth, p.regularize, share(p.bootstrapSamples), share(p.chains),
-                                   p.largeStepProbability, p.sigma});
-            },
+        t.Add<MltParams>(
+            "mlt",
             "as bdpt, with the films rgb and spectral; **differs**: every mutation of a pixel has its share of "
             "bootstrap and chains, so that more mutations converge to the picture for every seed (stock: #525); a "
-            "mutation is of "
-            "all connections of a pair of subpaths, not of one");
+            "mutation is of all connections of a pair of subpaths, not of one",
+            [](const auto &p, const ParamSet &set, Request &r) { return MakeMlt(p, set, r); });
         t.Add<SppmParams>(
             "sppm",
             "surfaces only; only here: light samplers and gates as path; **differs**: the radius shrinks with the "
@@ -333,11 +401,14 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
             depth && type != "ambientocclusion")
             fresh.Add(*depth);
         const ParamSet &params = type != entity.type ? fresh : entity.params;
+        if (!options.shootingSampler.empty() && !FollowsPhotons(type))
+            sink.Error({}, fmt::format("--shooting-sampler: light paths begin at lights with the integrators "
+                                       "\"bdpt\", \"lightpath\", \"mlt\" and \"sppm\" only; this one is \"{}\".",
+                                       type));
         if (options.guide && type != "path")
             sink.Error({}, fmt::format("--guide: only integrator \"path\" is guided; this one is \"{}\".", type));
         ParamReader before(params);
-        if (type == "path" || type == "volpath" || type == "sppm" || type == "bdpt")
-            DeclareLightParams(before, registry);
+        if (type == "path" || type == "volpath" || FollowsPhotons(type)) DeclareLightParams(before, registry);
         Collect(sink, [&] {
             settings = Integrators().Make(type, params, IntegratorReading{options, registry, sink, before});
         });
@@ -360,6 +431,7 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathCon
         built.lightSamplerName = settings.lights->sampler.Label();
         built.shadowGateName = settings.lights->gate.entry ? settings.lights->gate.entry->name : "";
     }
+    if (settings.shooting) built.shootingSamplerName = settings.shooting->Label();
     if (settings.type != "volpath" && context.scene.HasSubsurface())
         sink.Warning(
             {},

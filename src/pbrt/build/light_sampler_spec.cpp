@@ -233,6 +233,38 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
     return selection;
 }
 
+std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, const std::string &named,
+                                                    const std::string &flag, const LightSamplerRegistry &registry,
+                                                    DiagnosticSink &sink) {
+    const size_t errorsBefore = sink.ErrorCount();
+    const FlagText text("--shooting-sampler", flag);
+    const auto find = [&](const std::string &name, const FileLoc &loc) -> const LightSamplerRegistry::Entry & {
+        std::vector<std::string> choices;
+        for (const std::string &n : registry.samplers.Names())
+            if (registry.samplers.Find(n).traits.isSameEverywhere) choices.push_back(n);
+        if (registry.samplers.Has(name) && !registry.samplers.Find(name).traits.isSameEverywhere)
+            throw UserError(fmt::format("light sampler \"{}\" chooses by place, and light paths have none before they "
+                                        "begin; {}.",
+                                        name, ListChoices(name, choices)),
+                            loc);
+        if (!registry.samplers.Has(name)) ThrowUnknown("light sampler", name, choices, loc);
+        return registry.samplers.Find(name, loc);
+    };
+    LightSamplerSpec spec;
+    ParamSet keys;
+    const FileLoc loc = integrator.LocOf("shootingsampler");
+    // The scene's name is checked even where the flag overrides it.
+    try {
+        spec.entry = &find(named, loc);
+    } catch (const UserError &e) {
+        sink.Add(e);
+    }
+    if (!flag.empty()) spec.entry = ReadPiece(text, {0, flag.size()}, find, &keys, sink);
+    if (spec.entry) spec.params = ChosenParams(*spec.entry, "light sampler", integrator, loc, keys, sink);
+    if (sink.ErrorCount() > errorsBefore) return {};
+    return spec;
+}
+
 LightSelection ReadLightSelection(const std::string &choice, const LightSamplerRegistry &registry) {
     DiagnosticSink sink;
     LightFlags flags;

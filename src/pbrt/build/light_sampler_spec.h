@@ -72,7 +72,15 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
                                                  const LightSamplerRegistry &registry, DiagnosticSink &sink,
                                                  const LightSelectionParams &defaults = {});
 
-/// The same for a choice alone, without a scene. Throws UserError.
+/// Reads the sampler that chooses where light paths begin: the integrator's `"string shootingsampler"`, whose value is
+/// given, or the flag --shooting-sampler, `name[:key=value,...]` or empty, which overrides it. Its keys are those of
+/// the same light sampler. A sampler whose probabilities differ from place to place is an error, and errors go to the
+/// sink.
+std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, const std::string &named,
+                                                    const std::string &flag, const LightSamplerRegistry &registry,
+                                                    DiagnosticSink &sink);
+
+/// ReadLightSelection for a choice alone, without a scene. Throws UserError.
 LightSelection ReadLightSelection(const std::string &choice, const LightSamplerRegistry &registry);
 
 }  // namespace pbrt

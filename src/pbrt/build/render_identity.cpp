@@ -76,6 +76,7 @@ RenderIdentity IdentityOf(const BuildOptions &o, const std::vector<std::string> 
     flag("--lightsampler", o.lightSampler);
     whether("--mesh-lights", o.meshLights);
     flag("--shadow-gate", o.shadowGate);
+    flag("--shooting-sampler", o.shootingSampler);
     if (o.displacementEdgeScale) flag("--displacement-edge-scale", fmt::format("{}", *o.displacementEdgeScale));
     flag("--render-coord-sys", o.renderCoordSys);
     whether("--disable-texture-filtering", o.disableTextureFiltering);

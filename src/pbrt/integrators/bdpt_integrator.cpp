@@ -19,11 +19,12 @@ struct BdptIntegrator::Sample {
 };
 
 BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
-                               std::unique_ptr<LightSampler> connecting, std::unique_ptr<ShadowRayGate> gate)
+                               std::unique_ptr<LightSampler> connecting, std::unique_ptr<ShadowRayGate> gate,
+                               std::unique_ptr<LightSampler> shooting)
     : context_(context),
       maxDepth_(maxDepth),
       regularize_(regularize),
-      shooting_(std::make_unique<PowerLightSampler>(context.scene.Lights().Parts())),
+      shooting_(ByPowerUnless(std::move(shooting), context.scene.Lights())),
       connecting_(std::move(connecting)),
       gate_(std::move(gate)),
       learner_(connecting_ ? connecting_->Learner() : nullptr),
@@ -40,6 +41,7 @@ BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool re
 void BdptIntegrator::Prepare(PrepareContext &prepare) {
     if (connecting_) connecting_->Prepare(prepare);
     if (gate_) gate_->Prepare(prepare);
+    shooting_->Prepare(prepare);
 }
 
 template <class Emitted>

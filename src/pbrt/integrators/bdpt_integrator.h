@@ -12,12 +12,15 @@ class BdptIntegrator final : public PixelIntegrator {
     /// The camera can connect (Camera::CanConnect). Subpaths have at most kMaxSubpath surfaces.
     static constexpr int kMaxSubpath = 1000;
     /// `connecting` chooses the light that a vertex of the camera path is connected to, `gate` whether the shadow ray
-    /// is traced; null: by power, and always. Light paths begin at lights chosen by power.
+    /// is traced; null: by power, and always. `shooting` chooses the lights that light paths begin at, with
+    /// probabilities that are the same everywhere; null: by power.
     BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
-                   std::unique_ptr<LightSampler> connecting = nullptr, std::unique_ptr<ShadowRayGate> gate = nullptr);
+                   std::unique_ptr<LightSampler> connecting = nullptr, std::unique_ptr<ShadowRayGate> gate = nullptr,
+                   std::unique_ptr<LightSampler> shooting = nullptr);
     void Prepare(PrepareContext &prepare) override;
     LightLearner *Learner() override { return learner_; }
     const LightSampler *Lights() const override { return connecting_.get(); }
+    const LightSampler *ShootingLights() const override { return shooting_.get(); }
     const ShadowRayGate *Gate() const override { return gate_.get(); }
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
 

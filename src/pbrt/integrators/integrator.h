@@ -56,6 +56,8 @@ class Integrator {
     }
     /// The light sampler in use; null if the integrator has none.
     virtual const LightSampler *Lights() const { return nullptr; }
+    /// The light sampler that chooses where light paths begin; null if none do.
+    virtual const LightSampler *ShootingLights() const { return nullptr; }
     /// The shadow-ray gate in use, or null.
     virtual const ShadowRayGate *Gate() const { return nullptr; }
     /// What guides bounces, or null.

@@ -7,10 +7,8 @@
 
 namespace pbrt {
 
-LightPathIntegrator::LightPathIntegrator(const PathContext &context, int maxDepth)
-    : context_(context),
-      maxDepth_(maxDepth),
-      lights_(std::make_unique<PowerLightSampler>(context.scene.Lights().Parts())) {}
+LightPathIntegrator::LightPathIntegrator(const PathContext &context, int maxDepth, std::unique_ptr<LightSampler> lights)
+    : context_(context), maxDepth_(maxDepth), lights_(ByPowerUnless(std::move(lights), context.scene.Lights())) {}
 
 SampledSpectrum LightPathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     const Scene &scene = context_.scene;

@@ -189,8 +189,11 @@ class MltIntegrator::Renderer {
     std::vector<Unit> units_;
 };
 
-MltIntegrator::MltIntegrator(const PathContext &context, const MltSettings &settings)
-    : context_(context), settings_(settings), pairs_(context, settings.maxDepth, settings.regularize) {}
+MltIntegrator::MltIntegrator(const PathContext &context, const MltSettings &settings,
+                             std::unique_ptr<LightSampler> shooting)
+    : context_(context),
+      settings_(settings),
+      pairs_(context, settings.maxDepth, settings.regularize, nullptr, nullptr, std::move(shooting)) {}
 
 bool MltIntegrator::Render(const RenderPass &pass) {
     if (pass.film.WantsVisibleSurface())

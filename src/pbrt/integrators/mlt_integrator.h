@@ -22,8 +22,11 @@ struct MltSettings {
 /// threads, processes and parts like any other.
 class MltIntegrator final : public Integrator {
   public:
-    /// The camera can connect (Camera::CanConnect).
-    MltIntegrator(const PathContext &context, const MltSettings &settings);
+    /// The camera can connect (Camera::CanConnect). `shooting`: see BdptIntegrator.
+    MltIntegrator(const PathContext &context, const MltSettings &settings,
+                  std::unique_ptr<LightSampler> shooting = nullptr);
+    void Prepare(PrepareContext &prepare) override { pairs_.Prepare(prepare); }
+    const LightSampler *ShootingLights() const override { return pairs_.ShootingLights(); }
     /// Throws UserError if the film wants to know what the camera sees.
     bool Render(const RenderPass &pass) override;
     /// Bootstraps of all samples of a pass are in memory at once.

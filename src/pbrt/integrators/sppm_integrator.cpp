@@ -29,11 +29,12 @@ Float SobolNumber(int dimension, uint64_t index, uint64_t seed) {
 }  // namespace
 
 SppmIntegrator::SppmIntegrator(const PathContext &context, const SppmSettings &settings,
-                               std::unique_ptr<LightSampler> lights, std::unique_ptr<ShadowRayGate> gate)
+                               std::unique_ptr<LightSampler> lights, std::unique_ptr<ShadowRayGate> gate,
+                               std::unique_ptr<LightSampler> shooting)
     : context_(context),
       settings_(settings),
       lights_(std::move(lights)),
-      shooting_(std::make_unique<PowerLightSampler>(context.scene.Lights().Parts())),
+      shooting_(ByPowerUnless(std::move(shooting), context.scene.Lights())),
       gate_(std::move(gate)),
       learner_(lights_->Learner()) {}
 

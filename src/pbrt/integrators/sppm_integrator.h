@@ -24,10 +24,11 @@ struct SppmSettings {
 class SppmIntegrator final : public PixelIntegrator {
   public:
     SppmIntegrator(const PathContext &context, const SppmSettings &settings, std::unique_ptr<LightSampler> lights,
-                   std::unique_ptr<ShadowRayGate> gate);
+                   std::unique_ptr<ShadowRayGate> gate, std::unique_ptr<LightSampler> shooting = nullptr);
     void Prepare(PrepareContext &prepare) override {
         lights_->Prepare(prepare);
         if (gate_) gate_->Prepare(prepare);
+        shooting_->Prepare(prepare);
     }
     /// One iteration (MaxPassSamples).
     bool Render(const RenderPass &pass) override;
@@ -35,6 +36,7 @@ class SppmIntegrator final : public PixelIntegrator {
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
     LightLearner *Learner() override { return learner_; }
     const LightSampler *Lights() const override { return lights_.get(); }
+    const LightSampler *ShootingLights() const override { return shooting_.get(); }
     const ShadowRayGate *Gate() const override { return gate_.get(); }
 
     /// The radius of an iteration, counted from 0, over that of the first one. Its square shrinks by (i + 2/3)/(i + 1)

@@ -29,20 +29,22 @@ std::string LightSamplerRegistry::Listing() const {
 namespace {
 
 template <class Sampler>
-void AddStock(LightSamplerRegistry &registry, const char *name, const char *summary) {
+void AddStock(LightSamplerRegistry &registry, const char *name, const char *summary, bool isSameEverywhere) {
     auto make = [](NoParams, const ParamSet &, const LightGroups &groups) { return std::make_unique<Sampler>(groups); };
-    registry.samplers.Add<NoParams>(name, summary, make, {.takesGroups = true});
+    registry.samplers.Add<NoParams>(name, summary, make, {.takesGroups = true, .isSameEverywhere = isSameEverywhere});
 }
 
 }  // namespace
 
 void RegisterStockLightSamplers(LightSamplerRegistry &registry) {
-    AddStock<UniformLightSampler>(registry, "uniform", "Every light is equally likely.");
-    AddStock<PowerLightSampler>(registry, "power", "Chooses lights in proportion to their emitted power.");
+    AddStock<UniformLightSampler>(registry, "uniform", "Every light is equally likely.", true);
+    AddStock<PowerLightSampler>(registry, "power", "Chooses lights in proportion to their emitted power.", true);
     AddStock<BVHLightSampler>(registry, "bvh",
-                              "Walks down a tree of light bounds by distance, power and orientation; pbrt's default.");
+                              "Walks down a tree of light bounds by distance, power and orientation; pbrt's default.",
+                              false);
     AddStock<ExhaustiveLightSampler>(
-        registry, "exhaustive", "Weighs every single light by distance, power and orientation; slow, for comparison.");
+        registry, "exhaustive", "Weighs every single light by distance, power and orientation; slow, for comparison.",
+        false);
 }
 
 }  // namespace pbrt

@@ -12,6 +12,8 @@ namespace pbrt {
 struct LightSamplerTraits {
     /// True if it chooses among the groups that it is given; other samplers have a parameter "meshlights".
     bool takesGroups = false;
+    /// True if its probabilities are the same for every query: then it can choose where light paths begin.
+    bool isSameEverywhere = false;
 };
 
 /// The samplers and shadow-ray gates that can be named in a scene or on the command line. An object, not a global;

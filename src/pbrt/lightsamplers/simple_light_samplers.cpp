@@ -34,6 +34,10 @@ Float PowerLightSampler::GroupProbability(const LightQuery &, const void *, uint
     return table_.PMF(static_cast<int>(group));
 }
 
+std::unique_ptr<LightSampler> ByPowerUnless(std::unique_ptr<LightSampler> chosen, const LightTable &lights) {
+    return chosen ? std::move(chosen) : std::make_unique<PowerLightSampler>(lights.Parts());
+}
+
 void PowerLightSampler::Report(nlohmann::ordered_json &json) const {
     json["bytes"] = table_.Bytes();
     GroupLightSampler::Report(json);

@@ -27,4 +27,7 @@ class PowerLightSampler final : public GroupLightSampler {
     AliasTable table_;
 };
 
+/// The sampler itself; if there is none, one that chooses by power among all parts of lights.
+std::unique_ptr<LightSampler> ByPowerUnless(std::unique_ptr<LightSampler> chosen, const LightTable &lights);
+
 }  // namespace pbrt

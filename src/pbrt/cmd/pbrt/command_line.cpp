@@ -229,6 +229,10 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     app.add_option("--shadow-gate", o.build.shadowGate,
                    "name[:key=value,...], the same as +gate=; none: no gate, even if the scene names one")
         ->group(lights);
+    app.add_option("--shooting-sampler", o.build.shootingSampler,
+                   "name[:key=value,...] of the light sampler that chooses where light paths begin (bdpt, mlt, "
+                   "lightpath, sppm): power, uniform or seen; overrides the scene")
+        ->group(lights);
     app.add_flag_callback(
            "--list-lightsamplers", [&o] { o.list = "lightsamplers"; }, "the same as --list lightsamplers")
         ->group(lights);

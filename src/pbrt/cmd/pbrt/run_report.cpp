@@ -80,6 +80,10 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
         m.attributes["shadowGate"] = built.shadowGateName;
         AddReport(*gate, "shadowGate.", &m);
     }
+    if (const LightSampler *shooting = built.integrator->ShootingLights()) {
+        m.attributes["shootingSampler"] = built.shootingSamplerName;
+        AddReport(*shooting, "shootingSampler.", &m);
+    }
     if (const PathGuide *guide = built.integrator->Guide()) AddReport(*guide, "guide.", &m);
     return m;
 }
@@ -124,6 +128,8 @@ void PrintStatistics(const BuiltScene &built, const RenderResult &result, const 
     };
     if (const LightSampler *lights = built.integrator->Lights()) list("light sampler", built.lightSamplerName, *lights);
     if (const ShadowRayGate *gate = built.integrator->Gate()) list("shadow-ray gate", built.shadowGateName, *gate);
+    if (const LightSampler *shooting = built.integrator->ShootingLights())
+        list("light paths begin by", built.shootingSamplerName, *shooting);
     if (const PathGuide *guide = built.integrator->Guide()) list("guide", "", *guide);
 }
 
@@ -178,7 +184,8 @@ void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, co
           {"mediumLookups", c.mediumLookups},
           {"samplesDropped", built.film->RejectedSamples()}}},
         {"lightSampler", report(built.lightSamplerName, built.integrator->Lights())},
-        {"shadowGate", report(built.shadowGateName, built.integrator->Gate())}};
+        {"shadowGate", report(built.shadowGateName, built.integrator->Gate())},
+        {"shootingSampler", report(built.shootingSamplerName, built.integrator->ShootingLights())}};
     std::printf("%s\n", json.dump(1, ' ', false, Json::error_handler_t::replace).c_str());
 }
 

@@ -38,6 +38,33 @@ TEST_F(LightSamplers, EveryListedOneRenders) {
     EXPECT_GE(gates, 1);
 }
 
+TEST_F(LightSamplers, LightPathsBeginByAnyThatIsTheSameEverywhere) {
+    for (const char *integrator : {"bdpt", "lightpath", "mlt", "sppm"}) {
+        const std::string flags = fmt::format("--spp 1 --integrator {} ", integrator);
+        EXPECT_EQ(TextOf(Render(flags + "scene.pbrt"), "shootingSampler"), "power");
+        EXPECT_EQ(TextOf(Render(flags + "--shooting-sampler uniform scene.pbrt"), "shootingSampler"), "uniform");
+    }
+    ExpectErrors({{"--integrator bdpt --shooting-sampler bvh scene.pbrt",
+                   {"--shooting-sampler:1:0", "\"bvh\" chooses by place", "valid: power", "uniform"}},
+                  {"--integrator bdpt --shooting-sampler powr scene.pbrt", {"did you mean \"power\"?"}},
+                  {"--integrator bdpt --shooting-sampler power:x=1 scene.pbrt", {"\"x\"", "it takes none"}},
+                  {"--integrator path --shooting-sampler power scene.pbrt", {"bdpt", "sppm", "\"path\""}}});
+    const auto named = [](const std::string &sampler) {
+        std::string text = SmallScene("\"string shootingsampler\" \"" + sampler + "\"");
+        return text.replace(text.find("\"path\""), 6, "\"bdpt\"");
+    };
+    Write("named.pbrt", named("uniform"));
+    EXPECT_EQ(TextOf(Render("--spp 1 named.pbrt"), "shootingSampler"), "uniform");
+    Write("by-place.pbrt", named("exhaustive"));
+    ExpectErrors({{"by-place.pbrt", {"by-place.pbrt:5:", "\"exhaustive\" chooses by place"}}});
+    PBRT_SKIP_WITHOUT_EXT();
+    const ImageFile file = Render("--integrator bdpt --shooting-sampler seen:floor=0.5 scene.pbrt");
+    EXPECT_EQ(TextOf(file, "shootingSampler"), "seen");
+    EXPECT_NEAR(nlohmann::json::parse(TextOf(file, "shootingSampler.parameters")).at("floor").get<double>(), 0.5, 1e-6);
+    ExpectErrors({{"--integrator mlt --shooting-sampler seen:flor=1 scene.pbrt",
+                   {"--shooting-sampler:1:5", "did you mean \"floor\"?"}}});
+}
+
 TEST_F(LightSamplers, SpecOnTheCommandLineReachesTheSamplerAndTheImage) {
     PBRT_SKIP_WITHOUT_EXT();
     const ImageFile file = Render("--lightsampler octree:model=paper,leaves=512,floor=0.1 scene.pbrt");

@@ -259,12 +259,14 @@ const IntegratorTable &Integrators() {
             [](const auto &, int depth, const PathContext &c, const ColorSpace &) {
                 return std::make_unique<LightPathIntegrator>(c, depth);
             },
-            "surfaces only; with the cameras perspective and (only here) orthographic; **differs**: the adjoint of "
+            "also through media, but for the light that they emit; with the cameras perspective and (only here) "
+            "orthographic and spherical; **differs**: the adjoint of "
             "shading normals is right (stock: #385), crop windows keep all light (stock: #347), and emitters of all "
             "shapes that the camera sees have their own brightness");
         t.Add<BdptParams>(
             "bdpt",
-            "surfaces only, at most 1,000 of them from either side; cameras and shading normals as lightpath; only "
+            "with media, at most 1,000 scattering events from either side; cameras and shading normals as lightpath; "
+            "only "
             "here: any light sampler and gate for the light that a vertex of the camera's path is connected to (light "
             "paths begin at lights chosen by power); `visualizestrategies` and `visualizeweights` are not built",
             [](const auto &p, const ParamSet &set, Request &r) { return MakeBdpt(p, set, r); });
@@ -310,10 +312,12 @@ bool FollowsLight(const std::string &integrator) {
 }
 
 bool SeesThroughInterfaces(const std::string &integrator) {
-    return integrator == "volpath" || integrator == "bdpt" || integrator == "mlt";
+    return integrator == "volpath" || FollowsLight(integrator);
 }
 
-bool RendersMedia(const std::string &integrator) { return integrator == "volpath" || integrator == "simplevolpath"; }
+bool RendersMedia(const std::string &integrator) {
+    return integrator == "simplevolpath" || SeesThroughInterfaces(integrator);
+}
 
 IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options,
                                   const LightSamplerRegistry &registry, DiagnosticSink &sink) {
@@ -350,7 +354,7 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathCon
                                const ColorSpace &filmSpace, DiagnosticSink &sink) {
     if (FollowsLight(settings.type) && !context.camera.CanConnect())
         sink.Error({}, fmt::format("Integrator \"{}\" follows light to the camera, which works with the cameras "
-                                   "\"perspective\" and \"orthographic\" only.",
+                                   "\"perspective\", \"orthographic\" and \"spherical\" only.",
                                    settings.type));
     BuiltIntegrator built;
     built.name = settings.type;

@@ -2,14 +2,17 @@
 #include "pbrt/integrators/bdpt_path.h"
 #include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/lightsamplers/light_learner.h"
+#include "pbrt/paths/shadow_transmittance.h"
 
 namespace pbrt {
 
 /// Bidirectional path tracing: a path from a light and one from the camera, and every connection between a vertex of
-/// one and a vertex of the other, weighted by the balance heuristic (Veach 1997, chapter 10). Surfaces only.
+/// one and a vertex of the other, weighted by the balance heuristic (Veach 1997, chapter 10). Both scatter in media,
+/// too, and connections pass media and the interfaces between them. Light that media emit is found by camera paths
+/// only, and so it counts fully there.
 class BdptIntegrator final : public PixelIntegrator {
   public:
-    /// The camera can connect (Camera::CanConnect). Subpaths have at most kMaxSubpath surfaces.
+    /// The camera can connect (Camera::CanConnect). Subpaths scatter at most kMaxSubpath times.
     static constexpr int kMaxSubpath = 1000;
     /// `connecting` chooses the light that a vertex of the camera path is connected to, `gate` whether the shadow ray
     /// is traced; null: by power, and always. Light paths begin at lights chosen by power.
@@ -50,11 +53,20 @@ class BdptIntegrator final : public PixelIntegrator {
     struct Sample;
     void TraceLight(Sample &sample) const;
     SampledSpectrum TraceCamera(Sample &sample) const;
-    /// Follows a walk whose next ray has this density by solid angle (or, beyond the scene, by area across it).
-    /// `emitted` is called for every light that it meets.
-    template <class Emitted>
-    void Follow(PathWalk &walk, std::span<BdptVertex> vertices, int *count, Float pdf, TransportMode mode,
-                Sampler &sampler, Sample &sample, Emitted &&emitted) const;
+    /// A subpath that is being traced, up to the vertex before the next one.
+    struct Subpath;
+    void Follow(PathWalk &walk, Subpath &subpath, Sample &sample) const;
+    /// Adds to a subpath from the camera the light that its ray meets.
+    void AddEmission(const PathWalk &walk, Subpath &subpath, Sample &sample) const;
+    /// False: the subpath ends in the medium. `scattered`: it goes on from there.
+    bool PassMedium(PathWalk &walk, Subpath &subpath, const Sample &sample, bool *scattered) const;
+    /// Makes the surface that was met the next vertex, and leaves it. False: the subpath ends.
+    bool ScatterAtSurface(PathWalk &walk, Subpath &subpath) const;
+    /// Tells how much of the light passes from a point on a light, the lens or another vertex to this one.
+    ShadowTransmittance Passing(const Sample &sample, const BdptVertex &from, const LightLiSample &to) const;
+    /// A connection's light, of subpaths with these spectral densities, that passes; divided by the mean of densities.
+    SampledSpectrum Passed(const Sample &sample, const SampledSpectrum &L, const ShadowTransmittance &through,
+                           const SampledSpectrum &densities) const;
     SampledSpectrum ConnectToLight(Sample &sample, int cameraVertices) const;
     SampledSpectrum ConnectSubpaths(Sample &sample, int lightVertices, int cameraVertices) const;
     void ConnectToCamera(Sample &sample, int lightVertices, std::vector<SeenLight> &seen) const;
@@ -67,6 +79,7 @@ class BdptIntegrator final : public PixelIntegrator {
     bool regularize_;
     std::unique_ptr<LightSampler> shooting_, connecting_;
     std::unique_ptr<ShadowRayGate> gate_;
+    bool hasMedia_;
     LightLearner *learner_ = nullptr;
     BdptWeights weights_;
     mutable std::vector<Subpaths> subpaths_;  ///< by ThreadIndex()

@@ -122,9 +122,16 @@ struct BidirectionalParams : DepthParams {
 
 struct BdptParams : BidirectionalParams {
     LightSelectionParams lights{.lightSampler = "power"};
+    bool visualizeStrategies = false, visualizeWeights = false;
     template <class V>
     void Describe(V &&v) {
         BidirectionalParams::Describe(v);
+        v("visualizestrategies", visualizeStrategies,
+          "also write what every strategy alone finds, `<picture>-strategy-depth<d>-s<s>-t<t>`: paths of s vertices "
+          "from the light and t from the camera; limits `maxdepth` to 5");
+        v("visualizeweights", visualizeWeights,
+          "also write the share of every strategy in the picture, `<picture>-weighted-depth<d>-s<s>-t<t>`; limits "
+          "`maxdepth` to 5");
         lights.Describe(v);
     }
 };
@@ -134,11 +141,23 @@ IntegratorSettings MakeBdpt(const BdptParams &p, const ParamSet &set, const Inte
     settings.maxDepth = p.MaxDepth(r);
     settings.lights = ReadLights(set, r, BdptParams().lights);
     if (!settings.lights) return settings;
+    using Kind = StrategyPictures::Kind;
+    std::vector<Kind> shown;
+    if (p.visualizeStrategies) shown.push_back(Kind::Unweighted);
+    if (p.visualizeWeights) shown.push_back(Kind::Weighted);
+    if (!shown.empty() && settings.maxDepth > StrategyPictures::kMaxDepth) {
+        settings.maxDepth = StrategyPictures::kMaxDepth;
+        r.sink.Warning({}, fmt::format("Integrator \"bdpt\": pictures of strategies go up to \"maxdepth\" {}, which is "
+                                       "used.",
+                                       settings.maxDepth));
+    }
     settings.make = [depth = settings.maxDepth, regularize = p.regularize, &registry = r.registry,
-                     lights = *settings.lights](const PathContext &context,
-                                                const ColorSpace &) -> std::unique_ptr<Integrator> {
+                     lights = *settings.lights,
+                     shown](const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
         auto [sampler, gate] = MakeLights(lights, registry, context.scene.Lights());
-        return std::make_unique<BdptIntegrator>(context, depth, regularize, std::move(sampler), std::move(gate));
+        return std::make_unique<BdptIntegrator>(
+            context, depth, regularize, std::move(sampler), std::move(gate),
+            shown.empty() ? nullptr : std::make_unique<StrategyPictures>(shown, depth));
     };
     return settings;
 }
@@ -268,7 +287,8 @@ const IntegratorTable &Integrators() {
             "with media, at most 1,000 scattering events from either side; cameras and shading normals as lightpath; "
             "only "
             "here: any light sampler and gate for the light that a vertex of the camera's path is connected to (light "
-            "paths begin at lights chosen by power); `visualizestrategies` and `visualizeweights` are not built",
+            "paths begin at lights chosen by power); pictures of strategies are written at the end, not with "
+            "checkpoints, parts or mpirun",
             [](const auto &p, const ParamSet &set, Request &r) { return MakeBdpt(p, set, r); });
         AddSimple<MltParams>(
             t, "mlt",

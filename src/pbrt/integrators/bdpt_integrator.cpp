@@ -18,7 +18,8 @@ struct BdptIntegrator::Sample {
 };
 
 BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
-                               std::unique_ptr<LightSampler> connecting, std::unique_ptr<ShadowRayGate> gate)
+                               std::unique_ptr<LightSampler> connecting, std::unique_ptr<ShadowRayGate> gate,
+                               std::unique_ptr<StrategyPictures> strategies)
     : context_(context),
       maxDepth_(maxDepth),
       regularize_(regularize),
@@ -28,6 +29,7 @@ BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool re
       hasMedia_(context.scene.HasMedia()),
       learner_(connecting_ ? connecting_->Learner() : nullptr),
       weights_(context.scene.Lights(), *shooting_, connecting_ ? *connecting_ : *shooting_),
+      strategies_(std::move(strategies)),
       subpaths_(static_cast<size_t>(ThreadCount())) {
     for (Subpaths &s : subpaths_) {
         const auto surfaces = static_cast<size_t>(std::min(maxDepth, kMaxSubpath));
@@ -40,6 +42,14 @@ BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool re
 void BdptIntegrator::Prepare(PrepareContext &prepare) {
     if (connecting_) connecting_->Prepare(prepare);
     if (gate_) gate_->Prepare(prepare);
+}
+
+bool BdptIntegrator::Render(const RenderPass &pass) {
+    if (strategies_) strategies_->Begin(pass.film);
+    const bool isWhole = PixelIntegrator::Render(pass);
+    if (strategies_)
+        for (Subpaths &s : subpaths_) strategies_->AddSplatPaths(std::exchange(s.pairs, 0));
+    return isWhole;
 }
 
 struct BdptIntegrator::Subpath {
@@ -75,11 +85,12 @@ bool BdptIntegrator::PassMedium(PathWalk &walk, Subpath &path, const Sample &sam
     // As volpath, the last ray of a path finds lights, but no light of media.
     const bool emits = path.mode == TransportMode::Radiance && path.count <= maxDepth_;
     path.weights.onlyFirst = sample.lambda.SecondaryTerminated();
-    const MediumEvent event = walk.ThroughMedium(sample.lambda, u, rng, emits, path.weights,
-                                                 [&](const SampledSpectrum &radiance, Float mean) {
-                                                     path.L += radiance;
-                                                     path.ofFirst += radiance[0] * mean;
-                                                 });
+    const MediumEvent event = walk.ThroughMedium(
+        sample.lambda, u, rng, emits, path.weights, [&](const SampledSpectrum &radiance, Float mean) {
+            path.L += radiance;
+            path.ofFirst += radiance[0] * mean;
+            if (strategies_) Tell(sample, {0, path.count + 1, radiance, radiance, {}, mean});
+        });
     if (event.kind == MediumEvent::Kind::Absorbed || !path.weights.beta) return false;
     if (event.kind == MediumEvent::Kind::Passed) return true;
     if (path.count == static_cast<int>(path.vertices.size())) return false;
@@ -202,7 +213,12 @@ SampledSpectrum BdptIntegrator::TraceCamera(Sample &sample) const {
     Subpath subpath{paths.camera, paths.cameraCount, TransportMode::Radiance, sample.samplers.camera, pdf};
     Follow(walk, subpath, sample);
     // What was found before the other wavelengths were given up does not count on them any more.
-    return hasMedia_ && sample.lambda.SecondaryTerminated() ? SampledSpectrum(subpath.ofFirst) : subpath.L;
+    if (!hasMedia_ || !sample.lambda.SecondaryTerminated()) return subpath.L;
+    for (StrategyPictures::Found &f : paths.found) {
+        f.weighted *= f.mean;
+        f.unweighted *= f.mean;
+    }
+    return SampledSpectrum(subpath.ofFirst);
 }
 
 void BdptIntegrator::AddEmission(const PathWalk &walk, Subpath &path, Sample &sample) const {
@@ -215,10 +231,18 @@ void BdptIntegrator::AddEmission(const PathWalk &walk, Subpath &path, Sample &sa
         light.isBeyondScene = n == Normal3(0);
         light.direction = -walk.GetRay().d;
         light.pdfForward = light.AreaPdf(path.Last(), path.pdf);
-        const SampledSpectrum L = path.weights.beta * Le * WeightOf(sample, 0, path.count, &light, 0);
-        path.L += hasMedia_ ? L / path.weights.ru.Average() : L;
+        const SampledSpectrum arriving = path.weights.beta * Le;
+        const Float weight = WeightOf(sample, 0, path.count, &light, 0);
+        const SampledSpectrum L = arriving * weight;
+        const Float mean = hasMedia_ ? path.weights.ru.Average() : 1;
+        path.L += hasMedia_ ? L / mean : L;
         path.ofFirst += L[0];
+        if (strategies_) Tell(sample, {0, path.count + 1, arriving / mean, L / mean, {}, mean});
     });
+}
+
+void BdptIntegrator::Tell(const Sample &sample, const StrategyPictures::Found &found) const {
+    sample.paths.found.push_back(found);
 }
 
 Float BdptIntegrator::WeightOf(Sample &sample, int lightVertices, int cameraVertices, const BdptVertex *end,
@@ -297,7 +321,10 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
     end.isBeyondScene = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;
     end.direction = -found->wi;
     end.pdfForward = weights_.LightPdf(end, last);
-    return Passed(sample, L * (WeightOf(sample, 1, cameraVertices, &end, 0) / traced), through, last.ru);
+    const SampledSpectrum weighted =
+        Passed(sample, L * (WeightOf(sample, 1, cameraVertices, &end, 0) / traced), through, last.ru);
+    if (strategies_) Tell(sample, {1, cameraVertices, Passed(sample, L / traced, through, last.ru), weighted});
+    return weighted;
 }
 
 SampledSpectrum BdptIntegrator::ConnectSubpaths(Sample &sample, int lightVertices, int cameraVertices) const {
@@ -317,7 +344,11 @@ SampledSpectrum BdptIntegrator::ConnectSubpaths(Sample &sample, int lightVertice
     end.nLight = a.Normal();
     const ShadowTransmittance through = Passing(sample, b, end);
     if (!through.value) return SampledSpectrum(0);
-    return Passed(sample, L * WeightOf(sample, lightVertices, cameraVertices, nullptr, 0), through, a.ru * b.ru);
+    const SampledSpectrum ru = a.ru * b.ru;
+    const SampledSpectrum weighted =
+        Passed(sample, L * WeightOf(sample, lightVertices, cameraVertices, nullptr, 0), through, ru);
+    if (strategies_) Tell(sample, {lightVertices, cameraVertices, Passed(sample, L, through, ru), weighted});
+    return weighted;
 }
 
 void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vector<SeenLight> &seenLight) const {
@@ -341,10 +372,15 @@ void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vec
     camera.isBeyondScene = seen->isParallel;
     const Float cameraPdf = last.AreaPdfOfParallel(seen->weight, seen->wi) / sample.pixels;
     const Float weight = WeightOf(sample, lightVertices, 1, nullptr, cameraPdf);
-    seenLight.push_back({seen->pFilm, Passed(sample, L * weight, through, last.ru)});
+    const SampledSpectrum weighted = Passed(sample, L * weight, through, last.ru);
+    const auto add = [&](const Point2 &pFilm) {
+        seenLight.push_back({pFilm, weighted});
+        if (strategies_) Tell(sample, {lightVertices, 1, Passed(sample, L, through, last.ru), weighted, pFilm});
+    };
+    add(seen->pFilm);
     Camera::OtherPlaces places;
     for (int i = 0, n = context_.camera.SeenAlsoAt(seen->pFilm, places); i < n; ++i)
-        seenLight.push_back({places[static_cast<size_t>(i)], seenLight.back().L});
+        add(places[static_cast<size_t>(i)]);
 }
 
 SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelengths &lambda, const Samplers &samplers,
@@ -367,12 +403,18 @@ SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelen
 
 SampledSpectrum BdptIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     const RenderPass &pass = *start.pass;
-    std::vector<SeenLight> &seen = subpaths_[static_cast<size_t>(ThreadIndex())].seen;
+    Subpaths &paths = subpaths_[static_cast<size_t>(ThreadIndex())];
+    std::vector<SeenLight> &seen = paths.seen;
     seen.clear();
+    paths.found.clear();
     const SampledSpectrum L =
         TracePair(start, lambda, {sampler, sampler, sampler}, static_cast<Float>(pass.film.PixelBounds().Area()), seen);
-    if (pass.keepsSamples)
-        for (const SeenLight &s : seen) AddFilteredSplat(pass.film, pass.filter, s.pFilm, s.L, lambda);
+    if (!pass.keepsSamples) return L;
+    for (const SeenLight &s : seen) AddFilteredSplat(pass.film, pass.filter, s.pFilm, s.L, lambda);
+    if (strategies_) {
+        ++paths.pairs;
+        strategies_->Add(paths.found, start.pixel, start.filterWeight, lambda, pass.filter);
+    }
     return L;
 }
 

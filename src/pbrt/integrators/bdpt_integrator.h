@@ -1,6 +1,7 @@
 #pragma once
 #include "pbrt/integrators/bdpt_path.h"
 #include "pbrt/integrators/pixel_integrator.h"
+#include "pbrt/integrators/strategy_pictures.h"
 #include "pbrt/lightsamplers/light_learner.h"
 #include "pbrt/paths/shadow_transmittance.h"
 
@@ -15,13 +16,20 @@ class BdptIntegrator final : public PixelIntegrator {
     /// The camera can connect (Camera::CanConnect). Subpaths scatter at most kMaxSubpath times.
     static constexpr int kMaxSubpath = 1000;
     /// `connecting` chooses the light that a vertex of the camera path is connected to, `gate` whether the shadow ray
-    /// is traced; null: by power, and always. Light paths begin at lights chosen by power.
+    /// is traced; null: by power, and always. Light paths begin at lights chosen by power. `strategies`, if not null,
+    /// shows what every strategy finds; they know of all depths up to maxDepth.
     BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
-                   std::unique_ptr<LightSampler> connecting = nullptr, std::unique_ptr<ShadowRayGate> gate = nullptr);
+                   std::unique_ptr<LightSampler> connecting = nullptr, std::unique_ptr<ShadowRayGate> gate = nullptr,
+                   std::unique_ptr<StrategyPictures> strategies = nullptr);
+    bool Render(const RenderPass &pass) override;
     void Prepare(PrepareContext &prepare) override;
     LightLearner *Learner() override { return learner_; }
     const LightSampler *Lights() const override { return connecting_.get(); }
     const ShadowRayGate *Gate() const override { return gate_.get(); }
+    bool MakesSidePictures() const override { return strategies_ != nullptr; }
+    std::vector<SidePicture> SidePictures() const override {
+        return strategies_ ? strategies_->Pictures() : std::vector<SidePicture>();
+    }
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
 
     /// Where the numbers for the light subpath, the camera subpath, and the connections of both come from.
@@ -48,6 +56,9 @@ class BdptIntegrator final : public PixelIntegrator {
         std::vector<BdptVertex> light, camera;
         std::vector<const BdptVertex *> path;  ///< memory for WeightOf
         std::vector<SeenLight> seen;           ///< memory for Li
+        // For the pictures of strategies: what they have found, and the number of pairs since the last pass.
+        std::vector<StrategyPictures::Found> found;
+        uint64_t pairs = 0;
         int lightCount = 0, cameraCount = 0;
     };
     struct Sample;
@@ -70,6 +81,8 @@ class BdptIntegrator final : public PixelIntegrator {
     SampledSpectrum ConnectToLight(Sample &sample, int cameraVertices) const;
     SampledSpectrum ConnectSubpaths(Sample &sample, int lightVertices, int cameraVertices) const;
     void ConnectToCamera(Sample &sample, int lightVertices, std::vector<SeenLight> &seen) const;
+    /// For the pictures of strategies.
+    void Tell(const Sample &sample, const StrategyPictures::Found &found) const;
     /// The weight of the path of the first `lightVertices` and `cameraVertices` vertices of both subpaths; `hit`: in
     /// place of the first, what the camera path met, or the light that was sampled.
     Float WeightOf(Sample &sample, int lightVertices, int cameraVertices, const BdptVertex *end, Float cameraPdf) const;
@@ -82,6 +95,7 @@ class BdptIntegrator final : public PixelIntegrator {
     bool hasMedia_;
     LightLearner *learner_ = nullptr;
     BdptWeights weights_;
+    std::unique_ptr<StrategyPictures> strategies_;
     mutable std::vector<Subpaths> subpaths_;  ///< by ThreadIndex()
 };
 

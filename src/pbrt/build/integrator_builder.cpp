@@ -242,6 +242,31 @@ void AddSimple(IntegratorTable &table, const char *name, F make, const char *rem
     });
 }
 
+/// True if the scene stands in a medium without a boundary: a ray from the camera leaves the scene in one.
+bool IsInEndlessMedium(const PathContext &context) {
+    CameraSample middle;
+    middle.pFilm = middle.pLens = Point2(0.5f, 0.5f);
+    const std::optional<CameraRay> start = context.camera.GenerateRay(middle, SampledWavelengths());
+    if (!start) return false;
+    Ray ray = start->ray;
+    ray.medium = context.scene.CameraMedium();
+    MediumId medium = ray.medium;
+    Float t = 0;
+    while (const std::optional<Scene::Interface> next = context.scene.NextInterface(ray, t)) {
+        t = next->t;
+        medium = next->behind;
+    }
+    return static_cast<bool>(medium);
+}
+
+bool HasLightsBeyondScene(const LightTable &lights) {
+    for (size_t i = 0; i < lights.Size(); ++i) {
+        const LightKind kind = lights[LightId(i)].Kind();
+        if (kind == LightKind::Infinite || kind == LightKind::DeltaDirection) return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 const IntegratorTable &Integrators() {
@@ -376,6 +401,12 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathCon
         sink.Error({}, fmt::format("Integrator \"{}\" follows light to the camera, which works with the cameras "
                                    "\"perspective\", \"orthographic\" and \"spherical\" only.",
                                    settings.type));
+    if (FollowsLight(settings.type) && HasLightsBeyondScene(context.scene.Lights()) && IsInEndlessMedium(context))
+        sink.Warning({},
+                     fmt::format("the scene stands in a medium without a boundary, and lights shine from beyond it. "
+                                 "How much of their light arrives is not defined: integrator \"{}\" differs from "
+                                 "\"volpath\" there. Put a shape with material \"interface\" around the medium.",
+                                 settings.type));
     BuiltIntegrator built;
     built.name = settings.type;
     built.maxDepth = settings.maxDepth;

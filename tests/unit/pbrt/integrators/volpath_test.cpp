@@ -302,6 +302,30 @@ TEST(VolPath, PathSeesNoMediaAndSaysSo) {
     EXPECT_EQ(warnings, 1);
 }
 
+/// How far away such lights are would decide how much fog is before them.
+TEST(Bdpt, WarnsOfLightsBeyondAFogWithoutEnd) {
+    const std::string fog =
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"fog\" \"fog\"\n";
+    const std::string end =
+        "MediumInterface \"fog\" \"\"\nMaterial \"interface\" Shape \"sphere\" \"float radius\" 9\n";
+    const std::string sun = "LightSource \"distant\"\n", lamp = "LightSource \"point\" \"point3 from\" [ 0 2 0 ]\n";
+    const auto warns = [&](const std::string &world, const std::string &integrator) {
+        Setting setting;
+        setting.integrator = integrator;
+        setting.samples = 1;
+        setting.beforeCamera = fog;
+        for (const Diagnostic &d : RenderText(Scene(world, setting)).diagnostics)
+            if (d.message.find("without a boundary") != std::string::npos) return true;
+        return false;
+    };
+    for (const char *integrator : {"bdpt", "mlt", "lightpath"}) {
+        EXPECT_TRUE(warns(sun, integrator)) << integrator;
+        EXPECT_FALSE(warns(sun + end, integrator)) << integrator;
+        EXPECT_FALSE(warns(lamp, integrator)) << integrator;
+    }
+    EXPECT_FALSE(warns(sun, "volpath"));
+}
+
 TEST(SimpleVolPath, ASurfaceThatScattersIsAnError) {
     Setting setting;
     setting.integrator = "simplevolpath";

@@ -17,18 +17,21 @@ constexpr int kTile = 4;
 
 }  // namespace
 
+const std::string kRealisticCamera = "Camera \"realistic\" \"string lensfile\" \"" PBRT_SOURCE_DIR
+                                     "/tests/conformance/suite/scenes/assets/lens_symmetric.dat\"\n";
+
 void PrintTo(const View &v, std::ostream *out) { *out << v.name; }
 
 namespace {
 
 std::string Scene(const View &v, const std::string &integrator, int seed, int samples) {
-    return "LookAt 0 -3.4 1.1  0 0 1  0 0 1\n" + v.camera + v.filter +
+    return v.media + "LookAt 0 -3.4 1.1  0 0 1  0 0 1\n" + v.camera + v.filter +
            fmt::format(
                "Film \"{7}\" \"integer xresolution\" {0} \"integer yresolution\" {0} \"bool savefp16\" false {1}\n"
                "Sampler \"independent\" \"integer pixelsamples\" {2} \"integer seed\" {3}\n"
                "Integrator \"{4}\" \"integer maxdepth\" {5} {6}\nWorldBegin\n",
                kViewSize, v.film, samples, seed, integrator, v.depth,
-               integrator == "path"
+               integrator == v.reference
                    ? ""
                    : v.parameters +
                          (integrator == "mlt" ? fmt::format(" \"integer mutationsperpixel\" {}", samples) : ""),
@@ -50,7 +53,7 @@ double LargestDistance(const View &v, const std::string &integrator, double *noi
     std::vector<RunningStatistics> ours, path;
     for (int seed = 1; seed <= kSeeds; ++seed) {
         const auto a = TileMeans(RenderView(v, integrator, seed, v.samples), kTile),
-                   b = TileMeans(RenderView(v, "path", 100 + seed, v.samples), kTile);
+                   b = TileMeans(RenderView(v, v.reference, 100 + seed, v.samples), kTile);
         ours.resize(a.size());
         path.resize(b.size());
         for (size_t i = 0; i < a.size(); ++i) {
@@ -126,6 +129,15 @@ const std::vector<View> &AllViews() {
         {.name = "Lens",
          .camera = "Camera \"perspective\" \"float fov\" 50 \"float lensradius\" .2 \"float focaldistance\" 2.5\n",
          .objects = kLamp + kBall},
+        // From the middle of the room; the filter reaches across the edges of the picture.
+        {.name = "SphericalEqualArea",
+         .camera = "Translate 0 -2.6 -.2 Camera \"spherical\"\n",
+         .filter = "PixelFilter \"gaussian\"\n",
+         .objects = kLamp + kBall},
+        {.name = "SphericalEquirectangular",
+         .camera = "Translate 0 -2.6 -.2 Camera \"spherical\" \"string mapping\" \"equirectangular\"\n",
+         .filter = "PixelFilter \"gaussian\"\n",
+         .objects = kLamp + kBall},
         {.name = "GaussianFilter", .filter = "PixelFilter \"gaussian\"\n", .objects = kLamp + kBall},
         {.name = "Crop", .film = "\"float cropwindow\" [ .25 .75 .5 1 ]", .objects = kLamp + kBall},
         {.name = "PointSpotAndDistant",
@@ -156,6 +168,111 @@ const std::vector<View> &AllViews() {
          .objects = "LightSource \"infinite\" \"rgb L\" [ .5 .7 1 ]\n" + kBall,
          .isForLightPath = false},
     };
+    return views;
+}
+
+namespace {
+
+std::string Medium(const std::string &name, const std::string &parameters) {
+    return "MakeNamedMedium \"" + name + "\" \"string type\" " + parameters + "\n";
+}
+const std::string kThinFog =
+    Medium("fog", "\"homogeneous\" \"rgb sigma_s\" [ .25 .25 .25 ] \"rgb sigma_a\" [ .03 .03 .03 ]");
+const std::string kColoredFog =
+    Medium("fog", "\"homogeneous\" \"rgb sigma_s\" [ .15 .3 .6 ] \"rgb sigma_a\" [ .1 .03 .02 ]");
+const std::string kParallel = "Camera \"orthographic\" \"float screenwindow\" [ -1.4 1.4 -1.1 1.1 ]\n";
+const std::string kInFog = "MediumInterface \"fog\" \"fog\"\n";
+const std::string kSpot =
+    "LightSource \"spot\" \"point3 from\" [ -1 -1 2 ] \"point3 to\" [ .2 0 .3 ] \"rgb I\" [ 9 8 7 ] "
+    "\"float coneangle\" 25\n";
+
+/// Densities of 3 x 4 x 2 voxels in the box from -.6 to .6.
+std::string Grid(const std::string &name, const std::string &parameters) {
+    std::string text =
+        "\"uniformgrid\" \"integer nx\" 3 \"integer ny\" 4 \"integer nz\" 2 \"point3 p0\" [ -.6 -.6 -.6 ] "
+        "\"point3 p1\" [ .6 .6 .6 ] \"float density\" [";
+    for (int i = 0; i < 24; ++i) text += fmt::format(" {}", 0.2 + 0.17 * (i * 7 % 11));
+    return Medium(name, text + " ] " + parameters);
+}
+/// A ball of radius .6 above the floor, of a medium that is defined there.
+std::string BallOf(const std::string &medium, const std::string &material = "Material \"interface\"",
+                   const std::string &outside = "") {
+    return "AttributeBegin Translate -.2 .2 .7\n" + medium + material + "\nMediumInterface \"m\" \"" + outside +
+           "\"\nShape \"sphere\" \"float radius\" .6 AttributeEnd\n";
+}
+
+}  // namespace
+
+const std::vector<View> &FoggyViews() {
+    static const std::vector<View> views = [] {
+        const std::string chromatic =
+            Medium("m", "\"homogeneous\" \"rgb sigma_s\" [ 12 5 2 ] \"rgb sigma_a\" [ .1 .4 1 ]");
+        std::vector<View> all = {
+            {.name = "FogAndSpot", .objects = kSpot + kBall, .isForLightPath = false, .media = kThinFog + kInFog},
+            {.name = "OrthographicInFog", .camera = kParallel, .objects = kLamp + kBall, .media = kColoredFog + kInFog},
+            {.name = "ForwardScattering",
+             .objects = kLamp,
+             .isForLightPath = false,
+             .media = Medium("fog",
+                             "\"homogeneous\" \"rgb sigma_s\" [ .4 .4 .4 ] \"rgb sigma_a\" [ .03 .03 .03 ] "
+                             "\"float g\" .8") +
+                      kInFog},
+            {.name = "DenseAndColored", .objects = kLamp + BallOf(chromatic), .depth = 6},
+            {.name = "Grid",
+             .objects = kLamp + BallOf(Grid("m", "\"rgb sigma_s\" [ 4 5 6 ] \"float g\" .3")),
+             .depth = 4},
+            // The ball's medium reaches the lamp, which shines out of it; a point light shines there, too.
+            {.name = "LightsInside",
+             .objects =
+                 "LightSource \"point\" \"point3 from\" [ 1 -1 1.5 ] \"rgb I\" [ .5 .5 .5 ]\n" +
+                 BallOf(Medium("m", "\"homogeneous\" \"rgb sigma_s\" [ 1 2 3 ] \"rgb sigma_a\" [ .3 .2 .1 ]")) +
+                 "AttributeBegin MediumInterface \"m\" \"m\"\nLightSource \"point\" \"point3 from\" [ -.2 .1 .5 ] "
+                 "\"rgb I\" [ .6 .4 .2 ]\nTranslate -.2 .2 .8 AreaLightSource \"diffuse\" \"rgb L\" [ 5 7 9 ]\n"
+                 "Shape \"sphere\" \"float radius\" .15 AttributeEnd\n"},
+            {.name = "CameraInside",
+             .camera = "Camera \"perspective\" \"float fov\" 50\nMediumInterface \"\" \"\"\n",
+             .objects = kLamp + kBall +
+                        "AttributeBegin Translate 0 -3.4 1.1 Material \"interface\" MediumInterface \"fog\" \"\"\n"
+                        "Shape \"sphere\" \"float radius\" 2 AttributeEnd\n",
+             .isForLightPath = false,
+             .media = kColoredFog + "MediumInterface \"\" \"fog\"\n"},
+            {.name = "LensAndLampInFog",
+             .camera = "Camera \"perspective\" \"float fov\" 50 \"float lensradius\" .2 \"float focaldistance\" 2.5\n",
+             .objects = kLamp + kBall,
+             .isForLightPath = false,
+             .media = kColoredFog + kInFog},
+            {.name = "OrthographicGridAndDistant",
+             .camera = kParallel,
+             .objects = "LightSource \"distant\" \"point3 from\" [ 1 -2 3 ] \"rgb L\" [ 2 2 2 ]\n" +
+                        BallOf(Grid("m", "\"float g\" -.4"))},
+            {.name = "SkyAndGrid",
+             .objects =
+                 "LightSource \"infinite\" \"rgb L\" [ .5 .7 1 ]\n" + BallOf(Grid("m", "\"rgb sigma_s\" [ 3 4 5 ]")),
+             .isForLightPath = false},
+            {.name = "SmoothGlassInFog",
+             .objects = kLamp + BallOf(chromatic, "Material \"dielectric\" \"float eta\" 1.3", "fog"),
+             .depth = 5,
+             .isForLightPath = false,
+             .media = kThinFog + kInFog},
+            {.name = "RoughGlassInFog",
+             .objects = kLamp + BallOf(chromatic, "Material \"dielectric\" \"float roughness\" .5", "fog"),
+             .depth = 5,
+             .isForLightPath = false,
+             .media = kThinFog + kInFog},
+            {.name = "Dispersion",
+             .objects = kLamp + "Material \"dielectric\" \"spectrum eta\" \"glass-F11\"\n" + kBall,
+             .depth = 4,
+             .isForLightPath = false,
+             .media = kColoredFog + kInFog},
+            {.name = "Glow",
+             .objects = kLamp + BallOf(Medium("m",
+                                              "\"homogeneous\" \"rgb sigma_s\" [ 1 1 1 ] \"rgb sigma_a\" [ 1 2 3 ] "
+                                              "\"rgb Le\" [ 1 .5 .2 ] \"float Lescale\" 1")),
+             .isForLightPath = false},
+        };
+        for (View &v : all) v.reference = "volpath";
+        return all;
+    }();
     return views;
 }
 

@@ -17,16 +17,25 @@ struct View {
     std::string parameters{};  ///< of the integrator that is compared, further ones
     int samples = 256;
     int depth = 3;
+    /// False: light that only camera paths see, or fog about a camera, where a light path's vertices come as near to
+    /// the lens as they like, and so the variance is without bounds.
     bool isForLightPath = true;
+    std::string reference = "path";  ///< the integrator that is compared to
+    std::string media{};             ///< before the camera
 };
 void PrintTo(const View &v, std::ostream *out);
 const std::vector<View> &AllViews();
+/// With media: compared to volpath.
+const std::vector<View> &FoggyViews();
+
+/// A camera that nothing can be connected to.
+extern const std::string kRealisticCamera;
 
 constexpr int kViewSize = 16;
 Image RenderView(const View &v, const std::string &integrator, int seed, int samples);
 
-/// Tile means of eight renders each, of the integrator and of path; the largest distance, in standard errors, of any
-/// tile and colour, less `allowed` of the mean of the picture.
+/// Tile means of eight renders each, of the integrator and of the reference; the largest distance, in standard errors,
+/// of any tile and colour, less `allowed` of the mean of the picture.
 double LargestDistance(const View &v, const std::string &integrator, double *noise = nullptr, double allowed = 0);
 
 /// Expects the same bits for any number of threads.

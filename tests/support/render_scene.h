@@ -19,6 +19,7 @@ struct Rendered {
     nlohmann::ordered_json lightReport;
     double seconds = 0;
     std::vector<Diagnostic> diagnostics;
+    std::vector<std::pair<std::string, Image>> sidePictures;  ///< Integrator::SidePictures
 };
 
 /// Reads, builds and renders in this process; throws UserError. All light samplers of the build are registered.

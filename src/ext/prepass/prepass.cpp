@@ -36,7 +36,7 @@ void TracePath(const PrepareContext &context, Point2i pixel, int sampleIndex, in
             const Ray &ray = walk.GetRay();
             const Float u = rng.Uniform();
             const MediumEvent event =
-                walk.ThroughMedium(lambda, u, rng, false, weights, [](const SampledSpectrum &) {});
+                walk.ThroughMedium(lambda, u, rng, false, weights, [](const SampledSpectrum &, Float) {});
             if (event.kind == MediumEvent::Kind::Absorbed) return;
             if (event.kind == MediumEvent::Kind::Scattered) {
                 ++vertex;

@@ -58,7 +58,7 @@ class SeenPath {
                 const Ray &ray = walk.GetRay();
                 const Float u = rng_.Uniform();
                 const MediumEvent event =
-                    walk.ThroughMedium(lambda_, u, rng_, false, weights, [](const SampledSpectrum &) {});
+                    walk.ThroughMedium(lambda_, u, rng_, false, weights, [](const SampledSpectrum &, Float) {});
                 if (event.kind == MediumEvent::Kind::Absorbed) return;
                 if (event.kind == MediumEvent::Kind::Scattered) {
                     if (depth++ == most) return;

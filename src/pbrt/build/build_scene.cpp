@@ -138,7 +138,8 @@ SceneParts MakeParts(SceneDescription &d, const BuildOptions &options, const Tra
             const Transform renderFromLight = renderFromWorld * l.ctm.start;
             parts.lights->Add(Lights().Make(l.type, l.params,
                                             LightContext{renderFromLight, renderFromWorld, SpaceOf(l), d.files, sink}));
-            parts.lightMedia.push_back(media.ids.Find(l.medium));
+            const MediumId medium = media.ids.Find(l.medium);
+            parts.lightMedia.push_back({medium, medium});
             lightNames.Add(1, fmt::format("LightSource \"{}\"", l.type), l.loc);
         });
     parts.cameraMedium = media.ids.Find(d.camera.medium);

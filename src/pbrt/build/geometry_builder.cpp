@@ -242,7 +242,7 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
             if (shape->PrimitiveCount() > 0) shapes.push_back(shape.get());
         if (!shapes.empty()) {
             firstLight = parts_.lights->Add(maker->Make(shapes, w.alpha.get()));
-            parts_.lightMedia.push_back(media_.Find(e.outsideMedium));
+            parts_.lightMedia.push_back({media_.Find(e.outsideMedium), media_.Find(e.insideMedium)});
         }
     }
     uint32_t emitters = 0;

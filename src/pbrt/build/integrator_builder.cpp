@@ -153,9 +153,16 @@ struct BidirectionalParams : LightPathParams {
 
 struct BdptParams : BidirectionalParams {
     LightSelectionParams lights{.lightSampler = "power"};
+    bool visualizeStrategies = false, visualizeWeights = false;
     template <class V>
     void Describe(V &&v) {
         BidirectionalParams::Describe(v);
+        v("visualizestrategies", visualizeStrategies,
+          "also write what every strategy alone finds, `<picture>-strategy-depth<d>-s<s>-t<t>`: paths of s vertices "
+          "from the light and t from the camera; limits `maxdepth` to 5");
+        v("visualizeweights", visualizeWeights,
+          "also write the share of every strategy in the picture, `<picture>-weighted-depth<d>-s<s>-t<t>`; limits "
+          "`maxdepth` to 5");
         lights.Describe(v);
     }
 };
@@ -166,12 +173,23 @@ IntegratorSettings MakeBdpt(const BdptParams &p, const ParamSet &set, const Inte
     settings.lights = ReadLights(set, r, BdptParams().lights);
     settings.shooting = ReadShooting(p.shooting, set, r);
     if (!settings.lights || !settings.shooting) return settings;
+    using Kind = StrategyPictures::Kind;
+    std::vector<Kind> shown;
+    if (p.visualizeStrategies) shown.push_back(Kind::Unweighted);
+    if (p.visualizeWeights) shown.push_back(Kind::Weighted);
+    if (!shown.empty() && settings.maxDepth > StrategyPictures::kMaxDepth) {
+        settings.maxDepth = StrategyPictures::kMaxDepth;
+        r.sink.Warning({}, fmt::format("Integrator \"bdpt\": pictures of strategies go up to \"maxdepth\" {}, which is "
+                                       "used.",
+                                       settings.maxDepth));
+    }
     settings.make = [depth = settings.maxDepth, regularize = p.regularize, &registry = r.registry,
-                     lights = *settings.lights, shooting = *settings.shooting](
-                        const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
+                     lights = *settings.lights, shooting = *settings.shooting,
+                     shown](const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
         auto [sampler, gate] = MakeLights(lights, registry, context.scene.Lights());
-        return std::make_unique<BdptIntegrator>(context, depth, regularize, std::move(sampler), std::move(gate),
-                                                MakeShooting(shooting, registry, context));
+        return std::make_unique<BdptIntegrator>(
+            context, depth, regularize, std::move(sampler), std::move(gate), MakeShooting(shooting, registry, context),
+            shown.empty() ? nullptr : std::make_unique<StrategyPictures>(shown, depth));
     };
     return settings;
 }
@@ -294,6 +312,31 @@ IntegratorSettings MakeMlt(const MltParams &mlt, const ParamSet &set, const Inte
     return settings;
 }
 
+/// True if the scene stands in a medium without a boundary: a ray from the camera leaves the scene in one.
+bool IsInEndlessMedium(const PathContext &context) {
+    CameraSample middle;
+    middle.pFilm = middle.pLens = Point2(0.5f, 0.5f);
+    const std::optional<CameraRay> start = context.camera.GenerateRay(middle, SampledWavelengths());
+    if (!start) return false;
+    Ray ray = start->ray;
+    ray.medium = context.scene.CameraMedium();
+    MediumId medium = ray.medium;
+    Float t = 0;
+    while (const std::optional<Scene::Interface> next = context.scene.NextInterface(ray, t)) {
+        t = next->t;
+        medium = next->behind;
+    }
+    return static_cast<bool>(medium);
+}
+
+bool HasLightsBeyondScene(const LightTable &lights) {
+    for (size_t i = 0; i < lights.Size(); ++i) {
+        const LightKind kind = lights[LightId(i)].Kind();
+        if (kind == LightKind::Infinite || kind == LightKind::DeltaDirection) return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 const IntegratorTable &Integrators() {
@@ -327,7 +370,8 @@ const IntegratorTable &Integrators() {
                                });
         t.Add<LightPathParams>(
             "lightpath",
-            "surfaces only; with the cameras perspective and (only here) orthographic; **differs**: the adjoint of "
+            "also through media, but for the light that they emit; with the cameras perspective and (only here) "
+            "orthographic and spherical; **differs**: the adjoint of "
             "shading normals is right (stock: #385), crop windows keep all light (stock: #347), and emitters of all "
             "shapes that the camera sees have their own brightness",
             [](const auto &p, const ParamSet &set, Request &r) {
@@ -340,9 +384,9 @@ const IntegratorTable &Integrators() {
             });
         t.Add<BdptParams>(
             "bdpt",
-            "surfaces only, at most 1,000 of them from either side; cameras and shading normals as lightpath; only "
-            "here: any light sampler and gate for the light that a vertex of the camera's path is connected to; "
-            "`visualizestrategies` and `visualizeweights` are not built",
+            "with media, at most 1,000 scattering events from either side; cameras and shading normals as lightpath; "
+            "only here: any light sampler and gate for the light that a vertex of the camera's path is connected to; "
+            "pictures of strategies are written at the end, not with checkpoints, parts or mpirun",
             [](const auto &p, const ParamSet &set, Request &r) { return MakeBdpt(p, set, r); });
         t.Add<MltParams>(
             "mlt",
@@ -378,10 +422,12 @@ bool FollowsLight(const std::string &integrator) {
 }
 
 bool SeesThroughInterfaces(const std::string &integrator) {
-    return integrator == "volpath" || integrator == "bdpt" || integrator == "mlt";
+    return integrator == "volpath" || FollowsLight(integrator);
 }
 
-bool RendersMedia(const std::string &integrator) { return integrator == "volpath" || integrator == "simplevolpath"; }
+bool RendersMedia(const std::string &integrator) {
+    return integrator == "simplevolpath" || SeesThroughInterfaces(integrator);
+}
 
 IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options,
                                   const LightSamplerRegistry &registry, DiagnosticSink &sink) {
@@ -421,8 +467,14 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathCon
                                const ColorSpace &filmSpace, DiagnosticSink &sink) {
     if (FollowsLight(settings.type) && !context.camera.CanConnect())
         sink.Error({}, fmt::format("Integrator \"{}\" follows light to the camera, which works with the cameras "
-                                   "\"perspective\" and \"orthographic\" only.",
+                                   "\"perspective\", \"orthographic\" and \"spherical\" only.",
                                    settings.type));
+    if (FollowsLight(settings.type) && HasLightsBeyondScene(context.scene.Lights()) && IsInEndlessMedium(context))
+        sink.Warning({},
+                     fmt::format("the scene stands in a medium without a boundary, and lights shine from beyond it. "
+                                 "How much of their light arrives is not defined: integrator \"{}\" differs from "
+                                 "\"volpath\" there. Put a shape with material \"interface\" around the medium.",
+                                 settings.type));
     BuiltIntegrator built;
     built.name = settings.type;
     built.maxDepth = settings.maxDepth;

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -47,6 +48,15 @@ class Camera {
         (void)uLens;
         (void)time;
         return {};
+    }
+    /// Cameras that see in all directions have a picture that goes on beyond its edges: other places around the film
+    /// whose rays are those of a place on the film, so that what is seen there reaches pixels at the opposite edges
+    /// through their filter. At most the first repetition in every direction. Returns how many there are.
+    using OtherPlaces = std::array<Point2, 8>;
+    virtual int SeenAlsoAt(const Point2 &pFilm, OtherPlaces &places) const {
+        (void)pFilm;
+        (void)places;
+        return 0;
     }
     /// Ray through the film position, with the differentials of one pixel step.
     virtual std::optional<CameraRay> GenerateRay(const CameraSample &sample,

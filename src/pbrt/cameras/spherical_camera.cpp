@@ -36,4 +36,41 @@ bool SphericalCamera::GenerateInCameraSpace(const CameraSample &sample, CameraRa
     return true;
 }
 
+bool SphericalCamera::ConnectInCameraSpace(const Point3 &p, const Point2 &, CameraConnection *c) const {
+    const Float l2 = LengthSquared(p);
+    if (!(l2 > 0)) return false;
+    c->p = Point3(0);
+    const Vector3 d = p / std::sqrt(l2), zUp(d.x, d.z, d.y);
+    const Point2 size(Resolution());
+    const Float pixels = size.x * size.y;
+    if (mapping_ == SphericalMapping::EqualArea) {
+        c->pFilm = EqualAreaSphereToSquare(zUp) * size;
+        c->weight = pixels / (4 * Pi * l2);
+        return true;
+    }
+    const Float sinTheta = std::sqrt(zUp.x * zUp.x + zUp.y * zUp.y), phi = std::atan2(zUp.y, zUp.x);
+    if (!(sinTheta > 0)) return false;
+    c->pFilm = Point2((phi < 0 ? phi + 2 * Pi : phi) / (2 * Pi), std::atan2(sinTheta, zUp.z) / Pi) * size;
+    // A pixel is Pi / height high, and 2 Pi / width wide on the equator.
+    c->weight = pixels / (2 * Pi * Pi * sinTheta * l2);
+    return true;
+}
+
+int SphericalCamera::SeenAlsoAt(const Point2 &pFilm, OtherPlaces &places) const {
+    const Point2 size(Resolution());
+    const Float x = pFilm.x / size.x, y = pFilm.y / size.y;
+    if (mapping_ == SphericalMapping::EqualArea) {
+        // Across an edge the square goes on with the same edge the other way round (WrapEqualAreaSquare).
+        places = {Point2(-x, 1 - y), {2 - x, 1 - y}, {1 - x, -y},    {1 - x, 2 - y},
+                  {x - 1, y - 1},    {x - 1, y + 1}, {x + 1, y - 1}, {x + 1, y + 1}};
+    } else {
+        // Beyond a pole the meridian on the other side begins.
+        const Float other = x < Float(0.5) ? x + Float(0.5) : x - Float(0.5);
+        places = {Point2(x - 1, y), {x + 1, y},         {other - 1, -y}, {other, -y},
+                  {other + 1, -y},  {other - 1, 2 - y}, {other, 2 - y},  {other + 1, 2 - y}};
+    }
+    for (Point2 &place : places) place *= size;
+    return static_cast<int>(places.size());
+}
+
 }  // namespace pbrt

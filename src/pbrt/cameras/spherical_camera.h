@@ -9,9 +9,12 @@ enum class SphericalMapping { EqualArea, Equirectangular };
 class SphericalCamera final : public CameraSpaceCamera {
   public:
     SphericalCamera(const CameraFrame &frame, SphericalMapping mapping);
+    bool CanConnect() const override { return true; }
+    int SeenAlsoAt(const Point2 &pFilm, OtherPlaces &places) const override;
 
   protected:
     bool GenerateInCameraSpace(const CameraSample &sample, CameraRay *ray) const override;
+    bool ConnectInCameraSpace(const Point3 &p, const Point2 &uLens, CameraConnection *c) const override;
 
   private:
     Vector3 Direction(const Point2 &film) const;

@@ -4,7 +4,6 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/integrators/filtered_splat.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
-#include "pbrt/paths/adjoint_cosine.h"
 
 namespace pbrt {
 
@@ -20,15 +19,18 @@ struct BdptIntegrator::Sample {
 
 BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
                                std::unique_ptr<LightSampler> connecting, std::unique_ptr<ShadowRayGate> gate,
-                               std::unique_ptr<LightSampler> shooting)
+                               std::unique_ptr<LightSampler> shooting,
+                               std::unique_ptr<StrategyPictures> strategies)
     : context_(context),
       maxDepth_(maxDepth),
       regularize_(regularize),
       shooting_(ByPowerUnless(std::move(shooting), context.scene.Lights())),
       connecting_(std::move(connecting)),
       gate_(std::move(gate)),
+      hasMedia_(context.scene.HasMedia()),
       learner_(connecting_ ? connecting_->Learner() : nullptr),
       weights_(context.scene.Lights(), *shooting_, connecting_ ? *connecting_ : *shooting_),
+      strategies_(std::move(strategies)),
       subpaths_(static_cast<size_t>(ThreadCount())) {
     for (Subpaths &s : subpaths_) {
         const auto surfaces = static_cast<size_t>(std::min(maxDepth, kMaxSubpath));
@@ -44,46 +46,116 @@ void BdptIntegrator::Prepare(PrepareContext &prepare) {
     shooting_->Prepare(prepare);
 }
 
-template <class Emitted>
-void BdptIntegrator::Follow(PathWalk &walk, std::span<BdptVertex> vertices, int *count, Float pdf, TransportMode mode,
-                            Sampler &sampler, Sample &sample, Emitted &&emitted) const {
-    SampledSpectrum beta = vertices[0].beta;
+bool BdptIntegrator::Render(const RenderPass &pass) {
+    if (strategies_) strategies_->Begin(pass.film);
+    const bool isWhole = PixelIntegrator::Render(pass);
+    if (strategies_)
+        for (Subpaths &s : subpaths_) strategies_->AddSplatPaths(std::exchange(s.pairs, 0));
+    return isWhole;
+}
+
+struct BdptIntegrator::Subpath {
+    std::span<BdptVertex> vertices;
+    int &count;
+    TransportMode mode;
+    Sampler &sampler;
+    Float pdf;  ///< of the next ray: by solid angle, or beyond the scene by area across it
+    SpectralWeights weights{};
+    SampledSpectrum L{0};  ///< emission met on the way
+    Float ofFirst = 0;     ///< the same at the first wavelength, as if it had been the only one all the way
     bool anyNonSpecular = false;
+
+    BdptVertex &Last() const { return vertices[static_cast<size_t>(count - 1)]; }
+    BdptVertex &Append(BdptVertex::Kind kind) const {
+        BdptVertex &vertex = vertices[static_cast<size_t>(count++)];
+        vertex.kind = kind;
+        vertex.isBeyondScene = vertex.isSpecular = false;
+        vertex.beta = weights.beta;
+        vertex.ru = weights.ru;
+        vertex.pdfReverse = 0;
+        ++ThreadCounters().pathVertices;
+        return vertex;
+    }
+};
+
+bool BdptIntegrator::PassMedium(PathWalk &walk, Subpath &path, const Sample &sample, bool *scattered) const {
+    const Medium *medium = walk.MediumAhead();
+    if (!medium) return true;
+    const Ray &ray = walk.GetRay();
+    const Float u = path.sampler.Get1D();
+    Rng rng(Hash(ray.o, ray.d, u));
+    // As volpath, the last ray of a path finds lights, but no light of media.
+    const bool emits = path.mode == TransportMode::Radiance && path.count <= maxDepth_;
+    path.weights.onlyFirst = sample.lambda.SecondaryTerminated();
+    const MediumEvent event = walk.ThroughMedium(
+        sample.lambda, u, rng, emits, path.weights, [&](const SampledSpectrum &radiance, Float mean) {
+            path.L += radiance;
+            path.ofFirst += radiance[0] * mean;
+            if (strategies_) Tell(sample, {0, path.count + 1, radiance, radiance, {}, mean});
+        });
+    if (event.kind == MediumEvent::Kind::Absorbed || !path.weights.beta) return false;
+    if (event.kind == MediumEvent::Kind::Passed) return true;
+    if (path.count == static_cast<int>(path.vertices.size())) return false;
+    BdptVertex &before = path.Last(), &vertex = path.Append(BdptVertex::Kind::Medium);
+    vertex.p = ray(event.t);
+    vertex.n = Normal3(0);
+    vertex.direction = -ray.d;
+    vertex.medium = ray.medium;
+    vertex.phase = &medium->Phase();
+    vertex.time = ray.time;
+    vertex.pdfForward = before.isBeyondScene ? path.pdf : vertex.AreaPdf(before, path.pdf);
+    const HenyeyGreenstein::Sample next = medium->Phase().SampleP(vertex.direction, path.sampler.Get2D());
+    if (!(next.p > 0)) return false;
+    path.pdf = next.p;
+    path.anyNonSpecular = true;
+    before.pdfReverse = before.AreaPdf(vertex, next.p);
+    walk.ScatterInMedium(vertex.p, next.wi);
+    *scattered = true;
+    return true;
+}
+
+bool BdptIntegrator::ScatterAtSurface(PathWalk &walk, Subpath &path) const {
+    if (regularize_ && path.anyNonSpecular) walk.Regularize();
+    const TransportMode mode = path.mode;
+    BdptVertex &before = path.Last(), &vertex = path.Append(BdptVertex::Kind::Surface);
+    vertex.surface = walk.Vertex();
+    const auto &[point, bsdf] = vertex.surface;
+    vertex.pdfForward =
+        before.isBeyondScene ? vertex.AreaPdfOfParallel(path.pdf, point.wo) : vertex.AreaPdf(before, path.pdf);
+    const Float uComponent = path.sampler.Get1D();
+    const std::optional<BsdfSample> next = bsdf.Sample(point.wo, uComponent, path.sampler.Get2D(), mode);
+    if (!next) return false;
+    path.weights.beta *= next->f * ((mode == TransportMode::Radiance ? AbsDot(next->wi, point.shading.n)
+                                                                     : AdjointCosine(point, point.wo, next->wi)) /
+                                    next->pdf);
+    if (!path.weights.beta) return false;
+    vertex.isSpecular = IsSpecular(next->flags);
+    if (vertex.isSpecular) {
+        path.pdf = 0;
+    } else {
+        path.anyNonSpecular = true;
+        path.pdf = next->pdfIsProportional ? bsdf.Pdf(point.wo, next->wi, mode) : next->pdf;
+        const TransportMode other =
+            mode == TransportMode::Radiance ? TransportMode::Importance : TransportMode::Radiance;
+        before.pdfReverse = before.AreaPdf(vertex, bsdf.Pdf(next->wi, point.wo, other));
+    }
+    walk.Scatter(*next);
+    return true;
+}
+
+void BdptIntegrator::Follow(PathWalk &walk, Subpath &path, Sample &sample) const {
+    path.weights.beta = path.vertices[0].beta;
     for (;;) {
-        BdptVertex &before = vertices[static_cast<size_t>(*count - 1)];
         const PathWalk::Met met = walk.Next();
         if (met == PathWalk::Met::TooManyInterfaces) return;
-        emitted(walk, beta, pdf);
-        if (met == PathWalk::Met::Nothing || *count == static_cast<int>(vertices.size())) return;
-        if (!walk.FindScattering(sample.lambda)) continue;
-        ++ThreadCounters().pathVertices;
-        if (regularize_ && anyNonSpecular) walk.Regularize();
-        BdptVertex &vertex = vertices[static_cast<size_t>((*count)++)];
-        vertex.kind = BdptVertex::Kind::Surface;
-        vertex.isBeyondScene = vertex.isSpecular = false;
-        vertex.beta = beta;
-        vertex.surface = walk.Vertex();
-        vertex.pdfReverse = 0;
-        const auto &[point, bsdf] = vertex.surface;
-        vertex.pdfForward = before.isBeyondScene ? pdf * AbsDot(point.n, point.wo) : vertex.AreaPdf(before, pdf);
-        const Float uComponent = sampler.Get1D();
-        const std::optional<BsdfSample> next = bsdf.Sample(point.wo, uComponent, sampler.Get2D(), mode);
-        if (!next) return;
-        beta *= next->f * ((mode == TransportMode::Radiance ? AbsDot(next->wi, point.shading.n)
-                                                            : AdjointCosine(point, point.wo, next->wi)) /
-                           next->pdf);
-        if (!beta) return;
-        vertex.isSpecular = IsSpecular(next->flags);
-        if (vertex.isSpecular) {
-            pdf = 0;
-        } else {
-            anyNonSpecular = true;
-            pdf = next->pdfIsProportional ? bsdf.Pdf(point.wo, next->wi, mode) : next->pdf;
-            const TransportMode other =
-                mode == TransportMode::Radiance ? TransportMode::Importance : TransportMode::Radiance;
-            before.pdfReverse = before.AreaPdf(vertex, bsdf.Pdf(next->wi, point.wo, other));
+        if (hasMedia_) {
+            bool scattered = false;
+            if (!PassMedium(walk, path, sample, &scattered)) return;
+            if (scattered) continue;
         }
-        walk.Scatter(*next);
+        if (path.mode == TransportMode::Radiance) AddEmission(walk, path, sample);
+        if (met == PathWalk::Met::Nothing || path.count == static_cast<int>(path.vertices.size())) return;
+        if (walk.FindScattering(sample.lambda) && !ScatterAtSurface(walk, path)) return;
     }
 }
 
@@ -115,11 +187,12 @@ void BdptIntegrator::TraceLight(Sample &sample) const {
     first.beta = left->L * (cosine / (chosen->pmf * left->pdfPosition * left->pdfDirection));
     Ray ray = left->ray;
     ray.time = sample.time;
-    ray.medium = scene.MediumOfLight(chosen->light);
+    ray.medium = scene.MediumOfLight(chosen->light, left->n, left->ray.d);
     PathWalk walk(context_, ray);
     paths.lightCount = 1;
-    Follow(walk, paths.light, &paths.lightCount, first.isBeyondScene ? left->pdfPosition : left->pdfDirection,
-           TransportMode::Importance, sampler, sample, [](const PathWalk &, const SampledSpectrum &, Float) {});
+    Subpath subpath{paths.light, paths.lightCount, TransportMode::Importance, sampler,
+                    first.isBeyondScene ? left->pdfPosition : left->pdfDirection};
+    Follow(walk, subpath, sample);
 }
 
 SampledSpectrum BdptIntegrator::TraceCamera(Sample &sample) const {
@@ -138,25 +211,40 @@ SampledSpectrum BdptIntegrator::TraceCamera(Sample &sample) const {
     const Float pdf = seen ? seen->weight / sample.pixels : 0;
     first.beta = SampledSpectrum(1);
     paths.cameraCount = 1;
-    SampledSpectrum L(0);
     PathWalk walk(context_, sample.start.ray, sample.start.visible);
-    Follow(walk, paths.camera, &paths.cameraCount, pdf, TransportMode::Radiance, sample.samplers.camera, sample,
-           [&](const PathWalk &w, const SampledSpectrum &beta, Float pdfOfRay) {
-               w.ForEachEmission(sample.lambda,
-                                 [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
-                                     BdptVertex light;
-                                     light.kind = BdptVertex::Kind::Light;
-                                     light.light = id;
-                                     light.p = p;
-                                     light.n = n;
-                                     light.isBeyondScene = n == Normal3(0);
-                                     light.direction = -w.GetRay().d;
-                                     const BdptVertex &last = paths.camera[static_cast<size_t>(paths.cameraCount - 1)];
-                                     light.pdfForward = light.AreaPdf(last, pdfOfRay);
-                                     L += beta * Le * WeightOf(sample, 0, paths.cameraCount, &light, 0);
-                                 });
-           });
-    return L;
+    Subpath subpath{paths.camera, paths.cameraCount, TransportMode::Radiance, sample.samplers.camera, pdf};
+    Follow(walk, subpath, sample);
+    // What was found before the other wavelengths were given up does not count on them any more.
+    if (!hasMedia_ || !sample.lambda.SecondaryTerminated()) return subpath.L;
+    for (StrategyPictures::Found &f : paths.found) {
+        f.weighted *= f.mean;
+        f.unweighted *= f.mean;
+    }
+    return SampledSpectrum(subpath.ofFirst);
+}
+
+void BdptIntegrator::AddEmission(const PathWalk &walk, Subpath &path, Sample &sample) const {
+    walk.ForEachEmission(sample.lambda, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
+        BdptVertex light;
+        light.kind = BdptVertex::Kind::Light;
+        light.light = id;
+        light.p = p;
+        light.n = n;
+        light.isBeyondScene = n == Normal3(0);
+        light.direction = -walk.GetRay().d;
+        light.pdfForward = light.AreaPdf(path.Last(), path.pdf);
+        const SampledSpectrum arriving = path.weights.beta * Le;
+        const Float weight = WeightOf(sample, 0, path.count, &light, 0);
+        const SampledSpectrum L = arriving * weight;
+        const Float mean = hasMedia_ ? path.weights.ru.Average() : 1;
+        path.L += hasMedia_ ? L / mean : L;
+        path.ofFirst += L[0];
+        if (strategies_) Tell(sample, {0, path.count + 1, arriving / mean, L / mean, {}, mean});
+    });
+}
+
+void BdptIntegrator::Tell(const Sample &sample, const StrategyPictures::Found &found) const {
+    sample.paths.found.push_back(found);
 }
 
 Float BdptIntegrator::WeightOf(Sample &sample, int lightVertices, int cameraVertices, const BdptVertex *end,
@@ -171,12 +259,29 @@ Float BdptIntegrator::WeightOf(Sample &sample, int lightVertices, int cameraVert
     return weights_.Weight({path.data(), n}, lightVertices, cameraPdf, sample.lambda);
 }
 
+ShadowTransmittance BdptIntegrator::Passing(const Sample &sample, const BdptVertex &from,
+                                            const LightLiSample &to) const {
+    if (hasMedia_) {
+        Rng rng(Hash(from.Position(), to.wi, to.pLight));
+        return TraceShadow(context_.scene, from.Context(), from.MediumTowards(to.wi), to, sample.lambda, rng);
+    }
+    ShadowTransmittance through;
+    if (!context_.scene.Occluded(from.Context(), to)) through.value = SampledSpectrum(1);
+    return through;
+}
+
+SampledSpectrum BdptIntegrator::Passed(const Sample &sample, const SampledSpectrum &L,
+                                       const ShadowTransmittance &through, const SampledSpectrum &densities) const {
+    if (!hasMedia_) return L;
+    const SampledSpectrum all = densities * through.rl;
+    return L * through.value / (sample.lambda.SecondaryTerminated() ? all[0] : all.Average());
+}
+
 SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertices) const {
     const Scene &scene = context_.scene;
     const BdptVertex &last = sample.paths.camera[static_cast<size_t>(cameraVertices - 1)];
-    const auto &[point, bsdf] = last.surface;
-    const LightQuery query = BdptQuery(last, sample.paths.camera[static_cast<size_t>(cameraVertices - 2)],
-                                       sample.lambda, cameraVertices - 1);
+    const BdptVertex &beyond = sample.paths.camera[static_cast<size_t>(cameraVertices - 2)];
+    const LightQuery query = last.Query(last.Towards(beyond), sample.lambda, cameraVertices - 1);
     Sampler &sampler = sample.samplers.connections;
     Point2 u = sampler.Get2D();
     LightMemory memory;
@@ -188,11 +293,12 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
         if (learner_) learner_->Found(sample.places, query, *chosen, irradiance);
     };
     const LightPart light = scene.Lights()[chosen->light];
-    const auto found = light.SampleLi(ScatteringContextAt(scene, point, bsdf), u, sample.lambda, false);
+    const LightSampleContext from =
+        last.IsSurface() ? ScatteringContextAt(scene, last.surface.point, last.surface.bsdf) : last.Context();
+    const auto found = light.SampleLi(from, u, sample.lambda, false);
     SampledSpectrum L(0);
     if (found && found->L && found->pdf > 0)
-        L = last.beta * bsdf.F(point.wo, found->wi) * found->L *
-            (AbsDot(found->wi, point.shading.n) / (chosen->pmf * found->pdf));
+        L = last.beta * last.F(found->wi) * found->L * (last.Cosine(found->wi) / (chosen->pmf * found->pdf));
     if (!L) {
         learn(SampledSpectrum(0));
         return L;
@@ -202,9 +308,11 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
         traced = gate_->TraceProbability(query, chosen->light, found->pLight);
         if (uGate >= traced) return SampledSpectrum(0);
     }
-    const bool isBlocked = scene.Occluded(LightContextAt(point), *found);
+    const ShadowTransmittance through = Passing(sample, last, *found);
+    const bool isBlocked = !through.value;
     if (learner_ && light.Kind() == LightKind::Infinite) learner_->Looked(query, found->wi, !isBlocked);
-    learn(isBlocked ? SampledSpectrum(0) : found->L * (AbsDot(found->wi, point.shading.n) / found->pdf));
+    learn(isBlocked ? SampledSpectrum(0)
+                    : Passed(sample, found->L * (last.Cosine(found->wi) / found->pdf), through, SampledSpectrum(1)));
     if (isBlocked) return SampledSpectrum(0);
     BdptVertex end;
     end.kind = BdptVertex::Kind::Light;
@@ -215,52 +323,66 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
     end.isBeyondScene = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;
     end.direction = -found->wi;
     end.pdfForward = weights_.LightPdf(end, last);
-    return L * (WeightOf(sample, 1, cameraVertices, &end, 0) / traced);
+    const SampledSpectrum weighted =
+        Passed(sample, L * (WeightOf(sample, 1, cameraVertices, &end, 0) / traced), through, last.ru);
+    if (strategies_) Tell(sample, {1, cameraVertices, Passed(sample, L / traced, through, last.ru), weighted});
+    return weighted;
 }
 
 SampledSpectrum BdptIntegrator::ConnectSubpaths(Sample &sample, int lightVertices, int cameraVertices) const {
     const BdptVertex &a = sample.paths.light[static_cast<size_t>(lightVertices - 1)],
                      &b = sample.paths.camera[static_cast<size_t>(cameraVertices - 1)];
-    const Vector3 d = b.surface.point.p - a.surface.point.p;
+    const Vector3 d = b.Position() - a.Position();
     const Float l2 = LengthSquared(d);
     if (!(l2 > 0)) return SampledSpectrum(0);
     const Vector3 w = d / std::sqrt(l2);
-    const SurfacePoint &from = a.surface.point, &to = b.surface.point;
-    const SampledSpectrum L = a.beta * a.surface.bsdf.F(from.wo, w, TransportMode::Importance) *
-                              (AdjointCosine(from, from.wo, w) / l2) * b.surface.bsdf.F(to.wo, -w) *
-                              AbsDot(w, to.shading.n) * b.beta;
+    const SampledSpectrum L =
+        a.beta * a.F(w, TransportMode::Importance) * (a.CosineOfLight(w) / l2) * b.F(-w) * b.Cosine(w) * b.beta;
     if (!L) return L;
     LightLiSample end;
     end.wi = -w;
-    end.pLight = from.p;
-    end.pLightError = from.pError;
-    end.nLight = from.n;
-    if (context_.scene.Occluded(LightContextAt(to), end)) return SampledSpectrum(0);
-    return L * WeightOf(sample, lightVertices, cameraVertices, nullptr, 0);
+    end.pLight = a.Position();
+    if (a.IsSurface()) end.pLightError = a.surface.point.pError;
+    end.nLight = a.Normal();
+    const ShadowTransmittance through = Passing(sample, b, end);
+    if (!through.value) return SampledSpectrum(0);
+    const SampledSpectrum ru = a.ru * b.ru;
+    const SampledSpectrum weighted =
+        Passed(sample, L * WeightOf(sample, lightVertices, cameraVertices, nullptr, 0), through, ru);
+    if (strategies_) Tell(sample, {lightVertices, cameraVertices, Passed(sample, L, through, ru), weighted});
+    return weighted;
 }
 
 void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vector<SeenLight> &seenLight) const {
     const Point2 uLens = sample.samplers.connections.Get2D();
     const BdptVertex &last = sample.paths.light[static_cast<size_t>(lightVertices - 1)];
-    if (!IsNonSpecular(last.surface.bsdf.Flags())) return;
-    const SurfacePoint &point = last.surface.point;
-    const std::optional<CameraConnection> seen = context_.camera.Connect(point.p, uLens, sample.time);
+    if (!last.CanConnect()) return;
+    const std::optional<CameraConnection> seen = context_.camera.Connect(last.Position(), uLens, sample.time);
     if (!seen) return;
-    const SampledSpectrum L = last.beta * last.surface.bsdf.F(point.wo, seen->wi, TransportMode::Importance) *
-                              (AdjointCosine(point, point.wo, seen->wi) * seen->weight);
+    const SampledSpectrum L =
+        last.beta * last.F(seen->wi, TransportMode::Importance) * (last.CosineOfLight(seen->wi) * seen->weight);
     if (!L) return;
     LightLiSample lens;
     lens.wi = seen->wi;
     lens.pLight = seen->p;
-    if (context_.scene.Occluded(LightContextAt(point), lens)) return;
+    const ShadowTransmittance through = Passing(sample, last, lens);
+    if (!through.value) return;
     // These connections come last: the camera's vertex of the camera path is not needed any more.
     BdptVertex &camera = sample.paths.camera[0];
     camera.p = seen->p;
     camera.direction = -seen->wi;
     camera.isBeyondScene = seen->isParallel;
-    const Float cameraPdf = seen->weight * AbsDot(point.n, seen->wi) / sample.pixels;
+    const Float cameraPdf = last.AreaPdfOfParallel(seen->weight, seen->wi) / sample.pixels;
     const Float weight = WeightOf(sample, lightVertices, 1, nullptr, cameraPdf);
-    seenLight.push_back({seen->pFilm, L * weight});
+    const SampledSpectrum weighted = Passed(sample, L * weight, through, last.ru);
+    const auto add = [&](const Point2 &pFilm) {
+        seenLight.push_back({pFilm, weighted});
+        if (strategies_) Tell(sample, {lightVertices, 1, Passed(sample, L, through, last.ru), weighted, pFilm});
+    };
+    add(seen->pFilm);
+    Camera::OtherPlaces places;
+    for (int i = 0, n = context_.camera.SeenAlsoAt(seen->pFilm, places); i < n; ++i)
+        add(places[static_cast<size_t>(i)]);
 }
 
 SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelengths &lambda, const Samplers &samplers,
@@ -272,11 +394,10 @@ SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelen
     TraceLight(sample);
     SampledSpectrum L = TraceCamera(sample);
     for (int t = 2; t <= paths.cameraCount; ++t) {
-        if (!IsNonSpecular(paths.camera[static_cast<size_t>(t - 1)].surface.bsdf.Flags())) continue;
+        if (!paths.camera[static_cast<size_t>(t - 1)].CanConnect()) continue;
         L += ConnectToLight(sample, t);
         for (int s = 2; s <= paths.lightCount && s + t - 2 <= maxDepth_; ++s)
-            if (IsNonSpecular(paths.light[static_cast<size_t>(s - 1)].surface.bsdf.Flags()))
-                L += ConnectSubpaths(sample, s, t);
+            if (paths.light[static_cast<size_t>(s - 1)].CanConnect()) L += ConnectSubpaths(sample, s, t);
     }
     for (int s = 2; s <= paths.lightCount; ++s) ConnectToCamera(sample, s, seen);
     return L;
@@ -284,12 +405,18 @@ SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelen
 
 SampledSpectrum BdptIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     const RenderPass &pass = *start.pass;
-    std::vector<SeenLight> &seen = subpaths_[static_cast<size_t>(ThreadIndex())].seen;
+    Subpaths &paths = subpaths_[static_cast<size_t>(ThreadIndex())];
+    std::vector<SeenLight> &seen = paths.seen;
     seen.clear();
+    paths.found.clear();
     const SampledSpectrum L =
         TracePair(start, lambda, {sampler, sampler, sampler}, static_cast<Float>(pass.film.PixelBounds().Area()), seen);
-    if (pass.keepsSamples)
-        for (const SeenLight &s : seen) AddFilteredSplat(pass.film, pass.filter, s.pFilm, s.L, lambda);
+    if (!pass.keepsSamples) return L;
+    for (const SeenLight &s : seen) AddFilteredSplat(pass.film, pass.filter, s.pFilm, s.L, lambda);
+    if (strategies_) {
+        ++paths.pairs;
+        strategies_->Add(paths.found, start.pixel, start.filterWeight, lambda, pass.filter);
+    }
     return L;
 }
 

@@ -1,27 +1,38 @@
 #pragma once
 #include "pbrt/integrators/bdpt_path.h"
 #include "pbrt/integrators/pixel_integrator.h"
+#include "pbrt/integrators/strategy_pictures.h"
 #include "pbrt/lightsamplers/light_learner.h"
+#include "pbrt/paths/shadow_transmittance.h"
 
 namespace pbrt {
 
 /// Bidirectional path tracing: a path from a light and one from the camera, and every connection between a vertex of
-/// one and a vertex of the other, weighted by the balance heuristic (Veach 1997, chapter 10). Surfaces only.
+/// one and a vertex of the other, weighted by the balance heuristic (Veach 1997, chapter 10). Both scatter in media,
+/// too, and connections pass media and the interfaces between them. Light that media emit is found by camera paths
+/// only, and so it counts fully there.
 class BdptIntegrator final : public PixelIntegrator {
   public:
-    /// The camera can connect (Camera::CanConnect). Subpaths have at most kMaxSubpath surfaces.
+    /// The camera can connect (Camera::CanConnect). Subpaths scatter at most kMaxSubpath times.
     static constexpr int kMaxSubpath = 1000;
     /// `connecting` chooses the light that a vertex of the camera path is connected to, `gate` whether the shadow ray
     /// is traced; null: by power, and always. `shooting` chooses the lights that light paths begin at, with
-    /// probabilities that are the same everywhere; null: by power.
+    /// probabilities that are the same everywhere; null: by power. `strategies`, if not null, shows what every strategy
+    /// finds; they know of all depths up to maxDepth.
     BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
                    std::unique_ptr<LightSampler> connecting = nullptr, std::unique_ptr<ShadowRayGate> gate = nullptr,
-                   std::unique_ptr<LightSampler> shooting = nullptr);
+                   std::unique_ptr<LightSampler> shooting = nullptr,
+                   std::unique_ptr<StrategyPictures> strategies = nullptr);
+    bool Render(const RenderPass &pass) override;
     void Prepare(PrepareContext &prepare) override;
     LightLearner *Learner() override { return learner_; }
     const LightSampler *Lights() const override { return connecting_.get(); }
     const LightSampler *ShootingLights() const override { return shooting_.get(); }
     const ShadowRayGate *Gate() const override { return gate_.get(); }
+    bool MakesSidePictures() const override { return strategies_ != nullptr; }
+    std::vector<SidePicture> SidePictures() const override {
+        return strategies_ ? strategies_->Pictures() : std::vector<SidePicture>();
+    }
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
 
     /// Where the numbers for the light subpath, the camera subpath, and the connections of both come from.
@@ -48,19 +59,33 @@ class BdptIntegrator final : public PixelIntegrator {
         std::vector<BdptVertex> light, camera;
         std::vector<const BdptVertex *> path;  ///< memory for WeightOf
         std::vector<SeenLight> seen;           ///< memory for Li
+        // For the pictures of strategies: what they have found, and the number of pairs since the last pass.
+        std::vector<StrategyPictures::Found> found;
+        uint64_t pairs = 0;
         int lightCount = 0, cameraCount = 0;
     };
     struct Sample;
     void TraceLight(Sample &sample) const;
     SampledSpectrum TraceCamera(Sample &sample) const;
-    /// Follows a walk whose next ray has this density by solid angle (or, beyond the scene, by area across it).
-    /// `emitted` is called for every light that it meets.
-    template <class Emitted>
-    void Follow(PathWalk &walk, std::span<BdptVertex> vertices, int *count, Float pdf, TransportMode mode,
-                Sampler &sampler, Sample &sample, Emitted &&emitted) const;
+    /// A subpath that is being traced, up to the vertex before the next one.
+    struct Subpath;
+    void Follow(PathWalk &walk, Subpath &subpath, Sample &sample) const;
+    /// Adds to a subpath from the camera the light that its ray meets.
+    void AddEmission(const PathWalk &walk, Subpath &subpath, Sample &sample) const;
+    /// False: the subpath ends in the medium. `scattered`: it goes on from there.
+    bool PassMedium(PathWalk &walk, Subpath &subpath, const Sample &sample, bool *scattered) const;
+    /// Makes the surface that was met the next vertex, and leaves it. False: the subpath ends.
+    bool ScatterAtSurface(PathWalk &walk, Subpath &subpath) const;
+    /// Tells how much of the light passes from a point on a light, the lens or another vertex to this one.
+    ShadowTransmittance Passing(const Sample &sample, const BdptVertex &from, const LightLiSample &to) const;
+    /// A connection's light, of subpaths with these spectral densities, that passes; divided by the mean of densities.
+    SampledSpectrum Passed(const Sample &sample, const SampledSpectrum &L, const ShadowTransmittance &through,
+                           const SampledSpectrum &densities) const;
     SampledSpectrum ConnectToLight(Sample &sample, int cameraVertices) const;
     SampledSpectrum ConnectSubpaths(Sample &sample, int lightVertices, int cameraVertices) const;
     void ConnectToCamera(Sample &sample, int lightVertices, std::vector<SeenLight> &seen) const;
+    /// For the pictures of strategies.
+    void Tell(const Sample &sample, const StrategyPictures::Found &found) const;
     /// The weight of the path of the first `lightVertices` and `cameraVertices` vertices of both subpaths; `hit`: in
     /// place of the first, what the camera path met, or the light that was sampled.
     Float WeightOf(Sample &sample, int lightVertices, int cameraVertices, const BdptVertex *end, Float cameraPdf) const;
@@ -70,8 +95,10 @@ class BdptIntegrator final : public PixelIntegrator {
     bool regularize_;
     std::unique_ptr<LightSampler> shooting_, connecting_;
     std::unique_ptr<ShadowRayGate> gate_;
+    bool hasMedia_;
     LightLearner *learner_ = nullptr;
     BdptWeights weights_;
+    std::unique_ptr<StrategyPictures> strategies_;
     mutable std::vector<Subpaths> subpaths_;  ///< by ThreadIndex()
 };
 

@@ -1,14 +1,6 @@
 #include "pbrt/integrators/bdpt_path.h"
 
-#include "pbrt/lightsamplers/light_query.h"
-
 namespace pbrt {
-
-LightQuery BdptQuery(const BdptVertex &vertex, const BdptVertex &beyond, const SampledWavelengths &lambda, int depth) {
-    LightQuery query = LightQueryAt(vertex.surface, lambda, depth);
-    query.wo = vertex.Towards(beyond);
-    return query;
-}
 
 Float BdptWeights::LightPdf(const BdptVertex &light, const BdptVertex &next) const {
     const LightPart part = lights_[light.light];
@@ -26,21 +18,21 @@ Float BdptWeights::FirstStepPdf(const BdptVertex &light, const BdptVertex &next)
     const Vector3 w = light.Towards(next);
     const LightLePdf pdf = lights_[light.light].PdfLe(light.isBeyondScene ? next.Position() : light.p, light.n, w);
     if (!light.isBeyondScene) return next.AreaPdf(light, pdf.direction);
-    return pdf.position * (next.IsSurface() ? AbsDot(next.Normal(), w) : Float(1));
+    return next.AreaPdfOfParallel(pdf.position, w);
 }
 
 Float BdptWeights::ConnectedLightPdf(const BdptVertex &light, const BdptVertex &from, const BdptVertex &beyond,
                                      const SampledWavelengths &lambda, int depth) const {
     const Vector3 wi = from.Towards(light);
     const bool isInfinite = lights_[light.light].Kind() == LightKind::Infinite;
-    const LightQuery query = BdptQuery(from, beyond, lambda, depth);
+    const LightQuery query = from.Query(from.Towards(beyond), lambda, depth);
     LightMemory memory;
     const LightDistribution lights = connecting_.At(query, memory);
     const LightId id = isInfinite ? lights.PartTowards(light.light, wi) : light.light;
     const LightPart part = lights_[id];
     const Float pmf = lights.PMF(id);
     if (light.isBeyondScene ? !isInfinite : light.n == Normal3(0)) return pmf;
-    const LightSampleContext context = LightContextAt(from.surface.point);
+    const LightSampleContext context = from.Context();
     const ShapePrimitive at = part.Surface();
     // Of an area light that rays cannot hit PdfLi says 0, because only light sampling finds it.
     const Float pdf = part.Kind() == LightKind::DeltaPosition && at.shape
@@ -55,7 +47,7 @@ Float BdptWeights::Weight(std::span<const BdptVertex *const> path, int fromLight
     if (n == 2) return 1;  // light that the camera sees is found by the camera only
     const auto at = [&](int k) -> const BdptVertex & { return *path[static_cast<size_t>(k)]; };
     const auto scatterPdf = [&](int k, int from, int to, TransportMode mode) {
-        return at(k).surface.bsdf.Pdf(at(k).Towards(at(from)), at(k).Towards(at(to)), mode);
+        return at(k).ScatterPdf(at(k).Towards(at(from)), at(k).Towards(at(to)), mode);
     };
     // The densities of the vertices on both sides of the connection, by the subpath that did not make them.
     Float cameraAtLightEnd = 0, cameraBefore = 0, lightAtCameraEnd = 0, lightBehind = 0;

@@ -1,51 +1,23 @@
 #pragma once
 #include <span>
 
-#include "pbrt/lightsamplers/light_sampler.h"
-#include "pbrt/paths/path_walk.h"
+#include "pbrt/integrators/bdpt_vertex.h"
+#include "pbrt/scene/scene.h"
 
 namespace pbrt {
 
-/// A place of a bidirectional path: the camera, a light, or a surface.
-struct BdptVertex {
-    enum class Kind { Camera, Light, Surface };
-    Kind kind = Kind::Surface;
-    /// Radiance or importance that reaches the vertex along its subpath, divided by the subpath's density.
-    SampledSpectrum beta{1};
-    /// Density with which its own subpath makes it, and with which a subpath from the other end would: by area; lights
-    /// beyond the scene: by solid angle.
-    Float pdfForward = 0, pdfReverse = 0;
-    /// A surface that scattered the subpath specularly: nothing connects to it.
-    bool isSpecular = false;
-    PathVertex surface;  ///< Kind::Surface
-    // Kind::Light; `p` also of the camera.
-    LightId light{};
-    Point3 p{};
-    Vector3 pError{};
-    Normal3 n{};                 ///< zero where there is no surface
-    Vector3 direction{0, 0, 1};  ///< of light from beyond the scene
-    bool isBeyondScene = false;
-
-    bool IsSurface() const { return kind == Kind::Surface; }
-    Point3 Position() const { return IsSurface() ? surface.point.p : p; }
-    Normal3 Normal() const { return IsSurface() ? surface.point.n : n; }
-    /// Unit, towards another vertex.
-    Vector3 Towards(const BdptVertex &to) const {
-        if (to.isBeyondScene) return -to.direction;
-        return isBeyondScene ? direction : Normalize(to.Position() - Position());
-    }
-    /// Turns a density by solid angle, of directions from `from` to this vertex, into one by area here.
-    Float AreaPdf(const BdptVertex &from, Float solidAnglePdf) const {
-        if (isBeyondScene) return solidAnglePdf;
-        const Vector3 d = Position() - from.Position();
-        const Float l2 = LengthSquared(d);
-        if (!(l2 > 0)) return 0;
-        const Normal3 normal = Normal();
-        return solidAnglePdf / l2 * (normal == Normal3(0) ? Float(1) : AbsDot(normal, d) / std::sqrt(l2));
-    }
-};
-
 /// What the weights of bidirectional paths need to know.
+///
+/// In media the densities that are compared are geometric: by area, without the factors of free flight, which are the
+/// chance to pass a stretch and the density per length to be scattered behind it. Every strategy scatters at every
+/// inner vertex, so the latter is a factor of all their densities; they differ by the transmittance of the one edge
+/// that was connected, and by what the wavelengths that could have led the path say of it (SpectralWeights). Both are
+/// left out. A weight need not be a ratio of true densities for the sum of all strategies to have the right mean: for
+/// every path, given by its vertices, the weights of the strategies that can make it must add up to 1, and they do,
+/// because each is a share of the same sum, which depends on nothing else. (It does not depend on null collisions, on
+/// the wavelength that led the path, or on estimates of transmittance.) Each strategy by itself divides by its own
+/// density, averaged over the wavelengths that could have led. What is lost is some noise: an edge that hardly any
+/// light passes counts as much as a clear one.
 class BdptWeights {
   public:
     /// `shooting` chose the lights of light subpaths, `connecting` chooses those of single light vertices.
@@ -72,8 +44,5 @@ class BdptWeights {
     const LightTable &lights_;
     const LightSampler &shooting_, &connecting_;
 };
-
-/// What light sampling asks at a surface vertex that a camera path comes to from `beyond`, as its vertex of this depth.
-LightQuery BdptQuery(const BdptVertex &vertex, const BdptVertex &beyond, const SampledWavelengths &lambda, int depth);
 
 }  // namespace pbrt

@@ -36,6 +36,12 @@ struct RenderPass {
     Ranks *ranks = nullptr;
 };
 
+/// A picture that an integrator makes beside the one of the film that it renders.
+struct SidePicture {
+    std::string name;  ///< to be appended to that of the film's file
+    const Film *film = nullptr;
+};
+
 /// Adds samples to a film. Every sample is a function of pixel and sample index, and of what the LightLearner learned
 /// from fixed samples before it, so that any number of threads, and any split into passes, gives the same image.
 class Integrator {
@@ -60,6 +66,11 @@ class Integrator {
     virtual const LightSampler *ShootingLights() const { return nullptr; }
     /// The shadow-ray gate in use, or null.
     virtual const ShadowRayGate *Gate() const { return nullptr; }
+    /// True if there will be side pictures. They hold only samples of this process since its start: checkpoints do not
+    /// keep them, and other processes do not send theirs.
+    virtual bool MakesSidePictures() const { return false; }
+    /// After the first pass.
+    virtual std::vector<SidePicture> SidePictures() const { return {}; }
     /// What guides bounces, or null.
     virtual const PathGuide *Guide() const { return nullptr; }
 };

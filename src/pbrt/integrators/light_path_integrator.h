@@ -6,7 +6,7 @@ namespace pbrt {
 /// Particle tracing: every sample of a pixel sends one path from a light, and every vertex of it that
 /// the camera sees adds a splat wherever on the film it is seen (Arvo and Kirk 1990; Veach 1997, section 10.3.4). What
 /// the camera sees through mirrors or smooth glass, and lights beyond the scene that it sees directly, stay dark, as in
-/// stock pbrt-v4. Media are not followed.
+/// stock pbrt-v4; so does the light of media.
 class LightPathIntegrator final : public PixelIntegrator {
   public:
     /// The camera can connect (Camera::CanConnect). `lights` chooses where paths begin, with probabilities that are the

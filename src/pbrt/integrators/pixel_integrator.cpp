@@ -65,8 +65,9 @@ class PassRenderer {
         if (std::optional<CameraRay> ray = pass_.camera.GenerateRay(cs, sample.lambda)) {
             const SampledSpectrum weight = ray->weight;
             ray->differential.Scale(ray->ray, differentialScale_);
-            const PathStart start{*ray,   pixel,   pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr,
-                                  &pass_, cs.pLens};
+            const PathStart start{
+                *ray,     pixel,        pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr, &pass_,
+                cs.pLens, sample.weight};
             sample.L = weight * integrator_.Li(start, sample.lambda, sampler);
         }
         if (pass_.keepsSamples) pass_.film.AddSample(sample);

@@ -12,6 +12,7 @@ struct PathStart {
     std::optional<VisibleSurface> *visible = nullptr;  ///< null, or where PathWalk writes what the camera sees
     const RenderPass *pass = nullptr;                  ///< for integrators that splat
     Point2 pLens{};                                    ///< CameraSample::pLens of the ray
+    Float filterWeight = 1;                            ///< FilmSample::weight of the sample
 };
 
 /// Base of integrators that compute the radiance of one camera ray at a time, for the pixel that the ray belongs to.

@@ -60,7 +60,7 @@ void SppmIntegrator::TraceLightPath(const SampledWavelengths &shared, uint64_t i
     if (left->n != Normal3(0)) beta *= AbsDot(left->n, left->ray.d);
     Ray ray = left->ray;
     ray.time = anywhere.time;
-    ray.medium = scene.MediumOfLight(chosen->light);
+    ray.medium = scene.MediumOfLight(chosen->light, left->n, left->ray.d);
     PathWalk walk(context_, ray);
     for (int scatterings = 0; beta && walk.Next() == PathWalk::Met::Surface;) {
         if (!walk.FindScattering(lambda)) continue;

@@ -220,8 +220,8 @@ bool VolPathIntegrator::Path::PassMedium(bool *scattered) {
     Rng rng = NumbersAlong(walk.GetRay(), u);
     // Emission between the last vertices that a path may have is left out, as in stock pbrt-v4.
     const bool emits = depth < integrator.settings_.maxDepth && !integrator.settings_.sampledLightOnly;
-    const MediumEvent event =
-        walk.ThroughMedium(lambda, u, rng, emits, weights, [&](const SampledSpectrum &radiance) { L += radiance; });
+    const MediumEvent event = walk.ThroughMedium(lambda, u, rng, emits, weights,
+                                                 [&](const SampledSpectrum &radiance, Float) { L += radiance; });
     if (event.kind == MediumEvent::Kind::Absorbed || !weights.beta) return false;
     if (event.kind == MediumEvent::Kind::Passed) {
         segment->isOn = false;
@@ -375,8 +375,8 @@ SampledSpectrum SimpleVolPathIntegrator::Li(const PathStart &start, SampledWavel
             const Ray &ray = walk.GetRay();
             const Float u = sampler.Get1D();
             Rng rng = NumbersAlong(ray, u);
-            const MediumEvent event = walk.ThroughMedium(lambda, u, rng, true, weights,
-                                                         [&](const SampledSpectrum &radiance) { L += radiance; });
+            const MediumEvent event = walk.ThroughMedium(
+                lambda, u, rng, true, weights, [&](const SampledSpectrum &radiance, Float) { L += radiance; });
             if (event.kind == MediumEvent::Kind::Absorbed) break;
             if (event.kind == MediumEvent::Kind::Scattered) {
                 if (depth++ == maxDepth_) break;

@@ -72,7 +72,7 @@ class Measurer {
             if (walk.MediumAhead()) {
                 const Float u = rng.Uniform();
                 const MediumEvent event =
-                    walk.ThroughMedium(lambda, u, rng, false, weights, [](const SampledSpectrum &) {});
+                    walk.ThroughMedium(lambda, u, rng, false, weights, [](const SampledSpectrum &, Float) {});
                 if (event.kind == MediumEvent::Kind::Absorbed || !weights.beta) return;
                 if (event.kind == MediumEvent::Kind::Scattered) {
                     ScatterInMedium(path, event.t);

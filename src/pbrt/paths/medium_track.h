@@ -40,7 +40,8 @@ struct MediumEvent {
 };
 
 /// Follows light along a ray through a medium (delta tracking) and updates the weights of its path. `emits`: calls
-/// emit(radiance) for the weighted emission on the way. `u`: uniform, for the first distance; `rng` for all else.
+/// emit(radiance, mean) for the emission on the way, divided by `mean`, the mean of its densities. `u`: uniform, for
+/// the first distance; `rng` for all else.
 template <class Emit>
 MediumEvent TrackMedium(MediumOnRay on, Float u, Rng &rng, bool emits, SpectralWeights &weights, Emit &&emit) {
     MediumEvent event;
@@ -50,7 +51,8 @@ MediumEvent TrackMedium(MediumOnRay on, Float u, Rng &rng, bool emits, SpectralW
             if (emits && c.emission) {
                 const Float pdf = majorant[0] * tMaj[0];
                 const SampledSpectrum ru = weights.ru * majorant * tMaj / pdf;
-                emit(weights.beta * tMaj * c.absorption * c.emission / (pdf * weights.Mean(ru)));
+                const Float mean = weights.Mean(ru);
+                emit(weights.beta * tMaj * c.absorption * c.emission / (pdf * mean), mean);
             }
             const Float what = rng.Uniform() * majorant[0];
             if (what < c.absorption[0]) {

@@ -19,10 +19,11 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)), bounds_(parts_.accel-
     for (const ShapeRecord &s : parts_.shapes) hasMedia_ |= s.insideMedium || s.outsideMedium;
 }
 
-MediumId Scene::MediumOfLight(LightId id) const {
+MediumId Scene::MediumOfLight(LightId id, const Normal3 &n, const Vector3 &w) const {
     if (parts_.lightMedia.empty()) return {};
     const LightTable &lights = Lights();
-    return parts_.lightMedia[lights.WholeOf(lights.IsTile(id) ? lights.SkyOf(id) : id)];
+    const SceneParts::LightMedia &media = parts_.lightMedia[lights.WholeOf(lights.IsTile(id) ? lights.SkyOf(id) : id)];
+    return Dot(n, w) < 0 ? media.inside : media.outside;
 }
 
 std::optional<SurfacePoint> Scene::Intersect(const Ray &ray) const {

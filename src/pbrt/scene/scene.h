@@ -28,8 +28,12 @@ struct SceneParts {
     std::unique_ptr<LightTable> lights;
     std::vector<std::unique_ptr<Medium>> media;
     MediumId cameraMedium{};  ///< the medium that the camera stands in
-    std::vector<MediumId>
-        lightMedia{};  ///< by LightTable::WholeOf; an area light is in the outside medium of its shape
+    /// The media that a light stands in, by LightTable::WholeOf. The inside is that behind the shape of an area light;
+    /// for other lights both are the same.
+    struct LightMedia {
+        MediumId outside{}, inside{};
+    };
+    std::vector<LightMedia> lightMedia{};
 };
 
 /// The immutable scene: ray queries, lights, materials by id. No setters.
@@ -79,8 +83,8 @@ class Scene {
     size_t MediumCount() const { return parts_.media.size(); }
     /// The medium in which camera rays start.
     MediumId CameraMedium() const { return parts_.cameraMedium; }
-    /// The medium that a light stands in.
-    MediumId MediumOfLight(LightId id) const;
+    /// The medium in which light leaves a light in direction w, from a surface of this normal (zero: from none).
+    MediumId MediumOfLight(LightId id, const Normal3 &n, const Vector3 &w) const;
     const Shape &ShapeOf(ShapeId id) const { return *parts_.shapes[id.value].shape; }
     size_t ShapeCount() const { return parts_.shapes.size(); }
     /// True if some material scatters light below its surface.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 
 #include "pbrt/build/built_scene.h"
 #include "pbrt/cmd/pbrt/checkpoint.h"
@@ -46,6 +47,21 @@ void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
         if (all[*printed].severity == Severity::Warning) LogInfo(Format(all[*printed], color));
 }
 
+/// "out-name.exr" for "out.exr".
+std::string BesideName(const std::string &filename, const std::string &name) {
+    const std::filesystem::path path(filename);
+    return (path.parent_path() / (path.stem().string() + "-" + name + path.extension().string())).string();
+}
+
+/// Pictures beside the main one are in the memory of one process until its end.
+void CheckSidePictures(const CommandLine &options, const BuiltScene &built, const Ranks *ranks) {
+    if (!built.integrator->MakesSidePictures()) return;
+    if (!options.checkpoint.empty() || ranks)
+        throw UserError(
+            "\"visualizestrategies\" and \"visualizeweights\" exclude --checkpoint, --samples and mpirun: what single "
+            "strategies found is neither kept in checkpoints nor sent to other processes.");
+}
+
 std::string NothingWritten(const std::string &phase) {
     return fmt::format("Interrupted while {}: no image was written.", phase);
 }
@@ -80,6 +96,11 @@ class PictureWriter {
             name = output_.WriteUnfinished(built_.film->ToImage(), Describe(result));
         else
             output_.WriteFinished(built_.film->ToImage(), Describe(result));
+        for (const SidePicture &side : built_.integrator->SidePictures()) {
+            const std::string beside = BesideName(name, side.name);
+            SayWriting(beside);
+            WriteImage(beside, side.film->ToImage(), Describe(result));
+        }
         if (result.cancelled) LogInfo("Interrupted: the image holds what was rendered.");
         if (name != output_.Filename())
             LogInfo(fmt::format("{} is kept: it has more samples of this scene, or an unknown number of them.",
@@ -231,6 +252,7 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     description.shapes.clear();
     PrintWarnings(sink, &printed);
     learnedLights.Check(built);
+    CheckSidePictures(options, built, ranks);
     if (ranks) ranks->Meet();
     signals.EndAtOnce(NothingWritten("preparing lights"));
     timings.build = progress.EndPhase();

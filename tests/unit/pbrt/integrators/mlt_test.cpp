@@ -79,6 +79,8 @@ TEST_P(MltViews, AgreeWithPath) {
 
 INSTANTIATE_TEST_SUITE_P(All, MltViews, testing::ValuesIn(AllViews()),
                          [](const auto &test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(Foggy, MltViews, testing::ValuesIn(FoggyViews()),
+                         [](const auto &test) { return test.param.name; });
 
 /// Small bootstraps know the brightness badly, one by one; their mean is exact for every choice of parameters.
 TEST(Mlt, ParametersDoNotChangeTheMean) {
@@ -95,7 +97,9 @@ TEST(Mlt, ParametersDoNotChangeTheMean) {
     }
 }
 
-TEST(Mlt, IsTheSameForAnyNumberOfThreads) { CheckThreads(AllViews()[0], "mlt", 12); }
+TEST(Mlt, IsTheSameForAnyNumberOfThreads) {
+    for (const View &view : {AllViews()[0], FoggyViews()[2]}) CheckThreads(view, "mlt", 12);
+}
 
 TEST(Mlt, RefusesFilmsAndCamerasThatItCannotServe) {
     View view = AllViews()[0];
@@ -107,8 +111,8 @@ TEST(Mlt, RefusesFilmsAndCamerasThatItCannotServe) {
             EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
         }
     };
-    view.camera = "Camera \"spherical\"\n";
-    expectRefusal("\"perspective\" and \"orthographic\"");
+    view.camera = kRealisticCamera;
+    expectRefusal("\"perspective\", \"orthographic\" and \"spherical\"");
     view = AllViews()[0];
     view.filmType = "gbuffer";
     expectRefusal("\"rgb\" or \"spectral\"");

@@ -26,8 +26,12 @@ std::string Scene(const std::string &world, const Setting &s = {}) {
            "LookAt 0 0 3  0 0 0  0 1 0\nCamera \"orthographic\" \"float screenwindow\" [-.5 .5 -.5 .5]\n" +
            "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16 \"bool savefp16\" false\n" +
            fmt::format("PixelFilter \"box\"\nSampler \"independent\" \"integer pixelsamples\" {}\n", s.samples) +
-           fmt::format("Integrator \"{}\" \"integer maxdepth\" {}{}\nWorldBegin\n", s.integrator, s.maxDepth,
-                       s.integrator == "volpath" ? " \"string lightsampler\" \"" + s.lightSampler + "\"" : "") +
+           fmt::format(
+               "Integrator \"{}\" \"integer maxdepth\" {}{}\nWorldBegin\n", s.integrator, s.maxDepth,
+               s.integrator == "volpath" ? " \"string lightsampler\" \"" + s.lightSampler + "\""
+               : s.integrator == "mlt"
+                   ? fmt::format(" \"integer mutationsperpixel\" {} \"integer bootstrapsamples\" 4000", s.samples)
+                   : "") +
            world;
 }
 
@@ -43,6 +47,17 @@ RunningStatistics ChannelOf(const Image &image, int channel) {
     RunningStatistics s;
     for (int y = 0; y < image.Resolution().y; ++y)
         for (int x = 0; x < image.Resolution().x; ++x) s.Add(static_cast<double>(image.Get({x, y}, channel)));
+    return s;
+}
+
+/// Means of pictures with different seeds.
+RunningStatistics MeansOverSeeds(const std::string &text) {
+    RunningStatistics s;
+    for (int seed = 1; seed <= 8; ++seed) {
+        BuildOptions options;
+        options.seed = seed;
+        s.Add(ChannelOf(RenderText(text, options).image, 1).mean);
+    }
     return s;
 }
 
@@ -95,12 +110,49 @@ TEST(VolPath, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
 
 TEST(VolPath, AFurnaceNoticesALittleAbsorption) {
     const double sky = ChannelOf(RenderText(Scene(kSky)).image, 1).mean;
-    const RunningStatistics s = ChannelOf(
-        RenderText(
-            Scene(kSky + Ball("\"string type\" \"homogeneous\" \"rgb sigma_a\" [.02 .02 .02] \"rgb sigma_s\" [2 2 2]")))
-            .image,
-        1);
-    EXPECT_LT(s.mean / sky, 1 - 4 * s.StandardError() / sky - 1e-3);
+    for (const char *integrator : {"volpath", "bdpt"}) {
+        Setting setting;
+        setting.integrator = integrator;
+        const RunningStatistics s = ChannelOf(
+            RenderText(
+                Scene(kSky +
+                          Ball("\"string type\" \"homogeneous\" \"rgb sigma_a\" [.02 .02 .02] \"rgb sigma_s\" [2 2 2]"),
+                      setting))
+                .image,
+            1);
+        EXPECT_LT(s.mean / sky, 1 - 4 * s.StandardError() / sky - 1e-3) << integrator;
+    }
+}
+
+/// All strategies of bdpt together, of paths of any length.
+TEST(Bdpt, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
+    const double sky = ChannelOf(RenderText(Scene(kSky)).image, 1).mean;
+    for (const auto &[name, medium] : Scattering()) {
+        Setting setting;
+        setting.integrator = "bdpt";
+        setting.maxDepth = 1000;
+        setting.samples = 192;
+        const Image image = RenderText(Scene(kSky + Ball(medium), setting)).image;
+        for (int c = 0; c < 3; ++c) {
+            const RunningStatistics s = ChannelOf(image, c);
+            EXPECT_LT(std::abs(s.mean / sky - 1), 4 * s.StandardError() / sky + 1e-4) << name;
+            EXPECT_LT(s.StandardError(), .012 * sky) << name << ": too noisy to tell";
+        }
+    }
+}
+
+/// Pixels of a chain depend on each other, so pictures of several seeds tell the error.
+TEST(Mlt, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
+    const double sky = ChannelOf(RenderText(Scene(kSky)).image, 1).mean;
+    for (const auto &[name, medium] : Scattering()) {
+        Setting setting;
+        setting.integrator = "mlt";
+        setting.maxDepth = 1000;
+        setting.samples = 16;
+        const RunningStatistics s = MeansOverSeeds(Scene(kSky + Ball(medium), setting));
+        EXPECT_LT(std::abs(s.mean / sky - 1), 5 * s.StandardError() / sky + 1e-4) << name;
+        EXPECT_LT(s.StandardError(), .02 * sky) << name << ": too noisy to tell";
+    }
 }
 
 TEST(VolPath, TheCameraMayStandInAMediumThatHasNoEnd) {
@@ -189,17 +241,6 @@ std::string Foggy(const std::string &medium) {
            Ball(medium);
 }
 
-/// Means of pictures with different seeds.
-RunningStatistics MeansOverSeeds(const std::string &text) {
-    RunningStatistics s;
-    for (int seed = 1; seed <= 8; ++seed) {
-        BuildOptions options;
-        options.seed = seed;
-        s.Add(ChannelOf(RenderText(text, options).image, 1).mean);
-    }
-    return s;
-}
-
 void ExpectEqualMeans(const RunningStatistics &a, const RunningStatistics &b, const std::string &what) {
     EXPECT_LT(std::abs(a.mean - b.mean), 5 * std::hypot(a.StandardError(), b.StandardError())) << what;
     EXPECT_LT(a.StandardError(), 0.02 * a.mean) << what << ": too noisy to tell";
@@ -259,6 +300,30 @@ TEST(VolPath, PathSeesNoMediaAndSaysSo) {
     int warnings = 0;
     for (const Diagnostic &d : fog.diagnostics) warnings += d.message.find("sees no media") != std::string::npos;
     EXPECT_EQ(warnings, 1);
+}
+
+/// How far away such lights are would decide how much fog is before them.
+TEST(Bdpt, WarnsOfLightsBeyondAFogWithoutEnd) {
+    const std::string fog =
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"fog\" \"fog\"\n";
+    const std::string end =
+        "MediumInterface \"fog\" \"\"\nMaterial \"interface\" Shape \"sphere\" \"float radius\" 9\n";
+    const std::string sun = "LightSource \"distant\"\n", lamp = "LightSource \"point\" \"point3 from\" [ 0 2 0 ]\n";
+    const auto warns = [&](const std::string &world, const std::string &integrator) {
+        Setting setting;
+        setting.integrator = integrator;
+        setting.samples = 1;
+        setting.beforeCamera = fog;
+        for (const Diagnostic &d : RenderText(Scene(world, setting)).diagnostics)
+            if (d.message.find("without a boundary") != std::string::npos) return true;
+        return false;
+    };
+    for (const char *integrator : {"bdpt", "mlt", "lightpath"}) {
+        EXPECT_TRUE(warns(sun, integrator)) << integrator;
+        EXPECT_FALSE(warns(sun + end, integrator)) << integrator;
+        EXPECT_FALSE(warns(lamp, integrator)) << integrator;
+    }
+    EXPECT_FALSE(warns(sun, "volpath"));
 }
 
 TEST(SimpleVolPath, ASurfaceThatScattersIsAnError) {

@@ -1,6 +1,7 @@
 // Tests where the picture is written, and what happens if it cannot be written.
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "program.h"
@@ -41,6 +42,29 @@ TEST_F(Output, ALogOnAFullDiskIsAnErrorAfterThePicture) {
     EXPECT_EQ(o.status, 1);
     EXPECT_TRUE(Has(o.err, "/dev/full: cannot be written: No space left on device")) << o.err;
     EXPECT_EQ(ReadImage(Path("scene.exr")).image.Resolution(), Point2i(32, 24));
+}
+
+TEST_F(Output, PicturesOfStrategiesStandBesideThePicture) {
+    std::string scene = SmallScene();
+    const std::string path = "Integrator \"path\"";
+    ASSERT_TRUE(Has(scene, path));
+    scene.replace(scene.find(path), path.size(),
+                  "Integrator \"bdpt\" \"bool visualizestrategies\" true \"bool visualizeweights\" true "
+                  "\"integer maxdepth\" 2\n#");
+    Write("scene.pbrt", scene);
+    RunWell("--spp 2 --outfile out.exr scene.pbrt");
+    std::vector<std::string> expected = {"out.exr", "scene.pbrt"};
+    for (const char *kind : {"strategy", "weighted"})
+        for (const char *strategy : {"depth0-s0-t2", "depth1-s0-t3", "depth1-s1-t2", "depth1-s2-t1", "depth2-s0-t4",
+                                     "depth2-s1-t3", "depth2-s2-t2", "depth2-s3-t1"})
+            expected.push_back(std::string("out-") + kind + "-" + strategy + ".exr");
+    std::sort(expected.begin(), expected.end());
+    std::vector<std::string> files = Files();
+    if (std::find(files.begin(), files.end(), "scene.pbrt") == files.end()) std::erase(expected, "scene.pbrt");
+    EXPECT_EQ(files, expected);
+    EXPECT_EQ(ReadImage(Path("out-weighted-depth1-s1-t2.exr")).image.Resolution(), Point2i(32, 24));
+    ExpectErrors({{"--checkpoint c.chk --outfile other.exr scene.pbrt", {"visualizestrategies", "--checkpoint"}},
+                  {"--checkpoint c.chk --samples 0:1 scene.pbrt", {"visualizestrategies", "--samples"}}});
 }
 
 TEST_F(Output, NamesMayBeLongAndInCapitals) {

@@ -1,0 +1,71 @@
+#include "pbrt/integrators/strategy_pictures.h"
+
+#include <fmt/format.h>
+
+#include "pbrt/integrators/filtered_splat.h"
+
+namespace pbrt {
+
+StrategyPictures::StrategyPictures(std::vector<Kind> kinds, int maxDepth) : kinds_(std::move(kinds)) {
+    for (int depth = 0; depth <= std::min(maxDepth, kMaxDepth); ++depth)
+        for (int s = 0; s <= depth + 1; ++s) {
+            if (s == 1 && depth == 0) continue;  // light that the camera sees is found by the camera only
+            const int t = depth + 2 - s;
+            indexOf_[static_cast<size_t>(s)][static_cast<size_t>(t)] = strategies_.size();
+            strategies_.push_back({s, t});
+        }
+}
+
+void StrategyPictures::Begin(const Film &film) {
+    if (!films_.empty()) return;
+    for (size_t kind = 0; kind < kinds_.size(); ++kind) {
+        auto &films = films_.emplace_back();
+        for (const Strategy &strategy : strategies_) {
+            films.push_back(film.MakeRgbFilm());
+            if (strategy.t == 1) films.back()->ExpectSplats();
+        }
+    }
+}
+
+void StrategyPictures::Add(std::span<const Found> found, Point2i pixel, Float weight, const SampledWavelengths &lambda,
+                           const Filter &filter) {
+    for (size_t kind = 0; kind < kinds_.size(); ++kind) {
+        const auto light = [&](const Found &f) { return kinds_[kind] == Kind::Weighted ? f.weighted : f.unweighted; };
+        std::array<SampledSpectrum, kTable * kTable> sums{};
+        for (const Found &f : found) {
+            const size_t i = indexOf_[static_cast<size_t>(f.s)][static_cast<size_t>(f.t)];
+            if (f.t == 1)
+                AddFilteredSplat(*films_[kind][i], filter, f.pFilm, light(f), lambda);
+            else
+                sums[i] += light(f);
+        }
+        for (size_t i = 0; i < strategies_.size(); ++i) {
+            FilmSample sample;
+            sample.pixel = pixel;
+            sample.L = sums[i];
+            sample.lambda = lambda;
+            sample.weight = weight;
+            films_[kind][i]->AddSample(sample);
+        }
+    }
+}
+
+void StrategyPictures::AddSplatPaths(uint64_t paths) {
+    for (const auto &films : films_)
+        for (size_t i = 0; i < strategies_.size(); ++i)
+            if (strategies_[i].t == 1) films[i]->AddSplatPaths(paths);
+}
+
+std::vector<SidePicture> StrategyPictures::Pictures() const {
+    std::vector<SidePicture> pictures;
+    for (size_t kind = 0; kind < films_.size(); ++kind)
+        for (size_t i = 0; i < strategies_.size(); ++i) {
+            const auto [s, t] = strategies_[i];
+            pictures.push_back({fmt::format("{}-depth{}-s{}-t{}",
+                                            kinds_[kind] == Kind::Weighted ? "weighted" : "strategy", s + t - 2, s, t),
+                                films_[kind][i].get()});
+        }
+    return pictures;
+}
+
+}  // namespace pbrt

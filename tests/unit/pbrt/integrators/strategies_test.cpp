@@ -1,0 +1,187 @@
+// The strategies of bdpt, one by one: each finds all light of its number of scattering events, and their shares in the
+// picture add up to it.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "pbrt/core/parallel.h"
+#include "support/render_scene.h"
+#include "support/render_waves.h"
+#include "support/statistics.h"
+
+namespace pbrt::test {
+namespace {
+
+constexpr int kSize = 12, kSeeds = 8;
+
+struct Place {
+    std::string name;
+    std::string media;  ///< before the camera
+    std::string world;
+    std::string camera = "LookAt 0 -2.4 1.1  0 0 .8  0 0 1\nCamera \"perspective\" \"float fov\" 50\n";
+    std::string filter = "PixelFilter \"gaussian\"\n";
+    bool isFurnace = false;
+};
+
+void PrintTo(const Place &place, std::ostream *out) { *out << place.name; }
+
+std::string Scene(const Place &place, const std::string &integrator, int depth, int samples, int seed) {
+    return place.media + place.camera + place.filter +
+           fmt::format(
+               "Film \"rgb\" \"integer xresolution\" {0} \"integer yresolution\" {0}\n"
+               "Sampler \"independent\" \"integer pixelsamples\" {1} \"integer seed\" {2}\n"
+               "Integrator \"{3}\" \"integer maxdepth\" {4}\nWorldBegin\n",
+               kSize, samples, seed, integrator, depth) +
+           place.world;
+}
+std::string Bdpt(const Place &place, int depth, int samples, int seed = 1) {
+    std::string scene = Scene(place, "bdpt", depth, samples, seed);
+    const std::string name = "Integrator \"bdpt\"";
+    return scene.insert(scene.find(name) + name.size(),
+                        " \"bool visualizestrategies\" true \"bool visualizeweights\" true");
+}
+
+/// A sphere that shines on its inside, all about the camera.
+const Place kFurnace{.name = "Furnace",
+                     .media = "",
+                     .world =
+                         "AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\n"
+                         "Material \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\n"
+                         "ReverseOrientation Shape \"sphere\" \"float radius\" 1\n",
+                     .camera = "LookAt .2 .1 0  0 1 .2  0 0 1\nCamera \"perspective\" \"float fov\" 60\n",
+                     .isFurnace = true};
+/// A lamp behind a door that stands ajar; nothing touches, so that connections have bounds.
+const std::string kDoor =
+    "Material \"diffuse\" \"rgb reflectance\" [ .7 .6 .5 ]\n"
+    "Shape \"bilinearmesh\" \"point3 P\" [ -2 -2 0  2 -2 0  -2 2 0  2 2 0 ]\n"
+    "Shape \"bilinearmesh\" \"point3 P\" [ -2 2.5 .4  2 2.5 .4  -2 2.5 2.6  2 2.5 2.6 ]\n"
+    "AttributeBegin Translate -.2 .7 .4 Rotate 12 0 0 1\n"
+    "Shape \"bilinearmesh\" \"point3 P\" [ -1.2 0 0  1.2 0 0  -1.2 0 1.4  1.2 0 1.4 ] AttributeEnd\n"
+    "AttributeBegin Translate .2 1.6 1.7 Rotate 140 1 0 0 AreaLightSource \"diffuse\" \"rgb L\" [ 9 8 6 ]\n"
+    "Shape \"disk\" \"float radius\" .5 AttributeEnd\n";
+const Place kAjar{.name = "Ajar", .media = "", .world = kDoor};
+const std::string kGlow = "\"rgb Le\" [ .2 .1 .1 ]";
+const Place kSmoke{.name = "Smoke",
+                   .media = "",
+                   .world =
+                       "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [ 1 2 3 ] "
+                       "\"rgb sigma_a\" [ .3 .2 .1 ] \"float g\" .3 " +
+                       kGlow + "\n" + kDoor +
+                       "AttributeBegin MediumInterface \"m\" \"\" Material \"interface\" Translate 0 0 .8\n"
+                       "Shape \"sphere\" \"float radius\" .6 AttributeEnd\n"};
+const Place kParallel{
+    .name = "Parallel",
+    .media = "",
+    .world = kDoor,
+    .camera = "LookAt 0 -2.4 1.1  0 0 .8  0 0 1\nCamera \"orthographic\" \"float screenwindow\" [ -1 1 -1 1 ]\n"};
+
+class Strategies : public testing::TestWithParam<Place> {};
+
+TEST_P(Strategies, TheirSharesAddUpToThePicture) {
+    const Rendered rendered = RenderText(Bdpt(GetParam(), 5, 8));
+    std::vector<double> sum(kSize * kSize * 3);
+    int pictures = 0, black = 0;
+    for (const auto &[name, image] : rendered.sidePictures) {
+        if (name.starts_with("strategy")) continue;
+        ++pictures;
+        double all = 0;
+        for (int y = 0; y < kSize; ++y)
+            for (int x = 0; x < kSize; ++x)
+                for (int c = 0; c < 3; ++c) {
+                    sum[size_t((y * kSize + x) * 3 + c)] += double(image.Get({x, y}, c));
+                    all += double(image.Get({x, y}, c));
+                }
+        black += !(all > 0);
+    }
+    EXPECT_EQ(pictures, 1 + 3 + 4 + 5 + 6 + 7);
+    // Where the lamp is hidden, and hardly any path to it is short.
+    EXPECT_LE(black, 3);
+    double largest = 0, mean = 0;
+    for (double v : sum) mean += v / static_cast<double>(sum.size());
+    for (int y = 0; y < kSize; ++y)
+        for (int x = 0; x < kSize; ++x)
+            for (int c = 0; c < 3; ++c)
+                largest = std::max(
+                    largest, std::abs(sum[size_t((y * kSize + x) * 3 + c)] - double(rendered.image.Get({x, y}, c))));
+    EXPECT_LT(largest, 1e-5 * std::max(mean, 1.)) << "of " << mean;
+}
+
+/// The mean of every colour of pictures of several seeds.
+using Colors = std::array<RunningStatistics, 3>;
+void Add(Colors &colors, const Image &image, double sign = 1, const Image *less = nullptr) {
+    for (int c = 0; c < 3; ++c) {
+        double sum = 0;
+        for (int y = 0; y < kSize; ++y)
+            for (int x = 0; x < kSize; ++x)
+                sum += double(image.Get({x, y}, c)) - (less ? double(less->Get({x, y}, c)) : 0.);
+        colors[size_t(c)].Add(sign * sum / (kSize * kSize));
+    }
+}
+
+TEST_P(Strategies, EachAloneFindsAllLightOfItsDepth) {
+    Place place = GetParam();
+    const bool isSmoke = place.world.find("Medium") != std::string::npos;
+    // What media emit is found by camera paths only.
+    if (const size_t glow = place.world.find(kGlow); glow != std::string::npos) place.world.erase(glow, kGlow.size());
+    constexpr int kDepth = 3, kSamples = 192;
+    std::map<std::string, Colors> alone;
+    std::array<Colors, kDepth + 1> expected;
+    for (int seed = 1; seed <= kSeeds; ++seed) {
+        for (const auto &[name, image] : RenderText(Bdpt(place, kDepth, kSamples, seed)).sidePictures)
+            if (name.starts_with("strategy")) Add(alone[name], image);
+        Image before;  // the same paths, one scattering event shorter
+        for (int depth = 0; depth <= kDepth; ++depth) {
+            const Image image =
+                RenderText(Scene(place, isSmoke ? "volpath" : "path", depth, 4 * kSamples, 100 + seed)).image;
+            Add(expected[size_t(depth)], image, 1, depth > 0 ? &before : nullptr);
+            before = image;
+        }
+    }
+    EXPECT_EQ(alone.size(), 1 + 3 + 4 + 5);
+    double brightest = 0;
+    for (const Colors &e : expected) brightest = std::max(brightest, e[1].mean);
+    for (const auto &[name, colors] : alone) {
+        const int depth = name[name.find("depth") + 5] - '0';
+        for (size_t c = 0; c < 3; ++c) {
+            const RunningStatistics &e = expected[size_t(depth)][c];
+            const double error = std::hypot(e.StandardError(), colors[c].StandardError());
+            EXPECT_LT(std::abs(colors[c].mean - e.mean), 5.5 * error + 1e-5 * brightest)
+                << name << ": " << colors[c].mean << " for " << e.mean;
+            EXPECT_LT(error, .1 * brightest) << name << ": the test would see nothing";
+        }
+        if (place.isFurnace) {
+            EXPECT_LT(std::abs(colors[1].mean / expected[0][1].mean - std::pow(.5, depth)),
+                      5.5 * colors[1].StandardError() / expected[0][1].mean + 1e-4)
+                << name;
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Strategies, testing::Values(kFurnace, kAjar, kSmoke, kParallel),
+                         [](const auto &test) { return test.param.name; });
+
+TEST(StrategyPictures, AreTheSameForAnyNumberOfThreads) {
+    ThreadLimit one(1);
+    const Rendered expected = RenderText(Bdpt(kSmoke, 4, 4));
+    ThreadLimit limit(3);
+    const Rendered other = RenderText(Bdpt(kSmoke, 4, 4));
+    ASSERT_EQ(expected.sidePictures.size(), other.sidePictures.size());
+    for (size_t i = 0; i < other.sidePictures.size(); ++i)
+        EXPECT_TRUE(SameBits(expected.sidePictures[i].second, other.sidePictures[i].second))
+            << other.sidePictures[i].first;
+    EXPECT_TRUE(SameBits(expected.image, other.image));
+}
+
+TEST(StrategyPictures, DoNotChangeThePictureAndLimitTheDepth) {
+    const Rendered shown = RenderText(Bdpt(kAjar, 9, 4));
+    EXPECT_TRUE(SameBits(shown.image, RenderText(Scene(kAjar, "bdpt", 5, 4, 1)).image));
+    bool warned = false;
+    for (const Diagnostic &d : shown.diagnostics) warned |= d.message.find("\"maxdepth\" 5") != std::string::npos;
+    EXPECT_TRUE(warned);
+    EXPECT_TRUE(RenderText(Scene(kAjar, "bdpt", 5, 1, 1)).sidePictures.empty());
+}
+
+}  // namespace
+}  // namespace pbrt::test

@@ -19,8 +19,7 @@ struct BdptIntegrator::Sample {
 
 BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
                                std::unique_ptr<LightSampler> connecting, std::unique_ptr<ShadowRayGate> gate,
-                               std::unique_ptr<LightSampler> shooting,
-                               std::unique_ptr<StrategyPictures> strategies)
+                               std::unique_ptr<LightSampler> shooting, std::unique_ptr<StrategyPictures> strategies)
     : context_(context),
       maxDepth_(maxDepth),
       regularize_(regularize),

@@ -86,7 +86,7 @@ class BdptIntegrator final : public PixelIntegrator {
     void ConnectToCamera(Sample &sample, int lightVertices, std::vector<SeenLight> &seen) const;
     /// For the pictures of strategies.
     void Tell(const Sample &sample, const StrategyPictures::Found &found) const;
-    /// The weight of the path of the first `lightVertices` and `cameraVertices` vertices of both subpaths; `hit`: in
+    /// The weight of the path of the first `lightVertices` and `cameraVertices` vertices of both subpaths; `end`: in
     /// place of the first, what the camera path met, or the light that was sampled.
     Float WeightOf(Sample &sample, int lightVertices, int cameraVertices, const BdptVertex *end, Float cameraPdf) const;
 

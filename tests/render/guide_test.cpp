@@ -78,19 +78,21 @@ Image Render(BuiltScene &built, const std::vector<int> &sizes = {kSamples}) {
 }
 
 BuiltScene Spot(bool guide, const std::string &sampler = "bvh") {
-    return BuildText(Room("\"string lightsampler\" \"" + sampler + "\" \"bool guide\" " + (guide ? "true" : "false"),
+    return BuildText(Room("\"string lightsampler\" \"" + sampler + "\" \"bool guide\" " + (guide ? "true" : "false") +
+                              " \"bool guide.directions\" true",
                           kDiffuse, kSpot));
 }
 
 TEST(GuidedPaths, HaveTheMeanOfPlainPaths) {
     for (const Case &c : kCases) {
-        const auto statistics = [&](bool guide, int firstSeed, Float factor = 1) {
+        const auto statistics = [&](bool guide, int firstSeed, Float factor = 1, bool directions = false) {
             PixelStatistics s;
             for (int run = 0; run < 24; ++run) {
                 BuildOptions options;
                 options.seed = firstSeed + run;
                 options.guide = guide;
-                BuiltScene built = BuildText(Room(c.sampler, c.floor, c.light), options);
+                BuiltScene built = BuildText(
+                    Room(c.sampler + (directions ? "\"bool guide.directions\" true" : ""), c.floor, c.light), options);
                 Image image = Render(built);
                 EXPECT_EQ(built.integrator->Guide() != nullptr, guide);
                 for (int y = 0; factor != 1 && y < 48; ++y)
@@ -101,10 +103,13 @@ TEST(GuidedPaths, HaveTheMeanOfPlainPaths) {
             return s;
         };
         const PixelStatistics plain = statistics(false, 1000);
-        const Agreement a = Compare(statistics(true, 2000), {&plain}, 3, 1e-3);
-        EXPECT_TRUE(a.Agrees()) << c.name << ": p " << a.worstP << " at " << a.worst;
-        EXPECT_LT(a.error, 0.01) << c.name << ": too noisy to tell";
-        std::printf("%s: mean %+.3f +- %.3f %%, worst p %.2g\n", c.name, 100 * a.difference, 100 * a.error, a.worstP);
+        for (const bool directions : {false, true}) {
+            const Agreement a = Compare(statistics(true, 2000, 1, directions), {&plain}, 3, 1e-3);
+            EXPECT_TRUE(a.Agrees()) << c.name << ": p " << a.worstP << " at " << a.worst;
+            EXPECT_LT(a.error, 0.01) << c.name << ": too noisy to tell";
+            std::printf("%s%s: mean %+.3f +- %.3f %%, worst p %.2g\n", c.name, directions ? " with directions" : "",
+                        100 * a.difference, 100 * a.error, a.worstP);
+        }
         const Agreement spoilt = Compare(statistics(true, 3000, 1.05f), {&plain}, 3, 1e-3);
         EXPECT_FALSE(spoilt.Agrees()) << c.name << ": 5 % too bright, and not noticed";
     }
@@ -116,6 +121,7 @@ TEST(GuidedPaths, AreGuidedWhereLightComesFromOnePlace) {
     nlohmann::ordered_json report;
     built.integrator->Guide()->Report(report);
     EXPECT_GT(report["guidingCells"].get<int>(), 5) << report.dump();
+    EXPECT_GT(report["rouletteCells"].get<int>(), 5) << report.dump();
 }
 
 TEST(GuidedPaths, AreTheSameForAnyThreadsAndAnySplit) {
@@ -134,7 +140,7 @@ TEST(GuidedPaths, AreTheSameForAnyThreadsAndAnySplit) {
     }
 }
 
-TEST(GuidedPaths, ChangeNothingUnderEvenLight) {
+TEST(GuidedPaths, DirectionsChangeNothingUnderEvenLight) {
     const auto render = [](bool guide) {
         BuildOptions options;
         options.guide = guide;
@@ -142,7 +148,8 @@ TEST(GuidedPaths, ChangeNothingUnderEvenLight) {
             "LookAt 0 0 -4 0 0 0 0 1 0 Camera \"perspective\" \"float fov\" 60\n"
             "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 40\n"
             "Sampler \"independent\" \"integer pixelsamples\" 16\n"
-            "Integrator \"path\" \"integer maxdepth\" 6\nWorldBegin\n"
+            "Integrator \"path\" \"integer maxdepth\" 6 \"bool guide.roulette\" false \"bool guide.directions\" true\n"
+            "WorldBegin\n"
             "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\n"
             "Material \"diffuse\" \"rgb reflectance\" [ .8 .8 .8 ]\n"
             "Shape \"sphere\" Translate 1.5 0 0 Shape \"sphere\"\n",

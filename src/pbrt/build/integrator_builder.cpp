@@ -43,7 +43,7 @@ struct GuidedPathParams : PathParams {
     template <class V>
     void Describe(V &&v) {
         PathParams::Describe(v);
-        v("guide", guide, "choose a part of the bounces' directions by what earlier samples found; as --guide");
+        v("guide", guide, "let paths depend on what earlier samples found, as the parameters below say; as --guide");
         guideParams.Describe(v);
     }
 };

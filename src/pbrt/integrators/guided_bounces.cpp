@@ -5,6 +5,7 @@ namespace pbrt {
 void GuidedBounces::Begin(const PathVertex &vertex) {
     const auto &[point, bsdf] = vertex;
     share_ = 0;
+    if (!guide_.LearnsDirections()) return;
     isGuided_ = PathGuide::Guides(bsdf);
     if (!isGuided_) return;
     isGlossy_ = Has(bsdf.Flags(), BxdfFlags::Glossy);
@@ -63,7 +64,7 @@ std::optional<BsdfSample> GuidedBounces::Sample(const PathVertex &vertex, Float 
 void GuidedBounces::Left(const PathVertex &vertex, const BsdfSample &sample, Float pdf, const SampledSpectrum &L,
                          const SampledSpectrum &beta) {
     if (!isGuided_ || places_.next + open_ >= places_.end || open_ == kMaxOpen) return;
-    Open &open = bounces_[open_++];
+    OpenBounce &open = bounces_[open_++];
     open.L = L;
     open.beta = beta;
     open.record = {.p = vertex.point.p,
@@ -75,9 +76,29 @@ void GuidedBounces::Left(const PathVertex &vertex, const BsdfSample &sample, Flo
                    .isGlossy = isGlossy_};
 }
 
+namespace {
+
+uint32_t KindOf(const PathVertex &vertex) {
+    const Vector3 n(vertex.point.n);
+    return PathRoulette::KindOf(Dot(vertex.point.wo, n) < 0 ? -n : n, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy));
+}
+
+}  // namespace
+
+Float GuidedBounces::Survival(const PathVertex &vertex, Float beta) const {
+    return roulette_->SurvivalAt(vertex.point.p, KindOf(vertex), beta, pixel_);
+}
+
+void GuidedBounces::Open(const PathVertex &vertex, const SampledSpectrum &beta, const SampledSpectrum &L) {
+    ++cost_;
+    if (!roulette_ || !path_ || openVertices_ == vertices_.size()) return;
+    const Float weight = beta.Average();
+    if (weight > 0) vertices_[openVertices_++] = {{vertex.point.p, KindOf(vertex), 0, cost_}, L, weight};
+}
+
 void GuidedBounces::End(const SampledSpectrum &L) {
     for (size_t i = 0; i < open_; ++i) {
-        Open &open = bounces_[i];
+        OpenBounce &open = bounces_[i];
         const SampledSpectrum added = L - open.L;
         open.record.added = added.Average();
         Float radiance = 0;
@@ -91,6 +112,17 @@ void GuidedBounces::End(const SampledSpectrum &L) {
             guide_.Record(places_, open.record);
     }
     open_ = 0;
+    if (!roulette_ || !path_) return;
+    const size_t first = *path_ * roulette_->Vertices();
+    for (size_t i = 0; i < std::min(openVertices_, roulette_->Vertices()); ++i) {
+        RouletteRecord record = vertices_[i].record;
+        record.found = (L - vertices_[i].L).Average() / vertices_[i].beta;
+        record.cost = cost_ - record.cost + 1;
+        if (record.found >= 0 && std::isfinite(record.found * record.found)) roulette_->Record(first + i, record);
+    }
+    openVertices_ = 0;
+    const Float found = L.Average();
+    if (std::isfinite(found * found)) roulette_->RecordPath(*path_, {found, 1 + cost_});
 }
 
 }  // namespace pbrt

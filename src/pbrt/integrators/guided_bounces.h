@@ -4,13 +4,26 @@
 
 namespace pbrt {
 
-/// The bounces of one path. Where the guide has a share, a direction is chosen by it or by the BSDF, with the density
-/// of the mixture in all weights; specular lobes keep their samples. A vertex of share 0 takes the samples that the
-/// BSDF alone would take, bit by bit. What the bounces find is recorded for the guide.
+/// The bounces of one path, and where it ends. Where the guide has a share, a direction is chosen by it or by
+/// the BSDF, with the density of the mixture in all weights; specular lobes keep their samples. A vertex of share 0
+/// takes the samples that the BSDF alone would take, bit by bit. What the bounces find is recorded for the guide.
 class GuidedBounces {
   public:
     GuidedBounces(PathGuide &guide, Point2i pixel, int sample)
-        : guide_(guide), places_(guide.BeginRecords(pixel, sample)) {}
+        : guide_(guide),
+          roulette_(guide.Roulette()),
+          pixel_(guide.InPicture(pixel)),
+          path_(guide.PathNumber(pixel, sample)),
+          places_(guide.BeginRecords(path_)) {}
+
+    /// True if the path asks for its chance to survive where it arrives, not by its weight after a bounce.
+    bool KnowsRoulette() const { return roulette_ && roulette_->Knows(); }
+    /// The probability with which the path should go on from the vertex; 0: not known. `beta`: the path's weight, mean
+    /// over wavelengths.
+    Float Survival(const PathVertex &vertex, Float beta) const;
+    /// Light is about to be sampled at the vertex, and the path to be followed from there. `beta`: its weight; `L`:
+    /// what it found so far.
+    void Open(const PathVertex &vertex, const SampledSpectrum &beta, const SampledSpectrum &L);
 
     /// The path is at a vertex that scatters.
     void Begin(const PathVertex &vertex);
@@ -26,13 +39,24 @@ class GuidedBounces {
 
   private:
     /// A bounce whose end is not known yet.
-    struct Open {
+    struct OpenBounce {
         GuideRecord record;
         SampledSpectrum L, beta;
     };
     static constexpr size_t kMaxOpen = 5;
 
+    /// A vertex from which it is not known yet what the path finds.
+    struct OpenVertex {
+        RouletteRecord record;  ///< its cost: vertices up to it, itself included
+        SampledSpectrum L;
+        Float beta = 0;
+    };
+    static constexpr size_t kMaxOpenVertices = 6;
+
     PathGuide &guide_;
+    PathRoulette *roulette_;            ///< or null
+    const Point2i pixel_;               ///< relative to the picture's corner
+    const std::optional<size_t> path_;  ///< its number, if it is recorded
     LightLearner::PathPlaces places_;
     bool isGuided_ = false;  ///< the vertex's BSDF can be guided
     bool isGlossy_ = false, bothSides_ = false;
@@ -40,7 +64,10 @@ class GuidedBounces {
     Vector3 normal_{};
     GuideDirections directions_;
     size_t open_ = 0;
-    std::array<Open, kMaxOpen> bounces_;
+    std::array<OpenBounce, kMaxOpen> bounces_;
+    Float cost_ = 0;  ///< vertices that light was sampled at
+    size_t openVertices_ = 0;
+    std::array<OpenVertex, kMaxOpenVertices> vertices_;
 };
 
 }  // namespace pbrt

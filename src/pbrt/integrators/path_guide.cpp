@@ -56,7 +56,7 @@ struct Neighbours {
 constexpr double kSpread[9] = {1 / 16., 1 / 8., 1 / 16., 1 / 8., 1 / 4., 1 / 8., 1 / 16., 1 / 8., 1 / 16.};
 
 /// Changes with everything that PathGuide::Save writes.
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 
 }  // namespace
 
@@ -286,6 +286,7 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     for (const Leaf &leaf : tree_.leaves)
         for (const Float share : leaf.share)
             if (share != 0 && !(share > 0 && share < 1 && leaf.grid < tree_.grids.size())) in.Refuse();
+    roulette_.Load(in);
     BeginLearning(first, next);
     AddRecords(in);
 }
@@ -297,6 +298,7 @@ void PathGuide::Save(StateWriter &out) const {
     out.Vector(tree_.nodes);
     out.Vector(tree_.leaves);
     out.Vector(tree_.grids);
+    roulette_.Save(out);
     TakeRecords(out);
 }
 
@@ -318,25 +320,32 @@ void PathGuide::BeginLearning(int first, int next) {
     first_ = first;
     next_ = next;
     places_ = {};
+    roulette_.BeginRecords(0, 0);
     if (next_ == 0) return;
     const Vector2i size = pixels_.IsEmpty() ? Vector2i(0) : pixels_.high - pixels_.low;
     for (stride_ = 1;; ++stride_) {
         placesPerRow_ = static_cast<size_t>((size.x + stride_ - 1) / stride_);
-        const size_t count =
-            placesPerRow_ * static_cast<size_t>(size.y) * static_cast<size_t>(next_ - first_) * vertices_;
-        if (count > static_cast<size_t>(params_.records) && stride_ < size.x) continue;
-        places_.assign(count, {});
+        const size_t paths = placesPerRow_ * static_cast<size_t>(size.y) * static_cast<size_t>(next_ - first_);
+        if (paths * vertices_ > static_cast<size_t>(params_.records) && stride_ < size.x) continue;
+        if (params_.directions) places_.assign(paths * vertices_, {});
+        roulette_.BeginRecords(params_.roulette ? paths : 0, vertices_ + 1);
         return;
     }
 }
 
-LightLearner::PathPlaces PathGuide::BeginRecords(Point2i pixel, int sample) const {
+Point2i PathGuide::PixelOf(size_t path) const {
+    const size_t ofPixel = path / static_cast<size_t>(next_ - first_);
+    const int y = static_cast<int>(ofPixel / placesPerRow_);
+    // x + kRowShift y is a multiple of the stride.
+    const int shift = (stride_ - kRowShift * y % stride_) % stride_;
+    return {static_cast<int>(ofPixel % placesPerRow_) * stride_ + shift, y};
+}
+
+std::optional<size_t> PathGuide::PathNumber(Point2i pixel, int sample) const {
     const Vector2i at = pixel - pixels_.low;
-    if (places_.empty() || sample < first_ || sample >= next_ || (at.x + kRowShift * at.y) % stride_ != 0) return {};
+    if (next_ == 0 || sample < first_ || sample >= next_ || (at.x + kRowShift * at.y) % stride_ != 0) return {};
     const size_t ofPixel = static_cast<size_t>(at.y) * placesPerRow_ + static_cast<size_t>(at.x / stride_);
-    const size_t next =
-        (ofPixel * static_cast<size_t>(next_ - first_) + static_cast<size_t>(sample - first_)) * vertices_;
-    return {next, next + vertices_};
+    return ofPixel * static_cast<size_t>(next_ - first_) + static_cast<size_t>(sample - first_);
 }
 
 int PathGuide::NextLearning() const {
@@ -357,6 +366,7 @@ void PathGuide::Learn(const Progress &progress) {
     for (const GuideRecord &place : places_)
         if (place.pdf > 0) records.push_back(&place);
     GuideBuilder(std::move(records), params_.share, &tree_).Build();
+    if (params_.roulette) roulette_.Learn(pixels_.high - pixels_.low, [&](size_t path) { return PixelOf(path); });
     BeginLearning(now, NextAfter(now));
 }
 
@@ -370,6 +380,7 @@ void PathGuide::TakeRecords(StateWriter &out) const {
         out.Value(uint64_t{i});
         out.Value(places_[i]);
     }
+    roulette_.TakeRecords(out);
 }
 
 void PathGuide::AddRecords(StateReader &in) {
@@ -379,12 +390,14 @@ void PathGuide::AddRecords(StateReader &in) {
         if (i >= places_.size()) in.Refuse();
         in.Value(&places_[i]);
     }
+    roulette_.AddRecords(in);
 }
 
 void PathGuide::TakeFound(StateWriter &out) {
     if (lights_ && lights_->NextLearning() > 0) lights_->TakeFound(out);
     TakeRecords(out);
     std::fill(places_.begin(), places_.end(), GuideRecord{});
+    roulette_.ClearRecords();
 }
 
 void PathGuide::AddFound(StateReader &in) {
@@ -400,6 +413,7 @@ void PathGuide::Report(nlohmann::ordered_json &json) const {
         guiding += most > 0;
         shares += static_cast<double>(most);
     }
+    json["rouletteCells"] = roulette_.Cells();
     json["cells"] = tree_.leaves.size();
     json["guidingCells"] = guiding;
     json["meanShare"] = tree_.leaves.empty() ? 0 : shares / static_cast<double>(tree_.leaves.size());

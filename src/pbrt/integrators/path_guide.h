@@ -5,20 +5,28 @@
 #include "pbrt/bxdfs/bsdf.h"
 #include "pbrt/core/params.h"
 #include "pbrt/integrators/guide_grid.h"
+#include "pbrt/integrators/path_roulette.h"
 #include "pbrt/lightsamplers/light_learner.h"
 
 namespace pbrt {
 
 /// Parameters of guided paths.
 struct GuideParams {
+    bool roulette = true;
+    bool directions = false;
     Float share = 0.7f;
-    int records = 1 << 20;
+    int records = 1 << 18;
     template <class V>
     void Describe(V &&v) {
+        v("guide.roulette", roulette,
+          "where a path ends depends on what earlier samples found from there on, and on what it cost");
+        v("guide.directions", directions, "a part of the bounces goes where earlier samples found light");
         v("guide.share", share, Range<Float>{0, 0.95f},
           "largest share of bounces whose direction comes from what was learned, not from the BSDF");
         v("guide.records", records, Range<int>{1000, 1 << 26},
-          "at most so many bounces are remembered from one learning to the next (56 bytes each)");
+          "at most so many places on paths are remembered from one learning to the next (24 bytes each, with "
+          "directions "
+          "80)");
     }
 };
 
@@ -43,6 +51,7 @@ struct GuideRecord {
 /// the share that makes the second moment of the bounces' contributions least, as one half of the records tells of what
 /// the other half taught; 0 where little is gained. It learns together with the light sampler, if that learns
 /// (LightLearner).
+/// Roulette by what paths found from a place on is learned from the same paths (PathRoulette).
 class PathGuide final : public LightLearner {
   public:
     /// `lights`: the learner of the light sampler, or null.
@@ -55,8 +64,17 @@ class PathGuide final : public LightLearner {
     /// The grid of the cell that p lies in, and the share of bounces that follow it; null: none do.
     const GuideGrid *At(const Point3 &p, bool isGlossy, Float *share) const;
 
-    /// The places for records of a path. The path keeps the range.
-    PathPlaces BeginRecords(Point2i pixel, int sample) const;
+    bool LearnsDirections() const { return params_.directions; }
+    /// Null: paths end by their weight alone.
+    PathRoulette *Roulette() { return params_.roulette ? &roulette_ : nullptr; }
+    /// A pixel, relative to the picture's corner.
+    Point2i InPicture(Point2i pixel) const { return pixel - pixels_.low; }
+    /// The number of a path that is recorded.
+    std::optional<size_t> PathNumber(Point2i pixel, int sample) const;
+    /// The places for records of a path's bounces. The path keeps the range.
+    PathPlaces BeginRecords(std::optional<size_t> path) const {
+        return path && params_.directions ? PathPlaces{*path * vertices_, (*path + 1) * vertices_} : PathPlaces{};
+    }
     void Record(PathPlaces &path, const GuideRecord &record) {
         if (path.next >= path.end) return;
         GuideRecord &place = places_[path.next++];
@@ -105,6 +123,8 @@ class PathGuide final : public LightLearner {
     int NextAfter(int first) const;
     /// Makes places for what samples [first, next) find; for none if `next` is 0.
     void BeginLearning(int first, int next);
+    /// The pixel of a path's number, relative to the picture's corner.
+    Point2i PixelOf(size_t path) const;
     void TakeRecords(StateWriter &out) const;
     void AddRecords(StateReader &in);
 
@@ -115,6 +135,7 @@ class PathGuide final : public LightLearner {
     int samplesPerPixel_ = 1, next_ = 0, first_ = 0, stride_ = 1;
     size_t vertices_ = 1, placesPerRow_ = 0;
     std::vector<GuideRecord> places_;
+    PathRoulette roulette_;
 };
 
 }  // namespace pbrt

@@ -12,6 +12,9 @@ namespace {
 
 /// Bounces that the BSDF chooses. GuidedBounces has the same functions.
 struct BsdfBounces {
+    static constexpr bool KnowsRoulette() { return false; }
+    static constexpr Float Survival(const PathVertex &, Float) { return 0; }
+    void Open(const PathVertex &, const SampledSpectrum &, const SampledSpectrum &) {}
     void Begin(const PathVertex &) {}
     std::optional<BsdfSample> Sample(const PathVertex &vertex, Float uc, const Point2 &u) const {
         return vertex.bsdf.Sample(vertex.point.wo, uc, u);
@@ -109,6 +112,16 @@ SampledSpectrum PathIntegrator::Follow(const PathStart &start, SampledWavelength
         return PowerHeuristic(pBsdf, pLight);
     };
 
+    // Russian roulette on the throughput without the radiance scaling of refraction. False: the path ends.
+    auto survives = [&] {
+        Float survive = (beta * etaScale).MaxComponent();
+        if (survive < 1) {
+            if (sampler.Get1D() >= survive) return false;
+            beta /= survive;
+        }
+        return true;
+    };
+
     for (;;) {
         const PathWalk::Met met = walk.Next();
         if (met == PathWalk::Met::TooManyInterfaces) break;
@@ -132,9 +145,21 @@ SampledSpectrum PathIntegrator::Follow(const PathStart &start, SampledWavelength
         const auto &[point, bsdf] = walk.Vertex();
         if (depth++ == settings_.maxDepth) break;
         ++ThreadCounters().pathVertices;
+        const bool samplesLight = IsNonSpecular(bsdf.Flags());
+        if (bounces.KnowsRoulette() && depth > 1) {
+            // Where nothing is known, and at specular surfaces, it is the throughput that counts.
+            const Float survive = samplesLight ? bounces.Survival(walk.Vertex(), beta.Average()) : 0;
+            if (survive > 0 && survive < 1) {
+                if (sampler.Get1D() >= survive) break;
+                beta /= survive;
+            } else if (survive == 0 && depth > 2 && !survives()) {
+                break;
+            }
+        }
         bounces.Begin(walk.Vertex());
 
-        if (IsNonSpecular(bsdf.Flags())) {
+        if (samplesLight) {
+            bounces.Open(walk.Vertex(), beta, L);
             current->Prepare(*lights_, walk.Vertex(), lambda, depth);
             L += beta * SampleDirect(walk.Vertex(), current->lights, bounces, lambda, sampler, places);
         }
@@ -173,12 +198,7 @@ SampledSpectrum PathIntegrator::Follow(const PathStart &start, SampledWavelength
             }
         }
 
-        // Russian roulette on the throughput without the radiance scaling of refraction.
-        Float survive = (beta * etaScale).MaxComponent();
-        if (survive < 1 && depth > 1) {
-            if (sampler.Get1D() >= survive) break;
-            beta /= survive;
-        }
+        if (!bounces.KnowsRoulette() && depth > 1 && !survives()) break;
     }
     bounces.End(L);
     ++ThreadCounters().cameraPaths;

@@ -242,7 +242,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
                    "use this integrator instead of the scene's (path, simplepath, ...)")
         ->group(method);
     app.add_flag("--guide", o.build.guide,
-                 "integrator path: choose a part of the bounces' directions by what earlier samples found")
+                 "integrator path: end paths by what earlier samples found (\"guide.*\" parameters)")
         ->group(method);
     CLI::Option *depthOption =
         app.add_option("--maxdepth", maxDepth, "scattering events per path; 1: direct light only")

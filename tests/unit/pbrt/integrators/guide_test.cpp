@@ -57,6 +57,14 @@ TEST(GuideDirections, SamplesHaveTheirDensityAndItIntegratesToOne) {
         }
 }
 
+GuideParams Directions() {
+    GuideParams params;
+    params.roulette = false;
+    params.directions = true;
+    params.records = 1 << 20;
+    return params;
+}
+
 /// A guide that has learned from made-up records at p in [-1, 1]^2 on the plane z = 0: the light of a record in
 /// direction w is light(p, w).
 template <class Light>
@@ -66,7 +74,7 @@ class Learned {
         : built_(BuildText("Film \"rgb\" \"integer xresolution\" 100 \"integer yresolution\" 100\n"
                            "Sampler \"independent\" \"integer pixelsamples\" 4\nWorldBegin\n"
                            "LightSource \"infinite\" Shape \"sphere\"\n")),
-          guide(GuideParams{}, nullptr) {
+          guide(Directions(), nullptr) {
         PrepareContext context = built_.Preparation(progress_);
         context.samplesPerPixel = 4;
         guide.Prepare(context, 1);
@@ -75,7 +83,7 @@ class Learned {
         for (int sample = 0; sample < 2; ++sample)
             for (int y = 0; y < 100; ++y)
                 for (int x = 0; x < 100; ++x) {
-                    LightLearner::PathPlaces places = guide.BeginRecords({x, y}, sample);
+                    LightLearner::PathPlaces places = guide.BeginRecords(guide.PathNumber({x, y}, sample));
                     GuideRecord r;
                     r.p = {2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 0};
                     r.normal = {0, 0, 1};
@@ -144,14 +152,14 @@ TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
         context.learned = &reader;
         guide.Prepare(context, 1);
     };
-    PathGuide other(GuideParams{}, nullptr);
+    PathGuide other(Directions(), nullptr);
     load(state, other);
     StateWriter again;
     other.Save(again);
     EXPECT_EQ(again.Joined(), state);
     for (const std::string &damaged :
          {state.substr(0, state.size() - 1), state.substr(0, 20), std::string(state.size(), '\x7f')}) {
-        PathGuide refusing(GuideParams{}, nullptr);
+        PathGuide refusing(Directions(), nullptr);
         EXPECT_THROW(load(damaged, refusing), UserError);
     }
 }

@@ -75,6 +75,7 @@ TEST_F(Checkpoints, AGuidedRenderThatWasKilledGivesTheSameBits) {
     const std::string arguments = lights_ + "--guide scene.pbrt --nthreads 2 --outfile ";
     const ImageFile whole = Render(lights_ + "--guide scene.pbrt --nthreads 1", "whole.exr");
     EXPECT_GT(IntOf(whole, "guide.guidingCells"), 0);
+    EXPECT_GT(IntOf(whole, "guide.rouletteCells"), 0);
     KillAndResume(arguments + "out.exr", 3);
     EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr"))));
     EXPECT_FALSE(SamePixels(whole, Render(lights_ + "scene.pbrt")));

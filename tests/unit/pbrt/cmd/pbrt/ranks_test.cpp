@@ -96,6 +96,7 @@ TEST_F(Mpi, GuidedPaths) {
     StartAs(1);
     const ImageFile one = Render(lights_ + "--guide scene.pbrt --nthreads 1");
     EXPECT_GT(IntOf(one, "guide.guidingCells"), 0);
+    EXPECT_GT(IntOf(one, "guide.rouletteCells"), 0);
     for (const int ranks : {2, 3}) {
         StartAs(ranks);
         const ImageFile many = Render(lights_ + "--guide scene.pbrt --nthreads " + std::to_string(4 - ranks));

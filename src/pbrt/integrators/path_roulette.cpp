@@ -1,0 +1,242 @@
+#include "pbrt/integrators/path_roulette.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace pbrt {
+
+namespace {
+
+/// A cell with more records is divided.
+constexpr std::ptrdiff_t kCellRecords = 1024;
+/// What the cell above says counts like so many records.
+constexpr double kPriorRecords = 128;
+/// No record has a larger part than this of the second moment of its cell.
+constexpr double kLargestPart = 0.1;
+/// No pixel has a larger part than this of the picture's variance.
+constexpr double kLargestPixel = 0.01;
+/// Where the picture is darker than this part of its mean, errors count less.
+constexpr double kDark = 0.2;
+/// A tile of the picture has at least so many recorded paths, if the picture has.
+constexpr double kTilePaths = 64;
+
+}  // namespace
+
+uint32_t PathRoulette::KindOf(const Vector3 &n, bool isGlossy) {
+    const Vector3 a = Abs(n);
+    const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+    return static_cast<uint32_t>(axis * 4 + (n[axis] < 0 ? 2 : 0) + (isGlossy ? 1 : 0));
+}
+
+void PathRoulette::BeginRecords(size_t paths, size_t vertices) {
+    vertices_ = vertices;
+    records_ = {};
+    totals_ = {};
+    records_.assign(paths * vertices, {});
+    totals_.assign(paths, {});
+}
+
+void PathRoulette::ClearRecords() {
+    std::fill(records_.begin(), records_.end(), RouletteRecord{});
+    std::fill(totals_.begin(), totals_.end(), PathTotal{});
+}
+
+Float PathRoulette::SurvivalAt(const Point3 &p, uint32_t kind, Float beta, Point2i pixel) const {
+    const Node *node = &nodes_[kind];
+    while (node->axis != 3) node = &nodes_[node->below + (p[static_cast<int>(node->axis)] < node->split ? 0 : 1)];
+    const Float cell = cells_[node->below];
+    if (cell < 0) return 0;
+    const Point2i at(std::clamp(pixel.x, 0, size_.x - 1) / tile_, std::clamp(pixel.y, 0, size_.y - 1) / tile_);
+    const int perRow = (size_.x + tile_ - 1) / tile_;
+    const Float tile = tiles_[static_cast<size_t>(at.y * perRow + at.x)];
+    return std::clamp(beta * tile * cell, kMinSurvival, Float(1));
+}
+
+void PathRoulette::LearnPicture(Vector2i size, const std::vector<Point2i> &pixels) {
+    double known = 0, sum = 0, cost = 0;
+    for (const PathTotal &t : totals_) {
+        if (!(t.cost > 0)) continue;
+        ++known;
+        sum += static_cast<double>(t.found);
+        cost += static_cast<double>(t.cost);
+    }
+    nodes_.clear();
+    cells_.clear();
+    if (!(sum > 0)) return;
+    const double mean = sum / known;
+    const double perPixel = known / (static_cast<double>(size.x) * size.y);
+    size_ = size;
+    tile_ = std::max(4, static_cast<int>(std::ceil(std::sqrt(kTilePaths / perPixel))));
+    const Vector2i count = (size + (tile_ - 1)) / tile_;
+    const auto tileOf = [&](const Point2i &p) { return static_cast<size_t>(p.y / tile_ * count.x + p.x / tile_); };
+    std::vector<std::array<double, 2>> sums(static_cast<size_t>(count.x) * static_cast<size_t>(count.y));
+    for (size_t i = 0; i < totals_.size(); ++i) {
+        if (!(totals_[i].cost > 0)) continue;
+        auto &tile = sums[tileOf(pixels[i])];
+        tile[0] += static_cast<double>(totals_[i].found);
+        ++tile[1];
+    }
+    // A tile and its neighbours, weighted 4 : 2 : 1.
+    std::vector<double> radiance(sums.size());
+    for (int y = 0; y < count.y; ++y)
+        for (int x = 0; x < count.x; ++x) {
+            double found = 0, paths = 0;
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dx = -1; dx <= 1; ++dx) {
+                    if (x + dx < 0 || x + dx >= count.x || y + dy < 0 || y + dy >= count.y) continue;
+                    const auto &tile = sums[static_cast<size_t>((y + dy) * count.x + x + dx)];
+                    const double weight = (dx == 0 ? 2 : 1) * (dy == 0 ? 2 : 1);
+                    found += weight * tile[0];
+                    paths += weight * tile[1];
+                }
+            radiance[static_cast<size_t>(y * count.x + x)] = std::hypot(paths > 0 ? found / paths : mean, kDark * mean);
+        }
+    // The variance within pixels.
+    std::vector<double> variances;
+    double all = 0;
+    for (size_t i = 0; i < totals_.size();) {
+        const Point2i pixel = pixels[i];
+        double n = 0, found = 0, squares = 0;
+        for (; i < totals_.size() && pixels[i] == pixel; ++i) {
+            if (!(totals_[i].cost > 0)) continue;
+            const auto x = static_cast<double>(totals_[i].found);
+            ++n;
+            found += x;
+            squares += x * x;
+        }
+        if (n < 2) continue;
+        const double I = radiance[tileOf(pixel)];
+        variances.push_back(std::max(0.0, (squares - found * found / n) / (n - 1)) / (I * I));
+        all += variances.back();
+    }
+    double limited = 0;
+    for (const double v : variances) limited += std::min(v, kLargestPixel * all);
+    if (!(limited > 0)) return;
+    const double scale = std::sqrt(cost / known * static_cast<double>(variances.size()) / limited);
+    tiles_.resize(radiance.size());
+    for (size_t i = 0; i < radiance.size(); ++i) tiles_[i] = static_cast<Float>(scale / radiance[i]);
+    nodes_.resize(kKinds);
+}
+
+struct PathRoulette::Sums {
+    double squares = 0, cost = 0;  ///< means
+};
+
+void PathRoulette::LearnCells() {
+    if (nodes_.empty()) return;
+    std::vector<const RouletteRecord *> records;
+    for (const RouletteRecord &r : records_)
+        if (r.cost > 0) records.push_back(&r);
+    std::stable_sort(records.begin(), records.end(), [](const auto *a, const auto *b) { return a->kind < b->kind; });
+    const RouletteRecord **begin = records.data(), **end = begin + records.size();
+    for (uint32_t kind = 0; kind < kKinds; ++kind) {
+        const RouletteRecord **const last = std::find_if(begin, end, [&](const auto *r) { return r->kind > kind; });
+        Divide(kind, begin, last, {});
+        begin = last;
+    }
+}
+
+void PathRoulette::Divide(size_t node, const RouletteRecord **begin, const RouletteRecord **end, const Sums &prior) {
+    const std::ptrdiff_t count = end - begin;
+    double squares = 0;
+    for (const RouletteRecord **r = begin; r != end; ++r) squares += static_cast<double>((*r)->found * (*r)->found);
+    Sums mean;
+    for (const RouletteRecord **r = begin; r != end; ++r) {
+        mean.squares += std::min(static_cast<double>((*r)->found * (*r)->found), kLargestPart * squares);
+        mean.cost += static_cast<double>((*r)->cost);
+    }
+    const double known = prior.cost > 0 ? kPriorRecords : 0;
+    const auto withPrior = [&](double sum, double above) {
+        return count > 0 ? (sum + known * above) / (static_cast<double>(count) + known) : above;
+    };
+    mean = {withPrior(mean.squares, prior.squares), withPrior(mean.cost, prior.cost)};
+    const auto makeLeaf = [&] {
+        nodes_[node].below = static_cast<uint32_t>(cells_.size());
+        cells_.push_back(mean.cost > 0 ? static_cast<Float>(std::sqrt(mean.squares / mean.cost)) : Float(-1));
+    };
+    if (count <= kCellRecords) return makeLeaf();
+    Bounds3 bounds;
+    for (const RouletteRecord **r = begin; r != end; ++r) bounds = Union(bounds, (*r)->p);
+    const Vector3 size = bounds.high - bounds.low;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const RouletteRecord **const middle = begin + count / 2;
+    std::nth_element(begin, middle, end,
+                     [&](const RouletteRecord *a, const RouletteRecord *b) { return a->p[axis] < b->p[axis]; });
+    const Float split = (*middle)->p[axis];
+    const RouletteRecord **const second =
+        std::partition(begin, end, [&](const RouletteRecord *r) { return r->p[axis] < split; });
+    if (second == begin) return makeLeaf();  // all lie in a plane across the axis, or in one point
+    const auto below = static_cast<uint32_t>(nodes_.size());
+    nodes_[node] = {split, static_cast<uint32_t>(axis), below};
+    nodes_.resize(nodes_.size() + 2);
+    Divide(below, begin, second, mean);
+    Divide(below + 1, second, end, mean);
+}
+
+void PathRoulette::Save(StateWriter &out) const {
+    out.Vector(nodes_);
+    out.Vector(cells_);
+    out.Value(size_);
+    out.Value(tile_);
+    out.Vector(tiles_);
+}
+
+void PathRoulette::Load(StateReader &in) {
+    in.Vector(&nodes_);
+    in.Vector(&cells_);
+    in.Value(&size_);
+    in.Value(&tile_);
+    in.Vector(&tiles_);
+    if (nodes_.empty()) return;
+    for (size_t i = 0; i < nodes_.size(); ++i) {
+        const Node &node = nodes_[i];
+        const bool isLeaf = node.axis == 3;
+        if (node.axis > 3 ||
+            (isLeaf ? node.below >= cells_.size() : node.below <= i || node.below + 1 >= nodes_.size()))
+            in.Refuse();
+    }
+    constexpr int kMaxSide = 1 << 24;
+    if (nodes_.size() < kKinds || tile_ < 1 || tile_ > kMaxSide || size_.x < 1 || size_.y < 1 || size_.x > kMaxSide ||
+        size_.y > kMaxSide)
+        in.Refuse();
+    const auto along = [&](int pixels) { return static_cast<size_t>((pixels + tile_ - 1) / tile_); };
+    if (tiles_.size() != along(size_.x) * along(size_.y)) in.Refuse();
+    for (const Float tile : tiles_)
+        if (!(tile > 0)) in.Refuse();
+    for (const Float cell : cells_)
+        if (!std::isfinite(cell)) in.Refuse();
+}
+
+void PathRoulette::TakeRecords(StateWriter &out) const {
+    const auto take = [&](const auto &places) {
+        uint64_t filled = 0;
+        for (const auto &place : places) filled += place.cost > 0;
+        out.Value(uint64_t{places.size()});
+        out.Value(filled);
+        for (size_t i = 0; i < places.size(); ++i) {
+            if (!(places[i].cost > 0)) continue;
+            out.Value(uint64_t{i});
+            out.Value(places[i]);
+        }
+    };
+    take(records_);
+    take(totals_);
+}
+
+void PathRoulette::AddRecords(StateReader &in) {
+    const auto add = [&](auto &places) {
+        if (in.Value<uint64_t>() != places.size()) in.Refuse();
+        for (auto filled = in.Value<uint64_t>(); filled > 0; --filled) {
+            const auto i = in.Value<uint64_t>();
+            if (i >= places.size()) in.Refuse();
+            in.Value(&places[i]);
+        }
+    };
+    add(records_);
+    add(totals_);
+    for (const RouletteRecord &r : records_)
+        if (r.kind >= kKinds) in.Refuse();
+}
+
+}  // namespace pbrt

@@ -1,0 +1,89 @@
+#pragma once
+#include <vector>
+
+#include "pbrt/core/state_io.h"
+#include "pbrt/math/bounds.h"
+
+namespace pbrt {
+
+/// What a path found from one of its vertices on, to be learned from.
+struct RouletteRecord {
+    Point3 p{};
+    uint32_t kind = 0;  ///< PathRoulette::KindOf
+    Float found = 0;  ///< by light sampling there and by all that followed, for a path of weight 1; mean of wavelengths
+    Float cost = 0;   ///< vertices from there on, itself included; 0: an empty place
+};
+
+/// What a whole path found.
+struct PathTotal {
+    Float found = 0;  ///< mean over wavelengths
+    Float cost = 0;   ///< 1 + all vertices; 0: an empty place
+};
+
+/// With which probability a path should go on at a vertex, by what earlier paths found from there on and what that
+/// cost: Rath et al., "EARS: Efficiency-Aware Russian Roulette and Splitting" (2022), without splitting. A vertex of
+/// path weight beta whose estimate has the second moment M and costs C, in a pixel of radiance I, gets the probability
+/// beta/I sqrt(M/C) sqrt(C0/V0); C0 is the mean cost of a path, and V0 the mean variance of a sample over I^2.
+class PathRoulette {
+  public:
+    /// The least probability: what is known of a cell is noisy where light is hard to find.
+    static constexpr Float kMinSurvival = 0.5f;
+
+    /// Forgets all; places for `paths` paths that may fill `vertices` records each. Number i is of the pixel
+    /// pixelOf(i).
+    void BeginRecords(size_t paths, size_t vertices);
+    size_t Vertices() const { return vertices_; }
+    void Record(size_t place, const RouletteRecord &record) { records_[place] = record; }
+    void RecordPath(size_t path, const PathTotal &total) { totals_[path] = total; }
+
+    /// Places with different numbers do not know of each other: the six sides that a normal may point to, and whether
+    /// the BSDF is glossy.
+    static uint32_t KindOf(const Vector3 &n, bool isGlossy);
+    static constexpr uint32_t kKinds = 12;
+
+    /// True if something was learned.
+    bool Knows() const { return !nodes_.empty(); }
+    /// The probability for a vertex: at least kMinSurvival; 0 where nothing is known. `beta`: the path's weight, mean
+    /// over wavelengths. `pixel`: relative to the picture's corner.
+    Float SurvivalAt(const Point3 &p, uint32_t kind, Float beta, Point2i pixel) const;
+
+    /// From all records. `pixelOf(i)`: the pixel of path i, relative to the picture's corner; the paths of a pixel are
+    /// neighbours.
+    template <class PixelOf>
+    void Learn(Vector2i size, PixelOf &&pixelOf) {
+        std::vector<Point2i> pixels;
+        pixels.reserve(totals_.size());
+        for (size_t i = 0; i < totals_.size(); ++i) pixels.push_back(pixelOf(i));
+        LearnPicture(size, pixels);
+        LearnCells();
+    }
+    size_t Cells() const { return cells_.size(); }
+
+    void Save(StateWriter &out) const;
+    void Load(StateReader &in);
+    void TakeRecords(StateWriter &out) const;
+    void AddRecords(StateReader &in);
+    void ClearRecords();
+
+  private:
+    struct Node {
+        Float split = 0;
+        uint32_t axis = 3;   ///< 3: a leaf
+        uint32_t below = 0;  ///< the first of two children in a row; of a leaf: its number
+    };
+    struct Sums;
+    void LearnPicture(Vector2i size, const std::vector<Point2i> &pixels);
+    void LearnCells();
+    void Divide(size_t node, const RouletteRecord **begin, const RouletteRecord **end, const Sums &prior);
+
+    std::vector<Node> nodes_;   ///< the first kKinds are roots
+    std::vector<Float> cells_;  ///< sqrt(M / C); below 0: there were no records
+    Vector2i size_{};           ///< of the picture
+    int tile_ = 1;              ///< side of tiles_ in pixels
+    std::vector<Float> tiles_;  ///< sqrt(C0 / V0) / I
+    size_t vertices_ = 1;
+    std::vector<RouletteRecord> records_;
+    std::vector<PathTotal> totals_;
+};
+
+}  // namespace pbrt

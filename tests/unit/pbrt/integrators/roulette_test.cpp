@@ -1,0 +1,99 @@
+// Roulette by what paths found: what is learned from records that are known.
+#include <gtest/gtest.h>
+
+#include "pbrt/integrators/path_roulette.h"
+#include "pbrt/math/rng.h"
+
+namespace pbrt::test {
+namespace {
+
+constexpr int kSide = 64, kVertices = 4;
+constexpr size_t kPaths = size_t{2} * kSide * kSide;
+Point2i PixelOf(size_t path) {
+    const auto pixel = static_cast<int>(path / 2);
+    return {pixel % kSide, pixel / kSide};
+}
+const uint32_t kUp = PathRoulette::KindOf({0, 0, 1}, false), kDown = PathRoulette::KindOf({0, 0, -1}, false);
+
+/// `found(p, u)`: what a path finds from p on, which is in [-1, 1]^2 on the plane z = 0; each vertex costs 2. The two
+/// paths of a pixel find 0 and 2 `radiance(pixel)`.
+template <class Found, class Radiance>
+PathRoulette Learned(Found &&found, Radiance &&radiance) {
+    PathRoulette roulette;
+    roulette.BeginRecords(kPaths, kVertices);
+    Rng rng(5);
+    for (size_t path = 0; path < kPaths; ++path) {
+        for (size_t k = 0; k < kVertices; ++k) {
+            const Point3 p(2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 0);
+            roulette.Record(path * kVertices + k, {p, kUp, found(p, rng.Uniform()), 2});
+        }
+        roulette.RecordPath(path, {path % 2 == 0 ? 0 : 2 * radiance(PixelOf(path)), 5});
+    }
+    roulette.Learn({kSide, kSide}, PixelOf);
+    return roulette;
+}
+Float Even(Point2i) { return 1; }
+
+TEST(PathRoulette, FollowsTheFormula) {
+    const PathRoulette roulette = Learned([](const Point3 &, Float) { return 0.75f; }, Even);
+    ASSERT_TRUE(roulette.Knows());
+    // I^2 = 1 + 0.2^2, V0 = 2 / I^2, C0 = 5, M = 0.75^2, C = 2, V = 0.
+    const Float expected = std::sqrt(0.75f * 0.75f / 2) * std::sqrt(5.f / 2);
+    EXPECT_NEAR(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 1, {5, 5}), expected, 1e-3f);
+    EXPECT_NEAR(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 0.8f, {5, 5}), 0.8f * expected, 1e-3f);
+    EXPECT_EQ(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 0.01f, {5, 5}), PathRoulette::kMinSurvival);
+    EXPECT_EQ(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 100, {5, 5}), 1);
+    // Nothing is known of the other side.
+    EXPECT_EQ(roulette.SurvivalAt({0.1f, 0.2f, 0}, kDown, 1, {5, 5}), 0);
+}
+
+TEST(PathRoulette, PathsGoOnWhereLightIsFoundRarely) {
+    const PathRoulette roulette =
+        Learned([](const Point3 &p, Float u) { return p.x > 0 ? (u < 0.1f ? 10.f : 0) : 0.1f; }, Even);
+    // The means are 1 and 0.1, the roots of the second moments 3.2 and 0.1.
+    EXPECT_GT(roulette.SurvivalAt({0.5f, 0, 0}, kUp, 0.25f, {5, 5}), 0.7f);
+    EXPECT_EQ(roulette.SurvivalAt({0.5f, 0, 0}, kUp, 1, {5, 5}), 1);
+    EXPECT_EQ(roulette.SurvivalAt({-0.5f, 0, 0}, kUp, 1, {5, 5}), PathRoulette::kMinSurvival);
+}
+
+TEST(PathRoulette, PathsOfDarkPixelsGoOnLonger) {
+    const PathRoulette roulette = Learned([](const Point3 &, Float) { return 0.75f; },
+                                          [](Point2i pixel) { return pixel.x < kSide / 2 ? 0.5f : 1.5f; });
+    EXPECT_GT(roulette.SurvivalAt({0, 0, 0}, kUp, 0.7f, {2, 30}),
+              1.3f * roulette.SurvivalAt({0, 0, 0}, kUp, 0.7f, {60, 30}));
+}
+
+TEST(PathRoulette, KnowsNothingIfNothingWasFound) {
+    EXPECT_FALSE(Learned([](const Point3 &, Float) { return 0.f; }, [](Point2i) { return 0.f; }).Knows());
+}
+
+TEST(PathRoulette, SidesAndGlossyPlacesAreApart) {
+    std::vector<uint32_t> kinds;
+    for (const Vector3 &n : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)})
+        for (const Float sign : {1.f, -1.f})
+            for (const bool isGlossy : {false, true}) kinds.push_back(PathRoulette::KindOf(n * sign, isGlossy));
+    std::sort(kinds.begin(), kinds.end());
+    ASSERT_EQ(kinds.size(), PathRoulette::kKinds);
+    for (uint32_t k = 0; k < PathRoulette::kKinds; ++k) EXPECT_EQ(kinds[k], k);
+}
+
+TEST(PathRoulette, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
+    const PathRoulette roulette = Learned([](const Point3 &p, Float u) { return p.x > 0 ? u : 0.1f; }, Even);
+    StateWriter saved;
+    roulette.Save(saved);
+    const std::string state = saved.Joined();
+    PathRoulette other;
+    StateReader reader(state, "state");
+    other.Load(reader);
+    StateWriter again;
+    other.Save(again);
+    EXPECT_EQ(again.Joined(), state);
+    for (const std::string &damaged :
+         {state.substr(0, state.size() - 1), state.substr(0, 20), std::string(state.size(), '\x7f')}) {
+        StateReader broken(damaged, "state");
+        EXPECT_THROW(PathRoulette().Load(broken), UserError);
+    }
+}
+
+}  // namespace
+}  // namespace pbrt::test

@@ -4,27 +4,35 @@
 #include <limits>
 
 #include "pbrt/build/collect.h"
-#include "pbrt/integrators/bdpt_integrator.h"
-#include "pbrt/integrators/light_path_integrator.h"
-#include "pbrt/integrators/mlt_integrator.h"
+#include "pbrt/build/integrator_makers.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/simple_integrators.h"
-#include "pbrt/integrators/sppm_integrator.h"
 #include "pbrt/integrators/volpath_integrator.h"
 
 namespace pbrt {
 
-namespace {
+std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorReading &r,
+                                         const LightSelectionParams &defaults) {
+    const LightFlags flags{r.options.lightSampler, r.options.meshLights, r.options.shadowGate,
+                           r.options.lightSamplerFlag, r.options.shadowGateFlag};
+    return ReadLightSelection(set, flags, r.registry, r.sink, defaults);
+}
 
-struct DepthParams {
-    int maxDepth = 5;
-    template <class V>
-    void Describe(V &&v) {
-        v("maxdepth", maxDepth, Range<int>{0, std::numeric_limits<int>::max()},
-          "largest number of scattering events of a path; --maxdepth overrides it");
-    }
-    int MaxDepth(const IntegratorReading &r) const { return r.options.maxDepth.value_or(maxDepth); }
-};
+std::pair<std::unique_ptr<LightSampler>, std::unique_ptr<ShadowRayGate>> MakeLights(
+    const LightSelection &chosen, const LightSamplerRegistry &registry, const LightTable &table) {
+    const auto &[sampler, gate] = chosen;
+    return {registry.Make(*sampler.entry, table, sampler.params, sampler.meshLights),
+            gate.entry ? gate.entry->make(gate.params, table) : nullptr};
+}
+
+void WarnOfLightFlags(const IntegratorReading &r, const char *integrator) {
+    if (!r.options.lightSampler.empty() || r.options.meshLights || !r.options.shadowGate.empty())
+        r.sink.Warning({}, fmt::format("--lightsampler, --mesh-lights and --shadow-gate have no effect on integrator "
+                                       "\"{}\".",
+                                       integrator));
+}
+
+namespace {
 
 struct PathParams : DepthParams {
     bool regularize = false;
@@ -59,21 +67,6 @@ struct VolPathParams : PathParams {
     }
 };
 
-std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorReading &r,
-                                         const LightSelectionParams &defaults = {}) {
-    const LightFlags flags{r.options.lightSampler, r.options.meshLights, r.options.shadowGate,
-                           r.options.lightSamplerFlag, r.options.shadowGateFlag};
-    return ReadLightSelection(set, flags, r.registry, r.sink, defaults);
-}
-
-/// The light sampler and the gate (null: none) that were chosen.
-std::pair<std::unique_ptr<LightSampler>, std::unique_ptr<ShadowRayGate>> MakeLights(
-    const LightSelection &chosen, const LightSamplerRegistry &registry, const LightTable &table) {
-    const auto &[sampler, gate] = chosen;
-    return {registry.Make(*sampler.entry, table, sampler.params, sampler.meshLights),
-            gate.entry ? gate.entry->make(gate.params, table) : nullptr};
-}
-
 /// Without media volpath is path with subsurface scattering and with light sampling through interface surfaces.
 IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume,
                             bool equiangular = false, std::optional<GuideParams> guide = {}) {
@@ -102,35 +95,6 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
 
 bool FollowsPhotons(const std::string &integrator) { return FollowsLight(integrator) || integrator == "sppm"; }
 
-/// Where light paths begin.
-struct ShootingParams {
-    std::string shootingSampler = "power";
-    template <class V>
-    void Describe(V &&v) {
-        v("shootingsampler", shootingSampler,
-          "the light sampler that chooses where light paths begin, with the same probabilities everywhere: power, "
-          "uniform or (where it is built) seen; --shooting-sampler overrides it (only here)");
-    }
-};
-
-std::optional<LightSamplerSpec> ReadShooting(const ShootingParams &p, const ParamSet &set, const IntegratorReading &r) {
-    return ReadShootingSampler(set, p.shootingSampler, r.options.shootingSampler, r.registry, r.sink);
-}
-
-std::unique_ptr<LightSampler> MakeShooting(const LightSamplerSpec &spec, const LightSamplerRegistry &registry,
-                                           const PathContext &context) {
-    return registry.Make(*spec.entry, context.scene.Lights(), spec.params, false);
-}
-
-struct LightPathParams : DepthParams {
-    ShootingParams shooting;
-    template <class V>
-    void Describe(V &&v) {
-        DepthParams::Describe(v);
-        shooting.Describe(v);
-    }
-};
-
 struct SimplePathParams : DepthParams {
     bool sampleLights = true, sampleBsdf = true;
     template <class V>
@@ -142,112 +106,6 @@ struct SimplePathParams : DepthParams {
     }
 };
 
-struct BidirectionalParams : LightPathParams {
-    bool regularize = false;
-    template <class V>
-    void Describe(V &&v) {
-        LightPathParams::Describe(v);
-        v("regularize", regularize, "roughen nearly specular lobes after the first non-specular scattering");
-    }
-};
-
-struct BdptParams : BidirectionalParams {
-    LightSelectionParams lights{.lightSampler = "power"};
-    bool visualizeStrategies = false, visualizeWeights = false;
-    template <class V>
-    void Describe(V &&v) {
-        BidirectionalParams::Describe(v);
-        v("visualizestrategies", visualizeStrategies,
-          "also write what every strategy alone finds, `<picture>-strategy-depth<d>-s<s>-t<t>`: paths of s vertices "
-          "from the light and t from the camera; limits `maxdepth` to 5");
-        v("visualizeweights", visualizeWeights,
-          "also write the share of every strategy in the picture, `<picture>-weighted-depth<d>-s<s>-t<t>`; limits "
-          "`maxdepth` to 5");
-        lights.Describe(v);
-    }
-};
-
-IntegratorSettings MakeBdpt(const BdptParams &p, const ParamSet &set, const IntegratorReading &r) {
-    IntegratorSettings settings;
-    settings.maxDepth = p.MaxDepth(r);
-    settings.lights = ReadLights(set, r, BdptParams().lights);
-    settings.shooting = ReadShooting(p.shooting, set, r);
-    if (!settings.lights || !settings.shooting) return settings;
-    using Kind = StrategyPictures::Kind;
-    std::vector<Kind> shown;
-    if (p.visualizeStrategies) shown.push_back(Kind::Unweighted);
-    if (p.visualizeWeights) shown.push_back(Kind::Weighted);
-    if (!shown.empty() && settings.maxDepth > StrategyPictures::kMaxDepth) {
-        settings.maxDepth = StrategyPictures::kMaxDepth;
-        r.sink.Warning({}, fmt::format("Integrator \"bdpt\": pictures of strategies go up to \"maxdepth\" {}, which is "
-                                       "used.",
-                                       settings.maxDepth));
-    }
-    settings.make = [depth = settings.maxDepth, regularize = p.regularize, &registry = r.registry,
-                     lights = *settings.lights, shooting = *settings.shooting,
-                     shown](const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
-        auto [sampler, gate] = MakeLights(lights, registry, context.scene.Lights());
-        return std::make_unique<BdptIntegrator>(
-            context, depth, regularize, std::move(sampler), std::move(gate), MakeShooting(shooting, registry, context),
-            shown.empty() ? nullptr : std::make_unique<StrategyPictures>(shown, depth));
-    };
-    return settings;
-}
-
-struct MltParams : BidirectionalParams {
-    int bootstrapSamples = 100000, chains = 1000, mutationsPerPixel = 100;
-    Float largeStepProbability = 0.3f, sigma = 0.01f;
-    template <class V>
-    void Describe(V &&v) {
-        BidirectionalParams::Describe(v);
-        v("bootstrapsamples", bootstrapSamples, Range<int>{1, std::numeric_limits<int>::max()},
-          "independent paths that find out how much light there is, for `mutationsperpixel`; at least one for eight "
-          "mutations are traced");
-        v("chains", chains, Range<int>{1, std::numeric_limits<int>::max()},
-          "chains of mutations, for `mutationsperpixel`; at least one for each mutation of a pixel");
-        v("mutationsperpixel", mutationsPerPixel, Range<int>{1, std::numeric_limits<int>::max()},
-          "takes the place of the sampler's `pixelsamples`; --spp overrides it");
-        v("largestepprobability", largeStepProbability, Range<Float>{0, 1},
-          "of a mutation that draws all numbers anew");
-        v("sigma", sigma, Positive(std::numeric_limits<Float>::max()),
-          "standard deviation of the other mutations, of numbers in [0, 1)");
-    }
-};
-
-struct SppmParams : DepthParams {
-    int photonsPerIteration = -1, seed = 0;
-    Float radius = 1;
-    LightSelectionParams lights;
-    ShootingParams shooting;
-    template <class V>
-    void Describe(V &&v) {
-        DepthParams::Describe(v);
-        v("photonsperiteration", photonsPerIteration, Range<int>{-1, std::numeric_limits<int>::max()},
-          "light paths of an iteration; -1 or 0: as many as the film has pixels");
-        v("radius", radius, Positive(std::numeric_limits<Float>::max()),
-          "of the first iteration, in units of the scene: photons this near to a place count there");
-        v("seed", seed, "chooses among sets of light paths");
-        lights.Describe(v);
-        shooting.Describe(v);
-    }
-};
-
-IntegratorSettings MakeSppm(const SppmParams &p, const ParamSet &set, const IntegratorReading &r) {
-    IntegratorSettings settings;
-    settings.maxDepth = p.MaxDepth(r);
-    settings.lights = ReadLights(set, r);
-    settings.shooting = ReadShooting(p.shooting, set, r);
-    if (!settings.lights || !settings.shooting) return settings;
-    const SppmSettings sppm{settings.maxDepth, p.photonsPerIteration, p.radius, p.seed, r.options.sampledLightOnly};
-    settings.make = [sppm, &registry = r.registry, lights = *settings.lights, shooting = *settings.shooting](
-                        const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
-        auto [sampler, gate] = MakeLights(lights, registry, context.scene.Lights());
-        return std::make_unique<SppmIntegrator>(context, sppm, std::move(sampler), std::move(gate),
-                                                MakeShooting(shooting, registry, context));
-    };
-    return settings;
-}
-
 struct AmbientOcclusionParams {
     bool cosine = true;
     Float maxDistance = Infinity;
@@ -258,13 +116,6 @@ struct AmbientOcclusionParams {
           "surfaces farther away do not occlude");
     }
 };
-
-void WarnOfLightFlags(const IntegratorReading &r, const char *integrator) {
-    if (!r.options.lightSampler.empty() || r.options.meshLights || !r.options.shadowGate.empty())
-        r.sink.Warning({}, fmt::format("--lightsampler, --mesh-lights and --shadow-gate have no effect on integrator "
-                                       "\"{}\".",
-                                       integrator));
-}
 
 /// An integrator without a light sampler; `make(p, maxDepth, context, film's colour space)`.
 template <class P, class F>
@@ -278,38 +129,6 @@ void AddSimple(IntegratorTable &table, const char *name, F make, const char *rem
         };
         return settings;
     });
-}
-
-/// An integrator that follows light from the lights only; `make(p, maxDepth, context, shooting sampler)`.
-template <class P, class F>
-IntegratorSettings MakeShootingOnly(const char *name, const P &p, const ParamSet &set, const IntegratorReading &r,
-                                    F make) {
-    WarnOfLightFlags(r, name);
-    IntegratorSettings settings;
-    settings.maxDepth = p.MaxDepth(r);
-    settings.shooting = ReadShooting(p.shooting, set, r);
-    if (!settings.shooting) return settings;
-    settings.make = [p, make, depth = settings.maxDepth, &registry = r.registry, shooting = *settings.shooting](
-                        const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
-        return make(p, depth, context, MakeShooting(shooting, registry, context));
-    };
-    return settings;
-}
-
-IntegratorSettings MakeMlt(const MltParams &mlt, const ParamSet &set, const IntegratorReading &r) {
-    IntegratorSettings settings = MakeShootingOnly(
-        "mlt", mlt, set, r,
-        [](const MltParams &p, int depth, const PathContext &context, std::unique_ptr<LightSampler> shooting) {
-            const auto share = [&](int all) {
-                return std::max(1, (all + p.mutationsPerPixel / 2) / p.mutationsPerPixel);
-            };
-            return std::make_unique<MltIntegrator>(context,
-                                                   MltSettings{depth, p.regularize, share(p.bootstrapSamples),
-                                                               share(p.chains), p.largeStepProbability, p.sigma},
-                                                   std::move(shooting));
-        });
-    settings.samplesPerPixel = mlt.mutationsPerPixel;
-    return settings;
 }
 
 /// True if the scene stands in a medium without a boundary: a ray from the camera leaves the scene in one.
@@ -368,37 +187,7 @@ const IntegratorTable &Integrators() {
                                [](const auto &, int depth, const PathContext &c, const ColorSpace &) {
                                    return std::make_unique<SimpleVolPathIntegrator>(c, depth);
                                });
-        t.Add<LightPathParams>(
-            "lightpath",
-            "also through media, but for the light that they emit; with the cameras perspective and (only here) "
-            "orthographic and spherical; **differs**: the adjoint of "
-            "shading normals is right (stock: #385), crop windows keep all light (stock: #347), and emitters of all "
-            "shapes that the camera sees have their own brightness",
-            [](const auto &p, const ParamSet &set, Request &r) {
-                return MakeShootingOnly("lightpath", p, set, r,
-                                        [](const LightPathParams &, int depth, const PathContext &context,
-                                           std::unique_ptr<LightSampler> shooting) {
-                                            return std::make_unique<LightPathIntegrator>(context, depth,
-                                                                                         std::move(shooting));
-                                        });
-            });
-        t.Add<BdptParams>(
-            "bdpt",
-            "with media, at most 1,000 scattering events from either side; cameras and shading normals as lightpath; "
-            "only here: any light sampler and gate for the light that a vertex of the camera's path is connected to; "
-            "pictures of strategies are written at the end, not with checkpoints, parts or mpirun",
-            [](const auto &p, const ParamSet &set, Request &r) { return MakeBdpt(p, set, r); });
-        t.Add<MltParams>(
-            "mlt",
-            "as bdpt, with the films rgb and spectral; **differs**: every mutation of a pixel has its share of "
-            "bootstrap and chains, so that more mutations converge to the picture for every seed (stock: #525); a "
-            "mutation is of all connections of a pair of subpaths, not of one",
-            [](const auto &p, const ParamSet &set, Request &r) { return MakeMlt(p, set, r); });
-        t.Add<SppmParams>(
-            "sppm",
-            "surfaces only; only here: light samplers and gates as path; **differs**: the radius shrinks with the "
-            "iteration, the same in every pixel; `maxdepth` limits the whole path",
-            [](const auto &p, const ParamSet &set, Request &r) { return MakeSppm(p, set, r); });
+        AddLightPathIntegrators(t);
         AddSimple<AmbientOcclusionParams>(
             t, "ambientocclusion", [](const auto &p, int, const PathContext &c, const ColorSpace &space) {
                 return std::make_unique<AmbientOcclusionIntegrator>(c, p.cosine, p.maxDistance, space);

@@ -36,11 +36,14 @@ namespace {
 
 struct PathParams : DepthParams {
     bool regularize = false;
+    Float minSurvival = 0;
     LightSelectionParams lights;  ///< declared here, used by ReadLightSelection
     template <class V>
     void Describe(V &&v) {
         DepthParams::Describe(v);
         v("regularize", regularize, "roughen nearly specular lobes after the first non-specular scattering");
+        v("minsurvival", minSurvival, Range<Float>{0, 1},
+          "least probability with which roulette lets a path go on; 0: as in stock, 1: no roulette (only here)");
         lights.Describe(v);
     }
 };
@@ -77,6 +80,7 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
     PathSettings path;
     path.maxDepth = settings.maxDepth;
     path.regularize = p.regularize;
+    path.minSurvival = p.minSurvival;
     path.seesThroughInterfaces = isVolume;
     path.equiangular = equiangular;
     path.guide = guide;

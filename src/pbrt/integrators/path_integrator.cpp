@@ -114,7 +114,7 @@ SampledSpectrum PathIntegrator::Follow(const PathStart &start, SampledWavelength
 
     // Russian roulette on the throughput without the radiance scaling of refraction. False: the path ends.
     auto survives = [&] {
-        Float survive = (beta * etaScale).MaxComponent();
+        const Float survive = std::max((beta * etaScale).MaxComponent(), settings_.minSurvival);
         if (survive < 1) {
             if (sampler.Get1D() >= survive) return false;
             beta /= survive;

@@ -21,6 +21,8 @@ struct PathSettings {
     /// Leaves out emission that only BSDF sampling can find: lights seen directly or in a mirror, caustics. It does not
     /// depend on the light sampler; without it a measurement of light samplers is free of its noise.
     bool sampledLightOnly = false;
+    /// Least probability with which roulette lets a path go on: 0 as in stock, 1 for no roulette.
+    Float minSurvival = 0;
     std::optional<GuideParams> guide{};  ///< bounces are guided (path)
 };
 

@@ -1,8 +1,10 @@
-// Roulette by what paths found: what is learned from records that are known.
+// Roulette: by a least probability, and by what paths found, where it is told what that was.
 #include <gtest/gtest.h>
 
 #include "pbrt/integrators/path_roulette.h"
 #include "pbrt/math/rng.h"
+#include "support/light_views.h"
+#include "support/render_waves.h"
 
 namespace pbrt::test {
 namespace {
@@ -93,6 +95,36 @@ TEST(PathRoulette, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
         StateReader broken(damaged, "state");
         EXPECT_THROW(PathRoulette().Load(broken), UserError);
     }
+}
+
+/// Dark walls, so that stock's roulette ends most paths; "volpath" stands for path, with the parameter.
+TEST(MinSurvival, ChangesTheNoiseAndNotTheMean) {
+    View view = AllViews()[0];
+    view.depth = 7;
+    view.objects += "Material \"diffuse\" \"rgb reflectance\" [ .3 .2 .1 ]\n" + AllViews()[0].objects;
+    for (const char *least : {"0.7", "1"}) {
+        view.parameters = fmt::format("\"float minsurvival\" {}", least);
+        double noise = 1;
+        EXPECT_LT(LargestDistance(view, "volpath", &noise), 5.5) << least;
+        EXPECT_LT(noise, 0.02) << "the test would see nothing";
+        EXPECT_FALSE(SameBits(RenderView(view, "volpath", 1, 16), RenderView(view, "path", 1, 16)));
+    }
+    view.parameters = "\"float minsurvival\" 0";
+    EXPECT_TRUE(SameBits(RenderView(view, "volpath", 1, 16), RenderView(view, "path", 1, 16)));
+}
+
+TEST(MinSurvival, InMediaAsWell) {
+    for (View view : FoggyViews()) {
+        if (view.name != "DenseAndColored") continue;
+        view.reference = "bdpt";
+        view.depth = 6;
+        view.parameters = "\"float minsurvival\" 0.7";
+        double noise = 1;
+        EXPECT_LT(LargestDistance(view, "volpath", &noise), 5.5);
+        EXPECT_LT(noise, 0.05);
+        return;
+    }
+    FAIL() << "no such view";
 }
 
 }  // namespace

@@ -324,8 +324,8 @@ bool VolPathIntegrator::Path::ScatterAtSurface() {
 
 bool VolPathIntegrator::Path::SurvivesRoulette() {
     // The throughput without the radiance scaling of refraction.
-    const Float survive = std::max((weights.beta * etaScale / weights.Mean(weights.ru)).MaxComponent(),
-                                   integrator.settings_.minSurvival);
+    const Float survive =
+        std::max((weights.beta * etaScale / weights.Mean(weights.ru)).MaxComponent(), integrator.settings_.minSurvival);
     if (!(survive < 1) || depth <= 1) return true;
     if (sampler.Get1D() >= survive) return false;
     weights.beta /= survive;

@@ -1,7 +1,6 @@
 #include "ext/prepass/prepass.h"
 
-#include "pbrt/core/parallel.h"
-#include "pbrt/films/filter.h"
+#include "ext/prepass/prepass_paths.h"
 #include "pbrt/lights/light_spectrum.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/paths/path_walk.h"
@@ -11,23 +10,14 @@ namespace ext {
 
 namespace {
 
-constexpr int kTileSize = 16;
 /// Makes the random numbers of the prepass independent of every other use of the seed.
 constexpr uint64_t kStream = 0x70726570617373ull;
 
 /// Appends the vertices of one camera path.
-void TracePath(const PrepareContext &context, Point2i pixel, int sampleIndex, int depth,
-               std::vector<PrepassVertex> &out) {
-    Rng rng(Hash(kStream, context.seed, pixel, sampleIndex));
-    CameraSample cs;
-    cs.pFilm = Point2(pixel) + Point2(0.5f, 0.5f) + context.filter.Sample(rng.Uniform2()).offset;
-    cs.time = rng.Uniform();
-    cs.pLens = rng.Uniform2();
-    SampledWavelengths lambda = SampledWavelengths::SampleVisible(rng.Uniform());
-    std::optional<CameraRay> start = context.camera.GenerateRay(cs, lambda);
-    if (!start) return;
+void FollowPath(const PrepareContext &context, PrepassPath &path, int depth, std::vector<PrepassVertex> &out) {
+    auto &[rng, lambda, start] = path;
     const PathContext paths{context.scene, context.camera, context.samplesPerPixel, context.scene.NeedsFootprints()};
-    PathWalk walk(paths, *start);
+    PathWalk walk(paths, start);
     SpectralWeights weights;
     for (int vertex = 0; vertex < depth;) {
         const PathWalk::Met met = walk.Next();
@@ -61,14 +51,6 @@ void TracePath(const PrepareContext &context, Point2i pixel, int sampleIndex, in
     }
 }
 
-/// The number of paths through a pixel: the integer part of samplesPerPixel, and one more in a share of the pixels that
-/// equals its fractional part.
-int PathsOf(Point2i pixel, double samplesPerPixel) {
-    int whole = static_cast<int>(samplesPerPixel);
-    double fraction = samplesPerPixel - whole;
-    return whole + (fraction > 0 && static_cast<double>(HashFloat(kStream, pixel)) < fraction ? 1 : 0);
-}
-
 }  // namespace
 
 LightQuery QueryAt(const PrepassVertex &vertex) {
@@ -86,23 +68,12 @@ LightQuery QueryAt(const PrepassVertex &vertex) {
 }
 
 std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double samplesPerPixel, int depth) {
-    const Bounds2i &bounds = context.pixelBounds;
-    Vector2i tiles = (bounds.high - bounds.low + (kTileSize - 1)) / kTileSize;
-    int64_t tileCount = bounds.IsEmpty() ? 0 : int64_t(tiles.x) * tiles.y;
-    std::vector<std::vector<PrepassVertex>> perTile(static_cast<size_t>(tileCount));
-    context.progress.BeginPhase("prepass", tileCount);
-    ParallelForEach(tileCount, [&](int64_t tile) {
-        if (context.progress.Cancelled()) return;
+    std::vector<std::vector<PrepassVertex>> perTile(static_cast<size_t>(PrepassTileCount(context.pixelBounds)));
+    ForEachPrepassPath(context, "prepass", kStream, samplesPerPixel, [&](int64_t tile, PrepassPath &path) {
         std::vector<PrepassVertex> &out = perTile[static_cast<size_t>(tile)];
-        out.reserve(static_cast<size_t>(kTileSize * kTileSize * samplesPerPixel * depth) + 1);
-        Point2i low =
-            bounds.low + kTileSize * Point2i(static_cast<int>(tile % tiles.x), static_cast<int>(tile / tiles.x));
-        Point2i high = glm::min(low + kTileSize, bounds.high);
-        for (int y = low.y; y < high.y; ++y)
-            for (int x = low.x; x < high.x; ++x)
-                for (int s = 0, count = PathsOf({x, y}, samplesPerPixel); s < count; ++s)
-                    TracePath(context, {x, y}, s, depth, out);
-        context.progress.Advance();
+        if (out.empty())
+            out.reserve(static_cast<size_t>(kPrepassTileSize * kPrepassTileSize * samplesPerPixel * depth) + 1);
+        FollowPath(context, path, depth, out);
     });
     size_t total = 0;
     for (const auto &v : perTile) total += v.size();
@@ -112,7 +83,6 @@ std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double sam
         all.insert(all.end(), v.begin(), v.end());
         v = {};
     }
-    context.progress.EndPhase();
     return all;
 }
 

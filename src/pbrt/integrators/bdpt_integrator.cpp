@@ -82,7 +82,7 @@ bool BdptIntegrator::PassMedium(PathWalk &walk, Subpath &path, const Sample &sam
     if (!medium) return true;
     const Ray &ray = walk.GetRay();
     const Float u = path.sampler.Get1D();
-    Rng rng(Hash(ray.o, ray.d, u));
+    Rng rng = NumbersAlong(ray, u);
     // As volpath, the last ray of a path finds lights, but no light of media.
     const bool emits = path.mode == TransportMode::Radiance && path.count <= maxDepth_;
     path.weights.onlyFirst = sample.lambda.SecondaryTerminated();

@@ -78,7 +78,7 @@ SampledSpectrum LightPathIntegrator::Li(const PathStart &start, SampledWavelengt
         if (const Medium *inside = hasMedia ? walk.MediumAhead() : nullptr) {
             const Ray &at = walk.GetRay();
             const Float u = sampler.Get1D();
-            Rng rng(Hash(at.o, at.d, u));
+            Rng rng = NumbersAlong(at, u);
             const MediumEvent event = walk.ThroughMedium(lambda, u, rng, false, weights, [](auto &&, Float) {});
             if (event.kind == MediumEvent::Kind::Absorbed || !beta) break;
             if (event.kind == MediumEvent::Kind::Scattered) {

@@ -16,7 +16,7 @@ struct SppmSettings {
 };
 
 /// Stochastic progressive photon mapping (Hachisuka and Jensen 2009). An iteration is a sample of every pixel: light
-/// paths from lights chosen by power leave photons where they meet surfaces, except at the first one; camera paths are
+/// paths from the lights leave photons where they meet surfaces, except at the first one; camera paths are
 /// followed to the first diffuse surface, whose direct light comes from light and BSDF sampling, and all other light
 /// from the photons within a radius. The mean over iterations is the picture. The radius shrinks from iteration to
 /// iteration and depends on nothing else (Knaus and Zwicker 2011), so that iterations are independent and a render can

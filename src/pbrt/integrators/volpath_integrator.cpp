@@ -27,10 +27,6 @@ struct Scattering {
     Float pdf = 0;
 };
 
-/// Random numbers for everything that happens on a ray through a medium after the first distance, which `u` decides. A
-/// hash of the ray makes them, because numbers of the pixel's sampler take more time and are no better there.
-Rng NumbersAlong(const Ray &ray, Float u) { return Rng(Hash(ray.o, ray.d, u)); }
-
 }  // namespace
 
 /// One camera path.

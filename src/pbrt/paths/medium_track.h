@@ -39,6 +39,10 @@ struct MediumEvent {
     Float t = 0;  ///< distance at which it is scattered
 };
 
+/// Random numbers for everything that happens on a ray through a medium after the first distance, which `u` decides. A
+/// hash of the ray makes them, because numbers of the pixel's sampler take more time and are no better there.
+inline Rng NumbersAlong(const Ray &ray, Float u) { return Rng(Hash(ray.o, ray.d, u)); }
+
 /// Follows light along a ray through a medium (delta tracking) and updates the weights of its path. `emits`: calls
 /// emit(radiance, mean) for the emission on the way, divided by `mean`, the mean of its densities. `u`: uniform, for
 /// the first distance; `rng` for all else.

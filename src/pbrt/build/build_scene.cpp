@@ -13,6 +13,7 @@
 #include "pbrt/build/medium_builder.h"
 #include "pbrt/build/view.h"
 #include "pbrt/core/files.h"
+#include "pbrt/images/picture_name.h"
 #include "pbrt/lights/light_factory.h"
 #include "pbrt/shapes/extent.h"
 
@@ -40,12 +41,6 @@ FileLoc SmallestPlaced(const SceneDescription &d) {
     for (const ShapeEntity &s : d.shapes)
         if (s.ctm.start.Matrix() != s.ctm.end.Matrix()) look(s.ctm, s.loc);
     return smallest;
-}
-
-/// "out-more.exr" for "out.exr" and "-more".
-std::string WithSuffix(const std::string &name, const char *suffix) {
-    const std::filesystem::path path(name);
-    return (path.parent_path() / (path.stem().string() + suffix + path.extension().string())).string();
 }
 
 /// Throws all errors. The first `checked` diagnostics are of CheckSupported: a later error at one of their places is

@@ -105,6 +105,11 @@ void CheckPictureName(const std::string &path, const FileLoc &loc) {
         throw UserError(fmt::format("\"{}\": pictures are written as .exr, .png or .pfm.", path), loc);
 }
 
+std::string WithSuffix(const std::string &path, const std::string &suffix) {
+    const std::filesystem::path name(path);
+    return (name.parent_path() / (name.stem().string() + suffix + name.extension().string())).string();
+}
+
 void WriteImage(const std::string &path, const Image &image, const ImageMetadata &metadata) {
     PBRT_CHECK(image);
     const std::string extension = LowerExtension(path);

@@ -9,4 +9,7 @@ namespace pbrt {
 /// (core/files.h) tells whether the file can be written.
 void CheckPictureName(const std::string &path, const FileLoc &loc);
 
+/// The name of a picture beside another one: "out-more.exr" for "out.exr" and "-more".
+std::string WithSuffix(const std::string &path, const std::string &suffix);
+
 }  // namespace pbrt

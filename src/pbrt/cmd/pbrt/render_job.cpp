@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 
 #include "pbrt/build/built_scene.h"
 #include "pbrt/cmd/pbrt/checkpoint.h"
@@ -16,6 +15,7 @@
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory_limit.h"
+#include "pbrt/images/picture_name.h"
 #include "pbrt/scenefile/parser.h"
 
 namespace pbrt {
@@ -45,12 +45,6 @@ void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
     const std::vector<Diagnostic> &all = sink.All();
     for (; *printed < all.size(); ++*printed)
         if (all[*printed].severity == Severity::Warning) LogInfo(Format(all[*printed], color));
-}
-
-/// "out-name.exr" for "out.exr".
-std::string BesideName(const std::string &filename, const std::string &name) {
-    const std::filesystem::path path(filename);
-    return (path.parent_path() / (path.stem().string() + "-" + name + path.extension().string())).string();
 }
 
 /// Pictures beside the main one are in the memory of one process until its end.
@@ -97,7 +91,7 @@ class PictureWriter {
         else
             output_.WriteFinished(built_.film->ToImage(), Describe(result));
         for (const SidePicture &side : built_.integrator->SidePictures()) {
-            const std::string beside = BesideName(name, side.name);
+            const std::string beside = WithSuffix(name, "-" + side.name);
             SayWriting(beside);
             WriteImage(beside, side.film->ToImage(), Describe(result));
         }

@@ -72,11 +72,11 @@ struct PerspectiveParams : LensParams {
     }
 };
 
-constexpr NamedValue<SphericalMapping> kMappings[] = {{"equalarea", SphericalMapping::EqualArea},
-                                                      {"equirectangular", SphericalMapping::Equirectangular}};
+constexpr NamedValue<SphericalCameraMapping> kMappings[] = {{"equalarea", SphericalCameraMapping::EqualArea},
+                                                      {"equirectangular", SphericalCameraMapping::Equirectangular}};
 
 struct SphericalParams : CameraParams {
-    SphericalMapping mapping = SphericalMapping::EqualArea;
+    SphericalCameraMapping mapping = SphericalCameraMapping::EqualArea;
     Float lensRadius = 0, focalDistance = 1e30f;
     template <class V>
     void Describe(V &&v) {

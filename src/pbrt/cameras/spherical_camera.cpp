@@ -4,7 +4,7 @@
 
 namespace pbrt {
 
-SphericalCamera::SphericalCamera(const CameraFrame &frame, SphericalMapping mapping)
+SphericalCamera::SphericalCamera(const CameraFrame &frame, SphericalCameraMapping mapping)
     : CameraSpaceCamera(frame), mapping_(mapping) {
     FindFootprint();
 }
@@ -12,7 +12,7 @@ SphericalCamera::SphericalCamera(const CameraFrame &frame, SphericalMapping mapp
 Vector3 SphericalCamera::Direction(const Point2 &film) const {
     Point2 uv = film / Point2(Resolution());
     Vector3 zUp;
-    if (mapping_ == SphericalMapping::Equirectangular) {
+    if (mapping_ == SphericalCameraMapping::Equirectangular) {
         Float theta = Pi * uv.y;
         zUp = SphericalDirection(std::sin(theta), std::cos(theta), 2 * Pi * uv.x);
     } else
@@ -43,7 +43,7 @@ bool SphericalCamera::ConnectInCameraSpace(const Point3 &p, const Point2 &, Came
     const Vector3 d = p / std::sqrt(l2), zUp(d.x, d.z, d.y);
     const Point2 size(Resolution());
     const Float pixels = size.x * size.y;
-    if (mapping_ == SphericalMapping::EqualArea) {
+    if (mapping_ == SphericalCameraMapping::EqualArea) {
         c->pFilm = EqualAreaSphereToSquare(zUp) * size;
         c->weight = pixels / (4 * Pi * l2);
         return true;
@@ -59,7 +59,7 @@ bool SphericalCamera::ConnectInCameraSpace(const Point3 &p, const Point2 &, Came
 int SphericalCamera::SeenAlsoAt(const Point2 &pFilm, OtherPlaces &places) const {
     const Point2 size(Resolution());
     const Float x = pFilm.x / size.x, y = pFilm.y / size.y;
-    if (mapping_ == SphericalMapping::EqualArea) {
+    if (mapping_ == SphericalCameraMapping::EqualArea) {
         // Across an edge the square goes on with the same edge the other way round (WrapEqualAreaSquare).
         places = {Point2(-x, 1 - y), {2 - x, 1 - y}, {1 - x, -y},    {1 - x, 2 - y},
                   {x - 1, y - 1},    {x - 1, y + 1}, {x + 1, y - 1}, {x + 1, y + 1}};

@@ -3,12 +3,12 @@
 
 namespace pbrt {
 
-enum class SphericalMapping { EqualArea, Equirectangular };
+enum class SphericalCameraMapping { EqualArea, Equirectangular };
 
 /// Sees in all directions; the top of the image is +y.
 class SphericalCamera final : public CameraSpaceCamera {
   public:
-    SphericalCamera(const CameraFrame &frame, SphericalMapping mapping);
+    SphericalCamera(const CameraFrame &frame, SphericalCameraMapping mapping);
     bool CanConnect() const override { return true; }
     int SeenAlsoAt(const Point2 &pFilm, OtherPlaces &places) const override;
 
@@ -18,7 +18,7 @@ class SphericalCamera final : public CameraSpaceCamera {
 
   private:
     Vector3 Direction(const Point2 &film) const;
-    SphericalMapping mapping_;
+    SphericalCameraMapping mapping_;
 };
 
 }  // namespace pbrt

@@ -8,7 +8,8 @@ namespace pbrt {
 namespace {
 
 /// Brings together at the first process what of a pass the processes have done. `whole`: how many parts this one has
-/// finished. `before`: RenderPass::done when the pass began. Returns, everywhere, whether all parts are whole.
+/// finished. `before`: RenderPass::done when the pass began. Returns, everywhere, whether all parts are whole; if not,
+/// `progress` is cancelled everywhere.
 bool ReducePass(const RenderPass &pass, int64_t parts, int64_t whole, int64_t unreported,
                 const std::vector<uint32_t> &before) {
     struct Sums {
@@ -25,8 +26,10 @@ bool ReducePass(const RenderPass &pass, int64_t parts, int64_t whole, int64_t un
     verdict.Value(sums.whole == parts);
     const std::string answer = pass.ranks->Broadcast(verdict);
     if (StateReader(answer, "message").Value<bool>()) return true;
+    // A process that was cancelled after it had asked for its last part could not say so.
+    pass.progress.Cancel();
     if (!pass.done) return false;
-    // Cancelled: what is done must be known part by part.
+    // What is done must be known part by part.
     struct Done {
         uint32_t part, samples;
     };

@@ -1,5 +1,4 @@
 #pragma once
-#define GLM_FORCE_XYZW_ONLY
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>

@@ -10,8 +10,11 @@
 #include <sstream>
 #include <thread>
 
+#include "pbrt/core/parallel.h"
+#include "pbrt/integrators/pass_parts.h"
 #include "pbrt/lightsamplers/light_learner.h"
 #include "pbrt/math/transform.h"
+#include "support/ranks_on_threads.h"
 #include "support/small_files.h"
 
 namespace pbrt::test {
@@ -222,6 +225,54 @@ TEST_F(RenderLoop, ACancelledPassIsNotCounted) {
     EXPECT_TRUE(again.cancelled);
     EXPECT_EQ(again.samplesTaken, 0);
     EXPECT_EQ(integrator_.passes.size(), 3u);
+}
+
+/// One of two processes that render two parts: the first begins one, then the second begins the other.
+struct OneOfTwo : RenderLoop, Integrator {
+    OneOfTwo(Ranks &ranks, std::atomic<int> &begun, bool isCancelled) {
+        settings_.samplesPerPixel = 1;
+        settings_.ranks = &ranks;
+        begun_ = &begun;
+        isCancelled_ = isCancelled;
+    }
+    void TestBody() override {}
+    bool Render(const RenderPass &pass) override {
+        const auto waitUntil = [&](int begun) {
+            while (*begun_ < begun) std::this_thread::sleep_for(std::chrono::microseconds(100));
+        };
+        const bool isFirst = pass.ranks->IsFirst();
+        if (!isFirst) waitUntil(1);
+        return RenderParts(pass, {.count = 2,
+                                  .samplesOf = [](int64_t) { return 1u; },
+                                  .render = [&](int64_t, uint32_t) {
+                                      begun_->fetch_add(1);
+                                      waitUntil(2);
+                                      if (isFirst || !isCancelled_) return 1u;
+                                      // Meanwhile the first answers that there is no other part.
+                                      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+                                      progress_.Cancel();
+                                      return 0u;
+                                  }});
+    }
+    RenderResult Run() { return RenderWaves(*this, *camera_, *filter_, *film_, sampler_, settings_, progress_); }
+    void Follow() { FollowWaves(*this, *camera_, *filter_, *film_, sampler_, settings_, progress_); }
+
+    std::atomic<int> *begun_;
+    bool isCancelled_;
+};
+
+TEST(RenderLoopOfProcesses, OneThatIsCancelledInItsLastPartCancelsTheRender) {
+    ThreadLimit oneEach(1);
+    for (const bool isCancelled : {false, true}) {
+        std::atomic<int> begun = 0;
+        WithRanks(2, [&](Ranks &ranks) {
+            OneOfTwo process(ranks, begun, isCancelled);
+            if (!ranks.IsFirst()) return process.Follow();
+            const RenderResult result = process.Run();
+            EXPECT_EQ(result.cancelled, isCancelled);
+            EXPECT_EQ(result.samplesTaken, isCancelled ? 0 : 1);
+        });
+    }
 }
 
 TEST_F(RenderLoop, ATimeBudgetEndsTheRenderAndItsLastWaveFits) {

@@ -1,0 +1,68 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "pbrt/core/ranks.h"
+
+// Ranks that are threads of one process and exchange messages through a port of our own.
+namespace pbrt::test {
+
+struct Mail {
+    std::mutex mutex;
+    struct Letter {
+        int to;
+        MessagePort::Channel channel;
+        MessagePort::Message message;
+    };
+    std::deque<Letter> letters;
+};
+
+class ThreadPort final : public MessagePort {
+  public:
+    ThreadPort(Mail &mail, int rank, int size) : mail_(mail), rank_(rank), size_(size) {}
+    int Rank() const override { return rank_; }
+    int Size() const override { return size_; }
+    void Send(int to, Channel channel, std::span<const std::string_view> pieces) override {
+        std::string bytes;
+        for (const std::string_view piece : pieces) bytes += piece;
+        std::lock_guard lock(mail_.mutex);
+        mail_.letters.push_back({to, channel, {rank_, bytes}});
+    }
+    std::optional<Message> TryReceive(int from, Channel channel) override {
+        std::lock_guard lock(mail_.mutex);
+        for (auto it = mail_.letters.begin(); it != mail_.letters.end(); ++it)
+            if (it->to == rank_ && it->channel == channel && (from < 0 || it->message.from == from)) {
+                Message message = it->message;
+                mail_.letters.erase(it);
+                return message;
+            }
+        return {};
+    }
+    void Abort(int) override { FAIL() << "aborted"; }
+
+  private:
+    Mail &mail_;
+    const int rank_, size_;
+};
+
+/// Runs `act` on so many ranks at once, and expects that all messages were received.
+inline void WithRanks(int size, const std::function<void(Ranks &)> &act) {
+    Mail mail;
+    std::vector<std::thread> threads;
+    for (int r = 0; r < size; ++r)
+        threads.emplace_back([&, r] {
+            Ranks ranks(std::make_unique<ThreadPort>(mail, r, size), 1 + r % 2);
+            act(ranks);
+        });
+    for (std::thread &t : threads) t.join();
+    EXPECT_TRUE(mail.letters.empty());
+}
+
+}  // namespace pbrt::test

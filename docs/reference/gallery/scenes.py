@@ -367,5 +367,32 @@ MEDIA = [
             integrator='Integrator "volpath" "integer maxdepth" 12'),
 ]
 
+LAMP = '''LightSource "infinite" "rgb L" [ .03 .03 .04 ]
+AttributeBegin Translate -2.6 1.9 4.4
+AreaLightSource "diffuse" "rgb L" [ 5600 5200 4400 ]
+Material "diffuse" "rgb reflectance" [ 0 0 0 ]
+Shape "sphere" "float radius" .08
+AttributeEnd'''
+CAUSTICS = ('AttributeBegin Material "dielectric" "float eta" 1.5 Translate -.7 -.3 .7 Shape "sphere" "float radius" .7 AttributeEnd\n'
+            f'Material "conductor" {GOLD} "float roughness" .03\n'
+            'Translate .95 .2 0 Shape "cylinder" "float radius" .62 "float zmin" 0 "float zmax" .7')
+GREY_FLOOR = 'AttributeBegin Material "diffuse" "rgb reflectance" [ .45 .45 .45 ]\n' \
+             'Shape "bilinearmesh" "point3 P" [ -8 -8 0  8 -8 0  -8 8 0  8 8 0 ] AttributeEnd'
+
+
+def integrator(name, title, parameters="", times=1):
+    """A ball of glass and a golden ring under a small lamp."""
+    return Picture(f"integrator-{name}", title, CAUSTICS, light=LAMP, floor=GREY_FLOOR, times=times,
+                   integrator=f'Integrator "{name}" "integer maxdepth" 8 {parameters}')
+
+
+INTEGRATORS = [
+    integrator("path", "path: what its rays find by chance"),
+    integrator("lightpath", "lightpath: nothing is seen through glass", times=4),
+    integrator("bdpt", "bdpt"),
+    integrator("sppm", "sppm", '"float radius" .08 "integer photonsperiteration" 60000'),
+    integrator("mlt", "mlt", '"integer mutationsperpixel" 96'),
+]
+
 GROUPS = [("Shapes", SHAPES), ("Materials", MATERIALS), ("Textures", TEXTURES), ("Lights", LIGHTS),
-          ("Media", MEDIA), ("Cameras", CAMERAS), ("Film and tools", FILMS)]
+          ("Media", MEDIA), ("Cameras", CAMERAS), ("Integrators", INTEGRATORS), ("Film and tools", FILMS)]

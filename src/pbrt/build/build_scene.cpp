@@ -205,6 +205,10 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     ChooseRenderOptions(d.options, options, built, sink);
     Collect(sink, [&] { Accelerators().Make(d.accelerator.type, d.accelerator.params, AcceleratorContext{sink}); });
     const IntegratorSettings integrator = ReadIntegrator(d.integrator, options, registry, sink);
+    if (built.disablePixelJitter && !integrator.samplesPixels)
+        sink.Warning({}, fmt::format("integrator \"{}\" has no samples of single pixels, so pixel jitter cannot be "
+                                     "disabled.",
+                                     integrator.type));
     if (integrator.samplesPerPixel > 0 && options.samplesPerPixel == 0 && !options.quick)
         options.samplesPerPixel = integrator.samplesPerPixel;
     TakeView(MakeView(d, options, placement, built.seed, sink), placement, built);

@@ -92,6 +92,7 @@ IntegratorSettings MakeBdpt(const BdptParams &p, const ParamSet &set, const Inte
 }
 
 struct MltParams : BidirectionalParams {
+    LightSelectionParams lights{.lightSampler = "power"};
     int bootstrapSamples = 100000, chains = 1000, mutationsPerPixel = 100;
     Float largeStepProbability = 0.3f, sigma = 0.01f;
     template <class V>
@@ -108,6 +109,7 @@ struct MltParams : BidirectionalParams {
           "of a mutation that draws all numbers anew");
         v("sigma", sigma, Positive(std::numeric_limits<Float>::max()),
           "standard deviation of the other mutations, of numbers in [0, 1)");
+        lights.Describe(v);
     }
 };
 
@@ -145,35 +147,37 @@ IntegratorSettings MakeSppm(const SppmParams &p, const ParamSet &set, const Inte
     return settings;
 }
 
-/// An integrator that follows light from the lights only; `make(p, maxDepth, context, shooting sampler)`.
-template <class P, class F>
-IntegratorSettings MakeShootingOnly(const char *name, const P &p, const ParamSet &set, const IntegratorReading &r,
-                                    F make) {
-    WarnOfLightFlags(r, name);
+IntegratorSettings MakeLightPath(const LightPathParams &p, const ParamSet &set, const IntegratorReading &r) {
+    WarnOfLightFlags(r, "lightpath");
     IntegratorSettings settings;
     settings.maxDepth = p.MaxDepth(r);
+    settings.samplesPixels = false;
     settings.shooting = ReadShooting(p.shooting, set, r);
     if (!settings.shooting) return settings;
-    settings.make = [p, make, depth = settings.maxDepth, &registry = r.registry, shooting = *settings.shooting](
+    settings.make = [depth = settings.maxDepth, &registry = r.registry, shooting = *settings.shooting](
                         const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
-        return make(p, depth, context, MakeShooting(shooting, registry, context));
+        return std::make_unique<LightPathIntegrator>(context, depth, MakeShooting(shooting, registry, context));
     };
     return settings;
 }
 
-IntegratorSettings MakeMlt(const MltParams &mlt, const ParamSet &set, const IntegratorReading &r) {
-    IntegratorSettings settings = MakeShootingOnly(
-        "mlt", mlt, set, r,
-        [](const MltParams &p, int depth, const PathContext &context, std::unique_ptr<LightSampler> shooting) {
-            const auto share = [&](int all) {
-                return std::max(1, (all + p.mutationsPerPixel / 2) / p.mutationsPerPixel);
-            };
-            return std::make_unique<MltIntegrator>(context,
-                                                   MltSettings{depth, p.regularize, share(p.bootstrapSamples),
-                                                               share(p.chains), p.largeStepProbability, p.sigma},
-                                                   std::move(shooting));
-        });
-    settings.samplesPerPixel = mlt.mutationsPerPixel;
+IntegratorSettings MakeMlt(const MltParams &p, const ParamSet &set, const IntegratorReading &r) {
+    IntegratorSettings settings;
+    settings.maxDepth = p.MaxDepth(r);
+    settings.samplesPerPixel = p.mutationsPerPixel;
+    settings.samplesPixels = false;
+    settings.lights = ReadLights(set, r, MltParams().lights);
+    settings.shooting = ReadShooting(p.shooting, set, r);
+    if (!settings.lights || !settings.shooting) return settings;
+    const auto share = [&](int all) { return std::max(1, (all + p.mutationsPerPixel / 2) / p.mutationsPerPixel); };
+    const MltSettings mlt{settings.maxDepth, p.regularize,           share(p.bootstrapSamples),
+                          share(p.chains),   p.largeStepProbability, p.sigma};
+    settings.make = [mlt, &registry = r.registry, lights = *settings.lights, shooting = *settings.shooting](
+                        const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
+        auto [sampler, gate] = MakeLights(lights, registry, context.scene.Lights());
+        return std::make_unique<MltIntegrator>(context, mlt, std::move(sampler), std::move(gate),
+                                               MakeShooting(shooting, registry, context));
+    };
     return settings;
 }
 
@@ -187,14 +191,7 @@ void AddLightPathIntegrators(IntegratorTable &t) {
         "orthographic and spherical; **differs**: the adjoint of "
         "shading normals is right (stock: #385), crop windows keep all light (stock: #347), and emitters of all "
         "shapes that the camera sees have their own brightness",
-        [](const auto &p, const ParamSet &set, Request &r) {
-            return MakeShootingOnly("lightpath", p, set, r,
-                                    [](const LightPathParams &, int depth, const PathContext &context,
-                                       std::unique_ptr<LightSampler> shooting) {
-                                        return std::make_unique<LightPathIntegrator>(context, depth,
-                                                                                     std::move(shooting));
-                                    });
-        });
+        [](const auto &p, const ParamSet &set, Request &r) { return MakeLightPath(p, set, r); });
     t.Add<BdptParams>(
         "bdpt",
         "with media, at most 1,000 scattering events from either side; cameras and shading normals as lightpath; "
@@ -203,7 +200,7 @@ void AddLightPathIntegrators(IntegratorTable &t) {
         [](const auto &p, const ParamSet &set, Request &r) { return MakeBdpt(p, set, r); });
     t.Add<MltParams>(
         "mlt",
-        "as bdpt, with the films rgb and spectral; **differs**: every mutation of a pixel has its share of "
+        "as bdpt, with the films rgb and spectral, light samplers as before its first sample; **differs**: every mutation of a pixel has its share of "
         "bootstrap and chains, so that more mutations converge to the picture for every seed (stock: #525); a "
         "mutation is of all connections of a pair of subpaths, not of one",
         [](const auto &p, const ParamSet &set, Request &r) { return MakeMlt(p, set, r); });

@@ -26,6 +26,8 @@ class BdptIntegrator final : public PixelIntegrator {
     bool Render(const RenderPass &pass) override;
     void Prepare(PrepareContext &prepare) override;
     LightLearner *Learner() override { return learner_; }
+    /// From now on samples do not teach the sampler that `connecting` is, so that it always chooses alike.
+    void StopLearning() { learner_ = nullptr; }
     const LightSampler *Lights() const override { return connecting_.get(); }
     const LightSampler *ShootingLights() const override { return shooting_.get(); }
     const ShadowRayGate *Gate() const override { return gate_.get(); }

@@ -101,6 +101,17 @@ TEST(Mlt, IsTheSameForAnyNumberOfThreads) {
     for (const View &view : {AllViews()[0], FoggyViews()[2]}) CheckThreads(view, "mlt", 12);
 }
 
+/// Vertices are connected to the lights that any sampler chooses, which is as before its first sample for all chains.
+TEST(Mlt, LightSamplersAndGatesDoNotChangeTheMean) {
+    View view = AllViews()[0];
+    view.samples = 160;
+    CheckLightSamplers(view, "mlt",
+                       {"\"string lightsampler\" \"uniform\"", "\"string lightsampler\" \"bvh\"",
+                        "\"string lightsampler\" \"octree\"",
+                        "\"string lightsampler\" \"octree\" \"float octree.opensky\" 1",
+                        "\"string shadowgate\" \"neepp\""});
+}
+
 TEST(Mlt, RefusesFilmsAndCamerasThatItCannotServe) {
     View view = AllViews()[0];
     const auto expectRefusal = [&](const std::string &word) {

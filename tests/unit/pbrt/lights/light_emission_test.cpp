@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "light_test_support.h"
+#include "pbrt/lights/sky_tile.h"
 #include "pbrt/shapes/shape_factory.h"
 #include "pbrt/shapes/triangle_mesh.h"
 
@@ -24,6 +25,7 @@ struct Shooter {
     std::shared_ptr<const Shape> shape;
     CutTexture alpha;
     std::unique_ptr<Light> light;
+    uint32_t part = 0;
 };
 struct Case {
     std::string name;
@@ -104,6 +106,20 @@ const Case kCases[] = {
      [](Shooter &s) {
          s.light = Make("infinite", Params().String("filename", File(s, RgbImage({8, 8}, Picture))), kTurned);
      }},
+    // Of the second level, with a bright pixel in it, and of the third.
+    {"tileOfASky",
+     [](Shooter &s) {
+         s.light = Make("infinite", Params().String("filename", File(s, RgbImage({8, 8}, Picture))), kTurned);
+         s.light->PrepareTiles();
+         s.part = SkyTile::At(2, {0.7f, 0.3f}).Number();
+     },
+     false},
+    {"tileOfASkyOfOneColour",
+     [](Shooter &s) {
+         s.light = Make("infinite", Params().Rgb("L", 1, 2, 3), kTurned);
+         s.part = SkyTile::At(3, {0.3f, 0.6f}).Number();
+     },
+     false},
     {"portal",
      [](Shooter &s) {
          Params params;
@@ -113,6 +129,14 @@ const Case kCases[] = {
      },
      false},
     {"triangle", [](Shooter &s) { Area(s, Triangle(), Params().Number("scale", 2)); }},
+    {"triangleOfAMesh",
+     [](Shooter &s) {
+         MeshData data;
+         data.p = {{-1, -1, 0}, {1, -1, 0.2f}, {0.3f, 1, 0}, {-0.9f, 0.8f, 0.4f}};
+         data.indices = {0, 1, 2, 0, 2, 3};
+         Area(s, std::make_shared<TriangleMesh>(data, kTurned, false), Params());
+         s.part = 1;
+     }},
     {"triangleOfTwoSides", [](Shooter &s) { Area(s, Triangle(), Params().Bool("twosided", true)); }},
     {"sphere", [](Shooter &s) { Area(s, Quadric("sphere", Params().Number("radius", 0.7f), kTurned), Params()); }},
     {"egg", [](Shooter &s) { Area(s, Quadric("sphere", Params().Number("radius", 0.7f), kStretched), Params()); }},
@@ -132,7 +156,7 @@ class Emission : public testing::TestWithParam<Case> {
         GetParam().make(shooter_);
         shooter_.light->Preprocess({0.1f, 0.2f, 0.1f}, 4);
     }
-    const Light &TheLight() const { return *shooter_.light; }
+    LightPart TheLight() const { return {*shooter_.light, shooter_.part}; }
     static Float Flux(const LightLeSample &s) {
         const Float cosine = s.n == Normal3(0) ? 1 : AbsDot(s.n, s.ray.d);
         return s.L.Average() * cosine / (s.pdfPosition * s.pdfDirection);

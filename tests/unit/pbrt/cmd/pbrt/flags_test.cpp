@@ -93,6 +93,15 @@ TEST_F(Flags, ListingOfLightSamplersNeedsNoScene) {
     for (const char *name : {"bvh\n", "exhaustive\n", "power\n", "uniform\n"}) EXPECT_TRUE(Has(o.out, name)) << name;
 }
 
+TEST_F(Flags, SamplesWithoutPixelsCannotBeAtTheirCentres) {
+    const std::string said = "has no samples of single pixels";
+    for (const char *integrator : {"mlt", "lightpath", "bdpt"}) {
+        const std::string arguments = std::string("--spp 1 --disable-pixel-jitter scene.pbrt --integrator ") + integrator;
+        EXPECT_EQ(Has(RunWell(arguments), said), std::string(integrator) != "bdpt") << integrator;
+    }
+    EXPECT_FALSE(Has(RunWell("--spp 1 --integrator mlt scene.pbrt"), said));
+}
+
 TEST_F(Flags, WindowsChooseTheDataWindow) {
     const ImageFile full = Render("scene.pbrt");
     EXPECT_EQ(full.image.Resolution(), Point2i(32, 24));

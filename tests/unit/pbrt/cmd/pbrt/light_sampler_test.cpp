@@ -44,6 +44,7 @@ TEST_F(LightSamplers, LightPathsBeginByAnyThatIsTheSameEverywhere) {
         EXPECT_EQ(TextOf(Render(flags + "scene.pbrt"), "shootingSampler"), "power");
         EXPECT_EQ(TextOf(Render(flags + "--shooting-sampler uniform scene.pbrt"), "shootingSampler"), "uniform");
     }
+    EXPECT_EQ(TextOf(Render("--spp 1 --integrator mlt --lightsampler uniform scene.pbrt"), "lightSampler"), "uniform");
     ExpectErrors({{"--integrator bdpt --shooting-sampler bvh scene.pbrt",
                    {"--shooting-sampler:1:0", "\"bvh\" chooses by place", "valid: power", "uniform"}},
                   {"--integrator bdpt --shooting-sampler powr scene.pbrt", {"did you mean \"power\"?"}},

@@ -14,7 +14,8 @@ struct IntegratorSettings {
     std::string type;
     int maxDepth = 5;
     int samplesPerPixel = 0;  ///< above 0: takes the place of the sampler's, unless --spp or --quick says otherwise
-    bool samplesPixels = true;  ///< false: no sample belongs to a pixel, so that --disable-pixel-jitter cannot be obeyed
+    bool samplesPixels =
+        true;  ///< false: no sample belongs to a pixel, so that --disable-pixel-jitter cannot be obeyed
     std::optional<LightSelection> lights;      ///< of integrators that take a light sampler
     std::optional<LightSamplerSpec> shooting;  ///< of integrators that follow light from the lights
     /// May be called only if reading gave no errors; the registry used then must still exist.

@@ -200,7 +200,8 @@ void AddLightPathIntegrators(IntegratorTable &t) {
         [](const auto &p, const ParamSet &set, Request &r) { return MakeBdpt(p, set, r); });
     t.Add<MltParams>(
         "mlt",
-        "as bdpt, with the films rgb and spectral; light samplers learn in their preparation only; **differs**: every mutation of a pixel has its share of "
+        "as bdpt, with the films rgb and spectral; light samplers learn in their preparation only; **differs**: every "
+        "mutation of a pixel has its share of "
         "bootstrap and chains, so that more mutations converge to the picture for every seed (stock: #525); a "
         "mutation is of all connections of a pair of subpaths, not of one",
         [](const auto &p, const ParamSet &set, Request &r) { return MakeMlt(p, set, r); });

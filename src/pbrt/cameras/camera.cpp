@@ -72,8 +72,8 @@ struct PerspectiveParams : LensParams {
     }
 };
 
-constexpr NamedValue<SphericalCameraMapping> kMappings[] = {{"equalarea", SphericalCameraMapping::EqualArea},
-                                                      {"equirectangular", SphericalCameraMapping::Equirectangular}};
+constexpr NamedValue<SphericalCameraMapping> kMappings[] = {
+    {"equalarea", SphericalCameraMapping::EqualArea}, {"equirectangular", SphericalCameraMapping::Equirectangular}};
 
 struct SphericalParams : CameraParams {
     SphericalCameraMapping mapping = SphericalCameraMapping::EqualArea;

@@ -2,6 +2,21 @@
 
 namespace pbrt {
 
+void GuidedBounces::FindTarget(Float distance) {
+    GuideRecord &record = bounces_[open_ - 1].record;
+    record.target = record.p + record.wi * distance;
+    seeksTarget_ = false;
+}
+
+void GuidedBounces::Reached(const PathVertex &vertex) {
+    if (!seeksTarget_) return;
+    way_ += Distance(at_, vertex.point.p);
+    at_ = vertex.point.p;
+    // Mirrors show what is behind them as far away as the way there is long.
+    const BxdfFlags flags = vertex.bsdf.Flags();
+    if (IsNonSpecular(flags) || !IsSpecular(flags)) FindTarget(way_);
+}
+
 void GuidedBounces::Begin(const PathVertex &vertex) {
     const auto &[point, bsdf] = vertex;
     share_ = 0;
@@ -12,9 +27,9 @@ void GuidedBounces::Begin(const PathVertex &vertex) {
     bothSides_ = IsTransmissive(bsdf.Flags());
     const Vector3 n(point.shading.n);
     normal_ = Dot(point.wo, n) < 0 ? -n : n;
-    const GuideGrid *grid = guide_.At(point.p, isGlossy_, &share_);
-    if (!grid) return;
-    directions_.Prepare(*grid, normal_, bothSides_);
+    const GuideTargets *targets = guide_.At(point.p, isGlossy_, &share_);
+    if (!targets) return;
+    directions_.Prepare(*targets, point.p, normal_, bothSides_);
     if (!directions_.IsUsable()) share_ = 0;
 }
 
@@ -28,10 +43,10 @@ std::optional<BsdfSample> GuidedBounces::Sample(const PathVertex &vertex, Float 
     if (!(share_ > 0)) return bsdf.Sample(point.wo, uc, u);
     std::optional<BsdfSample> sample;
     if (uc < share_) {
-        Float guidePdf = 0;
-        const Vector3 wi = directions_.Sample(u, &guidePdf);
+        const Vector3 wi = directions_.Sample(u);
+        const Float guidePdf = directions_.Pdf(wi);
         const SampledSpectrum f = bsdf.F(point.wo, wi);
-        if (!f) return sample;
+        if (!f || !(guidePdf > 0)) return sample;
         const bool transmits = (Dot(wi, point.shading.n) < 0) != (Dot(point.wo, point.shading.n) < 0);
         const BxdfFlags side = transmits ? BxdfFlags::Transmission : BxdfFlags::Reflection;
         sample = {.f = f,
@@ -63,7 +78,11 @@ std::optional<BsdfSample> GuidedBounces::Sample(const PathVertex &vertex, Float 
 
 void GuidedBounces::Left(const PathVertex &vertex, const BsdfSample &sample, Float pdf, const SampledSpectrum &L,
                          const SampledSpectrum &beta) {
+    if (seeksTarget_) FindTarget(way_);
     if (!isGuided_ || places_.next + open_ >= places_.end || open_ == kMaxOpen) return;
+    seeksTarget_ = true;
+    way_ = 0;
+    at_ = vertex.point.p;
     OpenBounce &open = bounces_[open_++];
     open.L = L;
     open.beta = beta;
@@ -97,6 +116,7 @@ void GuidedBounces::Open(const PathVertex &vertex, const SampledSpectrum &beta, 
 }
 
 void GuidedBounces::End(const SampledSpectrum &L) {
+    if (seeksTarget_) FindTarget(guide_.Beyond());
     for (size_t i = 0; i < open_; ++i) {
         OpenBounce &open = bounces_[i];
         const SampledSpectrum added = L - open.L;
@@ -105,8 +125,7 @@ void GuidedBounces::End(const SampledSpectrum &L) {
         for (int k = 0; k < SpectrumSamples; ++k)
             if (open.beta[k] > 0) radiance += added[k] / open.beta[k];
         open.record.radiance = radiance / SpectrumSamples;
-        // Where nothing was found there is nothing to be learned.
-        if (open.record.pdf > 0 && open.record.radiance > 0 && open.record.added > 0 &&
+        if (open.record.pdf > 0 && open.record.radiance >= 0 && open.record.added >= 0 &&
             std::isfinite(open.record.radiance * open.record.radiance / open.record.pdf) &&
             std::isfinite(open.record.added * open.record.added * open.record.pdf))
             guide_.Record(places_, open.record);

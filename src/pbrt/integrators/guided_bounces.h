@@ -25,7 +25,9 @@ class GuidedBounces {
     /// what it found so far.
     void Open(const PathVertex &vertex, const SampledSpectrum &beta, const SampledSpectrum &L);
 
-    /// The path is at a vertex that scatters.
+    /// The path's ray met a surface that scatters.
+    void Reached(const PathVertex &vertex);
+    /// The path is at a vertex that scatters, and goes on.
     void Begin(const PathVertex &vertex);
     std::optional<BsdfSample> Sample(const PathVertex &vertex, Float uc, const Point2 &u) const;
     /// Density of all samples together, by solid angle, without specular lobes.
@@ -44,6 +46,8 @@ class GuidedBounces {
         SampledSpectrum L, beta;
     };
     static constexpr size_t kMaxOpen = 5;
+    /// The last bounce's target becomes known: it is so far away.
+    void FindTarget(Float distance);
 
     /// A vertex from which it is not known yet what the path finds.
     struct OpenVertex {
@@ -64,6 +68,9 @@ class GuidedBounces {
     Vector3 normal_{};
     GuideDirections directions_;
     size_t open_ = 0;
+    bool seeksTarget_ = false;  ///< for the last open bounce, from which the path has come the way `way_` to `at_`
+    Float way_ = 0;
+    Point3 at_{};
     std::array<OpenBounce, kMaxOpen> bounces_;
     Float cost_ = 0;  ///< vertices that light was sampled at
     size_t openVertices_ = 0;

@@ -7,6 +7,7 @@
 #include "pbrt/core/ranks.h"
 #include "pbrt/core/state_io.h"
 #include "pbrt/math/bounds.h"
+#include "pbrt/scene/scene.h"
 
 namespace pbrt {
 
@@ -21,197 +22,140 @@ constexpr int kMaxVertices = 5;
 constexpr int kRowShift = 7;
 
 /// A cell with more records is divided.
-constexpr size_t kCellRecords = 128;
-/// What a cell's records say of directions counts against what the cell above said like their number against one of
-/// these: the one that is best for the records that it was not learned from.
-constexpr double kPriorRecords[] = {8, 64, 512};
-constexpr size_t kPriors = std::size(kPriorRecords);
-/// No record has a larger part than this of what its cell learns, or of the second moment that judges it.
+constexpr size_t kCellRecords = 256;
+/// No record has a larger part than this of the second moment that directions are learned from and judged by.
 constexpr double kLargestPart = 0.05;
-/// This part of a grid is the same for all directions.
-constexpr Float kEven = 0.1f;
 /// A cell guides if that brings the second moment of the bounces' contributions below this part.
 constexpr double kMinGain = 0.7;
+/// What a guided bounce costs besides, in vertices; a cell guides if it saves more than that of the variance.
+constexpr double kGuidedCost = 0.3;
 /// A share is found from at least so many records.
 constexpr size_t kMinJudges = 32;
 constexpr int kShares = 7;  ///< that are tried besides 0
 
-/// For every cell of a grid itself and its eight neighbours, over the borders of the square.
-struct Neighbours {
-    std::array<std::array<uint8_t, 9>, GuideGrid::kCells> of;
-    Neighbours() {
-        constexpr int kSide = GuideGrid::kSide;
-        for (int cell = 0; cell < GuideGrid::kCells; ++cell)
-            for (int k = 0; k < 9; ++k) {
-                const Point2 at((static_cast<Float>(cell % kSide + k % 3 - 1) + 0.5f) / kSide,
-                                (static_cast<Float>(cell / kSide + k / 3 - 1) + 0.5f) / kSide);
-                const Point2 inside = WrapEqualAreaSquare(at) * Float(kSide);
-                of[static_cast<size_t>(cell)][static_cast<size_t>(k)] =
-                    static_cast<uint8_t>(std::clamp(static_cast<int>(inside.y), 0, kSide - 1) * kSide +
-                                         std::clamp(static_cast<int>(inside.x), 0, kSide - 1));
-            }
-    }
-};
-/// A record counts in its own cell of the grid and in the neighbours.
-constexpr double kSpread[9] = {1 / 16., 1 / 8., 1 / 16., 1 / 8., 1 / 4., 1 / 8., 1 / 16., 1 / 8., 1 / 16.};
-
 /// Changes with everything that PathGuide::Save writes.
-constexpr uint32_t kVersion = 2;
+constexpr uint32_t kVersion = 3;
 
 }  // namespace
 
 /// Builds what a PathGuide knows from records.
 class GuideBuilder {
   public:
-    GuideBuilder(std::vector<const GuideRecord *> records, Float largestShare, PathGuide::Tree *tree)
-        : records_(std::move(records)), largestShare_(largestShare), tree_(*tree) {}
+    /// `worthOf(i)`: PathRoulette::Worth of the pixel of place i, or 0 if that is not known.
+    template <class WorthOf>
+    GuideBuilder(std::span<const GuideRecord> places, Float largestShare, WorthOf &&worthOf, PathGuide::Tree *tree)
+        : places_(places), largestShare_(largestShare), tree_(*tree) {
+        for (size_t i = 0; i < places.size(); ++i)
+            if (places[i].added > 0) records_.push_back({&places[i], 0, static_cast<double>(worthOf(i))});
+    }
 
     void Build() {
         tree_ = {};
         if (records_.empty()) return;
+        ParallelForEach(3, [&](int64_t part) {
+            GuideTargets &targets = part < 2 ? ofHalf_[part] : tree_.targets;
+            targets = TargetsOf(part);
+        });
         tree_.nodes.emplace_back();
-        Histogram even;
-        even.fill(1.0 / GuideGrid::kCells);
-        Histograms start;
-        start.fill({even, even, even});
-        Divide(0, 0, records_.size(), start);
-        Judge();
+        Divide(0, 0, records_.size());
+        tree_.leaves.resize(tasks_.size());
+        for (const GuideRecord &place : places_) tasks_[LeafOf(place.p)].bounces += place.pdf > 0;
+        ParallelForEach(static_cast<int64_t>(tasks_.size()), [&](int64_t i) {
+            const auto k = static_cast<size_t>(i);
+            LeafFor(tasks_[k], &tree_.leaves[k]);
+        });
         Collapse(0);
-        if (tree_.nodes[0].axis == 3 && !Guides(tree_.leaves[0])) tree_ = {};
+        if (tree_.nodes[0].axis == 3 && !Guides(tree_.leaves[tree_.nodes[0].below])) tree_ = {};
     }
 
   private:
-    using Histogram = std::array<double, GuideGrid::kCells>;
-    /// Shares of the cells of a grid in the second moment of radiance, by the records of each half and by all; for each
-    /// of kPriorRecords.
-    using Histograms = std::array<std::array<Histogram, 3>, kPriors>;
+    struct Entry {
+        const GuideRecord *record;
+        double counts = 0;  ///< how much its square: the mean radiance where it went over its own
+        double worth = 0;
+    };
     struct Task {
         size_t begin, end;
-        Histograms shares;
+        size_t bounces = 0;  ///< those that found nothing included
     };
+
+    size_t LeafOf(const Point3 &p) const {
+        const PathGuide::Node *node = tree_.nodes.data();
+        while (node->axis != 3)
+            node = &tree_.nodes[node->below + (p[static_cast<int>(node->axis)] < node->split ? 0 : 1)];
+        return node->below;
+    }
 
     static bool Guides(const PathGuide::Leaf &leaf) { return leaf.share[0] > 0 || leaf.share[1] > 0; }
 
-    Histograms Count(size_t begin, size_t end, const Histograms &prior) const {
-        const auto value = [](const GuideRecord &r) {
-            return static_cast<double>(r.radiance) * static_cast<double>(r.radiance) / static_cast<double>(r.pdf);
-        };
-        const static Neighbours kNeighbours;
-        std::array<Histogram, 3> sums{};
-        double total[3] = {}, count[3] = {};
-        const auto forAll = [&](auto &&visit) {
-            for (size_t i = begin; i < end; ++i) {
-                visit(*records_[i], records_[i]->isOfFirstHalf ? 0 : 1);
-                visit(*records_[i], 2);
-            }
-        };
-        forAll([&](const GuideRecord &r, size_t part) { total[part] += value(r); });
-        double kept[3] = {};
-        forAll([&](const GuideRecord &r, size_t part) {
-            const double v = std::min(value(r), kLargestPart * total[part]);
-            const auto &near = kNeighbours.of[static_cast<size_t>(GuideGrid::CellOf(r.wi))];
-            for (size_t k = 0; k < 9; ++k) sums[part][near[k]] += kSpread[k] * v;
-            kept[part] += v;
-            ++count[part];
-        });
-        Histograms shares;
-        for (size_t k = 0; k < kPriors; ++k)
-            for (size_t part = 0; part < 3; ++part)
-                for (size_t cell = 0; cell < GuideGrid::kCells; ++cell) {
-                    const double known = kept[part] > 0 ? count[part] : 0;
-                    const double own = known > 0 ? sums[part][cell] / kept[part] * known : 0;
-                    shares[k][part][cell] =
-                        (own + kPriorRecords[k] * prior[k][part][cell]) / (known + kPriorRecords[k]);
-                }
-        return shares;
+    /// Of the records of one half, or (2) of all.
+    GuideTargets TargetsOf(int64_t part) {
+        std::vector<TargetFind> finds;
+        double sum = 0;
+        uint32_t number = 0;
+        for (const GuideRecord &r : places_) {
+            const uint32_t at = number;
+            number += r.added > 0;
+            if (!(r.pdf > 0) || (part < 2 && r.isOfFirstHalf != (part == 0))) continue;
+            const double radiance = r.added > 0 ? static_cast<double>(r.radiance) : 0;
+            finds.push_back({r.p, r.target, radiance, 1 / static_cast<double>(r.pdf), 0, at});
+            sum += radiance / static_cast<double>(r.pdf);
+        }
+        for (TargetFind &f : finds) f.radiance = std::min(f.radiance, kLargestPart * sum / f.perPdf);
+        const GuideTargets targets = MakeGuideTargets(finds);
+        if (part == 2)
+            for (const TargetFind &f : finds)
+                if (f.radiance > 0) records_[f.number].counts = std::min(1.0, f.meanRadiance / f.radiance);
+        return targets;
     }
 
-    void Divide(size_t node, size_t begin, size_t end, const Histograms &prior) {
-        const Histograms shares = Count(begin, end, prior);
+    void Divide(size_t node, size_t begin, size_t end) {
         const auto makeLeaf = [&] {
             tree_.nodes[node].below = static_cast<uint32_t>(tasks_.size());
-            tasks_.push_back({begin, end, shares});
+            tasks_.push_back({begin, end, 0});
         };
         if (end - begin <= kCellRecords) return makeLeaf();
         Bounds3 bounds;
-        for (size_t i = begin; i < end; ++i) bounds = Union(bounds, records_[i]->p);
+        for (size_t i = begin; i < end; ++i) bounds = Union(bounds, records_[i].record->p);
         const Vector3 size = bounds.high - bounds.low;
         const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
         const size_t middle = begin + (end - begin) / 2;
         const auto at = [&](size_t i) { return records_.begin() + static_cast<std::ptrdiff_t>(i); };
         std::nth_element(at(begin), at(middle), at(end),
-                         [&](const GuideRecord *a, const GuideRecord *b) { return a->p[axis] < b->p[axis]; });
-        const Float split = records_[middle]->p[axis];
+                         [&](const Entry &a, const Entry &b) { return a.record->p[axis] < b.record->p[axis]; });
+        const Float split = records_[middle].record->p[axis];
         const size_t first = static_cast<size_t>(
-            std::partition(at(begin), at(end), [&](const GuideRecord *r) { return r->p[axis] < split; }) -
+            std::partition(at(begin), at(end), [&](const Entry &e) { return e.record->p[axis] < split; }) -
             records_.begin());
         if (first == begin) return makeLeaf();  // all lie in a plane across the axis, or in one point
         const auto below = static_cast<uint32_t>(tree_.nodes.size());
         tree_.nodes[node] = {split, static_cast<uint32_t>(axis), below};
         tree_.nodes.resize(tree_.nodes.size() + 2);
-        Divide(below, begin, first, shares);
-        Divide(below + 1, first, end, shares);
+        Divide(below, begin, first);
+        Divide(below + 1, first, end);
     }
 
-    /// The grid that makes the second moment least: the square root of what arrives.
-    static GuideGrid GridOf(const Histogram &shares) {
-        GuideGrid grid;
-        double sum = 0;
-        for (const double share : shares) sum += std::sqrt(share);
-        for (size_t i = 0; i < GuideGrid::kCells; ++i)
-            grid.cell[i] = static_cast<Float>(std::sqrt(shares[i]) / sum) * (1 - kEven) + kEven / GuideGrid::kCells;
-        return grid;
-    }
-
-    void Judge() {
-        tree_.leaves.resize(tasks_.size());
-        std::vector<GuideGrid> grids(tasks_.size());
-        ParallelForEach(static_cast<int64_t>(tasks_.size()), [&](int64_t i) {
-            const auto k = static_cast<size_t>(i);
-            size_t prior = 0;
-            tree_.leaves[k] = LeafOf(tasks_[k], &prior);
-            grids[k] = GridOf(tasks_[k].shares[prior][2]);
-        });
-        for (size_t k = 0; k < tasks_.size(); ++k) {
-            if (!Guides(tree_.leaves[k])) continue;
-            tree_.leaves[k].grid = static_cast<uint32_t>(tree_.grids.size());
-            tree_.grids.push_back(grids[k]);
-        }
-    }
-
-    /// The shares of a leaf, and for which of kPriorRecords its grid is made.
-    PathGuide::Leaf LeafOf(const Task &task, size_t *prior) const {
-        PathGuide::Leaf best;
-        double bestRatio = kMinGain;
-        for (size_t k = 0; k < kPriors; ++k) {
-            PathGuide::Leaf leaf;
-            if (const double ratio = LeafFor(task, task.shares[k], &leaf); ratio < bestRatio) {
-                bestRatio = ratio;
-                best = leaf;
-                *prior = k;
-            }
-        }
-        return best;
-    }
-
-    /// Returns the second moment over that without a guide.
-    double LeafFor(const Task &task, const std::array<Histogram, 3> &shares, PathGuide::Leaf *leaf) const {
+    /// Finds the shares of a leaf.
+    void LeafFor(const Task &task, PathGuide::Leaf *leaf) const {
         struct Judged {
             double square, bsdfPdf, guidePdf;
+            double worth;  ///< of what the BSDF alone would have added, squared
         };
-        const GuideGrid ofHalf[2] = {GridOf(shares[0]), GridOf(shares[1])};
         std::vector<Judged> judged[2];
+        bool knowsWorth = true;
         for (size_t i = task.begin; i < task.end; ++i) {
-            const GuideRecord &r = *records_[i];
-            if (!(r.bsdfPdf > 0)) continue;
+            const GuideRecord &r = *records_[i].record;
+            if (!(r.bsdfPdf > 0 && r.added > 0)) continue;
             GuideDirections directions;
-            directions.Prepare(ofHalf[r.isOfFirstHalf ? 1 : 0], r.normal, r.bothSides);
-            const auto added = static_cast<double>(r.added);
-            judged[r.isGlossy ? 1 : 0].push_back({added * added * static_cast<double>(r.pdf),
-                                                  static_cast<double>(r.bsdfPdf),
-                                                  static_cast<double>(directions.Pdf(r.wi))});
+            directions.Prepare(ofHalf_[r.isOfFirstHalf ? 1 : 0], r.p, r.normal, r.bothSides);
+            const auto added = static_cast<double>(r.added), pdf = static_cast<double>(r.pdf),
+                       bsdfPdf = static_cast<double>(r.bsdfPdf);
+            judged[r.isGlossy ? 1 : 0].push_back(
+                {added * added * records_[i].counts * pdf, bsdfPdf, static_cast<double>(directions.Pdf(r.wi)),
+                 added * added * pdf / bsdfPdf * records_[i].worth * records_[i].worth});
+            knowsWorth &= records_[i].worth > 0;
         }
-        double before = 0, after = 0;
+        double gained = 0;
         for (size_t kind = 0; kind < 2; ++kind) {
             double unguided = 0;
             for (const Judged &j : judged[kind]) unguided += j.square / j.bsdfPdf;
@@ -223,7 +167,6 @@ class GuideBuilder {
                 return sum;
             };
             const double plain = momentAt(0);
-            before += plain;
             double best = plain;
             if (judged[kind].size() >= kMinJudges)
                 for (int i = 1; i <= kShares; ++i) {
@@ -233,9 +176,12 @@ class GuideBuilder {
                     best = moment;
                     leaf->share[kind] = share;
                 }
-            after += best;
+            double all = 0, worth = 0;
+            for (const Judged &j : judged[kind]) all += j.worth;
+            for (const Judged &j : judged[kind]) worth += std::min(j.worth, kLargestPart * all);
+            if (leaf->share[kind] > 0) gained += worth * (1 - best / plain);
         }
-        return before > 0 ? after / before : 1;
+        if (knowsWorth && gained < kGuidedCost * static_cast<double>(task.bounces)) *leaf = {};
     }
 
     /// Makes leaves of nodes below which nothing guides. True: the node is such a leaf.
@@ -248,10 +194,12 @@ class GuideBuilder {
         return true;
     }
 
-    std::vector<const GuideRecord *> records_;
+    std::span<const GuideRecord> places_;
+    std::vector<Entry> records_;  ///< of what found something
     const Float largestShare_;
     PathGuide::Tree &tree_;
     std::vector<Task> tasks_;
+    GuideTargets ofHalf_[2];
 };
 
 bool PathGuide::Guides(const Bsdf &bsdf) {
@@ -264,6 +212,8 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     samplesPerPixel_ = prepare.samplesPerPixel;
     vertices_ = static_cast<size_t>(std::clamp(maxDepth, 1, kMaxVertices));
     tree_ = {};
+    const Bounds3 &bounds = prepare.scene.Bounds();
+    beyond_ = bounds.IsEmpty() ? 1 : 10 * Length(bounds.high - bounds.low);
     BeginLearning(0, NextAfter(0));
     // A file of learned lights holds nothing for the guide.
     if (!prepare.learned || prepare.learned->BytesLeft() == 0) return;
@@ -275,7 +225,7 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
         in.Refuse();
     in.Vector(&tree_.nodes);
     in.Vector(&tree_.leaves);
-    in.Vector(&tree_.grids);
+    in.Value(&tree_.targets);
     for (size_t i = 0; i < tree_.nodes.size(); ++i) {
         const Node &node = tree_.nodes[i];
         const bool isLeaf = node.axis == 3;
@@ -285,7 +235,8 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     }
     for (const Leaf &leaf : tree_.leaves)
         for (const Float share : leaf.share)
-            if (share != 0 && !(share > 0 && share < 1 && leaf.grid < tree_.grids.size())) in.Refuse();
+            if (share != 0 && !(share > 0 && share < 1)) in.Refuse();
+    if (tree_.targets.count < 0 || tree_.targets.count > GuideTargets::kMost) in.Refuse();
     roulette_.Load(in);
     BeginLearning(first, next);
     AddRecords(in);
@@ -297,18 +248,18 @@ void PathGuide::Save(StateWriter &out) const {
     out.Value(next_);
     out.Vector(tree_.nodes);
     out.Vector(tree_.leaves);
-    out.Vector(tree_.grids);
+    out.Value(tree_.targets);
     roulette_.Save(out);
     TakeRecords(out);
 }
 
-const GuideGrid *PathGuide::At(const Point3 &p, bool isGlossy, Float *share) const {
+const GuideTargets *PathGuide::At(const Point3 &p, bool isGlossy, Float *share) const {
     if (tree_.nodes.empty()) return nullptr;
     const Node *node = tree_.nodes.data();
     while (node->axis != 3) node = &tree_.nodes[node->below + (p[static_cast<int>(node->axis)] < node->split ? 0 : 1)];
     const Leaf &leaf = tree_.leaves[node->below];
     *share = leaf.share[isGlossy ? 1 : 0];
-    return *share > 0 ? &tree_.grids[leaf.grid] : nullptr;
+    return *share > 0 ? &tree_.targets : nullptr;
 }
 
 int PathGuide::NextAfter(int first) const {
@@ -362,11 +313,11 @@ void PathGuide::Learn(const Progress &progress) {
         if (lights_->NextLearning() == now) return;
     }
     if (!isDue || progress.Cancelled()) return;
-    std::vector<const GuideRecord *> records;
-    for (const GuideRecord &place : places_)
-        if (place.pdf > 0) records.push_back(&place);
-    GuideBuilder(std::move(records), params_.share, &tree_).Build();
     if (params_.roulette) roulette_.Learn(pixels_.high - pixels_.low, [&](size_t path) { return PixelOf(path); });
+    const auto worthOf = [&](size_t place) {
+        return roulette_.Knows() ? roulette_.Worth(PixelOf(place / vertices_)) : Float(0);
+    };
+    GuideBuilder(places_, params_.share, worthOf, &tree_).Build();
     BeginLearning(now, NextAfter(now));
 }
 
@@ -416,6 +367,7 @@ void PathGuide::Report(nlohmann::ordered_json &json) const {
     json["rouletteCells"] = roulette_.Cells();
     json["cells"] = tree_.leaves.size();
     json["guidingCells"] = guiding;
+    json["targets"] = tree_.targets.count;
     json["meanShare"] = tree_.leaves.empty() ? 0 : shares / static_cast<double>(tree_.leaves.size());
 }
 

@@ -4,7 +4,7 @@
 
 #include "pbrt/bxdfs/bsdf.h"
 #include "pbrt/core/params.h"
-#include "pbrt/integrators/guide_grid.h"
+#include "pbrt/integrators/guide_targets.h"
 #include "pbrt/integrators/path_roulette.h"
 #include "pbrt/lightsamplers/light_learner.h"
 
@@ -25,14 +25,14 @@ struct GuideParams {
           "largest share of bounces whose direction comes from what was learned, not from the BSDF");
         v("guide.records", records, Range<int>{1000, 1 << 26},
           "at most so many places on paths are remembered from one learning to the next (24 bytes each, with "
-          "directions "
-          "80)");
+          "directions 92)");
     }
 };
 
 /// What a bounce of a path found, to be learned from.
 struct GuideRecord {
     Point3 p{};
+    Point3 target{};             ///< the place that it reached, or seemed to reach in mirrors
     Vector3 normal{};            ///< see GuideDirections::Prepare
     Vector3 wi{};                ///< where the path went
     Float radiance = 0;          ///< that the bounce found there, times its MIS weight, averaged over wavelengths
@@ -45,12 +45,12 @@ struct GuideRecord {
     bool unused = false;         ///< no padding, so that saved records have the same bytes
 };
 
-/// Learns, while a render goes on, from which directions light arrives at a place that only bounces find: light times
-/// the bounce's MIS weight, so that what light sampling finds better does not count. A tree of cells over the scene
-/// holds a grid of directions each, and for diffuse and for glossy BSDFs the share of bounces that should follow it:
-/// the share that makes the second moment of the bounces' contributions least, as one half of the records tells of what
-/// the other half taught; 0 where little is gained. It learns together with the light sampler, if that learns
-/// (LightLearner).
+/// Learns, while a render goes on, where the light that only bounces find comes from: light times the bounce's MIS
+/// weight, so that what light sampling finds better does not count. What it knows are some balls in the scene that
+/// shine (GuideTargets), the same for all places, and in a tree of cells, for diffuse and for glossy BSDFs, the share
+/// of bounces that should go there: the share that makes the second moment of the bounces' contributions least, as one
+/// half of the records tells of what the other half taught; 0 where little is gained. It learns together with the light
+/// sampler, if that learns (LightLearner).
 /// Roulette by what paths found from a place on is learned from the same paths (PathRoulette).
 class PathGuide final : public LightLearner {
   public:
@@ -61,9 +61,11 @@ class PathGuide final : public LightLearner {
 
     /// True if bounces at such a BSDF are guided or learned from.
     static bool Guides(const Bsdf &bsdf);
-    /// The grid of the cell that p lies in, and the share of bounces that follow it; null: none do.
-    const GuideGrid *At(const Point3 &p, bool isGlossy, Float *share) const;
+    /// What bounces are guided to, and which share of them in the cell that p lies in; null: none is.
+    const GuideTargets *At(const Point3 &p, bool isGlossy, Float *share) const;
 
+    /// How far away what rays find that leave the scene counts as.
+    Float Beyond() const { return beyond_; }
     bool LearnsDirections() const { return params_.directions; }
     /// Null: paths end by their weight alone.
     PathRoulette *Roulette() { return params_.roulette ? &roulette_ : nullptr; }
@@ -110,12 +112,11 @@ class PathGuide final : public LightLearner {
     };
     struct Leaf {
         Float share[2] = {};  ///< for BSDFs without and with glossy lobes
-        uint32_t grid = 0;
     };
     struct Tree {
         std::vector<Node> nodes;
         std::vector<Leaf> leaves;
-        std::vector<GuideGrid> grids;
+        GuideTargets targets;
     };
     friend class GuideBuilder;
 
@@ -134,6 +135,7 @@ class PathGuide final : public LightLearner {
     Bounds2i pixels_{};
     int samplesPerPixel_ = 1, next_ = 0, first_ = 0, stride_ = 1;
     size_t vertices_ = 1, placesPerRow_ = 0;
+    Float beyond_ = 0;  ///< how far away what is beyond the scene counts as
     std::vector<GuideRecord> places_;
     PathRoulette roulette_;
 };

@@ -15,6 +15,7 @@ struct BsdfBounces {
     static constexpr bool KnowsRoulette() { return false; }
     static constexpr Float Survival(const PathVertex &, Float) { return 0; }
     void Open(const PathVertex &, const SampledSpectrum &, const SampledSpectrum &) {}
+    void Reached(const PathVertex &) {}
     void Begin(const PathVertex &) {}
     std::optional<BsdfSample> Sample(const PathVertex &vertex, Float uc, const Point2 &u) const {
         return vertex.bsdf.Sample(vertex.point.wo, uc, u);
@@ -143,6 +144,7 @@ SampledSpectrum PathIntegrator::Follow(const PathStart &start, SampledWavelength
         if (looks) learner_->Looked(previous->query, walk.GetRay().d, false);
         if (settings_.regularize && anyNonSpecular) walk.Regularize();
         const auto &[point, bsdf] = walk.Vertex();
+        bounces.Reached(walk.Vertex());
         if (depth++ == settings_.maxDepth) break;
         ++ThreadCounters().pathVertices;
         const bool samplesLight = IsNonSpecular(bsdf.Flags());

@@ -47,10 +47,7 @@ Float PathRoulette::SurvivalAt(const Point3 &p, uint32_t kind, Float beta, Point
     while (node->axis != 3) node = &nodes_[node->below + (p[static_cast<int>(node->axis)] < node->split ? 0 : 1)];
     const Float cell = cells_[node->below];
     if (cell < 0) return 0;
-    const Point2i at(std::clamp(pixel.x, 0, size_.x - 1) / tile_, std::clamp(pixel.y, 0, size_.y - 1) / tile_);
-    const int perRow = (size_.x + tile_ - 1) / tile_;
-    const Float tile = tiles_[static_cast<size_t>(at.y * perRow + at.x)];
-    return std::clamp(beta * tile * cell, kMinSurvival, Float(1));
+    return std::clamp(beta * Worth(pixel) * cell, kMinSurvival, Float(1));
 }
 
 void PathRoulette::LearnPicture(Vector2i size, const std::vector<Point2i> &pixels) {

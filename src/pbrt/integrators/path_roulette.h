@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "pbrt/core/state_io.h"
@@ -46,6 +47,13 @@ class PathRoulette {
     /// The probability for a vertex: at least kMinSurvival; 0 where nothing is known. `beta`: the path's weight, mean
     /// over wavelengths. `pixel`: relative to the picture's corner.
     Float SurvivalAt(const Point3 &p, uint32_t kind, Float beta, Point2i pixel) const;
+
+    /// sqrt(C0/V0)/I of a pixel: what a path adds to it, times this and squared, is the part of the variance, in
+    /// vertices that it is worth. Knows() must be true.
+    Float Worth(Point2i pixel) const {
+        const Point2i at(std::clamp(pixel.x, 0, size_.x - 1) / tile_, std::clamp(pixel.y, 0, size_.y - 1) / tile_);
+        return tiles_[static_cast<size_t>(at.y * ((size_.x + tile_ - 1) / tile_) + at.x)];
+    }
 
     /// From all records. `pixelOf(i)`: the pixel of path i, relative to the picture's corner; the paths of a pixel are
     /// neighbours.

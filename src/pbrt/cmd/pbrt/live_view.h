@@ -58,7 +58,8 @@ class LiveViewer {
 /// the picture costs the render and the CPU time of the viewers' threads.
 class LiveView {
   public:
-    /// The share of the time of a render that viewers may take: a quarter of one per cent. Waiting at the ends of waves costs about as much.
+    /// The share of the time of a render that viewers may take: a quarter of one per cent. Waiting at the ends of waves
+    /// costs about as much.
     static constexpr double kMaxShare = 0.0025;
     /// Seconds that they may take besides, so that the first picture comes soon.
     static constexpr double kFirstSeconds = 0.01;

@@ -11,50 +11,96 @@ namespace {
 
 Vector3 Uniform(Rng &rng) { return EqualAreaSquareToSphere({rng.Uniform(), rng.Uniform()}); }
 
-GuideGrid SomeGrid(Rng &rng) {
-    GuideGrid grid;
-    for (Float &cell : grid.cell) cell = rng.Uniform() < 0.3f ? 0 : rng.Uniform();
-    return grid;
+GuideTargets SomeTargets(Rng &rng) {
+    GuideTargets targets;
+    targets.count = 1 + static_cast<int>(rng.Uniform() * 12);
+    for (size_t k = 0; k < static_cast<size_t>(targets.count); ++k) {
+        targets.x[k] = 4 * rng.Uniform() - 2;
+        targets.y[k] = 4 * rng.Uniform() - 2;
+        targets.z[k] = 4 * rng.Uniform() - 2;
+        targets.r2[k] = Sqr(rng.Uniform() < 0.3f ? Float(0.01) : rng.Uniform());
+        targets.radiance[k] = rng.Uniform();
+    }
+    return targets;
 }
 
 TEST(GuideDirections, SamplesHaveTheirDensityAndItIntegratesToOne) {
     Rng rng(7);
-    constexpr int kFine = 64, kSamples = 200000;
+    constexpr size_t kFine = 24, kSub = 24;
+    constexpr int kSamples = 100000;
+    int usable = 0;
     for (const bool bothSides : {false, true})
-        for (int run = 0; run < 6; ++run) {
+        for (int run = 0; run < 8; ++run) {
             GuideDirections directions;
             const Vector3 n = Uniform(rng);
-            directions.Prepare(SomeGrid(rng), n, bothSides);
-            ASSERT_TRUE(directions.IsUsable());
+            directions.Prepare(SomeTargets(rng), {0.2f, -0.1f, 0.3f}, n, bothSides);
+            if (!directions.IsUsable()) continue;
+            ++usable;
             std::vector<double> expected(kFine * kFine), observed(kFine * kFine);
             double sum = 0;
-            for (size_t i = 0; i < expected.size(); ++i) {
-                const Point2 middle((static_cast<Float>(i % kFine) + 0.5f) / kFine,
-                                    (static_cast<Float>(i / kFine) + 0.5f) / kFine);
-                const double share = static_cast<double>(directions.Pdf(EqualAreaSquareToSphere(middle))) * 4 *
-                                     static_cast<double>(Pi) / (kFine * kFine);
-                expected[i] = share * kSamples;
-                sum += share;
-            }
-            EXPECT_NEAR(sum, 1, 1e-4);
-            int borders = 0;
+            for (size_t y = 0; y < kFine * kSub; ++y)
+                for (size_t x = 0; x < kFine * kSub; ++x) {
+                    const Point2 middle((static_cast<Float>(x) + 0.5f) / (kFine * kSub),
+                                        (static_cast<Float>(y) + 0.5f) / (kFine * kSub));
+                    const double share = static_cast<double>(directions.Pdf(EqualAreaSquareToSphere(middle))) * 4 *
+                                         std::numbers::pi / (kFine * kSub * kFine * kSub);
+                    expected[y / kSub * kFine + x / kSub] += share * kSamples;
+                    sum += share;
+                }
+            EXPECT_NEAR(sum, 1, 0.02) << "the borders of cones do not follow the cells";
+            int outside = 0;
             for (int k = 0; k < kSamples; ++k) {
-                Float pdf = 0;
-                const Vector3 w = directions.Sample({rng.Uniform(), rng.Uniform()}, &pdf);
-                EXPECT_GT(pdf, 0);
-                borders += pdf != directions.Pdf(w);
+                const Vector3 w = directions.Sample({rng.Uniform(), rng.Uniform()});
+                EXPECT_NEAR(Length(w), 1, 1e-5f);
+                outside += !(directions.Pdf(w) > 0);
                 const Point2 p = EqualAreaSphereToSquare(w) * Float(kFine);
-                const auto at = [](Float x) {
-                    return static_cast<size_t>(std::clamp(static_cast<int>(x), 0, kFine - 1));
-                };
+                const auto at = [](Float x) { return std::min(static_cast<size_t>(x), kFine - 1); };
                 ++observed[at(p.y) * kFine + at(p.x)];
             }
-            EXPECT_LE(borders, 4) << "only rounding at borders of cells may choose another cell";
-            // The few samples that rounding put into a cell without density are left out.
-            for (size_t i = 0; i < observed.size(); ++i)
-                if (expected[i] == 0 && observed[i] <= 2) observed[i] = 0;
-            EXPECT_GT(ChiSquareTest(observed, expected), 1e-4) << run;
+            EXPECT_LE(outside, kSamples / 2000) << "only rounding may put a sample outside of its cone";
+            double distance = 0;
+            for (size_t i = 0; i < observed.size(); ++i) distance += std::abs(observed[i] - expected[i]);
+            // By chance up to 6 %, where all cells are hit, and as much at the borders of cones.
+            EXPECT_LT(distance / kSamples, 0.1) << run;
         }
+    EXPECT_GE(usable, 8);
+}
+
+/// In a room whose walls shine dimly, two small lamps that some bounces hit.
+TEST(GuideTargets, AreWhereLightComesFrom) {
+    Rng rng(9);
+    const Point3 lamps[] = {{1, 0.5f, 2}, {-1, 0, 1.5f}};
+    constexpr Float kRadius = 0.1f;
+    std::vector<TargetFind> finds;
+    for (int i = 0; i < 40000; ++i) {
+        const Point3 from(4 * rng.Uniform() - 2, 4 * rng.Uniform() - 2, 0);
+        const Vector3 w = SampleUniformHemisphere(rng.Uniform2());
+        TargetFind find{from, from + w * (3 / std::max(w.z, Float(0.3))), 0.05, 2 * std::numbers::pi};
+        for (const Point3 &lamp : lamps) {
+            const Float along = Dot(lamp - from, w);
+            if (along > 0 && Distance(from + w * along, lamp) < kRadius) {
+                find.target = from + w * along;
+                find.radiance = 40;
+            }
+        }
+        // Most of what shines dimly is found to be black.
+        if (find.radiance < 1) find.radiance = rng.Uniform() < 0.05f ? 1 : 0;
+        finds.push_back(find);
+    }
+    const GuideTargets targets = MakeGuideTargets(finds);
+    GuideDirections directions;
+    for (const Point3 &p : {Point3(0, 0, 0), Point3(1.5f, -1.5f, 0)}) {
+        directions.Prepare(targets, p, {0, 0, 1}, false);
+        ASSERT_TRUE(directions.IsUsable());
+        double toLamps = 0;
+        for (const Point3 &lamp : lamps) {
+            const Float sine2 = Sqr(kRadius) / LengthSquared(lamp - p);
+            toLamps += static_cast<double>(directions.Pdf(Normalize(lamp - p)) * Pi * sine2);
+        }
+        // They cover less than a hundredth of what is above p, and are half of the light or more.
+        EXPECT_GT(toLamps, 0.12);
+        EXPECT_LT(directions.Pdf(Normalize(Vector3(0, -1, 1))), 0.5f);
+    }
 }
 
 GuideParams Directions() {
@@ -91,6 +137,7 @@ class Learned {
                     r.pdf = r.bsdfPdf = r.wi.z / Pi;
                     if (bothSides && rng.Uniform() < 0.5f) r.wi.z = -r.wi.z;
                     if (bothSides) r.pdf = r.bsdfPdf = r.pdf / 2;
+                    r.target = r.p + r.wi * Float(30);
                     r.radiance = r.added = light(r.p, r.wi);
                     r.isGlossy = isGlossy;
                     r.bothSides = bothSides;
@@ -119,12 +166,12 @@ TEST(PathGuide, HasNoShareUnderEvenLight) {
 TEST(PathGuide, LearnsWhereLightComesFrom) {
     Learned lobe(Lobe, false);
     Float share = 0;
-    const GuideGrid *grid = lobe.guide.At({0.2f, 0.1f, 0}, false, &share);
-    ASSERT_TRUE(grid);
+    const GuideTargets *targets = lobe.guide.At({0.2f, 0.1f, 0}, false, &share);
+    ASSERT_TRUE(targets);
     EXPECT_GT(share, 0.2f);
     EXPECT_LE(share, 0.7f);
     GuideDirections directions;
-    directions.Prepare(*grid, {0, 0, 1}, false);
+    directions.Prepare(*targets, {0.2f, 0.1f, 0}, {0, 0, 1}, false);
     EXPECT_GT(directions.Pdf(Normalize(Vector3(1, 0.3f, 1))), 4 * directions.Pdf(Normalize(Vector3(-1, 0, 1))));
     // Nothing was learned of glossy surfaces.
     EXPECT_EQ(lobe.guide.At({0.2f, 0.1f, 0}, true, &share), nullptr);

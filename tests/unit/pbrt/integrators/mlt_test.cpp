@@ -105,11 +105,10 @@ TEST(Mlt, IsTheSameForAnyNumberOfThreads) {
 TEST(Mlt, LightSamplersAndGatesDoNotChangeTheMean) {
     View view = AllViews()[0];
     view.samples = 160;
-    CheckLightSamplers(view, "mlt",
-                       {"\"string lightsampler\" \"uniform\"", "\"string lightsampler\" \"bvh\"",
-                        "\"string lightsampler\" \"octree\"",
-                        "\"string lightsampler\" \"octree\" \"float octree.opensky\" 1",
-                        "\"string shadowgate\" \"neepp\""});
+    CheckLightSamplers(
+        view, "mlt",
+        {"\"string lightsampler\" \"uniform\"", "\"string lightsampler\" \"bvh\"", "\"string lightsampler\" \"octree\"",
+         "\"string lightsampler\" \"octree\" \"float octree.opensky\" 1", "\"string shadowgate\" \"neepp\""});
 }
 
 TEST(Mlt, RefusesFilmsAndCamerasThatItCannotServe) {

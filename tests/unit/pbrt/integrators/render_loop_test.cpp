@@ -244,15 +244,16 @@ struct OneOfTwo : RenderLoop, Integrator {
         if (!isFirst) waitUntil(1);
         return RenderParts(pass, {.count = 2,
                                   .samplesOf = [](int64_t) { return 1u; },
-                                  .render = [&](int64_t, uint32_t) {
-                                      begun_->fetch_add(1);
-                                      waitUntil(2);
-                                      if (isFirst || !isCancelled_) return 1u;
-                                      // Meanwhile the first answers that there is no other part.
-                                      std::this_thread::sleep_for(std::chrono::milliseconds(100));
-                                      progress_.Cancel();
-                                      return 0u;
-                                  }});
+                                  .render =
+                                      [&](int64_t, uint32_t) {
+                                          begun_->fetch_add(1);
+                                          waitUntil(2);
+                                          if (isFirst || !isCancelled_) return 1u;
+                                          // Meanwhile the first answers that there is no other part.
+                                          std::this_thread::sleep_for(std::chrono::milliseconds(100));
+                                          progress_.Cancel();
+                                          return 0u;
+                                      }});
     }
     RenderResult Run() { return RenderWaves(*this, *camera_, *filter_, *film_, sampler_, settings_, progress_); }
     void Follow() { FollowWaves(*this, *camera_, *filter_, *film_, sampler_, settings_, progress_); }

@@ -96,7 +96,8 @@ TEST_F(Flags, ListingOfLightSamplersNeedsNoScene) {
 TEST_F(Flags, SamplesWithoutPixelsCannotBeAtTheirCentres) {
     const std::string said = "has no samples of single pixels";
     for (const char *integrator : {"mlt", "lightpath", "bdpt"}) {
-        const std::string arguments = std::string("--spp 1 --disable-pixel-jitter scene.pbrt --integrator ") + integrator;
+        const std::string arguments =
+            std::string("--spp 1 --disable-pixel-jitter scene.pbrt --integrator ") + integrator;
         EXPECT_EQ(Has(RunWell(arguments), said), std::string(integrator) != "bdpt") << integrator;
     }
     EXPECT_FALSE(Has(RunWell("--spp 1 --integrator mlt scene.pbrt"), said));

@@ -1,0 +1,212 @@
+#include "pbrt/integrators/guide_targets.h"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "pbrt/math/frame.h"
+
+namespace pbrt {
+
+namespace {
+
+/// The square of the sine of the smallest cone's half angle, 1.8 degrees: in narrower ones rounding would decide
+/// whether a direction lies inside.
+constexpr Float kLeastSine2 = 1e-3f;
+/// Balls are made of at least so many finds each.
+constexpr size_t kLeastFinds = 8;
+/// The number of small balls that are merged, at most.
+constexpr size_t kSmallBalls = 256;
+/// Places that the solid angles of balls are averaged over.
+constexpr size_t kPlaces = 128;
+
+/// 1 - cos of a half angle of a cone, by the square of its sine.
+Float OneMinusCosine(Float sine2) { return sine2 / (1 + std::sqrt(std::max(Float(0), 1 - sine2))); }
+
+struct Ball {
+    size_t count = 0;
+    double moment = 0;  ///< of the mean radiance: the integral of its square over directions, summed over places
+    Bounds3 bounds;
+
+    Point3 Middle() const { return bounds.low + (bounds.high - bounds.low) * Float(0.5); }
+    Float Radius2() const {
+        // Of the ball inside the bounds, where they are flat; widened, as finds do not reach to the border of what
+        // shines.
+        return Float(0.5) * LengthSquared(bounds.high - Middle()) * Sqr(1 + 2 / static_cast<Float>(count));
+    }
+    /// What it adds to the root of the least second moment: the root of its part of the moment times the solid angle
+    /// that it covers, which goes with the square of its size.
+    double Cost() const { return std::sqrt(moment) * static_cast<double>(Length(bounds.high - bounds.low)); }
+};
+
+/// Places that bounces left from.
+struct Places {
+    std::vector<Point3> some;
+    double each = 1;  ///< how many of all each of them stands for
+
+    /// Of a ball, summed over all places.
+    double SolidAngle(const Ball &ball) const {
+        const Point3 middle = ball.Middle();
+        const Float r2 = ball.Radius2();
+        double sum = 0;
+        for (const Point3 &p : some) {
+            const Float l2 = LengthSquared(middle - p);
+            sum += l2 > r2 ? static_cast<double>(OneMinusCosine(std::max(r2 / l2, kLeastSine2))) : 2;
+        }
+        return 2 * std::numbers::pi * each * sum;
+    }
+};
+
+Ball Merged(const Ball &a, const Ball &b) {
+    return {a.count + b.count, a.moment + b.moment, Union(a.bounds, b.bounds)};
+}
+
+/// Divides the finds at the median of their largest extent until they are few.
+void AddSmallBalls(std::span<TargetFind> finds, size_t largest, const Places &places, std::vector<Ball> *balls) {
+    Ball ball;
+    ball.count = finds.size();
+    for (const TargetFind &f : finds) ball.bounds = Union(ball.bounds, f.target);
+    if (finds.size() <= largest) {
+        double flux = 0;
+        for (const TargetFind &f : finds) flux += f.radiance * f.perPdf;
+        const double mean = flux / places.SolidAngle(ball);
+        for (TargetFind &f : finds) f.meanRadiance = mean;
+        ball.moment = flux * mean;
+        if (ball.moment > 0) balls->push_back(ball);
+        return;
+    }
+    const Vector3 size = ball.bounds.high - ball.bounds.low;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const size_t middle = finds.size() / 2;
+    std::nth_element(finds.begin(), finds.begin() + static_cast<std::ptrdiff_t>(middle), finds.end(),
+                     [&](const TargetFind &a, const TargetFind &b) { return a.target[axis] < b.target[axis]; });
+    AddSmallBalls(finds.first(middle), largest, places, balls);
+    AddSmallBalls(finds.subspan(middle), largest, places, balls);
+}
+
+/// Merges, again and again, the two balls whose merging costs least.
+void MergeBalls(std::vector<Ball> *balls) {
+    struct Partner {
+        size_t of = 0;
+        double cost = std::numeric_limits<double>::infinity();
+    };
+    std::vector<Partner> best(balls->size());
+    const auto consider = [&](size_t i, size_t j) {
+        const Ball &a = (*balls)[i], &b = (*balls)[j];
+        const double cost =
+            i == j ? std::numeric_limits<double>::infinity() : Merged(a, b).Cost() - a.Cost() - b.Cost();
+        if (cost < best[i].cost) best[i] = {j, cost};
+    };
+    const auto find = [&](size_t i) {
+        best[i] = {};
+        for (size_t j = 0; j < balls->size(); ++j) consider(i, j);
+    };
+    for (size_t i = 0; i < balls->size(); ++i) find(i);
+    while (balls->size() > static_cast<size_t>(GuideTargets::kMost)) {
+        size_t gone = 0;
+        for (size_t k = 1; k < balls->size(); ++k)
+            if (best[k].cost < best[gone].cost) gone = k;
+        const size_t kept = best[gone].of, last = balls->size() - 1;
+        (*balls)[kept] = Merged((*balls)[gone], (*balls)[kept]);
+        (*balls)[gone] = (*balls)[last];
+        best[gone] = best[last];
+        balls->pop_back();
+        best.pop_back();
+        const size_t changed[] = {kept == last ? gone : kept, gone};
+        for (size_t k = 0; k < balls->size(); ++k) {
+            const size_t of = best[k].of;
+            if (k == changed[0] || of == kept || of == gone || of == last) {
+                find(k);
+                continue;
+            }
+            for (const size_t j : changed) consider(k, std::min(j, balls->size() - 1));
+        }
+    }
+}
+
+}  // namespace
+
+GuideTargets MakeGuideTargets(std::span<TargetFind> finds) {
+    GuideTargets targets;
+    Places places;
+    const size_t stride = (finds.size() + kPlaces - 1) / kPlaces;
+    for (size_t i = 0; i < finds.size(); i += stride) places.some.push_back(finds[i].from);
+    places.each = static_cast<double>(finds.size()) / static_cast<double>(places.some.size());
+    const auto nothing = std::partition(finds.begin(), finds.end(), [](const TargetFind &f) { return f.radiance > 0; });
+    const auto found = finds.first(static_cast<size_t>(nothing - finds.begin()));
+    if (found.size() < kLeastFinds) return targets;
+    std::vector<Ball> balls;
+    AddSmallBalls(found, std::max(2 * kLeastFinds, found.size() / kSmallBalls), places, &balls);
+    MergeBalls(&balls);
+    for (const Ball &ball : balls) {
+        const auto k = static_cast<size_t>(targets.count);
+        const Point3 middle = ball.Middle();
+        targets.x[k] = middle.x;
+        targets.y[k] = middle.y;
+        targets.z[k] = middle.z;
+        targets.r2[k] = ball.Radius2();
+        targets.radiance[k] = static_cast<Float>(std::sqrt(ball.moment / places.SolidAngle(ball)));
+        ++targets.count;
+    }
+    const Float brightest = *std::max_element(targets.radiance.begin(), targets.radiance.end());
+    for (Float &radiance : targets.radiance) radiance /= brightest;
+    return targets;
+}
+
+// The loops go over all places, used or not, so that they become vector instructions.
+
+void GuideDirections::Prepare(const GuideTargets &targets, const Point3 &p, const Vector3 &n, bool bothSides) {
+    const Float always = bothSides ? 1 : 0;
+    for (size_t k = 0; k < GuideTargets::kMost; ++k) {
+        const Float dx = targets.x[k] - p.x, dy = targets.y[k] - p.y, dz = targets.z[k] - p.z;
+        const Float l2 = std::max(dx * dx + dy * dy + dz * dz, std::numeric_limits<Float>::min());
+        const Float perLength = 1 / std::sqrt(l2);
+        const Float sine2 = std::max(targets.r2[k] / l2, kLeastSine2);
+        const Float facing =
+            std::max(always, std::min((dx * n.x + dy * n.y + dz * n.z) * perLength + std::sqrt(sine2), Float(1)));
+        const Float oneMinusCosine = OneMinusCosine(sine2);
+        x_[k] = dx * perLength;
+        y_[k] = dy * perLength;
+        z_[k] = dz * perLength;
+        cosine_[k] = 1 - oneMinusCosine;
+        density_[k] = sine2 < 1 ? targets.radiance[k] * std::max(facing, Float(0)) : Float(0);
+        share_[k] = density_[k] * (2 * Pi) * oneMinusCosine;
+    }
+    Float total = 0;
+    for (size_t k = 0; k < GuideTargets::kMost; ++k) total += share_[k];
+    isUsable_ = total > 0 && std::isfinite(total);
+    const Float perTotal = isUsable_ ? 1 / total : 0;
+    for (size_t k = 0; k < GuideTargets::kMost; ++k) {
+        density_[k] *= perTotal;
+        share_[k] *= perTotal;
+    }
+}
+
+Vector3 GuideDirections::Sample(const Point2 &u) const {
+    Float left = u.x;
+    size_t k = 0, last = 0;
+    for (; k < GuideTargets::kMost; ++k) {
+        if (!(share_[k] > 0)) continue;
+        last = k;
+        if (left < share_[k]) break;
+        left -= share_[k];
+    }
+    k = last;
+    const Float along = std::clamp(left / share_[k], Float(0), OneMinusEpsilon);
+    const Float z = 1 - along * (1 - cosine_[k]), r = std::sqrt(std::max(Float(0), 1 - z * z)), phi = 2 * Pi * u.y;
+    return Frame::FromZ({x_[k], y_[k], z_[k]}).FromLocal({r * std::cos(phi), r * std::sin(phi), z});
+}
+
+Float GuideDirections::Pdf(const Vector3 &w) const {
+    constexpr size_t kLanes = 8;
+    Float sums[kLanes] = {};
+    for (size_t k = 0; k < GuideTargets::kMost; k += kLanes)
+        for (size_t i = 0; i < kLanes; ++i) {
+            const Float cosine = w.x * x_[k + i] + w.y * y_[k + i] + w.z * z_[k + i];
+            sums[i] += cosine >= cosine_[k + i] ? density_[k + i] : Float(0);
+        }
+    return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
+}
+
+}  // namespace pbrt

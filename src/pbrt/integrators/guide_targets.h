@@ -1,0 +1,59 @@
+#pragma once
+#include <array>
+#include <span>
+
+#include "pbrt/math/bounds.h"
+#include "pbrt/math/warps.h"
+
+namespace pbrt {
+
+/// Places that shine, as bounces found them: balls, each with a radiance. Seen from a point, a ball covers a cone of
+/// directions, so what was learned from one point holds for its neighbours as well.
+struct GuideTargets {
+    static constexpr int kMost = 32;
+    int count = 0, unused = 0;
+    std::array<Float, kMost> x{}, y{}, z{}, r2{};  ///< r2: square of the radius
+    std::array<Float, kMost> radiance{};           ///< only ratios matter
+};
+
+/// What a bounce found where it went.
+struct TargetFind {
+    Point3 from{}, target{};
+    double radiance = 0;  ///< 0: it found nothing
+    double perPdf = 0;    ///< one over the density of the bounce (solid angle)
+    /// Set by MakeGuideTargets: the mean over finds, those of nothing included, near the target.
+    double meanRadiance = 0;
+    uint32_t number = 0;  ///< of the caller
+};
+
+/// The balls for which choosing directions by GuideDirections makes the second moment of the mean radiance least, as
+/// far as merging small ones leads. `finds` are reordered.
+///
+/// The mean, not what the finds scatter about it: most of that comes from later bounces that find light rarely, and
+/// goes when those are guided as well.
+GuideTargets MakeGuideTargets(std::span<TargetFind> finds);
+
+/// The density of directions at a vertex: constant in the cone of each target, in proportion to its radiance times a
+/// bound of the cosine with the shading normal, and added up where cones overlap. Targets that the vertex lies in or
+/// does not face have no part.
+class GuideDirections {
+  public:
+    /// `n`: the shading normal (unit) on the side that light is scattered to; `bothSides`: light is scattered to both.
+    void Prepare(const GuideTargets &targets, const Point3 &p, const Vector3 &n, bool bothSides);
+    /// False if no direction has a density.
+    bool IsUsable() const { return isUsable_; }
+    /// A direction; it may lie below the surface.
+    Vector3 Sample(const Point2 &u) const;
+    /// By solid angle; 0 if the directions are not usable.
+    Float Pdf(const Vector3 &w) const;
+
+  private:
+    using Numbers = std::array<Float, GuideTargets::kMost>;
+    bool isUsable_ = false;
+    alignas(64) Numbers x_, y_, z_;  ///< unit vectors to the middle of the cones
+    Numbers cosine_;                 ///< of the half angles of the cones
+    Numbers density_;                ///< in the cones; 0: no part
+    Numbers share_;                  ///< probability of the cones
+};
+
+}  // namespace pbrt

@@ -26,8 +26,8 @@ namespace {
 /// wait before they kill a process.
 constexpr double kWritingSeconds = 10;
 
-/// While somebody watches, waves are kept that short, so that the picture is seen to grow. Shorter ones would cost more:
-/// samples of a pixel that are taken one after the other share work.
+/// While somebody watches, waves are kept that short, so that the picture is seen to grow. Shorter ones would cost
+/// more: samples of a pixel that are taken one after the other share work.
 constexpr double kLiveWaveSeconds = 3;
 
 LiveRender LiveRenderOf(const CommandLine &options, const BuiltScene &built, const RenderSettings &settings) {

@@ -120,7 +120,8 @@ void MergeBalls(std::vector<Ball> *balls) {
                 find(k);
                 continue;
             }
-            for (const size_t j : changed) consider(k, std::min(j, balls->size() - 1));
+            for (const size_t j : changed)
+                if (j < balls->size()) consider(k, j);
         }
     }
 }

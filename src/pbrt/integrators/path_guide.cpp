@@ -59,7 +59,7 @@ class GuideBuilder {
         tree_.nodes.emplace_back();
         Divide(0, 0, records_.size());
         tree_.leaves.resize(tasks_.size());
-        for (const GuideRecord &place : places_) tasks_[LeafOf(place.p)].bounces += place.pdf > 0;
+        for (const GuideRecord &place : places_) tasks_[tree_.LeafOf(place.p)].bounces += place.pdf > 0;
         ParallelForEach(static_cast<int64_t>(tasks_.size()), [&](int64_t i) {
             const auto k = static_cast<size_t>(i);
             LeafFor(tasks_[k], &tree_.leaves[k]);
@@ -78,13 +78,6 @@ class GuideBuilder {
         size_t begin, end;
         size_t bounces = 0;  ///< those that found nothing included
     };
-
-    size_t LeafOf(const Point3 &p) const {
-        const PathGuide::Node *node = tree_.nodes.data();
-        while (node->axis != 3)
-            node = &tree_.nodes[node->below + (p[static_cast<int>(node->axis)] < node->split ? 0 : 1)];
-        return node->below;
-    }
 
     static bool Guides(const PathGuide::Leaf &leaf) { return leaf.share[0] > 0 || leaf.share[1] > 0; }
 
@@ -255,9 +248,7 @@ void PathGuide::Save(StateWriter &out) const {
 
 const GuideTargets *PathGuide::At(const Point3 &p, bool isGlossy, Float *share) const {
     if (tree_.nodes.empty()) return nullptr;
-    const Node *node = tree_.nodes.data();
-    while (node->axis != 3) node = &tree_.nodes[node->below + (p[static_cast<int>(node->axis)] < node->split ? 0 : 1)];
-    const Leaf &leaf = tree_.leaves[node->below];
+    const Leaf &leaf = tree_.leaves[tree_.LeafOf(p)];
     *share = leaf.share[isGlossy ? 1 : 0];
     return *share > 0 ? &tree_.targets : nullptr;
 }

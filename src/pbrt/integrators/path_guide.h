@@ -117,6 +117,14 @@ class PathGuide final : public LightLearner {
         std::vector<Node> nodes;
         std::vector<Leaf> leaves;
         GuideTargets targets;
+
+        /// The number of the leaf that p lies in; there are nodes.
+        uint32_t LeafOf(const Point3 &p) const {
+            const Node *node = nodes.data();
+            while (node->axis != 3)
+                node = &nodes[node->below + (p[static_cast<int>(node->axis)] < node->split ? 0 : 1)];
+            return node->below;
+        }
     };
     friend class GuideBuilder;
 

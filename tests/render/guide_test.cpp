@@ -18,14 +18,19 @@ namespace {
 
 constexpr int kSamples = 16;  ///< the guide learns after 2 and 8
 
-std::string Room(const std::string &parameters, const std::string &floor, const std::string &light) {
+/// `fog`: the room is full of it, and the integrator is volpath.
+std::string Room(const std::string &parameters, const std::string &floor, const std::string &light, bool fog = false) {
+    const std::string medium =
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [ .3 .25 .2 ] "
+        "\"rgb sigma_a\" [ .02 .02 .04 ] \"float g\" .4\nMediumInterface \"\" \"fog\"\n";
     return R"(Option "rendercoordsys" "world"
 LookAt 0 1.2 -2.8  0 0.8 0  0 1 0
-Camera "perspective" "float fov" 60
+)" + (fog ? medium : "") +
+           R"(Camera "perspective" "float fov" 60
 Film "rgb" "integer xresolution" 48 "integer yresolution" 48 "bool savefp16" false
 Sampler "independent" "integer pixelsamples" 16
-Integrator "path" "integer maxdepth" 4 )" +
-           parameters + "\nWorldBegin\n" + light + R"(
+Integrator ")" +
+           (fog ? "volpath" : "path") + "\" \"integer maxdepth\" 4 " + parameters + "\nWorldBegin\n" + light + R"(
 Material "diffuse" "rgb reflectance" [ .6 .5 .4 ]
 Shape "bilinearmesh" "point3 P" [ -3 2 -3  3 2 -3  -3 2 3  3 2 3 ]
 Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 2 -3  3 2 -3 ]
@@ -53,10 +58,13 @@ const std::string kDiffuse = "Material \"diffuse\"", kMetal = "Material \"conduc
 struct Case {
     const char *name;
     std::string floor, light, sampler;
+    bool fog = false;
 };
 const Case kCases[] = {{"spot", kDiffuse, kSpot, "\"string lightsampler\" \"bvh\" "},
                        {"metal", kMetal, kPanel, "\"string lightsampler\" \"bvh\" "},
-                       {"coated", kCoated, kPanel, "\"string lightsampler\" \"uniform\" "}};
+                       {"coated", kCoated, kPanel, "\"string lightsampler\" \"uniform\" "},
+                       {"spot in fog", kDiffuse, kSpot, "\"string lightsampler\" \"bvh\" ", true},
+                       {"metal in fog", kMetal, kPanel, "\"string lightsampler\" \"bvh\" ", true}};
 
 void Prepare(BuiltScene &built, Progress &progress, StateReader *learned = nullptr) {
     PrepareContext context = built.Preparation(progress);
@@ -77,10 +85,10 @@ Image Render(BuiltScene &built, const std::vector<int> &sizes = {kSamples}) {
     return RenderWaves(built, kSamples, sizes, progress);
 }
 
-BuiltScene Spot(bool guide, const std::string &sampler = "bvh") {
+BuiltScene Spot(bool guide, const std::string &sampler = "bvh", bool fog = false) {
     return BuildText(Room("\"string lightsampler\" \"" + sampler + "\" \"bool guide\" " + (guide ? "true" : "false") +
                               " \"bool guide.directions\" true",
-                          kDiffuse, kSpot));
+                          kDiffuse, kSpot, fog));
 }
 
 TEST(GuidedPaths, HaveTheMeanOfPlainPaths) {
@@ -92,7 +100,8 @@ TEST(GuidedPaths, HaveTheMeanOfPlainPaths) {
                 options.seed = firstSeed + run;
                 options.guide = guide;
                 BuiltScene built = BuildText(
-                    Room(c.sampler + (directions ? "\"bool guide.directions\" true" : ""), c.floor, c.light), options);
+                    Room(c.sampler + (directions ? "\"bool guide.directions\" true" : ""), c.floor, c.light, c.fog),
+                    options);
                 Image image = Render(built);
                 EXPECT_EQ(built.integrator->Guide() != nullptr, guide);
                 for (int y = 0; factor != 1 && y < 48; ++y)
@@ -116,20 +125,22 @@ TEST(GuidedPaths, HaveTheMeanOfPlainPaths) {
 }
 
 TEST(GuidedPaths, AreGuidedWhereLightComesFromOnePlace) {
-    BuiltScene built = Spot(true);
-    Render(built);
-    nlohmann::ordered_json report;
-    built.integrator->Guide()->Report(report);
-    EXPECT_GT(report["guidingCells"].get<int>(), 5) << report.dump();
-    EXPECT_GT(report["rouletteCells"].get<int>(), 5) << report.dump();
+    for (const bool fog : {false, true}) {
+        BuiltScene built = Spot(true, "bvh", fog);
+        Render(built);
+        nlohmann::ordered_json report;
+        built.integrator->Guide()->Report(report);
+        EXPECT_GT(report["guidingCells"].get<int>(), 5) << report.dump();
+        EXPECT_GT(report["rouletteCells"].get<int>(), 5) << report.dump();
+    }
 }
 
 TEST(GuidedPaths, AreTheSameForAnyThreadsAndAnySplit) {
-    for (const char *sampler : {"bvh", "octree"}) {
+    for (const auto &[sampler, fog] : {std::pair("bvh", false), {"octree", false}, {"bvh", true}}) {
         if (!AllSamplers().samplers.Has(sampler)) continue;
         const auto render = [&](int threads, const std::vector<int> &sizes, bool guide = true) {
             ThreadLimit limit(threads);
-            BuiltScene built = Spot(guide, sampler);
+            BuiltScene built = Spot(guide, sampler, fog);
             return Render(built, sizes);
         };
         const Image whole = render(1, {kSamples});
@@ -159,8 +170,8 @@ TEST(GuidedPaths, DirectionsChangeNothingUnderEvenLight) {
     EXPECT_TRUE(SameBits(render(true), render(false)));
 }
 
-TEST(GuidedPaths, GoOnFromASavedStateBitByBit) {
-    BuiltScene uninterrupted = Spot(true);
+void ExpectToGoOnBitByBit(bool fog) {
+    BuiltScene uninterrupted = Spot(true, "bvh", fog);
     const Image whole = Render(uninterrupted);
     const RenderSettings settings = Settings();
     for (const int stop : {0, 1, 2, 5, 8, 12}) {
@@ -169,7 +180,7 @@ TEST(GuidedPaths, GoOnFromASavedStateBitByBit) {
         StateWriter writer;
         std::string state;
         {
-            BuiltScene built = Spot(true);
+            BuiltScene built = Spot(true, "bvh", fog);
             Prepare(built, progress);
             WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler,
                                   settings, progress);
@@ -179,7 +190,7 @@ TEST(GuidedPaths, GoOnFromASavedStateBitByBit) {
             state = writer.Joined();
         }
         StateReader reader(state, "state");
-        BuiltScene built = Spot(true);
+        BuiltScene built = Spot(true, "bvh", fog);
         Prepare(built, progress, &reader);
         EXPECT_EQ(reader.BytesLeft(), 0u);
         built.film->Load(film);
@@ -189,7 +200,7 @@ TEST(GuidedPaths, GoOnFromASavedStateBitByBit) {
         while (renderer.Done() < kSamples) renderer.Render(kSamples);
         EXPECT_TRUE(SameBits(whole, built.film->ToImage())) << "stopped after " << stop;
         // A part of the render that traces again what it learns from.
-        BuiltScene part = Spot(true);
+        BuiltScene part = Spot(true, "bvh", fog);
         Prepare(part, progress);
         film.clear();
         film.seekg(0);
@@ -201,11 +212,36 @@ TEST(GuidedPaths, GoOnFromASavedStateBitByBit) {
     }
 }
 
-TEST(GuidedPaths, OnlyPathIsGuided) {
+TEST(GuidedPaths, GoOnFromASavedStateBitByBit) {
+    ExpectToGoOnBitByBit(false);
+    ExpectToGoOnBitByBit(true);
+}
+
+TEST(GuidedPaths, OnlyPathAndVolpathAreGuided) {
     BuildOptions options;
     options.guide = true;
-    options.integrator = "volpath";
+    options.integrator = "bdpt";
     EXPECT_THROW(BuildText(Room("", kDiffuse, kSpot), options), UserError);
+    options.guide = false;
+    options.lightSampler = "bvh+guide";
+    EXPECT_THROW(BuildText(Room("", kDiffuse, kSpot), options), UserError);
+}
+
+TEST(GuidedPaths, AreChosenWithParametersTogetherWithTheLightSampler) {
+    const auto built = [](const std::string &choice, const std::string &scene = "") {
+        BuildOptions options;
+        options.lightSampler = choice;
+        return BuildText(Room(scene, kDiffuse, kSpot), options);
+    };
+    EXPECT_EQ(built("bvh").integrator->Guide(), nullptr);
+    const BuiltScene plain = built("bvh+guide");
+    ASSERT_NE(plain.integrator->Guide(), nullptr);
+    EXPECT_FALSE(plain.integrator->Guide()->LearnsDirections());
+    EXPECT_TRUE(built("bvh+mesh+guide:directions=true,share=.5").integrator->Guide()->LearnsDirections());
+    // Keys are added to those of the scene.
+    EXPECT_TRUE(built("bvh+guide:share=.5", "\"bool guide.directions\" true").integrator->Guide()->LearnsDirections());
+    for (const char *wrong : {"bvh+guide:length=3", "bvh+guide:share=2", "bvh+guide:directions=1", "bvh+guided"})
+        EXPECT_THROW(built(wrong), UserError) << wrong;
 }
 
 }  // namespace

@@ -20,9 +20,9 @@ std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorRe
 
 std::pair<std::unique_ptr<LightSampler>, std::unique_ptr<ShadowRayGate>> MakeLights(
     const LightSelection &chosen, const LightSamplerRegistry &registry, const LightTable &table) {
-    const auto &[sampler, gate] = chosen;
+    const LightSamplerSpec &sampler = chosen.sampler;
     return {registry.Make(*sampler.entry, table, sampler.params, sampler.meshLights),
-            gate.entry ? gate.entry->make(gate.params, table) : nullptr};
+            chosen.gate.entry ? chosen.gate.entry->make(chosen.gate.params, table) : nullptr};
 }
 
 void WarnOfLightFlags(const IntegratorReading &r, const char *integrator) {
@@ -38,6 +38,8 @@ struct PathParams : DepthParams {
     bool regularize = false;
     Float minSurvival = 0;
     LightSelectionParams lights;  ///< declared here, used by ReadLightSelection
+    bool guide = false;
+    GuideParams guideParams;
     template <class V>
     void Describe(V &&v) {
         DepthParams::Describe(v);
@@ -45,15 +47,6 @@ struct PathParams : DepthParams {
         v("minsurvival", minSurvival, Range<Float>{0, 1},
           "least probability with which roulette lets a path go on; 0: as in stock, 1: no roulette (only here)");
         lights.Describe(v);
-    }
-};
-
-struct GuidedPathParams : PathParams {
-    bool guide = false;
-    GuideParams guideParams;
-    template <class V>
-    void Describe(V &&v) {
-        PathParams::Describe(v);
         v("guide", guide, "let paths depend on what earlier samples found, as the parameters below say; as --guide");
         guideParams.Describe(v);
     }
@@ -72,7 +65,7 @@ struct VolPathParams : PathParams {
 
 /// Without media volpath is path with subsurface scattering and with light sampling through interface surfaces.
 IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume,
-                            bool equiangular = false, std::optional<GuideParams> guide = {}) {
+                            bool equiangular = false) {
     IntegratorSettings settings;
     settings.maxDepth = p.MaxDepth(r);
     settings.lights = ReadLights(set, r);
@@ -83,7 +76,13 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
     path.minSurvival = p.minSurvival;
     path.seesThroughInterfaces = isVolume;
     path.equiangular = equiangular;
-    path.guide = guide;
+    if (p.guide || r.options.guide || settings.lights->guide) {
+        path.guide = p.guideParams;
+        if (settings.lights->guide) {
+            ParamReader overriding(*settings.lights->guide);
+            path.guide->Describe(overriding);
+        }
+    }
     path.sampledLightOnly = r.options.sampledLightOnly;
     settings.make = [path, isVolume, &registry = r.registry, lights = *settings.lights](
                         const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
@@ -96,6 +95,9 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
     };
     return settings;
 }
+
+bool IsGuided(const std::string &integrator) { return integrator == "path" || integrator == "volpath"; }
+constexpr const char *kWhoIsGuided = "only the integrators \"path\" and \"volpath\" are guided";
 
 bool FollowsPhotons(const std::string &integrator) { return FollowsLight(integrator) || integrator == "sppm"; }
 
@@ -166,17 +168,13 @@ const IntegratorTable &Integrators() {
     static const IntegratorTable table = [] {
         using Request = const IntegratorReading;
         IntegratorTable t("Integrator");
-        t.Add<GuidedPathParams>(
+        t.Add<PathParams>(
             "path",
             "only here: `guide` ([guided-paths.md](../method/guided-paths.md)), `meshlights`, `shadowgate` and the "
             "light samplers' own parameters "
             "([lightsamplers.md](lightsamplers.md)); **differs**: an unknown light sampler is an error (stock "
             "uses bvh)",
-            [](const auto &p, const ParamSet &set, Request &r) {
-                const bool guides = p.guide || r.options.guide;
-                return MakePath(p, set, r, false, false,
-                                guides ? std::optional<GuideParams>(p.guideParams) : std::nullopt);
-            });
+            [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, false); });
         t.Add<VolPathParams>(
             "volpath", "as path, with media and subsurface scattering, and shadow rays pass \"interface\"",
             [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, true, p.equiangular); });
@@ -244,13 +242,16 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
             sink.Error({}, fmt::format("--shooting-sampler: light paths begin at lights with the integrators "
                                        "\"bdpt\", \"lightpath\", \"mlt\" and \"sppm\" only; this one is \"{}\".",
                                        type));
-        if (options.guide && type != "path")
-            sink.Error({}, fmt::format("--guide: only integrator \"path\" is guided; this one is \"{}\".", type));
+        if (options.guide && !IsGuided(type))
+            sink.Error({}, fmt::format("--guide: {}; this one is \"{}\".", kWhoIsGuided, type));
         ParamReader before(params);
         if (type == "path" || type == "volpath" || FollowsPhotons(type)) DeclareLightParams(before, registry);
         Collect(sink, [&] {
             settings = Integrators().Make(type, params, IntegratorReading{options, registry, sink, before});
         });
+        if (settings.lights && settings.lights->guide && !IsGuided(type))
+            sink.Error(settings.lights->guide->Loc(),
+                       fmt::format("\"+guide\": {}; this one is \"{}\".", kWhoIsGuided, type));
     }
     settings.type = type;
     return settings;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "pbrt/integrators/path_guide.h"
+
 namespace pbrt {
 
 namespace {
@@ -28,7 +30,7 @@ struct Piece {
 struct Pieces {
     Piece sampler;
     bool mesh = false;
-    std::optional<Piece> gate;
+    std::optional<Piece> gate, guide;
 };
 
 /// Where "+mesh", "+gate=" or another "+word" starts; numbers such as 1e+4 do not.
@@ -39,7 +41,7 @@ size_t FindSuffix(const std::string &text, size_t from) {
 }
 
 Pieces Split(const FlagText &flag, DiagnosticSink &sink) {
-    static const std::string kGate = "gate=";
+    static const std::string kGate = "gate=", kGuide = "guide:";
     const std::string &text = flag.Text();
     Pieces pieces;
     pieces.sampler = {0, FindSuffix(text, 0)};
@@ -50,10 +52,13 @@ Pieces Split(const FlagText &flag, DiagnosticSink &sink) {
             pieces.mesh = true;
         else if (word.starts_with(kGate))
             pieces.gate = Piece{at + 1 + kGate.size(), end};
+        else if (word == "guide")
+            pieces.guide = Piece{end, end};
+        else if (word.starts_with(kGuide))
+            pieces.guide = Piece{at + 1 + kGuide.size(), end};
         else
-            sink.Error(flag.At(at), fmt::format("\"+{}\" is unknown; a light sampler is written "
-                                                "name[:key=value,...][+mesh][+gate=name[:key=value,...]].",
-                                                word));
+            sink.Error(flag.At(at),
+                       fmt::format("\"+{}\" is unknown; a light sampler is written {}.", word, kLightChoiceSyntax));
     }
     return pieces;
 }
@@ -99,8 +104,22 @@ Param ReadOne(const FlagText &flag, const std::string &owner, const std::vector<
     return p;
 }
 
-/// "name:key=value,..." taken apart; `find(name, loc)` gives the registry's entry. All mistakes in the keys are
-/// reported; the entry is returned if the name is known.
+/// Reads "key=value,...", which may be empty. All mistakes are reported.
+void ReadKeys(const FlagText &flag, const std::string &owner, const std::vector<ParamDoc> &docs, const Piece &piece,
+              ParamSet *params, DiagnosticSink &sink) {
+    for (size_t begin = piece.begin; begin < piece.end;) {
+        const size_t end = std::min(flag.Text().find(',', begin), piece.end);
+        try {
+            params->Add(ReadOne(flag, owner, docs, {begin, end}));
+        } catch (const UserError &e) {
+            sink.Add(e);
+        }
+        begin = end + 1;
+    }
+}
+
+/// "name:key=value,..." taken apart; `find(name, loc)` gives the registry's entry, which is returned if the name is
+/// known.
 template <class Find>
 auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, ParamSet *params, DiagnosticSink &sink)
     -> decltype(&find("", FileLoc())) {
@@ -108,20 +127,19 @@ auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, Param
     const size_t colon = std::min(text.find(':', piece.begin), piece.end);
     try {
         const auto *entry = &find(text.substr(piece.begin, colon - piece.begin), flag.At(piece.begin));
-        for (size_t begin = colon + 1; colon < piece.end && begin <= piece.end;) {
-            const size_t end = std::min(text.find(',', begin), piece.end);
-            try {
-                params->Add(ReadOne(flag, entry->name, entry->params, {begin, end}));
-            } catch (const UserError &e) {
-                sink.Add(e);
-            }
-            begin = end + 1;
-        }
+        ReadKeys(flag, entry->name, entry->params, {std::min(colon + 1, piece.end), piece.end}, params, sink);
         return entry;
     } catch (const UserError &e) {
         sink.Add(e);
         return nullptr;
     }
+}
+
+/// The guide's parameters, named as in a choice: without "guide.".
+std::vector<ParamDoc> GuideKeys() {
+    std::vector<ParamDoc> docs = DocumentParams<GuideParams>();
+    for (ParamDoc &doc : docs) doc.name = doc.name.substr(std::string("guide.").size());
+    return docs;
 }
 
 /// The parameters of the chosen entry: the integrator's, overridden by the flag's. Values out of range are errors.
@@ -164,8 +182,9 @@ LightChoiceParts SplitLightChoice(const std::string &choice, const char *flag) {
     DiagnosticSink sink;
     const Pieces pieces = Split(FlagText(flag, choice), sink);
     sink.ThrowIfErrors();
-    LightChoiceParts parts{pieces.sampler.Of(choice), pieces.mesh, {}};
+    LightChoiceParts parts{pieces.sampler.Of(choice), pieces.mesh, {}, {}};
     if (pieces.gate) parts.gate = pieces.gate->Of(choice);
+    if (pieces.guide) parts.guide = pieces.guide->Of(choice);
     return parts;
 }
 
@@ -189,7 +208,7 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
         }
     };
     LightSelection selection;
-    auto &[sampler, gate] = selection;
+    auto &[sampler, gate, guide] = selection;
     LightSelectionParams scene = defaults;
     ParamReader reader(integrator);
     scene.Describe(reader);
@@ -225,6 +244,15 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
     if (gate.entry)
         gate.params =
             ChosenParams(*gate.entry, "shadow-ray gate", integrator, integrator.LocOf("shadowgate"), gateKeys, sink);
+
+    if (pieces.guide) {
+        guide.emplace("the guide", choice.At(pieces.guide->begin));
+        ReadKeys(choice, "guide", GuideKeys(), *pieces.guide, &*guide, sink);
+        GuideParams params;
+        ParamReader check(*guide);
+        params.Describe(check);
+        collect([&] { check.ThrowIfErrors(); });
+    }
 
     sampler.meshLights = scene.meshLights || flags.meshLights || pieces.mesh;
     // A sampler that does not take groups forms them itself.

@@ -22,8 +22,11 @@ struct ShadowGateSpec {
     ParamSet params;
 };
 
+inline constexpr const char *kLightChoiceSyntax =
+    "name[:key=value,...][+mesh][+gate=name[:key=value,...]][+guide[:key=value,...]]";
+
 /// The flags for light selection; empty if not given. All programs use the same syntax for a choice:
-///   name[:key=value,...][+mesh][+gate=name[:key=value,...]]
+/// kLightChoiceSyntax.
 struct LightFlags {
     std::string choice;
     bool meshLights = false;  ///< as "+mesh"
@@ -32,11 +35,11 @@ struct LightFlags {
     const char *choiceFlag = "--lightsampler", *gateFlag = "--shadow-gate";
 };
 
-/// The parts of a choice, without the words "mesh" and "gate=".
+/// The parts of a choice, without the words "mesh", "gate=" and "guide".
 struct LightChoiceParts {
     std::string sampler;
     bool mesh = false;
-    std::optional<std::string> gate;
+    std::optional<std::string> gate, guide;
 };
 /// Throws UserError, at the flag, where something else follows a "+". Names and parameters are not checked.
 LightChoiceParts SplitLightChoice(const std::string &choice, const char *flag);
@@ -61,6 +64,8 @@ void DeclareLightParams(ParamReader &reader, const LightSamplerRegistry &registr
 struct LightSelection {
     LightSamplerSpec sampler;
     ShadowGateSpec gate;
+    /// "+guide": paths are guided, with these "guide.key" parameters on top of the integrator's.
+    std::optional<ParamSet> guide;
 };
 
 /// Reads `"string lightsampler"`, `"bool meshlights"`, `"string shadowgate"` and the `name.key` parameters of an

@@ -78,6 +78,18 @@ SampledSpectrum Bsdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode mode
     return Dispatch(lobe_, [&](const auto &lobe) { return lobe.F(o, i, mode); });
 }
 
+SampledSpectrum Bsdf::FOfSamples(const Vector3 &wo, const Vector3 &wi) const {
+    const Vector3 o = frame_.ToLocal(wo);
+    if (o.z == 0) return SampledSpectrum(0);
+    const Vector3 i = frame_.ToLocal(wi);
+    return Dispatch(lobe_, [&](const auto &lobe) {
+        if constexpr (requires { lobe.FConsistent(o, i, TransportMode::Radiance); })
+            return lobe.FConsistent(o, i, TransportMode::Radiance);
+        else
+            return lobe.F(o, i, TransportMode::Radiance);
+    });
+}
+
 std::optional<BsdfSample> Bsdf::Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
                                        ReflTransFlags which) const {
     Vector3 o = frame_.ToLocal(wo);

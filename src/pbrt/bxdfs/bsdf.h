@@ -43,6 +43,9 @@ class Bsdf {
     void ApproximateF(const Vector3 &wo, std::span<const Vector3> wi, Float *f) const;
     /// f(wo, wi); 0 for specular lobes.
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode = TransportMode::Radiance) const;
+    /// The function that Sample draws from: F, but for rough coats, whose F has stock pbrt-v4's bias (CoatedBxdf). For
+    /// directions that take the place of Sample's.
+    SampledSpectrum FOfSamples(const Vector3 &wo, const Vector3 &wi) const;
     std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u,
                                      TransportMode mode = TransportMode::Radiance,
                                      ReflTransFlags which = ReflTransFlags::All) const;

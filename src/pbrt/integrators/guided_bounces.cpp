@@ -17,6 +17,10 @@ void GuidedBounces::Reached(const PathVertex &vertex) {
     if (IsNonSpecular(flags) || !IsSpecular(flags)) FindTarget(way_);
 }
 
+void GuidedBounces::ReachedInMedium(const Point3 &p) {
+    if (seeksTarget_) FindTarget(way_ + Distance(at_, p));
+}
+
 void GuidedBounces::Begin(const PathVertex &vertex) {
     const auto &[point, bsdf] = vertex;
     share_ = 0;
@@ -45,7 +49,7 @@ std::optional<BsdfSample> GuidedBounces::Sample(const PathVertex &vertex, Float 
     if (uc < share_) {
         const Vector3 wi = directions_.Sample(u);
         const Float guidePdf = directions_.Pdf(wi);
-        const SampledSpectrum f = bsdf.F(point.wo, wi);
+        const SampledSpectrum f = bsdf.FOfSamples(point.wo, wi);
         if (!f || !(guidePdf > 0)) return sample;
         const bool transmits = (Dot(wi, point.shading.n) < 0) != (Dot(point.wo, point.shading.n) < 0);
         const BxdfFlags side = transmits ? BxdfFlags::Transmission : BxdfFlags::Reflection;
@@ -108,11 +112,23 @@ Float GuidedBounces::Survival(const PathVertex &vertex, Float beta) const {
     return roulette_->SurvivalAt(vertex.point.p, KindOf(vertex), beta, pixel_);
 }
 
-void GuidedBounces::Open(const PathVertex &vertex, const SampledSpectrum &beta, const SampledSpectrum &L) {
+Float GuidedBounces::SurvivalInMedium(const Point3 &p, Float beta) const {
+    return roulette_->SurvivalAt(p, PathRoulette::kInMedium, beta, pixel_);
+}
+
+void GuidedBounces::OpenAt(const Point3 &p, uint32_t kind, const SampledSpectrum &beta, const SampledSpectrum &L) {
     ++cost_;
     if (!roulette_ || !path_ || openVertices_ == vertices_.size()) return;
     const Float weight = beta.Average();
-    if (weight > 0) vertices_[openVertices_++] = {{vertex.point.p, KindOf(vertex), 0, cost_}, L, weight};
+    if (weight > 0) vertices_[openVertices_++] = {{p, kind, 0, cost_}, L, weight};
+}
+
+void GuidedBounces::Open(const PathVertex &vertex, const SampledSpectrum &beta, const SampledSpectrum &L) {
+    OpenAt(vertex.point.p, KindOf(vertex), beta, L);
+}
+
+void GuidedBounces::OpenInMedium(const Point3 &p, const SampledSpectrum &beta, const SampledSpectrum &L) {
+    OpenAt(p, PathRoulette::kInMedium, beta, L);
 }
 
 void GuidedBounces::End(const SampledSpectrum &L) {

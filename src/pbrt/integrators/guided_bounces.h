@@ -21,12 +21,16 @@ class GuidedBounces {
     /// The probability with which the path should go on from the vertex; 0: not known. `beta`: the path's weight, mean
     /// over wavelengths.
     Float Survival(const PathVertex &vertex, Float beta) const;
+    Float SurvivalInMedium(const Point3 &p, Float beta) const;
     /// Light is about to be sampled at the vertex, and the path to be followed from there. `beta`: its weight; `L`:
     /// what it found so far.
     void Open(const PathVertex &vertex, const SampledSpectrum &beta, const SampledSpectrum &L);
+    void OpenInMedium(const Point3 &p, const SampledSpectrum &beta, const SampledSpectrum &L);
 
     /// The path's ray met a surface that scatters.
     void Reached(const PathVertex &vertex);
+    /// The path is scattered in a medium.
+    void ReachedInMedium(const Point3 &p);
     /// The path is at a vertex that scatters, and goes on.
     void Begin(const PathVertex &vertex);
     std::optional<BsdfSample> Sample(const PathVertex &vertex, Float uc, const Point2 &u) const;
@@ -46,6 +50,7 @@ class GuidedBounces {
         SampledSpectrum L, beta;
     };
     static constexpr size_t kMaxOpen = 5;
+    void OpenAt(const Point3 &p, uint32_t kind, const SampledSpectrum &beta, const SampledSpectrum &L);
     /// The last bounce's target becomes known: it is so far away.
     void FindTarget(Float distance);
 

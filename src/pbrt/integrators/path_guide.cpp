@@ -34,7 +34,7 @@ constexpr size_t kMinJudges = 32;
 constexpr int kShares = 7;  ///< that are tried besides 0
 
 /// Changes with everything that PathGuide::Save writes.
-constexpr uint32_t kVersion = 3;
+constexpr uint32_t kVersion = 4;
 
 }  // namespace
 

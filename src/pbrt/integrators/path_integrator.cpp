@@ -1,31 +1,13 @@
 #include "pbrt/integrators/path_integrator.h"
 
 #include "pbrt/core/counters.h"
+#include "pbrt/integrators/bsdf_bounces.h"
 #include "pbrt/integrators/guided_bounces.h"
 #include "pbrt/integrators/vertex_selection.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/paths/subsurface_exit.h"
 
 namespace pbrt {
-
-namespace {
-
-/// Bounces that the BSDF chooses. GuidedBounces has the same functions.
-struct BsdfBounces {
-    static constexpr bool KnowsRoulette() { return false; }
-    static constexpr Float Survival(const PathVertex &, Float) { return 0; }
-    void Open(const PathVertex &, const SampledSpectrum &, const SampledSpectrum &) {}
-    void Reached(const PathVertex &) {}
-    void Begin(const PathVertex &) {}
-    std::optional<BsdfSample> Sample(const PathVertex &vertex, Float uc, const Point2 &u) const {
-        return vertex.bsdf.Sample(vertex.point.wo, uc, u);
-    }
-    Float Pdf(const PathVertex &vertex, const Vector3 &wi) const { return vertex.bsdf.Pdf(vertex.point.wo, wi); }
-    void Left(const PathVertex &, const BsdfSample &, Float, const SampledSpectrum &, const SampledSpectrum &) {}
-    void End(const SampledSpectrum &) {}
-};
-
-}  // namespace
 
 template <class Bounces>
 SampledSpectrum PathIntegrator::SampleDirect(const PathVertex &vertex, const LightDistribution &lights,
@@ -75,11 +57,6 @@ SampledSpectrum PathIntegrator::SampleDirect(const PathVertex &vertex, const Lig
 SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     if (!guide_) return Follow(start, lambda, sampler, BsdfBounces());
     return Follow(start, lambda, sampler, GuidedBounces(*guide_, start.pixel, start.sampleIndex));
-}
-
-void PathIntegrator::SaveLearned(StateWriter &writer) const {
-    lights_->SaveLearned(writer, true);
-    if (guide_) guide_->Save(writer);
 }
 
 template <class Bounces>

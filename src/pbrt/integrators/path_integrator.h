@@ -23,17 +23,14 @@ struct PathSettings {
     bool sampledLightOnly = false;
     /// Least probability with which roulette lets a path go on: 0 as in stock, 1 for no roulette.
     Float minSurvival = 0;
-    std::optional<GuideParams> guide{};  ///< bounces are guided (path)
+    std::optional<GuideParams> guide{};  ///< paths are guided
 };
 
-/// Unidirectional path tracing with next-event estimation; BSDF and light sampling combined by the power heuristic.
-/// Both sides of the combination use the light sampler's distribution of the same vertex. A shadow-ray gate, if there
-/// is one, may skip shadow rays; it uses one more random number per light sample. With a guide, a part of the bounces
-/// follows what it learned.
-class PathIntegrator final : public PixelIntegrator {
+/// Path tracing from the camera with next-event estimation: light sampler, gate and guide, and how they learn.
+class GuidedPixelIntegrator : public PixelIntegrator {
   public:
-    PathIntegrator(const PathContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
-                   std::unique_ptr<ShadowRayGate> gate = nullptr)
+    GuidedPixelIntegrator(const PathContext &context, const PathSettings &settings,
+                          std::unique_ptr<LightSampler> lights, std::unique_ptr<ShadowRayGate> gate)
         : context_(context),
           settings_(settings),
           lights_(std::move(lights)),
@@ -46,12 +43,34 @@ class PathIntegrator final : public PixelIntegrator {
         if (gate_) gate_->Prepare(prepare);
         if (guide_) guide_->Prepare(prepare, settings_.maxDepth);
     }
-    SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
     LightLearner *Learner() override { return guide_ ? guide_.get() : learner_; }
-    void SaveLearned(StateWriter &writer) const override;
+    void SaveLearned(StateWriter &writer) const override {
+        lights_->SaveLearned(writer, true);
+        if (guide_) guide_->Save(writer);
+    }
     const LightSampler *Lights() const override { return lights_.get(); }
     const ShadowRayGate *Gate() const override { return gate_.get(); }
     const PathGuide *Guide() const override { return guide_.get(); }
+
+  protected:
+    PathContext context_;
+    PathSettings settings_;
+    std::unique_ptr<LightSampler> lights_;
+    std::unique_ptr<ShadowRayGate> gate_;
+    LightLearner *learner_;  ///< of the light sampler
+    std::unique_ptr<PathGuide> guide_;
+};
+
+/// Unidirectional path tracing with next-event estimation; BSDF and light sampling combined by the power heuristic.
+/// Both sides of the combination use the light sampler's distribution of the same vertex. A shadow-ray gate, if there
+/// is one, may skip shadow rays; it uses one more random number per light sample. With a guide, a part of the bounces
+/// follows what it learned.
+class PathIntegrator final : public GuidedPixelIntegrator {
+  public:
+    PathIntegrator(const PathContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
+                   std::unique_ptr<ShadowRayGate> gate = nullptr)
+        : GuidedPixelIntegrator(context, settings, std::move(lights), std::move(gate)) {}
+    SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
 
   private:
     template <class Bounces>
@@ -62,12 +81,6 @@ class PathIntegrator final : public PixelIntegrator {
     template <class Bounces>
     SampledSpectrum Follow(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler,
                            Bounces &&bounces) const;
-    PathContext context_;
-    PathSettings settings_;
-    std::unique_ptr<LightSampler> lights_;
-    std::unique_ptr<ShadowRayGate> gate_;
-    LightLearner *learner_;  ///< of the light sampler
-    std::unique_ptr<PathGuide> guide_;
 };
 
 }  // namespace pbrt

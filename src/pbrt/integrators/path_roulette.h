@@ -37,10 +37,10 @@ class PathRoulette {
     void Record(size_t place, const RouletteRecord &record) { records_[place] = record; }
     void RecordPath(size_t path, const PathTotal &total) { totals_[path] = total; }
 
-    /// Places with different numbers do not know of each other: the six sides that a normal may point to, and whether
-    /// the BSDF is glossy.
+    /// Places with different numbers do not know of each other: the six sides that a normal may point to, each with
+    /// glossy BSDFs and without, and media.
     static uint32_t KindOf(const Vector3 &n, bool isGlossy);
-    static constexpr uint32_t kKinds = 12;
+    static constexpr uint32_t kInMedium = 12, kKinds = 13;
 
     /// True if something was learned.
     bool Knows() const { return !nodes_.empty(); }

@@ -2,6 +2,8 @@
 
 #include "pbrt/core/counters.h"
 #include "pbrt/core/error.h"
+#include "pbrt/integrators/bsdf_bounces.h"
+#include "pbrt/integrators/guided_bounces.h"
 #include "pbrt/integrators/vertex_selection.h"
 #include "pbrt/paths/shadow_transmittance.h"
 #include "pbrt/paths/subsurface_exit.h"
@@ -29,12 +31,14 @@ struct Scattering {
 
 }  // namespace
 
-/// One camera path.
+/// One camera path. `bounces` chooses directions at surfaces and knows their densities, and where paths should end.
+template <class Bounces>
 struct VolPathIntegrator::Path {
     const VolPathIntegrator &integrator;
     const Scene &scene;
     SampledWavelengths &lambda;
     Sampler &sampler;
+    Bounces &bounces;
     PathWalk walk;
     LightLearner::PathPlaces places{};
     SampledSpectrum L{0};
@@ -50,8 +54,13 @@ struct VolPathIntegrator::Path {
     bool lightCouldSample = false;
     bool anyNonSpecular = false;
 
-    Path(const VolPathIntegrator &i, const PathStart &start, SampledWavelengths &l, Sampler &s)
-        : integrator(i), scene(i.context_.scene), lambda(l), sampler(s), walk(i.context_, start.ray, start.visible) {
+    Path(const VolPathIntegrator &i, const PathStart &start, SampledWavelengths &l, Sampler &s, Bounces &b)
+        : integrator(i),
+          scene(i.context_.scene),
+          lambda(l),
+          sampler(s),
+          bounces(b),
+          walk(i.context_, start.ray, start.visible) {
         if (integrator.learner_) places = integrator.learner_->BeginPath(start.pixel, start.sampleIndex);
     }
 
@@ -61,7 +70,12 @@ struct VolPathIntegrator::Path {
     void AddEmission(PathWalk::Met met);
     bool ScatterAtSurface();
     bool PassBelowSurface();
+    /// What the path's samples count: the throughput over the density, averaged over the wavelengths that could have
+    /// drawn it.
+    SampledSpectrum Weight() const { return weights.beta / weights.Mean(weights.ru); }
+    /// Roulette by the throughput.
     bool SurvivesRoulette();
+    bool Survives(Float probability);
     void PrepareSegment(MediumOnRay on);
     void SampleSegment();
     /// The density (solid angle) with which `lights` and a point on the light they choose give the direction of a
@@ -77,23 +91,28 @@ struct VolPathIntegrator::Path {
     void SampleDirectAtSurface();
 };
 
-void VolPathIntegrator::Path::PrepareSelection(const LightQuery &query, const LightSampleContext &from) {
+template <class Bounces>
+void VolPathIntegrator::Path<Bounces>::PrepareSelection(const LightQuery &query, const LightSampleContext &from) {
     current->Prepare(*integrator.lights_, query, from);
 }
 
-void VolPathIntegrator::Path::PrepareAtSurface() {
+template <class Bounces>
+void VolPathIntegrator::Path<Bounces>::PrepareAtSurface() {
     PrepareSelection(LightQueryAt(walk.Vertex(), lambda, depth), LightContextAt(walk.Vertex().point));
 }
 
-void VolPathIntegrator::Path::LeftVertexBy(Float pdf) {
+template <class Bounces>
+void VolPathIntegrator::Path<Bounces>::LeftVertexBy(Float pdf) {
     weights.SampledDirection(pdf);
     std::swap(current, previous);
     std::swap(segment, segmentBefore);
     lightCouldSample = anyNonSpecular = true;
 }
 
+template <class Bounces>
 template <class Medium, class Scatter>
-void VolPathIntegrator::Path::SampleDirect(const LightSampleContext &from, Medium &&mediumTowards, Scatter &&scatter) {
+void VolPathIntegrator::Path<Bounces>::SampleDirect(const LightSampleContext &from, Medium &&mediumTowards,
+                                                    Scatter &&scatter) {
     // All random numbers are drawn in any case, so that dimensions stay aligned between samples.
     const Float uSelect = sampler.Get1D();
     Point2 uLight = sampler.Get2D();
@@ -137,18 +156,20 @@ void VolPathIntegrator::Path::SampleDirect(const LightSampleContext &from, Mediu
     L += weights.beta * to.f * sample->L * through.value / (weights.Mean(densities) * traced);
 }
 
-void VolPathIntegrator::Path::SampleDirectAtSurface() {
+template <class Bounces>
+void VolPathIntegrator::Path<Bounces>::SampleDirectAtSurface() {
     const auto &[point, bsdf] = walk.Vertex();
     SampleDirect(
         ScatteringContextAt(scene, point, bsdf), [&](const Vector3 &wi) { return point.MediumTowards(wi); },
         [&](const Vector3 &wi) {
             const SampledSpectrum f = bsdf.F(point.wo, wi) * AbsDot(wi, point.shading.n);
-            return Scattering{f, f ? bsdf.Pdf(point.wo, wi) : 0};
+            return Scattering{f, f ? bounces.Pdf(walk.Vertex(), wi) : 0};
         });
 }
 
-Float VolPathIntegrator::Path::DensityOf(const LightDistribution &lights, LightId light, const LightLiSample &sample,
-                                         const LightSampleContext &from) const {
+template <class Bounces>
+Float VolPathIntegrator::Path<Bounces>::DensityOf(const LightDistribution &lights, LightId light,
+                                                  const LightLiSample &sample, const LightSampleContext &from) const {
     const LightTable &table = scene.Lights();
     if (table[light].Kind() != LightKind::Infinite) return lights.PMF(light) * sample.pdf;
     // Other places may tell other tiles of a sky apart.
@@ -157,7 +178,8 @@ Float VolPathIntegrator::Path::DensityOf(const LightDistribution &lights, LightI
     return pmf > 0 ? pmf * table[part].PdfLi(from, sample.wi, {}, {}, true) : Float(0);
 }
 
-void VolPathIntegrator::Path::PrepareSegment(MediumOnRay on) {
+template <class Bounces>
+void VolPathIntegrator::Path<Bounces>::PrepareSegment(MediumOnRay on) {
     // Behind the first scattering it was measured not to be worth its time (docs/measured, Fog).
     if (depth > 0 || !on.IsEven() || integrator.settings_.maxDepth == 0) return;
     MediumStretch &stretch = segment->stretch;
@@ -174,7 +196,8 @@ void VolPathIntegrator::Path::PrepareSegment(MediumOnRay on) {
     segment->isOn = true;
 }
 
-void VolPathIntegrator::Path::SampleSegment() {
+template <class Bounces>
+void VolPathIntegrator::Path<Bounces>::SampleSegment() {
     const Float uSelect = sampler.Get1D(), uDistance = sampler.Get1D();
     Point2 uLight = sampler.Get2D();
     const std::optional<SampledLight> selected = segment->lights.Sample(uSelect, &uLight);
@@ -203,7 +226,8 @@ void VolPathIntegrator::Path::SampleSegment() {
     L += weights.beta * scattering * sample->L * through.value * (phase / weights.Mean(weights.ru * densities));
 }
 
-bool VolPathIntegrator::Path::PassMedium(bool *scattered) {
+template <class Bounces>
+bool VolPathIntegrator::Path<Bounces>::PassMedium(bool *scattered) {
     segment->isOn = false;
     const Medium *medium = walk.MediumAhead();
     if (!medium) return true;
@@ -230,6 +254,12 @@ bool VolPathIntegrator::Path::PassMedium(bool *scattered) {
     const Point3 p = ray(event.t);
     const Vector3 wo = -ray.d;
     const HenyeyGreenstein &phase = medium->Phase();
+    bounces.ReachedInMedium(p);
+    if (bounces.KnowsRoulette() && depth > 1) {
+        const Float survive = bounces.SurvivalInMedium(p, Weight().Average());
+        if (survive > 0 && !Survives(survive)) return false;
+    }
+    bounces.OpenInMedium(p, Weight(), L);
     PrepareSelection(LightQueryInMedium(p, wo, ray.medium, phase, ray.time, lambda, depth), {p, {}, {}, {}, ray.time});
     if (segment->isOn) {
         segment->t = event.t;
@@ -251,7 +281,8 @@ bool VolPathIntegrator::Path::PassMedium(bool *scattered) {
     return true;
 }
 
-void VolPathIntegrator::Path::AddEmission(PathWalk::Met met) {
+template <class Bounces>
+void VolPathIntegrator::Path<Bounces>::AddEmission(PathWalk::Met met) {
     walk.ForEachEmission(lambda, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
         SampledSpectrum densities = weights.ru;
         if (lightCouldSample) {
@@ -273,7 +304,8 @@ void VolPathIntegrator::Path::AddEmission(PathWalk::Met met) {
     });
 }
 
-bool VolPathIntegrator::Path::PassBelowSurface() {
+template <class Bounces>
+bool VolPathIntegrator::Path<Bounces>::PassBelowSurface() {
     const SurfacePoint &point = walk.Vertex().point;
     const std::optional<Bssrdf> bssrdf = ComputeBssrdf(scene, point, lambda);
     if (!bssrdf) return true;
@@ -282,53 +314,74 @@ bool VolPathIntegrator::Path::PassBelowSurface() {
     if (!exit) return false;
     weights.beta *= exit->weight;
     walk.MoveTo(exit->vertex);
+    bounces.Begin(walk.Vertex());
     PrepareAtSurface();
     SampleDirectAtSurface();
-    const auto &[exitPoint, bsdf] = walk.Vertex();
     const Float uExit = sampler.Get1D();
-    const std::optional<BsdfSample> sample = bsdf.Sample(exitPoint.wo, uExit, sampler.Get2D());
+    const std::optional<BsdfSample> sample = bounces.Sample(walk.Vertex(), uExit, sampler.Get2D());
     if (!sample) return false;
-    weights.beta *= sample->f * (AbsDot(sample->wi, exitPoint.shading.n) / sample->pdf);
+    weights.beta *= sample->f * (AbsDot(sample->wi, walk.Vertex().point.shading.n) / sample->pdf);
     LeftVertexBy(sample->pdf);
+    bounces.Left(walk.Vertex(), *sample, sample->pdf, L, Weight());
     walk.Scatter(*sample);
     return true;
 }
 
-bool VolPathIntegrator::Path::ScatterAtSurface() {
+template <class Bounces>
+bool VolPathIntegrator::Path<Bounces>::ScatterAtSurface() {
     if (integrator.settings_.regularize && anyNonSpecular) walk.Regularize();
     const auto &[point, bsdf] = walk.Vertex();
+    bounces.Reached(walk.Vertex());
     if (depth++ == integrator.settings_.maxDepth) return false;
     ++ThreadCounters().pathVertices;
-    if (IsNonSpecular(bsdf.Flags())) {
+    const bool samplesLight = IsNonSpecular(bsdf.Flags());
+    if (bounces.KnowsRoulette() && depth > 1) {
+        // Where nothing is known, and at specular surfaces, it is the throughput that counts.
+        const Float survive = samplesLight ? bounces.Survival(walk.Vertex(), Weight().Average()) : 0;
+        if (survive > 0 ? !Survives(survive) : depth > 2 && !SurvivesRoulette()) return false;
+    }
+    bounces.Begin(walk.Vertex());
+    if (samplesLight) {
+        bounces.Open(walk.Vertex(), Weight(), L);
         PrepareAtSurface();
         SampleDirectAtSurface();
     }
     const Float uComponent = sampler.Get1D();
-    const std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uComponent, sampler.Get2D());
+    const std::optional<BsdfSample> sample = bounces.Sample(walk.Vertex(), uComponent, sampler.Get2D());
     if (!sample) return false;
     weights.beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
     if (!weights.beta) return false;
-    if (IsSpecular(sample->flags))
+    if (IsSpecular(sample->flags)) {
         lightCouldSample = false;
-    else
-        LeftVertexBy(sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf);
+    } else {
+        const Float pdf = sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf;
+        LeftVertexBy(pdf);
+        bounces.Left(walk.Vertex(), *sample, pdf, L, Weight());
+    }
     if (IsTransmissive(sample->flags)) etaScale *= Sqr(sample->eta);
     walk.Scatter(*sample);
     const bool entersBelow = integrator.settings_.subsurface && IsTransmissive(sample->flags);
-    return (!entersBelow || PassBelowSurface()) && SurvivesRoulette();
+    if (entersBelow && !PassBelowSurface()) return false;
+    return bounces.KnowsRoulette() || depth <= 1 || SurvivesRoulette();
 }
 
-bool VolPathIntegrator::Path::SurvivesRoulette() {
+template <class Bounces>
+bool VolPathIntegrator::Path<Bounces>::SurvivesRoulette() {
     // The throughput without the radiance scaling of refraction.
-    const Float survive =
-        std::max((weights.beta * etaScale / weights.Mean(weights.ru)).MaxComponent(), integrator.settings_.minSurvival);
-    if (!(survive < 1) || depth <= 1) return true;
-    if (sampler.Get1D() >= survive) return false;
-    weights.beta /= survive;
+    return Survives(std::max((weights.beta * etaScale / weights.Mean(weights.ru)).MaxComponent(),
+                             integrator.settings_.minSurvival));
+}
+
+template <class Bounces>
+bool VolPathIntegrator::Path<Bounces>::Survives(Float probability) {
+    if (!(probability < 1)) return true;
+    if (sampler.Get1D() >= probability) return false;
+    weights.beta /= probability;
     return true;
 }
 
-void VolPathIntegrator::Path::Follow() {
+template <class Bounces>
+void VolPathIntegrator::Path<Bounces>::Follow() {
     LightLearner *learner = integrator.learner_;
     for (;;) {
         const PathWalk::Met met = walk.Next();
@@ -351,10 +404,15 @@ void VolPathIntegrator::Path::Follow() {
 }
 
 SampledSpectrum VolPathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
-    Path path(*this, start, lambda, sampler);
-    path.Follow();
-    ++ThreadCounters().cameraPaths;
-    return path.L;
+    const auto follow = [&](auto &&bounces) {
+        Path path(*this, start, lambda, sampler, bounces);
+        path.Follow();
+        bounces.End(path.L);
+        ++ThreadCounters().cameraPaths;
+        return path.L;
+    };
+    if (!guide_) return follow(BsdfBounces());
+    return follow(GuidedBounces(*guide_, start.pixel, start.sampleIndex));
 }
 
 SampledSpectrum SimpleVolPathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda,

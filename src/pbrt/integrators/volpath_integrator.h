@@ -10,41 +10,26 @@ namespace pbrt {
 /// Unidirectional path tracing through media with next-event estimation, at surfaces and inside media. Distances in
 /// media are drawn by delta tracking, shadow rays are weakened by ratio tracking; light sampling, scattering and the
 /// wavelengths that could have drawn a distance are combined by the balance heuristic (SpectralWeights). Scenes without
-/// media are rendered by PathIntegrator.
+/// media are rendered by PathIntegrator. With a guide, paths end in media by what was found there as well; directions
+/// are learned and guided at surfaces.
 ///
 /// PathSettings::equiangular: a third way to find light in media that are the same all along a segment of the path, one
 /// of the balance heuristic as well. The lights are weighed at a place drawn on the segment, one is chosen, and the
 /// shadow ray to it starts at a place drawn for that light (SegmentDistances). What delta tracking does with the
 /// segment does not matter, so that thin fog, which most paths pass without a collision, is lit by all of them. It is
 /// done up to the first scattering.
-class VolPathIntegrator final : public PixelIntegrator {
+class VolPathIntegrator final : public GuidedPixelIntegrator {
   public:
     VolPathIntegrator(const PathContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
                       std::unique_ptr<ShadowRayGate> gate = nullptr)
-        : context_(context),
-          settings_(settings),
-          lights_(std::move(lights)),
-          gate_(std::move(gate)),
-          learner_(lights_->Learner()) {
+        : GuidedPixelIntegrator(context, settings, std::move(lights), std::move(gate)) {
         if (settings_.equiangular) segments_.emplace(context_.scene.Lights());
     }
-
-    void Prepare(PrepareContext &prepare) override {
-        lights_->Prepare(prepare);
-        if (gate_) gate_->Prepare(prepare);
-    }
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
-    LightLearner *Learner() override { return learner_; }
-    const LightSampler *Lights() const override { return lights_.get(); }
-    const ShadowRayGate *Gate() const override { return gate_.get(); }
 
   private:
+    template <class Bounces>
     struct Path;
-    PathContext context_;
-    PathSettings settings_;
-    std::unique_ptr<LightSampler> lights_;
-    std::unique_ptr<ShadowRayGate> gate_;
-    LightLearner *learner_;
     std::optional<SegmentDistances> segments_;
 };
 

@@ -24,6 +24,7 @@ SamplerChoice ParseOne(const std::string &text, const LightSamplerRegistry &regi
     choice.label = text;
     choice.folder = SafeFileName(text);
     choice.lightSampler = parts.sampler;
+    if (parts.guide) choice.lightSampler += parts.guide->empty() ? "+guide" : "+guide:" + *parts.guide;
     choice.name = parts.sampler.substr(0, parts.sampler.find(':'));
     choice.meshLights = parts.mesh;
     choice.gate = parts.gate.value_or("");

@@ -9,12 +9,12 @@ namespace pbrt::lab {
 /// The flag that messages about a choice name.
 inline constexpr const char *kSamplersFlag = "--samplers";
 
-/// One competitor: name[:key=value,...][+mesh][+gate=name[:key=value,...]].
+/// One competitor: kLightChoiceSyntax.
 struct SamplerChoice {
     std::string label;         ///< as the user wrote it
     std::string folder;        ///< the label made safe for a file name
     std::string name;          ///< of the light sampler
-    std::string lightSampler;  ///< name[:key=value,...]
+    std::string lightSampler;  ///< name[:key=value,...][+guide[:key=value,...]]
     bool meshLights = false;
     std::string gate;  ///< name[:key=value,...]; empty: that of the campaign or the scene
     bool IsOracle() const { return name == "oracle"; }

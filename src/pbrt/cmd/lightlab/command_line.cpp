@@ -22,16 +22,16 @@ const char *const kAbout =
     "  lightlab scene.pbrt --time 20                    20 s for every sampler and seed, preparation included\n"
     "  lightlab scene.pbrt --spp 64 --seeds 5           64 samples per pixel for every sampler and seed\n"
     "  lightlab a.pbrt b.pbrt c.pbrt --time 20          one table over several scenes, and a page that links them\n"
-    "  lightlab scene.pbrt --samplers bvh,octree,octree:budget=0.02,floor=0.2,bvh+gate=neepp\n"
+    "  lightlab scene.pbrt --samplers bvh,octree,octree:budget=0.02,floor=0.2,bvh+gate=neepp,octree+guide\n"
     "  lightlab inspect scene.pbrt --sampler octree     pictures of what a sampler knows (see lightlab inspect "
     "--help)\n\n"
     "Ctrl-C keeps what is finished; the same command goes on from there, with more --seeds as well.";
 
 const char *const kFooter =
-    "A sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]], as in pbrt: +mesh takes every "
-    "emissive\n"
-    "mesh as one light, +gate skips some shadow rays at random. pbrt --list-lightsamplers names all with their\n"
-    "parameters. Commas or semicolons separate samplers; a comma before key=value continues the same sampler.\n\n"
+    "A sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]][+guide[:key=value,...]], as in\n"
+    "pbrt: +mesh takes every emissive mesh as one light, +gate skips some shadow rays at random, +guide lets paths\n"
+    "learn where they should end and go. pbrt --list-lightsamplers names all with their parameters. Commas or\n"
+    "semicolons separate samplers; a comma before key=value continues the same sampler.\n\n"
     "The reference is rendered with the sampler that has the least variance in a short pilot run. If that sampler is\n"
     "compared, a second reference, rendered with the next best, judges it. References are kept in the cache folder as\n"
     "<scene>.reference-<hash>.exr; the hash changes with anything the scene says. A reference takes\n"

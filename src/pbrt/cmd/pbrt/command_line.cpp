@@ -129,10 +129,10 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
         "written beside it, as out-unfinished.exr.",
         "pbrt");
     app.footer(
-        "A light sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]], here, in lightlab and in\n"
-        "lightlab inspect: +mesh takes every emissive mesh as one light, +gate skips some shadow rays at random, "
-        "without\n"
-        "bias. --list-lightsamplers names all with their parameters.");
+        "A light sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]][+guide[:key=value,...]],\n"
+        "here, in lightlab and in lightlab inspect: +mesh takes every emissive mesh as one light, +gate skips some\n"
+        "shadow rays at random, without bias, +guide is --guide with parameters, guide.key in a scene.\n"
+        "--list-lightsamplers names all samplers and gates with their parameters.");
     app.set_version_flag("--version", PBRT_VERSION_TEXT, "print the version, and stop");
     std::vector<Float> crop;
     std::vector<int> bounds, pixel;
@@ -242,7 +242,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
                    "use this integrator instead of the scene's (path, simplepath, ...)")
         ->group(method);
     app.add_flag("--guide", o.build.guide,
-                 "integrator path: end paths by what earlier samples found (\"guide.*\" parameters)")
+                 "integrators path, volpath: end paths by what earlier samples found (\"guide.*\" parameters)")
         ->group(method);
     CLI::Option *depthOption =
         app.add_option("--maxdepth", maxDepth, "scattering events per path; 1: direct light only")

@@ -70,7 +70,7 @@ TEST(PathRoulette, KnowsNothingIfNothingWasFound) {
 }
 
 TEST(PathRoulette, SidesAndGlossyPlacesAreApart) {
-    std::vector<uint32_t> kinds;
+    std::vector<uint32_t> kinds{PathRoulette::kInMedium};
     for (const Vector3 &n : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)})
         for (const Float sign : {1.f, -1.f})
             for (const bool isGlossy : {false, true}) kinds.push_back(PathRoulette::KindOf(n * sign, isGlossy));

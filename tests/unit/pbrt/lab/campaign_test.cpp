@@ -644,13 +644,25 @@ TEST_F(Campaign, ReferencesOfStockThatContradictEachOtherProveNothing) {
     EXPECT_NE(outcome->text.find("prove no bias"), std::string::npos) << outcome->text;
 }
 
+TEST_F(Campaign, ComparesGuidedPathsWithPlainOnes) {
+    CampaignSettings settings = Settings("out", {"honest", "honest+guide"});
+    settings.samplesPerPixel = 16;  // the guide learns after 2 and 8
+    ASSERT_TRUE(Run(settings));
+    const fs::path out = folder_ / "out";
+    const Image plain = ReadImage((out / "honest/seed0.exr").string()).image,
+                guided = ReadImage((out / "honest+guide/seed0.exr").string()).image;
+    ASSERT_EQ(plain.Bytes(), guided.Bytes());
+    EXPECT_NE(std::memcmp(plain.Data(), guided.Data(), plain.Bytes()), 0);
+}
+
 TEST_F(Campaign, MistakesAreFoundBeforeAnythingIsRendered) {
     EXPECT_THROW(ParseSamplerChoices({"uniform", "uniform"}, registry_), UserError);
     try {
-        ParseSamplerChoices({"nosuch", "power:leaves=3", "bvh+gate=nogate", "bvh+what", "uniform"}, registry_);
+        ParseSamplerChoices(
+            {"nosuch", "power:leaves=3", "bvh+gate=nogate", "bvh+what", "bvh+guide:length=2", "uniform"}, registry_);
         FAIL();
     } catch (const UserError &e) {
-        EXPECT_EQ(e.Diagnostics().size(), 4u);
+        EXPECT_EQ(e.Diagnostics().size(), 5u);
         EXPECT_NE(e.Diagnostics()[0].message.find("uniform"), std::string::npos) << e.Diagnostics()[0].message;
     }
     CampaignSettings settings = Settings("out", {"uniform"});
@@ -682,6 +694,8 @@ TEST_F(Campaign, GivenReferenceIsUsedAsItIs) {
 TEST(SamplerList, KeysBelongToTheSamplerBeforeThem) {
     EXPECT_EQ(SplitSamplerList("a,b:k=1,m=2,c+mesh,d+gate=g:k=1,m=2, e"),
               (std::vector<std::string>{"a", "b:k=1,m=2", "c+mesh", "d+gate=g:k=1,m=2", "e"}));
+    EXPECT_EQ(SplitSamplerList("a+guide,b+guide:k=1,m=2,c"),
+              (std::vector<std::string>{"a+guide", "b+guide:k=1,m=2", "c"}));
     EXPECT_EQ(SafeFileName("octree:leaves=64,floor=.2+gate=a/b"), "octree_leaves=64,floor=.2+gate=a_b");
 }
 

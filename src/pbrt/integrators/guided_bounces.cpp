@@ -99,17 +99,8 @@ void GuidedBounces::Left(const PathVertex &vertex, const BsdfSample &sample, Flo
                    .isGlossy = isGlossy_};
 }
 
-namespace {
-
-uint32_t KindOf(const PathVertex &vertex) {
-    const Vector3 n(vertex.point.n);
-    return PathRoulette::KindOf(Dot(vertex.point.wo, n) < 0 ? -n : n, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy));
-}
-
-}  // namespace
-
 Float GuidedBounces::Survival(const PathVertex &vertex, Float beta) const {
-    return roulette_->SurvivalAt(vertex.point.p, KindOf(vertex), beta, pixel_);
+    return roulette_->SurvivalAt(vertex.point.p, PathRoulette::KindOf(vertex), beta, pixel_);
 }
 
 Float GuidedBounces::SurvivalInMedium(const Point3 &p, Float beta) const {
@@ -124,7 +115,7 @@ void GuidedBounces::OpenAt(const Point3 &p, uint32_t kind, const SampledSpectrum
 }
 
 void GuidedBounces::Open(const PathVertex &vertex, const SampledSpectrum &beta, const SampledSpectrum &L) {
-    OpenAt(vertex.point.p, KindOf(vertex), beta, L);
+    OpenAt(vertex.point.p, PathRoulette::KindOf(vertex), beta, L);
 }
 
 void GuidedBounces::OpenInMedium(const Point3 &p, const SampledSpectrum &beta, const SampledSpectrum &L) {

@@ -33,6 +33,9 @@ constexpr double kGuidedCost = 0.3;
 constexpr size_t kMinJudges = 32;
 constexpr int kShares = 7;  ///< that are tried besides 0
 
+/// The path's weight for which PathGuide::Inspect tells the probability to go on.
+constexpr Float kInspectedWeight = 0.5f;
+
 /// Changes with everything that PathGuide::Save writes.
 constexpr uint32_t kVersion = 4;
 
@@ -251,6 +254,24 @@ const GuideTargets *PathGuide::At(const Point3 &p, bool isGlossy, Float *share) 
     const Leaf &leaf = tree_.leaves[tree_.LeafOf(p)];
     *share = leaf.share[isGlossy ? 1 : 0];
     return *share > 0 ? &tree_.targets : nullptr;
+}
+
+void PathGuide::Inspect(const PathVertex &vertex, Point2i pixel, std::vector<InspectedValue> &values) const {
+    const double unknown = std::numeric_limits<double>::quiet_NaN();
+    const Point3 &p = vertex.point.p;
+    const Float survival =
+        roulette_.Knows() ? roulette_.SurvivalAt(p, PathRoulette::KindOf(vertex), kInspectedWeight, InPicture(pixel))
+                          : 0;
+    values.push_back({"survival", survival > 0 ? static_cast<double>(survival) : unknown});
+    if (!params_.directions) return;
+    Float share = 0, radiance = 0;
+    if (Guides(vertex.bsdf)) At(p, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy), &share);
+    for (size_t k = 0; k < static_cast<size_t>(tree_.targets.count); ++k)
+        if (LengthSquared(Point3(tree_.targets.x[k], tree_.targets.y[k], tree_.targets.z[k]) - p) <=
+            tree_.targets.r2[k])
+            radiance = std::max(radiance, tree_.targets.radiance[k]);
+    values.push_back({"share", static_cast<double>(share)});
+    values.push_back({"shines", radiance > 0 ? std::log10(static_cast<double>(radiance)) : unknown});
 }
 
 int PathGuide::NextAfter(int first) const {

@@ -7,6 +7,8 @@
 #include "pbrt/integrators/guide_targets.h"
 #include "pbrt/integrators/path_roulette.h"
 #include "pbrt/lightsamplers/light_learner.h"
+#include "pbrt/lightsamplers/light_sampler.h"
+#include "pbrt/paths/vertex.h"
 
 namespace pbrt {
 
@@ -69,6 +71,8 @@ class PathGuide final : public LightLearner {
     bool LearnsDirections() const { return params_.directions; }
     /// Null: paths end by their weight alone.
     PathRoulette *Roulette() { return params_.roulette ? &roulette_ : nullptr; }
+    /// What is known at a vertex, for pictures. `pixel`: whose path it is.
+    void Inspect(const PathVertex &vertex, Point2i pixel, std::vector<InspectedValue> &values) const;
     /// A pixel, relative to the picture's corner.
     Point2i InPicture(Point2i pixel) const { return pixel - pixels_.low; }
     /// The number of a path that is recorded.

@@ -29,6 +29,11 @@ uint32_t PathRoulette::KindOf(const Vector3 &n, bool isGlossy) {
     return static_cast<uint32_t>(axis * 4 + (n[axis] < 0 ? 2 : 0) + (isGlossy ? 1 : 0));
 }
 
+uint32_t PathRoulette::KindOf(const PathVertex &vertex) {
+    const Vector3 n(vertex.point.n);
+    return KindOf(Dot(vertex.point.wo, n) < 0 ? -n : n, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy));
+}
+
 void PathRoulette::BeginRecords(size_t paths, size_t vertices) {
     vertices_ = vertices;
     records_ = {};

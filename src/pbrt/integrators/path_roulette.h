@@ -4,6 +4,7 @@
 
 #include "pbrt/core/state_io.h"
 #include "pbrt/math/bounds.h"
+#include "pbrt/paths/vertex.h"
 
 namespace pbrt {
 
@@ -40,6 +41,7 @@ class PathRoulette {
     /// Places with different numbers do not know of each other: the six sides that a normal may point to, each with
     /// glossy BSDFs and without, and media.
     static uint32_t KindOf(const Vector3 &n, bool isGlossy);
+    static uint32_t KindOf(const PathVertex &vertex);
     static constexpr uint32_t kInMedium = 12, kKinds = 13;
 
     /// True if something was learned.

@@ -124,7 +124,7 @@ class Rounds {
         if (!settings_.views || ViewsAreWhole(settings_, records_.LoadNote(ViewsNote(choice)))) return true;
         std::unique_ptr<SamplerRun> again;
         if (!run && !(run = PrepareAgain(i, &again))) return false;
-        const Json views = WriteViews(settings_, scene_, i, *run->Lights(), cancel_);
+        const Json views = WriteViews(settings_, scene_, i, run->GetIntegrator(), cancel_);
         if (views.is_null()) return false;
         records_.SaveNote(ViewsNote(choice), views);
         return true;
@@ -158,7 +158,10 @@ class Rounds {
 
     SamplerRun *PrepareAgain(size_t i, std::unique_ptr<SamplerRun> *run) {
         *run = std::make_unique<SamplerRun>(scene_, settings_.samplers[i], 0, expected_[i], cancel_);
-        return (*run)->Prepare() ? run->get() : nullptr;
+        if (!(*run)->Prepare()) return nullptr;
+        // A guide learns from the samples.
+        if ((*run)->GetIntegrator().Guide() && !(*run)->RenderTo({expected_[i], 0})) return nullptr;
+        return run->get();
     }
 
     std::unique_ptr<SamplerRun> Start(size_t i, int seed, const RunRecord &record) {

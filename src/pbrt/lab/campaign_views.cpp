@@ -32,11 +32,11 @@ Json WithFolder(Json layers, const std::string &folder) {
 
 std::string ViewsNote(const SamplerChoice &choice) { return choice.folder + "/views.json"; }
 
-Json WriteViews(const CampaignSettings &settings, const LabScene &scene, size_t sampler, const LightSampler &lights,
+Json WriteViews(const CampaignSettings &settings, const LabScene &scene, size_t sampler, const Integrator &integrator,
                 Progress &cancel) {
     InspectSettings how = ViewSettings();
     if (sampler > 0) how.shownLights = 0;
-    const Inspection inspection = InspectLights(scene.built, lights, how, cancel);
+    const Inspection inspection = InspectLights(scene.built, integrator, how, cancel);
     if (cancel.Cancelled()) return {};
     auto write = [&](const std::string &folder, bool ofScene) {
         return WithFolder(

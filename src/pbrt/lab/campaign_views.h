@@ -8,7 +8,7 @@ namespace pbrt::lab {
 /// <sampler>/views/*.png. For sampler 0 it also writes those that are the same for every sampler, as views/*.png. Takes
 /// some seconds. Returns what was written; null: cancelled.
 nlohmann::ordered_json WriteViews(const CampaignSettings &settings, const LabScene &scene, size_t sampler,
-                                  const LightSampler &lights, Progress &cancel);
+                                  const Integrator &integrator, Progress &cancel);
 
 /// The name of the note in the records that keeps what WriteViews returned.
 std::string ViewsNote(const SamplerChoice &choice);

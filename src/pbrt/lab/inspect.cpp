@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
+#include "pbrt/core/counters.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/integrators/path_guide.h"
+#include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/lightsamplers/light_query.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/paths/path_walk.h"
@@ -15,6 +19,9 @@ namespace {
 
 constexpr uint64_t kPixelStream = 0x696e7370656374ull;
 constexpr int kMaxSpecular = 64;
+constexpr int kPaths = 16;  ///< followed from each inspected pixel
+constexpr int kPathSeed = 700009;
+constexpr int kLongestShown = 12;  ///< the end of the colour scale for vertices of paths
 
 std::vector<InspectedLight> NamedGroups(const LightGroups &groups, const LightNames &names) {
     std::vector<InspectedLight> lights(groups.Size());
@@ -69,9 +76,13 @@ struct Measured {
 
 class Inspector {
   public:
-    Inspector(const BuiltScene &built, const LightSampler &sampler, const InspectSettings &settings)
+    /// `integrator`: null for a look at the light sampler alone.
+    Inspector(const BuiltScene &built, const LightSampler &sampler, const Integrator *integrator,
+              const InspectSettings &settings)
         : built_(built),
           sampler_(sampler),
+          paths_(dynamic_cast<const PixelIntegrator *>(integrator)),
+          guide_(integrator ? integrator->Guide() : nullptr),
           settings_(settings),
           groups_(built.scene->Lights().Wholes()),
           lights_(NamedGroups(groups_, built.lightNames)) {}
@@ -80,12 +91,16 @@ class Inspector {
 
   private:
     void MakeLayers(Inspection &out);
-    void LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &values) const;
+    void LookAt(const FirstHit &hit, Point2i pixel, Sampler &sampler, std::vector<double> &values) const;
+    /// The mean number of vertices, the camera's not counted.
+    double PathLength(Point2i pixel, Sampler &sampler) const;
     Measured Measure(const FirstHit &hit, const LightSampleContext &from, uint32_t group, Rng &rng,
                      std::span<const Float> pmf) const;
 
     const BuiltScene &built_;
     const LightSampler &sampler_;
+    const PixelIntegrator *paths_;  ///< or null
+    const PathGuide *guide_;        ///< or null
     const InspectSettings &settings_;
     const LightGroups &groups_;
     std::vector<InspectedLight> lights_;  ///< per group
@@ -99,6 +114,14 @@ std::string Plain(std::string name) {
     std::replace_if(
         name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)) && c != '.'; }, '_');
     return name;
+}
+
+InspectedLayer Layer(std::string meaning, double least, double most) {
+    InspectedLayer layer;
+    layer.meaning = std::move(meaning);
+    layer.shownLeast = least;
+    layer.shownMost = most;
+    return layer;
 }
 
 void Inspector::MakeLayers(Inspection &out) {
@@ -136,6 +159,41 @@ void Inspector::MakeLayers(Inspection &out) {
             false, true);
         out.layers.back().light = light.label;
     }
+    if (paths_)
+        add("path.vertices", fmt::format("mean number of vertices where light is scattered, of {} paths", kPaths), 0,
+            std::clamp(built_.maxDepth, 1, kLongestShown));
+    if (!guide_) return;
+    values.clear();
+    guide_->Inspect(PathVertex(), {}, values);
+    const std::map<std::string, InspectedLayer> ofGuide = {
+        {"survival",
+         Layer("probability with which a path of half its weight goes on here; magenta: not known", 0.5, 1)},
+        {"share", Layer("share of the bounces whose direction comes from the guide", 0, 1)},
+        {"shines", Layer("places that shine, as the guide has learned: log10 of their radiance over the greatest; "
+                         "magenta: none",
+                         -3, 0)}};
+    for (const InspectedValue &v : values) {
+        out.layers.push_back(ofGuide.at(v.name));
+        out.layers.back().name = "guide." + v.name;
+    }
+}
+
+double Inspector::PathLength(Point2i pixel, Sampler &sampler) const {
+    const uint64_t before = ThreadCounters().pathVertices;
+    for (int i = 0; i < kPaths; ++i) {
+        sampler.StartPixelSample(pixel, i);
+        SampledWavelengths lambda = built_.film->SampleWavelengths(sampler.Get1D());
+        CameraSample cs;
+        cs.pFilm = Point2(pixel) + sampler.GetPixel2D();
+        cs.time = sampler.Get1D();
+        cs.pLens = sampler.Get2D();
+        if (const std::optional<CameraRay> ray = built_.camera->GenerateRay(cs, lambda)) {
+            // Beyond all samples that are learned from.
+            const PathStart start{*ray, pixel, std::numeric_limits<int>::max() - kPaths + i};
+            paths_->Li(start, lambda, sampler);
+        }
+    }
+    return static_cast<double>(ThreadCounters().pathVertices - before) / kPaths;
 }
 
 Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from, uint32_t group, Rng &rng,
@@ -171,7 +229,7 @@ Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from,
     return {m.mean / n, m.second / n, m.visible / std::max(traced, 1)};
 }
 
-void Inspector::LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &values) const {
+void Inspector::LookAt(const FirstHit &hit, Point2i pixel, Sampler &sampler, std::vector<double> &values) const {
     const LightQuery query = LightQueryAt(hit.vertex, hit.lambda, hit.depth);
     const LightSampleContext from = LightContextAt(hit.vertex.point);
     values.push_back(1);
@@ -215,6 +273,10 @@ void Inspector::LookAt(const FirstHit &hit, Point2i pixel, std::vector<double> &
     values.push_back(brightest ? probability : none);
     values.push_back(brightest ? std::log10(second / (root * root)) : none);
     for (size_t g : shown_) values.push_back(visible[g]);
+    if (paths_) values.push_back(PathLength(pixel, sampler));
+    own.clear();
+    if (guide_) guide_->Inspect(hit.vertex, pixel, own);
+    for (const InspectedValue &v : own) values.push_back(v.value);
 }
 
 Inspection Inspector::Run(Progress &progress) {
@@ -241,6 +303,7 @@ Inspection Inspector::Run(Progress &progress) {
     progress.BeginPhase("inspecting", rows);
     ParallelForEach(rows, [&](int64_t row) {
         std::vector<double> values;
+        const std::unique_ptr<Sampler> sampler = built_.sampler->WithSeed(kPathSeed);
         const int y0 = static_cast<int>(row) * out.stride;
         for (int x0 = 0; x0 < resolution.x && !progress.Cancelled(); x0 += out.stride) {
             // The middle of the block stands for it.
@@ -248,7 +311,7 @@ Inspection Inspector::Run(Progress &progress) {
             std::optional<FirstHit> hit = FindFirstHit(built_, pixel);
             if (!hit) continue;
             values.clear();
-            LookAt(*hit, pixel, values);
+            LookAt(*hit, pixel, *sampler, values);
             for (int y = y0; y < std::min(y0 + out.stride, resolution.y); ++y)
                 for (int x = x0; x < std::min(x0 + out.stride, resolution.x); ++x)
                     for (size_t c = 0; c < values.size(); ++c)
@@ -290,7 +353,12 @@ Inspection Inspector::Run(Progress &progress) {
 
 Inspection InspectLights(const BuiltScene &built, const LightSampler &sampler, const InspectSettings &settings,
                          Progress &progress) {
-    return Inspector(built, sampler, settings).Run(progress);
+    return Inspector(built, sampler, nullptr, settings).Run(progress);
+}
+
+Inspection InspectLights(const BuiltScene &built, const Integrator &integrator, const InspectSettings &settings,
+                         Progress &progress) {
+    return Inspector(built, *integrator.Lights(), &integrator, settings).Run(progress);
 }
 
 }  // namespace pbrt::lab

@@ -48,10 +48,14 @@ struct Inspection {
     int stride = 1;         ///< see InspectSettings::maxWork
 };
 
-/// Inspects `sampler`, which is prepared, at the surfaces that the camera sees first, with one ray per pixel through
-/// its centre. Every call gives the same values. Layers: every value of LightSampler::Inspect; entropy of the pmf over
-/// lights; the light that contributes most, and its probability; second moment of the one-light estimator over the
-/// least possible one; measured visibility of the strongest lights.
+/// Inspects the integrator's light sampler, which is prepared, at the surfaces that the camera sees first, with one ray
+/// per pixel through its centre. Every call gives the same values. Layers: every value of LightSampler::Inspect;
+/// entropy of the pmf over lights; the light that contributes most, and its probability; second moment of the one-light
+/// estimator over the least possible one; measured visibility of the strongest lights; mean number of vertices of some
+/// paths, and what the guide of guided paths knows.
+Inspection InspectLights(const BuiltScene &built, const Integrator &integrator, const InspectSettings &settings,
+                         Progress &progress);
+/// The same of a light sampler alone.
 Inspection InspectLights(const BuiltScene &built, const LightSampler &sampler, const InspectSettings &settings,
                          Progress &progress);
 

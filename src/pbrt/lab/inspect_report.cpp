@@ -5,6 +5,7 @@
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/images/false_color.h"
+#include "pbrt/integrators/path_guide.h"
 #include "pbrt/lab/inspect.h"
 #include "pbrt/lab/inspect_page.h"
 #include "pbrt/lab/results.h"
@@ -110,7 +111,13 @@ int RunInspect(const InspectOptions &options, const LightSamplerRegistry &regist
 
     built.Prepare(progress);
     if (progress.Cancelled()) return 130;
-    Inspection inspection = InspectLights(built, *sampler, options.settings, progress);
+    if (built.integrator->Guide()) {
+        // It learns while samples are rendered; the picture is not wanted.
+        RenderSettings settings = built.Settings();
+        RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
+        if (progress.Cancelled()) return 130;
+    }
+    Inspection inspection = InspectLights(built, *built.integrator, options.settings, progress);
     if (progress.Cancelled()) return 130;
 
     nlohmann::ordered_json about;
@@ -119,6 +126,11 @@ int RunInspect(const InspectOptions &options, const LightSamplerRegistry &regist
     nlohmann::ordered_json report = nlohmann::ordered_json::object();
     sampler->Report(report);
     about["samplerReport"] = report;
+    if (const PathGuide *guide = built.integrator->Guide()) {
+        report = nlohmann::ordered_json::object();
+        guide->Report(report);
+        about["guideReport"] = report;
+    }
     about["commandLine"] = options.commandLine;
     about["version"] = PBRT_VERSION_TEXT;
     about["seed"] = built.seed;

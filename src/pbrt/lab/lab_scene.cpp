@@ -6,11 +6,12 @@
 
 namespace pbrt::lab {
 
-std::unique_ptr<Integrator> LabScene::MakeIntegrator(const SamplerChoice &choice) const {
+std::unique_ptr<Integrator> LabScene::MakeIntegrator(const SamplerChoice &choice, std::optional<int> maxDepth) const {
     LightChoice light;
     light.lightSampler = choice.lightSampler;
     light.meshLights = choice.meshLights;
     light.shadowGate = choice.gate;
+    light.maxDepth = maxDepth;
     return pbrt::MakeIntegrator(built, light).integrator;
 }
 

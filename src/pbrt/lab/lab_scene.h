@@ -14,7 +14,7 @@ struct LabScene {
     /// Samples per pixel of one batch of the pixel sampler; longer renders add batches with other seeds. Texture
     /// filters depend on this number, so it is the same for every run and the references.
     int Batch() const { return built.samplesPerPixel; }
-    std::unique_ptr<Integrator> MakeIntegrator(const SamplerChoice &choice) const;
+    std::unique_ptr<Integrator> MakeIntegrator(const SamplerChoice &choice, std::optional<int> maxDepth = {}) const;
 };
 
 /// Throws UserError; also if the scene's integrator uses no light sampler, or the scene has no lights.

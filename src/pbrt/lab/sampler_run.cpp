@@ -18,11 +18,11 @@ constexpr double kLongestWave = 1;  ///< seconds; the clock and the progress are
 }  // namespace
 
 SamplerRun::SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, int expectedSamples,
-                       Progress &cancel)
+                       Progress &cancel, std::optional<int> maxDepth)
     : scene_(scene),
       choice_(choice),
       cancel_(cancel),
-      integrator_(scene.MakeIntegrator(choice)),
+      integrator_(scene.MakeIntegrator(choice, maxDepth)),
       film_(scene.built.film->MakeRgbFilm()),
       sampler_(scene.built.sampler->WithSeed(seed)),
       settings_(scene.built.Settings()),

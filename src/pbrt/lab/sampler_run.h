@@ -16,7 +16,9 @@ struct RenderTarget {
 class SamplerRun {
   public:
     /// `expectedSamples`: samples per pixel that will be rendered, for light samplers whose preparation depends on it.
-    SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, int expectedSamples, Progress &cancel);
+    /// `maxDepth`: scattering events of a path; the campaign's if left out.
+    SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, int expectedSamples, Progress &cancel,
+               std::optional<int> maxDepth = {});
 
     /// Prepares the light sampler; to be called once, before rendering. False: cancelled.
     bool Prepare();
@@ -32,6 +34,7 @@ class SamplerRun {
     const TimeSpent &Spent() const { return spent_; }
     double SecondsPerSample() const { return secondsPerSample_; }
     const RunRecord &Record() const { return record_; }
+    const Integrator &GetIntegrator() const { return *integrator_; }
     const LightSampler *Lights() const { return integrator_->Lights(); }
     const ShadowRayGate *Gate() const { return integrator_->Gate(); }
     Image Picture() const { return film_->ToImage(); }

@@ -24,6 +24,8 @@ const char *const kAbout =
     "  lightlab a.pbrt b.pbrt c.pbrt --time 20          one table over several scenes, and a page that links them\n"
     "  lightlab scene.pbrt --samplers bvh,octree,octree:budget=0.02,floor=0.2,bvh+gate=neepp,octree+guide\n"
     "  lightlab inspect scene.pbrt --sampler octree     pictures of what a sampler knows (see lightlab inspect "
+    "--help)\n"
+    "  lightlab noise scene.pbrt                        which vertices of paths bring the noise (see lightlab noise "
     "--help)\n\n"
     "Ctrl-C keeps what is finished; the same command goes on from there, with more --seeds as well.";
 
@@ -113,6 +115,43 @@ LightlabCommandLine ParseInspect(int argc, const char *const *argv) {
     return parser.result;
 }
 
+LightlabCommandLine ParseNoise(int argc, const char *const *argv, const std::vector<std::string> &registered) {
+    Parser parser(
+        "Where is the noise? Renders the scene with paths of at most 1, 2, 3, ... scattering events, and tells how "
+        "much\n"
+        "noise each vertex of the paths adds, with each of several light samplers, with and without a guide.\n"
+        "The sampler oracle shows the bound: what is left if lights are chosen perfectly (slow where there are "
+        "many).\n\n"
+        "  lightlab noise scene.pbrt --samplers octree,octree+guide,oracle --divisor 4 --out DIR",
+        "lightlab noise");
+    LightlabOptions &o = parser.result.options;
+    lab::NoiseOptions &noise = o.noise.emplace();
+    lab::CampaignSettings &c = noise.campaign;
+    c.samplesPerPixel = 32;
+    c.seeds = 6;
+    c.commandLine = Text(argc, argv);
+    const bool hasOctree = std::find(registered.begin(), registered.end(), "octree") != registered.end();
+    std::string samplers = hasOctree ? "octree,octree+guide" : "bvh,bvh+guide";
+    int maxDepth = 0;
+    CLI::App &app = parser.app;
+    app.add_option("scene", c.scene, "scene file")->required();
+    app.add_option("--samplers", samplers, "list of samplers (" + samplers + ")");
+    app.add_option("--spp", c.samplesPerPixel, "samples per pixel (32)")->check(PositiveNumber);
+    app.add_option("--seeds", c.seeds, "independent pictures of each kind, from which the variance is told (6)")
+        ->check(CLI::Range(2, 1000));
+    app.add_option("--divisor", c.resolutionDivisor, "divides the resolution (1)")->check(PositiveNumber);
+    CLI::Option *depth =
+        app.add_option("--maxdepth", maxDepth, "scattering events per path (the scene's)")->check(PositiveNumber);
+    app.add_option("--out", c.outFolder, "folder (<scene name>-noise)");
+    app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(NonNegativeNumber);
+    app.add_flag("--quiet", o.quiet, "no progress and no warnings");
+    parser.Parse(argc - 2, argv + 2, [] {});
+    if (*depth) c.maxDepth = maxDepth;
+    if (c.outFolder.empty()) c.outFolder = std::filesystem::path(c.scene).stem().string() + "-noise";
+    noise.samplers = lab::SplitSamplerList(samplers);
+    return parser.result;
+}
+
 /// Takes the settings that the command line does not give from the campaign that is replayed.
 void TakeFromResults(LightlabOptions *o, bool samplers, bool seeds, bool depth, bool sampledLight, bool divisor,
                      bool gate, bool spp) {
@@ -156,6 +195,7 @@ std::vector<Bounds2i> ParseCrops(const std::string &text) {
 LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
                                              const std::vector<std::string> &registered) {
     if (argc > 1 && std::string(argv[1]) == "inspect") return ParseInspect(argc, argv);
+    if (argc > 1 && std::string(argv[1]) == "noise") return ParseNoise(argc, argv, registered);
 
     Parser parser(kAbout, "lightlab");
     LightlabOptions &o = parser.result.options;

@@ -1,6 +1,7 @@
 #pragma once
 #include "pbrt/lab/campaign_settings.h"
 #include "pbrt/lab/inspect.h"
+#include "pbrt/lab/noise_by_depth.h"
 
 namespace pbrt {
 
@@ -10,6 +11,7 @@ struct LightlabOptions {
     std::vector<std::string> scenes;  ///< more than one: a campaign on each, in folders of their own
     std::vector<std::string> samplers;
     std::optional<lab::InspectOptions> inspect;  ///< set: `lightlab inspect`
+    std::optional<lab::NoiseOptions> noise;      ///< set: `lightlab noise`
     int threads = 0;
     bool quiet = false, report = true;
 };

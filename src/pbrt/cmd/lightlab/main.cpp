@@ -88,13 +88,15 @@ int Compare(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegist
     return hasFailed ? 1 : signals.Status();
 }
 
-int Inspect(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegistry &registry) {
+/// `lightlab inspect` or `lightlab noise`.
+int LookInside(const pbrt::LightlabOptions &options, const pbrt::LightSamplerRegistry &registry) {
     using namespace pbrt;
     std::unique_ptr<ProgressSink> display = MakeTerminalProgress(options.quiet);
     Progress progress(display.get());
     SignalWatch signals(progress, "");
     signals.Cancel("", "Interrupted.", kGraceSeconds);
-    const int status = lab::RunInspect(*options.inspect, registry, progress);
+    const int status = options.inspect ? lab::RunInspect(*options.inspect, registry, progress)
+                                       : lab::RunNoise(*options.noise, registry, progress);
     if (signals.Status() == 0) return status;
     LogInfo("Interrupted.");
     return signals.Status();
@@ -118,7 +120,8 @@ int main(int argc, char **argv) {
         if (parsed.done) return parsed.status;
         if (parsed.options.quiet) SetLogLevel(LogLevel::Error);
         ThreadLimit threads(parsed.options.threads);
-        return parsed.options.inspect ? Inspect(parsed.options, registry) : Compare(parsed.options, registry);
+        return parsed.options.inspect || parsed.options.noise ? LookInside(parsed.options, registry)
+                                                              : Compare(parsed.options, registry);
     } catch (const UserError &e) {
         std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
         if (e.Count() > 1) std::fprintf(stderr, "%zu errors; nothing was rendered.\n", e.Count());

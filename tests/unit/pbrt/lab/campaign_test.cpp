@@ -255,9 +255,10 @@ TEST_F(Campaign, LooksInsideEverySampler) {
     };
     const Json &samplers = outcome->results.at("samplers");
     using Names = std::vector<std::string>;
-    EXPECT_EQ(names(samplers.at(0).at("views")), (Names{"entropy", "brightest_probability", "log10_excess"}));
+    EXPECT_EQ(names(samplers.at(0).at("views")),
+              (Names{"entropy", "brightest_probability", "log10_excess", "path.vertices"}));
     EXPECT_EQ(names(samplers.at(1).at("views")),
-              (Names{"sampler.side", "entropy", "brightest_probability", "log10_excess"}));
+              (Names{"sampler.side", "entropy", "brightest_probability", "log10_excess", "path.vertices"}));
     Names ofScene = names(outcome->results.at("views"));
     std::sort(ofScene.begin(), ofScene.end());
     EXPECT_EQ(ofScene, (Names{"brightest", "visibility.0", "visibility.1", "visibility.2"}));

@@ -77,6 +77,45 @@ class Inspect : public testing::Test {
     std::unique_ptr<Telltale> sampler_;
 };
 
+TEST_F(Inspect, ShowsWhatAGuideKnowsAndHowLongPathsAre) {
+    // All light comes from the spot's patch on the ceiling.
+    const char *room = R"(LookAt 0 1.2 -2.8  0 0.8 0  0 1 0
+Camera "perspective" "float fov" 60
+Film "rgb" "integer xresolution" 32 "integer yresolution" 32
+Sampler "independent" "integer pixelsamples" 64
+Integrator "path" "integer maxdepth" 4 "bool guide" true "bool guide.directions" true
+WorldBegin
+LightSource "spot" "point3 from" [ 0 .6 0 ] "point3 to" [ 1 2 1 ] "rgb I" [ 60 60 60 ] "float coneangle" 32 "float conedeltaangle" 3
+Material "diffuse" "rgb reflectance" [ .6 .5 .4 ]
+Shape "bilinearmesh" "point3 P" [ -3 2 -3  3 2 -3  -3 2 3  3 2 3 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 3  3 0 3  -3 2 3  3 2 3 ]
+Shape "bilinearmesh" "point3 P" [ 3 0 -3  3 0 3  3 2 -3  3 2 3 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 -3  -3 0 3  -3 2 -3  -3 2 3 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ]
+)";
+    built_ = test::BuildText(room);
+    Progress progress;
+    built_.Prepare(progress);
+    const RenderSettings settings = built_.Settings();
+    RenderWaves(*built_.integrator, *built_.camera, *built_.filter, *built_.film, *built_.sampler, settings, progress);
+    const Inspection look = InspectLights(built_, *built_.integrator, {}, progress);
+    double share = 0, shines = 0, length = 0;
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x) {
+            share = std::max(share, At(look, x, y, "guide.share"));
+            shines += At(look, x, y, "guide.shines") > -1;
+            length += At(look, x, y, "path.vertices") / (32 * 32);
+            const double survival = At(look, x, y, "guide.survival");
+            EXPECT_TRUE(std::isnan(survival) || (survival >= 0.5 && survival <= 1)) << survival;
+        }
+    EXPECT_GT(share, 0.2);
+    EXPECT_GT(shines, 5);
+    EXPECT_GT(length, 2);
+    EXPECT_LE(length, 4);
+    // A look at the light sampler alone has none of this.
+    EXPECT_EQ(InspectLights(built_, *built_.integrator->Lights(), {}, progress).image.FindChannel("path.vertices"), -1);
+}
+
 TEST_F(Inspect, SeesTheFloorWhereItIs) {
     Inspection look = Look();
     ASSERT_EQ(look.image.Resolution(), Point2i(32, 32));

@@ -7,13 +7,15 @@ MOST_ALIKE = 4  # of the layers whose names differ only in a number (one per lig
 # Layers every sampler has -> what the page calls them. They come first, so that rows compare; then the sampler's own.
 TITLES = {"entropy": "entropy of the probabilities, bits",
           "brightest_probability": "probability of the strongest light", "log10_excess": "excess second moment, log10",
-          "brightest": "strongest light"}
+          "brightest": "strongest light", "path.vertices": "vertices of a path"}
+GUIDE_TITLES = {"guide.survival": "probability that a path goes on", "guide.share": "share of guided bounces",
+                "guide.shines": "places that shine, log10"}
 
 
 def title_of(layer):
     name = layer["name"]
-    if name in TITLES:
-        return TITLES[name]
+    if name in TITLES or name in GUIDE_TITLES:
+        return TITLES.get(name) or GUIDE_TITLES[name]
     if name.startswith("visibility."):
         return f"measured visibility, {layer.get('light') or 'light ' + name.partition('.')[2]}"
     if name.startswith("sampler.found_"):

@@ -144,14 +144,15 @@ TEST_F(Lightlab, ExamplesOfTheHelpAreRight) {
     if (!HasExtensions()) GTEST_SKIP() << "NOT TESTED: this build has no src/ext (PBRT_EXT=OFF), so no octree";
     for (const char *scene : {"a.pbrt", "b.pbrt", "c.pbrt"}) Write(scene, SmallScene());
     int examples = 0;
-    for (const char *page : {"--help", "inspect --help"}) {
+    for (const char *page : {"--help", "inspect --help", "noise --help"}) {
         std::istringstream help(Run(page).out);
         for (std::string line; std::getline(help, line);) {
             if (!line.starts_with("  lightlab ")) continue;
             std::string command = line.substr(11, line.find("   ", 11) - 11);
             if (const size_t time = command.find("--time 20"); time != std::string::npos)
                 command.replace(time, 9, "--time 0.2 --seeds 1");
-            if (!Has(command, "inspect"))
+            if (Has(command, "noise")) command += " --spp 4 --seeds 2";
+            else if (!Has(command, "inspect"))
                 command += " --no-report --divisor 4 --reference-spp 8 --selection-work 0 --restart --out out";
             EXPECT_FALSE(Has(RunWell(command), "no effect")) << command;
             ++examples;

@@ -42,7 +42,9 @@ int main(int argc, char **argv) {
         SetLogLevel(LogLevel::Quiet);
     }
     CommandLineResult parsed = ParseCommandLine(argc, argv);
-    if (parsed.done) return parsed.status;
+    // All processes have the same command line. One that ended with an error would make mpirun end the first one, which
+    // might not have said yet what is wrong.
+    if (parsed.done) return isSilent ? 0 : parsed.status;
     const CommandLine &options = parsed.options;
     if (options.quiet && !isSilent) SetLogLevel(LogLevel::Error);
     std::unique_ptr<ProgressSink> sink = MakeTerminalProgress(options.quiet || isSilent);

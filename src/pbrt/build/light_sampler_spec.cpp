@@ -104,10 +104,10 @@ Param ReadOne(const FlagText &flag, const std::string &owner, const std::vector<
     return p;
 }
 
-/// Reads "key=value,...", which may be empty. All mistakes are reported.
+/// Reads "key=value,...". All mistakes are reported.
 void ReadKeys(const FlagText &flag, const std::string &owner, const std::vector<ParamDoc> &docs, const Piece &piece,
               ParamSet *params, DiagnosticSink &sink) {
-    for (size_t begin = piece.begin; begin < piece.end;) {
+    for (size_t begin = piece.begin; begin <= piece.end;) {
         const size_t end = std::min(flag.Text().find(',', begin), piece.end);
         try {
             params->Add(ReadOne(flag, owner, docs, {begin, end}));
@@ -127,7 +127,7 @@ auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, Param
     const size_t colon = std::min(text.find(':', piece.begin), piece.end);
     try {
         const auto *entry = &find(text.substr(piece.begin, colon - piece.begin), flag.At(piece.begin));
-        ReadKeys(flag, entry->name, entry->params, {std::min(colon + 1, piece.end), piece.end}, params, sink);
+        if (colon < piece.end) ReadKeys(flag, entry->name, entry->params, {colon + 1, piece.end}, params, sink);
         return entry;
     } catch (const UserError &e) {
         sink.Add(e);
@@ -247,7 +247,8 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
 
     if (pieces.guide) {
         guide.emplace("the guide", choice.At(pieces.guide->begin));
-        ReadKeys(choice, "guide", GuideKeys(), *pieces.guide, &*guide, sink);
+        if (choice.Text()[pieces.guide->begin - 1] == ':')
+            ReadKeys(choice, "guide", GuideKeys(), *pieces.guide, &*guide, sink);
         GuideParams params;
         ParamReader check(*guide);
         params.Describe(check);

@@ -2,6 +2,7 @@
 #include "pbrt/integrators/render_loop.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <filesystem>
@@ -119,7 +120,7 @@ class RenderLoop : public ::testing::Test {
         film_ = MakeFilm("rgb", params, context, sink);
         filter_ = Filters().Make("box", ParamSet(), FilterContext{sink});
         camera_ = Cameras().Make("orthographic", ParamSet(), CameraContext{Transform(), {}, 35, {}, sink});
-        folder_ = std::filesystem::path(::testing::TempDir()) / "render_loop_test";
+        folder_ = std::filesystem::path(::testing::TempDir()) / ("render_loop_test_" + std::to_string(getpid()));
         std::filesystem::create_directories(folder_);
     }
     WaveRenderer Renderer() {

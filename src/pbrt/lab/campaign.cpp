@@ -124,6 +124,8 @@ class Rounds {
         if (!settings_.views || ViewsAreWhole(settings_, records_.LoadNote(ViewsNote(choice)))) return true;
         std::unique_ptr<SamplerRun> again;
         if (!run && !(run = PrepareAgain(i, &again))) return false;
+        // A guide learns from the samples.
+        if (again && run->GetIntegrator().Guide() && !run->RenderTo({expected_[i], 0})) return false;
         const Json views = WriteViews(settings_, scene_, i, run->GetIntegrator(), cancel_);
         if (views.is_null()) return false;
         records_.SaveNote(ViewsNote(choice), views);
@@ -158,10 +160,7 @@ class Rounds {
 
     SamplerRun *PrepareAgain(size_t i, std::unique_ptr<SamplerRun> *run) {
         *run = std::make_unique<SamplerRun>(scene_, settings_.samplers[i], 0, expected_[i], cancel_);
-        if (!(*run)->Prepare()) return nullptr;
-        // A guide learns from the samples.
-        if ((*run)->GetIntegrator().Guide() && !(*run)->RenderTo({expected_[i], 0})) return nullptr;
-        return run->get();
+        return (*run)->Prepare() ? run->get() : nullptr;
     }
 
     std::unique_ptr<SamplerRun> Start(size_t i, int seed, const RunRecord &record) {

@@ -11,6 +11,7 @@
 #include "pbrt/lab/html.h"
 #include "pbrt/lab/results.h"
 #include "pbrt/lab/sampler_run.h"
+#include "pbrt/lab/tile_statistics.h"
 
 namespace pbrt::lab {
 
@@ -20,18 +21,6 @@ namespace {
 
 constexpr double kTrimmedShare = 0.001;
 constexpr double kFloor = 0.01;  ///< as in relL2
-
-Image MeanOf(const std::vector<Image> &pictures) {
-    Image mean = pictures.front();
-    for (int y = 0; y < mean.Resolution().y; ++y)
-        for (int x = 0; x < mean.Resolution().x; ++x)
-            for (int c = 0; c < mean.ChannelCount(); ++c) {
-                double sum = 0;
-                for (const Image &p : pictures) sum += static_cast<double>(p.Get({x, y}, c));
-                mean.Set({x, y}, c, static_cast<Float>(sum / static_cast<double>(pictures.size())));
-            }
-    return mean;
-}
 
 /// The pictures of one sampler with paths of at most `depth` scattering events; none if cancelled.
 std::vector<Image> Pictures(const NoiseOptions &options, const LabScene &scene, const SamplerChoice &choice, int depth,
@@ -149,16 +138,26 @@ int RunNoise(const NoiseOptions &options, const LightSamplerRegistry &registry, 
     const std::vector<int> depths = NoiseDepths(scene.built.maxDepth);
 
     progress.BeginPhase("rendering", static_cast<int64_t>(choices.size() * depths.size()) * options.campaign.seeds);
-    std::vector<std::vector<std::vector<Image>>> pictures(choices.size());
-    for (size_t i = 0; i < choices.size(); ++i)
-        for (const int depth : depths) {
-            pictures[i].push_back(Pictures(options, scene, choices[i], depth, progress));
-            if (pictures[i].back().empty()) return 130;
+    // The deepest come first: all are measured against their mean. The others need not be kept.
+    std::vector<std::vector<Image>> deepest;
+    std::vector<const Image *> whole;
+    for (const SamplerChoice &choice : choices) {
+        deepest.push_back(Pictures(options, scene, choice, depths.back(), progress));
+        if (deepest.back().empty()) return 130;
+    }
+    for (const std::vector<Image> &pictures : deepest)
+        for (const Image &picture : pictures) whole.push_back(&picture);
+    const Image reference = AverageImages(whole).image;
+    std::vector<std::vector<Noise>> noise(choices.size());
+    for (size_t i = 0; i < choices.size(); ++i) {
+        for (size_t d = 0; d + 1 < depths.size(); ++d) {
+            const std::vector<Image> pictures = Pictures(options, scene, choices[i], depths[d], progress);
+            if (pictures.empty()) return 130;
+            noise[i].push_back(NoiseOf(pictures, reference));
         }
+        noise[i].push_back(NoiseOf(deepest[i], reference));
+    }
     progress.EndPhase();
-    std::vector<Image> whole;
-    for (const auto &ofDepths : pictures) whole.insert(whole.end(), ofDepths.back().begin(), ofDepths.back().end());
-    const Image reference = MeanOf(whole);
 
     Json json;
     json["scene"] = options.campaign.scene;
@@ -173,10 +172,10 @@ int RunNoise(const NoiseOptions &options, const LightSamplerRegistry &registry, 
         std::string trimmed;
         std::printf("\n%-36s", choices[i].label.c_str());
         for (size_t d = 0; d < depths.size(); ++d) {
-            const Noise noise = NoiseOf(pictures[i][d], reference);
-            entry["depths"].push_back({{"depth", depths[d]}, {"plain", noise.plain}, {"trimmed", noise.trimmed}});
-            std::printf(" %9.4g", noise.plain);
-            trimmed += fmt::format(" {:>9.4g}", noise.trimmed);
+            const auto &[plain, without] = noise[i][d];
+            entry["depths"].push_back({{"depth", depths[d]}, {"plain", plain}, {"trimmed", without}});
+            std::printf(" %9.4g", plain);
+            trimmed += fmt::format(" {:>9.4g}", without);
         }
         std::printf("\n%-36s%s", "  trimmed", trimmed.c_str());
         json["samplers"].push_back(entry);

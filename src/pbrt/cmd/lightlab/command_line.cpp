@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/cmd/number_checks.h"
 #include "pbrt/lab/reference_cache.h"
 #include "version.h"
@@ -30,7 +31,7 @@ const char *const kAbout =
     "Ctrl-C keeps what is finished; the same command goes on from there, with more --seeds as well.";
 
 const char *const kFooter =
-    "A sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]][+guide[:key=value,...]], as in\n"
+    ", as in\n"
     "pbrt: +mesh takes every emissive mesh as one light, +gate skips some shadow rays at random, +guide lets paths\n"
     "learn where they should end and go. pbrt --list-lightsamplers names all with their parameters. Commas or\n"
     "semicolons separate samplers; a comma before key=value continues the same sampler.\n\n"
@@ -95,7 +96,7 @@ LightlabCommandLine ParseInspect(int argc, const char *const *argv) {
     app.add_option("scene", inspect.sceneFiles, "scene file")->required();
     inspect.build.lightSamplerFlag = "--sampler";
     app.add_option("--sampler", inspect.build.lightSampler,
-                   "name[:key=value,...][+mesh][+gate=...]; the scene's if left out");
+                   std::string(kLightChoiceSyntax) + "; the scene's if left out");
     app.add_flag("--mesh", inspect.build.meshLights, "the same as +mesh: an emissive mesh is one light");
     app.add_option("--out", inspect.outFolder, "folder (inspect-<sampler>)");
     app.add_option("--divisor", inspect.build.film.resolutionDivisor, "divides the resolution")->check(PositiveNumber);
@@ -205,7 +206,7 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
     int maxDepth = 5;
     bool direct = false, noReport = false;
     CLI::App &app = parser.app;
-    app.footer(kFooter);
+    app.footer(std::string("A sampler is written ") + kLightChoiceSyntax + kFooter);
     app.set_version_flag("--version", PBRT_VERSION_TEXT, "print the version, and stop");
     app.add_option("scenes", o.scenes, "scene file; of several, each is compared by itself, and index.html shows all")
         ->required();

@@ -14,8 +14,8 @@ GUIDE_TITLES = {"guide.survival": "probability that a path goes on", "guide.shar
 
 def title_of(layer):
     name = layer["name"]
-    if name in TITLES or name in GUIDE_TITLES:
-        return TITLES.get(name) or GUIDE_TITLES[name]
+    if title := TITLES.get(name) or GUIDE_TITLES.get(name):
+        return title
     if name.startswith("visibility."):
         return f"measured visibility, {layer.get('light') or 'light ' + name.partition('.')[2]}"
     if name.startswith("sampler.found_"):

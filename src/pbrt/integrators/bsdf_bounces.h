@@ -12,7 +12,7 @@ struct BsdfBounces {
     void OpenInMedium(const Point3 &, const SampledSpectrum &, const SampledSpectrum &) {}
     void Reached(const PathVertex &) {}
     void ReachedInMedium(const Point3 &) {}
-    void Begin(const PathVertex &) {}
+    void Begin(const PathVertex &, const SampledSpectrum &) {}
     std::optional<BsdfSample> Sample(const PathVertex &vertex, Float uc, const Point2 &u) const {
         return vertex.bsdf.Sample(vertex.point.wo, uc, u);
     }

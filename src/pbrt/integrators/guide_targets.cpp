@@ -16,7 +16,7 @@ namespace {
 constexpr Float kLeastSine2 = 1e-3f;
 /// Balls are made of at least so many finds each.
 constexpr size_t kLeastFinds = 8;
-/// The number of small balls that are merged, at most.
+/// The number of small balls that are merged, about.
 constexpr size_t kSmallBalls = 256;
 /// Places that the solid angles of balls are averaged over.
 constexpr size_t kPlaces = 128;
@@ -28,6 +28,7 @@ struct Ball {
     size_t count = 0;
     double moment = 0;  ///< of the mean radiance: the integral of its square over directions, summed over places
     Bounds3 bounds;
+    std::vector<uint32_t> parts;  ///< the small balls that it was merged from
 
     Point3 Middle() const { return bounds.low + (bounds.high - bounds.low) * Float(0.5); }
     Float Radius2() const {
@@ -58,31 +59,50 @@ struct Places {
     }
 };
 
+/// Without its parts.
 Ball Merged(const Ball &a, const Ball &b) {
-    return {a.count + b.count, a.moment + b.moment, Union(a.bounds, b.bounds)};
+    return {a.count + b.count, a.moment + b.moment, Union(a.bounds, b.bounds), {}};
 }
 
-/// Divides the finds at the median of their largest extent until they are few.
-void AddSmallBalls(std::span<TargetFind> finds, size_t largest, const Places &places, std::vector<Ball> *balls) {
+/// Divides the finds at the median of their largest extent until they are few, or have a small part of the flux. The
+/// median is that of count and flux together, so that small bright places are divided from what is about them.
+void AddSmallBalls(std::span<TargetFind> finds, size_t largest, double fluxOfAll, size_t countOfAll,
+                   const Places &places, std::vector<Ball> *balls) {
     Ball ball;
     ball.count = finds.size();
-    for (const TargetFind &f : finds) ball.bounds = Union(ball.bounds, f.target);
-    if (finds.size() <= largest) {
-        double flux = 0;
-        for (const TargetFind &f : finds) flux += f.radiance * f.perPdf;
-        const double mean = flux / places.SolidAngle(ball);
-        for (TargetFind &f : finds) f.meanRadiance = mean;
-        ball.moment = flux * mean;
-        if (ball.moment > 0) balls->push_back(ball);
-        return;
+    double flux = 0;
+    for (const TargetFind &f : finds) {
+        ball.bounds = Union(ball.bounds, f.target);
+        flux += f.radiance * f.perPdf;
     }
     const Vector3 size = ball.bounds.high - ball.bounds.low;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    const size_t middle = finds.size() / 2;
-    std::nth_element(finds.begin(), finds.begin() + static_cast<std::ptrdiff_t>(middle), finds.end(),
-                     [&](const TargetFind &a, const TargetFind &b) { return a.target[axis] < b.target[axis]; });
-    AddSmallBalls(finds.first(middle), largest, places, balls);
-    AddSmallBalls(finds.subspan(middle), largest, places, balls);
+    const auto weightOf = [&](const TargetFind &f) {
+        return f.radiance * f.perPdf / fluxOfAll + 1 / static_cast<double>(countOfAll);
+    };
+    const double weight = flux / fluxOfAll + static_cast<double>(ball.count) / static_cast<double>(countOfAll);
+    if (finds.size() <= largest || weight < 2 / static_cast<double>(kSmallBalls)) {
+        const double mean = flux / places.SolidAngle(ball);
+        ball.moment = flux * mean;
+        if (!(ball.moment > 0)) return;
+        ball.parts = {static_cast<uint32_t>(balls->size())};
+        for (TargetFind &f : finds) {
+            f.meanRadiance = mean;
+            f.ball = ball.parts[0];
+        }
+        balls->push_back(std::move(ball));
+        return;
+    }
+    std::sort(finds.begin(), finds.end(), [&](const TargetFind &a, const TargetFind &b) {
+        return a.target[axis] != b.target[axis] ? a.target[axis] < b.target[axis] : a.number < b.number;
+    });
+    double below = 0;
+    size_t middle = 0;
+    while (middle + 1 < finds.size() && below < weight / 2) below += weightOf(finds[middle++]);
+    const size_t least = std::min(kLeastFinds, finds.size() / 2);
+    middle = std::clamp(middle, least, finds.size() - least);
+    AddSmallBalls(finds.first(middle), largest, fluxOfAll, countOfAll, places, balls);
+    AddSmallBalls(finds.subspan(middle), largest, fluxOfAll, countOfAll, places, balls);
 }
 
 /// Merges, again and again, the two balls whose merging costs least.
@@ -103,13 +123,16 @@ void MergeBalls(std::vector<Ball> *balls) {
         for (size_t j = 0; j < balls->size(); ++j) consider(i, j);
     };
     for (size_t i = 0; i < balls->size(); ++i) find(i);
-    while (balls->size() > static_cast<size_t>(GuideTargets::kMost)) {
+    while (balls->size() > kMostGuideTargets) {
         size_t gone = 0;
         for (size_t k = 1; k < balls->size(); ++k)
             if (best[k].cost < best[gone].cost) gone = k;
         const size_t kept = best[gone].of, last = balls->size() - 1;
-        (*balls)[kept] = Merged((*balls)[gone], (*balls)[kept]);
-        (*balls)[gone] = (*balls)[last];
+        Ball merged = Merged((*balls)[gone], (*balls)[kept]);
+        merged.parts = std::move((*balls)[kept].parts);
+        merged.parts.insert(merged.parts.end(), (*balls)[gone].parts.begin(), (*balls)[gone].parts.end());
+        (*balls)[kept] = std::move(merged);
+        if (gone != last) (*balls)[gone] = std::move((*balls)[last]);
         best[gone] = best[last];
         balls->pop_back();
         best.pop_back();
@@ -128,31 +151,60 @@ void MergeBalls(std::vector<Ball> *balls) {
 
 }  // namespace
 
-GuideTargets MakeGuideTargets(std::span<TargetFind> finds) {
-    GuideTargets targets;
+std::vector<GuideTarget> MakeGuideTargets(std::span<TargetFind> finds) {
     Places places;
     const size_t stride = (finds.size() + kPlaces - 1) / kPlaces;
     for (size_t i = 0; i < finds.size(); i += stride) places.some.push_back(finds[i].from);
     places.each = static_cast<double>(finds.size()) / static_cast<double>(places.some.size());
     const auto nothing = std::partition(finds.begin(), finds.end(), [](const TargetFind &f) { return f.radiance > 0; });
     const auto found = finds.first(static_cast<size_t>(nothing - finds.begin()));
-    if (found.size() < kLeastFinds) return targets;
+    if (found.size() < kLeastFinds) return {};
     std::vector<Ball> balls;
-    AddSmallBalls(found, std::max(2 * kLeastFinds, found.size() / kSmallBalls), places, &balls);
+    double flux = 0;
+    for (const TargetFind &f : found) flux += f.radiance * f.perPdf;
+    AddSmallBalls(found, 2 * kLeastFinds, flux, found.size(), places, &balls);
+    std::vector<uint32_t> mergedInto(balls.size());
     MergeBalls(&balls);
+    std::vector<GuideTarget> targets;
     for (const Ball &ball : balls) {
-        const auto k = static_cast<size_t>(targets.count);
-        const Point3 middle = ball.Middle();
-        targets.x[k] = middle.x;
-        targets.y[k] = middle.y;
-        targets.z[k] = middle.z;
-        targets.r2[k] = ball.Radius2();
-        targets.radiance[k] = static_cast<Float>(std::sqrt(ball.moment / places.SolidAngle(ball)));
-        ++targets.count;
+        for (const uint32_t part : ball.parts) mergedInto[part] = static_cast<uint32_t>(targets.size());
+        targets.push_back({ball.Middle(), ball.Radius2(),
+                           static_cast<Float>(std::sqrt(ball.moment / places.SolidAngle(ball)))});
     }
-    const Float brightest = *std::max_element(targets.radiance.begin(), targets.radiance.end());
-    for (Float &radiance : targets.radiance) radiance /= brightest;
+    for (TargetFind &f : found)
+        if (f.ball != TargetFind::kNone) f.ball = mergedInto[f.ball];
     return targets;
+}
+
+Float SolidAngleOf(const GuideTarget &target, const Point3 &p, const Vector3 &n, bool bothSides) {
+    const Vector3 d = target.p - p;
+    const Float l2 = LengthSquared(d);
+    if (l2 <= target.r2) return 0;
+    const Float sine2 = std::max(target.r2 / l2, kLeastSine2);
+    const Float facing = bothSides ? 1 : std::min(Dot(d, n) / std::sqrt(l2) + std::sqrt(sine2), Float(1));
+    return facing > 0 ? 2 * Pi * OneMinusCosine(sine2) * facing : 0;
+}
+
+GuideTargets ChooseTargets(std::span<const GuideTarget> all, std::span<const double> factors,
+                           std::span<const double> solidAngles) {
+    const auto radianceOf = [&](size_t k) { return factors[k] * static_cast<double>(all[k].radiance); };
+    std::vector<std::pair<double, size_t>> order;
+    for (size_t k = 0; k < all.size(); ++k)
+        if (const double weight = radianceOf(k) * solidAngles[k]; weight > 0) order.push_back({-weight, k});
+    std::sort(order.begin(), order.end());
+    if (order.size() > GuideTargets::kMost) order.resize(GuideTargets::kMost);
+    double brightest = 0;
+    for (const auto &[weight, k] : order) brightest = std::max(brightest, radianceOf(k));
+    GuideTargets chosen;
+    for (const auto &[weight, k] : order) {
+        const auto i = static_cast<size_t>(chosen.count++);
+        chosen.x[i] = all[k].p.x;
+        chosen.y[i] = all[k].p.y;
+        chosen.z[i] = all[k].p.z;
+        chosen.r2[i] = all[k].r2;
+        chosen.radiance[i] = static_cast<Float>(radianceOf(k) / brightest);
+    }
+    return chosen;
 }
 
 // The loops go over all places, used or not, so that they become vector instructions.

@@ -1,37 +1,55 @@
 #pragma once
 #include <array>
 #include <span>
+#include <vector>
 
 #include "pbrt/math/bounds.h"
 #include "pbrt/math/warps.h"
 
 namespace pbrt {
 
-/// Places that shine, as bounces found them: balls, each with a radiance. Seen from a point, a ball covers a cone of
-/// directions, so what was learned from one point holds for its neighbours as well.
-struct GuideTargets {
-    static constexpr int kMost = 32;
-    int count = 0, unused = 0;
-    std::array<Float, kMost> x{}, y{}, z{}, r2{};  ///< r2: square of the radius
-    std::array<Float, kMost> radiance{};           ///< only ratios matter
+/// A place that shines, as bounces found it: a ball. Seen from a point, it covers a cone of directions, so what was
+/// learned from one point holds for its neighbours as well.
+struct GuideTarget {
+    Point3 p{};
+    Float r2 = 0;        ///< square of the radius
+    Float radiance = 0;  ///< its mean over places that bounces left from, also those that do not see it
 };
 
 /// What a bounce found where it went.
 struct TargetFind {
+    static constexpr uint32_t kNone = ~uint32_t{0};
     Point3 from{}, target{};
     double radiance = 0;  ///< 0: it found nothing
     double perPdf = 0;    ///< one over the density of the bounce (solid angle)
     /// Set by MakeGuideTargets: the mean over finds, those of nothing included, near the target.
     double meanRadiance = 0;
-    uint32_t number = 0;  ///< of the caller
+    uint32_t number = 0;      ///< of the caller
+    uint32_t ball = kNone;    ///< set by MakeGuideTargets: the number of the ball that the target is in
 };
 
-/// The balls for which choosing directions by GuideDirections makes the second moment of the mean radiance least, as
-/// far as merging small ones leads. `finds` are reordered.
+/// The balls for which choosing directions by all of them makes the second moment of the mean radiance least, as far
+/// as merging small ones leads; at most kMostGuideTargets. `finds` are reordered.
 ///
 /// The mean, not what the finds scatter about it: most of that comes from later bounces that find light rarely, and
 /// goes when those are guided as well.
-GuideTargets MakeGuideTargets(std::span<TargetFind> finds);
+inline constexpr size_t kMostGuideTargets = 32;
+std::vector<GuideTarget> MakeGuideTargets(std::span<TargetFind> finds);
+
+/// The balls that a cell of places is guided to, each with its radiance as the cell sees it: 0 for one that is hidden.
+struct GuideTargets {
+    static constexpr int kMost = 16;
+    int count = 0, unused = 0;
+    std::array<Float, kMost> x{}, y{}, z{}, r2{};
+    std::array<Float, kMost> radiance{};  ///< only ratios matter
+};
+
+/// The solid angle of a ball's cone times a bound of its cosine with the shading normal, as GuideDirections weighs it.
+Float SolidAngleOf(const GuideTarget &target, const Point3 &p, const Vector3 &n, bool bothSides);
+
+/// Those of all balls that matter most: by solid angle times radiance, which is the ball's times a factor.
+GuideTargets ChooseTargets(std::span<const GuideTarget> all, std::span<const double> factors,
+                           std::span<const double> solidAngles);
 
 /// The density of directions at a vertex: constant in the cone of each target, in proportion to its radiance times a
 /// bound of the cosine with the shading normal, and added up where cones overlap. Targets that the vertex lies in or

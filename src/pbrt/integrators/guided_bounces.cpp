@@ -21,7 +21,7 @@ void GuidedBounces::ReachedInMedium(const Point3 &p) {
     if (seeksTarget_) FindTarget(way_ + Distance(at_, p));
 }
 
-void GuidedBounces::Begin(const PathVertex &vertex) {
+void GuidedBounces::Begin(const PathVertex &vertex, const SampledSpectrum &beta) {
     const auto &[point, bsdf] = vertex;
     share_ = 0;
     if (!guide_.LearnsDirections()) return;
@@ -31,10 +31,12 @@ void GuidedBounces::Begin(const PathVertex &vertex) {
     bothSides_ = IsTransmissive(bsdf.Flags());
     const Vector3 n(point.shading.n);
     normal_ = Dot(point.wo, n) < 0 ? -n : n;
-    const GuideTargets *targets = guide_.At(point.p, isGlossy_, &share_);
+    beta_ = beta.Average();
+    Float share = 0;
+    const GuideTargets *targets = guide_.At(point.p, isGlossy_, beta_, pixel_, &share);
     if (!targets) return;
     directions_.Prepare(*targets, point.p, normal_, bothSides_);
-    if (!directions_.IsUsable()) share_ = 0;
+    if (directions_.IsUsable()) share_ = share;
 }
 
 Float GuidedBounces::Pdf(const PathVertex &vertex, const Vector3 &wi) const {
@@ -90,6 +92,7 @@ void GuidedBounces::Left(const PathVertex &vertex, const BsdfSample &sample, Flo
     OpenBounce &open = bounces_[open_++];
     open.L = L;
     open.beta = beta;
+    open.before = beta_;
     open.record = {.p = vertex.point.p,
                    .normal = normal_,
                    .wi = sample.wi,
@@ -127,14 +130,14 @@ void GuidedBounces::End(const SampledSpectrum &L) {
     for (size_t i = 0; i < open_; ++i) {
         OpenBounce &open = bounces_[i];
         const SampledSpectrum added = L - open.L;
-        open.record.added = added.Average();
+        open.record.found = added.Average() / open.before;
         Float radiance = 0;
         for (int k = 0; k < SpectrumSamples; ++k)
             if (open.beta[k] > 0) radiance += added[k] / open.beta[k];
         open.record.radiance = radiance / SpectrumSamples;
-        if (open.record.pdf > 0 && open.record.radiance >= 0 && open.record.added >= 0 &&
+        if (open.record.pdf > 0 && open.record.radiance >= 0 && open.record.found >= 0 &&
             std::isfinite(open.record.radiance * open.record.radiance / open.record.pdf) &&
-            std::isfinite(open.record.added * open.record.added * open.record.pdf))
+            std::isfinite(open.record.found * open.record.found * open.record.pdf))
             guide_.Record(places_, open.record);
     }
     open_ = 0;

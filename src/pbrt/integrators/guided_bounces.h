@@ -31,8 +31,8 @@ class GuidedBounces {
     void Reached(const PathVertex &vertex);
     /// The path is scattered in a medium.
     void ReachedInMedium(const Point3 &p);
-    /// The path is at a vertex that scatters, and goes on.
-    void Begin(const PathVertex &vertex);
+    /// The path is at a vertex that scatters, and goes on. `beta`: its weight.
+    void Begin(const PathVertex &vertex, const SampledSpectrum &beta);
     std::optional<BsdfSample> Sample(const PathVertex &vertex, Float uc, const Point2 &u) const;
     /// Density of all samples together, by solid angle, without specular lobes.
     Float Pdf(const PathVertex &vertex, const Vector3 &wi) const;
@@ -48,6 +48,7 @@ class GuidedBounces {
     struct OpenBounce {
         GuideRecord record;
         SampledSpectrum L, beta;
+        Float before = 0;  ///< the path's weight at the vertex that it left, mean over wavelengths
     };
     static constexpr size_t kMaxOpen = 5;
     void OpenAt(const Point3 &p, uint32_t kind, const SampledSpectrum &beta, const SampledSpectrum &L);
@@ -70,6 +71,7 @@ class GuidedBounces {
     bool isGuided_ = false;  ///< the vertex's BSDF can be guided
     bool isGlossy_ = false, bothSides_ = false;
     Float share_ = 0;  ///< more than 0: directions_ is set
+    Float beta_ = 0;   ///< the path's weight at the vertex, mean over wavelengths
     Vector3 normal_{};
     GuideDirections directions_;
     size_t open_ = 0;

@@ -4,7 +4,7 @@
 
 #include "pbrt/bxdfs/bsdf.h"
 #include "pbrt/core/params.h"
-#include "pbrt/integrators/guide_targets.h"
+#include "pbrt/integrators/guide_cells.h"
 #include "pbrt/integrators/path_roulette.h"
 #include "pbrt/lightsamplers/light_learner.h"
 #include "pbrt/lightsamplers/light_sampler.h"
@@ -17,7 +17,7 @@ struct GuideParams {
     bool roulette = true;
     bool directions = false;
     Float share = 0.7f;
-    int records = 1 << 18;
+    int records = 1 << 20;
     template <class V>
     void Describe(V &&v) {
         v("guide.roulette", roulette,
@@ -31,27 +31,8 @@ struct GuideParams {
     }
 };
 
-/// What a bounce of a path found, to be learned from.
-struct GuideRecord {
-    Point3 p{};
-    Point3 target{};             ///< the place that it reached, or seemed to reach in mirrors
-    Vector3 normal{};            ///< see GuideDirections::Prepare
-    Vector3 wi{};                ///< where the path went
-    Float radiance = 0;          ///< that the bounce found there, times its MIS weight, averaged over wavelengths
-    Float added = 0;             ///< what the bounce added to the path's sample, averaged over wavelengths
-    Float pdf = 0;               ///< the density that the path went there with (solid angle); 0: an empty place
-    Float bsdfPdf = 0;           ///< the density of the BSDF's own choice
-    bool bothSides = false;      ///< see GuideDirections::Prepare
-    bool isGlossy = false;       ///< the BSDF has a glossy lobe
-    bool isOfFirstHalf = false;  ///< one of the halves of the paths, each of which judges what the other one taught
-    bool unused = false;         ///< no padding, so that saved records have the same bytes
-};
-
-/// Learns, while a render goes on, where the light that only bounces find comes from: light times the bounce's MIS
-/// weight, so that what light sampling finds better does not count. What it knows are some balls in the scene that
-/// shine (GuideTargets), the same for all places, and in a tree of cells, for diffuse and for glossy BSDFs, the share
-/// of bounces that should go there: the share that makes the second moment of the bounces' contributions least, as one
-/// half of the records tells of what the other half taught; 0 where little is gained. It learns together with the light
+/// Learns, while a render goes on, where the light that only bounces find comes from (GuideCells): light times the
+/// bounce's MIS weight, so that what light sampling finds better does not count. It learns together with the light
 /// sampler, if that learns (LightLearner).
 /// Roulette by what paths found from a place on is learned from the same paths (PathRoulette).
 class PathGuide final : public LightLearner {
@@ -63,8 +44,13 @@ class PathGuide final : public LightLearner {
 
     /// True if bounces at such a BSDF are guided or learned from.
     static bool Guides(const Bsdf &bsdf);
-    /// What bounces are guided to, and which share of them in the cell that p lies in; null: none is.
-    const GuideTargets *At(const Point3 &p, bool isGlossy, Float *share) const;
+    /// What bounces of a path of weight beta (mean over wavelengths) are guided to, and which share of them; null: none
+    /// is. `pixel`: whose path it is, relative to the picture's corner.
+    const GuideTargets *At(const Point3 &p, bool isGlossy, Float beta, Point2i pixel, Float *share) const {
+        const Float worth =
+            roulette_.Knows() ? Sqr(beta * roulette_.Worth(pixel)) : std::numeric_limits<Float>::infinity();
+        return cells_.At(p, isGlossy, worth, share);
+    }
 
     /// How far away what rays find that leave the scene counts as.
     Float Beyond() const { return beyond_; }
@@ -109,29 +95,6 @@ class PathGuide final : public LightLearner {
     void Report(nlohmann::ordered_json &json) const;
 
   private:
-    struct Node {
-        Float split = 0;
-        uint32_t axis = 3;   ///< 3: a leaf
-        uint32_t below = 0;  ///< the first of two children in a row; of a leaf: its number
-    };
-    struct Leaf {
-        Float share[2] = {};  ///< for BSDFs without and with glossy lobes
-    };
-    struct Tree {
-        std::vector<Node> nodes;
-        std::vector<Leaf> leaves;
-        GuideTargets targets;
-
-        /// The number of the leaf that p lies in; there are nodes.
-        uint32_t LeafOf(const Point3 &p) const {
-            const Node *node = nodes.data();
-            while (node->axis != 3)
-                node = &nodes[node->below + (p[static_cast<int>(node->axis)] < node->split ? 0 : 1)];
-            return node->below;
-        }
-    };
-    friend class GuideBuilder;
-
     /// Samples per pixel after which to learn, if it was learned or begun after `first`; 0: not again.
     int NextAfter(int first) const;
     /// Makes places for what samples [first, next) find; for none if `next` is 0.
@@ -143,7 +106,7 @@ class PathGuide final : public LightLearner {
 
     GuideParams params_;
     LightLearner *lights_;
-    Tree tree_;
+    GuideCells cells_;
     Bounds2i pixels_{};
     int samplesPerPixel_ = 1, next_ = 0, first_ = 0, stride_ = 1;
     size_t vertices_ = 1, placesPerRow_ = 0;

@@ -135,7 +135,7 @@ SampledSpectrum PathIntegrator::Follow(const PathStart &start, SampledWavelength
                 break;
             }
         }
-        bounces.Begin(walk.Vertex());
+        bounces.Begin(walk.Vertex(), beta);
 
         if (samplesLight) {
             bounces.Open(walk.Vertex(), beta, L);
@@ -164,7 +164,7 @@ SampledSpectrum PathIntegrator::Follow(const PathStart &start, SampledWavelength
                 if (!exit) break;
                 beta *= exit->weight;
                 walk.MoveTo(exit->vertex);
-                bounces.Begin(walk.Vertex());
+                bounces.Begin(walk.Vertex(), beta);
                 current->Prepare(*lights_, walk.Vertex(), lambda, depth);
                 L += beta * SampleDirect(walk.Vertex(), current->lights, bounces, lambda, sampler, places);
                 Float uExit = sampler.Get1D();

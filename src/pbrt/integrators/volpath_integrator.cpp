@@ -314,7 +314,7 @@ bool VolPathIntegrator::Path<Bounces>::PassBelowSurface() {
     if (!exit) return false;
     weights.beta *= exit->weight;
     walk.MoveTo(exit->vertex);
-    bounces.Begin(walk.Vertex());
+    bounces.Begin(walk.Vertex(), Weight());
     PrepareAtSurface();
     SampleDirectAtSurface();
     const Float uExit = sampler.Get1D();
@@ -340,7 +340,7 @@ bool VolPathIntegrator::Path<Bounces>::ScatterAtSurface() {
         const Float survive = samplesLight ? bounces.Survival(walk.Vertex(), Weight().Average()) : 0;
         if (survive > 0 ? !Survives(survive) : depth > 2 && !SurvivesRoulette()) return false;
     }
-    bounces.Begin(walk.Vertex());
+    bounces.Begin(walk.Vertex(), Weight());
     if (samplesLight) {
         bounces.Open(walk.Vertex(), Weight(), L);
         PrepareAtSurface();

@@ -87,10 +87,20 @@ TEST(GuideTargets, AreWhereLightComesFrom) {
         if (find.radiance < 1) find.radiance = rng.Uniform() < 0.05f ? 1 : 0;
         finds.push_back(find);
     }
-    const GuideTargets targets = MakeGuideTargets(finds);
+    const std::vector<GuideTarget> all = MakeGuideTargets(finds);
+    for (const TargetFind &find : finds) {
+        EXPECT_EQ(find.ball != TargetFind::kNone, find.radiance > 0);
+        if (find.ball != TargetFind::kNone) {
+            ASSERT_LT(find.ball, all.size());
+        }
+    }
     GuideDirections directions;
     for (const Point3 &p : {Point3(0, 0, 0), Point3(1.5f, -1.5f, 0)}) {
-        directions.Prepare(targets, p, {0, 0, 1}, false);
+        const std::vector<double> factors(all.size(), 1);
+        std::vector<double> solidAngles;
+        for (const GuideTarget &target : all)
+            solidAngles.push_back(static_cast<double>(SolidAngleOf(target, p, {0, 0, 1}, false)));
+        directions.Prepare(ChooseTargets(all, factors, solidAngles), p, {0, 0, 1}, false);
         ASSERT_TRUE(directions.IsUsable());
         double toLamps = 0;
         for (const Point3 &lamp : lamps) {
@@ -117,18 +127,18 @@ template <class Light>
 class Learned {
   public:
     Learned(const Light &light, bool isGlossy, bool bothSides = false)
-        : built_(BuildText("Film \"rgb\" \"integer xresolution\" 100 \"integer yresolution\" 100\n"
-                           "Sampler \"independent\" \"integer pixelsamples\" 4\nWorldBegin\n"
+        : built_(BuildText("Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 200\n"
+                           "Sampler \"independent\" \"integer pixelsamples\" 15\nWorldBegin\n"
                            "LightSource \"infinite\" Shape \"sphere\"\n")),
           guide(Directions(), nullptr) {
         PrepareContext context = built_.Preparation(progress_);
-        context.samplesPerPixel = 4;
+        context.samplesPerPixel = 15;
         guide.Prepare(context, 1);
         EXPECT_EQ(guide.NextLearning(), 2);
         Rng rng(3);
         for (int sample = 0; sample < 2; ++sample)
-            for (int y = 0; y < 100; ++y)
-                for (int x = 0; x < 100; ++x) {
+            for (int y = 0; y < 200; ++y)
+                for (int x = 0; x < 200; ++x) {
                     LightLearner::PathPlaces places = guide.BeginRecords(guide.PathNumber({x, y}, sample));
                     GuideRecord r;
                     r.p = {2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 0};
@@ -138,7 +148,7 @@ class Learned {
                     if (bothSides && rng.Uniform() < 0.5f) r.wi.z = -r.wi.z;
                     if (bothSides) r.pdf = r.bsdfPdf = r.pdf / 2;
                     r.target = r.p + r.wi * Float(30);
-                    r.radiance = r.added = light(r.p, r.wi);
+                    r.radiance = r.found = light(r.p, r.wi);
                     r.isGlossy = isGlossy;
                     r.bothSides = bothSides;
                     if (r.radiance > 0) guide.Record(places, r);
@@ -160,28 +170,70 @@ Float Lobe(const Point3 &, const Vector3 &w) { return Dot(w, Normalize(Vector3(1
 TEST(PathGuide, HasNoShareUnderEvenLight) {
     Learned even([](const Point3 &, const Vector3 &) { return 1.f; }, false);
     Float share = 0;
-    EXPECT_EQ(even.guide.At({0, 0, 0}, false, &share), nullptr);
+    EXPECT_EQ(even.guide.At({0, 0, 0}, false, 1, {0, 0}, &share), nullptr);
 }
 
 TEST(PathGuide, LearnsWhereLightComesFrom) {
     Learned lobe(Lobe, false);
     Float share = 0;
-    const GuideTargets *targets = lobe.guide.At({0.2f, 0.1f, 0}, false, &share);
+    const GuideTargets *targets = lobe.guide.At({0.2f, 0.1f, 0}, false, 1, {0, 0}, &share);
     ASSERT_TRUE(targets);
-    EXPECT_GT(share, 0.2f);
+    EXPECT_GT(share, 0.1f);
     EXPECT_LE(share, 0.7f);
     GuideDirections directions;
     directions.Prepare(*targets, {0.2f, 0.1f, 0}, {0, 0, 1}, false);
     EXPECT_GT(directions.Pdf(Normalize(Vector3(1, 0.3f, 1))), 4 * directions.Pdf(Normalize(Vector3(-1, 0, 1))));
     // Nothing was learned of glossy surfaces.
-    EXPECT_EQ(lobe.guide.At({0.2f, 0.1f, 0}, true, &share), nullptr);
+    EXPECT_EQ(lobe.guide.At({0.2f, 0.1f, 0}, true, 1, {0, 0}, &share), nullptr);
 }
 
 TEST(PathGuide, GuidesOnlyWhereLightComesFromOneSide) {
     Learned half([](const Point3 &p, const Vector3 &w) { return p.x > 0 ? Lobe(p, w) : 1.f; }, false);
     Float share = 0;
-    EXPECT_NE(half.guide.At({0.5f, 0.1f, 0}, false, &share), nullptr);
-    EXPECT_EQ(half.guide.At({-0.5f, 0.1f, 0}, false, &share), nullptr);
+    EXPECT_NE(half.guide.At({0.5f, 0.1f, 0}, false, 1, {0, 0}, &share), nullptr);
+    EXPECT_EQ(half.guide.At({-0.5f, 0.1f, 0}, false, 1, {0, 0}, &share), nullptr);
+}
+
+/// Two rooms, x < 0 and x > 0, with a lamp in each behind a wall that hides it from the other room.
+TEST(GuideCells, GuideToWhatTheySee) {
+    const Point3 lamps[] = {{-1, 0, 1}, {1, 0, 1}};
+    constexpr Float kRadius = 0.15f;
+    Rng rng(21);
+    std::vector<GuideRecord> records;
+    for (int i = 0; i < 200000; ++i) {
+        GuideRecord r;
+        r.p = {4 * rng.Uniform() - 2, rng.Uniform() - 0.5f, 0};
+        r.normal = {0, 0, 1};
+        r.wi = SampleCosineHemisphere(rng.Uniform2());
+        r.pdf = r.bsdfPdf = r.wi.z / Pi;
+        r.isOfFirstHalf = i % 2 == 0;
+        r.target = r.p + r.wi * (2 / std::max(r.wi.z, Float(0.1)));
+        r.radiance = 0.01f;
+        const Point3 &lamp = lamps[r.p.x > 0 ? 1 : 0];
+        const Float along = Dot(lamp - r.p, r.wi);
+        if (Distance(r.p + r.wi * along, lamp) < kRadius) {
+            r.target = r.p + r.wi * along;
+            r.radiance = 10;
+        }
+        r.found = r.radiance;
+        records.push_back(r);
+    }
+    GuideCells cells;
+    cells.Learn(records, 0.7f);
+    for (const Float side : {-1.f, 1.f}) {
+        const Point3 p(0.5f * side, 0.1f, 0);
+        Float share = 0;
+        const GuideTargets *targets = cells.At(p, false, 1e6f, &share);
+        ASSERT_TRUE(targets);
+        EXPECT_GT(share, 0.3f);
+        GuideDirections directions;
+        directions.Prepare(*targets, p, {0, 0, 1}, false);
+        const Point3 &seen = lamps[side > 0 ? 1 : 0], &hidden = lamps[side > 0 ? 0 : 1];
+        EXPECT_GT(directions.Pdf(Normalize(seen - p)), 20 * directions.Pdf(Normalize(hidden - p)));
+        // Nothing is known of glossy surfaces, and paths that hardly count are not guided.
+        EXPECT_FALSE(cells.At(p, true, 1e6f, &share));
+        EXPECT_FALSE(cells.At(p, false, 1e-6f, &share));
+    }
 }
 
 TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
@@ -194,8 +246,8 @@ TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
     const auto load = [&](const std::string &bytes, PathGuide &guide) {
         StateReader reader(bytes, "state");
         PrepareContext context = built.Preparation(progress);
-        context.pixelBounds = {{0, 0}, {100, 100}};
-        context.samplesPerPixel = 4;
+        context.pixelBounds = {{0, 0}, {200, 200}};
+        context.samplesPerPixel = 15;
         context.learned = &reader;
         guide.Prepare(context, 1);
     };
@@ -221,9 +273,9 @@ void CheckMean(const Bsdf &bsdf, bool isGlossy, bool bothSides, Float wrong = 0.
     vertex.point.n = vertex.point.shading.n = {0, 0, 1};
     vertex.bsdf = bsdf;
     GuidedBounces bounces(lobe.guide, {0, 0}, 5);
-    bounces.Begin(vertex);
+    bounces.Begin(vertex, SampledSpectrum(1));
     Float share = 0;
-    ASSERT_TRUE(lobe.guide.At(vertex.point.p, isGlossy, &share));
+    ASSERT_TRUE(lobe.guide.At(vertex.point.p, isGlossy, 1, {0, 0}, &share));
     Rng rng(11);
     RunningStatistics own, guided, withoutGuide, wrongShare;
     const auto weightOf = [&](const BsdfSample &s, Float pdf) {

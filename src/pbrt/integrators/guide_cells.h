@@ -1,0 +1,94 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "pbrt/core/state_io.h"
+#include "pbrt/integrators/guide_targets.h"
+
+namespace pbrt {
+
+/// What a bounce of a path found, to be learned from.
+struct GuideRecord {
+    Point3 p{};
+    Point3 target{};             ///< the place that it reached, or seemed to reach in mirrors
+    Vector3 normal{};            ///< see GuideDirections::Prepare
+    Vector3 wi{};                ///< where the path went
+    Float radiance = 0;          ///< that the bounce found there, times its MIS weight, averaged over wavelengths
+    Float found = 0;             ///< what the bounce added to the sample, for a path of weight 1; mean of wavelengths
+    Float pdf = 0;               ///< the density that the path went there with (solid angle); 0: an empty place
+    Float bsdfPdf = 0;           ///< the density of the BSDF's own choice
+    bool bothSides = false;      ///< see GuideDirections::Prepare
+    bool isGlossy = false;       ///< the BSDF has a glossy lobe
+    bool isOfFirstHalf = false;  ///< one of the halves of the paths, each of which judges what the other one taught
+    bool unused = false;         ///< no padding, so that saved records have the same bytes
+};
+
+/// Which places in the scene shine, as bounces found them (GuideTarget), and in a tree of cells: which of them the cell
+/// sees, how bright, and the share of bounces that should go there. The share is the one that makes the second moment
+/// of the bounces' contributions least, as one half of the records tells of what the other half taught; 0 where little
+/// is gained.
+class GuideCells {
+  public:
+    /// Forgets all and learns from records.
+    void Learn(std::span<const GuideRecord> records, Float largestShare);
+
+    /// What bounces are guided to, and which share of them in the cell that p lies in; null: none is. `worth`: the part
+    /// of its pixel's variance, in vertices that it is worth, that a path has whose found light squared is 1
+    /// (PathRoulette::Worth times the path's weight, squared). A bounce is guided only if that saves more than it
+    /// costs.
+    const GuideTargets *At(const Point3 &p, bool isGlossy, Float worth, Float *share) const {
+        if (!(worth * largestGain_ > kGuidedCost)) return nullptr;
+        const Leaf &leaf = leaves_[LeafOf(p)];
+        const size_t kind = isGlossy ? 1 : 0;
+        *share = leaf.share[kind];
+        return worth * leaf.gain[kind] > kGuidedCost ? &leaf.targets : nullptr;
+    }
+    /// The radiance of the brightest ball that p lies in; 0: it lies in none.
+    Float ShinesAt(const Point3 &p) const;
+    void Forget() { *this = {}; }
+    void Save(StateWriter &out) const;
+    void Load(StateReader &in);
+
+    size_t Targets() const { return targets_.size(); }
+    size_t Cells() const { return leaves_.size(); }
+    size_t GuidingCells() const;
+    double MeanShare() const;
+    size_t Bytes() const {
+        return nodes_.size() * sizeof(Node) + leaves_.size() * sizeof(Leaf) + targets_.size() * sizeof(GuideTarget);
+    }
+
+  private:
+    /// What a guided bounce costs besides, in vertices.
+    static constexpr Float kGuidedCost = 0.3f;
+    struct Node {
+        Float split = 0;
+        uint32_t axis = 3;   ///< 3: a leaf
+        uint32_t below = 0;  ///< the first of two children in a row; of a leaf: its number
+    };
+    struct Leaf {
+        // For BSDFs without and with glossy lobes.
+        Float share[2] = {};
+        Float gain[2] = {};  ///< how much less the second moment of `found` is with the share than without
+        GuideTargets targets;
+
+        bool Guides() const { return gain[0] > 0 || gain[1] > 0; }
+    };
+    /// Sets what follows from the leaves.
+    void LeavesChanged();
+    friend class GuideCellsBuilder;
+
+    /// The number of the leaf that p lies in; there are nodes.
+    uint32_t LeafOf(const Point3 &p) const {
+        const Node *node = nodes_.data();
+        while (node->axis != 3)
+            node = &nodes_[node->below + (p[static_cast<int>(node->axis)] < node->split ? 0 : 1)];
+        return node->below;
+    }
+
+    std::vector<Node> nodes_;
+    std::vector<Leaf> leaves_;
+    std::vector<GuideTarget> targets_;
+    Float largestGain_ = 0;  ///< of all leaves; 0: none guides
+};
+
+}  // namespace pbrt

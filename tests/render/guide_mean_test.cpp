@@ -1,0 +1,169 @@
+// Guided paths have the mean of plain ones, in rooms of many kinds and in scenes that are built against guides.
+#include <gtest/gtest.h>
+
+#include "agreement_statistics.h"
+#include "guide_rooms.h"
+#include "support/render_waves.h"
+#include "support/temporary_image.h"
+
+namespace pbrt::test {
+namespace {
+
+const int kRuns = getenv("RUNS") ? atoi(getenv("RUNS")) : 8;
+
+Image Render(const GuideRoom &room, int seed, bool guide) {
+    BuildOptions options;
+    options.seed = seed;
+    options.guide = guide;
+    BuiltScene built = BuildText(GuideRoomText(room), options);
+    EXPECT_EQ(built.integrator->Guide() != nullptr, guide);
+    Progress progress;
+    PrepareContext context = built.Preparation(progress);
+    context.samplesPerPixel = kGuideSamples;
+    built.integrator->Prepare(context);
+    return RenderWaves(built, kGuideSamples, {kGuideSamples}, progress);
+}
+
+PixelStatistics Statistics(const GuideRoom &room, int firstSeed, bool guide, Float factor = 1) {
+    PixelStatistics s;
+    for (int run = 0; run < kRuns; ++run) {
+        Image image = Render(room, firstSeed + run, guide);
+        const Point2i size = image.Resolution();
+        for (int y = 0; factor != 1 && y < size.y; ++y)
+            for (int x = 0; x < size.x; ++x)
+                for (int k = 0; k < 3; ++k) image.Set({x, y}, k, image.Get({x, y}, k) * factor);
+        s.Add(image);
+    }
+    return s;
+}
+
+/// `largestError`: of the mean of the picture; a larger one could not tell.
+void ExpectTheMeanOfPlainPaths(const GuideRoom &room, double largestError = 0.01) {
+    const PixelStatistics plain = Statistics(room, 1000, false);
+    GuideRoom withDirections = room;
+    withDirections.parameters += " \"bool guide.directions\" true";
+    for (const bool directions : {false, true}) {
+        const Agreement a =
+            Compare(Statistics(directions ? withDirections : room, 2000, true), {&plain}, 3, 1e-3);
+        EXPECT_TRUE(a.Agrees()) << room.name << ": p " << a.worstP << " at " << a.worst;
+        EXPECT_LT(a.error, largestError) << room.name << ": too noisy to tell";
+        std::printf("%s%s: mean %+.3f +- %.3f %%, worst p %.2g\n", room.name, directions ? " with directions" : "",
+                    100 * a.difference, 100 * a.error, a.worstP);
+    }
+    const Agreement spoilt =
+        Compare(Statistics(room, 3000, true, static_cast<Float>(1 + 5 * largestError)), {&plain}, 3, 1e-3);
+    EXPECT_FALSE(spoilt.Agrees()) << room.name << ": too bright, and not noticed";
+}
+
+const std::string kMetal = "Material \"conductor\" \"float roughness\" .4",
+                  kCoated = "Material \"coateddiffuse\" \"float roughness\" 0 \"rgb reflectance\" [ .5 .5 .5 ]",
+                  kMirrors = "Material \"conductor\" \"float roughness\" 0";
+
+std::string Sampler() {
+    const char *name = AllSamplers().samplers.Has("octree") ? "octree" : "bvh";
+    return std::string("\"string lightsampler\" \"") + name + "\" ";
+}
+
+/// A lamp under the ceiling that shines downwards.
+std::string Lamp(const std::string &before = "") {
+    return "AttributeBegin " + before +
+           " AreaLightSource \"diffuse\" \"rgb L\" [ 8 8 8 ] "
+           "Shape \"bilinearmesh\" \"point3 P\" [ -.5 1.95 .5  .5 1.95 .5  -.5 1.95 1.5  .5 1.95 1.5 ] AttributeEnd\n";
+}
+
+TEST(MeanOfGuidedPaths, UnderASpotAtTheCeiling) {
+    ExpectTheMeanOfPlainPaths(
+        {.name = "spot", .light = kSpotAtCeiling, .parameters = "\"string lightsampler\" \"bvh\""});
+}
+
+TEST(MeanOfGuidedPaths, OverMetal) {
+    const GuideRoom room{.name = "metal",
+                         .light = kPanelBehindCurtain,
+                         .floor = kMetal,
+                         .parameters = "\"string lightsampler\" \"bvh\""};
+    ExpectTheMeanOfPlainPaths(room);
+    GuideRoom foggy = room;
+    foggy.name = "metal in fog";
+    foggy.fog = true;
+    ExpectTheMeanOfPlainPaths(foggy);
+}
+
+TEST(MeanOfGuidedPaths, OverACoat) {
+    ExpectTheMeanOfPlainPaths({.name = "coated",
+                               .light = kPanelBehindCurtain,
+                               .floor = kCoated,
+                               .parameters = "\"string lightsampler\" \"uniform\""});
+}
+
+// Scenes that are built against guides.
+
+TEST(MeanOfGuidedPaths, WithACaustic) {
+    ExpectTheMeanOfPlainPaths({.name = "caustic",
+                               .light = Lamp() +
+                                        "AttributeBegin Translate 0 .7 .8 Material \"dielectric\" "
+                                        "Shape \"sphere\" \"float radius\" .5 AttributeEnd\n" +
+                                        "AttributeBegin Translate -1.3 .5 .3 " + kMirrors +
+                                        " Shape \"sphere\" \"float radius\" .4 AttributeEnd",
+                               .parameters = Sampler()},
+                              0.02);
+}
+
+TEST(MeanOfGuidedPaths, ThroughASlit) {
+    // A wall from front to back with a slit of 20 cm; the lamp and its spot on the ceiling are behind it.
+    ExpectTheMeanOfPlainPaths(
+        {.name = "slit",
+         .light = "LightSource \"spot\" \"point3 from\" [ 2 .6 0 ] \"point3 to\" [ 2.5 2 .5 ] \"rgb I\" [ 60 60 60 ] "
+                  "\"float coneangle\" 32 \"float conedeltaangle\" 3\n"
+                  "Material \"diffuse\" \"rgb reflectance\" [ .7 .7 .7 ]\n"
+                  "Shape \"bilinearmesh\" \"point3 P\" [ 1.2 0 -3  1.2 0 .5  1.2 2 -3  1.2 2 .5 ]\n"
+                  "Shape \"bilinearmesh\" \"point3 P\" [ 1.2 0 .7  1.2 0 3  1.2 2 .7  1.2 2 3 ]",
+         .parameters = Sampler()},
+        0.03);
+}
+
+TEST(MeanOfGuidedPaths, WithLightThatMoves) {
+    // A lamp in a corner shines on a card that moves, from where all other light comes, and through a moving glass.
+    ExpectTheMeanOfPlainPaths(
+        {.name = "moving light",
+         .light = "LightSource \"spot\" \"point3 from\" [ -2 .3 0 ] \"point3 to\" [ 1 1.5 1 ] \"rgb I\" [ 60 60 60 ] "
+                  "\"float coneangle\" 20 \"float conedeltaangle\" 3\n" +
+                  Lamp("Scale .5 1 1") +
+                  "AttributeBegin ActiveTransform EndTime Translate 1.2 -.5 .8 ActiveTransform All "
+                  "Material \"diffuse\" \"rgb reflectance\" [ .9 .9 .9 ] Shape \"bilinearmesh\" \"point3 P\" "
+                  "[ 0 1 .5  .8 1 1.3  0 1.8 .5  .8 1.8 1.3 ]\n"
+                  "Translate -.6 .4 1 Material \"dielectric\" Shape \"sphere\" \"float radius\" .3 AttributeEnd",
+         .parameters = Sampler()},
+        0.02);
+}
+
+TEST(MeanOfGuidedPaths, BetweenMirrors) {
+    ExpectTheMeanOfPlainPaths(
+        {.name = "mirror room", .light = kPanelBehindCurtain, .walls = kMirrors, .parameters = Sampler()}, 0.02);
+}
+
+TEST(MeanOfGuidedPaths, UnderASunOfOnePixel) {
+    const TemporaryImage sky("sun.exr", RgbImage({32, 32}, [](int x, int y) {
+                                 return x == 16 && y == 16 ? Rgb(3000.f) : Rgb(.05f, .06f, .1f);
+                             }));
+    ExpectTheMeanOfPlainPaths({.name = "sun of one pixel",
+                               .light = "AttributeBegin Rotate -25 1 0 0 LightSource \"infinite\" \"string filename\" \"" +
+                                        sky.Path() + "\" AttributeEnd",
+                               .parameters = Sampler(),
+                               .window = true},
+                              0.02);
+}
+
+TEST(MeanOfGuidedPaths, InAGlossyCorridor) {
+    // Two walls of rough metal, from front to back; the lamp's light comes round the end of one of them.
+    ExpectTheMeanOfPlainPaths(
+        {.name = "glossy corridor",
+         .light = kSpotAtCeiling +
+                  "\nMaterial \"conductor\" \"float roughness\" .15\n"
+                  "Shape \"bilinearmesh\" \"point3 P\" [ -.7 0 -3  -.7 0 3  -.7 2 -3  -.7 2 3 ]\n"
+                  "Shape \"bilinearmesh\" \"point3 P\" [ -.2 0 -2.4  -.2 0 1.2  -.2 2 -2.4  -.2 2 1.2 ]",
+         .parameters = Sampler()},
+        0.02);
+}
+
+}  // namespace
+}  // namespace pbrt::test

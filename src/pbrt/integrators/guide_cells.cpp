@@ -17,6 +17,8 @@ constexpr double kLargestPart = 0.05;
 constexpr double kPriorFinds = 8;
 /// Places of a cell that the solid angles of balls are averaged over.
 constexpr size_t kCellPlaces = 32;
+/// About so many places that bounces left from are given to MakeGuideTargets.
+constexpr size_t kFrom = 1024;
 /// A cell guides if that brings the second moment of what bounces find below this part.
 constexpr double kMinGain = 0.9;
 /// A share is found from at least so many records.
@@ -79,19 +81,25 @@ class GuideCellsBuilder {
 
     void FindTargets(size_t part) {
         std::vector<TargetFind> finds;
+        std::vector<Point3> from;
         double sum = 0;
         uint32_t number = 0;
-        for (const GuideRecord &r : places_) {
+        size_t bounces = 0;
+        const size_t step = std::max<size_t>(1, places_.size() / kFrom);
+        for (size_t i = 0; i < places_.size(); ++i) {
+            const GuideRecord &r = places_[i];
             const uint32_t at = number;
             number += r.found > 0;
             if (!(r.pdf > 0) || !IsOf(r, part)) continue;
-            const double radiance = r.found > 0 ? static_cast<double>(r.radiance) : 0;
+            if (bounces++ % step == 0) from.push_back(r.p);
+            if (!(r.found > 0 && r.radiance > 0)) continue;
+            const double perPdf = 1 / static_cast<double>(r.pdf);
             finds.push_back(
-                {.from = r.p, .target = r.target, .radiance = radiance, .perPdf = 1 / static_cast<double>(r.pdf), .number = at});
-            sum += radiance / static_cast<double>(r.pdf);
+                {.target = r.target, .radiance = static_cast<double>(r.radiance), .perPdf = perPdf, .number = at});
+            sum += finds.back().radiance * perPdf;
         }
         for (TargetFind &f : finds) f.radiance = std::min(f.radiance, kLargestPart * sum / f.perPdf);
-        parts_[part].targets = MakeGuideTargets(finds);
+        parts_[part].targets = MakeGuideTargets(finds, from, bounces);
         // What was found scatters much; where it was found tells what a cell sees.
         std::vector<double> radiances(parts_[part].targets.size()), counts(radiances.size());
         for (const TargetFind &f : finds)

@@ -37,12 +37,14 @@ class GuideCells {
     /// (PathRoulette::Worth times the path's weight, squared). A bounce is guided only if that saves more than it
     /// costs.
     const GuideTargets *At(const Point3 &p, bool isGlossy, Float worth, Float *share) const {
-        if (!(worth * largestGain_ > kGuidedCost)) return nullptr;
+        if (!MayGuide(worth)) return nullptr;
         const Leaf &leaf = leaves_[LeafOf(p)];
         const size_t kind = isGlossy ? 1 : 0;
         *share = leaf.share[kind];
         return worth * leaf.gain[kind] > kGuidedCost ? &leaf.targets : nullptr;
     }
+    /// False if At gives null anywhere.
+    bool MayGuide(Float worth) const { return worth * largestGain_ > kGuidedCost; }
     /// The radiance of the brightest ball that p lies in; 0: it lies in none.
     Float ShinesAt(const Point3 &p) const;
     void Forget() { *this = {}; }

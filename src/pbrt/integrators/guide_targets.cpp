@@ -64,8 +64,8 @@ Ball Merged(const Ball &a, const Ball &b) {
     return {a.count + b.count, a.moment + b.moment, Union(a.bounds, b.bounds), {}};
 }
 
-/// Divides the finds at the median of their largest extent until they are few, or have a small part of the flux. The
-/// median is that of count and flux together, so that small bright places are divided from what is about them.
+/// Divides the finds along their largest extent until they are few, or have a small part of count and flux: at the mean
+/// of both together, which lies beside a small bright place, and so divides it from what is about it.
 void AddSmallBalls(std::span<TargetFind> finds, size_t largest, double fluxOfAll, size_t countOfAll,
                    const Places &places, std::vector<Ball> *balls) {
     Ball ball;
@@ -82,25 +82,28 @@ void AddSmallBalls(std::span<TargetFind> finds, size_t largest, double fluxOfAll
     };
     const double weight = flux / fluxOfAll + static_cast<double>(ball.count) / static_cast<double>(countOfAll);
     if (finds.size() <= largest || weight < 2 / static_cast<double>(kSmallBalls)) {
-        const double mean = flux / places.SolidAngle(ball);
-        ball.moment = flux * mean;
+        const double meanRadiance = flux / places.SolidAngle(ball);
+        ball.moment = flux * meanRadiance;
         if (!(ball.moment > 0)) return;
         ball.parts = {static_cast<uint32_t>(balls->size())};
         for (TargetFind &f : finds) {
-            f.meanRadiance = mean;
+            f.meanRadiance = meanRadiance;
             f.ball = ball.parts[0];
         }
         balls->push_back(std::move(ball));
         return;
     }
-    std::sort(finds.begin(), finds.end(), [&](const TargetFind &a, const TargetFind &b) {
-        return a.target[axis] != b.target[axis] ? a.target[axis] < b.target[axis] : a.number < b.number;
-    });
-    double below = 0;
-    size_t middle = 0;
-    while (middle + 1 < finds.size() && below < weight / 2) below += weightOf(finds[middle++]);
-    const size_t least = std::min(kLeastFinds, finds.size() / 2);
-    middle = std::clamp(middle, least, finds.size() - least);
+    double sum = 0;
+    for (const TargetFind &f : finds) sum += weightOf(f) * static_cast<double>(f.target[axis]);
+    const auto mean = static_cast<Float>(sum / weight);
+    size_t middle = static_cast<size_t>(
+        std::partition(finds.begin(), finds.end(), [&](const TargetFind &f) { return f.target[axis] < mean; }) -
+        finds.begin());
+    if (std::min(middle, finds.size() - middle) < kLeastFinds) {
+        middle = std::clamp(middle, kLeastFinds, finds.size() - kLeastFinds);
+        std::nth_element(finds.begin(), finds.begin() + static_cast<std::ptrdiff_t>(middle), finds.end(),
+                         [&](const TargetFind &x, const TargetFind &y) { return x.target[axis] < y.target[axis]; });
+    }
     AddSmallBalls(finds.first(middle), largest, fluxOfAll, countOfAll, places, balls);
     AddSmallBalls(finds.subspan(middle), largest, fluxOfAll, countOfAll, places, balls);
 }
@@ -151,11 +154,11 @@ void MergeBalls(std::vector<Ball> *balls) {
 
 }  // namespace
 
-std::vector<GuideTarget> MakeGuideTargets(std::span<TargetFind> finds) {
+std::vector<GuideTarget> MakeGuideTargets(std::span<TargetFind> finds, std::span<const Point3> from, size_t bounces) {
     Places places;
-    const size_t stride = (finds.size() + kPlaces - 1) / kPlaces;
-    for (size_t i = 0; i < finds.size(); i += stride) places.some.push_back(finds[i].from);
-    places.each = static_cast<double>(finds.size()) / static_cast<double>(places.some.size());
+    const size_t stride = (from.size() + kPlaces - 1) / kPlaces;
+    for (size_t i = 0; i < from.size(); i += stride) places.some.push_back(from[i]);
+    places.each = static_cast<double>(bounces) / static_cast<double>(places.some.size());
     const auto nothing = std::partition(finds.begin(), finds.end(), [](const TargetFind &f) { return f.radiance > 0; });
     const auto found = finds.first(static_cast<size_t>(nothing - finds.begin()));
     if (found.size() < kLeastFinds) return {};

@@ -19,8 +19,8 @@ struct GuideTarget {
 /// What a bounce found where it went.
 struct TargetFind {
     static constexpr uint32_t kNone = ~uint32_t{0};
-    Point3 from{}, target{};
-    double radiance = 0;  ///< 0: it found nothing
+    Point3 target{};
+    double radiance = 0;
     double perPdf = 0;    ///< one over the density of the bounce (solid angle)
     /// Set by MakeGuideTargets: the mean over finds, those of nothing included, near the target.
     double meanRadiance = 0;
@@ -29,12 +29,13 @@ struct TargetFind {
 };
 
 /// The balls for which choosing directions by all of them makes the second moment of the mean radiance least, as far
-/// as merging small ones leads; at most kMostGuideTargets. `finds` are reordered.
+/// as merging small ones leads; at most kMostGuideTargets. `finds`: what `bounces` bounces found, reordered; most of them
+/// may have found nothing. `from`: places that some bounces left from.
 ///
 /// The mean, not what the finds scatter about it: most of that comes from later bounces that find light rarely, and
 /// goes when those are guided as well.
 inline constexpr size_t kMostGuideTargets = 32;
-std::vector<GuideTarget> MakeGuideTargets(std::span<TargetFind> finds);
+std::vector<GuideTarget> MakeGuideTargets(std::span<TargetFind> finds, std::span<const Point3> from, size_t bounces);
 
 /// The balls that a cell of places is guided to, each with its radiance as the cell sees it: 0 for one that is hidden.
 struct GuideTargets {

@@ -24,16 +24,19 @@ void GuidedBounces::ReachedInMedium(const Point3 &p) {
 void GuidedBounces::Begin(const PathVertex &vertex, const SampledSpectrum &beta) {
     const auto &[point, bsdf] = vertex;
     share_ = 0;
+    isGuided_ = false;
     if (!guide_.LearnsDirections()) return;
-    isGuided_ = PathGuide::Guides(bsdf);
-    if (!isGuided_) return;
+    beta_ = beta.Average();
+    const Float worth = guide_.WorthOf(beta_, pixel_);
+    const bool isRecorded = places_.next + open_ < places_.end, mayGuide = guide_.Cells().MayGuide(worth);
+    if (!(isRecorded || mayGuide) || !PathGuide::Guides(bsdf)) return;
+    isGuided_ = true;
     isGlossy_ = Has(bsdf.Flags(), BxdfFlags::Glossy);
     bothSides_ = IsTransmissive(bsdf.Flags());
     const Vector3 n(point.shading.n);
     normal_ = Dot(point.wo, n) < 0 ? -n : n;
-    beta_ = beta.Average();
     Float share = 0;
-    const GuideTargets *targets = guide_.At(point.p, isGlossy_, beta_, pixel_, &share);
+    const GuideTargets *targets = guide_.Cells().At(point.p, isGlossy_, worth, &share);
     if (!targets) return;
     directions_.Prepare(*targets, point.p, normal_, bothSides_);
     if (directions_.IsUsable()) share_ = share;

@@ -74,7 +74,9 @@ void PathGuide::Inspect(const PathVertex &vertex, Point2i pixel, std::vector<Ins
     values.push_back({"survival", survival > 0 ? static_cast<double>(survival) : unknown});
     if (!params_.directions) return;
     Float share = 0;
-    if (Guides(vertex.bsdf)) At(p, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy), 1, InPicture(pixel), &share);
+    if (Guides(vertex.bsdf) &&
+        !cells_.At(p, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy), WorthOf(1, InPicture(pixel)), &share))
+        share = 0;
     const Float radiance = cells_.ShinesAt(p);
     values.push_back({"share", static_cast<double>(share)});
     values.push_back({"shines", radiance > 0 ? std::log10(static_cast<double>(radiance)) : unknown});

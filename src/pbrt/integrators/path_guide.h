@@ -44,13 +44,12 @@ class PathGuide final : public LightLearner {
 
     /// True if bounces at such a BSDF are guided or learned from.
     static bool Guides(const Bsdf &bsdf);
-    /// What bounces of a path of weight beta (mean over wavelengths) are guided to, and which share of them; null: none
-    /// is. `pixel`: whose path it is, relative to the picture's corner.
-    const GuideTargets *At(const Point3 &p, bool isGlossy, Float beta, Point2i pixel, Float *share) const {
-        const Float worth =
-            roulette_.Knows() ? Sqr(beta * roulette_.Worth(pixel)) : std::numeric_limits<Float>::infinity();
-        return cells_.At(p, isGlossy, worth, share);
+    /// Of a path of weight beta (mean over wavelengths), for GuideCells::At. `pixel`: whose path it is, relative to the
+    /// picture's corner.
+    Float WorthOf(Float beta, Point2i pixel) const {
+        return roulette_.Knows() ? Sqr(beta * roulette_.Worth(pixel)) : std::numeric_limits<Float>::infinity();
     }
+    const GuideCells &Cells() const { return cells_; }
 
     /// How far away what rays find that leave the scene counts as.
     Float Beyond() const { return beyond_; }

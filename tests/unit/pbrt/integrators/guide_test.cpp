@@ -72,10 +72,12 @@ TEST(GuideTargets, AreWhereLightComesFrom) {
     const Point3 lamps[] = {{1, 0.5f, 2}, {-1, 0, 1.5f}};
     constexpr Float kRadius = 0.1f;
     std::vector<TargetFind> finds;
+    std::vector<Point3> places;
     for (int i = 0; i < 40000; ++i) {
         const Point3 from(4 * rng.Uniform() - 2, 4 * rng.Uniform() - 2, 0);
         const Vector3 w = SampleUniformHemisphere(rng.Uniform2());
-        TargetFind find{from, from + w * (3 / std::max(w.z, Float(0.3))), 0.05, 2 * std::numbers::pi};
+        places.push_back(from);
+        TargetFind find{from + w * (3 / std::max(w.z, Float(0.3))), 0.05, 2 * std::numbers::pi};
         for (const Point3 &lamp : lamps) {
             const Float along = Dot(lamp - from, w);
             if (along > 0 && Distance(from + w * along, lamp) < kRadius) {
@@ -87,7 +89,7 @@ TEST(GuideTargets, AreWhereLightComesFrom) {
         if (find.radiance < 1) find.radiance = rng.Uniform() < 0.05f ? 1 : 0;
         finds.push_back(find);
     }
-    const std::vector<GuideTarget> all = MakeGuideTargets(finds);
+    const std::vector<GuideTarget> all = MakeGuideTargets(finds, places, places.size());
     for (const TargetFind &find : finds) {
         EXPECT_EQ(find.ball != TargetFind::kNone, find.radiance > 0);
         if (find.ball != TargetFind::kNone) {
@@ -105,7 +107,13 @@ TEST(GuideTargets, AreWhereLightComesFrom) {
         double toLamps = 0;
         for (const Point3 &lamp : lamps) {
             const Float sine2 = Sqr(kRadius) / LengthSquared(lamp - p);
-            toLamps += static_cast<double>(directions.Pdf(Normalize(lamp - p)) * Pi * sine2);
+            const Frame frame = Frame::FromZ(Normalize(lamp - p));
+            constexpr int kDirections = 256;
+            for (int i = 0; i < kDirections; ++i) {
+                const Point2 onDisk = SampleUniformDiskConcentric(rng.Uniform2()) * std::sqrt(sine2);
+                const Vector3 w(onDisk.x, onDisk.y, std::sqrt(1 - Sqr(onDisk.x) - Sqr(onDisk.y)));
+                toLamps += static_cast<double>(directions.Pdf(frame.FromLocal(w)) * Pi * sine2 / kDirections);
+            }
         }
         // They cover less than a hundredth of what is above p, and are half of the light or more.
         EXPECT_GT(toLamps, 0.12);
@@ -170,13 +178,13 @@ Float Lobe(const Point3 &, const Vector3 &w) { return Dot(w, Normalize(Vector3(1
 TEST(PathGuide, HasNoShareUnderEvenLight) {
     Learned even([](const Point3 &, const Vector3 &) { return 1.f; }, false);
     Float share = 0;
-    EXPECT_EQ(even.guide.At({0, 0, 0}, false, 1, {0, 0}, &share), nullptr);
+    EXPECT_EQ(even.guide.Cells().At({0, 0, 0}, false, 1, &share), nullptr);
 }
 
 TEST(PathGuide, LearnsWhereLightComesFrom) {
     Learned lobe(Lobe, false);
     Float share = 0;
-    const GuideTargets *targets = lobe.guide.At({0.2f, 0.1f, 0}, false, 1, {0, 0}, &share);
+    const GuideTargets *targets = lobe.guide.Cells().At({0.2f, 0.1f, 0}, false, 1, &share);
     ASSERT_TRUE(targets);
     EXPECT_GT(share, 0.1f);
     EXPECT_LE(share, 0.7f);
@@ -184,14 +192,14 @@ TEST(PathGuide, LearnsWhereLightComesFrom) {
     directions.Prepare(*targets, {0.2f, 0.1f, 0}, {0, 0, 1}, false);
     EXPECT_GT(directions.Pdf(Normalize(Vector3(1, 0.3f, 1))), 4 * directions.Pdf(Normalize(Vector3(-1, 0, 1))));
     // Nothing was learned of glossy surfaces.
-    EXPECT_EQ(lobe.guide.At({0.2f, 0.1f, 0}, true, 1, {0, 0}, &share), nullptr);
+    EXPECT_EQ(lobe.guide.Cells().At({0.2f, 0.1f, 0}, true, 1, &share), nullptr);
 }
 
 TEST(PathGuide, GuidesOnlyWhereLightComesFromOneSide) {
     Learned half([](const Point3 &p, const Vector3 &w) { return p.x > 0 ? Lobe(p, w) : 1.f; }, false);
     Float share = 0;
-    EXPECT_NE(half.guide.At({0.5f, 0.1f, 0}, false, 1, {0, 0}, &share), nullptr);
-    EXPECT_EQ(half.guide.At({-0.5f, 0.1f, 0}, false, 1, {0, 0}, &share), nullptr);
+    EXPECT_NE(half.guide.Cells().At({0.5f, 0.1f, 0}, false, 1, &share), nullptr);
+    EXPECT_EQ(half.guide.Cells().At({-0.5f, 0.1f, 0}, false, 1, &share), nullptr);
 }
 
 /// Two rooms, x < 0 and x > 0, with a lamp in each behind a wall that hides it from the other room.
@@ -275,7 +283,7 @@ void CheckMean(const Bsdf &bsdf, bool isGlossy, bool bothSides, Float wrong = 0.
     GuidedBounces bounces(lobe.guide, {0, 0}, 5);
     bounces.Begin(vertex, SampledSpectrum(1));
     Float share = 0;
-    ASSERT_TRUE(lobe.guide.At(vertex.point.p, isGlossy, 1, {0, 0}, &share));
+    ASSERT_TRUE(lobe.guide.Cells().At(vertex.point.p, isGlossy, 1, &share));
     Rng rng(11);
     RunningStatistics own, guided, withoutGuide, wrongShare;
     const auto weightOf = [&](const BsdfSample &s, Float pdf) {

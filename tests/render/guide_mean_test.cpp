@@ -9,7 +9,7 @@
 namespace pbrt::test {
 namespace {
 
-const int kRuns = getenv("RUNS") ? atoi(getenv("RUNS")) : 8;
+constexpr int kRuns = 8;
 
 Image Render(const GuideRoom &room, int seed, bool guide) {
     BuildOptions options;
@@ -43,8 +43,7 @@ void ExpectTheMeanOfPlainPaths(const GuideRoom &room, double largestError = 0.01
     GuideRoom withDirections = room;
     withDirections.parameters += " \"bool guide.directions\" true";
     for (const bool directions : {false, true}) {
-        const Agreement a =
-            Compare(Statistics(directions ? withDirections : room, 2000, true), {&plain}, 3, 1e-3);
+        const Agreement a = Compare(Statistics(directions ? withDirections : room, 2000, true), {&plain}, 3, 1e-3);
         EXPECT_TRUE(a.Agrees()) << room.name << ": p " << a.worstP << " at " << a.worst;
         EXPECT_LT(a.error, largestError) << room.name << ": too noisy to tell";
         std::printf("%s%s: mean %+.3f +- %.3f %%, worst p %.2g\n", room.name, directions ? " with directions" : "",
@@ -145,12 +144,13 @@ TEST(MeanOfGuidedPaths, UnderASunOfOnePixel) {
     const TemporaryImage sky("sun.exr", RgbImage({32, 32}, [](int x, int y) {
                                  return x == 16 && y == 16 ? Rgb(3000.f) : Rgb(.05f, .06f, .1f);
                              }));
-    ExpectTheMeanOfPlainPaths({.name = "sun of one pixel",
-                               .light = "AttributeBegin Rotate -25 1 0 0 LightSource \"infinite\" \"string filename\" \"" +
-                                        sky.Path() + "\" AttributeEnd",
-                               .parameters = Sampler(),
-                               .window = true},
-                              0.02);
+    ExpectTheMeanOfPlainPaths(
+        {.name = "sun of one pixel",
+         .light = "AttributeBegin Rotate -25 1 0 0 LightSource \"infinite\" \"string filename\" \"" + sky.Path() +
+                  "\" AttributeEnd",
+         .parameters = Sampler(),
+         .window = true},
+        0.02);
 }
 
 TEST(MeanOfGuidedPaths, InAGlossyCorridor) {

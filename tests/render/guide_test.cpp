@@ -1,5 +1,4 @@
-// Guided paths: the same bits however the work is divided, nothing changes where
-// nothing is to be gained.
+// Guided paths: the same bits however the work is divided, nothing changes where nothing is to be gained.
 #include <gtest/gtest.h>
 
 #include <cstring>

@@ -50,16 +50,13 @@ class GuideCellsBuilder {
         });
         Collapse(0);
         if (cells_.nodes_[0].axis == 3 && !cells_.leaves_[cells_.nodes_[0].below].Guides()) return cells_.Forget();
-        cells_.targets_ = std::move(parts_[kAll].targets);
+        cells_.targets_ = std::move(targets_[kAll]);
         cells_.LeavesChanged();
     }
 
   private:
     /// The two halves of the records, and all of them.
     static constexpr size_t kAll = 2, kParts = 3;
-    struct Part {
-        std::vector<GuideTarget> targets;
-    };
     struct Entry {
         const GuideRecord *record;
         double counts = 0;  ///< how much its square: the mean radiance where it went over its own
@@ -68,9 +65,9 @@ class GuideCellsBuilder {
     };
     /// What is to become a leaf.
     struct Task {
-        size_t begin, end;                          ///< of records_
-        size_t firstBounce = 0, bounces = 0;        ///< in bounces_
-        size_t kindBounces[2] = {};                 ///< bounces at BSDFs without and with glossy lobes
+        size_t begin, end;                    ///< of records_
+        size_t firstBounce = 0, bounces = 0;  ///< in bounces_
+        size_t kindBounces[2] = {};           ///< bounces at BSDFs without and with glossy lobes
         GuideTargets targets[kParts] = {};
     };
 
@@ -99,9 +96,9 @@ class GuideCellsBuilder {
             sum += finds.back().radiance * perPdf;
         }
         for (TargetFind &f : finds) f.radiance = std::min(f.radiance, kLargestPart * sum / f.perPdf);
-        parts_[part].targets = MakeGuideTargets(finds, from, bounces);
+        targets_[part] = MakeGuideTargets(finds, from, bounces);
         // What was found scatters much; where it was found tells what a cell sees.
-        std::vector<double> radiances(parts_[part].targets.size()), counts(radiances.size());
+        std::vector<double> radiances(targets_[part].size()), counts(radiances.size());
         for (const TargetFind &f : finds)
             if (f.ball != TargetFind::kNone) {
                 radiances[f.ball] += f.radiance;
@@ -164,7 +161,7 @@ class GuideCellsBuilder {
     /// How bright the balls of a part are for each task: from above to below, what was found over what was expected,
     /// where few finds count less than what the cell above says.
     void TellCells(size_t part) {
-        const std::vector<GuideTarget> &targets = parts_[part].targets;
+        const std::vector<GuideTarget> &targets = targets_[part];
         const size_t count = targets.size(), nodes = cells_.nodes_.size();
         if (count == 0) return;
         std::vector<double> found(nodes * count), expected(nodes * count), factor(nodes * count), perFind(count),
@@ -265,7 +262,8 @@ class GuideCellsBuilder {
             double all = 0, plainMoment = 0;
             for (const Judged &j : judged[kind]) all += j.plainSquare;
             for (const Judged &j : judged[kind]) plainMoment += std::min(j.plainSquare, kLargestPart * all);
-            leaf->gain[kind] = static_cast<Float>(plainMoment * (1 - best / plain) / static_cast<double>(task.kindBounces[kind]));
+            leaf->gain[kind] =
+                static_cast<Float>(plainMoment * (1 - best / plain) / static_cast<double>(task.kindBounces[kind]));
         }
     }
 
@@ -285,7 +283,7 @@ class GuideCellsBuilder {
     GuideCells &cells_;
     std::vector<Task> tasks_;  ///< one for each leaf
     std::vector<uint32_t> bounces_;
-    Part parts_[kParts];
+    std::vector<GuideTarget> targets_[kParts];
 };
 
 void GuideCells::Learn(std::span<const GuideRecord> records, Float largestShare) {

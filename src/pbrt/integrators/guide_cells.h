@@ -82,8 +82,7 @@ class GuideCells {
     /// The number of the leaf that p lies in; there are nodes.
     uint32_t LeafOf(const Point3 &p) const {
         const Node *node = nodes_.data();
-        while (node->axis != 3)
-            node = &nodes_[node->below + (p[static_cast<int>(node->axis)] < node->split ? 0 : 1)];
+        while (node->axis != 3) node = &nodes_[node->below + (p[static_cast<int>(node->axis)] < node->split ? 0 : 1)];
         return node->below;
     }
 

@@ -171,8 +171,8 @@ std::vector<GuideTarget> MakeGuideTargets(std::span<TargetFind> finds, std::span
     std::vector<GuideTarget> targets;
     for (const Ball &ball : balls) {
         for (const uint32_t part : ball.parts) mergedInto[part] = static_cast<uint32_t>(targets.size());
-        targets.push_back({ball.Middle(), ball.Radius2(),
-                           static_cast<Float>(std::sqrt(ball.moment / places.SolidAngle(ball)))});
+        targets.push_back(
+            {ball.Middle(), ball.Radius2(), static_cast<Float>(std::sqrt(ball.moment / places.SolidAngle(ball)))});
     }
     for (TargetFind &f : found)
         if (f.ball != TargetFind::kNone) f.ball = mergedInto[f.ball];

@@ -21,16 +21,16 @@ struct TargetFind {
     static constexpr uint32_t kNone = ~uint32_t{0};
     Point3 target{};
     double radiance = 0;
-    double perPdf = 0;    ///< one over the density of the bounce (solid angle)
+    double perPdf = 0;  ///< one over the density of the bounce (solid angle)
     /// Set by MakeGuideTargets: the mean over finds, those of nothing included, near the target.
     double meanRadiance = 0;
-    uint32_t number = 0;      ///< of the caller
-    uint32_t ball = kNone;    ///< set by MakeGuideTargets: the number of the ball that the target is in
+    uint32_t number = 0;    ///< of the caller
+    uint32_t ball = kNone;  ///< set by MakeGuideTargets: the number of the ball that the target is in
 };
 
 /// The balls for which choosing directions by all of them makes the second moment of the mean radiance least, as far
-/// as merging small ones leads; at most kMostGuideTargets. `finds`: what `bounces` bounces found, reordered; most of them
-/// may have found nothing. `from`: places that some bounces left from.
+/// as merging small ones leads; at most kMostGuideTargets. `finds`: what `bounces` bounces found, reordered; most of
+/// them may have found nothing. `from`: places that some bounces left from.
 ///
 /// The mean, not what the finds scatter about it: most of that comes from later bounces that find light rarely, and
 /// goes when those are guided as well.

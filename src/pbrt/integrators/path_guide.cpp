@@ -1,5 +1,6 @@
 #include "pbrt/integrators/path_guide.h"
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/ranks.h"
@@ -94,7 +95,8 @@ void PathGuide::BeginLearning(int first, int next) {
     roulette_.BeginRecords(0, 0);
     if (next_ == 0) return;
     const Vector2i size = pixels_.IsEmpty() ? Vector2i(0) : pixels_.high - pixels_.low;
-    const size_t all = static_cast<size_t>(size.x) * static_cast<size_t>(size.y) * static_cast<size_t>(samplesPerPixel_);
+    const size_t all =
+        static_cast<size_t>(size.x) * static_cast<size_t>(size.y) * static_cast<size_t>(samplesPerPixel_);
     const size_t most = std::min(static_cast<size_t>(params_.records) / vertices_, all / kPathsPerRecorded);
     for (stride_ = 1;; ++stride_) {
         placesPerRow_ = static_cast<size_t>((size.x + stride_ - 1) / stride_);
@@ -102,6 +104,7 @@ void PathGuide::BeginLearning(int first, int next) {
         if (paths > most && stride_ < size.x) continue;
         if (params_.directions) places_.assign(paths * vertices_, {});
         roulette_.BeginRecords(params_.roulette ? paths : 0, vertices_ + 1);
+        recordBytes_ = std::max(recordBytes_, places_.size() * sizeof(GuideRecord) + roulette_.RecordBytes());
         return;
     }
 }
@@ -135,9 +138,11 @@ void PathGuide::Learn(const Progress &progress) {
         if (lights_->NextLearning() == now) return;
     }
     if (!isDue || progress.Cancelled()) return;
+    const auto begin = std::chrono::steady_clock::now();
     if (params_.roulette) roulette_.Learn(pixels_.high - pixels_.low, [&](size_t path) { return PixelOf(path); });
     cells_.Learn(places_, params_.share);
     BeginLearning(now, NextAfter(now));
+    learningSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 void PathGuide::TakeRecords(StateWriter &out) const {
@@ -181,6 +186,9 @@ void PathGuide::Report(nlohmann::ordered_json &json) const {
     json["guidingCells"] = cells_.GuidingCells();
     json["targets"] = cells_.Targets();
     json["meanShare"] = cells_.MeanShare();
+    json["bytes"] = cells_.Bytes() + roulette_.Bytes();
+    json["recordBytes"] = recordBytes_;
+    json["learningSeconds"] = learningSeconds_;
 }
 
 }  // namespace pbrt

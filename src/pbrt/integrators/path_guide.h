@@ -17,7 +17,7 @@ struct GuideParams {
     bool roulette = true;
     bool directions = false;
     Float share = 0.7f;
-    int records = 1 << 20;
+    int records = 1 << 19;
     template <class V>
     void Describe(V &&v) {
         v("guide.roulette", roulette,
@@ -90,7 +90,7 @@ class PathGuide final : public LightLearner {
 
     /// What was learned and found, for a checkpoint, without what the light sampler learned.
     void Save(StateWriter &out) const;
-    /// Cells, and how many of them guide.
+    /// Cells, how many of them guide, memory of what is known and, at most, of records, and the time of learning.
     void Report(nlohmann::ordered_json &json) const;
 
   private:
@@ -112,6 +112,8 @@ class PathGuide final : public LightLearner {
     Float beyond_ = 0;  ///< how far away what is beyond the scene counts as
     std::vector<GuideRecord> places_;
     PathRoulette roulette_;
+    size_t recordBytes_ = 0;  ///< the most so far
+    double learningSeconds_ = 0;
 };
 
 }  // namespace pbrt

@@ -68,6 +68,8 @@ class PathRoulette {
         LearnCells();
     }
     size_t Cells() const { return cells_.size(); }
+    size_t Bytes() const { return nodes_.size() * sizeof(Node) + (cells_.size() + tiles_.size()) * sizeof(Float); }
+    size_t RecordBytes() const { return records_.size() * sizeof(RouletteRecord) + totals_.size() * sizeof(PathTotal); }
 
     void Save(StateWriter &out) const;
     void Load(StateReader &in);

@@ -296,10 +296,12 @@ void GuideCells::LeavesChanged() {
 }
 
 Float GuideCells::ShinesAt(const Point3 &p) const {
-    Float radiance = 0;
-    for (const GuideTarget &target : targets_)
+    Float radiance = 0, brightest = 0;
+    for (const GuideTarget &target : targets_) {
+        brightest = std::max(brightest, target.radiance);
         if (LengthSquared(target.p - p) <= target.r2) radiance = std::max(radiance, target.radiance);
-    return radiance;
+    }
+    return radiance > 0 ? radiance / brightest : 0;
 }
 
 void GuideCells::Save(StateWriter &out) const {

@@ -45,7 +45,7 @@ class GuideCells {
     }
     /// False if At gives null anywhere.
     bool MayGuide(Float worth) const { return worth * largestGain_ > kGuidedCost; }
-    /// The radiance of the brightest ball that p lies in; 0: it lies in none.
+    /// The radiance of the brightest ball that p lies in, over that of the brightest of all; 0: it lies in none.
     Float ShinesAt(const Point3 &p) const;
     void Forget() { *this = {}; }
     void Save(StateWriter &out) const;

@@ -3,6 +3,7 @@
 
 #include "agreement_statistics.h"
 #include "guide_rooms.h"
+#include "pbrt/integrators/path_guide.h"
 #include "support/render_waves.h"
 #include "support/temporary_image.h"
 
@@ -11,46 +12,58 @@ namespace {
 
 constexpr int kRuns = 8;
 
-Image Render(const GuideRoom &room, int seed, bool guide) {
+/// `guidedRuns` is counted up if the guide chose directions in the end.
+Image Render(const GuideRoom &room, int seed, bool guide, int *guidedRuns) {
     BuildOptions options;
     options.seed = seed;
     options.guide = guide;
     BuiltScene built = BuildText(GuideRoomText(room), options);
-    EXPECT_EQ(built.integrator->Guide() != nullptr, guide);
+    const PathGuide *learned = built.integrator->Guide();
+    EXPECT_EQ(learned != nullptr, guide);
     Progress progress;
     PrepareContext context = built.Preparation(progress);
     context.samplesPerPixel = kGuideSamples;
     built.integrator->Prepare(context);
-    return RenderWaves(built, kGuideSamples, {kGuideSamples}, progress);
+    Image image = RenderWaves(built, kGuideSamples, {kGuideSamples}, progress);
+    *guidedRuns += learned && learned->Cells().Guide();
+    return image;
 }
 
-PixelStatistics Statistics(const GuideRoom &room, int firstSeed, bool guide, Float factor = 1) {
-    PixelStatistics s;
+struct Runs {
+    PixelStatistics pictures;
+    int guided = 0;
+};
+
+Runs RunAll(const GuideRoom &room, int firstSeed, bool guide, Float factor = 1) {
+    Runs runs;
     for (int run = 0; run < kRuns; ++run) {
-        Image image = Render(room, firstSeed + run, guide);
+        Image image = Render(room, firstSeed + run, guide, &runs.guided);
         const Point2i size = image.Resolution();
         for (int y = 0; factor != 1 && y < size.y; ++y)
             for (int x = 0; x < size.x; ++x)
                 for (int k = 0; k < 3; ++k) image.Set({x, y}, k, image.Get({x, y}, k) * factor);
-        s.Add(image);
+        runs.pictures.Add(image);
     }
-    return s;
+    return runs;
 }
 
 /// `largestError`: of the mean of the picture; a larger one could not tell.
 void ExpectTheMeanOfPlainPaths(const GuideRoom &room, double largestError = 0.01) {
-    const PixelStatistics plain = Statistics(room, 1000, false);
-    GuideRoom withDirections = room;
-    withDirections.parameters += " \"bool guide.directions\" true";
+    const PixelStatistics plain = RunAll(room, 1000, false).pictures;
+    GuideRoom withoutDirections = room, withDirections = room;
+    withoutDirections.parameters += " \"bool guide.directions\" false";
+    withDirections.parameters += " \"float guide.leastsaved\" 0";
     for (const bool directions : {false, true}) {
-        const Agreement a = Compare(Statistics(directions ? withDirections : room, 2000, true), {&plain}, 3, 1e-3);
+        const Runs runs = RunAll(directions ? withDirections : withoutDirections, 2000, true);
+        EXPECT_EQ(runs.guided > 0, directions) << room.name;
+        const Agreement a = Compare(runs.pictures, {&plain}, 3, 1e-3);
         EXPECT_TRUE(a.Agrees()) << room.name << ": p " << a.worstP << " at " << a.worst;
         EXPECT_LT(a.error, largestError) << room.name << ": too noisy to tell";
-        std::printf("%s%s: mean %+.3f +- %.3f %%, worst p %.2g\n", room.name, directions ? " with directions" : "",
-                    100 * a.difference, 100 * a.error, a.worstP);
+        std::printf("%s: %d of %d runs with directions, mean %+.3f +- %.3f %%, worst p %.2g\n", room.name, runs.guided,
+                    kRuns, 100 * a.difference, 100 * a.error, a.worstP);
     }
     const Agreement spoilt =
-        Compare(Statistics(room, 3000, true, static_cast<Float>(1 + 5 * largestError)), {&plain}, 3, 1e-3);
+        Compare(RunAll(room, 3000, true, static_cast<Float>(1 + 5 * largestError)).pictures, {&plain}, 3, 1e-3);
     EXPECT_FALSE(spoilt.Agrees()) << room.name << ": too bright, and not noticed";
 }
 

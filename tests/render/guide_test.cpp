@@ -37,10 +37,10 @@ Image Render(BuiltScene &built, const std::vector<int> &sizes = {kSamples}) {
 }
 
 BuiltScene Spot(bool guide, const std::string &sampler = "bvh", bool fog = false) {
-    return BuildText(GuideRoomText({.light = kSpotAtCeiling,
-                                    .parameters = "\"string lightsampler\" \"" + sampler + "\" \"bool guide\" " +
-                                                  (guide ? "true" : "false") + " \"bool guide.directions\" true",
-                                    .fog = fog}));
+    return BuildText(GuideRoomText(
+        {.light = kSpotAtCeiling,
+         .parameters = "\"string lightsampler\" \"" + sampler + "\" \"bool guide\" " + (guide ? "true" : "false"),
+         .fog = fog}));
 }
 
 TEST(GuidedPaths, AreGuidedWhereLightComesFromOnePlace) {
@@ -78,7 +78,7 @@ TEST(GuidedPaths, DirectionsChangeNothingUnderEvenLight) {
             "LookAt 0 0 -4 0 0 0 0 1 0 Camera \"perspective\" \"float fov\" 60\n"
             "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 40\n"
             "Sampler \"independent\" \"integer pixelsamples\" 16\n"
-            "Integrator \"path\" \"integer maxdepth\" 6 \"bool guide.roulette\" false \"bool guide.directions\" true\n"
+            "Integrator \"path\" \"integer maxdepth\" 6 \"bool guide.roulette\" false\n"
             "WorldBegin\n"
             "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\n"
             "Material \"diffuse\" \"rgb reflectance\" [ .8 .8 .8 ]\n"
@@ -155,10 +155,11 @@ TEST(GuidedPaths, AreChosenWithParametersTogetherWithTheLightSampler) {
     EXPECT_EQ(built("bvh").integrator->Guide(), nullptr);
     const BuiltScene plain = built("bvh+guide");
     ASSERT_NE(plain.integrator->Guide(), nullptr);
-    EXPECT_FALSE(plain.integrator->Guide()->LearnsDirections());
-    EXPECT_TRUE(built("bvh+mesh+guide:directions=true,share=.5").integrator->Guide()->LearnsDirections());
+    EXPECT_TRUE(plain.integrator->Guide()->LearnsDirections());
+    EXPECT_FALSE(built("bvh+mesh+guide:directions=false,share=.5").integrator->Guide()->LearnsDirections());
     // Keys are added to those of the scene.
-    EXPECT_TRUE(built("bvh+guide:share=.5", "\"bool guide.directions\" true").integrator->Guide()->LearnsDirections());
+    EXPECT_FALSE(
+        built("bvh+guide:share=.5", "\"bool guide.directions\" false").integrator->Guide()->LearnsDirections());
     for (const char *wrong :
          {"bvh+guide:length=3", "bvh+guide:share=2", "bvh+guide:directions=1", "bvh+guide:", "bvh+guided"})
         EXPECT_THROW(built(wrong), UserError) << wrong;

@@ -39,7 +39,7 @@ class GuideCellsBuilder {
         cells_.Forget();
         if (records_.empty()) return;
         ParallelForEach(kParts, [&](int64_t part) { FindTargets(static_cast<size_t>(part)); });
-        cells_.nodes_.emplace_back();
+        cells_.tree_.Begin(1);
         Divide(0, 0, records_.size());
         cells_.leaves_.resize(tasks_.size());
         SortBounces();
@@ -49,7 +49,9 @@ class GuideCellsBuilder {
             FindShares(tasks_[k], &cells_.leaves_[k]);
         });
         Collapse(0);
-        if (cells_.nodes_[0].axis == 3 && !cells_.leaves_[cells_.nodes_[0].below].Guides()) return cells_.Forget();
+        if (const PointTree::Node &root = cells_.tree_.Nodes()[0];
+            root.IsLeaf() && !cells_.leaves_[root.below].Guides())
+            return cells_.Forget();
         cells_.targets_ = std::move(targets_[kAll]);
         cells_.LeavesChanged();
     }
@@ -115,29 +117,19 @@ class GuideCellsBuilder {
     }
 
     void Divide(size_t node, size_t begin, size_t end) {
-        const auto makeLeaf = [&] {
-            cells_.nodes_[node].below = static_cast<uint32_t>(tasks_.size());
+        size_t second = begin;
+        if (end - begin > kCellRecords)
+            second = static_cast<size_t>(cells_.tree_.Divide(node, records_.data() + begin, records_.data() + end,
+                                                             [](const Entry &e) { return e.record->p; }) -
+                                         records_.data());
+        if (second == begin) {
+            cells_.tree_.MakeLeaf(node, tasks_.size());
             tasks_.push_back({.begin = begin, .end = end});
-        };
-        if (end - begin <= kCellRecords) return makeLeaf();
-        Bounds3 bounds;
-        for (size_t i = begin; i < end; ++i) bounds = Union(bounds, records_[i].record->p);
-        const Vector3 size = bounds.high - bounds.low;
-        const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-        const size_t middle = begin + (end - begin) / 2;
-        const auto at = [&](size_t i) { return records_.begin() + static_cast<std::ptrdiff_t>(i); };
-        std::nth_element(at(begin), at(middle), at(end),
-                         [&](const Entry &a, const Entry &b) { return a.record->p[axis] < b.record->p[axis]; });
-        const Float split = records_[middle].record->p[axis];
-        const size_t first = static_cast<size_t>(
-            std::partition(at(begin), at(end), [&](const Entry &e) { return e.record->p[axis] < split; }) -
-            records_.begin());
-        if (first == begin) return makeLeaf();  // all lie in a plane across the axis, or in one point
-        const auto below = static_cast<uint32_t>(cells_.nodes_.size());
-        cells_.nodes_[node] = {split, static_cast<uint32_t>(axis), below};
-        cells_.nodes_.resize(cells_.nodes_.size() + 2);
-        Divide(below, begin, first);
-        Divide(below + 1, first, end);
+            return;
+        }
+        const size_t below = cells_.tree_.Nodes()[node].below;
+        Divide(below, begin, second);
+        Divide(below + 1, second, end);
     }
 
     /// All bounces of a task, those that found nothing included, become neighbours.
@@ -145,7 +137,7 @@ class GuideCellsBuilder {
         std::vector<uint32_t> leaves(places_.size());
         for (size_t i = 0; i < places_.size(); ++i) {
             if (!(places_[i].pdf > 0)) continue;
-            leaves[i] = cells_.LeafOf(places_[i].p);
+            leaves[i] = cells_.tree_.LeafOf(places_[i].p);
             ++tasks_[leaves[i]].bounces;
             ++tasks_[leaves[i]].kindBounces[places_[i].isGlossy ? 1 : 0];
         }
@@ -158,65 +150,92 @@ class GuideCellsBuilder {
             if (places_[i].pdf > 0) bounces_[next[leaves[i]]++] = static_cast<uint32_t>(i);
     }
 
+    /// Of each node of the tree and each ball of a part (node after node): what was found, and what was expected.
+    struct Told {
+        std::vector<double> found, expected;
+        std::vector<double> solidAngle;  ///< for each task and ball: its mean
+        std::vector<double> perFind;     ///< for each ball: the mean of what was found
+    };
+
     /// How bright the balls of a part are for each task: from above to below, what was found over what was expected,
     /// where few finds count less than what the cell above says.
     void TellCells(size_t part) {
         const std::vector<GuideTarget> &targets = targets_[part];
-        const size_t count = targets.size(), nodes = cells_.nodes_.size();
+        const size_t count = targets.size();
         if (count == 0) return;
-        std::vector<double> found(nodes * count), expected(nodes * count), factor(nodes * count), perFind(count),
-            finds(count), solidAngle(tasks_.size() * count);
-        for (size_t node = nodes; node-- > 0;) {
-            const GuideCells::Node &n = cells_.nodes_[node];
-            double *const f = &found[node * count], *const e = &expected[node * count];
-            if (n.axis != 3) {
-                const double *const f0 = &found[n.below * count], *const e0 = &expected[n.below * count];
+        const std::vector<PointTree::Node> &nodes = cells_.tree_.Nodes();
+        const Told told = CompareFinds(part);
+        std::vector<double> factor(nodes.size() * count);
+        std::fill_n(factor.begin(), count, 1.0);
+        for (size_t node = 0; node < nodes.size(); ++node) {
+            for (size_t k = 0; k < count; ++k) {
+                const double prior = kPriorFinds * told.perFind[k];
+                double &a = factor[node * count + k];  // so far that of the node above
+                const double f = told.found[node * count + k] + prior;
+                a = f > 0 && a > 0 ? f / (told.expected[node * count + k] + prior / a) : 0;
+            }
+            const size_t below = nodes[node].below;
+            if (nodes[node].IsLeaf())
+                tasks_[below].targets[part] =
+                    ChooseTargets(targets, {&factor[node * count], count}, {&told.solidAngle[below * count], count});
+            else
+                for (size_t child = below; child < below + 2; ++child)
+                    std::copy_n(&factor[node * count], count, &factor[child * count]);
+        }
+    }
+
+    Told CompareFinds(size_t part) const {
+        const std::vector<GuideTarget> &targets = targets_[part];
+        const size_t count = targets.size();
+        const std::vector<PointTree::Node> &nodes = cells_.tree_.Nodes();
+        Told told;
+        told.found.resize(nodes.size() * count);
+        told.expected.resize(nodes.size() * count);
+        told.solidAngle.resize(tasks_.size() * count);
+        told.perFind.resize(count);
+        std::vector<double> finds(count);
+        for (size_t node = nodes.size(); node-- > 0;) {
+            double *const f = &told.found[node * count], *const e = &told.expected[node * count];
+            const size_t below = nodes[node].below;
+            if (!nodes[node].IsLeaf()) {
+                const double *const f0 = &told.found[below * count], *const e0 = &told.expected[below * count];
                 for (size_t k = 0; k < count; ++k) {
                     f[k] = f0[k] + f0[count + k];
                     e[k] = e0[k] + e0[count + k];
                 }
                 continue;
             }
-            const Task &task = tasks_[n.below];
+            const Task &task = tasks_[below];
             for (size_t i = task.begin; i < task.end; ++i) {
                 const Entry &entry = records_[i];
-                if (entry.ball[part] == TargetFind::kNone) continue;
-                f[entry.ball[part]] += entry.flux[part];
-                perFind[entry.ball[part]] += entry.flux[part];
-                ++finds[entry.ball[part]];
+                const uint32_t ball = entry.ball[part];
+                if (ball == TargetFind::kNone) continue;
+                f[ball] += entry.flux[part];
+                told.perFind[ball] += entry.flux[part];
+                ++finds[ball];
             }
-            double *const angle = &solidAngle[n.below * count];
-            const size_t step = std::max<size_t>(1, task.bounces / kCellPlaces);
-            size_t places = 0;
-            for (size_t i = 0; i < task.bounces; i += step, ++places) {
-                const GuideRecord &r = places_[bounces_[task.firstBounce + i]];
-                for (size_t k = 0; k < count; ++k)
-                    angle[k] += static_cast<double>(SolidAngleOf(targets[k], r.p, r.normal, r.bothSides));
-            }
+            const std::span<double> angles(&told.solidAngle[below * count], count);
+            FindSolidAngles(task, targets, angles);
             double ofPart = 0;
             for (size_t i = 0; i < task.bounces; ++i) ofPart += IsOf(places_[bounces_[task.firstBounce + i]], part);
-            for (size_t k = 0; k < count; ++k) {
-                if (places > 0) angle[k] /= static_cast<double>(places);
-                e[k] = ofPart * static_cast<double>(targets[k].radiance) * angle[k];
-            }
+            for (size_t k = 0; k < count; ++k) e[k] = ofPart * static_cast<double>(targets[k].radiance) * angles[k];
         }
-        for (size_t k = 0; k < count; ++k) perFind[k] = finds[k] > 0 ? kPriorFinds * perFind[k] / finds[k] : 0;
-        for (size_t node = 0; node < nodes; ++node) {
-            const GuideCells::Node &n = cells_.nodes_[node];
-            if (node == 0) std::fill_n(factor.begin(), count, 1.0);
-            for (size_t k = 0; k < count; ++k) {
-                double &a = factor[node * count + k];  // so far that of the node above
-                const double f = found[node * count + k] + perFind[k];
-                a = f > 0 && a > 0 ? f / (expected[node * count + k] + perFind[k] / a) : 0;
-            }
-            if (n.axis != 3) {
-                for (size_t child = n.below; child < n.below + 2; ++child)
-                    std::copy_n(&factor[node * count], count, &factor[child * count]);
-                continue;
-            }
-            tasks_[n.below].targets[part] =
-                ChooseTargets(targets, {&factor[node * count], count}, {&solidAngle[n.below * count], count});
+        for (size_t k = 0; k < count; ++k)
+            if (finds[k] > 0) told.perFind[k] /= finds[k];
+        return told;
+    }
+
+    /// The mean over places of a task.
+    void FindSolidAngles(const Task &task, std::span<const GuideTarget> targets, std::span<double> angles) const {
+        const size_t step = std::max<size_t>(1, task.bounces / kCellPlaces);
+        size_t places = 0;
+        for (size_t i = 0; i < task.bounces; i += step, ++places) {
+            const GuideRecord &r = places_[bounces_[task.firstBounce + i]];
+            for (size_t k = 0; k < targets.size(); ++k)
+                angles[k] += static_cast<double>(SolidAngleOf(targets[k], r.p, r.normal, r.bothSides));
         }
+        for (double &angle : angles)
+            if (places > 0) angle /= static_cast<double>(places);
     }
 
     /// Finds the shares of a leaf.
@@ -269,11 +288,11 @@ class GuideCellsBuilder {
 
     /// Makes leaves of nodes below which nothing guides. True: the node is such a leaf.
     bool Collapse(size_t node) {
-        const GuideCells::Node n = cells_.nodes_[node];
-        if (n.axis == 3) return !cells_.leaves_[n.below].Guides();
+        const PointTree::Node n = cells_.tree_.Nodes()[node];
+        if (n.IsLeaf()) return !cells_.leaves_[n.below].Guides();
         const bool first = Collapse(n.below), second = Collapse(n.below + 1);
         if (!first || !second) return false;
-        cells_.nodes_[node] = cells_.nodes_[n.below];
+        cells_.tree_.MakeLeaf(node, cells_.tree_.Nodes()[n.below].below);
         return true;
     }
 
@@ -305,29 +324,22 @@ Float GuideCells::ShinesAt(const Point3 &p) const {
 }
 
 void GuideCells::Save(StateWriter &out) const {
-    out.Vector(nodes_);
     out.Vector(leaves_);
     out.Vector(targets_);
+    tree_.Save(out);
 }
 
 void GuideCells::Load(StateReader &in) {
-    in.Vector(&nodes_);
     in.Vector(&leaves_);
     in.Vector(&targets_);
-    for (size_t i = 0; i < nodes_.size(); ++i) {
-        const Node &node = nodes_[i];
-        const bool isLeaf = node.axis == 3;
-        if (node.axis > 3 ||
-            (isLeaf ? node.below >= leaves_.size() : node.below <= i || node.below + 1 >= nodes_.size()))
-            in.Refuse();
-    }
+    tree_.Load(in, 1, leaves_.size());
     for (const Leaf &leaf : leaves_) {
         for (const size_t kind : {0, 1})
             if (!(leaf.share[kind] >= 0 && leaf.share[kind] < 1 && leaf.gain[kind] >= 0)) in.Refuse();
         if (leaf.targets.count < 0 || leaf.targets.count > GuideTargets::kMost) in.Refuse();
     }
     LeavesChanged();
-    if (largestGain_ > 0 && nodes_.empty()) in.Refuse();
+    if (largestGain_ > 0 && tree_.IsEmpty()) in.Refuse();
 }
 
 size_t GuideCells::GuidingCells() const {

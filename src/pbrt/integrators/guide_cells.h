@@ -2,8 +2,8 @@
 #include <span>
 #include <vector>
 
-#include "pbrt/core/state_io.h"
 #include "pbrt/integrators/guide_targets.h"
+#include "pbrt/integrators/point_tree.h"
 
 namespace pbrt {
 
@@ -17,6 +17,7 @@ struct GuideRecord {
     Float found = 0;             ///< what the bounce added to the sample, for a path of weight 1; mean of wavelengths
     Float pdf = 0;               ///< the density that the path went there with (solid angle); 0: an empty place
     Float bsdfPdf = 0;           ///< the density of the BSDF's own choice
+    Float beta = 0;              ///< the path's weight where the bounce begins, mean over wavelengths
     bool bothSides = false;      ///< see GuideDirections::Prepare
     bool isGlossy = false;       ///< the BSDF has a glossy lobe
     bool isOfFirstHalf = false;  ///< one of the halves of the paths, each of which judges what the other one taught
@@ -38,11 +39,18 @@ class GuideCells {
     /// costs.
     const GuideTargets *At(const Point3 &p, bool isGlossy, Float worth, Float *share) const {
         if (!MayGuide(worth)) return nullptr;
-        const Leaf &leaf = leaves_[LeafOf(p)];
+        const Leaf &leaf = leaves_[tree_.LeafOf(p)];
         const size_t kind = isGlossy ? 1 : 0;
         *share = leaf.share[kind];
         return worth * leaf.gain[kind] > kGuidedCost ? &leaf.targets : nullptr;
     }
+    /// What a bounce saves, in vertices, by being guided where At gives targets, less what that costs; otherwise 0.
+    Float SavedAt(const Point3 &p, bool isGlossy, Float worth) const {
+        if (!MayGuide(worth)) return 0;
+        return std::max(Float(0), worth * leaves_[tree_.LeafOf(p)].gain[isGlossy ? 1 : 0] - kGuidedCost);
+    }
+    /// False if nothing is guided anywhere.
+    bool Guide() const { return largestGain_ > 0; }
     /// False if At gives null anywhere.
     bool MayGuide(Float worth) const { return worth * largestGain_ > kGuidedCost; }
     /// The radiance of the brightest ball that p lies in, over that of the brightest of all; 0: it lies in none.
@@ -56,17 +64,12 @@ class GuideCells {
     size_t GuidingCells() const;
     double MeanShare() const;
     size_t Bytes() const {
-        return nodes_.size() * sizeof(Node) + leaves_.size() * sizeof(Leaf) + targets_.size() * sizeof(GuideTarget);
+        return tree_.Bytes() + leaves_.size() * sizeof(Leaf) + targets_.size() * sizeof(GuideTarget);
     }
 
   private:
     /// What a guided bounce costs besides, in vertices.
     static constexpr Float kGuidedCost = 0.3f;
-    struct Node {
-        Float split = 0;
-        uint32_t axis = 3;   ///< 3: a leaf
-        uint32_t below = 0;  ///< the first of two children in a row; of a leaf: its number
-    };
     struct Leaf {
         // For BSDFs without and with glossy lobes.
         Float share[2] = {};
@@ -79,14 +82,7 @@ class GuideCells {
     void LeavesChanged();
     friend class GuideCellsBuilder;
 
-    /// The number of the leaf that p lies in; there are nodes.
-    uint32_t LeafOf(const Point3 &p) const {
-        const Node *node = nodes_.data();
-        while (node->axis != 3) node = &nodes_[node->below + (p[static_cast<int>(node->axis)] < node->split ? 0 : 1)];
-        return node->below;
-    }
-
-    std::vector<Node> nodes_;
+    PointTree tree_;
     std::vector<Leaf> leaves_;
     std::vector<GuideTarget> targets_;
     Float largestGain_ = 0;  ///< of all leaves; 0: none guides

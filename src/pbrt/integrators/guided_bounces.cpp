@@ -26,10 +26,11 @@ void GuidedBounces::Begin(const PathVertex &vertex, const SampledSpectrum &beta)
     share_ = 0;
     isGuided_ = false;
     if (!guide_.LearnsDirections()) return;
+    const bool isRecorded = places_.next + open_ < places_.end;
+    if (!isRecorded && !guide_.Cells().Guide()) return;
     beta_ = beta.Average();
     const Float worth = guide_.WorthOf(beta_, pixel_);
-    const bool isRecorded = places_.next + open_ < places_.end, mayGuide = guide_.Cells().MayGuide(worth);
-    if (!(isRecorded || mayGuide) || !PathGuide::Guides(bsdf)) return;
+    if (!(isRecorded || guide_.Cells().MayGuide(worth)) || !PathGuide::Guides(bsdf)) return;
     isGuided_ = true;
     isGlossy_ = Has(bsdf.Flags(), BxdfFlags::Glossy);
     bothSides_ = IsTransmissive(bsdf.Flags());
@@ -95,12 +96,12 @@ void GuidedBounces::Left(const PathVertex &vertex, const BsdfSample &sample, Flo
     OpenBounce &open = bounces_[open_++];
     open.L = L;
     open.beta = beta;
-    open.before = beta_;
     open.record = {.p = vertex.point.p,
                    .normal = normal_,
                    .wi = sample.wi,
                    .pdf = pdf,
                    .bsdfPdf = share_ > 0 ? vertex.bsdf.Pdf(vertex.point.wo, sample.wi) : pdf,
+                   .beta = beta_,
                    .bothSides = bothSides_,
                    .isGlossy = isGlossy_};
 }
@@ -133,7 +134,7 @@ void GuidedBounces::End(const SampledSpectrum &L) {
     for (size_t i = 0; i < open_; ++i) {
         OpenBounce &open = bounces_[i];
         const SampledSpectrum added = L - open.L;
-        open.record.found = added.Average() / open.before;
+        open.record.found = added.Average() / open.record.beta;
         Float radiance = 0;
         for (int k = 0; k < SpectrumSamples; ++k)
             if (open.beta[k] > 0) radiance += added[k] / open.beta[k];

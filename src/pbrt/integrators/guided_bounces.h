@@ -48,7 +48,6 @@ class GuidedBounces {
     struct OpenBounce {
         GuideRecord record;
         SampledSpectrum L, beta;
-        Float before = 0;  ///< the path's weight at the vertex that it left, mean over wavelengths
     };
     static constexpr size_t kMaxOpen = 5;
     void OpenAt(const Point3 &p, uint32_t kind, const SampledSpectrum &beta, const SampledSpectrum &L);

@@ -26,7 +26,7 @@ constexpr int kRowShift = 7;
 constexpr Float kInspectedWeight = 0.5f;
 
 /// Changes with everything that PathGuide::Save writes.
-constexpr uint32_t kVersion = 5;
+constexpr uint32_t kVersion = 6;
 
 }  // namespace
 
@@ -40,6 +40,7 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     samplesPerPixel_ = prepare.samplesPerPixel;
     vertices_ = static_cast<size_t>(std::clamp(maxDepth, 1, kMaxVertices));
     cells_.Forget();
+    learnsDirections_ = params_.directions;
     const Bounds3 &bounds = prepare.scene.Bounds();
     beyond_ = bounds.IsEmpty() ? 1 : 10 * Length(bounds.high - bounds.low);
     BeginLearning(0, NextAfter(0));
@@ -51,6 +52,8 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     if (next != 0 &&
         (next <= first || std::find(std::begin(kLearnAfter), std::end(kLearnAfter), next) == std::end(kLearnAfter)))
         in.Refuse();
+    learnsDirections_ = in.Value<uint32_t>() != 0;
+    if (learnsDirections_ && !params_.directions) in.Refuse();
     cells_.Load(in);
     roulette_.Load(in);
     BeginLearning(first, next);
@@ -61,6 +64,7 @@ void PathGuide::Save(StateWriter &out) const {
     out.Value(kVersion);
     out.Value(first_);
     out.Value(next_);
+    out.Value(uint32_t{learnsDirections_});
     cells_.Save(out);
     roulette_.Save(out);
     TakeRecords(out);
@@ -102,7 +106,8 @@ void PathGuide::BeginLearning(int first, int next) {
         placesPerRow_ = static_cast<size_t>((size.x + stride_ - 1) / stride_);
         const size_t paths = placesPerRow_ * static_cast<size_t>(size.y) * static_cast<size_t>(next_ - first_);
         if (paths > most && stride_ < size.x) continue;
-        if (params_.directions) places_.assign(paths * vertices_, {});
+        // Not yet of the first samples: what a path is worth is not known then.
+        if (learnsDirections_ && first_ > 0) places_.assign(paths * vertices_, {});
         roulette_.BeginRecords(params_.roulette ? paths : 0, vertices_ + 1);
         recordBytes_ = std::max(recordBytes_, places_.size() * sizeof(GuideRecord) + roulette_.RecordBytes());
         return;
@@ -140,9 +145,27 @@ void PathGuide::Learn(const Progress &progress) {
     if (!isDue || progress.Cancelled()) return;
     const auto begin = std::chrono::steady_clock::now();
     if (params_.roulette) roulette_.Learn(pixels_.high - pixels_.low, [&](size_t path) { return PixelOf(path); });
-    cells_.Learn(places_, params_.share);
+    if (!places_.empty()) {
+        cells_.Learn(places_, params_.share);
+        partSaved_ = PartSaved();
+        if (partSaved_ < static_cast<double>(params_.leastSaved)) {
+            cells_.Forget();
+            learnsDirections_ = false;
+        }
+    }
     BeginLearning(now, NextAfter(now));
     learningSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+double PathGuide::PartSaved() const {
+    if (!roulette_.Knows()) return 1;
+    double saved = 0;
+    for (size_t i = 0; i < places_.size(); ++i) {
+        const GuideRecord &r = places_[i];
+        if (r.pdf > 0)
+            saved += static_cast<double>(cells_.SavedAt(r.p, r.isGlossy, WorthOf(r.beta, PixelOf(i / vertices_))));
+    }
+    return saved / roulette_.RecordedCost();
 }
 
 void PathGuide::TakeRecords(StateWriter &out) const {
@@ -185,6 +208,7 @@ void PathGuide::Report(nlohmann::ordered_json &json) const {
     json["cells"] = cells_.Cells();
     json["guidingCells"] = cells_.GuidingCells();
     json["targets"] = cells_.Targets();
+    json["partSaved"] = partSaved_;
     json["meanShare"] = cells_.MeanShare();
     json["bytes"] = cells_.Bytes() + roulette_.Bytes();
     json["recordBytes"] = recordBytes_;

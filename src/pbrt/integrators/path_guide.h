@@ -15,19 +15,24 @@ namespace pbrt {
 /// Parameters of guided paths.
 struct GuideParams {
     bool roulette = true;
-    bool directions = false;
+    bool directions = true;
     Float share = 0.7f;
+    /// Guiding the bounces costs about a tenth of the time, and the estimate knows little of outliers: it is too high.
+    Float leastSaved = 0.2f;
     int records = 1 << 19;
     template <class V>
     void Describe(V &&v) {
         v("guide.roulette", roulette,
           "where a path ends depends on what earlier samples found from there on, and on what it cost");
-        v("guide.directions", directions, "a part of the bounces goes where earlier samples found light");
+        v("guide.directions", directions,
+          "a part of the bounces goes where earlier samples found light, in scenes where that pays");
         v("guide.share", share, Range<Float>{0, 0.95f},
           "largest share of bounces whose direction comes from what was learned, not from the BSDF");
+        v("guide.leastsaved", leastSaved, Range<Float>{0, 1000},
+          "directions are given up if guiding would save less than this part of what paths cost; 0: never");
         v("guide.records", records, Range<int>{1000, 1 << 26},
           "at most so many places on paths are remembered from one learning to the next (24 bytes each, with "
-          "directions 92)");
+          "directions 96)");
     }
 };
 
@@ -38,7 +43,8 @@ struct GuideParams {
 class PathGuide final : public LightLearner {
   public:
     /// `lights`: the learner of the light sampler, or null.
-    PathGuide(const GuideParams &params, LightLearner *lights) : params_(params), lights_(lights) {}
+    PathGuide(const GuideParams &params, LightLearner *lights)
+        : params_(params), lights_(lights), learnsDirections_(params.directions) {}
     /// After the light sampler's. `maxDepth`: of the integrator.
     void Prepare(PrepareContext &prepare, int maxDepth);
 
@@ -53,7 +59,8 @@ class PathGuide final : public LightLearner {
 
     /// How far away what rays find that leave the scene counts as.
     Float Beyond() const { return beyond_; }
-    bool LearnsDirections() const { return params_.directions; }
+    /// False if bounces are never guided and leave no records: it was not asked for, or does not pay in this scene.
+    bool LearnsDirections() const { return learnsDirections_; }
     /// Null: paths end by their weight alone.
     PathRoulette *Roulette() { return params_.roulette ? &roulette_ : nullptr; }
     /// What is known at a vertex, for pictures. `pixel`: whose path it is.
@@ -64,7 +71,7 @@ class PathGuide final : public LightLearner {
     std::optional<size_t> PathNumber(Point2i pixel, int sample) const;
     /// The places for records of a path's bounces. The path keeps the range.
     PathPlaces BeginRecords(std::optional<size_t> path) const {
-        return path && params_.directions ? PathPlaces{*path * vertices_, (*path + 1) * vertices_} : PathPlaces{};
+        return path && !places_.empty() ? PathPlaces{*path * vertices_, (*path + 1) * vertices_} : PathPlaces{};
     }
     void Record(PathPlaces &path, const GuideRecord &record) {
         if (path.next >= path.end) return;
@@ -90,7 +97,8 @@ class PathGuide final : public LightLearner {
 
     /// What was learned and found, for a checkpoint, without what the light sampler learned.
     void Save(StateWriter &out) const;
-    /// Cells, how many of them guide, memory of what is known and, at most, of records, and the time of learning.
+    /// Cells, how many of them guide, the part of the paths' cost that this saves, memory of what is known and, at
+    /// most, of records, and the time of learning.
     void Report(nlohmann::ordered_json &json) const;
 
   private:
@@ -100,12 +108,15 @@ class PathGuide final : public LightLearner {
     void BeginLearning(int first, int next);
     /// The pixel of a path's number, relative to the picture's corner.
     Point2i PixelOf(size_t path) const;
+    /// What guiding saves, of all that paths cost, as the records of now tell.
+    double PartSaved() const;
     void TakeRecords(StateWriter &out) const;
     void AddRecords(StateReader &in);
 
     GuideParams params_;
     LightLearner *lights_;
     GuideCells cells_;
+    bool learnsDirections_;
     Bounds2i pixels_{};
     int samplesPerPixel_ = 1, next_ = 0, first_ = 0, stride_ = 1;
     size_t vertices_ = 1, placesPerRow_ = 0;
@@ -113,6 +124,7 @@ class PathGuide final : public LightLearner {
     std::vector<GuideRecord> places_;
     PathRoulette roulette_;
     size_t recordBytes_ = 0;  ///< the most so far
+    double partSaved_ = 0;    ///< when directions were learned last
     double learningSeconds_ = 0;
 };
 

@@ -48,22 +48,25 @@ void PathRoulette::ClearRecords() {
 }
 
 Float PathRoulette::SurvivalAt(const Point3 &p, uint32_t kind, Float beta, Point2i pixel) const {
-    const Node *node = &nodes_[kind];
-    while (node->axis != 3) node = &nodes_[node->below + (p[static_cast<int>(node->axis)] < node->split ? 0 : 1)];
-    const Float cell = cells_[node->below];
+    const Float cell = cells_[tree_.LeafOf(p, kind)];
     if (cell < 0) return 0;
     return std::clamp(beta * Worth(pixel) * cell, kMinSurvival, Float(1));
 }
 
+double PathRoulette::RecordedCost() const {
+    double cost = 0;
+    for (const PathTotal &total : totals_) cost += static_cast<double>(total.cost);
+    return cost;
+}
+
 void PathRoulette::LearnPicture(Vector2i size, const std::vector<Point2i> &pixels) {
-    double known = 0, sum = 0, cost = 0;
+    double known = 0, sum = 0;
     for (const PathTotal &t : totals_) {
         if (!(t.cost > 0)) continue;
         ++known;
         sum += static_cast<double>(t.found);
-        cost += static_cast<double>(t.cost);
     }
-    nodes_.clear();
+    tree_.Begin(0);
     cells_.clear();
     if (!(sum > 0)) return;
     const double mean = sum / known;
@@ -115,10 +118,10 @@ void PathRoulette::LearnPicture(Vector2i size, const std::vector<Point2i> &pixel
     double limited = 0;
     for (const double v : variances) limited += std::min(v, kLargestPixel * all);
     if (!(limited > 0)) return;
-    const double scale = std::sqrt(cost / known * static_cast<double>(variances.size()) / limited);
+    const double scale = std::sqrt(RecordedCost() / known * static_cast<double>(variances.size()) / limited);
     tiles_.resize(radiance.size());
     for (size_t i = 0; i < radiance.size(); ++i) tiles_[i] = static_cast<Float>(scale / radiance[i]);
-    nodes_.resize(kKinds);
+    tree_.Begin(kKinds);
 }
 
 struct PathRoulette::Sums {
@@ -126,7 +129,7 @@ struct PathRoulette::Sums {
 };
 
 void PathRoulette::LearnCells() {
-    if (nodes_.empty()) return;
+    if (!Knows()) return;
     std::vector<const RouletteRecord *> records;
     for (const RouletteRecord &r : records_)
         if (r.cost > 0) records.push_back(&r);
@@ -153,54 +156,35 @@ void PathRoulette::Divide(size_t node, const RouletteRecord **begin, const Roule
         return count > 0 ? (sum + known * above) / (static_cast<double>(count) + known) : above;
     };
     mean = {withPrior(mean.squares, prior.squares), withPrior(mean.cost, prior.cost)};
-    const auto makeLeaf = [&] {
-        nodes_[node].below = static_cast<uint32_t>(cells_.size());
+    const RouletteRecord **second = begin;
+    if (count > kCellRecords) second = tree_.Divide(node, begin, end, [](const RouletteRecord *r) { return r->p; });
+    if (second == begin) {
+        tree_.MakeLeaf(node, cells_.size());
         cells_.push_back(mean.cost > 0 ? static_cast<Float>(std::sqrt(mean.squares / mean.cost)) : Float(-1));
-    };
-    if (count <= kCellRecords) return makeLeaf();
-    Bounds3 bounds;
-    for (const RouletteRecord **r = begin; r != end; ++r) bounds = Union(bounds, (*r)->p);
-    const Vector3 size = bounds.high - bounds.low;
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    const RouletteRecord **const middle = begin + count / 2;
-    std::nth_element(begin, middle, end,
-                     [&](const RouletteRecord *a, const RouletteRecord *b) { return a->p[axis] < b->p[axis]; });
-    const Float split = (*middle)->p[axis];
-    const RouletteRecord **const second =
-        std::partition(begin, end, [&](const RouletteRecord *r) { return r->p[axis] < split; });
-    if (second == begin) return makeLeaf();  // all lie in a plane across the axis, or in one point
-    const auto below = static_cast<uint32_t>(nodes_.size());
-    nodes_[node] = {split, static_cast<uint32_t>(axis), below};
-    nodes_.resize(nodes_.size() + 2);
+        return;
+    }
+    const size_t below = tree_.Nodes()[node].below;
     Divide(below, begin, second, mean);
     Divide(below + 1, second, end, mean);
 }
 
 void PathRoulette::Save(StateWriter &out) const {
-    out.Vector(nodes_);
     out.Vector(cells_);
+    tree_.Save(out);
     out.Value(size_);
     out.Value(tile_);
     out.Vector(tiles_);
 }
 
 void PathRoulette::Load(StateReader &in) {
-    in.Vector(&nodes_);
     in.Vector(&cells_);
+    tree_.Load(in, kKinds, cells_.size());
     in.Value(&size_);
     in.Value(&tile_);
     in.Vector(&tiles_);
-    if (nodes_.empty()) return;
-    for (size_t i = 0; i < nodes_.size(); ++i) {
-        const Node &node = nodes_[i];
-        const bool isLeaf = node.axis == 3;
-        if (node.axis > 3 ||
-            (isLeaf ? node.below >= cells_.size() : node.below <= i || node.below + 1 >= nodes_.size()))
-            in.Refuse();
-    }
+    if (!Knows()) return;
     constexpr int kMaxSide = 1 << 24;
-    if (nodes_.size() < kKinds || tile_ < 1 || tile_ > kMaxSide || size_.x < 1 || size_.y < 1 || size_.x > kMaxSide ||
-        size_.y > kMaxSide)
+    if (tile_ < 1 || tile_ > kMaxSide || size_.x < 1 || size_.y < 1 || size_.x > kMaxSide || size_.y > kMaxSide)
         in.Refuse();
     const auto along = [&](int pixels) { return static_cast<size_t>((pixels + tile_ - 1) / tile_); };
     if (tiles_.size() != along(size_.x) * along(size_.y)) in.Refuse();

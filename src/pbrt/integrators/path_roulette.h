@@ -2,8 +2,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "pbrt/core/state_io.h"
-#include "pbrt/math/bounds.h"
+#include "pbrt/integrators/point_tree.h"
 #include "pbrt/paths/vertex.h"
 
 namespace pbrt {
@@ -45,7 +44,7 @@ class PathRoulette {
     static constexpr uint32_t kInMedium = 12, kKinds = 13;
 
     /// True if something was learned.
-    bool Knows() const { return !nodes_.empty(); }
+    bool Knows() const { return !tree_.IsEmpty(); }
     /// The probability for a vertex: at least kMinSurvival; 0 where nothing is known. `beta`: the path's weight, mean
     /// over wavelengths. `pixel`: relative to the picture's corner.
     Float SurvivalAt(const Point3 &p, uint32_t kind, Float beta, Point2i pixel) const;
@@ -67,8 +66,10 @@ class PathRoulette {
         LearnPicture(size, pixels);
         LearnCells();
     }
+    /// What all recorded paths cost, in vertices.
+    double RecordedCost() const;
     size_t Cells() const { return cells_.size(); }
-    size_t Bytes() const { return nodes_.size() * sizeof(Node) + (cells_.size() + tiles_.size()) * sizeof(Float); }
+    size_t Bytes() const { return tree_.Bytes() + (cells_.size() + tiles_.size()) * sizeof(Float); }
     size_t RecordBytes() const { return records_.size() * sizeof(RouletteRecord) + totals_.size() * sizeof(PathTotal); }
 
     void Save(StateWriter &out) const;
@@ -78,17 +79,12 @@ class PathRoulette {
     void ClearRecords();
 
   private:
-    struct Node {
-        Float split = 0;
-        uint32_t axis = 3;   ///< 3: a leaf
-        uint32_t below = 0;  ///< the first of two children in a row; of a leaf: its number
-    };
     struct Sums;
     void LearnPicture(Vector2i size, const std::vector<Point2i> &pixels);
     void LearnCells();
     void Divide(size_t node, const RouletteRecord **begin, const RouletteRecord **end, const Sums &prior);
 
-    std::vector<Node> nodes_;   ///< the first kKinds are roots
+    PointTree tree_;            ///< with kKinds roots
     std::vector<Float> cells_;  ///< sqrt(M / C); below 0: there were no records
     Vector2i size_{};           ///< of the picture
     int tile_ = 1;              ///< side of tiles_ in pixels

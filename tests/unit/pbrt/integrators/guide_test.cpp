@@ -134,21 +134,31 @@ GuideParams Directions() {
 template <class Light>
 class Learned {
   public:
-    Learned(const Light &light, bool isGlossy, bool bothSides = false)
+    Learned(const Light &light, bool isGlossy, bool bothSides = false, const GuideParams &params = Directions(),
+            int samples = 31)
         : built_(BuildText("Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 200\n"
                            "Sampler \"independent\" \"integer pixelsamples\" 15\nWorldBegin\n"
                            "LightSource \"infinite\" Shape \"sphere\"\n")),
-          guide(Directions(), nullptr) {
+          guide(params, nullptr) {
         PrepareContext context = built_.Preparation(progress_);
-        context.samplesPerPixel = 15;
+        context.samplesPerPixel = samples;
         guide.Prepare(context, 1);
         EXPECT_EQ(guide.NextLearning(), 2);
+        for (int first = 0; guide.NextLearning() > 0; Learn(light, isGlossy, bothSides, &first)) {
+        }
+    }
+
+  private:
+    void Learn(const Light &light, bool isGlossy, bool bothSides, int *first) {
         Rng rng(3);
-        for (int sample = 0; sample < 2; ++sample)
+        const int next = guide.NextLearning();
+        for (int sample = std::exchange(*first, next); sample < next; ++sample)
             for (int y = 0; y < 200; ++y)
                 for (int x = 0; x < 200; ++x) {
-                    LightLearner::PathPlaces places = guide.BeginRecords(guide.PathNumber({x, y}, sample));
+                    const std::optional<size_t> path = guide.PathNumber({x, y}, sample);
+                    LightLearner::PathPlaces places = guide.BeginRecords(path);
                     GuideRecord r;
+                    r.beta = 1;
                     r.p = {2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 0};
                     r.normal = {0, 0, 1};
                     r.wi = SampleCosineHemisphere({rng.Uniform(), rng.Uniform()});
@@ -160,12 +170,14 @@ class Learned {
                     r.isGlossy = isGlossy;
                     r.bothSides = bothSides;
                     if (r.radiance > 0) guide.Record(places, r);
+                    if (!path || !guide.Roulette()) continue;
+                    const Float found = rng.Uniform() < 0.5f ? r.radiance : 0;
+                    guide.Roulette()->Record(*path * guide.Roulette()->Vertices(), {r.p, 0, found, 1});
+                    guide.Roulette()->RecordPath(*path, {found, 2});
                 }
         guide.Learn(progress_);
-        EXPECT_EQ(guide.NextLearning(), 0);
     }
 
-  private:
     Progress progress_;
     BuiltScene built_;
 
@@ -200,6 +212,24 @@ TEST(PathGuide, GuidesOnlyWhereLightComesFromOneSide) {
     Float share = 0;
     EXPECT_NE(half.guide.Cells().At({0.5f, 0.1f, 0}, false, 1, &share), nullptr);
     EXPECT_EQ(half.guide.Cells().At({-0.5f, 0.1f, 0}, false, 1, &share), nullptr);
+}
+
+TEST(PathGuide, LearnsNoDirectionsWhereTheyDoNotPay) {
+    GuideParams params = Directions();
+    params.roulette = true;
+    const Learned lobe(Lobe, false, false, params), first(Lobe, false, false, params, 15);
+    EXPECT_TRUE(lobe.guide.LearnsDirections());
+    EXPECT_TRUE(lobe.guide.Cells().Guide());
+    EXPECT_TRUE(first.guide.LearnsDirections());
+    EXPECT_FALSE(first.guide.Cells().Guide()) << "the first samples teach the roulette alone";
+    const auto even = [](const Point3 &, const Vector3 &) { return 1.f; };
+    const Learned nothing(even, false, false, params);
+    EXPECT_FALSE(nothing.guide.LearnsDirections());
+    // One place in a hundred is worth guiding.
+    const Learned rarely([](const Point3 &p, const Vector3 &w) { return p.x > 0.98f ? Lobe(p, w) : 10.f; }, false,
+                         false, params);
+    EXPECT_FALSE(rarely.guide.LearnsDirections());
+    EXPECT_FALSE(rarely.guide.Cells().Guide());
 }
 
 /// Two rooms, x < 0 and x > 0, with a lamp in each behind a wall that hides it from the other room.
@@ -255,7 +285,7 @@ TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
         StateReader reader(bytes, "state");
         PrepareContext context = built.Preparation(progress);
         context.pixelBounds = {{0, 0}, {200, 200}};
-        context.samplesPerPixel = 15;
+        context.samplesPerPixel = 31;
         context.learned = &reader;
         guide.Prepare(context, 1);
     };

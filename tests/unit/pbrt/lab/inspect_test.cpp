@@ -83,7 +83,7 @@ TEST_F(Inspect, ShowsWhatAGuideKnowsAndHowLongPathsAre) {
 Camera "perspective" "float fov" 60
 Film "rgb" "integer xresolution" 32 "integer yresolution" 32
 Sampler "independent" "integer pixelsamples" 64
-Integrator "path" "integer maxdepth" 4 "bool guide" true "bool guide.directions" true
+Integrator "path" "integer maxdepth" 4 "bool guide" true
 WorldBegin
 LightSource "spot" "point3 from" [ 0 .6 0 ] "point3 to" [ 1 2 1 ] "rgb I" [ 60 60 60 ] "float coneangle" 32 "float conedeltaangle" 3
 Material "diffuse" "rgb reflectance" [ .6 .5 .4 ]

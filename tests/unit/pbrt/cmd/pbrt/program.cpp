@@ -156,7 +156,7 @@ std::string GuidedScene(int samples) {
 Camera "perspective" "float fov" 60
 Film "rgb" "integer xresolution" 48 "integer yresolution" 48 "string filename" "guided.exr"
 Sampler "independent" "integer pixelsamples" {}
-Integrator "path" "integer maxdepth" 4 "bool guide.directions" true
+Integrator "path" "integer maxdepth" 4
 WorldBegin
 LightSource "spot" "point3 from" [ 0 .6 0 ] "point3 to" [ 1 2 1 ] "rgb I" [ 60 60 60 ] "float coneangle" 32
 Material "diffuse"

@@ -29,7 +29,7 @@ void GuidedBounces::Begin(const PathVertex &vertex, const SampledSpectrum &beta)
     const bool isRecorded = places_.next + open_ < places_.end;
     if (!isRecorded && !guide_.Cells().Guide()) return;
     beta_ = beta.Average();
-    const Float worth = guide_.WorthOf(beta_, pixel_);
+    const Float worth = Sqr(beta_ * worth_);
     if (!(isRecorded || guide_.Cells().MayGuide(worth)) || !PathGuide::Guides(bsdf)) return;
     isGuided_ = true;
     isGlossy_ = Has(bsdf.Flags(), BxdfFlags::Glossy);
@@ -107,11 +107,11 @@ void GuidedBounces::Left(const PathVertex &vertex, const BsdfSample &sample, Flo
 }
 
 Float GuidedBounces::Survival(const PathVertex &vertex, Float beta) const {
-    return roulette_->SurvivalAt(vertex.point.p, PathRoulette::KindOf(vertex), beta, pixel_);
+    return roulette_->SurvivalAt(vertex.point.p, PathRoulette::KindOf(vertex), beta * worth_);
 }
 
 Float GuidedBounces::SurvivalInMedium(const Point3 &p, Float beta) const {
-    return roulette_->SurvivalAt(p, PathRoulette::kInMedium, beta, pixel_);
+    return roulette_->SurvivalAt(p, PathRoulette::kInMedium, beta * worth_);
 }
 
 void GuidedBounces::OpenAt(const Point3 &p, uint32_t kind, const SampledSpectrum &beta, const SampledSpectrum &L) {

@@ -12,7 +12,7 @@ class GuidedBounces {
     GuidedBounces(PathGuide &guide, Point2i pixel, int sample)
         : guide_(guide),
           roulette_(guide.Roulette()),
-          pixel_(guide.InPicture(pixel)),
+          worth_(guide.Worth(guide.InPicture(pixel))),
           path_(guide.PathNumber(pixel, sample)),
           places_(guide.BeginRecords(path_)) {}
 
@@ -64,7 +64,7 @@ class GuidedBounces {
 
     PathGuide &guide_;
     PathRoulette *roulette_;            ///< or null
-    const Point2i pixel_;               ///< relative to the picture's corner
+    const Float worth_;                 ///< of the pixel
     const std::optional<size_t> path_;  ///< its number, if it is recorded
     LightLearner::PathPlaces places_;
     bool isGuided_ = false;  ///< the vertex's BSDF can be guided

@@ -73,14 +73,14 @@ void PathGuide::Save(StateWriter &out) const {
 void PathGuide::Inspect(const PathVertex &vertex, Point2i pixel, std::vector<InspectedValue> &values) const {
     const double unknown = std::numeric_limits<double>::quiet_NaN();
     const Point3 &p = vertex.point.p;
+    const Float worth = Worth(InPicture(pixel));
     const Float survival =
-        roulette_.Knows() ? roulette_.SurvivalAt(p, PathRoulette::KindOf(vertex), kInspectedWeight, InPicture(pixel))
-                          : 0;
+        roulette_.Knows() ? roulette_.SurvivalAt(p, PathRoulette::KindOf(vertex), kInspectedWeight * worth) : 0;
     values.push_back({"survival", survival > 0 ? static_cast<double>(survival) : unknown});
     if (!params_.directions) return;
     Float share = 0;
     if (Guides(vertex.bsdf) &&
-        !cells_.At(p, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy), WorthOf(1, InPicture(pixel)), &share))
+        !cells_.At(p, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy), Sqr(worth), &share))
         share = 0;
     const Float radiance = cells_.ShinesAt(p);
     values.push_back({"share", static_cast<double>(share)});
@@ -163,7 +163,7 @@ double PathGuide::PartSaved() const {
     for (size_t i = 0; i < places_.size(); ++i) {
         const GuideRecord &r = places_[i];
         if (r.pdf > 0)
-            saved += static_cast<double>(cells_.SavedAt(r.p, r.isGlossy, WorthOf(r.beta, PixelOf(i / vertices_))));
+            saved += static_cast<double>(cells_.SavedAt(r.p, r.isGlossy, Sqr(r.beta * Worth(PixelOf(i / vertices_)))));
     }
     return saved / roulette_.RecordedCost();
 }

@@ -50,10 +50,10 @@ class PathGuide final : public LightLearner {
 
     /// True if bounces at such a BSDF are guided or learned from.
     static bool Guides(const Bsdf &bsdf);
-    /// Of a path of weight beta (mean over wavelengths), for GuideCells::At. `pixel`: whose path it is, relative to the
-    /// picture's corner.
-    Float WorthOf(Float beta, Point2i pixel) const {
-        return roulette_.Knows() ? Sqr(beta * roulette_.Worth(pixel)) : std::numeric_limits<Float>::infinity();
+    /// PathRoulette::Worth of a pixel, relative to the picture's corner; infinite before it is known. Times a path's
+    /// weight (mean over wavelengths) and squared, it is what GuideCells::At asks for.
+    Float Worth(Point2i pixel) const {
+        return roulette_.Knows() ? roulette_.Worth(pixel) : std::numeric_limits<Float>::infinity();
     }
     const GuideCells &Cells() const { return cells_; }
 

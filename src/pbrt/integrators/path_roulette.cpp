@@ -47,10 +47,10 @@ void PathRoulette::ClearRecords() {
     std::fill(totals_.begin(), totals_.end(), PathTotal{});
 }
 
-Float PathRoulette::SurvivalAt(const Point3 &p, uint32_t kind, Float beta, Point2i pixel) const {
+Float PathRoulette::SurvivalAt(const Point3 &p, uint32_t kind, Float worth) const {
     const Float cell = cells_[tree_.LeafOf(p, kind)];
     if (cell < 0) return 0;
-    return std::clamp(beta * Worth(pixel) * cell, kMinSurvival, Float(1));
+    return std::clamp(worth * cell, kMinSurvival, Float(1));
 }
 
 double PathRoulette::RecordedCost() const {

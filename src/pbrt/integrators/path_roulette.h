@@ -45,11 +45,11 @@ class PathRoulette {
 
     /// True if something was learned.
     bool Knows() const { return !tree_.IsEmpty(); }
-    /// The probability for a vertex: at least kMinSurvival; 0 where nothing is known. `beta`: the path's weight, mean
-    /// over wavelengths. `pixel`: relative to the picture's corner.
-    Float SurvivalAt(const Point3 &p, uint32_t kind, Float beta, Point2i pixel) const;
+    /// The probability for a vertex: at least kMinSurvival; 0 where nothing is known. `worth`: the path's weight, mean
+    /// over wavelengths, times Worth of its pixel.
+    Float SurvivalAt(const Point3 &p, uint32_t kind, Float worth) const;
 
-    /// sqrt(C0/V0)/I of a pixel: what a path adds to it, times this and squared, is the part of the variance, in
+    /// sqrt(C0/V0)/I of a pixel, relative to the picture's corner: what a path adds to it, times this and squared, is the part of the variance, in
     /// vertices that it is worth. Knows() must be true.
     Float Worth(Point2i pixel) const {
         const Point2i at(std::clamp(pixel.x, 0, size_.x - 1) / tile_, std::clamp(pixel.y, 0, size_.y - 1) / tile_);

@@ -41,28 +41,28 @@ TEST(PathRoulette, FollowsTheFormula) {
     ASSERT_TRUE(roulette.Knows());
     // I^2 = 1 + 0.2^2, V0 = 2 / I^2, C0 = 5, M = 0.75^2, C = 2, V = 0.
     const Float expected = std::sqrt(0.75f * 0.75f / 2) * std::sqrt(5.f / 2);
-    EXPECT_NEAR(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 1, {5, 5}), expected, 1e-3f);
-    EXPECT_NEAR(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 0.8f, {5, 5}), 0.8f * expected, 1e-3f);
-    EXPECT_EQ(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 0.01f, {5, 5}), PathRoulette::kMinSurvival);
-    EXPECT_EQ(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 100, {5, 5}), 1);
+    EXPECT_NEAR(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 1 * roulette.Worth({5, 5})), expected, 1e-3f);
+    EXPECT_NEAR(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 0.8f * roulette.Worth({5, 5})), 0.8f * expected, 1e-3f);
+    EXPECT_EQ(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 0.01f * roulette.Worth({5, 5})), PathRoulette::kMinSurvival);
+    EXPECT_EQ(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 100 * roulette.Worth({5, 5})), 1);
     // Nothing is known of the other side.
-    EXPECT_EQ(roulette.SurvivalAt({0.1f, 0.2f, 0}, kDown, 1, {5, 5}), 0);
+    EXPECT_EQ(roulette.SurvivalAt({0.1f, 0.2f, 0}, kDown, 1 * roulette.Worth({5, 5})), 0);
 }
 
 TEST(PathRoulette, PathsGoOnWhereLightIsFoundRarely) {
     const PathRoulette roulette =
         Learned([](const Point3 &p, Float u) { return p.x > 0 ? (u < 0.1f ? 10.f : 0) : 0.1f; }, Even);
     // The means are 1 and 0.1, the roots of the second moments 3.2 and 0.1.
-    EXPECT_GT(roulette.SurvivalAt({0.5f, 0, 0}, kUp, 0.25f, {5, 5}), 0.7f);
-    EXPECT_EQ(roulette.SurvivalAt({0.5f, 0, 0}, kUp, 1, {5, 5}), 1);
-    EXPECT_EQ(roulette.SurvivalAt({-0.5f, 0, 0}, kUp, 1, {5, 5}), PathRoulette::kMinSurvival);
+    EXPECT_GT(roulette.SurvivalAt({0.5f, 0, 0}, kUp, 0.25f * roulette.Worth({5, 5})), 0.7f);
+    EXPECT_EQ(roulette.SurvivalAt({0.5f, 0, 0}, kUp, 1 * roulette.Worth({5, 5})), 1);
+    EXPECT_EQ(roulette.SurvivalAt({-0.5f, 0, 0}, kUp, 1 * roulette.Worth({5, 5})), PathRoulette::kMinSurvival);
 }
 
 TEST(PathRoulette, PathsOfDarkPixelsGoOnLonger) {
     const PathRoulette roulette = Learned([](const Point3 &, Float) { return 0.75f; },
                                           [](Point2i pixel) { return pixel.x < kSide / 2 ? 0.5f : 1.5f; });
-    EXPECT_GT(roulette.SurvivalAt({0, 0, 0}, kUp, 0.7f, {2, 30}),
-              1.3f * roulette.SurvivalAt({0, 0, 0}, kUp, 0.7f, {60, 30}));
+    EXPECT_GT(roulette.SurvivalAt({0, 0, 0}, kUp, 0.7f * roulette.Worth({2, 30})),
+              1.3f * roulette.SurvivalAt({0, 0, 0}, kUp, 0.7f * roulette.Worth({60, 30})));
 }
 
 TEST(PathRoulette, KnowsNothingIfNothingWasFound) {

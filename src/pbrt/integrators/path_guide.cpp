@@ -79,8 +79,7 @@ void PathGuide::Inspect(const PathVertex &vertex, Point2i pixel, std::vector<Ins
     values.push_back({"survival", survival > 0 ? static_cast<double>(survival) : unknown});
     if (!params_.directions) return;
     Float share = 0;
-    if (Guides(vertex.bsdf) &&
-        !cells_.At(p, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy), Sqr(worth), &share))
+    if (Guides(vertex.bsdf) && !cells_.At(p, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy), Sqr(worth), &share))
         share = 0;
     const Float radiance = cells_.ShinesAt(p);
     values.push_back({"share", static_cast<double>(share)});

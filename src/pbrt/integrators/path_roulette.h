@@ -49,8 +49,8 @@ class PathRoulette {
     /// over wavelengths, times Worth of its pixel.
     Float SurvivalAt(const Point3 &p, uint32_t kind, Float worth) const;
 
-    /// sqrt(C0/V0)/I of a pixel, relative to the picture's corner: what a path adds to it, times this and squared, is the part of the variance, in
-    /// vertices that it is worth. Knows() must be true.
+    /// sqrt(C0/V0)/I of a pixel, relative to the picture's corner: what a path adds to it, times this and squared, is
+    /// the part of the variance, in vertices that it is worth. Knows() must be true.
     Float Worth(Point2i pixel) const {
         const Point2i at(std::clamp(pixel.x, 0, size_.x - 1) / tile_, std::clamp(pixel.y, 0, size_.y - 1) / tile_);
         return tiles_[static_cast<size_t>(at.y * ((size_.x + tile_ - 1) / tile_) + at.x)];

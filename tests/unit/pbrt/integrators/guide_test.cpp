@@ -144,15 +144,15 @@ class Learned {
         context.samplesPerPixel = samples;
         guide.Prepare(context, 1);
         EXPECT_EQ(guide.NextLearning(), 2);
-        for (int first = 0; guide.NextLearning() > 0; Learn(light, isGlossy, bothSides, &first)) {
-        }
+        for (int first = 0, next; (next = guide.NextLearning()) > 0; first = next)
+            Learn(light, isGlossy, bothSides, first, next);
     }
 
   private:
-    void Learn(const Light &light, bool isGlossy, bool bothSides, int *first) {
+    /// From samples [first, next).
+    void Learn(const Light &light, bool isGlossy, bool bothSides, int first, int next) {
         Rng rng(3);
-        const int next = guide.NextLearning();
-        for (int sample = std::exchange(*first, next); sample < next; ++sample)
+        for (int sample = first; sample < next; ++sample)
             for (int y = 0; y < 200; ++y)
                 for (int x = 0; x < 200; ++x) {
                     const std::optional<size_t> path = guide.PathNumber({x, y}, sample);
@@ -185,10 +185,11 @@ class Learned {
     PathGuide guide;
 };
 
+Float Even(const Point3 &, const Vector3 &) { return 1; }
 Float Lobe(const Point3 &, const Vector3 &w) { return Dot(w, Normalize(Vector3(1, 0.3f, 1))) > 0.9f ? 10.f : 0.1f; }
 
 TEST(PathGuide, HasNoShareUnderEvenLight) {
-    Learned even([](const Point3 &, const Vector3 &) { return 1.f; }, false);
+    Learned even(Even, false);
     Float share = 0;
     EXPECT_EQ(even.guide.Cells().At({0, 0, 0}, false, 1, &share), nullptr);
 }
@@ -222,8 +223,7 @@ TEST(PathGuide, LearnsNoDirectionsWhereTheyDoNotPay) {
     EXPECT_TRUE(lobe.guide.Cells().Guide());
     EXPECT_TRUE(first.guide.LearnsDirections());
     EXPECT_FALSE(first.guide.Cells().Guide()) << "the first samples teach the roulette alone";
-    const auto even = [](const Point3 &, const Vector3 &) { return 1.f; };
-    const Learned nothing(even, false, false, params);
+    const Learned nothing(Even, false, false, params);
     EXPECT_FALSE(nothing.guide.LearnsDirections());
     // One place in a hundred is worth guiding.
     const Learned rarely([](const Point3 &p, const Vector3 &w) { return p.x > 0.98f ? Lobe(p, w) : 10.f; }, false,
@@ -275,10 +275,6 @@ TEST(GuideCells, GuideToWhatTheySee) {
 }
 
 TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
-    Learned lobe(Lobe, false);
-    StateWriter saved;
-    lobe.guide.Save(saved);
-    const std::string state = saved.Joined();
     BuiltScene built = BuildText("WorldBegin LightSource \"infinite\" Shape \"sphere\"\n");
     Progress progress;
     const auto load = [&](const std::string &bytes, PathGuide &guide) {
@@ -289,16 +285,28 @@ TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
         context.learned = &reader;
         guide.Prepare(context, 1);
     };
-    PathGuide other(Directions(), nullptr);
-    load(state, other);
-    StateWriter again;
-    other.Save(again);
-    EXPECT_EQ(again.Joined(), state);
-    for (const std::string &damaged :
-         {state.substr(0, state.size() - 1), state.substr(0, 20), std::string(state.size(), '\x7f')}) {
-        PathGuide refusing(Directions(), nullptr);
-        EXPECT_THROW(load(damaged, refusing), UserError);
-    }
+    const auto bytesOf = [](const PathGuide &guide) {
+        StateWriter writer;
+        guide.Save(writer);
+        return writer.Joined();
+    };
+    GuideParams withRoulette = Directions();
+    withRoulette.roulette = true;
+    const Learned lobe(Lobe, false), gaveUp(Even, false, false, withRoulette);
+    const auto check = [&](const PathGuide &guide, const GuideParams &params, bool learns) {
+        const std::string state = bytesOf(guide);
+        PathGuide other(params, nullptr);
+        load(state, other);
+        EXPECT_EQ(bytesOf(other), state);
+        EXPECT_EQ(other.LearnsDirections(), learns);
+        for (const std::string &damaged :
+             {state.substr(0, state.size() - 1), state.substr(0, 20), std::string(state.size(), '\x7f')}) {
+            PathGuide refusing(params, nullptr);
+            EXPECT_THROW(load(damaged, refusing), UserError);
+        }
+    };
+    check(lobe.guide, Directions(), true);
+    check(gaveUp.guide, withRoulette, false);
 }
 
 /// The mean of f cos L / density over guided bounces, where L is the light that was learned, is that over the BSDF's

@@ -41,12 +41,12 @@ TEST(PathRoulette, FollowsTheFormula) {
     ASSERT_TRUE(roulette.Knows());
     // I^2 = 1 + 0.2^2, V0 = 2 / I^2, C0 = 5, M = 0.75^2, C = 2, V = 0.
     const Float expected = std::sqrt(0.75f * 0.75f / 2) * std::sqrt(5.f / 2);
-    EXPECT_NEAR(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 1 * roulette.Worth({5, 5})), expected, 1e-3f);
+    EXPECT_NEAR(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, roulette.Worth({5, 5})), expected, 1e-3f);
     EXPECT_NEAR(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 0.8f * roulette.Worth({5, 5})), 0.8f * expected, 1e-3f);
     EXPECT_EQ(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 0.01f * roulette.Worth({5, 5})), PathRoulette::kMinSurvival);
     EXPECT_EQ(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 100 * roulette.Worth({5, 5})), 1);
     // Nothing is known of the other side.
-    EXPECT_EQ(roulette.SurvivalAt({0.1f, 0.2f, 0}, kDown, 1 * roulette.Worth({5, 5})), 0);
+    EXPECT_EQ(roulette.SurvivalAt({0.1f, 0.2f, 0}, kDown, roulette.Worth({5, 5})), 0);
 }
 
 TEST(PathRoulette, PathsGoOnWhereLightIsFoundRarely) {
@@ -54,8 +54,8 @@ TEST(PathRoulette, PathsGoOnWhereLightIsFoundRarely) {
         Learned([](const Point3 &p, Float u) { return p.x > 0 ? (u < 0.1f ? 10.f : 0) : 0.1f; }, Even);
     // The means are 1 and 0.1, the roots of the second moments 3.2 and 0.1.
     EXPECT_GT(roulette.SurvivalAt({0.5f, 0, 0}, kUp, 0.25f * roulette.Worth({5, 5})), 0.7f);
-    EXPECT_EQ(roulette.SurvivalAt({0.5f, 0, 0}, kUp, 1 * roulette.Worth({5, 5})), 1);
-    EXPECT_EQ(roulette.SurvivalAt({-0.5f, 0, 0}, kUp, 1 * roulette.Worth({5, 5})), PathRoulette::kMinSurvival);
+    EXPECT_EQ(roulette.SurvivalAt({0.5f, 0, 0}, kUp, roulette.Worth({5, 5})), 1);
+    EXPECT_EQ(roulette.SurvivalAt({-0.5f, 0, 0}, kUp, roulette.Worth({5, 5})), PathRoulette::kMinSurvival);
 }
 
 TEST(PathRoulette, PathsOfDarkPixelsGoOnLonger) {

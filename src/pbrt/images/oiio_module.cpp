@@ -9,6 +9,7 @@
 #include <fstream>
 #include <mutex>
 #include <stdexcept>
+#include <vector>
 
 #include "pbrt/images/image_library.h"
 
@@ -53,15 +54,45 @@ int PngChannels(const std::string &path) {
     }
 }
 
+/// Caches nobody uses now. OpenImageIO 2.4 finds what it keeps for a thread by the address of the cache, and does not
+/// forget it in the other threads when a cache is destroyed; a later cache at the same address then hands out tiles
+/// that were freed. So no cache is ever destroyed: it is emptied and used again.
+class IdleCaches {
+  public:
+    static OIIO::ImageCache *Take() {
+        IdleCaches &idle = All();
+        const std::scoped_lock lock(idle.mutex_);
+        if (idle.caches_.empty()) return OIIO::ImageCache::create(false);
+        OIIO::ImageCache *cache = idle.caches_.back();
+        idle.caches_.pop_back();
+        return cache;
+    }
+    static void Return(OIIO::ImageCache *cache) {
+        cache->invalidate_all(true);
+        IdleCaches &idle = All();
+        const std::scoped_lock lock(idle.mutex_);
+        idle.caches_.push_back(cache);
+    }
+
+  private:
+    static IdleCaches &All() {
+        static IdleCaches &idle = *new IdleCaches;  // outlives all threads
+        return idle;
+    }
+
+    std::mutex mutex_;
+    std::vector<OIIO::ImageCache *> caches_;
+};
+
 class CachedTiles final : public TileStore {
   public:
-    CachedTiles(int megabytes, int tileSize) : cache_(OIIO::ImageCache::create(false)), tileSize_(tileSize) {
+    CachedTiles(int megabytes, int tileSize) : cache_(IdleCaches::Take()), tileSize_(tileSize) {
         OIIO::attribute("tiff:half", 1);
         cache_->attribute("max_memory_MB", static_cast<float>(megabytes));
         cache_->attribute("max_open_files", 100);
         cache_->attribute("unassociatedalpha", 1);
     }
-    ~CachedTiles() override { OIIO::ImageCache::destroy(cache_); }
+    ~CachedTiles() override { IdleCaches::Return(cache_); }
 
     void *Add(const std::string &path, std::span<const Pixels> images) override {
         std::vector<OIIO::ImageSpec> specs;

@@ -63,6 +63,26 @@ TEST(TileCache, MemoryStaysWithinTheLimit) {
     EXPECT_LT(cache.Bytes(), 5u << 20);
 }
 
+// OpenImageIO's own caches fail this, because their threads remember tiles of a cache that is gone.
+TEST(TileCache, ThreadsForgetTheCacheBefore) {
+    for (int i = 0; i < 30; ++i) {
+        TileCache cache(1);
+        const Image image = NoiseImage(PixelFormat::Float, {300, 256}, {"R", "G", "B", "A"});
+        const auto stored = cache.Store({image});
+        const auto *texels = static_cast<const float *>(image.Data());
+        ParallelForEach(4, [&](int64_t part) {
+            std::mt19937 rng(static_cast<unsigned>(part));
+            for (int k = 0; k < 300; ++k) {
+                const int x = static_cast<int>(rng() % 300), y = static_cast<int>(rng() % 256);
+                TileCache::Stored::Tile tile;
+                stored->Get(0, x, y, tile);
+                ASSERT_EQ(std::memcmp(tile.Texel(x, y), texels + (y * 300 + x) * 4, 16), 0)
+                    << i << " " << x << " " << y;
+            }
+        });
+    }
+}
+
 TEST(TileCache, LookupsAreTheSameBits) {
     for (PixelFormat format : {PixelFormat::U8, PixelFormat::Half, PixelFormat::Float})
         for (const std::vector<std::string> &channels :

@@ -8,6 +8,8 @@ struct BsdfBounces {
     static constexpr bool KnowsRoulette() { return false; }
     static constexpr Float Survival(const PathVertex &, Float) { return 0; }
     static constexpr Float SurvivalInMedium(const Point3 &, Float) { return 0; }
+    static constexpr Float SurvivalOnwards(Float) { return 1; }
+    void GoesOn(const SampledSpectrum &, const SampledSpectrum &) {}
     void Open(const PathVertex &, const SampledSpectrum &, const SampledSpectrum &) {}
     void OpenInMedium(const Point3 &, const SampledSpectrum &, const SampledSpectrum &) {}
     void Reached(const PathVertex &) {}

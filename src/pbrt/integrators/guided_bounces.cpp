@@ -106,19 +106,43 @@ void GuidedBounces::Left(const PathVertex &vertex, const BsdfSample &sample, Flo
                    .isGlossy = isGlossy_};
 }
 
-Float GuidedBounces::Survival(const PathVertex &vertex, Float beta) const {
-    return roulette_->SurvivalAt(vertex.point.p, PathRoulette::KindOf(vertex), beta * worth_);
+Float GuidedBounces::Survival(const PathVertex &vertex, Float beta) {
+    if (!IsNonSpecular(vertex.bsdf.Flags())) {
+        cell_ = {};
+        return 0;
+    }
+    return SurvivalIn(roulette_->At(vertex.point.p, PathRoulette::KindOf(vertex)), beta);
 }
 
-Float GuidedBounces::SurvivalInMedium(const Point3 &p, Float beta) const {
-    return roulette_->SurvivalAt(p, PathRoulette::kInMedium, beta * worth_);
+Float GuidedBounces::SurvivalInMedium(const Point3 &p, Float beta) {
+    return SurvivalIn(roulette_->At(p, PathRoulette::kInMedium), beta);
+}
+
+Float GuidedBounces::SurvivalIn(const PathRoulette::Cell &cell, Float beta) {
+    cell_ = cell;
+    return PathRoulette::Survival(cell.here, beta * worth_, std::min(PathRoulette::kMinSurvival / onwards_, Float(1)));
+}
+
+Float GuidedBounces::SurvivalOnwards(Float beta) {
+    const Float survival = PathRoulette::Survival(cell_.onwards, beta * worth_, PathRoulette::kMinSurvival);
+    onwards_ = survival > 0 ? survival : 1;
+    return onwards_;
+}
+
+void GuidedBounces::GoesOn(const SampledSpectrum &beta, const SampledSpectrum &L) {
+    if (isOpen_) {
+        OpenVertex &v = vertices_[openVertices_ - 1];
+        v.onwards = {L, beta.Average(), cost_};
+        isOpen_ = false;
+    }
+    cost_ += PathCost::kBounce;
 }
 
 void GuidedBounces::OpenAt(const Point3 &p, uint32_t kind, const SampledSpectrum &beta, const SampledSpectrum &L) {
-    ++cost_;
-    if (!roulette_ || !path_ || openVertices_ == vertices_.size()) return;
-    const Float weight = beta.Average();
-    if (weight > 0) vertices_[openVertices_++] = {{p, kind, 0, cost_}, L, weight};
+    const OpenVertex::Part here{L, beta.Average(), cost_};
+    cost_ += PathCost::kLight;
+    isOpen_ = roulette_ && path_ && openVertices_ < vertices_.size() && here.beta > 0;
+    if (isOpen_) vertices_[openVertices_++] = {p, kind, here, {}};
 }
 
 void GuidedBounces::Open(const PathVertex &vertex, const SampledSpectrum &beta, const SampledSpectrum &L) {
@@ -148,14 +172,17 @@ void GuidedBounces::End(const SampledSpectrum &L) {
     if (!roulette_ || !path_) return;
     const size_t first = *path_ * roulette_->Vertices();
     for (size_t i = 0; i < std::min(openVertices_, roulette_->Vertices()); ++i) {
-        RouletteRecord record = vertices_[i].record;
-        record.found = (L - vertices_[i].L).Average() / vertices_[i].beta;
-        record.cost = cost_ - record.cost + 1;
-        if (record.found >= 0 && std::isfinite(record.found * record.found)) roulette_->Record(first + i, record);
+        const OpenVertex &v = vertices_[i];
+        const auto since = [&](const OpenVertex::Part &part) {
+            return part.beta > 0 ? RouletteRecord::Part{(L - part.L).Average() / part.beta, cost_ - part.cost}
+                                 : RouletteRecord::Part{};
+        };
+        const RouletteRecord record{v.p, v.kind, since(v.here), since(v.onwards)};
+        if (record.here.IsUsable() && record.onwards.IsUsable()) roulette_->Record(first + i, record);
     }
     openVertices_ = 0;
     const Float found = L.Average();
-    if (std::isfinite(found * found)) roulette_->RecordPath(*path_, {found, 1 + cost_});
+    if (std::isfinite(found * found)) roulette_->RecordPath(*path_, {found, PathCost::kCamera + cost_});
 }
 
 }  // namespace pbrt

@@ -20,8 +20,13 @@ class GuidedBounces {
     bool KnowsRoulette() const { return roulette_ && roulette_->Knows(); }
     /// The probability with which the path should go on from the vertex; 0: not known. `beta`: the path's weight, mean
     /// over wavelengths.
-    Float Survival(const PathVertex &vertex, Float beta) const;
-    Float SurvivalInMedium(const Point3 &p, Float beta) const;
+    Float Survival(const PathVertex &vertex, Float beta);
+    Float SurvivalInMedium(const Point3 &p, Float beta);
+    /// The probability with which it should leave the vertex that one of these was asked for last; 1: nothing is known.
+    Float SurvivalOnwards(Float beta);
+    /// The path goes on from the last vertex, where light was sampled if that can be done there. `beta`: its weight;
+    /// `L`: what it found so far.
+    void GoesOn(const SampledSpectrum &beta, const SampledSpectrum &L);
     /// Light is about to be sampled at the vertex, and the path to be followed from there. `beta`: its weight; `L`:
     /// what it found so far.
     void Open(const PathVertex &vertex, const SampledSpectrum &beta, const SampledSpectrum &L);
@@ -50,15 +55,22 @@ class GuidedBounces {
         SampledSpectrum L, beta;
     };
     static constexpr size_t kMaxOpen = 5;
+    Float SurvivalIn(const PathRoulette::Cell &cell, Float beta);
     void OpenAt(const Point3 &p, uint32_t kind, const SampledSpectrum &beta, const SampledSpectrum &L);
     /// The last bounce's target becomes known: it is so far away.
     void FindTarget(Float distance);
 
     /// A vertex from which it is not known yet what the path finds.
     struct OpenVertex {
-        RouletteRecord record;  ///< its cost: vertices up to it, itself included
-        SampledSpectrum L;
-        Float beta = 0;
+        /// Of the path up to there.
+        struct Part {
+            SampledSpectrum L;
+            Float beta = 0;  ///< 0: it did not come so far
+            Float cost = 0;
+        };
+        Point3 p{};
+        uint32_t kind = 0;
+        Part here, onwards;  ///< before and after light was sampled there
     };
     static constexpr size_t kMaxOpenVertices = 6;
 
@@ -78,7 +90,10 @@ class GuidedBounces {
     Float way_ = 0;
     Point3 at_{};
     std::array<OpenBounce, kMaxOpen> bounces_;
-    Float cost_ = 0;  ///< vertices that light was sampled at
+    PathRoulette::Cell cell_;  ///< where the probability to survive was asked last
+    Float onwards_ = 1;        ///< what SurvivalOnwards said last
+    bool isOpen_ = false;      ///< the last vertex is the last of vertices_
+    Float cost_ = 0;           ///< see PathCost
     size_t openVertices_ = 0;
     std::array<OpenVertex, kMaxOpenVertices> vertices_;
 };

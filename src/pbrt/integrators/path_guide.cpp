@@ -26,7 +26,7 @@ constexpr int kRowShift = 7;
 constexpr Float kInspectedWeight = 0.5f;
 
 /// Changes with everything that PathGuide::Save writes.
-constexpr uint32_t kVersion = 6;
+constexpr uint32_t kVersion = 7;
 
 }  // namespace
 
@@ -75,7 +75,9 @@ void PathGuide::Inspect(const PathVertex &vertex, Point2i pixel, std::vector<Ins
     const Point3 &p = vertex.point.p;
     const Float worth = Worth(InPicture(pixel));
     const Float survival =
-        roulette_.Knows() ? roulette_.SurvivalAt(p, PathRoulette::KindOf(vertex), kInspectedWeight * worth) : 0;
+        roulette_.Knows()
+            ? PathRoulette::Survival(roulette_.At(p, PathRoulette::KindOf(vertex)).here, kInspectedWeight * worth)
+            : 0;
     values.push_back({"survival", survival > 0 ? static_cast<double>(survival) : unknown});
     if (!params_.directions) return;
     Float share = 0;

@@ -31,8 +31,8 @@ struct GuideParams {
         v("guide.leastsaved", leastSaved, Range<Float>{0, 1000},
           "directions are given up if guiding would save less than this part of what paths cost; 0: never");
         v("guide.records", records, Range<int>{1000, 1 << 26},
-          "at most so many places on paths are remembered from one learning to the next (24 bytes each, with "
-          "directions 96)");
+          "at most so many places on paths are remembered from one learning to the next (32 bytes each, with "
+          "directions 104)");
     }
 };
 

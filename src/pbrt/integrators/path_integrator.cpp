@@ -90,15 +90,15 @@ SampledSpectrum PathIntegrator::Follow(const PathStart &start, SampledWavelength
         return PowerHeuristic(pBsdf, pLight);
     };
 
-    // Russian roulette on the throughput without the radiance scaling of refraction. False: the path ends.
-    auto survives = [&] {
-        const Float survive = std::max((beta * etaScale).MaxComponent(), settings_.minSurvival);
-        if (survive < 1) {
-            if (sampler.Get1D() >= survive) return false;
-            beta /= survive;
-        }
+    // Russian roulette. False: the path ends.
+    auto survivesBy = [&](Float probability) {
+        if (!(probability < 1)) return true;
+        if (sampler.Get1D() >= probability) return false;
+        beta /= probability;
         return true;
     };
+    // On the throughput without the radiance scaling of refraction.
+    auto survives = [&] { return survivesBy(std::max((beta * etaScale).MaxComponent(), settings_.minSurvival)); };
 
     for (;;) {
         const PathWalk::Met met = walk.Next();
@@ -126,14 +126,10 @@ SampledSpectrum PathIntegrator::Follow(const PathStart &start, SampledWavelength
         ++ThreadCounters().pathVertices;
         const bool samplesLight = IsNonSpecular(bsdf.Flags());
         if (bounces.KnowsRoulette() && depth > 1) {
-            // Where nothing is known, and at specular surfaces, it is the throughput that counts.
-            const Float survive = samplesLight ? bounces.Survival(walk.Vertex(), beta.Average()) : 0;
-            if (survive > 0 && survive < 1) {
-                if (sampler.Get1D() >= survive) break;
-                beta /= survive;
-            } else if (survive == 0 && depth > 2 && !survives()) {
-                break;
-            }
+            // Where nothing is known, and at specular surfaces, it is the throughput that counts. Light is sampled at
+            // two vertices in any case.
+            const Float survive = bounces.Survival(walk.Vertex(), beta.Average());
+            if (depth > 2 && !(survive > 0 ? survivesBy(survive) : survives())) break;
         }
         bounces.Begin(walk.Vertex(), beta);
 
@@ -143,6 +139,8 @@ SampledSpectrum PathIntegrator::Follow(const PathStart &start, SampledWavelength
             L += beta * SampleDirect(walk.Vertex(), current->lights, bounces, lambda, sampler, places);
         }
 
+        if (!survivesBy(bounces.SurvivalOnwards(beta.Average()))) break;
+        bounces.GoesOn(beta, L);
         Float uComponent = sampler.Get1D();
         std::optional<BsdfSample> sample = bounces.Sample(walk.Vertex(), uComponent, sampler.Get2D());
         if (!sample) break;

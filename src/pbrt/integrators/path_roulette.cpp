@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 namespace pbrt {
@@ -20,6 +21,33 @@ constexpr double kLargestPixel = 0.01;
 constexpr double kDark = 0.2;
 /// A tile of the picture has at least so many recorded paths, if the picture has.
 constexpr double kTilePaths = 64;
+
+bool IsFilled(const RouletteRecord &record) { return record.here.cost > 0; }
+bool IsFilled(const PathTotal &total) { return total.cost > 0; }
+
+/// Of what was found from vertices on.
+struct Moments {
+    double squares = 0, cost = 0;
+    Float Root() const { return cost > 0 ? PathRoulette::kLonger * static_cast<Float>(std::sqrt(squares / cost)) : -1; }
+};
+
+/// `prior`: what the cell above says.
+Moments MeanOf(const RouletteRecord *const *begin, const RouletteRecord *const *end,
+               RouletteRecord::Part RouletteRecord::*part, const Moments &prior) {
+    const auto square = [&](const RouletteRecord *r) { return Sqr(static_cast<double>((r->*part).found)); };
+    double squares = 0;
+    for (const auto *r = begin; r != end; ++r) squares += square(*r);
+    double n = prior.cost > 0 ? kPriorRecords : 0;
+    Moments mean{n * prior.squares, n * prior.cost};
+    for (const auto *r = begin; r != end; ++r) {
+        const auto cost = static_cast<double>(((*r)->*part).cost);
+        if (!(cost > 0)) continue;
+        ++n;
+        mean.squares += std::min(square(*r), kLargestPart * squares);
+        mean.cost += cost;
+    }
+    return n > 0 ? Moments{mean.squares / n, mean.cost / n} : Moments{};
+}
 
 }  // namespace
 
@@ -45,12 +73,6 @@ void PathRoulette::BeginRecords(size_t paths, size_t vertices) {
 void PathRoulette::ClearRecords() {
     std::fill(records_.begin(), records_.end(), RouletteRecord{});
     std::fill(totals_.begin(), totals_.end(), PathTotal{});
-}
-
-Float PathRoulette::SurvivalAt(const Point3 &p, uint32_t kind, Float worth) const {
-    const Float cell = cells_[tree_.LeafOf(p, kind)];
-    if (cell < 0) return 0;
-    return std::clamp(worth * cell, kMinSurvival, Float(1));
 }
 
 double PathRoulette::RecordedCost() const {
@@ -97,22 +119,25 @@ void PathRoulette::LearnPicture(Vector2i size, const std::vector<Point2i> &pixel
                 }
             radiance[static_cast<size_t>(y * count.x + x)] = std::hypot(paths > 0 ? found / paths : mean, kDark * mean);
         }
-    // The variance within pixels.
+    // The variance within pixels, of blocks of successive samples.
     std::vector<double> variances;
     double all = 0;
-    for (size_t i = 0; i < totals_.size();) {
-        const Point2i pixel = pixels[i];
+    for (size_t i = 0, end = 0; i < totals_.size(); i = end) {
+        while (end < totals_.size() && pixels[end] == pixels[i]) ++end;
+        const size_t block = std::bit_floor(std::max<size_t>(1, (end - i) / 2));
         double n = 0, found = 0, squares = 0;
-        for (; i < totals_.size() && pixels[i] == pixel; ++i) {
-            if (!(totals_[i].cost > 0)) continue;
-            const auto x = static_cast<double>(totals_[i].found);
+        for (size_t k = i; k + block <= end; k += block) {
+            if (!std::all_of(&totals_[k], &totals_[k] + block, [](const PathTotal &t) { return t.cost > 0; })) continue;
+            double x = 0;
+            for (size_t m = k; m < k + block; ++m) x += static_cast<double>(totals_[m].found);
             ++n;
             found += x;
             squares += x * x;
         }
         if (n < 2) continue;
-        const double I = radiance[tileOf(pixel)];
-        variances.push_back(std::max(0.0, (squares - found * found / n) / (n - 1)) / (I * I));
+        const double I = radiance[tileOf(pixels[i])];
+        variances.push_back(std::max(0.0, (squares - found * found / n) / (n - 1)) /
+                            (static_cast<double>(block) * I * I));
         all += variances.back();
     }
     double limited = 0;
@@ -124,15 +149,15 @@ void PathRoulette::LearnPicture(Vector2i size, const std::vector<Point2i> &pixel
     tree_.Begin(kKinds);
 }
 
-struct PathRoulette::Sums {
-    double squares = 0, cost = 0;  ///< means
+struct PathRoulette::Known {
+    Moments here, onwards;
 };
 
 void PathRoulette::LearnCells() {
     if (!Knows()) return;
     std::vector<const RouletteRecord *> records;
     for (const RouletteRecord &r : records_)
-        if (r.cost > 0) records.push_back(&r);
+        if (IsFilled(r)) records.push_back(&r);
     std::stable_sort(records.begin(), records.end(), [](const auto *a, const auto *b) { return a->kind < b->kind; });
     const RouletteRecord **begin = records.data(), **end = begin + records.size();
     for (uint32_t kind = 0; kind < kKinds; ++kind) {
@@ -142,25 +167,15 @@ void PathRoulette::LearnCells() {
     }
 }
 
-void PathRoulette::Divide(size_t node, const RouletteRecord **begin, const RouletteRecord **end, const Sums &prior) {
+void PathRoulette::Divide(size_t node, const RouletteRecord **begin, const RouletteRecord **end, const Known &prior) {
     const std::ptrdiff_t count = end - begin;
-    double squares = 0;
-    for (const RouletteRecord **r = begin; r != end; ++r) squares += static_cast<double>((*r)->found * (*r)->found);
-    Sums mean;
-    for (const RouletteRecord **r = begin; r != end; ++r) {
-        mean.squares += std::min(static_cast<double>((*r)->found * (*r)->found), kLargestPart * squares);
-        mean.cost += static_cast<double>((*r)->cost);
-    }
-    const double known = prior.cost > 0 ? kPriorRecords : 0;
-    const auto withPrior = [&](double sum, double above) {
-        return count > 0 ? (sum + known * above) / (static_cast<double>(count) + known) : above;
-    };
-    mean = {withPrior(mean.squares, prior.squares), withPrior(mean.cost, prior.cost)};
+    const Known mean{MeanOf(begin, end, &RouletteRecord::here, prior.here),
+                     MeanOf(begin, end, &RouletteRecord::onwards, prior.onwards)};
     const RouletteRecord **second = begin;
     if (count > kCellRecords) second = tree_.Divide(node, begin, end, [](const RouletteRecord *r) { return r->p; });
     if (second == begin) {
         tree_.MakeLeaf(node, cells_.size());
-        cells_.push_back(mean.cost > 0 ? static_cast<Float>(std::sqrt(mean.squares / mean.cost)) : Float(-1));
+        cells_.push_back({mean.here.Root(), mean.onwards.Root()});
         return;
     }
     const size_t below = tree_.Nodes()[node].below;
@@ -190,18 +205,18 @@ void PathRoulette::Load(StateReader &in) {
     if (tiles_.size() != along(size_.x) * along(size_.y)) in.Refuse();
     for (const Float tile : tiles_)
         if (!(tile > 0)) in.Refuse();
-    for (const Float cell : cells_)
-        if (!std::isfinite(cell)) in.Refuse();
+    for (const Cell &cell : cells_)
+        if (!std::isfinite(cell.here) || !std::isfinite(cell.onwards)) in.Refuse();
 }
 
 void PathRoulette::TakeRecords(StateWriter &out) const {
     const auto take = [&](const auto &places) {
         uint64_t filled = 0;
-        for (const auto &place : places) filled += place.cost > 0;
+        for (const auto &place : places) filled += IsFilled(place);
         out.Value(uint64_t{places.size()});
         out.Value(filled);
         for (size_t i = 0; i < places.size(); ++i) {
-            if (!(places[i].cost > 0)) continue;
+            if (!IsFilled(places[i])) continue;
             out.Value(uint64_t{i});
             out.Value(places[i]);
         }

@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "pbrt/integrators/point_tree.h"
@@ -7,28 +8,44 @@
 
 namespace pbrt {
 
+/// What the parts of a path cost, in vertices.
+struct PathCost {
+    static constexpr Float kCamera = 1;     ///< what every path costs
+    static constexpr Float kBounce = 0.4f;  ///< a ray, and what it meets
+    static constexpr Float kLight = 0.6f;   ///< sampling light
+};
+
 /// What a path found from one of its vertices on, to be learned from.
 struct RouletteRecord {
+    struct Part {
+        Float found = 0;  ///< by a path of weight 1; mean over wavelengths
+        Float cost = 0;   ///< see PathCost; 0: there was no such path
+        bool IsUsable() const { return found >= 0 && std::isfinite(found * found); }
+    };
     Point3 p{};
-    uint32_t kind = 0;  ///< PathRoulette::KindOf
-    Float found = 0;  ///< by light sampling there and by all that followed, for a path of weight 1; mean of wavelengths
-    Float cost = 0;   ///< vertices from there on, itself included; 0: an empty place
+    uint32_t kind = 0;   ///< PathRoulette::KindOf
+    Part here, onwards;  ///< from there on, and without light sampling there; an empty place if `here` cost nothing
 };
 
 /// What a whole path found.
 struct PathTotal {
     Float found = 0;  ///< mean over wavelengths
-    Float cost = 0;   ///< 1 + all vertices; 0: an empty place
+    Float cost = 0;   ///< see PathCost; 0: an empty place
 };
 
-/// With which probability a path should go on at a vertex, by what earlier paths found from there on and what that
-/// cost: Rath et al., "EARS: Efficiency-Aware Russian Roulette and Splitting" (2022), without splitting. A vertex of
-/// path weight beta whose estimate has the second moment M and costs C, in a pixel of radiance I, gets the probability
-/// beta/I sqrt(M/C) sqrt(C0/V0); C0 is the mean cost of a path, and V0 the mean variance of a sample over I^2.
+/// With which probability a path should go on where it arrives, and again after light was sampled there, by what
+/// earlier paths found from there on and what that cost: Rath et al., "EARS: Efficiency-Aware Russian Roulette and
+/// Splitting" (2022), without splitting. A vertex of path weight beta whose estimate has the second moment M and costs
+/// C, in a pixel of radiance I, gets the probability k beta/I sqrt(M/C) sqrt(C0/V0); C0 is the mean cost of a path, and
+/// V0 the mean variance of a sample over I^2. V0 is that of blocks of samples, as pixel samplers are even in their
+/// first dimensions, and the factor k makes up for what longer blocks would show.
 class PathRoulette {
   public:
-    /// The least probability: what is known of a cell is noisy where light is hard to find.
+    /// The least probability from one sampling of light to the next: what is known of a cell is noisy where light is
+    /// hard to find.
     static constexpr Float kMinSurvival = 0.5f;
+    /// k.
+    static constexpr Float kLonger = 1.2f;
 
     /// Forgets all; places for `paths` paths that may fill `vertices` records each. Number i is of the pixel
     /// pixelOf(i).
@@ -45,9 +62,16 @@ class PathRoulette {
 
     /// True if something was learned.
     bool Knows() const { return !tree_.IsEmpty(); }
-    /// The probability for a vertex: at least kMinSurvival; 0 where nothing is known. `worth`: the path's weight, mean
-    /// over wavelengths, times Worth of its pixel.
-    Float SurvivalAt(const Point3 &p, uint32_t kind, Float worth) const;
+    /// What is known of a place, k sqrt(M / C): where paths arrive, and after light was sampled. Below 0: nothing.
+    struct Cell {
+        Float here = -1, onwards = -1;
+    };
+    const Cell &At(const Point3 &p, uint32_t kind) const { return cells_[tree_.LeafOf(p, kind)]; }
+    /// The probability by one of a cell's numbers, `least` to 1; 0 where nothing is known. `worth`: the path's weight,
+    /// mean over wavelengths, times Worth of its pixel.
+    static Float Survival(Float known, Float worth, Float least = kMinSurvival) {
+        return known < 0 ? 0 : std::clamp(worth * known, least, Float(1));
+    }
 
     /// sqrt(C0/V0)/I of a pixel, relative to the picture's corner: what a path adds to it, times this and squared, is
     /// the part of the variance, in vertices that it is worth. Knows() must be true.
@@ -69,7 +93,7 @@ class PathRoulette {
     /// What all recorded paths cost, in vertices.
     double RecordedCost() const;
     size_t Cells() const { return cells_.size(); }
-    size_t Bytes() const { return tree_.Bytes() + (cells_.size() + tiles_.size()) * sizeof(Float); }
+    size_t Bytes() const { return tree_.Bytes() + cells_.size() * sizeof(Cell) + tiles_.size() * sizeof(Float); }
     size_t RecordBytes() const { return records_.size() * sizeof(RouletteRecord) + totals_.size() * sizeof(PathTotal); }
 
     void Save(StateWriter &out) const;
@@ -79,13 +103,13 @@ class PathRoulette {
     void ClearRecords();
 
   private:
-    struct Sums;
+    struct Known;
     void LearnPicture(Vector2i size, const std::vector<Point2i> &pixels);
     void LearnCells();
-    void Divide(size_t node, const RouletteRecord **begin, const RouletteRecord **end, const Sums &prior);
+    void Divide(size_t node, const RouletteRecord **begin, const RouletteRecord **end, const Known &prior);
 
-    PointTree tree_;            ///< with kKinds roots
-    std::vector<Float> cells_;  ///< sqrt(M / C); below 0: there were no records
+    PointTree tree_;  ///< with kKinds roots
+    std::vector<Cell> cells_;
     Vector2i size_{};           ///< of the picture
     int tile_ = 1;              ///< side of tiles_ in pixels
     std::vector<Float> tiles_;  ///< sqrt(C0 / V0) / I

@@ -271,6 +271,8 @@ bool VolPathIntegrator::Path<Bounces>::PassMedium(bool *scattered) {
             const Float value = phase.P(wo, wi);
             return Scattering{SampledSpectrum(value), value};
         });
+    if (!Survives(bounces.SurvivalOnwards(Weight().Average()))) return false;
+    bounces.GoesOn(Weight(), L);
     const HenyeyGreenstein::Sample sample = phase.SampleP(wo, sampler.Get2D());
     if (!(sample.p > 0)) return false;
     const SampledSpectrum rs = weights.rs / sample.p;
@@ -336,9 +338,10 @@ bool VolPathIntegrator::Path<Bounces>::ScatterAtSurface() {
     ++ThreadCounters().pathVertices;
     const bool samplesLight = IsNonSpecular(bsdf.Flags());
     if (bounces.KnowsRoulette() && depth > 1) {
-        // Where nothing is known, and at specular surfaces, it is the throughput that counts.
-        const Float survive = samplesLight ? bounces.Survival(walk.Vertex(), Weight().Average()) : 0;
-        if (survive > 0 ? !Survives(survive) : depth > 2 && !SurvivesRoulette()) return false;
+        // Where nothing is known, and at specular surfaces, it is the throughput that counts. Light is sampled at two
+        // vertices in any case.
+        const Float survive = bounces.Survival(walk.Vertex(), Weight().Average());
+        if (depth > 2 && !(survive > 0 ? Survives(survive) : SurvivesRoulette())) return false;
     }
     bounces.Begin(walk.Vertex(), Weight());
     if (samplesLight) {
@@ -346,6 +349,8 @@ bool VolPathIntegrator::Path<Bounces>::ScatterAtSurface() {
         PrepareAtSurface();
         SampleDirectAtSurface();
     }
+    if (!Survives(bounces.SurvivalOnwards(Weight().Average()))) return false;
+    bounces.GoesOn(Weight(), L);
     const Float uComponent = sampler.Get1D();
     const std::optional<BsdfSample> sample = bounces.Sample(walk.Vertex(), uComponent, sampler.Get2D());
     if (!sample) return false;

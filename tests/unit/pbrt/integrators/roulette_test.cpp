@@ -17,8 +17,8 @@ Point2i PixelOf(size_t path) {
 }
 const uint32_t kUp = PathRoulette::KindOf({0, 0, 1}, false), kDown = PathRoulette::KindOf({0, 0, -1}, false);
 
-/// `found(p, u)`: what a path finds from p on, which is in [-1, 1]^2 on the plane z = 0; each vertex costs 2. The two
-/// paths of a pixel find 0 and 2 `radiance(pixel)`.
+/// `found(p, u)`: what a path finds from p on, which is in [-1, 1]^2 on the plane z = 0, for a cost of 2; without light
+/// sampling there half of that, for a cost of 1. The two paths of a pixel find 0 and 2 `radiance(pixel)`.
 template <class Found, class Radiance>
 PathRoulette Learned(Found &&found, Radiance &&radiance) {
     PathRoulette roulette;
@@ -27,7 +27,8 @@ PathRoulette Learned(Found &&found, Radiance &&radiance) {
     for (size_t path = 0; path < kPaths; ++path) {
         for (size_t k = 0; k < kVertices; ++k) {
             const Point3 p(2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 0);
-            roulette.Record(path * kVertices + k, {p, kUp, found(p, rng.Uniform()), 2});
+            const Float all = found(p, rng.Uniform());
+            roulette.Record(path * kVertices + k, {p, kUp, {all, 2}, {all / 2, 1}});
         }
         roulette.RecordPath(path, {path % 2 == 0 ? 0 : 2 * radiance(PixelOf(path)), 5});
     }
@@ -36,33 +37,74 @@ PathRoulette Learned(Found &&found, Radiance &&radiance) {
 }
 Float Even(Point2i) { return 1; }
 
+/// The probability to go on at a place, before light is sampled there.
+Float SurvivalAt(const PathRoulette &roulette, const Point3 &p, uint32_t kind, Float worth) {
+    return PathRoulette::Survival(roulette.At(p, kind).here, worth);
+}
+
 TEST(PathRoulette, FollowsTheFormula) {
     const PathRoulette roulette = Learned([](const Point3 &, Float) { return 0.75f; }, Even);
     ASSERT_TRUE(roulette.Knows());
     // I^2 = 1 + 0.2^2, V0 = 2 / I^2, C0 = 5, M = 0.75^2, C = 2, V = 0.
-    const Float expected = std::sqrt(0.75f * 0.75f / 2) * std::sqrt(5.f / 2);
-    EXPECT_NEAR(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, roulette.Worth({5, 5})), expected, 1e-3f);
-    EXPECT_NEAR(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 0.8f * roulette.Worth({5, 5})), 0.8f * expected, 1e-3f);
-    EXPECT_EQ(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 0.01f * roulette.Worth({5, 5})), PathRoulette::kMinSurvival);
-    EXPECT_EQ(roulette.SurvivalAt({0.1f, 0.2f, 0}, kUp, 100 * roulette.Worth({5, 5})), 1);
+    const Float expected = PathRoulette::kLonger * std::sqrt(0.75f * 0.75f / 2) * std::sqrt(5.f / 2);
+    EXPECT_NEAR(SurvivalAt(roulette, {0.1f, 0.2f, 0}, kUp, 0.9f * roulette.Worth({5, 5})), 0.9f * expected, 1e-3f);
+    EXPECT_NEAR(SurvivalAt(roulette, {0.1f, 0.2f, 0}, kUp, 0.8f * roulette.Worth({5, 5})), 0.8f * expected, 1e-3f);
+    EXPECT_EQ(SurvivalAt(roulette, {0.1f, 0.2f, 0}, kUp, 0.01f * roulette.Worth({5, 5})), PathRoulette::kMinSurvival);
+    EXPECT_EQ(SurvivalAt(roulette, {0.1f, 0.2f, 0}, kUp, 100 * roulette.Worth({5, 5})), 1);
+    const Float onwards = PathRoulette::kLonger * (0.75f / 2) * std::sqrt(5.f / 2);
+    EXPECT_NEAR(roulette.At({0.1f, 0.2f, 0}, kUp).onwards * roulette.Worth({5, 5}), onwards, 1e-3f);
     // Nothing is known of the other side.
-    EXPECT_EQ(roulette.SurvivalAt({0.1f, 0.2f, 0}, kDown, roulette.Worth({5, 5})), 0);
+    EXPECT_EQ(SurvivalAt(roulette, {0.1f, 0.2f, 0}, kDown, roulette.Worth({5, 5})), 0);
 }
 
 TEST(PathRoulette, PathsGoOnWhereLightIsFoundRarely) {
     const PathRoulette roulette =
         Learned([](const Point3 &p, Float u) { return p.x > 0 ? (u < 0.1f ? 10.f : 0) : 0.1f; }, Even);
     // The means are 1 and 0.1, the roots of the second moments 3.2 and 0.1.
-    EXPECT_GT(roulette.SurvivalAt({0.5f, 0, 0}, kUp, 0.25f * roulette.Worth({5, 5})), 0.7f);
-    EXPECT_EQ(roulette.SurvivalAt({0.5f, 0, 0}, kUp, roulette.Worth({5, 5})), 1);
-    EXPECT_EQ(roulette.SurvivalAt({-0.5f, 0, 0}, kUp, roulette.Worth({5, 5})), PathRoulette::kMinSurvival);
+    EXPECT_GT(SurvivalAt(roulette, {0.5f, 0, 0}, kUp, 0.25f * roulette.Worth({5, 5})), 0.7f);
+    EXPECT_EQ(SurvivalAt(roulette, {0.5f, 0, 0}, kUp, roulette.Worth({5, 5})), 1);
+    EXPECT_EQ(SurvivalAt(roulette, {-0.5f, 0, 0}, kUp, roulette.Worth({5, 5})), PathRoulette::kMinSurvival);
 }
 
 TEST(PathRoulette, PathsOfDarkPixelsGoOnLonger) {
     const PathRoulette roulette = Learned([](const Point3 &, Float) { return 0.75f; },
                                           [](Point2i pixel) { return pixel.x < kSide / 2 ? 0.5f : 1.5f; });
-    EXPECT_GT(roulette.SurvivalAt({0, 0, 0}, kUp, 0.7f * roulette.Worth({2, 30})),
-              1.3f * roulette.SurvivalAt({0, 0, 0}, kUp, 0.7f * roulette.Worth({60, 30})));
+    EXPECT_GT(SurvivalAt(roulette, {0, 0, 0}, kUp, 0.7f * roulette.Worth({2, 30})),
+              1.3f * SurvivalAt(roulette, {0, 0, 0}, kUp, 0.7f * roulette.Worth({60, 30})));
+}
+
+TEST(PathRoulette, PathsThatWereEndedThereDoNotCountOnwards) {
+    PathRoulette roulette;
+    roulette.BeginRecords(kPaths, 1);
+    for (size_t path = 0; path < kPaths; ++path) {
+        const RouletteRecord::Part onwards = path / 2 % 3 == 0 ? RouletteRecord::Part{0.5f, 4} : RouletteRecord::Part{};
+        roulette.Record(path, {{0, 0, 0}, kUp, {1, 1}, onwards});
+        roulette.RecordPath(path, {path % 2 == 0 ? 0.f : 2.f, 5});
+    }
+    roulette.Learn({kSide, kSide}, PixelOf);
+    EXPECT_NEAR(roulette.At({0, 0, 0}, kUp).onwards, PathRoulette::kLonger * 0.25f, 1e-3f);
+}
+
+/// The worth of pixels whose 24 samples are those of `sample(k)`, the samples of a pixel being neighbours.
+template <class Sample>
+Float WorthOf(Sample &&sample) {
+    PathRoulette roulette;
+    constexpr size_t kSamples = 24;
+    roulette.BeginRecords(kSamples * 64, 1);
+    Rng rng(7);
+    for (size_t path = 0; path < kSamples * 64; ++path)
+        roulette.RecordPath(path, {sample(path % kSamples, rng.Uniform()), 5});
+    roulette.Learn({8, 8}, [](size_t path) {
+        return Point2i(static_cast<int>(path / kSamples % 8), static_cast<int>(path / kSamples / 8));
+    });
+    return roulette.Worth({3, 3});
+}
+
+TEST(PathRoulette, NoiseThatAPixelSamplerEvensOutMakesNoPathEnd) {
+    // Each block of eight samples has four of each kind, in any order, and a little more that is not even.
+    const auto even = [](size_t k, Float u) { return (k % 2 == 0 ? 0 : 2) + 0.2f * u; };
+    const auto uneven = [](size_t, Float u) { return u < 0.5f ? 0.1f : 2.1f; };
+    EXPECT_GT(WorthOf(even), 4 * WorthOf(uneven));
 }
 
 TEST(PathRoulette, KnowsNothingIfNothingWasFound) {

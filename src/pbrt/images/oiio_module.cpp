@@ -54,9 +54,9 @@ int PngChannels(const std::string &path) {
     }
 }
 
-/// Caches nobody uses now. OpenImageIO 2.4 finds what it keeps for a thread by the address of the cache, and does not
-/// forget it in the other threads when a cache is destroyed; a later cache at the same address then hands out tiles
-/// that were freed. So no cache is ever destroyed: it is emptied and used again.
+/// Caches that nobody uses now. In OpenImageIO 2.4, threads that have used a cache spoil later ones once it is
+/// destroyed: texels are wrong, or an assertion about the memory of tiles fails (the test
+/// TileCache.ThreadsForgetTheCacheBefore). So no cache is ever destroyed: it is emptied and used again.
 class IdleCaches {
   public:
     static OIIO::ImageCache *Take() {

@@ -124,7 +124,7 @@ Float GuidedBounces::SurvivalIn(const PathRoulette::Cell &cell, Float beta) {
 }
 
 Float GuidedBounces::SurvivalOnwards(Float beta) {
-    const Float survival = PathRoulette::Survival(cell_.onwards, beta * worth_, PathRoulette::kMinSurvival);
+    const Float survival = PathRoulette::Survival(cell_.onwards, beta * worth_);
     onwards_ = survival > 0 ? survival : 1;
     return onwards_;
 }

@@ -63,7 +63,7 @@ TEST(TileCache, MemoryStaysWithinTheLimit) {
     EXPECT_LT(cache.Bytes(), 5u << 20);
 }
 
-// OpenImageIO's own caches fail this, because their threads remember tiles of a cache that is gone.
+// Fails if OpenImageIO's caches are destroyed while the threads that used them live on.
 TEST(TileCache, ThreadsForgetTheCacheBefore) {
     for (int i = 0; i < 30; ++i) {
         TileCache cache(1);

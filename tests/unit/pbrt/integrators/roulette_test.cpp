@@ -101,7 +101,7 @@ Float WorthOf(Sample &&sample) {
 }
 
 TEST(PathRoulette, NoiseThatAPixelSamplerEvensOutMakesNoPathEnd) {
-    // Each block of eight samples has four of each kind, in any order, and a little more that is not even.
+    // Dark and bright samples take turns, so that all blocks of eight are much alike; or they come by chance.
     const auto even = [](size_t k, Float u) { return (k % 2 == 0 ? 0 : 2) + 0.2f * u; };
     const auto uneven = [](size_t, Float u) { return u < 0.5f ? 0.1f : 2.1f; };
     EXPECT_GT(WorthOf(even), 4 * WorthOf(uneven));

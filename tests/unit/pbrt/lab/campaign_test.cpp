@@ -90,10 +90,15 @@ class Campaign : public ::testing::Test {
         folder_ =
             fs::temp_directory_path() / (std::string("pbrt_campaign_") + info->name() + "_" + std::to_string(getpid()));
         fs::create_directories(folder_);
-        std::ofstream(folder_ / "scene.pbrt") << kScene;
+        WriteScene("", "");
         RegisterStockLightSamplers(registry_);
         AddSampler("honest", 0);
         AddSampler("blind", 1);
+    }
+    /// The scene with a part of its text replaced.
+    void WriteScene(const std::string &part, const std::string &other) {
+        const std::string text = kScene;
+        std::ofstream(folder_ / "scene.pbrt") << std::string(text).replace(text.find(part), part.size(), other);
     }
     void TearDown() override {
         fs::remove_all(folder_);
@@ -647,8 +652,7 @@ TEST_F(Campaign, ReferencesOfStockThatContradictEachOtherProveNothing) {
 
 TEST_F(Campaign, ComparesGuidedPathsWithPlainOnes) {
     // Paths that end at their second vertex have no roulette.
-    const std::string text = kScene;
-    std::ofstream(folder_ / "scene.pbrt") << std::string(text).replace(text.find("maxdepth\" 2"), 11, "maxdepth\" 4");
+    WriteScene("maxdepth\" 2", "maxdepth\" 4");
     CampaignSettings settings = Settings("out", {"honest", "honest+guide"});
     settings.samplesPerPixel = 16;  // the guide learns after 2 and 8
     ASSERT_TRUE(Run(settings));
@@ -679,8 +683,7 @@ TEST_F(Campaign, MistakesAreFoundBeforeAnythingIsRendered) {
     WriteImage((folder_ / "wrong.exr").string(), wrong);
     settings.referenceFile = (folder_ / "wrong.exr").string();
     EXPECT_NE(ErrorOf(settings).find("16 x 16"), std::string::npos) << ErrorOf(settings);
-    std::ofstream(folder_ / "scene.pbrt")
-        << std::string(kScene).replace(std::string(kScene).find("\"path\""), 6, "\"randomwalk\"");
+    WriteScene("\"path\"", "\"randomwalk\"");
     EXPECT_NE(ErrorOf(Settings("other", {"uniform"})).find("randomwalk"), std::string::npos);
 }
 

@@ -163,6 +163,7 @@ void EmitterTree::WeighBelow(Node n, const LightQuery &query, Level *level) cons
     level->tree = this;
     level->query = &query;
     level->near = level->count = node.count;
+    level->sum = 0;
     for (size_t i = 0; i < node.count; ++i) level->sum += level->g[i];
     if (n != 0) return;
     level->count += static_cast<uint32_t>(far_.size());

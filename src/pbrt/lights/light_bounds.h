@@ -51,34 +51,24 @@ struct ScalarOps {
     static F Abs(F a) { return std::abs(a); }
 };
 
-template <class F>
-struct CosSin {
-    F cos, sin;
-};
-/// The angle a - b, or 0 if b is larger. Both in [0, pi].
+/// The sine of an angle in [0, pi] with this cosine.
 template <class Ops, class F = typename Ops::F>
-CosSin<F> SubtractAngles(const CosSin<F> &a, const CosSin<F> &b) {
-    auto larger = a.cos > b.cos;
-    return {Ops::Select(larger, F(1), a.cos * b.cos + a.sin * b.sin),
-            Ops::Select(larger, F(0), a.sin * b.cos - a.cos * b.sin)};
-}
-template <class Ops, class F = typename Ops::F>
-CosSin<F> FromCosine(const F &c) {
-    return {c, Ops::Sqrt(Ops::Max(F(1) - c * c, F(0)))};
+F SineOf(const F &cosine) {
+    return Ops::Sqrt(Ops::Max(F(1) - cosine * cosine, F(0)));
 }
 
 /// The values of a LightSphere, for one light or for several at a time.
 template <class F, class Mask>
 struct Emitters {
     F centerX, centerY, centerZ, radius;
-    F axisX, axisY, axisZ, phi;
-    CosSin<F> theta_o;
-    F cosTheta_e;
+    F axisX, axisY, axisZ, axisLength2;  ///< any length but 0
+    F phi;
+    F cosTheta_o, sinTheta_o, cosTheta_e;
     Mask twoSided;
 };
 
 template <class Ops, class F = typename Ops::F, class Mask>
-F ImportanceOf(const Emitters<F, Mask> &e, const Point3 &p, const Normal3 &n) {
+[[gnu::always_inline]] inline F ImportanceOf(const Emitters<F, Mask> &e, const Point3 &p, const Normal3 &n) {
     constexpr Float kMax = 1e36f;  // two of them still add up to a finite number
     constexpr Float kTiny = std::numeric_limits<Float>::min();
     // sin^2 of a thousandth of a radian: the sphere is taken to be that much larger, so that rounding of directions
@@ -89,26 +79,39 @@ F ImportanceOf(const Emitters<F, Mask> &e, const Point3 &p, const Normal3 &n) {
 
     F vx = F(p.x) - e.centerX, vy = F(p.y) - e.centerY, vz = F(p.z) - e.centerZ;
     F d2 = vx * vx + vy * vy + vz * vz, r2 = e.radius * e.radius;
+    auto inside = d2 <= r2 * F(Float(1.00001));
+    d2 = Ops::Max(d2, F(kTiny));
     // Stock pbrt-v4 clamps the *squared* distance at *half the diagonal*. The units do not agree; the rule is kept
     // because the probabilities, and so the noise, are to be stock's.
-    F unoriented = Ops::Min(e.phi / Ops::Max(Ops::Max(d2, e.radius), F(kTiny)), F(kMax));
-    F invDistance = F(1) / Ops::Sqrt(Ops::Max(d2, F(kTiny)));
-    F sin2 = Ops::Min(r2 * invDistance * invDistance + F(kSlack), F(1));
-    CosSin<F> extent{Ops::Sqrt(F(1) - sin2), Ops::Sqrt(sin2)};
+    F unoriented = Ops::Min(e.phi / Ops::Max(d2, e.radius), F(kMax));
 
-    F cosAxis = (e.axisX * vx + e.axisY * vy + e.axisZ * vz) * invDistance;
-    cosAxis = Ops::Max(Ops::Min(cosAxis, F(1)), F(-1));
+    // Sines and cosines of single angles come times the distance, those of differences of two times its square, and at
+    // the axis times its length, so that nothing is divided before the end: roots and quotients are what takes time
+    // here, and one that waits for another most. The difference of two angles is 0 where the second is larger.
+    F distance = Ops::Sqrt(d2), invD2 = F(1) / d2, axisLength = Ops::Sqrt(e.axisLength2);
+    F sinExtent2 = Ops::Min(r2 + F(kSlack) * d2, d2);
+    F sinExtent = Ops::Sqrt(sinExtent2), cosExtent = Ops::Sqrt(d2 - sinExtent2);
+    F cosAxis = e.axisX * vx + e.axisY * vy + e.axisZ * vz;
     cosAxis = Ops::Select(e.twoSided, Ops::Abs(cosAxis), cosAxis);
-    CosSin<F> beyond = SubtractAngles<Ops>(SubtractAngles<Ops>(FromCosine<Ops>(cosAxis), e.theta_o), extent);
-    F oriented = Ops::Select(beyond.cos > e.cosTheta_e, Ops::Max(beyond.cos, F(kMinCosine)), F(0));
+    F whole = distance * axisLength, whole2 = d2 * axisLength;
+    cosAxis = Ops::Max(Ops::Min(cosAxis, whole), -whole);
+    F sinAxis = Ops::Sqrt(Ops::Max(d2 * e.axisLength2 - cosAxis * cosAxis, F(0)));
+    auto within = cosAxis > e.cosTheta_o * whole;
+    F cosBeyond = Ops::Select(within, whole, cosAxis * e.cosTheta_o + sinAxis * e.sinTheta_o);
+    F sinBeyond = Ops::Select(within, F(0), sinAxis * e.cosTheta_o - cosAxis * e.sinTheta_o);
+    F leaving = Ops::Select(cosBeyond > cosExtent * axisLength, whole2, cosBeyond * cosExtent + sinBeyond * sinExtent);
+    F oriented = Ops::Select(leaving > e.cosTheta_e * whole2,
+                             Ops::Max(leaving, F(kMinCosine) * whole2) * (invD2 / axisLength), F(0));
 
     if (n.x != 0 || n.y != 0 || n.z != 0) {
-        F cosReceiver = Ops::Min(Ops::Abs(F(n.x) * vx + F(n.y) * vy + F(n.z) * vz) * invDistance, F(1));
-        oriented = oriented * Ops::Max(SubtractAngles<Ops>(FromCosine<Ops>(cosReceiver), extent).cos, F(0));
+        F cosReceiver = Ops::Min(Ops::Abs(F(n.x) * vx + F(n.y) * vy + F(n.z) * vz), distance);
+        F sinReceiver = Ops::Sqrt(Ops::Max(d2 - cosReceiver * cosReceiver, F(0)));
+        F arriving = Ops::Select(cosReceiver > cosExtent, d2, cosReceiver * cosExtent + sinReceiver * sinExtent);
+        oriented = oriented * (arriving * invD2);
     }
     // Inside the sphere the emitter may lie in any direction. (Stock pbrt-v4 allows for this only inside the box and
     // assumes a half-space between box and sphere, which can give 0 to a light that is seen.)
-    return unoriented * Ops::Select(d2 <= r2 * F(Float(1.00001)), F(1), oriented);
+    return unoriented * Ops::Select(inside, F(1), oriented);
 }
 
 }  // namespace detail
@@ -116,7 +119,7 @@ F ImportanceOf(const Emitters<F, Mask> &e, const Point3 &p, const Normal3 &n) {
 inline Float LightSphere::Importance(const Point3 &p, const Normal3 &n) const {
     using Ops = detail::ScalarOps;
     detail::Emitters<Float, bool> e{
-        center.x,   center.y, center.z, radius, w.x, w.y, w.z, phi, detail::FromCosine<Ops>(cosTheta_o),
+        center.x,   center.y, center.z, radius, w.x, w.y, w.z, 1, phi, cosTheta_o, detail::SineOf<Ops>(cosTheta_o),
         cosTheta_e, twoSided};
     return detail::ImportanceOf<Ops>(e, p, n);
 }

@@ -25,11 +25,11 @@ std::optional<GroupLightSampler::ChosenGroup> BVHLightSampler::ChooseGroup(const
     uint32_t infinite;
     if (!infinite_.ChooseBounded(rest, &infinite)) return ChosenGroup{infinite, infinite_.Pmf(), InnerNumber(query, u)};
     if (!Reaches(query)) return {};
-    const auto end = WalkDown(tree_, &tree_.Root(), query, rest);
+    const auto end = WalkDown(tree_, tree_.Root().LinkAndKind(), query, rest);
     if (!end) return {};
     const Float pmf = infinite_.Pmf() * end->pmf;
     if (!(pmf > 0)) return {};
-    return ChosenGroup{end->node->Link(), pmf, InnerNumber(query, u)};
+    return ChosenGroup{LightBvh::Light(end->node), pmf, InnerNumber(query, u)};
 }
 
 bool BVHLightSampler::Reaches(const LightQuery &query) const {
@@ -41,7 +41,7 @@ Float BVHLightSampler::GroupProbability(const LightQuery &query, const void *, u
     uint64_t trail = tree_.Trail(group);
     if (trail == LightBvh::NotInTree) return 0;
     if (!Reaches(query)) return 0;
-    LightBvh::Node node = &tree_.Root();
+    LightBvh::Node node = tree_.Root().LinkAndKind();
     const Float pmf = WalkProbability(tree_, &node, query, [&](LightBvh::Node, const LightBvh::Level &) {
         const auto i = static_cast<uint32_t>(trail & 1);
         trail >>= 1;

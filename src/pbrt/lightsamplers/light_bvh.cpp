@@ -2,6 +2,7 @@
 
 #include <array>
 #include <bit>
+#include <cstring>
 #include <optional>
 
 #include "pbrt/core/error.h"
@@ -82,38 +83,154 @@ LightSphere LightBvhNode::Sphere() const {
         center_, radius_, DecodeAxis(axis_), phi_, DecodeCosine(cosO_), DecodeCosine(cosE_), (link_ & kTwoSided) != 0};
 }
 
-void LightBvhPair::Importances(const Point3 &p, const Normal3 &n, Float out[2]) const {
-    // Four lanes because that is the narrowest register; the upper two repeat the lower ones.
-    using Ops = SimdOps<4>;
+void LightBvhBlock::Set(uint32_t lane, const LightBvhNode &node) {
+    centerX[lane] = node.center_.x;
+    centerY[lane] = node.center_.y;
+    centerZ[lane] = node.center_.z;
+    radius[lane] = node.radius_;
+    phi[lane] = (node.link_ & LightBvhNode::kTwoSided) != 0 ? -node.phi_ : node.phi_;
+    axisU[lane] = node.axis_[0];
+    axisV[lane] = node.axis_[1];
+    cosO[lane] = node.cosO_;
+    cosE[lane] = node.cosE_;
+    link[lane] = node.LinkAndKind();
+}
+
+LightBvhNode LightBvhBlock::Node(uint32_t lane) const {
+    LightBvhNode node;
+    node.center_ = {centerX[lane], centerY[lane], centerZ[lane]};
+    node.radius_ = radius[lane];
+    node.phi_ = std::abs(phi[lane]);
+    node.axis_[0] = axisU[lane];
+    node.axis_[1] = axisV[lane];
+    node.cosO_ = cosO[lane];
+    node.cosE_ = cosE[lane];
+    node.link_ = link[lane] | (phi[lane] < 0 ? LightBvhNode::kTwoSided : 0);
+    return node;
+}
+
+// Compiled once, so that all uses get the same bits.
+[[gnu::noinline]] void LightBvhBlock::Importances(const Point3 &p, const Normal3 &n, Float out[kLanes]) const {
+    namespace simd = std::experimental;
+    using Ops = SimdOps<kLanes>;
     using F = Ops::F;
-    auto gather = [this](auto field) { return F([&](auto i) { return static_cast<Float>(field(child[i & 1])); }); };
-    auto cosine = [](const F &q) { return q * F(2 / kSteps) - F(1); };
+    using Codes = uint16_t __attribute__((vector_size(2 * kLanes)));
+    using Numbers = int32_t __attribute__((vector_size(4 * kLanes)));
+    using Values = Float __attribute__((vector_size(4 * kLanes)));
+    auto load = [](const Float *v) { return F(v, simd::element_aligned); };
+    auto cosine = [](const uint16_t *q) {
+        Codes codes;
+        std::memcpy(&codes, q, sizeof codes);
+        const Values values = __builtin_convertvector(__builtin_convertvector(codes, Numbers), Values);
+        alignas(F) Float v[kLanes];
+        std::memcpy(v, &values, sizeof v);
+        return F(v, simd::vector_aligned) * F(2 / kSteps) - F(1);
+    };
     auto withSign = [](const F &size, const F &sign) { return Ops::Select(sign < F(0), -size, size); };
 
-    F u = cosine(gather([](const LightBvhNode &c) { return c.axis_[0]; }));
-    F v = cosine(gather([](const LightBvhNode &c) { return c.axis_[1]; }));
-    F z = F(1) - Ops::Abs(u) - Ops::Abs(v);
-    F x = Ops::Select(z < F(0), withSign(F(1) - Ops::Abs(v), u), u);
-    F y = Ops::Select(z < F(0), withSign(F(1) - Ops::Abs(u), v), v);
-    F normalise = F(1) / Ops::Sqrt(x * x + y * y + z * z);
-    F cosO = cosine(gather([](const LightBvhNode &c) { return c.cosO_; }));
-
-    detail::Emitters<F, Ops::Mask> e{
-        gather([](const LightBvhNode &c) { return c.center_.x; }),
-        gather([](const LightBvhNode &c) { return c.center_.y; }),
-        gather([](const LightBvhNode &c) { return c.center_.z; }),
-        gather([](const LightBvhNode &c) { return c.radius_; }),
-        x * normalise,
-        y * normalise,
-        z * normalise,
-        gather([](const LightBvhNode &c) { return c.phi_; }),
-        detail::FromCosine<Ops>(cosO),
-        cosine(gather([](const LightBvhNode &c) { return c.cosE_; })),
-        gather([](const LightBvhNode &c) { return (c.link_ & LightBvhNode::kTwoSided) != 0; }) != F(0)};
-    F importance = detail::ImportanceOf<Ops>(e, p, n);
-    out[0] = importance[0];
-    out[1] = importance[1];
+    const F u = cosine(axisU), v = cosine(axisV);
+    const F z = F(1) - Ops::Abs(u) - Ops::Abs(v);
+    const F x = Ops::Select(z < F(0), withSign(F(1) - Ops::Abs(v), u), u);
+    const F y = Ops::Select(z < F(0), withSign(F(1) - Ops::Abs(u), v), v);
+    const F cosTheta_o = cosine(cosO);
+    const F signedPhi = load(phi);
+    const detail::Emitters<F, Ops::Mask> e{load(centerX),
+                                           load(centerY),
+                                           load(centerZ),
+                                           load(radius),
+                                           x,
+                                           y,
+                                           z,
+                                           x * x + y * y + z * z,
+                                           Ops::Abs(signedPhi),
+                                           cosTheta_o,
+                                           detail::SineOf<Ops>(cosTheta_o),
+                                           cosine(cosE),
+                                           signedPhi < F(0)};
+    detail::ImportanceOf<Ops>(e, p, n).copy_to(out, simd::element_aligned);
 }
+
+/// Places the pairs of the tree in blocks. A block starts with the children of some node and goes on with those of the
+/// most powerful nodes below it. Small subtrees are not divided.
+class LightBvh::Packing {
+  public:
+    explicit Packing(std::span<const Pair> pairs) : pairs_(pairs), size_(pairs.size(), 1), place_(pairs.size()) {
+        for (size_t i = pairs.size(); i-- > 0;)  // children come after their parents
+            for (const LightBvhNode &child : pairs[i].child)
+                if (!child.IsLeaf()) size_[i] += size_[child.Link()];
+        std::vector<uint32_t> tops{0};
+        while (!tops.empty()) {
+            const uint32_t top = tops.back();
+            tops.pop_back();
+            if (size_[top] < kPairs)
+                small_[size_[top]].push_back(top);
+            else
+                PlaceWithMostPowerful(top, &tops);
+        }
+        PlaceSmall();
+    }
+
+    uint32_t PlaceOf(uint32_t pair) const { return place_[pair]; }
+    std::vector<LightBvhBlock> Blocks() const {
+        std::vector<LightBvhBlock> blocks((next_ + kPairs - 1) / kPairs);
+        for (size_t i = 0; i < pairs_.size(); ++i)
+            for (uint32_t c = 0; c < 2; ++c) {
+                LightBvhNode child = pairs_[i].child[c];
+                if (!child.IsLeaf()) child.LinkTo(place_[child.Link()]);
+                blocks[place_[i] / kPairs].Set(2 * (place_[i] % kPairs) + c, child);
+            }
+        return blocks;
+    }
+
+  private:
+    static constexpr uint32_t kPairs = LightBvhBlock::kPairs;
+
+    /// Fills one block, and adds the nodes below it to `tops`.
+    void PlaceWithMostPowerful(uint32_t top, std::vector<uint32_t> *tops) {
+        std::vector<LightBvhNode> below;
+        uint32_t pair = top;
+        for (uint32_t i = 0;; ++i) {
+            place_[pair] = next_++;
+            for (const LightBvhNode &child : pairs_[pair].child)
+                if (!child.IsLeaf()) below.push_back(child);
+            if (i + 1 == kPairs) break;
+            auto strongest = std::max_element(below.begin(), below.end(), [](const auto &a, const auto &b) {
+                return a.Sphere().phi < b.Sphere().phi;
+            });
+            pair = strongest->Link();
+            below.erase(strongest);
+        }
+        for (const LightBvhNode &node : below) tops->push_back(node.Link());
+    }
+    /// Fills blocks with subtrees that are smaller than a block.
+    void PlaceSmall() {
+        for (uint32_t free = kPairs;;) {
+            uint32_t size = free;
+            while (size > 0 && (size == kPairs || small_[size].empty())) --size;
+            if (size == 0 && free == kPairs) return;
+            if (size == 0) {
+                next_ += free;
+                free = kPairs;
+                continue;
+            }
+            PlaceAll(small_[size].back());
+            small_[size].pop_back();
+            free -= size;
+            if (free == 0) free = kPairs;
+        }
+    }
+    void PlaceAll(uint32_t pair) {
+        place_[pair] = next_++;
+        for (const LightBvhNode &child : pairs_[pair].child)
+            if (!child.IsLeaf()) PlaceAll(child.Link());
+    }
+
+    std::span<const Pair> pairs_;
+    std::vector<uint32_t> size_;   ///< pairs of a subtree
+    std::vector<uint32_t> place_;  ///< the number of a pair in all blocks
+    std::array<std::vector<uint32_t>, kPairs> small_;
+    uint32_t next_ = 0;
+};
 
 LightBvh::LightBvh(std::span<const LightCandidate> candidates) : trails_(candidates.size(), NotInTree) {
     std::vector<Item> items;
@@ -123,13 +240,20 @@ LightBvh::LightBvh(std::span<const LightCandidate> candidates) : trails_(candida
         items.push_back({*c.bounds, c.bounds->Centroid(), static_cast<uint32_t>(i)});
     }
     if (items.empty()) return;
-    pairs_.reserve(items.size() - 1);
+    std::vector<Pair> pairs;
+    pairs.reserve(items.size() - 1);
     LightBounds all;
-    root_ = Build(items, 0, 0, &all);
+    root_ = Build(items, 0, 0, &all, &pairs);
     hasRoot_ = true;
+    pairCount_ = pairs.size();
+    if (pairs.empty()) return;
+    const Packing packing(pairs);
+    blocks_ = packing.Blocks();
+    root_.LinkTo(packing.PlaceOf(root_.Link()));
 }
 
-LightBvhNode LightBvh::Build(std::span<Item> items, uint64_t trail, int depth, LightBounds *bounds) {
+LightBvhNode LightBvh::Build(std::span<Item> items, uint64_t trail, int depth, LightBounds *bounds,
+                             std::vector<Pair> *pairs) {
     depth_ = std::max(depth_, depth);
     if (items.size() == 1) {
         trails_[items[0].light] = trail;
@@ -184,12 +308,12 @@ LightBvhNode LightBvh::Build(std::span<Item> items, uint64_t trail, int depth, L
                          });
     }
 
-    auto pair = static_cast<uint32_t>(pairs_.size());
-    pairs_.emplace_back();
+    auto pair = static_cast<uint32_t>(pairs->size());
+    pairs->emplace_back();
     LightBounds left, right;
-    LightBvhNode first = Build(items.first(middle), trail, depth + 1, &left);
-    LightBvhNode second = Build(items.subspan(middle), trail | (uint64_t(1) << depth), depth + 1, &right);
-    pairs_[pair] = {{first, second}};
+    LightBvhNode first = Build(items.first(middle), trail, depth + 1, &left, pairs);
+    LightBvhNode second = Build(items.subspan(middle), trail | (uint64_t(1) << depth), depth + 1, &right, pairs);
+    (*pairs)[pair] = {{first, second}};
     *bounds = Union(left, right);
     return {*bounds, false, pair};
 }

@@ -16,13 +16,17 @@ class alignas(32) LightBvhNode {
     /// `link`: leaf: index of the light; else index of the pair of children. Below 2^30.
     LightBvhNode(const LightBounds &bounds, bool isLeaf, uint32_t link);
 
+    static constexpr uint32_t kLeaf = 1u << 31;
     bool IsLeaf() const { return (link_ & kLeaf) != 0; }
     uint32_t Link() const { return link_ & kLinkMask; }
+    /// Link and IsLeaf in one number.
+    uint32_t LinkAndKind() const { return link_ & ~kTwoSided; }
+    void LinkTo(uint32_t link) { link_ = (link_ & ~kLinkMask) | link; }
     LightSphere Sphere() const;
 
   private:
-    friend struct LightBvhPair;
-    static constexpr uint32_t kLeaf = 1u << 31, kTwoSided = 1u << 30, kLinkMask = kTwoSided - 1;
+    friend struct LightBvhBlock;
+    static constexpr uint32_t kTwoSided = 1u << 30, kLinkMask = kTwoSided - 1;
     Point3 center_{};
     Float radius_ = 0;
     Float phi_ = 0;
@@ -32,15 +36,29 @@ class alignas(32) LightBvhNode {
 };
 static_assert(sizeof(LightBvhNode) == 32);
 
-/// Both children of an interior node: what one step of a walk looks at, in one cache line.
-struct alignas(64) LightBvhPair {
-    LightBvhNode child[2];
-    /// child[i].Sphere().Importance(p, n), both at once. The same bits for the same arguments wherever it is called.
-    void Importances(const Point3 &p, const Normal3 &n, Float out[2]) const;
+/// The children of four interior nodes side by side, whose importances are computed together: a walk that has chosen
+/// among two of them often goes on to two others.
+struct alignas(64) LightBvhBlock {
+    static constexpr uint32_t kPairs = 4, kLanes = 2 * kPairs;
+
+    void Set(uint32_t lane, const LightBvhNode &node);
+    LightBvhNode Node(uint32_t lane) const;
+    uint32_t LinkAndKind(uint32_t lane) const { return link[lane]; }
+    /// Node(i).Sphere().Importance(p, n) of all nodes, 0 for lanes that were not set. The same bits for the same
+    /// arguments wherever it is called, whatever the other lanes hold.
+    void Importances(const Point3 &p, const Normal3 &n, Float out[kLanes]) const;
+
+  private:
+    Float centerX[kLanes] = {}, centerY[kLanes] = {}, centerZ[kLanes] = {}, radius[kLanes] = {};
+    Float phi[kLanes] = {};  ///< negative: two-sided
+    uint16_t axisU[kLanes] = {}, axisV[kLanes] = {}, cosO[kLanes] = {}, cosE[kLanes] = {};
+    uint32_t link[kLanes] = {};
 };
+static_assert(sizeof(LightBvhBlock) == LightBvhBlock::kLanes * sizeof(LightBvhNode));
 
 /// Binary tree over the bounded lights, one light per leaf, split by the surface area orientation heuristic
-/// (Conty and Kulla 2018, section 4) in 12 buckets per axis.
+/// (Conty and Kulla 2018, section 4) in 12 buckets per axis. The choice at every node is stock's; only where children
+/// lie in memory is not: a block holds an interior node and, of those below it, the most powerful.
 class LightBvh {
   public:
     static constexpr int kMaxDepth = 62;
@@ -50,32 +68,42 @@ class LightBvh {
 
     bool IsEmpty() const { return !hasRoot_; }
     const LightBvhNode &Root() const { return root_; }
-    const LightBvhPair &Pair(uint32_t i) const { return pairs_[i]; }
+    /// The first or second child of an interior node.
+    LightBvhNode Child(const LightBvhNode &node, uint32_t which) const {
+        const uint32_t lane = 2 * node.Link() + which;
+        return blocks_[lane / LightBvhBlock::kLanes].Node(lane % LightBvhBlock::kLanes);
+    }
     /// The path from the root to a candidate: bit d says which child is taken at depth d. NotInTree for candidates that
     /// the tree does not hold.
     static constexpr uint64_t NotInTree = ~uint64_t(0);
     uint64_t Trail(uint32_t candidate) const { return trails_[candidate]; }
 
     /// The interface for WalkDown (weighted_choice.h); importances are for the shading normal.
-    using Node = const LightBvhNode *;
+    using Node = uint32_t;  ///< LightBvhNode::LinkAndKind
+    static uint32_t Light(Node leaf) { return leaf & ~LightBvhNode::kLeaf; }
     struct Level {
         static constexpr uint32_t count = 2;
-        const LightBvhPair *pair;
-        Float weights[2];
+        const LightBvhBlock *block = nullptr;  ///< the one whose importances are known
+        uint32_t lane = 0;                     ///< the first of the two children
+        alignas(32) Float importances[LightBvhBlock::kLanes];
         Float sum;
-        Float WeightAt(uint32_t i) const { return weights[i]; }
-        Node At(uint32_t i) const { return &pair->child[i]; }
+        Float WeightAt(uint32_t i) const { return importances[lane + i]; }
+        Node At(uint32_t i) const { return block->LinkAndKind(lane + i); }
     };
-    static bool IsLeaf(Node node) { return node->IsLeaf(); }
+    static bool IsLeaf(Node node) { return (node & LightBvhNode::kLeaf) != 0; }
     void WeighBelow(Node node, const LightQuery &query, Level *level) const {
-        level->pair = &pairs_[node->Link()];
-        level->pair->Importances(query.p, query.ns, level->weights);
-        level->sum = level->weights[0] + level->weights[1];
+        const LightBvhBlock *block = &blocks_[node / LightBvhBlock::kPairs];
+        if (level->block != block) {
+            level->block = block;
+            block->Importances(query.p, query.ns, level->importances);
+        }
+        level->lane = 2 * (node % LightBvhBlock::kPairs);
+        level->sum = level->importances[level->lane] + level->importances[level->lane + 1];
     }
 
-    size_t PairCount() const { return pairs_.size(); }
+    size_t PairCount() const { return pairCount_; }
     int Depth() const { return depth_; }
-    size_t Bytes() const { return pairs_.capacity() * sizeof(LightBvhPair) + trails_.capacity() * sizeof(uint64_t); }
+    size_t Bytes() const { return blocks_.capacity() * sizeof(LightBvhBlock) + trails_.capacity() * sizeof(uint64_t); }
 
   private:
     struct Item {
@@ -83,12 +111,18 @@ class LightBvh {
         Point3 centroid;
         uint32_t light;
     };
-    LightBvhNode Build(std::span<Item> items, uint64_t trail, int depth, LightBounds *bounds);
+    struct Pair {
+        LightBvhNode child[2];
+    };
+    class Packing;
+    LightBvhNode Build(std::span<Item> items, uint64_t trail, int depth, LightBounds *bounds,
+                       std::vector<Pair> *pairs);
 
     LightBvhNode root_;
     bool hasRoot_ = false;
     int depth_ = 0;
-    std::vector<LightBvhPair> pairs_;
+    size_t pairCount_ = 0;
+    std::vector<LightBvhBlock> blocks_;  ///< an interior node links to pair i of all blocks: pair i % 4 of block i / 4
     std::vector<uint64_t> trails_;
 };
 

@@ -40,7 +40,7 @@ struct alignas(4 * N) LightPacket {
         axisZ[lane] = s.w.z;
         phi[lane] = s.phi;
         cosO[lane] = s.cosTheta_o;
-        sinO[lane] = detail::FromCosine<detail::ScalarOps>(s.cosTheta_o).sin;
+        sinO[lane] = detail::SineOf<detail::ScalarOps>(s.cosTheta_o);
         cosE[lane] = s.cosTheta_e;
         twoSided[lane] = s.twoSided ? 1 : 0;
     }
@@ -56,8 +56,10 @@ struct alignas(4 * N) LightPacket {
                                                   load(axisX),
                                                   load(axisY),
                                                   load(axisZ),
+                                                  F(1),
                                                   load(phi),
-                                                  {load(cosO), load(sinO)},
+                                                  load(cosO),
+                                                  load(sinO),
                                                   load(cosE),
                                                   load(twoSided) != F(0)};
         detail::ImportanceOf<Ops>(e, p, n).copy_to(out, std::experimental::element_aligned);

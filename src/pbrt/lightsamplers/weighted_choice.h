@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <optional>
+#include <type_traits>
 
 #include "pbrt/lightsamplers/light_sampler.h"
 
@@ -31,6 +32,15 @@ template <class Sum, class WeightAt>
     return chosen;
 }
 
+/// ChooseByWeight for two, without a branch, because which of them is chosen cannot be foretold: with tables instead.
+/// Weight 0: nothing is chosen.
+template <class Sum, class WeightAt>
+[[gnu::always_inline]] inline auto ChooseOfTwo(Sum target, WeightAt &&weightAt) {
+    const Sum before[2] = {0, static_cast<Sum>(weightAt(0u))};
+    const uint32_t index = static_cast<uint32_t>(weightAt(1u) > 0) & static_cast<uint32_t>(!(target < before[1]));
+    return WeightedChoice<Sum, decltype(weightAt(0u))>{index, weightAt(index), before[index]};
+}
+
 /// Where a walk down a tree over lights ends: at a leaf (the tree knows what it holds), and the probability of that.
 template <class Node>
 struct WalkEnd {
@@ -43,7 +53,8 @@ struct WalkEnd {
 /// Walks down from `node` and chooses at every level among the nodes below by their weights. A tree has
 ///
 ///   using Node = ...;                           names a node; a small value
-///   struct Level { uint32_t count; Float sum;  Float WeightAt(i) const;  Node At(i) const; };
+///   struct Level { uint32_t count; Float sum;  Float WeightAt(i) const;  Node At(i) const; };   kept from one level of
+///                                               a walk to the next; `static constexpr uint32_t count = 2` is quicker
 ///   bool IsLeaf(Node) const;
 ///   void WeighBelow(Node, const LightQuery &, Level *) const;   the nodes below, their weights and the weights' sum
 ///
@@ -52,17 +63,23 @@ template <class Tree>
 std::optional<WalkEnd<typename Tree::Node>> WalkDown(const Tree &tree, typename Tree::Node node,
                                                      const LightQuery &query, double u) {
     WalkEnd<typename Tree::Node> end{node, 1, u, 0};
+    typename Tree::Level level;
     while (!tree.IsLeaf(end.node)) {
-        typename Tree::Level level;
         tree.WeighBelow(end.node, query, &level);
         const double target = end.rest * static_cast<double>(level.sum);
-        const auto chosen = ChooseByWeight<double>(level.count, target, [&](uint32_t i) { return level.WeightAt(i); });
-        if (!chosen) return {};
-        end.weight = chosen->weight;
-        end.pmf *= chosen->weight / level.sum;
-        end.rest =
-            std::clamp((target - chosen->before) / static_cast<double>(chosen->weight), 0.0, 0x1.fffffffffffffp-1);
-        end.node = level.At(chosen->index);
+        const auto weightAt = [&](uint32_t i) { return level.WeightAt(i); };
+        WeightedChoice<double, Float> chosen;
+        if constexpr (std::is_same_v<decltype(&Tree::Level::count), const uint32_t *>) {  // static
+            static_assert(Tree::Level::count == 2);
+            chosen = ChooseOfTwo(target, weightAt);
+        } else if (auto some = ChooseByWeight(level.count, target, weightAt)) {
+            chosen = *some;
+        }
+        if (!(chosen.weight > 0)) return {};
+        end.weight = chosen.weight;
+        end.pmf *= chosen.weight / level.sum;
+        end.rest = std::clamp((target - chosen.before) / static_cast<double>(chosen.weight), 0.0, 0x1.fffffffffffffp-1);
+        end.node = level.At(chosen.index);
     }
     return end;
 }
@@ -72,8 +89,8 @@ std::optional<WalkEnd<typename Tree::Node>> WalkDown(const Tree &tree, typename 
 template <class Tree, class Next>
 Float WalkProbability(const Tree &tree, typename Tree::Node *node, const LightQuery &query, Next &&next) {
     Float pmf = 1;
+    typename Tree::Level level;
     while (!tree.IsLeaf(*node)) {
-        typename Tree::Level level;
         tree.WeighBelow(*node, query, &level);
         const uint32_t i = next(*node, level);
         const Float weight = level.WeightAt(i);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <functional>
 
 #include "candidates.h"
@@ -30,26 +31,38 @@ TEST(LightBvhNode, RoundedBoundsNeverHideTheLight) {
     EXPECT_GT(seen, 50000);
 }
 
-TEST(LightBvhPair, BothChildrenAtOnceEqualOneByOne) {
+TEST(LightBvhBlock, AllNodesAtOnceEqualOneByOne) {
+    constexpr uint32_t kLanes = LightBvhBlock::kLanes;
     Rng rng(3);
     int seen = 0;
-    for (int i = 0; i < 20000; ++i) {
-        LightBounds b[2] = {RandomEmitter(rng), RandomEmitter(rng)};
-        LightBvhPair pair{{LightBvhNode(b[0], true, 0), LightBvhNode(b[1], true, 1)}};
+    for (int i = 0; i < 5000; ++i) {
+        std::array<LightBounds, kLanes> b;
+        LightBvhBlock block;
+        const uint32_t empty = static_cast<uint32_t>(i) % kLanes;
+        for (uint32_t k = 0; k < kLanes; ++k) {
+            b[k] = RandomEmitter(rng);
+            if (k != empty) block.Set(k, LightBvhNode(b[k], k % 2 == 0, k));
+        }
         for (int j = 0; j < 10; ++j) {
             Point3 p = Point3(0.5f) + SampleUniformSphere(rng.Uniform2()) * (2 * rng.Uniform());
             Normal3 n = j % 2 ? SampleUniformSphere(rng.Uniform2()) : Normal3(0);
-            Float both[2];
-            pair.Importances(p, n, both);
-            for (int k = 0; k < 2; ++k) {
-                Float one = pair.child[k].Sphere().Importance(p, n), exact = b[k].Importance(p, n);
+            Float all[kLanes];
+            block.Importances(p, n, all);
+            EXPECT_EQ(all[empty], 0);
+            for (uint32_t k = 0; k < kLanes; ++k) {
+                if (k == empty) continue;
+                const LightBvhNode node = block.Node(k);
+                EXPECT_EQ(node.Link(), k);
+                EXPECT_EQ(node.IsLeaf(), k % 2 == 0);
+                EXPECT_EQ(node.Sphere().center, LightBvhNode(b[k], k % 2 == 0, k).Sphere().center);
+                Float one = node.Sphere().Importance(p, n), exact = b[k].Importance(p, n);
                 // Only at the border of the emission cone may the two differ in being 0, by rounding.
-                if (both[k] > 0 && one > 0) {
-                    ASSERT_NEAR(both[k] / one, 1, 2e-2) << one;
+                if (all[k] > 0 && one > 0) {
+                    ASSERT_NEAR(all[k] / one, 1, 2e-2) << one;
                 }
                 if (exact > 0) {
                     ++seen;
-                    ASSERT_GT(both[k], 0);
+                    ASSERT_GT(all[k], 0);
                 }
             }
         }
@@ -77,9 +90,9 @@ void ExpectEveryTrailLeadsToItsLight(const std::vector<LightCandidate> &candidat
             EXPECT_EQ(trail, LightBvh::NotInTree);
             continue;
         }
-        const LightBvhNode *node = &tree.Root();
-        for (; !node->IsLeaf(); trail >>= 1) node = &tree.Pair(node->Link()).child[trail & 1];
-        EXPECT_EQ(node->Link(), i);
+        LightBvhNode node = tree.Root();
+        for (; !node.IsLeaf(); trail >>= 1) node = tree.Child(node, trail & 1);
+        EXPECT_EQ(node.Link(), i);
         EXPECT_EQ(trail, 0u);
     }
 }
@@ -124,10 +137,10 @@ TEST(LightBvh, NodesBelowANodeAreNoMorePowerfulTogether) {
     std::function<double(const LightBvhNode &)> check = [&](const LightBvhNode &node) -> double {
         LightSphere s = node.Sphere();
         if (node.IsLeaf()) return static_cast<double>(s.phi);
-        const LightBvhPair &pair = tree.Pair(node.Link());
-        double sum = check(pair.child[0]) + check(pair.child[1]);
+        const LightBvhNode children[2] = {tree.Child(node, 0), tree.Child(node, 1)};
+        double sum = check(children[0]) + check(children[1]);
         EXPECT_NEAR(static_cast<double>(s.phi) / sum, 1, 1e-4);
-        for (const LightBvhNode &child : pair.child)
+        for (const LightBvhNode &child : children)
             EXPECT_LE(Distance(child.Sphere().center, s.center), s.radius * 1.0001f + 1e-6f);
         return sum;
     };

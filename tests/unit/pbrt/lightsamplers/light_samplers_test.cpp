@@ -140,14 +140,13 @@ TEST(BVHLightSampler, PmfIsTheProductOfChildSharesWithTheShadingNormal) {
         for (uint32_t light = 0; light < 64; ++light) {
             // The expected PMF, in double, by following the trail of the leaf from the root.
             double expected = 0.5;
-            const LightBvhNode *node = &tree.Root();
-            for (uint64_t trail = tree.Trail(light); !node->IsLeaf() && expected > 0; trail >>= 1) {
-                const LightBvhPair &pair = tree.Pair(node->Link());
+            LightBvhNode node = tree.Root();
+            for (uint64_t trail = tree.Trail(light); !node.IsLeaf() && expected > 0; trail >>= 1) {
                 double w[2];
-                for (int i = 0; i < 2; ++i)
-                    w[i] = static_cast<double>(pair.child[i].Sphere().Importance(query.p, query.ns));
+                for (uint32_t i = 0; i < 2; ++i)
+                    w[i] = static_cast<double>(tree.Child(node, i).Sphere().Importance(query.p, query.ns));
                 expected = w[trail & 1] > 0 ? expected * w[trail & 1] / (w[0] + w[1]) : 0;
-                node = &pair.child[trail & 1];
+                node = tree.Child(node, trail & 1);
             }
             ASSERT_NEAR(static_cast<double>(sampler.PMF(query, LightId(light))), expected, 1e-3 * expected + 1e-9);
         }

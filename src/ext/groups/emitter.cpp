@@ -179,6 +179,8 @@ void EmitterPacket::Set(size_t lane, const Emitter &e) {
     return std::experimental::reduce(sum);
 }
 
+Float EmitterPacket::Sum(const Float *g) { return std::experimental::reduce(Load(g)); }
+
 EmitterRow::EmitterRow(const EmitterPacket &p, size_t lane)
     : field{p.centerX[lane],
             p.centerY[lane],

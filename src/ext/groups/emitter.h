@@ -64,6 +64,8 @@ struct alignas(32) EmitterPacket {
     void Evaluate(const LightQuery &query, Float *out) const { EvaluateAll(this, 1, query, out); }
     /// Writes G of all lanes of `count` consecutive packets and returns the sum.
     static Float EvaluateAll(const EmitterPacket *packets, size_t count, const LightQuery &query, Float *out);
+    /// The sum of what Evaluate wrote, from memory aligned as packets are.
+    static Float Sum(const Float *g);
 };
 
 /// One lane of a packet, in one cache line.

@@ -5,7 +5,6 @@
 
 #include "ext/groups/emitter_feature.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {
 
@@ -156,18 +155,48 @@ void EmitterTree::MakePackets(std::span<const Emitter> emitters, std::span<const
 
 void EmitterTree::WeighBelow(Node n, const LightQuery &query, Level *level) const {
     const Branch &node = nodes_[n];
-    for (size_t i = 0; i < node.count; i += EmitterPacket::kLanes)
-        packets_[node.firstPacket + i / EmitterPacket::kLanes].Evaluate(query, level->buffer + i);
-    level->g = level->buffer + node.firstLane;
+    constexpr uint32_t kLanes = Level::kLanes;
+    const uint32_t end = node.firstLane + node.count;
+    level->packets = (end + kLanes - 1) / kLanes;
+    EmitterPacket::EvaluateAll(&packets_[node.firstPacket], level->packets, query, level->g);
+    for (uint32_t i = 0; i < node.firstLane; ++i) level->g[i] = 0;
+    for (uint32_t i = end; i < level->packets * kLanes; ++i) level->g[i] = 0;
+    level->sum = 0;
+    for (uint32_t p = 0; p < level->packets; ++p)
+        level->sum += level->packetSums[p] = EmitterPacket::Sum(level->g + p * kLanes);
+    level->firstLane = node.firstLane;
     level->children = children_.data() + node.firstChild;
     level->tree = this;
     level->query = &query;
-    level->near = level->count = node.count;
-    level->sum = 0;
-    for (size_t i = 0; i < node.count; ++i) level->sum += level->g[i];
-    if (n != 0) return;
-    level->count += static_cast<uint32_t>(far_.size());
-    for (const Far &far : far_) level->sum += EvaluateFar(far.emitter, query);
+    level->near = node.count;
+    level->far = n == 0 ? static_cast<uint32_t>(far_.size()) : 0;
+    for (uint32_t i = 0; i < level->far; ++i) level->sum += EvaluateFar(far_[i].emitter, query);
+}
+
+/// First the packet, then the lane in it.
+WeightedChoice<double, Float> EmitterTree::Level::Choose(double target) const {
+    double before = 0;
+    for (uint32_t p = 0; p < packets; ++p) {
+        const double after = before + static_cast<double>(packetSums[p]);
+        if (target < after) {
+            const Float *lanes = g + p * kLanes;
+            auto chosen = *ChooseByWeight<double>(kLanes, target, [&](uint32_t i) { return lanes[i]; }, before);
+            chosen.index += p * static_cast<uint32_t>(kLanes) - firstLane;
+            return chosen;
+        }
+        before = after;
+    }
+    if (far > 0) {
+        auto chosen = ChooseByWeight<double>(far, target, [&](uint32_t i) { return WeightAt(near + i); }, before);
+        if (chosen) {
+            chosen->index += near;
+            return *chosen;
+        }
+    }
+    // By rounding: the last one.
+    return ChooseByWeight<double>(near, std::numeric_limits<double>::infinity(), [&](uint32_t i) {
+               return WeightAt(i);
+           }).value_or(WeightedChoice<double, Float>{});
 }
 
 std::optional<SampledLight> EmitterTree::Sample(const LightQuery &query, Float u) const {

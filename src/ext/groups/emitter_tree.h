@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "ext/groups/emitter.h"
+#include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {
 
@@ -25,15 +26,21 @@ class EmitterTree {
     static constexpr uint32_t kLeaf = 0x80000000u;
     using Node = uint32_t;
     struct Level {
-        alignas(32) Float buffer[kWidth];
-        const Float *g;  ///< of the children without far lights
+        static constexpr size_t kLanes = EmitterPacket::kLanes;
+        alignas(32) Float g[kWidth];  ///< of whole packets; 0 in lanes of other nodes
+        Float packetSums[kWidth / kLanes];
+        uint32_t packets = 0, firstLane = 0;
         const uint32_t *children;
         const EmitterTree *tree;
         const LightQuery *query;
-        uint32_t near = 0, count = 0;
+        uint32_t near = 0;  ///< children without far lights
+        uint32_t far = 0;
         Float sum = 0;
-        Float WeightAt(uint32_t i) const { return i < near ? g[i] : EvaluateFar(tree->far_[i - near].emitter, *query); }
+        Float WeightAt(uint32_t i) const {
+            return i < near ? g[firstLane + i] : EvaluateFar(tree->far_[i - near].emitter, *query);
+        }
         Node At(uint32_t i) const { return i < near ? children[i] : kLeaf | tree->far_[i - near].index; }
+        WeightedChoice<double, Float> Choose(double target) const;
     };
     static bool IsLeaf(Node node) { return (node & kLeaf) != 0; }
     void WeighBelow(Node node, const LightQuery &query, Level *level) const;

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "ext/groups/emitter.h"
+#include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {
 
@@ -66,6 +67,9 @@ class LightTree {
         Float sum = 0;
         Float WeightAt(uint32_t i) const { return g[i]; }
         Node At(uint32_t i) const { return nodes[i]; }
+        WeightedChoice<double, Float> Choose(double target) const {
+            return ChooseByWeight<double>(count, target, [&](uint32_t i) { return g[i]; }).value_or(WeightedChoice<double, Float>{});
+        }
     };
     bool IsLeaf(Node node) const { return !HasChildren(node); }
     void WeighBelow(Node node, const LightQuery &query, Level *level) const;

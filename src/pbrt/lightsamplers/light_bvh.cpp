@@ -1,3 +1,5 @@
+// g++ 12 warns of its own header of AVX-512 instructions.
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #include "pbrt/lightsamplers/light_bvh.h"
 
 #include <array>

@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "pbrt/lights/light_table.h"
-#include "pbrt/lightsamplers/light_sampler.h"
+#include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace pbrt {
 
 /// A node of the tree: a LightSphere and the link to what is below, in 32 bytes. Directions and cosines are rounded so
-/// that the cone only grows.
+/// that the cone only grows, but for what Importance's own margin makes up for.
 class alignas(32) LightBvhNode {
   public:
     LightBvhNode() = default;
@@ -36,10 +36,15 @@ class alignas(32) LightBvhNode {
 };
 static_assert(sizeof(LightBvhNode) == 32);
 
-/// The children of four interior nodes side by side, whose importances are computed together: a walk that has chosen
+/// The children of several interior nodes side by side, whose importances are computed together: a walk that has chosen
 /// among two of them often goes on to two others.
 struct alignas(64) LightBvhBlock {
-    static constexpr uint32_t kPairs = 4, kLanes = 2 * kPairs;
+#ifdef __AVX512F__
+    static constexpr uint32_t kPairs = 8;
+#else
+    static constexpr uint32_t kPairs = 4;
+#endif
+    static constexpr uint32_t kLanes = 2 * kPairs;
 
     void Set(uint32_t lane, const LightBvhNode &node);
     LightBvhNode Node(uint32_t lane) const;
@@ -82,13 +87,13 @@ class LightBvh {
     using Node = uint32_t;  ///< LightBvhNode::LinkAndKind
     static uint32_t Light(Node leaf) { return leaf & ~LightBvhNode::kLeaf; }
     struct Level {
-        static constexpr uint32_t count = 2;
         const LightBvhBlock *block = nullptr;  ///< the one whose importances are known
         uint32_t lane = 0;                     ///< the first of the two children
         alignas(32) Float importances[LightBvhBlock::kLanes];
         Float sum;
         Float WeightAt(uint32_t i) const { return importances[lane + i]; }
         Node At(uint32_t i) const { return block->LinkAndKind(lane + i); }
+        WeightedChoice<double, Float> Choose(double target) const { return ChooseOfTwo(target, importances + lane); }
     };
     static bool IsLeaf(Node node) { return (node & LightBvhNode::kLeaf) != 0; }
     void WeighBelow(Node node, const LightQuery &query, Level *level) const {
@@ -122,7 +127,7 @@ class LightBvh {
     bool hasRoot_ = false;
     int depth_ = 0;
     size_t pairCount_ = 0;
-    std::vector<LightBvhBlock> blocks_;  ///< an interior node links to pair i of all blocks: pair i % 4 of block i / 4
+    std::vector<LightBvhBlock> blocks_;  ///< interior node: links to pair i of all blocks, i % kPairs of block i / kPairs
     std::vector<uint64_t> trails_;
 };
 

@@ -1,7 +1,6 @@
 #pragma once
 #include <algorithm>
 #include <optional>
-#include <type_traits>
 
 #include "pbrt/lightsamplers/light_sampler.h"
 
@@ -34,11 +33,11 @@ template <class Sum, class WeightAt>
 
 /// ChooseByWeight for two, without a branch, because which of them is chosen cannot be foretold: with tables instead.
 /// Weight 0: nothing is chosen.
-template <class Sum, class WeightAt>
-[[gnu::always_inline]] inline auto ChooseOfTwo(Sum target, WeightAt &&weightAt) {
-    const Sum before[2] = {0, static_cast<Sum>(weightAt(0u))};
-    const uint32_t index = static_cast<uint32_t>(weightAt(1u) > 0) & static_cast<uint32_t>(!(target < before[1]));
-    return WeightedChoice<Sum, decltype(weightAt(0u))>{index, weightAt(index), before[index]};
+template <class Sum, class Weight>
+[[gnu::always_inline]] inline WeightedChoice<Sum, Weight> ChooseOfTwo(Sum target, const Weight *weights) {
+    const Sum before[2] = {0, static_cast<Sum>(weights[0])};
+    const uint32_t index = static_cast<uint32_t>(weights[1] > 0) & static_cast<uint32_t>(!(target < before[1]));
+    return {index, weights[index], before[index]};
 }
 
 /// Where a walk down a tree over lights ends: at a leaf (the tree knows what it holds), and the probability of that.
@@ -53,8 +52,9 @@ struct WalkEnd {
 /// Walks down from `node` and chooses at every level among the nodes below by their weights. A tree has
 ///
 ///   using Node = ...;                           names a node; a small value
-///   struct Level { uint32_t count; Float sum;  Float WeightAt(i) const;  Node At(i) const; };   kept from one level of
-///                                               a walk to the next; `static constexpr uint32_t count = 2` is quicker
+///   struct Level { Float sum;  Float WeightAt(i) const;  Node At(i) const;  WeightedChoice<double, Float> Choose(target)
+///                  const; };                    kept from one level of a walk to the next. Choose: with weight 0 for
+///                                               nothing
 ///   bool IsLeaf(Node) const;
 ///   void WeighBelow(Node, const LightQuery &, Level *) const;   the nodes below, their weights and the weights' sum
 ///
@@ -67,14 +67,7 @@ std::optional<WalkEnd<typename Tree::Node>> WalkDown(const Tree &tree, typename 
     while (!tree.IsLeaf(end.node)) {
         tree.WeighBelow(end.node, query, &level);
         const double target = end.rest * static_cast<double>(level.sum);
-        const auto weightAt = [&](uint32_t i) { return level.WeightAt(i); };
-        WeightedChoice<double, Float> chosen;
-        if constexpr (std::is_same_v<decltype(&Tree::Level::count), const uint32_t *>) {  // static
-            static_assert(Tree::Level::count == 2);
-            chosen = ChooseOfTwo(target, weightAt);
-        } else if (auto some = ChooseByWeight(level.count, target, weightAt)) {
-            chosen = *some;
-        }
+        const WeightedChoice<double, Float> chosen = level.Choose(target);
         if (!(chosen.weight > 0)) return {};
         end.weight = chosen.weight;
         end.pmf *= chosen.weight / level.sum;

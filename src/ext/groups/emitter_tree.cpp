@@ -180,23 +180,25 @@ WeightedChoice<double, Float> EmitterTree::Level::Choose(double target) const {
         const double after = before + static_cast<double>(packetSums[p]);
         if (target < after) {
             const Float *lanes = g + p * kLanes;
-            auto chosen = *ChooseByWeight<double>(kLanes, target, [&](uint32_t i) { return lanes[i]; }, before);
+            auto chosen = *ChooseByWeight<double>(
+                kLanes, target, [&](uint32_t i) { return lanes[i]; }, before);
             chosen.index += p * static_cast<uint32_t>(kLanes) - firstLane;
             return chosen;
         }
         before = after;
     }
     if (far > 0) {
-        auto chosen = ChooseByWeight<double>(far, target, [&](uint32_t i) { return WeightAt(near + i); }, before);
+        auto chosen = ChooseByWeight<double>(
+            far, target, [&](uint32_t i) { return WeightAt(near + i); }, before);
         if (chosen) {
             chosen->index += near;
             return *chosen;
         }
     }
     // By rounding: the last one.
-    return ChooseByWeight<double>(near, std::numeric_limits<double>::infinity(), [&](uint32_t i) {
-               return WeightAt(i);
-           }).value_or(WeightedChoice<double, Float>{});
+    return ChooseByWeight<double>(near, std::numeric_limits<double>::infinity(),
+                                  [&](uint32_t i) { return WeightAt(i); })
+        .value_or(WeightedChoice<double, Float>{});
 }
 
 std::optional<SampledLight> EmitterTree::Sample(const LightQuery &query, Float u) const {

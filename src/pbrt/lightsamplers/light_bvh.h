@@ -120,14 +120,14 @@ class LightBvh {
         LightBvhNode child[2];
     };
     class Packing;
-    LightBvhNode Build(std::span<Item> items, uint64_t trail, int depth, LightBounds *bounds,
-                       std::vector<Pair> *pairs);
+    LightBvhNode Build(std::span<Item> items, uint64_t trail, int depth, LightBounds *bounds, std::vector<Pair> *pairs);
 
     LightBvhNode root_;
     bool hasRoot_ = false;
     int depth_ = 0;
     size_t pairCount_ = 0;
-    std::vector<LightBvhBlock> blocks_;  ///< interior node: links to pair i of all blocks, i % kPairs of block i / kPairs
+    std::vector<LightBvhBlock>
+        blocks_;  ///< interior node: links to pair i of all blocks, i % kPairs of block i / kPairs
     std::vector<uint64_t> trails_;
 };
 

@@ -49,19 +49,9 @@ struct alignas(4 * N) LightPacket {
         using Ops = SimdOps<N>;
         using F = typename Ops::F;
         auto load = [](const Float *v) { return F(v, std::experimental::element_aligned); };
-        detail::Emitters<F, typename Ops::Mask> e{load(centerX),
-                                                  load(centerY),
-                                                  load(centerZ),
-                                                  load(radius),
-                                                  load(axisX),
-                                                  load(axisY),
-                                                  load(axisZ),
-                                                  F(1),
-                                                  load(phi),
-                                                  load(cosO),
-                                                  load(sinO),
-                                                  load(cosE),
-                                                  load(twoSided) != F(0)};
+        detail::Emitters<F, typename Ops::Mask> e{
+            load(centerX), load(centerY), load(centerZ), load(radius), load(axisX), load(axisY),           load(axisZ),
+            F(1),          load(phi),     load(cosO),    load(sinO),   load(cosE),  load(twoSided) != F(0)};
         detail::ImportanceOf<Ops>(e, p, n).copy_to(out, std::experimental::element_aligned);
     }
 };

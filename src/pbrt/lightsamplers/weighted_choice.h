@@ -52,11 +52,11 @@ struct WalkEnd {
 /// Walks down from `node` and chooses at every level among the nodes below by their weights. A tree has
 ///
 ///   using Node = ...;                           names a node; a small value
-///   struct Level { Float sum;  Float WeightAt(i) const;  Node At(i) const;  WeightedChoice<double, Float> Choose(target)
-///                  const; };                    kept from one level of a walk to the next. Choose: with weight 0 for
-///                                               nothing
+///   struct Level;                               what is known of the nodes below, kept from one level to the next:
+///       Float sum;  Float WeightAt(i) const;  Node At(i) const;
+///       WeightedChoice<double, Float> Choose(double target) const;   as ChooseByWeight; weight 0: nothing
 ///   bool IsLeaf(Node) const;
-///   void WeighBelow(Node, const LightQuery &, Level *) const;   the nodes below, their weights and the weights' sum
+///   void WeighBelow(Node, const LightQuery &, Level *) const;
 ///
 /// The result is empty if the walk comes to a node below which no weight is positive.
 template <class Tree>

@@ -113,6 +113,13 @@ TEST(LightBvh, EveryTrailLeadsToItsLight) {
     }
 }
 
+TEST(LightBvh, BlocksAreFull) {
+    const LightBvh tree(RandomCandidates(5, 5000));
+    const size_t trails = 5000 * sizeof(uint64_t);
+    EXPECT_GE(tree.Bytes() - trails, tree.PairCount() * 2 * sizeof(LightBvhNode));
+    EXPECT_LE(tree.Bytes() - trails, tree.PairCount() * 2 * sizeof(LightBvhNode) + sizeof(LightBvhBlock));
+}
+
 TEST(LightBvh, CoincidentLightsAreHalved) {
     std::vector<LightCandidate> c(1000, Bounded(RandomCandidates(3, 1)[0].bounds.value()));
     LightBvh tree(c);

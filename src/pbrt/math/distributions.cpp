@@ -1,6 +1,7 @@
 #include "pbrt/math/distributions.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "pbrt/core/error.h"
 
@@ -17,13 +18,25 @@ PiecewiseConstant1D::PiecewiseConstant1D(std::span<const Float> f, Float low, Fl
     for (size_t i = 1; i < cdf_.size(); ++i)
         cdf_[i] = static_cast<Float>(sum > 0 ? running[i] / sum : double(i) / double(f_.size()));
     cdf_.back() = 1;
+
+    constexpr size_t kPiecesPerCut = 8;
+    const size_t cuts = std::bit_floor(std::max<size_t>(1, f_.size() / kPiecesPerCut));
+    cuts_.resize(cuts + 1);
+    size_t i = 0;
+    for (size_t k = 0; k <= cuts; ++k) {
+        const Float u = static_cast<Float>(k) / static_cast<Float>(cuts);
+        while (i + 1 < f_.size() && cdf_[i + 1] <= u) ++i;
+        cuts_[k] = static_cast<uint32_t>(i);
+    }
 }
 
 PiecewiseConstant1D::Sampled PiecewiseConstant1D::Sample(Float u) const {
     // Last piece whose lower end is <= u; pieces of zero width can never be chosen. No branches: u is random, so half
     // of them would be mispredicted.
-    size_t i = 0;
-    for (size_t left = f_.size(); left > 1;) {
+    const size_t cuts = cuts_.size() - 1;
+    const size_t cut = std::min(static_cast<size_t>(u * static_cast<Float>(cuts)), cuts - 1);
+    size_t i = cuts_[cut];
+    for (size_t left = cuts_[cut + 1] - i + 1; left > 1;) {
         const size_t half = left / 2;
         i = cdf_[i + half] <= u ? i + half : i;
         left -= half;

@@ -23,10 +23,15 @@ class PiecewiseConstant1D {
     Float Integral() const { return integral_; }  ///< of |f| over [low, high)
     int Size() const { return static_cast<int>(f_.size()); }
     Float Value(int i) const { return f_[static_cast<size_t>(i)]; }
-    size_t Bytes() const { return (f_.capacity() + cdf_.capacity()) * sizeof(Float); }
+    size_t Bytes() const {
+        return (f_.capacity() + cdf_.capacity()) * sizeof(Float) + cuts_.capacity() * sizeof(uint32_t);
+    }
 
   private:
     std::vector<Float> f_, cdf_;
+    /// Where the search for u may begin: the piece in which k / (their number less one) lies, for every k. There are
+    /// one more than a power of two, so that the products are exact.
+    std::vector<uint32_t> cuts_;
     Float low_ = 0, high_ = 1, last_ = OneMinusEpsilon, integral_ = 0;  ///< last_: the largest number below high_
 };
 

@@ -158,7 +158,7 @@ void EmitterTree::WeighBelow(Node n, const LightQuery &query, Level *level) cons
     constexpr uint32_t kLanes = Level::kLanes;
     const uint32_t end = node.firstLane + node.count;
     level->packets = (end + kLanes - 1) / kLanes;
-    EmitterPacket::EvaluateAll(&packets_[node.firstPacket], level->packets, query, level->g);
+    EmitterPacket::EvaluateAll(packets_.data() + node.firstPacket, level->packets, query, level->g);
     for (uint32_t i = 0; i < node.firstLane; ++i) level->g[i] = 0;
     for (uint32_t i = end; i < level->packets * kLanes; ++i) level->g[i] = 0;
     level->sum = 0;

@@ -187,15 +187,12 @@ WeightedChoice<double, Float> EmitterTree::Level::Choose(double target) const {
         }
         before = after;
     }
-    if (far > 0) {
-        auto chosen = ChooseByWeight<double>(
-            far, target, [&](uint32_t i) { return WeightAt(near + i); }, before);
-        if (chosen) {
-            chosen->index += near;
-            return *chosen;
-        }
+    if (auto chosen = ChooseByWeight<double>(
+            far, target, [&](uint32_t i) { return WeightAt(near + i); }, before)) {
+        chosen->index += near;
+        return *chosen;
     }
-    // By rounding: the last one.
+    // Only rounding leads here: the last child of positive weight.
     return ChooseByWeight<double>(near, std::numeric_limits<double>::infinity(),
                                   [&](uint32_t i) { return WeightAt(i); })
         .value_or(WeightedChoice<double, Float>{});

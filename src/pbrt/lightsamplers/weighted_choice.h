@@ -31,8 +31,8 @@ template <class Sum, class WeightAt>
     return chosen;
 }
 
-/// ChooseByWeight for two, without a branch, because which of them is chosen cannot be foretold: with tables instead.
-/// Weight 0: nothing is chosen.
+/// ChooseByWeight for two. It looks results up in tables instead of branching, because processors cannot predict which
+/// of the two is chosen. Weight 0: nothing is chosen.
 template <class Sum, class Weight>
 [[gnu::always_inline]] inline WeightedChoice<Sum, Weight> ChooseOfTwo(Sum target, const Weight *weights) {
     const Sum before[2] = {0, static_cast<Sum>(weights[0])};

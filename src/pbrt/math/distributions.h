@@ -29,8 +29,8 @@ class PiecewiseConstant1D {
 
   private:
     std::vector<Float> f_, cdf_;
-    /// Where the search for u may begin: the piece in which k / (their number less one) lies, for every k. There are
-    /// one more than a power of two, so that the products are exact.
+    /// cuts_[k] is the piece in which k / n lies, where n = cuts_.size() - 1: the piece of a number u lies between two
+    /// neighbours of this table. n is a power of two, so that u n is exact.
     std::vector<uint32_t> cuts_;
     Float low_ = 0, high_ = 1, last_ = OneMinusEpsilon, integral_ = 0;  ///< last_: the largest number below high_
 };

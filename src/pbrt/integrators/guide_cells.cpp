@@ -1,6 +1,7 @@
 #include "pbrt/integrators/guide_cells.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "pbrt/core/parallel.h"
@@ -12,7 +13,7 @@ namespace {
 /// A cell with more records that found something is divided.
 constexpr size_t kCellRecords = 256;
 /// No record has a larger part than this of the second moment that directions are learned from and judged by.
-constexpr double kLargestPart = 0.05;
+constexpr double kLargestPart = 0.1;
 /// What the cell above says of a ball counts like so many finds in it.
 constexpr double kPriorFinds = 8;
 /// Places of a cell that the solid angles of balls are averaged over.
@@ -23,7 +24,9 @@ constexpr size_t kFrom = 1024;
 constexpr double kMinGain = 0.9;
 /// A share is found from at least so many records.
 constexpr size_t kMinJudges = 32;
-constexpr int kShares = 7;  ///< that are tried besides 0
+/// What the cell above says of shares counts like so many bounces.
+constexpr double kPriorBounces = 2048;
+constexpr size_t kShares = 8;  ///< that are tried, 0 among them
 
 }  // namespace
 
@@ -44,10 +47,13 @@ class GuideCellsBuilder {
         cells_.leaves_.resize(tasks_.size());
         SortBounces();
         ParallelForEach(kParts, [&](int64_t part) { TellCells(static_cast<size_t>(part)); });
+        judged_.resize(records_.size());
         ParallelForEach(static_cast<int64_t>(tasks_.size()), [&](int64_t i) {
-            const auto k = static_cast<size_t>(i);
-            FindShares(tasks_[k], &cells_.leaves_[k]);
+            const Task &task = tasks_[static_cast<size_t>(i)];
+            cells_.leaves_[static_cast<size_t>(i)].targets = task.targets[kAll];
+            Judge(task);
         });
+        for (const size_t kind : {0, 1}) FindShares(kind, 0, {});
         Collapse(0);
         if (const PointTree::Node &root = cells_.tree_.Nodes()[0];
             root.IsLeaf() && !cells_.leaves_[root.below].Guides())
@@ -65,11 +71,26 @@ class GuideCellsBuilder {
         uint32_t ball[kParts] = {TargetFind::kNone, TargetFind::kNone, TargetFind::kNone};
         double flux[kParts] = {};  ///< radiance times cosine over density, limited
     };
+    /// What a record tells of the shares, and of what the BSDF alone would have found.
+    struct Judged {
+        std::array<double, kShares> squares{};  ///< its part of the second moment with each of them
+        double plainSquare = 0;
+    };
+    /// Of the bounces of a cell, at BSDFs of one kind.
+    struct Moments {
+        double each = 0;                      ///< the mean second moment of a bounce without a share
+        double plain = 0;                     ///< of what the BSDF alone finds
+        std::array<double, kShares> parts{};  ///< what each share makes of it
+    };
+    /// What lies in a node of the tree.
+    struct Content {
+        size_t begin = 0, end = 0;   ///< of records_
+        size_t kindBounces[2] = {};  ///< bounces at BSDFs without and with glossy lobes
+    };
     /// What is to become a leaf.
     struct Task {
         size_t begin, end;                    ///< of records_
         size_t firstBounce = 0, bounces = 0;  ///< in bounces_
-        size_t kindBounces[2] = {};           ///< bounces at BSDFs without and with glossy lobes
         GuideTargets targets[kParts] = {};
     };
 
@@ -117,6 +138,9 @@ class GuideCellsBuilder {
     }
 
     void Divide(size_t node, size_t begin, size_t end) {
+        contents_.resize(cells_.tree_.Nodes().size());
+        contents_[node].begin = begin;
+        contents_[node].end = end;
         size_t second = begin;
         if (end - begin > kCellRecords)
             second = static_cast<size_t>(cells_.tree_.Divide(node, records_.data() + begin, records_.data() + end,
@@ -139,7 +163,6 @@ class GuideCellsBuilder {
             if (!(places_[i].pdf > 0)) continue;
             leaves[i] = cells_.tree_.LeafOf(places_[i].p);
             ++tasks_[leaves[i]].bounces;
-            ++tasks_[leaves[i]].kindBounces[places_[i].isGlossy ? 1 : 0];
         }
         size_t sum = 0;
         for (Task &task : tasks_) task.firstBounce = std::exchange(sum, sum + task.bounces);
@@ -148,6 +171,17 @@ class GuideCellsBuilder {
         for (const Task &task : tasks_) next.push_back(task.firstBounce);
         for (size_t i = 0; i < places_.size(); ++i)
             if (places_[i].pdf > 0) bounces_[next[leaves[i]]++] = static_cast<uint32_t>(i);
+        const std::vector<PointTree::Node> &nodes = cells_.tree_.Nodes();
+        for (size_t node = nodes.size(); node-- > 0;) {
+            size_t *const kinds = contents_[node].kindBounces;
+            const size_t below = nodes[node].below;
+            if (nodes[node].IsLeaf())
+                for (size_t i = 0; i < tasks_[below].bounces; ++i)
+                    ++kinds[places_[bounces_[tasks_[below].firstBounce + i]].isGlossy ? 1 : 0];
+            else
+                for (const size_t kind : {0, 1})
+                    kinds[kind] = contents_[below].kindBounces[kind] + contents_[below + 1].kindBounces[kind];
+        }
     }
 
     /// Of each node of the tree and each ball of a part (node after node): what was found, and what was expected.
@@ -238,52 +272,65 @@ class GuideCellsBuilder {
             if (places > 0) angle /= static_cast<double>(places);
     }
 
-    /// Finds the shares of a leaf.
-    void FindShares(const Task &task, GuideCells::Leaf *leaf) const {
-        struct Judged {
-            double square, bsdfPdf, guidePdf;
-            double plainSquare;  ///< of what the BSDF alone would have found
-        };
-        leaf->targets = task.targets[kAll];
-        std::vector<Judged> judged[2];
+    Float ShareAt(size_t k) const { return largestShare_ * static_cast<Float>(k) / (kShares - 1); }
+
+    void Judge(const Task &task) {
         for (size_t i = task.begin; i < task.end; ++i) {
             const GuideRecord &r = *records_[i].record;
             if (!(r.bsdfPdf > 0)) continue;
             GuideDirections directions;
             directions.Prepare(task.targets[r.isOfFirstHalf ? 1 : 0], r.p, r.normal, r.bothSides);
             const auto found = static_cast<double>(r.found), pdf = static_cast<double>(r.pdf),
-                       bsdfPdf = static_cast<double>(r.bsdfPdf);
-            judged[r.isGlossy ? 1 : 0].push_back({found * found * records_[i].counts * pdf, bsdfPdf,
-                                                  static_cast<double>(directions.Pdf(r.wi)),
-                                                  found * found * pdf / bsdfPdf});
-        }
-        for (size_t kind = 0; kind < 2; ++kind) {
-            if (judged[kind].size() < kMinJudges) continue;
-            double unguided = 0;
-            for (const Judged &j : judged[kind]) unguided += j.square / j.bsdfPdf;
-            const double most = kLargestPart * unguided;
-            const auto momentAt = [&](double share) {
-                double sum = 0;
-                for (const Judged &j : judged[kind])
-                    sum += std::min(j.square, most * j.bsdfPdf) / ((1 - share) * j.bsdfPdf + share * j.guidePdf);
-                return sum;
-            };
-            const double plain = momentAt(0);
-            double best = kMinGain * plain;
-            for (int i = 1; i <= kShares; ++i) {
-                const Float share = largestShare_ * static_cast<Float>(i) / kShares;
-                const double moment = momentAt(static_cast<double>(share));
-                if (moment >= best) continue;
-                best = moment;
-                leaf->share[kind] = share;
+                       bsdfPdf = static_cast<double>(r.bsdfPdf), guidePdf = static_cast<double>(directions.Pdf(r.wi));
+            const double square = found * found * records_[i].counts * pdf;
+            for (size_t k = 0; k < kShares; ++k) {
+                const auto share = static_cast<double>(ShareAt(k));
+                judged_[i].squares[k] = square / ((1 - share) * bsdfPdf + share * guidePdf);
             }
-            if (leaf->share[kind] == 0) continue;
-            double all = 0, plainMoment = 0;
-            for (const Judged &j : judged[kind]) all += j.plainSquare;
-            for (const Judged &j : judged[kind]) plainMoment += std::min(j.plainSquare, kLargestPart * all);
-            leaf->gain[kind] =
-                static_cast<Float>(plainMoment * (1 - best / plain) / static_cast<double>(task.kindBounces[kind]));
+            judged_[i].plainSquare = found * found * pdf / bsdfPdf;
         }
+    }
+
+    /// Finds the share of all leaves below a node for a kind of BSDFs: where few bounces were recorded, what the cell
+    /// above says counts most, as light that is rarely found has the largest part of the second moment.
+    void FindShares(size_t kind, size_t node, const Moments &above) {
+        const Content &content = contents_[node];
+        const double prior = node == 0 ? 0 : kPriorBounces;
+        double squares = prior * above.each, plain = prior * above.plain;
+        size_t judges = 0;
+        for (size_t i = content.begin; i < content.end; ++i) {
+            if ((records_[i].record->isGlossy ? 1U : 0U) != kind) continue;
+            ++judges;
+            squares += judged_[i].squares[0];
+            plain += judged_[i].plainSquare;
+        }
+        if (node == 0 && judges < kMinJudges) return;
+        const double most = kLargestPart * squares, mostPlain = kLargestPart * plain;
+        Moments here;
+        for (size_t k = 0; k < kShares; ++k) here.parts[k] = prior * above.each * above.parts[k];
+        here.plain = prior * above.plain;
+        for (size_t i = content.begin; i < content.end; ++i) {
+            const Judged &judged = judged_[i];
+            if ((records_[i].record->isGlossy ? 1U : 0U) != kind || !(judged.squares[0] > 0)) continue;
+            const double part = std::min(1.0, most / judged.squares[0]);
+            for (size_t k = 0; k < kShares; ++k) here.parts[k] += part * judged.squares[k];
+            here.plain += std::min(judged.plainSquare, mostPlain);
+        }
+        if (!(here.parts[0] > 0)) return;
+        const double bounces = prior + static_cast<double>(content.kindBounces[kind]);
+        here.each = here.parts[0] / bounces;
+        here.plain /= bounces;
+        for (size_t k = kShares; k-- > 0;) here.parts[k] /= here.parts[0];
+        const PointTree::Node &n = cells_.tree_.Nodes()[node];
+        if (!n.IsLeaf()) {
+            FindShares(kind, n.below, here);
+            return FindShares(kind, size_t{n.below} + 1, here);
+        }
+        const auto best = std::min_element(here.parts.begin(), here.parts.end());
+        if (*best >= kMinGain) return;
+        GuideCells::Leaf &leaf = cells_.leaves_[n.below];
+        leaf.share[kind] = ShareAt(static_cast<size_t>(best - here.parts.begin()));
+        leaf.gain[kind] = static_cast<Float>(here.plain * (1 - *best));
     }
 
     /// Makes leaves of nodes below which nothing guides. True: the node is such a leaf.
@@ -300,7 +347,9 @@ class GuideCellsBuilder {
     std::vector<Entry> records_;  ///< of what found something
     const Float largestShare_;
     GuideCells &cells_;
-    std::vector<Task> tasks_;  ///< one for each leaf
+    std::vector<Task> tasks_;        ///< one for each leaf
+    std::vector<Content> contents_;  ///< one for each node
+    std::vector<Judged> judged_;     ///< one for each of records_
     std::vector<uint32_t> bounces_;
     std::vector<GuideTarget> targets_[kParts];
 };

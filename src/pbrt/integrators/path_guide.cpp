@@ -96,9 +96,11 @@ int PathGuide::NextAfter(int first) const {
 void PathGuide::BeginLearning(int first, int next) {
     first_ = first;
     next_ = next;
-    places_ = {};
-    roulette_.BeginRecords(0, 0);
-    if (next_ == 0) return;
+    if (next_ == 0) {
+        places_ = {};
+        roulette_.BeginRecords(0, 0);
+        return;
+    }
     const Vector2i size = pixels_.IsEmpty() ? Vector2i(0) : pixels_.high - pixels_.low;
     const size_t all =
         static_cast<size_t>(size.x) * static_cast<size_t>(size.y) * static_cast<size_t>(samplesPerPixel_);
@@ -108,7 +110,7 @@ void PathGuide::BeginLearning(int first, int next) {
         const size_t paths = placesPerRow_ * static_cast<size_t>(size.y) * static_cast<size_t>(next_ - first_);
         if (paths > most && stride_ < size.x) continue;
         // Not yet of the first samples: what a path is worth is not known then.
-        if (learnsDirections_ && first_ > 0) places_.assign(paths * vertices_, {});
+        places_.assign(learnsDirections_ && first_ > 0 ? paths * vertices_ : 0, {});
         roulette_.BeginRecords(params_.roulette ? paths : 0, vertices_ + 1);
         recordBytes_ = std::max(recordBytes_, places_.size() * sizeof(GuideRecord) + roulette_.RecordBytes());
         return;

@@ -64,8 +64,10 @@ uint32_t PathRoulette::KindOf(const PathVertex &vertex) {
 
 void PathRoulette::BeginRecords(size_t paths, size_t vertices) {
     vertices_ = vertices;
-    records_ = {};
-    totals_ = {};
+    if (paths == 0) {
+        records_ = {};
+        totals_ = {};
+    }
     records_.assign(paths * vertices, {});
     totals_.assign(paths, {});
 }

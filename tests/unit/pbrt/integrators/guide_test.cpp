@@ -274,6 +274,44 @@ TEST(GuideCells, GuideToWhatTheySee) {
     }
 }
 
+/// A lamp that one bounce in some thousands finds has nearly all of the second moment: cells that have not found it yet
+/// know of it from those above.
+TEST(GuideCells, GuideToWhatIsRarelyFound) {
+    const Point3 lamp(0, 0, 1);
+    constexpr Float kRadius = 0.03f;
+    Rng rng(5);
+    std::vector<GuideRecord> records;
+    int finds = 0;
+    for (int i = 0; i < 200000; ++i) {
+        GuideRecord r;
+        r.p = {rng.Uniform() - 0.5f, rng.Uniform() - 0.5f, 0};
+        r.normal = {0, 0, 1};
+        r.wi = SampleCosineHemisphere(rng.Uniform2());
+        r.pdf = r.bsdfPdf = r.wi.z / Pi;
+        r.isOfFirstHalf = i % 2 == 0;
+        r.target = r.p + r.wi * (2 / std::max(r.wi.z, Float(0.1)));
+        r.radiance = 0.01f;
+        const Float along = Dot(lamp - r.p, r.wi);
+        if (Distance(r.p + r.wi * along, lamp) < kRadius) {
+            r.target = r.p + r.wi * along;
+            r.radiance = 100;
+            ++finds;
+        }
+        r.found = r.radiance;
+        records.push_back(r);
+    }
+    GuideCells cells;
+    cells.Learn(records, 0.7f);
+    EXPECT_LT(static_cast<size_t>(finds), cells.Cells());
+    constexpr int kPlaces = 200;
+    int guiding = 0;
+    for (int i = 0; i < kPlaces; ++i) {
+        Float share = 0;
+        guiding += cells.At({rng.Uniform() - 0.5f, rng.Uniform() - 0.5f, 0}, false, 1e6f, &share) && share > 0.3f;
+    }
+    EXPECT_GE(guiding, kPlaces * 19 / 20);
+}
+
 TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
     BuiltScene built = BuildText("WorldBegin LightSource \"infinite\" Shape \"sphere\"\n");
     Progress progress;

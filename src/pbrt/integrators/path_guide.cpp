@@ -16,7 +16,7 @@ namespace {
 /// least as many samples are still to come.
 constexpr int kLearnAfter[] = {2, 8, 32};
 /// One in so many of the picture's paths is recorded for a learning, at most, as records cost time.
-constexpr size_t kPathsPerRecorded = 32;
+constexpr size_t kPathsPerRecorded = 16;
 /// Only so many vertices of a path are recorded.
 constexpr int kMaxVertices = 5;
 /// Each row of pixels is shifted by this much against the row before, so that the recorded pixels do not form columns.

@@ -95,6 +95,7 @@ class GuideCellsBuilder {
     };
 
     static bool IsOf(const GuideRecord &r, size_t part) { return part == kAll || r.isOfFirstHalf == (part == 0); }
+    static size_t KindOf(const GuideRecord &r) { return r.isGlossy ? 1 : 0; }
     static double CosineOf(const GuideRecord &r) {
         return r.bothSides ? 1 : static_cast<double>(std::abs(Dot(r.wi, r.normal)));
     }
@@ -177,7 +178,7 @@ class GuideCellsBuilder {
             const size_t below = nodes[node].below;
             if (nodes[node].IsLeaf())
                 for (size_t i = 0; i < tasks_[below].bounces; ++i)
-                    ++kinds[places_[bounces_[tasks_[below].firstBounce + i]].isGlossy ? 1 : 0];
+                    ++kinds[KindOf(places_[bounces_[tasks_[below].firstBounce + i]])];
             else
                 for (const size_t kind : {0, 1})
                     kinds[kind] = contents_[below].kindBounces[kind] + contents_[below + 1].kindBounces[kind];
@@ -299,7 +300,7 @@ class GuideCellsBuilder {
         double squares = prior * above.each, plain = prior * above.plain;
         size_t judges = 0;
         for (size_t i = content.begin; i < content.end; ++i) {
-            if ((records_[i].record->isGlossy ? 1U : 0U) != kind) continue;
+            if (KindOf(*records_[i].record) != kind) continue;
             ++judges;
             squares += judged_[i].squares[0];
             plain += judged_[i].plainSquare;
@@ -311,7 +312,7 @@ class GuideCellsBuilder {
         here.plain = prior * above.plain;
         for (size_t i = content.begin; i < content.end; ++i) {
             const Judged &judged = judged_[i];
-            if ((records_[i].record->isGlossy ? 1U : 0U) != kind || !(judged.squares[0] > 0)) continue;
+            if (KindOf(*records_[i].record) != kind || !(judged.squares[0] > 0)) continue;
             const double part = std::min(1.0, most / judged.squares[0]);
             for (size_t k = 0; k < kShares; ++k) here.parts[k] += part * judged.squares[k];
             here.plain += std::min(judged.plainSquare, mostPlain);
@@ -320,6 +321,7 @@ class GuideCellsBuilder {
         const double bounces = prior + static_cast<double>(content.kindBounces[kind]);
         here.each = here.parts[0] / bounces;
         here.plain /= bounces;
+        // The first one, that of no share, is the last to be divided by itself.
         for (size_t k = kShares; k-- > 0;) here.parts[k] /= here.parts[0];
         const PointTree::Node &n = cells_.tree_.Nodes()[node];
         if (!n.IsLeaf()) {

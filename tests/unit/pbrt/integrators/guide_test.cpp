@@ -232,6 +232,26 @@ TEST(PathGuide, LearnsNoDirectionsWhereTheyDoNotPay) {
     EXPECT_FALSE(rarely.guide.Cells().Guide());
 }
 
+/// What a bounce from a floor finds: a lamp, a ball, or else a dim ceiling.
+GuideRecord UnderALamp(const Point3 &p, const Point3 &lamp, Float radius, Float radiance, bool isOfFirstHalf,
+                       Rng &rng) {
+    GuideRecord r;
+    r.p = p;
+    r.normal = {0, 0, 1};
+    r.wi = SampleCosineHemisphere(rng.Uniform2());
+    r.pdf = r.bsdfPdf = r.wi.z / Pi;
+    r.isOfFirstHalf = isOfFirstHalf;
+    r.target = r.p + r.wi * (2 / std::max(r.wi.z, Float(0.1)));
+    r.radiance = 0.01f;
+    const Float along = Dot(lamp - r.p, r.wi);
+    if (Distance(r.p + r.wi * along, lamp) < radius) {
+        r.target = r.p + r.wi * along;
+        r.radiance = radiance;
+    }
+    r.found = r.radiance;
+    return r;
+}
+
 /// Two rooms, x < 0 and x > 0, with a lamp in each behind a wall that hides it from the other room.
 TEST(GuideCells, GuideToWhatTheySee) {
     const Point3 lamps[] = {{-1, 0, 1}, {1, 0, 1}};
@@ -239,21 +259,8 @@ TEST(GuideCells, GuideToWhatTheySee) {
     Rng rng(21);
     std::vector<GuideRecord> records;
     for (int i = 0; i < 200000; ++i) {
-        GuideRecord r;
-        r.p = {4 * rng.Uniform() - 2, rng.Uniform() - 0.5f, 0};
-        r.normal = {0, 0, 1};
-        r.wi = SampleCosineHemisphere(rng.Uniform2());
-        r.pdf = r.bsdfPdf = r.wi.z / Pi;
-        r.isOfFirstHalf = i % 2 == 0;
-        r.target = r.p + r.wi * (2 / std::max(r.wi.z, Float(0.1)));
-        r.radiance = 0.01f;
-        const Point3 &lamp = lamps[r.p.x > 0 ? 1 : 0];
-        const Float along = Dot(lamp - r.p, r.wi);
-        if (Distance(r.p + r.wi * along, lamp) < kRadius) {
-            r.target = r.p + r.wi * along;
-            r.radiance = 10;
-        }
-        r.found = r.radiance;
+        const Point3 p(4 * rng.Uniform() - 2, rng.Uniform() - 0.5f, 0);
+        const GuideRecord r = UnderALamp(p, lamps[p.x > 0 ? 1 : 0], kRadius, 10, i % 2 == 0, rng);
         records.push_back(r);
     }
     GuideCells cells;
@@ -274,8 +281,8 @@ TEST(GuideCells, GuideToWhatTheySee) {
     }
 }
 
-/// A lamp that one bounce in some thousands finds has nearly all of the second moment: cells that have not found it yet
-/// know of it from those above.
+/// A lamp that fewer bounces find than there are cells has nearly all of the second moment: cells that have not found
+/// it yet know of it from those above.
 TEST(GuideCells, GuideToWhatIsRarelyFound) {
     const Point3 lamp(0, 0, 1);
     constexpr Float kRadius = 0.03f;
@@ -283,22 +290,9 @@ TEST(GuideCells, GuideToWhatIsRarelyFound) {
     std::vector<GuideRecord> records;
     int finds = 0;
     for (int i = 0; i < 200000; ++i) {
-        GuideRecord r;
-        r.p = {rng.Uniform() - 0.5f, rng.Uniform() - 0.5f, 0};
-        r.normal = {0, 0, 1};
-        r.wi = SampleCosineHemisphere(rng.Uniform2());
-        r.pdf = r.bsdfPdf = r.wi.z / Pi;
-        r.isOfFirstHalf = i % 2 == 0;
-        r.target = r.p + r.wi * (2 / std::max(r.wi.z, Float(0.1)));
-        r.radiance = 0.01f;
-        const Float along = Dot(lamp - r.p, r.wi);
-        if (Distance(r.p + r.wi * along, lamp) < kRadius) {
-            r.target = r.p + r.wi * along;
-            r.radiance = 100;
-            ++finds;
-        }
-        r.found = r.radiance;
-        records.push_back(r);
+        const Point3 p(rng.Uniform() - 0.5f, rng.Uniform() - 0.5f, 0);
+        records.push_back(UnderALamp(p, lamp, kRadius, 100, i % 2 == 0, rng));
+        finds += records.back().radiance > 1;
     }
     GuideCells cells;
     cells.Learn(records, 0.7f);

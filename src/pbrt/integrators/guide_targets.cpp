@@ -11,15 +11,22 @@ namespace pbrt {
 
 namespace {
 
-/// The square of the sine of the smallest cone's half angle, 1.8 degrees: in narrower ones rounding would decide
-/// whether a direction lies inside.
-constexpr Float kLeastSine2 = 1e-3f;
+/// The sine of the smallest cone's half angle, 1.8 degrees: in narrower ones rounding would decide whether a direction
+/// lies inside.
+constexpr Float kLeastSine = 0.0316f;
+constexpr Float kLeastSine2 = kLeastSine * kLeastSine;
+/// Sums are taken in so many parts at once.
+constexpr size_t kLanes = 8;
 /// Balls are made of at least so many finds each.
 constexpr size_t kLeastFinds = 8;
 /// The number of small balls that are merged, about.
 constexpr size_t kSmallBalls = 256;
 /// Places that the solid angles of balls are averaged over.
 constexpr size_t kPlaces = 128;
+
+using Lanes = std::array<Float, kLanes>;
+
+Float SumOf(const Lanes &s) { return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7])); }
 
 /// 1 - cos of a half angle of a cone, by the square of its sine.
 Float OneMinusCosine(Float sine2) { return sine2 / (1 + std::sqrt(std::max(Float(0), 1 - sine2))); }
@@ -204,7 +211,7 @@ GuideTargets ChooseTargets(std::span<const GuideTarget> all, std::span<const dou
         chosen.x[i] = all[k].p.x;
         chosen.y[i] = all[k].p.y;
         chosen.z[i] = all[k].p.z;
-        chosen.r2[i] = all[k].r2;
+        chosen.r[i] = std::sqrt(all[k].r2);
         chosen.radiance[i] = static_cast<Float>(radianceOf(k) / brightest);
     }
     return chosen;
@@ -212,25 +219,30 @@ GuideTargets ChooseTargets(std::span<const GuideTarget> all, std::span<const dou
 
 // The loops go over all places, used or not, so that they become vector instructions.
 
-void GuideDirections::Prepare(const GuideTargets &targets, const Point3 &p, const Vector3 &n, bool bothSides) {
+void GuideDirections::Prepare(const GuideTargets &__restrict targets, const Point3 &at, const Vector3 &normal,
+                              bool bothSides) {
+    // Without copies what is written could be one of them, and there would be no vector instructions.
+    const Point3 p = at;
+    const Vector3 n = normal;
     const Float always = bothSides ? 1 : 0;
     for (size_t k = 0; k < GuideTargets::kMost; ++k) {
         const Float dx = targets.x[k] - p.x, dy = targets.y[k] - p.y, dz = targets.z[k] - p.z;
         const Float l2 = std::max(dx * dx + dy * dy + dz * dz, std::numeric_limits<Float>::min());
         const Float perLength = 1 / std::sqrt(l2);
-        const Float sine2 = std::max(targets.r2[k] / l2, kLeastSine2);
-        const Float facing =
-            std::max(always, std::min((dx * n.x + dy * n.y + dz * n.z) * perLength + std::sqrt(sine2), Float(1)));
-        const Float oneMinusCosine = OneMinusCosine(sine2);
+        const Float sine = std::max(targets.r[k] * perLength, kLeastSine);
+        const Float facing = std::max(always, std::min((dx * n.x + dy * n.y + dz * n.z) * perLength + sine, Float(1)));
+        const Float cosine = std::sqrt(std::max(1 - sine * sine, Float(0)));
         x_[k] = dx * perLength;
         y_[k] = dy * perLength;
         z_[k] = dz * perLength;
-        cosine_[k] = 1 - oneMinusCosine;
-        density_[k] = sine2 < 1 ? targets.radiance[k] * std::max(facing, Float(0)) : Float(0);
-        share_[k] = density_[k] * (2 * Pi) * oneMinusCosine;
+        cosine_[k] = cosine;
+        density_[k] = sine < 1 ? targets.radiance[k] * std::max(facing, Float(0)) : Float(0);
+        share_[k] = density_[k] * (2 * Pi) * (1 - cosine);
     }
-    Float total = 0;
-    for (size_t k = 0; k < GuideTargets::kMost; ++k) total += share_[k];
+    Lanes sums{};
+    for (size_t k = 0; k < GuideTargets::kMost; k += kLanes)
+        for (size_t i = 0; i < kLanes; ++i) sums[i] += share_[k + i];
+    const Float total = SumOf(sums);
     isUsable_ = total > 0 && std::isfinite(total);
     const Float perTotal = isUsable_ ? 1 / total : 0;
     for (size_t k = 0; k < GuideTargets::kMost; ++k) {
@@ -255,14 +267,13 @@ Vector3 GuideDirections::Sample(const Point2 &u) const {
 }
 
 Float GuideDirections::Pdf(const Vector3 &w) const {
-    constexpr size_t kLanes = 8;
-    Float sums[kLanes] = {};
+    Lanes sums{};
     for (size_t k = 0; k < GuideTargets::kMost; k += kLanes)
         for (size_t i = 0; i < kLanes; ++i) {
             const Float cosine = w.x * x_[k + i] + w.y * y_[k + i] + w.z * z_[k + i];
             sums[i] += cosine >= cosine_[k + i] ? density_[k + i] : Float(0);
         }
-    return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
+    return SumOf(sums);
 }
 
 }  // namespace pbrt

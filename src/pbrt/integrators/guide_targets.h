@@ -41,8 +41,8 @@ std::vector<GuideTarget> MakeGuideTargets(std::span<TargetFind> finds, std::span
 struct GuideTargets {
     static constexpr int kMost = 16;
     int count = 0, unused = 0;
-    std::array<Float, kMost> x{}, y{}, z{}, r2{};
-    std::array<Float, kMost> radiance{};  ///< only ratios matter
+    std::array<Float, kMost> x{}, y{}, z{}, r{};  ///< middle and radius
+    std::array<Float, kMost> radiance{};          ///< only ratios matter
 };
 
 /// The solid angle of a ball's cone times a bound of its cosine with the shading normal, as GuideDirections weighs it.

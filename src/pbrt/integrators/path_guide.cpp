@@ -15,8 +15,10 @@ namespace {
 /// Numbers of samples per pixel after which the guide learns, from the samples since it learned last. It does so if at
 /// least as many samples are still to come.
 constexpr int kLearnAfter[] = {2, 8, 32};
-/// One in so many of the picture's paths is recorded for a learning, at most, as records cost time.
-constexpr size_t kPathsPerRecorded = 16;
+/// One in so many of the picture's paths is recorded for a learning, at most, as records cost time; of small pictures
+/// one in half as many, up to this number of paths.
+constexpr size_t kPathsPerRecorded = 32;
+constexpr size_t kEnoughPaths = 16384;
 /// Only so many vertices of a path are recorded.
 constexpr int kMaxVertices = 5;
 /// Each row of pixels is shifted by this much against the row before, so that the recorded pixels do not form columns.
@@ -26,7 +28,7 @@ constexpr int kRowShift = 7;
 constexpr Float kInspectedWeight = 0.5f;
 
 /// Changes with everything that PathGuide::Save writes.
-constexpr uint32_t kVersion = 7;
+constexpr uint32_t kVersion = 8;
 
 }  // namespace
 
@@ -104,7 +106,9 @@ void PathGuide::BeginLearning(int first, int next) {
     const Vector2i size = pixels_.IsEmpty() ? Vector2i(0) : pixels_.high - pixels_.low;
     const size_t all =
         static_cast<size_t>(size.x) * static_cast<size_t>(size.y) * static_cast<size_t>(samplesPerPixel_);
-    const size_t most = std::min(static_cast<size_t>(params_.records) / vertices_, all / kPathsPerRecorded);
+    const size_t few = all / kPathsPerRecorded;
+    const size_t most =
+        std::min(static_cast<size_t>(params_.records) / vertices_, std::max(few, std::min(2 * few, kEnoughPaths)));
     for (stride_ = 1;; ++stride_) {
         placesPerRow_ = static_cast<size_t>((size.x + stride_ - 1) / stride_);
         const size_t paths = placesPerRow_ * static_cast<size_t>(size.y) * static_cast<size_t>(next_ - first_);

@@ -18,7 +18,7 @@ GuideTargets SomeTargets(Rng &rng) {
         targets.x[k] = 4 * rng.Uniform() - 2;
         targets.y[k] = 4 * rng.Uniform() - 2;
         targets.z[k] = 4 * rng.Uniform() - 2;
-        targets.r2[k] = Sqr(rng.Uniform() < 0.3f ? Float(0.01) : rng.Uniform());
+        targets.r[k] = rng.Uniform() < 0.3f ? Float(0.01) : rng.Uniform();
         targets.radiance[k] = rng.Uniform();
     }
     return targets;

@@ -69,7 +69,7 @@ class GuideCells {
 
   private:
     /// What a guided bounce costs besides, in vertices.
-    static constexpr Float kGuidedCost = 0.3f;
+    static constexpr Float kGuidedCost = 0.15f;
     struct Leaf {
         // For BSDFs without and with glossy lobes.
         Float share[2] = {};

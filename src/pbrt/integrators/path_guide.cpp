@@ -12,9 +12,9 @@ namespace pbrt {
 
 namespace {
 
-/// Numbers of samples per pixel after which the guide learns, from the samples since it learned last. It does so if at
-/// least as many samples are still to come.
-constexpr int kLearnAfter[] = {2, 8, 32};
+/// The guide learns after so many times the samples per pixel that make half as many paths as are recorded, from the
+/// samples since it learned last; if at least as many samples are still to come.
+constexpr int kLearnAfter[] = {2, 4, 16};
 /// One in so many of the picture's paths is recorded for a learning, at most, as records cost time; of small pictures
 /// one in half as many, up to this number of paths.
 constexpr size_t kPathsPerRecorded = 32;
@@ -51,9 +51,7 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     StateReader &in = *prepare.learned;
     if (in.Value<uint32_t>() != kVersion) in.Refuse();
     const int first = in.Value<int>(), next = in.Value<int>();
-    if (next != 0 &&
-        (next <= first || std::find(std::begin(kLearnAfter), std::end(kLearnAfter), next) == std::end(kLearnAfter)))
-        in.Refuse();
+    if (next != 0 && (first < 0 || next <= first || next != NextAfter(first))) in.Refuse();
     learnsDirections_ = in.Value<uint32_t>() != 0;
     if (learnsDirections_ && !params_.directions) in.Refuse();
     cells_.Load(in);
@@ -90,9 +88,18 @@ void PathGuide::Inspect(const PathVertex &vertex, Point2i pixel, std::vector<Ins
     values.push_back({"shines", radiance > 0 ? std::log10(static_cast<double>(radiance)) : unknown});
 }
 
+size_t PathGuide::PathsToRecord() const {
+    const size_t few = Pixels() * static_cast<size_t>(samplesPerPixel_) / kPathsPerRecorded;
+    return std::min(static_cast<size_t>(params_.records) / vertices_, std::max(few, std::min(2 * few, kEnoughPaths)));
+}
+
 int PathGuide::NextAfter(int first) const {
-    const auto *next = std::upper_bound(std::begin(kLearnAfter), std::end(kLearnAfter), first);
-    return next != std::end(kLearnAfter) && 2 * *next <= samplesPerPixel_ ? *next : 0;
+    const size_t pixels = std::max<size_t>(1, Pixels());
+    const size_t unit = std::max<size_t>(1, (PathsToRecord() + 2 * pixels - 1) / (2 * pixels));
+    for (const int k : kLearnAfter)
+        if (const size_t next = static_cast<size_t>(k) * unit; next > static_cast<size_t>(first))
+            return 2 * next <= static_cast<size_t>(samplesPerPixel_) ? static_cast<int>(next) : 0;
+    return 0;
 }
 
 void PathGuide::BeginLearning(int first, int next) {
@@ -103,12 +110,8 @@ void PathGuide::BeginLearning(int first, int next) {
         roulette_.BeginRecords(0, 0);
         return;
     }
-    const Vector2i size = pixels_.IsEmpty() ? Vector2i(0) : pixels_.high - pixels_.low;
-    const size_t all =
-        static_cast<size_t>(size.x) * static_cast<size_t>(size.y) * static_cast<size_t>(samplesPerPixel_);
-    const size_t few = all / kPathsPerRecorded;
-    const size_t most =
-        std::min(static_cast<size_t>(params_.records) / vertices_, std::max(few, std::min(2 * few, kEnoughPaths)));
+    const Vector2i size = Size();
+    const size_t most = PathsToRecord();
     for (stride_ = 1;; ++stride_) {
         placesPerRow_ = static_cast<size_t>((size.x + stride_ - 1) / stride_);
         const size_t paths = placesPerRow_ * static_cast<size_t>(size.y) * static_cast<size_t>(next_ - first_);
@@ -151,7 +154,7 @@ void PathGuide::Learn(const Progress &progress) {
     }
     if (!isDue || progress.Cancelled()) return;
     const auto begin = std::chrono::steady_clock::now();
-    if (params_.roulette) roulette_.Learn(pixels_.high - pixels_.low, [&](size_t path) { return PixelOf(path); });
+    if (params_.roulette) roulette_.Learn(Size(), [&](size_t path) { return PixelOf(path); });
     if (!places_.empty()) {
         cells_.Learn(places_, params_.share);
         partSaved_ = PartSaved();

@@ -102,6 +102,10 @@ class PathGuide final : public LightLearner {
     void Report(nlohmann::ordered_json &json) const;
 
   private:
+    Vector2i Size() const { return pixels_.IsEmpty() ? Vector2i(0) : pixels_.high - pixels_.low; }
+    size_t Pixels() const { return static_cast<size_t>(Size().x) * static_cast<size_t>(Size().y); }
+    /// At most so many are recorded for a learning.
+    size_t PathsToRecord() const;
     /// Samples per pixel after which to learn, if it was learned or begun after `first`; 0: not again.
     int NextAfter(int first) const;
     /// Makes places for what samples [first, next) find; for none if `next` is 0.

@@ -218,7 +218,7 @@ TEST(PathGuide, GuidesOnlyWhereLightComesFromOneSide) {
 TEST(PathGuide, LearnsNoDirectionsWhereTheyDoNotPay) {
     GuideParams params = Directions();
     params.roulette = true;
-    const Learned lobe(Lobe, false, false, params), first(Lobe, false, false, params, 15);
+    const Learned lobe(Lobe, false, false, params), first(Lobe, false, false, params, 7);
     EXPECT_TRUE(lobe.guide.LearnsDirections());
     EXPECT_TRUE(lobe.guide.Cells().Guide());
     EXPECT_TRUE(first.guide.LearnsDirections());

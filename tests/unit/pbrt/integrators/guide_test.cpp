@@ -215,6 +215,32 @@ TEST(PathGuide, GuidesOnlyWhereLightComesFromOneSide) {
     EXPECT_EQ(half.guide.Cells().At({-0.5f, 0.1f, 0}, false, 1, &share), nullptr);
 }
 
+TEST(PathGuide, LearnsWhenEnoughPathsAreRecorded) {
+    const BuiltScene built = BuildText(
+        "Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 20\nWorldBegin\n"
+        "LightSource \"infinite\" Shape \"sphere\"\n");
+    Progress progress;
+    const auto learnings = [&](int samples) {
+        GuideParams params;
+        params.roulette = params.directions = false;
+        PathGuide guide(params, nullptr);
+        PrepareContext context = built.Preparation(progress);
+        context.samplesPerPixel = samples;
+        guide.Prepare(context, 5);
+        std::vector<int> after;
+        while (guide.NextLearning() > 0) {
+            after.push_back(guide.NextLearning());
+            guide.Learn(progress);
+        }
+        return after;
+    };
+    EXPECT_EQ(learnings(3), std::vector<int>());
+    EXPECT_EQ(learnings(16), (std::vector<int>{2, 4}));
+    EXPECT_EQ(learnings(32), (std::vector<int>{2, 4, 16}));
+    // 1/32 of 4096 samples per pixel is 128.
+    EXPECT_EQ(learnings(4096), (std::vector<int>{128, 256, 1024}));
+}
+
 TEST(PathGuide, LearnsNoDirectionsWhereTheyDoNotPay) {
     GuideParams params = Directions();
     params.roulette = true;

@@ -12,12 +12,13 @@ namespace pbrt {
 
 namespace {
 
-/// The guide learns after so many times the samples per pixel that make half as many paths as are recorded, from the
-/// samples since it learned last; if at least as many samples are still to come.
+/// The guide learns after these numbers of samples per pixel, from the samples since it learned last, if at least as
+/// many are still to come. Where one sample per pixel makes less than half of the paths to be recorded, the numbers are
+/// multiples of what makes half of them.
 constexpr int kLearnAfter[] = {2, 4, 16};
-/// One in so many of the picture's paths is recorded for a learning, at most, as records cost time; of small pictures
-/// one in half as many, up to this number of paths.
+/// One in so many of the picture's paths is recorded for a learning, at most, as records cost time.
 constexpr size_t kPathsPerRecorded = 32;
+/// Of small pictures up to twice as many paths are recorded, but no more than this.
 constexpr size_t kEnoughPaths = 16384;
 /// Only so many vertices of a path are recorded.
 constexpr int kMaxVertices = 5;
@@ -51,7 +52,7 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     StateReader &in = *prepare.learned;
     if (in.Value<uint32_t>() != kVersion) in.Refuse();
     const int first = in.Value<int>(), next = in.Value<int>();
-    if (next != 0 && (first < 0 || next <= first || next != NextAfter(first))) in.Refuse();
+    if (next != 0 && (first < 0 || next != NextAfter(first))) in.Refuse();
     learnsDirections_ = in.Value<uint32_t>() != 0;
     if (learnsDirections_ && !params_.directions) in.Refuse();
     cells_.Load(in);

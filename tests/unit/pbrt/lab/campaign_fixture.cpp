@@ -57,7 +57,6 @@ Json ReadJson(const fs::path &path) {
     return Json::parse(in);
 }
 
-/// Expects that both files have pixels of equal bits.
 void ExpectSamePixels(const fs::path &a, const fs::path &b) {
     const Image one = ReadImage(a.string()).image, two = ReadImage(b.string()).image;
     ASSERT_EQ(one.Bytes(), two.Bytes());

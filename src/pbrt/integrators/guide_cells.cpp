@@ -15,13 +15,11 @@ constexpr size_t kCellRecords = 256;
 /// No record has a larger part than this of the second moment that directions are learned from and judged by.
 constexpr double kLargestPart = 0.1;
 /// What the cell above says of a ball counts like so many finds in it.
-constexpr double kPriorFinds = 8;
+constexpr double kPriorFinds = 3;
 /// Places of a cell that the solid angles of balls are averaged over.
 constexpr size_t kCellPlaces = 32;
 /// About so many places that bounces left from are given to MakeGuideTargets.
 constexpr size_t kFrom = 1024;
-/// A cell guides if that brings the second moment of what bounces find below this part.
-constexpr double kMinGain = 0.9;
 /// A share is found from at least so many records.
 constexpr size_t kMinJudges = 32;
 /// What the cell above says of shares counts like so many bounces.
@@ -50,7 +48,7 @@ class GuideCellsBuilder {
         judged_.resize(records_.size());
         ParallelForEach(static_cast<int64_t>(tasks_.size()), [&](int64_t i) {
             const Task &task = tasks_[static_cast<size_t>(i)];
-            cells_.leaves_[static_cast<size_t>(i)].targets = task.targets[kAll];
+            cells_.leaves_[static_cast<size_t>(i)].radiances = task.radiances[kAll];
             Judge(task);
         });
         for (const size_t kind : {0, 1}) FindShares(kind, 0, {});
@@ -91,7 +89,7 @@ class GuideCellsBuilder {
     struct Task {
         size_t begin, end;                    ///< of records_
         size_t firstBounce = 0, bounces = 0;  ///< in bounces_
-        GuideTargets targets[kParts] = {};
+        PerGuideTarget radiances[kParts] = {};
     };
 
     static bool IsOf(const GuideRecord &r, size_t part) { return part == kAll || r.isOfFirstHalf == (part == 0); }
@@ -121,6 +119,7 @@ class GuideCellsBuilder {
         }
         for (TargetFind &f : finds) f.radiance = std::min(f.radiance, kLargestPart * sum / f.perPdf);
         targets_[part] = MakeGuideTargets(finds, from, bounces);
+        sideBySide_[part] = GuideTargets(targets_[part]);
         // What was found scatters much; where it was found tells what a cell sees.
         std::vector<double> radiances(targets_[part].size()), counts(radiances.size());
         for (const TargetFind &f : finds)
@@ -188,8 +187,7 @@ class GuideCellsBuilder {
     /// Of each node of the tree and each ball of a part (node after node): what was found, and what was expected.
     struct Told {
         std::vector<double> found, expected;
-        std::vector<double> solidAngle;  ///< for each task and ball: its mean
-        std::vector<double> perFind;     ///< for each ball: the mean of what was found
+        std::vector<double> perFind;  ///< for each ball: the mean of what was found
     };
 
     /// How bright the balls of a part are for each task: from above to below, what was found over what was expected,
@@ -211,8 +209,9 @@ class GuideCellsBuilder {
             }
             const size_t below = nodes[node].below;
             if (nodes[node].IsLeaf())
-                tasks_[below].targets[part] =
-                    ChooseTargets(targets, {&factor[node * count], count}, {&told.solidAngle[below * count], count});
+                for (size_t k = 0; k < count; ++k)
+                    tasks_[below].radiances[part][k] =
+                        static_cast<Float>(factor[node * count + k] * static_cast<double>(targets[k].radiance));
             else
                 for (size_t child = below; child < below + 2; ++child)
                     std::copy_n(&factor[node * count], count, &factor[child * count]);
@@ -226,7 +225,6 @@ class GuideCellsBuilder {
         Told told;
         told.found.resize(nodes.size() * count);
         told.expected.resize(nodes.size() * count);
-        told.solidAngle.resize(tasks_.size() * count);
         told.perFind.resize(count);
         std::vector<double> finds(count);
         for (size_t node = nodes.size(); node-- > 0;) {
@@ -249,7 +247,7 @@ class GuideCellsBuilder {
                 told.perFind[ball] += entry.flux[part];
                 ++finds[ball];
             }
-            const std::span<double> angles(&told.solidAngle[below * count], count);
+            std::vector<double> angles(count);
             FindSolidAngles(task, targets, angles);
             double ofPart = 0;
             for (size_t i = 0; i < task.bounces; ++i) ofPart += IsOf(places_[bounces_[task.firstBounce + i]], part);
@@ -280,7 +278,8 @@ class GuideCellsBuilder {
             const GuideRecord &r = *records_[i].record;
             if (!(r.bsdfPdf > 0)) continue;
             GuideDirections directions;
-            directions.Prepare(task.targets[r.isOfFirstHalf ? 1 : 0], r.p, r.normal, r.bothSides);
+            const size_t other = r.isOfFirstHalf ? 1 : 0;
+            directions.Prepare(sideBySide_[other], task.radiances[other], r.p, r.normal, r.bothSides);
             const auto found = static_cast<double>(r.found), pdf = static_cast<double>(r.pdf),
                        bsdfPdf = static_cast<double>(r.bsdfPdf), guidePdf = static_cast<double>(directions.Pdf(r.wi));
             const double square = found * found * records_[i].counts * pdf;
@@ -329,7 +328,7 @@ class GuideCellsBuilder {
             return FindShares(kind, size_t{n.below} + 1, here);
         }
         const auto best = std::min_element(here.parts.begin(), here.parts.end());
-        if (*best >= kMinGain) return;
+        if (*best >= 1) return;
         GuideCells::Leaf &leaf = cells_.leaves_[n.below];
         leaf.share[kind] = ShareAt(static_cast<size_t>(best - here.parts.begin()));
         leaf.gain[kind] = static_cast<Float>(here.plain * (1 - *best));
@@ -354,6 +353,7 @@ class GuideCellsBuilder {
     std::vector<Judged> judged_;     ///< one for each of records_
     std::vector<uint32_t> bounces_;
     std::vector<GuideTarget> targets_[kParts];
+    GuideTargets sideBySide_[kParts];
 };
 
 void GuideCells::Learn(std::span<const GuideRecord> records, Float largestShare) {
@@ -361,6 +361,7 @@ void GuideCells::Learn(std::span<const GuideRecord> records, Float largestShare)
 }
 
 void GuideCells::LeavesChanged() {
+    sideBySide_ = GuideTargets(targets_);
     largestGain_ = 0;
     for (const Leaf &leaf : leaves_) largestGain_ = std::max({largestGain_, leaf.gain[0], leaf.gain[1]});
 }
@@ -383,11 +384,11 @@ void GuideCells::Save(StateWriter &out) const {
 void GuideCells::Load(StateReader &in) {
     in.Vector(&leaves_);
     in.Vector(&targets_);
+    if (targets_.size() > kMostGuideTargets) in.Refuse();
     tree_.Load(in, 1, leaves_.size());
     for (const Leaf &leaf : leaves_) {
         for (const size_t kind : {0, 1})
             if (!(leaf.share[kind] >= 0 && leaf.share[kind] < 1 && leaf.gain[kind] >= 0)) in.Refuse();
-        if (leaf.targets.count < 0 || leaf.targets.count > GuideTargets::kMost) in.Refuse();
     }
     LeavesChanged();
     if (largestGain_ > 0 && tree_.IsEmpty()) in.Refuse();

@@ -26,24 +26,26 @@ struct GuideRecord {
 
 /// Which places in the scene shine, as bounces found them (GuideTarget), and in a tree of cells: which of them the cell
 /// sees, how bright, and the share of bounces that should go there. The share is the one that makes the second moment
-/// of the bounces' contributions least, as one half of the records tells of what the other half taught; 0 where little
+/// of the bounces' contributions least, as one half of the records tells of what the other half taught; 0 where nothing
 /// is gained.
 class GuideCells {
   public:
     /// Forgets all and learns from records.
     void Learn(std::span<const GuideRecord> records, Float largestShare);
 
-    /// What bounces are guided to, and which share of them in the cell that p lies in; null: none is. `worth`: the part
-    /// of its pixel's variance, in vertices that it is worth, that a path has whose found light squared is 1
+    /// How bright the Targets are where p lies, and which share of bounces is guided to them; null: none is. `worth`:
+    /// the part of its pixel's variance, in vertices that it is worth, that a path has whose found light squared is 1
     /// (PathRoulette::Worth times the path's weight, squared). A bounce is guided only if that saves more than it
     /// costs.
-    const GuideTargets *At(const Point3 &p, bool isGlossy, Float worth, Float *share) const {
+    const PerGuideTarget *At(const Point3 &p, bool isGlossy, Float worth, Float *share) const {
         if (!MayGuide(worth)) return nullptr;
         const Leaf &leaf = leaves_[tree_.LeafOf(p)];
         const size_t kind = isGlossy ? 1 : 0;
         *share = leaf.share[kind];
-        return worth * leaf.gain[kind] > kGuidedCost ? &leaf.targets : nullptr;
+        return worth * leaf.gain[kind] > kGuidedCost ? &leaf.radiances : nullptr;
     }
+    /// The places that shine.
+    const GuideTargets &Targets() const { return sideBySide_; }
     /// What a bounce saves, in vertices, by being guided where At gives targets, less what that costs; otherwise 0.
     Float SavedAt(const Point3 &p, bool isGlossy, Float worth) const {
         if (!MayGuide(worth)) return 0;
@@ -59,7 +61,6 @@ class GuideCells {
     void Save(StateWriter &out) const;
     void Load(StateReader &in);
 
-    size_t Targets() const { return targets_.size(); }
     size_t Cells() const { return leaves_.size(); }
     size_t GuidingCells() const;
     double MeanShare() const;
@@ -73,8 +74,8 @@ class GuideCells {
     struct Leaf {
         // For BSDFs without and with glossy lobes.
         Float share[2] = {};
-        Float gain[2] = {};  ///< how much less the second moment of `found` is with the share than without
-        GuideTargets targets;
+        Float gain[2] = {};          ///< how much less the second moment of `found` is with the share than without
+        PerGuideTarget radiances{};  ///< of the targets; only ratios matter
 
         bool Guides() const { return gain[0] > 0 || gain[1] > 0; }
     };
@@ -85,7 +86,8 @@ class GuideCells {
     PointTree tree_;
     std::vector<Leaf> leaves_;
     std::vector<GuideTarget> targets_;
-    Float largestGain_ = 0;  ///< of all leaves; 0: none guides
+    GuideTargets sideBySide_;  ///< targets_
+    Float largestGain_ = 0;    ///< of all leaves; 0: none guides
 };
 
 }  // namespace pbrt

@@ -195,66 +195,57 @@ Float SolidAngleOf(const GuideTarget &target, const Point3 &p, const Vector3 &n,
     return facing > 0 ? 2 * Pi * OneMinusCosine(sine2) * facing : 0;
 }
 
-GuideTargets ChooseTargets(std::span<const GuideTarget> all, std::span<const double> factors,
-                           std::span<const double> solidAngles) {
-    const auto radianceOf = [&](size_t k) { return factors[k] * static_cast<double>(all[k].radiance); };
-    std::vector<std::pair<double, size_t>> order;
-    for (size_t k = 0; k < all.size(); ++k)
-        if (const double weight = radianceOf(k) * solidAngles[k]; weight > 0) order.push_back({-weight, k});
-    std::sort(order.begin(), order.end());
-    if (order.size() > GuideTargets::kMost) order.resize(GuideTargets::kMost);
-    double brightest = 0;
-    for (const auto &[weight, k] : order) brightest = std::max(brightest, radianceOf(k));
-    GuideTargets chosen;
-    for (const auto &[weight, k] : order) {
-        const auto i = static_cast<size_t>(chosen.count++);
-        chosen.x[i] = all[k].p.x;
-        chosen.y[i] = all[k].p.y;
-        chosen.z[i] = all[k].p.z;
-        chosen.r[i] = std::sqrt(all[k].r2);
-        chosen.radiance[i] = static_cast<Float>(radianceOf(k) / brightest);
+GuideTargets::GuideTargets(std::span<const GuideTarget> targets) : count(targets.size()) {
+    for (size_t k = 0; k < count; ++k) {
+        x[k] = targets[k].p.x;
+        y[k] = targets[k].p.y;
+        z[k] = targets[k].p.z;
+        r[k] = std::sqrt(targets[k].r2);
     }
-    return chosen;
 }
 
-// The loops go over all places, used or not, so that they become vector instructions.
-
-void GuideDirections::Prepare(const GuideTargets &__restrict targets, const Point3 &at, const Vector3 &normal,
-                              bool bothSides) {
+void GuideDirections::Prepare(const GuideTargets &__restrict targets, const PerGuideTarget &__restrict radiances,
+                              const Point3 &at, const Vector3 &normal, bool bothSides) {
+    static_assert(kMostGuideTargets % kLanes == 0);
     // Without copies what is written could be one of them, and there would be no vector instructions.
     const Point3 p = at;
     const Vector3 n = normal;
     const Float always = bothSides ? 1 : 0;
-    for (size_t k = 0; k < GuideTargets::kMost; ++k) {
-        const Float dx = targets.x[k] - p.x, dy = targets.y[k] - p.y, dz = targets.z[k] - p.z;
-        const Float l2 = std::max(dx * dx + dy * dy + dz * dz, std::numeric_limits<Float>::min());
-        const Float perLength = 1 / std::sqrt(l2);
-        const Float sine = std::max(targets.r[k] * perLength, kLeastSine);
-        const Float facing = std::max(always, std::min((dx * n.x + dy * n.y + dz * n.z) * perLength + sine, Float(1)));
-        const Float cosine = std::sqrt(std::max(1 - sine * sine, Float(0)));
-        x_[k] = dx * perLength;
-        y_[k] = dy * perLength;
-        z_[k] = dz * perLength;
-        cosine_[k] = cosine;
-        density_[k] = sine < 1 ? targets.radiance[k] * std::max(facing, Float(0)) : Float(0);
-        share_[k] = density_[k] * (2 * Pi) * (1 - cosine);
-    }
+    const size_t end = (targets.count + kLanes - 1) / kLanes * kLanes;
     Lanes sums{};
-    for (size_t k = 0; k < GuideTargets::kMost; k += kLanes)
-        for (size_t i = 0; i < kLanes; ++i) sums[i] += share_[k + i];
+    for (size_t first = 0; first < end; first += kLanes)
+        for (size_t i = 0; i < kLanes; ++i) {
+            const size_t k = first + i;
+            const Float dx = targets.x[k] - p.x, dy = targets.y[k] - p.y, dz = targets.z[k] - p.z;
+            const Float l2 = std::max(dx * dx + dy * dy + dz * dz, std::numeric_limits<Float>::min());
+            const Float perLength = 1 / std::sqrt(l2);
+            const Float sine = std::max(targets.r[k] * perLength, kLeastSine);
+            const Float facing =
+                std::max(always, std::min((dx * n.x + dy * n.y + dz * n.z) * perLength + sine, Float(1)));
+            const Float cosine = std::sqrt(std::max(1 - sine * sine, Float(0)));
+            x_[k] = dx * perLength;
+            y_[k] = dy * perLength;
+            z_[k] = dz * perLength;
+            cosine_[k] = cosine;
+            density_[k] = sine < 1 ? radiances[k] * std::max(facing, Float(0)) : Float(0);
+            share_[k] = density_[k] * (2 * Pi) * (1 - cosine);
+            sums[i] += share_[k];
+        }
+    end_ = end;
     const Float total = SumOf(sums);
     isUsable_ = total > 0 && std::isfinite(total);
     const Float perTotal = isUsable_ ? 1 / total : 0;
-    for (size_t k = 0; k < GuideTargets::kMost; ++k) {
-        density_[k] *= perTotal;
-        share_[k] *= perTotal;
-    }
+    for (size_t first = 0; first < end; first += kLanes)
+        for (size_t i = 0; i < kLanes; ++i) {
+            density_[first + i] *= perTotal;
+            share_[first + i] *= perTotal;
+        }
 }
 
 Vector3 GuideDirections::Sample(const Point2 &u) const {
     Float left = u.x;
     size_t k = 0, last = 0;
-    for (; k < GuideTargets::kMost; ++k) {
+    for (; k < end_; ++k) {
         if (!(share_[k] > 0)) continue;
         last = k;
         if (left < share_[k]) break;
@@ -268,7 +259,7 @@ Vector3 GuideDirections::Sample(const Point2 &u) const {
 
 Float GuideDirections::Pdf(const Vector3 &w) const {
     Lanes sums{};
-    for (size_t k = 0; k < GuideTargets::kMost; k += kLanes)
+    for (size_t k = 0; k < end_; k += kLanes)
         for (size_t i = 0; i < kLanes; ++i) {
             const Float cosine = w.x * x_[k + i] + w.y * y_[k + i] + w.z * z_[k + i];
             sums[i] += cosine >= cosine_[k + i] ? density_[k + i] : Float(0);

@@ -34,31 +34,33 @@ struct TargetFind {
 ///
 /// The mean, not what the finds scatter about it: most of that comes from later bounces that find light rarely, and
 /// goes when those are guided as well.
-inline constexpr size_t kMostGuideTargets = 32;
+inline constexpr size_t kMostGuideTargets = 64;
 std::vector<GuideTarget> MakeGuideTargets(std::span<TargetFind> finds, std::span<const Point3> from, size_t bounces);
 
-/// The balls that a cell of places is guided to, each with its radiance as the cell sees it: 0 for one that is hidden.
+/// A number for each ball; 0 behind the last one.
+using PerGuideTarget = std::array<Float, kMostGuideTargets>;
+
+/// The balls side by side.
 struct GuideTargets {
-    static constexpr int kMost = 16;
-    int count = 0, unused = 0;
-    std::array<Float, kMost> x{}, y{}, z{}, r{};  ///< middle and radius
-    std::array<Float, kMost> radiance{};          ///< only ratios matter
+    GuideTargets() = default;
+    explicit GuideTargets(std::span<const GuideTarget> targets);
+
+    size_t count = 0;
+    PerGuideTarget x{}, y{}, z{}, r{};  ///< middle and radius
 };
 
 /// The solid angle of a ball's cone times a bound of its cosine with the shading normal, as GuideDirections weighs it.
 Float SolidAngleOf(const GuideTarget &target, const Point3 &p, const Vector3 &n, bool bothSides);
-
-/// Those of all balls that matter most: by solid angle times radiance, which is the ball's times a factor.
-GuideTargets ChooseTargets(std::span<const GuideTarget> all, std::span<const double> factors,
-                           std::span<const double> solidAngles);
 
 /// The density of directions at a vertex: constant in the cone of each target, in proportion to its radiance times a
 /// bound of the cosine with the shading normal, and added up where cones overlap. Targets that the vertex lies in or
 /// does not face have no part.
 class GuideDirections {
   public:
-    /// `n`: the shading normal (unit) on the side that light is scattered to; `bothSides`: light is scattered to both.
-    void Prepare(const GuideTargets &targets, const Point3 &p, const Vector3 &n, bool bothSides);
+    /// `radiances`: of the balls as seen from p, 0 for those that are hidden; only ratios matter. `n`: the shading
+    /// normal (unit) on the side that light is scattered to; `bothSides`: light is scattered to both.
+    void Prepare(const GuideTargets &targets, const PerGuideTarget &radiances, const Point3 &p, const Vector3 &n,
+                 bool bothSides);
     /// False if no direction has a density.
     bool IsUsable() const { return isUsable_; }
     /// A direction; it may lie below the surface.
@@ -67,12 +69,12 @@ class GuideDirections {
     Float Pdf(const Vector3 &w) const;
 
   private:
-    using Numbers = std::array<Float, GuideTargets::kMost>;
     bool isUsable_ = false;
-    alignas(64) Numbers x_, y_, z_;  ///< unit vectors to the middle of the cones
-    Numbers cosine_;                 ///< of the half angles of the cones
-    Numbers density_;                ///< in the cones; 0: no part
-    Numbers share_;                  ///< probability of the cones
+    size_t end_ = 0;                        ///< behind the last cone, a multiple of how many are treated at once
+    alignas(64) PerGuideTarget x_, y_, z_;  ///< unit vectors to the middle of the cones
+    PerGuideTarget cosine_;                 ///< of the half angles of the cones
+    PerGuideTarget density_;                ///< in the cones; 0: no part
+    PerGuideTarget share_;                  ///< probability of the cones
 };
 
 }  // namespace pbrt

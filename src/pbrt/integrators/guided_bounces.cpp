@@ -37,9 +37,9 @@ void GuidedBounces::Begin(const PathVertex &vertex, const SampledSpectrum &beta)
     const Vector3 n(point.shading.n);
     normal_ = Dot(point.wo, n) < 0 ? -n : n;
     Float share = 0;
-    const GuideTargets *targets = guide_.Cells().At(point.p, isGlossy_, worth, &share);
-    if (!targets) return;
-    directions_.Prepare(*targets, point.p, normal_, bothSides_);
+    const PerGuideTarget *const radiances = guide_.Cells().At(point.p, isGlossy_, worth, &share);
+    if (!radiances) return;
+    directions_.Prepare(guide_.Cells().Targets(), *radiances, point.p, normal_, bothSides_);
     if (directions_.IsUsable()) share_ = share;
 }
 

@@ -29,7 +29,7 @@ constexpr int kRowShift = 7;
 constexpr Float kInspectedWeight = 0.5f;
 
 /// Changes with everything that PathGuide::Save writes.
-constexpr uint32_t kVersion = 8;
+constexpr uint32_t kVersion = 9;
 
 }  // namespace
 
@@ -218,7 +218,7 @@ void PathGuide::Report(nlohmann::ordered_json &json) const {
     json["rouletteCells"] = roulette_.Cells();
     json["cells"] = cells_.Cells();
     json["guidingCells"] = cells_.GuidingCells();
-    json["targets"] = cells_.Targets();
+    json["targets"] = cells_.Targets().count;
     json["partSaved"] = partSaved_;
     json["meanShare"] = cells_.MeanShare();
     json["bytes"] = cells_.Bytes() + roulette_.Bytes();

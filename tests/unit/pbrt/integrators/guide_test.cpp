@@ -11,17 +11,23 @@ namespace {
 
 Vector3 Uniform(Rng &rng) { return EqualAreaSquareToSphere({rng.Uniform(), rng.Uniform()}); }
 
-GuideTargets SomeTargets(Rng &rng) {
-    GuideTargets targets;
-    targets.count = 1 + static_cast<int>(rng.Uniform() * 12);
-    for (size_t k = 0; k < static_cast<size_t>(targets.count); ++k) {
-        targets.x[k] = 4 * rng.Uniform() - 2;
-        targets.y[k] = 4 * rng.Uniform() - 2;
-        targets.z[k] = 4 * rng.Uniform() - 2;
-        targets.r[k] = rng.Uniform() < 0.3f ? Float(0.01) : rng.Uniform();
-        targets.radiance[k] = rng.Uniform();
+std::vector<GuideTarget> SomeTargets(Rng &rng) {
+    std::vector<GuideTarget> targets(1 + static_cast<size_t>(rng.Uniform() * 12));
+    for (GuideTarget &target : targets) {
+        for (int axis = 0; axis < 3; ++axis) target.p[axis] = 4 * rng.Uniform() - 2;
+        target.r2 = Sqr(rng.Uniform() < 0.3f ? Float(0.01) : rng.Uniform());
+        target.radiance = rng.Uniform();
     }
     return targets;
+}
+
+/// From where all balls are seen.
+GuideDirections DirectionsTo(std::span<const GuideTarget> targets, const Point3 &p, const Vector3 &n, bool bothSides) {
+    PerGuideTarget radiances{};
+    for (size_t k = 0; k < targets.size(); ++k) radiances[k] = targets[k].radiance;
+    GuideDirections directions;
+    directions.Prepare(GuideTargets(targets), radiances, p, n, bothSides);
+    return directions;
 }
 
 TEST(GuideDirections, SamplesHaveTheirDensityAndItIntegratesToOne) {
@@ -31,9 +37,8 @@ TEST(GuideDirections, SamplesHaveTheirDensityAndItIntegratesToOne) {
     int usable = 0;
     for (const bool bothSides : {false, true})
         for (int run = 0; run < 8; ++run) {
-            GuideDirections directions;
             const Vector3 n = Uniform(rng);
-            directions.Prepare(SomeTargets(rng), {0.2f, -0.1f, 0.3f}, n, bothSides);
+            const GuideDirections directions = DirectionsTo(SomeTargets(rng), {0.2f, -0.1f, 0.3f}, n, bothSides);
             if (!directions.IsUsable()) continue;
             ++usable;
             std::vector<double> expected(kFine * kFine), observed(kFine * kFine);
@@ -96,13 +101,8 @@ TEST(GuideTargets, AreWhereLightComesFrom) {
             ASSERT_LT(find.ball, all.size());
         }
     }
-    GuideDirections directions;
     for (const Point3 &p : {Point3(0, 0, 0), Point3(1.5f, -1.5f, 0)}) {
-        const std::vector<double> factors(all.size(), 1);
-        std::vector<double> solidAngles;
-        for (const GuideTarget &target : all)
-            solidAngles.push_back(static_cast<double>(SolidAngleOf(target, p, {0, 0, 1}, false)));
-        directions.Prepare(ChooseTargets(all, factors, solidAngles), p, {0, 0, 1}, false);
+        const GuideDirections directions = DirectionsTo(all, p, {0, 0, 1}, false);
         ASSERT_TRUE(directions.IsUsable());
         double toLamps = 0;
         for (const Point3 &lamp : lamps) {
@@ -197,12 +197,12 @@ TEST(PathGuide, HasNoShareUnderEvenLight) {
 TEST(PathGuide, LearnsWhereLightComesFrom) {
     Learned lobe(Lobe, false);
     Float share = 0;
-    const GuideTargets *targets = lobe.guide.Cells().At({0.2f, 0.1f, 0}, false, 1, &share);
-    ASSERT_TRUE(targets);
+    const PerGuideTarget *radiances = lobe.guide.Cells().At({0.2f, 0.1f, 0}, false, 1, &share);
+    ASSERT_TRUE(radiances);
     EXPECT_GT(share, 0.2f);
     EXPECT_LE(share, 0.7f);
     GuideDirections directions;
-    directions.Prepare(*targets, {0.2f, 0.1f, 0}, {0, 0, 1}, false);
+    directions.Prepare(lobe.guide.Cells().Targets(), *radiances, {0.2f, 0.1f, 0}, {0, 0, 1}, false);
     EXPECT_GT(directions.Pdf(Normalize(Vector3(1, 0.3f, 1))), 4 * directions.Pdf(Normalize(Vector3(-1, 0, 1))));
     // Nothing was learned of glossy surfaces.
     EXPECT_EQ(lobe.guide.Cells().At({0.2f, 0.1f, 0}, true, 1, &share), nullptr);
@@ -294,11 +294,11 @@ TEST(GuideCells, GuideToWhatTheySee) {
     for (const Float side : {-1.f, 1.f}) {
         const Point3 p(0.5f * side, 0.1f, 0);
         Float share = 0;
-        const GuideTargets *targets = cells.At(p, false, 1e6f, &share);
-        ASSERT_TRUE(targets);
+        const PerGuideTarget *radiances = cells.At(p, false, 1e6f, &share);
+        ASSERT_TRUE(radiances);
         EXPECT_GT(share, 0.3f);
         GuideDirections directions;
-        directions.Prepare(*targets, p, {0, 0, 1}, false);
+        directions.Prepare(cells.Targets(), *radiances, p, {0, 0, 1}, false);
         const Point3 &seen = lamps[side > 0 ? 1 : 0], &hidden = lamps[side > 0 ? 0 : 1];
         EXPECT_GT(directions.Pdf(Normalize(seen - p)), 20 * directions.Pdf(Normalize(hidden - p)));
         // Nothing is known of glossy surfaces, and paths that hardly count are not guided.

@@ -35,6 +35,7 @@ struct Ball {
     size_t count = 0;
     double moment = 0;  ///< of the mean radiance: the integral of its square over directions, summed over places
     Bounds3 bounds;
+    double cost = 0;              ///< Cost
     std::vector<uint32_t> parts;  ///< the small balls that it was merged from
 
     Point3 Middle() const { return bounds.low + (bounds.high - bounds.low) * Float(0.5); }
@@ -66,9 +67,9 @@ struct Places {
     }
 };
 
-/// Without its parts.
+/// Without its cost and parts.
 Ball Merged(const Ball &a, const Ball &b) {
-    return {a.count + b.count, a.moment + b.moment, Union(a.bounds, b.bounds), {}};
+    return {a.count + b.count, a.moment + b.moment, Union(a.bounds, b.bounds), 0, {}};
 }
 
 /// Divides the finds along their largest extent until they are few, or have a small part of count and flux: at the mean
@@ -124,14 +125,14 @@ void MergeBalls(std::vector<Ball> *balls) {
     std::vector<Partner> best(balls->size());
     const auto consider = [&](size_t i, size_t j) {
         const Ball &a = (*balls)[i], &b = (*balls)[j];
-        const double cost =
-            i == j ? std::numeric_limits<double>::infinity() : Merged(a, b).Cost() - a.Cost() - b.Cost();
+        const double cost = i == j ? std::numeric_limits<double>::infinity() : Merged(a, b).Cost() - a.cost - b.cost;
         if (cost < best[i].cost) best[i] = {j, cost};
     };
     const auto find = [&](size_t i) {
         best[i] = {};
         for (size_t j = 0; j < balls->size(); ++j) consider(i, j);
     };
+    for (Ball &ball : *balls) ball.cost = ball.Cost();
     for (size_t i = 0; i < balls->size(); ++i) find(i);
     while (balls->size() > kMostGuideTargets) {
         size_t gone = 0;
@@ -139,6 +140,7 @@ void MergeBalls(std::vector<Ball> *balls) {
             if (best[k].cost < best[gone].cost) gone = k;
         const size_t kept = best[gone].of, last = balls->size() - 1;
         Ball merged = Merged((*balls)[gone], (*balls)[kept]);
+        merged.cost = merged.Cost();
         merged.parts = std::move((*balls)[kept].parts);
         merged.parts.insert(merged.parts.end(), (*balls)[gone].parts.begin(), (*balls)[gone].parts.end());
         (*balls)[kept] = std::move(merged);

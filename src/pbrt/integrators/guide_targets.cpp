@@ -35,7 +35,7 @@ struct Ball {
     size_t count = 0;
     double moment = 0;  ///< of the mean radiance: the integral of its square over directions, summed over places
     Bounds3 bounds;
-    double cost = 0;              ///< Cost
+    double cost = 0;              ///< what Cost tells
     std::vector<uint32_t> parts;  ///< the small balls that it was merged from
 
     Point3 Middle() const { return bounds.low + (bounds.high - bounds.low) * Float(0.5); }

@@ -259,7 +259,7 @@ TEST(PathGuide, LearnsNoDirectionsWhereTheyDoNotPay) {
 }
 
 /// What a bounce from a floor finds: a lamp, a ball, or else a dim ceiling.
-GuideRecord UnderALamp(const Point3 &p, const Point3 &lamp, Float radius, Float radiance, bool isOfFirstHalf,
+GuideRecord UnderLamps(const Point3 &p, std::span<const Point3> lamps, Float radius, Float radiance, bool isOfFirstHalf,
                        Rng &rng) {
     GuideRecord r;
     r.p = p;
@@ -269,10 +269,12 @@ GuideRecord UnderALamp(const Point3 &p, const Point3 &lamp, Float radius, Float 
     r.isOfFirstHalf = isOfFirstHalf;
     r.target = r.p + r.wi * (2 / std::max(r.wi.z, Float(0.1)));
     r.radiance = 0.01f;
-    const Float along = Dot(lamp - r.p, r.wi);
-    if (Distance(r.p + r.wi * along, lamp) < radius) {
-        r.target = r.p + r.wi * along;
-        r.radiance = radiance;
+    for (const Point3 &lamp : lamps) {
+        const Float along = Dot(lamp - r.p, r.wi);
+        if (Distance(r.p + r.wi * along, lamp) < radius) {
+            r.target = r.p + r.wi * along;
+            r.radiance = radiance;
+        }
     }
     r.found = r.radiance;
     return r;
@@ -286,8 +288,7 @@ TEST(GuideCells, GuideToWhatTheySee) {
     std::vector<GuideRecord> records;
     for (int i = 0; i < 200000; ++i) {
         const Point3 p(4 * rng.Uniform() - 2, rng.Uniform() - 0.5f, 0);
-        const GuideRecord r = UnderALamp(p, lamps[p.x > 0 ? 1 : 0], kRadius, 10, i % 2 == 0, rng);
-        records.push_back(r);
+        records.push_back(UnderLamps(p, {&lamps[p.x > 0 ? 1 : 0], 1}, kRadius, 10, i % 2 == 0, rng));
     }
     GuideCells cells;
     cells.Learn(records, 0.7f);
@@ -307,6 +308,33 @@ TEST(GuideCells, GuideToWhatTheySee) {
     }
 }
 
+/// More lamps than a few balls could tell apart, all seen from everywhere.
+TEST(GuideCells, GuideToManyLamps) {
+    constexpr int kSide = 6;
+    std::vector<Point3> lamps;
+    for (int i = 0; i < kSide * kSide; ++i)
+        lamps.emplace_back(0.4f * static_cast<Float>(i % kSide) - 1, 0.4f * static_cast<Float>(i / kSide) - 1, 1);
+    Rng rng(8);
+    std::vector<GuideRecord> records;
+    for (int i = 0; i < 200000; ++i)
+        records.push_back(
+            UnderLamps({2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 0}, lamps, 0.04f, 30, i % 2 == 0, rng));
+    GuideCells cells;
+    cells.Learn(records, 0.7f);
+    const Point3 p(0.1f, -0.05f, 0);
+    Float share = 0;
+    const PerGuideTarget *radiances = cells.At(p, false, 1e6f, &share);
+    ASSERT_TRUE(radiances);
+    GuideDirections directions;
+    directions.Prepare(cells.Targets(), *radiances, p, {0, 0, 1}, false);
+    int found = 0;
+    for (const Point3 &lamp : lamps) {
+        const Vector3 w = Normalize(lamp - p);
+        found += directions.Pdf(w) > 3 * w.z / Pi;
+    }
+    EXPECT_GE(found, kSide * kSide - 1);
+}
+
 /// A lamp that fewer bounces find than there are cells has nearly all of the second moment: cells that have not found
 /// it yet know of it from those above.
 TEST(GuideCells, GuideToWhatIsRarelyFound) {
@@ -317,7 +345,7 @@ TEST(GuideCells, GuideToWhatIsRarelyFound) {
     int finds = 0;
     for (int i = 0; i < 200000; ++i) {
         const Point3 p(rng.Uniform() - 0.5f, rng.Uniform() - 0.5f, 0);
-        records.push_back(UnderALamp(p, lamp, kRadius, 100, i % 2 == 0, rng));
+        records.push_back(UnderLamps(p, {&lamp, 1}, kRadius, 100, i % 2 == 0, rng));
         finds += records.back().radiance > 1;
     }
     GuideCells cells;

@@ -353,7 +353,7 @@ class GuideCellsBuilder {
     std::vector<Judged> judged_;     ///< one for each of records_
     std::vector<uint32_t> bounces_;
     std::vector<GuideTarget> targets_[kParts];
-    GuideTargets sideBySide_[kParts];
+    GuideTargets sideBySide_[kParts];  ///< targets_, for GuideDirections
 };
 
 void GuideCells::Learn(std::span<const GuideRecord> records, Float largestShare) {

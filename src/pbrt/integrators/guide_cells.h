@@ -86,7 +86,7 @@ class GuideCells {
     PointTree tree_;
     std::vector<Leaf> leaves_;
     std::vector<GuideTarget> targets_;
-    GuideTargets sideBySide_;  ///< targets_
+    GuideTargets sideBySide_;  ///< targets_, for GuideDirections
     Float largestGain_ = 0;    ///< of all leaves; 0: none guides
 };
 

@@ -24,6 +24,8 @@ constexpr size_t kFrom = 1024;
 constexpr size_t kMinJudges = 32;
 /// What the cell above says of shares counts like so many bounces.
 constexpr double kPriorBounces = 2048;
+/// A share must take at least this part off the second moment: less is found by chance, even where light is even.
+constexpr double kLeastGain = 0.03;
 constexpr size_t kShares = 8;  ///< that are tried, 0 among them
 
 }  // namespace
@@ -242,7 +244,8 @@ class GuideCellsBuilder {
             for (size_t i = task.begin; i < task.end; ++i) {
                 const Entry &entry = records_[i];
                 const uint32_t ball = entry.ball[part];
-                if (ball == TargetFind::kNone) continue;
+                // Places in a ball expect nothing of it.
+                if (ball == TargetFind::kNone || targets[ball].Contains(entry.record->p)) continue;
                 f[ball] += entry.flux[part];
                 told.perFind[ball] += entry.flux[part];
                 ++finds[ball];
@@ -328,7 +331,7 @@ class GuideCellsBuilder {
             return FindShares(kind, size_t{n.below} + 1, here);
         }
         const auto best = std::min_element(here.parts.begin(), here.parts.end());
-        if (*best >= 1) return;
+        if (*best > 1 - kLeastGain) return;
         GuideCells::Leaf &leaf = cells_.leaves_[n.below];
         leaf.share[kind] = ShareAt(static_cast<size_t>(best - here.parts.begin()));
         leaf.gain[kind] = static_cast<Float>(here.plain * (1 - *best));
@@ -370,7 +373,7 @@ Float GuideCells::ShinesAt(const Point3 &p) const {
     Float radiance = 0, brightest = 0;
     for (const GuideTarget &target : targets_) {
         brightest = std::max(brightest, target.radiance);
-        if (LengthSquared(target.p - p) <= target.r2) radiance = std::max(radiance, target.radiance);
+        if (target.Contains(p)) radiance = std::max(radiance, target.radiance);
     }
     return radiance > 0 ? radiance / brightest : 0;
 }

@@ -39,11 +39,7 @@ struct Ball {
     std::vector<uint32_t> parts;  ///< the small balls that it was merged from
 
     Point3 Middle() const { return bounds.low + (bounds.high - bounds.low) * Float(0.5); }
-    Float Radius2() const {
-        // Of the ball inside the bounds, where they are flat; widened, as finds do not reach to the border of what
-        // shines.
-        return Float(0.5) * LengthSquared(bounds.high - Middle()) * Sqr(1 + 2 / static_cast<Float>(count));
-    }
+    Float Radius2() const { return LengthSquared(bounds.high - Middle()); }
     /// What it adds to the root of the least second moment: the root of its part of the moment times the solid angle
     /// that it covers, which goes with the square of its size.
     double Cost() const { return std::sqrt(moment) * static_cast<double>(Length(bounds.high - bounds.low)); }
@@ -55,9 +51,7 @@ struct Places {
     double each = 1;  ///< how many of all each of them stands for
 
     /// Of a ball, summed over all places.
-    double SolidAngle(const Ball &ball) const {
-        const Point3 middle = ball.Middle();
-        const Float r2 = ball.Radius2();
+    double SolidAngle(const Point3 &middle, Float r2) const {
         double sum = 0;
         for (const Point3 &p : some) {
             const Float l2 = LengthSquared(middle - p);
@@ -90,7 +84,7 @@ void AddSmallBalls(std::span<TargetFind> finds, size_t largest, double fluxOfAll
     };
     const double weight = flux / fluxOfAll + static_cast<double>(ball.count) / static_cast<double>(countOfAll);
     if (finds.size() <= largest || weight < 2 / static_cast<double>(kSmallBalls)) {
-        const double meanRadiance = flux / places.SolidAngle(ball);
+        const double meanRadiance = flux / places.SolidAngle(ball.Middle(), ball.Radius2());
         ball.moment = flux * meanRadiance;
         if (!(ball.moment > 0)) return;
         ball.parts = {static_cast<uint32_t>(balls->size())};
@@ -180,18 +174,24 @@ std::vector<GuideTarget> MakeGuideTargets(std::span<TargetFind> finds, std::span
     std::vector<GuideTarget> targets;
     for (const Ball &ball : balls) {
         for (const uint32_t part : ball.parts) mergedInto[part] = static_cast<uint32_t>(targets.size());
-        targets.push_back(
-            {ball.Middle(), ball.Radius2(), static_cast<Float>(std::sqrt(ball.moment / places.SolidAngle(ball)))});
+        targets.push_back({ball.Middle(), 0, 0});
     }
-    for (TargetFind &f : found)
-        if (f.ball != TargetFind::kNone) f.ball = mergedInto[f.ball];
+    for (TargetFind &f : found) {
+        if (f.ball == TargetFind::kNone) continue;
+        f.ball = mergedInto[f.ball];
+        GuideTarget &target = targets[f.ball];
+        target.r2 = std::max(target.r2, LengthSquared(f.target - target.p));
+    }
+    for (size_t k = 0; k < targets.size(); ++k)
+        targets[k].radiance =
+            static_cast<Float>(std::sqrt(balls[k].moment / places.SolidAngle(targets[k].p, targets[k].r2)));
     return targets;
 }
 
 Float SolidAngleOf(const GuideTarget &target, const Point3 &p, const Vector3 &n, bool bothSides) {
+    if (target.Contains(p)) return 0;
     const Vector3 d = target.p - p;
     const Float l2 = LengthSquared(d);
-    if (l2 <= target.r2) return 0;
     const Float sine2 = std::max(target.r2 / l2, kLeastSine2);
     const Float facing = bothSides ? 1 : std::min(Dot(d, n) / std::sqrt(l2) + std::sqrt(sine2), Float(1));
     return facing > 0 ? 2 * Pi * OneMinusCosine(sine2) * facing : 0;

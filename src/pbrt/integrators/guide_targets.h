@@ -14,6 +14,8 @@ struct GuideTarget {
     Point3 p{};
     Float r2 = 0;        ///< square of the radius
     Float radiance = 0;  ///< its mean over places that bounces left from, also those that do not see it
+
+    bool Contains(const Point3 &q) const { return LengthSquared(p - q) <= r2; }
 };
 
 /// What a bounce found where it went.

@@ -20,6 +20,9 @@ constexpr int kLearnAfter[] = {2, 4, 16};
 constexpr size_t kPathsPerRecorded = 32;
 /// Of small pictures up to twice as many paths are recorded, but no more than this.
 constexpr size_t kEnoughPaths = 16384;
+/// PathGuide::PartSaved of the first directions has few records, and may be far too low as well: they are given up below
+/// this part of GuideParams::leastSaved, unless no learning follows.
+constexpr double kLeastSavedAtFirst = 0.4;
 /// Only so many vertices of a path are recorded.
 constexpr int kMaxVertices = 5;
 /// Each row of pixels is shifted by this much against the row before, so that the recorded pixels do not form columns.
@@ -159,7 +162,8 @@ void PathGuide::Learn(const Progress &progress) {
     if (!places_.empty()) {
         cells_.Learn(places_, params_.share);
         partSaved_ = PartSaved();
-        if (partSaved_ < static_cast<double>(params_.leastSaved)) {
+        const double least = static_cast<double>(params_.leastSaved) * (NextAfter(now) != 0 ? kLeastSavedAtFirst : 1);
+        if (partSaved_ < least) {
             cells_.Forget();
             learnsDirections_ = false;
         }

@@ -301,7 +301,18 @@ TEST(GuideCells, GuideToWhatTheySee) {
         GuideDirections directions;
         directions.Prepare(cells.Targets(), *radiances, p, {0, 0, 1}, false);
         const Point3 &seen = lamps[side > 0 ? 1 : 0], &hidden = lamps[side > 0 ? 0 : 1];
-        EXPECT_GT(directions.Pdf(Normalize(seen - p)), 20 * directions.Pdf(Normalize(hidden - p)));
+        int toSeen = 0, toHidden = 0;
+        for (int i = 0; i < 10000; ++i) {
+            const Vector3 w = directions.Sample(rng.Uniform2());
+            const auto meets = [&](const Point3 &lamp) {
+                const Float along = Dot(lamp - p, w);
+                return along > 0 && Distance(p + w * along, lamp) < kRadius;
+            };
+            toSeen += meets(seen);
+            toHidden += meets(hidden);
+        }
+        EXPECT_GT(toSeen, 5000);
+        EXPECT_GT(toSeen, 20 * toHidden);
         // Nothing is known of glossy surfaces, and paths that hardly count are not guided.
         EXPECT_FALSE(cells.At(p, true, 1e6f, &share));
         EXPECT_FALSE(cells.At(p, false, 1e-6f, &share));

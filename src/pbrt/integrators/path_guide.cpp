@@ -20,8 +20,8 @@ constexpr int kLearnAfter[] = {2, 4, 16};
 constexpr size_t kPathsPerRecorded = 32;
 /// Of small pictures up to twice as many paths are recorded, but no more than this.
 constexpr size_t kEnoughPaths = 16384;
-/// PathGuide::PartSaved of the first directions has few records, and may be far too low as well: they are given up below
-/// this part of GuideParams::leastSaved, unless no learning follows.
+/// PathGuide::PartSaved of the first directions has few records, and may be far too low as well: they are given up
+/// below this part of GuideParams::leastSaved, unless no learning follows.
 constexpr double kLeastSavedAtFirst = 0.4;
 /// Only so many vertices of a path are recorded.
 constexpr int kMaxVertices = 5;

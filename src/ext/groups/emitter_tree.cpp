@@ -180,7 +180,7 @@ WeightedChoice<double, Float> EmitterTree::Level::Choose(double target) const {
         const double after = before + static_cast<double>(packetSums[p]);
         if (target < after) {
             const Float *lanes = g + p * kLanes;
-            auto chosen = *ChooseByWeight<double>(
+            auto chosen = ChooseByWeight<double>(
                 kLanes, target, [&](uint32_t i) { return lanes[i]; }, before);
             chosen.index += p * static_cast<uint32_t>(kLanes) - firstLane;
             return chosen;
@@ -189,13 +189,12 @@ WeightedChoice<double, Float> EmitterTree::Level::Choose(double target) const {
     }
     if (auto chosen = ChooseByWeight<double>(
             far, target, [&](uint32_t i) { return WeightAt(near + i); }, before)) {
-        chosen->index += near;
-        return *chosen;
+        chosen.index += near;
+        return chosen;
     }
     // Only rounding leads here: the last child of positive weight.
     return ChooseByWeight<double>(near, std::numeric_limits<double>::infinity(),
-                                  [&](uint32_t i) { return WeightAt(i); })
-        .value_or(WeightedChoice<double, Float>{});
+                                  [&](uint32_t i) { return WeightAt(i); });
 }
 
 std::optional<SampledLight> EmitterTree::Sample(const LightQuery &query, Float u) const {

@@ -205,8 +205,7 @@ std::optional<SampledLight> LightTree::SampleWithin(uint32_t node, const LightQu
         return EvaluateFar(far_[range.begin + i - near], query);
     });
     if (!chosen) return {};
-    return SampledLight{LightId(order_[range.begin + chosen->index]), end->pmf * (chosen->weight / sum),
-                        chosen->weight};
+    return SampledLight{LightId(order_[range.begin + chosen.index]), end->pmf * (chosen.weight / sum), chosen.weight};
 }
 
 Float LightTree::PMFWithin(uint32_t node, const LightQuery &query, uint32_t position) const {

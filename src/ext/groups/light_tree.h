@@ -68,8 +68,7 @@ class LightTree {
         Float WeightAt(uint32_t i) const { return g[i]; }
         Node At(uint32_t i) const { return nodes[i]; }
         WeightedChoice<double, Float> Choose(double target) const {
-            return ChooseByWeight<double>(count, target, [&](uint32_t i) { return g[i]; })
-                .value_or(WeightedChoice<double, Float>{});
+            return ChooseByWeight<double>(count, target, [&](uint32_t i) { return g[i]; });
         }
     };
     bool IsLeaf(Node node) const { return !HasChildren(node); }

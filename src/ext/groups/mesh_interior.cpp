@@ -39,7 +39,7 @@ std::optional<SampledLight> MeshInterior::Sample(uint32_t group, const LightQuer
     if (!(sum > 0)) return {};
     const auto chosen = ChooseByWeight<Float>(inner.scan->Size(), u * sum, [&](uint32_t i) { return g[i]; });
     if (!chosen) return {};
-    return SampledLight{LightId(first + chosen->index), chosen->weight / sum};
+    return SampledLight{LightId(first + chosen.index), chosen.weight / sum};
 }
 
 Float MeshInterior::PMF(const LightQuery &query, LightId light) const {

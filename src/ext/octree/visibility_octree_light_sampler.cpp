@@ -325,14 +325,14 @@ std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::Choo
     const Choice &c = *static_cast<const Choice *>(weights);
     const auto chosen = ChooseByWeight<Float>(c.all, u, [&](uint32_t i) { return c.Share(i); });
     if (!chosen) return {};
-    const Float share = chosen->weight, g = c.g[chosen->index];
-    const Float inside = LightGroups::InnerNumber(u, query.p, (chosen->before + share) - share, share);
+    const Float share = chosen.weight, g = c.g[chosen.index];
+    const Float inside = LightGroups::InnerNumber(u, query.p, (chosen.before + share) - share, share);
     auto choose = [&](uint32_t group, Float pmf, Float inner, Float unoccluded) {
         return ChosenGroup{group, pmf, inner, unoccluded, unoccluded / (c.lampG * pmf)};
     };
-    if (chosen->index >= c.count) return ChosenGroup{skyGroups_[chosen->index - c.count], share, inside, 0, 0};
-    if (!lightTree_) return choose(chosen->index, share, inside, g);
-    const uint32_t node = c.nodes[chosen->index];
+    if (chosen.index >= c.count) return ChosenGroup{skyGroups_[chosen.index - c.count], share, inside, 0, 0};
+    if (!lightTree_) return choose(chosen.index, share, inside, g);
+    const uint32_t node = c.nodes[chosen.index];
     if (lightTree_->IsLight(node)) return choose(lightTree_->LightAt(lightTree_->At(node).begin), share, inside, g);
     std::optional<SampledLight> light = lightTree_->SampleWithin(node, query, inside);
     if (!light) return {};

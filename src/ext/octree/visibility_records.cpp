@@ -41,10 +41,10 @@ class Draws {
     std::optional<SampledLight> Draw(Float u) const {
         const auto chosen = ChooseByWeight<Float>(count_, u * sum_, [&](uint32_t i) { return g_[i]; });
         if (!chosen) return {};
-        const Float g = chosen->weight;
-        if (!tree_) return SampledLight{LightId(chosen->index), g / sum_};
+        const Float g = chosen.weight;
+        if (!tree_) return SampledLight{LightId(chosen.index), g / sum_};
         std::optional<SampledLight> light = tree_->SampleWithin(
-            nodes_[chosen->index], query_, std::clamp((u * sum_ - chosen->before) / g, Float(0), OneMinusEpsilon));
+            nodes_[chosen.index], query_, std::clamp((u * sum_ - chosen.before) / g, Float(0), OneMinusEpsilon));
         if (light) light->pmf *= g / sum_;
         return light;
     }

@@ -65,7 +65,7 @@ std::optional<GroupLightSampler::ChosenGroup> ExhaustiveLightSampler::ChooseGrou
     const size_t blocks = (packets_.size() + blockSize_ - 1) / blockSize_;
     const auto block = ChooseByWeight<double>(blocks, target, [&](uint32_t b) { return sums.block[b]; });
     if (!block) return {};
-    const size_t first = block->index * blockSize_, end = std::min(first + blockSize_, packets_.size());
+    const size_t first = block.index * blockSize_, end = std::min(first + blockSize_, packets_.size());
     Float scratch[kLanes];
     const Float *lanes = nullptr;
     const auto chosen = ChooseByWeight<double>((end - first) * kLanes, target,
@@ -74,12 +74,12 @@ std::optional<GroupLightSampler::ChosenGroup> ExhaustiveLightSampler::ChooseGrou
                                                        lanes = Lanes(first + i / kLanes, query, sums, scratch);
                                                    return lanes[i % kLanes];
                                                },
-                                               block->before);
+                                               block.before);
     if (!chosen) return {};
-    const Float weight = chosen->weight;
+    const Float weight = chosen.weight;
     Float pmf = infinite_.Pmf() * static_cast<Float>(static_cast<double>(weight) / sums.total);
     if (!(pmf > 0)) return {};
-    return ChosenGroup{lights_[first * kLanes + chosen->index], pmf, InnerNumber(query, u)};
+    return ChosenGroup{lights_[first * kLanes + chosen.index], pmf, InnerNumber(query, u)};
 }
 
 Float ExhaustiveLightSampler::GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const {

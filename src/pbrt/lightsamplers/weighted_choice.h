@@ -12,15 +12,18 @@ struct WeightedChoice {
     uint32_t index = 0;
     Weight weight = 0;
     Sum before = 0;  ///< sum of the weights before it
+
+    explicit operator bool() const { return weight > 0; }
 };
 
 /// Chooses one of `count` things by a scan over their weights. `target`: a uniform number times the sum of the weights;
 /// weightAt(i): the weight of thing i. The weights are added up in the precision of Sum. If rounding makes their sum
-/// less than `target`, the last positive weight is chosen. Nothing is chosen if no weight is positive.
+/// less than `target`, the last positive weight is chosen. Weight 0: nothing is chosen, as no weight is positive.
+/// (No std::optional: it would be copied through memory, in the middle of every choice.)
 template <class Sum, class WeightAt>
 [[gnu::always_inline]] inline auto ChooseByWeight(size_t count, Sum target, WeightAt &&weightAt, Sum before = 0) {
     using Choice = WeightedChoice<Sum, decltype(weightAt(0u))>;
-    std::optional<Choice> chosen;
+    Choice chosen;
     for (uint32_t i = 0; i < count; ++i) {
         const auto weight = weightAt(i);
         if (!(weight > 0)) continue;
@@ -32,7 +35,7 @@ template <class Sum, class WeightAt>
 }
 
 /// ChooseByWeight for two. It looks results up in tables instead of branching, because processors cannot predict which
-/// of the two is chosen. Weight 0: nothing is chosen.
+/// of the two is chosen.
 template <class Sum, class Weight>
 [[gnu::always_inline]] inline WeightedChoice<Sum, Weight> ChooseOfTwo(Sum target, const Weight *weights) {
     const Sum before[2] = {0, static_cast<Sum>(weights[0])};

@@ -43,7 +43,7 @@ std::optional<NearestLightSampler::ChosenGroup> NearestLightSampler::ChooseGroup
     const Weights &w = *static_cast<const Weights *>(weights);
     const auto chosen = ChooseByWeight<Float>(places_.size(), u * w.sum, [&](uint32_t g) { return w.of[g]; });
     if (!chosen) return {};
-    return ChosenGroup{chosen->index, chosen->weight / w.sum, InnerNumber(query, u)};
+    return ChosenGroup{chosen.index, chosen.weight / w.sum, InnerNumber(query, u)};
 }
 
 Float NearestLightSampler::GroupProbability(const LightQuery &, const void *weights, uint32_t group) const {

@@ -244,7 +244,7 @@ class GuideCellsBuilder {
             for (size_t i = task.begin; i < task.end; ++i) {
                 const Entry &entry = records_[i];
                 const uint32_t ball = entry.ball[part];
-                // Places in a ball expect nothing of it.
+                // From a place inside a ball nothing of it is expected (SolidAngleOf), so its finds do not count.
                 if (ball == TargetFind::kNone || targets[ball].Contains(entry.record->p)) continue;
                 f[ball] += entry.flux[part];
                 told.perFind[ball] += entry.flux[part];

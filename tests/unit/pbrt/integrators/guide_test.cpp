@@ -258,6 +258,11 @@ TEST(PathGuide, LearnsNoDirectionsWhereTheyDoNotPay) {
     EXPECT_FALSE(rarely.guide.Cells().Guide());
 }
 
+bool Meets(const Point3 &p, const Vector3 &w, const Point3 &lamp, Float radius) {
+    const Float along = Dot(lamp - p, w);
+    return along > 0 && Distance(p + w * along, lamp) < radius;
+}
+
 /// What a bounce from a floor finds: a lamp, a ball, or else a dim ceiling.
 GuideRecord UnderLamps(const Point3 &p, std::span<const Point3> lamps, Float radius, Float radiance, bool isOfFirstHalf,
                        Rng &rng) {
@@ -269,13 +274,11 @@ GuideRecord UnderLamps(const Point3 &p, std::span<const Point3> lamps, Float rad
     r.isOfFirstHalf = isOfFirstHalf;
     r.target = r.p + r.wi * (2 / std::max(r.wi.z, Float(0.1)));
     r.radiance = 0.01f;
-    for (const Point3 &lamp : lamps) {
-        const Float along = Dot(lamp - r.p, r.wi);
-        if (Distance(r.p + r.wi * along, lamp) < radius) {
-            r.target = r.p + r.wi * along;
+    for (const Point3 &lamp : lamps)
+        if (Meets(r.p, r.wi, lamp, radius)) {
+            r.target = r.p + r.wi * Dot(lamp - r.p, r.wi);
             r.radiance = radiance;
         }
-    }
     r.found = r.radiance;
     return r;
 }
@@ -304,12 +307,8 @@ TEST(GuideCells, GuideToWhatTheySee) {
         int toSeen = 0, toHidden = 0;
         for (int i = 0; i < 10000; ++i) {
             const Vector3 w = directions.Sample(rng.Uniform2());
-            const auto meets = [&](const Point3 &lamp) {
-                const Float along = Dot(lamp - p, w);
-                return along > 0 && Distance(p + w * along, lamp) < kRadius;
-            };
-            toSeen += meets(seen);
-            toHidden += meets(hidden);
+            toSeen += Meets(p, w, seen, kRadius);
+            toHidden += Meets(p, w, hidden, kRadius);
         }
         EXPECT_GT(toSeen, 5000);
         EXPECT_GT(toSeen, 20 * toHidden);

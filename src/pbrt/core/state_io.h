@@ -112,6 +112,8 @@ class StateReader {
         return taken;
     }
     size_t BytesLeft() const { return rest_.size(); }
+    /// As messages name what is read.
+    const std::string &What() const { return what_; }
     /// Throws: the bytes are not what they should be.
     [[noreturn]] void Refuse() const { throw UserError(fmt::format("{}: its content is damaged.", what_)); }
 

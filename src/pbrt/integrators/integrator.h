@@ -60,6 +60,10 @@ class Integrator {
     virtual void SaveLearned(StateWriter &writer) const {
         if (const LightSampler *lights = Lights()) lights->SaveLearned(writer, true);
     }
+    /// Writes what other renders under the same lights can use, for PrepareContext::learned with `learnsOn` false.
+    virtual void SaveForOthers(StateWriter &writer) const {
+        if (const LightSampler *lights = Lights()) lights->SaveLearned(writer, false);
+    }
     /// The light sampler in use; null if the integrator has none.
     virtual const LightSampler *Lights() const { return nullptr; }
     /// The light sampler that chooses where light paths begin; null if none do.

@@ -23,6 +23,11 @@ constexpr size_t kEnoughPaths = 16384;
 /// PathGuide::PartSaved of the first directions has few records, and may be far too low as well: they are given up
 /// below this part of GuideParams::leastSaved, unless no learning follows.
 constexpr double kLeastSavedAtFirst = 0.4;
+/// Where the records are of several times kEnoughPaths, one path in so many is asked first whether directions pay, as
+/// learning from all of them takes longer.
+constexpr size_t kAsked = 4;
+/// One of `asked` paths, in pairs of the two halves.
+bool IsAsked(size_t path, size_t asked) { return path / 2 % asked == 0; }
 /// Only so many vertices of a path are recorded.
 constexpr int kMaxVertices = 5;
 /// Each row of pixels is shifted by this much against the row before, so that the recorded pixels do not form columns.
@@ -31,7 +36,11 @@ constexpr int kRowShift = 7;
 /// The path's weight for which PathGuide::Inspect tells the probability to go on.
 constexpr Float kInspectedWeight = 0.5f;
 
-/// Changes with everything that PathGuide::Save writes.
+/// Two pictures show the same if rays at the same places in them begin no further apart than this part of
+/// PathGuide::Beyond, a thousandth of the scene, and their directions (unit) are no further apart than this.
+constexpr Float kSameDistance = 1e-4f, kSameDirection = 0.02f;
+
+/// Changes with everything that PathGuide::Save and SaveForOthers write.
 constexpr uint32_t kVersion = 9;
 
 }  // namespace
@@ -49,11 +58,13 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     learnsDirections_ = params_.directions;
     const Bounds3 &bounds = prepare.scene.Bounds();
     beyond_ = bounds.IsEmpty() ? 1 : 10 * Length(bounds.high - bounds.low);
+    view_ = ViewOf(prepare);
     BeginLearning(0, NextAfter(0));
-    // A file of learned lights holds nothing for the guide.
+    // A file of learned lights has nothing for the guide if the render that made it had none.
     if (!prepare.learned || prepare.learned->BytesLeft() == 0) return;
     StateReader &in = *prepare.learned;
     if (in.Value<uint32_t>() != kVersion) in.Refuse();
+    if (!prepare.learnsOn) return LoadOfOther(in);
     const int first = in.Value<int>(), next = in.Value<int>();
     if (next != 0 && (first < 0 || next != NextAfter(first))) in.Refuse();
     learnsDirections_ = in.Value<uint32_t>() != 0;
@@ -72,6 +83,52 @@ void PathGuide::Save(StateWriter &out) const {
     cells_.Save(out);
     roulette_.Save(out);
     TakeRecords(out);
+}
+
+PathGuide::View PathGuide::ViewOf(const PrepareContext &prepare) {
+    static constexpr Vector2 kPlaces[View::kRays] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0.5f, 0.5f}};
+    const Point2 low(prepare.pixelBounds.low);
+    const Vector2 size = Point2(prepare.pixelBounds.high) - low;
+    const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    View view;
+    for (size_t i = 0; i < View::kRays; ++i) {
+        const CameraSample sample{.pFilm = low + kPlaces[i] * size, .pLens = {0.5f, 0.5f}, .time = 0.5f};
+        const std::optional<CameraRay> ray = prepare.camera.GenerateRay(sample, lambda);
+        if (!ray) continue;
+        view.from[i] = ray->ray.o;
+        view.towards[i] = ray->ray.d;
+    }
+    return view;
+}
+
+bool PathGuide::IsSame(const View &a, const View &b) const {
+    for (size_t i = 0; i < View::kRays; ++i)
+        if (!(Distance(a.from[i], b.from[i]) <= kSameDistance * beyond_ &&
+              Length(a.towards[i] - b.towards[i]) <= kSameDirection))
+            return false;
+    return true;
+}
+
+void PathGuide::SaveForOthers(StateWriter &out) const {
+    out.Value(kVersion);
+    out.Text(EffectiveParams(params_).dump());
+    out.Value(view_);
+    out.Value(uint32_t{learnsDirections_});
+    cells_.Save(out);
+    roulette_.Save(out);
+}
+
+void PathGuide::LoadOfOther(StateReader &in) {
+    const std::string saved = in.Text(), here = EffectiveParams(params_).dump();
+    if (saved != here)
+        throw UserError(fmt::format("{}: was learned by a guide with other parameters: {}; here they are {}.",
+                                    in.What(), saved, here));
+    const auto view = in.Value<View>();
+    learnsDirections_ = in.Value<uint32_t>() != 0;
+    cells_.Load(in);
+    roulette_.Load(in);
+    roulette_.UseFor(Size(), IsSame(view, view_));
+    BeginLearning(0, 0);
 }
 
 void PathGuide::Inspect(const PathVertex &vertex, Point2i pixel, std::vector<InspectedValue> &values) const {
@@ -159,28 +216,41 @@ void PathGuide::Learn(const Progress &progress) {
     if (!isDue || progress.Cancelled()) return;
     const auto begin = std::chrono::steady_clock::now();
     if (params_.roulette) roulette_.Learn(Size(), [&](size_t path) { return PixelOf(path); });
-    if (!places_.empty()) {
-        cells_.Learn(places_, params_.share);
-        partSaved_ = PartSaved();
-        const double least = static_cast<double>(params_.leastSaved) * (NextAfter(now) != 0 ? kLeastSavedAtFirst : 1);
-        if (partSaved_ < least) {
-            cells_.Forget();
-            learnsDirections_ = false;
-        }
-    }
+    if (!places_.empty())
+        LearnDirections(static_cast<double>(params_.leastSaved) * (NextAfter(now) != 0 ? kLeastSavedAtFirst : 1));
     BeginLearning(now, NextAfter(now));
     learningSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-double PathGuide::PartSaved() const {
+void PathGuide::LearnDirections(double leastSaved) {
+    const auto pays = [&] {
+        if (partSaved_ >= leastSaved) return true;
+        cells_.Forget();
+        learnsDirections_ = false;
+        return false;
+    };
+    if (!cells_.Guide() && places_.size() / vertices_ >= kAsked * kEnoughPaths) {
+        std::vector<GuideRecord> some;
+        for (size_t i = 0; i < places_.size(); ++i)
+            if (IsAsked(i / vertices_, kAsked)) some.push_back(places_[i]);
+        cells_.Learn(some, params_.share);
+        partSaved_ = PartSaved(kAsked);
+        if (!pays()) return;
+    }
+    cells_.Learn(places_, params_.share);
+    partSaved_ = PartSaved(1);
+    pays();
+}
+
+double PathGuide::PartSaved(size_t asked) const {
     if (!roulette_.Knows()) return 1;
     double saved = 0;
     for (size_t i = 0; i < places_.size(); ++i) {
         const GuideRecord &r = places_[i];
-        if (r.pdf > 0)
+        if (r.pdf > 0 && IsAsked(i / vertices_, asked))
             saved += static_cast<double>(cells_.SavedAt(r.p, r.isGlossy, Sqr(r.beta * Worth(PixelOf(i / vertices_)))));
     }
-    return saved / roulette_.RecordedCost();
+    return static_cast<double>(asked) * saved / roulette_.RecordedCost();
 }
 
 void PathGuide::TakeRecords(StateWriter &out) const {

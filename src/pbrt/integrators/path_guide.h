@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -97,11 +98,24 @@ class PathGuide final : public LightLearner {
 
     /// What was learned and found, for a checkpoint, without what the light sampler learned.
     void Save(StateWriter &out) const;
+    /// What was learned, for other renders. They may have another camera or another resolution, and learn nothing more.
+    void SaveForOthers(StateWriter &out) const;
     /// Cells, how many of them guide, the part of the paths' cost that this saves, memory of what is known and, at
     /// most, of records, and the time of learning.
     void Report(nlohmann::ordered_json &json) const;
 
   private:
+    /// What the picture shows: rays through its corners and its middle.
+    struct View {
+        static constexpr size_t kRays = 5;
+        std::array<Point3, kRays> from{};
+        std::array<Vector3, kRays> towards{};
+    };
+    static View ViewOf(const PrepareContext &prepare);
+    /// True if both show the same, but for what another resolution changes.
+    bool IsSame(const View &a, const View &b) const;
+    void LoadOfOther(StateReader &in);
+
     Vector2i Size() const { return pixels_.IsEmpty() ? Vector2i(0) : pixels_.high - pixels_.low; }
     size_t Pixels() const { return static_cast<size_t>(Size().x) * static_cast<size_t>(Size().y); }
     /// At most so many are recorded for a learning.
@@ -112,8 +126,10 @@ class PathGuide final : public LightLearner {
     void BeginLearning(int first, int next);
     /// The pixel of a path's number, relative to the picture's corner.
     Point2i PixelOf(size_t path) const;
-    /// What guiding saves, of all that paths cost, as the records of now tell.
-    double PartSaved() const;
+    /// Gives directions up if they save less than this part of what paths cost.
+    void LearnDirections(double leastSaved);
+    /// What guiding saves, of all that paths cost, as the records of one path in `asked` tell.
+    double PartSaved(size_t asked) const;
     void TakeRecords(StateWriter &out) const;
     void AddRecords(StateReader &in);
 
@@ -122,6 +138,7 @@ class PathGuide final : public LightLearner {
     GuideCells cells_;
     bool learnsDirections_;
     Bounds2i pixels_{};
+    View view_;
     int samplesPerPixel_ = 1, next_ = 0, first_ = 0, stride_ = 1;
     size_t vertices_ = 1, placesPerRow_ = 0;
     Float beyond_ = 0;  ///< how far away what is beyond the scene counts as

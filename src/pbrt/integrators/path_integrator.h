@@ -48,6 +48,10 @@ class GuidedPixelIntegrator : public PixelIntegrator {
         lights_->SaveLearned(writer, true);
         if (guide_) guide_->Save(writer);
     }
+    void SaveForOthers(StateWriter &writer) const override {
+        lights_->SaveLearned(writer, false);
+        if (guide_) guide_->SaveForOthers(writer);
+    }
     const LightSampler *Lights() const override { return lights_.get(); }
     const ShadowRayGate *Gate() const override { return gate_.get(); }
     const PathGuide *Guide() const override { return guide_.get(); }

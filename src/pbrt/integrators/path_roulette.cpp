@@ -151,6 +151,28 @@ void PathRoulette::LearnPicture(Vector2i size, const std::vector<Point2i> &pixel
     tree_.Begin(kKinds);
 }
 
+void PathRoulette::UseFor(Vector2i size, bool isSameView) {
+    if (!Knows() || size.x < 1 || size.y < 1 || (isSameView && size == size_)) return;
+    if (!isSameView) {
+        double radiance = 0;
+        for (const Float worth : tiles_) radiance += 1 / static_cast<double>(worth);
+        tiles_ = {static_cast<Float>(static_cast<double>(tiles_.size()) / radiance)};
+        size_ = size;
+        tile_ = std::max(size.x, size.y);
+        return;
+    }
+    const auto scaled = [](int at, int from, int to) { return static_cast<int>(int64_t{at} * to / from); };
+    const int tile = std::max(1, scaled(tile_, size_.x, size.x));
+    std::vector<Float> tiles;
+    for (int y = 0; y < size.y; y += tile)
+        for (int x = 0; x < size.x; x += tile)
+            tiles.push_back(Worth({scaled(std::min(x + tile / 2, size.x - 1), size.x, size_.x),
+                                   scaled(std::min(y + tile / 2, size.y - 1), size.y, size_.y)}));
+    tiles_ = std::move(tiles);
+    size_ = size;
+    tile_ = tile;
+}
+
 struct PathRoulette::Known {
     Moments here, onwards;
 };

@@ -80,6 +80,10 @@ class PathRoulette {
         return tiles_[static_cast<size_t>(at.y * ((size_.x + tile_ - 1) / tile_) + at.x)];
     }
 
+    /// What was learned is to be used for a picture of another size, or of something else (`isSameView` false): then
+    /// Worth is everywhere what it was in the mean.
+    void UseFor(Vector2i size, bool isSameView);
+
     /// From all records. `pixelOf(i)`: the pixel of path i, relative to the picture's corner; the paths of a pixel are
     /// neighbours.
     template <class PixelOf>

@@ -212,12 +212,14 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
                    "FIRST:END: render only these samples of every pixel, from FIRST up to END - 1, into the "
                    "--checkpoint file, without a picture; imgtool merge makes the picture from all parts")
         ->group(keeping);
-    app.add_option("--save-lights", o.saveLights,
-                   "file for what the light sampler has learned by the end of the render")
+    app.add_option(
+           "--save-lights", o.saveLights,
+           "file for what the light sampler, and the guide of guided paths, have learned by the end of the render")
         ->group(keeping);
     app.add_option("--load-lights", o.loadLights,
-                   "choose lights by what another render saved, and learn nothing: for parts of one picture, and "
-                   "frames of an animation whose lights stand still; as --save-lights, renders in world coordinates")
+                   "choose lights and guide paths by what another render saved, and learn nothing: for parts of one "
+                   "picture, and frames of an animation whose lights stand still; as --save-lights, renders in world "
+                   "coordinates")
         ->group(keeping);
 
     const char *lights = "Light selection";

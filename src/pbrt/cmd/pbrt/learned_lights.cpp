@@ -42,7 +42,7 @@ void LearnedLights::Check(const BuiltScene &built) const {
     const LightSampler *lights = built.integrator->Lights();
     if (!lights)
         throw UserError(fmt::format("{}: the integrator \"{}\" uses no light sampler.", flag, built.integratorName));
-    if (!lights->SavesLearned())
+    if (!lights->SavesLearned() && !built.integrator->Guide())
         throw UserError(fmt::format("{}: the light sampler \"{}\" learns nothing that could be saved.", flag,
                                     built.lightSamplerName));
     if (!loaded_) return;
@@ -60,7 +60,7 @@ void LearnedLights::Save(const BuiltScene &built) const {
     StateWriter identity, learned;
     const std::string text = Json(IdentityOf(built)).dump();
     identity.Copy(text.data(), text.size());
-    built.integrator->Lights()->SaveLearned(learned, false);
+    built.integrator->SaveForOthers(learned);
     WriteStateFile(savePath_, kKind, {{"identity", &identity}, {"learned", &learned}});
 }
 

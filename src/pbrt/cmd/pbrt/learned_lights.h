@@ -7,7 +7,8 @@
 
 namespace pbrt {
 
-/// The files of --save-lights and --load-lights: what a light sampler has learned, for other renders.
+/// The files of --save-lights and --load-lights: what a light sampler and the guide have learned, for other
+/// renders.
 class LearnedLights {
   public:
     /// Reads the file to be loaded. Throws UserError if it is damaged, or if the other one cannot be written.

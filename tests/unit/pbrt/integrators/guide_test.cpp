@@ -129,6 +129,11 @@ GuideParams Directions() {
     return params;
 }
 
+const char *const kFlat =
+    "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 200\n"
+    "Sampler \"independent\" \"integer pixelsamples\" 15\nWorldBegin\n"
+    "LightSource \"infinite\" Shape \"sphere\"\n";
+
 /// A guide that has learned from made-up records at p in [-1, 1]^2 on the plane z = 0: the light of a record in
 /// direction w is light(p, w).
 template <class Light>
@@ -136,10 +141,7 @@ class Learned {
   public:
     Learned(const Light &light, bool isGlossy, bool bothSides = false, const GuideParams &params = Directions(),
             int samples = 31)
-        : built_(BuildText("Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 200\n"
-                           "Sampler \"independent\" \"integer pixelsamples\" 15\nWorldBegin\n"
-                           "LightSource \"infinite\" Shape \"sphere\"\n")),
-          guide(params, nullptr) {
+        : built_(BuildText(kFlat)), guide(params, nullptr) {
         PrepareContext context = built_.Preparation(progress_);
         context.samplesPerPixel = samples;
         guide.Prepare(context, 1);
@@ -249,8 +251,12 @@ TEST(PathGuide, LearnsNoDirectionsWhereTheyDoNotPay) {
     EXPECT_TRUE(lobe.guide.Cells().Guide());
     EXPECT_TRUE(first.guide.LearnsDirections());
     EXPECT_FALSE(first.guide.Cells().Guide()) << "the first samples teach the roulette alone";
-    const Learned nothing(Even, false, false, params);
-    EXPECT_FALSE(nothing.guide.LearnsDirections());
+    // With more samples a part of the paths is asked first.
+    for (const int samples : {31, 60}) {
+        const Learned nothing(Even, false, false, params, samples), something(Lobe, false, false, params, samples);
+        EXPECT_FALSE(nothing.guide.LearnsDirections());
+        EXPECT_TRUE(something.guide.LearnsDirections());
+    }
     // One place in a hundred is worth guiding.
     const Learned rarely([](const Point3 &p, const Vector3 &w) { return p.x > 0.98f ? Lobe(p, w) : 10.f; }, false,
                          false, params);
@@ -403,6 +409,50 @@ TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
     };
     check(lobe.guide, Directions(), true);
     check(gaveUp.guide, withRoulette, false);
+}
+
+TEST(PathGuide, WhatItLearnedIsOfUseToOtherRenders) {
+    GuideParams params = Directions();
+    params.roulette = true;
+    const Learned lobe(Lobe, false, false, params);
+    StateWriter writer;
+    lobe.guide.SaveForOthers(writer);
+    const std::string bytes = writer.Joined();
+    Progress progress;
+    const auto load = [&](PathGuide &guide, const std::string &state, const char *camera = "") {
+        const BuiltScene built = BuildText(std::string(camera) + kFlat);
+        StateReader reader(state, "lights");
+        PrepareContext context = built.Preparation(progress);
+        context.samplesPerPixel = 4;
+        context.learned = &reader;
+        context.learnsOn = false;
+        guide.Prepare(context, 1);
+        EXPECT_EQ(guide.NextLearning(), 0);
+    };
+    PathGuide other(params, nullptr), elsewhere(params, nullptr);
+    load(other, bytes);
+    StateWriter again;
+    other.SaveForOthers(again);
+    EXPECT_EQ(again.Joined(), bytes);
+    EXPECT_TRUE(other.Cells().Guide());
+    EXPECT_EQ(other.Worth({7, 5}), lobe.guide.Worth({7, 5}));
+    // From elsewhere the picture's brightness is not known.
+    load(elsewhere, bytes, "LookAt 0 0 1  0 1 1  0 0 1 Camera \"perspective\"\n");
+    EXPECT_TRUE(elsewhere.Cells().Guide());
+    EXPECT_EQ(elsewhere.Worth({0, 0}), elsewhere.Worth({190, 120}));
+
+    for (const std::string &damaged : {bytes.substr(0, bytes.size() - 1), bytes.substr(0, 20)}) {
+        PathGuide refusing(params, nullptr);
+        EXPECT_THROW(load(refusing, damaged), UserError);
+    }
+    params.share = 0.5f;
+    PathGuide different(params, nullptr);
+    try {
+        load(different, bytes);
+        ADD_FAILURE() << "other parameters were not noticed";
+    } catch (const UserError &error) {
+        EXPECT_NE(std::string(error.what()).find("guide.share"), std::string::npos) << error.what();
+    }
 }
 
 /// The mean of f cos L / density over guided bounces, where L is the light that was learned, is that over the BSDF's

@@ -139,6 +139,24 @@ TEST(PathRoulette, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
     }
 }
 
+TEST(PathRoulette, IsOfUseToOtherPictures) {
+    const auto left = [](Point2i pixel) { return pixel.x < kSide / 2 ? 0.5f : 1.5f; };
+    const PathRoulette learned = Learned([](const Point3 &, Float) { return 0.75f; }, left);
+    for (const int side : {kSide / 4, kSide, 3 * kSide}) {
+        PathRoulette other = learned;
+        other.UseFor({side, side}, true);
+        for (const int x : {1, kSide - 2})
+            EXPECT_EQ(other.Worth({x * side / kSide, side / 2}), learned.Worth({x, kSide / 2})) << side << " " << x;
+        EXPECT_EQ(SurvivalAt(other, {0, 0, 0}, kUp, 0.1f), SurvivalAt(learned, {0, 0, 0}, kUp, 0.1f));
+    }
+    PathRoulette elsewhere = learned;
+    elsewhere.UseFor({30, 20}, false);
+    EXPECT_EQ(elsewhere.Worth({0, 0}), elsewhere.Worth({29, 19}));
+    // In the mean the radiance is 1; half of the tiles are darker, half brighter.
+    EXPECT_GT(elsewhere.Worth({0, 0}), learned.Worth({60, 30}));
+    EXPECT_LT(elsewhere.Worth({0, 0}), learned.Worth({2, 30}));
+}
+
 /// Dark walls, so that stock's roulette ends most paths; "volpath" stands for path, with the parameter.
 TEST(MinSurvival, ChangesTheNoiseAndNotTheMean) {
     View view = AllViews()[0];

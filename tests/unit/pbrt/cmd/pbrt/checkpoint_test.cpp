@@ -29,6 +29,13 @@ class Checkpoints : public Program {
         }
         return RunWell(arguments + " --checkpoint c.chk --resume");
     }
+    Outcome Merge(const std::string &arguments) const {
+        const std::string log = Path("merge");
+        const int raw = std::system(
+            ("cd '" + Path("") + "' && '" PBRT_IMGTOOL "' merge " + arguments + " > " + log + ".out 2> " + log + ".err")
+                .c_str());
+        return {WEXITSTATUS(raw), Read("merge.out"), Read("merge.err")};
+    }
     bool ext_ = false;
     std::string lights_;
 };
@@ -182,13 +189,6 @@ TEST_F(Checkpoints, DamagedFilesAreRefused) {
 
 class Parts : public Checkpoints {
   protected:
-    Outcome Merge(const std::string &arguments) const {
-        const std::string log = Path("merge");
-        const int raw = std::system(
-            ("cd '" + Path("") + "' && '" PBRT_IMGTOOL "' merge " + arguments + " > " + log + ".out 2> " + log + ".err")
-                .c_str());
-        return {WEXITSTATUS(raw), Read("merge.out"), Read("merge.err")};
-    }
     void ExpectRefused(const std::string &arguments, const std::string &part) const {
         const Outcome o = Merge(arguments);
         EXPECT_EQ(o.status, 1) << arguments;
@@ -318,6 +318,34 @@ TEST_F(SharedLights, FramesOfAnAnimationChooseTheSameLights) {
     RunWell(lights_ + "b.pbrt --save-lights others --outfile b.exr");
     ExpectErrors({{lights_ + "--load-lights others b.pbrt --checkpoint c.chk --resume", {"--load-lights is"}},
                   {lights_ + "b.pbrt --checkpoint c.chk --resume", {"--load-lights is not given"}}});
+}
+
+TEST_F(SharedLights, TheGuideGoesWithThem) {
+    Write("a.pbrt", GuidedScene(256));
+    std::string frame = GuidedScene(16);
+    const std::string look = "LookAt 0 1.2 -2.8";
+    Write("b.pbrt", frame.replace(frame.find(look), look.size(), "LookAt .3 1.2 -2.7"));
+    for (const std::string lights : {"--lightsampler octree", "--lightsampler bvh"}) {
+        RunWell(lights + " --guide a.pbrt --save-lights lights --outfile a.exr");
+        const std::string load = lights + "+guide --load-lights lights ";
+        const ImageFile one = Render(load + "b.pbrt --nthreads 1");
+        EXPECT_GT(IntOf(one, "guide.guidingCells"), 0);
+        EXPECT_GT(IntOf(one, "guide.rouletteCells"), 0);
+        EXPECT_TRUE(SamePixels(one, Render(load + "b.pbrt --nthreads 2")));
+        for (const char *range : {"0:7", "7:16"})
+            RunWell(load + "b.pbrt --samples " + range + " --checkpoint part" + range);
+        ASSERT_EQ(Merge("merged.exr part7:16 part0:7").status, 0);
+        EXPECT_TRUE(SamePixels(one, ReadImage(Path("merged.exr"))));
+        for (const char *part : {"part0:7", "part7:16"}) std::filesystem::remove(Path(part));
+        ExpectErrors({{lights + "+guide:share=0.5 --load-lights lights b.pbrt --outfile b.exr",
+                       {"lights: was learned by a guide with other parameters", "\"guide.share\":0.5"}}});
+    }
+    // Paths that are not guided leave it alone; if there is none in the file, it learns for itself.
+    RunWell(lights_ + "--guide a.pbrt --save-lights both --outfile a.exr");
+    const ImageFile plain = Render(lights_ + "--load-lights both b.pbrt");
+    RunWell(lights_ + "a.pbrt --save-lights lights --outfile a.exr");
+    EXPECT_TRUE(SamePixels(plain, Render(lights_ + "--load-lights lights b.pbrt")));
+    EXPECT_GT(IntOf(Render(lights_ + "--guide --load-lights lights b.pbrt"), "guide.rouletteCells"), 0);
 }
 
 TEST_F(SharedLights, OtherLightsAreRefusedByWhatDiffers) {

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "pbrt/lightsamplers/light_sampler.h"
+#include "pbrt/math/exponential.h"
 #include "pbrt/media/medium.h"
 #include "pbrt/media/segment_distance.h"
 
@@ -19,7 +20,7 @@ struct MediumStretch {
     /// Transmittance times scattering, per unit of length: the density with which delta tracking scatters at t.
     SampledSpectrum ScatteringAt(Float t) const {
         const SampledSpectrum transmittance =
-            (medium.absorption + medium.scattering).Map([t](Float sigma) { return std::exp(-sigma * t); });
+            (medium.absorption + medium.scattering).Map([t](Float sigma) { return ExpOfMinus(sigma * t); });
         return transmittance * medium.scattering;
     }
 };

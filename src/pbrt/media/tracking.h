@@ -1,5 +1,6 @@
 #pragma once
 #include "pbrt/core/counters.h"
+#include "pbrt/math/exponential.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/media/medium.h"
 
@@ -7,7 +8,7 @@ namespace pbrt {
 
 /// Transmittance of a stretch in which all wavelengths meet their majorants; `length` may be infinite.
 inline SampledSpectrum MajorantTransmittance(const SampledSpectrum &majorant, Float length) {
-    return majorant.Map([length](Float m) { return m > 0 ? std::exp(-m * length) : Float(1); });
+    return majorant.Map([length](Float m) { return m > 0 ? ExpOfMinus(m * length) : Float(1); });
 }
 
 /// Tentative collisions along a ray, whose distances follow the majorant at wavelength 0: `u` decides the first one,
@@ -22,7 +23,7 @@ template <class Visit>
 SampledSpectrum ForEachCollision(MediumOnRay &onRay, Float u, Rng &rng, Visit &&visit) {
     SampledSpectrum tMaj(1);
     uint64_t lookups = 0;
-    Float depth = -std::log1p(-u);  // majorant optical depth, at wavelength 0, that is left until the next collision
+    Float depth = DepthThatTakes(u);  // majorant optical depth, at wavelength 0, that is left until the next collision
     MajorantSegment segment;
     while (onRay.Next(&segment)) {
         const Float majorant = segment.majorant[0];
@@ -38,7 +39,7 @@ SampledSpectrum ForEachCollision(MediumOnRay &onRay, Float u, Rng &rng, Visit &&
             }
             tMaj = SampledSpectrum(1);
             begin = t;
-            depth = -std::log1p(-rng.Uniform());
+            depth = DepthThatTakes(rng.Uniform());
         }
         const Float length = segment.end - begin;
         if (majorant > 0) depth = std::max(depth - majorant * length, Float(0));
@@ -52,7 +53,7 @@ SampledSpectrum ForEachCollision(MediumOnRay &onRay, Float u, Rng &rng, Visit &&
 /// 2014) by the largest majorant of all wavelengths, which is why it is right for every one of them.
 inline SampledSpectrum RatioTransmittance(MediumOnRay &onRay, Rng &rng) {
     SampledSpectrum transmittance(1);
-    Float depth = -std::log1p(-rng.Uniform());
+    Float depth = DepthThatTakes(rng.Uniform());
     MajorantSegment segment;
     while (onRay.Next(&segment)) {
         const Float majorant = segment.majorant.MaxComponent();
@@ -66,7 +67,7 @@ inline SampledSpectrum RatioTransmittance(MediumOnRay &onRay, Rng &rng) {
             transmittance *= ClampZero(SampledSpectrum(1) - (c.absorption + c.scattering) / majorant);
             if (!transmittance) return transmittance;
             begin = t;
-            depth = -std::log1p(-rng.Uniform());
+            depth = DepthThatTakes(rng.Uniform());
         }
     }
     return transmittance;

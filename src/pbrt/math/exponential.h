@@ -20,7 +20,8 @@ inline Float ExpOfMinus(Float x) {
     const Float shifted = limited * kLog2e + kRound, n = shifted - kRound;
     const Float r = (n * kLn2High - limited) + n * kLn2Low;
     const Float p =
-        1 + r * (1.000000038f + r * (0.500000005f + r * (0.166664155f + r * (0.041666353f + r * (0.008375126f + r * 0.001394111f)))));
+        1 + r * (1.000000038f +
+                 r * (0.500000005f + r * (0.166664155f + r * (0.041666353f + r * (0.008375126f + r * 0.001394111f)))));
     const auto scale = std::bit_cast<Float>((127u - (std::bit_cast<uint32_t>(shifted) & 0xffu)) << 23);
     return x > kLargest ? 0 : p * scale;
 }

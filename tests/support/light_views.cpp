@@ -249,6 +249,12 @@ const std::vector<View> &FoggyViews() {
              .objects =
                  "LightSource \"infinite\" \"rgb L\" [ .5 .7 1 ]\n" + BallOf(Grid("m", "\"rgb sigma_s\" [ 3 4 5 ]")),
              .isForLightPath = false},
+            // Most of what the last ray of a path finds is behind the ball's surface.
+            {.name = "SkyThroughInterface",
+             .objects = "LightSource \"infinite\" \"rgb L\" [ .5 .7 1 ]\n" +
+                        BallOf(Medium("m", "\"homogeneous\" \"rgb sigma_s\" [ 1 1 1 ] \"rgb sigma_a\" [ 0 0 0 ]")),
+             .depth = 1,
+             .isForLightPath = false},
             {.name = "SmoothGlassInFog",
              .objects = kLamp + BallOf(chromatic, "Material \"dielectric\" \"float eta\" 1.3", "fog"),
              .depth = 5,

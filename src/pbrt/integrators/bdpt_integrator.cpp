@@ -153,8 +153,12 @@ void BdptIntegrator::Follow(PathWalk &walk, Subpath &path, Sample &sample) const
             if (scattered) continue;
         }
         if (path.mode == TransportMode::Radiance) AddEmission(walk, path, sample);
-        if (met == PathWalk::Met::Nothing || path.count == static_cast<int>(path.vertices.size())) return;
-        if (walk.FindScattering(sample.lambda) && !ScatterAtSurface(walk, path)) return;
+        if (met == PathWalk::Met::Nothing) return;
+        // A ray behind the last vertex goes on through surfaces that do not scatter: there may be light behind them.
+        const bool isFull = path.count == static_cast<int>(path.vertices.size());
+        if (isFull && (path.mode == TransportMode::Importance || ScattersSurely(context_.scene, walk.Vertex().point)))
+            return;
+        if (walk.FindScattering(sample.lambda) && (isFull || !ScatterAtSurface(walk, path))) return;
     }
 }
 

@@ -16,6 +16,11 @@ inline Bsdf ComputeBsdf(const Scene &scene, SurfacePoint &point, SampledWaveleng
     return material->GetBsdf(point, lambda);
 }
 
+/// True only if ComputeBsdf is not empty there, as can be told without it of most surfaces.
+inline bool ScattersSurely(const Scene &scene, const SurfacePoint &point) {
+    return point.material && scene.MaterialOf(point.material).IsPlain();
+}
+
 /// Where light that crosses the surface at a hit comes out again; empty if light is not scattered below the surface.
 inline std::optional<Bssrdf> ComputeBssrdf(const Scene &scene, const SurfacePoint &point,
                                            const SampledWavelengths &lambda) {

@@ -336,7 +336,10 @@ TEST_F(SharedLights, TheGuideGoesWithThem) {
             RunWell(load + "b.pbrt --samples " + range + " --checkpoint part" + range);
         ASSERT_EQ(Merge("merged.exr part7:16 part0:7").status, 0);
         EXPECT_TRUE(SamePixels(one, ReadImage(Path("merged.exr"))));
-        for (const char *part : {"part0:7", "part7:16"}) std::filesystem::remove(Path(part));
+        const ImageFile many = Render(load + "a.pbrt --nthreads 1");
+        KillAndResume(load + "a.pbrt --nthreads 2 --outfile resumed.exr", 2);
+        EXPECT_TRUE(SamePixels(many, ReadImage(Path("resumed.exr"))));
+        for (const char *file : {"part0:7", "part7:16", "c.chk"}) std::filesystem::remove(Path(file));
         ExpectErrors({{lights + "+guide:share=0.5 --load-lights lights b.pbrt --outfile b.exr",
                        {"lights: was learned by a guide with other parameters", "\"guide.share\":0.5"}}});
     }

@@ -40,13 +40,13 @@ double SearchLight(const SceneFixture &f, const LightSampler &sampler, size_t pl
         if (sky < skies.size()) {
             const uint32_t tile = SkyTile::FirstOf(3) + static_cast<uint32_t>(rng.Uniform() * 64);
             const Bounds2 square = SkyTile::Of(tile).Square();
-            asked = at.PartTowards(light, f.Lights()[light].Whole().DirectionAt(square.low));
+            asked = at.PartTowards(light, f.queries[place].p, f.Lights()[light].Whole().DirectionAt(square.low));
             if (f.Lights().IsTile(asked)) drawn = f.Lights().TileId(sky, tile);
         }
         Vector3 wi;
         const double c = Contribution(*f.built.scene, f.queries[place], f.Lights()[drawn], rng.Uniform2(), &wi);
         if (!(c > 0)) continue;
-        if (drawn != light) asked = at.PartTowards(light, wi);
+        if (drawn != light) asked = at.PartTowards(light, f.queries[place].p, wi);
         if (!(at.PMF(asked) > 0)) return c;
     }
     return 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "pbrt/core/parallel.h"
+#include "pbrt/lights/light_spectrum.h"
 #include "pbrt/math/rng.h"
 #include "support/statistics.h"
 
@@ -56,11 +57,25 @@ SamplerSubject::SamplerSubject(std::unique_ptr<LightSampler> made, std::span<con
 bool SamplerSubject::IsAsked(const LightDistribution &at, LightId id) const {
     if (table->IsTile(id)) {
         const LightId sky = table->SkyOf(id);
-        const Bounds2 square = SkyTile::Of(table->NumberOf(id)).Square();
-        return at.PartTowards(sky, (*table)[sky].Whole().DirectionAt((square.low + square.high) * Float(0.5))) == id;
+        const uint32_t number = table->NumberOf(id);
+        const Point3 &p = at.Query().p;
+        if (SkyPart::IsOfWindows(number)) return IsSeenThroughWindows(at, id);
+        const Bounds2 square = SkyTile::Of(number).Square();
+        return at.PartTowards(sky, p, (*table)[sky].Whole().DirectionAt((square.low + square.high) * Float(0.5))) == id;
     }
     if ((*table)[id].Kind() != LightKind::Infinite) return true;
-    return at.PartTowards(id, Vector3(0, 0, 1)) == id;
+    return at.PartTowards(id, at.Query().p, Vector3(0, 0, 1)) == id;
+}
+
+bool SamplerSubject::IsSeenThroughWindows(const LightDistribution &at, LightId id) const {
+    const LightQuery &query = at.Query();
+    const LightSampleContext from{query.p, query.pError, query.n, query.ns, query.time};
+    for (int i = 0; i < 64; ++i) {
+        const std::optional<LightLiSample> s =
+            (*table)[id].SampleLi(from, {Even(i % 8, 8), Even(i / 8, 8)}, PowerWavelengths(), true);
+        if (s && at.PartTowards(table->SkyOf(id), query.p, s->wi) == id) return true;
+    }
+    return false;
 }
 
 Contributions ContributionsOf(const SamplerSubject &s,
@@ -217,7 +232,7 @@ void CheckTiles(const SamplerSubject &s) {
             if (!point) continue;
             ++chosen;
             // Rounding may carry a point at a border to the tile next to it.
-            const LightId back = at.PartTowards(s.table->SkyOf(sample->light), point->wi);
+            const LightId back = at.PartTowards(s.table->SkyOf(sample->light), query.p, point->wi);
             if (back != sample->light) {
                 ++elsewhere;
                 continue;

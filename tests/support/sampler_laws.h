@@ -31,6 +31,7 @@ struct SamplerSubject {
     /// False for a sky that is chosen by tiles at a place, and for tiles that are not among those: what they contribute
     /// is found through other ids.
     bool IsAsked(const LightDistribution &at, LightId id) const;
+    bool IsSeenThroughWindows(const LightDistribution &at, LightId id) const;
 
   private:
     std::unordered_map<uint32_t, size_t> index;

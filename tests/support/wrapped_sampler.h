@@ -20,8 +20,9 @@ class WrappedSampler : public LightSampler {
         *inner = inner_.Within(query, memory);
         return inner;
     }
-    LightId PartOf(const LightQuery &, const void *weights, LightId infinite, const Vector3 &d) const final {
-        return Inner(weights).PartTowards(infinite, d);
+    LightId PartOf(const LightQuery &, const void *weights, LightId infinite, const Point3 &p,
+                   const Vector3 &d) const final {
+        return Inner(weights).PartTowards(infinite, p, d);
     }
     const LightSampler &inner_;
 };

@@ -120,7 +120,8 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Ligh
 }
 
 uint32_t LightTargets::Find(const VoxelGrid &grid, LightId light, const Point3 &from, const Point3 &onLight) const {
-    switch (kindOf_[light.value]) {
+    // Ids beyond those of all lights are parts of skies (LightTable).
+    switch (light.value < kindOf_.size() ? kindOf_[light.value] : LightKind::Infinite) {
         case LightKind::DeltaDirection:
             return ofLight_[light.value];
         case LightKind::Infinite: {

@@ -27,6 +27,7 @@ struct OctreeParams {
     bool learn = true;
     int tiles = 128;
     Float opensky = 0.4f;
+    bool windows = true;
 
     template <class V>
     void Describe(V &&v) {
@@ -68,6 +69,8 @@ struct OctreeParams {
         v("opensky", opensky, Range<Float>{0.f, 1.f},
           "visibility: skies stay whole if more than this share of the prepass's rays towards them leave the scene (an "
           "eightieth of it where paths bounce), or if there are lamps; 1: they never stay whole");
+        v("windows", windows,
+          "visibility: find the windows that a sky is seen through, and sample it through each of them, not by tiles");
         v("meshlights", meshlights,
           "an emissive mesh is one light for selection; visibility: unless at most eight primitives of the scene emit");
     }

@@ -11,7 +11,7 @@ namespace ext {
 namespace {
 
 /// Changes with everything that this file writes.
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 
 /// Calls act(number) for values that are written and read in the same order.
 struct Writing {
@@ -238,12 +238,12 @@ void SkyChoice::Load(StateReader &reader) {
 
 void VisibilityOctreeLightSampler::TakeFound(StateWriter &out) {
     found_.Take(out);
-    if (sky_) sky_->TakeFound(out);
+    if (tiles_) tiles_->TakeFound(out);
 }
 
 void VisibilityOctreeLightSampler::AddFound(StateReader &in) {
     found_.Add(in);
-    if (sky_) sky_->AddFound(in);
+    if (tiles_) tiles_->AddFound(in);
 }
 
 void VisibilityOctreeLightSampler::Knowledge::Save(StateWriter &writer, bool goesOn) const {
@@ -278,7 +278,7 @@ uint64_t VisibilityOctreeLightSampler::NamesHash() const {
 
 void VisibilityOctreeLightSampler::SaveLearned(StateWriter &writer, bool goesOn) const {
     Writing write{writer};
-    write(kVersion, NamesHash(), sky_ != nullptr, goesOn);
+    write(kVersion, NamesHash(), sky_ != nullptr, tiles_ != nullptr, goesOn);
     write(prepassRecords_, prepassTries_, learnedTries_, prepassSeconds_, buildSeconds_, learningSeconds_, skySeconds_,
           skySeenShare_, sceneBounds_, pixels_, goesOn ? nextLearning_ : 0, samplesPerPixel_, depth_);
     onSurfaces_.Save(writer, goesOn);
@@ -292,9 +292,11 @@ void VisibilityOctreeLightSampler::LoadLearned(StateReader &reader, bool learnsO
     if (reader.Value<uint32_t>() != kVersion) reader.Refuse();
     const auto names = reader.Value<uint64_t>();
     const auto hasSky = reader.Value<bool>();
+    const auto hasTiles = reader.Value<bool>();
     const auto goesOn = reader.Value<bool>();
     if ((hasSky && !sky_) || (learnsOn && !goesOn)) reader.Refuse();
     if (!hasSky && sky_) KeepSkiesWhole();
+    if (hasSky && !hasTiles) sky_ = MakeWindows(), tiles_ = nullptr;
     if (names != NamesHash()) reader.Refuse();
     read(prepassRecords_, prepassTries_, learnedTries_, prepassSeconds_, buildSeconds_, learningSeconds_, skySeconds_,
          skySeenShare_, sceneBounds_, pixels_, nextLearning_, samplesPerPixel_, depth_);

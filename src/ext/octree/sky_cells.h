@@ -5,6 +5,7 @@
 
 #include "ext/octree/cell_octree.h"
 #include "ext/octree/sky_cut.h"
+#include "ext/octree/sky_parts.h"
 
 namespace ext {
 
@@ -12,7 +13,7 @@ namespace ext {
 /// threads may count in any order; between waves of the render, Learn makes them part of what is known.
 class SkyCells {
   public:
-    static constexpr size_t kMaxSkies = 4;
+    static constexpr size_t kMaxSkies = SkyParts::kMaxSkies;
     static constexpr size_t kLanes = 8;
 
     struct Settings {

@@ -17,7 +17,7 @@ namespace ext {
 namespace {
 
 constexpr size_t kLanes = SkyCells::kLanes;
-constexpr int64_t kChunk = 256;
+constexpr size_t kChunk = 256;
 /// Whether more of the skies is seen than tiles pay for is asked first at 2^kFewestVertexBits to 2^kMostVertexBits of
 /// the vertices, at most half of them, and believed if it is sure by kSure standard errors.
 constexpr int kFewestVertexBits = 6, kMostVertexBits = 10;
@@ -74,7 +74,7 @@ SkyChoice::SkyChoice(const LightTable &lights, const SkyCells::Settings &setting
     }
 }
 
-std::vector<LightId> SkyChoice::TilesOf(size_t k) const {
+std::vector<LightId> SkyChoice::PartsOf(size_t k) const {
     std::vector<uint32_t> numbers;
     for (uint32_t c = 0; c < cells_.CellCount(); ++c) {
         const SkyCells::Row &row = cells_.RowOf(c);
@@ -88,13 +88,14 @@ std::vector<LightId> SkyChoice::TilesOf(size_t k) const {
     return ids;
 }
 
-void SkyChoice::Weigh(const LightQuery &query, LightMemory &memory, Weights *weights) const {
+const SkyParts::Weights *SkyChoice::Weigh(const LightQuery &query, LightMemory &memory) const {
+    auto *weights = memory.Make<AtVertex>();
     weights->row = cells_.IsEmpty() ? nullptr : &cells_.RowOf(cells_.CellAt(query.p));
     weights->isOpen = !weights->row || weights->row->isOpen;
     if (weights->isOpen) {
         for (size_t k = 0; k < Count(); ++k)
             weights->g[k] = weights->w[k] = wholeIsSampled_[k] ? skies_[k].Unoccluded(query) : Float(0);
-        return;
+        return weights;
     }
     const SkyCells::Row &row = *weights->row;
     const size_t packets = row.first[Count()] - row.first[0];
@@ -109,9 +110,11 @@ void SkyChoice::Weigh(const LightQuery &query, LightMemory &memory, Weights *wei
     }
     weights->tiles = w;
     weights->packets = sums;
+    return weights;
 }
 
-std::optional<SampledLight> SkyChoice::Sample(const Weights &weights, size_t k, Point2 *u) const {
+std::optional<SampledLight> SkyChoice::Sample(const Weights &known, size_t k, Point2 *u) const {
+    const auto &weights = static_cast<const AtVertex &>(known);
     if (weights.isOpen) return SampledLight{skies_[k].Sky(), 1};
     const SkyCells::Row &row = *weights.row;
     const size_t firstPacket = row.first[k] - row.first[0], firstLane = row.first[k] * kLanes;
@@ -138,7 +141,8 @@ std::optional<SampledLight> SkyChoice::Sample(const Weights &weights, size_t k, 
     return SampledLight{skies_[k].IdOf(cells_.Number(firstLane + first)), tiles[first] * weights.perSum[k]};
 }
 
-Float SkyChoice::PMF(const Weights &weights, size_t k, LightId light) const {
+Float SkyChoice::PMF(const Weights &known, size_t k, LightId light) const {
+    const auto &weights = static_cast<const AtVertex &>(known);
     if (!lights_.IsTile(light)) return weights.isOpen ? 1 : 0;
     if (weights.isOpen) return 0;
     const uint32_t number = lights_.NumberOf(light);
@@ -147,7 +151,8 @@ Float SkyChoice::PMF(const Weights &weights, size_t k, LightId light) const {
     return weights.tiles[lane - weights.row->first[0] * kLanes] * weights.perSum[k];
 }
 
-LightId SkyChoice::PartTowards(const Weights &weights, size_t k, const Vector3 &d) const {
+LightId SkyChoice::PartTowards(const Weights &known, size_t k, const Point3 &, const Vector3 &d) const {
+    const auto &weights = static_cast<const AtVertex &>(known);
     if (weights.isOpen) return skies_[k].Sky();
     return skies_[k].IdOf(cells_.Number(cells_.LaneOf(*weights.row, k, skies_[k].KeyTowards(d))));
 }
@@ -167,11 +172,10 @@ SkyCells SkyChoice::MakeCells(const Bounds3 &bounds, float visible) {
 }
 
 void SkyChoice::LookFrom(const PrepareContext &context, std::span<const PrepassVertex> vertices, int64_t i, int side,
-                         std::vector<Look> *looks) const {
+                         std::vector<SkyLook> *looks) const {
     const PrepassVertex &vertex = vertices[static_cast<size_t>(i)];
     LightMemory memory;
-    Weights weights;
-    Weigh(QueryAt(vertex), memory, &weights);
+    const Weights &weights = *Weigh(QueryAt(vertex), memory);
     Rng rng(Hash(kStream, context.seed, i));
     const SampledWavelengths lambda = PowerWavelengths();
     for (size_t k = 0; k < Count(); ++k)
@@ -191,17 +195,19 @@ bool SkyChoice::SeesMoreThan(double most, const PrepareContext &context, std::sp
                              int side) {
     const int bits = std::min(static_cast<int>(std::bit_width(vertices.size() / 2)) - 1, kMostVertexBits);
     if (bits < kFewestVertexBits || most >= 1) return false;
+    ForgetAll(context);
     const uint64_t first = uint64_t{1} << bits;
     // Rays of one vertex see much the same, so the vertices tell how sure the share is.
     double looked = 0, left = 0, looked2 = 0, left2 = 0, both = 0;
-    std::vector<Look> looks;
+    std::vector<SkyLook> looks;
     for (uint64_t i = 0; i < first; ++i) {
         // Neighbours in the picture follow each other among the vertices, so the picture is halved again and again.
         const uint64_t at = ReverseBits32(static_cast<uint32_t>(i)) >> (32 - bits);
         looks.clear();
         LookFrom(context, vertices, static_cast<int64_t>(at * vertices.size() / first), side, &looks);
         const auto n = static_cast<double>(looks.size());
-        const auto seen = static_cast<double>(std::ranges::count_if(looks, [](const Look &look) { return look.left; }));
+        const auto seen =
+            static_cast<double>(std::ranges::count_if(looks, [](const SkyLook &look) { return look.left; }));
         looked += n, left += seen, looked2 += n * n, left2 += seen * seen, both += n * seen;
         if (i + 1 < (uint64_t{1} << kFewestVertexBits) || !std::has_single_bit(i + 1) || !(looked > 0)) continue;
         seenShare_ = left / looked;
@@ -211,37 +217,41 @@ bool SkyChoice::SeesMoreThan(double most, const PrepareContext &context, std::sp
     return false;
 }
 
-void SkyChoice::LookAround(PrepareContext &context, std::span<const PrepassVertex> vertices, int side, double most) {
-    // Nothing is known yet: all tiles are equally visible, so they are drawn by G.
-    const Bounds3 bounds = context.scene.Bounds();
-    cells_ = MakeCells(bounds, 0.5f);
-    const auto count = static_cast<int64_t>(vertices.size());
-    std::vector<std::vector<Look>> chunks(static_cast<size_t>((count + kChunk - 1) / kChunk));
-    context.progress.BeginPhase("looking at the sky", static_cast<int64_t>(chunks.size()));
-    const bool isOpen = SeesMoreThan(most, context, vertices, side);
-    if (!isOpen)
-        ParallelForEach(static_cast<int64_t>(chunks.size()), [&](int64_t chunk) {
-            if (context.progress.Cancelled()) return;
-            for (int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i)
-                LookFrom(context, vertices, i, side, &chunks[static_cast<size_t>(chunk)]);
-            context.progress.Advance();
-        });
+std::vector<SkyLook> SkyChoice::Look(PrepareContext &context, std::span<const PrepassVertex> vertices, int side,
+                                     size_t count) {
+    ForgetAll(context);
+    const auto chunks = static_cast<int64_t>((count + kChunk - 1) / kChunk);
+    std::vector<std::vector<SkyLook>> ofChunk(static_cast<size_t>(chunks));
+    context.progress.BeginPhase("looking at the sky", chunks);
+    ParallelForEach(chunks, [&](int64_t chunk) {
+        if (context.progress.Cancelled()) return;
+        const auto first = static_cast<size_t>(chunk) * kChunk;
+        for (size_t i = first; i < std::min(first + kChunk, count); ++i)
+            LookFrom(context, vertices, static_cast<int64_t>(i * vertices.size() / count), side,
+                     &ofChunk[static_cast<size_t>(chunk)]);
+        context.progress.Advance();
+    });
     context.progress.EndPhase();
-    if (isOpen || context.progress.Cancelled()) return;
+    std::vector<SkyLook> looks;
+    for (std::vector<SkyLook> &some : ofChunk) {
+        looks.insert(looks.end(), some.begin(), some.end());
+        some = {};
+    }
+    const auto left = std::ranges::count_if(looks, [](const SkyLook &look) { return look.left; });
+    seenShare_ = static_cast<double>(left) / static_cast<double>(std::max<size_t>(looks.size(), 1));
+    return looks;
+}
 
-    uint64_t looks = 0, left = 0;
-    for (const auto &chunk : chunks)
-        for (const Look &look : chunk) {
-            ++looks;
-            left += look.left;
-        }
-    seenShare_ = static_cast<double>(left) / static_cast<double>(std::max<uint64_t>(looks, 1));
-    auto countAll = [&] {
-        for (const auto &chunk : chunks)
-            for (const Look &look : chunk) Count(look.p, look.d, look.left);
+void SkyChoice::LookAround(PrepareContext &context, std::span<const PrepassVertex> vertices, int side) {
+    const std::vector<SkyLook> looks = Look(context, vertices, side, vertices.size());
+    if (context.progress.Cancelled()) return;
+    const auto left = static_cast<float>(std::ranges::count_if(looks, [](const SkyLook &look) { return look.left; }));
+    const auto countAll = [&] {
+        for (const SkyLook &look : looks) Count(look.p, look.d, look.left);
     };
     // First one cell for the whole scene, from which the others inherit.
-    cells_ = MakeCells(bounds, (static_cast<float>(left) + 1) / (static_cast<float>(looks) + 2));
+    const Bounds3 bounds = context.scene.Bounds();
+    cells_ = MakeCells(bounds, (left + 1) / (static_cast<float>(looks.size()) + 2));
     countAll();
     cells_.Learn(skies_, false);
     std::vector<Point3> points;

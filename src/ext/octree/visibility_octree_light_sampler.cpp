@@ -28,6 +28,10 @@ constexpr int kSamplesToJudge = 4;
 constexpr double kWithBounces = 0.0125;
 /// The root of the number of shadow rays from a prepass vertex to each sky.
 constexpr int kSkySide = 4;
+/// Windows are looked for from so many vertices of the prepass, if there are as many.
+constexpr size_t kWindowVertices = 4096;
+/// Where a larger share of the rays leaves the scene there are no windows.
+constexpr double kTooOpenForWindows = 0.3;
 /// At most this many shadow rays are kept from one learning to the next.
 constexpr size_t kMaxFound = 400000;
 /// Inside media with a larger mean cosine than this the choice of lights follows the phase function:
@@ -67,11 +71,12 @@ VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lig
     : VisibilityOctreeLightSampler(lights, params, MakeSkies(lights, params)) {}
 
 VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params,
-                                                           std::unique_ptr<SkyChoice> sky)
-    : InteriorLightSampler(lights, MeshesAreLights(lights, params), params.interior, sky != nullptr),
+                                                           std::unique_ptr<SkyChoice> tiles)
+    : InteriorLightSampler(lights, MeshesAreLights(lights, params), params.interior, tiles != nullptr),
       params_(params),
       floor_(FloorOf(params)),
-      sky_(std::move(sky)),
+      sky_(std::move(tiles)),
+      tiles_(static_cast<SkyChoice *>(sky_.get())),
       importance_(LampEmitters()) {
     for (size_t k = 0; k < SkyCount(); ++k) skyGroups_.push_back(groups_.GroupOf(sky_->Sky(k)));
     if (groups_.Size() > kMax) lightTree_ = std::make_unique<LightTree>(LampEmitters());
@@ -112,10 +117,16 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
         const auto before = std::chrono::steady_clock::now();
         const double most =
             params_.opensky < 1 ? static_cast<double>(params_.opensky) * (context.maxDepth > 1 ? kWithBounces : 1) : 1;
-        sky_->LookAround(context, vertices, kSkySide, most);
-        if (context.progress.Cancelled()) return;
-        skySeenShare_ = sky_->SeenShare();
-        if (skySeenShare_ > most) KeepSkiesWhole();
+        if (tiles_->SeesMoreThan(most, context, vertices, kSkySide)) {
+            skySeenShare_ = tiles_->SeenShare();
+            KeepSkiesWhole();
+        } else if (!LookForWindows(context, vertices)) {
+            if (context.progress.Cancelled()) return;
+            tiles_->LookAround(context, vertices, kSkySide);
+            if (context.progress.Cancelled()) return;
+            skySeenShare_ = tiles_->SeenShare();
+            if (skySeenShare_ > most) KeepSkiesWhole();
+        }
         skySeconds_ = SecondsSince(before);
     }
     if (groups_.Size() > std::max<size_t>(SkyCount(), 1)) {
@@ -139,8 +150,28 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     context.progress.EndPhase();
 }
 
+bool VisibilityOctreeLightSampler::LookForWindows(PrepareContext &context, std::span<const PrepassVertex> vertices) {
+    if (!params_.windows) return false;
+    const std::vector<SkyLook> looks =
+        tiles_->Look(context, vertices, kSkySide, std::min(vertices.size(), kWindowVertices));
+    skySeenShare_ = tiles_->SeenShare();
+    if (context.progress.Cancelled() || skySeenShare_ > kTooOpenForWindows) return false;
+    std::unique_ptr<WindowChoice> windows = MakeWindows();
+    if (!windows->Find(context, looks, vertices)) return false;
+    sky_ = std::move(windows);
+    tiles_ = nullptr;
+    return true;
+}
+
+std::unique_ptr<WindowChoice> VisibilityOctreeLightSampler::MakeWindows() const {
+    std::vector<LightId> skies;
+    for (size_t k = 0; k < SkyCount(); ++k) skies.push_back(sky_->Sky(k));
+    return std::make_unique<WindowChoice>(groups_.Lights(), skies, floor_);
+}
+
 void VisibilityOctreeLightSampler::KeepSkiesWhole() {
     sky_.reset();
+    tiles_ = nullptr;
     skyGroups_.clear();
     ChooseNoTiles();
     importance_ = GroupImportance(groups_);
@@ -199,7 +230,7 @@ void VisibilityOctreeLightSampler::EndLearning() {
     nextLearning_ = 0;
     found_.End();
     onSurfaces_.known = inMedia_.known = {};
-    if (sky_) sky_->EndLearning();
+    if (tiles_) tiles_->EndLearning();
 }
 
 void VisibilityOctreeLightSampler::Found(PathPlaces &path, const LightQuery &query, const SampledLight &light,
@@ -211,7 +242,7 @@ void VisibilityOctreeLightSampler::Found(PathPlaces &path, const LightQuery &que
 }
 
 void VisibilityOctreeLightSampler::Looked(const LightQuery &query, const Vector3 &d, bool left) {
-    if (nextLearning_ > 0 && sky_ && query.depth <= depth_) sky_->Count(query.p, d, left);
+    if (nextLearning_ > 0 && tiles_ && query.depth <= depth_) tiles_->Count(query.p, d, left);
 }
 
 void VisibilityOctreeLightSampler::Learn(const Progress &progress) {
@@ -219,9 +250,9 @@ void VisibilityOctreeLightSampler::Learn(const Progress &progress) {
     const int now = nextLearning_;
     // Lamps first: they may find that the work was cancelled meanwhile.
     if (lightTree_ && !LearnLamps(progress)) return;
-    if (sky_) {
+    if (tiles_) {
         const auto start = std::chrono::steady_clock::now();
-        sky_->Learn(now >= kSamplesToJudge);
+        tiles_->Learn(now >= kSamplesToJudge);
         skySeconds_ += SecondsSince(start);
     }
     BeginLearning(now);
@@ -269,10 +300,10 @@ const void *VisibilityOctreeLightSampler::WeighGroups(const LightQuery &query, L
     c->all = c->count + SkyCount();
     c->sumG = c->lampG;
     if (sky_) {
-        sky_->Weigh(query, memory, &c->sky);
+        c->sky = sky_->Weigh(query, memory);
         for (size_t k = 0; k < SkyCount(); ++k) {
-            c->w[c->count + k] = c->sky.w[k];
-            c->sumG += c->g[c->count + k] = c->sky.g[k];
+            c->w[c->count + k] = c->sky->w[k];
+            c->sumG += c->g[c->count + k] = c->sky->g[k];
         }
     }
     c->SumUp();
@@ -361,28 +392,28 @@ size_t VisibilityOctreeLightSampler::SkyOfGroup(uint32_t group) const {
 std::optional<SampledLight> VisibilityOctreeLightSampler::ChooseInside(const LightQuery &query, const void *weights,
                                                                        uint32_t group, Float u, Point2 *uPoint) const {
     const size_t k = SkyOfGroup(group);
-    if (k < SkyCount()) return sky_->Sample(static_cast<const Choice *>(weights)->sky, k, uPoint);
+    if (k < SkyCount()) return sky_->Sample(*static_cast<const Choice *>(weights)->sky, k, uPoint);
     return InteriorLightSampler::ChooseInside(query, weights, group, u, uPoint);
 }
 
 Float VisibilityOctreeLightSampler::ProbabilityInside(const LightQuery &query, const void *weights,
                                                       LightId light) const {
     const size_t k = SkyOfGroup(groups_.GroupOf(light));
-    if (k < SkyCount()) return sky_->PMF(static_cast<const Choice *>(weights)->sky, k, light);
+    if (k < SkyCount()) return sky_->PMF(*static_cast<const Choice *>(weights)->sky, k, light);
     if (light.value >= groups_.LightCount()) return 0;
     return InteriorLightSampler::ProbabilityInside(query, weights, light);
 }
 
-LightId VisibilityOctreeLightSampler::PartOf(const LightQuery &, const void *weights, LightId infinite,
+LightId VisibilityOctreeLightSampler::PartOf(const LightQuery &, const void *weights, LightId infinite, const Point3 &p,
                                              const Vector3 &d) const {
     const size_t k = SkyOfGroup(groups_.GroupOf(infinite));
     if (k == SkyCount()) return infinite;
-    return sky_->PartTowards(static_cast<const Choice *>(weights)->sky, k, d);
+    return sky_->PartTowards(*static_cast<const Choice *>(weights)->sky, k, p, d);
 }
 
 std::vector<LightId> VisibilityOctreeLightSampler::TilesOf(LightId infinite) const {
     const size_t k = SkyOfGroup(groups_.GroupOf(infinite));
-    return k < SkyCount() ? sky_->TilesOf(k) : std::vector<LightId>();
+    return k < SkyCount() ? sky_->PartsOf(k) : std::vector<LightId>();
 }
 
 void VisibilityOctreeLightSampler::Report(nlohmann::ordered_json &report) const {

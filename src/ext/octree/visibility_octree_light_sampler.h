@@ -9,6 +9,7 @@
 #include "ext/octree/sky_choice.h"
 #include "ext/octree/structure_text.h"
 #include "ext/octree/visibility_tree.h"
+#include "ext/octree/window_choice.h"
 #include "ext/prepass/prepass.h"
 #include "pbrt/lightsamplers/light_learner.h"
 
@@ -29,15 +30,16 @@ namespace ext {
 /// Inside media the same is done with factors of their own: there a is the root mean square of how much a shadow ray
 /// finds through walls and media alike, G has no cosine, and b follows a peaked phase function.
 ///
-/// Infinite lights are cut into tiles (SkyChoice), each sky being one light l whose a G is the sum over its tiles; they
-/// go on learning from the rays of the render, too.
+/// Infinite lights are divided into parts, each sky being one light l whose a G is the sum over its parts: by the
+/// windows that they are seen through (WindowChoice) where there are some, else into tiles (SkyChoice), which go on
+/// learning from the rays of the render, too.
 class VisibilityOctreeLightSampler final : public InteriorLightSampler, private LightLearner {
   public:
     VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
     ~VisibilityOctreeLightSampler() override;
 
     void Prepare(PrepareContext &context) override;
-    LightLearner *Learner() override { return (lightTree_ || sky_) && params_.learn ? this : nullptr; }
+    LightLearner *Learner() override { return (lightTree_ || tiles_) && params_.learn ? this : nullptr; }
     bool SavesLearned() const override { return true; }
     void SaveLearned(StateWriter &writer, bool goesOn) const override;
     std::vector<LightId> TilesOf(LightId infinite) const override;
@@ -46,18 +48,19 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     std::string DescribeStructure() const override;
 
   private:
-    VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params, std::unique_ptr<SkyChoice> sky);
+    VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params,
+                                 std::unique_ptr<SkyChoice> tiles);
 
     static constexpr size_t kMax = 64;
     /// Weights of the lights considered at a point. The cut skies come after `count` others.
     struct Choice {
-        alignas(32) Float g[kMax + SkyChoice::kMaxSkies], w[kMax + SkyChoice::kMaxSkies];
+        alignas(32) Float g[kMax + SkyParts::kMaxSkies], w[kMax + SkyParts::kMaxSkies];
         Float lampG = 0;  ///< sum over g without the cut skies
         Float sumG = 0, sumW = 0;
         Float perW = 0, perG = 0;         ///< P = w perW + g perG
         std::span<const uint32_t> nodes;  ///< of the light tree; empty: all lights, in order
         size_t count = 0, all = 0;
-        SkyChoice::Weights sky;
+        const SkyParts::Weights *sky = nullptr;
         Float Share(size_t i) const { return w[i] * perW + g[i] * perG; }
         void SumUp() {
             sumW = 0;
@@ -71,12 +74,16 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     std::optional<SampledLight> ChooseInside(const LightQuery &query, const void *weights, uint32_t group, Float u,
                                              Point2 *uPoint) const override;
     Float ProbabilityInside(const LightQuery &query, const void *weights, LightId light) const override;
-    LightId PartOf(const LightQuery &query, const void *weights, LightId infinite, const Vector3 &d) const override;
+    LightId PartOf(const LightQuery &query, const void *weights, LightId infinite, const Point3 &p,
+                   const Vector3 &d) const override;
     /// The index of the cut sky that the group is; the number of cut skies if it is none of them.
     size_t SkyOfGroup(uint32_t group) const;
     size_t SkyCount() const { return sky_ ? sky_->Count() : 0; }
     /// Emitters of all groups; the cut skies' are dark.
     std::vector<Emitter> LampEmitters() const;
+    /// Divides skies by windows in place of tiles. False: there are no windows that pay.
+    std::unique_ptr<WindowChoice> MakeWindows() const;
+    bool LookForWindows(PrepareContext &context, std::span<const PrepassVertex> vertices);
     /// What Prepare does where choosing tiles could gain little.
     void KeepSkiesWhole();
     double PathsPerPixel(const PrepareContext &context) const;
@@ -119,7 +126,8 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
 
     OctreeParams params_;
     Float floor_;
-    std::unique_ptr<SkyChoice> sky_;  ///< null: no light is cut into tiles
+    std::unique_ptr<SkyParts> sky_;  ///< null: all skies are chosen as a whole
+    SkyChoice *tiles_ = nullptr;     ///< sky_ if that goes on learning
     std::vector<uint32_t> skyGroups_;
     GroupImportance importance_;            ///< dark where a sky is cut
     std::unique_ptr<LightTree> lightTree_;  ///< null: at most kMax groups, all of which are weighed

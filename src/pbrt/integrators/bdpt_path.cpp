@@ -28,11 +28,11 @@ Float BdptWeights::ConnectedLightPdf(const BdptVertex &light, const BdptVertex &
     const LightQuery query = from.Query(from.Towards(beyond), lambda, depth);
     LightMemory memory;
     const LightDistribution lights = connecting_.At(query, memory);
-    const LightId id = isInfinite ? lights.PartTowards(light.light, wi) : light.light;
+    const LightSampleContext context = from.Context();
+    const LightId id = isInfinite ? lights.PartTowards(light.light, context.p, wi) : light.light;
     const LightPart part = lights_[id];
     const Float pmf = lights.PMF(id);
     if (light.isBeyondScene ? !isInfinite : light.n == Normal3(0)) return pmf;
-    const LightSampleContext context = from.Context();
     const ShapePrimitive at = part.Surface();
     // Of an area light that rays cannot hit PdfLi says 0, because only light sampling finds it.
     const Float pdf = part.Kind() == LightKind::DeltaPosition && at.shape

@@ -106,7 +106,7 @@ SampledSpectrum PathIntegrator::Follow(const PathStart &start, SampledWavelength
         walk.ForEachEmission(lambda, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
             // Beyond the scene there is one ray for the whole sky; light sampling would have chosen a tile of it.
             const bool ofTile = met == PathWalk::Met::Nothing && lightCouldSample;
-            const LightId part = ofTile ? previous->lights.PartTowards(id, walk.GetRay().d) : id;
+            const LightId part = ofTile ? previous->lights.PartTowards(id, previous->from.p, walk.GetRay().d) : id;
             L += beta * Le * misWeight(part, p, n);
         });
         const bool looks = learner_ && lightCouldSample;

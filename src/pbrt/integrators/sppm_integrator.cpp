@@ -194,7 +194,8 @@ SampledSpectrum SppmIntegrator::Li(const PathStart &start, SampledWavelengths &l
         if (met == PathWalk::Met::TooManyInterfaces) break;
         walk.ForEachEmission(lambda, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
             const bool ofTile = met == PathWalk::Met::Nothing && lightCouldSample;
-            L += beta * Le * misWeight(ofTile ? previous->lights.PartTowards(id, walk.GetRay().d) : id, p, n);
+            const LightId part = ofTile ? previous->lights.PartTowards(id, previous->from.p, walk.GetRay().d) : id;
+            L += beta * Le * misWeight(part, p, n);
         });
         const bool looks = learner_ && lightCouldSample;
         if (met == PathWalk::Met::Nothing) {

@@ -173,7 +173,7 @@ Float VolPathIntegrator::Path<Bounces>::DensityOf(const LightDistribution &light
     const LightTable &table = scene.Lights();
     if (table[light].Kind() != LightKind::Infinite) return lights.PMF(light) * sample.pdf;
     // Other places may tell other tiles of a sky apart.
-    const LightId part = lights.PartTowards(table.IsTile(light) ? table.SkyOf(light) : light, sample.wi);
+    const LightId part = lights.PartTowards(table.IsTile(light) ? table.SkyOf(light) : light, from.p, sample.wi);
     const Float pmf = lights.PMF(part);
     return pmf > 0 ? pmf * table[part].PdfLi(from, sample.wi, {}, {}, true) : Float(0);
 }
@@ -289,12 +289,14 @@ void VolPathIntegrator::Path<Bounces>::AddEmission(PathWalk::Met met) {
         SampledSpectrum densities = weights.ru;
         if (lightCouldSample) {
             const Vector3 &d = walk.GetRay().d;
-            const LightId part = met == PathWalk::Met::Nothing ? previous->lights.PartTowards(id, d) : id;
+            const LightId part =
+                met == PathWalk::Met::Nothing ? previous->lights.PartTowards(id, previous->from.p, d) : id;
             if (const Float pmf = previous->lights.PMF(part); pmf > 0)
                 densities += weights.rl * (pmf * scene.Lights()[part].PdfLi(previous->from, d, p, n, true));
             if (segmentBefore->isOn) {
                 const SegmentSelection &s = *segmentBefore;
-                const LightId other = met == PathWalk::Met::Nothing ? s.lights.PartTowards(id, d) : id;
+                const LightId other =
+                    met == PathWalk::Met::Nothing ? s.lights.PartTowards(id, previous->from.p, d) : id;
                 if (const Float pmf = s.lights.PMF(other); pmf > 0)
                     densities += weights.rs * (pmf * integrator.segments_->Pdf(s.stretch, other, s.t) *
                                                scene.Lights()[other].PdfLi(previous->from, d, p, n, true));

@@ -91,8 +91,9 @@ class Asker {
         for (const auto &m : vertex.lights) {
             Part part{LightId(m.light), m.pdf};
             if (m.isInfinite) {
-                part.id = lights.PartTowards(part.id, m.wi);
-                part.pdf = table_[part.id].PdfLi({}, m.wi, {}, {}, true);
+                const LightSampleContext from{vertex.query.p, {}, {}, {}, 0};
+                part.id = lights.PartTowards(part.id, from.p, m.wi);
+                part.pdf = table_[part.id].PdfLi(from, m.wi, {}, {}, true);
             }
             parts_.push_back(part);
         }

@@ -8,7 +8,7 @@
 namespace pbrt {
 
 UniformInfiniteLight::UniformInfiniteLight(std::shared_ptr<const DenseSpectrum> radiance, Float scale)
-    : LightBeyondScene(LightKind::Infinite), radiance_(std::move(radiance)), scale_(scale) {}
+    : radiance_(std::move(radiance)), scale_(scale) {}
 
 SampledSpectrum UniformInfiniteLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
     return scale_ * 4 * Pi * Pi * Sqr(sceneRadius_) * radiance_->Sample(lambda);
@@ -18,9 +18,8 @@ SampledSpectrum UniformInfiniteLight::Le(const Point3 &, const Vector3 &, const 
     return scale_ * radiance_->Sample(lambda);
 }
 
-std::optional<LightLiSample> UniformInfiniteLight::SampleLi(const LightSampleContext &from, const Point2 &u,
-                                                            const SampledWavelengths &lambda, bool allowIncompletePdfs,
-                                                            uint32_t part) const {
+std::optional<LightLiSample> UniformInfiniteLight::SampleSky(const Point2 &u, const SampledWavelengths &lambda,
+                                                             bool allowIncompletePdfs, uint32_t part) const {
     if (allowIncompletePdfs && part == 0) return {};
     LightLiSample s;
     s.L = scale_ * radiance_->Sample(lambda);
@@ -34,12 +33,10 @@ std::optional<LightLiSample> UniformInfiniteLight::SampleLi(const LightSampleCon
         s.wi = DirectionAt(square.low + u * (square.high - square.low));
         s.pdf = static_cast<Float>(1u << 2 * tile.level) * Inv4Pi;
     }
-    s.pLight = Beyond(from.p, s.wi);
     return s;
 }
 
-Float UniformInfiniteLight::PdfLi(const LightSampleContext &, const Vector3 &wi, const Point3 &, const Normal3 &,
-                                  bool allowIncompletePdfs, uint32_t part) const {
+Float UniformInfiniteLight::PdfOfSky(const Vector3 &wi, bool allowIncompletePdfs, uint32_t part) const {
     if (part == 0) return allowIncompletePdfs ? 0 : UniformSpherePdf();
     const uint32_t level = SkyTile::LevelOf(part);
     return SkyTile::At(level, SquareTowards(wi)).Number() == part ? static_cast<Float>(1u << 2 * level) * Inv4Pi : 0;
@@ -50,11 +47,7 @@ Vector3 UniformInfiniteLight::DirectionAt(const Point2 &st) const { return Equal
 
 ImageInfiniteLight::ImageInfiniteLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace,
                                        Float scale)
-    : LightBeyondScene(LightKind::Infinite),
-      renderFromLight_(renderFromLight),
-      image_(std::move(image)),
-      colorSpace_(&colorSpace),
-      scale_(scale) {
+    : renderFromLight_(renderFromLight), image_(std::move(image)), colorSpace_(&colorSpace), scale_(scale) {
     Point2i n = image_.Resolution();
     PBRT_CHECK(n.x == n.y && n.x > 0 && image_.ChannelCount() == 3);
     std::vector<Float> weights = PixelMeans();
@@ -84,6 +77,11 @@ std::vector<Float> ImageInfiniteLight::PixelMeans() const {
     return means;
 }
 
+Float ImageInfiniteLight::MeanRadianceAt(const Point2 &st) const {
+    const Rgb rgb = LightPixel(image_, PixelAt(st, image_.Resolution()));
+    return (rgb.x + rgb.y + rgb.z) / 3;
+}
+
 void ImageInfiniteLight::PrepareTiles() const {
     std::call_once(tilesReady_, [&] {
         tiles_ = WindowedPiecewiseConstant2D(PixelMeans(), image_.Resolution().x, image_.Resolution().y);
@@ -111,32 +109,29 @@ SampledSpectrum ImageInfiniteLight::Le(const Point3 &, const Vector3 &d, const S
     return Radiance(SquareTowards(d), lambda);
 }
 
-std::optional<LightLiSample> ImageInfiniteLight::SampleAt(const LightSampleContext &from, const Point2 &st,
-                                                          Float pdfSquare, const SampledWavelengths &lambda) const {
+std::optional<LightLiSample> ImageInfiniteLight::SampleAt(const Point2 &st, Float pdfSquare,
+                                                          const SampledWavelengths &lambda) const {
     if (!(pdfSquare > 0)) return {};
     LightLiSample s;
     s.L = Radiance(st, lambda);
     if (!s.L) return {};
     s.wi = DirectionAt(st);
     s.pdf = pdfSquare * Inv4Pi;
-    s.pLight = Beyond(from.p, s.wi);
     return s;
 }
 
-std::optional<LightLiSample> ImageInfiniteLight::SampleLi(const LightSampleContext &from, const Point2 &u,
-                                                          const SampledWavelengths &lambda, bool allowIncompletePdfs,
-                                                          uint32_t part) const {
+std::optional<LightLiSample> ImageInfiniteLight::SampleSky(const Point2 &u, const SampledWavelengths &lambda,
+                                                           bool allowIncompletePdfs, uint32_t part) const {
     Float pdfSquare = 0;
     if (part == 0) {
         const Point2 st = (allowIncompletePdfs ? compensated_ : distribution_).Sample(u, &pdfSquare);
-        return SampleAt(from, st, pdfSquare, lambda);
+        return SampleAt(st, pdfSquare, lambda);
     }
     const std::optional<Point2> st = tiles_.Sample(u, SkyTile::Of(part).Square(), &pdfSquare);
-    return st ? SampleAt(from, *st, pdfSquare, lambda) : std::nullopt;
+    return st ? SampleAt(*st, pdfSquare, lambda) : std::nullopt;
 }
 
-Float ImageInfiniteLight::PdfLi(const LightSampleContext &, const Vector3 &wi, const Point3 &, const Normal3 &,
-                                bool allowIncompletePdfs, uint32_t part) const {
+Float ImageInfiniteLight::PdfOfSky(const Vector3 &wi, bool allowIncompletePdfs, uint32_t part) const {
     const Point2 st = SquareTowards(wi);
     if (part == 0) return (allowIncompletePdfs ? compensated_ : distribution_).Pdf(st) * Inv4Pi;
     return tiles_.Pdf(st, SkyTile::Of(part).Square()) * Inv4Pi;

@@ -9,6 +9,8 @@
 
 namespace pbrt {
 
+class SkyWindows;
+
 /// How a light can be found: delta lights only by SampleLi, the others also by rays that hit them (area) or leave the
 /// scene (infinite).
 enum class LightKind { DeltaPosition, DeltaDirection, Area, Infinite };
@@ -119,6 +121,20 @@ class Light {
     /// must be called before tiles are used; any thread may call it at any time.
     virtual bool HasTiles() const { return false; }
     virtual void PrepareTiles() const {}
+    /// Lights with tiles: lets parts stand for what is seen through windows (SkyPart), until they are removed. Returns
+    /// the set; empty if there are too many sets. Any thread may call both at any time.
+    virtual std::optional<uint32_t> AddWindows(std::shared_ptr<const SkyWindows> windows) const {
+        (void)windows;
+        return {};
+    }
+    virtual void RemoveWindows(uint32_t set) const { (void)set; }
+    /// Lights with tiles: the mean of R, G and B of the radiance at a point of the square, which is what samples of
+    /// tiles follow; and the number of pixels along its side (1 if all are alike).
+    virtual Float MeanRadianceAt(const Point2 &st) const {
+        (void)st;
+        return 0;
+    }
+    virtual int SkyResolution() const { return 1; }
     /// Where direction d (unit) lies on the equal-area square that tiles are cut from, and the inverse.
     virtual Point2 SquareTowards(const Vector3 &d) const {
         (void)d;

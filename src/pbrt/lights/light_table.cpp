@@ -32,7 +32,7 @@ void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
         power_[i] = power > 0 && std::isfinite(power) ? power : 0;
     }
     for (LightId sky : infinite_)
-        if ((*this)[sky].Whole().HasTiles() && skies_.size() < (LightId::kNone - Size()) / SkyTile::kCount)
+        if ((*this)[sky].Whole().HasTiles() && skies_.size() < (LightId::kNone - Size()) / SkyPart::kCount)
             skies_.push_back(sky);
     parts_ = std::make_unique<LightGroups>(*this, false);
     groupsOfWholes_ = std::make_unique<LightGroups>(*this, true);

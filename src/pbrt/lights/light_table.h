@@ -6,13 +6,14 @@
 #include "pbrt/core/ids.h"
 #include "pbrt/lights/light.h"
 #include "pbrt/lights/light_groups.h"
-#include "pbrt/lights/sky_tile.h"
+#include "pbrt/lights/sky_windows.h"
 
 namespace pbrt {
 
 /// All lights of a scene, in file order. A LightId stands for one part of a light: the parts of all lights are numbered
-/// through, those of one light one after the other. After them come the tiles of the infinite lights (SkyTile): a light
-/// sampler may choose a tile in place of the whole light, whose id is then another one.
+/// through, those of one light one after the other. After them come the tiles of the infinite lights (SkyTile) and what
+/// is seen of them through windows (SkyPart): a light sampler may choose such a part in place of the whole light, whose
+/// id is then another one.
 class LightTable {
   public:
     LightTable() = default;
@@ -39,14 +40,14 @@ class LightTable {
     /// Infinite lights with tiles, in file order.
     std::span<const LightId> Skies() const { return skies_; }
     /// The id of a tile; `sky` is an index of Skies(), `number` is above 0 (SkyTile).
-    LightId TileId(size_t sky, uint32_t number) const { return LightId(Size() + sky * SkyTile::kCount + number); }
+    LightId TileId(size_t sky, uint32_t number) const { return LightId(Size() + sky * SkyPart::kCount + number); }
     /// All ids, of parts and of tiles, are below this.
-    size_t IdCount() const { return Size() + skies_.size() * SkyTile::kCount; }
+    size_t IdCount() const { return Size() + skies_.size() * SkyPart::kCount; }
     bool IsTile(LightId id) const { return id.value >= wholeOf_.size(); }
     /// The sky that a tile belongs to, its index in Skies(), and the tile's number in it.
     LightId SkyOf(LightId tile) const { return skies_[SkyIndexOf(tile)]; }
-    size_t SkyIndexOf(LightId tile) const { return (tile.value - Size()) / SkyTile::kCount; }
-    uint32_t NumberOf(LightId tile) const { return (tile.value - static_cast<uint32_t>(Size())) % SkyTile::kCount; }
+    size_t SkyIndexOf(LightId tile) const { return (tile.value - Size()) / SkyPart::kCount; }
+    uint32_t NumberOf(LightId tile) const { return (tile.value - static_cast<uint32_t>(Size())) % SkyPart::kCount; }
 
     /// For a ray from o in direction d that leaves the scene: calls visit(radiance, id) for every infinite light with
     /// radiance along the ray, with the id of the whole light.

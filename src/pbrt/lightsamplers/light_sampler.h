@@ -89,9 +89,11 @@ class LightDistribution {
     std::optional<SampledLight> Sample(Float u) const;
     /// Discrete probability of a light, bit-identical to the `pmf` of a sample of it.
     Float PMF(LightId light) const;
-    /// The id to ask PMF and LightPart::PdfLi for when a ray from the vertex in direction d (unit) met an infinite
-    /// light: the tile that the sampler would choose to send a shadow ray there, or the whole light.
-    LightId PartTowards(LightId infinite, const Vector3 &d) const;
+    /// The id to ask PMF and LightPart::PdfLi for when a ray from p in direction d (unit) met an infinite light: the
+    /// part that the sampler would choose to send a shadow ray there (a tile, say), or the whole light. p: the place in
+    /// the LightSampleContext that PdfLi is asked with, which is the vertex or a place whose lights the vertex stands
+    /// for.
+    LightId PartTowards(LightId infinite, const Point3 &p, const Vector3 &d) const;
     const LightQuery &Query() const { return *query_; }
 
   private:
@@ -164,7 +166,7 @@ class LightSampler {
                                                Point2 *uPoint) const = 0;
     virtual Float Probability(const LightQuery &query, const void *weights, LightId light) const = 0;
     /// See LightDistribution::PartTowards.
-    virtual LightId PartOf(const LightQuery &, const void *, LightId infinite, const Vector3 &) const {
+    virtual LightId PartOf(const LightQuery &, const void *, LightId infinite, const Point3 &, const Vector3 &) const {
         return infinite;
     }
 };
@@ -177,8 +179,8 @@ inline std::optional<SampledLight> LightDistribution::Sample(Float u) const {
     return Sample(u, &uPoint);
 }
 inline Float LightDistribution::PMF(LightId light) const { return sampler_->Probability(*query_, weights_, light); }
-inline LightId LightDistribution::PartTowards(LightId infinite, const Vector3 &d) const {
-    return sampler_->PartOf(*query_, weights_, infinite, d);
+inline LightId LightDistribution::PartTowards(LightId infinite, const Point3 &p, const Vector3 &d) const {
+    return sampler_->PartOf(*query_, weights_, infinite, p, d);
 }
 
 }  // namespace pbrt

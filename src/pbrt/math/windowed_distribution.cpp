@@ -17,10 +17,12 @@ double Between(double x, int n, F atWhole) {
 }
 
 /// Finds the x at which a non-decreasing function of that kind has made the fraction u of its rise over [from, to];
-/// *piece is the interval that x lies in, one in which the function rises. Returns false if it does not rise.
+/// *piece is the interval that x lies in, one in which the function rises, and *risen the whole rise. Returns false if
+/// it does not rise.
 template <class F>
-bool Invert(double u, double from, double to, int n, F atWhole, double *x, int *piece) {
-    double start = Between(from, n, atWhole), rise = Between(to, n, atWhole) - start;
+bool Invert(double u, double from, double to, int n, F atWhole, double *x, int *piece, double *risen) {
+    const double start = Between(from, n, atWhole), rise = Between(to, n, atWhole) - start;
+    *risen = rise;
     if (!(rise > 0)) return false;
     double target = start + u * rise;
     int low = std::min(static_cast<int>(from), n - 1), high = std::min(static_cast<int>(to), n - 1);
@@ -63,13 +65,15 @@ WindowedPiecewiseConstant2D::Cells WindowedPiecewiseConstant2D::InCells(const Bo
     return {scaled(w.low.x, nx_), scaled(w.high.x, nx_), scaled(w.low.y, ny_), scaled(w.high.y, ny_)};
 }
 
-double WindowedPiecewiseConstant2D::LeftOf(int i, const Cells &w) const {
-    auto corner = [&](int j) { return Corner(i, j); };
-    return Between(w.y1, ny_, corner) - Between(w.y0, ny_, corner);
+WindowedPiecewiseConstant2D::Band WindowedPiecewiseConstant2D::BandOf(const Cells &w) const {
+    const int low = std::min(static_cast<int>(w.y0), ny_ - 1), high = std::min(static_cast<int>(w.y1), ny_ - 1);
+    const size_t stride = static_cast<size_t>(nx_) + 1;
+    return {sums_.data() + static_cast<size_t>(low) * stride, sums_.data() + static_cast<size_t>(high) * stride, stride,
+            w.y0 - low, w.y1 - high};
 }
 
 double WindowedPiecewiseConstant2D::Total(const Cells &w) const {
-    auto left = [&](int i) { return LeftOf(i, w); };
+    const Band left = BandOf(w);
     return std::max(Between(w.x1, nx_, left) - Between(w.x0, nx_, left), 0.0);
 }
 
@@ -78,31 +82,33 @@ double WindowedPiecewiseConstant2D::Integral(const Bounds2 &window) const {
 }
 
 std::optional<Point2> WindowedPiecewiseConstant2D::Sample(const Point2 &u, const Bounds2 &window, Float *pdf) const {
-    Cells w = InCells(window);
-    double x = 0, y = 0;
+    const Cells w = InCells(window);
+    double x = 0, y = 0, total = 0, ofColumn = 0;
     int column = 0, row = 0;
-    if (!Invert(
-            static_cast<double>(u.x), w.x0, w.x1, nx_, [&](int i) { return LeftOf(i, w); }, &x, &column))
-        return {};
-    if (!Invert(
-            static_cast<double>(u.y), w.y0, w.y1, ny_, [&](int j) { return MassBelow(column, j); }, &y, &row))
-        return {};
+    const Band left = BandOf(w);
+    if (!Invert(static_cast<double>(u.x), w.x0, w.x1, nx_, left, &x, &column, &total)) return {};
+    const auto below = [&](int j) { return MassBelow(column, j); };
+    if (!Invert(static_cast<double>(u.y), w.y0, w.y1, ny_, below, &y, &row, &ofColumn)) return {};
     // Rounding to Float may cross into the next cell; the density is that of the point returned.
-    Point2 p(std::clamp(static_cast<Float>(x / nx_), window.low.x, window.high.x),
-             std::clamp(static_cast<Float>(y / ny_), window.low.y, window.high.y));
-    *pdf = Pdf(p, window);
+    const Point2 p(std::clamp(static_cast<Float>(x / nx_), window.low.x, window.high.x),
+                   std::clamp(static_cast<Float>(y / ny_), window.low.y, window.high.y));
+    *pdf = Density(p, total / (static_cast<double>(nx_) * static_cast<double>(ny_)));
     if (!(*pdf > 0)) return {};
     return p;
+}
+
+Float WindowedPiecewiseConstant2D::Density(const Point2 &p, double integral) const {
+    const int i = std::clamp(static_cast<int>(p.x * static_cast<Float>(nx_)), 0, nx_ - 1);
+    const int j = std::clamp(static_cast<int>(p.y * static_cast<Float>(ny_)), 0, ny_ - 1);
+    return static_cast<Float>(
+        static_cast<double>(f_[static_cast<size_t>(j) * static_cast<size_t>(nx_) + static_cast<size_t>(i)]) / integral);
 }
 
 Float WindowedPiecewiseConstant2D::Pdf(const Point2 &p, const Bounds2 &window) const {
     if (!(p.x >= window.low.x && p.x <= window.high.x && p.y >= window.low.y && p.y <= window.high.y)) return 0;
     double integral = Integral(window);
     if (!(integral > 0)) return 0;
-    int i = std::clamp(static_cast<int>(p.x * static_cast<Float>(nx_)), 0, nx_ - 1);
-    int j = std::clamp(static_cast<int>(p.y * static_cast<Float>(ny_)), 0, ny_ - 1);
-    return static_cast<Float>(
-        static_cast<double>(f_[static_cast<size_t>(j) * static_cast<size_t>(nx_) + static_cast<size_t>(i)]) / integral);
+    return Density(p, integral);
 }
 
 }  // namespace pbrt

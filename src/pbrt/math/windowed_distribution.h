@@ -33,11 +33,23 @@ class WindowedPiecewiseConstant2D {
     double Corner(int i, int j) const {
         return sums_[static_cast<size_t>(j) * static_cast<size_t>(nx_ + 1) + static_cast<size_t>(i)];
     }
-    /// Sum of the cells left of column i between the heights y0 and y1.
-    double LeftOf(int i, const Cells &w) const;
+    /// Between two heights: the sum of the cells left of a column. Points into the table.
+    struct Band {
+        const double *low, *high;  ///< the rows below the heights
+        size_t stride;
+        double inLow, inHigh;  ///< how far the heights are above these rows
+        double operator()(int i) const {
+            const auto at = [&](const double *row, double in) {
+                return row[i] + in * (row[stride + static_cast<size_t>(i)] - row[i]);
+            };
+            return at(high, inHigh) - at(low, inLow);
+        }
+    };
+    Band BandOf(const Cells &w) const;
     /// Sum of the cells of column i below row j.
     double MassBelow(int i, int j) const { return Corner(i + 1, j) - Corner(i, j); }
     double Total(const Cells &w) const;
+    Float Density(const Point2 &p, double integral) const;
 
     int nx_ = 0, ny_ = 0;
     std::vector<Float> f_;

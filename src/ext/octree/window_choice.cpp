@@ -1,0 +1,270 @@
+#include "ext/octree/window_choice.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "ext/octree/visibility_records.h"
+#include "ext/octree/visibility_tree_builder.h"
+#include "ext/octree/window_search.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/lights/light_spectrum.h"
+#include "pbrt/lightsamplers/weighted_choice.h"
+#include "pbrt/math/rng.h"
+
+namespace ext {
+
+namespace {
+
+constexpr uint64_t kStream = 0x77696e646f77;
+
+/// The unit of G over that of the mean radiance.
+Float PerMeanRadiance(const Light &sky) {
+    const SampledWavelengths lambda = PowerWavelengths();
+    constexpr int kSide = 8;
+    double sum = 0;
+    int count = 0;
+    for (int i = 0; i < kSide * kSide; ++i) {
+        const Point2 u((static_cast<Float>(i % kSide) + Float(0.5)) / kSide,
+                       (static_cast<Float>(i / kSide) + Float(0.5)) / kSide);
+        const std::optional<LightLiSample> s = sky.SampleLi({}, u, lambda, false);
+        const Float mean = s ? sky.MeanRadianceAt(sky.SquareTowards(s->wi)) : 0;
+        if (!(mean > 0)) continue;
+        sum += static_cast<double>(RootMeanSquare(s->L) / mean);
+        ++count;
+    }
+    return count > 0 ? static_cast<Float>(sum / count) : 0;
+}
+
+/// The mean clamped cosine over a sphere around the window, as for lamps (EmitterPacket): 0 only where all of it is
+/// below the horizon.
+Float MeanCosine(const SkyWindow &window, const LightQuery &query) {
+    if (query.ns == Normal3(0)) return Float(0.25);
+    const Normal3 n = query.ns * (Dot(query.wo, query.ns) < 0 ? Float(-1) : Float(1));
+    const Vector3 to = window.Middle() - query.p;
+    const Float perDistance = 1 / std::max(Length(to), Float(1e-20f));
+    Float c = Dot(n, to) * perDistance;
+    if (query.transmits) c = std::abs(c);
+    const Float s = std::min(Length(window.high - window.low) / 2 * perDistance, Float(1));
+    return c >= s ? c : Sqr(std::max(c + s, Float(0))) / (4 * s);
+}
+
+/// Windows without those that next to no ray passes; none if too many rays leave past all of them.
+std::vector<SkyWindow> WorthKeeping(std::span<const SkyWindow> windows, std::span<const SkyLook> looks) {
+    constexpr double kFewest = 0.01, kMostPast = 0.1;
+    std::vector<double> passed(windows.size() + 1, 0);
+    double left = 0;
+    for (const SkyLook &look : looks) {
+        if (!look.left) continue;
+        size_t k = 0;
+        while (k < windows.size() && !windows[k].IsPassed(look.p, look.d)) ++k;
+        ++passed[k], ++left;
+    }
+    std::vector<SkyWindow> kept;
+    for (size_t k = 0; k < windows.size(); ++k) {
+        if (passed[k] >= kFewest * left)
+            kept.push_back(windows[k]);
+        else
+            passed.back() += passed[k];
+    }
+    if (!(passed.back() < kMostPast * left)) kept.clear();
+    return kept;
+}
+
+}  // namespace
+
+WindowChoice::WindowChoice(const LightTable &lights, std::span<const LightId> skies, Float floor)
+    : lights_(lights), floor_(floor) {
+    for (LightId id : skies) {
+        const auto known = lights.Skies();
+        OfSky sky;
+        sky.index = static_cast<size_t>(std::find(known.begin(), known.end(), id) - known.begin());
+        sky.whole = MakeEmitter(lights[id], lights.Candidate(id));
+        sky.perMean = PerMeanRadiance(lights[id].Whole());
+        skies_.push_back(sky);
+    }
+}
+
+WindowChoice::~WindowChoice() { StopUsing(); }
+
+void WindowChoice::Use(std::vector<SkyWindow> windows) {
+    StopUsing();
+    windows_ = std::move(windows);
+    for (OfSky &sky : skies_) {
+        const Light &light = lights_[lights_.Skies()[sky.index]].Whole();
+        auto made = std::make_shared<const SkyWindows>(light, windows_);
+        const std::optional<uint32_t> set = light.AddWindows(made);
+        if (!set) return StopUsing();
+        sky.windows = std::move(made);
+        sky.set = *set;
+    }
+}
+
+void WindowChoice::StopUsing() {
+    for (OfSky &sky : skies_) {
+        if (sky.windows) lights_[lights_.Skies()[sky.index]].Whole().RemoveWindows(sky.set);
+        sky.windows = nullptr;
+    }
+    windows_.clear();
+}
+
+bool WindowChoice::Find(PrepareContext &context, std::span<const SkyLook> looks,
+                        std::span<const PrepassVertex> vertices) {
+    std::vector<Normal3> normals;
+    for (const PrepassVertex &vertex : vertices) normals.push_back(vertex.at.n);
+    const std::vector<SkyWindow> found = FindWindows(looks, normals);
+    std::vector<SkyWindow> windows = WorthKeeping(RefineWindows(context.scene, found, vertices, context.seed), looks);
+    if (windows.empty() || context.progress.Cancelled()) return false;
+    Use(std::move(windows));
+    return !windows_.empty() && Learn(context, vertices);
+}
+
+void WindowChoice::Evaluate(const LightQuery &query, size_t k, Float *g) const {
+    const OfSky &sky = skies_[k];
+    for (size_t i = 0; i < windows_.size(); ++i) {
+        g[i] = MeanCosine(windows_[i], query);
+        if (g[i] > 0) g[i] *= sky.perMean * sky.windows->Integral(i, query.p);
+        if (!std::isfinite(g[i])) g[i] = 0;
+    }
+    g[windows_.size()] = sky.whole.m0 > 0 ? EvaluateFar(sky.whole, query) : 0;
+}
+
+bool WindowChoice::Learn(PrepareContext &context, std::span<const PrepassVertex> vertices) {
+    VisibilityRecords known;
+    const size_t count = PartCount() * Count();
+    std::vector<std::vector<VisibilityTry>> tries(vertices.size());
+    ParallelFor(static_cast<int64_t>(vertices.size()), 64, [&](int64_t begin, int64_t end) {
+        for (auto v = static_cast<size_t>(begin); v < static_cast<size_t>(end); ++v) {
+            const LightQuery query = QueryAt(vertices[v]);
+            Rng rng(Hash(kStream, context.seed, v));
+            Float sum = 0, g[kMostParts];
+            for (size_t k = 0; k < Count(); ++k) {
+                Evaluate(query, k, g);
+                for (size_t i = 0; i < PartCount(); ++i) {
+                    const Point2 u = rng.Uniform2();
+                    if (!(g[i] > 0)) continue;
+                    sum += g[i];
+                    const SampledSpectrum found =
+                        VisibleContribution(context.scene, vertices[v], PartId(skies_[k], i), u);
+                    const Float ratio = RootMeanSquare(found) / g[i];
+                    tries[v].push_back(
+                        {static_cast<uint32_t>(k * PartCount() + i), g[i], g[i], std::isfinite(ratio) ? ratio : 0});
+                }
+            }
+            for (VisibilityTry &t : tries[v]) t.share = t.weight = t.share / sum;
+        }
+    });
+    for (size_t v = 0; v < vertices.size(); ++v) {
+        if (tries[v].empty()) continue;
+        known.records.push_back(
+            {vertices[v].at.p, static_cast<uint32_t>(known.tries.size()), static_cast<uint32_t>(tries[v].size())});
+        known.tries.insert(known.tries.end(), tries[v].begin(), tries[v].end());
+    }
+    if (known.records.empty() || context.progress.Cancelled()) return false;
+    VisibilityBuildSettings settings;
+    settings.lightCount = static_cast<int>(count);
+    settings.floor = floor_;
+    VisibilityTreeBuilder builder(context.scene.Bounds(), known.records, known.tries, settings);
+    std::optional<VisibilityTree> tree = builder.Build([&] { return context.progress.Cancelled(); });
+    if (!tree) return false;
+    tree_ = std::move(*tree);
+    return true;
+}
+
+const SkyParts::Weights *WindowChoice::Weigh(const LightQuery &query, LightMemory &memory) const {
+    auto *at = memory.Make<AtVertex>();
+    const VisibilityTree::Row row = tree_.RowAt(query.p);
+    for (size_t k = 0; k < Count(); ++k) {
+        Float g[kMostParts], w[kMostParts], sumG = 0, sumW = 0;
+        Evaluate(query, k, g);
+        for (size_t i = 0; i < PartCount(); ++i) {
+            w[i] = g[i] * VisibilityTree::Decode(row.codes[k * PartCount() + i]);
+            sumG += g[i], sumW += w[i];
+        }
+        at->g[k] = sumG;
+        at->w[k] = sumW;
+        // More arrives unoccluded from the rest than through all windows, so it would take nearly all of the floor.
+        const size_t rest = PartCount() - 1;
+        const Float ofWindows = sumG - g[rest], e = sumW > 0 ? floor_ : Float(1);
+        const Float share = g[rest] > 0 && ofWindows > 0 ? e / 2 : e;
+        const Float perW = sumW > 0 ? (1 - floor_) / sumW : 0, perG = ofWindows > 0 ? share / ofWindows : 0;
+        for (size_t i = 0; i < rest; ++i) at->part[k][i] = w[i] * perW + g[i] * perG;
+        at->part[k][rest] = w[rest] * perW + (g[rest] > 0 ? share : 0);
+    }
+    return at;
+}
+
+std::optional<SampledLight> WindowChoice::Sample(const Weights &weights, size_t k, Point2 *u) const {
+    const Float *part = static_cast<const AtVertex &>(weights).part[k];
+    const auto chosen = ChooseByWeight<Float>(PartCount(), u->x, [&](uint32_t i) { return part[i]; });
+    if (!chosen) return {};
+    u->x = std::clamp((u->x - chosen.before) / chosen.weight, Float(0), OneMinusEpsilon);
+    return SampledLight{PartId(skies_[k], chosen.index), chosen.weight};
+}
+
+Float WindowChoice::PMF(const Weights &weights, size_t k, LightId light) const {
+    if (!lights_.IsTile(light)) return 0;
+    const uint32_t number = lights_.NumberOf(light);
+    if (!SkyPart::IsOfWindows(number) || SkyPart::SetOf(number) != skies_[k].set) return 0;
+    const size_t place = SkyPart::PlaceOf(number);
+    return place < PartCount() ? static_cast<const AtVertex &>(weights).part[k][place] : 0;
+}
+
+LightId WindowChoice::PartTowards(const Weights &, size_t k, const Point3 &p, const Vector3 &d) const {
+    return PartId(skies_[k], skies_[k].windows->PartTowards(p, d));
+}
+
+std::vector<LightId> WindowChoice::PartsOf(size_t k) const {
+    std::vector<LightId> ids;
+    for (size_t i = 0; i < PartCount(); ++i) ids.push_back(PartId(skies_[k], i));
+    return ids;
+}
+
+void WindowChoice::Save(StateWriter &writer, bool) const {
+    writer.CopyOfVector(windows_);
+    tree_.Save(writer);
+}
+
+void WindowChoice::Load(StateReader &reader) {
+    std::vector<SkyWindow> windows;
+    reader.Vector(&windows);
+    if (windows.empty() || windows.size() > SkyWindows::kMost) reader.Refuse();
+    Use(std::move(windows));
+    tree_.Load(reader);
+    if (windows_.empty() || tree_.RowCount() == 0) reader.Refuse();
+    for (uint32_t row = 0; row < tree_.RowCount(); ++row)
+        if (tree_.GetRow(row).codes.size() != PartCount() * Count()) reader.Refuse();
+}
+
+void WindowChoice::Report(nlohmann::ordered_json &report) const {
+    report["skyWindows"] = windows_.size();
+    report["skyBytes"] = Bytes();
+}
+
+void WindowChoice::Inspect(const Point3 &p, std::vector<InspectedValue> &values) const {
+    const VisibilityTree::Row row = tree_.RowAt(p);
+    for (size_t i = 0; i < PartCount(); ++i)
+        values.push_back({i < windows_.size() ? fmt::format("window {} seen", i) : std::string("rest of the sky seen"),
+                          static_cast<double>(VisibilityTree::Decode(row.codes[i])), false});
+}
+
+std::string WindowChoice::Describe() const {
+    std::string text =
+        fmt::format("windows: {}, {} leaves know which of them are seen\n", windows_.size(), tree_.LeafCount());
+    for (const SkyWindow &w : windows_) {
+        const Vector3 sides = w.high - w.low;
+        const Point3 middle = w.Middle();
+        text += fmt::format("  {:.3g} by {:.3g}, its middle at ({:.4g}, {:.4g}, {:.4g})\n", sides.x, sides.y, middle.x,
+                            middle.y, middle.z);
+    }
+    return text;
+}
+
+size_t WindowChoice::Bytes() const {
+    size_t bytes = tree_.Bytes();
+    for (const OfSky &sky : skies_)
+        if (sky.windows) bytes += sky.windows->Bytes();
+    return bytes;
+}
+
+}  // namespace ext

@@ -1,0 +1,366 @@
+#include "ext/octree/window_search.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/math/rng.h"
+
+namespace ext {
+
+namespace {
+
+constexpr size_t kMostWindows = 8;
+/// Rays that tell enough, of either kind.
+constexpr size_t kMostRays = 2048;
+/// What a ray that is blocked counts against one that leaves.
+constexpr double kBlocked = 0.25;
+constexpr int kMostCells = 48, kFewestCells = 8, kSteps = 48, kFineSteps = 8;
+/// Fewer rays than this make no window, and so do those of a smaller share of all that left.
+constexpr size_t kFewest = 12;
+constexpr double kSmallestShare = 0.02;
+/// A ray nearly parallel to a plane says little of where on it the window is.
+constexpr Float kLeastCosine = 0.05f;
+
+struct Line {
+    Point3 p;
+    Vector3 d;
+    bool left;
+    double count;  ///< how many rays it stands for
+};
+
+/// The directions that a plane may face: the normals of most surfaces, and the axes; with the opposite ones.
+std::vector<Vector3> Facings(std::span<const Normal3> normals) {
+    std::map<std::array<int, 3>, std::pair<size_t, Vector3>> bins;
+    for (const Normal3 &n : normals) {
+        if (n == Normal3(0)) continue;
+        // Opposite normals belong to the same planes.
+        const bool turned =
+            n.x < -1e-3f || (std::abs(n.x) <= 1e-3f && (n.y < -1e-3f || (std::abs(n.y) <= 1e-3f && n.z < 0)));
+        const Vector3 v = turned ? Vector3(-n) : Vector3(n);
+        const auto place = [](Float x) { return static_cast<int>(std::lround(x * 40)); };
+        auto &[count, sum] = bins[{place(v.x), place(v.y), place(v.z)}];
+        ++count;
+        sum += v;
+    }
+    std::vector<std::pair<size_t, Vector3>> frequent;
+    for (const auto &[key, bin] : bins)
+        if (bin.first * 50 >= normals.size()) frequent.push_back({bin.first, Normalize(bin.second)});
+    std::stable_sort(frequent.begin(), frequent.end(), [](const auto &a, const auto &b) { return a.first > b.first; });
+    if (frequent.size() > 6) frequent.resize(6);
+    for (const Vector3 &axis : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)}) frequent.push_back({0, axis});
+    std::vector<Vector3> facings;
+    for (const auto &[count, v] : frequent)
+        if (std::none_of(facings.begin(), facings.end(), [&](const Vector3 &f) { return AbsDot(f, v) > 0.999f; }))
+            facings.push_back(v);
+    const size_t half = facings.size();
+    for (size_t i = 0; i < half; ++i) facings.push_back(-facings[i]);
+    return facings;
+}
+
+/// The planes' frames: x along another facing where one is orthogonal.
+Frame FrameOf(const Vector3 &z, std::span<const Vector3> facings) {
+    for (const Vector3 &x : facings)
+        if (AbsDot(x, z) < 0.02f) return Frame::FromXZ(x, z);
+    return Frame::FromZ(z);
+}
+
+/// What is between the lowest and the highest hundredth of some numbers.
+std::pair<Float, Float> Range(std::vector<Float> v) {
+    const size_t skipped = v.size() / 100;
+    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(skipped), v.end());
+    const Float low = v[skipped];
+    std::nth_element(v.begin(), v.end() - 1 - static_cast<std::ptrdiff_t>(skipped), v.end());
+    return {low, v[v.size() - 1 - skipped]};
+}
+
+/// The lines as a family of parallel planes sees them.
+class Planes {
+  public:
+    Planes(const Frame &frame, std::span<const Line> lines) : frame_(frame) {
+        // A window's cells must be connected by the rays that pass them.
+        const auto left = static_cast<double>(std::ranges::count_if(lines, [](const Line &line) { return line.left; }));
+        cells_ = std::clamp(static_cast<int>(1.5 * std::sqrt(left)), kFewestCells, kMostCells);
+        std::vector<Float> x, y, z;
+        for (const Line &line : lines) {
+            const Vector3 p = frame.ToLocal(line.p), d = frame.ToLocal(line.d);
+            x.push_back(p.x), y.push_back(p.y), z.push_back(p.z);
+            if (!(d.z > kLeastCosine)) continue;
+            crossing_.push_back({p, Vector2(d.x, d.y) / d.z, line.left, line.count});
+        }
+        std::tie(low_.x, high_.x) = Range(std::move(x));
+        std::tie(low_.y, high_.y) = Range(std::move(y));
+        std::tie(low_.z, high_.z) = Range(std::move(z));
+        // Windows lie at the border of what rays start from.
+        const Vector3 margin = (high_ - low_) * Float(0.1);
+        low_ -= margin, high_ += margin;
+    }
+
+    struct Cell {
+        double left = 0, blocked = 0;
+        double Gain() const { return left - kBlocked * blocked; }
+    };
+    using Grid = std::vector<Cell>;
+    struct Plane {
+        double gain = 0;
+        Float height = 0;
+    };
+
+    /// The plane of the greatest gain.
+    Plane Best() const {
+        Plane best;
+        const auto look = [&](Float height) {
+            const double gain = GainAt(height);
+            if (gain > best.gain) best = {gain, height};
+        };
+        const Float step = (high_.z - low_.z) / kSteps;
+        for (int i = 0; i < kSteps; ++i) look(low_.z + (static_cast<Float>(i) + Float(0.5)) * step);
+        const Float coarse = best.height;
+        for (int i = -kFineSteps; i <= kFineSteps; ++i) look(coarse + static_cast<Float>(i) * step / kFineSteps);
+        return best;
+    }
+
+    /// The rectangles around connected cells of the plane whose gain is positive.
+    std::vector<SkyWindow> Windows(Float height, double fewest) const {
+        const Grid grid = Count(height);
+        std::vector<int> part(grid.size(), -1);
+        int parts = 0;
+        for (size_t i = 0; i < grid.size(); ++i) {
+            if (part[i] >= 0 || !(grid[i].Gain() > 0)) continue;
+            std::vector<size_t> open{i};
+            part[i] = parts;
+            while (!open.empty()) {
+                const auto at = static_cast<int>(open.back());
+                open.pop_back();
+                for (int n = 0; n < 9; ++n) {
+                    const int x = at % cells_ + n % 3 - 1, y = at / cells_ + n / 3 - 1;
+                    if (x < 0 || y < 0 || x >= cells_ || y >= cells_) continue;
+                    const auto to = static_cast<size_t>(y * cells_ + x);
+                    if (part[to] >= 0 || !(grid[to].Gain() > 0)) continue;
+                    part[to] = parts;
+                    open.push_back(to);
+                }
+            }
+            ++parts;
+        }
+        struct Found {
+            std::vector<Float> x, y;
+            double count = 0;
+        };
+        std::vector<Found> found(static_cast<size_t>(parts));
+        for (const Crossing &c : crossing_) {
+            const std::optional<Point2> at = c.At(height);
+            const std::optional<size_t> cell = at && c.left ? CellAt(*at) : std::nullopt;
+            if (!cell || part[*cell] < 0) continue;
+            Found &f = found[static_cast<size_t>(part[*cell])];
+            f.x.push_back(at->x), f.y.push_back(at->y);
+            f.count += c.count;
+        }
+        std::vector<SkyWindow> windows;
+        for (Found &f : found) {
+            if (f.x.size() < kFewest || f.count < fewest) continue;
+            const auto [x0, x1] = Around(std::move(f.x));
+            const auto [y0, y1] = Around(std::move(f.y));
+            SkyWindow window;
+            window.frame = frame_;
+            window.low = {x0, y0, height};
+            window.high = {x1, y1, height};
+            windows.push_back(window);
+        }
+        return windows;
+    }
+
+  private:
+    struct Crossing {
+        Vector3 p;
+        Vector2 slope;
+        bool left;
+        double count;
+        std::optional<Point2> At(Float height) const {
+            if (!(height > p.z)) return {};
+            return Point2(p.x + slope.x * (height - p.z), p.y + slope.y * (height - p.z));
+        }
+    };
+    std::optional<size_t> CellAt(const Point2 &at) const {
+        const auto n = static_cast<Float>(cells_);
+        const Float x = (at.x - low_.x) / (high_.x - low_.x) * n, y = (at.y - low_.y) / (high_.y - low_.y) * n;
+        if (!(x >= 0 && y >= 0 && x < n && y < n)) return {};
+        return static_cast<size_t>(y) * static_cast<size_t>(cells_) + static_cast<size_t>(x);
+    }
+    Grid Count(Float height) const {
+        Grid grid(static_cast<size_t>(cells_) * static_cast<size_t>(cells_));
+        for (const Crossing &c : crossing_)
+            if (const std::optional<Point2> at = c.At(height))
+                if (const std::optional<size_t> cell = CellAt(*at))
+                    (c.left ? grid[*cell].left : grid[*cell].blocked) += c.count;
+        return grid;
+    }
+    double GainAt(Float height) const {
+        double gain = 0;
+        for (const Cell &cell : Count(height)) gain += std::max(cell.Gain(), 0.0);
+        return gain;
+    }
+    /// An interval around nearly all of some numbers; a little wider, as they rarely lie at its ends.
+    static std::pair<Float, Float> Around(std::vector<Float> v) {
+        const auto n = static_cast<Float>(v.size());
+        const auto [low, high] = Range(std::move(v));
+        const Float more = (high - low) * (1 / n + Float(0.01));
+        return {low - more, high + more};
+    }
+
+    Frame frame_;
+    int cells_ = 0;  ///< along a side of the grid
+    std::vector<Crossing> crossing_;
+    Vector3 low_{0}, high_{0};
+};
+
+/// At most kMostRays of each kind.
+std::vector<Line> SomeOf(std::span<const SkyLook> looks) {
+    size_t count[2] = {0, 0}, seen[2] = {0, 0};
+    for (const SkyLook &look : looks) ++count[look.left];
+    std::vector<Line> lines;
+    for (const SkyLook &look : looks) {
+        const size_t n = count[look.left], taken = std::min(n, kMostRays), i = seen[look.left]++;
+        if (i * taken / n != (i + 1) * taken / n)
+            lines.push_back({look.p, look.d, look.left, static_cast<double>(n) / static_cast<double>(taken)});
+    }
+    return lines;
+}
+
+}  // namespace
+
+std::vector<SkyWindow> FindWindows(std::span<const SkyLook> looks, std::span<const Normal3> normals) {
+    std::vector<Line> lines = SomeOf(looks);
+    double left = 0;
+    for (const Line &line : lines) left += line.left ? line.count : 0;
+    const std::vector<Vector3> facings = Facings(normals);
+    std::vector<SkyWindow> windows;
+    while (windows.size() < kMostWindows && !lines.empty()) {
+        std::vector<Planes::Plane> best(facings.size());
+        ParallelFor(static_cast<int64_t>(facings.size()), 1, [&](int64_t begin, int64_t end) {
+            for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
+                best[i] = Planes(FrameOf(facings[i], facings), lines).Best();
+        });
+        const auto most =
+            std::max_element(best.begin(), best.end(), [](const auto &a, const auto &b) { return a.gain < b.gain; });
+        if (!(most->gain > kSmallestShare * left)) break;
+        const Planes planes(FrameOf(facings[static_cast<size_t>(most - best.begin())], facings), lines);
+        std::vector<SkyWindow> found = planes.Windows(most->height, kSmallestShare * left);
+        if (found.empty()) break;
+        if (windows.size() + found.size() > kMostWindows) found.resize(kMostWindows - windows.size());
+        std::erase_if(lines, [&](const Line &line) {
+            return std::any_of(found.begin(), found.end(),
+                               [&](const SkyWindow &window) { return window.IsPassed(line.p, line.d); });
+        });
+        windows.insert(windows.end(), found.begin(), found.end());
+    }
+    return windows;
+}
+
+namespace {
+
+constexpr int kRefiningRays = 8192, kRefiningCells = 48;
+
+/// The window with its borders found; unchanged if no ray passes it.
+SkyWindow Refined(const Scene &scene, const SkyWindow &window, std::span<const PrepassVertex> vertices, uint64_t seed) {
+    const Frame &frame = window.frame;
+    const Vector2 size = Vector2(window.high) - Vector2(window.low);
+    const Vector2 more = size * Float(0.3) + Vector2(Float(0.1) * std::max(size.x, size.y));
+    const Point2 low = Point2(window.low) - more, high = Point2(window.high) + more;
+    const Float diameter = 2 * Length(scene.Bounds().Diagonal());
+
+    std::vector<Point2> passed(kRefiningRays);
+    std::vector<char> left(kRefiningRays, 0);
+    ParallelFor(kRefiningRays, 256, [&](int64_t begin, int64_t end) {
+        for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+            Rng rng(Hash(seed, uint64_t{i}));
+            const auto v = static_cast<size_t>(rng.Uniform() * static_cast<Float>(vertices.size()));
+            const PrepassVertex &vertex = vertices[std::min(v, vertices.size() - 1)];
+            const Point2 at = low + rng.Uniform2() * (high - low);
+            const Vector3 to = frame.FromLocal({at.x, at.y, window.low.z}) - vertex.at.p;
+            if (!(Dot(to, frame.z) > 0)) continue;
+            if (vertex.at.ns != Normal3(0) && !vertex.transmits &&
+                !(Dot(to, vertex.at.ns) * Dot(vertex.wo, vertex.at.ns) > 0))
+                continue;
+            LightLiSample s;
+            s.wi = Normalize(to);
+            s.pLight = vertex.at.p + s.wi * diameter;
+            passed[i] = at;
+            left[i] = !scene.Occluded(vertex.at, s);
+        }
+    });
+
+    // The cells that are connected with the window: light passes them.
+    constexpr auto n = kRefiningCells;
+    const auto cellOf = [&](const Point2 &at) {
+        const Point2 f = (at - low) / (high - low) * Float(n);
+        return Point2i(std::clamp(static_cast<int>(f.x), 0, n - 1), std::clamp(static_cast<int>(f.y), 0, n - 1));
+    };
+    std::vector<char> isLit(static_cast<size_t>(n) * n, 0), isOfWindow(isLit.size(), 0);
+    std::vector<Point2i> open;
+    const auto index = [](const Point2i &c) { return static_cast<size_t>(c.y) * n + static_cast<size_t>(c.x); };
+    for (size_t i = 0; i < left.size(); ++i) {
+        if (!left[i]) continue;
+        const Point2i cell = cellOf(passed[i]);
+        isLit[index(cell)] = 1;
+        const bool isInside = passed[i].x >= window.low.x && passed[i].y >= window.low.y &&
+                              passed[i].x <= window.high.x && passed[i].y <= window.high.y;
+        if (isInside && !isOfWindow[index(cell)]) {
+            isOfWindow[index(cell)] = 1;
+            open.push_back(cell);
+        }
+    }
+    // A frame between two panes may be a cell or two wide.
+    constexpr int kReach = 2;
+    while (!open.empty()) {
+        const Point2i c = open.back();
+        open.pop_back();
+        for (int y = std::max(c.y - kReach, 0); y <= std::min(c.y + kReach, n - 1); ++y)
+            for (int x = std::max(c.x - kReach, 0); x <= std::min(c.x + kReach, n - 1); ++x) {
+                const size_t to = index({x, y});
+                if (!isLit[to] || isOfWindow[to]) continue;
+                isOfWindow[to] = 1;
+                open.push_back({x, y});
+            }
+    }
+    SkyWindow found{frame, {high, window.low.z}, {low, window.low.z}};
+    for (size_t i = 0; i < left.size(); ++i) {
+        if (!left[i] || !isOfWindow[index(cellOf(passed[i]))]) continue;
+        found.low = glm::min(found.low, Point3(passed[i], found.low.z));
+        found.high = glm::max(found.high, Point3(passed[i], found.low.z));
+    }
+    if (!(found.low.x < found.high.x && found.low.y < found.high.y)) return window;
+    const Vector3 margin = (found.high - found.low) * Float(0.01);
+    found.low -= margin, found.high += margin;
+    return found;
+}
+
+/// Whether nearly all of a window lies in another one of the same plane.
+bool LiesIn(const SkyWindow &window, const SkyWindow &other) {
+    if (window.frame.x != other.frame.x || window.frame.z != other.frame.z) return false;
+    const Vector2 size = window.high - window.low,
+                  common = glm::min(window.high, other.high) - glm::max(window.low, other.low);
+    const Float away = std::abs(window.low.z - other.low.z);
+    return away < Float(0.1) * std::max(size.x, size.y) && common.x > 0 && common.y > 0 &&
+           common.x * common.y > Float(0.7) * size.x * size.y;
+}
+
+}  // namespace
+
+std::vector<SkyWindow> RefineWindows(const Scene &scene, std::span<const SkyWindow> windows,
+                                     std::span<const PrepassVertex> vertices, int seed) {
+    std::vector<SkyWindow> refined;
+    for (size_t k = 0; k < windows.size(); ++k) {
+        const SkyWindow window =
+            Refined(scene, windows[k], vertices, Hash(uint64_t{0x726566696e65}, seed, uint64_t{k}));
+        if (std::any_of(refined.begin(), refined.end(), [&](const SkyWindow &w) { return LiesIn(window, w); }))
+            continue;
+        std::erase_if(refined, [&](const SkyWindow &w) { return LiesIn(w, window); });
+        refined.push_back(window);
+    }
+    return refined;
+}
+
+}  // namespace ext

@@ -1,0 +1,55 @@
+#include "pbrt/lights/sky_light.h"
+
+#include <algorithm>
+
+namespace pbrt {
+
+std::optional<uint32_t> SkyLight::AddWindows(std::shared_ptr<const SkyWindows> windows) const {
+    const std::lock_guard lock(mutex_);
+    const auto place = std::find(windows_.begin(), windows_.end(), nullptr);
+    if (place == windows_.end()) return {};
+    *place = std::move(windows);
+    return static_cast<uint32_t>(place - windows_.begin());
+}
+
+void SkyLight::RemoveWindows(uint32_t set) const {
+    const std::lock_guard lock(mutex_);
+    windows_[set] = nullptr;
+}
+
+std::optional<LightLiSample> SkyLight::SampleLi(const LightSampleContext &from, const Point2 &u,
+                                                const SampledWavelengths &lambda, bool allowIncompletePdfs,
+                                                uint32_t part) const {
+    std::optional<LightLiSample> s;
+    if (!SkyPart::IsOfWindows(part)) {
+        s = SampleSky(u, lambda, allowIncompletePdfs, part);
+    } else {
+        const SkyWindows &windows = WindowsOf(part);
+        const size_t place = SkyPart::PlaceOf(part);
+        if (place < windows.Count()) {
+            const std::optional<SkyWindows::Sample> through = windows.SampleWindow(place, from.p, u);
+            if (!through || !(through->pdf > 0)) return {};
+            s.emplace();
+            s->L = Le(from.p, through->wi, lambda);
+            if (!s->L) return {};
+            s->wi = through->wi;
+            s->pdf = through->pdf;
+        } else {
+            s = SampleSky(u, lambda, allowIncompletePdfs, 0);
+            if (s && windows.PartTowards(from.p, s->wi) < windows.Count()) return {};
+        }
+    }
+    if (s) s->pLight = Beyond(from.p, s->wi);
+    return s;
+}
+
+Float SkyLight::PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &, const Normal3 &,
+                      bool allowIncompletePdfs, uint32_t part) const {
+    if (!SkyPart::IsOfWindows(part)) return PdfOfSky(wi, allowIncompletePdfs, part);
+    const SkyWindows &windows = WindowsOf(part);
+    const size_t place = SkyPart::PlaceOf(part);
+    if (place < windows.Count()) return windows.Pdf(place, from.p, wi);
+    return windows.PartTowards(from.p, wi) < windows.Count() ? 0 : PdfOfSky(wi, allowIncompletePdfs, 0);
+}
+
+}  // namespace pbrt

@@ -1,0 +1,85 @@
+#include "ext/octree/window_search.h"
+
+#include <gtest/gtest.h>
+
+#include "pbrt/math/rng.h"
+#include "pbrt/math/transform.h"
+#include "pbrt/math/warps.h"
+
+namespace ext {
+namespace {
+
+/// A room of 4 x 3 x 2.5 m with windows in two walls, and rays from its surfaces that leave through them or not.
+struct Room {
+    struct Opening {
+        int axis;  ///< of the wall's normal, which is at the room's high side
+        Vector3 low, high;
+    };
+    Vector3 size{4, 3, 2.5f};
+    std::vector<Opening> openings{
+        {1, {0.5f, 3, 1}, {1.5f, 3, 2}}, {1, {2.6f, 3, 1}, {3.5f, 3, 2}}, {0, {4, 1, 0.9f}, {4, 2, 1.9f}}};
+    std::vector<SkyLook> looks;
+    std::vector<Normal3> normals;
+
+    Room(const Transform &place, int rays) {
+        Rng rng(5);
+        for (int i = 0; i < rays; ++i) {
+            Vector3 p(rng.Uniform() * size.x, rng.Uniform() * size.y, rng.Uniform() * size.z), n(0);
+            const auto side = static_cast<int>(rng.Uniform() * 6);
+            p[side / 2] = side % 2 == 0 ? 0 : size[side / 2];
+            n[side / 2] = side % 2 == 0 ? 1.f : -1.f;
+            Vector3 d = SampleUniformSphere(rng.Uniform2());
+            if (Dot(d, n) < 0) d = -d;
+            if (d.z < 0) continue;
+            looks.push_back({place.Point(p), Normalize(place.Vector(d)), Leaves(p, d)});
+            normals.push_back(Normalize(place.Vector(n)));
+        }
+    }
+    bool Leaves(const Vector3 &p, const Vector3 &d) const {
+        for (const Opening &o : openings) {
+            if (!(d[o.axis] > 0) || !(p[o.axis] < size[o.axis])) continue;
+            const Vector3 at = p + d * ((size[o.axis] - p[o.axis]) / d[o.axis]);
+            bool inside = true;
+            for (int a = 0; a < 3; ++a) inside &= a == o.axis || (at[a] >= o.low[a] && at[a] <= o.high[a]);
+            if (inside) return true;
+        }
+        return false;
+    }
+};
+
+double AreaOf(const SkyWindow &w) { return static_cast<double>((w.high.x - w.low.x) * (w.high.y - w.low.y)); }
+
+TEST(FindWindows, FindsTheWindowsOfARoom) {
+    for (const Transform &place : {Transform(), Transform::Translate({30, -4, 2}), Transform::Rotate(33, {0, 0, 1}),
+                                   Transform::Rotate(20, {1, 2, -1}), Transform::Scale({-1, 1, 1})})
+        for (int rays : {4000, 40000}) {
+            const Room room(place, rays);
+            const std::vector<SkyWindow> windows = FindWindows(room.looks, room.normals);
+            double area = 0, left = 0, passed = 0;
+            for (const SkyWindow &w : windows) area += AreaOf(w);
+            for (const SkyLook &look : room.looks) {
+                if (!look.left) continue;
+                ++left;
+                passed += std::any_of(windows.begin(), windows.end(),
+                                      [&](const SkyWindow &w) { return w.IsPassed(look.p, look.d); });
+            }
+            EXPECT_GT(passed, 0.85 * left) << rays;
+            EXPECT_LT(area, 2.9 * 1.6) << rays;  // 2.9 square metres
+            EXPECT_GE(windows.size(), 2u);
+            EXPECT_LE(windows.size(), 5u);
+            for (const SkyWindow &w : windows) {
+                const Vector3 outwards = place.InverseVector(w.frame.z);
+                EXPECT_GT(std::max(outwards.x, outwards.y), 0.99f * Length(outwards));
+            }
+        }
+}
+
+TEST(FindWindows, FindsNoneWhereNothingLeaves) {
+    Room room({}, 4000);
+    for (SkyLook &look : room.looks) look.left = false;
+    EXPECT_TRUE(FindWindows(room.looks, room.normals).empty());
+    EXPECT_TRUE(FindWindows({}, {}).empty());
+}
+
+}  // namespace
+}  // namespace ext

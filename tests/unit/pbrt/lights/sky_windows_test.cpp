@@ -1,0 +1,201 @@
+#include "pbrt/lights/sky_windows.h"
+
+#include <gtest/gtest.h>
+
+#include "light_test_support.h"
+#include "pbrt/math/rng.h"
+#include "support/statistics.h"
+
+namespace pbrt::test {
+namespace {
+
+const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
+
+struct Sky {
+    const char *name;
+    std::function<Rgb(int, int)> color;  // empty: one colour, without an image
+    int resolution = 0;
+};
+const Sky kSkies[] = {
+    {"one_colour", nullptr, 0},
+    {"gradient",
+     [](int x, int y) { return Rgb(0.1f * static_cast<Float>(x + 1), 0.4f, 0.05f * static_cast<Float>(y)); }, 12},
+    {"one_bright_pixel", [](int x, int y) { return x == 5 && y == 8 ? Rgb(800) : Rgb(0.1f); }, 16},
+    {"half_black", [](int, int y) { return Rgb(y < 8 ? 0.f : 1.f); }, 16}};
+
+/// Two windows in a wall, one before the first of them that hides a part of it, and one in a slanted wall.
+std::vector<SkyWindow> Windows() {
+    const Frame wall{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}};
+    const Frame slanted = Frame::FromXZ({0, 1, 0}, Normalize(Vector3(2, 0.3f, 1)));
+    return {{wall, {0.2f, -1.5f, 2}, {1, -0.5f, 2}},
+            {wall, {1.5f, -1.5f, 2}, {2.5f, -0.2f, 2}},
+            {wall, {0.4f, -2, 1.5f}, {0.8f, 0, 1.5f}},
+            {slanted, {-1, -2, 3}, {1, 1, 3}}};
+}
+const Point3 kPlaces[] = {{0.5f, 0.2f, 0.4f}, {2, -3, 1}, {-1, 1.4f, 0}, {0.9f, 1.999f, 1}};
+
+class WindowsOfSkies : public testing::TestWithParam<Sky> {
+  protected:
+    void SetUp() override {
+        Params params;
+        if (GetParam().color) {
+            file_.emplace("windows.exr", RgbImage(Point2i(GetParam().resolution), GetParam().color));
+            params.String("filename", file_->Path());
+        }
+        light = Make("infinite", params, Transform::Rotate(70, {1, -2, 1}));
+        light->Preprocess({0, 0, 0}, 5);
+        windows = std::make_shared<const SkyWindows>(*light, Windows());
+        set = light->AddWindows(windows).value();
+    }
+    uint32_t Number(size_t part) const { return SkyPart::FirstOf(set) + static_cast<uint32_t>(part); }
+
+    std::unique_ptr<Light> light;
+    std::shared_ptr<const SkyWindows> windows;
+    uint32_t set = 0;
+
+  private:
+    std::optional<TemporaryImage> file_;
+};
+
+/// By cells of the window's plane. Draws that give nothing are counted, too: the integral of the density over what is
+/// not black is the probability that a draw gives something.
+TEST_P(WindowsOfSkies, DirectionsFollowTheDensity) {
+    constexpr int kCells = 12, kFine = 40, kDraws = 20000;
+    size_t tested = 0;
+    for (const Point3 &p : kPlaces)
+        for (size_t part = 0; part < windows->Count(); ++part) {
+            const SkyWindow &window = (*windows)[part];
+            const Vector3 sides = window.high - window.low, at = window.frame.ToLocal(p);
+            const Float height = window.low.z - at.z;
+            if (!(height > 0.1f)) continue;  // nearer, cells are too wide
+            const auto densityAt = [&](const Vector3 &wi) {
+                return light->Le(p, wi, kLambda) ? light->PdfLi(At(p), wi, {}, {}, true, Number(part)) : Float(0);
+            };
+            int elsewhere = 0;  // rounding carries directions over borders of pixels
+            std::vector<double> observed(kCells * kCells + 1), expected(observed.size());
+            Rng rng(3);
+            for (int i = 0; i < kDraws; ++i) {
+                const auto s = light->SampleLi(At(p), rng.Uniform2(), kLambda, true, Number(part));
+                if (!s) {
+                    ++observed.back();
+                    continue;
+                }
+                elsewhere += std::abs(densityAt(s->wi) / s->pdf - 1) > 1e-2f;
+                const Vector3 w = window.frame.ToLocal(s->wi), on = (at + w * (height / w.z) - window.low) / sides;
+                const Point2i cell = glm::clamp(Point2i(Point2(on) * Float(kCells)), Point2i(0), Point2i(kCells - 1));
+                ++observed[static_cast<size_t>(cell.y * kCells + cell.x)];
+            }
+            EXPECT_LT(elsewhere, kDraws / 500) << "place " << p.x << ", " << part;
+            const auto area = static_cast<double>(sides.x * sides.y);
+            constexpr int kSide = kCells * kFine;
+            double found = 0;
+            for (int i = 0; i < kSide * kSide; ++i) {
+                const Vector3 on((static_cast<Float>(i % kSide) + 0.5f) / kSide,
+                                 (static_cast<Float>(i / kSide) + 0.5f) / kSide, 0);
+                const Vector3 to = window.frame.FromLocal(window.low + on * sides - at);
+                const auto solidAngle = area * static_cast<double>(height) / std::pow(Length(to), 3) / (kSide * kSide);
+                const double mass = static_cast<double>(densityAt(Normalize(to))) * solidAngle * kDraws;
+                expected[static_cast<size_t>(i / kSide / kFine * kCells + i % kSide / kFine)] += mass;
+                found += mass;
+            }
+            expected.back() = std::max(kDraws - found, 0.0);
+            EXPECT_LT(found, 1.01 * kDraws);
+            if (found < 0.1 * kDraws) continue;  // black, or behind other windows
+            ++tested;
+            EXPECT_GT(ChiSquareTest(observed, expected, 40), SidakAlpha(1e-4, 64)) << "place " << p.x << ", " << part;
+        }
+    EXPECT_GE(tested, 4u);
+}
+
+TEST_P(WindowsOfSkies, PartsAddUpToTheWhole) {
+    for (const Point3 &p : kPlaces) {
+        // What each part brings, by its own samples and by directions drawn evenly.
+        std::vector<RunningStatistics> bySamples(windows->Count()), byDirections(windows->Count());
+        Rng rng(7);
+        constexpr int kSamples = 40000;
+        for (size_t part = 0; part < windows->Count(); ++part)
+            for (int i = 0; i < kSamples; ++i) {
+                const auto s = light->SampleLi(At(p), rng.Uniform2(), kLambda, true, Number(part));
+                bySamples[part].Add(s ? static_cast<double>(s->L.Average() / s->pdf) : 0);
+                if (s && windows->PartTowards(p, s->wi) != part) FAIL() << "A direction is of another part.";
+            }
+        for (int i = 0; i < 20 * kSamples; ++i) {
+            const Vector3 w = SampleUniformSphere(rng.Uniform2());
+            const size_t part = windows->PartTowards(p, w);
+            const double value = static_cast<double>(light->Le(p, w, kLambda).Average() * 4 * Pi);
+            for (size_t k = 0; k < windows->Count(); ++k) byDirections[k].Add(k == part ? value : 0);
+        }
+        for (size_t k = 0; k < windows->Count(); ++k) {
+            const double error = std::hypot(bySamples[k].StandardError(), byDirections[k].StandardError());
+            EXPECT_NEAR(bySamples[k].mean, byDirections[k].mean, 5 * error + 1e-4 * byDirections[k].mean)
+                << "place " << p.x << ", part " << k;
+        }
+    }
+}
+
+TEST_P(WindowsOfSkies, TheRestIsWhatNoWindowShows) {
+    const size_t rest = windows->Count();
+    Rng rng(11);
+    int found = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const Point2 u = rng.Uniform2();
+        const auto whole = light->SampleLi(At(kPlaces[0]), u, kLambda, false, 0);
+        const auto s = light->SampleLi(At(kPlaces[0]), u, kLambda, false, Number(rest));
+        ASSERT_TRUE(whole.has_value());
+        ASSERT_EQ(s.has_value(), windows->PartTowards(kPlaces[0], whole->wi) == rest);
+        EXPECT_EQ(light->PdfLi(At(kPlaces[0]), whole->wi, {}, {}, false, Number(rest)), s ? s->pdf : 0);
+        found += s.has_value();
+    }
+    EXPECT_GT(found, 100);
+}
+
+TEST_P(WindowsOfSkies, TheIntegralIsThatOfTheRadianceInTheWindow) {
+    Rng rng(13);
+    for (size_t k : {size_t{0}, size_t{1}, size_t{3}}) {
+        const SkyWindow &window = (*windows)[k];
+        RunningStatistics sum;
+        for (int i = 0; i < 400000; ++i) {
+            const Vector3 w = SampleUniformSphere(rng.Uniform2());
+            sum.Add(window.IsPassed(kPlaces[0], w)
+                        ? static_cast<double>(light->MeanRadianceAt(light->SquareTowards(w)) * 4 * Pi)
+                        : 0);
+        }
+        EXPECT_NEAR(windows->Integral(k, kPlaces[0]), sum.mean, 5 * sum.StandardError() + 0.02 * sum.mean) << k;
+    }
+}
+
+/// Within a window samples follow the radiance: what they bring hardly varies, not even at the rim of a sun.
+TEST_P(WindowsOfSkies, SamplesAreAlike) {
+    const std::vector<SkyWindow> one{{Frame{}, {-3, -3, 1}, {3, 3, 1}}};
+    const SkyWindows wide(*light, one);
+    Rng rng(17);
+    RunningStatistics value;
+    double greatest = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const auto s = wide.SampleWindow(0, {0, 0, 0}, rng.Uniform2());
+        if (!s) continue;
+        const double v = static_cast<double>(light->MeanRadianceAt(light->SquareTowards(s->wi)) / s->pdf);
+        value.Add(v);
+        greatest = std::max(greatest, v);
+    }
+    ASSERT_GT(value.n, 1000u);
+    EXPECT_LT(value.Variance(), 0.1 * value.mean * value.mean);
+    EXPECT_LT(greatest, 12 * value.mean);
+}
+
+INSTANTIATE_TEST_SUITE_P(Lights, WindowsOfSkies, testing::ValuesIn(kSkies),
+                         [](const auto &c) { return std::string(c.param.name); });
+
+TEST(SkyLight, SetsOfWindowsComeAndGo) {
+    const auto light = Make("infinite", Params());
+    const auto windows = std::make_shared<const SkyWindows>(*light, Windows());
+    std::vector<uint32_t> sets;
+    while (const std::optional<uint32_t> set = light->AddWindows(windows)) sets.push_back(*set);
+    EXPECT_EQ(sets.size(), SkyPart::kSets);
+    light->RemoveWindows(sets[5]);
+    EXPECT_EQ(light->AddWindows(windows), sets[5]);
+    EXPECT_FALSE(Make("distant", Params())->AddWindows(windows).has_value());
+}
+
+}  // namespace
+}  // namespace pbrt::test

@@ -49,9 +49,37 @@ Float MeanCosine(const SkyWindow &window, const LightQuery &query) {
     return c >= s ? c : Sqr(std::max(c + s, Float(0))) / (4 * s);
 }
 
-/// Windows without those that next to no ray passes; none if too many rays leave past all of them.
+/// Widens windows for rays that leave just past their borders, as some do that come from where little else is seen.
+void Widen(std::span<SkyWindow> windows, std::span<const SkyLook> looks) {
+    constexpr Float kNear = 0.15f, kMargin = 0.01f;  // of the window's size
+    for (const SkyLook &look : looks) {
+        if (!look.left) continue;
+        SkyWindow *nearest = nullptr;
+        Float least = kNear;
+        Point2 where{};
+        for (SkyWindow &window : windows) {
+            const Vector3 p = window.frame.ToLocal(look.p), d = window.frame.ToLocal(look.d);
+            if (!(window.low.z > p.z) || !(d.z > 0)) continue;
+            const Point2 at = Point2(p) + Vector2(d) * ((window.low.z - p.z) / d.z);
+            const Point2 past =
+                glm::max(Point2(window.low) - at, at - Point2(window.high)) / Vector2(window.high - window.low);
+            const Float most = std::max({past.x, past.y, Float(0)});
+            if (!(most < least)) continue;
+            least = most, nearest = &window, where = at;
+        }
+        if (!nearest || least == 0) continue;
+        const Vector2 margin = Vector2(nearest->high - nearest->low) * kMargin;
+        nearest->low = {glm::min(Point2(nearest->low), where - margin), nearest->low.z};
+        nearest->high = {glm::max(Point2(nearest->high), where + margin), nearest->high.z};
+    }
+}
+
+/// Windows without those that next to no ray passes; none if too many rays leave past all of them: what is sampled with
+/// the rest of the sky, to which few samples go, makes fireflies.
 std::vector<SkyWindow> WorthKeeping(std::span<const SkyWindow> windows, std::span<const SkyLook> looks) {
-    constexpr double kFewest = 0.01, kMostPast = 0.1;
+    constexpr double kFewest = 0.01, kMostPast = 0.02;
+    // A few rays past them may be chance.
+    constexpr double kAFew = 2;
     std::vector<double> passed(windows.size() + 1, 0);
     double left = 0;
     for (const SkyLook &look : looks) {
@@ -67,7 +95,7 @@ std::vector<SkyWindow> WorthKeeping(std::span<const SkyWindow> windows, std::spa
         else
             passed.back() += passed[k];
     }
-    if (!(passed.back() < kMostPast * left)) kept.clear();
+    if (passed.back() > kMostPast * left + kAFew) kept.clear();
     return kept;
 }
 
@@ -113,7 +141,9 @@ bool WindowChoice::Find(PrepareContext &context, std::span<const SkyLook> looks,
     std::vector<Normal3> normals;
     for (const PrepassVertex &vertex : vertices) normals.push_back(vertex.at.n);
     const std::vector<SkyWindow> found = FindWindows(looks, normals);
-    std::vector<SkyWindow> windows = WorthKeeping(RefineWindows(context.scene, found, vertices, context.seed), looks);
+    std::vector<SkyWindow> refined = RefineWindows(context.scene, found, vertices, context.seed);
+    Widen(refined, looks);
+    std::vector<SkyWindow> windows = WorthKeeping(refined, looks);
     if (windows.empty() || context.progress.Cancelled()) return false;
     Use(std::move(windows));
     return !windows_.empty() && Learn(context, vertices);

@@ -113,27 +113,14 @@ WindowChoice::WindowChoice(const LightTable &lights, std::span<const LightId> sk
     }
 }
 
-WindowChoice::~WindowChoice() { StopUsing(); }
-
 void WindowChoice::Use(std::vector<SkyWindow> windows) {
-    StopUsing();
     windows_ = std::move(windows);
     for (OfSky &sky : skies_) {
         const Light &light = lights_[lights_.Skies()[sky.index]].Whole();
-        auto made = std::make_shared<const SkyWindows>(light, windows_);
-        const std::optional<uint32_t> set = light.AddWindows(made);
-        if (!set) return StopUsing();
-        sky.windows = std::move(made);
-        sky.set = *set;
+        sky.windows = std::make_shared<const SkyWindows>(light, windows_);
+        sky.set = light.AddWindows(sky.windows);
+        if (!sky.set) return windows_.clear();
     }
-}
-
-void WindowChoice::StopUsing() {
-    for (OfSky &sky : skies_) {
-        if (sky.windows) lights_[lights_.Skies()[sky.index]].Whole().RemoveWindows(sky.set);
-        sky.windows = nullptr;
-    }
-    windows_.clear();
 }
 
 bool WindowChoice::Find(PrepareContext &context, std::span<const SkyLook> looks,
@@ -235,7 +222,7 @@ std::optional<SampledLight> WindowChoice::Sample(const Weights &weights, size_t 
 Float WindowChoice::PMF(const Weights &weights, size_t k, LightId light) const {
     if (!lights_.IsTile(light)) return 0;
     const uint32_t number = lights_.NumberOf(light);
-    if (!SkyPart::IsOfWindows(number) || SkyPart::SetOf(number) != skies_[k].set) return 0;
+    if (!SkyPart::IsOfWindows(number) || SkyPart::SetOf(number) != *skies_[k].set) return 0;
     const size_t place = SkyPart::PlaceOf(number);
     return place < PartCount() ? static_cast<const AtVertex &>(weights).part[k][place] : 0;
 }

@@ -21,7 +21,6 @@ class WindowChoice final : public SkyParts {
   public:
     /// `skies`: of lights.Skies(), at most kMaxSkies.
     WindowChoice(const LightTable &lights, std::span<const LightId> skies, Float floor);
-    ~WindowChoice() override;
 
     /// Finds windows (FindWindows) and learns where each of them is seen. False: there are none that pay.
     bool Find(PrepareContext &context, std::span<const SkyLook> looks, std::span<const PrepassVertex> vertices);
@@ -47,17 +46,16 @@ class WindowChoice final : public SkyParts {
         Emitter whole;      ///< dark if the whole is never sampled
         Float perMean = 0;  ///< G's units over those of SkyWindows::Integral
         std::shared_ptr<const SkyWindows> windows;
-        uint32_t set = 0;
+        std::shared_ptr<const uint32_t> set;  ///< see Light::AddWindows
     };
     struct AtVertex : Weights {
         Float part[kMaxSkies][kMostParts];  ///< probabilities given the sky
     };
     size_t PartCount() const { return windows_.size() + 1; }
     LightId PartId(const OfSky &sky, size_t part) const {
-        return lights_.TileId(sky.index, SkyPart::FirstOf(sky.set) + static_cast<uint32_t>(part));
+        return lights_.TileId(sky.index, SkyPart::FirstOf(*sky.set) + static_cast<uint32_t>(part));
     }
     void Use(std::vector<SkyWindow> windows);
-    void StopUsing();
     /// G of the parts of sky k.
     void Evaluate(const LightQuery &query, size_t k, Float *g) const;
     bool Learn(PrepareContext &context, std::span<const PrepassVertex> vertices);

@@ -121,13 +121,13 @@ class Light {
     /// must be called before tiles are used; any thread may call it at any time.
     virtual bool HasTiles() const { return false; }
     virtual void PrepareTiles() const {}
-    /// Lights with tiles: lets parts stand for what is seen through windows (SkyPart), until they are removed. Returns
-    /// the set; empty if there are too many sets. Any thread may call both at any time.
-    virtual std::optional<uint32_t> AddWindows(std::shared_ptr<const SkyWindows> windows) const {
+    /// Lights with tiles: lets parts stand for what is seen through windows (SkyPart), as long as the returned number
+    /// of the set lives, which may outlive the light. Null if there are too many sets. Any thread may call it and let
+    /// go of the number at any time.
+    virtual std::shared_ptr<const uint32_t> AddWindows(std::shared_ptr<const SkyWindows> windows) const {
         (void)windows;
-        return {};
+        return nullptr;
     }
-    virtual void RemoveWindows(uint32_t set) const { (void)set; }
     /// Lights with tiles: the mean of R, G and B of the radiance at a point of the square, which is what samples of
     /// tiles follow; and the number of pixels along its side (1 if all are alike).
     virtual Float MeanRadianceAt(const Point2 &st) const {

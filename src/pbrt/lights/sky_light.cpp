@@ -4,17 +4,17 @@
 
 namespace pbrt {
 
-std::optional<uint32_t> SkyLight::AddWindows(std::shared_ptr<const SkyWindows> windows) const {
-    const std::lock_guard lock(mutex_);
-    const auto place = std::find(windows_.begin(), windows_.end(), nullptr);
-    if (place == windows_.end()) return {};
+std::shared_ptr<const uint32_t> SkyLight::AddWindows(std::shared_ptr<const SkyWindows> windows) const {
+    const std::lock_guard lock(sets_->mutex);
+    const auto place = std::find(sets_->windows.begin(), sets_->windows.end(), nullptr);
+    if (place == sets_->windows.end()) return nullptr;
     *place = std::move(windows);
-    return static_cast<uint32_t>(place - windows_.begin());
-}
-
-void SkyLight::RemoveWindows(uint32_t set) const {
-    const std::lock_guard lock(mutex_);
-    windows_[set] = nullptr;
+    const auto remove = [sets = sets_](const uint32_t *set) {
+        const std::lock_guard removing(sets->mutex);
+        sets->windows[*set] = nullptr;
+        delete set;
+    };
+    return {new uint32_t(static_cast<uint32_t>(place - sets_->windows.begin())), remove};
 }
 
 std::optional<LightLiSample> SkyLight::SampleLi(const LightSampleContext &from, const Point2 &u,

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <memory>
 #include <mutex>
 
 #include "pbrt/lights/light_beyond_scene.h"
@@ -12,8 +13,7 @@ class SkyLight : public LightBeyondScene {
   public:
     SkyLight() : LightBeyondScene(LightKind::Infinite) {}
     bool HasTiles() const final { return true; }
-    std::optional<uint32_t> AddWindows(std::shared_ptr<const SkyWindows> windows) const final;
-    void RemoveWindows(uint32_t set) const final;
+    std::shared_ptr<const uint32_t> AddWindows(std::shared_ptr<const SkyWindows> windows) const final;
 
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
                                           const SampledWavelengths &lambda, bool allowIncompletePdfs,
@@ -35,11 +35,14 @@ class SkyLight : public LightBeyondScene {
     virtual Float PdfOfSky(const Vector3 &wi, bool allowIncompletePdfs, uint32_t part) const = 0;
 
   private:
-    const SkyWindows &WindowsOf(uint32_t part) const { return *windows_[SkyPart::SetOf(part)]; }
+    /// An entry is written only while no part of its set is asked for.
+    struct Sets {
+        std::array<std::shared_ptr<const SkyWindows>, SkyPart::kSets> windows;  ///< null: not used
+        std::mutex mutex;
+    };
+    const SkyWindows &WindowsOf(uint32_t part) const { return *sets_->windows[SkyPart::SetOf(part)]; }
 
-    /// By set; null: not used. An entry is written only while no part of its set is asked for.
-    mutable std::array<std::shared_ptr<const SkyWindows>, SkyPart::kSets> windows_;
-    mutable std::mutex mutex_;
+    std::shared_ptr<Sets> sets_ = std::make_shared<Sets>();
 };
 
 }  // namespace pbrt

@@ -68,7 +68,7 @@ class SkyWindows {
 };
 
 /// The numbers of the parts of a sky: 0 is the whole, then come the tiles (SkyTile), then the parts of every set of
-/// windows that a light sampler has made known (SkyLight::AddWindows).
+/// windows that a light sampler has made known (Light::AddWindows).
 struct SkyPart {
     static constexpr uint32_t kSets = 64, kPerSet = SkyWindows::kMost + 1;
     static constexpr uint32_t kCount = SkyTile::kCount + kSets * kPerSet;

@@ -115,12 +115,13 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     if (context.progress.Cancelled()) return;
     if (sky_) {
         const auto before = std::chrono::steady_clock::now();
+        if (!tiles_) UseTiles();  // it was prepared before
         const double most =
             params_.opensky < 1 ? static_cast<double>(params_.opensky) * (context.maxDepth > 1 ? kWithBounces : 1) : 1;
         if (tiles_->SeesMoreThan(most, context, vertices, kSkySide)) {
             skySeenShare_ = tiles_->SeenShare();
             KeepSkiesWhole();
-        } else if (!LookForWindows(context, vertices)) {
+        } else if (!LookForWindows(most, context, vertices)) {
             if (context.progress.Cancelled()) return;
             tiles_->LookAround(context, vertices, kSkySide);
             if (context.progress.Cancelled()) return;
@@ -150,12 +151,13 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     context.progress.EndPhase();
 }
 
-bool VisibilityOctreeLightSampler::LookForWindows(PrepareContext &context, std::span<const PrepassVertex> vertices) {
+bool VisibilityOctreeLightSampler::LookForWindows(double most, PrepareContext &context,
+                                                  std::span<const PrepassVertex> vertices) {
     if (!params_.windows) return false;
     const std::vector<SkyLook> looks =
         tiles_->Look(context, vertices, kSkySide, std::min(vertices.size(), kWindowVertices));
     skySeenShare_ = tiles_->SeenShare();
-    if (context.progress.Cancelled() || skySeenShare_ > kTooOpenForWindows) return false;
+    if (context.progress.Cancelled() || skySeenShare_ > std::min(most, kTooOpenForWindows)) return false;
     std::unique_ptr<WindowChoice> windows = MakeWindows();
     if (!windows->Find(context, looks, vertices)) return false;
     sky_ = std::move(windows);
@@ -167,6 +169,12 @@ std::unique_ptr<WindowChoice> VisibilityOctreeLightSampler::MakeWindows() const 
     std::vector<LightId> skies;
     for (size_t k = 0; k < SkyCount(); ++k) skies.push_back(sky_->Sky(k));
     return std::make_unique<WindowChoice>(groups_.Lights(), skies, floor_);
+}
+
+void VisibilityOctreeLightSampler::UseTiles() {
+    std::unique_ptr<SkyChoice> tiles = MakeSkies(groups_.Lights(), params_);
+    tiles_ = tiles.get();
+    sky_ = std::move(tiles);
 }
 
 void VisibilityOctreeLightSampler::KeepSkiesWhole() {

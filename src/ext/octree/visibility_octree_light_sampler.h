@@ -81,9 +81,12 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     size_t SkyCount() const { return sky_ ? sky_->Count() : 0; }
     /// Emitters of all groups; the cut skies' are dark.
     std::vector<Emitter> LampEmitters() const;
-    /// Divides skies by windows in place of tiles. False: there are no windows that pay.
+    /// As it was made: nothing is known of the skies.
+    void UseTiles();
     std::unique_ptr<WindowChoice> MakeWindows() const;
-    bool LookForWindows(PrepareContext &context, std::span<const PrepassVertex> vertices);
+    /// Divides skies by windows in place of tiles. False: there are none that pay, or more than the share `most` of the
+    /// rays leaves the scene.
+    bool LookForWindows(double most, PrepareContext &context, std::span<const PrepassVertex> vertices);
     /// What Prepare does where choosing tiles could gain little.
     void KeepSkiesWhole();
     double PathsPerPixel(const PrepareContext &context) const;

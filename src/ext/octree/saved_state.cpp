@@ -296,7 +296,10 @@ void VisibilityOctreeLightSampler::LoadLearned(StateReader &reader, bool learnsO
     const auto goesOn = reader.Value<bool>();
     if ((hasSky && !sky_) || (learnsOn && !goesOn)) reader.Refuse();
     if (!hasSky && sky_) KeepSkiesWhole();
-    if (hasSky && !hasTiles) sky_ = MakeWindows(), tiles_ = nullptr;
+    if (hasSky && !hasTiles) {
+        sky_ = MakeWindows();
+        tiles_ = nullptr;
+    }
     if (names != NamesHash()) reader.Refuse();
     read(prepassRecords_, prepassTries_, learnedTries_, prepassSeconds_, buildSeconds_, learningSeconds_, skySeconds_,
          skySeenShare_, sceneBounds_, pixels_, nextLearning_, samplesPerPixel_, depth_);

@@ -104,6 +104,7 @@ double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context
 }
 
 void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
+    if (sky_ && !tiles_) UseTiles();  // it was prepared before
     if (context.learned) return LoadLearned(*context.learned, context.learnsOn);
     if (groups_.Size() <= 1 && !sky_) return;
     auto start = std::chrono::steady_clock::now();
@@ -115,7 +116,6 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     if (context.progress.Cancelled()) return;
     if (sky_) {
         const auto before = std::chrono::steady_clock::now();
-        if (!tiles_) UseTiles();  // it was prepared before
         const double most =
             params_.opensky < 1 ? static_cast<double>(params_.opensky) * (context.maxDepth > 1 ? kWithBounces : 1) : 1;
         if (tiles_->SeesMoreThan(most, context, vertices, kSkySide)) {

@@ -39,7 +39,8 @@ class LightTable {
 
     /// Infinite lights with tiles, in file order.
     std::span<const LightId> Skies() const { return skies_; }
-    /// The id of a tile; `sky` is an index of Skies(), `number` is above 0 (SkyTile).
+    /// The id of a part of a sky, a tile or one of those that windows make; `sky` is an index of Skies(), `number` is
+    /// above 0 (SkyPart). Below, tiles are all such parts.
     LightId TileId(size_t sky, uint32_t number) const { return LightId(Size() + sky * SkyPart::kCount + number); }
     /// All ids, of parts and of tiles, are below this.
     size_t IdCount() const { return Size() + skies_.size() * SkyPart::kCount; }

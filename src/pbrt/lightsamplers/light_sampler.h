@@ -132,7 +132,8 @@ class LightSampler {
         LightMemory memory;
         return At(query, memory).PMF(light);
     }
-    /// The tiles that the sampler may choose in place of an infinite light; it may choose the whole light as well.
+    /// The parts (SkyPart) that the sampler may choose in place of an infinite light; it may choose the whole light as
+    /// well.
     virtual std::vector<LightId> TilesOf(LightId infinite) const {
         (void)infinite;
         return {};

@@ -4,6 +4,7 @@
 
 #include "light_test_support.h"
 #include "pbrt/lights/light_table.h"
+#include "test_skies.h"
 #include "unit/pbrt/bxdfs/sphere_histogram.h"
 
 namespace pbrt::test {
@@ -47,19 +48,6 @@ TEST(SkyTile, TheSidesOfTheSquareBelongToTiles) {
 }
 
 const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
-
-struct Sky {
-    const char *name;
-    std::function<Rgb(int, int)> color;  // empty: one colour, without an image
-    int resolution = 0;
-};
-/// 12 pixels along a side: tiles cut through pixels.
-const Sky kSkies[] = {
-    {"one colour", nullptr, 0},
-    {"gradient",
-     [](int x, int y) { return Rgb(0.1f * static_cast<Float>(x + 1), 0.4f, 0.05f * static_cast<Float>(y)); }, 12},
-    {"one bright pixel", [](int x, int y) { return x == 5 && y == 8 ? Rgb(800) : Rgb(0.1f); }, 16},
-    {"half black", [](int, int y) { return Rgb(y < 8 ? 0.f : 1.f); }, 16}};
 
 class SkyTiles : public testing::TestWithParam<Sky> {
   protected:
@@ -138,11 +126,8 @@ TEST_P(SkyTiles, TilesOfALevelAddUpToTheSky) {
     EXPECT_NEAR(coarse / whole, 1, 0.1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Lights, SkyTiles, testing::ValuesIn(kSkies), [](const auto &c) {
-    std::string name = c.param.name;
-    std::replace(name.begin(), name.end(), ' ', '_');
-    return name;
-});
+INSTANTIATE_TEST_SUITE_P(Lights, SkyTiles, testing::ValuesIn(kSkies),
+                         [](const auto &c) { return std::string(c.param.name); });
 
 TEST(LightTable, TilesHaveIdsBehindThoseOfAllLights) {
     LightTable table;

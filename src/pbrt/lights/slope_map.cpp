@@ -9,10 +9,13 @@ namespace pbrt {
 namespace {
 
 constexpr int kFewest = 128, kMost = 512;
-/// A pixel is divided if it holds this share of the whole map and its brightest place is so much brighter than the
-/// mean.
+/// A pixel is divided if it may hold this share of the whole map and the brightest place in or beside it is so much
+/// brighter than the mean.
 constexpr double kLeastShare = 1e-4;
 constexpr Float kContrast = 1.5f;
+/// Pixels, and their parts, are at least worth this share of the brightest place beside them: the corner of a sun that
+/// reaches into one between the places looked at must not be drawn with the probability of the sky around it.
+constexpr Float kBesidePixel = 1 / Float(32), kBesidePart = 1 / Float(8);
 
 }  // namespace
 
@@ -20,20 +23,21 @@ SlopeMap::SlopeMap(const Light &sky, const Frame &frame) : n_(std::clamp(sky.Sky
     struct Value {
         Float mean = 0, greatest = 0;
     };
-    // Over the square of this width at `low`, in units of the map. No pixel of the sky must be missed, as it may be a
-    // sun: so the borders are looked at, too.
-    const auto look = [&](const Point2 &low, Float width, int across) {
+    // Over the square of this width at `low`, in units of the map; the greatest also `beside` steps past it. No pixel of
+    // the sky must be missed, as it may be a sun: so the borders are looked at, too.
+    const auto look = [&](const Point2 &low, Float width, int across, int beside) {
         Value value;
-        for (int i = 0; i < across * across; ++i) {
-            const Point2 st = low + Point2(i % across, i / across) * (width / static_cast<Float>(across - 1));
-            const Vector2 slopes = ToSlopes(st);
-            const Float density = SolidAngleDensity(slopes);
-            if (!std::isfinite(density)) continue;  // at the border of the map
-            const Vector3 d = frame.FromLocal(Normalize(Vector3(slopes, 1)));
-            const Float here = density * sky.MeanRadianceAt(sky.SquareTowards(d));
-            value.mean += here;
-            value.greatest = std::max(value.greatest, here);
-        }
+        for (int y = -beside; y < across + beside; ++y)
+            for (int x = -beside; x < across + beside; ++x) {
+                const Point2 st = low + Point2(x, y) * (width / static_cast<Float>(across - 1));
+                const Vector2 slopes = ToSlopes(st);
+                const Float density = SolidAngleDensity(slopes);
+                if (!(density > 0) || !std::isfinite(density)) continue;  // at the border of the map
+                const Vector3 d = frame.FromLocal(Normalize(Vector3(slopes, 1)));
+                const Float here = density * sky.MeanRadianceAt(sky.SquareTowards(d));
+                if (x >= 0 && y >= 0 && x < across && y < across) value.mean += here;
+                value.greatest = std::max(value.greatest, here);
+            }
         value.mean /= static_cast<Float>(across * across);
         return value;
     };
@@ -42,25 +46,29 @@ SlopeMap::SlopeMap(const Light &sky, const Frame &frame) : n_(std::clamp(sky.Sky
     const auto corner = [&](size_t i) { return Point2(i % n, i / n) * width; };
     // In the middle, pixels of the map are about half as wide as those of the sky, if there are as many.
     const int across = 2 * ((sky.SkyResolution() + n_ - 1) / n_) + 1;
-    std::vector<Float> weights(n * n);
-    std::vector<char> hasContrast(n * n);
+    std::vector<Value> values(n * n);
     ParallelFor(n_, 8, [&](int64_t begin, int64_t end) {
-        for (size_t i = static_cast<size_t>(begin) * n; i < static_cast<size_t>(end) * n; ++i) {
-            const Value value = look(corner(i), width, across);
-            weights[i] = value.mean;
-            hasContrast[i] = value.greatest > kContrast * value.mean;
-        }
+        for (size_t i = static_cast<size_t>(begin) * n; i < static_cast<size_t>(end) * n; ++i)
+            values[i] = look(corner(i), width, across, 0);
     });
 
     double sum = 0;
-    for (Float w : weights) sum += static_cast<double>(w);
+    for (const Value &value : values) sum += static_cast<double>(value.mean);
+    std::vector<Float> weights(n * n);
     detailOf_.assign(n * n, 0);
     std::vector<size_t> divided;
-    for (size_t i = 0; i < weights.size(); ++i)
-        if (hasContrast[i] && static_cast<double>(weights[i]) > kLeastShare * sum) {
+    for (size_t i = 0; i < weights.size(); ++i) {
+        Float greatest = 0;
+        for (size_t y = std::max(i / n, size_t{1}) - 1; y < std::min(i / n + 2, n); ++y)
+            for (size_t x = std::max(i % n, size_t{1}) - 1; x < std::min(i % n + 2, n); ++x)
+                greatest = std::max(greatest, values[y * n + x].greatest);
+        const Float mean = values[i].mean;
+        weights[i] = std::max(mean, kBesidePixel * greatest);
+        if (greatest > kContrast * mean && static_cast<double>(weights[i]) > kLeastShare * sum) {
             divided.push_back(i);
             detailOf_[i] = static_cast<uint32_t>(divided.size());
         }
+    }
     details_.resize(divided.size());
     ParallelFor(static_cast<int64_t>(divided.size()), 16, [&](int64_t begin, int64_t end) {
         for (auto d = static_cast<size_t>(begin); d < static_cast<size_t>(end); ++d) {
@@ -68,7 +76,8 @@ SlopeMap::SlopeMap(const Light &sky, const Frame &frame) : n_(std::clamp(sky.Sky
             double total = 0;
             for (int k = 0; k < kDetail * kDetail; ++k) {
                 Float &value = details_[d][static_cast<size_t>(k)];
-                value = look(corner(divided[d]) + Point2(k % kDetail, k / kDetail) * part, part, 3).mean;
+                const Value seen = look(corner(divided[d]) + Point2(k % kDetail, k / kDetail) * part, part, 3, 1);
+                value = std::max(seen.mean, kBesidePart * seen.greatest);
                 total += static_cast<double>(value);
             }
             weights[divided[d]] = static_cast<Float>(total / (kDetail * kDetail));

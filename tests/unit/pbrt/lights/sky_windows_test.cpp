@@ -172,14 +172,23 @@ TEST_P(WindowsOfSkies, SamplesAreAlike) {
     EXPECT_LT(greatest, 12 * value.mean);
 }
 
-/// A sun as small as a pixel of the sky has a rim in every pixel of the map: these are divided.
-TEST(SkyWindows, TheRimOfASmallSunMakesLittleNoise) {
-    const TemporaryImage file(
-        "sun.exr", RgbImage(Point2i(128), [](int x, int y) { return x == 70 && y == 81 ? Rgb(1e5f) : Rgb(0.1f); }));
-    const auto light = Make("infinite", Params().String("filename", file.Path()), Transform::Rotate(40, {1, -2, 1}));
-    const Vector3 sun = light->DirectionAt(Point2(70.5f, 81.5f) / 128.f);
-    const std::vector<SkyWindow> one{{Frame::FromZ(Normalize(sun + Vector3(0.1f, 0.2f, 0))), {-1, -1, 1}, {1, 1, 1}}};
-    const SkyWindows windows(*light, one);
+/// A sun as small as a pixel of the sky, and a window before it.
+class SmallSun : public testing::Test {
+  public:
+    static Vector3 Sun(const Light &light) { return light.DirectionAt(Point2(70.5f, 81.5f) / 128.f); }
+    static SkyWindows Before(const Light &light, const Vector3 &z) {
+        const std::vector<SkyWindow> one{{Frame::FromZ(Normalize(z)), {-1, -1, 1}, {1, 1, 1}}};
+        return {light, one};
+    }
+    const TemporaryImage file{
+        "sun.exr", RgbImage(Point2i(128), [](int x, int y) { return x == 70 && y == 81 ? Rgb(1e5f) : Rgb(0.1f); })};
+    const std::unique_ptr<Light> light =
+        Make("infinite", Params().String("filename", file.Path()), Transform::Rotate(40, {1, -2, 1}));
+};
+
+/// The sun has a rim in every pixel of the map: these are divided.
+TEST_F(SmallSun, TheRimMakesLittleNoise) {
+    const SkyWindows windows = Before(*light, Sun(*light) + Vector3(0.1f, 0.2f, 0));
     Rng rng(19);
     RunningStatistics value;
     for (int i = 0; i < 20000; ++i) {
@@ -188,6 +197,28 @@ TEST(SkyWindows, TheRimOfASmallSunMakesLittleNoise) {
     }
     // Divided pixels leave 0.17, undivided ones 2.1.
     EXPECT_LT(value.Variance(), 0.5 * value.mean * value.mean);
+}
+
+/// However the sun's corners reach into pixels of the map, no direction in it is drawn so rarely that it is a firefly.
+TEST_F(SmallSun, HasNoFireflies) {
+    const Vector3 sun = Sun(*light);
+    const Frame around = Frame::FromZ(sun);
+    Rng rng(23);
+    int inSun = 0;
+    for (int frame = 0; frame < 12; ++frame) {
+        const SkyWindows windows =
+            Before(*light, sun + Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform()) * Float(0.6));
+        const Float integral = windows.Integral(0, {0, 0, 0});
+        for (int i = 0; i < 20000; ++i) {
+            const Point2 at = (rng.Uniform2() - Point2(0.5f)) * Float(0.1);
+            const Vector3 d = around.FromLocal(Normalize(Vector3(at, 1)));
+            const Float radiance = light->MeanRadianceAt(light->SquareTowards(d));
+            if (radiance < 1000) continue;
+            ++inSun;
+            ASSERT_LT(radiance, 9 * integral * windows.Pdf(0, {0, 0, 0}, d)) << frame;
+        }
+    }
+    EXPECT_GT(inSun, 1000);
 }
 
 INSTANTIATE_TEST_SUITE_P(Lights, WindowsOfSkies, testing::ValuesIn(kSkies),

@@ -75,7 +75,8 @@ void Widen(std::span<SkyWindow> windows, std::span<const SkyLook> looks) {
 }
 
 /// Windows without those that next to no ray passes; none if too many rays leave past all of them: what is sampled with
-/// the rest of the sky, to which few samples go, makes fireflies.
+/// the rest of the sky, to which few samples go, makes fireflies. (Not where no window is before the point, as on an
+/// outer sill: there all samples go to the rest.)
 std::vector<SkyWindow> WorthKeeping(std::span<const SkyWindow> windows, std::span<const SkyLook> looks) {
     constexpr double kFewest = 0.01, kMostPast = 0.02;
     // A few rays past them may be chance.
@@ -86,6 +87,9 @@ std::vector<SkyWindow> WorthKeeping(std::span<const SkyWindow> windows, std::spa
         if (!look.left) continue;
         size_t k = 0;
         while (k < windows.size() && !windows[k].IsPassed(look.p, look.d)) ++k;
+        if (k == windows.size() &&
+            std::ranges::none_of(windows, [&](const SkyWindow &window) { return window.IsBefore(look.p); }))
+            continue;
         ++passed[k], ++left;
     }
     std::vector<SkyWindow> kept;
@@ -259,7 +263,9 @@ void WindowChoice::Report(nlohmann::ordered_json &report) const {
 }
 
 void WindowChoice::Inspect(const Point3 &p, std::vector<InspectedValue> &values) const {
-    const VisibilityTree::Row row = tree_.RowAt(p);
+    const uint32_t cell = tree_.Cells().CellAt(p).row;
+    const VisibilityTree::Row row = tree_.GetRow(cell);
+    values.push_back({"sky cell", static_cast<double>(cell), true});
     for (size_t i = 0; i < PartCount(); ++i)
         values.push_back({i < windows_.size() ? fmt::format("window {} seen", i) : std::string("rest of the sky seen"),
                           static_cast<double>(VisibilityTree::Decode(row.codes[i])), false});

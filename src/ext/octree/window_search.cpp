@@ -76,6 +76,14 @@ std::pair<Float, Float> Range(std::vector<Float> v) {
     return {low, v[v.size() - 1 - skipped]};
 }
 
+/// An interval around nearly all of some numbers; a little wider, as they rarely lie at its ends.
+std::pair<Float, Float> Around(std::vector<Float> v) {
+    const auto n = static_cast<Float>(v.size());
+    const auto [low, high] = Range(std::move(v));
+    const Float more = (high - low) * (1 / n + Float(0.01));
+    return {low - more, high + more};
+}
+
 /// The lines as a family of parallel planes sees them.
 class Planes {
   public:
@@ -202,19 +210,51 @@ class Planes {
         for (const Cell &cell : Count(height)) gain += std::max(cell.Gain(), 0.0);
         return gain;
     }
-    /// An interval around nearly all of some numbers; a little wider, as they rarely lie at its ends.
-    static std::pair<Float, Float> Around(std::vector<Float> v) {
-        const auto n = static_cast<Float>(v.size());
-        const auto [low, high] = Range(std::move(v));
-        const Float more = (high - low) * (1 / n + Float(0.01));
-        return {low - more, high + more};
-    }
-
     Frame frame_;
     int cells_ = 0;  ///< along a side of the grid
     std::vector<Crossing> crossing_;
     Vector3 low_{0}, high_{0};
 };
+
+/// A window moved to the height at which the rays that leave through it pass the smallest rectangle, as they do in the
+/// opening itself: from there on they part.
+SkyWindow AtNarrowest(const SkyWindow &window, std::span<const Line> lines) {
+    struct Ray {
+        Vector3 p;
+        Vector2 slope;
+    };
+    std::vector<Ray> rays;
+    for (const Line &line : lines)
+        if (line.left && window.IsPassed(line.p, line.d)) {
+            const Vector3 p = window.frame.ToLocal(line.p), d = window.frame.ToLocal(line.d);
+            if (d.z > kLeastCosine) rays.push_back({p, Vector2(d.x, d.y) / d.z});
+        }
+    if (rays.size() < kFewest) return window;
+    const auto at = [&](Float height) -> std::optional<SkyWindow> {
+        std::vector<Float> x, y;
+        for (const Ray &ray : rays) {
+            if (!(height > ray.p.z)) continue;
+            x.push_back(ray.p.x + ray.slope.x * (height - ray.p.z));
+            y.push_back(ray.p.y + ray.slope.y * (height - ray.p.z));
+        }
+        // Rays that start beyond it do not pass it: few may.
+        if (x.size() * 50 < rays.size() * 49) return {};
+        const auto [x0, x1] = Around(std::move(x));
+        const auto [y0, y1] = Around(std::move(y));
+        return SkyWindow{window.frame, {x0, y0, height}, {x1, y1, height}};
+    };
+    SkyWindow narrowest = window;
+    const auto area = [](const SkyWindow &w) { return (w.high.x - w.low.x) * (w.high.y - w.low.y); };
+    Float least = Infinity;
+    const Vector3 size = window.high - window.low;
+    const Float reach = std::max(size.x, size.y) / 2;
+    constexpr int kTried = 24;
+    for (int i = -kTried; i <= kTried; ++i) {
+        const std::optional<SkyWindow> there = at(window.low.z + reach * static_cast<Float>(i) / kTried);
+        if (there && area(*there) < least) least = area(*there), narrowest = *there;
+    }
+    return narrowest;
+}
 
 /// At most kMostRays of each kind.
 std::vector<Line> SomeOf(std::span<const SkyLook> looks) {
@@ -250,6 +290,7 @@ std::vector<SkyWindow> FindWindows(std::span<const SkyLook> looks, std::span<con
         std::vector<SkyWindow> found = planes.Windows(most->height, kSmallestShare * left);
         if (found.empty()) break;
         if (windows.size() + found.size() > kMostWindows) found.resize(kMostWindows - windows.size());
+        for (SkyWindow &window : found) window = AtNarrowest(window, lines);
         std::erase_if(lines, [&](const Line &line) {
             return std::any_of(found.begin(), found.end(),
                                [&](const SkyWindow &window) { return window.IsPassed(line.p, line.d); });

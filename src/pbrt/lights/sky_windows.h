@@ -15,6 +15,8 @@ struct SkyWindow {
 
     Point3 Middle() const { return frame.FromLocal((low + high) * Float(0.5)); }
 
+    /// Whether p is before its plane, inside.
+    bool IsBefore(const Point3 &p) const { return low.z > Dot(p, frame.z); }
     /// Whether a ray from p in direction d passes it outward.
     bool IsPassed(const Point3 &p, const Vector3 &d) const {
         const Float height = low.z - Dot(p, frame.z), rise = Dot(d, frame.z);

@@ -23,8 +23,8 @@ SlopeMap::SlopeMap(const Light &sky, const Frame &frame) : n_(std::clamp(sky.Sky
     struct Value {
         Float mean = 0, greatest = 0;
     };
-    // Over the square of this width at `low`, in units of the map; the greatest also `beside` steps past it. No pixel of
-    // the sky must be missed, as it may be a sun: so the borders are looked at, too.
+    // Over the square of this width at `low`, in units of the map; the greatest also `beside` steps past it. No pixel
+    // of the sky must be missed, as it may be a sun: so the borders are looked at, too.
     const auto look = [&](const Point2 &low, Float width, int across, int beside) {
         Value value;
         for (int y = -beside; y < across + beside; ++y)

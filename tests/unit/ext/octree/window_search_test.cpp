@@ -21,8 +21,9 @@ struct Room {
     std::vector<SkyLook> looks;
     std::vector<Normal3> normals;
 
-    Room(const Transform &place, int rays) {
-        Rng rng(5);
+    /// `thickness`: of the walls that the windows are in.
+    Room(const Transform &place, int rays, Float thickness = 0, uint64_t seed = 5) {
+        Rng rng(seed);
         for (int i = 0; i < rays; ++i) {
             Vector3 p(rng.Uniform() * size.x, rng.Uniform() * size.y, rng.Uniform() * size.z), n(0);
             const auto side = static_cast<int>(rng.Uniform() * 6);
@@ -31,14 +32,15 @@ struct Room {
             Vector3 d = SampleUniformSphere(rng.Uniform2());
             if (Dot(d, n) < 0) d = -d;
             if (d.z < 0) continue;
-            looks.push_back({place.Point(p), Normalize(place.Vector(d)), Leaves(p, d)});
+            looks.push_back({place.Point(p), Normalize(place.Vector(d)), Leaves(p, d, 0) && Leaves(p, d, thickness)});
             normals.push_back(Normalize(place.Vector(n)));
         }
     }
-    bool Leaves(const Vector3 &p, const Vector3 &d) const {
+    /// Whether the ray passes a window's rectangle, or what is `behind` it by so much.
+    bool Leaves(const Vector3 &p, const Vector3 &d, Float behind) const {
         for (const Opening &o : openings) {
             if (!(d[o.axis] > 0) || !(p[o.axis] < size[o.axis])) continue;
-            const Vector3 at = p + d * ((size[o.axis] - p[o.axis]) / d[o.axis]);
+            const Vector3 at = p + d * ((size[o.axis] + behind - p[o.axis]) / d[o.axis]);
             bool inside = true;
             for (int a = 0; a < 3; ++a) inside &= a == o.axis || (at[a] >= o.low[a] && at[a] <= o.high[a]);
             if (inside) return true;
@@ -64,14 +66,27 @@ TEST(FindWindows, FindsTheWindowsOfARoom) {
                                       [&](const SkyWindow &w) { return w.IsPassed(look.p, look.d); });
             }
             EXPECT_GT(passed, 0.85 * left) << rays;
-            EXPECT_LT(area, 2.9 * 1.6) << rays;  // 2.9 square metres
+            EXPECT_LT(area, 2.9 * 1.1) << rays;  // 2.9 square metres
             EXPECT_GE(windows.size(), 2u);
             EXPECT_LE(windows.size(), 5u);
             for (const SkyWindow &w : windows) {
                 const Vector3 outwards = place.InverseVector(w.frame.z);
                 EXPECT_GT(std::max(outwards.x, outwards.y), 0.99f * Length(outwards));
+                // How far it lies from its wall.
+                const Vector3 middle = place.InversePoint(w.Middle());
+                const Float from = outwards.x > outwards.y ? middle.x - 4 : middle.y - 3;
+                EXPECT_LT(std::abs(from), 0.04f);
             }
         }
+}
+
+/// In thick walls the plane that most rays pass without a wall in their way is not where they pass closest together.
+TEST(FindWindows, AreAsSmallAsTheyCanBe) {
+    double area = 0;
+    for (uint64_t seed = 1; seed <= 16; ++seed)
+        for (const SkyWindow &w : FindWindows(Room({}, 12000, 0.3f, seed).looks, {})) area += AreaOf(w) / 16;
+    // 2.41; at the planes of the first search 2.66.
+    EXPECT_LT(area, 2.5);
 }
 
 TEST(FindWindows, FindsNoneWhereNothingLeaves) {

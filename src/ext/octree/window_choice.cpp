@@ -75,8 +75,8 @@ void Widen(std::span<SkyWindow> windows, std::span<const SkyLook> looks) {
 }
 
 /// Windows without those that next to no ray passes; none if too many rays leave past all of them: what is sampled with
-/// the rest of the sky, to which few samples go, makes fireflies. (Not where no window is before the point, as on an
-/// outer sill: there all samples go to the rest.)
+/// the rest of the sky, to which few samples go, makes fireflies. Rays from beyond all windows, as from an outer sill,
+/// do not count: there all samples go to the rest.
 std::vector<SkyWindow> WorthKeeping(std::span<const SkyWindow> windows, std::span<const SkyLook> looks) {
     constexpr double kFewest = 0.01, kMostPast = 0.02;
     // A few rays past them may be chance.

@@ -84,6 +84,26 @@ std::pair<Float, Float> Around(std::vector<Float> v) {
     return {low - more, high + more};
 }
 
+/// A line as parallel planes see it.
+struct Crossing {
+    Vector3 p;  ///< in coordinates of the planes' frame
+    Vector2 slope;
+    bool left;
+    double count;
+    /// Where it crosses a plane; empty if it starts beyond it.
+    std::optional<Point2> At(Float height) const {
+        if (!(height > p.z)) return {};
+        return Point2(p.x + slope.x * (height - p.z), p.y + slope.y * (height - p.z));
+    }
+};
+
+/// Empty for lines that are nearly parallel to the planes.
+std::optional<Crossing> CrossingOf(const Frame &frame, const Line &line) {
+    const Vector3 d = frame.ToLocal(line.d);
+    if (!(d.z > kLeastCosine)) return {};
+    return Crossing{frame.ToLocal(line.p), Vector2(d.x, d.y) / d.z, line.left, line.count};
+}
+
 /// The lines as a family of parallel planes sees them.
 class Planes {
   public:
@@ -93,10 +113,9 @@ class Planes {
         cells_ = std::clamp(static_cast<int>(1.5 * std::sqrt(left)), kFewestCells, kMostCells);
         std::vector<Float> x, y, z;
         for (const Line &line : lines) {
-            const Vector3 p = frame.ToLocal(line.p), d = frame.ToLocal(line.d);
+            const Vector3 p = frame.ToLocal(line.p);
             x.push_back(p.x), y.push_back(p.y), z.push_back(p.z);
-            if (!(d.z > kLeastCosine)) continue;
-            crossing_.push_back({p, Vector2(d.x, d.y) / d.z, line.left, line.count});
+            if (const std::optional<Crossing> c = CrossingOf(frame, line)) crossing_.push_back(*c);
         }
         std::tie(low_.x, high_.x) = Range(std::move(x));
         std::tie(low_.y, high_.y) = Range(std::move(y));
@@ -181,16 +200,6 @@ class Planes {
     }
 
   private:
-    struct Crossing {
-        Vector3 p;
-        Vector2 slope;
-        bool left;
-        double count;
-        std::optional<Point2> At(Float height) const {
-            if (!(height > p.z)) return {};
-            return Point2(p.x + slope.x * (height - p.z), p.y + slope.y * (height - p.z));
-        }
-    };
     std::optional<size_t> CellAt(const Point2 &at) const {
         const auto n = static_cast<Float>(cells_);
         const Float x = (at.x - low_.x) / (high_.x - low_.x) * n, y = (at.y - low_.y) / (high_.y - low_.y) * n;
@@ -210,6 +219,7 @@ class Planes {
         for (const Cell &cell : Count(height)) gain += std::max(cell.Gain(), 0.0);
         return gain;
     }
+
     Frame frame_;
     int cells_ = 0;  ///< along a side of the grid
     std::vector<Crossing> crossing_;
@@ -219,24 +229,16 @@ class Planes {
 /// A window moved to the height at which the rays that leave through it pass the smallest rectangle, as they do in the
 /// opening itself: from there on they part.
 SkyWindow AtNarrowest(const SkyWindow &window, std::span<const Line> lines) {
-    struct Ray {
-        Vector3 p;
-        Vector2 slope;
-    };
-    std::vector<Ray> rays;
-    for (const Line &line : lines)
-        if (line.left && window.IsPassed(line.p, line.d)) {
-            const Vector3 p = window.frame.ToLocal(line.p), d = window.frame.ToLocal(line.d);
-            if (d.z > kLeastCosine) rays.push_back({p, Vector2(d.x, d.y) / d.z});
-        }
+    std::vector<Crossing> rays;
+    for (const Line &line : lines) {
+        if (!line.left || !window.IsPassed(line.p, line.d)) continue;
+        if (const std::optional<Crossing> c = CrossingOf(window.frame, line)) rays.push_back(*c);
+    }
     if (rays.size() < kFewest) return window;
     const auto at = [&](Float height) -> std::optional<SkyWindow> {
         std::vector<Float> x, y;
-        for (const Ray &ray : rays) {
-            if (!(height > ray.p.z)) continue;
-            x.push_back(ray.p.x + ray.slope.x * (height - ray.p.z));
-            y.push_back(ray.p.y + ray.slope.y * (height - ray.p.z));
-        }
+        for (const Crossing &ray : rays)
+            if (const std::optional<Point2> place = ray.At(height)) x.push_back(place->x), y.push_back(place->y);
         // Rays that start beyond it do not pass it: few may.
         if (x.size() * 50 < rays.size() * 49) return {};
         const auto [x0, x1] = Around(std::move(x));

@@ -15,7 +15,7 @@ struct SkyWindow {
 
     Point3 Middle() const { return frame.FromLocal((low + high) * Float(0.5)); }
 
-    /// Whether p is before its plane, inside.
+    /// Whether p is on the inner side of its plane.
     bool IsBefore(const Point3 &p) const { return low.z > Dot(p, frame.z); }
     /// Whether a ray from p in direction d passes it outward.
     bool IsPassed(const Point3 &p, const Vector3 &d) const {

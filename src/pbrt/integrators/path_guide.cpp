@@ -22,7 +22,7 @@ constexpr size_t kPathsPerRecorded = 32;
 constexpr size_t kEnoughPaths = 16384;
 /// PathGuide::PartSaved of the first directions has few records, and may be far too low as well: they are given up
 /// below this part of GuideParams::leastSaved, unless no learning follows.
-constexpr double kLeastSavedAtFirst = 0.4;
+constexpr double kLeastSavedAtFirst = 0.16;
 /// Where the records are of several times kEnoughPaths, one path in so many is asked first whether directions pay, as
 /// learning from all of them takes longer.
 constexpr size_t kAsked = 4;

@@ -18,8 +18,9 @@ struct GuideParams {
     bool roulette = true;
     bool directions = true;
     Float share = 0.7f;
-    /// Guiding the bounces costs about a tenth of the time, and the estimate knows little of outliers: it is too high.
-    Float leastSaved = 0.2f;
+    /// Guiding the bounces costs about a tenth of the time, and the estimate knows little of outliers: it is far too
+    /// high.
+    Float leastSaved = 0.5f;
     int records = 1 << 19;
     template <class V>
     void Describe(V &&v) {

@@ -1,0 +1,74 @@
+// One room at many scales and far from the origin: every integrator renders what it renders at scale 1, and all of them
+// render what path does.
+#include <gtest/gtest.h>
+
+#include "placed_scene.h"
+
+namespace pbrt::test {
+namespace {
+
+constexpr int kRuns = 6;
+
+/// A room that is open in front, a ball in it, and lights of one kind.
+std::string RoomText(const Placement &at, const ScaleIntegrator &integrator, const std::string &lights,
+                     const std::string &camera = "Camera \"perspective\" \"float fov\" 60") {
+    const auto wall = [&](std::initializer_list<double> corners) {
+        return "Shape \"bilinearmesh\" \"point3 P\" [" + at.Points(corners) + " ]\n";
+    };
+    return ViewText(at, integrator, {0, 1, 3.5, 0, .9, 0, 0, 1, 0}, camera, 3) + lights +
+           "Material \"diffuse\" \"rgb reflectance\" [ .7 .7 .7 ]\n" + wall({-1, 0, -1, 1, 0, -1, -1, 0, 1, 1, 0, 1}) +
+           wall({-1, 0, -1, 1, 0, -1, -1, 2, -1, 1, 2, -1}) + wall({-1, 0, -1, -1, 0, 1, -1, 2, -1, -1, 2, 1}) +
+           wall({1, 0, -1, 1, 0, 1, 1, 2, -1, 1, 2, 1}) +
+           fmt::format("AttributeBegin Translate {} Shape \"sphere\" \"float radius\" {} AttributeEnd\n",
+                       at.Points({-.3, .4, .2}), at.Length(.4));
+}
+
+std::string Bulb(const Placement &at) {
+    return "LightSource \"point\" \"point3 from\" [" + at.Points({.2, 1.5, .5}) + " ] \"rgb I\" [ " + at.Intensity(1) +
+           " ]\n";
+}
+/// A lamp under the ceiling, of a shape that is described by `shape`.
+std::string Lamp(const std::string &shape) {
+    return "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [ 4 4 4 ] " + shape + " AttributeEnd\n";
+}
+std::string TriangleLamp(const Placement &at) {
+    return Lamp("Shape \"trianglemesh\" \"point3 P\" [" +
+                at.Points({-.4, 1.9, -.4, .4, 1.9, -.4, .4, 1.9, .4, -.4, 1.9, .4}) +
+                " ] \"integer indices\" [ 0 1 2 0 2 3 ]");
+}
+std::string BallLamp(const Placement &at) {
+    return Lamp("Translate " + at.Points({.4, 1.5, .1}) + " Shape \"sphere\" \"float radius\" " + at.Length(.2));
+}
+std::string Sky(const Placement &) { return "LightSource \"infinite\" \"rgb L\" [ .5 .5 .5 ]\n"; }
+
+using Lights = std::string (*)(const Placement &);
+struct Kind {
+    const char *name;
+    Lights lights;
+};
+constexpr Kind kKinds[] = {{"bulb", Bulb}, {"triangles", TriangleLamp}, {"ball", BallLamp}, {"sky", Sky}};
+
+/// Every integrator at `at` against itself at scale 1, and there against path.
+void ExpectSameRooms(const Placement &at, double allowed) {
+    for (const Kind &kind : kKinds) {
+        const std::vector<ScaleIntegrator> here = AllIntegrators(at), there = AllIntegrators({});
+        for (size_t i = 0; i < here.size(); ++i) {
+            const std::vector<Image> one = RenderSeeds(RoomText({}, there[i], kind.lights({})), {}, kRuns);
+            const ScaleDifference d =
+                CompareRuns(RenderSeeds(RoomText(at, here[i], kind.lights(at)), at, kRuns), one, allowed);
+            std::printf("%s, %s, %s: %s\n", at.Name().c_str(), kind.name, here[i].name.c_str(), d.Text().c_str());
+            EXPECT_TRUE(d.Agrees()) << at.Name() << ", " << kind.name << ", " << here[i].name << ": " << d.Text();
+        }
+    }
+}
+
+class RoomsOfScale : public testing::TestWithParam<double> {};
+TEST_P(RoomsOfScale, AreAllAlike) { ExpectSameRooms({.scale = GetParam()}, 0.002); }
+std::string NameOfScale(const testing::TestParamInfo<double> &scale) {
+    const long power = std::lround(std::log10(scale.param));
+    return fmt::format("TenTo{}{}", power < 0 ? "Minus" : "", std::abs(power));
+}
+INSTANTIATE_TEST_SUITE_P(Scales, RoomsOfScale, testing::Values(1e-4, 1e4), NameOfScale);
+
+}  // namespace
+}  // namespace pbrt::test

@@ -70,5 +70,5 @@ echo
 echo "With a scene of yours:"
 echo "  $pbrt --lightsampler octree --outfile octree.exr scene.pbrt"
 echo "  $imgtool diff --metric relL2 --reference reference.exr octree.exr"
-echo "or let lightlab compare all light samplers on it (builds the rest first, some minutes):"
+echo "or let lightlab compare six light samplers on it (builds the rest first, some minutes):"
 echo "  bash .ci/build $top/build/release && build/release/src/pbrt/cmd/lightlab/lightlab scene.pbrt --time 20"

@@ -13,7 +13,7 @@
 #include "fuzz/report.h"
 #include "fuzz/shrink.h"
 #include "fuzz/workplace.h"
-#include "version.h"
+#include "pbrt/core/version.h"
 
 #ifdef __SANITIZE_ADDRESS__
 // A finding ends the case. The limit is on the memory used, because the address space cannot be limited.
@@ -87,7 +87,7 @@ Tally RunCases(const Settings &s, const CaseMaker &maker, const Scratch &scratch
     Tally tally;
     tally.seed = s.seed;
     tally.from = s.from;
-    tally.version = PBRT_VERSION_TEXT;
+    tally.version = pbrt::VersionText();
     const double start = Now();
     double shown = start;
     uint64_t next = s.seedsOnly ? 0 : s.from;

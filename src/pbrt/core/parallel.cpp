@@ -9,6 +9,9 @@
 
 #include <algorithm>
 #include <memory>
+#ifdef PBRT_THREAD_SANITIZER
+#include <sanitizer/tsan_interface.h>
+#endif
 
 namespace pbrt {
 
@@ -27,6 +30,32 @@ void InArena(F &&f) {
     else
         f();
 }
+
+#ifdef PBRT_THREAD_SANITIZER
+/// The order of a parallel region's tasks for ThreadSanitizer, which cannot see the synchronisation inside oneTBB: each
+/// task runs after the region begins and before it ends.
+class RegionOrder {
+  public:
+    RegionOrder() { __tsan_release(&begin_); }
+    ~RegionOrder() { __tsan_acquire(&end_); }
+    template <class F>
+    void Run(F &&task) {
+        __tsan_acquire(&begin_);
+        task();
+        __tsan_release(&end_);
+    }
+
+  private:
+    char begin_ = 0, end_ = 0;
+};
+#else
+struct RegionOrder {
+    template <class F>
+    void Run(F &&task) {
+        task();
+    }
+};
+#endif
 }  // namespace
 
 ThreadLimit::ThreadLimit(int n) {
@@ -46,25 +75,28 @@ int ThreadCount() { return currentArena ? currentArena->max_concurrency() : tbb:
 int ThreadIndex() { return std::max(0, tbb::this_task_arena::current_thread_index()); }
 
 void ParallelFor(int64_t count, int64_t grain, const std::function<void(int64_t, int64_t)> &body) {
+    RegionOrder order;
     InArena([&] {
         tbb::parallel_for(tbb::blocked_range<int64_t>(0, count, static_cast<size_t>(grain)),
-                          [&](const tbb::blocked_range<int64_t> &r) { body(r.begin(), r.end()); });
+                          [&](const tbb::blocked_range<int64_t> &r) { order.Run([&] { body(r.begin(), r.end()); }); });
     });
 }
 
 void ParallelForEach(int64_t count, const std::function<void(int64_t)> &body) {
+    RegionOrder order;
     InArena([&] {
         tbb::parallel_for(
             tbb::blocked_range<int64_t>(0, count, 1),
             [&](const tbb::blocked_range<int64_t> &r) {
-                for (int64_t i = r.begin(); i < r.end(); ++i) body(i);
+                for (int64_t i = r.begin(); i < r.end(); ++i) order.Run([&] { body(i); });
             },
             tbb::simple_partitioner());
     });
 }
 
 void ParallelInvoke(const std::function<void()> &a, const std::function<void()> &b) {
-    InArena([&] { tbb::parallel_invoke(a, b); });
+    RegionOrder order;
+    InArena([&] { tbb::parallel_invoke([&] { order.Run(a); }, [&] { order.Run(b); }); });
 }
 
 }  // namespace pbrt

@@ -8,6 +8,7 @@
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/version.h"
 #include "pbrt/lab/campaign_display.h"
 #include "pbrt/lab/campaign_views.h"
 #include "pbrt/lab/machine.h"
@@ -18,7 +19,6 @@
 #include "pbrt/lab/sampler_run.h"
 #include "pbrt/lab/take_up.h"
 #include "pbrt/math/statistics.h"
-#include "version.h"
 
 namespace pbrt::lab {
 
@@ -350,7 +350,7 @@ Json Header(const CampaignSettings &settings, const LabScene &scene, const Json 
     json["scene"] = settings.scene;
     json["sceneName"] = fs::path(settings.scene).stem().string();
     json["sceneHash"] = scene.hash;
-    const std::string version = PBRT_VERSION_TEXT;
+    const std::string version = VersionText();
     json["commit"] = version.substr(version.find(' ') + 1);
     json["commandLine"] = settings.commandLine;
     json["date"] = DateText();

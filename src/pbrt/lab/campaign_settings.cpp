@@ -1,8 +1,8 @@
 #include "pbrt/lab/campaign_settings.h"
 
 #include "pbrt/core/files.h"
+#include "pbrt/core/version.h"
 #include "pbrt/scenefile/content_hash.h"
-#include "version.h"
 
 namespace pbrt::lab {
 
@@ -11,7 +11,7 @@ using Json = nlohmann::ordered_json;
 Json IdentityOf(const CampaignSettings &settings, const std::string &sceneHash, int threads) {
     Json id;
     id["scene"] = sceneHash;
-    id["program"] = PBRT_VERSION_TEXT;
+    id["program"] = VersionText();
     id["samplers"] = Json::array();
     for (const SamplerChoice &s : settings.samplers) id["samplers"].push_back(s.label);
     if (settings.Timed())

@@ -4,6 +4,7 @@
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
+#include "pbrt/core/version.h"
 #include "pbrt/images/false_color.h"
 #include "pbrt/integrators/path_guide.h"
 #include "pbrt/lab/inspect.h"
@@ -11,7 +12,6 @@
 #include "pbrt/lab/results.h"
 #include "pbrt/lab/run_record.h"
 #include "pbrt/scenefile/parser.h"
-#include "version.h"
 
 namespace pbrt::lab {
 
@@ -132,7 +132,7 @@ int RunInspect(const InspectOptions &options, const LightSamplerRegistry &regist
         about["guideReport"] = report;
     }
     about["commandLine"] = options.commandLine;
-    about["version"] = PBRT_VERSION_TEXT;
+    about["version"] = VersionText();
     about["seed"] = built.seed;
     about["samplesPerLight"] = options.settings.samples;
     const std::string folder = options.outFolder.empty() ? "inspect-" + built.lightSamplerName : options.outFolder;

@@ -5,10 +5,10 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/log.h"
+#include "pbrt/core/version.h"
 #include "pbrt/lab/machine.h"
 #include "pbrt/lab/tile_statistics.h"
 #include "pbrt/scenefile/content_hash.h"
-#include "version.h"
 
 namespace pbrt::lab {
 
@@ -101,7 +101,7 @@ void ReferenceCache::Store(const LabScene &scene, const std::string &about, Refe
     m.attributes["lightlab.date"] = DateText();
     m.attributes["samplesPerPixel"] = reference->samples;
     m.attributes["renderTimeSeconds"] = static_cast<float>(reference->seconds);
-    m.attributes["pbrt.version"] = std::string(PBRT_VERSION_TEXT);
+    m.attributes["pbrt.version"] = std::string(VersionText());
     m.attributes["pbrt.integrator"] = scene.built.integratorName;
     m.attributes["pbrt.maxDepth"] = scene.built.maxDepth;
     for (const std::string &path : files_) {

@@ -7,7 +7,7 @@
 
 #include "pbrt/core/counters.h"
 #include "pbrt/core/files.h"
-#include "version.h"
+#include "pbrt/core/version.h"
 
 namespace pbrt::lab {
 
@@ -104,7 +104,7 @@ ImageMetadata SamplerRun::Metadata() const {
     m.attributes["lightlab.prepareSeconds"] = static_cast<float>(record_.prepare.wall);
     m.attributes["lightlab.seed"] = record_.seed;
     m.attributes["lightlab.sceneHash"] = scene_.hash;
-    m.attributes["pbrt.version"] = std::string(PBRT_VERSION_TEXT);
+    m.attributes["pbrt.version"] = std::string(VersionText());
     m.attributes["pbrt.integrator"] = scene_.built.integratorName;
     m.attributes["pbrt.maxDepth"] = scene_.built.maxDepth;
     return m;

@@ -5,7 +5,7 @@
 
 #include "pbrt/cmd/imgtool/commands.h"
 #include "pbrt/core/error.h"
-#include "version.h"
+#include "pbrt/core/version.h"
 
 namespace {
 
@@ -86,7 +86,7 @@ int Run(int argc, char **argv) {
         "imgtool");
     app.require_subcommand(1);
     app.footer("Example: imgtool info render.exr");
-    app.set_version_flag("--version", PBRT_VERSION_TEXT, "print the version, and stop");
+    app.set_version_flag("--version", VersionText(), "print the version, and stop");
     Action action;
     AddInfo(app, action);
     AddConvert(app, action);
@@ -118,7 +118,7 @@ int Run(int argc, char **argv) {
         fmt::print("{}", chosen.empty() ? app.help() : chosen[0]->help());
         return 0;
     } catch (const CLI::CallForVersion &) {
-        fmt::print("{}\n", PBRT_VERSION_TEXT);
+        fmt::print("{}\n", VersionText());
         return 0;
     } catch (const CLI::ParseError &e) {
         return ReportUsage(app, e);

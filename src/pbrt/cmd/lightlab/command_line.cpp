@@ -9,8 +9,8 @@
 
 #include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/cmd/number_checks.h"
+#include "pbrt/core/version.h"
 #include "pbrt/lab/reference_cache.h"
-#include "version.h"
 
 namespace pbrt {
 
@@ -58,7 +58,7 @@ struct Parser {
         } catch (const CLI::CallForHelp &) {
             std::cout << app.help();
         } catch (const CLI::CallForVersion &) {
-            std::cout << PBRT_VERSION_TEXT << "\n";
+            std::cout << VersionText() << "\n";
         } catch (const CLI::ParseError &e) {
             std::cerr << "Error: " << e.what() << "\nRun with --help for all options.\n";
             result.status = 1;
@@ -207,7 +207,7 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
     bool direct = false, noReport = false;
     CLI::App &app = parser.app;
     app.footer(std::string("A sampler is written ") + kLightChoiceSyntax + kFooter);
-    app.set_version_flag("--version", PBRT_VERSION_TEXT, "print the version, and stop");
+    app.set_version_flag("--version", VersionText(), "print the version, and stop");
     app.add_option("scenes", o.scenes, "scene file; of several, each is compared by itself, and index.html shows all")
         ->required();
 

@@ -9,8 +9,8 @@
 
 #include "pbrt/cmd/number_checks.h"
 #include "pbrt/cmd/pbrt/tev_display.h"
+#include "pbrt/core/version.h"
 #include "pbrt/films/aov_film.h"
-#include "version.h"
 
 namespace pbrt {
 
@@ -133,7 +133,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
         "here, in lightlab and in lightlab inspect: +mesh takes every emissive mesh as one light, +gate skips some\n"
         "shadow rays at random, without bias, +guide is --guide with parameters, guide.key in a scene.\n"
         "--list-lightsamplers names all samplers and gates with their parameters.");
-    app.set_version_flag("--version", PBRT_VERSION_TEXT, "print the version, and stop");
+    app.set_version_flag("--version", VersionText(), "print the version, and stop");
     std::vector<Float> crop;
     std::vector<int> bounds, pixel;
     int spp = 0, seed = 0, maxDepth = 0;
@@ -303,7 +303,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
         result.done = true;
         return result;
     } catch (const CLI::CallForVersion &) {
-        std::cout << PBRT_VERSION_TEXT << "\n";
+        std::cout << VersionText() << "\n";
         result.done = true;
         return result;
     } catch (const CLI::ParseError &e) {

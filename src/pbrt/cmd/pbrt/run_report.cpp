@@ -12,8 +12,8 @@
 
 #include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/version.h"
 #include "pbrt/integrators/path_guide.h"
-#include "version.h"
 
 namespace pbrt {
 
@@ -63,7 +63,7 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
     if (result.mse) m.attributes["MSE"] = static_cast<float>(*result.mse);
     m.attributes["pbrt.commandLine"] = options.text;
     m.attributes["pbrt.scene"] = fmt::format("{}", fmt::join(SceneFilesOf(options), " "));
-    m.attributes["pbrt.version"] = std::string(PBRT_VERSION_TEXT);
+    m.attributes["pbrt.version"] = std::string(VersionText());
     m.attributes["pbrt.seed"] = built.seed;
     m.attributes["pbrt.integrator"] = built.integratorName;
     m.attributes["pbrt.maxDepth"] = built.maxDepth;
@@ -148,7 +148,7 @@ void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, co
     const Bounds2i &window = built.film->PixelBounds();
     const Json json = {
         {"schema", 1},
-        {"program", PBRT_VERSION_TEXT},
+        {"program", VersionText()},
         {"commandLine", options.text},
         {"scene", SceneFilesOf(options)},
         {"picture", picture.empty() ? Json() : Json(picture)},

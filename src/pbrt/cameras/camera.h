@@ -32,8 +32,8 @@ struct CameraConnection {
     Point2 pFilm{};  ///< raster position, also outside of the film
     /// Radiance L that leaves an area dA towards wi at an angle theta from its normal adds L cos(theta) dA * weight to
     /// what a pixel at pFilm measures, if it measures the mean over its own area.
+    /// The same at every distance if the camera IsParallel.
     Float weight = 0;
-    bool isParallel = false;  ///< the view is, so that the weight is the same at every distance
 };
 
 class Camera {
@@ -49,6 +49,16 @@ class Camera {
         (void)time;
         return {};
     }
+    /// The weight that Connect gives to a point at the distance 1 in direction `d` (unit, rendering space), if some ray
+    /// of the camera has that direction; else 0. It is the density of the rays of a pixel, by solid angle, or by area
+    /// across them if the view is parallel.
+    virtual Float RayWeight(const Vector3 &d, Float time) const {
+        (void)d;
+        (void)time;
+        return 0;
+    }
+    /// True if all rays of the camera have one direction.
+    virtual bool IsParallel() const { return false; }
     /// Cameras that see in all directions have a picture that goes on beyond its edges: other places around the film
     /// whose rays are those of a place on the film, so that what is seen there reaches pixels at the opposite edges
     /// through their filter. At most the first repetition in every direction. Returns how many there are.

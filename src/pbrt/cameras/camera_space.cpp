@@ -38,15 +38,26 @@ std::optional<CameraRay> CameraSpaceCamera::GenerateRay(const CameraSample &samp
 
 std::optional<CameraConnection> CameraSpaceCamera::Connect(const Point3 &p, const Point2 &uLens, Float time) const {
     const Transform t = renderFromCamera_.At(time);
-    const Point3 inCamera = t.InversePoint(p);
+    // The difference first: far from the origin of rendering space the inverse of a point loses its digits.
+    const Point3 inCamera = t.InverseVector(p - t.Point(Point3(0)));
     CameraConnection c;
-    if (!ConnectInCameraSpace(inCamera, uLens, &c) || !(c.weight > 0)) return {};
-    // The weight is an importance by area across the ray: of a lens at a distance, or of a parallel view.
-    const Vector3 along = t.Vector(Normalize(inCamera - c.p));
-    c.weight *= Length(along) / VolumeScale(t);
+    if (!ConnectInCameraSpace(inCamera, uLens, &c)) return {};
+    const Vector3 d = inCamera - c.p;
+    c.weight = WeightAlong(t, d);
+    if (!(c.weight > 0)) return {};
     c.p = t.Point(c.p);
-    c.wi = -Normalize(along);
+    c.wi = -Normalize(t.Vector(d));
     return c;
+}
+
+Float CameraSpaceCamera::RayWeight(const Vector3 &d, Float time) const {
+    const Transform t = renderFromCamera_.At(time);
+    return WeightAlong(t, t.InverseVector(d));
+}
+
+/// The weight is an importance by area across the ray: of a lens at a distance, or of a parallel view.
+Float CameraSpaceCamera::WeightAlong(const Transform &renderFromCamera, const Vector3 &d) const {
+    return WeightInCameraSpace(d) * (Length(renderFromCamera.Vector(Normalize(d))) / VolumeScale(renderFromCamera));
 }
 
 void CameraSpaceCamera::ApproximateFootprint(const Point3 &p, const Normal3 &n, Float time, int samplesPerPixel,

@@ -20,23 +20,30 @@ class CameraSpaceCamera : public Camera {
     void ApproximateFootprint(const Point3 &p, const Normal3 &n, Float time, int samplesPerPixel, Vector3 *dpdx,
                               Vector3 *dpdy) const final;
     std::optional<CameraConnection> Connect(const Point3 &p, const Point2 &uLens, Float time) const final;
+    Float RayWeight(const Vector3 &d, Float time) const final;
     Transform CameraFromRender(Float time) const final { return renderFromCamera_.At(time).Inverse(); }
 
   protected:
     /// Fills origin, unit direction, differentials (valid unless said otherwise) and, if it is not 1, the weight, in
     /// camera space. False: no light comes to this place on the film.
     virtual bool GenerateInCameraSpace(const CameraSample &sample, CameraRay *ray) const = 0;
-    /// Fills p, pFilm and weight in camera space. False: the camera does not see the point.
+    /// Fills p and pFilm in camera space. False: the camera does not see the point.
     virtual bool ConnectInCameraSpace(const Point3 &p, const Point2 &uLens, CameraConnection *c) const {
         (void)p;
         (void)uLens;
         (void)c;
         return false;
     }
+    /// The weight of a connection (camera space) to a point that lies by `d`, not zero, from the place on the lens.
+    virtual Float WeightInCameraSpace(const Vector3 &d) const {
+        (void)d;
+        return 0;
+    }
     void FindFootprint();
     Point2i Resolution() const { return resolution_; }
 
   private:
+    Float WeightAlong(const Transform &renderFromCamera, const Vector3 &d) const;
     AnimatedTransform renderFromCamera_;
     Point2i resolution_;
     SmallestDifferentials smallest_;

@@ -62,11 +62,15 @@ bool PerspectiveCamera::ConnectInCameraSpace(const Point3 &p, const Point2 &uLen
     const Point2 at = lens_.radius > 0 ? (Point2(c->p) + Point2(d) * (lens_.focalDistance / d.z)) / lens_.focalDistance
                                        : Point2(d) / d.z;
     c->pFilm = screen_.Inverse(at / tanHalfFov_);
-    // A pixel is an area of that plane (of the plane of focus: larger by the square of its distance), which subtends
-    // cos^3 of it (divided by the same square).
-    const Float l2 = LengthSquared(d), cosine = d.z / std::sqrt(l2);
-    c->weight = 1 / (screen_.PixelArea() * Sqr(tanHalfFov_) * cosine * cosine * cosine * l2);
     return true;
+}
+
+Float PerspectiveCamera::WeightInCameraSpace(const Vector3 &d) const {
+    if (!(d.z > 0)) return 0;
+    // A pixel is an area of the plane z = 1 (of the plane of focus: larger by the square of its distance), which
+    // subtends cos^3 of it (divided by the same square).
+    const Float l2 = LengthSquared(d), cosine = d.z / std::sqrt(l2);
+    return 1 / (screen_.PixelArea() * Sqr(tanHalfFov_) * cosine * cosine * cosine * l2);
 }
 
 OrthographicCamera::OrthographicCamera(const CameraFrame &frame, const ScreenWindow &window, const Lens &lens)
@@ -104,17 +108,20 @@ bool OrthographicCamera::ConnectInCameraSpace(const Point3 &p, const Point2 &uLe
         if (!(p.z > 0)) return false;
         c->p = {p.x, p.y, 0};
         c->pFilm = screen_.Inverse(Point2(p));
-        c->weight = 1 / screen_.PixelArea();
-        c->isParallel = true;
         return true;
     }
     c->p = PointOnLens(lens_, uLens);
     const Vector3 d = p - c->p;
     if (!(d.z > 0)) return false;
     c->pFilm = screen_.Inverse(Point2(c->p) + Point2(d) * (lens_.focalDistance / d.z));
-    const Float l2 = LengthSquared(d), cosine = d.z / std::sqrt(l2);
-    c->weight = Sqr(lens_.focalDistance) / (screen_.PixelArea() * cosine * cosine * cosine * l2);
     return true;
+}
+
+Float OrthographicCamera::WeightInCameraSpace(const Vector3 &d) const {
+    if (IsParallel()) return 1 / screen_.PixelArea();
+    if (!(d.z > 0)) return 0;
+    const Float l2 = LengthSquared(d), cosine = d.z / std::sqrt(l2);
+    return Sqr(lens_.focalDistance) / (screen_.PixelArea() * cosine * cosine * cosine * l2);
 }
 
 }  // namespace pbrt

@@ -40,6 +40,7 @@ class PerspectiveCamera final : public CameraSpaceCamera {
   protected:
     bool GenerateInCameraSpace(const CameraSample &sample, CameraRay *ray) const override;
     bool ConnectInCameraSpace(const Point3 &p, const Point2 &uLens, CameraConnection *c) const override;
+    Float WeightInCameraSpace(const Vector3 &d) const override;
 
   private:
     RasterToScreen screen_;
@@ -54,10 +55,12 @@ class OrthographicCamera final : public CameraSpaceCamera {
     OrthographicCamera(const CameraFrame &frame, const ScreenWindow &window, const Lens &lens);
     std::optional<Transform> NdcFromCamera() const override;
     bool CanConnect() const override { return true; }
+    bool IsParallel() const override { return !(lens_.radius > 0); }
 
   protected:
     bool GenerateInCameraSpace(const CameraSample &sample, CameraRay *ray) const override;
     bool ConnectInCameraSpace(const Point3 &p, const Point2 &uLens, CameraConnection *c) const override;
+    Float WeightInCameraSpace(const Vector3 &d) const override;
 
   private:
     RasterToScreen screen_;

@@ -42,18 +42,22 @@ bool SphericalCamera::ConnectInCameraSpace(const Point3 &p, const Point2 &, Came
     c->p = Point3(0);
     const Vector3 d = p / std::sqrt(l2), zUp(d.x, d.z, d.y);
     const Point2 size(Resolution());
-    const Float pixels = size.x * size.y;
     if (mapping_ == SphericalCameraMapping::EqualArea) {
         c->pFilm = EqualAreaSphereToSquare(zUp) * size;
-        c->weight = pixels / (4 * Pi * l2);
         return true;
     }
     const Float sinTheta = std::sqrt(zUp.x * zUp.x + zUp.y * zUp.y), phi = std::atan2(zUp.y, zUp.x);
     if (!(sinTheta > 0)) return false;
     c->pFilm = Point2((phi < 0 ? phi + 2 * Pi : phi) / (2 * Pi), std::atan2(sinTheta, zUp.z) / Pi) * size;
-    // A pixel is Pi / height high, and 2 Pi / width wide on the equator.
-    c->weight = pixels / (2 * Pi * Pi * sinTheta * l2);
     return true;
+}
+
+Float SphericalCamera::WeightInCameraSpace(const Vector3 &d) const {
+    const Float l2 = LengthSquared(d), pixels = Point2(Resolution()).x * Point2(Resolution()).y;
+    if (mapping_ == SphericalCameraMapping::EqualArea) return pixels / (4 * Pi * l2);
+    // A pixel is Pi / height high, and 2 Pi / width wide on the equator.
+    const Float sinTheta = std::sqrt((d.x * d.x + d.z * d.z) / l2);
+    return sinTheta > 0 ? pixels / (2 * Pi * Pi * sinTheta * l2) : 0;
 }
 
 int SphericalCamera::SeenAlsoAt(const Point2 &pFilm, OtherPlaces &places) const {

@@ -15,6 +15,7 @@ class SphericalCamera final : public CameraSpaceCamera {
   protected:
     bool GenerateInCameraSpace(const CameraSample &sample, CameraRay *ray) const override;
     bool ConnectInCameraSpace(const Point3 &p, const Point2 &uLens, CameraConnection *c) const override;
+    Float WeightInCameraSpace(const Vector3 &d) const override;
 
   private:
     Vector3 Direction(const Point2 &film) const;

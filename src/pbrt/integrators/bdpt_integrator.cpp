@@ -207,11 +207,8 @@ SampledSpectrum BdptIntegrator::TraceCamera(Sample &sample) const {
     first.p = ray.o;
     first.n = Normal3(0);
     first.direction = ray.d;
-    // The density of camera rays, by solid angle or, of a parallel view, by area across them, is the importance that a
-    // place at the distance 1 has for the pixels, divided by their number.
-    const std::optional<CameraConnection> seen = context_.camera.Connect(ray(1), sample.start.pLens, sample.time);
-    first.isBeyondScene = seen && seen->isParallel;
-    const Float pdf = seen ? seen->weight / sample.pixels : 0;
+    first.isBeyondScene = context_.camera.IsParallel();
+    const Float pdf = context_.camera.RayWeight(ray.d, sample.time) / sample.pixels;
     first.beta = SampledSpectrum(1);
     paths.cameraCount = 1;
     PathWalk walk(context_, sample.start.ray, sample.start.visible);
@@ -374,7 +371,6 @@ void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vec
     BdptVertex &camera = sample.paths.camera[0];
     camera.p = seen->p;
     camera.direction = -seen->wi;
-    camera.isBeyondScene = seen->isParallel;
     const Float cameraPdf = last.AreaPdfOfParallel(seen->weight, seen->wi) / sample.pixels;
     const Float weight = WeightOf(sample, lightVertices, 1, nullptr, cameraPdf);
     const SampledSpectrum weighted = Passed(sample, L * weight, through, last.ru);

@@ -66,8 +66,8 @@ class PassRenderer {
             const SampledSpectrum weight = ray->weight;
             ray->differential.Scale(ray->ray, differentialScale_);
             const PathStart start{
-                *ray,     pixel,        pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr, &pass_,
-                cs.pLens, sample.weight};
+                *ray,   pixel,        pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr,
+                &pass_, sample.weight};
             sample.L = weight * integrator_.Li(start, sample.lambda, sampler);
         }
         if (pass_.keepsSamples) pass_.film.AddSample(sample);

@@ -11,7 +11,6 @@ struct PathStart {
     int sampleIndex = 0;                               ///< of the pixel
     std::optional<VisibleSurface> *visible = nullptr;  ///< null, or where PathWalk writes what the camera sees
     const RenderPass *pass = nullptr;                  ///< for integrators that splat
-    Point2 pLens{};                                    ///< CameraSample::pLens of the ray
     Float filterWeight = 1;                            ///< FilmSample::weight of the sample
 };
 

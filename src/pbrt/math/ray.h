@@ -41,8 +41,4 @@ inline Point3 OffsetRayOrigin(const Point3 &p, const Vector3 &pError, const Norm
     return {roundedAway(p.x, step.x), roundedAway(p.y, step.y), roundedAway(p.z, step.z)};
 }
 
-/// A segment to a target ends this fraction of its length before the target, so that the target itself does not block
-/// it.
-inline constexpr Float ShadowEpsilon = 0.0001f;
-
 }  // namespace pbrt

@@ -98,13 +98,20 @@ SurfacePoint Scene::SurfaceOnRay(const Shape &shape, const AccelHit &hit, const 
 }
 
 Ray Scene::ShadowRay(const LightSampleContext &from, const LightLiSample &to) {
+    // Rounding of the direction and of the intersection moves the light's own surface by a few units in the last place
+    // of the segment's longest side, beside the error of the sample's position.
+    constexpr Float kRounding = Gamma(8);
     Ray ray;
     ray.o = from.OffsetOrigin(to.wi);
-    Point3 end = to.pLight;
-    if (to.nLight != Normal3(0)) end = OffsetRayOrigin(to.pLight, to.pLightError, to.nLight, ray.o - to.pLight);
-    ray.d = end - ray.o;
-    ray.tMax = 1 - ShadowEpsilon;
+    ray.d = to.pLight - ray.o;
     ray.time = from.time;
+    ray.tMax = 1;
+    if (to.nLight == Normal3(0)) {
+        ray.tMax -= kRounding;  // point lights and cameras may lie in the plane of a surface
+        return ray;
+    }
+    const Vector3 error = to.pLightError + Vector3(kRounding * MaxComponent(Abs(ray.d)));
+    ray.d = OffsetRayOrigin(to.pLight, error, to.nLight, -ray.d) - ray.o;
     return ray;
 }
 

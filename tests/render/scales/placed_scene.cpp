@@ -12,6 +12,7 @@ std::string Placement::Name() const {
     std::string name = fmt::format("scale {:g}", scale);
     if (offset != std::array<double, 3>{0, 0, 0})
         name += fmt::format(" at {:g} {:g} {:g}", offset[0], offset[1], offset[2]);
+    if (instanced) name += ", instanced";
     return renderCoordSys.empty() ? name : name + " in " + renderCoordSys;
 }
 

@@ -15,6 +15,7 @@ struct Placement {
     double scale = 1;
     std::array<double, 3> offset{0, 0, 0};
     std::string renderCoordSys{};  ///< BuildOptions::renderCoordSys
+    bool instanced = false;        ///< for tests that place shapes by an instance
 
     std::string Name() const;
     /// A length as scene files write it.

@@ -1,5 +1,4 @@
-// One room at many scales and far from the origin: every integrator renders what it renders at scale 1, and all of them
-// render what path does.
+// One room at many scales and far from the origin: every integrator renders what it renders at scale 1.
 #include <gtest/gtest.h>
 
 #include "placed_scene.h"
@@ -48,7 +47,7 @@ struct Kind {
 };
 constexpr Kind kKinds[] = {{"bulb", Bulb}, {"triangles", TriangleLamp}, {"ball", BallLamp}, {"sky", Sky}};
 
-/// Every integrator at `at` against itself at scale 1, and there against path.
+/// Every integrator at `at` against itself at scale 1.
 void ExpectSameRooms(const Placement &at, double allowed) {
     for (const Kind &kind : kKinds) {
         const std::vector<ScaleIntegrator> here = AllIntegrators(at), there = AllIntegrators({});
@@ -68,7 +67,18 @@ std::string NameOfScale(const testing::TestParamInfo<double> &scale) {
     const long power = std::lround(std::log10(scale.param));
     return fmt::format("TenTo{}{}", power < 0 ? "Minus" : "", std::abs(power));
 }
-INSTANTIATE_TEST_SUITE_P(Scales, RoomsOfScale, testing::Values(1e-4, 1e4), NameOfScale);
+INSTANTIATE_TEST_SUITE_P(Scales, RoomsOfScale, testing::Values(1e-8, 1e-4, 1e4, 1e7, 1e8), NameOfScale);
+
+/// In world coordinates the rooms are 3200 and 32 000 of their steps wide there.
+TEST(RoomsFarAway, AreAlike) {
+    const auto expectAlike = [](double scale, const char *system) {
+        ExpectSameRooms({.scale = scale, .offset = {1e6, -1e6, 1e6}, .renderCoordSys = system}, 0.01);
+    };
+    expectAlike(100, "cameraworld");
+    expectAlike(1000, "camera");
+    expectAlike(100, "world");
+    expectAlike(1000, "world");
+}
 
 }  // namespace
 }  // namespace pbrt::test

@@ -70,6 +70,26 @@ TEST(CameraConnection, IsTheRayOfItsPlaceAndThePixelsAreaThere) {
     }
 }
 
+/// The density of rays depends on their direction alone: it is the weight of every point of the ray, however far.
+TEST(CameraConnection, HasTheWeightOfTheRaysDirection) {
+    for (const auto &[name, camera] : ConnectingCameras()) {
+        Rng rng(5);
+        for (int i = 0; i < 200; ++i) {
+            const Point2 lens = rng.Uniform2();
+            const Ray ray = RayAt(*camera, rng.Uniform2() * Point2(40, 20), lens).ray;
+            const Float distance = std::pow(Float(10), 12 * rng.Uniform());
+            const std::optional<CameraConnection> seen = camera->Connect(ray(distance), lens, 0);
+            ASSERT_TRUE(seen) << name;
+            const Float weight = camera->RayWeight(ray.d, 0);
+            const Float atPoint = camera->IsParallel() ? weight : weight / (distance * distance);
+            EXPECT_NEAR(seen->weight / atPoint, 1, 1e-3) << name << " at " << distance;
+        }
+        if (camera->IsParallel()) continue;
+        const bool seesAll = name.starts_with("equ");
+        EXPECT_EQ(camera->RayWeight(-RayAt(*camera, {20, 10}, {0.5f, 0.5f}).ray.d, 0) > 0, seesAll) << name;
+    }
+}
+
 /// The importance of all directions together is that of all pixels.
 TEST(CameraConnection, ASphericalCameraSeesAllDirections) {
     for (const char *mapping : {"equalarea", "equirectangular"}) {

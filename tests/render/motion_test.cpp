@@ -91,9 +91,15 @@ TEST(Motion, EveryMomentIsAStillPicture) {
                         EXPECT_FLOAT_EQ(ray->ray.time, 1.5f + u);
                         // In camera space: so this sees the camera's place at that time, too.
                         SampledWavelengths used = lambda;
+                        Progress progress;
+                        const RenderPass pass{.camera = *built.camera,
+                                              .filter = *built.filter,
+                                              .film = *built.film,
+                                              .samplers = {},
+                                              .progress = progress};
                         const Transform cameraFromRender = built.camera->CameraFromRender(ray->ray.time);
                         dynamic_cast<const PixelIntegrator &>(*built.integrator)
-                            .Li({*ray, {x, y}, 0, &seen[k]}, used, *built.sampler->Clone());
+                            .Li({pass, *ray, {x, y}, 0, &seen[k]}, used, *built.sampler->Clone());
                         if (seen[k]) {
                             seen[k]->p = cameraFromRender.Point(seen[k]->p);
                             seen[k]->n = Normalize(cameraFromRender.Normal(seen[k]->n));

@@ -22,8 +22,9 @@ LogLevel CurrentLogLevel() { return currentLevel; }
 void LogError(const std::string &message) { Print(LogLevel::Error, "Error: ", message); }
 
 void LogWarning(const std::string &message) {
-    static std::mutex mutex;
-    static std::set<std::string> seen;
+    // Never destroyed: detached threads (LiveViewer) may warn while the process ends.
+    static std::mutex &mutex = *new std::mutex;
+    static std::set<std::string> &seen = *new std::set<std::string>;
     {
         std::lock_guard lock(mutex);
         if (!seen.insert(message).second) return;

@@ -403,7 +403,7 @@ SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelen
 }
 
 SampledSpectrum BdptIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
-    const RenderPass &pass = *start.pass;
+    const RenderPass &pass = start.pass;
     Subpaths &paths = subpaths_[static_cast<size_t>(ThreadIndex())];
     std::vector<SeenLight> &seen = paths.seen;
     seen.clear();

@@ -51,8 +51,6 @@ class BdptIntegrator final : public PixelIntegrator {
     /// the second for each light path of the whole film.
     SampledSpectrum TracePair(const PathStart &start, SampledWavelengths &lambda, const Samplers &samplers,
                               Float pixels, std::vector<SeenLight> &seen) const;
-
-  protected:
     bool Splats() const override { return true; }
 
   private:

@@ -13,7 +13,7 @@ LightPathIntegrator::LightPathIntegrator(const PathContext &context, int maxDept
 
 SampledSpectrum LightPathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     const Scene &scene = context_.scene;
-    const RenderPass &pass = *start.pass;
+    const RenderPass &pass = start.pass;
     const Float time = start.ray.ray.time;
     ++ThreadCounters().cameraPaths;
     const SampledSpectrum none(0);

@@ -16,8 +16,6 @@ class LightPathIntegrator final : public PixelIntegrator {
     const LightSampler *ShootingLights() const override { return lights_.get(); }
     /// Splats; the radiance it returns is 0.
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
-
-  protected:
     bool Splats() const override { return true; }
 
   private:

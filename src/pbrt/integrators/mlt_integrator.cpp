@@ -152,7 +152,7 @@ class MltIntegrator::Renderer {
         sample.pLens = camera.Get2D();
         if (std::optional<CameraRay> ray = pass_.camera.GenerateRay(sample, pair.lambda)) {
             ray->differential.Scale(ray->ray, differentialScale_);
-            const PathStart start{*ray};
+            const PathStart start{pass_, *ray};
             // Camera rays are spread over the area, so each of them stands for all its pixels.
             const SampledSpectrum L =
                 integrator_.pairs_.TracePair(start, pair.lambda, {light, camera, connections}, area_, pair.seen);

@@ -66,8 +66,7 @@ class PassRenderer {
             const SampledSpectrum weight = ray->weight;
             ray->differential.Scale(ray->ray, differentialScale_);
             const PathStart start{
-                *ray,   pixel,        pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr,
-                &pass_, sample.weight};
+                pass_, *ray, pixel, pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr, sample.weight};
             sample.L = weight * integrator_.Li(start, sample.lambda, sampler);
         }
         if (pass_.keepsSamples) pass_.film.AddSample(sample);

@@ -6,11 +6,11 @@ namespace pbrt {
 
 /// What a camera path starts with.
 struct PathStart {
+    const RenderPass &pass;  ///< which the path belongs to; integrators that splat add to its film
     CameraRay ray;
     Point2i pixel{};
     int sampleIndex = 0;                               ///< of the pixel
     std::optional<VisibleSurface> *visible = nullptr;  ///< null, or where PathWalk writes what the camera sees
-    const RenderPass *pass = nullptr;                  ///< for integrators that splat
     Float filterWeight = 1;                            ///< FilmSample::weight of the sample
 };
 
@@ -20,10 +20,10 @@ class PixelIntegrator : public Integrator {
     bool Render(const RenderPass &pass) override;
     /// Radiance along a camera ray. Const while rendering.
     virtual SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const = 0;
-
-  protected:
     /// True if Li adds splats to the film of the pass (where RenderPass::keepsSamples), for one light path a call.
     virtual bool Splats() const { return false; }
+
+  protected:
     /// The number that chooses the wavelengths of all samples of the pass; nothing: every sample has its own.
     virtual std::optional<Float> CommonWavelengths() const { return std::nullopt; }
 };

@@ -78,16 +78,26 @@ class Inspector {
   public:
     /// `integrator`: null for a look at the light sampler alone.
     Inspector(const BuiltScene &built, const LightSampler &sampler, const Integrator *integrator,
-              const InspectSettings &settings)
+              const InspectSettings &settings, Progress &progress)
         : built_(built),
           sampler_(sampler),
+          pass_{.camera = *built.camera,
+                .filter = *built.filter,
+                .film = *built.film,
+                .samplers = {},
+                .samplesPerPixel = built.samplesPerPixel,
+                .keepsSamples = false,
+                .progress = progress},
           paths_(dynamic_cast<const PixelIntegrator *>(integrator)),
           guide_(integrator ? integrator->Guide() : nullptr),
           settings_(settings),
           groups_(built.scene->Lights().Wholes()),
-          lights_(NamedGroups(groups_, built.lightNames)) {}
+          lights_(NamedGroups(groups_, built.lightNames)) {
+        // A sample of theirs is paths from the lights as well.
+        if (paths_ && paths_->Splats()) paths_ = nullptr;
+    }
 
-    Inspection Run(Progress &progress);
+    Inspection Run();
 
   private:
     void MakeLayers(Inspection &out);
@@ -99,7 +109,8 @@ class Inspector {
 
     const BuiltScene &built_;
     const LightSampler &sampler_;
-    const PixelIntegrator *paths_;  ///< or null
+    const RenderPass pass_;         ///< of the paths that are followed
+    const PixelIntegrator *paths_;  ///< null: path lengths are not shown
     const PathGuide *guide_;        ///< or null
     const InspectSettings &settings_;
     const LightGroups &groups_;
@@ -189,7 +200,7 @@ double Inspector::PathLength(Point2i pixel, Sampler &sampler) const {
         cs.pLens = sampler.Get2D();
         if (const std::optional<CameraRay> ray = built_.camera->GenerateRay(cs, lambda)) {
             // Beyond all samples that are learned from.
-            const PathStart start{*ray, pixel, std::numeric_limits<int>::max() - kPaths + i};
+            const PathStart start{pass_, *ray, pixel, std::numeric_limits<int>::max() - kPaths + i};
             paths_->Li(start, lambda, sampler);
         }
     }
@@ -279,7 +290,7 @@ void Inspector::LookAt(const FirstHit &hit, Point2i pixel, Sampler &sampler, std
     for (const InspectedValue &v : own) values.push_back(v.value);
 }
 
-Inspection Inspector::Run(Progress &progress) {
+Inspection Inspector::Run() {
     Inspection out;
     for (size_t g = 0; g < groups_.Size(); ++g) shown_.push_back(g);
     std::stable_sort(shown_.begin(), shown_.end(),
@@ -300,6 +311,7 @@ Inspection Inspector::Run(Progress &progress) {
     for (const InspectedLayer &layer : out.layers) names.push_back(layer.name);
     out.image = Image(PixelFormat::Float, resolution, names);
     const int rows = (resolution.y + out.stride - 1) / out.stride;
+    Progress &progress = pass_.progress;
     progress.BeginPhase("inspecting", rows);
     ParallelForEach(rows, [&](int64_t row) {
         std::vector<double> values;
@@ -353,12 +365,12 @@ Inspection Inspector::Run(Progress &progress) {
 
 Inspection InspectLights(const BuiltScene &built, const LightSampler &sampler, const InspectSettings &settings,
                          Progress &progress) {
-    return Inspector(built, sampler, nullptr, settings).Run(progress);
+    return Inspector(built, sampler, nullptr, settings, progress).Run();
 }
 
 Inspection InspectLights(const BuiltScene &built, const Integrator &integrator, const InspectSettings &settings,
                          Progress &progress) {
-    return Inspector(built, *integrator.Lights(), &integrator, settings).Run(progress);
+    return Inspector(built, *integrator.Lights(), &integrator, settings, progress).Run();
 }
 
 }  // namespace pbrt::lab

@@ -9,6 +9,7 @@
 #include "pbrt/integrators/path_guide.h"
 #include "pbrt/lab/inspect.h"
 #include "pbrt/lab/inspect_page.h"
+#include "pbrt/lab/lab_scene.h"
 #include "pbrt/lab/results.h"
 #include "pbrt/lab/run_record.h"
 #include "pbrt/scenefile/parser.h"
@@ -102,12 +103,9 @@ int RunInspect(const InspectOptions &options, const LightSamplerRegistry &regist
     progress.BeginPhase("building", 0);
     BuiltScene built = BuildScene(description, options.build, registry, sink, progress);
     progress.EndPhase();
+    CheckSamplesLights(built, options.sceneFiles.front());
     for (const Diagnostic &d : sink.All())
         if (d.severity == Severity::Warning) LogInfo(Format(d, false));
-    const LightSampler *sampler = built.integrator->Lights();
-    if (!sampler)
-        throw UserError(fmt::format("Integrator \"{}\" has no light sampler to look into.", built.integratorName));
-    if (built.scene->Lights().Size() == 0) throw UserError("The scene has no lights.");
 
     built.Prepare(progress);
     if (progress.Cancelled()) return 130;
@@ -124,7 +122,7 @@ int RunInspect(const InspectOptions &options, const LightSamplerRegistry &regist
     about["scene"] = options.sceneFiles;
     about["sampler"] = built.lightSamplerName;
     nlohmann::ordered_json report = nlohmann::ordered_json::object();
-    sampler->Report(report);
+    built.integrator->Lights()->Report(report);
     about["samplerReport"] = report;
     if (const PathGuide *guide = built.integrator->Guide()) {
         report = nlohmann::ordered_json::object();

@@ -15,6 +15,15 @@ std::unique_ptr<Integrator> LabScene::MakeIntegrator(const SamplerChoice &choice
     return pbrt::MakeIntegrator(built, light).integrator;
 }
 
+void CheckSamplesLights(const BuiltScene &built, const std::string &scene) {
+    if (built.lightSamplerName.empty())
+        throw UserError(
+            fmt::format("{}: the integrator \"{}\" uses no light sampler; \"path\", \"volpath\", \"bdpt\", "
+                        "\"mlt\" and \"sppm\" do.",
+                        scene, built.integratorName));
+    if (built.scene->Lights().Size() == 0) throw UserError(fmt::format("{}: has no lights.", scene));
+}
+
 LabScene LoadLabScene(const CampaignSettings &settings, const LightSamplerRegistry &registry, Progress &progress) {
     LabScene scene;
     DiagnosticSink sink;
@@ -36,11 +45,8 @@ LabScene LoadLabScene(const CampaignSettings &settings, const LightSamplerRegist
     progress.BeginPhase("building", 0);
     scene.built = BuildScene(description, options, registry, sink, progress);
     progress.EndPhase();
+    CheckSamplesLights(scene.built, settings.scene);
     printWarnings();
-    if (scene.built.lightSamplerName.empty())
-        throw UserError(fmt::format("{}: the integrator \"{}\" uses no light sampler; there is nothing to compare.",
-                                    settings.scene, scene.built.integratorName));
-    if (scene.built.scene->Lights().Size() == 0) throw UserError(fmt::format("{}: has no lights.", settings.scene));
     scene.hash = SceneHash(settings.scene);
     return scene;
 }

@@ -17,7 +17,10 @@ struct LabScene {
     std::unique_ptr<Integrator> MakeIntegrator(const SamplerChoice &choice, std::optional<int> maxDepth = {}) const;
 };
 
-/// Throws UserError; also if the scene's integrator uses no light sampler, or the scene has no lights.
+/// Throws UserError if the scene's integrator uses no light sampler, or the scene has no lights.
+void CheckSamplesLights(const BuiltScene &built, const std::string &scene);
+
+/// Throws UserError; also by CheckSamplesLights.
 LabScene LoadLabScene(const CampaignSettings &settings, const LightSamplerRegistry &registry, Progress &progress);
 
 }  // namespace pbrt::lab

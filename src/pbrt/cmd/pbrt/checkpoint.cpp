@@ -6,6 +6,7 @@
 #include "pbrt/build/view.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
+#include "pbrt/lightsamplers/light_learner.h"
 
 namespace pbrt {
 

@@ -65,6 +65,47 @@ TEST_F(Lightlab, ComparesAndPrintsATable) {
         EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ','));
 }
 
+TEST_F(Lightlab, WorksWithEveryIntegratorThatSamplesLights) {
+    const std::string campaign =
+        "--samplers uniform,power --spp 2 --seeds 2 --reference-spp 4 --selection-work 100000 --divisor 4 --no-report --out "
+        "lab-";
+    for (const std::string integrator : {"path", "volpath", "bdpt", "mlt", "sppm"}) {
+        std::string scene = SmallScene();
+        scene.replace(scene.find("\"path\""), 6, '"' + integrator + '"');
+        Write("other.pbrt", scene);
+        RunWell("other.pbrt " + campaign + integrator);
+        const nlohmann::json results = Results("lab-" + integrator);
+        for (const nlohmann::json &s : results.at("samplers"))
+            EXPECT_GT(s.at("summary").at("metrics").at("relL2").at("mean").get<double>(), 0) << integrator;
+        RunWell("noise other.pbrt --samplers uniform --spp 2 --seeds 2 --divisor 4 --out noise-" + integrator);
+        RunWell("inspect other.pbrt --sampler power --samples 2 --out inspect-" + integrator);
+        bool hasVertices = false;
+        const nlohmann::json inspection = nlohmann::json::parse(Read("inspect-" + integrator + "/inspect.json"));
+        for (const nlohmann::json &layer : inspection.at("layers")) hasVertices |= layer.at("name") == "path.vertices";
+        EXPECT_EQ(hasVertices, integrator != "bdpt" && integrator != "mlt") << integrator;
+    }
+}
+
+TEST_F(Lightlab, RefusesIntegratorsWithoutLightSampler) {
+    for (const std::string integrator :
+         {"lightpath", "simplepath", "simplevolpath", "randomwalk", "ambientocclusion"}) {
+        std::string scene = SmallScene();
+        const std::string from = "\"path\" \"integer maxdepth\" 3";
+        scene.replace(scene.find(from), from.size(), '"' + integrator + '"');
+        Write(integrator + ".pbrt", scene);
+        const std::string message =
+            integrator + ".pbrt: the integrator \"" + integrator + "\" uses no light sampler; \"path\"";
+        for (const std::string &arguments :
+             {integrator + ".pbrt " + kSmall, "noise " + integrator + ".pbrt --samplers uniform --spp 2 --seeds 2",
+              "inspect " + integrator + ".pbrt --sampler power"}) {
+            const Outcome o = Run(arguments);
+            EXPECT_EQ(o.status, 1) << arguments;
+            EXPECT_TRUE(Has(o.err, message)) << arguments << "\n" << o.err;
+            EXPECT_FALSE(Has(o.err, "Warning")) << o.err;
+        }
+    }
+}
+
 TEST_F(Lightlab, QuietPrintsTheTableOnly) {
     const Outcome o = Run("scene.pbrt --quiet " + kSmall);
     EXPECT_EQ(o.status, 0);

@@ -22,7 +22,8 @@ bool CountMemory(void *counter, ssize_t bytes, bool) {
     return true;
 }
 
-RTCRay ToEmbree(const Ray &ray, Float time) {
+/// `tMin`: hits are behind it.
+RTCRay ToEmbree(const Ray &ray, Float time, Float tMin = 0) {
     RTCRay r{};
     r.org_x = ray.o.x;
     r.org_y = ray.o.y;
@@ -30,7 +31,9 @@ RTCRay ToEmbree(const Ray &ray, Float time) {
     r.dir_x = ray.d.x;
     r.dir_y = ray.d.y;
     r.dir_z = ray.d.z;
-    r.tnear = 0;
+    // Embree takes hits at tnear. Denormal numbers may count as zero.
+    constexpr Float kSmallest = std::numeric_limits<Float>::min();
+    r.tnear = tMin < kSmallest ? kSmallest : std::nextafter(tMin, Infinity);
     r.tfar = ray.tMax;
     r.time = time;
     r.mask = 0xffffffffu;
@@ -69,6 +72,14 @@ RTCQuaternionDecomposition Decompose(const glm::dmat4 &m) {
     return d;
 }
 
+/// True if the axes of the coordinate systems are parallel.
+bool IsDiagonal(const Transform &t) {
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r)
+            if (r != c && t.Matrix()[c][r] != 0) return false;
+    return true;
+}
+
 /// True if every patch can be an Embree quad: flat, and with the same (u, v).
 bool AllParallelograms(const BilinearMesh &mesh) {
     for (uint32_t i = 0; i < mesh.PrimitiveCount(); ++i)
@@ -88,10 +99,10 @@ struct Accel::Impl {
     /// The transform of a moving instance: the product of both.
     struct Motion {
         AnimatedTransform outer, inner;
-        Transform At(Float time) const { return outer.At(time) * inner.At(time); }
+        Transform At(Float time) const { return Product({outer.At(time), inner.At(time)}); }
         int StepCount() const {
             if (inner.IsAnimated()) return kTwofoldSteps;
-            return outer.KeepsAxes() ? 2 : kTurningSteps;
+            return outer.KeepsAxes() && IsDiagonal(inner.Start()) ? 2 : kTurningSteps;
         }
     };
     struct Instance {
@@ -174,11 +185,13 @@ struct Accel::Impl {
                                    data.p.size());
     }
 
-    void Add(Group &group, ShapeId id, const Shape &shape, const FloatTexture *alpha) {
+    void Add(Group &group, ShapeId id, const Shape &shape, const FloatTexture *alpha,
+             const Transform &renderFromShape = {}) {
         PBRT_CHECK(!committed);
         auto geometry = std::make_unique<Geometry>();
         geometry->shape = &shape;
         geometry->id = id;
+        geometry->renderFromShape = renderFromShape;
         if (alpha) geometry->constantAlpha = alpha->Constant();
         if (geometry->constantAlpha && *geometry->constantAlpha <= 0) return;  // no ray ever hits it
         if (!(geometry->constantAlpha && *geometry->constantAlpha >= 1)) geometry->alpha = alpha;
@@ -296,11 +309,11 @@ void Accel::AddShape(ShapeId id, const Shape &shape, const FloatTexture *alpha) 
 }
 
 int Accel::AddObject(const std::vector<ShapeId> &ids, const std::vector<const Shape *> &shapes,
-                     const std::vector<const FloatTexture *> &alphas) {
+                     const std::vector<const FloatTexture *> &alphas, const Transform &renderFromObject) {
     PBRT_CHECK(ids.size() == shapes.size() && ids.size() == alphas.size());
     Impl::Group group;
     group.scene = impl_->NewScene();
-    for (size_t i = 0; i < ids.size(); ++i) impl_->Add(group, ids[i], *shapes[i], alphas[i]);
+    for (size_t i = 0; i < ids.size(); ++i) impl_->Add(group, ids[i], *shapes[i], alphas[i], renderFromObject);
     impl_->objects.push_back(std::move(group));
     return static_cast<int>(impl_->objects.size()) - 1;
 }
@@ -367,8 +380,7 @@ std::optional<AccelHit> Accel::Intersect(const Ray &ray, Float tMin) const {
         return {};
     QueryContext context(ray);
     RTCRayHit query{};
-    query.ray = ToEmbree(ray, impl_->EmbreeTime(ray.time));
-    query.ray.tnear = tMin;
+    query.ray = ToEmbree(ray, impl_->EmbreeTime(ray.time), tMin);
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(impl_->top.scene, &context.base, &query);

@@ -31,9 +31,10 @@ class Accel {
     void LetShadowRaysThrough(ShapeId id, bool tell = false);
     /// To be called before Commit. `alpha` may be null. Shapes and textures must outlive the Accel.
     void AddShape(ShapeId id, const Shape &shape, const FloatTexture *alpha);
-    /// Shapes of an object definition; returns its index.
+    /// Shapes of an object definition; returns its index. `renderFromObject` places the definition itself, where its
+    /// alpha textures are evaluated for all instances.
     int AddObject(const std::vector<ShapeId> &ids, const std::vector<const Shape *> &shapes,
-                  const std::vector<const FloatTexture *> &alphas);
+                  const std::vector<const FloatTexture *> &alphas, const Transform &renderFromObject = {});
     /// Returns the instance index reported in AccelHit.
     int AddInstance(int object, const Transform &renderFromObject);
     /// An instance that moves, placed by the product of both transforms. All moving instances have the same start and

@@ -19,8 +19,8 @@ bool StopsRay(const Geometry &g, const RTCIntersectContext *context, const RTCRa
         alpha = *g.constantAlpha;
     } else {
         TextureContext at;
-        at.p = Point3(localRay.org_x, localRay.org_y, localRay.org_z) +
-               Vector3(localRay.dir_x, localRay.dir_y, localRay.dir_z) * hit.t;
+        at.p = g.renderFromShape.Point(Point3(localRay.org_x, localRay.org_y, localRay.org_z) +
+                                       Vector3(localRay.dir_x, localRay.dir_y, localRay.dir_z) * hit.t);
         at.uv = g.shape->Uv(primitive, hit);
         alpha = g.alpha->Evaluate(at);
     }

@@ -20,6 +20,7 @@ struct Geometry {
     const Shape *shape = nullptr;
     ShapeId id{};
     const FloatTexture *alpha = nullptr;  ///< null: opaque
+    Transform renderFromShape{};          ///< for the positions at which alpha is evaluated
     std::optional<Float> constantAlpha;
     bool hitsOnce = false;  ///< a straight line meets each primitive at most once
 };

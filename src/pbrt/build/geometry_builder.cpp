@@ -85,6 +85,9 @@ GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform 
     for (ShapeEntity &s : description_.shapes) add(s, -1);
     for (size_t o = 0; o < description_.objects.size(); ++o)
         for (ShapeEntity &s : description_.objects[o].shapes) add(s, static_cast<int>(o));
+    for (const ObjectEntity &o : description_.objects)
+        spaces_.push_back(o.shapes.empty() ? Transform()
+                                           : Transform::Translate(Vector3(o.shapes.front().ctm.start.Matrix()[3])));
     makerOf_.assign(description_.areaLights.size(), -1);
     makers_.reserve(description_.areaLights.size());
 }
@@ -144,35 +147,11 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
     }
     ParallelForEach(static_cast<int64_t>(work_.size()), [&](int64_t i) {
         Work &w = work_[static_cast<size_t>(i)];
-        const ShapeEntity &e = *w.entity;
-        try {
-            Transform place = renderFromWorld_ * e.ctm.start;
-            if (e.ctm.IsAnimated()) {
-                w.motion = std::make_unique<const AnimatedTransform>(
-                    MotionOf("the shape", e, place, renderFromWorld_ * e.ctm.end));
-                place = Transform();
-            }
-            // A constant alpha of 0 makes a light that shines as if it were opaque.
-            const bool opaque = !w.alpha || w.alpha->Constant() == Float(0);
-            ShapeTextureParams made{e.type == "plymesh"};  // were read above
-            ParamReader before(e.params);
-            made.Describe(before);
-            const ShapeContext context{place,
-                                       e.reverseOrientation,
-                                       description_.files,
-                                       w.sink,
-                                       before,
-                                       w.displacement ? &*w.displacement : nullptr,
-                                       opaque};
-            w.shapes = Shapes().Make(e.type, e.params, context);
-            if (w.motion)
-                for (const auto &shape : w.shapes) RequireReach(e.params.What(), *w.motion, BoundsOf(*shape), e.loc);
-            w.entity->params = {};  // so that big meshes given as text are not kept twice
-        } catch (const UserError &error) {
-            w.sink.Add(error);
-        }
+        MakeShapes(w);
+        if (w.object < 0) w.entity->params = {};  // so that big meshes given as text are not kept twice
         progress.Advance();
     });
+    CenterDefinitions();
     MergeCurves();
     std::vector<Definition> definitions(description_.objects.size());
     for (Work &w : work_) {
@@ -181,6 +160,65 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
     }
     BuildInstances(definitions);
     work_.clear();
+}
+
+void GeometryBuilder::MakeShapes(Work &w) {
+    const ShapeEntity &e = *w.entity;
+    try {
+        Transform place = Product({renderFromWorld_, e.ctm.start}), renderFromPlaced;
+        if (e.ctm.IsAnimated()) {
+            w.motion = std::make_unique<const AnimatedTransform>(
+                MotionOf("the shape", e, place, Product({renderFromWorld_, e.ctm.end})));
+            place = Transform();
+        } else if (w.object >= 0) {
+            const Transform &space = spaces_[static_cast<size_t>(w.object)];
+            place = Product({space.Inverse(), e.ctm.start});
+            renderFromPlaced = Product({renderFromWorld_, space});
+        }
+        // A constant alpha of 0 makes a light that shines as if it were opaque.
+        const bool opaque = !w.alpha || w.alpha->Constant() == Float(0);
+        ShapeTextureParams made{e.type == "plymesh"};  // were read before
+        ParamReader before(e.params);
+        made.Describe(before);
+        const ShapeContext context{place,
+                                   e.reverseOrientation,
+                                   description_.files,
+                                   w.sink,
+                                   before,
+                                   w.displacement ? &*w.displacement : nullptr,
+                                   opaque,
+                                   renderFromPlaced};
+        w.shapes = Shapes().Make(e.type, e.params, context);
+        if (w.motion)
+            for (const auto &shape : w.shapes) RequireReach(e.params.What(), *w.motion, BoundsOf(*shape), e.loc);
+    } catch (const UserError &error) {
+        w.sink.Add(error);
+    }
+}
+
+void GeometryBuilder::CenterDefinitions() {
+    constexpr Float kFar = 64;  ///< sizes from the origin
+    std::vector<Bounds3> bounds(spaces_.size());
+    for (const Work &w : work_)
+        if (w.object >= 0 && !w.motion)
+            for (const auto &shape : w.shapes)
+                bounds[static_cast<size_t>(w.object)] = Union(bounds[static_cast<size_t>(w.object)], BoundsOf(*shape));
+    auto isFar = [](const Bounds3 &b) {
+        return !b.IsEmpty() && MaxComponent(Abs(b.low + b.high) / Float(2)) > kFar * MaxComponent(b.high - b.low);
+    };
+    for (size_t o = 0; o < spaces_.size(); ++o)
+        if (isFar(bounds[o]))
+            spaces_[o] = Product({spaces_[o], Transform::Translate((bounds[o].low + bounds[o].high) / Float(2))});
+    ParallelForEach(static_cast<int64_t>(work_.size()), [&](int64_t i) {
+        Work &w = work_[static_cast<size_t>(i)];
+        if (w.object < 0) return;
+        if (isFar(bounds[static_cast<size_t>(w.object)]) && !w.motion && !w.shapes.empty()) {
+            DiagnosticSink said = std::move(w.sink);
+            MakeShapes(w);
+            w.sink = std::move(said);
+        }
+        w.entity->params = {};
+    });
 }
 
 void GeometryBuilder::MergeCurves() {
@@ -288,31 +326,35 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
     }
 }
 
-int GeometryBuilder::AddAccelObject(const std::vector<ShapeId> &ids) {
+int GeometryBuilder::AddAccelObject(const std::vector<ShapeId> &ids, const Transform &renderFromObject) {
     std::vector<const Shape *> shapes;
     std::vector<const FloatTexture *> alphas;
     for (ShapeId id : ids) {
         shapes.push_back(parts_.shapes[id.value].shape.get());
         alphas.push_back(parts_.shapes[id.value].alpha.get());
     }
-    return parts_.accel->AddObject(ids, shapes, alphas);
+    return parts_.accel->AddObject(ids, shapes, alphas, renderFromObject);
 }
 
 void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions) {
     struct Placeable {
         const Definition *definition;
         int still;       ///< accel object, -1: none
-        Bounds3 bounds;  ///< of all its shapes
+        Bounds3 bounds;  ///< of all its shapes, where the definition itself lies
+        const Transform *space;
     };
     std::map<std::string, Placeable> byName;
     for (size_t o = 0; o < definitions.size(); ++o) {
         const Definition &d = definitions[o];
         Bounds3 bounds;
-        for (ShapeId id : d.still) bounds = Union(bounds, BoundsOf(*parts_.shapes[id.value].shape));
+        const Transform place = Product({renderFromWorld_, spaces_[o]});
+        for (ShapeId id : d.still)
+            bounds = Union(bounds, TransformBounds(place, BoundsOf(*parts_.shapes[id.value].shape)));
         for (const Definition::Moving &m : d.moving) bounds = Union(bounds, m.bounds);
-        byName[description_.objects[o].name] = {&d, d.still.empty() ? -1 : AddAccelObject(d.still), bounds};
+        byName[description_.objects[o].name] = {&d, d.still.empty() ? -1 : AddAccelObject(d.still, place), bounds,
+                                                &spaces_[o]};
     }
-    // Shapes of a definition were placed in rendering space by the definition's CTM.
+    // Motions are interpolated in rendering space, as in stock.
     const Transform worldFromRender = renderFromWorld_.Inverse();
     for (const InstanceEntity &i : description_.instances) {
         auto it = byName.find(i.name);
@@ -322,8 +364,8 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
         }
         try {
             const AnimatedTransform motion =
-                MotionOf("the instance", i, renderFromWorld_ * i.ctm.start * worldFromRender,
-                         renderFromWorld_ * i.ctm.end * worldFromRender);
+                MotionOf("the instance", i, Product({renderFromWorld_, i.ctm.start, worldFromRender}),
+                         Product({renderFromWorld_, i.ctm.end, worldFromRender}));
             RequireReach(fmt::format("the instance of \"{}\"", Abbreviate(i.name)), motion, it->second.bounds, i.loc);
             if (motion.Start().IsSingular()) {  // scenes hide objects so; as in stock
                 sink_.Warning(i.loc, fmt::format("the instance of \"{}\" cannot be seen: the current transformation "
@@ -332,10 +374,11 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
                 continue;
             }
             if (it->second.still >= 0) {
+                const Transform &space = *it->second.space;
                 if (motion.IsAnimated())
-                    parts_.accel->AddMovingInstance(it->second.still, motion);
+                    parts_.accel->AddMovingInstance(it->second.still, motion, Product({renderFromWorld_, space}));
                 else
-                    parts_.accel->AddInstance(it->second.still, motion.Start());
+                    parts_.accel->AddInstance(it->second.still, Product({renderFromWorld_, i.ctm.start, space}));
             }
             for (const Definition::Moving &m : it->second.definition->moving)
                 parts_.accel->AddMovingInstance(m.object, motion, m.renderFromObject);

@@ -39,14 +39,15 @@ class GeometryBuilder {
         int object = -1;  ///< index into description.objects, -1: the scene itself
         FloatTexturePtr alpha;
         std::optional<Displacement> displacement;
-        std::vector<std::unique_ptr<Shape>> shapes;       ///< in rendering space, or in object space if they move
+        /// In rendering space, in the space of their object definition, or in their own if they move.
+        std::vector<std::unique_ptr<Shape>> shapes;
         std::unique_ptr<const AnimatedTransform> motion;  ///< null: they do not move
         DiagnosticSink sink;
     };
 
-    /// An object definition in terms of Accel's objects, placed in rendering space by the definition's CTM.
+    /// An object definition in terms of Accel's objects.
     struct Definition {
-        std::vector<ShapeId> still;
+        std::vector<ShapeId> still;  ///< in spaces_
         struct Moving {
             int object;
             AnimatedTransform renderFromObject;
@@ -55,13 +56,17 @@ class GeometryBuilder {
         std::vector<Moving> moving;
     };
 
+    void MakeShapes(Work &work);
+    /// Makes shapes of object definitions again whose vertices lie far from the origin of their space: there, rays have
+    /// few digits.
+    void CenterDefinitions();
     MaterialId ResolveMaterial(const ShapeEntity &entity);
     /// Scenes have one Shape directive per hair: consecutive curves that differ only in their geometry become one
     /// shape.
     void MergeCurves();
     /// `definition`: null outside object definitions.
     void Register(Work &work, Definition *definition);
-    int AddAccelObject(const std::vector<ShapeId> &shapes);
+    int AddAccelObject(const std::vector<ShapeId> &shapes, const Transform &renderFromObject = {});
     void BuildInstances(const std::vector<Definition> &definitions);
 
     SceneDescription &description_;
@@ -73,6 +78,8 @@ class GeometryBuilder {
     SceneParts parts_;
     LightNames lightNames_;
     std::vector<Work> work_;
+    /// By object definition: world from the space of its still shapes, a translation that brings them to the origin.
+    std::vector<Transform> spaces_;
     std::map<std::string, MaterialId> named_;
     std::vector<MaterialId> byIndex_;
     MaterialId defaultMaterial_{};

@@ -27,6 +27,12 @@ glm::dmat3 OrthogonalFactor(glm::dmat3 m) {
 
 }  // namespace
 
+Transform Product(std::initializer_list<Transform> factors) {
+    glm::dmat4 product(1);
+    for (const Transform &t : factors) product *= glm::dmat4(t.Matrix());
+    return Transform(glm::mat4(product));
+}
+
 AnimatedTransform::AnimatedTransform(const Transform &start, Float startTime, const Transform &end, Float endTime)
     : start_(start), end_(end), startTime_(startTime), endTime_(endTime), isAnimated_(!(start == end)) {
     if (!isAnimated_) return;

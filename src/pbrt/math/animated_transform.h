@@ -1,9 +1,13 @@
 #pragma once
 #include <glm/gtc/quaternion.hpp>
+#include <initializer_list>
 
 #include "pbrt/math/transform.h"
 
 namespace pbrt {
+
+/// The product in double precision, rounded once.
+Transform Product(std::initializer_list<Transform> factors);
 
 /// A transform that moves from one matrix to another. Both are decomposed into translation, rotation and scale (a
 /// symmetric matrix); translation and scale are interpolated linearly, the rotation along the shortest great arc.

@@ -54,7 +54,7 @@ std::optional<Scene::Crossing> Scene::SampleCrossing(const Point3 &from, const P
         ++ThreadCounters().closestHitRays;
         std::optional<AccelHit> hit = parts_.accel->Intersect(segment, tMin);
         if (!hit) break;
-        tMin = std::nextafter(hit->hit.t, Infinity);
+        tMin = hit->hit.t;
         if (parts_.shapes[hit->shape.value].material != material) continue;
         // The n-th crossing replaces the one kept so far with probability 1/n; u is rescaled to be uniform again.
         const Float keep = 1 - 1 / static_cast<Float>(++count);
@@ -71,12 +71,7 @@ std::optional<Scene::Crossing> Scene::SampleCrossing(const Point3 &from, const P
 
 SurfacePoint Scene::SurfaceAt(const AccelHit &hit, const Ray &ray) const {
     const ShapeRecord &record = parts_.shapes[hit.shape.value];
-    SurfacePoint point = record.shape->FacesRay() ? SurfaceOnRay(*record.shape, hit, ray)
-                                                  : record.shape->Surface(hit.primitive, hit.hit);
-    if (hit.instance >= 0) point = TransformSurface(parts_.accel->InstanceTransform(hit.instance, ray.time), point);
-    // Embree's triangle test mixes the axes: a plane through the origin has no error along its own axis, yet rays that
-    // leave it without an offset hit it again.
-    point.pError = Vector3(MaxComponent(point.pError));
+    SurfacePoint point = PlacedSurface(*record.shape, hit, ray);
     point.wo = -Normalize(ray.d);
     point.time = ray.time;
     point.t = hit.hit.t;
@@ -91,10 +86,11 @@ SurfacePoint Scene::SurfaceAt(const AccelHit &hit, const Ray &ray) const {
     return point;
 }
 
-SurfacePoint Scene::SurfaceOnRay(const Shape &shape, const AccelHit &hit, const Ray &ray) const {
+SurfacePoint Scene::PlacedSurface(const Shape &shape, const AccelHit &hit, const Ray &ray) const {
     if (hit.instance < 0) return shape.SurfaceOnRay(hit.primitive, hit.hit, ray.o, ray.d);
     const Transform t = parts_.accel->InstanceTransform(hit.instance, ray.time);
-    return shape.SurfaceOnRay(hit.primitive, hit.hit, t.InversePoint(ray.o), t.InverseVector(ray.d));
+    return TransformSurface(t,
+                            shape.SurfaceOnRay(hit.primitive, hit.hit, t.InversePoint(ray.o), t.InverseVector(ray.d)));
 }
 
 Ray Scene::ShadowRay(const LightSampleContext &from, const LightLiSample &to) {
@@ -118,7 +114,7 @@ Ray Scene::ShadowRay(const LightSampleContext &from, const LightLiSample &to) {
 std::optional<Scene::Interface> Scene::NextInterface(const Ray &ray, Float tMin) const {
     for (;;) {
         ++ThreadCounters().closestHitRays;
-        const std::optional<AccelHit> hit = parts_.accel->Intersect(ray, std::nextafter(tMin, Infinity));
+        const std::optional<AccelHit> hit = parts_.accel->Intersect(ray, tMin);
         if (!hit) return {};
         tMin = hit->hit.t;
         const ShapeRecord &record = parts_.shapes[hit->shape.value];

@@ -101,8 +101,8 @@ class Scene {
 
   private:
     SurfacePoint SurfaceAt(const AccelHit &hit, const Ray &ray) const;
-    /// The point in the space of the shape, before the transformation of its instance.
-    SurfacePoint SurfaceOnRay(const Shape &shape, const AccelHit &hit, const Ray &ray) const;
+    /// The point of the shape, moved by the transformation of its instance.
+    SurfacePoint PlacedSurface(const Shape &shape, const AccelHit &hit, const Ray &ray) const;
     SceneParts parts_;
     Bounds3 bounds_;
     bool hasSubsurface_ = false, needsFootprints_ = false, hasMedia_ = false;

@@ -4,6 +4,7 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/math/warps.h"
+#include "pbrt/shapes/plane_error.h"
 #include "pbrt/shapes/rectangle_sampling.h"
 #include "pbrt/shapes/sample_density.h"
 #include "pbrt/shapes/weingarten.h"
@@ -78,7 +79,11 @@ bool LooksRectangular(const Point3 &p00, const Point3 &p10, const Point3 &p01, c
 Point3 BilinearMesh::Corners::At(const Point2 &uv) const { return Bilerp(uv, p00, p10, p01, p11); }
 Vector3 BilinearMesh::Corners::DpDu(Float v) const { return Lerp(v, p10, p11) - Lerp(v, p00, p01); }
 Vector3 BilinearMesh::Corners::DpDv(Float u) const { return Lerp(u, p01, p11) - Lerp(u, p00, p10); }
-Vector3 BilinearMesh::Corners::Error() const { return Gamma(6) * (Abs(p00) + Abs(p10) + Abs(p01) + Abs(p11)); }
+Vector3 BilinearMesh::Corners::Error(const Point2 &uv, const Point3 &p, const Normal3 &n) const {
+    // Embree tests parallelograms as two triangles.
+    const Float test = uv.x + uv.y < 1 ? PlaneTestError(p00, p10, p01, p) : PlaneTestError(p11, p01, p10, p);
+    return Gamma(6) * (Abs(p00) + Abs(p10) + Abs(p01) + Abs(p11)) + test * Abs(n);
+}
 void BilinearMesh::Corners::AreaWeights(Float w[4]) const {
     for (int i = 0; i < 4; ++i) w[i] = Length(Cross(DpDu(static_cast<Float>(i >> 1)), DpDv(static_cast<Float>(i & 1))));
 }
@@ -158,37 +163,69 @@ DirectionCone BilinearMesh::NormalBounds(uint32_t primitive) const {
     return cone.IsEmpty() ? DirectionCone::EntireSphere() : cone;
 }
 
+/// Where a ray meets a patch, in double precision.
+struct BilinearMesh::PatchHit {
+    double t, u, v;
+
+    /// The hit in (tMin, tMax) that is nearest to `at`; u and v may be off [0, 1] by `slack`.
+    static std::optional<PatchHit> Nearest(const Corners &c, const Point3 &o, const Vector3 &d, double tMin,
+                                           double tMax, double at, double slack) {
+        // For fixed u the patch is a straight line; the ray meets that line where line and ray are coplanar, a
+        // quadratic in u. Double precision: two roots that differ by the patch's curvature must not be confused, and
+        // shared edges must not leak.
+        using D = glm::dvec3;
+        D dir(d), a0 = D(c.p00) - D(o), da = D(c.p10) - D(c.p00), e0 = D(c.p01) - D(c.p00);
+        D de = (D(c.p11) - D(c.p01)) - da;
+        D a0d = glm::cross(a0, dir), dad = glm::cross(da, dir);
+        std::array<double, 2> roots{};
+        int n = SolveQuadratic(glm::dot(e0, a0d), glm::dot(de, a0d) + glm::dot(e0, dad), glm::dot(de, dad), roots);
+
+        // Cross products lose 2^-46 of the patch's size at most; planes that hold the origin are not hit at it.
+        const D size = glm::abs(a0) + glm::abs(da) + glm::abs(e0) + glm::abs(de), length = glm::abs(dir);
+        tMin += 0x1p-46 * std::max({size.x, size.y, size.z}) / std::max({length.x, length.y, length.z});
+        std::optional<PatchHit> best;
+        for (int i = 0; i < n; ++i) {
+            double u = roots[static_cast<size_t>(i)];
+            if (!(u >= -slack && u <= 1 + slack)) continue;
+            D a = a0 + u * da, e = e0 + u * de;
+            D ed = glm::cross(e, dir);
+            double ed2 = glm::dot(ed, ed);
+            if (!(ed2 > 0)) continue;
+            double v = -glm::dot(glm::cross(a, dir), ed) / ed2;
+            double t = -glm::dot(glm::cross(a, e), ed) / ed2;
+            // Once more by the tangent plane, which is exact along the axes.
+            const D normal = glm::cross(da + v * de, e);
+            const double slope = glm::dot(normal, dir);
+            if (std::abs(slope) > 1e-7 * glm::length(normal) * glm::length(dir))
+                t = glm::dot(normal, a + v * e) / slope;
+            if (!(v >= -slack && v <= 1 + slack && t > tMin && t < tMax)) continue;
+            if (best && !(std::abs(t - at) < std::abs(best->t - at))) continue;
+            best = PatchHit{t, u, v};
+        }
+        return best;
+    }
+};
+
 std::optional<PrimitiveHit> BilinearMesh::Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
                                                     Float tMax) const {
-    // For fixed u the patch is a straight line; the ray meets that line where line and ray are coplanar, a quadratic in
-    // u. Double precision: two roots that differ by the patch's curvature must not be confused, and shared edges must
-    // not leak.
-    using D = glm::dvec3;
-    Corners c = CornersOf(primitive);
-    D dir(d), a0 = D(c.p00) - D(o), da = D(c.p10) - D(c.p00), e0 = D(c.p01) - D(c.p00);
-    D de = (D(c.p11) - D(c.p01)) - da;
-    D a0d = glm::cross(a0, dir), dad = glm::cross(da, dir);
-    std::array<double, 2> roots{};
-    int n = SolveQuadratic(glm::dot(e0, a0d), glm::dot(de, a0d) + glm::dot(e0, dad), glm::dot(de, dad), roots);
+    const std::optional<PatchHit> hit =
+        PatchHit::Nearest(CornersOf(primitive), o, d, double(tMin), double(tMax), double(tMin), 1e-9);
+    if (!hit) return {};
+    return PrimitiveHit{static_cast<Float>(hit->t), static_cast<Float>(std::clamp(hit->u, 0.0, 1.0)),
+                        static_cast<Float>(std::clamp(hit->v, 0.0, 1.0))};
+}
 
-    constexpr double kSlack = 1e-9;
-    std::optional<PrimitiveHit> best;
-    double nearest = double(tMax);
-    for (int i = 0; i < n; ++i) {
-        double u = roots[static_cast<size_t>(i)];
-        if (!(u >= -kSlack && u <= 1 + kSlack)) continue;
-        D a = a0 + u * da, e = e0 + u * de;
-        D ed = glm::cross(e, dir);
-        double ed2 = glm::dot(ed, ed);
-        if (!(ed2 > 0)) continue;
-        double v = -glm::dot(glm::cross(a, dir), ed) / ed2;
-        double t = -glm::dot(glm::cross(a, e), ed) / ed2;
-        if (!(v >= -kSlack && v <= 1 + kSlack && t > double(tMin) && t < nearest)) continue;
-        nearest = t;
-        best = PrimitiveHit{static_cast<Float>(t), static_cast<Float>(std::clamp(u, 0.0, 1.0)),
-                            static_cast<Float>(std::clamp(v, 0.0, 1.0))};
+SurfacePoint BilinearMesh::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
+                                        const Vector3 &d) const {
+    SurfacePoint s = Surface(primitive, hit);
+    const Corners c = CornersOf(primitive);
+    const Vector3 span = Abs(c.p10 - c.p00) + Abs(c.p01 - c.p00) + Abs(c.p11 - c.p00);
+    if (!(MaxComponent(span) > kLargePrimitive * hit.t * MaxComponent(Abs(d)))) return s;
+    if (const auto at = PatchHit::Nearest(c, o, d, 0, double(Infinity), double(hit.t), kLargePrimitiveSlack)) {
+        using D = glm::dvec3;
+        s.p = Point3(glm::mix(glm::mix(D(c.p00), D(c.p10), at->u), glm::mix(D(c.p01), D(c.p11), at->u), at->v));
     }
-    return best;
+    return s;
 }
 
 Point2 BilinearMesh::Uv(uint32_t primitive, const PrimitiveHit &hit) const {
@@ -202,7 +239,6 @@ SurfacePoint BilinearMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
     SurfacePoint s;
     s.primitive = primitive;
     s.p = c.At(uv);
-    s.pError = c.Error();
     s.uv = uv;
     s.dpdu = c.DpDu(uv.y);
     s.dpdv = c.DpDv(uv.x);
@@ -225,6 +261,7 @@ SurfacePoint BilinearMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
     Normal3 face = Cross(s.dpdu, s.dpdv);
     Float length = Length(face);
     face = length > 0 ? face / length : Normal3(0, 0, 1);
+    s.pError = c.Error(uv, s.p, face);
     Vector3 twist = (c.p00 - c.p01) + (c.p11 - c.p10);
     Normal3 dndu, dndv;
     NormalDerivatives(s.dpdu, s.dpdv, Vector3(0), twist, Vector3(0), face, &dndu, &dndv);
@@ -296,8 +333,8 @@ Float BilinearMesh::PdfArea(uint32_t primitive, const Corners &c, const Point2 &
 ShapeSample BilinearMesh::SampleAt(uint32_t primitive, const Corners &c, const Point2 &uv) const {
     ShapeSample s;
     s.p = c.At(uv);
-    s.pError = c.Error();
     s.n = OrientedNormal(primitive, c, uv);
+    s.pError = c.Error(uv, s.p, s.n);
     s.uv = mesh_.uv.empty() ? uv : AtCorners(mesh_.uv, primitive, uv);
     return s;
 }

@@ -22,6 +22,8 @@ class BilinearMesh final : public Shape {
     std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
                                           Float tMax) const override;
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
+    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
+                              const Vector3 &d) const override;
     Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const override;
     std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const override;
     Float PdfArea(uint32_t primitive, const Point3 &p, const Normal3 &n) const override;
@@ -42,10 +44,11 @@ class BilinearMesh final : public Shape {
         Point3 At(const Point2 &uv) const;
         Vector3 DpDu(Float v) const;
         Vector3 DpDv(Float u) const;
-        Vector3 Error() const;  ///< of At
+        Vector3 Error(const Point2 &uv, const Point3 &p, const Normal3 &n) const;  ///< of p = At(uv)
         /// Length of the unnormalised normal at the corners: the weights of the bilinear warp in SampleArea.
         void AreaWeights(Float w[4]) const;
     };
+    struct PatchHit;
     Corners CornersOf(uint32_t primitive) const;
     template <class T>
     T AtCorners(const std::vector<T> &values, uint32_t primitive, const Point2 &uv) const;

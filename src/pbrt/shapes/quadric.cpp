@@ -22,6 +22,8 @@ Quadric::Quadric(const Transform &renderFromObject, bool reverseOrientation)
 
 void Quadric::SetArea(Float objectArea) {
     objectArea_ = objectArea;
+    const Bounds3 bounds = PrimitiveBounds(0);
+    reach_ = Max(Abs(bounds.low), Abs(bounds.high));
     if (isSimilarity_) {
         area_ = objectArea * scale_ * scale_;
         return;
@@ -65,6 +67,19 @@ std::optional<PrimitiveHit> Quadric::Intersect(uint32_t, const Point3 &o, const 
             return PrimitiveHit{static_cast<Float>(t), uv->x, uv->y};
     }
     return {};
+}
+
+SurfacePoint Quadric::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
+                                   const Vector3 &d) const {
+    SurfacePoint s = Surface(primitive, hit);
+    const glm::dvec3 origin(o), direction(d);
+    const Roots roots = ObjectIntersect(toObject_ * (origin - origin_), toObject_ * direction);
+    if (roots.count == 0) return s;  // a grazing ray that rounding moved off the surface
+    const double t = double(hit.t), first = roots.t[0], last = roots.t[roots.count - 1];
+    s.p = Point3(origin + (std::abs(last - t) < std::abs(first - t) ? last : first) * direction);
+    // The point is rounded once; Intersect and the line above lose some of a double's 53 bits.
+    s.pError = Gamma(2) * Abs(s.p) + 0x1p-40f * (reach_ + Abs(o));
+    return s;
 }
 
 SurfacePoint Quadric::Surface(uint32_t primitive, const PrimitiveHit &hit) const {

@@ -17,6 +17,8 @@ class Quadric : public Shape {
     std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
                                           Float tMax) const final;
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const final;
+    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
+                              const Vector3 &d) const final;
     Point2 Uv(uint32_t, const PrimitiveHit &hit) const final { return {hit.u, hit.v}; }
     std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const final;
     Float PdfArea(uint32_t primitive, const Point3 &p, const Normal3 &n) const final;
@@ -77,6 +79,7 @@ class Quadric : public Shape {
     Float determinant_;
     Float scale_;
     Float objectArea_ = 0, area_ = 0;
+    Vector3 reach_{};  ///< largest coordinates
     bool isSimilarity_;
     bool flipNormal_;
 };

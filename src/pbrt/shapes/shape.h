@@ -53,12 +53,12 @@ class Shape {
 
     /// Fills everything but ids, wo, time, t and footprints.
     virtual SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const = 0;
-    /// True for curves, which turn towards the ray: SurfaceOnRay needs the ray, in the shape's space.
+    /// The same for the hit of a ray, in the shape's space, which gives digits that the float parameters of a hit on a
+    /// large primitive do not have.
+    virtual SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
+                                      const Vector3 &d) const = 0;
+    /// True for curves, which turn towards the ray.
     bool FacesRay() const { return facesRay_; }
-    virtual SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &,
-                                      const Vector3 &) const {
-        return Surface(primitive, hit);
-    }
     /// Only the texture coordinates, for alpha tests.
     virtual Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const = 0;
 

@@ -258,8 +258,8 @@ ShapeList MakePlyMesh(const PlyMeshParams &p, const ParamSet &set, const ShapeCo
                              ply.brokenAttributes));
     if (context.displacement) {
         try {
-            return One<TriangleMesh>(DisplaceMesh(ply, context.renderFromObject, p.edgeLength, *context.displacement),
-                                     context);
+            const Transform place = Product({context.renderFromPlaced, context.renderFromObject});
+            return One<TriangleMesh>(DisplaceMesh(ply, place, p.edgeLength, *context.displacement), context);
         } catch (const DisplacementError &e) {
             throw set.Error(e.Parameter(), fmt::format("{}: {}", p.filename, e.Diagnostics().front().message));
         }

@@ -18,6 +18,7 @@ struct ShapeContext {
     const ParamReader &before;                   ///< the parameters that build/ has read already
     const Displacement *displacement = nullptr;  ///< null: none
     bool opaque = true;                          ///< false: an alpha texture will let some rays through
+    Transform renderFromPlaced{};  ///< where an object definition lies, for displacement; the identity elsewhere
 };
 
 /// A plymesh with triangles and quads yields two shapes, unless it is displaced.

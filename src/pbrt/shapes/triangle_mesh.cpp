@@ -2,6 +2,7 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/math/warps.h"
+#include "pbrt/shapes/plane_error.h"
 #include "pbrt/shapes/spherical.h"
 #include "pbrt/shapes/triangle_sampling.h"
 
@@ -18,12 +19,12 @@ Vector3 HitBarycentrics(const PrimitiveHit &hit) { return {std::max(Float(0), 1 
     return lengthD > 0 ? Normal3(nd / lengthD) : Normal3(0, 0, 1);
 }
 
-/// Unit normal of p0, p1, p2; slivers whose float cross product vanishes are tried again in double.
+/// Unit normal of p0, p1, p2, in double where squares of the float cross product are not normal numbers.
 [[gnu::always_inline]] inline Normal3 FaceNormal(const Point3 &p0, const Point3 &p1, const Point3 &p2) {
     Vector3 n = Cross(p1 - p0, p2 - p0);
-    Float length = Length(n);
-    if (length > 0 && std::isfinite(1 / length)) [[likely]]
-        return n / length;
+    const Float squared = LengthSquared(n);
+    if (squared > Float(1e-32) && squared < Infinity) [[likely]]
+        return n / std::sqrt(squared);
     return FaceNormalOfSliver(p0, p1, p2);
 }
 
@@ -92,17 +93,40 @@ Point2 TriangleMesh::UvAt(uint32_t primitive, const Vector3 &b) const {
     return b.x * mesh_.uv[v[0]] + b.y * mesh_.uv[v[1]] + b.z * mesh_.uv[v[2]];
 }
 
+/// Where a line meets the plane of a triangle, in double precision.
+struct TriangleMesh::PlaneHit {
+    double t, b1, b2;
+
+    static std::optional<PlaneHit> Of(const Corners &c, const Point3 &o, const Vector3 &d) {
+        using D = glm::dvec3;
+        const D e1 = D(c.p1) - D(c.p0), e2 = D(c.p2) - D(c.p0), s = D(o) - D(c.p0), dir(d);
+        const D k = glm::cross(dir, e2), q = glm::cross(s, e1);
+        const double determinant = glm::dot(k, e1);
+        if (determinant == 0) return {};
+        return PlaneHit{glm::dot(e2, q) / determinant, glm::dot(s, k) / determinant, glm::dot(dir, q) / determinant};
+    }
+};
+
 std::optional<PrimitiveHit> TriangleMesh::Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
                                                     Float tMax) const {
-    using D = glm::dvec3;
-    Corners c = CornersOf(primitive);
-    D e1 = D(c.p1) - D(c.p0), e2 = D(c.p2) - D(c.p0), s = D(o) - D(c.p0), dir(d);
-    D k = glm::cross(dir, e2), q = glm::cross(s, e1);
-    double determinant = glm::dot(k, e1);
-    if (determinant == 0) return {};
-    double b1 = glm::dot(s, k) / determinant, b2 = glm::dot(dir, q) / determinant, t = glm::dot(e2, q) / determinant;
-    if (!(b1 >= 0 && b2 >= 0 && b1 + b2 <= 1 && t > double(tMin) && t < double(tMax))) return {};
-    return PrimitiveHit{static_cast<Float>(t), static_cast<Float>(b1), static_cast<Float>(b2)};
+    const std::optional<PlaneHit> at = PlaneHit::Of(CornersOf(primitive), o, d);
+    if (!at || !(at->b1 >= 0 && at->b2 >= 0 && at->b1 + at->b2 <= 1 && at->t > double(tMin) && at->t < double(tMax)))
+        return {};
+    return PrimitiveHit{static_cast<Float>(at->t), static_cast<Float>(at->b1), static_cast<Float>(at->b2)};
+}
+
+SurfacePoint TriangleMesh::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
+                                        const Vector3 &d) const {
+    SurfacePoint s = Surface(primitive, hit);
+    const Corners c = CornersOf(primitive);
+    if (!(MaxComponent(Abs(c.p1 - c.p0) + Abs(c.p2 - c.p0)) > kLargePrimitive * hit.t * MaxComponent(Abs(d)))) return s;
+    if (const std::optional<PlaneHit> at = PlaneHit::Of(c, o, d)) {
+        const double slack = kLargePrimitiveSlack;
+        const double b1 = std::clamp(at->b1, -slack, 1 + slack), b2 = std::clamp(at->b2, -slack, 1 + slack - b1);
+        const glm::dvec3 p0(c.p0);
+        s.p = Point3(p0 + b1 * (glm::dvec3(c.p1) - p0) + b2 * (glm::dvec3(c.p2) - p0));
+    }
+    return s;
 }
 
 Point2 TriangleMesh::Uv(uint32_t primitive, const PrimitiveHit &hit) const {
@@ -136,6 +160,7 @@ SurfacePoint TriangleMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
     auto perU = [&](const Vector3 &d02, const Vector3 &d12) { return (duv12.y * d02 - duv02.y * d12) * inverse; };
     auto perV = [&](const Vector3 &d02, const Vector3 &d12) { return (duv02.x * d12 - duv12.x * d02) * inverse; };
     Normal3 face = FaceNormal(c.p0, c.p1, c.p2);
+    s.pError += PlaneTestError(c.p0, c.p1, c.p2, s.p) * Abs(face);
     s.dpdu = perU(dp02, dp12);
     s.dpdv = perV(dp02, dp12);
     if (degenerateUv || LengthSquared(Cross(s.dpdu, s.dpdv)) == 0) {
@@ -179,8 +204,8 @@ ShapeSample TriangleMesh::SampleAt(uint32_t primitive, const Corners &c, const V
     ShapeSample s;
     Point3 p0 = b.x * c.p0, p1 = b.y * c.p1, p2 = b.z * c.p2;
     s.p = p0 + p1 + p2;
-    s.pError = Gamma(6) * (Abs(p0) + Abs(p1) + Abs(p2));
     s.n = OrientedNormal(primitive, c, b);
+    s.pError = Gamma(7) * (Abs(p0) + Abs(p1) + Abs(p2)) + PlaneTestError(c.p0, c.p1, c.p2, s.p) * Abs(s.n);
     s.uv = UvAt(primitive, b);
     return s;
 }

@@ -32,6 +32,8 @@ class TriangleMesh final : public Shape {
     std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
                                           Float tMax) const override;
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
+    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
+                              const Vector3 &d) const override;
     Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const override;
     std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const override;
     Float PdfArea(uint32_t primitive, const Point3 &, const Normal3 &) const override {
@@ -50,6 +52,7 @@ class TriangleMesh final : public Shape {
     struct Corners {
         Point3 p0, p1, p2;
     };
+    struct PlaneHit;
     Corners CornersOf(uint32_t primitive) const;
     /// Unit normal on the side that samples and hits report at barycentric coordinates b.
     Normal3 OrientedNormal(uint32_t primitive, const Corners &c, const Vector3 &b) const;

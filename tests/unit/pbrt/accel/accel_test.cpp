@@ -223,5 +223,46 @@ TEST(Accel, RaysStayRaysInSmallInstances) {
     EXPECT_THROW(build(1e-13f, 1e7f), UserError);
 }
 
+/// Flat shapes in the plane z = 0, which Embree traces and which it does not.
+Shapes FlatShapes() {
+    MeshData square;
+    square.p = {{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}};
+    square.indices = {0, 1, 2, 1, 3, 2};
+    Shapes s;
+    s.push_back(std::make_unique<TriangleMesh>(square, Transform(), false));
+    square.indices = {0, 1, 2, 3};
+    s.push_back(std::make_unique<BilinearMesh>(square, Transform(), false));
+    square.p[3].x = 1.5f;  // no parallelogram
+    s.push_back(std::make_unique<BilinearMesh>(square, Transform(), false));
+    s.push_back(std::make_unique<Disk>(0.f, 1.f, 0.f, 360.f, Transform(), false));
+    return s;
+}
+
+TEST(Accel, HitsLieBehindTheOriginAndBehindTMin) {
+    const Shapes shapes = FlatShapes();
+    for (const auto &shape : shapes)
+        for (const bool instanced : {false, true}) {
+            Accel accel;
+            if (instanced)
+                accel.AddInstance(accel.AddObject({ShapeId(0u)}, {shape.get()}, {nullptr}),
+                                  Transform::Scale({4, 4, -4}));
+            else accel.AddShape(ShapeId(0u), *shape, nullptr);
+            accel.Commit();
+            Rng rng(7);
+            for (int i = 0; i < 200; ++i) {
+                Ray ray;
+                ray.o = {0.5f * rng.Uniform(), 0.4f * rng.Uniform(), 0};
+                ray.d = test::RandomDirection(rng);
+                EXPECT_FALSE(accel.Intersect(ray)) << static_cast<int>(shape->Kind()) << ' ' << instanced;
+                EXPECT_FALSE(accel.Occluded(ray)) << static_cast<int>(shape->Kind()) << ' ' << instanced;
+                ray.o -= ray.d * (0.1f * rng.Uniform());
+                const auto hit = accel.Intersect(ray);
+                ASSERT_TRUE(hit && hit->hit.t > 0);
+                EXPECT_FALSE(accel.Intersect(ray, hit->hit.t)) << static_cast<int>(shape->Kind()) << ' ' << instanced;
+                EXPECT_TRUE(accel.Intersect(ray, std::nextafter(hit->hit.t, 0.f) * 0.999f));
+            }
+        }
+}
+
 }  // namespace
 }  // namespace pbrt

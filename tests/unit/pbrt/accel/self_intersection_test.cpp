@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include "accel_scenes.h"
 
 namespace pbrt {
@@ -61,7 +63,12 @@ Walk RandomWalks(const Accel &accel, const std::vector<const Shape *> &shapes, c
             previous = *hit;
             SurfacePoint s = shape.Surface(hit->primitive, hit->hit);
             if (hit->instance >= 0) s = TransformSurface(accel.InstanceTransform(hit->instance, time), s);
-            Vector3 in = FaceForward(s.n, -ray.d), d;
+            Vector3 in = FaceForward(s.n, center - s.p), d;
+            if (Dot(in, ray.d) > 0) {  // from behind: at a ridge by rounding, or the ray escaped before
+                const Vector3 b(1 - hit->hit.u - hit->hit.v, hit->hit.u, hit->hit.v);
+                result.escaped += !triangle || std::min({b.x, b.y, b.z}) > 1e-6f;
+                break;
+            }
             // Many rays leave close to the tangent plane, where rounding decides.
             d = test::RandomDirection(rng);
             d = FaceForward(d, in);
@@ -156,6 +163,103 @@ TEST(SelfIntersection, OutwardRaysOfConvexShapesAreFree) {
                                     << instanced;
             }
         }
+}
+
+/// Floors of the half width r at z = `level`. The triangles and the patches of the grid meet below the origin.
+struct Floor {
+    const char *name;
+    std::unique_ptr<Shape> shape;
+};
+std::vector<Floor> Floors(Float r, const Transform &t, Float level = -1) {
+    MeshData square;
+    square.p = {{-r, -r, level}, {r, -r, level}, {-r, r, level}, {r, r, level}};
+    square.indices = {0, 1, 2, 1, 3, 2};
+    std::vector<Floor> floors;
+    floors.push_back({"triangles", std::make_unique<TriangleMesh>(square, t, false)});
+    square.indices = {0, 1, 2, 3};
+    floors.push_back({"patch", std::make_unique<BilinearMesh>(square, t, false)});
+    MeshData grid = test::PatchGrid(2, 0);
+    for (Point3 &p : grid.p) p = {(2 * p.x - 1) * r, (2 * p.y - 1) * r, level};
+    floors.push_back({"grid", std::make_unique<BilinearMesh>(grid, t, false)});
+    square.p[3].x *= 1.5f;
+    floors.push_back({"trapezoid", std::make_unique<BilinearMesh>(square, t, false)});
+    floors.push_back({"disk", std::make_unique<Disk>(level, r, 0.f, 360.f, t, false)});
+    return floors;
+}
+
+/// What becomes of rays that leave a floor where a ray from near the origin meets it.
+struct FloorRays {
+    int hits = 0, again = 0;  ///< rays that leave, those that hit the floor
+    double height = 0;        ///< largest distance of their origins from the floor
+    double shift = 0;         ///< largest distance from the ray that met it, relative to the length of that ray
+};
+FloorRays LeaveFloor(const Shape &shape, const Transform &toFloor, bool instanced, const Vector3 &down,
+                     const Point3 &from = Point3(0)) {
+    Accel accel;
+    if (instanced) accel.AddInstance(accel.AddObject({ShapeId(0u)}, {&shape}, {nullptr}), toFloor);
+    else accel.AddShape(ShapeId(0u), shape, nullptr);
+    accel.Commit();
+    FloorRays result;
+    Rng rng(4);
+    for (int i = 0; i < 2000; ++i) {
+        Ray ray;
+        ray.o = from + test::RandomDirection(rng) * 0.3f;
+        ray.d = Normalize(FaceForward(test::RandomDirection(rng), down) + down * (i % 2 ? 0.f : 1.f));
+        const auto hit = accel.Intersect(ray);
+        if (!hit) continue;
+        SurfacePoint s;
+        if (instanced)
+            s = TransformSurface(toFloor, shape.SurfaceOnRay(hit->primitive, hit->hit, toFloor.InversePoint(ray.o),
+                                                             toFloor.InverseVector(ray.d)));
+        else s = shape.SurfaceOnRay(hit->primitive, hit->hit, ray.o, ray.d);
+        for (int k = 0; k < 3; ++k) {
+            ++result.hits;
+            Vector3 d = FaceForward(test::RandomDirection(rng), -down);
+            if (k > 0) d = Normalize(d - down * ((k == 1 ? 0.001f : 1e-5f) + Dot(d, down)));
+            const Ray leaving = s.SpawnRay(d);
+            result.again += accel.Occluded(leaving);
+            const glm::dvec3 o(leaving.o), n(glm::normalize(glm::dvec3(down)));
+            const double height = std::abs(glm::dot(o - glm::dvec3(from), n) - 1);
+            result.height = std::max(result.height, height);
+            const double t = double(hit->hit.t);
+            result.shift = std::max(
+                result.shift, (glm::length(o - glm::dvec3(ray.o) - t * glm::dvec3(ray.d)) - height) / std::max(1.0, t));
+        }
+    }
+    return result;
+}
+
+TEST(SelfIntersection, FloorsOfAnySizeNeitherHitThemselvesNorLiftTheirRays) {
+    for (const Float r : {1e2f, 1e4f, 1e6f, 1e8f})
+        for (const Float level : {-1.f, 0.f, 20.f})
+            for (const bool instanced : {false, true})
+                for (Floor &floor : Floors(r, Transform(), level)) {
+                    const FloorRays rays =
+                        LeaveFloor(*floor.shape, Transform(), instanced, {0, 0, -1}, {0, 0, level + 1});
+                    const std::string what =
+                        fmt::format("{} of {} at {}, instanced {}", floor.name, r, level, instanced);
+                    EXPECT_GT(rays.hits, 2000) << what;
+                    EXPECT_EQ(rays.again, 0) << what;
+                    EXPECT_LT(rays.height, 1e-5 * std::max(1.0, double(level))) << what;
+                    // A hit's parameters have 24 bits, of which kLargePrimitive leaves 15.
+                    EXPECT_LT(rays.shift, 1e-4) << what;
+                }
+}
+
+TEST(SelfIntersection, TiltedFloorsDoNotHitThemselves) {
+    Rng rng(8);
+    for (int turn = 0; turn < 24; ++turn) {
+        // Slight, medium and arbitrary turns.
+        const Float degrees = turn % 3 == 0 ? 0.01f : turn % 3 == 1 ? 3.f : 90.f;
+        const Transform t = Transform::Rotate(degrees * (0.1f + rng.Uniform()), test::RandomDirection(rng));
+        for (const Float r : {1e2f, 1e4f, 1e6f})
+            for (const bool instanced : {false, true})
+                for (Floor &floor : Floors(r, instanced ? Transform() : t)) {
+                    const FloorRays rays = LeaveFloor(*floor.shape, t, instanced, t.Vector({0, 0, -1}));
+                    EXPECT_EQ(rays.again, 0)
+                        << floor.name << " of " << r << ", instanced " << instanced << " of " << rays.hits;
+                }
+    }
 }
 
 /// Counts of rays from inside a closed mesh, aimed at points of its edges as exactly as floats allow, and of those that

@@ -1,0 +1,31 @@
+#pragma once
+#include "pbrt/math/vec.h"
+
+namespace pbrt {
+
+/// Bound of the error, along the normal, of where Embree's test of the triangle p0, p1, p2 puts its plane for rays that
+/// start near its point p. The test evaluates the volume (p0 - o) . (a x b) with the edges a = p2 - p0 and b = p0 - p1.
+/// Each component of the cross product is a difference of products of the edges (a, b) or (b, c), whichever are
+/// smaller: if m is the smaller and N the component, both products together are 2 m + N. Roundings: two (of the edges)
+/// of 2 m + N, one of m, four (of the difference and the sum) of N; less than 6 (m + N). Planes along the axes have no
+/// error. The rounding of p0 - o counts as an error of o, whose bound is per axis.
+inline Float PlaneTestError(const Point3 &p0, const Point3 &p1, const Point3 &p2, const Point3 &p) {
+    const Vector3 a = p2 - p0, b = p0 - p1, c = p1 - p2, to = Abs(p0 - p);
+    const Vector3 ab = Abs(Vector3(a.z * b.y, a.x * b.z, a.y * b.x));
+    const Vector3 bc = Abs(Vector3(b.z * c.y, b.x * c.z, b.y * c.x));
+    const Vector3 normal = Cross(a, b);
+    const Float squared = LengthSquared(normal);
+    // Slivers, and triangles whose squares are no normal numbers.
+    if (!(squared > Float(1e-32) && squared < Infinity)) [[unlikely]]
+        return Gamma(6) * MaxComponent(to);
+    return Gamma(6) * Dot(to, Min(ab, bc) + Abs(normal)) / std::sqrt(squared);
+}
+
+/// The span of a primitive, relative to the distance of a hit on it, from which the hit's float parameters have too few
+/// digits for its position.
+constexpr Float kLargePrimitive = 256;
+/// How far, in its parameters, Embree's tests and the rounding of the ray may put a hit beyond the edges of a
+/// primitive.
+constexpr double kLargePrimitiveSlack = 0x1p-20;
+
+}  // namespace pbrt

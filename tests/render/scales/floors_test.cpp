@@ -1,0 +1,161 @@
+// Floors of every size under a ball, cameras in the plane of a lamp, and instances far from the origin: every
+// integrator renders what it renders for a small floor, a lamp behind the camera, a copy.
+#include <gtest/gtest.h>
+
+#include "placed_scene.h"
+
+namespace pbrt::test {
+namespace {
+
+constexpr int kRuns = 5;
+
+std::string Triangles(const std::string &points) {
+    return "Shape \"trianglemesh\" \"point3 P\" [" + points + " ] \"integer indices\" [ 0 1 2 1 3 2 ]\n";
+}
+std::string Patch(const std::string &points) { return "Shape \"bilinearmesh\" \"point3 P\" [" + points + " ]\n"; }
+
+constexpr const char *kBall =
+    "LightSource \"point\" \"point3 from\" [ -2 3 3 ] \"rgb I\" [ 9 9 9 ]\n"
+    "Material \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\nShape \"sphere\" \"float radius\" .8\n";
+
+/// A floor of the half width r at y = -1.
+struct Floor {
+    const char *name;
+    std::string (*text)(double r);
+};
+const Floor kFloors[] = {
+    {"triangles",
+     [](double r) {
+         return Triangles(Placement{r}.Points({-1, -1 / r, -1, 1, -1 / r, -1, -1, -1 / r, 1, 1, -1 / r, 1}));
+     }},
+    {"patch",
+     [](double r) {
+         return Patch(Placement{r}.Points({-1, -1 / r, -1, 1, -1 / r, -1, -1, -1 / r, 1, 1, -1 / r, 1}));
+     }},
+    {"trapezoid",
+     [](double r) {
+         return Patch(Placement{r}.Points({-1, -1 / r, -1, 1, -1 / r, -1, -1, -1 / r, 1, 1.5, -1 / r, 1}));
+     }},
+    {"disk",
+     [](double r) {
+         return fmt::format(
+             "AttributeBegin Translate 0 -1 0 Rotate -90 1 0 0 Shape \"disk\" \"float radius\" {:.9g} AttributeEnd\n",
+             r);
+     }},
+    {"instance",
+     [](double r) {
+         return "ObjectBegin \"floor\" " + Triangles(" -1 0 -1 1 0 -1 -1 0 1 1 0 1") + "ObjectEnd\n" +
+                fmt::format(
+                    "AttributeBegin Translate 0 -1 0 Scale {0:.9g} {0:.9g} {0:.9g} ObjectInstance \"floor\" "
+                    "AttributeEnd\n",
+                    r);
+     }},
+};
+
+std::string FloorText(const Floor &floor, double r, const ScaleIntegrator &integrator) {
+    return ViewText({}, integrator, {0, 4, 5, 0, -.5, 0, 0, 1, 0}, "Camera \"perspective\" \"float fov\" 40", 3) +
+           kBall + floor.text(r);
+}
+
+void ExpectSame(const std::string &name, const std::vector<Image> &ours, const std::vector<Image> &reference,
+                double allowed) {
+    const ScaleDifference d = CompareRuns(ours, reference, allowed);
+    std::printf("%s: %s\n", name.c_str(), d.Text().c_str());
+    EXPECT_TRUE(d.Agrees()) << name << ": " << d.Text();
+}
+
+TEST(Floors, AreAllAlike) {
+    for (const Floor &floor : kFloors) {
+        const std::vector<Image> small = RenderSeeds(FloorText(floor, 1e3, {"path"}), {}, kRuns);
+        EXPECT_GT(MeanOf(small[0]), 0.01);
+        for (const double r : {1e5, 1e6, 1e7, 1e8})
+            ExpectSame(fmt::format("{} of {:g}", floor.name, r), RenderSeeds(FloorText(floor, r, {"path"}), {}, kRuns),
+                       small, 0.0005);
+    }
+}
+
+TEST(Floors, AreAlikeInEveryIntegrator) {
+    for (const ScaleIntegrator &integrator : AllIntegrators({})) {
+        const std::vector<Image> small = RenderSeeds(FloorText(kFloors[0], 1e3, integrator), {}, kRuns);
+        for (const double r : {1e6, 1e8})
+            ExpectSame(fmt::format("{} with a floor of {:g}", integrator.name, r),
+                       RenderSeeds(FloorText(kFloors[0], r, integrator), {}, kRuns), small, 0.001);
+    }
+}
+
+/// The ground is a sphere of the size of the Earth.
+TEST(Floors, MayBeAPlanet) {
+    const std::vector<Image> flat = RenderSeeds(FloorText(kFloors[0], 1e3, {"path"}), {}, kRuns);
+    const Floor planet{"planet", [](double r) {
+                           return fmt::format(
+                               "AttributeBegin Translate 0 {:.9g} 0 Shape \"sphere\" \"float radius\" "
+                               "{:.9g} AttributeEnd\n",
+                               -r - 1, r);
+                       }};
+    ExpectSame("planet", RenderSeeds(FloorText(planet, 6371000, {"path"}), {}, kRuns), flat, 0.0005);
+}
+
+/// A lamp in the plane z = 5 + behind, seen from z = 5.
+std::string FlashText(const std::string &lamp, double behind, const ScaleIntegrator &integrator) {
+    return ViewText({}, integrator, {0, 0, 5, 0, 0, 0, 0, 1, 0}, "Camera \"perspective\" \"float fov\" 40", 3) +
+           fmt::format(
+               "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [ 5 5 5 ] Translate 0 0 {} "
+               "Rotate 180 0 1 0 {} AttributeEnd\n",
+               5 + behind, lamp) +
+           "Material \"diffuse\" \"rgb reflectance\" [ .7 .6 .5 ]\nShape \"sphere\" \"float radius\" 1\n" +
+           Patch(" -6 -6 -2  6 -6 -2  -6 6 -2  6 6 -2");
+}
+
+TEST(CameraInThePlaneOfALamp, DoesNotSeeIt) {
+    const std::string square = " -.5 -.5 0  .5 -.5 0  -.5 .5 0  .5 .5 0";
+    for (const ScaleIntegrator &integrator : AllIntegrators({}))
+        for (const std::string &lamp : {Triangles(square), Patch(square)})
+            ExpectSame(integrator.name + ", " + lamp.substr(7, 14),
+                       RenderSeeds(FlashText(lamp, 0, integrator), {}, kRuns),
+                       RenderSeeds(FlashText(lamp, 1e-4, integrator), {}, kRuns), 0.002);
+}
+
+/// A ball on a floor: as it is, or as an instance. `size`: of both in the units of their object.
+struct Object {
+    std::array<double, 3> at{0, 0, 0};  ///< where the view is
+    double size = 1;
+    std::string renderCoordSys{};
+};
+std::string ObjectView(const Object &o, const std::string &object) {
+    const Placement place{.offset = o.at};
+    return ViewText(place, {"path"}, {0, 4, 5, 0, -.5, 0, 0, 1, 0}, "Camera \"perspective\" \"float fov\" 40", 3) +
+           "LightSource \"point\" \"point3 from\" [" + place.Points({-2, 3, 3}) + " ] \"rgb I\" [ 9 9 9 ]\n" +
+           "Material \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\n" + object;
+}
+/// Around `origin`, in units of `size`.
+std::string BallAndFloor(double size, const std::array<double, 3> &origin = {0, 0, 0}) {
+    const Placement place{size, origin};
+    return "AttributeBegin Translate" + place.Points({0, 0, 0}) + " Shape \"sphere\" \"float radius\" " +
+           place.Length(.8) + " AttributeEnd\n" + Triangles(place.Points({-4, -1, -4, 4, -1, -4, -4, -1, 4, 4, -1, 4}));
+}
+
+TEST(Instances, AreAsExactAsCopies) {
+    const Object objects[] = {
+        {{131072, 0, -131072}}, {{1048576, 0, -1048576}},   {{1048576, 0, -1048576}, 1, "camera"}, {{0, 0, 0}, 1e-4},
+        {{0, 0, 0}, 1e-6},      {{0, 0, 0}, 1e-6, "world"}, {{65536, 0, 65536}, 1e-4, "camera"}};
+    for (const Object &o : objects) {
+        const std::string move = "Translate" + Placement{.offset = o.at}.Points({0, 0, 0}),
+                          enlarge = fmt::format(" Scale {0:.9g} {0:.9g} {0:.9g} ", 1 / o.size);
+        auto define = [](const std::string &shapes) { return "ObjectBegin \"o\" " + shapes + "ObjectEnd\n"; };
+        const std::string place = "ObjectInstance \"o\"\n";
+        auto in = [](const std::string &text) { return "AttributeBegin " + text + "AttributeEnd\n"; };
+        const Placement how{.renderCoordSys = o.renderCoordSys};
+        auto render = [&](const std::string &object) { return RenderSeeds(ObjectView(o, object), how, kRuns); };
+        const std::string shapes = BallAndFloor(o.size);
+        const std::vector<Image> copy = render(in(move + enlarge + shapes));
+        const std::string name =
+            fmt::format("{:g} {:g} {:g}, size {:g} {}", o.at[0], o.at[1], o.at[2], o.size, o.renderCoordSys);
+        ExpectSame("instance at " + name, render(define(shapes) + in(move + enlarge + place)), copy, 0.0005);
+        ExpectSame("defined and used at " + name, render(in(move + enlarge + define(shapes)) + place), copy, 0.0005);
+        if (o.size != 1) continue;
+        ExpectSame("vertices at " + name, render(define(BallAndFloor(1, o.at)) + place), copy, 0.0005);
+    }
+}
+
+}  // namespace
+}  // namespace pbrt::test

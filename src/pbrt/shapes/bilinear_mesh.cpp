@@ -145,9 +145,7 @@ Float BilinearMesh::Area(uint32_t primitive) const {
 }
 
 Normal3 BilinearMesh::OrientedNormal(uint32_t primitive, const Corners &c, const Point2 &uv) const {
-    Normal3 n = Cross(c.DpDu(uv.y), c.DpDv(uv.x));
-    Float length = Length(n);
-    n = length > 0 ? n / length : Normal3(0, 0, 1);
+    const Normal3 n = UnitCross(c.DpDu(uv.y), c.DpDv(uv.x));
     if (mesh_.n.empty()) return flipNormal_ ? -n : n;
     return FaceForward(n, AtCorners(mesh_.n, primitive, uv));
 }
@@ -258,9 +256,7 @@ SurfacePoint BilinearMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
             tangents[1] = mirrored ? -alongT : alongT;
         }
     }
-    Normal3 face = Cross(s.dpdu, s.dpdv);
-    Float length = Length(face);
-    face = length > 0 ? face / length : Normal3(0, 0, 1);
+    const Normal3 face = UnitCross(s.dpdu, s.dpdv);
     s.pError = c.Error(uv, s.p, face);
     Vector3 twist = (c.p00 - c.p01) + (c.p11 - c.p10);
     Normal3 dndu, dndv;

@@ -3,6 +3,18 @@
 
 namespace pbrt {
 
+/// The direction of a x b, in double precision where squares of the float product are not normal numbers. (0, 0, 1) if
+/// the product vanishes.
+inline Normal3 UnitCross(const Vector3 &a, const Vector3 &b) {
+    const Vector3 n = Cross(a, b);
+    const Float squared = LengthSquared(n);
+    if (squared > Float(1e-32) && squared < Infinity) [[likely]]
+        return n / std::sqrt(squared);
+    const glm::dvec3 exact = glm::cross(glm::dvec3(a), glm::dvec3(b));
+    const double length = glm::length(exact);
+    return length > 0 ? Normal3(exact / length) : Normal3(0, 0, 1);
+}
+
 /// Bound of the error, along the normal, of where Embree's test of the triangle p0, p1, p2 puts its plane for rays that
 /// start near its point p. The test evaluates the volume (p0 - o) . (a x b) with the edges a = p2 - p0 and b = p0 - p1.
 /// Each component of the cross product is a difference of products of the edges (a, b) or (b, c), whichever are

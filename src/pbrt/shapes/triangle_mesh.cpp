@@ -12,21 +12,7 @@ namespace {
 
 Vector3 HitBarycentrics(const PrimitiveHit &hit) { return {std::max(Float(0), 1 - hit.u - hit.v), hit.u, hit.v}; }
 
-[[gnu::noinline]] Normal3 FaceNormalOfSliver(const Point3 &p0, const Point3 &p1, const Point3 &p2) {
-    using D = glm::dvec3;
-    D nd = glm::cross(D(p1) - D(p0), D(p2) - D(p0));
-    double lengthD = glm::length(nd);
-    return lengthD > 0 ? Normal3(nd / lengthD) : Normal3(0, 0, 1);
-}
-
-/// Unit normal of p0, p1, p2, in double where squares of the float cross product are not normal numbers.
-[[gnu::always_inline]] inline Normal3 FaceNormal(const Point3 &p0, const Point3 &p1, const Point3 &p2) {
-    Vector3 n = Cross(p1 - p0, p2 - p0);
-    const Float squared = LengthSquared(n);
-    if (squared > Float(1e-32) && squared < Infinity) [[likely]]
-        return n / std::sqrt(squared);
-    return FaceNormalOfSliver(p0, p1, p2);
-}
+Normal3 FaceNormal(const Point3 &p0, const Point3 &p1, const Point3 &p2) { return UnitCross(p1 - p0, p2 - p0); }
 
 }  // namespace
 

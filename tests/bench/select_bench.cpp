@@ -18,10 +18,10 @@ std::vector<LightCandidate> Candidates(int count) {
         Point3 p(rng.Uniform(), rng.Uniform(), rng.Uniform());
         b.bounds = Bounds3(p, p + Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform()) * Float(0.01));
         b.w = SampleUniformSphere(rng.Uniform2());
-        b.phi = rng.Uniform() + Float(0.1);
+        b.phi = double(rng.Uniform()) + 0.1;
         LightCandidate c;
         c.bounds = b;
-        c.power = b.phi;
+        c.power = static_cast<Float>(b.phi);
         candidates.push_back(c);
     }
     return candidates;

@@ -33,6 +33,11 @@ class Builder {
     void AddPoint(const Point3 &p, Float intensity) {
         AddLight("point", {MakeParam(ParamType::Point3, "from", {p.x, p.y, p.z}), Scale(intensity)});
     }
+    /// A point light of a line of 4 nm.
+    void AddLine(const Point3 &p, Float nm, Float intensity) {
+        AddLight("point", {MakeParam(ParamType::Point3, "from", {p.x, p.y, p.z}),
+                           MakeParam(ParamType::Spectrum, "I", {nm - 2, 0, nm, 1, nm + 2, 0}), Scale(intensity)});
+    }
     void AddSpot(const Point3 &from, const Point3 &to, Float angle, Float delta, Float intensity) {
         AddLight("spot", {MakeParam(ParamType::Point3, "from", {from.x, from.y, from.z}),
                           MakeParam(ParamType::Point3, "to", {to.x, to.y, to.z}),
@@ -172,6 +177,20 @@ std::unique_ptr<ContractFixture> Many(Float scale) {
     return b.Finish();
 }
 
+/// Lines beside lights of all wavelengths; radiances in units of `radiance`.
+std::unique_ptr<ContractFixture> NarrowBands(Float radiance) {
+    Builder b;
+    b.AddPoint({0.5f, 0, 0}, radiance);
+    for (int i = 0; i < 5; ++i)
+        b.AddLine(Point3(Float(0.4) * static_cast<Float>(i) - 1, 0.7f, 0.3f), 400 + 80 * static_cast<Float>(i),
+                  radiance);
+    b.AddTriangle({0, 0, 0.5f}, {1, 0, 0}, {0, 1, 0}, true, radiance);
+    b.AddMesh(Ball(3, 4, Float(0.3), Point3(-0.6f, 0, 0)), false, radiance);
+    b.AddSun({1, -2, 0.5f}, radiance);
+    b.AddImageSky(radiance / 10);
+    return b.Finish();
+}
+
 }  // namespace
 
 const std::vector<FixtureEntry> &ContractFixtures() {
@@ -222,6 +241,18 @@ const std::vector<FixtureEntry> &ContractFixtures() {
              b.AddPortal({1, -0.5f, -0.5f}, {0, 0, 1}, {0, 1, 0}, 2);
              b.AddImageSky(Float(0.1));
              b.AddTriangle({0, 0, 0.5f}, {1, 0, 0}, {0, 1, 0}, true, 1);
+             return b.Finish();
+         }},
+        {"NarrowBands", [] { return NarrowBands(1); }},
+        {"NarrowBandsBright", [] { return NarrowBands(1e29f); }},
+        {"NarrowBandsDim", [] { return NarrowBands(1e-29f); }},
+        {"SunSphere",
+         [] {
+             // A sun of real size in metres. It and the lamp bring about as much light to the places between them.
+             Builder b;
+             b.AddQuadric("sphere", Transform::Translate({0, 1.5e11f, 0}) * Transform::Scale(Vector3(7e8f)), false,
+                          5e4f);
+             b.AddPoint({0, 2, 0}, 10);
              return b.Finish();
          }},
         {"MeshOf10000",

@@ -38,12 +38,11 @@ double Unoccluded(const LightPart &light, const LightQuery &q, const Point2 &u) 
     from.p = q.p;
     from.n = q.n;
     from.ns = q.ns;
-    static const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
-    auto s = light.SampleLi(from, u, lambda, true);
+    auto s = light.SampleLi(from, u, SampledWavelengths::WholeRange(), true);
     if (!s) return 0;
     if (q.ns != Normal3(0) && !q.transmits && Dot(q.ns, s->wi) * Dot(q.ns, q.wo) <= 0) return 0;
     Float cosine = q.ns == Normal3(0) ? Float(1) : AbsDot(q.ns, s->wi);
-    return cosine < Float(1e-5) ? 0 : static_cast<double>(s->L.Average() * cosine / s->pdf);
+    return cosine < Float(1e-5) ? 0 : RootMeanSquare(s->L) * double(cosine) / double(s->pdf);
 }
 
 const ContractFixture &FixtureOf(const std::string &name) {
@@ -106,6 +105,35 @@ TEST_P(LightSamplerContract, OneLightEstimatorHasTheSumOverAllLightsAsItsMean) {
     CheckOneLightEstimator(S(), Contributed());
 }
 TEST_P(LightSamplerContract, OneNumberReachesEveryLight) { CheckOneNumberReachesEveryLight(S()); }
+
+class LightSamplerScales : public testing::TestWithParam<std::string> {};
+
+TEST_P(LightSamplerScales, ProbabilitiesDoNotDependOnTheUnitOfRadiance) {
+    const SamplerSubject &plain = ContestOf(GetParam(), "NarrowBands").subject;
+    for (const char *fixture : {"NarrowBandsBright", "NarrowBandsDim"}) {
+        const SamplerSubject &scaled = ContestOf(GetParam(), fixture).subject;
+        ASSERT_EQ(scaled.pmf.size(), plain.pmf.size());
+        for (size_t q = 0; q < plain.pmf.size(); ++q)
+            for (size_t i = 0; i < plain.pmf[q].size(); ++i)
+                EXPECT_NEAR(scaled.pmf[q][i], plain.pmf[q][i], 1e-5f + 1e-3f * plain.pmf[q][i])
+                    << fixture << " place " << q << " light " << i;
+    }
+}
+
+TEST_P(LightSamplerScales, ASunOfRealSizeLeavesOthersTheirShare) {
+    if (GetParam() == "power" || GetParam() == "seen") GTEST_SKIP() << "chooses by power, of which the sun has all";
+    const SamplerSubject &s = ContestOf(GetParam(), "SunSphere").subject;
+    for (size_t q = 0; q < s.queries.size(); ++q) {
+        const LightQuery &query = s.queries[q];
+        // Only where both are well above the horizon.
+        if (query.ns != Normal3(0) && !(query.ns.y > 0.8f && query.wo.y * query.ns.y > 0 && query.p.y < 1)) continue;
+        EXPECT_GT(s.pmf[q][0], 0.02f) << q;
+        EXPECT_GT(s.pmf[q][1], 0.02f) << q;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, LightSamplerScales, testing::ValuesIn(Registry().samplers.Names()),
+                         [](const auto &c) { return c.param; });
 
 std::vector<std::string> FixtureNames() {
     std::vector<std::string> names;

@@ -162,6 +162,22 @@ std::string Mixed(double scale) {
     return t.Finish();
 }
 
+/// Lamps that emit in a few nanometres beside one of all wavelengths, on all kinds of lights.
+std::string NarrowBands() {
+    const auto line = [](const char *name, int nm, double scale) {
+        return fmt::format("\"spectrum {}\" [ {} 0 {} 1 {} 0 ] \"float scale\" {}", name, nm - 2, nm, nm + 2, scale);
+    };
+    Text t;
+    t.Rooms().PointLight({-1, 2, 1}, 1);
+    t.Add("LightSource \"point\" \"point3 from\" [ 1 2 1 ] " + line("I", 589, 1));
+    t.Add("LightSource \"spot\" \"point3 from\" [ -2 2 -1 ] \"point3 to\" [ -2 0 0 ] " + line("I", 520, 2));
+    t.Add("LightSource \"distant\" \"point3 from\" [ 1 2 -4 ] " + line("L", 650, 0.5));
+    t.Quad({1, 2.4f, 1}, {1, 0, 0}, {0, 0, 1}, "AreaLightSource \"diffuse\" " + line("L", 450, 2));
+    t.Sphere({-2, 1.5f, 1}, 0.1f, "AreaLightSource \"diffuse\" " + line("L", 700, 3));
+    t.Quad({-2.9f, 1, 0}, {0, 0.2f, 0}, {0, 0, 0.2f}, "AreaLightSource \"diffuse\" " + line("L", 405, 3));
+    return t.Finish();
+}
+
 struct Recipe {
     std::string name;
     std::function<std::string()> text;
@@ -259,6 +275,17 @@ const std::vector<Recipe> &Recipes() {
              return Text().Rooms().Bulb({-1.5f, 1.5f, 1.5f}, 0.5, 50, 100, 1).PointLight({2, 2, 2}, 1).Finish();
          },
          3},
+        {"NarrowBands", NarrowBands},
+        {"SunSphere",
+         [] {
+             // A sun of real size in metres, and lamps.
+             return Text()
+                 .Rooms()
+                 .PointLight({-1, 2, 1}, 1)
+                 .Quad({1, 2.4f, 1}, {1, 0, 0}, {0, 0, 1}, Text::Area(3))
+                 .Sphere({3e10f, 6e10f, -1.3e11f}, 7e8f, Text::Area(1e5))
+                 .Finish();
+         }},
         {"ZeroPower",
          [] {
              return Text()
@@ -297,10 +324,7 @@ const std::vector<Recipe> &Recipes() {
     return recipes;
 }
 
-const SampledWavelengths &Wavelengths() {
-    static const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
-    return lambda;
-}
+const SampledWavelengths &Wavelengths() { return SampledWavelengths::WholeRange(); }
 
 }  // namespace
 

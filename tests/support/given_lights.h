@@ -13,8 +13,8 @@ class GivenLight final : public Light {
           parts_(std::move(parts)) {}
     explicit GivenLight(const LightCandidate &light) : GivenLight(std::vector{light}) {}
     uint32_t PartCount() const override { return static_cast<uint32_t>(parts_.size()); }
-    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t part) const override {
-        return parts_[part].power * lambda.Pdf();
+    LightPower Phi(const SampledWavelengths &, uint32_t part) const override {
+        return {1, SampledSpectrum(parts_[part].power)};
     }
     std::optional<LightLiSample> SampleLi(const LightSampleContext &, const Point2 &, const SampledWavelengths &, bool,
                                           uint32_t) const override {

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "pbrt/core/parallel.h"
-#include "pbrt/lights/light_spectrum.h"
 #include "pbrt/math/rng.h"
 #include "support/statistics.h"
 
@@ -72,7 +71,7 @@ bool SamplerSubject::IsSeenThroughWindows(const LightDistribution &at, LightId i
     const LightSampleContext from{query.p, query.pError, query.n, query.ns, query.time};
     for (int i = 0; i < 64; ++i) {
         const std::optional<LightLiSample> s =
-            (*table)[id].SampleLi(from, {Even(i % 8, 8), Even(i / 8, 8)}, PowerWavelengths(), true);
+            (*table)[id].SampleLi(from, {Even(i % 8, 8), Even(i / 8, 8)}, SampledWavelengths::WholeRange(), true);
         if (s && at.PartTowards(table->SkyOf(id), query.p, s->wi) == id) return true;
     }
     return false;

@@ -1,30 +1,31 @@
 #include "ext/groups/emitter.h"
 
-#include "pbrt/lights/light_spectrum.h"
-
 namespace ext {
 
 namespace {
 
+/// The range of strengths within which G and sums of it neither overflow nor underflow.
+constexpr double kMinStrength = 1e-30, kMaxStrength = 1e30;
+
 /// Moments of a light at infinity, as averages over its own samples.
-void FindMoments(const LightPart &light, Emitter *e) {
+void FindMoments(const LightPart &light, double unit, Emitter *e) {
     constexpr int kSide = 32;
-    const SampledWavelengths lambda = PowerWavelengths();
     LightSampleContext from{};
     double sum = 0;
-    Vector3 first(0);
+    glm::dvec3 first(0);
     for (int i = 0; i < kSide * kSide; ++i) {
         Point2 u((static_cast<Float>(i % kSide) + 0.5f) / kSide, (static_cast<Float>(i / kSide) + 0.5f) / kSide);
-        std::optional<LightLiSample> s = light.SampleLi(from, u, lambda, true);
+        std::optional<LightLiSample> s = light.SampleLi(from, u, SampledWavelengths::WholeRange(), true);
         if (!s || !(s->pdf > 0)) continue;
-        Float value = RootMeanSquare(s->L) / s->pdf;
-        if (!(value > 0) || !std::isfinite(value)) continue;
-        sum += static_cast<double>(value);
-        first += value * s->wi;
+        const double value = RootMeanSquare(s->L) / double(s->pdf);
+        if (!std::isfinite(value)) continue;
+        sum += value;
+        first += value * glm::dvec3(s->wi);
     }
-    e->m0 = static_cast<Float>(sum / (kSide * kSide));
-    e->m1 = first / static_cast<Float>(kSide * kSide);
-    if (e->isDelta && e->m0 > 0) e->m1 = Normalize(e->m1);
+    if (!(sum > 0)) return;
+    const double m0 = std::clamp(sum / (kSide * kSide) / unit, kMinStrength, kMaxStrength);
+    e->m0 = static_cast<Float>(m0);
+    e->m1 = e->isDelta ? Normalize(Vector3(first / sum)) : Vector3(first / sum * m0);
 }
 
 /// The normal of the side the receiver is seen from; zero in a medium.
@@ -68,45 +69,35 @@ constexpr Float kMaxArriving = 1e36f;
     return Ops::Select(cosE == F(0), mean, cut);
 }
 
-/// The candidate's power, with the root mean square of its spectrum in place of the mean.
-Float Strength(const LightPart &first, const LightCandidate &candidate) {
-    const SampledWavelengths lambda = PowerWavelengths();
-    const SampledSpectrum phi = first.Phi(lambda);
-    const Float mean = SafeDivide(phi, lambda.Pdf()).Average();
-    return mean > 0 ? candidate.power * (RootMeanSquare(phi) / mean) : 0;
-}
-
 }  // namespace
 
-Float RootMeanSquare(const SampledSpectrum &s) { return std::sqrt((s * s).Average()); }
-
-Emitter MakeEmitter(const LightPart &first, const LightCandidate &candidate) {
+Emitter MakeEmitter(const LightTable &lights, LightId firstId, const LightCandidate &candidate) {
+    const LightPart first = lights[firstId];
     Emitter e;
     if (candidate.infinite && !first.Opening()) {
         e.isFar = true;
         e.isDelta = first.Kind() == LightKind::DeltaDirection;
-        FindMoments(first, &e);
+        FindMoments(first, lights.Unit(), &e);
         return e;
     }
-    const Float power = Strength(first, candidate);
     if (std::optional<LightBounds> opening = first.Opening()) {
         // What shines through it shines from it: power / pi is radiance times area, as for a flat area light.
         e.bounds = opening;
         e.isArea = true;
-        e.intensity = power * InvPi;
+        e.intensity = candidate.power * InvPi;
         return e;
     }
     if (!candidate.bounds || !(candidate.bounds->phi > 0)) return e;
     e.bounds = candidate.bounds;
     e.isArea = first.Kind() == LightKind::Area;
     if (e.isArea) {
-        e.intensity = power * InvPi / (candidate.bounds->twoSided ? 2 : 1);
+        e.intensity = candidate.power * InvPi / (candidate.bounds->twoSided ? 2 : 1);
     } else {
         // Full strength within theta_o, half of it on average in the falloff.
         Float inner = SafeACos(candidate.bounds->cosTheta_o),
               outer = std::min(inner + SafeACos(candidate.bounds->cosTheta_e), Pi);
         Float solidAngle = Pi * ((1 - std::cos(inner)) + (1 - std::cos(outer)));
-        e.intensity = power / std::max(solidAngle, Float(1e-4));
+        e.intensity = candidate.power / std::max(solidAngle, Float(1e-4));
     }
     return e;
 }
@@ -133,7 +124,7 @@ void EmitterPacket::Set(size_t lane, const Emitter &e) {
     axisY[lane] = s.w.y;
     axisZ[lane] = s.w.z;
     Float shown = e.isArea ? (1 + 3 * (1 + s.cosTheta_o) / 2) / 4 : Float(1);
-    intensity[lane] = std::clamp(e.intensity * shown, Float(1e-30f), Float(1e30f));
+    intensity[lane] = std::clamp(e.intensity * shown, Float(kMinStrength), Float(kMaxStrength));
     inside[lane] = std::min(intensity[lane] / std::max(radius2[lane], Float(1e-30f)), kMaxArriving) / 4;
     side[lane] = s.twoSided ? -1 : 1;
     // Normals that differ by rounding only are one normal (kSlack is larger).

@@ -9,11 +9,12 @@
 namespace ext {
 using namespace pbrt;
 
-/// What the estimate G of the unoccluded contribution needs to know of a light, or of several together.
+/// What the estimate G of the unoccluded contribution needs to know of a light, or of several together. Powers are over
+/// LightTable::Unit().
 struct Emitter {
     std::optional<LightBounds> bounds;  ///< of the portal if there is one; empty: at infinity, or dark
     bool isArea = false;
-    /// Of a flat emitter: radiance times area; of a point light: intensity. Spectra become numbers by RootMeanSquare.
+    /// Of a flat emitter: radiance times area; of a point light: intensity.
     Float intensity = 0;
 
     bool isFar = false, isDelta = false;
@@ -21,17 +22,13 @@ struct Emitter {
     Vector3 m1{0};  ///< far: the same times the direction (delta: the direction)
 };
 
-/// The root mean square of a spectrum at PowerWavelengths(). Not the mean, because errors are squared channel by
-/// channel: a saturated light counts for more than its mean.
-Float RootMeanSquare(const SampledSpectrum &s);
-
-/// The emitter of a candidate; `first` is one of the candidate's lights.
-Emitter MakeEmitter(const LightPart &first, const LightCandidate &candidate);
+/// The emitter of a candidate of the table; `first` is one of the candidate's lights.
+Emitter MakeEmitter(const LightTable &lights, LightId first, const LightCandidate &candidate);
 /// An emitter that stands for both. Neither may be far.
 Emitter Union(const Emitter &a, const Emitter &b);
 
-/// G: an estimate of the light that arrives at a point if nothing is in the way, in the units of irradiance. For an
-/// emitter in a sphere (centre c, radius r, at distance d, s = r / d the sine of its half angle):
+/// G: an estimate of the light that arrives at a point if nothing is in the way: irradiance over LightTable::Unit().
+/// For an emitter in a sphere (centre c, radius r, at distance d, s = r / d the sine of its half angle):
 ///
 ///   G = I C(axis, -w) C(n, w) / max(d^2, r^2),   w towards c
 ///

@@ -16,7 +16,7 @@ std::vector<Emitter> GroupImportance::EmittersOf(const LightGroups &groups) {
     std::vector<Emitter> emitters;
     emitters.reserve(groups.Size());
     for (uint32_t g = 0; g < groups.Size(); ++g)
-        emitters.push_back(MakeEmitter(groups.Lights()[LightId(groups.FirstOf(g))], groups.Candidate(g)));
+        emitters.push_back(MakeEmitter(groups.Lights(), LightId(groups.FirstOf(g)), groups.Candidate(g)));
     return emitters;
 }
 
@@ -24,7 +24,7 @@ std::vector<Emitter> GroupImportance::EmittersIn(const LightGroups &groups, uint
     const LightTable &lights = groups.Lights();
     std::vector<Emitter> emitters;
     for (uint32_t i = groups.FirstOf(group), end = i + groups.CountOf(group); i < end; ++i)
-        emitters.push_back(MakeEmitter(lights[LightId(i)], lights.Candidate(LightId(i))));
+        emitters.push_back(MakeEmitter(lights, LightId(i), lights.Candidate(LightId(i))));
     return emitters;
 }
 

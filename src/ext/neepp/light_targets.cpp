@@ -66,7 +66,7 @@ uint32_t LightTargets::SkyTarget(uint32_t part) {
 
 LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const LightGroups &groups) {
     const LightTable &lights = scene.Lights();
-    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    const SampledWavelengths &lambda = SampledWavelengths::WholeRange();
     const Bounds3 bounds = scene.Bounds().IsEmpty() ? Bounds3(Point3(0)) : scene.Bounds();
     LightSampleContext center;
     center.p = bounds.Center();

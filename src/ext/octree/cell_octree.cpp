@@ -8,8 +8,9 @@ CellOctree::CellOctree(const Bounds3 &bounds) {
     if (bounds.IsEmpty()) return;
     low_ = bounds.low;
     for (int i = 0; i < 3; ++i) {
-        Float extent = bounds.high[i] - bounds.low[i];
-        scale_[i] = extent > 0 ? static_cast<Float>(1 << MaxDepth) / extent : 0;
+        const Float scale = static_cast<Float>(1 << MaxDepth) / (bounds.high[i] - bounds.low[i]);
+        // Infinite if the box has no extent, or too little to be divided.
+        scale_[i] = std::isfinite(scale) ? scale : 0;
     }
 }
 

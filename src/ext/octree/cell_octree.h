@@ -46,10 +46,11 @@ class CellOctree {
     size_t Bytes() const { return nodes_.capacity() * sizeof(uint32_t); }
     bool operator==(const CellOctree &o) const = default;
 
-    /// Cell coordinates at the deepest level.
+    /// Cell coordinates at the deepest level; 0 where p is not a number.
     glm::uvec3 Quantize(const Point3 &p) const {
         constexpr Float kMax = (1 << MaxDepth) - 1;
-        return glm::uvec3(glm::clamp((p - low_) * scale_, Vector3(0), Vector3(kMax)));
+        // The order of the arguments matters: max(0, NaN) is 0.
+        return glm::uvec3(glm::min(glm::max(Vector3(0), (p - low_) * scale_), Vector3(kMax)));
     }
     static uint32_t TopCell(const glm::uvec3 &q) {
         constexpr int bit = MaxDepth - 2;
@@ -83,7 +84,7 @@ class CellOctree {
     }
     static constexpr uint32_t LeafBit = 0x80000000u;
     Point3 low_{0, 0, 0};
-    Vector3 scale_{0, 0, 0};  ///< to quantised units
+    Vector3 scale_{0, 0, 0};  ///< to quantised units; 0 along axes that are not divided
     std::vector<uint32_t> nodes_ =
         std::vector<uint32_t>(TopCount, LeafBit);  ///< LeafBit | row, or index of the first child
 };

@@ -59,8 +59,7 @@ void PaperOctreeLightSampler::Prepare(PrepareContext &context) {
             Point2 u = rng.Uniform2();
             LightId light = groups_.SampleLight(g, uLight);
             if (Float share = groups_.ShareOf(light); share > 0)
-                sum[g] += static_cast<double>(
-                    VisibleMean(VisibleContribution(context.scene, vertices[index], light, u)) / share);
+                sum[g] += VisibleContribution(context.scene, vertices[index], light, u) / double(share);
         }
         if (index % 64 == 0) context.progress.Advance(64);
     });

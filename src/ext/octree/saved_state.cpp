@@ -155,13 +155,13 @@ void SkyCells::Save(StateWriter &writer) const {
     writer.Vector(keys_);
     writer.Vector(halves_);
     Writing{writer}(traced_, left_, tileCount_);
-    std::vector<uint64_t> counts(counts_ ? numbers_.size() : 0);
+    std::vector<uint64_t> counts(CountCount());
     for (size_t i = 0; i < counts.size(); ++i) counts[i] = counts_[i].load(std::memory_order_relaxed);
     writer.CopyOfVector(counts);
 }
 
 void SkyCells::TakeFound(StateWriter &writer) {
-    const size_t lanes = counts_ ? numbers_.size() : 0;
+    const size_t lanes = CountCount();
     std::vector<std::pair<uint32_t, uint64_t>> counted;
     for (size_t i = 0; i < lanes; ++i)
         if (const uint64_t count = counts_[i].exchange(0, std::memory_order_relaxed); count > 0)
@@ -171,7 +171,7 @@ void SkyCells::TakeFound(StateWriter &writer) {
 }
 
 void SkyCells::AddFound(StateReader &reader) {
-    const size_t lanes = counts_ ? numbers_.size() : 0;
+    const size_t lanes = CountCount();
     if (reader.Value<uint64_t>() != lanes) reader.Refuse();
     for (auto counted = reader.Value<uint64_t>(); counted > 0; --counted) {
         const auto lane = reader.Value<uint32_t>();
@@ -209,12 +209,12 @@ void SkyCells::Load(StateReader &reader, const Settings &settings) {
     reader.Vector(&counts);
     const size_t lanes = packets_.size() * kLanes;
     if (rows_.size() != cells_.size() || visible_.size() != cells_.size() || numbers_.size() != lanes ||
-        keys_.size() != lanes || halves_.size() != lanes || (!counts.empty() && counts.size() != lanes))
+        keys_.size() != lanes || halves_.size() != lanes || (!counts.empty() && counts.size() != 2 * lanes))
         reader.Refuse();
     counts_.reset();
     if (!counts.empty()) {
-        counts_.reset(new std::atomic<uint64_t>[lanes]());
-        for (size_t i = 0; i < lanes; ++i) counts_[i].store(counts[i], std::memory_order_relaxed);
+        counts_.reset(new std::atomic<uint64_t>[2 * lanes]());
+        for (size_t i = 0; i < counts.size(); ++i) counts_[i].store(counts[i], std::memory_order_relaxed);
     }
 }
 

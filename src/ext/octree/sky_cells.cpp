@@ -45,10 +45,11 @@ void SkyCells::TakeCounts() {
                 SkyCut &cut = cells_[c].cuts[k];
                 const size_t first = rows_[c].first[k] * kLanes;
                 for (size_t t = 0; t < cut.Tiles().size(); ++t) {
-                    const uint64_t count = counts_[first + t].exchange(0, std::memory_order_relaxed);
-                    if (count == 0) continue;
-                    const uint64_t n = count % kLeft, h = count / kLeft;
-                    cut.Add(t, static_cast<uint32_t>(n), static_cast<uint32_t>(h));
+                    std::atomic<uint64_t> *const counts = counts_.get() + 2 * (first + t);
+                    const uint64_t h = counts[1].exchange(0, std::memory_order_relaxed);
+                    const uint64_t n = counts[0].exchange(0, std::memory_order_relaxed) + h;
+                    if (n == 0) continue;
+                    cut.Add(t, n, h);
                     traced[c] += n;
                     left[c] += h;
                 }
@@ -198,7 +199,7 @@ void SkyCells::MakeRows(std::span<const SkyTiles> skies) {
     numbers_.assign(packets * kLanes, 0);
     keys_.assign(packets * kLanes, kNoKey);
     halves_.assign(packets * kLanes, 0);
-    counts_.reset(new std::atomic<uint64_t>[packets * kLanes]());
+    counts_.reset(new std::atomic<uint64_t>[2 * packets * kLanes]());
     ParallelFor(static_cast<int64_t>(cells_.size()), 32, [&](int64_t begin, int64_t end) {
         for (auto c = static_cast<size_t>(begin); c < static_cast<size_t>(end); ++c) {
             bool isOpen = true;
@@ -273,7 +274,7 @@ size_t SkyCells::Bytes() const {
     size_t bytes = octree_.Bytes() + rows_.capacity() * sizeof(Row) + packets_.capacity() * sizeof(Packet) +
                    (numbers_.capacity() + keys_.capacity()) * sizeof(uint32_t) + halves_.capacity() +
                    visible_.capacity() * sizeof(visible_[0]) + cells_.capacity() * sizeof(Cell);
-    if (counts_) bytes += numbers_.size() * sizeof(uint64_t);
+    bytes += CountCount() * sizeof(uint64_t);
     for (const Cell &cell : cells_)
         for (const SkyCut &cut : cell.cuts) bytes += cut.Tiles().capacity() * sizeof(SkyCut::Tile);
     return bytes;

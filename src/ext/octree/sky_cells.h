@@ -62,7 +62,7 @@ class SkyCells {
 
     /// Counts a ray towards a tile. Any thread at any time, but not while Learn works.
     void Count(size_t lane, bool left) const {
-        counts_[lane].fetch_add(left ? kLeft + 1 : 1, std::memory_order_relaxed);
+        counts_[2 * lane + (left ? 1 : 0)].fetch_add(1, std::memory_order_relaxed);
     }
     /// Learns from what was counted. `divides`: cells that many rays were counted in are divided.
     void Learn(std::span<SkyTiles> skies, bool divides);
@@ -89,7 +89,6 @@ class SkyCells {
     void AddFound(StateReader &reader);
 
   private:
-    static constexpr uint64_t kLeft = uint64_t(1) << 32;
     struct Cell {
         std::vector<SkyCut> cuts;  ///< of each sky
         uint64_t rays = 0;         ///< since the cell was made
@@ -102,6 +101,7 @@ class SkyCells {
     void Adapt(std::span<SkyTiles> skies);
     void Divide(std::span<const SkyTiles> skies);
     void MakeRows(std::span<const SkyTiles> skies);
+    size_t CountCount() const { return counts_ ? 2 * numbers_.size() : 0; }
     void MakeHalves(size_t firstLane, size_t tiles);
 
     Settings settings_;
@@ -112,7 +112,7 @@ class SkyCells {
     std::vector<std::array<Float, kMaxSkies>> visible_;  ///< per cell
     std::vector<uint32_t> numbers_, keys_;               ///< per lane
     std::vector<uint8_t> halves_;                        ///< per lane: a node of the row's binary tree
-    std::unique_ptr<std::atomic<uint64_t>[]> counts_;
+    std::unique_ptr<std::atomic<uint64_t>[]> counts_;    ///< per lane: rays that met something, rays that left
     uint64_t traced_ = 0, left_ = 0;
     size_t tileCount_ = 0;
 };

@@ -70,7 +70,7 @@ SkyChoice::SkyChoice(const LightTable &lights, const SkyCells::Settings &setting
         if (tiles.IsBlack()) continue;
         const LightId sky = tiles.Sky();
         skies_.push_back(std::move(tiles));
-        wholeIsSampled_.push_back(MakeEmitter(lights[sky], lights.Candidate(sky)).m0 > 0);
+        wholeIsSampled_.push_back(MakeEmitter(lights, sky, lights.Candidate(sky)).m0 > 0);
     }
 }
 
@@ -177,13 +177,13 @@ void SkyChoice::LookFrom(const PrepareContext &context, std::span<const PrepassV
     LightMemory memory;
     const Weights &weights = *Weigh(QueryAt(vertex), memory);
     Rng rng(Hash(kStream, context.seed, i));
-    const SampledWavelengths lambda = PowerWavelengths();
     for (size_t k = 0; k < Count(); ++k)
         for (int t = 0; t < side * side; ++t) {
             Point2 u = (Point2(t % side, t / side) + rng.Uniform2()) / static_cast<Float>(side);
             const std::optional<SampledLight> tile = Sample(weights, k, &u);
             if (!tile) continue;
-            std::optional<LightLiSample> s = lights_[tile->light].SampleLi(vertex.at, u, lambda, true);
+            std::optional<LightLiSample> s =
+                lights_[tile->light].SampleLi(vertex.at, u, SampledWavelengths::WholeRange(), true);
             if (!s) continue;
             const Float cosine = Dot(s->wi, vertex.at.ns);
             if (vertex.at.ns != Normal3(0) && !vertex.transmits && cosine * Dot(vertex.wo, vertex.at.ns) <= 0) continue;

@@ -152,8 +152,7 @@ void SkyCut::Join(size_t first, const SkyTiles &sky) {
         light += e;
         before += e * static_cast<double>(tiles_[i].before);
         visible += e * static_cast<double>(tiles_[i].visible);
-        whole.traced += tiles_[i].traced;
-        whole.left += tiles_[i].left;
+        whole.Add(tiles_[i].traced, tiles_[i].left);
     }
     whole.before = static_cast<float>(before / light);
     whole.visible = static_cast<float>(visible / light);

@@ -32,6 +32,12 @@ class SkyCut {
         uint32_t number = 0;
         float before = 1, visible = 1;
         uint32_t traced = 0, left = 0;
+        /// Beyond 2^32 rays only the share that left is kept.
+        void Add(uint64_t moreTraced, uint64_t moreLeft) {
+            moreTraced += traced, moreLeft += left;
+            for (; moreTraced > std::numeric_limits<uint32_t>::max(); moreTraced /= 2) moreLeft /= 2;
+            traced = static_cast<uint32_t>(moreTraced), left = static_cast<uint32_t>(moreLeft);
+        }
     };
     SkyCut() = default;
     SkyCut(std::span<const uint32_t> numbers, float visible) {
@@ -41,10 +47,7 @@ class SkyCut {
     explicit SkyCut(std::vector<Tile> tiles) : tiles_(std::move(tiles)) {}
 
     const std::vector<Tile> &Tiles() const { return tiles_; }
-    void Add(size_t tile, uint32_t traced, uint32_t left) {
-        tiles_[tile].traced += traced;
-        tiles_[tile].left += left;
-    }
+    void Add(size_t tile, uint64_t traced, uint64_t left) { tiles_[tile].Add(traced, left); }
     /// Finds v of all tiles. `near`: the cuts of the same sky in the cells around: where one of them sees a tile, this
     /// one may see it as well.
     void Estimate(const SkyTiles &sky, std::span<const SkyCut *const> near);

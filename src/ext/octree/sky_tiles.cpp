@@ -4,7 +4,6 @@
 #include <queue>
 
 #include "pbrt/core/parallel.h"
-#include "pbrt/lights/light_spectrum.h"
 
 namespace ext {
 
@@ -37,16 +36,15 @@ SkyTiles::Tile SkyTiles::Measure(uint32_t number) const {
     // Samples follow the pixels' mean of R, G, B, so what they find over their density differs by the colour only.
     constexpr int kSide = 4;
     const LightPart light = (*lights_)[IdOf(number)];
-    const SampledWavelengths lambda = PowerWavelengths();
     double sum = 0;
     for (int i = 0; i < kSide * kSide; ++i) {
         const Point2 u((static_cast<Float>(i % kSide) + 0.5f) / kSide, (static_cast<Float>(i / kSide) + 0.5f) / kSide);
-        std::optional<LightLiSample> s = light.SampleLi({}, u, lambda, true);
+        std::optional<LightLiSample> s = light.SampleLi({}, u, SampledWavelengths::WholeRange(), true);
         if (!s || !(s->pdf > 0)) continue;
-        const Float value = RootMeanSquare(s->L) / s->pdf;
-        if (std::isfinite(value)) sum += static_cast<double>(value);
+        const double value = RootMeanSquare(s->L) / double(s->pdf);
+        if (std::isfinite(value)) sum += value;
     }
-    tile.irradiance = static_cast<Float>(std::min(sum / (kSide * kSide), 1e30));
+    tile.irradiance = static_cast<Float>(std::min(sum / (kSide * kSide) / lights_->Unit(), 1e30));
 
     // The cone must hold the whole tile: its border is followed in steps.
     constexpr int kSteps = 16;

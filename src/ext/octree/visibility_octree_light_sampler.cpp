@@ -91,12 +91,22 @@ std::vector<Emitter> VisibilityOctreeLightSampler::LampEmitters() const {
 VisibilityOctreeLightSampler::~VisibilityOctreeLightSampler() = default;
 
 double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context) const {
-    if (params_.prepassspp > 0) return params_.prepassspp;
+    if (params_.prepassspp > 0) {
+        const double most = static_cast<double>(std::numeric_limits<uint32_t>::max());
+        const double rays = static_cast<double>(context.pixelBounds.Area()) * params_.prepassspp * depth_ *
+                            static_cast<double>(Tries());
+        if (rays > most)
+            throw UserError(
+                fmt::format("octree: \"prepassspp\" = {} may trace {:.2g} shadow rays before the render; the "
+                            "most that can be stored are {:.2g}, so at most {} is possible here.",
+                            params_.prepassspp, rays, most, std::floor(params_.prepassspp * most / rays)));
+        return params_.prepassspp;
+    }
     PrepassEffort effort;
     effort.lights = groups_.Size();
     effort.triesPerVertex = Tries();
     effort.skyTries = SkyCount() * kSkySide * kSkySide;
-    effort.depth = std::min(params_.depth, std::max(1, context.maxDepth));
+    effort.depth = depth_;
     effort.pixels = static_cast<double>(std::max<int64_t>(1, context.pixelBounds.Area()));
     effort.samplesPerPixel = context.samplesPerPixel;
     effort.budget = static_cast<double>(params_.budget);
@@ -244,7 +254,8 @@ void VisibilityOctreeLightSampler::EndLearning() {
 void VisibilityOctreeLightSampler::Found(PathPlaces &path, const LightQuery &query, const SampledLight &light,
                                          const SampledSpectrum &found) {
     if (!(light.unoccluded > 0)) return;
-    const Float ratio = RootMeanSquare(found) / light.unoccluded, weight = light.weight / static_cast<Float>(Tries());
+    const auto ratio = static_cast<Float>(RootMeanSquare(found) / groups_.Lights().Unit() / double(light.unoccluded));
+    const Float weight = light.weight / static_cast<Float>(Tries());
     if (!std::isfinite(ratio) || !std::isfinite(weight)) return;
     found_.Add(path, query.p, query.ns == Normal3(0), {groups_.GroupOf(light.light), weight, weight, ratio});
 }

@@ -14,14 +14,18 @@ constexpr int64_t kChunk = 256;
 
 /// The contribution of a group that one light sample finds, drawn as in the render: what arrives, over the probability
 /// of the light within the group.
-Float SampleGroup(const Scene &scene, const PrepassVertex &vertex, const LightQuery &query,
-                  const MeshInterior &interior, uint32_t group, Rng &rng) {
+double SampleGroup(const Scene &scene, const PrepassVertex &vertex, const LightQuery &query,
+                   const MeshInterior &interior, uint32_t group, Rng &rng) {
     Float uLight = rng.Uniform();
     Point2 u = rng.Uniform2();
     std::optional<SampledLight> light = interior.Sample(group, query, uLight);
     if (!light) return 0;
-    Float value = RootMeanSquare(VisibleContribution(scene, vertex, light->light, u)) / light->pmf;
-    return std::isfinite(value) ? value : 0;
+    return VisibleContribution(scene, vertex, light->light, u) / double(light->pmf);
+}
+
+Float RatioOf(double found, Float g) {
+    const auto ratio = static_cast<Float>(found / static_cast<double>(g));
+    return std::isfinite(ratio) ? ratio : 0;
 }
 
 /// Processes that prepare together share the chunks.
@@ -111,7 +115,8 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
         for (uint32_t i = 0; i < groups.Size(); ++i) {
             if (!(g[i] > 0)) continue;
             Float share = g[i] / sum;
-            out.tries.push_back({i, share, share, SampleGroup(context.scene, vertex, query, interior, i, rng) / g[i]});
+            const double found = SampleGroup(context.scene, vertex, query, interior, i, rng);
+            out.tries.push_back({i, share, share, RatioOf(found, g[i])});
         }
     };
     auto lookAtSome = [&](const PrepassVertex &vertex, const LightQuery &query, Rng &rng, VisibilityRecords &out) {
@@ -124,10 +129,10 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
             std::optional<SampledLight> drawn = draws.Draw(std::min(u, OneMinusEpsilon));
             if (!drawn) continue;
             const Float g = importance.Of(query, drawn->light.value);
-            Float found = g > 0 ? SampleGroup(context.scene, vertex, query, interior, drawn->light.value, rng) / g : 0;
             if (!(g > 0)) continue;
+            const double found = SampleGroup(context.scene, vertex, query, interior, drawn->light.value, rng);
             total += static_cast<double>(g / drawn->pmf);
-            out.tries.push_back({drawn->light.value, g, g / drawn->pmf, found});
+            out.tries.push_back({drawn->light.value, g, g / drawn->pmf, RatioOf(found, g)});
         }
         // The unoccluded sum is estimated from the draws.
         const double unoccluded = total / static_cast<double>(perRecord);

@@ -8,7 +8,6 @@
 #include "ext/octree/visibility_tree_builder.h"
 #include "ext/octree/window_search.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/lights/light_spectrum.h"
 #include "pbrt/lightsamplers/weighted_choice.h"
 #include "pbrt/math/rng.h"
 
@@ -19,21 +18,20 @@ namespace {
 constexpr uint64_t kStream = 0x77696e646f77;
 
 /// The unit of G over that of the mean radiance.
-Float PerMeanRadiance(const Light &sky) {
-    const SampledWavelengths lambda = PowerWavelengths();
+Float PerMeanRadiance(const Light &sky, double unit) {
     constexpr int kSide = 8;
     double sum = 0;
     int count = 0;
     for (int i = 0; i < kSide * kSide; ++i) {
         const Point2 u((static_cast<Float>(i % kSide) + Float(0.5)) / kSide,
                        (static_cast<Float>(i / kSide) + Float(0.5)) / kSide);
-        const std::optional<LightLiSample> s = sky.SampleLi({}, u, lambda, false);
+        const std::optional<LightLiSample> s = sky.SampleLi({}, u, SampledWavelengths::WholeRange(), false);
         const Float mean = s ? sky.MeanRadianceAt(sky.SquareTowards(s->wi)) : 0;
         if (!(mean > 0)) continue;
-        sum += static_cast<double>(RootMeanSquare(s->L) / mean);
+        sum += RootMeanSquare(s->L) / static_cast<double>(mean);
         ++count;
     }
-    return count > 0 ? static_cast<Float>(sum / count) : 0;
+    return count > 0 ? static_cast<Float>(sum / count / unit) : 0;
 }
 
 /// The mean clamped cosine over a sphere around the window, as for lamps (EmitterPacket): 0 only where all of it is
@@ -111,8 +109,8 @@ WindowChoice::WindowChoice(const LightTable &lights, std::span<const LightId> sk
         const auto known = lights.Skies();
         OfSky sky;
         sky.index = static_cast<size_t>(std::find(known.begin(), known.end(), id) - known.begin());
-        sky.whole = MakeEmitter(lights[id], lights.Candidate(id));
-        sky.perMean = PerMeanRadiance(lights[id].Whole());
+        sky.whole = MakeEmitter(lights, id, lights.Candidate(id));
+        sky.perMean = PerMeanRadiance(lights[id].Whole(), lights.Unit());
         skies_.push_back(sky);
     }
 }
@@ -165,9 +163,8 @@ bool WindowChoice::Learn(PrepareContext &context, std::span<const PrepassVertex>
                     const Point2 u = rng.Uniform2();
                     if (!(g[i] > 0)) continue;
                     sum += g[i];
-                    const SampledSpectrum found =
-                        VisibleContribution(context.scene, vertices[v], PartId(skies_[k], i), u);
-                    const Float ratio = RootMeanSquare(found) / g[i];
+                    const auto ratio = static_cast<Float>(
+                        VisibleContribution(context.scene, vertices[v], PartId(skies_[k], i), u) / double(g[i]));
                     tries[v].push_back(
                         {static_cast<uint32_t>(k * PartCount() + i), g[i], g[i], std::isfinite(ratio) ? ratio : 0});
                 }

@@ -53,8 +53,7 @@ void OracleLightSampler::Prepare(PrepareContext &context) {
 }
 
 const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &memory) const {
-    static const SampledWavelengths middle = SampledWavelengths::SampleVisible(0.5f);
-    const SampledWavelengths &lambda = query.bsdf && query.lambda ? *query.lambda : middle;
+    const SampledWavelengths &lambda = query.bsdf && query.lambda ? *query.lambda : SampledWavelengths::WholeRange();
     const LightSampleContext from{query.p, query.pError, query.n, query.ns, query.time};
     const size_t groupCount = groups_.Size();
     const auto k = static_cast<size_t>(params_.samples);
@@ -84,11 +83,10 @@ const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &m
             const bool findable = params_.mis && !IsDelta(light.Kind());
             Scattered scattered = ScatteredTo(query, sample->wi, findable);
             const Float pLight = chosen->pmf * sample->pdf;
-            // The root mean square over the wavelengths, because errors are squared wavelength by wavelength
-            // (emitter.h).
-            Float value = RootMeanSquare(sample->L * scattered.fCos) / pLight;
+            // The root mean square over the wavelengths, because errors are squared wavelength by wavelength.
+            const double value = RootMeanSquare(sample->L * scattered.fCos) / double(pLight) / scene_->Lights().Unit();
             if (!(value > 0) || !std::isfinite(value) || scene_->Occluded(from, *sample)) continue;
-            points[g * k + i] = {value, findable ? scattered.pdf / pLight : 0};
+            points[g * k + i] = {static_cast<Float>(value), findable ? scattered.pdf / pLight : 0};
         }
     }
     rays_.fetch_add(counters.shadowRays - before.shadowRays, std::memory_order_relaxed);

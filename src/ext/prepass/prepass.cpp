@@ -1,7 +1,6 @@
 #include "ext/prepass/prepass.h"
 
 #include "ext/prepass/prepass_paths.h"
-#include "pbrt/lights/light_spectrum.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/paths/path_walk.h"
 #include "pbrt/paths/shadow_transmittance.h"
@@ -86,22 +85,21 @@ std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double sam
     return all;
 }
 
-SampledSpectrum VisibleContribution(const Scene &scene, const PrepassVertex &vertex, LightId light, const Point2 &u) {
-    static const SampledWavelengths lambda = PowerWavelengths();
+double VisibleContribution(const Scene &scene, const PrepassVertex &vertex, LightId light, const Point2 &u) {
+    const SampledWavelengths &lambda = SampledWavelengths::WholeRange();
     std::optional<LightLiSample> sample = scene.Lights()[light].SampleLi(vertex.at, u, lambda, true);
-    if (!sample || !sample->L || !(sample->pdf > 0)) return SampledSpectrum(0);
+    if (!sample || !sample->L || !(sample->pdf > 0)) return 0;
     const Float cosine = vertex.phase ? Float(1) : Dot(sample->wi, vertex.at.ns);
-    if (!vertex.transmits && cosine * Dot(vertex.wo, vertex.at.ns) <= 0) return SampledSpectrum(0);
+    if (!vertex.transmits && cosine * Dot(vertex.wo, vertex.at.ns) <= 0) return 0;
     // Le G / p by area equals Le cos / p by solid angle.
-    const SampledSpectrum value = sample->L * (std::abs(cosine) / sample->pdf);
-    if (!(value.Average() > 0) || !std::isfinite(value.Average())) return SampledSpectrum(0);
-    if (!scene.HasMedia()) return scene.Occluded(vertex.at, *sample) ? SampledSpectrum(0) : value;
+    const double value =
+        RootMeanSquare(sample->L) * double(std::abs(cosine)) / double(sample->pdf) / scene.Lights().Unit();
+    if (!(value > 0) || !std::isfinite(value)) return 0;
+    if (!scene.HasMedia()) return scene.Occluded(vertex.at, *sample) ? 0 : value;
     const MediumId medium = Dot(sample->wi, vertex.at.n) > 0 ? vertex.outside : vertex.inside;
     Rng rng(Hash(vertex.at.p, u));
     const ShadowTransmittance through = TraceShadow(scene, vertex.at, medium, *sample, lambda, rng);
-    return value * through.value / through.rl.Average();
+    return value * RootMeanSquare(through.value / through.rl.Average());
 }
-
-Float VisibleMean(const SampledSpectrum &s) { return SafeDivide(s, PowerWavelengths().Pdf()).Average(); }
 
 }  // namespace ext

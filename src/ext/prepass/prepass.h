@@ -26,11 +26,9 @@ LightQuery QueryAt(const PrepassVertex &vertex);
 /// "prepass".
 std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double samplesPerPixel, int depth);
 
-/// The paper's Eq. 5 for one light: Le G V / p at a light point drawn with `u`, at PowerWavelengths(). 0 if the surface
-/// is opaque and the light arrives on the side that is not seen. In a medium there is no cosine, and V is what media
-/// between the points let through, too, as ratio tracking finds it.
-SampledSpectrum VisibleContribution(const Scene &scene, const PrepassVertex &vertex, LightId light, const Point2 &u);
-/// Mean over the visible range of a spectrum at PowerWavelengths(), as LightCandidate::power.
-Float VisibleMean(const SampledSpectrum &s);
+/// The paper's Eq. 5 for one light: Le G V / p at a light point drawn with `u`, over LightTable::Unit(). Le is that of
+/// SampledWavelengths::WholeRange(). 0 if the surface is opaque and the light arrives on the side that is not seen. In
+/// a medium there is no cosine, and V is what media between the points let through, too, as ratio tracking finds it.
+double VisibleContribution(const Scene &scene, const PrepassVertex &vertex, LightId light, const Point2 &u);
 
 }  // namespace ext

@@ -21,7 +21,7 @@ constexpr double kPlain = 0.1;
 
 struct Find {
     uint32_t group;
-    Float value;
+    double value;
 };
 
 /// One camera path, and what it finds.
@@ -111,7 +111,7 @@ class SeenPath {
 
     /// `densities`: as SpectralWeights::ru.
     void Add(const SampledSpectrum &L, LightId light, const SampledSpectrum &densities) {
-        const Float value = SafeDivide(L, lambda_.Pdf()).Average() / densities.Average();
+        const double value = double(SafeDivide(L, lambda_.Pdf()).Average()) / double(densities.Average());
         if (value > 0 && std::isfinite(value)) finds_.push_back({chooser_.Groups().GroupOf(light), value});
     }
 
@@ -184,7 +184,7 @@ std::vector<SeenLight> FindSeenLight(PrepareContext &context, const GroupLightSa
     });
     double sum = 0, count = 0, all = 0;
     for (Tile &t : perTile) {
-        for (const Find &f : t.finds) t.sum += static_cast<double>(f.value);
+        for (const Find &f : t.finds) t.sum += f.value;
         sum += t.sum;
         count += static_cast<double>(t.finds.size());
         all += static_cast<double>(t.paths);
@@ -195,7 +195,7 @@ std::vector<SeenLight> FindSeenLight(PrepareContext &context, const GroupLightSa
             const double largest = kLargest * sum / count;
             const double brightness = t.sum / std::max(1.0, static_cast<double>(t.paths)) / (sum / all) + kPlain;
             for (const Find &f : t.finds) {
-                seen[f.group].sum += std::min(static_cast<double>(f.value), largest) / (brightness * brightness);
+                seen[f.group].sum += std::min(f.value, largest) / (brightness * brightness);
                 ++seen[f.group].count;
             }
         }

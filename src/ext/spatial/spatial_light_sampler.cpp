@@ -50,7 +50,6 @@ void SpatialLightSampler::Prepare(PrepareContext &context) {
 }
 
 std::vector<double> SpatialLightSampler::UnshadowedContributions(uint32_t voxel) const {
-    static const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     Rng rng(Hash(kStream, seed_, voxel));
     Vector3 shiftPlace{rng.Uniform(), rng.Uniform(), rng.Uniform()};
     Float shiftMember = rng.Uniform();
@@ -65,11 +64,12 @@ std::vector<double> SpatialLightSampler::UnshadowedContributions(uint32_t voxel)
         Point2 u(Shifted(point.uLight.x, shiftLight.x), Shifted(point.uLight.y, shiftLight.y));
         for (uint32_t g = 0; g < mean.size(); ++g) {
             LightId light = groups_.SampleLight(g, uMember);
-            std::optional<LightLiSample> sample = lights_[light].SampleLi(from, u, lambda, true);
+            std::optional<LightLiSample> sample =
+                lights_[light].SampleLi(from, u, SampledWavelengths::WholeRange(), true);
             if (!sample || !sample->L || !(sample->pdf > 0)) continue;
             // Le G / p by area equals Le / p by solid angle where there is no cosine at the point.
-            Float value = SafeDivide(sample->L, lambda.Pdf()).Average() / (sample->pdf * groups_.ShareOf(light));
-            if (value > 0 && std::isfinite(value)) mean[g] += static_cast<double>(value);
+            const double value = RootMeanSquare(sample->L) / (double(sample->pdf) * double(groups_.ShareOf(light)));
+            if (std::isfinite(value)) mean[g] += value;
         }
     }
     for (double &m : mean) m /= static_cast<double>(points_.size());

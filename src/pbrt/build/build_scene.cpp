@@ -143,8 +143,7 @@ SceneParts MakeParts(SceneDescription &d, const BuildOptions &options, const Tra
 }
 
 /// Makes the scene, ready for rays, from parts without errors.
-std::unique_ptr<Scene> MakeScene(SceneParts parts, const SceneDescription &d, const LightNames &lightNames,
-                                 DiagnosticSink &sink) {
+std::unique_ptr<Scene> MakeScene(SceneParts parts, const SceneDescription &d, DiagnosticSink &sink) {
     if (parts.lights->Size() == 0) sink.Warning({}, "the scene has no lights: the image will be black.");
     try {
         parts.accel->Commit();
@@ -155,12 +154,6 @@ std::unique_ptr<Scene> MakeScene(SceneParts parts, const SceneDescription &d, co
     Float radius = 0;
     parts.accel->Bounds().BoundingSphere(&center, &radius);
     parts.lights->Finish(center, radius);
-    if (const std::span<const LightId> lights = parts.lights->Overflowed(); !lights.empty())
-        sink.Warning({}, fmt::format("The power of {}{} is larger than the largest number, {:.4g}: it counts as 0, so "
-                                     "light samplers may leave it out.",
-                                     lightNames.NameOf(lights[0]),
-                                     lights.size() > 1 ? fmt::format(" (and of {} more)", lights.size() - 1) : "",
-                                     std::numeric_limits<Float>::max()));
     return std::make_unique<Scene>(std::move(parts));
 }
 
@@ -229,7 +222,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     SceneParts parts =
         MakeParts(d, options, placement.renderFromWorld, *built.textures, built.lightNames, sink, progress);
     ThrowIfErrors(sink, checked);
-    built.scene = MakeScene(std::move(parts), d, built.lightNames, sink);
+    built.scene = MakeScene(std::move(parts), d, sink);
 
     const bool filters = !options.disableTextureFiltering && !d.options.disableTextureFiltering.value_or(false);
     built.integratorRequest = {d.integrator, options, &registry, filters && built.scene->NeedsFootprints()};

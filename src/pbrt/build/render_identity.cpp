@@ -97,7 +97,7 @@ RenderIdentity LightIdentity(const Scene &scene, const std::string &lightSampler
     const LightTable &lights = scene.Lights();
     identity["the number of lights"] = std::to_string(lights.WholeCount());
     identity["the number of lights with their parts"] = std::to_string(lights.Size());
-    uint64_t power = 0;
+    uint64_t power = Hash(lights.Unit());
     for (uint32_t g = 0; g < lights.Parts().Size(); ++g) power = Hash(power, HashOf(lights.Parts().Candidate(g)));
     identity["the hash of the lights' power and places"] = fmt::format("{:016x}", power);
     identity["the hash of the sky's light"] = fmt::format("{:016x}", HashOfSkies(scene));

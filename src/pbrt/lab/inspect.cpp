@@ -29,7 +29,7 @@ std::vector<InspectedLight> NamedGroups(const LightGroups &groups, const LightNa
         InspectedLight &light = lights[g];
         light.first = LightId(groups.FirstOf(g));
         light.count = groups.CountOf(g);
-        light.power = groups.Candidate(g).power;
+        light.power = static_cast<double>(groups.Candidate(g).power) * groups.Lights().Unit();
         light.label = names.NameOf(light.first, light.count);
         if (light.label.empty()) light.label = fmt::format("light {}", light.first.value);
     }

@@ -34,7 +34,7 @@ struct InspectedLayer {
 struct InspectedLight {
     LightId first{};
     size_t count = 1;  ///< lights of the table, contiguous
-    Float power = 0;
+    double power = 0;
     std::string label;  ///< its place in the scene file, from LightNames
 };
 

@@ -8,7 +8,7 @@
 namespace pbrt {
 
 void AreaEmission::Summarise() {
-    averageForPower = Average(PowerWavelengths());
+    averageOfRange = Average(SampledWavelengths::WholeRange());
     if (spectrum) {
         peak = spectrum->MaxValue();
         luminance = 1;
@@ -37,7 +37,7 @@ SampledSpectrum AreaEmission::Radiance(const Point2 &uv, const SampledWavelength
     Point2 st(uv.x, 1 - uv.y);
     Rgb rgb;
     for (int c = 0; c < 3; ++c) rgb[c] = std::max(image.Bilinear(st, c, WrapMode::Clamp), Float(0));
-    return RgbIlluminantSpectrum(*colorSpace, rgb).Sample(lambda);
+    return RgbIlluminant(*colorSpace, rgb, lambda);
 }
 
 namespace {
@@ -61,8 +61,13 @@ DiffuseAreaLight::DiffuseAreaLight(std::shared_ptr<const AreaEmission> emission,
 
 Float DiffuseAreaLight::ScaleForPower(const ShapePrimitive &at) const {
     const Float area = at.shape->Area(at.primitive);
-    const Float emitted = emission_->luminance * area * Pi * (emission_->twoSided ? 2 : 1);
-    return emitted > 0 ? emission_->scale * emission_->power / emitted : 0;
+    const double emitted =
+        double(emission_->luminance) * double(area) * std::numbers::pi * (emission_->twoSided ? 2 : 1);
+    return emitted > 0 ? static_cast<Float>(double(emission_->scale) * double(emission_->power) / emitted) : 0;
+}
+
+double DiffuseAreaLight::PowerPerRadiance(const ShapePrimitive &at) const {
+    return double(Scale(at)) * double(at.shape->Area(at.primitive)) * std::numbers::pi * (emission_->twoSided ? 2 : 1);
 }
 
 Float DiffuseAreaLight::Coverage(const Point3 &p, const Point2 &uv) const {
@@ -73,13 +78,9 @@ Float DiffuseAreaLight::Coverage(const Point3 &p, const Point2 &uv) const {
     return std::clamp(alpha_->Evaluate(at), Float(0), Float(1));
 }
 
-SampledSpectrum DiffuseAreaLight::Phi(const SampledWavelengths &lambda, uint32_t part) const {
-    static const SampledWavelengths kPower = PowerWavelengths();
-    bool known = true;
-    for (int i = 0; i < SpectrumSamples; ++i) known &= lambda[i] == kPower[i];
+LightPower DiffuseAreaLight::Phi(const SampledWavelengths &lambda, uint32_t part) const {
     const ShapePrimitive at = Surface(part);
-    SampledSpectrum average = known ? emission_->averageForPower : emission_->Average(lambda);
-    return average * (Scale(at) * Pi * at.shape->Area(at.primitive) * (emission_->twoSided ? 2 : 1));
+    return {PowerPerRadiance(at), lambda.IsWholeRange() ? emission_->averageOfRange : emission_->Average(lambda)};
 }
 
 std::optional<LightLiSample> DiffuseAreaLight::SampleLi(const LightSampleContext &from, const Point2 &u,
@@ -156,7 +157,7 @@ SampledSpectrum DiffuseAreaLight::L(const Point3 &, const Normal3 &n, const Poin
 
 std::optional<LightBounds> DiffuseAreaLight::Bounds(uint32_t part) const {
     const ShapePrimitive at = Surface(part);
-    Float phi = emission_->peak * Scale(at) * at.shape->Area(at.primitive) * Pi * (emission_->twoSided ? 2 : 1);
+    const double phi = double(emission_->peak) * PowerPerRadiance(at);
     if (!(phi > 0)) return {};
     DirectionCone normals = at.shape->NormalBounds(at.primitive);
     return LightBounds{

@@ -15,13 +15,13 @@ struct AreaEmission {
     Image image;                                    ///< R, G, B
     const ColorSpace *colorSpace = nullptr;         ///< of the image
     bool twoSided = false;
-    Float scale = 1;                  ///< includes the photometric normalisation, not `power`
-    Float power = -1;                 ///< if positive, what each primitive shall emit
-    Float peak = 0;                   ///< largest spectrum value; mean of all image values
-    Float luminance = 1;              ///< mean luminance of the image; 1 for a spectrum
-    SampledSpectrum averageForPower;  ///< mean radiance at PowerWavelengths(), before scale
+    Float scale = 1;                 ///< includes the photometric normalisation, not `power`
+    Float power = -1;                ///< if positive, what each primitive shall emit
+    Float peak = 0;                  ///< largest spectrum value; mean of all image values
+    Float luminance = 1;             ///< mean luminance of the image; 1 for a spectrum
+    SampledSpectrum averageOfRange;  ///< mean radiance at SampledWavelengths::WholeRange(), before scale
 
-    /// Fills peak, luminance and averageForPower from the rest.
+    /// Fills peak, luminance and averageOfRange from the rest.
     void Summarise();
     /// Mean radiance over (u, v), before scale.
     SampledSpectrum Average(const SampledWavelengths &lambda) const;
@@ -45,7 +45,7 @@ class DiffuseAreaLight final : public Light {
         return {shapes_[s], part};
     }
 
-    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t part) const override;
+    LightPower Phi(const SampledWavelengths &lambda, uint32_t part) const override;
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
                                           const SampledWavelengths &lambda, bool allowIncompletePdfs,
                                           uint32_t part) const override;
@@ -70,6 +70,8 @@ class DiffuseAreaLight final : public Light {
     /// The factor of the emission. If a power is given, it is the power of every primitive.
     Float Scale(const ShapePrimitive &at) const { return emission_->power > 0 ? ScaleForPower(at) : emission_->scale; }
     Float ScaleForPower(const ShapePrimitive &at) const;
+    /// The power of a primitive whose emission is 1 before scale.
+    double PowerPerRadiance(const ShapePrimitive &at) const;
 
     std::shared_ptr<const AreaEmission> emission_;
     std::vector<const Shape *> shapes_;

@@ -5,8 +5,8 @@ namespace pbrt {
 DistantLight::DistantLight(const Vector3 &wi, std::shared_ptr<const DenseSpectrum> irradiance, Float scale)
     : LightBeyondScene(LightKind::DeltaDirection), wi_(wi), irradiance_(std::move(irradiance)), scale_(scale) {}
 
-SampledSpectrum DistantLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
-    return scale_ * Pi * Sqr(sceneRadius_) * irradiance_->Sample(lambda);
+LightPower DistantLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
+    return {double(scale_) * std::numbers::pi * Sqr(double(sceneRadius_)), irradiance_->Sample(lambda)};
 }
 
 std::optional<LightLiSample> DistantLight::SampleLi(const LightSampleContext &from, const Point2 &,

@@ -9,7 +9,7 @@ class DistantLight final : public LightBeyondScene {
     /// `wi`: unit, from the scene towards the light. `irradiance` times scale falls on a surface that faces it.
     DistantLight(const Vector3 &wi, std::shared_ptr<const DenseSpectrum> irradiance, Float scale);
 
-    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
+    LightPower Phi(const SampledWavelengths &lambda, uint32_t) const override;
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
                                           const SampledWavelengths &lambda, bool allowIncompletePdfs,
                                           uint32_t) const override;

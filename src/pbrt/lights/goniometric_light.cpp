@@ -57,8 +57,8 @@ Float GoniometricLight::PdfDirection(const Vector3 &w) const {
     return MappedDirectionPdf(renderFromLight_, w, Distribution().Pdf(SquareTowards(w)) * Inv4Pi);
 }
 
-SampledSpectrum GoniometricLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
-    return 4 * Pi * mean_ * scale_ * intensity_->Sample(lambda);
+LightPower GoniometricLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
+    return {4 * std::numbers::pi * double(mean_) * double(scale_), intensity_->Sample(lambda)};
 }
 
 SampledSpectrum GoniometricLight::Intensity(const Vector3 &w, const SampledWavelengths &lambda) const {
@@ -67,7 +67,7 @@ SampledSpectrum GoniometricLight::Intensity(const Vector3 &w, const SampledWavel
 
 std::optional<LightBounds> GoniometricLight::Bounds(uint32_t) const {
     // As a point light of the same power (stock pbrt-v4).
-    return AllAround(4 * Pi * mean_ * scale_ * intensity_->MaxValue());
+    return AllAround(4 * std::numbers::pi * double(mean_) * double(scale_) * double(intensity_->MaxValue()));
 }
 
 }  // namespace pbrt

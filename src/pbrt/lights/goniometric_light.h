@@ -15,7 +15,7 @@ class GoniometricLight final : public LightAtPoint<GoniometricLight> {
     GoniometricLight(const Transform &renderFromLight, std::shared_ptr<const DenseSpectrum> intensity, Float scale,
                      Image image);
 
-    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
+    LightPower Phi(const SampledWavelengths &lambda, uint32_t) const override;
     SampledSpectrum Intensity(const Vector3 &w, const SampledWavelengths &lambda) const;
     Vector3 SampleDirection(const Point2 &u) const;
     Float PdfDirection(const Vector3 &w) const;

@@ -10,8 +10,8 @@ namespace pbrt {
 UniformInfiniteLight::UniformInfiniteLight(std::shared_ptr<const DenseSpectrum> radiance, Float scale)
     : radiance_(std::move(radiance)), scale_(scale) {}
 
-SampledSpectrum UniformInfiniteLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
-    return scale_ * 4 * Pi * Pi * Sqr(sceneRadius_) * radiance_->Sample(lambda);
+LightPower UniformInfiniteLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
+    return {double(scale_) * Sqr(2 * std::numbers::pi * double(sceneRadius_)), radiance_->Sample(lambda)};
 }
 
 SampledSpectrum UniformInfiniteLight::Le(const Point3 &, const Vector3 &, const SampledWavelengths &lambda) const {
@@ -100,9 +100,10 @@ SampledSpectrum ImageInfiniteLight::Radiance(const Point2 &st, const SampledWave
     return scale_ * PixelIlluminant(image_, PixelAt(st, image_.Resolution()), *colorSpace_, lambda);
 }
 
-SampledSpectrum ImageInfiniteLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
+LightPower ImageInfiniteLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
     // Radiance averaged over the sphere, times 4 pi sr, times the area of the disk of the scene's bounding sphere.
-    return scale_ * 4 * Pi * Pi * Sqr(sceneRadius_) * AverageIlluminant(image_, *colorSpace_, lambda);
+    return {double(scale_) * Sqr(2 * std::numbers::pi * double(sceneRadius_)),
+            AverageIlluminant(image_, *colorSpace_, lambda)};
 }
 
 SampledSpectrum ImageInfiniteLight::Le(const Point3 &, const Vector3 &d, const SampledWavelengths &lambda) const {

@@ -14,7 +14,7 @@ class UniformInfiniteLight final : public SkyLight {
   public:
     UniformInfiniteLight(std::shared_ptr<const DenseSpectrum> radiance, Float scale);
 
-    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
+    LightPower Phi(const SampledWavelengths &lambda, uint32_t) const override;
     SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;
     Point2 SquareTowards(const Vector3 &d) const override;
     Vector3 DirectionAt(const Point2 &st) const override;
@@ -38,7 +38,7 @@ class ImageInfiniteLight final : public SkyLight {
     /// `image`: square, channels R, G, B in this order, finite.
     ImageInfiniteLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace, Float scale);
 
-    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
+    LightPower Phi(const SampledWavelengths &lambda, uint32_t) const override;
     SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;
     void PrepareTiles() const override;
     Point2 SquareTowards(const Vector3 &d) const override;

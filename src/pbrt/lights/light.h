@@ -47,6 +47,17 @@ struct LightLePdf {
     Float position = 0, direction = 0;
 };
 
+/// Emitted power: `factor` times `spectrum`, whose product may lie beyond single precision.
+struct LightPower {
+    double factor = 0;
+    SampledSpectrum spectrum;
+    double Average() const {
+        double sum = 0;
+        for (int i = 0; i < SpectrumSamples; ++i) sum += double(spectrum[i]);
+        return factor * sum / SpectrumSamples;
+    }
+};
+
 /// One primitive of a shape.
 struct ShapePrimitive {
     const Shape *shape = nullptr;
@@ -66,7 +77,7 @@ class Light {
 
     /// Emitted power (W-like, photometric scaling as in pbrt), at these wavelengths. Infinite lights: over the disk of
     /// the scene's bounding sphere; needs Preprocess.
-    virtual SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t part = 0) const = 0;
+    virtual LightPower Phi(const SampledWavelengths &lambda, uint32_t part = 0) const = 0;
 
     /// `allowIncompletePdfs`: infinite lights may leave out directions of little light; only for callers that combine
     /// this with BSDF sampling by MIS.
@@ -106,7 +117,8 @@ class Light {
         return SampledSpectrum(0);
     }
 
-    /// What a spatial light sampler needs; empty for infinite lights and lights without power.
+    /// What a spatial light sampler needs, by the largest value of the spectrum; empty for infinite lights and lights
+    /// without power.
     virtual std::optional<LightBounds> Bounds(uint32_t part = 0) const {
         (void)part;
         return {};
@@ -163,7 +175,7 @@ class LightPart {
   public:
     LightPart(const Light &light, uint32_t part) : light_(&light), part_(part) {}
     LightKind Kind() const { return light_->Kind(); }
-    SampledSpectrum Phi(const SampledWavelengths &lambda) const { return light_->Phi(lambda, part_); }
+    LightPower Phi(const SampledWavelengths &lambda) const { return light_->Phi(lambda, part_); }
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
                                           const SampledWavelengths &lambda, bool allowIncompletePdfs) const {
         return light_->SampleLi(from, u, lambda, allowIncompletePdfs, part_);

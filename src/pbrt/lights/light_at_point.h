@@ -50,7 +50,7 @@ class LightAtPoint : public Light {
     explicit LightAtPoint(const Point3 &position) : Light(LightKind::DeltaPosition), position_(position) {}
 
     /// Bounds of a light that shines equally in all directions.
-    std::optional<LightBounds> AllAround(Float phi) const {
+    std::optional<LightBounds> AllAround(double phi) const {
         if (!(phi > 0)) return {};
         return LightBounds{Bounds3(position_), Vector3(0, 0, 1), phi, -1, 0, false};
     }

@@ -22,13 +22,16 @@ struct LightSphere {
 struct LightBounds {
     Bounds3 bounds;
     Vector3 w{0, 0, 1};
-    Float phi = 0;
+    double phi = 0;
     Float cosTheta_o = 1, cosTheta_e = 0;
     bool twoSided = false;
 
     Point3 Centroid() const { return bounds.Center(); }
     LightSphere Sphere() const {
-        return {Centroid(), Length(bounds.Diagonal()) / 2, w, phi, cosTheta_o, cosTheta_e, twoSided};
+        // Positive powers stay positive, and a few of them still add up to a finite number.
+        const double inRange = phi > 0 ? std::clamp(phi, 1e-36, 1e36) : 0;
+        return {Centroid(), Length(bounds.Diagonal()) / 2, w, static_cast<Float>(inRange), cosTheta_o, cosTheta_e,
+                twoSided};
     }
     /// Upper-bound-like estimate of the contribution at p; n may be zero (medium). Receiver cosine as |cos| (a
     /// transmissive surface may face away), as stock pbrt-v4. Not inlined: equal arguments give equal bits everywhere.

@@ -12,8 +12,8 @@ class LightTable;
 
 /// One thing a light sampler can choose: a part of a light, or several together.
 struct LightCandidate {
-    Float power = 0;                    ///< Phi averaged over the visible wavelengths, >= 0
-    std::optional<LightBounds> bounds;  ///< empty: infinite (or no power)
+    Float power = 0;                    ///< Phi at SampledWavelengths::WholeRange() over LightTable::Unit(), >= 0
+    std::optional<LightBounds> bounds;  ///< phi in the same unit; empty: infinite (or no power)
     bool infinite = false;
 };
 

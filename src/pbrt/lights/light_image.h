@@ -35,10 +35,20 @@ inline Rgb LightPixel(const Image &image, const Point2i &p) {
     return glm::max(Rgb(image.Get(p, 0), image.Get(p, 1), image.Get(p, 2)), Rgb(0));
 }
 
-/// The illuminant spectrum a pixel's colour stands for.
+/// The illuminant spectrum that a colour stands for. Over the whole range its root mean square is taken as that of R,
+/// G and B times that of the colour space's illuminant.
+inline SampledSpectrum RgbIlluminant(const ColorSpace &colorSpace, const Rgb &rgb, const SampledWavelengths &lambda) {
+    if (lambda.IsWholeRange()) [[unlikely]] {
+        const glm::dvec3 wide(rgb);
+        return static_cast<Float>(std::sqrt(glm::dot(wide, wide) / 3)) * colorSpace.Illuminant().Sample(lambda);
+    }
+    return RgbIlluminantSpectrum(colorSpace, rgb).Sample(lambda);
+}
+
+/// RgbIlluminant of a pixel's colour.
 inline SampledSpectrum PixelIlluminant(const Image &image, const Point2i &p, const ColorSpace &colorSpace,
                                        const SampledWavelengths &lambda) {
-    return RgbIlluminantSpectrum(colorSpace, LightPixel(image, p)).Sample(lambda);
+    return RgbIlluminant(colorSpace, LightPixel(image, p), lambda);
 }
 
 /// Mean of PixelIlluminant over the pixels (x, y), times weight(x, y) if there is one. Runs in parallel.

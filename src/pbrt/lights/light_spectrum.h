@@ -9,7 +9,4 @@ namespace pbrt {
 /// called from any thread.
 std::shared_ptr<const DenseSpectrum> InternSpectrum(const Spectrum &s);
 
-/// The wavelengths at which power is averaged for light selection (LightCandidate::power).
-inline SampledWavelengths PowerWavelengths() { return SampledWavelengths::SampleVisible(Float(0.5)); }
-
 }  // namespace pbrt

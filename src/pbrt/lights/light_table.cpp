@@ -1,16 +1,14 @@
 #include "pbrt/lights/light_table.h"
 
 #include "pbrt/core/error.h"
-#include "pbrt/lights/light_spectrum.h"
 
 namespace pbrt {
 
 namespace {
-/// Phi, averaged over the visible wavelengths.
-Float PowerOf(const LightPart &light) {
-    const SampledWavelengths lambda = PowerWavelengths();
-    return SafeDivide(light.Phi(lambda), lambda.Pdf()).Average();
-}
+/// The least power of a light that emits, as a share of the greatest power of all.
+constexpr double kMinShare = 1e-30;
+/// Bounds sums that overflow in images.
+constexpr double kMaxPower = 1e100;
 }  // namespace
 
 LightId LightTable::Add(std::unique_ptr<Light> light) {
@@ -25,12 +23,23 @@ LightId LightTable::Add(std::unique_ptr<Light> light) {
 void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
     PBRT_CHECK(!parts_);
     for (const Whole &whole : wholes_) whole.light->Preprocess(sceneCenter, sceneRadius);
-    power_.resize(Size());
+    std::vector<double> power(Size());
+    double least = kMaxPower, most = 0;
     for (uint32_t i = 0; i < Size(); ++i) {
-        const Float power = PowerOf((*this)[LightId(i)]);
-        if (!std::isfinite(power)) overflowed_.emplace_back(i);
-        power_[i] = power > 0 && std::isfinite(power) ? power : 0;
+        const double phi = (*this)[LightId(i)].Phi(SampledWavelengths::WholeRange()).Average();
+        if (!(phi > 0)) continue;
+        power[i] = std::min(phi, kMaxPower);
+        least = std::min(least, power[i]);
+        most = std::max(most, power[i]);
     }
+    if (most > 0) {
+        const double radius = sceneRadius > 0 ? static_cast<double>(sceneRadius) : 1;
+        unit_ = std::exp2(
+            std::round(std::log2(std::max(least, kMinShare * most)) / 2 + std::log2(most) / 2 - std::log2(radius)));
+    }
+    power_.resize(Size());
+    for (uint32_t i = 0; i < Size(); ++i)
+        power_[i] = static_cast<Float>(power[i] > 0 ? std::max(power[i], kMinShare * most) / unit_ : 0);
     for (LightId sky : infinite_)
         if ((*this)[sky].Whole().HasTiles() && skies_.size() < (LightId::kNone - Size()) / SkyPart::kCount)
             skies_.push_back(sky);
@@ -44,6 +53,7 @@ LightCandidate LightTable::Candidate(LightId id) const {
     c.power = power_[id.value];
     c.infinite = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;
     c.bounds = light.Bounds();
+    if (c.bounds) c.bounds->phi /= unit_;
     return c;
 }
 

@@ -59,10 +59,12 @@ class LightTable {
         }
     }
     bool HasInfinite() const { return !infinite_.empty(); }
-    /// Parts whose power overflows single precision; their power counts as 0 when a light is chosen.
-    std::span<const LightId> Overflowed() const { return overflowed_; }
     /// What a light sampler knows of a part when it chooses. Only after Finish.
     LightCandidate Candidate(LightId id) const;
+    /// The power (as of Light::Phi) that is 1 in candidates. It is the geometric mean of the least and the greatest
+    /// power of all parts over the radius of the scene, so that powers of lights, and powers over squared distances,
+    /// neither overflow nor underflow in single precision. A power of two: dividing by it is exact.
+    double Unit() const { return unit_; }
     /// Every part as a group (Parts), and every light with all its parts as a group (Wholes). Only after Finish.
     const LightGroups &Parts() const { return *parts_; }
     const LightGroups &Wholes() const { return *groupsOfWholes_; }
@@ -75,9 +77,9 @@ class LightTable {
     std::vector<Whole> wholes_;
     std::vector<uint32_t> wholeOf_;  ///< per part
     std::vector<Float> power_;       ///< per part, as in LightCandidate
+    double unit_ = 1;
     std::vector<LightId> infinite_;  ///< the first parts of infinite lights
     std::vector<LightId> skies_;     ///< those of them that have tiles and fit into the range of ids
-    std::vector<LightId> overflowed_;
     std::unique_ptr<LightGroups> parts_, groupsOfWholes_;
 };
 

@@ -9,7 +9,7 @@ class PointLight final : public LightAtPoint<PointLight> {
   public:
     PointLight(const Point3 &position, std::shared_ptr<const DenseSpectrum> intensity, Float scale);
 
-    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
+    LightPower Phi(const SampledWavelengths &lambda, uint32_t) const override;
     SampledSpectrum Intensity(const Vector3 &, const SampledWavelengths &lambda) const {
         return scale_ * intensity_->Sample(lambda);
     }

@@ -157,17 +157,17 @@ LightLePdf PortalLight::PdfLe(const Point3 &p, const Normal3 &, const Vector3 &w
     return {1 / (area_ * cosine), distribution_.Pdf(*st, {{0, 0}, {1, 1}}) / density};
 }
 
-SampledSpectrum PortalLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
+LightPower PortalLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
     Point2i n = map_.Resolution();
     auto cosine = [&](int x, int y) {
         Vector3 w = LocalFromMap(PixelCenter(x, y, n));
         return SolidAngleDensity(w) * w.z;
     };
-    return scale_ * area_ * AverageIlluminant(map_, *colorSpace_, lambda, cosine);
+    return {double(scale_) * double(area_), AverageIlluminant(map_, *colorSpace_, lambda, cosine)};
 }
 
 std::optional<LightBounds> PortalLight::Opening() const {
-    Float phi = area_ * scale_ * static_cast<Float>(distribution_.Integral({{0, 0}, {1, 1}}));
+    const double phi = double(area_) * double(scale_) * static_cast<double>(distribution_.Integral({{0, 0}, {1, 1}}));
     if (!(phi > 0)) return {};
     Bounds3 bounds(corner_);
     for (const Point3 &p : {opposite_, corner_ + frame_.x * Dot(opposite_ - corner_, frame_.x),

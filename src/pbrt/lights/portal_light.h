@@ -22,7 +22,7 @@ class PortalLight final : public LightBeyondScene {
     static bool IsRectangle(const std::array<Point3, 4> &portal);
 
     /// What enters the scene: the integral of radiance and cosine over the rectangle and the half-space behind it.
-    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
+    LightPower Phi(const SampledWavelengths &lambda, uint32_t) const override;
     /// Draws pixels of the map within the window seen from the point, in proportion to their mean of R, G, B times
     /// solid angle.
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,

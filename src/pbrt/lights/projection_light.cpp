@@ -89,11 +89,10 @@ Float ProjectionLight::PdfDirection(const Vector3 &w) const {
     return MappedDirectionPdf(renderFromLight_, w, pdf);
 }
 
-SampledSpectrum ProjectionLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
+LightPower ProjectionLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
     Point2i n = image_.Resolution();
     auto weight = [&](int x, int y) { return PixelSolidAngle(x, y, n, half_); };
-    return scale_ * static_cast<Float>(n.x) * static_cast<Float>(n.y) *
-           AverageIlluminant(image_, *colorSpace_, lambda, weight);
+    return {double(scale_) * n.x * n.y, AverageIlluminant(image_, *colorSpace_, lambda, weight)};
 }
 
 std::optional<LightBounds> ProjectionLight::Bounds(uint32_t) const {
@@ -105,7 +104,7 @@ std::optional<LightBounds> ProjectionLight::Bounds(uint32_t) const {
             sum += static_cast<double>(std::max(std::max(rgb.x, rgb.y), rgb.z));
         }
     // The solid angle is left out as in stock pbrt-v4, so that the probabilities are the same.
-    Float phi = scale_ * static_cast<Float>(sum / (static_cast<double>(n.x) * static_cast<double>(n.y)));
+    const double phi = double(scale_) * sum / (static_cast<double>(n.x) * static_cast<double>(n.y));
     if (!(phi > 0)) return {};
     Vector3 axis = Normalize(renderFromLight_.Vector({0, 0, 1}));
     if (!IsSimilarity(renderFromLight_)) return LightBounds{Bounds3(position_), axis, phi, -1, 0, false};

@@ -15,7 +15,7 @@ class ProjectionLight final : public LightAtPoint<ProjectionLight> {
     ProjectionLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace, Float scale,
                     Float fov);
 
-    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
+    LightPower Phi(const SampledWavelengths &lambda, uint32_t) const override;
     SampledSpectrum Intensity(const Vector3 &w, const SampledWavelengths &lambda) const;
     Vector3 SampleDirection(const Point2 &u) const;
     Float PdfDirection(const Vector3 &w) const;

@@ -62,8 +62,8 @@ Float SpotLight::PdfDirection(const Vector3 &w) const {
     return power > 0 ? MappedDirectionPdf(renderFromLight_, w, Falloff(w) / power) : 0;
 }
 
-SampledSpectrum SpotLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
-    return scale_ * PowerPerIntensity(coneAngle_, falloffStart_) * intensity_->Sample(lambda);
+LightPower SpotLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
+    return {double(scale_) * double(PowerPerIntensity(coneAngle_, falloffStart_)), intensity_->Sample(lambda)};
 }
 
 SampledSpectrum SpotLight::Intensity(const Vector3 &w, const SampledWavelengths &lambda) const {
@@ -71,7 +71,7 @@ SampledSpectrum SpotLight::Intensity(const Vector3 &w, const SampledWavelengths 
 }
 
 std::optional<LightBounds> SpotLight::Bounds(uint32_t) const {
-    Float phi = 4 * Pi * scale_ * intensity_->MaxValue();
+    const double phi = 4 * std::numbers::pi * double(scale_) * double(intensity_->MaxValue());
     if (!(phi > 0)) return {};
     LightBounds b{Bounds3(position_), Normalize(renderFromLight_.Vector(axis_)), phi, cosStart_, 0, false};
     if (!IsSimilarity(renderFromLight_)) {

@@ -12,7 +12,7 @@ class SpotLight final : public LightAtPoint<SpotLight> {
     SpotLight(const Transform &renderFromLight, const Point3 &from, const Vector3 &axis,
               std::shared_ptr<const DenseSpectrum> intensity, Float scale, Float coneAngle, Float falloffStart);
 
-    SampledSpectrum Phi(const SampledWavelengths &lambda, uint32_t) const override;
+    LightPower Phi(const SampledWavelengths &lambda, uint32_t) const override;
     SampledSpectrum Intensity(const Vector3 &w, const SampledWavelengths &lambda) const;
     /// Exactly in proportion to Falloff, if the transform does not stretch.
     Vector3 SampleDirection(const Point2 &u) const;

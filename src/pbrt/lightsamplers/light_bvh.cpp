@@ -44,13 +44,13 @@ Vector3 DecodeAxis(const uint16_t q[2]) {
 
 /// How much it costs to keep these emitters together (Conty and Kulla 2018, Eq. 1 with the measure of section 4.2;
 /// `stretch` punishes thin boxes).
-Float SplitCost(const LightBounds &b, Float stretch) {
+double SplitCost(const LightBounds &b, Float stretch) {
     if (!(b.phi > 0)) return 0;
     Float o = SafeACos(b.cosTheta_o), e = SafeACos(b.cosTheta_e);
     Float w = std::min(o + e, Pi), sinO = SafeSqrt(1 - Sqr(b.cosTheta_o));
     Float orientation =
         2 * Pi * (1 - b.cosTheta_o) + Pi / 2 * (2 * w * sinO - std::cos(o - 2 * w) - 2 * o * sinO + b.cosTheta_o);
-    return b.phi * orientation * stretch * b.bounds.SurfaceArea();
+    return b.phi * double(orientation) * double(stretch) * double(b.bounds.SurfaceArea());
 }
 
 constexpr int kBuckets = 12;
@@ -61,7 +61,7 @@ int BucketOf(Float position, Float low, Float high) {
 
 struct Split {
     int axis = 0, bucket = 0;
-    Float cost = Infinity;
+    double cost = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace
@@ -287,13 +287,13 @@ LightBvhNode LightBvh::Build(std::span<Item> items, uint64_t trail, int depth, L
         LightBounds below;
         for (size_t i = 0; i + 1 < kBuckets; ++i) {
             below = Union(below, buckets[i]);
-            Float cost = SplitCost(below, stretch) + SplitCost(above[i + 1], stretch);
+            const double cost = SplitCost(below, stretch) + SplitCost(above[i + 1], stretch);
             if (cost > 0 && cost < best.cost) best = {axis, static_cast<int>(i), cost};
         }
     }
 
     size_t middle = 0;
-    if (best.cost < Infinity) {
+    if (std::isfinite(best.cost)) {
         Float low = centroids.low[best.axis], high = centroids.high[best.axis];
         auto end = std::partition(items.begin(), items.end(), [&](const Item &item) {
             return BucketOf(item.centroid[best.axis], low, high) <= best.bucket;

@@ -43,6 +43,15 @@ SampledWavelengths SampledWavelengths::SampleUniform(Float u, Float low, Float h
     return s;
 }
 
+const SampledWavelengths &SampledWavelengths::WholeRange() {
+    static const SampledWavelengths range = [] {
+        SampledWavelengths s = SampleVisible(Float(0.5));
+        s.isWholeRange_ = true;
+        return s;
+    }();
+    return range;
+}
+
 void SampledWavelengths::TerminateSecondary() {
     if (SecondaryTerminated()) return;
     for (size_t i = 1; i < SpectrumSamples; ++i) pdf_[i] = 0;
@@ -61,12 +70,29 @@ SampledSpectrum Spectrum::Sample(const SampledWavelengths &lambda) const {
 
 DenseSpectrum::DenseSpectrum(const Spectrum &s) : values_(kNmCount) {
     for (size_t i = 0; i < kNmCount; ++i) values_[i] = s(static_cast<Float>(kFirstNm + static_cast<int>(i)));
-    max_ = *std::max_element(values_.begin(), values_.end());
+    Summarise();
 }
 
 DenseSpectrum::DenseSpectrum(std::span<const Float> values) : values_(values.begin(), values.end()) {
     PBRT_CHECK_MSG(values.size() == kNmCount, "{} values, {} wanted", values.size(), kNmCount);
+    Summarise();
+}
+
+void DenseSpectrum::Summarise() {
+    static const std::vector<double> shares = [] {  // of the density of SampleVisible
+        std::vector<double> share(kNmCount);
+        double sum = 0;
+        for (size_t i = 0; i < kNmCount; ++i) {
+            const double x = (kFirstNm + static_cast<int>(i) - double(kMid)) / double(kWidth);
+            sum += share[i] = 1 / (std::cosh(x) * std::cosh(x));
+        }
+        for (double &s : share) s /= sum;
+        return share;
+    }();
     max_ = *std::max_element(values_.begin(), values_.end());
+    double square = 0;
+    for (size_t i = 0; i < kNmCount; ++i) square += shares[i] * double(values_[i]) * double(values_[i]);
+    rootMeanSquare_ = static_cast<Float>(std::sqrt(square));
 }
 
 namespace {
@@ -80,6 +106,8 @@ inline Float Nearest(const Float *values, Float lambda) {
 Float DenseSpectrum::operator()(Float lambda) const { return Nearest(values_.data(), lambda); }
 
 SampledSpectrum DenseSpectrum::Sample(const SampledWavelengths &lambda) const {
+    if (lambda.IsWholeRange()) [[unlikely]]
+        return SampledSpectrum(rootMeanSquare_);
     const Float *values = values_.data();
     SampledSpectrum s;
     for (int i = 0; i < SpectrumSamples; ++i) s[i] = Nearest(values, lambda[i]);

@@ -79,6 +79,12 @@ class SampledSpectrum {
     std::array<Float, SpectrumSamples> v_;
 };
 
+/// Root mean square of the values; neither overflows nor underflows.
+inline double RootMeanSquare(const SampledSpectrum &s) {
+    double sum = 0;
+    for (int i = 0; i < SpectrumSamples; ++i) sum += double(s[i]) * double(s[i]);
+    return std::sqrt(sum / SpectrumSamples);
+}
 /// a/b where b != 0, else 0.
 inline SampledSpectrum SafeDivide(const SampledSpectrum &a, const SampledSpectrum &b) {
     SampledSpectrum r;
@@ -105,6 +111,12 @@ class SampledWavelengths {
     /// proportional to 1/cosh^2(0.0072 (lambda - 538)), as in stock pbrt-v4.
     static SampledWavelengths SampleVisible(Float u);
     static SampledWavelengths SampleUniform(Float u, Float low = LambdaMin, Float high = LambdaMax);
+    /// Stands for all wavelengths, for what a light is worth to a light sampler. The emission of a light has one value
+    /// there: its root mean square over the visible range, by the density of SampleVisible. Not the mean, because
+    /// errors are squared wavelength by wavelength. It is positive if the light emits anywhere. Other spectra are
+    /// evaluated at SampleVisible(0.5).
+    static const SampledWavelengths &WholeRange();
+    bool IsWholeRange() const { return isWholeRange_; }
 
     Float operator[](int i) const { return lambda_[static_cast<size_t>(i)]; }
     Float PdfAt(int i) const { return pdf_[static_cast<size_t>(i)]; }
@@ -119,6 +131,7 @@ class SampledWavelengths {
 
   private:
     std::array<Float, SpectrumSamples> lambda_{}, pdf_{};
+    bool isWholeRange_ = false;
 };
 
 /// A function of wavelength. Immutable, shared between threads. Sample() is the hot call.
@@ -145,7 +158,7 @@ class ConstantSpectrum final : public Spectrum {
     Float c_;
 };
 
-/// One value per nm from 360 to 830, looked up at the nearest nm.
+/// One value per nm from 360 to 830, looked up at the nearest nm. Lights store their emission in this form.
 class DenseSpectrum final : public Spectrum {
   public:
     explicit DenseSpectrum(const Spectrum &s);
@@ -156,8 +169,10 @@ class DenseSpectrum final : public Spectrum {
     Float MaxValue() const override { return max_; }
 
   private:
+    void Summarise();
     std::vector<Float> values_;
     Float max_ = 0;
+    Float rootMeanSquare_ = 0;  ///< at SampledWavelengths::WholeRange()
 };
 
 /// Straight lines between (lambda, value) pairs, lambda strictly increasing; 0 outside.

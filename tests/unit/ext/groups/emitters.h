@@ -13,7 +13,7 @@ inline Emitter Patch(const Point3 &p, const Vector3 &normal, Float intensity) {
     LightBounds b;
     b.bounds = Bounds3(p, p + Vector3(0.01f));
     b.w = normal;
-    b.phi = intensity;
+    b.phi = double(intensity);
     b.cosTheta_o = 1;
     b.cosTheta_e = 0;
     Emitter e;

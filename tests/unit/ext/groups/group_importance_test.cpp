@@ -80,14 +80,13 @@ std::vector<LightId> Skies(const LightTable &lights) {
 
 /// The radiance that one light sample brings to the point if nothing occludes it; 0 for the far side of an opaque
 /// surface.
-Float Unoccluded(const LightPart &light, const LightQuery &q, const Point2 &u) {
-    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+Float Unoccluded(const LightTable &lights, LightId light, const LightQuery &q, const Point2 &u) {
     LightSampleContext from{q.p, Vector3(0), q.n, q.ns, 0};
-    std::optional<LightLiSample> s = light.SampleLi(from, u, lambda, true);
+    std::optional<LightLiSample> s = lights[light].SampleLi(from, u, SampledWavelengths::WholeRange(), true);
     if (!s || !(s->pdf > 0)) return 0;
     Float cosine = q.ns == Normal3(0) ? Float(1) : AbsDot(s->wi, q.ns);
     if (q.ns != Normal3(0) && !q.transmits && Dot(s->wi, q.ns) * Dot(q.wo, q.ns) <= 0) return 0;
-    return RootMeanSquare(s->L) * cosine / s->pdf;
+    return static_cast<Float>(RootMeanSquare(s->L) * double(cosine) / double(s->pdf) / lights.Unit());
 }
 
 class GroupImportanceOfEveryLight : public testing::TestWithParam<bool> {};
@@ -105,7 +104,7 @@ TEST_P(GroupImportanceOfEveryLight, IsPositiveWhereALightContributes) {
         importance.Evaluate(q, g);
         for (uint32_t l = 0; l < lights.Size(); ++l)
             for (int k = 0; k < 4; ++k) {
-                if (!(Unoccluded(lights[LightId(l)], q, rng.Uniform2()) > 0)) continue;
+                if (!(Unoccluded(lights, LightId(l), q, rng.Uniform2()) > 0)) continue;
                 ++found[l];
                 EXPECT_GT(g[groups.GroupOf(LightId(l))], 0) << "light " << l << " query " << i;
             }
@@ -154,7 +153,7 @@ TEST(GroupImportance, IsAnEstimateOfTheUnoccludedLight) {
         const int n = 4096;
         for (int k = 0; k < n; ++k)
             truth[groups.GroupOf(LightId(l))] +=
-                static_cast<double>(Unoccluded(lights[LightId(l)], q, rng.Uniform2())) / n;
+                static_cast<double>(Unoccluded(lights, LightId(l), q, rng.Uniform2())) / n;
     }
     size_t compared = 0;
     for (uint32_t i = 0; i < groups.Size(); ++i) {

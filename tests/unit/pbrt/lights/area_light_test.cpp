@@ -137,7 +137,7 @@ TEST_P(AreaLightShapes, PhiIsTheIntegralOfEmittedRadiance) {
             SampledSpectrum L = light->L(point->p, point->n, point->uv, frame.FromLocal(w), kLambda);
             stats.Add(static_cast<double>(L.Average() * std::abs(w.z) / (pdf * point->pdf)));
         }
-        double phi = static_cast<double>(light->Phi(kLambda).Average());
+        double phi = light->Phi(kLambda).Average();
         // The area of curved patches is an approximation, as in stock pbrt-v4.
         double areaError = GetParam().name.ends_with("Saddle") ? 1e-2 : 1e-3;
         EXPECT_LT(std::abs(stats.mean - phi), 4.5 * stats.StandardError() + areaError * phi) << twoSided;
@@ -216,7 +216,7 @@ TEST(DiffuseAreaLight, PowerIsPerPrimitive) {
         auto light = Make(maker, mesh);
         ASSERT_EQ(light->PartCount(), 2u);
         for (uint32_t i = 0; i < 2; ++i)
-            EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return light->Phi(l, i); }), 20, 0.05);
+            EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return Value(light->Phi(l, i)); }), 20, 0.05);
     }
 }
 
@@ -244,7 +244,7 @@ TEST(DiffuseAreaLight, ImageIsMappedWithVUpwardsAndItsPowerIsKept) {
     EXPECT_NEAR(right.z, 2, 0.1);
 
     auto powered = Make(MakeAreaMaker(Params().String("filename", file.Path()).Number("power", 5)), *shape);
-    EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return powered->Phi(l); }, 300), 5, 0.1);
+    EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return Value(powered->Phi(l)); }, 300), 5, 0.1);
     // The mean that is kept for light selection is the mean of the emission.
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     SampledSpectrum mean;
@@ -254,7 +254,7 @@ TEST(DiffuseAreaLight, ImageIsMappedWithVUpwardsAndItsPowerIsKept) {
     }
     double expected = static_cast<double>(mean.Average() * Pi * shape->Area(0));
     // The spectrum of an interpolated colour is not the interpolation of the spectra; they differ by a few per cent.
-    EXPECT_NEAR(static_cast<double>(powered->Phi(lambda).Average()), expected, 0.08 * expected);
+    EXPECT_NEAR(powered->Phi(lambda).Average(), expected, 0.08 * expected);
 }
 
 TEST(DiffuseAreaLight, ConstantAlphaOfZeroLeavesLightSamplingOnly) {

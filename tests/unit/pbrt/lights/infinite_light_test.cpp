@@ -33,8 +33,7 @@ TEST(UniformInfiniteLight, LeavesSamplingToTheBsdfIfPdfsMayBeIncomplete) {
     EXPECT_EQ(s->pdf, light->PdfLi(At({0, 0, 0}), s->wi, {}, {}, false));
     EXPECT_GE(Length(s->pLight), 8 * 0.999f);
     double L = static_cast<double>(s->L.Average());
-    EXPECT_NEAR(static_cast<double>(light->Phi(kLambda).Average()), L * 4 * std::numbers::pi * std::numbers::pi * 16,
-                1e-2 * L);
+    EXPECT_NEAR(light->Phi(kLambda).Average(), L * 4 * std::numbers::pi * std::numbers::pi * 16, 1e-2 * L);
 }
 
 TEST(InfiniteLight, DirectionsFollowTheDensity) {
@@ -166,7 +165,7 @@ TEST_F(ImageInfinite, PhiIsTheMeanRadianceOverTheSphereTimesTheSceneDisk) {
                                             kLambda)
                                        .Average());
     double mean = sum / (n * n), phi = mean * 4 * std::numbers::pi * std::numbers::pi * 4;
-    EXPECT_NEAR(static_cast<double>(light->Phi(kLambda).Average()), phi, 2e-2 * phi);
+    EXPECT_NEAR(light->Phi(kLambda).Average(), phi, 2e-2 * phi);
 }
 
 TEST_F(ImageInfinite, ConstantImageIsSampledUniformlyEvenWhenCompensated) {

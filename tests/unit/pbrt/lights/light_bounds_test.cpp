@@ -13,7 +13,7 @@ namespace {
 double SlowImportance(const LightBounds &b, const Point3 &p, const Normal3 &n) {
     Point3 c = b.Centroid();
     double d2 = static_cast<double>(DistanceSquared(p, c)), r = static_cast<double>(Length(b.bounds.Diagonal())) / 2;
-    double falloff = static_cast<double>(b.phi) / std::max(d2, r);
+    double falloff = b.phi / std::max(d2, r);
     if (d2 <= r * r) return falloff;
     Vector3 wi = Normalize(p - c);
     double cosAxis = static_cast<double>(Dot(b.w, wi));
@@ -35,7 +35,7 @@ LightBounds RandomBounds(Rng &rng) {
     Point3 low(rng.Uniform(), rng.Uniform(), rng.Uniform());
     b.bounds = Bounds3(low, low + Vector3(rng.Uniform(), rng.Uniform(), rng.UniformInt(2) ? Float(0) : rng.Uniform()));
     b.w = SampleUniformSphere(rng.Uniform2());
-    b.phi = 10 * rng.Uniform() + Float(0.1);
+    b.phi = 10 * double(rng.Uniform()) + 0.1;
     b.cosTheta_o = rng.UniformInt(2) ? Float(1) : 2 * rng.Uniform() - 1;
     b.cosTheta_e = rng.UniformInt(2) ? Float(0) : rng.Uniform();
     b.twoSided = rng.UniformInt(2) == 1;
@@ -51,8 +51,8 @@ TEST(LightBounds, ImportanceEqualsTheSlowTwin) {
         Normal3 n = rng.UniformInt(3) ? SampleUniformSphere(rng.Uniform2()) : Normal3(0);
         double slow = SlowImportance(b, p, n), fast = static_cast<double>(b.Importance(p, n));
         positive += slow > 0;
-        double peak = static_cast<double>(b.phi) /
-                      static_cast<double>(std::max(DistanceSquared(p, b.Centroid()), Length(b.bounds.Diagonal()) / 2));
+        double peak =
+            b.phi / static_cast<double>(std::max(DistanceSquared(p, b.Centroid()), Length(b.bounds.Diagonal()) / 2));
         if (slow > 0) {
             ASSERT_GT(fast, 0);
             ASSERT_NEAR(fast, slow, 4e-3 * peak);
@@ -71,7 +71,7 @@ TEST(LightBounds, UnionIsImportantWhereverAPartShines) {
     for (int i = 0; i < 200000; ++i) {
         LightBounds a = RandomBounds(rng), b = RandomBounds(rng);
         LightBounds u = Union(a, b);
-        EXPECT_FLOAT_EQ(u.phi, a.phi + b.phi);
+        EXPECT_DOUBLE_EQ(u.phi, a.phi + b.phi);
         // A ray from some emitter in the box: its normal is within theta_o of the axis, and the direction within
         // theta_e of the normal.
         Point3 from = a.bounds.low + a.bounds.Diagonal() * Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform());
@@ -100,7 +100,7 @@ TEST(LightBounds, ImportanceIsFiniteAtAnyPointAndScale) {
     for (Float scale : {Float(1e-15), Float(1e-4), Float(1), Float(1e4), Float(1e15)}) {
         LightBounds point;
         point.bounds = Bounds3(Point3(scale));
-        point.phi = 1e6f;
+        point.phi = 1e6;
         point.cosTheta_o = -1;
         for (Point3 p : {Point3(scale), Point3(0), Point3(scale * Float(1.0000001)), Point3(-scale)}) {
             Float i = point.Importance(p, Normal3(0, 0, 1));

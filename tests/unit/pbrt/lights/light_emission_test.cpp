@@ -173,7 +173,7 @@ TEST_P(Emission, SamplesCarryThePower) {
         const auto s = TheLight().SampleLe(rng.Uniform2(), rng.Uniform2(), kWaves);
         flux.Add(s ? static_cast<double>(Flux(*s)) : 0);
     }
-    const double power = static_cast<double>(TheLight().Phi(kWaves).Average());
+    const double power = TheLight().Phi(kWaves).Average();
     ASSERT_GT(power, 0);
     if (GetParam().powerIsExact) {
         EXPECT_NEAR(flux.mean, power, 4.5 * flux.StandardError() + 1e-4 * power);

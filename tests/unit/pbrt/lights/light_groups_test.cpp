@@ -14,7 +14,7 @@ LightCandidate WithPower(Float power) {
     c.power = power;
     c.bounds.emplace();
     c.bounds->bounds = Bounds3(Point3(power, 0, 0));
-    c.bounds->phi = power;
+    c.bounds->phi = double(power);
     return c;
 }
 
@@ -36,8 +36,9 @@ TEST(LightGroups, APartBelongsToItsLight) {
     ASSERT_EQ(groups.Size(), 4u);
     std::vector<uint32_t> expected = {0, 1, 1, 1, 1, 2, 2, 3};
     for (uint32_t i = 0; i < expected.size(); ++i) EXPECT_EQ(groups.GroupOf(LightId(i)), expected[i]);
-    EXPECT_NEAR(groups.Candidate(1).power, 10, 1e-5);
-    EXPECT_NEAR(groups.Candidate(1).bounds->phi, 10, 1e-5);
+    const double unit = table->Unit();
+    EXPECT_NEAR(static_cast<double>(groups.Candidate(1).power) * unit, 10, 1e-5);
+    EXPECT_NEAR(groups.Candidate(1).bounds->phi * unit, 10, 1e-5);
     EXPECT_EQ(groups.Candidate(1).bounds->bounds.high.x, 6);
     EXPECT_EQ(table->Parts().Size(), table->Size());
     EXPECT_EQ(table->WholeOf(LightId(6u)), 2u);

@@ -38,18 +38,72 @@ TEST(LightTable, KeepsOrderAndKnowsWhoIsInfinite) {
     EXPECT_TRUE(table.Candidate(point).bounds);
 }
 
-TEST(LightTable, PowerIsPhiAveragedOverTheVisibleWavelengths) {
+/// Power in watts.
+double PowerOf(const LightTable &table, uint32_t light) {
+    return static_cast<double>(table.Candidate(LightId(light)).power) * table.Unit();
+}
+
+TEST(LightTable, PowerIsTheRootMeanSquareOfPhiOverTheVisibleRange) {
     LightTable table;
     table.Add(Make("point", Params().Rgb("I", 1, 0.2f, 0.1f)));
     table.Add(Make("point", Params().Rgb("I", 2, 0.4f, 0.2f)));
     table.Add(Make("point", Params().Number("scale", 0)));
     table.Finish({0, 0, 0}, 1);
-    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
-    Float expected = SafeDivide(table[LightId(0u)].Phi(lambda), lambda.Pdf()).Average();
-    EXPECT_FLOAT_EQ(table.Candidate(LightId(0u)).power, expected);
-    EXPECT_NEAR(table.Candidate(LightId(1u)).power / expected, 2, 1e-3);
+    double square = 0;
+    constexpr int kSets = 1000;
+    for (int i = 0; i < kSets; ++i) {
+        const auto lambda = SampledWavelengths::SampleVisible((static_cast<Float>(i) + 0.5f) / kSets);
+        const LightPower phi = table[LightId(0u)].Phi(lambda);
+        square += Sqr(phi.factor * RootMeanSquare(phi.spectrum)) / kSets;
+    }
+    EXPECT_NEAR(PowerOf(table, 0) / std::sqrt(square), 1, 1e-3);
+    EXPECT_NEAR(PowerOf(table, 1) / PowerOf(table, 0), 2, 1e-3);
     EXPECT_EQ(table.Candidate(LightId(2u)).power, 0);
     EXPECT_FALSE(table.Candidate(LightId(2u)).bounds) << "no power, no bounds";
+}
+
+/// A line of 2 nm.
+ParamSet Line(Float nm, Float scale) {
+    return Params().Floats(ParamType::Spectrum, "I", {nm - 1, 0, nm, 1, nm + 1, 0}).Number("scale", scale);
+}
+
+TEST(LightTable, EveryLineOfTheVisibleRangeHasPower) {
+    LightTable table;
+    table.Add(Make("point", Params()));
+    for (int nm = 380; nm <= 780; ++nm) table.Add(Make("point", Line(static_cast<Float>(nm), 1)));
+    table.Finish({0, 0, 0}, 1);
+    // Photometric scaling makes dim wavelengths strong; none may be a thousand times weaker than white light.
+    for (uint32_t i = 1; i < table.Size(); ++i)
+        EXPECT_GT(PowerOf(table, i), 1e-3 * PowerOf(table, 0)) << 379 + i << " nm";
+}
+
+TEST(LightTable, SharesOfPowerDoNotDependOnTheUnitOfRadiance) {
+    const auto shares = [](Float scale, Float radius) {
+        LightTable table;
+        table.Add(Make("point", Line(589, scale)));
+        table.Add(Make("point", Params().Number("scale", scale / 3)));
+        table.Add(Make("distant", Params().Number("scale", scale)));
+        table.Add(Make("infinite", Params().Number("scale", scale)));
+        table.Finish({0, 0, 0}, radius);
+        std::vector<double> result;
+        for (uint32_t i = 0; i < table.Size(); ++i) {
+            const LightCandidate c = table.Candidate(LightId(i));
+            EXPECT_TRUE(std::isfinite(c.power)) << scale << " " << radius;
+            result.push_back(static_cast<double>(c.power) / static_cast<double>(table.Candidate(LightId(0u)).power));
+            if (c.bounds) {
+                EXPECT_GT(c.bounds->Sphere().phi, 1e-30f) << scale << " " << radius;
+            }
+        }
+        return result;
+    };
+    for (Float radius : {1e-8f, 1.f, 1e8f}) {
+        const std::vector<double> expected = shares(1, radius);
+        for (Float scale : {1e-30f, 1e-22f, 1e22f, 1e30f}) {
+            const std::vector<double> here = shares(scale, radius);
+            for (size_t i = 0; i < here.size(); ++i)
+                EXPECT_NEAR(here[i] / expected[i], 1, 1e-4) << scale << " " << radius << " " << i;
+        }
+    }
 }
 
 }  // namespace

@@ -29,6 +29,8 @@ inline AreaLightMaker MakeAreaMaker(const ParamSet &params) {
     return MakeAreaMaker(params, sink);
 }
 
+inline SampledSpectrum Value(const LightPower &power) { return static_cast<Float>(power.factor) * power.spectrum; }
+
 /// The luminous part: the integral of y-bar times the spectrum that `sample` returns for given wavelengths.
 inline double Photometric(const std::function<SampledSpectrum(const SampledWavelengths &)> &sample, int n = 4000) {
     double sum = 0;

@@ -162,7 +162,7 @@ TEST_F(Portal, PhiIsWhatComesThroughTheWindow) {
         stats.Add(static_cast<double>(light->Le(p, Normalize(kTurn.Vector(w)), kLambda).Average()) * std::numbers::pi *
                   2);
     }
-    double phi = static_cast<double>(light->Phi(kLambda).Average());
+    double phi = light->Phi(kLambda).Average();
     EXPECT_NEAR(stats.mean, phi, 4.5 * stats.StandardError() + 2e-2 * phi);
 }
 

@@ -120,8 +120,7 @@ TEST_P(SkyTiles, TilesOfALevelAddUpToTheSky) {
     double fine = 0, coarse = 0;
     for (uint32_t n = SkyTile::FirstOf(3); n < SkyTile::FirstOf(4); ++n) fine += integral(n);
     for (uint32_t n = SkyTile::FirstOf(1); n < SkyTile::FirstOf(2); ++n) coarse += integral(n);
-    const SampledSpectrum phi = light->Phi(kLambda, 0);
-    const double whole = static_cast<double>(phi.Average()) / (std::numbers::pi * 4);
+    const double whole = light->Phi(kLambda, 0).Average() / (std::numbers::pi * 4);
     EXPECT_NEAR(fine / whole, 1, 0.03);
     EXPECT_NEAR(coarse / whole, 1, 0.1);
 }

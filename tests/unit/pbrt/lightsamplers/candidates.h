@@ -8,7 +8,7 @@ namespace pbrt::test {
 inline LightCandidate Bounded(const LightBounds &b) {
     LightCandidate c;
     c.bounds = b;
-    c.power = b.phi;
+    c.power = static_cast<Float>(b.phi);
     return c;
 }
 
@@ -26,7 +26,7 @@ inline LightBounds RandomEmitter(Rng &rng) {
     b.bounds = Bounds3(p, p + Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform()) * Float(0.05));
     if (rng.UniformInt(3) == 0) b.bounds = Bounds3(p);
     b.w = SampleUniformSphere(rng.Uniform2());
-    b.phi = std::exp(3 * rng.Uniform());
+    b.phi = double(std::exp(3 * rng.Uniform()));
     b.cosTheta_o = rng.UniformInt(4) == 0 ? Float(-1) : rng.UniformInt(2) ? Float(1) : rng.Uniform();
     b.cosTheta_e = rng.UniformInt(3) == 0 ? Float(0.9) : Float(0);
     b.twoSided = rng.UniformInt(4) == 0;

@@ -81,7 +81,7 @@ TEST(LightBvhNode, RoundingHardlyChangesImportance) {
         LightBounds b = RandomEmitter(rng);
         b.cosTheta_o = std::min(b.cosTheta_o, Float(0.9));  // near 1 a 16-bit cosine gives the angle too coarsely
         Point3 p = Point3(0.5f) + SampleUniformSphere(rng.Uniform2()) * (1 + rng.Uniform());
-        Float peak = b.phi / std::max(DistanceSquared(p, b.Centroid()), Length(b.bounds.Diagonal()) / 2);
+        Float peak = b.Sphere().phi / std::max(DistanceSquared(p, b.Centroid()), Length(b.bounds.Diagonal()) / 2);
         EXPECT_NEAR(LightBvhNode(b, true, 0).Sphere().Importance(p, Normal3(0)), b.Importance(p, Normal3(0)),
                     (b.cosTheta_e > 0 ? 1 : Float(2e-3)) * peak);
     }

@@ -50,13 +50,7 @@ TEST_F(Limits, PowerBeyondFloat) {
           "Film \"rgb\" \"integer xresolution\" 4 \"integer yresolution\" 4\nWorldBegin\nLightSource \"point\"\n"
           "AreaLightSource \"diffuse\" \"rgb L\" [ 1e25 1e25 1e25 ]\nShape \"disk\" \"float radius\" 1e15\n"
           "Shape \"disk\" \"float radius\" 1e15\n");
-    const std::string said = RunWell("--spp 1 --outfile out.exr power.pbrt");
-    EXPECT_TRUE(Has(said, "The power of AreaLightSource \"diffuse\" at power.pbrt:4")) << said;
-    EXPECT_TRUE(Has(said, "(and of 1 more) is larger than the largest number, 3.403e+38: it counts as 0")) << said;
-    Write("small.pbrt",
-          "Film \"rgb\" \"integer xresolution\" 4 \"integer yresolution\" 4\nWorldBegin\n"
-          "AreaLightSource \"diffuse\"\nShape \"disk\"\n");
-    EXPECT_FALSE(Has(RunWell("--spp 1 --outfile out.exr small.pbrt"), "The power of"));
+    EXPECT_FALSE(Has(RunWell("--spp 1 --outfile out.exr power.pbrt"), "Warning"));
 }
 
 TEST_F(Limits, RaysOfEmbree) {

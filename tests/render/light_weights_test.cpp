@@ -1,0 +1,159 @@
+// Every integrator finds lamps of a few nanometres beside one of all wavelengths, and lamps of any radiance, with
+// every light sampler. Pictures are small; means over seeds are compared with their standard errors.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "support/build_text.h"
+#include "support/render_scene.h"
+#include "support/statistics.h"
+
+namespace pbrt::test {
+namespace {
+
+constexpr int kSeeds = 12;
+/// Standard errors that a mean may be away; some 300 means of 12 seeds are compared.
+constexpr double kLimit = 6;
+
+/// A floor and a wall; radiances of the lights in units of `scale`.
+std::string Scene(const std::string &integrator, const std::string &lights, double scale) {
+    return fmt::format(R"(LookAt 0 1 4  0 1 0  0 1 0
+Camera "perspective" "float fov" 50
+Film "rgb" "integer xresolution" 8 "integer yresolution" 8 "bool savefp16" false
+Sampler "independent" "integer pixelsamples" 1
+Integrator "{}" {}
+WorldBegin
+{}
+Material "diffuse" "rgb reflectance" [ .6 .5 .4 ]
+Shape "bilinearmesh" "point3 P" [ -2 0 -2  2 0 -2  -2 0 2  2 0 2 ]
+Shape "bilinearmesh" "point3 P" [ -2 0 -2  2 0 -2  -2 3 -2  2 3 -2 ]
+)",
+                       integrator, integrator.starts_with("simple") ? "" : "\"integer maxdepth\" 3",
+                       fmt::format(fmt::runtime(lights), fmt::arg("s", scale)));
+}
+
+/// White light, and lines between the wavelengths 360, 479, 546 and 617 nm: SampleVisible(0.5) meets none of them.
+const char *const kLines = R"(LightSource "point" "point3 from" [ -1 2 1 ] "float scale" {s}
+LightSource "point" "point3 from" [ 1 2 1 ] "spectrum I" [ 574 0 588 1 602 0 ] "float scale" {s}
+LightSource "point" "point3 from" [ 0 1 1 ] "spectrum I" [ 500 0 512 1 524 0 ] "float scale" {s}
+AttributeBegin
+AreaLightSource "diffuse" "spectrum L" [ 420 0 440 1 460 0 ] "float scale" {s}
+Shape "bilinearmesh" "point3 P" [ -.5 3 -.5  .5 3 -.5  -.5 3 .5  .5 3 .5 ]
+AttributeEnd
+LightSource "distant" "point3 from" [ 1 2 3 ] "spectrum L" [ 630 0 650 1 670 0 ] "float scale" {s}
+)";
+const char *const kColours = R"(LightSource "point" "point3 from" [ -1 2 1 ] "float scale" {s}
+LightSource "point" "point3 from" [ 1 2 1 ] "rgb I" [ .2 .5 2 ] "float scale" {s}
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 2 1 1 ] "float scale" {s}
+Shape "bilinearmesh" "point3 P" [ -.5 3 -.5  .5 3 -.5  -.5 3 .5  .5 3 .5 ]
+AttributeEnd
+LightSource "distant" "point3 from" [ 1 2 3 ] "float scale" {s}
+)";
+/// A sun of real size in metres, and lamps that are about as bright here.
+const char *const kSun = R"(LightSource "point" "point3 from" [ -1 2 1 ] "rgb I" [ 3 1 1 ]
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 3e4 3e4 6e4 ]
+Translate 5e10 1e11 1e11
+Shape "sphere" "float radius" 7e8
+AttributeEnd
+)";
+
+struct Estimate {
+    std::array<double, 3> mean{}, error{};
+};
+
+/// Mean of the picture and its standard error over the seeds; divided by `scale`.
+Estimate Measure(const std::string &integrator, const std::string &sampler, const char *lights, double scale, int spp) {
+    std::array<RunningStatistics, 3> channels;
+    for (int seed = 0; seed < kSeeds; ++seed) {
+        BuildOptions options;
+        options.seed = seed;
+        options.samplesPerPixel = spp;
+        options.lightSampler = sampler;
+        const Image image = RenderText(Scene(integrator, lights, scale), options).image;
+        const std::vector<double> means = TileMeans(image, 8);
+        for (size_t c = 0; c < 3; ++c) channels[c].Add(means[c] / scale);
+    }
+    Estimate e;
+    for (size_t c = 0; c < 3; ++c) {
+        e.mean[c] = channels[c].mean;
+        e.error[c] = channels[c].StandardError();
+    }
+    return e;
+}
+
+/// `bias`: a share of the mean by which a picture may differ besides.
+void ExpectSame(const Estimate &a, const Estimate &b, double bias = 0) {
+    for (size_t c = 0; c < 3; ++c) {
+        const double error = std::hypot(a.error[c], b.error[c]);
+        EXPECT_NEAR(a.mean[c], b.mean[c], kLimit * error + bias * b.mean[c] + 1e-3 * b.mean[c]) << "channel " << c;
+        // The loss of a lamp, a quarter of the light of a channel or more, is noticed.
+        EXPECT_LT(kLimit * error, 0.25 * b.mean[c]) << "the test notices nothing, channel " << c;
+    }
+}
+
+std::string Identifier(std::string s) {
+    std::replace_if(
+        s.begin(), s.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+    return s;
+}
+
+struct Case {
+    std::string integrator, sampler;
+    int spp;
+};
+
+std::vector<Case> Cases() {
+    std::vector<Case> cases;
+    for (const std::string &sampler : AllSamplers().samplers.Names())
+        if (sampler != "oracle") cases.push_back({"path", sampler, 64});
+    const bool ext = AllSamplers().samplers.Names().size() > 4;
+    for (const char *sampler : {"power", "bvh", "octree"}) {
+        if (!ext && sampler == std::string("octree")) continue;
+        for (const char *integrator : {"volpath", "bdpt", "simplepath", "simplevolpath", "lightpath"})
+            cases.push_back({integrator, sampler, 96});
+        for (const char *integrator : {"sppm", "mlt"}) cases.push_back({integrator, sampler, 256});
+    }
+    if (ext) cases.push_back({"path", "octree+guide", 64});
+    return cases;
+}
+
+/// The picture of the lights with uniform choices, which need no weights.
+const Estimate &Reference(const char *lights) {
+    static std::map<std::string, Estimate> references;
+    auto [it, isNew] = references.try_emplace(lights);
+    if (isNew) it->second = Measure("path", "uniform", lights, 1, 512);
+    return it->second;
+}
+
+class LightWeights : public testing::TestWithParam<Case> {
+  protected:
+    double Bias() const { return GetParam().integrator == "sppm" ? 0.02 : 0; }
+    Estimate Here(const char *lights, double scale = 1) const {
+        return Measure(GetParam().integrator, GetParam().sampler, lights, scale, GetParam().spp);
+    }
+};
+
+TEST_P(LightWeights, LinesAreFoundBesideWhiteLight) { ExpectSame(Here(kLines), Reference(kLines), Bias()); }
+TEST_P(LightWeights, StrongRadianceIsTheSamePicture) { ExpectSame(Here(kColours, 1e25), Reference(kColours), Bias()); }
+TEST_P(LightWeights, WeakRadianceIsTheSamePicture) {
+    // Splats below 2^-56 are lost (docs/reference/compatibility.md).
+    const std::string &integrator = GetParam().integrator;
+    if (integrator == "lightpath" || integrator == "mlt" || integrator == "bdpt") GTEST_SKIP() << "adds splats";
+    ExpectSame(Here(kColours, 1e-25), Reference(kColours), Bias());
+}
+TEST_P(LightWeights, ASunOfRealSizeLeavesLampsTheirLight) {
+    const Case &c = GetParam();
+    if (c.integrator != "path" && c.integrator != "volpath") GTEST_SKIP() << "light paths start at the sun";
+    if (c.sampler == "power" || c.sampler == "seen") GTEST_SKIP() << "the sun has all of the power";
+    ExpectSame(Here(kSun), Reference(kSun));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, LightWeights, testing::ValuesIn(Cases()),
+                         [](const auto &c) { return Identifier(c.param.integrator + "_" + c.param.sampler); });
+
+}  // namespace
+}  // namespace pbrt::test

@@ -91,22 +91,12 @@ std::vector<Emitter> VisibilityOctreeLightSampler::LampEmitters() const {
 VisibilityOctreeLightSampler::~VisibilityOctreeLightSampler() = default;
 
 double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context) const {
-    if (params_.prepassspp > 0) {
-        const double most = static_cast<double>(std::numeric_limits<uint32_t>::max());
-        const double rays = static_cast<double>(context.pixelBounds.Area()) * params_.prepassspp * depth_ *
-                            static_cast<double>(Tries());
-        if (rays > most)
-            throw UserError(
-                fmt::format("octree: \"prepassspp\" = {} may trace {:.2g} shadow rays before the render; the "
-                            "most that can be stored are {:.2g}, so at most {} is possible here.",
-                            params_.prepassspp, rays, most, std::floor(params_.prepassspp * most / rays)));
-        return params_.prepassspp;
-    }
+    if (params_.prepassspp > 0) return params_.prepassspp;
     PrepassEffort effort;
     effort.lights = groups_.Size();
     effort.triesPerVertex = Tries();
     effort.skyTries = SkyCount() * kSkySide * kSkySide;
-    effort.depth = depth_;
+    effort.depth = std::min(params_.depth, std::max(1, context.maxDepth));
     effort.pixels = static_cast<double>(std::max<int64_t>(1, context.pixelBounds.Area()));
     effort.samplesPerPixel = context.samplesPerPixel;
     effort.budget = static_cast<double>(params_.budget);

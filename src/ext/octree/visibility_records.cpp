@@ -1,5 +1,6 @@
 #include "ext/octree/visibility_records.h"
 
+#include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/ranks.h"
 #include "pbrt/lightsamplers/weighted_choice.h"
@@ -104,6 +105,11 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
                                   const LightGroups &groups, const GroupImportance &importance,
                                   const MeshInterior &interior, const LightTree *tree, size_t perRecord) {
     const auto count = static_cast<int64_t>(vertices.size());
+    if (vertices.size() > std::numeric_limits<uint32_t>::max() / std::max<size_t>(perRecord, 1))
+        throw UserError(
+            fmt::format("octree: the prepass has {} vertices, each with {} shadow rays; more than {} shadow "
+                        "rays cannot be stored. Lower \"prepassspp\" or \"tries\".",
+                        vertices.size(), perRecord, std::numeric_limits<uint32_t>::max()));
     std::vector<VisibilityRecords> chunks(static_cast<size_t>((count + kChunk - 1) / kChunk));
     context.progress.BeginPhase("looking for lights", static_cast<int64_t>(chunks.size()));
     const bool all = perRecord >= groups.Size();

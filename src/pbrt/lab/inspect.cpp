@@ -40,7 +40,7 @@ std::vector<InspectedLight> NamedGroups(const LightGroups &groups, const LightNa
 /// glass the ray takes the likelier way.
 struct FirstHit {
     PathVertex vertex;
-    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    SampledWavelengths lambda = SampledWavelengths::WholeRange();
     int depth = 0;
 };
 

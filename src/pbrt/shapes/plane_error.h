@@ -21,7 +21,8 @@ inline Normal3 UnitCross(const Vector3 &a, const Vector3 &b) {
 /// smaller: if m is the smaller and N the component, both products together are 2 m + N. Roundings: two (of the edges)
 /// of 2 m + N, one of m, four (of the difference and the sum) of N; less than 6 (m + N). Planes along the axes have no
 /// error. The rounding of p0 - o counts as an error of o, whose bound is per axis.
-inline Float PlaneTestError(const Point3 &p0, const Point3 &p1, const Point3 &p2, const Point3 &p) {
+[[gnu::always_inline]] inline Float PlaneTestError(const Point3 &p0, const Point3 &p1, const Point3 &p2,
+                                                   const Point3 &p) {
     const Vector3 a = p2 - p0, b = p0 - p1, c = p1 - p2, to = Abs(p0 - p);
     const Vector3 ab = Abs(Vector3(a.z * b.y, a.x * b.z, a.y * b.x));
     const Vector3 bc = Abs(Vector3(b.z * c.y, b.x * c.z, b.y * c.x));

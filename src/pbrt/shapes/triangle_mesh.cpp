@@ -191,7 +191,7 @@ ShapeSample TriangleMesh::SampleAt(uint32_t primitive, const Corners &c, const V
     Point3 p0 = b.x * c.p0, p1 = b.y * c.p1, p2 = b.z * c.p2;
     s.p = p0 + p1 + p2;
     s.n = OrientedNormal(primitive, c, b);
-    s.pError = Gamma(7) * (Abs(p0) + Abs(p1) + Abs(p2)) + PlaneTestError(c.p0, c.p1, c.p2, s.p) * Abs(s.n);
+    s.pError = Gamma(7) * (Abs(p0) + Abs(p1) + Abs(p2));
     s.uv = UvAt(primitive, b);
     return s;
 }
@@ -199,7 +199,9 @@ ShapeSample TriangleMesh::SampleAt(uint32_t primitive, const Corners &c, const V
 std::optional<ShapeSample> TriangleMesh::SampleArea(uint32_t primitive, const Point2 &u) const {
     Float area = Area(primitive);
     if (!(area > 0)) return {};
-    ShapeSample s = SampleAt(primitive, CornersOf(primitive), SampleUniformTriangle(u));
+    const Corners c = CornersOf(primitive);
+    ShapeSample s = SampleAt(primitive, c, SampleUniformTriangle(u));
+    s.pError += PlaneTestError(c.p0, c.p1, c.p2, s.p) * Abs(s.n);  // rays start here
     s.pdf = 1 / area;
     return s;
 }

@@ -124,9 +124,10 @@ fi
 
 # Threads: rendering while the light sampler and the guide learn.
 echo "Building with the thread sanitizer (build/tsan.log)"
-if bash .ci/build "$top/build/tsan" -DPBRT_SANITIZE=thread -DPBRT_BENCH=OFF -DPBRT_UNITY=ON -- render_learning; then
+if bash .ci/build "$top/build/tsan" -DPBRT_SANITIZE=thread -DPBRT_BENCH=OFF -DPBRT_UNITY=ON -- render_learning render_guide; then
   run_sanitized tsan <<COMMANDS
 render_learning build/tsan/tests/render/render_learning --gtest_filter=*Threads*
+render_guide build/tsan/tests/render/render_guide --gtest_filter=*Threads*
 COMMANDS
 else
   count "build with the thread sanitizer" 1

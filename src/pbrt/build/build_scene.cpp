@@ -131,9 +131,13 @@ SceneParts MakeParts(SceneDescription &d, const BuildOptions &options, const Tra
     for (const LightEntity &l : d.lights)
         Collect(sink, [&] {
             const Transform renderFromLight = renderFromWorld * l.ctm.start;
-            parts.lights->Add(Lights().Make(l.type, l.params,
-                                            LightContext{renderFromLight, renderFromWorld, SpaceOf(l), d.files, sink}));
-            const MediumId medium = media.ids.Find(l.medium);
+            auto light = Lights().Make(l.type, l.params,
+                                       LightContext{renderFromLight, renderFromWorld, SpaceOf(l), d.files, sink});
+            // Light from beyond the scene arrives through vacuum, whatever medium is current at its LightSource.
+            const bool isBeyondScene =
+                light->Kind() == LightKind::Infinite || light->Kind() == LightKind::DeltaDirection;
+            const MediumId medium = isBeyondScene ? MediumId() : media.ids.Find(l.medium);
+            parts.lights->Add(std::move(light));
             parts.lightMedia.push_back({medium, medium});
             lightNames.Add(1, fmt::format("LightSource \"{}\"", l.type), l.loc);
         });

@@ -147,5 +147,57 @@ TEST(MediaInPlaces, AGridOfTemperaturesGlowsAsQuadratureSays) {
     EXPECT_LT(std::abs(s.mean / expected - 1), 4 * s.StandardError() / expected + .01) << s.mean << ' ' << expected;
 }
 
+/// A camera in a ball of fog, whose medium is current or not where a light is declared.
+Image InFog(const std::string &integrator, const std::string &light, bool isCurrent, int maxDepth = 20) {
+    std::string text = fmt::format(
+        "Film \"rgb\" \"integer xresolution\" 12 \"integer yresolution\" 12\nSampler \"independent\" "
+        "\"integer pixelsamples\" 16\nIntegrator \"{}\" \"integer maxdepth\" {} {}\n"
+        "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [1 1 1] "
+        "\"rgb sigma_a\" [0 0 0] \"float g\" -.6\nMediumInterface \"\" \"m\"\n"
+        "LookAt 0 0 .5  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 60\nWorldBegin\n",
+        integrator, maxDepth,
+        integrator == "mlt" ? "\"integer mutationsperpixel\" 40 \"integer bootstrapsamples\" 9999" : "");
+    if (isCurrent) text += light;
+    text += "MediumInterface \"\" \"\"\n";
+    if (!isCurrent) text += light;
+    return RenderText(text +
+                      "AttributeBegin\nMaterial \"interface\"\nMediumInterface \"m\" \"\"\nShape \"sphere\"\n"
+                      "AttributeEnd\nMaterial \"diffuse\" \"rgb reflectance\" [1 1 1]\nTranslate 0 0 -.2\n"
+                      "Shape \"sphere\" \"float radius\" .2\n")
+        .image;
+}
+
+TEST(MediaInPlaces, LightFromBeyondTheSceneArrivesThroughVacuum) {
+    const auto bits = [](const Image &image) {
+        const auto *data = static_cast<const char *>(image.Data());
+        return std::string(data, data + image.Bytes());
+    };
+    for (const char *integrator : {"volpath", "bdpt", "lightpath", "mlt"}) {
+        for (const char *light : {"LightSource \"infinite\" \"rgb L\" [1 1 1]\n",
+                                  "LightSource \"infinite\" \"rgb L\" [1 1 1] \"point3 portal\" "
+                                  "[-9 -9 4  9 -9 4  9 9 4  -9 9 4]\n",
+                                  "LightSource \"distant\" \"point3 from\" [1 2 3]\n"}) {
+            EXPECT_EQ(bits(InFog(integrator, light, true)), bits(InFog(integrator, light, false)))
+                << integrator << ' ' << light;
+        }
+    }
+    // Other lights stand where they are declared.
+    const std::string lamp = "LightSource \"point\" \"point3 from\" [0 .5 .3]\n";
+    EXPECT_NE(bits(InFog("bdpt", lamp, true)), bits(InFog("bdpt", lamp, false)));
+}
+
+TEST(MediaInPlaces, AFurnaceAroundTheCameraIsInvisibleToLightPaths) {
+    const std::string sky = "LightSource \"infinite\" \"rgb L\" [1 1 1]\n";
+    RunningStatistics expected;
+    for (const char *integrator : {"volpath", "bdpt", "mlt"}) {
+        const Image image = InFog(integrator, sky, true, 300);
+        RunningStatistics s;
+        for (int y = 0; y < 12; ++y)
+            for (int x = 0; x < 12; ++x) s.Add(static_cast<double>(image.Get({x, y}, 1)));
+        if (expected.n == 0) expected = s;
+        EXPECT_LT(std::abs(s.mean / expected.mean - 1), .05) << integrator;
+    }
+}
+
 }  // namespace
 }  // namespace pbrt::test

@@ -83,7 +83,7 @@ void AovFilm::AddSample(const FilmSample &sample) {
     const auto w = double(sample.weight);
     if (!std::isfinite(w)) return;
     PreciseSum *sums = sums_.data() + Frame().IndexOf(sample.pixel) * stride_;
-    sums[0].Add(w);
+    if (sample.hasRay) sums[0].Add(w);
     if (!sample.visible) return;
     sums[1].Add(w);
     const VisibleSurface &visible = *sample.visible;
@@ -129,7 +129,7 @@ Image AovFilm::ToImage() const {
             for (const size_t i : chosen_) {
                 const std::vector<const char *> &names = Aovs()[i].channels;
                 glm::dvec3 mean(0);
-                // Albedo counts samples that see nothing as black; the geometry leaves them out.
+                // Albedo counts rays that see nothing as black; the geometry leaves them out.
                 const double weight = i == kAlbedo ? all : seen;
                 for (size_t c = 0; c < names.size(); ++c, ++next)
                     mean[static_cast<int>(c)] = weight != 0 ? next->Value() / weight : 0;

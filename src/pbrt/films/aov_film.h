@@ -43,7 +43,7 @@ class AovFilm final : public Film {
     std::unique_ptr<Film> film_;
     AnimatedTransform renderFromCamera_;
     std::vector<size_t> chosen_;  ///< indices into Aovs(), ascending
-    size_t stride_ = 0;           ///< sums of a pixel: all weights, weights of samples that see a surface, channels
+    size_t stride_ = 0;  ///< sums of a pixel: weights of samples with a ray, of those that see a surface, channels
     std::vector<PreciseSum> sums_;
 };
 

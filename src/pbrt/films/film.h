@@ -21,6 +21,7 @@ struct FilmSample {
     SampledWavelengths lambda;
     Float weight = 1;                       ///< of the filter
     std::optional<VisibleSurface> visible;  ///< only for films that want it; empty: no surface is seen
+    bool hasRay = true;                     ///< false: the camera has no ray for the sample, which the lens stops
 };
 
 /// Sums up what is measured in every pixel, and makes the picture. Sums are kept per pixel and in twice double
@@ -31,6 +32,8 @@ class Film {
     virtual ~Film() = default;
 
     Point2i FullResolution() const { return frame_.fullResolution; }
+    /// One by the number of pixels of the whole picture: what CameraConnection::weight is multiplied by for a splat.
+    Float SplatUnit() const { return static_cast<Float>(1 / frame_.FullPixels()); }
     const Bounds2i &PixelBounds() const { return frame_.pixelBounds; }
     const std::string &Filename() const { return frame_.filename; }
     Float DiagonalMm() const { return frame_.diagonalMm; }
@@ -45,12 +48,13 @@ class Film {
 
     /// Makes room for splats. To be called on one thread before the first splat.
     virtual void ExpectSplats() = 0;
-    /// Light that reached a pixel by any path: `weight` times the radiance is added. From any thread; the sum is the
-    /// same to the bit in any order (FixedSum). Outside PixelBounds() nothing happens. What is not finite, or larger
-    /// than FixedSum holds, is counted, reported and dropped.
+    /// Light that reached a pixel by any path: `weight` times the radiance is added. The unit is that of samples: paths
+    /// that end all over the whole picture, as many as it has pixels, make what one sample makes in every pixel. From
+    /// any thread; the sum is the same to the bit in any order (FixedSum). Outside PixelBounds() nothing happens. What
+    /// is not finite, or larger than FixedSum holds, is counted, reported and dropped.
     virtual void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) = 0;
     /// Adds to the number of paths that the splats come from, wherever on the film they are. The picture gets the sum
-    /// of splats divided by it.
+    /// of splats divided by it and multiplied by the number of pixels of the whole picture.
     virtual void AddSplatPaths(uint64_t paths) = 0;
 
     /// Linear RGB in the output space, over PixelBounds(); R, G, B are the first channels of every film. Half precision

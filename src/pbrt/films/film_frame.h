@@ -35,6 +35,8 @@ struct FilmFrame {
         return frame;
     }
     size_t PixelCount() const { return static_cast<size_t>(pixelBounds.Area()); }
+    /// The number of pixels of the whole picture.
+    double FullPixels() const { return double(fullResolution.x) * double(fullResolution.y); }
     size_t IndexOf(Point2i pixel) const {
         PBRT_DCHECK(pixelBounds.Contains(pixel));
         const Point2i p = pixel - pixelBounds.low;

@@ -29,7 +29,7 @@ struct FilmParams {
         v("diagonal", diagonalMm, Positive(1e6f, "mm"), "diagonal of the film, for realistic cameras");
         sensor.Describe(v);
         v("maxcomponentvalue", maxComponentValue, Positive(std::numeric_limits<Float>::max()),
-          "largest value of a sample; brighter samples are scaled down to it");
+          "largest value of a sample or splat; brighter ones are scaled down to it");
         v("savefp16", half, "write the picture in half precision");
     }
 };

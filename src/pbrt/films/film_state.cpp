@@ -11,7 +11,7 @@ namespace pbrt {
 
 namespace {
 
-constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 'f', 'l', 'm', '2'};
+constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 'f', 'l', 'm', '3'};  // the last is the version
 constexpr uint64_t kLongestName = 64, kMaxBlocks = 64;
 
 [[noreturn]] void RefuseFile() { throw UserError("the saved state of a film does not belong to this film."); }
@@ -70,7 +70,9 @@ void WriteState(StateWriter &out, const std::string &kind, const Bounds2i &pixel
 
 SavedState ReadState(std::istream &in) {
     SavedState state;
-    if (ReadValue<std::array<char, 8>>(in) != kMagic) RefuseFile();
+    const auto magic = ReadValue<std::array<char, 8>>(in);
+    if (!std::equal(kMagic.begin(), kMagic.end() - 1, magic.begin())) RefuseFile();
+    if (magic != kMagic) throw UserError("the saved state of a film is of another version of the program.");
     state.kind = ReadName(in);
     state.pixelBounds = ReadValue<Bounds2i>(in);
     const auto count = ReadValue<uint64_t>(in);

@@ -1,59 +1,72 @@
 #pragma once
+#include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
 namespace pbrt {
 
-/// A sum in fixed point of 128 bits: adding integers gives the same bits in any order, so any number of threads may add
-/// at once. An addend is rounded to a multiple of 2^-56, an error of at most 2^-57 or 7e-18. The sum wraps around
-/// beyond 2^71: addends are limited to kMaxAddend, so 2^21 of the largest have room.
+/// A sum in fixed point of 320 bits, in which every float has room: adding integers gives the same bits in any order,
+/// so any number of threads may add at once. An addend is rounded to a multiple of 2^-144, an error of at most 2.3e-44.
+/// The sum wraps around beyond 2^175: addends are limited to kMaxAddend, so 2^31 of the largest have room.
 class FixedSum {
   public:
-    static constexpr double kMaxAddend = 1125899906842624.0;  ///< 2^50
+    static constexpr double kMaxAddend = 0x1p144;
 
     static bool Holds(double x) { return std::abs(x) <= kMaxAddend; }  // false for not-a-number
 
     /// From any thread. Holds(x) must be true.
     void Add(double x) {
-        const FixedSum addend = Round(x);
-        const uint64_t before = std::atomic_ref(low_).fetch_add(addend.low_, std::memory_order_relaxed);
-        // In whatever order threads add, the low word wraps around exactly as often as the true sum carries.
-        const uint64_t carry = before + addend.low_ < before ? 1 : 0;
-        std::atomic_ref(high_).fetch_add(addend.high_ + carry, std::memory_order_relaxed);
+        // |x| is mantissa * 2^(shift - kFractionBits).
+        const auto bits = std::bit_cast<uint64_t>(x);
+        uint64_t mantissa = (bits & (kImplicitBit - 1)) | kImplicitBit;
+        int shift = static_cast<int>(bits >> 52 & 0x7ff) - (1023 + 52) + kFractionBits;
+        if (shift < 0) {
+            mantissa = shift < -53 ? 0 : (mantissa + (uint64_t{1} << (-shift - 1))) >> -shift;
+            shift = 0;
+        }
+        const auto word = static_cast<size_t>(shift / 64);
+        const int within = shift % 64;
+        const auto add = [&](auto &&addTo) {
+            // In whatever order threads add, a word wraps around exactly as often as the true sum carries.
+            uint64_t carry = addTo(word, mantissa << within) + (mantissa >> 1 >> (63 - within));
+            for (size_t i = word + 1; carry != 0 && i < kWords; ++i) carry = addTo(i, carry);
+        };
+        if (x < 0)
+            add([this](size_t i, uint64_t addend) {
+                return uint64_t{std::atomic_ref(words_[i]).fetch_sub(addend, std::memory_order_relaxed) < addend};
+            });
+        else
+            add([this](size_t i, uint64_t addend) {
+                return uint64_t{std::atomic_ref(words_[i]).fetch_add(addend, std::memory_order_relaxed) > ~addend};
+            });
     }
     /// From one thread, while no other thread adds.
     FixedSum &operator+=(const FixedSum &other) {
-        low_ += other.low_;
-        high_ += other.high_ + (low_ < other.low_ ? 1 : 0);
+        bool carry = false;
+        for (size_t i = 0; i < kWords; ++i) {
+            const uint64_t addend = other.words_[i] + (carry ? 1 : 0);
+            carry = addend < (carry ? 1 : 0);
+            words_[i] += addend;
+            carry |= words_[i] < addend;
+        }
         return *this;
     }
     double Value() const {
-        const bool isNegative = (high_ >> 63) != 0;
-        const FixedSum size = isNegative ? Negative() : *this;
-        const double value = std::ldexp(static_cast<double>(size.high_), 64 - kFractionBits) +
-                             std::ldexp(static_cast<double>(size.low_), -kFractionBits);
-        return isNegative ? -value : value;
+        // A negative sum is -1 minus the number whose bits are the opposite.
+        const uint64_t flip = words_.back() >> 63 != 0 ? ~uint64_t{0} : 0;
+        double value = 0;
+        for (size_t i = kWords; i-- > 0;) value = value * 0x1p64 + static_cast<double>(words_[i] ^ flip);
+        return std::ldexp(flip ? -1 - value : value, -kFractionBits);
     }
     bool operator==(const FixedSum &) const = default;
 
   private:
-    static constexpr int kFractionBits = 56;
-
-    static FixedSum Round(double x) {
-        const double scaled = std::nearbyint(std::ldexp(std::abs(x), kFractionBits));
-        FixedSum sum;
-        sum.high_ = static_cast<uint64_t>(std::ldexp(scaled, -64));
-        sum.low_ = static_cast<uint64_t>(scaled - std::ldexp(static_cast<double>(sum.high_), 64));
-        return x < 0 ? sum.Negative() : sum;
-    }
-    FixedSum Negative() const {
-        FixedSum n;
-        n.low_ = ~low_ + 1;
-        n.high_ = ~high_ + (n.low_ == 0 ? 1 : 0);
-        return n;
-    }
-    uint64_t low_ = 0, high_ = 0;  ///< two's complement
+    static constexpr int kFractionBits = 144;
+    static constexpr size_t kWords = 5;
+    static constexpr uint64_t kImplicitBit = uint64_t{1} << 52;
+    std::array<uint64_t, kWords> words_{};  ///< two's complement, lowest first
 };
 
 }  // namespace pbrt

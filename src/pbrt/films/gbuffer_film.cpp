@@ -34,17 +34,18 @@ void GBufferFilm::AddSample(const FilmSample &sample) {
     if (!sensor) return;
     const size_t index = Frame().IndexOf(sample.pixel);
     sums_.Add(index, *sensor, sample.weight);
+    Pixel &sums = pixels_[index];
+    const double w = double(sample.weight);
+    if (sample.hasRay) sums.rayWeight.Add(w);
     if (!sample.visible) return;
     const VisibleSurface &visible = *sample.visible;
     const Transform outputFromRender = renderFromOutput_.At(visible.time).Inverse();
     auto output = [&](const Normal3 &n) { return glm::dvec3(Normalize(outputFromRender.Normal(n))); };
     auto depth = [&](const Vector3 &v) { return double(std::abs(outputFromRender.Vector(v).z)); };
-    Pixel &sums = pixels_[index];
     const glm::dvec3 measured(*sensor);
     sums.sensor.Add(1, measured);
     sums.squares.Add(1, measured * measured);
     ++sums.count;
-    const double w = double(sample.weight);
     sums.weight.Add(w);
     sums.p.Add(w, glm::dvec3(outputFromRender.Point(visible.p)));
     sums.n.Add(w, output(visible.n));
@@ -55,9 +56,7 @@ void GBufferFilm::AddSample(const FilmSample &sample) {
 }
 
 void GBufferFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {
-    if (!PixelBounds().Contains(pixel)) return;
-    if (std::optional<Vector3> sensor = sums_.Measure(L, lambda, weight))
-        sums_.AddSplat(Frame().IndexOf(pixel), *sensor, weight);
+    if (PixelBounds().Contains(pixel)) sums_.AddSplat(Frame().IndexOf(pixel), L, lambda, weight);
 }
 
 void GBufferFilm::Pixel::operator+=(const Pixel &other) {
@@ -68,6 +67,7 @@ void GBufferFilm::Pixel::operator+=(const Pixel &other) {
     uv += other.uv;
     dz += other.dz;
     weight += other.weight;
+    rayWeight += other.rayWeight;
     sensor += other.sensor;
     squares += other.squares;
     count += other.count;
@@ -84,9 +84,8 @@ std::vector<StateBlock> GBufferFilm::Blocks() {
 Image GBufferFilm::ToImage() const {
     Image image = sums_.MakeImage({kFurtherChannels.begin(), kFurtherChannels.end()});
     const Pixel *pixel = pixels_.data();
-    size_t index = 0;
     for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x, ++pixel, ++index) {
+        for (int x = 0; x < image.Resolution().x; ++x, ++pixel) {
             int channel = 3;
             auto put = [&](double v) { image.Set({x, y}, channel++, static_cast<Float>(v)); };
             auto put3 = [&](const glm::dvec3 &v) {
@@ -94,8 +93,8 @@ Image GBufferFilm::ToImage() const {
             };
             auto unit = [](const glm::dvec3 &v) { return glm::dot(v, v) > 0 ? glm::normalize(v) : glm::dvec3(0); };
             const double seenWeight = pixel->weight.Value(), seen = seenWeight != 0 ? 1 / seenWeight : 0;
-            const double weight = sums_.WeightOf(index);
-            // Albedo counts samples that see nothing as black; the geometry leaves them out.
+            const double weight = pixel->rayWeight.Value();
+            // Albedo counts rays that see nothing as black; the geometry leaves them out.
             put3(weight != 0 ? pixel->albedo.Value() / weight : glm::dvec3(0));
             put3(pixel->p.Value() * seen);
             put(pixel->dz.of[0].Value() * seen);

@@ -55,6 +55,7 @@ class GBufferFilm final : public Film {
         Sums<3> p, n, ns, albedo;
         Sums<2> uv, dz;
         PreciseSum weight;        ///< of samples that see a surface
+        PreciseSum rayWeight;     ///< of samples with a camera ray
         Sums<3> sensor, squares;  ///< of those samples, without weights
         uint64_t count = 0;       ///< of those samples
         void operator+=(const Pixel &other);

@@ -15,9 +15,7 @@ void RgbFilm::AddSample(const FilmSample &sample) {
 }
 
 void RgbFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {
-    if (!PixelBounds().Contains(pixel)) return;
-    if (std::optional<Vector3> sensor = sums_.Measure(L, lambda, weight))
-        sums_.AddSplat(Frame().IndexOf(pixel), *sensor, weight);
+    if (PixelBounds().Contains(pixel)) sums_.AddSplat(Frame().IndexOf(pixel), L, lambda, weight);
 }
 
 std::vector<StateBlock> RgbFilm::Blocks() {

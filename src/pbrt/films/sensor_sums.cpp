@@ -19,6 +19,7 @@ SensorSums::SensorSums(const FilmParams &params, const ParamSet &set, const Film
 
 SensorSums::SensorSums(const FilmFrame &frame, Float maxComponent, const PixelSensor &sensor)
     : resolution_(frame.pixelBounds.high - frame.pixelBounds.low),
+      fullPixels_(frame.FullPixels()),
       half_(frame.half),
       maxComponent_(maxComponent),
       sensor_(sensor),
@@ -27,13 +28,16 @@ SensorSums::SensorSums(const FilmFrame &frame, Float maxComponent, const PixelSe
 
 SensorSums SensorSums::MakeEmpty(const FilmFrame &frame) const { return {frame, maxComponent_, sensor_}; }
 
-bool SensorSums::AddSplat(size_t pixel, const Vector3 &sensor, Float weight) {
+bool SensorSums::AddSplat(size_t pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {
+    const std::optional<Vector3> sensor = Measure(L, lambda, weight);
+    if (!sensor) return false;
+    const glm::dvec3 weighted = double(weight) * glm::dvec3(*sensor);
     for (int c = 0; c < 3; ++c)
-        if (!FixedSum::Holds(double(weight) * double(sensor[c]))) {
+        if (!FixedSum::Holds(weighted[c])) {
             Reject();
             return false;
         }
-    for (int c = 0; c < 3; ++c) splats_.Add(3 * pixel + static_cast<size_t>(c), double(weight) * double(sensor[c]));
+    for (int c = 0; c < 3; ++c) splats_.Add(3 * pixel + static_cast<size_t>(c), weighted[c]);
     return true;
 }
 
@@ -85,7 +89,10 @@ Image SensorSums::MakeImage(const std::vector<std::string> &furtherChannels) con
                         "\"bool savefp16\" false keeps them.",
                         clamped, kMaxHalf));
     if (counts_.rejected > 0)
-        LogWarning(fmt::format("{} samples had infinite or not-a-number radiance and were dropped.", counts_.rejected));
+        LogWarning(
+            fmt::format("{} samples were dropped: their radiance is not a number, or too large for single "
+                        "precision ({:.2g}).",
+                        counts_.rejected, std::numeric_limits<Float>::max()));
     return image;
 }
 

@@ -32,14 +32,13 @@ class SensorSums {
         for (int c = 0; c < 3; ++c) sums.sensor[c].Add(double(weight) * double(sensor[c]));
         sums.weight.Add(double(weight));
     }
-    double WeightOf(size_t pixel) const { return pixels_[pixel].weight.Value(); }
 
     void ExpectSplats() { splats_.Expect(3 * pixels_.size()); }
-    /// False if the splat is larger than FixedSum holds; it is counted as rejected.
-    bool AddSplat(size_t pixel, const Vector3 &sensor, Float weight);
+    /// False if the splat is not finite or larger than FixedSum holds; it is counted as rejected.
+    bool AddSplat(size_t pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight);
     void AddSplatPaths(uint64_t paths) { counts_.splatPaths += paths; }
-    /// Factor that turns a sum of splats into their mean.
-    double SplatScale() const { return counts_.splatPaths ? 1 / static_cast<double>(counts_.splatPaths) : 0; }
+    /// Factor that turns a sum of splats into their mean over the samples that a pixel would have of as many paths.
+    double SplatScale() const { return counts_.splatPaths ? fullPixels_ / static_cast<double>(counts_.splatPaths) : 0; }
 
     Float MaxComponentValue() const { return maxComponent_; }
     /// Counts something that was dropped; from any thread.
@@ -71,6 +70,7 @@ class SensorSums {
     /// Of the picture, in float precision.
     Rgb ColorOf(size_t pixel) const;
     Point2i resolution_;
+    double fullPixels_;  ///< of the whole picture, also if only a part is rendered
     bool half_;
     Float maxComponent_;
     PixelSensor sensor_;

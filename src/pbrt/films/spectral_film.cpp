@@ -73,8 +73,6 @@ void SpectralFilm::ExpectSplats() {
 
 void SpectralFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {
     if (!PixelBounds().Contains(pixel)) return;
-    const std::optional<Vector3> sensor = sensor_.Measure(L, lambda, weight);
-    if (!sensor) return;
     const size_t index = Frame().IndexOf(pixel);
     // Each wavelength estimates the integral over a bucket; divided by the bucket's width this is the mean.
     const double width = double(buckets_.high - buckets_.low) / buckets_.count;
@@ -84,7 +82,7 @@ void SpectralFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const Sampl
         parts[i] = double(weight) * double(L[i] * ScaleOf(L)) / (SpectrumSamples * double(lambda.PdfAt(i)) * width);
         if (!FixedSum::Holds(parts[i])) return sensor_.Reject();
     }
-    if (!sensor_.AddSplat(index, *sensor, weight)) return;
+    if (!sensor_.AddSplat(index, L, lambda, weight)) return;
     for (int i = 0; i < SpectrumSamples; ++i)
         if (parts[i] != 0) splats_.Add(FirstSumOf(index) + static_cast<size_t>(BucketOf(lambda[i])), parts[i]);
 }

@@ -2,6 +2,7 @@
 #include <span>
 #include <vector>
 
+#include "pbrt/core/memory.h"
 #include "pbrt/films/film_state.h"
 #include "pbrt/films/fixed_sum.h"
 
@@ -10,9 +11,11 @@ namespace pbrt {
 /// Sums of splats: some numbers per pixel, to which any thread may add at any time.
 class Splats {
   public:
-    /// Makes room for `count` sums, once.
+    /// Makes room for `count` sums, once. Throws UserError if the machine has not enough memory.
     void Expect(size_t count) {
-        if (sums_.empty()) sums_.resize(count);
+        if (!sums_.empty()) return;
+        RequireMemory(static_cast<double>(count) * sizeof(FixedSum), "the film: splats of light paths", {});
+        sums_.resize(count);
     }
     bool AreExpected() const { return !sums_.empty(); }
     void Add(size_t index, double x) { sums_[index].Add(x); }

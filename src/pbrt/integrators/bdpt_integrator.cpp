@@ -13,7 +13,7 @@ struct BdptIntegrator::Sample {
     SampledWavelengths &lambda;
     const Samplers &samplers;
     Subpaths &paths;
-    Float time = 0, pixels = 1;
+    Float time = 0, pixels = 1, splatUnit = 1;
     LightLearner::PathPlaces places{};
 };
 
@@ -359,8 +359,8 @@ void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vec
     if (!last.CanConnect()) return;
     const std::optional<CameraConnection> seen = context_.camera.Connect(last.Position(), uLens, sample.time);
     if (!seen) return;
-    const SampledSpectrum L =
-        last.beta * last.F(seen->wi, TransportMode::Importance) * (last.CosineOfLight(seen->wi) * seen->weight);
+    const SampledSpectrum L = last.beta * last.F(seen->wi, TransportMode::Importance) *
+                              (last.CosineOfLight(seen->wi) * seen->weight * sample.splatUnit);
     if (!L) return;
     LightLiSample lens;
     lens.wi = seen->wi;
@@ -385,10 +385,10 @@ void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vec
 }
 
 SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelengths &lambda, const Samplers &samplers,
-                                          Float pixels, std::vector<SeenLight> &seen) const {
+                                          Float pixels, Float splatUnit, std::vector<SeenLight> &seen) const {
     ++ThreadCounters().cameraPaths;
     Subpaths &paths = subpaths_[static_cast<size_t>(ThreadIndex())];
-    Sample sample{start, lambda, samplers, paths, start.ray.ray.time, pixels};
+    Sample sample{start, lambda, samplers, paths, start.ray.ray.time, pixels, splatUnit};
     if (learner_) sample.places = learner_->BeginPath(start.pixel, start.sampleIndex);
     TraceLight(sample);
     SampledSpectrum L = TraceCamera(sample);
@@ -409,7 +409,8 @@ SampledSpectrum BdptIntegrator::Li(const PathStart &start, SampledWavelengths &l
     seen.clear();
     paths.found.clear();
     const SampledSpectrum L =
-        TracePair(start, lambda, {sampler, sampler, sampler}, static_cast<Float>(pass.film.PixelBounds().Area()), seen);
+        TracePair(start, lambda, {sampler, sampler, sampler}, static_cast<Float>(pass.film.PixelBounds().Area()),
+                  pass.film.SplatUnit(), seen);
     if (!pass.keepsSamples) return L;
     for (const SeenLight &s : seen) AddFilteredSplat(pass.film, pass.filter, s.pFilm, s.L, lambda);
     if (strategies_) {

@@ -41,16 +41,16 @@ class BdptIntegrator final : public PixelIntegrator {
     struct Samplers {
         Sampler &light, &camera, &connections;
     };
-    /// Light that a connection to the camera brings to a place of the film, in pixels' measure (CameraConnection).
+    /// Light that a connection to the camera brings to a place of the film, in the unit of Film::AddSplat.
     struct SeenLight {
         Point2 pFilm{};
         SampledSpectrum L{0};
     };
-    /// One pair of subpaths, where camera rays are spread evenly over so many pixels. Returns the radiance along the
-    /// camera ray and adds to `seen` what is seen elsewhere. The first is to be counted for each camera ray of a pixel,
-    /// the second for each light path of the whole film.
+    /// One pair of subpaths, where camera rays are spread evenly over so many pixels; `splatUnit`: Film::SplatUnit.
+    /// Returns the radiance along the camera ray and adds to `seen` what is seen elsewhere. The first is to be counted
+    /// for each camera ray of a pixel, the second for each light path of the whole film.
     SampledSpectrum TracePair(const PathStart &start, SampledWavelengths &lambda, const Samplers &samplers,
-                              Float pixels, std::vector<SeenLight> &seen) const;
+                              Float pixels, Float splatUnit, std::vector<SeenLight> &seen) const;
     bool Splats() const override { return true; }
 
   private:

@@ -14,7 +14,7 @@ LightPathIntegrator::LightPathIntegrator(const PathContext &context, int maxDept
 SampledSpectrum LightPathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     const Scene &scene = context_.scene;
     const RenderPass &pass = start.pass;
-    const Float time = start.ray.ray.time;
+    const Float time = start.ray.ray.time, splatUnit = pass.film.SplatUnit();
     ++ThreadCounters().cameraPaths;
     const SampledSpectrum none(0);
     const bool hasMedia = scene.HasMedia();
@@ -25,7 +25,7 @@ SampledSpectrum LightPathIntegrator::Li(const PathStart &start, SampledWavelengt
     auto splat = [&](const LightSampleContext &from, const Point2 &uLens, auto &&mediumTowards, auto &&leaving) {
         const std::optional<CameraConnection> seen = context_.camera.Connect(from.p, uLens, time);
         if (!seen) return;
-        SampledSpectrum L = leaving(seen->wi) * seen->weight;
+        SampledSpectrum L = leaving(seen->wi) * (seen->weight * splatUnit);
         if (!L) return;
         LightLiSample lens;
         lens.wi = seen->wi;

@@ -154,21 +154,24 @@ class MltIntegrator::Renderer {
             ray->differential.Scale(ray->ray, differentialScale_);
             const PathStart start{pass_, *ray};
             // Camera rays are spread over the area, so each of them stands for all its pixels.
-            const SampledSpectrum L =
-                integrator_.pairs_.TracePair(start, pair.lambda, {light, camera, connections}, area_, pair.seen);
+            const Float splatUnit = pass_.film.SplatUnit();
+            const SampledSpectrum L = integrator_.pairs_.TracePair(start, pair.lambda, {light, camera, connections},
+                                                                   area_, splatUnit, pair.seen);
             std::erase_if(pair.seen, [&](const BdptIntegrator::SeenLight &s) { return !Reaches(s); });
-            const BdptIntegrator::SeenLight direct{sample.pFilm, ray->weight * L * area_};
+            const BdptIntegrator::SeenLight direct{sample.pFilm, ray->weight * L * (area_ * splatUnit)};
             if (Reaches(direct)) pair.seen.push_back(direct);
         }
-        for (const BdptIntegrator::SeenLight &s : pair.seen)
-            pair.importance += pair.lambda.SecondaryTerminated() ? s.L[0] : s.L.Average();
+        // What is too large for single precision stays, for the film to count, but attracts no mutations.
+        for (const BdptIntegrator::SeenLight &s : pair.seen) {
+            const Float sum = pair.importance + (pair.lambda.SecondaryTerminated() ? s.L[0] : s.L.Average());
+            if (std::isfinite(sum)) pair.importance = sum;
+        }
         for (PrimarySampler *sampler : {&light, &camera, &connections}) sampler->ForgetUnused();
     }
     /// True if the film, with its filter, gets anything of this light.
     bool Reaches(const BdptIntegrator::SeenLight &s) const {
-        const Float brightness = s.L.MaxComponent();
-        return brightness > 0 && std::isfinite(brightness) && s.pFilm.x >= low_.x && s.pFilm.y >= low_.y &&
-               s.pFilm.x <= low_.x + size_.x && s.pFilm.y <= low_.y + size_.y;
+        return s.L && s.pFilm.x >= low_.x && s.pFilm.y >= low_.y && s.pFilm.x <= low_.x + size_.x &&
+               s.pFilm.y <= low_.y + size_.y;
     }
 
     void AddToFilm(const Pair &pair, Float weight) const {

@@ -68,6 +68,8 @@ class PassRenderer {
             const PathStart start{
                 pass_, *ray, pixel, pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr, sample.weight};
             sample.L = weight * integrator_.Li(start, sample.lambda, sampler);
+        } else {
+            sample.hasRay = false;
         }
         if (pass_.keepsSamples) pass_.film.AddSample(sample);
     }

@@ -13,13 +13,19 @@
 namespace pbrt {
 namespace {
 
-ParamSet Params(int width = 5, int height = 3) {
+ParamSet Params(int width = 5, int height = 3, Float maxComponentValue = 0) {
     ParamSet params("Film", {});
     for (auto [name, value] : {std::pair("xresolution", width), std::pair("yresolution", height)}) {
         Param p;
         p.type = ParamType::Integer;
         p.name = name;
         p.ints = {value};
+        params.Add(p);
+    }
+    if (maxComponentValue > 0) {
+        Param p;
+        p.name = "maxcomponentvalue";
+        p.floats = {maxComponentValue};
         params.Add(p);
     }
     return params;
@@ -230,6 +236,9 @@ TEST_P(EveryFilm, StateOfAnotherFilmIsRefusedAndChangesNothing) {
     };
     refuses("");
     refuses("rgbfilm1");
+    std::string older = state;
+    older[7] = '2';
+    refuses(older);
     refuses(state.substr(0, state.size() - 1));
     refuses(state.substr(0, state.size() / 2));
     refuses(Saved(*Make(GetParam(), Params(3, 5))));
@@ -266,11 +275,21 @@ TEST_P(EveryFilm, SplatsAreTheSameForAnyNumberOfThreads) {
     EXPECT_GT(Saved(*onlySamples).size(), Saved(*Make(GetParam())).size());
 }
 
+/// The channels of light of a film.
+std::vector<int> LightChannels(const Image &image) {
+    std::vector<int> channels;
+    for (int c = 0; c < image.ChannelCount(); ++c)
+        if (const std::string &name = image.Channels()[static_cast<size_t>(c)];
+            name == "R" || name == "G" || name == "B" || name.starts_with("S0"))
+            channels.push_back(c);
+    return channels;
+}
+
 TEST_P(EveryFilm, ThePictureHasTheMeanOfSplatsBesideThatOfSamples) {
     auto film = Make(GetParam()), twice = Make(GetParam());
     film->ExpectSplats();
     twice->ExpectSplats();
-    constexpr int kSamples = 400;
+    constexpr int kSamples = 400, kPixels = 15;
     for (int i = 0; i < kSamples; ++i) {
         FilmSample sample;
         sample.pixel = {1, 1};
@@ -283,16 +302,62 @@ TEST_P(EveryFilm, ThePictureHasTheMeanOfSplatsBesideThatOfSamples) {
         for (int k = 0; k < 2; ++k) twice->AddSplat({1, 1}, sample.L * 2.0f, sample.lambda, Float(0.5));
         film->AddSplat({2, 1}, sample.L, sample.lambda, 1);
     }
-    twice->AddSplatPaths(kSamples);
-    film->AddSplatPaths(kSamples);
+    twice->AddSplatPaths(kPixels * kSamples);
+    film->AddSplatPaths(kPixels * kSamples);
     const Image one = film->ToImage(), three = twice->ToImage();
-    for (int c = 0; c < one.ChannelCount(); ++c) {
+    for (const int c : LightChannels(one)) {
         const std::string &name = one.Channels()[static_cast<size_t>(c)];
-        if (name != "R" && name != "G" && name != "B" && !name.starts_with("S0")) continue;
         EXPECT_GT(one.Get({1, 1}, c), 0.01f) << name;
         EXPECT_NEAR(three.Get({1, 1}, c) / one.Get({1, 1}, c), 3, 1e-2f) << name;
         EXPECT_NEAR(one.Get({2, 1}, c) / one.Get({1, 1}, c), 1, 1e-2f) << name;
         EXPECT_EQ(one.Get({3, 1}, c), 0) << name;
+    }
+}
+
+/// A sample and a splat of radiance L in neighbouring pixels, as a picture of these pixels only.
+Image SampleBesideSplat(const std::string &type, const ParamSet &params, Float L) {
+    DiagnosticSink sink;
+    FilmContext context{.outputSpace = ColorSpace::SRGB()};
+    context.overrides.fullFloat = true;
+    context.overrides.pixelBounds = Bounds2i{{1, 1}, {3, 2}};
+    auto film = MakeFilm(type, params, context, sink);
+    film->ExpectSplats();
+    const SampledWavelengths lambda = film->SampleWavelengths(Float(0.4));
+    FilmSample sample;
+    sample.pixel = {1, 1};
+    sample.L = lambda.Pdf() * L;
+    sample.lambda = lambda;
+    film->AddSample(sample);
+    for (int i = 0; i < 2; ++i) film->AddSplat({2, 1}, sample.L, lambda, 1);
+    film->AddSplatPaths(2 * 15);
+    EXPECT_EQ(film->RejectedSamples(), 0u);
+    return film->ToImage();
+}
+
+TEST_P(EveryFilm, SplatsAreCutAsSamplesAre) {
+    const Image whole = SampleBesideSplat(GetParam(), Params(), 100),
+                cut = SampleBesideSplat(GetParam(), Params(5, 3, 2), 100),
+                below = SampleBesideSplat(GetParam(), Params(5, 3, 1e4f), 100);
+    for (const int c : LightChannels(whole)) {
+        EXPECT_EQ(below.Get({1, 0}, c), whole.Get({1, 0}, c)) << c;
+        EXPECT_LE(std::abs(cut.Get({1, 0}, c)), std::abs(whole.Get({1, 0}, c))) << c;
+        if (whole.Channels()[static_cast<size_t>(c)].starts_with("S0"))
+            continue;  // samples and splats divide otherwise
+        EXPECT_FLOAT_EQ(cut.Get({1, 0}, c), cut.Get({0, 0}, c)) << c;
+        EXPECT_FLOAT_EQ(whole.Get({1, 0}, c), whole.Get({0, 0}, c)) << c;
+        EXPECT_LT(std::abs(cut.Get({1, 0}, c)), Float(0.5) * std::abs(whole.Get({1, 0}, c))) << c;
+    }
+}
+
+TEST_P(EveryFilm, SplatsKeepTheRangeOfSamples) {
+    const Image unit = SampleBesideSplat(GetParam(), Params(), 1);
+    for (const int exponent : {-110, -100, 100, 110}) {
+        const Image scaled = SampleBesideSplat(GetParam(), Params(), std::ldexp(Float(1), exponent));
+        for (const int c : LightChannels(unit)) {
+            const double back = std::ldexp(double(scaled.Get({1, 0}, c)), -exponent);
+            EXPECT_NEAR(back, double(unit.Get({1, 0}, c)), 1e-6 * std::abs(double(unit.Get({1, 0}, c))))
+                << exponent << ", channel " << c;
+        }
     }
 }
 
@@ -304,7 +369,7 @@ TEST_P(EveryFilm, SplatsThatCannotBeAddedAreDroppedAndCounted) {
     film->AddSplat({-1, 0}, SampledSpectrum(1), lambda, 1);  // a splat outside of the film is not counted
     EXPECT_EQ(Saved(*film), before);
     film->AddSplat({0, 0}, SampledSpectrum(Infinity), lambda, 1);
-    film->AddSplat({0, 0}, SampledSpectrum(1e30f), lambda, 1);
+    film->AddSplat({0, 0}, SampledSpectrum(1e38f), lambda, 1);  // not finite after division by the density
     film->AddSplat({0, 0}, SampledSpectrum(1), lambda, std::numeric_limits<Float>::quiet_NaN());
     EXPECT_EQ(film->RejectedSamples(), 3u);
     film->AddSplatPaths(1);
@@ -312,12 +377,13 @@ TEST_P(EveryFilm, SplatsThatCannotBeAddedAreDroppedAndCounted) {
 }
 
 TEST(FixedSum, HoldsItsRangeToItsPrecision) {
-    const double most = FixedSum::kMaxAddend;
-    for (double x : {0.0, 1.0, -1.0, 1e-15, -1e-15, 3.7e-17, 0.1, -12345.678, 1e15, -1e15, most, -most}) {
+    const double most = FixedSum::kMaxAddend, step = 0x1p-144;
+    for (double x : {0.0, 1.0, -1.0, 1e-30, -1e-30, 3.7e-38, 0.1, -12345.678, 1e30, -1e30, 3.4e38, 0.4 * step,
+                     -0.6 * step, 1.5 * step, 1e-60, 1e-310, most, -most}) {
         ASSERT_TRUE(FixedSum::Holds(x));
         FixedSum sum;
         sum.Add(x);
-        EXPECT_NEAR(sum.Value(), x, 7e-18 + 1e-16 * std::abs(x));
+        EXPECT_NEAR(sum.Value(), x, 0.5 * step + 1e-15 * std::abs(x));
         sum.Add(-x);
         EXPECT_EQ(sum, FixedSum()) << x;
     }
@@ -327,13 +393,42 @@ TEST(FixedSum, HoldsItsRangeToItsPrecision) {
     // Carries go from word to word in both directions; sums of doubles would lose the small number.
     FixedSum sum, other;
     for (int i = 0; i < 1000; ++i) sum.Add(most);
-    sum.Add(-3e-16);
+    sum.Add(-3e-36);
     for (int i = 0; i < 999; ++i) sum.Add(-most);
     other.Add(-most);
     sum += other;
-    EXPECT_NEAR(sum.Value(), -3e-16, 7e-18);
+    EXPECT_NEAR(sum.Value(), -3e-36, step);
     for (int i = 0; i < (1 << 20); ++i) sum.Add(most);
     EXPECT_DOUBLE_EQ(sum.Value(), most * (1 << 20));
+}
+
+/// Numbers of all sizes and both signs, added from threads, in another order, and as sums of parts.
+TEST(FixedSum, HasTheSameBitsInAnyOrder) {
+    constexpr int64_t kCount = 20000;
+    const auto number = [](int64_t i) {
+        const auto key = static_cast<uint64_t>(i);
+        return std::ldexp(double(Hash(3 * key) - Float(0.5)), static_cast<int>(280 * Hash(3 * key + 1)) - 140);
+    };
+    FixedSum forward, backward, threads, parts;
+    for (int64_t i = 0; i < kCount; ++i) forward.Add(number(i));
+    for (int64_t i = kCount; i-- > 0;) backward.Add(number(i));
+    {
+        const ThreadLimit limit(4);
+        ParallelFor(kCount, 16, [&](int64_t begin, int64_t end) {
+            for (int64_t i = begin; i < end; ++i) threads.Add(number(i));
+        });
+    }
+    for (int64_t i = 0; i < kCount;) {
+        FixedSum part;
+        for (const int64_t end = std::min(kCount, i + 1 + i % 700); i < end; ++i) part.Add(number(i));
+        parts += part;
+    }
+    EXPECT_EQ(forward, backward);
+    EXPECT_EQ(forward, threads);
+    EXPECT_EQ(forward, parts);
+    for (int64_t i = 0; i < kCount; ++i) backward.Add(-number(i));
+    EXPECT_EQ(backward, FixedSum());
+    EXPECT_NE(forward, FixedSum());
 }
 
 }  // namespace

@@ -136,6 +136,7 @@ TEST(GBufferFilm, HoldsMeansOverTheSamplesThatSeeASurface) {
         film->AddSample({{0, 0}, L, lambda, 1, a});
         film->AddSample({{0, 0}, L, lambda, 3, b});
         film->AddSample({{0, 0}, L, lambda, 4, {}});
+        film->AddSample({{0, 0}, SampledSpectrum(0), lambda, 8, {}, false});
         film->AddSample({{1, 0}, L, lambda, 1, {}});
     }
     const Image image = film->ToImage();
@@ -154,7 +155,7 @@ TEST(GBufferFilm, HoldsMeansOverTheSamplesThatSeeASurface) {
     EXPECT_NEAR(value("N.X"), 1 / std::sqrt(10.0f), 1e-4f);
     EXPECT_NEAR(value("Ns.Y"), 3 / std::sqrt(10.0f), 1e-4f);
     for (const char *channel : {"Albedo.R", "Albedo.G", "Albedo.B"})
-        EXPECT_NEAR(value(channel), 0.3f, 2e-3f);  // half of the weight belongs to samples that see a black surface
+        EXPECT_NEAR(value(channel), 0.3f, 2e-3f);  // half of the weight of rays belongs to those that see nothing
     for (const std::string &channel : image.Channels())
         if (channel != "R" && channel != "G" && channel != "B") {
             EXPECT_EQ(value(channel.c_str(), 1), 0) << channel;

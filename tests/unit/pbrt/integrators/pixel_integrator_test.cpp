@@ -11,6 +11,7 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/integrators/render_loop.h"
 #include "support/build_text.h"
+#include "support/light_views.h"
 #include "support/render_scene.h"
 
 namespace pbrt::test {
@@ -53,6 +54,35 @@ Seen Render(const std::string &film, const std::string &integrator, int maxDepth
 }
 
 const std::vector<std::string> kIntegrators = {"path", "volpath", "simplepath", "randomwalk", "ambientocclusion"};
+
+/// Green of the albedo of a grey wall through a lens, over the pixels that see it.
+double AlbedoBehindLens(const std::string &film, int aperture) {
+    BuildOptions options;
+    if (film == "rgb") options.film.aovs = {"albedo"};
+    const Image image =
+        RenderText(fmt::format("LookAt 0 0 4  0 0 0  0 1 0 {} \"float aperturediameter\" {}\nFilm \"{}\" \"integer "
+                               "xresolution\" 16 \"integer yresolution\" 16\nSampler \"independent\" \"integer "
+                               "pixelsamples\" 64\nWorldBegin\nLightSource \"infinite\"\nMaterial \"diffuse\"\n"
+                               "Shape \"bilinearmesh\" \"point3 P\" [ -90 -90 0  90 -90 0  -90 90 0  90 90 0 ]\n",
+                               kRealisticCamera, aperture, film),
+                   options)
+            .image;
+    double sum = 0;
+    int count = 0;
+    for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 16; ++x)
+            if (const Float albedo = image.Get({x, y}, image.FindChannel("Albedo.G")); albedo > 0) {
+                sum += double(albedo);
+                ++count;
+            }
+    EXPECT_GT(count, 200);
+    return sum / count;
+}
+
+TEST(VisibleSurface, SamplesThatTheLensStopsAreNotBlack) {
+    for (const char *film : {"gbuffer", "rgb"})
+        for (const int aperture : {1, 4, 8}) EXPECT_NEAR(AlbedoBehindLens(film, aperture), .5, .01) << aperture;
+}
 
 TEST(VisibleSurface, EveryIntegratorSeesTheSame) {
     const Image expected = Render("gbuffer", "path").image;

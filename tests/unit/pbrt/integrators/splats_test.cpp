@@ -1,0 +1,65 @@
+// The light that integrators add to the film is the same at any scale, and maxcomponentvalue only cuts what is above
+// it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/render_scene.h"
+
+namespace pbrt::test {
+namespace {
+
+const char *const kFewMutations = "\"integer mutationsperpixel\" 16 \"integer bootstrapsamples\" 2000";
+
+/// A wall lit by a sphere of this radiance, both seen by the camera.
+Image Wall(const std::string &integrator, double radiance, const std::string &film = "") {
+    return RenderText(fmt::format("Film \"rgb\" \"integer xresolution\" 32 \"integer yresolution\" 24 {}\n"
+                                  "Sampler \"independent\" \"integer pixelsamples\" 16\nIntegrator \"{}\" "
+                                  "\"integer maxdepth\" 3 {}\nLookAt .3 .2 6  0 0 0  0 1 0\n"
+                                  "Camera \"perspective\" \"float fov\" 40\nWorldBegin\nAttributeBegin\n"
+                                  "AreaLightSource \"diffuse\" \"rgb L\" [ {} {} {} ]\nTranslate 1.2 .3 .6\n"
+                                  "Shape \"sphere\" \"float radius\" .3\nAttributeEnd\n"
+                                  "Material \"diffuse\" \"rgb reflectance\" [ .7 .5 .3 ]\n"
+                                  "Shape \"bilinearmesh\" \"point3 P\" [ -6 -6 0  6 -6 0  -6 6 0  6 6 0 ]\n",
+                                  film, integrator, integrator == "mlt" ? kFewMutations : "", radiance, radiance,
+                                  radiance))
+        .image;
+}
+
+double Mean(const Image &image) {
+    double sum = 0;
+    for (const double v : TileMeans(image, 8)) sum += v;
+    return sum / 36;
+}
+
+class EveryIntegrator : public testing::TestWithParam<const char *> {};
+INSTANTIATE_TEST_SUITE_P(Splats, EveryIntegrator,
+                         testing::Values("path", "volpath", "bdpt", "lightpath", "mlt", "sppm"),
+                         [](const auto &test) { return test.param; });
+
+TEST_P(EveryIntegrator, KeepsTheScaleOfLight) {
+    // Powers of two, so that nothing is rounded otherwise than at the scale 1, but for
+    // what is near the smallest floats: 7.9e-31 and 6.3e29.
+    const Image unit = Wall(GetParam(), 1);
+    EXPECT_GT(Mean(unit), 0.01);
+    for (const int exponent : {-100, 99}) {
+        const Image scaled = Wall(GetParam(), std::ldexp(1, exponent));
+        for (int y = 0; y < 24; ++y)
+            for (int x = 0; x < 32; ++x)
+                for (int c = 0; c < 3; ++c) {
+                    const auto expected = static_cast<double>(unit.Get({x, y}, c));
+                    ASSERT_NEAR(std::ldexp(static_cast<double>(scaled.Get({x, y}, c)), -exponent), expected,
+                                1e-4 * std::abs(expected))
+                        << exponent << ": " << x << ", " << y;
+                }
+    }
+}
+
+TEST_P(EveryIntegrator, MaxComponentValueCutsOnlyWhatIsAboveIt) {
+    const double mean = Mean(Wall(GetParam(), 1));
+    EXPECT_EQ(Mean(Wall(GetParam(), 1, "\"float maxcomponentvalue\" 5")), mean);
+    EXPECT_LT(Mean(Wall(GetParam(), 1, "\"float maxcomponentvalue\" .01")), 0.8 * mean);
+}
+
+}  // namespace
+}  // namespace pbrt::test

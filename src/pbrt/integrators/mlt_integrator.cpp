@@ -110,8 +110,8 @@ class MltIntegrator::Renderer {
             Mutate(current, rng, proposed);
             const Float accept = std::min(Float(1), proposed.importance / current.importance);
             if (i >= done) {
-                if (accept > 0) AddToFilm(proposed, accept * mean / proposed.importance);
-                if (accept < 1) AddToFilm(current, (1 - accept) * mean / current.importance);
+                if (accept > 0) AddToFilm(proposed, accept * (mean / proposed.importance));
+                if (accept < 1) AddToFilm(current, (1 - accept) * (mean / current.importance));
             }
             if (rng.Uniform() < accept) std::swap(current, proposed);
         }

@@ -28,7 +28,7 @@ Material "diffuse"
 Shape "bilinearmesh" "point3 P" [ -6 0 -6  6 0 -6  -6 0 6  6 0 6 ]
 Shape "bilinearmesh" "point3 P" [ 0 0 -6  0 0 6  0 2 -6  0 2 6 ]
 """
-GOES_ON = re.compile(r"Going on from .*, after (\d+) samples per pixel")
+GOES_ON = re.compile(r"Going on from .*, after (\d+) samples? per pixel")
 
 
 def scene_text(samples):

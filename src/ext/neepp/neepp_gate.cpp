@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pbrt/core/effective_params_text.h"
+
 namespace ext {
 
 void NeeppGate::Prepare(PrepareContext &context) { map_.Prepare(context, groups_); }
@@ -15,7 +17,7 @@ Float NeeppGate::TraceProbability(const LightQuery &query, LightId light, const 
 }
 
 void NeeppGate::Report(nlohmann::ordered_json &report) const {
-    report["parameters"] = EffectiveParams(params_).dump();
+    report["parameters"] = EffectiveParamsText(params_);
     map_.Report(report);
 }
 

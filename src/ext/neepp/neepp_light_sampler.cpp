@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pbrt/core/effective_params_text.h"
+
 namespace ext {
 
 NeeppLightSampler::NeeppLightSampler(const LightTable &lights, const NeeppParams &params)
@@ -27,7 +29,7 @@ std::span<const uint32_t> NeeppLightSampler::Cdf(const Point3 &p) const {
 }
 
 void NeeppLightSampler::Report(nlohmann::ordered_json &report) const {
-    report["parameters"] = EffectiveParams(params_).dump();
+    report["parameters"] = EffectiveParamsText(params_);
     GroupLightSampler::Report(report);
     map_.Report(report);
     report["bytes"] = report["bytes"].get<size_t>() + cdfs_.Bytes();

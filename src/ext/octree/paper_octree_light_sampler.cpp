@@ -5,6 +5,7 @@
 
 #include "ext/octree/light_octree_builder.h"
 #include "ext/prepass/prepass.h"
+#include "pbrt/core/effective_params_text.h"
 #include "pbrt/core/log.h"
 #include "pbrt/lightsamplers/bvh_light_sampler.h"
 #include "pbrt/lightsamplers/exhaustive_light_sampler.h"
@@ -100,7 +101,7 @@ Float PaperOctreeLightSampler::GroupProbability(const LightQuery &query, const v
 }
 
 void PaperOctreeLightSampler::Report(nlohmann::ordered_json &report) const {
-    report["parameters"] = EffectiveParams(params_).dump();
+    report["parameters"] = EffectiveParamsText(params_);
     GroupLightSampler::Report(report);
     report["prepassVertices"] = vertices_;
     report["prepassSeconds"] = prepassSeconds_;

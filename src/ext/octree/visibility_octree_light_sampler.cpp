@@ -7,6 +7,7 @@
 #include "ext/octree/visibility_records.h"
 #include "pbrt/bxdfs/bsdf.h"
 #include "pbrt/bxdfs/henyey_greenstein.h"
+#include "pbrt/core/effective_params_text.h"
 #include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {
@@ -426,7 +427,7 @@ std::vector<LightId> VisibilityOctreeLightSampler::TilesOf(LightId infinite) con
 }
 
 void VisibilityOctreeLightSampler::Report(nlohmann::ordered_json &report) const {
-    report["parameters"] = EffectiveParams(params_).dump();
+    report["parameters"] = EffectiveParamsText(params_);
     GroupLightSampler::Report(report);
     report["prepassVertices"] = prepassRecords_;
     report["prepassShadowRays"] = prepassTries_;

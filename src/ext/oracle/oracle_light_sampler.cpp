@@ -5,6 +5,7 @@
 
 #include "ext/oracle/least_variance.h"
 #include "pbrt/core/counters.h"
+#include "pbrt/core/effective_params_text.h"
 #include "pbrt/core/log.h"
 #include "pbrt/scene/scene.h"
 
@@ -143,7 +144,7 @@ void OracleLightSampler::Inspect(const LightQuery &query, std::vector<InspectedV
 
 void OracleLightSampler::Report(nlohmann::ordered_json &report) const {
     const uint64_t measured = measured_, rays = rays_;
-    report["parameters"] = EffectiveParams(params_).dump();
+    report["parameters"] = EffectiveParamsText(params_);
     report["note"] =
         "The oracle is a measuring instrument; its render time is not comparable with that of other light samplers.";
     GroupLightSampler::Report(report);

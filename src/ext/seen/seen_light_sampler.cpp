@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "pbrt/core/effective_params_text.h"
 #include "pbrt/lightsamplers/bvh_light_sampler.h"
 
 namespace ext {
@@ -64,7 +65,7 @@ Float SeenLightSampler::GroupProbability(const LightQuery &, const void *, uint3
 }
 
 void SeenLightSampler::Report(nlohmann::ordered_json &json) const {
-    json["parameters"] = EffectiveParams(params_).dump();
+    json["parameters"] = EffectiveParamsText(params_);
     json["prepassSeconds"] = prepassSeconds_;
     json["groupsSeen"] = groupsSeen_;
     json["lightMissed"] = missed_;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "pbrt/core/effective_params_text.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/math/low_discrepancy.h"
@@ -89,7 +90,7 @@ std::span<const uint32_t> SpatialLightSampler::Cdf(const Point3 &p) const {
 }
 
 void SpatialLightSampler::Report(nlohmann::ordered_json &report) const {
-    report["parameters"] = EffectiveParams(params_).dump();
+    report["parameters"] = EffectiveParamsText(params_);
     GroupLightSampler::Report(report);
     report["prepassSeconds"] = 0.0;
     // Voxels are filled while rendering, by all threads; a thread that fills does not render.

@@ -131,11 +131,11 @@ struct Accel::Impl {
         if (!device) {
             // Embree, with its threads and tables, is the first to fail under a memory limit.
             const RTCError error = rtcGetDeviceError(nullptr);
+            if (error == RTC_ERROR_OUT_OF_MEMORY) throw UserError(OutOfMemoryText("building"));
             throw UserError(error == RTC_ERROR_UNSUPPORTED_CPU
                                 ? std::string("Embree, which traces the rays, does not support this processor.")
-                                : fmt::format("Embree, which traces the rays, cannot start; most likely there is not "
-                                              "enough memory (this process can use {}; Embree's error {}).",
-                                              BytesText(UsableMemory()), static_cast<int>(error)));
+                                : fmt::format("Embree, which traces the rays, cannot start (its error {}).",
+                                              static_cast<int>(error)));
         }
         rtcSetDeviceMemoryMonitorFunction(device, CountMemory, &bytes);
         top.scene = NewScene();

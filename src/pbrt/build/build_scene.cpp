@@ -167,7 +167,24 @@ BuiltIntegrator MakeIntegrator(const BuiltScene &built, const IntegratorSettings
     return MakeIntegrator(settings, context, built.film->OutputSpace(), sink);
 }
 
+BuiltIntegrator MakeIntegrator(const BuiltScene &built, const Entity &entity, const BuildOptions &options) {
+    DiagnosticSink sink;  // its warnings were given when the scene was built
+    const IntegratorSettings settings = ReadIntegrator(entity, options, *built.integratorRequest.registry, sink);
+    sink.ThrowIfErrors();
+    return MakeIntegrator(built, settings, sink);
+}
+
 }  // namespace
+
+void BuiltScene::SetSamples(int samples) {
+    DiagnosticSink sink;
+    IntegratorRequest &request = integratorRequest;
+    request.options.samplesPerPixel = samples;
+    const SamplerContext context{film->FullResolution(), samples, seed, sink};
+    sampler = Samplers().Make(request.sampler.type, request.sampler.params, context);
+    samplesPerPixel = sampler->SamplesPerPixel();
+    integrator = MakeIntegrator(*this, request.entity, request.options).integrator;
+}
 
 RenderSettings BuiltScene::Settings() const {
     RenderSettings settings;
@@ -229,7 +246,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
     built.scene = MakeScene(std::move(parts), d, sink);
 
     const bool filters = !options.disableTextureFiltering && !d.options.disableTextureFiltering.value_or(false);
-    built.integratorRequest = {d.integrator, options, &registry, filters && built.scene->NeedsFootprints()};
+    built.integratorRequest = {d.integrator, d.sampler, options, &registry, filters && built.scene->NeedsFootprints()};
     Collect(sink, [&] {
         BuiltIntegrator made = MakeIntegrator(built, integrator, sink);
         built.integrator = std::move(made.integrator);
@@ -244,7 +261,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
 }
 
 BuiltIntegrator MakeIntegrator(const BuiltScene &built, const LightChoice &choice) {
-    const auto &[entity, options, registry, needsFootprints] = built.integratorRequest;
+    const auto &[entity, pixelSampler, options, registry, needsFootprints] = built.integratorRequest;
     BuildOptions chosen = options;
     if (!choice.lightSampler.empty()) chosen.lightSampler = choice.lightSampler;
     chosen.meshLights = choice.meshLights;
@@ -253,10 +270,21 @@ BuiltIntegrator MakeIntegrator(const BuiltScene &built, const LightChoice &choic
         chosen.shadowGateFlag = options.lightSamplerFlag;  // said together with the sampler
     }
     if (choice.maxDepth) chosen.maxDepth = choice.maxDepth;
-    DiagnosticSink sink;  // its warnings were given when the scene was built
-    const IntegratorSettings settings = ReadIntegrator(entity, chosen, *registry, sink);
-    sink.ThrowIfErrors();
-    return MakeIntegrator(built, settings, sink);
+    return MakeIntegrator(built, entity, chosen);
+}
+
+std::unique_ptr<Integrator> MakePlainIntegrator(const BuiltScene &built) {
+    const IntegratorRequest &request = built.integratorRequest;
+    BuildOptions plain = request.options;
+    plain.lightSampler = "bvh";
+    plain.meshLights = plain.guide = false;
+    plain.shadowGate = "none";
+    if (!built.shootingSamplerName.empty()) plain.shootingSampler = "power";
+    Entity entity = request.entity;
+    entity.params = ParamSet(request.entity.params.What(), request.entity.loc);
+    for (const Param &p : request.entity.params.Own())
+        if (p.name != "guide") entity.params.Add(p);
+    return MakeIntegrator(built, entity, plain).integrator;
 }
 
 }  // namespace pbrt

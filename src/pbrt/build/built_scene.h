@@ -30,7 +30,7 @@ struct BuiltIntegrator {
 
 /// The integrator that the scene and the command line ask for, kept so that more integrators can be made.
 struct IntegratorRequest {
-    Entity entity;
+    Entity entity, sampler;
     BuildOptions options;
     const LightSamplerRegistry *registry = nullptr;
     bool needsFootprints = true;
@@ -61,6 +61,8 @@ struct BuiltScene {
 
     /// The settings for the render, from the scene and the command line.
     RenderSettings Settings() const;
+    /// Makes sampler and integrator again, as if --spp had asked for this number of samples per pixel.
+    void SetSamples(int samples);
     /// The context for Integrator::Prepare. The caller may change its seed and number of samples.
     PrepareContext Preparation(Progress &progress) const;
     /// Prepares the scene's integrator: after this it can render.
@@ -73,6 +75,9 @@ struct BuiltScene {
 /// One more integrator over the same scene and camera. The registry handed to BuildScene must still exist. Throws
 /// UserError.
 BuiltIntegrator MakeIntegrator(const BuiltScene &built, const LightChoice &choice);
+
+/// The scene's integrator with light samplers that learn nothing and are prepared at once, without gate and guide.
+std::unique_ptr<Integrator> MakePlainIntegrator(const BuiltScene &built);
 
 /// Turns a description into something that renders. Throws one UserError with everything that is wrong or not supported
 /// yet; warnings stay in the sink. `description` may be dropped afterwards. `progress` shows the parts of the work as

@@ -5,6 +5,7 @@
 
 #include "pbrt/build/collect.h"
 #include "pbrt/build/integrator_makers.h"
+#include "pbrt/core/v3_names.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/simple_integrators.h"
 #include "pbrt/integrators/volpath_integrator.h"
@@ -228,8 +229,8 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
     if (!Integrators().Has(type)) {
         const bool isLater = std::find(later.begin(), later.end(), type) != later.end();
         sink.Error(options.integrator.empty() ? entity.loc : FileLoc{},
-                   fmt::format("Integrator \"{}\" is {}; {}.", type, isLater ? "not supported yet" : "unknown",
-                               ListChoices(type, Integrators().Names())));
+                   fmt::format("Integrator \"{}\" is {}; {}{}.", type, isLater ? "not supported yet" : "unknown",
+                               V3Hint("Integrator", type), ListChoices(type, Integrators().Names())));
     } else {
         // With --integrator the scene's parameters, which belong to another integrator, are ignored, except for the
         // depth.

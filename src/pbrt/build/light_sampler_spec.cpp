@@ -99,7 +99,8 @@ Param ReadOne(const FlagText &flag, const std::string &owner, const std::vector<
         good = number(p.floats.emplace_back());
     }
     if (!good)
-        throw UserError(fmt::format("\"{}\" is not a value of type {}.", value, doc->TypeText()),
+        throw UserError(fmt::format("\"{}\" is not a value of type {}{}.", value, doc->TypeText(),
+                                    value.find('=') == std::string::npos ? "" : "; commas separate parameters"),
                         flag.At(piece.begin + equals + 1));
     return p;
 }
@@ -118,6 +119,22 @@ void ReadKeys(const FlagText &flag, const std::string &owner, const std::vector<
     }
 }
 
+/// Throws if another character than ':' separates a known name from parameters: "octree,floor=0.1". `name`: all before
+/// the colon.
+template <class Find>
+void CheckColon(const FlagText &flag, const Piece &name, size_t end, const Find &find) {
+    const std::string &text = flag.Text();
+    const auto isOfNames = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_'; };
+    const auto stop = std::find_if_not(text.begin() + name.begin, text.begin() + name.end, isOfNames) - text.begin();
+    const std::string known = text.substr(name.begin, stop - name.begin);
+    const size_t keys = text.find_first_not_of(",;=/( ", stop);
+    if (keys >= end || known.empty() || static_cast<size_t>(stop) == name.end) return;
+    find(known, flag.At(name.begin));
+    throw UserError(fmt::format("a colon separates the name from its parameters, and commas separate these: \"{}:{}\".",
+                                known, text.substr(keys, end - keys)),
+                    flag.At(stop));
+}
+
 /// "name:key=value,..." taken apart; `find(name, loc)` gives the registry's entry, which is returned if the name is
 /// known.
 template <class Find>
@@ -126,6 +143,7 @@ auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, Param
     const std::string &text = flag.Text();
     const size_t colon = std::min(text.find(':', piece.begin), piece.end);
     try {
+        CheckColon(flag, {piece.begin, colon}, piece.end, find);
         const auto *entry = &find(text.substr(piece.begin, colon - piece.begin), flag.At(piece.begin));
         if (colon < piece.end) ReadKeys(flag, entry->name, entry->params, {colon + 1, piece.end}, params, sink);
         return entry;
@@ -225,9 +243,19 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
     };
 
     // The scene's names are checked even where a flag overrides them.
-    collect([&] { sampler.entry = &registry.samplers.Find(scene.lightSampler, integrator.LocOf("lightsampler")); });
+    const auto findInScene = [&](const auto &table, const std::string &name, const std::string &parameter) {
+        const FileLoc loc = integrator.LocOf(parameter);
+        if (const size_t stop = name.find_first_of(":,;=+ "); stop != std::string::npos)
+            throw UserError(
+                fmt::format("\"{}\" is the form of flags; in a scene this is a name only, and its parameters "
+                            "are such as \"float {}.floor\".",
+                            Abbreviate(name), Abbreviate(name.substr(0, stop))),
+                loc);
+        return &table.Find(name, loc);
+    };
+    collect([&] { sampler.entry = findInScene(registry.samplers, scene.lightSampler, "lightsampler"); });
     if (scene.shadowGate != "none")
-        collect([&] { gate.entry = &registry.gates.Find(scene.shadowGate, integrator.LocOf("shadowgate")); });
+        collect([&] { gate.entry = findInScene(registry.gates, scene.shadowGate, "shadowgate"); });
     if (!flags.choice.empty()) sampler.entry = ReadPiece(choice, pieces.sampler, findSampler, &samplerKeys, sink);
     const FlagText &gateText = pieces.gate ? choice : gateFlag;
     const Piece gatePiece = pieces.gate.value_or(Piece{0, flags.gate.size()});

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <map>
 
+#include "pbrt/core/nearest_choice.h"
+
 namespace pbrt {
 
 namespace {
@@ -173,13 +175,12 @@ void DiagnosticSink::ThrowIfErrors() const {
     throw UserError(std::move(errors), omitted);
 }
 
-std::string ListChoices(std::string_view given, const std::vector<std::string> &choices) {
-    if (choices.empty()) return "it takes none";
-    std::string nearest;
-    size_t best = std::max<size_t>(1, given.size() / 3) + 1;
+std::string NearestChoice(std::string_view given, const std::vector<std::string> &choices) {
     constexpr size_t kMaxCompared = 100;  // bytes; longer names are not taken for misspelt ones
+    std::string nearest;
+    if (given.size() > kMaxCompared) return nearest;
+    size_t best = std::max<size_t>(1, given.size() / 3) + 1;
     for (const std::string &c : choices) {
-        if (given.size() > kMaxCompared) break;
         if (std::max(given.size(), c.size()) - std::min(given.size(), c.size()) >= best) continue;
         size_t d = EditDistance(given, c);
         if (d < best) {
@@ -187,6 +188,12 @@ std::string ListChoices(std::string_view given, const std::vector<std::string> &
             nearest = c;
         }
     }
+    return nearest;
+}
+
+std::string ListChoices(std::string_view given, const std::vector<std::string> &choices) {
+    if (choices.empty()) return "it takes none";
+    const std::string nearest = NearestChoice(given, choices);
     std::string out;
     if (!nearest.empty()) out = fmt::format("did you mean \"{}\"? ", Abbreviate(nearest));
     out += "valid: ";

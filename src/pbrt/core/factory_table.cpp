@@ -1,10 +1,14 @@
 #include "pbrt/core/factory_table.h"
 
+#include "pbrt/core/v3_names.h"
+
 namespace pbrt {
 
 void ThrowUnknown(const std::string &what, const std::string &given, const std::vector<std::string> &names,
                   const FileLoc &loc) {
-    throw UserError(fmt::format("{} \"{}\" is unknown; {}.", what, Abbreviate(given), ListChoices(given, names)), loc);
+    throw UserError(fmt::format("{} \"{}\" is unknown; {}{}.", what, Abbreviate(given), V3Hint(what, given),
+                                ListChoices(given, names)),
+                    loc);
 }
 
 namespace {

@@ -30,6 +30,8 @@ struct KernelText {
     }
 };
 
+bool isLimited = false;  ///< by LimitMemory
+
 /// The limit of the control group (version 2) that a container sees as its own; `none` if there is none.
 double ControlGroupLimit(double none) {
     const KernelText limit("/sys/fs/cgroup/memory.max");
@@ -76,7 +78,7 @@ void LimitMemory(double bytes) {
     const auto wanted = static_cast<rlim_t>(std::min(bytes, 1e18));
     if (limit.rlim_cur != RLIM_INFINITY && limit.rlim_cur <= wanted) return;
     limit.rlim_cur = limit.rlim_max == RLIM_INFINITY ? wanted : std::min(wanted, limit.rlim_max);
-    setrlimit(RLIMIT_DATA, &limit);
+    isLimited = setrlimit(RLIMIT_DATA, &limit) == 0;
 }
 
 std::string BytesText(double bytes) {
@@ -99,8 +101,8 @@ void RequireMemory(double bytes, const std::string &what, const FileLoc &loc) {
 }
 
 std::string OutOfMemoryText(const std::string &phase) {
-    return fmt::format("there is not enough memory{}{}: this process can use {}.", phase.empty() ? "" : " for ", phase,
-                       BytesText(UsableMemory()));
+    return fmt::format("there is not enough memory{}{}: this process can use {}{}.", phase.empty() ? "" : " for ",
+                       phase, BytesText(UsableMemory()), isLimited ? "; a larger --memory-limit allows more" : "");
 }
 
 }  // namespace pbrt

@@ -2,6 +2,8 @@
 
 #include <set>
 
+#include "pbrt/core/v3_names.h"
+
 namespace pbrt {
 
 void ParamReader::ReportUnused(DiagnosticSink &sink) const {
@@ -23,8 +25,8 @@ void ParamReader::ReportUnused(DiagnosticSink &sink) const {
         }
         std::set<std::string> names;
         for (const Declared &d : declared_) names.insert(d.name);
-        sink.Error(p.loc,
-                   fmt::format("{} of {}; {}.", what, set_.What(), ListChoices(p.name, {names.begin(), names.end()})));
+        sink.Error(p.loc, fmt::format("{} of {}; {}{}.", what, set_.What(), V3Hint("parameter", p.name),
+                                      ListChoices(p.name, {names.begin(), names.end()})));
     }
 }
 

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "pbrt/core/effective_params_text.h"
 #include "pbrt/core/ranks.h"
 #include "pbrt/core/state_io.h"
 #include "pbrt/math/bounds.h"
@@ -41,7 +42,7 @@ constexpr Float kInspectedWeight = 0.5f;
 constexpr Float kSameDistance = 1e-4f, kSameDirection = 0.02f;
 
 /// Changes with everything that PathGuide::Save and SaveForOthers write.
-constexpr uint32_t kVersion = 9;
+constexpr uint32_t kVersion = 10;
 
 }  // namespace
 
@@ -111,7 +112,7 @@ bool PathGuide::IsSame(const View &a, const View &b) const {
 
 void PathGuide::SaveForOthers(StateWriter &out) const {
     out.Value(kVersion);
-    out.Text(EffectiveParams(params_).dump());
+    out.Text(EffectiveParamsText(params_));
     out.Value(view_);
     out.Value(uint32_t{learnsDirections_});
     cells_.Save(out);
@@ -119,7 +120,7 @@ void PathGuide::SaveForOthers(StateWriter &out) const {
 }
 
 void PathGuide::LoadOfOther(StateReader &in) {
-    const std::string saved = in.Text(), here = EffectiveParams(params_).dump();
+    const std::string saved = in.Text(), here = EffectiveParamsText(params_);
     if (saved != here)
         throw UserError(fmt::format("{}: was learned by a guide with other parameters: {}; here they are {}.",
                                     in.What(), saved, here));

@@ -9,6 +9,7 @@
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/version.h"
+#include "pbrt/integrators/sample_plan.h"
 #include "pbrt/lab/campaign_display.h"
 #include "pbrt/lab/campaign_views.h"
 #include "pbrt/lab/machine.h"
@@ -197,8 +198,8 @@ class Rounds {
         return true;
     }
 
-    /// Sets the number of samples that every sampler is told to expect. With a time budget it is an estimate, rounded
-    /// to the nearest 2^(k/4), from the pilot or else from a run of two samples, which also warms up the machine. It is
+    /// Sets the number of samples that every sampler is told to expect. With a time budget it is an estimate
+    /// (FittingSamples), from the pilot or else from a run of two samples, which also warms up the machine. It is
     /// kept in the records, because pictures may depend on it. False: cancelled.
     bool FindExpectedSamples() {
         Json note = records_.LoadNote("expected-samples.json");
@@ -215,8 +216,7 @@ class Rounds {
                     if (!run.Prepare() || !run.RenderTo({2, 0})) return false;
                     cost_[i] = perSample = run.SecondsPerSample();
                 }
-                const double fit = std::clamp(settings_.timeBudget / std::max(perSample, 1e-9), 1.0, 1e6);
-                expected = static_cast<int>(std::lround(std::exp2(std::round(4 * std::log2(fit)) / 4)));
+                expected = FittingSamples(settings_.timeBudget, perSample);
             }
             note[label] = expected;
             expected_.push_back(expected);

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "pbrt/core/count_text.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/lab/html.h"
@@ -83,12 +84,12 @@ svg text { fill: currentColor; } svg text.in { fill: #fff; }
     page += fmt::format("<title>{0} · where the noise is</title>\n</head>\n<body>\n<h1>Where the noise is: {0}</h1>\n",
                         scene);
     page += fmt::format(
-        "<p>Expected relL2 of a picture of {} samples per pixel, by how many scattering events paths may have. A piece "
+        "<p>Expected relL2 of a picture of {} per pixel, by how many scattering events paths may have. A piece "
         "of a bar is what the vertex of that number adds (its light sample and the light that a bounce from the vertex "
         "before finds). oracle: lights are chosen as well as probabilities can; what is left there, no choice of "
         "lights "
-        "takes away. {} seeds each.</p>\n",
-        json.at("samples").get<int>(), json.at("seeds").get<int>());
+        "takes away. {} each.</p>\n",
+        CountText(json.at("samples").get<int>(), "sample"), CountText(json.at("seeds").get<int>(), "seed"));
     page += "<h2>All pixels</h2>\n" + Bars(json, "plain");
     page += "<h2>Without the worst 0.1 % of the pixels</h2>\n" + Bars(json, "trimmed");
     return page + "</body>\n</html>\n";

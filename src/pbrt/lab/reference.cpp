@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "pbrt/core/count_text.h"
 #include "pbrt/images/metrics.h"
 #include "pbrt/lab/bias_check.h"
 #include "pbrt/lab/reference_cache.h"
@@ -159,7 +160,7 @@ ReferenceRule ReferenceRule::For(const CampaignSettings &settings) {
 }
 
 std::string ReferenceRule::Text() const {
-    return samples > 0 ? fmt::format("{} samples per pixel", samples) : fmt::format("{} s", seconds);
+    return samples > 0 ? CountText(samples, "sample") + " per pixel" : fmt::format("{} s", seconds);
 }
 
 std::optional<References> MakeReferences(const CampaignSettings &settings, const LabScene &scene,

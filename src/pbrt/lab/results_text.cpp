@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pbrt/core/count_text.h"
 #include "pbrt/lab/results.h"
 #include "pbrt/lab/text_table.h"
 
@@ -230,7 +231,7 @@ std::string TableText(const CampaignResults &results, const References &referenc
     for (size_t i = 0; i < references.all.size(); ++i) {
         const Reference &r = references.all[i];
         text += fmt::format("reference {}: {}{}{} ({})\n", i, r.sampler.empty() ? "given" : r.sampler,
-                            r.samples ? fmt::format(", {} samples per pixel", r.samples) : "",
+                            r.samples ? fmt::format(", {} per pixel", CountText(r.samples, "sample")) : "",
                             r.noise ? fmt::format(", relL2 of its own noise {:.3g}", *r.noise) : "", r.source);
     }
     text += "\n";

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "pbrt/core/count_text.h"
 #include "pbrt/core/log.h"
 
 namespace pbrt::lab {
@@ -42,10 +43,10 @@ RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const st
     size_t kept = std::min(run.rounds.size(), checkpoints);
     while (kept > 0 && !canGoOn(kept)) --kept;
     if (recorded > kept)
-        LogWarning(fmt::format("{}/{}: records of seed {} are damaged or missing; {}.", records.Folder(), sampler, seed,
-                               kept > 0
-                                   ? fmt::format("going on from {} samples per pixel", run.rounds[kept - 1].samples)
-                                   : "this run begins anew"));
+        LogWarning(fmt::format(
+            "{}/{}: records of seed {} are damaged or missing; {}.", records.Folder(), sampler, seed,
+            kept > 0 ? fmt::format("going on from {} per pixel", CountText(run.rounds[kept - 1].samples, "sample"))
+                     : "this run begins anew"));
     // Reports and structure must be those of the last round that is kept.
     if (kept < run.rounds.size()) run = records.LoadRun(sampler, seed, static_cast<int>(kept));
     records.RemoveRounds(sampler, seed, kept, checkpoints);

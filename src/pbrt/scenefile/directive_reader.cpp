@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "pbrt/core/limits.h"
+#include "pbrt/core/v3_names.h"
 
 namespace pbrt {
 
@@ -111,7 +112,8 @@ void DirectiveReader::Unknown(const Token &word) {
     for (const auto &[known, directive] : Directives()) words.emplace_back(known);
     std::sort(words.begin(), words.end());
     const std::string shown = Abbreviate(word.text);
-    std::string message = fmt::format("Unknown directive: {}; {}.", shown, ListChoices(shown, words));
+    std::string message =
+        fmt::format("Unknown directive: {}; {}{}.", shown, V3Hint("directive", shown), ListChoices(shown, words));
     constexpr int kMax = 5;
     if (++unknownWords_ == kMax) arguments_.Fail(word, message + " Too many unknown directives: giving up here.");
     builder_.Sink().Error(tokens_.Loc(word), message);
@@ -371,9 +373,10 @@ void DirectiveReader::ReadTexture() {
     if (family.text == "float" || family.text == "spectrum")
         builder_.AddTexture(name, family.text == "spectrum", type, std::move(params), here_, loc);
     else
-        builder_.Sink().Error(tokens_.Loc(family),
-                              fmt::format("Unknown kind of texture \"{}\"; {}.", Abbreviate(family.text),
-                                          ListChoices(family.text, {"float", "spectrum"})));
+        builder_.Sink().Error(
+            tokens_.Loc(family),
+            fmt::format("Unknown kind of texture \"{}\"; {}{}.", Abbreviate(family.text),
+                        V3Hint("kind of texture", family.text), ListChoices(family.text, {"float", "spectrum"})));
 }
 
 void DirectiveReader::ReadLightSource() {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "pbrt/core/v3_names.h"
 #include "pbrt/scenefile/numbers.h"
 #include "pbrt/scenefile/unicode.h"
 
@@ -173,8 +174,9 @@ Param ParameterReader::ReadDeclaration(const Token &token, bool *known) {
     if (type)
         param.type = *type;
     else
-        sink_.Error(param.loc, fmt::format("\"{}\": unknown parameter type \"{}\"; {}.", Abbreviate(token.text),
-                                           Abbreviate(typeWord), ListTypes(typeWord)));
+        sink_.Error(param.loc,
+                    fmt::format("\"{}\": unknown parameter type \"{}\"; {}{}.", Abbreviate(token.text),
+                                Abbreviate(typeWord), V3Hint("parameter type", typeWord), ListTypes(typeWord)));
     return param;
 }
 

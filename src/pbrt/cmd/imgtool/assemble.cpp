@@ -1,4 +1,5 @@
 #include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/count_text.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/log.h"
 
@@ -47,8 +48,10 @@ int Assemble(const AssembleOptions &o) {
     }
     const auto missing = std::count(counts.begin(), counts.end(), 0);
     const auto twice = std::count(counts.begin(), counts.end(), 2);
-    if (twice) LogWarning(fmt::format("{} pixels are in more than one file; the last file counts.", twice));
-    if (missing) LogWarning(fmt::format("{} of {} pixels are in no file and stay 0.", missing, counts.size()));
+    if (twice) LogWarning(fmt::format("{} in more than one file; the last file counts.", CountText(twice, "pixel")));
+    if (missing)
+        LogWarning(
+            fmt::format("{} in no file, of {}; the value there is 0.", CountText(missing, "pixel"), counts.size()));
     WriteImage(o.outfile, whole.image, whole.metadata);
     return 0;
 }

@@ -1,6 +1,7 @@
 #include <fmt/ranges.h>
 
 #include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/count_text.h"
 #include "pbrt/core/error.h"
 
 namespace pbrt::imgtool {
@@ -28,7 +29,7 @@ int Average(const AverageOptions &o) {
     for (size_t i = 0; i < sums.size(); ++i)
         values[i] = static_cast<float>(sums[i] / static_cast<double>(paths.size()));
     WriteImage(o.outfile, first.image, first.metadata);
-    fmt::print("{}: mean of {} images: {}\n", o.outfile, paths.size(), fmt::join(paths, ", "));
+    fmt::print("{}: mean of {}: {}\n", o.outfile, CountText(paths.size(), "image"), fmt::join(paths, ", "));
     return 0;
 }
 

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/count_text.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/log.h"
 
@@ -71,7 +72,7 @@ int Bloom(const BloomOptions &o) {
         });
     }
     WriteImage(o.outfile, file.image, file.metadata);
-    fmt::print("{}: {} pixels bloom\n", o.outfile, count);
+    fmt::print("{}: {} in bloom\n", o.outfile, CountText(count, "pixel"));
     return 0;
 }
 

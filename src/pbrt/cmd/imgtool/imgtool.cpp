@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "pbrt/cmd/flag_checks.h"
 #include "pbrt/cmd/imgtool/commands.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/version.h"
@@ -45,16 +46,15 @@ const CLI::App *FindCommand(const CLI::App &app, const std::string &name) {
     return nullptr;
 }
 
-// What went wrong, with the valid choices, on standard error.
-int ReportUsage(const CLI::App &app, const CLI::ParseError &e) {
+// What went wrong, with the valid choices, on standard error. `chosen`: the command, or null.
+int ReportUsage(const CLI::App &app, const CLI::App *chosen, const CLI::ParseError &e) {
     fmt::print(stderr, "Error: {}\n", e.what());
-    const std::vector<CLI::App *> chosen = app.get_subcommands();
-    if (chosen.empty())
+    if (!chosen)
         fmt::print(stderr, "Commands: {}\nUsage: imgtool COMMAND ...; see imgtool help\n",
                    fmt::join(CommandNames(app), " "));
     else
-        fmt::print(stderr, "Options of {}: {}\nSee imgtool help {}\n", chosen[0]->get_name(), OptionNames(*chosen[0]),
-                   chosen[0]->get_name());
+        fmt::print(stderr, "Options of {}: {}\nSee imgtool help {}\n", chosen->get_name(), OptionNames(*chosen),
+                   chosen->get_name());
     return 1;
 }
 
@@ -74,7 +74,7 @@ void AddHelp(CLI::App &app, Action &action) {
             const CLI::App *asked = FindCommand(app, *name);
             if (!asked)
                 throw UserError(fmt::format("No such command: {}; {}", *name, ListChoices(*name, CommandNames(app))));
-            fmt::print("{}", asked->help());
+            fmt::print("{}", asked->help(app.get_name()));
             return 0;
         };
     });
@@ -104,24 +104,24 @@ int Run(int argc, char **argv) {
     AddMakesky(app, action);
     AddHelp(app, action);
 
-    if (const std::string first = argc > 1 ? argv[1] : ""; !first.empty() && first[0] != '-') {
-        if (!FindCommand(app, first))
-            throw UserError(fmt::format("No such command: {}; {}", first, ListChoices(first, CommandNames(app))));
-    }
+    const std::string first = argc > 1 ? argv[1] : "";
+    const CLI::App *const command = FindCommand(app, first);
+    if (!command && !first.empty() && first[0] != '-')
+        throw UserError(fmt::format("No such command: {}; {}", first, ListChoices(first, CommandNames(app))));
     std::vector<std::string> arguments;
-    // CLI11 takes them from the back.
-    for (int i = argc - 1; i > 0; --i) arguments.push_back(NormalizeFlag(argv[i]));
+    for (int i = 1; i < argc; ++i) arguments.push_back(NormalizeFlag(argv[i]));
     try {
+        CheckFlags(command ? *command : app, arguments);
+        std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
         app.parse(arguments);
     } catch (const CLI::CallForHelp &) {
-        const std::vector<CLI::App *> chosen = app.get_subcommands();
-        fmt::print("{}", chosen.empty() ? app.help() : chosen[0]->help());
+        fmt::print("{}", command ? command->help(app.get_name()) : app.help());
         return 0;
     } catch (const CLI::CallForVersion &) {
         fmt::print("{}\n", VersionText());
         return 0;
     } catch (const CLI::ParseError &e) {
-        return ReportUsage(app, e);
+        return ReportUsage(app, command, e);
     }
     PBRT_CHECK(action);
     return action();

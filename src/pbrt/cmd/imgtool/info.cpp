@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/count_text.h"
 #include "pbrt/core/error.h"
 
 namespace pbrt::imgtool {
@@ -114,8 +115,8 @@ void PrintInfo(const std::string &path) {
     const Image &image = file.image;
     const ImageMetadata &metadata = file.metadata;
     fmt::print("{}\n", path);
-    fmt::print("  resolution: {} x {}, {} channels, {}\n", image.Resolution().x, image.Resolution().y,
-               image.ChannelCount(), FormatName(image.Format()));
+    fmt::print("  resolution: {} x {}, {}, {}\n", image.Resolution().x, image.Resolution().y,
+               CountText(image.ChannelCount(), "channel"), FormatName(image.Format()));
     if (metadata.fullResolution && metadata.pixelBounds) {
         const Bounds2i &b = *metadata.pixelBounds;
         fmt::print("  window: x {} to {}, y {} to {} of {} x {}\n", b.low.x, b.high.x, b.low.y, b.high.y,

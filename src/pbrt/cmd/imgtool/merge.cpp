@@ -2,6 +2,7 @@
 #include <tuple>
 
 #include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/count_text.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/log.h"
 #include "pbrt/films/render_file.h"
@@ -17,6 +18,8 @@ struct MergeOptions {
     bool incomplete = false;
 };
 
+constexpr const char *kIncomplete = ", and --incomplete makes the picture of the samples that there are";
+
 struct Part {
     std::string path;
     RenderFileHead head;
@@ -29,8 +32,9 @@ Part ReadPart(const std::string &path, bool incomplete) {
     const RenderFileHead &head = part.head;
     if (head.passCount > 0 || (!head.IsComplete() && !incomplete))
         throw UserError(fmt::format(
-            "{}: is unfinished: of the samples {}:{} it has {}{}; the same command with --resume completes it.", path,
-            head.first, head.end, part.Range(), head.passCount > 0 ? " and some more of some pixels" : ""));
+            "{}: is unfinished: of the samples {}:{} it has {}; the same command with --resume completes it{}.", path,
+            head.first, head.end, part.Range() + (head.passCount > 0 ? " and some more of some pixels" : ""),
+            head.passCount > 0 ? "" : kIncomplete));
     return part;
 }
 
@@ -38,8 +42,8 @@ void CheckSameRender(const Part &one, const Part &other) {
     const RenderFileHead &a = other.head, &b = one.head;
     std::string differences = DifferencesOf(a.identity, b.identity, one.path);
     if (std::tie(a.samplesFlag, a.samplesPerBatch) != std::tie(b.samplesFlag, b.samplesPerBatch))
-        differences += fmt::format("{}the render has {} samples per pixel, but {} in {}",
-                                   differences.empty() ? "" : "; ", a.samplesPerBatch, b.samplesPerBatch, one.path);
+        differences += fmt::format("{}the render has {} per pixel, but {} in {}", differences.empty() ? "" : "; ",
+                                   CountText(a.samplesPerBatch, "sample"), b.samplesPerBatch, one.path);
     if (!differences.empty())
         throw UserError(fmt::format("{} and {} are not parts of one render: {}.", other.path, one.path, differences));
 }
@@ -49,11 +53,13 @@ int CheckCover(const std::vector<Part> &parts, bool incomplete) {
     std::string problems;
     int next = 0, total = 0, all = parts[0].head.samplesPerBatch;
     const Part *before = nullptr;
+    bool isMissing = false;
     const auto missing = [&](int first, int end) {
         if (incomplete)
             LogWarning(fmt::format("the samples {}:{} are missing.", first, end));
         else
             problems += fmt::format("The samples {}:{} are in no file. ", first, end);
+        isMissing = true;
     };
     for (const Part &part : parts) {
         const RenderFileHead &head = part.head;
@@ -69,6 +75,7 @@ int CheckCover(const std::vector<Part> &parts, bool incomplete) {
     if (next < all) missing(next, all);
     if (!problems.empty()) {
         problems.pop_back();
+        if (isMissing) problems.insert(problems.size() - 1, kIncomplete);
         throw UserError(problems);
     }
     return total;
@@ -96,8 +103,7 @@ int Merge(const MergeOptions &o) {
     metadata.attributes["renderTimeSeconds"] = static_cast<float>(seconds);
     metadata.attributes["pbrt.parts"] = static_cast<int>(parts.size());
     WriteImage(o.outfile, film->ToImage(), metadata);
-    fmt::print("{}: {} samples per pixel from {} file{}\n", o.outfile, samples, parts.size(),
-               parts.size() == 1 ? "" : "s");
+    fmt::print("{}: {} per pixel from {}\n", o.outfile, CountText(samples, "sample"), CountText(parts.size(), "file"));
     return 0;
 }
 

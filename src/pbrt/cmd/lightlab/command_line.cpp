@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "pbrt/build/light_sampler_spec.h"
+#include "pbrt/cmd/flag_checks.h"
 #include "pbrt/cmd/number_checks.h"
 #include "pbrt/core/version.h"
 #include "pbrt/lab/reference_cache.h"
@@ -50,8 +51,13 @@ struct Parser {
     template <class AfterParse>
     bool Parse(int argc, const char *const *argv, AfterParse &&afterParse) {
         std::vector<std::string> arguments(argv, argv + argc);
-        std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
         try {
+            CheckFlags(app, arguments,
+                       {{"lightsampler",
+                         "--samplers lists the light samplers to compare; in lightlab inspect, "
+                         "--sampler names one"},
+                        {"outfile", "--out names the folder of all that is written"}});
+            std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
             app.parse(arguments);
             afterParse();
             return true;

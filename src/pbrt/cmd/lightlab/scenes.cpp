@@ -126,8 +126,8 @@ std::string Legend(const std::vector<SceneOutcome> &outcomes) {
             const std::string budget = o.results.at("budget").dump();
             return o.results.at("mode") == "time"
                        ? fmt::format("relL2 +- standard error, {} s for every sampler and seed", budget)
-                       : fmt::format("relL2 +- standard error, {} samples per pixel for every sampler and seed",
-                                     budget);
+                       : fmt::format("relL2 +- standard error, {} sample{} per pixel for every sampler and seed",
+                                     budget, budget == "1" ? "" : "s");
         }
     return "no scene was compared";
 }

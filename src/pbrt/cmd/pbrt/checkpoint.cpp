@@ -4,6 +4,7 @@
 
 #include "pbrt/build/render_identity.h"
 #include "pbrt/build/view.h"
+#include "pbrt/core/count_text.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/lightsamplers/light_learner.h"
@@ -64,7 +65,7 @@ void Checkpoint::TakeUp(const CommandLine &options, BuildOptions *build) {
     if (!old.isPart && asked > 0) head_.end = asked;
     if (head_.end == 0) head_.end = old.samplesPerBatch;
     if (!isTimed_ && head_.end < old.done + old.passCount)
-        refuse(fmt::format("has {} samples per pixel already{}; --spp can only be larger", old.done,
+        refuse(fmt::format("has {} per pixel already{}; --spp can only be larger", CountText(old.done, "sample"),
                            old.passCount > 0 ? fmt::format(", and some up to {}", old.done + old.passCount) : ""));
     secondsBefore_ = old.seconds;
     renderSecondsBefore_ = old.renderSeconds;
@@ -75,10 +76,11 @@ void Checkpoint::Begin(const BuiltScene &built, RenderSettings *settings) {
     renderStart_ = std::chrono::steady_clock::now();
     if (!file_) {
         head_.samplesPerBatch = built.samplesPerPixel;
+        if (isTimed_) head_.samplesFlag = built.integratorRequest.options.samplesPerPixel;  // as --time planned
         if (!head_.isPart) head_.end = built.samplesPerPixel;
         if (head_.end > built.samplesPerPixel)
-            throw UserError(fmt::format("--samples {}: the render has only {} samples per pixel; --spp says how many.",
-                                        RangeText(head_.first, head_.end), built.samplesPerPixel));
+            throw UserError(fmt::format("--samples {}: the render has only {} per pixel; --spp says how many.",
+                                        RangeText(head_.first, head_.end), CountText(built.samplesPerPixel, "sample")));
         settings->firstSample = head_.done = head_.first;
         settings->endSample = head_.end;
         return;
@@ -92,7 +94,7 @@ void Checkpoint::Begin(const BuiltScene &built, RenderSettings *settings) {
         std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(secondsBefore_));
     settings->firstSample = head_.first;
     settings->endSample = head_.end;
-    LogInfo(fmt::format("Going on from {}, after {} samples per pixel.", path_, head_.done - head_.first));
+    LogInfo(fmt::format("Going on from {}, after {} per pixel.", path_, CountText(head_.done - head_.first, "sample")));
     file_.reset();  // its memory is not needed any more
 }
 
@@ -111,8 +113,8 @@ void Checkpoint::Write(const BuiltScene &built, const RenderPosition &position, 
         WriteRenderFile(path_, written, position.passDone, *built.film, learned);
     } catch (const UserError &e) {
         failure_ = e.Diagnostics()[0].message;
-        LogWarning(
-            fmt::format("the checkpoint after {} samples per pixel was not written. {}", position.done, failure_));
+        LogWarning(fmt::format("the checkpoint after {} per pixel was not written. {}",
+                               CountText(position.done, "sample"), failure_));
     }
 }
 

@@ -7,6 +7,7 @@
 #include <iostream>
 #include <map>
 
+#include "pbrt/cmd/flag_checks.h"
 #include "pbrt/cmd/number_checks.h"
 #include "pbrt/cmd/pbrt/tev_display.h"
 #include "pbrt/core/version.h"
@@ -105,8 +106,37 @@ void CheckKeeping(const CommandLine &o) {
 
 template <class T>
 CLI::Option *AddNumbers(CLI::App &app, const std::string &name, std::vector<T> &values, int count,
-                        const std::string &help) {
-    return app.add_option(name, values, help)->delimiter(',')->expected(count)->allow_extra_args(false);
+                        const std::string &form, const std::string &help) {
+    return app.add_option(name, values, help)
+        ->delimiter(',')
+        ->expected(count)
+        ->allow_extra_args(false)
+        ->type_name(form);
+}
+
+/// Flags of stock pbrt-v4 that this program lacks.
+FlagHints StockFlags() {
+    const std::string cpu = "this program renders on the CPU only; leave the flag out",
+                      window =
+                          "this program opens no window; --serve and --display-server show the picture as it grows",
+                      log = "this program writes no log; --quiet prints errors only, --stats statistics",
+                      convert = "this program only renders; the pbrt of pbrt-v4 converts scene files with this flag",
+                      none = "this program has nothing like it; leave the flag out";
+    return {{"gpu", cpu},
+            {"gpudevice", cpu},
+            {"wavefront", cpu},
+            {"interactive", window},
+            {"fullscreen", window},
+            {"loglevel", log},
+            {"logfile", log},
+            {"logutilization", log},
+            {"upgrade", convert},
+            {"format", convert},
+            {"toply", convert},
+            {"pixelmaterial", none},
+            {"pixelstats", none},
+            {"debugstart", none},
+            {"disableimagetextures", none}};
 }
 
 }  // namespace
@@ -143,9 +173,10 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
                    "scene files, parsed one after the other as one scene; none or \"-\": standard input");
 
     const char *image = "Image";
-    AddNumbers(app, "--cropwindow", crop, 4, "render only x0,x1,y0,y1, as fractions of the image")->group(image);
-    AddNumbers(app, "--pixelbounds", bounds, 4, "render only x0,x1,y0,y1, in pixels")->group(image);
-    AddNumbers(app, "--pixel", pixel, 2, "render only the pixel x,y")->group(image);
+    AddNumbers(app, "--cropwindow", crop, 4, "x0,x1,y0,y1", "render only x0,x1,y0,y1, as fractions of the image")
+        ->group(image);
+    AddNumbers(app, "--pixelbounds", bounds, 4, "x0,x1,y0,y1", "render only x0,x1,y0,y1, in pixels")->group(image);
+    AddNumbers(app, "--pixel", pixel, 2, "x,y", "render only the pixel x,y")->group(image);
     app.add_option("--outfile", o.build.film.filename,
                    "image to write (.exr, .png, .pfm); overrides the scene's film filename")
         ->group(image);
@@ -180,7 +211,9 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     CLI::Option *sppOption = app.add_option("--spp", spp, "samples per pixel; overrides the scene's sampler")
                                  ->check(PositiveNumber)
                                  ->group(effort);
-    app.add_option("--time", o.timeBudget, "render for this many seconds, preprocessing included, whatever --spp says")
+    app.add_option("--time", o.timeBudget,
+                   "render for this many seconds, preprocessing included, whatever --spp says; a short measurement "
+                   "estimates the samples that this allows, and all is prepared as for that --spp")
         ->check(PositiveNumber)
         ->group(effort);
     CLI::Option *seedOption = app.add_option("--seed", seed, "seed of the pixel sampler (0)")->group(effort);
@@ -288,8 +321,9 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
                                    ->group(messages);
 
     std::vector<std::string> arguments = CanonicalFlags(app, argc, argv);
-    std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
     try {
+        CheckFlags(app, arguments, StockFlags());
+        std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
         app.parse(arguments);
         if (o.build.mseReferenceImage.empty() != o.build.mseReferenceOut.empty())
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");

@@ -1,5 +1,7 @@
 #include "pbrt/cmd/pbrt/error_estimate.h"
 
+#include <cmath>
+
 #include "pbrt/images/metrics.h"
 
 namespace pbrt {
@@ -14,6 +16,14 @@ void ErrorEstimate::Add(std::shared_ptr<const LivePicture> picture) {
         relL2_ = ImageError(base_->colors, picture->colors, Metric::RelL2) * n1 / (n2 - n1);
     }
     last_ = std::move(picture);
+}
+
+std::string ErrorEstimate::WhyNone(bool isFinal) const {
+    if (!last_) return isFinal ? "no picture was made" : "no samples yet";
+    if (!base_)
+        return isFinal ? "an estimate needs two pictures; the render had only one"
+                       : "an estimate needs two pictures; this is the first";
+    return std::isfinite(*relL2_) ? "" : "some pixels are not finite";
 }
 
 }  // namespace pbrt

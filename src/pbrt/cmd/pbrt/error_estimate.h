@@ -1,6 +1,7 @@
 #pragma once
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "pbrt/cmd/pbrt/live_board.h"
 
@@ -19,6 +20,8 @@ class ErrorEstimate {
     void Add(std::shared_ptr<const LivePicture> picture);
     /// relL2 of the last picture; empty while there is nothing to compare with.
     std::optional<double> RelL2() const { return relL2_; }
+    /// Why there is no estimate, for people; empty if there is one. `isFinal`: no picture follows.
+    std::string WhyNone(bool isFinal) const;
 
   private:
     std::shared_ptr<const LivePicture> base_, last_;

@@ -47,7 +47,8 @@ std::string Shared::StatusText() {
                  {"isFinal", picture && picture->IsFinal()},
                  {"isInterrupted", picture && picture->state == LivePicture::State::Interrupted},
                  {"samples", picture ? picture->samples : 0},
-                 {"relL2", error.RelL2() ? Json(*error.RelL2()) : Json()}};
+                 {"relL2", error.RelL2() ? Json(*error.RelL2()) : Json()},
+                 {"whyNoError", error.WhyNone(picture && picture->IsFinal())}};
     if (const std::optional<LiveRender> render = board->Render()) {
         json["scene"] = render->scene;
         json["file"] = render->filename;

@@ -11,11 +11,14 @@
 #include "pbrt/cmd/pbrt/image_output.h"
 #include "pbrt/cmd/pbrt/learned_lights.h"
 #include "pbrt/cmd/pbrt/run_report.h"
+#include "pbrt/core/count_text.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory_limit.h"
+#include "pbrt/core/parallel.h"
 #include "pbrt/images/picture_name.h"
+#include "pbrt/integrators/sample_plan.h"
 #include "pbrt/scenefile/parser.h"
 
 namespace pbrt {
@@ -73,8 +76,8 @@ class PictureWriter {
             SayWriting(output_.Filename());
             output_.WriteUnfinished(built_.film->ToImage(), Describe(result));
         } catch (const UserError &e) {
-            LogWarning(fmt::format("the image after {} samples per pixel was not written; rendering goes on. {}",
-                                   result.samplesTaken, e.Diagnostics()[0].message));
+            LogWarning(fmt::format("the image after {} per pixel was not written; rendering goes on. {}",
+                                   CountText(result.samplesTaken, "sample"), e.Diagnostics()[0].message));
         }
         SayRendering();
     }
@@ -168,6 +171,36 @@ void ShareCheckpoint(Ranks &ranks, BuildOptions *build, std::optional<StateReade
     if (in.Value<bool>()) *learned = StateReader(in.Take(in.BytesLeft()), "the checkpoint");
 }
 
+/// Sets the number of samples per pixel to what --time allows by a measurement of the first process, so that everything
+/// that depends on it (prepass, guide, pixel sampler) is as with the fitting --spp. `start`: of the budget.
+void PlanSamples(double budget, std::chrono::steady_clock::time_point start, Ranks *ranks, BuiltScene &built) {
+    int samples = 0;
+    if (!ranks || ranks->IsFirst()) {
+        const auto left = [&] {
+            return budget - std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        };
+        const std::unique_ptr<Integrator> plain = MakePlainIntegrator(built);
+        Progress silent;
+        PrepareContext context = built.Preparation(silent);
+        plain->Prepare(context);
+        const std::unique_ptr<Film> scratch = built.film->MakeRgbFilm();
+        double perSample = MeasureSecondsPerSample(*plain, *built.camera, *built.filter, *scratch, *built.sampler,
+                                                   built.Settings(), left());
+        if (ranks) perSample *= static_cast<double>(ThreadCount()) / ranks->TotalThreads();
+        samples = FittingSamples(left(), perSample);
+    }
+    if (ranks) {
+        ranks->Meet();
+        StateWriter out;
+        out.Value(samples);
+        const std::string sent = ranks->Broadcast(out);
+        samples = StateReader(sent, "message").Value<int>();
+    }
+    built.SetSamples(samples);
+    LogInfo(fmt::format("--time {}: prepared for {} per pixel, as by --spp {}.", budget, CountText(samples, "sample"),
+                        samples));
+}
+
 /// Brings all counters to the first process, and how many bytes were sent.
 void ReduceCounters(Ranks &ranks, uint64_t *sent) {
     *sent = ranks.BytesSent();
@@ -253,14 +286,17 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     timings.build = progress.EndPhase();
 
     if (options.build.quick)
-        LogInfo(fmt::format("--quick: {} x {} pixels, {} samples per pixel.", built.film->FullResolution().x,
-                            built.film->FullResolution().y, built.samplesPerPixel));
+        LogInfo(fmt::format(
+            "--quick: {} x {} pixels, {} per pixel.", built.film->FullResolution().x, built.film->FullResolution().y,
+            options.timeBudget > 0 ? "as many samples as --time allows" : CountText(built.samplesPerPixel, "sample")));
 
+    progress.BeginPhase("preparing lights", 0);
+    // A render that goes on has its number of samples from the checkpoint. Only light samplers and guides learn.
+    if (options.timeBudget > 0 && !learned && built.integrator->Lights())
+        PlanSamples(options.timeBudget, start, ranks, built);
     RenderSettings settings = built.Settings();
     settings.timeBudget = options.timeBudget;
     settings.start = start;
-
-    progress.BeginPhase("preparing lights", 0);
     PrepareLights(learned, learnedLights, built, ranks, progress);
     timings.prepare = progress.EndPhase();
     if (checkpoint) checkpoint->Begin(built, &settings);
@@ -312,8 +348,8 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
     timings.write = progress.EndPhase();
     if (checkpoint && settings.checkpoint && checkpoint->Failure().empty()) SayKept(*checkpoint, result);
     if (isWritten)
-        LogInfo(fmt::format("Wrote {} ({} samples per pixel, {:.2f} s; {:.2f} s since the start).", writer.Written(),
-                            result.samplesTaken, result.seconds, timings.Total()));
+        LogInfo(fmt::format("Wrote {} ({} per pixel, {:.2f} s; {:.2f} s since the start).", writer.Written(),
+                            CountText(result.samplesTaken, "sample"), result.seconds, timings.Total()));
     if (options.stats == "text") PrintStatistics(built, result, timings);
     if (options.stats == "text" && ranks)
         std::printf("  %-34s %d, %d; %.3f MB sent\n", "processes, threads", ranks->Size(), ranks->TotalThreads(),

@@ -57,6 +57,7 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
     ImageMetadata m = built.film->Metadata();
     m.attributes["renderTimeSeconds"] = static_cast<float>(result.seconds);
     m.attributes["samplesPerPixel"] = result.samplesTaken;
+    if (options.timeBudget > 0) m.attributes["pbrt.plannedSamplesPerPixel"] = built.samplesPerPixel;
     m.attributes["worldToCamera"] = built.cameraFromWorld.Matrix();
     if (std::optional<Transform> ndc = built.camera->NdcFromCamera())
         m.attributes["worldToNDC"] = (*ndc * built.cameraFromWorld).Matrix();
@@ -159,6 +160,7 @@ void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, co
         {"seed", built.seed},
         {"threads", ThreadCount()},
         {"samplesPerPixel", result.samplesTaken},
+        {"plannedSamplesPerPixel", options.timeBudget > 0 ? Json(built.samplesPerPixel) : Json()},
         {"isInterrupted", result.cancelled},
         {"mse", result.mse ? Json(*result.mse) : Json()},
         {"seconds",
@@ -185,7 +187,8 @@ void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, co
           {"samplesDropped", built.film->RejectedSamples()}}},
         {"lightSampler", report(built.lightSamplerName, built.integrator->Lights())},
         {"shadowGate", report(built.shadowGateName, built.integrator->Gate())},
-        {"shootingSampler", report(built.shootingSamplerName, built.integrator->ShootingLights())}};
+        {"shootingSampler", report(built.shootingSamplerName, built.integrator->ShootingLights())},
+        {"guide", report("guide", built.integrator->Guide())}};
     std::printf("%s\n", json.dump(1, ' ', false, Json::error_handler_t::replace).c_str());
 }
 

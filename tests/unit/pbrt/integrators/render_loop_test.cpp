@@ -13,6 +13,7 @@
 
 #include "pbrt/core/parallel.h"
 #include "pbrt/integrators/pass_parts.h"
+#include "pbrt/integrators/sample_plan.h"
 #include "pbrt/lightsamplers/light_learner.h"
 #include "pbrt/math/transform.h"
 #include "support/ranks_on_threads.h"
@@ -145,6 +146,62 @@ class RenderLoop : public ::testing::Test {
     int batches_ = 0;  ///< batches that were begun after the first one
     const SeedTeller sampler_{5, &batches_};
 };
+
+TEST(SamplePlan, IsRoundedToFourStepsAnOctave) {
+    EXPECT_EQ(FittingSamples(4, 4.0 / 64), 64);
+    EXPECT_EQ(FittingSamples(4, 4.0 / 68), 64);
+    EXPECT_EQ(FittingSamples(4, 4.0 / 75), 76);
+    EXPECT_EQ(FittingSamples(4, 10), 1);
+    EXPECT_EQ(FittingSamples(-1, 10), 1);
+    EXPECT_EQ(FittingSamples(4, 0), FittingSamples(1e9, 1e-9));  // the largest
+}
+
+TEST_F(RenderLoop, SecondsPerSampleAreMeasuredOnAScratchFilm) {
+    integrator_.secondsPerSample = 0.02;
+    settings_.timeBudget = 5;
+    const double measured = MeasureSecondsPerSample(integrator_, *camera_, *filter_, *film_, sampler_, settings_, 5);
+    EXPECT_GE(measured, 0.02);
+    EXPECT_LT(measured, 0.1);
+    // 1 + 1 (the end of a batch of 5 limits the later ones) ... until 0.1 s are over.
+    int samples = 0;
+    for (int count : integrator_.Counts()) samples += count;
+    EXPECT_GE(samples, 2);
+    EXPECT_LE(samples, 12);
+}
+
+/// Takes a millisecond for every pixel of a film, until it is cancelled.
+class Sleeper final : public Integrator {
+  public:
+    bool Render(const RenderPass &pass) override {
+        for (int i = 0; i < kPixels; ++i) {
+            if (pass.progress.Cancelled()) return false;
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            pass.progress.Advance(pass.film.PixelBounds().Area() / kPixels);
+        }
+        return true;
+    }
+    static constexpr int kPixels = 1024;
+};
+
+TEST_F(RenderLoop, TheMeasurementStopsInTheMiddleOfALongSample) {
+    DiagnosticSink sink;
+    ParamSet params("Film", {});
+    for (const char *name : {"xresolution", "yresolution"}) {
+        Param p;
+        p.type = ParamType::Integer;
+        p.name = name;
+        p.ints = {32};
+        params.Add(p);
+    }
+    const std::unique_ptr<Film> film = MakeFilm("rgb", params, FilmContext{.outputSpace = ColorSpace::SRGB()}, sink);
+    Sleeper sleeper;
+    const auto start = std::chrono::steady_clock::now();
+    const double measured = MeasureSecondsPerSample(sleeper, *camera_, *filter_, *film, sampler_, settings_, 1);
+    const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    EXPECT_LT(spent, 0.5);
+    EXPECT_GT(measured, 1);
+    EXPECT_LT(measured, 5);
+}
 
 TEST_F(RenderLoop, WavesDoubleUpToTheLargest) {
     settings_.samplesPerPixel = 300;

@@ -23,6 +23,8 @@ TEST_F(Imgtool, HelpListsCommandsAndExplainsEach) {
         EXPECT_TRUE(Has(o.out, "Example: imgtool ")) << o.out;
     }
     for (const std::string &command : commands) EXPECT_TRUE(Has(outcomes[0].out, command)) << command;
+    for (size_t i = 0; i < commands.size(); ++i)
+        EXPECT_TRUE(Has(outcomes[i + 3].out, "Usage: imgtool " + commands[i] + " ")) << outcomes[i + 3].out;
 }
 
 TEST_F(Imgtool, OptionsAreThoseOfTheDocument) {
@@ -58,7 +60,11 @@ TEST_F(Imgtool, UsageErrorsListTheChoices) {
         {{"", "Commands: info convert diff error falsecolor average assemble merge splitn bloom whitebalance "},
          {"frobnicate", "frobnicate"},
          {"help frobnicate", "falsecolor"},
-         {"convert a.exr --outfile b.exr --sharpen", "--sharpen"},
+         {"convert a.exr --outfile b.exr --sharpen", "unknown flag --sharpen\n"},
+         {"convert --exposre 2 --outfile v.png v.exr", "Error: unknown flag --exposre; did you mean --exposure?\n"},
+         {"diff a.exr -metrc MSE", "unknown flag --metrc; did you mean --metric?"},
+         {"diff a.exr --reference b.exr --crop 1,2 c.exr", "--crop takes 4 numbers, x0,x1,y0,y1: \"c.exr\" is not a"},
+         {"--versoin", "unknown flag --versoin; did you mean --version?"},
          {"convert a.exr --outfile b.exr --sharpen", "--tonemap"},
          {"convert a.exr", "--outfile"},
          {"convert a.exr --outfile b.exr --scale x", "scale"},

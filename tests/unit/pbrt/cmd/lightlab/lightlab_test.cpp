@@ -255,6 +255,11 @@ TEST_F(Lightlab, HelpNamesEveryFlag) {
         EXPECT_TRUE(Has(o.out, name)) << name;
     EXPECT_EQ(Run("inspect --help").status, 0);
     EXPECT_TRUE(Run("--version").out.starts_with("pbrt_octree "));
+    ExpectErrors({{"scene.pbrt --sppp 3", {"unknown flag --sppp; did you mean --spp?"}},
+                  {"scene.pbrt --refrence-spp 3", {"did you mean --reference-spp?"}},
+                  {"scene.pbrt --lightsampler octree", {"--samplers lists"}},
+                  {"inspect scene.pbrt --divisr 2", {"did you mean --divisor?"}},
+                  {"noise scene.pbrt --sed 2", {"unknown flag --sed; did you mean --se"}}});
 }
 
 TEST_F(Lightlab, MissingScriptsCostTheReportOnly) {

@@ -123,9 +123,10 @@ TEST_F(Checkpoints, TimedRendersGoOnAndHaveTheBitsOfTheirNumberOfSamples) {
     const int second = IntOf(longer, "samplesPerPixel");
     EXPECT_GT(second, first);
     EXPECT_GT(second, 8);
-    RunWell(lights_ + "scene.pbrt --checkpoint s.chk --outfile s.exr");
-    EXPECT_TRUE(
-        SamePixels(longer, Render(lights_ + "scene.pbrt --checkpoint s.chk --resume --spp " + std::to_string(second))));
+    const int planned = IntOf(ReadImage(Path("t.exr")), "pbrt.plannedSamplesPerPixel");
+    EXPECT_EQ(IntOf(longer, "pbrt.plannedSamplesPerPixel"), planned);
+    EXPECT_GT(planned, 8);
+    EXPECT_TRUE(SamePixels(longer, RenderWithoutClock(lights_ + "scene.pbrt", longer)));
 }
 
 TEST_F(Checkpoints, InterruptedRendersKeepEverySample) {
@@ -268,6 +269,10 @@ TEST_F(Parts, PartsOfOtherRendersAndUnfinishedOnesAreRefused) {
     kill(pid, SIGKILL);
     Wait(pid);
     ExpectRefused("refused.exr e", "e: is unfinished: of the samples 0:4096 it has 0:");
+    ExpectRefused("refused.exr e", "--resume completes it, and --incomplete makes the picture");
+    ExpectRefused("refused.exr a", "The samples 2:4 are in no file, and --incomplete makes the picture");
+    RunWell("scene.pbrt --spp 1 --samples 0:1 --checkpoint one");
+    EXPECT_EQ(Merge("one.exr one").out, "one.exr: 1 sample per pixel from 1 file\n");
     ExpectErrors({{"scene.pbrt --samples 0:5 --checkpoint f", {"only 4 samples"}},
                   {"scene.pbrt --samples 2:2 --checkpoint f", {"2:2", "0:16"}},
                   {"scene.pbrt --samples 2 --checkpoint f", {"\"2\"", "0:16"}},

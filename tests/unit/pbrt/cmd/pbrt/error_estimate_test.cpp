@@ -68,5 +68,16 @@ TEST(ErrorEstimate, NeedsTwoPicturesAndFollowsTheirOrder) {
     EXPECT_LT(*estimate.RelL2(), at16 / 2);
 }
 
+TEST(ErrorEstimates, SayWhyThereIsNone) {
+    GrowingPicture picture(3);
+    ErrorEstimate estimate;
+    EXPECT_EQ(estimate.WhyNone(false), "no samples yet");
+    estimate.Add(picture.After(1));
+    EXPECT_EQ(estimate.WhyNone(false), "an estimate needs two pictures; this is the first");
+    EXPECT_EQ(estimate.WhyNone(true), "an estimate needs two pictures; the render had only one");
+    estimate.Add(picture.After(2));
+    EXPECT_EQ(estimate.WhyNone(false), "");
+}
+
 }  // namespace
 }  // namespace pbrt

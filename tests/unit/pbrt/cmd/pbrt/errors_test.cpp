@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -204,6 +205,52 @@ TEST_F(Errors, WhatPhotonMapsAndChainsCannotDo) {
 TEST_F(Errors, UnknownLightSamplerOfAScene) {
     Write("scene.pbrt", SmallScene(R"("string lightsampler" "bhv")"));
     ExpectErrors({{"scene.pbrt", {"Error: scene.pbrt:5:", "\"bhv\"", "valid: bvh", "power", "uniform", "^"}}});
+}
+
+TEST_F(Errors, LightSamplersAreWrittenWithAColon) {
+    PBRT_SKIP_WITHOUT_EXT();
+    Write("scene.pbrt", SmallScene());
+    Write("name.pbrt", SmallScene(R"("string lightsampler" "octree:floor=0.1")"));
+    std::vector<ErrorCase> cases = {
+        {"--lightsampler 'octree:floor=0.1;leaves=3' scene.pbrt", {"\"0.1;leaves=3\"", "commas separate parameters"}},
+        {"--lightsampler 'octre,floor=0.1' scene.pbrt", {"\"octre\" is unknown; did you mean \"octree\"?"}},
+        {"--shadow-gate neepp,floor=0.1 scene.pbrt", {"--shadow-gate:1:5", "\"neepp:floor=0.1\""}},
+        {"name.pbrt", {"Error: name.pbrt:5:", "is the form of flags", "\"float octree.floor\"", "^"}}};
+    for (const char *separator : {",", ";", "=", " ", "/"})
+        cases.push_back({std::string("--lightsampler 'octree") + separator + "floor=0.1' scene.pbrt",
+                         {"--lightsampler:1:6", "a colon separates", "\"octree:floor=0.1\"", "^"}});
+    ExpectErrors(cases);
+}
+
+TEST_F(Errors, NamesOfVersion3HaveAHint) {
+    const std::string options = "Film \"rgb\" \"string filename\" \"out.exr\"\n", world = "WorldBegin\n";
+    const std::map<std::string, std::string> cases = {
+        {options + world + "Shape \"sphere\"\nWorldEnd\n", "WorldEnd; it is of pbrt-v3: delete it"},
+        {options + world + "Material \"matte\" Shape \"sphere\"\n", "use \"diffuse\" with \"reflectance\""},
+        {options + world + "Material \"uber\" Shape \"sphere\"\n", "use \"coateddiffuse\""},
+        {options + world + "Material \"glass\" Shape \"sphere\"\n", "use \"dielectric\""},
+        {options + world + "Material \"diffuse\" \"rgb Kd\" [ 1 1 1 ] Shape \"sphere\"\n", "use \"reflectance\""},
+        {options + world + "MakeNamedMaterial \"m\" \"string type\" \"mirror\"\n", "use \"conductor\""},
+        {options + world + "Shape \"cone\"\n", "use \"trianglemesh\" or \"plymesh\""},
+        {options + world + "LightSource \"infinite\" \"string mapname\" \"a.exr\"\n", "use \"filename\""},
+        {options + world + "LightSource \"point\" \"color I\" [ 1 1 1 ]\n", "write \"rgb\""},
+        {options + world + "LightSource \"point\" \"point from\" [ 1 1 1 ]\n", "write \"point3\""},
+        {options + world + "Texture \"t\" \"color\" \"constant\"\n", "write \"spectrum\""},
+        {"Film \"image\"\n" + world, "use \"rgb\""},
+        {options + "Sampler \"lowdiscrepancy\"\n" + world, "use \"zsobol\""},
+        {options + "Sampler \"02sequence\"\n" + world, "use \"paddedsobol\""},
+        {options + "SurfaceIntegrator \"path\"\n" + world, "use \"Integrator\""},
+        {options + "Integrator \"directlighting\"\n" + world, "\"path\" with \"integer maxdepth\" 1"},
+        {options + "Camera \"environment\"\n" + world, "use \"spherical\""}};
+    std::vector<ErrorCase> runs;
+    for (const auto &[text, hint] : cases) {
+        const std::string name = "v3-" + std::to_string(runs.size()) + ".pbrt";
+        Write(name, text);
+        runs.push_back({name, {"Error: " + name + ":", "it is of pbrt-v3: ", hint, "--upgrade", "^"}});
+    }
+    ExpectErrors(runs);
+    Write("no.pbrt", options + world + "Material \"mate\"\n");
+    EXPECT_FALSE(Has(Run("no.pbrt").err, "v3"));
 }
 
 TEST_F(Errors, MissingSceneFileIsNamed) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
@@ -29,7 +30,17 @@ TEST_F(Flags, SpellingOfNamesIsFree) {
 }
 
 TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
-    ExpectErrors({{"--spq 3 scene.pbrt", {"--spq", "--help"}},
+    ExpectErrors({{"--spq 3 scene.pbrt", {"unknown flag --spq; did you mean --spp?", "--help"}},
+                  {"--sppp 4 scene.pbrt", {"unknown flag --sppp; did you mean --spp?"}},
+                  {"-sppp=4 scene.pbrt", {"unknown flag -sppp; did you mean --spp?"}},
+                  {"scene.pbrt --Light_Samplr bvh", {"did you mean --lightsampler?"}},
+                  {"--frobnicate scene.pbrt", {"unknown flag --frobnicate\n"}},
+                  {"--cropwindow 0.2 0.4 scene.pbrt",
+                   {"--cropwindow takes 4 numbers, x0,x1,y0,y1: \"scene.pbrt\" is not a number"}},
+                  {"scene.pbrt --cropwindow=0.2,0.4", {"takes 4 numbers, x0,x1,y0,y1, but has 2: 0.2 0.4"}},
+                  {"--pixelbounds 1,2,3 scene.pbrt", {"--pixelbounds takes 4 numbers, x0,x1,y0,y1: \"scene.pbrt\""}},
+                  {"--pixel 3 scene.pbrt", {"--pixel takes 2 numbers, x,y: \"scene.pbrt\""}},
+                  {"scene.pbrt --pixel", {"--pixel takes 2 numbers, x,y, but has 0"}},
                   {"--spp 0 scene.pbrt", {"--spp", "--help"}},
                   {"--spp many scene.pbrt", {"--spp", "many"}},
                   {"--nthreads -1 scene.pbrt", {"--nthreads"}},
@@ -39,6 +50,51 @@ TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
                   {"--mse-reference-out mse.txt scene.pbrt", {"--mse-reference-image"}},
                   {"--integrator pahtt scene.pbrt", {"\"pahtt\"", "simplepath"}},
                   {"--cropwindow 0.5,0.5,0,1 scene.pbrt", {"command line: No pixel is left"}}});
+}
+
+TEST_F(Flags, FlagsOfStockHaveAHint) {
+    std::vector<ErrorCase> cases;
+    for (const auto &[flag, hint] : std::map<std::string, std::string>{{"--gpu", "CPU only"},
+                                                                       {"--gpu-device 0", "CPU only"},
+                                                                       {"--wavefront", "CPU only"},
+                                                                       {"--interactive", "--serve"},
+                                                                       {"--fullscreen", "--serve"},
+                                                                       {"--log-level verbose", "--quiet"},
+                                                                       {"--LogLevel=error", "--quiet"},
+                                                                       {"--log-file log.txt", "--stats"},
+                                                                       {"--log-utilization", "--stats"},
+                                                                       {"--upgrade", "converts scene files"},
+                                                                       {"--format", "converts scene files"},
+                                                                       {"--toply", "converts scene files"},
+                                                                       {"--pixelstats", "leave the flag out"},
+                                                                       {"--debugstart 3", "leave the flag out"},
+                                                                       {"--pixelmaterial 1,2", "leave the flag out"}})
+        cases.push_back({flag + " scene.pbrt", {flag.substr(0, flag.find_first_of(" =")) + ": ", hint}});
+    ExpectErrors(cases);
+}
+
+TEST_F(Flags, OneSampleIsSingular) {
+    const std::string messages = RunWell("--quick --outfile out.exr scene.pbrt");
+    EXPECT_TRUE(Has(messages, "--quick: 8 x 6 pixels, 1 sample per pixel.")) << messages;
+    EXPECT_TRUE(Has(messages, "Wrote out.exr (1 sample per pixel,")) << messages;
+    EXPECT_TRUE(Has(RunWell("--spp 2 --outfile out.exr scene.pbrt"), "Wrote out.exr (2 samples per pixel,"));
+}
+
+TEST_F(Flags, FloatsArePrintedAsGiven) {
+    PBRT_SKIP_WITHOUT_EXT();
+    for (const char *sampler : {"octree", "octree:model=paper", "oracle", "neepp", "spatial", "bvh+gate=neepp"}) {
+        const std::string arguments = std::string("--spp 1 --stats=json --outfile out.exr --lightsampler ") + sampler;
+        const Outcome o = Run(arguments + " scene.pbrt");
+        ASSERT_EQ(o.status, 0) << o.err;
+        const nlohmann::json stats = nlohmann::json::parse(o.out);
+        const bool isGate = Has(sampler, "gate");
+        const std::string parameters = stats.at(isGate ? "shadowGate" : "lightSampler").at("report").at("parameters");
+        const ImageFile file = ReadImage(Path("out.exr"));
+        EXPECT_EQ(TextOf(file, isGate ? "shadowGate.parameters" : "lightSampler.parameters"), parameters);
+        EXPECT_FALSE(std::regex_search(parameters, std::regex("[0-9]{8}"))) << parameters;
+    }
+    RunWell("--spp 1 --lightsampler octree:floor=0.01 --outfile out.exr scene.pbrt");
+    EXPECT_TRUE(Has(TextOf(ReadImage(Path("out.exr")), "lightSampler.parameters"), "\"floor\":0.01,"));
 }
 
 TEST_F(Flags, HelpNamesEveryFlagAndRendersNothing) {
@@ -141,7 +197,9 @@ TEST_F(Flags, VersionIsOneLine) {
     const Outcome o = Run("--version");
     EXPECT_EQ(o.status, 0);
     EXPECT_EQ(o.err, "");
-    EXPECT_TRUE(o.out.starts_with("pbrt_octree ")) << o.out;
+    EXPECT_TRUE(std::regex_match(o.out, std::regex(R"(pbrt_octree \d+\.\d+\.\d+ \(commit (\w+)(, modified)?\)\n)")))
+        << o.out;
+    EXPECT_EQ(TextOf(Render("--spp 1 scene.pbrt"), "pbrt.version") + "\n", o.out);
     EXPECT_EQ(std::count(o.out.begin(), o.out.end(), '\n'), 1);
 }
 

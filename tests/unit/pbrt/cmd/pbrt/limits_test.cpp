@@ -113,7 +113,10 @@ TEST_F(Limits, MemoryIsEstimatedBeforeBuildingAndLimited) {
                    {"big.pbrt:", "Shape \"plymesh\"", "the scene needs at least 1", " GB: meshes 1",
                     "(200 million triangles), film 0.0 MB; this process can use 2.0 GB"}},
                   {"--memory-limit 0 big.pbrt", {"--memory-limit"}},
-                  {"--memory-limit 1 --outfile out.exr scene.pbrt", {"enough memory"}}});
+                  {"--memory-limit 1 --outfile out.exr scene.pbrt", {"enough memory"}},
+                  {"--memory-limit 20 --outfile out.exr scene.pbrt",
+                   {"Error: there is not enough memory for building: this process can use 20 MB; a larger "
+                    "--memory-limit allows more."}}});
     EXPECT_EQ(Run("--memory-limit 2000 --outfile out.exr scene.pbrt").status, 0);
 }
 

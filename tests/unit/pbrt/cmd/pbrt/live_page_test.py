@@ -151,6 +151,13 @@ class LivePage(unittest.TestCase):
             truth = json.loads(said.stdout)["error"] / (1 + samples / most)
             self.assertLess(abs(seen[samples] / truth - 1), 0.2, f"{samples} samples: {seen[samples]}, in truth {truth}")
 
+    def test_a_missing_error_has_a_reason(self):
+        process, address = self.start("--serve=0", "--spp", "1", size=(64, 48))
+        self.driver.get(address)
+        self.until(lambda: self.text("phase") == "done")
+        self.assertEqual(self.text("error"), "–")
+        self.assertIn("two pictures; the render had only one", self.text("why"))
+
     def test_exposure_can_be_changed(self):
         process, address = self.start("--serve=0", "--spp", "100000", size=(64, 48))
         self.driver.get(address)

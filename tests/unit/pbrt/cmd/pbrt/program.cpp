@@ -93,6 +93,22 @@ void Program::ExpectErrors(const std::vector<ErrorCase> &cases) const {
     EXPECT_EQ(Files(), before);
 }
 
+ImageFile Program::RenderWithoutClock(const std::string &arguments, const ImageFile &timed) const {
+    const int planned = IntOf(timed, "pbrt.plannedSamplesPerPixel"), taken = IntOf(timed, "samplesPerPixel");
+    const std::string whole =
+        arguments + " --spp " + std::to_string(planned) + " --outfile again.exr --checkpoint again";
+    if (taken < planned) {
+        RunWell(whole + " --samples 0:" + std::to_string(taken));
+        const std::string merge = "cd '" + Path("") + "' && '" PBRT_IMGTOOL "' merge --incomplete again.exr again";
+        EXPECT_EQ(std::system((merge + " > merge.out 2> merge.err").c_str()), 0) << Read("merge.err");
+    } else {
+        RunWell(whole);
+        RunWell(arguments + " --spp " + std::to_string(taken) + " --outfile again.exr --checkpoint again --resume");
+    }
+    std::filesystem::remove(Path("again"));
+    return ReadImage(Path("again.exr"));
+}
+
 ImageFile Program::Render(const std::string &arguments, const std::string &name) const {
     RunWell("--outfile " + name + " " + arguments);
     return ReadImage(Path(name));

@@ -38,6 +38,8 @@ class Program : public ::testing::Test {
     };
     /// Expects status 1, an error with all these parts, and no new file. The cases run at the same time.
     void ExpectErrors(const std::vector<ErrorCase> &cases) const;
+    /// The picture of a finished render with --time, rendered again without --time. `arguments`: of that render.
+    ImageFile RenderWithoutClock(const std::string &arguments, const ImageFile &timed) const;
     /// Renders to `name` and reads the picture.
     ImageFile Render(const std::string &arguments, const std::string &name = "out.exr") const;
 

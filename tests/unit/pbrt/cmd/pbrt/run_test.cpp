@@ -59,4 +59,34 @@ TEST_F(Budget, TimedRunsEndAndCountThePrepass) {
     EXPECT_LT(preparing + NumberOf(file, "renderTimeSeconds"), 5);
 }
 
+TEST_F(Budget, TimeIsPreparedForAsTheSamplesThatItAllows) {
+    PBRT_SKIP_WITHOUT_EXT();
+    Write("scene.pbrt", LearningScene("rgb", 4));
+    for (const char *quick : {"", "--quick "}) {
+        const std::string arguments = std::string(quick) + "--lightsampler octree scene.pbrt";
+        const ImageFile timed = Render("--time 1.5 " + arguments);
+        const int planned = IntOf(timed, "pbrt.plannedSamplesPerPixel"), taken = IntOf(timed, "samplesPerPixel");
+        // The machine may do other work meanwhile.
+        EXPECT_GT(planned, 16);
+        EXPECT_LT(planned, 8 * taken);
+        EXPECT_GT(planned, taken / 8);
+        const ImageFile same = Render("--spp " + std::to_string(planned) + " " + arguments);
+        EXPECT_EQ(IntOf(timed, "lightSampler.prepassVertices"), IntOf(same, "lightSampler.prepassVertices"));
+        const ImageFile few = Render("--spp 1 " + arguments);
+        EXPECT_GT(IntOf(timed, "lightSampler.prepassVertices"), IntOf(few, "lightSampler.prepassVertices"));
+        EXPECT_TRUE(SamePixels(timed, RenderWithoutClock(arguments, timed))) << planned << ' ' << taken;
+    }
+    // Without a light sampler there is nothing to plan.
+    EXPECT_EQ(IntOf(Render("--time 0.2 --integrator randomwalk scene.pbrt"), "pbrt.plannedSamplesPerPixel"), 4);
+}
+
+TEST_F(Budget, EveryIntegratorIsMeasured) {
+    Write("scene.pbrt", LearningScene("rgb", 1));
+    for (const char *integrator : {"path", "volpath", "bdpt", "sppm", "simplepath", "lightpath", "mlt"}) {
+        const ImageFile file = Render(std::string("--quick --time 0.5 --integrator ") + integrator + " scene.pbrt");
+        EXPECT_GT(IntOf(file, "samplesPerPixel"), 1) << integrator;
+    }
+    EXPECT_GT(IntOf(Render("--quick --guide --time 0.5 scene.pbrt"), "pbrt.plannedSamplesPerPixel"), 1);
+}
+
 }  // namespace pbrt::test

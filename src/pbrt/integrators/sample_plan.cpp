@@ -1,0 +1,58 @@
+#include "pbrt/integrators/sample_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pbrt/core/progress.h"
+
+namespace pbrt {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Cancels the work whose progress it is shown when a time is reached.
+class Deadline : public ProgressSink {
+  public:
+    explicit Deadline(double seconds) : end_(Clock::now() + std::chrono::duration<double>(seconds)) {}
+    void Show(const std::string &, double fraction, double, double) override {
+        fraction_ = fraction;
+        if (Clock::now() > end_) progress.Cancel();
+    }
+    void PhaseDone(const std::string &, double) override {}
+    /// Of the phase, when it was cancelled.
+    double Fraction() const { return fraction_; }
+
+    Progress progress{this};
+
+  private:
+    const std::chrono::time_point<Clock, std::chrono::duration<double>> end_;
+    double fraction_ = 0;
+};
+
+}  // namespace
+
+int FittingSamples(double seconds, double secondsPerSample) {
+    const double fitting = std::clamp(seconds / std::max(secondsPerSample, 1e-9), 1.0, 1e6);
+    return static_cast<int>(std::lround(std::exp2(std::round(4 * std::log2(fitting)) / 4)));
+}
+
+double MeasureSecondsPerSample(Integrator &integrator, const Camera &camera, const Filter &filter, Film &scratch,
+                               const Sampler &sampler, RenderSettings settings, double seconds) {
+    Deadline deadline(seconds / 20);
+    settings.timeBudget = 0;  // samples count as progress
+    WaveRenderer renderer(integrator, camera, filter, scratch, sampler, settings, deadline.progress);
+    const Clock::time_point start = Clock::now();
+    const auto since = [](Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); };
+    for (int size = 1;; size = std::min(2 * size, kMaxWave)) {
+        deadline.progress.BeginPhase("measuring", size * scratch.PixelBounds().Area());
+        const Clock::time_point waveStart = Clock::now();
+        const int taken = renderer.Render(size);
+        const double wave = since(waveStart);
+        deadline.progress.EndPhase();
+        if (taken == 0) return wave / (size * std::max(deadline.Fraction(), 1e-3));
+        if (since(start) > seconds / 50) return wave / taken;
+    }
+}
+
+}  // namespace pbrt

@@ -1,0 +1,15 @@
+#pragma once
+#include "pbrt/integrators/render_loop.h"
+
+namespace pbrt {
+
+/// Samples per pixel to prepare for (PrepareContext::samplesPerPixel) where a time budget ends the render: as many as
+/// take `seconds`, rounded to the nearest 2^(k/4), so that small differences of speed have no effect; at least 1.
+int FittingSamples(double seconds, double secondsPerSample);
+
+/// Seconds that a sample of every pixel takes with a prepared integrator that learns nothing. Renders to `scratch` for
+/// a fiftieth of `seconds`, or one sample; stops at a twentieth, and then extrapolates from the pixels that are done.
+double MeasureSecondsPerSample(Integrator &integrator, const Camera &camera, const Filter &filter, Film &scratch,
+                               const Sampler &sampler, RenderSettings settings, double seconds);
+
+}  // namespace pbrt

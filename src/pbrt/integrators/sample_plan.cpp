@@ -40,7 +40,8 @@ int FittingSamples(double seconds, double secondsPerSample) {
 double MeasureSecondsPerSample(Integrator &integrator, const Camera &camera, const Filter &filter, Film &scratch,
                                const Sampler &sampler, RenderSettings settings, double seconds) {
     Deadline deadline(seconds / 20);
-    settings.timeBudget = 0;  // samples count as progress
+    settings.timeBudget = 0;                                                  // samples count as progress
+    settings.samplesPerPixel = std::max(settings.samplesPerPixel, kMaxWave);  // no wave is cut by the end of a batch
     WaveRenderer renderer(integrator, camera, filter, scratch, sampler, settings, deadline.progress);
     const Clock::time_point start = Clock::now();
     const auto since = [](Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); };

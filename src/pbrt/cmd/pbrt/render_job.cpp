@@ -287,8 +287,8 @@ int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registr
 
     if (options.build.quick)
         LogInfo(fmt::format(
-            "--quick: {} x {} pixels, {} per pixel.", built.film->FullResolution().x, built.film->FullResolution().y,
-            options.timeBudget > 0 ? "as many samples as --time allows" : CountText(built.samplesPerPixel, "sample")));
+            "--quick: {} x {} pixels{}.", built.film->FullResolution().x, built.film->FullResolution().y,
+            options.timeBudget > 0 ? "" : fmt::format(", {} per pixel", CountText(built.samplesPerPixel, "sample"))));
 
     progress.BeginPhase("preparing lights", 0);
     // A render that goes on has its number of samples from the checkpoint. Only light samplers and guides learn.
